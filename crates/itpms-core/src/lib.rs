@@ -1,0 +1,19 @@
+//! Indirect tire pressure monitoring from the accelerations of a car's body and wheels.
+//!
+//! This crate is what a controller ships: no heap, no clock, no files, no `unsafe`, generic over `f32` and `f64`.
+//! Time comes with every sample, an estimator is a value, and bad input is flagged, never believed.
+//!
+//! | room | idea |
+//! |---|---|
+//! | [`quarter_car`] | parameters, dynamics, outputs, Jacobians (paper eq. 1-4) |
+//! | [`pressure`] | stiffness and pressure of a tire (paper eq. 5) |
+//! | [`sample`] | what comes in: one time, up to four corners |
+//! | [`estimate`] | what goes out: pressure, stiffness, their sd, validity, warning |
+#![no_std]
+#![forbid(unsafe_code)]
+
+pub mod estimate;
+pub mod pressure;
+pub mod quarter_car;
+pub mod real;
+pub mod sample;

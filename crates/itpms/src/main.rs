@@ -1,0 +1,2 @@
+//! The `itpms` command.
+fn main() {}
