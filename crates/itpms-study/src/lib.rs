@@ -1,1 +1,11 @@
-//! Under construction.
+//! What needs the truth, or looks at a drive from outside: how good an estimate can be, how rough the road was,
+//! and the page that shows both.
+//!
+//! | room | idea |
+//! |---|---|
+//! | [`spectrum`] | Welch's power spectral density; level, slope and ISO 8608 class of a road |
+//! | [`roughness`] | International Roughness Index of a profile |
+#![forbid(unsafe_code)]
+
+pub mod roughness;
+pub mod spectrum;
