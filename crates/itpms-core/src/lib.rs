@@ -9,10 +9,14 @@
 //! | [`pressure`] | stiffness and pressure of a tire (paper eq. 5) |
 //! | [`sample`] | what comes in: one time, up to four corners |
 //! | [`estimate`] | what goes out: pressure, stiffness, their sd, validity, warning |
+//! | [`filter`] | the paper's filters to the letter, which cannot find the stiffness, and mended |
 #![no_std]
 #![forbid(unsafe_code)]
 
 pub mod estimate;
+pub mod filter;
+pub mod informed;
+pub mod intake;
 pub mod pressure;
 pub mod quarter_car;
 pub mod real;

@@ -1,0 +1,218 @@
+//! What the frames should look like for every stiffness of the grid: tables of the transfer function and of the
+//! sensor noise per bin and cell (docs/math/informed.md, eq. 8-12), averaged over the window's own spectrum.
+//!
+//! Built a cell at a time, so that following slow changes of the car costs the same every frame.
+
+use nalgebra::{Complex, SMatrix, SVector};
+
+use super::frame::BINS;
+use super::reconstruct::LEAK_RAD_S;
+use crate::pressure::PressureMap;
+use crate::real::Real;
+
+/// Cells of the pressure grid.
+pub(super) const CELLS: usize = 36;
+/// Lowest cell and step as shares of the placard pressure: 30 kPa and 8 kPa at 241.3 kPa.
+const LOWEST: f64 = 30.0 / 241.3;
+pub(super) const STEP: f64 = 8.0 / 241.3;
+/// Frequencies on each side of a bin over which the window's spectrum is averaged, one Hz or so apart.
+const KERNEL_HALF: i32 = 10;
+
+/// The pressure grid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Grid<T> {
+    lowest_kpa: T,
+    step_kpa: T,
+}
+
+impl<T: Real> Grid<T> {
+    pub(super) fn new(placard_kpa: T) -> Self {
+        Self { lowest_kpa: placard_kpa * T::lit(LOWEST), step_kpa: placard_kpa * T::lit(STEP) }
+    }
+
+    pub(super) fn step_kpa(&self) -> T {
+        self.step_kpa
+    }
+
+    pub(super) fn pressure_kpa(&self, cell: usize) -> T {
+        self.lowest_kpa + self.step_kpa * T::lit(cell as f64)
+    }
+}
+
+/// What a corner is believed to be now; the unsprung mass is known and does not change.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Body<T> {
+    pub(super) sprung_mass_kg: T,
+    pub(super) unsprung_mass_kg: T,
+    pub(super) damping_n_s_per_m: T,
+    pub(super) spring_n_per_m: T,
+}
+
+/// Tables over (cell, bin) and over bins alone.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Tables<T: Real> {
+    /// `⟨ln |H|²⟩`, `H` from road to wheel.
+    pub(super) log_gain: SMatrix<T, BINS, CELLS>,
+    /// Noise power of the reconstructed velocity for unit accelerometer noise density.
+    pub(super) noise: SMatrix<T, BINS, CELLS>,
+    /// The same, moved with the gain from the middle cell: for the log-determinant alone, so that pure noise says
+    /// nothing about the stiffness.
+    pub(super) determinant_noise: SMatrix<T, BINS, CELLS>,
+    /// `1/k_t` per cell in m/N.
+    pub(super) theta: SVector<T, CELLS>,
+    /// `ln |L|²` per bin.
+    pub(super) log_leak: SVector<T, BINS>,
+    /// `ln (f / 10 Hz)` per bin.
+    pub(super) log_frequency: SVector<T, BINS>,
+    /// Squared frequency in Hz² per bin.
+    pub(super) frequency_squared: SVector<T, BINS>,
+    bin_spacing_hz: T,
+    next_cell: usize,
+}
+
+impl<T: Real> Tables<T> {
+    pub(super) fn new(bin_spacing_hz: f64, grid: &Grid<T>, tire: &PressureMap<T>, body: &Body<T>) -> Self {
+        let frequency = |bin: usize| bin_spacing_hz * (bin as f64 + 1.0);
+        let leak_hz = LEAK_RAD_S / core::f64::consts::TAU;
+        let per_bin = |f: &dyn Fn(f64) -> T| SVector::from_fn(|bin, _| f(frequency(bin)));
+        let mut tables = Self {
+            log_gain: SMatrix::zeros(),
+            noise: SMatrix::zeros(),
+            determinant_noise: SMatrix::zeros(),
+            theta: SVector::from_fn(|cell, _| T::one() / tire.stiffness_n_per_m(grid.pressure_kpa(cell))),
+            log_leak: per_bin(&|f| T::lit(f * f / (f * f + leak_hz * leak_hz)).ln()),
+            log_frequency: per_bin(&|f| T::lit(f / 10.0).ln()),
+            frequency_squared: per_bin(&|f| T::lit(f * f)),
+            bin_spacing_hz: T::lit(bin_spacing_hz),
+            next_cell: 0,
+        };
+        // The middle cell first: the others' determinant noise hangs on it.
+        tables.fill_cell(CELLS / 2, body);
+        for cell in 0..CELLS {
+            tables.fill_cell(cell, body);
+        }
+        tables
+    }
+
+    /// Brings one more cell up to date with the body.
+    pub(super) fn refresh_next(&mut self, body: &Body<T>) {
+        self.fill_cell(self.next_cell, body);
+        self.next_cell = (self.next_cell + 1) % CELLS;
+    }
+
+    fn fill_cell(&mut self, cell: usize, body: &Body<T>) {
+        let theta = self.theta[cell];
+        for bin in 0..BINS {
+            let centre = self.bin_spacing_hz * T::lit(bin as f64 + 1.0);
+            let (mut log_gain, mut noise, mut total) = (T::zero(), T::zero(), T::zero());
+            for k in -KERNEL_HALF..=KERNEL_HALF {
+                let offset = T::lit(f64::from(k) / 5.0);
+                let frequency = (centre + self.bin_spacing_hz * offset).abs();
+                if !(frequency > T::lit(0.5)) {
+                    continue;
+                }
+                let weight = sine_window_power(offset);
+                let (gain, unit_noise) = response(body, theta, frequency);
+                log_gain += weight * gain.ln();
+                noise += weight * unit_noise;
+                total += weight;
+            }
+            self.log_gain[(bin, cell)] = log_gain / total;
+            self.noise[(bin, cell)] = noise / total;
+        }
+        let middle = CELLS / 2;
+        for bin in 0..BINS {
+            let moved = (self.log_gain[(bin, middle)] - self.log_gain[(bin, cell)]).exp();
+            self.determinant_noise[(bin, cell)] = self.noise[(bin, middle)] * moved;
+        }
+    }
+}
+
+/// Power of the sine window's spectrum `offset` bins from its centre, one at the centre.
+fn sine_window_power<T: Real>(offset: T) -> T {
+    let pole = T::one() - T::lit(4.0) * offset * offset;
+    let amplitude = if pole.abs() < T::lit(1e-3) { T::frac_pi_4() } else { (T::pi() * offset).cos() / pole };
+    amplitude * amplitude
+}
+
+/// `|H|²` from road to wheel, and the noise power of the leaky road velocity for unit noise density of both
+/// accelerometers, at one frequency in Hz.
+fn response<T: Real>(body: &Body<T>, theta: T, frequency_hz: T) -> (T, T) {
+    let omega = T::two_pi() * frequency_hz;
+    let (zero, one) = (T::zero(), Complex::new(T::one(), T::zero()));
+    let s = Complex::new(zero, omega);
+    let s2 = -omega * omega;
+    // Z = c_s s + k_s
+    let z = Complex::new(body.spring_n_per_m, body.damping_n_s_per_m * omega);
+    // B = x_b / x_w = Z / (m_b s² + Z)
+    let b = z / (z + Complex::new(body.sprung_mass_kg * s2, zero));
+    // D = m_w s² + Z (1 - B), H = k_t / (D + k_t)
+    let d = z * (one - b) + Complex::new(body.unsprung_mass_kg * s2, zero);
+    let h = one / (d * theta + one);
+    // L v_r = L [1/s + θ (m_w s + Z/s)] a_w - L θ Z/s a_b
+    let leak_rad_s = T::lit(LEAK_RAD_S);
+    let leak = omega * omega / (omega * omega + leak_rad_s * leak_rad_s);
+    let from_body = z / s * theta;
+    let from_wheel = one / s + s * (theta * body.unsprung_mass_kg) + from_body;
+    (h.norm_sqr(), leak * (from_wheel.norm_sqr() + from_body.norm_sqr()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn body() -> Body<f64> {
+        Body {
+            sprung_mass_kg: 240.8,
+            unsprung_mass_kg: 56.9,
+            damping_n_s_per_m: 925.8,
+            spring_n_per_m: 29_114.0,
+        }
+    }
+
+    #[test]
+    fn gain_agrees_with_the_equations_of_motion() {
+        // Solve eq. (1) for a harmonic road as a real 4x4 system: an independent way to the same number.
+        let (m_b, m_w, c, k, k_t) = (240.8, 56.9, 925.8, 29_114.0, 233_000.0);
+        for f in [1.0, 5.0, 10.3, 13.0, 40.0] {
+            let w = std_tau() * f;
+            let a = nalgebra::Matrix4::new(
+                k - m_b * w * w,
+                -c * w,
+                -k,
+                c * w,
+                c * w,
+                k - m_b * w * w,
+                -c * w,
+                -k,
+                -k,
+                c * w,
+                k + k_t - m_w * w * w,
+                -c * w,
+                -c * w,
+                -k,
+                c * w,
+                k + k_t - m_w * w * w,
+            );
+            let x = a.lu().solve(&nalgebra::Vector4::new(0.0, 0.0, k_t, 0.0)).unwrap();
+            let (gain, _) = response(&body(), 1.0 / k_t, f);
+            assert!((gain - (x[2] * x[2] + x[3] * x[3])).abs() < 1e-10 * gain);
+        }
+    }
+
+    #[test]
+    fn window_power_has_its_known_values() {
+        // Sine window of n samples: amplitude 1 at 0, π/4 half a bin off, -1/3 a whole bin off, zero at 1.5 bins.
+        assert!((sine_window_power(0.0f64) - 1.0).abs() < 1e-15);
+        assert!((sine_window_power(0.5f64) - (core::f64::consts::FRAC_PI_4).powi(2)).abs() < 1e-9);
+        assert!((sine_window_power(1.0f64) - 1.0 / 9.0).abs() < 1e-12);
+        assert!(sine_window_power(1.5f64) < 1e-30);
+    }
+
+    fn std_tau() -> f64 {
+        core::f64::consts::TAU
+    }
+}

@@ -1,0 +1,264 @@
+//! From the samples of a real sensor to a uniform grid: checks every value, counts what it refuses, bridges short
+//! holes, and interpolates jittered or slow samples onto equal steps.
+//!
+//! Stands before every estimator, so that none of them ever sees a missing or absurd value. Knows nothing of cars
+//! beyond the size an acceleration can have.
+
+use crate::real::Real;
+
+/// Points of the Lagrange interpolation. Eight keep the error below 8 % at 0.3 of the sampling rate and below
+/// 0.1 % at 0.15 of it, in the middle between samples.
+const POINTS: usize = 8;
+/// A wheel on a kerb reaches some 500 m/s²; ten times Earth's gravity squared is no car any more.
+const ABSURD_M_S2: f64 = 1000.0;
+/// Samples in a row that may be missing before the signal counts as interrupted.
+const LONGEST_BRIDGE: f64 = 3.5;
+/// Equal values in a row, at the largest magnitude seen, that count as saturation.
+const FLAT_TOP: u32 = 3;
+/// Seconds without a single change after which a sensor counts as stuck.
+const STUCK_S: f64 = 0.5;
+
+/// What was found in the raw samples so far.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct SampleCounts {
+    /// Samples used.
+    pub accepted: u64,
+    /// Samples with a missing or non-finite acceleration.
+    pub missing: u64,
+    /// Samples beyond 1000 m/s².
+    pub absurd: u64,
+    /// Samples whose time was not finite or not after the one before.
+    pub out_of_order: u64,
+    /// Interruptions too long to bridge.
+    pub gaps: u64,
+    /// Samples at a sensor's limit.
+    pub saturated: u64,
+    /// Samples of a sensor that has stopped moving.
+    pub stuck: u64,
+}
+
+/// One step of the uniform grid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GridSample<T> {
+    /// Time in s.
+    pub time_s: f64,
+    /// Vehicle speed in m/s, NaN when unknown.
+    pub speed_m_s: T,
+    /// Sprung mass acceleration in m/s², finite.
+    pub body_accel_m_s2: T,
+    /// Unsprung mass acceleration in m/s², finite.
+    pub wheel_accel_m_s2: T,
+    /// True if the signal was interrupted before this step.
+    pub after_gap: bool,
+    /// True if a sensor near this step was at its limit.
+    pub saturated: bool,
+}
+
+/// Watches one sensor for a value that does not move.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct FlatWatch<T> {
+    last: T,
+    equal: u32,
+    equal_since_s: f64,
+    largest: T,
+}
+
+impl<T: Real> FlatWatch<T> {
+    fn new() -> Self {
+        Self { last: T::zero(), equal: 0, equal_since_s: f64::NEG_INFINITY, largest: T::zero() }
+    }
+
+    /// Takes a finite value; says (saturated, stuck).
+    fn push(&mut self, time_s: f64, value: T) -> (bool, bool) {
+        if value == self.last && self.equal > 0 {
+            self.equal += 1;
+        } else {
+            self.last = value;
+            self.equal = 1;
+            self.equal_since_s = time_s;
+        }
+        let magnitude = value.abs();
+        let at_limit = magnitude >= self.largest && magnitude > T::zero();
+        self.largest = self.largest.max(magnitude);
+        (at_limit && self.equal >= FLAT_TOP, self.equal > 1 && time_s - self.equal_since_s > STUCK_S)
+    }
+}
+
+/// Checks and regrids the samples of one corner. See the [module](self).
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Intake<T> {
+    sample_period_s: f64,
+    grid_period_s: f64,
+    /// Times, body and wheel accelerations of the newest samples, oldest first; `filled` of them count.
+    time_s: [f64; POINTS],
+    body: [T; POINTS],
+    wheel: [T; POINTS],
+    saturated: [bool; POINTS],
+    filled: usize,
+    next_grid_s: f64,
+    after_gap: bool,
+    body_watch: FlatWatch<T>,
+    wheel_watch: FlatWatch<T>,
+    last_raw_s: f64,
+    last_accepted_s: f64,
+    stuck_now: bool,
+    counts: SampleCounts,
+}
+
+impl<T: Real> Intake<T> {
+    /// An intake for samples that come at about `sample_rate_hz`; its grid runs at the smallest multiple of that rate
+    /// which reaches `least_grid_rate_hz`.
+    #[must_use]
+    pub fn new(sample_rate_hz: f64, least_grid_rate_hz: f64) -> Self {
+        let mut multiple = 1.0;
+        while multiple * sample_rate_hz < least_grid_rate_hz && multiple < 64.0 {
+            multiple += 1.0;
+        }
+        Self {
+            sample_period_s: 1.0 / sample_rate_hz,
+            grid_period_s: 1.0 / (multiple * sample_rate_hz),
+            time_s: [0.0; POINTS],
+            body: [T::zero(); POINTS],
+            wheel: [T::zero(); POINTS],
+            saturated: [false; POINTS],
+            filled: 0,
+            next_grid_s: f64::NAN,
+            after_gap: true,
+            body_watch: FlatWatch::new(),
+            wheel_watch: FlatWatch::new(),
+            last_raw_s: f64::NEG_INFINITY,
+            last_accepted_s: f64::NEG_INFINITY,
+            stuck_now: false,
+            counts: SampleCounts::default(),
+        }
+    }
+
+    /// Step of the grid in s.
+    #[must_use]
+    pub fn grid_period_s(&self) -> f64 {
+        self.grid_period_s
+    }
+
+    /// What was found so far.
+    #[must_use]
+    pub fn counts(&self) -> SampleCounts {
+        self.counts
+    }
+
+    /// True while the signal cannot be used: nothing accepted for half a second, or a sensor is stuck.
+    #[must_use]
+    pub fn is_bad(&self) -> bool {
+        self.stuck_now || !(self.last_raw_s - self.last_accepted_s <= STUCK_S)
+    }
+
+    /// Takes one raw sample (NaN: missing) and hands every grid step it completes to `sink`. A step comes four samples
+    /// after its time, when both sides of the interpolation are there.
+    pub fn push(
+        &mut self,
+        time_s: f64,
+        speed_m_s: T,
+        body_accel_m_s2: T,
+        wheel_accel_m_s2: T,
+        mut sink: impl FnMut(GridSample<T>),
+    ) {
+        if !(time_s.is_finite() && time_s > self.last_raw_s) {
+            self.counts.out_of_order += 1;
+            return;
+        }
+        if self.last_raw_s == f64::NEG_INFINITY {
+            self.last_accepted_s = time_s;
+        }
+        self.last_raw_s = time_s;
+        if !(body_accel_m_s2.is_finite() && wheel_accel_m_s2.is_finite()) {
+            self.counts.missing += 1;
+            return;
+        }
+        if !(body_accel_m_s2.abs() < T::lit(ABSURD_M_S2) && wheel_accel_m_s2.abs() < T::lit(ABSURD_M_S2)) {
+            self.counts.absurd += 1;
+            return;
+        }
+        let (body_flat, body_stuck) = self.body_watch.push(time_s, body_accel_m_s2);
+        let (wheel_flat, wheel_stuck) = self.wheel_watch.push(time_s, wheel_accel_m_s2);
+        self.stuck_now = body_stuck || wheel_stuck;
+        self.counts.stuck += u64::from(self.stuck_now);
+        let saturated = body_flat || wheel_flat;
+        self.counts.saturated += u64::from(saturated);
+        self.counts.accepted += 1;
+
+        if self.filled > 0 && time_s - self.last_accepted_s > LONGEST_BRIDGE * self.sample_period_s {
+            self.counts.gaps += 1;
+            self.filled = 0;
+        }
+        self.last_accepted_s = time_s;
+        self.append(time_s, body_accel_m_s2, wheel_accel_m_s2, saturated);
+        self.emit(speed_m_s, &mut sink);
+    }
+
+    fn append(&mut self, time_s: f64, body: T, wheel: T, saturated: bool) {
+        if self.filled == 0 {
+            self.after_gap = true;
+            self.next_grid_s = f64::NAN;
+        }
+        if self.filled == POINTS {
+            self.time_s.rotate_left(1);
+            self.body.rotate_left(1);
+            self.wheel.rotate_left(1);
+            self.saturated.rotate_left(1);
+            self.filled -= 1;
+        }
+        self.time_s[self.filled] = time_s;
+        self.body[self.filled] = body;
+        self.wheel[self.filled] = wheel;
+        self.saturated[self.filled] = saturated;
+        self.filled += 1;
+    }
+
+    fn emit(&mut self, speed_m_s: T, sink: &mut impl FnMut(GridSample<T>)) {
+        if self.filled < POINTS {
+            return;
+        }
+        // Interpolate between the two middle points only, where the error is smallest.
+        let (from_s, to_s) = (self.time_s[POINTS / 2 - 1], self.time_s[POINTS / 2]);
+        if !(self.next_grid_s >= from_s - self.grid_period_s) {
+            self.next_grid_s = from_s;
+        }
+        while self.next_grid_s < to_s {
+            let weights = self.lagrange_weights(self.next_grid_s);
+            let (mut body, mut wheel, mut saturated) = (T::zero(), T::zero(), false);
+            for (i, &weight) in weights.iter().enumerate() {
+                body += weight * self.body[i];
+                wheel += weight * self.wheel[i];
+                saturated |= self.saturated[i];
+            }
+            sink(GridSample {
+                time_s: self.next_grid_s,
+                speed_m_s,
+                body_accel_m_s2: body,
+                wheel_accel_m_s2: wheel,
+                after_gap: self.after_gap,
+                saturated,
+            });
+            self.after_gap = false;
+            self.next_grid_s += self.grid_period_s;
+        }
+    }
+
+    /// Weights of the polynomial through all points, at `at_s`.
+    fn lagrange_weights(&self, at_s: f64) -> [T; POINTS] {
+        // Distances in sampling periods, so that f32 keeps its digits.
+        let scale = 1.0 / self.sample_period_s;
+        let distance: [T; POINTS] = core::array::from_fn(|i| T::lit((at_s - self.time_s[i]) * scale));
+        core::array::from_fn(|i| {
+            let mut weight = T::one();
+            for j in 0..POINTS {
+                if j != i {
+                    weight *= distance[j] / (distance[j] - distance[i]);
+                }
+            }
+            weight
+        })
+    }
+}
