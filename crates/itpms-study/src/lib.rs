@@ -3,9 +3,11 @@
 //!
 //! | room | idea |
 //! |---|---|
+//! | [`bound`] | Cramer-Rao bound on a pressure from one corner |
 //! | [`spectrum`] | Welch's power spectral density; level, slope and ISO 8608 class of a road |
 //! | [`roughness`] | International Roughness Index of a profile |
 #![forbid(unsafe_code)]
 
+pub mod bound;
 pub mod roughness;
 pub mod spectrum;
