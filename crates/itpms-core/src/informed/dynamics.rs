@@ -53,6 +53,9 @@ pub(super) const JUMP_VARIANCE: [f64; 2] = [4.0, 0.01];
 pub(super) const SLOPE_MEAN: f64 = 2.1;
 pub(super) const SLOPE_SD: f64 = 0.3;
 const SLOPE_RELAXATION_S: f64 = 500.0;
+/// Squared enveloping length in (0.1 m)²: sd at the start, and diffusion in 1/√s (a soft tire has a longer patch).
+pub(super) const ENVELOPE_SD: f64 = 1.0;
+const ENVELOPE_DIFFUSION: f64 = 0.005;
 
 /// Everything a prediction step needs, made once for a step length.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,6 +73,8 @@ pub(super) struct Dynamics<T: Real> {
     /// Share of the slope's deviation left after a step, and the variance that comes in.
     pub(super) slope_keep: T,
     pub(super) slope_variance: T,
+    /// Variance of the envelope parameter per step.
+    pub(super) envelope_variance: T,
 }
 
 impl<T: Real> Dynamics<T> {
@@ -92,6 +97,7 @@ impl<T: Real> Dynamics<T> {
             level_variance: LEVEL_DIFFUSION.map(|sd| T::lit(sd * sd * hop_s)),
             slope_keep: T::lit(keep),
             slope_variance: T::lit(SLOPE_SD * SLOPE_SD * (1.0 - keep * keep)),
+            envelope_variance: T::lit(ENVELOPE_DIFFUSION * ENVELOPE_DIFFUSION * hop_s),
         }
     }
 }

@@ -11,6 +11,7 @@
 //! | `frame` | short spectra of them |
 //! | `model` | what they should look like for every stiffness |
 //! | `dynamics` | how pressure and road may change |
+//! | `road_belief` | level, slope and enveloping of the road under one hypothesis |
 //! | `posterior` | the belief, moved on and weighed |
 
 mod dynamics;
@@ -18,13 +19,15 @@ mod frame;
 mod model;
 mod posterior;
 mod reconstruct;
+mod road_belief;
 
 use self::frame::{BINS, Frame, FrameClock};
 use self::model::{Body, Grid, Tables};
-use self::posterior::{Evidence, Posterior};
+use self::posterior::Posterior;
 use self::reconstruct::{
     RELATIVE_ACCELERATION, RELATIVE_VELOCITY, Reconstruction, WHEEL_JERK, WHEEL_VELOCITY,
 };
+use self::road_belief::Evidence;
 use crate::estimate::CornerConfig;
 use crate::intake::GridSample;
 use crate::real::Real;
@@ -32,7 +35,9 @@ use crate::real::Real;
 /// Share of a frame's log-likelihood that counts: frames under a sine window that overlap by half are counted twice.
 const OVERLAP: f64 = 0.5;
 /// Highest frequency used, as a share of the sampling rate.
-const BAND: f64 = 0.35;
+const BAND: f64 = 0.25;
+/// Frequency times enveloping length over speed up to which enveloping is a smooth loss.
+const ENVELOPE_REACH: f64 = 0.55;
 /// Speed in m/s below which nothing is learned.
 const STANDING_M_S: f64 = 2.5;
 /// Power over expected power above which a frame is an event (a pothole) and counts less.
@@ -74,7 +79,7 @@ impl<T: Real> Informed<T> {
             damping_n_s_per_m: car.damping_n_s_per_m(),
             spring_n_per_m: car.spring_n_per_m(),
         };
-        let tables = Tables::new(clock.bin_spacing_hz(), &grid, &config.tire, &body);
+        let tables = Tables::new(clock.bin_spacing_hz(), sample_rate_hz, &grid, &config.tire, &body);
         let noise = config.accel_noise_m_s2.unwrap_or(T::lit(DEFAULT_NOISE_M_S2));
         let initial = config.initial_kpa.unwrap_or(config.placard_kpa);
         let initial_cell = (initial - grid.pressure_kpa(0)) / grid.step_kpa();
@@ -116,19 +121,19 @@ impl<T: Real> Informed<T> {
     }
 
     fn learn(&mut self, frame: &Frame<T>, speed_m_s: T) {
-        let mut evidence = self.evidence(frame);
         let (cell, road) = self.posterior.most_likely();
+        let mut evidence = self.evidence(frame, speed_m_s, road.envelope_m());
         let theta = self.tables.theta[cell];
         // Signal over noise from 5 to 20 Hz, and power over expected power, where the belief is now.
         let (mut snr, mut surprise) = (T::zero(), T::zero());
-        for bin in 0..self.bins {
+        for bin in 0..evidence.bins {
             let power = evidence.power(bin, theta);
             let noise = self.noise_density * self.tables.noise[(bin, cell)];
             if bin < 4 {
                 snr += power / noise / T::lit(4.0);
             }
             let expected = road.log_power(&self.tables, &evidence, bin).exp() + noise;
-            surprise += power / expected / T::lit(self.bins as f64);
+            surprise += power / expected / T::lit(evidence.bins as f64);
         }
         self.smoothed_snr += T::lit(0.3) * (snr - self.smoothed_snr);
         let mut gate = (self.smoothed_snr / T::lit(SIGNAL_TO_NOISE) - T::one()).clamp(T::zero(), T::one());
@@ -156,7 +161,11 @@ impl<T: Real> Informed<T> {
     }
 
     /// `|V|² = |U_1|² + 2 θ Re(U_1 U_2*) + θ² |U_2|²` with `U_2 = m_w J + c_s A + k_s V`.
-    fn evidence(&self, frame: &Frame<T>) -> Evidence<T> {
+    fn evidence(&self, frame: &Frame<T>, speed_m_s: T, envelope_m: T) -> Evidence<T> {
+        let speed = if speed_m_s > T::lit(STANDING_M_S) { speed_m_s } else { T::lit(15.0) };
+        let reach = T::lit(ENVELOPE_REACH) * speed
+            / (T::lit(self.clock.bin_spacing_hz()) * envelope_m.max(T::lit(1e-3)));
+        let bins = (reach.to_f64() as usize).clamp(4, self.bins);
         let parts = [
             (WHEEL_JERK, self.body.unsprung_mass_kg),
             (RELATIVE_ACCELERATION, self.body.damping_n_s_per_m),
@@ -166,12 +175,14 @@ impl<T: Real> Informed<T> {
             a: [T::zero(); BINS],
             b: [T::zero(); BINS],
             c: [T::zero(); BINS],
-            log_envelope: [T::zero(); BINS],
-            bins: self.bins,
+            envelope: [T::zero(); BINS],
+            bins,
             noise_density: self.noise_density,
             weight: T::lit(OVERLAP),
         };
+        let unit = T::pi() * T::lit(0.1) / speed;
         for bin in 0..BINS {
+            evidence.envelope[bin] = unit * unit * self.tables.frequency_squared[bin] / T::lit(3.0);
             evidence.a[bin] = frame.cross(bin, WHEEL_VELOCITY, WHEEL_VELOCITY);
             for (i, p) in parts {
                 evidence.b[bin] += p * frame.cross(bin, WHEEL_VELOCITY, i);

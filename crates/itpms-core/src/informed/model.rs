@@ -15,6 +15,8 @@ pub(super) const CELLS: usize = 36;
 /// Lowest cell and step as shares of the placard pressure: 30 kPa and 8 kPa at 241.3 kPa.
 const LOWEST: f64 = 30.0 / 241.3;
 pub(super) const STEP: f64 = 8.0 / 241.3;
+/// Corner of the sensors' anti-alias filter as a share of the sampling rate.
+const ANTI_ALIAS: f64 = 0.3;
 /// Frequencies on each side of a bin over which the window's spectrum is averaged, one Hz or so apart.
 const KERNEL_HALF: i32 = 10;
 
@@ -63,8 +65,8 @@ pub(super) struct Tables<T: Real> {
     pub(super) determinant_noise: SMatrix<T, BINS, CELLS>,
     /// `1/k_t` per cell in m/N.
     pub(super) theta: SVector<T, CELLS>,
-    /// `ln |L|²` per bin.
-    pub(super) log_leak: SVector<T, BINS>,
+    /// `ln |L|²` of the leak plus `ln |A|²` of the sensors' anti-alias filter, per bin.
+    pub(super) log_sensor: SVector<T, BINS>,
     /// `ln (f / 10 Hz)` per bin.
     pub(super) log_frequency: SVector<T, BINS>,
     /// Squared frequency in Hz² per bin.
@@ -74,7 +76,13 @@ pub(super) struct Tables<T: Real> {
 }
 
 impl<T: Real> Tables<T> {
-    pub(super) fn new(bin_spacing_hz: f64, grid: &Grid<T>, tire: &PressureMap<T>, body: &Body<T>) -> Self {
+    pub(super) fn new(
+        bin_spacing_hz: f64,
+        sample_rate_hz: f64,
+        grid: &Grid<T>,
+        tire: &PressureMap<T>,
+        body: &Body<T>,
+    ) -> Self {
         let frequency = |bin: usize| bin_spacing_hz * (bin as f64 + 1.0);
         let leak_hz = LEAK_RAD_S / core::f64::consts::TAU;
         let per_bin = |f: &dyn Fn(f64) -> T| SVector::from_fn(|bin, _| f(frequency(bin)));
@@ -83,7 +91,12 @@ impl<T: Real> Tables<T> {
             noise: SMatrix::zeros(),
             determinant_noise: SMatrix::zeros(),
             theta: SVector::from_fn(|cell, _| T::one() / tire.stiffness_n_per_m(grid.pressure_kpa(cell))),
-            log_leak: per_bin(&|f| T::lit(f * f / (f * f + leak_hz * leak_hz)).ln()),
+            log_sensor: per_bin(&|f| {
+                let leak = f * f / (f * f + leak_hz * leak_hz);
+                // Butterworth of order four: |A|² = 1 / (1 + x⁸)
+                let x2 = (f / (ANTI_ALIAS * sample_rate_hz)) * (f / (ANTI_ALIAS * sample_rate_hz));
+                T::lit(leak / (1.0 + x2 * x2 * x2 * x2)).ln()
+            }),
             log_frequency: per_bin(&|f| T::lit(f / 10.0).ln()),
             frequency_squared: per_bin(&|f| T::lit(f * f)),
             bin_spacing_hz: T::lit(bin_spacing_hz),

@@ -1,0 +1,222 @@
+//! What is believed of the road under one hypothesis of the pressure: a Gaussian over its log level, its slope and
+//! the length over which the tire averages it, and how a frame changes that belief (docs/math/informed.md, eq. 13-19).
+//!
+//! Called by the posterior for every (level mode, cell); knows nothing of probabilities of pressures.
+
+use nalgebra::{Matrix3, SMatrix, Vector3};
+
+use super::dynamics::{ENVELOPE_SD, SLOPE_MEAN, SLOPE_SD};
+use super::frame::BINS;
+use super::model::{CELLS, Tables};
+use crate::real::Real;
+
+/// Numbers that describe a road.
+const PARAMETERS: usize = 3;
+/// Log of the velocity power density at 10 Hz, `c`.
+pub(super) const LEVEL: usize = 0;
+/// Slope `w` of the displacement spectrum.
+pub(super) const SLOPE: usize = 1;
+/// Squared length over which the tire averages the road, in units of (0.1 m)², `q`.
+pub(super) const ENVELOPE: usize = 2;
+
+/// Bounds of the three, the largest variances they may have, and the largest step of one Gauss-Newton pass.
+const LOWEST: [f64; PARAMETERS] = [-19.0, 1.0, -1.0];
+const HIGHEST: [f64; PARAMETERS] = [20.0, 3.4, 5.0];
+const LARGEST_VARIANCE: [f64; PARAMETERS] = [9.0, 0.25, 1.0];
+const LARGEST_STEP: f64 = 1.0;
+
+/// One frame, ready to be weighed: the road velocity reconstructed with `θ` has the power `a + 2 θ b + θ² c` per bin.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Evidence<T> {
+    pub(super) a: [T; BINS],
+    pub(super) b: [T; BINS],
+    pub(super) c: [T; BINS],
+    /// Log power lost per unit of [`ENVELOPE`] in each bin, at the speed of this frame.
+    pub(super) envelope: [T; BINS],
+    /// Bins in use.
+    pub(super) bins: usize,
+    /// One-sided accelerometer noise density in (m/s²)²/Hz.
+    pub(super) noise_density: T,
+    /// Exponent of the likelihood: overlap of the frames times the gates.
+    pub(super) weight: T,
+}
+
+impl<T: Real> Evidence<T> {
+    /// Power density of the road velocity reconstructed with `theta`.
+    pub(super) fn power(&self, bin: usize, theta: T) -> T {
+        let power = self.a[bin] + theta * (T::lit(2.0) * self.b[bin] + theta * self.c[bin]);
+        power.max(T::lit(1e-24))
+    }
+}
+
+/// A Gaussian over the road's parameters.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Road<T: Real> {
+    pub(super) mean: Vector3<T>,
+    pub(super) covariance: Matrix3<T>,
+}
+
+impl<T: Real> Road<T> {
+    /// What is believed before the first frame, with a level guessed from outside.
+    pub(super) fn unknown(level: T) -> Self {
+        let variance = [LARGEST_VARIANCE[LEVEL], SLOPE_SD * SLOPE_SD, ENVELOPE_SD * ENVELOPE_SD];
+        Self {
+            mean: Vector3::new(level.max(T::lit(LOWEST[LEVEL])), T::lit(SLOPE_MEAN), T::zero()),
+            covariance: Matrix3::from_diagonal(&Vector3::from(variance.map(T::lit))),
+        }
+    }
+
+    /// Log of the road's power density in a bin, as the sensors see it.
+    pub(super) fn log_power(&self, tables: &Tables<T>, frame: &Evidence<T>, bin: usize) -> T {
+        let slope = T::lit(2.0) - self.mean[SLOPE];
+        self.mean[LEVEL] + tables.log_sensor[bin] + slope * tables.log_frequency[bin]
+            - self.mean[ENVELOPE] * frame.envelope[bin]
+    }
+
+    /// Length in m over which the tire averages the road.
+    pub(super) fn envelope_m(&self) -> T {
+        T::lit(0.1) * self.mean[ENVELOPE].max(T::zero()).sqrt()
+    }
+
+    /// Keeps the mean inside its bounds; what is moved takes the others along as their covariance says.
+    fn clamp(&mut self) {
+        for i in 0..PARAMETERS {
+            let excess = self.mean[i].clamp(T::lit(LOWEST[i]), T::lit(HIGHEST[i])) - self.mean[i];
+            if excess != T::zero() {
+                self.mean += self.covariance.column(i) * (excess / self.covariance[(i, i)]);
+            }
+        }
+    }
+
+    /// Keeps the belief inside its bounds; shrinks rows and columns alike, so that the covariance stays positive.
+    pub(super) fn cap(&mut self) {
+        self.clamp();
+        for i in 0..PARAMETERS {
+            let (largest, variance) = (T::lit(LARGEST_VARIANCE[i]), self.covariance[(i, i)]);
+            if variance > largest {
+                let shrink = (largest / variance).sqrt();
+                for j in 0..PARAMETERS {
+                    self.covariance[(i, j)] *= shrink;
+                    self.covariance[(j, i)] *= shrink;
+                }
+            }
+        }
+    }
+
+    /// Fits the road to a frame under one cell's stiffness (two Gauss-Newton passes); gives the fitted belief and the
+    /// frame's log evidence.
+    pub(super) fn weigh(&self, frame: &Evidence<T>, tables: &Tables<T>, cell: usize) -> (Self, T) {
+        let Some(prior_information) = self.covariance.try_inverse() else {
+            return (*self, T::zero());
+        };
+        let mut fit = *self;
+        for _ in 0..2 {
+            let (score, information) = fit.score(frame, tables, cell);
+            let slope = score * frame.weight + prior_information * (self.mean - fit.mean);
+            let Some(covariance) = (information * frame.weight + prior_information).try_inverse() else {
+                return (*self, T::zero());
+            };
+            let largest = T::lit(LARGEST_STEP);
+            fit.mean += (covariance * slope).map(|step| step.clamp(-largest, largest));
+            fit.covariance = covariance;
+            fit.clamp();
+        }
+        let d = fit.mean - self.mean;
+        let distance = d.dot(&(prior_information * d));
+        // ln det(P / P_post)
+        let occam = -(prior_information.determinant() * fit.covariance.determinant()).max(T::lit(1e-30)).ln();
+        let misfit = fit.misfit(frame, tables, cell);
+        (fit, -frame.weight * misfit - T::lit(0.5) * (distance + occam))
+    }
+
+    /// Score and Fisher information of the road's parameters for one frame.
+    fn score(&self, frame: &Evidence<T>, tables: &Tables<T>, cell: usize) -> (Vector3<T>, Matrix3<T>) {
+        let theta = tables.theta[cell];
+        let (mut score, mut information) = (Vector3::zeros(), Matrix3::zeros());
+        for bin in 0..frame.bins {
+            let signal = self.log_power(tables, frame, bin).exp();
+            let expected = signal + frame.noise_density * tables.noise[(bin, cell)];
+            let excess = frame.power(bin, theta) / expected - T::one();
+            // ∂ ln M / ∂(c, w, q) = S/M (1, -ln(f/10), -envelope)
+            let direction = Vector3::new(T::one(), -tables.log_frequency[bin], -frame.envelope[bin]);
+            let gradient = direction * (signal / expected);
+            score += gradient * excess;
+            information += gradient * gradient.transpose();
+        }
+        (score, information)
+    }
+
+    /// `Σ ln(S + N_d) + |V|²/M + ln|H|²`: the frame's negative log-likelihood.
+    fn misfit(&self, frame: &Evidence<T>, tables: &Tables<T>, cell: usize) -> T {
+        let theta = tables.theta[cell];
+        let mut misfit = T::zero();
+        for bin in 0..frame.bins {
+            let signal = self.log_power(tables, frame, bin).exp();
+            let expected = signal + frame.noise_density * tables.noise[(bin, cell)];
+            let determinant = signal + frame.noise_density * tables.determinant_noise[(bin, cell)];
+            misfit += determinant.ln() + frame.power(bin, theta) / expected + tables.log_gain[(bin, cell)];
+        }
+        misfit
+    }
+}
+
+/// A road belief for every cell, column by column.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct RoadBelief<T: Real> {
+    mean: SMatrix<T, PARAMETERS, CELLS>,
+    covariance: SMatrix<T, { PARAMETERS * PARAMETERS }, CELLS>,
+}
+
+impl<T: Real> RoadBelief<T> {
+    /// The same belief everywhere.
+    pub(super) fn repeat(road: &Road<T>) -> Self {
+        let mut belief = Self { mean: SMatrix::zeros(), covariance: SMatrix::zeros() };
+        for cell in 0..CELLS {
+            belief.set(cell, road);
+        }
+        belief
+    }
+
+    pub(super) fn get(&self, cell: usize) -> Road<T> {
+        Road {
+            mean: self.mean.column(cell).into_owned(),
+            covariance: Matrix3::from_column_slice(self.covariance.column(cell).as_slice()),
+        }
+    }
+
+    pub(super) fn set(&mut self, cell: usize, road: &Road<T>) {
+        self.mean.set_column(cell, &road.mean);
+        self.covariance.column_mut(cell).copy_from_slice(road.covariance.as_slice());
+    }
+}
+
+/// Collects weighted Gaussians and gives the one with the same mean and covariance.
+pub(super) struct MomentMatch<T: Real> {
+    reference: Road<T>,
+    weight: T,
+    first: Vector3<T>,
+    second: Matrix3<T>,
+}
+
+impl<T: Real> MomentMatch<T> {
+    /// Sums are kept relative to `reference`, so that f32 keeps its digits.
+    pub(super) fn around(reference: Road<T>) -> Self {
+        Self { reference, weight: T::zero(), first: Vector3::zeros(), second: Matrix3::zeros() }
+    }
+
+    pub(super) fn add(&mut self, weight: T, road: &Road<T>) {
+        let d = road.mean - self.reference.mean;
+        self.weight += weight;
+        self.first += d * weight;
+        self.second += (road.covariance + d * d.transpose()) * weight;
+    }
+
+    pub(super) fn finish(&self) -> Road<T> {
+        if !(self.weight > T::zero()) {
+            return self.reference;
+        }
+        let d = self.first / self.weight;
+        Road { mean: self.reference.mean + d, covariance: self.second / self.weight - d * d.transpose() }
+    }
+}
