@@ -1,1 +1,37 @@
-//! Under construction.
+//! The simulated world: roads, quarter cars, accelerometers, and the scenarios that put them together.
+//!
+//! Called by whoever needs a drive whose truth is known (the score, the demo, tests). Knows nothing of log files
+//! or estimators; a [`SimRow`](simulation::SimRow) carries what a log would hold and the truth beside it.
+//! The mathematics is in `docs/math/simulation.md`.
+//!
+//! | room | idea |
+//! |---|---|
+//! | [`road`] | ISO 8608 roads, measured profiles, potholes, repeated segments, the tire's contact length |
+//! | [`time_profile`] | piecewise linear histories: the car's speed, a tire's pressure |
+//! | [`plant`] | the true quarter car with time-varying tire stiffness, integrated on a fine grid |
+//! | [`sensor`], [`antialias`] | what lies between a true acceleration and a logged one |
+//! | [`scenario`] | a drive written down: TOML files and the built-in ones |
+//! | [`simulation`] | a scenario and a seed in, a stream of rows out, in bounded memory |
+//!
+//! ```
+//! use itpms_core::sample::Corner;
+//! use itpms_sim::{scenario::Scenario, simulation::Simulation};
+//!
+//! let scenario = Scenario::builtin("paper-drop")?;
+//! for row in Simulation::new(&scenario, 1)?.take(3) {
+//!     let sample = row.sample(Corner::FrontLeft);
+//!     assert!(sample.is_some_and(|s| s.corners.body_accel_m_s2.is_finite()));
+//! }
+//! # Ok::<(), itpms_sim::error::ScenarioError>(())
+//! ```
+#![forbid(unsafe_code)]
+
+pub mod antialias;
+pub mod error;
+pub mod plant;
+pub mod road;
+pub mod scenario;
+pub mod sensor;
+pub mod simulation;
+mod streams;
+pub mod time_profile;

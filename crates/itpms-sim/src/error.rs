@@ -1,0 +1,167 @@
+//! What can be wrong with a scenario, said so that its author can mend it.
+
+use std::path::PathBuf;
+
+use itpms_core::quarter_car::ParameterError;
+use thiserror::Error;
+
+/// A value outside its range.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[error("{field} is {found}, expected {expected}")]
+pub struct InvalidValue {
+    /// The field as it is written in a scenario file, for example `road.surface.iso8608.slope`.
+    pub field: String,
+    /// What was given.
+    pub found: String,
+    /// What would be accepted.
+    pub expected: &'static str,
+}
+
+impl InvalidValue {
+    pub(crate) fn new(field: impl Into<String>, found: impl ToString, expected: &'static str) -> Self {
+        Self { field: field.into(), found: found.to_string(), expected }
+    }
+
+    /// The same, one table further out: `slope` within `road` is `road.slope`.
+    pub(crate) fn within(self, table: &str) -> Self {
+        Self { field: format!("{table}.{}", self.field), ..self }
+    }
+}
+
+impl From<ParameterError> for InvalidValue {
+    fn from(e: ParameterError) -> Self {
+        Self::new(e.name, e.value, e.expected)
+    }
+}
+
+/// `Ok` if `value` is finite and within `low..=high`; NaN is not.
+pub(crate) fn within(
+    field: &str,
+    value: f64,
+    low: f64,
+    high: f64,
+    expected: &'static str,
+) -> Result<(), InvalidValue> {
+    if value >= low && value <= high && value.is_finite() {
+        Ok(())
+    } else {
+        Err(InvalidValue::new(field, value, expected))
+    }
+}
+
+/// `Ok` if `value` is finite and positive; NaN is not.
+pub(crate) fn positive(field: &str, value: f64) -> Result<(), InvalidValue> {
+    if value > 0.0 && value.is_finite() {
+        Ok(())
+    } else {
+        Err(InvalidValue::new(field, value, "a positive, finite number"))
+    }
+}
+
+/// `Ok` if `value` is finite and not negative; NaN is not.
+pub(crate) fn not_negative(field: &str, value: f64) -> Result<(), InvalidValue> {
+    within(field, value, 0.0, f64::MAX, "a finite number, zero or more")
+}
+
+/// A measured road profile that cannot be used.
+#[derive(Debug, Error)]
+pub enum ProfileError {
+    /// The file could not be read.
+    #[error("{}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A line is not `station elevation`.
+    #[error("{}, line {line}: found `{found}`, expected a station and an elevation in m", path.display())]
+    Line {
+        /// The file.
+        path: PathBuf,
+        /// Line, counted from 1.
+        line: usize,
+        /// What stands there.
+        found: String,
+    },
+    /// Stations must increase; `row` counts from 1.
+    #[error("station {found} in row {row} follows {previous}, expected stations that increase")]
+    NotIncreasing {
+        /// Row of the point, counted from 1.
+        row: usize,
+        /// The station found.
+        found: f64,
+        /// The station before it.
+        previous: f64,
+    },
+    /// NaN or infinite; `row` counts from 1.
+    #[error("row {row} is not finite")]
+    NotFinite {
+        /// Row of the point, counted from 1.
+        row: usize,
+    },
+    /// Too short for a cubic.
+    #[error("{found} points, expected at least 4")]
+    TooFewPoints {
+        /// Number of points found.
+        found: usize,
+    },
+}
+
+/// A scenario that cannot be driven.
+#[derive(Debug, Error)]
+pub enum ScenarioError {
+    /// Neither a built-in name nor a file.
+    #[error("no scenario `{name}`{}; built in: {}; or give a TOML file", did_you_mean(nearest.as_deref()), known.join(", "))]
+    Unknown {
+        /// What was asked for.
+        name: String,
+        /// The known name most like it, if any is.
+        nearest: Option<String>,
+        /// All known names.
+        known: Vec<String>,
+    },
+    /// The file could not be read.
+    #[error("{}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// Not the TOML of a scenario.
+    #[error("{origin}, line {line}, column {column}: {message}")]
+    Syntax {
+        /// File or built-in name.
+        origin: String,
+        /// Line, counted from 1.
+        line: usize,
+        /// Column, counted from 1.
+        column: usize,
+        /// What was found and expected.
+        message: String,
+    },
+    /// A value outside its range.
+    #[error("scenario `{scenario}`: {source}")]
+    Invalid {
+        /// The scenario's name.
+        scenario: String,
+        /// Which value.
+        source: InvalidValue,
+    },
+    /// A measured profile that cannot be used.
+    #[error("scenario `{scenario}`, road profile: {source}")]
+    Profile {
+        /// The scenario's name.
+        scenario: String,
+        /// What is wrong with it.
+        source: ProfileError,
+    },
+    /// The scenario cannot be written as TOML.
+    #[error("cannot write the scenario as TOML: {0}")]
+    Write(String),
+}
+
+fn did_you_mean(nearest: Option<&str>) -> String {
+    nearest.map(|n| format!(" (did you mean `{n}`?)")).unwrap_or_default()
+}

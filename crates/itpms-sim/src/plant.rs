@@ -1,0 +1,390 @@
+//! The true quarter car, integrated on a fine grid while its tire loses pressure.
+//!
+//! Called by the simulation. It is written apart from the model in `itpms-core` on purpose (the tests hold the two
+//! against each other), and it may have what an estimator's model lacks: a damped tire, a damper that is harder one
+//! way, dry friction. It knows nothing of pressure, roads or sensors.
+
+use itpms_core::quarter_car::{ParameterError, QuarterCar};
+use serde::{Deserialize, Serialize};
+
+use crate::error::{InvalidValue, not_negative, within};
+
+/// Speed in m/s at which dry friction has reached 76 % of its full force: below any motion that matters, above what
+/// the integration step can resolve.
+const FRICTION_ONSET_M_S: f64 = 0.01;
+
+/// How the true corner differs from what its estimator is told, as written in a scenario.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Deviations {
+    /// True sprung mass over the told one.
+    pub sprung_mass_factor: f64,
+    /// True unsprung mass over the told one.
+    pub unsprung_mass_factor: f64,
+    /// True damping over the told one.
+    pub damping_factor: f64,
+    /// True suspension spring over the told one.
+    pub spring_factor: f64,
+    /// True tire stiffness over what the told pressure map gives.
+    pub tire_stiffness_factor: f64,
+    /// Damping of the tire in N s/m, which no estimator here models.
+    pub tire_damping_n_s_per_m: f64,
+    /// Share by which the damper is harder in rebound and softer in bump, -1 to 1.
+    pub damper_asymmetry: f64,
+    /// Dry friction in the strut in N.
+    pub friction_n: f64,
+}
+
+impl Default for Deviations {
+    fn default() -> Self {
+        Self {
+            sprung_mass_factor: 1.0,
+            unsprung_mass_factor: 1.0,
+            damping_factor: 1.0,
+            spring_factor: 1.0,
+            tire_stiffness_factor: 1.0,
+            tire_damping_n_s_per_m: 0.0,
+            damper_asymmetry: 0.0,
+            friction_n: 0.0,
+        }
+    }
+}
+
+impl Deviations {
+    pub(crate) fn validate(&self) -> Result<(), InvalidValue> {
+        for (name, factor) in [
+            ("sprung_mass_factor", self.sprung_mass_factor),
+            ("unsprung_mass_factor", self.unsprung_mass_factor),
+            ("damping_factor", self.damping_factor),
+            ("spring_factor", self.spring_factor),
+            ("tire_stiffness_factor", self.tire_stiffness_factor),
+        ] {
+            within(name, factor, 0.1, 10.0, "a factor from 0.1 to 10")?;
+        }
+        within(
+            "tire_damping_n_s_per_m",
+            self.tire_damping_n_s_per_m,
+            0.0,
+            5000.0,
+            "a damping from 0 to 5000 N s/m",
+        )?;
+        within("damper_asymmetry", self.damper_asymmetry, -1.0, 1.0, "a share from -1 to 1")?;
+        not_negative("friction_n", self.friction_n)
+    }
+}
+
+/// Positions in m and velocities in m/s of a quarter car, upwards.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlantState {
+    /// Sprung mass displacement.
+    pub body_m: f64,
+    /// Sprung mass velocity.
+    pub body_m_s: f64,
+    /// Unsprung mass displacement.
+    pub wheel_m: f64,
+    /// Unsprung mass velocity.
+    pub wheel_m_s: f64,
+}
+
+/// What drives the plant through one step: the road's height in m at its start, middle and end, and the tire's
+/// stiffness in N/m at its start and end (straight between).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepInput {
+    /// Road height under the tire in m.
+    pub road_m: [f64; 3],
+    /// Tire stiffness in N/m.
+    pub stiffness_n_per_m: [f64; 2],
+}
+
+/// Road and tire at one instant.
+#[derive(Clone, Copy)]
+struct Contact {
+    road_m: f64,
+    road_m_s: f64,
+    stiffness_n_per_m: f64,
+}
+
+/// A quarter car in motion.
+#[derive(Debug, Clone)]
+pub struct Plant {
+    body_kg: f64,
+    wheel_kg: f64,
+    spring_n_per_m: f64,
+    rebound_n_s_per_m: f64,
+    bump_n_s_per_m: f64,
+    tire_n_s_per_m: f64,
+    friction_n: f64,
+    state: PlantState,
+    /// Body and wheel acceleration at `state`, once a step has been made.
+    accelerations_m_s2: [f64; 2],
+}
+
+impl Plant {
+    /// The told quarter car with the true one's deviations, at rest on a road of the given height.
+    ///
+    /// # Errors
+    /// A factor that leaves a parameter without physical sense.
+    pub fn new(told: &QuarterCar<f64>, truth: &Deviations, road_m: f64) -> Result<Self, ParameterError> {
+        let car = QuarterCar::new(
+            told.sprung_mass_kg() * truth.sprung_mass_factor,
+            told.unsprung_mass_kg() * truth.unsprung_mass_factor,
+            told.damping_n_s_per_m() * truth.damping_factor,
+            told.spring_n_per_m() * truth.spring_factor,
+        )?;
+        Ok(Self {
+            body_kg: car.sprung_mass_kg(),
+            wheel_kg: car.unsprung_mass_kg(),
+            spring_n_per_m: car.spring_n_per_m(),
+            rebound_n_s_per_m: car.damping_n_s_per_m() * (1.0 + truth.damper_asymmetry),
+            bump_n_s_per_m: car.damping_n_s_per_m() * (1.0 - truth.damper_asymmetry),
+            tire_n_s_per_m: truth.tire_damping_n_s_per_m,
+            friction_n: truth.friction_n,
+            state: PlantState { body_m: road_m, body_m_s: 0.0, wheel_m: road_m, wheel_m_s: 0.0 },
+            accelerations_m_s2: [0.0; 2],
+        })
+    }
+
+    /// Positions and velocities now.
+    #[must_use]
+    pub fn state(&self) -> &PlantState {
+        &self.state
+    }
+
+    /// Body and wheel acceleration in m/s² at the end of the last step.
+    #[must_use]
+    pub fn accelerations_m_s2(&self) -> [f64; 2] {
+        self.accelerations_m_s2
+    }
+
+    /// One classical Runge-Kutta step of `h` seconds. With a damped tire the road's rate is that of the parabola
+    /// through the three heights, which makes the step second-order in the tire damper's (small) force.
+    pub fn step(&mut self, h: f64, input: &StepInput) {
+        let [r0, r1, r2] = input.road_m;
+        let [k0, k2] = input.stiffness_n_per_m;
+        let contact =
+            |road_m, rate, stiffness_n_per_m| Contact { road_m, road_m_s: rate / h, stiffness_n_per_m };
+        let start = contact(r0, 4.0 * r1 - 3.0 * r0 - r2, k0);
+        let middle = contact(r1, r2 - r0, 0.5 * (k0 + k2));
+        let end = contact(r2, r0 - 4.0 * r1 + 3.0 * r2, k2);
+        let half = 0.5 * h;
+
+        let s0 = self.state;
+        let a0 = self.accelerations(&s0, start);
+        let s1 = advance(&s0, half, &s0, a0);
+        let a1 = self.accelerations(&s1, middle);
+        let s2 = advance(&s0, half, &s1, a1);
+        let a2 = self.accelerations(&s2, middle);
+        let s3 = advance(&s0, h, &s2, a2);
+        let a3 = self.accelerations(&s3, end);
+        let mean = |a: f64, b: f64, c: f64, d: f64| (a + 2.0 * (b + c) + d) / 6.0;
+        self.state = PlantState {
+            body_m: s0.body_m + h * mean(s0.body_m_s, s1.body_m_s, s2.body_m_s, s3.body_m_s),
+            body_m_s: s0.body_m_s + h * mean(a0[0], a1[0], a2[0], a3[0]),
+            wheel_m: s0.wheel_m + h * mean(s0.wheel_m_s, s1.wheel_m_s, s2.wheel_m_s, s3.wheel_m_s),
+            wheel_m_s: s0.wheel_m_s + h * mean(a0[1], a1[1], a2[1], a3[1]),
+        };
+        self.accelerations_m_s2 = self.accelerations(&self.state, end);
+    }
+
+    /// Newton's second law for both masses (eq. 1, with what it leaves out).
+    #[inline]
+    fn accelerations(&self, s: &PlantState, contact: Contact) -> [f64; 2] {
+        // Positive when the strut gets longer: rebound.
+        let extension_m_s = s.body_m_s - s.wheel_m_s;
+        let damping = if extension_m_s > 0.0 { self.rebound_n_s_per_m } else { self.bump_n_s_per_m };
+        let mut strut = self.spring_n_per_m * (s.wheel_m - s.body_m) - damping * extension_m_s;
+        if self.friction_n > 0.0 {
+            strut -= self.friction_n * (extension_m_s / FRICTION_ONSET_M_S).tanh();
+        }
+        let tire = contact.stiffness_n_per_m * (contact.road_m - s.wheel_m)
+            + self.tire_n_s_per_m * (contact.road_m_s - s.wheel_m_s);
+        [strut / self.body_kg, (tire - strut) / self.wheel_kg]
+    }
+}
+
+/// `from`, moved for `h` seconds with the velocities of `at` and the accelerations given.
+#[inline]
+fn advance(from: &PlantState, h: f64, at: &PlantState, a: [f64; 2]) -> PlantState {
+    PlantState {
+        body_m: from.body_m + h * at.body_m_s,
+        body_m_s: from.body_m_s + h * a[0],
+        wheel_m: from.wheel_m + h * at.wheel_m_s,
+        wheel_m_s: from.wheel_m_s + h * a[1],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    const K_T: f64 = 233_146.0;
+
+    fn run(plant: &mut Plant, h: f64, steps: usize, road: impl Fn(f64) -> f64, k_t: impl Fn(f64) -> f64) {
+        for i in 0..steps {
+            let t = i as f64 * h;
+            let road_m = [road(t), road(t + 0.5 * h), road(t + h)];
+            plant.step(h, &StepInput { road_m, stiffness_n_per_m: [k_t(t), k_t(t + h)] });
+        }
+    }
+
+    /// Transfer from road to body and wheel acceleration at `f` Hz with tire damping `c_t`, from Cramer's rule on the
+    /// Laplace transform of eq. (1): `[re, im]` each.
+    fn closed_form(f: f64, c_t: f64) -> [[f64; 2]; 2] {
+        type C = [f64; 2];
+        let mul = |a: C, b: C| [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]];
+        let add = |a: C, b: C| [a[0] + b[0], a[1] + b[1]];
+        let div = |a: C, b: C| {
+            let n = b[0] * b[0] + b[1] * b[1];
+            mul(a, [b[0] / n, -b[1] / n])
+        };
+        let (m_b, m_w, c_s, k_s) = (240.8, 56.9, 925.8, 29_114.0);
+        let w = TAU * f;
+        let strut = [k_s, w * c_s];
+        let tire = [K_T, w * c_t];
+        let body = add([-w * w * m_b, 0.0], strut);
+        let wheel = add(add([-w * w * m_w, 0.0], strut), tire);
+        let minus_strut_squared = mul([-1.0, 0.0], mul(strut, strut));
+        let determinant = add(mul(body, wheel), minus_strut_squared);
+        let s_squared = [-w * w, 0.0];
+        [
+            mul(s_squared, div(mul(strut, tire), determinant)),
+            mul(s_squared, div(mul(body, tire), determinant)),
+        ]
+    }
+
+    /// The same from the plant: a sine for 8 s, then the Fourier coefficient over whole periods.
+    fn simulated(f: f64, c_t: f64, h: f64) -> [[f64; 2]; 2] {
+        let truth = Deviations { tire_damping_n_s_per_m: c_t, ..Deviations::default() };
+        let mut plant = Plant::new(&QuarterCar::paper_table_2(), &truth, 0.0).unwrap();
+        let road = |t: f64| (TAU * f * t).sin();
+        let settle = (8.0 / h).round() as usize;
+        run(&mut plant, h, settle, road, |_| K_T);
+        let samples = (2.0 / h).round() as usize;
+        let mut sums = [[0.0; 2]; 2];
+        for i in 0..samples {
+            let t = (settle + i) as f64 * h;
+            let road_m = [road(t), road(t + 0.5 * h), road(t + h)];
+            plant.step(h, &StepInput { road_m, stiffness_n_per_m: [K_T; 2] });
+            let (sin, cos) = (TAU * f * (t + h)).sin_cos();
+            for (sum, a) in sums.iter_mut().zip(plant.accelerations_m_s2()) {
+                // a = re sin + im cos for a transfer re + i im and a sine road.
+                sum[0] += a * sin * 2.0 / samples as f64;
+                sum[1] += a * cos * 2.0 / samples as f64;
+            }
+        }
+        sums
+    }
+
+    fn relative_error(a: [f64; 2], b: [f64; 2]) -> f64 {
+        (a[0] - b[0]).hypot(a[1] - b[1]) / b[0].hypot(b[1])
+    }
+
+    #[test]
+    fn the_transfer_from_the_road_is_the_closed_form() {
+        for f in [0.5, 1.5, 5.0, 11.0, 20.0, 60.0, 100.0] {
+            let (sim, exact) = (simulated(f, 0.0, 1.0 / 4000.0), closed_form(f, 0.0));
+            for (s, e) in sim.into_iter().zip(exact) {
+                // RK4's error per unit of time is about (ωh)^4/120: 5e-6 at 100 Hz and 4 kHz. After 8 s the sprung
+                // mode's transient has fallen to exp(-1.92 * 8) = 2e-7 of a 1 m step, 1e-4 of the small
+                // accelerations at 0.5 Hz at worst.
+                assert!(relative_error(s, e) < 1e-4, "{f} Hz: {s:?} {e:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_damped_tire_is_the_closed_form_too() {
+        for f in [5.0, 11.0, 60.0] {
+            let (sim, exact) = (simulated(f, 300.0, 1.0 / 4000.0), closed_form(f, 300.0));
+            for (s, e) in sim.into_iter().zip(exact) {
+                // The parabola's rate is off by (ωh)²/12 of ω c_t against K_T at most: 60 Hz, 4e-4.
+                assert!(relative_error(s, e) < 1e-3, "{f} Hz: {s:?} {e:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn halving_the_step_divides_the_error_by_sixteen() {
+        let road = |t: f64| 0.01 * (30.0 * t).sin() + 0.003 * (75.0 * t).cos() - 0.003;
+        let k_t = |t: f64| K_T - 50_000.0 * t;
+        let end = |h: f64| {
+            let mut plant = Plant::new(&QuarterCar::paper_table_2(), &Deviations::default(), 0.0).unwrap();
+            run(&mut plant, h, (1.0 / h).round() as usize, road, k_t);
+            plant.state().wheel_m
+        };
+        let exact = end(1.0 / 16_384.0);
+        let errors: Vec<f64> = [256.0, 512.0, 1024.0].map(|n| (end(1.0 / n) - exact).abs()).into();
+        for pair in errors.windows(2) {
+            let order = (pair[0] / pair[1]).log2();
+            assert!((order - 4.0).abs() < 0.25, "order {order}");
+        }
+    }
+
+    #[test]
+    fn work_of_the_road_is_energy_plus_heat() {
+        let (m_b, m_w, c_s, k_s) = (240.8, 56.9, 925.8, 29_114.0);
+        let mut plant = Plant::new(&QuarterCar::paper_table_2(), &Deviations::default(), 0.0).unwrap();
+        let (h, w) = (1e-4, 60.0);
+        let road = |t: f64| 0.01 * (1.0 - (w * t).cos());
+        let rate = |t: f64| 0.01 * w * (w * t).sin();
+        let (mut work, mut heat) = (0.0, 0.0);
+        for i in 0..20_000 {
+            let t = i as f64 * h;
+            let power = |p: &Plant, t: f64| {
+                let s = p.state();
+                let slip = s.body_m_s - s.wheel_m_s;
+                (K_T * (road(t) - s.wheel_m) * rate(t), c_s * slip * slip)
+            };
+            let before = power(&plant, t);
+            let road_m = [road(t), road(t + 0.5 * h), road(t + h)];
+            plant.step(h, &StepInput { road_m, stiffness_n_per_m: [K_T; 2] });
+            let after = power(&plant, t + h);
+            work += 0.5 * h * (before.0 + after.0);
+            heat += 0.5 * h * (before.1 + after.1);
+        }
+        let s = plant.state();
+        let energy = 0.5 * m_b * s.body_m_s.powi(2)
+            + 0.5 * m_w * s.wheel_m_s.powi(2)
+            + 0.5 * k_s * (s.body_m - s.wheel_m).powi(2)
+            + 0.5 * K_T * (road(2.0) - s.wheel_m).powi(2);
+        // Trapezoidal sums of the powers: (ωh)²/12 = 3e-6.
+        assert!(((work - energy - heat) / heat).abs() < 2e-5, "{work} {energy} {heat}");
+        assert!(heat > 1.0);
+    }
+
+    #[test]
+    fn it_moves_as_the_cores_model_says() {
+        let told = QuarterCar::<f64>::paper_table_2();
+        let mut plant = Plant::new(&told, &Deviations::default(), 0.0).unwrap();
+        run(&mut plant, 2.5e-4, 4000, |t| 0.01 * (40.0 * t).sin(), |_| K_T);
+        let s = *plant.state();
+        let x = [s.body_m, s.body_m_s, s.wheel_m, s.wheel_m_s, K_T].into();
+        let y = told.output(&x, 0.01 * 40f64.sin());
+        for (i, a) in plant.accelerations_m_s2().into_iter().enumerate() {
+            assert!((a - y[i]).abs() < 1e-9 * (1.0 + a.abs()));
+        }
+    }
+
+    #[test]
+    fn deviations_reach_their_parameters() {
+        let truth = Deviations { sprung_mass_factor: 1.08, damper_asymmetry: 0.2, ..Deviations::default() };
+        let plant = Plant::new(&QuarterCar::paper_table_2(), &truth, 0.0).unwrap();
+        assert!((plant.body_kg - 260.064).abs() < 1e-9);
+        assert!((plant.rebound_n_s_per_m - 1110.96).abs() < 1e-9);
+        assert!((plant.bump_n_s_per_m - 740.64).abs() < 1e-9);
+        assert!(Deviations { friction_n: f64::NAN, ..Deviations::default() }.validate().is_err());
+    }
+
+    #[test]
+    fn friction_holds_the_strut_and_takes_energy() {
+        // After a 5 mm drop the swing with 50 N of friction is over sooner.
+        let swing = |friction_n: f64| {
+            let truth = Deviations { friction_n, ..Deviations::default() };
+            let mut plant = Plant::new(&QuarterCar::paper_table_2(), &truth, 0.005).unwrap();
+            run(&mut plant, 2.5e-4, 6000, |_| 0.0, |_| K_T);
+            plant.state().body_m.abs() + plant.state().body_m_s.abs()
+        };
+        assert!(swing(50.0) < swing(0.0));
+    }
+}

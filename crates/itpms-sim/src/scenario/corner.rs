@@ -1,0 +1,220 @@
+//! One corner of a scenario: what its estimator is told, how the true one differs, and its pressure.
+
+use itpms_core::estimate::CornerConfig;
+use itpms_core::pressure::PressureMap;
+use itpms_core::quarter_car::QuarterCar;
+use itpms_core::sample::Corner;
+use serde::{Deserialize, Serialize};
+
+use crate::error::InvalidValue;
+use crate::plant::Deviations;
+use crate::sensor::SensorSpec;
+use crate::time_profile::Pressure;
+
+/// Stiffness over pressure, as in a vehicle file.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TireSpec {
+    /// N/m per kPa.
+    pub stiffness_per_kpa: f64,
+    /// N/m at zero gauge pressure.
+    pub stiffness_at_zero: f64,
+}
+
+impl Default for TireSpec {
+    fn default() -> Self {
+        let map = PressureMap::<f64>::paper_eq_5();
+        Self { stiffness_per_kpa: map.stiffness_per_kpa(), stiffness_at_zero: map.stiffness_at_zero() }
+    }
+}
+
+impl TireSpec {
+    /// The map from pressure to stiffness.
+    ///
+    /// # Errors
+    /// A slope that is not positive or an intercept that is negative.
+    pub fn map(&self) -> Result<PressureMap<f64>, InvalidValue> {
+        Ok(PressureMap::new(self.stiffness_per_kpa, self.stiffness_at_zero)?)
+    }
+}
+
+/// A corner as written in a scenario. What a vehicle file also says has the same name here, and the paper's Table 2
+/// and eq. (5) as default.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CornerSpec {
+    /// Sprung mass the estimator is told, in kg.
+    #[serde(default = "sprung_mass_kg")]
+    pub sprung_mass_kg: f64,
+    /// Unsprung mass the estimator is told, in kg.
+    #[serde(default = "unsprung_mass_kg")]
+    pub unsprung_mass_kg: f64,
+    /// Damping the estimator is told, in N s/m.
+    #[serde(default = "damping_n_s_per_m")]
+    pub damping_n_s_per_m: f64,
+    /// Suspension spring the estimator is told, in N/m.
+    #[serde(default = "spring_n_per_m")]
+    pub spring_n_per_m: f64,
+    /// Pressure on the placard in kPa gauge.
+    #[serde(default = "placard_kpa")]
+    pub placard_kpa: f64,
+    /// Sensor noise the estimator is told, in m/s² rms per sample; the wheel sensor's true one, if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accel_noise_m_s2: Option<f64>,
+    /// Stiffness the estimator starts from, in N/m; the placard's, if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub initial_stiffness_n_per_m: Option<f64>,
+    /// True pressure over time.
+    pub pressure: Pressure,
+    /// Stiffness over pressure.
+    #[serde(default)]
+    pub tire: TireSpec,
+    /// How the true corner differs from what the estimator is told.
+    #[serde(default)]
+    pub truth: Deviations,
+    /// The body's accelerometer, if not the scenario's usual one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub body_sensor: Option<SensorSpec>,
+    /// The wheel's accelerometer, if not the scenario's usual one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wheel_sensor: Option<SensorSpec>,
+}
+
+fn sprung_mass_kg() -> f64 {
+    QuarterCar::<f64>::paper_table_2().sprung_mass_kg()
+}
+
+fn unsprung_mass_kg() -> f64 {
+    QuarterCar::<f64>::paper_table_2().unsprung_mass_kg()
+}
+
+fn damping_n_s_per_m() -> f64 {
+    QuarterCar::<f64>::paper_table_2().damping_n_s_per_m()
+}
+
+fn spring_n_per_m() -> f64 {
+    QuarterCar::<f64>::paper_table_2().spring_n_per_m()
+}
+
+fn placard_kpa() -> f64 {
+    CornerConfig::<f64>::paper().placard_kpa
+}
+
+impl CornerSpec {
+    /// The paper's corner with a pressure history.
+    #[must_use]
+    pub fn paper(pressure: Pressure) -> Self {
+        Self {
+            sprung_mass_kg: sprung_mass_kg(),
+            unsprung_mass_kg: unsprung_mass_kg(),
+            damping_n_s_per_m: damping_n_s_per_m(),
+            spring_n_per_m: spring_n_per_m(),
+            placard_kpa: placard_kpa(),
+            accel_noise_m_s2: None,
+            initial_stiffness_n_per_m: None,
+            pressure,
+            tire: TireSpec::default(),
+            truth: Deviations::default(),
+            body_sensor: None,
+            wheel_sensor: None,
+        }
+    }
+
+    /// Takes a vehicle's values for what the estimator is told (and the truth deviates from).
+    pub fn set_vehicle(&mut self, told: &CornerConfig<f64>) {
+        self.sprung_mass_kg = told.quarter_car.sprung_mass_kg();
+        self.unsprung_mass_kg = told.quarter_car.unsprung_mass_kg();
+        self.damping_n_s_per_m = told.quarter_car.damping_n_s_per_m();
+        self.spring_n_per_m = told.quarter_car.spring_n_per_m();
+        self.placard_kpa = told.placard_kpa;
+        self.accel_noise_m_s2 = told.accel_noise_m_s2;
+        self.tire = TireSpec {
+            stiffness_per_kpa: told.tire.stiffness_per_kpa(),
+            stiffness_at_zero: told.tire.stiffness_at_zero(),
+        };
+    }
+
+    /// The quarter car the estimator is told.
+    ///
+    /// # Errors
+    /// Names the parameter that is not positive.
+    pub fn quarter_car(&self) -> Result<QuarterCar<f64>, InvalidValue> {
+        Ok(QuarterCar::new(
+            self.sprung_mass_kg,
+            self.unsprung_mass_kg,
+            self.damping_n_s_per_m,
+            self.spring_n_per_m,
+        )?)
+    }
+
+    pub(crate) fn told(&self, usual: &SensorSpec) -> Result<CornerConfig<f64>, InvalidValue> {
+        let map = self.tire.map()?;
+        let mut told = CornerConfig::new(self.quarter_car()?, map, self.placard_kpa)?;
+        let noise = self.accel_noise_m_s2.unwrap_or(self.wheel_sensor.unwrap_or(*usual).noise_m_s2);
+        if noise > 0.0 {
+            told = told.with_accel_noise(noise)?;
+        }
+        match self.initial_stiffness_n_per_m {
+            Some(stiffness) => Ok(told.with_initial_pressure(map.pressure_kpa(stiffness))?),
+            None => Ok(told),
+        }
+    }
+
+    pub(crate) fn validate(&self) -> Result<(), InvalidValue> {
+        self.told(&SensorSpec::default())?;
+        self.pressure.profile_kpa().map_err(|e| e.within("pressure"))?;
+        self.truth.validate().map_err(|e| e.within("truth"))?;
+        for (name, sensor) in [("body_sensor", &self.body_sensor), ("wheel_sensor", &self.wheel_sensor)] {
+            if let Some(sensor) = sensor {
+                sensor.validate().map_err(|e| e.within(name))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The corners of a scenario.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Corners {
+    /// Front left.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fl: Option<CornerSpec>,
+    /// Front right.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fr: Option<CornerSpec>,
+    /// Rear left.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rl: Option<CornerSpec>,
+    /// Rear right.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rr: Option<CornerSpec>,
+}
+
+impl Corners {
+    /// A corner, if the scenario has it.
+    #[must_use]
+    pub fn get(&self, corner: Corner) -> Option<&CornerSpec> {
+        match corner {
+            Corner::FrontLeft => self.fl.as_ref(),
+            Corner::FrontRight => self.fr.as_ref(),
+            Corner::RearLeft => self.rl.as_ref(),
+            Corner::RearRight => self.rr.as_ref(),
+        }
+    }
+
+    /// A corner to change, if the scenario has it.
+    pub fn get_mut(&mut self, corner: Corner) -> Option<&mut CornerSpec> {
+        match corner {
+            Corner::FrontLeft => self.fl.as_mut(),
+            Corner::FrontRight => self.fr.as_mut(),
+            Corner::RearLeft => self.rl.as_mut(),
+            Corner::RearRight => self.rr.as_mut(),
+        }
+    }
+
+    /// The corners there are, in the order of [`Corner::ALL`].
+    pub fn iter(&self) -> impl Iterator<Item = (Corner, &CornerSpec)> {
+        Corner::ALL.into_iter().filter_map(|corner| self.get(corner).map(|spec| (corner, spec)))
+    }
+}

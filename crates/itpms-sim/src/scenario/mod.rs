@@ -1,0 +1,125 @@
+//! A drive written down: how long, how fast, over which road, with which pressures, seen through which sensors.
+//!
+//! Called by the binary and the score; [`Simulation`](crate::simulation::Simulation) drives it. A scenario says both what the estimator is told
+//! about a corner and how the true one differs. All fields are public: a study takes a built-in scenario and changes what it
+//! studies.
+//!
+//! The built-in scenarios are the TOML files in `scenarios/`, which also serve as examples.
+
+mod corner;
+mod file;
+
+use serde::{Deserialize, Serialize};
+
+use itpms_core::estimate::CornerConfig;
+use itpms_core::sample::Corner;
+
+pub use corner::{CornerSpec, Corners, TireSpec};
+
+use crate::antialias::AntiAliasSpec;
+use crate::error::{InvalidValue, ScenarioError, within};
+use crate::road::RoadSpec;
+use crate::sensor::SensorSpec;
+use crate::time_profile::Speed;
+
+/// When the log's samples are taken.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ClockSpec {
+    /// Each sample is early or late by up to this fraction of the sampling period, evenly spread; `time_s` says when
+    /// it was really taken.
+    pub jitter: f64,
+}
+
+/// A drive.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scenario {
+    /// Its name.
+    pub name: String,
+    /// What it is about.
+    #[serde(default)]
+    pub description: String,
+    /// Length in s.
+    pub duration_s: f64,
+    /// Samples per second.
+    pub rate_hz: f64,
+    /// Time in s driven before the log starts, at the speed and pressures of its start, so that it starts in motion.
+    #[serde(default = "usual_settling_s")]
+    pub settle_s: f64,
+    /// Distance in m from front to rear axle: rear wheels meet the road that much later.
+    #[serde(default = "usual_wheelbase_m")]
+    pub wheelbase_m: f64,
+    /// Speed over time.
+    pub speed: Speed,
+    /// The road.
+    pub road: RoadSpec,
+    /// The accelerometers, where a corner does not name its own.
+    #[serde(default)]
+    pub sensor: SensorSpec,
+    /// The low-pass before the samplers.
+    #[serde(default)]
+    pub antialias: AntiAliasSpec,
+    /// When samples are taken.
+    #[serde(default)]
+    pub clock: ClockSpec,
+    /// The corners driven: at least one.
+    pub corner: Corners,
+}
+
+/// Sprung mass motions of a passenger car decay like exp(-2 t): what is left after this is below the noise.
+fn usual_settling_s() -> f64 {
+    4.0
+}
+
+fn usual_wheelbase_m() -> f64 {
+    2.7
+}
+
+impl Scenario {
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Invalid`] names the first value that is out of range.
+    pub fn validate(&self) -> Result<(), ScenarioError> {
+        self.first_invalid().map_err(|source| ScenarioError::Invalid { scenario: self.name.clone(), source })
+    }
+
+    fn first_invalid(&self) -> Result<(), InvalidValue> {
+        within("duration_s", self.duration_s, 0.1, 1e6, "a duration from 0.1 to 1000000 s")?;
+        within("rate_hz", self.rate_hz, 20.0, 10_000.0, "a rate from 20 to 10000 Hz")?;
+        within("settle_s", self.settle_s, 0.0, 60.0, "a time from 0 to 60 s")?;
+        within("wheelbase_m", self.wheelbase_m, 0.5, 7.0, "a length from 0.5 to 7 m")?;
+        self.speed.profile_m_s().map_err(|e| e.within("speed"))?;
+        self.road.validate().map_err(|e| e.within("road"))?;
+        self.sensor.validate().map_err(|e| e.within("sensor"))?;
+        self.antialias.validate().map_err(|e| e.within("antialias"))?;
+        within("clock.jitter", self.clock.jitter, 0.0, 0.49, "a fraction from 0 to 0.49")?;
+        if self.corner.iter().next().is_none() {
+            return Err(InvalidValue::new("corner", "empty", "at least one of fl, fr, rl, rr"));
+        }
+        for (corner, spec) in self.corner.iter() {
+            spec.validate().map_err(|e| e.within(corner.label()).within("corner"))?;
+        }
+        Ok(())
+    }
+
+    /// Number of rows of the log.
+    #[must_use]
+    pub fn rows(&self) -> u64 {
+        // A duration of 40 s at 500 Hz is 20 000 rows, whatever the rounding of the product.
+        (self.duration_s * self.rate_hz + 1e-6) as u64
+    }
+
+    /// What the estimator of a corner is told: the vehicle file's values, the sensor noise, where to start.
+    ///
+    /// # Errors
+    /// The scenario has no such corner, or one of the values is out of range.
+    pub fn corner_config(&self, corner: Corner) -> Result<CornerConfig<f64>, ScenarioError> {
+        let told = match self.corner.get(corner) {
+            Some(spec) => spec.told(&self.sensor).map_err(|e| e.within(corner.label()).within("corner")),
+            None => Err(InvalidValue::new(format!("corner.{}", corner.label()), "missing", "a corner")),
+        };
+        told.map_err(|source| ScenarioError::Invalid { scenario: self.name.clone(), source })
+    }
+}

@@ -1,0 +1,292 @@
+//! Histories in time that are straight between given points: the car's speed and a tire's pressure.
+//!
+//! Called by the scenario (which holds them as written) and the simulation (which asks for values). Before the
+//! first point and after the last the value holds.
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::{InvalidValue, not_negative, positive, within};
+
+/// A continuous function of time, straight between its points, with its integral.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TimeProfile {
+    times_s: Vec<f64>,
+    values: Vec<f64>,
+    /// Integral from the first point to each point.
+    integrals: Vec<f64>,
+    /// Integral from the first point to time zero.
+    integral_to_zero: f64,
+}
+
+impl TimeProfile {
+    /// The same value at all times.
+    #[must_use]
+    pub fn constant(value: f64) -> Self {
+        Self { times_s: vec![0.0], values: vec![value], integrals: vec![0.0], integral_to_zero: 0.0 }
+    }
+
+    /// Through `[time_s, value]` points, at least one.
+    ///
+    /// # Errors
+    /// Names the point that is not finite or whose time does not increase.
+    pub fn new(points: &[[f64; 2]]) -> Result<Self, InvalidValue> {
+        if points.is_empty() {
+            return Err(InvalidValue::new("points", "empty", "at least one [time_s, value] point"));
+        }
+        let (mut times_s, mut values, mut integrals) = (Vec::new(), Vec::new(), Vec::new());
+        for (i, &[time, value]) in points.iter().enumerate() {
+            if !(time.is_finite() && value.is_finite()) {
+                let found = format!("[{time}, {value}]");
+                return Err(InvalidValue::new(format!("point {}", i + 1), found, "two finite numbers"));
+            }
+            let integral = match (times_s.last(), values.last(), integrals.last()) {
+                (Some(&t0), Some(&v0), Some(&i0)) => {
+                    if !(time > t0) {
+                        let found = format!("{time} after {t0}");
+                        let field = format!("the time of point {}", i + 1);
+                        return Err(InvalidValue::new(field, found, "times that increase"));
+                    }
+                    i0 + 0.5 * (time - t0) * (value + v0)
+                }
+                _ => 0.0,
+            };
+            times_s.push(time);
+            values.push(value);
+            integrals.push(integral);
+        }
+        let mut profile = Self { times_s, values, integrals, integral_to_zero: 0.0 };
+        profile.integral_to_zero = profile.since_first_point(0.0);
+        Ok(profile)
+    }
+
+    /// Value at a time in s.
+    pub fn value(&self, time_s: f64) -> f64 {
+        let i = self.points_until(time_s);
+        if i == 0 {
+            return self.values[0];
+        }
+        let (t0, v0) = (self.times_s[i - 1], self.values[i - 1]);
+        match (self.times_s.get(i), self.values.get(i)) {
+            (Some(t1), Some(v1)) => v0 + (v1 - v0) * (time_s - t0) / (t1 - t0),
+            _ => v0,
+        }
+    }
+
+    /// Integral from 0 s to a time in s; negative before 0 s when the value is positive.
+    pub fn integral(&self, time_s: f64) -> f64 {
+        self.since_first_point(time_s) - self.integral_to_zero
+    }
+
+    /// Largest value, reached at one of the points.
+    pub fn maximum(&self) -> f64 {
+        self.values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Smallest value, reached at one of the points.
+    pub fn minimum(&self) -> f64 {
+        self.values.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
+    fn points_until(&self, time_s: f64) -> usize {
+        self.times_s.partition_point(|&t| t <= time_s)
+    }
+
+    fn since_first_point(&self, time_s: f64) -> f64 {
+        let i = self.points_until(time_s).saturating_sub(1);
+        self.integrals[i] + 0.5 * (time_s - self.times_s[i]) * (self.values[i] + self.value(time_s))
+    }
+}
+
+/// The car's speed over time, as written in a scenario.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Speed {
+    /// One speed in km/h.
+    #[serde(rename = "constant_km_h")]
+    ConstantKmH(f64),
+    /// Points `[time in s, speed in km/h]`, straight between them; zero is a stop.
+    #[serde(rename = "points_s_km_h")]
+    PointsSKmH(Vec<[f64; 2]>),
+}
+
+impl Speed {
+    /// Speed in m/s over time; its integral is the distance in m.
+    ///
+    /// # Errors
+    /// Speeds are finite and from 0 to 500 km/h, times increase.
+    pub fn profile_m_s(&self) -> Result<TimeProfile, InvalidValue> {
+        let points = match self {
+            Speed::ConstantKmH(v) => vec![[0.0, *v]],
+            Speed::PointsSKmH(points) => points.clone(),
+        };
+        for [_, v] in &points {
+            within("km/h", *v, 0.0, 500.0, "a speed from 0 to 500")?;
+        }
+        TimeProfile::new(&points.iter().map(|&[t, v]| [t, v / 3.6]).collect::<Vec<_>>())
+    }
+}
+
+/// A tire's gauge pressure over time, as written in a scenario.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Pressure {
+    /// One pressure in kPa.
+    #[serde(rename = "constant_kpa")]
+    ConstantKpa(f64),
+    /// Points `[time in s, pressure in kPa]`, straight between them.
+    #[serde(rename = "points_s_kpa")]
+    PointsSKpa(Vec<[f64; 2]>),
+}
+
+impl Pressure {
+    /// Holds `from_kpa` until `start_s`, then goes straight to `to_kpa` within `duration_s`.
+    #[must_use]
+    pub fn ramp(from_kpa: f64, to_kpa: f64, start_s: f64, duration_s: f64) -> Self {
+        Pressure::PointsSKpa(vec![[start_s, from_kpa], [start_s + duration_s, to_kpa]])
+    }
+
+    /// Follows commands `(time_s, kpa)` no faster than `max_kpa_per_s`: the paper's slew-rate-limited input. A
+    /// command that comes before the last one is reached takes over from there.
+    ///
+    /// # Errors
+    /// The rate must be positive, the commands' times must increase.
+    pub fn rate_limited(
+        initial_kpa: f64,
+        commands: &[(f64, f64)],
+        max_kpa_per_s: f64,
+    ) -> Result<Self, InvalidValue> {
+        positive("max_kpa_per_s", max_kpa_per_s)?;
+        let mut points: Vec<[f64; 2]> = Vec::new();
+        let mut now_kpa = initial_kpa;
+        for (i, &(time_s, target_kpa)) in commands.iter().enumerate() {
+            let until_s = commands.get(i + 1).map_or(f64::INFINITY, |c| c.0);
+            if !(time_s < until_s) {
+                return Err(InvalidValue::new(
+                    "commands",
+                    format!("{until_s} s after {time_s} s"),
+                    "times that increase",
+                ));
+            }
+            let needed_s = (target_kpa - now_kpa).abs() / max_kpa_per_s;
+            let ends_s = until_s.min(time_s + needed_s);
+            if points.last().is_none_or(|p| p[0] < time_s) {
+                points.push([time_s, now_kpa]);
+            }
+            if ends_s > time_s {
+                let share = if needed_s > 0.0 { (ends_s - time_s) / needed_s } else { 1.0 };
+                now_kpa += share * (target_kpa - now_kpa);
+                points.push([ends_s, now_kpa]);
+            }
+        }
+        if points.is_empty() {
+            return Ok(Pressure::ConstantKpa(initial_kpa));
+        }
+        Ok(Pressure::PointsSKpa(points))
+    }
+
+    /// The paper's Fig. 6: 241.3 kPa until 20 s, down to 137.9 within 2.5 s.
+    #[must_use]
+    pub fn paper_drop() -> Self {
+        Self::ramp(241.3, 137.9, 20.0, 2.5)
+    }
+
+    /// The paper's Fig. 9a: the same down to 41.4 kPa.
+    #[must_use]
+    pub fn paper_deep_drop() -> Self {
+        Self::ramp(241.3, 41.4, 20.0, 2.5)
+    }
+
+    /// The paper's Fig. 9b: 241.3 kPa until 15 s, 138 at 17.5 s, 195 at 27.5 s, held.
+    #[must_use]
+    pub fn paper_drop_recover() -> Self {
+        Pressure::PointsSKpa(vec![[15.0, 241.3], [17.5, 138.0], [27.5, 195.0]])
+    }
+
+    /// Pressure in kPa over time.
+    ///
+    /// # Errors
+    /// Pressures are finite and not negative, times increase.
+    pub fn profile_kpa(&self) -> Result<TimeProfile, InvalidValue> {
+        let points = match self {
+            Pressure::ConstantKpa(p) => vec![[0.0, *p]],
+            Pressure::PointsSKpa(points) => points.clone(),
+        };
+        for [_, p] in &points {
+            not_negative("kPa", *p)?;
+        }
+        TimeProfile::new(&points)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_and_integrals_are_those_of_the_polygon() {
+        let p = TimeProfile::new(&[[10.0, 2.0], [20.0, 6.0], [30.0, 0.0]]).unwrap();
+        for (t, v) in
+            [(-5.0, 2.0), (10.0, 2.0), (15.0, 4.0), (20.0, 6.0), (25.0, 3.0), (30.0, 0.0), (99.0, 0.0)]
+        {
+            assert!((p.value(t) - v).abs() < 1e-12, "{t}");
+        }
+        // By hand: 20 m until 10 s, 40 m more until 20 s, 30 m more until 30 s, then standing.
+        for (t, d) in
+            [(-1.0, -2.0), (0.0, 0.0), (10.0, 20.0), (15.0, 35.0), (20.0, 60.0), (30.0, 90.0), (50.0, 90.0)]
+        {
+            assert!((p.integral(t) - d).abs() < 1e-12, "{t}");
+        }
+        assert_eq!((p.minimum(), p.maximum()), (0.0, 6.0));
+    }
+
+    #[test]
+    fn the_papers_pressures_are_those_of_its_figures() {
+        let drop = Pressure::paper_drop().profile_kpa().unwrap();
+        let deep = Pressure::paper_deep_drop().profile_kpa().unwrap();
+        let recover = Pressure::paper_drop_recover().profile_kpa().unwrap();
+        for (profile, t, kpa) in [
+            (&drop, 0.0, 241.3),
+            (&drop, 20.0, 241.3),
+            (&drop, 21.25, 189.6),
+            (&drop, 22.5, 137.9),
+            (&drop, 40.0, 137.9),
+            (&deep, 20.0, 241.3),
+            (&deep, 22.5, 41.4),
+            (&recover, 15.0, 241.3),
+            (&recover, 17.5, 138.0),
+            (&recover, 22.5, 166.5),
+            (&recover, 27.5, 195.0),
+            (&recover, 40.0, 195.0),
+        ] {
+            assert!((profile.value(t) - kpa).abs() < 1e-9, "{t} {kpa}");
+        }
+    }
+
+    #[test]
+    fn a_rate_limit_turns_commands_into_ramps() {
+        // 41.36 kPa/s is the slope of Fig. 6: the limited step is the same ramp.
+        let limited = Pressure::rate_limited(241.3, &[(20.0, 137.9)], 41.36).unwrap().profile_kpa().unwrap();
+        let drop = Pressure::paper_drop().profile_kpa().unwrap();
+        for t in [0.0, 20.0, 21.0, 22.5, 30.0] {
+            assert!((limited.value(t) - drop.value(t)).abs() < 1e-9, "{t}");
+        }
+        // Down at 10 kPa/s for 2 s, then a new command takes over from where it is.
+        let p = Pressure::rate_limited(200.0, &[(0.0, 100.0), (2.0, 190.0)], 10.0)
+            .unwrap()
+            .profile_kpa()
+            .unwrap();
+        for (t, kpa) in [(1.0, 190.0), (2.0, 180.0), (2.5, 185.0), (3.0, 190.0), (9.0, 190.0)] {
+            assert!((p.value(t) - kpa).abs() < 1e-9, "{t}");
+        }
+        assert!(Pressure::rate_limited(200.0, &[(1.0, 1.0), (1.0, 2.0)], 10.0).is_err());
+        assert!(Pressure::rate_limited(200.0, &[(1.0, 1.0)], f64::NAN).is_err());
+    }
+
+    #[test]
+    fn bad_points_are_named() {
+        let e = TimeProfile::new(&[[0.0, 1.0], [0.0, 2.0]]).unwrap_err().to_string();
+        assert_eq!(e, "the time of point 2 is 0 after 0, expected times that increase");
+        assert!(TimeProfile::new(&[]).is_err());
+        assert!(TimeProfile::new(&[[0.0, f64::NAN]]).is_err());
+        assert!(Speed::ConstantKmH(-1.0).profile_m_s().is_err());
+        assert!(Pressure::ConstantKpa(f64::NAN).profile_kpa().is_err());
+    }
+}

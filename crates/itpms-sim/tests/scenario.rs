@@ -1,0 +1,232 @@
+//! Scenario files: what is accepted, what is refused, and with which words.
+
+use itpms_sim::error::ScenarioError;
+use itpms_sim::road::{Extension, RoadClass, Segment, Surface};
+use itpms_sim::scenario::Scenario;
+use itpms_sim::simulation::Simulation;
+
+/// The smallest scenario there is.
+const SMALL: &str = r#"
+name = "small"
+duration_s = 1
+rate_hz = 200
+[speed]
+constant_km_h = 50
+[road]
+surface = "flat"
+[corner.fl.pressure]
+constant_kpa = 230
+"#;
+
+/// One of everything.
+const FULL: &str = r#"
+name = "full"
+description = "one of everything"
+duration_s = 10.0
+rate_hz = 100.0
+settle_s = 1.0
+wheelbase_m = 2.6
+
+[speed]
+points_s_km_h = [[0.0, 20.0], [5.0, 100.0], [10.0, 0.0]]
+
+[road]
+contact_length_m = 0.1
+
+[road.surface.segments]
+after_last = "repeat"
+amplitude = "fixed"
+list = [
+    { length_m = 50.0, roughness = "A", slope = 1.8 },
+    { length_m = 20.0, roughness = 500e-6, slope = 2.6 },
+]
+
+[[road.pothole]]
+at_m = 12.0
+length_m = 0.5
+depth_m = 0.04
+
+[[road.step]]
+at_m = 20.0
+height_m = -0.01
+edge_m = 0.1
+tracks = "right"
+
+[sensor]
+noise_m_s2 = 0.1
+bias_m_s2 = 0.2
+gain_error = 0.01
+resolution_m_s2 = 0.01
+range_m_s2 = 80.0
+dropout_fraction = 0.01
+dropout_burst_samples = 4.0
+
+[antialias]
+order = 2
+corner = 0.25
+
+[clock]
+jitter = 0.1
+
+[corner.fl]
+sprung_mass_kg = 300.0
+unsprung_mass_kg = 40.0
+damping_n_s_per_m = 1500.0
+spring_n_per_m = 20000.0
+placard_kpa = 250.0
+accel_noise_m_s2 = 0.12
+initial_stiffness_n_per_m = 200000.0
+pressure.points_s_kpa = [[0.0, 250.0], [10.0, 200.0]]
+tire = { stiffness_per_kpa = 700.0, stiffness_at_zero = 50000.0 }
+wheel_sensor = { noise_m_s2 = 0.3 }
+
+[corner.fl.truth]
+sprung_mass_factor = 1.08
+tire_damping_n_s_per_m = 40.0
+damper_asymmetry = 0.2
+friction_n = 8.0
+
+[corner.rr]
+pressure.constant_kpa = 241.3
+"#;
+
+fn refused(text: &str) -> String {
+    Scenario::from_toml(text, "file.toml").unwrap_err().to_string()
+}
+
+#[test]
+fn written_and_read_again_a_scenario_is_the_same() {
+    let mut all: Vec<Scenario> =
+        Scenario::builtin_names().map(|name| Scenario::builtin(name).unwrap()).collect();
+    all.extend([SMALL, FULL].map(|text| Scenario::from_toml(text, "test").unwrap()));
+    for scenario in all {
+        let text = scenario.to_toml().unwrap();
+        assert_eq!(Scenario::from_toml(&text, "again").unwrap(), scenario, "{text}");
+    }
+}
+
+#[test]
+fn every_field_reaches_its_place() {
+    let s = Scenario::from_toml(FULL, "test").unwrap();
+    let Surface::Segments(segments) = &s.road.surface else { panic!("{:?}", s.road.surface) };
+    assert_eq!(segments.list[0], Segment { length_m: 50.0, roughness: RoadClass::A.into(), slope: 1.8 });
+    assert!((segments.list[1].roughness.gd_n0_m3() - 500e-6).abs() < 1e-15);
+    assert_eq!((s.road.pothole[0].edge_m, s.road.step[0].height_m), (0.05, -0.01));
+    let fl = s.corner.fl.as_ref().unwrap();
+    assert_eq!((fl.truth.sprung_mass_factor, fl.truth.spring_factor), (1.08, 1.0));
+    assert_eq!(fl.wheel_sensor.unwrap().noise_m_s2, 0.3);
+    let told = s.corner_config(itpms_core::sample::Corner::FrontLeft).unwrap();
+    assert_eq!((told.placard_kpa, told.accel_noise_m_s2), (250.0, Some(0.12)));
+    assert_eq!(told.quarter_car.sprung_mass_kg(), 300.0);
+    let rows: Vec<_> = Simulation::new(&s, 1).unwrap().collect();
+    assert_eq!(rows.len(), 1000);
+    assert!(rows.iter().all(|r| r.corners[0].is_some() && r.corners[1].is_none() && r.corners[3].is_some()));
+}
+
+#[test]
+fn syntax_errors_say_where_and_what() {
+    for (from, to, expected) in [
+        (
+            "rate_hz = 200",
+            "rate_hz = \"fast\"",
+            "file.toml, line 4, column 11: invalid type: string \"fast\", expected f64",
+        ),
+        ("rate_hz", "rate_khz", "file.toml, line 4, column 1: unknown field `rate_khz`, expected one of"),
+        (
+            "constant_km_h",
+            "constant_mph",
+            "line 6, column 1: unknown variant `constant_mph`, expected `constant_km_h` or `points_s_km_h`",
+        ),
+        (
+            "\"flat\"",
+            "\"bumpy\"",
+            "line 8, column 11: unknown variant `bumpy`, expected one of `flat`, `iso8608`, `segments`, `profile`",
+        ),
+        ("[corner.fl.", "[corner.f1.", "unknown field `f1`, expected one of `fl`, `fr`, `rl`, `rr`"),
+        ("duration_s = 1", "", "missing field `duration_s`"),
+        (
+            "surface = \"flat\"",
+            "surface.iso8608.roughness = \"I\"",
+            "line 8, column 29: invalid value: string \"I\", expected a road class from \"A\" to \"H\" or Gd(n0) in m3",
+        ),
+        ("= 200", "= = 200", "file.toml, line 4, column 11"),
+    ] {
+        let message = refused(&SMALL.replacen(from, to, 1));
+        assert!(message.contains(expected), "{message}\nexpected: {expected}");
+        assert!(!message.contains('\n'), "{message}");
+    }
+}
+
+#[test]
+fn values_out_of_range_are_named_with_their_table() {
+    for (from, to, expected) in [
+        (
+            "rate_hz = 200",
+            "rate_hz = 0",
+            "scenario `small`: rate_hz is 0, expected a rate from 20 to 10000 Hz",
+        ),
+        (
+            "= 230",
+            "= -5",
+            "scenario `small`: corner.fl.pressure.kPa is -5, expected a finite number, zero or more",
+        ),
+        ("= 50", "= nan", "scenario `small`: speed.km/h is NaN, expected a speed from 0 to 500"),
+        (
+            "surface = \"flat\"",
+            "surface.iso8608 = { roughness = \"A\", slope = 9 }",
+            "road.surface.iso8608.slope is 9",
+        ),
+        (
+            "[corner.fl.pressure]",
+            "[corner.fl.truth]\nfriction_n = -1\n[corner.fl.pressure]",
+            "corner.fl.truth.friction_n is -1",
+        ),
+        (
+            "[corner.fl.pressure]",
+            "[corner.fl]\nsprung_mass_kg = 0\n[corner.fl.pressure]",
+            "corner.fl.sprung_mass_kg is 0",
+        ),
+        ("[road]", "[clock]\njitter = 0.5\n[road]", "clock.jitter is 0.5"),
+    ] {
+        let message = refused(&SMALL.replacen(from, to, 1));
+        assert!(message.contains(expected), "{message}\nexpected: {expected}");
+    }
+    let none = SMALL.replacen("[corner.fl.pressure]\nconstant_kpa = 230", "[corner]", 1);
+    assert!(refused(&none).contains("corner is empty, expected at least one of fl, fr, rl, rr"));
+}
+
+#[test]
+fn an_unknown_name_lists_the_known_ones() {
+    let message = Scenario::load("paper-dorp").unwrap_err().to_string();
+    assert_eq!(
+        message,
+        "no scenario `paper-dorp` (did you mean `paper-drop`?); \
+         built in: paper-drop, paper-deep-drop, paper-drop-recover; or give a TOML file"
+    );
+    let message = Scenario::builtin("xyz").unwrap_err().to_string();
+    assert!(message.starts_with("no scenario `xyz`; built in: paper-drop"), "{message}");
+}
+
+#[test]
+fn files_are_found_and_their_profiles_beside_them() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("drive.toml");
+    let road: String =
+        (0..100).map(|i| format!("{} {}\n", 0.25 * f64::from(i), 0.01 * f64::from(i % 7))).collect();
+    std::fs::write(dir.path().join("road.txt"), road).unwrap();
+    let text = SMALL.replacen(
+        "surface = \"flat\"",
+        "surface.profile = { file = \"road.txt\", extend = \"mirror\" }",
+        1,
+    );
+    std::fs::write(&path, &text).unwrap();
+    let scenario = Scenario::load(path.to_str().unwrap()).unwrap();
+    let Surface::Profile(profile) = &scenario.road.surface else { panic!() };
+    assert_eq!(profile.extend, Extension::Mirror);
+    assert_eq!(Simulation::new(&scenario, 1).unwrap().count(), 200);
+
+    std::fs::write(dir.path().join("road.txt"), "0 0\n1 0\n").unwrap();
+    let message = Simulation::new(&scenario, 1).unwrap_err().to_string();
+    assert_eq!(message, "scenario `small`, road profile: 2 points, expected at least 4");
+    assert!(matches!(Scenario::load("no/such.toml"), Err(ScenarioError::Read { .. })));
+}
