@@ -61,15 +61,7 @@ impl TimeProfile {
 
     /// Value at a time in s.
     pub fn value(&self, time_s: f64) -> f64 {
-        let i = self.points_until(time_s);
-        if i == 0 {
-            return self.values[0];
-        }
-        let (t0, v0) = (self.times_s[i - 1], self.values[i - 1]);
-        match (self.times_s.get(i), self.values.get(i)) {
-            (Some(t1), Some(v1)) => v0 + (v1 - v0) * (time_s - t0) / (t1 - t0),
-            _ => v0,
-        }
+        self.value_after(self.last_point(time_s), time_s)
     }
 
     /// Integral from 0 s to a time in s; negative before 0 s when the value is positive.
@@ -87,13 +79,26 @@ impl TimeProfile {
         self.values.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
-    fn points_until(&self, time_s: f64) -> usize {
-        self.times_s.partition_point(|&t| t <= time_s)
+    /// The last point not later than a time, or the first point.
+    fn last_point(&self, time_s: f64) -> usize {
+        match self.times_s.len() {
+            1 => 0,
+            _ => self.times_s.partition_point(|&t| t <= time_s).saturating_sub(1),
+        }
+    }
+
+    fn value_after(&self, point: usize, time_s: f64) -> f64 {
+        let (t0, v0) = (self.times_s[point], self.values[point]);
+        match (self.times_s.get(point + 1), self.values.get(point + 1)) {
+            (Some(t1), Some(v1)) if time_s > t0 => v0 + (v1 - v0) * (time_s - t0) / (t1 - t0),
+            _ => v0,
+        }
     }
 
     fn since_first_point(&self, time_s: f64) -> f64 {
-        let i = self.points_until(time_s).saturating_sub(1);
-        self.integrals[i] + 0.5 * (time_s - self.times_s[i]) * (self.values[i] + self.value(time_s))
+        let point = self.last_point(time_s);
+        let mean = 0.5 * (self.values[point] + self.value_after(point, time_s));
+        self.integrals[point] + (time_s - self.times_s[point]) * mean
     }
 }
 

@@ -1,4 +1,5 @@
 //! Scenario files: what is accepted, what is refused, and with which words.
+#![allow(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
 use itpms_sim::error::ScenarioError;
 use itpms_sim::road::{Extension, RoadClass, Segment, Surface};
@@ -18,77 +19,8 @@ surface = "flat"
 constant_kpa = 230
 "#;
 
-/// One of everything.
-const FULL: &str = r#"
-name = "full"
-description = "one of everything"
-duration_s = 10.0
-rate_hz = 100.0
-settle_s = 1.0
-wheelbase_m = 2.6
-
-[speed]
-points_s_km_h = [[0.0, 20.0], [5.0, 100.0], [10.0, 0.0]]
-
-[road]
-contact_length_m = 0.1
-
-[road.surface.segments]
-after_last = "repeat"
-amplitude = "fixed"
-list = [
-    { length_m = 50.0, roughness = "A", slope = 1.8 },
-    { length_m = 20.0, roughness = 500e-6, slope = 2.6 },
-]
-
-[[road.pothole]]
-at_m = 12.0
-length_m = 0.5
-depth_m = 0.04
-
-[[road.step]]
-at_m = 20.0
-height_m = -0.01
-edge_m = 0.1
-tracks = "right"
-
-[sensor]
-noise_m_s2 = 0.1
-bias_m_s2 = 0.2
-gain_error = 0.01
-resolution_m_s2 = 0.01
-range_m_s2 = 80.0
-dropout_fraction = 0.01
-dropout_burst_samples = 4.0
-
-[antialias]
-order = 2
-corner = 0.25
-
-[clock]
-jitter = 0.1
-
-[corner.fl]
-sprung_mass_kg = 300.0
-unsprung_mass_kg = 40.0
-damping_n_s_per_m = 1500.0
-spring_n_per_m = 20000.0
-placard_kpa = 250.0
-accel_noise_m_s2 = 0.12
-initial_stiffness_n_per_m = 200000.0
-pressure.points_s_kpa = [[0.0, 250.0], [10.0, 200.0]]
-tire = { stiffness_per_kpa = 700.0, stiffness_at_zero = 50000.0 }
-wheel_sensor = { noise_m_s2 = 0.3 }
-
-[corner.fl.truth]
-sprung_mass_factor = 1.08
-tire_damping_n_s_per_m = 40.0
-damper_asymmetry = 0.2
-friction_n = 8.0
-
-[corner.rr]
-pressure.constant_kpa = 241.3
-"#;
+/// One of everything, with what it means.
+const FULL: &str = include_str!("../scenarios/example-everything.toml");
 
 fn refused(text: &str) -> String {
     Scenario::from_toml(text, "file.toml").unwrap_err().to_string()
