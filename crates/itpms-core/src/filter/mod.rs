@@ -1,4 +1,4 @@
-//! The paper's filters.
+//! The paper's filters, and the paper's filter mended.
 //!
 //! Called by whoever turns a drive into estimates or draws the paper's figures; knows nothing of pressure, files,
 //! clocks or what a warning is. Derivations: `docs/math/ekf-ui.md` and `docs/math/forgetting.md`.
@@ -10,17 +10,30 @@
 //! | [`forgetting`] | the residual's covariance and the factor drawn from it (eq. 18-37) |
 //! | [`aekf_ui`] | both put together: [`AekfUi`], which is the EKF-UI when told not to forget |
 //! | [`record`] | what one step says about itself |
+//! | [`informed_config`], [`informed_record`] | the same for the mended filter |
+//! | [`motion`] | body and wheel under the tire's force: linear, third order, without drift |
+//! | [`parameter`] | forgetting on one scalar parameter |
+//! | [`aekf_ui_informed`] | the mended filter: [`AekfUiInformed`], which needs to be told about the stiffness |
 //!
 //! **The published filters do not find the tire stiffness.** Two accelerations and an arbitrary road fix the tire's
 //! force, not its stiffness; `k_t` stays where it started (shown in `docs/math/ekf-ui.md`, tested in
 //! `tests/published_filter.rs`). They are here to the letter so that this can be seen.
 
 pub mod aekf_ui;
+pub mod aekf_ui_informed;
 pub mod config;
 pub mod ekf_ui;
 pub mod forgetting;
+pub mod informed_config;
+pub mod informed_record;
+pub mod motion;
+pub mod parameter;
 pub mod record;
 
 pub use aekf_ui::AekfUi;
+pub use aekf_ui_informed::AekfUiInformed;
 pub use config::{CorrectionInput, FactorTiming, FilterConfig, Forgetting, GradientDescent};
+pub use informed_config::InformedConfig;
+pub use informed_record::{InformedRecord, InformedStatus, StiffnessUpdate};
+pub use parameter::ParameterForgetting;
 pub use record::{Divergence, StepRecord, StepStatus};

@@ -1,0 +1,52 @@
+//! A filter saved in the middle of a drive and restored goes on as if nothing had happened, bit by bit.
+#![cfg(feature = "serde")]
+mod common;
+
+use common::quarter_plant::{drive, fig_6_kpa};
+use itpms_core::estimate::CornerConfig;
+use itpms_core::filter::{AekfUi, AekfUiInformed, FilterConfig, Forgetting, GradientDescent, InformedConfig};
+use itpms_core::quarter_car::QuarterCar;
+
+#[test]
+fn the_published_filter_resumes_bit_identically() {
+    let drive = drive(11, 4.0, 1000.0, 0.05, fig_6_kpa);
+    let iterative = Forgetting::Iterative(GradientDescent::default());
+    for forgetting in [Forgetting::None, Forgetting::OneStep, iterative] {
+        let config = FilterConfig::paper_simulation().with_forgetting(forgetting);
+        let mut original = AekfUi::<f64>::new(QuarterCar::paper_table_2(), config).unwrap();
+        for sample in &drive.samples[..2000] {
+            original.step(drive.dt_s, sample);
+        }
+        let saved = postcard::to_allocvec(&original).unwrap();
+        let mut restored: AekfUi<f64> = postcard::from_bytes(&saved).unwrap();
+        assert_eq!(restored, original);
+        for sample in &drive.samples[2000..] {
+            let (a, b) = (original.step(drive.dt_s, sample), restored.step(drive.dt_s, sample));
+            // As bytes, so that equal NaN count as equal and unequal zeros do not.
+            assert_eq!(postcard::to_allocvec(&a).unwrap(), postcard::to_allocvec(&b).unwrap());
+        }
+    }
+}
+
+#[test]
+fn the_informed_filter_resumes_bit_identically() {
+    let drive = drive(12, 4.0, 500.0, 0.05, fig_6_kpa);
+    let corner = CornerConfig::<f64>::paper();
+    let mut original = AekfUiInformed::new(corner.quarter_car, InformedConfig::for_corner(&corner)).unwrap();
+    let advance = |filter: &mut AekfUiInformed<f64>, k: usize| {
+        if k % 50 == 0 {
+            filter.measure_stiffness(200_000.0 + 50.0 * k as f64, 30_000.0);
+        }
+        filter.step(drive.dt_s, &drive.samples[k])
+    };
+    for k in 0..1000 {
+        advance(&mut original, k);
+    }
+    let saved = postcard::to_allocvec(&original).unwrap();
+    println!("{} bytes", saved.len());
+    let mut restored: AekfUiInformed<f64> = postcard::from_bytes(&saved).unwrap();
+    for k in 1000..2000 {
+        let (a, b) = (advance(&mut original, k), advance(&mut restored, k));
+        assert_eq!(postcard::to_allocvec(&a).unwrap(), postcard::to_allocvec(&b).unwrap());
+    }
+}
