@@ -1,0 +1,329 @@
+//! The page itself: everything that can be read without a script is written here, the curves are drawn by
+//! `assets/report.js`.
+//!
+//! Called by [`render_report`](super::render_report). Every text that comes from outside goes through [`escape`].
+
+use std::fmt::Write as _;
+use std::io;
+
+use itpms_core::estimate::Warning;
+
+use super::words::{Status, clock, corner_name, reading, sentence, title};
+use super::{CornerReport, ReportData, json};
+
+const TEMPLATE: &str = include_str!("../../assets/report.html");
+const STYLE: &str = include_str!("../../assets/report.css");
+const SCRIPT: &str = include_str!("../../assets/report.js");
+const PLOT_STYLE: &str = include_str!("../../assets/uplot/uPlot.min.css");
+const PLOT_LICENSE: &str = include_str!("../../assets/uplot/LICENSE");
+const PLOT_SCRIPT: &str = include_str!("../../assets/uplot/uPlot.iife.min.js");
+
+/// Fills the template. What is filled in is not searched for further places.
+pub(super) fn page(data: &ReportData) -> io::Result<String> {
+    let headline = escape(&title(data));
+    let curves = json::curves(data)?;
+    let parts: [(&str, String); 13] = [
+        ("title", headline.clone()),
+        ("plot_style", PLOT_STYLE.into()),
+        ("style", STYLE.into()),
+        ("headline", headline),
+        ("subline", subline(data)),
+        ("cards", data.corners.iter().map(card).collect()),
+        ("figures", figures(data)),
+        ("corners", sections(data)),
+        ("provenance", provenance(data)),
+        ("data", curves),
+        ("plot_license", PLOT_LICENSE.into()),
+        ("plot_script", PLOT_SCRIPT.into()),
+        ("script", SCRIPT.into()),
+    ];
+    let mut page = String::with_capacity(200_000);
+    let mut rest = TEMPLATE;
+    while let Some((before, after)) = rest.split_once("{{") {
+        page.push_str(before);
+        let (name, after) = after.split_once("}}").unwrap_or(("", after));
+        if let Some((_, text)) = parts.iter().find(|(key, _)| *key == name) {
+            page.push_str(text);
+        }
+        rest = after;
+    }
+    page.push_str(rest);
+    Ok(page)
+}
+
+/// Text as HTML text or attribute value.
+fn escape(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for character in text.chars() {
+        match character {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&#39;"),
+            _ => out.push(character),
+        }
+    }
+    out
+}
+
+fn subline(data: &ReportData) -> String {
+    let (p, d) = (&data.provenance, &data.drive);
+    let mut parts = vec![p.vehicle.clone(), p.source.clone(), span(d.duration_s)];
+    if d.distance_m.is_finite() {
+        parts.push(distance(d.distance_m));
+    }
+    if !p.estimator.is_empty() {
+        parts.push(format!("estimator {}", p.estimator));
+    }
+    let parts: Vec<String> = parts.iter().filter(|part| !part.is_empty()).map(|part| escape(part)).collect();
+    parts.join(" <span class=\"dot\">·</span> ")
+}
+
+fn span(seconds: f64) -> String {
+    if seconds.is_finite() { clock(seconds) } else { String::new() }
+}
+
+fn distance(metres: f64) -> String {
+    if metres < 1000.0 { format!("{metres:.0}\u{a0}m") } else { format!("{:.2}\u{a0}km", metres / 1000.0) }
+}
+
+/// One corner at a glance: its pressure now against the placard's.
+fn card(corner: &CornerReport) -> String {
+    let status = Status::of(corner);
+    let f = &corner.figures;
+    let (number, spread, gauge) = match &f.last {
+        Some(last) => {
+            let text = reading(last);
+            let (number, spread) = text.split_once('\u{a0}').unwrap_or((&text, ""));
+            (number.to_owned(), spread.to_owned(), gauge(corner, last.pressure_kpa, last.sd_kpa))
+        }
+        None => ("–".to_owned(), "kPa".to_owned(), String::new()),
+    };
+    let lowest = f.lowest.as_ref().map_or(String::new(), |lowest| {
+        format!("<span>lowest {} at {}</span>", reading(lowest), clock(lowest.time_s))
+    });
+    format!(
+        "<a class=\"card {class}\" href=\"#{id}\"><span class=\"card-name\">{name}</span>\
+         <span class=\"badge {class}\">{label}</span>\
+         <span class=\"card-number\">{number}<small>{spread}</small></span>{gauge}\
+         <span class=\"card-foot\"><span>placard {placard:.0} kPa</span>{lowest}</span></a>\n",
+        class = status.class(),
+        id = corner.corner.label(),
+        name = corner_name(corner.corner),
+        label = status.label(),
+        placard = corner.placard_kpa,
+    )
+}
+
+/// A bar from nothing to a quarter above the placard's pressure, with the 95 % interval and the placard's mark.
+fn gauge(corner: &CornerReport, pressure_kpa: f64, sd_kpa: f64) -> String {
+    let percent = |p: f64| (80.0 * p / corner.placard_kpa).clamp(0.0, 100.0);
+    let half = super::Z_95 * sd_kpa;
+    let (from, to) = (percent(pressure_kpa - half), percent(pressure_kpa + half));
+    format!(
+        "<span class=\"gauge\" aria-hidden=\"true\"><i class=\"gauge-fill\" style=\"width:{:.1}%\"></i>\
+         <i class=\"gauge-band\" style=\"left:{from:.1}%;width:{:.1}%\"></i><i class=\"gauge-mark\"></i></span>",
+        percent(pressure_kpa),
+        to - from,
+    )
+}
+
+/// Each corner's place for its curves; what a single corner has to say is the headline already.
+fn sections(data: &ReportData) -> String {
+    let mut out = String::new();
+    for (index, corner) in data.corners.iter().enumerate() {
+        let status = Status::of(corner);
+        let _ = write!(
+            out,
+            "<section class=\"corner\" id=\"{}\"><h2>{} <span class=\"badge {}\">{}</span></h2>",
+            corner.corner.label(),
+            corner_name(corner.corner),
+            status.class(),
+            status.label(),
+        );
+        if data.corners.len() > 1 {
+            let _ = write!(out, "<p class=\"verdict\">{}.</p>", escape(&sentence(corner)));
+        }
+        let _ = write!(out, "<div class=\"panels\" data-corner=\"{index}\"></div>");
+        if corner.road.is_none() {
+            out.push_str(
+                "<p class=\"note\">No road is shown: it takes a known speed above 2.5 m/s and a road estimate.</p>",
+            );
+        }
+        out.push_str("</section>\n");
+    }
+    out
+}
+
+/// A figure's name, its explanation, and its value for a corner (empty: unknown).
+type Row = (&'static str, &'static str, fn(&CornerReport) -> String);
+
+fn some(value: Option<f64>, text: impl Fn(f64) -> String) -> String {
+    value.filter(|v| v.is_finite()).map_or(String::new(), text)
+}
+
+const FIGURES: [Row; 18] = [
+    ("Pressure at the end", "last valid estimate, ± one standard deviation", |c| {
+        c.figures.last.as_ref().map_or(String::new(), reading)
+    }),
+    ("Lowest pressure", "where the upper end of the 95 % interval is lowest", |c| {
+        c.figures.lowest.as_ref().map_or(String::new(), |r| format!("{} at {}", reading(r), clock(r.time_s)))
+    }),
+    ("Placard pressure", "what the tire should have", |c| format!("{:.1} kPa", c.placard_kpa)),
+    ("Warning", "at the end of the drive", |c| {
+        let since = some(c.figures.low_since_s, |t| format!(", first at {}", clock(t)));
+        match c.figures.warning {
+            Warning::Low => format!("low{since}"),
+            Warning::Malfunction => "malfunction".into(),
+            Warning::None if since.is_empty() => "none".into(),
+            Warning::None => format!("none; low{since}"),
+        }
+    }),
+    ("Valid", "share of the samples with a valid estimate", |c| percent(c.figures.share_valid)),
+    ("RMSE", "root mean squared error against the truth, after the settling time", |c| {
+        some(c.figures.truth.map(|t| t.rmse_kpa), |v| format!("{v:.1} kPa"))
+    }),
+    ("Bias", "mean of estimate less truth", |c| {
+        some(c.figures.truth.map(|t| t.bias_kpa), |v| format!("{v:+.1} kPa"))
+    }),
+    ("Coverage", "share of the truth inside the 95 % interval; 95 % is right", |c| {
+        some(c.figures.truth.map(|t| t.coverage), percent)
+    }),
+    ("Compared", "samples with a truth, and the settling time before them", |c| {
+        c.figures.truth.map_or(String::new(), |t| format!("{} after {}", count(t.samples), clock(t.settle_s)))
+    }),
+    ("Bound at the end", "Cramer-Rao bound of one corner as a standard deviation", |c| {
+        some(c.curves.bound_sd_kpa.last().copied(), |v| format!("{v:.1} kPa"))
+    }),
+    ("Innovations", "mean normalised innovation squared; 1 is consistent", |c| {
+        some(Some(c.figures.mean_nis), |v| format!("{v:.2}"))
+    }),
+    ("Innovations in band", "share of the averaged innovations inside their 95 % band", |c| {
+        some(c.curves.nis_check.map(|check| check.share_inside), percent)
+    }),
+    ("Road class", "ISO 8608 class and level Gd(0.1 cycle/m)", |c| {
+        let fit = c.road.as_ref().and_then(|r| r.fit);
+        fit.map_or(String::new(), |f| format!("{} ({:.0}·10⁻⁶ m³)", f.class.label(), f.law.gd_n0_m3 * 1e6))
+    }),
+    ("Road slope", "waviness w of the displacement spectrum", |c| {
+        some(c.road.as_ref().and_then(|r| r.fit).map(|f| f.law.waviness), |v| format!("{v:.2}"))
+    }),
+    ("True road class", "the same of the true road", |c| {
+        let fit = c.road.as_ref().and_then(|r| r.truth_fit);
+        fit.map_or(String::new(), |f| {
+            format!("{} ({:.0}·10⁻⁶ m³), slope {:.2}", f.class.label(), f.law.gd_n0_m3 * 1e6, f.law.waviness)
+        })
+    }),
+    ("Roughness (IRI)", "of the estimated road, without the waves too long to be felt", |c| {
+        some(c.road.as_ref().and_then(|r| r.iri_m_per_km), |v| format!("{v:.2} m/km"))
+    }),
+    ("True roughness (IRI)", "of the true road, all wavelengths", |c| {
+        some(c.road.as_ref().and_then(|r| r.truth_iri_m_per_km), |v| format!("{v:.2} m/km"))
+    }),
+    ("Road error", "rms error over the rms of the true road, where the estimate holds", |c| {
+        some(c.road.as_ref().and_then(|r| r.relative_error), percent)
+    }),
+];
+
+fn percent(share: f64) -> String {
+    format!("{:.1} %", 100.0 * share)
+}
+
+/// Thin spaces between thousands.
+fn count(n: u64) -> String {
+    let digits = n.to_string();
+    let mut out = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            out.push('\u{2009}');
+        }
+        out.push(digit);
+    }
+    out
+}
+
+/// One line per figure, one column per corner; lines without any value are left out.
+fn figures(data: &ReportData) -> String {
+    let mut out = String::from("<table class=\"figures\"><thead><tr><th></th>");
+    for corner in &data.corners {
+        let _ = write!(out, "<th scope=\"col\">{}</th>", corner_name(corner.corner));
+    }
+    out.push_str("</tr></thead><tbody>\n");
+    for (name, meaning, value) in FIGURES {
+        let values: Vec<String> = data.corners.iter().map(value).collect();
+        if values.iter().all(String::is_empty) {
+            continue;
+        }
+        let _ = write!(out, "<tr><th scope=\"row\">{name}<small>{meaning}</small></th>");
+        for value in values {
+            let _ = write!(out, "<td>{}</td>", if value.is_empty() { "–" } else { &value });
+        }
+        out.push_str("</tr>\n");
+    }
+    out.push_str("</tbody></table>");
+    out
+}
+
+fn provenance(data: &ReportData) -> String {
+    let (p, d) = (&data.provenance, &data.drive);
+    let mut rows: Vec<(String, String)> = Vec::new();
+    let mut row = |name: &str, value: String| {
+        if !value.is_empty() {
+            rows.push((name.into(), value));
+        }
+    };
+    row("Program", p.program.clone());
+    row("Made", p.created.clone());
+    row("Log", p.source.clone());
+    row("Vehicle", p.vehicle.clone());
+    row("Estimator", p.estimator.clone());
+    row("Samples", count(d.samples));
+    row("Rate", some(Some(d.rate_hz), |v| format!("{v:.0} Hz")));
+    row("Duration", span(d.duration_s));
+    row("Distance", some(Some(d.distance_m), distance));
+    for (name, value) in &p.options {
+        row(name, value.clone());
+    }
+    for (name, n) in &p.repairs {
+        row(&format!("Repaired: {name}"), count(*n));
+    }
+    if p.repairs.is_empty() {
+        row("Repaired", "nothing".into());
+    }
+    let mut out = String::from("<table class=\"provenance\"><tbody>\n");
+    for (name, value) in rows {
+        let _ = writeln!(out, "<tr><th scope=\"row\">{}</th><td>{}</td></tr>", escape(&name), escape(&value));
+    }
+    out.push_str("</tbody></table>");
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn html_in_names_is_text() {
+        assert_eq!(escape("<b a=\"1\">&'</b>"), "&lt;b a=&quot;1&quot;&gt;&amp;&#39;&lt;/b&gt;");
+    }
+
+    #[test]
+    fn thousands_are_grouped() {
+        assert_eq!(count(7), "7");
+        assert_eq!(count(20_000), "20\u{2009}000");
+        assert_eq!(count(1_234_567), "1\u{2009}234\u{2009}567");
+    }
+
+    #[test]
+    fn the_template_names_every_part_once() {
+        for name in ["title", "plot_style", "style", "headline", "subline", "cards", "figures", "corners"] {
+            assert_eq!(TEMPLATE.matches(&format!("{{{{{name}}}}}")).count(), 1, "{name}");
+        }
+        assert!(!PLOT_LICENSE.contains("*/"));
+        // Scripts are embedded as they are, so nothing in them may end the element.
+        for script in [SCRIPT, PLOT_SCRIPT] {
+            assert!(!script.to_lowercase().contains("</script"));
+        }
+    }
+}

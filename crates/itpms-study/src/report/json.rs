@@ -1,0 +1,265 @@
+//! The curves as JSON for the page's script: rounded, missing values `null`, nothing that could end a script.
+//!
+//! Called by the page's writer.
+
+use std::io;
+
+use serde::Serialize;
+use serde::ser::{SerializeSeq, Serializer};
+
+use super::words::{Status, corner_name};
+use super::{CornerReport, ReportData, RoadReport, TimeCurves};
+use crate::spectrum::{IsoClass, RoadFit};
+
+/// Significant digits of values; positions along an axis have more.
+const VALUE_DIGITS: i32 = 5;
+const AXIS_DIGITS: i32 = 8;
+
+/// Numbers with so many significant digits; what is not finite becomes `null`.
+struct Digits<'a>(&'a [f64], i32);
+
+impl Serialize for Digits<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut list = serializer.serialize_seq(Some(self.0.len()))?;
+        for &value in self.0 {
+            list.serialize_element(&Number(value, self.1))?;
+        }
+        list.end()
+    }
+}
+
+struct Number(f64, i32);
+
+impl Serialize for Number {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let value = round(self.0, self.1);
+        if !value.is_finite() {
+            serializer.serialize_none()
+        } else if value.fract() == 0.0 && value.abs() < 1e9 {
+            serializer.serialize_i64(value as i64)
+        } else {
+            serializer.serialize_f64(value)
+        }
+    }
+}
+
+/// To so many significant digits, such that the shortest decimal is short.
+fn round(value: f64, digits: i32) -> f64 {
+    if !value.is_finite() || value.abs() < 1e-30 {
+        return if value.is_finite() { 0.0 } else { f64::NAN };
+    }
+    let place = digits - 1 - value.abs().log10().floor() as i32;
+    let power = 10f64.powi(place.abs());
+    if place >= 0 { (value * power).round() / power } else { (value / power).round() * power }
+}
+
+fn value(v: f64) -> Number {
+    Number(v, VALUE_DIGITS)
+}
+
+fn values(v: &[f64]) -> Digits<'_> {
+    Digits(v, VALUE_DIGITS)
+}
+
+fn axis(v: &[f64]) -> Digits<'_> {
+    Digits(v, AXIS_DIGITS)
+}
+
+#[derive(Serialize)]
+struct Page<'a> {
+    title: String,
+    t: Digits<'a>,
+    speed: Digits<'a>,
+    corners: Vec<CornerJson<'a>>,
+    classes: Vec<ClassJson>,
+}
+
+#[derive(Serialize)]
+struct ClassJson {
+    label: &'static str,
+    upper: f64,
+}
+
+#[derive(Serialize)]
+struct CornerJson<'a> {
+    id: &'static str,
+    name: &'static str,
+    status: &'static str,
+    placard: Number,
+    time: TimeJson<'a>,
+    road: Option<RoadJson<'a>>,
+}
+
+#[derive(Serialize)]
+struct TimeJson<'a> {
+    p: Digits<'a>,
+    lo: Digits<'a>,
+    hi: Digits<'a>,
+    truth: Digits<'a>,
+    sd: Digits<'a>,
+    error: Digits<'a>,
+    bound: Digits<'a>,
+    #[serde(rename = "boundLo")]
+    bound_lo: Digits<'a>,
+    #[serde(rename = "boundHi")]
+    bound_hi: Digits<'a>,
+    forgetting: Digits<'a>,
+    nis: Digits<'a>,
+    #[serde(rename = "nisMean")]
+    nis_mean: Digits<'a>,
+    #[serde(rename = "nisCheck")]
+    nis_check: Option<NisJson>,
+    gate: Digits<'a>,
+    change: Digits<'a>,
+    validity: Vec<[Number; 3]>,
+    warning: Vec<[Number; 3]>,
+}
+
+#[derive(Serialize)]
+struct NisJson {
+    window: Number,
+    lower: Number,
+    upper: Number,
+}
+
+#[derive(Serialize)]
+struct RoadJson<'a> {
+    x: Digits<'a>,
+    z: Digits<'a>,
+    lo: Digits<'a>,
+    hi: Digits<'a>,
+    truth: Digits<'a>,
+    psd: Option<PsdJson<'a>>,
+    iri: IriJson<'a>,
+}
+
+#[derive(Serialize)]
+struct PsdJson<'a> {
+    n: Digits<'a>,
+    density: Digits<'a>,
+    truth: Digits<'a>,
+    fit: Option<FitJson>,
+}
+
+#[derive(Serialize)]
+struct FitJson {
+    level: Number,
+    slope: Number,
+    low: Number,
+    high: Number,
+    class: &'static str,
+}
+
+#[derive(Serialize)]
+struct IriJson<'a> {
+    x: Digits<'a>,
+    iri: Digits<'a>,
+    truth: Digits<'a>,
+    segment: Number,
+}
+
+/// The curves of the page, safe inside a `script` element.
+pub(super) fn curves(data: &ReportData) -> io::Result<String> {
+    let page = Page {
+        title: super::words::title(data),
+        t: axis(&data.time_s),
+        speed: values(&data.speed_m_s),
+        corners: data.corners.iter().map(corner).collect(),
+        classes: IsoClass::ALL
+            .into_iter()
+            .map(|class| ClassJson { label: class.label(), upper: class.upper_limit_m3() })
+            .collect(),
+    };
+    Ok(serde_json::to_string(&page)?.replace('<', "\\u003c"))
+}
+
+fn corner(corner: &CornerReport) -> CornerJson<'_> {
+    CornerJson {
+        id: corner.corner.label(),
+        name: corner_name(corner.corner),
+        status: Status::of(corner).class(),
+        placard: value(corner.placard_kpa),
+        time: time(&corner.curves),
+        road: corner.road.as_ref().map(road),
+    }
+}
+
+fn time(c: &TimeCurves) -> TimeJson<'_> {
+    let runs = |runs: &[(f64, f64, f64)]| {
+        runs.iter().map(|r| [Number(r.0, AXIS_DIGITS), Number(r.1, AXIS_DIGITS), value(r.2)]).collect()
+    };
+    TimeJson {
+        p: values(&c.pressure_kpa),
+        lo: values(&c.band_kpa[0]),
+        hi: values(&c.band_kpa[1]),
+        truth: values(&c.truth_kpa),
+        sd: values(&c.sd_kpa),
+        error: values(&c.error_kpa),
+        bound: values(&c.bound_sd_kpa),
+        bound_lo: values(&c.bound_band_kpa[0]),
+        bound_hi: values(&c.bound_band_kpa[1]),
+        forgetting: values(&c.forgetting),
+        nis: values(&c.nis),
+        nis_mean: values(&c.nis_mean),
+        nis_check: c.nis_check.map(|check| NisJson {
+            window: value(check.window_s),
+            lower: value(check.lower),
+            upper: value(check.upper),
+        }),
+        gate: values(&c.gate),
+        change: values(&c.change_probability),
+        validity: runs(&c.validity),
+        warning: runs(&c.warning),
+    }
+}
+
+fn road(road: &RoadReport) -> RoadJson<'_> {
+    let fit = |fit: &RoadFit| FitJson {
+        level: value(fit.law.gd_n0_m3),
+        slope: value(fit.law.waviness),
+        low: value(fit.band_per_m.0),
+        high: value(fit.band_per_m.1),
+        class: fit.class.label(),
+    };
+    RoadJson {
+        x: axis(&road.profile.distance_m),
+        z: values(&road.profile.height_m),
+        lo: values(&road.profile.lower_m),
+        hi: values(&road.profile.upper_m),
+        truth: values(&road.profile.truth_m),
+        psd: road.spectrum.as_ref().map(|s| PsdJson {
+            n: axis(&s.frequency_per_m),
+            density: values(&s.density_m3),
+            truth: values(&s.truth_m3),
+            fit: road.fit.as_ref().map(fit),
+        }),
+        iri: IriJson {
+            x: axis(&road.roughness.distance_m),
+            iri: values(&road.roughness.iri_m_per_km),
+            truth: values(&road.roughness.truth_m_per_km),
+            segment: value(road.roughness.segment_m),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short_and_missing_ones_null() {
+        let text = serde_json::to_string(&values(&[
+            139.423_456_7,
+            f64::NAN,
+            f64::INFINITY,
+            0.0,
+            -241.0,
+            1.234_567e-5,
+            987_654_321.0,
+            5e-324,
+        ]));
+        assert_eq!(text.unwrap(), "[139.42,null,null,0,-241,0.000012346,987650000,0]");
+        // Ten hours in steps of a millisecond keep their milliseconds.
+        assert_eq!(serde_json::to_string(&axis(&[35_999.999])).unwrap(), "[35999.999]");
+    }
+}

@@ -1,0 +1,358 @@
+//! The road under one wheel, from a stream of samples in time: profile, spectrum, roughness. Bounded memory.
+//!
+//! Called by the report's collector. Heights are averaged over cells of 5 cm of road; everything else works on
+//! cells. Below walking pace the estimate knows little of the road, so a stop ends one stretch and begins another.
+
+use std::collections::VecDeque;
+
+use super::track::{Keep, Track};
+use super::{ProfileCurves, RoadReport, RoughnessCurves, SpectrumCurves};
+use crate::roughness::{Enveloping, GoldenCar};
+use crate::spectrum::{Psd, Welch, fit_power_law};
+
+/// Length of a cell in m.
+const CELL_M: f64 = 0.05;
+/// Cells per segment of the spectrum: 51 m.
+const SEGMENT: usize = 1024;
+/// A longer step from sample to sample is a hole in the log.
+const LONGEST_STEP_M: f64 = 1.0;
+/// Half the length, in cells, of the moving average that the drawn profile is freed of.
+const HALF_WINDOW: usize = 100;
+/// Shortest stretch of road, in m, that roughness is given for.
+const ROUGHNESS_M: f64 = 20.0;
+/// Points of drawn curves: at most twice these.
+const PROFILE_BUCKETS: usize = 2000;
+const ROUGHNESS_BUCKETS: usize = 500;
+
+/// Estimate, its sd, truth: in m, NaN where missing.
+type Heights = [f64; 3];
+const ESTIMATE: usize = 0;
+const SD: usize = 1;
+const TRUTH: usize = 2;
+
+/// Means over cells of road from samples at any distance.
+#[derive(Debug, Clone, Default)]
+struct Cells {
+    last: Option<(f64, Heights)>,
+    filled_m: f64,
+    integral: Heights,
+}
+
+impl Cells {
+    /// The straight line from the last sample to this one, cut at cell borders; each full cell goes to `cell`.
+    fn push(&mut self, distance_m: f64, heights: Heights, mut cell: impl FnMut(Heights)) {
+        let Some((mut at, mut from)) = self.last.replace((distance_m, heights)) else { return };
+        let whole = distance_m - at;
+        if !(whole > 0.0) {
+            return;
+        }
+        let slope: Heights = std::array::from_fn(|i| (heights[i] - from[i]) / whole);
+        while at < distance_m {
+            let step = (CELL_M - self.filled_m).min(distance_m - at);
+            for i in 0..3 {
+                let end = from[i] + slope[i] * step;
+                self.integral[i] += 0.5 * (from[i] + end) * step;
+                from[i] = end;
+            }
+            at += step;
+            self.filled_m += step;
+            if self.filled_m >= CELL_M * (1.0 - 1e-9) {
+                cell(self.integral.map(|v| v / CELL_M));
+                self.filled_m = 0.0;
+                self.integral = [0.0; 3];
+            }
+            if !(step > 0.0) {
+                break;
+            }
+        }
+    }
+
+    fn restart(&mut self) {
+        *self = Self::default();
+    }
+}
+
+/// Golden car, and where its next slope belongs.
+#[derive(Debug)]
+struct Roughness {
+    car: GoldenCar,
+    next_at_m: Option<f64>,
+    sum: f64,
+    count: f64,
+    track: Track,
+}
+
+impl Roughness {
+    fn new() -> Option<Self> {
+        // The tire and the estimate's band have smoothed the road already.
+        let car = GoldenCar::new(CELL_M, Enveloping::Done).ok()?;
+        let track = Track::new(1, ROUGHNESS_M, ROUGHNESS_BUCKETS);
+        Some(Self { car, next_at_m: None, sum: 0.0, count: 0.0, track })
+    }
+
+    /// The height of the cell that begins at `at_m`; NaN ends a stretch.
+    fn push(&mut self, at_m: f64, height_m: f64) {
+        let Self { car, next_at_m, sum, count, track } = self;
+        let mut next = next_at_m.unwrap_or(at_m);
+        car.push(height_m, |slope| {
+            *sum += slope;
+            *count += 1.0;
+            track.push(next, &[1000.0 * slope]);
+            next += CELL_M;
+        });
+        *next_at_m = height_m.is_finite().then_some(next);
+    }
+
+    fn iri_m_per_km(&self) -> Option<f64> {
+        (self.count > 0.0).then(|| 1000.0 * self.sum / self.count)
+    }
+}
+
+/// Everything known of the road under one wheel so far.
+#[derive(Debug)]
+pub(super) struct RoadCollector {
+    cells: Cells,
+    start_m: f64,
+    done: u64,
+    window: VecDeque<Heights>,
+    profile: Track,
+    spectrum: [Welch; 3],
+    roughness: [Roughness; 2],
+    band_per_m: (f64, f64),
+    seen_truth: bool,
+}
+
+impl RoadCollector {
+    /// An empty road; `wavelengths_m` (shortest, longest) is where the estimate holds.
+    pub(super) fn new(wavelengths_m: (f64, f64)) -> Option<Self> {
+        let welch = || Welch::new(SEGMENT, CELL_M).ok();
+        Some(Self {
+            cells: Cells::default(),
+            start_m: 0.0,
+            done: 0,
+            window: VecDeque::with_capacity(2 * HALF_WINDOW + 1),
+            profile: Track::new(4, CELL_M, PROFILE_BUCKETS),
+            spectrum: [welch()?, welch()?, welch()?],
+            roughness: [Roughness::new()?, Roughness::new()?],
+            band_per_m: (1.0 / wavelengths_m.1, 1.0 / wavelengths_m.0),
+            seen_truth: false,
+        })
+    }
+
+    /// The next sample: distance driven, estimate with its sd and true height, all in m.
+    pub(super) fn push(&mut self, distance_m: f64, estimate_m: f64, sd_m: f64, truth_m: f64) {
+        let step = self.cells.last.map_or(0.0, |(last, _)| distance_m - last);
+        if !(estimate_m.is_finite() && distance_m.is_finite() && (0.0..=LONGEST_STEP_M).contains(&step)) {
+            self.interrupt();
+            return;
+        }
+        if self.cells.last.is_none() {
+            self.start_m = distance_m;
+            self.done = 0;
+        }
+        let mut cells = std::mem::take(&mut self.cells);
+        cells.push(distance_m, [estimate_m, sd_m, truth_m], |cell| self.take_cell(cell));
+        self.cells = cells;
+    }
+
+    /// The stretch ends here: a stop, a hole in the log, a sensor fault.
+    pub(super) fn interrupt(&mut self) {
+        if self.cells.last.is_some() {
+            self.cells.restart();
+            self.window.clear();
+            self.feed_cell([f64::NAN; 3]);
+        }
+    }
+
+    fn take_cell(&mut self, cell: Heights) {
+        self.feed_cell(cell);
+        self.done += 1;
+        self.window.push_back(cell);
+        if self.window.len() <= 2 * HALF_WINDOW {
+            return;
+        }
+        let n = self.window.len() as f64;
+        let mean = |i: usize| self.window.iter().map(|c| c[i]).sum::<f64>() / n;
+        let here = self.window[HALF_WINDOW];
+        let (estimate, truth) = (here[ESTIMATE] - mean(ESTIMATE), here[TRUTH] - mean(TRUTH));
+        let at = self.start_m + (self.done as f64 - 0.5 - HALF_WINDOW as f64) * CELL_M;
+        let half = super::Z_95 * here[SD];
+        self.profile.push(at, &[estimate, estimate - half, estimate + half, truth]);
+        self.window.pop_front();
+    }
+
+    fn feed_cell(&mut self, cell: Heights) {
+        let error = cell[ESTIMATE] - cell[TRUTH];
+        self.seen_truth |= cell[TRUTH].is_finite();
+        for (welch, value) in self.spectrum.iter_mut().zip([cell[ESTIMATE], cell[TRUTH], error]) {
+            welch.push(value);
+        }
+        let at = self.start_m + self.done as f64 * CELL_M;
+        for (roughness, value) in self.roughness.iter_mut().zip([cell[ESTIMATE], cell[TRUTH]]) {
+            roughness.push(at, value);
+        }
+    }
+
+    /// What there is to show; `None` without a metre of road.
+    pub(super) fn finish(mut self) -> Option<RoadReport> {
+        self.interrupt();
+        if self.profile.is_empty() && self.roughness[0].track.is_empty() {
+            return None;
+        }
+        let profile = ProfileCurves {
+            distance_m: self.profile.x(),
+            height_m: self.profile.curve(0, Keep::Extremes),
+            lower_m: self.profile.curve(1, Keep::Lowest),
+            upper_m: self.profile.curve(2, Keep::Highest),
+            truth_m: if self.seen_truth { self.profile.curve(3, Keep::Extremes) } else { Vec::new() },
+        };
+        let roughness = RoughnessCurves {
+            distance_m: self.roughness[0].track.places(0).map(|(x, _)| x).collect(),
+            iri_m_per_km: self.roughness[0].track.means(0).map(|(_, v)| v).collect(),
+            truth_m_per_km: self.truth_roughness(),
+            segment_m: self.roughness[0].track.width(),
+        };
+        let [estimate, truth, error] = self.spectrum.map(|welch| welch.psd().map(undo_cells));
+        let (low, high) = self.band_per_m;
+        let fit = estimate.as_ref().and_then(|psd| fit_power_law(psd, low, high).ok());
+        let truth_fit = truth.as_ref().and_then(|psd| fit_power_law(psd, low, high).ok());
+        let relative_error = error.as_ref().zip(truth.as_ref()).map(|(error, truth)| {
+            (error.variance_between(low, high) / truth.variance_between(low, high)).sqrt()
+        });
+        Some(RoadReport {
+            profile,
+            roughness,
+            spectrum: estimate.as_ref().map(|psd| spectrum_curves(psd, truth.as_ref())),
+            fit,
+            truth_fit,
+            iri_m_per_km: self.roughness[0].iri_m_per_km(),
+            truth_iri_m_per_km: self.roughness[1].iri_m_per_km(),
+            relative_error,
+        })
+    }
+
+    fn truth_roughness(&self) -> Vec<f64> {
+        let same = self.roughness[0].track.len() == self.roughness[1].track.len();
+        if !(self.seen_truth && same) {
+            return Vec::new();
+        }
+        self.roughness[1].track.means(0).map(|(_, v)| v).collect()
+    }
+}
+
+/// Takes the averaging over a cell, `sinc²(n cell)` in power, out of a spectrum. The last bins, where that would
+/// double the density, are dropped.
+fn undo_cells(mut psd: Psd) -> Psd {
+    let loss = |n: f64| {
+        let angle = std::f64::consts::PI * n * CELL_M;
+        (angle.sin() / angle).powi(2)
+    };
+    let keep = psd.frequencies.iter().take_while(|n| loss(**n) > 0.5).count();
+    psd.frequencies.truncate(keep);
+    psd.densities.truncate(keep);
+    for (density, n) in psd.densities.iter_mut().zip(&psd.frequencies) {
+        *density /= loss(*n);
+    }
+    psd
+}
+
+/// Means over a twenty-fourth of an octave: dense enough to look like the spectrum, a hundred points.
+fn spectrum_curves(psd: &Psd, truth: Option<&Psd>) -> SpectrumCurves {
+    let mut curves = SpectrumCurves {
+        frequency_per_m: Vec::new(),
+        density_m3: Vec::new(),
+        truth_m3: Vec::new(),
+        segments: psd.segments,
+    };
+    let ratio = (1.0f64 / 24.0).exp2();
+    let mut from = 1;
+    while from < psd.frequencies.len() {
+        let end = psd.frequencies.partition_point(|n| *n < psd.frequencies[from] * ratio).max(from + 1);
+        let mean = |values: &[f64]| values[from..end].iter().sum::<f64>() / (end - from) as f64;
+        curves.frequency_per_m.push((psd.frequencies[from] * psd.frequencies[end - 1]).sqrt());
+        curves.density_m3.push(mean(&psd.densities));
+        if let Some(truth) = truth {
+            curves.truth_m3.push(mean(&truth.densities));
+        }
+        from = end;
+    }
+    curves
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_hold_the_mean_of_the_straight_lines_between_samples() {
+        let mut cells = Cells::default();
+        let mut found = Vec::new();
+        // Height 2 x sampled at uneven distances, several to a cell and several cells to a step.
+        for x in [0.0, 0.01, 0.04, 0.07, 0.07, 0.29, 0.3001] {
+            cells.push(x, [2.0 * x, 0.0, f64::NAN], |cell| found.push(cell));
+        }
+        assert_eq!(found.len(), 6);
+        for (i, cell) in found.iter().enumerate() {
+            assert!((cell[0] - 2.0 * (i as f64 + 0.5) * 0.05).abs() < 1e-12);
+            assert!(cell[2].is_nan());
+        }
+    }
+
+    fn sine_road(step: f64, metres: f64, scale: f64) -> RoadReport {
+        let mut road = RoadCollector::new((0.5, 10.0)).unwrap();
+        for i in 0..(metres / step) as usize {
+            let x = i as f64 * step;
+            let truth = 0.01 * (std::f64::consts::TAU * x / 4.0).sin();
+            road.push(x, scale * truth, 0.001, truth);
+        }
+        road.finish().unwrap()
+    }
+
+    #[test]
+    fn a_sine_comes_back_whatever_the_rate() {
+        for step in [0.011, 0.13] {
+            let report = sine_road(step, 300.0, 0.9);
+            // Estimate 10 % small: the error is 10 % of the truth, whatever the window does.
+            assert!((report.relative_error.unwrap() - 0.1).abs() < 1e-6);
+            // A linear system: IRI is in proportion, and that of a 4 m wave is not zero.
+            let (iri, truth) = (report.iri_m_per_km.unwrap(), report.truth_iri_m_per_km.unwrap());
+            assert!((iri / truth - 0.9).abs() < 1e-9 && truth > 5.0);
+            // The moving average of 10 m leaves a 4 m wave between 0.87 and 1.13 of its height.
+            let top = report.profile.height_m.iter().copied().fold(0.0, f64::max);
+            assert!((0.0078..0.0102).contains(&top), "{top}");
+            assert_eq!(report.roughness.distance_m.len(), report.roughness.truth_m_per_km.len());
+        }
+    }
+
+    #[test]
+    fn a_stop_or_a_hole_does_not_become_a_bump() {
+        let mut road = RoadCollector::new((0.5, 10.0)).unwrap();
+        for i in 0..4000 {
+            road.push(f64::from(i) * 0.02, 0.0, 0.001, f64::NAN);
+        }
+        road.interrupt();
+        for i in 0..4000 {
+            road.push(80.0 + f64::from(i) * 0.02, 0.5, 0.001, f64::NAN);
+        }
+        // A hole of 20 m, and a missing estimate.
+        for i in 0..4000 {
+            let height = if i == 2000 {
+                f64::NAN
+            } else if i < 2000 {
+                0.0
+            } else {
+                -0.3
+            };
+            road.push(180.0 + f64::from(i) * 0.02, height, 0.001, f64::NAN);
+        }
+        let report = road.finish().unwrap();
+        assert!(report.iri_m_per_km.unwrap() < 1e-6);
+        assert!(report.profile.height_m.iter().all(|z| z.is_nan() || z.abs() < 1e-9));
+        assert!(report.truth_iri_m_per_km.is_none() && report.profile.truth_m.is_empty());
+    }
+
+    #[test]
+    fn no_road_no_report() {
+        assert!(RoadCollector::new((0.5, 10.0)).unwrap().finish().is_none());
+    }
+}

@@ -1,0 +1,186 @@
+//! What was found, in words: the page's title and one sentence per corner.
+//!
+//! Called by the page's writer. Plain text; escaping is the writer's business.
+
+use itpms_core::estimate::Warning;
+use itpms_core::sample::Corner;
+
+use super::{CornerReport, Reading, ReportData};
+
+/// How a corner fares, in the order of urgency.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Status {
+    Low,
+    Malfunction,
+    Unknown,
+    Fine,
+}
+
+impl Status {
+    pub(super) fn of(corner: &CornerReport) -> Self {
+        let f = &corner.figures;
+        if f.low_since_s.is_some() {
+            Self::Low
+        } else if f.malfunction_since_s.is_some() {
+            Self::Malfunction
+        } else if f.last.is_none() {
+            Self::Unknown
+        } else {
+            Self::Fine
+        }
+    }
+
+    /// Word for a badge.
+    pub(super) fn label(self) -> &'static str {
+        match self {
+            Self::Low => "Low",
+            Self::Malfunction => "Malfunction",
+            Self::Unknown => "Not enough seen",
+            Self::Fine => "No warning",
+        }
+    }
+
+    /// Name of the style, and of the badge's sign, so that color is not all that tells them apart.
+    pub(super) fn class(self) -> &'static str {
+        match self {
+            Self::Low => "low",
+            Self::Malfunction => "malfunction",
+            Self::Unknown => "unknown",
+            Self::Fine => "fine",
+        }
+    }
+}
+
+pub(super) fn corner_name(corner: Corner) -> &'static str {
+    match corner {
+        Corner::FrontLeft => "Front left",
+        Corner::FrontRight => "Front right",
+        Corner::RearLeft => "Rear left",
+        Corner::RearRight => "Rear right",
+    }
+}
+
+/// `139 ± 6 kPa`: one standard deviation, with as many digits as it is worth, in one piece.
+pub(super) fn reading(reading: &Reading) -> String {
+    let digits = if reading.sd_kpa < 1.95 { 1 } else { 0 };
+    format!("{:.digits$}\u{a0}±\u{a0}{:.digits$}\u{a0}kPa", reading.pressure_kpa, reading.sd_kpa)
+}
+
+/// A time since the log's zero, for people.
+pub(super) fn clock(time_s: f64) -> String {
+    if !time_s.is_finite() {
+        return "an unknown time".into();
+    }
+    if time_s.abs() < 120.0 {
+        return if time_s.fract().abs() < 0.05 || time_s >= 100.0 {
+            format!("{time_s:.0}\u{a0}s")
+        } else {
+            format!("{time_s:.1}\u{a0}s")
+        };
+    }
+    let whole = time_s.round() as i64;
+    if whole.abs() < 3600 {
+        format!("{}\u{a0}min\u{a0}{:02}\u{a0}s", whole / 60, whole % 60)
+    } else {
+        format!("{}\u{a0}h\u{a0}{:02}\u{a0}min", whole / 3600, whole % 3600 / 60)
+    }
+}
+
+/// One corner in one sentence without a full stop.
+pub(super) fn sentence(corner: &CornerReport) -> String {
+    let name = corner_name(corner.corner);
+    let f = &corner.figures;
+    match Status::of(corner) {
+        Status::Low => {
+            let since = f.low_since_s.unwrap_or(f64::NAN);
+            // While it is low its present pressure is the news; the lowest of many readings is one of the worst.
+            let (when, found) = match f.low_until_s {
+                Some(until) if f.warning != Warning::Low => {
+                    (format!("low from {} to {}", clock(since), clock(until)), &f.lowest)
+                }
+                _ => (format!("low since {}", clock(since)), &f.last),
+            };
+            match found {
+                Some(found) => {
+                    let verb = if fell(f.first.as_ref(), found) { "fell to" } else { "is at" };
+                    format!("{name} {verb} {}: {when}", reading(found))
+                }
+                None => format!("{name}: {when}"),
+            }
+        }
+        Status::Malfunction => {
+            let since = clock(f.malfunction_since_s.unwrap_or(f64::NAN));
+            format!("{name}: the sensors allow no statement, from {since}")
+        }
+        Status::Unknown => format!("{name}: not enough was seen for a pressure"),
+        Status::Fine => match (&f.first, &f.last) {
+            (Some(first), Some(last)) if fell(Some(first), last) => {
+                format!("{name} went from {:.0} to {}: no warning", first.pressure_kpa, reading(last))
+            }
+            (_, Some(last)) => format!("{name} held {}: no warning", reading(last)),
+            _ => format!("{name}: no warning"),
+        },
+    }
+}
+
+/// Whether a reading lies below another by more than their uncertainties explain.
+fn fell(first: Option<&Reading>, later: &Reading) -> bool {
+    first.is_none_or(|first| first.pressure_kpa - later.pressure_kpa > 2.0 * first.sd_kpa.hypot(later.sd_kpa))
+}
+
+/// The page's title: the most urgent corner, and how many more there are.
+pub(super) fn title(data: &ReportData) -> String {
+    let mut corners: Vec<&CornerReport> = data.corners.iter().collect();
+    corners.sort_by_key(|corner| Status::of(corner));
+    let Some(first) = corners.first() else { return "No corner was estimated".into() };
+    let status = Status::of(first);
+    let alike: Vec<&str> =
+        corners.iter().filter(|c| Status::of(c) == status).map(|c| corner_name(c.corner)).collect();
+    match (status, alike.len()) {
+        (_, 1) => sentence(first),
+        (Status::Fine, n) if n == corners.len() => {
+            let lowest = corners
+                .iter()
+                .filter_map(|c| Some((corner_name(c.corner), c.figures.last?)))
+                .min_by(|a, b| a.1.pressure_kpa.total_cmp(&b.1.pressure_kpa));
+            match lowest {
+                Some((name, last)) => {
+                    format!("No warning on any of {n} tires; lowest is {} at {}", lower(name), reading(&last))
+                }
+                None => format!("No warning on any of {n} tires"),
+            }
+        }
+        (Status::Low, n) if n == corners.len() => format!("All {n} tires are low: {}", sentence(first)),
+        (Status::Low, _) => format!("{} (low as well: {})", sentence(first), lower(&alike[1..].join(", "))),
+        (_, n) => format!("{}; {} more likewise", sentence(first), n - 1),
+    }
+}
+
+fn lower(text: &str) -> String {
+    text.to_lowercase()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_for_people() {
+        let clock = |t: f64| clock(t).replace('\u{a0}', " ");
+        assert_eq!(clock(22.0), "22 s");
+        assert_eq!(clock(22.44), "22.4 s");
+        assert_eq!(clock(119.0), "119 s");
+        assert_eq!(clock(245.0), "4 min 05 s");
+        assert_eq!(clock(3720.0), "1 h 02 min");
+        assert_eq!(clock(f64::NAN), "an unknown time");
+    }
+
+    #[test]
+    fn readings_with_the_digits_they_are_worth() {
+        let at = |p: f64, sd: f64| {
+            reading(&Reading { time_s: 0.0, pressure_kpa: p, sd_kpa: sd }).replace('\u{a0}', " ")
+        };
+        assert_eq!(at(139.4, 6.2), "139 ± 6 kPa");
+        assert_eq!(at(139.44, 1.24), "139.4 ± 1.2 kPa");
+    }
+}
