@@ -1,1 +1,22 @@
-//! Under construction.
+//! Measurements in and results out: vehicle files, drive logs, estimates and roads, each read or written as a
+//! stream, so that the length of a drive never decides whether it can be processed.
+//!
+//! | room | idea |
+//! |---|---|
+//! | [`vehicle`] | the vehicle file (TOML) and the corners it describes |
+//! | [`log`] | drive logs in: CSV and Parquet behind one reader that repairs, counts and refuses |
+//! | [`out`] | files out: complete under their name or not there at all |
+//! | [`error`] | one message per problem: file, line or column, what was found, what was expected |
+//!
+//! The binary and the study use this crate; it knows the core's types and nothing of simulation.
+#![forbid(unsafe_code)]
+
+pub mod error;
+pub mod log;
+mod nearest;
+pub mod out;
+pub mod vehicle;
+
+pub use error::{DataError, Problem};
+pub use log::{LogReader, LogRow};
+pub use vehicle::Vehicle;

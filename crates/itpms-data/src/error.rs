@@ -1,0 +1,304 @@
+//! What can be wrong with a file, said once: the file, the line or column, what was found, what was expected.
+//!
+//! Every public function of this crate returns [`DataError`]. Its message is complete; callers print it as it is.
+
+use std::fmt;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use itpms_core::quarter_car::ParameterError;
+use thiserror::Error;
+
+/// A file that could not be used, and why.
+#[derive(Debug, Error)]
+#[error("{}: {problem}", path.display())]
+pub struct DataError {
+    /// The file.
+    pub path: PathBuf,
+    /// What is wrong with it.
+    pub problem: Box<Problem>,
+}
+
+impl DataError {
+    pub(crate) fn new(path: &Path, problem: Problem) -> Self {
+        Self { path: path.to_owned(), problem: Box::new(problem) }
+    }
+}
+
+/// Where in a file: text has lines, a table has rows. Both count from one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// Line of a text file, the header being line 1.
+    Line(u64),
+    /// Row of a table without lines.
+    Row(u64),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Place::Line(line) => write!(f, "line {line}"),
+            Place::Row(row) => write!(f, "row {row}"),
+        }
+    }
+}
+
+/// One kind of problem with a file.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum Problem {
+    // --- any file ---
+    /// Nothing under this name.
+    #[error("no such file")]
+    NotFound,
+    /// A directory where a file belongs.
+    #[error("is a directory, expected a file")]
+    IsDirectory,
+    /// The operating system refused to read.
+    #[error("cannot be read: {0}")]
+    Read(io::Error),
+    /// The operating system refused to write.
+    #[error("cannot be written: {0}")]
+    Write(io::Error),
+    /// The directory to write into is missing.
+    #[error("cannot be written: the directory {} does not exist", .0.display())]
+    NoDirectory(PathBuf),
+    /// The format is chosen by the file's extension.
+    #[error("{found}, expected {expected}")]
+    UnknownExtension {
+        /// The extension in words.
+        found: String,
+        /// The known ones.
+        expected: &'static str,
+    },
+
+    // --- drive logs: the table ---
+    /// Zero bytes or blank lines only.
+    #[error("the file is empty, expected a header line with time_s and the accelerations of a corner")]
+    Empty,
+    /// A header without data.
+    #[error("there is a header but no row under it")]
+    HeaderOnly,
+    /// Not Parquet, or damaged.
+    #[error("not a readable Parquet file: {0}")]
+    Parquet(String),
+    /// A column that has to be there.
+    #[error("column {column} is missing{}", hint(.nearest))]
+    MissingColumn {
+        /// Its name.
+        column: String,
+        /// The most similar name that is there.
+        nearest: Option<String>,
+    },
+    /// The header is one long cell because another separator was used.
+    #[error("the header is separated by {0:?}, expected commas")]
+    Separator(char),
+    /// A column that is there twice.
+    #[error("column {column} appears twice (columns {first} and {second})")]
+    DuplicateColumn {
+        /// Its name.
+        column: String,
+        /// Its first place, from one.
+        first: usize,
+        /// Its second place, from one.
+        second: usize,
+    },
+    /// A Parquet column of another type.
+    #[error("column {column} holds {found}, expected floating-point or integer numbers")]
+    ColumnType {
+        /// Its name.
+        column: String,
+        /// Its type.
+        found: String,
+    },
+    /// Text where a number belongs.
+    #[error(
+        "{place}, column {column}: found {found:?}, expected a number, or NaN or nothing where it is missing"
+    )]
+    NotANumber {
+        /// Where.
+        place: Place,
+        /// In which column.
+        column: String,
+        /// The cell (its beginning, if long).
+        found: String,
+    },
+    /// A row that is longer or shorter than the header.
+    #[error("{place}: found {found} cells, expected {expected} as in the header")]
+    CellCount {
+        /// Where.
+        place: Place,
+        /// Cells in this row.
+        found: usize,
+        /// Cells in the header.
+        expected: usize,
+    },
+
+    // --- drive logs: the contents ---
+    /// A drive has more than one sample.
+    #[error("found {0} sample with a time, expected at least 2")]
+    TooFewSamples(u64),
+    /// No row says when it was measured.
+    #[error("column time_s has no value in any of {rows} rows")]
+    NoTime {
+        /// Rows read.
+        rows: u64,
+    },
+    /// The clock stands still.
+    #[error("time is constant: time_s is {time_s} in all of {rows} rows, expected it to increase")]
+    TimeConstant {
+        /// The time of all rows.
+        time_s: f64,
+        /// Rows read.
+        rows: u64,
+    },
+    /// The clock's resolution is too coarse.
+    #[error(
+        "time stands still in {repeated} of {rows} rows (first at {place}), expected it to increase from row to row"
+    )]
+    TimeRepeats {
+        /// Rows with the time of the row before.
+        repeated: u64,
+        /// Rows read.
+        rows: u64,
+        /// The first such row.
+        place: Place,
+    },
+    /// Rows are not in the order of time, and not just one or two of them.
+    #[error(
+        "time goes backwards in {backwards} of {rows} rows, at {place} from {from_s} to {to_s} s, expected it to increase"
+    )]
+    TimeBackwards {
+        /// Rows that lie before an earlier row.
+        backwards: u64,
+        /// Rows read.
+        rows: u64,
+        /// Where the last run of such rows began.
+        place: Place,
+        /// Time of the row before in s.
+        from_s: f64,
+        /// Time of the row in s.
+        to_s: f64,
+    },
+    /// No wheel can be seen at this rate.
+    #[error(
+        "the sample period is {period_s} s ({rate_hz:.3} Hz), expected 100 Hz to 2 kHz with time_s in seconds{}",
+        milliseconds(*.period_s)
+    )]
+    SamplePeriod {
+        /// Median period in s.
+        period_s: f64,
+        /// Its inverse.
+        rate_hz: f64,
+    },
+    /// No corner has a usable pair of sensors.
+    #[error("column {column} has no value in any of {rows} rows, and no other corner is complete")]
+    AllMissing {
+        /// The first such column.
+        column: String,
+        /// Rows read.
+        rows: u64,
+    },
+    /// The numbers cannot be m/s².
+    #[error("wrong units suspected ({suspicion}): {evidence}, expected m/s^2")]
+    Units {
+        /// What they seem to be.
+        suspicion: &'static str,
+        /// The numbers that say so.
+        evidence: String,
+    },
+
+    // --- vehicle files ---
+    /// Not TOML.
+    #[error("line {line}: not valid TOML: {message}")]
+    Syntax {
+        /// Where.
+        line: usize,
+        /// The parser's words.
+        message: String,
+    },
+    /// A key nobody asked for, most likely mistyped.
+    #[error("line {line}: unknown key {key} in {table}{}, expected one of: {known}", hint_key(.nearest))]
+    UnknownKey {
+        /// Where.
+        line: usize,
+        /// The table it is in.
+        table: String,
+        /// The key.
+        key: String,
+        /// The most similar known key.
+        nearest: Option<String>,
+        /// All known keys.
+        known: String,
+    },
+    /// A key that has to be there.
+    #[error("{table} has no {key}{}", hint_missing(*.line))]
+    MissingKey {
+        /// Line of the table's header.
+        line: Option<usize>,
+        /// The table.
+        table: String,
+        /// The key.
+        key: &'static str,
+    },
+    /// A value of another type.
+    #[error("line {line}: {table} {key} is {found}, expected {expected}")]
+    ValueType {
+        /// Where.
+        line: usize,
+        /// The table.
+        table: String,
+        /// The key.
+        key: String,
+        /// Type and text of the value.
+        found: String,
+        /// The type wanted.
+        expected: &'static str,
+    },
+    /// A value outside its physical range.
+    #[error("line {line}: {table} {error}")]
+    Parameter {
+        /// Where.
+        line: usize,
+        /// The table.
+        table: String,
+        /// Name, value and range.
+        error: ParameterError,
+    },
+    /// A value that no car has in the unit of its key.
+    #[error("line {line}: {table} {key} is {value}, expected {low} to {high} (another unit?)")]
+    Implausible {
+        /// Where.
+        line: usize,
+        /// The table.
+        table: String,
+        /// The key.
+        key: &'static str,
+        /// What was found.
+        value: f64,
+        /// Lowest value accepted.
+        low: f64,
+        /// Highest value accepted.
+        high: f64,
+    },
+    /// A vehicle without wheels.
+    #[error("no corner is described, expected at least one table [corner.fl] (or fr, rl, rr)")]
+    NoCorner,
+}
+
+fn hint(nearest: &Option<String>) -> String {
+    nearest.as_ref().map(|name| format!("; the nearest name there is {name}")).unwrap_or_default()
+}
+
+fn hint_key(nearest: &Option<String>) -> String {
+    nearest.as_ref().map(|name| format!(" (did you mean {name}?)")).unwrap_or_default()
+}
+
+fn hint_missing(line: Option<usize>) -> String {
+    line.map(|line| format!(" (table at line {line})")).unwrap_or_default()
+}
+
+fn milliseconds(period_s: f64) -> &'static str {
+    // 0.5 to 10 would be 2 kHz to 100 Hz in milliseconds.
+    if (0.4..=12.0).contains(&period_s) { " (it looks like milliseconds)" } else { "" }
+}

@@ -1,0 +1,176 @@
+//! Rows from CSV: commas, a header line, `#` comments, blank lines, quotes where somebody used them.
+//!
+//! A line is a row, as everywhere with measurements; therefore lines are split here, and every message can name the
+//! line an editor shows. (General CSV readers count records, and lose count at comments and blank lines.)
+
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read};
+
+use super::header::{Header, shortened};
+use super::row::{RawRow, SLOTS};
+use crate::error::{Place, Problem};
+
+/// No row of numbers is longer; what is, is no text.
+const LONGEST_LINE: u64 = 1 << 20;
+
+#[derive(Debug)]
+pub(super) struct CsvSource {
+    lines: Lines,
+    header: Header,
+    bytes: u64,
+    cut_off: bool,
+}
+
+impl CsvSource {
+    /// `bytes`: the file's length, for the progress.
+    pub(super) fn new(file: File, bytes: u64) -> Result<Self, Problem> {
+        let input = BufReader::with_capacity(1 << 16, file);
+        let mut lines = Lines { input, line: Vec::new(), number: 0, position: 0 };
+        if !lines.advance()? {
+            return Err(Problem::Empty);
+        }
+        let names: Vec<String> =
+            cells(lines.text()).map(|name| String::from_utf8_lossy(name).into_owned()).collect();
+        let header = Header::from_names(&names)?;
+        Ok(Self { lines, header, bytes, cut_off: false })
+    }
+
+    pub(super) fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// Whether the last line ended before its last cell and without a line end: the logger lost its power.
+    pub(super) fn cut_off(&self) -> bool {
+        self.cut_off
+    }
+
+    pub(super) fn progress(&self) -> f64 {
+        (self.lines.position as f64 / self.bytes.max(1) as f64).min(1.0)
+    }
+
+    pub(super) fn next_row(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {
+        if !self.lines.advance()? {
+            return Ok(None);
+        }
+        let place = Place::Line(self.lines.number);
+        *row = [f64::NAN; SLOTS];
+        let expected = self.header.slots.len();
+        let mut found = 0;
+        let mut bad_cell = None;
+        for cell in cells(self.lines.text()) {
+            if let Some(Some(slot)) = self.header.slots.get(found) {
+                match number(cell) {
+                    Some(value) => row[slot.index()] = value,
+                    None => bad_cell = bad_cell.or(Some((*slot, cell))),
+                }
+            }
+            found += 1;
+        }
+        if found < expected && !self.lines.is_terminated() {
+            self.cut_off = true;
+            return Ok(None);
+        }
+        if found != expected {
+            return Err(Problem::CellCount { place, found, expected });
+        }
+        match bad_cell {
+            None => Ok(Some(place)),
+            Some((slot, cell)) => Err(Problem::NotANumber {
+                place,
+                column: slot.name(),
+                found: shortened(&String::from_utf8_lossy(cell)),
+            }),
+        }
+    }
+}
+
+/// The lines that say something.
+#[derive(Debug)]
+struct Lines {
+    input: BufReader<File>,
+    line: Vec<u8>,
+    number: u64,
+    position: u64,
+}
+
+impl Lines {
+    /// Goes to the next line that is neither blank nor a comment; false at the end.
+    fn advance(&mut self) -> Result<bool, Problem> {
+        loop {
+            self.line.clear();
+            let mut limited = (&mut self.input).take(LONGEST_LINE);
+            let length = limited.read_until(b'\n', &mut self.line).map_err(Problem::Read)? as u64;
+            if length == 0 {
+                return Ok(false);
+            }
+            self.number += 1;
+            self.position += length;
+            if length == LONGEST_LINE {
+                let text = format!("line {} is longer than 1 MiB, expected text", self.number);
+                return Err(Problem::Read(io::Error::new(io::ErrorKind::InvalidData, text)));
+            }
+            if self.number == 1 && self.line.starts_with(b"\xef\xbb\xbf") {
+                // The byte order mark with which some programs begin a text file.
+                self.line.drain(..3);
+            }
+            if !self.text().is_empty() && self.text()[0] != b'#' {
+                return Ok(true);
+            }
+        }
+    }
+
+    fn text(&self) -> &[u8] {
+        self.line.trim_ascii()
+    }
+
+    fn is_terminated(&self) -> bool {
+        self.line.ends_with(b"\n")
+    }
+}
+
+/// The cells of a line, trimmed and out of their quotes. A comma inside quotes separates nothing.
+fn cells(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+    let mut quoted = false;
+    line.split(move |byte| {
+        quoted ^= *byte == b'"';
+        *byte == b',' && !quoted
+    })
+    .map(|cell| {
+        let cell = cell.trim_ascii();
+        cell.strip_prefix(b"\"").and_then(|cell| cell.strip_suffix(b"\"")).unwrap_or(cell).trim_ascii()
+    })
+}
+
+/// The number in a cell: NaN for what is missing or infinite, `None` for what is no number.
+fn number(cell: &[u8]) -> Option<f64> {
+    if cell.is_empty() || cell.eq_ignore_ascii_case(b"null") {
+        return Some(f64::NAN);
+    }
+    let value: f64 = std::str::from_utf8(cell).ok()?.parse().ok()?;
+    Some(if value.is_finite() { value } else { f64::NAN })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn missing_has_many_spellings_and_text_is_not_one_of_them() {
+        for missing in ["", "NaN", "nan", "null", "NULL", "inf", "-inf"] {
+            assert!(number(missing.as_bytes()).unwrap().is_nan(), "{missing}");
+        }
+        assert_eq!(number(b"-1.5e-3"), Some(-1.5e-3));
+        for text in ["fast", "1,5", "0x10", "12 m", "--"] {
+            assert!(number(text.as_bytes()).is_none(), "{text}");
+        }
+    }
+
+    #[test]
+    fn cells_come_out_of_blanks_and_quotes() {
+        let split = |line: &'static str| {
+            cells(line.as_bytes()).map(|cell| std::str::from_utf8(cell).unwrap()).collect::<Vec<_>>()
+        };
+        assert_eq!(split("1, 2 ,3"), ["1", "2", "3"]);
+        assert_eq!(split("\"time_s\",\"a, b\",,"), ["time_s", "a, b", "", ""]);
+    }
+}

@@ -1,0 +1,176 @@
+//! The header: from the names in a file to the columns that mean something, or to the one that is missing.
+//!
+//! Called by both sources with their column names.
+
+use itpms_core::sample::Corner;
+
+use super::row::{CornerColumns, Field, LogColumns, Slot};
+use crate::error::Problem;
+use crate::nearest::nearest;
+
+/// What a header says.
+#[derive(Debug, Clone)]
+pub(super) struct Header {
+    pub(super) columns: LogColumns,
+    /// For each column of the file, what it is, if it is anything to us.
+    pub(super) slots: Vec<Option<Slot>>,
+    /// Columns that are nothing to us but look like a misspelling of one that is not there: (found, meant).
+    pub(super) suspicious: Vec<(String, String)>,
+}
+
+impl Header {
+    /// Reads the names of a file's columns.
+    pub(super) fn from_names(names: &[String]) -> Result<Self, Problem> {
+        let known: Vec<(Slot, String)> = Slot::all().map(|slot| (slot, slot.name())).collect();
+        let slots: Vec<Option<Slot>> =
+            names.iter().map(|name| known.iter().find(|(_, n)| n == name).map(|(slot, _)| *slot)).collect();
+        let place = |slot: Slot| slots.iter().position(|s| *s == Some(slot));
+        for (i, slot) in slots.iter().enumerate() {
+            if let Some(slot) = slot
+                && let Some(first) = place(*slot).filter(|first| *first < i)
+            {
+                return Err(Problem::DuplicateColumn {
+                    column: slot.name(),
+                    first: first + 1,
+                    second: i + 1,
+                });
+            }
+        }
+        let has = |slot| place(slot).is_some();
+        let strangers: Vec<&str> =
+            names.iter().zip(&slots).filter(|(_, s)| s.is_none()).map(|(n, _)| n.as_str()).collect();
+        let missing = |slot: Slot| {
+            let column = slot.name();
+            let nearest = nearest(&column, strangers.iter().copied()).map(shortened);
+            Problem::MissingColumn { column, nearest }
+        };
+        if !has(Slot::Time) {
+            return Err(separator(names).map_or_else(|| missing(Slot::Time), Problem::Separator));
+        }
+        let mut corners = [None; 4];
+        for corner in Corner::ALL {
+            let slot = |field| Slot::Corner(corner, field);
+            match (has(slot(Field::BodyAccel)), has(slot(Field::WheelAccel))) {
+                (true, true) => {
+                    corners[corner.index()] = Some(CornerColumns {
+                        pressure: has(slot(Field::Pressure)),
+                        road: has(slot(Field::Road)),
+                    });
+                }
+                (true, false) => return Err(missing(slot(Field::WheelAccel))),
+                (false, true) => return Err(missing(slot(Field::BodyAccel))),
+                (false, false) => {}
+            }
+        }
+        if corners.iter().all(Option::is_none) {
+            return Err(no_corner(&strangers));
+        }
+        let columns = LogColumns { speed: has(Slot::Speed), corners };
+        let absent: Vec<&str> = known.iter().filter(|(s, _)| !has(*s)).map(|(_, n)| n.as_str()).collect();
+        let suspicious = strangers
+            .iter()
+            .filter_map(|name| nearly(name, &absent).map(|meant| (shortened(name), meant.to_owned())))
+            .collect();
+        Ok(Self { columns, slots, suspicious })
+    }
+}
+
+/// No corner at all: name the acceleration that comes nearest to a column that is there, else the front left's.
+fn no_corner(strangers: &[&str]) -> Problem {
+    let accelerations = Corner::ALL.into_iter().flat_map(|corner| {
+        [Field::BodyAccel, Field::WheelAccel].map(|field| Slot::Corner(corner, field).name())
+    });
+    for column in accelerations {
+        if let Some(nearest) = nearly(&column, strangers) {
+            return Problem::MissingColumn { column, nearest: Some(shortened(nearest)) };
+        }
+    }
+    let column = Slot::Corner(Corner::FrontLeft, Field::BodyAccel).name();
+    Problem::MissingColumn { column, nearest: nearest("accel", strangers.iter().copied()).map(shortened) }
+}
+
+/// The candidate that differs from `name` by no more than a third of its letters and belongs to the same corner.
+/// Stricter than [`nearest`], because nobody has said yet that anything is wrong.
+fn nearly<'a>(name: &str, candidates: &[&'a str]) -> Option<&'a str> {
+    let name = name.to_lowercase();
+    let corner = |text: &str| Corner::ALL.into_iter().find(|c| text.starts_with(c.label()));
+    candidates
+        .iter()
+        .map(|candidate| (strsim::damerau_levenshtein(&name, &candidate.to_lowercase()), *candidate))
+        .filter(|(distance, candidate)| 3 * distance <= name.len() && corner(candidate) == corner(&name))
+        .min_by_key(|(distance, _)| *distance)
+        .map(|(_, candidate)| candidate)
+}
+
+/// A header that is one cell because its separator is not the comma.
+fn separator(names: &[String]) -> Option<char> {
+    match names {
+        [only] => [';', '\t', '|'].into_iter().find(|separator| only.contains(*separator)),
+        _ => None,
+    }
+}
+
+/// A name short enough for a message, whatever a file that is no table had in its first line.
+pub(super) fn shortened(text: &str) -> String {
+    const LONGEST: usize = 40;
+    let clean: String = text.chars().filter(|c| !c.is_control()).take(LONGEST + 1).collect();
+    if clean.chars().count() > LONGEST { clean.chars().take(LONGEST).chain(['…']).collect() } else { clean }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn header(line: &str) -> Result<Header, String> {
+        let names: Vec<String> = line.split(',').map(str::to_owned).collect();
+        Header::from_names(&names).map_err(|problem| problem.to_string())
+    }
+
+    #[test]
+    fn columns_may_come_in_any_order_with_others_between() {
+        let h = header("rr_wheel_accel_m_s2,gear,time_s,rr_body_accel_m_s2,rr_road_m").unwrap();
+        assert!(!h.columns.speed);
+        assert_eq!(h.columns.present(), [Corner::RearRight]);
+        assert_eq!(h.columns.corners[3], Some(CornerColumns { pressure: false, road: true }));
+        assert_eq!(h.slots[2], Some(Slot::Time));
+        assert!(h.slots[1].is_none() && h.suspicious.is_empty());
+    }
+
+    #[test]
+    fn a_missing_column_is_named_with_the_nearest_that_is_there() {
+        let text = header("Time,fl_body_accel_m_s2,fl_wheel_accel_m_s2").unwrap_err();
+        assert_eq!(text, "column time_s is missing; the nearest name there is Time");
+        let text = header("time_s,fl_body_accel_m_s2,fl_wheel_acc_m_s2").unwrap_err();
+        assert_eq!(
+            text,
+            "column fl_wheel_accel_m_s2 is missing; the nearest name there is fl_wheel_acc_m_s2"
+        );
+        let text = header("time_s,speed_m_s").unwrap_err();
+        assert_eq!(text, "column fl_body_accel_m_s2 is missing");
+        let text = header("time_s,rl_body_acc,rl_wheel_acc_m_s2").unwrap_err();
+        assert_eq!(
+            text,
+            "column rl_wheel_accel_m_s2 is missing; the nearest name there is rl_wheel_acc_m_s2"
+        );
+    }
+
+    #[test]
+    fn a_duplicate_is_an_error_only_where_it_matters() {
+        let text = header("time_s,fl_body_accel_m_s2,fl_wheel_accel_m_s2,time_s").unwrap_err();
+        assert_eq!(text, "column time_s appears twice (columns 1 and 4)");
+        assert!(header("time_s,note,note,fl_body_accel_m_s2,fl_wheel_accel_m_s2").is_ok());
+    }
+
+    #[test]
+    fn another_separator_is_recognised() {
+        let text = header("time_s;fl_body_accel_m_s2;fl_wheel_accel_m_s2").unwrap_err();
+        assert_eq!(text, "the header is separated by ';', expected commas");
+    }
+
+    #[test]
+    fn a_likely_misspelling_is_mentioned_but_no_error() {
+        let h = header("time_s,speed_mps,fl_body_accel_m_s2,fl_wheel_accel_m_s2,fr_pressure").unwrap();
+        // fr_pressure is nearer to nothing of its own corner than a third of its letters allow, and no harm either way.
+        assert!(h.suspicious.contains(&("speed_mps".to_owned(), "speed_m_s".to_owned())));
+    }
+}

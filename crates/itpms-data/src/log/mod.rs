@@ -1,0 +1,34 @@
+//! Drive logs in: one reader for CSV and Parquet that hands out clean rows, repairs what can be repaired, counts
+//! what it did, and refuses the rest in one sentence.
+//!
+//! | column | meaning |
+//! |---|---|
+//! | `time_s` | strictly increasing, uniform or jittered |
+//! | `speed_m_s` | vehicle speed, optional |
+//! | `{c}_body_accel_m_s2`, `{c}_wheel_accel_m_s2` | sprung and unsprung acceleration, up; `c` in `fl fr rl rr` |
+//! | `{c}_pressure_kpa`, `{c}_road_m` | truth, optional |
+//!
+//! An empty cell, `NaN`, `null` or a null is a missing sample. Rows keep their own times: rates, jitter and gaps are
+//! the estimator's business. Memory is bounded: the first [`SURVEY_ROWS`] rows and one batch, whatever the length.
+//!
+//! Called by the commands of the binary and by the study; knows nothing of estimators and of simulation.
+
+mod csv_source;
+mod format;
+mod header;
+mod order;
+#[cfg(feature = "parquet")]
+mod parquet_source;
+mod reader;
+mod repair;
+mod row;
+mod source;
+mod survey;
+mod units;
+
+pub(crate) use format::Format;
+pub use reader::{LogReader, SURVEY_ROWS};
+pub use repair::RepairReport;
+pub use row::{CornerColumns, LogColumns, LogCorner, LogRow};
+pub use survey::Survey;
+pub use units::UnitCheck;

@@ -1,0 +1,214 @@
+//! The reader: opens a log, looks ahead, judges it, then hands out row after row.
+
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+
+use itpms_core::sample::Corner;
+
+use super::order::{Stage, TimeOrder};
+use super::repair::RepairReport;
+use super::row::{Field, LogColumns, LogRow, SLOTS, Slot};
+use super::source::Source;
+use super::survey::{GAP_PERIODS, Survey};
+use super::units::{self, UnitCheck};
+use crate::error::{DataError, Problem};
+
+/// Rows read ahead to judge a log before the first is handed out: 8 s at 500 Hz, 2 s at 2 kHz.
+pub const SURVEY_ROWS: usize = 4096;
+
+/// A drive log, row by row.
+///
+/// ```no_run
+/// # fn main() -> Result<(), itpms_data::DataError> {
+/// let mut log = itpms_data::LogReader::open(std::path::Path::new("drive.csv"))?;
+/// while let Some(row) = log.next_row()? {
+///     println!("{} {}", row.time_s, row.speed_m_s);
+/// }
+/// for warning in log.repairs().warnings() {
+///     eprintln!("{warning}");
+/// }
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug)]
+pub struct LogReader {
+    path: PathBuf,
+    source: Source,
+    order: TimeOrder,
+    ahead: VecDeque<LogRow>,
+    exhausted: bool,
+    survey: Survey,
+    report: RepairReport,
+    last_time_s: Option<f64>,
+    /// Whether each column has had a value.
+    seen: [bool; SLOTS],
+}
+
+impl LogReader {
+    /// Opens a drive log, CSV or Parquet by extension, and looks at its first [`SURVEY_ROWS`] rows.
+    ///
+    /// # Errors
+    /// The file cannot be read, a column is missing or twice there, or the first rows show that the log is useless:
+    /// see [`Problem`].
+    pub fn open(path: &Path) -> Result<Self, DataError> {
+        Self::open_with(path, UnitCheck::default())
+    }
+
+    /// The same, with or without doubts about the unit of the accelerations.
+    ///
+    /// # Errors
+    /// As [`LogReader::open`].
+    pub fn open_with(path: &Path, units: UnitCheck) -> Result<Self, DataError> {
+        let source = Source::open(path)?;
+        let report = RepairReport {
+            misspelled_columns: source.header().suspicious.clone(),
+            ..RepairReport::default()
+        };
+        let mut reader = Self {
+            path: path.to_owned(),
+            source,
+            order: TimeOrder::default(),
+            ahead: VecDeque::with_capacity(SURVEY_ROWS),
+            exhausted: false,
+            survey: Survey { rows: 0, sample_period_s: 0.0, jitter_s: 0.0, sample_rate_hz: 0.0 },
+            report,
+            last_time_s: None,
+            seen: [false; SLOTS],
+        };
+        reader.look_ahead(units).map_err(|problem| DataError::new(path, problem))?;
+        Ok(reader)
+    }
+
+    /// The file's name.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Which columns the log has.
+    #[must_use]
+    pub fn columns(&self) -> &LogColumns {
+        &self.source.header().columns
+    }
+
+    /// What the first rows say about the clock.
+    #[must_use]
+    pub fn survey(&self) -> &Survey {
+        &self.survey
+    }
+
+    /// What was repaired so far.
+    #[must_use]
+    pub fn repairs(&self) -> &RepairReport {
+        &self.report
+    }
+
+    /// Share of the file that has been read, 0 to 1.
+    #[must_use]
+    pub fn progress(&self) -> f64 {
+        self.source.progress()
+    }
+
+    /// The next row, `None` after the last.
+    ///
+    /// # Errors
+    /// The file cannot be read on, a cell is no number, or so many rows are out of order that what is left would not
+    /// be this drive.
+    pub fn next_row(&mut self) -> Result<Option<LogRow>, DataError> {
+        while self.ahead.is_empty() && !self.exhausted {
+            self.pull().map_err(|problem| DataError::new(&self.path, problem))?;
+        }
+        let Some(row) = self.ahead.pop_front() else { return Ok(None) };
+        if let Some(last_s) = self.last_time_s {
+            let step_s = row.time_s - last_s;
+            if step_s > GAP_PERIODS * self.survey.sample_period_s {
+                self.report.gaps += 1;
+                if self.report.longest_gap.is_none_or(|(longest_s, _)| step_s > longest_s) {
+                    self.report.longest_gap = Some((step_s, last_s));
+                }
+            }
+        }
+        self.last_time_s = Some(row.time_s);
+        self.report.rows_kept += 1;
+        Ok(Some(row))
+    }
+
+    fn look_ahead(&mut self, units: UnitCheck) -> Result<(), Problem> {
+        while self.ahead.len() < SURVEY_ROWS && !self.exhausted {
+            self.pull()?;
+        }
+        if self.report.rows_read == 0 {
+            return Err(Problem::HeaderOnly);
+        }
+        if !self.exhausted {
+            self.order.check(Stage::Complete)?;
+        }
+        self.survey = Survey::of(&self.ahead)?;
+        match units {
+            UnitCheck::Suspicious => units::check(self.ahead.iter()),
+            UnitCheck::Trusting => Ok(()),
+        }
+    }
+
+    /// Reads one row of the file; none, one or (at the end) one more row comes out of it.
+    fn pull(&mut self) -> Result<(), Problem> {
+        let mut raw = [f64::NAN; SLOTS];
+        let Some(place) = self.source.next_row(&mut raw)? else { return self.close() };
+        for (seen, value) in self.seen.iter_mut().zip(&raw) {
+            *seen |= value.is_finite();
+        }
+        let columns = self.source.header().columns;
+        let missing = |slot: &Slot| raw[slot.index()].is_nan();
+        self.report.missing_accelerations += accelerations(&columns).filter(missing).count() as u64;
+        self.report.missing_speeds += u64::from(columns.speed && missing(&Slot::Speed));
+        self.ahead.extend(self.order.push(LogRow::from_raw(&raw, &columns), place));
+        self.order.check(Stage::Reading)?;
+        self.copy_counts();
+        Ok(())
+    }
+
+    /// The end of the file: the last row, the last checks.
+    fn close(&mut self) -> Result<(), Problem> {
+        self.exhausted = true;
+        self.order.check(Stage::Complete)?;
+        self.ahead.extend(self.order.finish());
+        self.report.cut_off_lines = u64::from(self.source.cut_off());
+        self.copy_counts();
+        let columns = self.source.header().columns;
+        let dead = |slot: &Slot| !self.seen[slot.index()];
+        let alive = |corner: &Corner| {
+            !dead(&Slot::Corner(*corner, Field::BodyAccel))
+                && !dead(&Slot::Corner(*corner, Field::WheelAccel))
+        };
+        self.report.dead_columns = accelerations(&columns).filter(dead).map(Slot::name).collect();
+        match self.report.dead_columns.first() {
+            Some(column) if self.report.rows_read > 0 && !columns.present().iter().any(alive) => {
+                Err(Problem::AllMissing { column: column.clone(), rows: self.report.rows_read })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn copy_counts(&mut self) {
+        self.report.rows_read = self.order.rows;
+        self.report.without_time = self.order.without_time;
+        self.report.out_of_order = self.order.backwards;
+        self.report.duplicate_times = self.order.repeated;
+    }
+}
+
+fn accelerations(columns: &LogColumns) -> impl Iterator<Item = Slot> + use<> {
+    columns
+        .present()
+        .into_iter()
+        .flat_map(|corner| [Slot::Corner(corner, Field::BodyAccel), Slot::Corner(corner, Field::WheelAccel)])
+}
+
+/// The rows, for loops and adapters.
+impl Iterator for LogReader {
+    type Item = Result<LogRow, DataError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.next_row().transpose()
+    }
+}

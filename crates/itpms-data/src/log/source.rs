@@ -1,0 +1,81 @@
+//! Where rows come from, whatever the format: names first, then values, row by row. Called by the reader alone.
+
+use std::fs::{self, File};
+use std::io;
+use std::path::Path;
+
+use super::csv_source::CsvSource;
+use super::format::Format;
+use super::header::Header;
+#[cfg(feature = "parquet")]
+use super::parquet_source::ParquetSource;
+use super::row::RawRow;
+use crate::error::{DataError, Place, Problem};
+
+/// An open drive log.
+#[derive(Debug)]
+pub(super) enum Source {
+    Csv(CsvSource),
+    #[cfg(feature = "parquet")]
+    Parquet(Box<ParquetSource>),
+}
+
+impl Source {
+    pub(super) fn open(path: &Path) -> Result<Self, DataError> {
+        let fail = |problem| DataError::new(path, problem);
+        let read_error = |error: io::Error| match error.kind() {
+            io::ErrorKind::NotFound => fail(Problem::NotFound),
+            _ => fail(Problem::Read(error)),
+        };
+        let metadata = fs::metadata(path).map_err(read_error)?;
+        if metadata.is_dir() {
+            return Err(fail(Problem::IsDirectory));
+        }
+        let format = Format::of(path)?;
+        let file = File::open(path).map_err(read_error)?;
+        if metadata.is_file() && metadata.len() == 0 {
+            return Err(fail(Problem::Empty));
+        }
+        match format {
+            Format::Csv => CsvSource::new(file, metadata.len()).map(Source::Csv),
+            #[cfg(feature = "parquet")]
+            Format::Parquet => ParquetSource::new(file).map(|source| Source::Parquet(Box::new(source))),
+        }
+        .map_err(fail)
+    }
+
+    pub(super) fn header(&self) -> &Header {
+        match self {
+            Source::Csv(source) => source.header(),
+            #[cfg(feature = "parquet")]
+            Source::Parquet(source) => source.header(),
+        }
+    }
+
+    /// Fills `row` with the next row, NaN where missing; `None` at the end.
+    pub(super) fn next_row(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {
+        match self {
+            Source::Csv(source) => source.next_row(row),
+            #[cfg(feature = "parquet")]
+            Source::Parquet(source) => source.next_row(row),
+        }
+    }
+
+    /// Share of the file that has been read, 0 to 1.
+    pub(super) fn progress(&self) -> f64 {
+        match self {
+            Source::Csv(source) => source.progress(),
+            #[cfg(feature = "parquet")]
+            Source::Parquet(source) => source.progress(),
+        }
+    }
+
+    /// Whether the last line was cut off and left out.
+    pub(super) fn cut_off(&self) -> bool {
+        match self {
+            Source::Csv(source) => source.cut_off(),
+            #[cfg(feature = "parquet")]
+            Source::Parquet(_) => false,
+        }
+    }
+}

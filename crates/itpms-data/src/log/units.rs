@@ -1,0 +1,219 @@
+//! Accelerations in another unit than m/s²: suspected where physics leaves no other reading.
+//!
+//! Called once by the reader with the rows it has looked ahead. Two signs, either of them enough:
+//!
+//! 1. **Gravity of size one.** Both sensors of a corner have a mean of 0.85 to 1.15 in size while the body hardly moves
+//!    (rms below 0.5 about it). In g that is a sensor standing upright; in m/s² it would be a constant acceleration of
+//!    1 m/s², the same for body and wheel, which no upright sensor sees and no usual offset explains. A mean of 9.81 is
+//!    gravity in m/s² and welcome; estimators remove the mean.
+//! 2. **Too quiet for a moving car.** The smoothest roads in use have an IRI of about 0.5 m/km, Gd(n0) = 1.6e-6 m³. The
+//!    paper's car (Table 2) at speed V, slope w from 1.8 to 2.6, shows there at least 0.051 m/s² rms at the body and
+//!    0.37 at the wheel for V = 20 km/h, both growing like sqrt(V), before any sensor noise is added; damping of 2500
+//!    N s/m gives 0.08 and 0.37. So less than `0.05 sqrt(V / 20 km/h)` at every body *and* less than
+//!    `1.0 sqrt(V / 20 km/h)` at every wheel is not a drive in m/s². Class A at 20 km/h, w = 2.14, is 0.24 and 2.3 m/s²
+//!    (noise included), hence 0.025 and 0.24 in g: caught; at 80 km/h 0.053 and 0.53 against limits of 0.1 and 2: caught.
+//!    Below 5 m/s nothing is said: a parked car shows its sensors' noise in any unit. Where the speed is unknown a wheel
+//!    that moves four times as much as its body shows that the car rolls; then the body's limit is 0.035.
+//!
+//! What this cannot see: a drive in g without gravity (AC-coupled sensors) on class B and worse, which looks like a very
+//! smooth road in m/s². The estimated pressure does not depend on the unit there, the road's height does.
+
+use itpms_core::sample::Corner;
+
+use super::row::LogRow;
+use crate::error::Problem;
+
+/// Whether the reader doubts the unit of the accelerations.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum UnitCheck {
+    /// Refuse a log whose accelerations are not in m/s² by all appearance.
+    #[default]
+    Suspicious,
+    /// The user knows better.
+    Trusting,
+}
+
+/// Slowest speed in m/s at which a quiet sensor is suspicious.
+const MOVING_M_S: f64 = 5.0;
+/// 20 km/h, where the limits below hold.
+const REFERENCE_M_S: f64 = 20.0 / 3.6;
+const QUIET_BODY_M_S2: f64 = 0.05;
+const QUIET_WHEEL_M_S2: f64 = 1.0;
+const QUIET_BODY_UNKNOWN_SPEED_M_S2: f64 = 0.035;
+/// Mean size of a sensor that shows gravity in g, 15 % for tilt, offset and scale.
+const ONE_G: std::ops::RangeInclusive<f64> = 0.85..=1.15;
+/// A body that shakes more than this is not the quiet background against which a mean of one would stand out.
+const STEADY_BODY: f64 = 0.5;
+/// 10 g rms: no body and no wheel does this for seconds.
+const VIOLENT_BODY_M_S2: f64 = 100.0;
+/// Values a statistic needs.
+const ENOUGH: usize = 200;
+
+/// Mean and rms about it of one sensor.
+#[derive(Debug, Clone, Copy)]
+struct Spread {
+    mean: f64,
+    rms: f64,
+}
+
+impl Spread {
+    fn of(values: impl Iterator<Item = f64> + Clone) -> Option<Self> {
+        let values = values.filter(|value| value.is_finite());
+        let count = values.clone().count();
+        if count < ENOUGH {
+            return None;
+        }
+        let mean = values.clone().sum::<f64>() / count as f64;
+        let variance = values.map(|value| (value - mean).powi(2)).sum::<f64>() / count as f64;
+        Some(Self { mean, rms: variance.sqrt() })
+    }
+}
+
+/// Body and wheel of one corner.
+#[derive(Debug, Clone, Copy)]
+struct Pair {
+    corner: Corner,
+    body: Spread,
+    wheel: Spread,
+}
+
+fn pairs<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone) -> Vec<Pair> {
+    let pair = |corner: Corner| {
+        let of = |value: fn(&super::row::LogCorner) -> f64| {
+            Spread::of(rows.clone().filter_map(move |row| row.corners[corner.index()].as_ref()).map(value))
+        };
+        Some(Pair { corner, body: of(|c| c.body_accel_m_s2)?, wheel: of(|c| c.wheel_accel_m_s2)? })
+    };
+    Corner::ALL.into_iter().filter_map(pair).collect()
+}
+
+/// Refuses accelerations that cannot be in m/s².
+pub(super) fn check<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone) -> Result<(), Problem> {
+    let all = pairs(rows.clone());
+    for pair in &all {
+        let label = pair.corner.label();
+        if ONE_G.contains(&pair.body.mean.abs())
+            && ONE_G.contains(&pair.wheel.mean.abs())
+            && pair.body.rms < STEADY_BODY
+        {
+            let evidence = format!(
+                "{label} body and wheel accelerations average {:.2} and {:.2}, gravity in g would",
+                pair.body.mean, pair.wheel.mean
+            );
+            return Err(Problem::Units { suspicion: "accelerations in g", evidence });
+        }
+        if pair.body.rms > VIOLENT_BODY_M_S2 {
+            let evidence = format!("{label} body acceleration is {:.0} rms", pair.body.rms);
+            return Err(Problem::Units { suspicion: "accelerations in mm/s^2 or raw counts", evidence });
+        }
+    }
+    too_quiet(rows, &all)
+}
+
+fn too_quiet<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone, all: &[Pair]) -> Result<(), Problem> {
+    let speeds = rows.clone().map(|row| row.speed_m_s).filter(|speed| speed.is_finite());
+    let known = speeds.clone().next().is_some();
+    let fast = speeds.filter(|speed| *speed > MOVING_M_S);
+    let (count, sum) = fast.fold((0usize, 0.0), |(count, sum), speed| (count + 1, sum + speed));
+    let (pairs, at) = match (known, count) {
+        (true, 0) => return Ok(()),
+        (true, _) => {
+            let speed = sum / count as f64;
+            (pairs(rows.filter(|row| row.speed_m_s > MOVING_M_S)), Some(speed))
+        }
+        (false, _) => (all.to_vec(), None),
+    };
+    let quiet = |pair: &Pair| match at {
+        Some(speed) => {
+            let scale = (speed / REFERENCE_M_S).sqrt();
+            pair.body.rms < QUIET_BODY_M_S2 * scale && pair.wheel.rms < QUIET_WHEEL_M_S2 * scale
+        }
+        None => pair.body.rms < QUIET_BODY_UNKNOWN_SPEED_M_S2 && pair.wheel.rms > 4.0 * pair.body.rms,
+    };
+    // A sensor that is stuck says nothing about units.
+    let alive = |pair: &&Pair| pair.body.rms > 0.0 && pair.wheel.rms > 0.0;
+    let living: Vec<&Pair> = pairs.iter().filter(alive).collect();
+    match living.first() {
+        Some(pair) if living.iter().all(|pair| quiet(pair)) => {
+            let speed = at.map_or("a rolling car".to_owned(), |speed| format!("a car at {speed:.1} m/s"));
+            let evidence = format!(
+                "{} body and wheel accelerations are {:.3} and {:.3} rms, quieter than {speed} on the smoothest road",
+                pair.corner.label(),
+                pair.body.rms,
+                pair.wheel.rms
+            );
+            Err(Problem::Units { suspicion: "accelerations in g", evidence })
+        }
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::LogCorner;
+
+    /// Body and wheel as sums of incommensurate sines of the given rms, about the given mean: what counts here are
+    /// mean and rms, and both are known without a simulation.
+    fn drive(speed: f64, mean: f64, body_rms: f64, wheel_rms: f64) -> Vec<LogRow> {
+        (0..4000)
+            .map(|i| {
+                let t = f64::from(i) / 500.0;
+                let wave = |f: f64| {
+                    (std::f64::consts::TAU * f * t).sin() + (std::f64::consts::TAU * 1.37 * f * t).cos()
+                };
+                let corner = LogCorner {
+                    body_accel_m_s2: mean + body_rms * wave(1.5),
+                    wheel_accel_m_s2: mean + wheel_rms * wave(11.0),
+                    pressure_kpa: f64::NAN,
+                    road_m: f64::NAN,
+                };
+                LogRow { time_s: t, speed_m_s: speed, corners: [Some(corner), None, None, None] }
+            })
+            .collect()
+    }
+
+    fn verdict(speed: f64, mean: f64, body_rms: f64, wheel_rms: f64) -> Option<String> {
+        check(drive(speed, mean, body_rms, wheel_rms).iter()).err().map(|problem| problem.to_string())
+    }
+
+    const G: f64 = 9.81;
+
+    #[test]
+    fn drives_in_g_are_refused() {
+        // Class A, 20 and 80 km/h, rms by integrating the road's spectrum over the paper's car.
+        for (speed, body, wheel) in [(5.56, 0.24, 2.35), (22.2, 0.52, 5.2)] {
+            let text = verdict(speed, 0.0, body / G, wheel / G).unwrap();
+            assert!(
+                text.starts_with("wrong units suspected (accelerations in g): fl body and wheel"),
+                "{text}"
+            );
+            assert!(verdict(f64::NAN, 0.0, body / G, wheel / G).is_some() || body > 0.3);
+        }
+        // With gravity any road will do, and standing still as well.
+        for (body, wheel) in [(0.24, 2.35), (2.1, 20.0), (0.05, 0.05)] {
+            let text = verdict(0.0, -1.0, body / G, wheel / G).unwrap();
+            assert!(text.contains("average -1.0"), "{text}");
+        }
+        assert!(verdict(10.0, 0.0, 300.0, 4000.0).unwrap().contains("mm/s^2"));
+    }
+
+    #[test]
+    fn quiet_drives_in_si_units_are_not() {
+        // Class A at 20 km/h as above, a softer car on it, the smoothest road, each with and without gravity.
+        for (body, wheel) in [(0.24, 2.35), (0.3, 1.0), (0.09, 0.37)] {
+            for mean in [0.0, G, -G] {
+                for speed in [5.56, f64::NAN] {
+                    assert_eq!(verdict(speed, mean, body, wheel), None);
+                }
+            }
+        }
+        // Parked: noise alone, whatever its level.
+        for noise in [0.005, 0.05, 0.3] {
+            assert_eq!(verdict(0.0, 0.0, noise, noise), None);
+            assert_eq!(verdict(f64::NAN, 0.0, noise, noise), None);
+        }
+        // One sensor with an offset of a tenth of g proves nothing.
+        assert_eq!(verdict(20.0, 0.3, 0.5, 5.0), None);
+    }
+}

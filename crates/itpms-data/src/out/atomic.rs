@@ -1,0 +1,242 @@
+//! A file that is either complete under its name or not there: written beside its target, renamed at the end.
+//!
+//! Used by every writer of this crate and by the report; knows nothing of formats.
+
+use std::ffi::OsString;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::process;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use crate::error::{DataError, Problem};
+
+/// An output in the making.
+///
+/// Devices and pipes (`/dev/stdout`, `/dev/full`) have no place beside them and are written directly.
+#[derive(Debug)]
+pub struct AtomicFile {
+    target: PathBuf,
+    /// Where the bytes go until [`AtomicFile::commit`]; `None` for a device, which receives them at once.
+    temporary: Option<Temporary>,
+    file: BufWriter<File>,
+}
+
+/// A file that is removed when dropped under its temporary name.
+#[derive(Debug)]
+struct Temporary {
+    path: PathBuf,
+    /// The target with links resolved, so that a link stays one.
+    destination: PathBuf,
+}
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        // After a successful rename there is nothing under this name, which is as good as removed.
+        let _ = fs::remove_file(&self.path);
+    }
+}
+
+impl AtomicFile {
+    /// Starts the file that will be called `target`.
+    ///
+    /// # Errors
+    /// The target is a directory or read-only, its directory does not exist or cannot be written.
+    pub fn create(target: &Path) -> Result<Self, DataError> {
+        let fail = |problem| DataError::new(target, problem);
+        match fs::metadata(target) {
+            Ok(existing) if existing.is_dir() => return Err(fail(Problem::IsDirectory)),
+            Ok(existing) if !existing.is_file() || is_device_path(target) => {
+                let file =
+                    OpenOptions::new().write(true).open(target).map_err(|e| fail(Problem::Write(e)))?;
+                return Ok(Self { target: target.to_owned(), temporary: None, file: BufWriter::new(file) });
+            }
+            Ok(existing) if existing.permissions().readonly() => {
+                let error = io::Error::new(io::ErrorKind::PermissionDenied, "the existing file is read-only");
+                return Err(fail(Problem::Write(error)));
+            }
+            _ => {}
+        }
+        let destination = fs::canonicalize(target).unwrap_or_else(|_| target.to_owned());
+        let directory = match destination.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent,
+            _ => Path::new("."),
+        };
+        let Some(name) = destination.file_name() else { return Err(fail(Problem::IsDirectory)) };
+        if !directory.exists() {
+            return Err(fail(Problem::NoDirectory(directory.to_owned())));
+        }
+        let (path, file) = create_beside(directory, name).map_err(|error| fail(Problem::Write(error)))?;
+        // From here on the temporary removes itself.
+        let temporary = Temporary { path, destination };
+        if let Ok(existing) = fs::metadata(&temporary.destination) {
+            // The new content keeps the old file's mode; failing to is no reason not to write.
+            let _ = fs::set_permissions(&temporary.path, existing.permissions());
+        }
+        Ok(Self { target: target.to_owned(), temporary: Some(temporary), file: BufWriter::new(file) })
+    }
+
+    /// The name the file will have.
+    #[must_use]
+    pub fn target(&self) -> &Path {
+        &self.target
+    }
+
+    /// Whether the target is a device or a pipe rather than a file.
+    #[must_use]
+    pub fn is_device(&self) -> bool {
+        self.temporary.is_none()
+    }
+
+    /// Adds bytes.
+    ///
+    /// # Errors
+    /// The disk is full or the device gone.
+    pub fn append(&mut self, bytes: &[u8]) -> Result<(), DataError> {
+        self.file.write_all(bytes).map_err(|error| DataError::new(&self.target, Problem::Write(error)))
+    }
+
+    /// Brings everything written so far onto the disk. After this, [`AtomicFile::commit`] is a rename; with several
+    /// outputs, settle all of them before the first is committed.
+    ///
+    /// # Errors
+    /// The disk is full or the device gone.
+    pub fn settle(&mut self) -> Result<(), DataError> {
+        self.file
+            .flush()
+            .and_then(|()| if self.is_device() { Ok(()) } else { self.file.get_ref().sync_all() })
+            .map_err(|error| DataError::new(&self.target, Problem::Write(error)))
+    }
+
+    /// Completes the file and gives it its name.
+    ///
+    /// # Errors
+    /// The disk is full, or the directory no longer lets the file be renamed.
+    pub fn commit(mut self) -> Result<(), DataError> {
+        self.settle()?;
+        match &self.temporary {
+            None => Ok(()),
+            Some(temporary) => fs::rename(&temporary.path, &temporary.destination)
+                .map_err(|error| DataError::new(&self.target, Problem::Write(error))),
+        }
+    }
+}
+
+/// For writers that want an [`io::Write`]; the caller adds the name to the error.
+impl Write for AtomicFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+/// `/dev/stdout` and the like may lead to a regular file that another process holds open: renaming over it would
+/// leave that process with the old one.
+fn is_device_path(path: &Path) -> bool {
+    path.starts_with("/dev") || path.starts_with("/proc")
+}
+
+/// A new file `.NAME.PID-N.tmp` in `directory`.
+fn create_beside(directory: &Path, name: &std::ffi::OsStr) -> io::Result<(PathBuf, File)> {
+    static COUNTER: AtomicU32 = AtomicU32::new(0);
+    loop {
+        let number = COUNTER.fetch_add(1, Ordering::Relaxed);
+        let mut temporary = OsString::from(".");
+        temporary.push(name);
+        temporary.push(format!(".{}-{number}.tmp", process::id()));
+        let path = directory.join(temporary);
+        match OpenOptions::new().write(true).create_new(true).open(&path) {
+            Ok(file) => return Ok((path, file)),
+            // Left over from a killed run with the same process id: take the next number.
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            Err(error) => return Err(error),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(directory: &Path) -> Vec<String> {
+        let entries = fs::read_dir(directory).unwrap();
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+    }
+
+    #[test]
+    fn nothing_is_there_before_commit_and_nothing_is_left_after_drop() {
+        let dir = tempfile::tempdir().unwrap();
+        let target = dir.path().join("est.csv");
+        let mut file = AtomicFile::create(&target).unwrap();
+        file.append(b"half a result").unwrap();
+        assert!(!target.exists());
+        drop(file);
+        assert_eq!(names(dir.path()), Vec::<String>::new());
+
+        let mut file = AtomicFile::create(&target).unwrap();
+        file.append(b"all of it").unwrap();
+        file.commit().unwrap();
+        assert_eq!(fs::read(&target).unwrap(), b"all of it");
+        assert_eq!(names(dir.path()), ["est.csv"]);
+    }
+
+    #[test]
+    fn an_older_result_stays_until_the_new_one_is_complete() {
+        let dir = tempfile::tempdir().unwrap();
+        let target = dir.path().join("est.csv");
+        fs::write(&target, "old").unwrap();
+        let mut file = AtomicFile::create(&target).unwrap();
+        file.append(b"new").unwrap();
+        assert_eq!(fs::read(&target).unwrap(), b"old");
+        drop(file);
+        assert_eq!(fs::read(&target).unwrap(), b"old");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_is_followed_and_the_mode_is_kept() {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+        let dir = tempfile::tempdir().unwrap();
+        let (real, link) = (dir.path().join("real.csv"), dir.path().join("link.csv"));
+        fs::write(&real, "old").unwrap();
+        fs::set_permissions(&real, fs::Permissions::from_mode(0o640)).unwrap();
+        symlink(&real, &link).unwrap();
+        let mut file = AtomicFile::create(&link).unwrap();
+        file.append(b"new").unwrap();
+        file.commit().unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().file_type().is_symlink());
+        assert_eq!(fs::read(&real).unwrap(), b"new");
+        assert_eq!(fs::metadata(&real).unwrap().permissions().mode() & 0o777, 0o640);
+    }
+
+    #[test]
+    fn places_that_cannot_be_written_are_named() {
+        let dir = tempfile::tempdir().unwrap();
+        let message = |path: &Path| AtomicFile::create(path).unwrap_err().to_string();
+        assert!(message(dir.path()).ends_with("is a directory, expected a file"));
+        let orphan = dir.path().join("missing").join("est.csv");
+        let text = message(&orphan);
+        assert!(text.contains("est.csv") && text.ends_with("missing does not exist"), "{text}");
+
+        let locked = dir.path().join("locked.csv");
+        fs::write(&locked, "").unwrap();
+        let mut permissions = fs::metadata(&locked).unwrap().permissions();
+        permissions.set_readonly(true);
+        fs::set_permissions(&locked, permissions).unwrap();
+        assert!(message(&locked).contains("read-only"));
+        assert!(message(&dir.path().join("locked.csv").join("est.csv")).contains("cannot be written"));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_full_disk_is_an_error_with_the_files_name() {
+        let mut file = AtomicFile::create(Path::new("/dev/full")).unwrap();
+        assert!(file.is_device());
+        file.append(b"a few bytes that stay in the buffer").unwrap();
+        let text = file.commit().unwrap_err().to_string();
+        assert!(text.starts_with("/dev/full: cannot be written: No space left"), "{text}");
+    }
+}

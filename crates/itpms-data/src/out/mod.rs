@@ -1,0 +1,17 @@
+//! Files out: estimates, roads and drive logs, CSV or Parquet by extension.
+//!
+//! Called by the commands of the binary. Rows go out as they come, in bounded memory. A file appears under its name
+//! only when it is complete: every writer ends in [`AtomicFile::commit`], and one that is dropped before leaves
+//! nothing behind.
+
+mod atomic;
+mod csv_table;
+mod drive_log;
+#[cfg(feature = "parquet")]
+mod parquet_table;
+mod results;
+mod table;
+
+pub use atomic::AtomicFile;
+pub use drive_log::LogWriter;
+pub use results::{EstimateWriter, RoadPoint, RoadWriter};

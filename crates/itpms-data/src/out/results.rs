@@ -1,0 +1,147 @@
+//! The results of a drive: `est.csv` (pressures) and `road.csv` (the road under each wheel), or both as Parquet.
+//!
+//! Called by the estimate command, one call per row; computes nothing.
+
+use std::path::Path;
+
+use itpms_core::estimate::{CornerEstimate, Warning};
+use itpms_core::sample::Corner;
+
+use super::AtomicFile;
+use super::table::{Cell, Kind, Table};
+use crate::error::DataError;
+
+/// Writes `time_s`, then per corner `{c}_pressure_kpa, {c}_pressure_sd_kpa, {c}_stiffness_n_per_m, {c}_valid,
+/// {c}_warning`.
+///
+/// `valid` is `true` or `false`, `warning` one of `none`, `low`, `malfunction`. A row says what was known at its
+/// time from samples up to it.
+#[derive(Debug)]
+pub struct EstimateWriter {
+    table: Table,
+    corners: Vec<Corner>,
+    cells: Vec<Cell>,
+}
+
+impl EstimateWriter {
+    /// Starts the file with the columns of these corners.
+    ///
+    /// # Errors
+    /// The file cannot be created, or its extension is not known.
+    pub fn create(path: &Path, corners: &[Corner]) -> Result<Self, DataError> {
+        let mut columns = vec![("time_s".to_owned(), Kind::Number)];
+        for corner in corners {
+            for (suffix, kind) in [
+                ("pressure_kpa", Kind::Number),
+                ("pressure_sd_kpa", Kind::Number),
+                ("stiffness_n_per_m", Kind::Number),
+                ("valid", Kind::Flag),
+                ("warning", Kind::Label),
+            ] {
+                columns.push((format!("{}_{suffix}", corner.label()), kind));
+            }
+        }
+        Ok(Self { table: Table::create(path, &columns)?, corners: corners.to_vec(), cells: Vec::new() })
+    }
+
+    /// Adds a row; `estimates` in the order of [`Corner::ALL`]. A corner without an estimate has empty cells, is not
+    /// valid and warns of nothing.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write(
+        &mut self,
+        time_s: f64,
+        estimates: &[Option<CornerEstimate<f64>>; 4],
+    ) -> Result<(), DataError> {
+        self.cells.clear();
+        self.cells.push(Cell::Number(time_s));
+        for corner in &self.corners {
+            let estimate = estimates[corner.index()].as_ref();
+            let number =
+                |field: fn(&CornerEstimate<f64>) -> f64| Cell::Number(estimate.map_or(f64::NAN, field));
+            self.cells.extend([
+                number(|e| e.pressure_kpa),
+                number(|e| e.pressure_sd_kpa),
+                number(|e| e.stiffness_n_per_m),
+                Cell::Flag(estimate.is_some_and(|e| e.validity.is_valid())),
+                Cell::Label(estimate.map_or(Warning::None, |e| e.warning).label()),
+            ]);
+        }
+        self.table.write(&self.cells)
+    }
+
+    /// Everything onto the disk; [`AtomicFile::commit`] then gives the file its name.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn finish(self) -> Result<AtomicFile, DataError> {
+        self.table.finish()
+    }
+}
+
+/// The road under one wheel at one time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RoadPoint {
+    /// Height in m, within the wavelengths the sensors can see: no hill, no drift, no pebble.
+    pub road_m: f64,
+    /// Its standard deviation in m.
+    pub road_sd_m: f64,
+}
+
+/// Writes `time_s, distance_m`, then `{c}_road_m` for every corner, then `{c}_road_sd_m` for every corner, at the
+/// log's rate.
+///
+/// The height is band-limited: what is slower than about 0.5 Hz in time is drift of the accelerometers and taken
+/// out, what is shorter than the tire's contact patch was never felt. At 20 km/h that leaves wavelengths of about
+/// 0.5 to 10 m.
+#[derive(Debug)]
+pub struct RoadWriter {
+    table: Table,
+    corners: Vec<Corner>,
+    cells: Vec<Cell>,
+}
+
+impl RoadWriter {
+    /// Starts the file with the columns of these corners.
+    ///
+    /// # Errors
+    /// The file cannot be created, or its extension is not known.
+    pub fn create(path: &Path, corners: &[Corner]) -> Result<Self, DataError> {
+        let mut columns = vec![("time_s".to_owned(), Kind::Number), ("distance_m".to_owned(), Kind::Number)];
+        for suffix in ["road_m", "road_sd_m"] {
+            for corner in corners {
+                columns.push((format!("{}_{suffix}", corner.label()), Kind::Number));
+            }
+        }
+        Ok(Self { table: Table::create(path, &columns)?, corners: corners.to_vec(), cells: Vec::new() })
+    }
+
+    /// Adds a row; `points` in the order of [`Corner::ALL`], an absent one leaves its cells empty. The distance is
+    /// NaN where the speed is unknown.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write(
+        &mut self,
+        time_s: f64,
+        distance_m: f64,
+        points: &[Option<RoadPoint>; 4],
+    ) -> Result<(), DataError> {
+        self.cells.clear();
+        self.cells.extend([Cell::Number(time_s), Cell::Number(distance_m)]);
+        for field in [|p: RoadPoint| p.road_m, |p: RoadPoint| p.road_sd_m] {
+            let numbers = self.corners.iter().map(|corner| points[corner.index()].map_or(f64::NAN, field));
+            self.cells.extend(numbers.map(Cell::Number));
+        }
+        self.table.write(&self.cells)
+    }
+
+    /// Everything onto the disk; [`AtomicFile::commit`] then gives the file its name.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn finish(self) -> Result<AtomicFile, DataError> {
+        self.table.finish()
+    }
+}

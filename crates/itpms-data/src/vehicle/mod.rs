@@ -1,0 +1,228 @@
+//! The vehicle file: a name, a wheelbase and up to four corners, each a complete [`CornerConfig`].
+//!
+//! Read by the binary and by the study; knows TOML and the core's types, nothing of drives. Every value is checked
+//! when it is read, so a [`Vehicle`] is usable as it stands.
+//!
+//! ```toml
+//! [vehicle]
+//! name = "mid-size sedan"
+//! wheelbase_m = 2.7              # optional; needed for the shared road
+//! [tire]                         # eq. (5); may be given per corner as [corner.fl.tire]
+//! stiffness_per_kpa = 713.91     # N/m per kPa
+//! stiffness_at_zero = 60880.0    # N/m
+//! stiffness_per_kpa_sd = 7.0     # optional: standard deviations of the two and their correlation
+//! stiffness_at_zero_sd = 900.0
+//! stiffness_correlation = -0.9
+//! [corner.fl]                    # same for fr, rl, rr; a test bed has one
+//! sprung_mass_kg = 240.8
+//! unsprung_mass_kg = 56.9
+//! damping_n_s_per_m = 925.8
+//! spring_n_per_m = 29114.0
+//! placard_kpa = 241.3
+//! accel_noise_m_s2 = 0.05        # optional: rms per sample, both sensors
+//! initial_kpa = 241.3            # optional: where the estimate starts; the placard's unless given
+//! ```
+
+mod table;
+mod write;
+
+use std::fs;
+use std::io;
+use std::path::Path;
+
+use itpms_core::estimate::CornerConfig;
+use itpms_core::pressure::PressureMap;
+use itpms_core::quarter_car::{ParameterError, QuarterCar};
+use itpms_core::sample::Corner;
+use toml::de::DeTable;
+
+use crate::error::{DataError, Problem};
+use crate::out::AtomicFile;
+use table::{Table, line_of};
+
+/// A vehicle as its file describes it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Vehicle {
+    /// What people call it.
+    pub name: String,
+    /// Distance between the axles in m.
+    pub wheelbase_m: Option<f64>,
+    /// The corners, in the order of [`Corner::ALL`].
+    pub corners: [Option<CornerConfig<f64>>; 4],
+}
+
+/// What no car exceeds in the unit of the key. A value outside was most likely given in another unit: tons, N/mm,
+/// bar, mm. Wide enough for a kart and for a 40-ton truck.
+const PLAUSIBLE: [(&str, f64, f64); 7] = [
+    ("wheelbase_m", 0.5, 20.0),
+    ("stiffness_per_kpa", 20.0, 20_000.0),
+    ("sprung_mass_kg", 10.0, 10_000.0),
+    ("unsprung_mass_kg", 1.0, 2_000.0),
+    ("damping_n_s_per_m", 10.0, 500_000.0),
+    ("spring_n_per_m", 500.0, 10_000_000.0),
+    ("placard_kpa", 20.0, 1_500.0),
+];
+
+const TIRE_KEYS: [&str; 5] = [
+    "stiffness_per_kpa",
+    "stiffness_at_zero",
+    "stiffness_per_kpa_sd",
+    "stiffness_at_zero_sd",
+    "stiffness_correlation",
+];
+
+const CORNER_KEYS: [&str; 8] = [
+    "sprung_mass_kg",
+    "unsprung_mass_kg",
+    "damping_n_s_per_m",
+    "spring_n_per_m",
+    "placard_kpa",
+    "accel_noise_m_s2",
+    "initial_kpa",
+    "tire",
+];
+
+impl Vehicle {
+    /// The paper's simulated vehicle: Table 2 at all four corners, eq. (5), wheelbase 2.7 m.
+    #[must_use]
+    pub fn paper() -> Self {
+        Self {
+            name: "paper, Table 2".to_owned(),
+            wheelbase_m: Some(2.7),
+            corners: [Some(CornerConfig::paper()); 4],
+        }
+    }
+
+    /// The corner's parameters, if the vehicle has that corner.
+    #[must_use]
+    pub fn corner(&self, corner: Corner) -> Option<&CornerConfig<f64>> {
+        self.corners[corner.index()].as_ref()
+    }
+
+    /// Reads a vehicle file.
+    ///
+    /// # Errors
+    /// The file cannot be read, is not TOML, has an unknown or lacks a needed key, or a value is out of its range.
+    pub fn read(path: &Path) -> Result<Self, DataError> {
+        let text = fs::read_to_string(path).map_err(|error| {
+            let problem = match error.kind() {
+                io::ErrorKind::NotFound => Problem::NotFound,
+                _ if path.is_dir() => Problem::IsDirectory,
+                _ => Problem::Read(error),
+            };
+            DataError::new(path, problem)
+        })?;
+        Self::parse(&text).map_err(|problem| DataError::new(path, problem))
+    }
+
+    /// The vehicle described by the text of a vehicle file.
+    ///
+    /// # Errors
+    /// As [`Vehicle::read`], without the name of a file.
+    pub fn parse(text: &str) -> Result<Self, Problem> {
+        let document = DeTable::parse(text).map_err(|error| Problem::Syntax {
+            line: error.span().map_or(1, |span| line_of(text, span.start)),
+            message: error.message().to_owned(),
+        })?;
+        let root = Table::root(text, document.get_ref());
+        root.check_keys(&["vehicle", "tire", "corner"])?;
+
+        let (mut name, mut wheelbase_m) = ("unnamed vehicle".to_owned(), None);
+        if let Some(vehicle) = root.table("vehicle")? {
+            vehicle.check_keys(&["name", "wheelbase_m"])?;
+            name = vehicle.text("name")?.unwrap_or(name);
+            wheelbase_m = checked(&vehicle, "wheelbase_m")?;
+        }
+        let tire = root.table("tire")?.map(|table| read_tire(&table)).transpose()?;
+
+        let corner_tables = root.table("corner")?.ok_or(Problem::NoCorner)?;
+        corner_tables.check_keys(&Corner::ALL.map(Corner::label))?;
+        let mut corners = [None; 4];
+        for corner in Corner::ALL {
+            if let Some(table) = corner_tables.table(corner.label())? {
+                corners[corner.index()] = Some(read_corner(&table, tire)?);
+            }
+        }
+        if corners.iter().all(Option::is_none) {
+            return Err(Problem::NoCorner);
+        }
+        Ok(Self { name, wheelbase_m, corners })
+    }
+
+    /// The text of a vehicle file that reads back as this vehicle.
+    #[must_use]
+    pub fn to_toml(&self) -> String {
+        write::vehicle(self)
+    }
+
+    /// Writes a vehicle file, completely or not at all.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write(&self, path: &Path) -> Result<(), DataError> {
+        let mut file = AtomicFile::create(path)?;
+        file.append(self.to_toml().as_bytes())?;
+        file.commit()
+    }
+}
+
+/// A positive number inside its plausible range, if the key is there.
+fn checked(table: &Table<'_>, key: &'static str) -> Result<Option<f64>, Problem> {
+    let Some(value) = table.number(key)? else { return Ok(None) };
+    if !(value > 0.0 && value.is_finite()) {
+        let error = ParameterError { name: key, value, expected: "a positive, finite number" };
+        return Err(table.refuse(error));
+    }
+    for (name, low, high) in PLAUSIBLE {
+        if name == key && !(low..=high).contains(&value) {
+            let (line, table) = (table.line_of_key(key), table.path().to_owned());
+            return Err(Problem::Implausible { line, table, key, value, low, high });
+        }
+    }
+    Ok(Some(value))
+}
+
+fn required(table: &Table<'_>, key: &'static str) -> Result<f64, Problem> {
+    checked(table, key)?.ok_or_else(|| table.lacks(key))
+}
+
+fn read_tire(table: &Table<'_>) -> Result<PressureMap<f64>, Problem> {
+    table.check_keys(&TIRE_KEYS)?;
+    let per_kpa = required(table, "stiffness_per_kpa")?;
+    let at_zero = table.number("stiffness_at_zero")?.ok_or_else(|| table.lacks("stiffness_at_zero"))?;
+    let or_zero = |key| Ok::<f64, Problem>(table.number(key)?.unwrap_or(0.0));
+    let per_kpa_sd = or_zero("stiffness_per_kpa_sd")?;
+    let at_zero_sd = or_zero("stiffness_at_zero_sd")?;
+    let correlation = or_zero("stiffness_correlation")?;
+    PressureMap::new(per_kpa, at_zero)
+        .and_then(|map| map.with_uncertainty(per_kpa_sd, at_zero_sd, correlation))
+        .map_err(|error| table.refuse(error))
+}
+
+fn read_corner(
+    table: &Table<'_>,
+    common_tire: Option<PressureMap<f64>>,
+) -> Result<CornerConfig<f64>, Problem> {
+    table.check_keys(&CORNER_KEYS)?;
+    let tire = match table.table("tire")? {
+        Some(own) => read_tire(&own)?,
+        None => common_tire.ok_or_else(|| Problem::MissingKey {
+            line: table.line(),
+            table: table.path().to_owned(),
+            key: "tire; expected a table [tire] for all corners or one under this corner",
+        })?,
+    };
+    let quarter_car = QuarterCar::new(
+        required(table, "sprung_mass_kg")?,
+        required(table, "unsprung_mass_kg")?,
+        required(table, "damping_n_s_per_m")?,
+        required(table, "spring_n_per_m")?,
+    );
+    let placard_kpa = required(table, "placard_kpa")?;
+    let (noise, initial) = (table.number("accel_noise_m_s2")?, table.number("initial_kpa")?);
+    quarter_car
+        .and_then(|quarter_car| CornerConfig::new(quarter_car, tire, placard_kpa))
+        .and_then(|config| noise.map_or(Ok(config), |noise| config.with_accel_noise(noise)))
+        .and_then(|config| initial.map_or(Ok(config), |initial| config.with_initial_pressure(initial)))
+        .map_err(|error| table.refuse(error))
+}

@@ -1,0 +1,124 @@
+//! A TOML table that knows its name and its lines, so that a complaint about a key can say where it is.
+//!
+//! Called by the vehicle reader alone; knows nothing of cars.
+
+use itpms_core::quarter_car::ParameterError;
+use toml::de::{DeTable, DeValue};
+
+use crate::error::Problem;
+use crate::nearest::nearest;
+
+/// The line (from one) of a byte offset.
+pub(super) fn line_of(text: &str, offset: usize) -> usize {
+    1 + text.as_bytes().iter().take(offset).filter(|byte| **byte == b'\n').count()
+}
+
+/// One table of a document.
+pub(super) struct Table<'a> {
+    text: &'a str,
+    entries: &'a DeTable<'a>,
+    /// As in the file's header line: `[corner.fl]`; the root is `the file`.
+    path: String,
+    line: Option<usize>,
+}
+
+impl<'a> Table<'a> {
+    pub(super) fn root(text: &'a str, entries: &'a DeTable<'a>) -> Self {
+        Self { text, entries, path: "the file".to_owned(), line: None }
+    }
+
+    pub(super) fn path(&self) -> &str {
+        &self.path
+    }
+
+    pub(super) fn line(&self) -> Option<usize> {
+        self.line
+    }
+
+    /// The line of a key, or of the table where the key is not there.
+    pub(super) fn line_of_key(&self, key: &str) -> usize {
+        self.entries
+            .iter()
+            .find(|(name, _)| name.get_ref() == key)
+            .map(|(name, _)| line_of(self.text, name.span().start))
+            .or(self.line)
+            .unwrap_or(1)
+    }
+
+    /// Refuses the first key (by line) that is not among `known`.
+    pub(super) fn check_keys(&self, known: &[&str]) -> Result<(), Problem> {
+        let stranger = self
+            .entries
+            .iter()
+            .filter(|(key, _)| !known.contains(&key.get_ref().as_ref()))
+            .min_by_key(|(key, _)| key.span().start);
+        match stranger {
+            None => Ok(()),
+            Some((key, _)) => Err(Problem::UnknownKey {
+                line: line_of(self.text, key.span().start),
+                table: self.path.clone(),
+                key: key.get_ref().to_string(),
+                nearest: nearest(key.get_ref(), known.iter().copied()).map(str::to_owned),
+                known: known.join(", "),
+            }),
+        }
+    }
+
+    /// The table under `key`, if there is one.
+    pub(super) fn table(&self, key: &str) -> Result<Option<Table<'a>>, Problem> {
+        let Some((name, value)) = self.entry(key) else { return Ok(None) };
+        let DeValue::Table(entries) = value else { return Err(self.not_a(key, value, "a table")) };
+        let path = match self.path.strip_prefix('[').and_then(|path| path.strip_suffix(']')) {
+            Some(parent) => format!("[{parent}.{key}]"),
+            None => format!("[{key}]"),
+        };
+        Ok(Some(Table { text: self.text, entries, path, line: Some(line_of(self.text, name)) }))
+    }
+
+    /// The number under `key`, integer or float, if there is one.
+    pub(super) fn number(&self, key: &str) -> Result<Option<f64>, Problem> {
+        let Some((_, value)) = self.entry(key) else { return Ok(None) };
+        let number = match value {
+            DeValue::Integer(integer) => {
+                i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|integer| integer as f64)
+            }
+            DeValue::Float(float) => float.as_str().parse().ok(),
+            _ => None,
+        };
+        number.map(Some).ok_or_else(|| self.not_a(key, value, "a number"))
+    }
+
+    /// The text under `key`, if there is some.
+    pub(super) fn text(&self, key: &str) -> Result<Option<String>, Problem> {
+        let Some((_, value)) = self.entry(key) else { return Ok(None) };
+        match value {
+            DeValue::String(text) => Ok(Some(text.to_string())),
+            _ => Err(self.not_a(key, value, "text in quotes")),
+        }
+    }
+
+    /// A parameter out of its range, with the table and the line of its key.
+    pub(super) fn refuse(&self, error: ParameterError) -> Problem {
+        Problem::Parameter { line: self.line_of_key(error.name), table: self.path.clone(), error }
+    }
+
+    /// A key that is missing from this table.
+    pub(super) fn lacks(&self, key: &'static str) -> Problem {
+        Problem::MissingKey { line: self.line, table: self.path.clone(), key }
+    }
+
+    /// Byte offset of the key, and its value.
+    fn entry(&self, key: &str) -> Option<(usize, &'a DeValue<'a>)> {
+        let (name, value) = self.entries.iter().find(|(name, _)| name.get_ref() == key)?;
+        Some((name.span().start, value.get_ref()))
+    }
+
+    fn not_a(&self, key: &str, value: &DeValue<'_>, expected: &'static str) -> Problem {
+        let found = match value {
+            DeValue::String(text) => format!("the text {text:?}"),
+            other => format!("of type {}", other.type_str()),
+        };
+        let line = self.line_of_key(key);
+        Problem::ValueType { line, table: self.path.clone(), key: key.to_owned(), found, expected }
+    }
+}

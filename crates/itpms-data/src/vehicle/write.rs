@@ -1,0 +1,94 @@
+//! A vehicle back into the text of its file. Called by [`Vehicle::to_toml`](super::Vehicle::to_toml) alone.
+
+use std::fmt::Write as _;
+
+use itpms_core::estimate::CornerConfig;
+use itpms_core::pressure::PressureMap;
+use itpms_core::sample::Corner;
+
+use super::Vehicle;
+
+pub(super) fn vehicle(vehicle: &Vehicle) -> String {
+    let mut out = String::from("[vehicle]\n");
+    let _ = writeln!(out, "name = \"{}\"", escaped(&vehicle.name));
+    if let Some(wheelbase_m) = vehicle.wheelbase_m {
+        number(&mut out, "wheelbase_m", wheelbase_m);
+    }
+    let corners = || Corner::ALL.into_iter().filter_map(|c| vehicle.corner(c).map(|config| (c, config)));
+    let common = corners().next().map(|(_, config)| config.tire);
+    let same_tire = corners().all(|(_, config)| Some(config.tire) == common);
+    if let (true, Some(map)) = (same_tire, common) {
+        out.push_str("\n[tire]\n");
+        tire(&mut out, &map);
+    }
+    for (corner, config) in corners() {
+        let _ = writeln!(out, "\n[corner.{}]", corner.label());
+        corner_keys(&mut out, config);
+        if !same_tire {
+            let _ = writeln!(out, "\n[corner.{}.tire]", corner.label());
+            tire(&mut out, &config.tire);
+        }
+    }
+    out
+}
+
+fn corner_keys(out: &mut String, config: &CornerConfig<f64>) {
+    let car = &config.quarter_car;
+    number(out, "sprung_mass_kg", car.sprung_mass_kg());
+    number(out, "unsprung_mass_kg", car.unsprung_mass_kg());
+    number(out, "damping_n_s_per_m", car.damping_n_s_per_m());
+    number(out, "spring_n_per_m", car.spring_n_per_m());
+    number(out, "placard_kpa", config.placard_kpa);
+    if let Some(noise) = config.accel_noise_m_s2 {
+        number(out, "accel_noise_m_s2", noise);
+    }
+    if let Some(initial_kpa) = config.initial_kpa {
+        number(out, "initial_kpa", initial_kpa);
+    }
+}
+
+/// The line and, where it has one, its uncertainty. The variance of the stiffness is a parabola over pressure,
+/// `p² var(slope) + 2 p cov + var(intercept)`, so three of its values give the three numbers back.
+fn tire(out: &mut String, map: &PressureMap<f64>) {
+    number(out, "stiffness_per_kpa", map.stiffness_per_kpa());
+    number(out, "stiffness_at_zero", map.stiffness_at_zero());
+    let variance = |pressure_kpa: f64| (map.map_sd_kpa(pressure_kpa) * map.stiffness_per_kpa()).powi(2);
+    // Far enough out for the slope's part to stand beside the intercept's.
+    const FAR_KPA: f64 = 1000.0;
+    let (middle, up, down) = (variance(0.0), variance(FAR_KPA), variance(-FAR_KPA));
+    let slope_sd = ((0.5 * (up + down) - middle) / FAR_KPA.powi(2)).max(0.0).sqrt();
+    let intercept_sd = middle.sqrt();
+    if slope_sd > 0.0 || intercept_sd > 0.0 {
+        number(out, "stiffness_per_kpa_sd", nine_digits(slope_sd));
+        number(out, "stiffness_at_zero_sd", nine_digits(intercept_sd));
+    }
+    if slope_sd > 0.0 && intercept_sd > 0.0 {
+        let correlation = (up - down) / (4.0 * FAR_KPA * slope_sd * intercept_sd);
+        number(out, "stiffness_correlation", nine_digits(correlation.clamp(-1.0, 1.0)));
+    }
+}
+
+/// Rounded to nine significant digits: more are noise of the detour over three variances.
+fn nine_digits(value: f64) -> f64 {
+    format!("{value:.8e}").parse().unwrap_or(value)
+}
+
+fn number(out: &mut String, key: &str, value: f64) {
+    // `{:?}` is the shortest form that reads back as the same number and always has a point or an exponent.
+    let _ = writeln!(out, "{key} = {value:?}");
+}
+
+/// The inside of a TOML basic string.
+fn escaped(text: &str) -> String {
+    let mut out = String::new();
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => out.extend(['\\', c]),
+            c if c.is_control() => {
+                let _ = write!(out, "\\u{:04X}", u32::from(c));
+            }
+            c => out.push(c),
+        }
+    }
+    out
+}
