@@ -152,7 +152,8 @@ fn adaptive_forgetting_follows_a_drop_where_the_plain_filter_does_not() {
     // for a plant with another integrator.
     assert!((mean(&outcomes, |o| o.nis) - 1.0).abs() < 0.05);
     assert!(mean(&outcomes, |o| o.road_error) < 0.13);
-    assert!((mean(&outcomes, |o| o.road_nees) - 1.0).abs() < 0.3);
+    // The road's error is mostly slow drift, a few independent values a drive: the mean of 20 has an sd of 0.2.
+    assert!((mean(&outcomes, |o| o.road_nees) - 1.0).abs() < 0.5);
 }
 
 #[test]

@@ -16,7 +16,8 @@ pub struct InformedConfig<T> {
     /// Rate in rad/s at which displacement and velocity shared by body and wheel are forgotten. The road's phase
     /// leads by `2 leak / (2 pi f)` at a frequency `f`; drift grows as `leak^(-3/2)`.
     pub leak_rad_s: T,
-    /// Disturbance of the velocities in m/s per sqrt(s): what the model leaves out.
+    /// Disturbance of the velocities in m/s per sqrt(s): what the model and the sampling leave out. It sets how fast
+    /// the road's claimed sd drifts, hardly the road itself.
     pub velocity_walk_m_s_sqrt_s: T,
     /// How far the road may have moved unseen, in m per sqrt(s); used while samples are missing.
     pub road_walk_m_sqrt_s: T,
@@ -49,7 +50,7 @@ impl<T: Real> InformedConfig<T> {
         Self {
             accel_noise_m_s2: corner.accel_noise_m_s2.unwrap_or(T::lit(0.05)),
             leak_rad_s: T::lit(core::f64::consts::TAU * 0.05),
-            velocity_walk_m_s_sqrt_s: T::lit(1e-3),
+            velocity_walk_m_s_sqrt_s: T::lit(2e-3),
             road_walk_m_sqrt_s: T::lit(0.03),
             initial_stiffness_n_per_m: corner.initial_stiffness_n_per_m(),
             initial_stiffness_sd_n_per_m: per_kpa * T::lit(30.0),

@@ -81,15 +81,15 @@ impl<T: Real> ParameterMemory<T> {
         };
         let keep = (T::one() - T::one() / memory) / self.lambda;
         let weight = T::one() / R;
-        // (32)  G₁ = G₁/λ + w ν²
+        // (51)  G₁ = G₁/λ + w ν²,  w = 1/R
         self.G_1 = self.G_1 * keep + weight * nu * nu;
-        // (33)  G₂ = G₂/λ + w
+        // (51)  G₂ = G₂/λ + w
         self.G_2 = self.G_2 * keep + weight;
         self.count = self.count * keep + T::one();
-        // (31)  C₀ = G₁/G₂, and the mean measurement variance weighted alike
+        // (51)  C₀ = G₁/G₂, and the mean measurement variance weighted alike
         let C_0 = self.G_1 / self.G_2;
         let R_mean = self.count / self.G_2;
-        // (50)  standard error of C₀ if the belief P + R were right
+        // (52)  standard error of C₀ if the belief P + R were right
         let error = (T::lit(2.0) / self.count).sqrt() * (P + R_mean);
         // (30)  N = C₀ - R
         let N = C_0 - R_mean - significance * error;
