@@ -3,7 +3,10 @@
 
 mod synthetic;
 
-use itpms_study::report::{render_report, write_report};
+use itpms_core::estimate::{CornerConfig, CornerEstimate, Diagnostics, Validity, Warning};
+use itpms_study::report::{
+    CornerRow, Provenance, ReportCollector, ReportData, ReportOptions, headline, render_report, write_report,
+};
 use synthetic::{Drive, report};
 
 const PAPER: Drive = Drive { seconds: 40.0, rate_hz: 500.0, corners: 1, truth_known: true };
@@ -42,10 +45,11 @@ fn assert_balanced(page: &str) {
 
 #[test]
 fn says_in_words_what_was_found() {
-    let page = render_report(&report(&PAPER, "sedan")).unwrap();
+    let data = report(&PAPER, "sedan");
+    let page = render_report(&data).unwrap();
     let title = &page[page.find("<title>").unwrap() + 7..page.find("</title>").unwrap()];
     assert!(title.starts_with("Front left fell to 1") && title.contains("kPa: low since 2"), "{title}");
-    assert!(page.contains(&format!("<h1>{title}</h1>")));
+    assert!(page.contains(&format!("<h1>{title}</h1>")) && headline(&data) == title);
     for word in
         ["RMSE", "Bias", "Coverage", "Road class", "Roughness (IRI)", "itpms 0.1.0", "missing samples"]
     {
@@ -176,6 +180,76 @@ fn four_corners_and_a_stop() {
     let at = |t: f64| data.corners[1].curves.bound_sd_kpa[data.time_s.iter().position(|x| *x >= t).unwrap()];
     assert!(at(33.9) >= at(32.1));
     assert_balanced(&page);
+}
+
+/// A corner that holds 230 kPa on a road that is one slow sine.
+fn steady_from(start_s: f64, seconds: f64, rate_hz: f64, speed_m_s: f64, validity: Validity) -> ReportData {
+    let configs = [Some(CornerConfig::paper()), None, None, None];
+    let mut collector = ReportCollector::new(&configs, ReportOptions::default());
+    for k in 0..(seconds * rate_hz) as u64 {
+        let time_s = start_s + k as f64 / rate_hz;
+        let estimate = CornerEstimate {
+            time_s,
+            stiffness_n_per_m: 225_000.0,
+            stiffness_sd_n_per_m: 3_000.0,
+            pressure_kpa: if k == 1000 { 90.0 } else { 230.0 },
+            pressure_sd_kpa: 4.0,
+            road_m: 0.01 * (time_s * 9.0).sin(),
+            road_sd_m: 5e-4,
+            validity,
+            warning: Warning::None,
+            diagnostics: Diagnostics {
+                forgetting: 1.0,
+                nis: 1.0,
+                gate: 1.0,
+                change_probability: f64::NAN,
+                pressure_variance_kpa2: 16.0,
+            },
+        };
+        let row = CornerRow { estimate, truth_kpa: f64::NAN, truth_road_m: f64::NAN };
+        collector.push(time_s, speed_m_s, &[Some(row), None, None, None]);
+    }
+    collector.finish(Provenance::default())
+}
+
+fn steady(seconds: f64, rate_hz: f64, speed_m_s: f64, validity: Validity) -> ReportData {
+    steady_from(0.0, seconds, rate_hz, speed_m_s, validity)
+}
+
+#[test]
+fn times_since_an_epoch_are_shown_from_the_first_row_on() {
+    let data = steady_from(1.7e9, 10.0, 200.0, 10.0, Validity::Valid);
+    assert_eq!(data.drive.origin_s, 1.7e9);
+    assert!(data.time_s[0] == 0.0 && (data.time_s[data.time_s.len() - 1] - 9.995).abs() < 1e-6);
+    assert!((data.drive.distance_m - 99.95).abs() < 1e-3);
+    assert!(render_report(&data).unwrap().contains("time_s = 1700000000"));
+}
+
+#[test]
+fn a_long_drive_makes_no_longer_page() {
+    // Two hours at 108 km/h and 100 Hz: 720 000 samples, 216 km.
+    let data = steady(7200.0, 100.0, 30.0, Validity::Valid);
+    assert!((data.drive.distance_m - 216_000.0).abs() < 1.0);
+    assert!(data.time_s.len() <= 4001);
+    let corner = &data.corners[0];
+    let road = corner.road.as_ref().unwrap();
+    assert!(road.profile.distance_m.len() <= 4001 && road.roughness.distance_m.len() <= 500);
+    // The one odd sample is still there.
+    assert_eq!(corner.curves.pressure_kpa.iter().copied().fold(f64::MAX, f64::min), 90.0);
+    assert!(corner.curves.change_probability.is_empty());
+    let page = render_report(&data).unwrap();
+    assert!(page.len() < 600_000, "{} bytes", page.len());
+    assert!(page.contains("Front left held 230\u{a0}±\u{a0}4\u{a0}kPa: no warning"));
+}
+
+#[test]
+fn without_speed_there_is_no_road_and_without_validity_no_pressure() {
+    let data = steady(10.0, 200.0, f64::NAN, Validity::Valid);
+    assert!(data.corners[0].road.is_none() && data.drive.distance_m.is_nan());
+    let page = render_report(&data).unwrap();
+    assert!(page.contains("No road is shown") && !page.contains("NaN"));
+    let page = render_report(&steady(10.0, 200.0, 5.0, Validity::NoInformation)).unwrap();
+    assert!(page.contains("Front left: not enough was seen for a pressure"));
 }
 
 #[test]

@@ -21,6 +21,8 @@ const FINEST_S: f64 = 0.01;
 const STANDING_M_S: f64 = 2.5;
 /// A step in time longer than this many mean steps, and than this many seconds, is a hole in the log.
 const HOLE: (f64, f64) = (20.0, 0.5);
+/// Logs that begin later than this count from some epoch; their times are shown from the first row on.
+const EPOCH_S: f64 = 86_400.0;
 /// Accelerometer noise in m/s² assumed for the bound when it is not stated; 1 m/s² would change it by 6 %.
 const ASSUMED_NOISE_M_S2: f64 = 0.05;
 
@@ -98,6 +100,7 @@ pub struct ReportCollector {
     track: Track,
     values: Vec<f64>,
     samples: u64,
+    origin_s: f64,
     first_s: f64,
     last_s: f64,
     last_speed: f64,
@@ -129,6 +132,7 @@ impl ReportCollector {
             track: Track::new(channels, FINEST_S, BUCKETS),
             values: vec![f64::NAN; channels],
             samples: 0,
+            origin_s: 0.0,
             first_s: f64::NAN,
             last_s: f64::NAN,
             last_speed: f64::NAN,
@@ -144,6 +148,10 @@ impl ReportCollector {
         if !time_s.is_finite() {
             return;
         }
+        if self.samples == 0 && time_s.abs() > EPOCH_S {
+            self.origin_s = time_s;
+        }
+        let time_s = time_s - self.origin_s;
         let hole = self.advance(time_s, speed_m_s);
         let driving = speed_m_s > STANDING_M_S && !hole;
         self.values.fill(f64::NAN);
@@ -203,6 +211,7 @@ impl ReportCollector {
             duration_s: self.last_s - self.first_s,
             rate_hz: self.steps.1 / self.steps.0,
             distance_m: if self.speed_known { self.distance_m } else { f64::NAN },
+            origin_s: self.origin_s,
         };
         let (track, options) = (self.track, self.options);
         let corners = self

@@ -17,6 +17,8 @@ pub struct DriveFigures {
     pub rate_hz: f64,
     /// Distance in m; NaN when the speed was never known.
     pub distance_m: f64,
+    /// The log's time in s that the report's times count from: 0, or the first row's if that is more than a day.
+    pub origin_s: f64,
 }
 
 /// One estimate, taken out of its series.

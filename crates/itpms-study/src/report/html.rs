@@ -1,5 +1,5 @@
 //! The page itself: everything that can be read without a script is written here, the curves are drawn by
-//! `assets/report.js`.
+//! `assets/report.js` with the machinery of `assets/chart.js`.
 //!
 //! Called by [`render_report`](super::render_report). Every text that comes from outside goes through [`escape`].
 
@@ -13,6 +13,7 @@ use super::{CornerReport, ReportData, json};
 
 const TEMPLATE: &str = include_str!("../../assets/report.html");
 const STYLE: &str = include_str!("../../assets/report.css");
+const CHART_SCRIPT: &str = include_str!("../../assets/chart.js");
 const SCRIPT: &str = include_str!("../../assets/report.js");
 const PLOT_STYLE: &str = include_str!("../../assets/uplot/uPlot.min.css");
 const PLOT_LICENSE: &str = include_str!("../../assets/uplot/LICENSE");
@@ -22,7 +23,7 @@ const PLOT_SCRIPT: &str = include_str!("../../assets/uplot/uPlot.iife.min.js");
 pub(super) fn page(data: &ReportData) -> io::Result<String> {
     let headline = escape(&title(data));
     let curves = json::curves(data)?;
-    let parts: [(&str, String); 13] = [
+    let parts: [(&str, String); 14] = [
         ("title", headline.clone()),
         ("plot_style", PLOT_STYLE.into()),
         ("style", STYLE.into()),
@@ -35,6 +36,7 @@ pub(super) fn page(data: &ReportData) -> io::Result<String> {
         ("data", curves),
         ("plot_license", PLOT_LICENSE.into()),
         ("plot_script", PLOT_SCRIPT.into()),
+        ("chart_script", CHART_SCRIPT.into()),
         ("script", SCRIPT.into()),
     ];
     let mut page = String::with_capacity(200_000);
@@ -281,6 +283,9 @@ fn provenance(data: &ReportData) -> String {
     row("Samples", count(d.samples));
     row("Rate", some(Some(d.rate_hz), |v| format!("{v:.0} Hz")));
     row("Duration", span(d.duration_s));
+    if d.origin_s != 0.0 {
+        row("Times", format!("from the first row on, time_s = {}", d.origin_s));
+    }
     row("Distance", some(Some(d.distance_m), distance));
     for (name, value) in &p.options {
         row(name, value.clone());
@@ -322,7 +327,7 @@ mod tests {
         }
         assert!(!PLOT_LICENSE.contains("*/"));
         // Scripts are embedded as they are, so nothing in them may end the element.
-        for script in [SCRIPT, PLOT_SCRIPT] {
+        for script in [SCRIPT, CHART_SCRIPT, PLOT_SCRIPT] {
             assert!(!script.to_lowercase().contains("</script"));
         }
     }

@@ -51,7 +51,7 @@ pub struct ReportData {
     pub provenance: Provenance,
     /// The drive as a whole.
     pub drive: DriveFigures,
-    /// Times in s of all curves over time, speed among them.
+    /// Times in s after [`DriveFigures::origin_s`] of all curves over time, speed among them.
     pub time_s: Vec<f64>,
     /// Speed in m/s at those times; empty when never known.
     pub speed_m_s: Vec<f64>,
@@ -182,6 +182,12 @@ pub struct SpectrumCurves {
     pub truth_m3: Vec<f64>,
     /// Number of segments averaged.
     pub segments: usize,
+}
+
+/// What was found, in one line: the page's title. Numbers and their units are held together by no-break spaces.
+#[must_use]
+pub fn headline(data: &ReportData) -> String {
+    words::title(data)
 }
 
 /// The page as text.
