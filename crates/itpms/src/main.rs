@@ -1,2 +1,42 @@
-//! The `itpms` command.
-fn main() {}
+//! The `itpms` command: arguments in, files and a few lines of text out. No mathematics.
+//!
+//! | room | idea |
+//! |---|---|
+//! | `args` | what can be typed |
+//! | `commands` | one file per command |
+//! | `interrupt` | Ctrl-C and a polite kill end a run between two rows |
+//! | `progress` | a bar on a terminal, nothing elsewhere |
+//! | `screen` | results on standard output, remarks on standard error |
+//! | `exit` | why a command ends, and the code for it |
+#![forbid(unsafe_code)]
+
+mod args;
+mod commands;
+mod exit;
+mod interrupt;
+mod progress;
+mod screen;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use args::{Args, Command};
+use interrupt::Interrupt;
+use screen::Screen;
+
+fn main() -> ExitCode {
+    let args = Args::parse();
+    let screen = Screen::new(args.quiet);
+    let result = Interrupt::install().and_then(|interrupt| match &args.command {
+        Command::Simulate(args) => commands::simulate::run(args, &screen, &interrupt),
+        Command::Completions(args) => commands::completions::run(args),
+    });
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            screen.error(&failure);
+            failure.code()
+        }
+    }
+}

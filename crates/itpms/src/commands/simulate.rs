@@ -1,0 +1,137 @@
+//! `itpms simulate`: a scenario and a seed in, a drive log out.
+
+use std::path::Path;
+
+use itpms_core::sample::Corner;
+use itpms_data::log::{CornerColumns, LogColumns, LogCorner};
+use itpms_data::out::{AtomicFile, LogWriter};
+use itpms_data::{LogRow, Vehicle};
+use itpms_sim::scenario::Scenario;
+use itpms_sim::simulation::{SimRow, Simulation};
+use serde_json::json;
+
+use crate::args::SimulateArgs;
+use crate::exit::Failure;
+use crate::interrupt::Interrupt;
+use crate::screen::Screen;
+
+/// Rows between two looks at the interrupt flag and the progress bar.
+const ROWS_PER_LOOK: u64 = 1024;
+
+pub(crate) fn run(args: &SimulateArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
+    let mut scenario = Scenario::load(&args.scenario)?;
+    if let Some(path) = &args.vehicle {
+        take_vehicle(&mut scenario, &Vehicle::read(path)?)?;
+    }
+    let simulation = Simulation::new(&scenario, args.seed)?;
+    let rows = scenario.rows();
+    let columns = columns(&scenario, args.no_truth);
+    let mut log = LogWriter::create(&args.output, columns)?;
+    let vehicle_file = args.vehicle_out.as_ref().map(|path| written_vehicle(path, &scenario)).transpose()?;
+
+    let progress = screen.progress(&format!("simulating {}", scenario.name));
+    for (row, count) in simulation.zip(0u64..) {
+        if count.is_multiple_of(ROWS_PER_LOOK) {
+            interrupt.check()?;
+            progress.set(count as f64 / rows as f64);
+        }
+        log.write(&log_row(&row))?;
+    }
+    drop(progress);
+
+    let log = log.finish()?;
+    interrupt.check()?;
+    for file in [Some(log), vehicle_file].into_iter().flatten() {
+        file.commit()?;
+    }
+    report(args, screen, &scenario);
+    Ok(())
+}
+
+fn columns(scenario: &Scenario, no_truth: bool) -> LogColumns {
+    let truth = CornerColumns { pressure: !no_truth, road: !no_truth };
+    LogColumns { speed: true, corners: Corner::ALL.map(|corner| scenario.corner.get(corner).map(|_| truth)) }
+}
+
+/// A simulated row as a log holds it. The road's truth is the profile under the axle.
+pub(crate) fn log_row(row: &SimRow) -> LogRow {
+    LogRow {
+        time_s: row.time_s,
+        speed_m_s: row.speed_m_s,
+        corners: row.corners.map(|corner| {
+            corner.map(|c| LogCorner {
+                body_accel_m_s2: c.body_accel_m_s2,
+                wheel_accel_m_s2: c.wheel_accel_m_s2,
+                pressure_kpa: c.pressure_kpa,
+                road_m: c.road_m,
+            })
+        }),
+    }
+}
+
+/// The scenario driven with another vehicle.
+fn take_vehicle(scenario: &mut Scenario, vehicle: &Vehicle) -> Result<(), Failure> {
+    for corner in Corner::ALL {
+        let Some(spec) = scenario.corner.get_mut(corner) else { continue };
+        let config = vehicle.corner(corner).ok_or_else(|| {
+            Failure::Usage(format!(
+                "the vehicle {:?} has no corner {}, which the scenario {} drives",
+                vehicle.name,
+                corner.label(),
+                scenario.name
+            ))
+        })?;
+        spec.set_vehicle(config);
+    }
+    if let Some(wheelbase_m) = vehicle.wheelbase_m {
+        scenario.wheelbase_m = wheelbase_m;
+    }
+    Ok(())
+}
+
+/// The vehicle file that belongs to the log, complete but for its name.
+fn written_vehicle(path: &Path, scenario: &Scenario) -> Result<AtomicFile, Failure> {
+    let mut file = AtomicFile::create(path)?;
+    file.append(vehicle_of(scenario)?.to_toml().as_bytes())?;
+    file.settle()?;
+    Ok(file)
+}
+
+/// What an estimator is to be told about the scenario's vehicle.
+pub(crate) fn vehicle_of(scenario: &Scenario) -> Result<Vehicle, Failure> {
+    let mut corners = [None; 4];
+    for (corner, _) in scenario.corner.iter() {
+        corners[corner.index()] = Some(scenario.corner_config(corner)?);
+    }
+    Ok(Vehicle {
+        name: format!("vehicle of {}", scenario.name),
+        wheelbase_m: Some(scenario.wheelbase_m),
+        corners,
+    })
+}
+
+fn report(args: &SimulateArgs, screen: &Screen, scenario: &Scenario) {
+    let corners: Vec<&str> = scenario.corner.iter().map(|(corner, _)| corner.label()).collect();
+    if args.json {
+        screen.print(json!({
+            "scenario": scenario.name,
+            "seed": args.seed,
+            "log": args.output.display().to_string(),
+            "vehicle": args.vehicle_out.as_ref().map(|path| path.display().to_string()),
+            "rows": scenario.rows(),
+            "rate_hz": scenario.rate_hz,
+            "duration_s": scenario.duration_s,
+            "corners": corners,
+        }));
+    } else {
+        screen.remark(format!(
+            "{}: {} s at {} Hz, {} rows, corners {}, seed {}",
+            args.output.display(),
+            scenario.duration_s,
+            scenario.rate_hz,
+            scenario.rows(),
+            corners.join(" "),
+            args.seed
+        ));
+    }
+}

@@ -1,0 +1,41 @@
+//! Why a command ends before its time, and the exit code that says so to a script.
+//!
+//! | code | meaning |
+//! |---|---|
+//! | 0 | complete |
+//! | 2 | an input, an option or an output is unusable; the message says which and why |
+//! | 130 | interrupted; nothing was left behind |
+
+use std::process::ExitCode;
+
+use itpms_data::DataError;
+use itpms_sim::error::ScenarioError;
+use thiserror::Error;
+
+/// The end of a command that did not complete.
+#[derive(Debug, Error)]
+pub(crate) enum Failure {
+    /// A file in or out.
+    #[error(transparent)]
+    Data(#[from] DataError),
+    /// A scenario.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// Options and inputs that do not go together.
+    #[error("{0}")]
+    Usage(String),
+    /// Somebody pressed Ctrl-C.
+    #[error("interrupted, nothing was written")]
+    Interrupted,
+}
+
+impl Failure {
+    /// The exit code.
+    pub(crate) fn code(&self) -> ExitCode {
+        match self {
+            Failure::Data(_) | Failure::Scenario(_) | Failure::Usage(_) => ExitCode::from(2),
+            // 128 and the number of SIGINT, as shells count.
+            Failure::Interrupted => ExitCode::from(130),
+        }
+    }
+}
