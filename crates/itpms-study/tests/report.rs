@@ -1,5 +1,5 @@
 //! The report as a reader's browser gets it.
-#![allow(clippy::unwrap_used, reason = "a helper of a test may fail like the test")]
+#![allow(clippy::unwrap_used, reason = "what a test calls may fail like the test")]
 
 mod synthetic;
 
