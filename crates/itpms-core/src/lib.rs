@@ -10,6 +10,7 @@
 //! | [`sample`] | what comes in: one time, up to four corners |
 //! | [`estimate`] | what goes out: pressure, stiffness, their sd, validity, warning |
 //! | [`filter`] | the paper's filters to the letter, which cannot find the stiffness, and mended |
+//! | [`road`] | the road under a wheel, for a known stiffness: causal, and smoothed for a record |
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -20,4 +21,5 @@ pub mod intake;
 pub mod pressure;
 pub mod quarter_car;
 pub mod real;
+pub mod road;
 pub mod sample;

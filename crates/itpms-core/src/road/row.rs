@@ -1,0 +1,49 @@
+//! A row of a road record, on its way in and out of [`super::RoadRecorder`].
+
+use crate::real::Real;
+
+/// One row in the window: memory for [`super::RoadRecorder`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct RoadRow<T> {
+    pub(crate) time_s: f64,
+    /// The forward filter's height, m.
+    pub(crate) forward_m: T,
+    /// Variance beside the filter's own: the stiffness's uncertainty, and time spent blind, m².
+    pub(crate) extra_m2: T,
+    /// The smoothed height at the sample, m.
+    pub(crate) smooth_m: T,
+    /// Its variance, m².
+    pub(crate) variance_m2: T,
+    /// Whether the wheel was measured.
+    pub(crate) observed: bool,
+}
+
+impl<T: Real> Default for RoadRow<T> {
+    fn default() -> Self {
+        let zero = T::zero();
+        Self {
+            time_s: 0.0,
+            forward_m: zero,
+            extra_m2: zero,
+            smooth_m: zero,
+            variance_m2: zero,
+            observed: false,
+        }
+    }
+}
+
+/// One row of a road record.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct RoadPoint<T> {
+    /// Time of the log's row in s.
+    pub time_s: f64,
+    /// Road height in m under the wheel at that time, without phase, behind the configured high-pass (0.05 Hz,
+    /// fourth order in all).
+    pub road_m: T,
+    /// Its standard deviation in m, slow drift included; for a band use [`super::RoadLimits::band_sd_m`].
+    pub road_sd_m: T,
+    /// False where the wheel's acceleration was missing and the height is a bridge between its neighbours.
+    pub observed: bool,
+}
