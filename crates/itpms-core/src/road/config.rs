@@ -152,6 +152,12 @@ impl<T: Real> RoadConfig<T> {
         let low_cut_hz = within("low_cut_hz", low_cut_hz, 0.01, 1.0, "a frequency between 0.01 and 1 Hz")?;
         Ok(Self { low_cut_rad_per_s: low_cut_hz * T::two_pi(), ..self })
     }
+
+    /// Look-ahead in s after which more changes nothing worth having in a record: the high-pass forgets `exp(-6)` in
+    /// that time, and the drift behind it faster. 27 s for the default low cut.
+    pub fn lookahead_s(&self) -> f64 {
+        6.0 * core::f64::consts::SQRT_2 / self.low_cut_rad_per_s.to_f64()
+    }
 }
 
 /// `value` if it lies between the bounds (NaN does not).

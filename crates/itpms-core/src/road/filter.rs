@@ -110,7 +110,7 @@ impl<T: Real> RoadFilter<T> {
     }
 
     /// Take the tire's stiffness and its standard deviation, both in N/m. The deviation goes into the road's; another
-    /// stiffness costs a discretisation at the next sample (about 15 000 multiplications).
+    /// stiffness costs a discretisation at the next sample (about 5 000 multiplications).
     ///
     /// # Errors
     /// The stiffness must be positive and finite, its deviation finite and not negative; the old values stay.

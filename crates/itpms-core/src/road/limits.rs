@@ -96,11 +96,4 @@ impl<T: Real> RoadLimits<T> {
         }
         sum.sqrt()
     }
-
-    /// Look-ahead in s after which more changes nothing worth having: the backward pass forgets with the
-    /// frequency at which road and noise are equal.
-    pub fn lookahead_s(&self) -> T {
-        let half_power = T::one() / self.longest_wavelength_m(T::one(), T::lit(0.5).sqrt());
-        T::lit(4.0) / (T::two_pi() * half_power)
-    }
 }

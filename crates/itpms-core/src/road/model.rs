@@ -211,20 +211,20 @@ impl<T: Real> Transition<T> {
         // Phi = sum (A h)^n / n!,  Q = sum h^(n+1)/(n+1)! L_n  with  L_0 = Q_c, L_(n+1) = A L_n + L_n A^T
         let mut phi = Matrix::identity();
         let mut q = q_c * h;
-        let (mut power, mut l) = (Matrix::identity(), q);
+        let (mut power, mut l) = (phi, q);
         for n in 1..=SERIES_TERMS {
-            power = a * power * (h / T::lit(n as f64));
+            power = sparse_product(&a, &power) * (h / T::lit(n as f64));
             phi += power;
-            let half = a * l * (h / T::lit((n + 1) as f64));
+            let half = sparse_product(&a, &l) * (h / T::lit((n + 1) as f64));
             l = half + half.transpose();
             q += l;
         }
+        let mut step = Self { step_s, phi, q };
         for _ in 0..doublings {
-            q += phi * q * phi.transpose();
-            phi = phi * phi;
+            step.q = step.covariance(&step.q);
+            step.phi = step.apply(&step.phi);
         }
-        symmetrise(&mut q);
-        Self { step_s, phi, q }
+        step
     }
 
     /// `Phi m`; most of `Phi` is zero.
@@ -299,6 +299,22 @@ impl<T: Real> Transition<T> {
 /// what the prior matters for.
 pub(crate) fn road_bandwidth<T: Real>(interval_s: T) -> T {
     T::two_pi() * T::lit(0.08) / interval_s
+}
+
+/// `a m` for an `a` that is mostly zero.
+fn sparse_product<T: Real>(a: &Matrix<T>, m: &Matrix<T>) -> Matrix<T> {
+    let mut out = Matrix::zeros();
+    for i in 0..STATES {
+        for k in 0..STATES {
+            let factor = a[(i, k)];
+            if factor != T::zero() {
+                for j in 0..STATES {
+                    out[(i, j)] += factor * m[(k, j)];
+                }
+            }
+        }
+    }
+    out
 }
 
 /// `(m + m^T)/2`.

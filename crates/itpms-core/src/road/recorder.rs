@@ -67,8 +67,8 @@ pub struct RoadRecorder<T: Real, R, S> {
     last_observed: Option<u64>,
 }
 
-/// Window for a look-ahead of `lookahead_s` at `rate_hz`: numbers of rows and segments to provide.
-/// [`super::RoadLimits::lookahead_s`] tells how much is worth having; 30 s serve everywhere.
+/// Window for a look-ahead of `lookahead_s` ([`RoadConfig::lookahead_s`]) at `rate_hz`: numbers of rows and segments to
+/// provide. In `f64`, at 500 Hz and with the default of 27 s, they take 0.9 and 1.8 MB.
 #[must_use]
 pub fn window_for(rate_hz: f64, lookahead_s: f64) -> (usize, usize) {
     let rows = (rate_hz * lookahead_s / 0.75) as usize + FEWEST_ROWS;
@@ -130,7 +130,7 @@ where
             return;
         }
         if self.begun > self.let_go {
-            let last = (self.begun - 1) as usize % self.segments.as_ref().len();
+            let last = ((self.begun - 1) % self.segments.as_ref().len() as u64) as usize;
             let transition = advance.step.and_then(|step| self.filter.transition(step));
             self.segments.as_mut()[last].extend(transition, &advance.corrections);
         }

@@ -172,3 +172,49 @@ fn report() {
         }
     }
 }
+
+/// Cost per sample; on a controller count the multiplications (docs/math/road.md, section 7).
+#[test]
+#[ignore = "prints times"]
+fn cost_report() {
+    use itpms_core::quarter_car::QuarterCar;
+    use itpms_core::road::RoadFilter;
+    use itpms_core::sample::CornerSample;
+    let log = drive(&Drive::new(1, 20.0, CLASS_B));
+    let samples: Vec<_> = log.samples().collect();
+    let per_sample = |seconds: f64| 1e9 * seconds / samples.len() as f64;
+    let time = std::time::Instant::now();
+    let mut filter = RoadFilter::new(&config(0.05));
+    for (t, sample) in &samples {
+        filter.update(*t, sample);
+    }
+    println!(
+        "filter f64: {:.0} ns, {} bytes",
+        per_sample(time.elapsed().as_secs_f64()),
+        size_of_val(&filter)
+    );
+    let time = std::time::Instant::now();
+    let config32 = RoadConfig::<f32>::new(QuarterCar::paper_table_2(), 2e5, 0.05).unwrap();
+    let mut filter = RoadFilter::new(&config32);
+    for (t, sample) in &samples {
+        let (body, wheel) = (sample.body_accel_m_s2 as f32, sample.wheel_accel_m_s2 as f32);
+        filter.update(*t, &CornerSample { body_accel_m_s2: body, wheel_accel_m_s2: wheel });
+    }
+    println!(
+        "filter f32: {:.0} ns, {} bytes",
+        per_sample(time.elapsed().as_secs_f64()),
+        size_of_val(&filter)
+    );
+    let time = std::time::Instant::now();
+    let mut filter = RoadFilter::new(&config(0.05));
+    for (i, (t, sample)) in samples.iter().enumerate() {
+        if i % 50 == 0 {
+            filter.set_stiffness(2.3e5 + i as f64, 5e3).unwrap();
+        }
+        filter.update(*t, sample);
+    }
+    println!("filter f64, stiffness at 10 Hz: {:.0} ns", per_sample(time.elapsed().as_secs_f64()));
+    let time = std::time::Instant::now();
+    record(&config(0.05), &log);
+    println!("record f64: {:.0} ns", per_sample(time.elapsed().as_secs_f64()));
+}

@@ -21,7 +21,7 @@ pub(crate) fn recorder(
     config: &RoadConfig<f64>,
     rate_hz: f64,
 ) -> RoadRecorder<f64, Vec<RoadRow<f64>>, Vec<Segment<f64>>> {
-    let (rows, segments) = window_for(rate_hz, 30.0);
+    let (rows, segments) = window_for(rate_hz, config.lookahead_s());
     RoadRecorder::new(config, vec![RoadRow::default(); rows], vec![Segment::default(); segments]).unwrap()
 }
 
