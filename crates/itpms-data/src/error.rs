@@ -145,7 +145,7 @@ pub enum Problem {
         rows: u64,
     },
     /// The clock stands still.
-    #[error("time is constant: time_s is {time_s} in all of {rows} rows, expected it to increase")]
+    #[error("time is constant: time_s is {time_s} in all of the {rows} rows read, expected it to increase")]
     TimeConstant {
         /// The time of all rows.
         time_s: f64,
@@ -154,7 +154,7 @@ pub enum Problem {
     },
     /// The clock's resolution is too coarse.
     #[error(
-        "time stands still in {repeated} of {rows} rows (first at {place}), expected it to increase from row to row"
+        "time stands still in {repeated} of the {rows} rows read (first at {place}), expected it to increase from row to row"
     )]
     TimeRepeats {
         /// Rows with the time of the row before.
@@ -166,7 +166,7 @@ pub enum Problem {
     },
     /// Rows are not in the order of time, and not just one or two of them.
     #[error(
-        "time goes backwards in {backwards} of {rows} rows, at {place} from {from_s} to {to_s} s, expected it to increase"
+        "time goes backwards in {backwards} of the {rows} rows read, at {place} from {from_s} to {to_s} s, expected it to increase"
     )]
     TimeBackwards {
         /// Rows that lie before an earlier row.

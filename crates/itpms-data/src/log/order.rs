@@ -175,16 +175,16 @@ mod tests {
     fn a_log_that_is_mostly_out_of_order_is_refused() {
         assert_eq!(
             verdict((0..5).map(|i| 5.0 - f64::from(i))),
-            "time goes backwards in 4 of 5 rows, at line 3 from 5 to 4 s, expected it to increase"
+            "time goes backwards in 4 of the 5 rows read, at line 3 from 5 to 4 s, expected it to increase"
         );
-        assert!(verdict([7.0; 40]).starts_with("time is constant: time_s is 7 in all of 40 rows"));
+        assert!(verdict([7.0; 40]).starts_with("time is constant: time_s is 7 in all of the 40 rows read"));
         assert!(verdict([f64::NAN; 3]).starts_with("column time_s has no value in any of 3 rows"));
         // A clock that was set back in the middle.
         let reset = (0..500).map(f64::from).chain((0..100).map(f64::from));
         assert!(verdict(reset).contains("at line 502 from 499 to 0 s"));
         // Every stamp twice.
         let twice = (0..50).flat_map(|i| [f64::from(i); 2]);
-        assert!(verdict(twice).starts_with("time stands still in 50 of 100 rows (first at line 3)"));
+        assert!(verdict(twice).starts_with("time stands still in 50 of the 100 rows read (first at line 3)"));
         // One in a thousand is a repair.
         assert_eq!(verdict((0..3000).map(|i| if i % 1000 == 500 { 0.0 } else { f64::from(i) })), "fine");
     }

@@ -116,7 +116,9 @@ impl LogReader {
     /// be this drive.
     pub fn next_row(&mut self) -> Result<Option<LogRow>, DataError> {
         while self.ahead.is_empty() && !self.exhausted {
-            self.pull().map_err(|problem| DataError::new(&self.path, problem))?;
+            self.pull()
+                .and_then(|()| self.order.check(Stage::Reading))
+                .map_err(|problem| DataError::new(&self.path, problem))?;
         }
         let Some(row) = self.ahead.pop_front() else { return Ok(None) };
         if let Some(last_s) = self.last_time_s {
@@ -134,7 +136,7 @@ impl LogReader {
     }
 
     fn look_ahead(&mut self, units: UnitCheck) -> Result<(), Problem> {
-        while self.ahead.len() < SURVEY_ROWS && !self.exhausted {
+        while self.report.rows_read < SURVEY_ROWS as u64 && !self.exhausted {
             self.pull()?;
         }
         if self.report.rows_read == 0 {
@@ -162,7 +164,6 @@ impl LogReader {
         self.report.missing_accelerations += accelerations(&columns).filter(missing).count() as u64;
         self.report.missing_speeds += u64::from(columns.speed && missing(&Slot::Speed));
         self.ahead.extend(self.order.push(LogRow::from_raw(&raw, &columns), place));
-        self.order.check(Stage::Reading)?;
         self.copy_counts();
         Ok(())
     }

@@ -36,6 +36,21 @@ impl RepairReport {
         self.warnings().is_empty()
     }
 
+    /// What was found how often, leaving out what was not found at all.
+    #[must_use]
+    pub fn counts(&self) -> Vec<(&'static str, u64)> {
+        let all = [
+            ("missing acceleration values", self.missing_accelerations),
+            ("missing speed values", self.missing_speeds),
+            ("rows without a time", self.without_time),
+            ("rows out of order", self.out_of_order),
+            ("rows that repeat a time", self.duplicate_times),
+            ("lines cut off at the end", self.cut_off_lines),
+            ("gaps of more than 3 sample periods", self.gaps),
+        ];
+        all.into_iter().filter(|(_, count)| *count > 0).collect()
+    }
+
     /// One sentence per kind of repair, without the file's name.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
@@ -101,6 +116,7 @@ mod tests {
             longest_gap: Some((1.500_000_2, 17.25)),
             ..Default::default()
         };
+        assert_eq!(report.counts().len(), 3);
         assert_eq!(
             report.warnings(),
             [
