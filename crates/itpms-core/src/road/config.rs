@@ -5,9 +5,11 @@
 use crate::quarter_car::{ParameterError, QuarterCar, positive};
 use crate::real::Real;
 
-/// How rough the road is believed to be: the natural logarithm `c` of the one-sided density of its vertical
-/// velocity in (m/s)²/Hz at 10 Hz, the road level of the pressure estimators. On an ISO 8608 road of waviness 2
-/// `e^c = 4 pi² n0² Gd(n0) V`: class A at 20 km/h is -10.3, class B -8.9, class C at 80 km/h -6.1.
+/// How rough the road is believed to be at long waves: the natural logarithm `c` of the one-sided density of its
+/// vertical velocity in (m/s)²/Hz, the road level of the pressure estimators. On an ISO 8608 road of waviness 2 the
+/// density is the same at all frequencies, `e^c = 4 pi² n0² Gd(n0) V`: class A at 20 km/h is -10.3, class B -8.9, class C
+/// at 80 km/h -6.1. It decides where the filter takes noise for noise, not how the heights it sees turn out: a factor
+/// of two in the density moves the longest wavelength by 1.4.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum RoadLevel<T> {
@@ -15,6 +17,15 @@ pub enum RoadLevel<T> {
     Adaptive,
     /// Given, and kept until the caller gives another.
     Fixed(T),
+}
+
+impl<T: Real> RoadLevel<T> {
+    /// The level at long waves of a road whose velocity has the density `e^c (f / 10 Hz)^(2 - waviness)`, drawn out to
+    /// 0.07 Hz, where it matters.
+    #[must_use]
+    pub fn of_power_law(log_level_at_10_hz: T, waviness: T) -> Self {
+        RoadLevel::Fixed(log_level_at_10_hz + (waviness - T::lit(2.0)) * T::lit(10.0 / 0.07).ln())
+    }
 }
 
 /// How much later than the motion the sensors' values are. Both sensors pass the same filter, so the data cannot

@@ -40,8 +40,9 @@ pub struct RoadEstimate<T> {
     pub road_sd_m: T,
     /// Tire deflection `x_r - x_w` in m, positive when the road pushes.
     pub tire_deflection_m: T,
-    /// Mean of the squared normalised innovations of this sample: 0.1 to 1 when model and noise fit (a smooth
-    /// log stays below one), far above when they do not. NaN without a measurement.
+    /// Mean of the squared normalised innovations of this sample, NaN without a measurement. One to ten on roads: the
+    /// model's road has a limited bandwidth (eq. 2), and good sensors see that. A hundred and more is a broken signal
+    /// or wrong parameters.
     pub nis: T,
     /// Whether to believe it.
     pub validity: Validity,

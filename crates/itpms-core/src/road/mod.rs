@@ -4,6 +4,37 @@
 //! An estimator that knows the stiffness feeds [`RoadFilter`] for the causal height; whoever writes a road record
 //! feeds [`RoadRecorder`] for the smoothed one, with memory of its own; [`RoadLimits`] says which wavelengths
 //! either can see. Nothing here knows of pressure, distance or files.
+//!
+//! ```
+//! use itpms_core::quarter_car::QuarterCar;
+//! use itpms_core::road::{RoadConfig, RoadFilter, RoadRecorder, RoadRow, Segment, window_for};
+//! use itpms_core::sample::CornerSample;
+//! # let log = (0..1_000).map(|i| (f64::from(i) * 0.002, (f64::from(i) * 0.1).sin()));
+//! # let log: Vec<_> = log.map(|(t, a)| (t, CornerSample { body_accel_m_s2: 0.1 * a, wheel_accel_m_s2: a })).collect();
+//!
+//! let config = RoadConfig::new(QuarterCar::paper_table_2(), 233_000.0, 0.05)?;
+//!
+//! // Causal: one estimate a sample; the stiffness as often as there is a new one.
+//! let mut filter = RoadFilter::new(&config);
+//! for (time_s, sample) in &log {
+//!     filter.set_stiffness(232_500.0, 4_000.0)?;
+//!     let road = filter.update(*time_s, sample);
+//!     println!("{:.3} s: {:.4} m +- {:.4}, {:?}", road.road_time_s, road.road_m, road.road_sd_m, road.validity);
+//! }
+//!
+//! // A record: rows go in, smoothed rows come out some 30 s later, memory does not grow.
+//! let (rows, segments) = window_for(500.0, config.lookahead_s());
+//! let (rows, segments) = (vec![RoadRow::default(); rows], vec![Segment::default(); segments]);
+//! let mut recorder = RoadRecorder::new(&config, rows, segments)?;
+//! let mut record = Vec::new();
+//! for (time_s, sample) in &log {
+//!     recorder.filter_mut().set_stiffness(232_500.0, 4_000.0)?;
+//!     recorder.push(*time_s, sample, |point| record.push((point.time_s, point.road_m)));
+//! }
+//! recorder.finish(|point| record.push((point.time_s, point.road_m)));
+//! assert_eq!(record.len(), log.len());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod clock;
 mod config;

@@ -294,11 +294,10 @@ impl<T: Real> Transition<T> {
     }
 }
 
-/// Bandwidth in rad/s given to the road's velocity at a sampling interval in s. White to infinity, it would fill the
-/// time between two samples with motion that an anti-aliased sensor proves is not there; this corner is far above
-/// what the prior matters for.
+/// Bandwidth in rad/s given to the road's velocity at a sampling interval in s (eq. 2). White to infinity, it would
+/// move the wheel between two samples in ways that an anti-aliased sensor proves were not there.
 pub(crate) fn road_bandwidth<T: Real>(interval_s: T) -> T {
-    T::two_pi() * T::lit(0.08) / interval_s
+    T::two_pi() * T::lit(0.1) / interval_s
 }
 
 /// `a m` for an `a` that is mostly zero.
