@@ -54,7 +54,7 @@ pub(super) const SLOPE_MEAN: f64 = 2.1;
 pub(super) const SLOPE_SD: f64 = 0.3;
 const SLOPE_RELAXATION_S: f64 = 500.0;
 /// Squared enveloping length in (0.1 m)²: sd at the start, and diffusion in 1/√s (a soft tire has a longer patch).
-pub(super) const ENVELOPE_SD: f64 = 1.0;
+pub(super) const ENVELOPE_SD: f64 = 2.0;
 const ENVELOPE_DIFFUSION: f64 = 0.005;
 
 /// Everything a prediction step needs, made once for a step length.

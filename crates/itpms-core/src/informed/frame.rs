@@ -11,7 +11,7 @@ use crate::real::Real;
 /// Spectral bins: 5, 10, ... 60 Hz.
 pub(super) const BINS: usize = 12;
 /// Nominal time between frames in s; a frame lasts twice as long.
-const HOP_S: f64 = 0.1;
+const HOP_S: f64 = 0.06;
 
 type Spectrum<T> = SMatrix<T, BINS, SIGNALS>;
 

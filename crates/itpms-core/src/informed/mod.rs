@@ -9,6 +9,7 @@
 //! |---|---|
 //! | `reconstruct` | per sample: the signals that the road velocity is made of |
 //! | `frame` | short spectra of them |
+//! | `gate` | how much of a frame to believe |
 //! | `model` | what they should look like for every stiffness |
 //! | `dynamics` | how pressure and road may change |
 //! | `road_belief` | level, slope and enveloping of the road under one hypothesis |
@@ -16,12 +17,14 @@
 
 mod dynamics;
 mod frame;
+mod gate;
 mod model;
 mod posterior;
 mod reconstruct;
 mod road_belief;
 
 use self::frame::{BINS, Frame, FrameClock};
+use self::gate::Gate;
 use self::model::{Body, Grid, Tables};
 use self::posterior::Posterior;
 use self::reconstruct::{
@@ -40,10 +43,6 @@ const BAND: f64 = 0.25;
 const ENVELOPE_REACH: f64 = 0.55;
 /// Speed in m/s below which nothing is learned.
 const STANDING_M_S: f64 = 2.5;
-/// Power over expected power above which a frame is an event (a pothole) and counts less.
-const EVENT: f64 = 3.0;
-/// Road velocity power over its noise at which learning starts.
-const SIGNAL_TO_NOISE: f64 = 2.5;
 /// Accelerometer noise in m/s² rms when nobody knows better.
 const DEFAULT_NOISE_M_S2: f64 = 0.05;
 /// Standard deviation in kPa of the pressure to start from.
@@ -62,7 +61,9 @@ pub struct Informed<T: Real> {
     posterior: Posterior<T>,
     noise_density: T,
     bins: usize,
-    smoothed_snr: T,
+    gate: Gate<T>,
+    variance_growth: T,
+    learned_s: T,
     last_speed_m_s: T,
     saturated: bool,
 }
@@ -97,7 +98,9 @@ impl<T: Real> Informed<T> {
             posterior,
             noise_density: T::lit(2.0 / sample_rate_hz) * noise * noise,
             bins: highest as usize,
-            smoothed_snr: T::lit(10.0),
+            gate: Gate::new(),
+            variance_growth: T::one(),
+            learned_s: T::zero(),
             last_speed_m_s: T::lit(f64::NAN),
             saturated: false,
         }
@@ -122,40 +125,27 @@ impl<T: Real> Informed<T> {
 
     fn learn(&mut self, frame: &Frame<T>, speed_m_s: T) {
         let (cell, road) = self.posterior.most_likely();
-        let mut evidence = self.evidence(frame, speed_m_s, road.envelope_m());
-        let theta = self.tables.theta[cell];
-        // Signal over noise from 5 to 20 Hz, and power over expected power, where the belief is now.
-        let (mut snr, mut surprise) = (T::zero(), T::zero());
-        for bin in 0..evidence.bins {
-            let power = evidence.power(bin, theta);
-            let noise = self.noise_density * self.tables.noise[(bin, cell)];
-            if bin < 4 {
-                snr += power / noise / T::lit(4.0);
-            }
-            let expected = road.log_power(&self.tables, &evidence, bin).exp() + noise;
-            surprise += power / expected / T::lit(evidence.bins as f64);
-        }
-        self.smoothed_snr += T::lit(0.3) * (snr - self.smoothed_snr);
-        let mut gate = (self.smoothed_snr / T::lit(SIGNAL_TO_NOISE) - T::one()).clamp(T::zero(), T::one());
-        if speed_m_s < T::lit(STANDING_M_S) || self.saturated {
-            gate = T::zero();
-        }
-        if surprise > T::lit(EVENT) {
-            gate *= T::lit(EVENT) / surprise;
+        let mut evidence = self.evidence(frame, speed_m_s, road.longest_envelope_m());
+        self.gate.look(&evidence, &self.tables, cell, &road);
+        if self.saturated || speed_m_s < T::lit(STANDING_M_S) {
+            self.gate.close();
         }
         self.saturated = false;
-        evidence.weight *= gate;
+        evidence.weight *= self.gate.open();
         let ratio = speed_m_s / self.last_speed_m_s;
         self.last_speed_m_s = speed_m_s;
-        if gate > T::zero() {
-            self.posterior.predict(if ratio > T::zero() && ratio.is_finite() {
-                ratio.ln()
-            } else {
-                T::zero()
-            });
-            self.posterior.update(&evidence, &self.tables);
+        let before = self.posterior.summary().variance_cells2;
+        if evidence.weight > T::zero() {
+            let known = ratio > T::zero() && ratio.is_finite();
+            self.posterior.predict(if known { ratio.ln() } else { T::zero() });
         } else {
             self.posterior.hold();
+        }
+        let after = self.posterior.summary().variance_cells2;
+        self.variance_growth = (after / before.max(T::lit(1e-3))).max(T::one());
+        if evidence.weight > T::zero() {
+            self.posterior.update(&evidence, &self.tables);
+            self.learned_s += self.gate.open() * T::lit(self.clock.hop_s());
         }
         self.tables.refresh_next(&self.body);
     }
@@ -163,8 +153,7 @@ impl<T: Real> Informed<T> {
     /// `|V|² = |U_1|² + 2 θ Re(U_1 U_2*) + θ² |U_2|²` with `U_2 = m_w J + c_s A + k_s V`.
     fn evidence(&self, frame: &Frame<T>, speed_m_s: T, envelope_m: T) -> Evidence<T> {
         let speed = if speed_m_s > T::lit(STANDING_M_S) { speed_m_s } else { T::lit(15.0) };
-        let reach = T::lit(ENVELOPE_REACH) * speed
-            / (T::lit(self.clock.bin_spacing_hz()) * envelope_m.max(T::lit(1e-3)));
+        let reach = T::lit(ENVELOPE_REACH) * speed / (T::lit(self.clock.bin_spacing_hz()) * envelope_m);
         let bins = (reach.to_f64() as usize).clamp(4, self.bins);
         let parts = [
             (WHEEL_JERK, self.body.unsprung_mass_kg),
@@ -194,11 +183,39 @@ impl<T: Real> Informed<T> {
         evidence
     }
 
-    /// Mean and sd of the pressure in kPa.
-    pub fn pressure_kpa(&self) -> (T, T) {
+    /// What is believed now.
+    pub fn belief(&self) -> Belief<T> {
         let summary = self.posterior.summary();
         let step = self.grid.step_kpa();
+        // A cell is a small uniform distribution of its own.
         let variance = (summary.variance_cells2 + T::lit(1.0 / 12.0)) * step * step;
-        (self.grid.pressure_kpa(0) + summary.mean_cell * step, variance.sqrt())
+        Belief {
+            pressure_kpa: self.grid.pressure_kpa(0) + summary.mean_cell * step,
+            pressure_sd_kpa: variance.sqrt(),
+            moving: summary.moving,
+            surprise: self.gate.surprise(),
+            gate: self.gate.open(),
+            variance_growth: self.variance_growth,
+            learned_s: self.learned_s,
+        }
     }
+}
+
+/// What the estimator believes after a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Belief<T> {
+    /// Posterior mean of the pressure in kPa.
+    pub pressure_kpa: T,
+    /// Its standard deviation in kPa.
+    pub pressure_sd_kpa: T,
+    /// Probability that the pressure is changing.
+    pub moving: T,
+    /// Power of the last frame over its expectation: about 1 when the model holds.
+    pub surprise: T,
+    /// Share of the last frame that was used, 0 to 1.
+    pub gate: T,
+    /// Factor by which the variance grew in the last prediction.
+    pub variance_growth: T,
+    /// Seconds of full information so far.
+    pub learned_s: T,
 }

@@ -3,7 +3,7 @@
 //!
 //! Built a cell at a time, so that following slow changes of the car costs the same every frame.
 
-use nalgebra::{Complex, SMatrix, SVector};
+use nalgebra::{Complex, ComplexField, SMatrix, SVector};
 
 use super::frame::BINS;
 use super::reconstruct::LEAK_RAD_S;
@@ -17,8 +17,13 @@ const LOWEST: f64 = 30.0 / 241.3;
 pub(super) const STEP: f64 = 8.0 / 241.3;
 /// Corner of the sensors' anti-alias filter as a share of the sampling rate.
 const ANTI_ALIAS: f64 = 0.3;
-/// Frequencies on each side of a bin over which the window's spectrum is averaged, one Hz or so apart.
-const KERNEL_HALF: i32 = 10;
+/// Points per bin, and on each side, at which the window's spectrum is averaged.
+const KERNEL_DENSITY: f64 = 8.0;
+const KERNEL_HALF: i32 = 20;
+/// Lowest frequency in Hz of these averages.
+const LOWEST_HZ: f64 = 0.1;
+/// Exponents on each side of zero through which the power law's parabola is drawn.
+const SHAPE_REACH: f64 = 0.6;
 
 /// The pressure grid.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,8 +61,10 @@ pub(super) struct Body<T> {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Tables<T: Real> {
-    /// `⟨ln |H|²⟩`, `H` from road to wheel.
-    pub(super) log_gain: SMatrix<T, BINS, CELLS>,
+    /// `ln |H|²`, `H` from road to wheel, less the middle cell's, averaged with the power that the road and the window
+    /// give each frequency: for a displacement slope of two, and its change with the exponent `2 - w`.
+    log_gain: SMatrix<T, BINS, CELLS>,
+    log_gain_by_exponent: SMatrix<T, BINS, CELLS>,
     /// Noise power of the reconstructed velocity for unit accelerometer noise density.
     pub(super) noise: SMatrix<T, BINS, CELLS>,
     /// The same, moved with the gain from the middle cell: for the log-determinant alone, so that pure noise says
@@ -65,10 +72,11 @@ pub(super) struct Tables<T: Real> {
     pub(super) determinant_noise: SMatrix<T, BINS, CELLS>,
     /// `1/k_t` per cell in m/N.
     pub(super) theta: SVector<T, CELLS>,
-    /// `ln |L|²` of the leak plus `ln |A|²` of the sensors' anti-alias filter, per bin.
-    pub(super) log_sensor: SVector<T, BINS>,
     /// `ln (f / 10 Hz)` per bin.
     pub(super) log_frequency: SVector<T, BINS>,
+    /// What leak, anti-alias filter and window make of a power law of exponent `x` in a bin, as a parabola in `x`:
+    /// `ln ⟨|L|² |A|² (f'/f)^x⟩`.
+    window: SMatrix<T, 3, BINS>,
     /// Squared frequency in Hz² per bin.
     pub(super) frequency_squared: SVector<T, BINS>,
     bin_spacing_hz: T,
@@ -84,26 +92,19 @@ impl<T: Real> Tables<T> {
         body: &Body<T>,
     ) -> Self {
         let frequency = |bin: usize| bin_spacing_hz * (bin as f64 + 1.0);
-        let leak_hz = LEAK_RAD_S / core::f64::consts::TAU;
         let per_bin = |f: &dyn Fn(f64) -> T| SVector::from_fn(|bin, _| f(frequency(bin)));
         let mut tables = Self {
             log_gain: SMatrix::zeros(),
+            log_gain_by_exponent: SMatrix::zeros(),
             noise: SMatrix::zeros(),
             determinant_noise: SMatrix::zeros(),
             theta: SVector::from_fn(|cell, _| T::one() / tire.stiffness_n_per_m(grid.pressure_kpa(cell))),
-            log_sensor: per_bin(&|f| {
-                let leak = f * f / (f * f + leak_hz * leak_hz);
-                // Butterworth of order four: |A|² = 1 / (1 + x⁸)
-                let x2 = (f / (ANTI_ALIAS * sample_rate_hz)) * (f / (ANTI_ALIAS * sample_rate_hz));
-                T::lit(leak / (1.0 + x2 * x2 * x2 * x2)).ln()
-            }),
             log_frequency: per_bin(&|f| T::lit(f / 10.0).ln()),
+            window: window_parabolas(bin_spacing_hz, sample_rate_hz),
             frequency_squared: per_bin(&|f| T::lit(f * f)),
             bin_spacing_hz: T::lit(bin_spacing_hz),
             next_cell: 0,
         };
-        // The middle cell first: the others' determinant noise hangs on it.
-        tables.fill_cell(CELLS / 2, body);
         for cell in 0..CELLS {
             tables.fill_cell(cell, body);
         }
@@ -116,32 +117,80 @@ impl<T: Real> Tables<T> {
         self.next_cell = (self.next_cell + 1) % CELLS;
     }
 
+    /// Log of what leak, anti-alias filter and window make of a power law of this exponent in a bin.
+    pub(super) fn log_window(&self, bin: usize, exponent: T) -> T {
+        let c = self.window.column(bin);
+        c[0] + exponent * (c[1] + exponent * c[2])
+    }
+
+    /// `ln |H|²` of a cell in a bin relative to the middle cell's, as a road of `exponent = 2 - w` weighs it.
+    pub(super) fn log_gain(&self, bin: usize, cell: usize, exponent: T) -> T {
+        self.log_gain[(bin, cell)] + exponent * self.log_gain_by_exponent[(bin, cell)]
+    }
+
     fn fill_cell(&mut self, cell: usize, body: &Body<T>) {
-        let theta = self.theta[cell];
+        let (theta, middle) = (self.theta[cell], self.theta[CELLS / 2]);
+        let leak_hz = T::lit(LEAK_RAD_S) / T::two_pi();
         for bin in 0..BINS {
-            let centre = self.bin_spacing_hz * T::lit(bin as f64 + 1.0);
-            let (mut log_gain, mut noise, mut total) = (T::zero(), T::zero(), T::zero());
-            for k in -KERNEL_HALF..=KERNEL_HALF {
-                let offset = T::lit(f64::from(k) / 5.0);
-                let frequency = (centre + self.bin_spacing_hz * offset).abs();
-                if !(frequency > T::lit(0.5)) {
-                    continue;
+            let mut noise = (T::zero(), T::zero());
+            // Sums of ln|H|² and of the weights for an exponent below and above zero.
+            let mut gain = [(T::zero(), T::zero()); 2];
+            let mut middle_noise = T::zero();
+            for (frequency, weight) in window_kernel(self.bin_spacing_hz, bin) {
+                let (gain_here, noise_here) = response(body, theta, frequency);
+                let (gain_middle, noise_middle) = response(body, middle, frequency);
+                noise = (noise.0 + weight * noise_here, noise.1 + weight);
+                middle_noise += weight * noise_middle;
+                let leak = frequency * frequency / (frequency * frequency + leak_hz * leak_hz);
+                let tilt = (T::lit(SHAPE_REACH) * (frequency / T::lit(10.0)).ln()).exp();
+                let difference = (gain_here / gain_middle).ln();
+                for (sum, road) in gain.iter_mut().zip([weight * leak / tilt, weight * leak * tilt]) {
+                    *sum = (sum.0 + road * difference, sum.1 + road);
                 }
-                let weight = sine_window_power(offset);
-                let (gain, unit_noise) = response(body, theta, frequency);
-                log_gain += weight * gain.ln();
-                noise += weight * unit_noise;
-                total += weight;
             }
-            self.log_gain[(bin, cell)] = log_gain / total;
-            self.noise[(bin, cell)] = noise / total;
-        }
-        let middle = CELLS / 2;
-        for bin in 0..BINS {
-            let moved = (self.log_gain[(bin, middle)] - self.log_gain[(bin, cell)]).exp();
-            self.determinant_noise[(bin, cell)] = self.noise[(bin, middle)] * moved;
+            let [below, above] = gain.map(|(sum, total)| sum / total);
+            self.log_gain[(bin, cell)] = T::lit(0.5) * (above + below);
+            self.log_gain_by_exponent[(bin, cell)] = (above - below) / T::lit(2.0 * SHAPE_REACH);
+            self.noise[(bin, cell)] = noise.0 / noise.1;
+            let moved = (-self.log_gain[(bin, cell)]).exp();
+            self.determinant_noise[(bin, cell)] = middle_noise / noise.1 * moved;
         }
     }
+}
+
+/// Frequencies around a bin, and how much power of each the window lets through.
+fn window_kernel<T: Real>(bin_spacing_hz: T, bin: usize) -> impl Iterator<Item = (T, T)> {
+    (-KERNEL_HALF..=KERNEL_HALF).map(move |k| {
+        let offset = T::lit(f64::from(k) / KERNEL_DENSITY);
+        let frequency = bin_spacing_hz * (T::lit(bin as f64 + 1.0) + offset);
+        (frequency.abs().max(T::lit(LOWEST_HZ)), sine_window_power(offset))
+    })
+}
+
+/// See [`Tables::window`]: the parabola through three exponents.
+fn window_parabolas<T: Real>(bin_spacing_hz: f64, sample_rate_hz: f64) -> SMatrix<T, 3, BINS> {
+    let leak_hz = LEAK_RAD_S / core::f64::consts::TAU;
+    let average = |bin: usize, exponent: f64| {
+        let centre = bin_spacing_hz * (bin as f64 + 1.0);
+        let (mut power, mut total) = (0.0, 0.0);
+        for (f, weight) in window_kernel(bin_spacing_hz, bin) {
+            let leak = f * f / (f * f + leak_hz * leak_hz);
+            // Butterworth of order four: |A|² = 1 / (1 + x⁸)
+            let x = f / (ANTI_ALIAS * sample_rate_hz);
+            let anti_alias = 1.0 / (1.0 + ComplexField::powi(x, 8));
+            power += weight * leak * anti_alias * ComplexField::exp(exponent * ComplexField::ln(f / centre));
+            total += weight;
+        }
+        ComplexField::ln(power / total)
+    };
+    let mut coefficients = SMatrix::zeros();
+    for bin in 0..BINS {
+        let (low, middle, high) = (average(bin, -SHAPE_REACH), average(bin, 0.0), average(bin, SHAPE_REACH));
+        coefficients[(0, bin)] = T::lit(middle);
+        coefficients[(1, bin)] = T::lit((high - low) / (2.0 * SHAPE_REACH));
+        coefficients[(2, bin)] = T::lit((high + low - 2.0 * middle) / (2.0 * SHAPE_REACH * SHAPE_REACH));
+    }
+    coefficients
 }
 
 /// Power of the sine window's spectrum `offset` bins from its centre, one at the centre.

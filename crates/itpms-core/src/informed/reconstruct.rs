@@ -7,12 +7,13 @@
 
 use crate::real::Real;
 
-/// Leak of the integrators in rad/s: 0.5 Hz, far below the first bin.
-pub(super) const LEAK_RAD_S: f64 = core::f64::consts::TAU * 0.5;
+/// Leak of the integrators in rad/s: low enough to leave the first bin alone, high enough to keep the slow road,
+/// which is far stronger, from leaking into it.
+pub(super) const LEAK_RAD_S: f64 = core::f64::consts::TAU * 1.5;
 /// Time constant in s of the offset that is taken off each sensor (gravity, bias).
 const OFFSET_S: f64 = 10.0;
 /// Samples by which the centred derivative lags.
-const LAG: usize = 2;
+const LAG: usize = 3;
 
 /// Number of signals.
 pub(super) const SIGNALS: usize = 5;
@@ -32,15 +33,15 @@ pub(super) const BODY_JERK: usize = 4;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Channel<T> {
     offset: T,
-    /// The last five accelerations, newest first.
+    /// The last seven accelerations, newest first.
     acceleration: [T; 2 * LAG + 1],
-    /// The last three leaky integrals, newest first.
-    integral: [T; LAG + 1],
+    /// The leaky integrals three and two samples ago, older first: it needs one sample of the future.
+    integral: [T; 2],
 }
 
 impl<T: Real> Channel<T> {
     fn new() -> Self {
-        Self { offset: T::zero(), acceleration: [T::zero(); 2 * LAG + 1], integral: [T::zero(); LAG + 1] }
+        Self { offset: T::zero(), acceleration: [T::zero(); 2 * LAG + 1], integral: [T::zero(); 2] }
     }
 
     /// Forgets the signal, keeps the offset.
@@ -52,21 +53,24 @@ impl<T: Real> Channel<T> {
         self.offset += offset_gain * (raw - self.offset);
         self.acceleration.rotate_right(1);
         self.acceleration[0] = raw - self.offset;
-        // Bilinear discretisation of 1/(s + ω_l).
-        let (rate, leak) = (T::lit(2.0) / dt, T::lit(LEAK_RAD_S));
-        let next =
-            ((rate - leak) * self.integral[0] + self.acceleration[0] + self.acceleration[1]) / (rate + leak);
-        self.integral.rotate_right(1);
-        self.integral[0] = next;
+        // ∫a over a step through the cubic of the four points around it, 1/24 (-1, 13, 13, -1): right to 4 % at a fifth
+        // of the sampling rate, where the trapezoidal rule is 14 % off. The leak enters bilinearly.
+        let a = &self.acceleration;
+        let step = dt / T::lit(24.0) * (T::lit(13.0) * (a[LAG - 1] + a[LAG]) - a[LAG - 2] - a[LAG + 1]);
+        let half_leak = T::lit(0.5 * LEAK_RAD_S) * dt;
+        let next = ((T::one() - half_leak) * self.integral[1] + step) / (T::one() + half_leak);
+        self.integral = [self.integral[1], next];
     }
 
-    /// `(L v, L a, L ȧ)` two samples ago.
+    /// `(L v, L a, L ȧ)` three samples ago.
     fn read(&self, dt: T) -> (T, T, T) {
         let a = &self.acceleration;
         let leak = T::lit(LEAK_RAD_S);
-        let velocity = self.integral[LAG];
+        let velocity = self.integral[0];
         let acceleration = a[LAG] - leak * velocity;
-        let slope = (a[4] - T::lit(8.0) * a[3] + T::lit(8.0) * a[1] - a[0]) / (T::lit(12.0) * dt);
+        // Centred derivative of seven points: right to 2 % at a fifth of the sampling rate.
+        let slope =
+            (T::lit(45.0) * (a[2] - a[4]) - T::lit(9.0) * (a[1] - a[5]) + a[0] - a[6]) / (T::lit(60.0) * dt);
         (velocity, acceleration, slope - leak * acceleration)
     }
 }
@@ -92,7 +96,7 @@ impl<T: Real> Reconstruction<T> {
         self.wheel.restart();
     }
 
-    /// Takes one grid step, gives all signals two steps earlier.
+    /// Takes one grid step, gives all signals three steps earlier.
     pub(super) fn push(&mut self, body_accel_m_s2: T, wheel_accel_m_s2: T) -> [T; SIGNALS] {
         // The mean of all samples so far, then of the last ten seconds or so.
         self.steps = self.steps.saturating_add(1);

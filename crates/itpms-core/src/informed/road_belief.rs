@@ -21,9 +21,11 @@ pub(super) const ENVELOPE: usize = 2;
 
 /// Bounds of the three, the largest variances they may have, and the largest step of one Gauss-Newton pass.
 const LOWEST: [f64; PARAMETERS] = [-19.0, 1.0, -1.0];
-const HIGHEST: [f64; PARAMETERS] = [20.0, 3.4, 5.0];
-const LARGEST_VARIANCE: [f64; PARAMETERS] = [9.0, 0.25, 1.0];
+const HIGHEST: [f64; PARAMETERS] = [20.0, 3.4, 20.0];
+const LARGEST_VARIANCE: [f64; PARAMETERS] = [9.0, 0.25, 16.0];
 const LARGEST_STEP: f64 = 1.0;
+/// Steepest fall of the velocity power, as an exponent of frequency, that the window's tables are made for.
+const STEEPEST: f64 = -3.0;
 
 /// One frame, ready to be weighed: the road velocity reconstructed with `θ` has the power `a + 2 θ b + θ² c` per bin.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,16 +68,23 @@ impl<T: Real> Road<T> {
         }
     }
 
-    /// Log of the road's power density in a bin, as the sensors see it.
-    pub(super) fn log_power(&self, tables: &Tables<T>, frame: &Evidence<T>, bin: usize) -> T {
-        let slope = T::lit(2.0) - self.mean[SLOPE];
-        self.mean[LEVEL] + tables.log_sensor[bin] + slope * tables.log_frequency[bin]
-            - self.mean[ENVELOPE] * frame.envelope[bin]
+    /// Exponent of the velocity power around a bin: the power law's and what enveloping adds to it.
+    fn exponent(&self, frame: &Evidence<T>, bin: usize) -> T {
+        let local = T::lit(2.0) * (T::one() - self.mean[ENVELOPE] * frame.envelope[bin]) - self.mean[SLOPE];
+        local.max(T::lit(STEEPEST))
     }
 
-    /// Length in m over which the tire averages the road.
-    pub(super) fn envelope_m(&self) -> T {
-        T::lit(0.1) * self.mean[ENVELOPE].max(T::zero()).sqrt()
+    /// Log of the road's power density in a bin, as the sensors see it.
+    pub(super) fn log_power(&self, tables: &Tables<T>, frame: &Evidence<T>, bin: usize) -> T {
+        let power_law = (T::lit(2.0) - self.mean[SLOPE]) * tables.log_frequency[bin];
+        self.mean[LEVEL] + power_law - self.mean[ENVELOPE] * frame.envelope[bin]
+            + tables.log_window(bin, self.exponent(frame, bin))
+    }
+
+    /// Length in m over which the tire averages the road at most, as far as is known: one sd above the mean.
+    pub(super) fn longest_envelope_m(&self) -> T {
+        let sd = self.covariance[(ENVELOPE, ENVELOPE)].max(T::zero()).sqrt();
+        T::lit(0.1) * (self.mean[ENVELOPE] + sd).max(T::lit(1e-4)).sqrt()
     }
 
     /// Keeps the mean inside its bounds; what is moved takes the others along as their covariance says.
@@ -125,7 +134,7 @@ impl<T: Real> Road<T> {
         let distance = d.dot(&(prior_information * d));
         // ln det(P / P_post)
         let occam = -(prior_information.determinant() * fit.covariance.determinant()).max(T::lit(1e-30)).ln();
-        let misfit = fit.misfit(frame, tables, cell);
+        let misfit = fit.misfit(frame, tables, cell, self);
         (fit, -frame.weight * misfit - T::lit(0.5) * (distance + occam))
     }
 
@@ -137,7 +146,7 @@ impl<T: Real> Road<T> {
             let signal = self.log_power(tables, frame, bin).exp();
             let expected = signal + frame.noise_density * tables.noise[(bin, cell)];
             let excess = frame.power(bin, theta) / expected - T::one();
-            // ∂ ln M / ∂(c, w, q) = S/M (1, -ln(f/10), -envelope)
+            // ∂ ln M / ∂(c, w, q) = S/M (1, -ln(f/10), -envelope); what the window adds hardly changes.
             let direction = Vector3::new(T::one(), -tables.log_frequency[bin], -frame.envelope[bin]);
             let gradient = direction * (signal / expected);
             score += gradient * excess;
@@ -147,14 +156,15 @@ impl<T: Real> Road<T> {
     }
 
     /// `Σ ln(S + N_d) + |V|²/M + ln|H|²`: the frame's negative log-likelihood.
-    fn misfit(&self, frame: &Evidence<T>, tables: &Tables<T>, cell: usize) -> T {
+    fn misfit(&self, frame: &Evidence<T>, tables: &Tables<T>, cell: usize, prior: &Self) -> T {
         let theta = tables.theta[cell];
         let mut misfit = T::zero();
         for bin in 0..frame.bins {
             let signal = self.log_power(tables, frame, bin).exp();
             let expected = signal + frame.noise_density * tables.noise[(bin, cell)];
             let determinant = signal + frame.noise_density * tables.determinant_noise[(bin, cell)];
-            misfit += determinant.ln() + frame.power(bin, theta) / expected + tables.log_gain[(bin, cell)];
+            let log_gain = tables.log_gain(bin, cell, prior.exponent(frame, bin));
+            misfit += determinant.ln() + frame.power(bin, theta) / expected + log_gain;
         }
         misfit
     }

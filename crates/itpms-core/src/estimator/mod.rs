@@ -1,0 +1,181 @@
+//! One small interface before all estimators of a corner: samples in, [`CornerEstimate`]s out, whichever
+//! [`EstimatorKind`] computes them.
+//!
+//! Called by the binary, the studies and controllers. Every sample passes the [`Intake`], so no estimator behind it
+//! ever sees a missing or absurd value.
+
+mod engine;
+mod warning;
+
+use self::engine::{Engine, Reading};
+use self::warning::LowPressureWatch;
+use crate::estimate::{CornerConfig, CornerEstimate, Diagnostics, Validity, Warning};
+use crate::intake::{Intake, SampleCounts};
+use crate::quarter_car::{ParameterError, positive};
+use crate::real::Real;
+
+/// Grid rate in Hz that the spectral frames need; slower samples are interpolated up to it.
+const FRAME_GRID_HZ: f64 = 400.0;
+
+/// The estimators to choose from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum EstimatorKind {
+    /// Bayes filter that knows that a road looks like a road: [`crate::informed`].
+    #[default]
+    Informed,
+    /// The paper's recursion, mended and told the stiffness likelihood of the same frames.
+    AekfUiInformed,
+    /// As published, with the one-step forgetting factor. Cannot find the stiffness.
+    AekfUi,
+    /// As published, without forgetting. Cannot find the stiffness.
+    EkfUi,
+}
+
+impl EstimatorKind {
+    /// All kinds, the default first.
+    pub const ALL: [Self; 4] = [Self::Informed, Self::AekfUiInformed, Self::AekfUi, Self::EkfUi];
+
+    /// The name on the command line.
+    #[must_use]
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Informed => "informed",
+            Self::AekfUiInformed => "aekf-ui-informed",
+            Self::AekfUi => "aekf-ui",
+            Self::EkfUi => "ekf-ui",
+        }
+    }
+
+    /// The kind of that name.
+    #[must_use]
+    pub fn from_label(label: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.label() == label)
+    }
+}
+
+/// A running estimator of one corner. A value: clone it, save it, go on.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: Real + serde::Serialize",
+        deserialize = "T: Real + serde::Deserialize<'de>"
+    ))
+)]
+pub struct Estimator<T: Real> {
+    kind: EstimatorKind,
+    config: CornerConfig<T>,
+    sample_rate_hz: f64,
+    intake: Intake<T>,
+    engine: Engine<T>,
+    watch: LowPressureWatch,
+    resets: u32,
+}
+
+impl<T: Real> Estimator<T> {
+    /// An estimator of `kind` for a corner whose samples come at about `sample_rate_hz`.
+    ///
+    /// # Errors
+    /// The rate must be positive and finite; parameters of the corner that the filters refuse are named.
+    pub fn new(
+        kind: EstimatorKind,
+        config: &CornerConfig<T>,
+        sample_rate_hz: f64,
+    ) -> Result<Self, ParameterError> {
+        let sample_rate_hz = positive("sample_rate_hz", sample_rate_hz)?;
+        let frames = matches!(kind, EstimatorKind::Informed | EstimatorKind::AekfUiInformed);
+        let intake = Intake::new(sample_rate_hz, if frames { FRAME_GRID_HZ } else { sample_rate_hz });
+        let engine = Engine::new(kind, config, sample_rate_hz, intake.grid_period_s())?;
+        Ok(Self {
+            kind,
+            config: *config,
+            sample_rate_hz,
+            intake,
+            engine,
+            watch: LowPressureWatch::new(),
+            resets: 0,
+        })
+    }
+
+    /// Takes one sample: time in s, speed in m/s, body and wheel acceleration in m/s²; NaN is a missing value. Gives
+    /// the estimate after it. A sample that cannot be used is counted, and the estimate says so when it matters.
+    pub fn update(
+        &mut self,
+        time_s: f64,
+        speed_m_s: T,
+        body_accel_m_s2: T,
+        wheel_accel_m_s2: T,
+    ) -> CornerEstimate<T> {
+        let engine = &mut self.engine;
+        self.intake.push(time_s, speed_m_s, body_accel_m_s2, wheel_accel_m_s2, |sample| engine.step(&sample));
+        let reading = self.engine.reading();
+        if !(reading.stiffness_n_per_m.is_finite() && reading.stiffness_sd_n_per_m.is_finite())
+            && self.kind == EstimatorKind::Informed
+        {
+            self.reset();
+        }
+        self.estimate(time_s, &reading)
+    }
+
+    /// Starts again from the corner's initial pressure, as after a tire change. Counted.
+    pub fn reset(&mut self) {
+        // The same arguments were accepted before.
+        if let Ok(engine) =
+            Engine::new(self.kind, &self.config, self.sample_rate_hz, self.intake.grid_period_s())
+        {
+            self.engine = engine;
+        }
+        self.watch = LowPressureWatch::new();
+        self.resets = self.resets.saturating_add(1);
+    }
+
+    /// Which estimator this is.
+    pub fn kind(&self) -> EstimatorKind {
+        self.kind
+    }
+
+    /// What was found in the samples so far.
+    pub fn counts(&self) -> SampleCounts {
+        self.intake.counts()
+    }
+
+    /// How often the estimator started again.
+    pub fn resets(&self) -> u32 {
+        self.resets
+    }
+
+    fn estimate(&mut self, time_s: f64, reading: &Reading<T>) -> CornerEstimate<T> {
+        let tire = &self.config.tire;
+        let pressure_kpa = tire.pressure_kpa(reading.stiffness_n_per_m);
+        let pressure_sd_kpa = tire.pressure_sd_kpa(pressure_kpa, reading.stiffness_sd_n_per_m);
+        let validity = if self.intake.is_bad() { Validity::BadSignal } else { reading.validity };
+        let placard = self.config.placard_kpa;
+        let warning = match self.kind {
+            // A filter that cannot find the stiffness has nothing to warn of.
+            EstimatorKind::AekfUi | EstimatorKind::EkfUi => Warning::None,
+            _ => self.watch.update(time_s, validity, pressure_kpa, pressure_sd_kpa, placard),
+        };
+        let slope = tire.stiffness_per_kpa();
+        let reading_sd = reading.stiffness_sd_n_per_m / slope;
+        CornerEstimate {
+            time_s,
+            stiffness_n_per_m: reading.stiffness_n_per_m,
+            stiffness_sd_n_per_m: reading.stiffness_sd_n_per_m,
+            pressure_kpa,
+            pressure_sd_kpa,
+            road_m: reading.road_m,
+            road_sd_m: reading.road_sd_m,
+            validity,
+            warning,
+            diagnostics: Diagnostics {
+                forgetting: reading.forgetting,
+                nis: reading.nis,
+                gate: reading.gate,
+                change_probability: reading.change_probability,
+                pressure_variance_kpa2: reading_sd * reading_sd,
+            },
+        }
+    }
+}
