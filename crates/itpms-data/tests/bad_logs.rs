@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use itpms_data::LogReader;
 use itpms_data::log::UnitCheck;
+use proptest::prelude::*;
 use tempfile::TempDir;
 
 const HEADER: &str = "time_s,speed_m_s,fl_body_accel_m_s2,fl_wheel_accel_m_s2";
@@ -244,4 +245,33 @@ fn small_flaws_are_repaired_and_counted() {
     let (length_s, begin_s) = report.longest_gap.unwrap();
     assert!((length_s - 1.01).abs() < 1e-9 && (begin_s - 49.97).abs() < 1e-9);
     assert_eq!(report.warnings().len(), 6);
+}
+
+proptest! {
+    /// Whatever is in a file: rows in the order of time, or one sentence, never a panic.
+    #[test]
+    fn no_content_brings_the_reader_down(
+        header in any::<bool>(),
+        body in proptest::collection::vec(prop_oneof![
+            8 => "[0-9.,eE+-]{0,12}\n",
+            2 => "[ -~]{0,20}\r?\n",
+            1 => "\\PC{0,20}",
+        ], 0..30),
+        tail in proptest::collection::vec(any::<u8>(), 0..40),
+    ) {
+        let bench = Bench::new();
+        let path = bench.0.path().join("drive.csv");
+        let mut bytes = if header { format!("{HEADER}\n").into_bytes() } else { Vec::new() };
+        bytes.extend(body.concat().into_bytes());
+        bytes.extend(tail);
+        fs::write(&path, bytes).unwrap();
+        let mut last_s = f64::NEG_INFINITY;
+        if let Ok(log) = LogReader::open(&path) {
+            for row in log {
+                let Ok(row) = row else { break };
+                prop_assert!(row.time_s > last_s);
+                last_s = row.time_s;
+            }
+        }
+    }
 }
