@@ -26,7 +26,11 @@ impl<T: Real> CornerConfig<T> {
     ///
     /// # Errors
     /// The placard pressure must be positive and finite.
-    pub fn new(quarter_car: QuarterCar<T>, tire: PressureMap<T>, placard_kpa: T) -> Result<Self, ParameterError> {
+    pub fn new(
+        quarter_car: QuarterCar<T>,
+        tire: PressureMap<T>,
+        placard_kpa: T,
+    ) -> Result<Self, ParameterError> {
         let placard_kpa = positive("placard_kpa", placard_kpa)?;
         Ok(Self { quarter_car, tire, placard_kpa, accel_noise_m_s2: None, initial_kpa: None })
     }

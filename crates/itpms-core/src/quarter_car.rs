@@ -184,7 +184,8 @@ mod tests {
     fn jacobians_agree_with_finite_differences() {
         let car = QuarterCar::<f64>::paper_table_2();
         let (x, road) = some_state();
-        let (a, h, d) = (car.derivative_jacobian(&x, road), car.output_jacobian(&x, road), car.input_jacobian(&x));
+        let (a, h, d) =
+            (car.derivative_jacobian(&x, road), car.output_jacobian(&x, road), car.input_jacobian(&x));
         for j in 0..5 {
             let step = 1e-6 * x[j].abs().max(1e-3);
             let (mut up, mut down) = (x, x);

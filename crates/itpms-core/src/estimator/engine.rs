@@ -2,7 +2,8 @@
 
 use crate::estimate::{CornerConfig, Validity};
 use crate::filter::{
-    AekfUi, AekfUiInformed, FilterConfig, Forgetting, InformedConfig, InformedRecord, InformedStatus, StepRecord,
+    AekfUi, AekfUiInformed, FilterConfig, Forgetting, InformedConfig, InformedRecord, InformedStatus,
+    StepRecord,
 };
 use crate::informed::Informed;
 use crate::intake::GridSample;
@@ -89,40 +90,17 @@ impl<T: Real> Engine<T> {
             EstimatorKind::AekfUi => published(Forgetting::OneStep)?,
             EstimatorKind::EkfUi => published(Forgetting::None)?,
         };
-        let nan = T::lit(f64::NAN);
-        let mut engine = Self {
-            method,
-            config: *config,
-            grid_period_s: T::lit(grid_period_s),
-            reading: Reading {
-                stiffness_n_per_m: initial,
-                stiffness_sd_n_per_m: nan,
-                road_m: nan,
-                road_sd_m: nan,
-                validity: Validity::Starting,
-                forgetting: T::one(),
-                nis: nan,
-                gate: T::zero(),
-                change_probability: nan,
-            },
-        };
-        engine.start();
-        Ok(engine)
-    }
-
-    /// What is known before the first sample.
-    fn start(&mut self) {
-        match &self.method {
-            Method::Informed(informed) => self.reading = self.of_belief(informed),
+        let reading = match &method {
+            Method::Informed(informed) => belief_reading(config, informed),
             Method::AekfUiInformed { likelihood, filter } => {
-                self.reading = self.of_informed_record(likelihood, &filter.record(InformedStatus::PredictedOnly));
+                record_reading(config, likelihood, &filter.record(InformedStatus::PredictedOnly))
             }
-            Method::Published(_) => {
-                self.reading.stiffness_sd_n_per_m = T::lit(PAPER_INITIAL_VARIANCE).sqrt();
-            }
-        }
+            Method::Published(_) => start_reading(initial),
+        };
+        Ok(Self { method, config: *config, grid_period_s: T::lit(grid_period_s), reading })
     }
 
+    /// Takes one grid sample.
     pub(super) fn step(&mut self, sample: &GridSample<T>) {
         let corner = CornerSample {
             body_accel_m_s2: sample.body_accel_m_s2,
@@ -131,32 +109,103 @@ impl<T: Real> Engine<T> {
         match &mut self.method {
             Method::Informed(informed) => {
                 if informed.push(sample) {
-                    let informed = &*informed;
-                    self.reading = Self::belief_reading(&self.config, informed);
+                    self.reading = belief_reading(&self.config, informed);
                 }
             }
             Method::AekfUiInformed { likelihood, filter } => {
                 let mut record = filter.step(self.grid_period_s, &corner);
                 if likelihood.push(sample)
-                    && let Some(measured) = likelihood.score_at(record.stiffness_n_per_m())
+                    && let Some(told) = likelihood.score_at(record.stiffness_n_per_m())
                 {
-                    filter.measure_stiffness_information(
-                        measured.at_n_per_m,
-                        measured.score,
-                        measured.information,
-                    );
+                    filter.measure_stiffness_information(told.at_n_per_m, told.score, told.information);
                     record = filter.record(record.status);
                 }
-                self.reading = Self::informed_record_reading(&self.config, likelihood, &record);
+                self.reading = record_reading(&self.config, likelihood, &record);
             }
             Method::Published(filter) => {
-                let record = filter.step(self.grid_period_s, &corner);
-                self.reading = published_reading(&record);
+                self.reading = published_reading(&filter.step(self.grid_period_s, &corner));
             }
         }
     }
 
     pub(super) fn reading(&self) -> Reading<T> {
         self.reading
+    }
+}
+
+/// Whether a stiffness of this sd may be believed, given how much was learned.
+fn validity<T: Real>(config: &CornerConfig<T>, learned_s: T, pressure_sd_kpa: T) -> Validity {
+    if !(learned_s >= T::lit(STARTING_S)) {
+        Validity::Starting
+    } else if !(pressure_sd_kpa <= T::lit(WORTHLESS) * config.placard_kpa) {
+        Validity::NoInformation
+    } else {
+        Validity::Valid
+    }
+}
+
+fn belief_reading<T: Real>(config: &CornerConfig<T>, informed: &Informed<T>) -> Reading<T> {
+    let belief = informed.belief();
+    Reading {
+        stiffness_n_per_m: config.tire.stiffness_n_per_m(belief.pressure_kpa),
+        stiffness_sd_n_per_m: belief.pressure_sd_kpa * config.tire.stiffness_per_kpa(),
+        road_m: T::lit(f64::NAN),
+        road_sd_m: T::lit(f64::NAN),
+        validity: validity(config, belief.learned_s, belief.pressure_sd_kpa),
+        forgetting: belief.variance_growth,
+        nis: belief.surprise,
+        gate: belief.gate,
+        change_probability: belief.moving,
+    }
+}
+
+fn record_reading<T: Real>(
+    config: &CornerConfig<T>,
+    likelihood: &Informed<T>,
+    record: &InformedRecord<T>,
+) -> Reading<T> {
+    let belief = likelihood.belief();
+    let sd = record.stiffness_sd_n_per_m();
+    Reading {
+        stiffness_n_per_m: record.stiffness_n_per_m(),
+        stiffness_sd_n_per_m: sd,
+        road_m: record.road_m,
+        road_sd_m: record.road_sd_m(),
+        validity: validity(config, belief.learned_s, sd / config.tire.stiffness_per_kpa()),
+        forgetting: record.forgetting,
+        nis: record.nis,
+        gate: belief.gate,
+        change_probability: T::lit(f64::NAN),
+    }
+}
+
+/// A published filter: its stiffness is where it started, whatever its covariance says, so it is never valid.
+fn published_reading<T: Real>(record: &StepRecord<T>) -> Reading<T> {
+    Reading {
+        stiffness_n_per_m: record.stiffness_n_per_m(),
+        stiffness_sd_n_per_m: record.stiffness_sd_n_per_m(),
+        road_m: record.road_m,
+        road_sd_m: record.road_variance_m2.sqrt(),
+        validity: if record.is_diverged() { Validity::Diverged } else { Validity::NoInformation },
+        forgetting: record.forgetting,
+        nis: record.nis * T::lit(0.5),
+        gate: T::one(),
+        change_probability: T::lit(f64::NAN),
+    }
+}
+
+/// Before the first sample of a published filter.
+fn start_reading<T: Real>(stiffness_n_per_m: T) -> Reading<T> {
+    let nan = T::lit(f64::NAN);
+    Reading {
+        stiffness_n_per_m,
+        stiffness_sd_n_per_m: T::lit(f64::INFINITY),
+        road_m: nan,
+        road_sd_m: nan,
+        validity: Validity::Starting,
+        forgetting: T::one(),
+        nis: nan,
+        gate: T::zero(),
+        change_probability: nan,
     }
 }

@@ -13,9 +13,16 @@ use crate::estimate::{CornerConfig, CornerEstimate, Diagnostics, Validity, Warni
 use crate::intake::{Intake, SampleCounts};
 use crate::quarter_car::{ParameterError, positive};
 use crate::real::Real;
+use crate::road::{RoadConfig, RoadFilter};
+use crate::sample::CornerSample;
 
 /// Grid rate in Hz that the spectral frames need; slower samples are interpolated up to it.
 const FRAME_GRID_HZ: f64 = 400.0;
+
+/// Accelerometer noise in m/s² rms when nobody knows better.
+const DEFAULT_NOISE_M_S2: f64 = 0.05;
+/// Seconds between two words to the road filter about the stiffness.
+const TELL_ROAD_S: f64 = 0.1;
 
 /// The estimators to choose from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -70,6 +77,9 @@ pub struct Estimator<T: Real> {
     sample_rate_hz: f64,
     intake: Intake<T>,
     engine: Engine<T>,
+    /// The road for the default estimator; the filters bring their own.
+    road: RoadFilter<T>,
+    road_told_s: f64,
     watch: LowPressureWatch,
     resets: u32,
 }
@@ -88,12 +98,16 @@ impl<T: Real> Estimator<T> {
         let frames = matches!(kind, EstimatorKind::Informed | EstimatorKind::AekfUiInformed);
         let intake = Intake::new(sample_rate_hz, if frames { FRAME_GRID_HZ } else { sample_rate_hz });
         let engine = Engine::new(kind, config, sample_rate_hz, intake.grid_period_s())?;
+        let noise = config.accel_noise_m_s2.unwrap_or(T::lit(DEFAULT_NOISE_M_S2));
+        let road = RoadConfig::new(config.quarter_car, config.initial_stiffness_n_per_m(), noise)?;
         Ok(Self {
             kind,
             config: *config,
             sample_rate_hz,
             intake,
             engine,
+            road: RoadFilter::new(&road),
+            road_told_s: f64::NEG_INFINITY,
             watch: LowPressureWatch::new(),
             resets: 0,
         })
@@ -110,13 +124,32 @@ impl<T: Real> Estimator<T> {
     ) -> CornerEstimate<T> {
         let engine = &mut self.engine;
         self.intake.push(time_s, speed_m_s, body_accel_m_s2, wheel_accel_m_s2, |sample| engine.step(&sample));
-        let reading = self.engine.reading();
+        let mut reading = self.engine.reading();
         if !(reading.stiffness_n_per_m.is_finite() && reading.stiffness_sd_n_per_m.is_finite())
             && self.kind == EstimatorKind::Informed
         {
             self.reset();
         }
+        if self.kind == EstimatorKind::Informed {
+            let corner = CornerSample { body_accel_m_s2, wheel_accel_m_s2 };
+            (reading.road_m, reading.road_sd_m) = self.follow_road(time_s, &corner, &reading);
+        }
         self.estimate(time_s, &reading)
+    }
+
+    /// Causal road height in m and its sd, for the stiffness believed now.
+    fn follow_road(&mut self, time_s: f64, corner: &CornerSample<T>, reading: &Reading<T>) -> (T, T) {
+        if !(time_s - self.road_told_s < TELL_ROAD_S) {
+            self.road_told_s = time_s;
+            // Refused only outside its range, and then the road keeps what it was told before.
+            let _ = self.road.set_stiffness(reading.stiffness_n_per_m, reading.stiffness_sd_n_per_m);
+        }
+        let road = self.road.update(time_s, corner);
+        if road.validity.is_valid() {
+            (road.road_m, road.road_sd_m)
+        } else {
+            (T::lit(f64::NAN), T::lit(f64::NAN))
+        }
     }
 
     /// Starts again from the corner's initial pressure, as after a tire change. Counted.

@@ -34,7 +34,7 @@ const LEAK_RATES: [(usize, usize, f64); 12] = [
     (0, 2, 0.02),
     (0, 3, 0.01),
     (0, 1, 0.005),
-    (0, 4, 0.005),
+    (0, 4, 0.02),
     (2, 1, 0.3),
     (3, 1, 0.2),
     (1, 0, 0.03),
@@ -51,7 +51,7 @@ const LEVEL_DIFFUSION: [f64; LEVEL_MODES] = [0.01, 0.4, 0.4];
 pub(super) const JUMP_VARIANCE: [f64; 2] = [4.0, 0.01];
 /// Slope: mean, stationary sd, relaxation time in s.
 pub(super) const SLOPE_MEAN: f64 = 2.1;
-pub(super) const SLOPE_SD: f64 = 0.3;
+pub(super) const SLOPE_SD: f64 = 0.25;
 const SLOPE_RELAXATION_S: f64 = 500.0;
 /// Squared enveloping length in (0.1 m)²: sd at the start, and diffusion in 1/√s (a soft tire has a longer patch).
 pub(super) const ENVELOPE_SD: f64 = 2.0;

@@ -35,8 +35,9 @@ use crate::estimate::CornerConfig;
 use crate::intake::GridSample;
 use crate::real::Real;
 
-/// Share of a frame's log-likelihood that counts: frames under a sine window that overlap by half are counted twice.
-const OVERLAP: f64 = 0.5;
+/// Share of a frame's log-likelihood that counts. Frames under a sine window that overlap by half say everything twice;
+/// a little less than half lets the interval cover what the model leaves out.
+const OVERLAP: f64 = 0.45;
 /// Highest frequency used, as a share of the sampling rate.
 const BAND: f64 = 0.25;
 /// Frequency times enveloping length over speed up to which enveloping is a smooth loss.
@@ -183,6 +184,21 @@ impl<T: Real> Informed<T> {
         evidence
     }
 
+    /// What the last frame alone says near a stiffness in N/m: the slope of its log-likelihood and the information of
+    /// frames like it. `None` if it was not used. Frames are tempered, so that what they say may be added up.
+    pub fn score_at(&self, stiffness_n_per_m: T) -> Option<StiffnessScore<T>> {
+        if !(self.gate.open() > T::zero()) {
+            return None;
+        }
+        let per_cell = self.grid.step_kpa() * self.config.tire.stiffness_per_kpa();
+        let lowest = self.config.tire.stiffness_n_per_m(self.grid.pressure_kpa(0));
+        let cell = (stiffness_n_per_m - lowest) / per_cell;
+        let score = self.posterior.score_at(cell) / per_cell;
+        let information = self.posterior.information_at(cell) / (per_cell * per_cell);
+        let at_n_per_m = stiffness_n_per_m;
+        (information > T::zero()).then_some(StiffnessScore { at_n_per_m, score, information })
+    }
+
     /// What is believed now.
     pub fn belief(&self) -> Belief<T> {
         let summary = self.posterior.summary();
@@ -218,4 +234,15 @@ pub struct Belief<T> {
     pub variance_growth: T,
     /// Seconds of full information so far.
     pub learned_s: T,
+}
+
+/// A log-likelihood of the stiffness, by its slope and information at one point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StiffnessScore<T> {
+    /// Where, in N/m.
+    pub at_n_per_m: T,
+    /// First derivative per N/m.
+    pub score: T,
+    /// Information per (N/m)².
+    pub information: T,
 }

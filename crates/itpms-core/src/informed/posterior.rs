@@ -12,6 +12,9 @@ use super::model::{CELLS, Tables};
 use super::road_belief::{ENVELOPE, Evidence, LEVEL, MomentMatch, Road, RoadBelief, SLOPE};
 use crate::real::Real;
 
+/// Share of the newest frame in the smoothed information: a memory of some three seconds.
+const INFORMATION_SMOOTHING: f64 = 0.02;
+
 type Cells<T> = SVector<T, CELLS>;
 
 /// The mean and spread of the pressure, and what the modes say.
@@ -32,6 +35,9 @@ pub(super) struct Posterior<T: Real> {
     weight: [[Cells<T>; LEAK_MODES]; LEVEL_MODES],
     road: [RoadBelief<T>; LEVEL_MODES],
     dynamics: Dynamics<T>,
+    /// What the last frame alone said of each cell, and the smoothed score² of frames: their information.
+    frame_log_likelihood: Cells<T>,
+    information: Cells<T>,
     /// False until the first frame has set the road's level.
     road_known: bool,
 }
@@ -56,6 +62,8 @@ impl<T: Real> Posterior<T> {
             weight,
             road: [road.clone(), road.clone(), road],
             dynamics: Dynamics::new(hop_s),
+            frame_log_likelihood: Cells::zeros(),
+            information: Cells::zeros(),
             road_known: false,
         }
     }
@@ -175,22 +183,48 @@ impl<T: Real> Posterior<T> {
         }
         let mut log_evidence = [Cells::zeros(); LEVEL_MODES];
         let mut largest = T::lit(f64::NEG_INFINITY);
-        for level in 0..LEVEL_MODES {
+        for (roads, log_evidence) in self.road.iter_mut().zip(&mut log_evidence) {
             for cell in 0..CELLS {
-                let prior = self.road[level].get(cell);
-                let (posterior, evidence) = prior.weigh(frame, tables, cell);
-                self.road[level].set(cell, &posterior);
-                log_evidence[level][cell] = evidence;
+                let (fitted, evidence) = roads.get(cell).weigh(frame, tables, cell);
+                roads.set(cell, &fitted);
+                log_evidence[cell] = evidence;
                 largest = largest.max(evidence);
             }
         }
-        for level in 0..LEVEL_MODES {
-            let factor = log_evidence[level].map(|e| (e - largest).exp());
-            for cells in &mut self.weight[level] {
+        let before = self.cells();
+        for (modes, log_evidence) in self.weight.iter_mut().zip(&log_evidence) {
+            let factor = log_evidence.map(|e| (e - largest).exp());
+            for cells in modes {
                 cells.component_mul_assign(&factor);
             }
         }
+        self.remember_frame(&before);
         self.normalise();
+    }
+
+    /// Keeps what this frame said of each cell, whatever was believed before.
+    fn remember_frame(&mut self, before: &Cells<T>) {
+        let tiny = T::lit(1e-30);
+        self.frame_log_likelihood =
+            self.cells().zip_map(before, |after, before| (after.max(tiny) / before.max(tiny)).ln());
+        for cell in 0..CELLS {
+            let score = self.score_at(T::lit(cell as f64));
+            let newest = score * score - self.information[cell];
+            self.information[cell] += T::lit(INFORMATION_SMOOTHING) * newest;
+        }
+    }
+
+    /// Slope of the last frame's log-likelihood per cell, over a few cells around a fractional one.
+    pub(super) fn score_at(&self, cell: T) -> T {
+        let (from, to) = neighbourhood(cell);
+        let distance = T::lit((to - from) as f64);
+        (self.frame_log_likelihood[to] - self.frame_log_likelihood[from]) / distance
+    }
+
+    /// Information per cell² that frames lately carried around a fractional cell: the mean square of their scores.
+    pub(super) fn information_at(&self, cell: T) -> T {
+        let (from, to) = neighbourhood(cell);
+        T::lit(0.5) * (self.information[from] + self.information[to])
     }
 
     /// The first frame sets the level that the road is searched around.
@@ -269,6 +303,12 @@ impl<T: Real> Posterior<T> {
         }
         Summary { mean_cell: mean, variance_cells2: square, moving: (T::one() - still).max(T::zero()) }
     }
+}
+
+/// The cells two below and two above a fractional one, inside the grid.
+fn neighbourhood<T: Real>(cell: T) -> (usize, usize) {
+    let nearest = (cell.to_f64() + 0.5).clamp(2.0, (CELLS - 3) as f64) as usize;
+    (nearest - 2, nearest + 2)
 }
 
 /// Mass moved by a kernel; what leaves the grid is lost.

@@ -100,14 +100,12 @@ impl<T: Real> Road<T> {
     /// Keeps the belief inside its bounds; shrinks rows and columns alike, so that the covariance stays positive.
     pub(super) fn cap(&mut self) {
         self.clamp();
-        for i in 0..PARAMETERS {
-            let (largest, variance) = (T::lit(LARGEST_VARIANCE[i]), self.covariance[(i, i)]);
+        for (i, largest) in LARGEST_VARIANCE.map(T::lit).into_iter().enumerate() {
+            let variance = self.covariance[(i, i)];
             if variance > largest {
                 let shrink = (largest / variance).sqrt();
-                for j in 0..PARAMETERS {
-                    self.covariance[(i, j)] *= shrink;
-                    self.covariance[(j, i)] *= shrink;
-                }
+                self.covariance.row_mut(i).scale_mut(shrink);
+                self.covariance.column_mut(i).scale_mut(shrink);
             }
         }
     }
