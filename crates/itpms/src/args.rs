@@ -2,8 +2,10 @@
 
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValuesParser, TypedValueParser as _};
 use clap::{Parser, Subcommand};
 use clap_complete::Shell;
+use itpms_core::estimator::EstimatorKind;
 
 /// Indirect tire pressure monitoring: tire pressure and road from the accelerations of a car's body and wheels.
 #[derive(Debug, Parser)]
@@ -19,14 +21,69 @@ pub(crate) struct Args {
 const EXAMPLES: &str = "\
 Examples:
   itpms simulate paper-drop --seed 1 -o drive.csv --vehicle-out car.toml
+  itpms estimate drive.csv --vehicle car.toml -o est.csv --report report.html
 
 Exit codes: 0 complete; 2 an input, option or output is unusable (one message says why); 130 interrupted.
 Outputs are written beside their target and renamed when complete: no partial file is ever left.";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
+    Estimate(EstimateArgs),
     Simulate(SimulateArgs),
     Completions(CompletionsArgs),
+}
+
+/// Estimate tire pressures (and the road) from a drive log.
+///
+/// The log needs time_s and, per corner c of fl fr rl rr, {c}_body_accel_m_s2 and {c}_wheel_accel_m_s2; speed_m_s is
+/// worth having. Where {c}_pressure_kpa is there, too, the summary and the report show the errors.
+#[derive(Debug, clap::Args)]
+#[command(after_help = ESTIMATE_EXAMPLES)]
+pub(crate) struct EstimateArgs {
+    /// The drive log: .csv or .parquet.
+    pub(crate) log: PathBuf,
+    /// Masses, springs, dampers and tires of the corners.
+    #[arg(long, value_name = "V.toml")]
+    pub(crate) vehicle: PathBuf,
+    /// Where the pressures go: .csv or .parquet.
+    #[arg(short, long, value_name = "EST")]
+    pub(crate) output: PathBuf,
+    /// Where the road under each wheel goes, at the log's rate: .csv or .parquet.
+    #[arg(long, value_name = "ROAD")]
+    pub(crate) road_out: Option<PathBuf>,
+    /// Where a page about the drive goes: .html, complete in itself.
+    #[arg(long, value_name = "HTML")]
+    pub(crate) report: Option<PathBuf>,
+    /// Which estimator. The two as published are there to be looked at: they cannot find the stiffness.
+    #[arg(long, value_name = "NAME", default_value = EstimatorKind::default().label(), value_parser = estimator_names())]
+    pub(crate) estimator: EstimatorKind,
+    /// Rows per second of the output.
+    #[arg(long, value_name = "HZ", default_value_t = 10.0, value_parser = positive)]
+    pub(crate) rate: f64,
+    /// Take the accelerations as m/s^2 even if they do not look like it.
+    #[arg(long)]
+    pub(crate) trust_units: bool,
+    /// Print the summary as JSON.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+const ESTIMATE_EXAMPLES: &str = "\
+Examples:
+  itpms estimate drive.csv --vehicle car.toml -o est.csv
+  itpms estimate drive.parquet --vehicle car.toml -o est.parquet --road-out road.parquet --report report.html
+  itpms estimate drive.csv --vehicle car.toml -o est.csv --estimator aekf-ui --rate 50 --json";
+
+fn estimator_names() -> impl clap::builder::TypedValueParser<Value = EstimatorKind> {
+    PossibleValuesParser::new(EstimatorKind::ALL.map(EstimatorKind::label))
+        .map(|label| EstimatorKind::from_label(&label).unwrap_or_default())
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("expected a positive, finite number".to_owned()),
+    }
 }
 
 /// Simulate a drive and write its log, with the true pressure and road beside the measurements.

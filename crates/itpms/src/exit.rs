@@ -24,6 +24,9 @@ pub(crate) enum Failure {
     /// Options and inputs that do not go together.
     #[error("{0}")]
     Usage(String),
+    /// The page about the drive.
+    #[error("the report cannot be made: {0}")]
+    Report(std::io::Error),
     /// Somebody pressed Ctrl-C.
     #[error("interrupted, nothing was written")]
     Interrupted,
@@ -33,7 +36,9 @@ impl Failure {
     /// The exit code.
     pub(crate) fn code(&self) -> ExitCode {
         match self {
-            Failure::Data(_) | Failure::Scenario(_) | Failure::Usage(_) => ExitCode::from(2),
+            Failure::Data(_) | Failure::Scenario(_) | Failure::Usage(_) | Failure::Report(_) => {
+                ExitCode::from(2)
+            }
             // 128 and the number of SIGINT, as shells count.
             Failure::Interrupted => ExitCode::from(130),
         }

@@ -29,6 +29,11 @@ impl Screen {
         }
     }
 
+    /// What was repaired or looks odd, but did not stop us.
+    pub(crate) fn warn(&self, line: impl Display) {
+        let _ = writeln!(io::stderr(), "warning: {line}");
+    }
+
     /// The one message a failed command ends with.
     pub(crate) fn error(&self, line: impl Display) {
         let _ = writeln!(io::stderr(), "error: {line}");

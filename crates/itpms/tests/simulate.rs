@@ -39,7 +39,7 @@ fn a_simulated_drive_is_a_log_with_its_truth_and_the_same_for_the_same_seed() {
 #[test]
 fn what_was_written_can_be_asked_for_as_json() {
     let bench = Bench::new();
-    let outcome = bench.run("simulate paper-drop --seed 3 -o d.parquet --json");
+    let outcome = bench.run("simulate paper-drop --seed 3 -o d.csv --json");
     let value: serde_json::Value = serde_json::from_str(outcome.success()).unwrap();
     assert_eq!((value["rows"].as_u64(), value["seed"].as_u64()), (Some(20_000), Some(3)));
     assert_eq!(outcome.stderr, "");
@@ -55,7 +55,7 @@ fn unusable_arguments_end_with_code_2_and_leave_nothing() {
     for (line, message) in [
         ("simulate paper-dorp -o d.csv", "did you mean `paper-drop`?"),
         ("simulate nowhere.toml -o d.csv", "nowhere.toml"),
-        ("simulate paper-drop -o d.xls", "d.xls: unknown file extension .xls, expected .csv or .parquet"),
+        ("simulate paper-drop -o d.xls", "d.xls: unknown file extension .xls, expected .csv"),
         (
             "simulate paper-drop -o missing/d.csv",
             "missing/d.csv: cannot be written: the directory missing does not exist",
@@ -91,7 +91,7 @@ fn a_full_disk_is_an_error() {
 #[cfg(unix)]
 #[test]
 fn an_interrupted_run_leaves_nothing() {
-    for (signal, output) in [("INT", "d.csv"), ("TERM", "d.parquet")] {
+    for (signal, output) in [("INT", "d.csv"), ("TERM", "e.csv")] {
         let bench = Bench::new();
         bench.write("long.toml", LONG);
         let child = bench.start(&format!("simulate long.toml -o {output}"), output);

@@ -1,4 +1,8 @@
 //! One file per command. A command reads its inputs, writes its outputs and says in a few lines what it found.
 
 pub(crate) mod completions;
+pub(crate) mod estimate;
 pub(crate) mod simulate;
+
+/// Rows between two looks at the interrupt flag and the progress bar.
+const ROWS_PER_LOOK: u64 = 1024;

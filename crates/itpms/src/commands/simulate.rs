@@ -10,13 +10,11 @@ use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::{SimRow, Simulation};
 use serde_json::json;
 
+use super::ROWS_PER_LOOK;
 use crate::args::SimulateArgs;
 use crate::exit::Failure;
 use crate::interrupt::Interrupt;
 use crate::screen::Screen;
-
-/// Rows between two looks at the interrupt flag and the progress bar.
-const ROWS_PER_LOOK: u64 = 1024;
 
 pub(crate) fn run(args: &SimulateArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
     let mut scenario = Scenario::load(&args.scenario)?;

@@ -72,6 +72,25 @@ impl Bench {
         outcome(self.command(line.split_whitespace()))
     }
 
+    /// The paper's drive and its vehicle: `drive.csv` and `car.toml`.
+    pub(crate) fn with_drive() -> Self {
+        let bench = Self::new();
+        bench.run("simulate paper-drop --seed 3 -o drive.csv --vehicle-out car.toml").success();
+        bench
+    }
+
+    /// Rewrites `drive.csv`: `edit` gets the number of each line (the header is 1) and its cells.
+    pub(crate) fn edit_drive(&self, edit: impl Fn(usize, &mut Vec<String>)) {
+        let mut out = String::new();
+        for (i, line) in self.read("drive.csv").lines().enumerate() {
+            let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+            edit(i + 1, &mut cells);
+            out += &cells.join(",");
+            out.push('\n');
+        }
+        self.write("drive.csv", out);
+    }
+
     /// Starts `itpms` with these words and waits until it has begun to write beside `output`.
     pub(crate) fn start(&self, line: &str, output: &str) -> Child {
         let mut command = self.command(line.split_whitespace());
@@ -80,13 +99,13 @@ impl Bench {
             let prefix = format!(".{output}.");
             bench.names().into_iter().find(|name| name.starts_with(&prefix))
         };
-        for _ in 0..600 {
+        for _ in 0..6000 {
             if let Some(name) = begun(self)
                 && fs::metadata(self.path(&name)).is_ok_and(|m| m.len() > 0)
             {
                 return child;
             }
-            std::thread::sleep(std::time::Duration::from_millis(50));
+            std::thread::sleep(std::time::Duration::from_millis(5));
         }
         child.kill().unwrap();
         child.wait().unwrap();

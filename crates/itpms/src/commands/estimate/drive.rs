@@ -1,0 +1,48 @@
+//! The estimators of a drive, one per corner, side by side.
+
+use itpms_core::estimate::CornerEstimate;
+use itpms_core::estimator::{Estimator, EstimatorKind};
+use itpms_core::sample::Corner;
+use itpms_data::{LogRow, Vehicle};
+
+use crate::exit::Failure;
+
+/// What is known after a row, in the order of [`Corner::ALL`].
+pub(super) type Estimates = [Option<CornerEstimate<f64>>; 4];
+
+/// The running estimators.
+pub(super) struct Drive {
+    estimators: [Option<Estimator<f64>>; 4],
+}
+
+impl Drive {
+    pub(super) fn new(
+        kind: EstimatorKind,
+        vehicle: &Vehicle,
+        corners: &[Corner],
+        sample_rate_hz: f64,
+    ) -> Result<Self, Failure> {
+        let mut estimators = [const { None }; 4];
+        for corner in corners {
+            if let Some(config) = vehicle.corner(*corner) {
+                let estimator = Estimator::new(kind, config, sample_rate_hz)
+                    .map_err(|error| Failure::Usage(format!("corner {}: {error}", corner.label())))?;
+                estimators[corner.index()] = Some(estimator);
+            }
+        }
+        Ok(Self { estimators })
+    }
+
+    pub(super) fn update(&mut self, row: &LogRow) -> Estimates {
+        let mut estimates = [None; 4];
+        for ((estimate, estimator), corner) in
+            estimates.iter_mut().zip(&mut self.estimators).zip(&row.corners)
+        {
+            if let (Some(estimator), Some(c)) = (estimator, corner) {
+                *estimate =
+                    Some(estimator.update(row.time_s, row.speed_m_s, c.body_accel_m_s2, c.wheel_accel_m_s2));
+            }
+        }
+        estimates
+    }
+}

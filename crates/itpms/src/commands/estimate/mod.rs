@@ -1,0 +1,107 @@
+//! `itpms estimate`: a drive log and a vehicle in, pressures, road and report out.
+//!
+//! | room | idea |
+//! |---|---|
+//! | `drive` | the estimators of the corners, side by side |
+//! | `rate` | which rows of the log become rows of the output |
+//! | `road` | the road record, late but smooth |
+//! | `outputs` | the files that are written |
+//! | `summary` | what is said at the end |
+
+mod drive;
+mod outputs;
+mod rate;
+mod road;
+mod summary;
+
+use itpms_core::estimator::EstimatorKind;
+use itpms_core::sample::Corner;
+use itpms_data::log::UnitCheck;
+use itpms_data::{LogReader, Vehicle};
+
+use super::ROWS_PER_LOOK;
+use crate::args::EstimateArgs;
+use crate::exit::Failure;
+use crate::interrupt::Interrupt;
+use crate::screen::Screen;
+use drive::Drive;
+use outputs::Outputs;
+
+/// Rates in Hz for which the estimators are made.
+const USUAL_RATES_HZ: std::ops::RangeInclusive<f64> = 99.0..=2020.0;
+
+pub(crate) fn run(args: &EstimateArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
+    outputs::check_names(args)?;
+    let vehicle = Vehicle::read(&args.vehicle)?;
+    let units = if args.trust_units { UnitCheck::Trusting } else { UnitCheck::Suspicious };
+    let mut log = LogReader::open_with(&args.log, units)?;
+    let corners = common_corners(&log, &vehicle)?;
+    let mut drive = Drive::new(args.estimator, &vehicle, &corners, log.survey().sample_rate_hz)?;
+    let mut outputs = Outputs::create(args, &vehicle, &corners, log.survey().sample_rate_hz)?;
+
+    let progress = screen.progress("estimating");
+    let mut count = 0u64;
+    while let Some(row) = log.next_row()? {
+        if count.is_multiple_of(ROWS_PER_LOOK) {
+            interrupt.check()?;
+            progress.set(log.progress());
+        }
+        count += 1;
+        outputs.take(&row, &drive.update(&row))?;
+    }
+    drop(progress);
+    interrupt.check()?;
+
+    let data = outputs.complete(args, &vehicle, &log)?;
+    remarks(args, screen, &log, &vehicle);
+    summary::print(args, screen, &log, &data);
+    Ok(())
+}
+
+/// The corners that the log has measured and the vehicle file describes.
+fn common_corners(log: &LogReader, vehicle: &Vehicle) -> Result<Vec<Corner>, Failure> {
+    let measured = log.columns().present();
+    let common: Vec<Corner> = measured.iter().copied().filter(|c| vehicle.corner(*c).is_some()).collect();
+    if common.is_empty() {
+        let described = Corner::ALL.into_iter().filter(|c| vehicle.corner(*c).is_some()).collect::<Vec<_>>();
+        return Err(Failure::Usage(format!(
+            "{} has the corners {}, but the vehicle {:?} describes {}",
+            log.path().display(),
+            labels(&measured),
+            vehicle.name,
+            labels(&described)
+        )));
+    }
+    Ok(common)
+}
+
+fn labels(corners: &[Corner]) -> String {
+    corners.iter().map(|corner| corner.label()).collect::<Vec<_>>().join(" ")
+}
+
+/// What was repaired, and what a person should know before believing the result.
+fn remarks(args: &EstimateArgs, screen: &Screen, log: &LogReader, vehicle: &Vehicle) {
+    let path = log.path().display();
+    for warning in log.repairs().warnings() {
+        screen.warn(format!("{path}: {warning}"));
+    }
+    for corner in log.columns().present() {
+        if vehicle.corner(corner).is_none() {
+            let label = corner.label();
+            screen.warn(format!("{path}: corner {label} is not in the vehicle file and was not estimated"));
+        }
+    }
+    let rate = log.survey().sample_rate_hz;
+    if !USUAL_RATES_HZ.contains(&rate) {
+        screen.warn(format!("{path}: sampled at {rate:.1} Hz, expected 100 Hz to 2 kHz: less accurate"));
+    }
+    if !log.columns().speed {
+        screen.remark(format!("{path}: no speed_m_s, so no distance and no roughness"));
+    }
+    if matches!(args.estimator, EstimatorKind::AekfUi | EstimatorKind::EkfUi) {
+        screen.warn(format!(
+            "{} as published cannot find the stiffness: its pressure says nothing about the tire",
+            args.estimator.label()
+        ));
+    }
+}

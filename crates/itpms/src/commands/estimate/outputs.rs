@@ -1,0 +1,160 @@
+//! The files a drive leaves: pressures as they are known, road and report half a minute later, all of them renamed
+//! to their names at the very end or none.
+
+use std::fs;
+use std::path::Path;
+
+use itpms_core::sample::Corner;
+use itpms_data::out::{AtomicFile, EstimateWriter, RoadPoint, RoadWriter};
+use itpms_data::{LogReader, LogRow, Vehicle};
+use itpms_study::report::{self, CornerRow, Provenance, ReportCollector, ReportData, ReportOptions};
+
+use super::drive::Estimates;
+use super::rate::RateGate;
+use super::road::RoadTrack;
+use crate::args::EstimateArgs;
+use crate::exit::Failure;
+
+/// Refuses an output that is one of the inputs, or two outputs of one name.
+pub(super) fn check_names(args: &EstimateArgs) -> Result<(), Failure> {
+    let outputs: Vec<&Path> = [Some(&args.output), args.road_out.as_ref(), args.report.as_ref()]
+        .into_iter()
+        .flatten()
+        .map(AsRef::as_ref)
+        .collect();
+    let same = |a: &Path, b: &Path| match (fs::canonicalize(a), fs::canonicalize(b)) {
+        (Ok(a_real), Ok(b_real)) => a_real == b_real && a_real.is_file(),
+        _ => a == b,
+    };
+    for (i, output) in outputs.iter().enumerate() {
+        let name = output.display();
+        for (input, what) in [(&args.log, "the drive log"), (&args.vehicle, "the vehicle file")] {
+            if same(output, input) {
+                return Err(Failure::Usage(format!(
+                    "{name}: is {what} itself, expected another name to write to"
+                )));
+            }
+        }
+        if outputs[..i].iter().any(|other| same(output, other)) {
+            return Err(Failure::Usage(format!(
+                "{name}: is given for two outputs, expected a name for each"
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// The files in the making.
+pub(super) struct Outputs {
+    estimates: EstimateWriter,
+    gate: RateGate,
+    track: Option<RoadTrack>,
+    road: Option<RoadWriter>,
+    page: Option<AtomicFile>,
+    collector: ReportCollector,
+}
+
+impl Outputs {
+    /// Starts all files, so that one that cannot be written is known before the work begins.
+    pub(super) fn create(
+        args: &EstimateArgs,
+        vehicle: &Vehicle,
+        corners: &[Corner],
+        sample_rate_hz: f64,
+    ) -> Result<Self, Failure> {
+        let road_wanted = args.road_out.is_some() || args.report.is_some();
+        let mut configs = vehicle.corners;
+        for corner in Corner::ALL {
+            if !corners.contains(&corner) {
+                configs[corner.index()] = None;
+            }
+        }
+        Ok(Self {
+            estimates: EstimateWriter::create(&args.output, corners)?,
+            gate: RateGate::new(args.rate),
+            road: args.road_out.as_ref().map(|path| RoadWriter::create(path, corners)).transpose()?,
+            page: args.report.as_ref().map(|path| AtomicFile::create(path)).transpose()?,
+            track: road_wanted.then(|| RoadTrack::new(vehicle, corners, sample_rate_hz)).transpose()?,
+            collector: ReportCollector::new(&configs, ReportOptions::default()),
+        })
+    }
+
+    /// Takes a row of the log and what was estimated after it.
+    pub(super) fn take(&mut self, row: &LogRow, estimates: &Estimates) -> Result<(), Failure> {
+        if self.gate.lets_through(row.time_s) {
+            self.estimates.write(row.time_s, estimates)?;
+        }
+        match &mut self.track {
+            None => self.collector.push(row.time_s, row.speed_m_s, &with_truth(row, estimates)),
+            Some(track) => {
+                track.push(row, estimates);
+                self.write_late()?;
+            }
+        }
+        Ok(())
+    }
+
+    fn write_late(&mut self) -> Result<(), Failure> {
+        let Some(track) = &mut self.track else { return Ok(()) };
+        while let Some(late) = track.pop() {
+            if let Some(road) = &mut self.road {
+                let point = |e: &itpms_core::estimate::CornerEstimate<f64>| RoadPoint {
+                    road_m: e.road_m,
+                    road_sd_m: e.road_sd_m,
+                };
+                let points = late.estimates.map(|estimate| estimate.as_ref().map(point));
+                road.write(late.row.time_s, late.distance_m, &points)?;
+            }
+            let rows = with_truth(&late.row, &late.estimates);
+            self.collector.push(late.row.time_s, late.row.speed_m_s, &rows);
+        }
+        Ok(())
+    }
+
+    /// Completes all files and gives them their names.
+    pub(super) fn complete(
+        mut self,
+        args: &EstimateArgs,
+        vehicle: &Vehicle,
+        log: &LogReader,
+    ) -> Result<ReportData, Failure> {
+        if let Some(track) = &mut self.track {
+            track.finish();
+        }
+        self.write_late()?;
+        let data = self.collector.finish(provenance(args, vehicle, log));
+        let mut files = vec![self.estimates.finish()?];
+        if let Some(road) = self.road {
+            files.push(road.finish()?);
+        }
+        if let Some(mut page) = self.page {
+            page.append(report::render_report(&data).map_err(Failure::Report)?.as_bytes())?;
+            page.settle()?;
+            files.push(page);
+        }
+        for file in files {
+            file.commit()?;
+        }
+        Ok(data)
+    }
+}
+
+fn with_truth(row: &LogRow, estimates: &Estimates) -> [Option<CornerRow>; 4] {
+    Corner::ALL.map(|corner| {
+        let (estimate, logged) = (estimates[corner.index()]?, row.corners[corner.index()]?);
+        Some(CornerRow { estimate, truth_kpa: logged.pressure_kpa, truth_road_m: logged.road_m })
+    })
+}
+
+fn provenance(args: &EstimateArgs, vehicle: &Vehicle, log: &LogReader) -> Provenance {
+    Provenance {
+        program: format!("itpms {}", env!("CARGO_PKG_VERSION")),
+        source: args.log.display().to_string(),
+        vehicle: vehicle.name.clone(),
+        estimator: args.estimator.label().to_owned(),
+        // The same input gives the same page, byte by byte: no date.
+        created: String::new(),
+        options: vec![("rate".to_owned(), format!("{} Hz", args.rate))],
+        repairs: log.repairs().counts().into_iter().map(|(what, count)| (what.to_owned(), count)).collect(),
+    }
+}

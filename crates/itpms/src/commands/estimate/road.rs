@@ -1,0 +1,128 @@
+//! The road under every wheel: each row's height comes half a minute late, when what followed has been seen.
+//!
+//! Memory is that half minute of rows, whatever the length of the drive.
+
+use std::collections::VecDeque;
+
+use itpms_core::quarter_car::ParameterError;
+use itpms_core::road::{RoadConfig, RoadPoint, RoadRecorder, RoadRow, Segment, window_for};
+use itpms_core::sample::Corner;
+use itpms_data::{LogRow, Vehicle};
+
+use super::drive::Estimates;
+use crate::exit::Failure;
+
+/// How far the smoother looks ahead; more changes nothing worth having at any speed.
+const LOOKAHEAD_S: f64 = 30.0;
+/// Seconds between two words to the recorders about the stiffness: each costs them some work.
+const TELL_S: f64 = 0.1;
+/// Accelerometer noise in m/s² where the vehicle file does not say.
+const USUAL_NOISE_M_S2: f64 = 0.05;
+
+type Recorder = RoadRecorder<f64, Vec<RoadRow<f64>>, Vec<Segment<f64>>>;
+
+/// A row with everything that is known of it once its road is there.
+#[derive(Debug, Clone)]
+pub(super) struct LateRow {
+    pub(super) row: LogRow,
+    /// The distance in m driven so far; NaN while the speed was never known.
+    pub(super) distance_m: f64,
+    /// As they were at the row's time, but for the road.
+    pub(super) estimates: Estimates,
+}
+
+/// The recorders of all corners, and the rows that wait for them.
+pub(super) struct RoadTrack {
+    recorders: [Option<(Recorder, VecDeque<RoadPoint<f64>>)>; 4],
+    waiting: VecDeque<LateRow>,
+    distance_m: f64,
+    last: Option<(f64, f64)>,
+    told_s: f64,
+}
+
+impl RoadTrack {
+    pub(super) fn new(vehicle: &Vehicle, corners: &[Corner], rate_hz: f64) -> Result<Self, Failure> {
+        let (rows, segments) = window_for(rate_hz, LOOKAHEAD_S);
+        let mut recorders = [const { None }; 4];
+        for corner in corners {
+            let Some(config) = vehicle.corner(*corner) else { continue };
+            let fail = |error: ParameterError| Failure::Usage(format!("corner {}: {error}", corner.label()));
+            let noise = config.accel_noise_m_s2.unwrap_or(USUAL_NOISE_M_S2);
+            let road = RoadConfig::new(config.quarter_car, config.initial_stiffness_n_per_m(), noise)
+                .map_err(fail)?;
+            let (rows, segments) = (vec![RoadRow::default(); rows], vec![Segment::default(); segments]);
+            let recorder = RoadRecorder::new(&road, rows, segments)
+                .map_err(|error| Failure::Usage(error.to_string()))?;
+            recorders[corner.index()] = Some((recorder, VecDeque::new()));
+        }
+        Ok(Self {
+            recorders,
+            waiting: VecDeque::new(),
+            distance_m: f64::NAN,
+            last: None,
+            told_s: f64::NEG_INFINITY,
+        })
+    }
+
+    /// Takes a row of the log and what was estimated after it.
+    pub(super) fn push(&mut self, row: &LogRow, estimates: &Estimates) {
+        self.advance(row);
+        let tell = row.time_s - self.told_s >= TELL_S;
+        if tell {
+            self.told_s = row.time_s;
+        }
+        for corner in Corner::ALL {
+            let i = corner.index();
+            let (Some((recorder, points)), Some(sample)) = (&mut self.recorders[i], &row.corners[i]) else {
+                continue;
+            };
+            if let Some(estimate) = estimates[i].filter(|_| tell) {
+                // A filter that has diverged has no stiffness to give; then the last good one stays.
+                let _ = recorder
+                    .filter_mut()
+                    .set_stiffness(estimate.stiffness_n_per_m, estimate.stiffness_sd_n_per_m);
+            }
+            recorder.push(row.time_s, &sample.sample(), |point| points.push_back(point));
+        }
+        self.waiting.push_back(LateRow { row: *row, distance_m: self.distance_m, estimates: *estimates });
+    }
+
+    /// The drive is over: nothing has to wait any more.
+    pub(super) fn finish(&mut self) {
+        for (recorder, points) in self.recorders.iter_mut().flatten() {
+            recorder.finish(|point| points.push_back(point));
+        }
+    }
+
+    /// The next row whose road is there at all corners.
+    pub(super) fn pop(&mut self) -> Option<LateRow> {
+        if self.recorders.iter().flatten().any(|(_, points)| points.is_empty()) {
+            return None;
+        }
+        let mut late = self.waiting.pop_front()?;
+        for (estimate, recorder) in late.estimates.iter_mut().zip(&mut self.recorders) {
+            let point = recorder.as_mut().and_then(|(_, points)| points.pop_front());
+            if let (Some(estimate), Some(point)) = (estimate, point) {
+                (estimate.road_m, estimate.road_sd_m) = (point.road_m, point.road_sd_m);
+            }
+        }
+        Some(late)
+    }
+
+    /// The distance by the trapezoidal rule; where the speed is missing, by the last known one.
+    fn advance(&mut self, row: &LogRow) {
+        let known = row.speed_m_s.is_finite();
+        match self.last {
+            Some((time_s, speed)) => {
+                let now = if known { row.speed_m_s } else { speed };
+                self.distance_m += 0.5 * (speed + now) * (row.time_s - time_s);
+                self.last = Some((row.time_s, now));
+            }
+            None if known => {
+                self.distance_m = 0.0;
+                self.last = Some((row.time_s, row.speed_m_s));
+            }
+            None => {}
+        }
+    }
+}
