@@ -10,11 +10,13 @@
 //! | `reconstruct` | per sample: the signals that the road velocity is made of |
 //! | `frame` | short spectra of them |
 //! | `gate` | how much of a frame to believe |
+//! | `body` | load and damping identified on the way |
 //! | `model` | what they should look like for every stiffness |
 //! | `dynamics` | how pressure and road may change |
 //! | `road_belief` | level, slope and enveloping of the road under one hypothesis |
 //! | `posterior` | the belief, moved on and weighed |
 
+mod body;
 mod dynamics;
 mod frame;
 mod gate;
@@ -23,6 +25,7 @@ mod posterior;
 mod reconstruct;
 mod road_belief;
 
+use self::body::BodyIdentification;
 use self::frame::{BINS, Frame, FrameClock};
 use self::gate::Gate;
 use self::model::{Body, Grid, Tables};
@@ -33,6 +36,7 @@ use self::reconstruct::{
 use self::road_belief::Evidence;
 use crate::estimate::CornerConfig;
 use crate::intake::GridSample;
+use crate::quarter_car::QuarterCar;
 use crate::real::Real;
 
 /// Share of a frame's log-likelihood that counts. Frames under a sine window that overlap by half say everything twice;
@@ -55,7 +59,7 @@ const INITIAL_SD_KPA: f64 = 30.0;
 pub struct Informed<T: Real> {
     config: CornerConfig<T>,
     grid: Grid<T>,
-    body: Body<T>,
+    body: BodyIdentification<T>,
     tables: Tables<T>,
     reconstruction: Reconstruction<T>,
     clock: FrameClock<T>,
@@ -92,7 +96,7 @@ impl<T: Real> Informed<T> {
         Self {
             config: *config,
             grid,
-            body,
+            body: BodyIdentification::new(body),
             tables,
             reconstruction: Reconstruction::new(grid_period_s),
             clock,
@@ -146,9 +150,12 @@ impl<T: Real> Informed<T> {
         self.variance_growth = (after / before.max(T::lit(1e-3))).max(T::one());
         if evidence.weight > T::zero() {
             self.posterior.update(&evidence, &self.tables);
-            self.learned_s += self.gate.open() * T::lit(self.clock.hop_s());
+            let seconds = self.gate.open() * T::lit(self.clock.hop_s());
+            self.learned_s += seconds;
+            let spacing = T::lit(self.clock.bin_spacing_hz());
+            self.body.learn(frame, spacing, self.noise_density, evidence.weight, seconds);
         }
-        self.tables.refresh_next(&self.body);
+        self.tables.refresh_next(&self.body.body());
     }
 
     /// `|V|² = |U_1|² + 2 θ Re(U_1 U_2*) + θ² |U_2|²` with `U_2 = m_w J + c_s A + k_s V`.
@@ -156,10 +163,11 @@ impl<T: Real> Informed<T> {
         let speed = if speed_m_s > T::lit(STANDING_M_S) { speed_m_s } else { T::lit(15.0) };
         let reach = T::lit(ENVELOPE_REACH) * speed / (T::lit(self.clock.bin_spacing_hz()) * envelope_m);
         let bins = (reach.to_f64() as usize).clamp(4, self.bins);
+        let body = self.body.body();
         let parts = [
-            (WHEEL_JERK, self.body.unsprung_mass_kg),
-            (RELATIVE_ACCELERATION, self.body.damping_n_s_per_m),
-            (RELATIVE_VELOCITY, self.body.spring_n_per_m),
+            (WHEEL_JERK, body.unsprung_mass_kg),
+            (RELATIVE_ACCELERATION, body.damping_n_s_per_m),
+            (RELATIVE_VELOCITY, body.spring_n_per_m),
         ];
         let mut evidence = Evidence {
             a: [T::zero(); BINS],
@@ -182,6 +190,19 @@ impl<T: Real> Informed<T> {
             }
         }
         evidence
+    }
+
+    /// The car as it seems to be now: sprung mass, damping and spring identified from the relation between body and
+    /// wheel, which does not contain the tire; the unsprung mass as configured.
+    pub fn quarter_car(&self) -> QuarterCar<T> {
+        let body = self.body.body();
+        QuarterCar::new(
+            body.sprung_mass_kg,
+            body.unsprung_mass_kg,
+            body.damping_n_s_per_m,
+            body.spring_n_per_m,
+        )
+        .unwrap_or(self.config.quarter_car)
     }
 
     /// What the last frame alone says near a stiffness in N/m: the slope of its log-likelihood and the information of
