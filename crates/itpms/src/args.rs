@@ -20,6 +20,7 @@ pub(crate) struct Args {
 
 const EXAMPLES: &str = "\
 Examples:
+  itpms demo
   itpms simulate paper-drop --seed 1 -o drive.csv --vehicle-out car.toml
   itpms estimate drive.csv --vehicle car.toml -o est.csv --report report.html
 
@@ -28,9 +29,22 @@ Outputs are written beside their target and renamed when complete: no partial fi
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
+    Demo(DemoArgs),
     Estimate(EstimateArgs),
     Simulate(SimulateArgs),
     Completions(CompletionsArgs),
+}
+
+/// Simulate a drive with a puncture, estimate it, and write the report: the quickest way to see what this is.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example: itpms demo --out /tmp/demo")]
+pub(crate) struct DemoArgs {
+    /// Where the drive, the estimate and the report go.
+    #[arg(long, value_name = "DIR", default_value = "itpms-demo")]
+    pub(crate) out: PathBuf,
+    /// Seed of the drive.
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub(crate) seed: u64,
 }
 
 /// Estimate tire pressures (and the road) from a drive log.

@@ -6,6 +6,8 @@
 //! | 2 | an input, an option or an output is unusable; the message says which and why |
 //! | 130 | interrupted; nothing was left behind |
 
+use std::io;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use itpms_data::DataError;
@@ -21,12 +23,15 @@ pub(crate) enum Failure {
     /// A scenario.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
+    /// The directory for several outputs.
+    #[error("{}: cannot be written: {}", .0.display(), .1)]
+    Directory(PathBuf, io::Error),
     /// Options and inputs that do not go together.
     #[error("{0}")]
     Usage(String),
     /// The page about the drive.
     #[error("the report cannot be made: {0}")]
-    Report(std::io::Error),
+    Report(io::Error),
     /// Somebody pressed Ctrl-C.
     #[error("interrupted, nothing was written")]
     Interrupted,
@@ -36,9 +41,11 @@ impl Failure {
     /// The exit code.
     pub(crate) fn code(&self) -> ExitCode {
         match self {
-            Failure::Data(_) | Failure::Scenario(_) | Failure::Usage(_) | Failure::Report(_) => {
-                ExitCode::from(2)
-            }
+            Failure::Data(_)
+            | Failure::Scenario(_)
+            | Failure::Directory(..)
+            | Failure::Usage(_)
+            | Failure::Report(_) => ExitCode::from(2),
             // 128 and the number of SIGINT, as shells count.
             Failure::Interrupted => ExitCode::from(130),
         }

@@ -29,6 +29,7 @@ fn main() -> ExitCode {
     let args = Args::parse();
     let screen = Screen::new(args.quiet);
     let result = Interrupt::install().and_then(|interrupt| match &args.command {
+        Command::Demo(args) => commands::demo::run(args, &screen, &interrupt),
         Command::Estimate(args) => commands::estimate::run(args, &screen, &interrupt),
         Command::Simulate(args) => commands::simulate::run(args, &screen, &interrupt),
         Command::Completions(args) => commands::completions::run(args),

@@ -21,11 +21,37 @@ pub(crate) fn run(args: &SimulateArgs, screen: &Screen, interrupt: &Interrupt) -
     if let Some(path) = &args.vehicle {
         take_vehicle(&mut scenario, &Vehicle::read(path)?)?;
     }
-    let simulation = Simulation::new(&scenario, args.seed)?;
-    let rows = scenario.rows();
     let columns = columns(&scenario, args.no_truth);
-    let mut log = LogWriter::create(&args.output, columns)?;
-    let vehicle_file = args.vehicle_out.as_ref().map(|path| written_vehicle(path, &scenario)).transpose()?;
+    write(&scenario, args.seed, columns, &args.output, args.vehicle_out.as_deref(), screen, interrupt)?;
+    report(args, screen, &scenario);
+    Ok(())
+}
+
+/// Drives a scenario into a log with its truth, and writes the vehicle file that belongs to it.
+pub(crate) fn write_drive(
+    scenario: &Scenario,
+    seed: u64,
+    log: &Path,
+    vehicle: Option<&Path>,
+    screen: &Screen,
+    interrupt: &Interrupt,
+) -> Result<(), Failure> {
+    write(scenario, seed, columns(scenario, false), log, vehicle, screen, interrupt)
+}
+
+fn write(
+    scenario: &Scenario,
+    seed: u64,
+    columns: LogColumns,
+    log: &Path,
+    vehicle: Option<&Path>,
+    screen: &Screen,
+    interrupt: &Interrupt,
+) -> Result<(), Failure> {
+    let simulation = Simulation::new(scenario, seed)?;
+    let rows = scenario.rows();
+    let mut log = LogWriter::create(log, columns)?;
+    let vehicle_file = vehicle.map(|path| written_vehicle(path, scenario)).transpose()?;
 
     let progress = screen.progress(&format!("simulating {}", scenario.name));
     for (row, count) in simulation.zip(0u64..) {
@@ -42,7 +68,6 @@ pub(crate) fn run(args: &SimulateArgs, screen: &Screen, interrupt: &Interrupt) -
     for file in [Some(log), vehicle_file].into_iter().flatten() {
         file.commit()?;
     }
-    report(args, screen, &scenario);
     Ok(())
 }
 
@@ -52,7 +77,7 @@ fn columns(scenario: &Scenario, no_truth: bool) -> LogColumns {
 }
 
 /// A simulated row as a log holds it. The road's truth is the profile under the axle.
-pub(crate) fn log_row(row: &SimRow) -> LogRow {
+fn log_row(row: &SimRow) -> LogRow {
     LogRow {
         time_s: row.time_s,
         speed_m_s: row.speed_m_s,
@@ -96,7 +121,7 @@ fn written_vehicle(path: &Path, scenario: &Scenario) -> Result<AtomicFile, Failu
 }
 
 /// What an estimator is to be told about the scenario's vehicle.
-pub(crate) fn vehicle_of(scenario: &Scenario) -> Result<Vehicle, Failure> {
+fn vehicle_of(scenario: &Scenario) -> Result<Vehicle, Failure> {
     let mut corners = [None; 4];
     for (corner, _) in scenario.corner.iter() {
         corners[corner.index()] = Some(scenario.corner_config(corner)?);

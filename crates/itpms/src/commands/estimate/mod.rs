@@ -18,6 +18,7 @@ use itpms_core::estimator::EstimatorKind;
 use itpms_core::sample::Corner;
 use itpms_data::log::UnitCheck;
 use itpms_data::{LogReader, Vehicle};
+use itpms_study::report::ReportData;
 
 use super::ROWS_PER_LOOK;
 use crate::args::EstimateArgs;
@@ -26,11 +27,23 @@ use crate::interrupt::Interrupt;
 use crate::screen::Screen;
 use drive::Drive;
 use outputs::Outputs;
+pub(crate) use summary::print_corners;
 
 /// Rates in Hz for which the estimators are made.
 const USUAL_RATES_HZ: std::ops::RangeInclusive<f64> = 99.0..=2020.0;
 
 pub(crate) fn run(args: &EstimateArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
+    let (log, data) = perform(args, screen, interrupt)?;
+    summary::print(args, screen, &log, &data);
+    Ok(())
+}
+
+/// Everything but the summary.
+pub(crate) fn perform(
+    args: &EstimateArgs,
+    screen: &Screen,
+    interrupt: &Interrupt,
+) -> Result<(LogReader, ReportData), Failure> {
     outputs::check_names(args)?;
     let vehicle = Vehicle::read(&args.vehicle)?;
     let units = if args.trust_units { UnitCheck::Trusting } else { UnitCheck::Suspicious };
@@ -54,8 +67,7 @@ pub(crate) fn run(args: &EstimateArgs, screen: &Screen, interrupt: &Interrupt) -
 
     let data = outputs.complete(args, &vehicle, &log)?;
     remarks(args, screen, &log, &vehicle);
-    summary::print(args, screen, &log, &data);
-    Ok(())
+    Ok((log, data))
 }
 
 /// The corners that the log has measured and the vehicle file describes.

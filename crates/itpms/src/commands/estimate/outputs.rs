@@ -149,7 +149,7 @@ fn with_truth(row: &LogRow, estimates: &Estimates) -> [Option<CornerRow>; 4] {
 fn provenance(args: &EstimateArgs, vehicle: &Vehicle, log: &LogReader) -> Provenance {
     Provenance {
         program: format!("itpms {}", env!("CARGO_PKG_VERSION")),
-        source: args.log.display().to_string(),
+        source: args.log.file_name().unwrap_or_default().to_string_lossy().into_owned(),
         vehicle: vehicle.name.clone(),
         estimator: args.estimator.label().to_owned(),
         // The same input gives the same page, byte by byte: no date.

@@ -23,6 +23,11 @@ pub(super) fn print(args: &EstimateArgs, screen: &Screen, log: &LogReader, data:
         drive.rate_hz,
         args.estimator.label()
     ));
+    print_corners(screen, data);
+}
+
+/// A line per corner.
+pub(crate) fn print_corners(screen: &Screen, data: &ReportData) {
     for corner in &data.corners {
         screen.print(corner_line(corner));
     }

@@ -1,0 +1,89 @@
+//! `itpms demo`: a drive with a puncture, simulated and estimated, so that a person sees in seconds what this is.
+//!
+//! Nothing of its own: `itpms simulate` and `itpms estimate` one after the other, in a directory that gets its name
+//! when both are done.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use itpms_core::estimator::EstimatorKind;
+use itpms_sim::scenario::Scenario;
+
+use super::{estimate, simulate};
+use crate::args::{DemoArgs, EstimateArgs};
+use crate::exit::Failure;
+use crate::interrupt::Interrupt;
+use crate::screen::Screen;
+
+const SCENARIO: &str = include_str!("demo.toml");
+
+pub(crate) fn run(args: &DemoArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
+    let workshop = Workshop::open(&args.out)?;
+    let at = |name: &str| workshop.path.join(name);
+    let scenario = Scenario::from_toml(SCENARIO, "demo.toml")?;
+    simulate::write_drive(&scenario, args.seed, &at("drive.csv"), Some(&at("car.toml")), screen, interrupt)?;
+    let estimate_args = EstimateArgs {
+        log: at("drive.csv"),
+        vehicle: at("car.toml"),
+        output: at("est.csv"),
+        road_out: Some(at("road.csv")),
+        report: Some(at("report.html")),
+        estimator: EstimatorKind::default(),
+        rate: 10.0,
+        trust_units: false,
+        json: false,
+    };
+    let (_, data) = estimate::perform(&estimate_args, screen, interrupt)?;
+    workshop.hand_over()?;
+
+    screen.print(&scenario.description);
+    estimate::print_corners(screen, &data);
+    screen.print(format!("See {} for the whole story.", args.out.join("report.html").display()));
+    Ok(())
+}
+
+/// A directory under a temporary name beside the one it will become.
+struct Workshop {
+    path: PathBuf,
+    target: PathBuf,
+}
+
+impl Workshop {
+    fn open(target: &Path) -> Result<Self, Failure> {
+        let fail = |error: io::Error| Failure::Directory(target.to_owned(), error);
+        if target.exists() && !target.is_dir() {
+            return Err(fail(io::Error::new(
+                io::ErrorKind::NotADirectory,
+                "it is a file, expected a directory",
+            )));
+        }
+        let parent = match target.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent,
+            _ => Path::new("."),
+        };
+        let path = parent.join(format!(".itpms-demo.{}.tmp", std::process::id()));
+        fs::create_dir(&path).map_err(fail)?;
+        Ok(Self { path, target: target.to_owned() })
+    }
+
+    /// Everything under its name: the whole directory where there is none, else file by file.
+    fn hand_over(&self) -> Result<(), Failure> {
+        let fail = |error: io::Error| Failure::Directory(self.target.clone(), error);
+        if !self.target.exists() {
+            return fs::rename(&self.path, &self.target).map_err(fail);
+        }
+        for entry in fs::read_dir(&self.path).map_err(fail)? {
+            let entry = entry.map_err(fail)?;
+            fs::rename(entry.path(), self.target.join(entry.file_name())).map_err(fail)?;
+        }
+        Ok(())
+    }
+}
+
+impl Drop for Workshop {
+    fn drop(&mut self) {
+        // After a hand-over it is gone or empty.
+        let _ = fs::remove_dir_all(&self.path);
+    }
+}

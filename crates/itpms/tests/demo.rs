@@ -1,0 +1,57 @@
+//! `itpms demo` from outside.
+#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
+
+mod common;
+
+use common::{Bench, interrupt};
+
+#[test]
+fn the_demo_finds_the_punctured_tire_and_no_other() {
+    let bench = Bench::new();
+    let outcome = bench.run("demo --out here");
+    let lines: Vec<&str> = outcome.success().lines().collect();
+    let line = |corner: &str| lines.iter().find(|line| line.starts_with(corner)).unwrap();
+    // The drop begins at 30 s and ends at 32.5 s.
+    assert!(line("fl").contains("LOW since 3"), "{outcome:?}");
+    for other in ["fr", "rl", "rr"] {
+        assert!(!line(other).contains("LOW"), "{outcome:?}");
+    }
+    assert!(lines.last().unwrap().contains("here/report.html"));
+    let mut names: Vec<_> = std::fs::read_dir(bench.path("here"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    assert_eq!(names, ["car.toml", "drive.csv", "est.csv", "report.html", "road.csv"]);
+    // Again into the same directory, beside what else is there.
+    bench.write("here/mine.txt", "keep");
+    bench.run("demo --out here --seed 2").success();
+    assert_eq!(bench.read("here/mine.txt"), "keep");
+    assert_eq!(bench.names(), ["here"]);
+}
+
+#[test]
+fn a_file_in_its_place_is_refused() {
+    let bench = Bench::new();
+    bench.write("here", "");
+    let outcome = bench.run("demo --out here");
+    assert_eq!(outcome.refusal(), "here: cannot be written: it is a file, expected a directory");
+    let outcome = bench.run("demo --out missing/here");
+    assert!(outcome.refusal().starts_with("missing/here: cannot be written: No such file"), "{outcome:?}");
+    assert_eq!(bench.names(), ["here"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_demo_leaves_nothing() {
+    let bench = Bench::new();
+    let mut command = bench.command(["demo"]);
+    let mut child =
+        command.stderr(std::process::Stdio::piped()).stdout(std::process::Stdio::null()).spawn().unwrap();
+    while bench.names().is_empty() {
+        assert!(child.try_wait().unwrap().is_none());
+    }
+    let outcome = interrupt(child, "INT");
+    assert_eq!(outcome.code, Some(130), "{outcome:?}");
+    assert_eq!(bench.names(), Vec::<String>::new());
+}
