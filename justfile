@@ -1,0 +1,43 @@
+# What one does here, each in one word. `just` alone lists it.
+
+default:
+    @just --list
+
+# All tests of all crates, and saving and restoring an estimator.
+test:
+    cargo test --workspace --locked
+    cargo test -p itpms-core --features serde --locked
+
+# What a change must not break: format, warnings, dead links in the documentation.
+lint:
+    cargo fmt --all --check
+    cargo clippy --workspace --all-targets --all-features --locked -- -D warnings
+    RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
+
+# Format all code.
+fmt:
+    cargo fmt --all
+
+# A four-wheel drive with a puncture, and the report about it.
+demo out="out/demo":
+    cargo run --release -- demo --out {{out}}
+
+# The accuracy table, recomputed.
+score seeds="40":
+    cargo run --release -- score --seeds {{seeds}}
+
+# Time per sample and per frame.
+bench:
+    cargo bench --workspace
+
+# The documentation of the code, opened in a browser.
+docs:
+    cargo doc --workspace --no-deps --open
+
+# Dependencies: licences, duplicates, sources, advisories (needs cargo-deny).
+deny:
+    cargo deny --all-features check
+
+# Everything that is checked before a change is taken; steps can be named.
+ci *steps:
+    .ci/run {{steps}}
