@@ -1,4 +1,6 @@
 //! A filter saved in the middle of a drive and restored goes on as if nothing had happened, bit by bit.
+// Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
+#![allow(clippy::unwrap_used)]
 #![cfg(feature = "serde")]
 mod common;
 
@@ -34,7 +36,7 @@ fn the_informed_filter_resumes_bit_identically() {
     let corner = CornerConfig::<f64>::paper();
     let mut original = AekfUiInformed::new(corner.quarter_car, InformedConfig::for_corner(&corner)).unwrap();
     let advance = |filter: &mut AekfUiInformed<f64>, k: usize| {
-        if k % 50 == 0 {
+        if k.is_multiple_of(50) {
             filter.measure_stiffness(200_000.0 + 50.0 * k as f64, 30_000.0);
         }
         filter.step(drive.dt_s, &drive.samples[k])

@@ -145,8 +145,8 @@ fn low_pass(edge: f64) -> Vec<f64> {
 
 /// Root mean square.
 pub fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
-    let (sum, count) = values.into_iter().fold((0.0, 0.0), |(s, n), v| (s + v * v, n + 1.0));
-    (sum / count as f64).sqrt()
+    let (sum, count) = values.into_iter().fold((0.0, 0.0f64), |(s, n), v| (s + v * v, n + 1.0));
+    (sum / count).sqrt()
 }
 
 /// Median, and the 10 % and 90 % quantiles around it.

@@ -47,8 +47,7 @@ pub(crate) fn fft(re: &mut [f64], im: &mut [f64], sign: f64) {
         let twiddle: Vec<(f64, f64)> =
             (0..half).map(|k| ((step * k as f64).cos(), (step * k as f64).sin())).collect();
         for start in (0..n).step_by(len) {
-            for k in 0..half {
-                let (c, s) = twiddle[k];
+            for (k, &(c, s)) in twiddle.iter().enumerate() {
                 let (a, b) = (start + k, start + k + half);
                 let (xr, xi) = (re[b] * c - im[b] * s, re[b] * s + im[b] * c);
                 (re[b], im[b]) = (re[a] - xr, im[a] - xi);
