@@ -15,6 +15,10 @@
 //!    Below 5 m/s nothing is said: a parked car shows its sensors' noise in any unit. Where the speed is unknown a wheel
 //!    that moves four times as much as its body shows that the car rolls; then the body's limit is 0.035.
 //!
+//! Simulated drives of the paper's car (classes A-C, 15 to 120 km/h, w 1.8 to 2.6, noise 0 to 0.3 m/s², four seeds): of
+//! 1620 logs in m/s², a third of them without a speed and a third with gravity, none is refused; of 540 in g with gravity
+//! all are; of those without gravity all 144 on class A from 20 km/h on, some on class B, none on class C.
+//!
 //! What this cannot see: a drive in g without gravity (AC-coupled sensors) on class B and worse, which looks like a very
 //! smooth road in m/s². The estimated pressure does not depend on the unit there, the road's height does.
 
