@@ -1,5 +1,5 @@
-//! What needs the truth, or looks at a drive from outside: how good an estimate can be, how rough the road was,
-//! and the page that shows both.
+//! What needs the truth, or looks at a drive from outside: how good an estimate can be and is, how rough the road
+//! was, and the page that shows it.
 //!
 //! | room | idea |
 //! |---|---|
@@ -7,9 +7,11 @@
 //! | [`spectrum`] | Welch's power spectral density; level, slope and ISO 8608 class of a road |
 //! | [`report`] | one HTML page about a drive |
 //! | [`roughness`] | International Roughness Index of a profile |
+//! | [`score`] | the accuracy table, recomputed over many simulated drives |
 #![forbid(unsafe_code)]
 
 pub mod bound;
 pub mod report;
 pub mod roughness;
+pub mod score;
 pub mod spectrum;

@@ -1,0 +1,260 @@
+//! The accuracy table, recomputed: an estimator drives the standard scenarios over many seeds and is held against the
+//! goals.
+//!
+//! Called by the binary's `score`. Deterministic: the same request gives the same figures on any number of
+//! processors. So far the rows of a single corner.
+//!
+//! | room | idea |
+//! |---|---|
+//! | `case` | the drives |
+//! | `track` | following a drop: the paper's scenarios, a wrong mass, the grid of roads; coverage |
+//! | `constant` | efficiency against the Cramer-Rao bound |
+//! | `record` | the road |
+//! | [`row`] | rows, cells, goals, verdicts |
+//! | [`stats`] | percentiles, bias, coverage |
+//! | `runner` | many drives at once |
+//! | `table` | as text |
+
+mod case;
+mod constant;
+mod record;
+pub mod row;
+mod runner;
+pub mod stats;
+mod table;
+mod track;
+
+use itpms_core::estimator::EstimatorKind;
+use itpms_core::quarter_car::ParameterError;
+use itpms_core::road::RecorderMemoryError;
+use itpms_sim::error::ScenarioError;
+use serde::Serialize;
+use thiserror::Error;
+
+use crate::bound::BoundError;
+use crate::roughness::SpacingError;
+use crate::spectrum::WelchError;
+use row::Row;
+use runner::Runner;
+
+pub use runner::Progress;
+
+/// What can be asked for by itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// The paper's sudden loss.
+    PaperDrop,
+    /// The same down to 41.4 kPa.
+    PaperDeepDrop,
+    /// A loss and a recovery.
+    PaperDropRecover,
+    /// A sprung mass 8 % off.
+    Mass,
+    /// Slopes, classes and noises.
+    BiasGrid,
+    /// Honesty of the 95 % interval over all of the above.
+    Coverage,
+    /// Bound over variance at constant pressure.
+    Efficiency,
+    /// The road record.
+    Road,
+}
+
+impl Part {
+    /// In the order of the table.
+    pub const ALL: [Self; 8] = [
+        Self::PaperDrop,
+        Self::PaperDeepDrop,
+        Self::PaperDropRecover,
+        Self::Mass,
+        Self::BiasGrid,
+        Self::Coverage,
+        Self::Efficiency,
+        Self::Road,
+    ];
+    /// The paper's scenarios.
+    pub const PAPER: [Self; 3] = [Self::PaperDrop, Self::PaperDeepDrop, Self::PaperDropRecover];
+
+    /// The name on the command line.
+    #[must_use]
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::PaperDrop => "paper-drop",
+            Self::PaperDeepDrop => "paper-deep-drop",
+            Self::PaperDropRecover => "paper-drop-recover",
+            Self::Mass => "mass",
+            Self::BiasGrid => "bias-grid",
+            Self::Coverage => "coverage",
+            Self::Efficiency => "efficiency",
+            Self::Road => "road",
+        }
+    }
+
+    /// The part of that name.
+    #[must_use]
+    pub fn from_label(label: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|part| part.label() == label)
+    }
+
+    /// What the table says above the rows of a part.
+    fn title(part: &str) -> Option<&'static str> {
+        Some(match part {
+            "paper" => {
+                "Paper's scenarios, kPa: median RMSE over t > 3 s, bias before and after the drop, Cramer-Rao bound"
+            }
+            "mass" => {
+                "paper-drop, sprung mass unknown to the estimator: change of the median RMSE, same seeds"
+            }
+            "bias-grid" => "paper-drop on other roads, kPa; bias over 5-20 s and 27-40 s",
+            "coverage" => "Share of time within the 95 % interval, mean of all rows above",
+            "efficiency" => "Constant pressure: bound / mean square error, prior of 30 kPa included in both",
+            "road" => "Road record, class B, wavelengths 0.5-10 m, stiffness from the estimator",
+            _ => return None,
+        })
+    }
+}
+
+/// What to compute.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Request {
+    /// Drives per row; cells of the grid get half as many, but at least ten (or all, if there are fewer).
+    pub seeds: usize,
+    /// Seed of the first drive; the others follow.
+    pub first_seed: u64,
+    /// One estimator; several are compared in the paper's scenarios alone.
+    pub estimators: Vec<EstimatorKind>,
+    /// One part, or all.
+    pub part: Option<Part>,
+}
+
+impl Default for Request {
+    /// Forty seeds from 1, the default estimator, everything.
+    fn default() -> Self {
+        Self { seeds: 40, first_seed: 1, estimators: vec![EstimatorKind::default()], part: None }
+    }
+}
+
+/// What came out. JSON: `version`, `estimators`, `seeds`, `first_seed`, `rows` ([`Row`]).
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Score {
+    /// Of this structure: 1.
+    pub version: u32,
+    /// Who was scored.
+    #[serde(serialize_with = "labels")]
+    pub estimators: Vec<EstimatorKind>,
+    /// Drives per row asked for.
+    pub seeds: usize,
+    /// Seed of the first.
+    pub first_seed: u64,
+    /// In the order of the table.
+    pub rows: Vec<Row>,
+}
+
+fn labels<S: serde::Serializer>(kinds: &[EstimatorKind], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(kinds.iter().map(|kind| kind.label()))
+}
+
+/// Why there is no score.
+#[derive(Debug, Error)]
+pub enum ScoreError {
+    /// Statistics of nothing.
+    #[error("0 seeds or no estimator, expected at least one of each")]
+    Nothing,
+    /// Several estimators are compared in the paper's scenarios alone.
+    #[error("{part} is scored for one estimator at a time; several are compared in {}", paper_labels())]
+    OneEstimator {
+        /// What was asked for.
+        part: &'static str,
+    },
+    /// The progress callback said so.
+    #[error("stopped")]
+    Stopped,
+    /// A scenario.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// A parameter that an estimator refuses.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// The bound.
+    #[error(transparent)]
+    Bound(#[from] BoundError),
+    /// The road recorder's memory.
+    #[error(transparent)]
+    Memory(#[from] RecorderMemoryError),
+    /// The road's spectrum.
+    #[error(transparent)]
+    Welch(#[from] WelchError),
+    /// The road's roughness.
+    #[error(transparent)]
+    Spacing(#[from] SpacingError),
+}
+
+fn paper_labels() -> String {
+    Part::PAPER.map(Part::label).join(", ")
+}
+
+/// Computes a score on all processors.
+///
+/// # Errors
+/// See [`ScoreError`].
+pub fn score(request: &Request, progress: Progress<'_>) -> Result<Score, ScoreError> {
+    let (Some(&kind), true) = (request.estimators.first(), request.seeds > 0) else {
+        return Err(ScoreError::Nothing);
+    };
+    let several = request.estimators.len() > 1;
+    if let Some(part) = request.part.filter(|part| several && !Part::PAPER.contains(part)) {
+        return Err(ScoreError::OneEstimator { part: part.label() });
+    }
+    let wanted = |part: Part| match request.part {
+        Some(only) => part == only,
+        None => !several || Part::PAPER.contains(&part),
+    };
+    let drives = |part: Part| if wanted(part) { request.seeds } else { 0 };
+    let tracks = track::Plan::new(wanted, &request.estimators, request.seeds)?;
+    let constant = constant::Plan::new(kind, drives(Part::Efficiency))?;
+    let record = record::Plan::new(kind, drives(Part::Road))?;
+
+    let total = tracks.drives() + constant.drives() + record.drives();
+    let runner = Runner::new(request.first_seed, total, progress);
+    let mut rows = tracks.rows(&runner)?;
+    if wanted(Part::Efficiency) {
+        rows.extend(constant.rows(&runner)?);
+    }
+    if wanted(Part::Road) {
+        rows.extend(record.rows(&runner)?);
+    }
+    Ok(Score {
+        version: 1,
+        estimators: request.estimators.clone(),
+        seeds: request.seeds,
+        first_seed: request.first_seed,
+        rows,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::ops::ControlFlow;
+
+    #[test]
+    fn requests_that_make_no_sense_are_refused() {
+        let go = |_, _| ControlFlow::Continue(());
+        let nothing = Request { seeds: 0, ..Request::default() };
+        assert!(matches!(score(&nothing, &go), Err(ScoreError::Nothing)));
+        let several = Request {
+            estimators: EstimatorKind::ALL.to_vec(),
+            part: Some(Part::Road),
+            seeds: 1,
+            ..Request::default()
+        };
+        assert!(score(&several, &go).unwrap_err().to_string().starts_with("road is scored for one"));
+    }
+
+    #[test]
+    fn labels_name_parts() {
+        for part in Part::ALL {
+            assert_eq!(Part::from_label(part.label()), Some(part));
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! Many drives on all processors, in an order that does not depend on how many there are.
+//!
+//! Called by the parts of the score. Knows nothing of what a drive is.
+
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use rayon::prelude::*;
+
+use super::ScoreError;
+
+/// Told after every drive how many of how many are done; [`ControlFlow::Break`] ends the score.
+pub type Progress<'a> = &'a (dyn Fn(u64, u64) -> ControlFlow<()> + Sync);
+
+/// Which of its case's drives one is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Turn {
+    /// From 0.
+    pub(super) index: usize,
+    /// Seed of the simulation.
+    pub(super) seed: u64,
+}
+
+/// Hands out drives and counts them.
+pub(super) struct Runner<'a> {
+    first_seed: u64,
+    total: u64,
+    done: AtomicU64,
+    stopped: AtomicBool,
+    progress: Progress<'a>,
+}
+
+impl<'a> Runner<'a> {
+    /// For `total` drives in all.
+    pub(super) fn new(first_seed: u64, total: u64, progress: Progress<'a>) -> Self {
+        Self { first_seed, total, done: AtomicU64::new(0), stopped: AtomicBool::new(false), progress }
+    }
+
+    /// `drive` for so many turns of every case; results by case, then by turn.
+    pub(super) fn run<C: Sync, T: Send>(
+        &self,
+        cases: &[(C, usize)],
+        drive: impl Fn(&C, Turn) -> Result<T, ScoreError> + Sync,
+    ) -> Result<Vec<Vec<T>>, ScoreError> {
+        let turns: Vec<(&C, usize)> =
+            cases.iter().flat_map(|(case, drives)| (0..*drives).map(move |index| (case, index))).collect();
+        let flat = turns.into_par_iter().map(|(case, index)| self.once(case, index, &drive));
+        let mut results = flat.collect::<Result<Vec<T>, _>>()?.into_iter();
+        Ok(cases.iter().map(|(_, drives)| results.by_ref().take(*drives).collect()).collect())
+    }
+
+    fn once<C, T>(
+        &self,
+        case: &C,
+        index: usize,
+        drive: impl Fn(&C, Turn) -> Result<T, ScoreError>,
+    ) -> Result<T, ScoreError> {
+        if self.stopped.load(Ordering::Relaxed) {
+            return Err(ScoreError::Stopped);
+        }
+        let result = drive(case, Turn { index, seed: self.first_seed.wrapping_add(index as u64) })?;
+        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+        if (self.progress)(done, self.total).is_break() {
+            self.stopped.store(true, Ordering::Relaxed);
+            return Err(ScoreError::Stopped);
+        }
+        Ok(result)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_come_by_case_and_turn() {
+        let runner = Runner::new(100, 5, &|_, _| ControlFlow::Continue(()));
+        let results =
+            runner.run(&[("a", 2), ("b", 3)], |case, turn| Ok(format!("{case}{}", turn.seed))).unwrap();
+        assert_eq!(results, [vec!["a100", "a101"], vec!["b100", "b101", "b102"]]);
+    }
+
+    #[test]
+    fn a_break_stops_the_rest() {
+        let runner = Runner::new(0, 1000, &|_, _| ControlFlow::Break(()));
+        let driven = AtomicU64::new(0);
+        let result = runner.run(&[((), 1000)], |(), _| Ok(driven.fetch_add(1, Ordering::Relaxed)));
+        assert!(matches!(result, Err(ScoreError::Stopped)));
+        assert!(driven.load(Ordering::Relaxed) < 1000);
+    }
+}
