@@ -15,8 +15,14 @@ const ABSURD_M_S2: f64 = 1000.0;
 const LONGEST_BRIDGE: f64 = 3.5;
 /// Equal values in a row, at the largest magnitude seen, that count as saturation.
 const FLAT_TOP: u32 = 3;
+/// Equal values in a row, at any magnitude, that are no signal: their steps are marked like saturated ones.
+const FLAT: u32 = 8;
 /// Seconds without a single change after which a sensor counts as stuck.
 const STUCK_S: f64 = 0.5;
+/// Least distance of two samples, in sampling periods: closer ones blow up the interpolation.
+const CLOSEST: f64 = 0.05;
+/// Samples that must follow one another before a clock that went back is believed.
+const SET_BACK: u32 = 16;
 
 /// What was found in the raw samples so far.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -28,13 +34,13 @@ pub struct SampleCounts {
     pub missing: u64,
     /// Samples beyond 1000 m/s².
     pub absurd: u64,
-    /// Samples whose time was not finite or not after the one before.
+    /// Samples whose time was not finite, too large to be resolved, or not clearly after the one before.
     pub out_of_order: u64,
     /// Interruptions too long to bridge.
     pub gaps: u64,
     /// Samples at a sensor's limit.
     pub saturated: u64,
-    /// Samples of a sensor that has stopped moving.
+    /// Samples of a sensor that has stopped moving for half a second; not used.
     pub stuck: u64,
 }
 
@@ -51,8 +57,17 @@ pub struct GridSample<T> {
     pub wheel_accel_m_s2: T,
     /// True if the signal was interrupted before this step.
     pub after_gap: bool,
-    /// True if a sensor near this step was at its limit.
+    /// True if a sensor near this step was at its limit, or did not move.
     pub saturated: bool,
+}
+
+/// What a sensor's last values look like, the worst last.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Flatness {
+    Moving,
+    Flat,
+    AtLimit,
+    Stuck,
 }
 
 /// Watches one sensor for a value that does not move.
@@ -70,8 +85,8 @@ impl<T: Real> FlatWatch<T> {
         Self { last: T::zero(), equal: 0, equal_since_s: f64::NEG_INFINITY, largest: T::zero() }
     }
 
-    /// Takes a finite value; says (saturated, stuck).
-    fn push(&mut self, time_s: f64, value: T) -> (bool, bool) {
+    /// Takes a finite value.
+    fn push(&mut self, time_s: f64, value: T) -> Flatness {
         if value == self.last && self.equal > 0 {
             self.equal += 1;
         } else {
@@ -82,7 +97,15 @@ impl<T: Real> FlatWatch<T> {
         let magnitude = value.abs();
         let at_limit = magnitude >= self.largest && magnitude > T::zero();
         self.largest = self.largest.max(magnitude);
-        (at_limit && self.equal >= FLAT_TOP, self.equal > 1 && time_s - self.equal_since_s > STUCK_S)
+        if self.equal > 1 && time_s - self.equal_since_s > STUCK_S {
+            Flatness::Stuck
+        } else if at_limit && self.equal >= FLAT_TOP {
+            Flatness::AtLimit
+        } else if self.equal >= FLAT {
+            Flatness::Flat
+        } else {
+            Flatness::Moving
+        }
     }
 }
 
@@ -104,6 +127,10 @@ pub struct Intake<T> {
     wheel_watch: FlatWatch<T>,
     last_raw_s: f64,
     last_accepted_s: f64,
+    /// Time of the last refused sample, refusals in a row, and how many of them followed one another.
+    refused_s: f64,
+    refused: u32,
+    refused_in_order: u32,
     stuck_now: bool,
     counts: SampleCounts,
 }
@@ -131,6 +158,9 @@ impl<T: Real> Intake<T> {
             wheel_watch: FlatWatch::new(),
             last_raw_s: f64::NEG_INFINITY,
             last_accepted_s: f64::NEG_INFINITY,
+            refused_s: f64::NEG_INFINITY,
+            refused: 0,
+            refused_in_order: 0,
             stuck_now: false,
             counts: SampleCounts::default(),
         }
@@ -148,10 +178,11 @@ impl<T: Real> Intake<T> {
         self.counts
     }
 
-    /// True while the signal cannot be used: nothing accepted for half a second, or a sensor is stuck.
+    /// True while the signal cannot be used: nothing accepted for half a second, or a sensor or the clock is stuck.
     #[must_use]
     pub fn is_bad(&self) -> bool {
-        self.stuck_now || !(self.last_raw_s - self.last_accepted_s <= STUCK_S)
+        let clock_stuck = f64::from(self.refused) * self.sample_period_s > STUCK_S;
+        self.stuck_now || clock_stuck || !(self.last_raw_s - self.last_accepted_s <= STUCK_S)
     }
 
     /// Takes one raw sample (NaN: missing) and hands every grid step it completes to `sink`. A step comes four samples
@@ -164,10 +195,16 @@ impl<T: Real> Intake<T> {
         wheel_accel_m_s2: T,
         mut sink: impl FnMut(GridSample<T>),
     ) {
-        if !(time_s.is_finite() && time_s > self.last_raw_s) {
+        let closest_s = CLOSEST * self.sample_period_s;
+        // Beyond this a time's own rounding exceeds that distance. Infinite and NaN fail too.
+        let resolved = time_s.abs() * f64::EPSILON < closest_s;
+        if !(resolved && time_s >= self.last_raw_s + closest_s) {
             self.counts.out_of_order += 1;
-            return;
+            if !(resolved && self.was_set_back(time_s)) {
+                return;
+            }
         }
+        (self.refused, self.refused_in_order) = (0, 0);
         if self.last_raw_s == f64::NEG_INFINITY {
             self.last_accepted_s = time_s;
         }
@@ -180,12 +217,14 @@ impl<T: Real> Intake<T> {
             self.counts.absurd += 1;
             return;
         }
-        let (body_flat, body_stuck) = self.body_watch.push(time_s, body_accel_m_s2);
-        let (wheel_flat, wheel_stuck) = self.wheel_watch.push(time_s, wheel_accel_m_s2);
-        self.stuck_now = body_stuck || wheel_stuck;
-        self.counts.stuck += u64::from(self.stuck_now);
-        let saturated = body_flat || wheel_flat;
-        self.counts.saturated += u64::from(saturated);
+        let body_flatness = self.body_watch.push(time_s, body_accel_m_s2);
+        let flatness = body_flatness.max(self.wheel_watch.push(time_s, wheel_accel_m_s2));
+        self.stuck_now = flatness == Flatness::Stuck;
+        if self.stuck_now {
+            self.counts.stuck += 1;
+            return;
+        }
+        self.counts.saturated += u64::from(flatness == Flatness::AtLimit);
         self.counts.accepted += 1;
 
         if self.filled > 0 && time_s - self.last_accepted_s > LONGEST_BRIDGE * self.sample_period_s {
@@ -193,8 +232,29 @@ impl<T: Real> Intake<T> {
             self.filled = 0;
         }
         self.last_accepted_s = time_s;
-        self.append(time_s, body_accel_m_s2, wheel_accel_m_s2, saturated);
+        self.append(time_s, body_accel_m_s2, wheel_accel_m_s2, flatness >= Flatness::Flat);
         self.emit(speed_m_s, &mut sink);
+    }
+
+    /// Takes the time of a refused sample. True if refused samples have followed one another for so long that the
+    /// clock must have been wrong before: then all that came until now is another record.
+    fn was_set_back(&mut self, time_s: f64) -> bool {
+        self.refused = self.refused.saturating_add(1);
+        let step_s = time_s - self.refused_s;
+        // The same time again says nothing.
+        if !(step_s.abs() < CLOSEST * self.sample_period_s) {
+            let in_order = step_s > 0.0 && step_s <= LONGEST_BRIDGE * self.sample_period_s;
+            self.refused_in_order = if in_order { self.refused_in_order + 1 } else { 0 };
+            self.refused_s = time_s;
+        }
+        if self.refused_in_order < SET_BACK {
+            return false;
+        }
+        self.counts.gaps += 1;
+        self.filled = 0;
+        self.last_accepted_s = time_s;
+        (self.body_watch.equal, self.wheel_watch.equal) = (0, 0);
+        true
     }
 
     fn append(&mut self, time_s: f64, body: T, wheel: T, saturated: bool) {

@@ -111,12 +111,12 @@ pub fn drive(
 }
 
 /// Eq. (1) as `[x_b, v_b, x_w, v_w]'`.
-fn derivative(x: &[f64; 4], k_t: f64, road: f64) -> [f64; 4] {
+pub fn derivative(x: &[f64; 4], k_t: f64, road: f64) -> [f64; 4] {
     let suspension = KS * (x[2] - x[0]) + CS * (x[3] - x[1]);
     [x[1], suspension / MB, x[3], (k_t * (road - x[2]) - suspension) / MW]
 }
 
-fn runge_kutta(x: &[f64; 4], h: f64, f: impl Fn(&[f64; 4], f64) -> [f64; 4]) -> [f64; 4] {
+pub fn runge_kutta(x: &[f64; 4], h: f64, f: impl Fn(&[f64; 4], f64) -> [f64; 4]) -> [f64; 4] {
     let at = |k: &[f64; 4], s: f64| std::array::from_fn(|i| x[i] + s * k[i]);
     let k1 = f(x, 0.0);
     let k2 = f(&at(&k1, h / 2.0), h / 2.0);

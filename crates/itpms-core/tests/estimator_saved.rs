@@ -1,0 +1,82 @@
+//! Saved at any moment and restored, every estimator goes on as if nothing had happened, bit by bit.
+#![cfg(feature = "serde")]
+// Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
+#![allow(clippy::unwrap_used)]
+mod common;
+
+use common::quarter_plant::Random;
+use common::ride::{Ride, estimator, feed};
+use itpms_core::estimator::{Estimator, EstimatorKind};
+use itpms_core::intake::{GridSample, Intake};
+use itpms_core::real::Real;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+/// A ride with holes and jitter, so that every part of the state is in use.
+fn ride() -> Ride {
+    Ride { seconds: 8.0, jitter: 0.1, ..Ride::new(21) }
+}
+
+fn resumes<T: Real + Serialize + DeserializeOwned>() {
+    let ride = ride();
+    let mut rows = ride.rows();
+    for k in [700, 701, 1500, 2900] {
+        rows[k].wheel = f64::NAN;
+    }
+    let mut random = Random::new(3);
+    for kind in EstimatorKind::ALL {
+        for _ in 0..3 {
+            let moment = 100 + (random.uniform() * 3000.0) as usize;
+            let mut original = estimator::<T>(kind, ride.rate_hz);
+            for row in &rows[..moment] {
+                feed(&mut original, row);
+            }
+            let saved = postcard::to_allocvec(&original).unwrap();
+            let mut restored: Estimator<T> = postcard::from_bytes(&saved).unwrap();
+            for row in &rows[moment..moment + 500] {
+                let (a, b) = (feed(&mut original, row), feed(&mut restored, row));
+                // As bytes, so that equal NaN count as equal and unequal zeros do not.
+                assert_eq!(
+                    postcard::to_allocvec(&a).unwrap(),
+                    postcard::to_allocvec(&b).unwrap(),
+                    "{kind:?}"
+                );
+            }
+            assert_eq!(postcard::to_allocvec(&original).unwrap(), postcard::to_allocvec(&restored).unwrap());
+        }
+    }
+}
+
+#[test]
+fn estimators_in_f64_resume_bit_identically() {
+    resumes::<f64>();
+}
+
+#[test]
+fn estimators_in_f32_resume_bit_identically() {
+    resumes::<f32>();
+}
+
+#[test]
+fn an_intake_resumes_bit_identically() {
+    let rows = ride().rows();
+    for moment in [3, 8, 500, 1501] {
+        let mut original = Intake::<f64>::new(500.0, 400.0);
+        let step = |intake: &mut Intake<f64>, k: usize| {
+            let mut out: Vec<GridSample<f64>> = vec![];
+            intake.push(rows[k].time_s, rows[k].speed_m_s, rows[k].body, rows[k].wheel, |sample| {
+                out.push(sample)
+            });
+            out
+        };
+        for k in 0..moment {
+            step(&mut original, k);
+        }
+        let saved = postcard::to_allocvec(&original).unwrap();
+        let mut restored: Intake<f64> = postcard::from_bytes(&saved).unwrap();
+        for k in moment..moment + 200 {
+            assert_eq!(step(&mut original, k), step(&mut restored, k));
+        }
+        assert_eq!(original, restored);
+    }
+}
