@@ -6,6 +6,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser as _};
 use clap::{Parser, Subcommand};
 use clap_complete::Shell;
 use itpms_core::estimator::EstimatorKind;
+use itpms_study::score::Part;
 
 /// Indirect tire pressure monitoring: tire pressure and road from the accelerations of a car's body and wheels.
 #[derive(Debug, Parser)]
@@ -32,6 +33,7 @@ pub(crate) enum Command {
     Demo(DemoArgs),
     Estimate(EstimateArgs),
     Simulate(SimulateArgs),
+    Score(ScoreArgs),
     Completions(CompletionsArgs),
 }
 
@@ -131,6 +133,62 @@ Examples:
   itpms simulate paper-drop --seed 7 -o drive.csv
   itpms simulate drive-puncture --seed 1 -o drive.parquet --vehicle-out car.toml
   itpms simulate my-scenario.toml -o drive.csv --vehicle my-car.toml";
+
+/// Recompute the accuracy table: the standard scenarios over many seeds, held against the goals.
+///
+/// The same seeds give the same figures. A goal that is missed is marked and is no error: the exit code is 0.
+#[derive(Debug, clap::Args)]
+#[command(after_help = SCORE_EXAMPLES)]
+pub(crate) struct ScoreArgs {
+    /// Drives per row.
+    #[arg(long, value_name = "N", default_value_t = 40, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(crate) seeds: u32,
+    /// Seed of the first drive; the others follow.
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    pub(crate) first_seed: u64,
+    /// Which estimator; `all` compares them in the paper's scenarios.
+    #[arg(long, value_name = "NAME", default_value = EstimatorKind::default().label(), value_parser = scored_names())]
+    pub(crate) estimator: Scored,
+    /// One part of the table instead of all.
+    #[arg(long, value_name = "NAME", value_parser = part_names())]
+    pub(crate) row: Option<Part>,
+    /// Print JSON: version, estimators, seeds, first_seed and rows of part, name, drives, cells (name, value, goal,
+    /// verdict), verdict.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+const SCORE_EXAMPLES: &str = "\
+Examples:
+  itpms score
+  itpms score --row paper-drop --seeds 100 --first-seed 1000 --json
+  itpms score --estimator all";
+
+/// Whom to score.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Scored {
+    One(EstimatorKind),
+    All,
+}
+
+impl Scored {
+    pub(crate) fn kinds(self) -> Vec<EstimatorKind> {
+        match self {
+            Scored::One(kind) => vec![kind],
+            Scored::All => EstimatorKind::ALL.to_vec(),
+        }
+    }
+}
+
+fn scored_names() -> impl clap::builder::TypedValueParser<Value = Scored> {
+    PossibleValuesParser::new(EstimatorKind::ALL.map(EstimatorKind::label).into_iter().chain(["all"]))
+        .map(|label| EstimatorKind::from_label(&label).map_or(Scored::All, Scored::One))
+}
+
+fn part_names() -> impl clap::builder::TypedValueParser<Value = Part> {
+    PossibleValuesParser::new(Part::ALL.map(Part::label))
+        .try_map(|label| Part::from_label(&label).ok_or("expected a part of the table"))
+}
 
 /// Print a completion script for a shell.
 #[derive(Debug, clap::Args)]

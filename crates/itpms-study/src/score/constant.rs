@@ -11,8 +11,9 @@ use itpms_core::estimator::EstimatorKind;
 
 use super::ScoreError;
 use super::case::{Case, START_SD_KPA};
-use super::row::{Column, Goal, Row};
+use super::row::{Cell, Column, Goal, Row};
 use super::runner::{Runner, Turn};
+use super::stats::Mean;
 
 /// True pressures in kPa.
 const PRESSURES_KPA: [f64; 3] = [241.3, 190.0, 140.0];
@@ -23,8 +24,14 @@ const EFFICIENCY: f64 = 0.8;
 
 const EFFICIENCIES: [Column; 2] =
     [Column::new("efficiency_16_s", "at 16 s", 2), Column::new("efficiency_39_s", "at 39 s", 2)];
+const STANDARD_ERRORS: [Column; 2] = [
+    Column::new("efficiency_16_s_standard_error", "s.e.", 2),
+    Column::new("efficiency_39_s_standard_error", "s.e.", 2),
+];
 const ERRORS: [Column; 2] =
     [Column::new("rmse_16_s_kpa", "RMSE 16 s", 2), Column::new("rmse_39_s_kpa", "RMSE 39 s", 2)];
+const BIASES: [Column; 2] =
+    [Column::new("bias_16_s_kpa", "bias 16 s", 1), Column::new("bias_39_s_kpa", "bias 39 s", 1)];
 const BOUNDS: [Column; 2] =
     [Column::new("bound_16_s_kpa", "bound 16 s", 2), Column::new("bound_39_s_kpa", "bound 39 s", 2)];
 
@@ -35,22 +42,26 @@ pub(super) struct Plan {
 
 struct Constant {
     pressure_kpa: f64,
+    /// Added to the seeds: every pressure drives roads of its own, so that errors are independent.
+    seed_shift: u64,
     /// Started above and below the truth.
     starts: [Case; 2],
 }
 
 impl Plan {
     pub(super) fn new(kind: EstimatorKind, drives: usize) -> Result<Self, ScoreError> {
-        let constant = |pressure_kpa: f64| {
+        let constant = |(place, pressure_kpa): (usize, f64)| {
             let started = |start_kpa| {
                 let mut case = Case::paper("paper-drop", kind)?.with_pressure(pressure_kpa, start_kpa)?;
                 case.scenario.duration_s = TIMES_S[1];
                 Ok::<_, ScoreError>(case)
             };
             let starts = [started(pressure_kpa + START_SD_KPA)?, started(pressure_kpa - START_SD_KPA)?];
-            Ok((Constant { pressure_kpa, starts }, drives))
+            Ok((Constant { pressure_kpa, seed_shift: (place as u64) << 32, starts }, drives))
         };
-        Ok(Self { cases: PRESSURES_KPA.into_iter().map(constant).collect::<Result<_, ScoreError>>()? })
+        Ok(Self {
+            cases: PRESSURES_KPA.into_iter().enumerate().map(constant).collect::<Result<_, ScoreError>>()?,
+        })
     }
 
     pub(super) fn drives(&self) -> u64 {
@@ -58,28 +69,43 @@ impl Plan {
     }
 
     pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, ScoreError> {
-        let squares = runner.run(&self.cases, squared_errors)?;
+        let errors = runner.run(&self.cases, errors_kpa)?;
         let mut rows = vec![];
-        // Mean square error over bound, of all drives.
-        let (mut ratios, mut drives) = ([0.0; 2], 0);
-        for ((constant, count), squares) in self.cases.iter().zip(&squares) {
+        // Square error over bound of every drive, at each of the times.
+        let mut ratios = [vec![], vec![]];
+        for ((constant, drives), errors) in self.cases.iter().zip(&errors) {
             let bounds = constant.bounds_kpa()?;
-            let mean = [0, 1].map(|i| squares.iter().map(|s| s[i]).sum::<f64>() / *count as f64);
+            let square = |i: usize| errors.iter().map(|e| e[i] * e[i]).sum::<f64>() / *drives as f64;
+            let bias = |i: usize| errors.iter().map(|e| e[i]).sum::<f64>() / *drives as f64;
+            let mean = [square(0), square(1)];
             for i in [0, 1] {
-                ratios[i] += mean[i] / bounds[i].powi(2) * *count as f64;
+                ratios[i].extend(errors.iter().map(|e| (e[i] / bounds[i]).powi(2)));
             }
-            drives += count;
             let mut cells = vec![];
             cells.extend([0, 1].map(|i| EFFICIENCIES[i].plain(bounds[i].powi(2) / mean[i])));
             cells.extend([0, 1].map(|i| ERRORS[i].plain(mean[i].sqrt())));
+            cells.extend([0, 1].map(|i| BIASES[i].plain(bias(i))));
             cells.extend([0, 1].map(|i| BOUNDS[i].plain(bounds[i])));
-            rows.push(Row::new("efficiency", format!("{} kPa", constant.pressure_kpa), *count, cells));
+            let name = format!("{} kPa", constant.pressure_kpa);
+            rows.push(Row::new("efficiency", name, constant.starts[0].kind, *drives, cells));
         }
-        let together =
-            [0, 1].map(|i| EFFICIENCIES[i].judged(drives as f64 / ratios[i], Goal::AtLeast(EFFICIENCY)));
-        rows.push(Row::new("efficiency", "all pressures", drives, together.to_vec()));
+        if let Some((constant, _)) = self.cases.first() {
+            let kind = constant.starts[0].kind;
+            rows.push(Row::new("efficiency", "all pressures", kind, ratios[0].len(), together(&ratios)));
+        }
         Ok(rows)
     }
+}
+
+/// Efficiencies over all drives, each with its standard error.
+fn together(ratios: &[Vec<f64>; 2]) -> Vec<Cell> {
+    let one = |i: usize| {
+        let mean = Mean::of(&ratios[i]);
+        let efficiency = mean.value.recip();
+        let error = efficiency * mean.error / mean.value;
+        [EFFICIENCIES[i].judged(efficiency, Goal::AtLeast(EFFICIENCY)), STANDARD_ERRORS[i].plain(error)]
+    };
+    [one(0), one(1)].concat()
 }
 
 impl Constant {
@@ -94,17 +120,17 @@ impl Constant {
 }
 
 /// Of the last estimate not later than each of [`TIMES_S`].
-fn squared_errors(constant: &Constant, turn: Turn) -> Result<[f64; 2], ScoreError> {
-    let mut squares = [f64::NAN; 2];
-    constant.starts[turn.index % 2].drive(turn.seed, |row, truth, estimate| {
-        let error = estimate.pressure_kpa - truth.pressure_kpa;
-        for (square, until_s) in squares.iter_mut().zip(TIMES_S) {
+fn errors_kpa(constant: &Constant, turn: Turn) -> Result<[f64; 2], ScoreError> {
+    let mut errors = [f64::NAN; 2];
+    let seed = turn.seed.wrapping_add(constant.seed_shift);
+    constant.starts[turn.index % 2].drive(seed, |row, truth, estimate| {
+        for (error, until_s) in errors.iter_mut().zip(TIMES_S) {
             if row.time_s <= until_s {
-                *square = error * error;
+                *error = estimate.pressure_kpa - truth.pressure_kpa;
             }
         }
     })?;
-    Ok(squares)
+    Ok(errors)
 }
 
 #[cfg(test)]

@@ -117,7 +117,7 @@ impl Part {
 /// What to compute.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Request {
-    /// Drives per row; cells of the grid get half as many, but at least ten (or all, if there are fewer).
+    /// Drives per row.
     pub seeds: usize,
     /// Seed of the first drive; the others follow.
     pub first_seed: u64,

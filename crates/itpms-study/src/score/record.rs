@@ -80,7 +80,7 @@ impl Plan {
                 IRI.judged(iri.median, Goal::AtMost(IRI_PERCENT)),
                 IRI_P90.plain(iri.p90),
             ];
-            Row::new("road", case.name.clone(), *drives, cells)
+            Row::new("road", case.name.clone(), case.kind, *drives, cells)
         };
         Ok(self.cases.iter().zip(&found).map(row).collect())
     }

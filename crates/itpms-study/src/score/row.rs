@@ -2,6 +2,7 @@
 //!
 //! Filled by the parts of the score; read by the table, by `--json` and by whoever keeps books.
 
+use itpms_core::estimator::EstimatorKind;
 use serde::Serialize;
 
 /// What a cell's figure has to be.
@@ -114,8 +115,11 @@ pub struct Cell {
 pub struct Row {
     /// Part of the score it belongs to: rows of a part have the same columns.
     pub part: &'static str,
-    /// Its name, unique within the part.
+    /// Its name; name and estimator are unique within the part.
     pub name: String,
+    /// Who was scored.
+    #[serde(serialize_with = "label")]
+    pub estimator: EstimatorKind,
     /// Drives it was computed from.
     pub drives: usize,
     /// The figures.
@@ -127,9 +131,15 @@ pub struct Row {
 impl Row {
     /// A row, judged by its cells.
     #[must_use]
-    pub fn new(part: &'static str, name: impl Into<String>, drives: usize, cells: Vec<Cell>) -> Self {
+    pub fn new(
+        part: &'static str,
+        name: impl Into<String>,
+        estimator: EstimatorKind,
+        drives: usize,
+        cells: Vec<Cell>,
+    ) -> Self {
         let verdict = cells.iter().filter_map(|cell| cell.verdict).min();
-        Self { part, name: name.into(), drives, cells, verdict }
+        Self { part, name: name.into(), estimator, drives, cells, verdict }
     }
 
     /// The cell of a column's name.
@@ -137,6 +147,10 @@ impl Row {
     pub fn cell(&self, name: &str) -> Option<&Cell> {
         self.cells.iter().find(|cell| cell.column.name == name)
     }
+}
+
+fn label<S: serde::Serializer>(kind: &EstimatorKind, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(kind.label())
 }
 
 #[cfg(test)]
@@ -165,6 +179,7 @@ mod tests {
         let row = Row::new(
             "part",
             "row",
+            EstimatorKind::Informed,
             1,
             vec![
                 column.judged(1.0, Goal::AtMostStretch(3.0, 2.0)),
@@ -173,6 +188,9 @@ mod tests {
             ],
         );
         assert_eq!(row.verdict, Some(Verdict::Met));
-        assert_eq!(Row::new("part", "row", 1, vec![column.plain(9.0)]).verdict, None);
+        assert_eq!(
+            Row::new("part", "row", EstimatorKind::Informed, 1, vec![column.plain(9.0)]).verdict,
+            None
+        );
     }
 }

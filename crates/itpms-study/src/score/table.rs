@@ -14,13 +14,21 @@ impl Score {
         let mut text = format!("{}; seeds {} to {last}\n", names.join(", "), self.first_seed);
         let mut rows = self.rows.as_slice();
         while let Some(first) = rows.first() {
-            let same = |row: &&Row| row.part == first.part && headings(row) == headings(first);
+            // Several estimators stand below each other, one block per scenario.
+            let same = |row: &&Row| {
+                row.part == first.part
+                    && headings(row) == headings(first)
+                    && (self.estimators.len() == 1 || row.name == first.name)
+            };
             let (block, rest) = rows.split_at(rows.iter().take_while(same).count());
             text.push('\n');
             if let Some(title) = Part::title(first.part).filter(|_| self.begins_part(first)) {
                 text += &format!("{title}\n");
             }
-            text += &block_text(block);
+            text += &match self.estimators.len() {
+                1 => block_text("", block, |row| &row.name),
+                _ => block_text(&first.name, block, |row| row.estimator.label()),
+            };
             rows = rest;
         }
         text += "\n! misses its goal; stretch: the harder goal in brackets is reached, too\n";
@@ -36,15 +44,15 @@ fn headings(row: &Row) -> Vec<&'static str> {
     row.cells.iter().map(|cell| cell.column.heading).collect()
 }
 
-/// Rows of the same headings.
-fn block_text(rows: &[Row]) -> String {
+/// Rows of the same headings; `corner` stands above their labels.
+fn block_text<'a>(corner: &str, rows: &'a [Row], label: impl Fn(&'a Row) -> &'a str) -> String {
     let Some(first) = rows.first() else { return String::new() };
     let shared: Vec<bool> = (0..first.cells.len())
         .map(|i| rows.iter().all(|row| row.cells[i].goal == first.cells[i].goal))
         .collect();
     let judged = first.verdict.is_some();
     let mut lines =
-        vec![line("", "n", headings(first).iter().map(|h| (*h).to_owned()), judged.then_some(""))];
+        vec![line(corner, "n", headings(first).iter().map(|h| (*h).to_owned()), judged.then_some(""))];
     if first.cells.iter().zip(&shared).any(|(cell, shared)| *shared && cell.goal.is_some()) {
         let goals = first.cells.iter().zip(&shared).map(|(cell, shared)| match cell.goal {
             // Room for the mark of a value that misses.
@@ -60,7 +68,7 @@ fn block_text(rows: &[Row]) -> String {
             Verdict::Met => "met",
             Verdict::Stretch => "stretch",
         });
-        lines.push(line(&row.name, &row.drives.to_string(), cells, verdict));
+        lines.push(line(label(row), &row.drives.to_string(), cells, verdict));
     }
     aligned(&lines)
 }
@@ -109,6 +117,7 @@ fn aligned(lines: &[Vec<String>]) -> String {
 mod tests {
     use super::super::row::{Column, Goal};
     use super::*;
+    use itpms_core::estimator::EstimatorKind;
 
     const X: Column = Column::new("x_kpa", "x", 1);
 
@@ -116,8 +125,8 @@ mod tests {
     fn columns_align_and_a_miss_is_marked() {
         let goal = Goal::AtMost(3.0);
         let rows = [
-            Row::new("part", "short", 4, vec![X.judged(2.0, goal), X.plain(10.25)]),
-            Row::new("part", "a longer name", 4, vec![X.judged(33.0, goal), X.plain(f64::NAN)]),
+            row("short", vec![X.judged(2.0, goal), X.plain(10.25)]),
+            row("a longer name", vec![X.judged(33.0, goal), X.plain(f64::NAN)]),
         ];
         let expected = "\
                n      x      x
@@ -125,17 +134,25 @@ mod tests {
 short          4   2.0    10.2     met
 a longer name  4  33.0!   none  MISSED
 ";
-        assert_eq!(squeezed(&block_text(&rows)), squeezed(expected));
-        let widths: Vec<usize> = block_text(&rows).lines().skip(2).map(|line| line.chars().count()).collect();
+        assert_eq!(squeezed(&text(&rows)), squeezed(expected));
+        let widths: Vec<usize> = text(&rows).lines().skip(2).map(|line| line.chars().count()).collect();
         assert_eq!(widths[0], widths[1]);
     }
 
     #[test]
     fn goals_that_differ_stand_beside_their_values() {
-        let rows = [14.0, 15.5]
-            .map(|limit| Row::new("part", "row", 4, vec![X.judged(13.0, Goal::AtMostStretch(limit, 12.5))]));
-        let text = block_text(&rows);
+        let rows =
+            [14.0, 15.5].map(|limit| row("row", vec![X.judged(13.0, Goal::AtMostStretch(limit, 12.5))]));
+        let text = text(&rows);
         assert!(text.contains("13.0 <= 14 (12.5)") && text.contains("13.0 <= 15.5 (12.5)"), "{text}");
+    }
+
+    fn text(rows: &[Row]) -> String {
+        block_text("", rows, |row| &row.name)
+    }
+
+    fn row(name: &str, cells: Vec<Cell>) -> Row {
+        Row::new("part", name, EstimatorKind::Informed, 4, cells)
     }
 
     fn squeezed(text: &str) -> Vec<String> {

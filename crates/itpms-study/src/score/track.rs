@@ -25,8 +25,6 @@ const NOISES: [f64; 2] = [0.05, 0.3];
 /// Goals of the grid in kPa.
 const GRID_BIAS_KPA: f64 = 8.0;
 const GRID_RMSE_KPA: f64 = 17.0;
-/// Fewest drives in a cell of the grid, unless fewer are asked for.
-const GRID_FEWEST: usize = 10;
 
 const MEDIAN: Column = Column::new("rmse_median_kpa", "RMSE", 2);
 const P10: Column = Column::new("rmse_p10_kpa", "p10", 1);
@@ -68,6 +66,7 @@ fn track(case: &Case, turn: Turn) -> Result<Track, ScoreError> {
 /// A case's figures over its drives.
 struct Summary {
     name: String,
+    kind: EstimatorKind,
     drives: usize,
     rmse: Spread,
     before: Mean,
@@ -82,6 +81,7 @@ impl Summary {
         let mean = |figure: &dyn Fn(&Track) -> f64| Mean::of(&tracks.iter().map(figure).collect::<Vec<_>>());
         Ok(Self {
             name: case.name.clone(),
+            kind: case.kind,
             drives: tracks.len(),
             rmse: Spread::of(tracks.iter().map(|t| t.judged.rmse())),
             before: mean(&|t| t.before.bias()),
@@ -90,6 +90,10 @@ impl Summary {
             coverage_change: mean(&|t| t.change.coverage()),
             bound_rms_kpa: case.bound_rms_kpa()?,
         })
+    }
+
+    fn row(&self, part: &'static str, cells: Vec<Cell>) -> Row {
+        Row::new(part, self.name.clone(), self.kind, self.drives, cells)
     }
 
     fn cells(&self, rmse: Option<Goal>, bias: Option<Goal>) -> Vec<Cell> {
@@ -154,7 +158,7 @@ impl Plan {
         }
         if wanted(Part::BiasGrid) || coverage {
             for case in grid(kind)? {
-                let place = plan.add(case, grid_drives(drives));
+                let place = plan.add(case, drives);
                 plan.grid.push(place);
             }
         }
@@ -181,9 +185,7 @@ impl Plan {
         let tracks = runner.run(&self.cases, track)?;
         let all = self.cases.iter().zip(&tracks).map(|((case, _), tracks)| Summary::of(case, tracks));
         let all = all.collect::<Result<Vec<_>, _>>()?;
-        let several = self.paper.iter().any(|&i| self.cases[i].0.kind != self.cases[self.paper[0]].0.kind);
-        let mut rows: Vec<Row> =
-            self.paper.iter().map(|&i| paper_row(&self.cases[i].0, &all[i], several)).collect();
+        let mut rows: Vec<Row> = self.paper.iter().map(|&i| paper_row(&all[i])).collect();
         rows.extend(mass_rows(&self.mass.iter().map(|&i| &all[i]).collect::<Vec<_>>()));
         rows.extend(grid_rows(&self.grid.iter().map(|&i| &all[i]).collect::<Vec<_>>()));
         if self.coverage {
@@ -191,11 +193,6 @@ impl Plan {
         }
         Ok(rows)
     }
-}
-
-/// Half as many drives in each cell of the grid, ten at least: eighteen cells make up for it.
-fn grid_drives(drives: usize) -> usize {
-    (drives / 2).max(GRID_FEWEST).min(drives)
 }
 
 fn grid(kind: EstimatorKind) -> Result<Vec<Case>, ScoreError> {
@@ -211,11 +208,10 @@ fn grid(kind: EstimatorKind) -> Result<Vec<Case>, ScoreError> {
     Ok(cases)
 }
 
-fn paper_row(case: &Case, summary: &Summary, several: bool) -> Row {
-    let goal = PAPER.iter().find(|(name, _, _)| *name == case.name);
+fn paper_row(summary: &Summary) -> Row {
+    let goal = PAPER.iter().find(|(name, _, _)| *name == summary.name);
     let goal = goal.map(|&(_, goal, stretch)| Goal::AtMostStretch(goal, stretch));
-    let name = if several { format!("{} {}", case.name, case.kind.label()) } else { case.name.clone() };
-    Row::new("paper", name, summary.drives, summary.cells(goal, None))
+    summary.row("paper", summary.cells(goal, None))
 }
 
 /// The first is the nominal one.
@@ -228,7 +224,7 @@ fn mass_rows(summaries: &[&Summary]) -> Vec<Row> {
         let mut cells =
             vec![CHANGE.judged(change, Goal::WithinOfZero(3.0)), NOMINAL.plain(nominal.rmse.median)];
         cells.extend(summary.cells(None, None));
-        Row::new("mass", summary.name.clone(), summary.drives, cells)
+        summary.row("mass", cells)
     };
     wrong.iter().map(row).collect()
 }
@@ -237,17 +233,16 @@ fn grid_rows(summaries: &[&Summary]) -> Vec<Row> {
     const WORST_RMSE: Column = Column::new("worst_rmse_median_kpa", "worst RMSE", 2);
     const WORST_BIAS: Column = Column::new("worst_bias_kpa", "worst bias", 1);
     let (rmse, bias) = (Goal::AtMost(GRID_RMSE_KPA), Goal::WithinOfZero(GRID_BIAS_KPA));
-    let mut rows: Vec<Row> = summaries
-        .iter()
-        .map(|s| Row::new("bias-grid", s.name.clone(), s.drives, s.cells(Some(rmse), Some(bias))))
-        .collect();
-    if !summaries.is_empty() {
+    let mut rows: Vec<Row> =
+        summaries.iter().map(|s| s.row("bias-grid", s.cells(Some(rmse), Some(bias)))).collect();
+    if let Some(first) = summaries.first() {
         let worst_rmse = worst(summaries.iter().map(|s| s.rmse.median));
         let worst_bias = worst(summaries.iter().flat_map(|s| [s.before.value, s.after.value]));
         let cells = vec![WORST_RMSE.judged(worst_rmse, rmse), WORST_BIAS.judged(worst_bias, bias)];
         rows.push(Row::new(
             "bias-grid",
             "worst of the grid",
+            first.kind,
             summaries.iter().map(|s| s.drives).sum(),
             cells,
         ));
@@ -261,11 +256,12 @@ fn worst(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Every case counts alike. Single cases are shown but not judged: in five seconds of a few drives the share is known
-/// to some 0.1 only.
+/// to several hundredths only.
 fn coverage_rows(summaries: &[Summary]) -> Vec<Row> {
     const MEAN: Column = Column::new("coverage", "coverage", 3);
     const LOWEST: Column = Column::new("lowest_row", "lowest row", 3);
     const HIGHEST: Column = Column::new("highest_row", "highest row", 3);
+    let Some(first) = summaries.first() else { return vec![] };
     let row = |name: &str, figure: fn(&Summary) -> f64| {
         let shares: Vec<f64> = summaries.iter().map(figure).collect();
         let lowest = shares.iter().copied().fold(f64::INFINITY, f64::min);
@@ -275,7 +271,7 @@ fn coverage_rows(summaries: &[Summary]) -> Vec<Row> {
             LOWEST.plain(lowest),
             HIGHEST.plain(highest),
         ];
-        Row::new("coverage", name, summaries.iter().map(|s| s.drives).sum(), cells)
+        Row::new("coverage", name, first.kind, summaries.iter().map(|s| s.drives).sum(), cells)
     };
     vec![row("t > 3 s", |s| s.coverage.value), row("in the drop", |s| s.coverage_change.value)]
 }
@@ -284,11 +280,6 @@ fn coverage_rows(summaries: &[Summary]) -> Vec<Row> {
 mod tests {
     use super::*;
     use std::ops::ControlFlow;
-
-    #[test]
-    fn the_grid_gets_half_the_drives_but_ten() {
-        assert_eq!([40, 15, 4].map(grid_drives), [20, 10, 4]);
-    }
 
     #[test]
     fn the_worst_is_furthest_from_zero() {
@@ -316,7 +307,7 @@ mod tests {
         assert_eq!(tracks, run());
         assert_ne!(tracks[0][0], tracks[0][1]);
         let summary = Summary::of(&cases[0].0, &tracks[0]).unwrap();
-        let row = paper_row(&cases[0].0, &summary, false);
+        let row = paper_row(&summary);
         // A tire that loses 103 kPa within a second, a second before the end, is followed by nobody; and an estimate
         // that starts 19 kPa off is not 100 kPa off before.
         let value = |name: &str| row.cell(name).unwrap().value;

@@ -3,6 +3,7 @@
 pub(crate) mod completions;
 pub(crate) mod demo;
 pub(crate) mod estimate;
+pub(crate) mod score;
 pub(crate) mod simulate;
 
 /// Rows between two looks at the interrupt flag and the progress bar.

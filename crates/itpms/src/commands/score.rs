@@ -1,0 +1,40 @@
+//! `itpms score`: how good an estimator is over many drives, held against the goals.
+
+use std::ops::ControlFlow;
+
+use itpms_study::score::{Request, ScoreError, score};
+
+use crate::args::ScoreArgs;
+use crate::exit::Failure;
+use crate::interrupt::Interrupt;
+use crate::screen::Screen;
+
+pub(crate) fn run(args: &ScoreArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
+    let request = Request {
+        seeds: args.seeds as usize,
+        first_seed: args.first_seed,
+        estimators: args.estimator.kinds(),
+        part: args.row,
+    };
+    let progress = screen.progress("driving");
+    let look = |done: u64, total: u64| match interrupt.check() {
+        Ok(()) => {
+            progress.set(done as f64 / total as f64);
+            ControlFlow::Continue(())
+        }
+        Err(_) => ControlFlow::Break(()),
+    };
+    let result = score(&request, &look);
+    drop(progress);
+    let score = result.map_err(|error| match error {
+        ScoreError::Stopped => Failure::Interrupted,
+        other => Failure::Usage(other.to_string()),
+    })?;
+    if args.json {
+        let json = serde_json::to_string_pretty(&score);
+        screen.print(json.map_err(|error| Failure::Usage(format!("the score is no JSON: {error}")))?);
+    } else {
+        screen.print(score.table().trim_end());
+    }
+    Ok(())
+}
