@@ -6,6 +6,7 @@ mod common;
 
 use std::sync::LazyLock;
 
+use common::quarter_plant::Random;
 use common::ride::{Ride, Row, estimator, feed};
 use itpms_core::estimate::CornerEstimate;
 use itpms_core::estimator::{Estimator, EstimatorKind};
@@ -124,15 +125,48 @@ proptest! {
     fn any_f32_is_survived(damage in damage()) {
         survive::<f32>(&damage, f32_from_bits, Afterwards::Anything);
     }
-}
-
-proptest! {
-    // Rare: one ride in a hundred or so.
-    #![proptest_config(ProptestConfig { cases: 200, ..config() })]
 
     #[test]
-    #[ignore = "not met: all probabilities can underflow to zero in f32; then 30 ± 2.3 kPa, called valid, for ever"]
     fn any_f32_is_overcome(damage in damage()) {
         survive::<f32>(&damage, f32_from_bits, Afterwards::Recovers);
     }
+}
+
+/// A second of white noise over the whole range from the first sample on, then thirteen clean ones: (error, sd).
+fn after_noise<T: Real>(seed: u64) -> (f64, f64) {
+    let mut random = Random::new(seed);
+    let mut rows = ROWS[..7000].to_vec();
+    for row in &mut rows[..500] {
+        for x in [&mut row.wheel, &mut row.body] {
+            random.uniform();
+            *x = 1000.0 * (2.0 * random.uniform() - 1.0);
+        }
+    }
+    let mut estimator = estimator::<T>(EstimatorKind::Informed, RATE_HZ);
+    for row in &rows {
+        feed(&mut estimator, row);
+    }
+    let last = feed(&mut estimator, &ROWS[7000]);
+    (last.pressure_kpa.to_f64() - ROWS[7000].pressure_kpa, last.pressure_sd_kpa.to_f64())
+}
+
+/// Seeds that were found by trying 150.
+const UNLUCKY: [u64; 3] = [65, 128, 138];
+
+fn overcome<T: Real>() {
+    let results = UNLUCKY.map(after_noise::<T>);
+    println!("(error, sd) in kPa: {results:.1?}");
+    assert!(results.iter().all(|(error, sd)| error.abs() < 3.0 * sd));
+}
+
+#[test]
+#[ignore = "not met: in two of a hundred such rides the belief stays on the lowest cell, 30.0 ± 2.3 kPa, valid, for good"]
+fn full_range_noise_is_overcome() {
+    overcome::<f64>();
+}
+
+#[test]
+#[ignore = "not met: as in f64"]
+fn full_range_noise_is_overcome_in_single_precision() {
+    overcome::<f32>();
 }

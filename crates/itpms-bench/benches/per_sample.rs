@@ -1,0 +1,48 @@
+//! Wall-clock time per sample: `cargo bench -p itpms-bench --features time`.
+#![allow(missing_docs)] // The macros make public items.
+
+use std::hint::black_box;
+
+use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
+use itpms_bench::{HOP, PUBLISHED_WARM_UP, RATE_HZ, Running, WARM_UP, published, road, sample};
+use itpms_core::estimator::EstimatorKind;
+use itpms_core::real::Real;
+
+fn scalar<T: Real>(c: &mut Criterion, name: &str) {
+    c.bench_function(&format!("road filter, {name}"), |b| {
+        let (mut filter, mut k) = (road::<T>(), WARM_UP);
+        let samples: Vec<_> = (0..WARM_UP).map(sample::<T>).collect();
+        b.iter(|| {
+            k += 1;
+            filter.update(k as f64 / RATE_HZ, black_box(&samples[k % WARM_UP]))
+        });
+    });
+    for kind in [EstimatorKind::Informed, EstimatorKind::AekfUiInformed] {
+        let mut running = Running::<T>::new(kind);
+        c.bench_function(&format!("{}, one frame of {HOP} samples, {name}", kind.label()), |b| {
+            b.iter(|| black_box(&mut running).advance_by(HOP));
+        });
+    }
+}
+
+fn published_step(c: &mut Criterion) {
+    let start = published();
+    c.bench_function("published AEKF-UI step, f64", |b| {
+        let sample = sample(PUBLISHED_WARM_UP);
+        // From the same state every time: a filter that runs away is not what is measured.
+        b.iter_batched_ref(
+            || start,
+            |filter| filter.step(black_box(1.0 / RATE_HZ), black_box(&sample)),
+            BatchSize::SmallInput,
+        );
+    });
+}
+
+fn all(c: &mut Criterion) {
+    published_step(c);
+    scalar::<f64>(c, "f64");
+    scalar::<f32>(c, "f32");
+}
+
+criterion_group!(benches, all);
+criterion_main!(benches);

@@ -1,0 +1,27 @@
+//! Bytes that an estimator occupies: `cargo run -p itpms-bench --example sizes`.
+
+use itpms_core::estimator::Estimator;
+use itpms_core::filter::{AekfUi, AekfUiInformed};
+use itpms_core::informed::Informed;
+use itpms_core::intake::Intake;
+use itpms_core::real::Real;
+use itpms_core::road::RoadFilter;
+
+fn report<T: Real>(scalar: &str) {
+    let sizes = [
+        ("Estimator", size_of::<Estimator<T>>()),
+        ("Informed", size_of::<Informed<T>>()),
+        ("Intake", size_of::<Intake<T>>()),
+        ("RoadFilter", size_of::<RoadFilter<T>>()),
+        ("AekfUiInformed", size_of::<AekfUiInformed<T>>()),
+        ("AekfUi", size_of::<AekfUi<T>>()),
+    ];
+    for (name, bytes) in sizes {
+        println!("{name}<{scalar}>: {bytes} bytes");
+    }
+}
+
+fn main() {
+    report::<f32>("f32");
+    report::<f64>("f64");
+}
