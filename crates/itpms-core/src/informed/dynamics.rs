@@ -50,11 +50,11 @@ const LEVEL_DIFFUSION: [f64; LEVEL_MODES] = [0.01, 0.4, 0.4];
 /// Variance that a jump adds per step to the log level and to the slope.
 pub(super) const JUMP_VARIANCE: [f64; 2] = [4.0, 0.01];
 /// Slope: mean, stationary sd, relaxation time in s.
-pub(super) const SLOPE_MEAN: f64 = 2.1;
-pub(super) const SLOPE_SD: f64 = 0.25;
+pub(super) const SLOPE_MEAN: f64 = 2.2;
+pub(super) const SLOPE_SD: f64 = 0.4;
 const SLOPE_RELAXATION_S: f64 = 500.0;
 /// Squared enveloping length in (0.1 m)²: sd at the start, and diffusion in 1/√s (a soft tire has a longer patch).
-pub(super) const ENVELOPE_SD: f64 = 2.0;
+pub(super) const ENVELOPE_SD: f64 = 1.3;
 const ENVELOPE_DIFFUSION: f64 = 0.005;
 
 /// Everything a prediction step needs, made once for a step length.

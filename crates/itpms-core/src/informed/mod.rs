@@ -45,7 +45,9 @@ const OVERLAP: f64 = 0.45;
 /// Highest frequency used, as a share of the sampling rate.
 const BAND: f64 = 0.25;
 /// Frequency times enveloping length over speed up to which enveloping is a smooth loss.
-const ENVELOPE_REACH: f64 = 0.55;
+const ENVELOPE_REACH: f64 = 0.75;
+/// Bins used however long the enveloping may be: up to 40 Hz, so that wheel hop has neighbours on both sides.
+const LEAST_BINS: usize = 5;
 /// Speed in m/s below which nothing is learned.
 const STANDING_M_S: f64 = 2.5;
 /// Accelerometer noise in m/s² rms when nobody knows better.
@@ -92,7 +94,7 @@ impl<T: Real> Informed<T> {
         let scale = config.placard_kpa / T::lit(dynamics::REFERENCE_KPA);
         let posterior =
             Posterior::new(clock.hop_s(), initial_cell, T::lit(INITIAL_SD_KPA) * scale / grid.step_kpa());
-        let highest = (BAND * sample_rate_hz / clock.bin_spacing_hz()).clamp(4.0, BINS as f64);
+        let highest = (BAND * sample_rate_hz / clock.bin_spacing_hz()).clamp(1.0, BINS as f64);
         Self {
             config: *config,
             grid,
@@ -162,7 +164,7 @@ impl<T: Real> Informed<T> {
     fn evidence(&self, frame: &Frame<T>, speed_m_s: T, envelope_m: T) -> Evidence<T> {
         let speed = if speed_m_s > T::lit(STANDING_M_S) { speed_m_s } else { T::lit(15.0) };
         let reach = T::lit(ENVELOPE_REACH) * speed / (T::lit(self.clock.bin_spacing_hz()) * envelope_m);
-        let bins = (reach.to_f64() as usize).clamp(4, self.bins);
+        let bins = (reach.to_f64() as usize).max(LEAST_BINS).min(self.bins);
         let body = self.body.body();
         let parts = [
             (WHEEL_JERK, body.unsprung_mass_kg),
