@@ -160,13 +160,11 @@ fn overcome<T: Real>() {
 }
 
 #[test]
-#[ignore = "not met: in two of a hundred such rides the belief stays on the lowest cell, 30.0 ± 2.3 kPa, called valid, for more than 13 s"]
 fn full_range_noise_is_overcome() {
     overcome::<f64>();
 }
 
 #[test]
-#[ignore = "met or not by chance, as in f64: single precision has unlucky seeds of its own"]
 fn full_range_noise_is_overcome_in_single_precision() {
     overcome::<f32>();
 }

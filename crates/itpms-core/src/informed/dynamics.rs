@@ -16,8 +16,10 @@ pub(super) const TAPS: usize = 2 * REACH + 1;
 
 /// Index of the quiet leak mode.
 pub(super) const QUIET: usize = 0;
-/// Index of the active leak mode (moving a little, no trend).
-pub(super) const ACTIVE: usize = 1;
+/// Index of the leak mode of a fast fall.
+pub(super) const FALL: usize = 2;
+/// Index of the leak mode of re-inflation.
+pub(super) const RISE: usize = 3;
 /// Index of the calm road level mode.
 pub(super) const CALM: usize = 0;
 /// Index of the jumping road level mode.
@@ -27,7 +29,7 @@ pub(super) const JUMP: usize = 2;
 pub(super) const REFERENCE_KPA: f64 = 241.3;
 
 /// Drift in kPa/s and diffusion in kPa/√s: quiet, active, fall, rise, slow fall.
-const LEAKS: [(f64, f64); LEAK_MODES] = [(0.0, 0.4), (0.0, 2.0), (-50.0, 15.0), (8.0, 6.0), (-2.5, 2.5)];
+const LEAKS: [(f64, f64); LEAK_MODES] = [(0.0, 0.2), (0.0, 2.0), (-50.0, 15.0), (8.0, 6.0), (-2.5, 2.5)];
 
 /// Transition rates per second, from, to.
 const LEAK_RATES: [(usize, usize, f64); 12] = [
@@ -54,7 +56,7 @@ pub(super) const SLOPE_MEAN: f64 = 2.2;
 pub(super) const SLOPE_SD: f64 = 0.4;
 const SLOPE_RELAXATION_S: f64 = 500.0;
 /// Squared enveloping length in (0.1 m)²: sd at the start, and diffusion in 1/√s (a soft tire has a longer patch).
-pub(super) const ENVELOPE_SD: f64 = 1.3;
+pub(super) const ENVELOPE_SD: f64 = 1.0;
 const ENVELOPE_DIFFUSION: f64 = 0.005;
 
 /// Everything a prediction step needs, made once for a step length.

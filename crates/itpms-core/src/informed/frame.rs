@@ -1,5 +1,5 @@
-//! Short spectral frames of the reconstructed signals: 0.2 s under a sine window, one every 0.1 s, 12 bins from 5 to
-//! 60 Hz, accumulated sample by sample so that no signal is ever stored.
+//! Short spectral frames of the reconstructed signals: 0.12 s under a sine window, one every 0.06 s, 12 bins from 8.3
+//! to 100 Hz, accumulated sample by sample so that no signal is ever stored.
 //!
 //! At the true stiffness the reconstructed road velocity is nearly white, so frames this short do not smear it.
 
@@ -8,7 +8,7 @@ use nalgebra::SMatrix;
 use super::reconstruct::SIGNALS;
 use crate::real::Real;
 
-/// Spectral bins: 5, 10, ... 60 Hz.
+/// Spectral bins: 8.3, 16.7, ... 100 Hz.
 pub(super) const BINS: usize = 12;
 /// Nominal time between frames in s; a frame lasts twice as long.
 const HOP_S: f64 = 0.06;

@@ -3,7 +3,7 @@
 //!
 //! The spectrum of a road is a smooth power law. Reconstructed with a wrong stiffness it shows a wheel-hop peak or
 //! notch near 10-14 Hz; how unlikely that is, for every stiffness of a grid, is the information. Short spectral frames
-//! feed it ten times a second; leak modes and road-level modes say how fast belief may change.
+//! feed it some seventeen times a second; leak modes and road-level modes say how fast belief may change.
 //!
 //! | room | idea |
 //! |---|---|
@@ -27,7 +27,7 @@ mod road_belief;
 
 use self::body::BodyIdentification;
 use self::frame::{BINS, Frame, FrameClock};
-use self::gate::Gate;
+use self::gate::{Gate, SpeedKnowledge};
 use self::model::{Body, Grid, Tables};
 use self::posterior::Posterior;
 use self::reconstruct::{
@@ -52,6 +52,9 @@ const LEAST_BINS: usize = 5;
 const STANDING_M_S: f64 = 2.5;
 /// Accelerometer noise in m/s² rms when nobody knows better.
 const DEFAULT_NOISE_M_S2: f64 = 0.05;
+/// Share by which the sd grows while the pressure surely moves fast: found on seeds of its own so that intervals cover
+/// more of a drop without covering too much elsewhere.
+const MOVING_SD: f64 = 0.7;
 /// Standard deviation in kPa of the pressure to start from.
 const INITIAL_SD_KPA: f64 = 30.0;
 
@@ -133,7 +136,8 @@ impl<T: Real> Informed<T> {
     fn learn(&mut self, frame: &Frame<T>, speed_m_s: T) {
         let (cell, road) = self.posterior.most_likely();
         let mut evidence = self.evidence(frame, speed_m_s, road.longest_envelope_m());
-        self.gate.look(&evidence, &self.tables, cell, &road);
+        let speed = if speed_m_s.is_finite() { SpeedKnowledge::Known } else { SpeedKnowledge::Unknown };
+        self.gate.look(&evidence, &self.tables, cell, &road, speed);
         if self.saturated || speed_m_s < T::lit(STANDING_M_S) {
             self.gate.close();
         }
@@ -228,9 +232,11 @@ impl<T: Real> Informed<T> {
         let step = self.grid.step_kpa();
         // A cell is a small uniform distribution of its own.
         let variance = (summary.variance_cells2 + T::lit(1.0 / 12.0)) * step * step;
+        // While the pressure moves, no single drift fits and the mean lags: the sd says so.
+        let lag = T::one() + T::lit(MOVING_SD) * summary.moving;
         Belief {
             pressure_kpa: self.grid.pressure_kpa(0) + summary.mean_cell * step,
-            pressure_sd_kpa: variance.sqrt(),
+            pressure_sd_kpa: variance.sqrt() * lag,
             moving: summary.moving,
             surprise: self.gate.surprise(),
             gate: self.gate.open(),

@@ -1,12 +1,12 @@
 //! The belief: a probability for every (road level mode, leak mode, pressure cell), and for every (level mode, cell) a
-//! Gaussian over the road's log level `c` and slope `w` (docs/math/informed.md, sections 2-4).
+//! Gaussian over the road's log level, slope and enveloping (docs/math/informed.md, sections 2-4).
 //!
 //! `predict` moves the belief on by one frame, `update` weighs it with one. Knows nothing of samples or gates.
 
 use nalgebra::SVector;
 
 use super::dynamics::{
-    ACTIVE, CALM, Dynamics, JUMP, JUMP_VARIANCE, LEAK_MODES, LEVEL_MODES, QUIET, REACH, SLOPE_MEAN, TAPS,
+    CALM, Dynamics, FALL, JUMP, JUMP_VARIANCE, LEAK_MODES, LEVEL_MODES, QUIET, REACH, RISE, SLOPE_MEAN, TAPS,
 };
 use super::model::{CELLS, Tables};
 use super::road_belief::{ENVELOPE, Evidence, LEVEL, MomentMatch, Road, RoadBelief, SLOPE};
@@ -24,7 +24,7 @@ pub(super) struct Summary<T> {
     pub(super) mean_cell: T,
     /// Variance in cells².
     pub(super) variance_cells2: T,
-    /// Probability that the pressure is moving.
+    /// Probability that the pressure is falling or rising fast.
     pub(super) moving: T,
 }
 
@@ -297,11 +297,11 @@ impl<T: Real> Posterior<T> {
             let d = T::lit(cell as f64) - mean;
             square += mass[cell] * d * d;
         }
-        let mut still = T::zero();
+        let mut falling_or_rising = T::zero();
         for level in &self.weight {
-            still += level[QUIET].sum() + level[ACTIVE].sum();
+            falling_or_rising += level[FALL].sum() + level[RISE].sum();
         }
-        Summary { mean_cell: mean, variance_cells2: square, moving: (T::one() - still).max(T::zero()) }
+        Summary { mean_cell: mean, variance_cells2: square, moving: falling_or_rising.min(T::one()) }
     }
 }
 

@@ -12,6 +12,8 @@ use crate::real::Real;
 pub(super) const LEAK_RAD_S: f64 = core::f64::consts::TAU * 1.5;
 /// Time constant in s of the offset that is taken off each sensor (gravity, bias).
 const OFFSET_S: f64 = 10.0;
+/// What lies this far out is no offset (gravity is the largest) and must not drag it along.
+const LARGEST_OFFSET_M_S2: f64 = 40.0;
 /// Samples by which the centred derivative lags.
 const LAG: usize = 3;
 
@@ -50,7 +52,8 @@ impl<T: Real> Channel<T> {
     }
 
     fn push(&mut self, raw: T, offset_gain: T, dt: T) {
-        self.offset += offset_gain * (raw - self.offset);
+        let limit = T::lit(LARGEST_OFFSET_M_S2);
+        self.offset += offset_gain * (raw.clamp(-limit, limit) - self.offset);
         self.acceleration.rotate_right(1);
         self.acceleration[0] = raw - self.offset;
         // ∫a over a step through the cubic of the four points around it, 1/24 (-1, 13, 13, -1): right to 4 % at a fifth
