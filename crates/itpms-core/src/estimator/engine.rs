@@ -3,7 +3,7 @@
 use crate::estimate::{CornerConfig, Validity};
 use crate::filter::{
     AekfUi, AekfUiInformed, FilterConfig, Forgetting, InformedConfig, InformedRecord, InformedStatus,
-    StepRecord,
+    ParameterForgetting, StepRecord,
 };
 use crate::informed::Informed;
 use crate::intake::GridSample;
@@ -85,7 +85,7 @@ impl<T: Real> Engine<T> {
             EstimatorKind::Informed => Method::Informed(informed()),
             EstimatorKind::AekfUiInformed => Method::AekfUiInformed {
                 likelihood: informed(),
-                filter: AekfUiInformed::new(config.quarter_car, InformedConfig::for_corner(config))?,
+                filter: AekfUiInformed::new(config.quarter_car, filter_config(config))?,
             },
             EstimatorKind::AekfUi => published(Forgetting::OneStep)?,
             EstimatorKind::EkfUi => published(Forgetting::None)?,
@@ -115,9 +115,9 @@ impl<T: Real> Engine<T> {
             Method::AekfUiInformed { likelihood, filter } => {
                 let mut record = filter.step(self.grid_period_s, &corner);
                 if likelihood.push(sample)
-                    && let Some(told) = likelihood.score_at(record.stiffness_n_per_m())
+                    && let Some(word) = likelihood.take_word()
                 {
-                    filter.measure_stiffness_information(told.at_n_per_m, told.score, told.information);
+                    filter.measure_stiffness(word.stiffness_n_per_m, word.sd_n_per_m);
                     record = filter.record(record.status);
                 }
                 self.reading = record_reading(&self.config, likelihood, &record);
@@ -131,6 +131,12 @@ impl<T: Real> Engine<T> {
     pub(super) fn reading(&self) -> Reading<T> {
         self.reading
     }
+}
+
+/// Settings of the mended filter for words that come every 0.7 s: a short memory of few, weighty innovations.
+fn filter_config<T: Real>(config: &CornerConfig<T>) -> InformedConfig<T> {
+    let forgetting = ParameterForgetting::Adaptive { memory: T::lit(5.0), significance: T::lit(0.2) };
+    InformedConfig { forgetting, ..InformedConfig::for_corner(config) }
 }
 
 /// Whether a stiffness of this sd may be believed, given how much was learned.

@@ -211,19 +211,16 @@ impl<T: Real> Informed<T> {
         .unwrap_or(self.config.quarter_car)
     }
 
-    /// What the last frame alone says near a stiffness in N/m: the slope of its log-likelihood and the information of
-    /// frames like it. `None` if it was not used. Frames are tempered, so that what they say may be added up.
-    pub fn score_at(&self, stiffness_n_per_m: T) -> Option<StiffnessScore<T>> {
-        if !(self.gate.open() > T::zero()) {
-            return None;
-        }
+    /// What the frames since the last word say by themselves, whatever was believed before: a stiffness measurement for
+    /// a filter outside. `None` until there are enough of them. Frames are tempered, so words may be added up.
+    pub fn take_word(&mut self) -> Option<StiffnessWord<T>> {
+        let (cell, variance) = self.posterior.take_word()?;
+        let pressure_kpa = self.grid.pressure_kpa(0) + cell * self.grid.step_kpa();
         let per_cell = self.grid.step_kpa() * self.config.tire.stiffness_per_kpa();
-        let lowest = self.config.tire.stiffness_n_per_m(self.grid.pressure_kpa(0));
-        let cell = (stiffness_n_per_m - lowest) / per_cell;
-        let score = self.posterior.score_at(cell) / per_cell;
-        let information = self.posterior.information_at(cell) / (per_cell * per_cell);
-        let at_n_per_m = stiffness_n_per_m;
-        (information > T::zero()).then_some(StiffnessScore { at_n_per_m, score, information })
+        Some(StiffnessWord {
+            stiffness_n_per_m: self.config.tire.stiffness_n_per_m(pressure_kpa),
+            sd_n_per_m: variance.sqrt() * per_cell,
+        })
     }
 
     /// What is believed now.
@@ -265,13 +262,11 @@ pub struct Belief<T> {
     pub learned_s: T,
 }
 
-/// A log-likelihood of the stiffness, by its slope and information at one point.
+/// A measurement of the stiffness, by a few frames.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StiffnessScore<T> {
-    /// Where, in N/m.
-    pub at_n_per_m: T,
-    /// First derivative per N/m.
-    pub score: T,
-    /// Information per (N/m)².
-    pub information: T,
+pub struct StiffnessWord<T> {
+    /// Stiffness in N/m; may lie outside what is possible when it says little.
+    pub stiffness_n_per_m: T,
+    /// Its standard deviation in N/m.
+    pub sd_n_per_m: T,
 }

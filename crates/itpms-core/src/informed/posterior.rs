@@ -12,8 +12,9 @@ use super::model::{CELLS, Tables};
 use super::road_belief::{ENVELOPE, Evidence, LEVEL, MomentMatch, Road, RoadBelief, SLOPE};
 use crate::real::Real;
 
-/// Share of the newest frame in the smoothed information: a memory of some three seconds.
-const INFORMATION_SMOOTHING: f64 = 0.02;
+/// Frames whose likelihoods are added up to one word for a filter outside: some 0.7 s. One frame alone says too little
+/// for its surprise to show.
+const FRAMES_PER_WORD: u32 = 12;
 
 type Cells<T> = SVector<T, CELLS>;
 
@@ -35,9 +36,9 @@ pub(super) struct Posterior<T: Real> {
     weight: [[Cells<T>; LEAK_MODES]; LEVEL_MODES],
     road: [RoadBelief<T>; LEVEL_MODES],
     dynamics: Dynamics<T>,
-    /// What the last frame alone said of each cell, and the smoothed score² of frames: their information.
-    frame_log_likelihood: Cells<T>,
-    information: Cells<T>,
+    /// Sum of what the frames since the last word said of each cell, and their number.
+    told_log_likelihood: Cells<T>,
+    told_frames: u32,
     /// False until the first frame has set the road's level.
     road_known: bool,
 }
@@ -62,8 +63,8 @@ impl<T: Real> Posterior<T> {
             weight,
             road: [road.clone(), road.clone(), road],
             dynamics: Dynamics::new(hop_s),
-            frame_log_likelihood: Cells::zeros(),
-            information: Cells::zeros(),
+            told_log_likelihood: Cells::zeros(),
+            told_frames: 0,
             road_known: false,
         }
     }
@@ -191,40 +192,50 @@ impl<T: Real> Posterior<T> {
                 largest = largest.max(evidence);
             }
         }
-        let before = self.cells();
+        self.remember_frame(&log_evidence, largest);
         for (modes, log_evidence) in self.weight.iter_mut().zip(&log_evidence) {
             let factor = log_evidence.map(|e| (e - largest).exp());
             for cells in modes {
                 cells.component_mul_assign(&factor);
             }
         }
-        self.remember_frame(&before);
         self.normalise();
     }
 
-    /// Keeps what this frame said of each cell, whatever was believed before.
-    fn remember_frame(&mut self, before: &Cells<T>) {
-        let tiny = T::lit(1e-30);
-        self.frame_log_likelihood =
-            self.cells().zip_map(before, |after, before| (after.max(tiny) / before.max(tiny)).ln());
+    /// Adds what this frame said of each cell, whatever was believed of the cells before: the level modes' evidence,
+    /// averaged with their shares there.
+    fn remember_frame(&mut self, log_evidence: &[Cells<T>; LEVEL_MODES], largest: T) {
+        // Where all mass is gone the modes count alike.
+        let floor = T::lit(1e-30);
         for cell in 0..CELLS {
-            let score = self.score_at(T::lit(cell as f64));
-            let newest = score * score - self.information[cell];
-            self.information[cell] += T::lit(INFORMATION_SMOOTHING) * newest;
+            let (mut said, mut total) = (T::zero(), T::zero());
+            for (modes, evidence) in self.weight.iter().zip(log_evidence) {
+                let share = modes.iter().fold(floor, |sum, cells| sum + cells[cell]);
+                said += share * (evidence[cell] - largest).exp();
+                total += share;
+            }
+            self.told_log_likelihood[cell] += (said / total).max(floor).ln();
         }
+        self.told_frames += 1;
     }
 
-    /// Slope of the last frame's log-likelihood per cell, over a few cells around a fractional one.
-    pub(super) fn score_at(&self, cell: T) -> T {
-        let (from, to) = neighbourhood(cell);
-        let distance = T::lit((to - from) as f64);
-        (self.frame_log_likelihood[to] - self.frame_log_likelihood[from]) / distance
-    }
-
-    /// Information per cell² that frames lately carried around a fractional cell: the mean square of their scores.
-    pub(super) fn information_at(&self, cell: T) -> T {
-        let (from, to) = neighbourhood(cell);
-        T::lit(0.5) * (self.information[from] + self.information[to])
+    /// What the frames since the last word said by themselves: the mean cell and the variance in cells² of a Gaussian
+    /// that turns the uniform belief into theirs. `None` until there are enough frames, or if they said nothing.
+    pub(super) fn take_word(&mut self) -> Option<(T, T)> {
+        if self.told_frames < FRAMES_PER_WORD {
+            return None;
+        }
+        let largest = self.told_log_likelihood.max();
+        let likelihood = self.told_log_likelihood.map(|l| (l - largest).exp());
+        self.told_log_likelihood = Cells::zeros();
+        self.told_frames = 0;
+        let (mean, variance) = moments(&(likelihood / likelihood.sum()));
+        let (uniform_mean, uniform_variance) = moments(&Cells::repeat(T::lit(1.0 / CELLS as f64)));
+        // A cell is a small uniform distribution of its own.
+        let variance = variance + T::lit(1.0 / 12.0);
+        let information = T::one() / variance - T::one() / uniform_variance;
+        let weighted = mean / variance - uniform_mean / uniform_variance;
+        (information > T::lit(1e-6)).then(|| (weighted / information, T::one() / information))
     }
 
     /// The first frame sets the level that the road is searched around.
@@ -288,15 +299,7 @@ impl<T: Real> Posterior<T> {
     }
 
     pub(super) fn summary(&self) -> Summary<T> {
-        let mass = self.cells();
-        let (mut mean, mut square) = (T::zero(), T::zero());
-        for cell in 0..CELLS {
-            mean += mass[cell] * T::lit(cell as f64);
-        }
-        for cell in 0..CELLS {
-            let d = T::lit(cell as f64) - mean;
-            square += mass[cell] * d * d;
-        }
+        let (mean, square) = moments(&self.cells());
         let mut falling_or_rising = T::zero();
         for level in &self.weight {
             falling_or_rising += level[FALL].sum() + level[RISE].sum();
@@ -305,10 +308,17 @@ impl<T: Real> Posterior<T> {
     }
 }
 
-/// The cells two below and two above a fractional one, inside the grid.
-fn neighbourhood<T: Real>(cell: T) -> (usize, usize) {
-    let nearest = (cell.to_f64() + 0.5).clamp(2.0, (CELLS - 3) as f64) as usize;
-    (nearest - 2, nearest + 2)
+/// Mean and variance of a probability over cells.
+fn moments<T: Real>(mass: &Cells<T>) -> (T, T) {
+    let (mut mean, mut square) = (T::zero(), T::zero());
+    for (cell, &p) in mass.iter().enumerate() {
+        mean += p * T::lit(cell as f64);
+    }
+    for (cell, &p) in mass.iter().enumerate() {
+        let d = T::lit(cell as f64) - mean;
+        square += p * d * d;
+    }
+    (mean, square)
 }
 
 /// Mass moved by a kernel; what leaves the grid is lost.
