@@ -72,10 +72,12 @@ pub(super) fn clock(time_s: f64) -> String {
         return "an unknown time".into();
     }
     if time_s.abs() < 120.0 {
-        return if time_s.fract().abs() < 0.05 || time_s >= 100.0 {
-            format!("{time_s:.0}\u{a0}s")
+        // Rounded first: 47.99 and 48.01 are both 48 s, not one of them 48.0 s.
+        let tenths = (10.0 * time_s).round() / 10.0;
+        return if tenths.fract().abs() < 0.05 || time_s >= 100.0 {
+            format!("{tenths:.0}\u{a0}s")
         } else {
-            format!("{time_s:.1}\u{a0}s")
+            format!("{tenths:.1}\u{a0}s")
         };
     }
     let whole = time_s.round() as i64;
@@ -169,6 +171,7 @@ mod tests {
         let clock = |t: f64| clock(t).replace('\u{a0}', " ");
         assert_eq!(clock(22.0), "22 s");
         assert_eq!(clock(22.44), "22.4 s");
+        assert_eq!((clock(47.998), clock(48.002)), ("48 s".into(), "48 s".into()));
         assert_eq!(clock(119.0), "119 s");
         assert_eq!(clock(245.0), "4 min 05 s");
         assert_eq!(clock(3720.0), "1 h 02 min");
