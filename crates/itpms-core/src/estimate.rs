@@ -15,7 +15,7 @@ pub struct CornerConfig<T> {
     pub tire: PressureMap<T>,
     /// Pressure the car's placard asks for, in kPa gauge.
     pub placard_kpa: T,
-    /// Accelerometer noise in m/s², rms per sample at the log's rate, both sensors; `None`: learned from the data.
+    /// Accelerometer noise in m/s², rms per sample at the log's rate, both sensors; `None`: 0.05 is assumed.
     pub accel_noise_m_s2: Option<T>,
     /// Pressure to start from, in kPa gauge; `None`: the placard's.
     pub initial_kpa: Option<T>,

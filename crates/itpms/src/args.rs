@@ -73,6 +73,9 @@ pub(crate) struct EstimateArgs {
     /// Which estimator. The two as published are there to be looked at: they cannot find the stiffness.
     #[arg(long, value_name = "NAME", default_value = EstimatorKind::default().label(), value_parser = estimator_names())]
     pub(crate) estimator: EstimatorKind,
+    /// The first S seconds are driven at placard pressure (a reset).
+    #[arg(long, value_name = "S", value_parser = positive)]
+    pub(crate) calibrate_s: Option<f64>,
     /// Rows per second of the output.
     #[arg(long, value_name = "HZ", default_value_t = 10.0, value_parser = positive)]
     pub(crate) rate: f64,

@@ -7,7 +7,7 @@ use crate::filter::{
 };
 use crate::informed::Informed;
 use crate::intake::GridSample;
-use crate::quarter_car::ParameterError;
+use crate::quarter_car::{ParameterError, QuarterCar};
 use crate::real::Real;
 use crate::sample::CornerSample;
 
@@ -15,6 +15,8 @@ use super::EstimatorKind;
 
 /// Seconds of full information before an estimate counts.
 const STARTING_S: f64 = 2.0;
+/// How well a reset sets the pressure, as a share of the placard pressure.
+const RESET_SD: f64 = 0.0125;
 /// Standard deviation, as a share of the placard pressure, beyond which an estimate says nothing.
 const WORTHLESS: f64 = 0.25;
 
@@ -125,6 +127,32 @@ impl<T: Real> Engine<T> {
             Method::Published(filter) => {
                 self.reading = published_reading(&filter.step(self.grid_period_s, &corner));
             }
+        }
+    }
+
+    /// Tells that the tire has its placard pressure now. The published filters have no ear for it.
+    pub(super) fn pin_to_placard(&mut self) {
+        match &mut self.method {
+            Method::Informed(informed) => {
+                informed.pin_to_placard();
+                self.reading = belief_reading(&self.config, informed);
+            }
+            Method::AekfUiInformed { likelihood, filter } => {
+                likelihood.pin_to_placard();
+                let tire = &self.config.tire;
+                let placard = self.config.placard_kpa;
+                let sd = T::lit(RESET_SD) * placard * tire.stiffness_per_kpa();
+                filter.measure_stiffness(tire.stiffness_n_per_m(placard), sd);
+            }
+            Method::Published(_) => {}
+        }
+    }
+
+    /// The car as it seems to be now, where the method looks at it.
+    pub(super) fn quarter_car(&self) -> QuarterCar<T> {
+        match &self.method {
+            Method::Informed(informed) => informed.quarter_car(),
+            _ => self.config.quarter_car,
         }
     }
 

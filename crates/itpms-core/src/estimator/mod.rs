@@ -11,7 +11,7 @@ use self::engine::{Engine, Reading};
 use self::warning::LowPressureWatch;
 use crate::estimate::{CornerConfig, CornerEstimate, Diagnostics, Validity, Warning};
 use crate::intake::{Intake, SampleCounts};
-use crate::quarter_car::{ParameterError, positive};
+use crate::quarter_car::{ParameterError, QuarterCar, positive};
 use crate::real::Real;
 use crate::road::{RoadConfig, RoadFilter};
 use crate::sample::CornerSample;
@@ -21,7 +21,7 @@ const FRAME_GRID_HZ: f64 = 400.0;
 
 /// Accelerometer noise in m/s² rms when nobody knows better.
 const DEFAULT_NOISE_M_S2: f64 = 0.05;
-/// Seconds between two words to the road filter about the stiffness.
+/// Seconds between two words to the road filter about the car, and to the estimator about a reset.
 const TELL_ROAD_S: f64 = 0.1;
 
 /// The estimators to choose from.
@@ -81,6 +81,10 @@ pub struct Estimator<T: Real> {
     road: RoadFilter<T>,
     road_told_s: f64,
     watch: LowPressureWatch,
+    /// Length in s of the reset drive at the start, and when it ends once that is known.
+    reset_drive_s: f64,
+    reset_ends_s: Option<f64>,
+    pinned_s: f64,
     resets: u32,
 }
 
@@ -109,8 +113,25 @@ impl<T: Real> Estimator<T> {
             road: RoadFilter::new(&road),
             road_told_s: f64::NEG_INFINITY,
             watch: LowPressureWatch::new(),
+            reset_drive_s: 0.0,
+            reset_ends_s: None,
+            pinned_s: f64::NEG_INFINITY,
             resets: 0,
         })
+    }
+
+    /// The same for a drive whose first seconds are known to be at placard pressure: a reset. While it lasts the estimate
+    /// stays there and learns load, damping and road.
+    ///
+    /// # Errors
+    /// The length must be positive and finite.
+    pub fn with_reset_drive(self, seconds: f64) -> Result<Self, ParameterError> {
+        Ok(Self { reset_drive_s: positive("calibrate_s", seconds)?, ..self })
+    }
+
+    /// The car as it seems to be now: sprung mass and damping as identified on the way, where the estimator does.
+    pub fn quarter_car(&self) -> QuarterCar<T> {
+        self.engine.quarter_car()
     }
 
     /// Takes one sample: time in s, speed in m/s, body and wheel acceleration in m/s²; NaN is a missing value. Gives
@@ -124,6 +145,7 @@ impl<T: Real> Estimator<T> {
     ) -> CornerEstimate<T> {
         let engine = &mut self.engine;
         self.intake.push(time_s, speed_m_s, body_accel_m_s2, wheel_accel_m_s2, |sample| engine.step(&sample));
+        self.hold_reset(time_s);
         let mut reading = self.engine.reading();
         if !(reading.stiffness_n_per_m.is_finite() && reading.stiffness_sd_n_per_m.is_finite())
             && self.kind == EstimatorKind::Informed
@@ -137,12 +159,25 @@ impl<T: Real> Estimator<T> {
         self.estimate(time_s, &reading)
     }
 
+    /// While the reset drive lasts, says so to the estimator ten times a second.
+    fn hold_reset(&mut self, time_s: f64) {
+        if !(self.reset_drive_s > 0.0 && time_s.is_finite()) {
+            return;
+        }
+        let ends_s = *self.reset_ends_s.get_or_insert(time_s + self.reset_drive_s);
+        if time_s < ends_s && !(time_s - self.pinned_s < TELL_ROAD_S) {
+            self.pinned_s = time_s;
+            self.engine.pin_to_placard();
+        }
+    }
+
     /// Causal road height in m and its sd, for the stiffness believed now.
     fn follow_road(&mut self, time_s: f64, corner: &CornerSample<T>, reading: &Reading<T>) -> (T, T) {
         if !(time_s - self.road_told_s < TELL_ROAD_S) {
             self.road_told_s = time_s;
             // Refused only outside its range, and then the road keeps what it was told before.
             let _ = self.road.set_stiffness(reading.stiffness_n_per_m, reading.stiffness_sd_n_per_m);
+            self.road.set_quarter_car(self.engine.quarter_car());
         }
         let road = self.road.update(time_s, corner);
         if road.validity.is_valid() {

@@ -55,6 +55,8 @@ const DEFAULT_NOISE_M_S2: f64 = 0.05;
 /// Share by which the sd grows while the pressure surely moves fast: found on seeds of its own so that intervals cover
 /// more of a drop without covering too much elsewhere.
 const MOVING_SD: f64 = 0.7;
+/// How well a reset sets the pressure, as a share of the placard pressure: 3 kPa at 241.3 kPa.
+const RESET_SD: f64 = 0.0125;
 /// Standard deviation in kPa of the pressure to start from.
 const INITIAL_SD_KPA: f64 = 30.0;
 
@@ -131,6 +133,12 @@ impl<T: Real> Informed<T> {
             }
             None => false,
         }
+    }
+
+    /// Tells that the tire has its placard pressure now, as during a reset.
+    pub fn pin_to_placard(&mut self) {
+        let cell = (self.config.placard_kpa - self.grid.pressure_kpa(0)) / self.grid.step_kpa();
+        self.posterior.pin(cell, T::lit(RESET_SD) * self.config.placard_kpa / self.grid.step_kpa());
     }
 
     fn learn(&mut self, frame: &Frame<T>, speed_m_s: T) {

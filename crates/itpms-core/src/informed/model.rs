@@ -12,8 +12,8 @@ use crate::real::Real;
 
 /// Cells of the pressure grid.
 pub(super) const CELLS: usize = 36;
-/// Lowest cell and step as shares of the placard pressure: 30 kPa and 8 kPa at 241.3 kPa.
-const LOWEST: f64 = 30.0 / 241.3;
+/// Lowest cell and step as shares of the placard pressure: 33 kPa and 8 kPa at 241.3 kPa, one cell on the placard.
+const LOWEST: f64 = 1.0 - 26.0 * STEP;
 pub(super) const STEP: f64 = 8.0 / 241.3;
 /// Corner of the sensors' anti-alias filter as a share of the sampling rate.
 const ANTI_ALIAS: f64 = 0.3;

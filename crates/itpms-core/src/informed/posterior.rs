@@ -81,6 +81,23 @@ impl<T: Real> Posterior<T> {
         self.normalise();
     }
 
+    /// Somebody knows the pressure now: a cell and its sd in cells. The roads learned under it stay.
+    pub(super) fn pin(&mut self, cell: T, sd_cells: T) {
+        let bell = Cells::from_fn(|i, _| {
+            let z = (T::lit(i as f64) - cell) / sd_cells;
+            (T::lit(-0.5) * z * z).exp() + T::lit(1e-12)
+        });
+        for modes in &mut self.weight {
+            let mut all = Cells::zeros();
+            for cells in modes.iter_mut() {
+                all += &*cells;
+                *cells = Cells::zeros();
+            }
+            modes[QUIET] = all.map(|p| p.max(T::lit(1e-12))).component_mul(&bell);
+        }
+        self.normalise();
+    }
+
     /// Moves on by one frame in which nothing can be learned: the pressure may wander, all else stays.
     pub(super) fn hold(&mut self) {
         for level in 0..LEVEL_MODES {

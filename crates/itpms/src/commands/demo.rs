@@ -33,6 +33,7 @@ pub(crate) fn run(args: &DemoArgs, screen: &Screen, interrupt: &Interrupt) -> Re
         rate: 10.0,
         trust_units: false,
         json: false,
+        calibrate_s: None,
     };
     let (_, data) = estimate::perform(&estimate_args, screen, interrupt)?;
     workshop.hand_over()?;

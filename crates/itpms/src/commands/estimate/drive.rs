@@ -2,6 +2,7 @@
 
 use itpms_core::estimate::CornerEstimate;
 use itpms_core::estimator::{Estimator, EstimatorKind};
+use itpms_core::quarter_car::QuarterCar;
 use itpms_core::sample::Corner;
 use itpms_data::{LogRow, Vehicle};
 
@@ -9,6 +10,9 @@ use crate::exit::Failure;
 
 /// What is known after a row, in the order of [`Corner::ALL`].
 pub(super) type Estimates = [Option<CornerEstimate<f64>>; 4];
+
+/// Load and damping as identified, in the order of [`Corner::ALL`].
+pub(super) type QuarterCars = [Option<QuarterCar<f64>>; 4];
 
 /// The running estimators.
 pub(super) struct Drive {
@@ -21,16 +25,25 @@ impl Drive {
         vehicle: &Vehicle,
         corners: &[Corner],
         sample_rate_hz: f64,
+        reset_drive_s: Option<f64>,
     ) -> Result<Self, Failure> {
         let mut estimators = [const { None }; 4];
         for corner in corners {
             if let Some(config) = vehicle.corner(*corner) {
-                let estimator = Estimator::new(kind, config, sample_rate_hz)
-                    .map_err(|error| Failure::Usage(format!("corner {}: {error}", corner.label())))?;
+                let fail = |error| Failure::Usage(format!("corner {}: {error}", corner.label()));
+                let mut estimator = Estimator::new(kind, config, sample_rate_hz).map_err(fail)?;
+                if let Some(seconds) = reset_drive_s {
+                    estimator = estimator.with_reset_drive(seconds).map_err(fail)?;
+                }
                 estimators[corner.index()] = Some(estimator);
             }
         }
         Ok(Self { estimators })
+    }
+
+    /// The cars as they seem to be now, in the order of [`Corner::ALL`].
+    pub(super) fn quarter_cars(&self) -> QuarterCars {
+        self.estimators.each_ref().map(|estimator| estimator.as_ref().map(Estimator::quarter_car))
     }
 
     pub(super) fn update(&mut self, row: &LogRow) -> Estimates {

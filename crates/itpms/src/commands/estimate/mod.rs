@@ -49,7 +49,8 @@ pub(crate) fn perform(
     let units = if args.trust_units { UnitCheck::Trusting } else { UnitCheck::Suspicious };
     let mut log = LogReader::open_with(&args.log, units)?;
     let corners = common_corners(&log, &vehicle)?;
-    let mut drive = Drive::new(args.estimator, &vehicle, &corners, log.survey().sample_rate_hz)?;
+    let rate_hz = log.survey().sample_rate_hz;
+    let mut drive = Drive::new(args.estimator, &vehicle, &corners, rate_hz, args.calibrate_s)?;
     let mut outputs = Outputs::create(args, &vehicle, &corners, log.survey().sample_rate_hz)?;
 
     let progress = screen.progress("estimating");
@@ -60,7 +61,8 @@ pub(crate) fn perform(
             progress.set(log.progress());
         }
         count += 1;
-        outputs.take(&row, &drive.update(&row))?;
+        let estimates = drive.update(&row);
+        outputs.take(&row, &estimates, &drive.quarter_cars())?;
     }
     drop(progress);
     interrupt.check()?;

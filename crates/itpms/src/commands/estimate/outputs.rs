@@ -9,7 +9,7 @@ use itpms_data::out::{AtomicFile, EstimateWriter, RoadPoint, RoadWriter};
 use itpms_data::{LogReader, LogRow, Vehicle};
 use itpms_study::report::{self, CornerRow, Provenance, ReportCollector, ReportData, ReportOptions};
 
-use super::drive::Estimates;
+use super::drive::{Estimates, QuarterCars};
 use super::rate::RateGate;
 use super::road::RoadTrack;
 use crate::args::EstimateArgs;
@@ -80,14 +80,19 @@ impl Outputs {
     }
 
     /// Takes a row of the log and what was estimated after it.
-    pub(super) fn take(&mut self, row: &LogRow, estimates: &Estimates) -> Result<(), Failure> {
+    pub(super) fn take(
+        &mut self,
+        row: &LogRow,
+        estimates: &Estimates,
+        cars: &QuarterCars,
+    ) -> Result<(), Failure> {
         if self.gate.lets_through(row.time_s) {
             self.estimates.write(row.time_s, estimates)?;
         }
         match &mut self.track {
             None => self.collector.push(row.time_s, row.speed_m_s, &with_truth(row, estimates)),
             Some(track) => {
-                track.push(row, estimates);
+                track.push(row, estimates, cars);
                 self.write_late()?;
             }
         }

@@ -9,12 +9,12 @@ use itpms_core::road::{RoadConfig, RoadPoint, RoadRecorder, RoadRow, Segment, wi
 use itpms_core::sample::Corner;
 use itpms_data::{LogRow, Vehicle};
 
-use super::drive::Estimates;
+use super::drive::{Estimates, QuarterCars};
 use crate::exit::Failure;
 
 /// How far the smoother looks ahead; more changes nothing worth having at any speed.
 const LOOKAHEAD_S: f64 = 30.0;
-/// Seconds between two words to the recorders about the stiffness: each costs them some work.
+/// Seconds between two words to the recorders about stiffness, load and damping: each costs them some work.
 const TELL_S: f64 = 0.1;
 /// Accelerometer noise in m/s² where the vehicle file does not say.
 const USUAL_NOISE_M_S2: f64 = 0.05;
@@ -65,7 +65,7 @@ impl RoadTrack {
     }
 
     /// Takes a row of the log and what was estimated after it.
-    pub(super) fn push(&mut self, row: &LogRow, estimates: &Estimates) {
+    pub(super) fn push(&mut self, row: &LogRow, estimates: &Estimates, cars: &QuarterCars) {
         self.advance(row);
         let tell = row.time_s - self.told_s >= TELL_S;
         if tell {
@@ -81,6 +81,9 @@ impl RoadTrack {
                 let _ = recorder
                     .filter_mut()
                     .set_stiffness(estimate.stiffness_n_per_m, estimate.stiffness_sd_n_per_m);
+            }
+            if let Some(car) = cars[i].filter(|_| tell) {
+                recorder.filter_mut().set_quarter_car(car);
             }
             recorder.push(row.time_s, &sample.sample(), |point| points.push_back(point));
         }

@@ -1,0 +1,41 @@
+//! A reset: the first seconds of a drive are known to be at placard pressure.
+// Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
+#![allow(clippy::unwrap_used)]
+mod common;
+
+use common::ride::{Ride, estimator, feed};
+use itpms_core::estimator::EstimatorKind;
+
+const PLACARD_KPA: f64 = 241.3;
+const RESET_S: f64 = 10.0;
+
+#[test]
+fn a_reset_drive_stays_at_placard_and_lets_go_afterwards() {
+    for kind in [EstimatorKind::Informed, EstimatorKind::AekfUiInformed] {
+        let ride = Ride::new(7);
+        let mut tire = estimator::<f64>(kind, ride.rate_hz).with_reset_drive(RESET_S).unwrap();
+        let start_s = ride.rows()[0].time_s;
+        let mut free_sd: f64 = 0.0;
+        for row in ride.rows() {
+            let e = feed(&mut tire, &row);
+            let driven_s = row.time_s - start_s;
+            if (1.0..RESET_S).contains(&driven_s) {
+                // A reset is good to 3 kPa, and one grid cell spans 8.
+                assert!((e.pressure_kpa - PLACARD_KPA).abs() < 8.0, "{kind:?}: {}", e.pressure_kpa);
+                assert!(e.pressure_sd_kpa < 8.0, "{kind:?}: {}", e.pressure_sd_kpa);
+            } else if driven_s > RESET_S + 5.0 {
+                free_sd = free_sd.max(e.pressure_sd_kpa);
+            }
+        }
+        // Nobody vouches for the pressure any more: the sd is the estimator's own again.
+        assert!(free_sd > 3.0, "{kind:?}: {free_sd}");
+    }
+}
+
+#[test]
+fn a_reset_of_no_length_is_refused() {
+    for seconds in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let tire = estimator::<f64>(EstimatorKind::Informed, 500.0);
+        assert_eq!(tire.with_reset_drive(seconds).unwrap_err().name, "calibrate_s");
+    }
+}
