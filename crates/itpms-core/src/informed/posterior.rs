@@ -12,6 +12,8 @@ use super::model::{CELLS, Tables};
 use super::road_belief::{ENVELOPE, Evidence, LEVEL, MomentMatch, Road, RoadBelief, SLOPE};
 use crate::real::Real;
 
+/// Frames after the start in which no leak begins: some two seconds.
+const SETTLING_FRAMES: u32 = 33;
 /// Frames whose likelihoods are added up to one word for a filter outside: some 0.7 s. One frame alone says too little
 /// for its surprise to show.
 const FRAMES_PER_WORD: u32 = 12;
@@ -39,6 +41,8 @@ pub(super) struct Posterior<T: Real> {
     /// Sum of what the frames since the last word said of each cell, and their number.
     told_log_likelihood: Cells<T>,
     told_frames: u32,
+    /// Frames until a leak is believed possible: while the road is unknown everything looks like one.
+    settling_frames: u32,
     /// False until the first frame has set the road's level.
     road_known: bool,
 }
@@ -65,6 +69,7 @@ impl<T: Real> Posterior<T> {
             dynamics: Dynamics::new(hop_s),
             told_log_likelihood: Cells::zeros(),
             told_frames: 0,
+            settling_frames: SETTLING_FRAMES,
             road_known: false,
         }
     }
@@ -72,7 +77,11 @@ impl<T: Real> Posterior<T> {
     /// Moves on by one frame. `speed_ratio` is the speed over that of the last step (one if unknown): a faster car
     /// meets the same road with more power.
     pub(super) fn predict(&mut self, log_speed_ratio: T) {
-        self.mix_leak_modes();
+        if self.settling_frames > 0 {
+            self.settling_frames -= 1;
+        } else {
+            self.mix_leak_modes();
+        }
         for level in 0..LEVEL_MODES {
             self.move_cells(level);
         }
