@@ -117,6 +117,10 @@ fn after_a_loss_of_a_fifth_the_new_pressure_is_inside_its_band_and_warned_of() {
         assert!(before.share_inside >= SHARE_INSIDE, "{before_kpa} kPa: {before}");
         assert!(after.share_inside >= SHARE_INSIDE, "{after_kpa} kPa: {after}");
         // UN R141 grants ten minutes; the drive ends five after the loss.
-        assert!(warned.is_some_and(|at| at > LOSS_AT_S), "{after_kpa} kPa: low at {warned:?} s");
+        assert!(warned.is_some(), "{after_kpa} kPa: low at {warned:?} s");
+        // Below 0.88 of the placard a tire is low, and may be warned of, before it loses anything.
+        if before_kpa > 0.88 * 241.3 {
+            assert!(warned.is_some_and(|at| at > LOSS_AT_S), "{before_kpa} kPa: low at {warned:?} s");
+        }
     }
 }
