@@ -63,6 +63,11 @@ impl<T: Real> CornerConfig<T> {
         }
     }
 
+    /// Accelerometer noise in m/s² rms per sample: as given, else 0.05.
+    pub fn accel_noise_or_usual_m_s2(&self) -> T {
+        self.accel_noise_m_s2.unwrap_or(T::lit(0.05))
+    }
+
     /// Stiffness to start from in N/m.
     pub fn initial_stiffness_n_per_m(&self) -> T {
         self.tire.stiffness_n_per_m(self.initial_kpa.unwrap_or(self.placard_kpa))

@@ -5,7 +5,7 @@ use crate::filter::{
     AekfUi, AekfUiInformed, FilterConfig, Forgetting, InformedConfig, InformedRecord, InformedStatus,
     ParameterForgetting, StepRecord,
 };
-use crate::informed::Informed;
+use crate::informed::{Informed, RESET_SD};
 use crate::intake::GridSample;
 use crate::quarter_car::{ParameterError, QuarterCar};
 use crate::real::Real;
@@ -15,8 +15,6 @@ use super::EstimatorKind;
 
 /// Seconds of full information before an estimate counts.
 const STARTING_S: f64 = 2.0;
-/// How well a reset sets the pressure, as a share of the placard pressure.
-const RESET_SD: f64 = 0.0125;
 /// Standard deviation, as a share of the placard pressure, beyond which an estimate says nothing.
 const WORTHLESS: f64 = 0.25;
 

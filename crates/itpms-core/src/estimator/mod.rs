@@ -19,8 +19,6 @@ use crate::sample::CornerSample;
 /// Grid rate in Hz that the spectral frames need; slower samples are interpolated up to it.
 const FRAME_GRID_HZ: f64 = 400.0;
 
-/// Accelerometer noise in m/s² rms when nobody knows better.
-const DEFAULT_NOISE_M_S2: f64 = 0.05;
 /// Seconds between two words to the road filter about the car, and to the estimator about a reset.
 const TELL_ROAD_S: f64 = 0.1;
 
@@ -102,7 +100,7 @@ impl<T: Real> Estimator<T> {
         let frames = matches!(kind, EstimatorKind::Informed | EstimatorKind::AekfUiInformed);
         let intake = Intake::new(sample_rate_hz, if frames { FRAME_GRID_HZ } else { sample_rate_hz });
         let engine = Engine::new(kind, config, sample_rate_hz, intake.grid_period_s())?;
-        let noise = config.accel_noise_m_s2.unwrap_or(T::lit(DEFAULT_NOISE_M_S2));
+        let noise = config.accel_noise_or_usual_m_s2();
         let road = RoadConfig::new(config.quarter_car, config.initial_stiffness_n_per_m(), noise)?;
         Ok(Self {
             kind,

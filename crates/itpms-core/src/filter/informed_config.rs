@@ -48,7 +48,7 @@ impl<T: Real> InformedConfig<T> {
         let per_kpa = corner.tire.stiffness_per_kpa();
         let placard = corner.tire.stiffness_n_per_m(corner.placard_kpa);
         Self {
-            accel_noise_m_s2: corner.accel_noise_m_s2.unwrap_or(T::lit(0.05)),
+            accel_noise_m_s2: corner.accel_noise_or_usual_m_s2(),
             leak_rad_s: T::lit(core::f64::consts::TAU * 0.05),
             velocity_walk_m_s_sqrt_s: T::lit(2e-3),
             road_walk_m_sqrt_s: T::lit(0.03),

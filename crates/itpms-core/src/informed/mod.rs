@@ -50,13 +50,11 @@ const ENVELOPE_REACH: f64 = 0.75;
 const LEAST_BINS: usize = 5;
 /// Speed in m/s below which nothing is learned.
 const STANDING_M_S: f64 = 2.5;
-/// Accelerometer noise in m/s² rms when nobody knows better.
-const DEFAULT_NOISE_M_S2: f64 = 0.05;
 /// Share by which the sd grows while the pressure surely moves fast: found on seeds of its own so that intervals cover
 /// more of a drop without covering too much elsewhere.
 const MOVING_SD: f64 = 0.7;
 /// How well a reset sets the pressure, as a share of the placard pressure: 3 kPa at 241.3 kPa.
-const RESET_SD: f64 = 0.0125;
+pub(crate) const RESET_SD: f64 = 0.0125;
 /// Standard deviation in kPa of the pressure to start from.
 const INITIAL_SD_KPA: f64 = 30.0;
 
@@ -93,7 +91,7 @@ impl<T: Real> Informed<T> {
             spring_n_per_m: car.spring_n_per_m(),
         };
         let tables = Tables::new(clock.bin_spacing_hz(), sample_rate_hz, &grid, &config.tire, &body);
-        let noise = config.accel_noise_m_s2.unwrap_or(T::lit(DEFAULT_NOISE_M_S2));
+        let noise = config.accel_noise_or_usual_m_s2();
         let initial = config.initial_kpa.unwrap_or(config.placard_kpa);
         let initial_cell = (initial - grid.pressure_kpa(0)) / grid.step_kpa();
         let scale = config.placard_kpa / T::lit(dynamics::REFERENCE_KPA);

@@ -16,8 +16,6 @@ use crate::exit::Failure;
 const LOOKAHEAD_S: f64 = 30.0;
 /// Seconds between two words to the recorders about stiffness, load and damping: each costs them some work.
 const TELL_S: f64 = 0.1;
-/// Accelerometer noise in m/s² where the vehicle file does not say.
-const USUAL_NOISE_M_S2: f64 = 0.05;
 
 type Recorder = RoadRecorder<f64, Vec<RoadRow<f64>>, Vec<Segment<f64>>>;
 
@@ -47,7 +45,7 @@ impl RoadTrack {
         for corner in corners {
             let Some(config) = vehicle.corner(*corner) else { continue };
             let fail = |error: ParameterError| Failure::Usage(format!("corner {}: {error}", corner.label()));
-            let noise = config.accel_noise_m_s2.unwrap_or(USUAL_NOISE_M_S2);
+            let noise = config.accel_noise_or_usual_m_s2();
             let road = RoadConfig::new(config.quarter_car, config.initial_stiffness_n_per_m(), noise)
                 .map_err(fail)?;
             let (rows, segments) = (vec![RoadRow::default(); rows], vec![Segment::default(); segments]);
