@@ -178,6 +178,22 @@ impl<T: Real> PressureMap<T> {
         self.stiffness_at_zero
     }
 
+    /// Standard deviation of the slope in N/m per kPa; zero for a line taken as exact.
+    pub fn stiffness_per_kpa_sd(&self) -> T {
+        self.variance_slope.sqrt()
+    }
+
+    /// Standard deviation of the intercept in N/m; zero for a line taken as exact.
+    pub fn stiffness_at_zero_sd(&self) -> T {
+        self.variance_intercept.sqrt()
+    }
+
+    /// Correlation of slope and intercept; zero for a line taken as exact.
+    pub fn stiffness_correlation(&self) -> T {
+        let scale = (self.variance_slope * self.variance_intercept).sqrt();
+        if scale > T::zero() { self.covariance / scale } else { T::zero() }
+    }
+
     /// Tire stiffness in N/m at a gauge pressure in kPa (eq. 5).
     pub fn stiffness_n_per_m(&self, pressure_kpa: T) -> T {
         self.stiffness_per_kpa * pressure_kpa + self.stiffness_at_zero
@@ -231,6 +247,18 @@ mod tests {
         // With a stiffness sd the two add in quadrature.
         let sd = map.pressure_sd_kpa(241.3, 713.7 * 5.0);
         assert!((sd * sd - middle * middle - 25.0).abs() < 0.1);
+    }
+
+    #[test]
+    fn the_coefficients_own_uncertainty_gives_that_of_the_line() {
+        let (map, _) = PressureMap::regression(&P, &K).unwrap();
+        let (slope, zero, r) =
+            (map.stiffness_per_kpa_sd(), map.stiffness_at_zero_sd(), map.stiffness_correlation());
+        let p = 200.0;
+        let variance = p * p * slope * slope + zero * zero + 2.0 * p * r * slope * zero;
+        assert!((variance.sqrt() / map.stiffness_per_kpa() - map.map_sd_kpa(p)).abs() < 1e-9);
+        let exact = PressureMap::<f64>::paper_eq_5();
+        assert_eq!((exact.stiffness_per_kpa_sd(), exact.stiffness_correlation()), (0.0, 0.0));
     }
 
     #[test]

@@ -90,6 +90,31 @@ pub enum Problem {
         /// The most similar name that is there.
         nearest: Option<String>,
     },
+    /// A table of measurements without a column it has to have.
+    #[error("column {column} is missing{}; found {found}, expected {expected}", hint(.nearest))]
+    NotAmongColumns {
+        /// Its name.
+        column: String,
+        /// The most similar name that is there.
+        nearest: Option<String>,
+        /// All names that are there.
+        found: String,
+        /// All names that are asked for.
+        expected: String,
+    },
+    /// A measurement that is missing where every row has to be complete.
+    #[error("{place}, column {column}: found {found}, expected a finite number")]
+    NotFinite {
+        /// Where.
+        place: Place,
+        /// In which column.
+        column: String,
+        /// The cell.
+        found: String,
+    },
+    /// Not even a header.
+    #[error("the file is empty, expected a header line with {0}")]
+    NoHeader(String),
     /// The header is one long cell because another separator was used.
     #[error("the header is separated by {0:?}, expected commas")]
     Separator(char),

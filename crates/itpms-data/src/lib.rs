@@ -5,12 +5,14 @@
 //! |---|---|
 //! | [`vehicle`] | the vehicle file (TOML) and the corners it describes |
 //! | [`log`] | drive logs in: CSV and Parquet behind one reader that repairs, counts and refuses |
+//! | [`columns`] | small tables of measurements in: named columns of numbers from CSV |
 //! | [`out`] | files out: complete under their name or not there at all |
 //! | [`error`] | one message per problem: file, line or column, what was found, what was expected |
 //!
 //! The binary and the study use this crate; it knows the core's types and nothing of simulation.
 #![forbid(unsafe_code)]
 
+pub mod columns;
 pub mod error;
 pub mod log;
 mod nearest;

@@ -24,8 +24,7 @@ pub(super) struct CsvSource {
 impl CsvSource {
     /// `bytes`: the file's length, for the progress.
     pub(super) fn new(file: File, bytes: u64) -> Result<Self, Problem> {
-        let input = BufReader::with_capacity(1 << 16, file);
-        let mut lines = Lines { input, line: Vec::new(), number: 0, position: 0 };
+        let mut lines = Lines::new(file);
         if !lines.advance()? {
             return Err(Problem::Empty);
         }
@@ -86,7 +85,7 @@ impl CsvSource {
 
 /// The lines that say something.
 #[derive(Debug)]
-struct Lines {
+pub(crate) struct Lines {
     input: BufReader<File>,
     line: Vec<u8>,
     number: u64,
@@ -94,8 +93,18 @@ struct Lines {
 }
 
 impl Lines {
+    pub(crate) fn new(file: File) -> Self {
+        let input = BufReader::with_capacity(1 << 16, file);
+        Self { input, line: Vec::new(), number: 0, position: 0 }
+    }
+
+    /// Number of the present line, from one.
+    pub(crate) fn number(&self) -> u64 {
+        self.number
+    }
+
     /// Goes to the next line that is neither blank nor a comment; false at the end.
-    fn advance(&mut self) -> Result<bool, Problem> {
+    pub(crate) fn advance(&mut self) -> Result<bool, Problem> {
         loop {
             self.line.clear();
             let mut limited = (&mut self.input).take(LONGEST_LINE);
@@ -119,7 +128,7 @@ impl Lines {
         }
     }
 
-    fn text(&self) -> &[u8] {
+    pub(crate) fn text(&self) -> &[u8] {
         self.line.trim_ascii()
     }
 
@@ -129,7 +138,7 @@ impl Lines {
 }
 
 /// The cells of a line, trimmed and out of their quotes. A comma inside quotes separates nothing.
-fn cells(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+pub(crate) fn cells(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     let mut quoted = false;
     line.split(move |byte| {
         quoted ^= *byte == b'"';
@@ -142,7 +151,7 @@ fn cells(line: &[u8]) -> impl Iterator<Item = &[u8]> {
 }
 
 /// The number in a cell: NaN for what is missing or infinite, `None` for what is no number.
-fn number(cell: &[u8]) -> Option<f64> {
+pub(crate) fn number(cell: &[u8]) -> Option<f64> {
     if cell.is_empty() || cell.eq_ignore_ascii_case(b"null") {
         return Some(f64::NAN);
     }

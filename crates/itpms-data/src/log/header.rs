@@ -103,7 +103,7 @@ fn nearly<'a>(name: &str, candidates: &[&'a str]) -> Option<&'a str> {
 }
 
 /// A header that is one cell because its separator is not the comma.
-fn separator(names: &[String]) -> Option<char> {
+pub(crate) fn separator(names: &[String]) -> Option<char> {
     match names {
         [only] => [';', '\t', '|'].into_iter().find(|separator| only.contains(*separator)),
         _ => None,
@@ -111,7 +111,7 @@ fn separator(names: &[String]) -> Option<char> {
 }
 
 /// A name short enough for a message, whatever a file that is no table had in its first line.
-pub(super) fn shortened(text: &str) -> String {
+pub(crate) fn shortened(text: &str) -> String {
     const LONGEST: usize = 40;
     let clean: String = text.chars().filter(|c| !c.is_control()).take(LONGEST + 1).collect();
     if clean.chars().count() > LONGEST { clean.chars().take(LONGEST).chain(['…']).collect() } else { clean }

@@ -26,7 +26,9 @@ mod source;
 mod survey;
 mod units;
 
+pub(crate) use csv_source::{Lines, cells, number};
 pub(crate) use format::Format;
+pub(crate) use header::{separator, shortened};
 pub use reader::{LogReader, SURVEY_ROWS};
 pub use repair::RepairReport;
 pub use row::{CornerColumns, LogColumns, LogCorner, LogRow};

@@ -82,6 +82,12 @@ const CORNER_KEYS: [&str; 8] = [
     "tire",
 ];
 
+/// The `[tire]` table of a vehicle file for this map, with the uncertainty of its coefficients where it has one.
+#[must_use]
+pub fn tire_table(map: &PressureMap<f64>) -> String {
+    write::tire_table(map)
+}
+
 impl Vehicle {
     /// The paper's simulated vehicle: Table 2 at all four corners, eq. (5), wheelbase 2.7 m.
     #[must_use]

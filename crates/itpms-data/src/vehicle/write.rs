@@ -47,28 +47,38 @@ fn corner_keys(out: &mut String, config: &CornerConfig<f64>) {
     }
 }
 
-/// The line and, where it has one, its uncertainty. The variance of the stiffness is a parabola over pressure,
-/// `p² var(slope) + 2 p cov + var(intercept)`, so three of its values give the three numbers back.
+/// The `[tire]` table of a vehicle file, coefficients to nine digits.
+pub(super) fn tire_table(map: &PressureMap<f64>) -> String {
+    let mut out = String::from("[tire]\n");
+    coefficients(&mut out, nine_digits(map.stiffness_per_kpa()), nine_digits(map.stiffness_at_zero()));
+    uncertainty(&mut out, map);
+    out
+}
+
+/// The line and, where it has one, its uncertainty.
 fn tire(out: &mut String, map: &PressureMap<f64>) {
-    number(out, "stiffness_per_kpa", map.stiffness_per_kpa());
-    number(out, "stiffness_at_zero", map.stiffness_at_zero());
-    let variance = |pressure_kpa: f64| (map.map_sd_kpa(pressure_kpa) * map.stiffness_per_kpa()).powi(2);
-    // Far enough out for the slope's part to stand beside the intercept's.
-    const FAR_KPA: f64 = 1000.0;
-    let (middle, up, down) = (variance(0.0), variance(FAR_KPA), variance(-FAR_KPA));
-    let slope_sd = ((0.5 * (up + down) - middle) / FAR_KPA.powi(2)).max(0.0).sqrt();
-    let intercept_sd = middle.sqrt();
+    coefficients(out, map.stiffness_per_kpa(), map.stiffness_at_zero());
+    uncertainty(out, map);
+}
+
+fn coefficients(out: &mut String, stiffness_per_kpa: f64, stiffness_at_zero: f64) {
+    number(out, "stiffness_per_kpa", stiffness_per_kpa);
+    number(out, "stiffness_at_zero", stiffness_at_zero);
+}
+
+fn uncertainty(out: &mut String, map: &PressureMap<f64>) {
+    let (slope_sd, intercept_sd) = (map.stiffness_per_kpa_sd(), map.stiffness_at_zero_sd());
     if slope_sd > 0.0 || intercept_sd > 0.0 {
         number(out, "stiffness_per_kpa_sd", nine_digits(slope_sd));
         number(out, "stiffness_at_zero_sd", nine_digits(intercept_sd));
     }
     if slope_sd > 0.0 && intercept_sd > 0.0 {
-        let correlation = (up - down) / (4.0 * FAR_KPA * slope_sd * intercept_sd);
+        let correlation = map.stiffness_correlation();
         number(out, "stiffness_correlation", nine_digits(correlation.clamp(-1.0, 1.0)));
     }
 }
 
-/// Rounded to nine significant digits: more are noise of the detour over three variances.
+/// Rounded to nine significant digits: a standard deviation's square root has no more to say, and people read it.
 fn nine_digits(value: f64) -> f64 {
     format!("{value:.8e}").parse().unwrap_or(value)
 }

@@ -1,0 +1,185 @@
+//! Small tables of measurements: named columns of numbers from a CSV file, every row complete.
+//!
+//! Called by the commands that identify a part on a bench. Unlike a drive log, such a table is short, is read as a
+//! whole, and has no missing values: a cell that is no finite number is refused with its line and column. Knows
+//! nothing of what the columns mean.
+
+use std::fs::{self, File};
+use std::io;
+use std::path::Path;
+
+use crate::error::{DataError, Place, Problem};
+use crate::log::{Lines, cells, number, separator, shortened};
+use crate::nearest::nearest;
+
+/// Columns of equal length.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Columns {
+    names: Vec<String>,
+    values: Vec<Vec<f64>>,
+    lines: Vec<u64>,
+}
+
+impl Columns {
+    /// Reads the columns `needed`, and those of `optional` that are there; others are passed over. Comments (`#`),
+    /// blank lines and quotes are as in drive logs.
+    ///
+    /// # Errors
+    /// The file cannot be read, is empty, has no row, lacks a needed column or has one twice, a row is longer or
+    /// shorter than the header, or a cell of these columns is no finite number.
+    pub fn read(path: &Path, needed: &[&str], optional: &[&str]) -> Result<Self, DataError> {
+        read(path, needed, optional).map_err(|problem| DataError::new(path, problem))
+    }
+
+    /// The column of this name, if it is there.
+    #[must_use]
+    pub fn get(&self, name: &str) -> Option<&[f64]> {
+        let place = self.names.iter().position(|n| n == name)?;
+        self.values.get(place).map(Vec::as_slice)
+    }
+
+    /// The column of this name; empty if it is not there, which for a needed one cannot be.
+    #[must_use]
+    pub fn column(&self, name: &str) -> &[f64] {
+        self.get(name).unwrap_or_default()
+    }
+
+    /// Line of the file that holds each row.
+    #[must_use]
+    pub fn lines(&self) -> &[u64] {
+        &self.lines
+    }
+}
+
+fn read(path: &Path, needed: &[&str], optional: &[&str]) -> Result<Columns, Problem> {
+    let read_error = |error: io::Error| match error.kind() {
+        io::ErrorKind::NotFound => Problem::NotFound,
+        _ => Problem::Read(error),
+    };
+    if fs::metadata(path).map_err(read_error)?.is_dir() {
+        return Err(Problem::IsDirectory);
+    }
+    let mut lines = Lines::new(File::open(path).map_err(read_error)?);
+    if !lines.advance()? {
+        return Err(Problem::NoHeader(needed.join(",")));
+    }
+    let header: Vec<String> =
+        cells(lines.text()).map(|name| String::from_utf8_lossy(name).into_owned()).collect();
+    let names = chosen(&header, needed, optional)?;
+    // For each column of the file, which of ours it is.
+    let slots: Vec<Option<usize>> =
+        header.iter().map(|name| names.iter().position(|known| known == name)).collect();
+    let mut values = vec![Vec::new(); names.len()];
+    let mut places = Vec::new();
+    while lines.advance()? {
+        let place = Place::Line(lines.number());
+        let row: Vec<&[u8]> = cells(lines.text()).collect();
+        if row.len() != slots.len() {
+            return Err(Problem::CellCount { place, found: row.len(), expected: slots.len() });
+        }
+        for (cell, slot) in row.iter().zip(&slots) {
+            let Some(slot) = slot else { continue };
+            values[*slot].push(finite(cell, place, &names[*slot])?);
+        }
+        places.push(lines.number());
+    }
+    if places.is_empty() {
+        return Err(Problem::HeaderOnly);
+    }
+    Ok(Columns { names, values, lines: places })
+}
+
+fn finite(cell: &[u8], place: Place, column: &str) -> Result<f64, Problem> {
+    let column = || column.to_owned();
+    let text = || shortened(&String::from_utf8_lossy(cell));
+    match number(cell) {
+        Some(value) if value.is_finite() => Ok(value),
+        Some(_) if cell.is_empty() => {
+            Err(Problem::NotFinite { place, column: column(), found: "nothing".to_owned() })
+        }
+        Some(_) => Err(Problem::NotFinite { place, column: column(), found: text() }),
+        None => Err(Problem::NotFinite { place, column: column(), found: format!("{:?}", text()) }),
+    }
+}
+
+/// The names asked for that are in the header.
+fn chosen(header: &[String], needed: &[&str], optional: &[&str]) -> Result<Vec<String>, Problem> {
+    let wanted = || needed.iter().chain(optional);
+    let mut names = Vec::new();
+    for name in wanted() {
+        let mut places = header.iter().enumerate().filter(|(_, n)| n == name).map(|(i, _)| i + 1);
+        match (places.next(), places.next()) {
+            (Some(first), Some(second)) => {
+                return Err(Problem::DuplicateColumn { column: (*name).to_owned(), first, second });
+            }
+            (Some(_), None) => names.push((*name).to_owned()),
+            (None, _) if needed.contains(name) => return Err(missing(name, header, needed)),
+            (None, _) => {}
+        }
+    }
+    Ok(names)
+}
+
+fn missing(name: &str, header: &[String], needed: &[&str]) -> Problem {
+    if let Some(separator) = separator(header) {
+        return Problem::Separator(separator);
+    }
+    let strangers = header.iter().map(String::as_str).filter(|n| !needed.contains(n));
+    Problem::NotAmongColumns {
+        column: name.to_owned(),
+        nearest: nearest(name, strangers).map(shortened),
+        found: shortened(&header.join(",")),
+        expected: needed.join(","),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read_text(text: &str) -> Result<Columns, String> {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        fs::write(file.path(), text).unwrap();
+        read(file.path(), &["displacement_m", "load_n"], &["time_s"]).map_err(|problem| problem.to_string())
+    }
+
+    #[test]
+    fn columns_come_in_any_order_and_others_are_passed_over() {
+        let table = read_text("# bench 3\nload_n,note,displacement_m\n1,\"a, b\",0.5\n\n2,?,0.75\n").unwrap();
+        assert_eq!(table.column("load_n"), [1.0, 2.0]);
+        assert_eq!(table.column("displacement_m"), [0.5, 0.75]);
+        assert_eq!(table.get("time_s"), None);
+        // Comments and blank lines count as lines: the number is the one an editor shows.
+        assert_eq!(table.lines(), [3, 5]);
+    }
+
+    #[test]
+    fn every_problem_is_said_with_its_place() {
+        for (text, message) in [
+            ("", "the file is empty, expected a header line with displacement_m,load_n"),
+            ("displacement_m,load_n\n", "there is a header but no row under it"),
+            (
+                "displacement_mm,load_n\n1,2\n",
+                "column displacement_m is missing; the nearest name there is displacement_mm; \
+                 found displacement_mm,load_n, expected displacement_m,load_n",
+            ),
+            ("displacement_m;load_n\n1;2\n", "the header is separated by ';', expected commas"),
+            ("load_n,displacement_m,load_n\n1,2,3\n", "column load_n appears twice (columns 1 and 3)"),
+            (
+                "displacement_m,load_n\n1,2\n3,\n",
+                "line 3, column load_n: found nothing, expected a finite number",
+            ),
+            (
+                "displacement_m,load_n\n1,2\nNaN,4\n",
+                "line 3, column displacement_m: found NaN, expected a finite number",
+            ),
+            (
+                "displacement_m,load_n\n1 mm,2\n",
+                "line 2, column displacement_m: found \"1 mm\", expected a finite number",
+            ),
+            ("displacement_m,load_n\n1\n", "line 2: found 1 cells, expected 2 as in the header"),
+        ] {
+            assert_eq!(read_text(text).unwrap_err(), message);
+        }
+    }
+}
