@@ -5,12 +5,14 @@
 //! |---|---|
 //! | [`bound`] | Cramer-Rao bound on a pressure from one corner |
 //! | [`spectrum`] | Welch's power spectral density; level, slope and ISO 8608 class of a road |
+//! | [`plot`] | figures as SVG |
 //! | [`report`] | one HTML page about a drive |
 //! | [`roughness`] | International Roughness Index of a profile |
 //! | [`score`] | the accuracy table, recomputed over many simulated drives |
 #![forbid(unsafe_code)]
 
 pub mod bound;
+pub mod plot;
 pub mod report;
 pub mod roughness;
 pub mod score;

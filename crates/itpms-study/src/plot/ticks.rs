@@ -1,0 +1,130 @@
+//! Round numbers along an axis, and how they are written.
+
+/// Places of the marks and their words.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Ticks {
+    /// With a word.
+    pub(super) labelled: Vec<(f64, String)>,
+    /// Without.
+    pub(super) minor: Vec<f64>,
+}
+
+/// Steps of 1, 2 or 5 times a power of ten, about `count` of them from `low` to `high`.
+pub(super) fn linear(low: f64, high: f64, count: usize) -> Ticks {
+    let step = round_step((high - low) / count.max(1) as f64);
+    if !(step > 0.0 && step.is_finite()) {
+        return Ticks::default();
+    }
+    let decimals = (-step.log10().floor()).max(0.0) as usize;
+    let tolerance = 1e-9 * step;
+    let (first, last) =
+        (((low - tolerance) / step).ceil() as i64, ((high + tolerance) / step).floor() as i64);
+    let labelled = (first..=last).map(|i| {
+        let value = i as f64 * step;
+        (value, number(value, decimals))
+    });
+    Ticks { labelled: labelled.collect(), minor: vec![] }
+}
+
+/// The smallest of 1, 2, 5 times a power of ten that is not below `rough`.
+fn round_step(rough: f64) -> f64 {
+    let power = 10f64.powf(rough.log10().floor());
+    let factor = [1.0, 2.0, 5.0].into_iter().find(|factor| factor * power >= rough * (1.0 - 1e-9));
+    factor.unwrap_or(10.0) * power
+}
+
+/// Powers of ten; where there are few of them, 2 and 5 in between are labelled, too.
+pub(super) fn logarithmic(low: f64, high: f64) -> Ticks {
+    if !(low > 0.0 && high > low && high.is_finite()) {
+        return Ticks::default();
+    }
+    let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
+    let inside = |value: f64| value >= low * (1.0 - 1e-9) && value <= high * (1.0 + 1e-9);
+    let decades = (first..=last).filter(|&n| inside(10f64.powi(n))).count();
+    let every = (decades / 7 + 1) as i32;
+    let mut ticks = Ticks::default();
+    for exponent in first..=last {
+        for digit in 1..10 {
+            let value = f64::from(digit) * 10f64.powi(exponent);
+            if !inside(value) {
+                continue;
+            }
+            let spoken = match digit {
+                1 => exponent.rem_euclid(every) == 0,
+                2 | 5 => decades < 3,
+                _ => false,
+            };
+            if spoken {
+                ticks.labelled.push((value, power_of_ten(digit, exponent)));
+            } else if decades < 9 {
+                ticks.minor.push(value);
+            }
+        }
+    }
+    ticks
+}
+
+/// `0.05`, `20`, `5000`, and beyond these `2·10⁶`.
+fn power_of_ten(digit: i32, exponent: i32) -> String {
+    if (-3..=4).contains(&exponent) {
+        return number(f64::from(digit) * 10f64.powi(exponent), (-exponent).max(0) as usize);
+    }
+    let raised: String = exponent.to_string().chars().map(superscript).collect();
+    if digit == 1 { format!("10{raised}") } else { format!("{digit}·10{raised}") }
+}
+
+fn superscript(character: char) -> char {
+    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    character.to_digit(10).and_then(|digit| DIGITS.get(digit as usize).copied()).unwrap_or('⁻')
+}
+
+/// With a real minus sign and, from five digits on, thin spaces between thousands.
+pub(super) fn number(value: f64, decimals: usize) -> String {
+    let text = format!("{:.decimals$}", value.abs());
+    let (whole, part) = text.split_once('.').map_or((text.as_str(), ""), |(whole, part)| (whole, part));
+    let mut out = String::new();
+    // A value that rounds to zero has no sign.
+    if value < 0.0 && text.chars().any(|c| c.is_ascii_digit() && c != '0') {
+        out.push('\u{2212}');
+    }
+    for (i, digit) in whole.chars().enumerate() {
+        if whole.len() >= 5 && i > 0 && (whole.len() - i).is_multiple_of(3) {
+            out.push('\u{2009}');
+        }
+        out.push(digit);
+    }
+    if !part.is_empty() {
+        out.push('.');
+        out.push_str(part);
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(ticks: &Ticks) -> Vec<&str> {
+        ticks.labelled.iter().map(|(_, word)| word.as_str()).collect()
+    }
+
+    #[test]
+    fn steps_are_round() {
+        assert_eq!(words(&linear(0.0, 40.0, 5)), ["0", "10", "20", "30", "40"]);
+        assert_eq!(words(&linear(-0.3, 0.31, 4)), ["\u{2212}0.2", "0.0", "0.2"]);
+        assert_eq!(
+            words(&linear(190_000.0, 240_000.0, 3)),
+            ["200\u{2009}000", "220\u{2009}000", "240\u{2009}000"]
+        );
+        assert_eq!(linear(1.0, 1.0, 5), Ticks::default());
+        assert_eq!(linear(0.0, f64::NAN, 5), Ticks::default());
+    }
+
+    #[test]
+    fn decades_are_named() {
+        assert_eq!(words(&logarithmic(1e-7, 1e-3)), ["10⁻⁷", "10⁻⁶", "10⁻⁵", "10⁻⁴", "0.001"]);
+        assert_eq!(words(&logarithmic(0.5, 20.0)), ["0.5", "1", "2", "5", "10", "20"]);
+        assert!(logarithmic(1.0, 1e40).labelled.len() < 10);
+        assert_eq!(logarithmic(0.0, 1.0), Ticks::default());
+    }
+}
