@@ -10,6 +10,7 @@
 //! | [`time_profile`] | piecewise linear histories: the car's speed, a tire's pressure |
 //! | [`plant`] | the true quarter car with time-varying tire stiffness, integrated on a fine grid |
 //! | [`sensor`], [`antialias`] | what lies between a true acceleration and a logged one |
+//! | [`pressure_sensor`] | a test bed's reference: what a log holds in place of the true pressure |
 //! | [`scenario`] | a drive written down: TOML files and the built-in ones |
 //! | [`simulation`] | a scenario and a seed in, a stream of rows out, in bounded memory |
 //!
@@ -29,6 +30,7 @@
 pub mod antialias;
 pub mod error;
 pub mod plant;
+pub mod pressure_sensor;
 pub mod road;
 pub mod scenario;
 pub mod sensor;

@@ -14,6 +14,7 @@ use rand_pcg::Pcg64;
 use crate::antialias::LowPass;
 use crate::error::ScenarioError;
 use crate::plant::{Plant, StepInput};
+use crate::pressure_sensor::PressureSensor;
 use crate::road::{GRID_SPACING_M, Road, RoadError, Side};
 use crate::scenario::{CornerSpec, Scenario};
 use crate::sensor::Sensor;
@@ -48,6 +49,9 @@ pub struct CornerRow {
     pub wheel_accel_m_s2: f64,
     /// True gauge pressure in kPa.
     pub pressure_kpa: f64,
+    /// What a log holds as the pressure in kPa: the reading of the scenario's pressure sensor, or the true pressure
+    /// where it has none.
+    pub pressure_reading_kpa: f64,
     /// True tire stiffness in N/m.
     pub stiffness_n_per_m: f64,
     /// True road height in m under this wheel's axle: a point of the profile.
@@ -125,6 +129,7 @@ struct CornerRun {
     /// Filtered body and wheel acceleration at the last four fine-grid steps, oldest first.
     filtered: [[f64; 2]; 4],
     sensors: [Sensor; 2],
+    pressure_sensor: Option<PressureSensor>,
     road_m: f64,
     stiffness_n_per_m: f64,
 }
@@ -167,7 +172,11 @@ impl Simulation {
             if scenario.corner.iter().all(|(corner, _)| side_of(corner) != side) {
                 return Ok(None);
             }
-            Road::new(&scenario.road, side, seed, spacing_m).map(Some).map_err(|e| match e {
+            let road = match scenario.one_speed_m_s() {
+                Some(speed) => Road::at_speed(&scenario.road, side, seed, spacing_m, speed),
+                None => Road::new(&scenario.road, side, seed, spacing_m),
+            };
+            road.map(Some).map_err(|e| match e {
                 RoadError::Value(source) => {
                     ScenarioError::Invalid { scenario: scenario.name.clone(), source }
                 }
@@ -211,6 +220,9 @@ impl Simulation {
             filters: [filter.clone(), filter],
             filtered: [[0.0; 2]; 4],
             sensors: [Sensor::new(&body, seed, number), Sensor::new(&wheel, seed, number + 1)],
+            pressure_sensor: spec
+                .pressure_sensor
+                .map(|sensor| PressureSensor::new(&sensor, seed, corner.index() as u64)),
             road_m,
             stiffness_n_per_m: 0.0,
         };
@@ -269,6 +281,10 @@ impl CornerRun {
             body_accel_m_s2: self.sensors[0].read(body),
             wheel_accel_m_s2: self.sensors[1].read(wheel),
             pressure_kpa,
+            pressure_reading_kpa: self
+                .pressure_sensor
+                .as_mut()
+                .map_or(pressure_kpa, |sensor| sensor.read(time_s, pressure_kpa)),
             stiffness_n_per_m: self.true_stiffness_n_per_m(pressure_kpa),
             road_m: road.height_m(distance_m - self.behind_m),
             contact_road_m: road.contact_height_m(distance_m - self.behind_m),

@@ -18,6 +18,8 @@ pub(crate) enum Purpose {
     Dropout = 3,
     /// Sampling instants.
     Clock = 4,
+    /// Noise of a pressure sensor.
+    PressureNoise = 5,
 }
 
 /// A generator for one purpose; `index` tells apart sides, segments and blocks of a road, corners and sensors.
@@ -61,7 +63,13 @@ mod tests {
     fn every_purpose_and_index_has_its_own_stream() {
         let mut first = Vec::new();
         for seed in [0, 1] {
-            for purpose in [Purpose::Road, Purpose::SensorNoise, Purpose::Dropout, Purpose::Clock] {
+            for purpose in [
+                Purpose::Road,
+                Purpose::SensorNoise,
+                Purpose::Dropout,
+                Purpose::Clock,
+                Purpose::PressureNoise,
+            ] {
                 for index in [[0, 0], [0, 1], [1, 0]] {
                     first.push(generator(seed, purpose, index).next_u64());
                     assert_eq!(first.last(), Some(&generator(seed, purpose, index).next_u64()));

@@ -146,9 +146,8 @@ fn a_test_beds_segment_repeats_without_a_seam() {
         let h = road.height_m(x);
         square += h * h / 1000.0;
         let later = road.height_m(x + 5.0 * period);
-        // The period is no multiple of the grid: two cubics read waves of up to 100 cycles/m off it. Those beyond
-        // 50 cycles/m have an rms of sqrt(64e-8 (1/50 - 1/100)) = 80 um.
-        assert!((h - later).abs() < 4e-4, "{x}: {h} {later}");
+        // A period is a whole number of nodes: what remains is the rounding of the distance.
+        assert!((h - later).abs() < 1e-13, "{x}: {h} {later}");
     }
     // Harmonics of the period up to the grid's limit: variance Σ Gd(k/L)/L, mostly in the first: a factor of 10 is
     // the 99.9 % range of a handful of exponential powers.

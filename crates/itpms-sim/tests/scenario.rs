@@ -50,6 +50,7 @@ fn every_field_reaches_its_place() {
     let told = s.corner_config(itpms_core::sample::Corner::FrontLeft).unwrap();
     assert_eq!((told.placard_kpa, told.accel_noise_m_s2), (250.0, Some(0.12)));
     assert_eq!(told.quarter_car.sprung_mass_kg(), 300.0);
+    assert_eq!(fl.pressure_sensor.unwrap().time_constant_s, 0.2);
     let rows: Vec<_> = Simulation::new(&s, 1).unwrap().collect();
     assert_eq!(rows.len(), 1000);
     assert!(rows.iter().all(|r| r.corners[0].is_some() && r.corners[1].is_none() && r.corners[3].is_some()));
@@ -72,7 +73,7 @@ fn syntax_errors_say_where_and_what() {
         (
             "\"flat\"",
             "\"bumpy\"",
-            "line 8, column 11: unknown variant `bumpy`, expected one of `flat`, `iso8608`, `segments`, `profile`",
+            "line 8, column 11: unknown variant `bumpy`, expected one of `flat`, `iso8608`, `bench`, `segments`, `profile`",
         ),
         ("[corner.fl.", "[corner.f1.", "unknown field `f1`, expected one of `fl`, `fr`, `rl`, `rr`"),
         ("duration_s = 1", "", "missing field `duration_s`"),
@@ -133,7 +134,8 @@ fn an_unknown_name_lists_the_known_ones() {
     assert_eq!(
         message,
         "no scenario `paper-dorp` (did you mean `paper-drop`?); \
-         built in: paper-drop, paper-deep-drop, paper-drop-recover; or give a TOML file"
+         built in: paper-drop, paper-deep-drop, paper-drop-recover, bench-drop, bench-drop-recover, bench-slow; \
+         or give a TOML file"
     );
     let message = Scenario::builtin("xyz").unwrap_err().to_string();
     assert!(message.starts_with("no scenario `xyz`; built in: paper-drop"), "{message}");

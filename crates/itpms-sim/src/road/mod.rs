@@ -8,6 +8,7 @@
 //! time, averages it over the tire's contact length there, and reads it with a cubic. An hour's drive takes a few
 //! megabytes.
 
+mod bench;
 mod grid;
 mod iso8608;
 mod obstacle;
@@ -22,12 +23,13 @@ use std::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
 
+pub use bench::{Actuator, BenchRoad};
 pub use iso8608::{Amplitude, Iso8608, REFERENCE_CYCLES_PER_M, RoadClass, Roughness};
 pub use obstacle::{Pothole, Step, Tracks};
 pub use profile::{Extension, MeasuredProfile, ProfileSpec, Trend};
 pub use segments::{AfterLast, Segment, Segments};
 
-use crate::error::{InvalidValue, ProfileError, within};
+use crate::error::{InvalidValue, ProfileError, positive, within};
 pub(crate) use grid::cubic;
 use grid::{CHUNK_NODES, Chunk};
 use surface::SurfaceRun;
@@ -57,6 +59,8 @@ pub enum Surface {
     Flat,
     /// One ISO 8608 spectrum; both tracks are independent of each other.
     Iso8608(Iso8608),
+    /// A test bed's repeated segment, played by an actuator; needs a constant speed.
+    Bench(BenchRoad),
     /// Stretches of different ISO 8608 spectra.
     Segments(Segments),
     /// A surveyed profile, the same for both tracks.
@@ -93,6 +97,7 @@ impl RoadSpec {
         match &self.surface {
             Surface::Flat | Surface::Profile(_) => Ok(()),
             Surface::Iso8608(iso) => iso.validate().map_err(|e| e.within("surface.iso8608")),
+            Surface::Bench(bench) => bench.validate().map_err(|e| e.within("surface.bench")),
             Surface::Segments(s) => s.validate().map_err(|e| e.within("surface.segments")),
         }?;
         for p in &self.pothole {
@@ -134,23 +139,51 @@ pub struct Road {
 
 impl Road {
     /// Lays a road. `spacing_m` is that of its grid; it is rounded down to [`GRID_SPACING_M`] over a power of two.
-    /// A finer grid adds shorter waves to the same road.
+    /// A finer grid adds shorter waves to the same road. The grid of a road that repeats is finer still, a whole number
+    /// of nodes to a period.
+    ///
+    /// # Errors
+    /// A value out of range, a profile that cannot be read, or a test bed's road: that needs [`Road::at_speed`].
+    pub fn new(spec: &RoadSpec, side: Side, seed: u64, spacing_m: f64) -> Result<Self, RoadError> {
+        Self::lay_out(spec, side, seed, spacing_m, None)
+    }
+
+    /// The same for a drive at one speed in m/s, which a test bed's road depends on: its segment repeats in time, and
+    /// its actuator has a bandwidth in Hz. Other roads are what [`Road::new`] makes them.
     ///
     /// # Errors
     /// A value out of range, or a profile that cannot be read.
-    pub fn new(spec: &RoadSpec, side: Side, seed: u64, spacing_m: f64) -> Result<Self, RoadError> {
+    pub fn at_speed(
+        spec: &RoadSpec,
+        side: Side,
+        seed: u64,
+        spacing_m: f64,
+        speed_m_s: f64,
+    ) -> Result<Self, RoadError> {
+        positive("speed_m_s", speed_m_s)?;
+        Self::lay_out(spec, side, seed, spacing_m, Some(speed_m_s))
+    }
+
+    fn lay_out(
+        spec: &RoadSpec,
+        side: Side,
+        seed: u64,
+        spacing_m: f64,
+        speed_m_s: Option<f64>,
+    ) -> Result<Self, RoadError> {
         spec.validate()?;
         within("spacing_m", spacing_m, 1e-4, 1.0, "a spacing from 0.1 mm to 1 m")?;
         let mut refinement = 1u32;
         while GRID_SPACING_M / f64::from(refinement) > spacing_m * (1.0 + 1e-9) {
             refinement *= 2;
         }
+        let (surface, nodes_per_m) = SurfaceRun::new(&spec.surface, side, seed, refinement, speed_m_s)?;
         Ok(Self {
-            surface: SurfaceRun::new(&spec.surface, side, seed, refinement)?,
+            surface,
             potholes: spec.pothole.iter().filter(|p| p.tracks.include(side)).cloned().collect(),
             steps: spec.step.iter().filter(|s| s.tracks.include(side)).cloned().collect(),
             contact_length_m: spec.contact_length_m,
-            nodes_per_m: f64::from(refinement) / GRID_SPACING_M,
+            nodes_per_m,
             first_chunk: 0,
             chunks: VecDeque::new(),
         })

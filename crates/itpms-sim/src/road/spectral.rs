@@ -27,6 +27,9 @@ pub(crate) struct Series {
     /// Standard deviation of the real and of the imaginary part of each coefficient, from the first harmonic on.
     deviations: Vec<f64>,
     amplitude: Amplitude,
+    /// What each coefficient is multiplied by, from the first harmonic on; empty for a road left as it is.
+    response: Vec<Complex<f64>>,
+    bin_cycles_per_m: f64,
     transform: Arc<dyn ComplexToReal<f64>>,
 }
 
@@ -37,7 +40,13 @@ impl Series {
         let first = 0.5 * (iso.psd_m3(bin_cycles_per_m) * bin_cycles_per_m).sqrt();
         let deviations = (1..nodes / 2).map(|k| first * (k as f64).powf(-0.5 * iso.slope)).collect();
         let transform = PLANNER.with_borrow_mut(|p| p.plan_fft_inverse(nodes));
-        Self { deviations, amplitude: iso.amplitude, transform }
+        Self { deviations, amplitude: iso.amplitude, response: Vec::new(), bin_cycles_per_m, transform }
+    }
+
+    /// The same, passed through a linear system given by its response to a wave of so many cycles per metre.
+    pub(crate) fn followed_by(self, response: impl Fn(f64) -> Complex<f64>) -> Self {
+        let harmonics = 1..=self.deviations.len();
+        Self { response: harmonics.map(|k| response(k as f64 * self.bin_cycles_per_m)).collect(), ..self }
     }
 
     pub(crate) fn nodes(&self) -> usize {
@@ -61,6 +70,9 @@ impl Series {
                     std::f64::consts::TAU * random.random::<f64>(),
                 ),
             };
+        }
+        for (c, factor) in coefficients.iter_mut().skip(1).zip(&self.response) {
+            *c *= factor;
         }
         let mut heights = self.transform.make_output_vec();
         // Fails only for buffers of a wrong length, and these are the transform's own.

@@ -4,11 +4,15 @@
 
 use std::sync::Arc;
 
-use super::periodic::PeriodicRoad;
+use realfft::num_complex::Complex;
+
+use super::iso8608::Iso8608;
+use super::periodic::{PeriodicRoad, nodes_of};
 use super::profile::MeasuredProfile;
 use super::segments::SegmentedRoad;
 use super::spectral::SpectralRoad;
 use super::{GRID_SPACING_M, RoadError, Side, Surface};
+use crate::error::InvalidValue;
 
 /// Nodes of a block on the coarsest grid: 1310.72 m.
 const BLOCK_NODES: usize = 1 << 18;
@@ -24,28 +28,45 @@ pub(crate) enum SurfaceRun {
 }
 
 impl SurfaceRun {
-    /// On a grid `refinement` times finer than the coarsest.
-    pub(crate) fn new(surface: &Surface, side: Side, seed: u64, refinement: u32) -> Result<Self, RoadError> {
+    /// On a grid `refinement` times finer than the coarsest, and the nodes per m of the grid it is on: a road that
+    /// repeats has one of its own. `speed_m_s` is that of a test bed, if the drive has one speed.
+    pub(crate) fn new(
+        surface: &Surface,
+        side: Side,
+        seed: u64,
+        refinement: u32,
+        speed_m_s: Option<f64>,
+    ) -> Result<(Self, f64), RoadError> {
         let spacing_m = GRID_SPACING_M / f64::from(refinement);
+        let nodes_per_m = f64::from(refinement) / GRID_SPACING_M;
         let block = BLOCK_NODES * refinement as usize;
         // Even streams lie under the left wheels, odd ones under the right.
         let stream = match side {
             Side::Left => 0,
             Side::Right => 1,
         };
-        Ok(match surface {
+        let periodic = |iso: &Iso8608, period_m: f64, follow: &dyn Fn(f64) -> Complex<f64>| {
+            let nodes = nodes_of(period_m, spacing_m);
+            let road = PeriodicRoad::new(iso, period_m, nodes, follow, [seed, stream]);
+            (SurfaceRun::Periodic(Arc::new(road)), nodes as f64 / period_m)
+        };
+        let run = match surface {
             Surface::Flat => SurfaceRun::Flat,
             Surface::Iso8608(iso) => match iso.repeat_every_m {
-                Some(period_m) => {
-                    SurfaceRun::Periodic(Arc::new(PeriodicRoad::new(iso, period_m, spacing_m, seed, stream)))
-                }
+                Some(period_m) => return Ok(periodic(iso, period_m, &|_| Complex::new(1.0, 0.0))),
                 None => SurfaceRun::Spectral(SpectralRoad::new(iso, block, spacing_m, seed, stream)),
             },
+            Surface::Bench(bench) => {
+                let speed_m_s = speed_m_s.ok_or_else(bench_without_speed)?;
+                let follow = |cycles_per_m: f64| bench.actuator.response(cycles_per_m * speed_m_s);
+                return Ok(periodic(&bench.demand(), bench.repeat_every_s * speed_m_s, &follow));
+            }
             Surface::Segments(spec) => {
                 SurfaceRun::Segmented(SegmentedRoad::new(spec, block, spacing_m, seed, stream))
             }
             Surface::Profile(spec) => SurfaceRun::Measured { profile: Arc::new(spec.load()?), spacing_m },
-        })
+        };
+        Ok((run, nodes_per_m))
     }
 
     /// Adds the heights in m of the nodes from `first` on.
@@ -62,4 +83,12 @@ impl SurfaceRun {
             }
         }
     }
+}
+
+fn bench_without_speed() -> InvalidValue {
+    InvalidValue::new(
+        "surface.bench",
+        "at no one speed",
+        "a constant speed above 0 (a test bed stands for one)",
+    )
 }

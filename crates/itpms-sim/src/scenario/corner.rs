@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::InvalidValue;
 use crate::plant::Deviations;
+use crate::pressure_sensor::PressureSensorSpec;
 use crate::sensor::SensorSpec;
 use crate::time_profile::Pressure;
 
@@ -78,6 +79,9 @@ pub struct CornerSpec {
     /// The wheel's accelerometer, if not the scenario's usual one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wheel_sensor: Option<SensorSpec>,
+    /// The sensor whose reading a log holds as the pressure; without one it holds the true pressure.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pressure_sensor: Option<PressureSensorSpec>,
 }
 
 fn sprung_mass_kg() -> f64 {
@@ -117,6 +121,7 @@ impl CornerSpec {
             truth: Deviations::default(),
             body_sensor: None,
             wheel_sensor: None,
+            pressure_sensor: None,
         }
     }
 
@@ -132,6 +137,18 @@ impl CornerSpec {
             stiffness_per_kpa: told.tire.stiffness_per_kpa(),
             stiffness_at_zero: told.tire.stiffness_at_zero(),
         };
+    }
+
+    /// Loads the true corner with another sprung mass in kg; the estimator is told what it was told before.
+    pub fn set_true_sprung_mass_kg(&mut self, sprung_mass_kg: f64) {
+        self.truth.sprung_mass_factor = sprung_mass_kg / self.sprung_mass_kg;
+    }
+
+    /// Gives the wheel's accelerometer a noise of another variance in (m/s²)². The estimator is told of it only where
+    /// [`CornerSpec::accel_noise_m_s2`] is not given.
+    pub fn set_wheel_noise_variance(&mut self, variance_m2_s4: f64, usual: &SensorSpec) {
+        let sensor = self.wheel_sensor.unwrap_or(*usual);
+        self.wheel_sensor = Some(SensorSpec { noise_m_s2: variance_m2_s4.sqrt(), ..sensor });
     }
 
     /// The quarter car the estimator is told.
@@ -168,6 +185,9 @@ impl CornerSpec {
             if let Some(sensor) = sensor {
                 sensor.validate().map_err(|e| e.within(name))?;
             }
+        }
+        if let Some(sensor) = &self.pressure_sensor {
+            sensor.validate().map_err(|e| e.within("pressure_sensor"))?;
         }
         Ok(())
     }

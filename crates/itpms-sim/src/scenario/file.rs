@@ -7,10 +7,13 @@ use crate::error::ScenarioError;
 use crate::road::Surface;
 
 /// The scenarios that come with the program, by name.
-const BUILT_IN: [(&str, &str); 3] = [
+const BUILT_IN: [(&str, &str); 6] = [
     ("paper-drop", include_str!("../../scenarios/paper-drop.toml")),
     ("paper-deep-drop", include_str!("../../scenarios/paper-deep-drop.toml")),
     ("paper-drop-recover", include_str!("../../scenarios/paper-drop-recover.toml")),
+    ("bench-drop", include_str!("../../scenarios/bench-drop.toml")),
+    ("bench-drop-recover", include_str!("../../scenarios/bench-drop-recover.toml")),
+    ("bench-slow", include_str!("../../scenarios/bench-slow.toml")),
 ];
 
 /// How alike two names must be (Jaro-Winkler, 0 to 1) for one to be suggested for the other.

@@ -18,7 +18,7 @@ pub use corner::{CornerSpec, Corners, TireSpec};
 
 use crate::antialias::AntiAliasSpec;
 use crate::error::{InvalidValue, ScenarioError, within};
-use crate::road::RoadSpec;
+use crate::road::{RoadSpec, Surface};
 use crate::sensor::SensorSpec;
 use crate::time_profile::Speed;
 
@@ -92,6 +92,10 @@ impl Scenario {
         within("wheelbase_m", self.wheelbase_m, 0.5, 7.0, "a length from 0.5 to 7 m")?;
         self.speed.profile_m_s().map_err(|e| e.within("speed"))?;
         self.road.validate().map_err(|e| e.within("road"))?;
+        if matches!(self.road.surface, Surface::Bench(_)) && self.one_speed_m_s().is_none() {
+            let found = "given with a speed that changes or is 0";
+            return Err(InvalidValue::new("road.surface.bench", found, "constant_km_h above 0"));
+        }
         self.sensor.validate().map_err(|e| e.within("sensor"))?;
         self.antialias.validate().map_err(|e| e.within("antialias"))?;
         within("clock.jitter", self.clock.jitter, 0.0, 0.49, "a fraction from 0 to 0.49")?;
@@ -109,6 +113,14 @@ impl Scenario {
     pub fn rows(&self) -> u64 {
         // A duration of 40 s at 500 Hz is 20 000 rows, whatever the rounding of the product.
         (self.duration_s * self.rate_hz + 1e-6) as u64
+    }
+
+    /// The speed in m/s of a drive that has only one, above 0.
+    pub(crate) fn one_speed_m_s(&self) -> Option<f64> {
+        match self.speed {
+            Speed::ConstantKmH(km_h) if km_h > 0.0 => Some(km_h / 3.6),
+            _ => None,
+        }
     }
 
     /// What the estimator of a corner is told: the vehicle file's values, the sensor noise, where to start.

@@ -76,7 +76,8 @@ fn columns(scenario: &Scenario, no_truth: bool) -> LogColumns {
     LogColumns { speed: true, corners: Corner::ALL.map(|corner| scenario.corner.get(corner).map(|_| truth)) }
 }
 
-/// A simulated row as a log holds it. The road's truth is the profile under the axle.
+/// A simulated row as a log holds it: the pressure is the reference sensor's where the scenario has one, the road's
+/// truth the profile under the axle.
 fn log_row(row: &SimRow) -> LogRow {
     LogRow {
         time_s: row.time_s,
@@ -85,7 +86,7 @@ fn log_row(row: &SimRow) -> LogRow {
             corner.map(|c| LogCorner {
                 body_accel_m_s2: c.body_accel_m_s2,
                 wheel_accel_m_s2: c.wheel_accel_m_s2,
-                pressure_kpa: c.pressure_kpa,
+                pressure_kpa: c.pressure_reading_kpa,
                 road_m: c.road_m,
             })
         }),
