@@ -4,6 +4,7 @@
 //! | room | idea |
 //! |---|---|
 //! | [`bound`] | Cramer-Rao bound on a pressure from one corner |
+//! | [`observability`] | why two accelerations leave the stiffness free, and what each source of information fixes |
 //! | [`spectrum`] | Welch's power spectral density; level, slope and ISO 8608 class of a road |
 //! | [`plot`] | figures as SVG |
 //! | [`report`] | one HTML page about a drive |
@@ -12,6 +13,7 @@
 #![forbid(unsafe_code)]
 
 pub mod bound;
+pub mod observability;
 pub mod plot;
 pub mod report;
 pub mod roughness;

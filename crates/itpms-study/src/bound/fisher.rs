@@ -1,6 +1,6 @@
 //! Fisher information of two stationary Gaussian signals (`docs/math/bound.md`, eq. 1-4).
 //!
-//! Called by the bound alone. The spectral matrix is `Phi(f) = S(f) g g^H + N I`: a road of density `S`, the
+//! Called by the bound; the transfers also by the sources of information (`observability`). The spectral matrix is `Phi(f) = S(f) g g^H + N I`: a road of density `S`, the
 //! transfers `g` from road to body and wheel acceleration, white sensor noise of density `N`.
 
 use itpms_core::estimate::CornerConfig;
@@ -9,9 +9,9 @@ use nalgebra::{Complex, Matrix2, Matrix3, Vector2};
 use super::BoundSetting;
 
 /// Frequency at which the road's level is the parameter, so that level and slope are nearly uncorrelated.
-const LEVEL_HZ: f64 = 10.0;
+pub(crate) const LEVEL_HZ: f64 = 10.0;
 /// The wheel hop is about 2.6 Hz wide: fifty points across it make the trapezoidal rule exact to 1e-4.
-const STEP_HZ: f64 = 0.05;
+pub(crate) const STEP_HZ: f64 = 0.05;
 
 type Spectral = Matrix2<Complex<f64>>;
 
@@ -36,19 +36,7 @@ impl Fisher {
 
     /// One-sided spectral matrix of (body, wheel) acceleration in m²/s⁴/Hz.
     pub(super) fn model(&self, frequency_hz: f64, pressure_kpa: f64) -> SpectralModel {
-        let car = &self.corner.quarter_car;
-        let k_t = self.corner.tire.stiffness_n_per_m(pressure_kpa);
-        let s = Complex::new(0.0, std::f64::consts::TAU * frequency_hz);
-        let one = Complex::new(1.0, 0.0);
-        // X_b = B X_w, then (m_w s² + Z (1 - B)) X_w = D X_w = k_t (X_r - X_w)
-        let z = s * car.damping_n_s_per_m() + car.spring_n_per_m();
-        let b = z / (s * s * car.sprung_mass_kg() + z);
-        let d = s * s * car.unsprung_mass_kg() + z * (one - b);
-        let h = Complex::from(k_t) / (d + k_t);
-        // ∂h/∂k_t = D / (D + k_t)²
-        let h_k = d / ((d + k_t) * (d + k_t));
-        let shape = Vector2::new(b, one) * (s * s);
-        let (g, g_p) = (shape * h, shape * (h_k * self.corner.tire.stiffness_per_kpa()));
+        let (g, g_p) = transfers(&self.corner, frequency_hz, pressure_kpa);
 
         // S(f) = Gd(f / V) / V
         let speed = self.setting.speed_m_s;
@@ -77,6 +65,28 @@ impl Fisher {
         }
         sum
     }
+}
+
+/// Transfer from the road's height to (body, wheel) acceleration in 1/s² at a gauge pressure, and its derivative by the
+/// pressure in 1/(s² kPa) (`docs/math/bound.md`, below eq. 1).
+pub(crate) fn transfers(
+    corner: &CornerConfig<f64>,
+    frequency_hz: f64,
+    pressure_kpa: f64,
+) -> (Vector2<Complex<f64>>, Vector2<Complex<f64>>) {
+    let car = &corner.quarter_car;
+    let k_t = corner.tire.stiffness_n_per_m(pressure_kpa);
+    let s = Complex::new(0.0, std::f64::consts::TAU * frequency_hz);
+    let one = Complex::new(1.0, 0.0);
+    // X_b = B X_w, then (m_w s² + Z (1 - B)) X_w = D X_w = k_t (X_r - X_w)
+    let z = s * car.damping_n_s_per_m() + car.spring_n_per_m();
+    let b = z / (s * s * car.sprung_mass_kg() + z);
+    let d = s * s * car.unsprung_mass_kg() + z * (one - b);
+    let h = Complex::from(k_t) / (d + k_t);
+    // ∂h/∂k_t = D / (D + k_t)²
+    let h_k = d / ((d + k_t) * (d + k_t));
+    let shape = Vector2::new(b, one) * (s * s);
+    (shape * h, shape * (h_k * corner.tire.stiffness_per_kpa()))
 }
 
 /// Information of one complex Gaussian vector (eq. 2).

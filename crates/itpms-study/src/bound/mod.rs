@@ -11,6 +11,7 @@ mod history;
 pub use history::{BoundPrior, BoundRecursion};
 
 use fisher::Fisher;
+pub(crate) use fisher::{LEVEL_HZ, STEP_HZ, transfers};
 use itpms_core::estimate::CornerConfig;
 use nalgebra::{Matrix2, Matrix3, Vector2};
 use thiserror::Error;
@@ -57,7 +58,7 @@ impl BoundSetting {
         }
     }
 
-    fn check(&self) -> Result<(), BoundError> {
+    pub(crate) fn check(&self) -> Result<(), BoundError> {
         let positive = [
             ("road level Gd(n0) in m3", self.road.gd_n0_m3),
             ("speed_m_s", self.speed_m_s),

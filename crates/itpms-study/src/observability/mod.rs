@@ -1,0 +1,367 @@
+//! Why two accelerations leave the stiffness free, and what fixes it (`docs/math/identifiability.md`).
+//!
+//! Called by `itpms observability` and by the page about the paper. Needs no drive: masses, springs and dampers are
+//! enough. It must never be asked for an estimate; it says what any estimator could know.
+//!
+//! | room | idea |
+//! |---|---|
+//! | `twin` | two tires, two roads, one measurement: the proof, driven |
+//! | `rank`, `dual` | the observability matrix with the road as unknown input |
+//! | `information` | Fisher information of wheels that pass over the same road |
+//! | `car` | what an uncertain mass, spring or damper does to the accelerations |
+//! | `sources` | which wheel passes where: the four sources, alone and together |
+//! | `figures`, `summary`, `page`, `tables` | the result drawn, told, as HTML, and as CSV |
+
+mod car;
+mod dual;
+mod information;
+mod rank;
+mod sources;
+mod summary;
+mod twin;
+
+pub use rank::{RankCase, Stiffness, TOLERANCE};
+pub use sources::{Car, Situation, Source, Sources};
+pub use twin::{Twin, Twins};
+
+use std::ops::ControlFlow;
+
+use itpms_core::estimate::CornerConfig;
+use itpms_core::quarter_car::{ParameterError, QuarterCar};
+use rayon::prelude::*;
+use serde::Serialize;
+use thiserror::Error;
+
+use crate::bound::{BoundError, BoundSetting};
+use sources::SourceBound;
+
+/// Whom and what the study is about.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Subject {
+    /// What people call the vehicle.
+    pub vehicle: String,
+    /// Which corner: `fl`, `fr`, `rl` or `rr`.
+    pub corner: String,
+    /// The corner itself.
+    pub front: CornerConfig<f64>,
+    /// The corner with another unsprung mass that meets the same road (source b').
+    pub unlike: CornerConfig<f64>,
+    /// Whether `unlike` was made up because the vehicle's corners are alike.
+    pub unlike_is_made_up: bool,
+    /// Road, speed, rate, noise and band.
+    pub drive: BoundSetting,
+    /// Period of a repeated road in s.
+    pub period_s: f64,
+    /// Driven at placard pressure before the loss, in s.
+    pub before_s: f64,
+    /// The loss as a share of the placard pressure.
+    pub loss: f64,
+    /// The sd of a pressure at a reset in kPa.
+    pub reset_sd_kpa: f64,
+}
+
+/// A gauge at a reset is taken to be right to 1.25 % of the placard pressure, as the estimators take it.
+const RESET_SHARE: f64 = 0.0125;
+/// Unsprung masses closer than this are alike.
+const ALIKE: f64 = 0.01;
+
+impl Subject {
+    /// A corner on the paper's drive (class A, 20 km/h, 500 Hz) with its own noise; repeated roads of 0.66 s as on the
+    /// paper's test bed; a loss of 20 % after 20 s. `partner` is the corner on the same side of the other axle; where
+    /// there is none or it has the same unsprung mass, (b') is told of one 12 % lighter under a body 10 % lighter.
+    #[must_use]
+    pub fn new(
+        vehicle: &str,
+        corner: &str,
+        front: &CornerConfig<f64>,
+        partner: Option<&CornerConfig<f64>>,
+    ) -> Self {
+        let car = &front.quarter_car;
+        let unlike = partner.filter(|partner| {
+            let ratio = partner.quarter_car.unsprung_mass_kg() / car.unsprung_mass_kg();
+            (ratio - 1.0).abs() > ALIKE
+        });
+        let lighter = QuarterCar::new(
+            0.9 * car.sprung_mass_kg(),
+            0.88 * car.unsprung_mass_kg(),
+            car.damping_n_s_per_m(),
+            car.spring_n_per_m(),
+        );
+        // The masses of a car, a little lighter, are masses; if rounding made them none, the corners are alike.
+        let lighter = lighter.unwrap_or(*car);
+        Self {
+            vehicle: vehicle.to_owned(),
+            corner: corner.to_owned(),
+            front: *front,
+            unlike: unlike.copied().unwrap_or(CornerConfig { quarter_car: lighter, ..*front }),
+            unlike_is_made_up: unlike.is_none(),
+            drive: BoundSetting {
+                accel_noise_m_s2: front.accel_noise_or_usual_m_s2(),
+                ..BoundSetting::paper()
+            },
+            period_s: 0.66,
+            before_s: 20.0,
+            loss: 0.2,
+            reset_sd_kpa: RESET_SHARE * front.placard_kpa,
+        }
+    }
+
+    /// The paper's simulated corner (Table 2).
+    #[must_use]
+    pub fn paper() -> Self {
+        Self::new("paper, Table 2", "fl", &CornerConfig::paper(), None)
+    }
+}
+
+/// The least sd over time for one set of sources.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Curve {
+    /// Which sources: `a`, `b'`, `a+d`, ...
+    pub sources: String,
+    /// The same in words.
+    pub words: &'static str,
+    /// What the pressure did.
+    pub situation: Situation,
+    /// How well the car is known.
+    pub car: Car,
+    /// (time in s, sd in kPa); infinite (`null` in JSON) where nothing can be known.
+    pub points: Vec<(f64, f64)>,
+}
+
+impl Curve {
+    /// The sd in kPa at a time that is one of the curve's, else NaN.
+    #[must_use]
+    pub fn at(&self, seconds: f64) -> f64 {
+        self.points.iter().find(|(t, _)| (t - seconds).abs() < 1e-9).map_or(f64::NAN, |&(_, sd)| sd)
+    }
+}
+
+/// What a sweep varies; everything else stays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Varied {
+    /// Speed of the car in km/h.
+    SpeedKmH,
+    /// Damping of both corners in N s/m.
+    DampingNSPerM,
+    /// Noise of every accelerometer in m/s², rms per sample.
+    NoiseMS2,
+}
+
+impl Varied {
+    /// All of them.
+    pub const ALL: [Varied; 3] = [Varied::SpeedKmH, Varied::DampingNSPerM, Varied::NoiseMS2];
+
+    /// As in the tables, with its unit.
+    #[must_use]
+    pub fn label(self) -> &'static str {
+        match self {
+            Varied::SpeedKmH => "speed_km_h",
+            Varied::DampingNSPerM => "damping_n_s_per_m",
+            Varied::NoiseMS2 => "noise_m_s2",
+        }
+    }
+
+    fn values(self) -> &'static [f64] {
+        match self {
+            Varied::SpeedKmH => &[20.0, 30.0, 40.0, 60.0, 80.0, 100.0, 120.0],
+            Varied::DampingNSPerM => &[300.0, 500.0, 750.0, 1000.0, 1500.0, 2000.0, 3000.0],
+            Varied::NoiseMS2 => &[0.02, 0.035, 0.05, 0.1, 0.2, 0.35, 0.5],
+        }
+    }
+}
+
+/// The least sd for one set of sources over one circumstance, at [`SWEEP_S`] after the loss.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Sweep {
+    /// What varies.
+    pub varied: Varied,
+    /// Which sources.
+    pub sources: String,
+    /// How well the car is known.
+    pub car: Car,
+    /// (value, sd in kPa).
+    pub points: Vec<(f64, f64)>,
+}
+
+/// When a sweep looks, in s after the loss.
+pub const SWEEP_S: f64 = 8.0;
+/// When the curves are looked at, in s; the tables take 2, 8 and 40.
+const TIMES_S: [f64; 15] = [0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0, 16.0, 22.0, 32.0, 40.0, 60.0];
+
+/// Everything the study found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Observability {
+    /// The vehicle's name.
+    pub vehicle: String,
+    /// Its corner.
+    pub corner: String,
+    /// What was assumed, by name with unit.
+    pub conditions: Conditions,
+    /// The proof, driven.
+    pub twins: Twins,
+    /// Ranks.
+    pub ranks: Vec<RankCase>,
+    /// Bounds over time.
+    pub curves: Vec<Curve>,
+    /// Bounds over speed, damping and noise.
+    pub sweeps: Vec<Sweep>,
+}
+
+/// What the bounds hold for.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Conditions {
+    /// Placard pressure in kPa.
+    pub placard_kpa: f64,
+    /// Pressure after the loss in kPa.
+    pub pressure_after_kpa: f64,
+    /// Stiffness at placard pressure in N/m.
+    pub stiffness_n_per_m: f64,
+    /// Time at placard pressure before the loss in s.
+    pub before_s: f64,
+    /// Speed in km/h.
+    pub speed_km_h: f64,
+    /// Road level in m³.
+    pub road_level_m3: f64,
+    /// Road slope.
+    pub road_slope: f64,
+    /// Noise of each accelerometer in m/s².
+    pub noise_m_s2: f64,
+    /// Sampling rate in Hz.
+    pub rate_hz: f64,
+    /// Band in Hz.
+    pub band_hz: (f64, f64),
+    /// Damping in N s/m.
+    pub damping_n_s_per_m: f64,
+    /// Period of the repeated road in s.
+    pub period_s: f64,
+    /// The sd of a reset in kPa.
+    pub reset_sd_kpa: f64,
+    /// Unsprung masses in kg of the corner and of the unlike one (b').
+    pub unsprung_masses_kg: (f64, f64),
+    /// Whether the unlike one was made up.
+    pub unlike_is_made_up: bool,
+}
+
+/// No study.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum StudyError {
+    /// The drive.
+    #[error(transparent)]
+    Bound(#[from] BoundError),
+    /// A corner.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// The caller wanted no more.
+    #[error("stopped")]
+    Stopped,
+}
+
+/// The whole study of one corner: some seconds. `look` is called now and then with the share done and may stop it.
+///
+/// # Errors
+/// See [`StudyError`].
+pub fn study(
+    subject: &Subject,
+    look: &(dyn Fn(f64) -> ControlFlow<()> + Sync),
+) -> Result<Observability, StudyError> {
+    subject.drive.check()?;
+    let go_on = |share: f64| if look(share).is_break() { Err(StudyError::Stopped) } else { Ok(()) };
+    go_on(0.0)?;
+    let twins = Twins::drive(&subject.front, &subject.drive);
+    go_on(0.1)?;
+    let ranks = rank::cases(&subject.front, &subject.unlike);
+    go_on(0.2)?;
+    let found: Result<Vec<_>, StudyError> = Sources::ALL
+        .par_iter()
+        .map(|&sources| {
+            go_on(0.3)?;
+            Ok((curves(subject, sources)?, sweeps(subject, sources)?))
+        })
+        .collect();
+    let (curves, sweeps): (Vec<_>, Vec<_>) = found?.into_iter().unzip();
+    go_on(1.0)?;
+    Ok(Observability {
+        vehicle: subject.vehicle.clone(),
+        corner: subject.corner.clone(),
+        conditions: conditions(subject),
+        twins,
+        ranks,
+        curves: curves.into_iter().flatten().collect(),
+        sweeps: sweeps.into_iter().flatten().collect(),
+    })
+}
+
+fn curves(subject: &Subject, sources: Sources) -> Result<Vec<Curve>, StudyError> {
+    let mut curves = Vec::new();
+    for car in Car::ALL {
+        let bound = SourceBound::new(subject, sources, car, subject.drive, None)?;
+        curves.extend(Situation::ALL.map(|situation| Curve {
+            sources: sources.to_string(),
+            words: sources.words(),
+            situation,
+            car,
+            points: TIMES_S.iter().map(|&t| (t, bound.sd_kpa(situation, t))).collect(),
+        }));
+    }
+    Ok(curves)
+}
+
+fn sweeps(subject: &Subject, sources: Sources) -> Result<Vec<Sweep>, StudyError> {
+    let mut sweeps = Vec::new();
+    for (varied, car) in Varied::ALL.into_iter().flat_map(|varied| Car::ALL.map(|car| (varied, car))) {
+        let point = |&value: &f64| {
+            let mut setting = subject.drive;
+            let mut damping = None;
+            match varied {
+                Varied::SpeedKmH => setting.speed_m_s = value / 3.6,
+                Varied::DampingNSPerM => damping = Some(value),
+                Varied::NoiseMS2 => setting.accel_noise_m_s2 = value,
+            }
+            let bound = SourceBound::new(subject, sources, car, setting, damping)?;
+            Ok((value, bound.sd_kpa(Situation::AfterLoss, SWEEP_S)))
+        };
+        let points = varied.values().iter().map(point).collect::<Result<Vec<_>, StudyError>>()?;
+        sweeps.push(Sweep { varied, sources: sources.to_string(), car, points });
+    }
+    Ok(sweeps)
+}
+
+fn conditions(subject: &Subject) -> Conditions {
+    let (front, drive) = (&subject.front, &subject.drive);
+    Conditions {
+        placard_kpa: front.placard_kpa,
+        pressure_after_kpa: front.placard_kpa * (1.0 - subject.loss),
+        stiffness_n_per_m: front.tire.stiffness_n_per_m(front.placard_kpa),
+        before_s: subject.before_s,
+        speed_km_h: drive.speed_m_s * 3.6,
+        road_level_m3: drive.road.gd_n0_m3,
+        road_slope: drive.road.waviness,
+        noise_m_s2: drive.accel_noise_m_s2,
+        rate_hz: drive.rate_hz,
+        band_hz: drive.band_hz,
+        damping_n_s_per_m: front.quarter_car.damping_n_s_per_m(),
+        period_s: subject.period_s,
+        reset_sd_kpa: subject.reset_sd_kpa,
+        unsprung_masses_kg: (
+            front.quarter_car.unsprung_mass_kg(),
+            subject.unlike.quarter_car.unsprung_mass_kg(),
+        ),
+        unlike_is_made_up: subject.unlike_is_made_up,
+    }
+}
+
+impl Observability {
+    /// The curve of these sources in this situation with this car.
+    #[must_use]
+    pub fn curve(&self, sources: &str, situation: Situation, car: Car) -> Option<&Curve> {
+        let wanted = |c: &&Curve| c.sources == sources && c.situation == situation && c.car == car;
+        self.curves.iter().find(wanted)
+    }
+
+    /// The sweep of these sources over this circumstance with this car.
+    #[must_use]
+    pub fn sweep(&self, sources: &str, varied: Varied, car: Car) -> Option<&Sweep> {
+        self.sweeps.iter().find(|s| s.sources == sources && s.varied == varied && s.car == car)
+    }
+}
