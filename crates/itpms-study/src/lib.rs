@@ -6,6 +6,7 @@
 //! | [`bound`] | Cramer-Rao bound on a pressure from one corner |
 //! | [`observability`] | why two accelerations leave the stiffness free, and what each source of information fixes |
 //! | [`spectrum`] | Welch's power spectral density; level, slope and ISO 8608 class of a road |
+//! | [`paper`] | the paper's study, made again |
 //! | [`plot`] | figures as SVG |
 //! | [`report`] | one HTML page about a drive |
 //! | [`roughness`] | International Roughness Index of a profile |
@@ -14,6 +15,7 @@
 
 pub mod bound;
 pub mod observability;
+pub mod paper;
 pub mod plot;
 pub mod report;
 pub mod roughness;

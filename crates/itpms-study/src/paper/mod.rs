@@ -1,0 +1,158 @@
+//! The paper's study made again: every figure and table with numbers from our own drives, the paper's numbers beside
+//! them, and an account of what agrees.
+//!
+//! Called by the binary's `reproduce`, which writes the [`File`]s. Deterministic: the same [`Request`] gives the same
+//! bytes on any number of processors. Nothing here looks at a clock, a path or the network.
+//!
+//! | room | idea |
+//! |---|---|
+//! | `published`, `assumed` | the paper's numbers; what it does not say |
+//! | `case`, `contestant`, `drive`, `plan`, `outcome` | the drives, who takes part, what became of it |
+//! | `histories`, `standing`, `changes` | panels, tables and studies that several figures share |
+//! | `tire`, `road_input`, `drop`, `other_drops`, `mass` | Sections 2 and 4 of the paper |
+//! | `bench_input`, `bench`, `bench_changes`, `noise` | Section 5 |
+//! | `summary` | the table at the top |
+//! | `section`, `data`, `page` | text, figures and tables as a page and as files |
+
+mod assumed;
+mod band_pass;
+mod bench;
+mod bench_changes;
+mod bench_input;
+mod case;
+mod changes;
+mod contestant;
+mod data;
+mod drive;
+mod drop;
+mod error;
+mod histories;
+mod mass;
+mod noise;
+mod other_drops;
+mod outcome;
+mod page;
+mod plan;
+mod published;
+mod road_input;
+mod section;
+mod standing;
+mod summary;
+mod tire;
+
+use itpms_core::sample::Corner;
+use itpms_sim::scenario::Scenario;
+
+pub use data::Data;
+pub use error::PaperError;
+pub use section::{Section, Table};
+
+use section::Part;
+
+/// The corner that the paper's scenarios drive.
+const CORNER: Corner = Corner::FrontLeft;
+
+/// Told after every drive how many of how many are done; a break ends the study.
+pub type Progress<'a> = plan::Callback<'a>;
+
+/// What the paper leaves open, and how many drives.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Request {
+    /// Drives per case.
+    pub seeds: usize,
+    /// Seed of the first; the others follow. The first is the one that is drawn.
+    pub first_seed: u64,
+    /// Sampling rate of the simulation study in Hz.
+    pub rate_hz: f64,
+    /// Accelerometer noise of the simulation study in m/s², rms per sample.
+    pub noise_m_s2: f64,
+    /// Sampling rate of the test bed in Hz.
+    pub bench_rate_hz: f64,
+    /// Unsprung mass of the test bed in kg.
+    pub bench_unsprung_mass_kg: f64,
+}
+
+impl Default for Request {
+    fn default() -> Self {
+        Self {
+            seeds: 40,
+            first_seed: 1,
+            rate_hz: 1000.0,
+            noise_m_s2: 0.05,
+            bench_rate_hz: 500.0,
+            bench_unsprung_mass_kg: 56.9,
+        }
+    }
+}
+
+/// One file of the study.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct File {
+    /// Without a folder.
+    pub name: String,
+    /// Text in UTF-8.
+    pub content: String,
+}
+
+/// The study, ready to be written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Study {
+    request: Request,
+    sections: Vec<Section>,
+}
+
+/// Drives everything and lays it out. The progress counts drives; what follows them takes a few seconds.
+///
+/// # Errors
+/// See [`PaperError`].
+pub fn reproduce(request: &Request, progress: Progress<'_>) -> Result<Study, PaperError> {
+    if request.seeds == 0 {
+        return Err(PaperError::NoSeeds);
+    }
+    let outcomes = plan::run(request, progress)?;
+    let speed_m_s = Scenario::builtin("paper-drop")?.speed.profile_m_s()?.value(0.0);
+    let (input, slopes) = road_input::section(request, &outcomes.drop, speed_m_s)?;
+    let sections = vec![
+        summary::section(&outcomes, slopes, request.seeds)?,
+        tire::section()?,
+        input,
+        drop::section(&outcomes.drop, speed_m_s)?,
+        other_drops::section(&outcomes.deep, &outcomes.recover),
+        mass::section(&outcomes.mass),
+        bench_input::section(request)?,
+        bench::section(&outcomes.bench_drop, &outcomes.bench_recover, &outcomes.bench_slow),
+        bench_changes::mass(&outcomes.bench_mass),
+        bench_changes::noise(noise::section(request)?, &outcomes.bench_noise),
+        assumed::section(request),
+    ];
+    Ok(Study { request: *request, sections })
+}
+
+impl Study {
+    /// The page, each figure as SVG, the data of each figure and table as CSV and JSON.
+    ///
+    /// # Errors
+    /// JSON that cannot be written.
+    pub fn files(&self) -> Result<Vec<File>, PaperError> {
+        let file = |name: String, content: String| File { name, content };
+        let mut files = vec![file("index.html".to_owned(), page::page(&self.sections, &self.request))];
+        let mut write = |data: &Data| -> Result<(), PaperError> {
+            files.push(file(format!("{}.csv", data.name), data.csv()));
+            files.push(file(format!("{}.json", data.name), data.json()?));
+            Ok(())
+        };
+        let mut figures = vec![];
+        for part in self.sections.iter().flat_map(|section| &section.parts) {
+            match part {
+                Part::Text(_) => {}
+                Part::Figure { figure, data, .. } => {
+                    data.iter().try_for_each(&mut write)?;
+                    figures.push(file(format!("{}.svg", figure.name()), figure.svg()));
+                }
+                Part::Table { table, .. } => write(&table.data)?,
+            }
+        }
+        files.extend(figures);
+        Ok(files)
+    }
+}
