@@ -6,6 +6,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser as _};
 use clap::{Parser, Subcommand};
 use clap_complete::Shell;
 use itpms_core::estimator::EstimatorKind;
+use itpms_core::sample::Corner;
 use itpms_study::score::Part;
 
 /// Indirect tire pressure monitoring: tire pressure and road from the accelerations of a car's body and wheels.
@@ -34,6 +35,7 @@ pub(crate) enum Command {
     Estimate(EstimateArgs),
     Simulate(SimulateArgs),
     Score(ScoreArgs),
+    Observability(ObservabilityArgs),
     Completions(CompletionsArgs),
 }
 
@@ -191,6 +193,39 @@ fn scored_names() -> impl clap::builder::TypedValueParser<Value = Scored> {
 fn part_names() -> impl clap::builder::TypedValueParser<Value = Part> {
     PossibleValuesParser::new(Part::ALL.map(Part::label))
         .try_map(|label| Part::from_label(&label).ok_or("expected a part of the table"))
+}
+
+/// What the accelerations of a corner can tell of its tire, and what they cannot.
+///
+/// Two tires that give the same measurement, the rank with the road unknown, and the least error any estimator could
+/// have (Cramer-Rao) with each source of information alone and together, over time, speed, damping and noise.
+#[derive(Debug, clap::Args)]
+#[command(after_help = OBSERVABILITY_EXAMPLES)]
+pub(crate) struct ObservabilityArgs {
+    /// Masses, springs, dampers and tires of the corners.
+    #[arg(long, value_name = "V.toml")]
+    pub(crate) vehicle: PathBuf,
+    /// Which corner: fl, fr, rl or rr; the vehicle's first unless given.
+    #[arg(long, value_name = "C", value_parser = corner_names())]
+    pub(crate) corner: Option<Corner>,
+    /// Where a page, figures (SVG), tables (CSV) and everything as JSON go.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Print JSON.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+const OBSERVABILITY_EXAMPLES: &str = "\
+Examples:
+  itpms observability --vehicle car.toml
+  itpms observability --vehicle car.toml --corner rl --out why";
+
+fn corner_names() -> impl clap::builder::TypedValueParser<Value = Corner> {
+    PossibleValuesParser::new(Corner::ALL.map(Corner::label)).try_map(|label| {
+        let named = |corner: &Corner| corner.label() == label;
+        Corner::ALL.into_iter().find(named).ok_or("expected fl, fr, rl or rr")
+    })
 }
 
 /// Print a completion script for a shell.

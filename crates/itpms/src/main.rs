@@ -33,6 +33,7 @@ fn main() -> ExitCode {
         Command::Estimate(args) => commands::estimate::run(args, &screen, &interrupt),
         Command::Simulate(args) => commands::simulate::run(args, &screen, &interrupt),
         Command::Score(args) => commands::score::run(args, &screen, &interrupt),
+        Command::Observability(args) => commands::observability::run(args, &screen, &interrupt),
         Command::Completions(args) => commands::completions::run(args),
     });
     match result {

@@ -14,10 +14,13 @@
 
 mod car;
 mod dual;
+mod figures;
 mod information;
+mod page;
 mod rank;
 mod sources;
 mod summary;
+mod tables;
 mod twin;
 
 pub use rank::{RankCase, Stiffness, TOLERANCE};

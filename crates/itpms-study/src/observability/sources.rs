@@ -81,10 +81,10 @@ impl Sources {
     pub fn words(self) -> &'static str {
         match self.to_string().as_str() {
             "a" => "the road's spectrum is a power law",
-            "b" => "front and rear over the same road, corners alike",
-            "b'" => "the same, rear wheel another one",
-            "c" => "repeated road: the wheel's own past",
-            "d" => "reset: the pressure known at the start",
+            "b" => "same road, front and rear alike",
+            "b'" => "same road, rear wheel another one",
+            "c" => "repeated road: its own past",
+            "d" => "reset: known at the start",
             "a+b" | "a+b'" => "spectrum, and front and rear",
             "a+c" => "spectrum of a repeated road",
             "a+d" => "spectrum and reset",
@@ -92,7 +92,7 @@ impl Sources {
             "c+d" => "repeated road and reset",
             "a+b+d" => "what a car has on the road",
             "a+b+c+d" => "all four",
-            _ => "the road's height known everywhere",
+            _ => "no car has that; for comparison",
         }
     }
 }

@@ -13,7 +13,7 @@ impl Observability {
     pub fn summary(&self) -> String {
         let c = &self.conditions;
         let mut text = format!(
-            "{}, corner {}: {:.0} N/m at {:.1} kPa; road Gd(n0) {:.0e} m3, slope {:.2}, {:.0} km/h; noise {} m/s2 at {:.0} Hz\n",
+            "{}, corner {}: {:.0} N/m at {:.1} kPa\nroad Gd(n0) {:.1e} m3, slope {:.2}, {:.0} km/h; noise {} m/s2 at {:.0} Hz\n",
             self.vehicle,
             self.corner,
             c.stiffness_n_per_m,
@@ -62,7 +62,7 @@ impl Observability {
         let kept = self.ranks.iter().map(|case| case.smallest_kept).fold(f64::INFINITY, f64::min);
         let dropped = self.ranks.iter().map(|case| case.largest_dropped).fold(0.0, f64::max);
         *text += &format!(
-            "  singular values counted as zero: below {TOLERANCE:.0e} of the largest (kept: {kept:.0e} and more; dropped: {dropped:.0e} and less)\n"
+            "  zero is below {TOLERANCE:.0e} of the largest singular value (kept: {kept:.0e} and up; dropped: {dropped:.0e} and down)\n"
         );
     }
 
@@ -94,7 +94,7 @@ impl Observability {
             *text += &format!(" {}\n", sources.words());
         }
         *text += &format!(
-            "  (b') unsprung mass {:.1} kg against {:.1}{}; (c) period {} s; (d) sd {:.1} kPa\n",
+            "  (b') unsprung mass {:.1} kg against {:.1}{}\n  (c) period {} s; (d) sd {:.1} kPa; uncertain: unsprung mass 1 %, sprung mass 15 %, damping 20 %, spring 5 %\n",
             c.unsprung_masses_kg.1,
             c.unsprung_masses_kg.0,
             if c.unlike_is_made_up { ", made up: the vehicle's corners are alike" } else { "" },

@@ -26,10 +26,13 @@ pub struct Twin {
     /// What kind of tire, in words.
     pub label: String,
     /// Gauge pressure in kPa at each time.
+    #[serde(skip)]
     pub pressure_kpa: Vec<f64>,
     /// Road height in m at each time.
+    #[serde(skip)]
     pub road_m: Vec<f64>,
     /// Wheel acceleration in m/s² at each time.
+    #[serde(skip)]
     pub wheel_accel_m_s2: Vec<f64>,
     /// Root mean square of the difference to the first tire's road in m.
     pub road_difference_rms_m: f64,
@@ -42,6 +45,7 @@ pub struct Twin {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Twins {
     /// Times in s.
+    #[serde(skip)]
     pub time_s: Vec<f64>,
     /// The first drove an ISO 8608 road; the others the roads made for them.
     pub drives: Vec<Twin>,
