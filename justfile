@@ -34,6 +34,11 @@ bench:
 docs:
     cargo doc --workspace --no-deps --open
 
+# The derivations as a book, in target/book (needs mdbook).
+book:
+    python3 .ci/book.py
+    mdbook build docs
+
 # Dependencies: licences, duplicates, sources, advisories (needs cargo-deny).
 deny:
     cargo deny --all-features check

@@ -355,7 +355,7 @@ mod tests {
 
     #[test]
     fn ranks_are_those_of_the_derivation() {
-        // missing directions, drifts among them, and the stiffness: section 2 and 3 of the page, counted by hand.
+        // missing directions, drifts among them, and the stiffness: counted by hand in section 2 of the page.
         use Stiffness::{DifferenceOnly, Fixed, Free, Known};
         let expected = [
             (3, 2, Free),
