@@ -86,8 +86,10 @@ impl Observability {
                 Situation::Constant => ("Constant pressure", "Time since the start"),
                 Situation::AfterLoss => ("After a loss", "Time since the loss"),
             };
-            let axes =
-                (Axis::logarithmic(time, "s"), Axis::logarithmic("Least sd", "kPa").within(0.03, 60.0));
+            let axes = (
+                Axis::logarithmic(time, "s"),
+                Axis::logarithmic("Least sd", "kPa").within(lowest(car), 60.0),
+            );
             let mut panel = Panel::new(letter, format!("{title}, {known}"), axes.0, axes.1);
             for (sources, ink, stroke) in OVER_TIME {
                 if let Some(curve) = self.curve(sources, situation, car) {
@@ -118,7 +120,7 @@ impl Observability {
                 Varied::DampingNSPerM => Axis::logarithmic("Damping", "N s/m"),
                 Varied::NoiseMS2 => Axis::logarithmic("Noise", "m/s²"),
             };
-            let y = Axis::logarithmic("Least sd", "kPa").within(0.005, 30.0);
+            let y = Axis::logarithmic("Least sd", "kPa").within(lowest(car), 30.0);
             let mut panel = Panel::new(letter, known, x, y);
             for (sources, ink, stroke) in OVER_CIRCUMSTANCES {
                 if let Some(sweep) = self.sweep(sources, varied, car) {
@@ -128,6 +130,14 @@ impl Observability {
             figure = figure.panel(panel);
         }
         figure
+    }
+}
+
+/// Where the axis begins, in kPa: an uncertain car hides all that is finer than a kilopascal.
+fn lowest(car: Car) -> f64 {
+    match car {
+        Car::Exact => 0.01,
+        Car::AsFiled => 1.0,
     }
 }
 

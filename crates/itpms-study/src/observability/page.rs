@@ -47,13 +47,20 @@ impl Observability {
             })
             .collect();
         format!(
-            "<h3>Two accelerations leave the stiffness free</h3>\
-             <p>Body and wheel feel the road only through the tire's force, <i>F</i> = <i>k</i><sub>t</sub> (<i>x</i><sub>r</sub> − <i>x</i><sub>w</sub>). \
-             A tire of another stiffness <i>k</i>′ gives the same force on the road <i>x</i><sub>w</sub> + <i>F</i>/<i>k</i>′, and so the same motion and \
-             the same accelerations. Here {} such pairs are driven, each integrated by itself from its own road and its own stiffness; the largest \
-             difference of any acceleration is {:.0e} of the largest acceleration, which is rounding.</p>\
+            "<h3>Two accelerations leave the stiffness free</h3>{}\
              <div class=\"scroll\"><table><thead><tr><th>tire</th><th>its road differs by, mm rms</th><th>body acceleration differs by</th>\
              <th>wheel acceleration differs by</th></tr></thead><tbody>{rows}</tbody></table></div>",
+            self.proof_words()
+        )
+    }
+
+    /// The proof as a paragraph of HTML.
+    pub(crate) fn proof_words(&self) -> String {
+        format!(
+            "<p>Body and wheel feel the road only through the tire's force, <i>F</i> = <i>k</i><sub>t</sub> (<i>x</i><sub>r</sub> − <i>x</i><sub>w</sub>). \
+             A tire of another stiffness <i>k</i>′ gives the same force on the road <i>x</i><sub>w</sub> + <i>F</i>/<i>k</i>′, and so the same motion and \
+             the same accelerations. Here {} such pairs are driven, each integrated by itself from its own road and its own stiffness; the largest \
+             difference of any acceleration is {:.0e} of the largest acceleration, which is rounding.</p>",
             self.twins.drives.len().saturating_sub(1),
             self.twins.worst()
         )
@@ -76,17 +83,23 @@ impl Observability {
             })
             .collect();
         format!(
-            "<h3>Rank with the road as unknown input</h3>\
-             <p>Unknown are the states, the stiffness and the road with its derivatives; known are both accelerations with theirs. What no singular value \
-             above {TOLERANCE:.0e} of the largest belongs to is not observable. Two directions are always missing: body, wheel and road lifted together, and set off \
-             together (a double zero at <i>s</i> = 0). For one wheel the third is the exchange of stiffness for road.</p>\
+            "<h3>Rank with the road as unknown input</h3>{}\
              <div class=\"scroll\"><table><thead><tr><th>case</th><th>rank</th><th>missing</th><th>of these drift</th><th>stiffness</th></tr></thead>\
-             <tbody>{rows}</tbody></table></div>"
+             <tbody>{rows}</tbody></table></div>",
+            self.rank_words()
+        )
+    }
+
+    /// What the ranks mean, as a paragraph of HTML.
+    pub(crate) fn rank_words(&self) -> String {
+        format!(
+            "<p>Unknown are the states, the stiffness and the road with its derivatives; known are both accelerations with theirs. What no singular value \
+             above {TOLERANCE:.0e} of the largest belongs to is not observable. Two directions are always missing: body, wheel and road lifted together, and set off \
+             together (a double zero at <i>s</i> = 0). For one wheel the third is the exchange of stiffness for road.</p>"
         )
     }
 
     fn bounds(&self) -> String {
-        let c = &self.conditions;
         let head: String = (0..4).map(|_| TOLD_S.map(|t| format!("<th>{t:.0} s</th>")).concat()).collect();
         let rows: String = Sources::ALL
             .into_iter()
@@ -105,19 +118,24 @@ impl Observability {
             })
             .collect();
         format!(
-            "<h3>What each source of information allows to know</h3>\
-             <p>Least standard deviation of the pressure in kPa for any unbiased estimator (Cramer-Rao), for each source alone and together; a dash is \
+            "<h3>What each source of information allows to know</h3>{}\
+             <div class=\"scroll\"><table class=\"numbers\"><thead><tr><th rowspan=\"3\">sources</th><th colspan=\"6\">car known</th><th colspan=\"6\">car uncertain</th></tr>\
+             <tr><th colspan=\"3\">constant</th><th colspan=\"3\">after a loss</th><th colspan=\"3\">constant</th><th colspan=\"3\">after a loss</th></tr>\
+             <tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>{}",
+            self.conditions_words(),
+            self.lesson_words()
+        )
+    }
+
+    /// What the bounds hold for, as a paragraph of HTML.
+    pub(crate) fn conditions_words(&self) -> String {
+        let c = &self.conditions;
+        format!(
+            "<p>Least standard deviation of the pressure in kPa for any unbiased estimator (Cramer-Rao), for each source alone and together; a dash is \
              nothing at all. <i>Constant</i>: {:.1} kPa since the start. <i>After a loss</i>: {:.0} s at that pressure, then {:.1} kPa. \
              Road Gd(n0) {:.1e} m³, slope {:.2}, {:.0} km/h, noise {} m/s² at {:.0} Hz, {:.0} to {:.0} Hz. \
              (b′) has an unsprung mass of {:.1} instead of {:.1} kg{}; (c) repeats every {} s; (d) is right to {:.1} kPa. \
-             <i>Car uncertain</i>: unsprung mass known to 1 %, sprung mass 15 %, damping 20 %, spring 5 %.</p>\
-             <div class=\"scroll\"><table class=\"numbers\"><thead><tr><th rowspan=\"3\">sources</th><th colspan=\"6\">car known</th><th colspan=\"6\">car uncertain</th></tr>\
-             <tr><th colspan=\"3\">constant</th><th colspan=\"3\">after a loss</th><th colspan=\"3\">constant</th><th colspan=\"3\">after a loss</th></tr>\
-             <tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>\
-             <p>The road's spectrum (a) gives the absolute pressure, slowly: the limit is the randomness of the road. Wheels that share a road (b), and a \
-             wheel with its own past (c), compare; they are as sharp as the sensors, but corners alike with the same pressure compare to nothing. A reset (d) does not see a \
-             loss; it tells what the car's file does not know. With a car known as well as its file is, one per cent of unsprung mass is one per cent of \
-             stiffness, and that is the floor of everything but a reset.</p>",
+             <i>Car uncertain</i>: unsprung mass known to 1 %, sprung mass 15 %, damping 20 %, spring 5 %.</p>",
             c.placard_kpa,
             c.before_s,
             c.pressure_after_kpa,
@@ -136,9 +154,22 @@ impl Observability {
         )
     }
 
+    /// What follows from the bounds, as a paragraph of HTML.
+    pub(crate) fn lesson_words(&self) -> String {
+        "<p>The road's spectrum (a) gives the absolute pressure, slowly: the limit is the randomness of the road. Wheels that share a road (b), and a \
+             wheel with its own past (c), compare; they are as sharp as the sensors, but corners alike with the same pressure compare to nothing. A reset (d) does not see a \
+             loss; it tells what the car's file does not know. With a car known as well as its file is, one per cent of unsprung mass is one per cent of \
+             stiffness, and that is the floor of everything but a reset.</p>"
+            .to_owned()
+    }
+
     fn circumstances(&self) -> String {
-        "<h3>Over speed, damping and noise</h3>\
-         <p>Speed and noise hardly matter to the road's spectrum (a), which is far louder than the sensors; the damper does, through the width of the \
+        format!("<h3>Over speed, damping and noise</h3>{}", self.circumstances_words())
+    }
+
+    /// What the sweeps show, as a paragraph of HTML.
+    pub(crate) fn circumstances_words(&self) -> String {
+        "<p>Speed and noise hardly matter to the road's spectrum (a), which is far louder than the sensors; the damper does, through the width of the \
          wheel-hop resonance. For wheels that compare (b, c) it is the other way round: more speed is more road and less noise is a better comparison.</p>"
             .to_owned()
     }

@@ -336,6 +336,30 @@ mod tests {
     }
 
     #[test]
+    fn an_uncertain_car_is_as_uncertain_as_its_scale() {
+        // Masses, damper, spring and tire all stiffer by one factor move alike: the factor is known from the priors alone,
+        // sd 1 / sqrt(sum of their 1/sd²), and everything else from a road known to the millimeter.
+        let subject = Subject::paper();
+        let find =
+            |label: &str| Sources::ALL.into_iter().find(|sources| sources.to_string() == label).unwrap();
+        let drive = BoundSetting { accel_noise_m_s2: 1e-3, ..subject.drive };
+        let at = |label: &str, situation| {
+            let bound = SourceBound::new(&subject, find(label), Car::AsFiled, drive, None).unwrap();
+            bound.sd_kpa(situation, 40.0)
+        };
+        let scale = [0.01f64, 0.15, 0.20, 0.05].iter().map(|sd| sd.powi(-2)).sum::<f64>();
+        let stiffness = |kpa: f64| 713.91 * kpa + 60_880.0;
+        let expected = stiffness(241.3) / scale.sqrt() / 713.91;
+        let found = at("road known", Situation::Constant);
+        assert!((found / expected - 1.0).abs() < 2e-3, "{found} {expected}");
+        // A reset measures the scale, too: sd over 241.3 kPa's stiffness. It is what is left at the lower one.
+        let reset = subject.reset_sd_kpa * 713.91 / stiffness(241.3);
+        let expected = stiffness(0.8 * 241.3) / (scale + reset.powi(-2)).sqrt() / 713.91;
+        let found = at("c+d", Situation::AfterLoss);
+        assert!((found / expected - 1.0).abs() < 1e-2, "{found} {expected}");
+    }
+
+    #[test]
     fn two_resets_of_corners_alike_are_worth_the_root_of_two() {
         // Without noise the difference is known; without a loss nothing else is. The mean of two gauges remains.
         let subject = Subject { loss: 1e-9, ..Subject::paper() };

@@ -5,6 +5,7 @@ use itpms_core::quarter_car::ParameterError;
 use itpms_sim::error::{InvalidValue, ScenarioError};
 use thiserror::Error;
 
+use crate::bound::BoundError;
 use crate::spectrum::{FitError, WelchError};
 
 /// Why there is no study.
@@ -37,6 +38,9 @@ pub enum PaperError {
     /// The line through the road's spectrum.
     #[error(transparent)]
     Fit(#[from] FitError),
+    /// A drive that has no bound.
+    #[error(transparent)]
+    Bound(#[from] BoundError),
     /// A file's JSON.
     #[error("cannot be written as JSON: {0}")]
     Json(#[from] serde_json::Error),

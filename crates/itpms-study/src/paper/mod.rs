@@ -11,6 +11,7 @@
 //! | `histories`, `standing`, `changes` | panels, tables and studies that several figures share |
 //! | `tire`, `road_input`, `drop`, `other_drops`, `mass` | Sections 2 and 4 of the paper |
 //! | `bench_input`, `bench`, `bench_changes`, `noise` | Section 5 |
+//! | `why` | what the accelerations can tell: the study of observability |
 //! | `summary` | the table at the top |
 //! | `section`, `data`, `page` | text, figures and tables as a page and as files |
 
@@ -39,6 +40,7 @@ mod section;
 mod standing;
 mod summary;
 mod tire;
+mod why;
 
 use itpms_core::sample::Corner;
 use itpms_sim::scenario::Scenario;
@@ -123,6 +125,7 @@ pub fn reproduce(request: &Request, progress: Progress<'_>) -> Result<Study, Pap
         bench::section(&outcomes.bench_drop, &outcomes.bench_recover, &outcomes.bench_slow),
         bench_changes::mass(&outcomes.bench_mass),
         bench_changes::noise(noise::section(request)?, &outcomes.bench_noise),
+        why::section()?,
         assumed::section(request),
     ];
     Ok(Study { request: *request, sections })
