@@ -5,7 +5,7 @@ use crate::filter::{
     AekfUi, AekfUiInformed, FilterConfig, Forgetting, InformedConfig, InformedRecord, InformedStatus,
     ParameterForgetting, StepRecord,
 };
-use crate::informed::{Informed, RESET_SD};
+use crate::informed::{Informed, RESET_SD, RoadRepetition};
 use crate::intake::GridSample;
 use crate::quarter_car::{ParameterError, QuarterCar};
 use crate::real::Real;
@@ -98,6 +98,16 @@ impl<T: Real> Engine<T> {
             Method::Published(_) => start_reading(initial),
         };
         Ok(Self { method, config: *config, grid_period_s: T::lit(grid_period_s), reading })
+    }
+
+    /// What is known of the road repeating itself; before the first sample. The published filters have no use for it.
+    pub(super) fn set_repetition(&mut self, repetition: RoadRepetition) {
+        match &mut self.method {
+            Method::Informed(informed) | Method::AekfUiInformed { likelihood: informed, .. } => {
+                *informed = informed.clone().with_repetition(repetition);
+            }
+            Method::Published(_) => {}
+        }
     }
 
     /// Takes one grid sample.

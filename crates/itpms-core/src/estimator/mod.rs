@@ -10,6 +10,7 @@ mod warning;
 use self::engine::{Engine, Reading};
 use self::warning::LowPressureWatch;
 use crate::estimate::{CornerConfig, CornerEstimate, Diagnostics, Validity, Warning};
+pub use crate::informed::{RoadPeriod, RoadRepetition};
 use crate::intake::{Intake, SampleCounts};
 use crate::quarter_car::{ParameterError, QuarterCar, positive};
 use crate::real::Real;
@@ -84,6 +85,7 @@ pub struct Estimator<T: Real> {
     reset_ends_s: Option<f64>,
     pinned_s: f64,
     resets: u32,
+    repetition: RoadRepetition,
 }
 
 impl<T: Real> Estimator<T> {
@@ -115,6 +117,7 @@ impl<T: Real> Estimator<T> {
             reset_ends_s: None,
             pinned_s: f64::NEG_INFINITY,
             resets: 0,
+            repetition: RoadRepetition::Detect,
         })
     }
 
@@ -125,6 +128,14 @@ impl<T: Real> Estimator<T> {
     /// The length must be positive and finite.
     pub fn with_reset_drive(self, seconds: f64) -> Result<Self, ParameterError> {
         Ok(Self { reset_drive_s: positive("calibrate_s", seconds)?, ..self })
+    }
+
+    /// The same with what is known of the road repeating itself, as on a test bed; else that is looked for in the data.
+    #[must_use]
+    pub fn with_road_repetition(mut self, repetition: RoadRepetition) -> Self {
+        self.repetition = repetition;
+        self.engine.set_repetition(repetition);
+        self
     }
 
     /// The car as it seems to be now: sprung mass and damping as identified on the way, where the estimator does.
@@ -192,6 +203,7 @@ impl<T: Real> Estimator<T> {
             Engine::new(self.kind, &self.config, self.sample_rate_hz, self.intake.grid_period_s())
         {
             self.engine = engine;
+            self.engine.set_repetition(self.repetition);
         }
         self.watch = LowPressureWatch::new();
         self.resets = self.resets.saturating_add(1);

@@ -14,6 +14,7 @@
 //! | `model` | what they should look like for every stiffness |
 //! | `dynamics` | how pressure and road may change |
 //! | `road_belief` | level, slope and enveloping of the road under one hypothesis |
+//! | `repeat` | a road that repeats itself: the same road again, seen through another stiffness |
 //! | `posterior` | the belief, moved on and weighed |
 
 mod body;
@@ -23,6 +24,7 @@ mod gate;
 mod model;
 mod posterior;
 mod reconstruct;
+mod repeat;
 mod road_belief;
 
 use self::body::BodyIdentification;
@@ -31,8 +33,10 @@ use self::gate::{Gate, SpeedKnowledge};
 use self::model::{Body, Grid, Tables};
 use self::posterior::Posterior;
 use self::reconstruct::{
-    RELATIVE_ACCELERATION, RELATIVE_VELOCITY, Reconstruction, WHEEL_JERK, WHEEL_VELOCITY,
+    RELATIVE_ACCELERATION, RELATIVE_VELOCITY, Reconstruction, SIGNALS, WHEEL_JERK, WHEEL_VELOCITY,
 };
+use self::repeat::{Corner, Held, RepeatWord, RepeatedRoad, Step};
+pub use self::repeat::{RoadPeriod, RoadRepetition};
 use self::road_belief::Evidence;
 use crate::estimate::CornerConfig;
 use crate::intake::GridSample;
@@ -55,6 +59,17 @@ const STANDING_M_S: f64 = 2.5;
 const MOVING_SD: f64 = 0.7;
 /// How well a reset sets the pressure, as a share of the placard pressure: 3 kPa at 241.3 kPa.
 pub(crate) const RESET_SD: f64 = 0.0125;
+/// A repeated road is found in its third period or so: until then its spectrum has been counted that often.
+const OVERCOUNTED: f64 = 3.0;
+/// The words of a repeated road are its belief, and so not independent: how much wider they are given to a filter
+/// outside, one per period.
+const REPEATED_WORD_SD: f64 = 2.0;
+/// Seconds for which a change is taken to go on after a word of the repeated road.
+const OLDEST_WORD_S: f64 = 0.3;
+/// Least sd in cells with which the repeated road's word is put on the grid.
+const LEAST_PIN_CELLS: f64 = 0.4;
+/// Frames for which a reset that was told holds: it is told ten times a second.
+const HELD_FRAMES: u32 = 4;
 /// Standard deviation in kPa of the pressure to start from.
 const INITIAL_SD_KPA: f64 = 30.0;
 
@@ -69,6 +84,8 @@ pub struct Informed<T: Real> {
     reconstruction: Reconstruction<T>,
     clock: FrameClock<T>,
     posterior: Posterior<T>,
+    sample_rate_hz: f64,
+    grid_period_s: f64,
     noise_density: T,
     bins: usize,
     gate: Gate<T>,
@@ -76,6 +93,12 @@ pub struct Informed<T: Real> {
     learned_s: T,
     last_speed_m_s: T,
     saturated: bool,
+    repeat: RepeatedRoad<T>,
+    /// What the repeated road last said, while there is one.
+    repeat_word: Option<RepeatWord<T>>,
+    repeat_word_s: f64,
+    held_frames: u32,
+    last_time_s: f64,
 }
 
 impl<T: Real> Informed<T> {
@@ -106,6 +129,8 @@ impl<T: Real> Informed<T> {
             reconstruction: Reconstruction::new(grid_period_s),
             clock,
             posterior,
+            sample_rate_hz,
+            grid_period_s,
             noise_density: T::lit(2.0 / sample_rate_hz) * noise * noise,
             bins: highest as usize,
             gate: Gate::new(),
@@ -113,7 +138,19 @@ impl<T: Real> Informed<T> {
             learned_s: T::zero(),
             last_speed_m_s: T::lit(f64::NAN),
             saturated: false,
+            repeat: RepeatedRoad::new(RoadRepetition::Detect, sample_rate_hz, grid_period_s),
+            repeat_word: None,
+            repeat_word_s: f64::NAN,
+            held_frames: 0,
+            last_time_s: f64::NAN,
         }
+    }
+
+    /// The same with what is known of the road repeating itself; to be said before the first sample.
+    #[must_use]
+    pub fn with_repetition(mut self, repetition: RoadRepetition) -> Self {
+        self.repeat = RepeatedRoad::new(repetition, self.sample_rate_hz, self.grid_period_s);
+        self
     }
 
     /// Takes one grid sample; true when a frame was completed and the belief has moved.
@@ -121,25 +158,75 @@ impl<T: Real> Informed<T> {
         if sample.after_gap {
             self.reconstruction.restart();
             self.clock.restart();
+            self.repeat.interrupted(T::lit(sample.time_s - self.last_time_s));
         }
+        self.last_time_s = sample.time_s;
         self.saturated |= sample.saturated;
         let signals = self.reconstruction.push(sample.body_accel_m_s2, sample.wheel_accel_m_s2);
+        let told = self.meet_again(&signals, sample);
         match self.clock.push(&signals) {
             Some(frame) => {
                 self.learn(&frame, sample.speed_m_s);
                 true
             }
-            None => false,
+            None => told,
         }
+    }
+
+    /// Asks the repeated road, if there is one; true if it had something to say.
+    fn meet_again(&mut self, signals: &[T; SIGNALS], sample: &GridSample<T>) -> bool {
+        let body = self.body.body();
+        let step = Step {
+            wheel: signals[WHEEL_VELOCITY],
+            force: body.unsprung_mass_kg * signals[WHEEL_JERK]
+                + body.damping_n_s_per_m * signals[RELATIVE_ACCELERATION]
+                + body.spring_n_per_m * signals[RELATIVE_VELOCITY],
+            spoiled: sample.saturated,
+        };
+        let corner = Corner { body, noise_density: self.noise_density };
+        let summary = self.posterior.summary();
+        let held = if self.held_frames > 0 { Held::Yes } else { Held::No };
+        let (config, grid) = (&self.config, &self.grid);
+        let word = self.repeat.push(&step, &corner, || {
+            let pressure = match held {
+                Held::Yes => config.placard_kpa,
+                Held::No => grid.pressure_kpa(0) + summary.mean_cell * grid.step_kpa(),
+            };
+            let sd = match held {
+                Held::Yes => T::lit(RESET_SD) * config.placard_kpa,
+                Held::No => (summary.variance_cells2 * T::lit(OVERCOUNTED)).sqrt() * grid.step_kpa(),
+            };
+            let stiffness = config.tire.stiffness_n_per_m(pressure);
+            repeat::Belief {
+                theta: T::one() / stiffness,
+                relative_sd: sd * config.tire.stiffness_per_kpa() / stiffness,
+                held,
+            }
+        });
+        if let Some(word) = &word {
+            let pressure = config.tire.pressure_kpa(T::one() / word.theta);
+            let sd = word.relative_sd / word.theta / config.tire.stiffness_per_kpa();
+            let cell = (pressure - grid.pressure_kpa(0)) / grid.step_kpa();
+            self.posterior.pin(cell, (sd / grid.step_kpa()).max(T::lit(LEAST_PIN_CELLS)));
+            self.learned_s += word.seconds;
+            self.repeat_word = Some(*word);
+            self.repeat_word_s = sample.time_s;
+        }
+        if !self.repeat.is_following() {
+            self.repeat_word = None;
+        }
+        word.is_some()
     }
 
     /// Tells that the tire has its placard pressure now, as during a reset.
     pub fn pin_to_placard(&mut self) {
         let cell = (self.config.placard_kpa - self.grid.pressure_kpa(0)) / self.grid.step_kpa();
         self.posterior.pin(cell, T::lit(RESET_SD) * self.config.placard_kpa / self.grid.step_kpa());
+        self.held_frames = HELD_FRAMES;
     }
 
     fn learn(&mut self, frame: &Frame<T>, speed_m_s: T) {
+        self.held_frames = self.held_frames.saturating_sub(1);
         let (cell, road) = self.posterior.most_likely();
         let mut evidence = self.evidence(frame, speed_m_s, road.longest_envelope_m());
         let speed = if speed_m_s.is_finite() { SpeedKnowledge::Known } else { SpeedKnowledge::Unknown };
@@ -151,23 +238,33 @@ impl<T: Real> Informed<T> {
         evidence.weight *= self.gate.open();
         let ratio = speed_m_s / self.last_speed_m_s;
         self.last_speed_m_s = speed_m_s;
+        let seconds = self.gate.open() * T::lit(self.clock.hop_s());
+        // The same road again has the same spectrum again: it says nothing new of the tire.
+        if !self.repeat.is_following() {
+            self.weigh(&evidence, ratio);
+            self.learned_s += seconds;
+        }
+        if evidence.weight > T::zero() {
+            let spacing = T::lit(self.clock.bin_spacing_hz());
+            self.body.learn(frame, spacing, self.noise_density, evidence.weight, seconds);
+        }
+        self.tables.refresh_next(&self.body.body());
+    }
+
+    /// Moves the belief on by a frame and weighs it, if the frame counts; `speed_ratio` is the speed over the last one.
+    fn weigh(&mut self, evidence: &Evidence<T>, speed_ratio: T) {
         let before = self.posterior.summary().variance_cells2;
         if evidence.weight > T::zero() {
-            let known = ratio > T::zero() && ratio.is_finite();
-            self.posterior.predict(if known { ratio.ln() } else { T::zero() });
+            let known = speed_ratio > T::zero() && speed_ratio.is_finite();
+            self.posterior.predict(if known { speed_ratio.ln() } else { T::zero() });
         } else {
             self.posterior.hold();
         }
         let after = self.posterior.summary().variance_cells2;
         self.variance_growth = (after / before.max(T::lit(1e-3))).max(T::one());
         if evidence.weight > T::zero() {
-            self.posterior.update(&evidence, &self.tables);
-            let seconds = self.gate.open() * T::lit(self.clock.hop_s());
-            self.learned_s += seconds;
-            let spacing = T::lit(self.clock.bin_spacing_hz());
-            self.body.learn(frame, spacing, self.noise_density, evidence.weight, seconds);
+            self.posterior.update(evidence, &self.tables);
         }
-        self.tables.refresh_next(&self.body.body());
     }
 
     /// `|V|² = |U_1|² + 2 θ Re(U_1 U_2*) + θ² |U_2|²` with `U_2 = m_w J + c_s A + k_s V`.
@@ -220,6 +317,12 @@ impl<T: Real> Informed<T> {
     /// What the frames since the last word say by themselves, whatever was believed before: a stiffness measurement for
     /// a filter outside. `None` until there are enough of them. Frames are tempered, so words may be added up.
     pub fn take_word(&mut self) -> Option<StiffnessWord<T>> {
+        if let Some(word) = &mut self.repeat_word {
+            let stiffness = T::one() / word.theta;
+            let sd_n_per_m = word.relative_sd * stiffness * T::lit(REPEATED_WORD_SD);
+            return core::mem::take(&mut word.whole_period)
+                .then_some(StiffnessWord { stiffness_n_per_m: stiffness, sd_n_per_m });
+        }
         let (cell, variance) = self.posterior.take_word()?;
         let pressure_kpa = self.grid.pressure_kpa(0) + cell * self.grid.step_kpa();
         let per_cell = self.grid.step_kpa() * self.config.tire.stiffness_per_kpa();
@@ -229,8 +332,26 @@ impl<T: Real> Informed<T> {
         })
     }
 
+    /// The belief on a road that repeats.
+    fn repeated_belief(&self, word: &RepeatWord<T>) -> Belief<T> {
+        let age_s = T::lit((self.last_time_s - self.repeat_word_s).clamp(0.0, OLDEST_WORD_S));
+        let stiffness = (T::one() - word.rate_per_s * age_s) / word.theta;
+        Belief {
+            pressure_kpa: self.config.tire.pressure_kpa(stiffness),
+            pressure_sd_kpa: word.relative_sd * stiffness / self.config.tire.stiffness_per_kpa(),
+            moving: word.moving,
+            surprise: word.surprise,
+            gate: T::one(),
+            variance_growth: T::one(),
+            learned_s: self.learned_s,
+        }
+    }
+
     /// What is believed now.
     pub fn belief(&self) -> Belief<T> {
+        if let Some(word) = &self.repeat_word {
+            return self.repeated_belief(word);
+        }
         let summary = self.posterior.summary();
         let step = self.grid.step_kpa();
         // A cell is a small uniform distribution of its own.

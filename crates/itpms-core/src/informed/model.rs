@@ -200,25 +200,35 @@ fn sine_window_power<T: Real>(offset: T) -> T {
     amplitude * amplitude
 }
 
-/// `|H|²` from road to wheel, and the noise power of the leaky road velocity for unit noise density of both
-/// accelerometers, at one frequency in Hz.
-fn response<T: Real>(body: &Body<T>, theta: T, frequency_hz: T) -> (T, T) {
+/// `Z = c_s s + k_s` and `H = x_w / x_r` at one frequency in Hz.
+fn transfer<T: Real>(body: &Body<T>, theta: T, frequency_hz: T) -> (Complex<T>, Complex<T>) {
     let omega = T::two_pi() * frequency_hz;
     let (zero, one) = (T::zero(), Complex::new(T::one(), T::zero()));
-    let s = Complex::new(zero, omega);
     let s2 = -omega * omega;
-    // Z = c_s s + k_s
     let z = Complex::new(body.spring_n_per_m, body.damping_n_s_per_m * omega);
-    // B = x_b / x_w = Z / (m_b s² + Z)
+    // B = Z / (m_b s² + Z)
     let b = z / (z + Complex::new(body.sprung_mass_kg * s2, zero));
     // D = m_w s² + Z (1 - B), H = k_t / (D + k_t)
     let d = z * (one - b) + Complex::new(body.unsprung_mass_kg * s2, zero);
-    let h = one / (d * theta + one);
+    (z, one / (d * theta + one))
+}
+
+/// `H = x_w / x_r` at one frequency in Hz: what the wheel makes of the road.
+pub(super) fn wheel_over_road<T: Real>(body: &Body<T>, theta: T, frequency_hz: T) -> Complex<T> {
+    transfer(body, theta, frequency_hz).1
+}
+
+/// `|H|²` from road to wheel, and the noise power of the leaky road velocity for unit noise density of both
+/// accelerometers, at one frequency in Hz.
+pub(super) fn response<T: Real>(body: &Body<T>, theta: T, frequency_hz: T) -> (T, T) {
+    let omega = T::two_pi() * frequency_hz;
+    let s = Complex::new(T::zero(), omega);
+    let (z, h) = transfer(body, theta, frequency_hz);
     // L v_r = L [1/s + θ (m_w s + Z/s)] a_w - L θ Z/s a_b
     let leak_rad_s = T::lit(LEAK_RAD_S);
     let leak = omega * omega / (omega * omega + leak_rad_s * leak_rad_s);
     let from_body = z / s * theta;
-    let from_wheel = one / s + s * (theta * body.unsprung_mass_kg) + from_body;
+    let from_wheel = Complex::new(T::one(), T::zero()) / s + s * (theta * body.unsprung_mass_kg) + from_body;
     (h.norm_sqr(), leak * (from_wheel.norm_sqr() + from_body.norm_sqr()))
 }
 
