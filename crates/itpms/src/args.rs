@@ -1,13 +1,19 @@
 //! What can be typed after `itpms`. Names are part of the contract with scripts.
 
+mod bench;
+mod reproduce;
+
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser as _};
 use clap::{Parser, Subcommand};
 use clap_complete::Shell;
-use itpms_core::estimator::EstimatorKind;
+use itpms_core::estimator::{EstimatorKind, RoadPeriod, RoadRepetition};
 use itpms_core::sample::Corner;
 use itpms_study::score::Part;
+
+pub(crate) use bench::{BenchOutput, CalibrateArgs, DamperArgs, IdentifyArgs, IdentifyPart, SpringArgs};
+pub(crate) use reproduce::ReproduceArgs;
 
 /// Indirect tire pressure monitoring: tire pressure and road from the accelerations of a car's body and wheels.
 #[derive(Debug, Parser)]
@@ -35,7 +41,10 @@ pub(crate) enum Command {
     Estimate(EstimateArgs),
     Simulate(SimulateArgs),
     Score(ScoreArgs),
+    Identify(IdentifyArgs),
+    Calibrate(CalibrateArgs),
     Observability(ObservabilityArgs),
+    Reproduce(ReproduceArgs),
     Completions(CompletionsArgs),
 }
 
@@ -78,6 +87,9 @@ pub(crate) struct EstimateArgs {
     /// The first S seconds are driven at placard pressure (a reset).
     #[arg(long, value_name = "S", value_parser = positive)]
     pub(crate) calibrate_s: Option<f64>,
+    /// Whether the road repeats itself, as on a test bed: after S seconds, never, or to be looked for.
+    #[arg(long, value_name = "S|never|auto", default_value = "auto", value_parser = road_repetition)]
+    pub(crate) road_repeats: RoadRepetition,
     /// Rows per second of the output.
     #[arg(long, value_name = "HZ", default_value_t = 10.0, value_parser = positive)]
     pub(crate) rate: f64,
@@ -98,6 +110,18 @@ Examples:
 fn estimator_names() -> impl clap::builder::TypedValueParser<Value = EstimatorKind> {
     PossibleValuesParser::new(EstimatorKind::ALL.map(EstimatorKind::label))
         .map(|label| EstimatorKind::from_label(&label).unwrap_or_default())
+}
+
+fn road_repetition(text: &str) -> Result<RoadRepetition, String> {
+    match text {
+        "auto" => Ok(RoadRepetition::Detect),
+        "never" => Ok(RoadRepetition::Never),
+        seconds => match seconds.parse().map(RoadPeriod::new) {
+            Ok(Ok(period)) => Ok(RoadRepetition::Every(period)),
+            Ok(Err(error)) => Err(error.to_string()),
+            Err(_) => Err("expected seconds, never or auto".to_owned()),
+        },
+    }
 }
 
 fn positive(text: &str) -> Result<f64, String> {

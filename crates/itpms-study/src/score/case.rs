@@ -1,4 +1,4 @@
-//! The drives of the score: the paper's scenarios and what is changed about them, and the sample loop they share.
+//! The drives of the score: the paper's scenarios, what is changed about them, its test bed, and the sample loop they share.
 //!
 //! Called by the parts of the score.
 
@@ -30,6 +30,8 @@ pub(super) struct Case {
     pub(super) name: String,
     pub(super) kind: EstimatorKind,
     pub(super) scenario: Scenario,
+    /// Seconds at the start that the estimator is told to be at placard pressure.
+    reset_s: Option<f64>,
     /// All that counts for RMSE and coverage.
     pub(super) judged: Window,
     /// While the pressure is settled, before and after its change.
@@ -54,7 +56,30 @@ impl Case {
             name: name.to_owned(),
             kind,
             scenario,
+            reset_s: None,
             judged,
+            before: window(before),
+            after: window(after),
+            change: window(change),
+        })
+    }
+
+    /// One of the test bed's scenarios by its built-in name, driven at placard pressure until shortly before the change.
+    pub(super) fn bench(name: &str, kind: EstimatorKind) -> Result<Self, ScoreError> {
+        let scenario = Scenario::builtin(name)?;
+        let end_s = scenario.duration_s;
+        let (reset_s, before, change, after) = match name {
+            "bench-drop" => (20.0, (21.0, 38.0), (38.0, 43.0), (45.0, end_s)),
+            "bench-drop-recover" => (4.0, (4.0, 5.0), (5.0, 10.0), (12.0, end_s)),
+            _ => (4.0, (4.0, 5.0), (5.0, 35.0), (36.0, end_s)),
+        };
+        let window = |(from_s, to_s)| Window::new(from_s, to_s);
+        Ok(Self {
+            name: name.to_owned(),
+            kind,
+            scenario,
+            reset_s: Some(reset_s),
+            judged: Window::new(3.0, end_s),
             before: window(before),
             after: window(after),
             change: window(change),
@@ -117,6 +142,9 @@ impl Case {
         mut look: impl FnMut(&SimRow, &CornerRow, &CornerEstimate<f64>),
     ) -> Result<(), ScoreError> {
         let mut estimator = Estimator::new(self.kind, &self.corner()?, self.scenario.rate_hz)?;
+        if let Some(seconds) = self.reset_s {
+            estimator = estimator.with_reset_drive(seconds)?;
+        }
         for row in Simulation::new(&self.scenario, seed)? {
             let Some(corner) = row.corners[CORNER.index()] else { continue };
             let (body, wheel) = (corner.body_accel_m_s2, corner.wheel_accel_m_s2);

@@ -54,6 +54,8 @@ pub enum Part {
     BiasGrid,
     /// Honesty of the 95 % interval over all of the above.
     Coverage,
+    /// The test bed, after a reset.
+    Bench,
     /// Bound over variance at constant pressure.
     Efficiency,
     /// The road record.
@@ -62,13 +64,14 @@ pub enum Part {
 
 impl Part {
     /// In the order of the table.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::PaperDrop,
         Self::PaperDeepDrop,
         Self::PaperDropRecover,
         Self::Mass,
         Self::BiasGrid,
         Self::Coverage,
+        Self::Bench,
         Self::Efficiency,
         Self::Road,
     ];
@@ -85,6 +88,7 @@ impl Part {
             Self::Mass => "mass",
             Self::BiasGrid => "bias-grid",
             Self::Coverage => "coverage",
+            Self::Bench => "bench",
             Self::Efficiency => "efficiency",
             Self::Road => "road",
         }
@@ -107,6 +111,9 @@ impl Part {
             }
             "bias-grid" => "paper-drop on other roads, kPa; bias over 5-20 s and 27-40 s",
             "coverage" => "Share of time within the 95 % interval, mean of all rows above",
+            "bench" => {
+                "Test bed, a road that repeats every 0.66 s, at placard pressure for the first 20 s (4 s), kPa"
+            }
             "efficiency" => "Constant pressure: bound / mean square error, prior of 30 kPa included in both",
             "road" => "Road record, class B, wavelengths 0.5-10 m, stiffness from the estimator",
             _ => return None,

@@ -7,7 +7,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use itpms_core::estimator::EstimatorKind;
+use itpms_core::estimator::{EstimatorKind, RoadRepetition};
 use itpms_sim::scenario::Scenario;
 
 use super::{estimate, simulate};
@@ -34,6 +34,7 @@ pub(crate) fn run(args: &DemoArgs, screen: &Screen, interrupt: &Interrupt) -> Re
         trust_units: false,
         json: false,
         calibrate_s: None,
+        road_repeats: RoadRepetition::default(),
     };
     let (_, data) = estimate::perform(&estimate_args, screen, interrupt)?;
     workshop.hand_over()?;

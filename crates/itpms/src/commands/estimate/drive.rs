@@ -1,11 +1,12 @@
 //! The estimators of a drive, one per corner, side by side.
 
 use itpms_core::estimate::CornerEstimate;
-use itpms_core::estimator::{Estimator, EstimatorKind};
+use itpms_core::estimator::Estimator;
 use itpms_core::quarter_car::QuarterCar;
 use itpms_core::sample::Corner;
 use itpms_data::{LogRow, Vehicle};
 
+use crate::args::EstimateArgs;
 use crate::exit::Failure;
 
 /// What is known after a row, in the order of [`Corner::ALL`].
@@ -21,18 +22,18 @@ pub(super) struct Drive {
 
 impl Drive {
     pub(super) fn new(
-        kind: EstimatorKind,
+        args: &EstimateArgs,
         vehicle: &Vehicle,
         corners: &[Corner],
         sample_rate_hz: f64,
-        reset_drive_s: Option<f64>,
     ) -> Result<Self, Failure> {
         let mut estimators = [const { None }; 4];
         for corner in corners {
             if let Some(config) = vehicle.corner(*corner) {
                 let fail = |error| Failure::Usage(format!("corner {}: {error}", corner.label()));
-                let mut estimator = Estimator::new(kind, config, sample_rate_hz).map_err(fail)?;
-                if let Some(seconds) = reset_drive_s {
+                let estimator = Estimator::new(args.estimator, config, sample_rate_hz).map_err(fail)?;
+                let mut estimator = estimator.with_road_repetition(args.road_repeats);
+                if let Some(seconds) = args.calibrate_s {
                     estimator = estimator.with_reset_drive(seconds).map_err(fail)?;
                 }
                 estimators[corner.index()] = Some(estimator);

@@ -50,7 +50,7 @@ pub(crate) fn perform(
     let mut log = LogReader::open_with(&args.log, units)?;
     let corners = common_corners(&log, &vehicle)?;
     let rate_hz = log.survey().sample_rate_hz;
-    let mut drive = Drive::new(args.estimator, &vehicle, &corners, rate_hz, args.calibrate_s)?;
+    let mut drive = Drive::new(args, &vehicle, &corners, rate_hz)?;
     let mut outputs = Outputs::create(args, &vehicle, &corners, log.survey().sample_rate_hz)?;
 
     let progress = screen.progress("estimating");
