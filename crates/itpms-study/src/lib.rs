@@ -4,6 +4,7 @@
 //! | room | idea |
 //! |---|---|
 //! | [`bound`] | Cramer-Rao bound on a pressure from one corner |
+//! | [`identify`] | spring, damper and tire from bench tests, with standard errors |
 //! | [`observability`] | why two accelerations leave the stiffness free, and what each source of information fixes |
 //! | [`spectrum`] | Welch's power spectral density; level, slope and ISO 8608 class of a road |
 //! | [`paper`] | the paper's study, made again |
@@ -14,6 +15,7 @@
 #![forbid(unsafe_code)]
 
 pub mod bound;
+pub mod identify;
 pub mod observability;
 pub mod paper;
 pub mod plot;

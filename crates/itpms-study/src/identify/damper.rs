@@ -1,0 +1,365 @@
+//! Damping from sinusoidal excitation at one or several frequencies (paper, Sec. 5.1; docs/math/identification.md,
+//! section 2).
+//!
+//! Called by `itpms identify damper`. Force and displacement of a damper or of a whole strut under imposed motion, taken at
+//! the same instants; which way either of them counts does not matter. Friction is separated from damping by the
+//! shape of the loop and by how force grows from run to run.
+
+use serde::Serialize;
+
+use super::IdentifyError;
+use super::blocks::{Block, BlockFit, jackknife};
+use super::distribution::chi_square_beyond;
+use super::estimate::Estimate;
+use super::guard::Units;
+use super::motion::{Run, runs};
+
+/// Damping in N s/m beyond which the unit is doubted.
+const PLAUSIBLE_N_S_PER_M: (f64, f64) = (10.0, 500_000.0);
+/// Probability below which runs are said to disagree.
+const SUSPICIOUS: f64 = 0.01;
+/// Difference between the directions, as a share of the damping, that is worth a remark.
+const ASYMMETRIC: f64 = 0.05;
+/// Residual of the displacement from a sine, as a share of its amplitude, that is worth a remark.
+const DISTORTED: f64 = 0.03;
+
+// Regressors: velocity, its size, its sign; then the displacement of each run.
+const VELOCITY: usize = 0;
+const SIZE: usize = 1;
+const SIGN: usize = 2;
+const FIRST_DISPLACEMENT: usize = 3;
+
+/// One continuous record of imposed motion.
+#[derive(Debug, Clone, Copy)]
+pub struct SineRecord<'a> {
+    /// What messages call it.
+    pub name: &'a str,
+    /// Time in s, strictly increasing.
+    pub time_s: &'a [f64],
+    /// Displacement in m.
+    pub displacement_m: &'a [f64],
+    /// Force in N.
+    pub force_n: &'a [f64],
+}
+
+/// What sinusoidal excitation says about a damper.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DamperResult {
+    /// Damping in N s/m: mean of both directions, friction separated.
+    pub damping_n_s_per_m: Estimate,
+    /// Damping in N s/m while the displacement grows.
+    pub rising_n_s_per_m: Estimate,
+    /// Damping in N s/m while the displacement falls.
+    pub falling_n_s_per_m: Estimate,
+    /// Friction in N.
+    pub friction_n: Estimate,
+    /// The runs one by one.
+    pub runs: Vec<RunResult>,
+    /// Whether the runs agree; `None` for one run.
+    pub consistency: Option<Consistency>,
+    /// Spring in N/m that was subtracted.
+    pub spring_n_per_m: Option<f64>,
+    /// Whether force and displacement count in opposite directions.
+    pub opposite_signs: bool,
+    /// Groups of periods whose disagreement gives the standard errors.
+    pub blocks: usize,
+    /// Rows used.
+    pub rows: usize,
+    /// Rows left out: after turning points, between the runs, or in no whole period.
+    pub rows_left_out: usize,
+    /// What a careful reader should know before using the number.
+    pub concerns: Vec<String>,
+    /// Displacement in m, velocity in m/s, force in N and residual in N, run by run; for figures.
+    #[serde(skip)]
+    pub used: Vec<Vec<[f64; 4]>>,
+}
+
+/// One stretch of steady sine.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RunResult {
+    /// The record it is from.
+    pub record: String,
+    /// Frequency in Hz, by least squares.
+    pub frequency_hz: f64,
+    /// Amplitude of the displacement in m.
+    pub amplitude_m: f64,
+    /// Amplitude of the velocity in m/s.
+    pub velocity_m_s: f64,
+    /// Whole periods.
+    pub periods: usize,
+    /// Damping in N s/m from this run alone, friction separated by the shape of the loop.
+    pub damping_n_s_per_m: Estimate,
+    /// Friction in N from this run alone.
+    pub friction_n: Estimate,
+    /// Imaginary part of force over displacement at the frequency, over omega, in N s/m: friction counts as damping.
+    pub equivalent_n_s_per_m: f64,
+    /// Force in phase with the displacement in N/m, without the spring given: gas spring less moving mass times omega².
+    pub in_phase_n_per_m: Estimate,
+    /// Root mean square of the force's residual in N.
+    pub residual_rms_n: f64,
+    /// Root mean square departure of the displacement from a sine, as a share of its amplitude.
+    pub distortion: f64,
+}
+
+/// Chi-square of the runs about their mean.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Consistency {
+    /// Of the damping.
+    pub chi_square: f64,
+    /// Of the friction.
+    pub friction_chi_square: f64,
+    /// Degrees of freedom of either.
+    pub degrees_of_freedom: usize,
+    /// Probability of a larger value for a linear damper.
+    pub p: f64,
+    /// The same for the friction.
+    pub friction_p: f64,
+}
+
+/// Identifies a damper. `spring_n_per_m` is a spring that works in parallel, already known; it is subtracted, and tells
+/// the sign of the force.
+///
+/// # Errors
+/// See [`IdentifyError`]: no steady sine of five periods, too few rows per period, clipping, wrong units, time that does
+/// not increase, damping that is negative or cannot be told from zero.
+pub fn damper(
+    records: &[SineRecord<'_>],
+    spring_n_per_m: Option<f64>,
+    units: Units,
+) -> Result<DamperResult, IdentifyError> {
+    let runs = runs(records, units)?;
+    let fastest = runs.iter().map(Run::velocity_m_s).fold(0.0, f64::max);
+    let raw = Fit::new(&runs, fastest, 1.0, 0.0)?;
+    let opposite = match spring_n_per_m {
+        Some(_) => raw.mean_in_phase() < 0.0,
+        None => raw.damping().value < 0.0,
+    };
+    let fit = Fit::new(&runs, fastest, if opposite { -1.0 } else { 1.0 }, spring_n_per_m.unwrap_or(0.0))?;
+    let damping = fit.damping();
+    check(&damping, units)?;
+    let used_rows = fit.used.iter().map(Vec::len).sum();
+    let all_rows: usize = records.iter().map(|record| record.time_s.len()).sum();
+    let results: Vec<RunResult> = runs.iter().enumerate().map(|(i, run)| fit.run(i, run)).collect();
+    let mut result = DamperResult {
+        damping_n_s_per_m: damping,
+        rising_n_s_per_m: Estimate::of(&fit.joint, &[(VELOCITY, 1.0 / fastest), (SIZE, 1.0 / fastest)]),
+        falling_n_s_per_m: Estimate::of(&fit.joint, &[(VELOCITY, 1.0 / fastest), (SIZE, -1.0 / fastest)]),
+        friction_n: Estimate::of(&fit.joint, &[(SIGN, 1.0)]),
+        consistency: consistency(&results),
+        runs: results,
+        spring_n_per_m,
+        opposite_signs: opposite,
+        blocks: fit.blocks,
+        rows: used_rows,
+        rows_left_out: all_rows - used_rows,
+        concerns: Vec::new(),
+        used: fit.used,
+    };
+    result.concerns = concerns(&result);
+    Ok(result)
+}
+
+fn check(damping: &Estimate, units: Units) -> Result<(), IdentifyError> {
+    let Estimate { value, standard_error, .. } = *damping;
+    if !(value.abs() > 3.0 * standard_error) {
+        let what = "the damping";
+        return Err(IdentifyError::NoSlope { what, value, standard_error, unit: "N s/m" });
+    }
+    if !(value > 0.0) {
+        return Err(IdentifyError::NegativeDamping { value });
+    }
+    let (lowest, highest) = PLAUSIBLE_N_S_PER_M;
+    if units == Units::Trusted || (lowest..=highest).contains(&value) {
+        return Ok(());
+    }
+    Err(IdentifyError::Units {
+        what: "the damping",
+        found: format!("{value:.4} N s/m"),
+        expected: "10 to 500 000 N s/m",
+        hint: if value < lowest { "; the force looks like kN" } else { "; is the displacement in m?" },
+    })
+}
+
+/// All runs together, and each alone.
+struct Fit {
+    joint: BlockFit,
+    alone: Vec<BlockFit>,
+    fastest: f64,
+    sign: f64,
+    spring: f64,
+    blocks: usize,
+    used: Vec<Vec<[f64; 4]>>,
+}
+
+impl Fit {
+    /// Force times `sign`, less a spring, over velocity and displacement.
+    fn new(runs: &[Run], fastest: f64, sign: f64, spring: f64) -> Result<Self, IdentifyError> {
+        let singular = || IdentifyError::Singular("damping and friction");
+        let width = FIRST_DISPLACEMENT + runs.len();
+        let mut alone = Vec::new();
+        let mut joint = Vec::new();
+        for (i, run) in runs.iter().enumerate() {
+            let row = |x: f64, v: f64| [v / fastest, v.abs() / fastest, v.signum(), x / run.amplitude_m()];
+            let target = |x: f64, force: f64| sign * force - spring * x;
+            let blocks: Vec<Block> = run
+                .blocks
+                .iter()
+                .map(|rows| {
+                    let rows: Vec<_> = rows.iter().map(|r| (row(r.x, r.v), target(r.x, r.force))).collect();
+                    Block::new(4, &rows)
+                })
+                .collect();
+            let fit = jackknife(&blocks).ok_or_else(singular)?;
+            // Runs weigh by their noise.
+            let weight = 1.0 / (fit.residual_rms * fit.residual_rms).max(f64::MIN_POSITIVE);
+            for rows in &run.blocks {
+                let rows: Vec<_> = rows
+                    .iter()
+                    .map(|r| {
+                        let [velocity, size, sign, x] = row(r.x, r.v);
+                        let mut wide = vec![0.0; width];
+                        wide[..FIRST_DISPLACEMENT].copy_from_slice(&[velocity, size, sign]);
+                        wide[FIRST_DISPLACEMENT + i] = x;
+                        (wide, target(r.x, r.force))
+                    })
+                    .collect();
+                joint.push(Block::new(width, &rows).weighted(weight));
+            }
+            alone.push(fit);
+        }
+        let blocks = joint.len();
+        let joint = jackknife(&joint).ok_or_else(singular)?;
+        let mut fit = Self { joint, alone, fastest, sign, spring, blocks, used: Vec::new() };
+        fit.used = runs.iter().enumerate().map(|(i, run)| fit.residuals(i, run)).collect();
+        Ok(fit)
+    }
+
+    fn damping(&self) -> Estimate {
+        Estimate::of(&self.joint, &[(VELOCITY, 1.0 / self.fastest)])
+    }
+
+    /// Mean over the runs of the force in phase with a displacement of one amplitude.
+    fn mean_in_phase(&self) -> f64 {
+        let n = self.alone.len();
+        (0..n).map(|i| self.joint.coefficients[FIRST_DISPLACEMENT + i]).sum::<f64>() / n as f64
+    }
+
+    /// Displacement, velocity, force and residual of a run's rows about the joint fit.
+    fn residuals(&self, index: usize, run: &Run) -> Vec<[f64; 4]> {
+        let c = &self.joint.coefficients;
+        let mut out = Vec::new();
+        for rows in &run.blocks {
+            let from = out.len();
+            for r in rows {
+                let fitted = c[VELOCITY] * r.v / self.fastest
+                    + c[SIZE] * r.v.abs() / self.fastest
+                    + c[SIGN] * r.v.signum()
+                    + c[FIRST_DISPLACEMENT + index] * r.x / run.amplitude_m();
+                let force = self.sign * r.force;
+                out.push([r.x, r.v, force, force - self.spring * r.x - fitted]);
+            }
+            // Each block has an offset of its own.
+            let mean = out[from..].iter().map(|r: &[f64; 4]| r[3]).sum::<f64>() / rows.len() as f64;
+            out[from..].iter_mut().for_each(|r| r[3] -= mean);
+        }
+        out
+    }
+
+    fn run(&self, index: usize, run: &Run) -> RunResult {
+        let fit = &self.alone[index];
+        RunResult {
+            record: run.record.clone(),
+            frequency_hz: run.frequency_hz(),
+            amplitude_m: run.amplitude_m(),
+            velocity_m_s: run.velocity_m_s(),
+            periods: run.periods,
+            damping_n_s_per_m: Estimate::of(fit, &[(VELOCITY, 1.0 / self.fastest)]),
+            friction_n: Estimate::of(fit, &[(SIGN, 1.0)]),
+            equivalent_n_s_per_m: self.sign * run.equivalent_n_s_per_m,
+            in_phase_n_per_m: Estimate::of(fit, &[(3, 1.0 / run.amplitude_m())]),
+            residual_rms_n: fit.residual_rms,
+            distortion: run.sine.residual_rms / run.amplitude_m(),
+        }
+    }
+}
+
+/// Chi-square of estimates about their weighted mean.
+fn chi_square(estimates: impl Iterator<Item = Estimate> + Clone) -> f64 {
+    let weight = |e: &Estimate| e.standard_error.powi(-2);
+    let (sum, weights) = estimates
+        .clone()
+        .fold((0.0, 0.0), |(sum, weights), e| (sum + e.value * weight(&e), weights + weight(&e)));
+    estimates.map(|e| e.deviation(sum / weights).powi(2)).sum()
+}
+
+fn consistency(runs: &[RunResult]) -> Option<Consistency> {
+    if runs.len() < 2 {
+        return None;
+    }
+    let degrees_of_freedom = runs.len() - 1;
+    let chi = chi_square(runs.iter().map(|run| run.damping_n_s_per_m));
+    let friction = chi_square(runs.iter().map(|run| run.friction_n));
+    let p = |chi: f64| chi_square_beyond(chi, degrees_of_freedom as f64);
+    Some(Consistency {
+        chi_square: chi,
+        friction_chi_square: friction,
+        degrees_of_freedom,
+        p: p(chi),
+        friction_p: p(friction),
+    })
+}
+
+fn concerns(result: &DamperResult) -> Vec<String> {
+    let mut out = Vec::new();
+    let c = result.damping_n_s_per_m;
+    let slowest = result.runs.iter().map(|run| run.velocity_m_s).fold(f64::INFINITY, f64::min);
+    let fastest = result.runs.iter().map(|run| run.velocity_m_s).fold(0.0, f64::max);
+    if fastest < 1.5 * slowest {
+        out.push(
+            "one velocity only: damping and friction are told apart by the shape of the loop alone; add a run of another frequency or amplitude"
+                .to_owned(),
+        );
+    }
+    let disagrees = |test: &Consistency| test.p < SUSPICIOUS || test.friction_p < SUSPICIOUS;
+    if let Some(test) = result.consistency.filter(disagrees) {
+        out.push(format!(
+            "the runs disagree (damping p = {:.2e}, friction p = {:.2e}): the damper is not linear over {slowest:.3} to {fastest:.3} m/s, or it warmed up; the value is a mean over the runs and its standard error too small",
+            test.p, test.friction_p
+        ));
+    }
+    if result.friction_n.deviation(0.0) < -3.0 {
+        out.push(format!(
+            "friction is negative ({:.2} N): force grows faster than velocity, the damper is progressive",
+            result.friction_n.value
+        ));
+    }
+    let (up, down) = (result.rising_n_s_per_m, result.falling_n_s_per_m);
+    let between = (up.value - down.value).abs();
+    if between > 2.0 * up.standard_error.hypot(down.standard_error) && between > ASYMMETRIC * c.value {
+        out.push(format!(
+            "bump and rebound differ: {:.1} N s/m while the displacement grows, {:.1} while it falls",
+            up.value, down.value
+        ));
+    }
+    for run in &result.runs {
+        if run.distortion > DISTORTED {
+            out.push(format!(
+                "the motion at {:.2} Hz departs from a sine by {:.1} % of its amplitude",
+                run.frequency_hz,
+                100.0 * run.distortion
+            ));
+        }
+    }
+    let strays = result.runs.iter().filter(|run| {
+        result.spring_n_per_m.is_some_and(|k| {
+            run.in_phase_n_per_m.value.abs() > 0.05 * k && run.in_phase_n_per_m.deviation(0.0).abs() > 3.0
+        })
+    });
+    for run in strays {
+        out.push(format!(
+            "at {:.2} Hz {:.0} N/m in phase with the displacement are left beside the spring given: moving mass, a gas spring, or another spring",
+            run.frequency_hz, run.in_phase_n_per_m.value
+        ));
+    }
+    out
+}

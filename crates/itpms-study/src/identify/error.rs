@@ -1,0 +1,145 @@
+//! Measurements that nothing can be identified from, said in one sentence. Rows count from one, the header not
+//! included.
+
+use thiserror::Error;
+
+/// Why an identification is refused.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum IdentifyError {
+    /// Columns of unequal length.
+    #[error("columns of {first} and {second} rows, expected equal lengths")]
+    Lengths {
+        /// Rows of the first column.
+        first: usize,
+        /// Rows of the other.
+        second: usize,
+    },
+    /// NaN or infinite.
+    #[error("row {row} of {what} is not finite")]
+    NotFinite {
+        /// Which quantity.
+        what: &'static str,
+        /// Row, from one.
+        row: usize,
+    },
+    /// Not enough to fit.
+    #[error("found {found} {what}, expected at least {expected}")]
+    TooFew {
+        /// Of what.
+        what: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many are needed.
+        expected: usize,
+    },
+    /// A quantity that should vary does not.
+    #[error("{what} is constant ({value})")]
+    Constant {
+        /// Which quantity, as the column calls it.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A sensor or amplifier at its end.
+    #[error(
+        "{what} looks clipped: {rows} of {of} rows are exactly {value}, its {end}; expected a signal within its range"
+    )]
+    Clipped {
+        /// Which quantity.
+        what: &'static str,
+        /// Rows at the extreme.
+        rows: usize,
+        /// Rows looked at.
+        of: usize,
+        /// The extreme.
+        value: f64,
+        /// `maximum` or `minimum`.
+        end: &'static str,
+    },
+    /// Numbers that no part has in the unit of the column.
+    #[error("wrong units suspected: {what} is {found}, expected {expected}{hint}")]
+    Units {
+        /// Which quantity.
+        what: &'static str,
+        /// What was found, with the unit it would have.
+        found: String,
+        /// The plausible range, with unit.
+        expected: &'static str,
+        /// What it looks like, if it looks like something.
+        hint: &'static str,
+    },
+    /// A slope that cannot be told from zero.
+    #[error("{what} cannot be told from zero: {value:.4} ± {standard_error:.4} {unit}")]
+    NoSlope {
+        /// The coefficient.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// Its standard error.
+        standard_error: f64,
+        /// Its unit.
+        unit: &'static str,
+    },
+    /// Time that stands still or runs backwards.
+    #[error("time_s does not increase at row {row}: {from_s} is followed by {to_s}")]
+    TimeOrder {
+        /// Row, from one.
+        row: usize,
+        /// Time before in s.
+        from_s: f64,
+        /// Time there in s.
+        to_s: f64,
+    },
+    /// No frequency is held long enough.
+    #[error(
+        "the longest stretch of one steady sine has {found} periods, expected at least {expected} of the same frequency and amplitude"
+    )]
+    TooFewPeriods {
+        /// Whole periods found.
+        found: usize,
+        /// Whole periods needed.
+        expected: usize,
+    },
+    /// Too few samples in a period.
+    #[error("{rows_per_period:.1} rows per period at {frequency_hz:.3} Hz, expected at least {expected}")]
+    SampledTooSlowly {
+        /// Frequency in Hz.
+        frequency_hz: f64,
+        /// Rows per period found.
+        rows_per_period: f64,
+        /// Rows per period needed.
+        expected: usize,
+    },
+    /// Energy comes out of a damper.
+    #[error(
+        "the damping is {value:.1} N s/m with the sign in which the spring pulls back: force_n and displacement_m are not of the same instant, or not of this part"
+    )]
+    NegativeDamping {
+        /// Damping in N s/m.
+        value: f64,
+    },
+    /// The tire gets softer with pressure.
+    #[error(
+        "stiffness falls with pressure ({value:.1} ± {standard_error:.1} N/m per kPa), expected it to rise"
+    )]
+    FallingStiffness {
+        /// Slope in N/m per kPa.
+        value: f64,
+        /// Its standard error.
+        standard_error: f64,
+    },
+    /// A line that a vehicle file cannot hold.
+    #[error(
+        "the line meets zero pressure at {value:.0} ± {standard_error:.0} N/m, expected zero or more: measure over more pressures"
+    )]
+    NegativeIntercept {
+        /// Intercept in N/m.
+        value: f64,
+        /// Its standard error.
+        standard_error: f64,
+    },
+    /// A fit without a unique answer.
+    #[error("{0} cannot be told apart from these data")]
+    Singular(&'static str),
+}
