@@ -33,6 +33,8 @@ fn main() -> ExitCode {
         Command::Estimate(args) => commands::estimate::run(args, &screen, &interrupt),
         Command::Simulate(args) => commands::simulate::run(args, &screen, &interrupt),
         Command::Score(args) => commands::score::run(args, &screen, &interrupt),
+        Command::Identify(args) => commands::identify::run(&args.part, &screen),
+        Command::Calibrate(args) => commands::identify::run_calibrate(args, &screen),
         Command::Observability(args) => commands::observability::run(args, &screen, &interrupt),
         Command::Completions(args) => commands::completions::run(args),
     });

@@ -1,0 +1,166 @@
+//! `itpms identify spring|damper` and `itpms calibrate`: measurements of a bench in, the numbers of a vehicle file with
+//! their standard errors out.
+
+use std::path::{Path, PathBuf};
+
+use itpms_data::DataError;
+use itpms_data::columns::Columns;
+use itpms_data::out::AtomicFile;
+use itpms_data::vehicle::tire_table;
+use itpms_study::identify::{IdentifyError, SineRecord, Units, calibrate, damper, spring};
+use itpms_study::plot::Figure;
+
+use crate::args::{BenchOutput, CalibrateArgs, DamperArgs, IdentifyPart, SpringArgs};
+use crate::exit::Failure;
+use crate::screen::Screen;
+
+pub(crate) fn run(part: &IdentifyPart, screen: &Screen) -> Result<(), Failure> {
+    match part {
+        IdentifyPart::Spring(args) => run_spring(args, screen),
+        IdentifyPart::Damper(args) => run_damper(args, screen),
+    }
+}
+
+fn units(output: &BenchOutput) -> Units {
+    if output.trust_units { Units::Trusted } else { Units::Checked }
+}
+
+/// Refused in the name of the file.
+fn refusal(path: &Path, error: &IdentifyError) -> Failure {
+    Failure::Usage(format!("{}: {error}", path.display()))
+}
+
+fn run_spring(args: &SpringArgs, screen: &Screen) -> Result<(), Failure> {
+    not_the_input(&[&args.table], &[args.output.plot.as_deref()])?;
+    let table = Columns::read(&args.table, &["displacement_m", "load_n"], &[])?;
+    let result = spring(table.column("displacement_m"), table.column("load_n"), units(&args.output))
+        .map_err(|error| refusal(&args.table, &error))?;
+    finish(
+        &args.output,
+        serde_json::to_string_pretty(&result),
+        &result.table(),
+        &result.figure(),
+        Vec::new(),
+        screen,
+    )
+}
+
+const SINE: [&str; 3] = ["time_s", "displacement_m", "force_n"];
+
+fn run_damper(args: &DamperArgs, screen: &Screen) -> Result<(), Failure> {
+    let inputs: Vec<&Path> = args.tables.iter().map(PathBuf::as_path).collect();
+    not_the_input(&inputs, &[args.output.plot.as_deref()])?;
+    let tables: Vec<Columns> = args
+        .tables
+        .iter()
+        .map(|path| Columns::read(path, &SINE, &["run"]))
+        .collect::<Result<_, DataError>>()?;
+    let names: Vec<Vec<(String, std::ops::Range<usize>)>> =
+        args.tables.iter().zip(&tables).map(|(path, table)| stretches(path, table)).collect();
+    let records: Vec<SineRecord<'_>> = tables
+        .iter()
+        .zip(&names)
+        .flat_map(|(table, stretches)| {
+            stretches.iter().map(|(name, rows)| SineRecord {
+                name,
+                time_s: &table.column(SINE[0])[rows.clone()],
+                displacement_m: &table.column(SINE[1])[rows.clone()],
+                force_n: &table.column(SINE[2])[rows.clone()],
+            })
+        })
+        .collect();
+    let result =
+        damper(&records, args.spring, units(&args.output)).map_err(|error| match args.tables.as_slice() {
+            [only] => refusal(only, &error),
+            several => Failure::Usage(format!(
+                "{}: {error}",
+                several.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ")
+            )),
+        })?;
+    finish(
+        &args.output,
+        serde_json::to_string_pretty(&result),
+        &result.table(),
+        &result.figure(),
+        Vec::new(),
+        screen,
+    )
+}
+
+/// The records of a file: one, or one for each stretch of equal `run`.
+fn stretches(path: &Path, table: &Columns) -> Vec<(String, std::ops::Range<usize>)> {
+    let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+    let rows = table.lines().len();
+    let Some(run) = table.get("run") else { return vec![(file.into_owned(), 0..rows)] };
+    let mut out = Vec::new();
+    let mut start = 0;
+    for end in 1..=rows {
+        if end == rows || run[end] != run[start] {
+            out.push((format!("{file} run {}", run[start]), start..end));
+            start = end;
+        }
+    }
+    out
+}
+
+pub(crate) fn run_calibrate(args: &CalibrateArgs, screen: &Screen) -> Result<(), Failure> {
+    not_the_input(&[&args.table], &[args.tire.as_deref(), args.output.plot.as_deref()])?;
+    let table = Columns::read(&args.table, &["pressure_kpa", "stiffness_n_per_m"], &[])?;
+    let result =
+        calibrate(table.column("pressure_kpa"), table.column("stiffness_n_per_m"), units(&args.output))
+            .map_err(|error| refusal(&args.table, &error))?;
+    let tire = tire_table(&result.map);
+    let files = args.tire.iter().map(|path| written(path, &tire)).collect::<Result<_, DataError>>()?;
+    let mut text = result.table();
+    if args.tire.is_none() {
+        text.push_str("\nfor the vehicle file:\n\n");
+        text.push_str(&tire);
+    }
+    finish(&args.output, serde_json::to_string_pretty(&result), &text, &result.figure(), files, screen)
+}
+
+/// A file that is complete but for its name.
+fn written(path: &Path, content: &str) -> Result<AtomicFile, DataError> {
+    let mut file = AtomicFile::create(path)?;
+    file.append(content.as_bytes())?;
+    file.settle()?;
+    Ok(file)
+}
+
+/// All files, then the result: nothing is said of a result that could not be written.
+fn finish(
+    output: &BenchOutput,
+    json: serde_json::Result<String>,
+    text: &str,
+    figure: &Figure,
+    mut files: Vec<AtomicFile>,
+    screen: &Screen,
+) -> Result<(), Failure> {
+    let json = json.map_err(|error| Failure::Usage(format!("the result is no JSON: {error}")))?;
+    if let Some(path) = &output.plot {
+        files.push(written(path, &figure.svg())?);
+    }
+    for file in files {
+        file.commit()?;
+    }
+    screen.print(if output.json { &json } else { text.trim_end() });
+    Ok(())
+}
+
+/// Outputs are not inputs, nor each other.
+fn not_the_input(inputs: &[&Path], outputs: &[Option<&Path>]) -> Result<(), Failure> {
+    let place = |path: &Path| std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let outputs: Vec<&Path> = outputs.iter().copied().flatten().collect();
+    for (i, output) in outputs.iter().enumerate() {
+        if inputs.iter().any(|input| place(input) == place(output)) {
+            let text =
+                format!("{}: is the measurement itself, expected another name to write to", output.display());
+            return Err(Failure::Usage(text));
+        }
+        if outputs[..i].contains(output) {
+            let text = format!("{}: is given for two outputs, expected a name for each", output.display());
+            return Err(Failure::Usage(text));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,182 @@
+//! `itpms identify` and `itpms calibrate` on the measurements under `examples/identify/`, and on spoiled ones.
+#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
+
+mod common;
+
+use std::fs;
+use std::path::Path;
+
+use common::Bench;
+
+/// A directory with the examples in it.
+fn bench() -> Bench {
+    let bench = Bench::new();
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/identify");
+    for name in ["load-displacement.csv", "sine.csv", "tire-tests.csv"] {
+        fs::copy(examples.join(name), bench.path(name)).unwrap();
+    }
+    bench
+}
+
+fn json(bench: &Bench, line: &str) -> serde_json::Value {
+    serde_json::from_str(bench.run(&format!("{line} --json")).success()).unwrap()
+}
+
+/// Runs a line that is refused, checks that it left nothing, gives the message.
+fn refusal(bench: &Bench, line: &str) -> String {
+    let before = bench.names();
+    let outcome = bench.run(line);
+    assert_eq!(bench.names(), before, "{outcome:?}");
+    outcome.refusal().to_owned()
+}
+
+/// Rewrites a file: `edit` gets the number of each line and its cells.
+fn edit(bench: &Bench, name: &str, edit: impl Fn(usize, &mut Vec<String>)) {
+    let mut out = String::new();
+    for (i, line) in bench.read(name).lines().enumerate() {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        if !line.starts_with('#') {
+            edit(i + 1, &mut cells);
+        }
+        out += &cells.join(",");
+        out.push('\n');
+    }
+    bench.write(name, out);
+}
+
+fn within(estimate: &serde_json::Value, truth: f64) {
+    let (value, error) = (estimate["value"].as_f64().unwrap(), estimate["standard_error"].as_f64().unwrap());
+    // Three standard errors: one example each, chosen before it was looked at.
+    assert!((value - truth).abs() < 3.0 * error && error > 0.0 && error < 0.01 * truth, "{estimate}");
+}
+
+#[test]
+fn the_example_spring_and_damper_are_those_of_the_bench() {
+    let bench = bench();
+    let spring = json(&bench, "identify spring load-displacement.csv --plot spring.svg");
+    within(&spring["stiffness_n_per_m"], 20_663.0);
+    assert_eq!(spring["concerns"].as_array().unwrap().len(), 0);
+    let damper = json(&bench, "identify damper sine.csv --plot damper.svg");
+    within(&damper["damping_n_s_per_m"], 435.2);
+    assert_eq!(damper["runs"].as_array().unwrap().len(), 3);
+    for name in ["spring.svg", "damper.svg"] {
+        let svg = bench.read(name);
+        assert!(
+            svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>") && !svg.contains("NaN"),
+            "{name}"
+        );
+    }
+    let text = bench.run("identify spring load-displacement.csv");
+    assert!(text.success().starts_with("spring stiffness ks      2066"), "{text:?}");
+    let text = bench.run("identify damper sine.csv");
+    assert!(text.success().contains("concerns                 none"), "{text:?}");
+}
+
+#[test]
+fn runs_may_come_as_several_files() {
+    let bench = bench();
+    let together = json(&bench, "identify damper sine.csv");
+    let text = bench.read("sine.csv");
+    let rows: Vec<&str> = text.lines().filter(|line| !line.starts_with('#')).collect();
+    for run in ["1", "2", "3"] {
+        let own = rows.iter().filter(|row| row.starts_with(&format!("{run},"))).map(|row| format!("{row}\n"));
+        bench.write(&format!("{run}.csv"), format!("{}\n{}", rows[0], own.collect::<String>()));
+    }
+    let apart = json(&bench, "identify damper 1.csv 2.csv 3.csv");
+    assert_eq!(apart["damping_n_s_per_m"], together["damping_n_s_per_m"]);
+    assert_eq!(apart["runs"][2]["record"], "3.csv run 3");
+}
+
+#[test]
+fn a_calibrated_tire_goes_into_a_vehicle_file() {
+    let bench = bench();
+    bench.run("calibrate tire-tests.csv -o tire.toml --plot residuals.svg").success();
+    let tire = bench.read("tire.toml");
+    assert!(
+        tire.starts_with("[tire]\nstiffness_per_kpa = 713.668293\nstiffness_at_zero = 60973.5675\n"),
+        "{tire}"
+    );
+    // Without -o the same lines are printed.
+    let printed = bench.run("calibrate tire-tests.csv");
+    assert!(printed.success().ends_with(&tire), "{printed:?}");
+    // A vehicle with that table is one.
+    bench.run("simulate paper-drop --seed 1 -o drive.csv --vehicle-out car.toml").success();
+    let car = bench.read("car.toml");
+    let (head, rest) = car.split_once("[tire]").unwrap();
+    let corner = rest.split_once("[corner").unwrap().1;
+    bench.write("mine.toml", format!("{head}{tire}\n[corner{corner}"));
+    bench.run("simulate paper-drop --seed 1 -o again.csv --vehicle mine.toml").success();
+    assert!(bench.read("residuals.svg").starts_with("<svg"));
+}
+
+#[test]
+fn the_same_measurement_gives_the_same_bytes() {
+    let bench = bench();
+    for (line, name) in [
+        ("identify damper sine.csv --plot a.svg", "a.svg"),
+        ("calibrate tire-tests.csv --plot a.svg", "a.svg"),
+    ] {
+        let first = (bench.run(line).stdout, bench.read(name));
+        assert_eq!(first, (bench.run(line).stdout, bench.read(name)));
+    }
+}
+
+#[test]
+fn unusable_tables_are_refused_in_one_sentence() {
+    let bench = bench();
+    let spring = "identify spring load-displacement.csv --plot out.svg";
+    edit(&bench, "load-displacement.csv", |line, cells| {
+        if line == 2 {
+            cells[1] = "load_kn".to_owned();
+        }
+    });
+    assert_eq!(
+        refusal(&bench, spring),
+        "load-displacement.csv: column load_n is missing; the nearest name there is load_kn; \
+         found displacement_m,load_kn, expected displacement_m,load_n"
+    );
+    let bench = self::bench();
+    edit(&bench, "load-displacement.csv", |line, cells| {
+        if line == 40 {
+            cells[0] = "NaN".to_owned();
+        }
+    });
+    assert_eq!(
+        refusal(&bench, spring),
+        "load-displacement.csv: line 40, column displacement_m: found NaN, expected a finite number"
+    );
+    let bench = self::bench();
+    edit(&bench, "load-displacement.csv", |line, cells| {
+        if line > 2 {
+            cells[0] = format!("{}", 1e3 * cells[0].parse::<f64>().unwrap());
+        }
+    });
+    let text = refusal(&bench, spring);
+    assert!(text.starts_with("load-displacement.csv: wrong units suspected: the travel is 60.0"), "{text}");
+    bench.run("identify spring load-displacement.csv --trust-units").success();
+    let bench = self::bench();
+    edit(&bench, "tire-tests.csv", |line, cells| {
+        if line > 2 {
+            cells[0] = format!("{}", cells[0].parse::<f64>().unwrap() / 6.894_757);
+        }
+    });
+    let text = refusal(&bench, "calibrate tire-tests.csv -o tire.toml");
+    assert!(text.contains("it looks like psi"), "{text}");
+    let text = refusal(&bench, "identify damper load-displacement.csv");
+    assert!(text.contains("column time_s is missing"), "{text}");
+    assert_eq!(refusal(&bench, "calibrate nowhere.csv"), "nowhere.csv: no such file");
+}
+
+#[test]
+fn outputs_that_cannot_be_written_leave_nothing() {
+    let bench = bench();
+    let text = refusal(&bench, "calibrate tire-tests.csv -o missing/tire.toml --plot residuals.svg");
+    assert_eq!(text, "missing/tire.toml: cannot be written: the directory missing does not exist");
+    let text = refusal(&bench, "calibrate tire-tests.csv -o tire.toml --plot missing/residuals.svg");
+    assert_eq!(text, "missing/residuals.svg: cannot be written: the directory missing does not exist");
+    let text = refusal(&bench, "calibrate tire-tests.csv -o tire.toml --plot tire.toml");
+    assert_eq!(text, "tire.toml: is given for two outputs, expected a name for each");
+    let text = refusal(&bench, "identify spring load-displacement.csv --plot load-displacement.csv");
+    assert!(text.starts_with("load-displacement.csv: is the measurement itself"), "{text}");
+    assert!(bench.run("identify damper sine.csv --spring -3").stderr.starts_with("error: "));
+}
