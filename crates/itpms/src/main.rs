@@ -36,6 +36,7 @@ fn main() -> ExitCode {
         Command::Identify(args) => commands::identify::run(&args.part, &screen),
         Command::Calibrate(args) => commands::identify::run_calibrate(args, &screen),
         Command::Observability(args) => commands::observability::run(args, &screen, &interrupt),
+        Command::Reproduce(args) => commands::reproduce::run(args, &screen, &interrupt),
         Command::Completions(args) => commands::completions::run(args),
     });
     match result {

@@ -43,7 +43,7 @@ fn assumptions(request: &Request) -> Vec<Assumption> {
         (
             "Which input the correction of eq. (17) subtracts",
             "the new estimate u*_k".to_owned(),
-            "Printed with u*_{k-1}; the work it cites has the new one. The other reading fails, too.",
+            "Printed with u*_{k-1}; the work it cites has the new one. A table below Fig. 7 has both.",
         ),
         (
             "State derivative, eq. (3)",

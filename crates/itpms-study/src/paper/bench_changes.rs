@@ -6,7 +6,7 @@ use super::changes::Study;
 use super::outcome::Outcome;
 use super::plan::{RESET_LONG_S, TOLD_KG};
 use super::published::{TABLE_4, TABLE_5};
-use super::section::{Section, signed};
+use super::section::{Section, number};
 
 /// The paper's three numbers for what its text describes as one experiment.
 const NOMINALS: &str = "The nominal row is the experiment of Fig. 12 by its description; but the paper has 4.22 kPa there, 3.17 kPa in Table 4 and \
@@ -28,7 +28,7 @@ pub(super) fn mass(outcomes: &[Outcome; 3]) -> Section {
     };
     let text = format!(
         "<p>The same as Table 3 on the test bed: the estimators are told {TOLD_KG} kg. {NOMINALS} Our median changes by {} % at most.</p>",
-        signed(study.largest_change_percent(), 1)
+        number(study.largest_change_percent(), 1)
     );
     let section = Section::new("bench-mass", "Test bed: sprung mass, Figure 14 and Table 4").text(text);
     study.add_to(
@@ -57,7 +57,7 @@ pub(super) fn noise(section: Section, outcomes: &[Outcome; 3]) -> Section {
     let text = format!(
         "<p>In the paper more noise first lowers the error by 12 % (0.274) and then raises it by 40 % (0.380; 39 % as printed). One run each cannot \
          tell this from chance. Over many drives ours changes by {} % at most, for a variance half as large again.</p>",
-        signed(study.largest_change_percent(), 1)
+        number(study.largest_change_percent(), 1)
     );
     study.add_to(
         section.text(text),

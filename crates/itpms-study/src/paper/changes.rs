@@ -6,7 +6,7 @@
 use itpms_core::estimator::EstimatorKind;
 
 use super::data::Data;
-use super::histories::{data, errors, overlaid, pressure};
+use super::histories::{data, errors, forgetting_factors, overlaid, pressure, variance_axis};
 use super::outcome::{Outcome, Record};
 use super::published::{Row, change_percent};
 use super::section::{Section, Table, number, signed};
@@ -61,7 +61,8 @@ impl Study<'_> {
         for ((letter, outcome), setting) in
             ["a1", "a2", "a3"].into_iter().zip(self.outcomes).zip(&self.settings)
         {
-            figure = figure.panel(pressure(letter, setting, outcome, self.range_kpa));
+            figure =
+                figure.panel(pressure(letter, &format!("Tire pressure, {setting}"), outcome, self.range_kpa));
         }
         let end = self.outcomes.first().map_or(0.0, |outcome| outcome.duration_s);
         let x = || Axis::linear("Time", "s").within(0.0, end);
@@ -71,16 +72,12 @@ impl Study<'_> {
             panel("b", "Forgetting factor", Axis::logarithmic("Forgetting factor λ", "").within(0.9, 100.0));
         let c =
             panel("c", "Error of the pressure", Axis::linear("Estimate − truth", "kPa").within(-top, top));
-        let d = panel(
-            "d",
-            "Error covariance claimed",
-            Axis::logarithmic("Variance of the stiffness", "N²/m²").within(1e-2, 1e11),
-        );
+        let d = panel("d", "Error covariance claimed", variance_axis(self.outcomes));
         let over = |panel: Panel, values: &dyn Fn(&Outcome, &Record) -> Vec<f64>| {
             overlaid(panel, self.outcomes, &self.settings, values)
         };
         figure
-            .panel(over(b, &|_, record| record.trace.forgetting.clone()))
+            .panel(over(b, &forgetting_factors))
             .panel(over(c, &errors).level(Ink::Muted, 0.0, ""))
             .panel(over(d, &|_, record| record.trace.stiffness_variance.clone()))
     }
@@ -162,6 +159,6 @@ impl Study<'_> {
             found.map(|record| if record.who.reset_s > 0.0 { record.after } else { record.rmse })
         };
         let changes = self.outcomes.iter().map(|outcome| self.change(outcome, EstimatorKind::Informed, &of));
-        changes.fold(0.0, |largest: f64, change| if change.abs() > largest.abs() { change } else { largest })
+        changes.fold(0.0, |largest: f64, change| largest.max(change.abs()))
     }
 }

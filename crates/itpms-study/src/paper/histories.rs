@@ -3,8 +3,6 @@
 //!
 //! Called by the sections of the estimator figures.
 
-use itpms_core::estimator::EstimatorKind;
-
 use super::data::Data;
 use super::outcome::{Outcome, Record};
 use crate::plot::{Axis, Ink, Panel, Stroke};
@@ -13,7 +11,9 @@ use crate::plot::{Axis, Ink, Panel, Stroke};
 const HALF_95: f64 = 1.96;
 /// Largest forgetting factor drawn; the published one reaches far beyond before its filter diverges.
 const FORGETTING_TOP: f64 = 100.0;
-/// Lightest error axis in kPa: what works stays within.
+/// A reset's last word takes this long to pass, s.
+const HELD_S: f64 = 0.2;
+/// Usual error axis in kPa: what works stays within.
 const ERROR_KPA: f64 = 80.0;
 
 /// What one panel draws of a record.
@@ -84,7 +84,7 @@ pub(super) fn forgetting(
     let x =
         window_s.map_or_else(|| time_axis(outcome), |(from, to)| Axis::linear("Time", "s").within(from, to));
     let y = Axis::logarithmic("Forgetting factor λ", "").within(0.9, FORGETTING_TOP);
-    four(Panel::new(letter, title, x, y), outcome, |record| record.trace.forgetting.clone())
+    four(Panel::new(letter, title, x, y), outcome, |record| forgetting_factors(outcome, record))
 }
 
 /// Estimate minus truth.
@@ -99,10 +99,30 @@ pub(super) fn errors(outcome: &Outcome, record: &Record) -> Vec<f64> {
     record.trace.pressure_kpa.iter().zip(&outcome.truth.pressure_kpa).map(|(p, truth)| p - truth).collect()
 }
 
+/// From the smallest variance that any claims to the largest, within what is not absurd: a filter about to diverge
+/// claims anything.
+pub(super) fn variance_axis<'a>(outcomes: impl IntoIterator<Item = &'a Outcome>) -> Axis {
+    let all =
+        outcomes.into_iter().flat_map(Outcome::shown).flat_map(|record| &record.trace.stiffness_variance);
+    let (low, high) = all
+        .filter(|variance| variance.is_finite() && **variance > 0.0)
+        .fold((1e9, 1e9), |(low, high): (f64, f64), &v| (low.min(v), high.max(v)));
+    let decade = |value: f64, round: fn(f64) -> f64| 10f64.powf(round(value.log10()));
+    let axis = Axis::logarithmic("Variance of the stiffness", "N²/m²");
+    axis.within(decade(low.max(1e-2) / 1.2, f64::floor), decade(high.min(1e11) * 1.2, f64::ceil))
+}
+
+/// Forgetting factors of a record; none while a reset holds the estimate, when every word about the pressure is followed
+/// by growth.
+pub(super) fn forgetting_factors(outcome: &Outcome, record: &Record) -> Vec<f64> {
+    let held = |time_s: f64| record.who.reset_s > 0.0 && time_s <= record.who.reset_s + HELD_S;
+    let times = outcome.truth.time_s.iter();
+    times.zip(&record.trace.forgetting).map(|(&t, &lambda)| if held(t) { f64::NAN } else { lambda }).collect()
+}
+
 /// Variance of the stiffness that each claims.
 pub(super) fn covariance(letter: &str, title: &str, outcome: &Outcome) -> Panel {
-    let y = Axis::logarithmic("Variance of the stiffness", "N²/m²").within(1e-2, 1e11);
-    four(Panel::new(letter, title, time_axis(outcome), y), outcome, |record| {
+    four(Panel::new(letter, title, time_axis(outcome), variance_axis([outcome])), outcome, |record| {
         record.trace.stiffness_variance.clone()
     })
 }
@@ -157,15 +177,14 @@ pub(super) fn overlaid(
     settings: &[String; 3],
     values: impl Fn(&Outcome, &Record) -> Vec<f64>,
 ) -> Panel {
-    // The nominal setting is drawn unbroken.
     let strokes = [Stroke::Dotted, Stroke::Solid, Stroke::Dashed];
-    for ((outcome, setting), stroke) in outcomes.iter().zip(settings).zip(strokes) {
+    for (setting, stroke) in settings.iter().zip(strokes) {
+        // For the legend alone.
+        panel = panel.line(format!("{setting} in b to d"), Ink::Muted, stroke, vec![]);
+    }
+    for (outcome, stroke) in outcomes.iter().zip(strokes) {
         for record in outcome.shown() {
-            let name = match record.who.kind {
-                EstimatorKind::Informed => format!("informed, {setting}"),
-                _ => String::new(),
-            };
-            panel = panel.line(name, record.who.ink(), stroke, points(outcome, &values(outcome, record)));
+            panel = panel.line("", record.who.ink(), stroke, points(outcome, &values(outcome, record)));
         }
     }
     panel

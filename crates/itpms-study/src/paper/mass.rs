@@ -6,7 +6,7 @@ use super::changes::Study;
 use super::outcome::Outcome;
 use super::plan::TOLD_KG;
 use super::published::TABLE_3;
-use super::section::{Section, signed};
+use super::section::{Section, number};
 
 pub(super) fn section(mass: &[Outcome; 3]) -> Section {
     let study = Study {
@@ -26,7 +26,7 @@ pub(super) fn section(mass: &[Outcome; 3]) -> Section {
          significant\". They are: from 12.96 to 17.57 kPa is <strong>+36 %</strong> (35.6; the paper prints 35 %, cut rather than rounded), and to 13.31 kPa +2.7 %. \
          A load that is wrong by 8 % need not cost anything: the default estimator takes the tire's force through the suspension, not \
          from the body's mass, and identifies the load on the way. Its median changes by {} % at most.</p>",
-        signed(study.largest_change_percent(), 1)
+        number(study.largest_change_percent(), 1)
     );
     let section = Section::new("mass", "Simulation study: sprung mass, Figure 10 and Table 3").text(text);
     study.add_to(

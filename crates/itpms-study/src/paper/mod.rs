@@ -9,7 +9,7 @@
 //! | `published`, `assumed` | the paper's numbers; what it does not say |
 //! | `case`, `contestant`, `drive`, `plan`, `outcome` | the drives, who takes part, what became of it |
 //! | `histories`, `standing`, `changes` | panels, tables and studies that several figures share |
-//! | `tire`, `road_input`, `drop`, `other_drops`, `mass` | Sections 2 and 4 of the paper |
+//! | `tire`, `road_input`, `drop`, `readings`, `other_drops`, `mass` | Sections 2 and 4 of the paper |
 //! | `bench_input`, `bench`, `bench_changes`, `noise` | Section 5 |
 //! | `why` | what the accelerations can tell: the study of observability |
 //! | `summary` | the table at the top |
@@ -35,6 +35,7 @@ mod outcome;
 mod page;
 mod plan;
 mod published;
+mod readings;
 mod road_input;
 mod section;
 mod standing;
@@ -118,7 +119,7 @@ pub fn reproduce(request: &Request, progress: Progress<'_>) -> Result<Study, Pap
         summary::section(&outcomes, slopes, request.seeds)?,
         tire::section()?,
         input,
-        drop::section(&outcomes.drop, speed_m_s)?,
+        drop::section(&outcomes.drop, readings::table(request)?, speed_m_s),
         other_drops::section(&outcomes.deep, &outcomes.recover),
         mass::section(&outcomes.mass),
         bench_input::section(request)?,
@@ -132,6 +133,18 @@ pub fn reproduce(request: &Request, progress: Progress<'_>) -> Result<Study, Pap
 }
 
 impl Study {
+    /// The paper's numbers and ours as text for a terminal.
+    #[must_use]
+    pub fn summary(&self) -> String {
+        let parts = self.sections.iter().flat_map(|section| &section.parts);
+        let table = parts.into_iter().find_map(|part| match part {
+            Part::Table { table, .. } => Some(table),
+            _ => None,
+        });
+        // Where, case, paper, ours; the comments are on the page.
+        table.map_or_else(String::new, |table| table.text(4))
+    }
+
     /// The page, each figure as SVG, the data of each figure and table as CSV and JSON.
     ///
     /// # Errors

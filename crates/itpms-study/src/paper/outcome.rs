@@ -17,7 +17,8 @@ pub(super) struct Record {
     pub(super) rmse: Spread,
     /// RMSE after the reset drive in kPa.
     pub(super) after: Spread,
-    /// Mean share of the time after the reset drive with the truth inside the 95 % interval.
+    /// Mean share of the time after the reset drive with the truth inside the 95 % interval, over the drives that
+    /// did not diverge; NaN if all did.
     pub(super) coverage: f64,
     /// How many drives diverged, of how many.
     pub(super) diverged: usize,
@@ -46,13 +47,15 @@ impl Outcome {
     pub(super) fn of(case: &Case, mut drives: Vec<Drive>) -> Self {
         let record = |(i, who): (usize, &Contestant)| {
             let each = || drives.iter().filter_map(move |drive| drive.results.get(i));
-            let coverage: f64 = each().map(|result| result.coverage).sum();
+            // What has diverged claims nothing.
+            let covered: Vec<f64> =
+                each().filter(|result| result.diverged_s.is_none()).map(|result| result.coverage).collect();
             let drawn = each().next();
             Record {
                 who: *who,
                 rmse: Spread::of(each().map(|result| result.rmse_kpa)),
                 after: Spread::of(each().map(|result| result.rmse_after_kpa)),
-                coverage: coverage / drives.len() as f64,
+                coverage: covered.iter().sum::<f64>() / covered.len() as f64,
                 diverged: each().filter(|result| result.diverged_s.is_some()).count(),
                 drives: drives.len(),
                 drawn_diverged_s: drawn.and_then(|result| result.diverged_s),

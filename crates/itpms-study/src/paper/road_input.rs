@@ -85,7 +85,7 @@ pub(super) fn section(
     let mut figure = Figure::new("figure-05", "Figure 5: Road input of the simulation")
         .describe("A rough line over 40 s, and a spectrum that falls as a straight line on double-logarithmic axes.")
         .panel(
-            Panel::new("a", "Road under the wheel, 20 km/h", Axis::linear("Time", "s"), Axis::linear("Height", "mm"))
+            Panel::new("a", "Road under the wheel, 20 km/h", Axis::linear("Time", "s").within(0.0, drop.duration_s), Axis::linear("Height", "mm"))
                 .line("our road, first seed", Ink::Truth, Stroke::Solid, time),
         );
     if let Some(found) = found {

@@ -102,6 +102,42 @@ impl Table {
     }
 }
 
+impl Table {
+    /// The first `columns` of it as text for a terminal, in ASCII, a line feed after each row.
+    pub(super) fn text(&self, columns: usize) -> String {
+        let lines: Vec<Vec<String>> = std::iter::once(&self.head)
+            .chain(&self.rows)
+            .map(|cells| cells.iter().take(columns).map(|cell| ascii(cell)).collect())
+            .collect();
+        let length = |text: &str| text.chars().count();
+        let widths: Vec<usize> = (0..columns)
+            .map(|i| lines.iter().map(|cells| cells.get(i).map_or(0, |text| length(text))).max().unwrap_or(0))
+            .collect();
+        let mut text = String::new();
+        for cells in lines {
+            let mut line = String::new();
+            for (cell, width) in cells.into_iter().zip(&widths) {
+                line += &cell;
+                line.extend(std::iter::repeat_n(' ', width + 2 - length(&cell)));
+            }
+            text += line.trim_end();
+            text.push('\n');
+        }
+        text
+    }
+}
+
+/// For terminals of any kind.
+fn ascii(text: &str) -> String {
+    let plain = |c| match c {
+        '–' | '\u{2212}' => "-".to_owned(),
+        '\u{2009}' => " ".to_owned(),
+        '²' => "^2".to_owned(),
+        other => other.to_string(),
+    };
+    text.chars().map(plain).collect()
+}
+
 /// Cells that are figures stand to the right.
 fn is_number(text: &str) -> bool {
     text.chars().next().is_some_and(|first| first.is_ascii_digit() || "+\u{2212}–".contains(first))
@@ -115,12 +151,40 @@ pub(super) fn number(value: f64, decimals: usize) -> String {
     } else if value.is_infinite() {
         "diverged".to_owned()
     } else {
-        format!("{value:.decimals$}").replace('-', "\u{2212}")
+        let text = format!("{:.decimals$}", value.abs());
+        let zero = !text.chars().any(|c| c.is_ascii_digit() && c != '0');
+        let sign = if value < 0.0 && !zero { "\u{2212}" } else { "" };
+        match text.split_at_checked(text.len().saturating_sub(3)) {
+            // From five digits on a thin space between thousands; nothing here reaches a million.
+            Some((thousands, rest)) if decimals == 0 && thousands.len() > 1 => {
+                format!("{sign}{thousands}\u{2009}{rest}")
+            }
+            _ => format!("{sign}{text}"),
+        }
     }
 }
 
 /// With its sign.
 pub(super) fn signed(value: f64, decimals: usize) -> String {
-    let plus = if value > 0.0 { "+" } else { "" };
-    if value.is_finite() { format!("{plus}{}", number(value, decimals)) } else { "–".to_owned() }
+    let text = number(value, decimals);
+    let zero = !text.chars().any(|c| c.is_ascii_digit() && c != '0');
+    match value.is_finite() {
+        true if value > 0.0 && !zero => format!("+{text}"),
+        true => text,
+        false => "–".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_as_people_read_them() {
+        assert_eq!(number(-1.25, 1), "\u{2212}1.2");
+        assert_eq!((number(-0.04, 1).as_str(), signed(0.04, 1).as_str()), ("0.0", "0.0"));
+        assert_eq!((number(60_973.6, 0).as_str(), number(9_999.0, 0).as_str()), ("60\u{2009}974", "9999"));
+        assert_eq!(signed(3.0, 1), "+3.0");
+        assert_eq!((number(f64::INFINITY, 1).as_str(), number(f64::NAN, 1).as_str()), ("diverged", "–"));
+    }
 }

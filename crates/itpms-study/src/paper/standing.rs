@@ -64,7 +64,10 @@ pub(super) fn standing(file: &str, title: &str, what: &str, cases: &[(String, &O
         if with_reset {
             cells.push(spread(&record.after, 2));
         }
-        cells.push(format!("{} %", number(100.0 * record.coverage, 1)));
+        cells.push(match record.coverage {
+            share if share.is_nan() => "–".to_owned(),
+            share => format!("{} %", number(100.0 * share, 1)),
+        });
         cells.push(format!("{} of {}", record.diverged, record.drives));
         table = table.row(cells.into_iter().skip(usize::from(one_case)));
     }
@@ -73,19 +76,18 @@ pub(super) fn standing(file: &str, title: &str, what: &str, cases: &[(String, &O
 
 /// Our spread against a number that the paper prints, in a word or two.
 pub(super) fn verdict(paper_kpa: f64, ours: &Spread) -> String {
-    let ratio = ours.median / paper_kpa;
-    let off = format!("{:.0} %", 100.0 * (ratio - 1.0).abs());
-    if !ours.median.is_finite() {
-        "no figure of ours".to_owned()
-    } else if (ours.p10..=ours.p90).contains(&paper_kpa) {
-        format!(
-            "Agrees: within our 10–90 %; our median is {off} {}.",
-            if ratio < 1.0 { "lower" } else { "higher" }
-        )
-    } else if ratio < 1.0 {
-        format!("Differs: ours is lower by {off}.")
+    let percent = 100.0 * (ours.median / paper_kpa - 1.0);
+    let off = match percent {
+        _ if !percent.is_finite() => return "Nothing of ours to compare.".to_owned(),
+        p if p.abs() < 0.5 => "as large".to_owned(),
+        p if p >= 100.0 => format!("{:.1} times as large", ours.median / paper_kpa),
+        p if p > 0.0 => format!("{p:.0} % larger"),
+        p => format!("{:.0} % smaller", -p),
+    };
+    if (ours.p10..=ours.p90).contains(&paper_kpa) {
+        format!("Agrees: within our 10–90 %, our median is {off}.")
     } else {
-        format!("Differs: ours is higher by {off}.")
+        format!("Differs: our median is {off}.")
     }
 }
 
@@ -96,14 +98,14 @@ mod tests {
     #[test]
     fn words_follow_the_numbers() {
         let ours = Spread { p10: 10.0, median: 13.0, p90: 16.0 };
-        assert_eq!(verdict(12.0, &ours), "Agrees: within our 10–90 %; our median is 8 % higher.");
-        assert_eq!(verdict(26.0, &ours), "Differs: ours is lower by 50 %.");
-        assert_eq!(verdict(6.5, &ours), "Differs: ours is higher by 100 %.");
+        assert_eq!(verdict(12.0, &ours), "Agrees: within our 10–90 %, our median is 8 % larger.");
+        assert_eq!(verdict(26.0, &ours), "Differs: our median is 50 % smaller.");
+        assert_eq!(verdict(6.5, &ours), "Differs: our median is 2.0 times as large.");
         assert_eq!(spread(&ours, 1), "13.0 (10.0 – 16.0)");
         let lost = Spread { p10: f64::INFINITY, median: f64::INFINITY, p90: f64::INFINITY };
         assert_eq!(
             (spread(&lost, 1).as_str(), verdict(1.0, &lost).as_str()),
-            ("diverged", "no figure of ours")
+            ("diverged", "Nothing of ours to compare.")
         );
     }
 }

@@ -62,16 +62,15 @@ pub(super) fn section(outcomes: &Outcomes, slopes: Spread, drives: usize) -> Res
     let mut lines = regression_lines(slopes)?;
     lines.push(
         Line::errors("Fig. 7", "241.3 to 137.9 kPa in 2.5 s", FIG_7, outcomes.drop.informed_rmse())
-            .because("The published filter itself does not move."),
+            .because("Ours is another estimator: the published one does not move."),
     );
     lines.push(
-        Line::errors("Fig. 9a", "241.3 to 41.4 kPa in 2.5 s", FIG_9A, outcomes.deep.informed_rmse()).because(
-            "Ours jumps as soon as the road's spectrum no longer fits; a deeper loss is noticed sooner.",
-        ),
+        Line::errors("Fig. 9a", "241.3 to 41.4 kPa in 2.5 s", FIG_9A, outcomes.deep.informed_rmse())
+            .because("Ours can jump, and pays only for the seconds before it notices."),
     );
     lines.push(
         Line::errors("Fig. 9b", "241.3 to 138 to 195 kPa", FIG_9B, outcomes.recover.informed_rmse())
-            .because("The climb of 57 kPa in 10 s costs ours more than the loss."),
+            .because("The same."),
     );
     study(&mut lines, "Table 3", "simulated", " kg", &TABLE_3, &outcomes.mass);
     let bench = Line::errors(
@@ -80,7 +79,7 @@ pub(super) fn section(outcomes: &Outcomes, slopes: Spread, drives: usize) -> Res
         FIG_12,
         outcomes.bench_drop.informed_rmse(),
     );
-    lines.push(bench.because("A simulated test bed, and the reset counts."));
+    lines.push(bench.because("Ours is a simulated test bed, and the seconds of the reset count."));
     if let Some(informed) = outcomes.bench_drop.informed() {
         lines.push(Line::errors("Fig. 12", "the same, after the reset only", FIG_12, informed.after));
     }

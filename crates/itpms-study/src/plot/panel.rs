@@ -8,12 +8,12 @@ use super::svg::{Anchor, Svg, coordinate};
 use super::text::width;
 
 /// Width of a panel, in units that are pixels when it is shown at its natural size.
-pub(super) const WIDTH: f64 = 440.0;
+pub(super) const WIDTH: f64 = 430.0;
 /// Its usual height.
 const HEIGHT: f64 = 290.0;
 /// Sizes of letters: title, everything else.
-pub(super) const TITLE_SIZE: f64 = 15.0;
-pub(super) const SIZE: f64 = 13.5;
+pub(super) const TITLE_SIZE: f64 = 15.5;
+pub(super) const SIZE: f64 = 14.0;
 /// Room above the axes: title, label of the vertical axis, a gap.
 const TOP: f64 = 47.0;
 /// Room below: numbers and label.
@@ -38,7 +38,7 @@ impl Panel {
         Self { letter: letter.into(), title: title.into(), x, y, height: HEIGHT, marks: vec![] }
     }
 
-    /// Another height than the usual 290, for a width of 440.
+    /// Another height than the usual 290, for a width of 430.
     #[must_use]
     pub fn height(self, height: f64) -> Self {
         Self { height, ..self }
@@ -144,7 +144,7 @@ impl Panel {
                 format_args!(" font-size=\"{TITLE_SIZE}\" font-weight=\"700\""),
                 &self.letter,
             );
-            start = 17.0;
+            start = width(&self.letter, TITLE_SIZE) + 9.0;
         }
         svg.text(
             (start, 16.0),

@@ -41,6 +41,8 @@ pub(super) fn logarithmic(low: f64, high: f64) -> Ticks {
     let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
     let inside = |value: f64| value >= low * (1.0 - 1e-9) && value <= high * (1.0 + 1e-9);
     let decades = (first..=last).filter(|&n| inside(10f64.powi(n))).count();
+    // Powers in one way along one axis.
+    let plain = (first..=last).filter(|&n| inside(10f64.powi(n))).all(|n| (-3..=4).contains(&n));
     let every = (decades / 7 + 1) as i32;
     let mut ticks = Ticks::default();
     for exponent in first..=last {
@@ -51,11 +53,11 @@ pub(super) fn logarithmic(low: f64, high: f64) -> Ticks {
             }
             let spoken = match digit {
                 1 => exponent.rem_euclid(every) == 0,
-                2 | 5 => decades < 3,
+                2 | 5 => decades < 4,
                 _ => false,
             };
             if spoken {
-                ticks.labelled.push((value, power_of_ten(digit, exponent)));
+                ticks.labelled.push((value, power_of_ten(digit, exponent, plain)));
             } else if decades < 9 {
                 ticks.minor.push(value);
             }
@@ -64,9 +66,9 @@ pub(super) fn logarithmic(low: f64, high: f64) -> Ticks {
     ticks
 }
 
-/// `0.05`, `20`, `5000`, and beyond these `2·10⁶`.
-fn power_of_ten(digit: i32, exponent: i32) -> String {
-    if (-3..=4).contains(&exponent) {
+/// `0.05`, `20`, `5000`, or `2·10⁶`.
+fn power_of_ten(digit: i32, exponent: i32, plain: bool) -> String {
+    if plain || (digit == 1 && exponent == 0) {
         return number(f64::from(digit) * 10f64.powi(exponent), (-exponent).max(0) as usize);
     }
     let raised: String = exponent.to_string().chars().map(superscript).collect();
@@ -122,7 +124,7 @@ mod tests {
 
     #[test]
     fn decades_are_named() {
-        assert_eq!(words(&logarithmic(1e-7, 1e-3)), ["10⁻⁷", "10⁻⁶", "10⁻⁵", "10⁻⁴", "0.001"]);
+        assert_eq!(words(&logarithmic(1e-7, 1e-3)), ["10⁻⁷", "10⁻⁶", "10⁻⁵", "10⁻⁴", "10⁻³"]);
         assert_eq!(words(&logarithmic(0.5, 20.0)), ["0.5", "1", "2", "5", "10", "20"]);
         assert!(logarithmic(1.0, 1e40).labelled.len() < 10);
         assert_eq!(logarithmic(0.0, 1.0), Ticks::default());

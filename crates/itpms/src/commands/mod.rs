@@ -5,6 +5,7 @@ pub(crate) mod demo;
 pub(crate) mod estimate;
 pub(crate) mod identify;
 pub(crate) mod observability;
+pub(crate) mod reproduce;
 pub(crate) mod score;
 pub(crate) mod simulate;
 
