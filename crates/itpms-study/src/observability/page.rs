@@ -112,7 +112,7 @@ impl Observability {
                         let curve = self.curve(&label, situation, car);
                         TOLD_S.map(|t| told(curve.map_or(f64::NAN, |curve| curve.at(t))))
                     })
-                    .map(|sd| format!("<td>{}</td>", if sd == "-" { "–" } else { &sd }))
+                    .map(|sd| format!("<td>{}</td>", if sd == "-" { "–".to_owned() } else { escape(&sd) }))
                     .collect();
                 format!("<tr><td><b>{}</b> {}</td>{cells}</tr>", escape(&label), escape(sources.words()))
             })

@@ -108,6 +108,8 @@ impl Observability {
 pub(super) fn told(sd: f64) -> String {
     if !sd.is_finite() {
         "-".to_owned()
+    } else if sd < 0.005 {
+        "<0.01".to_owned()
     } else if sd < 1.0 {
         format!("{sd:.2}")
     } else if sd < 100.0 {
