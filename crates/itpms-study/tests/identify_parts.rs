@@ -206,6 +206,22 @@ fn a_damper_that_is_not_linear_is_called_so() {
 }
 
 #[test]
+fn friction_that_is_slow_to_turn_round_is_noticed() {
+    // Twenty seeds each; an honest one is suspected at three standard errors, which is next to never.
+    let suspected = |turn_m: f64| {
+        let test = DamperTest { turn_m, ..DamperTest::default() };
+        let suspects = |seed: &u64| {
+            let result = identify(&test.records(*seed), None).unwrap();
+            result.concerns.iter().any(|c| c.starts_with("friction seems slow to turn round"))
+        };
+        (0..20).filter(suspects).count()
+    };
+    assert_eq!(suspected(2e-4), 0);
+    // At 1 mm the bias is some 4 standard errors and the second opinion has an error of its own; at 2 mm it is plain.
+    assert!(suspected(1e-3) >= 12 && suspected(2e-3) == 20, "{} {}", suspected(1e-3), suspected(2e-3));
+}
+
+#[test]
 fn frequencies_that_follow_each_other_in_one_record_are_the_same_as_one_by_one() {
     let test = DamperTest::default();
     let sines = test.records(6);

@@ -4,7 +4,7 @@
 //! | room | idea |
 //! |---|---|
 //! | `spring` | stiffness from load and displacement |
-//! | `damper`, `motion`, `sine` | damping from sinusoidal excitation: the fit, the rows made ready for it, frequencies |
+//! | `damper`, `motion`, `sine`, `doubts` | damping from sinusoidal excitation: the fit, the rows made ready for it, frequencies, concerns |
 //! | `calibrate` | the pressure-stiffness line of a tire |
 //! | `blocks` | least squares whose covariance comes from the disagreement of blocks |
 //! | `strokes`, `loops` | where a displacement turns; what is left beside a line |
@@ -19,6 +19,7 @@ mod blocks;
 mod calibrate;
 mod damper;
 mod distribution;
+mod doubts;
 mod error;
 mod estimate;
 mod figures;

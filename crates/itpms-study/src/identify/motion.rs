@@ -8,7 +8,6 @@ use super::IdentifyError;
 use super::damper::SineRecord;
 use super::guard::{self, Units};
 use super::sine::{self, Sine};
-use super::spring::UNSETTLED;
 
 /// Rows needed in a period.
 const FEWEST_PER_PERIOD: usize = 20;
@@ -50,8 +49,12 @@ impl Run {
     }
 }
 
-/// All runs of all records, in their order.
-pub(super) fn runs(records: &[SineRecord<'_>], units: Units) -> Result<Vec<Run>, IdentifyError> {
+/// All runs of all records, in their order. `unsettled` is the share of a stroke after a turn that is left out.
+pub(super) fn runs(
+    records: &[SineRecord<'_>],
+    unsettled: f64,
+    units: Units,
+) -> Result<Vec<Run>, IdentifyError> {
     let mut out = Vec::new();
     let mut none = None;
     for record in records {
@@ -67,7 +70,7 @@ pub(super) fn runs(records: &[SineRecord<'_>], units: Units) -> Result<Vec<Run>,
         match sine::stretches(record.time_s, record.displacement_m) {
             Ok(stretches) => {
                 for rows in stretches {
-                    out.push(run(record, rows, units)?);
+                    out.push(run(record, rows, unsettled, units)?);
                 }
             }
             Err(error @ IdentifyError::TooFewPeriods { .. }) => none = Some(error),
@@ -93,7 +96,12 @@ fn check_amplitude(amplitude_m: f64, units: Units) -> Result<(), IdentifyError> 
     })
 }
 
-fn run(record: &SineRecord<'_>, rows: Range<usize>, units: Units) -> Result<Run, IdentifyError> {
+fn run(
+    record: &SineRecord<'_>,
+    rows: Range<usize>,
+    unsettled: f64,
+    units: Units,
+) -> Result<Run, IdentifyError> {
     let (t, x, force) =
         (&record.time_s[rows.clone()], &record.displacement_m[rows.clone()], &record.force_n[rows]);
     guard::not_clipped("displacement_m", x)?;
@@ -117,7 +125,7 @@ fn run(record: &SineRecord<'_>, rows: Range<usize>, units: Units) -> Result<Run,
     }
     let singular = || IdentifyError::Singular("frequency and force");
     let answer = sine::at(sine.omega, t, force).ok_or_else(singular)?;
-    let (periods, blocks) = blocks(&sine, t, x, force).ok_or_else(singular)?;
+    let (periods, blocks) = blocks(&sine, t, x, force, unsettled).ok_or_else(singular)?;
     Ok(Run {
         record: record.name.to_owned(),
         equivalent_n_s_per_m: quadrature(&sine, &answer) / sine.omega,
@@ -134,7 +142,13 @@ fn quadrature(x: &Sine, force: &Sine) -> f64 {
 }
 
 /// Whole periods, and their rows in blocks.
-fn blocks(sine: &Sine, t: &[f64], x: &[f64], force: &[f64]) -> Option<(usize, Vec<Vec<MotionRow>>)> {
+fn blocks(
+    sine: &Sine,
+    t: &[f64],
+    x: &[f64],
+    force: &[f64],
+    unsettled: f64,
+) -> Option<(usize, Vec<Vec<MotionRow>>)> {
     // A record of whole periods may begin a row too late or end one too early.
     let slack = 1.0 / FEWEST_PER_PERIOD as f64;
     let first = (sine.turns(*t.first()?) - slack).ceil();
@@ -153,7 +167,7 @@ fn blocks(sine: &Sine, t: &[f64], x: &[f64], force: &[f64]) -> Option<(usize, Ve
         let smooth = sine::smooth(sine, &t[start..end], &x[start..end])?;
         // A record may begin at rest, with friction that has not built up.
         let turned_at = if block == 0 { smooth.first().map(|(x, _)| *x) } else { None };
-        out.push(settled(&smooth, &force[start..end], 2.0 * UNSETTLED * sine.amplitude(), turned_at));
+        out.push(settled(&smooth, &force[start..end], 2.0 * unsettled * sine.amplitude(), turned_at));
     }
     Some((periods, out))
 }

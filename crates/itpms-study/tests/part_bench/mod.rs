@@ -115,6 +115,8 @@ pub(crate) struct DamperTest {
     pub(crate) sines: Vec<(f64, f64, usize)>,
     pub(crate) rate_hz: f64,
     pub(crate) friction_n: f64,
+    /// Travel in m over which friction turns round.
+    pub(crate) turn_m: f64,
     pub(crate) spring_n_per_m: f64,
     /// Rebound over bump, minus one.
     pub(crate) asymmetry: f64,
@@ -129,6 +131,7 @@ impl Default for DamperTest {
             sines: vec![(1.0, 0.02, 12), (2.0, 0.02, 15), (4.0, 0.012, 20)],
             rate_hz: 200.0,
             friction_n: 15.0,
+            turn_m: 2e-4,
             spring_n_per_m: 0.0,
             asymmetry: 0.0,
             exponent: 1.0,
@@ -157,7 +160,7 @@ impl DamperTest {
             .iter()
             .map(|t| amplitude * TAU * frequency * (angle(*t).cos() + 0.006 * (2.0 * angle(*t)).cos()))
             .collect();
-        let rubbing = friction(&x, self.friction_n, 2e-4);
+        let rubbing = friction(&x, self.friction_n, self.turn_m);
         let noise = dice.noise(self.noise, dt, n);
         // The two directions have DAMPING_N_S_PER_M as their mean.
         let side = |v: f64| {
