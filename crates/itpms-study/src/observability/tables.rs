@@ -1,4 +1,4 @@
-//! The result as CSV, for other programs. `inf` is a pressure of which nothing can be known.
+//! The result as CSV, for other programs. An empty cell is a pressure of which nothing can be known.
 //!
 //! Called by the binary and by whoever writes a study's files.
 
@@ -87,8 +87,11 @@ impl Observability {
     }
 }
 
-/// Seven digits; more would be rounding.
+/// Seven digits, more would be rounding; nothing for what is infinite.
 fn number(value: f64) -> String {
+    if !value.is_finite() {
+        return String::new();
+    }
     format!("{value:.6e}").parse::<f64>().map_or_else(|_| value.to_string(), |rounded| rounded.to_string())
 }
 
@@ -99,7 +102,7 @@ mod tests {
     #[test]
     fn numbers_read_back() {
         assert_eq!(number(0.1 + 0.2), "0.3");
-        assert_eq!(number(f64::INFINITY), "inf");
+        assert_eq!(number(f64::INFINITY), "");
         assert_eq!(number(-1.0 / 3.0), "-0.3333333");
     }
 }

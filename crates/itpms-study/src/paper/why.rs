@@ -117,7 +117,7 @@ fn bounds(found: &Observability) -> Table {
     }
     let head = [
         "Sources",
-        "",
+        "In words",
         "Car known, constant pressure",
         "Car known, after a loss",
         "Car uncertain, constant pressure",
