@@ -6,7 +6,8 @@
 //! | room | idea |
 //! |---|---|
 //! | `twin` | two tires, two roads, one measurement: the proof, driven |
-//! | `rank`, `dual` | the observability matrix with the road as unknown input |
+//! | `rank`, `motion`, `dual` | the observability matrix with the road as unknown input |
+//! | `subject` | which corner on which drive |
 //! | `information` | Fisher information of wheels that pass over the same road |
 //! | `car` | what an uncertain mass, spring or damper does to the accelerations |
 //! | `sources` | which wheel passes where: the four sources, alone and together |
@@ -16,105 +17,29 @@ mod car;
 mod dual;
 mod figures;
 mod information;
+mod motion;
 mod page;
 mod rank;
 mod sources;
+mod subject;
 mod summary;
 mod tables;
 mod twin;
 
 pub use rank::{RankCase, Stiffness, TOLERANCE};
 pub use sources::{Car, Situation, Source, Sources};
+pub use subject::Subject;
 pub use twin::{Twin, Twins};
 
 use std::ops::ControlFlow;
 
-use itpms_core::estimate::CornerConfig;
-use itpms_core::quarter_car::{ParameterError, QuarterCar};
+use itpms_core::quarter_car::ParameterError;
 use rayon::prelude::*;
 use serde::Serialize;
 use thiserror::Error;
 
-use crate::bound::{BoundError, BoundSetting};
+use crate::bound::BoundError;
 use sources::SourceBound;
-
-/// Whom and what the study is about.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Subject {
-    /// What people call the vehicle.
-    pub vehicle: String,
-    /// Which corner: `fl`, `fr`, `rl` or `rr`.
-    pub corner: String,
-    /// The corner itself.
-    pub front: CornerConfig<f64>,
-    /// The corner with another unsprung mass that meets the same road (source b').
-    pub unlike: CornerConfig<f64>,
-    /// Whether `unlike` was made up because the vehicle's corners are alike.
-    pub unlike_is_made_up: bool,
-    /// Road, speed, rate, noise and band.
-    pub drive: BoundSetting,
-    /// Period of a repeated road in s.
-    pub period_s: f64,
-    /// Driven at placard pressure before the loss, in s.
-    pub before_s: f64,
-    /// The loss as a share of the placard pressure.
-    pub loss: f64,
-    /// The sd of a pressure at a reset in kPa.
-    pub reset_sd_kpa: f64,
-}
-
-/// A gauge at a reset is taken to be right to 1.25 % of the placard pressure, as the estimators take it.
-const RESET_SHARE: f64 = 0.0125;
-/// Unsprung masses closer than this are alike.
-const ALIKE: f64 = 0.01;
-
-impl Subject {
-    /// A corner on the paper's drive (class A, 20 km/h, 500 Hz) with its own noise; repeated roads of 0.66 s as on the
-    /// paper's test bed; a loss of 20 % after 20 s. `partner` is the corner on the same side of the other axle; where
-    /// there is none or it has the same unsprung mass, (b') is told of one 12 % lighter under a body 10 % lighter.
-    #[must_use]
-    pub fn new(
-        vehicle: &str,
-        corner: &str,
-        front: &CornerConfig<f64>,
-        partner: Option<&CornerConfig<f64>>,
-    ) -> Self {
-        let car = &front.quarter_car;
-        let unlike = partner.filter(|partner| {
-            let ratio = partner.quarter_car.unsprung_mass_kg() / car.unsprung_mass_kg();
-            (ratio - 1.0).abs() > ALIKE
-        });
-        let lighter = QuarterCar::new(
-            0.9 * car.sprung_mass_kg(),
-            0.88 * car.unsprung_mass_kg(),
-            car.damping_n_s_per_m(),
-            car.spring_n_per_m(),
-        );
-        // The masses of a car, a little lighter, are masses; if rounding made them none, the corners are alike.
-        let lighter = lighter.unwrap_or(*car);
-        Self {
-            vehicle: vehicle.to_owned(),
-            corner: corner.to_owned(),
-            front: *front,
-            unlike: unlike.copied().unwrap_or(CornerConfig { quarter_car: lighter, ..*front }),
-            unlike_is_made_up: unlike.is_none(),
-            drive: BoundSetting {
-                accel_noise_m_s2: front.accel_noise_or_usual_m_s2(),
-                ..BoundSetting::paper()
-            },
-            period_s: 0.66,
-            before_s: 20.0,
-            loss: 0.2,
-            reset_sd_kpa: RESET_SHARE * front.placard_kpa,
-        }
-    }
-
-    /// The paper's simulated corner (Table 2).
-    #[must_use]
-    pub fn paper() -> Self {
-        Self::new("paper, Table 2", "fl", &CornerConfig::paper(), None)
-    }
-}
 
 /// The least sd over time for one set of sources.
 #[derive(Debug, Clone, PartialEq, Serialize)]
