@@ -45,12 +45,6 @@ impl Contestant {
         self.kind.label()
     }
 
-    /// The name in columns of data.
-    pub(super) fn column(&self) -> String {
-        let reset = if self.reset_s > 0.0 || is_published(self.kind) { "" } else { "_no_reset" };
-        format!("{}{reset}", self.kind.label().replace('-', "_"))
-    }
-
     pub(super) fn ink(&self) -> Ink {
         match self.kind {
             EstimatorKind::Informed => Ink::Default,

@@ -54,17 +54,35 @@ fn divergences(mut panel: Panel, outcome: &Outcome) -> Panel {
     panel
 }
 
+/// Adds the 95 % band of a record.
+fn with_band(panel: Panel, outcome: &Outcome, record: &Record) -> Panel {
+    let band = outcome.truth.time_s.iter().enumerate().filter_map(|(i, &time_s)| {
+        let half = HALF_95 * record.trace.pressure_sd_kpa.get(i)?;
+        let middle = record.trace.pressure_kpa.get(i)?;
+        Some((time_s, middle - half, middle + half))
+    });
+    panel.band("95 % interval of informed", Ink::Default, band.collect())
+}
+
+/// The default where it drives once more without a reset.
+pub(super) fn without_reset(letter: &str, title: &str, outcome: &Outcome, range_kpa: (f64, f64)) -> Panel {
+    let y = Axis::linear("Pressure", "kPa").within(range_kpa.0, range_kpa.1);
+    let mut panel = Panel::new(letter, title, time_axis(outcome), y);
+    if let Some(record) = outcome.records.iter().find(|record| outcome.column(record).ends_with("_no_reset"))
+    {
+        let line = points(outcome, &record.trace.pressure_kpa);
+        panel = with_band(panel, outcome, record);
+        panel = panel.line(record.who.label(), record.who.ink(), record.who.stroke(), line);
+    }
+    panel.line("truth", Ink::Truth, Stroke::Solid, points(outcome, &outcome.truth.pressure_kpa))
+}
+
 /// Pressures with the default's 95 % band and the truth on top.
 pub(super) fn pressure(letter: &str, title: &str, outcome: &Outcome, range_kpa: (f64, f64)) -> Panel {
     let y = Axis::linear("Pressure", "kPa").within(range_kpa.0, range_kpa.1);
     let mut panel = Panel::new(letter, title, time_axis(outcome), y);
     if let Some(informed) = outcome.informed() {
-        let band = outcome.truth.time_s.iter().enumerate().filter_map(|(i, &time_s)| {
-            let half = HALF_95 * informed.trace.pressure_sd_kpa.get(i)?;
-            let middle = informed.trace.pressure_kpa.get(i)?;
-            Some((time_s, middle - half, middle + half))
-        });
-        panel = panel.band("95 % interval of informed", Ink::Default, band.collect());
+        panel = with_band(panel, outcome, informed);
         if informed.who.reset_s > 0.0 {
             panel = panel.stretch(0.0, informed.who.reset_s, "reset");
         }
@@ -155,7 +173,7 @@ pub(super) fn data(name: &str, title: &str, outcome: &Outcome, more: &str) -> Da
         .numbers(format!("truth_pressure_kpa{more}"), outcome.truth.pressure_kpa.iter().copied())
         .numbers(format!("truth_stiffness_n_per_m{more}"), outcome.truth.stiffness_n_per_m.iter().copied());
     for record in &outcome.records {
-        let who = record.who.column();
+        let who = outcome.column(record);
         let columns: [(&str, Pick); 5] = [
             ("pressure_kpa", |record| &record.trace.pressure_kpa),
             ("pressure_sd_kpa", |record| &record.trace.pressure_sd_kpa),

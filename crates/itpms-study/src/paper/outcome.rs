@@ -68,6 +68,13 @@ impl Outcome {
         Self { truth, records, duration_s: case.scenario.duration_s, rate_hz: case.scenario.rate_hz }
     }
 
+    /// Name of a record in columns of data. Who drives with and without a reset has the reset in the name.
+    pub(super) fn column(&self, record: &Record) -> String {
+        let name = record.who.label().replace('-', "_");
+        let twice = self.records.iter().filter(|other| other.who.kind == record.who.kind).count() > 1;
+        if twice && record.who.reset_s == 0.0 { name + "_no_reset" } else { name }
+    }
+
     /// The four that every figure shows.
     pub(super) fn shown(&self) -> impl Iterator<Item = &Record> {
         self.records.iter().take(EstimatorKind::ALL.len())

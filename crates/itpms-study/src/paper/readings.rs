@@ -21,11 +21,11 @@ fn readings() -> [(&'static str, FilterConfig<f64>); 7] {
     let iterative = Forgetting::Iterative(GradientDescent::default());
     [
         ("new input in eq. (17), one-step factor (aekf-ui here)", usual),
-        ("the same, factor of the same step in eq. (18)", usual.with_factor_timing(FactorTiming::Same)),
-        ("the same, iterative factor of eq. (25) to (27)", usual.with_forgetting(iterative)),
+        ("new input, factor of the same step in eq. (18)", usual.with_factor_timing(FactorTiming::Same)),
+        ("new input, iterative factor of eq. (25) to (27)", usual.with_forgetting(iterative)),
         ("old input in eq. (17) as printed, one-step factor", printed),
-        ("the same, factor of the same step in eq. (18)", printed.with_factor_timing(FactorTiming::Same)),
-        ("the same, iterative factor of eq. (25) to (27)", printed.with_forgetting(iterative)),
+        ("old input, factor of the same step in eq. (18)", printed.with_factor_timing(FactorTiming::Same)),
+        ("old input, iterative factor of eq. (25) to (27)", printed.with_forgetting(iterative)),
         ("old input in eq. (17) as printed, no forgetting", printed.with_forgetting(Forgetting::None)),
     ]
 }

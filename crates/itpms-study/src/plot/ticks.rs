@@ -33,6 +33,9 @@ fn round_step(rough: f64) -> f64 {
     factor.unwrap_or(10.0) * power
 }
 
+/// With more decades than this, 2 and 5 in between find no room.
+const ROOM_DECADES: f64 = 2.5;
+
 /// Powers of ten; where there are few of them, 2 and 5 in between are labelled, too.
 pub(super) fn logarithmic(low: f64, high: f64) -> Ticks {
     if !(low > 0.0 && high > low && high.is_finite()) {
@@ -53,7 +56,7 @@ pub(super) fn logarithmic(low: f64, high: f64) -> Ticks {
             }
             let spoken = match digit {
                 1 => exponent.rem_euclid(every) == 0,
-                2 | 5 => decades < 4,
+                2 | 5 => (high / low).log10() < ROOM_DECADES,
                 _ => false,
             };
             if spoken {
