@@ -151,3 +151,20 @@ fn a_hole_in_the_data_loses_neither_the_place_nor_the_pressure() {
     let (after, worst) = errors(&rows, &estimates, 21.0..30.0);
     assert!(after < 3.0 && worst < 3.5, "{after} kPa, {worst} sd");
 }
+
+#[test]
+fn single_precision_is_enough() {
+    let rows = loss().rows();
+    let double = run(tire(500.0).with_reset_drive(10.0).unwrap(), &rows);
+    let config = CornerConfig::<f32>::paper().with_accel_noise(0.2).unwrap();
+    let single = Estimator::<f32>::new(EstimatorKind::Informed, &config, 500.0).unwrap();
+    let mut single = single.with_reset_drive(10.0).unwrap();
+    let far = rows.iter().zip(&double).map(|(row, d)| {
+        let s = feed(&mut single, row);
+        (f64::from(s.pressure_kpa) - d.pressure_kpa).abs()
+    });
+    // A tenth of the smallest sd on this road.
+    let worst = far.fold(0.0, f64::max);
+    assert!(worst < 0.1, "{worst} kPa");
+    println!("{} bytes in single precision", size_of::<Estimator<f32>>());
+}

@@ -29,12 +29,15 @@ const RATE_MEMORY_S: [f64; MODES] = [0.2, 10.0, 5.0];
 /// Changes of mode per second, from, to.
 const CHANGES: [[f64; MODES]; MODES] = [[0.0, 0.03, 0.1], [0.05, 0.0, 0.03], [0.2, 0.2, 0.0]];
 /// Standard deviations at which a change is half believed where the force is expected.
-const DOUBT: f64 = 4.0;
+const DOUBT: f64 = 10.0;
 /// Random walk of the slip in its units per √s.
 const SLIP_WALK: f64 = 0.02;
 
-/// Seconds after meeting a road in which no change is looked for: until it is known, everything looks like one.
-const SETTLING_S: f64 = 3.0;
+/// Seconds after meeting a road in which no change is looked for: until the road is known, everything looks like one, and
+/// changes tell the level.
+const SETTLING_S: f64 = 5.0;
+/// Relative sd of a level that is known well enough not to be told by such: 6 kPa.
+const KNOWN: f64 = 0.02;
 
 /// What a pass says of the state, at a state: its log-likelihood, the gradient of that, and the Fisher information.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -112,7 +115,8 @@ pub(super) struct Motion<T: Real> {
 impl<T: Real> Motion<T> {
     pub(super) fn met(variance: T) -> Self {
         let probability = [T::one(), T::zero(), T::zero()];
-        Self { modes: [Gaussian::met(variance); MODES], probability, settling_s: T::lit(SETTLING_S) }
+        let settling_s = if variance < T::lit(KNOWN * KNOWN) { T::zero() } else { T::lit(SETTLING_S) };
+        Self { modes: [Gaussian::met(variance); MODES], probability, settling_s }
     }
 
     /// The compliance is what it was when the road was met, with the error it had then; the slip stays.
@@ -121,7 +125,7 @@ impl<T: Real> Motion<T> {
         let mut held = Gaussian::met(variance);
         held.state[SLIP] = all.state[SLIP];
         held.covariance[(SLIP, SLIP)] = all.covariance[(SLIP, SLIP)];
-        *self = Self { modes: [held; MODES], settling_s: T::zero(), ..Self::met(variance) };
+        *self = Self { modes: [held; MODES], ..Self::met(variance) };
     }
 
     /// Moves all modes on.
@@ -132,8 +136,8 @@ impl<T: Real> Motion<T> {
         if held == Held::Yes {
             return;
         }
-        self.settling_s -= seconds;
-        if self.settling_s < T::zero() {
+        self.settling_s = (self.settling_s - seconds).max(T::zero());
+        if !(self.settling_s > T::zero()) {
             self.mix(seconds);
         }
         for (mode, gaussian) in self.modes.iter_mut().enumerate() {

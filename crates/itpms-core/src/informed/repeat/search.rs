@@ -13,8 +13,9 @@ const RATE_HZ: f64 = 100.0;
 const SHORTEST: usize = 25;
 const LONGEST: usize = 180;
 const LAGS: usize = LONGEST - SHORTEST + 1;
-/// Low-pass before the comparison, -6 dB at 15 Hz: the road is loudest against the sensors' noise around wheel hop.
-const SMOOTH: [f64; 5] = [1.0 / 9.0, 2.0 / 9.0, 3.0 / 9.0, 2.0 / 9.0, 1.0 / 9.0];
+/// Band-pass before the comparison, 4 to 17 Hz at -6 dB: the road is loudest against the sensors' noise around wheel hop, and
+/// far below it wander offsets that have not settled yet.
+const BAND_PASS: [f64; 9] = [1.0, 2.0, 3.0, 2.0, 0.0, -2.0, -3.0, -2.0, -1.0];
 /// Memory of the correlation in s.
 const MEMORY_S: f64 = 3.0;
 /// Least correlation of a road that repeats: what is missing is noise.
@@ -22,7 +23,7 @@ const REPEATS: f64 = 0.8;
 /// A multiple of the period correlates as well; the shortest lag that comes this close to the best is the period.
 const AS_GOOD: f64 = 0.93;
 /// Seconds of comparison before a lag counts, at least; and a whole period.
-const LEAST_S: f64 = 1.0;
+const LEAST_S: f64 = 0.6;
 
 /// See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
@@ -33,7 +34,7 @@ pub(super) struct PeriodSearch<T: Real> {
     in_block: u32,
     sum: T,
     /// The last means, newest first.
-    means: [T; SMOOTH.len()],
+    means: [T; BAND_PASS.len()],
     step_s: f64,
     keep: T,
     /// The past, newest at `newest`.
@@ -60,7 +61,7 @@ impl<T: Real> PeriodSearch<T> {
             block,
             in_block: 0,
             sum: T::zero(),
-            means: [T::zero(); SMOOTH.len()],
+            means: [T::zero(); BAND_PASS.len()],
             step_s,
             keep: T::lit(-step_s / MEMORY_S).exp(),
             past: Ring::zeros(),
@@ -77,7 +78,7 @@ impl<T: Real> PeriodSearch<T> {
     pub(super) fn restart(&mut self) {
         (self.in_block, self.filled, self.seen) = (0, 0, 0);
         self.sum = T::zero();
-        self.means = [T::zero(); SMOOTH.len()];
+        self.means = [T::zero(); BAND_PASS.len()];
         self.cross.fill(T::zero());
         self.then.fill(T::zero());
         self.now.fill(T::zero());
@@ -93,11 +94,14 @@ impl<T: Real> PeriodSearch<T> {
         self.means.rotate_right(1);
         self.means[0] = self.sum / T::lit(f64::from(self.block));
         (self.sum, self.in_block) = (T::zero(), 0);
-        let smooth =
-            self.means.iter().zip(SMOOTH).fold(T::zero(), |sum, (&mean, weight)| sum + mean * T::lit(weight));
-        self.compare(smooth);
+        let passed = self
+            .means
+            .iter()
+            .zip(BAND_PASS)
+            .fold(T::zero(), |sum, (&mean, weight)| sum + mean * T::lit(weight));
+        self.compare(passed);
         self.newest = (self.newest + 1) % (LONGEST + 1);
-        self.past[self.newest] = smooth;
+        self.past[self.newest] = passed;
         self.filled = (self.filled + 1).min(LONGEST + 1);
         self.seen = self.seen.saturating_add(1);
         // A tenth of a second between two looks is soon enough.
@@ -179,7 +183,7 @@ mod tests {
             let (found_s, at) = found.unwrap();
             // The parabola through three lags of 10 ms; what is left the clock follows by itself.
             assert!((found_s - period_s).abs() < 1e-3, "{found_s} for {period_s}");
-            // Two periods, or one and a second, and a look every tenth of a second.
+            // Two periods, or one and 0.6 s, and a look every tenth of a second.
             assert!(f64::from(at) * DT < 2.0 * period_s.max(1.0) + 0.3, "{at} for {period_s}");
         }
     }
