@@ -19,16 +19,17 @@ const PERIODS: f64 = 3.0;
 
 pub(super) fn section(request: &Request) -> Result<Section, PaperError> {
     let case = Case::bench("bench-drop", RESET_LONG_S, request)?;
-    let (mut road, mut pressure) = (vec![], vec![]);
+    let (mut road, mut pressure, mut reading) = (vec![], vec![], vec![]);
     for row in Simulation::new(&case.scenario, request.first_seed)? {
         if let Some(corner) = row.corners[CORNER.index()] {
             pressure.push((row.time_s, corner.pressure_kpa));
+            reading.push((row.time_s, corner.pressure_reading_kpa));
             if row.time_s <= PERIODS * PERIOD_S {
                 road.push((row.time_s, 1e3 * corner.road_m));
             }
         }
     }
-    let thin = every(&pressure, (request.bench_rate_hz / 20.0).max(1.0) as usize);
+    let nth = (request.bench_rate_hz / 20.0).max(1.0) as usize;
     let time = Axis::linear("Time", "s").within(0.0, case.scenario.duration_s);
     let mut segment = Panel::new(
         "c",
@@ -47,11 +48,14 @@ pub(super) fn section(request: &Request) -> Result<Section, PaperError> {
         )
         .panel(
             Panel::new("b", "Tire pressure", time, Axis::linear("Pressure", "kPa").within(120.0, 240.0))
-                .line("truth", Ink::Truth, Stroke::Solid, pressure),
+                .line("pressure sensor", Ink::Extra, Stroke::Bold, every(&reading, nth))
+                .line("truth", Ink::Truth, Stroke::Solid, every(&pressure, nth)),
         )
         .panel(segment);
     let data = vec![
-        Data::new("figure-11", "Pressure on the test bed").curve("time_s", "pressure_kpa", &thin),
+        Data::new("figure-11", "Pressure on the test bed")
+            .curve("time_s", "pressure_kpa", &every(&pressure, nth))
+            .numbers("pressure_sensor_kpa", every(&reading, nth).into_iter().map(|point| point.1)),
         Data::new("figure-11-road", "Road played by the actuator; first seed")
             .curve("time_s", "road_mm", &road),
     ];
@@ -63,7 +67,7 @@ pub(super) fn section(request: &Request) -> Result<Section, PaperError> {
                 default estimator looks for a repetition in the accelerations; nobody tells it.</p>";
     Ok(Section::new("bench", "Test bed, input: Figure 11").text(text).figure(
         figure,
-        "(b) the pressure of the main experiment; (c) three passes of the road segment. Panel (a) of the paper is a photograph; a \
+        "(b) the pressure of the main experiment, and what the slow and coarse sensor of the test bed shows of it; (c) three passes of the road segment. Panel (a) of the paper is a photograph; a \
          diagram of the test bed is in the documentation.",
         data,
     ))

@@ -25,7 +25,7 @@ const WINDOW_S: (f64, f64) = (10.0, 16.0);
 const NTH: usize = 10;
 
 pub(super) fn section(drop: &Outcome, readings: Table, speed_m_s: f64) -> Section {
-    let [a, b, c, d] = usual_panels(drop, (100.0, 300.0));
+    let [a, b, c, d] = usual_panels(drop, (60.0, 320.0));
     let figure = Figure::new("figure-07", "Figure 7: A sudden loss, simulated")
         .describe(
             "The default estimator follows a loss of pressure at 20 s; the two published filters do not.",

@@ -18,7 +18,7 @@ pub(super) fn section(mass: &[Outcome; 3]) -> Section {
         settings: TABLE_3.map(|row| format!("{} kg", row.setting)),
         rows: &TABLE_3,
         outcomes: mass,
-        range_kpa: (100.0, 300.0),
+        range_kpa: (60.0, 320.0),
         error_top_kpa: 80.0,
     };
     let text = format!(

@@ -13,7 +13,7 @@ pub(super) fn section(deep: &Outcome, recover: &Outcome) -> Section {
     let figure = Figure::new("figure-09", "Figure 9: Other losses, simulated")
         .describe("The default estimator follows a deep loss and a loss with a recovery.")
         .panel(pressure("a", "241.3 to 41.4 kPa", deep, (0.0, 320.0)))
-        .panel(pressure("b", "241.3 to 138 to 195 kPa", recover, (80.0, 300.0)))
+        .panel(pressure("b", "241.3 to 138 to 195 kPa", recover, (60.0, 320.0)))
         .panel(error("c", "Error, deep loss", deep, 120.0))
         .panel(error("d", "Error, loss and recovery", recover, 80.0));
     let text = format!(
