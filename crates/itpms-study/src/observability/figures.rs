@@ -107,10 +107,9 @@ impl Observability {
             "observability-sweeps",
             format!("{SWEEP_S:.0} s after a loss, over speed, damping, noise"),
         )
-        .describe("Least standard deviation of the pressure over speed, damping and sensor noise.")
-        .columns(3);
-        let panels = Car::ALL.into_iter().flat_map(|car| Varied::ALL.map(|varied| (car, varied)));
-        for ((car, varied), letter) in panels.zip(["a", "b", "c", "d", "e", "f"]) {
+        .describe("Least standard deviation of the pressure over speed, damping, sensor noise and the road's incoherent share.");
+        let panels = Varied::ALL.into_iter().flat_map(|varied| Car::ALL.map(|car| (car, varied)));
+        for ((car, varied), letter) in panels.zip(["a", "b", "c", "d", "e", "f", "g", "h"]) {
             let known = match car {
                 Car::Exact => "Car known",
                 Car::AsFiled => "Car uncertain",
@@ -119,6 +118,7 @@ impl Observability {
                 Varied::SpeedKmH => Axis::linear("Speed", "km/h"),
                 Varied::DampingNSPerM => Axis::logarithmic("Damping", "N s/m"),
                 Varied::NoiseMS2 => Axis::logarithmic("Noise", "m/s²"),
+                Varied::IncoherentShare => Axis::logarithmic("Share of the road not common", ""),
             };
             let y = Axis::logarithmic("Least sd", "kPa").within(lowest(car), 30.0);
             let mut panel = Panel::new(letter, known, x, y);

@@ -6,7 +6,7 @@
 //! the four sources it serves.
 
 use itpms_core::estimate::CornerConfig;
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{Complex, DMatrix, DVector, Vector2};
 
 use super::car;
 use crate::bound::{BoundSetting, LEVEL_HZ, STEP_HZ, transfers};
@@ -49,6 +49,8 @@ pub(super) enum Occurrence {
 pub(super) struct Stretch {
     pub(super) passes: Vec<Pass>,
     pub(super) occurrence: Occurrence,
+    /// Share of the road's power that each pass has for itself: no two tracks are quite the same. 0 to less than 1.
+    pub(super) incoherent: f64,
 }
 
 /// Adds a stretch's information about `(pressures and cars..., ln level at 10 Hz, slope)` to a square matrix of that
@@ -99,17 +101,17 @@ fn at_frequency(
             Occurrence::Once => 1.0,
             Occurrence::Repeated(period_s) => pass.seconds / period_s,
         };
-        let scale = Complex::from((road / noise * repetitions).sqrt());
-        for channel in 0..2 {
-            g[2 * row + channel] = transfer[channel] * scale;
-            slopes[(2 * row + channel, pass.parameter)] = by_kpa[channel] * scale;
-        }
+        // What the pass has for itself is noise along its own transfer; both are whitened together (eq. 19).
+        let own = road * stretch.incoherent / noise;
+        let shrink = (1.0 - (1.0 + own * transfer.norm_squared()).sqrt().recip()) / transfer.norm_squared();
+        let scale = Complex::from((road * (1.0 - stretch.incoherent) / noise * repetitions).sqrt());
+        let whitened = |v: &Vector2<Complex<f64>>| (v - transfer * (transfer.dotc(v) * shrink)) * scale;
+        g.fixed_rows_mut::<2>(2 * row).copy_from(&whitened(&transfer));
+        slopes.fixed_view_mut::<2, 1>(2 * row, pass.parameter).copy_from(&whitened(&by_kpa));
         if let Some(start) = pass.car {
             let by_car = car::slopes(&pass.corner, frequency_hz, pass.pressure_kpa);
             for (i, slope) in by_car.iter().enumerate() {
-                for channel in 0..2 {
-                    slopes[(2 * row + channel, start + i)] = slope[channel] * scale;
-                }
+                slopes.fixed_view_mut::<2, 1>(2 * row, start + i).copy_from(&whitened(slope));
             }
         }
     }
@@ -203,7 +205,7 @@ mod tests {
 
     fn pair(seconds: f64) -> Stretch {
         let passes = vec![pass(CornerConfig::paper(), P, 0, seconds), pass(rear(), P, 1, seconds)];
-        Stretch { passes, occurrence: Occurrence::Once }
+        Stretch { passes, occurrence: Occurrence::Once, incoherent: 0.0 }
     }
 
     fn information(
@@ -221,7 +223,7 @@ mod tests {
     fn one_pass_over_a_power_law_is_the_bound_of_one_corner() {
         let setting = BoundSetting { accel_noise_m_s2: 2.0, ..BoundSetting::paper() };
         let passes = vec![pass(CornerConfig::paper(), P, 0, 5.0)];
-        let stretch = Stretch { passes, occurrence: Occurrence::Once };
+        let stretch = Stretch { passes, occurrence: Occurrence::Once, incoherent: 0.0 };
         let found =
             variance(&information(&stretch, RoadModel::PowerLaw, &setting, 1), &[1.0, 0.0, 0.0]).sqrt();
         let expected = CornerBound::new(&CornerConfig::paper(), &setting).unwrap().sd_kpa(5.0, P);
@@ -233,14 +235,21 @@ mod tests {
         );
     }
 
-    /// `tr(Phi⁻¹ ∂Phi_i Phi⁻¹ ∂Phi_j)` with a 4x4 matrix and its finite differences; the last parameter is ln S.
-    fn by_traces(f: f64, setting: &BoundSetting) -> DMatrix<f64> {
+    /// `tr(Phi⁻¹ ∂Phi_i Phi⁻¹ ∂Phi_j)` with a 4x4 matrix and its finite differences; the last parameter is ln S of the
+    /// common road. What each pass has for itself stays.
+    fn by_traces(f: f64, setting: &BoundSetting, incoherent: f64) -> DMatrix<f64> {
+        let road = setting.road.density_m3(f / setting.speed_m_s) / setting.speed_m_s;
+        let noise = 2.0 * setting.accel_noise_m_s2.powi(2) / setting.rate_hz;
+        let (a, b) = (transfers(&CornerConfig::paper(), f, P).0, transfers(&rear(), f, P).0);
+        let mut own = DMatrix::identity(4, 4) * Complex::from(noise);
+        for (i, g) in [a, b].iter().enumerate() {
+            let mut block = own.view_mut((2 * i, 2 * i), (2, 2));
+            block += g * g.adjoint() * Complex::from(road * incoherent);
+        }
         let phi = |front: f64, rear_kpa: f64, ln_level: f64| {
-            let road = setting.road.density_m3(f / setting.speed_m_s) / setting.speed_m_s * ln_level.exp();
             let (a, b) = (transfers(&CornerConfig::paper(), f, front).0, transfers(&rear(), f, rear_kpa).0);
             let g = DVector::from_vec(vec![a[0], a[1], b[0], b[1]]);
-            let noise = 2.0 * setting.accel_noise_m_s2.powi(2) / setting.rate_hz;
-            &g * g.adjoint() * Complex::from(road) + DMatrix::identity(4, 4) * Complex::from(noise)
+            &g * g.adjoint() * Complex::from(road * (1.0 - incoherent) * ln_level.exp()) + &own
         };
         let inverse = phi(P, P, 0.0).try_inverse().unwrap();
         let e = 0.02;
@@ -255,24 +264,20 @@ mod tests {
 
     #[test]
     fn two_passes_are_the_general_formula_on_the_cross_spectrum() {
-        for noise in [0.05, 2.0] {
+        for (noise, incoherent) in [(0.05, 0.0), (2.0, 0.0), (0.05, 0.01), (2.0, 0.1)] {
             let setting = BoundSetting { accel_noise_m_s2: noise, ..BoundSetting::paper() };
+            let stretch = Stretch { incoherent, ..pair(1.0) };
             for f in [4.0, 9.5, 11.0, 30.0] {
-                let traces = by_traces(f, &setting);
-                let found = at_frequency(&pair(1.0), RoadModel::PowerLaw, &setting, f, 4);
-                for i in 0..3 {
-                    for j in 0..3 {
-                        let size = (traces[(i, i)] * traces[(j, j)]).sqrt();
-                        // Central differences over 20 Pa and 2 %: e²/6, and rounding against a strong road.
-                        assert!((found[(i, j)] - traces[(i, j)]).abs() < 2e-4 * size, "{noise} {f} {i}{j}");
-                    }
-                }
+                let traces = by_traces(f, &setting, incoherent);
+                let law = at_frequency(&stretch, RoadModel::PowerLaw, &setting, f, 4);
                 // A free spectrum: the level at this frequency profiled out (Schur complement).
-                let free = at_frequency(&pair(1.0), RoadModel::Free, &setting, f, 4);
-                for i in 0..2 {
-                    for j in 0..2 {
+                let free = at_frequency(&stretch, RoadModel::Free, &setting, f, 4);
+                for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
+                    let size = (traces[(i, i)] * traces[(j, j)]).sqrt();
+                    // Central differences over 20 Pa and 2 %: e²/6, and rounding against a strong road.
+                    assert!((law[(i, j)] - traces[(i, j)]).abs() < 2e-4 * size, "{noise} {f} {i}{j}");
+                    if i < 2 && j < 2 {
                         let profiled = traces[(i, j)] - traces[(i, 2)] * traces[(j, 2)] / traces[(2, 2)];
-                        let size = (traces[(i, i)] * traces[(j, j)]).sqrt();
                         assert!((free[(i, j)] - profiled).abs() < 4e-4 * size, "{noise} {f} {i}{j}");
                     }
                 }
@@ -286,6 +291,7 @@ mod tests {
         let alike = Stretch {
             passes: vec![pass(CornerConfig::paper(), P, 0, 8.0), pass(CornerConfig::paper(), P, 1, 8.0)],
             occurrence: Occurrence::Once,
+            incoherent: 0.0,
         };
         let f = information(&alike, RoadModel::Free, &setting, 2);
         assert!(variance(&f, &[1.0, 0.0, 0.0, 0.0]).is_infinite());
@@ -303,13 +309,14 @@ mod tests {
         let setting = BoundSetting::paper();
         let period = 0.66;
         let passes = vec![pass(CornerConfig::paper(), P, 0, period), pass(rear(), P, 1, 1e9 * period)];
-        let stretch = Stretch { passes, occurrence: Occurrence::Repeated(period) };
+        let stretch = Stretch { passes, occurrence: Occurrence::Repeated(period), incoherent: 0.0 };
         let mut f = information(&stretch, RoadModel::Free, &setting, 2);
         f[(1, 1)] += 1e12;
         let found = variance(&f, &[1.0, 0.0, 0.0, 0.0]);
         let alone = Stretch {
             passes: vec![pass(CornerConfig::paper(), P, 0, period)],
             occurrence: Occurrence::Repeated(period),
+            incoherent: 0.0,
         };
         let expected = variance(&information(&alone, RoadModel::Surveyed, &setting, 1), &[1.0, 0.0, 0.0]);
         // The bins' line between one and a billion repetitions: 1e-9; the prior on the rear leaves 1e-6.
@@ -323,7 +330,7 @@ mod tests {
         let setting = BoundSetting::paper();
         let after = |seconds: f64| {
             let passes = vec![pass(CornerConfig::paper(), P, 0, seconds)];
-            let stretch = Stretch { passes, occurrence: Occurrence::Repeated(0.66) };
+            let stretch = Stretch { passes, occurrence: Occurrence::Repeated(0.66), incoherent: 0.0 };
             variance(&information(&stretch, RoadModel::PowerLaw, &setting, 1), &[1.0, 0.0, 0.0]).sqrt()
         };
         let mut limit = DMatrix::<f64>::zeros(3, 3);

@@ -39,7 +39,7 @@ use serde::Serialize;
 use thiserror::Error;
 
 use crate::bound::BoundError;
-use sources::SourceBound;
+use sources::{Circumstances, SourceBound};
 
 /// The least sd over time for one set of sources.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -74,11 +74,14 @@ pub enum Varied {
     DampingNSPerM,
     /// Noise of every accelerometer in m/s², rms per sample.
     NoiseMS2,
+    /// Share of the road's power that is not common to passes over one road: tracks beside each other.
+    IncoherentShare,
 }
 
 impl Varied {
     /// All of them.
-    pub const ALL: [Varied; 3] = [Varied::SpeedKmH, Varied::DampingNSPerM, Varied::NoiseMS2];
+    pub const ALL: [Varied; 4] =
+        [Varied::SpeedKmH, Varied::DampingNSPerM, Varied::NoiseMS2, Varied::IncoherentShare];
 
     /// As in the tables, with its unit.
     #[must_use]
@@ -87,6 +90,7 @@ impl Varied {
             Varied::SpeedKmH => "speed_km_h",
             Varied::DampingNSPerM => "damping_n_s_per_m",
             Varied::NoiseMS2 => "noise_m_s2",
+            Varied::IncoherentShare => "incoherent_share",
         }
     }
 
@@ -95,6 +99,7 @@ impl Varied {
             Varied::SpeedKmH => &[20.0, 30.0, 40.0, 60.0, 80.0, 100.0, 120.0],
             Varied::DampingNSPerM => &[300.0, 500.0, 750.0, 1000.0, 1500.0, 2000.0, 3000.0],
             Varied::NoiseMS2 => &[0.02, 0.035, 0.05, 0.1, 0.2, 0.35, 0.5],
+            Varied::IncoherentShare => &[1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.03, 0.1],
         }
     }
 }
@@ -132,7 +137,7 @@ pub struct Observability {
     pub ranks: Vec<RankCase>,
     /// Bounds over time.
     pub curves: Vec<Curve>,
-    /// Bounds over speed, damping and noise.
+    /// Bounds over speed, damping, noise and the road's incoherent share.
     pub sweeps: Vec<Sweep>,
 }
 
@@ -223,7 +228,7 @@ pub fn study(
 fn curves(subject: &Subject, sources: Sources) -> Result<Vec<Curve>, StudyError> {
     let mut curves = Vec::new();
     for car in Car::ALL {
-        let bound = SourceBound::new(subject, sources, car, subject.drive, None)?;
+        let bound = SourceBound::new(subject, sources, car, Circumstances::of(subject))?;
         curves.extend(Situation::ALL.map(|situation| Curve {
             sources: sources.to_string(),
             words: sources.words(),
@@ -239,14 +244,14 @@ fn sweeps(subject: &Subject, sources: Sources) -> Result<Vec<Sweep>, StudyError>
     let mut sweeps = Vec::new();
     for (varied, car) in Varied::ALL.into_iter().flat_map(|varied| Car::ALL.map(|car| (varied, car))) {
         let point = |&value: &f64| {
-            let mut setting = subject.drive;
-            let mut damping = None;
+            let mut here = Circumstances::of(subject);
             match varied {
-                Varied::SpeedKmH => setting.speed_m_s = value / 3.6,
-                Varied::DampingNSPerM => damping = Some(value),
-                Varied::NoiseMS2 => setting.accel_noise_m_s2 = value,
+                Varied::SpeedKmH => here.drive.speed_m_s = value / 3.6,
+                Varied::DampingNSPerM => here.damping_n_s_per_m = Some(value),
+                Varied::NoiseMS2 => here.drive.accel_noise_m_s2 = value,
+                Varied::IncoherentShare => here.incoherent = value,
             }
-            let bound = SourceBound::new(subject, sources, car, setting, damping)?;
+            let bound = SourceBound::new(subject, sources, car, here)?;
             Ok((value, bound.sd_kpa(Situation::AfterLoss, SWEEP_S)))
         };
         let points = varied.values().iter().map(point).collect::<Result<Vec<_>, StudyError>>()?;

@@ -164,13 +164,15 @@ impl Observability {
     }
 
     fn circumstances(&self) -> String {
-        format!("<h3>Over speed, damping and noise</h3>{}", self.circumstances_words())
+        format!("<h3>Over speed, damping, noise and tracks</h3>{}", self.circumstances_words())
     }
 
     /// What the sweeps show, as a paragraph of HTML.
     pub(crate) fn circumstances_words(&self) -> String {
         "<p>Speed and noise hardly matter to the road's spectrum (a), which is far louder than the sensors; the damper does, through the width of the \
-         wheel-hop resonance. For wheels that compare (b, c) it is the other way round: more speed is more road and less noise is a better comparison.</p>"
+         wheel-hop resonance. For wheels that compare (b, c) it is the other way round: more speed is more road and less noise is a better comparison. \
+         All that holds for a road that is quite common. A rear wheel beside the front's track meets a road of which a share is its own, and that share is noise \
+         far above the sensors': at one per cent it is what limits (b).</p>"
             .to_owned()
     }
 }

@@ -161,12 +161,30 @@ const FRONT_CAR: usize = 3;
 const REAR_CAR: usize = FRONT_CAR + CAR_PARAMETERS;
 const PARAMETERS: usize = REAR_CAR + CAR_PARAMETERS + 2;
 
+/// What a sweep may change.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Circumstances {
+    /// Road, speed, rate, noise and band.
+    pub(super) drive: BoundSetting,
+    /// Damping of both corners in N s/m; `None`: their own.
+    pub(super) damping_n_s_per_m: Option<f64>,
+    /// Share of the road's power that is not common to passes over one road.
+    pub(super) incoherent: f64,
+}
+
+impl Circumstances {
+    /// Those of the subject, on roads that are quite common.
+    pub(super) fn of(subject: &Subject) -> Self {
+        Self { drive: subject.drive, damping_n_s_per_m: None, incoherent: 0.0 }
+    }
+}
+
 /// The bound of one corner and drive for one set of sources, ready for any time.
 pub(super) struct SourceBound<'a> {
     subject: &'a Subject,
     sources: Sources,
     car: Car,
-    setting: BoundSetting,
+    circumstances: Circumstances,
     front: CornerConfig<f64>,
     rear: CornerConfig<f64>,
     /// Information of one second before and after the loss, on a road driven once.
@@ -180,24 +198,23 @@ impl<'a> SourceBound<'a> {
         subject: &'a Subject,
         sources: Sources,
         car: Car,
-        setting: BoundSetting,
-        damping_n_s_per_m: Option<f64>,
+        circumstances: Circumstances,
     ) -> Result<Self, ParameterError> {
+        let damping = circumstances.damping_n_s_per_m;
         let rear = if sources.has(Source::Unlike) { subject.unlike } else { subject.front };
         let mut bound = Self {
             subject,
             sources,
             car,
-            setting,
-            front: damped(&subject.front, damping_n_s_per_m)?,
-            rear: damped(&rear, damping_n_s_per_m)?,
+            circumstances,
+            front: damped(&subject.front, damping)?,
+            rear: damped(&rear, damping)?,
             per_second: [DMatrix::zeros(PARAMETERS, PARAMETERS), DMatrix::zeros(PARAMETERS, PARAMETERS)],
         };
         if !sources.has(Source::Repeated) {
-            let seconds = [bound.passes(1.0, 0.0), bound.passes(0.0, 1.0)];
-            for (sum, passes) in bound.per_second.iter_mut().zip(seconds) {
-                let stretch = Stretch { passes, occurrence: Occurrence::Once };
-                information::add(sum, &stretch, model(sources), &setting);
+            for (i, (before, after)) in [(1.0, 0.0), (0.0, 1.0)].into_iter().enumerate() {
+                let stretch = bound.stretch(before, after);
+                information::add(&mut bound.per_second[i], &stretch, model(sources), &circumstances.drive);
             }
         }
         Ok(bound)
@@ -212,11 +229,8 @@ impl<'a> SourceBound<'a> {
         };
         let mut sum = DMatrix::zeros(PARAMETERS, PARAMETERS);
         if self.sources.has(Source::Repeated) {
-            let stretch = Stretch {
-                passes: self.passes(before, after),
-                occurrence: Occurrence::Repeated(self.subject.period_s),
-            };
-            information::add(&mut sum, &stretch, model(self.sources), &self.setting);
+            let stretch = self.stretch(before, after);
+            information::add(&mut sum, &stretch, model(self.sources), &self.circumstances.drive);
         } else {
             sum += &self.per_second[0] * before + &self.per_second[1] * after;
         }
@@ -238,6 +252,18 @@ impl<'a> SourceBound<'a> {
             Situation::AfterLoss => AFTER,
         }] = 1.0;
         information::variance(&sum, &wanted).sqrt()
+    }
+
+    /// The road that all of them drive on.
+    fn stretch(&self, before: f64, after: f64) -> Stretch {
+        let passes = self.passes(before, after);
+        let occurrence = match self.sources.has(Source::Repeated) {
+            true => Occurrence::Repeated(self.subject.period_s),
+            false => Occurrence::Once,
+        };
+        // A wheel that shares its road with nobody has all of it for itself.
+        let incoherent = if passes.len() > 1 { self.circumstances.incoherent } else { 0.0 };
+        Stretch { passes, occurrence, incoherent }
     }
 
     /// Who drives there, and how long; wheels that do not drive are left out.
@@ -289,9 +315,32 @@ mod tests {
     fn sd(label: &str, situation: Situation, seconds: f64) -> f64 {
         let subject = Subject::paper();
         let sources = Sources::ALL.into_iter().find(|sources| sources.to_string() == label).unwrap();
-        SourceBound::new(&subject, sources, Car::Exact, subject.drive, None)
+        SourceBound::new(&subject, sources, Car::Exact, Circumstances::of(&subject))
             .unwrap()
             .sd_kpa(situation, seconds)
+    }
+
+    /// Sensors that hardly err.
+    fn quiet(subject: &Subject) -> Circumstances {
+        let drive = BoundSetting { accel_noise_m_s2: 1e-3, ..subject.drive };
+        Circumstances { drive, ..Circumstances::of(subject) }
+    }
+
+    #[test]
+    fn a_road_that_is_not_quite_common_limits_comparing() {
+        let subject = Subject::paper();
+        let with = |label: &str, incoherent: f64| {
+            let sources = Sources::ALL.into_iter().find(|sources| sources.to_string() == label).unwrap();
+            let circumstances = Circumstances { incoherent, ..quiet(&subject) };
+            let bound = SourceBound::new(&subject, sources, Car::Exact, circumstances).unwrap();
+            bound.sd_kpa(Situation::AfterLoss, 8.0)
+        };
+        // Sensors without noise: what is not common is the only noise, so ten times the share is ten times the variance
+        // as long as it is small.
+        let ratio = with("b", 1e-3) / with("b", 1e-4);
+        assert!((ratio / 10f64.sqrt() - 1.0).abs() < 0.02, "{ratio}");
+        // One wheel alone does not care.
+        assert_eq!(with("a", 0.1), with("a", 0.0));
     }
 
     #[test]
@@ -342,9 +391,9 @@ mod tests {
         let subject = Subject::paper();
         let find =
             |label: &str| Sources::ALL.into_iter().find(|sources| sources.to_string() == label).unwrap();
-        let drive = BoundSetting { accel_noise_m_s2: 1e-3, ..subject.drive };
+        let quiet = quiet(&subject);
         let at = |label: &str, situation| {
-            let bound = SourceBound::new(&subject, find(label), Car::AsFiled, drive, None).unwrap();
+            let bound = SourceBound::new(&subject, find(label), Car::AsFiled, quiet).unwrap();
             bound.sd_kpa(situation, 40.0)
         };
         let scale = [0.01f64, 0.15, 0.20, 0.05].iter().map(|sd| sd.powi(-2)).sum::<f64>();
@@ -363,9 +412,9 @@ mod tests {
     fn two_resets_of_corners_alike_are_worth_the_root_of_two() {
         // Without noise the difference is known; without a loss nothing else is. The mean of two gauges remains.
         let subject = Subject { loss: 1e-9, ..Subject::paper() };
-        let drive = BoundSetting { accel_noise_m_s2: 1e-3, ..subject.drive };
+        let quiet = quiet(&subject);
         let sources = Sources::ALL.into_iter().find(|sources| sources.to_string() == "b+d").unwrap();
-        let bound = SourceBound::new(&subject, sources, Car::Exact, drive, None).unwrap();
+        let bound = SourceBound::new(&subject, sources, Car::Exact, quiet).unwrap();
         let found = bound.sd_kpa(Situation::AfterLoss, 60.0);
         assert!((found / (subject.reset_sd_kpa / 2f64.sqrt()) - 1.0).abs() < 1e-2, "{found}");
     }

@@ -50,7 +50,9 @@ pub(super) fn section() -> Result<Section, PaperError> {
     }
     section = section.text(found.circumstances_words());
     if let Some(figure) = figures.next() {
-        section = section.figure(figure, "Eight seconds after a loss of 20 %.", vec![sweep_data(&found)]);
+        let caption = "Eight seconds after a loss of 20 %: over speed, damping, sensor noise, and the share of the road that each wheel or pass has for \
+             itself.";
+        section = section.figure(figure, caption, vec![sweep_data(&found)]);
     }
     Ok(section)
 }
@@ -166,10 +168,13 @@ fn sweep_data(found: &Observability) -> Data {
         let all = Varied::ALL.into_iter().flat_map(of);
         all.flat_map(|sweep| sweep.points.iter().map(move |point| (sweep, *point)))
     };
-    Data::new("observability-sweeps", "Least sd over speed, damping and noise")
-        .words("varied", rows().map(|(sweep, _)| sweep.varied.label().to_owned()))
-        .words("sources", rows().map(|(sweep, _)| sweep.sources.clone()))
-        .words("car", rows().map(|(sweep, _)| sweep.car.label().to_owned()))
-        .numbers("value", rows().map(|(_, point)| point.0))
-        .numbers("sd_kpa", rows().map(|(_, point)| point.1))
+    Data::new(
+        "observability-sweeps",
+        "Least sd over speed, damping, noise and the share of the road that is not common",
+    )
+    .words("varied", rows().map(|(sweep, _)| sweep.varied.label().to_owned()))
+    .words("sources", rows().map(|(sweep, _)| sweep.sources.clone()))
+    .words("car", rows().map(|(sweep, _)| sweep.car.label().to_owned()))
+    .numbers("value", rows().map(|(_, point)| point.0))
+    .numbers("sd_kpa", rows().map(|(_, point)| point.1))
 }
