@@ -30,8 +30,11 @@ fn assumptions(request: &Request) -> Vec<Assumption> {
         ),
         (
             "Road of the simulation",
-            "Gaussian, ISO 8608 class A, slope 2.14, a different one for every seed".to_owned(),
-            "The paper's measured road (its reference 30) is not printed. Class A is our choice.",
+            format!(
+                "Gaussian, slope 2.14, Gd(n0) = {:e} m³ (--road), a different one for every seed",
+                request.road_gd_n0_m3
+            ),
+            "The paper's measured road (its reference 30) is not printed. 16e-6 m³ is the mean of ISO 8608 class A.",
         ),
         ("Begin of the loss", "20 s (Fig. 7, 9a), 15 s (Fig. 9b)".to_owned(), "Only drawn in the paper."),
         ("Recovery of Fig. 9b", "138 to 195 kPa from 17.5 to 27.5 s".to_owned(), "Only drawn in the paper."),
@@ -83,10 +86,14 @@ fn assumptions(request: &Request) -> Vec<Assumption> {
         ("Tire of the test bed", "eq. (5)".to_owned(), "Taken to be the tire of Table 1."),
         (
             "Road of the test bed",
-            "class A, slope 2, drawn at random for every seed, repeated every 0.66 s".to_owned(),
+            "the same level, slope 2, drawn at random for every seed, repeated every 0.66 s".to_owned(),
             "Only drawn in the paper (Fig. 11c).",
         ),
-        ("Hydraulic actuator", "second order, 30 Hz, damping 0.7".to_owned(), "Not stated."),
+        (
+            "Hydraulic actuator",
+            format!("second order, {} Hz (--bench-actuator), damping 0.7", request.bench_actuator_hz),
+            "Not stated.",
+        ),
         (
             "Noise of the test bed's accelerometers",
             "wheel: variance 0.248 (m/s²)² per sample; body: 0.05 m/s² rms".to_owned(),

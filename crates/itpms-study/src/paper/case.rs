@@ -2,6 +2,7 @@
 //!
 //! Called by `plan`.
 
+use itpms_sim::road::Surface;
 use itpms_sim::scenario::{CornerSpec, Scenario};
 use itpms_sim::sensor::SensorSpec;
 
@@ -25,6 +26,9 @@ impl Case {
         let mut scenario = Scenario::builtin(name)?;
         scenario.rate_hz = request.rate_hz;
         scenario.sensor = SensorSpec { noise_m_s2: request.noise_m_s2, ..scenario.sensor };
+        if let Surface::Iso8608(road) = &mut scenario.road.surface {
+            road.roughness = request.road_gd_n0_m3.into();
+        }
         Ok(Self { scenario, tuning: Tuning::Simulation, contestants: Contestant::all(0.0) })
     }
 
@@ -32,6 +36,10 @@ impl Case {
     pub(super) fn bench(name: &str, reset_s: f64, request: &Request) -> Result<Self, PaperError> {
         let mut scenario = Scenario::builtin(name)?;
         scenario.rate_hz = request.bench_rate_hz;
+        if let Surface::Bench(road) = &mut scenario.road.surface {
+            road.roughness = request.road_gd_n0_m3.into();
+            road.actuator.natural_frequency_hz = request.bench_actuator_hz;
+        }
         let mut contestants = Contestant::all(reset_s);
         contestants.push(Contestant { kind: itpms_core::estimator::EstimatorKind::Informed, reset_s: 0.0 });
         let case = Self { scenario, tuning: Tuning::Bench, contestants };

@@ -69,10 +69,14 @@ pub struct Request {
     pub rate_hz: f64,
     /// Accelerometer noise of the simulation study in m/s², rms per sample.
     pub noise_m_s2: f64,
+    /// Level `Gd(n0)` of the road of both studies in m³; class A of ISO 8608 is 16e-6.
+    pub road_gd_n0_m3: f64,
     /// Sampling rate of the test bed in Hz.
     pub bench_rate_hz: f64,
     /// Unsprung mass of the test bed in kg.
     pub bench_unsprung_mass_kg: f64,
+    /// Natural frequency of the test bed's actuator in Hz.
+    pub bench_actuator_hz: f64,
 }
 
 impl Default for Request {
@@ -82,8 +86,10 @@ impl Default for Request {
             first_seed: 1,
             rate_hz: 1000.0,
             noise_m_s2: 0.05,
+            road_gd_n0_m3: 16e-6,
             bench_rate_hz: 500.0,
             bench_unsprung_mass_kg: 56.9,
+            bench_actuator_hz: 30.0,
         }
     }
 }

@@ -27,7 +27,7 @@ pub(super) fn page(sections: &[Section], request: &Request) -> String {
          reproduce</code> {version}. Numbers of figures, tables and equations are the paper's; captions are ours. Figures 1, 2 and 4 \
          are diagrams and live in the documentation.</p>\n\
          <p class=\"made\">{seeds} drives per case, seeds from {first}; simulation at {rate} Hz with {noise} m/s² of sensor noise, test bed at {bench_rate} \
-         Hz with {mass} kg unsprung. The same options give the same page, byte for byte.</p>\n</header>\n\
+         Hz with {mass} kg unsprung; what else was chosen is listed under <a href=\"#assumed\">Assumed</a>. The same options give the same page, byte for byte.</p>\n</header>\n\
          <nav aria-label=\"Contents\"><h2>Contents</h2><ol>{contents}</ol></nav>\n\
          <section id=\"who\"><h2>Who is who</h2><dl>\
          <dt>ekf-ui</dt><dd>The extended Kalman filter with unknown input, eq. (6) to (17), as published.</dd>\

@@ -66,9 +66,10 @@ pub(super) fn section(
     let law = found.as_ref().map(|found| found.fit.law);
     let text = format!(
         "<p>The paper drives over a measured road (its reference 30) that it does not print; it says that the spectrum has a slope of \
-         −{SLOPE}. Our roads are drawn at random with exactly that slope, at the level of ISO 8608 class A, as Gaussian processes: a \
+         −{SLOPE}. Our roads are drawn at random with exactly that slope, at the level Gd(n0) = {gd:e} m³ (class A of ISO 8608 is 16e-6), as Gaussian processes: a \
          different road for every seed. One record of 222 m does not fix a slope: over the {n} roads of this study the line \
          through a single record has a slope of −{median} (10 to 90 %: −{p10} to −{p90}). The road of Fig. 5 has −{w}.</p>",
+        gd = request.road_gd_n0_m3,
         n = request.seeds,
         median = number(slopes.median, 2),
         p10 = number(slopes.p10, 2),

@@ -33,12 +33,18 @@ pub(crate) struct ReproduceArgs {
     /// Accelerometer noise of the simulation study, rms per sample.
     #[arg(long, value_name = "M_S2", default_value_t = 0.05, value_parser = positive)]
     pub(crate) noise: f64,
+    /// Level Gd(n0) of the road in m^3: 16e-6 is class A of ISO 8608, 64e-6 class B.
+    #[arg(long, value_name = "M3", default_value_t = 16e-6, value_parser = positive)]
+    pub(crate) road: f64,
     /// Sampling rate of the test bed.
     #[arg(long, value_name = "HZ", default_value_t = 500.0, value_parser = positive)]
     pub(crate) bench_rate: f64,
     /// Unsprung mass of the test bed.
     #[arg(long, value_name = "KG", default_value_t = 56.9, value_parser = positive)]
     pub(crate) bench_unsprung_mass: f64,
+    /// Natural frequency of the test bed's hydraulic actuator.
+    #[arg(long, value_name = "HZ", default_value_t = 30.0, value_parser = positive)]
+    pub(crate) bench_actuator: f64,
 }
 
 impl ReproduceArgs {

@@ -19,8 +19,10 @@ pub(crate) fn run(args: &ReproduceArgs, screen: &Screen, interrupt: &Interrupt) 
         first_seed: args.first_seed,
         rate_hz: args.rate,
         noise_m_s2: args.noise,
+        road_gd_n0_m3: args.road,
         bench_rate_hz: args.bench_rate,
         bench_unsprung_mass_kg: args.bench_unsprung_mass,
+        bench_actuator_hz: args.bench_actuator,
     };
     if args.out.exists() && !args.out.is_dir() {
         let error = io::Error::new(io::ErrorKind::NotADirectory, "it is a file, expected a directory");
