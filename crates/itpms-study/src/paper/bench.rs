@@ -65,7 +65,7 @@ pub(super) fn section(drop: &Outcome, recover: &Outcome, slow: &Outcome) -> Sect
             figure_13,
             format!(
                 "First seed. (a, c) 224 to 142 kPa between 5 and 10 s, then up to 180 kPa within 30 s; (b, d) 220 to 160 kPa within 30 s. The change starts at \
-                 5 s, so the reset lasts {RESET_SHORT_S} s only; in (a) most of the error is made in the seconds after it. The paper draws these two and states no number."
+                 5 s, so the reset lasts {RESET_SHORT_S} s only. The paper draws these two and states no number."
             ),
             vec![
                 data("figure-13", "A loss and a recovery on the test bed; first seed", recover, ""),
