@@ -1,77 +1,11 @@
-//! The true quarter car, integrated on a fine grid while its tire loses pressure.
+//! A quarter car, integrated on a fine grid while its tire loses pressure.
 //!
-//! Called by the simulation. It is written apart from the model in `itpms-core` on purpose (the tests hold the two
-//! against each other), and it may have what an estimator's model lacks: a damped tire, a damper that is harder one
-//! way, dry friction. It knows nothing of pressure, roads or sensors.
+//! Called by the simulation for corners that are on their own. It is written apart from the model in `itpms-core` on
+//! purpose: the tests hold the two against each other.
 
 use itpms_core::quarter_car::{ParameterError, QuarterCar};
-use serde::{Deserialize, Serialize};
 
-use crate::error::{InvalidValue, not_negative, within};
-
-/// Speed in m/s at which dry friction has reached 76 % of its full force: below any motion that matters, above what
-/// the integration step can resolve.
-const FRICTION_ONSET_M_S: f64 = 0.01;
-
-/// How the true corner differs from what its estimator is told, as written in a scenario.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Deviations {
-    /// True sprung mass over the told one.
-    pub sprung_mass_factor: f64,
-    /// True unsprung mass over the told one.
-    pub unsprung_mass_factor: f64,
-    /// True damping over the told one.
-    pub damping_factor: f64,
-    /// True suspension spring over the told one.
-    pub spring_factor: f64,
-    /// True tire stiffness over what the told pressure map gives.
-    pub tire_stiffness_factor: f64,
-    /// Damping of the tire in N s/m, which no estimator here models.
-    pub tire_damping_n_s_per_m: f64,
-    /// Share by which the damper is harder in rebound and softer in bump, -1 to 1.
-    pub damper_asymmetry: f64,
-    /// Dry friction in the strut in N.
-    pub friction_n: f64,
-}
-
-impl Default for Deviations {
-    fn default() -> Self {
-        Self {
-            sprung_mass_factor: 1.0,
-            unsprung_mass_factor: 1.0,
-            damping_factor: 1.0,
-            spring_factor: 1.0,
-            tire_stiffness_factor: 1.0,
-            tire_damping_n_s_per_m: 0.0,
-            damper_asymmetry: 0.0,
-            friction_n: 0.0,
-        }
-    }
-}
-
-impl Deviations {
-    pub(crate) fn validate(&self) -> Result<(), InvalidValue> {
-        for (name, factor) in [
-            ("sprung_mass_factor", self.sprung_mass_factor),
-            ("unsprung_mass_factor", self.unsprung_mass_factor),
-            ("damping_factor", self.damping_factor),
-            ("spring_factor", self.spring_factor),
-            ("tire_stiffness_factor", self.tire_stiffness_factor),
-        ] {
-            within(name, factor, 0.1, 10.0, "a factor from 0.1 to 10")?;
-        }
-        within(
-            "tire_damping_n_s_per_m",
-            self.tire_damping_n_s_per_m,
-            0.0,
-            5000.0,
-            "a damping from 0 to 5000 N s/m",
-        )?;
-        within("damper_asymmetry", self.damper_asymmetry, -1.0, 1.0, "a share from -1 to 1")?;
-        not_negative("friction_n", self.friction_n)
-    }
-}
+use super::{Deviations, Strut};
 
 /// Positions in m and velocities in m/s of a quarter car, upwards.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -110,11 +44,8 @@ pub struct Plant {
     /// Reciprocals, since a division costs as much as the rest of an acceleration.
     per_body_kg: f64,
     per_wheel_kg: f64,
-    spring_n_per_m: f64,
-    rebound_n_s_per_m: f64,
-    bump_n_s_per_m: f64,
+    strut: Strut,
     tire_n_s_per_m: f64,
-    friction_n: f64,
     state: PlantState,
     /// Body and wheel acceleration at `state`, once a step has been made.
     accelerations_m_s2: [f64; 2],
@@ -126,20 +57,12 @@ impl Plant {
     /// # Errors
     /// A factor that leaves a parameter without physical sense.
     pub fn new(told: &QuarterCar<f64>, truth: &Deviations, road_m: f64) -> Result<Self, ParameterError> {
-        let car = QuarterCar::new(
-            told.sprung_mass_kg() * truth.sprung_mass_factor,
-            told.unsprung_mass_kg() * truth.unsprung_mass_factor,
-            told.damping_n_s_per_m() * truth.damping_factor,
-            told.spring_n_per_m() * truth.spring_factor,
-        )?;
+        let car = truth.applied_to(told)?;
         Ok(Self {
             per_body_kg: car.sprung_mass_kg().recip(),
             per_wheel_kg: car.unsprung_mass_kg().recip(),
-            spring_n_per_m: car.spring_n_per_m(),
-            rebound_n_s_per_m: car.damping_n_s_per_m() * (1.0 + truth.damper_asymmetry),
-            bump_n_s_per_m: car.damping_n_s_per_m() * (1.0 - truth.damper_asymmetry),
+            strut: Strut::new(&car, truth),
             tire_n_s_per_m: truth.tire_damping_n_s_per_m,
-            friction_n: truth.friction_n,
             state: PlantState { body_m: road_m, body_m_s: 0.0, wheel_m: road_m, wheel_m_s: 0.0 },
             accelerations_m_s2: [0.0; 2],
         })
@@ -190,13 +113,7 @@ impl Plant {
     /// Newton's second law for both masses (eq. 1, with what it leaves out).
     #[inline]
     fn accelerations(&self, s: &PlantState, contact: Contact) -> [f64; 2] {
-        // Positive when the strut gets longer: rebound.
-        let extension_m_s = s.body_m_s - s.wheel_m_s;
-        let damping = if extension_m_s > 0.0 { self.rebound_n_s_per_m } else { self.bump_n_s_per_m };
-        let mut strut = self.spring_n_per_m * (s.wheel_m - s.body_m) - damping * extension_m_s;
-        if self.friction_n > 0.0 {
-            strut -= self.friction_n * (extension_m_s / FRICTION_ONSET_M_S).tanh();
-        }
+        let strut = self.strut.force_n(s.wheel_m - s.body_m, s.body_m_s - s.wheel_m_s);
         let tire = contact.stiffness_n_per_m * (contact.road_m - s.wheel_m)
             + self.tire_n_s_per_m * (contact.road_m_s - s.wheel_m_s);
         [strut * self.per_body_kg, (tire - strut) * self.per_wheel_kg]
@@ -372,8 +289,8 @@ mod tests {
         let truth = Deviations { sprung_mass_factor: 1.08, damper_asymmetry: 0.2, ..Deviations::default() };
         let plant = Plant::new(&QuarterCar::paper_table_2(), &truth, 0.0).unwrap();
         assert!((plant.per_body_kg * 260.064 - 1.0).abs() < 1e-12);
-        assert!((plant.rebound_n_s_per_m - 1110.96).abs() < 1e-9);
-        assert!((plant.bump_n_s_per_m - 740.64).abs() < 1e-9);
+        assert!((plant.strut.force_n(0.0, 1.0) + 1110.96).abs() < 1e-9);
+        assert!((plant.strut.force_n(0.0, -1.0) - 740.64).abs() < 1e-9);
         assert!(Deviations { friction_n: f64::NAN, ..Deviations::default() }.validate().is_err());
     }
 

@@ -1,0 +1,94 @@
+//! How a true corner differs from what its estimator is told.
+//!
+//! Part of a scenario; the plants turn it into parameters.
+
+use itpms_core::quarter_car::{ParameterError, QuarterCar};
+use serde::{Deserialize, Serialize};
+
+use crate::error::{InvalidValue, not_negative, within};
+
+/// How the true corner differs from what its estimator is told, as written in a scenario.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Deviations {
+    /// True sprung mass over the told one.
+    pub sprung_mass_factor: f64,
+    /// True unsprung mass over the told one.
+    pub unsprung_mass_factor: f64,
+    /// True damping over the told one.
+    pub damping_factor: f64,
+    /// True suspension spring over the told one.
+    pub spring_factor: f64,
+    /// True tire stiffness over what the told pressure map gives: a worn tire is softer or harder than a new one.
+    pub tire_stiffness_factor: f64,
+    /// Damping of the tire in N s/m, which no estimator here models.
+    pub tire_damping_n_s_per_m: f64,
+    /// Share by which the damper is harder in rebound and softer in bump, -1 to 1.
+    pub damper_asymmetry: f64,
+    /// How fast the damper's slope falls with its speed, in s/m: its force is `c v / (1 + d |v|)`.
+    pub damper_digression_s_per_m: f64,
+    /// How fast the spring hardens in compression (and softens in extension), in 1/m: its slope is `k exp(p x)`.
+    pub spring_progression_per_m: f64,
+    /// Dry friction in the strut in N.
+    pub friction_n: f64,
+    /// Mass times radius of the wheel's imbalance in kg m. Only the full car has turning wheels.
+    pub imbalance_kg_m: f64,
+    /// Distance in m per radian that the wheel turns.
+    pub rolling_radius_m: f64,
+}
+
+impl Default for Deviations {
+    fn default() -> Self {
+        Self {
+            sprung_mass_factor: 1.0,
+            unsprung_mass_factor: 1.0,
+            damping_factor: 1.0,
+            spring_factor: 1.0,
+            tire_stiffness_factor: 1.0,
+            tire_damping_n_s_per_m: 0.0,
+            damper_asymmetry: 0.0,
+            damper_digression_s_per_m: 0.0,
+            spring_progression_per_m: 0.0,
+            friction_n: 0.0,
+            imbalance_kg_m: 0.0,
+            rolling_radius_m: 0.31,
+        }
+    }
+}
+
+impl Deviations {
+    pub(crate) fn validate(&self) -> Result<(), InvalidValue> {
+        for (name, factor) in [
+            ("sprung_mass_factor", self.sprung_mass_factor),
+            ("unsprung_mass_factor", self.unsprung_mass_factor),
+            ("damping_factor", self.damping_factor),
+            ("spring_factor", self.spring_factor),
+            ("tire_stiffness_factor", self.tire_stiffness_factor),
+        ] {
+            within(name, factor, 0.1, 10.0, "a factor from 0.1 to 10")?;
+        }
+        within(
+            "tire_damping_n_s_per_m",
+            self.tire_damping_n_s_per_m,
+            0.0,
+            5000.0,
+            "a damping from 0 to 5000 N s/m",
+        )?;
+        within("damper_asymmetry", self.damper_asymmetry, -1.0, 1.0, "a share from -1 to 1")?;
+        within("damper_digression_s_per_m", self.damper_digression_s_per_m, 0.0, 50.0, "from 0 to 50 s/m")?;
+        within("spring_progression_per_m", self.spring_progression_per_m, 0.0, 20.0, "from 0 to 20 per m")?;
+        not_negative("friction_n", self.friction_n)?;
+        within("imbalance_kg_m", self.imbalance_kg_m, 0.0, 1.0, "from 0 to 1 kg m")?;
+        within("rolling_radius_m", self.rolling_radius_m, 0.1, 1.0, "a radius from 0.1 to 1 m")
+    }
+
+    /// The told quarter car as it really is.
+    pub(crate) fn applied_to(&self, told: &QuarterCar<f64>) -> Result<QuarterCar<f64>, ParameterError> {
+        QuarterCar::new(
+            told.sprung_mass_kg() * self.sprung_mass_factor,
+            told.unsprung_mass_kg() * self.unsprung_mass_factor,
+            told.damping_n_s_per_m() * self.damping_factor,
+            told.spring_n_per_m() * self.spring_factor,
+        )
+    }
+}

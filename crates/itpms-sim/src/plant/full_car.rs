@@ -1,0 +1,305 @@
+//! A whole car with seven degrees of freedom: heave, pitch and roll of one rigid body, and four wheels.
+//!
+//! Called by the simulation where a scenario has a `[car]`. Axes as in ISO 8855 (x forward, y left, z up), angles small;
+//! a point of the body at `(x, y)` is at height `z - x pitch + y roll`. Everything is a deviation from the unloaded car
+//! at rest (`simulation.md`, eq. 6-8).
+
+use itpms_core::quarter_car::{ParameterError, QuarterCar};
+
+use super::{Deviations, Strut};
+
+/// Standard gravity in m/s².
+const GRAVITY_M_S2: f64 = 9.806_65;
+
+/// Heave, pitch, roll, then the four wheels.
+const FREEDOMS: usize = 7;
+
+/// The rigid body without its load, and what ties its corners together. Places are in m from its center of gravity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Body {
+    /// Mass in kg.
+    pub mass_kg: f64,
+    /// Moment of inertia in kg m² against pitch.
+    pub pitch_kg_m2: f64,
+    /// Moment of inertia in kg m² against roll.
+    pub roll_kg_m2: f64,
+    /// Height of the center of gravity over the road in m.
+    pub height_m: f64,
+    /// Where the struts stand, forward and to the left, in the order of `Corner::ALL`.
+    pub struts_m: [[f64; 2]; 4],
+    /// Anti-roll bars front and rear in N m per rad of roll between body and axle.
+    pub antiroll_n_m_per_rad: [f64; 2],
+}
+
+/// What the car carries at one place, in m forward and to the left of the body's center of gravity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Load {
+    /// Mass in kg.
+    pub mass_kg: f64,
+    /// Its place.
+    pub at_m: [f64; 2],
+}
+
+/// What drives the car through one step: values at its start, middle and end, or at its ends (straight between).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CarInput {
+    /// Road heights under the tires in m.
+    pub road_m: [[f64; 3]; 4],
+    /// Tire stiffnesses in N/m at the step's ends.
+    pub stiffness_n_per_m: [[f64; 2]; 4],
+    /// Vertical forces in N on the wheels from their imbalance.
+    pub wheel_force_n: [[f64; 3]; 4],
+    /// Acceleration of the car in m/s² forward and to the left.
+    pub car_m_s2: [[f64; 2]; 3],
+}
+
+/// All that acts at one instant.
+#[derive(Clone, Copy)]
+struct Instant {
+    road_m: [f64; 4],
+    road_m_s: [f64; 4],
+    stiffness_n_per_m: [f64; 4],
+    wheel_force_n: [f64; 4],
+    /// On the body, from gravity on the load and from the car's acceleration: force, pitch and roll moment.
+    body: [f64; 3],
+}
+
+type Freedoms = [f64; FREEDOMS];
+
+/// A car in motion.
+#[derive(Debug, Clone)]
+pub struct FullCar {
+    body: Body,
+    struts: [Strut; 4],
+    per_wheel_kg: [f64; 4],
+    tire_n_s_per_m: [f64; 4],
+    /// Inverse of the loaded body's mass matrix.
+    compliance: [[f64; 3]; 3],
+    loaded_kg: f64,
+    /// Weight of the load as force and moments.
+    weight: [f64; 3],
+    place: Freedoms,
+    rate: Freedoms,
+    acceleration: Freedoms,
+}
+
+impl FullCar {
+    /// A car at rest on the roads of the given heights, carrying nothing. The corners are told quarter cars with the
+    /// true ones' deviations; their sprung masses play no part, the body's mass does.
+    ///
+    /// # Errors
+    /// A factor that leaves a parameter without physical sense.
+    pub fn new(
+        body: &Body,
+        corners: &[(QuarterCar<f64>, Deviations); 4],
+        road_m: [f64; 4],
+    ) -> Result<Self, ParameterError> {
+        let true_car = |i: usize| corners[i].1.applied_to(&corners[i].0);
+        let cars = [true_car(0)?, true_car(1)?, true_car(2)?, true_car(3)?];
+        let all = [0, 1, 2, 3];
+        let mut car = Self {
+            body: *body,
+            struts: all.map(|i| Strut::new(&cars[i], &corners[i].1)),
+            per_wheel_kg: cars.map(|car| car.unsprung_mass_kg().recip()),
+            tire_n_s_per_m: all.map(|i| corners[i].1.tire_damping_n_s_per_m),
+            compliance: [[0.0; 3]; 3],
+            loaded_kg: body.mass_kg,
+            weight: [0.0; 3],
+            place: [0.0; FREEDOMS],
+            rate: [0.0; FREEDOMS],
+            acceleration: [0.0; FREEDOMS],
+        };
+        car.load(&[]);
+        car.place[3..].copy_from_slice(&road_m);
+        let plane = car.plane_through(road_m);
+        car.place[..3].copy_from_slice(&plane);
+        Ok(car)
+    }
+
+    /// Changes what the car carries, from now on.
+    pub fn load(&mut self, loads: &[Load]) {
+        let body = &self.body;
+        let mut mass = [[0.0; 3]; 3];
+        for (i, inertia) in [body.mass_kg, body.pitch_kg_m2, body.roll_kg_m2].into_iter().enumerate() {
+            mass[i][i] = inertia;
+        }
+        self.weight = [0.0; 3];
+        self.loaded_kg = body.mass_kg;
+        for load in loads {
+            let lever = lever(load.at_m);
+            for (row, a) in mass.iter_mut().zip(lever) {
+                row.iter_mut().zip(lever).for_each(|(m, b)| *m += load.mass_kg * a * b);
+            }
+            self.weight.iter_mut().zip(lever).for_each(|(w, a)| *w -= load.mass_kg * GRAVITY_M_S2 * a);
+            self.loaded_kg += load.mass_kg;
+        }
+        self.compliance = inverse(&mass);
+    }
+
+    /// Puts the car, at rest, where its load and the tires' stiffnesses leave it; exact for linear springs without
+    /// anti-roll bars, and a good start for others.
+    pub fn settle(&mut self, road_m: [f64; 4], stiffness_n_per_m: [f64; 4]) {
+        let mut stiffness = [[0.0; 3]; 3];
+        let mut load = self.weight;
+        let series = |i: usize| 1.0 / (1.0 / self.struts[i].spring_n_per_m() + 1.0 / stiffness_n_per_m[i]);
+        for (i, &road) in road_m.iter().enumerate() {
+            let (k, lever) = (series(i), lever(self.body.struts_m[i]));
+            for (row, a) in stiffness.iter_mut().zip(lever) {
+                row.iter_mut().zip(lever).for_each(|(s, b)| *s += k * a * b);
+            }
+            load.iter_mut().zip(lever).for_each(|(f, a)| *f += k * road * a);
+        }
+        let place = times(&inverse(&stiffness), load);
+        self.place[..3].copy_from_slice(&place);
+        for (i, &road) in road_m.iter().enumerate() {
+            let force = series(i) * (road - self.corner(&self.place, i));
+            self.place[3 + i] = road - force / stiffness_n_per_m[i];
+        }
+        self.rate = [0.0; FREEDOMS];
+    }
+
+    /// Heave in m at the body's center of gravity, pitch and roll in rad: nose down and left side up are positive.
+    #[must_use]
+    pub fn attitude(&self) -> [f64; 3] {
+        [self.place[0], self.place[1], self.place[2]]
+    }
+
+    /// Heights in m of the strut tops and of the wheels.
+    #[must_use]
+    pub fn heights_m(&self) -> [[f64; 2]; 4] {
+        [0, 1, 2, 3].map(|i| [self.corner(&self.place, i), self.place[3 + i]])
+    }
+
+    /// Vertical acceleration in m/s² of each strut's top and of each wheel at the end of the last step.
+    #[must_use]
+    pub fn accelerations_m_s2(&self) -> [[f64; 2]; 4] {
+        [0, 1, 2, 3].map(|i| [self.corner(&self.acceleration, i), self.acceleration[3 + i]])
+    }
+
+    /// One classical Runge-Kutta step of `h` seconds; for damped tires see [`Plant::step`](super::Plant::step).
+    pub fn step(&mut self, h: f64, input: &CarInput) {
+        let [start, middle, end] = self.instants(h, input);
+        let half = 0.5 * h;
+        let (q0, u0) = (self.place, self.rate);
+        let a0 = self.accelerations(&q0, &u0, &start);
+        let (q1, u1) = (moved(&q0, half, &u0), moved(&u0, half, &a0));
+        let a1 = self.accelerations(&q1, &u1, &middle);
+        let (q2, u2) = (moved(&q0, half, &u1), moved(&u0, half, &a1));
+        let a2 = self.accelerations(&q2, &u2, &middle);
+        let (q3, u3) = (moved(&q0, h, &u2), moved(&u0, h, &a2));
+        let a3 = self.accelerations(&q3, &u3, &end);
+        for i in 0..FREEDOMS {
+            self.place[i] = q0[i] + h / 6.0 * (u0[i] + 2.0 * (u1[i] + u2[i]) + u3[i]);
+            self.rate[i] = u0[i] + h / 6.0 * (a0[i] + 2.0 * (a1[i] + a2[i]) + a3[i]);
+        }
+        self.acceleration = self.accelerations(&self.place, &self.rate, &end);
+    }
+
+    fn instants(&self, h: f64, input: &CarInput) -> [Instant; 3] {
+        let rate = |i: usize, at: usize| {
+            let [r0, r1, r2] = input.road_m[i];
+            match at {
+                0 => (4.0 * r1 - 3.0 * r0 - r2) / h,
+                1 => (r2 - r0) / h,
+                _ => (r0 - 4.0 * r1 + 3.0 * r2) / h,
+            }
+        };
+        let all = [0, 1, 2, 3];
+        [0, 1, 2].map(|at| {
+            let [forward, left] = input.car_m_s2[at];
+            // Braking presses the nose down, a left turn lifts the left side.
+            let moment = self.loaded_kg * self.body.height_m;
+            Instant {
+                road_m: all.map(|i| input.road_m[i][at]),
+                road_m_s: all.map(|i| rate(i, at)),
+                stiffness_n_per_m: all.map(|i| {
+                    let [k0, k2] = input.stiffness_n_per_m[i];
+                    k0 + 0.5 * at as f64 * (k2 - k0)
+                }),
+                wheel_force_n: all.map(|i| input.wheel_force_n[i][at]),
+                body: [self.weight[0], self.weight[1] - moment * forward, self.weight[2] + moment * left],
+            }
+        })
+    }
+
+    /// Newton's and Euler's laws for the body, Newton's for the wheels.
+    fn accelerations(&self, q: &Freedoms, u: &Freedoms, now: &Instant) -> Freedoms {
+        let bars = self.antiroll_n(q);
+        let mut acceleration = [0.0; FREEDOMS];
+        let mut body = now.body;
+        for i in 0..4 {
+            let (wheel, wheel_rate) = (q[3 + i], u[3 + i]);
+            let extension_m_s = self.corner(u, i) - wheel_rate;
+            let strut = self.struts[i].force_n(wheel - self.corner(q, i), extension_m_s) + bars[i];
+            let tire = now.stiffness_n_per_m[i] * (now.road_m[i] - wheel)
+                + self.tire_n_s_per_m[i] * (now.road_m_s[i] - wheel_rate);
+            acceleration[3 + i] = (tire + now.wheel_force_n[i] - strut) * self.per_wheel_kg[i];
+            body.iter_mut().zip(lever(self.body.struts_m[i])).for_each(|(f, a)| *f += a * strut);
+        }
+        let body = times(&self.compliance, body);
+        acceleration[..3].copy_from_slice(&body);
+        acceleration
+    }
+
+    /// Forces in N of the anti-roll bars on the body's corners.
+    fn antiroll_n(&self, q: &Freedoms) -> [f64; 4] {
+        let mut forces = [0.0; 4];
+        for (axle, bar) in self.body.antiroll_n_m_per_rad.into_iter().enumerate() {
+            let (left, right) = (2 * axle, 2 * axle + 1);
+            let track_m = self.body.struts_m[left][1] - self.body.struts_m[right][1];
+            let extension = |i: usize| self.corner(q, i) - q[3 + i];
+            let force = bar * (extension(left) - extension(right)) / (track_m * track_m);
+            forces[left] = -force;
+            forces[right] = force;
+        }
+        forces
+    }
+
+    /// What a strut's top has of the body's motion.
+    #[inline]
+    fn corner(&self, freedoms: &Freedoms, i: usize) -> f64 {
+        let [x, y] = self.body.struts_m[i];
+        freedoms[0] - x * freedoms[1] + y * freedoms[2]
+    }
+
+    /// Heave, pitch and roll of the plane that lies best on four heights.
+    fn plane_through(&self, heights_m: [f64; 4]) -> [f64; 3] {
+        let (mut normal, mut right) = ([[0.0; 3]; 3], [0.0; 3]);
+        for (height, at) in heights_m.into_iter().zip(self.body.struts_m) {
+            let lever = lever(at);
+            for (row, a) in normal.iter_mut().zip(lever) {
+                row.iter_mut().zip(lever).for_each(|(n, b)| *n += a * b);
+            }
+            right.iter_mut().zip(lever).for_each(|(r, a)| *r += a * height);
+        }
+        times(&inverse(&normal), right)
+    }
+}
+
+/// Height of a point by heave, pitch and roll; and force, pitch and roll moment of a vertical force there.
+#[inline]
+fn lever([x, y]: [f64; 2]) -> [f64; 3] {
+    [1.0, -x, y]
+}
+
+#[inline]
+fn moved(from: &Freedoms, h: f64, rate: &Freedoms) -> Freedoms {
+    let mut to = *from;
+    to.iter_mut().zip(rate).for_each(|(x, r)| *x += h * r);
+    to
+}
+
+#[inline]
+fn times(m: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
+    m.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
+}
+
+/// Inverse of a positive definite matrix by its cofactors.
+fn inverse(m: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    let cofactor = |i: usize, j: usize| {
+        let (a, b, c, d) = ((i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3);
+        m[a][c] * m[b][d] - m[a][d] * m[b][c]
+    };
+    let determinant: f64 = (0..3).map(|j| m[0][j] * cofactor(0, j)).sum();
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| cofactor(j, i) / determinant))
+}
