@@ -8,7 +8,8 @@
 //! |---|---|
 //! | [`road`] | ISO 8608 roads, measured profiles, potholes, repeated segments, the tire's contact length |
 //! | [`time_profile`] | piecewise linear histories: the car's speed, a tire's pressure |
-//! | [`plant`] | the true quarter car with time-varying tire stiffness, integrated on a fine grid |
+//! | [`plant`] | the true quarter car, or the whole car, with time-varying tire stiffness, integrated on a fine grid |
+//! | [`car`] | the whole car as written down: track, inertia, anti-roll bars, load, turning |
 //! | [`sensor`], [`antialias`] | what lies between a true acceleration and a logged one |
 //! | [`pressure_sensor`] | a test bed's reference: what a log holds in place of the true pressure |
 //! | [`scenario`] | a drive written down: TOML files and the built-in ones |
@@ -28,6 +29,7 @@
 #![forbid(unsafe_code)]
 
 pub mod antialias;
+pub mod car;
 pub mod error;
 pub mod plant;
 pub mod pressure_sensor;

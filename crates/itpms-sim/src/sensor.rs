@@ -29,6 +29,8 @@ pub struct SensorSpec {
     pub dropout_fraction: f64,
     /// Mean number of samples lost in a row.
     pub dropout_burst_samples: f64,
+    /// Time in ms by which its readings are late, beyond the anti-alias filter.
+    pub delay_ms: f64,
 }
 
 impl Default for SensorSpec {
@@ -41,6 +43,7 @@ impl Default for SensorSpec {
             range_m_s2: None,
             dropout_fraction: 0.0,
             dropout_burst_samples: 1.0,
+            delay_ms: 0.0,
         }
     }
 }
@@ -61,7 +64,8 @@ impl SensorSpec {
             positive("range_m_s2", range)?;
         }
         within("dropout_fraction", self.dropout_fraction, 0.0, 0.9, "a share from 0 to 0.9")?;
-        within("dropout_burst_samples", self.dropout_burst_samples, 1.0, 1e6, "1 or more")
+        within("dropout_burst_samples", self.dropout_burst_samples, 1.0, 1e6, "1 or more")?;
+        within("delay_ms", self.delay_ms, 0.0, 200.0, "a delay from 0 to 200 ms")
     }
 }
 

@@ -20,6 +20,10 @@ pub(crate) enum Purpose {
     Clock = 4,
     /// Noise of a pressure sensor.
     PressureNoise = 5,
+    /// What a line beside a track has for itself.
+    RoadBeside = 6,
+    /// Where a wheel's imbalance is when a drive starts.
+    Imbalance = 7,
 }
 
 /// A generator for one purpose; `index` tells apart sides, segments and blocks of a road, corners and sensors.
@@ -69,6 +73,8 @@ mod tests {
                 Purpose::Dropout,
                 Purpose::Clock,
                 Purpose::PressureNoise,
+                Purpose::RoadBeside,
+                Purpose::Imbalance,
             ] {
                 for index in [[0, 0], [0, 1], [1, 0]] {
                     first.push(generator(seed, purpose, index).next_u64());

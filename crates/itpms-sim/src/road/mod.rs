@@ -11,6 +11,8 @@
 mod bench;
 mod grid;
 mod iso8608;
+mod lane;
+mod lateral;
 mod obstacle;
 mod periodic;
 mod profile;
@@ -25,6 +27,8 @@ use serde::{Deserialize, Serialize};
 
 pub use bench::{Actuator, BenchRoad};
 pub use iso8608::{Amplitude, Iso8608, REFERENCE_CYCLES_PER_M, RoadClass, Roughness};
+pub(crate) use lane::{Following, Lane};
+pub use lateral::{Line, coherence};
 pub use obstacle::{Pothole, Step, Tracks};
 pub use profile::{Extension, MeasuredProfile, ProfileSpec, Trend};
 pub use segments::{AfterLast, Segment, Segments};
@@ -57,7 +61,7 @@ pub enum Surface {
     /// A plane.
     #[default]
     Flat,
-    /// One ISO 8608 spectrum; both tracks are independent of each other.
+    /// One ISO 8608 spectrum; both tracks are independent of each other, under a full car two lines of one surface.
     Iso8608(Iso8608),
     /// A test bed's repeated segment, played by an actuator; needs a constant speed.
     Bench(BenchRoad),
@@ -145,7 +149,16 @@ impl Road {
     /// # Errors
     /// A value out of range, a profile that cannot be read, or a test bed's road: that needs [`Road::at_speed`].
     pub fn new(spec: &RoadSpec, side: Side, seed: u64, spacing_m: f64) -> Result<Self, RoadError> {
-        Self::lay_out(spec, side, seed, spacing_m, None)
+        Self::lay_out(spec, Line::alone(side), seed, spacing_m, None)
+    }
+
+    /// The same along a line of a surface that is as rough across as it is along: lines with the same track width and
+    /// seed belong to one surface. Measured, flat and repeated surfaces are level across a track.
+    ///
+    /// # Errors
+    /// As for [`Road::new`].
+    pub fn along(spec: &RoadSpec, line: Line, seed: u64, spacing_m: f64) -> Result<Self, RoadError> {
+        Self::lay_out(spec, line, seed, spacing_m, None)
     }
 
     /// The same for a drive at one speed in m/s, which a test bed's road depends on: its segment repeats in time, and
@@ -161,12 +174,12 @@ impl Road {
         speed_m_s: f64,
     ) -> Result<Self, RoadError> {
         positive("speed_m_s", speed_m_s)?;
-        Self::lay_out(spec, side, seed, spacing_m, Some(speed_m_s))
+        Self::lay_out(spec, Line::alone(side), seed, spacing_m, Some(speed_m_s))
     }
 
-    fn lay_out(
+    pub(crate) fn lay_out(
         spec: &RoadSpec,
-        side: Side,
+        line: Line,
         seed: u64,
         spacing_m: f64,
         speed_m_s: Option<f64>,
@@ -177,11 +190,11 @@ impl Road {
         while GRID_SPACING_M / f64::from(refinement) > spacing_m * (1.0 + 1e-9) {
             refinement *= 2;
         }
-        let (surface, nodes_per_m) = SurfaceRun::new(&spec.surface, side, seed, refinement, speed_m_s)?;
+        let (surface, nodes_per_m) = SurfaceRun::new(&spec.surface, line, seed, refinement, speed_m_s)?;
         Ok(Self {
             surface,
-            potholes: spec.pothole.iter().filter(|p| p.tracks.include(side)).cloned().collect(),
-            steps: spec.step.iter().filter(|s| s.tracks.include(side)).cloned().collect(),
+            potholes: spec.pothole.iter().filter(|p| p.tracks.include(line.side())).cloned().collect(),
+            steps: spec.step.iter().filter(|s| s.tracks.include(line.side())).cloned().collect(),
             contact_length_m: spec.contact_length_m,
             nodes_per_m,
             first_chunk: 0,

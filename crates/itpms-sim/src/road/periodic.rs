@@ -5,7 +5,9 @@
 
 use realfft::num_complex::Complex;
 
+use super::Side;
 use super::iso8608::Iso8608;
+use super::lateral::Line;
 use super::spectral::Series;
 
 /// One period on the road's grid.
@@ -20,16 +22,19 @@ pub(crate) fn nodes_of(period_m: f64, spacing_m: f64) -> usize {
 }
 
 impl PeriodicRoad {
-    /// `follow` is what becomes of a wave of so many cycles/m on its way from the spectrum to the road.
+    /// `follow` is what becomes of a wave of so many cycles/m on its way from the spectrum to the road. Each side has a
+    /// road of its own, level across its width.
     pub(crate) fn new(
         iso: &Iso8608,
         period_m: f64,
         nodes: usize,
         follow: impl Fn(f64) -> Complex<f64>,
-        [seed, stream]: [u64; 2],
+        seed: u64,
+        side: Side,
     ) -> Self {
         let series = Series::new(iso, nodes, period_m / nodes as f64).followed_by(follow);
-        Self { heights: series.draw(seed, [stream, 0]) }
+        let sources = series.sources(iso, &Line::alone(side), 0);
+        Self { heights: series.draw(seed, &sources, 0) }
     }
 
     /// Adds the heights of the nodes from `first` on.

@@ -8,6 +8,7 @@ use std::collections::VecDeque;
 use serde::{Deserialize, Serialize};
 
 use super::iso8608::{Amplitude, Iso8608, Roughness};
+use super::lateral::Line;
 use super::spectral::SpectralRoad;
 use crate::error::{InvalidValue, within};
 
@@ -79,7 +80,7 @@ pub(crate) struct SegmentedRoad {
     spacing_m: f64,
     longest_block: usize,
     seed: u64,
-    stream: u64,
+    line: Line,
     /// Of all stretches met so far, from the first on.
     starts: Vec<Start>,
     /// The last stretches used, newest at the back.
@@ -87,13 +88,13 @@ pub(crate) struct SegmentedRoad {
 }
 
 impl SegmentedRoad {
-    pub(crate) fn new(spec: &Segments, longest_block: usize, spacing_m: f64, seed: u64, stream: u64) -> Self {
+    pub(crate) fn new(spec: &Segments, longest_block: usize, spacing_m: f64, seed: u64, line: Line) -> Self {
         Self {
             spec: spec.clone(),
             spacing_m,
             longest_block,
             seed,
-            stream,
+            line,
             starts: vec![Start { node: 0, lift_m: 0.0 }],
             roads: VecDeque::new(),
         }
@@ -146,8 +147,8 @@ impl SegmentedRoad {
             let wanted = 4.0 * segment.length_m / self.spacing_m;
             let block =
                 (wanted as usize).next_power_of_two().clamp(self.longest_block / 16, self.longest_block);
-            let stream = self.stream + 2 * number as u64;
-            let road = SpectralRoad::new(&self.spec.iso(segment), block, self.spacing_m, self.seed, stream);
+            let iso = self.spec.iso(segment);
+            let road = SpectralRoad::new(&iso, block, self.spacing_m, self.seed, &self.line, number as u64);
             self.roads.push_back((number, road));
             if self.roads.len() > 2 {
                 self.roads.pop_front();
@@ -162,7 +163,7 @@ impl SegmentedRoad {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::road::RoadClass;
+    use crate::road::{RoadClass, Side};
 
     fn spec(after_last: AfterLast) -> Segments {
         let segment = |class: RoadClass, length_m| Segment { length_m, roughness: class.into(), slope: 2.0 };
@@ -174,7 +175,7 @@ mod tests {
     }
 
     fn lay(spec: &Segments, length_m: f64) -> Vec<f64> {
-        let mut road = SegmentedRoad::new(spec, 1 << 18, 0.005, 5, 0);
+        let mut road = SegmentedRoad::new(spec, 1 << 18, 0.005, 5, Line::alone(Side::Left));
         let mut heights = vec![0.0; (length_m / 0.005) as usize];
         for (i, chunk) in heights.chunks_mut(4096).enumerate() {
             road.add(4096 * i as i64, chunk);
@@ -222,7 +223,8 @@ mod tests {
     #[test]
     fn laid_in_other_pieces_it_is_the_same_road() {
         let whole = lay(&spec(AfterLast::Repeat), 200.0);
-        let mut road = SegmentedRoad::new(&spec(AfterLast::Repeat), 1 << 18, 0.005, 5, 0);
+        let mut road =
+            SegmentedRoad::new(&spec(AfterLast::Repeat), 1 << 18, 0.005, 5, Line::alone(Side::Left));
         let mut part = vec![0.0; 3000];
         road.add(17_000, &mut part);
         assert!(part.iter().zip(&whole[17_000..]).all(|(a, b)| (a - b).abs() < 1e-12));

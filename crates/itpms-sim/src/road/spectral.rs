@@ -14,7 +14,8 @@ use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner};
 
 use super::iso8608::{Amplitude, Iso8608};
-use crate::streams::{Purpose, generator};
+use super::lateral::{Line, Source};
+use crate::streams::generator;
 
 thread_local! {
     /// Twiddle factors of a block's size take longer to compute than its transform; they depend on nothing else.
@@ -49,27 +50,20 @@ impl Series {
         Self { response: harmonics.map(|k| response(k as f64 * self.bin_cycles_per_m)).collect(), ..self }
     }
 
+    /// The independent roads that a line of this spectrum is made of.
+    pub(crate) fn sources(&self, iso: &Iso8608, line: &Line, number: u64) -> Vec<Source> {
+        line.sources(iso, number, self.bin_cycles_per_m, self.deviations.len())
+    }
+
     pub(crate) fn nodes(&self) -> usize {
         self.transform.len()
     }
 
-    /// Heights in m of one period.
-    pub(crate) fn draw(&self, seed: u64, index: [u64; 2]) -> Vec<f64> {
-        let mut random = generator(seed, Purpose::Road, index);
+    /// Heights in m of one period, the sum of its sources.
+    pub(crate) fn draw(&self, seed: u64, sources: &[Source], block: u64) -> Vec<f64> {
         let mut coefficients = self.transform.make_input_vec();
-        // The mean and the shortest wave of an even grid stay zero.
-        for (c, &deviation) in coefficients.iter_mut().skip(1).zip(&self.deviations) {
-            *c = match self.amplitude {
-                Amplitude::Gaussian => {
-                    let (re, im): (f64, f64) =
-                        (StandardNormal.sample(&mut random), StandardNormal.sample(&mut random));
-                    Complex::new(deviation * re, deviation * im)
-                }
-                Amplitude::Fixed => Complex::from_polar(
-                    deviation * std::f64::consts::SQRT_2,
-                    std::f64::consts::TAU * random.random::<f64>(),
-                ),
-            };
+        for source in sources {
+            self.add_source(seed, source, block, &mut coefficients);
         }
         for (c, factor) in coefficients.iter_mut().skip(1).zip(&self.response) {
             *c *= factor;
@@ -81,6 +75,26 @@ impl Series {
         }
         heights
     }
+
+    fn add_source(&self, seed: u64, source: &Source, block: u64, coefficients: &mut [Complex<f64>]) {
+        let mut random = generator(seed, source.purpose, [source.stream, block]);
+        let mut weights = source.weights.iter();
+        // The mean and the shortest wave of an even grid stay zero.
+        for (c, &deviation) in coefficients.iter_mut().skip(1).zip(&self.deviations) {
+            let deviation = deviation * weights.next().unwrap_or(&1.0);
+            *c += match self.amplitude {
+                Amplitude::Gaussian => {
+                    let (re, im): (f64, f64) =
+                        (StandardNormal.sample(&mut random), StandardNormal.sample(&mut random));
+                    Complex::new(deviation * re, deviation * im)
+                }
+                Amplitude::Fixed => Complex::from_polar(
+                    deviation * std::f64::consts::SQRT_2,
+                    std::f64::consts::TAU * random.random::<f64>(),
+                ),
+            };
+        }
+    }
 }
 
 /// An endless road made of faded blocks.
@@ -88,7 +102,7 @@ impl Series {
 pub(crate) struct SpectralRoad {
     series: Arc<Series>,
     seed: u64,
-    stream: u64,
+    sources: Arc<Vec<Source>>,
     /// Nodes over which one block gives way to the next.
     fade: usize,
     /// Nodes from one block's start to the next one's.
@@ -101,21 +115,26 @@ pub(crate) struct SpectralRoad {
 
 impl std::fmt::Debug for SpectralRoad {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("SpectralRoad")
-            .field("seed", &self.seed)
-            .field("stream", &self.stream)
-            .finish_non_exhaustive()
+        f.debug_struct("SpectralRoad").field("seed", &self.seed).finish_non_exhaustive()
     }
 }
 
 impl SpectralRoad {
-    /// `stream` tells roads of one seed apart; `nodes` is the length of a block, a multiple of 16.
-    pub(crate) fn new(iso: &Iso8608, nodes: usize, spacing_m: f64, seed: u64, stream: u64) -> Self {
+    /// `line` and `number` tell roads of one seed apart; `nodes` is the length of a block, a multiple of 16.
+    pub(crate) fn new(
+        iso: &Iso8608,
+        nodes: usize,
+        spacing_m: f64,
+        seed: u64,
+        line: &Line,
+        number: u64,
+    ) -> Self {
         let fade = nodes / 4;
+        let series = Series::new(iso, nodes, spacing_m);
         Self {
-            series: Arc::new(Series::new(iso, nodes, spacing_m)),
+            sources: Arc::new(series.sources(iso, line, number)),
+            series: Arc::new(series),
             seed,
-            stream,
             fade,
             hop: nodes - fade,
             start: -((fade + nodes / 16) as i64),
@@ -146,7 +165,7 @@ impl SpectralRoad {
             return Arc::clone(block);
         }
         // Two's complement keeps the blocks before the start apart from those after it.
-        let block = Arc::new(self.series.draw(self.seed, [self.stream, index as u64]));
+        let block = Arc::new(self.series.draw(self.seed, &self.sources, index as u64));
         self.blocks.push_back((index, Arc::clone(&block)));
         if self.blocks.len() > 2 {
             self.blocks.pop_front();
@@ -176,11 +195,16 @@ fn fade_in(t: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::road::RoadClass;
+    use crate::road::{RoadClass, Side};
+
+    fn draw(series: &Series, iso: &Iso8608, seed: u64) -> Vec<f64> {
+        series.draw(seed, &series.sources(iso, &Line::alone(Side::Left), 0), 0)
+    }
 
     #[test]
     fn fades_keep_the_variance() {
-        let road = SpectralRoad::new(&Iso8608::new(RoadClass::A, 2.0), 1024, 0.005, 1, 0);
+        let road =
+            SpectralRoad::new(&Iso8608::new(RoadClass::A, 2.0), 1024, 0.005, 1, &Line::alone(Side::Left), 0);
         for place in 0..road.fade {
             let (rise, fall) = (road.weight(place), road.weight(place + road.hop));
             assert!((rise * rise + fall * fall - 1.0).abs() < 1e-12);
@@ -200,7 +224,7 @@ mod tests {
         {
             let iso = Iso8608 { amplitude, ..Iso8608::new(RoadClass::A, 2.14) };
             let (nodes, spacing) = (16384, 0.005);
-            let mut heights = Series::new(&iso, nodes, spacing).draw(7, [0, 0]);
+            let mut heights = draw(&Series::new(&iso, nodes, spacing), &iso, 7);
             let forward = RealFftPlanner::new().plan_fft_forward(nodes);
             let mut bins = forward.make_output_vec();
             forward.process(&mut heights, &mut bins).unwrap();
@@ -220,8 +244,8 @@ mod tests {
     #[test]
     fn a_finer_grid_adds_shorter_waves_to_the_same_road() {
         let iso = Iso8608::new(RoadClass::A, 2.0);
-        let coarse = Series::new(&iso, 4096, 0.005).draw(3, [0, 0]);
-        let fine = Series::new(&iso, 8192, 0.0025).draw(3, [0, 0]);
+        let coarse = draw(&Series::new(&iso, 4096, 0.005), &iso, 3);
+        let fine = draw(&Series::new(&iso, 8192, 0.0025), &iso, 3);
         let mean_square =
             coarse.iter().zip(fine.iter().step_by(2)).map(|(c, f)| (c - f) * (c - f)).sum::<f64>() / 4096.0;
         // The waves from 100 to 200 cycles/m: integral of 16e-8 / n² = 16e-8 (1/100 - 1/200), sampled: sd 3 %.

@@ -7,11 +7,12 @@ use std::sync::Arc;
 use realfft::num_complex::Complex;
 
 use super::iso8608::Iso8608;
+use super::lateral::Line;
 use super::periodic::{PeriodicRoad, nodes_of};
 use super::profile::MeasuredProfile;
 use super::segments::SegmentedRoad;
 use super::spectral::SpectralRoad;
-use super::{GRID_SPACING_M, RoadError, Side, Surface};
+use super::{GRID_SPACING_M, RoadError, Surface};
 use crate::error::InvalidValue;
 
 /// Nodes of a block on the coarsest grid: 1310.72 m.
@@ -32,7 +33,7 @@ impl SurfaceRun {
     /// repeats has one of its own. `speed_m_s` is that of a test bed, if the drive has one speed.
     pub(crate) fn new(
         surface: &Surface,
-        side: Side,
+        line: Line,
         seed: u64,
         refinement: u32,
         speed_m_s: Option<f64>,
@@ -40,21 +41,16 @@ impl SurfaceRun {
         let spacing_m = GRID_SPACING_M / f64::from(refinement);
         let nodes_per_m = f64::from(refinement) / GRID_SPACING_M;
         let block = BLOCK_NODES * refinement as usize;
-        // Even streams lie under the left wheels, odd ones under the right.
-        let stream = match side {
-            Side::Left => 0,
-            Side::Right => 1,
-        };
         let periodic = |iso: &Iso8608, period_m: f64, follow: &dyn Fn(f64) -> Complex<f64>| {
             let nodes = nodes_of(period_m, spacing_m);
-            let road = PeriodicRoad::new(iso, period_m, nodes, follow, [seed, stream]);
+            let road = PeriodicRoad::new(iso, period_m, nodes, follow, seed, line.side());
             (SurfaceRun::Periodic(Arc::new(road)), nodes as f64 / period_m)
         };
         let run = match surface {
             Surface::Flat => SurfaceRun::Flat,
             Surface::Iso8608(iso) => match iso.repeat_every_m {
                 Some(period_m) => return Ok(periodic(iso, period_m, &|_| Complex::new(1.0, 0.0))),
-                None => SurfaceRun::Spectral(SpectralRoad::new(iso, block, spacing_m, seed, stream)),
+                None => SurfaceRun::Spectral(SpectralRoad::new(iso, block, spacing_m, seed, &line, 0)),
             },
             Surface::Bench(bench) => {
                 let speed_m_s = speed_m_s.ok_or_else(bench_without_speed)?;
@@ -62,7 +58,7 @@ impl SurfaceRun {
                 return Ok(periodic(&bench.demand(), bench.repeat_every_s * speed_m_s, &follow));
             }
             Surface::Segments(spec) => {
-                SurfaceRun::Segmented(SegmentedRoad::new(spec, block, spacing_m, seed, stream))
+                SurfaceRun::Segmented(SegmentedRoad::new(spec, block, spacing_m, seed, line))
             }
             Surface::Profile(spec) => SurfaceRun::Measured { profile: Arc::new(spec.load()?), spacing_m },
         };

@@ -17,6 +17,7 @@ use itpms_core::sample::Corner;
 pub use corner::{CornerSpec, Corners, TireSpec};
 
 use crate::antialias::AntiAliasSpec;
+use crate::car::CarSpec;
 use crate::error::{InvalidValue, ScenarioError, within};
 use crate::road::{RoadSpec, Surface};
 use crate::sensor::SensorSpec;
@@ -63,6 +64,10 @@ pub struct Scenario {
     /// When samples are taken.
     #[serde(default)]
     pub clock: ClockSpec,
+    /// The body over all four corners; without one, corners are quarter cars on their own, and the tracks of left and
+    /// right wheels independent roads.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub car: Option<CarSpec>,
     /// The corners driven: at least one.
     pub corner: Corners,
 }
@@ -104,6 +109,18 @@ impl Scenario {
         }
         for (corner, spec) in self.corner.iter() {
             spec.validate().map_err(|e| e.within(corner.label()).within("corner"))?;
+            if self.car.is_none() && spec.truth.imbalance_kg_m > 0.0 {
+                let field = format!("corner.{}.truth.imbalance_kg_m", corner.label());
+                return Err(InvalidValue::new(field, spec.truth.imbalance_kg_m, "a [car], or 0 without one"));
+            }
+        }
+        if let Some(car) = &self.car {
+            car.validate().map_err(|e| e.within("car"))?;
+            let corners = self.corner.iter().count();
+            if corners != Corner::ALL.len() {
+                let found = format!("given with {corners} of the corners");
+                return Err(InvalidValue::new("car", found, "all of fl, fr, rl, rr"));
+            }
         }
         Ok(())
     }

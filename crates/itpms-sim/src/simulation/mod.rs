@@ -1,0 +1,221 @@
+//! Drives a scenario: a stream of log rows with the truth beside them, the same for the same scenario and seed.
+//!
+//! Called by the binary, the score and tests. Memory does not grow with the drive's length.
+//!
+//! The plant runs on a fine grid, at 4 kHz or eight times the log's rate, whichever is more; its accelerations pass
+//! the anti-alias filter there. A log's sample is read off the filtered signal at its (possibly jittered) time by a
+//! cubic through the four fine-grid values around it.
+
+mod corner;
+mod history;
+mod ride;
+mod row;
+
+use rand::RngExt;
+use rand_pcg::Pcg64;
+
+pub use row::{CornerRow, SimRow};
+
+use crate::error::ScenarioError;
+use crate::plant::StepInput;
+use crate::road::{Following, GRID_SPACING_M, Lane, Line, RoadError, Side};
+use crate::scenario::Scenario;
+use crate::streams::{Purpose, generator};
+use crate::time_profile::TimeProfile;
+use corner::{CornerRun, is_rear, side_of};
+use ride::{Ride, Step};
+
+/// Lowest rate of the fine grid in Hz.
+const PLANT_RATE_HZ: f64 = 4000.0;
+
+/// Steps of the fine grid per sample of the log, at least.
+const STEPS_PER_SAMPLE: f64 = 8.0;
+
+/// A running drive: an iterator over its rows.
+#[derive(Debug, Clone)]
+pub struct Simulation {
+    rate_hz: f64,
+    steps_per_sample: i64,
+    jitter: f64,
+    clock: Pcg64,
+    speed_m_s: TimeProfile,
+    lanes: Lanes,
+    corners: Vec<CornerRun>,
+    ride: Ride,
+    /// Fine-grid step reached.
+    step: i64,
+    row: u64,
+    rows: u64,
+}
+
+/// The roads under the left and the right wheels, where there are any.
+#[derive(Debug, Clone)]
+struct Lanes {
+    left: Option<Lane>,
+    right: Option<Lane>,
+}
+
+impl Lanes {
+    fn side(&mut self, side: Side) -> Option<&mut Lane> {
+        match side {
+            Side::Left => self.left.as_mut(),
+            Side::Right => self.right.as_mut(),
+        }
+    }
+}
+
+impl Simulation {
+    /// Starts a drive. The same scenario and seed give the same rows; road, sensors, losses and clock draw from
+    /// generators of their own, so that a change to one leaves the others as they were.
+    ///
+    /// # Errors
+    /// A value out of range, or a road profile that cannot be read.
+    pub fn new(scenario: &Scenario, seed: u64) -> Result<Self, ScenarioError> {
+        scenario.validate()?;
+        let invalid = |source| ScenarioError::Invalid { scenario: scenario.name.clone(), source };
+        let rate_hz = scenario.rate_hz;
+        let steps_per_sample = (PLANT_RATE_HZ / rate_hz - 1e-9).ceil().max(STEPS_PER_SAMPLE);
+        let fine_hz = rate_hz * steps_per_sample;
+        let speed_m_s = scenario.speed.profile_m_s().map_err(invalid)?;
+        let mut lanes = lanes(scenario, seed, speed_m_s.maximum())?;
+        let step = -((scenario.settle_s * rate_hz * steps_per_sample).ceil() as i64);
+        let start_s = step as f64 / fine_hz;
+        let mut corners = Vec::new();
+        let mut places = [[0.0; 2]; 4];
+        for (corner, spec) in scenario.corner.iter() {
+            let mut run = CornerRun::new(scenario, corner, spec, seed, fine_hz).map_err(invalid)?;
+            run.beside_m = first_beside_m(scenario, &run);
+            places[corner.index()] =
+                run.place(start_s, speed_m_s.integral(start_s), lanes.side(side_of(corner)));
+            corners.push(run);
+        }
+        let ride = Ride::new(scenario, &speed_m_s, seed, start_s, places).map_err(invalid)?;
+        Ok(Self {
+            rate_hz,
+            steps_per_sample: steps_per_sample as i64,
+            jitter: scenario.clock.jitter,
+            clock: generator(seed, Purpose::Clock, [0, 0]),
+            speed_m_s,
+            lanes,
+            corners,
+            ride,
+            step,
+            row: 0,
+            rows: scenario.rows(),
+        })
+    }
+
+    /// Time in s of a (fractional) fine-grid step.
+    fn time_s(&self, step: f64) -> f64 {
+        step / (self.rate_hz * self.steps_per_sample as f64)
+    }
+
+    /// One step of the fine grid for all corners.
+    fn advance(&mut self) {
+        let start = self.step as f64;
+        let times = [start, start + 0.5, start + 1.0].map(|step| self.time_s(step));
+        let front_m = times.map(|time_s| self.speed_m_s.integral(time_s));
+        let step = Step { start_s: times[0], step_s: self.time_s(1.0), front_m };
+        self.step += 1;
+        self.ride.turn(&step);
+        let [left_m, right_m] = self.ride.beside_m();
+        let mut inputs = [StepInput { road_m: [0.0; 3], stiffness_n_per_m: [0.0; 2] }; 4];
+        for run in &mut self.corners {
+            let beside_m = match (is_rear(run.corner), run.side) {
+                (false, _) => 0.0,
+                (true, Side::Left) => left_m,
+                (true, Side::Right) => right_m,
+            };
+            if let Some(lane) = self.lanes.side(run.side) {
+                inputs[run.corner.index()] = run.roll([front_m[1], front_m[2]], beside_m, times[2], lane);
+            }
+        }
+        let accelerations = self.ride.step(&step, &inputs);
+        for run in &mut self.corners {
+            run.sense(accelerations[run.corner.index()]);
+        }
+    }
+}
+
+/// The roads, waves up to the log's rate at the drive's top speed: twice what a sample can tell from shorter ones.
+fn lanes(scenario: &Scenario, seed: u64, top_m_s: f64) -> Result<Lanes, ScenarioError> {
+    let spacing_m = (0.5 * top_m_s / scenario.rate_hz).clamp(GRID_SPACING_M / 8.0, GRID_SPACING_M);
+    let lay = |side: Side| {
+        if scenario.corner.iter().all(|(corner, _)| side_of(corner) != side) {
+            return Ok(None);
+        }
+        let (line, following) = match &scenario.car {
+            Some(car) => {
+                let wider_m = car.wider_m()[usize::from(side == Side::Right)];
+                let following = if car.wanders() {
+                    Following::Wandering
+                } else {
+                    Following::Beside(car.rear_offset_m + wider_m)
+                };
+                (Line::of_track(side, car.track_front_m), following)
+            }
+            None => (Line::alone(side), Following::Beside(0.0)),
+        };
+        Lane::new(&scenario.road, line, seed, spacing_m, scenario.one_speed_m_s(), following)
+            .map(Some)
+            .map_err(|e| match e {
+                RoadError::Value(source) => {
+                    ScenarioError::Invalid { scenario: scenario.name.clone(), source }
+                }
+                RoadError::Profile(source) => {
+                    ScenarioError::Profile { scenario: scenario.name.clone(), source }
+                }
+            })
+    };
+    Ok(Lanes { left: lay(Side::Left)?, right: lay(Side::Right)? })
+}
+
+/// How far beside the front wheels' track a corner starts, in m.
+fn first_beside_m(scenario: &Scenario, run: &CornerRun) -> f64 {
+    match &scenario.car {
+        Some(car) if is_rear(run.corner) => {
+            car.rear_offset_m + car.wider_m()[usize::from(run.side == Side::Right)]
+        }
+        _ => 0.0,
+    }
+}
+
+impl Iterator for Simulation {
+    type Item = SimRow;
+
+    fn next(&mut self) -> Option<SimRow> {
+        if self.row >= self.rows {
+            return None;
+        }
+        let mut late = self.jitter * self.clock.random_range(-1.0..=1.0);
+        if self.row == 0 {
+            // A log does not start before its drive.
+            late = late.abs();
+        }
+        // The sample's place on the fine grid: `whole` steps and a fraction.
+        let late_steps = late * self.steps_per_sample as f64;
+        let whole = self.row as i64 * self.steps_per_sample + late_steps.floor() as i64;
+        let fraction = late_steps - late_steps.floor();
+        while self.step < whole + 2 {
+            self.advance();
+        }
+        let time_s = (self.row as f64 + late) / self.rate_hz;
+        let distance_m = self.speed_m_s.integral(time_s);
+        let mut row =
+            SimRow { time_s, speed_m_s: self.speed_m_s.value(time_s), distance_m, corners: [None; 4] };
+        for run in &mut self.corners {
+            if let Some(lane) = self.lanes.side(run.side) {
+                row.corners[run.corner.index()] = Some(run.read(time_s, distance_m, fraction, lane));
+            }
+        }
+        self.row += 1;
+        Some(row)
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        let left = (self.rows - self.row) as usize;
+        (left, Some(left))
+    }
+}
+
+impl ExactSizeIterator for Simulation {}

@@ -1,0 +1,179 @@
+//! The masses of a drive: quarter cars on their own, or a whole car with its load, its turning and its wheels' imbalance.
+//!
+//! Called by the simulation, which knows roads and sensors; this knows none of them.
+
+use itpms_core::quarter_car::QuarterCar;
+use rand::RngExt;
+
+use crate::car::motion::Motion;
+use crate::car::{CarSpec, Payload};
+use crate::error::InvalidValue;
+use crate::plant::{CarInput, Deviations, FullCar, Plant, StepInput};
+use crate::scenario::Scenario;
+use crate::streams::{Purpose, generator};
+use crate::time_profile::TimeProfile;
+
+/// One step of the fine grid.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Step {
+    pub(crate) start_s: f64,
+    pub(crate) step_s: f64,
+    /// The front axle's distance in m at its start, middle and end.
+    pub(crate) front_m: [f64; 3],
+}
+
+/// The masses, by `Corner::index`.
+#[derive(Debug, Clone)]
+pub(crate) enum Ride {
+    Quarters(Box<[Option<Plant>; 4]>),
+    Car(Box<CarRide>),
+}
+
+impl Ride {
+    /// At rest on roads of the given heights and tires of the given stiffness, `[m, N/m]`, at a time in s.
+    pub(crate) fn new(
+        scenario: &Scenario,
+        speed_m_s: &TimeProfile,
+        seed: u64,
+        start_s: f64,
+        places: [[f64; 2]; 4],
+    ) -> Result<Self, InvalidValue> {
+        if let Some(car) = &scenario.car {
+            return Ok(Ride::Car(Box::new(CarRide::new(scenario, car, speed_m_s, seed, start_s, places)?)));
+        }
+        let mut plants = Box::new([None, None, None, None]);
+        for (corner, spec) in scenario.corner.iter() {
+            let [road_m, _] = places[corner.index()];
+            plants[corner.index()] = Some(Plant::new(&spec.quarter_car()?, &spec.truth, road_m)?);
+        }
+        Ok(Ride::Quarters(plants))
+    }
+
+    /// How far to the left of the front wheels' track the rear ones run now, in m, left and right.
+    pub(crate) fn beside_m(&self) -> [f64; 2] {
+        match self {
+            Ride::Quarters(_) => [0.0; 2],
+            Ride::Car(ride) => ride.beside_m(),
+        }
+    }
+
+    /// Turns the car on to the end of a step, which moves its rear wheels sideways.
+    pub(crate) fn turn(&mut self, step: &Step) {
+        if let Ride::Car(ride) = self {
+            ride.motion.advance(step.start_s + step.step_s, step.step_s);
+        }
+    }
+
+    /// Moves the masses by a step; accelerations in m/s² of body and wheel at each corner at its end.
+    pub(crate) fn step(&mut self, step: &Step, inputs: &[StepInput; 4]) -> [[f64; 2]; 4] {
+        match self {
+            Ride::Quarters(plants) => {
+                let mut accelerations = [[0.0; 2]; 4];
+                for ((plant, input), acceleration) in plants.iter_mut().zip(inputs).zip(&mut accelerations) {
+                    if let Some(plant) = plant {
+                        plant.step(step.step_s, input);
+                        *acceleration = plant.accelerations_m_s2();
+                    }
+                }
+                accelerations
+            }
+            Ride::Car(ride) => ride.step(step, inputs),
+        }
+    }
+}
+
+/// A whole car on its way.
+#[derive(Debug, Clone)]
+pub(crate) struct CarRide {
+    car: FullCar,
+    motion: Motion,
+    payload: Payload,
+    speed_m_s: TimeProfile,
+    wheels: [Imbalance; 4],
+    wider_m: [f64; 2],
+}
+
+/// What a wheel has too much on one side.
+#[derive(Debug, Clone, Copy)]
+struct Imbalance {
+    kg_m: f64,
+    per_radius_m: f64,
+    /// Its angle in rad at distance zero.
+    phase: f64,
+}
+
+impl CarRide {
+    fn new(
+        scenario: &Scenario,
+        spec: &CarSpec,
+        speed_m_s: &TimeProfile,
+        seed: u64,
+        start_s: f64,
+        places: [[f64; 2]; 4],
+    ) -> Result<Self, InvalidValue> {
+        let mut corners = [(QuarterCar::paper_table_2(), Deviations::default()); 4];
+        for (corner, of) in scenario.corner.iter() {
+            corners[corner.index()] = (of.quarter_car()?, of.truth);
+        }
+        let body = spec.body(
+            scenario.wheelbase_m,
+            corners.map(|(told, truth)| told.sprung_mass_kg() * truth.sprung_mass_factor),
+        );
+        let roads_m = places.map(|[road_m, _]| road_m);
+        let mut car = FullCar::new(&body, &corners, roads_m)?;
+        let mut payload = Payload::new(spec, &body)?;
+        if let Some(loads) = payload.changed(start_s) {
+            car.load(&loads);
+        }
+        car.settle(roads_m, places.map(|[_, stiffness]| stiffness));
+        let imbalance = |i: usize| Imbalance {
+            kg_m: corners[i].1.imbalance_kg_m,
+            per_radius_m: corners[i].1.rolling_radius_m.recip(),
+            phase: std::f64::consts::TAU * generator(seed, Purpose::Imbalance, [i as u64, 0]).random::<f64>(),
+        };
+        Ok(Self {
+            car,
+            motion: Motion::new(spec, speed_m_s, scenario.wheelbase_m)?,
+            payload,
+            speed_m_s: speed_m_s.clone(),
+            wheels: [0, 1, 2, 3].map(imbalance),
+            wider_m: spec.wider_m(),
+        })
+    }
+
+    fn beside_m(&self) -> [f64; 2] {
+        self.wider_m.map(|wider_m| self.motion.beside_m() + wider_m)
+    }
+
+    fn step(&mut self, step: &Step, inputs: &[StepInput; 4]) -> [[f64; 2]; 4] {
+        let times = [0.0, 0.5, 1.0].map(|part| step.start_s + part * step.step_s);
+        if let Some(loads) = self.payload.changed(times[2]) {
+            self.car.load(&loads);
+        }
+        let speeds = times.map(|time_s| self.speed_m_s.value(time_s));
+        self.car.step(
+            step.step_s,
+            &CarInput {
+                road_m: inputs.map(|input| input.road_m),
+                stiffness_n_per_m: inputs.map(|input| input.stiffness_n_per_m),
+                wheel_force_n: self.wheels.map(|wheel| wheel.forces_n(speeds, step.front_m)),
+                car_m_s2: times.map(|time_s| self.motion.car_m_s2(time_s)),
+            },
+        );
+        self.car.accelerations_m_s2()
+    }
+}
+
+impl Imbalance {
+    /// Vertical forces in N of a wheel at three speeds in m/s and distances in m: `U ω² cos(angle)`.
+    fn forces_n(&self, speeds_m_s: [f64; 3], distances_m: [f64; 3]) -> [f64; 3] {
+        if !(self.kg_m > 0.0) {
+            return [0.0; 3];
+        }
+        [0, 1, 2].map(|i| {
+            let rad_per_s = speeds_m_s[i] * self.per_radius_m;
+            let angle = distances_m[i] * self.per_radius_m + self.phase;
+            self.kg_m * rad_per_s * rad_per_s * angle.cos()
+        })
+    }
+}

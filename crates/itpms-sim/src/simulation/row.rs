@@ -1,0 +1,58 @@
+//! What a simulation hands out: rows of a log with the truth beside them.
+
+use itpms_core::sample::{Corner, CornerSample, Sample};
+
+/// One row of a log with its truth. Signals are late by the anti-alias filter's group delay, the truth is not.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SimRow {
+    /// Time of the sample in s; the first one is at 0 or, with a jittered clock, a little later.
+    pub time_s: f64,
+    /// Speed in m/s.
+    pub speed_m_s: f64,
+    /// Distance in m since 0 s, of the front axle.
+    pub distance_m: f64,
+    /// By [`Corner::index`]; `None` where the scenario has no such corner.
+    pub corners: [Option<CornerRow>; 4],
+}
+
+/// One corner of a row.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CornerRow {
+    /// Logged sprung mass acceleration in m/s²; NaN when lost.
+    pub body_accel_m_s2: f64,
+    /// Logged unsprung mass acceleration in m/s²; NaN when lost.
+    pub wheel_accel_m_s2: f64,
+    /// True gauge pressure in kPa.
+    pub pressure_kpa: f64,
+    /// What a log holds as the pressure in kPa: the reading of the scenario's pressure sensor, or the true pressure
+    /// where it has none.
+    pub pressure_reading_kpa: f64,
+    /// True tire stiffness in N/m.
+    pub stiffness_n_per_m: f64,
+    /// True road height in m under this wheel's axle: a point of the profile.
+    pub road_m: f64,
+    /// The same as the tire feels it, averaged over its contact length; equal to `road_m` for a point follower.
+    pub contact_road_m: f64,
+}
+
+impl SimRow {
+    /// What the estimator of one corner sees; `None` where the scenario has no such corner.
+    #[must_use]
+    pub fn sample(&self, corner: Corner) -> Option<Sample<f64, CornerSample<f64>>> {
+        let row = self.corners[corner.index()].as_ref()?;
+        Some(Sample { time_s: self.time_s, speed_m_s: self.speed_m_s, corners: row.sample() })
+    }
+
+    /// What the estimator of the whole car sees.
+    #[must_use]
+    pub fn car_sample(&self) -> Sample<f64, [Option<CornerSample<f64>>; 4]> {
+        let corners = self.corners.map(|row| row.map(|r| r.sample()));
+        Sample { time_s: self.time_s, speed_m_s: self.speed_m_s, corners }
+    }
+}
+
+impl CornerRow {
+    fn sample(&self) -> CornerSample<f64> {
+        CornerSample { body_accel_m_s2: self.body_accel_m_s2, wheel_accel_m_s2: self.wheel_accel_m_s2 }
+    }
+}
