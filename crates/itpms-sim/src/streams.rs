@@ -24,6 +24,8 @@ pub(crate) enum Purpose {
     RoadBeside = 6,
     /// Where a wheel's imbalance is when a drive starts.
     Imbalance = 7,
+    /// What a journey is composed of.
+    Journey = 8,
 }
 
 /// A generator for one purpose; `index` tells apart sides, segments and blocks of a road, corners and sensors.
@@ -75,6 +77,7 @@ mod tests {
                 Purpose::PressureNoise,
                 Purpose::RoadBeside,
                 Purpose::Imbalance,
+                Purpose::Journey,
             ] {
                 for index in [[0, 0], [0, 1], [1, 0]] {
                     first.push(generator(seed, purpose, index).next_u64());

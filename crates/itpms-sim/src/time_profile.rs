@@ -111,6 +111,9 @@ pub enum Speed {
     /// Points `[time in s, speed in km/h]`, straight between them; zero is a stop.
     #[serde(rename = "points_s_km_h")]
     PointsSKmH(Vec<[f64; 2]>),
+    /// Composed from the seed, as the scenario's `[journey]` says.
+    #[serde(rename = "journey")]
+    Journey,
 }
 
 impl Speed {
@@ -122,6 +125,9 @@ impl Speed {
         let points = match self {
             Speed::ConstantKmH(v) => vec![[0.0, *v]],
             Speed::PointsSKmH(points) => points.clone(),
+            Speed::Journey => {
+                return Err(InvalidValue::new("journey", "without one", "a scenario with a [journey]"));
+            }
         };
         for [_, v] in &points {
             within("km/h", *v, 0.0, 500.0, "a speed from 0 to 500")?;

@@ -68,12 +68,12 @@ fn syntax_errors_say_where_and_what() {
         (
             "constant_km_h",
             "constant_mph",
-            "line 6, column 1: unknown variant `constant_mph`, expected `constant_km_h` or `points_s_km_h`",
+            "line 6, column 1: unknown variant `constant_mph`, expected one of `constant_km_h`, `points_s_km_h`, `journey`",
         ),
         (
             "\"flat\"",
             "\"bumpy\"",
-            "line 8, column 11: unknown variant `bumpy`, expected one of `flat`, `iso8608`, `bench`, `segments`, `profile`",
+            "line 8, column 11: unknown variant `bumpy`, expected one of `flat`, `iso8608`, `bench`, `segments`, `profile`, `journey`",
         ),
         ("[corner.fl.", "[corner.f1.", "unknown field `f1`, expected one of `fl`, `fr`, `rl`, `rr`"),
         ("duration_s = 1", "", "missing field `duration_s`"),
@@ -134,7 +134,8 @@ fn an_unknown_name_lists_the_known_ones() {
     assert_eq!(
         message,
         "no scenario `paper-dorp` (did you mean `paper-drop`?); \
-         built in: paper-drop, paper-deep-drop, paper-drop-recover, bench-drop, bench-drop-recover, bench-slow; \
+         built in: paper-drop, paper-deep-drop, paper-drop-recover, bench-drop, bench-drop-recover, bench-slow, \
+         drive-puncture, drive-slow-leak, drive-diffusion, drive-normal; \
          or give a TOML file"
     );
     let message = Scenario::builtin("xyz").unwrap_err().to_string();

@@ -69,6 +69,8 @@ pub enum Surface {
     Segments(Segments),
     /// A surveyed profile, the same for both tracks.
     Profile(ProfileSpec),
+    /// Stretches composed from the seed, as the scenario's `[journey]` says.
+    Journey,
 }
 
 /// A road as written in a scenario.
@@ -103,6 +105,7 @@ impl RoadSpec {
             Surface::Iso8608(iso) => iso.validate().map_err(|e| e.within("surface.iso8608")),
             Surface::Bench(bench) => bench.validate().map_err(|e| e.within("surface.bench")),
             Surface::Segments(s) => s.validate().map_err(|e| e.within("surface.segments")),
+            Surface::Journey => Err(surface::journey_without_one()),
         }?;
         for p in &self.pothole {
             p.validate().map_err(|e| e.within("pothole"))?;

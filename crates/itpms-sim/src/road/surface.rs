@@ -61,6 +61,7 @@ impl SurfaceRun {
                 SurfaceRun::Segmented(SegmentedRoad::new(spec, block, spacing_m, seed, line))
             }
             Surface::Profile(spec) => SurfaceRun::Measured { profile: Arc::new(spec.load()?), spacing_m },
+            Surface::Journey => return Err(journey_without_one().into()),
         };
         Ok((run, nodes_per_m))
     }
@@ -87,4 +88,8 @@ fn bench_without_speed() -> InvalidValue {
         "at no one speed",
         "a constant speed above 0 (a test bed stands for one)",
     )
+}
+
+pub(crate) fn journey_without_one() -> InvalidValue {
+    InvalidValue::new("surface", "journey", "a scenario with a [journey], composed")
 }

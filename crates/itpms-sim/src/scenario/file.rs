@@ -7,13 +7,17 @@ use crate::error::ScenarioError;
 use crate::road::Surface;
 
 /// The scenarios that come with the program, by name.
-const BUILT_IN: [(&str, &str); 6] = [
+const BUILT_IN: [(&str, &str); 10] = [
     ("paper-drop", include_str!("../../scenarios/paper-drop.toml")),
     ("paper-deep-drop", include_str!("../../scenarios/paper-deep-drop.toml")),
     ("paper-drop-recover", include_str!("../../scenarios/paper-drop-recover.toml")),
     ("bench-drop", include_str!("../../scenarios/bench-drop.toml")),
     ("bench-drop-recover", include_str!("../../scenarios/bench-drop-recover.toml")),
     ("bench-slow", include_str!("../../scenarios/bench-slow.toml")),
+    ("drive-puncture", include_str!("../../scenarios/drive-puncture.toml")),
+    ("drive-slow-leak", include_str!("../../scenarios/drive-slow-leak.toml")),
+    ("drive-diffusion", include_str!("../../scenarios/drive-diffusion.toml")),
+    ("drive-normal", include_str!("../../scenarios/drive-normal.toml")),
 ];
 
 /// How alike two names must be (Jaro-Winkler, 0 to 1) for one to be suggested for the other.

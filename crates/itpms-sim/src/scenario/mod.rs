@@ -8,6 +8,7 @@
 
 mod corner;
 mod file;
+mod journey;
 
 use serde::{Deserialize, Serialize};
 
@@ -15,6 +16,7 @@ use itpms_core::estimate::CornerConfig;
 use itpms_core::sample::Corner;
 
 pub use corner::{CornerSpec, Corners, TireSpec};
+pub use journey::JourneySpec;
 
 use crate::antialias::AntiAliasSpec;
 use crate::car::CarSpec;
@@ -68,6 +70,10 @@ pub struct Scenario {
     /// right wheels independent roads.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub car: Option<CarSpec>,
+    /// What speed, road, turns and loads are composed of, from the seed; `speed` and `road.surface` are `"journey"`
+    /// then.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub journey: Option<JourneySpec>,
     /// The corners driven: at least one.
     pub corner: Corners,
 }
@@ -90,7 +96,54 @@ impl Scenario {
         self.first_invalid().map_err(|source| ScenarioError::Invalid { scenario: self.name.clone(), source })
     }
 
+    /// The drive of a seed with every point written out; without a [`JourneySpec`] the scenario as it is.
+    ///
+    /// # Errors
+    /// A value out of range, or a journey in only a part of the scenario.
+    pub fn composed(&self, seed: u64) -> Result<Self, ScenarioError> {
+        self.validate()?;
+        Ok(self.with_journey(seed))
+    }
+
+    fn with_journey(&self, seed: u64) -> Self {
+        let mut scenario = self.clone();
+        if let Some(spec) = scenario.journey.take() {
+            let journey = spec.compose(seed, self.duration_s);
+            scenario.speed = Speed::PointsSKmH(journey.points_s_km_h);
+            scenario.road.surface = Surface::Segments(journey.segments);
+            if let Some(car) = &mut scenario.car {
+                car.lateral_points_s_m_s2 = journey.lateral_points_s_m_s2;
+                car.payload = journey.payload;
+            }
+        }
+        scenario
+    }
+
+    /// Of a scenario with a journey: that it is one throughout, and one that can be driven.
+    fn first_invalid_of_journey(&self, journey: &JourneySpec) -> Result<(), InvalidValue> {
+        within("duration_s", self.duration_s, 0.1, 1e6, "a duration from 0.1 to 1000000 s")?;
+        journey.validate().map_err(|e| e.within("journey"))?;
+        let found = "given beside a [journey]";
+        if self.speed != Speed::Journey {
+            return Err(InvalidValue::new("speed", found, "\"journey\""));
+        }
+        if self.road.surface != Surface::Journey {
+            return Err(InvalidValue::new("road.surface", found, "\"journey\""));
+        }
+        match &self.car {
+            None => Err(InvalidValue::new("car", "missing", "a [car] to go on the [journey]")),
+            Some(car) if !(car.payload.is_empty() && car.lateral_points_s_m_s2.is_empty()) => {
+                let expected = "neither payload nor lateral_points_s_m_s2";
+                Err(InvalidValue::new("car", "loaded or turned beside a [journey]", expected))
+            }
+            Some(_) => self.with_journey(0).first_invalid(),
+        }
+    }
+
     fn first_invalid(&self) -> Result<(), InvalidValue> {
+        if let Some(journey) = &self.journey {
+            return self.first_invalid_of_journey(journey);
+        }
         within("duration_s", self.duration_s, 0.1, 1e6, "a duration from 0.1 to 1000000 s")?;
         within("rate_hz", self.rate_hz, 20.0, 10_000.0, "a rate from 20 to 10000 Hz")?;
         within("settle_s", self.settle_s, 0.0, 60.0, "a time from 0 to 60 s")?;

@@ -71,7 +71,8 @@ impl Simulation {
     /// # Errors
     /// A value out of range, or a road profile that cannot be read.
     pub fn new(scenario: &Scenario, seed: u64) -> Result<Self, ScenarioError> {
-        scenario.validate()?;
+        let composed = scenario.composed(seed)?;
+        let scenario = &composed;
         let invalid = |source| ScenarioError::Invalid { scenario: scenario.name.clone(), source };
         let rate_hz = scenario.rate_hz;
         let steps_per_sample = (PLANT_RATE_HZ / rate_hz - 1e-9).ceil().max(STEPS_PER_SAMPLE);
