@@ -74,7 +74,11 @@ pub(super) fn standing(file: &str, title: &str, what: &str, cases: &[(String, &O
     table
 }
 
-/// Our spread against a number that the paper prints, in a word or two.
+/// Farther than this from ours, as a factor, the paper's number does not agree with it, however wide our spread is.
+const NEAR: f64 = 1.25;
+
+/// Our spread against a number that the paper prints, in a word or two. To agree takes both: the number lies within our
+/// spread, and close to its middle.
 pub(super) fn verdict(paper_kpa: f64, ours: &Spread) -> String {
     let percent = 100.0 * (ours.median / paper_kpa - 1.0);
     let off = match percent {
@@ -84,10 +88,14 @@ pub(super) fn verdict(paper_kpa: f64, ours: &Spread) -> String {
         p if p > 0.0 => format!("{p:.0} % larger"),
         p => format!("{:.0} % smaller", -p),
     };
-    if (ours.p10..=ours.p90).contains(&paper_kpa) {
-        format!("Agrees: within our 10–90 %, our median is {off}.")
-    } else {
-        format!("Differs: our median is {off}.")
+    let ratio = ours.median / paper_kpa;
+    let near = ratio.max(ratio.recip()) <= NEAR;
+    match (ours.p10..=ours.p90).contains(&paper_kpa) {
+        true if near => format!("Agrees: within our 10–90 %, our median is {off}."),
+        true => {
+            format!("Differs: our median is {off}; our 10–90 % is so wide that it holds the paper's number.")
+        }
+        false => format!("Differs: our median is {off}."),
     }
 }
 
@@ -101,6 +109,14 @@ mod tests {
         assert_eq!(verdict(12.0, &ours), "Agrees: within our 10–90 %, our median is 8 % larger.");
         assert_eq!(verdict(26.0, &ours), "Differs: our median is 50 % smaller.");
         assert_eq!(verdict(6.5, &ours), "Differs: our median is 2.0 times as large.");
+        // A spread that holds anything agrees with nothing.
+        let wide = Spread { p10: 3.4, median: 14.8, p90: 40.7 };
+        let width = "our 10–90 % is so wide that it holds the paper's number.";
+        assert_eq!(verdict(4.22, &wide), format!("Differs: our median is 3.5 times as large; {width}"));
+        assert_eq!(verdict(30.0, &wide), format!("Differs: our median is 51 % smaller; {width}"));
+        // A quarter more, or the paper a quarter more, is the end of it.
+        assert!(verdict(10.5, &ours).starts_with("Agrees") && verdict(10.3, &ours).starts_with("Differs"));
+        assert!(verdict(16.0, &ours).starts_with("Agrees"));
         assert_eq!(spread(&ours, 1), "13.0 (10.0 – 16.0)");
         let lost = Spread { p10: f64::INFINITY, median: f64::INFINITY, p90: f64::INFINITY };
         assert_eq!(
