@@ -74,4 +74,8 @@ fn a_corner_that_is_not_there_is_refused() {
     let refusal = outcome.refusal();
     assert!(refusal.contains("no corner fr") && refusal.contains("fl, rl"), "{refusal}");
     assert_eq!(bench.names(), ["car.toml"]);
+    // Nor is a file a folder.
+    let refusal = bench.run("observability --vehicle car.toml --out car.toml");
+    assert!(refusal.refusal().contains("it is a file, expected a directory"));
+    assert_eq!(bench.names(), ["car.toml"]);
 }

@@ -3,6 +3,7 @@
 pub(crate) mod completions;
 pub(crate) mod demo;
 pub(crate) mod estimate;
+pub(crate) mod folder;
 pub(crate) mod identify;
 pub(crate) mod observability;
 pub(crate) mod reproduce;

@@ -1,14 +1,12 @@
 //! `itpms observability`: what the accelerations of a vehicle's corner can tell of its tire, and what they cannot.
 
-use std::fs;
 use std::ops::ControlFlow;
-use std::path::Path;
 
 use itpms_core::sample::Corner;
 use itpms_data::Vehicle;
-use itpms_data::out::AtomicFile;
 use itpms_study::observability::{Observability, StudyError, Subject, study};
 
+use super::folder::Folder;
 use crate::args::ObservabilityArgs;
 use crate::exit::Failure;
 use crate::interrupt::Interrupt;
@@ -17,6 +15,7 @@ use crate::screen::Screen;
 pub(crate) fn run(args: &ObservabilityArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
     let vehicle = Vehicle::read(&args.vehicle)?;
     let subject = subject(&vehicle, args.corner)?;
+    let folder = args.out.as_deref().map(Folder::open).transpose()?;
     let look = |_| match interrupt.check() {
         Ok(()) => ControlFlow::Continue(()),
         Err(_) => ControlFlow::Break(()),
@@ -27,15 +26,15 @@ pub(crate) fn run(args: &ObservabilityArgs, screen: &Screen, interrupt: &Interru
     })?;
     let json = serde_json::to_string_pretty(&result)
         .map_err(|error| Failure::Usage(format!("the study is no JSON: {error}")))?;
-    if let Some(directory) = &args.out {
-        write(directory, &result, &json)?;
+    if let Some(folder) = &folder {
+        write(folder, &result, &json)?;
     }
     if args.json {
         screen.print(json);
     } else {
         screen.print(result.summary().trim_end());
-        if let Some(directory) = &args.out {
-            screen.print(format!("See {} for the figures.", directory.join("observability.html").display()));
+        if let Some(folder) = &folder {
+            screen.print(format!("See {} for the figures.", folder.at("observability.html").display()));
         }
     }
     Ok(())
@@ -64,9 +63,8 @@ fn subject(vehicle: &Vehicle, asked: Option<Corner>) -> Result<Subject, Failure>
     Ok(Subject::new(&vehicle.name, corner.label(), config, vehicle.corner(partner)))
 }
 
-/// Everything into a directory; the files get their names when all are complete.
-fn write(directory: &Path, result: &Observability, json: &str) -> Result<(), Failure> {
-    fs::create_dir_all(directory).map_err(|error| Failure::Directory(directory.to_owned(), error))?;
+/// Page, figures, tables, and everything as JSON.
+fn write(folder: &Folder, result: &Observability, json: &str) -> Result<(), Failure> {
     let mut contents = vec![
         ("observability.json".to_owned(), format!("{json}\n")),
         ("observability.html".to_owned(), result.page()),
@@ -74,15 +72,5 @@ fn write(directory: &Path, result: &Observability, json: &str) -> Result<(), Fai
     contents.extend(result.tables().into_iter().map(|(name, text)| (format!("{name}.csv"), text)));
     contents
         .extend(result.figures().into_iter().map(|figure| (format!("{}.svg", figure.name()), figure.svg())));
-    let mut files = Vec::new();
-    for (name, content) in contents {
-        let mut file = AtomicFile::create(&directory.join(name))?;
-        file.append(content.as_bytes())?;
-        file.settle()?;
-        files.push(file);
-    }
-    for file in files {
-        file.commit()?;
-    }
-    Ok(())
+    folder.fill(contents)
 }

@@ -1,13 +1,10 @@
 //! `itpms reproduce`: the paper's study made again, as a page and its files.
 
-use std::fs;
-use std::io;
 use std::ops::ControlFlow;
-use std::path::Path;
 
-use itpms_data::out::AtomicFile;
-use itpms_study::paper::{PaperError, Request, Study, reproduce};
+use itpms_study::paper::{PaperError, Request, reproduce};
 
+use super::folder::Folder;
 use crate::args::ReproduceArgs;
 use crate::exit::Failure;
 use crate::interrupt::Interrupt;
@@ -24,10 +21,7 @@ pub(crate) fn run(args: &ReproduceArgs, screen: &Screen, interrupt: &Interrupt) 
         bench_unsprung_mass_kg: args.bench_unsprung_mass,
         bench_actuator_hz: args.bench_actuator,
     };
-    if args.out.exists() && !args.out.is_dir() {
-        let error = io::Error::new(io::ErrorKind::NotADirectory, "it is a file, expected a directory");
-        return Err(Failure::Directory(args.out.clone(), error));
-    }
+    let folder = Folder::open(&args.out)?;
     let progress = screen.progress("driving");
     let look = |done: u64, total: u64| match interrupt.check() {
         Ok(()) => {
@@ -39,26 +33,10 @@ pub(crate) fn run(args: &ReproduceArgs, screen: &Screen, interrupt: &Interrupt) 
     let result = reproduce(&request, &look);
     drop(progress);
     let study = result.map_err(failure)?;
-    write(&args.out, &study)?;
+    let files = study.files().map_err(failure)?;
+    folder.fill(files.into_iter().map(|file| (file.name, file.content)))?;
     screen.print(study.summary().trim_end());
-    screen.print(format!("See {} for every figure and table.", args.out.join("index.html").display()));
-    Ok(())
-}
-
-/// Everything into a directory; the files get their names when all are complete.
-fn write(directory: &Path, study: &Study) -> Result<(), Failure> {
-    let contents = study.files().map_err(failure)?;
-    fs::create_dir_all(directory).map_err(|error| Failure::Directory(directory.to_owned(), error))?;
-    let mut files = Vec::new();
-    for content in contents {
-        let mut file = AtomicFile::create(&directory.join(content.name))?;
-        file.append(content.content.as_bytes())?;
-        file.settle()?;
-        files.push(file);
-    }
-    for file in files {
-        file.commit()?;
-    }
+    screen.print(format!("See {} for every figure and table.", folder.at("index.html").display()));
     Ok(())
 }
 
