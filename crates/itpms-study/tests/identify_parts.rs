@@ -361,6 +361,8 @@ fn tables_that_give_no_line_are_refused_with_the_reason() {
     assert_eq!(refused(&P[..2], &K[..2]), "found 2 rows, expected at least 3");
     assert_eq!(refused(&[200.0; 5], &K), "pressure_kpa is constant (200)");
     assert!(refused(&times(&P, 0.145_038), &K).contains("it looks like psi"));
+    // 1e300 is not written out in full.
+    assert!(refused(&times(&P, 1e300), &K).contains("e302 kPa, expected"));
     assert!(refused(&times(&P, 0.01), &K).contains("it looks like bar"));
     assert!(refused(&times(&P, 1000.0), &K).contains("it looks like Pa"));
     assert!(refused(&P, &times(&K, 1e-3)).contains("it looks like N/mm or kN/m"));

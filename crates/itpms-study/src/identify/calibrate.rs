@@ -9,8 +9,8 @@ use serde::Serialize;
 
 use super::IdentifyError;
 use super::blocks::{Block, solve};
-use super::distribution::{f_beyond, t_beyond, t_quantile};
-use super::guard::{self, Units};
+use super::distribution::{f_beyond, t_quantile};
+use super::guard::{self, Units, plain};
 
 /// Rows needed for a line with a standard error.
 const FEWEST_ROWS: usize = 3;
@@ -147,12 +147,18 @@ impl Calibration {
     /// Half the width in N/m of the 95 % confidence band of the line at a pressure in kPa.
     #[must_use]
     pub fn band_95_n_per_m(&self, pressure_kpa: f64) -> f64 {
-        band(&self.map, self.rows.len(), pressure_kpa)
+        band(&self.map, t_of_band(self.rows.len()), pressure_kpa)
     }
 }
 
-fn band(map: &PressureMap<f64>, rows: usize, pressure_kpa: f64) -> f64 {
-    t_quantile(0.05, rows as f64 - 2.0) * map.map_sd_kpa(pressure_kpa) * map.stiffness_per_kpa()
+/// Student's t of the 95 % band.
+fn t_of_band(rows: usize) -> f64 {
+    t_quantile(0.05, rows as f64 - 2.0)
+}
+
+/// `t` is that of [`t_of_band`]: dear enough not to be computed for every row.
+fn band(map: &PressureMap<f64>, t: f64, pressure_kpa: f64) -> f64 {
+    t * map.map_sd_kpa(pressure_kpa) * map.stiffness_per_kpa()
 }
 
 fn refusal(error: RegressionError, p: &[f64], k: &[f64]) -> IdentifyError {
@@ -183,7 +189,7 @@ fn check_columns(p: &[f64], k: &[f64], units: Units) -> Result<(), IdentifyError
         _ => None,
     };
     if let Some(hint) = hint {
-        let found = format!("{lowest} to {highest} kPa");
+        let found = format!("{} to {} kPa", plain(lowest), plain(highest));
         return Err(IdentifyError::Units {
             what: "pressure_kpa",
             found,
@@ -202,7 +208,7 @@ fn check_columns(p: &[f64], k: &[f64], units: Units) -> Result<(), IdentifyError
         None => Ok(()),
         Some(hint) => Err(IdentifyError::Units {
             what: "stiffness_n_per_m",
-            found: format!("{lowest} to {highest} N/m"),
+            found: format!("{} to {} N/m", plain(lowest), plain(highest)),
             expected: "10 000 to 20 000 000 N/m",
             hint,
         }),
@@ -216,7 +222,7 @@ fn check_slope(slope: f64, units: Units) -> Result<(), IdentifyError> {
     }
     Err(IdentifyError::Units {
         what: "the slope",
-        found: format!("{slope:.4} N/m per kPa"),
+        found: format!("{} N/m per kPa", plain(slope)),
         expected: "20 to 20 000 N/m per kPa",
         hint: "",
     })
@@ -242,7 +248,7 @@ fn rows(map: &PressureMap<f64>, p: &[f64], k: &[f64]) -> Vec<CalibrationRow> {
     let s_pp: f64 = p.iter().map(|p| (p - mean).powi(2)).sum();
     let residual = |p: f64, k: f64| k - map.stiffness_n_per_m(p);
     let squares: f64 = p.iter().zip(k).map(|(p, k)| residual(*p, *k).powi(2)).sum();
-    let p_len = p.len();
+    let t = t_of_band(p.len());
     let row = |(p, k): (&f64, &f64)| {
         let e = residual(*p, *k);
         let leverage = 1.0 / n + (p - mean).powi(2) / s_pp;
@@ -253,7 +259,7 @@ fn rows(map: &PressureMap<f64>, p: &[f64], k: &[f64]) -> Vec<CalibrationRow> {
             pressure_kpa: *p,
             stiffness_n_per_m: *k,
             fitted_n_per_m: map.stiffness_n_per_m(*p),
-            band_95_n_per_m: band(map, p_len, *p),
+            band_95_n_per_m: band(map, t, *p),
             residual_n_per_m: e,
             studentized: studentized.is_finite().then_some(studentized),
         }
@@ -316,10 +322,11 @@ fn concerns(result: &Calibration) -> Vec<String> {
             test.p
         ));
     }
+    // Bonferroni: any of n rows.
+    let farthest = if n >= 5 { t_quantile(SUSPICIOUS / n as f64, n as f64 - 3.0) } else { f64::INFINITY };
     for (i, row) in result.rows.iter().enumerate() {
         let Some(t) = row.studentized else { continue };
-        // Bonferroni: any of n rows.
-        if n >= 5 && t_beyond(t, n as f64 - 3.0) * (n as f64) < SUSPICIOUS {
+        if t.abs() > farthest {
             out.push(format!(
                 "row {} ({} kPa, {} N/m) stands out: {t:.1} standard deviations from the line of the others",
                 i + 1,

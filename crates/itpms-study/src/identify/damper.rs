@@ -12,7 +12,7 @@ use super::blocks::{Block, BlockFit, jackknife};
 use super::distribution::chi_square_beyond;
 use super::doubts;
 use super::estimate::Estimate;
-use super::guard::Units;
+use super::guard::{Units, plain};
 use super::motion::{Run, runs};
 use super::spring::UNSETTLED;
 
@@ -192,7 +192,7 @@ fn check(damping: &Estimate, units: Units) -> Result<(), IdentifyError> {
     }
     Err(IdentifyError::Units {
         what: "the damping",
-        found: format!("{value:.4} N s/m"),
+        found: format!("{} N s/m", plain(value)),
         expected: "10 to 500 000 N s/m",
         hint: if value < lowest { "; the force looks like kN" } else { "; is the displacement in m?" },
     })

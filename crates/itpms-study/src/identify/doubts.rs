@@ -57,9 +57,15 @@ pub(super) fn concerns(result: &DamperResult) -> Vec<String> {
         })
     });
     for run in strays {
+        let left = run.in_phase_n_per_m.value;
+        // All of the spring is missing: more likely there is none than that something undoes it.
+        let cause = match result.spring_n_per_m {
+            Some(k) if (left + k).abs() < 0.1 * k => "is that spring in this force at all?",
+            _ => "moving mass, a gas spring, or another spring",
+        };
         out.push(format!(
-            "at {:.2} Hz {:.0} N/m in phase with the displacement are left beside the spring given: moving mass, a gas spring, or another spring",
-            run.frequency_hz, run.in_phase_n_per_m.value
+            "at {:.2} Hz {left:.0} N/m in phase with the displacement are left beside the spring given: {cause}",
+            run.frequency_hz
         ));
     }
     out

@@ -32,6 +32,15 @@ pub(super) fn pair(
     Ok(())
 }
 
+/// As people write it, with its power of ten where there would be more zeros than anybody counts.
+pub(super) fn plain(value: f64) -> String {
+    match value.abs() {
+        size if size > 0.0 && !(1e-4..1e9).contains(&size) => format!("{value:.2e}"),
+        size if size >= 1e3 => format!("{value:.1}"),
+        _ => format!("{value:.4}"),
+    }
+}
+
 /// Lowest and highest value.
 pub(super) fn range(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)))

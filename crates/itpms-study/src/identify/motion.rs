@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use super::IdentifyError;
 use super::damper::SineRecord;
-use super::guard::{self, Units};
+use super::guard::{self, Units, plain};
 use super::sine::{self, Sine};
 
 /// Rows needed in a period.
@@ -90,7 +90,7 @@ fn check_amplitude(amplitude_m: f64, units: Units) -> Result<(), IdentifyError> 
     }
     Err(IdentifyError::Units {
         what: "the amplitude",
-        found: format!("{amplitude_m:.4} m"),
+        found: format!("{} m", plain(amplitude_m)),
         expected: "at most 0.5 m",
         hint: "; it looks like millimetres",
     })
@@ -112,7 +112,7 @@ fn run(
     if units == Units::Checked && frequency_hz < SLOWEST_HZ {
         return Err(IdentifyError::Units {
             what: "the frequency",
-            found: format!("{frequency_hz:.5} Hz"),
+            found: format!("{} Hz", plain(frequency_hz)),
             expected: "0.02 Hz or more",
             hint: "; time_s looks like milliseconds",
         });

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::blocks::{Block, jackknife, solve};
 use super::estimate::{ErrorBasis, Estimate};
-use super::guard::{self, Units};
+use super::guard::{self, Units, plain};
 use super::strokes::{Stroke, strokes};
 use super::{IdentifyError, loops};
 
@@ -154,7 +154,7 @@ fn check_travel(travel_m: f64, units: Units) -> Result<(), IdentifyError> {
     if units == Units::Checked && travel_m > LONGEST_M {
         return Err(IdentifyError::Units {
             what: "the travel",
-            found: format!("{travel_m:.4} m"),
+            found: format!("{} m", plain(travel_m)),
             expected: "at most 1 m",
             hint: "; it looks like millimetres",
         });
@@ -170,7 +170,7 @@ fn check_stiffness(value: f64, units: Units) -> Result<(), IdentifyError> {
     let hint = if value < lowest { "; the load looks like kN" } else { "; is the displacement in m?" };
     Err(IdentifyError::Units {
         what: "the stiffness",
-        found: format!("{value:.4} N/m"),
+        found: format!("{} N/m", plain(value)),
         expected: "500 to 10 000 000 N/m",
         hint,
     })

@@ -7,6 +7,9 @@ use super::damper::DamperResult;
 use super::estimate::Estimate;
 use super::spring::SpringResult;
 
+/// Rows of a table of tire tests that a terminal shows.
+const MOST_ROWS: usize = 60;
+
 /// Digits after the point for which the standard error has two significant ones, at most six.
 fn decimals(standard_error: f64) -> usize {
     if !(standard_error > 0.0 && standard_error.is_finite()) {
@@ -199,7 +202,7 @@ impl Calibration {
                     let (upper, lower) = test.degrees_of_freedom;
                     format!("F({upper},{lower}) {:.2}, p {:.3}", test.f, test.p)
                 }
-                None => "not to be told".to_owned(),
+                None => "not testable with these rows".to_owned(),
             };
             line(&mut out, name, &value, remark);
         }
@@ -219,7 +222,7 @@ impl Calibration {
             "N/m",
             ""
         );
-        for row in &self.rows {
+        for row in self.rows.iter().take(MOST_ROWS) {
             let studentized = row.studentized.map_or_else(|| "-".to_owned(), |t| format!("{t:.2}"));
             let _ = writeln!(
                 out,
@@ -231,6 +234,9 @@ impl Calibration {
                 row.residual_n_per_m,
                 studentized
             );
+        }
+        if let Some(more @ 1..) = self.rows.len().checked_sub(MOST_ROWS) {
+            let _ = writeln!(out, "and {more} more; all of them are in the JSON and in the figure");
         }
         out.push('\n');
         ending(&mut out, &self.concerns);
