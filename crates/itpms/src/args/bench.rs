@@ -10,7 +10,7 @@ use super::positive;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   itpms identify spring load-displacement.csv --plot spring.svg
-  itpms identify damper sine.csv --spring 20663 --json")]
+  itpms identify damper sine.csv --plot damper.svg")]
 pub(crate) struct IdentifyArgs {
     #[command(subcommand)]
     pub(crate) part: IdentifyPart,
@@ -43,7 +43,8 @@ pub(crate) struct SpringArgs {
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   itpms identify damper sine.csv --plot damper.svg
-  itpms identify damper 1hz.csv 2hz.csv 4hz.csv --spring 20663 --json")]
+  itpms identify damper 1hz.csv 2hz.csv 4hz.csv --json
+  itpms identify damper strut.csv --spring 20663")]
 pub(crate) struct DamperArgs {
     /// The measurements: .csv.
     #[arg(value_name = "SINE", required = true)]
@@ -55,7 +56,7 @@ pub(crate) struct DamperArgs {
     pub(crate) output: BenchOutput,
 }
 
-/// Fit a tire's stiffness over pressure, with its confidence band, and write the [tire] table of a vehicle file.
+/// Fit a tire's stiffness over pressure, with its confidence band, and write the tire table of a vehicle file.
 ///
 /// Columns pressure_kpa and stiffness_n_per_m; a pressure may be there several times.
 #[derive(Debug, clap::Args)]
@@ -63,7 +64,7 @@ pub(crate) struct DamperArgs {
 pub(crate) struct CalibrateArgs {
     /// The tire tests: .csv.
     pub(crate) table: PathBuf,
-    /// Where the [tire] table goes; printed unless given.
+    /// Where the tire table goes; printed unless given.
     #[arg(short = 'o', long = "output", value_name = "TIRE.toml")]
     pub(crate) tire: Option<PathBuf>,
     #[command(flatten)]
