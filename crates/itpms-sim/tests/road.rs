@@ -4,8 +4,8 @@
 use std::f64::consts::{PI, TAU};
 
 use itpms_sim::road::{
-    Amplitude, Iso8608, Pothole, ProfileSpec, REFERENCE_CYCLES_PER_M, Road, RoadClass, RoadSpec, Roughness,
-    Side, Step, Surface, Tracks,
+    Amplitude, Iso8608, Line, Pothole, ProfileSpec, REFERENCE_CYCLES_PER_M, Road, RoadClass, RoadSpec,
+    Roughness, Segment, Segments, Side, Step, Surface, Tracks, coherence,
 };
 use realfft::RealFftPlanner;
 
@@ -234,4 +234,60 @@ fn bad_roads_are_refused_with_the_fields_name() {
     assert!(error(&RoadSpec::iso8608(f64::NAN, 2.0)).starts_with("surface.iso8608.roughness is NaN"));
     let empty = RoadSpec { surface: Surface::Profile(ProfileSpec::default()), ..RoadSpec::default() };
     assert_eq!(error(&empty), "0 points, expected at least 4");
+}
+
+/// Welch cross-spectrum of two profiles over their own spectra: the real part of the coherence by bin, and the spectra.
+fn welch_coherence(a: &[f64], b: &[f64], n: usize) -> Vec<f64> {
+    let sum: Vec<f64> = a.iter().zip(b).map(|(a, b)| a + b).collect();
+    let [saa, sbb, scc] = [a, b, &sum].map(|x| welch(x, n));
+    // |A + B|² = |A|² + |B|² + 2 Re A B*.
+    (0..n / 2).map(|k| 0.5 * (scc[k] - saa[k] - sbb[k]) / (saa[k] * sbb[k]).sqrt()).collect()
+}
+
+#[test]
+fn tracks_and_offsets_are_as_coherent_as_on_an_isotropic_surface() {
+    // 5 km, segments of 41 m, half overlapped: 120 independent ones, so a coherence of 0 has an sd of 0.065 per bin.
+    let (count, n) = (500_000, 4096);
+    let segments = Surface::Segments(Segments {
+        list: vec![Segment { length_m: 1e5, roughness: RoadClass::B.into(), slope: 1.8 }],
+        after_last: itpms_sim::road::AfterLast::Hold,
+        amplitude: Amplitude::Gaussian,
+    });
+    let segmented = RoadSpec { surface: segments, ..RoadSpec::default() };
+    for (spec, w) in [(RoadSpec::iso8608(RoadClass::B, 2.14), 2.14), (segmented, 1.8)] {
+        let along = |line: Line| -> Vec<f64> {
+            let mut road = Road::along(&spec, line, 5, 0.005).unwrap();
+            (0..count).map(|i| road.height_m(i as f64 * SPACING_M)).collect()
+        };
+        let [left, right] = [Side::Left, Side::Right].map(|side| Line::of_track(side, 1.55));
+        let [on_left, on_right] = [left, right].map(along);
+        let (beside_left, beside_right) = (along(left.beside(0.02)), along(right.beside(0.1)));
+        let bin = 1.0 / (n as f64 * SPACING_M);
+        for (a, b, distance_m) in
+            [(&on_left, &on_right, 1.55), (&on_left, &beside_left, 0.02), (&on_right, &beside_right, 0.1)]
+        {
+            let found = welch_coherence(a, b, n);
+            // Means over half octaves, 0.1 to 10 cycles/m; the lowest has two bins.
+            let mut from = 0.1;
+            while from < 10.0 {
+                let bins: Vec<usize> =
+                    (1..n / 2).filter(|&k| (from..1.4142 * from).contains(&(k as f64 * bin))).collect();
+                let mean =
+                    |f: &dyn Fn(usize) -> f64| bins.iter().map(|&k| f(k)).sum::<f64>() / bins.len() as f64;
+                let got = mean(&|k| found[k]);
+                let expected = mean(&|k| coherence(k as f64 * bin, distance_m, w));
+                // sd of a coherence: (1 - γ²)/sqrt(2 * 120) per bin, less with more bins; the window's leakage adds some.
+                let sd = (1.0 - expected * expected) / (240.0 * bins.len() as f64).sqrt();
+                let error = (got - expected).abs();
+                assert!(error < 4.0 * sd + 0.01, "w {w}, {distance_m} m, {from}: {got} {expected}");
+                from *= 1.4142;
+            }
+        }
+        // Every line is a road of the spectrum itself.
+        let iso = Iso8608::new(RoadClass::B, w);
+        for line in [&on_right, &beside_left, &beside_right] {
+            let (level, slope) = fit(&welch(line, n), n, &iso);
+            assert!((level - 1.0).abs() < 0.06 && (slope - w).abs() < 0.05, "w {w}: {level} {slope}");
+        }
+    }
 }

@@ -73,6 +73,8 @@ pub struct FullCar {
     struts: [Strut; 4],
     per_wheel_kg: [f64; 4],
     tire_n_s_per_m: [f64; 4],
+    /// What each tire carries of the unloaded car at rest.
+    static_n: [f64; 4],
     /// Inverse of the loaded body's mass matrix.
     compliance: [[f64; 3]; 3],
     loaded_kg: f64,
@@ -85,7 +87,8 @@ pub struct FullCar {
 
 impl FullCar {
     /// A car at rest on the roads of the given heights, carrying nothing. The corners are told quarter cars with the
-    /// true ones' deviations; their sprung masses play no part, the body's mass does.
+    /// true ones' deviations; their sprung masses are what each tire carries of the body at rest, the body's own mass
+    /// moves.
     ///
     /// # Errors
     /// A factor that leaves a parameter without physical sense.
@@ -102,6 +105,7 @@ impl FullCar {
             struts: all.map(|i| Strut::new(&cars[i], &corners[i].1)),
             per_wheel_kg: cars.map(|car| car.unsprung_mass_kg().recip()),
             tire_n_s_per_m: all.map(|i| corners[i].1.tire_damping_n_s_per_m),
+            static_n: cars.map(|car| GRAVITY_M_S2 * (car.sprung_mass_kg() + car.unsprung_mass_kg())),
             compliance: [[0.0; 3]; 3],
             loaded_kg: body.mass_kg,
             weight: [0.0; 3],
@@ -233,6 +237,8 @@ impl FullCar {
             let strut = self.struts[i].force_n(wheel - self.corner(q, i), extension_m_s) + bars[i];
             let tire = now.stiffness_n_per_m[i] * (now.road_m[i] - wheel)
                 + self.tire_n_s_per_m[i] * (now.road_m_s[i] - wheel_rate);
+            // A tire pushes and does not pull: beyond its static load the wheel is in the air.
+            let tire = tire.max(-self.static_n[i]);
             acceleration[3 + i] = (tire + now.wheel_force_n[i] - strut) * self.per_wheel_kg[i];
             body.iter_mut().zip(lever(self.body.struts_m[i])).for_each(|(f, a)| *f += a * strut);
         }

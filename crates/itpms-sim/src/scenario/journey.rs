@@ -50,16 +50,12 @@ struct Kind {
     stop_chance: f64,
 }
 
-const KINDS: [Kind; 4] = [
-    Kind {
-        chance: 0.35,
-        classes: &[RoadClass::A, RoadClass::B, RoadClass::C],
-        km_h: [20.0, 50.0],
-        stop_chance: 0.5,
-    },
-    Kind { chance: 0.35, classes: &[RoadClass::A, RoadClass::B], km_h: [50.0, 100.0], stop_chance: 0.1 },
+const KINDS: [Kind; 5] = [
+    Kind { chance: 0.3, classes: &[RoadClass::A, RoadClass::B], km_h: [20.0, 50.0], stop_chance: 0.5 },
+    Kind { chance: 0.3, classes: &[RoadClass::A, RoadClass::B], km_h: [50.0, 100.0], stop_chance: 0.1 },
     Kind { chance: 0.2, classes: &[RoadClass::A], km_h: [90.0, 130.0], stop_chance: 0.0 },
-    Kind { chance: 0.1, classes: &[RoadClass::D], km_h: [10.0, 25.0], stop_chance: 0.1 },
+    Kind { chance: 0.1, classes: &[RoadClass::C], km_h: [20.0, 40.0], stop_chance: 0.3 },
+    Kind { chance: 0.1, classes: &[RoadClass::D], km_h: [10.0, 20.0], stop_chance: 0.1 },
 ];
 
 /// The loaded places: beside the driver, two behind, the trunk; m behind the front axle and to the left. The driver is

@@ -91,6 +91,15 @@ pub(crate) struct CarRide {
     speed_m_s: TimeProfile,
     wheels: [Imbalance; 4],
     wider_m: [f64; 2],
+    /// Where the last step ended.
+    reached: Reached,
+}
+
+/// What acts on a car beside its roads, at one instant.
+#[derive(Debug, Clone, Copy)]
+struct Reached {
+    car_m_s2: [f64; 2],
+    wheel_force_n: [f64; 4],
 }
 
 /// What a wheel has too much on one side.
@@ -131,12 +140,19 @@ impl CarRide {
             per_radius_m: corners[i].1.rolling_radius_m.recip(),
             phase: std::f64::consts::TAU * generator(seed, Purpose::Imbalance, [i as u64, 0]).random::<f64>(),
         };
+        let motion = Motion::new(spec, speed_m_s, scenario.wheelbase_m)?;
+        let wheels = [0, 1, 2, 3].map(imbalance);
+        let (speed, front_m) = (speed_m_s.value(start_s), speed_m_s.integral(start_s));
         Ok(Self {
             car,
-            motion: Motion::new(spec, speed_m_s, scenario.wheelbase_m)?,
+            reached: Reached {
+                car_m_s2: motion.car_m_s2(start_s),
+                wheel_force_n: wheels.map(|wheel| wheel.force_n(speed, front_m)),
+            },
+            motion,
             payload,
             speed_m_s: speed_m_s.clone(),
-            wheels: [0, 1, 2, 3].map(imbalance),
+            wheels,
             wider_m: spec.wider_m(),
         })
     }
@@ -146,18 +162,30 @@ impl CarRide {
     }
 
     fn step(&mut self, step: &Step, inputs: &[StepInput; 4]) -> [[f64; 2]; 4] {
-        let times = [0.0, 0.5, 1.0].map(|part| step.start_s + part * step.step_s);
-        if let Some(loads) = self.payload.changed(times[2]) {
+        let end_s = step.start_s + step.step_s;
+        if let Some(loads) = self.payload.changed(end_s) {
             self.car.load(&loads);
         }
-        let speeds = times.map(|time_s| self.speed_m_s.value(time_s));
+        let [middle_m_s, end_m_s] =
+            [step.start_s + 0.5 * step.step_s, end_s].map(|time_s| self.speed_m_s.value(time_s));
+        let [_, middle_m, end_m] = step.front_m;
+        let start = self.reached;
+        let middle_n = self.wheels.map(|wheel| wheel.force_n(middle_m_s, middle_m));
+        self.reached = Reached {
+            car_m_s2: self.motion.car_m_s2(end_s),
+            wheel_force_n: self.wheels.map(|wheel| wheel.force_n(end_m_s, end_m)),
+        };
+        let end = self.reached;
+        // Accelerations are straight within a step but for the points of their profiles.
+        let halfway = [0, 1].map(|i| 0.5 * (start.car_m_s2[i] + end.car_m_s2[i]));
+        let force = |i: usize| [start.wheel_force_n[i], middle_n[i], end.wheel_force_n[i]];
         self.car.step(
             step.step_s,
             &CarInput {
                 road_m: inputs.map(|input| input.road_m),
                 stiffness_n_per_m: inputs.map(|input| input.stiffness_n_per_m),
-                wheel_force_n: self.wheels.map(|wheel| wheel.forces_n(speeds, step.front_m)),
-                car_m_s2: times.map(|time_s| self.motion.car_m_s2(time_s)),
+                wheel_force_n: [0, 1, 2, 3].map(force),
+                car_m_s2: [start.car_m_s2, halfway, end.car_m_s2],
             },
         );
         self.car.accelerations_m_s2()
@@ -165,15 +193,13 @@ impl CarRide {
 }
 
 impl Imbalance {
-    /// Vertical forces in N of a wheel at three speeds in m/s and distances in m: `U ω² cos(angle)`.
-    fn forces_n(&self, speeds_m_s: [f64; 3], distances_m: [f64; 3]) -> [f64; 3] {
+    /// Vertical force in N at a speed in m/s and a distance in m: `U ω² cos(angle)`.
+    fn force_n(&self, speed_m_s: f64, distance_m: f64) -> f64 {
         if !(self.kg_m > 0.0) {
-            return [0.0; 3];
+            return 0.0;
         }
-        [0, 1, 2].map(|i| {
-            let rad_per_s = speeds_m_s[i] * self.per_radius_m;
-            let angle = distances_m[i] * self.per_radius_m + self.phase;
-            self.kg_m * rad_per_s * rad_per_s * angle.cos()
-        })
+        let rad_per_s = speed_m_s * self.per_radius_m;
+        let angle = distance_m * self.per_radius_m + self.phase;
+        self.kg_m * rad_per_s * rad_per_s * angle.cos()
     }
 }
