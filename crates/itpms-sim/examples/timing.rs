@@ -1,4 +1,4 @@
-//! How long drives take to simulate: the paper's scenario, and an hour at 100 km/h with four wheels.
+//! How long drives take to simulate: the paper's scenario, an hour at 100 km/h with one and four wheels, and of a whole car.
 //!
 //! `cargo run --release -p itpms-sim --example timing`
 
@@ -26,5 +26,12 @@ fn main() -> Result<(), ScenarioError> {
     let start = Instant::now();
     let rows = Simulation::new(&hour, 1)?.count();
     println!("an hour, four corners: {rows} rows in {:.1} s", start.elapsed().as_secs_f64());
+    let normal = Scenario::builtin("drive-normal")?;
+    let straight = Scenario { duration_s: 3600.0, rate_hz: 200.0, ..Scenario::builtin("drive-puncture")? };
+    for scenario in [straight, normal] {
+        let start = Instant::now();
+        let rows = Simulation::new(&scenario, 1)?.count();
+        println!("an hour of {}: {rows} rows in {:.1} s", scenario.name, start.elapsed().as_secs_f64());
+    }
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! Roads against the standard's spectrum, through the public face.
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{PI, SQRT_2, TAU};
 
 use itpms_sim::road::{
     Amplitude, Iso8608, Line, Pothole, ProfileSpec, REFERENCE_CYCLES_PER_M, Road, RoadClass, RoadSpec,
@@ -271,7 +271,7 @@ fn tracks_and_offsets_are_as_coherent_as_on_an_isotropic_surface() {
             let mut from = 0.1;
             while from < 10.0 {
                 let bins: Vec<usize> =
-                    (1..n / 2).filter(|&k| (from..1.4142 * from).contains(&(k as f64 * bin))).collect();
+                    (1..n / 2).filter(|&k| (from..SQRT_2 * from).contains(&(k as f64 * bin))).collect();
                 let mean =
                     |f: &dyn Fn(usize) -> f64| bins.iter().map(|&k| f(k)).sum::<f64>() / bins.len() as f64;
                 let got = mean(&|k| found[k]);
@@ -280,7 +280,7 @@ fn tracks_and_offsets_are_as_coherent_as_on_an_isotropic_surface() {
                 let sd = (1.0 - expected * expected) / (240.0 * bins.len() as f64).sqrt();
                 let error = (got - expected).abs();
                 assert!(error < 4.0 * sd + 0.01, "w {w}, {distance_m} m, {from}: {got} {expected}");
-                from *= 1.4142;
+                from *= SQRT_2;
             }
         }
         // Every line is a road of the spectrum itself.

@@ -22,6 +22,9 @@ constant_kpa = 230
 /// One of everything, with what it means.
 const FULL: &str = include_str!("../scenarios/example-everything.toml");
 
+/// All there is to a whole car.
+const CAR: &str = include_str!("../scenarios/example-car.toml");
+
 fn refused(text: &str) -> String {
     Scenario::from_toml(text, "file.toml").unwrap_err().to_string()
 }
@@ -30,7 +33,7 @@ fn refused(text: &str) -> String {
 fn written_and_read_again_a_scenario_is_the_same() {
     let mut all: Vec<Scenario> =
         Scenario::builtin_names().map(|name| Scenario::builtin(name).unwrap()).collect();
-    all.extend([SMALL, FULL].map(|text| Scenario::from_toml(text, "test").unwrap()));
+    all.extend([SMALL, FULL, CAR].map(|text| Scenario::from_toml(text, "test").unwrap()));
     for scenario in all {
         let text = scenario.to_toml().unwrap();
         assert_eq!(Scenario::from_toml(&text, "again").unwrap(), scenario, "{text}");
@@ -54,6 +57,26 @@ fn every_field_reaches_its_place() {
     let rows: Vec<_> = Simulation::new(&s, 1).unwrap().collect();
     assert_eq!(rows.len(), 1000);
     assert!(rows.iter().all(|r| r.corners[0].is_some() && r.corners[1].is_none() && r.corners[3].is_some()));
+}
+
+#[test]
+fn every_field_of_a_car_reaches_its_place() {
+    let s = Scenario::from_toml(CAR, "test").unwrap();
+    let car = s.car.as_ref().unwrap();
+    assert_eq!((car.track_front_m, car.antiroll_rear_n_m_per_rad, car.rise_s), (1.52, 6000.0, 0.3));
+    assert_eq!((car.payload[0].left_m, car.payload[0].points_s_kg[1]), (-0.36, [1.5, 75.0]));
+    let fl = s.corner.fl.as_ref().unwrap();
+    assert_eq!((fl.truth.imbalance_kg_m, fl.truth.spring_progression_per_m), (0.004, 2.0));
+    assert_eq!(fl.wheel_sensor.unwrap().delay_ms, 4.0);
+    // Every key the program knows is in the example.
+    for line in s.to_toml().unwrap().lines() {
+        let key = line.split(" = ").next().unwrap();
+        let of_a_car = line.contains(" = ") && (CAR.contains(key) || FULL.contains(key));
+        assert!(of_a_car || !line.contains(" = "), "{line}");
+    }
+    let rows: Vec<_> = Simulation::new(&s, 1).unwrap().collect();
+    assert_eq!(rows.len(), 4000);
+    assert!(rows.iter().flat_map(|r| r.corners).all(|c| c.unwrap().body_accel_m_s2.is_finite()));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //!
 //! Called by the simulation where a scenario has a `[car]`. Axes as in ISO 8855 (x forward, y left, z up), angles small;
 //! a point of the body at `(x, y)` is at height `z - x pitch + y roll`. Everything is a deviation from the unloaded car
-//! at rest (`simulation.md`, eq. 6-8).
+//! at rest (`simulation.md`, eq. 6-7).
 
 use itpms_core::quarter_car::{ParameterError, QuarterCar};
 
@@ -40,7 +40,8 @@ pub struct Load {
     pub at_m: [f64; 2],
 }
 
-/// What drives the car through one step: values at its start, middle and end, or at its ends (straight between).
+/// What drives the car through one step: values at its start, middle and end, or at its ends (straight between). A step
+/// starts with what the last one ended with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CarInput {
     /// Road heights under the tires in m.
@@ -83,6 +84,9 @@ pub struct FullCar {
     place: Freedoms,
     rate: Freedoms,
     acceleration: Freedoms,
+    /// Whether `acceleration` is also that of the next step's start: a damped tire's is not, for its road's rate is that
+    /// of the next parabola.
+    carries_over: bool,
 }
 
 impl FullCar {
@@ -112,6 +116,7 @@ impl FullCar {
             place: [0.0; FREEDOMS],
             rate: [0.0; FREEDOMS],
             acceleration: [0.0; FREEDOMS],
+            carries_over: false,
         };
         car.load(&[]);
         car.place[3..].copy_from_slice(&road_m);
@@ -138,6 +143,7 @@ impl FullCar {
             self.loaded_kg += load.mass_kg;
         }
         self.compliance = inverse(&mass);
+        self.carries_over = false;
     }
 
     /// Puts the car, at rest, where its load and the tires' stiffnesses leave it; exact for linear springs without
@@ -160,6 +166,7 @@ impl FullCar {
             self.place[3 + i] = road - force / stiffness_n_per_m[i];
         }
         self.rate = [0.0; FREEDOMS];
+        self.carries_over = false;
     }
 
     /// Heave in m at the body's center of gravity, pitch and roll in rad: nose down and left side up are positive.
@@ -185,7 +192,7 @@ impl FullCar {
         let [start, middle, end] = self.instants(h, input);
         let half = 0.5 * h;
         let (q0, u0) = (self.place, self.rate);
-        let a0 = self.accelerations(&q0, &u0, &start);
+        let a0 = if self.carries_over { self.acceleration } else { self.accelerations(&q0, &u0, &start) };
         let (q1, u1) = (moved(&q0, half, &u0), moved(&u0, half, &a0));
         let a1 = self.accelerations(&q1, &u1, &middle);
         let (q2, u2) = (moved(&q0, half, &u1), moved(&u0, half, &a1));
@@ -197,6 +204,7 @@ impl FullCar {
             self.rate[i] = u0[i] + h / 6.0 * (a0[i] + 2.0 * (a1[i] + a2[i]) + a3[i]);
         }
         self.acceleration = self.accelerations(&self.place, &self.rate, &end);
+        self.carries_over = self.tire_n_s_per_m == [0.0; 4];
     }
 
     fn instants(&self, h: f64, input: &CarInput) -> [Instant; 3] {

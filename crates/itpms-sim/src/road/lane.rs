@@ -7,7 +7,7 @@
 use super::{Line, Road, RoadError, RoadSpec};
 
 /// Distances of the lines in m for wheels that wander.
-const WANDERING_M: [f64; 8] = [0.01, 0.02, 0.04, 0.08, 0.16, 0.32, 0.64, 1.28];
+const WANDERING_M: [f64; 10] = [0.0025, 0.005, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32, 0.64, 1.28];
 
 /// How the rear wheels keep to the front ones' track.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,7 +1,7 @@
 //! What two lines along one road have in common: the coherence of an isotropic surface.
 //!
 //! Called by the surfaces. An isotropic surface whose profiles have the spectrum `n^-w` has the spectrum
-//! `(n² + m²)^(-(w+1)/2)` in the plane; over a distance `d` across the road, profiles share (simulation.md, eq. 4)
+//! `(n² + m²)^(-(w+1)/2)` in the plane; over a distance `d` across the road, profiles share (`simulation.md`, eq. 9)
 //!
 //! `γ(n, d) = 2/Γ(ν) (π n d)^ν K_ν(2π n d)`, `ν = w/2`
 //!
