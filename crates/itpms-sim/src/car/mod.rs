@@ -1,7 +1,7 @@
 //! The car around its corners, as written in a scenario: one rigid body that heaves, pitches and rolls, what it carries,
 //! and how it turns and brakes.
 //!
-//! Part of a scenario; the simulation builds the plant's body and its [`motion`] from it. Where the body's center of
+//! Part of a scenario; the simulation builds the plant's body and its motion from it. Where the body's center of
 //! gravity lies is not written here: the corners' sprung masses are their static shares of the body, so they say it.
 
 pub(crate) mod motion;

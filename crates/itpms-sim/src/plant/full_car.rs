@@ -189,21 +189,22 @@ impl FullCar {
 
     /// One classical Runge-Kutta step of `h` seconds; for damped tires see [`Plant::step`](super::Plant::step).
     pub fn step(&mut self, h: f64, input: &CarInput) {
-        let [start, middle, end] = self.instants(h, input);
+        let instants = self.instants(h, input);
+        let [start, middle, end] = &instants;
         let half = 0.5 * h;
         let (q0, u0) = (self.place, self.rate);
-        let a0 = if self.carries_over { self.acceleration } else { self.accelerations(&q0, &u0, &start) };
+        let a0 = if self.carries_over { self.acceleration } else { self.accelerations(&q0, &u0, start) };
         let (q1, u1) = (moved(&q0, half, &u0), moved(&u0, half, &a0));
-        let a1 = self.accelerations(&q1, &u1, &middle);
+        let a1 = self.accelerations(&q1, &u1, middle);
         let (q2, u2) = (moved(&q0, half, &u1), moved(&u0, half, &a1));
-        let a2 = self.accelerations(&q2, &u2, &middle);
+        let a2 = self.accelerations(&q2, &u2, middle);
         let (q3, u3) = (moved(&q0, h, &u2), moved(&u0, h, &a2));
-        let a3 = self.accelerations(&q3, &u3, &end);
+        let a3 = self.accelerations(&q3, &u3, end);
         for i in 0..FREEDOMS {
             self.place[i] = q0[i] + h / 6.0 * (u0[i] + 2.0 * (u1[i] + u2[i]) + u3[i]);
             self.rate[i] = u0[i] + h / 6.0 * (a0[i] + 2.0 * (a1[i] + a2[i]) + a3[i]);
         }
-        self.acceleration = self.accelerations(&self.place, &self.rate, &end);
+        self.acceleration = self.accelerations(&self.place, &self.rate, end);
         self.carries_over = self.tire_n_s_per_m == [0.0; 4];
     }
 
