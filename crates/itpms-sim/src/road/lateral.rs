@@ -25,7 +25,7 @@ fn of_phase(x: f64, nu: f64) -> f64 {
     if x < 1e-6 {
         return 1.0;
     }
-    2f64.powf(1.0 - nu) / gamma(nu) * x.powf(nu) * bessel_k(nu, x)
+    2f64.powf(1.0 - nu) / libm::tgamma(nu) * x.powf(nu) * bessel_k(nu, x)
 }
 
 /// Modified Bessel function of the second kind, `∫ exp(-x cosh t) cosh(ν t) dt` from 0, by the trapezoidal rule: its
@@ -42,25 +42,6 @@ fn bessel_k(nu: f64, x: f64) -> f64 {
         sum += 0.5 * ((-decay).exp() + (-decay - 2.0 * nu * t).exp());
     }
     STEP * sum
-}
-
-/// Gamma function for positive arguments: Lanczos' approximation with g = 7 and nine terms, good to 1e-15.
-fn gamma(x: f64) -> f64 {
-    const C: [f64; 9] = [
-        0.999_999_999_999_809_9,
-        676.520_368_121_885_1,
-        -1_259.139_216_722_402_8,
-        771.323_428_777_653_1,
-        -176.615_029_162_140_6,
-        12.507_343_278_686_905,
-        -0.138_571_095_265_720_12,
-        9.984_369_578_019_572e-6,
-        1.505_632_735_149_311_6e-7,
-    ];
-    // Γ(x) = Γ(x + 1)/x, where the approximation is at home.
-    let sum: f64 = C[0] + (1..9).map(|i| C[i] / (x + i as f64)).sum::<f64>();
-    let t = x + 7.5;
-    TAU.sqrt() * t.powf(x + 0.5) * (-t).exp() * sum / x
 }
 
 /// A line along the road.
@@ -184,7 +165,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bessel_and_gamma_are_the_published_ones() {
+    fn bessel_is_the_published_one() {
         // Abramowitz and Stegun, table 9.8: K_0(1), K_1(1), K_1(0.1), K_1(5); half orders are elementary.
         for (nu, x, k) in [
             (0.0, 1.0, 0.421_024_438_240_708),
@@ -194,9 +175,6 @@ mod tests {
             (0.5, 2.0, (PI / 4.0).sqrt() * (-2f64).exp()),
         ] {
             assert!((bessel_k(nu, x) / k - 1.0).abs() < 1e-12, "{nu} {x}: {}", bessel_k(nu, x));
-        }
-        for (x, g) in [(0.5, PI.sqrt()), (1.0, 1.0), (1.5, 0.5 * PI.sqrt()), (3.0, 2.0)] {
-            assert!((gamma(x) / g - 1.0).abs() < 1e-13, "{x}");
         }
     }
 

@@ -10,6 +10,7 @@ use itpms_core::estimate::Warning;
 
 use super::words::{Status, clock, corner_name, reading, sentence, title};
 use super::{CornerReport, ReportData, json};
+use crate::plot::escape;
 
 const TEMPLATE: &str = include_str!("../../assets/report.html");
 const STYLE: &str = include_str!("../../assets/report.css");
@@ -51,22 +52,6 @@ pub(super) fn page(data: &ReportData) -> io::Result<String> {
     }
     page.push_str(rest);
     Ok(page)
-}
-
-/// Text as HTML text or attribute value.
-fn escape(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for character in text.chars() {
-        match character {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&#39;"),
-            _ => out.push(character),
-        }
-    }
-    out
 }
 
 fn subline(data: &ReportData) -> String {

@@ -1,6 +1,6 @@
 //! The tire on a road that repeats itself: every pass over it is the same road seen through the stiffness of the moment,
 //! so passes tell how the stiffness has changed since the road was learned; and once it has changed, what it was
-//! (docs/math/repeated-road.md, eq. 4-12).
+//! (docs/math/repeated-road.md, eq. 4-9).
 //!
 //! `wheel + θ force = road + noise` at every harmonic is linear in the compliance `θ` and in the road, so this is a Kalman
 //! filter, with no likelihood to search. Fed with passes; knows nothing of samples, pressures or of how the period
@@ -59,14 +59,15 @@ impl<T: Real> Follower<T> {
     /// Meets the road for the first time.
     pub(super) fn meet(pass: &Pass<T>, clock: &PassClock<T>, corner: &Corner<T>, belief: &Belief<T>) -> Self {
         let reference = belief.theta;
+        let force = pass.force * real(reference);
         let met_variance = belief.relative_sd * belief.relative_sd;
         let mut follower = Self {
             reference,
             motion: Motion::met(met_variance),
             met_variance,
-            road: pass.wheel + pass.force * Complex::new(reference, T::zero()),
-            lever: pass.force * Complex::new(reference, T::zero()),
-            force: pass.force * Complex::new(reference, T::zero()),
+            road: pass.wheel + force,
+            lever: force,
+            force,
             variance: SVector::zeros(),
             excess: T::lit(2.0),
             strangeness: T::zero(),
