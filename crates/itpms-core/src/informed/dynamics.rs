@@ -34,9 +34,9 @@ const LEAKS: [(f64, f64); LEAK_MODES] = [(0.0, 0.2), (0.0, 2.0), (-50.0, 15.0), 
 /// Transition rates per second, from, to.
 const LEAK_RATES: [(usize, usize, f64); 12] = [
     (0, 2, 0.02),
-    (0, 3, 0.0005),
-    (0, 1, 0.002),
-    (0, 4, 0.001),
+    (0, 3, 0.01),
+    (0, 1, 0.005),
+    (0, 4, 0.02),
     (2, 1, 0.3),
     (3, 1, 0.2),
     (1, 0, 0.03),
@@ -56,7 +56,7 @@ pub(super) const SLOPE_MEAN: f64 = 2.2;
 pub(super) const SLOPE_SD: f64 = 0.4;
 const SLOPE_RELAXATION_S: f64 = 500.0;
 /// Squared enveloping length in (0.1 m)²: sd at the start, and diffusion in 1/√s (a soft tire has a longer patch).
-pub(super) const ENVELOPE_SD: f64 = 2.0;
+pub(super) const ENVELOPE_SD: f64 = 1.0;
 const ENVELOPE_DIFFUSION: f64 = 0.005;
 
 /// Everything a prediction step needs, made once for a step length.

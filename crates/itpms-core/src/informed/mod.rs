@@ -56,7 +56,7 @@ const LEAST_BINS: usize = 5;
 const STANDING_M_S: f64 = 2.5;
 /// Share by which the sd grows while the pressure surely moves fast: found on seeds of its own so that intervals cover
 /// more of a drop without covering too much elsewhere.
-const MOVING_SD: f64 = 2.0;
+const MOVING_SD: f64 = 0.7;
 /// How well a reset sets the pressure, as a share of the placard pressure: 3 kPa at 241.3 kPa.
 pub(crate) const RESET_SD: f64 = 0.0125;
 /// A repeated road is found in its third period or so: until then its spectrum has been counted that often.
