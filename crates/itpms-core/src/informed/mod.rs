@@ -184,17 +184,17 @@ impl<T: Real> Informed<T> {
             spoiled: sample.saturated,
         };
         let corner = Corner { body, noise_density: self.noise_density };
-        let summary = self.posterior.summary();
         let held = if self.held_frames > 0 { Held::Yes } else { Held::No };
-        let (config, grid) = (&self.config, &self.grid);
+        let (config, grid, posterior) = (&self.config, &self.grid, &self.posterior);
         let word = self.repeat.push(&step, &corner, || {
-            let pressure = match held {
-                Held::Yes => config.placard_kpa,
-                Held::No => grid.pressure_kpa(0) + summary.mean_cell * grid.step_kpa(),
-            };
-            let sd = match held {
-                Held::Yes => T::lit(RESET_SD) * config.placard_kpa,
-                Held::No => (summary.variance_cells2 * T::lit(OVERCOUNTED)).sqrt() * grid.step_kpa(),
+            let (pressure, sd) = match held {
+                Held::Yes => (config.placard_kpa, T::lit(RESET_SD) * config.placard_kpa),
+                Held::No => {
+                    let summary = posterior.summary();
+                    let sd_cells = (summary.variance_cells2 * T::lit(OVERCOUNTED)).sqrt();
+                    let pressure = grid.pressure_kpa(0) + summary.mean_cell * grid.step_kpa();
+                    (pressure, sd_cells * grid.step_kpa())
+                }
             };
             let stiffness = config.tire.stiffness_n_per_m(pressure);
             repeat::Belief {

@@ -197,8 +197,7 @@ impl<T: Real> RepeatedRoad<T> {
             return None;
         }
         let Some(lap) = &mut self.lap else {
-            let theta = belief().theta;
-            if let Some(period_s) = self.search.push(step.wheel + theta * step.force) {
+            if let Some(period_s) = self.search.push(step.wheel, step.force, || belief().theta) {
                 self.search.restart();
                 self.lap = Some(self.start(period_s));
             }
@@ -245,17 +244,15 @@ impl<T: Real> Loop<T> {
         let seconds = part_s * T::lit(f64::from(self.unused_parts));
         self.unused_parts = 0;
         match follower.follow(pass, &self.clock, corner, self.held, seconds) {
-            Verdict::Strange => {
-                self.strange_parts += 1;
-                return None;
+            // The belief has moved on without it, and grown wider.
+            Verdict::Strange => self.strange_parts += 1,
+            Verdict::Same => {
+                self.strange_parts = 0;
+                let slip = follower.take_slip(&self.clock);
+                self.clock.follow_slip(slip);
+                let repeats = follower.strangeness() < T::lit(CONFIRMED);
+                self.confirmed |= repeats && follower.breadth() > T::lit(LEAST_BREADTH);
             }
-            Verdict::Same => self.strange_parts = 0,
-        }
-        let slip = follower.take_slip(&self.clock);
-        self.clock.follow_slip(slip);
-        if !self.confirmed {
-            let repeats = follower.strangeness() < T::lit(CONFIRMED);
-            self.confirmed = repeats && follower.breadth() > T::lit(LEAST_BREADTH);
         }
         let (theta, relative_sd, rate_per_s) = follower.compliance(&self.clock);
         let (moving, surprise) = (follower.moving(), follower.excess());

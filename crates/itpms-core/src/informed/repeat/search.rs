@@ -32,7 +32,8 @@ pub(super) struct PeriodSearch<T: Real> {
     /// Grid steps per step here, and how many of them are summed up.
     block: u32,
     in_block: u32,
-    sum: T,
+    wheel: T,
+    force: T,
     /// The last means, newest first.
     means: [T; BAND_PASS.len()],
     step_s: f64,
@@ -60,7 +61,8 @@ impl<T: Real> PeriodSearch<T> {
         Self {
             block,
             in_block: 0,
-            sum: T::zero(),
+            wheel: T::zero(),
+            force: T::zero(),
             means: [T::zero(); BAND_PASS.len()],
             step_s,
             keep: T::lit(-step_s / MEMORY_S).exp(),
@@ -77,23 +79,25 @@ impl<T: Real> PeriodSearch<T> {
     /// The signal was interrupted, or what was found has been taken: start again.
     pub(super) fn restart(&mut self) {
         (self.in_block, self.filled, self.seen) = (0, 0, 0);
-        self.sum = T::zero();
+        (self.wheel, self.force) = (T::zero(), T::zero());
         self.means = [T::zero(); BAND_PASS.len()];
         self.cross.fill(T::zero());
         self.then.fill(T::zero());
         self.now.fill(T::zero());
     }
 
-    /// Takes one grid step; gives the period in s once the signal repeats itself.
-    pub(super) fn push(&mut self, value: T) -> Option<T> {
-        self.sum += value;
+    /// Takes one grid step of `wheel + θ force`, and asks for `θ` now and then; gives the period in s once the signal
+    /// repeats itself.
+    pub(super) fn push(&mut self, wheel: T, force: T, theta: impl FnOnce() -> T) -> Option<T> {
+        self.wheel += wheel;
+        self.force += force;
         self.in_block += 1;
         if self.in_block < self.block {
             return None;
         }
         self.means.rotate_right(1);
-        self.means[0] = self.sum / T::lit(f64::from(self.block));
-        (self.sum, self.in_block) = (T::zero(), 0);
+        self.means[0] = (self.wheel + theta() * self.force) / T::lit(f64::from(self.block));
+        (self.wheel, self.force, self.in_block) = (T::zero(), T::zero(), 0);
         let passed = self
             .means
             .iter()
@@ -178,7 +182,7 @@ mod tests {
             let mut search = PeriodSearch::<f64>::new(DT);
             let mut state = 7;
             let found = (0..5000).find_map(|i| {
-                search.push(periodic(f64::from(i) * DT, period_s) + 2.0 * noise(&mut state)).map(|p| (p, i))
+                search.push(periodic(f64::from(i) * DT, period_s), noise(&mut state), || 2.0).map(|p| (p, i))
             });
             let (found_s, at) = found.unwrap();
             // The parabola through three lags of 10 ms; what is left the clock follows by itself.
@@ -193,6 +197,6 @@ mod tests {
         let mut search = PeriodSearch::<f64>::new(DT);
         let mut state = 11;
         // Ten minutes, white over the whole band.
-        assert!((0..300_000).all(|_| search.push(noise(&mut state)).is_none()));
+        assert!((0..300_000).all(|_| search.push(noise(&mut state), 0.0, || 0.0).is_none()));
     }
 }
