@@ -1,5 +1,6 @@
 //! Ctrl-C, SIGTERM and SIGHUP end a run between two rows, so that unfinished files are removed on the way out.
 
+use std::ops::ControlFlow;
 use std::process;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -28,5 +29,10 @@ impl Interrupt {
     /// To be asked every few thousand rows.
     pub(crate) fn check(&self) -> Result<(), Failure> {
         if self.0.load(Ordering::Relaxed) { Err(Failure::Interrupted) } else { Ok(()) }
+    }
+
+    /// The same, for a computation that asks whether to go on.
+    pub(crate) fn flow(&self) -> ControlFlow<()> {
+        if self.0.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }

@@ -1,7 +1,5 @@
 //! `itpms observability`: what the accelerations of a vehicle's corner can tell of its tire, and what they cannot.
 
-use std::ops::ControlFlow;
-
 use itpms_core::sample::Corner;
 use itpms_data::Vehicle;
 use itpms_study::observability::{Observability, StudyError, Subject, study};
@@ -16,10 +14,7 @@ pub(crate) fn run(args: &ObservabilityArgs, screen: &Screen, interrupt: &Interru
     let vehicle = Vehicle::read(&args.vehicle)?;
     let subject = subject(&vehicle, args.corner)?;
     let folder = args.out.as_deref().map(Folder::open).transpose()?;
-    let look = |_| match interrupt.check() {
-        Ok(()) => ControlFlow::Continue(()),
-        Err(_) => ControlFlow::Break(()),
-    };
+    let look = |_| interrupt.flow();
     let result = study(&subject, &look).map_err(|error| match error {
         StudyError::Stopped => Failure::Interrupted,
         other => Failure::Usage(format!("{}: {other}", args.vehicle.display())),

@@ -1,7 +1,5 @@
 //! `itpms reproduce`: the paper's study made again, as a page and its files.
 
-use std::ops::ControlFlow;
-
 use itpms_study::paper::{PaperError, Request, reproduce};
 
 use super::folder::Folder;
@@ -23,12 +21,9 @@ pub(crate) fn run(args: &ReproduceArgs, screen: &Screen, interrupt: &Interrupt) 
     };
     let folder = Folder::open(&args.out)?;
     let progress = screen.progress("driving");
-    let look = |done: u64, total: u64| match interrupt.check() {
-        Ok(()) => {
-            progress.set(done as f64 / total as f64);
-            ControlFlow::Continue(())
-        }
-        Err(_) => ControlFlow::Break(()),
+    let look = |done: u64, total: u64| {
+        progress.set(done as f64 / total as f64);
+        interrupt.flow()
     };
     let result = reproduce(&request, &look);
     drop(progress);

@@ -1,7 +1,5 @@
 //! `itpms score`: how good an estimator is over many drives, held against the goals.
 
-use std::ops::ControlFlow;
-
 use itpms_study::score::{Request, ScoreError, score};
 
 use crate::args::ScoreArgs;
@@ -17,12 +15,9 @@ pub(crate) fn run(args: &ScoreArgs, screen: &Screen, interrupt: &Interrupt) -> R
         part: args.row,
     };
     let progress = screen.progress("driving");
-    let look = |done: u64, total: u64| match interrupt.check() {
-        Ok(()) => {
-            progress.set(done as f64 / total as f64);
-            ControlFlow::Continue(())
-        }
-        Err(_) => ControlFlow::Break(()),
+    let look = |done: u64, total: u64| {
+        progress.set(done as f64 / total as f64);
+        interrupt.flow()
     };
     let result = score(&request, &look);
     drop(progress);
