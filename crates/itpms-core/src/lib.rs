@@ -10,13 +10,15 @@
 //! | [`sample`] | what comes in: one time, up to four corners |
 //! | [`estimate`] | what goes out: pressure, stiffness, their sd, validity, warning |
 //! | [`intake`] | bad values refused and counted, jitter regridded |
-//! | [`estimator`] | one interface before all estimators |
+//! | [`estimator`] | one interface before all estimators of a corner |
+//! | [`car`] | the estimator of a whole car |
 //! | [`informed`] | the default estimator: a Bayes filter that knows that a road looks like a road |
 //! | [`filter`] | the paper's filters to the letter, which cannot find the stiffness, and mended |
 //! | [`road`] | the road under a wheel, for a known stiffness: causal, and smoothed for a record |
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod car;
 pub mod estimate;
 pub mod estimator;
 pub mod filter;

@@ -57,3 +57,6 @@ pub struct Sample<T, C> {
     /// The accelerations: a [`CornerSample`], or an array of optional ones for the whole car.
     pub corners: C,
 }
+
+/// One row of a whole car's drive; a corner that is not measured is `None`.
+pub type CarSample<T> = Sample<T, [Option<CornerSample<T>>; 4]>;

@@ -126,8 +126,19 @@ impl<T: Real> Estimator<T> {
     ///
     /// # Errors
     /// The length must be positive and finite.
-    pub fn with_reset_drive(self, seconds: f64) -> Result<Self, ParameterError> {
-        Ok(Self { reset_drive_s: positive("calibrate_s", seconds)?, ..self })
+    pub fn with_reset_drive(mut self, seconds: f64) -> Result<Self, ParameterError> {
+        self.begin_reset(seconds)?;
+        Ok(self)
+    }
+
+    /// Says that the tire has its placard pressure from the next sample on, for `seconds`: the driver's reset.
+    ///
+    /// # Errors
+    /// The length must be positive and finite.
+    pub fn begin_reset(&mut self, seconds: f64) -> Result<(), ParameterError> {
+        self.reset_drive_s = positive("calibrate_s", seconds)?;
+        self.reset_ends_s = None;
+        Ok(())
     }
 
     /// The same with what is known of the road repeating itself, as on a test bed; else that is looked for in the data.

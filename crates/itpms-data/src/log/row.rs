@@ -1,6 +1,6 @@
 //! A row of a drive log and the columns it can have. Names live here and nowhere else.
 
-use itpms_core::sample::{Corner, CornerSample, Sample};
+use itpms_core::sample::{CarSample, Corner, CornerSample, Sample};
 
 /// One quantity of one corner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -143,7 +143,7 @@ pub struct LogRow {
 impl LogRow {
     /// What the estimators see of this row: everything but the truth.
     #[must_use]
-    pub fn sample(&self) -> Sample<f64, [Option<CornerSample<f64>>; 4]> {
+    pub fn sample(&self) -> CarSample<f64> {
         Sample {
             time_s: self.time_s,
             speed_m_s: self.speed_m_s,

@@ -1,7 +1,7 @@
-//! The estimators of a drive, one per corner, side by side.
+//! The estimator of a drive's car, and what it says after a row.
 
+use itpms_core::car::{CarConfig, CarEstimate, CarEstimator};
 use itpms_core::estimate::CornerEstimate;
-use itpms_core::estimator::Estimator;
 use itpms_core::quarter_car::QuarterCar;
 use itpms_core::sample::Corner;
 use itpms_data::{LogRow, Vehicle};
@@ -9,15 +9,15 @@ use itpms_data::{LogRow, Vehicle};
 use crate::args::EstimateArgs;
 use crate::exit::Failure;
 
-/// What is known after a row, in the order of [`Corner::ALL`].
+/// What is known of the corners after a row, in the order of [`Corner::ALL`].
 pub(super) type Estimates = [Option<CornerEstimate<f64>>; 4];
 
 /// Load and damping as identified, in the order of [`Corner::ALL`].
 pub(super) type QuarterCars = [Option<QuarterCar<f64>>; 4];
 
-/// The running estimators.
+/// The running estimator.
 pub(super) struct Drive {
-    estimators: [Option<Estimator<f64>>; 4],
+    car: CarEstimator<f64>,
 }
 
 impl Drive {
@@ -27,36 +27,25 @@ impl Drive {
         corners: &[Corner],
         sample_rate_hz: f64,
     ) -> Result<Self, Failure> {
-        let mut estimators = [const { None }; 4];
+        let mut config = CarConfig { corners: [None; 4], wheelbase_m: vehicle.wheelbase_m };
         for corner in corners {
-            if let Some(config) = vehicle.corner(*corner) {
-                let fail = |error| Failure::Usage(format!("corner {}: {error}", corner.label()));
-                let estimator = Estimator::new(args.estimator, config, sample_rate_hz).map_err(fail)?;
-                let mut estimator = estimator.with_road_repetition(args.road_repeats);
-                if let Some(seconds) = args.calibrate_s {
-                    estimator = estimator.with_reset_drive(seconds).map_err(fail)?;
-                }
-                estimators[corner.index()] = Some(estimator);
-            }
+            config.corners[corner.index()] = vehicle.corner(*corner).copied();
         }
-        Ok(Self { estimators })
+        let fail = |error| Failure::Usage(format!("{error}"));
+        let car = CarEstimator::new(args.estimator, &config, sample_rate_hz).map_err(fail)?;
+        let mut car = car.with_road_repetition(args.road_repeats);
+        if let Some(seconds) = args.calibrate_s {
+            car = car.with_reset_drive(seconds).map_err(fail)?;
+        }
+        Ok(Self { car })
     }
 
     /// The cars as they seem to be now, in the order of [`Corner::ALL`].
     pub(super) fn quarter_cars(&self) -> QuarterCars {
-        self.estimators.each_ref().map(|estimator| estimator.as_ref().map(Estimator::quarter_car))
+        self.car.quarter_cars()
     }
 
-    pub(super) fn update(&mut self, row: &LogRow) -> Estimates {
-        let mut estimates = [None; 4];
-        for ((estimate, estimator), corner) in
-            estimates.iter_mut().zip(&mut self.estimators).zip(&row.corners)
-        {
-            if let (Some(estimator), Some(c)) = (estimator, corner) {
-                *estimate =
-                    Some(estimator.update(row.time_s, row.speed_m_s, c.body_accel_m_s2, c.wheel_accel_m_s2));
-            }
-        }
-        estimates
+    pub(super) fn update(&mut self, row: &LogRow) -> CarEstimate<f64> {
+        self.car.update(&row.sample())
     }
 }

@@ -61,8 +61,8 @@ pub(crate) fn perform(
             progress.set(log.progress());
         }
         count += 1;
-        let estimates = drive.update(&row);
-        outputs.take(&row, &estimates, &drive.quarter_cars())?;
+        let estimate = drive.update(&row);
+        outputs.take(&row, &estimate.corners, &drive.quarter_cars())?;
     }
     drop(progress);
     interrupt.check()?;

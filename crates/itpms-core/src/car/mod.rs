@@ -1,0 +1,192 @@
+//! The estimator of a whole car: up to four corners at once, each on its own road spectrum, and front and rear
+//! together on the road they share.
+//!
+//! Called by the binary, the studies, the monitor and controllers. A corner without a partner on its side is estimated
+//! as by [`Estimator`]; nothing else here knows how many wheels a car has.
+
+mod reference;
+
+pub use self::reference::{Learned, LearnedCorner, LearnedReference, ReferenceError};
+use crate::estimate::{CornerConfig, CornerEstimate};
+use crate::estimator::{Estimator, EstimatorKind, RoadRepetition};
+use crate::quarter_car::{ParameterError, QuarterCar, positive};
+use crate::real::Real;
+use crate::sample::{CarSample, Corner};
+
+/// What an estimator is told about the car.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct CarConfig<T> {
+    /// The corners, in the order of [`Corner::ALL`]; those that are measured.
+    pub corners: [Option<CornerConfig<T>>; 4],
+    /// Distance between the axles in m; `None`: the shared road is not used.
+    pub wheelbase_m: Option<T>,
+}
+
+/// From where the pressure may be learned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Sources {
+    /// From the road's spectrum, corner by corner, and from front and rear meeting the same road.
+    #[default]
+    SpectrumAndSharedRoad,
+    /// From each corner's road spectrum alone.
+    Spectrum,
+    /// From the shared road alone.
+    SharedRoad,
+}
+
+/// What is known of the car after a sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct CarEstimate<T> {
+    /// Time of the sample in s.
+    pub time_s: f64,
+    /// The corners, in the order of [`Corner::ALL`].
+    pub corners: [Option<CornerEstimate<T>>; 4],
+    /// Correlation coefficients of the pressures' errors, in the order of [`Corner::ALL`].
+    pub correlation: [[T; 4]; 4],
+    /// Left and right track: how the rear wheels follow the front ones.
+    pub tracks: [TrackState<T>; 2],
+}
+
+/// How far front and rear of one side share a road now.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct TrackState<T> {
+    /// Whether the shared road is being learned from.
+    pub shared: bool,
+    /// Share of the road's power near wheel hop that front and rear do not have in common, 0 to 1; NaN when unknown.
+    pub incoherence: T,
+}
+
+impl<T: Real> TrackState<T> {
+    /// Nothing is shared, nothing is known.
+    pub(crate) fn unknown() -> Self {
+        Self { shared: false, incoherence: T::lit(f64::NAN) }
+    }
+}
+
+/// A running estimator of a car. A value: clone it, save it, go on.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: Real + serde::Serialize",
+        deserialize = "T: Real + serde::Deserialize<'de>"
+    ))
+)]
+pub struct CarEstimator<T: Real> {
+    kind: EstimatorKind,
+    sources: Sources,
+    corners: [Option<Estimator<T>>; 4],
+}
+
+impl<T: Real> CarEstimator<T> {
+    /// An estimator of `kind` for samples that come at about `sample_rate_hz`. Only [`EstimatorKind::Informed`] uses the
+    /// shared road.
+    ///
+    /// # Errors
+    /// The rate must be positive and finite; parameters of a corner that the filters refuse are named.
+    pub fn new(
+        kind: EstimatorKind,
+        config: &CarConfig<T>,
+        sample_rate_hz: f64,
+    ) -> Result<Self, ParameterError> {
+        let sample_rate_hz = positive("sample_rate_hz", sample_rate_hz)?;
+        let mut corners = [const { None }; 4];
+        for (corner, config) in corners.iter_mut().zip(&config.corners) {
+            if let Some(config) = config {
+                *corner = Some(Estimator::new(kind, config, sample_rate_hz)?);
+            }
+        }
+        Ok(Self { kind, sources: Sources::default(), corners })
+    }
+
+    /// The same with other sources of information; before the first sample.
+    #[must_use]
+    pub fn with_sources(self, sources: Sources) -> Self {
+        Self { sources, ..self }
+    }
+
+    /// The same for a drive whose first seconds are known to be at placard pressure: a reset.
+    ///
+    /// # Errors
+    /// The length must be positive and finite.
+    pub fn with_reset_drive(mut self, seconds: f64) -> Result<Self, ParameterError> {
+        for corner in &mut self.corners {
+            *corner = corner.take().map(|estimator| estimator.with_reset_drive(seconds)).transpose()?;
+        }
+        Ok(self)
+    }
+
+    /// The same with what is known of the road repeating itself, as on a test bed.
+    #[must_use]
+    pub fn with_road_repetition(mut self, repetition: RoadRepetition) -> Self {
+        for corner in &mut self.corners {
+            *corner = corner.take().map(|estimator| estimator.with_road_repetition(repetition));
+        }
+        self
+    }
+
+    /// Says that all tires have their placard pressures from now on, for `seconds` of driving: the driver's reset.
+    ///
+    /// # Errors
+    /// The length must be positive and finite.
+    pub fn begin_reset(&mut self, seconds: f64) -> Result<(), ParameterError> {
+        for corner in self.corners.iter_mut().flatten() {
+            corner.begin_reset(seconds)?;
+        }
+        Ok(())
+    }
+
+    /// What the last reset taught; `None` before one is over.
+    pub fn learned(&self) -> Option<LearnedReference<T>> {
+        None
+    }
+
+    /// The same for a car that was reset on an earlier drive; before the first sample.
+    ///
+    /// # Errors
+    /// An implausible reference, or one learned for other corners or other placard pressures.
+    pub fn with_reference(self, reference: &LearnedReference<T>) -> Result<Self, ReferenceError> {
+        reference.check()?;
+        Ok(self)
+    }
+
+    /// Takes one sample, gives the estimate after it.
+    pub fn update(&mut self, sample: &CarSample<T>) -> CarEstimate<T> {
+        let mut corners = [None; 4];
+        for ((estimate, estimator), corner) in corners.iter_mut().zip(&mut self.corners).zip(&sample.corners)
+        {
+            if let (Some(estimator), Some(c)) = (estimator, corner) {
+                let (body, wheel) = (c.body_accel_m_s2, c.wheel_accel_m_s2);
+                *estimate = Some(estimator.update(sample.time_s, sample.speed_m_s, body, wheel));
+            }
+        }
+        let correlation =
+            core::array::from_fn(|i| core::array::from_fn(|j| if i == j { T::one() } else { T::zero() }));
+        CarEstimate { time_s: sample.time_s, corners, correlation, tracks: [TrackState::unknown(); 2] }
+    }
+
+    /// Which estimator this is.
+    pub fn kind(&self) -> EstimatorKind {
+        self.kind
+    }
+
+    /// What it learns from.
+    pub fn sources(&self) -> Sources {
+        self.sources
+    }
+
+    /// The estimator of one corner, if the car has it.
+    pub fn corner(&self, corner: Corner) -> Option<&Estimator<T>> {
+        self.corners[corner.index()].as_ref()
+    }
+
+    /// The cars as they seem to be now, in the order of [`Corner::ALL`].
+    pub fn quarter_cars(&self) -> [Option<QuarterCar<T>>; 4] {
+        self.corners.each_ref().map(|estimator| estimator.as_ref().map(Estimator::quarter_car))
+    }
+}
