@@ -260,6 +260,30 @@ fn rear_wheels_follow_in_the_front_wheels_track() {
 }
 
 #[test]
+fn rear_wheels_of_quarter_cars_run_beside_the_front_ones_track_where_told() {
+    use itpms_sim::road::{Line, Road, Side};
+    let mut s = short(4.0);
+    s.corner.rl = Some(CornerSpec::paper(Pressure::ConstantKpa(220.0)));
+    s.rear_offset_m = -0.02;
+    s.speed = Speed::ConstantKmH(36.0);
+    let (track, beside) = (Line::alone(Side::Left), Line::alone(Side::Left).beside(0.02));
+    let [mut front, mut rear] = [track, beside].map(|line| Road::along(&s.road, line, 1, 0.005).unwrap());
+    for row in drive(&s, 1) {
+        let truth = row.corners[Corner::RearLeft.index()].unwrap();
+        assert!((fl(&row).road_m - front.height_m(row.distance_m)).abs() < 1e-12);
+        assert!((truth.road_m - rear.height_m(row.distance_m - s.wheelbase_m)).abs() < 1e-12);
+    }
+    s.rear_offset_m = 2.0;
+    assert!(s.validate().unwrap_err().to_string().contains("rear_offset_m is 2, expected"));
+    let car = Scenario { rear_offset_m: 0.02, ..Scenario::builtin("drive-puncture").unwrap() };
+    let message = car.validate().unwrap_err().to_string();
+    assert!(
+        message.contains("rear_offset_m is 0.02 beside a [car], expected car.rear_offset_m"),
+        "{message}"
+    );
+}
+
+#[test]
 fn the_tire_feels_the_road_averaged_and_the_truth_says_both() {
     let mut s = short(6.0);
     let hole = Pothole { at_m: 15.0, length_m: 0.4, depth_m: 0.03, edge_m: 0.05, tracks: Tracks::Both };

@@ -53,6 +53,9 @@ pub struct Scenario {
     /// Distance in m from front to rear axle: rear wheels meet the road that much later.
     #[serde(default = "usual_wheelbase_m")]
     pub wheelbase_m: f64,
+    /// How far beside the front wheels' track the rear ones run in m, without a [`CarSpec`] (which has its own).
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub rear_offset_m: f64,
     /// Speed over time.
     pub speed: Speed,
     /// The road.
@@ -85,6 +88,10 @@ fn usual_settling_s() -> f64 {
 
 fn usual_wheelbase_m() -> f64 {
     2.7
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 impl Scenario {
@@ -148,6 +155,11 @@ impl Scenario {
         within("rate_hz", self.rate_hz, 20.0, 10_000.0, "a rate from 20 to 10000 Hz")?;
         within("settle_s", self.settle_s, 0.0, 60.0, "a time from 0 to 60 s")?;
         within("wheelbase_m", self.wheelbase_m, 0.5, 7.0, "a length from 0.5 to 7 m")?;
+        within("rear_offset_m", self.rear_offset_m, -1.0, 1.0, "a distance from -1 to 1 m")?;
+        if self.car.is_some() && self.rear_offset_m != 0.0 {
+            let found = format!("{} beside a [car]", self.rear_offset_m);
+            return Err(InvalidValue::new("rear_offset_m", found, "car.rear_offset_m in its place"));
+        }
         self.speed.profile_m_s().map_err(|e| e.within("speed"))?;
         self.road.validate().map_err(|e| e.within("road"))?;
         if matches!(self.road.surface, Surface::Bench(_)) && self.one_speed_m_s().is_none() {

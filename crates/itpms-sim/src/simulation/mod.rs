@@ -155,7 +155,7 @@ fn lanes(scenario: &Scenario, seed: u64, top_m_s: f64) -> Result<Lanes, Scenario
                 };
                 (Line::of_track(side, car.track_front_m), following)
             }
-            None => (Line::alone(side), Following::Beside(0.0)),
+            None => (Line::alone(side), Following::Beside(scenario.rear_offset_m)),
         };
         Lane::new(&scenario.road, line, seed, spacing_m, scenario.one_speed_m_s(), following)
             .map(Some)
@@ -177,6 +177,7 @@ fn first_beside_m(scenario: &Scenario, run: &CornerRun) -> f64 {
         Some(car) if is_rear(run.corner) => {
             car.rear_offset_m + car.wider_m()[usize::from(run.side == Side::Right)]
         }
+        None if is_rear(run.corner) => scenario.rear_offset_m,
         _ => 0.0,
     }
 }

@@ -25,7 +25,7 @@ pub(crate) struct Step {
 /// The masses, by `Corner::index`.
 #[derive(Debug, Clone)]
 pub(crate) enum Ride {
-    Quarters(Box<[Option<Plant>; 4]>),
+    Quarters { plants: Box<[Option<Plant>; 4]>, rear_offset_m: f64 },
     Car(Box<CarRide>),
 }
 
@@ -46,13 +46,13 @@ impl Ride {
             let [road_m, _] = places[corner.index()];
             plants[corner.index()] = Some(Plant::new(&spec.quarter_car()?, &spec.truth, road_m)?);
         }
-        Ok(Ride::Quarters(plants))
+        Ok(Ride::Quarters { plants, rear_offset_m: scenario.rear_offset_m })
     }
 
     /// How far to the left of the front wheels' track the rear ones run now, in m, left and right.
     pub(crate) fn beside_m(&self) -> [f64; 2] {
         match self {
-            Ride::Quarters(_) => [0.0; 2],
+            Ride::Quarters { rear_offset_m, .. } => [*rear_offset_m; 2],
             Ride::Car(ride) => ride.beside_m(),
         }
     }
@@ -67,7 +67,7 @@ impl Ride {
     /// Moves the masses by a step; accelerations in m/s² of body and wheel at each corner at its end.
     pub(crate) fn step(&mut self, step: &Step, inputs: &[StepInput; 4]) -> [[f64; 2]; 4] {
         match self {
-            Ride::Quarters(plants) => {
+            Ride::Quarters { plants, .. } => {
                 let mut accelerations = [[0.0; 2]; 4];
                 for ((plant, input), acceleration) in plants.iter_mut().zip(inputs).zip(&mut accelerations) {
                     if let Some(plant) = plant {
