@@ -12,6 +12,7 @@
 //! | [`intake`] | bad values refused and counted, jitter regridded |
 //! | [`estimator`] | one interface before all estimators of a corner |
 //! | [`car`] | the estimator of a whole car |
+//! | [`monitor`] | what is wrong with tires and sensors, since when and why |
 //! | [`informed`] | the default estimator: a Bayes filter that knows that a road looks like a road |
 //! | [`filter`] | the paper's filters to the letter, which cannot find the stiffness, and mended |
 //! | [`road`] | the road under a wheel, for a known stiffness: causal, and smoothed for a record |
@@ -24,6 +25,7 @@ pub mod estimator;
 pub mod filter;
 pub mod informed;
 pub mod intake;
+pub mod monitor;
 pub mod pressure;
 pub mod quarter_car;
 pub mod real;

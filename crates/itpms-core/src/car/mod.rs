@@ -155,6 +155,13 @@ impl<T: Real> CarEstimator<T> {
         Ok(self)
     }
 
+    /// Starts one corner again, as after its sensors were out of order; the others go on.
+    pub fn restart_corner(&mut self, corner: Corner) {
+        if let Some(estimator) = &mut self.corners[corner.index()] {
+            estimator.reset();
+        }
+    }
+
     /// Takes one sample, gives the estimate after it.
     pub fn update(&mut self, sample: &CarSample<T>) -> CarEstimate<T> {
         let mut corners = [None; 4];

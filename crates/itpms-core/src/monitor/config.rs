@@ -1,0 +1,128 @@
+//! What the monitor is told: the car, and the limits that a regulation or an engineer sets.
+
+use crate::car::CarConfig;
+use crate::quarter_car::{ParameterError, positive};
+use crate::real::Real;
+
+/// A rule that names a loss of pressure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Regulation {
+    /// UN R141 (5.3): 20 % below the warm reference.
+    #[default]
+    UnR141,
+    /// FMVSS 138 (S4.2): 25 % below the placard.
+    Fmvss138,
+}
+
+/// When to say what. Shares are of a wheel's reference pressure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Limits<T> {
+    /// Below this share a wheel is low: between the fine pressure and the loss that must be warned of.
+    pub low_share: T,
+    /// Above this share it is no longer.
+    pub low_over_share: T,
+    /// Below this share the mean of all wheels is low.
+    pub all_low_share: T,
+    /// Above this share a wheel is overfull.
+    pub over_share: T,
+    /// Below this share it is no longer.
+    pub over_over_share: T,
+    /// Rate in kPa per minute from which a fall is a fast leak.
+    pub fast_leak_kpa_per_min: T,
+    /// Seconds of driving without information that are said.
+    pub no_information_s: f64,
+}
+
+impl<T: Real> Limits<T> {
+    /// Limits for a loss (a share of the reference) that must be warned of.
+    ///
+    /// # Errors
+    /// The loss must be a share above 0 and at most a half.
+    pub fn for_loss(loss_share: T) -> Result<Self, ParameterError> {
+        let loss = positive("loss_share", loss_share)?;
+        if !(loss <= T::lit(0.5)) {
+            return Err(ParameterError {
+                name: "loss_share",
+                value: loss.to_f64(),
+                expected: "a share of at most 0.5",
+            });
+        }
+        Ok(Self::scaled_to(loss))
+    }
+
+    /// Six tenths of the loss decide: 0.88 for a fifth.
+    fn scaled_to(loss: T) -> Self {
+        Self {
+            low_share: T::one() - T::lit(0.6) * loss,
+            low_over_share: T::one() - T::lit(0.4) * loss,
+            all_low_share: T::one() - T::lit(0.6) * loss,
+            over_share: T::lit(1.25),
+            over_over_share: T::lit(1.2),
+            fast_leak_kpa_per_min: T::lit(3.0),
+            no_information_s: 600.0,
+        }
+    }
+}
+
+impl<T: Real> From<Regulation> for Limits<T> {
+    fn from(regulation: Regulation) -> Self {
+        Self::scaled_to(match regulation {
+            Regulation::UnR141 => T::lit(0.2),
+            Regulation::Fmvss138 => T::lit(0.25),
+        })
+    }
+}
+
+/// What the monitor is told.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct MonitorConfig<T> {
+    /// The car, as its estimator knows it.
+    pub car: CarConfig<T>,
+    /// When to say what.
+    pub limits: Limits<T>,
+    /// What each pressure is held against, in kPa; `None`: the placard's. A warm reference goes here.
+    pub reference_kpa: [Option<T>; 4],
+}
+
+impl<T: Real> MonitorConfig<T> {
+    /// The car with the limits of UN R141, against its placard.
+    pub fn new(car: &CarConfig<T>) -> Self {
+        Self { car: *car, limits: Regulation::default().into(), reference_kpa: [None; 4] }
+    }
+
+    /// The same with other limits.
+    #[must_use]
+    pub fn with_limits(self, limits: Limits<T>) -> Self {
+        Self { limits, ..self }
+    }
+
+    /// The same with other references in kPa.
+    ///
+    /// # Errors
+    /// A reference must be positive and finite.
+    pub fn with_references(self, reference_kpa: [Option<T>; 4]) -> Result<Self, ParameterError> {
+        for reference in reference_kpa.into_iter().flatten() {
+            positive("reference_kpa", reference)?;
+        }
+        Ok(Self { reference_kpa, ..self })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limits_follow_the_loss() {
+        let r141 = Limits::<f64>::from(Regulation::UnR141);
+        let us = Limits::<f64>::from(Regulation::Fmvss138);
+        assert!((r141.low_share - 0.88).abs() < 1e-12 && (us.low_share - 0.85).abs() < 1e-12);
+        assert_eq!(Limits::for_loss(0.2), Ok(r141));
+        for bad in [0.0, -0.1, 0.6, f64::NAN] {
+            assert_eq!(Limits::for_loss(bad).unwrap_err().name, "loss_share");
+        }
+    }
+}

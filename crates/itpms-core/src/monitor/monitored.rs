@@ -1,0 +1,59 @@
+//! An estimator under a monitor: bad sensors are kept from it, what it says is judged, and corners start again when
+//! their sensors are back.
+
+use super::{Monitor, MonitorReport};
+use crate::car::{CarEstimate, CarEstimator};
+use crate::estimator::EstimatorKind;
+use crate::real::Real;
+use crate::sample::CarSample;
+
+/// A running estimator and its monitor. A value: clone it, save it, go on.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: Real + serde::Serialize",
+        deserialize = "T: Real + serde::Deserialize<'de>"
+    ))
+)]
+pub struct MonitoredCar<T: Real> {
+    estimator: CarEstimator<T>,
+    monitor: Monitor<T>,
+}
+
+impl<T: Real> MonitoredCar<T> {
+    /// Puts the two together, before the first sample.
+    pub fn new(estimator: CarEstimator<T>, monitor: Monitor<T>) -> Self {
+        Self { estimator, monitor }
+    }
+
+    /// Takes one sample; gives the estimate after it, its validity and warnings being the monitor's. A published filter's
+    /// estimate, which is never valid, is passed on as it is.
+    pub fn update(&mut self, sample: &CarSample<T>) -> CarEstimate<T> {
+        if matches!(self.estimator.kind(), EstimatorKind::AekfUi | EstimatorKind::EkfUi) {
+            return self.estimator.update(sample);
+        }
+        let screened = self.monitor.screen(sample);
+        let mut estimate = self.estimator.update(&screened);
+        for corner in self.monitor.judge(&mut estimate).iter() {
+            self.estimator.restart_corner(corner);
+        }
+        estimate
+    }
+
+    /// What there is to say now.
+    pub fn report(&self) -> &MonitorReport<T> {
+        self.monitor.report()
+    }
+
+    /// The estimator.
+    pub fn estimator(&self) -> &CarEstimator<T> {
+        &self.estimator
+    }
+
+    /// The estimator, for a reset.
+    pub fn estimator_mut(&mut self) -> &mut CarEstimator<T> {
+        &mut self.estimator
+    }
+}
