@@ -9,6 +9,8 @@ use std::path::{Path, PathBuf};
 use itpms_core::quarter_car::ParameterError;
 use thiserror::Error;
 
+use crate::reference::ReferenceProblem;
+
 /// A file that could not be used, and why.
 #[derive(Debug, Error)]
 #[error("{}: {problem}", path.display())]
@@ -306,9 +308,20 @@ pub enum Problem {
         /// Highest value accepted.
         high: f64,
     },
+    // --- roads ---
+    /// An OpenCRG file that cannot be used.
+    #[error("{0}")]
+    Crg(crate::crg::CrgProblem),
+
+    // --- vehicle files, as a whole ---
     /// A vehicle without wheels.
     #[error("no corner is described, expected at least one table [corner.fl] (or fr, rl, rr)")]
     NoCorner,
+
+    // --- learned references ---
+    /// Not a reference, not a whole one, or another car's.
+    #[error(transparent)]
+    Reference(#[from] ReferenceProblem),
 }
 
 fn hint(nearest: &Option<String>) -> String {

@@ -6,17 +6,22 @@
 //! | [`vehicle`] | the vehicle file (TOML) and the corners it describes |
 //! | [`log`] | drive logs in: CSV and Parquet behind one reader that repairs, counts and refuses |
 //! | [`columns`] | small tables of measurements in: named columns of numbers from CSV |
+//! | [`crg`] | roads from OpenCRG files |
 //! | [`out`] | files out: complete under their name or not there at all |
+//! | [`reference`] | what a reset taught of a car, stored: its own car's, complete and plausible, or refused |
 //! | [`error`] | one message per problem: file, line or column, what was found, what was expected |
 //!
 //! The binary and the study use this crate; it knows the core's types and nothing of simulation.
 #![forbid(unsafe_code)]
 
 pub mod columns;
+pub mod crg;
 pub mod error;
 pub mod log;
 mod nearest;
 pub mod out;
+pub mod reference;
+mod toml_table;
 pub mod vehicle;
 
 pub use error::{DataError, Problem};

@@ -144,6 +144,7 @@ proptest! {
     #[test]
     fn a_written_vehicle_reads_back(
         name in "\\PC*",
+        id in proptest::option::of("\\PC*"),
         wheelbase in proptest::option::of(1.0..6.0f64),
         slope in 100.0..3000.0f64,
         sds in proptest::option::of((0.1..50.0f64, 1.0..5000.0f64, -0.99..0.99f64)),
@@ -155,7 +156,7 @@ proptest! {
         if let Some((a, b, c)) = sds {
             tire = tire.with_uncertainty(a, b, c).unwrap();
         }
-        let mut vehicle = Vehicle { name, wheelbase_m: wheelbase, ..Vehicle::paper() };
+        let mut vehicle = Vehicle { name, id, wheelbase_m: wheelbase, ..Vehicle::paper() };
         vehicle.corners[2] = None;
         for corner in vehicle.corners.iter_mut().flatten() {
             *corner = CornerConfig { tire, initial_kpa: initial, ..*corner };
@@ -166,7 +167,7 @@ proptest! {
         let path = dir.path().join("vehicle.toml");
         vehicle.write(&path).unwrap();
         let again = Vehicle::read(&path).unwrap();
-        prop_assert_eq!(&again.name, &vehicle.name);
+        prop_assert_eq!((&again.name, &again.id), (&vehicle.name, &vehicle.id));
         prop_assert_eq!(again.wheelbase_m, vehicle.wheelbase_m);
         for (a, b) in again.corners.iter().zip(&vehicle.corners) {
             let (Some(a), Some(b)) = (a, b) else { prop_assert!(a.is_none() && b.is_none()); continue };

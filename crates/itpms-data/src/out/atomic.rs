@@ -1,14 +1,18 @@
 //! A file that is either complete under its name or not there: written beside its target, renamed at the end.
 //!
 //! Used by every writer of this crate and by the report; knows nothing of formats.
+//!
+//! Also after a power cut: the bytes are on the disk before the name is theirs, and the directory is told to be written
+//! after it. What a killed program left beside its target is removed by the next one that writes there.
 
-use std::ffi::OsString;
+use std::ffi::OsStr;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use super::leftovers;
 use crate::error::{DataError, Problem};
 
 /// An output in the making.
@@ -58,15 +62,13 @@ impl AtomicFile {
             _ => {}
         }
         let destination = fs::canonicalize(target).unwrap_or_else(|_| target.to_owned());
-        let directory = match destination.parent() {
-            Some(parent) if !parent.as_os_str().is_empty() => parent,
-            _ => Path::new("."),
-        };
+        let directory = directory_of(&destination);
         let Some(name) = destination.file_name() else { return Err(fail(Problem::IsDirectory)) };
         if !directory.exists() {
             return Err(fail(Problem::NoDirectory(directory.to_owned())));
         }
         let (path, file) = create_beside(directory, name).map_err(|error| fail(Problem::Write(error)))?;
+        leftovers::remove(directory, name, &path);
         // From here on the temporary removes itself.
         let temporary = Temporary { path, destination };
         if let Ok(existing) = fs::metadata(&temporary.destination) {
@@ -108,7 +110,8 @@ impl AtomicFile {
             .map_err(|error| DataError::new(&self.target, Problem::Write(error)))
     }
 
-    /// Completes the file and gives it its name.
+    /// Completes the file and gives it its name. When this returns without an error, a power cut no longer takes the
+    /// file away; when the power fails before, the old one is still there.
     ///
     /// # Errors
     /// The disk is full, or the directory no longer lets the file be renamed.
@@ -117,6 +120,7 @@ impl AtomicFile {
         match &self.temporary {
             None => Ok(()),
             Some(temporary) => fs::rename(&temporary.path, &temporary.destination)
+                .and_then(|()| sync_directory(&temporary.destination))
                 .map_err(|error| DataError::new(&self.target, Problem::Write(error))),
         }
     }
@@ -139,18 +143,42 @@ fn is_device_path(path: &Path) -> bool {
     path.starts_with("/dev") || path.starts_with("/proc")
 }
 
-/// A new file `.NAME.PID-N.tmp` in `directory`.
-fn create_beside(directory: &Path, name: &std::ffi::OsStr) -> io::Result<(PathBuf, File)> {
+/// Puts the new name of a file onto the disk: a name lives in its directory.
+#[cfg(unix)]
+fn sync_directory(file: &Path) -> io::Result<()> {
+    match File::open(directory_of(file))?.sync_all() {
+        // Some network file systems know no such thing; they write names at once.
+        Err(error) if error.kind() == io::ErrorKind::InvalidInput => Ok(()),
+        other => other,
+    }
+}
+
+/// Elsewhere a directory cannot be opened as a file; the system's journal has to do.
+#[cfg(not(unix))]
+fn sync_directory(_file: &Path) -> io::Result<()> {
+    Ok(())
+}
+
+fn directory_of(file: &Path) -> &Path {
+    match file.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
+
+/// A new file `.NAME.PID-N.tmp` in `directory`, locked for as long as it is open.
+fn create_beside(directory: &Path, name: &OsStr) -> io::Result<(PathBuf, File)> {
     static COUNTER: AtomicU32 = AtomicU32::new(0);
     loop {
         let number = COUNTER.fetch_add(1, Ordering::Relaxed);
-        let mut temporary = OsString::from(".");
-        temporary.push(name);
-        temporary.push(format!(".{}-{number}.tmp", process::id()));
+        let mut temporary = leftovers::prefix(name);
+        temporary.push(format!("{}-{number}{}", process::id(), leftovers::SUFFIX));
         let path = directory.join(temporary);
         match OpenOptions::new().write(true).create_new(true).open(&path) {
-            Ok(file) => return Ok((path, file)),
-            // Left over from a killed run with the same process id: take the next number.
+            Ok(file) if leftovers::claim(&file, &path) => return Ok((path, file)),
+            // Somebody who tidies up took it for a leftover before it was locked: take the next number.
+            Ok(_) => {}
+            // Left over from a killed run with the same process id: the same.
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
             Err(error) => return Err(error),
         }
@@ -193,6 +221,30 @@ mod tests {
         assert_eq!(fs::read(&target).unwrap(), b"old");
         drop(file);
         assert_eq!(fs::read(&target).unwrap(), b"old");
+    }
+
+    #[test]
+    fn what_a_killed_program_left_is_removed_and_what_a_living_one_writes_is_not() {
+        let dir = tempfile::tempdir().unwrap();
+        let target = dir.path().join("est.csv");
+        let leftover = dir.path().join(".est.csv.4000000000-7.tmp");
+        let others =
+            [".est.csv.notes.tmp", ".est.csv.1-.tmp", ".other.csv.4000000000-7.tmp", "est.csv.1-1.tmp"];
+        fs::write(&leftover, "half").unwrap();
+        others.iter().for_each(|name| fs::write(dir.path().join(name), "").unwrap());
+        let mut living = AtomicFile::create(&target).unwrap();
+        assert!(!leftover.exists());
+        living.append(b"the first").unwrap();
+        let mut second = AtomicFile::create(&target).unwrap();
+        second.append(b"the second").unwrap();
+        second.commit().unwrap();
+        living.commit().unwrap();
+        assert_eq!(fs::read(&target).unwrap(), b"the first");
+        let mut left = names(dir.path());
+        left.sort();
+        let mut expected = [&others[..], &["est.csv"]].concat();
+        expected.sort_unstable();
+        assert_eq!(left, expected);
     }
 
     #[cfg(unix)]

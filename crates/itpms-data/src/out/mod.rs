@@ -7,6 +7,7 @@
 mod atomic;
 mod csv_table;
 mod drive_log;
+mod leftovers;
 #[cfg(feature = "parquet")]
 mod parquet_table;
 mod results;

@@ -6,6 +6,7 @@
 //! ```toml
 //! [vehicle]
 //! name = "mid-size sedan"
+//! id = "WXY00000000000001"       # optional: tells cars of one model apart, for a learned reference
 //! wheelbase_m = 2.7              # optional; needed for the shared road
 //! [tire]                         # eq. (5); may be given per corner as [corner.fl.tire]
 //! stiffness_per_kpa = 713.91     # N/m per kPa
@@ -23,7 +24,6 @@
 //! initial_kpa = 241.3            # optional: where the estimate starts; the placard's unless given
 //! ```
 
-mod table;
 mod write;
 
 use std::fs;
@@ -38,13 +38,15 @@ use toml::de::DeTable;
 
 use crate::error::{DataError, Problem};
 use crate::out::AtomicFile;
-use table::{Table, line_of};
+use crate::toml_table::{Table, syntax_problem};
 
 /// A vehicle as its file describes it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Vehicle {
     /// What people call it.
     pub name: String,
+    /// Which of the cars of that name it is, where that matters: a VIN, a fleet number.
+    pub id: Option<String>,
     /// Distance between the axles in m.
     pub wheelbase_m: Option<f64>,
     /// The corners, in the order of [`Corner::ALL`].
@@ -94,6 +96,7 @@ impl Vehicle {
     pub fn paper() -> Self {
         Self {
             name: "paper, Table 2".to_owned(),
+            id: None,
             wheelbase_m: Some(2.7),
             corners: [Some(CornerConfig::paper()); 4],
         }
@@ -126,17 +129,15 @@ impl Vehicle {
     /// # Errors
     /// As [`Vehicle::read`], without the name of a file.
     pub fn parse(text: &str) -> Result<Self, Problem> {
-        let document = DeTable::parse(text).map_err(|error| Problem::Syntax {
-            line: error.span().map_or(1, |span| line_of(text, span.start)),
-            message: error.message().to_owned(),
-        })?;
+        let document = DeTable::parse(text).map_err(|error| syntax_problem(text, &error))?;
         let root = Table::root(text, document.get_ref());
         root.check_keys(&["vehicle", "tire", "corner"])?;
 
-        let (mut name, mut wheelbase_m) = ("unnamed vehicle".to_owned(), None);
+        let (mut name, mut id, mut wheelbase_m) = ("unnamed vehicle".to_owned(), None, None);
         if let Some(vehicle) = root.table("vehicle")? {
-            vehicle.check_keys(&["name", "wheelbase_m"])?;
+            vehicle.check_keys(&["name", "id", "wheelbase_m"])?;
             name = vehicle.text("name")?.unwrap_or(name);
+            id = vehicle.text("id")?;
             wheelbase_m = checked(&vehicle, "wheelbase_m")?;
         }
         let tire = root.table("tire")?.map(|table| read_tire(&table)).transpose()?;
@@ -152,7 +153,7 @@ impl Vehicle {
         if corners.iter().all(Option::is_none) {
             return Err(Problem::NoCorner);
         }
-        Ok(Self { name, wheelbase_m, corners })
+        Ok(Self { name, id, wheelbase_m, corners })
     }
 
     /// The text of a vehicle file that reads back as this vehicle.

@@ -7,10 +7,14 @@ use itpms_core::pressure::PressureMap;
 use itpms_core::sample::Corner;
 
 use super::Vehicle;
+use crate::toml_table::escaped;
 
 pub(super) fn vehicle(vehicle: &Vehicle) -> String {
     let mut out = String::from("[vehicle]\n");
     let _ = writeln!(out, "name = \"{}\"", escaped(&vehicle.name));
+    if let Some(id) = &vehicle.id {
+        let _ = writeln!(out, "id = \"{}\"", escaped(id));
+    }
     if let Some(wheelbase_m) = vehicle.wheelbase_m {
         number(&mut out, "wheelbase_m", wheelbase_m);
     }
@@ -86,19 +90,4 @@ fn nine_digits(value: f64) -> f64 {
 fn number(out: &mut String, key: &str, value: f64) {
     // `{:?}` is the shortest form that reads back as the same number and always has a point or an exponent.
     let _ = writeln!(out, "{key} = {value:?}");
-}
-
-/// The inside of a TOML basic string.
-fn escaped(text: &str) -> String {
-    let mut out = String::new();
-    for c in text.chars() {
-        match c {
-            '"' | '\\' => out.extend(['\\', c]),
-            c if c.is_control() => {
-                let _ = write!(out, "\\u{:04X}", u32::from(c));
-            }
-            c => out.push(c),
-        }
-    }
-    out
 }

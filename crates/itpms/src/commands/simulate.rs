@@ -129,6 +129,7 @@ fn vehicle_of(scenario: &Scenario) -> Result<Vehicle, Failure> {
     }
     Ok(Vehicle {
         name: format!("vehicle of {}", scenario.name),
+        id: None,
         wheelbase_m: Some(scenario.wheelbase_m),
         corners,
     })

@@ -1,6 +1,8 @@
 //! A TOML table that knows its name and its lines, so that a complaint about a key can say where it is.
 //!
-//! Called by the vehicle reader alone; knows nothing of cars.
+//! Called by the readers of vehicle files and of learned references; knows nothing of cars.
+
+use std::fmt::Write as _;
 
 use itpms_core::quarter_car::ParameterError;
 use toml::de::{DeTable, DeValue};
@@ -9,12 +11,20 @@ use crate::error::Problem;
 use crate::nearest::nearest;
 
 /// The line (from one) of a byte offset.
-pub(super) fn line_of(text: &str, offset: usize) -> usize {
+fn line_of(text: &str, offset: usize) -> usize {
     1 + text.as_bytes().iter().take(offset).filter(|byte| **byte == b'\n').count()
 }
 
+/// A text that is no TOML.
+pub(crate) fn syntax_problem(text: &str, error: &toml::de::Error) -> Problem {
+    Problem::Syntax {
+        line: error.span().map_or(1, |span| line_of(text, span.start)),
+        message: error.message().to_owned(),
+    }
+}
+
 /// One table of a document.
-pub(super) struct Table<'a> {
+pub(crate) struct Table<'a> {
     text: &'a str,
     entries: &'a DeTable<'a>,
     /// As in the file's header line: `[corner.fl]`; the root is `the file`.
@@ -23,20 +33,20 @@ pub(super) struct Table<'a> {
 }
 
 impl<'a> Table<'a> {
-    pub(super) fn root(text: &'a str, entries: &'a DeTable<'a>) -> Self {
+    pub(crate) fn root(text: &'a str, entries: &'a DeTable<'a>) -> Self {
         Self { text, entries, path: "the file".to_owned(), line: None }
     }
 
-    pub(super) fn path(&self) -> &str {
+    pub(crate) fn path(&self) -> &str {
         &self.path
     }
 
-    pub(super) fn line(&self) -> Option<usize> {
+    pub(crate) fn line(&self) -> Option<usize> {
         self.line
     }
 
     /// The line of a key, or of the table where the key is not there.
-    pub(super) fn line_of_key(&self, key: &str) -> usize {
+    pub(crate) fn line_of_key(&self, key: &str) -> usize {
         self.entries
             .iter()
             .find(|(name, _)| name.get_ref() == key)
@@ -46,7 +56,7 @@ impl<'a> Table<'a> {
     }
 
     /// Refuses the first key (by line) that is not among `known`.
-    pub(super) fn check_keys(&self, known: &[&str]) -> Result<(), Problem> {
+    pub(crate) fn check_keys(&self, known: &[&str]) -> Result<(), Problem> {
         let stranger = self
             .entries
             .iter()
@@ -65,7 +75,7 @@ impl<'a> Table<'a> {
     }
 
     /// The table under `key`, if there is one.
-    pub(super) fn table(&self, key: &str) -> Result<Option<Table<'a>>, Problem> {
+    pub(crate) fn table(&self, key: &str) -> Result<Option<Table<'a>>, Problem> {
         let Some((name, value)) = self.entry(key) else { return Ok(None) };
         let DeValue::Table(entries) = value else { return Err(self.not_a(key, value, "a table")) };
         let path = match self.path.strip_prefix('[').and_then(|path| path.strip_suffix(']')) {
@@ -76,7 +86,7 @@ impl<'a> Table<'a> {
     }
 
     /// The number under `key`, integer or float, if there is one.
-    pub(super) fn number(&self, key: &str) -> Result<Option<f64>, Problem> {
+    pub(crate) fn number(&self, key: &str) -> Result<Option<f64>, Problem> {
         let Some((_, value)) = self.entry(key) else { return Ok(None) };
         let number = match value {
             DeValue::Integer(integer) => {
@@ -89,7 +99,7 @@ impl<'a> Table<'a> {
     }
 
     /// The text under `key`, if there is some.
-    pub(super) fn text(&self, key: &str) -> Result<Option<String>, Problem> {
+    pub(crate) fn text(&self, key: &str) -> Result<Option<String>, Problem> {
         let Some((_, value)) = self.entry(key) else { return Ok(None) };
         match value {
             DeValue::String(text) => Ok(Some(text.to_string())),
@@ -98,12 +108,12 @@ impl<'a> Table<'a> {
     }
 
     /// A parameter out of its range, with the table and the line of its key.
-    pub(super) fn refuse(&self, error: ParameterError) -> Problem {
+    pub(crate) fn refuse(&self, error: ParameterError) -> Problem {
         Problem::Parameter { line: self.line_of_key(error.name), table: self.path.clone(), error }
     }
 
     /// A key that is missing from this table.
-    pub(super) fn lacks(&self, key: &'static str) -> Problem {
+    pub(crate) fn lacks(&self, key: &'static str) -> Problem {
         Problem::MissingKey { line: self.line, table: self.path.clone(), key }
     }
 
@@ -121,4 +131,19 @@ impl<'a> Table<'a> {
         let line = self.line_of_key(key);
         Problem::ValueType { line, table: self.path.clone(), key: key.to_owned(), found, expected }
     }
+}
+
+/// The inside of a TOML basic string.
+pub(crate) fn escaped(text: &str) -> String {
+    let mut out = String::new();
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => out.extend(['\\', c]),
+            c if c.is_control() => {
+                let _ = write!(out, "\\u{:04X}", u32::from(c));
+            }
+            c => out.push(c),
+        }
+    }
+    out
 }

@@ -1,0 +1,181 @@
+//! What a reset taught of a car, kept in a file from one drive to the next: which car, when, what, and a checksum.
+//!
+//! Called by the binary, and by whoever stores references on a vehicle. Knows files and vehicles, nothing of how a
+//! reference is learned or used. What it hands out is whole, plausible and the very car's; anything else is refused with
+//! the reason, and the caller decides whether to go on without a reference.
+//!
+//! ```text
+//! itpms-reference 1 f6d0c1f2a5a1b1c3      format, checksum of the format and of everything below
+//! [vehicle]
+//! name = "mid-size sedan"
+//! id = "WXY00000000000001"               # where the vehicle file has one
+//! parameters = "5c0a9d4be1f20377"        # fingerprint of masses, springs, dampers, tires, placards, wheelbase
+//! [learned]
+//! unix_s = 1900000000                    # when
+//! driving_s = 600.0                      # from how much useful driving
+//! wheelbase = 0.004                      # every quantity with its standard deviation
+//! wheelbase_sd = 0.001
+//! [learned.left]                         # and right: gain, skew_s
+//! [corner.fl]                            # placard_kpa, unsprung_mass, damping, spring, spectrum_bias_kpa
+//! ```
+//!
+//! A later program may change everything but the first line's shape, so that an older one can say that it is too old.
+
+mod checksum;
+mod identity;
+mod text;
+
+use std::fs::File;
+use std::io::{self, Read as _};
+use std::path::Path;
+
+use itpms_core::car::{LearnedReference, ReferenceError};
+use thiserror::Error;
+
+use crate::error::{DataError, Problem};
+use crate::out::AtomicFile;
+use crate::vehicle::Vehicle;
+pub use identity::VehicleIdentity;
+
+/// The format that is written, and the newest that is read.
+pub const FORMAT: u32 = 1;
+
+/// A file longer than this is not read to its end: it is something else.
+const LONGEST_BYTES: u64 = 64 * 1024;
+
+/// Why a reference is not used.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ReferenceProblem {
+    /// Some other file.
+    #[error("is no learned reference: its beginning is {found:?}, expected \"itpms-reference\"")]
+    Foreign {
+        /// Its beginning.
+        found: String,
+    },
+    /// Cut short, or changed since it was written.
+    #[error("the learned reference is damaged: its checksum says {found}, expected {expected}")]
+    Damaged {
+        /// What its first line says.
+        found: String,
+        /// What its contents give.
+        expected: String,
+    },
+    /// From a program of the future.
+    #[error("the learned reference has format {found}, expected at most {FORMAT}: a newer itpms wrote it")]
+    Newer {
+        /// Its format.
+        found: u32,
+    },
+    /// Learned on another car.
+    #[error("the reference was learned on a vehicle whose {what} is {found}, expected {expected}")]
+    OtherVehicle {
+        /// Name, id or parameters.
+        what: &'static str,
+        /// As stored.
+        found: String,
+        /// As the vehicle file has it.
+        expected: String,
+    },
+    /// A value that no car has.
+    #[error("the learned reference is not plausible: {0}")]
+    Implausible(ReferenceError),
+    /// Whole, but without something that belongs there.
+    #[error("the learned reference does not have {0}")]
+    Lacks(&'static str),
+}
+
+/// A learned reference with its car and its date.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StoredReference {
+    /// The car it was learned on.
+    pub vehicle: VehicleIdentity,
+    /// When the reset was over, in s since 1970-01-01 UTC, as the caller's clock had it.
+    pub learned_unix_s: u64,
+    /// What was learned.
+    pub reference: LearnedReference<f64>,
+}
+
+impl StoredReference {
+    /// What `vehicle` was found to be at the given time.
+    ///
+    /// # Errors
+    /// The reference is not plausible, or of no corner: a bad one is never stored.
+    pub fn new(
+        vehicle: &Vehicle,
+        reference: LearnedReference<f64>,
+        learned_unix_s: u64,
+    ) -> Result<Self, Problem> {
+        reference.check().map_err(ReferenceProblem::Implausible)?;
+        if reference.corners.iter().all(Option::is_none) {
+            return Err(ReferenceProblem::Lacks("a corner").into());
+        }
+        Ok(Self { vehicle: VehicleIdentity::of(vehicle), learned_unix_s, reference })
+    }
+
+    /// What `vehicle` is to be told, if this was learned on it.
+    ///
+    /// # Errors
+    /// Another name, another id, or other parameters: deviations from one set of parameters say nothing of another.
+    pub fn for_vehicle(&self, vehicle: &Vehicle) -> Result<&LearnedReference<f64>, Problem> {
+        self.vehicle.expect(&VehicleIdentity::of(vehicle))?;
+        Ok(&self.reference)
+    }
+
+    /// The bytes of its file.
+    #[must_use]
+    pub fn to_text(&self) -> String {
+        text::sealed(self)
+    }
+
+    /// The reference in the bytes of a file. Checks everything but the vehicle, for which see
+    /// [`StoredReference::for_vehicle`].
+    ///
+    /// # Errors
+    /// Another file, a damaged one, a newer format, or numbers that no car has.
+    pub fn parse(bytes: &[u8]) -> Result<Self, Problem> {
+        let stored = text::opened(bytes)?;
+        stored.reference.check().map_err(ReferenceProblem::Implausible)?;
+        Ok(stored)
+    }
+
+    /// Writes the file. Killed or without power at any moment, `path` holds what it held before or this, whole; what
+    /// is left beside it does not disturb and goes with the next save.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn save(&self, path: &Path) -> Result<(), DataError> {
+        let mut file = AtomicFile::create(path)?;
+        file.append(self.to_text().as_bytes())?;
+        file.commit()
+    }
+
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// It cannot be read; and as [`StoredReference::parse`].
+    pub fn read(path: &Path) -> Result<Self, DataError> {
+        let read = || {
+            let mut bytes = Vec::new();
+            // One byte more than is taken shows that there are more.
+            File::open(path)?.take(LONGEST_BYTES + 1).read_to_end(&mut bytes).map(|_| bytes)
+        };
+        let fail = |problem| DataError::new(path, problem);
+        match read() {
+            Ok(bytes) if bytes.len() as u64 > LONGEST_BYTES => {
+                let found = format!("that of a file of more than {LONGEST_BYTES} bytes");
+                Err(fail(ReferenceProblem::Foreign { found }.into()))
+            }
+            Ok(bytes) => Self::parse(&bytes).map_err(fail),
+            Err(_) if path.is_dir() => Err(fail(Problem::IsDirectory)),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Err(fail(Problem::NotFound)),
+            Err(error) => Err(fail(Problem::Read(error))),
+        }
+    }
+
+    /// The day it was learned, `2026-03-01`, UTC.
+    #[must_use]
+    pub fn day(&self) -> String {
+        text::day(self.learned_unix_s)
+    }
+}

@@ -1,0 +1,188 @@
+//! A stored reference as text and back. The first line is read before anything else is believed.
+
+use std::fmt::Write as _;
+
+use itpms_core::car::{Learned, LearnedCorner, LearnedReference};
+use itpms_core::sample::Corner;
+use toml::de::DeTable;
+
+use super::checksum::crc64;
+use super::{FORMAT, ReferenceProblem, StoredReference, VehicleIdentity};
+use crate::error::Problem;
+use crate::toml_table::{Table, escaped, syntax_problem};
+
+/// How every format of the file begins.
+const MAGIC: &str = "itpms-reference ";
+const SIDES: [&str; 2] = ["left", "right"];
+const CORNER_QUANTITIES: [&str; 4] = ["unsprung_mass", "damping", "spring", "spectrum_bias_kpa"];
+const SIDE_QUANTITIES: [&str; 2] = ["gain", "skew_s"];
+
+/// The file with its first line.
+pub(super) fn sealed(stored: &StoredReference) -> String {
+    let body = body(stored);
+    let format = FORMAT.to_string();
+    format!("{MAGIC}{format} {}\n{body}", seal(&format, body.as_bytes()))
+}
+
+/// The reference in a file that is whole and of a known format.
+pub(super) fn opened(bytes: &[u8]) -> Result<StoredReference, Problem> {
+    let Some(rest) = bytes.strip_prefix(MAGIC.as_bytes()) else {
+        let beginning = &bytes[..bytes.len().min(MAGIC.len())];
+        return Err(
+            ReferenceProblem::Foreign { found: String::from_utf8_lossy(beginning).into_owned() }.into()
+        );
+    };
+    let end_of_line = rest.iter().position(|byte| *byte == b'\n').unwrap_or(rest.len());
+    let (line, body) = (&rest[..end_of_line], rest.get(end_of_line + 1..).unwrap_or_default());
+    let line = String::from_utf8_lossy(line);
+    let (format, found) = line.split_once(' ').unwrap_or((&line, ""));
+    let expected = seal(format, body);
+    if found != expected {
+        return Err(ReferenceProblem::Damaged { found: found.to_owned(), expected }.into());
+    }
+    match format.parse() {
+        Ok(FORMAT) => {}
+        Ok(newer) => return Err(ReferenceProblem::Newer { found: newer }.into()),
+        Err(_) => return Err(ReferenceProblem::Lacks("a number of its format").into()),
+    }
+    let body = str::from_utf8(body).map_err(|_| ReferenceProblem::Lacks("readable text"))?;
+    read_body(body)
+}
+
+/// The checksum of a format and a body, in lower-case digits.
+fn seal(format: &str, body: &[u8]) -> String {
+    format!("{:016x}", crc64(&[format.as_bytes(), b"\n", body]))
+}
+
+fn body(stored: &StoredReference) -> String {
+    let (vehicle, reference) = (&stored.vehicle, &stored.reference);
+    let mut out = format!("[vehicle]\nname = \"{}\"\n", escaped(&vehicle.name));
+    if let Some(id) = &vehicle.id {
+        let _ = writeln!(out, "id = \"{}\"", escaped(id));
+    }
+    let _ = writeln!(out, "parameters = \"{}\"", vehicle.parameters);
+    // The seconds as text: TOML's numbers are read as f64 here.
+    let _ = writeln!(
+        out,
+        "\n[learned]\nunix_s = \"{}\"  # {}",
+        stored.learned_unix_s,
+        day(stored.learned_unix_s)
+    );
+    let _ = writeln!(out, "driving_s = {:?}", reference.learned_s);
+    write_learned(&mut out, "wheelbase", &reference.wheelbase);
+    for (i, side) in SIDES.into_iter().enumerate() {
+        let _ = writeln!(out, "\n[learned.{side}]");
+        write_learned(&mut out, "gain", &reference.gain[i]);
+        write_learned(&mut out, "skew_s", &reference.skew_s[i]);
+    }
+    for corner in Corner::ALL {
+        let Some(learned) = &reference.corners[corner.index()] else { continue };
+        let _ = writeln!(out, "\n[corner.{}]\nplacard_kpa = {:?}", corner.label(), learned.placard_kpa);
+        let values = [learned.unsprung_mass, learned.damping, learned.spring, learned.spectrum_bias_kpa];
+        for (name, value) in CORNER_QUANTITIES.into_iter().zip(&values) {
+            write_learned(&mut out, name, value);
+        }
+    }
+    out
+}
+
+fn write_learned(out: &mut String, name: &str, learned: &Learned<f64>) {
+    // `{:?}` is the shortest form that reads back as the same number.
+    let _ = writeln!(out, "{name} = {:?}\n{name}_sd = {:?}", learned.value, learned.sd);
+}
+
+fn read_body(text: &str) -> Result<StoredReference, Problem> {
+    let document = DeTable::parse(text).map_err(|error| syntax_problem(text, &error))?;
+    let root = Table::root(text, document.get_ref());
+    root.check_keys(&["vehicle", "learned", "corner"])?;
+    let vehicle = needed_table(&root, "vehicle")?;
+    vehicle.check_keys(&["name", "id", "parameters"])?;
+    let vehicle = VehicleIdentity {
+        name: needed_text(&vehicle, "name")?,
+        id: vehicle.text("id")?,
+        parameters: needed_text(&vehicle, "parameters")?,
+    };
+    let learned = needed_table(&root, "learned")?;
+    let unix_s = needed_text(&learned, "unix_s")?;
+    let learned_unix_s = unix_s.parse().map_err(|_| ReferenceProblem::Lacks("a time in whole seconds"))?;
+    let [[left_gain, left_skew], [right_gain, right_skew]] =
+        [read_side(&learned, SIDES[0])?, read_side(&learned, SIDES[1])?];
+    let reference = LearnedReference {
+        corners: read_corners(&needed_table(&root, "corner")?)?,
+        gain: [left_gain, right_gain],
+        wheelbase: read_learned(&learned, "wheelbase", "wheelbase_sd")?,
+        skew_s: [left_skew, right_skew],
+        learned_s: needed_number(&learned, "driving_s")?,
+    };
+    Ok(StoredReference { vehicle, learned_unix_s, reference })
+}
+
+fn read_corners(corners: &Table<'_>) -> Result<[Option<LearnedCorner<f64>>; 4], Problem> {
+    corners.check_keys(&Corner::ALL.map(Corner::label))?;
+    let mut read = [None; 4];
+    for corner in Corner::ALL {
+        let Some(table) = corners.table(corner.label())? else { continue };
+        let [mass, damping, spring, bias] = CORNER_QUANTITIES;
+        read[corner.index()] = Some(LearnedCorner {
+            placard_kpa: needed_number(&table, "placard_kpa")?,
+            unsprung_mass: read_learned(&table, mass, "unsprung_mass_sd")?,
+            damping: read_learned(&table, damping, "damping_sd")?,
+            spring: read_learned(&table, spring, "spring_sd")?,
+            spectrum_bias_kpa: read_learned(&table, bias, "spectrum_bias_kpa_sd")?,
+        });
+    }
+    Ok(read)
+}
+
+/// Gain and skew of a side.
+fn read_side(learned: &Table<'_>, side: &'static str) -> Result<[Learned<f64>; 2], Problem> {
+    let table = needed_table(learned, side)?;
+    let [gain, skew] = SIDE_QUANTITIES;
+    Ok([read_learned(&table, gain, "gain_sd")?, read_learned(&table, skew, "skew_s_sd")?])
+}
+
+fn read_learned(table: &Table<'_>, name: &'static str, sd: &'static str) -> Result<Learned<f64>, Problem> {
+    Ok(Learned { value: needed_number(table, name)?, sd: needed_number(table, sd)? })
+}
+
+fn needed_table<'a>(parent: &Table<'a>, key: &'static str) -> Result<Table<'a>, Problem> {
+    parent.table(key)?.ok_or_else(|| parent.lacks(key))
+}
+
+fn needed_text(table: &Table<'_>, key: &'static str) -> Result<String, Problem> {
+    table.text(key)?.ok_or_else(|| table.lacks(key))
+}
+
+fn needed_number(table: &Table<'_>, key: &'static str) -> Result<f64, Problem> {
+    table.number(key)?.ok_or_else(|| table.lacks(key))
+}
+
+/// The day of a time in s since 1970, `2026-03-01`, in the Gregorian calendar and UTC.
+pub(super) fn day(unix_s: u64) -> String {
+    // Counted from 1 March of the year 0, so that the leap day is the last of its year; eras of 400 years.
+    let days = unix_s / 86_400 + 719_468;
+    let (era, day_of_era) = (days / 146_097, days % 146_097);
+    let year_of_era = (day_of_era - day_of_era / 1_460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let month_from_march = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * month_from_march + 2) / 5 + 1;
+    let month = (month_from_march + 2) % 12 + 1;
+    let year = 400 * era + year_of_era + u64::from(month <= 2);
+    format!("{year:04}-{month:02}-{day:02}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::day;
+
+    #[test]
+    fn days_that_everybody_knows() {
+        assert_eq!(day(0), "1970-01-01");
+        // The second before and at the turn of the millennium, its leap day, and the end of 32-bit time.
+        assert_eq!(day(946_684_799), "1999-12-31");
+        assert_eq!(day(946_684_800), "2000-01-01");
+        assert_eq!(day(951_782_400), "2000-02-29");
+        assert_eq!(day(951_868_800), "2000-03-01");
+        assert_eq!(day(2_147_483_647), "2038-01-19");
+    }
+}

@@ -1,0 +1,183 @@
+//! A stored reference: what goes in comes out, and nothing else ever does.
+#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
+
+mod stored;
+
+use std::fs;
+
+use itpms_data::Vehicle;
+use itpms_data::reference::StoredReference;
+use proptest::prelude::*;
+use stored::{learned, new, old};
+
+fn refusal(bytes: &[u8]) -> String {
+    StoredReference::parse(bytes).unwrap_err().to_string()
+}
+
+/// A file whose checksum fits whatever its body is. The checksum comes from the program's own words about it, whose
+/// algorithm is held against its published check value elsewhere.
+fn sealed(format: &str, body: &str) -> String {
+    let text = refusal(format!("itpms-reference {format} 0\n{body}").as_bytes());
+    let (_, expected) = text.rsplit_once(' ').unwrap();
+    format!("itpms-reference {format} {expected}\n{body}")
+}
+
+fn body() -> String {
+    old().to_text().split_once('\n').unwrap().1.to_owned()
+}
+
+#[test]
+fn what_was_saved_is_read_again_for_its_car() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("reference");
+    for stored in [old(), new()] {
+        stored.save(&path).unwrap();
+        let read = StoredReference::read(&path).unwrap();
+        assert_eq!(read, stored);
+        assert_eq!(read.for_vehicle(&Vehicle::paper()).unwrap(), &stored.reference);
+    }
+    assert_eq!(old().day(), "2030-03-17");
+    assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn a_torn_file_is_refused_wherever_it_was_cut() {
+    let whole = old().to_text();
+    for length in 0..whole.len() {
+        assert!(StoredReference::parse(&whole.as_bytes()[..length]).is_err(), "cut to {length}");
+    }
+    // As a file system may leave it: the length is there, the rest of the bytes is zero, or still the older content's.
+    let (other, mut torn) = (new().to_text(), 0);
+    for length in 0..whole.len() {
+        let zeroed = [&whole.as_bytes()[..length], &vec![0; whole.len() - length]].concat();
+        assert!(StoredReference::parse(&zeroed).is_err(), "zero from {length}");
+        let mixed =
+            [&whole.as_bytes()[..length], other.as_bytes().get(length..).unwrap_or_default()].concat();
+        if mixed != whole.as_bytes() && mixed != other.as_bytes() {
+            torn += 1;
+            assert!(StoredReference::parse(&mixed).is_err(), "mixed from {length}");
+        }
+    }
+    assert!(torn > whole.len() / 2);
+}
+
+#[test]
+fn a_flipped_bit_is_refused_wherever_it_is() {
+    let mut bytes = old().to_text().into_bytes();
+    let header = bytes.iter().position(|byte| *byte == b'\n').unwrap();
+    for i in 0..bytes.len() {
+        for bit in 0..8 {
+            bytes[i] ^= 1 << bit;
+            let text = refusal(&bytes);
+            if i > header {
+                assert!(text.contains("its checksum says"), "byte {i}, bit {bit}: {text}");
+            }
+            bytes[i] ^= 1 << bit;
+        }
+    }
+}
+
+#[test]
+fn other_files_are_named_for_what_they_are() {
+    assert_eq!(
+        refusal(b"time_s,speed_m_s\n"),
+        "is no learned reference: its beginning is \"time_s,speed_m_s\", expected \"itpms-reference\""
+    );
+    assert!(refusal(b"").contains("is no learned reference"));
+    assert!(refusal(&[0xFF; 300]).contains("is no learned reference"));
+    let dir = tempfile::tempdir().unwrap();
+    let read = |path: &std::path::Path| StoredReference::read(path).unwrap_err().to_string();
+    assert!(read(dir.path()).ends_with("is a directory, expected a file"));
+    assert!(read(&dir.path().join("none")).ends_with("none: no such file"));
+    let long = dir.path().join("long");
+    fs::write(&long, [sealed("1", &body()), "#".repeat(70_000)].concat()).unwrap();
+    assert!(read(&long).contains("65536 bytes"));
+}
+
+#[test]
+fn a_newer_format_is_told_from_damage() {
+    let newer = sealed("2", "something that nobody knows yet");
+    assert_eq!(
+        refusal(newer.as_bytes()),
+        "the learned reference has format 2, expected at most 1: a newer itpms wrote it"
+    );
+    let damaged = newer.replace("nobody", "n0body");
+    assert!(refusal(damaged.as_bytes()).contains("is damaged"));
+}
+
+#[test]
+fn whole_files_with_impossible_contents_are_refused_too() {
+    assert_eq!(StoredReference::parse(sealed("1", &body()).as_bytes()).unwrap(), old());
+    let edited = |from: &str, to: &str| {
+        let body = body();
+        assert!(body.contains(from), "{from}");
+        refusal(sealed("1", &body.replacen(from, to, 1)).as_bytes())
+    };
+    assert!(
+        edited("unsprung_mass = 0.01", "unsprung_mass = 0.3").contains("not plausible: unsprung_mass lies")
+    );
+    assert!(
+        edited("wheelbase_sd = 0.0004", "wheelbase_sd = 0.0").contains("not plausible: wheelbase is not")
+    );
+    assert!(edited("driving_s = 612.5", "driving_s = nan").contains("not plausible: learned_s"));
+    assert!(edited("[corner.fl]", "[corner.xx]").contains("unknown key xx in [corner]"));
+    assert!(edited("unix_s = \"19", "unix_s = \"-19").contains("does not have a time"));
+    assert!(edited("gain_sd = 0.002\n", "").contains("[learned.left] has no gain_sd"));
+    assert!(edited("= 612.5", "= = 612.5").contains("not valid TOML"));
+    let mut bad = learned(1.0);
+    bad.skew_s[1].sd = f64::NAN;
+    assert!(StoredReference::new(&Vehicle::paper(), bad, 0).is_err());
+    bad = learned(1.0);
+    bad.corners = [None; 4];
+    assert!(StoredReference::new(&Vehicle::paper(), bad, 0).is_err());
+}
+
+#[test]
+fn another_car_is_refused_by_name_id_or_parameters() {
+    let car = Vehicle::paper();
+    let refusal = |vehicle: &Vehicle| old().for_vehicle(vehicle).unwrap_err().to_string();
+    let named = Vehicle { name: "another".to_owned(), ..car.clone() };
+    assert_eq!(
+        refusal(&named),
+        "the reference was learned on a vehicle whose name is \"paper, Table 2\", expected \"another\""
+    );
+    let numbered = Vehicle { id: Some("7".to_owned()), ..car.clone() };
+    assert!(refusal(&numbered).ends_with("whose id is not given, expected \"7\""));
+    let stored = StoredReference::new(&numbered, learned(1.0), 0).unwrap();
+    assert!(stored.for_vehicle(&numbered).is_ok() && stored.for_vehicle(&car).is_err());
+    // Every parameter the deviations count from; not the noise of the sensors.
+    let text = car.to_toml();
+    for (key, of_it) in [
+        ("wheelbase_m", true),
+        ("stiffness_per_kpa", true),
+        ("stiffness_at_zero", true),
+        ("sprung_mass_kg", true),
+        ("unsprung_mass_kg", true),
+        ("damping_n_s_per_m", true),
+        ("spring_n_per_m", true),
+        ("placard_kpa", true),
+        ("accel_noise_m_s2", false),
+    ] {
+        let line = text.lines().rfind(|line| line.starts_with(key)).unwrap();
+        let value: f64 = line.split_once(" = ").unwrap().1.parse().unwrap();
+        let changed = text.replacen(line, &format!("{key} = {:?}", value * 1.001), 1);
+        let changed = Vehicle::parse(&changed).unwrap();
+        assert_eq!(old().for_vehicle(&changed).is_err(), of_it, "{key}");
+    }
+}
+
+proptest! {
+    #[test]
+    fn any_name_and_numbers_come_back(name in "\\PC*", id in proptest::option::of("\\PC*"), scale in 0.01..1.0f64, when in 0..4_000_000_000_000u64) {
+        let vehicle = Vehicle { name, id, ..Vehicle::paper() };
+        let stored = StoredReference::new(&vehicle, learned(scale), when).unwrap();
+        prop_assert_eq!(&StoredReference::parse(stored.to_text().as_bytes()).unwrap(), &stored);
+        prop_assert!(stored.for_vehicle(&vehicle).is_ok());
+    }
+
+    #[test]
+    fn any_bytes_are_refused_in_words(bytes in proptest::collection::vec(any::<u8>(), 0..400), begun in any::<bool>()) {
+        let bytes = if begun { [b"itpms-reference ".as_slice(), &bytes].concat() } else { bytes };
+        prop_assert!(!refusal(&bytes).is_empty());
+    }
+}
