@@ -11,6 +11,7 @@
 //! | [`plant`] | the true quarter car, or the whole car, with time-varying tire stiffness, integrated on a fine grid |
 //! | [`car`] | the whole car as written down: track, inertia, anti-roll bars, load, turning |
 //! | [`sensor`], [`antialias`] | what lies between a true acceleration and a logged one |
+//! | [`fault`] | sensors that go wrong for a while |
 //! | [`pressure_sensor`] | a test bed's reference: what a log holds in place of the true pressure |
 //! | [`scenario`] | a drive written down: TOML files and the built-in ones |
 //! | [`simulation`] | a scenario and a seed in, a stream of rows out, in bounded memory |
@@ -31,6 +32,7 @@
 pub mod antialias;
 pub mod car;
 pub mod error;
+pub mod fault;
 pub mod plant;
 pub mod pressure_sensor;
 pub mod road;

@@ -26,6 +26,8 @@ pub(crate) enum Purpose {
     Imbalance = 7,
     /// What a journey is composed of.
     Journey = 8,
+    /// What a sensor's fault draws.
+    Fault = 9,
 }
 
 /// A generator for one purpose; `index` tells apart sides, segments and blocks of a road, corners and sensors.
@@ -78,6 +80,7 @@ mod tests {
                 Purpose::RoadBeside,
                 Purpose::Imbalance,
                 Purpose::Journey,
+                Purpose::Fault,
             ] {
                 for index in [[0, 0], [0, 1], [1, 0]] {
                     first.push(generator(seed, purpose, index).next_u64());

@@ -188,3 +188,30 @@ fn files_are_found_and_their_profiles_beside_them() {
     assert_eq!(message, "scenario `small`, road profile: 2 points, expected at least 4");
     assert!(matches!(Scenario::load("no/such.toml"), Err(ScenarioError::Read { .. })));
 }
+
+#[test]
+fn faults_are_read_checked_and_act() {
+    let with = |fault: &str| SMALL.replacen("[speed]", &format!("[[fault]]\n{fault}\n[speed]"), 1);
+    let stuck = "corner = \"fl\"\nsensor = \"wheel\"\nfrom_s = 0.5\nto_s = 0.75\nkind = \"stuck\"";
+    let faulty = Scenario::from_toml(&with(stuck), "test").unwrap();
+    let clean: Vec<_> = Simulation::new(&Scenario::from_toml(SMALL, "test").unwrap(), 1).unwrap().collect();
+    let rows: Vec<_> = Simulation::new(&faulty, 1).unwrap().collect();
+    let wheel =
+        |rows: &[itpms_sim::simulation::SimRow], i: usize| rows[i].corners[0].unwrap().wheel_accel_m_s2;
+    assert_eq!(rows.len(), clean.len());
+    for (i, row) in rows.iter().enumerate() {
+        let lasts = row.time_s >= 0.5 && row.time_s < 0.75;
+        let expected =
+            if lasts { wheel(&clean, clean.partition_point(|r| r.time_s < 0.5)) } else { wheel(&clean, i) };
+        assert_eq!(wheel(&rows, i), expected, "{}", row.time_s);
+    }
+    let itself = stuck.replace("\"stuck\"", "{ swap = { with = { corner = \"fl\", sensor = \"wheel\" } } }");
+    assert!(
+        refused(&with(&itself)).contains("fault.kind.swap.with is the same sensor, expected another one")
+    );
+    assert!(refused(&with(&stuck.replace("0.75", "0.25"))).contains("fault.to_s is 0.25"));
+    assert!(
+        refused(&with(&stuck.replace("stuck", "dead")))
+            .contains("unknown variant `dead`, expected one of `stuck`")
+    );
+}

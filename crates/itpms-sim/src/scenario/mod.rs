@@ -21,6 +21,7 @@ pub use journey::JourneySpec;
 use crate::antialias::AntiAliasSpec;
 use crate::car::CarSpec;
 use crate::error::{InvalidValue, ScenarioError, within};
+use crate::fault::FaultSpec;
 use crate::road::{RoadSpec, Surface};
 use crate::sensor::SensorSpec;
 use crate::time_profile::Speed;
@@ -77,6 +78,9 @@ pub struct Scenario {
     /// then.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub journey: Option<JourneySpec>,
+    /// Sensors that go wrong for a while.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub fault: Vec<FaultSpec>,
     /// The corners driven: at least one.
     pub corner: Corners,
 }
@@ -178,6 +182,9 @@ impl Scenario {
                 let field = format!("corner.{}.truth.imbalance_kg_m", corner.label());
                 return Err(InvalidValue::new(field, spec.truth.imbalance_kg_m, "a [car], or 0 without one"));
             }
+        }
+        for fault in &self.fault {
+            fault.validate().map_err(|e| e.within("fault"))?;
         }
         if let Some(car) = &self.car {
             car.validate().map_err(|e| e.within("car"))?;

@@ -17,6 +17,7 @@ use rand_pcg::Pcg64;
 pub use row::{CornerRow, SimRow};
 
 use crate::error::ScenarioError;
+use crate::fault::Faults;
 use crate::plant::StepInput;
 use crate::road::{Following, GRID_SPACING_M, Lane, Line, RoadError, Side};
 use crate::scenario::Scenario;
@@ -42,6 +43,7 @@ pub struct Simulation {
     lanes: Lanes,
     corners: Vec<CornerRun>,
     ride: Ride,
+    faults: Faults,
     /// Fine-grid step reached.
     step: i64,
     row: u64,
@@ -100,6 +102,7 @@ impl Simulation {
             lanes,
             corners,
             ride,
+            faults: Faults::new(&scenario.fault, seed),
             step,
             row: 0,
             rows: scenario.rows(),
@@ -109,6 +112,19 @@ impl Simulation {
     /// Time in s of a (fractional) fine-grid step.
     fn time_s(&self, step: f64) -> f64 {
         step / (self.rate_hz * self.steps_per_sample as f64)
+    }
+
+    /// What the sensors' faults leave of a row.
+    fn spoil(&mut self, row: &mut SimRow) {
+        let nothing = [f64::NAN; 2];
+        let mut readings =
+            row.corners.map(|c| c.map_or(nothing, |c| [c.body_accel_m_s2, c.wheel_accel_m_s2]));
+        self.faults.spoil(row.time_s, &mut readings);
+        for (corner, [body, wheel]) in row.corners.iter_mut().zip(readings) {
+            if let Some(corner) = corner {
+                (corner.body_accel_m_s2, corner.wheel_accel_m_s2) = (body, wheel);
+            }
+        }
     }
 
     /// One step of the fine grid for all corners.
@@ -210,6 +226,7 @@ impl Iterator for Simulation {
                 row.corners[run.corner.index()] = Some(run.read(time_s, distance_m, fraction, lane));
             }
         }
+        self.spoil(&mut row);
         self.row += 1;
         Some(row)
     }

@@ -1,0 +1,157 @@
+//! A sensor's fault as written in a scenario.
+
+use itpms_core::sample::Corner;
+use serde::{Deserialize, Serialize};
+
+use crate::error::{InvalidValue, not_negative, positive, within};
+
+/// Which of a corner's sensors.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FaultPlace {
+    /// On the body.
+    Body,
+    /// On the wheel.
+    Wheel,
+}
+
+/// A corner by its label.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CornerName {
+    /// Front left.
+    Fl,
+    /// Front right.
+    Fr,
+    /// Rear left.
+    Rl,
+    /// Rear right.
+    Rr,
+}
+
+impl From<Corner> for CornerName {
+    fn from(corner: Corner) -> Self {
+        match corner {
+            Corner::FrontLeft => Self::Fl,
+            Corner::FrontRight => Self::Fr,
+            Corner::RearLeft => Self::Rl,
+            Corner::RearRight => Self::Rr,
+        }
+    }
+}
+
+/// A sensor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SensorName {
+    /// Its corner.
+    pub corner: CornerName,
+    /// Body or wheel.
+    pub sensor: FaultPlace,
+}
+
+impl SensorName {
+    /// A sensor of a corner.
+    #[must_use]
+    pub fn new(corner: Corner, sensor: FaultPlace) -> Self {
+        Self { corner: corner.into(), sensor }
+    }
+
+    /// Its place in [`Readings`](super::Readings).
+    pub(super) fn index(self) -> [usize; 2] {
+        [self.corner as usize, self.sensor as usize]
+    }
+}
+
+/// What goes wrong.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum FaultKind {
+    /// Repeats the value it had when the fault began.
+    Stuck,
+    /// Loses samples, each by itself.
+    Dropout {
+        /// Share that is lost.
+        share: f64,
+    },
+    /// Adds single values far off, up or down, at random times.
+    Spikes {
+        /// Mean number per second.
+        per_s: f64,
+        /// Their size in m/s².
+        size_m_s2: f64,
+    },
+    /// Reads so many times what it should.
+    Gain {
+        /// Reading over truth.
+        factor: f64,
+    },
+    /// Adds white noise.
+    Noise {
+        /// In m/s² rms per sample.
+        rms_m_s2: f64,
+    },
+    /// Adds a constant.
+    Bias {
+        /// In m/s².
+        offset_m_s2: f64,
+    },
+    /// Carries another sensor's values, and that one its own.
+    Swap {
+        /// The other one.
+        with: SensorName,
+    },
+}
+
+/// A fault: a `[[fault]]` table.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FaultSpec {
+    /// The corner.
+    pub corner: CornerName,
+    /// Body or wheel.
+    pub sensor: FaultPlace,
+    /// When it begins, in s.
+    pub from_s: f64,
+    /// When it ends, in s; never, if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub to_s: Option<f64>,
+    /// What goes wrong.
+    pub kind: FaultKind,
+}
+
+impl FaultSpec {
+    /// The sensor it happens to.
+    #[must_use]
+    pub fn at(&self) -> SensorName {
+        SensorName { corner: self.corner, sensor: self.sensor }
+    }
+
+    pub(crate) fn validate(&self) -> Result<(), InvalidValue> {
+        within("from_s", self.from_s, -1e6, 1e6, "a time in s")?;
+        if let Some(to_s) = self.to_s {
+            within("to_s", to_s, self.from_s, 1e6, "a time in s after from_s")?;
+        }
+        match self.kind {
+            FaultKind::Stuck => Ok(()),
+            FaultKind::Dropout { share } => {
+                within("kind.dropout.share", share, 0.0, 1.0, "a share from 0 to 1")
+            }
+            FaultKind::Spikes { per_s, size_m_s2 } => {
+                positive("kind.spikes.per_s", per_s)?;
+                positive("kind.spikes.size_m_s2", size_m_s2)
+            }
+            FaultKind::Gain { factor } => {
+                within("kind.gain.factor", factor, -100.0, 100.0, "a factor from -100 to 100")
+            }
+            FaultKind::Noise { rms_m_s2 } => not_negative("kind.noise.rms_m_s2", rms_m_s2),
+            FaultKind::Bias { offset_m_s2 } => {
+                within("kind.bias.offset_m_s2", offset_m_s2, -1e3, 1e3, "an offset within 1000 m/s2")
+            }
+            FaultKind::Swap { with } if with == self.at() => {
+                Err(InvalidValue::new("kind.swap.with", "the same sensor", "another one"))
+            }
+            FaultKind::Swap { .. } => Ok(()),
+        }
+    }
+}
