@@ -181,6 +181,9 @@ pub(crate) struct ScoreArgs {
     /// One part of the table instead of all.
     #[arg(long, value_name = "NAME", value_parser = part_names())]
     pub(crate) row: Option<Part>,
+    /// Of the four-wheel parts, only rows whose names contain TEXT, such as "quarters, 80".
+    #[arg(long, value_name = "TEXT")]
+    pub(crate) only: Option<String>,
     /// Print JSON: version, estimators, seeds, first_seed and rows of part, name, drives, cells (name, value, goal,
     /// verdict), verdict.
     #[arg(long)]

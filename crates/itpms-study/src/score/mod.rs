@@ -2,7 +2,7 @@
 //! goals.
 //!
 //! Called by the binary's `score`. Deterministic: the same request gives the same figures on any number of
-//! processors. So far the rows of a single corner.
+//! processors.
 //!
 //! | room | idea |
 //! |---|---|
@@ -10,6 +10,7 @@
 //! | `track` | following a drop: the paper's scenarios, a wrong mass, the grid of roads; coverage |
 //! | `constant` | efficiency against the Cramer-Rao bound |
 //! | `record` | the road |
+//! | `drive` | four wheels: a puncture, the sources one by one, disturbances |
 //! | [`row`] | rows, cells, goals, verdicts |
 //! | [`stats`] | percentiles, bias, coverage |
 //! | `runner` | many drives at once |
@@ -17,6 +18,7 @@
 
 mod case;
 mod constant;
+mod drive;
 mod record;
 pub mod row;
 mod runner;
@@ -60,11 +62,17 @@ pub enum Part {
     Efficiency,
     /// The road record.
     Road,
+    /// Four wheels, one of them punctured.
+    Drive,
+    /// The same with each source of information alone. Not part of the usual table.
+    Ablation,
+    /// The same while something is not as the estimator is told. Not part of the usual table.
+    Disturbances,
 }
 
 impl Part {
     /// In the order of the table.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 12] = [
         Self::PaperDrop,
         Self::PaperDeepDrop,
         Self::PaperDropRecover,
@@ -74,9 +82,18 @@ impl Part {
         Self::Bench,
         Self::Efficiency,
         Self::Road,
+        Self::Drive,
+        Self::Ablation,
+        Self::Disturbances,
     ];
     /// The paper's scenarios.
     pub const PAPER: [Self; 3] = [Self::PaperDrop, Self::PaperDeepDrop, Self::PaperDropRecover];
+
+    /// Whether it belongs to the table that is computed when nothing is asked for by name.
+    #[must_use]
+    pub fn is_usual(self) -> bool {
+        !matches!(self, Self::Ablation | Self::Disturbances)
+    }
 
     /// The name on the command line.
     #[must_use]
@@ -91,6 +108,9 @@ impl Part {
             Self::Bench => "bench",
             Self::Efficiency => "efficiency",
             Self::Road => "road",
+            Self::Drive => "drive",
+            Self::Ablation => "ablation",
+            Self::Disturbances => "disturbances",
         }
     }
 
@@ -116,6 +136,14 @@ impl Part {
             }
             "efficiency" => "Constant pressure: bound / mean square error, prior of 30 kPa included in both",
             "road" => "Road record, class B, wavelengths 0.5-10 m, stiffness from the estimator",
+            "drive" => {
+                "drive-puncture, front left down, kPa: median RMSE over t > 3 s by wheel; * the three other wheels"
+            }
+            "drive-noise" => "The same with noise 0.3 m/s2",
+            "disturbances" => {
+                "drive-puncture while one thing is not as the estimator is told; columns as above"
+            }
+            "ablation" => "drive-puncture with each source of information alone, and both; columns as above",
             _ => return None,
         })
     }
@@ -130,14 +158,16 @@ pub struct Request {
     pub first_seed: u64,
     /// One estimator; several are compared in the paper's scenarios alone.
     pub estimators: Vec<EstimatorKind>,
-    /// One part, or all.
+    /// One part, or the usual ones.
     pub part: Option<Part>,
+    /// Of the four-wheel parts, only rows whose names contain this.
+    pub only: Option<String>,
 }
 
 impl Default for Request {
     /// Forty seeds from 1, the default estimator, everything.
     fn default() -> Self {
-        Self { seeds: 40, first_seed: 1, estimators: vec![EstimatorKind::default()], part: None }
+        Self { seeds: 40, first_seed: 1, estimators: vec![EstimatorKind::default()], part: None, only: None }
     }
 }
 
@@ -176,6 +206,9 @@ pub enum ScoreError {
     /// The progress callback said so.
     #[error("stopped")]
     Stopped,
+    /// The operating system gives no threads.
+    #[error("no threads to compute with: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
     /// A scenario.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
@@ -214,14 +247,16 @@ pub fn score(request: &Request, progress: Progress<'_>) -> Result<Score, ScoreEr
     }
     let wanted = |part: Part| match request.part {
         Some(only) => part == only,
-        None => !several || Part::PAPER.contains(&part),
+        None => part.is_usual() && (!several || Part::PAPER.contains(&part)),
     };
     let drives = |part: Part| if wanted(part) { request.seeds } else { 0 };
     let tracks = track::Plan::new(wanted, &request.estimators, request.seeds)?;
     let constant = constant::Plan::new(kind, drives(Part::Efficiency))?;
     let record = record::Plan::new(kind, drives(Part::Road))?;
 
-    let total = tracks.drives() + constant.drives() + record.drives();
+    let cars = drive::Plan::new(wanted, kind, request.seeds, request.only.as_deref())?;
+
+    let total = tracks.drives() + constant.drives() + record.drives() + cars.drives();
     let runner = Runner::new(request.first_seed, total, progress);
     let mut rows = tracks.rows(&runner)?;
     if wanted(Part::Efficiency) {
@@ -230,6 +265,7 @@ pub fn score(request: &Request, progress: Progress<'_>) -> Result<Score, ScoreEr
     if wanted(Part::Road) {
         rows.extend(record.rows(&runner)?);
     }
+    rows.extend(cars.rows(&runner)?);
     Ok(Score {
         version: 1,
         estimators: request.estimators.clone(),

@@ -9,6 +9,10 @@ use rayon::prelude::*;
 
 use super::ScoreError;
 
+/// Stack of a thread in bytes: an estimator of a whole car is a value of some hundred kilobytes, and is handed about by
+/// value while it is set up.
+const STACK_BYTES: usize = 32 << 20;
+
 /// Told after every drive how many of how many are done; [`ControlFlow::Break`] ends the score.
 pub type Progress<'a> = &'a (dyn Fn(u64, u64) -> ControlFlow<()> + Sync);
 
@@ -44,8 +48,10 @@ impl<'a> Runner<'a> {
     ) -> Result<Vec<Vec<T>>, ScoreError> {
         let turns: Vec<(&C, usize)> =
             cases.iter().flat_map(|(case, drives)| (0..*drives).map(move |index| (case, index))).collect();
-        let flat = turns.into_par_iter().map(|(case, index)| self.once(case, index, &drive));
-        let mut results = flat.collect::<Result<Vec<T>, _>>()?.into_iter();
+        let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK_BYTES).build()?;
+        let flat = || turns.into_par_iter().map(|(case, index)| self.once(case, index, &drive)).collect();
+        let results: Result<Vec<T>, ScoreError> = pool.install(flat);
+        let mut results = results?.into_iter();
         Ok(cases.iter().map(|(_, drives)| results.by_ref().take(*drives).collect()).collect())
     }
 

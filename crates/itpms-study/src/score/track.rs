@@ -272,7 +272,7 @@ fn grid_rows(summaries: &[&Summary]) -> Vec<Row> {
 }
 
 /// The figure furthest from zero, NaN above all.
-fn worst(values: impl Iterator<Item = f64>) -> f64 {
+pub(super) fn worst(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |worst: f64, v| if worst.is_nan() || v.abs() <= worst.abs() { worst } else { v })
 }
 

@@ -13,6 +13,7 @@ pub(crate) fn run(args: &ScoreArgs, screen: &Screen, interrupt: &Interrupt) -> R
         first_seed: args.first_seed,
         estimators: args.estimator.kinds(),
         part: args.row,
+        only: args.only.clone(),
     };
     let progress = screen.progress("driving");
     let look = |done: u64, total: u64| {

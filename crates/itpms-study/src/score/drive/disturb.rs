@@ -1,0 +1,195 @@
+//! What a real car and its sensors do that the estimator is not told: each alone, then all together.
+//!
+//! Called by the plan of the four-wheel parts. Every row is the puncture on the front wheels' track with one thing
+//! changed; sizes are those that come with cars and sensors one can buy, or worse.
+
+use itpms_core::estimator::EstimatorKind;
+use itpms_core::sample::Corner;
+use itpms_sim::scenario::CornerSpec;
+use itpms_sim::sensor::SensorSpec;
+
+use super::super::ScoreError;
+use super::{Drive, Plant, Setup};
+
+/// Speeds in km/h.
+const SPEEDS_KM_H: [f64; 2] = [80.0, 20.0];
+/// A car's way through bends: points [s, m/s²], to the left and to the right, before, in and after the drop.
+const BENDS_S_M_S2: [[f64; 2]; 12] = [
+    [4.0, 0.0],
+    [5.0, 2.0],
+    [8.0, 2.0],
+    [9.0, 0.0],
+    [12.0, 0.0],
+    [13.0, -2.0],
+    [20.0, -2.0],
+    [21.0, 0.0],
+    [24.0, 0.0],
+    [25.0, 2.0],
+    [33.0, 2.0],
+    [34.0, 0.0],
+];
+
+/// One thing that is changed.
+struct Disturbance {
+    name: &'static str,
+    change: fn(Drive) -> Drive,
+}
+
+const ALONE: [Disturbance; 28] = [
+    Disturbance { name: "nothing", change: |drive| drive },
+    Disturbance { name: "bends of 2 m/s2", change: bends },
+    Disturbance { name: "payload +20 %", change: |d| corners(d, |_, c| c.truth.sprung_mass_factor = 1.2) },
+    Disturbance { name: "payload -20 %", change: |d| corners(d, |_, c| c.truth.sprung_mass_factor = 0.8) },
+    Disturbance { name: "dampers +20 %", change: |d| corners(d, |_, c| c.truth.damping_factor = 1.2) },
+    Disturbance { name: "dampers -20 %", change: |d| corners(d, |_, c| c.truth.damping_factor = 0.8) },
+    Disturbance {
+        name: "dampers asymmetric .3",
+        change: |d| corners(d, |_, c| c.truth.damper_asymmetry = 0.3),
+    },
+    Disturbance { name: "springs +20 %", change: |d| corners(d, |_, c| c.truth.spring_factor = 1.2) },
+    Disturbance { name: "friction 20 N", change: |d| corners(d, |_, c| c.truth.friction_n = 20.0) },
+    Disturbance { name: "wheel gain fl +2 %", change: |d| wheel_sensor(d, fl_gain) },
+    Disturbance { name: "wheel gain all +2 %", change: |d| wheel_sensor(d, |_, s| s.gain_error = 0.02) },
+    Disturbance { name: "told speed +1 %", change: |drive| Drive { speed_factor: 1.01, ..drive } },
+    Disturbance { name: "told wheelbase -1 %", change: short_wheelbase },
+    Disturbance {
+        name: "tires worn, -3 %",
+        change: |d| corners(d, |_, c| c.truth.tire_stiffness_factor = 0.97),
+    },
+    Disturbance {
+        name: "tire damping",
+        change: |d| corners(d, |_, c| c.truth.tire_damping_n_s_per_m = 50.0),
+    },
+    Disturbance { name: "imbalance 35 g", change: imbalance },
+    Disturbance { name: "enveloping 0.1 m", change: |drive| enveloping(drive, 0.1) },
+    Disturbance { name: "enveloping 0.2 m", change: |drive| enveloping(drive, 0.2) },
+    Disturbance { name: "fl sensor 2 ms late", change: |d| wheel_sensor(d, |at, s| late(at, s, 2.0)) },
+    Disturbance { name: "fl sensor 4 ms late", change: |d| wheel_sensor(d, |at, s| late(at, s, 4.0)) },
+    Disturbance { name: "100 Hz", change: |drive| rate(drive, 100.0) },
+    Disturbance { name: "200 Hz", change: |drive| rate(drive, 200.0) },
+    Disturbance { name: "1000 Hz", change: |drive| rate(drive, 1000.0) },
+    Disturbance { name: "unsprung +1 %", change: |d| corners(d, |_, c| c.truth.unsprung_mass_factor = 1.01) },
+    Disturbance { name: "unsprung -1 %", change: |d| corners(d, |_, c| c.truth.unsprung_mass_factor = 0.99) },
+    Disturbance { name: "unsprung +3 %", change: |d| corners(d, |_, c| c.truth.unsprung_mass_factor = 1.03) },
+    Disturbance { name: "unsprung -3 %", change: |d| corners(d, |_, c| c.truth.unsprung_mass_factor = 0.97) },
+    Disturbance { name: "1 cm off", change: |drive| drive.with_rear_offset_m(0.01) },
+];
+
+const TOGETHER: Disturbance = Disturbance { name: "all together", change: together };
+
+/// The disturbed punctures under the whole car; all together under both cars.
+pub(super) fn drives(kind: EstimatorKind) -> Result<Vec<(Drive, Option<f64>)>, ScoreError> {
+    let mut drives = vec![];
+    for km_h in SPEEDS_KM_H {
+        for disturbance in &ALONE {
+            let drive = Drive::puncture(Plant::Car, km_h, kind)?;
+            drives.push(((disturbance.change)(drive).named(disturbance.name), None));
+        }
+        for plant in Plant::ALL {
+            let drive = Drive::puncture(plant, km_h, kind)?.with_setups(&[Setup::USUAL, Setup::RESET]);
+            drives.push(((TOGETHER.change)(drive).named(TOGETHER.name), None));
+        }
+    }
+    Ok(drives)
+}
+
+fn corners(drive: Drive, edit: impl FnMut(Corner, &mut CornerSpec)) -> Drive {
+    drive.each_corner(edit)
+}
+
+/// Changes the wheels' accelerometers.
+fn wheel_sensor(drive: Drive, mut edit: impl FnMut(Corner, &mut SensorSpec)) -> Drive {
+    let usual = drive.scenario.sensor;
+    drive.each_corner(|corner, spec| edit(corner, spec.wheel_sensor.get_or_insert(usual)))
+}
+
+fn fl_gain(at: Corner, sensor: &mut SensorSpec) {
+    if at == Corner::FrontLeft {
+        sensor.gain_error = 0.02;
+    }
+}
+
+fn late(at: Corner, sensor: &mut SensorSpec, delay_ms: f64) {
+    if at == Corner::FrontLeft {
+        sensor.delay_ms = delay_ms;
+    }
+}
+
+/// Quarter cars cannot turn.
+fn bends(mut drive: Drive) -> Drive {
+    if let Some(car) = &mut drive.scenario.car {
+        car.lateral_points_s_m_s2 = BENDS_S_M_S2.to_vec();
+    }
+    drive
+}
+
+/// The wheels of quarter cars do not turn.
+fn imbalance(drive: Drive) -> Drive {
+    let turning = drive.scenario.car.is_some();
+    drive.each_corner(|_, spec| spec.truth.imbalance_kg_m = if turning { 0.01 } else { 0.0 })
+}
+
+fn enveloping(mut drive: Drive, contact_m: f64) -> Drive {
+    drive.scenario.road.contact_length_m = contact_m;
+    drive
+}
+
+fn rate(mut drive: Drive, rate_hz: f64) -> Drive {
+    drive.scenario.rate_hz = rate_hz;
+    drive
+}
+
+fn short_wheelbase(drive: Drive) -> Drive {
+    Drive { wheelbase_m: 0.99 * drive.wheelbase_m, ..drive }
+}
+
+/// Everything at once, to either side by corner, so that no two corners are wrong in the same way.
+fn together(drive: Drive) -> Drive {
+    let drive = enveloping(imbalance(bends(drive)), 0.1).with_rear_offset_m(0.01);
+    let drive = wheel_sensor(drive, |corner, sensor| {
+        let i = corner.index();
+        sensor.gain_error = [0.015, -0.015, -0.01, 0.01][i];
+        sensor.delay_ms = [2.0, 0.0, 1.0, 2.0][i];
+    });
+    let drive = drive.each_corner(|corner, spec| {
+        let i = corner.index();
+        let truth = &mut spec.truth;
+        truth.sprung_mass_factor = [1.08, 1.04, 1.2, 1.15][i];
+        truth.unsprung_mass_factor = [1.01, 0.99, 1.0, 1.01][i];
+        truth.damping_factor = [0.8, 0.9, 1.2, 1.1][i];
+        truth.spring_factor = [1.05, 0.95, 1.1, 0.95][i];
+        truth.tire_stiffness_factor = [0.99, 1.01, 1.0, 0.99][i];
+        truth.damper_asymmetry = 0.2;
+        truth.tire_damping_n_s_per_m = 30.0;
+        truth.friction_n = 10.0;
+    });
+    Drive { speed_factor: 1.01, ..drive }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every disturbance makes a drive that can be driven, under both cars, and no two rows have one name.
+    #[test]
+    fn disturbed_drives_are_sound_and_differ() {
+        let mut names = vec![];
+        for (drive, _) in drives(EstimatorKind::Informed).unwrap() {
+            drive.scenario.validate().unwrap();
+            drive.told().unwrap();
+            names.push(drive.name);
+        }
+        let count = names.len();
+        names.sort();
+        names.dedup();
+        assert_eq!(names.len(), count);
+        let usual = Drive::puncture(Plant::Car, 80.0, EstimatorKind::Informed).unwrap();
+        for disturbance in ALONE.iter().skip(1) {
+            let changed = (disturbance.change)(usual.clone());
+            let same_drive = changed.scenario == usual.scenario;
+            let same_told =
+                (changed.speed_factor, changed.wheelbase_m) == (usual.speed_factor, usual.wheelbase_m);
+            assert!(!(same_drive && same_told), "{}", disturbance.name);
+        }
+    }
+}

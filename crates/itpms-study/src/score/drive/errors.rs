@@ -1,0 +1,180 @@
+//! Errors of four wheels over a drive's windows, and the cells of a row made of them.
+//!
+//! Called by the four-wheel parts of the score that follow a pressure.
+
+use itpms_core::sample::Corner;
+
+use super::super::ScoreError;
+use super::super::row::{Cell, Column, Goal, Row};
+use super::super::runner::{Runner, Turn};
+use super::super::stats::{ErrorSum, Mean, Spread};
+use super::Drive;
+
+/// Share of time within the 95 % interval.
+const COVERAGE: Goal = Goal::Between(0.93, 0.98);
+/// Median RMSE in kPa of a wheel whose pressure holds.
+const HOLDING_KPA: f64 = 3.5;
+
+/// Median RMSE by wheel.
+const RMSE: [Column; 4] = [
+    Column::new("fl_rmse_median_kpa", "fl", 2),
+    Column::new("fr_rmse_median_kpa", "fr", 2),
+    Column::new("rl_rmse_median_kpa", "rl", 2),
+    Column::new("rr_rmse_median_kpa", "rr", 2),
+];
+const P10: Column = Column::new("struck_rmse_p10_kpa", "p10", 1);
+const P90: Column = Column::new("struck_rmse_p90_kpa", "p90", 1);
+const BEFORE: Column = Column::new("struck_bias_before_kpa", "before", 1);
+const AFTER: Column = Column::new("struck_bias_after_kpa", "after", 1);
+const OTHER_BEFORE: Column = Column::new("holding_worst_bias_before_kpa", "before*", 1);
+const OTHER_AFTER: Column = Column::new("holding_worst_bias_after_kpa", "after*", 1);
+const COVERED: Column = Column::new("coverage", "cover", 3);
+const COVERED_CHANGE: Column = Column::new("coverage_in_change", "drop", 3);
+const COVERED_HOLDING: Column = Column::new("holding_coverage_in_change", "drop*", 3);
+
+/// One wheel on one drive.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Wheel {
+    judged: ErrorSum,
+    before: ErrorSum,
+    after: ErrorSum,
+    change: ErrorSum,
+}
+
+/// What one drive gives, by setup and corner.
+type Errors = Vec<[Wheel; 4]>;
+
+fn errors(drive: &Drive, turn: Turn) -> Result<Errors, ScoreError> {
+    let mut errors = vec![[Wheel::default(); 4]; drive.setups.len()];
+    drive.drive(turn.seed, |setup, row, estimate| {
+        for (i, wheel) in errors[setup].iter_mut().enumerate() {
+            let (Some(truth), Some(estimate)) = (&row.corners[i], &estimate.corners[i]) else { continue };
+            let (error, sd) = (estimate.pressure_kpa - truth.pressure_kpa, estimate.pressure_sd_kpa);
+            for (window, sum) in [
+                (drive.judged, &mut wheel.judged),
+                (drive.before, &mut wheel.before),
+                (drive.after, &mut wheel.after),
+                (drive.change, &mut wheel.change),
+            ] {
+                if window.contains(row.time_s) {
+                    sum.push(error, sd);
+                }
+            }
+        }
+    })?;
+    Ok(errors)
+}
+
+/// A drive that is part of the table.
+struct Entry {
+    part: &'static str,
+    /// Median RMSE of the struck wheel in kPa, where there is a goal for it.
+    struck_kpa: Option<f64>,
+}
+
+/// The drives to follow.
+#[derive(Default)]
+pub(super) struct Plan {
+    entries: Vec<Entry>,
+    cases: Vec<(Drive, usize)>,
+}
+
+impl Plan {
+    /// Drives with the goal for their struck wheel; those with no row whose name contains `only` are left out.
+    pub(super) fn add(
+        &mut self,
+        part: &'static str,
+        drives: Vec<(Drive, Option<f64>)>,
+        seeds: usize,
+        only: Option<&str>,
+    ) {
+        for (drive, struck_kpa) in drives {
+            if let Some(drive) = drive.only(only) {
+                self.entries.push(Entry { part, struck_kpa });
+                self.cases.push((drive, seeds));
+            }
+        }
+    }
+
+    pub(super) fn drives(&self) -> u64 {
+        self.cases.iter().map(|(_, drives)| *drives as u64).sum()
+    }
+
+    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, ScoreError> {
+        let found = runner.run(&self.cases, errors)?;
+        let mut rows = vec![];
+        for ((entry, (drive, drives)), found) in self.entries.iter().zip(&self.cases).zip(&found) {
+            for (number, setup) in drive.setups.iter().enumerate() {
+                let of_setup: Vec<&[Wheel; 4]> = found.iter().map(|errors| &errors[number]).collect();
+                let cells = cells(entry, drive.struck, &of_setup);
+                rows.push(Row::new(entry.part, drive.row_name(setup), drive.kind, *drives, cells));
+            }
+        }
+        Ok(rows)
+    }
+}
+
+fn cells(entry: &Entry, struck: Corner, drives: &[&[Wheel; 4]]) -> Vec<Cell> {
+    let figure = |i: usize, of: &dyn Fn(&Wheel) -> f64| drives.iter().map(|wheels| of(&wheels[i])).collect();
+    let rmse = |i: usize| -> Vec<f64> { figure(i, &|wheel| wheel.judged.rmse()) };
+    let mean = |i: usize, of: fn(&Wheel) -> f64| Mean::of(&figure(i, &of)).value;
+    let struck = struck.index();
+    let holding = || (0..4).filter(move |i| *i != struck);
+    let mut cells = vec![];
+    for (i, column) in RMSE.into_iter().enumerate() {
+        let median = Spread::of(rmse(i)).median;
+        cells.push(match entry.struck_kpa {
+            Some(limit) if i == struck => column.judged(median, Goal::AtMost(limit)),
+            Some(_) => column.judged(median, Goal::AtMost(HOLDING_KPA)),
+            None => column.plain(median),
+        });
+    }
+    let spread = Spread::of(rmse(struck));
+    let worst = |of: fn(&Wheel) -> f64| super::super::track::worst(holding().map(|i| mean(i, of)));
+    let over = |wheels: &mut dyn Iterator<Item = usize>, of: fn(&Wheel) -> f64| {
+        Mean::of(&wheels.map(|i| mean(i, of)).collect::<Vec<_>>()).value
+    };
+    let judged = |column: Column, value: f64| match entry.struck_kpa {
+        Some(_) => column.judged(value, COVERAGE),
+        None => column.plain(value),
+    };
+    cells.extend([
+        P10.plain(spread.p10),
+        P90.plain(spread.p90),
+        BEFORE.plain(mean(struck, |wheel| wheel.before.bias())),
+        AFTER.plain(mean(struck, |wheel| wheel.after.bias())),
+        OTHER_BEFORE.plain(worst(|wheel| wheel.before.bias())),
+        OTHER_AFTER.plain(worst(|wheel| wheel.after.bias())),
+        judged(COVERED, over(&mut (0..4), |wheel| wheel.judged.coverage())),
+        judged(COVERED_CHANGE, mean(struck, |wheel| wheel.change.coverage())),
+        COVERED_HOLDING.plain(over(&mut holding(), |wheel| wheel.change.coverage())),
+    ]);
+    cells
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A wheel that is always off by one error.
+    fn off_by(error: f64, sd: f64) -> Wheel {
+        let mut sum = ErrorSum::default();
+        sum.push(error, sd);
+        Wheel { judged: sum, before: sum, after: sum, change: sum }
+    }
+
+    #[test]
+    fn cells_tell_the_struck_wheel_from_the_others() {
+        let drives = [[4.0, 1.0, -6.0, 2.0], [5.0, 1.0, -6.0, 3.0], [9.0, 1.0, -6.0, 4.0]]
+            .map(|errors| errors.map(|error| off_by(error, 2.6)));
+        let entry = Entry { part: "drive", struck_kpa: Some(4.2) };
+        let cells = cells(&entry, Corner::FrontLeft, &drives.each_ref());
+        let value = |name: &str| cells.iter().find(|cell| cell.column.name == name).unwrap().value;
+        assert_eq!((value("fl_rmse_median_kpa"), value("rr_rmse_median_kpa")), (5.0, 3.0));
+        assert_eq!((value("struck_bias_before_kpa"), value("holding_worst_bias_after_kpa")), (6.0, -6.0));
+        // 1.96 * 2.6 = 5.1 kPa: two of three struck wheels are inside, none of the rear left, all of the others.
+        assert!((value("coverage_in_change") - 2.0 / 3.0).abs() < 1e-12);
+        assert!((value("holding_coverage_in_change") - 2.0 / 3.0).abs() < 1e-12);
+        assert!((value("coverage") - (2.0 / 3.0 + 2.0) / 4.0).abs() < 1e-12);
+    }
+}

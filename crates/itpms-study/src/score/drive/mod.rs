@@ -1,0 +1,265 @@
+//! Four wheels: the drives of a whole car, what is changed about them, and the sample loop they share.
+//!
+//! Called by the score. Every drive is simulated twice over, under two kinds of car: one body that heaves, pitches and
+//! rolls, and four quarter cars that know nothing of each other, whose rear wheels meet the front wheels' road a
+//! wheelbase later. An estimator that needs one of the two would be an estimator of a simulator.
+//!
+//! | room | idea |
+//! |---|---|
+//! | `errors` | errors of four wheels over a drive's windows, as cells |
+//! | `puncture` | a puncture at two speeds; the sources of information one by one |
+//! | `disturb` | the same while something is not as the estimator is told |
+
+mod disturb;
+mod errors;
+mod puncture;
+
+use itpms_core::car::{CarConfig, CarEstimate, CarEstimator, Sources};
+use itpms_core::estimator::EstimatorKind;
+use itpms_core::sample::Corner;
+use itpms_sim::scenario::{CornerSpec, Scenario};
+use itpms_sim::sensor::SensorSpec;
+use itpms_sim::simulation::{SimRow, Simulation};
+use itpms_sim::time_profile::Speed;
+
+use super::row::Row;
+use super::runner::Runner;
+use super::stats::Window;
+use super::{Part, ScoreError};
+
+/// Length in s of the reset that a row's `reset` stands for.
+const RESET_S: f64 = 10.0;
+
+/// What carries the wheels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Plant {
+    /// One rigid body over four wheels.
+    Car,
+    /// Four quarter cars on two independent tracks.
+    Quarters,
+}
+
+impl Plant {
+    const ALL: [Self; 2] = [Self::Car, Self::Quarters];
+
+    fn label(self) -> &'static str {
+        match self {
+            Self::Car => "car",
+            Self::Quarters => "quarters",
+        }
+    }
+}
+
+/// How an estimator goes into a drive.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Setup {
+    /// What the row's name gets; empty for the usual one.
+    label: &'static str,
+    sources: Sources,
+    /// Seconds at the start that it is told to be at placard pressure.
+    reset_s: Option<f64>,
+}
+
+impl Setup {
+    /// Everything it has, and nobody resets it.
+    const USUAL: Self = Self { label: "", sources: Sources::SpectrumAndSharedRoad, reset_s: None };
+    /// The same after a reset.
+    const RESET: Self = Self { label: "reset", reset_s: Some(RESET_S), ..Self::USUAL };
+}
+
+/// A drive and the estimators that go along on it.
+#[derive(Debug, Clone)]
+struct Drive {
+    /// What the names of its rows begin with.
+    name: String,
+    kind: EstimatorKind,
+    scenario: Scenario,
+    setups: Vec<Setup>,
+    /// The car's speed as the estimator is told, over the true one.
+    speed_factor: f64,
+    /// Distance of the axles as the estimator is told.
+    wheelbase_m: f64,
+    /// The wheel that goes down.
+    struck: Corner,
+    /// All that counts for RMSE and coverage.
+    judged: Window,
+    /// While the pressures are settled, before and after the change.
+    before: Window,
+    after: Window,
+    /// The change and the time it takes to notice.
+    change: Window,
+}
+
+impl Drive {
+    /// `drive-puncture` under one of the two cars.
+    fn puncture(plant: Plant, km_h: f64, kind: EstimatorKind) -> Result<Self, ScoreError> {
+        let mut scenario = Scenario::builtin("drive-puncture")?;
+        scenario.speed = Speed::ConstantKmH(km_h);
+        if plant == Plant::Quarters {
+            scenario.car = None;
+        }
+        let end_s = scenario.duration_s;
+        Ok(Self {
+            name: format!("{}, {km_h} km/h", plant.label()),
+            kind,
+            wheelbase_m: scenario.wheelbase_m,
+            scenario,
+            setups: vec![Setup::USUAL, Setup::RESET],
+            speed_factor: 1.0,
+            struck: Corner::FrontLeft,
+            judged: Window::new(3.0, end_s),
+            before: Window::new(RESET_S, 20.0),
+            change: Window::new(20.0, 25.0),
+            after: Window::new(27.0, end_s),
+        })
+    }
+
+    fn named(mut self, addition: &str) -> Self {
+        if !addition.is_empty() {
+            self.name = format!("{}, {addition}", self.name);
+        }
+        self
+    }
+
+    fn with_setups(self, setups: &[Setup]) -> Self {
+        Self { setups: setups.to_vec(), ..self }
+    }
+
+    /// Rear wheels that far beside the front ones' track.
+    fn with_rear_offset_m(mut self, offset_m: f64) -> Self {
+        match &mut self.scenario.car {
+            Some(car) => car.rear_offset_m = offset_m,
+            None => self.scenario.rear_offset_m = offset_m,
+        }
+        self
+    }
+
+    /// Sensor noise in m/s² rms; the estimator is told.
+    fn with_noise(mut self, noise_m_s2: f64) -> Self {
+        self.scenario.sensor = SensorSpec::with_noise(noise_m_s2);
+        self
+    }
+
+    fn each_corner(mut self, mut edit: impl FnMut(Corner, &mut CornerSpec)) -> Self {
+        for corner in Corner::ALL {
+            if let Some(spec) = self.scenario.corner.get_mut(corner) {
+                edit(corner, spec);
+            }
+        }
+        self
+    }
+
+    /// The name of the row of one of its setups.
+    fn row_name(&self, setup: &Setup) -> String {
+        if setup.label.is_empty() { self.name.clone() } else { format!("{}, {}", self.name, setup.label) }
+    }
+
+    /// Keeps the rows whose names contain `only`; `None` if there are none.
+    fn only(mut self, only: Option<&str>) -> Option<Self> {
+        if let Some(only) = only {
+            let names: Vec<String> = self.setups.iter().map(|setup| self.row_name(setup)).collect();
+            let mut names = names.iter();
+            self.setups.retain(|_| names.next().is_some_and(|name| name.contains(only)));
+        }
+        (!self.setups.is_empty()).then_some(self)
+    }
+
+    /// What the estimator is told.
+    fn told(&self) -> Result<CarConfig<f64>, ScoreError> {
+        let mut config = CarConfig { corners: [None; 4], wheelbase_m: Some(self.wheelbase_m) };
+        for (corner, _) in self.scenario.corner.iter() {
+            config.corners[corner.index()] = Some(self.scenario.corner_config(corner)?);
+        }
+        Ok(config)
+    }
+
+    fn estimators(&self) -> Result<Vec<CarEstimator<f64>>, ScoreError> {
+        let config = self.told()?;
+        let set_up = |setup: &Setup| {
+            let estimator = CarEstimator::new(self.kind, &config, self.scenario.rate_hz)?;
+            let estimator = estimator.with_sources(setup.sources);
+            Ok(match setup.reset_s {
+                Some(seconds) => estimator.with_reset_drive(seconds)?,
+                None => estimator,
+            })
+        };
+        self.setups.iter().map(set_up).collect()
+    }
+
+    /// Every row of the log with its truth and what the estimator of each setup, by its number, said after it.
+    fn drive(
+        &self,
+        seed: u64,
+        mut look: impl FnMut(usize, &SimRow, &CarEstimate<f64>),
+    ) -> Result<(), ScoreError> {
+        let mut estimators = self.estimators()?;
+        for row in Simulation::new(&self.scenario, seed)? {
+            let mut sample = row.car_sample();
+            sample.speed_m_s *= self.speed_factor;
+            for (number, estimator) in estimators.iter_mut().enumerate() {
+                look(number, &row, &estimator.update(&sample));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Which drives the asked-for parts need.
+pub(super) struct Plan {
+    errors: errors::Plan,
+}
+
+impl Plan {
+    /// `wanted` parts with `seeds` drives per row; of these only the rows whose names contain `only`.
+    pub(super) fn new(
+        wanted: impl Fn(Part) -> bool,
+        kind: EstimatorKind,
+        seeds: usize,
+        only: Option<&str>,
+    ) -> Result<Self, ScoreError> {
+        let mut errors = errors::Plan::default();
+        if wanted(Part::Drive) {
+            errors.add("drive", puncture::drives(kind)?, seeds, only);
+            errors.add("drive-noise", puncture::noisy(kind)?, seeds, only);
+        }
+        if wanted(Part::Ablation) {
+            errors.add("ablation", puncture::ablation(kind)?, seeds, only);
+        }
+        if wanted(Part::Disturbances) {
+            errors.add("disturbances", disturb::drives(kind)?, seeds, only);
+        }
+        Ok(Self { errors })
+    }
+
+    /// Drives in all.
+    pub(super) fn drives(&self) -> u64 {
+        self.errors.drives()
+    }
+
+    pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, ScoreError> {
+        self.errors.rows(runner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_chosen_by_their_names() {
+        let drive = || Drive::puncture(Plant::Car, 80.0, EstimatorKind::Informed).unwrap();
+        assert_eq!(drive().only(None).unwrap().setups.len(), 2);
+        assert_eq!(drive().only(Some("80 km/h")).unwrap().setups.len(), 2);
+        assert_eq!(drive().only(Some("reset")).unwrap().setups, [Setup::RESET]);
+        assert!(drive().only(Some("quarters")).is_none());
+    }
+
+    #[test]
+    fn the_estimator_is_told_of_no_disturbance() {
+        let drive = Drive::puncture(Plant::Quarters, 20.0, EstimatorKind::Informed).unwrap();
+        let other = drive.clone().with_rear_offset_m(0.02).each_corner(|_, spec| {
+            spec.truth.unsprung_mass_factor = 1.03;
+        });
+        assert_eq!(drive.told().unwrap(), other.told().unwrap());
+    }
+}
