@@ -309,6 +309,34 @@ pub enum Problem {
         high: f64,
     },
     // --- roads ---
+    /// A table of accelerations where heights belong.
+    #[error(
+        "looks like a drive log (accelerations over time), expected a road profile with distance_m and heights"
+    )]
+    DriveLog,
+    /// Numbers that nothing says the meaning of.
+    #[error(
+        "{place}: found {found} columns of numbers without a header, expected 2 (distance and height) or 3 (distance, left and right)"
+    )]
+    UnnamedColumns {
+        /// Where.
+        place: Place,
+        /// How many.
+        found: usize,
+    },
+    /// A profile whose rows are not in the order of distance.
+    #[error("{place}: the distance goes back from {from_m} to {to_m} m, expected it to increase")]
+    DistanceBackwards {
+        /// Where.
+        place: Place,
+        /// Distance of the row before in m.
+        from_m: f64,
+        /// Distance of the row in m.
+        to_m: f64,
+    },
+    /// A profile without a length.
+    #[error("found no two rows with different distances, expected a road")]
+    NoRoad,
     /// An OpenCRG file that cannot be used.
     #[error("{0}")]
     Crg(crate::crg::CrgProblem),

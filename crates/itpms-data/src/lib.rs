@@ -7,6 +7,7 @@
 //! | [`log`] | drive logs in: CSV and Parquet behind one reader that repairs, counts and refuses |
 //! | [`columns`] | small tables of measurements in: named columns of numbers from CSV |
 //! | [`crg`] | roads from OpenCRG files |
+//! | [`profile`] | road profiles from text |
 //! | [`out`] | files out: complete under their name or not there at all |
 //! | [`reference`] | what a reset taught of a car, stored: its own car's, complete and plausible, or refused |
 //! | [`error`] | one message per problem: file, line or column, what was found, what was expected |
@@ -20,6 +21,7 @@ pub mod error;
 pub mod log;
 mod nearest;
 pub mod out;
+pub mod profile;
 pub mod reference;
 mod toml_table;
 pub mod vehicle;
