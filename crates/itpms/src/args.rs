@@ -87,6 +87,13 @@ pub(crate) struct EstimateArgs {
     /// The first S seconds are driven at placard pressure (a reset).
     #[arg(long, value_name = "S", value_parser = positive)]
     pub(crate) calibrate_s: Option<f64>,
+    /// Where what the reset teaches of this car goes, for later drives.
+    #[arg(long, value_name = "FILE", requires = "calibrate_s")]
+    pub(crate) save_reference: Option<PathBuf>,
+    /// What a reset taught of this car on an earlier drive. A file that is damaged, of a newer format, of another car or
+    /// implausible is refused, with exit code 2.
+    #[arg(long, value_name = "FILE", conflicts_with = "calibrate_s")]
+    pub(crate) reference: Option<PathBuf>,
     /// Whether the road repeats itself, as on a test bed: after S seconds, never, or to be looked for.
     #[arg(long, value_name = "S|never|auto", default_value = "auto", value_parser = road_repetition)]
     pub(crate) road_repeats: RoadRepetition,
@@ -105,6 +112,8 @@ const ESTIMATE_EXAMPLES: &str = "\
 Examples:
   itpms estimate drive.csv --vehicle car.toml -o est.csv
   itpms estimate drive.parquet --vehicle car.toml -o est.parquet --road-out road.parquet --report report.html
+  itpms estimate reset.csv --vehicle car.toml -o est.csv --calibrate-s 600 --save-reference car.reference
+  itpms estimate drive.csv --vehicle car.toml -o est.csv --reference car.reference
   itpms estimate drive.csv --vehicle car.toml -o est.csv --estimator aekf-ui --rate 50 --json";
 
 fn estimator_names() -> impl clap::builder::TypedValueParser<Value = EstimatorKind> {

@@ -34,6 +34,8 @@ pub(crate) fn run(args: &DemoArgs, screen: &Screen, interrupt: &Interrupt) -> Re
         trust_units: false,
         json: false,
         calibrate_s: None,
+        save_reference: None,
+        reference: None,
         road_repeats: RoadRepetition::default(),
     };
     let (_, data) = estimate::perform(&estimate_args, screen, interrupt)?;

@@ -1,11 +1,12 @@
 //! The estimator of a drive's car, and what it says after a row.
 
-use itpms_core::car::{CarConfig, CarEstimate, CarEstimator};
+use itpms_core::car::{CarConfig, CarEstimate, CarEstimator, LearnedReference};
 use itpms_core::estimate::CornerEstimate;
 use itpms_core::quarter_car::QuarterCar;
 use itpms_core::sample::Corner;
 use itpms_data::{LogRow, Vehicle};
 
+use super::reference;
 use crate::args::EstimateArgs;
 use crate::exit::Failure;
 
@@ -37,12 +38,17 @@ impl Drive {
         if let Some(seconds) = args.calibrate_s {
             car = car.with_reset_drive(seconds).map_err(fail)?;
         }
-        Ok(Self { car })
+        Ok(Self { car: reference::told(args, vehicle, car)? })
     }
 
     /// The cars as they seem to be now, in the order of [`Corner::ALL`].
     pub(super) fn quarter_cars(&self) -> QuarterCars {
         self.car.quarter_cars()
+    }
+
+    /// What the reset taught, once it is over.
+    pub(super) fn learned(&self) -> Option<LearnedReference<f64>> {
+        self.car.learned()
     }
 
     pub(super) fn update(&mut self, row: &LogRow) -> CarEstimate<f64> {

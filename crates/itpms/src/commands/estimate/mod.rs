@@ -5,12 +5,14 @@
 //! | `drive` | the estimators of the corners, side by side |
 //! | `rate` | which rows of the log become rows of the output |
 //! | `road` | the road record, late but smooth |
+//! | `reference` | what a reset taught, from and for other drives |
 //! | `outputs` | the files that are written |
 //! | `summary` | what is said at the end |
 
 mod drive;
 mod outputs;
 mod rate;
+mod reference;
 mod road;
 mod summary;
 
@@ -67,8 +69,9 @@ pub(crate) fn perform(
     drop(progress);
     interrupt.check()?;
 
-    let data = outputs.complete(args, &vehicle, &log)?;
+    let data = outputs.complete(args, &vehicle, &log, drive.learned())?;
     remarks(args, screen, &log, &vehicle);
+    reference::remark(args, screen);
     Ok((log, data))
 }
 

@@ -4,6 +4,7 @@
 use std::fs;
 use std::path::Path;
 
+use itpms_core::car::LearnedReference;
 use itpms_core::sample::Corner;
 use itpms_data::out::{AtomicFile, EstimateWriter, RoadPoint, RoadWriter};
 use itpms_data::{LogReader, LogRow, Vehicle};
@@ -11,25 +12,32 @@ use itpms_study::report::{self, CornerRow, Provenance, ReportCollector, ReportDa
 
 use super::drive::{Estimates, QuarterCars};
 use super::rate::RateGate;
+use super::reference::Saving;
 use super::road::RoadTrack;
 use crate::args::EstimateArgs;
 use crate::exit::Failure;
 
 /// Refuses an output that is one of the inputs, or two outputs of one name.
 pub(super) fn check_names(args: &EstimateArgs) -> Result<(), Failure> {
-    let outputs: Vec<&Path> = [Some(&args.output), args.road_out.as_ref(), args.report.as_ref()]
-        .into_iter()
-        .flatten()
-        .map(AsRef::as_ref)
-        .collect();
+    let outputs: Vec<&Path> =
+        [Some(&args.output), args.road_out.as_ref(), args.report.as_ref(), args.save_reference.as_ref()]
+            .into_iter()
+            .flatten()
+            .map(AsRef::as_ref)
+            .collect();
     let same = |a: &Path, b: &Path| match (fs::canonicalize(a), fs::canonicalize(b)) {
         (Ok(a_real), Ok(b_real)) => a_real == b_real && a_real.is_file(),
         _ => a == b,
     };
     for (i, output) in outputs.iter().enumerate() {
         let name = output.display();
-        for (input, what) in [(&args.log, "the drive log"), (&args.vehicle, "the vehicle file")] {
-            if same(output, input) {
+        let inputs = [
+            (Some(&args.log), "the drive log"),
+            (Some(&args.vehicle), "the vehicle file"),
+            (args.reference.as_ref(), "the learned reference"),
+        ];
+        for (input, what) in inputs {
+            if input.is_some_and(|input| same(output, input)) {
                 return Err(Failure::Usage(format!(
                     "{name}: is {what} itself, expected another name to write to"
                 )));
@@ -51,6 +59,7 @@ pub(super) struct Outputs {
     track: Option<RoadTrack>,
     road: Option<RoadWriter>,
     page: Option<AtomicFile>,
+    reference: Option<Saving>,
     collector: ReportCollector,
 }
 
@@ -74,6 +83,7 @@ impl Outputs {
             gate: RateGate::new(args.rate),
             road: args.road_out.as_ref().map(|path| RoadWriter::create(path, corners)).transpose()?,
             page: args.report.as_ref().map(|path| AtomicFile::create(path)).transpose()?,
+            reference: Saving::create(args, vehicle)?,
             track: road_wanted.then(|| RoadTrack::new(vehicle, corners, sample_rate_hz)).transpose()?,
             collector: ReportCollector::new(&configs, ReportOptions::default()),
         })
@@ -122,6 +132,7 @@ impl Outputs {
         args: &EstimateArgs,
         vehicle: &Vehicle,
         log: &LogReader,
+        learned: Option<LearnedReference<f64>>,
     ) -> Result<ReportData, Failure> {
         if let Some(track) = &mut self.track {
             track.finish();
@@ -136,6 +147,9 @@ impl Outputs {
             page.append(report::render_report(&data).map_err(Failure::Report)?.as_bytes())?;
             page.settle()?;
             files.push(page);
+        }
+        if let Some(reference) = self.reference {
+            files.push(reference.complete(args, learned)?);
         }
         for file in files {
             file.commit()?;

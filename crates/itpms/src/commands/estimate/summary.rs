@@ -78,6 +78,7 @@ fn as_json(args: &EstimateArgs, log: &LogReader, data: &ReportData) -> Value {
             "estimate": path(&args.output),
             "road": args.road_out.as_ref().map(path),
             "report": args.report.as_ref().map(path),
+            "reference": args.save_reference.as_ref().map(path),
         },
     })
 }
