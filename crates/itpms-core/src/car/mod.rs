@@ -8,10 +8,11 @@ mod reference;
 
 pub use self::reference::{Learned, LearnedCorner, LearnedReference, ReferenceError};
 use crate::estimate::{CornerConfig, CornerEstimate};
-use crate::estimator::{Estimator, EstimatorKind, RoadRepetition};
+use crate::estimator::{CarWord, Estimator, EstimatorKind, RoadRepetition};
 use crate::quarter_car::{ParameterError, QuarterCar, positive};
 use crate::real::Real;
 use crate::sample::{CarSample, Corner};
+use crate::shared_road::SharedRoad;
 
 /// What an estimator is told about the car.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,9 +29,9 @@ pub struct CarConfig<T> {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Sources {
     /// From the road's spectrum, corner by corner, and from front and rear meeting the same road.
-    #[default]
     SpectrumAndSharedRoad,
     /// From each corner's road spectrum alone.
+    #[default]
     Spectrum,
     /// From the shared road alone.
     SharedRoad,
@@ -81,6 +82,10 @@ pub struct CarEstimator<T: Real> {
     kind: EstimatorKind,
     sources: Sources,
     corners: [Option<Estimator<T>>; 4],
+    shared_road: Option<SharedRoad<T>>,
+    /// When the reset that is under way ends, and how long it lasts if it has not begun.
+    reset_s: Option<f64>,
+    reset_ends_s: f64,
 }
 
 impl<T: Real> CarEstimator<T> {
@@ -101,7 +106,19 @@ impl<T: Real> CarEstimator<T> {
                 *corner = Some(Estimator::new(kind, config, sample_rate_hz)?);
             }
         }
-        Ok(Self { kind, sources: Sources::default(), corners })
+        let grid_period_s = corners.iter().flatten().next().map_or(f64::NAN, Estimator::grid_period_s);
+        let shared_road = match kind {
+            EstimatorKind::Informed => SharedRoad::new(config, sample_rate_hz, grid_period_s),
+            _ => None,
+        };
+        Ok(Self {
+            kind,
+            sources: Sources::default(),
+            corners,
+            shared_road,
+            reset_s: None,
+            reset_ends_s: f64::NEG_INFINITY,
+        })
     }
 
     /// The same with other sources of information; before the first sample.
@@ -118,6 +135,7 @@ impl<T: Real> CarEstimator<T> {
         for corner in &mut self.corners {
             *corner = corner.take().map(|estimator| estimator.with_reset_drive(seconds)).transpose()?;
         }
+        self.reset_s = Some(seconds);
         Ok(self)
     }
 
@@ -138,6 +156,7 @@ impl<T: Real> CarEstimator<T> {
         for corner in self.corners.iter_mut().flatten() {
             corner.begin_reset(seconds)?;
         }
+        self.reset_s = Some(seconds);
         Ok(())
     }
 
@@ -164,17 +183,83 @@ impl<T: Real> CarEstimator<T> {
 
     /// Takes one sample, gives the estimate after it.
     pub fn update(&mut self, sample: &CarSample<T>) -> CarEstimate<T> {
+        let (time_s, speed) = (sample.time_s, sample.speed_m_s);
+        if let Some(shared) = &mut self.shared_road {
+            shared.drive(time_s, speed);
+        }
+        let both = self.corners.iter_mut().zip(&sample.corners);
+        for (i, (estimator, corner)) in both.enumerate() {
+            let (Some(estimator), Some(corner)) = (estimator, corner) else { continue };
+            match &mut self.shared_road {
+                Some(shared) => estimator.take(time_s, speed, corner, |step| shared.push(i, step)),
+                None => estimator.take(time_s, speed, corner, |_| {}),
+            }
+        }
+        self.fuse(time_s);
         let mut corners = [None; 4];
         for ((estimate, estimator), corner) in corners.iter_mut().zip(&mut self.corners).zip(&sample.corners)
         {
-            if let (Some(estimator), Some(c)) = (estimator, corner) {
-                let (body, wheel) = (c.body_accel_m_s2, c.wheel_accel_m_s2);
-                *estimate = Some(estimator.update(sample.time_s, sample.speed_m_s, body, wheel));
+            if let (Some(estimator), Some(corner)) = (estimator, corner) {
+                *estimate = Some(estimator.conclude(time_s, corner));
             }
         }
-        let correlation =
-            core::array::from_fn(|i| core::array::from_fn(|j| if i == j { T::one() } else { T::zero() }));
-        CarEstimate { time_s: sample.time_s, corners, correlation, tracks: [TrackState::unknown(); 2] }
+        CarEstimate { time_s, corners, correlation: self.correlation(), tracks: self.tracks() }
+    }
+
+    /// Brings the corners' words and the shared road together.
+    fn fuse(&mut self, time_s: f64) {
+        let Some(shared) = &mut self.shared_road else { return };
+        if let Some(seconds) = self.reset_s.take() {
+            self.reset_ends_s = time_s + seconds;
+        }
+        shared.hold(time_s < self.reset_ends_s);
+        if self.sources == Sources::SpectrumAndSharedRoad {
+            for (i, estimator) in self.corners.iter_mut().enumerate() {
+                if let Some(word) = estimator.as_mut().and_then(Estimator::take_word) {
+                    shared.hear(i, time_s, word.stiffness_n_per_m, word.sd_n_per_m);
+                }
+            }
+        }
+        if self.sources == Sources::Spectrum || !shared.is_ready() {
+            return;
+        }
+        let belief = shared.belief();
+        for (i, estimator) in self.corners.iter_mut().enumerate() {
+            if let Some(estimator) = estimator
+                && shared.has_partner(i)
+            {
+                estimator.believe(Some(CarWord {
+                    stiffness_n_per_m: belief.stiffness_n_per_m[i],
+                    stiffness_sd_n_per_m: belief.covariance[(i, i)].sqrt(),
+                    moving: belief.moving,
+                }));
+            }
+        }
+    }
+
+    fn tracks(&self) -> [TrackState<T>; 2] {
+        core::array::from_fn(|side| match &self.shared_road {
+            Some(road) => {
+                let (shared, incoherence) = road.side(side);
+                TrackState { shared, incoherence }
+            }
+            None => TrackState::unknown(),
+        })
+    }
+
+    fn correlation(&self) -> [[T; 4]; 4] {
+        let alone = |i: usize, j: usize| if i == j { T::one() } else { T::zero() };
+        let belief = self.shared_road.as_ref().filter(|road| road.is_ready()).map(SharedRoad::belief);
+        core::array::from_fn(|i| {
+            core::array::from_fn(|j| match &belief {
+                Some(belief) if i != j => {
+                    let p = &belief.covariance;
+                    let scale = (p[(i, i)] * p[(j, j)]).sqrt();
+                    if scale > T::zero() { p[(i, j)] / scale } else { T::zero() }
+                }
+                _ => alone(i, j),
+            })
+        })
     }
 
     /// Which estimator this is.

@@ -5,13 +5,13 @@ use crate::filter::{
     AekfUi, AekfUiInformed, FilterConfig, Forgetting, InformedConfig, InformedRecord, InformedStatus,
     ParameterForgetting, StepRecord,
 };
-use crate::informed::{Informed, RESET_SD, RoadRepetition};
+use crate::informed::{Informed, RESET_SD, RoadRepetition, StiffnessWord};
 use crate::intake::GridSample;
 use crate::quarter_car::{ParameterError, QuarterCar};
 use crate::real::Real;
 use crate::sample::CornerSample;
 
-use super::EstimatorKind;
+use super::{CarWord, EstimatorKind};
 
 /// Seconds of full information before an estimate counts.
 const STARTING_S: f64 = 2.0;
@@ -162,6 +162,23 @@ impl<T: Real> Engine<T> {
             Method::Informed(informed) => informed.quarter_car(),
             _ => self.config.quarter_car,
         }
+    }
+
+    /// What the last frames said by themselves, for a belief outside.
+    pub(super) fn take_word(&mut self) -> Option<StiffnessWord<T>> {
+        match &mut self.method {
+            Method::Informed(informed) => informed.take_word(),
+            _ => None,
+        }
+    }
+
+    /// Puts what the whole car says in the place of what the corner says.
+    pub(super) fn overrule(&self, reading: &mut Reading<T>, word: &CarWord<T>) {
+        reading.stiffness_n_per_m = word.stiffness_n_per_m;
+        reading.stiffness_sd_n_per_m = word.stiffness_sd_n_per_m;
+        reading.change_probability = word.moving;
+        let sd_kpa = word.stiffness_sd_n_per_m / self.config.tire.stiffness_per_kpa();
+        reading.validity = validity(&self.config, T::lit(STARTING_S), sd_kpa);
     }
 
     pub(super) fn reading(&self) -> Reading<T> {

@@ -10,8 +10,9 @@ mod warning;
 use self::engine::{Engine, Reading};
 use self::warning::LowPressureWatch;
 use crate::estimate::{CornerConfig, CornerEstimate, Diagnostics, Validity, Warning};
+use crate::informed::StiffnessWord;
 pub use crate::informed::{RoadPeriod, RoadRepetition};
-use crate::intake::{Intake, SampleCounts};
+use crate::intake::{GridSample, Intake, SampleCounts};
 use crate::quarter_car::{ParameterError, QuarterCar, positive};
 use crate::real::Real;
 use crate::road::{RoadConfig, RoadFilter};
@@ -86,6 +87,18 @@ pub struct Estimator<T: Real> {
     pinned_s: f64,
     resets: u32,
     repetition: RoadRepetition,
+    /// What the whole car says of this corner, while it says anything.
+    car_belief: Option<CarWord<T>>,
+}
+
+/// What the whole car knows of a corner that the corner by itself does not.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct CarWord<T> {
+    pub(crate) stiffness_n_per_m: T,
+    pub(crate) stiffness_sd_n_per_m: T,
+    /// Probability that the pressure is changing.
+    pub(crate) moving: T,
 }
 
 impl<T: Real> Estimator<T> {
@@ -118,6 +131,7 @@ impl<T: Real> Estimator<T> {
             pinned_s: f64::NEG_INFINITY,
             resets: 0,
             repetition: RoadRepetition::Detect,
+            car_belief: None,
         })
     }
 
@@ -163,18 +177,56 @@ impl<T: Real> Estimator<T> {
         body_accel_m_s2: T,
         wheel_accel_m_s2: T,
     ) -> CornerEstimate<T> {
+        let corner = CornerSample { body_accel_m_s2, wheel_accel_m_s2 };
+        self.take(time_s, speed_m_s, &corner, |_| {});
+        self.conclude(time_s, &corner)
+    }
+
+    /// The first half of [`Estimator::update`]: takes the sample, and shows every grid step to `tap`.
+    pub(crate) fn take(
+        &mut self,
+        time_s: f64,
+        speed_m_s: T,
+        corner: &CornerSample<T>,
+        mut tap: impl FnMut(&GridSample<T>),
+    ) {
         let engine = &mut self.engine;
-        self.intake.push(time_s, speed_m_s, body_accel_m_s2, wheel_accel_m_s2, |sample| engine.step(&sample));
+        let (body, wheel) = (corner.body_accel_m_s2, corner.wheel_accel_m_s2);
+        self.intake.push(time_s, speed_m_s, body, wheel, |sample| {
+            engine.step(&sample);
+            tap(&sample);
+        });
         self.hold_reset(time_s);
+    }
+
+    /// What the last frames said by themselves of the stiffness, when there is something new.
+    pub(crate) fn take_word(&mut self) -> Option<StiffnessWord<T>> {
+        self.engine.take_word()
+    }
+
+    /// Tells what the whole car says of this corner; `None`: nothing now.
+    pub(crate) fn believe(&mut self, word: Option<CarWord<T>>) {
+        self.car_belief = word;
+    }
+
+    /// Time between grid steps in s.
+    pub(crate) fn grid_period_s(&self) -> f64 {
+        self.intake.grid_period_s()
+    }
+
+    /// The second half of [`Estimator::update`]: what is known after the sample.
+    pub(crate) fn conclude(&mut self, time_s: f64, corner: &CornerSample<T>) -> CornerEstimate<T> {
         let mut reading = self.engine.reading();
         if !(reading.stiffness_n_per_m.is_finite() && reading.stiffness_sd_n_per_m.is_finite())
             && self.kind == EstimatorKind::Informed
         {
             self.reset();
         }
+        if let Some(word) = &self.car_belief {
+            self.engine.overrule(&mut reading, word);
+        }
         if self.kind == EstimatorKind::Informed {
-            let corner = CornerSample { body_accel_m_s2, wheel_accel_m_s2 };
-            (reading.road_m, reading.road_sd_m) = self.follow_road(time_s, &corner, &reading);
+            (reading.road_m, reading.road_sd_m) = self.follow_road(time_s, corner, &reading);
         }
         self.estimate(time_s, &reading)
     }

@@ -6,9 +6,9 @@
 
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
 
-use super::frame::{BINS, Frame};
 use super::model::Body;
 use super::reconstruct::{BODY_JERK, LEAK_RAD_S, RELATIVE_ACCELERATION, RELATIVE_VELOCITY};
+use super::{BINS, Frame};
 use crate::real::Real;
 
 /// Memory in s of full information: loads change at stops, dampers over years.

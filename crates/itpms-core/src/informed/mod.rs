@@ -8,7 +8,6 @@
 //! | room | idea |
 //! |---|---|
 //! | `reconstruct` | per sample: the signals that the road velocity is made of |
-//! | `frame` | short spectra of them |
 //! | `gate` | how much of a frame to believe |
 //! | `body` | load and damping identified on the way |
 //! | `model` | what they should look like for every stiffness |
@@ -19,16 +18,14 @@
 
 mod body;
 mod dynamics;
-mod frame;
 mod gate;
-mod model;
+pub(crate) mod model;
 mod posterior;
-mod reconstruct;
+pub(crate) mod reconstruct;
 mod repeat;
 mod road_belief;
 
 use self::body::BodyIdentification;
-use self::frame::{BINS, Frame, FrameClock};
 use self::gate::{Gate, SpeedKnowledge};
 use self::model::{Body, Grid, Tables};
 use self::posterior::Posterior;
@@ -39,9 +36,17 @@ use self::repeat::{Corner, Held, RepeatWord, RepeatedRoad, Step};
 pub use self::repeat::{RoadPeriod, RoadRepetition};
 use self::road_belief::Evidence;
 use crate::estimate::CornerConfig;
+use crate::frame::FrameClock;
 use crate::intake::GridSample;
 use crate::quarter_car::QuarterCar;
 use crate::real::Real;
+
+/// Spectral bins of a frame: 8.3, 16.7, ... 100 Hz.
+const BINS: usize = 12;
+/// Nominal time between frames in s; a frame lasts twice as long.
+const HOP_S: f64 = 0.06;
+/// A frame of all reconstructed signals.
+type Frame<T> = crate::frame::Frame<T, BINS, SIGNALS>;
 
 /// Share of a frame's log-likelihood that counts. Frames under a sine window that overlap by half say everything twice;
 /// a little less than half lets the interval cover what the model leaves out.
@@ -82,7 +87,7 @@ pub struct Informed<T: Real> {
     body: BodyIdentification<T>,
     tables: Tables<T>,
     reconstruction: Reconstruction<T>,
-    clock: FrameClock<T>,
+    clock: FrameClock<T, BINS, SIGNALS>,
     posterior: Posterior<T>,
     sample_rate_hz: f64,
     grid_period_s: f64,
@@ -104,7 +109,7 @@ pub struct Informed<T: Real> {
 impl<T: Real> Informed<T> {
     /// An estimator for samples that were taken at `sample_rate_hz` and come on a grid of `grid_period_s`.
     pub fn new(config: &CornerConfig<T>, sample_rate_hz: f64, grid_period_s: f64) -> Self {
-        let clock = FrameClock::new(grid_period_s);
+        let clock = FrameClock::new(HOP_S, grid_period_s);
         let grid = Grid::new(config.placard_kpa);
         let car = &config.quarter_car;
         let body = Body {

@@ -5,7 +5,7 @@
 
 use nalgebra::{Complex, ComplexField, SMatrix, SVector};
 
-use super::frame::BINS;
+use super::BINS;
 use super::reconstruct::LEAK_RAD_S;
 use crate::pressure::PressureMap;
 use crate::real::Real;
@@ -50,11 +50,11 @@ impl<T: Real> Grid<T> {
 /// What a corner is believed to be now; the unsprung mass is known and does not change.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Body<T> {
-    pub(super) sprung_mass_kg: T,
-    pub(super) unsprung_mass_kg: T,
-    pub(super) damping_n_s_per_m: T,
-    pub(super) spring_n_per_m: T,
+pub(crate) struct Body<T> {
+    pub(crate) sprung_mass_kg: T,
+    pub(crate) unsprung_mass_kg: T,
+    pub(crate) damping_n_s_per_m: T,
+    pub(crate) spring_n_per_m: T,
 }
 
 /// Tables over (cell, bin) and over bins alone.
@@ -220,7 +220,7 @@ pub(super) fn wheel_over_road<T: Real>(body: &Body<T>, theta: T, frequency_hz: T
 
 /// `|H|²` from road to wheel, and the noise power of the leaky road velocity for unit noise density of both
 /// accelerometers, at one frequency in Hz.
-pub(super) fn response<T: Real>(body: &Body<T>, theta: T, frequency_hz: T) -> (T, T) {
+pub(crate) fn response<T: Real>(body: &Body<T>, theta: T, frequency_hz: T) -> (T, T) {
     let omega = T::two_pi() * frequency_hz;
     let s = Complex::new(T::zero(), omega);
     let (z, h) = transfer(body, theta, frequency_hz);

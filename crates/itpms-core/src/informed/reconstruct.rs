@@ -9,7 +9,7 @@ use crate::real::Real;
 
 /// Leak of the integrators in rad/s: low enough to leave the first bin alone, high enough to keep the slow road,
 /// which is far stronger, from leaking into it.
-pub(super) const LEAK_RAD_S: f64 = core::f64::consts::TAU * 1.5;
+pub(crate) const LEAK_RAD_S: f64 = core::f64::consts::TAU * 1.5;
 /// Time constant in s of the offset that is taken off each sensor (gravity, bias).
 const OFFSET_S: f64 = 10.0;
 /// What lies this far out is no offset (gravity is the largest) and must not drag it along.
@@ -18,17 +18,17 @@ const LARGEST_OFFSET_M_S2: f64 = 40.0;
 const LAG: usize = 3;
 
 /// Number of signals.
-pub(super) const SIGNALS: usize = 5;
+pub(crate) const SIGNALS: usize = 5;
 /// `L v_w`: wheel velocity.
-pub(super) const WHEEL_VELOCITY: usize = 0;
+pub(crate) const WHEEL_VELOCITY: usize = 0;
 /// `L ȧ_w`: wheel jerk.
-pub(super) const WHEEL_JERK: usize = 1;
+pub(crate) const WHEEL_JERK: usize = 1;
 /// `L (a_w - a_b)`: relative acceleration.
-pub(super) const RELATIVE_ACCELERATION: usize = 2;
+pub(crate) const RELATIVE_ACCELERATION: usize = 2;
 /// `L (v_w - v_b)`: relative velocity.
-pub(super) const RELATIVE_VELOCITY: usize = 3;
+pub(crate) const RELATIVE_VELOCITY: usize = 3;
 /// `L ȧ_b`: body jerk.
-pub(super) const BODY_JERK: usize = 4;
+pub(crate) const BODY_JERK: usize = 4;
 
 /// One sensor: offset, leaky integral, derivative.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,7 +81,7 @@ impl<T: Real> Channel<T> {
 /// The running reconstruction. See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Reconstruction<T> {
+pub(crate) struct Reconstruction<T> {
     dt: T,
     steps: u32,
     body: Channel<T>,
@@ -89,18 +89,18 @@ pub(super) struct Reconstruction<T> {
 }
 
 impl<T: Real> Reconstruction<T> {
-    pub(super) fn new(grid_period_s: f64) -> Self {
+    pub(crate) fn new(grid_period_s: f64) -> Self {
         Self { dt: T::lit(grid_period_s), steps: 0, body: Channel::new(), wheel: Channel::new() }
     }
 
     /// The signal was interrupted: start again, keep the sensors' offsets.
-    pub(super) fn restart(&mut self) {
+    pub(crate) fn restart(&mut self) {
         self.body.restart();
         self.wheel.restart();
     }
 
     /// Takes one grid step, gives all signals three steps earlier.
-    pub(super) fn push(&mut self, body_accel_m_s2: T, wheel_accel_m_s2: T) -> [T; SIGNALS] {
+    pub(crate) fn push(&mut self, body_accel_m_s2: T, wheel_accel_m_s2: T) -> [T; SIGNALS] {
         // The mean of all samples so far, then of the last ten seconds or so.
         self.steps = self.steps.saturating_add(1);
         let gain = (self.dt / T::lit(OFFSET_S)).max(T::one() / T::lit(f64::from(self.steps)));

@@ -5,8 +5,8 @@
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
+use super::BINS;
 use super::dynamics::{ENVELOPE_SD, SLOPE_MEAN, SLOPE_SD};
-use super::frame::BINS;
 use super::model::{CELLS, Tables};
 use crate::real::Real;
 

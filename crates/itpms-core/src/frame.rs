@@ -1,35 +1,27 @@
-//! Short spectral frames of the reconstructed signals: 0.12 s under a sine window, one every 0.06 s, 12 bins from 8.3
-//! to 100 Hz, accumulated sample by sample so that no signal is ever stored.
+//! Short spectral frames of several signals under a sine window that overlap by half, accumulated sample by sample so
+//! that no signal is ever stored.
 //!
-//! At the true stiffness the reconstructed road velocity is nearly white, so frames this short do not smear it.
+//! At the true stiffness a reconstructed road velocity is nearly white, so short frames do not smear it.
 
 use nalgebra::SMatrix;
 
-use super::reconstruct::SIGNALS;
 use crate::real::Real;
-
-/// Spectral bins: 8.3, 16.7, ... 100 Hz.
-pub(super) const BINS: usize = 12;
-/// Nominal time between frames in s; a frame lasts twice as long.
-const HOP_S: f64 = 0.06;
-
-type Spectrum<T> = SMatrix<T, BINS, SIGNALS>;
 
 /// The complex spectra of one frame, scaled so that a squared magnitude is a one-sided power density per Hz.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Frame<T: Real> {
-    re: Spectrum<T>,
-    im: Spectrum<T>,
+pub(crate) struct Frame<T: Real, const BINS: usize, const SIGNALS: usize> {
+    pub(crate) re: SMatrix<T, BINS, SIGNALS>,
+    pub(crate) im: SMatrix<T, BINS, SIGNALS>,
 }
 
-impl<T: Real> Frame<T> {
+impl<T: Real, const BINS: usize, const SIGNALS: usize> Frame<T, BINS, SIGNALS> {
     fn zero() -> Self {
-        Self { re: Spectrum::zeros(), im: Spectrum::zeros() }
+        Self { re: SMatrix::zeros(), im: SMatrix::zeros() }
     }
 
     /// `Re(X_i X_j*)` of two signals in a bin.
-    pub(super) fn cross(&self, bin: usize, i: usize, j: usize) -> T {
+    pub(crate) fn cross(&self, bin: usize, i: usize, j: usize) -> T {
         self.re[(bin, i)] * self.re[(bin, j)] + self.im[(bin, i)] * self.im[(bin, j)]
     }
 }
@@ -37,7 +29,7 @@ impl<T: Real> Frame<T> {
 /// Accumulates two frames that overlap by half.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct FrameClock<T: Real> {
+pub(crate) struct FrameClock<T: Real, const BINS: usize, const SIGNALS: usize> {
     /// Steps per hop.
     hop: u32,
     grid_period_s: f64,
@@ -47,14 +39,14 @@ pub(super) struct FrameClock<T: Real> {
     /// `e^{-jφ}`, `φ = 2π step / (2 hop)`, and its increment.
     phase: [T; 2],
     turn: [T; 2],
-    older: Frame<T>,
-    younger: Frame<T>,
+    older: Frame<T, BINS, SIGNALS>,
+    younger: Frame<T, BINS, SIGNALS>,
 }
 
-impl<T: Real> FrameClock<T> {
-    pub(super) fn new(grid_period_s: f64) -> Self {
-        // Rounded to whole steps, at least one.
-        let hop = (HOP_S / grid_period_s + 0.5).max(1.0) as u32;
+impl<T: Real, const BINS: usize, const SIGNALS: usize> FrameClock<T, BINS, SIGNALS> {
+    /// Frames of twice `hop_s`, one every `hop_s`, rounded to whole steps of the grid, at least one.
+    pub(crate) fn new(hop_s: f64, grid_period_s: f64) -> Self {
+        let hop = (hop_s / grid_period_s + 0.5).max(1.0) as u32;
         let angle = T::lit(core::f64::consts::PI / f64::from(hop));
         Self {
             hop,
@@ -69,17 +61,17 @@ impl<T: Real> FrameClock<T> {
     }
 
     /// Time between frames in s.
-    pub(super) fn hop_s(&self) -> f64 {
+    pub(crate) fn hop_s(&self) -> f64 {
         f64::from(self.hop) * self.grid_period_s
     }
 
     /// Distance between bins in Hz; the first bin lies at one such distance.
-    pub(super) fn bin_spacing_hz(&self) -> f64 {
+    pub(crate) fn bin_spacing_hz(&self) -> f64 {
         1.0 / (2.0 * self.hop_s())
     }
 
     /// Drops the frames under way.
-    pub(super) fn restart(&mut self) {
+    pub(crate) fn restart(&mut self) {
         self.step = 0;
         self.complete_hops = 0;
         self.phase = [T::one(), T::zero()];
@@ -88,7 +80,7 @@ impl<T: Real> FrameClock<T> {
     }
 
     /// Adds one step of all signals; gives a frame when one is complete.
-    pub(super) fn push(&mut self, signals: &[T; SIGNALS]) -> Option<Frame<T>> {
+    pub(crate) fn push(&mut self, signals: &[T; SIGNALS]) -> Option<Frame<T, BINS, SIGNALS>> {
         // Sine window over two hops: sin(π (i + ½) / n). The younger frame sees its first half, the older its second.
         let angle = T::lit(core::f64::consts::FRAC_PI_2 * (f64::from(self.step) + 0.5) / f64::from(self.hop));
         let (rising, falling) = (angle.sin(), angle.cos());
@@ -113,7 +105,7 @@ impl<T: Real> FrameClock<T> {
         self.finish_hop()
     }
 
-    fn finish_hop(&mut self) -> Option<Frame<T>> {
+    fn finish_hop(&mut self) -> Option<Frame<T, BINS, SIGNALS>> {
         self.step = 0;
         self.complete_hops = (self.complete_hops + 1).min(2);
         // Bin k turns by kπ in a hop; the sign is the same for all signals of a bin and drops out of every product, so

@@ -1,0 +1,108 @@
+//! The first delay: where the front's road, shifted, looks most like the rear's. Needed once, because the constraint is
+//! only linear in small errors of the delay.
+
+use nalgebra::SVector;
+
+use crate::real::Real;
+
+/// Shifts tried.
+pub(super) const SHIFTS: usize = 25;
+/// How far, in each direction: a share of the delay, and seconds.
+const SHARE: f64 = 0.03;
+const SECONDS: f64 = 0.005;
+/// Seconds of driving to look at.
+const LOOK_S: f64 = 1.5;
+/// Correlation that has to be reached.
+const ENOUGH: f64 = 0.6;
+/// Seconds after which a search without success starts again.
+const GIVE_UP_S: f64 = 6.0;
+
+/// Running sums of the search on one side.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: Real + serde::Serialize",
+        deserialize = "T: Real + serde::Deserialize<'de>"
+    ))
+)]
+pub(super) struct Acquisition<T: Real> {
+    cross: SVector<T, SHIFTS>,
+    front: SVector<T, SHIFTS>,
+    rear: SVector<T, SHIFTS>,
+    seconds: f64,
+    delay_sum_s: T,
+    count: T,
+}
+
+/// A delay that was found: seconds more than expected, at a mean expected delay.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Found<T> {
+    pub(super) later_s: T,
+    pub(super) delay_s: T,
+}
+
+impl<T: Real> Acquisition<T> {
+    pub(super) fn new() -> Self {
+        Self {
+            cross: SVector::zeros(),
+            front: SVector::zeros(),
+            rear: SVector::zeros(),
+            seconds: 0.0,
+            delay_sum_s: T::zero(),
+            count: T::zero(),
+        }
+    }
+
+    /// Takes the rear's road and, for every shift, the front's; the shift in s is given by [`shift_s`].
+    pub(super) fn push(
+        &mut self,
+        rear: T,
+        delay_s: T,
+        period_s: f64,
+        front: impl Fn(T) -> Option<T>,
+    ) -> Option<Found<T>> {
+        for i in 0..SHIFTS {
+            if let Some(front) = front(shift_s(i, delay_s)) {
+                self.cross[i] += front * rear;
+                self.front[i] += front * front;
+                self.rear[i] += rear * rear;
+            }
+        }
+        self.seconds += period_s;
+        self.delay_sum_s += delay_s;
+        self.count += T::one();
+        if self.seconds < LOOK_S {
+            return None;
+        }
+        let found = self.peak();
+        if found.is_some() || self.seconds > GIVE_UP_S {
+            *self = Self::new();
+        }
+        found
+    }
+
+    fn peak(&self) -> Option<Found<T>> {
+        let height = SVector::<T, SHIFTS>::from_fn(|i, _| {
+            self.cross[i] / (self.front[i] * self.rear[i]).sqrt().max(T::lit(1e-30))
+        });
+        let at = height.imax();
+        // At the edge the true maximum may lie outside.
+        if !(height[at] > T::lit(ENOUGH)) || at == 0 || at == SHIFTS - 1 {
+            return None;
+        }
+        let (before, here, after) = (height[at - 1], height[at], height[at + 1]);
+        let bend = before - T::lit(2.0) * here + after;
+        let off = if bend < T::zero() { T::lit(0.5) * (before - after) / bend } else { T::zero() };
+        let delay_s = self.delay_sum_s / self.count;
+        let step_s = shift_s(1, delay_s) - shift_s(0, delay_s);
+        Some(Found { later_s: shift_s(at, delay_s) + off * step_s, delay_s })
+    }
+}
+
+/// Seconds of the `i`-th shift.
+fn shift_s<T: Real>(i: usize, delay_s: T) -> T {
+    let reach = T::lit(SHARE) * delay_s + T::lit(SECONDS);
+    reach * (T::lit(2.0 * i as f64 / (SHIFTS - 1) as f64) - T::one())
+}

@@ -1,0 +1,310 @@
+//! The second source of information: the rear wheel meets the road that the front wheel met a moment ago
+//! (docs/math/shared-road.md).
+//!
+//! Both axles reconstruct the road velocity, each with the compliance of its tire; where they disagree, a compliance is
+//! wrong. Because the axles carry different unsprung masses, the disagreement tells both pressures and not only their
+//! difference. Used by the car's estimator; knows nothing of the road's spectrum but what it is told in words.
+//!
+//! | room | idea |
+//! |---|---|
+//! | `channel` | a corner's signals, thinned |
+//! | `memory` | the front's last second, read where the rear is now |
+//! | `acquire` | the first delay |
+//! | `track` | one side: aligned, cut into frames |
+//! | `constraint` | what the axles disagree on, and why |
+//! | `coherence` | how far they share a road |
+//! | `parameters` | what is unknown of the car |
+//! | `modes` | the belief |
+
+mod acquire;
+mod channel;
+mod coherence;
+mod constraint;
+mod memory;
+mod modes;
+mod parameters;
+mod track;
+
+use nalgebra::{SMatrix, SVector};
+
+use self::channel::{Channel, KEPT};
+use self::constraint::Wheel;
+use self::modes::Modes;
+use self::parameters::{COMMON_BIAS, OWN_BIAS, SKEW, SKEW_UNIT_S, State, TIRE, WHEELBASE};
+use self::track::{Meeting, Track};
+use crate::car::CarConfig;
+use crate::informed::model::Body;
+use crate::intake::GridSample;
+use crate::real::Real;
+
+/// Spectral bins: 5, 10, ... 25 Hz.
+const BINS: usize = 5;
+/// Time between frames in s, and so the distance of the bins in Hz.
+const HOP_S: f64 = 0.1;
+const BIN_SPACING_HZ: f64 = 0.5 / HOP_S;
+/// A frame of both axles' signals.
+type Frame<T> = crate::frame::Frame<T, BINS, { 2 * KEPT }>;
+/// Middle of a bin in Hz.
+fn bin_hz<T: Real>(bin: usize) -> T {
+    T::lit((bin + 1) as f64 * BIN_SPACING_HZ)
+}
+
+/// Share of a frame's log-likelihood that counts: they overlap by half.
+const OVERLAP: f64 = 0.5;
+/// Seconds of shared road after which the belief counts.
+const ENOUGH_S: f64 = 2.0;
+/// Sd in s of the first delay that was found.
+const FOUND_SD_S: f64 = 1e-3;
+/// Front and rear of a side see the same road, so their spectra say half of what they seem to.
+const SAME_ROAD: f64 = 2.0;
+/// Sd with which a reset sets a tire, as a share of the placard pressure.
+const RESET_SD: f64 = 0.004;
+
+/// What the shared road, and words about the spectrum, say of the tires.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct CarBelief<T: Real> {
+    /// Stiffnesses in N/m, in the order of the corners.
+    pub(crate) stiffness_n_per_m: SVector<T, 4>,
+    pub(crate) covariance: SMatrix<T, 4, 4>,
+    /// Probability that a pressure is changing.
+    pub(crate) moving: T,
+}
+
+/// See the [module](self).
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: Real + serde::Serialize",
+        deserialize = "T: Real + serde::Deserialize<'de>"
+    ))
+)]
+pub(crate) struct SharedRoad<T: Real> {
+    wheelbase_m: T,
+    wheels: [Option<Wheel<T>>; 4],
+    /// N/m per kPa, and N/m at the placard pressure.
+    slope: [T; 4],
+    placard_n_per_m: [T; 4],
+    placard_kpa: [T; 4],
+    channels: [Channel<T>; 4],
+    tracks: [Track<T>; 2],
+    modes: Modes<T>,
+    /// Time to which the belief was moved on.
+    believed_s: f64,
+    newest_s: f64,
+    way_m: f64,
+    speed_m_s: T,
+    /// Seconds of shared road learned from.
+    learned_s: T,
+    found: bool,
+    held: bool,
+}
+
+impl<T: Real> SharedRoad<T> {
+    /// A shared road for the sides that have both corners; `None` if there is none, or no wheelbase.
+    pub(crate) fn new(config: &CarConfig<T>, sample_rate_hz: f64, grid_period_s: f64) -> Option<Self> {
+        let wheelbase_m = config.wheelbase_m?;
+        let wheel = |corner: usize| {
+            config.corners[corner].as_ref().map(|c| {
+                let car = &c.quarter_car;
+                let body = Body {
+                    sprung_mass_kg: car.sprung_mass_kg(),
+                    unsprung_mass_kg: car.unsprung_mass_kg(),
+                    damping_n_s_per_m: car.damping_n_s_per_m(),
+                    spring_n_per_m: car.spring_n_per_m(),
+                };
+                let theta = T::one() / c.tire.stiffness_n_per_m(c.placard_kpa);
+                Wheel { body, theta, corner }
+            })
+        };
+        let wheels = core::array::from_fn(wheel);
+        if !(wheels[0].is_some() && wheels[2].is_some() || wheels[1].is_some() && wheels[3].is_some()) {
+            return None;
+        }
+        let of = |value: &dyn Fn(&crate::estimate::CornerConfig<T>) -> T| {
+            core::array::from_fn(|i| config.corners[i].as_ref().map_or(T::one(), value))
+        };
+        let channels: [Channel<T>; 4] = core::array::from_fn(|_| Channel::new(grid_period_s));
+        let period_s = channels[0].period_s();
+        let noise = |i: usize| {
+            let sd = config.corners[i].as_ref().map_or(T::zero(), |c| c.accel_noise_or_usual_m_s2());
+            sd * sd * T::lit(2.0 / sample_rate_hz)
+        };
+        let tracks = core::array::from_fn(|side| Track::new(side, period_s, [noise(side), noise(side + 2)]));
+        let mut modes = Modes::new();
+        for (i, corner) in config.corners.iter().enumerate() {
+            if let Some(corner) = corner
+                && let Some(initial) = corner.initial_kpa
+            {
+                let z = corner.tire.stiffness_n_per_m(corner.placard_kpa)
+                    / corner.tire.stiffness_n_per_m(initial)
+                    - T::one();
+                modes.modes.iter_mut().for_each(|mode| mode.mean[TIRE + i] = z);
+            }
+        }
+        Some(Self {
+            wheelbase_m,
+            wheels,
+            slope: of(&|c| c.tire.stiffness_per_kpa()),
+            placard_n_per_m: of(&|c| c.tire.stiffness_n_per_m(c.placard_kpa)),
+            placard_kpa: of(&|c| c.placard_kpa),
+            channels,
+            tracks,
+            modes,
+            believed_s: f64::NAN,
+            newest_s: f64::NAN,
+            way_m: 0.0,
+            speed_m_s: T::lit(f64::NAN),
+            learned_s: T::zero(),
+            found: false,
+            held: false,
+        })
+    }
+
+    /// Says how fast the car is, before its corners' samples of that time.
+    pub(crate) fn drive(&mut self, time_s: f64, speed_m_s: T) {
+        let seconds = time_s - self.newest_s;
+        if seconds > 0.0 && seconds < 0.5 && self.speed_m_s.is_finite() {
+            let mean = if speed_m_s.is_finite() {
+                T::lit(0.5) * (speed_m_s + self.speed_m_s)
+            } else {
+                self.speed_m_s
+            };
+            self.way_m += mean.to_f64() * seconds;
+        }
+        if time_s.is_finite() {
+            self.newest_s = time_s;
+        }
+        self.speed_m_s = speed_m_s;
+    }
+
+    /// Takes a grid step of a corner.
+    pub(crate) fn push(&mut self, corner: usize, sample: &GridSample<T>) {
+        let way_m = if self.speed_m_s.is_finite() {
+            self.way_m - self.speed_m_s.to_f64() * (self.newest_s - sample.time_s)
+        } else {
+            f64::NAN
+        };
+        let Some(entry) = self.channels[corner].push(sample, way_m) else { return };
+        let side = corner % 2;
+        if corner < 2 {
+            self.tracks[side].front(&entry);
+            return;
+        }
+        let (Some(front), Some(rear)) = (self.wheels[side], self.wheels[corner]) else { return };
+        let (wheelbase, skew) = (self.modes.quantity(WHEELBASE).0, self.modes.quantity(SKEW + side).0);
+        let road = Meeting {
+            wheelbase_m: self.wheelbase_m,
+            wheels: [front, rear],
+            wheelbase,
+            skew,
+            state: &self.modes.modes[self.modes.most_likely()].mean,
+        };
+        if !self.tracks[side].is_aligned() {
+            if let Some(found) = self.tracks[side].search(&entry, &road) {
+                let unit = T::lit(SKEW_UNIT_S);
+                self.modes.measure(T::lit(FOUND_SD_S * FOUND_SD_S), |state| {
+                    let mut slope = State::zeros();
+                    slope[WHEELBASE] = found.delay_s;
+                    slope[SKEW + side] = unit;
+                    let expected =
+                        found.delay_s * (state[WHEELBASE] - wheelbase) + unit * (state[SKEW + side] - skew);
+                    (slope, found.later_s - expected)
+                });
+                self.found = true;
+            }
+            return;
+        }
+        if let Some(taken) = self.tracks[side].meet(&entry, &road) {
+            self.learn(side, &[front, rear], &taken);
+        }
+    }
+
+    fn learn(&mut self, side: usize, wheels: &[Wheel<T>; 2], taken: &constraint::TrackFrame<T>) {
+        self.predict_to(taken.middle_s);
+        if self.tracks[side].weigh(&mut self.modes, wheels, taken) {
+            self.learned_s += T::lit(0.5 * HOP_S);
+        }
+        if !self.modes.is_sound() {
+            self.modes = Modes::new();
+            self.learned_s = T::zero();
+        }
+    }
+
+    fn predict_to(&mut self, time_s: f64) {
+        if !(self.believed_s < time_s) {
+            if !self.believed_s.is_finite() {
+                self.believed_s = time_s;
+            }
+            return;
+        }
+        let seconds = T::lit((time_s - self.believed_s).min(10.0));
+        self.believed_s = time_s;
+        let liveliness = if self.held || self.learned_s < T::lit(ENOUGH_S) { T::zero() } else { T::one() };
+        self.modes.predict(seconds, liveliness);
+    }
+
+    /// A word of a corner's road spectrum: its stiffness and sd in N/m, at a time.
+    pub(crate) fn hear(&mut self, corner: usize, time_s: f64, stiffness_n_per_m: T, sd_n_per_m: T) {
+        self.predict_to(time_s);
+        let placard = self.placard_n_per_m[corner];
+        // Biases are shares of the placard pressure; the word's own unit is N/m.
+        let bias = self.slope[corner] * self.placard_kpa[corner];
+        self.modes.measure(T::lit(SAME_ROAD) * sd_n_per_m * sd_n_per_m, |state| {
+            let factor = T::one() + state[TIRE + corner];
+            let mut slope = State::zeros();
+            slope[TIRE + corner] = -placard / (factor * factor);
+            slope[COMMON_BIAS] = bias;
+            slope[OWN_BIAS + corner] = bias;
+            let expected = placard / factor + bias * (state[COMMON_BIAS] + state[OWN_BIAS + corner]);
+            (slope, stiffness_n_per_m - expected)
+        });
+    }
+
+    /// Says that all tires have their placard pressures now, as during a reset, or that this is over.
+    pub(crate) fn hold(&mut self, held: bool) {
+        if held && !self.held {
+            for corner in 0..4 {
+                let share = self.placard_kpa[corner] * self.slope[corner] / self.placard_n_per_m[corner];
+                let sd = T::lit(RESET_SD) * share;
+                self.modes.measure(sd * sd, |state| {
+                    let mut slope = State::zeros();
+                    slope[TIRE + corner] = T::one();
+                    (slope, -state[TIRE + corner])
+                });
+            }
+        }
+        if held {
+            self.modes.calm();
+        }
+        self.held = held;
+    }
+
+    /// Whether a corner has a partner on its side.
+    pub(crate) fn has_partner(&self, corner: usize) -> bool {
+        self.wheels[corner % 2].is_some() && self.wheels[corner % 2 + 2].is_some()
+    }
+
+    /// Whether enough of the shared road was seen to be believed.
+    pub(crate) fn is_ready(&self) -> bool {
+        self.learned_s >= T::lit(ENOUGH_S)
+    }
+
+    /// Whether a side's road is being learned from, and its incoherence.
+    pub(crate) fn side(&self, side: usize) -> (bool, T) {
+        self.tracks[side].state(self.newest_s)
+    }
+
+    /// What is believed now.
+    pub(crate) fn belief(&self) -> CarBelief<T> {
+        let age_s = T::lit((self.newest_s - self.believed_s).clamp(0.0, 1.0));
+        let (mean, covariance) = self.modes.tires(age_s);
+        let floor = T::lit(0.05);
+        let stiffness =
+            SVector::<T, 4>::from_fn(|i, _| self.placard_n_per_m[i] / (T::one() + mean[i]).max(floor));
+        let by = SVector::<T, 4>::from_fn(|i, _| stiffness[i] / (T::one() + mean[i]).max(floor));
+        let covariance = SMatrix::<T, 4, 4>::from_fn(|i, j| by[i] * by[j] * covariance[(i, j)]);
+        CarBelief { stiffness_n_per_m: stiffness, covariance, moving: self.modes.moving() }
+    }
+}

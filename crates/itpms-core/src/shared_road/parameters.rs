@@ -1,0 +1,54 @@
+//! What is unknown of the car, as one vector: where each quantity stands, how far it may be from the vehicle file, and
+//! how fast it may change (docs/math/shared-road.md, section 3).
+
+use nalgebra::{SMatrix, SVector};
+
+use crate::real::Real;
+
+/// Quantities.
+pub(super) const SIZE: usize = 27;
+/// Compliance of each tire over the one at placard pressure, less one.
+pub(super) const TIRE: usize = 0;
+/// Relative deviations of unsprung mass, damping and spring of each corner.
+pub(super) const MASS: usize = 4;
+pub(super) const DAMPING: usize = 8;
+pub(super) const SPRING: usize = 12;
+/// Gain of the front wheel's sensor over the rear one's, left and right, less one.
+pub(super) const GAIN: usize = 16;
+/// Relative deviation of wheelbase over speed.
+pub(super) const WHEELBASE: usize = 18;
+/// Time by which the rear wheel's sensor is late, left and right, in units of [`SKEW_UNIT_S`].
+pub(super) const SKEW: usize = 19;
+/// What the road's spectrum reads too much: all corners alike, and each on its own, as a share of the placard pressure.
+pub(super) const COMMON_BIAS: usize = 21;
+pub(super) const OWN_BIAS: usize = 22;
+/// Rate of change in 1/s of the compliances that move.
+pub(super) const RATE: usize = 26;
+
+/// So that skews are of the size of the other quantities.
+pub(super) const SKEW_UNIT_S: f64 = 0.1;
+
+pub(super) type State<T> = SVector<T, SIZE>;
+pub(super) type Covariance<T> = SMatrix<T, SIZE, SIZE>;
+
+/// Standard deviations before anything is learned; the rate's is that of a mode that moves.
+pub(super) fn prior_sd<T: Real>() -> State<T> {
+    filled([0.11, 0.01, 0.15, 0.2, 0.012, 0.004, 0.02, 0.02, 0.02, 0.0])
+}
+
+/// Growth of the standard deviations in a second, of those that change by themselves.
+pub(super) fn wander_sd<T: Real>() -> State<T> {
+    filled([8e-4, 5e-5, 1e-3, 1e-3, 5e-5, 1e-4, 5e-4, 1e-3, 1e-3, 0.0])
+}
+
+/// One value per kind of quantity, in the order above.
+fn filled<T: Real>(kinds: [f64; 10]) -> State<T> {
+    let starts = [TIRE, MASS, DAMPING, SPRING, GAIN, WHEELBASE, SKEW, COMMON_BIAS, OWN_BIAS, RATE, SIZE];
+    let mut all = State::zeros();
+    for (kind, value) in kinds.into_iter().enumerate() {
+        for i in starts[kind]..starts[kind + 1] {
+            all[i] = T::lit(value);
+        }
+    }
+    all
+}
