@@ -3,6 +3,8 @@
 //! Called by the scenario (which holds them as written) and the simulation (which asks for values). Before the
 //! first point and after the last the value holds.
 
+use std::cell::Cell;
+
 use serde::{Deserialize, Serialize};
 
 use crate::error::{InvalidValue, not_negative, positive, within};
@@ -16,13 +18,27 @@ pub struct TimeProfile {
     integrals: Vec<f64>,
     /// Integral from the first point to time zero.
     integral_to_zero: f64,
+    /// Where the last question was answered.
+    found: Found,
+}
+
+/// The point found last: a drive asks for one time after the other, and mostly between the same two points. It changes
+/// no answer and makes no profile another one.
+#[derive(Debug, Clone, Default)]
+struct Found(Cell<usize>);
+
+impl PartialEq for Found {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
 }
 
 impl TimeProfile {
     /// The same value at all times.
     #[must_use]
     pub fn constant(value: f64) -> Self {
-        Self { times_s: vec![0.0], values: vec![value], integrals: vec![0.0], integral_to_zero: 0.0 }
+        let found = Found::default();
+        Self { times_s: vec![0.0], values: vec![value], integrals: vec![0.0], integral_to_zero: 0.0, found }
     }
 
     /// Through `[time_s, value]` points, at least one.
@@ -54,7 +70,7 @@ impl TimeProfile {
             values.push(value);
             integrals.push(integral);
         }
-        let mut profile = Self { times_s, values, integrals, integral_to_zero: 0.0 };
+        let mut profile = Self { times_s, values, integrals, integral_to_zero: 0.0, found: Found::default() };
         profile.integral_to_zero = profile.since_first_point(0.0);
         Ok(profile)
     }
@@ -81,10 +97,14 @@ impl TimeProfile {
 
     /// The last point not later than a time, or the first point.
     fn last_point(&self, time_s: f64) -> usize {
-        match self.times_s.len() {
-            1 => 0,
-            _ => self.times_s.partition_point(|&t| t <= time_s).saturating_sub(1),
+        let last = self.found.0.get();
+        let is_next = |point: usize| self.times_s.get(point + 1).is_none_or(|&t| t > time_s);
+        if (last == 0 || self.times_s[last] <= time_s) && is_next(last) {
+            return last;
         }
+        let point = self.times_s.partition_point(|&t| t <= time_s).saturating_sub(1);
+        self.found.0.set(point);
+        point
     }
 
     fn value_after(&self, point: usize, time_s: f64) -> f64 {

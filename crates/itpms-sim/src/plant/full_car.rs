@@ -189,11 +189,14 @@ impl FullCar {
 
     /// One classical Runge-Kutta step of `h` seconds; for damped tires see [`Plant::step`](super::Plant::step).
     pub fn step(&mut self, h: f64, input: &CarInput) {
-        let instants = self.instants(h, input);
-        let [start, middle, end] = &instants;
+        let (middle, end) = (&self.instant(1, h, input), &self.instant(2, h, input));
         let half = 0.5 * h;
         let (q0, u0) = (self.place, self.rate);
-        let a0 = if self.carries_over { self.acceleration } else { self.accelerations(&q0, &u0, start) };
+        let a0 = if self.carries_over {
+            self.acceleration
+        } else {
+            self.accelerations(&q0, &u0, &self.instant(0, h, input))
+        };
         let (q1, u1) = (moved(&q0, half, &u0), moved(&u0, half, &a0));
         let a1 = self.accelerations(&q1, &u1, middle);
         let (q2, u2) = (moved(&q0, half, &u1), moved(&u0, half, &a1));
@@ -208,31 +211,31 @@ impl FullCar {
         self.carries_over = self.tire_n_s_per_m == [0.0; 4];
     }
 
-    fn instants(&self, h: f64, input: &CarInput) -> [Instant; 3] {
-        let rate = |i: usize, at: usize| {
-            let [r0, r1, r2] = input.road_m[i];
-            match at {
+    /// What acts at the start (0), the middle (1) or the end (2) of a step.
+    #[inline]
+    fn instant(&self, at: usize, h: f64, input: &CarInput) -> Instant {
+        let [forward, left] = input.car_m_s2[at];
+        // Braking presses the nose down, a left turn lifts the left side.
+        let moment = self.loaded_kg * self.body.height_m;
+        let mut now = Instant {
+            road_m: [0.0; 4],
+            road_m_s: [0.0; 4],
+            stiffness_n_per_m: [0.0; 4],
+            wheel_force_n: [0.0; 4],
+            body: [self.weight[0], self.weight[1] - moment * forward, self.weight[2] + moment * left],
+        };
+        for i in 0..4 {
+            let ([r0, r1, r2], [k0, k2]) = (input.road_m[i], input.stiffness_n_per_m[i]);
+            now.road_m[i] = input.road_m[i][at];
+            now.road_m_s[i] = match at {
                 0 => (4.0 * r1 - 3.0 * r0 - r2) / h,
                 1 => (r2 - r0) / h,
                 _ => (r0 - 4.0 * r1 + 3.0 * r2) / h,
-            }
-        };
-        let all = [0, 1, 2, 3];
-        [0, 1, 2].map(|at| {
-            let [forward, left] = input.car_m_s2[at];
-            // Braking presses the nose down, a left turn lifts the left side.
-            let moment = self.loaded_kg * self.body.height_m;
-            Instant {
-                road_m: all.map(|i| input.road_m[i][at]),
-                road_m_s: all.map(|i| rate(i, at)),
-                stiffness_n_per_m: all.map(|i| {
-                    let [k0, k2] = input.stiffness_n_per_m[i];
-                    k0 + 0.5 * at as f64 * (k2 - k0)
-                }),
-                wheel_force_n: all.map(|i| input.wheel_force_n[i][at]),
-                body: [self.weight[0], self.weight[1] - moment * forward, self.weight[2] + moment * left],
-            }
-        })
+            };
+            now.stiffness_n_per_m[i] = k0 + 0.5 * at as f64 * (k2 - k0);
+            now.wheel_force_n[i] = input.wheel_force_n[i][at];
+        }
+        now
     }
 
     /// Newton's and Euler's laws for the body, Newton's for the wheels.

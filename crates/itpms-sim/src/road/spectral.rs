@@ -20,6 +20,36 @@ use crate::streams::generator;
 thread_local! {
     /// Twiddle factors of a block's size take longer to compute than its transform; they depend on nothing else.
     static PLANNER: RefCell<RealFftPlanner<f64>> = RefCell::new(RealFftPlanner::new());
+
+    /// Fades by their length: blocks come in a handful of sizes.
+    static FADES: RefCell<Vec<Arc<Vec<f64>>>> = const { RefCell::new(Vec::new()) };
+
+    /// The series made last: lines of one road differ in their sources only.
+    static SERIES: RefCell<VecDeque<Kept>> = const { RefCell::new(VecDeque::new()) };
+}
+
+/// A series and what it was made of.
+struct Kept {
+    iso: Iso8608,
+    nodes: usize,
+    spacing_m: f64,
+    series: Arc<Series>,
+}
+
+/// Series kept: what two tracks need at a join of two stretches.
+const SERIES_KEPT: usize = 4;
+
+/// Weights of a block's first nodes, [`fade_in`] over `length` of them.
+fn fade(length: usize) -> Arc<Vec<f64>> {
+    FADES.with_borrow_mut(|fades| match fades.iter().find(|fade| fade.len() == length) {
+        Some(fade) => Arc::clone(fade),
+        None => {
+            let weight = |place: usize| fade_in((place as f64 + 0.5) / length as f64);
+            let fade = Arc::new((0..length).map(weight).collect::<Vec<f64>>());
+            fades.push(Arc::clone(&fade));
+            fade
+        }
+    })
 }
 
 /// One period of a Fourier series with the spectrum of `iso`: `nodes` heights (an even number), `spacing_m` apart. Bins are
@@ -42,6 +72,22 @@ impl Series {
         let deviations = (1..nodes / 2).map(|k| first * (k as f64).powf(-0.5 * iso.slope)).collect();
         let transform = PLANNER.with_borrow_mut(|p| p.plan_fft_inverse(nodes));
         Self { deviations, amplitude: iso.amplitude, response: Vec::new(), bin_cycles_per_m, transform }
+    }
+
+    /// The same, shared with whoever asked for it before.
+    fn shared(iso: &Iso8608, nodes: usize, spacing_m: f64) -> Arc<Self> {
+        SERIES.with_borrow_mut(|all| {
+            let same = |kept: &&Kept| kept.iso == *iso && kept.nodes == nodes && kept.spacing_m == spacing_m;
+            if let Some(kept) = all.iter().find(same) {
+                return Arc::clone(&kept.series);
+            }
+            let series = Arc::new(Self::new(iso, nodes, spacing_m));
+            all.push_back(Kept { iso: iso.clone(), nodes, spacing_m, series: Arc::clone(&series) });
+            if all.len() > SERIES_KEPT {
+                all.pop_front();
+            }
+            series
+        })
     }
 
     /// The same, passed through a linear system given by its response to a wave of so many cycles per metre.
@@ -103,8 +149,8 @@ pub(crate) struct SpectralRoad {
     series: Arc<Series>,
     seed: u64,
     sources: Arc<Vec<Source>>,
-    /// Nodes over which one block gives way to the next.
-    fade: usize,
+    /// Weights of the nodes over which one block gives way to the next.
+    fade: Arc<Vec<f64>>,
     /// Nodes from one block's start to the next one's.
     hop: usize,
     /// Node on which block 0 starts, so that a drive begins where only one block counts.
@@ -129,15 +175,15 @@ impl SpectralRoad {
         line: &Line,
         number: u64,
     ) -> Self {
-        let fade = nodes / 4;
-        let series = Series::new(iso, nodes, spacing_m);
+        let fade = fade(nodes / 4);
+        let series = Series::shared(iso, nodes, spacing_m);
         Self {
             sources: Arc::new(series.sources(iso, line, number)),
-            series: Arc::new(series),
+            series,
             seed,
+            hop: nodes - fade.len(),
+            start: -((fade.len() + nodes / 16) as i64),
             fade,
-            hop: nodes - fade,
-            start: -((fade + nodes / 16) as i64),
             blocks: VecDeque::new(),
         }
     }
@@ -175,14 +221,8 @@ impl SpectralRoad {
 
     /// Weight of a block's node: 1, or a fade whose square and its successor's sum to 1.
     fn weight(&self, place: usize) -> f64 {
-        let length = self.series.nodes();
-        if place < self.fade {
-            fade_in((place as f64 + 0.5) / self.fade as f64)
-        } else if place >= length - self.fade {
-            fade_in(((length - place) as f64 - 0.5) / self.fade as f64)
-        } else {
-            1.0
-        }
+        let from_end = self.series.nodes() - 1 - place;
+        self.fade.get(place.min(from_end)).copied().unwrap_or(1.0)
     }
 }
 
@@ -205,11 +245,11 @@ mod tests {
     fn fades_keep_the_variance() {
         let road =
             SpectralRoad::new(&Iso8608::new(RoadClass::A, 2.0), 1024, 0.005, 1, &Line::alone(Side::Left), 0);
-        for place in 0..road.fade {
+        for place in 0..road.fade.len() {
             let (rise, fall) = (road.weight(place), road.weight(place + road.hop));
             assert!((rise * rise + fall * fall - 1.0).abs() < 1e-12);
         }
-        assert_eq!(road.weight(road.fade), 1.0);
+        assert_eq!(road.weight(road.fade.len()), 1.0);
         // A drive starts where one block counts alone, and so does what lies a little behind it.
         let at = |node: i64| (node - road.start) as usize;
         assert!((at(-64)..at(400)).all(|place| road.weight(place) == 1.0));

@@ -2,8 +2,8 @@
 //!
 //! Called by the binary, the score and tests. Memory does not grow with the drive's length.
 //!
-//! The plant runs on a fine grid, at 4 kHz or eight times the log's rate, whichever is more; its accelerations pass
-//! the anti-alias filter there. A log's sample is read off the filtered signal at its (possibly jittered) time by a
+//! The plant runs on a fine grid of eight times the log's rate and at least 4 kHz (1.6 kHz where the tires average the
+//! road over a contact length); its accelerations pass the anti-alias filter there. A log's sample is read off the filtered signal at its (possibly jittered) time by a
 //! cubic through the four fine-grid values around it.
 
 mod corner;
@@ -26,8 +26,16 @@ use crate::time_profile::TimeProfile;
 use corner::{CornerRun, is_rear, side_of};
 use ride::{Ride, Step};
 
-/// Lowest rate of the fine grid in Hz.
-const PLANT_RATE_HZ: f64 = 4000.0;
+/// Lowest rate of the fine grid in Hz, for a tire that follows every point of the road: waves of 1 cm at 130 km/h.
+const POINT_RATE_HZ: f64 = 4000.0;
+
+/// The same for a tire that averages the road over a contact length, which leaves nothing to see of such waves: an
+/// hour's log at 200 Hz differs from one simulated at 16 kHz by 0.25 % of its rms, most of it the shape of the anti-alias
+/// filter near its corner.
+const CONTACT_RATE_HZ: f64 = 1600.0;
+
+/// Contact length in m from which on it counts as one.
+const CONTACT_M: f64 = 0.05;
 
 /// Steps of the fine grid per sample of the log, at least.
 const STEPS_PER_SAMPLE: f64 = 8.0;
@@ -77,7 +85,9 @@ impl Simulation {
         let scenario = &composed;
         let invalid = |source| ScenarioError::Invalid { scenario: scenario.name.clone(), source };
         let rate_hz = scenario.rate_hz;
-        let steps_per_sample = (PLANT_RATE_HZ / rate_hz - 1e-9).ceil().max(STEPS_PER_SAMPLE);
+        let lowest_hz =
+            if scenario.road.contact_length_m < CONTACT_M { POINT_RATE_HZ } else { CONTACT_RATE_HZ };
+        let steps_per_sample = (lowest_hz / rate_hz - 1e-9).ceil().max(STEPS_PER_SAMPLE);
         let fine_hz = rate_hz * steps_per_sample;
         let speed_m_s = scenario.speed.profile_m_s().map_err(invalid)?;
         let mut lanes = lanes(scenario, seed, speed_m_s.maximum())?;

@@ -89,7 +89,7 @@ pub(crate) struct CarRide {
     motion: Motion,
     payload: Payload,
     speed_m_s: TimeProfile,
-    wheels: [Imbalance; 4],
+    wheels: Imbalance,
     wider_m: [f64; 2],
     /// Where the last step ended.
     reached: Reached,
@@ -102,13 +102,13 @@ struct Reached {
     wheel_force_n: [f64; 4],
 }
 
-/// What a wheel has too much on one side.
+/// What the wheels have too much on one side.
 #[derive(Debug, Clone, Copy)]
 struct Imbalance {
-    kg_m: f64,
-    per_radius_m: f64,
-    /// Its angle in rad at distance zero.
-    phase: f64,
+    per_radius_m: [f64; 4],
+    /// Mass times radius in kg m where the wheel is at distance zero, and a quarter turn later: the cosine and sine of its
+    /// angle there.
+    kg_m: [[f64; 2]; 4],
 }
 
 impl CarRide {
@@ -135,19 +135,14 @@ impl CarRide {
             car.load(&loads);
         }
         car.settle(roads_m, places.map(|[_, stiffness]| stiffness));
-        let imbalance = |i: usize| Imbalance {
-            kg_m: corners[i].1.imbalance_kg_m,
-            per_radius_m: corners[i].1.rolling_radius_m.recip(),
-            phase: std::f64::consts::TAU * generator(seed, Purpose::Imbalance, [i as u64, 0]).random::<f64>(),
-        };
         let motion = Motion::new(spec, speed_m_s, scenario.wheelbase_m)?;
-        let wheels = [0, 1, 2, 3].map(imbalance);
+        let wheels = Imbalance::new(&corners, seed);
         let (speed, front_m) = (speed_m_s.value(start_s), speed_m_s.integral(start_s));
         Ok(Self {
             car,
             reached: Reached {
                 car_m_s2: motion.car_m_s2(start_s),
-                wheel_force_n: wheels.map(|wheel| wheel.force_n(speed, front_m)),
+                wheel_force_n: wheels.forces_n(speed, front_m),
             },
             motion,
             payload,
@@ -170,10 +165,10 @@ impl CarRide {
             [step.start_s + 0.5 * step.step_s, end_s].map(|time_s| self.speed_m_s.value(time_s));
         let [_, middle_m, end_m] = step.front_m;
         let start = self.reached;
-        let middle_n = self.wheels.map(|wheel| wheel.force_n(middle_m_s, middle_m));
+        let middle_n = self.wheels.forces_n(middle_m_s, middle_m);
         self.reached = Reached {
             car_m_s2: self.motion.car_m_s2(end_s),
-            wheel_force_n: self.wheels.map(|wheel| wheel.force_n(end_m_s, end_m)),
+            wheel_force_n: self.wheels.forces_n(end_m_s, end_m),
         };
         let end = self.reached;
         // Accelerations are straight within a step but for the points of their profiles.
@@ -193,13 +188,37 @@ impl CarRide {
 }
 
 impl Imbalance {
-    /// Vertical force in N at a speed in m/s and a distance in m: `U ω² cos(angle)`.
-    fn force_n(&self, speed_m_s: f64, distance_m: f64) -> f64 {
-        if !(self.kg_m > 0.0) {
-            return 0.0;
+    /// Of wheels that stand anyhow at distance zero.
+    fn new(corners: &[(QuarterCar<f64>, Deviations); 4], seed: u64) -> Self {
+        let kg_m = |i: usize| {
+            let turn = generator(seed, Purpose::Imbalance, [i as u64, 0]).random::<f64>();
+            let (sin, cos) = (std::f64::consts::TAU * turn).sin_cos();
+            [cos, sin].map(|part| corners[i].1.imbalance_kg_m * part)
+        };
+        Self {
+            per_radius_m: corners.map(|(_, truth)| truth.rolling_radius_m.recip()),
+            kg_m: [0, 1, 2, 3].map(kg_m),
         }
-        let rad_per_s = speed_m_s * self.per_radius_m;
-        let angle = distance_m * self.per_radius_m + self.phase;
-        self.kg_m * rad_per_s * rad_per_s * angle.cos()
+    }
+
+    /// Vertical forces in N at a speed in m/s and a distance in m: `U ω² cos(angle)`.
+    fn forces_n(&self, speed_m_s: f64, distance_m: f64) -> [f64; 4] {
+        // Wheels of one size turn as one.
+        let mut turned = (f64::NAN, (0.0, 0.0));
+        let mut forces = [0.0; 4];
+        for (force, (&per_radius_m, &[cos_kg_m, sin_kg_m])) in
+            forces.iter_mut().zip(self.per_radius_m.iter().zip(&self.kg_m))
+        {
+            if cos_kg_m == 0.0 && sin_kg_m == 0.0 {
+                continue;
+            }
+            if turned.0 != per_radius_m {
+                turned = (per_radius_m, (distance_m * per_radius_m).sin_cos());
+            }
+            let (sin, cos) = turned.1;
+            let rad_per_s = speed_m_s * per_radius_m;
+            *force = rad_per_s * rad_per_s * (cos_kg_m * cos - sin_kg_m * sin);
+        }
+        forces
     }
 }
