@@ -28,6 +28,8 @@ pub(crate) enum Purpose {
     Journey = 8,
     /// What a sensor's fault draws.
     Fault = 9,
+    /// How a car differs from its vehicle file.
+    Tolerance = 10,
 }
 
 /// A generator for one purpose; `index` tells apart sides, segments and blocks of a road, corners and sensors.
@@ -81,6 +83,7 @@ mod tests {
                 Purpose::Imbalance,
                 Purpose::Journey,
                 Purpose::Fault,
+                Purpose::Tolerance,
             ] {
                 for index in [[0, 0], [0, 1], [1, 0]] {
                     first.push(generator(seed, purpose, index).next_u64());

@@ -7,6 +7,7 @@ use rand::RngExt;
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
+use super::ToleranceSpec;
 use crate::car::PayloadSpec;
 use crate::error::{InvalidValue, within};
 use crate::road::{AfterLast, Amplitude, RoadClass, Segment, Segments};
@@ -27,6 +28,9 @@ pub struct JourneySpec {
     pub load_chance: f64,
     /// Largest mass in kg at each of the four places that are loaded.
     pub load_kg: f64,
+    /// How far each seed's car may differ from what its estimator is told; not at all, if not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tolerances: Option<ToleranceSpec>,
 }
 
 impl Default for JourneySpec {
@@ -37,6 +41,7 @@ impl Default for JourneySpec {
             lateral_m_s2: 2.0,
             load_chance: 0.3,
             load_kg: 100.0,
+            tolerances: None,
         }
     }
 }
@@ -80,7 +85,8 @@ impl JourneySpec {
         within("slope", high, low, 4.0, "a largest slope no less than the smallest")?;
         within("lateral_m_s2", self.lateral_m_s2, 0.0, 8.0, "an acceleration from 0 to 8 m/s2")?;
         within("load_chance", self.load_chance, 0.0, 1.0, "a chance from 0 to 1")?;
-        within("load_kg", self.load_kg, 0.0, 300.0, "a mass from 0 to 300 kg")
+        within("load_kg", self.load_kg, 0.0, 300.0, "a mass from 0 to 300 kg")?;
+        self.tolerances.map_or(Ok(()), |tolerances| tolerances.validate().map_err(|e| e.within("tolerances")))
     }
 
     /// The journey of a seed, at least as long as asked for.

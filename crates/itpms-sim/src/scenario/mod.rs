@@ -9,6 +9,7 @@
 mod corner;
 mod file;
 mod journey;
+mod tolerance;
 
 use serde::{Deserialize, Serialize};
 
@@ -17,6 +18,7 @@ use itpms_core::sample::Corner;
 
 pub use corner::{CornerSpec, Corners, TireSpec};
 pub use journey::JourneySpec;
+pub use tolerance::ToleranceSpec;
 
 use crate::antialias::AntiAliasSpec;
 use crate::car::CarSpec;
@@ -120,6 +122,9 @@ impl Scenario {
         let mut scenario = self.clone();
         if let Some(spec) = scenario.journey.take() {
             let journey = spec.compose(seed, self.duration_s);
+            if let Some(tolerances) = &spec.tolerances {
+                tolerances.apply(seed, &mut scenario);
+            }
             scenario.speed = Speed::PointsSKmH(journey.points_s_km_h);
             scenario.road.surface = Surface::Segments(journey.segments);
             if let Some(car) = &mut scenario.car {
