@@ -1,13 +1,27 @@
 //! The monitor that a car would ship: watches sensors and pressures, and says what is wrong, since when and why.
 //!
 //! [`MonitoredCar`] is the whole: an estimator between the two halves of a [`Monitor`]. Called by the binary, the
-//! studies and controllers. The monitor must never know how a pressure was estimated, nor the truth
-//! (docs/math/monitor.md).
+//! studies and controllers. The monitor must never know how a pressure was estimated, nor the truth. Thresholds, times and
+//! their reasons are in docs/math/monitor.md.
+//!
+//! | room | idea |
+//! |---|---|
+//! | `config` | limits of the regulations |
+//! | `health` | the sensors, from their raw values |
+//! | `wheel`, `leak`, `all_low` | pressures against limits, against each other, and all together |
+//! | `latch` | debouncing and hysteresis |
+//! | `alert`, `report`, `wheels` | what is said |
+//! | `monitored` | estimator and monitor as one |
 
 mod alert;
+mod all_low;
 mod config;
+mod health;
+mod latch;
+mod leak;
 mod monitored;
 mod report;
+mod wheel;
 mod wheels;
 
 pub use alert::{Alert, Cause, Malfunction, Place, Reading, Sensor};
@@ -16,17 +30,47 @@ pub use monitored::MonitoredCar;
 pub use report::{Change, Doubt, MonitorReport, WheelReport, WheelState};
 pub use wheels::Wheels;
 
+use self::all_low::AllLow;
+use self::health::{Fault, Health};
+use self::latch::Latch;
+use self::leak::LeakWatch;
+use self::report::{ALL_LOW_SLOT, Slot};
+use self::wheel::{WheelWatch, is_learning, reading};
 use crate::car::CarEstimate;
+use crate::estimate::{CornerEstimate, Validity, Warning};
 use crate::quarter_car::{ParameterError, positive};
 use crate::real::Real;
-use crate::sample::CarSample;
+use crate::sample::{CarSample, Corner, CornerSample};
+
+/// Seconds between two decisions on pressures.
+const DECIDE_S: f64 = 0.1;
+/// Longest time in s that counts between two decisions: a hole in the record is no evidence.
+const LONGEST_STEP_S: f64 = 0.5;
 
 /// A running monitor. A value: clone it, save it, go on. Per sample: [`screen`](Self::screen) what the sensors say, give
 /// what it returns to the estimator, and let it [`judge`](Self::judge) what comes out; [`MonitoredCar`] does so.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Monitor<T> {
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: Real + serde::Serialize",
+        deserialize = "T: Real + serde::Deserialize<'de>"
+    ))
+)]
+pub struct Monitor<T: Real> {
     config: MonitorConfig<T>,
+    reference_kpa: [T; 4],
+    health: Health<T>,
+    faults: [Option<Fault<T>>; 4],
+    suspects: Wheels,
+    /// Corners that have had a fault since their estimator last started.
+    spoiled: Wheels,
+    wheels: [WheelWatch; 4],
+    leaks: LeakWatch<T>,
+    all_low: AllLow<T>,
+    speed_m_s: T,
+    decided_s: f64,
     report: MonitorReport<T>,
 }
 
@@ -36,20 +80,172 @@ impl<T: Real> Monitor<T> {
     /// # Errors
     /// The rate must be positive and finite.
     pub fn new(config: &MonitorConfig<T>, sample_rate_hz: f64) -> Result<Self, ParameterError> {
-        positive("sample_rate_hz", sample_rate_hz)?;
-        Ok(Self { config: *config, report: MonitorReport::empty() })
+        let sample_rate_hz = positive("sample_rate_hz", sample_rate_hz)?;
+        let placard = |i: usize| config.car.corners[i].as_ref().map_or(T::one(), |corner| corner.placard_kpa);
+        Ok(Self {
+            config: *config,
+            reference_kpa: [0, 1, 2, 3].map(|i| config.reference_kpa[i].unwrap_or(placard(i))),
+            health: Health::new(&config.car, sample_rate_hz),
+            faults: [None; 4],
+            suspects: Wheels::NONE,
+            spoiled: Wheels::NONE,
+            wheels: [WheelWatch::new(); 4],
+            leaks: LeakWatch::new(),
+            all_low: AllLow::new(),
+            speed_m_s: T::lit(f64::NAN),
+            decided_s: f64::NEG_INFINITY,
+            report: MonitorReport::empty(),
+        })
     }
 
     /// Looks at a sample; gives it back without the values that are not to be learned from.
     pub fn screen(&mut self, sample: &CarSample<T>) -> CarSample<T> {
-        *sample
+        self.health.push(sample);
+        self.speed_m_s = sample.speed_m_s;
+        if self.health.take_news() {
+            self.faults = self.health.faults();
+            let faulty = self.faults.iter().flatten().map(|fault| fault.malfunction.wheels());
+            let faulty = faulty.fold(Wheels::NONE, |all, wheels| all | wheels);
+            self.suspects = self.health.suspects() | faulty;
+            self.spoiled = self.spoiled | faulty;
+        }
+        let mut screened = *sample;
+        let lost = T::lit(f64::NAN);
+        for corner in self.suspects.iter() {
+            if let Some(values) = &mut screened.corners[corner.index()] {
+                *values = CornerSample { body_accel_m_s2: lost, wheel_accel_m_s2: lost };
+            }
+        }
+        screened
     }
 
     /// Takes what was estimated after the sample; gives the wheels whose estimator should start again, because their
     /// sensors have come back. The estimate leaves with the monitor's validity and warnings.
     pub fn judge(&mut self, estimate: &mut CarEstimate<T>) -> Wheels {
+        let back: Wheels = self.spoiled.iter().filter(|corner| !self.suspects.contains(*corner)).collect();
+        for corner in back.iter() {
+            self.leaks.forget(corner.index());
+        }
+        self.spoiled = self.spoiled.iter().filter(|corner| !back.contains(*corner)).collect();
+        for corner in Corner::ALL {
+            if let Some(estimate) = &mut estimate.corners[corner.index()] {
+                if self.suspects.contains(corner) {
+                    estimate.validity = Validity::BadSignal;
+                } else if back.contains(corner) {
+                    estimate.validity = Validity::Starting;
+                }
+            }
+        }
+        let step_s = estimate.time_s - self.decided_s;
+        if !(step_s < DECIDE_S - 1e-9) || step_s < 0.0 {
+            self.decided_s = estimate.time_s;
+            self.decide(estimate, step_s.clamp(0.0, LONGEST_STEP_S));
+        }
+        for (estimate, wheel) in estimate.corners.iter_mut().zip(&self.report.wheels) {
+            if let (Some(estimate), Some(wheel)) = (estimate, wheel) {
+                estimate.warning = wheel.warning;
+            }
+        }
+        back
+    }
+
+    /// Weighs the pressures of the last `step_s` seconds and writes the report.
+    fn decide(&mut self, estimate: &CarEstimate<T>, step_s: f64) {
+        let limits = self.config.limits;
+        for (i, corner) in estimate.corners.iter().enumerate() {
+            if let Some(corner) = corner {
+                self.wheels[i].update(step_s, self.speed_m_s, corner, self.reference_kpa[i], &limits);
+            }
+        }
+        let learned = |corner: &Option<CornerEstimate<T>>| {
+            let corner = corner.as_ref().filter(|corner| is_learning(corner))?;
+            Some([corner.pressure_kpa, corner.pressure_sd_kpa * corner.pressure_sd_kpa])
+        };
+        let now = estimate.corners.each_ref().map(learned);
+        let least = limits.fast_leak_kpa_per_min;
+        self.leaks.update(estimate.time_s, step_s, now, self.reference_kpa, least);
+        self.all_low.update(step_s, estimate, self.reference_kpa, &limits);
+        self.write(estimate);
+    }
+
+    fn write(&mut self, estimate: &CarEstimate<T>) {
         self.report.time_s = estimate.time_s;
-        Wheels::NONE
+        let all_low = self.all_low.cause().map(|cause| alert(self.all_low.latch(), self.all(), cause));
+        self.report.put(ALL_LOW_SLOT, all_low);
+        for (corner, estimate) in Corner::ALL.into_iter().zip(&estimate.corners) {
+            if let Some(estimate) = estimate {
+                self.write_alerts(corner, estimate);
+            }
+        }
+        for (corner, estimate) in Corner::ALL.into_iter().zip(&estimate.corners) {
+            self.report.wheels[corner.index()] =
+                estimate.as_ref().map(|estimate| self.wheel_report(corner, estimate));
+        }
+    }
+
+    fn all(&self) -> Wheels {
+        let corners = Corner::ALL.into_iter();
+        corners.filter(|corner| self.config.car.corners[corner.index()].is_some()).collect()
+    }
+
+    fn write_alerts(&mut self, corner: Corner, estimate: &CornerEstimate<T>) {
+        let (i, limits) = (corner.index(), &self.config.limits);
+        let (watch, reference) = (&self.wheels[i], self.reference_kpa[i]);
+        let (leak, rate_kpa_per_min) = self.leaks.of(i);
+        let against = |share: T| reading(estimate, share, reference);
+        let named =
+            |latch: &Latch, cause: Cause<T>| latch.is_said().then(|| alert(latch, corner.into(), cause));
+        let low = named(&watch.low, Cause::UnderInflated(against(limits.low_share)));
+        let over = named(&watch.over, Cause::OverInflated(against(limits.over_share)));
+        let leaking = Cause::FastLeak { reading: against(limits.low_share), rate_kpa_per_min };
+        let leaking = named(leak, leaking);
+        let silent = Cause::NoInformation { driven_s: watch.driven_s };
+        let silent = named(&watch.uninformed, silent);
+        let broken = self.faults[i].map(|fault| Alert {
+            wheels: fault.malfunction.wheels(),
+            since_s: fault.since_s,
+            said_s: fault.said_s,
+            cause: Cause::Malfunction(fault.malfunction),
+        });
+        let alerts = [
+            (Slot::Low, low),
+            (Slot::Leak, leaking),
+            (Slot::Over, over),
+            (Slot::Malfunction, broken),
+            (Slot::NoInformation, silent),
+        ];
+        for (slot, alert) in alerts {
+            self.report.put(slot.of(corner), alert);
+        }
+    }
+
+    fn wheel_report(&self, corner: Corner, estimate: &CornerEstimate<T>) -> WheelReport<T> {
+        let i = corner.index();
+        let (reference, watch) = (self.reference_kpa[i], &self.wheels[i]);
+        let mut state = watch.quiet_state(estimate, reference, &self.config.limits);
+        // The gravest is looked at last.
+        for alert in self.report.alerts_of(corner) {
+            state = match (&alert.cause, state) {
+                (Cause::Malfunction(_) | Cause::NoInformation { .. }, _) => WheelState::Malfunction,
+                (_, WheelState::Malfunction) => state,
+                (Cause::OverInflated(_), _) => WheelState::Over,
+                _ => WheelState::Low,
+            };
+        }
+        let warning = match state {
+            WheelState::Malfunction => Warning::Malfunction,
+            WheelState::Low => Warning::Low,
+            WheelState::Unknown(_) | WheelState::Fine | WheelState::Over => Warning::None,
+        };
+        WheelReport {
+            state,
+            validity: estimate.validity,
+            warning,
+            pressure_kpa: estimate.pressure_kpa,
+            pressure_sd_kpa: estimate.pressure_sd_kpa,
+            reference_kpa: reference,
+            informed_s: watch.informed_s,
+        }
     }
 
     /// What there is to say now.
@@ -61,4 +257,8 @@ impl<T: Real> Monitor<T> {
     pub fn config(&self) -> &MonitorConfig<T> {
         &self.config
     }
+}
+
+fn alert<T>(latch: &Latch, wheels: Wheels, cause: Cause<T>) -> Alert<T> {
+    Alert { wheels, since_s: latch.since_s(), said_s: latch.said_s(), cause }
 }

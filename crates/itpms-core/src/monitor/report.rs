@@ -8,8 +8,27 @@ use crate::estimate::{Validity, Warning};
 use crate::real::Real;
 use crate::sample::Corner;
 
-/// Alerts that can stand at once: five per wheel, and one for all of them together.
-pub(super) const SLOTS: usize = 21;
+/// The place of the alert for all wheels together, after five for each.
+pub(super) const ALL_LOW_SLOT: usize = 20;
+/// Alerts that can stand at once.
+const SLOTS: usize = 21;
+
+/// The places of a wheel's alerts.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Slot {
+    Low,
+    Leak,
+    Over,
+    Malfunction,
+    NoInformation,
+}
+
+impl Slot {
+    /// The place of a wheel.
+    pub(super) fn of(self, corner: Corner) -> usize {
+        5 * corner.index() + self as usize
+    }
+}
 
 /// What is known of a wheel, in one word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -83,12 +102,16 @@ pub struct MonitorReport<T> {
     pub time_s: f64,
     /// The wheels, in the order of [`Corner::ALL`]; those that are monitored.
     pub wheels: [Option<WheelReport<T>>; 4],
-    pub(super) slots: [Option<Alert<T>>; SLOTS],
+    slots: [Option<Alert<T>>; SLOTS],
 }
 
 impl<T: Real> MonitorReport<T> {
     pub(super) fn empty() -> Self {
         Self { time_s: f64::NEG_INFINITY, wheels: [None; 4], slots: [None; SLOTS] }
+    }
+
+    pub(super) fn put(&mut self, slot: usize, alert: Option<Alert<T>>) {
+        self.slots[slot] = alert;
     }
 
     /// The alerts that stand, wheel by wheel.

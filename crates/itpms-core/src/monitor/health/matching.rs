@@ -1,0 +1,101 @@
+//! Which sensors belong together, from their moments: whose body follows which wheel, and whether the bodies move as one
+//! plane (docs/math/monitor.md, section 3).
+
+use nalgebra::{SMatrix, SVector};
+
+use crate::real::Real;
+
+/// The pairs of corners.
+pub(super) const PAIRS: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
+/// What is added to the wheels' moments, as a share of their trace: roads that are alike must not blow up the
+/// regression.
+const RIDGE: f64 = 1e-3;
+
+/// Who follows whom, from the regression of the bodies on all four wheels in the hop band.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Following<T> {
+    /// For every pair of corners the logarithm of how much better each body follows its own wheel than the other's.
+    /// Negative: two of the sensors are swapped.
+    pub(super) own_over_other: [T; 6],
+    /// By how much each body follows its own wheel. Negative: one of the two is upside down.
+    pub(super) own: [T; 4],
+}
+
+/// `None` for wheels that do not move.
+pub(super) fn following<T: Real>(hop: &SMatrix<T, 8, 8>) -> Option<Following<T>> {
+    let mut wheels = hop.fixed_view::<4, 4>(4, 4).into_owned();
+    let ridge = wheels.trace() * T::lit(RIDGE);
+    for i in 0..4 {
+        wheels[(i, i)] += ridge;
+    }
+    let wheels_by_bodies = hop.fixed_view::<4, 4>(4, 0).into_owned();
+    // Column i: what makes body i move.
+    let follows = wheels.cholesky()?.solve(&wheels_by_bodies);
+    let square = |wheel: usize, body: usize| follows[(wheel, body)] * follows[(wheel, body)];
+    let log = |[i, j]: [usize; 2]| ((square(i, i) + square(j, j)) / (square(i, j) + square(j, i))).ln();
+    Some(Following { own_over_other: PAIRS.map(log), own: [0, 1, 2, 3].map(|i| follows[(i, i)]) })
+}
+
+/// How the bodies' accelerations lie in one plane: `a_fl - a_fr - a_rl + a_rr` is zero for a rigid body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Plane<T> {
+    /// Power outside of the plane over the power of all, noise taken off.
+    pub(super) warp: T,
+    /// The same if left and right of one axle were swapped.
+    pub(super) warp_sides: T,
+    /// The same if front and rear of one side were swapped.
+    pub(super) warp_axles: T,
+    /// The sensor whose gain would explain most of the warp, the share it explains, and the gain.
+    pub(super) culprit: usize,
+    pub(super) explained: T,
+    pub(super) gain: T,
+}
+
+impl<T: Real> Plane<T> {
+    /// Of the bodies' moments in the bounce band; `noise` is the sum of their noise powers there. `None` if there is too
+    /// little but noise.
+    pub(super) fn of(bounce: &SMatrix<T, 4, 4>, noise: T) -> Option<Self> {
+        let one = T::one();
+        let all = bounce.trace();
+        if !(all > T::lit(20.0) * noise && all.is_finite()) {
+            return None;
+        }
+        let warp = SVector::<T, 4>::new(one, -one, -one, one);
+        let power = |signs: &SVector<T, 4>| (signs.dot(&(bounce * signs)) - noise).max(T::zero()) / all;
+        let with_each = bounce * warp;
+        let out = warp.dot(&with_each);
+        let (mut culprit, mut explained) = (0, T::zero());
+        for i in 0..4 {
+            let share = with_each[i] * with_each[i] / (out * bounce[(i, i)]).max(T::lit(1e-12));
+            if share > explained {
+                (culprit, explained) = (i, share);
+            }
+        }
+        // r = s g a and m = (1 + g) a: r / m = s g / (1 + g).
+        let ratio = warp[culprit] * with_each[culprit] / bounce[(culprit, culprit)].max(T::lit(1e-12));
+        Some(Self {
+            warp: power(&warp),
+            warp_sides: power(&SVector::<T, 4>::new(-one, one, -one, one)),
+            warp_axles: power(&SVector::<T, 4>::new(-one, -one, one, one)),
+            culprit,
+            explained,
+            gain: one / (one - ratio),
+        })
+    }
+}
+
+/// A corner's power over the median of the others'.
+pub(super) fn over_others<T: Real>(powers: &[T; 4], i: usize) -> T {
+    let mut others = [1, 2, 3].map(|step| powers[(i + step) % 4]);
+    powers[i] / median(&mut others)
+}
+
+/// The value in the middle; of an even number the mean of the two there. NaN for nothing.
+pub(super) fn median<T: Real>(values: &mut [T]) -> T {
+    values.sort_unstable_by(|a, b| a.partial_cmp(b).unwrap_or(core::cmp::Ordering::Equal));
+    let n = values.len();
+    match n {
+        0 => T::lit(f64::NAN),
+        _ => T::lit(0.5) * (values[(n - 1) / 2] + values[n / 2]),
+    }
+}

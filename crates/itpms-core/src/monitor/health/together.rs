@@ -1,0 +1,359 @@
+//! What is wrong with the sensors, as far as it takes several of them to tell: swapped, or with a wrong gain.
+
+use nalgebra::SMatrix;
+
+use super::super::alert::{Malfunction, Place, Sensor};
+use super::super::latch::{Evidence, Patience};
+use super::super::wheels::Wheels;
+use super::Fault;
+use super::alone::evidence;
+use super::matching::{Following, PAIRS, Plane, following, median, over_others};
+use super::moments::Moments;
+use super::signals::Block;
+use super::word::{Looks, Word};
+use crate::real::Real;
+use crate::sample::Corner;
+
+/// Blocks over which hop, bounce and slow band are averaged.
+const HOP_BLOCKS: f64 = 12.0;
+const BOUNCE_BLOCKS: f64 = 5.0;
+const SLOW_BLOCKS: f64 = 40.0;
+/// Blocks over which the ratio of a corner's wheel to its body is averaged.
+const RATIO_BLOCKS: f64 = 4.0;
+/// Share of an average that must be filled before it counts.
+const FILLED: f64 = 0.4;
+/// Power over the sensors' noise in a band from which it counts.
+const OVER_NOISE: f64 = 10.0;
+/// Bandwidths in Hz of the bands, for that noise.
+const HOP_WIDTH_HZ: f64 = 12.0;
+const BOUNCE_WIDTH_HZ: f64 = 5.0;
+const SLOW_WIDTH_HZ: f64 = 0.5;
+
+/// Log of wheel over body power in the hop band below which a body moves like a wheel or a wheel like a body; above
+/// which it does not; and below which both do. A healthy corner has 4 to 5.
+const ODD: f64 = 0.7;
+const NOT_ODD: f64 = 1.7;
+const CROSSED: f64 = -1.5;
+/// How much more than its like a body moves that is a wheel, as a log of powers.
+const LIKE_A_WHEEL: f64 = 2.0;
+const RATIO: Patience = Patience { raise_s: 3.0, clear_s: 5.0 };
+
+/// Log of how much better bodies follow their own wheels than each other's, below which two are swapped and above which
+/// not. A healthy car has more than 1.1.
+const OTHER: f64 = -0.4;
+const OWN: f64 = 0.4;
+const SWAP: Patience = Patience { raise_s: 4.0, clear_s: 4.0 };
+
+/// Warp of the body's plane, as a share of all power, that is none; that is somebody's fault; and that two corners in
+/// each other's place leave. A healthy car has less than 0.01.
+const FLAT: f64 = 0.01;
+const BENT: f64 = 0.04;
+const WARPED: f64 = 0.1;
+/// Warp that is left when the corners that are swapped are put back, over the warp as it is.
+const PUT_BACK: f64 = 0.1;
+/// Share of the warp that one sensor's gain must explain.
+const EXPLAINED: f64 = 0.85;
+/// Log of a gain that is wrong, of a body and of a wheel; and that is fine again.
+const BODY_GAIN: f64 = 0.2;
+const BODY_GAIN_FINE: f64 = 0.12;
+const WHEEL_GAIN: f64 = 0.35;
+const WHEEL_GAIN_FINE: f64 = 0.25;
+const GAIN: Patience = Patience { raise_s: 5.0, clear_s: 5.0 };
+
+/// Mean log of hop power over that of the other wheels that a wrong gain must have, in the direction of the gain.
+const HOP_AGREES: f64 = 0.15;
+
+/// The car's sensors against each other.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: Real + serde::Serialize",
+        deserialize = "T: Real + serde::Deserialize<'de>"
+    ))
+)]
+pub(super) struct Together<T: Real> {
+    /// Power density in (m/s²)²/Hz of each corner's sensors' noise.
+    noise_density: [T; 4],
+    hop: Moments<T, 8>,
+    bounce: Moments<T, 4>,
+    slow: Moments<T, 8>,
+    /// Logs of hop power, wheel over body, averaged; NaN: unknown.
+    ratio: [T; 4],
+    /// The same in the last block alone.
+    newest_ratio: [T; 4],
+    looks: [Looks; 4],
+    /// A body moves like a wheel, or the other way round; by corner.
+    odd: [Word<T>; 4],
+    /// Two wheels or two bodies are swapped; by pair.
+    pairs: [Word<T>; 6],
+    /// Both sensors of corners are swapped, left with right or front with rear.
+    corners: [Word<T>; 2],
+    gains: [Word<T>; 8],
+    /// A wheel sensor is upside down.
+    reversed: [Word<T>; 4],
+    /// Logs of the wheels' hop power over that of the others, averaged over the slow band's time.
+    hop_level: [T; 4],
+}
+
+impl<T: Real> Together<T> {
+    pub(super) fn new(noise_power: [T; 4], rate_hz: f64) -> Self {
+        Self {
+            noise_density: noise_power.map(|power| power * T::lit(2.0 / rate_hz)),
+            hop: Moments::new(),
+            bounce: Moments::new(),
+            slow: Moments::new(),
+            ratio: [T::lit(f64::NAN); 4],
+            newest_ratio: [T::lit(f64::NAN); 4],
+            looks: [Looks::Right; 4],
+            odd: [Word::new(); 4],
+            pairs: [Word::new(); 6],
+            corners: [Word::new(); 2],
+            gains: [Word::new(); 8],
+            reversed: [Word::new(); 4],
+            hop_level: [T::zero(); 4],
+        }
+    }
+
+    /// Takes a block of a car that drives, with all eight sensors there and none of them odd by itself.
+    pub(super) fn take(&mut self, at: [f64; 2], block: &Block<T>) {
+        if self.looks != [Looks::Right; 4] {
+            return;
+        }
+        self.average(block);
+        let plane = self.plane();
+        let following = self.hop.mean(FILLED).and_then(|hop| following(&hop));
+        self.judge_pairs(at, following.as_ref(), plane.as_ref());
+        self.judge_corners(at, following.as_ref(), plane.as_ref());
+        self.judge_direction(at, following.as_ref(), plane.as_ref());
+        self.judge_body_gains(at, plane.as_ref());
+        self.judge_wheel_gains(at, plane.as_ref());
+    }
+
+    fn noise(&self, i: usize, width_hz: f64) -> T {
+        self.noise_density[i] * T::lit(width_hz * OVER_NOISE)
+    }
+
+    fn average(&mut self, block: &Block<T>) {
+        let four = [0, 1, 2, 3];
+        let all = |width_hz| move |together: &Self| four.map(|i| together.noise(i, width_hz));
+        let (hop, bounce) = (all(HOP_WIDTH_HZ)(self), all(BOUNCE_WIDTH_HZ)(self));
+        // What the struts make of the wheels is what bodies should do: both must be there.
+        if four.iter().all(|&i| block.hop[(4 + i, 4 + i)] > T::lit(0.3) * hop[i]) {
+            let wheels = block.hop.fixed_view::<4, 4>(4, 4).trace();
+            self.hop.take(&block.hop, wheels, HOP_BLOCKS);
+        }
+        if four.iter().any(|&i| block.bounce[(i, i)] > bounce[i]) {
+            self.bounce.take(&block.bounce, block.bounce.trace(), BOUNCE_BLOCKS);
+        }
+        let share = T::lit(1.0 / SLOW_BLOCKS);
+        for i in 0..4 {
+            let level = T::lit(0.5) * over_others(&block.wheel_hop, i).ln();
+            if level.is_finite() {
+                let level = level.clamp(-T::one(), T::one());
+                self.hop_level[i] += share * (level - self.hop_level[i]);
+            }
+        }
+        let slow = block.slow.iter().fold(T::zero(), |sum, power| sum + *power);
+        if slow > T::lit(8.0) * self.noise(0, SLOW_WIDTH_HZ) {
+            let diagonal = SMatrix::<T, 8, 8>::from_fn(|i, j| if i == j { block.slow[i] } else { T::zero() });
+            self.slow.take(&diagonal, slow, SLOW_BLOCKS);
+        }
+    }
+
+    fn plane(&self) -> Option<Plane<T>> {
+        Plane::of(&self.bounce.mean(FILLED)?, T::zero())
+    }
+
+    /// Takes a block of a car that drives: does each wheel hop, and each body not? `alive`: the corners whose sensors move
+    /// and whose values come.
+    pub(super) fn compare_wheel_and_body(&mut self, at: [f64; 2], block: &Block<T>, alive: [bool; 4]) {
+        let body = |i: usize| block.hop[(i, i)];
+        let others = |power: &dyn Fn(usize) -> T, i: usize| {
+            let mut alike = [T::zero(); 4];
+            let mut count = 0;
+            for j in (0..4).filter(|j| *j != i && alive[*j]) {
+                alike[count] = power(j);
+                count += 1;
+            }
+            median(&mut alike[..count])
+        };
+        for i in (0..4).filter(|i| alive[*i]) {
+            let (b, w) = (body(i), block.wheel_hop[i]);
+            if !(b.max(w) > self.noise(i, HOP_WIDTH_HZ)) {
+                continue;
+            }
+            let ratio = (w / b).ln();
+            self.newest_ratio[i] = ratio;
+            let before = self.ratio[i];
+            let share = T::lit(1.0 / RATIO_BLOCKS);
+            self.ratio[i] = if before.is_finite() { before + share * (ratio - before) } else { ratio };
+            let ratio = self.ratio[i];
+            let corner = Corner::ALL[i];
+            let sensor = |place| Sensor { corner, place };
+            // A wheel that reads little, or a body that reads much, is not a swap: then one of the two is like its like.
+            let body_is_wheel = !((b / others(&body, i)).ln() < T::lit(LIKE_A_WHEEL));
+            let wheel_is_body = !((others(&|j| block.wheel_hop[j], i) / w).ln() < T::lit(LIKE_A_WHEEL));
+            self.looks[i] = match (ratio < T::lit(ODD), body_is_wheel, wheel_is_body) {
+                (true, true, true) if ratio < T::lit(CROSSED) => Looks::Crossed,
+                (true, true, false) => Looks::BodyIsWheel,
+                (true, false, true) => Looks::WheelIsBody,
+                _ => Looks::Right,
+            };
+            let odd = self.looks[i] != Looks::Right;
+            let malfunction = match self.looks[i] {
+                Looks::Crossed => Malfunction::Swapped(sensor(Place::Body), sensor(Place::Wheel)),
+                _ => Malfunction::Inconsistent(corner),
+            };
+            self.odd[i].update(at, evidence(odd, ratio > T::lit(NOT_ODD)), RATIO, || malfunction);
+        }
+    }
+
+    /// Whether body and wheel of a corner may be swapped.
+    pub(super) fn is_odd(&self, corner: usize) -> bool {
+        self.looks[corner] != Looks::Right
+            || self.newest_ratio[corner] < T::lit(NOT_ODD)
+            || self.odd[corner].latch.is_suspected()
+    }
+
+    fn judge_pairs(&mut self, at: [f64; 2], following: Option<&Following<T>>, plane: Option<&Plane<T>>) {
+        for (k, [i, j]) in PAIRS.into_iter().enumerate() {
+            let evidence = following.map_or(Evidence::Nothing, |following| {
+                let own = &following.own_over_other;
+                let least = own.iter().fold(own[k], |least, other| least.min(*other));
+                evidence(own[k] < T::lit(OTHER) && own[k] <= least, own[k] > T::lit(OWN))
+            });
+            let place = if bodies_swapped(plane, k) { Place::Body } else { Place::Wheel };
+            let sensor = |i: usize| Sensor { corner: Corner::ALL[i], place };
+            self.pairs[k].update(at, evidence, SWAP, || Malfunction::Swapped(sensor(i), sensor(j)));
+        }
+    }
+
+    /// Bodies that follow their wheels but are no plane as they are, and one if two corners change places.
+    fn judge_corners(&mut self, at: [f64; 2], following: Option<&Following<T>>, plane: Option<&Plane<T>>) {
+        let own = |f: &Following<T>| f.own_over_other.iter().all(|log| *log > T::lit(OWN));
+        let follows = following.is_some_and(own);
+        for (word, changed) in self.corners.iter_mut().zip([Changed::Sides, Changed::Axles]) {
+            let evidence = plane.map_or(Evidence::Nothing, |plane| {
+                evidence(follows && changed.explains(plane), plane.warp < T::lit(FLAT))
+            });
+            let [a, b] = match changed {
+                Changed::Sides => [Corner::FrontLeft, Corner::FrontRight],
+                Changed::Axles => [Corner::FrontLeft, Corner::RearLeft],
+            };
+            word.update(at, evidence, SWAP, || Malfunction::SwappedCorners(a, b));
+        }
+    }
+
+    /// A body that goes down when its wheel goes up, while the bodies are one plane: the wheel's sensor is upside down.
+    fn judge_direction(&mut self, at: [f64; 2], following: Option<&Following<T>>, plane: Option<&Plane<T>>) {
+        let flat = plane.is_some_and(|plane| plane.warp < T::lit(BENT));
+        for i in 0..4 {
+            let evidence = following.filter(|_| flat).map_or(Evidence::Nothing, |following| {
+                evidence(following.own[i] < T::zero(), following.own[i] > T::zero())
+            });
+            let sensor = Sensor { corner: Corner::ALL[i], place: Place::Wheel };
+            let gain = -T::one();
+            self.reversed[i].update(at, evidence, SWAP, || Malfunction::Gain { sensor, gain });
+        }
+    }
+
+    fn judge_body_gains(&mut self, at: [f64; 2], plane: Option<&Plane<T>>) {
+        for i in 0..4 {
+            let mut gain = T::one();
+            let evidence = plane.map_or(Evidence::Nothing, |plane| {
+                gain = plane.gain;
+                let wrong = !(gain > T::zero() && gain.ln().abs() < T::lit(BODY_GAIN));
+                let his = plane.culprit == i && plane.explained > T::lit(EXPLAINED);
+                let fine = gain > T::zero() && gain.ln().abs() < T::lit(BODY_GAIN_FINE);
+                evidence(
+                    his && wrong && plane.warp > T::lit(0.5 * FLAT),
+                    fine || plane.warp < T::lit(0.3 * FLAT),
+                )
+            });
+            let sensor = Sensor { corner: Corner::ALL[i], place: Place::Body };
+            self.gains[i].update(at, evidence, GAIN, || Malfunction::Gain { sensor, gain });
+        }
+    }
+
+    /// In the slow band wheel over body is the same for all corners.
+    fn judge_wheel_gains(&mut self, at: [f64; 2], plane: Option<&Plane<T>>) {
+        let flat = plane.is_some_and(|plane| plane.warp < T::lit(FLAT));
+        let slow = self.slow.mean(FILLED).filter(|_| flat);
+        let logs =
+            slow.map(|slow| [0, 1, 2, 3].map(|i| T::lit(0.5) * (slow[(4 + i, 4 + i)] / slow[(i, i)]).ln()));
+        let usual = logs.map(|mut logs| median(&mut logs));
+        for i in 0..4 {
+            let off = logs.zip(usual).map(|(logs, usual)| logs[i] - usual);
+            let agrees = off.is_some_and(|off| off.signum() * self.hop_level[i] > T::lit(HOP_AGREES));
+            let evidence = off.map_or(Evidence::Nothing, |off| {
+                evidence(agrees && off.abs() > T::lit(WHEEL_GAIN), off.abs() < T::lit(WHEEL_GAIN_FINE))
+            });
+            let sensor = Sensor { corner: Corner::ALL[i], place: Place::Wheel };
+            let gain = off.map_or(T::one(), |off| off.exp());
+            self.gains[4 + i].update(at, evidence, GAIN, || Malfunction::Gain { sensor, gain });
+        }
+    }
+
+    /// What is wrong, by the first corner it names.
+    pub(super) fn faults(&self) -> [Option<Fault<T>>; 4] {
+        let mut faults = [None; 4];
+        let crossed = self.crossed();
+        let odd = if crossed.is_some() { &self.odd[..0] } else { &self.odd[..] };
+        let words = odd.iter().chain(&self.pairs).chain(&self.reversed);
+        let words = words.chain(&self.corners).chain(&self.gains);
+        for fault in crossed.into_iter().chain(words.filter_map(Word::fault)) {
+            if let Some(corner) = fault.malfunction.wheels().iter().next() {
+                faults[corner.index()].get_or_insert(fault);
+            }
+        }
+        faults
+    }
+
+    /// A body that is a wheel at one corner and a wheel that is a body at another: these two are swapped.
+    fn crossed(&self) -> Option<Fault<T>> {
+        let only = |looks: Looks| {
+            let mut those = (0..4).filter(|&i| self.odd[i].latch.is_said() && self.looks[i] == looks);
+            those.next().filter(|_| those.next().is_none())
+        };
+        let (body, wheel) = (only(Looks::BodyIsWheel)?, only(Looks::WheelIsBody)?);
+        let sensor = |i: usize, place| Sensor { corner: Corner::ALL[i], place };
+        let swapped = Malfunction::Swapped(sensor(body, Place::Body), sensor(wheel, Place::Wheel));
+        Some(Fault::said_by(&self.odd[body].latch, swapped))
+    }
+
+    /// The corners whose sensors may be swapped; a wrong gain is waited for, it does little harm.
+    pub(super) fn suspects(&self) -> Wheels {
+        let words = self.odd.iter().chain(&self.pairs).chain(&self.reversed).chain(&self.corners);
+        let suspected = words.filter(|word| word.latch.is_suspected());
+        suspected
+            .filter_map(|word| word.malfunction.as_ref())
+            .fold(Wheels::NONE, |all, malfunction| all | malfunction.wheels())
+    }
+}
+
+/// Which corners change places.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Changed {
+    Sides,
+    Axles,
+}
+
+impl Changed {
+    /// Whether that would make the bodies one plane again, and nothing else would.
+    fn explains<T: Real>(self, plane: &Plane<T>) -> bool {
+        let [this, other] = match self {
+            Changed::Sides => [plane.warp_sides, plane.warp_axles],
+            Changed::Axles => [plane.warp_axles, plane.warp_sides],
+        };
+        let left = T::lit(PUT_BACK) * plane.warp;
+        plane.warp > T::lit(WARPED) && this < left && other > left
+    }
+}
+
+/// Whether it is the bodies of this pair that are swapped and not the wheels: then they are no plane as they are.
+fn bodies_swapped<T: Real>(plane: Option<&Plane<T>>, pair: usize) -> bool {
+    // Bodies of a diagonal stay in the plane: that it is not their wheels cannot be told.
+    plane.is_some_and(|plane| matches!(pair, 0 | 1 | 4 | 5) && plane.warp > T::lit(BENT))
+}

@@ -1,0 +1,53 @@
+//! A word about several sensors, what would be said, and how a corner looks in the hop band.
+
+use super::super::alert::Malfunction;
+use super::super::latch::{Evidence, Latch, Patience};
+use super::Fault;
+use crate::real::Real;
+
+/// What the sensors of a corner look like in the hop band.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) enum Looks {
+    Right,
+    /// The body moves as a wheel does.
+    BodyIsWheel,
+    /// The wheel moves as a body does.
+    WheelIsBody,
+    /// Both.
+    Crossed,
+}
+
+/// A latch and what it would say.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Word<T> {
+    pub(super) latch: Latch,
+    pub(super) malfunction: Option<Malfunction<T>>,
+}
+
+impl<T: Real> Word<T> {
+    pub(super) fn new() -> Self {
+        Self { latch: Latch::new(), malfunction: None }
+    }
+
+    /// Takes evidence for this malfunction. Once said, it stays what it was called.
+    pub(super) fn update(
+        &mut self,
+        [time_s, step_s]: [f64; 2],
+        evidence: Evidence,
+        patience: Patience,
+        malfunction: impl FnOnce() -> Malfunction<T>,
+    ) {
+        if !self.latch.is_said() && evidence == Evidence::For {
+            self.malfunction = Some(malfunction());
+        }
+        self.latch.update(time_s, step_s, evidence, patience);
+    }
+
+    /// What is said, while it is.
+    pub(super) fn fault(&self) -> Option<Fault<T>> {
+        let malfunction = self.malfunction.filter(|_| self.latch.is_said())?;
+        Some(Fault::said_by(&self.latch, malfunction))
+    }
+}

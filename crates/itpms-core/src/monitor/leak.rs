@@ -1,0 +1,157 @@
+//! How fast a tire loses pressure against the others: what road, temperature and load do to all of them cancels.
+
+use super::latch::{Evidence, Latch, Patience};
+use crate::real::Real;
+
+/// Seconds between two pressures that are kept, and how many are: the last two minutes.
+const KEPT_EVERY_S: f64 = 5.0;
+const KEPT: usize = 24;
+/// Shortest time in s over which a fall is judged.
+const SHORTEST_S: f64 = 10.0;
+/// Standard deviations of its difference by which a pressure must have fallen, and the least fall as a share of the
+/// reference.
+const CERTAIN: f64 = 4.0;
+const LEAST_FALL: f64 = 0.06;
+const LEAK: Patience = Patience { raise_s: 10.0, clear_s: 60.0 };
+
+/// A pressure and its variance.
+type Kept<T> = Option<[T; 2]>;
+
+/// Pressures of all wheels over the last minutes, and who leaks.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct LeakWatch<T> {
+    kept: [[Kept<T>; 4]; KEPT],
+    kept_s: [f64; KEPT],
+    leaks: [Latch; 4],
+    rate_kpa_per_min: [T; 4],
+}
+
+impl<T: Real> LeakWatch<T> {
+    pub(super) fn new() -> Self {
+        Self {
+            kept: [[None; 4]; KEPT],
+            kept_s: [f64::NEG_INFINITY; KEPT],
+            leaks: [Latch::new(); 4],
+            rate_kpa_per_min: [T::zero(); 4],
+        }
+    }
+
+    /// The latch of a wheel, and the rate in kPa per minute at which it last fell.
+    pub(super) fn of(&self, wheel: usize) -> (&Latch, T) {
+        (&self.leaks[wheel], self.rate_kpa_per_min[wheel])
+    }
+
+    /// The wheel's past says nothing any more.
+    pub(super) fn forget(&mut self, wheel: usize) {
+        for kept in &mut self.kept {
+            kept[wheel] = None;
+        }
+    }
+
+    /// Takes pressures and variances; `None` for a wheel of which nothing is being learned.
+    pub(super) fn update(
+        &mut self,
+        time_s: f64,
+        step_s: f64,
+        now: [Kept<T>; 4],
+        reference_kpa: [T; 4],
+        least_kpa_per_min: T,
+    ) {
+        for wheel in 0..4 {
+            let Some(pressure) = now[wheel] else { continue };
+            let fall = self.steepest_fall(time_s, wheel, pressure, &now, reference_kpa[wheel]);
+            let evidence = match fall {
+                Some(rate) if rate >= least_kpa_per_min => {
+                    self.rate_kpa_per_min[wheel] = rate;
+                    Evidence::For
+                }
+                _ => Evidence::Against,
+            };
+            self.leaks[wheel].update(time_s, step_s, evidence, LEAK);
+        }
+        if !(time_s - self.kept_s[KEPT - 1] < KEPT_EVERY_S) {
+            self.kept.rotate_left(1);
+            self.kept_s.rotate_left(1);
+            self.kept[KEPT - 1] = now;
+            self.kept_s[KEPT - 1] = time_s;
+        }
+    }
+
+    /// The highest rate of a fall that is certain, in kPa per minute.
+    fn steepest_fall(
+        &self,
+        time_s: f64,
+        wheel: usize,
+        [pressure, variance]: [T; 2],
+        now: &[Kept<T>; 4],
+        reference_kpa: T,
+    ) -> Option<T> {
+        let mut steepest = None;
+        for (kept, kept_s) in self.kept.iter().zip(self.kept_s) {
+            let lasted_s = time_s - kept_s;
+            let Some([before, variance_before]) = kept[wheel] else { continue };
+            if !(lasted_s >= SHORTEST_S) {
+                continue;
+            }
+            // If the others fell, too, only what this one fell more counts; if they rose, that is no fall.
+            let fall = before - pressure - others_fall(kept, now, wheel).max(T::zero());
+            let sd = (variance + variance_before).sqrt();
+            if fall > T::lit(CERTAIN) * sd && fall > T::lit(LEAST_FALL) * reference_kpa {
+                let rate = fall * T::lit(60.0 / lasted_s);
+                steepest = Some(steepest.map_or(rate, |steepest: T| steepest.max(rate)));
+            }
+        }
+        steepest
+    }
+}
+
+/// Mean fall of the other wheels, in kPa.
+fn others_fall<T: Real>(kept: &[Kept<T>; 4], now: &[Kept<T>; 4], wheel: usize) -> T {
+    let (mut sum, mut count) = (T::zero(), T::zero());
+    for other in (0..4).filter(|other| *other != wheel) {
+        if let (Some([before, _]), Some([after, _])) = (kept[other], now[other]) {
+            sum += before - after;
+            count += T::one();
+        }
+    }
+    sum / count.max(T::one())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Seconds until wheel 0 is said to leak and the rate said, while it falls at `kpa_per_min` and the others at `all`.
+    fn said(kpa_per_min: f64, all: f64, sd: f64) -> Option<(f64, f64)> {
+        let mut watch = LeakWatch::<f64>::new();
+        for i in 0..6000 {
+            let time_s = f64::from(i) * 0.1;
+            let other = Some([240.0 - all / 60.0 * time_s, sd * sd]);
+            let now = [Some([240.0 - kpa_per_min / 60.0 * time_s, sd * sd]), other, other, other];
+            watch.update(time_s, 0.1, now, [240.0; 4], 3.0);
+            assert!(!watch.of(1).0.is_said());
+            if watch.of(0).0.is_said() {
+                return Some((time_s, watch.of(0).1));
+            }
+        }
+        None
+    }
+
+    #[test]
+    fn a_fall_is_said_when_it_is_certain_and_with_its_rate() {
+        // sd 2: the difference's is 2.8, so 14.4 kPa (6 %) decide; 60 kPa/min falls that in 14.4 s, then 10 s of waiting.
+        let (at_s, rate) = said(60.0, 0.0, 2.0).unwrap();
+        assert!((24.0..26.5).contains(&at_s) && (rate - 60.0).abs() < 1.0, "{at_s} {rate}");
+        // sd 8: 45 kPa are certain; two minutes at 12 kPa/min are not enough.
+        assert_eq!(said(12.0, 0.0, 8.0), None);
+    }
+
+    #[test]
+    fn what_all_do_is_no_leak() {
+        assert_eq!(said(60.0, 60.0, 2.0), None);
+        assert!(said(60.0, 20.0, 2.0).is_some());
+        // Two minutes at 2 kPa a minute are below the least rate and the least fall.
+        assert_eq!(said(2.0, 0.0, 0.5), None);
+    }
+}

@@ -1,0 +1,124 @@
+//! One wheel's pressure against its limits, and how long ago something was learned of it.
+
+use super::alert::Reading;
+use super::config::Limits;
+use super::latch::{Evidence, Latch, Patience};
+use super::report::{Doubt, WheelState};
+use crate::estimate::{CornerEstimate, Validity};
+use crate::real::Real;
+
+/// One-sided 95 % quantile of a normal distribution: a pressure counts as past a limit when this many sds still are.
+const CERTAIN: f64 = 1.64;
+/// So many sds count double: a pressure that is far past its limit need not be waited for as long.
+const VERY_CERTAIN: f64 = 3.0;
+/// Seconds in which something was learned, for and against.
+const LOW: Patience = Patience { raise_s: 2.0, clear_s: 10.0 };
+const OVER: Patience = Patience { raise_s: 10.0, clear_s: 10.0 };
+const UNINFORMED: Patience = Patience { raise_s: 0.0, clear_s: 1.0 };
+/// Information gate above which something is being learned.
+const LEARNING: f64 = 0.1;
+/// Speed in m/s above which a car should learn something: 20 km/h.
+const SHOULD_LEARN_M_S: f64 = 5.5;
+
+/// What is remembered of a wheel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct WheelWatch {
+    pub(super) low: Latch,
+    pub(super) over: Latch,
+    pub(super) uninformed: Latch,
+    pub(super) informed_s: f64,
+    /// Seconds of driving since something was last learned.
+    pub(super) driven_s: f64,
+}
+
+impl WheelWatch {
+    pub(super) fn new() -> Self {
+        Self {
+            low: Latch::new(),
+            over: Latch::new(),
+            uninformed: Latch::new(),
+            informed_s: f64::NEG_INFINITY,
+            driven_s: 0.0,
+        }
+    }
+
+    /// Takes what was estimated over the last `step_s` seconds.
+    pub(super) fn update<T: Real>(
+        &mut self,
+        step_s: f64,
+        speed_m_s: T,
+        estimate: &CornerEstimate<T>,
+        reference_kpa: T,
+        limits: &Limits<T>,
+    ) {
+        let time_s = estimate.time_s;
+        let learning = is_learning(estimate);
+        if learning {
+            (self.informed_s, self.driven_s) = (time_s, 0.0);
+        } else if speed_m_s > T::lit(SHOULD_LEARN_M_S) {
+            self.driven_s += step_s;
+        }
+        let silent = self.driven_s >= limits.no_information_s;
+        let uninformed = if silent { Evidence::For } else { Evidence::Against };
+        self.uninformed.update(time_s, step_s, uninformed, UNINFORMED);
+        if !learning {
+            return;
+        }
+        let (p, sd) = (estimate.pressure_kpa, estimate.pressure_sd_kpa);
+        let low_kpa = limits.low_share * reference_kpa;
+        let below = |sds: f64| p + T::lit(sds) * sd < low_kpa;
+        let low = if below(CERTAIN) {
+            Evidence::For
+        } else if p - T::lit(CERTAIN) * sd > low_kpa || p > limits.low_over_share * reference_kpa {
+            Evidence::Against
+        } else {
+            Evidence::Neither
+        };
+        let weight = if below(VERY_CERTAIN) { 2.0 } else { 1.0 };
+        self.low.update(time_s, weight * step_s, low, LOW);
+        let over = if p - T::lit(CERTAIN) * sd > limits.over_share * reference_kpa {
+            Evidence::For
+        } else if p < limits.over_over_share * reference_kpa {
+            Evidence::Against
+        } else {
+            Evidence::Neither
+        };
+        self.over.update(time_s, step_s, over, OVER);
+    }
+
+    /// The wheel's state if nothing is to be said of it: fine, or why that is not known.
+    pub(super) fn quiet_state<T: Real>(
+        &self,
+        estimate: &CornerEstimate<T>,
+        reference_kpa: T,
+        limits: &Limits<T>,
+    ) -> WheelState {
+        let reaches = estimate.pressure_kpa - T::lit(CERTAIN) * estimate.pressure_sd_kpa;
+        match estimate.validity {
+            Validity::Starting => WheelState::Unknown(Doubt::Starting),
+            Validity::NoInformation => WheelState::Unknown(Doubt::NoInformation),
+            Validity::BadSignal | Validity::Diverged => WheelState::Unknown(Doubt::Suspicion),
+            Validity::Valid if !(estimate.time_s - self.informed_s < limits.no_information_s) => {
+                WheelState::Unknown(Doubt::NoInformation)
+            }
+            Validity::Valid if reaches > limits.low_share * reference_kpa => WheelState::Fine,
+            Validity::Valid => WheelState::Unknown(Doubt::Uncertain),
+        }
+    }
+}
+
+/// Whether there is a pressure and something new is being learned of it.
+pub(super) fn is_learning<T: Real>(estimate: &CornerEstimate<T>) -> bool {
+    estimate.validity.is_valid() && estimate.diagnostics.gate > T::lit(LEARNING)
+}
+
+/// The estimate against a limit.
+pub(super) fn reading<T: Real>(estimate: &CornerEstimate<T>, limit_share: T, reference_kpa: T) -> Reading<T> {
+    Reading {
+        pressure_kpa: estimate.pressure_kpa,
+        sd_kpa: estimate.pressure_sd_kpa,
+        limit_kpa: limit_share * reference_kpa,
+        reference_kpa,
+    }
+}
