@@ -18,6 +18,8 @@ pub struct RoadProfile {
     pub distance_m: Vec<f64>,
     /// One or more tracks over the same distances.
     pub tracks: Vec<RoadTrack>,
+    /// Time in s at those distances, where the file has `time_s`; else empty.
+    pub time_s: Vec<f64>,
     /// Rows left out because they were no farther than the row before (a car that stands), or had no distance.
     pub rows_left_out: u64,
 }
@@ -41,6 +43,7 @@ const HEIGHTS: [(&str, &str); 7] = [
     ("rl_road_m", "rl"),
     ("rr_road_m", "rr"),
 ];
+const TIME: &str = "time_s";
 const DISTANCE: &str = "distance_m";
 const EXPECTED: &str = "distance_m and height_m, or left_height_m and right_height_m, or {c}_road_m; or two or three columns of numbers";
 
@@ -48,11 +51,28 @@ const EXPECTED: &str = "distance_m and height_m, or left_height_m and right_heig
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Slot {
     Distance,
+    Time,
     Track(usize),
     Other,
 }
 
+impl RoadTrack {
+    /// Whether a wheel has felt this road: then a tire has smoothed it already.
+    #[must_use]
+    pub fn is_wheel(&self) -> bool {
+        !matches!(self.name, "left" | "right" | "road")
+    }
+}
+
 impl RoadProfile {
+    /// Rows per second, from the median step in time; `None` without times.
+    #[must_use]
+    pub fn rate_hz(&self) -> Option<f64> {
+        let mut steps: Vec<f64> = self.time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        steps.sort_by(f64::total_cmp);
+        steps.get(steps.len() / 2).filter(|step| **step > 0.0 && step.is_finite()).map(|step| 1.0 / step)
+    }
+
     /// Reads a file. Cells are parted by commas or semicolons, else by blanks; `#` begins a comment. With a header the
     /// columns are `distance_m` and `height_m`, or `left_height_m` and `right_height_m`, or `{c}_road_m` for the wheels;
     /// others are passed over. Without one, two columns are distance and height, three are distance, left and right.
@@ -82,6 +102,7 @@ fn read(path: &Path) -> Result<RoadProfile, Problem> {
     let (slots, names) = if header { by_name(&first)? } else { by_place(&first, lines.number())? };
     let mut profile = RoadProfile {
         distance_m: Vec::new(),
+        time_s: Vec::new(),
         tracks: names.iter().map(|name| RoadTrack { name, height_m: Vec::new() }).collect(),
         rows_left_out: 0,
     };
@@ -109,7 +130,7 @@ fn parts(line: &[u8]) -> impl Iterator<Item = &[u8]> {
 fn by_name(header: &[Vec<u8>]) -> Result<(Vec<Slot>, Vec<&'static str>), Problem> {
     let header: Vec<String> = header.iter().map(|name| String::from_utf8_lossy(name).into_owned()).collect();
     for (second, name) in header.iter().enumerate() {
-        let known = name == DISTANCE || HEIGHTS.iter().any(|(column, _)| column == name);
+        let known = name == DISTANCE || name == TIME || HEIGHTS.iter().any(|(column, _)| column == name);
         if let Some(first) = header[..second].iter().position(|other| known && other == name) {
             return Err(Problem::DuplicateColumn {
                 column: name.clone(),
@@ -121,6 +142,7 @@ fn by_name(header: &[Vec<u8>]) -> Result<(Vec<Slot>, Vec<&'static str>), Problem
     let mut names = Vec::new();
     let mut slot = |name: &String| match HEIGHTS.iter().find(|(column, _)| column == name) {
         _ if name == DISTANCE => Slot::Distance,
+        _ if name == TIME => Slot::Time,
         Some((_, track)) => {
             names.push(*track);
             Slot::Track(names.len() - 1)
@@ -154,7 +176,7 @@ fn by_place(first: &[Vec<u8>], line: u64) -> Result<(Vec<Slot>, Vec<&'static str
 fn take_row(profile: &mut RoadProfile, text: &[u8], line: u64, slots: &[Slot]) -> Result<(), Problem> {
     let place = Place::Line(line);
     let mut heights = vec![f64::NAN; profile.tracks.len()];
-    let mut distance_m = f64::NAN;
+    let (mut distance_m, mut time_s) = (f64::NAN, f64::NAN);
     let mut found = 0;
     for cell in parts(text) {
         let slot = slots.get(found).copied().unwrap_or(Slot::Other);
@@ -169,7 +191,8 @@ fn take_row(profile: &mut RoadProfile, text: &[u8], line: u64, slots: &[Slot]) -
         };
         match slot {
             Slot::Track(track) => heights[track] = value,
-            _ => distance_m = value,
+            Slot::Time => time_s = value,
+            Slot::Distance | Slot::Other => distance_m = value,
         }
     }
     if found != slots.len() {
@@ -184,6 +207,9 @@ fn take_row(profile: &mut RoadProfile, text: &[u8], line: u64, slots: &[Slot]) -
         return Ok(());
     }
     profile.distance_m.push(distance_m);
+    if slots.contains(&Slot::Time) {
+        profile.time_s.push(time_s);
+    }
     for (track, height) in profile.tracks.iter_mut().zip(heights) {
         track.height_m.push(height);
     }
@@ -196,7 +222,8 @@ fn slot_name(profile: &RoadProfile, slot: Slot) -> String {
             let track = profile.tracks[i].name;
             HEIGHTS.iter().find(|(_, name)| *name == track).map_or(track, |(column, _)| column).to_owned()
         }
-        _ => DISTANCE.to_owned(),
+        Slot::Time => TIME.to_owned(),
+        Slot::Distance | Slot::Other => DISTANCE.to_owned(),
     }
 }
 
@@ -235,6 +262,8 @@ mod tests {
         let text = b"time_s,distance_m,fl_road_m,rr_road_m,fl_road_sd_m\n0,,0.1,,1\n1,0,0.1,,1\n2,0,0.2,,1\n3,2,,0.3,1\n";
         let profile = read_bytes(text).unwrap();
         assert_eq!((profile.distance_m.as_slice(), profile.rows_left_out), (&[0.0, 2.0][..], 2));
+        assert_eq!((profile.time_s.as_slice(), profile.rate_hz()), (&[1.0, 3.0][..], Some(0.5)));
+        assert!(profile.tracks[0].is_wheel());
         let tracks = heights(&profile);
         assert_eq!((tracks[0].0, tracks[0].1[0], tracks[1].0, tracks[1].1[1]), ("fl", 0.1, "rr", 0.3));
         assert!(tracks[0].1[1].is_nan());

@@ -10,7 +10,7 @@
 //! | [`paper`] | the paper's study, made again |
 //! | [`plot`] | figures as SVG |
 //! | [`report`] | one HTML page about a drive |
-//! | [`roughness`] | International Roughness Index of a profile |
+//! | [`roughness`] | International Roughness Index, ISO 8608 level and slope, per track and segment |
 //! | [`score`] | the accuracy table, recomputed over many simulated drives |
 #![forbid(unsafe_code)]
 

@@ -2,6 +2,7 @@
 
 mod bench;
 mod reproduce;
+mod roughness;
 
 use std::path::PathBuf;
 
@@ -14,6 +15,7 @@ use itpms_study::score::Part;
 
 pub(crate) use bench::{BenchOutput, CalibrateArgs, DamperArgs, IdentifyArgs, IdentifyPart, SpringArgs};
 pub(crate) use reproduce::ReproduceArgs;
+pub(crate) use roughness::RoughnessArgs;
 
 /// Indirect tire pressure monitoring: tire pressure and road from the accelerations of a car's body and wheels.
 #[derive(Debug, Parser)]
@@ -45,6 +47,7 @@ pub(crate) enum Command {
     Calibrate(CalibrateArgs),
     Observability(ObservabilityArgs),
     Reproduce(ReproduceArgs),
+    Roughness(RoughnessArgs),
     Completions(CompletionsArgs),
 }
 

@@ -37,6 +37,7 @@ fn main() -> ExitCode {
         Command::Calibrate(args) => commands::identify::run_calibrate(args, &screen),
         Command::Observability(args) => commands::observability::run(args, &screen, &interrupt),
         Command::Reproduce(args) => commands::reproduce::run(args, &screen, &interrupt),
+        Command::Roughness(args) => commands::roughness::run(args, &screen, &interrupt),
         Command::Completions(args) => commands::completions::run(args),
     });
     match result {

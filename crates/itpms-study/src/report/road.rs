@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 
 use super::track::{Keep, Track};
 use super::{ProfileCurves, RoadReport, RoughnessCurves, SpectrumCurves};
-use crate::roughness::{Enveloping, GoldenCar};
+use crate::roughness::{Cells, Enveloping, GoldenCar, undo_cells};
 use crate::spectrum::{Psd, Welch, fit_power_law};
 
 /// Length of a cell in m.
@@ -29,48 +29,6 @@ type Heights = [f64; 3];
 const ESTIMATE: usize = 0;
 const SD: usize = 1;
 const TRUTH: usize = 2;
-
-/// Means over cells of road from samples at any distance.
-#[derive(Debug, Clone, Default)]
-struct Cells {
-    last: Option<(f64, Heights)>,
-    filled_m: f64,
-    integral: Heights,
-}
-
-impl Cells {
-    /// The straight line from the last sample to this one, cut at cell borders; each full cell goes to `cell`.
-    fn push(&mut self, distance_m: f64, heights: Heights, mut cell: impl FnMut(Heights)) {
-        let Some((mut at, mut from)) = self.last.replace((distance_m, heights)) else { return };
-        let whole = distance_m - at;
-        if !(whole > 0.0) {
-            return;
-        }
-        let slope: Heights = std::array::from_fn(|i| (heights[i] - from[i]) / whole);
-        while at < distance_m {
-            let step = (CELL_M - self.filled_m).min(distance_m - at);
-            for i in 0..3 {
-                let end = from[i] + slope[i] * step;
-                self.integral[i] += 0.5 * (from[i] + end) * step;
-                from[i] = end;
-            }
-            at += step;
-            self.filled_m += step;
-            if self.filled_m >= CELL_M * (1.0 - 1e-9) {
-                cell(self.integral.map(|v| v / CELL_M));
-                self.filled_m = 0.0;
-                self.integral = [0.0; 3];
-            }
-            if !(step > 0.0) {
-                break;
-            }
-        }
-    }
-
-    fn restart(&mut self) {
-        *self = Self::default();
-    }
-}
 
 /// Golden car, and where its next slope belongs.
 #[derive(Debug)]
@@ -111,7 +69,7 @@ impl Roughness {
 /// Everything known of the road under one wheel so far.
 #[derive(Debug)]
 pub(super) struct RoadCollector {
-    cells: Cells,
+    cells: Cells<3>,
     start_m: f64,
     done: u64,
     window: VecDeque<Heights>,
@@ -127,7 +85,7 @@ impl RoadCollector {
     pub(super) fn new(wavelengths_m: (f64, f64)) -> Option<Self> {
         let welch = || Welch::new(SEGMENT, CELL_M).ok();
         Some(Self {
-            cells: Cells::default(),
+            cells: Cells::new(CELL_M),
             start_m: 0.0,
             done: 0,
             window: VecDeque::with_capacity(2 * HALF_WINDOW + 1),
@@ -141,23 +99,23 @@ impl RoadCollector {
 
     /// The next sample: distance driven, estimate with its sd and true height, all in m.
     pub(super) fn push(&mut self, distance_m: f64, estimate_m: f64, sd_m: f64, truth_m: f64) {
-        let step = self.cells.last.map_or(0.0, |(last, _)| distance_m - last);
+        let step = self.cells.last_m().map_or(0.0, |last| distance_m - last);
         if !(estimate_m.is_finite() && distance_m.is_finite() && (0.0..=LONGEST_STEP_M).contains(&step)) {
             self.interrupt();
             return;
         }
-        if self.cells.last.is_none() {
+        if self.cells.last_m().is_none() {
             self.start_m = distance_m;
             self.done = 0;
         }
-        let mut cells = std::mem::take(&mut self.cells);
+        let mut cells = std::mem::replace(&mut self.cells, Cells::new(CELL_M));
         cells.push(distance_m, [estimate_m, sd_m, truth_m], |cell| self.take_cell(cell));
         self.cells = cells;
     }
 
     /// The stretch ends here: a stop, a hole in the log, a sensor fault.
     pub(super) fn interrupt(&mut self) {
-        if self.cells.last.is_some() {
+        if self.cells.last_m().is_some() {
             self.cells.restart();
             self.window.clear();
             self.feed_cell([f64::NAN; 3]);
@@ -212,7 +170,8 @@ impl RoadCollector {
             truth_m_per_km: self.truth_roughness(),
             segment_m: self.roughness[0].track.width(),
         };
-        let [estimate, truth, error] = self.spectrum.map(|welch| welch.psd().map(undo_cells));
+        let [estimate, truth, error] =
+            self.spectrum.map(|welch| welch.psd().map(|psd| undo_cells(psd, CELL_M)));
         let (low, high) = self.band_per_m;
         let fit = estimate.as_ref().and_then(|psd| fit_power_law(psd, low, high).ok());
         let truth_fit = truth.as_ref().and_then(|psd| fit_power_law(psd, low, high).ok());
@@ -238,22 +197,6 @@ impl RoadCollector {
         }
         self.roughness[1].track.means(0).map(|(_, v)| v).collect()
     }
-}
-
-/// Takes the averaging over a cell, `sinc²(n cell)` in power, out of a spectrum. The last bins, where that would
-/// double the density, are dropped.
-fn undo_cells(mut psd: Psd) -> Psd {
-    let loss = |n: f64| {
-        let angle = std::f64::consts::PI * n * CELL_M;
-        (angle.sin() / angle).powi(2)
-    };
-    let keep = psd.frequencies.iter().take_while(|n| loss(**n) > 0.5).count();
-    psd.frequencies.truncate(keep);
-    psd.densities.truncate(keep);
-    for (density, n) in psd.densities.iter_mut().zip(&psd.frequencies) {
-        *density /= loss(*n);
-    }
-    psd
 }
 
 /// Means over a twenty-fourth of an octave: dense enough to look like the spectrum, a hundred points.
@@ -282,21 +225,6 @@ fn spectrum_curves(psd: &Psd, truth: Option<&Psd>) -> SpectrumCurves {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn cells_hold_the_mean_of_the_straight_lines_between_samples() {
-        let mut cells = Cells::default();
-        let mut found = Vec::new();
-        // Height 2 x sampled at uneven distances, several to a cell and several cells to a step.
-        for x in [0.0, 0.01, 0.04, 0.07, 0.07, 0.29, 0.3001] {
-            cells.push(x, [2.0 * x, 0.0, f64::NAN], |cell| found.push(cell));
-        }
-        assert_eq!(found.len(), 6);
-        for (i, cell) in found.iter().enumerate() {
-            assert!((cell[0] - 2.0 * (i as f64 + 0.5) * 0.05).abs() < 1e-12);
-            assert!(cell[2].is_nan());
-        }
-    }
 
     fn sine_road(step: f64, metres: f64, scale: f64) -> RoadReport {
         let mut road = RoadCollector::new((0.5, 10.0)).unwrap();

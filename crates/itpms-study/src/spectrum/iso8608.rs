@@ -141,6 +141,10 @@ pub struct RoadFit {
     pub band_per_m: (f64, f64),
     /// Rms distance of the smoothed spectrum from the line, in natural logarithms (0.1 is 10 %).
     pub residual_ln: f64,
+    /// Standard error of `ln Gd(n0)` from the length of the record (0.1 is 10 %).
+    pub level_sd_ln: f64,
+    /// Standard error of the slope from the length of the record.
+    pub waviness_sd: f64,
 }
 
 /// Octaves per smoothing band at a spatial frequency in cycles per metre (ISO 8608: whole octaves up to 0.0312,
@@ -155,6 +159,12 @@ fn octaves_per_band(frequency_per_m: f64) -> f64 {
     }
 }
 
+/// Independent values per bin: neighbouring Hann segments at half overlap share 1/6 of their amplitude and 1/36 of
+/// their power; a Hann window spreads each bin over 1.5.
+fn averages_per_bin(psd: &Psd) -> f64 {
+    psd.segments as f64 / (1.0 + 2.0 / 36.0) / 1.5
+}
+
 /// The smoothed spectrum of ISO 8608 between two spatial frequencies (cycles per metre). Bins are taken with the
 /// share of their width that lies in a band; bands beyond the spectrum's ends are left out.
 #[must_use]
@@ -167,9 +177,7 @@ pub fn iso_bands(psd: &Psd, low_per_m: f64, high_per_m: f64) -> Vec<Band> {
     if !(width > 0.0 && low_per_m > 0.0) {
         return bands;
     }
-    // Neighbouring Hann segments at half overlap share 1/6 of their amplitude and 1/36 of their power; a Hann
-    // window spreads each bin over 1.5.
-    let per_bin = psd.segments as f64 / (1.0 + 2.0 / 36.0) / 1.5;
+    let per_bin = averages_per_bin(psd);
     let mut low = first;
     while low < last * (1.0 - 1e-9) {
         let high = (low * octaves_per_band(low * 1.0001).exp2()).min(last);
@@ -222,11 +230,23 @@ pub fn fit_power_law(psd: &Psd, low_per_m: f64, high_per_m: f64) -> Result<RoadF
     let (x_mean, y_mean) = (weighted(&|x, _| x) / total, weighted(&|_, y| y) / total);
     let slope = weighted(&|x, y| (x - x_mean) * (y - y_mean)) / weighted(&|x, _| (x - x_mean).powi(2));
     let intercept = y_mean - slope * x_mean;
+    // The logarithm of a mean of K exponential values scatters by 1/K in variance. Bands narrower than a bin share it
+    // with their neighbors: each counts with its part.
+    let per_width = averages_per_bin(psd) / psd.resolution();
+    let spread = weighted(&|x, _| (x - x_mean).powi(2));
+    let (mut level_variance, mut slope_variance) = (0.0, 0.0);
+    for (band, &(g, x, _)) in bands.iter().zip(&points) {
+        let by_slope = g * (x - x_mean) / spread;
+        let averages = per_width * (band.high_per_m - band.low_per_m);
+        level_variance += (g / total - x_mean * by_slope).powi(2) / averages;
+        slope_variance += by_slope.powi(2) / averages;
+    }
     let residual_ln = (weighted(&|x, y| (y - intercept - slope * x).powi(2)) / total).sqrt();
     let law = PowerLaw { gd_n0_m3: intercept.exp(), waviness: -slope };
     let class = IsoClass::of_level(law.gd_n0_m3).ok_or(FitError::TooFewBands(0))?;
     let band_per_m = (bands[0].low_per_m, bands[bands.len() - 1].high_per_m);
-    Ok(RoadFit { law, class, band_per_m, residual_ln })
+    let (level_sd_ln, waviness_sd) = (level_variance.sqrt(), slope_variance.sqrt());
+    Ok(RoadFit { law, class, band_per_m, residual_ln, level_sd_ln, waviness_sd })
 }
 
 #[cfg(test)]
@@ -279,16 +299,27 @@ mod tests {
         // 200 drives of 102 m, two segments and a half each: the mean of ln Gd(n0) must not lean.
         let law = PowerLaw { gd_n0_m3: 16e-6, waviness: 2.0 };
         let mut mean = (0.0, 0.0);
+        let (mut scatter, mut stated) = ((0.0, 0.0), (0.0, 0.0));
         for seed in 0..200 {
             // A piece of a road whose period is eight times as long, as a real road has none.
             let road = gaussian_road(law, 1 << 14, 0.05, 1000 + seed);
             let fit = fit_power_law(&welch(&road[..2048], 1024, 0.05).unwrap().unwrap(), 0.1, 2.0).unwrap();
             mean.0 += (fit.law.gd_n0_m3 / 16e-6).ln() / 200.0;
             mean.1 += (fit.law.waviness - 2.0) / 200.0;
+            scatter.0 += (fit.law.gd_n0_m3 / 16e-6).ln().powi(2) / 200.0;
+            scatter.1 += (fit.law.waviness - 2.0).powi(2) / 200.0;
+            stated.0 += fit.level_sd_ln.powi(2) / 200.0;
+            stated.1 += fit.waviness_sd.powi(2) / 200.0;
         }
         // One drive's ln level scatters by about 0.35, the mean of 200 by 0.025; uncorrected it leans by -0.15.
         assert!(mean.0.abs() < 0.1, "{mean:?}");
         assert!(mean.1.abs() < 0.06, "{mean:?}");
+        // The stated standard errors are the scatter's: 200 drives know it to 5 %; bands of one or two bins, whose
+        // logarithms scatter more than 1/K, and half-overlapping windows leave the rest.
+        for (scatter, stated) in [(scatter.0, stated.0), (scatter.1, stated.1)] {
+            let ratio = (scatter / stated).sqrt();
+            assert!((0.7..1.4).contains(&ratio), "{ratio}");
+        }
     }
 
     #[test]

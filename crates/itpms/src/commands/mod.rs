@@ -7,6 +7,7 @@ pub(crate) mod folder;
 pub(crate) mod identify;
 pub(crate) mod observability;
 pub(crate) mod reproduce;
+pub(crate) mod roughness;
 pub(crate) mod score;
 pub(crate) mod simulate;
 

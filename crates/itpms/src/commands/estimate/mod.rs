@@ -29,6 +29,7 @@ use crate::interrupt::Interrupt;
 use crate::screen::Screen;
 use drive::Drive;
 use outputs::Outputs;
+pub(super) use road::RoadTrack;
 pub(crate) use summary::print_corners;
 
 /// Rates in Hz for which the estimators are made.
@@ -76,7 +77,7 @@ pub(crate) fn perform(
 }
 
 /// The corners that the log has measured and the vehicle file describes.
-fn common_corners(log: &LogReader, vehicle: &Vehicle) -> Result<Vec<Corner>, Failure> {
+pub(super) fn common_corners(log: &LogReader, vehicle: &Vehicle) -> Result<Vec<Corner>, Failure> {
     let measured = log.columns().present();
     let common: Vec<Corner> = measured.iter().copied().filter(|c| vehicle.corner(*c).is_some()).collect();
     if common.is_empty() {

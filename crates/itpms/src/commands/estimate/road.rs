@@ -21,16 +21,16 @@ type Recorder = RoadRecorder<f64, Vec<RoadRow<f64>>, Vec<Segment<f64>>>;
 
 /// A row with everything that is known of it once its road is there.
 #[derive(Debug, Clone)]
-pub(super) struct LateRow {
-    pub(super) row: LogRow,
+pub(in crate::commands) struct LateRow {
+    pub(in crate::commands) row: LogRow,
     /// The distance in m driven so far; NaN while the speed was never known.
-    pub(super) distance_m: f64,
+    pub(in crate::commands) distance_m: f64,
     /// As they were at the row's time, but for the road.
-    pub(super) estimates: Estimates,
+    pub(in crate::commands) estimates: Estimates,
 }
 
 /// The recorders of all corners, and the rows that wait for them.
-pub(super) struct RoadTrack {
+pub(in crate::commands) struct RoadTrack {
     recorders: [Option<(Recorder, VecDeque<RoadPoint<f64>>)>; 4],
     waiting: VecDeque<LateRow>,
     distance_m: f64,
@@ -39,7 +39,11 @@ pub(super) struct RoadTrack {
 }
 
 impl RoadTrack {
-    pub(super) fn new(vehicle: &Vehicle, corners: &[Corner], rate_hz: f64) -> Result<Self, Failure> {
+    pub(in crate::commands) fn new(
+        vehicle: &Vehicle,
+        corners: &[Corner],
+        rate_hz: f64,
+    ) -> Result<Self, Failure> {
         let (rows, segments) = window_for(rate_hz, LOOKAHEAD_S);
         let mut recorders = [const { None }; 4];
         for corner in corners {
@@ -63,7 +67,7 @@ impl RoadTrack {
     }
 
     /// Takes a row of the log and what was estimated after it.
-    pub(super) fn push(&mut self, row: &LogRow, estimates: &Estimates, cars: &QuarterCars) {
+    pub(in crate::commands) fn push(&mut self, row: &LogRow, estimates: &Estimates, cars: &QuarterCars) {
         self.advance(row);
         let tell = row.time_s - self.told_s >= TELL_S;
         if tell {
@@ -89,14 +93,14 @@ impl RoadTrack {
     }
 
     /// The drive is over: nothing has to wait any more.
-    pub(super) fn finish(&mut self) {
+    pub(in crate::commands) fn finish(&mut self) {
         for (recorder, points) in self.recorders.iter_mut().flatten() {
             recorder.finish(|point| points.push_back(point));
         }
     }
 
     /// The next row whose road is there at all corners.
-    pub(super) fn pop(&mut self) -> Option<LateRow> {
+    pub(in crate::commands) fn pop(&mut self) -> Option<LateRow> {
         if self.recorders.iter().flatten().any(|(_, points)| points.is_empty()) {
             return None;
         }

@@ -1,0 +1,50 @@
+//! Arguments of `itpms roughness`.
+
+use std::path::PathBuf;
+
+use super::positive;
+
+/// How rough a road is: International Roughness Index, ISO 8608 class, level and slope, per track and segment.
+///
+/// From a profile: OpenCRG (.crg), or text with distance_m and height_m, or left_height_m and right_height_m; without a
+/// header two columns are distance and height, three are distance, left and right. Or from a drive, with --vehicle: then
+/// the road under every wheel is estimated first. A segment with too little road says so instead of a number.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct RoughnessArgs {
+    /// A road profile (.crg, or text), or a drive log (.csv or .parquet) with --vehicle.
+    pub(crate) input: PathBuf,
+    /// The input is a drive log of this vehicle.
+    #[arg(long, value_name = "V.toml")]
+    pub(crate) vehicle: Option<PathBuf>,
+    /// Length of a segment in m, 5 or more.
+    #[arg(long, value_name = "M", default_value_t = 100.0, value_parser = positive)]
+    pub(crate) segment_m: f64,
+    /// OpenCRG: where the left and the right track lie beside the reference line in m, left positive; one for one track.
+    #[arg(
+        long,
+        value_name = "LEFT,RIGHT",
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        default_values_t = [0.75, -0.75]
+    )]
+    pub(crate) lateral_m: Vec<f64>,
+    /// Drive log: the speed in m/s where the log has none.
+    #[arg(long, value_name = "V", value_parser = positive, requires = "vehicle")]
+    pub(crate) speed_m_s: Option<f64>,
+    /// Drive log: take the accelerations as m/s^2 even if they do not look like it.
+    #[arg(long, requires = "vehicle")]
+    pub(crate) trust_units: bool,
+    /// Where the table goes: .csv, a row per segment and track.
+    #[arg(short, long, value_name = "TABLE.csv")]
+    pub(crate) output: Option<PathBuf>,
+    /// Print JSON.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  itpms roughness survey.csv
+  itpms roughness road.crg --segment-m 20 --lateral-m 0.8,-0.7 -o roughness.csv
+  itpms roughness drive.csv --vehicle car.toml --json";

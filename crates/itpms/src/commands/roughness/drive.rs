@@ -1,0 +1,104 @@
+//! Tracks from a drive log: the road under every wheel, estimated as `itpms estimate` does.
+
+use std::path::Path;
+
+use itpms_core::car::{CarConfig, CarEstimator};
+use itpms_core::estimator::EstimatorKind;
+use itpms_core::sample::Corner;
+use itpms_data::log::UnitCheck;
+use itpms_data::{LogReader, Vehicle};
+use itpms_study::roughness::{RoughnessTable, WheelSurvey};
+
+use super::Found;
+use crate::args::RoughnessArgs;
+use crate::commands::ROWS_PER_LOOK;
+use crate::commands::estimate::{RoadTrack, common_corners};
+use crate::exit::Failure;
+use crate::interrupt::Interrupt;
+use crate::screen::Screen;
+
+pub(super) fn survey(
+    args: &RoughnessArgs,
+    vehicle: &Path,
+    screen: &Screen,
+    interrupt: &Interrupt,
+) -> Result<Found, Failure> {
+    let vehicle = Vehicle::read(vehicle)?;
+    let units = if args.trust_units { UnitCheck::Trusting } else { UnitCheck::Suspicious };
+    let mut log = LogReader::open_with(&args.input, units)?;
+    if !log.columns().speed && args.speed_m_s.is_none() {
+        let path = args.input.display();
+        return Err(Failure::Usage(format!("{path}: no speed_m_s, so no distance: expected --speed-m-s V")));
+    }
+    let corners = common_corners(&log, &vehicle)?;
+    let rate_hz = log.survey().sample_rate_hz;
+    let mut car = estimator(&vehicle, &corners, rate_hz)?;
+    let mut road = RoadTrack::new(&vehicle, &corners, rate_hz)?;
+    let mut wheels = Wheels::new(args, &corners, rate_hz)?;
+
+    let progress = screen.progress("estimating the road");
+    let mut count = 0u64;
+    while let Some(mut row) = log.next_row()? {
+        if count.is_multiple_of(ROWS_PER_LOOK) {
+            interrupt.check()?;
+            progress.set(log.progress());
+        }
+        count += 1;
+        if let (false, Some(speed)) = (row.speed_m_s.is_finite(), args.speed_m_s) {
+            row.speed_m_s = speed;
+        }
+        let estimate = car.update(&row.sample());
+        road.push(&row, &estimate.corners, &car.quarter_cars());
+        wheels.take(&mut road);
+    }
+    road.finish();
+    wheels.take(&mut road);
+    drop(progress);
+
+    let about = format!("road under {} wheels, {:.1} m driven", corners.len(), wheels.distance_m);
+    Ok(Found { about, table: wheels.finish(args.segment_m), warnings: log.repairs().warnings() })
+}
+
+fn estimator(vehicle: &Vehicle, corners: &[Corner], rate_hz: f64) -> Result<CarEstimator<f64>, Failure> {
+    let mut config = CarConfig { corners: [None; 4], wheelbase_m: vehicle.wheelbase_m };
+    for corner in corners {
+        config.corners[corner.index()] = vehicle.corner(*corner).copied();
+    }
+    CarEstimator::new(EstimatorKind::default(), &config, rate_hz)
+        .map_err(|error| Failure::Usage(error.to_string()))
+}
+
+/// A survey per wheel.
+struct Wheels {
+    surveys: Vec<(Corner, WheelSurvey)>,
+    distance_m: f64,
+}
+
+impl Wheels {
+    fn new(args: &RoughnessArgs, corners: &[Corner], rate_hz: f64) -> Result<Self, Failure> {
+        let survey = |corner: &Corner| {
+            let survey = WheelSurvey::new(args.segment_m, rate_hz);
+            survey.map(|survey| (*corner, survey)).map_err(|error| Failure::Usage(error.to_string()))
+        };
+        Ok(Self { surveys: corners.iter().map(survey).collect::<Result<_, _>>()?, distance_m: 0.0 })
+    }
+
+    /// All rows whose road is there.
+    fn take(&mut self, road: &mut RoadTrack) {
+        while let Some(late) = road.pop() {
+            if late.distance_m.is_finite() {
+                self.distance_m = late.distance_m;
+            }
+            for (corner, survey) in &mut self.surveys {
+                let height_m = late.estimates[corner.index()].map_or(f64::NAN, |estimate| estimate.road_m);
+                survey.push(late.distance_m, height_m, late.row.speed_m_s);
+            }
+        }
+    }
+
+    fn finish(self, segment_m: f64) -> RoughnessTable {
+        let tracks = self.surveys.into_iter();
+        let tracks = tracks.map(|(corner, survey)| (corner.label().to_owned(), survey.finish()));
+        RoughnessTable::new(segment_m, tracks.collect())
+    }
+}

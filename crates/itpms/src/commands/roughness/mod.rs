@@ -1,0 +1,80 @@
+//! `itpms roughness`: a profile or a drive in, roughness per track and segment out.
+//!
+//! | room | idea |
+//! |---|---|
+//! | `profile` | tracks from OpenCRG and text |
+//! | `drive` | tracks from a drive log, the road estimated first |
+
+mod drive;
+mod profile;
+
+use std::fs;
+
+use itpms_data::out::AtomicFile;
+use itpms_study::roughness::RoughnessTable;
+use serde_json::json;
+
+use crate::args::RoughnessArgs;
+use crate::exit::Failure;
+use crate::interrupt::Interrupt;
+use crate::screen::Screen;
+
+/// Lines of a table on the terminal; more are for a file.
+const MOST_LINES: usize = 60;
+
+/// What was found, with a line that says where.
+struct Found {
+    /// What was read, in a few words.
+    about: String,
+    table: RoughnessTable,
+    /// What was repaired or is doubtful.
+    warnings: Vec<String>,
+}
+
+pub(crate) fn run(args: &RoughnessArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
+    let file = output(args)?;
+    let found = match &args.vehicle {
+        Some(vehicle) => drive::survey(args, vehicle, screen, interrupt)?,
+        None => profile::survey(args)?,
+    };
+    interrupt.check()?;
+    if let Some(mut file) = file {
+        file.append(found.table.csv().as_bytes())?;
+        file.settle()?;
+        file.commit()?;
+    }
+    for warning in &found.warnings {
+        screen.warn(format!("{}: {warning}", args.input.display()));
+    }
+    if args.json {
+        let mut value = found.table.json();
+        value["input"] = json!(args.input.display().to_string());
+        value["warnings"] = json!(found.warnings);
+        value["output"] = json!(args.output.as_ref().map(|path| path.display().to_string()));
+        screen.print(format!("{value:#}"));
+        return Ok(());
+    }
+    screen.print(format!("{}: {}", args.input.display(), found.about));
+    for line in found.table.lines(MOST_LINES) {
+        screen.print(line);
+    }
+    Ok(())
+}
+
+/// Starts the table's file, so that one that cannot be written is known before the work begins.
+fn output(args: &RoughnessArgs) -> Result<Option<AtomicFile>, Failure> {
+    let Some(path) = &args.output else { return Ok(None) };
+    let name = path.display();
+    let device = fs::metadata(path).is_ok_and(|about| !about.is_file() && !about.is_dir());
+    if !device && path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("csv")) {
+        return Err(Failure::Usage(format!("{name}: the table is CSV, expected a name that ends in .csv")));
+    }
+    let inputs = [Some(&args.input), args.vehicle.as_ref()];
+    for input in inputs.into_iter().flatten() {
+        let same = fs::canonicalize(path).ok().zip(fs::canonicalize(input).ok()).is_some_and(|(a, b)| a == b);
+        if same && !device {
+            return Err(Failure::Usage(format!("{name}: is an input, expected another name to write to")));
+        }
+    }
+    Ok(Some(AtomicFile::create(path)?))
+}

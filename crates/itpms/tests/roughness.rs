@@ -1,0 +1,121 @@
+//! `itpms roughness`: profiles, OpenCRG and drives in, tables and JSON out; unusable inputs refused.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
+
+mod common;
+
+use std::f64::consts::{PI, TAU};
+use std::fmt::Write as _;
+
+use common::Bench;
+use serde_json::Value;
+
+fn ok(bench: &Bench, line: &str) -> String {
+    bench.run(line).success().to_owned()
+}
+
+/// A sine of 2.4 m and 1 mm on the left, of 5 m on the right, 250 m long at 5 cm.
+fn two_sines() -> String {
+    let mut text = String::from("distance_m,left_height_m,right_height_m\n");
+    for i in 0..=5000 {
+        let x = f64::from(i) * 0.05;
+        let wave = |length: f64| 0.001 * (TAU * x / length).sin();
+        _ = writeln!(text, "{x:.2},{:.9},{:.9}", wave(2.4), wave(5.0));
+    }
+    text
+}
+
+#[test]
+fn a_profile_of_two_tracks() {
+    let bench = Bench::new();
+    bench.write("road.csv", two_sines());
+    let json: Value = serde_json::from_str(&ok(&bench, "roughness road.csv -o table.csv --json")).unwrap();
+    // From an independent script for 1 mm at these wavelengths, without the 250 mm average, which takes sinc(n 0.25)
+    // of a wave; 0.3 % for the start and the grid.
+    let sinc = |n: f64| (PI * n * 0.25).sin() / (PI * n * 0.25);
+    let (left, right) = (2.7698 * sinc(1.0 / 2.4), 0.9356 * sinc(0.2));
+    let segment = &json["segments"][1];
+    for (i, expected) in [left, right].into_iter().enumerate() {
+        let found = segment["tracks"][i]["iri_m_per_km"].as_f64().unwrap();
+        assert!((found / expected - 1.0).abs() < 3e-3, "{found} for {expected}");
+    }
+    let mean = segment["mri_m_per_km"].as_f64().unwrap();
+    assert!((mean / (0.5 * (left + right)) - 1.0).abs() < 3e-3);
+    assert_eq!(json["segments"][2]["tracks"][0]["note"], "too little road: 50 of 100 m");
+    let table = bench.read("table.csv");
+    assert_eq!(table.lines().count(), 7, "a header, three segments of two tracks");
+    assert!(table.starts_with("start_m,end_m,track,known_m,iri_m_per_km,mri_m_per_km,"));
+    let text = ok(&bench, "roughness road.csv --segment-m 50");
+    assert!(text.contains("200.0 - 250.0  right") && text.contains("MRI"), "{text}");
+}
+
+#[test]
+fn an_opencrg_road() {
+    let bench = Bench::new();
+    // A ramp of 1 in 100 to the left: both tracks are smooth. Sections at -1 and 1 m, 0.25 m apart, 60 m.
+    let mut text = String::from(
+        "$ROAD_CRG\nreference_line_increment = 0.25\nlong_section_v_increment = 2\n$\n\
+         $KD_DEFINITION\n#:LRFI\nD:long section 1,m\nD:long section 2,m\n$\n$$$$\n",
+    );
+    for i in 0..=240 {
+        let left = if i == 100 { "*missing*".to_owned() } else { format!("{:.6}", 0.01 * f64::from(i % 2)) };
+        _ = writeln!(text, "{:>10.6}{left:>10}", 0.0025 * f64::from(i));
+    }
+    bench.write("road.crg", text);
+    let outcome = bench.run("roughness road.crg --segment-m 30 --lateral-m 1,-1 --json");
+    let json: Value = serde_json::from_str(&outcome.stdout).unwrap();
+    assert_eq!(json["warnings"][0], "left: 1 missing heights bridged, in holes of 0.25 m or less");
+    assert!(json["tracks"][1]["iri_m_per_km"].as_f64().unwrap() < 1e-3, "{json}");
+    // One track, named so.
+    let text = ok(&bench, "roughness road.crg --segment-m 30 --lateral-m=-0.5");
+    assert!(text.starts_with("road.crg: 60.0 m by 0.25 m, road at -0.5 m\n"), "{text}");
+    let refusal = bench.run("roughness road.crg --lateral-m 1.5");
+    assert!(
+        refusal.refusal().contains("1.5 m beside the reference line is outside of the road"),
+        "{refusal:?}"
+    );
+}
+
+#[test]
+fn a_drive_is_estimated_first_and_its_road_file_gives_the_same() {
+    let bench = Bench::with_drive();
+    ok(&bench, "estimate drive.csv --vehicle car.toml -o est.csv --road-out road.csv");
+    let of = |line: &str| -> Value { serde_json::from_str(&ok(&bench, line)).unwrap() };
+    let drive = of("roughness drive.csv --vehicle car.toml --segment-m 50 --json");
+    let road = of("roughness road.csv --segment-m 50 --json");
+    let first = |value: &Value| value["segments"][1]["tracks"][0].clone();
+    let (drive, road) = (first(&drive), first(&road));
+    assert_eq!(drive["track"], road["track"]);
+    // The file rounds heights and distances.
+    let iri = |value: &Value| value["iri_m_per_km"].as_f64().unwrap();
+    assert!((iri(&drive) / iri(&road) - 1.0).abs() < 1e-3, "{drive} {road}");
+    // The paper drives at 20 km/h: half a hertz is 11 m.
+    assert!(drive["note"].as_str().unwrap().contains("of its waves: reads low"), "{drive}");
+}
+
+#[test]
+fn what_cannot_be_used_is_refused() {
+    let bench = Bench::with_drive();
+    bench.write("road.csv", two_sines());
+    bench.write("broken.crg", "$ROAD_CRG\n$\n");
+    let before = bench.names();
+    for (line, message) in [
+        ("roughness nowhere.csv", "nowhere.csv: no such file"),
+        (
+            "roughness drive.csv",
+            "drive.csv: looks like a drive log, whose road has to be estimated: expected --vehicle",
+        ),
+        ("roughness broken.crg", "broken.crg: the header does not end"),
+        ("roughness road.csv --segment-m 2", "road.csv: segments of 2 m, expected 5 m or more"),
+        (
+            "roughness road.csv -o table.json",
+            "table.json: the table is CSV, expected a name that ends in .csv",
+        ),
+        ("roughness road.csv -o road.csv", "road.csv: is an input, expected another name to write to"),
+        ("roughness road.csv -o none/table.csv", "none/table.csv: cannot be written"),
+    ] {
+        let outcome = bench.run(line);
+        assert!(outcome.refusal().starts_with(message), "{outcome:?}");
+        assert_eq!(bench.names(), before);
+    }
+}
