@@ -4,6 +4,7 @@
 //! | room | idea |
 //! |---|---|
 //! | [`bound`] | Cramer-Rao bound on a pressure from one corner |
+//! | [`certify`] | the test procedures of UN R141 and FMVSS 138, driven |
 //! | [`identify`] | spring, damper and tire from bench tests, with standard errors |
 //! | [`observability`] | why two accelerations leave the stiffness free, and what each source of information fixes |
 //! | [`spectrum`] | Welch's power spectral density; level, slope and ISO 8608 class of a road |
@@ -15,6 +16,7 @@
 #![forbid(unsafe_code)]
 
 pub mod bound;
+pub mod certify;
 pub mod identify;
 pub mod observability;
 pub mod paper;

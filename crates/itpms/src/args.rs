@@ -1,6 +1,7 @@
 //! What can be typed after `itpms`. Names are part of the contract with scripts.
 
 mod bench;
+mod certify;
 mod reproduce;
 mod roughness;
 
@@ -14,6 +15,7 @@ use itpms_core::sample::Corner;
 use itpms_study::score::Part;
 
 pub(crate) use bench::{BenchOutput, CalibrateArgs, DamperArgs, IdentifyArgs, IdentifyPart, SpringArgs};
+pub(crate) use certify::CertifyArgs;
 pub(crate) use reproduce::ReproduceArgs;
 pub(crate) use roughness::RoughnessArgs;
 
@@ -43,6 +45,7 @@ pub(crate) enum Command {
     Estimate(EstimateArgs),
     Simulate(SimulateArgs),
     Score(ScoreArgs),
+    Certify(CertifyArgs),
     Identify(IdentifyArgs),
     Calibrate(CalibrateArgs),
     Observability(ObservabilityArgs),

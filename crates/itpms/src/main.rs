@@ -32,6 +32,7 @@ fn main() -> ExitCode {
         Command::Demo(args) => commands::demo::run(args, &screen, &interrupt),
         Command::Estimate(args) => commands::estimate::run(args, &screen, &interrupt),
         Command::Simulate(args) => commands::simulate::run(args, &screen, &interrupt),
+        Command::Certify(args) => commands::certify::run(args, &screen, &interrupt),
         Command::Score(args) => commands::score::run(args, &screen, &interrupt),
         Command::Identify(args) => commands::identify::run(&args.part, &screen),
         Command::Calibrate(args) => commands::identify::run_calibrate(args, &screen),

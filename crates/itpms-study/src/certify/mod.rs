@@ -1,0 +1,164 @@
+//! The test procedures of UN R141 Annex 3 and FMVSS 138 S6, driven in simulation and held against their limits.
+//!
+//! Called by the binary (`itpms certify`). What the estimator and its monitor see is what a car would give them; pressures and
+//! faults are set here and compared with what the tell-tale did. A simulation is no type approval; docs/certify.md says
+//! which clauses are driven and which are not.
+//!
+//! | room | idea |
+//! |---|---|
+//! | `rules` | what the two regulations ask for: speeds, pressures, times |
+//! | `procedure` | the list of tests |
+//! | `course` | a test as a scenario: learning, standstill, detection |
+//! | `telltale` | what the driver would see |
+//! | `drive` | one test from the reset to the tell-tale's end |
+//! | `outcome` | what came of it, and whether that passes |
+//! | `table`, `page`, `figures` | for people |
+
+mod course;
+mod drive;
+mod figures;
+mod outcome;
+mod page;
+mod procedure;
+mod rules;
+mod table;
+mod telltale;
+#[cfg(test)]
+mod tests;
+
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use itpms_core::car::ReferenceError;
+use itpms_core::quarter_car::ParameterError;
+use itpms_sim::error::ScenarioError;
+use rayon::prelude::*;
+use serde::Serialize;
+use thiserror::Error;
+
+pub use outcome::{Outcome, TracePoint, Verdict};
+pub use procedure::{Extent, Failure, Procedure, Test};
+pub use rules::Rule;
+pub use table::list;
+
+/// Stack of a thread in bytes: an estimator of a whole car is a value of some hundred kilobytes, and is handed about by
+/// value while it is set up.
+const STACK_BYTES: usize = 32 << 20;
+
+/// What is to be driven.
+#[derive(Debug, Clone)]
+pub struct Request {
+    /// All tests, or one of each kind.
+    pub extent: Extent,
+    /// Only tests whose names contain this.
+    pub only: Option<String>,
+    /// Seed of the first test's course; the others follow.
+    pub seed: u64,
+}
+
+/// Everything that was driven.
+#[derive(Debug, Clone, Serialize)]
+pub struct Certificate {
+    /// Program version.
+    pub version: &'static str,
+    /// Seed of the first test's course.
+    pub seed: u64,
+    /// Whether all tests passed.
+    pub passed: bool,
+    /// Simulated time in s.
+    pub driven_s: f64,
+    /// The tests, in order.
+    pub outcomes: Vec<Outcome>,
+}
+
+/// Why there is no result.
+#[derive(Debug, Error)]
+pub enum CertifyError {
+    /// No test of that name.
+    #[error("no test's name contains {found:?}, expected a part of one of: {known}")]
+    NoSuchTest {
+        /// What was asked for.
+        found: String,
+        /// All names.
+        known: String,
+    },
+    /// The progress callback said so.
+    #[error("stopped")]
+    Stopped,
+    /// The course, or a value that it refuses.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// A parameter that the estimator or the monitor refuses.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// A reference that the estimator refuses.
+    #[error(transparent)]
+    Reference(#[from] ReferenceError),
+    /// No threads.
+    #[error("cannot start threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+}
+
+/// Told now and then how many simulated seconds of how many are driven; [`ControlFlow::Break`] ends it.
+pub type Progress<'a> = &'a (dyn Fn(u64, u64) -> ControlFlow<()> + Sync);
+
+/// The tests of a request, in order.
+///
+/// # Errors
+/// None has such a name.
+pub fn procedures(request: &Request) -> Result<Vec<Procedure>, CertifyError> {
+    let all = Procedure::all(request.extent);
+    let Some(part) = &request.only else { return Ok(all) };
+    let chosen: Vec<Procedure> = all.iter().filter(|p| p.name().contains(part.as_str())).copied().collect();
+    if chosen.is_empty() {
+        let known = all.iter().map(Procedure::name).collect::<Vec<_>>().join(", ");
+        return Err(CertifyError::NoSuchTest { found: part.clone(), known });
+    }
+    Ok(chosen)
+}
+
+/// Drives the tests on all processors. The same request gives the same result, however many there are.
+///
+/// # Errors
+/// No such test, a stop, or a scenario that cannot be driven.
+pub fn certify(request: &Request, progress: Progress<'_>) -> Result<Certificate, CertifyError> {
+    let procedures = procedures(request)?;
+    let courses = procedures.iter().map(course::Course::new).collect::<Result<Vec<_>, _>>()?;
+    let total_s = courses.iter().map(|course| course.longest_s() as u64).sum();
+    let odometer = Odometer { done_s: AtomicU64::new(0), total_s, stopped: AtomicBool::new(false), progress };
+    let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK_BYTES).build()?;
+    // A test keeps its course whichever other tests are driven.
+    let seed = |procedure: &Procedure| request.seed.wrapping_mul(1000).wrapping_add(procedure.number());
+    let outcomes: Result<Vec<Outcome>, CertifyError> = pool.install(|| {
+        let one = |(procedure, course): (&Procedure, &course::Course)| {
+            drive::drive(procedure, course, seed(procedure), &odometer)
+        };
+        procedures.par_iter().zip(&courses).map(one).collect()
+    });
+    let outcomes = outcomes?;
+    Ok(Certificate {
+        version: env!("CARGO_PKG_VERSION"),
+        seed: request.seed,
+        passed: outcomes.iter().all(|outcome| outcome.verdict == Verdict::Pass),
+        driven_s: outcomes.iter().map(|outcome| outcome.driven_s).sum(),
+        outcomes,
+    })
+}
+
+/// Counts simulated seconds over all threads and asks whether to go on.
+struct Odometer<'a> {
+    done_s: AtomicU64,
+    total_s: u64,
+    stopped: AtomicBool,
+    progress: Progress<'a>,
+}
+
+impl Odometer<'_> {
+    fn advance(&self, seconds: u64) -> Result<(), CertifyError> {
+        let done_s = self.done_s.fetch_add(seconds, Ordering::Relaxed) + seconds;
+        if (self.progress)(done_s.min(self.total_s), self.total_s).is_break() {
+            self.stopped.store(true, Ordering::Relaxed);
+        }
+        if self.stopped.load(Ordering::Relaxed) { Err(CertifyError::Stopped) } else { Ok(()) }
+    }
+}

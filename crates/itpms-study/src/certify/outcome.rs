@@ -1,0 +1,216 @@
+//! What came of a test, and whether that passes.
+
+use itpms_core::car::CarEstimate;
+use itpms_core::monitor::Wheels;
+use itpms_sim::simulation::SimRow;
+use serde::Serialize;
+
+use super::course::Course;
+use super::procedure::{Procedure, Test};
+use super::rules::Rule;
+
+/// What was seen in a test. Times in s.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Findings {
+    /// A lamp was lit while all was well.
+    pub(super) false_alarm_s: Option<f64>,
+    /// Cumulative driving time at which the tell-tale came on, and time since the start.
+    pub(super) warned_after_s: Option<f64>,
+    pub(super) warned_at_s: Option<f64>,
+    /// All that were named until the key was out.
+    pub(super) named: Wheels,
+    /// Those named of which nothing is wrong.
+    pub(super) wrong: Wheels,
+    /// It went out by itself within a minute.
+    pub(super) went_out: bool,
+    /// Whether it was lit again after the key was out.
+    pub(super) relit: Option<bool>,
+    /// Driving time after which it was out for good, everything being right again.
+    pub(super) out_after_s: Option<f64>,
+}
+
+/// Whether a test is passed, and if not, the first reason.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// Everything as it should be.
+    Pass,
+    /// A lamp was lit before anything was wrong.
+    FalseAlarm,
+    /// The tell-tale did not come on in time.
+    NotInTime,
+    /// It went out by itself.
+    WentOut,
+    /// It was not lit any more after the key had been out.
+    NotRelit,
+    /// It stayed lit with everything put right.
+    NotOut,
+}
+
+impl Verdict {
+    fn of(findings: &Findings, limit_s: f64) -> Self {
+        if findings.false_alarm_s.is_some() {
+            Self::FalseAlarm
+        } else if !findings.warned_after_s.is_some_and(|after_s| after_s <= limit_s) {
+            Self::NotInTime
+        } else if findings.went_out {
+            Self::WentOut
+        } else if findings.relit != Some(true) {
+            Self::NotRelit
+        } else if findings.out_after_s.is_none() {
+            Self::NotOut
+        } else {
+            Self::Pass
+        }
+    }
+
+    /// In a word or two.
+    #[must_use]
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Pass => "pass",
+            Self::FalseAlarm => "FAIL: false alarm",
+            Self::NotInTime => "FAIL: not in time",
+            Self::WentOut => "FAIL: went out",
+            Self::NotRelit => "FAIL: not lit again",
+            Self::NotOut => "FAIL: stays lit",
+        }
+    }
+}
+
+/// What came of a test. Times in s; times of day count from the start of the learning phase.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Outcome {
+    /// The test's name.
+    pub name: String,
+    /// The regulation.
+    pub rule: Rule,
+    /// Its clauses.
+    pub clause: &'static str,
+    /// What was done to the car.
+    pub what: String,
+    /// Whether it passed.
+    pub verdict: Verdict,
+    /// Cumulative driving time at the tell-tale, and its limit.
+    pub warned_after_s: Option<f64>,
+    /// The limit.
+    pub limit_s: f64,
+    /// The wheels the tell-tale named.
+    pub named: String,
+    /// Those of them of which nothing was wrong. The regulations do not ask; we do.
+    pub named_wrongly: String,
+    /// A lamp lit while all was well.
+    pub false_alarm_s: Option<f64>,
+    /// Lit again after five minutes without the key; `None`: it never was lit.
+    pub relit: Option<bool>,
+    /// Driving time after which it was out, everything being put right; `None`: it stayed lit, or never was.
+    pub out_after_s: Option<f64>,
+    /// Pressure at the end of the learning phase in kPa, and the one tires were let down to.
+    pub warm_kpa: f64,
+    /// The pressure tires were let down to.
+    pub test_kpa: Option<f64>,
+    /// When what is wrong was complete.
+    pub wrong_at_s: f64,
+    /// When the tell-tale came on.
+    pub warned_at_s: Option<f64>,
+    /// The wheels that were let down; empty for a malfunction.
+    pub low_wheels: String,
+    /// Simulated time.
+    pub driven_s: f64,
+    /// Pressures over time; in the CSV files and figures.
+    #[serde(skip)]
+    pub trace: Vec<TracePoint>,
+}
+
+impl Outcome {
+    pub(super) fn new(
+        procedure: &Procedure,
+        course: &Course,
+        findings: Findings,
+        trace: Vec<TracePoint>,
+        driven_s: f64,
+    ) -> Self {
+        Self {
+            name: procedure.name(),
+            rule: procedure.rule,
+            clause: procedure.rule.clause(procedure.test),
+            what: procedure.words(),
+            verdict: Verdict::of(&findings, course.limit_s),
+            warned_after_s: findings.warned_after_s,
+            limit_s: course.limit_s,
+            named: findings.named.to_string(),
+            named_wrongly: findings.wrong.to_string(),
+            false_alarm_s: findings.false_alarm_s,
+            relit: findings.relit,
+            out_after_s: findings.out_after_s,
+            warm_kpa: course.warm_kpa,
+            test_kpa: course.test_kpa,
+            wrong_at_s: course.wrong_at_s,
+            warned_at_s: findings.warned_at_s,
+            low_wheels: match procedure.test {
+                Test::Malfunction(_) => String::new(),
+                _ => procedure.low_wheels().to_string(),
+            },
+            driven_s: driven_s.round(),
+            trace,
+        }
+    }
+}
+
+/// A moment of a test.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TracePoint {
+    /// Time in s.
+    pub time_s: f64,
+    /// Speed in km/h.
+    pub speed_km_h: f64,
+    /// True pressures in kPa, in the order of `Corner::ALL`.
+    pub truth_kpa: [f64; 4],
+    /// Estimated ones; NaN where not valid.
+    pub estimate_kpa: [f64; 4],
+    /// Their standard deviations in kPa.
+    pub sd_kpa: [f64; 4],
+}
+
+impl TracePoint {
+    /// A gap.
+    pub(super) fn nothing(time_s: f64) -> Self {
+        let unknown = [f64::NAN; 4];
+        Self { time_s, speed_km_h: 0.0, truth_kpa: unknown, estimate_kpa: unknown, sd_kpa: unknown }
+    }
+
+    pub(super) fn new(time_s: f64, row: &SimRow, estimate: &CarEstimate<f64>) -> Self {
+        let valid = estimate.corners.map(|corner| corner.filter(|corner| corner.validity.is_valid()));
+        Self {
+            time_s,
+            speed_km_h: 3.6 * row.speed_m_s,
+            truth_kpa: row.corners.map(|corner| corner.map_or(f64::NAN, |corner| corner.pressure_kpa)),
+            estimate_kpa: valid.map(|corner| corner.map_or(f64::NAN, |corner| corner.pressure_kpa)),
+            sd_kpa: valid.map(|corner| corner.map_or(f64::NAN, |corner| corner.pressure_sd_kpa)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_test_passes_only_if_everything_is_as_it_should_be() {
+        let good = Findings {
+            warned_after_s: Some(600.0),
+            relit: Some(true),
+            out_after_s: Some(30.0),
+            ..Findings::default()
+        };
+        assert_eq!(Verdict::of(&good, 600.0), Verdict::Pass);
+        assert_eq!(Verdict::of(&good, 599.0), Verdict::NotInTime);
+        assert_eq!(Verdict::of(&Findings::default(), 600.0), Verdict::NotInTime);
+        assert_eq!(Verdict::of(&Findings { went_out: true, ..good }, 600.0), Verdict::WentOut);
+        assert_eq!(Verdict::of(&Findings { relit: Some(false), ..good }, 600.0), Verdict::NotRelit);
+        assert_eq!(Verdict::of(&Findings { out_after_s: None, ..good }, 600.0), Verdict::NotOut);
+        assert_eq!(Verdict::of(&Findings { false_alarm_s: Some(7.0), ..good }, 600.0), Verdict::FalseAlarm);
+        let never = Findings { warned_after_s: Some(f64::NAN), ..good };
+        assert_eq!(Verdict::of(&never, 600.0), Verdict::NotInTime);
+    }
+}

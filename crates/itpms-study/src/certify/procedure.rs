@@ -1,0 +1,207 @@
+//! The list of tests: which regulation, which wheels or which fault.
+
+use itpms_core::monitor::Wheels;
+use itpms_core::sample::Corner;
+use itpms_sim::fault::{FaultKind, FaultPlace, FaultSpec, SensorName};
+
+use super::rules::Rule;
+
+/// How much of the list is driven.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Extent {
+    /// Every wheel, every combination that a regulation names, every sensor.
+    Full,
+    /// One test of each kind.
+    Quick,
+}
+
+/// What is wrong with the car.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Test {
+    /// These tires are let down.
+    Low(Wheels),
+    /// All four are let down.
+    LowAll,
+    /// A sensor fails.
+    Malfunction(Failure),
+}
+
+/// A sensor's failure: what a person with pliers can do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Failure {
+    /// Its plug is pulled: no sample any more.
+    Unplugged(Corner, FaultPlace),
+    /// It repeats its last value.
+    Stuck(Corner, FaultPlace),
+    /// The plugs of two wheel sensors are exchanged.
+    Exchanged(Corner, Corner),
+}
+
+/// A test of a regulation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Procedure {
+    /// Whose.
+    pub rule: Rule,
+    /// What is wrong with the car.
+    pub test: Test,
+}
+
+const PLACES: [FaultPlace; 2] = [FaultPlace::Wheel, FaultPlace::Body];
+
+impl Procedure {
+    /// The list, in a fixed order.
+    #[must_use]
+    pub fn all(extent: Extent) -> Vec<Self> {
+        let every = Rule::ALL.into_iter().flat_map(Self::of_rule);
+        match extent {
+            Extent::Full => every.collect(),
+            Extent::Quick => every.filter(|procedure| procedure.is_quick()).collect(),
+        }
+    }
+
+    fn of_rule(rule: Rule) -> Vec<Self> {
+        let lows: Vec<Wheels> = match rule {
+            Rule::UnR141 => Corner::ALL.map(Wheels::from).to_vec(),
+            // One to three of four; all four follow.
+            Rule::Fmvss138 => combinations(),
+        };
+        let mut tests: Vec<Test> = lows.into_iter().map(Test::Low).collect();
+        tests.push(Test::LowAll);
+        let sensors = || Corner::ALL.into_iter().flat_map(|corner| PLACES.map(|place| (corner, place)));
+        tests.extend(sensors().map(|(corner, place)| Test::Malfunction(Failure::Unplugged(corner, place))));
+        tests.push(Test::Malfunction(Failure::Stuck(Corner::FrontRight, FaultPlace::Wheel)));
+        tests.push(Test::Malfunction(Failure::Stuck(Corner::RearLeft, FaultPlace::Body)));
+        tests.push(Test::Malfunction(Failure::Exchanged(Corner::FrontLeft, Corner::FrontRight)));
+        tests.into_iter().map(|test| Self { rule, test }).collect()
+    }
+
+    /// One wheel in front for the one and in the rear for the other regulation, all four, one unplugged sensor.
+    fn is_quick(&self) -> bool {
+        match self.test {
+            Test::Low(wheels) => {
+                let corner = if self.rule == Rule::UnR141 { Corner::FrontLeft } else { Corner::RearRight };
+                wheels == corner.into()
+            }
+            Test::LowAll => true,
+            Test::Malfunction(failure) => failure == Failure::Unplugged(Corner::RearLeft, FaultPlace::Wheel),
+        }
+    }
+
+    /// Its place in the full list.
+    pub(super) fn number(&self) -> u64 {
+        Self::all(Extent::Full).iter().position(|other| other == self).map_or(0, |i| i as u64)
+    }
+
+    /// A name for files and for `--only`: `un-r141-puncture-fl`, `fmvss-138-low-fl-rr`, `un-r141-unplugged-rl-wheel`.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let rule = self.rule.label().to_lowercase().replace(' ', "-");
+        let test = match (self.rule, self.test) {
+            (Rule::UnR141, Test::Low(wheels)) => format!("puncture-{wheels}"),
+            (Rule::Fmvss138, Test::Low(wheels)) => format!("low-{wheels}"),
+            (Rule::UnR141, Test::LowAll) => "diffusion".to_owned(),
+            (Rule::Fmvss138, Test::LowAll) => "low-all".to_owned(),
+            (_, Test::Malfunction(failure)) => failure.name(),
+        };
+        format!("{rule}-{}", test.replace(' ', "-"))
+    }
+
+    /// What is done to the car, for a person.
+    #[must_use]
+    pub fn words(&self) -> String {
+        match (self.rule, self.test) {
+            (Rule::UnR141, Test::Low(wheels)) => format!("puncture: {wheels}"),
+            (Rule::Fmvss138, Test::Low(wheels)) => format!("low: {wheels}"),
+            (Rule::UnR141, Test::LowAll) => "diffusion: all four".to_owned(),
+            (Rule::Fmvss138, Test::LowAll) => "low: all four".to_owned(),
+            (_, Test::Malfunction(failure)) => format!("malfunction: {}", failure.words()),
+        }
+    }
+
+    /// The wheels that are let down.
+    #[must_use]
+    pub fn low_wheels(&self) -> Wheels {
+        match self.test {
+            Test::Low(wheels) => wheels,
+            Test::LowAll => Corner::ALL.into_iter().collect(),
+            Test::Malfunction(_) => Wheels::NONE,
+        }
+    }
+
+    /// The wheels that a warning may name.
+    #[must_use]
+    pub fn concerned(&self) -> Wheels {
+        match self.test {
+            Test::Malfunction(Failure::Unplugged(corner, _) | Failure::Stuck(corner, _)) => corner.into(),
+            Test::Malfunction(Failure::Exchanged(a, b)) => Wheels::from(a) | b.into(),
+            _ => self.low_wheels(),
+        }
+    }
+}
+
+/// One to three of the wheels, fewer ones first.
+fn combinations() -> Vec<Wheels> {
+    let mut sets: Vec<u8> = (1..15).collect();
+    sets.sort_by_key(|bits| (bits.count_ones(), *bits));
+    let wheels = |bits: u8| Corner::ALL.into_iter().filter(move |corner| bits & (1 << corner.index()) != 0);
+    sets.into_iter().map(|bits| wheels(bits).collect()).collect()
+}
+
+impl Failure {
+    fn name(self) -> String {
+        let place = |place| if place == FaultPlace::Wheel { "wheel" } else { "body" };
+        match self {
+            Self::Unplugged(corner, at) => format!("unplugged-{}-{}", corner.label(), place(at)),
+            Self::Stuck(corner, at) => format!("stuck-{}-{}", corner.label(), place(at)),
+            Self::Exchanged(a, b) => format!("exchanged-{}-{}", a.label(), b.label()),
+        }
+    }
+
+    fn words(self) -> String {
+        let place = |place| if place == FaultPlace::Wheel { "wheel" } else { "body" };
+        match self {
+            Self::Unplugged(corner, at) => format!("{} {} sensor unplugged", corner.label(), place(at)),
+            Self::Stuck(corner, at) => format!("{} {} sensor stuck", corner.label(), place(at)),
+            Self::Exchanged(a, b) => format!("wheel sensors of {} and {} exchanged", a.label(), b.label()),
+        }
+    }
+
+    /// As a scenario has it, for good.
+    pub(super) fn spec(self, from_s: f64) -> FaultSpec {
+        let fault = |corner: Corner, sensor, kind| FaultSpec {
+            corner: corner.into(),
+            sensor,
+            from_s,
+            to_s: None,
+            kind,
+        };
+        match self {
+            Self::Unplugged(corner, place) => fault(corner, place, FaultKind::Dropout { share: 1.0 }),
+            Self::Stuck(corner, place) => fault(corner, place, FaultKind::Stuck),
+            Self::Exchanged(a, b) => {
+                let with = SensorName::new(b, FaultPlace::Wheel);
+                fault(a, FaultPlace::Wheel, FaultKind::Swap { with })
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn the_list_has_every_wheel_and_every_combination_under_a_name_of_its_own() {
+        let all = Procedure::all(Extent::Full);
+        let names: BTreeSet<String> = all.iter().map(Procedure::name).collect();
+        assert_eq!(names.len(), all.len());
+        let count = |part: &str| names.iter().filter(|name| name.contains(part)).count();
+        // Four wheels; of four wheels, one to four: 2^4 - 1; of eight sensors each.
+        assert_eq!((count("r141-puncture"), count("r141-diffusion"), count("138-low")), (4, 1, 15));
+        assert_eq!((count("r141-unplugged"), count("138-unplugged")), (8, 8));
+        let quick = Procedure::all(Extent::Quick);
+        assert_eq!(quick.len(), 6);
+        assert!(quick.iter().all(|procedure| all[procedure.number() as usize] == *procedure));
+    }
+}

@@ -1,0 +1,66 @@
+//! Tests of whole runs, shortened: the regulations' own times are driven by `itpms certify`.
+
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use itpms_core::sample::Corner;
+use itpms_sim::fault::FaultPlace;
+
+use super::course::Course;
+use super::drive::drive;
+use super::*;
+
+fn unplugged() -> Procedure {
+    Procedure {
+        rule: Rule::UnR141,
+        test: Test::Malfunction(Failure::Unplugged(Corner::RearLeft, FaultPlace::Wheel)),
+    }
+}
+
+fn request(only: &str) -> Request {
+    Request { extent: Extent::Full, only: Some(only.to_owned()), seed: 1 }
+}
+
+#[test]
+fn an_unplugged_sensor_is_told_and_the_run_repeats_to_the_bit() {
+    let procedure = unplugged();
+    // Little learning and a minute of detection; what is said of a dead sensor needs neither.
+    let course = Course::with_times(&procedure, 20.0, 60.0).unwrap();
+    let run = || {
+        let progress = &|_: u64, _: u64| ControlFlow::Continue(());
+        let (done_s, stopped) = (AtomicU64::new(0), AtomicBool::new(false));
+        let odometer = Odometer { done_s, total_s: course.longest_s() as u64, stopped, progress };
+        let outcome = drive(&procedure, &course, 7, &odometer).unwrap();
+        let done_s = odometer.done_s.load(Ordering::Relaxed);
+        // All of the way is told of, up to a report's length.
+        assert!((done_s as f64 - course.longest_s()).abs() <= 10.0, "{done_s}");
+        outcome
+    };
+    let outcome = run();
+    assert!(outcome.warned_after_s.is_some_and(|after_s| after_s < 60.0), "{outcome:?}");
+    assert!(outcome.named.contains("rl") && outcome.false_alarm_s.is_none(), "{outcome:?}");
+    assert_eq!(outcome.relit, Some(true));
+    let again = run();
+    assert_eq!(outcome.csv(), again.csv());
+    assert_eq!(outcome.figure().svg(), again.figure().svg());
+}
+
+#[test]
+fn a_stop_ends_it_and_a_name_that_is_none_is_told() {
+    let stop = |_: u64, _: u64| ControlFlow::Break(());
+    assert!(matches!(certify(&request("unplugged-rl-wheel"), &stop), Err(CertifyError::Stopped)));
+    let error = certify(&request("brakes"), &stop).unwrap_err().to_string();
+    assert!(
+        error.starts_with("no test's name contains \"brakes\", expected a part of one of: un-r141-"),
+        "{error}"
+    );
+}
+
+#[test]
+fn tables_have_a_line_per_test() {
+    let all = procedures(&Request { extent: Extent::Full, only: None, seed: 1 }).unwrap();
+    let text = list(&all);
+    assert_eq!(text.lines().count(), all.len());
+    assert!(text.contains("un-r141-diffusion") && text.contains("within 60:00"));
+    assert_eq!(procedures(&request("fmvss-138-low")).unwrap().len(), 15);
+}
