@@ -11,6 +11,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser as _};
 use clap::{Parser, Subcommand};
 use clap_complete::Shell;
 use itpms_core::estimator::{EstimatorKind, RoadPeriod, RoadRepetition};
+use itpms_core::monitor::Regulation;
 use itpms_core::sample::Corner;
 use itpms_study::score::Part;
 
@@ -100,6 +101,12 @@ pub(crate) struct EstimateArgs {
     /// implausible is refused, with exit code 2.
     #[arg(long, value_name = "FILE", conflicts_with = "calibrate_s")]
     pub(crate) reference: Option<PathBuf>,
+    /// Which loss is warned of: un-r141 20 % of the placard's pressure, fmvss-138 25 %.
+    #[arg(long, value_name = "NAME", default_value = Regulation::default().label(), value_parser = regulation_names())]
+    pub(crate) regulation: Regulation,
+    /// Where warnings and malfunctions go as they come and go: a line of JSON each.
+    #[arg(long, value_name = "EVENTS")]
+    pub(crate) events: Option<PathBuf>,
     /// Whether the road repeats itself, as on a test bed: after S seconds, never, or to be looked for.
     #[arg(long, value_name = "S|never|auto", default_value = "auto", value_parser = road_repetition)]
     pub(crate) road_repeats: RoadRepetition,
@@ -120,11 +127,17 @@ Examples:
   itpms estimate drive.parquet --vehicle car.toml -o est.parquet --road-out road.parquet --report report.html
   itpms estimate reset.csv --vehicle car.toml -o est.csv --calibrate-s 600 --save-reference car.reference
   itpms estimate drive.csv --vehicle car.toml -o est.csv --reference car.reference
+  itpms estimate drive.csv --vehicle car.toml -o est.csv --events events.jsonl
   itpms estimate drive.csv --vehicle car.toml -o est.csv --estimator aekf-ui --rate 50 --json";
 
 fn estimator_names() -> impl clap::builder::TypedValueParser<Value = EstimatorKind> {
     PossibleValuesParser::new(EstimatorKind::ALL.map(EstimatorKind::label))
         .map(|label| EstimatorKind::from_label(&label).unwrap_or_default())
+}
+
+fn regulation_names() -> impl clap::builder::TypedValueParser<Value = Regulation> {
+    PossibleValuesParser::new(Regulation::ALL.map(Regulation::label))
+        .map(|label| Regulation::from_label(&label).unwrap_or_default())
 }
 
 fn road_repetition(text: &str) -> Result<RoadRepetition, String> {

@@ -15,6 +15,26 @@ pub enum Regulation {
     Fmvss138,
 }
 
+impl Regulation {
+    /// All of them, the default first.
+    pub const ALL: [Self; 2] = [Self::UnR141, Self::Fmvss138];
+
+    /// The name on the command line.
+    #[must_use]
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::UnR141 => "un-r141",
+            Self::Fmvss138 => "fmvss-138",
+        }
+    }
+
+    /// The rule of that name.
+    #[must_use]
+    pub fn from_label(label: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|rule| rule.label() == label)
+    }
+}
+
 /// When to say what. Shares are of a wheel's reference pressure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

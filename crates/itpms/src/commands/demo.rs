@@ -7,6 +7,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use itpms_core::monitor::Regulation;
 use itpms_core::estimator::{EstimatorKind, RoadRepetition};
 use itpms_sim::scenario::Scenario;
 
@@ -36,13 +37,15 @@ pub(crate) fn run(args: &DemoArgs, screen: &Screen, interrupt: &Interrupt) -> Re
         calibrate_s: None,
         save_reference: None,
         reference: None,
+        events: None,
+        regulation: Regulation::default(),
         road_repeats: RoadRepetition::default(),
     };
-    let (_, data) = estimate::perform(&estimate_args, screen, interrupt)?;
+    let done = estimate::perform(&estimate_args, screen, interrupt)?;
     workshop.hand_over()?;
 
     screen.print(&scenario.description);
-    estimate::print_corners(screen, &data);
+    estimate::print_corners(screen, &done);
     screen.print(format!("See {} for the whole story.", args.out.join("report.html").display()));
     Ok(())
 }

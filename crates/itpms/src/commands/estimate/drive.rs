@@ -2,6 +2,7 @@
 
 use itpms_core::car::{CarConfig, CarEstimate, CarEstimator, LearnedReference};
 use itpms_core::estimate::CornerEstimate;
+use itpms_core::monitor::{Monitor, MonitorConfig, MonitorReport, MonitoredCar};
 use itpms_core::quarter_car::QuarterCar;
 use itpms_core::sample::Corner;
 use itpms_data::{LogRow, Vehicle};
@@ -16,9 +17,9 @@ pub(super) type Estimates = [Option<CornerEstimate<f64>>; 4];
 /// Load and damping as identified, in the order of [`Corner::ALL`].
 pub(super) type QuarterCars = [Option<QuarterCar<f64>>; 4];
 
-/// The running estimator.
+/// The running estimator under its monitor.
 pub(super) struct Drive {
-    car: CarEstimator<f64>,
+    car: MonitoredCar<f64>,
 }
 
 impl Drive {
@@ -38,17 +39,25 @@ impl Drive {
         if let Some(seconds) = args.calibrate_s {
             car = car.with_reset_drive(seconds).map_err(fail)?;
         }
-        Ok(Self { car: reference::told(args, vehicle, car)? })
+        let car = reference::told(args, vehicle, car)?;
+        let told = MonitorConfig::new(&config).with_limits(args.regulation.into());
+        let monitor = Monitor::new(&told, sample_rate_hz).map_err(fail)?;
+        Ok(Self { car: MonitoredCar::new(car, monitor) })
     }
 
     /// The cars as they seem to be now, in the order of [`Corner::ALL`].
     pub(super) fn quarter_cars(&self) -> QuarterCars {
-        self.car.quarter_cars()
+        self.car.estimator().quarter_cars()
     }
 
     /// What the reset taught, once it is over.
     pub(super) fn learned(&self) -> Option<LearnedReference<f64>> {
-        self.car.learned()
+        self.car.estimator().learned()
+    }
+
+    /// What the monitor says after the last row.
+    pub(super) fn report(&self) -> &MonitorReport<f64> {
+        self.car.report()
     }
 
     pub(super) fn update(&mut self, row: &LogRow) -> CarEstimate<f64> {

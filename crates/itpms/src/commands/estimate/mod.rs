@@ -2,7 +2,8 @@
 //!
 //! | room | idea |
 //! |---|---|
-//! | `drive` | the estimators of the corners, side by side |
+//! | `drive` | the estimator of the car under its monitor |
+//! | `events` | what the monitor said and took back |
 //! | `rate` | which rows of the log become rows of the output |
 //! | `road` | the road record, late but smooth |
 //! | `reference` | what a reset taught, from and for other drives |
@@ -10,6 +11,7 @@
 //! | `summary` | what is said at the end |
 
 mod drive;
+mod events;
 mod outputs;
 mod rate;
 mod reference;
@@ -28,6 +30,7 @@ use crate::exit::Failure;
 use crate::interrupt::Interrupt;
 use crate::screen::Screen;
 use drive::Drive;
+use events::Alerts;
 use outputs::Outputs;
 pub(super) use road::RoadTrack;
 pub(crate) use summary::print_corners;
@@ -36,9 +39,16 @@ pub(crate) use summary::print_corners;
 const USUAL_RATES_HZ: std::ops::RangeInclusive<f64> = 99.0..=2020.0;
 
 pub(crate) fn run(args: &EstimateArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
-    let (log, data) = perform(args, screen, interrupt)?;
-    summary::print(args, screen, &log, &data);
+    let done = perform(args, screen, interrupt)?;
+    summary::print(args, screen, &done);
     Ok(())
+}
+
+/// A drive that was estimated, its files in place.
+pub(crate) struct Done {
+    pub(crate) log: LogReader,
+    pub(crate) data: ReportData,
+    pub(crate) alerts: Alerts,
 }
 
 /// Everything but the summary.
@@ -46,7 +56,7 @@ pub(crate) fn perform(
     args: &EstimateArgs,
     screen: &Screen,
     interrupt: &Interrupt,
-) -> Result<(LogReader, ReportData), Failure> {
+) -> Result<Done, Failure> {
     outputs::check_names(args)?;
     let vehicle = Vehicle::read(&args.vehicle)?;
     let units = if args.trust_units { UnitCheck::Trusting } else { UnitCheck::Suspicious };
@@ -65,15 +75,15 @@ pub(crate) fn perform(
         }
         count += 1;
         let estimate = drive.update(&row);
-        outputs.take(&row, &estimate.corners, &drive.quarter_cars())?;
+        outputs.take(&row, &estimate.corners, &drive.quarter_cars(), drive.report())?;
     }
     drop(progress);
     interrupt.check()?;
 
-    let data = outputs.complete(args, &vehicle, &log, drive.learned())?;
+    let (data, alerts) = outputs.complete(args, &vehicle, &log, drive.learned())?;
     remarks(args, screen, &log, &vehicle);
     reference::remark(args, screen);
-    Ok((log, data))
+    Ok(Done { log, data, alerts })
 }
 
 /// The corners that the log has measured and the vehicle file describes.

@@ -5,12 +5,14 @@ use std::fs;
 use std::path::Path;
 
 use itpms_core::car::LearnedReference;
+use itpms_core::monitor::MonitorReport;
 use itpms_core::sample::Corner;
 use itpms_data::out::{AtomicFile, EstimateWriter, RoadPoint, RoadWriter};
 use itpms_data::{LogReader, LogRow, Vehicle};
 use itpms_study::report::{self, CornerRow, Provenance, ReportCollector, ReportData, ReportOptions};
 
 use super::drive::{Estimates, QuarterCars};
+use super::events::{Alerts, Events};
 use super::rate::RateGate;
 use super::reference::Saving;
 use super::road::RoadTrack;
@@ -19,12 +21,11 @@ use crate::exit::Failure;
 
 /// Refuses an output that is one of the inputs, or two outputs of one name.
 pub(super) fn check_names(args: &EstimateArgs) -> Result<(), Failure> {
-    let outputs: Vec<&Path> =
-        [Some(&args.output), args.road_out.as_ref(), args.report.as_ref(), args.save_reference.as_ref()]
-            .into_iter()
-            .flatten()
-            .map(AsRef::as_ref)
-            .collect();
+    let optional = [&args.road_out, &args.report, &args.save_reference, &args.events];
+    let outputs: Vec<&Path> = std::iter::once(&args.output)
+        .chain(optional.into_iter().flatten())
+        .map(AsRef::as_ref)
+        .collect();
     let same = |a: &Path, b: &Path| match (fs::canonicalize(a), fs::canonicalize(b)) {
         (Ok(a_real), Ok(b_real)) => a_real == b_real && a_real.is_file(),
         _ => a == b,
@@ -60,6 +61,7 @@ pub(super) struct Outputs {
     road: Option<RoadWriter>,
     page: Option<AtomicFile>,
     reference: Option<Saving>,
+    events: Events,
     collector: ReportCollector,
 }
 
@@ -84,6 +86,7 @@ impl Outputs {
             road: args.road_out.as_ref().map(|path| RoadWriter::create(path, corners)).transpose()?,
             page: args.report.as_ref().map(|path| AtomicFile::create(path)).transpose()?,
             reference: Saving::create(args, vehicle)?,
+            events: Events::create(args.events.as_deref())?,
             track: road_wanted.then(|| RoadTrack::new(vehicle, corners, sample_rate_hz)).transpose()?,
             collector: ReportCollector::new(&configs, ReportOptions::default()),
         })
@@ -95,7 +98,9 @@ impl Outputs {
         row: &LogRow,
         estimates: &Estimates,
         cars: &QuarterCars,
+        report: &MonitorReport<f64>,
     ) -> Result<(), Failure> {
+        self.events.take(report)?;
         if self.gate.lets_through(row.time_s) {
             self.estimates.write(row.time_s, estimates)?;
         }
@@ -133,7 +138,7 @@ impl Outputs {
         vehicle: &Vehicle,
         log: &LogReader,
         learned: Option<LearnedReference<f64>>,
-    ) -> Result<ReportData, Failure> {
+    ) -> Result<(ReportData, Alerts), Failure> {
         if let Some(track) = &mut self.track {
             track.finish();
         }
@@ -151,10 +156,12 @@ impl Outputs {
         if let Some(reference) = self.reference {
             files.push(reference.complete(args, learned)?);
         }
+        let (events, alerts) = self.events.complete()?;
+        files.extend(events);
         for file in files {
             file.commit()?;
         }
-        Ok(data)
+        Ok((data, alerts))
     }
 }
 

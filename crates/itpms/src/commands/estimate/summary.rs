@@ -1,16 +1,19 @@
-//! What is said at the end: a line for the drive and one per corner, or the same as JSON.
+//! What is said at the end: a line for the drive, one per corner and one per alert, or the same as JSON.
 
 use itpms_core::estimate::Warning;
 use itpms_data::LogReader;
 use itpms_study::report::{CornerReport, Reading, ReportData};
 use serde_json::{Value, json};
 
+use super::Done;
+use super::events::Alerts;
 use crate::args::EstimateArgs;
 use crate::screen::Screen;
 
-pub(super) fn print(args: &EstimateArgs, screen: &Screen, log: &LogReader, data: &ReportData) {
+pub(super) fn print(args: &EstimateArgs, screen: &Screen, done: &Done) {
+    let Done { log, data, alerts } = done;
     if args.json {
-        screen.print(as_json(args, log, data));
+        screen.print(as_json(args, log, data, alerts));
         return;
     }
     let drive = &data.drive;
@@ -23,13 +26,16 @@ pub(super) fn print(args: &EstimateArgs, screen: &Screen, log: &LogReader, data:
         drive.rate_hz,
         args.estimator.label()
     ));
-    print_corners(screen, data);
+    print_corners(screen, done);
 }
 
-/// A line per corner.
-pub(crate) fn print_corners(screen: &Screen, data: &ReportData) {
-    for corner in &data.corners {
+/// A line per corner, and one for each alert of the monitor.
+pub(crate) fn print_corners(screen: &Screen, done: &Done) {
+    for corner in &done.data.corners {
         screen.print(corner_line(corner));
+    }
+    for sentence in done.alerts.sentences() {
+        screen.print(sentence);
     }
 }
 
@@ -60,7 +66,7 @@ fn corner_line(corner: &CornerReport) -> String {
     line
 }
 
-fn as_json(args: &EstimateArgs, log: &LogReader, data: &ReportData) -> Value {
+fn as_json(args: &EstimateArgs, log: &LogReader, data: &ReportData, alerts: &Alerts) -> Value {
     let path = |path: &std::path::PathBuf| path.display().to_string();
     let corners: serde_json::Map<String, Value> =
         data.corners.iter().map(|corner| (corner.corner.label().to_owned(), corner_json(corner))).collect();
@@ -72,12 +78,14 @@ fn as_json(args: &EstimateArgs, log: &LogReader, data: &ReportData) -> Value {
         "rate_hz": data.drive.rate_hz,
         "distance_m": data.drive.distance_m,
         "corners": corners,
+        "alerts": alerts.json(),
         "rows": log.repairs().rows_kept,
         "warnings": log.repairs().warnings(),
         "outputs": {
             "estimate": path(&args.output),
             "road": args.road_out.as_ref().map(path),
             "report": args.report.as_ref().map(path),
+            "events": args.events.as_ref().map(path),
             "reference": args.save_reference.as_ref().map(path),
         },
     })

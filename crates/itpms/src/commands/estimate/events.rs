@@ -1,0 +1,190 @@
+//! What the monitor said and took back: a line of JSON for every transition, and a list for the summary.
+
+use std::path::Path;
+
+use itpms_core::monitor::{Alert, Cause, Change, Malfunction, MonitorReport, Place, Reading, Sensor, Wheels};
+use itpms_data::out::AtomicFile;
+use serde_json::{Map, Value, json};
+
+use crate::exit::Failure;
+
+/// Alerts that the summary lists; more are counted.
+const LISTED: usize = 50;
+
+/// An alert and when it was taken back, if it was.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Listed {
+    pub(super) alert: Alert<f64>,
+    pub(super) ended_s: Option<f64>,
+}
+
+/// The transitions of a drive.
+pub(super) struct Events {
+    file: Option<AtomicFile>,
+    before: Option<MonitorReport<f64>>,
+    listed: Vec<Listed>,
+    unlisted: usize,
+}
+
+impl Events {
+    /// Starts the file, if it is wanted.
+    pub(super) fn create(path: Option<&Path>) -> Result<Self, Failure> {
+        let file = path.map(AtomicFile::create).transpose()?;
+        Ok(Self { file, before: None, listed: Vec::new(), unlisted: 0 })
+    }
+
+    /// Takes what the monitor says after a row.
+    pub(super) fn take(&mut self, report: &MonitorReport<f64>) -> Result<(), Failure> {
+        let unchanged = self.before.as_ref().is_some_and(|before| before.time_s == report.time_s);
+        if unchanged {
+            return Ok(());
+        }
+        let Some(before) = self.before.replace(*report) else {
+            return report.alerts().try_for_each(|alert| self.note(report.time_s, Change::Begun(*alert)));
+        };
+        report.changes_since(&before).try_for_each(|change| self.note(report.time_s, change))
+    }
+
+    fn note(&mut self, time_s: f64, change: Change<f64>) -> Result<(), Failure> {
+        if let Some(file) = &mut self.file {
+            file.append(format!("{}\n", line(time_s, &change)).as_bytes())?;
+        }
+        match change {
+            Change::Begun(_) if self.listed.len() >= LISTED => self.unlisted += 1,
+            Change::Begun(alert) => self.listed.push(Listed { alert, ended_s: None }),
+            Change::Ended(alert) => {
+                let same = |listed: &&mut Listed| {
+                    listed.ended_s.is_none()
+                        && listed.alert.wheels == alert.wheels
+                        && listed.alert.said_s == alert.said_s
+                        && listed.alert.cause.label() == alert.cause.label()
+                };
+                if let Some(listed) = self.listed.iter_mut().rev().find(same) {
+                    *listed = Listed { alert, ended_s: Some(time_s) };
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The complete file, to be given its name together with the others; and what there is to list. Alerts that still
+    /// stand have their newest numbers.
+    pub(super) fn complete(mut self) -> Result<(Option<AtomicFile>, Alerts), Failure> {
+        if let Some(file) = &mut self.file {
+            file.settle()?;
+        }
+        for now in self.before.iter().flat_map(MonitorReport::alerts) {
+            let standing = self.listed.iter_mut().rev().find(|listed| {
+                listed.ended_s.is_none() && listed.alert.said_s == now.said_s && listed.alert.wheels == now.wheels
+            });
+            if let Some(listed) = standing.filter(|listed| listed.alert.cause.label() == now.cause.label()) {
+                listed.alert = *now;
+            }
+        }
+        Ok((self.file, Alerts { listed: self.listed, unlisted: self.unlisted }))
+    }
+}
+
+/// What was said during a drive.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Alerts {
+    listed: Vec<Listed>,
+    unlisted: usize,
+}
+
+impl Alerts {
+    /// A sentence for every alert.
+    pub(super) fn sentences(&self) -> impl Iterator<Item = String> + '_ {
+        let sentences = self.listed.iter().map(|Listed { alert, ended_s }| match ended_s {
+            Some(ended_s) => format!("{alert}; over at {ended_s:.1} s"),
+            None => alert.to_string(),
+        });
+        let rest = (self.unlisted > 0).then(|| format!("and {} more", self.unlisted));
+        sentences.chain(rest)
+    }
+
+    /// The same as JSON.
+    pub(super) fn json(&self) -> Value {
+        let one = |listed: &Listed| {
+            let mut object = object(&listed.alert);
+            object.insert("ended_s".to_owned(), json!(listed.ended_s));
+            Value::Object(object)
+        };
+        self.listed.iter().map(one).collect()
+    }
+}
+
+fn line(time_s: f64, change: &Change<f64>) -> Value {
+    let (event, alert) = match change {
+        Change::Begun(alert) => ("begun", alert),
+        Change::Ended(alert) => ("ended", alert),
+    };
+    let mut line = Map::new();
+    line.insert("time_s".to_owned(), json!(time_s));
+    line.insert("event".to_owned(), json!(event));
+    line.extend(object(alert));
+    Value::Object(line)
+}
+
+fn object(alert: &Alert<f64>) -> Map<String, Value> {
+    let mut object = Map::new();
+    let mut put = |key: &str, value: Value| {
+        object.insert(key.to_owned(), value);
+    };
+    put("kind", json!(alert.cause.label()));
+    put("wheels", wheels(alert.wheels));
+    put("since_s", json!(alert.since_s));
+    put("said_s", json!(alert.said_s));
+    match &alert.cause {
+        Cause::UnderInflated(reading) | Cause::OverInflated(reading) => put_reading(&mut put, reading),
+        Cause::FastLeak { reading, rate_kpa_per_min } => {
+            put_reading(&mut put, reading);
+            put("rate_kpa_per_min", json!(rate_kpa_per_min));
+        }
+        Cause::AllLow { mean_share, sd_share } => {
+            put("mean_share", json!(mean_share));
+            put("sd_share", json!(sd_share));
+        }
+        Cause::Malfunction(malfunction) => put_malfunction(&mut put, malfunction),
+        Cause::NoInformation { driven_s } => put("driven_s", json!(driven_s)),
+    }
+    put("text", json!(alert.to_string()));
+    object
+}
+
+fn put_reading(put: &mut impl FnMut(&str, Value), reading: &Reading<f64>) {
+    put("pressure_kpa", json!(reading.pressure_kpa));
+    put("sd_kpa", json!(reading.sd_kpa));
+    put("limit_kpa", json!(reading.limit_kpa));
+    put("reference_kpa", json!(reading.reference_kpa));
+}
+
+fn put_malfunction(put: &mut impl FnMut(&str, Value), malfunction: &Malfunction<f64>) {
+    put("malfunction", json!(malfunction.label()));
+    let sensors: Vec<String> = match malfunction {
+        Malfunction::Stuck(sensor)
+        | Malfunction::Dropout(sensor)
+        | Malfunction::Spikes(sensor)
+        | Malfunction::Noise(sensor)
+        | Malfunction::Gain { sensor, .. } => vec![column(sensor)],
+        Malfunction::Swapped(a, b) => vec![column(a), column(b)],
+        Malfunction::SwappedCorners(..) | Malfunction::Inconsistent(_) => vec![],
+    };
+    put("sensors", json!(sensors));
+    if let Malfunction::Gain { gain, .. } = malfunction {
+        put("gain", json!(gain));
+    }
+}
+
+/// The sensor's column in a drive log.
+fn column(sensor: &Sensor) -> String {
+    let place = match sensor.place {
+        Place::Body => "body",
+        Place::Wheel => "wheel",
+    };
+    format!("{}_{place}_accel_m_s2", sensor.corner.label())
+}
+
+fn wheels(wheels: Wheels) -> Value {
+    wheels.iter().map(|corner| json!(corner.label())).collect()
+}
