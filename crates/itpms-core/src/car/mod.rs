@@ -29,9 +29,9 @@ pub struct CarConfig<T> {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Sources {
     /// From the road's spectrum, corner by corner, and from front and rear meeting the same road.
+    #[default]
     SpectrumAndSharedRoad,
     /// From each corner's road spectrum alone.
-    #[default]
     Spectrum,
     /// From the shared road alone.
     SharedRoad,
@@ -220,7 +220,7 @@ impl<T: Real> CarEstimator<T> {
                 }
             }
         }
-        if self.sources == Sources::Spectrum || !shared.is_ready() {
+        if self.sources == Sources::Spectrum || !shared.is_trusted() {
             return;
         }
         let belief = shared.belief();
@@ -249,7 +249,7 @@ impl<T: Real> CarEstimator<T> {
 
     fn correlation(&self) -> [[T; 4]; 4] {
         let alone = |i: usize, j: usize| if i == j { T::one() } else { T::zero() };
-        let belief = self.shared_road.as_ref().filter(|road| road.is_ready()).map(SharedRoad::belief);
+        let belief = self.shared_road.as_ref().filter(|road| road.is_trusted()).map(SharedRoad::belief);
         core::array::from_fn(|i| {
             core::array::from_fn(|j| match &belief {
                 Some(belief) if i != j => {

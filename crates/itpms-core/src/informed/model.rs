@@ -194,7 +194,7 @@ fn window_parabolas<T: Real>(bin_spacing_hz: f64, sample_rate_hz: f64) -> SMatri
 }
 
 /// Power of the sine window's spectrum `offset` bins from its centre, one at the centre.
-fn sine_window_power<T: Real>(offset: T) -> T {
+pub(crate) fn sine_window_power<T: Real>(offset: T) -> T {
     let pole = T::one() - T::lit(4.0) * offset * offset;
     let amplitude = if pole.abs() < T::lit(1e-3) { T::frac_pi_4() } else { (T::pi() * offset).cos() / pole };
     amplitude * amplitude

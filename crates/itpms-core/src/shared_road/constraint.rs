@@ -1,14 +1,13 @@
 //! What front and rear of one side should agree on: the road velocity, from each axle's signals (docs/math/shared-road.md,
-//! eq. 1-6). Gives the disagreement of a frame, bin by bin, and how it changes with every unknown quantity, and what the
-//! sensors' noise does to both. Knows nothing of beliefs.
+//! eq. 1-6). Gives the disagreement of a frame, bin by bin, and how it changes with every unknown quantity. Knows nothing
+//! of beliefs.
 
 use nalgebra::{Complex, SMatrix, SVector};
 
 use super::channel::KEPT;
-use super::parameters::{DAMPING, GAIN, MASS, RATE, SKEW, SKEW_UNIT_S, SPRING, State, TIRE, WHEELBASE};
-use super::{BINS, Frame, bin_hz};
-use crate::informed::model::Body;
-use crate::informed::reconstruct::LEAK_RAD_S;
+use super::parameters::{DAMPING, GAIN, MASS, SKEW, SKEW_UNIT_S, SPRING, State, TIRE, WHEELBASE};
+use super::{BIN_SPACING_HZ, BINS, Frame, bin_hz};
+use crate::informed::model::{Body, sine_window_power};
 use crate::real::Real;
 
 /// Real numbers in a frame's disagreement: real and imaginary part of every bin.
@@ -17,15 +16,21 @@ pub(super) const ROWS: usize = 2 * BINS;
 /// wheelbase, skew.
 pub(super) const OWN: usize = 11;
 /// Places among them.
-pub(super) const FRONT_TIRE: usize = 0;
 const REAR: usize = 4;
 const OWN_GAIN: usize = 8;
 const OWN_WHEELBASE: usize = 9;
 const OWN_SKEW: usize = 10;
 
+/// Points per bin, and on each side, at which the window's spectrum is averaged, and the lowest frequency in Hz of that.
+const KERNEL_DENSITY: f64 = 2.0;
+const KERNEL_HALF: i32 = 4;
+const LOWEST_HZ: f64 = 0.5;
+
 /// Rows and columns over a side's quantities.
 pub(super) type Gram<T> = SMatrix<T, OWN, OWN>;
 pub(super) type Score<T> = SVector<T, OWN>;
+/// Derivatives of a disagreement by a side's quantities.
+pub(super) type Slope<T> = SMatrix<T, ROWS, OWN>;
 
 /// What is known of one axle's corner.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,7 +47,7 @@ pub(super) struct Wheel<T> {
 /// A complete frame of both axles, and where it was taken.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct TrackFrame<T: Real> {
-    /// Spectra of the front signals, then of the rear ones.
+    /// Spectra of the front's and the rear's signals, then of what both would be on the common road.
     pub(super) frame: Frame<T>,
     /// Time in s of its middle at the rear wheel.
     pub(super) middle_s: f64,
@@ -50,6 +55,15 @@ pub(super) struct TrackFrame<T: Real> {
     pub(super) delay_s: T,
     pub(super) used_wheelbase: T,
     pub(super) used_skew: T,
+}
+
+/// Whose signals of a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Signals {
+    /// As measured.
+    Measured,
+    /// On the road that both axles agree on.
+    Common,
 }
 
 /// Where a side's quantities stand in the state.
@@ -71,22 +85,40 @@ pub(super) fn places(side: usize) -> [usize; OWN] {
 }
 
 /// One axle's parameters as a state has them.
-struct Axle<T> {
+pub(super) struct Axle<T> {
     /// Compliance in m/N of the tire, as it is and at placard pressure.
-    theta: T,
+    pub(super) theta: T,
     placard: T,
     /// Unsprung mass, damping, spring: as they are, and as the vehicle file says.
-    factors: [T; 3],
+    pub(super) factors: [T; 3],
     nominal: [T; 3],
 }
 
 impl<T: Real> Axle<T> {
-    fn new(wheel: &Wheel<T>, state: &State<T>) -> Self {
+    pub(super) fn new(wheel: &Wheel<T>, state: &State<T>) -> Self {
         let at = |kind: usize| T::one() + state[kind + wheel.corner];
         let body = &wheel.body;
         let nominal = [body.unsprung_mass_kg, body.damping_n_s_per_m, body.spring_n_per_m];
         let factors = [nominal[0] * at(MASS), nominal[1] * at(DAMPING), nominal[2] * at(SPRING)];
         Self { theta: wheel.theta * at(TIRE), placard: wheel.theta, factors, nominal }
+    }
+
+    /// The road velocity that the signals of an entry tell.
+    pub(super) fn road_velocity(&self, signals: &[T; KEPT]) -> T {
+        let [mass, damping, spring] = self.factors;
+        signals[0] + self.theta * (mass * signals[1] + damping * signals[2] + spring * signals[3])
+    }
+
+    /// The four signals that a road of unit velocity makes at a frequency in Hz.
+    fn over_unit_road(&self, sprung_mass_kg: T, frequency_hz: T) -> [Complex<T>; KEPT] {
+        let s = Complex::new(T::zero(), T::two_pi() * frequency_hz);
+        let one = Complex::new(T::one(), T::zero());
+        let z = s * self.factors[1] + one * self.factors[2];
+        let sprung = s * s * sprung_mass_kg;
+        // v_w - v_b = Q v_w, and R = v_w (1 + θ (m s² + Z Q)).
+        let relative = sprung / (sprung + z);
+        let wheel = one / (one + (s * s * self.factors[0] + z * relative) * self.theta);
+        [wheel, s * s * wheel, s * relative * wheel, relative * wheel]
     }
 
     /// Road and its derivatives by tire, mass, damping, spring, from wheel velocity and the three force signals.
@@ -105,168 +137,109 @@ impl<T: Real> Axle<T> {
     }
 }
 
-/// One bin of a disagreement.
-#[derive(Clone, Copy)]
-struct Bin<T> {
-    apart: Complex<T>,
-    /// By every one of the side's quantities.
-    slope: [Complex<T>; OWN],
-    ahead: Complex<T>,
-    behind: Complex<T>,
-}
-
 /// Disagreement of a frame and its derivatives.
 pub(super) struct Disagreement<T: Real> {
     pub(super) rows: SVector<T, ROWS>,
-    pub(super) slope: SMatrix<T, ROWS, OWN>,
+    pub(super) slope: Slope<T>,
     /// Road power of every bin, mean of the axles.
     pub(super) road_power: [T; BINS],
-    /// `Re(∂R/∂p R*)` of every quantity with its own axle's road.
-    pub(super) lean: SMatrix<T, BINS, OWN>,
 }
 
-/// How the front tire's compliance was different when the front wheel was here, for a state's rate.
-pub(super) fn front_then<T: Real>(state: &State<T>, front: usize, moves: &[T; 4], delay_s: T) -> State<T> {
-    let mut then = *state;
-    then[TIRE + front] -= moves[front] * state[RATE] * delay_s;
-    then
-}
-
-/// Compares the axles of a side for a state; `moves` says how the tires' compliances follow the rate.
+/// Compares the axles of a side for a state.
 pub(super) fn compare<T: Real>(
     taken: &TrackFrame<T>,
+    signals: Signals,
     wheels: &[Wheel<T>; 2],
     side: usize,
     state: &State<T>,
-    moves: &[T; 4],
 ) -> Disagreement<T> {
-    let then = front_then(state, wheels[0].corner, moves, taken.delay_s);
-    let axles = [Axle::new(&wheels[0], &then), Axle::new(&wheels[1], state)];
+    let axles = [Axle::new(&wheels[0], state), Axle::new(&wheels[1], state)];
     let gain = T::one() + state[GAIN + side];
     let late_s = taken.delay_s * (state[WHEELBASE] - taken.used_wheelbase)
         + T::lit(SKEW_UNIT_S) * (state[SKEW + side] - taken.used_skew);
-    let mut out = Disagreement {
-        rows: SVector::zeros(),
-        slope: SMatrix::zeros(),
-        road_power: [T::zero(); BINS],
-        lean: SMatrix::zeros(),
-    };
+    let mut out =
+        Disagreement { rows: SVector::zeros(), slope: SMatrix::zeros(), road_power: [T::zero(); BINS] };
     for bin in 0..BINS {
-        out.put(bin, &compare_bin(taken, &axles, gain, late_s, bin));
+        out.fill(taken, signals, &axles, gain, late_s, bin);
     }
     out
 }
 
-fn compare_bin<T: Real>(
-    taken: &TrackFrame<T>,
-    axles: &[Axle<T>; 2],
+impl<T: Real> Disagreement<T> {
+    fn fill(
+        &mut self,
+        taken: &TrackFrame<T>,
+        signals: Signals,
+        axles: &[Axle<T>; 2],
+        gain: T,
+        late_s: T,
+        bin: usize,
+    ) {
+        let delay_s = taken.delay_s;
+        let of = |axle: usize| {
+            core::array::from_fn(|i| {
+                let column = (2 * usize::from(signals == Signals::Common) + axle) * KEPT + i;
+                Complex::new(taken.frame.re[(bin, column)], taken.frame.im[(bin, column)])
+            })
+        };
+        let seen = [axles[0].road(of(0)), axles[1].road(of(1))];
+        let slope = slopes(&seen, gain, bin_hz(bin), delay_s);
+        let (ahead, behind) = (seen[0].0 * gain, seen[1].0);
+        let turn = Complex::new(T::zero(), T::two_pi() * bin_hz::<T>(bin)) * (ahead + behind) * T::lit(0.5);
+        let apart = ahead - behind - turn * late_s;
+        self.rows[bin] = apart.re;
+        self.rows[BINS + bin] = apart.im;
+        self.road_power[bin] = T::lit(0.5) * (ahead.norm_sqr() + behind.norm_sqr());
+        for (column, value) in slope.iter().enumerate() {
+            self.slope[(bin, column)] = value.re;
+            self.slope[(BINS + bin, column)] = value.im;
+        }
+    }
+}
+
+/// Products of the derivatives with each other that a road of unit power makes, per bin: `Re⟨C* C⟩`.
+pub(super) fn expected_products<T: Real>(
+    wheels: &[Wheel<T>; 2],
+    side: usize,
+    state: &State<T>,
+    delay_s: T,
+) -> [Gram<T>; BINS] {
+    let axles = [Axle::new(&wheels[0], state), Axle::new(&wheels[1], state)];
+    let gain = T::one() + state[GAIN + side];
+    core::array::from_fn(|bin| {
+        let (mut sum, mut total) = (Gram::zeros(), T::zero());
+        for k in -KERNEL_HALF..=KERNEL_HALF {
+            let offset = T::lit(f64::from(k) / KERNEL_DENSITY);
+            let frequency = (bin_hz::<T>(bin) + T::lit(BIN_SPACING_HZ) * offset).abs().max(T::lit(LOWEST_HZ));
+            let weight = sine_window_power(offset);
+            let seen =
+                |i: usize| axles[i].road(axles[i].over_unit_road(wheels[i].body.sprung_mass_kg, frequency));
+            let slope = slopes(&[seen(0), seen(1)], gain, frequency, delay_s);
+            let re = Score::from_fn(|i, _| slope[i].re);
+            let im = Score::from_fn(|i, _| slope[i].im);
+            sum += (re * re.transpose() + im * im.transpose()) * weight;
+            total += weight;
+        }
+        sum / total
+    })
+}
+
+/// Derivatives of a disagreement, from each axle's road and its derivatives.
+fn slopes<T: Real>(
+    seen: &[(Complex<T>, [Complex<T>; 4]); 2],
     gain: T,
-    late_s: T,
-    bin: usize,
-) -> Bin<T> {
-    let signals = |axle: usize| {
-        core::array::from_fn(|i| {
-            let column = axle * KEPT + i;
-            Complex::new(taken.frame.re[(bin, column)], taken.frame.im[(bin, column)])
-        })
-    };
-    let (front, front_slope) = axles[0].road(signals(0));
-    let (behind, rear_slope) = axles[1].road(signals(1));
-    let ahead = front * gain;
-    let omega = T::two_pi() * bin_hz::<T>(bin);
-    let turn = Complex::new(T::zero(), omega) * (ahead + behind) * T::lit(0.5);
+    frequency_hz: T,
+    delay_s: T,
+) -> [Complex<T>; OWN] {
+    let [(front, front_slope), (rear, rear_slope)] = seen;
+    let turn = Complex::new(T::zero(), T::two_pi() * frequency_hz) * (*front * gain + rear) * T::lit(0.5);
     let mut slope = [Complex::new(T::zero(), T::zero()); OWN];
     for i in 0..REAR {
         slope[i] = front_slope[i] * gain;
         slope[REAR + i] = -rear_slope[i];
     }
-    slope[OWN_GAIN] = front;
-    slope[OWN_WHEELBASE] = -turn * taken.delay_s;
+    slope[OWN_GAIN] = *front;
+    slope[OWN_WHEELBASE] = -turn * delay_s;
     slope[OWN_SKEW] = -turn * T::lit(SKEW_UNIT_S);
-    Bin { apart: ahead - behind - turn * late_s, slope, ahead, behind }
-}
-
-impl<T: Real> Disagreement<T> {
-    fn put(&mut self, bin: usize, found: &Bin<T>) {
-        self.rows[bin] = found.apart.re;
-        self.rows[BINS + bin] = found.apart.im;
-        self.road_power[bin] = T::lit(0.5) * (found.ahead.norm_sqr() + found.behind.norm_sqr());
-        for (i, slope) in found.slope.iter().enumerate() {
-            self.slope[(bin, i)] = slope.re;
-            self.slope[(BINS + bin, i)] = slope.im;
-            // The rear stands in the disagreement with a minus sign, and so does its derivative.
-            let road = if (REAR..OWN_GAIN).contains(&i) { -found.behind } else { found.ahead };
-            self.lean[(bin, i)] = slope.re * road.re + slope.im * road.im;
-        }
-        self.lean[(bin, OWN_WHEELBASE)] = T::zero();
-        self.lean[(bin, OWN_SKEW)] = T::zero();
-    }
-
-    /// `Re(C* C)` of a bin.
-    pub(super) fn gram(&self, bin: usize) -> Gram<T> {
-        let (re, im) = (self.slope.row(bin), self.slope.row(BINS + bin));
-        re.transpose() * re + im.transpose() * im
-    }
-}
-
-/// Keeps of a gram what one axle has with itself: what differs between the axles is independent between them.
-pub(super) fn within_axles<T: Real>(gram: &Gram<T>) -> Gram<T> {
-    let axle = |i: usize| usize::from((REAR..OWN_GAIN).contains(&i));
-    Gram::from_fn(|i, j| {
-        if i < OWN_WHEELBASE && j < OWN_WHEELBASE && axle(i) == axle(j) { gram[(i, j)] } else { T::zero() }
-    })
-}
-
-/// What the sensors' noise leaves in a bin: power of the disagreement, of its product with the derivatives, and of the
-/// derivatives with each other.
-pub(super) struct SensorNoise<T: Real> {
-    pub(super) power: [T; BINS],
-    pub(super) score: [Score<T>; BINS],
-    pub(super) gram: [Gram<T>; BINS],
-}
-
-/// The noise of a side's four sensors, by their densities in (m/s²)²/Hz, front and rear.
-pub(super) fn sensor_noise<T: Real>(
-    wheels: &[Wheel<T>; 2],
-    side: usize,
-    state: &State<T>,
-    densities: &[T; 2],
-) -> SensorNoise<T> {
-    let axles = [Axle::new(&wheels[0], state), Axle::new(&wheels[1], state)];
-    let gain = T::one() + state[GAIN + side];
-    let mut noise =
-        SensorNoise { power: [T::zero(); BINS], score: [Score::zeros(); BINS], gram: [Gram::zeros(); BINS] };
-    for bin in 0..BINS {
-        let omega = T::two_pi() * bin_hz::<T>(bin);
-        let s = Complex::new(T::zero(), omega);
-        let one = Complex::new(T::one(), T::zero());
-        let zero = Complex::new(T::zero(), T::zero());
-        let leak = omega * omega / (omega * omega + T::lit(LEAK_RAD_S * LEAK_RAD_S));
-        // What unit noise of a wheel's sensor, and of a body's, makes of the four signals.
-        let through = [[one / s, s, one, one / s], [zero, zero, -one, -one / s]];
-        for (axle, density) in axles.iter().zip(densities).enumerate().map(|(i, (a, d))| ((i, a), *d)) {
-            let (index, axle) = axle;
-            let scale = if index == 0 { gain } else { -T::one() };
-            for signals in through {
-                let (road, slope) = axle.road(signals);
-                let mut all = [zero; OWN];
-                for i in 0..REAR {
-                    all[index * REAR + i] = slope[i] * scale;
-                }
-                if index == 0 {
-                    all[OWN_GAIN] = road;
-                }
-                let apart = road * scale;
-                let weight = leak * density;
-                noise.power[bin] += weight * apart.norm_sqr();
-                for i in 0..OWN {
-                    noise.score[bin][i] += weight * (all[i].re * apart.re + all[i].im * apart.im);
-                    for j in 0..OWN {
-                        noise.gram[bin][(i, j)] += weight * (all[i].re * all[j].re + all[i].im * all[j].im);
-                    }
-                }
-            }
-        }
-    }
-    noise
+    slope
 }

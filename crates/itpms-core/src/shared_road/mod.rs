@@ -12,6 +12,7 @@
 //! | `acquire` | the first delay |
 //! | `track` | one side: aligned, cut into frames |
 //! | `constraint` | what the axles disagree on, and why |
+//! | `instrument` | what a wheel would do on the road both agree on |
 //! | `coherence` | how far they share a road |
 //! | `parameters` | what is unknown of the car |
 //! | `modes` | the belief |
@@ -20,6 +21,7 @@ mod acquire;
 mod channel;
 mod coherence;
 mod constraint;
+mod instrument;
 mod memory;
 mod modes;
 mod parameters;
@@ -43,7 +45,9 @@ const BINS: usize = 5;
 const HOP_S: f64 = 0.1;
 const BIN_SPACING_HZ: f64 = 0.5 / HOP_S;
 /// A frame of both axles' signals.
-type Frame<T> = crate::frame::Frame<T, BINS, { 2 * KEPT }>;
+type Frame<T> = crate::frame::Frame<T, BINS, SIGNALS>;
+/// Signals of both axles, and what they would be on the road both agree on.
+const SIGNALS: usize = 4 * KEPT;
 /// Middle of a bin in Hz.
 fn bin_hz<T: Real>(bin: usize) -> T {
     T::lit((bin + 1) as f64 * BIN_SPACING_HZ)
@@ -53,6 +57,8 @@ fn bin_hz<T: Real>(bin: usize) -> T {
 const OVERLAP: f64 = 0.5;
 /// Seconds of shared road after which the belief counts.
 const ENOUGH_S: f64 = 2.0;
+/// Seconds of driving after which the shared road is given up if it was not found.
+const PATIENCE_S: f64 = 6.0;
 /// Sd in s of the first delay that was found.
 const FOUND_SD_S: f64 = 1e-3;
 /// Front and rear of a side see the same road, so their spectra say half of what they seem to.
@@ -90,6 +96,8 @@ pub(crate) struct SharedRoad<T: Real> {
     channels: [Channel<T>; 4],
     tracks: [Track<T>; 2],
     modes: Modes<T>,
+    /// Seconds from front to rear wheel, left and right.
+    delay_s: [T; 2],
     /// Time to which the belief was moved on.
     believed_s: f64,
     newest_s: f64,
@@ -97,7 +105,8 @@ pub(crate) struct SharedRoad<T: Real> {
     speed_m_s: T,
     /// Seconds of shared road learned from.
     learned_s: T,
-    found: bool,
+    /// Seconds driven so far, for as long as no shared road was found.
+    waited_s: f64,
     held: bool,
 }
 
@@ -152,12 +161,13 @@ impl<T: Real> SharedRoad<T> {
             channels,
             tracks,
             modes,
+            delay_s: [T::zero(); 2],
             believed_s: f64::NAN,
             newest_s: f64::NAN,
             way_m: 0.0,
             speed_m_s: T::lit(f64::NAN),
             learned_s: T::zero(),
-            found: false,
+            waited_s: 0.0,
             held: false,
         })
     }
@@ -172,6 +182,9 @@ impl<T: Real> SharedRoad<T> {
                 self.speed_m_s
             };
             self.way_m += mean.to_f64() * seconds;
+            if mean > T::lit(track::SLOWEST_M_S) {
+                self.waited_s += seconds;
+            }
         }
         if time_s.is_finite() {
             self.newest_s = time_s;
@@ -212,7 +225,6 @@ impl<T: Real> SharedRoad<T> {
                         found.delay_s * (state[WHEELBASE] - wheelbase) + unit * (state[SKEW + side] - skew);
                     (slope, found.later_s - expected)
                 });
-                self.found = true;
             }
             return;
         }
@@ -223,6 +235,7 @@ impl<T: Real> SharedRoad<T> {
 
     fn learn(&mut self, side: usize, wheels: &[Wheel<T>; 2], taken: &constraint::TrackFrame<T>) {
         self.predict_to(taken.middle_s);
+        self.delay_s[side] = taken.delay_s;
         if self.tracks[side].weigh(&mut self.modes, wheels, taken) {
             self.learned_s += T::lit(0.5 * HOP_S);
         }
@@ -286,9 +299,9 @@ impl<T: Real> SharedRoad<T> {
         self.wheels[corner % 2].is_some() && self.wheels[corner % 2 + 2].is_some()
     }
 
-    /// Whether enough of the shared road was seen to be believed.
-    pub(crate) fn is_ready(&self) -> bool {
-        self.learned_s >= T::lit(ENOUGH_S)
+    /// Whether its belief is the better one: while the shared road may still be found, and from then on.
+    pub(crate) fn is_trusted(&self) -> bool {
+        self.learned_s > T::zero() || self.waited_s < PATIENCE_S
     }
 
     /// Whether a side's road is being learned from, and its incoherence.
@@ -299,7 +312,9 @@ impl<T: Real> SharedRoad<T> {
     /// What is believed now.
     pub(crate) fn belief(&self) -> CarBelief<T> {
         let age_s = T::lit((self.newest_s - self.believed_s).clamp(0.0, 1.0));
-        let (mean, covariance) = self.modes.tires(age_s);
+        // What is believed of a front tire is as old as the road under the rear wheel.
+        let ages = [age_s + self.delay_s[0], age_s + self.delay_s[1], age_s, age_s];
+        let (mean, covariance) = self.modes.tires(&ages);
         let floor = T::lit(0.05);
         let stiffness =
             SVector::<T, 4>::from_fn(|i, _| self.placard_n_per_m[i] / (T::one() + mean[i]).max(floor));

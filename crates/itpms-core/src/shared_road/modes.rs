@@ -5,24 +5,28 @@ use nalgebra::{SMatrix, SVector};
 
 use super::coherence::Expectation;
 use super::constraint::{
-    Disagreement, FRONT_TIRE, Gram, OWN, ROWS, Score, TrackFrame, Wheel, compare, places,
+    Disagreement, Gram, OWN, ROWS, Score, Signals, Slope, TrackFrame, Wheel, compare, places,
 };
 use super::parameters::{Covariance, RATE, SIZE, State, TIRE, prior_sd, wander_sd};
 use super::{BINS, OVERLAP};
 use crate::real::Real;
 
-/// Nothing moves; each wheel by itself; all four alike.
-pub(super) const MODES: usize = 6;
+/// Nothing moves; each wheel loses pressure by itself; all four alike; any wheel wanders either way.
+pub(super) const MODES: usize = 7;
 const QUIET: usize = 0;
 const ALL: usize = 5;
-/// Chance per second that a wheel, or all four, begin to move.
-const BEGIN: [f64; MODES] = [0.0, 2e-4, 2e-4, 2e-4, 2e-4, 2e-5];
+const LOOSE: usize = 6;
+/// Chance per second that each begins.
+const BEGIN: [f64; MODES] = [0.0, 2e-4, 2e-4, 2e-4, 2e-4, 2e-5, 1e-6];
 /// Chance per second that a movement ends.
 const END: f64 = 0.5;
-/// Sd of a new movement's rate in 1/s, and its growth per square root of a second: the compliance of a tire that loses
-/// 40 kPa/s changes by 0.15/s.
-const RATE_SD: f64 = 0.13;
-const RATE_WANDER: f64 = 0.06;
+/// Mean and sd in 1/s of the rate at which a compliance begins to grow, and growth of the sd per square root of a second:
+/// that of a tire which loses 40 kPa/s grows by 0.15/s.
+const RATE_MEAN: f64 = 0.08;
+const RATE_SD: f64 = 0.08;
+const RATE_WANDER: f64 = 0.1;
+/// Growth per square root of a second of each compliance's sd while wheels wander.
+const LOOSE_SD: f64 = 0.06;
 /// Degrees of freedom of the disagreement's distribution: how heavy its tails are.
 const TAILS: f64 = 8.0;
 
@@ -61,17 +65,24 @@ pub(super) fn moves<T: Real>(mode: usize) -> [T; 4] {
     core::array::from_fn(|i| if mode == ALL || mode == i + 1 { T::one() } else { T::zero() })
 }
 
+/// A quiet Gaussian as it is when a movement begins.
+fn begun<T: Real>(mode: usize, mean: &State<T>, covariance: &Covariance<T>) -> (State<T>, Covariance<T>) {
+    let (mut mean, mut covariance) = (*mean, *covariance);
+    if mode != QUIET && mode != LOOSE {
+        mean[RATE] = T::lit(RATE_MEAN);
+        covariance[(RATE, RATE)] = T::lit(RATE_SD * RATE_SD);
+    }
+    (mean, covariance)
+}
+
 impl<T: Real> Modes<T> {
     pub(super) fn new() -> Self {
         let sd = prior_sd::<T>();
         let covariance = Covariance::from_diagonal(&sd.component_mul(&sd));
         let modes = core::array::from_fn(|mode| {
-            let mut covariance = covariance;
-            if mode != QUIET {
-                covariance[(RATE, RATE)] = T::lit(RATE_SD * RATE_SD);
-            }
             let weight = if mode == QUIET { T::one() } else { T::zero() };
-            Mode { mean: State::zeros(), covariance, weight }
+            let (mean, covariance) = begun(mode, &State::zeros(), &covariance);
+            Mode { mean, covariance, weight }
         });
         Self { modes }
     }
@@ -84,7 +95,12 @@ impl<T: Real> Modes<T> {
             for i in 0..SIZE {
                 mode.covariance[(i, i)] += wander[i] * wander[i] * seconds;
             }
-            if index == QUIET {
+            if index == LOOSE {
+                for i in 0..4 {
+                    mode.covariance[(TIRE + i, TIRE + i)] += T::lit(LOOSE_SD * LOOSE_SD) * seconds;
+                }
+            }
+            if index == QUIET || index == LOOSE {
                 continue;
             }
             mode.covariance[(RATE, RATE)] += T::lit(RATE_WANDER * RATE_WANDER) * seconds;
@@ -122,11 +138,10 @@ impl<T: Real> Modes<T> {
             ended.covariance.column_mut(RATE).fill(T::zero());
             still.add(moving.weight * end, &ended.mean, &ended.covariance);
 
-            let mut begun = quiet.covariance;
-            begun[(RATE, RATE)] = T::lit(RATE_SD * RATE_SD);
+            let (mean, covariance) = begun(mode, &quiet.mean, &quiet.covariance);
             let mut going = Mixture::new();
             going.add(moving.weight * (T::one() - end), &moving.mean, &moving.covariance);
-            going.add(quiet.weight * begin[mode], &quiet.mean, &begun);
+            going.add(quiet.weight * begin[mode], &mean, &covariance);
             self.modes[mode] = going.into_mode();
         }
         self.modes[QUIET] = still.into_mode();
@@ -140,27 +155,23 @@ impl<T: Real> Modes<T> {
         wheels: &[Wheel<T>; 2],
         side: usize,
         expected: &Expectation<T>,
+        instrument: &Slope<T>,
     ) -> Option<(Disagreement<T>, [T; BINS])> {
         let best = self.most_likely();
         let mut kept = None;
         let mut log_weight = [T::zero(); MODES];
         for (index, mode) in self.modes.iter_mut().enumerate() {
-            let moves = moves(index);
-            let found = compare(taken, wheels, side, &mode.mean, &moves);
-            let by_rate = -moves[wheels[0].corner] * taken.delay_s;
-            let own = OwnCovariance::new(&mode.covariance, side, by_rate);
+            let found = compare(taken, Signals::Measured, wheels, side, &mode.mean);
+            let own = OwnCovariance::new(&mode.covariance, side);
             let likelihood = Likelihood::new(&own, &found, expected)?;
             log_weight[index] = likelihood.log;
-            if let Some(worth) = &expected.worth {
-                own.learn(mode, &likelihood.score(&found, expected), worth, likelihood.scale);
-            }
+            let score = score(&found, instrument, expected);
+            own.learn(mode, &score, &expected.information, likelihood.scale);
             if index == best {
                 kept = Some((found, likelihood.ratio));
             }
         }
-        if expected.worth.is_some() {
-            self.reweigh(&log_weight);
-        }
+        self.reweigh(&log_weight);
         kept
     }
 
@@ -212,12 +223,13 @@ impl<T: Real> Modes<T> {
         self.modes[QUIET].weight = T::one();
     }
 
-    /// Mean and covariance of the tires' compliances `age_s` after the last frame's middle, all modes together.
-    pub(super) fn tires(&self, age_s: T) -> (SVector<T, 4>, SMatrix<T, 4, 4>) {
+    /// Mean and covariance of the tires' compliances, each so many seconds after what is believed of it, all modes together.
+    pub(super) fn tires(&self, age_s: &[T; 4]) -> (SVector<T, 4>, SMatrix<T, 4, 4>) {
         let mut mean = SVector::<T, 4>::zeros();
         let mut square = SMatrix::<T, 4, 4>::zeros();
         for (index, mode) in self.modes.iter().enumerate() {
-            let by = moves::<T>(index).map(|m| m * age_s);
+            let moves = moves::<T>(index);
+            let by: [T; 4] = core::array::from_fn(|i| moves[i] * age_s[i]);
             let z = SVector::<T, 4>::from_fn(|i, _| mode.mean[TIRE + i] + by[i] * mode.mean[RATE]);
             let p = SMatrix::<T, 4, 4>::from_fn(|i, j| {
                 let c = |a: usize, b: usize| mode.covariance[(a, b)];
@@ -302,8 +314,7 @@ impl<T: Real> Mixture<T> {
     }
 }
 
-/// The part of a belief that a side's disagreement depends on. The rate enters through the front tire, which was met a
-/// moment ago: a disagreement knows `tire + by_rate rate`.
+/// The part of a belief that a side's disagreement depends on.
 struct OwnCovariance<T: Real> {
     /// Covariance of everything with the side's quantities, and of these among themselves.
     all: SMatrix<T, SIZE, OWN>,
@@ -311,35 +322,25 @@ struct OwnCovariance<T: Real> {
 }
 
 impl<T: Real> OwnCovariance<T> {
-    fn new(covariance: &Covariance<T>, side: usize, by_rate: T) -> Self {
+    fn new(covariance: &Covariance<T>, side: usize) -> Self {
         let places = places(side);
         let mut all = SMatrix::<T, SIZE, OWN>::zeros();
         for (column, &place) in places.iter().enumerate() {
             all.set_column(column, &covariance.column(place));
         }
-        let rate = covariance.column(RATE) * by_rate;
-        let mut front = all.column_mut(FRONT_TIRE);
-        front += rate;
-        let mut own = Gram::zeros();
-        for (row, &place) in places.iter().enumerate() {
-            own.set_row(row, &all.row(place));
-        }
-        let rate = all.row(RATE) * by_rate;
-        let mut front = own.row_mut(FRONT_TIRE);
-        front += rate;
+        let own = Gram::from_fn(|row, column| all[(places[row], column)]);
         Self { all, own }
     }
 
-    /// Adds information `W A` with the score `W score`, both divided by `scale`.
-    fn learn(&self, mode: &mut Mode<T>, score: &Score<T>, worth: &(Gram<T>, Gram<T>), scale: T) {
-        let (weight, information) = worth;
+    /// Adds information with its score, both divided by `scale`.
+    fn learn(&self, mode: &mut Mode<T>, score: &Score<T>, information: &Gram<T>, scale: T) {
         let information = information / scale;
-        // P' = P - P_o (I + Ω P_oo)^-1 Ω P_o^T, and with it the mean: m' = m + P'_o W score.
+        // P' = P - P_o (I + Ω P_oo)^-1 Ω P_o^T, and with it the mean: m' = m + P'_o score.
         let Some(inverse) = (Gram::identity() + information * self.own).try_inverse() else { return };
         let gain = self.all * inverse;
         mode.covariance -= gain * information * self.all.transpose();
         mode.tidy();
-        mode.mean += gain * (weight * score / scale);
+        mode.mean += gain * (score / scale);
     }
 }
 
@@ -380,14 +381,14 @@ impl<T: Real> Likelihood<T> {
         let log = T::lit(-0.5) * (log_determinant + (tails + rows) * (T::one() + surprise / tails).ln());
         Some(Self { log, scale, ratio })
     }
+}
 
-    /// Derivative of the log-likelihood by the side's quantities, free of what noise does to it.
-    fn score(&self, found: &Disagreement<T>, expected: &Expectation<T>) -> Score<T> {
-        let mut score = expected.score;
-        for row in 0..ROWS {
-            let weight = T::lit(2.0 * OVERLAP) / expected.power[row % BINS];
-            score -= found.slope.row(row).transpose() * (found.rows[row] * weight);
-        }
-        score
+/// How the instruments want the side's quantities changed.
+fn score<T: Real>(found: &Disagreement<T>, instrument: &Slope<T>, expected: &Expectation<T>) -> Score<T> {
+    let mut score = Score::zeros();
+    for row in 0..ROWS {
+        let weight = T::lit(2.0 * OVERLAP) / expected.power[row % BINS];
+        score -= instrument.row(row).transpose() * (found.rows[row] * weight);
     }
+    score
 }

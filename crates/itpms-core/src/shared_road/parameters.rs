@@ -33,7 +33,7 @@ pub(super) type Covariance<T> = SMatrix<T, SIZE, SIZE>;
 
 /// Standard deviations before anything is learned; the rate's is that of a mode that moves.
 pub(super) fn prior_sd<T: Real>() -> State<T> {
-    filled([0.11, 0.01, 0.15, 0.2, 0.012, 0.004, 0.02, 0.02, 0.02, 0.0])
+    filled([0.11, 0.01, 0.15, 0.2, 0.012, 0.01, 0.02, 0.04, 0.03, 0.0])
 }
 
 /// Growth of the standard deviations in a second, of those that change by themselves.

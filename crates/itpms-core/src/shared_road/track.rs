@@ -3,16 +3,18 @@
 use super::acquire::{Acquisition, Found};
 use super::channel::{Entry, KEPT};
 use super::coherence::Coherence;
-use super::constraint::{TrackFrame, Wheel, compare, sensor_noise};
+use super::constraint::{Axle, Signals, TrackFrame, Wheel, compare, expected_products};
+use super::instrument::Instrument;
 use super::memory::{Memory, Read};
-use super::modes::{Modes, moves};
-use super::parameters::{DAMPING, MASS, SKEW_UNIT_S, SPRING, State, TIRE};
-use super::{BINS, HOP_S};
+use super::modes::Modes;
+use super::parameters::{GAIN, SKEW_UNIT_S, State, TIRE};
+use super::{BINS, HOP_S, SIGNALS, bin_hz};
 use crate::frame::FrameClock;
+use crate::informed::model::response;
 use crate::real::Real;
 
 /// Slowest speed in m/s at which a road is shared.
-const SLOWEST_M_S: f64 = 2.8;
+pub(super) const SLOWEST_M_S: f64 = 2.8;
 /// Seconds without a frame after which a side counts as not shared.
 const STALE_S: f64 = 1.0;
 /// Incoherence near wheel hop from which on a side counts as not shared.
@@ -44,7 +46,8 @@ pub(super) struct Track<T: Real> {
     memory: Memory<T>,
     acquisition: Acquisition<T>,
     aligned: bool,
-    clock: FrameClock<T, BINS, { 2 * KEPT }>,
+    clock: FrameClock<T, BINS, SIGNALS>,
+    instruments: [Instrument<T>; 2],
     coherence: Coherence<T>,
     /// Wheelbase and skew that the frame under way is aligned with.
     used: [T; 2],
@@ -63,6 +66,7 @@ impl<T: Real> Track<T> {
             acquisition: Acquisition::new(),
             aligned: false,
             clock: FrameClock::new(HOP_S, period_s),
+            instruments: [Instrument::new(), Instrument::new()],
             coherence: Coherence::new(),
             used: [T::zero(); 2],
             spoiled_hops: 0,
@@ -89,12 +93,13 @@ impl<T: Real> Track<T> {
             return None;
         }
         let then_s = self.memory.time_at(entry.way_m - road.wheelbase_m.to_f64() * road.scale())?;
-        let rear = reconstructed(&entry.signals, &road.wheels[1], road.state);
+        let axles = road.axles();
+        let rear = axles[1].road_velocity(&entry.signals);
         let delay_s = T::lit(entry.time_s - then_s);
         let (memory, skew_s) = (&self.memory, road.skew_s());
         let found = self.acquisition.push(rear, delay_s, self.period_s, |later_s| {
             let read = memory.read(then_s - (skew_s + later_s).to_f64())?;
-            Some(reconstructed(&read.signals, &road.wheels[0], road.state))
+            Some(axles[0].road_velocity(&read.signals))
         });
         self.aligned = found.is_some();
         found
@@ -105,6 +110,8 @@ impl<T: Real> Track<T> {
         let pair = self.pair(entry, road);
         let Some((read, delay_s)) = pair else {
             self.clock.restart();
+            self.instruments.iter_mut().for_each(Instrument::restart);
+            self.tune(road);
             self.used = [road.wheelbase, road.skew];
             return None;
         };
@@ -113,12 +120,20 @@ impl<T: Real> Track<T> {
         }
         // The front met the same slope at another speed.
         let ratio = entry.speed_m_s / read.speed_m_s;
-        let mut signals = [T::zero(); 2 * KEPT];
-        for i in 0..KEPT {
-            signals[i] = ratio * read.signals[i];
-            signals[KEPT + i] = entry.signals[i];
+        let front = read.signals.map(|signal| ratio * signal);
+        let axles = road.axles();
+        let gain = T::one() + road.state[GAIN + self.side];
+        let [ahead, behind] = [gain * axles[0].road_velocity(&front), axles[1].road_velocity(&entry.signals)];
+        let common = T::lit(0.5) * (ahead + behind);
+        let mut signals = [T::zero(); SIGNALS];
+        signals[..KEPT].copy_from_slice(&front);
+        signals[KEPT..2 * KEPT].copy_from_slice(&entry.signals);
+        for (axle, instrument) in self.instruments.iter_mut().enumerate() {
+            let there = instrument.push(common);
+            signals[(2 + axle) * KEPT..(3 + axle) * KEPT].copy_from_slice(&there);
         }
         let frame = self.clock.push(&signals)?;
+        self.tune(road);
         let [used_wheelbase, used_skew] = self.used;
         self.used = [road.wheelbase, road.skew];
         if self.spoiled_hops > 0 {
@@ -127,6 +142,13 @@ impl<T: Real> Track<T> {
         }
         let middle_s = entry.time_s - self.clock.hop_s();
         Some(TrackFrame { frame, middle_s, delay_s, used_wheelbase, used_skew })
+    }
+
+    /// Brings the instruments up to date with what is believed.
+    fn tune(&mut self, road: &Meeting<'_, T>) {
+        for ((instrument, axle), wheel) in self.instruments.iter_mut().zip(road.axles()).zip(&road.wheels) {
+            instrument.tune(&axle, wheel.body.sprung_mass_kg, self.period_s);
+        }
     }
 
     /// What the front said of the place where the rear is, and how long ago.
@@ -150,13 +172,30 @@ impl<T: Real> Track<T> {
     ) -> bool {
         let best = modes.most_likely();
         let state = modes.modes[best].mean;
-        let road_power = compare(taken, wheels, self.side, &state, &moves(best)).road_power;
-        let noise = sensor_noise(wheels, self.side, &state, &self.noise_density);
-        let expected = self.coherence.expect(&road_power, &noise);
-        let Some((found, ratio)) = modes.weigh(taken, wheels, self.side, &expected) else { return false };
+        let look = |signals| compare(taken, signals, wheels, self.side, &state);
+        let road_power = look(Signals::Measured).road_power;
+        let instrument = look(Signals::Common).slope;
+        let noise = self.noise(wheels, &state);
+        let products = expected_products(wheels, self.side, &state, taken.delay_s);
+        let expected = self.coherence.expect(&road_power, &noise, &products);
+        let Some((found, ratio)) = modes.weigh(taken, wheels, self.side, &expected, &instrument) else {
+            return false;
+        };
         self.coherence.learn(&expected, &found, &ratio, &noise, T::lit(HOP_S));
         self.learned_until_s = taken.middle_s;
-        expected.worth.is_some() && self.coherence.near_wheel_hop() < T::lit(APART)
+        self.coherence.near_wheel_hop() < T::lit(APART)
+    }
+
+    /// Sensor noise in the axles' disagreement, per bin.
+    fn noise(&self, wheels: &[Wheel<T>; 2], state: &State<T>) -> [T; BINS] {
+        core::array::from_fn(|bin| {
+            let mut sum = T::zero();
+            for (wheel, &density) in wheels.iter().zip(&self.noise_density) {
+                let theta = wheel.theta * (T::one() + state[TIRE + wheel.corner]);
+                sum += density * response(&wheel.body, theta, bin_hz(bin)).1;
+            }
+            sum
+        })
     }
 
     /// Whether the side's road is being learned from at this time, and its incoherence.
@@ -172,18 +211,11 @@ impl<T: Real> Meeting<'_, T> {
         1.0 + self.wheelbase.to_f64()
     }
 
+    fn axles(&self) -> [Axle<T>; 2] {
+        [Axle::new(&self.wheels[0], self.state), Axle::new(&self.wheels[1], self.state)]
+    }
+
     fn skew_s(&self) -> T {
         T::lit(SKEW_UNIT_S) * self.skew
     }
-}
-
-/// The road velocity that a corner's signals tell.
-fn reconstructed<T: Real>(signals: &[T; KEPT], wheel: &Wheel<T>, state: &State<T>) -> T {
-    let one = T::one();
-    let at = |kind: usize| one + state[kind + wheel.corner];
-    let body = &wheel.body;
-    let force = body.unsprung_mass_kg * at(MASS) * signals[1]
-        + body.damping_n_s_per_m * at(DAMPING) * signals[2]
-        + body.spring_n_per_m * at(SPRING) * signals[3];
-    signals[0] + wheel.theta * at(TIRE) * force
 }
