@@ -13,6 +13,7 @@
 //! | [`report`] | one HTML page about a drive |
 //! | [`roughness`] | International Roughness Index, ISO 8608 level and slope, per track and segment |
 //! | [`score`] | the accuracy table, recomputed over many simulated drives |
+//! | [`soak`] | false warnings over many simulated hours |
 #![forbid(unsafe_code)]
 
 pub mod bound;
@@ -24,4 +25,5 @@ pub mod plot;
 pub mod report;
 pub mod roughness;
 pub mod score;
+pub mod soak;
 pub mod spectrum;

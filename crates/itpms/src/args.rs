@@ -4,6 +4,7 @@ mod bench;
 mod certify;
 mod reproduce;
 mod roughness;
+mod soak;
 
 use std::path::PathBuf;
 
@@ -19,6 +20,7 @@ pub(crate) use bench::{BenchOutput, CalibrateArgs, DamperArgs, IdentifyArgs, Ide
 pub(crate) use certify::CertifyArgs;
 pub(crate) use reproduce::ReproduceArgs;
 pub(crate) use roughness::RoughnessArgs;
+pub(crate) use soak::SoakArgs;
 
 /// Indirect tire pressure monitoring: tire pressure and road from the accelerations of a car's body and wheels.
 #[derive(Debug, Parser)]
@@ -46,6 +48,7 @@ pub(crate) enum Command {
     Estimate(EstimateArgs),
     Simulate(SimulateArgs),
     Score(ScoreArgs),
+    Soak(SoakArgs),
     Certify(CertifyArgs),
     Identify(IdentifyArgs),
     Calibrate(CalibrateArgs),

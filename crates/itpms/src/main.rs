@@ -34,6 +34,7 @@ fn main() -> ExitCode {
         Command::Simulate(args) => commands::simulate::run(args, &screen, &interrupt),
         Command::Certify(args) => commands::certify::run(args, &screen, &interrupt),
         Command::Score(args) => commands::score::run(args, &screen, &interrupt),
+        Command::Soak(args) => commands::soak::run(args, &screen, &interrupt),
         Command::Identify(args) => commands::identify::run(&args.part, &screen),
         Command::Calibrate(args) => commands::identify::run_calibrate(args, &screen),
         Command::Observability(args) => commands::observability::run(args, &screen, &interrupt),

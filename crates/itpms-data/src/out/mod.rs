@@ -2,11 +2,12 @@
 //!
 //! Called by the commands of the binary. Rows go out as they come, in bounded memory. A file appears under its name
 //! only when it is complete: every writer ends in [`AtomicFile::commit`], and one that is dropped before leaves
-//! nothing behind.
+//! nothing behind. The exception is a [`Ledger`], which grows line by line.
 
 mod atomic;
 mod csv_table;
 mod drive_log;
+mod ledger;
 mod leftovers;
 #[cfg(feature = "parquet")]
 mod parquet_table;
@@ -15,4 +16,5 @@ mod table;
 
 pub use atomic::AtomicFile;
 pub use drive_log::LogWriter;
+pub use ledger::Ledger;
 pub use results::{EstimateWriter, RoadPoint, RoadWriter};

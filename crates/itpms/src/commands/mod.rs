@@ -11,6 +11,7 @@ pub(crate) mod reproduce;
 pub(crate) mod roughness;
 pub(crate) mod score;
 pub(crate) mod simulate;
+pub(crate) mod soak;
 
 /// Rows between two looks at the interrupt flag and the progress bar.
 const ROWS_PER_LOOK: u64 = 1024;

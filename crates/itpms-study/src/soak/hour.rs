@@ -1,0 +1,236 @@
+//! One drive in which nothing is wrong, and what is kept of it: what was said, and how near it came to saying more.
+
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+use itpms_core::car::{CarConfig, CarEstimate, CarEstimator};
+use itpms_core::estimator::EstimatorKind;
+use itpms_core::monitor::{Alert, Change, Limits, Monitor, MonitorConfig, MonitorReport, MonitoredCar};
+use itpms_core::sample::Corner;
+use itpms_sim::scenario::{Scenario, ToleranceSpec};
+use itpms_sim::simulation::{SimRow, Simulation};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+use serde::{Deserialize, Serialize};
+
+use super::{Car, Plan, SoakError};
+
+/// Rows between two questions whether to go on.
+const ASK_ROWS: u64 = 2000;
+/// How far the speed that the estimator is told may be off, as a share: tires wear, wheels differ.
+const SPEED_SHARE: f64 = 0.01;
+/// Standard deviations that a one-sided limit of 95 % lies off.
+const ONE_SIDED_95: f64 = 1.645;
+/// The same of a two-sided interval of 95 %.
+const HALF_95: f64 = 1.96;
+
+/// What is kept of a drive: a line of a file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Hour {
+    /// Of the drive, and of the car.
+    pub seed: u64,
+    /// Length of the drive in s, stops included.
+    pub driven_s: f64,
+    /// Distance in km.
+    pub km: f64,
+    /// Everything that was said, in the order of time: nothing, if all is well.
+    pub said: Vec<Said>,
+    /// In the order of [`Corner::ALL`].
+    pub wheels: [WheelHour; 4],
+    /// Time in s it took to compute.
+    pub wall_s: f64,
+}
+
+/// Something that was said though nothing was wrong.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Said {
+    /// When, in s from the start of the drive.
+    pub time_s: f64,
+    /// The wheels it named, such as `fl`.
+    pub wheels: Vec<String>,
+    /// Why, in one word; see [`itpms_core::monitor::Cause::label`].
+    pub cause: String,
+    /// Why, in full.
+    pub text: String,
+}
+
+/// How near one wheel came to a warning, while its pressure was valid. `None` where it never was.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct WheelHour {
+    /// Share of the time in which the pressure was valid.
+    pub valid: f64,
+    /// Share of that in which the truth was inside the 95 % interval.
+    pub covered: Option<f64>,
+    /// Root of the mean square error in kPa.
+    pub rmse_kpa: Option<f64>,
+    /// Largest error over its standard deviation, with its sign.
+    pub worst_z: Option<f64>,
+    /// Smallest distance in kPa of the 95 % upper limit (p + 1.645 sd) from the limit of a warning; negative where a
+    /// warning was due.
+    pub low_margin_kpa: Option<f64>,
+    /// When that was, in s.
+    pub low_margin_s: Option<f64>,
+    /// Smallest 95 % lower limit (p - 1.645 sd) in kPa.
+    pub lowest_kpa: Option<f64>,
+}
+
+impl Hour {
+    /// As one line of JSON.
+    #[must_use]
+    pub fn to_line(&self) -> String {
+        // Numbers, texts and lists can always be written.
+        serde_json::to_string(self).unwrap_or_default()
+    }
+
+    /// From such a line; `None` if it is no such thing.
+    #[must_use]
+    pub fn from_line(line: &str) -> Option<Self> {
+        serde_json::from_str(line).ok()
+    }
+}
+
+/// Drives one seed.
+pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) -> Result<Hour, SoakError> {
+    let begun = Instant::now();
+    let scenario = scenario(plan)?;
+    let mut car = monitored(&scenario)?;
+    let speed_factor = match plan.car {
+        Car::Nominal => 1.0,
+        Car::Varied => 1.0 + SPEED_SHARE * (2.0 * Pcg64::seed_from_u64(seed).random::<f64>() - 1.0),
+    };
+    let limits = limits(&scenario)?;
+    let mut watches = limits.map(Watch::new);
+    let mut said = vec![];
+    let mut before = *car.report();
+    let (mut rows, mut km) = (0, 0.0);
+    for row in Simulation::new(&scenario, seed)? {
+        if rows % ASK_ROWS == 0 && flow().is_break() {
+            return Err(SoakError::Stopped);
+        }
+        rows += 1;
+        let mut sample = row.car_sample();
+        sample.speed_m_s *= speed_factor;
+        let estimate = car.update(&sample);
+        for (i, watch) in watches.iter_mut().enumerate() {
+            watch.push(&row, &estimate, i);
+        }
+        km = 1e-3 * row.distance_m;
+        note(row.time_s, &before, car.report(), &mut said);
+        before = *car.report();
+    }
+    let driven_s = rows as f64 / plan.rate_hz;
+    let wheels = watches.map(|watch| watch.finish(rows));
+    Ok(Hour { seed, driven_s, km, said, wheels, wall_s: begun.elapsed().as_secs_f64() })
+}
+
+/// The drive, before its seed composes it.
+fn scenario(plan: &Plan) -> Result<Scenario, SoakError> {
+    let mut scenario = Scenario::builtin("drive-normal")?;
+    scenario.rate_hz = plan.rate_hz;
+    scenario.duration_s = plan.drive_s;
+    if let (Some(journey), Car::Varied) = (&mut scenario.journey, plan.car) {
+        journey.tolerances = Some(ToleranceSpec::default());
+    }
+    scenario.validate()?;
+    Ok(scenario)
+}
+
+/// The estimator and the monitor as they are shipped, told what the vehicle file says.
+fn monitored(scenario: &Scenario) -> Result<Box<MonitoredCar<f64>>, SoakError> {
+    let mut config = CarConfig { corners: [None; 4], wheelbase_m: Some(scenario.wheelbase_m) };
+    for (corner, _) in scenario.corner.iter() {
+        config.corners[corner.index()] = Some(scenario.corner_config(corner)?);
+    }
+    let estimator = CarEstimator::new(EstimatorKind::default(), &config, scenario.rate_hz)?;
+    let monitor = Monitor::new(&MonitorConfig::new(&config), scenario.rate_hz)?;
+    Ok(Box::new(MonitoredCar::new(estimator, monitor)))
+}
+
+/// Pressures in kPa below which a wheel is warned of.
+fn limits(scenario: &Scenario) -> Result<[f64; 4], SoakError> {
+    let share = Limits::<f64>::from(itpms_core::monitor::Regulation::default()).low_share;
+    let mut limits = [f64::NAN; 4];
+    for (corner, _) in scenario.corner.iter() {
+        limits[corner.index()] = share * scenario.corner_config(corner)?.placard_kpa;
+    }
+    Ok(limits)
+}
+
+fn note(time_s: f64, before: &MonitorReport<f64>, now: &MonitorReport<f64>, said: &mut Vec<Said>) {
+    for change in now.changes_since(before) {
+        if let Change::Begun(alert) = change {
+            said.push(Said::new(time_s, &alert));
+        }
+    }
+}
+
+impl Said {
+    fn new(time_s: f64, alert: &Alert<f64>) -> Self {
+        Self {
+            time_s,
+            wheels: alert.wheels.iter().map(|corner: Corner| corner.label().to_owned()).collect(),
+            cause: alert.cause.label().to_owned(),
+            text: alert.to_string(),
+        }
+    }
+}
+
+/// Watches one wheel.
+#[derive(Debug, Clone, Copy)]
+struct Watch {
+    limit_kpa: f64,
+    valid: u64,
+    covered: u64,
+    squares: f64,
+    worst_z: f64,
+    low_margin: [f64; 2],
+    lowest_kpa: f64,
+}
+
+impl Watch {
+    fn new(limit_kpa: f64) -> Self {
+        Self {
+            limit_kpa,
+            valid: 0,
+            covered: 0,
+            squares: 0.0,
+            worst_z: 0.0,
+            low_margin: [f64::INFINITY, f64::NAN],
+            lowest_kpa: f64::INFINITY,
+        }
+    }
+
+    fn push(&mut self, row: &SimRow, estimate: &CarEstimate<f64>, corner: usize) {
+        let (Some(truth), Some(estimate)) = (&row.corners[corner], &estimate.corners[corner]) else { return };
+        if !estimate.validity.is_valid() {
+            return;
+        }
+        let (pressure, sd) = (estimate.pressure_kpa, estimate.pressure_sd_kpa);
+        let error = pressure - truth.pressure_kpa;
+        self.valid += 1;
+        self.covered += u64::from(error.abs() <= HALF_95 * sd);
+        self.squares += error * error;
+        if error.abs() > self.worst_z.abs() * sd {
+            self.worst_z = error / sd;
+        }
+        let margin = pressure + ONE_SIDED_95 * sd - self.limit_kpa;
+        if margin < self.low_margin[0] {
+            self.low_margin = [margin, row.time_s];
+        }
+        self.lowest_kpa = self.lowest_kpa.min(pressure - ONE_SIDED_95 * sd);
+    }
+
+    fn finish(self, rows: u64) -> WheelHour {
+        let some = |value: f64| (self.valid > 0).then_some(value);
+        let valid = self.valid as f64;
+        WheelHour {
+            valid: valid / rows.max(1) as f64,
+            covered: some(self.covered as f64 / valid),
+            rmse_kpa: some((self.squares / valid).sqrt()),
+            worst_z: some(self.worst_z),
+            low_margin_kpa: some(self.low_margin[0]),
+            low_margin_s: some(self.low_margin[1]),
+            lowest_kpa: some(self.lowest_kpa),
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! False warnings over many hours: everyday drives in which nothing is wrong, one after the other, until one is warned of.
+//!
+//! Called by the binary's `soak`. A drive is an hour of `drive-normal`, composed from its seed; every seed is also
+//! another car, within tolerances of bodies, tires and sensors that the estimator is not told of. Nothing here knows of
+//! files: what is done is handed over drive by drive, and what was done before is told.
+//!
+//! | room | idea |
+//! |---|---|
+//! | [`hour`] | one drive, and what is kept of it |
+//! | [`summary`] | many drives added up |
+
+pub mod hour;
+pub mod summary;
+
+use std::ops::ControlFlow;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::thread;
+
+use itpms_core::quarter_car::ParameterError;
+use itpms_sim::error::ScenarioError;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+pub use hour::{Hour, Said, WheelHour};
+pub use summary::Summary;
+
+/// Stack of a thread in bytes: the estimator of a whole car is a value of some hundred kilobytes, and is handed about by
+/// value while it is set up.
+const STACK_BYTES: usize = 32 << 20;
+
+/// Which car is driven.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Car {
+    /// Another one with every seed.
+    Varied,
+    /// That of `drive-normal`, which is nearly the one the estimator is told.
+    Nominal,
+}
+
+impl Car {
+    /// All, the usual one first.
+    pub const ALL: [Self; 2] = [Self::Varied, Self::Nominal];
+
+    /// The name on the command line.
+    #[must_use]
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Varied => "varied",
+            Self::Nominal => "nominal",
+        }
+    }
+}
+
+/// What is driven: drives of one plan can be added up.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Plan {
+    /// Samples per second.
+    pub rate_hz: f64,
+    /// Length of a drive in s.
+    pub drive_s: f64,
+    /// Which car.
+    pub car: Car,
+}
+
+impl Default for Plan {
+    /// Hours at 200 Hz, each seed another car.
+    fn default() -> Self {
+        Self { rate_hz: 200.0, drive_s: 3600.0, car: Car::Varied }
+    }
+}
+
+/// Why there is no drive.
+#[derive(Debug, Error)]
+pub enum SoakError {
+    /// Somebody said so.
+    #[error("stopped")]
+    Stopped,
+    /// The operating system gives no threads.
+    #[error("no threads to compute with: {0}")]
+    Threads(#[from] std::io::Error),
+    /// The scenario: a rate or a length out of range.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// A parameter that the estimator or the monitor refuses.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+}
+
+/// Drives these seeds, `jobs` at a time. Each drive is handed to `done` when it is complete, in whatever order;
+/// `flow` is asked every few seconds of driving, and by both [`ControlFlow::Break`] ends the whole.
+///
+/// # Errors
+/// See [`SoakError`]; drives that were not complete are lost.
+pub fn soak(
+    plan: &Plan,
+    seeds: &[u64],
+    jobs: usize,
+    done: &mut (dyn FnMut(Hour) -> ControlFlow<()> + Send),
+    flow: &(dyn Fn() -> ControlFlow<()> + Sync),
+) -> Result<(), SoakError> {
+    let (next, stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let done = Mutex::new(done);
+    let stop = || {
+        if stopped.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { flow() }
+    };
+    let work = || -> Result<(), SoakError> {
+        while let Some(&seed) = seeds.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let hour = hour::drive(plan, seed, &stop);
+            if hour.is_err() {
+                stopped.store(true, Ordering::Relaxed);
+            }
+            let hour = hour?;
+            // Poisoned only by a panic elsewhere, which ends the program anyway.
+            let mut done = done.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+            if done(hour).is_break() {
+                stopped.store(true, Ordering::Relaxed);
+                return Err(SoakError::Stopped);
+            }
+        }
+        Ok(())
+    };
+    let results: Vec<Result<(), SoakError>> = thread::scope(|scope| {
+        let spawn = || thread::Builder::new().stack_size(STACK_BYTES).spawn_scoped(scope, work);
+        let handles: Vec<_> = (0..jobs.clamp(1, seeds.len().max(1))).map(|_| spawn()).collect();
+        let join = |handle: std::io::Result<thread::ScopedJoinHandle<'_, Result<(), SoakError>>>| {
+            handle?.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        };
+        handles.into_iter().map(join).collect()
+    });
+    // A reason comes before the stops that follow from it.
+    let mut outcome = Ok(());
+    for result in results {
+        match (&outcome, &result) {
+            (Ok(()), Err(_)) => outcome = result,
+            (Err(SoakError::Stopped), Err(error)) if !matches!(error, SoakError::Stopped) => outcome = result,
+            _ => {}
+        }
+    }
+    outcome
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn short() -> Plan {
+        Plan { drive_s: 30.0, ..Plan::default() }
+    }
+
+    fn go() -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+
+    fn hours(seeds: &[u64], jobs: usize) -> Vec<Hour> {
+        let mut hours = vec![];
+        let mut done = |hour: Hour| {
+            hours.push(Hour { wall_s: 0.0, ..hour });
+            go()
+        };
+        soak(&short(), seeds, jobs, &mut done, &go).unwrap();
+        hours.sort_by_key(|hour| hour.seed);
+        hours
+    }
+
+    #[test]
+    fn hours_do_not_depend_on_the_number_of_threads() {
+        let (one, three) = (hours(&[1, 2, 3, 4], 1), hours(&[4, 3, 2, 1], 3));
+        assert_eq!(one, three);
+        assert_eq!(one.iter().map(|hour| hour.seed).collect::<Vec<_>>(), [1, 2, 3, 4]);
+        assert!(one.iter().all(|hour| (hour.driven_s - 30.0).abs() < 1e-9 && hour.km > 0.0));
+        // Lines of a file carry all of it.
+        let line = one[0].to_line();
+        assert_eq!(Hour::from_line(&line).unwrap(), one[0]);
+        assert!(Hour::from_line("{}").is_none() && Hour::from_line(&line[1..]).is_none());
+    }
+
+    #[test]
+    fn it_stops_when_told_and_says_why_it_cannot_go_on() {
+        let mut count = 0;
+        let mut done = |_: Hour| {
+            count += 1;
+            ControlFlow::Break(())
+        };
+        let stopped = soak(&short(), &[1, 2, 3, 4, 5, 6], 2, &mut done, &go);
+        assert!(matches!(stopped, Err(SoakError::Stopped)));
+        assert!(count <= 2);
+        let never = soak(&short(), &[1], 1, &mut |_| go(), &|| ControlFlow::Break(()));
+        assert!(matches!(never, Err(SoakError::Stopped)));
+        let slow = Plan { rate_hz: 1.0, ..short() };
+        assert!(matches!(soak(&slow, &[1, 2], 2, &mut |_| go(), &go), Err(SoakError::Scenario(_))));
+    }
+}

@@ -1,0 +1,53 @@
+//! What can be typed after `itpms soak`: how many hours, of what, and where they are kept.
+
+use std::path::PathBuf;
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use itpms_study::soak::Car;
+
+use super::positive;
+
+/// Drive for many simulated hours in which nothing is wrong, and count what the monitor says.
+///
+/// Each hour of drive-normal is composed from its seed and driven by another car (bodies, tires and sensors within
+/// tolerances). Finished hours are appended to DIR/hours.jsonl, one line of JSON each; the same command goes on where it
+/// was stopped, however it was stopped. At the end they are added up, also into DIR/summary.json.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct SoakArgs {
+    /// Hours in all, those of earlier runs included.
+    #[arg(long, value_name = "H", default_value_t = 1000.0, value_parser = positive)]
+    pub(crate) hours: f64,
+    /// Where the hours are kept.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Samples per second.
+    #[arg(long, value_name = "HZ", default_value_t = 200.0, value_parser = positive)]
+    pub(crate) rate: f64,
+    /// Length of a drive; what is not finished when the run is stopped is driven again.
+    #[arg(long, value_name = "S", default_value_t = 3600.0, value_parser = positive)]
+    pub(crate) drive_s: f64,
+    /// Seed of the first drive; the others follow.
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    pub(crate) first_seed: u64,
+    /// Drives at a time; as many as there are processors unless said.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) jobs: Option<u16>,
+    /// Whether every seed drives another car or all the one of the scenario.
+    #[arg(long, value_name = "CAR", default_value = Car::Varied.label(), value_parser = car_names())]
+    pub(crate) car: Car,
+    /// Print the sums as JSON.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+fn car_names() -> impl TypedValueParser<Value = Car> {
+    PossibleValuesParser::new(Car::ALL.map(Car::label)).try_map(|label| {
+        Car::ALL.into_iter().find(|car| car.label() == label).ok_or("expected varied or nominal")
+    })
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  itpms soak --hours 1000 --out soak
+  itpms soak --hours 2 --out soak --first-seed 5000 --jobs 1";

@@ -1,0 +1,89 @@
+//! `itpms soak`: hours are kept one by one, and a run goes on where it was stopped, however it was stopped.
+#![allow(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
+
+mod common;
+
+use std::process::Stdio;
+use std::thread::sleep;
+use std::time::Duration;
+
+use common::Bench;
+use serde_json::Value;
+
+/// Six drives of a minute: each takes some tenths of a second.
+const LINE: &str = "soak --hours 0.1 --drive-s 60 --out soak";
+
+/// The hours that are kept, by seed, without the time they took.
+fn hours(bench: &Bench) -> Vec<Value> {
+    let text = bench.read("soak/hours.jsonl");
+    let mut hours: Vec<Value> =
+        text.lines().skip(1).map(|line| serde_json::from_str(line).unwrap()).collect();
+    hours.iter_mut().for_each(|hour| hour["wall_s"] = 0.into());
+    hours.sort_by_key(|hour| hour["seed"].as_u64());
+    hours
+}
+
+#[test]
+fn six_minutes_are_driven_and_added_up() {
+    let bench = Bench::new();
+    let sums: Value = serde_json::from_str(bench.run(&format!("{LINE} --json")).success()).unwrap();
+    assert_eq!(sums["drives"], 6);
+    assert!((sums["hours"].as_f64().unwrap() - 0.1).abs() < 1e-9);
+    let seeds: Vec<u64> = hours(&bench).iter().map(|hour| hour["seed"].as_u64().unwrap()).collect();
+    assert_eq!(seeds, [1, 2, 3, 4, 5, 6]);
+    let file: Value = serde_json::from_str(&bench.read("soak/summary.json")).unwrap();
+    assert_eq!(file, sums);
+    // Again: nothing is left to drive; more hours go on from there.
+    let before = bench.read("soak/hours.jsonl");
+    assert!(bench.run(LINE).success().contains("6 drives"));
+    assert_eq!(bench.read("soak/hours.jsonl"), before);
+    assert!(bench.run(&LINE.replace("0.1", "0.11")).success().contains("7 drives"));
+    assert!(bench.read("soak/hours.jsonl").starts_with(&before));
+}
+
+#[test]
+fn a_killed_run_loses_no_finished_hour_and_repeats_none() {
+    let whole = Bench::new();
+    whole.run(LINE).success();
+    let bench = Bench::new();
+    let path = bench.path("soak/hours.jsonl");
+    let complete = || std::fs::read(&path).map_or(0, |bytes| bytes.iter().filter(|b| **b == b'\n').count());
+    // Killed outright as soon as another hour is there, three times.
+    for _ in 0..3 {
+        let before = complete().max(1);
+        let line = format!("{LINE} --jobs 2");
+        let mut command = bench.command(line.split_whitespace());
+        let mut run = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        while complete() <= before && run.try_wait().unwrap().is_none() {
+            sleep(Duration::from_millis(2));
+        }
+        run.kill().unwrap();
+        run.wait().unwrap();
+        // And as if the disk had got half of the next one.
+        let torn = [std::fs::read(&path).unwrap().as_slice(), br#"{"seed":99,"dri"#].concat();
+        std::fs::write(&path, torn).unwrap();
+    }
+    bench.run(LINE).success();
+    assert_eq!(hours(&bench), hours(&whole));
+}
+
+#[test]
+fn hours_of_something_else_are_not_added_to() {
+    let bench = Bench::new();
+    bench.run(&LINE.replace("0.1", "0.01")).success();
+    for (line, expected) in [
+        (format!("{LINE} --rate 100"), "line 1: the plan of the hours that are there is"),
+        (format!("{LINE} --car nominal"), "line 1: the plan of the hours that are there is"),
+    ] {
+        let outcome = bench.run(&line);
+        assert!(outcome.refusal().contains(expected), "{outcome:?}");
+    }
+    let changed = bench.read("soak/hours.jsonl").replacen("\"program\":\"", "\"program\":\"0", 1);
+    bench.write("soak/hours.jsonl", changed);
+    assert!(bench.run(LINE).refusal().contains("the fingerprint of the program that drove them is"));
+    bench.write("soak/hours.jsonl", "time_s,speed\n0,1\n");
+    assert!(bench.run(LINE).refusal().contains("use another folder"));
+    for line in ["soak", "soak --out x --hours 0", "soak --out x --car mine", "soak --out x --jobs 0"] {
+        assert_eq!(bench.run(line).code, Some(2), "{line}");
+    }
+}
