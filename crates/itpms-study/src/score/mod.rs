@@ -10,7 +10,7 @@
 //! | `track` | following a drop: the paper's scenarios, a wrong mass, the grid of roads; coverage |
 //! | `constant` | efficiency against the Cramer-Rao bound |
 //! | `record` | the road |
-//! | `drive` | four wheels: a puncture, the sources one by one, disturbances |
+//! | `drive` | four wheels: a puncture, the sources one by one, disturbances, detection |
 //! | [`row`] | rows, cells, goals, verdicts |
 //! | [`stats`] | percentiles, bias, coverage |
 //! | `runner` | many drives at once |
@@ -68,11 +68,13 @@ pub enum Part {
     Ablation,
     /// The same while something is not as the estimator is told. Not part of the usual table.
     Disturbances,
+    /// How soon a loss is warned of. Not part of the usual table.
+    Detection,
 }
 
 impl Part {
     /// In the order of the table.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::PaperDrop,
         Self::PaperDeepDrop,
         Self::PaperDropRecover,
@@ -85,6 +87,7 @@ impl Part {
         Self::Drive,
         Self::Ablation,
         Self::Disturbances,
+        Self::Detection,
     ];
     /// The paper's scenarios.
     pub const PAPER: [Self; 3] = [Self::PaperDrop, Self::PaperDeepDrop, Self::PaperDropRecover];
@@ -92,7 +95,7 @@ impl Part {
     /// Whether it belongs to the table that is computed when nothing is asked for by name.
     #[must_use]
     pub fn is_usual(self) -> bool {
-        !matches!(self, Self::Ablation | Self::Disturbances)
+        !matches!(self, Self::Ablation | Self::Disturbances | Self::Detection)
     }
 
     /// The name on the command line.
@@ -111,6 +114,7 @@ impl Part {
             Self::Drive => "drive",
             Self::Ablation => "ablation",
             Self::Disturbances => "disturbances",
+            Self::Detection => "detection",
         }
     }
 
@@ -142,6 +146,9 @@ impl Part {
             "drive-noise" => "The same with noise 0.3 m/s2",
             "disturbances" => {
                 "drive-puncture while one thing is not as the estimator is told; columns as above"
+            }
+            "detection" => {
+                "A loss of a fifth, 20-120 km/h, classes A-D, both cars: seconds from the complete loss to the warning"
             }
             "ablation" => "drive-puncture with each source of information alone, and both; columns as above",
             _ => return None,

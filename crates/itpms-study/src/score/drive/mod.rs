@@ -8,8 +8,10 @@
 //! |---|---|
 //! | `errors` | errors of four wheels over a drive's windows, as cells |
 //! | `puncture` | a puncture at two speeds; the sources of information one by one |
+//! | `detect` | how soon a loss is warned of, on which wheel |
 //! | `disturb` | the same while something is not as the estimator is told |
 
+mod detect;
 mod disturb;
 mod errors;
 mod puncture;
@@ -207,6 +209,7 @@ impl Drive {
 /// Which drives the asked-for parts need.
 pub(super) struct Plan {
     errors: errors::Plan,
+    detection: detect::Plan,
 }
 
 impl Plan {
@@ -228,16 +231,22 @@ impl Plan {
         if wanted(Part::Disturbances) {
             errors.add("disturbances", disturb::drives(kind)?, seeds, only);
         }
-        Ok(Self { errors })
+        let detection = match wanted(Part::Detection) {
+            true => detect::Plan::new(kind, seeds, only),
+            false => detect::Plan::default(),
+        };
+        Ok(Self { errors, detection })
     }
 
     /// Drives in all.
     pub(super) fn drives(&self) -> u64 {
-        self.errors.drives()
+        self.errors.drives() + self.detection.drives()
     }
 
     pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, ScoreError> {
-        self.errors.rows(runner)
+        let mut rows = self.errors.rows(runner)?;
+        rows.extend(self.detection.rows(runner)?);
+        Ok(rows)
     }
 }
 
