@@ -2,6 +2,7 @@
 
 mod bench;
 mod certify;
+mod malfunctions;
 mod reproduce;
 mod roughness;
 mod soak;
@@ -18,6 +19,7 @@ use itpms_study::score::Part;
 
 pub(crate) use bench::{BenchOutput, CalibrateArgs, DamperArgs, IdentifyArgs, IdentifyPart, SpringArgs};
 pub(crate) use certify::CertifyArgs;
+pub(crate) use malfunctions::MalfunctionsArgs;
 pub(crate) use reproduce::ReproduceArgs;
 pub(crate) use roughness::RoughnessArgs;
 pub(crate) use soak::SoakArgs;
@@ -50,6 +52,7 @@ pub(crate) enum Command {
     Score(ScoreArgs),
     Soak(SoakArgs),
     Certify(CertifyArgs),
+    Malfunctions(MalfunctionsArgs),
     Identify(IdentifyArgs),
     Calibrate(CalibrateArgs),
     Observability(ObservabilityArgs),

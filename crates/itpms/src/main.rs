@@ -33,6 +33,7 @@ fn main() -> ExitCode {
         Command::Estimate(args) => commands::estimate::run(args, &screen, &interrupt),
         Command::Simulate(args) => commands::simulate::run(args, &screen, &interrupt),
         Command::Certify(args) => commands::certify::run(args, &screen, &interrupt),
+        Command::Malfunctions(args) => commands::malfunctions::run(args, &screen, &interrupt),
         Command::Score(args) => commands::score::run(args, &screen, &interrupt),
         Command::Soak(args) => commands::soak::run(args, &screen, &interrupt),
         Command::Identify(args) => commands::identify::run(&args.part, &screen),

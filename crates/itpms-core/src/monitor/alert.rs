@@ -106,8 +106,10 @@ pub enum Malfunction<T> {
     },
     /// Two sensors carry each other's name.
     Swapped(Sensor, Sensor),
-    /// Both sensors of two corners carry each other's name.
-    SwappedCorners(Corner, Corner),
+    /// Both sensors of the left and the right corner of one axle carry each other's name; of which, cannot be told.
+    SwappedSides,
+    /// Both sensors of the front and the rear corner of one side carry each other's name; of which, cannot be told.
+    SwappedAxles,
     /// The corner's signals do not fit each other or the rest of the car, and which is wrong cannot be told.
     Inconsistent(Corner),
 }
@@ -122,7 +124,7 @@ impl<T> Malfunction<T> {
             Malfunction::Spikes(_) => "spikes",
             Malfunction::Noise(_) => "noise",
             Malfunction::Gain { .. } => "gain",
-            Malfunction::Swapped(..) | Malfunction::SwappedCorners(..) => "swapped",
+            Malfunction::Swapped(..) | Malfunction::SwappedSides | Malfunction::SwappedAxles => "swapped",
             Malfunction::Inconsistent(_) => "inconsistent",
         }
     }
@@ -137,7 +139,7 @@ impl<T> Malfunction<T> {
             | Malfunction::Noise(sensor)
             | Malfunction::Gain { sensor, .. } => sensor.corner.into(),
             Malfunction::Swapped(a, b) => Wheels::from(a.corner) | b.corner.into(),
-            Malfunction::SwappedCorners(a, b) => Wheels::from(*a) | (*b).into(),
+            Malfunction::SwappedSides | Malfunction::SwappedAxles => Corner::ALL.into_iter().collect(),
             Malfunction::Inconsistent(corner) => (*corner).into(),
         }
     }
@@ -190,9 +192,8 @@ impl<T: Real> fmt::Display for Malfunction<T> {
                 write!(f, "{sensor} reads {:.2} times what it should", gain.to_f64())
             }
             Malfunction::Swapped(a, b) => write!(f, "{a} and {b} are swapped"),
-            Malfunction::SwappedCorners(a, b) => {
-                write!(f, "the sensors of {} and {} are swapped", a.label(), b.label())
-            }
+            Malfunction::SwappedSides => f.write_str("left and right of one axle are swapped"),
+            Malfunction::SwappedAxles => f.write_str("front and rear of one side are swapped"),
             Malfunction::Inconsistent(corner) => {
                 write!(f, "the sensors of {} do not fit the others", corner.label())
             }

@@ -6,6 +6,7 @@ pub(crate) mod demo;
 pub(crate) mod estimate;
 pub(crate) mod folder;
 pub(crate) mod identify;
+pub(crate) mod malfunctions;
 pub(crate) mod observability;
 pub(crate) mod reproduce;
 pub(crate) mod roughness;

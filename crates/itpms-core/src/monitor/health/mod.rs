@@ -166,9 +166,8 @@ impl<T: Real> Health<T> {
             .map(|i| self.present[i] && self.sensors[i].is_alive() && self.sensors[4 + i].is_alive());
         // An unknown speed passes: there is power in the bands, or nothing is concluded.
         let driving = !(self.slowest_m_s < T::lit(DRIVING_M_S));
-        if driving {
-            self.together.compare_wheel_and_body([time_s, step_s], &block, alive);
-        }
+        let alive = if driving { alive } else { [false; 4] };
+        self.together.compare_wheel_and_body([time_s, step_s], &block, alive);
         self.judge_noise([time_s, step_s], &blocks, &block);
         let few = |block: &Option<SensorBlock<T>>| block.is_none_or(|b| b.missing < T::lit(FEW_MISSING));
         let calm = (0..8).all(|i| self.present[i % 4] && !self.sensors[i].is_suspected());

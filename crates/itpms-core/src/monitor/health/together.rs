@@ -51,8 +51,8 @@ const BENT: f64 = 0.04;
 const WARPED: f64 = 0.1;
 /// Warp that is left when the corners that are swapped are put back, over the warp as it is.
 const PUT_BACK: f64 = 0.1;
-/// Share of the warp that one sensor's gain must explain.
-const EXPLAINED: f64 = 0.85;
+/// Share of the warp that one sensor's gain must explain; noise has its part in it, too.
+const EXPLAINED: f64 = 0.65;
 /// Log of a gain that is wrong, of a body and of a wheel; and that is fine again.
 const BODY_GAIN: f64 = 0.2;
 const BODY_GAIN_FINE: f64 = 0.12;
@@ -169,6 +169,7 @@ impl<T: Real> Together<T> {
     /// Takes a block of a car that drives: does each wheel hop, and each body not? `alive`: the corners whose sensors move
     /// and whose values come.
     pub(super) fn compare_wheel_and_body(&mut self, at: [f64; 2], block: &Block<T>, alive: [bool; 4]) {
+        self.newest_ratio = [T::lit(f64::NAN); 4];
         let body = |i: usize| block.hop[(i, i)];
         let others = |power: &dyn Fn(usize) -> T, i: usize| {
             let mut alike = [T::zero(); 4];
@@ -238,11 +239,10 @@ impl<T: Real> Together<T> {
             let evidence = plane.map_or(Evidence::Nothing, |plane| {
                 evidence(follows && changed.explains(plane), plane.warp < T::lit(FLAT))
             });
-            let [a, b] = match changed {
-                Changed::Sides => [Corner::FrontLeft, Corner::FrontRight],
-                Changed::Axles => [Corner::FrontLeft, Corner::RearLeft],
-            };
-            word.update(at, evidence, SWAP, || Malfunction::SwappedCorners(a, b));
+            word.update(at, evidence, SWAP, || match changed {
+                Changed::Sides => Malfunction::SwappedSides,
+                Changed::Axles => Malfunction::SwappedAxles,
+            });
         }
     }
 
@@ -327,9 +327,12 @@ impl<T: Real> Together<T> {
     pub(super) fn suspects(&self) -> Wheels {
         let words = self.odd.iter().chain(&self.pairs).chain(&self.reversed).chain(&self.corners);
         let suspected = words.filter(|word| word.latch.is_suspected());
+        // A body that moves like its wheel is suspect at once.
+        let odd = |corner: &Corner| self.newest_ratio[corner.index()] < T::lit(ODD);
+        let at_once: Wheels = Corner::ALL.into_iter().filter(odd).collect();
         suspected
             .filter_map(|word| word.malfunction.as_ref())
-            .fold(Wheels::NONE, |all, malfunction| all | malfunction.wheels())
+            .fold(at_once, |all, malfunction| all | malfunction.wheels())
     }
 }
 

@@ -75,7 +75,9 @@ impl Events {
         }
         for now in self.before.iter().flat_map(MonitorReport::alerts) {
             let standing = self.listed.iter_mut().rev().find(|listed| {
-                listed.ended_s.is_none() && listed.alert.said_s == now.said_s && listed.alert.wheels == now.wheels
+                listed.ended_s.is_none()
+                    && listed.alert.said_s == now.said_s
+                    && listed.alert.wheels == now.wheels
             });
             if let Some(listed) = standing.filter(|listed| listed.alert.cause.label() == now.cause.label()) {
                 listed.alert = *now;
@@ -168,7 +170,7 @@ fn put_malfunction(put: &mut impl FnMut(&str, Value), malfunction: &Malfunction<
         | Malfunction::Noise(sensor)
         | Malfunction::Gain { sensor, .. } => vec![column(sensor)],
         Malfunction::Swapped(a, b) => vec![column(a), column(b)],
-        Malfunction::SwappedCorners(..) | Malfunction::Inconsistent(_) => vec![],
+        Malfunction::SwappedSides | Malfunction::SwappedAxles | Malfunction::Inconsistent(_) => vec![],
     };
     put("sensors", json!(sensors));
     if let Malfunction::Gain { gain, .. } = malfunction {
