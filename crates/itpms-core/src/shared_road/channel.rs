@@ -16,6 +16,9 @@ const LEAST_RATE_HZ: f64 = 200.0;
 /// Quality factors of the two sections of a Butterworth filter of order four.
 const QUALITY: [f64; 2] = [0.541_196_1, 1.306_563];
 
+/// Place of the relative velocity among them.
+pub(super) const RELATIVE: usize = 3;
+
 /// A thinned set of signals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

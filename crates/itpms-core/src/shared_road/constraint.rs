@@ -5,21 +5,24 @@
 use nalgebra::{Complex, SMatrix, SVector};
 
 use super::channel::KEPT;
-use super::parameters::{DAMPING, GAIN, MASS, SKEW, SKEW_UNIT_S, SPRING, State, TIRE, WHEELBASE};
+use super::parameters::{BAR, DAMPING, GAIN, MASS, SKEW, SKEW_UNIT_S, SPRING, State, TIRE, WHEELBASE};
 use super::{BIN_SPACING_HZ, BINS, Frame, bin_hz};
 use crate::informed::model::{Body, sine_window_power};
 use crate::real::Real;
 
 /// Real numbers in a frame's disagreement: real and imaginary part of every bin.
 pub(super) const ROWS: usize = 2 * BINS;
-/// Quantities that a side's disagreement depends on: front tire, mass, damping, spring, the same of the rear, gain,
-/// wheelbase, skew.
-pub(super) const OWN: usize = 11;
+/// Quantities that a side's disagreement depends on: front tire, mass, damping, spring, anti-roll bar, the same of the
+/// rear, gain, wheelbase, skew.
+pub(super) const OWN: usize = 13;
 /// Places among them.
-const REAR: usize = 4;
-const OWN_GAIN: usize = 8;
-const OWN_WHEELBASE: usize = 9;
-const OWN_SKEW: usize = 10;
+const OWN_BAR: usize = 4;
+const REAR: usize = 5;
+const OWN_GAIN: usize = 10;
+const OWN_WHEELBASE: usize = 11;
+const OWN_SKEW: usize = 12;
+/// Signals of an axle's side: those kept of a corner, and its relative velocity less that of the other side.
+pub(super) const SEEN: usize = KEPT + 1;
 
 /// Points per bin, and on each side, at which the window's spectrum is averaged, and the lowest frequency in Hz of that.
 const KERNEL_DENSITY: f64 = 2.0;
@@ -74,10 +77,12 @@ pub(super) fn places(side: usize) -> [usize; OWN] {
         MASS + front,
         DAMPING + front,
         SPRING + front,
+        BAR,
         TIRE + rear,
         MASS + rear,
         DAMPING + rear,
         SPRING + rear,
+        BAR + 1,
         GAIN + side,
         WHEELBASE,
         SKEW + side,
@@ -89,28 +94,30 @@ pub(super) struct Axle<T> {
     /// Compliance in m/N of the tire, as it is and at placard pressure.
     pub(super) theta: T,
     placard: T,
-    /// Unsprung mass, damping, spring: as they are, and as the vehicle file says.
-    pub(super) factors: [T; 3],
-    nominal: [T; 3],
+    /// Unsprung mass, damping, spring, anti-roll bar: as they are, and as the vehicle file says; the bar's is the spring's.
+    pub(super) factors: [T; 4],
+    nominal: [T; 4],
 }
 
 impl<T: Real> Axle<T> {
     pub(super) fn new(wheel: &Wheel<T>, state: &State<T>) -> Self {
         let at = |kind: usize| T::one() + state[kind + wheel.corner];
         let body = &wheel.body;
-        let nominal = [body.unsprung_mass_kg, body.damping_n_s_per_m, body.spring_n_per_m];
-        let factors = [nominal[0] * at(MASS), nominal[1] * at(DAMPING), nominal[2] * at(SPRING)];
+        let spring = body.spring_n_per_m;
+        let nominal = [body.unsprung_mass_kg, body.damping_n_s_per_m, spring, spring];
+        let bar = spring * state[BAR + wheel.corner / 2];
+        let factors = [nominal[0] * at(MASS), nominal[1] * at(DAMPING), spring * at(SPRING), bar];
         Self { theta: wheel.theta * at(TIRE), placard: wheel.theta, factors, nominal }
     }
 
     /// The road velocity that the signals of an entry tell.
-    pub(super) fn road_velocity(&self, signals: &[T; KEPT]) -> T {
-        let [mass, damping, spring] = self.factors;
-        signals[0] + self.theta * (mass * signals[1] + damping * signals[2] + spring * signals[3])
+    pub(super) fn road_velocity(&self, signals: &[T; SEEN]) -> T {
+        let force = self.factors.iter().zip(&signals[1..]).fold(T::zero(), |sum, (&f, &x)| sum + f * x);
+        signals[0] + self.theta * force
     }
 
-    /// The four signals that a road of unit velocity makes at a frequency in Hz.
-    fn over_unit_road(&self, sprung_mass_kg: T, frequency_hz: T) -> [Complex<T>; KEPT] {
+    /// The signals that a road of unit velocity makes at a frequency in Hz, if the other side does not move.
+    fn over_unit_road(&self, sprung_mass_kg: T, frequency_hz: T) -> [Complex<T>; SEEN] {
         let s = Complex::new(T::zero(), T::two_pi() * frequency_hz);
         let one = Complex::new(T::one(), T::zero());
         let z = s * self.factors[1] + one * self.factors[2];
@@ -118,22 +125,19 @@ impl<T: Real> Axle<T> {
         // v_w - v_b = Q v_w, and R = v_w (1 + θ (m s² + Z Q)).
         let relative = sprung / (sprung + z);
         let wheel = one / (one + (s * s * self.factors[0] + z * relative) * self.theta);
-        [wheel, s * s * wheel, s * relative * wheel, relative * wheel]
+        [wheel, s * s * wheel, s * relative * wheel, relative * wheel, relative * wheel]
     }
 
-    /// Road and its derivatives by tire, mass, damping, spring, from wheel velocity and the three force signals.
-    fn road(&self, signals: [Complex<T>; KEPT]) -> (Complex<T>, [Complex<T>; 4]) {
-        let [velocity, jerk, relative_acceleration, relative_velocity] = signals;
-        let force = jerk * self.factors[0]
-            + relative_acceleration * self.factors[1]
-            + relative_velocity * self.factors[2];
-        let slope = [
-            force * self.placard,
-            jerk * (self.theta * self.nominal[0]),
-            relative_acceleration * (self.theta * self.nominal[1]),
-            relative_velocity * (self.theta * self.nominal[2]),
-        ];
-        (velocity + force * self.theta, slope)
+    /// Road and its derivatives by tire, mass, damping, spring, bar, from wheel velocity and the force signals.
+    fn road(&self, signals: [Complex<T>; SEEN]) -> (Complex<T>, [Complex<T>; REAR]) {
+        let mut force = Complex::new(T::zero(), T::zero());
+        let mut slope = [force; REAR];
+        for i in 0..SEEN - 1 {
+            force += signals[i + 1] * self.factors[i];
+            slope[i + 1] = signals[i + 1] * (self.theta * self.nominal[i]);
+        }
+        slope[0] = force * self.placard;
+        (signals[0] + force * self.theta, slope)
     }
 }
 
@@ -178,7 +182,7 @@ impl<T: Real> Disagreement<T> {
         let delay_s = taken.delay_s;
         let of = |axle: usize| {
             core::array::from_fn(|i| {
-                let column = (2 * usize::from(signals == Signals::Common) + axle) * KEPT + i;
+                let column = (2 * usize::from(signals == Signals::Common) + axle) * SEEN + i;
                 Complex::new(taken.frame.re[(bin, column)], taken.frame.im[(bin, column)])
             })
         };
@@ -218,6 +222,11 @@ pub(super) fn expected_products<T: Real>(
             let re = Score::from_fn(|i, _| slope[i].re);
             let im = Score::from_fn(|i, _| slope[i].im);
             sum += (re * re.transpose() + im * im.transpose()) * weight;
+            // The other side moves as much, by itself, and alike under both axles.
+            let bars = [OWN_BAR, REAR + OWN_BAR];
+            for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(i, j)| (bars[i], bars[j])) {
+                sum[(i, j)] += (slope[i].re * slope[j].re + slope[i].im * slope[j].im) * weight;
+            }
             total += weight;
         }
         sum / total
@@ -226,7 +235,7 @@ pub(super) fn expected_products<T: Real>(
 
 /// Derivatives of a disagreement, from each axle's road and its derivatives.
 fn slopes<T: Real>(
-    seen: &[(Complex<T>, [Complex<T>; 4]); 2],
+    seen: &[(Complex<T>, [Complex<T>; REAR]); 2],
     gain: T,
     frequency_hz: T,
     delay_s: T,

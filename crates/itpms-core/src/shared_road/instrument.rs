@@ -49,7 +49,7 @@ impl<T: Real> Instrument<T> {
 
     /// Takes over an axle's parameters, for steps of `period_s`.
     pub(super) fn tune(&mut self, axle: &Axle<T>, sprung_mass_kg: T, period_s: f64) {
-        let [wheel, damping, spring] = axle.factors;
+        let [wheel, damping, spring, _] = axle.factors;
         let tire = T::one() / axle.theta.max(T::lit(1e-8));
         self.car = [wheel, sprung_mass_kg, damping, spring, tire];
         let (zero, one) = (T::zero(), T::one());

@@ -29,8 +29,8 @@ mod track;
 
 use nalgebra::{SMatrix, SVector};
 
-use self::channel::{Channel, KEPT};
-use self::constraint::Wheel;
+use self::channel::{Channel, Entry, RELATIVE};
+use self::constraint::{SEEN, Wheel};
 use self::modes::Modes;
 use self::parameters::{COMMON_BIAS, OWN_BIAS, SKEW, SKEW_UNIT_S, State, TIRE, WHEELBASE};
 use self::track::{Meeting, Track};
@@ -47,7 +47,7 @@ const BIN_SPACING_HZ: f64 = 0.5 / HOP_S;
 /// A frame of both axles' signals.
 type Frame<T> = crate::frame::Frame<T, BINS, SIGNALS>;
 /// Signals of both axles, and what they would be on the road both agree on.
-const SIGNALS: usize = 4 * KEPT;
+const SIGNALS: usize = 4 * SEEN;
 /// Middle of a bin in Hz.
 fn bin_hz<T: Real>(bin: usize) -> T {
     T::lit((bin + 1) as f64 * BIN_SPACING_HZ)
@@ -95,6 +95,8 @@ pub(crate) struct SharedRoad<T: Real> {
     placard_kpa: [T; 4],
     channels: [Channel<T>; 4],
     tracks: [Track<T>; 2],
+    /// The newest two entries of the rear corners, newest first.
+    rear: [[Option<Entry<T>>; 2]; 2],
     modes: Modes<T>,
     /// Seconds from front to rear wheel, left and right.
     delay_s: [T; 2],
@@ -160,6 +162,7 @@ impl<T: Real> SharedRoad<T> {
             placard_kpa: of(&|c| c.placard_kpa),
             channels,
             tracks,
+            rear: [[None; 2]; 2],
             modes,
             delay_s: [T::zero(); 2],
             believed_s: f64::NAN,
@@ -205,7 +208,18 @@ impl<T: Real> SharedRoad<T> {
             self.tracks[side].front(&entry);
             return;
         }
-        let (Some(front), Some(rear)) = (self.wheels[side], self.wheels[corner]) else { return };
+        // One entry late, so that the other side's of the same time is there, too.
+        let [newest, _] = self.rear[side];
+        self.rear[side] = [Some(entry), newest];
+        if let Some(entry) = newest {
+            self.roll(side, &entry);
+        }
+    }
+
+    /// Takes an entry of a rear corner to the road that the front met.
+    fn roll(&mut self, side: usize, entry: &Entry<T>) {
+        let (Some(front), Some(rear)) = (self.wheels[side], self.wheels[side + 2]) else { return };
+        let beside = self.beside(side, entry);
         let (wheelbase, skew) = (self.modes.quantity(WHEELBASE).0, self.modes.quantity(SKEW + side).0);
         let road = Meeting {
             wheelbase_m: self.wheelbase_m,
@@ -215,7 +229,7 @@ impl<T: Real> SharedRoad<T> {
             state: &self.modes.modes[self.modes.most_likely()].mean,
         };
         if !self.tracks[side].is_aligned() {
-            if let Some(found) = self.tracks[side].search(&entry, &road) {
+            if let Some(found) = self.tracks[side].search(entry, &road) {
                 let unit = T::lit(SKEW_UNIT_S);
                 self.modes.measure(T::lit(FOUND_SD_S * FOUND_SD_S), |state| {
                     let mut slope = State::zeros();
@@ -228,9 +242,21 @@ impl<T: Real> SharedRoad<T> {
             }
             return;
         }
-        if let Some(taken) = self.tracks[side].meet(&entry, &road) {
+        let [left, right] = &mut self.tracks;
+        let (own, other) = if side == 0 { (left, right) } else { (right, left) };
+        if let Some(taken) = own.meet(entry, beside, other, &road) {
             self.learn(side, &[front, rear], &taken);
         }
+    }
+
+    /// Relative velocity of the other rear corner at the same time, if it is known.
+    fn beside(&self, side: usize, entry: &Entry<T>) -> Option<T> {
+        let near_s = 0.5 * self.channels[0].period_s();
+        let others = self.rear[1 - side].iter().flatten();
+        others
+            .filter(|other| (other.time_s - entry.time_s).abs() < near_s && !other.spoiled)
+            .map(|other| other.signals[RELATIVE])
+            .next()
     }
 
     fn learn(&mut self, side: usize, wheels: &[Wheel<T>; 2], taken: &constraint::TrackFrame<T>) {
@@ -311,7 +337,8 @@ impl<T: Real> SharedRoad<T> {
 
     /// What is believed now.
     pub(crate) fn belief(&self) -> CarBelief<T> {
-        let age_s = T::lit((self.newest_s - self.believed_s).clamp(0.0, 1.0));
+        let age_s = self.newest_s - self.believed_s;
+        let age_s = if age_s > 0.0 { T::lit(age_s.min(1.0)) } else { T::zero() };
         // What is believed of a front tire is as old as the road under the rear wheel.
         let ages = [age_s + self.delay_s[0], age_s + self.delay_s[1], age_s, age_s];
         let (mean, covariance) = self.modes.tires(&ages);

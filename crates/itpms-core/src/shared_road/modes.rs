@@ -7,7 +7,7 @@ use super::coherence::Expectation;
 use super::constraint::{
     Disagreement, Gram, OWN, ROWS, Score, Signals, Slope, TrackFrame, Wheel, compare, places,
 };
-use super::parameters::{Covariance, RATE, SIZE, State, TIRE, prior_sd, wander_sd};
+use super::parameters::{Covariance, RATE, SIZE, State, TIRE, correlate_bars, prior_sd, wander_sd};
 use super::{BINS, OVERLAP};
 use crate::real::Real;
 
@@ -78,7 +78,8 @@ fn begun<T: Real>(mode: usize, mean: &State<T>, covariance: &Covariance<T>) -> (
 impl<T: Real> Modes<T> {
     pub(super) fn new() -> Self {
         let sd = prior_sd::<T>();
-        let covariance = Covariance::from_diagonal(&sd.component_mul(&sd));
+        let mut covariance = Covariance::from_diagonal(&sd.component_mul(&sd));
+        correlate_bars(&mut covariance);
         let modes = core::array::from_fn(|mode| {
             let weight = if mode == QUIET { T::one() } else { T::zero() };
             let (mean, covariance) = begun(mode, &State::zeros(), &covariance);

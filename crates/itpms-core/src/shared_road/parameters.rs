@@ -6,44 +6,59 @@ use nalgebra::{SMatrix, SVector};
 use crate::real::Real;
 
 /// Quantities.
-pub(super) const SIZE: usize = 27;
+pub(super) const SIZE: usize = 29;
 /// Compliance of each tire over the one at placard pressure, less one.
 pub(super) const TIRE: usize = 0;
 /// Relative deviations of unsprung mass, damping and spring of each corner.
 pub(super) const MASS: usize = 4;
 pub(super) const DAMPING: usize = 8;
 pub(super) const SPRING: usize = 12;
+/// Stiffness of each axle's anti-roll bar at a wheel, over its spring's.
+pub(super) const BAR: usize = 16;
 /// Gain of the front wheel's sensor over the rear one's, left and right, less one.
-pub(super) const GAIN: usize = 16;
+pub(super) const GAIN: usize = 18;
 /// Relative deviation of wheelbase over speed.
-pub(super) const WHEELBASE: usize = 18;
+pub(super) const WHEELBASE: usize = 20;
 /// Time by which the rear wheel's sensor is late, left and right, in units of [`SKEW_UNIT_S`].
-pub(super) const SKEW: usize = 19;
+pub(super) const SKEW: usize = 21;
 /// What the road's spectrum reads too much: all corners alike, and each on its own, as a share of the placard pressure.
-pub(super) const COMMON_BIAS: usize = 21;
-pub(super) const OWN_BIAS: usize = 22;
+pub(super) const COMMON_BIAS: usize = 23;
+pub(super) const OWN_BIAS: usize = 24;
 /// Rate of change in 1/s of the compliances that move.
-pub(super) const RATE: usize = 26;
+pub(super) const RATE: usize = 28;
 
 /// So that skews are of the size of the other quantities.
 pub(super) const SKEW_UNIT_S: f64 = 0.1;
+
+/// Stiffness of a rear anti-roll bar over that of the front one, and how far it may be from that, over the spring's.
+const BAR_SHARE: f64 = 0.4;
+const BAR_SPREAD: f64 = 0.06;
 
 pub(super) type State<T> = SVector<T, SIZE>;
 pub(super) type Covariance<T> = SMatrix<T, SIZE, SIZE>;
 
 /// Standard deviations before anything is learned; the rate's is that of a mode that moves.
 pub(super) fn prior_sd<T: Real>() -> State<T> {
-    filled([0.11, 0.01, 0.15, 0.2, 0.012, 0.01, 0.02, 0.04, 0.03, 0.0])
+    filled([0.11, 0.01, 0.15, 0.1, 0.3, 0.012, 0.01, 0.02, 0.04, 0.03, 0.0])
+}
+
+/// The rear bar's stiffness is a share of the front one's, give or take: only their difference shows in the roads.
+pub(super) fn correlate_bars<T: Real>(prior: &mut Covariance<T>) {
+    let (share, spread) = (T::lit(BAR_SHARE), T::lit(BAR_SPREAD));
+    let front = prior[(BAR, BAR)];
+    prior[(BAR, BAR + 1)] = share * front;
+    prior[(BAR + 1, BAR)] = share * front;
+    prior[(BAR + 1, BAR + 1)] = share * share * front + spread * spread;
 }
 
 /// Growth of the standard deviations in a second, of those that change by themselves.
 pub(super) fn wander_sd<T: Real>() -> State<T> {
-    filled([8e-4, 5e-5, 1e-3, 1e-3, 5e-5, 1e-4, 5e-4, 1e-3, 1e-3, 0.0])
+    filled([8e-4, 5e-5, 1e-3, 1e-3, 1e-3, 5e-5, 1e-4, 5e-4, 1e-3, 1e-3, 0.0])
 }
 
 /// One value per kind of quantity, in the order above.
-fn filled<T: Real>(kinds: [f64; 10]) -> State<T> {
-    let starts = [TIRE, MASS, DAMPING, SPRING, GAIN, WHEELBASE, SKEW, COMMON_BIAS, OWN_BIAS, RATE, SIZE];
+fn filled<T: Real>(kinds: [f64; 11]) -> State<T> {
+    let starts = [TIRE, MASS, DAMPING, SPRING, BAR, GAIN, WHEELBASE, SKEW, COMMON_BIAS, OWN_BIAS, RATE, SIZE];
     let mut all = State::zeros();
     for (kind, value) in kinds.into_iter().enumerate() {
         for i in starts[kind]..starts[kind + 1] {

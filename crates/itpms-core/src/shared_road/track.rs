@@ -1,9 +1,9 @@
 //! One side of the car: what the front met, read again where the rear is now, and cut into frames of both.
 
 use super::acquire::{Acquisition, Found};
-use super::channel::{Entry, KEPT};
+use super::channel::{Entry, KEPT, RELATIVE};
 use super::coherence::Coherence;
-use super::constraint::{Axle, Signals, TrackFrame, Wheel, compare, expected_products};
+use super::constraint::{Axle, SEEN, Signals, TrackFrame, Wheel, compare, expected_products};
 use super::instrument::Instrument;
 use super::memory::{Memory, Read};
 use super::modes::Modes;
@@ -94,21 +94,28 @@ impl<T: Real> Track<T> {
         }
         let then_s = self.memory.time_at(entry.way_m - road.wheelbase_m.to_f64() * road.scale())?;
         let axles = road.axles();
-        let rear = axles[1].road_velocity(&entry.signals);
+        let rear = axles[1].road_velocity(&with_other(entry.signals, None));
         let delay_s = T::lit(entry.time_s - then_s);
         let (memory, skew_s) = (&self.memory, road.skew_s());
         let found = self.acquisition.push(rear, delay_s, self.period_s, |later_s| {
             let read = memory.read(then_s - (skew_s + later_s).to_f64())?;
-            Some(axles[0].road_velocity(&read.signals))
+            Some(axles[0].road_velocity(&with_other(read.signals, None)))
         });
         self.aligned = found.is_some();
         found
     }
 
-    /// Meets the front's road with an entry of the rear corner; gives a frame when one is complete.
-    pub(super) fn meet(&mut self, entry: &Entry<T>, road: &Meeting<'_, T>) -> Option<TrackFrame<T>> {
+    /// Meets the front's road with an entry of the rear corner; gives a frame when one is complete. The other side is
+    /// asked for how its suspension moved: `beside` at the rear.
+    pub(super) fn meet(
+        &mut self,
+        entry: &Entry<T>,
+        beside: Option<T>,
+        other: &Self,
+        road: &Meeting<'_, T>,
+    ) -> Option<TrackFrame<T>> {
         let pair = self.pair(entry, road);
-        let Some((read, delay_s)) = pair else {
+        let Some((read, then_s, delay_s)) = pair else {
             self.clock.restart();
             self.instruments.iter_mut().for_each(Instrument::restart);
             self.tune(road);
@@ -120,17 +127,19 @@ impl<T: Real> Track<T> {
         }
         // The front met the same slope at another speed.
         let ratio = entry.speed_m_s / read.speed_m_s;
-        let front = read.signals.map(|signal| ratio * signal);
+        let others = [other.memory.read(then_s).map(|read| read.signals[RELATIVE]), beside];
+        let front = with_other(read.signals, others[0]).map(|signal| ratio * signal);
+        let rear = with_other(entry.signals, others[1]);
         let axles = road.axles();
         let gain = T::one() + road.state[GAIN + self.side];
-        let [ahead, behind] = [gain * axles[0].road_velocity(&front), axles[1].road_velocity(&entry.signals)];
-        let common = T::lit(0.5) * (ahead + behind);
+        let common = T::lit(0.5) * (gain * axles[0].road_velocity(&front) + axles[1].road_velocity(&rear));
         let mut signals = [T::zero(); SIGNALS];
-        signals[..KEPT].copy_from_slice(&front);
-        signals[KEPT..2 * KEPT].copy_from_slice(&entry.signals);
+        signals[..SEEN].copy_from_slice(&front);
+        signals[SEEN..2 * SEEN].copy_from_slice(&rear);
+        let scales = [ratio, T::one()];
         for (axle, instrument) in self.instruments.iter_mut().enumerate() {
-            let there = instrument.push(common);
-            signals[(2 + axle) * KEPT..(3 + axle) * KEPT].copy_from_slice(&there);
+            let there = with_other(instrument.push(common), others[axle].map(|other| scales[axle] * other));
+            signals[(2 + axle) * SEEN..(3 + axle) * SEEN].copy_from_slice(&there);
         }
         let frame = self.clock.push(&signals)?;
         self.tune(road);
@@ -152,15 +161,16 @@ impl<T: Real> Track<T> {
     }
 
     /// What the front said of the place where the rear is, and how long ago.
-    fn pair(&self, entry: &Entry<T>, road: &Meeting<'_, T>) -> Option<(Read<T>, T)> {
+    fn pair(&self, entry: &Entry<T>, road: &Meeting<'_, T>) -> Option<(Read<T>, f64, T)> {
         if entry.after_gap || !(entry.speed_m_s > T::lit(SLOWEST_M_S)) {
             return None;
         }
         let [wheelbase, skew] = self.used;
         let scale = 1.0 + wheelbase.to_f64();
         let then_s = self.memory.time_at(entry.way_m - road.wheelbase_m.to_f64() * scale)?;
-        let read = self.memory.read(then_s - SKEW_UNIT_S * skew.to_f64())?;
-        (read.speed_m_s > T::lit(SLOWEST_M_S)).then(|| (read, T::lit(entry.time_s - then_s)))
+        let read_s = then_s - SKEW_UNIT_S * skew.to_f64();
+        let read = self.memory.read(read_s)?;
+        (read.speed_m_s > T::lit(SLOWEST_M_S)).then(|| (read, read_s, T::lit(entry.time_s - then_s)))
     }
 
     /// Weighs the belief with a frame; true if it was believed.
@@ -218,4 +228,11 @@ impl<T: Real> Meeting<'_, T> {
     fn skew_s(&self) -> T {
         T::lit(SKEW_UNIT_S) * self.skew
     }
+}
+
+/// A corner's signals and its relative velocity less the other side's; nothing, if that is not known.
+fn with_other<T: Real>(signals: [T; KEPT], other: Option<T>) -> [T; SEEN] {
+    let [wheel, jerk, acceleration, relative] = signals;
+    let apart = other.map_or(T::zero(), |other| relative - other);
+    [wheel, jerk, acceleration, relative, apart]
 }
