@@ -172,7 +172,7 @@ const Chart = (() => {
         width: item.width || 1.5,
         dash: dash[item.dash],
         fill: item.fill ? () => ink(item.fill) : undefined,
-        paths: item.bars ? uPlot.paths.bars({ size: [0.9, 120], gap: 1 }) : undefined,
+        paths: item.bars ? uPlot.paths.bars({ size: [0.9, 120], gap: 1 }) : item.steps ? uPlot.paths.stepped({ align: 0 }) : undefined,
         points: { show: false },
       }) - 1);
     }
@@ -236,7 +236,7 @@ const Chart = (() => {
         }],
       },
     }, columns, holder);
-    const chart = register(plot, holder, spec.group, spec.height || 210, full);
+    register(plot, holder, spec.group, spec.height || 210, full);
   }
 
   function clipped(u, draw) {
@@ -276,14 +276,19 @@ const Chart = (() => {
     ctx.lineTo(u.bbox.left + u.bbox.width, y);
     ctx.stroke();
     ctx.setLineDash([]);
-    word(u, ctx, text, u.bbox.left + u.bbox.width - 4 * dpr, y - 4 * dpr, color, "right");
+    // A halo, so that curves do not strike the word through.
+    ctx.strokeStyle = ink("panel");
+    ctx.lineWidth = 4 * dpr;
+    ctx.lineJoin = "round";
+    word(u, ctx, text, u.bbox.left + u.bbox.width - 4 * dpr, y - 4 * dpr, color, "right", true);
   }
-  function word(u, ctx, text, x, y, color, align) {
+  function word(u, ctx, text, x, y, color, align, halo) {
     const dpr = devicePixelRatio || 1;
     ctx.font = FONT.replace("12px", 12 * dpr + "px");
     ctx.textAlign = align || "left";
     ctx.textBaseline = "alphabetic";
     ctx.fillStyle = ink(color);
+    if (halo) ctx.strokeText(text, x, y);
     ctx.fillText(text, x, y);
   }
 
@@ -293,6 +298,7 @@ const Chart = (() => {
     ["bad signal", "warn", "cross"], ["diverged", "low", "cross"],
   ];
   const WARNING = [["none", "grid", "plain"], ["malfunction", "warn", "cross"], ["low", "low", "lines"]];
+  const STATE = [["fine", "fine", "plain"], ["not known", "quiet", "dots"], ["too high", "extra", "lines"], ["malfunction", "warn", "cross"], ["low", "low", "lines"]];
 
   function block(ctx, x, y, w, h, color, pattern) {
     const dpr = devicePixelRatio || 1;
@@ -328,8 +334,9 @@ const Chart = (() => {
     ctx.restore();
   }
 
-  function strip(figure, corner) {
-    const rows = [["Warning", corner.time.warning, WARNING], ["Validity", corner.time.validity, VALIDITY]];
+  // rows: [name, stretches [from, to, code], table of codes], drawn from top to bottom; `axis`: with a time axis.
+  function strip(figure, rows, axis) {
+    const height = 28 * rows.length + (axis ? 46 : 0);
     const holder = element("div", "plot strip");
     const legend = element("ul", "legend");
     const now = rows.map(([name]) => {
@@ -344,23 +351,25 @@ const Chart = (() => {
     figure.append(holder, legend);
     const plot = new uPlot({
       width: Math.max(holder.clientWidth, 200),
-      height: 56,
-      padding: [4, 10, 4, 0],
+      height,
+      padding: [4, 10, axis ? 0 : 4, 0],
       legend: { show: false },
       cursor: {
         y: false, points: { show: false }, drag: { x: true, y: false, dist: 4 }, bind: { dblclick: () => () => chart.all() },
         sync: { key: "time", scales: ["x", null], filters: { sub: (type) => type === "mousemove" || type === "mouseleave" } },
       },
-      scales: { x: { time: false, min: data.t[0], max: longest }, y: { range: [0, 2] } },
+      scales: { x: { time: false, min: data.t[0], max: longest }, y: { range: [0, rows.length] } },
       axes: [
-        { show: false },
+        axis ? { stroke: () => ink("soft"), label: timeLabel, labelSize: 20, labelGap: 0, labelFont: FONT, font: FONT, size: 26, gap: 5, space: 70,
+          incrs: steps, values: (u, ticks, i, s, step) => ticks.map((t) => clock(t, step)),
+          grid: { stroke: () => ink("grid"), width: 1 }, ticks: { stroke: () => ink("line"), width: 1, size: 5 } } : { show: false },
         { stroke: () => ink("soft"), font: FONT, size: GUTTER + 20, gap: 4, grid: { show: false }, ticks: { show: false },
-          splits: [0.5, 1.5], values: () => ["validity", "warning"] },
+          splits: rows.map((row, k) => rows.length - k - 0.5).reverse(), values: () => rows.map((row) => row[0]).reverse() },
       ],
       series: [{}, { stroke: null, points: { show: false } }],
       hooks: {
         draw: [(u) => clipped(u, () => rows.forEach(([, runs, table], k) => {
-          const dpr = devicePixelRatio || 1, h = u.bbox.height / 2 - 2 * dpr, y = u.bbox.top + k * (h + 4 * dpr);
+          const dpr = devicePixelRatio || 1, pitch = u.bbox.height / rows.length, h = pitch - 4 * dpr, y = u.bbox.top + k * pitch + 2 * dpr;
           for (const [from, to, code] of runs) {
             const a = u.valToPos(from, "x", true), b = u.valToPos(to, "x", true);
             const [name, color, pattern] = table[code];
@@ -388,7 +397,26 @@ const Chart = (() => {
         }],
       },
     }, [data.t, data.t.map(() => null)], holder);
-    const chart = register(plot, holder, "time", 56, [data.t[0], longest]);
+    register(plot, holder, "time", height, [data.t[0], longest]);
+  }
+
+  // A mark on the time axis where something was said.
+  function flag(u, ctx, t, color) {
+    const dpr = devicePixelRatio || 1, x = Math.round(u.valToPos(t, "x", true)), top = u.bbox.top;
+    if (!(x >= u.bbox.left && x <= u.bbox.left + u.bbox.width)) return;
+    ctx.strokeStyle = ctx.fillStyle = ink(color);
+    ctx.lineWidth = 1.5 * dpr;
+    ctx.setLineDash([4 * dpr, 3 * dpr]);
+    ctx.beginPath();
+    ctx.moveTo(x, top);
+    ctx.lineTo(x, top + u.bbox.height);
+    ctx.stroke();
+    ctx.setLineDash([]);
+    ctx.beginPath();
+    ctx.moveTo(x, top + 11 * dpr);
+    ctx.lineTo(x - 6 * dpr, top);
+    ctx.lineTo(x + 6 * dpr, top);
+    ctx.fill();
   }
 
   // ---- print: light, and as wide as the paper ------------------------------------------------------------------
@@ -396,7 +424,7 @@ const Chart = (() => {
   addEventListener("beforeprint", () => {
     printing = true;
     applyTheme("light");
-    charts.forEach((chart) => chart.fit(chart.plot.root.closest(".wide, #overview") ? 660 : 310));
+    charts.forEach((chart) => chart.fit(chart.plot.root.closest(".wide, #overview > .panel") ? 660 : 310));
   });
   addEventListener("afterprint", () => {
     printing = false;
@@ -404,5 +432,5 @@ const Chart = (() => {
     charts.forEach((chart) => chart.fit());
   });
 
-  return { data, panel, strip, level, word, ink, has, digits, short, clock, timeLabel, seconds: longest < 180 };
+  return { data, panel, strip, flag, VALIDITY, WARNING, STATE, element, level, word, ink, has, digits, short, clock, timeLabel, seconds: longest < 180 };
 })();

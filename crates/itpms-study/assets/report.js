@@ -1,6 +1,6 @@
 // What the report draws, panel by panel. Everything else on the page is there without it.
 "use strict";
-(({ data, panel, strip, level, word, ink, has, digits, short, clock, timeLabel, seconds }) => {
+(({ data, panel, strip, flag, VALIDITY, WARNING, STATE, element, level, word, ink, has, digits, short, clock, timeLabel, seconds }) => {
   const kpa = (v) => digits(v, 1) + " kPa";
   const timed = (spec) => ({ x: data.t, group: "time", xLabel: timeLabel, at: (t) => "at " + clock(t, 0.01) + (seconds ? " s" : ""), ...spec });
   // Room for all finite values and some air, never below `least` wide.
@@ -14,11 +14,35 @@
     return sorted.length ? sorted[Math.floor(q * (sorted.length - 1))] : 1;
   };
 
+  // Before anything is known an estimate may be anywhere: axes go by what was valid.
+  function span(corner) {
+    if (corner.span) return corner.span;
+    const c = corner.time, runs = c.validity.filter((run) => run[2] === 0);
+    let k = 0;
+    const valid = data.t.map((t) => {
+      while (k < runs.length && runs[k][1] < t) k++;
+      return k < runs.length && runs[k][0] <= t;
+    });
+    const of = (list) => list.filter((v, i) => v != null && valid[i]);
+    const p = of(c.p), lo = of(c.lo), hi = of(c.hi), sd = of(c.sd);
+    const known = [...p, ...c.truth.filter((v) => v != null), corner.placard];
+    if (p.length) known.push(quantile(lo, 0.02), quantile(hi, 0.98));
+    const bound = c.bound.filter((v) => v != null);
+    corner.span = { low: Math.max(0, Math.min(...known)), high: Math.max(...known), sd: Math.max(5, quantile(sd, 0.98), quantile(bound, 0.98)) };
+    return corner.span;
+  }
+
+  // Where something was said about a corner.
+  const inkOf = { "over-inflated": "extra", malfunction: "warn", "no-information": "quiet" };
+  const said = (u, ctx, corner) => data.alerts.filter((alert) => alert.wheels.includes(corner.id))
+    .forEach((alert) => flag(u, ctx, alert.said, inkOf[alert.kind] || "low"));
+
   function pressure(host, corner) {
     const c = corner.time;
     const known = has(c.truth);
     panel(host, timed({
-      title: "Pressure", wide: true, height: 320, yLabel: "Pressure (kPa)", range: around(60, 0),
+      title: "Pressure", wide: true, height: 320, yLabel: "Pressure (kPa)",
+      range: (u, lo, hi) => around(60, 0)(u, lo == null ? lo : Math.max(lo, span(corner).low), hi == null ? hi : Math.min(hi, span(corner).high)),
       note: known ? "The estimate with its 95 % band, the truth, and the band no single-corner estimator can beat around it."
         : "The estimate with its 95 % band, and the band no single-corner estimator can beat around it.",
       items: [
@@ -29,15 +53,16 @@
         { label: "Estimate", y: c.p, color: "estimate", width: 2, text: (i) => kpa(c.p[i]) },
         { label: "Truth", y: c.truth, color: "truth", dash: "dashed", text: (i) => kpa(c.truth[i]) },
       ],
-      marks: (u, ctx) => level(u, ctx, corner.placard, "soft", "placard"),
+      marks: (u, ctx) => (level(u, ctx, corner.placard, "soft", "placard"), said(u, ctx, corner)),
     }));
-    if (host.lastChild) strip(host.lastChild, corner);
+    const states = has(corner.state) ? [["state", corner.state, STATE]] : [["warning", c.warning, WARNING]];
+    if (host.lastChild) strip(host.lastChild, [...states, ["validity", c.validity, VALIDITY]]);
   }
 
   function inner(host, corner) {
     const c = corner.time;
     panel(host, timed({
-      title: "How sure", yLabel: "Std. deviation (kPa)", range: (u, lo, hi) => [0, lo == null ? 1 : 1.06 * hi],
+      title: "How sure", yLabel: "Std. deviation (kPa)", range: (u, lo, hi) => [0, lo == null ? 1 : 1.06 * Math.min(hi, 1.5 * span(corner).sd)],
       note: "Stated standard deviation against the Cramer-Rao bound" + (has(c.error) ? " and the error actually made." : " for a steady pressure."),
       items: [
         { label: "Error", y: c.error, color: "quiet", width: 1, text: (i) => kpa(c.error[i]) },
@@ -158,17 +183,32 @@
     });
   }
 
+  // The four pressures as the tires stand, all to the same scale.
+  function pressures(host) {
+    const spans = data.corners.map(span);
+    const low = Math.min(...spans.map((s) => s.low)), high = Math.max(...spans.map((s) => s.high)), air = 0.05 * (high - low);
+    host.append(element("h2", "", "Pressures"));
+    host.append(element("p", "verdict", "Each estimate with its 95 % band" + (data.corners.some((c) => has(c.time.truth)) ? " and the truth" : "")
+      + ", arranged as the tires stand; a flag marks the moment of a warning."));
+    const grid = element("div", "panels");
+    host.append(grid);
+    data.corners.forEach((corner) => {
+      const c = corner.time;
+      panel(grid, timed({
+        title: corner.name, height: 200, yLabel: "Pressure (kPa)", range: [Math.max(0, low - air), high + air],
+        items: [
+          { label: "95 % band", lo: c.lo, hi: c.hi, band: "band", text: (i) => digits(c.lo[i], 0) + " to " + digits(c.hi[i], 0) },
+          { label: "Estimate", y: c.p, color: "estimate", width: 2, text: (i) => kpa(c.p[i]) },
+          { label: "Truth", y: c.truth, color: "truth", dash: "dashed", text: (i) => kpa(c.truth[i]) },
+        ],
+        marks: (u, ctx) => (level(u, ctx, corner.placard, "soft", "placard"), said(u, ctx, corner)),
+      }));
+    });
+  }
+
   function overview(host) {
     const speed = data.speed.map((v) => (v == null ? null : 3.6 * v));
-    if (data.corners.length > 1) {
-      const look = [["estimate", "solid"], ["bound", "dashed"], ["green", "long"], ["extra", "dotted"]];
-      panel(host, timed({
-        title: "All pressures", height: 260, yLabel: "Pressure (kPa)", range: around(60, 0),
-        items: data.corners.map((corner, k) => ({
-          label: corner.name, y: corner.time.p, color: look[k][0], dash: look[k][1], width: 2, text: (i) => kpa(corner.time.p[i]),
-        })),
-      }));
-    }
+    if (data.corners.length > 1) pressures(host);
     if (has(speed) && Math.max(...speed) - Math.min(...speed) > 0.5) {
       panel(host, timed({
         title: "Speed", height: 150, yLabel: "Speed (km/h)", range: (u, lo, hi) => [0, lo == null ? 1 : 1.08 * hi],
@@ -177,11 +217,72 @@
     }
   }
 
+  // Every wheel's state over the drive.
+  function timeline(host) {
+    const rows = data.corners.map((corner) => {
+      const name = corner.name.replace("left", "L").replace("right", "R");
+      return has(corner.state) ? [name, corner.state, STATE] : [name, corner.time.warning, WARNING];
+    });
+    // A single wheel has its strip under its pressure.
+    if (rows.length < 2 || !data.t.length || rows.every((row) => !has(row[1]))) return;
+    const figure = element("figure", "panel wide");
+    figure.append(element("h3", "", "Each wheel over time"));
+    host.append(figure);
+    strip(figure, rows, true);
+  }
+
+  // The road of each track: front wheel's profile, and the roughness that every wheel of the side has felt.
+  function tracks(host) {
+    for (const side of ["left", "right"]) {
+      const wheels = data.corners.filter((corner) => corner.side === side && corner.road);
+      if (!wheels.length) continue;
+      const r = wheels[0].road, far = (r.x[r.x.length - 1] || 0) > 5000, unit = far ? "km" : "m", by = far ? 1000 : 1;
+      const x = r.x.map((v) => v / by), mm = (list) => list.map((v) => (v == null ? null : v * 1000));
+      const z = mm(r.z), truth = mm(r.truth);
+      const metres = (d) => "at " + digits(d, far ? 3 : 1) + " " + unit;
+      panel(host, {
+        title: `Road, ${side} track`, height: 190, x, group: "road", xLabel: `Distance (${unit})`, yLabel: "Height (mm)", at: metres, range: around(2),
+        note: `Felt by the ${wheels[0].name.toLowerCase()} wheel, freed of its moving average over 10 m.`,
+        items: [
+          { label: "Truth", y: truth, color: "truth", dash: "dashed", width: 1, text: (i) => digits(truth[i], 1) + " mm" },
+          { label: "Estimate", y: z, color: "estimate", text: (i) => digits(z[i], 1) + " mm" },
+        ],
+      });
+    }
+    for (const side of ["left", "right"]) {
+      const wheels = data.corners.filter((corner) => corner.side === side && corner.road && has(corner.road.iri.x));
+      if (!wheels.length) continue;
+      const first = wheels[0].road.iri, far = first.x[first.x.length - 1] > 5000, unit = far ? "km" : "m", by = far ? 1000 : 1;
+      // A wheel's segments at the places of the first wheel's.
+      const at = (iri, list) => first.x.map((x) => {
+        const k = iri.x.findIndex((other) => Math.abs(other - x) <= 0.5 * first.segment);
+        return k < 0 || !has(list) ? null : list[k];
+      });
+      const look = [["estimate", "solid"], ["extra", "dotted"]];
+      const curves = wheels.map((wheel) => at(wheel.road.iri, wheel.road.iri.iri));
+      const truth = has(first.truth) ? at(first, first.truth) : [];
+      const seen = [...curves.flat(), ...truth].filter((v) => v != null), half = first.segment / 2;
+      const x = first.x.map((v) => v / by);
+      panel(host, {
+        title: `Roughness, ${side} track`, height: 190, x, group: "road", full: [(first.x[0] - half) / by, (first.x[first.x.length - 1] + half) / by],
+        xLabel: `Distance (${unit})`, yLabel: "IRI (m/km)", at: (d) => "at " + digits(d, far ? 3 : 0) + " " + unit, range: [0, 1.15 * Math.max(1, ...seen)],
+        note: `International Roughness Index of each ${short(first.segment)} m.`,
+        items: [
+          ...wheels.map((wheel, k) => ({ label: wheel.name, y: curves[k], color: look[k][0], dash: look[k][1], width: 2, steps: true, text: (i) => digits(curves[k][i], 2) })),
+          { label: "Truth", y: truth, color: "truth", dash: "dashed", width: 1, steps: true, text: (i) => digits(truth[i], 2) },
+        ],
+      });
+    }
+  }
+
+  timeline(document.getElementById("timeline"));
   overview(document.getElementById("overview"));
-  document.querySelectorAll(".panels").forEach((host) => {
+  document.querySelectorAll("[data-roads]").forEach(tracks);
+  document.querySelectorAll("[data-corner]").forEach((host) => {
     const corner = data.corners[+host.dataset.corner];
     pressure(host, corner);
-    inner(host, corner);
+    if (data.corners.length < 2) inner(host, corner);
     road(host, corner);
   });
+  document.querySelectorAll("[data-inner]").forEach((host) => inner(host, data.corners[+host.dataset.inner]));
 })(Chart);

@@ -11,8 +11,8 @@ fn the_demo_finds_the_punctured_tire_and_no_other() {
     let outcome = bench.run("demo --out here");
     let lines: Vec<&str> = outcome.success().lines().collect();
     let line = |corner: &str| lines.iter().find(|line| line.starts_with(corner)).unwrap();
-    // The drop begins at 30 s and ends at 32.5 s.
-    assert!(line("fl").contains("LOW since 3"), "{outcome:?}");
+    // The drop begins at 20 s and ends at 22.5 s.
+    assert!(line("fl").contains("LOW since 2"), "{outcome:?}");
     for other in ["fr", "rl", "rr"] {
         assert!(!line(other).contains("LOW"), "{outcome:?}");
     }
@@ -22,7 +22,7 @@ fn the_demo_finds_the_punctured_tire_and_no_other() {
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
         .collect();
     names.sort();
-    assert_eq!(names, ["car.toml", "drive.csv", "est.csv", "report.html", "road.csv"]);
+    assert_eq!(names, ["car.toml", "drive.csv", "est.csv", "events.jsonl", "report.html", "road.csv"]);
     // Again into the same directory, beside what else is there.
     bench.write("here/mine.txt", "keep");
     bench.run("demo --out here --seed 2").success();

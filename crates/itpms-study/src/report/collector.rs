@@ -4,11 +4,13 @@
 //! drive lasts a minute or a day.
 
 use itpms_core::estimate::{CornerConfig, CornerEstimate, Validity, Warning};
+use itpms_core::monitor::MonitorReport;
 use itpms_core::sample::Corner;
 
 use super::figures::{DriveFigures, FigureSums};
 use super::road::RoadCollector;
 use super::track::{Keep, Track};
+use super::watch::WatchCollector;
 use super::{CornerReport, NisCheck, Provenance, ReportData, TimeCurves, Z_95};
 use crate::bound::{BoundSetting, CornerBound};
 use crate::spectrum::PowerLaw;
@@ -107,6 +109,7 @@ pub struct ReportCollector {
     steps: (f64, f64),
     distance_m: f64,
     speed_known: bool,
+    watch: WatchCollector,
 }
 
 impl ReportCollector {
@@ -139,6 +142,7 @@ impl ReportCollector {
             steps: (0.0, 0.0),
             distance_m: 0.0,
             speed_known: false,
+            watch: WatchCollector::new(),
         }
     }
 
@@ -179,6 +183,11 @@ impl ReportCollector {
         self.track.push(time_s, &self.values);
     }
 
+    /// Takes what the monitor says after a sample, as soon as it says so; rows may come later.
+    pub fn push_report(&mut self, report: &MonitorReport<f64>) {
+        self.watch.push(report);
+    }
+
     /// Time, distance and rate; true across a hole in the log.
     fn advance(&mut self, time_s: f64, speed_m_s: f64) -> bool {
         self.samples += 1;
@@ -214,6 +223,8 @@ impl ReportCollector {
             origin_s: self.origin_s,
         };
         let (track, options) = (self.track, self.options);
+        let watch = self.watch.finish(drive.origin_s);
+        let state = |corner: Corner| watch.as_ref().and_then(|watch| watch.last[corner.index()]);
         let corners = self
             .corners
             .into_iter()
@@ -228,6 +239,7 @@ impl ReportCollector {
                 CornerReport {
                     corner: collector.corner,
                     placard_kpa: collector.config.placard_kpa,
+                    state: state(collector.corner),
                     figures: collector.figures.finish(),
                     curves,
                     road,
@@ -235,7 +247,7 @@ impl ReportCollector {
             })
             .collect();
         let speed_m_s = known(track.curve(channel::SPEED, Keep::Extremes));
-        ReportData { provenance, drive, time_s: track.x(), speed_m_s, corners }
+        ReportData { provenance, drive, time_s: track.x(), speed_m_s, corners, watch }
     }
 }
 

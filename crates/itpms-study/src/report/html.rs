@@ -9,7 +9,7 @@ use std::io;
 use itpms_core::estimate::Warning;
 
 use super::words::{Status, clock, corner_name, reading, sentence, title};
-use super::{CornerReport, ReportData, json};
+use super::{CornerReport, ReportData, alerts, car, json, roads};
 use crate::plot::escape;
 
 const TEMPLATE: &str = include_str!("../../assets/report.html");
@@ -24,13 +24,16 @@ const PLOT_SCRIPT: &str = include_str!("../../assets/uplot/uPlot.iife.min.js");
 pub(super) fn page(data: &ReportData) -> io::Result<String> {
     let headline = escape(&title(data));
     let curves = json::curves(data)?;
-    let parts: [(&str, String); 14] = [
+    let parts: [(&str, String); 17] = [
         ("title", headline.clone()),
         ("plot_style", PLOT_STYLE.into()),
         ("style", STYLE.into()),
         ("headline", headline),
         ("subline", subline(data)),
-        ("cards", data.corners.iter().map(card).collect()),
+        ("cards", cards(data)),
+        ("arrangement", if data.corners.len() > 1 { "around" } else { "alone" }.into()),
+        ("alerts", alerts::table(data)),
+        ("roads", roads_section(data)),
         ("figures", figures(data)),
         ("corners", sections(data)),
         ("provenance", provenance(data)),
@@ -75,6 +78,25 @@ fn distance(metres: f64) -> String {
     if metres < 1000.0 { format!("{metres:.0}\u{a0}m") } else { format!("{:.2}\u{a0}km", metres / 1000.0) }
 }
 
+/// The corners at a glance, around the car where there are several.
+fn cards(data: &ReportData) -> String {
+    let mut out = if data.corners.len() > 1 { car::drawing(data) } else { String::new() };
+    out.extend(data.corners.iter().map(card));
+    out
+}
+
+/// The roads of the tracks side by side; a single corner shows its own.
+fn roads_section(data: &ReportData) -> String {
+    let table = roads::table(data);
+    if data.corners.len() < 2 || table.is_empty() {
+        return String::new();
+    }
+    format!(
+        "<section id=\"roads\"><h2>Road under the tracks</h2><p class=\"verdict\">What the wheels have felt of the road; the waves \
+         too long to be felt are not in it.</p><div class=\"panels\" data-roads></div>{table}</section>\n"
+    )
+}
+
 /// One corner at a glance: its pressure now against the placard's.
 fn card(corner: &CornerReport) -> String {
     let status = Status::of(corner);
@@ -87,18 +109,19 @@ fn card(corner: &CornerReport) -> String {
         }
         None => ("–".to_owned(), "kPa".to_owned(), String::new()),
     };
-    let lowest = f.lowest.as_ref().map_or(String::new(), |lowest| {
-        format!("<span>lowest {} at {}</span>", reading(lowest), clock(lowest.time_s))
-    });
+    let foot = match f.low_since_s {
+        Some(since) => format!("<span>low since {}</span>", clock(since)),
+        None => format!("<span>valid for {:.0} % of the drive</span>", 100.0 * f.share_valid),
+    };
     format!(
-        "<a class=\"card {class}\" href=\"#{id}\"><span class=\"card-name\">{name}</span>\
+        "<a class=\"card {class} at-{id}\" href=\"#{id}\"><span class=\"card-name\">{name}</span>\
          <span class=\"badge {class}\">{label}</span>\
          <span class=\"card-number\">{number}<small>{spread}</small></span>{gauge}\
-         <span class=\"card-foot\"><span>placard {placard:.0} kPa</span>{lowest}</span></a>\n",
+         <span class=\"card-foot\"><span>placard {placard:.0} kPa</span>{foot}</span></a>\n",
         class = status.class(),
         id = corner.corner.label(),
         name = corner_name(corner.corner),
-        label = status.label(),
+        label = Status::badge(corner),
         placard = corner.placard_kpa,
     )
 }
@@ -127,12 +150,19 @@ fn sections(data: &ReportData) -> String {
             corner.corner.label(),
             corner_name(corner.corner),
             status.class(),
-            status.label(),
+            Status::badge(corner),
         );
         if data.corners.len() > 1 {
             let _ = write!(out, "<p class=\"verdict\">{}.</p>", escape(&sentence(corner)));
         }
         let _ = write!(out, "<div class=\"panels\" data-corner=\"{index}\"></div>");
+        if data.corners.len() > 1 {
+            let _ = write!(
+                out,
+                "<details class=\"inner\"><summary>Inside the estimator</summary>\
+                 <div class=\"panels\" data-inner=\"{index}\"></div></details>"
+            );
+        }
         if corner.road.is_none() {
             out.push_str(
                 "<p class=\"note\">No road is shown: it takes a known speed above 2.5 m/s and a road estimate.</p>",
@@ -307,7 +337,9 @@ mod tests {
 
     #[test]
     fn the_template_names_every_part_once() {
-        for name in ["title", "plot_style", "style", "headline", "subline", "cards", "figures", "corners"] {
+        for name in
+            ["title", "style", "headline", "subline", "cards", "alerts", "roads", "figures", "corners"]
+        {
             assert_eq!(TEMPLATE.matches(&format!("{{{{{name}}}}}")).count(), 1, "{name}");
         }
         assert!(!PLOT_LICENSE.contains("*/"));

@@ -4,11 +4,12 @@
 
 use std::io;
 
+use itpms_core::sample::Corner;
 use serde::Serialize;
 use serde::ser::{SerializeSeq, Serializer};
 
 use super::words::{Status, corner_name};
-use super::{CornerReport, ReportData, RoadReport, TimeCurves};
+use super::{AlertSpan, CornerReport, ReportData, RoadReport, TimeCurves};
 use crate::spectrum::{IsoClass, RoadFit};
 
 /// Significant digits of values; positions along an axis have more.
@@ -72,6 +73,14 @@ struct Page<'a> {
     speed: Digits<'a>,
     corners: Vec<CornerJson<'a>>,
     classes: Vec<ClassJson>,
+    alerts: Vec<AlertJson>,
+}
+
+#[derive(Serialize)]
+struct AlertJson {
+    wheels: Vec<&'static str>,
+    said: Number,
+    kind: &'static str,
 }
 
 #[derive(Serialize)]
@@ -85,7 +94,9 @@ struct CornerJson<'a> {
     id: &'static str,
     name: &'static str,
     status: &'static str,
+    side: &'static str,
     placard: Number,
+    state: Vec<[Number; 3]>,
     time: TimeJson<'a>,
     road: Option<RoadJson<'a>>,
 }
@@ -164,17 +175,36 @@ pub(super) fn curves(data: &ReportData) -> io::Result<String> {
         title: super::words::title(data),
         t: axis(&data.time_s),
         speed: values(&data.speed_m_s),
-        corners: data.corners.iter().map(corner).collect(),
+        corners: data.corners.iter().map(|one| corner(one, data)).collect(),
         classes: IsoClass::ALL
             .into_iter()
             .map(|class| ClassJson { label: class.label(), upper: class.upper_limit_m3() })
             .collect(),
+        alerts: data.watch.iter().flat_map(|watch| &watch.alerts).map(alert).collect(),
     };
     Ok(serde_json::to_string(&page)?.replace('<', "\\u003c"))
 }
 
-fn corner(corner: &CornerReport) -> CornerJson<'_> {
+fn alert(span: &AlertSpan) -> AlertJson {
+    AlertJson {
+        wheels: span.alert.wheels.iter().map(Corner::label).collect(),
+        said: Number(span.alert.said_s, AXIS_DIGITS),
+        kind: span.alert.cause.label(),
+    }
+}
+
+fn runs(runs: &[(f64, f64, f64)]) -> Vec<[Number; 3]> {
+    runs.iter().map(|r| [Number(r.0, AXIS_DIGITS), Number(r.1, AXIS_DIGITS), value(r.2)]).collect()
+}
+
+fn corner<'a>(corner: &'a CornerReport, data: &ReportData) -> CornerJson<'a> {
+    let state = data.watch.as_ref().map(|watch| runs(&watch.states[corner.corner.index()]));
     CornerJson {
+        side: match corner.corner {
+            Corner::FrontLeft | Corner::RearLeft => "left",
+            Corner::FrontRight | Corner::RearRight => "right",
+        },
+        state: state.unwrap_or_default(),
         id: corner.corner.label(),
         name: corner_name(corner.corner),
         status: Status::of(corner).class(),
@@ -185,9 +215,6 @@ fn corner(corner: &CornerReport) -> CornerJson<'_> {
 }
 
 fn time(c: &TimeCurves) -> TimeJson<'_> {
-    let runs = |runs: &[(f64, f64, f64)]| {
-        runs.iter().map(|r| [Number(r.0, AXIS_DIGITS), Number(r.1, AXIS_DIGITS), value(r.2)]).collect()
-    };
     TimeJson {
         p: values(&c.pressure_kpa),
         lo: values(&c.band_kpa[0]),

@@ -4,20 +4,26 @@
 //! [`finish`](ReportCollector::finish) gives the [`ReportData`] that [`write_report`] turns into a page. The page
 //! needs no network and no other file. Knows nothing of log files, command lines or estimators.
 
+mod alerts;
+mod car;
 mod collector;
 mod figures;
 mod html;
 mod json;
 mod road;
+mod roads;
 mod track;
+mod watch;
 mod words;
 
 pub use collector::{CornerRow, ReportCollector, ReportOptions};
 pub use figures::{CornerFigures, DriveFigures, Reading, TruthFigures};
 pub use track::{Keep, Track};
+pub use watch::{AlertSpan, WatchReport};
 
 use std::io;
 
+use itpms_core::monitor::WheelState;
 use itpms_core::sample::Corner;
 
 use crate::spectrum::RoadFit;
@@ -57,6 +63,8 @@ pub struct ReportData {
     pub speed_m_s: Vec<f64>,
     /// The corners that were estimated.
     pub corners: Vec<CornerReport>,
+    /// What the monitor said; `None` where there was none.
+    pub watch: Option<WatchReport>,
 }
 
 /// One corner's share of the page.
@@ -66,6 +74,8 @@ pub struct CornerReport {
     pub corner: Corner,
     /// Pressure the placard asks for, in kPa.
     pub placard_kpa: f64,
+    /// The wheel's state at the end, if a monitor told it.
+    pub state: Option<WheelState>,
     /// Headline figures.
     pub figures: CornerFigures,
     /// Curves over [`ReportData::time_s`].

@@ -3,6 +3,7 @@
 //! Called by the page's writer. Plain text; escaping is the writer's business.
 
 use itpms_core::estimate::Warning;
+use itpms_core::monitor::{Doubt, WheelState};
 use itpms_core::sample::Corner;
 
 use super::{CornerReport, Reading, ReportData};
@@ -12,6 +13,7 @@ use super::{CornerReport, Reading, ReportData};
 pub(super) enum Status {
     Low,
     Malfunction,
+    Over,
     Unknown,
     Fine,
 }
@@ -23,7 +25,9 @@ impl Status {
             Self::Low
         } else if f.malfunction_since_s.is_some() {
             Self::Malfunction
-        } else if f.last.is_none() {
+        } else if corner.state == Some(WheelState::Over) {
+            Self::Over
+        } else if f.last.is_none() || matches!(corner.state, Some(WheelState::Unknown(_))) {
             Self::Unknown
         } else {
             Self::Fine
@@ -31,12 +35,24 @@ impl Status {
     }
 
     /// Word for a badge.
-    pub(super) fn label(self) -> &'static str {
+    fn label(self) -> &'static str {
         match self {
             Self::Low => "Low",
             Self::Malfunction => "Malfunction",
-            Self::Unknown => "Not enough seen",
+            Self::Over => "Too high",
+            Self::Unknown => "Not known",
             Self::Fine => "No warning",
+        }
+    }
+
+    /// Word for a corner's badge: what was, is said to have been.
+    pub(super) fn badge(corner: &CornerReport) -> &'static str {
+        let now = corner.figures.warning;
+        match Self::of(corner) {
+            Self::Low if now != Warning::Low => "Was low",
+            Self::Malfunction if now != Warning::Malfunction => "Was faulty",
+            Self::Unknown => doubt(corner).0,
+            status => status.label(),
         }
     }
 
@@ -45,9 +61,32 @@ impl Status {
         match self {
             Self::Low => "low",
             Self::Malfunction => "malfunction",
+            Self::Over => "over",
             Self::Unknown => "unknown",
             Self::Fine => "fine",
         }
+    }
+
+    /// Word beside a tire, where there is little room.
+    pub(super) fn short(corner: &CornerReport) -> &'static str {
+        match Self::of(corner) {
+            Self::Low => "LOW",
+            Self::Malfunction => "FAULT",
+            Self::Over => "HIGH",
+            Self::Unknown => doubt(corner).1,
+            Self::Fine => "ok",
+        }
+    }
+}
+
+/// Why a corner is not known, for a badge and for where there is little room.
+fn doubt(corner: &CornerReport) -> (&'static str, &'static str) {
+    match corner.state {
+        Some(WheelState::Unknown(Doubt::Uncertain)) => ("Uncertain", "unsure"),
+        Some(WheelState::Unknown(Doubt::Starting)) => ("Still learning", "learning"),
+        Some(WheelState::Unknown(Doubt::Suspicion)) => ("Sensor in doubt", "in doubt"),
+        Some(WheelState::Unknown(Doubt::NoInformation)) => ("No information", "no info"),
+        _ => ("Not enough seen", "not seen"),
     }
 }
 
@@ -114,7 +153,19 @@ pub(super) fn sentence(corner: &CornerReport) -> String {
             let since = clock(f.malfunction_since_s.unwrap_or(f64::NAN));
             format!("{name}: the sensors allow no statement, from {since}")
         }
-        Status::Unknown => format!("{name}: not enough was seen for a pressure"),
+        Status::Over => match &f.last {
+            Some(last) => format!("{name} is at {}: too high", reading(last)),
+            None => format!("{name}: too high"),
+        },
+        Status::Unknown => match &f.last {
+            Some(last) if matches!(corner.state, Some(WheelState::Unknown(Doubt::Uncertain))) => {
+                format!("{name} is at {}: too uncertain to rule out a loss", reading(last))
+            }
+            Some(last) => {
+                format!("{name} is not known at the end; it was {} at {}", reading(last), clock(last.time_s))
+            }
+            None => format!("{name}: not enough was seen for a pressure"),
+        },
         Status::Fine => match (&f.first, &f.last) {
             (Some(first), Some(last)) if fell(Some(first), last) => {
                 format!("{name} went from {:.0} to {}: no warning", first.pressure_kpa, reading(last))

@@ -1,14 +1,14 @@
 //! `itpms demo`: a drive with a puncture, simulated and estimated, so that a person sees in seconds what this is.
 //!
-//! Nothing of its own: `itpms simulate` and `itpms estimate` one after the other, in a directory that gets its name
+//! Nothing of its own: the built-in `drive-puncture`, `itpms simulate` and `itpms estimate` one after the other, in a directory that gets its name
 //! when both are done.
 
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use itpms_core::monitor::Regulation;
 use itpms_core::estimator::{EstimatorKind, RoadRepetition};
+use itpms_core::monitor::Regulation;
 use itpms_sim::scenario::Scenario;
 
 use super::{estimate, simulate};
@@ -17,12 +17,13 @@ use crate::exit::Failure;
 use crate::interrupt::Interrupt;
 use crate::screen::Screen;
 
-const SCENARIO: &str = include_str!("demo.toml");
+/// The built-in drive that is shown.
+const SCENARIO: &str = "drive-puncture";
 
 pub(crate) fn run(args: &DemoArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
     let workshop = Workshop::open(&args.out)?;
     let at = |name: &str| workshop.path.join(name);
-    let scenario = Scenario::from_toml(SCENARIO, "demo.toml")?;
+    let scenario = Scenario::builtin(SCENARIO)?;
     simulate::write_drive(&scenario, args.seed, &at("drive.csv"), Some(&at("car.toml")), screen, interrupt)?;
     let estimate_args = EstimateArgs {
         log: at("drive.csv"),
@@ -37,7 +38,7 @@ pub(crate) fn run(args: &DemoArgs, screen: &Screen, interrupt: &Interrupt) -> Re
         calibrate_s: None,
         save_reference: None,
         reference: None,
-        events: None,
+        events: Some(at("events.jsonl")),
         regulation: Regulation::default(),
         road_repeats: RoadRepetition::default(),
     };

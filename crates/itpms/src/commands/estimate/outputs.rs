@@ -101,6 +101,7 @@ impl Outputs {
         report: &MonitorReport<f64>,
     ) -> Result<(), Failure> {
         self.events.take(report)?;
+        self.collector.push_report(report);
         if self.gate.lets_through(row.time_s) {
             self.estimates.write(row.time_s, estimates)?;
         }
