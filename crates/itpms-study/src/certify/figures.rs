@@ -29,7 +29,8 @@ impl Outcome {
         let minutes = |s: f64| s / 60.0;
         let (from_s, to_s) = self.drawn_s();
         let time = Axis::linear("Time since the reset", "min").within(minutes(from_s), minutes(to_s));
-        let mut panel = Panel::new("", "", time, Axis::linear("Pressure", "kPa")).height(300.0);
+        let mut panel =
+            Panel::new("", self.what.clone(), time, Axis::linear("Pressure", "kPa")).height(300.0);
         let shown = self.shown();
         for (i, (corner, ink)) in Corner::ALL.into_iter().zip(INKS).enumerate() {
             if shown == Some(i) {
