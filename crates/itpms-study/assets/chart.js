@@ -255,7 +255,8 @@ const Chart = (() => {
       paint: () => plot.redraw(false, true),
       all: () => plot.setScale("x", { min: full[0], max: full[1] }),
       zoomed: () => plot.scales.x.max - plot.scales.x.min < 0.9999 * (full[1] - full[0]),
-      fit: (width) => plot.setSize({ width: Math.max(width || holder.clientWidth, 200), height }),
+      // Strips keep their height: it is that of their words.
+      fit: (width, scale) => plot.setSize({ width: Math.max(width || holder.clientWidth, 200), height: height > 180 ? Math.round(height * (scale || 1)) : height }),
     };
     charts.push(chart);
     touch(plot, chart.all);
@@ -419,12 +420,12 @@ const Chart = (() => {
     ctx.fill();
   }
 
-  // ---- print: light, and as wide as the paper ------------------------------------------------------------------
+  // ---- print: light, as as wide as the paper, and a little lower ------------------------------------------------------------------
   let printing = false;
   addEventListener("beforeprint", () => {
     printing = true;
     applyTheme("light");
-    charts.forEach((chart) => chart.fit(chart.plot.root.closest(".wide, #overview > .panel") ? 660 : 310));
+    charts.forEach((chart) => chart.fit(chart.plot.root.closest(".wide, #overview > .panel") ? 660 : 310, 0.8));
   });
   addEventListener("afterprint", () => {
     printing = false;
