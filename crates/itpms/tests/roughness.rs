@@ -7,7 +7,7 @@ mod common;
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write as _;
 
-use common::Bench;
+use common::{Bench, table};
 use serde_json::Value;
 
 fn ok(bench: &Bench, line: &str) -> String {
@@ -74,6 +74,37 @@ fn an_opencrg_road() {
         refusal.refusal().contains("1.5 m beside the reference line is outside of the road"),
         "{refusal:?}"
     );
+}
+
+#[test]
+fn a_car_drives_over_an_opencrg_road() {
+    let bench = Bench::new();
+    let mut text = String::from(
+        "$ROAD_CRG\nreference_line_increment = 0.1\nlong_section_v_increment = 1\n$\n\
+         $KD_DEFINITION\n#:LDFI\nD:long section 1,m\nD:long section 2,m\n$\n$$$$\n",
+    );
+    // Waves of 5 m: 3 mm on the one side, 1 mm on the other, so 2 mm along the line between them; ten of them.
+    let wave = |x: f64| (TAU * x / 5.0).sin();
+    for i in 0..=500 {
+        let z = wave(0.1 * f64::from(i));
+        _ = writeln!(text, "{:>20.12}{:>20.12}", 0.003 * z, 0.001 * z);
+    }
+    bench.write("road.crg", text);
+    bench.write(
+        "drive.toml",
+        "name = \"block\"\ndescription = \"a measured road\"\nduration_s = 4.0\nrate_hz = 200.0\n\
+         [speed]\nconstant_km_h = 36.0\n[road.surface.profile]\nfile = \"road.crg\"\n[corner.fl.pressure]\nconstant_kpa = 241.3\n",
+    );
+    ok(&bench, "simulate drive.toml -o drive.csv");
+    let (header, rows) = table(&bench.read("drive.csv"));
+    let road = header.iter().position(|name| name == "fl_road_m").unwrap();
+    for row in &rows {
+        let (time_s, height_m): (f64, f64) = (row[0].parse().unwrap(), row[road].parse().unwrap());
+        // 10 m/s; the spline through points 0.1 m apart is that wave to 1e-6.
+        assert!((height_m - 0.002 * wave(10.0 * time_s)).abs() < 1e-5, "{time_s} {height_m}");
+    }
+    bench.write("drive.toml", bench.read("drive.toml").replace("road.crg", "none.crg"));
+    assert_eq!(bench.run("simulate drive.toml -o other.csv").refusal(), "none.crg: no such file");
 }
 
 #[test]

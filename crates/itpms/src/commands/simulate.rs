@@ -1,13 +1,16 @@
 //! `itpms simulate`: a scenario and a seed in, a drive log out.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use itpms_core::sample::Corner;
+use itpms_data::crg::CrgRoad;
 use itpms_data::log::{CornerColumns, LogColumns, LogCorner};
 use itpms_data::out::{AtomicFile, LogWriter};
 use itpms_data::{LogRow, Vehicle};
+use itpms_sim::road::Surface;
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::{SimRow, Simulation};
+use itpms_study::roughness::EvenProfile;
 use serde_json::json;
 
 use super::ROWS_PER_LOOK;
@@ -18,12 +21,35 @@ use crate::screen::Screen;
 
 pub(crate) fn run(args: &SimulateArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
     let mut scenario = Scenario::load(&args.scenario)?;
+    take_crg(&mut scenario)?;
     if let Some(path) = &args.vehicle {
         take_vehicle(&mut scenario, &Vehicle::read(path)?)?;
     }
     let columns = columns(&scenario, args.no_truth);
     write(&scenario, args.seed, columns, &args.output, args.vehicle_out.as_deref(), screen, interrupt)?;
     report(args, screen, &scenario);
+    Ok(())
+}
+
+/// Puts the points of an OpenCRG road in the place of its file: the simulation reads text only. The road is that along
+/// the reference line, holes up to 0.25 m bridged.
+fn take_crg(scenario: &mut Scenario) -> Result<(), Failure> {
+    let Surface::Profile(profile) = &mut scenario.road.surface else { return Ok(()) };
+    let is_crg =
+        |path: &PathBuf| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("crg"));
+    let Some(path) = profile.file.take_if(|path| is_crg(path)) else { return Ok(()) };
+    let road = CrgRoad::read(&path)?;
+    let refuse = |why: String| Failure::Usage(format!("{}: {why}", path.display()));
+    let line_m = road.line_m(0.0).map_err(|error| refuse(error.to_string()))?;
+    let even = EvenProfile::of_even(road.start_m(), road.increment_m(), line_m);
+    if even.heights_m.iter().any(|height_m| !height_m.is_finite()) {
+        return Err(refuse(
+            "the reference line has holes of more than 0.25 m, expected a height in every row".to_owned(),
+        ));
+    }
+    let station = |i: usize| even.start_m + i as f64 * even.spacing_m;
+    profile.points_m =
+        even.heights_m.iter().enumerate().map(|(i, height_m)| [station(i), *height_m]).collect();
     Ok(())
 }
 
