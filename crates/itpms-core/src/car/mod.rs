@@ -215,7 +215,9 @@ impl<T: Real> CarEstimator<T> {
         shared.hold(time_s < self.reset_ends_s);
         if self.sources == Sources::SpectrumAndSharedRoad {
             for (i, estimator) in self.corners.iter_mut().enumerate() {
-                if let Some(word) = estimator.as_mut().and_then(Estimator::take_word) {
+                let Some(estimator) = estimator else { continue };
+                let (expected, sd) = shared.expect_word(i);
+                if let Some(word) = estimator.take_word_for(expected, sd) {
                     shared.hear(i, time_s, word.stiffness_n_per_m, word.sd_n_per_m);
                 }
             }

@@ -164,10 +164,10 @@ impl<T: Real> Engine<T> {
         }
     }
 
-    /// What the last frames said by themselves, for a belief outside.
-    pub(super) fn take_word(&mut self) -> Option<StiffnessWord<T>> {
+    /// What the last frames said to a belief outside.
+    pub(super) fn take_word_for(&mut self, stiffness_n_per_m: T, sd_n_per_m: T) -> Option<StiffnessWord<T>> {
         match &mut self.method {
-            Method::Informed(informed) => informed.take_word(),
+            Method::Informed(informed) => informed.take_word_for(stiffness_n_per_m, sd_n_per_m),
             _ => None,
         }
     }

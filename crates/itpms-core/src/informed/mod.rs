@@ -352,6 +352,23 @@ impl<T: Real> Informed<T> {
         }
     }
 
+    /// The same for somebody who believes in `stiffness_n_per_m` with `sd_n_per_m`.
+    pub fn take_word_for(&mut self, stiffness_n_per_m: T, sd_n_per_m: T) -> Option<StiffnessWord<T>> {
+        if self.repeat_word.is_some() {
+            return self.take_word();
+        }
+        let step = self.grid.step_kpa();
+        let tire = &self.config.tire;
+        let cell = (tire.pressure_kpa(stiffness_n_per_m) - self.grid.pressure_kpa(0)) / step;
+        let sd_cells = sd_n_per_m / tire.stiffness_per_kpa() / step;
+        let (cell, variance) = self.posterior.take_word_for(cell, sd_cells)?;
+        let pressure_kpa = self.grid.pressure_kpa(0) + cell * step;
+        Some(StiffnessWord {
+            stiffness_n_per_m: tire.stiffness_n_per_m(pressure_kpa),
+            sd_n_per_m: variance.sqrt() * step * tire.stiffness_per_kpa(),
+        })
+    }
+
     /// What is believed now.
     pub fn belief(&self) -> Belief<T> {
         if let Some(word) = &self.repeat_word {

@@ -18,6 +18,10 @@ const SETTLING_FRAMES: u32 = 33;
 /// for its surprise to show.
 const FRAMES_PER_WORD: u32 = 12;
 
+/// Narrowest belief in cells that a word is meant for, and the least that a word says, over what was believed before.
+const NARROWEST_CELLS: f64 = 1.2;
+const LEAST_SAID: f64 = 1e-3;
+
 type Cells<T> = SVector<T, CELLS>;
 
 /// The mean and spread of the pressure, and what the modes say.
@@ -262,6 +266,32 @@ impl<T: Real> Posterior<T> {
         let information = T::one() / variance - T::one() / uniform_variance;
         let weighted = mean / variance - uniform_mean / uniform_variance;
         (information > T::lit(1e-6)).then(|| (weighted / information, T::one() / information))
+    }
+
+    /// What the frames since the last word said to somebody who believed in `cell` with `sd_cells`: the mean and variance
+    /// in cells² of a Gaussian that turns that belief into theirs. The likelihood is skewed, so this is better than a
+    /// Gaussian for everybody. The variance is large, never negative, where they said nothing.
+    pub(super) fn take_word_for(&mut self, cell: T, sd_cells: T) -> Option<(T, T)> {
+        if self.told_frames < FRAMES_PER_WORD {
+            return None;
+        }
+        let sd = sd_cells.clamp(T::lit(NARROWEST_CELLS), T::lit(CELLS as f64));
+        let believed = Cells::from_fn(|i, _| {
+            let z = (T::lit(i as f64) - cell) / sd;
+            (T::lit(-0.5) * z * z).exp() + T::lit(1e-30)
+        });
+        let largest = self.told_log_likelihood.max();
+        let likelihood = self.told_log_likelihood.map(|l| (l - largest).exp());
+        self.told_log_likelihood = Cells::zeros();
+        self.told_frames = 0;
+        let (before, before_variance) = moments(&(believed / believed.sum()));
+        let after = believed.component_mul(&likelihood);
+        let (mean, variance) = moments(&(after / after.sum()));
+        let least = T::lit(LEAST_SAID) / before_variance;
+        let information = (T::one() / variance - T::one() / before_variance).max(least);
+        let pull = (mean - before) / variance;
+        let word = (before + pull / information, T::one() / information);
+        (word.0.is_finite() && word.1.is_finite()).then_some(word)
     }
 
     /// The first frame sets the level that the road is searched around.

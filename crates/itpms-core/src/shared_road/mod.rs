@@ -55,6 +55,8 @@ fn bin_hz<T: Real>(bin: usize) -> T {
 
 /// Share of a frame's log-likelihood that counts: they overlap by half.
 const OVERLAP: f64 = 0.5;
+/// Least compliance of a tire over that at placard pressure.
+const SOFTEST: f64 = 0.05;
 /// Seconds of shared road after which the belief counts.
 const ENOUGH_S: f64 = 2.0;
 /// Seconds of driving after which the shared road is given up if it was not found.
@@ -76,6 +78,31 @@ pub(crate) struct CarBelief<T: Real> {
     pub(crate) moving: T,
 }
 
+/// The tires at their placard pressures, in the order of the corners.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Scale<T> {
+    /// N/m per kPa.
+    slope: [T; 4],
+    placard_n_per_m: [T; 4],
+    placard_kpa: [T; 4],
+}
+
+impl<T: Real> Scale<T> {
+    /// The stiffness in N/m that a corner's road spectrum should tell in a state, and its derivatives.
+    fn word(&self, corner: usize, state: &State<T>) -> (T, State<T>) {
+        let placard = self.placard_n_per_m[corner];
+        // Biases are shares of the placard pressure; the word's own unit is N/m.
+        let bias = self.slope[corner] * self.placard_kpa[corner];
+        let factor = (T::one() + state[TIRE + corner]).max(T::lit(SOFTEST));
+        let mut slope = State::zeros();
+        slope[TIRE + corner] = -placard / (factor * factor);
+        slope[COMMON_BIAS] = bias;
+        slope[OWN_BIAS + corner] = bias;
+        (placard / factor + bias * (state[COMMON_BIAS] + state[OWN_BIAS + corner]), slope)
+    }
+}
+
 /// See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -89,10 +116,7 @@ pub(crate) struct CarBelief<T: Real> {
 pub(crate) struct SharedRoad<T: Real> {
     wheelbase_m: T,
     wheels: [Option<Wheel<T>>; 4],
-    /// N/m per kPa, and N/m at the placard pressure.
-    slope: [T; 4],
-    placard_n_per_m: [T; 4],
-    placard_kpa: [T; 4],
+    scale: Scale<T>,
     channels: [Channel<T>; 4],
     tracks: [Track<T>; 2],
     /// The newest two entries of the rear corners, newest first.
@@ -157,9 +181,11 @@ impl<T: Real> SharedRoad<T> {
         Some(Self {
             wheelbase_m,
             wheels,
-            slope: of(&|c| c.tire.stiffness_per_kpa()),
-            placard_n_per_m: of(&|c| c.tire.stiffness_n_per_m(c.placard_kpa)),
-            placard_kpa: of(&|c| c.placard_kpa),
+            scale: Scale {
+                slope: of(&|c| c.tire.stiffness_per_kpa()),
+                placard_n_per_m: of(&|c| c.tire.stiffness_n_per_m(c.placard_kpa)),
+                placard_kpa: of(&|c| c.placard_kpa),
+            },
             channels,
             tracks,
             rear: [[None; 2]; 2],
@@ -287,25 +313,25 @@ impl<T: Real> SharedRoad<T> {
     /// A word of a corner's road spectrum: its stiffness and sd in N/m, at a time.
     pub(crate) fn hear(&mut self, corner: usize, time_s: f64, stiffness_n_per_m: T, sd_n_per_m: T) {
         self.predict_to(time_s);
-        let placard = self.placard_n_per_m[corner];
-        // Biases are shares of the placard pressure; the word's own unit is N/m.
-        let bias = self.slope[corner] * self.placard_kpa[corner];
         self.modes.measure(T::lit(SAME_ROAD) * sd_n_per_m * sd_n_per_m, |state| {
-            let factor = T::one() + state[TIRE + corner];
-            let mut slope = State::zeros();
-            slope[TIRE + corner] = -placard / (factor * factor);
-            slope[COMMON_BIAS] = bias;
-            slope[OWN_BIAS + corner] = bias;
-            let expected = placard / factor + bias * (state[COMMON_BIAS] + state[OWN_BIAS + corner]);
+            let (expected, slope) = self.scale.word(corner, state);
             (slope, stiffness_n_per_m - expected)
         });
+    }
+
+    /// What a corner's road spectrum is expected to say: stiffness and sd in N/m.
+    pub(crate) fn expect_word(&self, corner: usize) -> (T, T) {
+        let mode = &self.modes.modes[self.modes.most_likely()];
+        let (expected, slope) = self.scale.word(corner, &mode.mean);
+        (expected, slope.dot(&(mode.covariance * slope)).max(T::zero()).sqrt())
     }
 
     /// Says that all tires have their placard pressures now, as during a reset, or that this is over.
     pub(crate) fn hold(&mut self, held: bool) {
         if held && !self.held {
             for corner in 0..4 {
-                let share = self.placard_kpa[corner] * self.slope[corner] / self.placard_n_per_m[corner];
+                let scale = &self.scale;
+                let share = scale.placard_kpa[corner] * scale.slope[corner] / scale.placard_n_per_m[corner];
                 let sd = T::lit(RESET_SD) * share;
                 self.modes.measure(sd * sd, |state| {
                     let mut slope = State::zeros();
@@ -342,9 +368,9 @@ impl<T: Real> SharedRoad<T> {
         // What is believed of a front tire is as old as the road under the rear wheel.
         let ages = [age_s + self.delay_s[0], age_s + self.delay_s[1], age_s, age_s];
         let (mean, covariance) = self.modes.tires(&ages);
-        let floor = T::lit(0.05);
+        let floor = T::lit(SOFTEST);
         let stiffness =
-            SVector::<T, 4>::from_fn(|i, _| self.placard_n_per_m[i] / (T::one() + mean[i]).max(floor));
+            SVector::<T, 4>::from_fn(|i, _| self.scale.placard_n_per_m[i] / (T::one() + mean[i]).max(floor));
         let by = SVector::<T, 4>::from_fn(|i, _| stiffness[i] / (T::one() + mean[i]).max(floor));
         let covariance = SMatrix::<T, 4, 4>::from_fn(|i, j| by[i] * by[j] * covariance[(i, j)]);
         CarBelief { stiffness_n_per_m: stiffness, covariance, moving: self.modes.moving() }

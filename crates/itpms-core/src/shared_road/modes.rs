@@ -27,6 +27,10 @@ const RATE_SD: f64 = 0.08;
 const RATE_WANDER: f64 = 0.1;
 /// Growth per square root of a second of each compliance's sd while wheels wander.
 const LOOSE_SD: f64 = 0.06;
+/// Log-likelihood of a mode that cannot say how likely a frame is.
+const IMPOSSIBLE: f64 = -1e6;
+/// Weight below which a mode begins anew.
+const FORGOTTEN: f64 = 1e-20;
 /// Degrees of freedom of the disagreement's distribution: how heavy its tails are.
 const TAILS: f64 = 8.0;
 
@@ -137,13 +141,22 @@ impl<T: Real> Modes<T> {
             ended.mean[RATE] = T::zero();
             ended.covariance.row_mut(RATE).fill(T::zero());
             ended.covariance.column_mut(RATE).fill(T::zero());
-            still.add(moving.weight * end, &ended.mean, &ended.covariance);
+            if moving.weight > T::lit(FORGOTTEN) {
+                still.add(moving.weight * end, &ended.mean, &ended.covariance);
+            }
 
             let (mean, covariance) = begun(mode, &quiet.mean, &quiet.covariance);
-            let mut going = Mixture::new();
-            going.add(moving.weight * (T::one() - end), &moving.mean, &moving.covariance);
-            going.add(quiet.weight * begin[mode], &mean, &covariance);
-            self.modes[mode] = going.into_mode();
+            let stays = moving.weight * (T::one() - end);
+            let begins = quiet.weight * begin[mode];
+            // What nobody believes in is not followed.
+            self.modes[mode] = if stays > T::lit(FORGOTTEN) {
+                let mut going = Mixture::new();
+                going.add(stays, &moving.mean, &moving.covariance);
+                going.add(begins, &mean, &covariance);
+                going.into_mode()
+            } else {
+                Mode { mean, covariance, weight: begins }
+            };
         }
         self.modes[QUIET] = still.into_mode();
     }
@@ -164,7 +177,11 @@ impl<T: Real> Modes<T> {
         for (index, mode) in self.modes.iter_mut().enumerate() {
             let found = compare(taken, Signals::Measured, wheels, side, &mode.mean);
             let own = OwnCovariance::new(&mode.covariance, side);
-            let likelihood = Likelihood::new(&own, &found, expected)?;
+
+            let Some(likelihood) = Likelihood::new(&own, &found, expected) else {
+                log_weight[index] = T::lit(IMPOSSIBLE);
+                continue;
+            };
             log_weight[index] = likelihood.log;
             let score = score(&found, instrument, expected);
             own.learn(mode, &score, &expected.information, likelihood.scale);
@@ -300,7 +317,7 @@ impl<T: Real> Mixture<T> {
     fn add(&mut self, weight: T, mean: &State<T>, covariance: &Covariance<T>) {
         let around = *self.around.get_or_insert(*mean);
         let off = mean - around;
-        // A weight of nothing still has to leave a usable Gaussian.
+        // A weight of nothing still leaves a usable Gaussian.
         let weight = weight.max(T::lit(1e-30));
         self.weight += weight;
         self.sum += off * weight;

@@ -15,6 +15,8 @@ use crate::real::Real;
 
 /// Slowest speed in m/s at which a road is shared.
 pub(super) const SLOWEST_M_S: f64 = 2.8;
+/// Hops after a restart until the instruments have forgotten that they began at rest.
+const SETTLING_HOPS: u32 = 5;
 /// Seconds without a frame after which a side counts as not shared.
 const STALE_S: f64 = 1.0;
 /// Incoherence near wheel hop from which on a side counts as not shared.
@@ -120,10 +122,11 @@ impl<T: Real> Track<T> {
             self.instruments.iter_mut().for_each(Instrument::restart);
             self.tune(road);
             self.used = [road.wheelbase, road.skew];
+            self.spoiled_hops = SETTLING_HOPS;
             return None;
         };
         if entry.spoiled || read.spoiled {
-            self.spoiled_hops = 2;
+            self.spoiled_hops = self.spoiled_hops.max(2);
         }
         // The front met the same slope at another speed.
         let ratio = entry.speed_m_s / read.speed_m_s;
