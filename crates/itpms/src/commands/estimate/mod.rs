@@ -52,11 +52,7 @@ pub(crate) struct Done {
 }
 
 /// Everything but the summary.
-pub(crate) fn perform(
-    args: &EstimateArgs,
-    screen: &Screen,
-    interrupt: &Interrupt,
-) -> Result<Done, Failure> {
+pub(crate) fn perform(args: &EstimateArgs, screen: &Screen, interrupt: &Interrupt) -> Result<Done, Failure> {
     outputs::check_names(args)?;
     let vehicle = Vehicle::read(&args.vehicle)?;
     let units = if args.trust_units { UnitCheck::Trusting } else { UnitCheck::Suspicious };

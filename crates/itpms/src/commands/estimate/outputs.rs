@@ -22,10 +22,8 @@ use crate::exit::Failure;
 /// Refuses an output that is one of the inputs, or two outputs of one name.
 pub(super) fn check_names(args: &EstimateArgs) -> Result<(), Failure> {
     let optional = [&args.road_out, &args.report, &args.save_reference, &args.events];
-    let outputs: Vec<&Path> = std::iter::once(&args.output)
-        .chain(optional.into_iter().flatten())
-        .map(AsRef::as_ref)
-        .collect();
+    let outputs: Vec<&Path> =
+        std::iter::once(&args.output).chain(optional.into_iter().flatten()).map(AsRef::as_ref).collect();
     let same = |a: &Path, b: &Path| match (fs::canonicalize(a), fs::canonicalize(b)) {
         (Ok(a_real), Ok(b_real)) => a_real == b_real && a_real.is_file(),
         _ => a == b,
