@@ -35,6 +35,9 @@ pub(crate) enum Failure {
     /// Somebody pressed Ctrl-C.
     #[error("interrupted, nothing was written")]
     Interrupted,
+    /// The same, in a run whose finished parts are kept.
+    #[error("interrupted; what is finished is kept, the same command goes on from there")]
+    Paused,
 }
 
 impl Failure {
@@ -47,7 +50,7 @@ impl Failure {
             | Failure::Usage(_)
             | Failure::Report(_) => ExitCode::from(2),
             // 128 and the number of SIGINT, as shells count.
-            Failure::Interrupted => ExitCode::from(130),
+            Failure::Interrupted | Failure::Paused => ExitCode::from(130),
         }
     }
 }

@@ -68,6 +68,22 @@ fn a_killed_run_loses_no_finished_hour_and_repeats_none() {
 }
 
 #[test]
+fn an_interrupted_run_says_that_it_can_go_on() {
+    let bench = Bench::new();
+    let line = "soak --hours 50 --drive-s 60 --out soak";
+    let mut command = bench.command(line.split_whitespace());
+    let run = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    while !bench.path("soak/hours.jsonl").exists() {
+        sleep(Duration::from_millis(2));
+    }
+    let outcome = common::interrupt(run, "INT");
+    assert_eq!(outcome.code, Some(130));
+    assert!(outcome.stderr.contains("what is finished is kept"), "{outcome:?}");
+    // The lock went with the program.
+    bench.run("soak --hours 0.01 --drive-s 60 --out soak").success();
+}
+
+#[test]
 fn hours_of_something_else_are_not_added_to() {
     let bench = Bench::new();
     bench.run(&LINE.replace("0.1", "0.01")).success();

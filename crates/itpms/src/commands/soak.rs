@@ -55,7 +55,7 @@ pub(crate) fn run(args: &SoakArgs, screen: &Screen, interrupt: &Interrupt) -> Re
         return Err(error.into());
     }
     outcome.map_err(|error| match error {
-        SoakError::Stopped => Failure::Interrupted,
+        SoakError::Stopped => Failure::Paused,
         SoakError::Scenario(scenario) => Failure::Scenario(scenario),
         other => Failure::Usage(other.to_string()),
     })?;

@@ -35,7 +35,7 @@ struct Disturbance {
     change: fn(Drive) -> Drive,
 }
 
-const ALONE: [Disturbance; 28] = [
+const ALONE: [Disturbance; 29] = [
     Disturbance { name: "nothing", change: |drive| drive },
     Disturbance { name: "bends of 2 m/s2", change: bends },
     Disturbance { name: "payload +20 %", change: |d| corners(d, |_, c| c.truth.sprung_mass_factor = 1.2) },
@@ -60,7 +60,8 @@ const ALONE: [Disturbance; 28] = [
         name: "tire damping",
         change: |d| corners(d, |_, c| c.truth.tire_damping_n_s_per_m = 50.0),
     },
-    Disturbance { name: "imbalance 35 g", change: imbalance },
+    Disturbance { name: "imbalance 35 g", change: |drive| imbalance(drive, 0.01) },
+    Disturbance { name: "imbalance 10 g", change: |drive| imbalance(drive, 0.003) },
     Disturbance { name: "enveloping 0.1 m", change: |drive| enveloping(drive, 0.1) },
     Disturbance { name: "enveloping 0.2 m", change: |drive| enveloping(drive, 0.2) },
     Disturbance { name: "fl sensor 2 ms late", change: |d| wheel_sensor(d, |at, s| late(at, s, 2.0)) },
@@ -123,10 +124,10 @@ fn bends(mut drive: Drive) -> Drive {
     drive
 }
 
-/// The wheels of quarter cars do not turn.
-fn imbalance(drive: Drive) -> Drive {
+/// Grams at a rim of 0.3 m. The wheels of quarter cars do not turn.
+fn imbalance(drive: Drive, kg_m: f64) -> Drive {
     let turning = drive.scenario.car.is_some();
-    drive.each_corner(|_, spec| spec.truth.imbalance_kg_m = if turning { 0.01 } else { 0.0 })
+    drive.each_corner(|_, spec| spec.truth.imbalance_kg_m = if turning { kg_m } else { 0.0 })
 }
 
 fn enveloping(mut drive: Drive, contact_m: f64) -> Drive {
@@ -145,7 +146,7 @@ fn short_wheelbase(drive: Drive) -> Drive {
 
 /// Everything at once, to either side by corner, so that no two corners are wrong in the same way.
 fn together(drive: Drive) -> Drive {
-    let drive = enveloping(imbalance(bends(drive)), 0.1).with_rear_offset_m(0.01);
+    let drive = enveloping(imbalance(bends(drive), 0.01), 0.1).with_rear_offset_m(0.01);
     let drive = wheel_sensor(drive, |corner, sensor| {
         let i = corner.index();
         sensor.gain_error = [0.015, -0.015, -0.01, 0.01][i];
