@@ -37,7 +37,7 @@ use drive::Recorded;
 pub use kinds::{Kind, kinds};
 use outcome::Outcome;
 
-/// Told after every malfunction how many of how many are done; [`ControlFlow::Break`] ends the study.
+/// Told at the start and after every malfunction how many of how many are done; [`ControlFlow::Break`] ends the study.
 pub type Progress<'a> = &'a (dyn Fn(u64, u64) -> ControlFlow<()> + Sync);
 
 /// Stack of a thread in bytes: an estimator under its monitor is a large value, copied while it is set up.
@@ -166,6 +166,9 @@ pub fn study(request: &Request, progress: Progress<'_>) -> Result<Study, Malfunc
         }
         Ok(())
     };
+    if progress(0, total).is_break() {
+        return Err(MalfunctionError::Stopped);
+    }
     let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK_BYTES).build()?;
     let seeds: Vec<u64> = (0..request.drives as u64).map(|i| request.first_seed.wrapping_add(i)).collect();
     let drives: Vec<OneDrive> =

@@ -1,0 +1,305 @@
+//! The monitor through its public face: what it says of estimates made up for it, and of sensors that go wrong in front of
+//! a real estimator.
+
+mod common;
+
+use common::ride::{Ride, Row};
+use itpms_core::car::{CarConfig, CarEstimate, CarEstimator, TrackState};
+use itpms_core::estimate::{CornerConfig, CornerEstimate, Diagnostics, Validity, Warning};
+use itpms_core::estimator::EstimatorKind;
+use itpms_core::monitor::{
+    Cause, Change, Doubt, Limits, Malfunction, Monitor, MonitorConfig, MonitorReport, MonitoredCar,
+    Regulation, WheelState,
+};
+use itpms_core::sample::{CarSample, Corner, CornerSample};
+
+/// Steps per second of the made-up drives.
+const RATE_HZ: f64 = 20.0;
+
+/// What an estimator would have said.
+#[derive(Clone, Copy)]
+struct Said {
+    kpa: [f64; 4],
+    sd: f64,
+    gate: f64,
+    validity: Validity,
+    speed_m_s: f64,
+}
+
+const FINE: Said = Said { kpa: [241.3; 4], sd: 8.0, gate: 1.0, validity: Validity::Valid, speed_m_s: 20.0 };
+
+fn car() -> CarConfig<f64> {
+    CarConfig { corners: [Some(CornerConfig::paper()); 4], wheelbase_m: Some(2.7) }
+}
+
+fn estimate(time_s: f64, said: &Said) -> CarEstimate<f64> {
+    let corner = |pressure_kpa| CornerEstimate {
+        time_s,
+        stiffness_n_per_m: 230_000.0,
+        stiffness_sd_n_per_m: 6000.0,
+        pressure_kpa,
+        pressure_sd_kpa: said.sd,
+        road_m: 0.0,
+        road_sd_m: 0.01,
+        validity: said.validity,
+        warning: Warning::None,
+        diagnostics: Diagnostics {
+            forgetting: 1.0,
+            nis: 1.0,
+            gate: said.gate,
+            change_probability: 0.0,
+            pressure_variance_kpa2: said.sd * said.sd,
+        },
+    };
+    let one = |i: usize, j: usize| if i == j { 1.0 } else { 0.0 };
+    CarEstimate {
+        time_s,
+        corners: said.kpa.map(|kpa| Some(corner(kpa))),
+        correlation: [0, 1, 2, 3].map(|i| [0, 1, 2, 3].map(|j| one(i, j))),
+        tracks: [TrackState { shared: false, incoherence: f64::NAN }; 2],
+    }
+}
+
+/// A drive of made-up estimates, with sensors that move (each by itself: nothing is concluded from them together).
+struct Drive {
+    monitor: Monitor<f64>,
+    step: u32,
+}
+
+impl Drive {
+    fn new() -> Self {
+        Self::with(MonitorConfig::new(&car()))
+    }
+
+    fn with(config: MonitorConfig<f64>) -> Self {
+        Self { monitor: Monitor::new(&config, RATE_HZ).unwrap(), step: 0 }
+    }
+
+    fn time_s(&self) -> f64 {
+        f64::from(self.step) / RATE_HZ
+    }
+
+    /// Drives on; gives the first time at which `stop` holds.
+    fn until(
+        &mut self,
+        seconds: f64,
+        said: &Said,
+        stop: impl Fn(&MonitorReport<f64>) -> bool,
+    ) -> Option<f64> {
+        for _ in 0..(seconds * RATE_HZ) as u32 {
+            self.step += 1;
+            let wiggle = 1e-3 * f64::from(self.step % 7);
+            let corner = CornerSample { body_accel_m_s2: wiggle, wheel_accel_m_s2: 2.0 * wiggle };
+            let corners = [Some(corner); 4];
+            let time_s = self.time_s();
+            self.monitor.screen(&CarSample { time_s, speed_m_s: said.speed_m_s, corners });
+            assert!(self.monitor.judge(&mut estimate(time_s, said)).is_empty());
+            if stop(self.monitor.report()) {
+                return Some(time_s);
+            }
+        }
+        None
+    }
+
+    fn on(&mut self, seconds: f64, said: &Said) -> &MonitorReport<f64> {
+        self.until(seconds, said, |_| false);
+        self.monitor.report()
+    }
+}
+
+fn state(report: &MonitorReport<f64>, corner: Corner) -> WheelState {
+    report.wheels[corner.index()].unwrap().state
+}
+
+fn low(kpa: f64) -> Said {
+    let [fl, fr, _, rr] = FINE.kpa;
+    Said { kpa: [fl, fr, kpa, rr], ..FINE }
+}
+
+#[test]
+fn a_low_tire_is_named_with_its_numbers_and_taken_back_when_it_is_over() {
+    let mut drive = Drive::new();
+    assert!(drive.on(30.0, &FINE).is_all_fine());
+    // 0.88 of 241.3 kPa is 212.3 kPa; 185 kPa and 1.64 sd of 8 kPa are 198.1, and 3 sd are 209: certain twice, so 1 s.
+    let at_s = drive.until(5.0, &low(185.0), |report| report.alerts().next().is_some()).unwrap();
+    assert!((30.9..31.21).contains(&at_s), "{at_s}");
+    let report = *drive.monitor.report();
+    let alert = *report.alerts().next().unwrap();
+    assert!(alert.wheels.iter().eq([Corner::RearLeft]));
+    let Cause::UnderInflated(reading) = alert.cause else { panic!("{alert}") };
+    assert_eq!((reading.pressure_kpa, reading.sd_kpa, reading.reference_kpa), (185.0, 8.0, 241.3));
+    assert!((reading.limit_kpa - 212.344).abs() < 1e-9);
+    // Decided ten times a second.
+    assert!((29.8..30.21).contains(&alert.since_s) && (alert.said_s - at_s).abs() < 1e-9, "{alert:?}");
+    assert_eq!(
+        report.wheels.map(|wheel| wheel.unwrap().warning == Warning::Low),
+        [false, false, true, false]
+    );
+    assert!(alert.to_string().starts_with("rl under-inflated: 185 kPa (sd 8), limit 212 of 241; since "));
+    // In doubt it stays; pumped up it goes after ten seconds.
+    drive.on(60.0, &low(205.0));
+    assert_eq!(state(drive.monitor.report(), Corner::RearLeft), WheelState::Low);
+    let before = *drive.monitor.report();
+    let pumped_s = drive.time_s();
+    let over_s = drive.until(15.0, &FINE, |report| report.alerts().next().is_none()).unwrap();
+    assert!((9.9..10.21).contains(&(over_s - pumped_s)), "{over_s}");
+    let changes: Vec<_> = drive.monitor.report().changes_since(&before).collect();
+    assert!(matches!(changes[..], [Change::Ended(ended)] if ended.wheels == alert.wheels));
+}
+
+#[test]
+fn what_is_short_uncertain_or_learned_standing_still_is_not_warned_of() {
+    let mut drive = Drive::new();
+    drive.on(10.0, &FINE);
+    for _ in 0..20 {
+        drive.on(0.8, &low(170.0));
+        drive.on(3.0, &FINE);
+    }
+    assert!(drive.monitor.report().alerts().next().is_none());
+    // 195 + 1.64 * 12 = 214.7 kPa are above the limit: not said, but not fine either.
+    let report = drive.on(120.0, &Said { sd: 12.0, ..low(195.0) });
+    assert!(report.alerts().next().is_none() && !report.is_all_fine());
+    assert_eq!(state(report, Corner::RearLeft), WheelState::Unknown(Doubt::Uncertain));
+    // Nothing is learned while the gate is shut.
+    let report = drive.on(120.0, &Said { gate: 0.0, speed_m_s: 0.0, ..low(150.0) });
+    assert!(report.alerts().next().is_none());
+}
+
+#[test]
+fn no_information_is_never_all_good_and_is_said_after_ten_minutes_of_driving() {
+    let mut drive = Drive::new();
+    assert!(!drive.monitor.report().is_all_fine());
+    let nothing = Said { validity: Validity::NoInformation, gate: 0.0, ..FINE };
+    let report = drive.on(300.0, &nothing);
+    assert_eq!(state(report, Corner::FrontLeft), WheelState::Unknown(Doubt::NoInformation));
+    // Standing does not count.
+    let report = drive.on(1000.0, &Said { speed_m_s: 0.0, ..nothing });
+    assert!(report.alerts().next().is_none());
+    let before_s = drive.time_s();
+    let said_s = drive.until(400.0, &nothing, |report| report.alerts().count() == 4).unwrap();
+    assert!((said_s - before_s - 300.0).abs() < 1.0, "{said_s}");
+    let report = drive.monitor.report();
+    assert!(report.alerts().all(|alert| matches!(alert.cause, Cause::NoInformation { .. })));
+    assert!(report.wheels.iter().all(|wheel| wheel.unwrap().warning == Warning::Malfunction));
+    let report = drive.on(2.0, &FINE);
+    assert!(report.alerts().next().is_none() && report.is_all_fine());
+    // Learned long ago is not known now.
+    let report = drive.on(700.0, &Said { gate: 0.0, speed_m_s: 0.0, ..FINE });
+    assert_eq!(state(report, Corner::FrontLeft), WheelState::Unknown(Doubt::NoInformation));
+}
+
+#[test]
+fn all_four_are_more_certain_together_than_each_alone() {
+    // 0.83 of the reference with sd 15: 200.3 + 1.64 * 15 = 224.9 kPa, each alone says nothing; their mean's sd is half
+    // of that: 0.83 + 1.64 * 0.031 = 0.881 is still above 0.88, 0.82 is not.
+    let all = |share: f64| Said { kpa: [share * 241.3; 4], sd: 15.0, ..FINE };
+    let mut drive = Drive::new();
+    assert!(drive.on(200.0, &all(0.84)).alerts().next().is_none());
+    let from_s = drive.time_s();
+    let said_s = drive.until(60.0, &all(0.82), |report| report.alerts().next().is_some()).unwrap();
+    assert!((19.9..20.3).contains(&(said_s - from_s)), "{said_s}");
+    let alert = drive.monitor.report().alerts().next().unwrap();
+    assert!(matches!(alert.cause, Cause::AllLow { .. }) && alert.wheels.iter().count() == 4, "{alert}");
+    // One that is not low is not all of them.
+    let mut drive = Drive::new();
+    let report = drive.on(200.0, &Said { kpa: [190.0, 190.0, 190.0, 235.0], sd: 15.0, ..FINE });
+    assert!(report.alerts().all(|alert| !matches!(alert.cause, Cause::AllLow { .. })));
+}
+
+#[test]
+fn limits_are_those_of_the_rule_and_overfull_is_said() {
+    let us = MonitorConfig::new(&car()).with_limits(Limits::from(Regulation::Fmvss138));
+    // 0.86 of the placard's pressure: low for the one rule, not for the other.
+    let said = Said { sd: 2.0, ..low(0.86 * 241.3) };
+    assert!(Drive::with(us).on(60.0, &said).alerts().next().is_none());
+    assert!(Drive::new().on(60.0, &said).alerts().next().is_some());
+    let report = *Drive::new().on(30.0, &Said { sd: 3.0, ..low(315.0) });
+    assert_eq!(state(&report, Corner::RearLeft), WheelState::Over);
+    assert!(matches!(report.alerts().next().unwrap().cause, Cause::OverInflated(_)));
+    // A warm reference instead of the placard's.
+    let warm = MonitorConfig::new(&car()).with_references([None, None, Some(270.0), None]).unwrap();
+    assert!(Drive::with(warm).on(30.0, &Said { sd: 3.0, ..low(225.0) }).alerts().next().is_some());
+}
+
+/// One corner under its monitor.
+fn watched(rows: &[Row], rate_hz: f64) -> Vec<(CornerEstimate<f64>, MonitorReport<f64>)> {
+    let mut config = car();
+    config.corners = [Some(CornerConfig::paper()), None, None, None];
+    let estimator = CarEstimator::new(EstimatorKind::Informed, &config, rate_hz).unwrap();
+    let monitor = Monitor::new(&MonitorConfig::new(&config), rate_hz).unwrap();
+    let mut car = MonitoredCar::new(estimator, monitor);
+    let feed = |row: &Row| {
+        let corner = CornerSample { body_accel_m_s2: row.body, wheel_accel_m_s2: row.wheel };
+        let corners = [Some(corner), None, None, None];
+        let estimate = car.update(&CarSample { time_s: row.time_s, speed_m_s: row.speed_m_s, corners });
+        (estimate.corners[0].unwrap(), *car.report())
+    };
+    rows.iter().map(feed).collect()
+}
+
+#[test]
+fn a_corner_by_itself_can_be_stuck_lost_spiky_and_swapped_and_comes_back() {
+    type Spoil = fn(&mut Row, &Row, usize);
+    let cases: [(&str, f64, Spoil); 4] = [
+        ("stuck", 1.1, |row, first, _| row.wheel = first.wheel),
+        ("dropout", 2.1, |row, _, _| row.body = f64::NAN),
+        // One a second; the third within the count's ten seconds is too many.
+        ("spikes", 4.1, |row, _, i| row.wheel += if i.is_multiple_of(500) { 60.0 } else { 0.0 }),
+        ("swapped", 7.0, |row, _, _| core::mem::swap(&mut row.body, &mut row.wheel)),
+    ];
+    let ride = Ride { seconds: 60.0, ..Ride::new(5) };
+    let per_s = ride.rate_hz as usize;
+    let clean = ride.rows();
+    assert!(watched(&clean, ride.rate_hz).iter().all(|(_, report)| report.alerts().next().is_none()));
+    for (label, stated_s, spoil) in cases {
+        let mut rows = clean.clone();
+        let (from, to) = (15 * per_s, 25 * per_s);
+        let first = rows[from].clone();
+        for (i, row) in rows[from..to].iter_mut().enumerate() {
+            spoil(row, &first, i);
+        }
+        let out = watched(&rows, ride.rate_hz);
+        let said = |report: &MonitorReport<f64>| {
+            report.alerts().any(
+                |alert| matches!(&alert.cause, Cause::Malfunction::<f64>(malfunction) if malfunction.label() == label),
+            )
+        };
+        let first_said = out.iter().position(|(_, report)| said(report)).unwrap_or(usize::MAX);
+        assert!(first_said >= from && rows[first_said].time_s <= 15.0 + stated_s, "{label} at {first_said}");
+        let shown = out[first_said..to].iter().filter(|(estimate, _)| estimate.validity.is_valid()).count();
+        assert_eq!(shown, 0, "{label}");
+        assert!(out[first_said..to].iter().all(|(estimate, _)| estimate.warning == Warning::Malfunction));
+        let (last, report) = out.last().unwrap();
+        assert!(last.validity.is_valid() && report.alerts().next().is_none(), "{label}: {last:?}");
+        assert!((last.pressure_kpa - 230.0).abs() < 3.0 * last.pressure_sd_kpa, "{label}: {last:?}");
+    }
+}
+
+#[test]
+fn a_swap_is_called_what_it_is() {
+    let ride = Ride { seconds: 30.0, ..Ride::new(6) };
+    let mut rows = ride.rows();
+    for row in &mut rows {
+        core::mem::swap(&mut row.body, &mut row.wheel);
+    }
+    let (_, report) = watched(&rows, ride.rate_hz).pop().unwrap();
+    let alert = report.alerts().next().unwrap();
+    assert!(matches!(alert.cause, Cause::Malfunction(Malfunction::Swapped(..))), "{alert}");
+    assert!(alert.to_string().contains("fl body sensor and fl wheel sensor are swapped"), "{alert}");
+}
+
+#[cfg(feature = "serde")]
+#[test]
+fn a_saved_monitor_goes_on_as_if_nothing_had_been() {
+    let mut drive = Drive::new();
+    drive.on(20.0, &low(205.0));
+    drive.on(0.6, &low(185.0));
+    let bytes = postcard::to_allocvec(&drive.monitor).unwrap();
+    let mut again = Drive { monitor: postcard::from_bytes(&bytes).unwrap(), step: drive.step };
+    again.on(5.0, &low(185.0));
+    drive.on(5.0, &low(185.0));
+    // By their bytes: what is not known yet is NaN, and that is not equal to itself.
+    let saved = |drive: &Drive| postcard::to_allocvec(&drive.monitor).unwrap();
+    assert_eq!(saved(&again), saved(&drive));
+    assert_eq!(again.monitor.report().alerts().count(), 1);
+}

@@ -1,0 +1,42 @@
+//! The malfunction study in short: one drive over potholes, and two of the malfunctions.
+
+use std::ops::ControlFlow;
+
+use itpms_study::malfunction::{MalfunctionError, Request, kinds, study};
+
+fn request(only: &str) -> Request {
+    Request { drives: 1, first_seed: 6, only: Some(only.to_owned()) }
+}
+
+#[test]
+fn malfunctions_are_said_in_time_and_nothing_else_is() {
+    let go = |_, _| ControlFlow::Continue(());
+    let study = study(&request("wheel swapped"), &go).unwrap();
+    assert_eq!(study.rows.len(), 2);
+    for row in &study.rows {
+        assert_eq!((row.drives, row.in_time, row.named), (1, 1, 1), "{row:?}");
+        assert_eq!(row.wrong_after_s, 0.0, "{row:?}");
+        assert_eq!(row.recovered, row.awaited, "{row:?}");
+    }
+    assert_eq!((study.clean.malfunctions, study.clean.warnings), (0, 0), "{:?}", study.clean);
+    // A drive of six minutes.
+    assert!((study.clean.hours - 0.1).abs() < 1e-3 && study.clean.distance_km > 0.5);
+    let table = study.table();
+    assert!(
+        table.contains("body and wheel swapped")
+            && table.contains("nothing wrong: 0 malfunctions and 0 warnings")
+    );
+}
+
+#[test]
+fn requests_that_make_no_sense_are_refused_and_a_break_stops() {
+    let go = |_, _| ControlFlow::Continue(());
+    assert!(matches!(study(&Request { drives: 0, ..request("stuck") }, &go), Err(MalfunctionError::Nothing)));
+    let unknown = study(&request("rusty"), &go).unwrap_err().to_string();
+    assert!(
+        unknown.starts_with("no malfunction is called `rusty`, expected a part of one of: stuck, wheel; ")
+    );
+    let stop = |_, _| ControlFlow::Break(());
+    assert!(matches!(study(&request("stuck, wheel"), &stop), Err(MalfunctionError::Stopped)));
+    assert!(kinds().iter().all(|kind| kind.stated_s > 0.0 && !kind.faults.is_empty()));
+}
