@@ -69,7 +69,10 @@ impl Status {
 
     /// Word beside a tire, where there is little room.
     pub(super) fn short(corner: &CornerReport) -> &'static str {
+        let now = corner.figures.warning;
         match Self::of(corner) {
+            Self::Low if now != Warning::Low => "was low",
+            Self::Malfunction if now != Warning::Malfunction => "was faulty",
             Self::Low => "LOW",
             Self::Malfunction => "FAULT",
             Self::Over => "HIGH",
@@ -151,7 +154,12 @@ pub(super) fn sentence(corner: &CornerReport) -> String {
         }
         Status::Malfunction => {
             let since = clock(f.malfunction_since_s.unwrap_or(f64::NAN));
-            format!("{name}: the sensors allow no statement, from {since}")
+            match &f.last {
+                Some(last) if f.warning != Warning::Malfunction => {
+                    format!("{name} had a sensor fault from {since}, now over: {}", reading(last))
+                }
+                _ => format!("{name}: the sensors allow no statement, from {since}"),
+            }
         }
         Status::Over => match &f.last {
             Some(last) => format!("{name} is at {}: too high", reading(last)),
