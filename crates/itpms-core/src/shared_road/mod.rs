@@ -25,6 +25,8 @@ mod instrument;
 mod memory;
 mod modes;
 mod parameters;
+#[cfg(test)]
+mod tests;
 mod track;
 
 use nalgebra::{SMatrix, SVector};

@@ -1,0 +1,117 @@
+//! Memory and instrument.
+
+use core::f64::consts::TAU;
+
+use nalgebra::ComplexField;
+
+use super::{C, Moved, PERIOD_S, SETTLED, deviating, signals, wheels};
+use crate::shared_road::channel::Entry;
+use crate::shared_road::constraint::Axle;
+use crate::shared_road::instrument::Instrument;
+use crate::shared_road::memory::Memory;
+use crate::shared_road::parameters::BAR;
+
+/// A car that gains 3 m/s², as far as it came and as fast as it is.
+fn way_m(time_s: f64) -> f64 {
+    10.0 * time_s + 1.5 * time_s * time_s
+}
+
+fn remembered(signal: impl Fn(f64) -> f64) -> Memory<f64> {
+    let mut memory = Memory::new(PERIOD_S);
+    for k in 0..400 {
+        let time_s = f64::from(k) * PERIOD_S;
+        memory.push(&Entry {
+            time_s,
+            way_m: way_m(time_s),
+            speed_m_s: 10.0 + 3.0 * time_s,
+            signals: [signal(time_s), 1.0, 2.0 * time_s, -signal(time_s)],
+            spoiled: k == 300,
+            after_gap: k == 0,
+        });
+    }
+    memory
+}
+
+#[test]
+fn the_time_at_a_place_is_right_at_changing_speed() {
+    let memory = remembered(|_| 0.0);
+    // Straight lines of 4 ms through a parabola of 3 m/s²: off by a dt²/8 = 6e-6 m at most, at 12 m/s or more 0.5 µs.
+    for k in 0..200 {
+        let time_s = 0.7 + 0.0043 * f64::from(k);
+        let found_s = memory.time_at(way_m(time_s)).unwrap();
+        assert!((found_s - time_s).abs() < 5.1e-7, "{}", found_s - time_s);
+    }
+}
+
+#[test]
+fn places_not_remembered_have_no_time() {
+    let memory = remembered(|_| 0.0);
+    // 256 entries: back to 1.596 - 1.02 s.
+    assert!(memory.time_at(way_m(0.5)).is_none());
+    assert!(memory.time_at(way_m(1.6)).is_none());
+    assert!(memory.time_at(f64::NAN).is_none());
+    assert!(memory.read(0.5).is_none());
+    assert!(memory.read(1.595).is_none(), "less than two entries on the young side");
+    assert!(memory.read(f64::NAN).is_none());
+}
+
+#[test]
+fn six_points_read_a_polynomial_of_fifth_degree() {
+    let signal = |t: f64| 1.0 + t * (2.0 + t * (-3.0 + t * (1.0 + t * (0.5 - t))));
+    let memory = remembered(signal);
+    for k in 0..150 {
+        let time_s = 0.7 + 0.00571 * f64::from(k);
+        let read = memory.read(time_s).unwrap();
+        // The values are about one, the weights below two.
+        assert!((read.signals[0] - signal(time_s)).abs() < 1e-11);
+        assert!((read.signals[2] - 2.0 * time_s).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn six_points_read_the_highest_bin() {
+    let w = TAU * 25.0;
+    let memory = remembered(|t| (w * t).sin());
+    // (w dt)⁶ / 6! times the largest |(x+2)(x+1) x (x-1)(x-2)(x-3)| between 0 and 1, 225/64.
+    let bound = (w * PERIOD_S).powi(6) / 720.0 * 225.0 / 64.0;
+    let mut worst = 0.0f64;
+    for k in 0..500 {
+        let time_s = 0.7 + 0.0017 * f64::from(k);
+        worst = worst.max((memory.read(time_s).unwrap().signals[0] - (w * time_s).sin()).abs());
+    }
+    assert!(worst < bound && worst > 0.8 * bound, "{worst:e} of {bound:e}");
+}
+
+#[test]
+fn what_was_spoiled_is_read_as_spoiled() {
+    let memory = remembered(|t| t);
+    let at = |entry: f64| memory.read(entry * PERIOD_S).unwrap().spoiled;
+    assert!(at(300.5) && at(299.5) && at(297.5) && at(302.5));
+    assert!(!at(296.5) && !at(303.5));
+}
+
+#[test]
+fn the_instrument_is_the_quarter_car() {
+    let mut state = deviating();
+    state[BAR] = 0.0;
+    state[BAR + 1] = 0.0;
+    for wheel in wheels() {
+        for frequency_hz in [1.0, 5.0, 9.7, 12.0, 25.0] {
+            let mut instrument = Instrument::new();
+            instrument.tune(&Axle::new(&wheel, &state), wheel.body.sprung_mass_kg, PERIOD_S);
+            // The bilinear rule is exact at another frequency: s = 2/dt i tan(pi f dt).
+            let s = C::new(0.0, 2.0 / PERIOD_S * (0.5 * TAU * frequency_hz * PERIOD_S).tan());
+            let unit = signals(&wheel, &state, s, Moved::by_road(C::new(1.0, 0.0)));
+            let mut worst = 0.0f64;
+            for step in -4 * SETTLED..100 {
+                let turn = C::new(0.0, TAU * frequency_hz * f64::from(step) * PERIOD_S).exp();
+                let seen = instrument.push(turn.re);
+                for (seen, unit) in seen.iter().zip(unit).filter(|_| step >= 0) {
+                    worst = worst.max((seen - (unit * turn).re).abs() / unit.modulus());
+                }
+            }
+            // After 24 seconds e^{-31} of a body that swings 1.3 times a second into rest is left of how it began.
+            assert!(worst < 1e-8, "{frequency_hz} Hz: {worst:e}");
+        }
+    }
+}
