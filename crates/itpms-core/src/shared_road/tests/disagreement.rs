@@ -118,11 +118,9 @@ fn expected_products_are_those_of_a_long_random_road() {
                 let found = products[bin][(i, j)] / power[bin];
                 let scale = (expected[bin][(i, i)] * expected[bin][(j, j)]).sqrt();
                 let off = (found - expected[bin][(i, j)]) / scale;
-                // Nine points half a bin apart stand for the window. In the first bin most of the products come through
-                // its skirt, from wheel hop; a spring's above it are nearly nothing.
-                let sharp = bin > 0 && [0, 1, 5, 6].contains(&i) && [0, 1, 5, 6].contains(&j);
-                let tolerance = if sharp { 0.05 } else { [0.25, 0.12][usize::from(bin > 0)] };
-                assert!(off.abs() < tolerance, "bin {bin} {i} {j}: {off}");
+                // Nine points, 2.5 Hz apart, stand for the window: as far apart as wheel hop is wide, so the peak counts
+                // some 15 % too much or too little, and what comes through the window's skirt into the first bin more.
+                assert!(off.abs() < 0.25, "bin {bin} {i} {j}: {off}");
             }
         }
     }
