@@ -15,7 +15,7 @@ const OFFSET_S: f64 = 10.0;
 /// What lies this far out is no offset (gravity is the largest) and must not drag it along.
 const LARGEST_OFFSET_M_S2: f64 = 40.0;
 /// Samples by which the centred derivative lags.
-const LAG: usize = 3;
+pub(crate) const LAG: usize = 3;
 
 /// Number of signals.
 pub(crate) const SIGNALS: usize = 5;

@@ -2,7 +2,7 @@
 //! at which each was taken. Fed with grid samples; knows nothing of the other corners.
 
 use crate::informed::reconstruct::{
-    RELATIVE_ACCELERATION, RELATIVE_VELOCITY, Reconstruction, WHEEL_JERK, WHEEL_VELOCITY,
+    LAG, RELATIVE_ACCELERATION, RELATIVE_VELOCITY, Reconstruction, WHEEL_JERK, WHEEL_VELOCITY,
 };
 use crate::intake::GridSample;
 use crate::real::Real;
@@ -97,6 +97,14 @@ impl<T: Real> Channel<T> {
     /// Time between entries in s.
     pub(super) fn period_s(&self) -> f64 {
         self.grid_period_s * f64::from(self.every)
+    }
+
+    /// Seconds by which the signals are late.
+    pub(super) fn late_s(&self) -> f64 {
+        // Group delay of the low-pass, the sum of 1 / (q ω), and the reconstruction's steps.
+        let smoothing =
+            QUALITY.iter().fold(0.0, |sum, q| sum + 1.0 / q) / (core::f64::consts::TAU * SMOOTH_HZ);
+        smoothing + LAG as f64 * self.grid_period_s
     }
 
     /// Takes a grid step at `way_m`; gives an entry when one is due.

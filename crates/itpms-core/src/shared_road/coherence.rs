@@ -8,13 +8,17 @@ use super::{BINS, OVERLAP};
 use crate::real::Real;
 
 /// Incoherence assumed before anything was seen, and the least that is believed: no damper is linear.
-const START: f64 = 0.01;
+const START: f64 = 0.03;
 const LEAST: f64 = 1e-4;
 /// The most that is believed.
 const MOST: f64 = 2.0;
 /// Largest step of a frame's estimate, as a multiple of what is believed, and more.
 const LARGEST_STEP: f64 = 6.0;
 const LARGEST_MORE: f64 = 0.01;
+/// Frames that what is assumed counts for.
+const COUNTED: f64 = 4.0;
+/// Incoherence per squared logarithm of the speeds' ratio: filters that work in time see another road at another speed.
+const STRETCHED: f64 = 0.5;
 /// Time constants in s of the incoherence and of the road's power.
 const INCOHERENCE_S: f64 = 2.0;
 const POWER_S: f64 = 1.0;
@@ -51,25 +55,32 @@ impl<T: Real> Coherence<T> {
         Self { incoherence: SVector::repeat(T::lit(START)), power: SVector::zeros(), frames: 0 }
     }
 
+    /// The road is another one: what it shares is seen anew.
+    pub(super) fn restart(&mut self) {
+        *self = Self::new();
+    }
+
     /// Road power to be expected in a bin, half of it the frame's own.
     fn road(&self, bin: usize, now: T) -> T {
         let usual = if self.power[bin] > T::zero() { self.power[bin] } else { now };
         T::lit(0.5) * (usual + now)
     }
 
-    /// What to expect of a frame with this road power, given the sensors' noise in the disagreement and the derivatives'
-    /// products on a road of unit power.
+    /// What to expect of a frame with this road power, given the sensors' noise in the disagreement, the derivatives'
+    /// products on a road of unit power, and the logarithm of the rear's speed over the front's.
     pub(super) fn expect(
         &self,
         road_power: &[T; BINS],
         noise: &[T; BINS],
         products: &[Gram<T>; BINS],
+        stretch: T,
     ) -> Expectation<T> {
+        let stretched = T::lit(STRETCHED) * stretch * stretch;
         let mut power = [T::zero(); BINS];
         let mut information = Gram::zeros();
         for bin in 0..BINS {
             let road = self.road(bin, road_power[bin]);
-            power[bin] = self.incoherence[bin] * road + noise[bin] + T::lit(1e-12);
+            power[bin] = (self.incoherence[bin] + stretched) * road + noise[bin] + T::lit(1e-12);
             information += products[bin] * (T::lit(2.0 * OVERLAP) * road / power[bin]);
         }
         Expectation { power, information }
@@ -86,7 +97,7 @@ impl<T: Real> Coherence<T> {
     ) {
         let gain = |time_s: f64| T::one() - (-seconds / T::lit(time_s)).exp();
         self.frames = self.frames.saturating_add(1);
-        let count = T::one() / T::lit(f64::from(self.frames) + 2.0);
+        let count = T::one() / T::lit(f64::from(self.frames) + COUNTED);
         let (fast, slow) = (gain(POWER_S), gain(INCOHERENCE_S).max(count));
         for (bin, &ratio) in ratio.iter().enumerate() {
             let now = found.road_power[bin];

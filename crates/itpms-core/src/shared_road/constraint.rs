@@ -54,8 +54,11 @@ pub(super) struct TrackFrame<T: Real> {
     pub(super) frame: Frame<T>,
     /// Time in s of its middle at the rear wheel.
     pub(super) middle_s: f64,
-    /// Seconds from front to rear, and what wheelbase and skew were taken to be in aligning them.
+    /// Seconds from front to rear.
     pub(super) delay_s: T,
+    /// Logarithm of the rear's speed over the front's there.
+    pub(super) stretch: T,
+    /// What wheelbase and skew were taken to be in aligning them.
     pub(super) used_wheelbase: T,
     pub(super) used_skew: T,
 }

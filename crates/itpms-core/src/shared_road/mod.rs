@@ -57,6 +57,15 @@ fn bin_hz<T: Real>(bin: usize) -> T {
 
 /// Share of a frame's log-likelihood that counts: they overlap by half.
 const OVERLAP: f64 = 0.5;
+/// Delay in sampling periods of the sensors' anti-alias filter, a Butterworth of order four at 0.3 of the rate.
+const SENSOR_LATE_PERIODS: f64 = 2.613 / (core::f64::consts::TAU * 0.3);
+/// Longest time in s over which a movement is followed without a frame; pauses count for so long at most, and from so
+/// long on a tire may have been filled.
+const LONGEST_STEP_S: f64 = 1.0;
+const LONGEST_PAUSE_S: f64 = 600.0;
+const FILLING_S: f64 = 20.0;
+/// Speed in m/s from which a word of the spectrum is heard.
+const SLOWEST_WORD_M_S: f64 = 4.0;
 /// Least compliance of a tire over that at placard pressure.
 const SOFTEST: f64 = 0.05;
 /// Seconds of shared road after which the belief counts.
@@ -126,6 +135,8 @@ pub(crate) struct SharedRoad<T: Real> {
     modes: Modes<T>,
     /// Seconds from front to rear wheel, left and right.
     delay_s: [T; 2],
+    /// Seconds by which filters make the signals late.
+    late_s: f64,
     /// Time to which the belief was moved on.
     believed_s: f64,
     newest_s: f64,
@@ -188,11 +199,12 @@ impl<T: Real> SharedRoad<T> {
                 placard_n_per_m: of(&|c| c.tire.stiffness_n_per_m(c.placard_kpa)),
                 placard_kpa: of(&|c| c.placard_kpa),
             },
-            channels,
             tracks,
             rear: [[None; 2]; 2],
             modes,
             delay_s: [T::zero(); 2],
+            late_s: channels[0].late_s() + SENSOR_LATE_PERIODS / sample_rate_hz,
+            channels,
             believed_s: f64::NAN,
             newest_s: f64::NAN,
             way_m: 0.0,
@@ -226,7 +238,8 @@ impl<T: Real> SharedRoad<T> {
     /// Takes a grid step of a corner.
     pub(crate) fn push(&mut self, corner: usize, sample: &GridSample<T>) {
         let way_m = if self.speed_m_s.is_finite() {
-            self.way_m - self.speed_m_s.to_f64() * (self.newest_s - sample.time_s)
+            // The road that the signals tell lies as far back as filters delay them: at another speed, another way.
+            self.way_m - self.speed_m_s.to_f64() * (self.newest_s - sample.time_s + self.late_s)
         } else {
             f64::NAN
         };
@@ -293,6 +306,7 @@ impl<T: Real> SharedRoad<T> {
         if self.tracks[side].weigh(&mut self.modes, wheels, taken) {
             self.learned_s += T::lit(0.5 * HOP_S);
         }
+        self.modes.drop_impossible();
         if !self.modes.is_sound() {
             self.modes = Modes::new();
             self.learned_s = T::zero();
@@ -300,21 +314,31 @@ impl<T: Real> SharedRoad<T> {
     }
 
     fn predict_to(&mut self, time_s: f64) {
-        if !(self.believed_s < time_s) {
-            if !self.believed_s.is_finite() {
-                self.believed_s = time_s;
-            }
+        if !self.believed_s.is_finite() {
+            self.believed_s = time_s;
+        }
+        let seconds = time_s - self.believed_s;
+        if !(seconds > 0.0) {
             return;
         }
-        let seconds = T::lit((time_s - self.believed_s).min(10.0));
         self.believed_s = time_s;
+        if seconds > LONGEST_STEP_S {
+            // Nobody watched: what moved then is over, and a tire may have been filled.
+            self.modes.wake(T::lit(seconds.min(LONGEST_PAUSE_S)), seconds > FILLING_S && !self.held);
+            return;
+        }
         let liveliness = if self.held || self.learned_s < T::lit(ENOUGH_S) { T::zero() } else { T::one() };
-        self.modes.predict(seconds, liveliness);
+        self.modes.predict(T::lit(seconds), liveliness);
     }
 
     /// A word of a corner's road spectrum: its stiffness and sd in N/m, at a time.
     pub(crate) fn hear(&mut self, corner: usize, time_s: f64, stiffness_n_per_m: T, sd_n_per_m: T) {
-        self.predict_to(time_s);
+        if !(self.speed_m_s >= T::lit(SLOWEST_WORD_M_S)) {
+            return;
+        }
+        if !(time_s - self.believed_s < LONGEST_STEP_S) {
+            self.predict_to(time_s);
+        }
         self.modes.measure(T::lit(SAME_ROAD) * sd_n_per_m * sd_n_per_m, |state| {
             let (expected, slope) = self.scale.word(corner, state);
             (slope, stiffness_n_per_m - expected)

@@ -27,6 +27,12 @@ const RATE_SD: f64 = 0.08;
 const RATE_WANDER: f64 = 0.1;
 /// Growth per square root of a second of each compliance's sd while wheels wander.
 const LOOSE_SD: f64 = 0.06;
+/// What a tire's compliance can be, over that at placard pressure, less one: at more than twice that pressure, and flat.
+const HARDEST: f64 = -0.5;
+const SOFTEST: f64 = 3.0;
+/// Chance that a tire was filled or let down during a stop, and the sd of its compliance then.
+const FILLED: f64 = 1e-3;
+const FILLED_SD: f64 = 0.15;
 /// Log-likelihood of a mode that cannot say how likely a frame is.
 const IMPOSSIBLE: f64 = -1e6;
 /// Weight below which a mode begins anew.
@@ -193,10 +199,10 @@ impl<T: Real> Modes<T> {
         kept
     }
 
-    /// A measured number: `slope . state + offset`, that is `value`, with its variance; linearised for every mode.
+    /// A measured number with its variance: `linearise` gives, for a state, its derivatives and how much more it is than
+    /// expected. Says nothing about which mode holds: it is too slow for that.
     pub(super) fn measure(&mut self, variance: T, linearise: impl Fn(&State<T>) -> (State<T>, T)) {
-        let mut log_weight = [T::zero(); MODES];
-        for (mode, log_weight) in self.modes.iter_mut().zip(&mut log_weight) {
+        for mode in &mut self.modes {
             let (slope, innovation) = linearise(&mode.mean);
             let spread = mode.covariance * slope;
             let total = slope.dot(&spread) + variance;
@@ -206,9 +212,7 @@ impl<T: Real> Modes<T> {
             mode.mean += spread * (innovation / total);
             mode.covariance -= spread * spread.transpose() / total;
             mode.tidy();
-            *log_weight = T::lit(-0.5) * (innovation * innovation / total + total.ln());
         }
-        self.reweigh(&log_weight);
     }
 
     fn reweigh(&mut self, log_weight: &[T; MODES]) {
@@ -231,6 +235,42 @@ impl<T: Real> Modes<T> {
     pub(super) fn most_likely(&self) -> usize {
         (1..MODES)
             .fold(QUIET, |best, i| if self.modes[i].weight > self.modes[best].weight { i } else { best })
+    }
+
+    /// Moves on by `seconds` in which nobody watched: nothing moves any more. `filled`: somebody may have changed a
+    /// pressure.
+    pub(super) fn wake(&mut self, seconds: T, filled: bool) {
+        self.calm();
+        let wander = wander_sd::<T>();
+        let quiet = &mut self.modes[QUIET];
+        quiet.mean[RATE] = T::zero();
+        for i in 0..SIZE {
+            quiet.covariance[(i, i)] += wander[i] * wander[i] * seconds;
+        }
+        if filled {
+            let chance = T::lit(FILLED);
+            let mut loose = quiet.clone();
+            for i in TIRE..TIRE + 4 {
+                loose.covariance[(i, i)] += T::lit(FILLED_SD * FILLED_SD);
+            }
+            loose.weight = chance;
+            quiet.weight = T::one() - chance;
+            self.modes[LOOSE] = loose;
+        }
+    }
+
+    /// Modes in which a tire is what no tire can be are not followed; the quiet one is left for [`Modes::is_sound`].
+    pub(super) fn drop_impossible(&mut self) {
+        let mut total = T::zero();
+        for mode in &mut self.modes {
+            if !mode.is_possible() {
+                mode.weight = T::zero();
+            }
+            total += mode.weight;
+        }
+        if total > T::zero() {
+            self.modes.iter_mut().for_each(|mode| mode.weight /= total);
+        }
     }
 
     /// Only the quiet mode is left: somebody knows that nothing moves.
@@ -278,15 +318,20 @@ impl<T: Real> Modes<T> {
     }
 
     pub(super) fn is_sound(&self) -> bool {
-        self.modes.iter().all(|mode| {
+        let finite = |mode: &Mode<T>| {
             mode.weight >= T::zero()
                 && mode.mean.iter().all(|x| x.is_finite())
                 && mode.covariance.iter().all(|x| x.is_finite())
-        })
+        };
+        self.modes.iter().all(finite) && self.modes[QUIET].is_possible()
     }
 }
 
 impl<T: Real> Mode<T> {
+    fn is_possible(&self) -> bool {
+        (TIRE..TIRE + 4).all(|i| self.mean[i] > T::lit(HARDEST) && self.mean[i] < T::lit(SOFTEST))
+    }
+
     /// Rounding leaves a covariance neither symmetric nor quite positive.
     fn tidy(&mut self) {
         for i in 0..SIZE {

@@ -15,6 +15,8 @@ use crate::real::Real;
 
 /// Slowest speed in m/s at which a road is shared.
 pub(super) const SLOWEST_M_S: f64 = 2.8;
+/// Seconds without a frame after which the road's coherence is seen anew.
+const FORGET_S: f64 = 5.0;
 /// Hops after a restart until the instruments have forgotten that they began at rest.
 const SETTLING_HOPS: u32 = 5;
 /// Seconds without a frame after which a side counts as not shared.
@@ -153,7 +155,7 @@ impl<T: Real> Track<T> {
             return None;
         }
         let middle_s = entry.time_s - self.clock.hop_s();
-        Some(TrackFrame { frame, middle_s, delay_s, used_wheelbase, used_skew })
+        Some(TrackFrame { frame, middle_s, delay_s, stretch: ratio.ln(), used_wheelbase, used_skew })
     }
 
     /// Brings the instruments up to date with what is believed.
@@ -183,6 +185,9 @@ impl<T: Real> Track<T> {
         wheels: &[Wheel<T>; 2],
         taken: &TrackFrame<T>,
     ) -> bool {
+        if !(taken.middle_s - self.learned_until_s < FORGET_S) {
+            self.coherence.restart();
+        }
         let best = modes.most_likely();
         let state = modes.modes[best].mean;
         let look = |signals| compare(taken, signals, wheels, self.side, &state);
@@ -190,7 +195,7 @@ impl<T: Real> Track<T> {
         let instrument = look(Signals::Common).slope;
         let noise = self.noise(wheels, &state);
         let products = expected_products(wheels, self.side, &state, taken.delay_s);
-        let expected = self.coherence.expect(&road_power, &noise, &products);
+        let expected = self.coherence.expect(&road_power, &noise, &products, taken.stretch);
         let Some((found, ratio)) = modes.weigh(taken, wheels, self.side, &expected, &instrument) else {
             return false;
         };
