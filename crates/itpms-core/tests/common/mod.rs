@@ -4,5 +4,6 @@
 #![allow(clippy::unwrap_used)]
 
 pub mod band;
+pub mod car_ride;
 pub mod quarter_plant;
 pub mod ride;

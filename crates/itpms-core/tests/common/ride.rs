@@ -7,7 +7,7 @@ use itpms_core::estimator::{Estimator, EstimatorKind};
 use itpms_core::real::Real;
 
 /// Steps of the plant per second.
-const PLANT_HZ: f64 = 4000.0;
+pub const PLANT_HZ: f64 = 4000.0;
 /// Seconds driven before the first row, so that the car already swings.
 const WARM_UP_S: f64 = 3.0;
 
@@ -118,14 +118,14 @@ fn cubic(signal: &[f64], at: f64) -> f64 {
 }
 
 /// A two-pole section, bilinear with its edge in place.
-struct Section {
+pub struct Section {
     b0: f64,
     a: [f64; 2],
     held: [f64; 2],
 }
 
 impl Section {
-    fn step(&mut self, x: f64) -> f64 {
+    pub fn step(&mut self, x: f64) -> f64 {
         let y = self.b0 * x + self.held[0];
         self.held = [2.0 * self.b0 * x - self.a[0] * y + self.held[1], self.b0 * x - self.a[1] * y];
         y
@@ -133,7 +133,7 @@ impl Section {
 }
 
 /// Butterworth of fourth order: poles at 22.5 and 67.5 degrees.
-fn low_pass(edge_hz: f64) -> [Section; 2] {
+pub fn low_pass(edge_hz: f64) -> [Section; 2] {
     let k = (std::f64::consts::PI * edge_hz / PLANT_HZ).tan();
     [22.5f64, 67.5].map(|degrees| {
         let damping = 2.0 * degrees.to_radians().cos();

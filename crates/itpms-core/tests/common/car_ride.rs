@@ -1,0 +1,129 @@
+//! A car of four quarter cars on two tracks, rear wheels behind front ones on the same road. Written from eq. (1) without
+//! the crate's own model: a road of slope -2 over distance, Runge-Kutta at 4 kHz, a Butterworth low-pass, sensors.
+
+use itpms_core::car::CarConfig;
+use itpms_core::estimate::CornerConfig;
+use itpms_core::pressure::PressureMap;
+use itpms_core::quarter_car::QuarterCar;
+use itpms_core::real::Real;
+use itpms_core::sample::{CarSample, CornerSample};
+
+use super::quarter_plant::{KS, Random, runge_kutta, stiffness};
+use super::ride::{PLANT_HZ, low_pass};
+
+/// Sprung and unsprung mass, damping of front and rear.
+const AXLES: [[f64; 3]; 2] = [[240.8, 56.9, 925.8], [216.0, 50.0, 870.0]];
+pub const PLACARD_KPA: f64 = 241.3;
+pub const WHEELBASE_M: f64 = 2.7;
+pub const RATE_HZ: f64 = 500.0;
+/// Points of the road per meter.
+const PER_M: f64 = 200.0;
+/// Seconds at the first speed before the first row.
+const WARM_UP_S: f64 = 3.0;
+
+/// What a drive is made of.
+#[derive(Clone, Copy)]
+pub struct CarRide {
+    pub seed: u64,
+    pub seconds: f64,
+    pub speed_m_s: fn(f64) -> f64,
+    pub pressure_kpa: [f64; 4],
+}
+
+impl CarRide {
+    /// 15 s at 60 km/h on a class B road, one tire at 200 kPa and the others near the placard.
+    pub fn new(seed: u64) -> Self {
+        Self { seed, seconds: 15.0, speed_m_s: |_| 60.0 / 3.6, pressure_kpa: [200.0, 235.0, 240.0, 245.0] }
+    }
+
+    pub fn rows(&self) -> Vec<CarSample<f64>> {
+        let h = 1.0 / PLANT_HZ;
+        let steps = ((self.seconds + WARM_UP_S) * PLANT_HZ) as usize;
+        let speed = |i: usize| (self.speed_m_s)((i as f64 * h - WARM_UP_S).max(0.0));
+        let mut way_m = vec![5.0];
+        (0..steps).for_each(|i| way_m.push(way_m[i] + h * speed(i)));
+        let accelerations: Vec<_> = (0..4).map(|corner| self.corner(corner, &way_m)).collect();
+        let mut noise = Random::new(self.seed ^ 0x5EED);
+        let every = (PLANT_HZ / RATE_HZ) as usize;
+        ((WARM_UP_S * PLANT_HZ) as usize..steps)
+            .step_by(every)
+            .map(|i| CarSample {
+                time_s: i as f64 * h - WARM_UP_S,
+                speed_m_s: speed(i),
+                corners: std::array::from_fn(|corner| {
+                    let (body, wheel) = accelerations[corner][i];
+                    Some(CornerSample {
+                        body_accel_m_s2: body + 0.05 * noise.normal(),
+                        wheel_accel_m_s2: wheel + 0.05 * noise.normal(),
+                    })
+                }),
+            })
+            .collect()
+    }
+
+    /// Accelerations of a corner's body and wheel at the plant's rate.
+    fn corner(&self, corner: usize, way_m: &[f64]) -> Vec<(f64, f64)> {
+        let mut random = Random::new(self.seed ^ (1 + corner as u64 % 2));
+        // Height as a random walk over distance: Gd(n) = 64e-6 m³ (n0/n)² is white in slope, with a variance of
+        // (2 pi n0)² Gd / 2 per meter.
+        let step = ((core::f64::consts::TAU * 0.1).powi(2) * 64e-6 / 2.0 / PER_M).sqrt();
+        let mut heights = vec![0.0];
+        for i in 0..(way_m[way_m.len() - 1] * PER_M) as usize + 2 {
+            heights.push(heights[i] + step * random.normal());
+        }
+        let behind_m = if corner < 2 { 0.0 } else { WHEELBASE_M };
+        let road = |way_m: f64| {
+            let at = (way_m - behind_m) * PER_M;
+            let (i, share) = (at as usize, at.fract());
+            heights[i] + share * (heights[i + 1] - heights[i])
+        };
+        let [sprung, unsprung, damping] = AXLES[corner / 2];
+        let k_t = stiffness(self.pressure_kpa[corner]);
+        let rates = |x: &[f64; 4], road: f64| {
+            let suspension = KS * (x[2] - x[0]) + damping * (x[3] - x[1]);
+            [x[1], suspension / sprung, x[3], (k_t * (road - x[2]) - suspension) / unsprung]
+        };
+        let start = road(way_m[0]);
+        let mut x = [start, 0.0, start, 0.0];
+        let mut filters = [low_pass(0.3 * RATE_HZ), low_pass(0.3 * RATE_HZ)];
+        way_m
+            .windows(2)
+            .map(|way| {
+                let (from, to) = (road(way[0]), road(way[1]));
+                let d = rates(&x, from);
+                x = runge_kutta(&x, 1.0 / PLANT_HZ, |x, t| rates(x, from + (to - from) * t * PLANT_HZ));
+                let [body, wheel] = &mut filters;
+                (
+                    body.iter_mut().fold(d[1], |a, section| section.step(a)),
+                    wheel.iter_mut().fold(d[3], |a, section| section.step(a)),
+                )
+            })
+            .collect()
+    }
+}
+
+/// The car of these rides, as its vehicle file says.
+pub fn config<T: Real>() -> CarConfig<T> {
+    let corner = |axle: usize| {
+        let [sprung, unsprung, damping] = AXLES[axle].map(T::lit);
+        let car = QuarterCar::new(sprung, unsprung, damping, T::lit(KS)).unwrap();
+        let placard = T::lit(PLACARD_KPA);
+        CornerConfig::new(car, PressureMap::paper_eq_5(), placard).unwrap().with_accel_noise(T::lit(0.05))
+    };
+    let corners = [0, 0, 1, 1].map(|axle| Some(corner(axle).unwrap()));
+    CarConfig { corners, wheelbase_m: Some(T::lit(WHEELBASE_M)) }
+}
+
+/// A row in another precision.
+pub fn cast<T: Real>(row: &CarSample<f64>) -> CarSample<T> {
+    CarSample {
+        time_s: row.time_s,
+        speed_m_s: T::lit(row.speed_m_s),
+        corners: row.corners.map(|corner| {
+            corner.map(|c| CornerSample {
+                body_accel_m_s2: T::lit(c.body_accel_m_s2),
+                wheel_accel_m_s2: T::lit(c.wheel_accel_m_s2),
+            })
+        }),
+    }
+}

@@ -1,0 +1,273 @@
+//! The estimator of a whole car from outside: right on a road that both axles share, sound where it is not shared, where
+//! corners are missing, where the car stops, and where the input is garbage.
+// Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
+#![allow(clippy::unwrap_used)]
+mod common;
+
+use std::sync::LazyLock;
+
+use common::car_ride::{CarRide, RATE_HZ, cast, config};
+use itpms_core::car::{CarConfig, CarEstimate, CarEstimator, Sources};
+use itpms_core::estimator::{Estimator, EstimatorKind};
+use itpms_core::real::Real;
+use itpms_core::sample::{CarSample, CornerSample};
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+
+static RIDE: LazyLock<CarRide> = LazyLock::new(|| CarRide::new(5));
+static ROWS: LazyLock<Vec<CarSample<f64>>> = LazyLock::new(|| RIDE.rows());
+
+fn car<T: Real>(config: &CarConfig<T>) -> CarEstimator<T> {
+    CarEstimator::new(EstimatorKind::Informed, config, RATE_HZ).unwrap()
+}
+
+fn drive<T: Real>(car: &mut CarEstimator<T>, rows: &[CarSample<f64>]) -> Vec<CarEstimate<T>> {
+    rows.iter().map(|row| car.update(&cast(row))).collect()
+}
+
+/// Pressure and sd of the corners that are there must be finite where they are called valid.
+fn sound<T: Real>(estimate: &CarEstimate<T>) {
+    for corner in estimate.corners.iter().flatten().filter(|corner| corner.validity.is_valid()) {
+        assert!(corner.pressure_kpa.is_finite() && corner.pressure_sd_kpa > T::zero(), "{corner:?}");
+        assert!(corner.pressure_sd_kpa.is_finite() && corner.stiffness_n_per_m.is_finite(), "{corner:?}");
+    }
+    for (i, row) in estimate.correlation.iter().enumerate() {
+        assert!(row[i] == T::one() && row.iter().all(|r| r.abs() <= T::lit(1.0 + 1e-3)), "{row:?}");
+    }
+}
+
+/// All valid pressures within four of their standard deviations; how many were valid.
+fn within_four_sd(estimates: &[CarEstimate<f64>], truth_kpa: &[f64; 4]) -> usize {
+    let mut valid = 0;
+    for estimate in estimates {
+        sound(estimate);
+        for (corner, truth) in estimate.corners.iter().zip(truth_kpa) {
+            if let Some(corner) = corner
+                && corner.validity.is_valid()
+            {
+                let off = (corner.pressure_kpa - truth) / corner.pressure_sd_kpa;
+                assert!(off.abs() < 4.0, "{off} sd at {} s: {corner:?}, truth {truth}", estimate.time_s);
+                valid += 1;
+            }
+        }
+    }
+    valid
+}
+
+#[test]
+fn a_shared_road_tells_all_four_pressures() {
+    for sources in [Sources::SpectrumAndSharedRoad, Sources::SharedRoad] {
+        let mut car = car(&config::<f64>()).with_sources(sources);
+        let estimates = drive(&mut car, &ROWS);
+        within_four_sd(&estimates, &RIDE.pressure_kpa);
+        let last = estimates.last().unwrap();
+        assert!(last.tracks.iter().all(|track| track.shared && track.incoherence < 0.05), "{last:?}");
+        for corner in last.corners {
+            // The start knows 36 kPa.
+            assert!(corner.unwrap().pressure_sd_kpa < 8.0, "{sources:?} {corner:?}");
+        }
+    }
+}
+
+#[test]
+fn both_precisions_say_the_same() {
+    let double = drive(&mut car(&config::<f64>()), &ROWS[..4000]);
+    let single = drive(&mut car(&config::<f32>()), &ROWS[..4000]);
+    let mut worst = 0.0f64;
+    for (double, single) in double.iter().zip(&single) {
+        for (double, single) in double.corners.iter().flatten().zip(single.corners.iter().flatten()) {
+            assert_eq!(double.validity, single.validity, "at {} s", double.time_s);
+            let off = f64::from(single.pressure_kpa) - double.pressure_kpa;
+            worst = worst.max(off.abs() / double.pressure_sd_kpa);
+        }
+    }
+    // Rounding must stay far below what is not known anyway.
+    println!("f32 is off by up to {worst:.4} sd");
+    assert!(worst < 0.1, "{worst} sd");
+}
+
+#[test]
+fn without_a_wheelbase_the_corners_are_alone() {
+    let config = CarConfig { wheelbase_m: None, ..config::<f64>() };
+    let alone = |i: usize| {
+        Estimator::new(EstimatorKind::Informed, config.corners[i].as_ref().unwrap(), RATE_HZ).unwrap()
+    };
+    let (mut car, mut corners) = (car(&config), [0, 1, 2, 3].map(alone));
+    for row in &ROWS[..3000] {
+        let estimate = car.update(row);
+        assert!(estimate.tracks.iter().all(|track| !track.shared && track.incoherence.is_nan()));
+        for (i, corner) in corners.iter_mut().enumerate() {
+            let CornerSample { body_accel_m_s2, wheel_accel_m_s2 } = row.corners[i].unwrap();
+            let expected = corner.update(row.time_s, row.speed_m_s, body_accel_m_s2, wheel_accel_m_s2);
+            let found = estimate.corners[i].unwrap();
+            assert_eq!(found.pressure_kpa.to_bits(), expected.pressure_kpa.to_bits());
+            assert_eq!(found.pressure_sd_kpa.to_bits(), expected.pressure_sd_kpa.to_bits());
+        }
+    }
+}
+
+#[test]
+fn one_side_is_enough_for_itself() {
+    let mut config = config::<f64>();
+    config.corners[1] = None;
+    config.corners[3] = None;
+    let mut rows = ROWS.clone();
+    for row in &mut rows {
+        row.corners[1] = None;
+        row.corners[3] = None;
+    }
+    let estimates = drive(&mut car(&config), &rows);
+    within_four_sd(&estimates, &RIDE.pressure_kpa);
+    let last = estimates.last().unwrap();
+    assert!(last.tracks[0].shared && !last.tracks[1].shared && last.tracks[1].incoherence.is_nan());
+    assert!(last.corners[1].is_none() && last.corners[0].unwrap().pressure_sd_kpa < 10.0);
+}
+
+#[test]
+fn a_corner_without_a_partner_stays_alone() {
+    let mut config = config::<f64>();
+    config.corners[3] = None;
+    let mut rows = ROWS.clone();
+    rows.iter_mut().for_each(|row| row.corners[3] = None);
+    let estimates = drive(&mut car(&config), &rows);
+    within_four_sd(&estimates, &RIDE.pressure_kpa);
+    let last = estimates.last().unwrap();
+    assert!(last.tracks[0].shared && !last.tracks[1].shared);
+}
+
+#[test]
+fn a_rear_corner_may_be_away_for_a_while() {
+    // An odd number of samples, so that afterwards its signals are thinned at other moments than the others'.
+    for away in [2500..4001, 2500..2507] {
+        let mut rows = ROWS.clone();
+        rows[away.clone()].iter_mut().for_each(|row| row.corners[2] = None);
+        let estimates = drive(&mut car(&config()), &rows);
+        let valid = within_four_sd(&estimates, &RIDE.pressure_kpa);
+        assert!(valid > 3 * 4 * rows.len() / 5 - 4 * away.len(), "{valid} of {}", 4 * rows.len());
+        if away.len() > 1000 {
+            assert!(!estimates[away.end - 1].tracks[0].shared && estimates[away.end - 1].tracks[1].shared);
+        }
+        assert!(estimates.last().unwrap().tracks[0].shared);
+    }
+}
+
+#[test]
+fn a_stop_is_sat_out() {
+    let ride = CarRide {
+        seconds: 24.0,
+        // From 15 m/s to rest at 12.5 s, and on again at 15 s.
+        speed_m_s: |t| {
+            if t < 14.0 {
+                (15.0 - 2.5 * (t - 6.5).max(0.0)).max(0.0)
+            } else {
+                (2.0 * (t - 15.0)).clamp(0.0, 15.0)
+            }
+        },
+        ..CarRide::new(8)
+    };
+    let rows = ride.rows();
+    let estimates = drive(&mut car(&config()), &rows);
+    within_four_sd(&estimates, &ride.pressure_kpa);
+    let at = |time_s: f64| &estimates[(time_s * RATE_HZ) as usize];
+    assert!(at(6.0).tracks.iter().all(|track| track.shared));
+    assert!(at(14.9).tracks.iter().all(|track| !track.shared));
+    assert!(at(23.9).tracks.iter().all(|track| track.shared));
+    // Nothing is learned in standing, and not much is forgotten.
+    let sd = |time_s: f64| at(time_s).corners[0].unwrap().pressure_sd_kpa;
+    assert!(sd(14.9) > 0.9 * sd(12.5) && sd(14.9) < 2.0 * sd(12.5), "{} {}", sd(12.5), sd(14.9));
+}
+
+#[cfg(feature = "serde")]
+fn resumes<T: Real + serde::Serialize + serde::de::DeserializeOwned>() {
+    for moment in [300, 801, 2467, 5000] {
+        let mut original = car(&config::<T>());
+        drive(&mut original, &ROWS[..moment]);
+        let saved = postcard::to_allocvec(&original).unwrap();
+        let mut restored: CarEstimator<T> = postcard::from_bytes(&saved).unwrap();
+        for row in &ROWS[moment..moment + 700] {
+            let (a, b) = (original.update(&cast(row)), restored.update(&cast(row)));
+            // As bytes, so that equal NaN count as equal and unequal zeros do not.
+            assert_eq!(postcard::to_allocvec(&a).unwrap(), postcard::to_allocvec(&b).unwrap());
+        }
+        assert_eq!(postcard::to_allocvec(&original).unwrap(), postcard::to_allocvec(&restored).unwrap());
+    }
+}
+
+#[cfg(feature = "serde")]
+#[test]
+fn saved_and_restored_it_goes_on_bit_by_bit() {
+    resumes::<f64>();
+    resumes::<f32>();
+}
+
+/// One row's damage: which fields are replaced by which bits, and which corner is not there.
+type Damage = (u16, u8, [u64; 10]);
+
+fn damaged<T: Real>(
+    row: &CarSample<f64>,
+    (mask, gone, bits): &Damage,
+    from_bits: fn(u64) -> T,
+) -> CarSample<T> {
+    let mut row = cast::<T>(row);
+    let hit = |i: usize| mask & (1 << i) != 0;
+    // Half of the bits are any, half make a number that passes for an acceleration or a speed.
+    let any =
+        |i: usize| if bits[i] & 1 == 0 { from_bits(bits[i]) } else { T::lit((bits[i] % 401) as f64 - 200.0) };
+    if hit(0) && bits[0].is_multiple_of(4) {
+        row.time_s = f64::from_bits(bits[0]);
+    }
+    if hit(1) {
+        row.speed_m_s = any(1);
+    }
+    for (i, corner) in row.corners.iter_mut().enumerate() {
+        if let Some(corner) = corner {
+            for (k, x) in [&mut corner.body_accel_m_s2, &mut corner.wheel_accel_m_s2].into_iter().enumerate()
+            {
+                if hit(2 + 2 * i + k) {
+                    *x = any(2 + 2 * i + k);
+                }
+            }
+        }
+        if gone >> 4 == 0 && gone & (1 << i) != 0 {
+            *corner = None;
+        }
+    }
+    row
+}
+
+/// Drives on a good road, through the damage, and on.
+fn survives<T: Real>(damage: &[Damage], from_bits: fn(u64) -> T) -> CarEstimate<T> {
+    let mut car = car(&config::<T>());
+    let (before, after) = (&ROWS[..1500], &ROWS[1500 + damage.len()..]);
+    drive(&mut car, before).iter().for_each(sound);
+    for (row, damage) in ROWS[1500..].iter().zip(damage) {
+        sound(&car.update(&damaged(row, damage, from_bits)));
+    }
+    let estimates = drive(&mut car, after);
+    estimates.iter().for_each(sound);
+    *estimates.last().unwrap()
+}
+
+fn damage() -> impl Strategy<Value = Vec<Damage>> {
+    prop::collection::vec((any::<u16>(), any::<u8>(), any::<[u64; 10]>()), 100..400)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 6,
+        failure_persistence: None,
+        max_shrink_iters: 0,
+        rng_seed: RngSeed::Fixed(31),
+        ..ProptestConfig::default()
+    })]
+
+    #[test]
+    fn any_f64_is_survived(damage in damage()) {
+        survives::<f64>(&damage, f64::from_bits);
+    }
+
+    #[test]
+    fn any_f32_is_survived(damage in damage()) {
+        survives::<f32>(&damage, |bits| f32::from_bits(bits as u32));
+    }
+}
