@@ -22,6 +22,7 @@ fn bench() -> (Bench, StoredReference) {
     };
     let learned = LearnedReference {
         corners: [Some(corner), None, None, None],
+        bar: [Learned { value: 0.25, sd: 0.02 }, Learned { value: 0.1, sd: 0.02 }],
         gain: [small(0.01); 2],
         wheelbase: small(0.01),
         skew_s: [small(0.001); 2],

@@ -148,6 +148,15 @@ impl<T: Real> CarEstimator<T> {
         self
     }
 
+    /// The same for callers who do not read the roads: see [`Estimator::without_road`].
+    #[must_use]
+    pub fn without_road(mut self) -> Self {
+        for corner in &mut self.corners {
+            *corner = corner.take().map(Estimator::without_road);
+        }
+        self
+    }
+
     /// Says that all tires have their placard pressures from now on, for `seconds` of driving: the driver's reset.
     ///
     /// # Errors
@@ -160,17 +169,20 @@ impl<T: Real> CarEstimator<T> {
         Ok(())
     }
 
-    /// What the last reset taught; `None` before one is over.
+    /// What the last reset taught; `None` before one is over, or when it saw too little shared road.
     pub fn learned(&self) -> Option<LearnedReference<T>> {
-        None
+        self.shared_road.as_ref().and_then(SharedRoad::learned)
     }
 
     /// The same for a car that was reset on an earlier drive; before the first sample.
     ///
     /// # Errors
     /// An implausible reference, or one learned for other corners or other placard pressures.
-    pub fn with_reference(self, reference: &LearnedReference<T>) -> Result<Self, ReferenceError> {
+    pub fn with_reference(mut self, reference: &LearnedReference<T>) -> Result<Self, ReferenceError> {
         reference.check()?;
+        if let Some(shared) = &mut self.shared_road {
+            shared.recall(reference)?;
+        }
         Ok(self)
     }
 
@@ -178,6 +190,9 @@ impl<T: Real> CarEstimator<T> {
     pub fn restart_corner(&mut self, corner: Corner) {
         if let Some(estimator) = &mut self.corners[corner.index()] {
             estimator.reset();
+        }
+        if let Some(shared) = &mut self.shared_road {
+            shared.restart(corner.index());
         }
     }
 

@@ -37,6 +37,8 @@ pub struct LearnedCorner<T> {
 pub struct LearnedReference<T> {
     /// The corners, in the order of [`Corner::ALL`](crate::sample::Corner::ALL).
     pub corners: [Option<LearnedCorner<T>>; 4],
+    /// Stiffness of the front and the rear anti-roll bar at a wheel, over its spring's in the vehicle file.
+    pub bar: [Learned<T>; 2],
     /// Gain of the front wheel's sensor over the rear one's, left and right, less one.
     pub gain: [Learned<T>; 2],
     /// Wheelbase over speed, relative deviation.
@@ -70,9 +72,9 @@ impl core::fmt::Display for ReferenceError {
 
 impl core::error::Error for ReferenceError {}
 
-/// Largest plausible values: relative unsprung mass, damping, spring, gain, wheelbase; bias as a share of the placard
+/// Largest plausible values: relative unsprung mass, damping, spring, anti-roll bar, gain, wheelbase; bias as a share of the placard
 /// pressure; skew in s.
-const FURTHEST: [f64; 7] = [0.2, 0.7, 0.7, 0.1, 0.05, 0.25, 0.02];
+const FURTHEST: [f64; 8] = [0.2, 0.7, 0.7, 2.0, 0.1, 0.05, 0.25, 0.02];
 
 impl<T: Real> LearnedReference<T> {
     /// Checks every number: finite, with a positive sd, and no further out than a car can be.
@@ -80,7 +82,7 @@ impl<T: Real> LearnedReference<T> {
     /// # Errors
     /// The first quantity that fails.
     pub fn check(&self) -> Result<(), ReferenceError> {
-        let [mass, damping, spring, gain, wheelbase, bias, skew] = FURTHEST.map(T::lit);
+        let [mass, damping, spring, bar, gain, wheelbase, bias, skew] = FURTHEST.map(T::lit);
         for corner in self.corners.iter().flatten() {
             if !(corner.placard_kpa > T::zero() && corner.placard_kpa.is_finite()) {
                 return Err(ReferenceError::NotANumber("placard_kpa"));
@@ -90,6 +92,7 @@ impl<T: Real> LearnedReference<T> {
             plausible("spring", &corner.spring, spring)?;
             plausible("spectrum_bias_kpa", &corner.spectrum_bias_kpa, bias * corner.placard_kpa)?;
         }
+        self.bar.iter().try_for_each(|learned| plausible("bar", learned, bar))?;
         self.gain.iter().try_for_each(|learned| plausible("gain", learned, gain))?;
         plausible("wheelbase", &self.wheelbase, wheelbase)?;
         self.skew_s.iter().try_for_each(|learned| plausible("skew_s", learned, skew))?;

@@ -77,8 +77,8 @@ pub struct Estimator<T: Real> {
     sample_rate_hz: f64,
     intake: Intake<T>,
     engine: Engine<T>,
-    /// The road for the default estimator; the filters bring their own.
-    road: RoadFilter<T>,
+    /// The road for the default estimator; the filters bring their own. `None`: nobody wants to know it.
+    road: Option<RoadFilter<T>>,
     road_told_s: f64,
     watch: LowPressureWatch,
     /// Length in s of the reset drive at the start, and when it ends once that is known.
@@ -123,7 +123,7 @@ impl<T: Real> Estimator<T> {
             sample_rate_hz,
             intake,
             engine,
-            road: RoadFilter::new(&road),
+            road: Some(RoadFilter::new(&road)),
             road_told_s: f64::NEG_INFINITY,
             watch: LowPressureWatch::new(),
             reset_drive_s: 0.0,
@@ -161,6 +161,13 @@ impl<T: Real> Estimator<T> {
         self.repetition = repetition;
         self.engine.set_repetition(repetition);
         self
+    }
+
+    /// The same for callers who do not read the road: `road_m` and its sd stay NaN where they come from a filter of their
+    /// own, and that filter's time is saved. The pressure is the same to the last digit.
+    #[must_use]
+    pub fn without_road(self) -> Self {
+        Self { road: None, ..self }
     }
 
     /// The car as it seems to be now: sprung mass and damping as identified on the way, where the estimator does.
@@ -245,18 +252,16 @@ impl<T: Real> Estimator<T> {
 
     /// Causal road height in m and its sd, for the stiffness believed now.
     fn follow_road(&mut self, time_s: f64, corner: &CornerSample<T>, reading: &Reading<T>) -> (T, T) {
+        let unknown = (T::lit(f64::NAN), T::lit(f64::NAN));
+        let Some(filter) = &mut self.road else { return unknown };
         if !(time_s - self.road_told_s < TELL_ROAD_S) {
             self.road_told_s = time_s;
             // Refused only outside its range, and then the road keeps what it was told before.
-            let _ = self.road.set_stiffness(reading.stiffness_n_per_m, reading.stiffness_sd_n_per_m);
-            self.road.set_quarter_car(self.engine.quarter_car());
+            let _ = filter.set_stiffness(reading.stiffness_n_per_m, reading.stiffness_sd_n_per_m);
+            filter.set_quarter_car(self.engine.quarter_car());
         }
-        let road = self.road.update(time_s, corner);
-        if road.validity.is_valid() {
-            (road.road_m, road.road_sd_m)
-        } else {
-            (T::lit(f64::NAN), T::lit(f64::NAN))
-        }
+        let road = filter.update(time_s, corner);
+        if road.validity.is_valid() { (road.road_m, road.road_sd_m) } else { unknown }
     }
 
     /// Starts again from the corner's initial pressure, as after a tire change. Counted.

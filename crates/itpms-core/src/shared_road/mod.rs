@@ -16,12 +16,14 @@
 //! | `coherence` | how far they share a road |
 //! | `parameters` | what is unknown of the car |
 //! | `modes` | the belief |
+//! | `lesson` | what a reset taught |
 
 mod acquire;
 mod channel;
 mod coherence;
 mod constraint;
 mod instrument;
+mod lesson;
 mod memory;
 mod modes;
 mod parameters;
@@ -33,6 +35,7 @@ use nalgebra::{SMatrix, SVector};
 
 use self::channel::{Channel, Entry, RELATIVE};
 use self::constraint::{SEEN, Wheel};
+use self::lesson::Lesson;
 use self::modes::Modes;
 use self::parameters::{COMMON_BIAS, OWN_BIAS, SKEW, SKEW_UNIT_S, State, TIRE, WHEELBASE};
 use self::track::{Meeting, Track};
@@ -76,6 +79,9 @@ const PATIENCE_S: f64 = 6.0;
 const FOUND_SD_S: f64 = 1e-3;
 /// Front and rear of a side see the same road, so their spectra say half of what they seem to.
 const SAME_ROAD: f64 = 2.0;
+/// Sd of a tire's compliance, over that at placard pressure, when somebody may have set it anew, and when nobody watched.
+const SET_ANEW_SD: f64 = 0.2;
+const UNWATCHED_SD: f64 = 0.05;
 /// Sd with which a reset sets a tire, as a share of the placard pressure.
 const RESET_SD: f64 = 0.004;
 
@@ -100,6 +106,11 @@ struct Scale<T> {
 }
 
 impl<T: Real> Scale<T> {
+    /// The placard pressure's share in a corner's stiffness.
+    fn share(&self, corner: usize) -> T {
+        self.placard_kpa[corner] * self.slope[corner] / self.placard_n_per_m[corner]
+    }
+
     /// The stiffness in N/m that a corner's road spectrum should tell in a state, and its derivatives.
     fn word(&self, corner: usize, state: &State<T>) -> (T, State<T>) {
         let placard = self.placard_n_per_m[corner];
@@ -147,6 +158,9 @@ pub(crate) struct SharedRoad<T: Real> {
     /// Seconds driven so far, for as long as no shared road was found.
     waited_s: f64,
     held: bool,
+    /// Seconds of shared road learned from when the reset began, and what it taught.
+    held_from_s: T,
+    lesson: Option<Lesson<T>>,
 }
 
 impl<T: Real> SharedRoad<T> {
@@ -212,6 +226,8 @@ impl<T: Real> SharedRoad<T> {
             learned_s: T::zero(),
             waited_s: 0.0,
             held: false,
+            held_from_s: T::zero(),
+            lesson: None,
         })
     }
 
@@ -355,10 +371,11 @@ impl<T: Real> SharedRoad<T> {
     /// Says that all tires have their placard pressures now, as during a reset, or that this is over.
     pub(crate) fn hold(&mut self, held: bool) {
         if held && !self.held {
+            self.held_from_s = self.learned_s;
             for corner in 0..4 {
-                let scale = &self.scale;
-                let share = scale.placard_kpa[corner] * scale.slope[corner] / scale.placard_n_per_m[corner];
-                let sd = T::lit(RESET_SD) * share;
+                // Somebody has just set it: what was believed of it before does not matter, nor of what goes with it.
+                self.modes.forget_tire(corner, T::lit(SET_ANEW_SD));
+                let sd = T::lit(RESET_SD) * self.scale.share(corner);
                 self.modes.measure(sd * sd, |state| {
                     let mut slope = State::zeros();
                     slope[TIRE + corner] = T::one();
@@ -368,8 +385,15 @@ impl<T: Real> SharedRoad<T> {
         }
         if held {
             self.modes.calm();
+        } else if self.held {
+            self.remember();
         }
         self.held = held;
+    }
+
+    /// A corner's sensors were out of order: its tire may have changed meanwhile.
+    pub(crate) fn restart(&mut self, corner: usize) {
+        self.modes.forget_tire(corner, T::lit(UNWATCHED_SD));
     }
 
     /// Whether a corner has a partner on its side.

@@ -9,6 +9,7 @@ use super::constraint::{
 };
 use super::parameters::{Covariance, RATE, SIZE, State, TIRE, correlate_bars, prior_sd, wander_sd};
 use super::{BINS, OVERLAP};
+use crate::car::Learned;
 use crate::real::Real;
 
 /// Nothing moves; each wheel loses pressure by itself; all four alike; any wheel wanders either way.
@@ -235,6 +236,30 @@ impl<T: Real> Modes<T> {
     pub(super) fn most_likely(&self) -> usize {
         (1..MODES)
             .fold(QUIET, |best, i| if self.modes[i].weight > self.modes[best].weight { i } else { best })
+    }
+
+    /// Mean and sd of every quantity while nothing moves.
+    pub(super) fn quiet(&self) -> (State<T>, State<T>) {
+        let mode = &self.modes[QUIET];
+        (mode.mean, mode.covariance.diagonal().map(|variance| variance.max(T::zero()).sqrt()))
+    }
+
+    /// Begins with a quantity as it was learned before, its sd at least `least`; `unit` is the state's in that quantity.
+    pub(super) fn begin_with(&mut self, at: usize, learned: &Learned<T>, least: T, unit: T) {
+        let sd = learned.sd.max(least) / unit;
+        for mode in &mut self.modes {
+            mode.mean[at] = learned.value / unit;
+            mode.covariance.row_mut(at).fill(T::zero());
+            mode.covariance.column_mut(at).fill(T::zero());
+            mode.covariance[(at, at)] = sd * sd;
+        }
+    }
+
+    /// A tire may have been changed: its compliance has this much more sd.
+    pub(super) fn forget_tire(&mut self, corner: usize, sd: T) {
+        for mode in &mut self.modes {
+            mode.covariance[(TIRE + corner, TIRE + corner)] += sd * sd;
+        }
     }
 
     /// Moves on by `seconds` in which nobody watched: nothing moves any more. `filled`: somebody may have changed a

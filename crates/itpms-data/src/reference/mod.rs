@@ -15,6 +15,8 @@
 //! driving_s = 600.0                      # from how much useful driving
 //! wheelbase = 0.004                      # every quantity with its standard deviation
 //! wheelbase_sd = 0.001
+//! front_bar = 0.28                       # anti-roll bars, and rear_bar
+//! front_bar_sd = 0.02
 //! [learned.left]                         # and right: gain, skew_s
 //! [corner.fl]                            # placard_kpa, unsprung_mass, damping, spring, spectrum_bias_kpa
 //! ```

@@ -70,6 +70,8 @@ fn body(stored: &StoredReference) -> String {
     );
     let _ = writeln!(out, "driving_s = {:?}", reference.learned_s);
     write_learned(&mut out, "wheelbase", &reference.wheelbase);
+    write_learned(&mut out, "front_bar", &reference.bar[0]);
+    write_learned(&mut out, "rear_bar", &reference.bar[1]);
     for (i, side) in SIDES.into_iter().enumerate() {
         let _ = writeln!(out, "\n[learned.{side}]");
         write_learned(&mut out, "gain", &reference.gain[i]);
@@ -109,6 +111,10 @@ fn read_body(text: &str) -> Result<StoredReference, Problem> {
         [read_side(&learned, SIDES[0])?, read_side(&learned, SIDES[1])?];
     let reference = LearnedReference {
         corners: read_corners(&needed_table(&root, "corner")?)?,
+        bar: [
+            read_learned(&learned, "front_bar", "front_bar_sd")?,
+            read_learned(&learned, "rear_bar", "rear_bar_sd")?,
+        ],
         gain: [left_gain, right_gain],
         wheelbase: read_learned(&learned, "wheelbase", "wheelbase_sd")?,
         skew_s: [left_skew, right_skew],
