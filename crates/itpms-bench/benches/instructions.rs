@@ -5,6 +5,7 @@
 use std::hint::black_box;
 
 use gungraun::{library_benchmark, library_benchmark_group, main};
+use itpms_bench::car::{Extent, RunningCar};
 use itpms_bench::{HOP, RATE_HZ, Running, WARM_UP, published, road};
 use itpms_core::estimator::EstimatorKind;
 use itpms_core::filter::AekfUi;
@@ -84,6 +85,64 @@ fn informed_300_samples_f32(mut running: Box<Running<f32>>) -> Box<Running<f32>>
     running
 }
 
+fn car_stretch<T: Real>(extent: Extent, rate_hz: f64) -> RunningCar<T> {
+    RunningCar::new(extent, rate_hz)
+}
+
+fn car_without_frame<T: Real>(rate_hz: f64) -> RunningCar<T> {
+    let mut car = RunningCar::new(Extent::Everything, rate_hz);
+    car.advance_to_no_frame();
+    car
+}
+
+fn car_with_all_frames<T: Real>(rate_hz: f64) -> RunningCar<T> {
+    let mut car = RunningCar::new(Extent::Everything, rate_hz);
+    car.advance_to_most_frames();
+    car
+}
+
+#[library_benchmark]
+#[bench::everything_500_hz(args = (Extent::Everything, 500.0), setup = car_stretch::<f64>)]
+#[bench::without_road_500_hz(args = (Extent::WithoutRoad, 500.0), setup = car_stretch::<f64>)]
+#[bench::without_monitor_500_hz(args = (Extent::WithoutRoadAndMonitor, 500.0), setup = car_stretch::<f64>)]
+#[bench::corners_alone_500_hz(args = (Extent::CornersAlone, 500.0), setup = car_stretch::<f64>)]
+#[bench::everything_200_hz(args = (Extent::Everything, 200.0), setup = car_stretch::<f64>)]
+fn car_stretch_f64(mut car: RunningCar<f64>) -> RunningCar<f64> {
+    car.advance_by(car.stretch());
+    car
+}
+
+#[library_benchmark]
+#[bench::everything_500_hz(args = (Extent::Everything, 500.0), setup = car_stretch::<f32>)]
+#[bench::without_road_500_hz(args = (Extent::WithoutRoad, 500.0), setup = car_stretch::<f32>)]
+#[bench::everything_200_hz(args = (Extent::Everything, 200.0), setup = car_stretch::<f32>)]
+fn car_stretch_f32(mut car: RunningCar<f32>) -> RunningCar<f32> {
+    car.advance_by(car.stretch());
+    car
+}
+
+#[library_benchmark]
+#[bench::without_frame_500_hz(args = (500.0), setup = car_without_frame::<f64>)]
+#[bench::all_frames_500_hz(args = (500.0), setup = car_with_all_frames::<f64>)]
+#[bench::all_frames_200_hz(args = (200.0), setup = car_with_all_frames::<f64>)]
+fn car_sample_f64(mut car: RunningCar<f64>) -> RunningCar<f64> {
+    black_box(car.advance());
+    car
+}
+
+#[library_benchmark]
+#[bench::without_frame_500_hz(args = (500.0), setup = car_without_frame::<f32>)]
+#[bench::all_frames_500_hz(args = (500.0), setup = car_with_all_frames::<f32>)]
+#[bench::all_frames_200_hz(args = (200.0), setup = car_with_all_frames::<f32>)]
+fn car_sample_f32(mut car: RunningCar<f32>) -> RunningCar<f32> {
+    black_box(car.advance());
+    car
+}
+
+library_benchmark_group!(
+    name = whole_car,
+    benchmarks = [car_stretch_f64, car_stretch_f32, car_sample_f64, car_sample_f32]
+);
 library_benchmark_group!(
     name = per_sample,
     benchmarks = [
@@ -96,4 +155,4 @@ library_benchmark_group!(
         informed_300_samples_f32
     ]
 );
-main!(library_benchmark_groups = per_sample);
+main!(library_benchmark_groups = [per_sample, whole_car]);

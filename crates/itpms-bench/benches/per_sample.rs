@@ -4,6 +4,7 @@
 use std::hint::black_box;
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
+use itpms_bench::car::{Extent, RunningCar};
 use itpms_bench::{HOP, PUBLISHED_WARM_UP, RATE_HZ, Running, WARM_UP, published, road, sample};
 use itpms_core::estimator::EstimatorKind;
 use itpms_core::real::Real;
@@ -38,10 +39,24 @@ fn published_step(c: &mut Criterion) {
     });
 }
 
+/// The whole car as it is shipped, over a stretch of six tenths of a second.
+fn whole_car<T: Real>(c: &mut Criterion, name: &str) {
+    for rate_hz in [200.0, 500.0] {
+        let start = RunningCar::<T>::new(Extent::Everything, rate_hz);
+        let stretch = start.stretch();
+        c.bench_function(&format!("car, {stretch} samples at {rate_hz} Hz, {name}"), |b| {
+            let go = |car: &mut RunningCar<T>| car.advance_by(black_box(stretch));
+            b.iter_batched_ref(|| start.clone(), go, BatchSize::LargeInput);
+        });
+    }
+}
+
 fn all(c: &mut Criterion) {
     published_step(c);
     scalar::<f64>(c, "f64");
     scalar::<f32>(c, "f32");
+    whole_car::<f64>(c, "f64");
+    whole_car::<f32>(c, "f32");
 }
 
 criterion_group!(benches, all);

@@ -1,14 +1,19 @@
 //! Bytes that an estimator occupies: `cargo run -p itpms-bench --example sizes`.
 
+use itpms_core::car::CarEstimator;
 use itpms_core::estimator::Estimator;
 use itpms_core::filter::{AekfUi, AekfUiInformed};
 use itpms_core::informed::Informed;
 use itpms_core::intake::Intake;
+use itpms_core::monitor::{Monitor, MonitoredCar};
 use itpms_core::real::Real;
 use itpms_core::road::RoadFilter;
 
 fn report<T: Real>(scalar: &str) {
     let sizes = [
+        ("MonitoredCar", size_of::<MonitoredCar<T>>()),
+        ("CarEstimator", size_of::<CarEstimator<T>>()),
+        ("Monitor", size_of::<Monitor<T>>()),
         ("Estimator", size_of::<Estimator<T>>()),
         ("Informed", size_of::<Informed<T>>()),
         ("Intake", size_of::<Intake<T>>()),

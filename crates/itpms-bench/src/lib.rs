@@ -1,6 +1,8 @@
 //! What both benchmarks feed to the estimators: a wheel on a rough road, good enough to keep every branch busy, and
-//! each estimator warmed up until it has seen some seconds of it.
+//! each estimator warmed up until it has seen some seconds of it. [`car`]: the same for four wheels.
 #![allow(clippy::expect_used)] // A benchmark whose fixed parameters are refused has nothing to measure.
+
+pub mod car;
 
 use itpms_core::estimate::{CornerConfig, CornerEstimate};
 use itpms_core::estimator::{Estimator, EstimatorKind};
