@@ -1,5 +1,5 @@
 //! What front and rear of one side should agree on: the road velocity, from each axle's signals (docs/math/shared-road.md,
-//! eq. 1-6). Gives the disagreement of a frame, bin by bin, and how it changes with every unknown quantity. Knows nothing
+//! eq. 1-7). Gives the disagreement of a frame, bin by bin, and how it changes with every unknown quantity. Knows nothing
 //! of beliefs.
 
 use nalgebra::{Complex, SMatrix, SVector};

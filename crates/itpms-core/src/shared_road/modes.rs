@@ -1,5 +1,5 @@
-//! The belief about the car: a mixture of six Gaussians, one for every way in which pressures may be changing now
-//! (docs/math/shared-road.md, section 4). Moves on with time, is weighed by the constraint and by what others say.
+//! The belief about the car: a mixture of seven Gaussians, one for every way in which pressures may be changing now
+//! (docs/math/shared-road.md, section 6). Moves on with time, is weighed by the constraint and by what others say.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -41,7 +41,7 @@ const FORGOTTEN: f64 = 1e-20;
 /// Degrees of freedom of the disagreement's distribution: how heavy its tails are.
 const TAILS: f64 = 8.0;
 
-/// One of the six.
+/// One of the seven.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
