@@ -18,8 +18,11 @@ pub(super) const STEP: f64 = 8.0 / 241.3;
 /// Corner of the sensors' anti-alias filter as a share of the sampling rate.
 const ANTI_ALIAS: f64 = 0.3;
 /// Points per bin, and on each side, at which the window's spectrum is averaged.
-const KERNEL_DENSITY: f64 = 8.0;
+const KERNEL_DENSITY: i32 = 8;
 const KERNEL_HALF: i32 = 20;
+/// Points of one bin's window, and of all together from zero on.
+const WINDOW: usize = 2 * KERNEL_HALF as usize + 1;
+const POINTS: usize = BINS * KERNEL_DENSITY as usize + KERNEL_HALF as usize + 1;
 /// Lowest frequency in Hz of these averages.
 const LOWEST_HZ: f64 = 0.1;
 /// Exponents on each side of zero through which the power law's parabola is drawn.
@@ -130,22 +133,21 @@ impl<T: Real> Tables<T> {
 
     fn fill_cell(&mut self, cell: usize, body: &Body<T>) {
         let (theta, middle) = (self.theta[cell], self.theta[CELLS / 2]);
-        let leak_hz = T::lit(LEAK_RAD_S) / T::two_pi();
+        let window = window_powers::<T>();
+        let points: [Point<T>; POINTS] =
+            core::array::from_fn(|i| Point::new(point_hz(self.bin_spacing_hz, i), body, theta, middle));
         for bin in 0..BINS {
             let mut noise = (T::zero(), T::zero());
             // Sums of ln|H|² and of the weights for an exponent below and above zero.
             let mut gain = [(T::zero(), T::zero()); 2];
             let mut middle_noise = T::zero();
-            for (frequency, weight) in window_kernel(self.bin_spacing_hz, bin) {
-                let (gain_here, noise_here) = response(body, theta, frequency);
-                let (gain_middle, noise_middle) = response(body, middle, frequency);
-                noise = (noise.0 + weight * noise_here, noise.1 + weight);
-                middle_noise += weight * noise_middle;
-                let leak = frequency * frequency / (frequency * frequency + leak_hz * leak_hz);
-                let tilt = (T::lit(SHAPE_REACH) * (frequency / T::lit(10.0)).ln()).exp();
-                let difference = (gain_here / gain_middle).ln();
-                for (sum, road) in gain.iter_mut().zip([weight * leak / tilt, weight * leak * tilt]) {
-                    *sum = (sum.0 + road * difference, sum.1 + road);
+            for (i, &weight) in window_points(bin).zip(&window) {
+                let point = &points[i];
+                noise = (noise.0 + weight * point.noise, noise.1 + weight);
+                middle_noise += weight * point.middle_noise;
+                let roads = [weight * point.leak / point.tilt, weight * point.leak * point.tilt];
+                for (sum, road) in gain.iter_mut().zip(roads) {
+                    *sum = (sum.0 + road * point.log_gain, sum.1 + road);
                 }
             }
             let [below, above] = gain.map(|(sum, total)| sum / total);
@@ -158,22 +160,62 @@ impl<T: Real> Tables<T> {
     }
 }
 
-/// Frequencies around a bin, and how much power of each the window lets through.
-fn window_kernel<T: Real>(bin_spacing_hz: T, bin: usize) -> impl Iterator<Item = (T, T)> {
-    (-KERNEL_HALF..=KERNEL_HALF).map(move |k| {
-        let offset = T::lit(f64::from(k) / KERNEL_DENSITY);
-        let frequency = bin_spacing_hz * (T::lit(bin as f64 + 1.0) + offset);
-        (frequency.abs().max(T::lit(LOWEST_HZ)), sine_window_power(offset))
+/// What is averaged over a bin's window, at one frequency. The windows of neighbouring bins share their frequencies, so
+/// each is computed once per cell and not once per bin.
+#[derive(Clone, Copy)]
+struct Point<T> {
+    /// `ln |H|²` less the middle cell's.
+    log_gain: T,
+    noise: T,
+    middle_noise: T,
+    /// Power that the leaky integrator leaves.
+    leak: T,
+    /// Power of a road whose exponent is [`SHAPE_REACH`], one at 10 Hz.
+    tilt: T,
+}
+
+impl<T: Real> Point<T> {
+    fn new(frequency: T, body: &Body<T>, theta: T, middle: T) -> Self {
+        let leak_hz = T::lit(LEAK_RAD_S) / T::two_pi();
+        let (gain_here, noise) = response(body, theta, frequency);
+        let (gain_middle, middle_noise) = response(body, middle, frequency);
+        Self {
+            log_gain: (gain_here / gain_middle).ln(),
+            noise,
+            middle_noise,
+            leak: frequency * frequency / (frequency * frequency + leak_hz * leak_hz),
+            tilt: (T::lit(SHAPE_REACH) * (frequency / T::lit(10.0)).ln()).exp(),
+        }
+    }
+}
+
+/// Frequency in Hz of point `i`; the first lies at zero, where [`LOWEST_HZ`] takes its place.
+fn point_hz<T: Real>(bin_spacing_hz: T, i: usize) -> T {
+    (bin_spacing_hz * T::lit(i as f64 / f64::from(KERNEL_DENSITY))).max(T::lit(LOWEST_HZ))
+}
+
+/// The points around a bin, from below to above it; those of negative frequencies mirrored.
+fn window_points(bin: usize) -> impl Iterator<Item = usize> {
+    let centre = (bin as i32 + 1) * KERNEL_DENSITY;
+    (-KERNEL_HALF..=KERNEL_HALF).map(move |k| (centre + k).unsigned_abs() as usize)
+}
+
+/// How much power the window lets through at each point around a bin.
+fn window_powers<T: Real>() -> [T; WINDOW] {
+    core::array::from_fn(|i| {
+        sine_window_power(T::lit(f64::from(i as i32 - KERNEL_HALF) / f64::from(KERNEL_DENSITY)))
     })
 }
 
 /// See [`Tables::window`]: the parabola through three exponents.
 fn window_parabolas<T: Real>(bin_spacing_hz: f64, sample_rate_hz: f64) -> SMatrix<T, 3, BINS> {
     let leak_hz = LEAK_RAD_S / core::f64::consts::TAU;
+    let window = window_powers::<f64>();
     let average = |bin: usize, exponent: f64| {
         let centre = bin_spacing_hz * (bin as f64 + 1.0);
         let (mut power, mut total) = (0.0, 0.0);
-        for (f, weight) in window_kernel(bin_spacing_hz, bin) {
+        for (i, &weight) in window_points(bin).zip(&window) {
+            let f = point_hz(bin_spacing_hz, i);
             let leak = f * f / (f * f + leak_hz * leak_hz);
             // Butterworth of order four: |A|² = 1 / (1 + x⁸)
             let x = f / (ANTI_ALIAS * sample_rate_hz);
@@ -282,6 +324,35 @@ mod tests {
         assert!((sine_window_power(0.5f64) - (core::f64::consts::FRAC_PI_4).powi(2)).abs() < 1e-9);
         assert!((sine_window_power(1.0f64) - 1.0 / 9.0).abs() < 1e-12);
         assert!(sine_window_power(1.5f64) < 1e-30);
+    }
+
+    #[test]
+    fn a_cell_agrees_with_averages_bin_by_bin() {
+        // Eq. (9-12) written out for one bin after the other; the sums are the same, so only rounding may differ.
+        let tire = PressureMap::new(860.0, 25_500.0).unwrap();
+        let grid = Grid::new(241.3);
+        let spacing = 1.0 / 0.12;
+        let mut tables = Tables::new(spacing, 500.0, &grid, &tire, &body());
+        let moved = Body { sprung_mass_kg: 260.0, damping_n_s_per_m: 1000.0, ..body() };
+        tables.refresh_next(&moved);
+        let (theta, middle) = (tables.theta[0], tables.theta[CELLS / 2]);
+        let leak_hz = LEAK_RAD_S / std_tau();
+        for bin in 0..BINS {
+            let sum = |value: &dyn Fn(f64) -> f64| -> f64 {
+                let offsets = (-20..=20).map(|k| f64::from(k) / 8.0);
+                let hz = |offset: f64| (spacing * (bin as f64 + 1.0 + offset)).abs().max(LOWEST_HZ);
+                offsets.map(|offset| sine_window_power(offset) * value(hz(offset))).sum()
+            };
+            let road =
+                |f: f64, exponent: f64| f * f / (f * f + leak_hz * leak_hz) * (f / 10.0).powf(exponent);
+            let gain = |f: f64| (response(&moved, theta, f).0 / response(&moved, middle, f).0).ln();
+            for exponent in [-SHAPE_REACH, SHAPE_REACH] {
+                let mean = sum(&|f| road(f, exponent) * gain(f)) / sum(&|f| road(f, exponent));
+                assert!((tables.log_gain(bin, 0, exponent) - mean).abs() < 1e-12);
+            }
+            let noise = sum(&|f| response(&moved, theta, f).1) / sum(&|_| 1.0);
+            assert!((tables.noise[(bin, 0)] / noise - 1.0).abs() < 1e-12);
+        }
     }
 
     fn std_tau() -> f64 {
