@@ -231,8 +231,7 @@ impl<T: Real> CarEstimator<T> {
         if self.sources == Sources::SpectrumAndSharedRoad {
             for (i, estimator) in self.corners.iter_mut().enumerate() {
                 let Some(estimator) = estimator else { continue };
-                let (expected, sd) = shared.expect_word(i);
-                if let Some(word) = estimator.take_word_for(expected, sd) {
+                if let Some(word) = estimator.take_word_for(|| shared.expect_word(i)) {
                     shared.hear(i, time_s, word.stiffness_n_per_m, word.sd_n_per_m);
                 }
             }

@@ -165,9 +165,9 @@ impl<T: Real> Engine<T> {
     }
 
     /// What the last frames said to a belief outside.
-    pub(super) fn take_word_for(&mut self, stiffness_n_per_m: T, sd_n_per_m: T) -> Option<StiffnessWord<T>> {
+    pub(super) fn take_word_for(&mut self, believed: impl FnOnce() -> (T, T)) -> Option<StiffnessWord<T>> {
         match &mut self.method {
-            Method::Informed(informed) => informed.take_word_for(stiffness_n_per_m, sd_n_per_m),
+            Method::Informed(informed) => informed.take_word_for(believed),
             _ => None,
         }
     }

@@ -206,9 +206,10 @@ impl<T: Real> Estimator<T> {
         self.hold_reset(time_s);
     }
 
-    /// What the last frames said of the stiffness to somebody who believed in this one, when there is something new.
-    pub(crate) fn take_word_for(&mut self, stiffness_n_per_m: T, sd_n_per_m: T) -> Option<StiffnessWord<T>> {
-        self.engine.take_word_for(stiffness_n_per_m, sd_n_per_m)
+    /// What the last frames said of the stiffness to somebody who believed in this one with that sd, in N/m, when there is
+    /// something new.
+    pub(crate) fn take_word_for(&mut self, believed: impl FnOnce() -> (T, T)) -> Option<StiffnessWord<T>> {
+        self.engine.take_word_for(believed)
     }
 
     /// Tells what the whole car says of this corner; `None`: nothing now.

@@ -352,11 +352,15 @@ impl<T: Real> Informed<T> {
         }
     }
 
-    /// The same for somebody who believes in `stiffness_n_per_m` with `sd_n_per_m`.
-    pub fn take_word_for(&mut self, stiffness_n_per_m: T, sd_n_per_m: T) -> Option<StiffnessWord<T>> {
+    /// The same for somebody who believes in a stiffness with an sd, in N/m, and is asked only if there is a word.
+    pub fn take_word_for(&mut self, believed: impl FnOnce() -> (T, T)) -> Option<StiffnessWord<T>> {
         if self.repeat_word.is_some() {
             return self.take_word();
         }
+        if !self.posterior.has_word() {
+            return None;
+        }
+        let (stiffness_n_per_m, sd_n_per_m) = believed();
         let step = self.grid.step_kpa();
         let tire = &self.config.tire;
         let cell = (tire.pressure_kpa(stiffness_n_per_m) - self.grid.pressure_kpa(0)) / step;

@@ -268,11 +268,16 @@ impl<T: Real> Posterior<T> {
         (information > T::lit(1e-6)).then(|| (weighted / information, T::one() / information))
     }
 
+    /// Whether enough frames were seen for a word.
+    pub(super) fn has_word(&self) -> bool {
+        self.told_frames >= FRAMES_PER_WORD
+    }
+
     /// What the frames since the last word said to somebody who believed in `cell` with `sd_cells`: the mean and variance
     /// in cells² of a Gaussian that turns that belief into theirs. The likelihood is skewed, so this is better than a
     /// Gaussian for everybody. The variance is large, never negative, where they said nothing.
     pub(super) fn take_word_for(&mut self, cell: T, sd_cells: T) -> Option<(T, T)> {
-        if self.told_frames < FRAMES_PER_WORD {
+        if !self.has_word() {
             return None;
         }
         let sd = sd_cells.clamp(T::lit(NARROWEST_CELLS), T::lit(CELLS as f64));

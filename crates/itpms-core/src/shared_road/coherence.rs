@@ -18,7 +18,7 @@ const LARGEST_MORE: f64 = 0.01;
 /// Frames that what is assumed counts for.
 const COUNTED: f64 = 4.0;
 /// Incoherence per squared logarithm of the speeds' ratio: filters that work in time see another road at another speed.
-const STRETCHED: f64 = 0.5;
+const STRETCHED: f64 = 8.0;
 /// Time constants in s of the incoherence and of the road's power.
 const INCOHERENCE_S: f64 = 2.0;
 const POWER_S: f64 = 1.0;
