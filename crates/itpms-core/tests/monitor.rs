@@ -1,5 +1,6 @@
 //! The monitor through its public face: what it says of estimates made up for it, and of sensors that go wrong in front of
 //! a real estimator.
+#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 mod common;
 
@@ -221,6 +222,60 @@ fn limits_are_those_of_the_rule_and_overfull_is_said() {
     assert!(Drive::with(warm).on(30.0, &Said { sd: 3.0, ..low(225.0) }).alerts().next().is_some());
 }
 
+/// What the rear left tire should have.
+fn reference_kpa(report: &MonitorReport<f64>) -> f64 {
+    report.wheels[Corner::RearLeft.index()].unwrap().reference_kpa
+}
+
+#[test]
+fn after_a_reset_a_warm_tire_should_have_what_it_had() {
+    let mut drive = Drive::new();
+    drive.monitor.begin_reset(1200.0).unwrap();
+    let warm = Said { kpa: [256.3; 4], ..FINE };
+    let stands = Said { gate: 0.0, speed_m_s: 0.0, ..warm };
+    // Until the reset is over the placard counts, then the mean of its last five minutes.
+    assert_eq!(reference_kpa(drive.on(1199.0, &warm)), 241.3);
+    assert!((reference_kpa(drive.on(2.0, &warm)) - 256.3).abs() < 1e-6);
+    // Cooling: warmth 1 - exp(-2) at the end, halved by 900 ln 2 s at a stop, over its mean from 900 to 1200 s. A tenth
+    // of a kPa for steps of a tenth of a second.
+    drive.on(900.0 * 2f64.ln(), &stands);
+    let mean = 1.0 - 2.0 * ((-1.5f64).exp() - (-2f64).exp());
+    let share = 0.5 * (1.0 - (-2f64).exp()) / mean;
+    let cooled = reference_kpa(drive.monitor.report());
+    assert!((cooled - (241.3 + 15.0 * share)).abs() < 0.1, "{cooled}");
+    // The key out for an hour: cold. Driven for an hour: warm again, and not more than at the reset.
+    drive.step += (3600.0 * RATE_HZ) as u32;
+    assert!((reference_kpa(drive.on(0.1, &FINE)) - 241.3).abs() < 0.1);
+    assert!((reference_kpa(drive.on(3600.0, &warm)) - 256.3).abs() < 1e-6);
+    // A fifth off the warm pressure is told of now, and was not against the placard.
+    let lost = Said { sd: 4.0, ..low(0.8 * 268.0) };
+    assert!(Drive::new().on(60.0, &lost).alerts().next().is_none());
+    assert!(drive.on(10.0, &lost).alerts().next().is_some());
+    // A new reset forgets the old one.
+    drive.monitor.begin_reset(300.0).unwrap();
+    assert_eq!(reference_kpa(drive.on(1.0, &FINE)), 241.3);
+}
+
+#[test]
+fn a_reset_moves_the_reference_within_bounds_and_only_with_information() {
+    let after = |config: MonitorConfig<f64>, said: Said| {
+        let mut drive = Drive::with(config);
+        drive.monitor.begin_reset(600.0).unwrap();
+        reference_kpa(drive.on(601.0, &said))
+    };
+    let r141 = || MonitorConfig::new(&car());
+    let at = |kpa: f64| Said { kpa: [kpa; 4], ..FINE };
+    assert!((after(r141(), at(290.0)) - 1.08 * 241.3).abs() < 1e-6);
+    assert!((after(r141(), at(200.0)) - 0.97 * 241.3).abs() < 1e-6);
+    assert_eq!(after(r141(), Said { gate: 0.0, ..at(260.0) }), 241.3);
+    assert_eq!(after(r141().with_limits(Limits::from(Regulation::Fmvss138)), at(260.0)), 241.3);
+    // Read with a speed that is not known, the tire is taken for a cold one: no more than the placard's.
+    assert_eq!(after(r141(), Said { speed_m_s: f64::NAN, ..at(260.0) }), 241.3);
+    for seconds in [0.0, -1.0, f64::NAN] {
+        assert_eq!(Drive::new().monitor.begin_reset(seconds).unwrap_err().name, "calibrate_s");
+    }
+}
+
 /// One corner under its monitor.
 fn watched(rows: &[Row], rate_hz: f64) -> Vec<(CornerEstimate<f64>, MonitorReport<f64>)> {
     let mut config = car();
@@ -254,7 +309,7 @@ fn a_corner_by_itself_can_be_stuck_lost_spiky_and_swapped_and_comes_back() {
     for (label, stated_s, spoil) in cases {
         let mut rows = clean.clone();
         let (from, to) = (15 * per_s, 25 * per_s);
-        let first = rows[from].clone();
+        let first = rows[from];
         for (i, row) in rows[from..to].iter_mut().enumerate() {
             spoil(row, &first, i);
         }

@@ -35,6 +35,11 @@ impl Regulation {
     }
 }
 
+/// How far a reset may move the reference, as shares of what was told. A tire at its placard pressure that has not warmed
+/// up, as in rain, stays 5 % above the limit of a fifth's loss at the largest; 20 K are 1.1.
+const WARM_SPAN: [f64; 2] = [0.97, 1.08];
+const PLACARD_SPAN: [f64; 2] = [1.0, 1.0];
+
 /// When to say what. Shares are of a wheel's reference pressure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -51,12 +56,15 @@ pub struct Limits<T> {
     pub over_over_share: T,
     /// Rate in kPa per minute from which a fall is a fast leak.
     pub fast_leak_kpa_per_min: T,
+    /// Least and largest share of the told reference that a reset may make of it: a rule that counts from the warm pressure
+    /// leaves room, one that counts from the placard's leaves none.
+    pub reference_span: [T; 2],
     /// Seconds of driving without information that are said.
     pub no_information_s: f64,
 }
 
 impl<T: Real> Limits<T> {
-    /// Limits for a loss (a share of the reference) that must be warned of.
+    /// Limits for a loss (a share of the warm reference) that must be warned of.
     ///
     /// # Errors
     /// The loss must be a share above 0 and at most a half.
@@ -69,11 +77,11 @@ impl<T: Real> Limits<T> {
                 expected: "a share of at most 0.5",
             });
         }
-        Ok(Self::scaled_to(loss))
+        Ok(Self::scaled_to(loss, WARM_SPAN))
     }
 
     /// Six tenths of the loss decide: 0.88 for a fifth.
-    fn scaled_to(loss: T) -> Self {
+    fn scaled_to(loss: T, [least, largest]: [f64; 2]) -> Self {
         Self {
             low_share: T::one() - T::lit(0.6) * loss,
             low_over_share: T::one() - T::lit(0.4) * loss,
@@ -81,6 +89,7 @@ impl<T: Real> Limits<T> {
             over_share: T::lit(1.25),
             over_over_share: T::lit(1.2),
             fast_leak_kpa_per_min: T::lit(3.0),
+            reference_span: [T::lit(least), T::lit(largest)],
             no_information_s: 600.0,
         }
     }
@@ -88,10 +97,10 @@ impl<T: Real> Limits<T> {
 
 impl<T: Real> From<Regulation> for Limits<T> {
     fn from(regulation: Regulation) -> Self {
-        Self::scaled_to(match regulation {
-            Regulation::UnR141 => T::lit(0.2),
-            Regulation::Fmvss138 => T::lit(0.25),
-        })
+        match regulation {
+            Regulation::UnR141 => Self::scaled_to(T::lit(0.2), WARM_SPAN),
+            Regulation::Fmvss138 => Self::scaled_to(T::lit(0.25), PLACARD_SPAN),
+        }
     }
 }
 

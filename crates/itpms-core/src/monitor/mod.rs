@@ -9,6 +9,7 @@
 //! | `config` | limits of the regulations |
 //! | `health` | the sensors, from their raw values |
 //! | `wheel`, `leak`, `all_low` | pressures against limits, against each other, and all together |
+//! | `warm` | what a tire should have, warm as it is after so much driving |
 //! | `latch` | debouncing and hysteresis |
 //! | `alert`, `report`, `wheels` | what is said |
 //! | `monitored` | estimator and monitor as one |
@@ -21,6 +22,7 @@ mod latch;
 mod leak;
 mod monitored;
 mod report;
+mod warm;
 mod wheel;
 mod wheels;
 
@@ -35,6 +37,7 @@ use self::health::{Fault, Health};
 use self::latch::Latch;
 use self::leak::LeakWatch;
 use self::report::{ALL_LOW_SLOT, Slot};
+use self::warm::WarmReference;
 use self::wheel::{WheelWatch, is_learning, reading};
 use crate::car::CarEstimate;
 use crate::estimate::{CornerEstimate, Validity, Warning};
@@ -60,6 +63,9 @@ const LONGEST_STEP_S: f64 = 0.5;
 )]
 pub struct Monitor<T: Real> {
     config: MonitorConfig<T>,
+    told_kpa: [T; 4],
+    warm: WarmReference<T>,
+    /// What each tire should have now.
     reference_kpa: [T; 4],
     health: Health<T>,
     faults: [Option<Fault<T>>; 4],
@@ -82,9 +88,12 @@ impl<T: Real> Monitor<T> {
     pub fn new(config: &MonitorConfig<T>, sample_rate_hz: f64) -> Result<Self, ParameterError> {
         let sample_rate_hz = positive("sample_rate_hz", sample_rate_hz)?;
         let placard = |i: usize| config.car.corners[i].as_ref().map_or(T::one(), |corner| corner.placard_kpa);
+        let told_kpa = [0, 1, 2, 3].map(|i| config.reference_kpa[i].unwrap_or(placard(i)));
         Ok(Self {
             config: *config,
-            reference_kpa: [0, 1, 2, 3].map(|i| config.reference_kpa[i].unwrap_or(placard(i))),
+            told_kpa,
+            warm: WarmReference::new(),
+            reference_kpa: told_kpa,
             health: Health::new(&config.car, sample_rate_hz),
             faults: [None; 4],
             suspects: Wheels::NONE,
@@ -96,6 +105,15 @@ impl<T: Real> Monitor<T> {
             decided_s: f64::NEG_INFINITY,
             report: MonitorReport::empty(),
         })
+    }
+
+    /// Says that a reset begins with the next sample and takes `seconds`: what is estimated at its end is from then on what
+    /// the tires should have, within [`Limits::reference_span`].
+    ///
+    /// # Errors
+    /// The length must be positive and finite.
+    pub fn begin_reset(&mut self, seconds: f64) -> Result<(), ParameterError> {
+        self.warm.begin_reset(seconds)
     }
 
     /// Looks at a sample; gives it back without the values that are not to be learned from.
@@ -152,6 +170,7 @@ impl<T: Real> Monitor<T> {
     /// Weighs the pressures of the last `step_s` seconds and writes the report.
     fn decide(&mut self, estimate: &CarEstimate<T>, step_s: f64) {
         let limits = self.config.limits;
+        self.reference_kpa = self.warm.update(estimate, self.speed_m_s, self.told_kpa, limits.reference_span);
         for (i, corner) in estimate.corners.iter().enumerate() {
             if let Some(corner) = corner {
                 self.wheels[i].update(step_s, self.speed_m_s, corner, self.reference_kpa[i], &limits);

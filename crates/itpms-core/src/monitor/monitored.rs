@@ -4,6 +4,7 @@
 use super::{Monitor, MonitorReport};
 use crate::car::{CarEstimate, CarEstimator};
 use crate::estimator::EstimatorKind;
+use crate::quarter_car::ParameterError;
 use crate::real::Real;
 use crate::sample::CarSample;
 
@@ -52,8 +53,14 @@ impl<T: Real> MonitoredCar<T> {
         &self.estimator
     }
 
-    /// The estimator, for a reset.
-    pub fn estimator_mut(&mut self) -> &mut CarEstimator<T> {
-        &mut self.estimator
+    /// The driver's reset: all tires have their placard pressures from the next sample on. The estimator learns the car for
+    /// `seconds`; the monitor then takes what the warm tires are read to have for what they should have. Before the first
+    /// sample, too.
+    ///
+    /// # Errors
+    /// The length must be positive and finite.
+    pub fn begin_reset(&mut self, seconds: f64) -> Result<(), ParameterError> {
+        self.estimator.begin_reset(seconds)?;
+        self.monitor.begin_reset(seconds)
     }
 }

@@ -83,10 +83,11 @@ impl<'a> Run<'a> {
         for corner in Corner::ALL {
             config.corners[corner.index()] = Some(scenario.corner_config(corner)?);
         }
-        let estimator = CarEstimator::new(EstimatorKind::Informed, &config, scenario.rate_hz)?
-            .with_reset_drive(course.learning_s)?;
+        let estimator = CarEstimator::new(EstimatorKind::Informed, &config, scenario.rate_hz)?;
         let told = MonitorConfig::new(&config).with_limits(procedure.rule.limits());
         let monitor = Monitor::new(&told, scenario.rate_hz)?;
+        let mut car = MonitoredCar::new(estimator, monitor);
+        car.begin_reset(course.learning_s)?;
         let low = !matches!(procedure.test, Test::Malfunction(_));
         Ok(Self {
             course,
@@ -95,7 +96,7 @@ impl<'a> Run<'a> {
             concerned: procedure.concerned(),
             low,
             seed,
-            car: MonitoredCar::new(estimator, monitor),
+            car,
             estimate: None,
             time_s: 0.0,
             simulated_s: 0.0,
@@ -186,7 +187,7 @@ impl<'a> Run<'a> {
         let offset_s = self.time_s + PARKED_S;
         let quiet_s = if self.low { NEW_RESET_S } else { 0.0 };
         if self.low {
-            self.car.estimator_mut().begin_reset(NEW_RESET_S)?;
+            self.car.begin_reset(NEW_RESET_S)?;
         }
         let mut out_since_s = None;
         self.trace.push(TracePoint::nothing(offset_s));

@@ -35,14 +35,15 @@ impl Drive {
         }
         let fail = |error| Failure::Usage(format!("{error}"));
         let car = CarEstimator::new(args.estimator, &config, sample_rate_hz).map_err(fail)?;
-        let mut car = car.with_road_repetition(args.road_repeats);
-        if let Some(seconds) = args.calibrate_s {
-            car = car.with_reset_drive(seconds).map_err(fail)?;
-        }
+        let car = car.with_road_repetition(args.road_repeats);
         let car = reference::told(args, vehicle, car)?;
         let told = MonitorConfig::new(&config).with_limits(args.regulation.into());
         let monitor = Monitor::new(&told, sample_rate_hz).map_err(fail)?;
-        Ok(Self { car: MonitoredCar::new(car, monitor) })
+        let mut car = MonitoredCar::new(car, monitor);
+        if let Some(seconds) = args.calibrate_s {
+            car.begin_reset(seconds).map_err(fail)?;
+        }
+        Ok(Self { car })
     }
 
     /// The cars as they seem to be now, in the order of [`Corner::ALL`].
