@@ -248,6 +248,7 @@ impl<T: Real> CarEstimator<T> {
                     stiffness_n_per_m: belief.stiffness_n_per_m[i],
                     stiffness_sd_n_per_m: belief.covariance[(i, i)].sqrt(),
                     moving: belief.moving,
+                    learned_s: belief.learned_s,
                 }));
             }
         }

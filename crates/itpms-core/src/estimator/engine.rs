@@ -178,7 +178,7 @@ impl<T: Real> Engine<T> {
         reading.stiffness_sd_n_per_m = word.stiffness_sd_n_per_m;
         reading.change_probability = word.moving;
         let sd_kpa = word.stiffness_sd_n_per_m / self.config.tire.stiffness_per_kpa();
-        reading.validity = validity(&self.config, T::lit(STARTING_S), sd_kpa);
+        reading.validity = validity(&self.config, word.learned_s, sd_kpa);
     }
 
     pub(super) fn reading(&self) -> Reading<T> {

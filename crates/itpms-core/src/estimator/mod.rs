@@ -99,6 +99,8 @@ pub(crate) struct CarWord<T> {
     pub(crate) stiffness_sd_n_per_m: T,
     /// Probability that the pressure is changing.
     pub(crate) moving: T,
+    /// Seconds of full information that it rests on.
+    pub(crate) learned_s: T,
 }
 
 impl<T: Real> Estimator<T> {

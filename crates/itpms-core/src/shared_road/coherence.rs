@@ -8,7 +8,7 @@ use super::{BINS, OVERLAP};
 use crate::real::Real;
 
 /// Incoherence assumed before anything was seen, and the least that is believed: no damper is linear.
-const START: f64 = 0.03;
+const START: f64 = 0.2;
 const LEAST: f64 = 1e-4;
 /// The most that is believed.
 const MOST: f64 = 2.0;
@@ -16,9 +16,11 @@ const MOST: f64 = 2.0;
 const LARGEST_STEP: f64 = 6.0;
 const LARGEST_MORE: f64 = 0.01;
 /// Frames that what is assumed counts for.
-const COUNTED: f64 = 4.0;
+const COUNTED: f64 = 1.5;
 /// Incoherence per squared logarithm of the speeds' ratio: filters that work in time see another road at another speed.
 const STRETCHED: f64 = 8.0;
+/// Incoherence near wheel hop at which frames count half.
+const DOUBTED: f64 = 0.1;
 /// Time constants in s of the incoherence and of the road's power.
 const INCOHERENCE_S: f64 = 2.0;
 const POWER_S: f64 = 1.0;
@@ -112,6 +114,12 @@ impl<T: Real> Coherence<T> {
                 now
             };
         }
+    }
+
+    /// How far frames are believed: little, once front and rear hardly share a road.
+    pub(super) fn trust(&self) -> T {
+        let share = self.near_wheel_hop() / T::lit(DOUBTED);
+        T::one() / (T::one() + share * share)
     }
 
     /// Incoherence near wheel hop.

@@ -25,8 +25,8 @@ const OWN_SKEW: usize = 12;
 pub(super) const SEEN: usize = KEPT + 1;
 
 /// Points per bin, and on each side, at which the window's spectrum is averaged, and the lowest frequency in Hz of that.
-const KERNEL_DENSITY: f64 = 2.0;
-const KERNEL_HALF: i32 = 4;
+const KERNEL_DENSITY: f64 = 4.0;
+const KERNEL_HALF: i32 = 8;
 const LOWEST_HZ: f64 = 0.5;
 
 /// Rows and columns over a side's quantities.

@@ -62,6 +62,10 @@ fn bin_hz<T: Real>(bin: usize) -> T {
 const OVERLAP: f64 = 0.5;
 /// Delay in sampling periods of the sensors' anti-alias filter, a Butterworth of order four at 0.3 of the rate.
 const SENSOR_LATE_PERIODS: f64 = 2.613 / (core::f64::consts::TAU * 0.3);
+/// Incoherence near wheel hop at which movements begin half as often.
+const RESTLESS: f64 = 0.02;
+/// Entries of two corners within so many periods are of the same time.
+const NEAR_PERIODS: f64 = 0.6;
 /// Longest time in s over which a movement is followed without a frame; pauses count for so long at most, and from so
 /// long on a tire may have been filled.
 const LONGEST_STEP_S: f64 = 1.0;
@@ -93,6 +97,8 @@ pub(crate) struct CarBelief<T: Real> {
     pub(crate) covariance: SMatrix<T, 4, 4>,
     /// Probability that a pressure is changing.
     pub(crate) moving: T,
+    /// Seconds of shared road that it rests on.
+    pub(crate) learned_s: T,
 }
 
 /// The tires at their placard pressures, in the order of the corners.
@@ -308,7 +314,7 @@ impl<T: Real> SharedRoad<T> {
 
     /// Relative velocity of the other rear corner at the same time, if it is known.
     fn beside(&self, side: usize, entry: &Entry<T>) -> Option<T> {
-        let near_s = 0.5 * self.channels[0].period_s();
+        let near_s = NEAR_PERIODS * self.channels[0].period_s();
         let others = self.rear[1 - side].iter().flatten();
         others
             .filter(|other| (other.time_s - entry.time_s).abs() < near_s && !other.spoiled)
@@ -343,8 +349,15 @@ impl<T: Real> SharedRoad<T> {
             self.modes.wake(T::lit(seconds.min(LONGEST_PAUSE_S)), seconds > FILLING_S && !self.held);
             return;
         }
-        let liveliness = if self.held || self.learned_s < T::lit(ENOUGH_S) { T::zero() } else { T::one() };
+        let known = !self.held && self.learned_s >= T::lit(ENOUGH_S);
+        let liveliness = if known { self.quietness() } else { T::zero() };
         self.modes.predict(T::lit(seconds), liveliness);
+    }
+
+    /// How far a surprise may be taken for a movement: hardly, where front and rear meet different roads.
+    fn quietness(&self) -> T {
+        let apart = self.tracks[0].incoherence().max(self.tracks[1].incoherence()) / T::lit(RESTLESS);
+        T::one() / (T::one() + apart * apart)
     }
 
     /// A word of a corner's road spectrum: its stiffness and sd in N/m, at a time.
@@ -423,6 +436,11 @@ impl<T: Real> SharedRoad<T> {
             SVector::<T, 4>::from_fn(|i, _| self.scale.placard_n_per_m[i] / (T::one() + mean[i]).max(floor));
         let by = SVector::<T, 4>::from_fn(|i, _| stiffness[i] / (T::one() + mean[i]).max(floor));
         let covariance = SMatrix::<T, 4, 4>::from_fn(|i, j| by[i] * by[j] * covariance[(i, j)]);
-        CarBelief { stiffness_n_per_m: stiffness, covariance, moving: self.modes.moving() }
+        CarBelief {
+            stiffness_n_per_m: stiffness,
+            covariance,
+            moving: self.modes.moving(),
+            learned_s: self.learned_s,
+        }
     }
 }

@@ -18,7 +18,7 @@ const QUIET: usize = 0;
 const ALL: usize = 5;
 const LOOSE: usize = 6;
 /// Chance per second that each begins.
-const BEGIN: [f64; MODES] = [0.0, 2e-4, 2e-4, 2e-4, 2e-4, 2e-5, 1e-6];
+const BEGIN: [f64; MODES] = [0.0, 2e-4, 2e-4, 2e-4, 2e-4, 1e-6, 1e-8];
 /// Chance per second that a movement ends.
 const END: f64 = 0.5;
 /// Mean and sd in 1/s of the rate at which a compliance begins to grow, and growth of the sd per square root of a second:
@@ -36,6 +36,8 @@ const FILLED: f64 = 1e-3;
 const FILLED_SD: f64 = 0.15;
 /// Log-likelihood of a mode that cannot say how likely a frame is.
 const IMPOSSIBLE: f64 = -1e6;
+/// Growth of a compliance's sd per square root of a second in which nothing is shared.
+const FADING: f64 = 0.03;
 /// Weight below which a mode begins anew.
 const FORGOTTEN: f64 = 1e-20;
 /// Degrees of freedom of the disagreement's distribution: how heavy its tails are.
@@ -177,6 +179,7 @@ impl<T: Real> Modes<T> {
         side: usize,
         expected: &Expectation<T>,
         instrument: &Slope<T>,
+        trust: T,
     ) -> Option<(Disagreement<T>, [T; BINS])> {
         let best = self.most_likely();
         let mut kept = None;
@@ -189,9 +192,9 @@ impl<T: Real> Modes<T> {
                 log_weight[index] = T::lit(IMPOSSIBLE);
                 continue;
             };
-            log_weight[index] = likelihood.log;
+            log_weight[index] = trust * likelihood.log;
             let score = score(&found, instrument, expected);
-            own.learn(mode, &score, &expected.information, likelihood.scale);
+            own.learn(mode, &score, &expected.information, likelihood.scale / trust);
             if index == best {
                 kept = Some((found, likelihood.ratio));
             }
@@ -236,6 +239,16 @@ impl<T: Real> Modes<T> {
     pub(super) fn most_likely(&self) -> usize {
         (1..MODES)
             .fold(QUIET, |best, i| if self.modes[i].weight > self.modes[best].weight { i } else { best })
+    }
+
+    /// Beliefs about a side's tires fade with seconds of incoherence.
+    pub(super) fn doubt(&mut self, wheels: &[Wheel<T>; 2], incoherent_s: T) {
+        for mode in &mut self.modes {
+            for wheel in wheels {
+                let at = TIRE + wheel.corner;
+                mode.covariance[(at, at)] += T::lit(FADING * FADING) * incoherent_s;
+            }
+        }
     }
 
     /// Mean and sd of every quantity while nothing moves.

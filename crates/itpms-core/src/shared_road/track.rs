@@ -196,7 +196,11 @@ impl<T: Real> Track<T> {
         let noise = self.noise(wheels, &state);
         let products = expected_products(wheels, self.side, &state, taken.delay_s);
         let expected = self.coherence.expect(&road_power, &noise, &products, taken.stretch);
-        let Some((found, ratio)) = modes.weigh(taken, wheels, self.side, &expected, &instrument) else {
+        // What the model leaves out differs from road to road, and grows with what the axles do not share.
+        modes.doubt(wheels, self.coherence.near_wheel_hop() * T::lit(HOP_S));
+        let trust = self.coherence.trust();
+        let Some((found, ratio)) = modes.weigh(taken, wheels, self.side, &expected, &instrument, trust)
+        else {
             return false;
         };
         self.coherence.learn(&expected, &found, &ratio, &noise, T::lit(HOP_S));
@@ -214,6 +218,11 @@ impl<T: Real> Track<T> {
             }
             sum
         })
+    }
+
+    /// Incoherence near wheel hop.
+    pub(super) fn incoherence(&self) -> T {
+        self.coherence.near_wheel_hop()
     }
 
     /// Whether the side's road is being learned from at this time, and its incoherence.
