@@ -107,7 +107,8 @@ pub(crate) struct EstimateArgs {
     /// implausible is refused, with exit code 2.
     #[arg(long, value_name = "FILE", conflicts_with = "calibrate_s")]
     pub(crate) reference: Option<PathBuf>,
-    /// Which loss is warned of: un-r141 20 % of the placard's pressure, fmvss-138 25 %.
+    /// Which loss is warned of: un-r141 20 % of the pressure that a reset in this drive found warm, else of the placard's;
+    /// fmvss-138 25 % of the placard's.
     #[arg(long, value_name = "NAME", default_value = Regulation::default().label(), value_parser = regulation_names())]
     pub(crate) regulation: Regulation,
     /// Where warnings and malfunctions go as they come and go: a line of JSON each.
