@@ -1,8 +1,6 @@
 //! The monitor through its public face: what it says of estimates made up for it, and of sensors that go wrong in front of
 //! a real estimator.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
-// Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
-#![allow(clippy::unwrap_used)]
 
 mod common;
 
