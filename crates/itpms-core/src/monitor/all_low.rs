@@ -13,7 +13,9 @@ const CERTAIN: f64 = 1.64;
 const NONE_ABOVE: f64 = 0.95;
 /// The mean is fine again this much above its limit.
 const FINE_ABOVE: f64 = 0.03;
-const ALL_LOW: Patience = Patience { raise_s: 20.0, clear_s: 20.0 };
+/// Minutes, not seconds: the level of all four is what an estimator is most easily wrong in, and nobody loses four tires at
+/// once.
+const ALL_LOW: Patience = Patience { raise_s: 150.0, clear_s: 20.0 };
 
 /// Remembers since when all wheels are low.
 #[derive(Debug, Clone, Copy, PartialEq)]

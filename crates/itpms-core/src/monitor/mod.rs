@@ -173,7 +173,11 @@ impl<T: Real> Monitor<T> {
         self.reference_kpa = self.warm.update(estimate, self.speed_m_s, self.told_kpa, limits.reference_span);
         for (i, corner) in estimate.corners.iter().enumerate() {
             if let Some(corner) = corner {
-                self.wheels[i].update(step_s, self.speed_m_s, corner, self.reference_kpa[i], &limits);
+                // Front and rear of a side are two places apart.
+                let other = (i + 2) % 4;
+                let valid = estimate.corners[other].as_ref().filter(|corner| corner.validity.is_valid());
+                let share = valid.map(|corner| corner.pressure_kpa / self.reference_kpa[other]);
+                self.wheels[i].update(step_s, self.speed_m_s, corner, self.reference_kpa[i], share, &limits);
             }
         }
         let learned = |corner: &Option<CornerEstimate<T>>| {

@@ -13,7 +13,12 @@ const CERTAIN: f64 = 1.64;
 const VERY_CERTAIN: f64 = 3.0;
 /// Seconds in which something was learned, for and against.
 const LOW: Patience = Patience { raise_s: 2.0, clear_s: 10.0 };
-const OVER: Patience = Patience { raise_s: 10.0, clear_s: 10.0 };
+const OVER: Patience = Patience { raise_s: 60.0, clear_s: 10.0 };
+/// A tire that is lower than the other one of its side by less than this share of the reference goes with it, and then a
+/// second counts for that much less: two tires hardly lose pressure alike within minutes, but the level of a side is what
+/// an estimator is most easily wrong in.
+const ALONE: f64 = 0.06;
+const TOGETHER: f64 = 75.0;
 const UNINFORMED: Patience = Patience { raise_s: 0.0, clear_s: 1.0 };
 /// Information gate above which something is being learned.
 const LEARNING: f64 = 0.1;
@@ -43,13 +48,15 @@ impl WheelWatch {
         }
     }
 
-    /// Takes what was estimated over the last `step_s` seconds.
+    /// Takes what was estimated over the last `step_s` seconds; `other_share` is the pressure of the side's other tire over
+    /// its reference, if there is one.
     pub(super) fn update<T: Real>(
         &mut self,
         step_s: f64,
         speed_m_s: T,
         estimate: &CornerEstimate<T>,
         reference_kpa: T,
+        other_share: Option<T>,
         limits: &Limits<T>,
     ) {
         let time_s = estimate.time_s;
@@ -75,7 +82,13 @@ impl WheelWatch {
         } else {
             Evidence::Neither
         };
-        let weight = if below(VERY_CERTAIN) { 2.0 } else { 1.0 };
+        let alone = other_share.is_none_or(|other| other - p / reference_kpa > T::lit(ALONE));
+        let certainty = if below(VERY_CERTAIN) { 2.0 } else { 1.0 };
+        let weight = match low {
+            Evidence::For if alone => certainty,
+            Evidence::For => certainty / TOGETHER,
+            _ => 1.0,
+        };
         self.low.update(time_s, weight * step_s, low, LOW);
         let over = if p - T::lit(CERTAIN) * sd > limits.over_share * reference_kpa {
             Evidence::For
