@@ -20,7 +20,7 @@ const COUNTED: f64 = 1.5;
 /// Incoherence per squared logarithm of the speeds' ratio: filters that work in time see another road at another speed.
 const STRETCHED: f64 = 8.0;
 /// Incoherence near wheel hop at which frames count half.
-const DOUBTED: f64 = 0.1;
+const DOUBTED: f64 = 0.4;
 /// Time constants in s of the incoherence and of the road's power.
 const INCOHERENCE_S: f64 = 2.0;
 const POWER_S: f64 = 1.0;

@@ -62,7 +62,7 @@ fn bin_hz<T: Real>(bin: usize) -> T {
 const OVERLAP: f64 = 0.5;
 /// Delay in sampling periods of the sensors' anti-alias filter, a Butterworth of order four at 0.3 of the rate.
 const SENSOR_LATE_PERIODS: f64 = 2.613 / (core::f64::consts::TAU * 0.3);
-/// Incoherence near wheel hop at which movements begin half as often.
+/// Incoherence near wheel hop at which movements of several wheels begin half as often.
 const RESTLESS: f64 = 0.02;
 /// Entries of two corners within so many periods are of the same time.
 const NEAR_PERIODS: f64 = 0.6;
@@ -350,11 +350,11 @@ impl<T: Real> SharedRoad<T> {
             return;
         }
         let known = !self.held && self.learned_s >= T::lit(ENOUGH_S);
-        let liveliness = if known { self.quietness() } else { T::zero() };
+        let liveliness = if known { [T::one(), self.quietness()] } else { [T::zero(); 2] };
         self.modes.predict(T::lit(seconds), liveliness);
     }
 
-    /// How far a surprise may be taken for a movement: hardly, where front and rear meet different roads.
+    /// How far a surprise may be taken for a movement of several wheels: hardly, where front and rear meet different roads.
     fn quietness(&self) -> T {
         let apart = self.tracks[0].incoherence().max(self.tracks[1].incoherence()) / T::lit(RESTLESS);
         T::one() / (T::one() + apart * apart)

@@ -101,8 +101,8 @@ impl<T: Real> Modes<T> {
         Self { modes }
     }
 
-    /// Moves on by `seconds`; `liveliness` multiplies the chance that a movement begins.
-    pub(super) fn predict(&mut self, seconds: T, liveliness: T) {
+    /// Moves on by `seconds`; `liveliness` multiplies the chances that one wheel, and that several, begin to move.
+    pub(super) fn predict(&mut self, seconds: T, liveliness: [T; 2]) {
         self.mix(seconds, liveliness);
         let wander = wander_sd::<T>();
         for (index, mode) in self.modes.iter_mut().enumerate() {
@@ -133,12 +133,12 @@ impl<T: Real> Modes<T> {
         }
     }
 
-    fn mix(&mut self, seconds: T, liveliness: T) {
+    fn mix(&mut self, seconds: T, liveliness: [T; 2]) {
         let end = T::one() - (-T::lit(END) * seconds).exp();
         let mut begin = [T::zero(); MODES];
         let mut stay = T::one();
         for mode in 1..MODES {
-            begin[mode] = T::lit(BEGIN[mode]) * seconds * liveliness;
+            begin[mode] = T::lit(BEGIN[mode]) * seconds * liveliness[usize::from(mode >= ALL)];
             stay -= begin[mode];
         }
         let old = self.modes.clone();
