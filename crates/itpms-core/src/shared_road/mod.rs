@@ -440,7 +440,8 @@ impl<T: Real> SharedRoad<T> {
             stiffness_n_per_m: stiffness,
             covariance,
             moving: self.modes.moving(),
-            learned_s: self.learned_s,
+            // Half a frame more, so that rounding does not decide when enough was learned.
+            learned_s: self.learned_s + T::lit(0.25 * HOP_S),
         }
     }
 }
