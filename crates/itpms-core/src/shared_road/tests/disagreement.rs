@@ -2,7 +2,10 @@
 
 use super::std::vec::Vec;
 
-use nalgebra::{Complex, ComplexField};
+use nalgebra::Complex;
+// Where another crate of the build brings `std`, numbers have these functions by themselves.
+#[allow(unused_imports)]
+use nalgebra::ComplexField;
 
 use super::{C, Moved, STILL, deviating, frame, signals, taken, unit_frames, wheels};
 use crate::shared_road::constraint::{

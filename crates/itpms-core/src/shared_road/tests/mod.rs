@@ -8,7 +8,10 @@ mod pieces;
 
 use std::vec::Vec;
 
-use nalgebra::{Complex, ComplexField};
+use nalgebra::Complex;
+// Where another crate of the build brings `std`, numbers have these functions by themselves.
+#[allow(unused_imports)]
+use nalgebra::ComplexField;
 
 use super::constraint::{Axle, SEEN, TrackFrame, Wheel};
 use super::instrument::Instrument;
