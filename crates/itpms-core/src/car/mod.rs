@@ -236,21 +236,18 @@ impl<T: Real> CarEstimator<T> {
                 }
             }
         }
-        if self.sources == Sources::Spectrum || !shared.is_trusted() {
-            return;
-        }
-        let belief = shared.belief();
+        let trusted = self.sources != Sources::Spectrum && shared.is_trusted();
+        let belief = trusted.then(|| shared.belief());
         for (i, estimator) in self.corners.iter_mut().enumerate() {
-            if let Some(estimator) = estimator
-                && shared.has_partner(i)
-            {
-                estimator.believe(Some(CarWord {
-                    stiffness_n_per_m: belief.stiffness_n_per_m[i],
-                    stiffness_sd_n_per_m: belief.covariance[(i, i)].sqrt(),
-                    moving: belief.moving,
-                    learned_s: belief.learned_s,
-                }));
-            }
+            let Some(estimator) = estimator else { continue };
+            // A shared road that was given up must not leave its last word behind.
+            let belief = belief.as_ref().filter(|_| shared.has_partner(i));
+            estimator.believe(belief.map(|belief| CarWord {
+                stiffness_n_per_m: belief.stiffness_n_per_m[i],
+                stiffness_sd_n_per_m: belief.covariance[(i, i)].sqrt(),
+                moving: belief.moving,
+                learned_s: belief.learned_s,
+            }));
         }
     }
 
