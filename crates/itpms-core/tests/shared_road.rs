@@ -107,6 +107,29 @@ fn without_a_wheelbase_the_corners_are_alone() {
 }
 
 #[test]
+fn a_shared_road_that_is_given_up_leaves_the_corners_to_themselves() {
+    // The rear wheels meet the road of three seconds later: nothing is ever shared.
+    let later = 1500;
+    let rows: Vec<_> = ROWS
+        .iter()
+        .zip(&ROWS[later..])
+        .map(|(row, other)| {
+            let mut row = *row;
+            (row.corners[2], row.corners[3]) = (other.corners[2], other.corners[3]);
+            row
+        })
+        .collect();
+    let alone = CarConfig { wheelbase_m: None, ..config::<f64>() };
+    let (together, alone) = (drive(&mut car(&config::<f64>()), &rows), drive(&mut car(&alone), &rows));
+    let (together, alone) = (together.last().unwrap(), alone.last().unwrap());
+    assert!(together.tracks.iter().all(|track| !track.shared));
+    for (together, alone) in together.corners.iter().flatten().zip(alone.corners.iter().flatten()) {
+        assert_eq!(together.pressure_kpa.to_bits(), alone.pressure_kpa.to_bits());
+        assert_eq!(together.validity, alone.validity);
+    }
+}
+
+#[test]
 fn one_side_is_enough_for_itself() {
     let mut config = config::<f64>();
     config.corners[1] = None;

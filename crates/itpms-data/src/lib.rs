@@ -9,7 +9,7 @@
 //! | [`crg`] | roads from OpenCRG files |
 //! | [`profile`] | road profiles from text |
 //! | [`out`] | files out: complete under their name or not there at all |
-//! | [`reference`] | what a reset taught of a car, stored: its own car's, complete and plausible, or refused |
+//! | [`reference`](mod@reference) | what a reset taught of a car, stored: its own car's, complete and plausible, or refused |
 //! | [`error`] | one message per problem: file, line or column, what was found, what was expected |
 //!
 //! The binary and the study use this crate; it knows the core's types and nothing of simulation.

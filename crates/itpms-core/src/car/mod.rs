@@ -12,7 +12,7 @@ use crate::estimator::{CarWord, Estimator, EstimatorKind, RoadRepetition};
 use crate::quarter_car::{ParameterError, QuarterCar, positive};
 use crate::real::Real;
 use crate::sample::{CarSample, Corner};
-use crate::shared_road::SharedRoad;
+use crate::shared_road::{CarBelief, SharedRoad};
 
 /// What an estimator is told about the car.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -210,7 +210,7 @@ impl<T: Real> CarEstimator<T> {
                 None => estimator.take(time_s, speed, corner, |_| {}),
             }
         }
-        self.fuse(time_s);
+        let belief = self.fuse(time_s);
         let mut corners = [None; 4];
         for ((estimate, estimator), corner) in corners.iter_mut().zip(&mut self.corners).zip(&sample.corners)
         {
@@ -218,12 +218,12 @@ impl<T: Real> CarEstimator<T> {
                 *estimate = Some(estimator.conclude(time_s, corner));
             }
         }
-        CarEstimate { time_s, corners, correlation: self.correlation(), tracks: self.tracks() }
+        CarEstimate { time_s, corners, correlation: correlation(belief.as_ref()), tracks: self.tracks() }
     }
 
-    /// Brings the corners' words and the shared road together.
-    fn fuse(&mut self, time_s: f64) {
-        let Some(shared) = &mut self.shared_road else { return };
+    /// Brings the corners' words and the shared road together; gives what the shared road believes, if that counts.
+    fn fuse(&mut self, time_s: f64) -> Option<CarBelief<T>> {
+        let shared = self.shared_road.as_mut()?;
         if let Some(seconds) = self.reset_s.take() {
             self.reset_ends_s = time_s + seconds;
         }
@@ -249,6 +249,7 @@ impl<T: Real> CarEstimator<T> {
                 learned_s: belief.learned_s,
             }));
         }
+        belief
     }
 
     fn tracks(&self) -> [TrackState<T>; 2] {
@@ -258,21 +259,6 @@ impl<T: Real> CarEstimator<T> {
                 TrackState { shared, incoherence }
             }
             None => TrackState::unknown(),
-        })
-    }
-
-    fn correlation(&self) -> [[T; 4]; 4] {
-        let alone = |i: usize, j: usize| if i == j { T::one() } else { T::zero() };
-        let belief = self.shared_road.as_ref().filter(|road| road.is_trusted()).map(SharedRoad::belief);
-        core::array::from_fn(|i| {
-            core::array::from_fn(|j| match &belief {
-                Some(belief) if i != j => {
-                    let p = &belief.covariance;
-                    let scale = (p[(i, i)] * p[(j, j)]).sqrt();
-                    if scale > T::zero() { p[(i, j)] / scale } else { T::zero() }
-                }
-                _ => alone(i, j),
-            })
         })
     }
 
@@ -295,4 +281,17 @@ impl<T: Real> CarEstimator<T> {
     pub fn quarter_cars(&self) -> [Option<QuarterCar<T>>; 4] {
         self.corners.each_ref().map(|estimator| estimator.as_ref().map(Estimator::quarter_car))
     }
+}
+
+/// Correlation coefficients of a belief's errors; corners alone have none.
+fn correlation<T: Real>(belief: Option<&CarBelief<T>>) -> [[T; 4]; 4] {
+    core::array::from_fn(|i| {
+        core::array::from_fn(|j| match belief {
+            _ if i == j => T::one(),
+            Some(CarBelief { covariance: p, .. }) if p[(i, i)] * p[(j, j)] > T::zero() => {
+                p[(i, j)] / (p[(i, i)] * p[(j, j)]).sqrt()
+            }
+            _ => T::zero(),
+        })
+    })
 }

@@ -95,6 +95,7 @@ impl<T: Real> SharedRoad<T> {
             self.modes.begin_with(SKEW + i, &reference.skew_s[i], skew, T::lit(SKEW_UNIT_S));
         }
         self.modes.begin_with(WHEELBASE, &reference.wheelbase, wheelbase, T::one());
+        self.recalled = Some(*reference);
         Ok(())
     }
 }

@@ -39,7 +39,8 @@ use self::lesson::Lesson;
 use self::modes::Modes;
 use self::parameters::{COMMON_BIAS, OWN_BIAS, SKEW, SKEW_UNIT_S, State, TIRE, WHEELBASE};
 use self::track::{Meeting, Track};
-use crate::car::CarConfig;
+use crate::car::{CarConfig, LearnedReference};
+use crate::estimate::CornerConfig;
 use crate::informed::model::Body;
 use crate::intake::GridSample;
 use crate::real::Real;
@@ -74,7 +75,7 @@ const FILLING_S: f64 = 20.0;
 /// Speed in m/s from which a word of the spectrum is heard.
 const SLOWEST_WORD_M_S: f64 = 4.0;
 /// Least compliance of a tire over that at placard pressure.
-const SOFTEST: f64 = 0.05;
+const LEAST_COMPLIANCE: f64 = 0.05;
 /// Seconds of shared road after which the belief counts.
 const ENOUGH_S: f64 = 2.0;
 /// Seconds of driving after which the shared road is given up if it was not found.
@@ -122,7 +123,7 @@ impl<T: Real> Scale<T> {
         let placard = self.placard_n_per_m[corner];
         // Biases are shares of the placard pressure; the word's own unit is N/m.
         let bias = self.slope[corner] * self.placard_kpa[corner];
-        let factor = (T::one() + state[TIRE + corner]).max(T::lit(SOFTEST));
+        let factor = (T::one() + state[TIRE + corner]).max(T::lit(LEAST_COMPLIANCE));
         let mut slope = State::zeros();
         slope[TIRE + corner] = -placard / (factor * factor);
         slope[COMMON_BIAS] = bias;
@@ -150,6 +151,9 @@ pub(crate) struct SharedRoad<T: Real> {
     /// The newest two entries of the rear corners, newest first.
     rear: [[Option<Entry<T>>; 2]; 2],
     modes: Modes<T>,
+    /// The tires' compliances at the start, and what an earlier reset had taught.
+    start: [T; 4],
+    recalled: Option<LearnedReference<T>>,
     /// Seconds from front to rear wheel, left and right.
     delay_s: [T; 2],
     /// Seconds by which filters make the signals late.
@@ -190,7 +194,7 @@ impl<T: Real> SharedRoad<T> {
         if !(wheels[0].is_some() && wheels[2].is_some() || wheels[1].is_some() && wheels[3].is_some()) {
             return None;
         }
-        let of = |value: &dyn Fn(&crate::estimate::CornerConfig<T>) -> T| {
+        let of = |value: &dyn Fn(&CornerConfig<T>) -> T| {
             core::array::from_fn(|i| config.corners[i].as_ref().map_or(T::one(), value))
         };
         let channels: [Channel<T>; 4] = core::array::from_fn(|_| Channel::new(grid_period_s));
@@ -200,17 +204,12 @@ impl<T: Real> SharedRoad<T> {
             sd * sd * T::lit(2.0 / sample_rate_hz)
         };
         let tracks = core::array::from_fn(|side| Track::new(side, period_s, [noise(side), noise(side + 2)]));
-        let mut modes = Modes::new();
-        for (i, corner) in config.corners.iter().enumerate() {
-            if let Some(corner) = corner
-                && let Some(initial) = corner.initial_kpa
-            {
-                let z = corner.tire.stiffness_n_per_m(corner.placard_kpa)
-                    / corner.tire.stiffness_n_per_m(initial)
-                    - T::one();
-                modes.modes.iter_mut().for_each(|mode| mode.mean[TIRE + i] = z);
-            }
-        }
+        let start = core::array::from_fn(|i| {
+            let softer = |c: &CornerConfig<T>| {
+                c.tire.stiffness_n_per_m(c.placard_kpa) / c.initial_stiffness_n_per_m() - T::one()
+            };
+            config.corners[i].as_ref().map_or(T::zero(), softer)
+        });
         Some(Self {
             wheelbase_m,
             wheels,
@@ -221,7 +220,9 @@ impl<T: Real> SharedRoad<T> {
             },
             tracks,
             rear: [[None; 2]; 2],
-            modes,
+            modes: Modes::new(&start),
+            start,
+            recalled: None,
             delay_s: [T::zero(); 2],
             late_s: channels[0].late_s() + SENSOR_LATE_PERIODS / sample_rate_hz,
             channels,
@@ -315,11 +316,8 @@ impl<T: Real> SharedRoad<T> {
     /// Relative velocity of the other rear corner at the same time, if it is known.
     fn beside(&self, side: usize, entry: &Entry<T>) -> Option<T> {
         let near_s = NEAR_PERIODS * self.channels[0].period_s();
-        let others = self.rear[1 - side].iter().flatten();
-        others
-            .filter(|other| (other.time_s - entry.time_s).abs() < near_s && !other.spoiled)
-            .map(|other| other.signals[RELATIVE])
-            .next()
+        let same = |other: &&Entry<T>| (other.time_s - entry.time_s).abs() < near_s && !other.spoiled;
+        self.rear[1 - side].iter().flatten().find(same).map(|other| other.signals[RELATIVE])
     }
 
     fn learn(&mut self, side: usize, wheels: &[Wheel<T>; 2], taken: &constraint::TrackFrame<T>) {
@@ -330,8 +328,17 @@ impl<T: Real> SharedRoad<T> {
         }
         self.modes.drop_impossible();
         if !self.modes.is_sound() {
-            self.modes = Modes::new();
-            self.learned_s = T::zero();
+            self.begin_again();
+        }
+    }
+
+    /// The belief has become impossible: begins again with what resets taught.
+    fn begin_again(&mut self) {
+        self.modes = Modes::new(&self.start);
+        self.learned_s = T::zero();
+        if let Some(reference) = self.learned().or(self.recalled) {
+            // It was learned for this car, or accepted before.
+            let _ = self.recall(&reference);
         }
     }
 
@@ -431,7 +438,7 @@ impl<T: Real> SharedRoad<T> {
         // What is believed of a front tire is as old as the road under the rear wheel.
         let ages = [age_s + self.delay_s[0], age_s + self.delay_s[1], age_s, age_s];
         let (mean, covariance) = self.modes.tires(&ages);
-        let floor = T::lit(SOFTEST);
+        let floor = T::lit(LEAST_COMPLIANCE);
         let stiffness =
             SVector::<T, 4>::from_fn(|i, _| self.scale.placard_n_per_m[i] / (T::one() + mean[i]).max(floor));
         let by = SVector::<T, 4>::from_fn(|i, _| stiffness[i] / (T::one() + mean[i]).max(floor));

@@ -89,13 +89,16 @@ fn begun<T: Real>(mode: usize, mean: &State<T>, covariance: &Covariance<T>) -> (
 }
 
 impl<T: Real> Modes<T> {
-    pub(super) fn new() -> Self {
+    /// What is believed at the start, the tires' compliances around `tires`.
+    pub(super) fn new(tires: &[T; 4]) -> Self {
         let sd = prior_sd::<T>();
         let mut covariance = Covariance::from_diagonal(&sd.component_mul(&sd));
         correlate_bars(&mut covariance);
+        let mut start = State::zeros();
+        start.fixed_rows_mut::<4>(TIRE).copy_from_slice(tires);
         let modes = core::array::from_fn(|mode| {
             let weight = if mode == QUIET { T::one() } else { T::zero() };
-            let (mean, covariance) = begun(mode, &State::zeros(), &covariance);
+            let (mean, covariance) = begun(mode, &start, &covariance);
             Mode { mean, covariance, weight }
         });
         Self { modes }
@@ -104,11 +107,8 @@ impl<T: Real> Modes<T> {
     /// Moves on by `seconds`; `liveliness` multiplies the chances that one wheel, and that several, begin to move.
     pub(super) fn predict(&mut self, seconds: T, liveliness: [T; 2]) {
         self.mix(seconds, liveliness);
-        let wander = wander_sd::<T>();
         for (index, mode) in self.modes.iter_mut().enumerate() {
-            for i in 0..SIZE {
-                mode.covariance[(i, i)] += wander[i] * wander[i] * seconds;
-            }
+            mode.wander(seconds);
             if index == LOOSE {
                 for i in 0..4 {
                     mode.covariance[(TIRE + i, TIRE + i)] += T::lit(LOOSE_SD * LOOSE_SD) * seconds;
@@ -146,11 +146,11 @@ impl<T: Real> Modes<T> {
         let mut still = Mixture::new();
         still.add(quiet.weight * stay, &quiet.mean, &quiet.covariance);
         for (mode, moving) in old.iter().enumerate().skip(1) {
-            let mut ended = moving.clone();
-            ended.mean[RATE] = T::zero();
-            ended.covariance.row_mut(RATE).fill(T::zero());
-            ended.covariance.column_mut(RATE).fill(T::zero());
             if moving.weight > T::lit(FORGOTTEN) {
+                let mut ended = moving.clone();
+                ended.mean[RATE] = T::zero();
+                ended.covariance.row_mut(RATE).fill(T::zero());
+                ended.covariance.column_mut(RATE).fill(T::zero());
                 still.add(moving.weight * end, &ended.mean, &ended.covariance);
             }
 
@@ -187,7 +187,6 @@ impl<T: Real> Modes<T> {
         for (index, mode) in self.modes.iter_mut().enumerate() {
             let found = compare(taken, Signals::Measured, wheels, side, &mode.mean);
             let own = OwnCovariance::new(&mode.covariance, side);
-
             let Some(likelihood) = Likelihood::new(&own, &found, expected) else {
                 log_weight[index] = T::lit(IMPOSSIBLE);
                 continue;
@@ -279,12 +278,8 @@ impl<T: Real> Modes<T> {
     /// pressure.
     pub(super) fn wake(&mut self, seconds: T, filled: bool) {
         self.calm();
-        let wander = wander_sd::<T>();
         let quiet = &mut self.modes[QUIET];
-        quiet.mean[RATE] = T::zero();
-        for i in 0..SIZE {
-            quiet.covariance[(i, i)] += wander[i] * wander[i] * seconds;
-        }
+        quiet.wander(seconds);
         if filled {
             let chance = T::lit(FILLED);
             let mut loose = quiet.clone();
@@ -366,6 +361,14 @@ impl<T: Real> Modes<T> {
 }
 
 impl<T: Real> Mode<T> {
+    /// What changes by itself does so for `seconds`.
+    fn wander(&mut self, seconds: T) {
+        let sd = wander_sd::<T>();
+        for i in 0..SIZE {
+            self.covariance[(i, i)] += sd[i] * sd[i] * seconds;
+        }
+    }
+
     fn is_possible(&self) -> bool {
         (TIRE..TIRE + 4).all(|i| self.mean[i] > T::lit(HARDEST) && self.mean[i] < T::lit(SOFTEST))
     }
