@@ -228,6 +228,10 @@ impl<T: Real> CarEstimator<T> {
             self.reset_ends_s = time_s + seconds;
         }
         shared.hold(time_s < self.reset_ends_s);
+        for (i, estimator) in self.corners.iter().enumerate() {
+            let Some(estimator) = estimator else { continue };
+            shared.look_at(i, estimator.moving(), &estimator.quarter_car());
+        }
         if self.sources == Sources::SpectrumAndSharedRoad {
             for (i, estimator) in self.corners.iter_mut().enumerate() {
                 let Some(estimator) = estimator else { continue };

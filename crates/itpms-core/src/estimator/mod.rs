@@ -172,6 +172,11 @@ impl<T: Real> Estimator<T> {
         Self { road: None, ..self }
     }
 
+    /// Probability that the pressure moves, as the corner by itself sees it.
+    pub(crate) fn moving(&self) -> T {
+        self.engine.reading().change_probability
+    }
+
     /// The car as it seems to be now: sprung mass and damping as identified on the way, where the estimator does.
     pub fn quarter_car(&self) -> QuarterCar<T> {
         self.engine.quarter_car()

@@ -13,6 +13,8 @@ use crate::real::Real;
 
 /// Memory in s of full information: loads change at stops, dampers over years.
 const MEMORY_S: f64 = 60.0;
+/// Share of what was learned that counts after a stop.
+const AFTER_STOP: f64 = 0.05;
 /// Highest frequency in Hz used; above it a body is no rigid mass.
 const HIGHEST_HZ: f64 = 30.0;
 /// How far load, damping and spring may be from the vehicle file, as sd of their logarithms.
@@ -27,6 +29,8 @@ const MODEL_ERROR: f64 = 0.02;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct BodyIdentification<T: Real> {
     nominal: Body<T>,
+    /// The car as it seems to be now.
+    body: Body<T>,
     /// Logarithmic deviations of mass, damping and spring.
     deviation: Vector3<T>,
     regressors: Matrix2<T>,
@@ -36,18 +40,12 @@ pub(super) struct BodyIdentification<T: Real> {
 impl<T: Real> BodyIdentification<T> {
     pub(super) fn new(nominal: Body<T>) -> Self {
         let deviation = Vector3::zeros();
-        Self { nominal, deviation, regressors: Matrix2::zeros(), response: Vector2::zeros() }
+        Self { nominal, body: nominal, deviation, regressors: Matrix2::zeros(), response: Vector2::zeros() }
     }
 
     /// The car as it seems to be now.
     pub(super) fn body(&self) -> Body<T> {
-        let factor = self.deviation.map(|d| d.exp());
-        Body {
-            sprung_mass_kg: self.nominal.sprung_mass_kg * factor[0],
-            unsprung_mass_kg: self.nominal.unsprung_mass_kg,
-            damping_n_s_per_m: self.nominal.damping_n_s_per_m * factor[1],
-            spring_n_per_m: self.nominal.spring_n_per_m * factor[2],
-        }
+        self.body
     }
 
     /// Learns from a frame; `weight` is its exponent as in the likelihood of the pressure.
@@ -92,6 +90,12 @@ impl<T: Real> BodyIdentification<T> {
         self.fit();
     }
 
+    /// The car stopped: somebody may have got in or out, so what was seen before counts for little from now on.
+    pub(super) fn doubt(&mut self) {
+        self.regressors *= T::lit(AFTER_STOP);
+        self.response *= T::lit(AFTER_STOP);
+    }
+
     fn ratios(&self) -> [T; 2] {
         let body = self.body();
         [body.damping_n_s_per_m / body.sprung_mass_kg, body.spring_n_per_m / body.sprung_mass_kg]
@@ -114,6 +118,13 @@ impl<T: Real> BodyIdentification<T> {
         let next = (self.deviation + step * T::lit(0.3)).map(|d| d.clamp(-furthest, furthest));
         if next.iter().all(|d| d.is_finite()) {
             self.deviation = next;
+            let factor = next.map(|d| d.exp());
+            self.body = Body {
+                sprung_mass_kg: self.nominal.sprung_mass_kg * factor[0],
+                unsprung_mass_kg: self.nominal.unsprung_mass_kg,
+                damping_n_s_per_m: self.nominal.damping_n_s_per_m * factor[1],
+                spring_n_per_m: self.nominal.spring_n_per_m * factor[2],
+            };
         }
     }
 }

@@ -59,6 +59,9 @@ const ENVELOPE_REACH: f64 = 0.75;
 const LEAST_BINS: usize = 5;
 /// Speed in m/s below which nothing is learned.
 const STANDING_M_S: f64 = 2.5;
+/// Speed in m/s below which a car stands, and seconds of it in which somebody can get in or out.
+const STOPPED_M_S: f64 = 0.3;
+const STOP_S: f64 = 3.0;
 /// Share by which the sd grows while the pressure surely moves fast: found on seeds of its own so that intervals cover
 /// more of a drop without covering too much elsewhere.
 const MOVING_SD: f64 = 0.7;
@@ -98,6 +101,8 @@ pub struct Informed<T: Real> {
     learned_s: T,
     last_speed_m_s: T,
     saturated: bool,
+    /// Seconds for which the car stands by now.
+    stopped_s: T,
     repeat: RepeatedRoad<T>,
     /// What the repeated road last said, while there is one.
     repeat_word: Option<RepeatWord<T>>,
@@ -143,6 +148,7 @@ impl<T: Real> Informed<T> {
             learned_s: T::zero(),
             last_speed_m_s: T::lit(f64::NAN),
             saturated: false,
+            stopped_s: T::zero(),
             repeat: RepeatedRoad::new(RoadRepetition::Detect, sample_rate_hz, grid_period_s),
             repeat_word: None,
             repeat_word_s: f64::NAN,
@@ -240,6 +246,7 @@ impl<T: Real> Informed<T> {
             self.gate.close();
         }
         self.saturated = false;
+        self.notice_stop(speed_m_s);
         evidence.weight *= self.gate.open();
         let ratio = speed_m_s / self.last_speed_m_s;
         self.last_speed_m_s = speed_m_s;
@@ -254,6 +261,19 @@ impl<T: Real> Informed<T> {
             self.body.learn(frame, spacing, self.noise_density, evidence.weight, seconds);
         }
         self.tables.refresh_next(&self.body.body());
+    }
+
+    fn notice_stop(&mut self, speed_m_s: T) {
+        if !(speed_m_s < T::lit(STOPPED_M_S)) {
+            self.stopped_s = T::zero();
+            return;
+        }
+        let before_s = self.stopped_s;
+        self.stopped_s += T::lit(self.clock.hop_s());
+        let long_s = T::lit(STOP_S);
+        if before_s < long_s && self.stopped_s >= long_s {
+            self.body.doubt();
+        }
     }
 
     /// Moves the belief on by a frame and weighs it, if the frame counts; `speed_ratio` is the speed over the last one.

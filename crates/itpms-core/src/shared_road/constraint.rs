@@ -4,7 +4,7 @@
 
 use nalgebra::{Complex, SMatrix, SVector};
 
-use super::channel::KEPT;
+use super::channel::{KEPT, high_pass_power};
 use super::parameters::{BAR, DAMPING, GAIN, MASS, SKEW, SKEW_UNIT_S, SPRING, State, TIRE, WHEELBASE};
 use super::{BIN_SPACING_HZ, BINS, Frame, bin_hz};
 use crate::informed::model::{Body, sine_window_power};
@@ -218,10 +218,11 @@ pub(super) fn expected_products<T: Real>(
         for k in -KERNEL_HALF..=KERNEL_HALF {
             let offset = T::lit(f64::from(k) / KERNEL_DENSITY);
             let frequency = (bin_hz::<T>(bin) + T::lit(BIN_SPACING_HZ) * offset).abs().max(T::lit(LOWEST_HZ));
-            let weight = sine_window_power(offset);
+            let weight = sine_window_power(offset) * high_pass_power(frequency);
             let seen =
                 |i: usize| axles[i].road(axles[i].over_unit_road(wheels[i].body.sprung_mass_kg, frequency));
-            let slope = slopes(&[seen(0), seen(1)], gain, frequency, delay_s);
+            // As a frame sees it: its turns are those of the middle of a bin.
+            let slope = slopes(&[seen(0), seen(1)], gain, bin_hz(bin), delay_s);
             let re = Score::from_fn(|i, _| slope[i].re);
             let im = Score::from_fn(|i, _| slope[i].im);
             sum += (re * re.transpose() + im * im.transpose()) * weight;

@@ -37,12 +37,13 @@ use self::channel::{Channel, Entry, RELATIVE};
 use self::constraint::{SEEN, Wheel};
 use self::lesson::Lesson;
 use self::modes::Modes;
-use self::parameters::{COMMON_BIAS, OWN_BIAS, SKEW, SKEW_UNIT_S, State, TIRE, WHEELBASE};
+use self::parameters::{COMMON_BIAS, DAMPING, OWN_BIAS, SKEW, SKEW_UNIT_S, State, TIRE, WHEELBASE};
 use self::track::{Meeting, Track};
 use crate::car::{CarConfig, LearnedReference};
 use crate::estimate::CornerConfig;
 use crate::informed::model::Body;
 use crate::intake::GridSample;
+use crate::quarter_car::QuarterCar;
 use crate::real::Real;
 
 /// Spectral bins: 5, 10, ... 25 Hz.
@@ -65,6 +66,11 @@ const OVERLAP: f64 = 0.5;
 const SENSOR_LATE_PERIODS: f64 = 2.613 / (core::f64::consts::TAU * 0.3);
 /// Incoherence near wheel hop at which movements of several wheels begin half as often.
 const RESTLESS: f64 = 0.02;
+/// Incoherence near wheel hop at which a corner's own suspicion counts half, how much of it is usual, and the chance per
+/// second that the wheel begins to move if it is sure.
+const LOST: f64 = 0.1;
+const USUALLY_SUSPECTED: f64 = 0.3;
+const BEGIN_SUSPECTED: f64 = 4.0;
 /// Entries of two corners within so many periods are of the same time.
 const NEAR_PERIODS: f64 = 0.6;
 /// Longest time in s over which a movement is followed without a frame; pauses count for so long at most, and from so
@@ -168,6 +174,8 @@ pub(crate) struct SharedRoad<T: Real> {
     /// Seconds driven so far, for as long as no shared road was found.
     waited_s: f64,
     held: bool,
+    /// How likely each corner by itself finds that its pressure moves.
+    suspected: [T; 4],
     /// Seconds of shared road learned from when the reset began, and what it taught.
     held_from_s: T,
     lesson: Option<Lesson<T>>,
@@ -233,6 +241,7 @@ impl<T: Real> SharedRoad<T> {
             learned_s: T::zero(),
             waited_s: 0.0,
             held: false,
+            suspected: [T::zero(); 4],
             held_from_s: T::zero(),
             lesson: None,
         })
@@ -358,7 +367,26 @@ impl<T: Real> SharedRoad<T> {
         }
         let known = !self.held && self.learned_s >= T::lit(ENOUGH_S);
         let liveliness = if known { [T::one(), self.quietness()] } else { [T::zero(); 2] };
-        self.modes.predict(T::lit(seconds), liveliness);
+        let suspected = core::array::from_fn(|i| if known { self.suspicion(i) } else { T::zero() });
+        self.modes.predict(T::lit(seconds), liveliness, &suspected);
+    }
+
+    /// Chance per second that a corner's pressure begins to move because its own spectrum looks like it: where front and
+    /// rear share the road, their frames tell sooner and surer.
+    fn suspicion(&self, corner: usize) -> T {
+        let apart = self.tracks[corner % 2].incoherence() / T::lit(LOST);
+        let surely = (self.suspected[corner] - T::lit(USUALLY_SUSPECTED)).max(T::zero());
+        T::lit(BEGIN_SUSPECTED) * surely * apart * apart / (T::one() + apart * apart)
+    }
+
+    /// Takes over what a corner finds by itself: how likely its pressure moves, and the quarter car it seems to be.
+    pub(crate) fn look_at(&mut self, corner: usize, moving: T, car: &QuarterCar<T>) {
+        self.suspected[corner] = moving;
+        let state = &self.modes.modes[self.modes.most_likely()].mean;
+        let Some(wheel) = &mut self.wheels[corner] else { return };
+        // How the body answers its wheel depends on damping over mass.
+        let damping = wheel.body.damping_n_s_per_m * (T::one() + state[DAMPING + corner]);
+        wheel.body.sprung_mass_kg = car.sprung_mass_kg() * damping / car.damping_n_s_per_m();
     }
 
     /// How far a surprise may be taken for a movement of several wheels: hardly, where front and rear meet different roads.
@@ -375,7 +403,7 @@ impl<T: Real> SharedRoad<T> {
         if !(time_s - self.believed_s < LONGEST_STEP_S) {
             self.predict_to(time_s);
         }
-        self.modes.measure(T::lit(SAME_ROAD) * sd_n_per_m * sd_n_per_m, |state| {
+        self.modes.hear(T::lit(SAME_ROAD) * sd_n_per_m * sd_n_per_m, |state| {
             let (expected, slope) = self.scale.word(corner, state);
             (slope, stiffness_n_per_m - expected)
         });

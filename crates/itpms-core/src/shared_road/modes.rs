@@ -42,6 +42,10 @@ const FADING: f64 = 0.03;
 const FORGOTTEN: f64 = 1e-20;
 /// Degrees of freedom of the disagreement's distribution: how heavy its tails are.
 const TAILS: f64 = 8.0;
+/// The same of a word.
+const WORD_TAILS: f64 = 4.0;
+/// Largest chance of a step that a suspected wheel begins to move.
+const LARGEST_CHANCE: f64 = 0.2;
 
 /// One of the seven.
 #[derive(Debug, Clone, PartialEq)]
@@ -104,9 +108,10 @@ impl<T: Real> Modes<T> {
         Self { modes }
     }
 
-    /// Moves on by `seconds`; `liveliness` multiplies the chances that one wheel, and that several, begin to move.
-    pub(super) fn predict(&mut self, seconds: T, liveliness: [T; 2]) {
-        self.mix(seconds, liveliness);
+    /// Moves on by `seconds`; `liveliness` multiplies the chances that one wheel, and that several, begin to move;
+    /// `suspected` are chances per second that each wheel does that somebody else has reason to believe in.
+    pub(super) fn predict(&mut self, seconds: T, liveliness: [T; 2], suspected: &[T; 4]) {
+        self.mix(seconds, liveliness, suspected);
         for (index, mode) in self.modes.iter_mut().enumerate() {
             mode.wander(seconds);
             if index == LOOSE {
@@ -133,12 +138,15 @@ impl<T: Real> Modes<T> {
         }
     }
 
-    fn mix(&mut self, seconds: T, liveliness: [T; 2]) {
+    fn mix(&mut self, seconds: T, liveliness: [T; 2], suspected: &[T; 4]) {
         let end = T::one() - (-T::lit(END) * seconds).exp();
         let mut begin = [T::zero(); MODES];
         let mut stay = T::one();
         for mode in 1..MODES {
             begin[mode] = T::lit(BEGIN[mode]) * seconds * liveliness[usize::from(mode >= ALL)];
+            if mode < ALL {
+                begin[mode] += (suspected[mode - 1] * seconds).min(T::lit(LARGEST_CHANCE));
+            }
             stay -= begin[mode];
         }
         let old = self.modes.clone();
@@ -203,7 +211,7 @@ impl<T: Real> Modes<T> {
     }
 
     /// A measured number with its variance: `linearise` gives, for a state, its derivatives and how much more it is than
-    /// expected. Says nothing about which mode holds: it is too slow for that.
+    /// expected. Says nothing about which mode holds.
     pub(super) fn measure(&mut self, variance: T, linearise: impl Fn(&State<T>) -> (State<T>, T)) {
         for mode in &mut self.modes {
             let (slope, innovation) = linearise(&mode.mean);
@@ -216,6 +224,20 @@ impl<T: Real> Modes<T> {
             mode.covariance -= spread * spread.transpose() / total;
             mode.tidy();
         }
+    }
+
+    /// The same of a number that also says how likely each mode is.
+    pub(super) fn hear(&mut self, variance: T, linearise: impl Fn(&State<T>) -> (State<T>, T)) {
+        let mut log_weight = [T::zero(); MODES];
+        for (mode, log) in self.modes.iter().zip(&mut log_weight) {
+            let (slope, innovation) = linearise(&mode.mean);
+            let total = slope.dot(&(mode.covariance * slope)) + variance;
+            let tails = T::lit(WORD_TAILS);
+            let surprise = innovation * innovation / total;
+            *log = T::lit(-0.5) * (total.ln() + (tails + T::one()) * (T::one() + surprise / tails).ln());
+        }
+        self.measure(variance, linearise);
+        self.reweigh(&log_weight);
     }
 
     fn reweigh(&mut self, log_weight: &[T; MODES]) {

@@ -8,6 +8,7 @@ use nalgebra::Complex;
 use nalgebra::ComplexField;
 
 use super::{C, Moved, STILL, deviating, frame, signals, taken, unit_frames, wheels};
+use crate::shared_road::channel::high_pass_power;
 use crate::shared_road::constraint::{
     Gram, OWN, Score, Signals, Slope, TrackFrame, compare, expected_products, places,
 };
@@ -98,12 +99,13 @@ fn expected_products_are_those_of_a_long_random_road() {
         let s = C::new(0.0, core::f64::consts::TAU * f);
         wheels().map(|wheel| signals(&wheel, &state, s, Moved::by_road(ONE))[3])
     };
-    // On a white road every frequency has a random amplitude of its own, so products average to the sum of those of
+    let left = |f: f64| ONE * high_pass_power(f).sqrt();
+    // On a road that is white before the signals' high-pass every frequency has a random amplitude of its own, so products average to the sum of those of
     // unit cosines and sines; the other side's road is another one.
     let mut products = [Gram::zeros(); BINS];
     let mut power = [0.0; BINS];
-    let beside = |f: f64| relative(f).map(|other| Moved { road: C::new(0.0, 0.0), other });
-    let own = unit_frames(&state, |_| [Moved::by_road(ONE); 2]);
+    let beside = |f: f64| relative(f).map(|other| Moved { road: C::new(0.0, 0.0), other: other * left(f) });
+    let own = unit_frames(&state, |f| [Moved::by_road(left(f)); 2]);
     for taken in own.iter().chain(&unit_frames(&state, beside)) {
         let found = compare(taken, Signals::Measured, &wheels(), 0, &state);
         for bin in 0..BINS {
