@@ -7,9 +7,10 @@ use super::constraint::{Disagreement, Gram};
 use super::{BINS, OVERLAP};
 use crate::real::Real;
 
-/// Incoherence assumed before anything was seen, and the least that is believed: no damper is linear.
+/// Incoherence assumed before anything was seen, and the least that is believed: a millisecond between a wheel's sensor and
+/// its body's, or a damper that is not quite linear, is never seen as such and leads astray for as long as it is believed.
 const START: f64 = 0.2;
-const LEAST: f64 = 1e-4;
+const LEAST: f64 = 1e-3;
 /// The most that is believed.
 const MOST: f64 = 2.0;
 /// Largest step of a frame's estimate, as a multiple of what is believed, and more.
