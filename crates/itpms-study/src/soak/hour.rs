@@ -135,13 +135,13 @@ fn scenario(plan: &Plan) -> Result<Scenario, SoakError> {
     Ok(scenario)
 }
 
-/// The estimator and the monitor as they are shipped, told what the vehicle file says.
+/// The estimator and the monitor as they are shipped, told what the vehicle file says; nobody reads the roads' heights.
 fn monitored(scenario: &Scenario) -> Result<Box<MonitoredCar<f64>>, SoakError> {
     let mut config = CarConfig { corners: [None; 4], wheelbase_m: Some(scenario.wheelbase_m) };
     for (corner, _) in scenario.corner.iter() {
         config.corners[corner.index()] = Some(scenario.corner_config(corner)?);
     }
-    let estimator = CarEstimator::new(EstimatorKind::default(), &config, scenario.rate_hz)?;
+    let estimator = CarEstimator::new(EstimatorKind::default(), &config, scenario.rate_hz)?.without_road();
     let monitor = Monitor::new(&MonitorConfig::new(&config), scenario.rate_hz)?;
     Ok(Box::new(MonitoredCar::new(estimator, monitor)))
 }

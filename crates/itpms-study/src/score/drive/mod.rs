@@ -178,7 +178,7 @@ impl Drive {
     fn estimators(&self) -> Result<Vec<CarEstimator<f64>>, ScoreError> {
         let config = self.told()?;
         let set_up = |setup: &Setup| {
-            let estimator = CarEstimator::new(self.kind, &config, self.scenario.rate_hz)?;
+            let estimator = CarEstimator::new(self.kind, &config, self.scenario.rate_hz)?.without_road();
             let estimator = estimator.with_sources(setup.sources);
             Ok(match setup.reset_s {
                 Some(seconds) => estimator.with_reset_drive(seconds)?,
