@@ -82,6 +82,8 @@ const FILLING_S: f64 = 20.0;
 const SLOWEST_WORD_M_S: f64 = 4.0;
 /// Least compliance of a tire over that at placard pressure.
 const LEAST_COMPLIANCE: f64 = 0.05;
+/// Share by which a tire's sd grows while it surely moves, as that of a corner alone: modes are few, leaks are not.
+const MOVING_SD: f64 = 0.7;
 /// Seconds of shared road after which the belief counts.
 const ENOUGH_S: f64 = 2.0;
 /// Seconds of driving after which the shared road is given up if it was not found.
@@ -469,7 +471,10 @@ impl<T: Real> SharedRoad<T> {
         let floor = T::lit(LEAST_COMPLIANCE);
         let stiffness =
             SVector::<T, 4>::from_fn(|i, _| self.scale.placard_n_per_m[i] / (T::one() + mean[i]).max(floor));
-        let by = SVector::<T, 4>::from_fn(|i, _| stiffness[i] / (T::one() + mean[i]).max(floor));
+        let moving = self.modes.moving_tires();
+        let by = SVector::<T, 4>::from_fn(|i, _| {
+            (T::one() + T::lit(MOVING_SD) * moving[i]) * stiffness[i] / (T::one() + mean[i]).max(floor)
+        });
         let covariance = SMatrix::<T, 4, 4>::from_fn(|i, j| by[i] * by[j] * covariance[(i, j)]);
         CarBelief {
             stiffness_n_per_m: stiffness,

@@ -367,6 +367,12 @@ impl<T: Real> Modes<T> {
         (mean, square - mean * mean)
     }
 
+    /// Probability that each tire moves.
+    pub(super) fn moving_tires(&self) -> [T; 4] {
+        let several = self.modes[ALL].weight + self.modes[LOOSE].weight;
+        core::array::from_fn(|i| self.modes[i + 1].weight + several)
+    }
+
     /// Probability that anything moves.
     pub(super) fn moving(&self) -> T {
         self.modes[1..].iter().fold(T::zero(), |sum, mode| sum + mode.weight)
