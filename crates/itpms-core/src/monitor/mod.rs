@@ -9,6 +9,7 @@
 //! | `config` | limits of the regulations |
 //! | `health` | the sensors, from their raw values |
 //! | `wheel`, `leak`, `all_low` | pressures against limits, against each other, and all together |
+//! | `parting` | roads that front and rear have just stopped sharing |
 //! | `warm` | what a tire should have, warm as it is after so much driving |
 //! | `latch` | debouncing and hysteresis |
 //! | `alert`, `report`, `wheels` | what is said |
@@ -21,6 +22,7 @@ mod health;
 mod latch;
 mod leak;
 mod monitored;
+mod parting;
 mod report;
 mod warm;
 mod wheel;
@@ -36,9 +38,10 @@ use self::all_low::AllLow;
 use self::health::{Fault, Health};
 use self::latch::Latch;
 use self::leak::LeakWatch;
+use self::parting::Parting;
 use self::report::{ALL_LOW_SLOT, Slot};
 use self::warm::WarmReference;
-use self::wheel::{WheelWatch, is_learning, reading};
+use self::wheel::{Around, WheelWatch, is_learning, reading};
 use crate::car::CarEstimate;
 use crate::estimate::{CornerEstimate, Validity, Warning};
 use crate::quarter_car::{ParameterError, positive};
@@ -73,6 +76,8 @@ pub struct Monitor<T: Real> {
     /// Corners that have had a fault since their estimator last started.
     spoiled: Wheels,
     wheels: [WheelWatch; 4],
+    /// Left and right.
+    partings: [Parting<T>; 2],
     leaks: LeakWatch<T>,
     all_low: AllLow<T>,
     speed_m_s: T,
@@ -99,6 +104,7 @@ impl<T: Real> Monitor<T> {
             suspects: Wheels::NONE,
             spoiled: Wheels::NONE,
             wheels: [WheelWatch::new(); 4],
+            partings: [Parting::new(); 2],
             leaks: LeakWatch::new(),
             all_low: AllLow::new(),
             speed_m_s: T::lit(f64::NAN),
@@ -171,13 +177,21 @@ impl<T: Real> Monitor<T> {
     fn decide(&mut self, estimate: &CarEstimate<T>, step_s: f64) {
         let limits = self.config.limits;
         self.reference_kpa = self.warm.update(estimate, self.speed_m_s, self.told_kpa, limits.reference_span);
+        let mut parting = [false; 2];
+        for ((parting, watch), track) in parting.iter_mut().zip(&mut self.partings).zip(&estimate.tracks) {
+            *parting = watch.update(step_s, track.incoherence);
+        }
         for (i, corner) in estimate.corners.iter().enumerate() {
             if let Some(corner) = corner {
                 // Front and rear of a side are two places apart.
                 let other = (i + 2) % 4;
                 let valid = estimate.corners[other].as_ref().filter(|corner| corner.validity.is_valid());
-                let share = valid.map(|corner| corner.pressure_kpa / self.reference_kpa[other]);
-                self.wheels[i].update(step_s, self.speed_m_s, corner, self.reference_kpa[i], share, &limits);
+                let around = Around {
+                    speed_m_s: self.speed_m_s,
+                    other_share: valid.map(|corner| corner.pressure_kpa / self.reference_kpa[other]),
+                    parting: parting[i % 2],
+                };
+                self.wheels[i].update(step_s, corner, self.reference_kpa[i], &around, &limits);
             }
         }
         let learned = |corner: &Option<CornerEstimate<T>>| {

@@ -25,6 +25,16 @@ const LEARNING: f64 = 0.1;
 /// Speed in m/s above which a car should learn something: 20 km/h.
 const SHOULD_LEARN_M_S: f64 = 5.5;
 
+/// What else is known when a wheel is looked at.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Around<T> {
+    pub(super) speed_m_s: T,
+    /// Pressure of the side's other tire over its reference, if there is one.
+    pub(super) other_share: Option<T>,
+    /// Whether front and rear of the side have just stopped sharing a road.
+    pub(super) parting: bool,
+}
+
 /// What is remembered of a wheel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -48,22 +58,20 @@ impl WheelWatch {
         }
     }
 
-    /// Takes what was estimated over the last `step_s` seconds; `other_share` is the pressure of the side's other tire over
-    /// its reference, if there is one.
+    /// Takes what was estimated over the last `step_s` seconds.
     pub(super) fn update<T: Real>(
         &mut self,
         step_s: f64,
-        speed_m_s: T,
         estimate: &CornerEstimate<T>,
         reference_kpa: T,
-        other_share: Option<T>,
+        around: &Around<T>,
         limits: &Limits<T>,
     ) {
         let time_s = estimate.time_s;
         let learning = is_learning(estimate);
         if learning {
             (self.informed_s, self.driven_s) = (time_s, 0.0);
-        } else if speed_m_s > T::lit(SHOULD_LEARN_M_S) {
+        } else if around.speed_m_s > T::lit(SHOULD_LEARN_M_S) {
             self.driven_s += step_s;
         }
         let silent = self.driven_s >= limits.no_information_s;
@@ -76,13 +84,14 @@ impl WheelWatch {
         let low_kpa = limits.low_share * reference_kpa;
         let below = |sds: f64| p + T::lit(sds) * sd < low_kpa;
         let low = if below(CERTAIN) {
-            Evidence::For
+            // What the axles disagree by may be the road's.
+            if around.parting { Evidence::Nothing } else { Evidence::For }
         } else if p - T::lit(CERTAIN) * sd > low_kpa || p > limits.low_over_share * reference_kpa {
             Evidence::Against
         } else {
             Evidence::Neither
         };
-        let alone = other_share.is_none_or(|other| other - p / reference_kpa > T::lit(ALONE));
+        let alone = around.other_share.is_none_or(|other| other - p / reference_kpa > T::lit(ALONE));
         let certainty = if below(VERY_CERTAIN) { 2.0 } else { 1.0 };
         let weight = match low {
             Evidence::For if alone => certainty,

@@ -82,8 +82,8 @@ const FILLING_S: f64 = 20.0;
 const SLOWEST_WORD_M_S: f64 = 4.0;
 /// Least compliance of a tire over that at placard pressure.
 const LEAST_COMPLIANCE: f64 = 0.05;
-/// Share by which a tire's sd grows while it surely moves, as that of a corner alone: modes are few, leaks are not.
-const MOVING_SD: f64 = 0.7;
+/// Share by which a tire's sd grows while it surely moves: modes are few, leaks are not.
+const MOVING_SD: f64 = 0.5;
 /// Seconds of shared road after which the belief counts.
 const ENOUGH_S: f64 = 2.0;
 /// Seconds of driving after which the shared road is given up if it was not found.
