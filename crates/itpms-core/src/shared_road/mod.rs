@@ -16,12 +16,14 @@
 //! | `coherence` | how far they share a road |
 //! | `parameters` | what is unknown of the car |
 //! | `modes` | the belief |
+//! | `evidence` | what a frame says to one Gaussian of it |
 //! | `lesson` | what a reset taught |
 
 mod acquire;
 mod channel;
 mod coherence;
 mod constraint;
+mod evidence;
 mod instrument;
 mod lesson;
 mod memory;

@@ -1,0 +1,101 @@
+//! What a frame says to one Gaussian of the belief: how likely it was, and where its quantities should go (docs/math/shared-road.md,
+//! eq. 11-13). Used by every mode in turn; knows nothing of the others.
+
+use nalgebra::SMatrix;
+
+use super::coherence::Expectation;
+use super::constraint::{Disagreement, Gram, OWN, ROWS, Score, Slope, places};
+use super::modes::Mode;
+use super::parameters::{Covariance, SIZE};
+use super::{BINS, OVERLAP};
+use crate::real::Real;
+
+/// Degrees of freedom of the disagreement's distribution: how heavy its tails are.
+const TAILS: f64 = 8.0;
+
+/// The part of a belief that a side's disagreement depends on.
+pub(super) struct OwnCovariance<T: Real> {
+    /// Covariance of everything with the side's quantities, and of these among themselves.
+    all: SMatrix<T, SIZE, OWN>,
+    own: Gram<T>,
+}
+
+impl<T: Real> OwnCovariance<T> {
+    pub(super) fn new(covariance: &Covariance<T>, side: usize) -> Self {
+        let places = places(side);
+        let mut all = SMatrix::<T, SIZE, OWN>::zeros();
+        for (column, &place) in places.iter().enumerate() {
+            all.set_column(column, &covariance.column(place));
+        }
+        let own = Gram::from_fn(|row, column| all[(places[row], column)]);
+        Self { all, own }
+    }
+
+    /// Adds information with its score, both divided by `scale`.
+    pub(super) fn learn(&self, mode: &mut Mode<T>, score: &Score<T>, information: &Gram<T>, scale: T) {
+        let information = information / scale;
+        // P' = P - P_o (I + Ω P_oo)^-1 Ω P_o^T, and with it the mean: m' = m + P'_o score.
+        let Some(inverse) = (Gram::identity() + information * self.own).try_inverse() else { return };
+        let gain = self.all * inverse;
+        mode.covariance -= gain * information * self.all.transpose();
+        mode.tidy();
+        mode.mean += gain * (score / scale);
+    }
+}
+
+/// How well a mode foretold a frame.
+pub(super) struct Likelihood<T: Real> {
+    pub(super) log: T,
+    /// Factor by which the disagreement's variance is larger than expected, at least one.
+    pub(super) scale: T,
+    /// Power of what remains over what was expected, per bin.
+    pub(super) ratio: [T; BINS],
+}
+
+impl<T: Real> Likelihood<T> {
+    pub(super) fn new(
+        own: &OwnCovariance<T>,
+        found: &Disagreement<T>,
+        expected: &Expectation<T>,
+    ) -> Option<Self> {
+        let known = found.slope * own.own * found.slope.transpose();
+        // Half of a bin's power in each of its two numbers; frames that overlap say half of everything twice.
+        let share = T::lit(0.5 / OVERLAP);
+        let total = |scale: T| {
+            let mut total = known;
+            (0..ROWS).for_each(|row| total[(row, row)] += expected.power[row % BINS] * share * scale);
+            total
+        };
+        let plain = total(T::one()).cholesky()?;
+        let surprise = found.rows.dot(&plain.solve(&found.rows));
+        // A disagreement far larger than expected says little: Student's t with few degrees of freedom.
+        let (tails, rows) = (T::lit(TAILS), T::lit(ROWS as f64));
+        let scale = ((tails + surprise) / (tails + rows)).max(T::one());
+        let inverse = total(scale).cholesky()?.inverse();
+        let weighted = inverse * found.rows;
+        let mut ratio = [T::zero(); BINS];
+        for (bin, ratio) in ratio.iter_mut().enumerate() {
+            for row in [bin, BINS + bin] {
+                *ratio += share * scale * weighted[row] * weighted[row] / inverse[(row, row)];
+            }
+        }
+        let diagonal = plain.l_dirty().diagonal();
+        let log_determinant = diagonal.iter().fold(T::zero(), |sum, x| sum + T::lit(2.0) * x.ln());
+        let log = T::lit(-0.5) * (log_determinant + (tails + rows) * (T::one() + surprise / tails).ln());
+        Some(Self { log, scale, ratio })
+    }
+}
+
+/// How the instruments want the side's quantities changed.
+pub(super) fn score<T: Real>(
+    found: &Disagreement<T>,
+    instrument: &Slope<T>,
+    expected: &Expectation<T>,
+) -> Score<T> {
+    let mut score = Score::zeros();
+    for row in 0..ROWS {
+        let weight = T::lit(2.0 * OVERLAP) / expected.power[row % BINS];
+        score -= instrument.row(row).transpose() * (found.rows[row] * weight);
+    }
+    score
+}
