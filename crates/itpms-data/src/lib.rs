@@ -9,6 +9,7 @@
 //! | [`crg`] | roads from OpenCRG files |
 //! | [`profile`] | road profiles from text |
 //! | [`out`] | files out: complete under their name or not there at all |
+//! | [`signals`] | what comes signal by signal instead of row by row |
 //! | [`reference`](mod@reference) | what a reset taught of a car, stored: its own car's, complete and plausible, or refused |
 //! | [`error`] | one message per problem: file, line or column, what was found, what was expected |
 //!
@@ -23,6 +24,7 @@ mod nearest;
 pub mod out;
 pub mod profile;
 pub mod reference;
+pub mod signals;
 mod toml_table;
 pub mod vehicle;
 

@@ -31,6 +31,6 @@ pub(crate) use format::Format;
 pub(crate) use header::{separator, shortened};
 pub use reader::{LogReader, SURVEY_ROWS};
 pub use repair::RepairReport;
-pub use row::{CornerColumns, LogColumns, LogCorner, LogRow};
+pub use row::{CornerColumns, Field, LogColumns, LogCorner, LogRow, SLOTS, Slot};
 pub use survey::Survey;
 pub use units::UnitCheck;

@@ -3,11 +3,15 @@
 use itpms_core::sample::{CarSample, Corner, CornerSample, Sample};
 
 /// One quantity of one corner.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Field {
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Field {
+    /// Sprung mass acceleration in m/s², up.
     BodyAccel,
+    /// Unsprung mass acceleration in m/s², up.
     WheelAccel,
+    /// True gauge pressure in kPa.
     Pressure,
+    /// True road height in m.
     Road,
 }
 
@@ -25,28 +29,33 @@ impl Field {
 }
 
 /// A column that means something to us.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Slot {
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Slot {
+    /// `time_s`.
     Time,
+    /// `speed_m_s`.
     Speed,
+    /// `{c}_body_accel_m_s2` and the like.
     Corner(Corner, Field),
 }
 
 /// Number of columns that mean something.
-pub(crate) const SLOTS: usize = 2 + 4 * 4;
+pub const SLOTS: usize = 2 + 4 * 4;
 
 /// The values of one row, by [`Slot::index`]; NaN where missing.
 pub(crate) type RawRow = [f64; SLOTS];
 
 impl Slot {
     /// All columns, in the order in which they are written.
-    pub(crate) fn all() -> impl Iterator<Item = Slot> {
+    pub fn all() -> impl Iterator<Item = Slot> {
         let corners =
             Corner::ALL.into_iter().flat_map(|c| Field::ALL.into_iter().map(move |f| Slot::Corner(c, f)));
         [Slot::Time, Slot::Speed].into_iter().chain(corners)
     }
 
-    pub(crate) fn index(self) -> usize {
+    /// Its place in [`Slot::all`].
+    #[must_use]
+    pub fn index(self) -> usize {
         match self {
             Slot::Time => 0,
             Slot::Speed => 1,
@@ -54,7 +63,9 @@ impl Slot {
         }
     }
 
-    pub(crate) fn name(self) -> String {
+    /// The column's name.
+    #[must_use]
+    pub fn name(self) -> String {
         match self {
             Slot::Time => "time_s".to_owned(),
             Slot::Speed => "speed_m_s".to_owned(),
