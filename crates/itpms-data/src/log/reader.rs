@@ -163,7 +163,7 @@ impl LogReader {
         let missing = |slot: &Slot| raw[slot.index()].is_nan();
         self.report.missing_accelerations += accelerations(&columns).filter(missing).count() as u64;
         self.report.missing_speeds += u64::from(columns.speed && missing(&Slot::Speed));
-        self.ahead.extend(self.order.push(LogRow::from_raw(&raw, &columns), place));
+        self.ahead.extend(self.order.push(LogRow::from_values(&raw, &columns), place));
         self.copy_counts();
         Ok(())
     }

@@ -93,6 +93,18 @@ pub struct CornerColumns {
 }
 
 impl LogColumns {
+    /// Of these columns, what a drive log can have: a corner has both its accelerations or is not there.
+    #[must_use]
+    pub fn of(slots: &[Slot]) -> Self {
+        let has = |slot| slots.contains(&slot);
+        let corners = Corner::ALL.map(|corner| {
+            let slot = |field| Slot::Corner(corner, field);
+            let both = has(slot(Field::BodyAccel)) && has(slot(Field::WheelAccel));
+            both.then(|| CornerColumns { pressure: has(slot(Field::Pressure)), road: has(slot(Field::Road)) })
+        });
+        Self { speed: has(Slot::Speed), corners }
+    }
+
     /// The corners that are there.
     #[must_use]
     pub fn present(&self) -> Vec<Corner> {
@@ -163,7 +175,7 @@ impl LogRow {
     }
 
     /// The row of these columns with these values.
-    pub(crate) fn from_raw(raw: &RawRow, columns: &LogColumns) -> Self {
+    pub(crate) fn from_values(raw: &RawRow, columns: &LogColumns) -> Self {
         let corners = Corner::ALL.map(|corner| {
             let value = |field| raw[Slot::Corner(corner, field).index()];
             columns.corners[corner.index()].map(|_| LogCorner {

@@ -3,7 +3,10 @@
 //!
 //! Called by the log reader and by whoever listens to a bus; knows nothing of estimators.
 
+pub mod align;
+
 use crate::log::Slot;
+pub use align::Aligner;
 
 /// One value of one signal at its own time.
 #[derive(Debug, Clone, Copy, PartialEq)]

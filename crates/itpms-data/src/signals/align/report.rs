@@ -1,0 +1,95 @@
+//! What the alignment found and did, in numbers and in words.
+
+use crate::log::Slot;
+
+/// How a signal came into the rows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SlotMethod {
+    /// Its times are the rows'.
+    Clock,
+    /// As it is; its readings lie this many seconds behind the clock's.
+    AsItIs {
+        /// In s, within three quarters of a period.
+        offset_s: f64,
+    },
+    /// Through the low-pass.
+    LowPass,
+    /// On the line between two readings.
+    Interpolated,
+    /// Nothing, or too little to know its rate, has come.
+    Waiting,
+}
+
+/// One signal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SlotAlignment {
+    /// Which.
+    pub slot: Slot,
+    /// Readings per second; NaN while unknown.
+    pub rate_hz: f64,
+    /// How it came into the rows.
+    pub method: SlotMethod,
+    /// Readings taken.
+    pub readings: u64,
+    /// Readings that found their place in a row already taken.
+    pub left_over: u64,
+}
+
+/// Everything about an alignment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AlignmentReport {
+    /// Rows per second.
+    pub rate_hz: f64,
+    /// The signals, in the order of [`Slot::all`].
+    pub signals: Vec<SlotAlignment>,
+    /// Readings without a time.
+    pub without_time: u64,
+    /// Readings that came after their row had gone.
+    pub late: u64,
+    /// Times the clock went back and was believed.
+    pub restarts: u64,
+}
+
+impl AlignmentReport {
+    /// What was done beyond taking every reading as it is: one sentence each.
+    #[must_use]
+    pub fn remarks(&self) -> Vec<String> {
+        let mut out: Vec<String> = self.signals.iter().filter_map(|signal| self.remark(signal)).collect();
+        for (count, what) in [
+            (self.without_time, "had no time"),
+            (self.late, "came after their row had gone"),
+            (
+                self.signals.iter().map(|signal| signal.left_over).sum(),
+                "shared their row with another of their signal",
+            ),
+        ] {
+            if count > 0 {
+                out.push(format!("{count} readings {what} and were left out"));
+            }
+        }
+        if self.restarts > 0 {
+            out.push(format!("the clock went back {} times", self.restarts));
+        }
+        out
+    }
+
+    fn remark(&self, signal: &SlotAlignment) -> Option<String> {
+        let (name, from, to) = (signal.slot.name(), signal.rate_hz, self.rate_hz);
+        match signal.method {
+            SlotMethod::Clock => None,
+            SlotMethod::AsItIs { offset_s } => (offset_s.abs() > 0.05 / to).then(|| {
+                let when = if offset_s > 0.0 { "after" } else { "before" };
+                format!(
+                    "{name} comes {:.2} ms {when} the others of its cycle; its values were not changed",
+                    1e3 * offset_s.abs()
+                )
+            }),
+            SlotMethod::LowPass => {
+                Some(format!("{name}, {from:.0} Hz, was brought to the rows' {to:.0} Hz by a low-pass"))
+            }
+            SlotMethod::Interpolated => (!(from > 0.95 * to))
+                .then(|| format!("{name}, {from:.0} Hz, was interpolated to the rows' {to:.0} Hz")),
+            SlotMethod::Waiting => Some(format!("{name} has too few readings ({})", signal.readings)),
+        }
+    }
+}
