@@ -1,0 +1,158 @@
+//! What is published: everything that is known of the car at one moment, as plain numbers and words.
+//!
+//! Made by the estimating thread; read by JSON lines, MQTT, the page and the tests. As JSON the names of the fields are
+//! part of the contract with scripts. A number that is not known is NaN here and `null` in JSON. Holds no logic.
+
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+/// The car at one moment.
+#[derive(Debug, Clone, Serialize)]
+pub struct Snapshot {
+    /// Counts the snapshots of this process from 0; one that is missing was not seen.
+    pub seq: u64,
+    /// Time of the newest row in s, on the source's clock; NaN before the first row.
+    pub time_s: f64,
+    /// Wall clock when this was made, in s since 1970-01-01 UTC.
+    pub unix_s: f64,
+    /// Where the rows come from, and whether they come.
+    pub source: Source,
+    /// Name of the vehicle, from its file.
+    pub vehicle: String,
+    /// Speed of the car in m/s.
+    pub speed_m_s: f64,
+    /// Distance driven since the start, in m.
+    pub distance_m: f64,
+    /// How late the estimates are.
+    pub latency_ms: Latency,
+    /// The wheels that are monitored, in the order fl fr rl rr.
+    pub wheels: Vec<Wheel>,
+    /// Left and right track, where front and rear are measured.
+    pub tracks: Vec<Track>,
+    /// The alerts that stand: the objects of `events.jsonl` (`kind`, `wheels`, `since_s`, `said_s`, `text`, and numbers that
+    /// depend on the kind).
+    pub alerts: Vec<Map<String, Value>>,
+    /// The accelerometers.
+    pub sensors: Vec<SensorHealth>,
+    /// Whether every wheel is known to be fine and the source is live: the only time to say "all good".
+    pub all_fine: bool,
+}
+
+/// Where the rows come from.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Source {
+    /// Interface, file or topic, such as `can0`.
+    pub name: String,
+    /// `socketcan`, `stdin`, `replay` or `mqtt`.
+    pub kind: &'static str,
+    /// Whether rows come.
+    pub state: SourceState,
+    /// Rows estimated.
+    pub rows: u64,
+    /// Frames received; rows, where the source has no frames.
+    pub frames: u64,
+    /// Frames lost because we were too slow, or that the bus interface said it lost.
+    pub dropped: u64,
+    /// Frames whose id is not in the DBC.
+    pub unknown_ids: u64,
+    /// Lines and frames that could not be read.
+    pub malformed: u64,
+    /// Times the connection was lost and made again.
+    pub reconnects: u64,
+    /// Rows per second for which the estimator was made; NaN before that is known.
+    pub rate_hz: f64,
+}
+
+/// Whether rows come.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SourceState {
+    /// A row came within the last second.
+    Live,
+    /// Nothing has come for more than a second, or nothing yet: what is said is old.
+    Stale,
+    /// The log or the input is at its end.
+    Ended,
+}
+
+/// From the arrival of the frame that completed a row to the estimate, in ms, over the last ten seconds.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Latency {
+    /// Median.
+    pub p50: f64,
+    /// 99 of 100 are below.
+    pub p99: f64,
+    /// The worst.
+    pub max: f64,
+}
+
+/// One wheel.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Wheel {
+    /// `fl`, `fr`, `rl` or `rr`.
+    pub corner: &'static str,
+    /// `unknown`, `fine`, `low`, `over` or `malfunction`.
+    pub state: &'static str,
+    /// While unknown, why: `starting`, `no-information`, `uncertain` or `suspicion`; else `null`.
+    pub doubt: Option<&'static str>,
+    /// Gauge pressure in kPa; means something only while valid.
+    pub pressure_kpa: f64,
+    /// Its standard deviation in kPa.
+    pub pressure_sd_kpa: f64,
+    /// Tire stiffness in N/m.
+    pub stiffness_n_per_m: f64,
+    /// What the pressure is held against, in kPa.
+    pub reference_kpa: f64,
+    /// What the placard asks for, in kPa.
+    pub placard_kpa: f64,
+    /// Whether the pressure may be shown.
+    pub valid: bool,
+    /// `none`, `low` or `malfunction`.
+    pub warning: &'static str,
+    /// Share of the last frame that was learned from, 0 to 1.
+    pub gate: f64,
+    /// Seconds since something was learned of this wheel.
+    pub informed_age_s: f64,
+    /// Height of the road under the wheel in m, causal and without drift.
+    pub road_m: f64,
+    /// International Roughness Index of the last full 100 m under this wheel.
+    pub iri_m_per_km: f64,
+}
+
+/// How front and rear of one side meet the same road.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Track {
+    /// `left` or `right`.
+    pub side: &'static str,
+    /// Whether the shared road is being learned from.
+    pub shared: bool,
+    /// Share of the road's power near wheel hop that front and rear do not have in common, 0 to 1.
+    pub incoherence: f64,
+}
+
+/// One accelerometer.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SensorHealth {
+    /// Its column in a drive log, such as `fl_body_accel_m_s2`.
+    pub column: String,
+    /// `fine`, `suspect` (not learned from, not yet said) or `malfunction`.
+    pub state: &'static str,
+    /// What is wrong, for a person; `null` while nothing is.
+    pub reason: Option<String>,
+}
+
+/// An alert that began or ended.
+#[derive(Debug, Clone, Serialize)]
+pub struct Transition {
+    /// Counts the transitions of this process from 0.
+    pub seq: u64,
+    /// When, in s on the source's clock.
+    pub time_s: f64,
+    /// When, in s since 1970-01-01 UTC.
+    pub unix_s: f64,
+    /// `begun` or `ended`.
+    pub event: &'static str,
+    /// The alert, as in [`Snapshot::alerts`].
+    #[serde(flatten)]
+    pub alert: Map<String, Value>,
+}
