@@ -10,6 +10,7 @@ use itpms_core::quarter_car::ParameterError;
 use thiserror::Error;
 
 use crate::reference::ReferenceProblem;
+use crate::signals::SignalProblem;
 
 /// A file that could not be used, and why.
 #[derive(Debug, Error)]
@@ -73,6 +74,10 @@ pub enum Problem {
         /// The known ones.
         expected: &'static str,
     },
+
+    /// An option that means nothing for this format.
+    #[error("{0}")]
+    NotApplicable(&'static str),
 
     // --- drive logs: the table ---
     /// Zero bytes or blank lines only.
@@ -346,10 +351,21 @@ pub enum Problem {
     #[error("no corner is described, expected at least one table [corner.fl] (or fr, rl, rr)")]
     NoCorner,
 
+    // --- MDF4 ---
+    /// Not MDF4, or damaged beyond reading.
+    #[cfg(feature = "mdf4")]
+    #[error(transparent)]
+    Mdf4(#[from] crate::mdf4::Mdf4Problem),
+
     // --- learned references ---
     /// Not a reference, not a whole one, or another car's.
     #[error(transparent)]
     Reference(#[from] ReferenceProblem),
+
+    // --- signals ---
+    /// A map of signals, or a map and a log, that do not fit.
+    #[error(transparent)]
+    Signals(#[from] SignalProblem),
 }
 
 fn hint(nearest: &Option<String>) -> String {

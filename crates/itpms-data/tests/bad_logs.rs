@@ -215,7 +215,7 @@ fn accelerations_in_g_unless_the_user_insists() {
         "{text}"
     );
     assert!(text.ends_with("expected m/s^2"));
-    assert_eq!(LogReader::open_with(&path, UnitCheck::Trusting).unwrap().count(), 1000);
+    assert_eq!(LogReader::open_with(&path, &UnitCheck::Trusting.into()).unwrap().count(), 1000);
 }
 
 #[test]

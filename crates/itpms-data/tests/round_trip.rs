@@ -21,7 +21,7 @@ fn write(path: &Path, columns: LogColumns, rows: &[LogRow]) {
 }
 
 fn read(path: &Path) -> (LogColumns, Vec<LogRow>) {
-    let mut log = LogReader::open_with(path, UnitCheck::Trusting).unwrap();
+    let mut log = LogReader::open_with(path, &UnitCheck::Trusting.into()).unwrap();
     (*log.columns(), log.by_ref().map(Result::unwrap).collect())
 }
 

@@ -2,6 +2,7 @@
 
 mod bench;
 mod certify;
+mod log;
 mod malfunctions;
 mod reproduce;
 mod roughness;
@@ -19,6 +20,7 @@ use itpms_study::score::Part;
 
 pub(crate) use bench::{BenchOutput, CalibrateArgs, DamperArgs, IdentifyArgs, IdentifyPart, SpringArgs};
 pub(crate) use certify::CertifyArgs;
+pub(crate) use log::LogArgs;
 pub(crate) use malfunctions::MalfunctionsArgs;
 pub(crate) use reproduce::ReproduceArgs;
 pub(crate) use roughness::RoughnessArgs;
@@ -80,7 +82,7 @@ pub(crate) struct DemoArgs {
 #[derive(Debug, clap::Args)]
 #[command(after_help = ESTIMATE_EXAMPLES)]
 pub(crate) struct EstimateArgs {
-    /// The drive log: .csv or .parquet.
+    /// The drive log: .csv, .parquet, .mf4, or a CAN log (.log, .candump, .asc, .blf) with --dbc.
     pub(crate) log: PathBuf,
     /// Masses, springs, dampers and tires of the corners.
     #[arg(long, value_name = "V.toml")]
@@ -120,9 +122,8 @@ pub(crate) struct EstimateArgs {
     /// Rows per second of the output.
     #[arg(long, value_name = "HZ", default_value_t = 10.0, value_parser = positive)]
     pub(crate) rate: f64,
-    /// Take the accelerations as m/s^2 even if they do not look like it.
-    #[arg(long)]
-    pub(crate) trust_units: bool,
+    #[command(flatten)]
+    pub(crate) reading: LogArgs,
     /// Print the summary as JSON.
     #[arg(long)]
     pub(crate) json: bool,

@@ -16,6 +16,7 @@
 mod csv_source;
 mod format;
 mod header;
+mod options;
 mod order;
 #[cfg(feature = "parquet")]
 mod parquet_source;
@@ -29,6 +30,7 @@ mod units;
 pub(crate) use csv_source::{Lines, cells, number};
 pub(crate) use format::Format;
 pub(crate) use header::{separator, shortened};
+pub use options::LogOptions;
 pub use reader::{LogReader, SURVEY_ROWS};
 pub use repair::RepairReport;
 pub use row::{CornerColumns, Field, LogColumns, LogCorner, LogRow, SLOTS, Slot};

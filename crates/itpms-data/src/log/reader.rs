@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use itpms_core::sample::Corner;
 
+use super::options::LogOptions;
 use super::order::{Stage, TimeOrder};
 use super::repair::RepairReport;
 use super::row::{Field, LogColumns, LogRow, SLOTS, Slot};
@@ -51,15 +52,15 @@ impl LogReader {
     /// The file cannot be read, a column is missing or twice there, or the first rows show that the log is useless:
     /// see [`Problem`].
     pub fn open(path: &Path) -> Result<Self, DataError> {
-        Self::open_with(path, UnitCheck::default())
+        Self::open_with(path, &LogOptions::default())
     }
 
-    /// The same, with or without doubts about the unit of the accelerations.
+    /// The same with what else there is to know.
     ///
     /// # Errors
     /// As [`LogReader::open`].
-    pub fn open_with(path: &Path, units: UnitCheck) -> Result<Self, DataError> {
-        let source = Source::open(path)?;
+    pub fn open_with(path: &Path, options: &LogOptions) -> Result<Self, DataError> {
+        let source = Source::open(path, options)?;
         let report = RepairReport {
             misspelled_columns: source.header().suspicious.clone(),
             ..RepairReport::default()
@@ -75,7 +76,7 @@ impl LogReader {
             last_time_s: None,
             seen: [false; SLOTS],
         };
-        reader.look_ahead(units).map_err(|problem| DataError::new(path, problem))?;
+        reader.look_ahead(options.units).map_err(|problem| DataError::new(path, problem))?;
         Ok(reader)
     }
 

@@ -7,6 +7,7 @@ use std::path::Path;
 use super::csv_source::CsvSource;
 use super::format::Format;
 use super::header::Header;
+use super::options::LogOptions;
 #[cfg(feature = "parquet")]
 use super::parquet_source::ParquetSource;
 use super::row::RawRow;
@@ -21,7 +22,7 @@ pub(super) enum Source {
 }
 
 impl Source {
-    pub(super) fn open(path: &Path) -> Result<Self, DataError> {
+    pub(super) fn open(path: &Path, options: &LogOptions) -> Result<Self, DataError> {
         let fail = |problem| DataError::new(path, problem);
         let read_error = |error: io::Error| match error.kind() {
             io::ErrorKind::NotFound => fail(Problem::NotFound),
@@ -36,6 +37,7 @@ impl Source {
         if metadata.is_file() && metadata.len() == 0 {
             return Err(fail(Problem::Empty));
         }
+        options.refuse_for_tables().map_err(fail)?;
         match format {
             Format::Csv => CsvSource::new(file, metadata.len()).map(Source::Csv),
             #[cfg(feature = "parquet")]

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::positive;
+use super::{LogArgs, positive};
 
 /// How rough a road is: International Roughness Index, ISO 8608 class, level and slope, per track and segment.
 ///
@@ -12,7 +12,7 @@ use super::positive;
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct RoughnessArgs {
-    /// A road profile (.crg, or text), or a drive log (.csv or .parquet) with --vehicle.
+    /// A road profile (.crg, or text), or a drive log with --vehicle.
     pub(crate) input: PathBuf,
     /// The input is a drive log of this vehicle.
     #[arg(long, value_name = "V.toml")]
@@ -32,9 +32,8 @@ pub(crate) struct RoughnessArgs {
     /// Drive log: the speed in m/s where the log has none.
     #[arg(long, value_name = "V", value_parser = positive, requires = "vehicle")]
     pub(crate) speed_m_s: Option<f64>,
-    /// Drive log: take the accelerations as m/s^2 even if they do not look like it.
-    #[arg(long, requires = "vehicle")]
-    pub(crate) trust_units: bool,
+    #[command(flatten)]
+    pub(crate) reading: LogArgs,
     /// Where the table goes: .csv, a row per segment and track.
     #[arg(short, long, value_name = "TABLE.csv")]
     pub(crate) output: Option<PathBuf>,

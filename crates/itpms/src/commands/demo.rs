@@ -12,7 +12,7 @@ use itpms_core::monitor::Regulation;
 use itpms_sim::scenario::Scenario;
 
 use super::{estimate, simulate};
-use crate::args::{DemoArgs, EstimateArgs};
+use crate::args::{DemoArgs, EstimateArgs, LogArgs};
 use crate::exit::Failure;
 use crate::interrupt::Interrupt;
 use crate::screen::Screen;
@@ -33,7 +33,7 @@ pub(crate) fn run(args: &DemoArgs, screen: &Screen, interrupt: &Interrupt) -> Re
         report: Some(at("report.html")),
         estimator: EstimatorKind::default(),
         rate: 10.0,
-        trust_units: false,
+        reading: LogArgs::default(),
         json: false,
         calibrate_s: None,
         save_reference: None,

@@ -1,6 +1,6 @@
 //! The estimator of a drive's car, and what it says after a row.
 
-use itpms_core::car::{CarConfig, CarEstimate, CarEstimator, LearnedReference};
+use itpms_core::car::{CarEstimate, CarEstimator, LearnedReference};
 use itpms_core::estimate::CornerEstimate;
 use itpms_core::monitor::{Monitor, MonitorConfig, MonitorReport, MonitoredCar};
 use itpms_core::quarter_car::QuarterCar;
@@ -29,10 +29,7 @@ impl Drive {
         corners: &[Corner],
         sample_rate_hz: f64,
     ) -> Result<Self, Failure> {
-        let mut config = CarConfig { corners: [None; 4], wheelbase_m: vehicle.wheelbase_m };
-        for corner in corners {
-            config.corners[corner.index()] = vehicle.corner(*corner).copied();
-        }
+        let config = vehicle.car_config(corners);
         let fail = |error| Failure::Usage(format!("{error}"));
         let car = CarEstimator::new(args.estimator, &config, sample_rate_hz).map_err(fail)?;
         let car = car.with_road_repetition(args.road_repeats);

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use itpms_core::monitor::{Alert, Cause, Change, Malfunction, MonitorReport, Place, Reading, Sensor, Wheels};
-use itpms_data::out::AtomicFile;
-use serde_json::{Map, Value, json};
+use itpms_core::monitor::{Alert, Change, MonitorReport};
+use itpms_data::out::{AtomicFile, alert_object, transition_object};
+use serde_json::{Value, json};
 
 use crate::exit::Failure;
 
@@ -47,7 +47,7 @@ impl Events {
 
     fn note(&mut self, time_s: f64, change: Change<f64>) -> Result<(), Failure> {
         if let Some(file) = &mut self.file {
-            file.append(format!("{}\n", line(time_s, &change)).as_bytes())?;
+            file.append(format!("{}\n", Value::Object(transition_object(time_s, &change))).as_bytes())?;
         }
         match change {
             Change::Begun(_) if self.listed.len() >= LISTED => self.unlisted += 1,
@@ -108,85 +108,10 @@ impl Alerts {
     /// The same as JSON.
     pub(super) fn json(&self) -> Value {
         let one = |listed: &Listed| {
-            let mut object = object(&listed.alert);
+            let mut object = alert_object(&listed.alert);
             object.insert("ended_s".to_owned(), json!(listed.ended_s));
             Value::Object(object)
         };
         self.listed.iter().map(one).collect()
     }
-}
-
-fn line(time_s: f64, change: &Change<f64>) -> Value {
-    let (event, alert) = match change {
-        Change::Begun(alert) => ("begun", alert),
-        Change::Ended(alert) => ("ended", alert),
-    };
-    let mut line = Map::new();
-    line.insert("time_s".to_owned(), json!(time_s));
-    line.insert("event".to_owned(), json!(event));
-    line.extend(object(alert));
-    Value::Object(line)
-}
-
-fn object(alert: &Alert<f64>) -> Map<String, Value> {
-    let mut object = Map::new();
-    let mut put = |key: &str, value: Value| {
-        object.insert(key.to_owned(), value);
-    };
-    put("kind", json!(alert.cause.label()));
-    put("wheels", wheels(alert.wheels));
-    put("since_s", json!(alert.since_s));
-    put("said_s", json!(alert.said_s));
-    match &alert.cause {
-        Cause::UnderInflated(reading) | Cause::OverInflated(reading) => put_reading(&mut put, reading),
-        Cause::FastLeak { reading, rate_kpa_per_min } => {
-            put_reading(&mut put, reading);
-            put("rate_kpa_per_min", json!(rate_kpa_per_min));
-        }
-        Cause::AllLow { mean_share, sd_share } => {
-            put("mean_share", json!(mean_share));
-            put("sd_share", json!(sd_share));
-        }
-        Cause::Malfunction(malfunction) => put_malfunction(&mut put, malfunction),
-        Cause::NoInformation { driven_s } => put("driven_s", json!(driven_s)),
-    }
-    put("text", json!(alert.to_string()));
-    object
-}
-
-fn put_reading(put: &mut impl FnMut(&str, Value), reading: &Reading<f64>) {
-    put("pressure_kpa", json!(reading.pressure_kpa));
-    put("sd_kpa", json!(reading.sd_kpa));
-    put("limit_kpa", json!(reading.limit_kpa));
-    put("reference_kpa", json!(reading.reference_kpa));
-}
-
-fn put_malfunction(put: &mut impl FnMut(&str, Value), malfunction: &Malfunction<f64>) {
-    put("malfunction", json!(malfunction.label()));
-    let sensors: Vec<String> = match malfunction {
-        Malfunction::Stuck(sensor)
-        | Malfunction::Dropout(sensor)
-        | Malfunction::Spikes(sensor)
-        | Malfunction::Noise(sensor)
-        | Malfunction::Gain { sensor, .. } => vec![column(sensor)],
-        Malfunction::Swapped(a, b) => vec![column(a), column(b)],
-        Malfunction::SwappedSides | Malfunction::SwappedAxles | Malfunction::Inconsistent(_) => vec![],
-    };
-    put("sensors", json!(sensors));
-    if let Malfunction::Gain { gain, .. } = malfunction {
-        put("gain", json!(gain));
-    }
-}
-
-/// The sensor's column in a drive log.
-fn column(sensor: &Sensor) -> String {
-    let place = match sensor.place {
-        Place::Body => "body",
-        Place::Wheel => "wheel",
-    };
-    format!("{}_{place}_accel_m_s2", sensor.corner.label())
-}
-
-fn wheels(wheels: Wheels) -> Value {
-    wheels.iter().map(|corner| json!(corner.label())).collect()
 }

@@ -4,7 +4,6 @@
 //! |---|---|
 //! | `drive` | the estimator of the car under its monitor |
 //! | `events` | what the monitor said and took back |
-//! | `rate` | which rows of the log become rows of the output |
 //! | `road` | the road record, late but smooth |
 //! | `reference` | what a reset taught, from and for other drives |
 //! | `outputs` | the files that are written |
@@ -13,14 +12,12 @@
 mod drive;
 mod events;
 mod outputs;
-mod rate;
 mod reference;
 mod road;
 mod summary;
 
 use itpms_core::estimator::EstimatorKind;
 use itpms_core::sample::Corner;
-use itpms_data::log::UnitCheck;
 use itpms_data::{LogReader, Vehicle};
 use itpms_study::report::ReportData;
 
@@ -55,8 +52,7 @@ pub(crate) struct Done {
 pub(crate) fn perform(args: &EstimateArgs, screen: &Screen, interrupt: &Interrupt) -> Result<Done, Failure> {
     outputs::check_names(args)?;
     let vehicle = Vehicle::read(&args.vehicle)?;
-    let units = if args.trust_units { UnitCheck::Trusting } else { UnitCheck::Suspicious };
-    let mut log = LogReader::open_with(&args.log, units)?;
+    let mut log = LogReader::open_with(&args.log, &args.reading.options())?;
     let corners = common_corners(&log, &vehicle)?;
     let rate_hz = log.survey().sample_rate_hz;
     let mut drive = Drive::new(args, &vehicle, &corners, rate_hz)?;

@@ -7,13 +7,12 @@ use std::path::Path;
 use itpms_core::car::LearnedReference;
 use itpms_core::monitor::MonitorReport;
 use itpms_core::sample::Corner;
-use itpms_data::out::{AtomicFile, EstimateWriter, RoadPoint, RoadWriter};
+use itpms_data::out::{AtomicFile, EstimateWriter, RateGate, RoadPoint, RoadWriter};
 use itpms_data::{LogReader, LogRow, Vehicle};
 use itpms_study::report::{self, CornerRow, Provenance, ReportCollector, ReportData, ReportOptions};
 
 use super::drive::{Estimates, QuarterCars};
 use super::events::{Alerts, Events};
-use super::rate::RateGate;
 use super::reference::Saving;
 use super::road::RoadTrack;
 use crate::args::EstimateArgs;

@@ -5,7 +5,6 @@ use std::path::Path;
 use itpms_core::car::{CarConfig, CarEstimator};
 use itpms_core::estimator::EstimatorKind;
 use itpms_core::sample::Corner;
-use itpms_data::log::UnitCheck;
 use itpms_data::{LogReader, Vehicle};
 use itpms_study::roughness::{RoughnessTable, WheelSurvey};
 
@@ -24,8 +23,7 @@ pub(super) fn survey(
     interrupt: &Interrupt,
 ) -> Result<Found, Failure> {
     let vehicle = Vehicle::read(vehicle)?;
-    let units = if args.trust_units { UnitCheck::Trusting } else { UnitCheck::Suspicious };
-    let mut log = LogReader::open_with(&args.input, units)?;
+    let mut log = LogReader::open_with(&args.input, &args.reading.options())?;
     if !log.columns().speed && args.speed_m_s.is_none() {
         let path = args.input.display();
         return Err(Failure::Usage(format!("{path}: no speed_m_s, so no distance: expected --speed-m-s V")));

@@ -1,0 +1,35 @@
+//! What a reader of drive logs is told besides the file's name.
+
+use std::path::PathBuf;
+
+use super::units::UnitCheck;
+use crate::error::Problem;
+
+/// How to read a drive log.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct LogOptions {
+    /// Whether the unit of the accelerations is doubted.
+    pub units: UnitCheck,
+    /// What the frames of a CAN log mean.
+    pub dbc: Option<PathBuf>,
+    /// Which signal of an MDF4 or CAN log is which column; `None`: the names tell.
+    pub signals: Option<PathBuf>,
+}
+
+impl LogOptions {
+    /// Columns of a table carry our names already.
+    pub(super) fn refuse_for_tables(&self) -> Result<(), Problem> {
+        let what = match (&self.dbc, &self.signals) {
+            (Some(_), _) => "a DBC file says what the frames of a CAN log mean; this is a table",
+            (None, Some(_)) => "a signal map is for MDF4 and CAN logs; the columns of a table need our names",
+            (None, None) => return Ok(()),
+        };
+        Err(Problem::NotApplicable(what))
+    }
+}
+
+impl From<UnitCheck> for LogOptions {
+    fn from(units: UnitCheck) -> Self {
+        Self { units, ..Self::default() }
+    }
+}

@@ -1,0 +1,29 @@
+//! How a drive log is to be read: arguments that every command with a log has.
+
+use std::path::PathBuf;
+
+use itpms_data::log::{LogOptions, UnitCheck};
+
+#[derive(Debug, Clone, Default, clap::Args)]
+pub(crate) struct LogArgs {
+    /// CAN logs (.log, .candump, .asc, .blf): what the frames mean.
+    #[arg(long, value_name = "CAR.dbc")]
+    pub(crate) dbc: Option<PathBuf>,
+    /// MDF4 and CAN logs: which signal is which column, where the names do not say it. `itpms signals` writes such a map.
+    #[arg(long, value_name = "MAP.toml")]
+    pub(crate) signals: Option<PathBuf>,
+    /// Take the accelerations as m/s^2 even if they do not look like it.
+    #[arg(long)]
+    pub(crate) trust_units: bool,
+}
+
+impl LogArgs {
+    /// The same for the reader.
+    pub(crate) fn options(&self) -> LogOptions {
+        LogOptions {
+            units: if self.trust_units { UnitCheck::Trusting } else { UnitCheck::Suspicious },
+            dbc: self.dbc.clone(),
+            signals: self.signals.clone(),
+        }
+    }
+}
