@@ -16,9 +16,12 @@ const TEMPLATE: &str = include_str!("../../assets/report.html");
 const STYLE: &str = include_str!("../../assets/report.css");
 const CHART_SCRIPT: &str = include_str!("../../assets/chart.js");
 const SCRIPT: &str = include_str!("../../assets/report.js");
-const PLOT_STYLE: &str = include_str!("../../assets/uplot/uPlot.min.css");
-const PLOT_LICENSE: &str = include_str!("../../assets/uplot/LICENSE");
-const PLOT_SCRIPT: &str = include_str!("../../assets/uplot/uPlot.iife.min.js");
+/// The charting library uPlot: its style sheet.
+pub const PLOT_STYLE: &str = include_str!("../../assets/uplot/uPlot.min.css");
+/// The charting library uPlot: its licence, which goes with it wherever it goes.
+pub const PLOT_LICENSE: &str = include_str!("../../assets/uplot/LICENSE");
+/// The charting library uPlot: a script that defines the global `uPlot`.
+pub const PLOT_SCRIPT: &str = include_str!("../../assets/uplot/uPlot.iife.min.js");
 
 /// Fills the template. What is filled in is not searched for further places.
 pub(super) fn page(data: &ReportData) -> io::Result<String> {

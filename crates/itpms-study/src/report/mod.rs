@@ -18,6 +18,7 @@ mod words;
 
 pub use collector::{CornerRow, ReportCollector, ReportOptions};
 pub use figures::{CornerFigures, DriveFigures, Reading, TruthFigures};
+pub use html::{PLOT_LICENSE, PLOT_SCRIPT, PLOT_STYLE};
 pub use track::{Keep, Track};
 pub use watch::{AlertSpan, WatchReport};
 

@@ -1,0 +1,48 @@
+// A card per wheel: state, pressure with its standard deviation, what it should be, and how much is being learned.
+
+import { NAMES, attribute, badge, digits, element, isShown, kind, pressure, put, span, spread, STATES } from "./words.js";
+
+const host = document.getElementById("cards");
+const cards = new Map();
+
+function card(corner) {
+  const article = element("article", "card at-" + corner);
+  article.setAttribute("aria-labelledby", "card-" + corner);
+  const name = element("h3", "card-name", NAMES[corner]);
+  name.id = "card-" + corner;
+  const mark = element("span", "badge"), number = element("p", "card-number"), gauge = element("div", "gauge"), foot = element("p", "card-foot");
+  const value = element("span", "value", "–"), sd = element("small");
+  number.append(value, " ", sd);
+  const fill = element("i", "gauge-fill"), band = element("i", "gauge-band"), aim = element("i", "gauge-mark");
+  gauge.setAttribute("aria-hidden", "true");
+  gauge.append(fill, band, aim);
+  const should = element("span"), learned = element("span");
+  foot.append(should, learned);
+  article.append(name, mark, number, gauge, foot);
+  host.append(article);
+  return { article, mark, value, sd, fill, band, should, learned };
+}
+
+const percent = (share) => (100 * Math.min(1, Math.max(0, share))).toFixed(1) + "%";
+
+export function drawWheels(snapshot, state) {
+  const wheels = snapshot?.wheels ?? [];
+  host.classList.toggle("alone", wheels.length === 1);
+  for (const wheel of wheels) {
+    if (!cards.has(wheel.corner)) cards.set(wheel.corner, card(wheel.corner));
+    const c = cards.get(wheel.corner), is = kind(wheel), shown = isShown(wheel), old = state !== "live";
+    attribute(c.article, "class", `card at-${wheel.corner} ${is}`);
+    attribute(c.mark, "class", "badge " + is);
+    put(c.mark, old && is !== "unknown" ? STATES[is].was : badge(wheel));
+    put(c.value, pressure(wheel));
+    put(c.sd, spread(wheel));
+    // The mark for what it should be stands at four fifths.
+    const full = (wheel.reference_kpa ?? wheel.placard_kpa) / 0.8;
+    c.fill.style.width = shown ? percent(wheel.pressure_kpa / full) : "0";
+    c.band.style.left = shown ? percent((wheel.pressure_kpa - 2 * wheel.pressure_sd_kpa) / full) : "0";
+    c.band.style.width = shown ? percent((4 * wheel.pressure_sd_kpa) / full) : "0";
+    const same = Math.abs(wheel.reference_kpa - wheel.placard_kpa) < 0.5;
+    put(c.should, same || wheel.reference_kpa == null ? `placard ${digits(wheel.placard_kpa, 0)} kPa` : `reference ${digits(wheel.reference_kpa, 0)} kPa`);
+    put(c.learned, old ? "" : wheel.informed_age_s == null ? "nothing learned yet" : wheel.informed_age_s < 5 ? "learning" : `learned ${span(wheel.informed_age_s)} ago`);
+  }
+}

@@ -1,0 +1,104 @@
+// Words and numbers: the same ones as in the report.
+
+export const CORNERS = ["fl", "fr", "rl", "rr"];
+export const NAMES = { fl: "Front left", fr: "Front right", rl: "Rear left", rr: "Rear right" };
+
+// Most urgent first.
+export const STATES = {
+  low: { word: "Low", short: "LOW", was: "was low" },
+  malfunction: { word: "Malfunction", short: "FAULT", was: "was faulty" },
+  over: { word: "Too high", short: "HIGH", was: "was high" },
+  unknown: { word: "Not known", short: "not known", was: "not known" },
+  fine: { word: "Fine", short: "ok", was: "was ok" },
+};
+
+const DOUBTS = {
+  starting: ["Still learning", "learning"],
+  "no-information": ["No information", "no info"],
+  uncertain: ["Uncertain", "unsure"],
+  suspicion: ["Sensor in doubt", "in doubt"],
+};
+
+// A wheel's state in one word for a badge, and in a shorter one for beside a tire.
+export const badge = (wheel) => (wheel.state === "unknown" && DOUBTS[wheel.doubt]?.[0]) || STATES[wheel.state]?.word || wheel.state;
+export const short = (wheel) => (wheel.state === "unknown" && DOUBTS[wheel.doubt]?.[1]) || STATES[wheel.state]?.short || wheel.state;
+// A state this page does not know is not known.
+export const kind = (wheel) => (wheel && STATES[wheel.state] ? wheel.state : "unknown");
+
+// What may be shown of a wheel's pressure.
+export const isShown = (wheel) => wheel && wheel.valid && wheel.pressure_kpa != null && wheel.pressure_sd_kpa != null;
+const places = (sd) => (sd < 1.95 ? 1 : 0);
+export const pressure = (wheel) => (isShown(wheel) ? wheel.pressure_kpa.toFixed(places(wheel.pressure_sd_kpa)) : "–");
+export const spread = (wheel) => (isShown(wheel) ? `± ${wheel.pressure_sd_kpa.toFixed(places(wheel.pressure_sd_kpa))} kPa` : "kPa");
+export const reading = (wheel) => `${pressure(wheel)} ${spread(wheel)}`;
+export const digits = (value, n) => (value == null || Number.isNaN(value) ? "–" : value.toFixed(n));
+export const count = (value) => (value == null ? "–" : value.toLocaleString("en-US").replaceAll(",", "\u202f"));
+
+const two = (n) => String(n).padStart(2, "0");
+
+// Time of day of some milliseconds since 1970, here.
+export function timeOfDay(ms) {
+  if (!Number.isFinite(ms)) return "an unknown time";
+  const d = new Date(ms);
+  return `${two(d.getHours())}:${two(d.getMinutes())}:${two(d.getSeconds())}`;
+}
+
+// A length of time for people.
+export function span(s) {
+  if (s == null || !Number.isFinite(s)) return "never";
+  const sign = s < 0 ? "−" : "";
+  s = Math.abs(s);
+  if (s < 9.95) return `${sign}${s.toFixed(1)} s`;
+  if (s < 119.5) return `${sign}${Math.round(s)} s`;
+  const whole = Math.round(s), h = Math.floor(whole / 3600), m = Math.floor((whole % 3600) / 60);
+  return h ? `${sign}${h} h ${two(m)} min` : `${sign}${m} min ${two(whole % 60)} s`;
+}
+
+// A moment on the source's clock: the time of day where it has one, else the time since its start. A replay keeps the clock of
+// its log, whatever the time is now.
+export function moment(time_s, snapshot) {
+  if (time_s == null) return "–";
+  if (time_s > 1e8) return timeOfDay(time_s * 1000);
+  if (snapshot && snapshot.source.kind !== "replay" && snapshot.time_s != null) {
+    return timeOfDay((snapshot.unix_s - (snapshot.time_s - time_s)) * 1000);
+  }
+  if (time_s < 120) return `${time_s.toFixed(1)} s`;
+  return span(time_s);
+}
+
+// Words joined as in a sentence.
+export const list = (words) => (words.length < 2 ? words.join("") : words.slice(0, -1).join(", ") + " and " + words.at(-1));
+export const lower = (text) => text[0].toLowerCase() + text.slice(1);
+
+// One sentence about the car, without a full stop: the most urgent first; "fine" only where everything is known.
+export function verdict(snapshot) {
+  const wheels = snapshot?.wheels ?? [];
+  if (!wheels.length) return "No tire is being watched yet";
+  const of = (state) => wheels.filter((wheel) => kind(wheel) === state);
+  const names = (some) => list(some.map((wheel, i) => (i ? lower(NAMES[wheel.corner]) : NAMES[wheel.corner])));
+  const are = (some) => (some.length > 1 ? "are" : "is");
+  const low = of("low"), over = of("over"), broken = of("malfunction"), unknown = of("unknown"), fine = of("fine");
+  if (low.length === 1) return `${names(low)} is low` + (isShown(low[0]) ? `: ${reading(low[0])}` : "");
+  if (low.length && low.length === wheels.length) return `All ${low.length} tires are low`;
+  if (low.length) return `${names(low)} are low`;
+  if (broken.length) return `${names(broken)}: the sensors allow no statement`;
+  if (over.length) return `${names(over)} ${are(over)} too high` + (over.length === 1 && isShown(over[0]) ? `: ${reading(over[0])}` : "");
+  if (unknown.length === wheels.length) return "Nothing is known of the tires yet";
+  if (unknown.length) return `${names(unknown)} ${are(unknown)} not known, ${fine.length === 1 ? "one is" : fine.length + " are"} fine`;
+  if (snapshot.all_fine) return wheels.length > 1 ? `All ${wheels.length} tires are fine` : `${names(fine)} is fine`;
+  return `${wheels.length} tires were fine when last seen`;
+}
+
+export function element(tag, cls, text) {
+  const e = document.createElement(tag);
+  if (cls) e.className = cls;
+  if (text != null) e.textContent = text;
+  return e;
+}
+// Written only if it changes: no needless work for the browser and for those who listen to it.
+export function put(node, text) {
+  if (node.textContent !== text) node.textContent = text;
+}
+export function attribute(node, name, value) {
+  if (node.getAttribute(name) !== value) node.setAttribute(name, value);
+}

@@ -1,0 +1,86 @@
+//! The page's files, all of them in memory: there is no folder that a path could climb out of.
+//!
+//! Read by the routes. The sources are in `dashboard/`; the charting library is the report's.
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+use axum::Router;
+use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE, ETAG, IF_NONE_MATCH};
+use axum::http::{HeaderMap, HeaderValue, StatusCode};
+use axum::response::{IntoResponse, Response};
+use axum::routing::get;
+use itpms_study::report::{PLOT_LICENSE, PLOT_SCRIPT, PLOT_STYLE};
+
+/// A file of the page.
+#[derive(Debug, Clone, Copy)]
+struct Asset {
+    path: &'static str,
+    kind: &'static str,
+    text: &'static str,
+}
+
+const HTML: &str = "text/html; charset=utf-8";
+const STYLE: &str = "text/css; charset=utf-8";
+const SCRIPT: &str = "text/javascript; charset=utf-8";
+const PICTURE: &str = "image/svg+xml";
+const TEXT: &str = "text/plain; charset=utf-8";
+
+macro_rules! asset {
+    ($name:literal, $kind:expr) => {
+        Asset {
+            path: concat!("/assets/", $name),
+            kind: $kind,
+            text: include_str!(concat!("../../dashboard/", $name)),
+        }
+    };
+}
+
+/// Everything there is.
+const ASSETS: &[Asset] = &[
+    Asset { path: "/", kind: HTML, text: include_str!("../../dashboard/index.html") },
+    asset!("style.css", STYLE),
+    asset!("icon.svg", PICTURE),
+    asset!("app.js", SCRIPT),
+    asset!("alerts.js", SCRIPT),
+    asset!("car.js", SCRIPT),
+    asset!("charts.js", SCRIPT),
+    asset!("connection.js", SCRIPT),
+    asset!("health.js", SCRIPT),
+    asset!("past.js", SCRIPT),
+    asset!("roads.js", SCRIPT),
+    asset!("status.js", SCRIPT),
+    asset!("theme.js", SCRIPT),
+    asset!("wheels.js", SCRIPT),
+    asset!("words.js", SCRIPT),
+    Asset { path: "/assets/uplot.js", kind: SCRIPT, text: PLOT_SCRIPT },
+    Asset { path: "/assets/uplot.css", kind: STYLE, text: PLOT_STYLE },
+    Asset { path: "/assets/uplot.LICENSE", kind: TEXT, text: PLOT_LICENSE },
+];
+
+/// A route for every file.
+pub(super) fn routes<S: Clone + Send + Sync + 'static>() -> Router<S> {
+    ASSETS.iter().fold(Router::new(), |router, asset| {
+        let mark = mark(asset.text);
+        router.route(
+            asset.path,
+            get(move |headers: HeaderMap| std::future::ready(give(asset, &mark, &headers))),
+        )
+    })
+}
+
+/// Browsers may keep a file but have to ask whether it is still the same: after an update it is another.
+fn give(asset: &Asset, mark: &HeaderValue, asked: &HeaderMap) -> Response {
+    let common = [(CACHE_CONTROL, HeaderValue::from_static("no-cache")), (ETAG, mark.clone())];
+    if asked.get(IF_NONE_MATCH) == Some(mark) {
+        return (StatusCode::NOT_MODIFIED, common).into_response();
+    }
+    (common, [(CONTENT_TYPE, asset.kind)], asset.text).into_response()
+}
+
+/// Changes whenever the text does.
+fn mark(text: &str) -> HeaderValue {
+    let mut hasher = DefaultHasher::new();
+    text.hash(&mut hasher);
+    HeaderValue::from_str(&format!("\"{:016x}\"", hasher.finish()))
+        .unwrap_or(HeaderValue::from_static("\"0\""))
+}

@@ -1,0 +1,60 @@
+//! From the hub's snapshots, however many, to at most ten a second, written as JSON once for all clients.
+//!
+//! Runs as one task of the server. The newest wins: what came in between is skipped.
+
+use std::sync::{Arc, OnceLock};
+use std::time::Duration;
+
+use axum::body::Bytes;
+use tokio::sync::watch;
+use tokio::time::{Instant, sleep};
+
+use crate::hub::Hub;
+use crate::snapshot::Snapshot;
+
+/// Time between two snapshots for clients.
+const PACE: Duration = Duration::from_millis(100);
+
+/// A snapshot as it is handed out.
+#[derive(Debug)]
+pub(super) struct Frame {
+    pub(super) snapshot: Arc<Snapshot>,
+    /// When it came, on our own clock.
+    pub(super) came: Instant,
+    json: OnceLock<Bytes>,
+}
+
+impl Frame {
+    fn new(snapshot: Arc<Snapshot>) -> Self {
+        Self { snapshot, came: Instant::now(), json: OnceLock::new() }
+    }
+
+    /// The snapshot in JSON, on one line.
+    pub(super) fn json(&self) -> Bytes {
+        self.json.get_or_init(|| json(&*self.snapshot)).clone()
+    }
+}
+
+/// Anything of ours as JSON; its types cannot fail to be written.
+pub(super) fn json(value: &impl serde::Serialize) -> Bytes {
+    serde_json::to_vec(value).unwrap_or_else(|_| b"null".to_vec()).into()
+}
+
+/// The newest frame, for everybody.
+pub(super) type Newest = watch::Receiver<Option<Arc<Frame>>>;
+
+/// Starts the task; it ends when nobody listens any more.
+pub(super) fn start(hub: Arc<Hub>) -> Newest {
+    let mut snapshots = hub.subscribe();
+    let (frames, newest) = watch::channel(hub.latest().map(Frame::new).map(Arc::new));
+    tokio::spawn(async move {
+        while snapshots.changed().await.is_ok() {
+            let snapshot = snapshots.borrow_and_update().clone();
+            if frames.send(snapshot.map(Frame::new).map(Arc::new)).is_err() {
+                return;
+            }
+            sleep(PACE).await;
+        }
+    });
+    newest
+}
