@@ -346,6 +346,11 @@ pub enum Problem {
     #[error("{0}")]
     Crg(crate::crg::CrgProblem),
 
+    /// A CAN log that cannot be used.
+    #[cfg(feature = "can")]
+    #[error(transparent)]
+    Can(#[from] crate::can::CanProblem),
+
     // --- vehicle files, as a whole ---
     /// A vehicle without wheels.
     #[error("no corner is described, expected at least one table [corner.fl] (or fr, rl, rr)")]

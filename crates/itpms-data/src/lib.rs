@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`vehicle`] | the vehicle file (TOML) and the corners it describes |
 //! | [`log`] | drive logs in: CSV and Parquet behind one reader that repairs, counts and refuses |
+//! | `can` (feature) | frames of CAN logs: candump, ASC and BLF, read and written |
 //! | [`columns`] | small tables of measurements in: named columns of numbers from CSV |
 //! | [`crg`] | roads from OpenCRG files |
 //! | [`profile`] | road profiles from text |
@@ -16,6 +17,8 @@
 //! The binary and the study use this crate; it knows the core's types and nothing of simulation.
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "can")]
+pub mod can;
 pub mod columns;
 pub mod crg;
 pub mod error;

@@ -1,0 +1,48 @@
+//! What can be wrong with a CAN log as a whole: where, what was found, what was expected. What is wrong with a part of
+//! it is a repair, see [`FrameRepairs`](super::FrameRepairs).
+//!
+//! Made by the rooms beside it; read by people as part of a [`Problem`](crate::error::Problem).
+
+use thiserror::Error;
+
+/// One kind of problem with a CAN log.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum CanProblem {
+    /// Zero bytes or blank lines only.
+    #[error("the file is empty, expected CAN frames ({expected})")]
+    Empty {
+        /// What the format's beginning looks like.
+        expected: &'static str,
+    },
+    /// Not one line that means anything.
+    #[error("none of the first {lines} lines is understood; line {line} is {found:?}, expected {expected}")]
+    NothingUnderstood {
+        /// Lines looked at.
+        lines: u64,
+        /// The first that is not understood.
+        line: u64,
+        /// Its beginning.
+        found: String,
+        /// What a line looks like.
+        expected: &'static str,
+    },
+    /// candump's screen form without `-t`.
+    #[error(
+        "line {line}: the frame has no time stamp ({found:?}); log with candump -L, or with candump -ta on the screen"
+    )]
+    NoTimeStamp {
+        /// Where.
+        line: u64,
+        /// The line's beginning.
+        found: String,
+    },
+    /// A frame that a log cannot hold.
+    #[error("frame {number}: time is {time_s} s, expected a finite time from 0 s on")]
+    Time {
+        /// Which frame, from one.
+        number: u64,
+        /// Its time in s.
+        time_s: f64,
+    },
+}

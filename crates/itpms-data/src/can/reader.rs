@@ -1,0 +1,97 @@
+//! Frames from a CAN log of any format. Called by the log reader and the commands; knows nothing of signals.
+
+use std::fs::File;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::candump::CandumpReader;
+use super::format::LogFormat;
+use super::frame::CanFrame;
+use super::repairs::FrameRepairs;
+use crate::error::{DataError, Problem};
+
+/// A CAN log, frame by frame. What is not understood is left out and counted; see [`FrameReader::repairs`].
+#[derive(Debug)]
+pub struct FrameReader {
+    path: PathBuf,
+    source: Source,
+    repairs: FrameRepairs,
+    is_over: bool,
+}
+
+#[derive(Debug)]
+enum Source {
+    Candump(CandumpReader),
+}
+
+impl FrameReader {
+    /// Opens a log: `.log` or `.candump`.
+    ///
+    /// # Errors
+    /// There is no such file, it cannot be read, or its extension is another.
+    pub fn open(path: &Path) -> Result<Self, DataError> {
+        let format = LogFormat::of(path)?;
+        let fail = |problem| DataError::new(path, problem);
+        let file = File::open(path).map_err(|error| {
+            fail(match error.kind() {
+                io::ErrorKind::NotFound => Problem::NotFound,
+                _ => Problem::Read(error),
+            })
+        })?;
+        let metadata = file.metadata().map_err(|error| fail(Problem::Read(error)))?;
+        if metadata.is_dir() {
+            return Err(fail(Problem::IsDirectory));
+        }
+        let source = match format {
+            LogFormat::Candump => Source::Candump(CandumpReader::new(file, metadata.len())),
+        };
+        Ok(Self { path: path.to_owned(), source, repairs: FrameRepairs::default(), is_over: false })
+    }
+
+    /// The next frame; `None` at the end, and from then on.
+    ///
+    /// # Errors
+    /// The file can no longer be read, or nothing in it is understood. From then on there is nothing more.
+    pub fn next_frame(&mut self) -> Result<Option<CanFrame>, DataError> {
+        if self.is_over {
+            return Ok(None);
+        }
+        let next = match &mut self.source {
+            Source::Candump(source) => source.next_frame(&mut self.repairs),
+        };
+        match next {
+            Ok(Some(frame)) => {
+                self.repairs.frames += 1;
+                Ok(Some(frame))
+            }
+            Ok(None) => {
+                self.is_over = true;
+                Ok(None)
+            }
+            Err(problem) => {
+                self.is_over = true;
+                Err(DataError::new(&self.path, problem))
+            }
+        }
+    }
+
+    /// How much of the file has been read, 0 to 1.
+    #[must_use]
+    pub fn progress(&self) -> f64 {
+        match &self.source {
+            Source::Candump(source) => source.progress(),
+        }
+    }
+
+    /// What was left out so far.
+    #[must_use]
+    pub fn repairs(&self) -> &FrameRepairs {
+        &self.repairs
+    }
+
+    /// The file's name as it was given.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+}
