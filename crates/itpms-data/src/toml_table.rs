@@ -85,6 +85,20 @@ impl<'a> Table<'a> {
         Ok(Some(Table { text: self.text, entries, path, line: Some(line_of(self.text, name)) }))
     }
 
+    /// Whether there is anything under `key`.
+    pub(crate) fn has(&self, key: &str) -> bool {
+        self.entry(key).is_some()
+    }
+
+    /// The table under `key`, or `None` where there is text, which may stand for a table with one entry.
+    pub(crate) fn table_unless_text(&self, key: &str) -> Result<Option<Table<'a>>, Problem> {
+        match self.entry(key) {
+            Some((_, DeValue::Table(_))) => self.table(key),
+            None | Some((_, DeValue::String(_))) => Ok(None),
+            Some((_, value)) => Err(self.not_a(key, value, "text in quotes or a table in braces")),
+        }
+    }
+
     /// The number under `key`, integer or float, if there is one.
     pub(crate) fn number(&self, key: &str) -> Result<Option<f64>, Problem> {
         let Some((_, value)) = self.entry(key) else { return Ok(None) };

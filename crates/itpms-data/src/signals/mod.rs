@@ -1,12 +1,33 @@
 //! What comes signal by signal instead of row by row: bus logs and measurement files whose signals have their own
 //! clocks.
 //!
+//! | room | idea |
+//! |---|---|
+//! | `map` | which signal is which column, as a person writes it (`map.toml`) |
+//! | `resolve` | the same found by names where nobody wrote it |
+//! | `names` | what a name says in words |
+//! | `units` | from the log's unit to the column's |
+//! | `report` | all of this in words, and as a map to start from |
+//! | `problem` | what can be wrong |
+//! | [`align`] | readings on their own clocks to rows |
+//!
 //! Called by the log reader and by whoever listens to a bus; knows nothing of estimators.
 
 pub mod align;
+mod map;
+mod names;
+mod problem;
+mod report;
+mod resolve;
+mod units;
 
 use crate::log::Slot;
 pub use align::Aligner;
+pub use map::SignalMap;
+use map::{Entry, Scale};
+pub use problem::SignalProblem;
+pub use report::{Remark, Source};
+pub use resolve::{Chosen, Resolved, resolve};
 
 /// One value of one signal at its own time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,4 +38,53 @@ pub struct Reading {
     pub slot: Slot,
     /// The value in the unit of [`Slot::name`]; NaN is a value that was sent as invalid.
     pub value: f64,
+}
+
+/// A signal that could be a column.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Candidate {
+    /// The message or channel group it is in; may be empty.
+    pub group: String,
+    /// Its name.
+    pub name: String,
+    /// Its unit as the file has it; empty where it says nothing.
+    pub unit: String,
+}
+
+impl Candidate {
+    /// Group, dot, name: what a map calls it.
+    #[must_use]
+    pub fn full_name(&self) -> String {
+        if self.group.is_empty() { self.name.clone() } else { format!("{}.{}", self.group, self.name) }
+    }
+
+    /// Whether this is its full name.
+    fn is_called(&self, full_name: &str) -> bool {
+        let rest = full_name.strip_prefix(self.group.as_str());
+        match (self.group.is_empty(), rest) {
+            (true, _) => full_name == self.name,
+            (false, Some(rest)) => rest.strip_prefix('.') == Some(self.name.as_str()),
+            (false, None) => false,
+        }
+    }
+}
+
+/// From one unit to another: times the factor, plus the offset.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Conversion {
+    /// Multiplied first.
+    pub factor: f64,
+    /// Added then, in the new unit.
+    pub offset: f64,
+}
+
+impl Conversion {
+    /// Leaves a value as it is.
+    pub const IDENTITY: Self = Self { factor: 1.0, offset: 0.0 };
+
+    /// The value in the new unit.
+    #[must_use]
+    pub fn apply(self, value: f64) -> f64 {
+        value * self.factor + self.offset
+    }
 }

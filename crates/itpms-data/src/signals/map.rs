@@ -1,0 +1,144 @@
+//! The map from a log's signals to the columns of a drive log, as a person writes it (`map.toml`).
+//!
+//! Read by the binary, used by the resolver. Every key is a column's name; `time_s` is not among them, for a log has
+//! its own clock. Checked as far as it can be without the log. Knows nothing of buses and formats.
+//!
+//! ```toml
+//! [signals]
+//! speed_m_s = "ESP_02.VehicleSpeed"      # message or channel group, dot, signal; or the signal alone
+//! fl_body_accel_m_s2 = { signal = "Chassis_FL.BodyAccZ", unit = "g" }    # where the file is silent or wrong
+//! fl_wheel_accel_m_s2 = { signal = "Hub_FL.Z", factor = -1.0, offset = 9.81 }    # instead of a unit
+//! fr_pressure_kpa = ""                   # none, even if a name matches
+//! ```
+
+use std::fs;
+use std::io::{self, Read as _};
+use std::path::{Path, PathBuf};
+
+use toml::de::DeTable;
+
+use super::units::Unit;
+use super::{Conversion, SignalProblem};
+use crate::error::{DataError, Problem};
+use crate::log::Slot;
+use crate::toml_table::{Table, syntax_problem};
+
+/// A map of twenty columns; what is longer is something else.
+const LONGEST_BYTES: u64 = 1 << 20;
+
+/// Which signal goes into which column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SignalMap {
+    pub(super) path: PathBuf,
+    pub(super) entries: Vec<Entry>,
+}
+
+/// One line of the map.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Entry {
+    pub(super) slot: Slot,
+    pub(super) line: usize,
+    /// `None`: this column is to have no signal.
+    pub(super) signal: Option<String>,
+    pub(super) scale: Scale,
+}
+
+/// How to get to the column's unit.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Scale {
+    /// From the unit that the file states.
+    AsStated,
+    /// From this unit.
+    Unit(String, Conversion),
+    /// By these numbers.
+    Numbers(Conversion),
+}
+
+impl SignalMap {
+    /// Reads a map.
+    ///
+    /// # Errors
+    /// The file cannot be read, is not TOML, has an unknown key, or a unit that is not one of what the column measures.
+    pub fn read(path: &Path) -> Result<Self, DataError> {
+        let fail = |problem| DataError::new(path, problem);
+        let text = read_text(path).map_err(fail)?;
+        let entries = parse(&text).map_err(fail)?;
+        Ok(Self { path: path.to_owned(), entries })
+    }
+
+    /// The map in this text; `path` is what messages call it.
+    ///
+    /// # Errors
+    /// As [`SignalMap::read`].
+    pub fn parse(text: &str, path: &Path) -> Result<Self, DataError> {
+        let entries = parse(text).map_err(|problem| DataError::new(path, problem))?;
+        Ok(Self { path: path.to_owned(), entries })
+    }
+}
+
+fn read_text(path: &Path) -> Result<String, Problem> {
+    let read_error = |error: io::Error| match error.kind() {
+        io::ErrorKind::NotFound => Problem::NotFound,
+        _ => Problem::Read(error),
+    };
+    if fs::metadata(path).map_err(read_error)?.is_dir() {
+        return Err(Problem::IsDirectory);
+    }
+    let mut text = String::new();
+    let file = fs::File::open(path).map_err(read_error)?;
+    file.take(LONGEST_BYTES + 1).read_to_string(&mut text).map_err(read_error)?;
+    if text.len() as u64 > LONGEST_BYTES {
+        return Err(SignalProblem::MapTooLong { most: LONGEST_BYTES }.into());
+    }
+    Ok(text)
+}
+
+fn parse(text: &str) -> Result<Vec<Entry>, Problem> {
+    let document = DeTable::parse(text).map_err(|error| syntax_problem(text, &error))?;
+    let root = Table::root(text, document.get_ref());
+    root.check_keys(&["signals"])?;
+    let signals = root.table("signals")?.ok_or_else(|| root.lacks("table [signals]"))?;
+    let columns: Vec<(Slot, String)> =
+        Slot::all().filter(|slot| *slot != Slot::Time).map(|slot| (slot, slot.name())).collect();
+    signals.check_keys(&columns.iter().map(|(_, name)| name.as_str()).collect::<Vec<_>>())?;
+    let mut entries = Vec::new();
+    for (slot, column) in &columns {
+        if signals.has(column) {
+            entries.push(entry(&signals, *slot, column)?);
+        }
+    }
+    entries.sort_by_key(|entry| entry.line);
+    Ok(entries)
+}
+
+fn entry(signals: &Table<'_>, slot: Slot, column: &str) -> Result<Entry, Problem> {
+    let line = signals.line_of_key(column);
+    let named = |signal: String| Some(signal).filter(|signal| !signal.is_empty());
+    let Some(table) = signals.table_unless_text(column)? else {
+        let signal = signals.text(column)?.unwrap_or_default();
+        return Ok(Entry { slot, line, signal: named(signal), scale: Scale::AsStated });
+    };
+    table.check_keys(&["signal", "unit", "factor", "offset"])?;
+    let signal = table.text("signal")?.ok_or_else(|| table.lacks("signal"))?;
+    let (unit, factor, offset) = (table.text("unit")?, table.number("factor")?, table.number("offset")?);
+    let column = column.to_owned();
+    let scale = match (unit, factor, offset) {
+        (None, None, None) => Scale::AsStated,
+        (Some(unit), None, None) => {
+            let conversion = Unit::of(&unit).conversion_to(slot);
+            let wrong = || SignalProblem::MapUnit { line, column, slot, unit: unit.clone() };
+            Scale::Unit(unit.clone(), conversion.ok_or_else(wrong)?)
+        }
+        (None, factor, offset) => {
+            let conversion = Conversion { factor: factor.unwrap_or(1.0), offset: offset.unwrap_or(0.0) };
+            let usable =
+                conversion.factor.is_finite() && conversion.factor != 0.0 && conversion.offset.is_finite();
+            if !usable {
+                return Err(SignalProblem::MapNumbers { line, column, conversion }.into());
+            }
+            Scale::Numbers(conversion)
+        }
+        (Some(_), ..) => return Err(SignalProblem::UnitAndNumbers { line, column }.into()),
+    };
+    Ok(Entry { slot, line, signal: named(signal), scale })
+}

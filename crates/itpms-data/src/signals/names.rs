@@ -1,0 +1,265 @@
+//! What a signal's name says in words: `FL_BodyAccZ`, `AccZ_Wheel_RR`, `ESP_02.VehicleSpeed`, `v_veh`.
+//!
+//! Called by the resolver for names that are no column's own. A name is taken apart into words; the message or group
+//! it is in helps out with what the name itself leaves open. Cautious: a word that makes it another quantity (`lateral`,
+//! `target`, `status`) rules it out. Knows nothing of units.
+
+use itpms_core::sample::Corner;
+
+use crate::log::{Field, Slot};
+
+/// How sure the words are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Fit {
+    /// Every word of the name is understood, an acceleration says that it is vertical.
+    AllWords,
+    /// Some words are unknown, or something was left open.
+    SomeWords,
+}
+
+/// One word that means something.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Word {
+    Corner(Corner),
+    Front,
+    Rear,
+    Left,
+    Right,
+    Body,
+    Wheel,
+    Acceleration,
+    Vertical,
+    Vehicle,
+    Speed,
+    Tire,
+    Pressure,
+    Road,
+    Height,
+    /// Says nothing: `signal`, `value`, a unit.
+    Filler,
+    /// Makes it something else: another axis, a limit, a status.
+    Other,
+    Unknown,
+}
+
+#[rustfmt::skip]
+const WORDS: [(&str, Word); 143] = [
+    ("fl", Word::Corner(Corner::FrontLeft)), ("lf", Word::Corner(Corner::FrontLeft)), ("vl", Word::Corner(Corner::FrontLeft)),
+    ("fr", Word::Corner(Corner::FrontRight)), ("rf", Word::Corner(Corner::FrontRight)), ("vr", Word::Corner(Corner::FrontRight)),
+    ("rl", Word::Corner(Corner::RearLeft)), ("lr", Word::Corner(Corner::RearLeft)), ("hl", Word::Corner(Corner::RearLeft)),
+    ("rr", Word::Corner(Corner::RearRight)), ("hr", Word::Corner(Corner::RearRight)),
+    ("front", Word::Front), ("frnt", Word::Front), ("rear", Word::Rear), ("left", Word::Left), ("lft", Word::Left),
+    ("right", Word::Right), ("rgt", Word::Right), ("rght", Word::Right),
+    ("body", Word::Body), ("chassis", Word::Body), ("sprung", Word::Body), ("dome", Word::Body), ("top", Word::Body),
+    ("wheel", Word::Wheel), ("whl", Word::Wheel), ("unsprung", Word::Wheel), ("hub", Word::Wheel), ("knuckle", Word::Wheel),
+    ("acc", Word::Acceleration), ("accel", Word::Acceleration), ("accl", Word::Acceleration), ("acceleration", Word::Acceleration),
+    ("accelerometer", Word::Acceleration), ("a", Word::Acceleration),
+    ("z", Word::Vertical), ("vert", Word::Vertical), ("vertical", Word::Vertical), ("vrt", Word::Vertical),
+    ("vehicle", Word::Vehicle), ("veh", Word::Vehicle), ("vhcl", Word::Vehicle), ("car", Word::Vehicle), ("ego", Word::Vehicle),
+    ("speed", Word::Speed), ("spd", Word::Speed), ("velocity", Word::Speed), ("vel", Word::Speed), ("v", Word::Speed),
+    ("tire", Word::Tire), ("tyre", Word::Tire), ("tpms", Word::Tire),
+    ("pressure", Word::Pressure), ("press", Word::Pressure), ("prs", Word::Pressure),
+    ("road", Word::Road), ("height", Word::Height), ("elevation", Word::Height), ("profile", Word::Height),
+    ("signal", Word::Filler), ("sig", Word::Filler), ("value", Word::Filler), ("val", Word::Filler), ("sensor", Word::Filler),
+    ("sens", Word::Filler), ("sns", Word::Filler), ("m", Word::Filler), ("s", Word::Filler), ("s2", Word::Filler),
+    ("ms2", Word::Filler), ("mps2", Word::Filler), ("mps", Word::Filler), ("g", Word::Filler), ("mg", Word::Filler),
+    ("km", Word::Filler), ("h", Word::Filler), ("kmh", Word::Filler), ("kph", Word::Filler), ("mph", Word::Filler),
+    ("kpa", Word::Filler), ("bar", Word::Filler), ("psi", Word::Filler), ("mm", Word::Filler),
+    ("x", Word::Other), ("y", Word::Other), ("lat", Word::Other), ("lateral", Word::Other), ("lon", Word::Other),
+    ("long", Word::Other), ("longitudinal", Word::Other), ("pedal", Word::Other), ("gyro", Word::Other), ("yaw", Word::Other),
+    ("roll", Word::Other), ("pitch", Word::Other), ("angle", Word::Other), ("angular", Word::Other), ("rate", Word::Other),
+    ("temp", Word::Other), ("temperature", Word::Other), ("status", Word::Other), ("stat", Word::Other), ("state", Word::Other),
+    ("sts", Word::Other), ("valid", Word::Other), ("validity", Word::Other), ("quality", Word::Other), ("qual", Word::Other),
+    ("qualifier", Word::Other), ("qf", Word::Other), ("error", Word::Other), ("err", Word::Other), ("fault", Word::Other),
+    ("counter", Word::Other), ("cnt", Word::Other), ("crc", Word::Other), ("checksum", Word::Other), ("offset", Word::Other),
+    ("bias", Word::Other), ("min", Word::Other), ("max", Word::Other), ("rms", Word::Other), ("peak", Word::Other),
+    ("mean", Word::Other), ("avg", Word::Other), ("sd", Word::Other), ("target", Word::Other), ("set", Word::Other),
+    ("setpoint", Word::Other), ("request", Word::Other), ("req", Word::Other), ("limit", Word::Other), ("limiter", Word::Other),
+    ("cruise", Word::Other), ("nominal", Word::Other), ("warning", Word::Other), ("warn", Word::Other), ("engine", Word::Other),
+    ("motor", Word::Other), ("fan", Word::Other), ("wind", Word::Other), ("brake", Word::Other), ("estimated", Word::Other),
+];
+
+/// The column this signal's name and group speak of.
+pub(super) fn meaning(group: &str, name: &str) -> Option<(Slot, Fit)> {
+    let (own, around) = (words(name), words(group));
+    if own.contains(&Word::Other) {
+        return None;
+    }
+    let has = |word| own.contains(&word);
+    let says = |word| own.contains(&word) || around.contains(&word);
+    let corner = corner(&own).or_else(|| if names_corner(&own) { None } else { corner(&around) });
+    let complete = !has(Word::Unknown);
+    let fit = |sure: bool| if sure && complete { Fit::AllWords } else { Fit::SomeWords };
+    if let Some(corner) = corner {
+        let field = if has(Word::Pressure) {
+            says(Word::Tire).then_some((Field::Pressure, fit(true)))
+        } else if has(Word::Speed) {
+            None
+        } else if has(Word::Road) && (has(Word::Height) || has(Word::Vertical)) {
+            Some((Field::Road, fit(true)))
+        } else if says(Word::Acceleration) {
+            mass(&own).or_else(|| mass(&around)).map(|field| (field, fit(says(Word::Vertical))))
+        } else {
+            None
+        };
+        return field.map(|(field, fit)| (Slot::Corner(corner, field), fit));
+    }
+    let elsewhere = says(Word::Wheel) || names_corner(&own) || around.contains(&Word::Other);
+    if has(Word::Speed) && !elsewhere && !has(Word::Vertical) {
+        return Some((Slot::Speed, fit(says(Word::Vehicle))));
+    }
+    None
+}
+
+/// Body or wheel, if it is one of the two.
+fn mass(words: &[Word]) -> Option<Field> {
+    match (words.contains(&Word::Body), words.contains(&Word::Wheel)) {
+        (true, false) => Some(Field::BodyAccel),
+        (false, true) => Some(Field::WheelAccel),
+        _ => None,
+    }
+}
+
+/// The one corner that is named.
+fn corner(words: &[Word]) -> Option<Corner> {
+    let has = |word| words.contains(&word);
+    let side = match (has(Word::Front), has(Word::Rear), has(Word::Left), has(Word::Right)) {
+        (true, false, true, false) => Some(Corner::FrontLeft),
+        (true, false, false, true) => Some(Corner::FrontRight),
+        (false, true, true, false) => Some(Corner::RearLeft),
+        (false, true, false, true) => Some(Corner::RearRight),
+        _ => None,
+    };
+    let mut named =
+        Corner::ALL.into_iter().filter(|corner| side == Some(*corner) || has(Word::Corner(*corner)));
+    named.next().filter(|_| named.next().is_none())
+}
+
+/// Whether anything is said of a corner, be it contradictory.
+fn names_corner(words: &[Word]) -> bool {
+    let corner =
+        |word: &Word| matches!(word, Word::Corner(_) | Word::Front | Word::Rear | Word::Left | Word::Right);
+    words.iter().any(corner)
+}
+
+/// The words of a name: at `_` and the like, where small letters turn into capitals, and inside `vehspd`.
+fn words(name: &str) -> Vec<Word> {
+    let mut words = Vec::new();
+    for part in name.split(|c: char| !c.is_ascii_alphanumeric()) {
+        for piece in camel(part) {
+            let piece = piece.to_ascii_lowercase();
+            match looked_up(&piece) {
+                Some(word) => words.push(word),
+                None if piece == "az" => words.extend([Word::Acceleration, Word::Vertical]),
+                None => compound(&piece, &mut words),
+            }
+        }
+    }
+    words
+}
+
+fn looked_up(text: &str) -> Option<Word> {
+    WORDS.iter().find(|(word, _)| *word == text).map(|(_, meaning)| *meaning)
+}
+
+/// `BodyAccZ` to `Body`, `Acc`, `Z`; `FLBody` to `FL`, `Body`. ASCII only, so that every index is a character.
+fn camel(part: &str) -> Vec<&str> {
+    let bytes = part.as_bytes();
+    let mut cuts = vec![0];
+    for i in 1..bytes.len() {
+        let (before, here) = (bytes[i - 1], bytes[i]);
+        let next_small = bytes.get(i + 1).is_some_and(u8::is_ascii_lowercase);
+        let rises = here.is_ascii_uppercase() && !before.is_ascii_uppercase();
+        let acronym_ends = here.is_ascii_uppercase() && before.is_ascii_uppercase() && next_small;
+        if rises || acronym_ends {
+            cuts.push(i);
+        }
+    }
+    cuts.push(bytes.len());
+    cuts.windows(2).map(|cut| &part[cut[0]..cut[1]]).filter(|piece| !piece.is_empty()).collect()
+}
+
+/// A word without seams, `vehspd` or `accz`: the longest known words from its beginning, if they use it up; words of one
+/// letter count only at the end, where an axis stands.
+fn compound(piece: &str, words: &mut Vec<Word>) {
+    let (mut rest, mut found) = (piece, Vec::new());
+    while !rest.is_empty() {
+        let longest = WORDS
+            .iter()
+            .filter(|(word, _)| rest.starts_with(word) && (word.len() > 1 || rest.len() == 1))
+            .max_by_key(|(word, _)| word.len());
+        let Some((word, meaning)) = longest else { return words.push(Word::Unknown) };
+        found.push(*meaning);
+        rest = &rest[word.len()..];
+    }
+    words.extend(found);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn column(group: &str, name: &str) -> Option<String> {
+        meaning(group, name).map(|(slot, _)| slot.name())
+    }
+
+    #[test]
+    fn usual_names_are_understood() {
+        for (group, name, expected) in [
+            ("", "FL_BodyAccZ", "fl_body_accel_m_s2"),
+            ("Chassis_FL", "BodyAccZ", "fl_body_accel_m_s2"),
+            ("", "AccZ_Wheel_RR", "rr_wheel_accel_m_s2"),
+            ("", "accz_whl_rr", "rr_wheel_accel_m_s2"),
+            ("", "VertAccelHubRearLeft", "rl_wheel_accel_m_s2"),
+            ("WheelAcceleration", "FrontRight_Z", "fr_wheel_accel_m_s2"),
+            ("", "sprungAccelRL", "rl_body_accel_m_s2"),
+            ("", "az_body_fl", "fl_body_accel_m_s2"),
+            ("ESP_02", "VehicleSpeed", "speed_m_s"),
+            ("", "v_veh", "speed_m_s"),
+            ("", "VehSpd", "speed_m_s"),
+            ("ABS", "vehspd", "speed_m_s"),
+            ("GPS", "Speed", "speed_m_s"),
+            ("TPMS", "Pressure_FL", "fl_pressure_kpa"),
+            ("", "TirePressFrontRight", "fr_pressure_kpa"),
+            ("", "road_height_rl", "rl_road_m"),
+        ] {
+            assert_eq!(column(group, name).unwrap_or_default(), expected, "{group}.{name}");
+        }
+    }
+
+    #[test]
+    fn what_is_something_else_is_left_alone() {
+        for (group, name) in [
+            ("", "FL_BodyAccX"),
+            ("", "LateralAcceleration"),
+            ("", "WheelSpeed_FL"),
+            ("WheelSpeeds", "Speed_FL"),
+            ("Engine", "Speed"),
+            ("", "VehicleSpeedLimit"),
+            ("", "BodyAccZ"),
+            ("", "FL_FR_BodyAccZ"),
+            ("", "FL_WheelAccZ_Status"),
+            ("", "BrakePressure_FL"),
+            ("", "Pressure_FL"),
+            ("", "counter"),
+            ("", ""),
+        ] {
+            assert_eq!(column(group, name), None, "{group}.{name}");
+        }
+    }
+
+    #[test]
+    fn unknown_words_make_it_less_sure() {
+        assert_eq!(meaning("", "VehicleSpeed").unwrap().1, Fit::AllWords);
+        assert_eq!(meaning("", "VehicleSpeedDisplay").unwrap().1, Fit::SomeWords);
+        assert_eq!(meaning("", "FL_BodyAccZ").unwrap().1, Fit::AllWords);
+        assert_eq!(meaning("", "FL_BodyAcc").unwrap().1, Fit::SomeWords);
+    }
+
+    #[test]
+    fn no_word_is_there_twice() {
+        for (i, (word, _)) in WORDS.iter().enumerate() {
+            assert!(WORDS[..i].iter().all(|(other, _)| other != word), "{word}");
+        }
+    }
+}

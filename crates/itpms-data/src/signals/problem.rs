@@ -1,0 +1,113 @@
+//! What can be wrong with a map of signals, or between a map and a log.
+//!
+//! Made by the rooms beside it; read by people as part of a [`Problem`](crate::error::Problem).
+
+use thiserror::Error;
+
+use super::Conversion;
+use super::units::Quantity;
+use crate::log::Slot;
+
+/// One kind of problem with signals.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum SignalProblem {
+    /// A file that is no map.
+    #[error("is longer than {most} bytes, expected a map of signals (TOML)")]
+    MapTooLong {
+        /// The limit.
+        most: u64,
+    },
+    /// A unit nobody knows, or one of something else.
+    #[error(
+        "line {line}: {column} has unit {unit:?}, expected {} (or factor and offset instead)",
+        Quantity::of(*.slot).known_units()
+    )]
+    MapUnit {
+        /// Line of the map.
+        line: usize,
+        /// The column.
+        column: String,
+        /// The same.
+        slot: Slot,
+        /// The unit as written.
+        unit: String,
+    },
+    /// A factor of zero, or numbers that are not finite.
+    #[error(
+        "line {line}: {column} has factor {} and offset {}, expected a finite factor that is not 0 and a finite offset",
+        .conversion.factor, .conversion.offset
+    )]
+    MapNumbers {
+        /// Line of the map.
+        line: usize,
+        /// The column.
+        column: String,
+        /// The numbers.
+        conversion: Conversion,
+    },
+    /// Two ways to say the same.
+    #[error("line {line}: {column} has a unit and a factor or offset, expected one of the two")]
+    UnitAndNumbers {
+        /// Line of the map.
+        line: usize,
+        /// The column.
+        column: String,
+    },
+    /// A signal that the log and its definitions do not have.
+    #[error("line {line}: {column} is to be {signal:?}, but {}", nothing_like_it(*.of, .nearest))]
+    NotThere {
+        /// Line of the map.
+        line: usize,
+        /// The column.
+        column: String,
+        /// The signal as written.
+        signal: String,
+        /// How many signals there are.
+        of: usize,
+        /// The most similar name that is there.
+        nearest: Option<String>,
+    },
+    /// A name that several signals have.
+    #[error("line {line}: {column} is to be {signal:?}, which could be {found}: expected one of these")]
+    Several {
+        /// Line of the map.
+        line: usize,
+        /// The column.
+        column: String,
+        /// The signal as written.
+        signal: String,
+        /// Some of the signals of that name.
+        found: String,
+    },
+    /// The log's unit says nothing, and the map does not say it either.
+    #[error(
+        "line {line}: {column} is to be {signal:?}, whose unit {}, expected {}: \
+         give it in the map, {column} = {{ signal = \"{signal}\", unit = \"{}\" }} or factor = ... and offset = ...",
+        stated(.unit), Quantity::of(*.slot).words(), Quantity::of(*.slot).unit()
+    )]
+    Unit {
+        /// Line of the map.
+        line: usize,
+        /// The column.
+        column: String,
+        /// The same.
+        slot: Slot,
+        /// The signal's full name.
+        signal: String,
+        /// Its unit as the log has it.
+        unit: String,
+    },
+}
+
+/// What to say of a unit that is of no use.
+pub(super) fn stated(unit: &str) -> String {
+    if unit.is_empty() { "is not stated".to_owned() } else { format!("is stated as {unit:?}") }
+}
+
+fn nothing_like_it(of: usize, nearest: &Option<String>) -> String {
+    match nearest {
+        Some(name) => format!("there is no such signal; the nearest name of {of} is {name:?}"),
+        None => format!("there is no such signal among {of} (itpms signals lists them)"),
+    }
+}

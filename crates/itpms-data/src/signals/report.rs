@@ -1,0 +1,220 @@
+//! What was mapped from what, what is ambiguous and what is missing, in words and as a map to start from.
+//!
+//! Called by the commands, which print it as it is. Knows the resolver's result and nothing of logs.
+
+use std::fmt::{self, Write as _};
+
+use itpms_core::sample::Corner;
+
+use super::problem::stated;
+use super::units::Quantity;
+use super::{Conversion, Resolved};
+use crate::log::{Field, Slot};
+use crate::toml_table::escaped;
+
+/// Who said that a signal is a column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Source {
+    /// The map.
+    Map,
+    /// The signal has the column's name.
+    Name,
+    /// The signal has the column's name in other letters.
+    Letters,
+    /// All words of its name say so.
+    Words,
+    /// Some words of its name say so.
+    SomeWords,
+}
+
+impl fmt::Display for Source {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Source::Map => "by the map",
+            Source::Name => "by its name",
+            Source::Letters => "by its name but for case and punctuation",
+            Source::Words => "by the words of its name",
+            Source::SomeWords => "by some words of its name",
+        })
+    }
+}
+
+/// What is doubtful about a column's signal.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Remark {
+    /// Several signals could be it; none is taken.
+    Ambiguous {
+        /// The column.
+        slot: Slot,
+        /// Some of the signals.
+        signals: String,
+        /// The first of them.
+        first: String,
+    },
+    /// A signal could be it, but its unit is not stated or not known; it is not taken.
+    Unit {
+        /// The column.
+        slot: Slot,
+        /// The signal.
+        signal: String,
+        /// Its unit as stated.
+        unit: String,
+    },
+    /// The map has one signal for two columns.
+    UsedTwice {
+        /// The signal.
+        signal: String,
+        /// The columns.
+        slots: [Slot; 2],
+    },
+}
+
+impl fmt::Display for Remark {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Remark::Ambiguous { slot, signals, first } => {
+                let column = slot.name();
+                write!(
+                    f,
+                    "{column} could be any of {signals}: not taken; say which in a map, {column} = \"{first}\""
+                )
+            }
+            Remark::Unit { slot, signal, unit } => {
+                let (column, expected) = (slot.name(), Quantity::of(*slot).unit());
+                let stated = stated(unit);
+                write!(
+                    f,
+                    "{column} could be {signal}, whose unit {stated}: not taken; say it in a map, \
+                     {column} = {{ signal = \"{signal}\", unit = \"{expected}\" }}"
+                )
+            }
+            Remark::UsedTwice { signal, slots: [first, second] } => {
+                write!(f, "{signal} is both {} and {}", first.name(), second.name())
+            }
+        }
+    }
+}
+
+impl Resolved {
+    /// What is doubtful, in the order of the columns.
+    #[must_use]
+    pub fn remarks(&self) -> &[Remark] {
+        &self.remarks
+    }
+
+    /// A line per column that has a signal: which, how converted, and who said so.
+    #[must_use]
+    pub fn lines(&self) -> Vec<String> {
+        let line = |chosen: &super::Chosen| {
+            let conversion = words(chosen.conversion, &chosen.unit);
+            format!("{} is {}{conversion}, {}", chosen.slot.name(), chosen.signal, chosen.source)
+        };
+        self.iter().map(line).collect()
+    }
+
+    /// The corners that have both accelerations, in the order of [`Corner::ALL`].
+    #[must_use]
+    pub fn corners(&self) -> Vec<Corner> {
+        let has = |corner, field| self.get(Slot::Corner(corner, field)).is_some();
+        let complete = |corner: &Corner| has(*corner, Field::BodyAccel) && has(*corner, Field::WheelAccel);
+        Corner::ALL.into_iter().filter(complete).collect()
+    }
+
+    /// Why nothing can be estimated from these signals, if no corner has both accelerations; else `None`.
+    #[must_use]
+    pub fn unusable(&self) -> Option<String> {
+        if !self.corners().is_empty() {
+            return None;
+        }
+        let accelerations = self.iter().filter(|c| Quantity::of(c.slot) == Quantity::Acceleration).count();
+        let mut text = match (self.candidates, accelerations) {
+            (0, _) => "there are no signals".to_owned(),
+            (of, 0) => format!("none of {of} signals is known to be an acceleration of a body or wheel"),
+            (of, some) => {
+                format!(
+                    "{some} of {of} signals are accelerations, but no corner has that of its body and of its wheel"
+                )
+            }
+        };
+        for remark in &self.remarks {
+            let _ = write!(text, "; {remark}");
+        }
+        if self.candidates > 0 {
+            text.push_str(
+                "; expected body and wheel of one corner or more: name them in a map (--signals map.toml)",
+            );
+        }
+        Some(text)
+    }
+
+    /// The columns of corners that have one acceleration and lack the other.
+    #[must_use]
+    pub fn lone(&self) -> Vec<Slot> {
+        let pair = |corner| [Field::BodyAccel, Field::WheelAccel].map(|field| Slot::Corner(corner, field));
+        let lacking = |[body, wheel]: [Slot; 2]| match (self.get(body), self.get(wheel)) {
+            (Some(_), None) => Some(wheel),
+            (None, Some(_)) => Some(body),
+            _ => None,
+        };
+        Corner::ALL.into_iter().map(pair).filter_map(lacking).collect()
+    }
+
+    /// The text of a map that says all this, with what is doubtful or missing as comments.
+    #[must_use]
+    pub fn to_toml(&self) -> String {
+        let mut out = String::from("[signals]\n");
+        for slot in Slot::all().filter(|slot| *slot != Slot::Time) {
+            let column = slot.name();
+            match self.get(slot) {
+                Some(chosen) => {
+                    let value = map_value(chosen);
+                    let _ = writeln!(out, "{column} = {value}");
+                }
+                None => {
+                    let doubt = |remark: &&Remark| matches!(remark, Remark::Ambiguous { slot: s, .. } | Remark::Unit { slot: s, .. } if *s == slot);
+                    if let Some(remark) = self.remarks.iter().find(doubt) {
+                        let text: String = remark.to_string().chars().map(one_line).collect();
+                        let _ = writeln!(out, "# {text}");
+                    }
+                    let truth = matches!(slot, Slot::Corner(_, Field::Pressure | Field::Road));
+                    let optional = if truth { " (the truth, where it is known)" } else { "" };
+                    let _ = writeln!(out, "# {column} = \"\"{optional}");
+                }
+            }
+        }
+        out
+    }
+}
+
+fn one_line(c: char) -> char {
+    if c.is_control() { ' ' } else { c }
+}
+
+/// What a map says of this signal so that it reads back as the same.
+fn map_value(chosen: &super::Chosen) -> String {
+    let signal = escaped(&chosen.signal);
+    let stated = super::units::Unit::of(&chosen.unit).conversion_to(chosen.slot);
+    if stated == Some(chosen.conversion) {
+        return format!("\"{signal}\"");
+    }
+    if chosen.conversion == Conversion::IDENTITY {
+        return format!("{{ signal = \"{signal}\", unit = \"{}\" }}", Quantity::of(chosen.slot).unit());
+    }
+    let Conversion { factor, offset } = chosen.conversion;
+    format!("{{ signal = \"{signal}\", factor = {factor:?}, offset = {offset:?} }}")
+}
+
+fn words(conversion: Conversion, unit: &str) -> String {
+    let unit = if unit.is_empty() { String::new() } else { format!(" in {unit}") };
+    match conversion {
+        Conversion::IDENTITY => unit,
+        Conversion { factor, offset: 0.0 } => format!("{unit} times {}", short(factor)),
+        Conversion { factor, offset } => format!("{unit} times {} plus {}", short(factor), short(offset)),
+    }
+}
+
+/// Six digits are enough for a reader.
+fn short(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
+}

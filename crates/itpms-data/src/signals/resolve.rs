@@ -1,0 +1,237 @@
+//! Which signal is which column: first as the map says, then where names match.
+//!
+//! Called by whoever opens a bus log or a measurement file, with everything that is in it. Without a map a column's
+//! signal is, in this order: the one with the column's own name; with that name in other letters (`FL_BodyAccel_mS2`);
+//! the one whose words say it (`FL_BodyAccZ`, see [`names`](super::names)). A step counts only if one signal alone
+//! takes it: of two nobody knows which is meant, so both are named and neither is taken. Knows nothing of formats.
+
+use super::names::{self, Fit};
+use super::report::{Remark, Source};
+use super::units::Unit;
+use super::{Candidate, Conversion, Entry, Scale, SignalMap, SignalProblem};
+use crate::error::{DataError, Problem};
+use crate::log::{SLOTS, Slot};
+use crate::nearest::nearest;
+
+/// One column's signal.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chosen {
+    /// The column.
+    pub slot: Slot,
+    /// Its place among the candidates.
+    pub candidate: usize,
+    /// From the signal's value to the column's unit.
+    pub conversion: Conversion,
+    /// Group, dot, name.
+    pub signal: String,
+    /// The unit as stated by the log.
+    pub unit: String,
+    /// Who said so.
+    pub source: Source,
+}
+
+/// Which signal each column gets, and what is to be said about it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Resolved {
+    pub(super) chosen: [Option<Chosen>; SLOTS],
+    pub(super) remarks: Vec<Remark>,
+    pub(super) candidates: usize,
+}
+
+impl Resolved {
+    /// What this column gets.
+    #[must_use]
+    pub fn get(&self, slot: Slot) -> Option<&Chosen> {
+        self.chosen[slot.index()].as_ref()
+    }
+
+    /// Every column that gets something, in the order of [`Slot::all`].
+    pub fn iter(&self) -> impl Iterator<Item = &Chosen> {
+        self.chosen.iter().flatten()
+    }
+
+    /// The columns that get something, in the order of [`Slot::all`].
+    #[must_use]
+    pub fn slots(&self) -> Vec<Slot> {
+        self.iter().map(|chosen| chosen.slot).collect()
+    }
+}
+
+/// Finds each column's signal. `time_s` is never among them: a log has its own clock.
+///
+/// # Errors
+/// The map asks for a signal that is not there or not the only one of its name, or for one whose unit is of no use and
+/// not given in the map. That names match nowhere is no error; see [`Resolved::unusable`].
+pub fn resolve(candidates: &[Candidate], map: Option<&SignalMap>) -> Result<Resolved, DataError> {
+    let mut resolved =
+        Resolved { chosen: [const { None }; SLOTS], remarks: Vec::new(), candidates: candidates.len() };
+    let mut settled = [false; SLOTS];
+    settled[Slot::Time.index()] = true;
+    for (map, entry) in map.into_iter().flat_map(|map| map.entries.iter().map(move |entry| (map, entry))) {
+        settled[entry.slot.index()] = true;
+        let Some(signal) = &entry.signal else { continue };
+        let chosen = by_map(candidates, entry, signal)
+            .map_err(|problem| DataError::new(&map.path, Problem::Signals(problem)))?;
+        let before = resolved.iter().find(|other| other.candidate == chosen.candidate);
+        if let Some(other) = before {
+            let remark =
+                Remark::UsedTwice { signal: chosen.signal.clone(), slots: [other.slot, chosen.slot] };
+            resolved.remarks.push(remark);
+        }
+        resolved.chosen[entry.slot.index()] = Some(chosen);
+    }
+    let fits = Fits::of(candidates);
+    for slot in Slot::all().filter(|slot| !settled[slot.index()]) {
+        let taken = |candidate: usize| resolved.iter().any(|chosen| chosen.candidate == candidate);
+        match fits.best(candidates, slot, taken) {
+            Best::Nothing => {}
+            Best::One(chosen) => resolved.chosen[slot.index()] = Some(chosen),
+            Best::Doubt(remark) => resolved.remarks.push(remark),
+        }
+    }
+    Ok(resolved)
+}
+
+fn by_map(candidates: &[Candidate], entry: &Entry, signal: &str) -> Result<Chosen, SignalProblem> {
+    let (line, column, slot) = (entry.line, entry.slot.name(), entry.slot);
+    let called = |name: &dyn Fn(&Candidate) -> bool| {
+        candidates.iter().enumerate().filter(|(_, c)| name(c)).map(|(i, _)| i).collect::<Vec<_>>()
+    };
+    // The full name first, so that a signal that shares its short name with others can be said at all.
+    let mut found = called(&|candidate| candidate.is_called(signal));
+    if found.is_empty() {
+        found = called(&|candidate| candidate.name == signal);
+    }
+    let place = match found[..] {
+        [place] => place,
+        [] => {
+            let full: Vec<String> = candidates.iter().map(Candidate::full_name).collect();
+            let short = candidates.iter().map(|candidate| candidate.name.as_str());
+            let near = nearest(signal, full.iter().map(String::as_str).chain(short)).map(str::to_owned);
+            let (signal, of) = (signal.to_owned(), candidates.len());
+            return Err(SignalProblem::NotThere { line, column, signal, of, nearest: near });
+        }
+        _ => {
+            let found = some_names(candidates, &found);
+            return Err(SignalProblem::Several { line, column, signal: signal.to_owned(), found });
+        }
+    };
+    let candidate = &candidates[place];
+    let stated = || {
+        let own = fits_own_name(candidate, slot);
+        match Unit::of(&candidate.unit) {
+            Unit::Silent if own => Some(Conversion::IDENTITY),
+            unit => unit.conversion_to(slot),
+        }
+    };
+    let conversion = match &entry.scale {
+        Scale::AsStated => stated().ok_or_else(|| SignalProblem::Unit {
+            line,
+            column,
+            slot,
+            signal: candidate.full_name(),
+            unit: candidate.unit.clone(),
+        })?,
+        Scale::Unit(_, conversion) | Scale::Numbers(conversion) => *conversion,
+    };
+    Ok(chosen(slot, place, candidate, conversion, Source::Map))
+}
+
+fn chosen(slot: Slot, place: usize, candidate: &Candidate, conversion: Conversion, source: Source) -> Chosen {
+    let (signal, unit) = (candidate.full_name(), candidate.unit.clone());
+    Chosen { slot, candidate: place, conversion, signal, unit, source }
+}
+
+/// The column's own name says its unit, too.
+fn fits_own_name(candidate: &Candidate, slot: Slot) -> bool {
+    letters(&candidate.name) == letters(&slot.name())
+}
+
+/// A name in small letters and digits alone.
+fn letters(name: &str) -> String {
+    name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
+}
+
+/// A few full names, for a message.
+fn some_names(candidates: &[Candidate], places: &[usize]) -> String {
+    const MOST: usize = 4;
+    let mut names: Vec<String> =
+        places.iter().take(MOST).map(|place| candidates[*place].full_name()).collect();
+    if places.len() > MOST {
+        names.push(format!("{} more", places.len() - MOST));
+    }
+    names.join(", ")
+}
+
+/// Which candidates could be a column, by how sure that is.
+struct Fits {
+    /// By [`Slot::index`], then by the step of [`STEPS`].
+    places: Vec<[Vec<usize>; STEPS.len()]>,
+}
+
+const STEPS: [Source; 4] = [Source::Name, Source::Letters, Source::Words, Source::SomeWords];
+
+enum Best {
+    Nothing,
+    One(Chosen),
+    Doubt(Remark),
+}
+
+impl Fits {
+    fn of(candidates: &[Candidate]) -> Self {
+        let mut fits = Self { places: (0..SLOTS).map(|_| Default::default()).collect() };
+        let columns: Vec<(usize, String, String)> =
+            Slot::all().map(|slot| (slot.index(), slot.name(), letters(&slot.name()))).collect();
+        for (place, candidate) in candidates.iter().enumerate() {
+            let plain = letters(&candidate.name);
+            let own = columns.iter().find(|(_, _, column)| *column == plain);
+            let (slot, step) = match own {
+                Some((slot, name, _)) => (*slot, usize::from(*name != candidate.name)),
+                None => match names::meaning(&candidate.group, &candidate.name) {
+                    Some((slot, Fit::AllWords)) => (slot.index(), 2),
+                    Some((slot, Fit::SomeWords)) => (slot.index(), 3),
+                    None => continue,
+                },
+            };
+            fits.places[slot][step].push(place);
+        }
+        fits
+    }
+
+    /// The surest candidate of a usable unit that no other column has been given.
+    fn best(&self, candidates: &[Candidate], slot: Slot, taken: impl Fn(usize) -> bool) -> Best {
+        let mut doubt = None;
+        for (source, places) in STEPS.into_iter().zip(&self.places[slot.index()]) {
+            let free = places.iter().copied().filter(|place| !taken(*place));
+            let mut usable = Vec::new();
+            for place in free {
+                let candidate = &candidates[place];
+                match (Unit::of(&candidate.unit), source) {
+                    (Unit::Silent, Source::Name | Source::Letters) => {
+                        usable.push((place, Conversion::IDENTITY));
+                    }
+                    (unit @ Unit::Known(..), _) => {
+                        usable.extend(unit.conversion_to(slot).map(|conversion| (place, conversion)));
+                    }
+                    (Unit::Silent | Unit::Unknown, _) => {
+                        let (signal, unit) = (candidate.full_name(), candidate.unit.clone());
+                        doubt = doubt.or(Some(Remark::Unit { slot, signal, unit }));
+                    }
+                }
+            }
+            match usable[..] {
+                [] => {}
+                [(place, conversion)] => {
+                    return Best::One(chosen(slot, place, &candidates[place], conversion, source));
+                }
+                _ => {
+                    let places: Vec<usize> = usable.iter().map(|(place, _)| *place).collect();
+                    let signals = some_names(candidates, &places);
+                    let first = candidates[places[0]].full_name();
+                    return Best::Doubt(Remark::Ambiguous { slot, signals, first });
+                }
+            }
+        }
+        doubt.map_or(Best::Nothing, Best::Doubt)
+    }
+}

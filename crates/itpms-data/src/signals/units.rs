@@ -1,0 +1,212 @@
+//! From the unit a file names to the unit of a column: `km/h` to m/s, `g` to m/s², `bar` to kPa.
+//!
+//! Called by the map's reader and by the resolver. A unit is a spelling, a quantity and a factor; it knows nothing of
+//! signals. Factors are those of the SI brochure and of NIST SP 811, appendix B.8.
+
+use super::Conversion;
+use crate::log::{Field, Slot};
+
+/// What a column measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Quantity {
+    /// In m/s².
+    Acceleration,
+    /// In m/s.
+    Speed,
+    /// In kPa.
+    Pressure,
+    /// In m.
+    Length,
+    /// In s.
+    Time,
+}
+
+impl Quantity {
+    pub(crate) fn of(slot: Slot) -> Self {
+        match slot {
+            Slot::Time => Quantity::Time,
+            Slot::Speed => Quantity::Speed,
+            Slot::Corner(_, Field::BodyAccel | Field::WheelAccel) => Quantity::Acceleration,
+            Slot::Corner(_, Field::Pressure) => Quantity::Pressure,
+            Slot::Corner(_, Field::Road) => Quantity::Length,
+        }
+    }
+
+    /// The unit a column has it in.
+    pub(crate) fn unit(self) -> &'static str {
+        match self {
+            Quantity::Acceleration => "m/s^2",
+            Quantity::Speed => "m/s",
+            Quantity::Pressure => "kPa",
+            Quantity::Length => "m",
+            Quantity::Time => "s",
+        }
+    }
+
+    /// With its article, for a message.
+    pub(crate) fn words(self) -> &'static str {
+        match self {
+            Quantity::Acceleration => "an acceleration",
+            Quantity::Speed => "a speed",
+            Quantity::Pressure => "a pressure",
+            Quantity::Length => "a length",
+            Quantity::Time => "a time",
+        }
+    }
+
+    /// Spellings a person may want to use, for a message.
+    pub(crate) fn known_units(self) -> &'static str {
+        match self {
+            Quantity::Acceleration => "m/s^2, g, mg, cm/s^2, mm/s^2 or ft/s^2",
+            Quantity::Speed => "m/s, km/h, mph, kn, cm/s, mm/s or ft/s",
+            Quantity::Pressure => "kPa, Pa, hPa, mbar, bar, MPa or psi",
+            Quantity::Length => "m, mm, cm, um, in or ft",
+            Quantity::Time => "s, ms, us or min",
+        }
+    }
+}
+
+/// What a spelling means.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Unit {
+    /// Nothing, or a dash: the file does not say.
+    Silent,
+    /// A unit of this quantity; times the factor it is in the quantity's own.
+    Known(Quantity, f64),
+    /// Some word.
+    Unknown,
+}
+
+/// Standard gravity in m/s².
+const STANDARD_GRAVITY_M_S2: f64 = 9.806_65;
+
+impl Unit {
+    /// The unit of this spelling, whatever its blanks, powers and case.
+    pub(crate) fn of(text: &str) -> Self {
+        let plain = plain(text);
+        if ["", "-", "--", "1", "none", "n/a", "unitless", "nounit"].contains(&plain.to_lowercase().as_str())
+        {
+            return Unit::Silent;
+        }
+        // Mega and milli differ by their case; all else is recognised in any.
+        let exact = UNITS.iter().find(|(name, ..)| *name == plain);
+        let found = exact.or_else(|| {
+            let lower = plain.to_lowercase();
+            UNITS.iter().find(|(name, ..)| name.to_lowercase() == lower)
+        });
+        found.map_or(Unit::Unknown, |(_, quantity, factor)| Unit::Known(*quantity, *factor))
+    }
+
+    /// The conversion to the unit of this column, if it is a unit of what the column measures.
+    pub(crate) fn conversion_to(self, slot: Slot) -> Option<Conversion> {
+        match self {
+            Unit::Known(quantity, factor) if quantity == Quantity::of(slot) => {
+                Some(Conversion { factor, offset: 0.0 })
+            }
+            _ => None,
+        }
+    }
+}
+
+/// Without blanks, brackets and signs of multiplication and power: `m / s ^ 2`, `m·s⁻²` and `[m/s²]` are written in
+/// many ways.
+fn plain(text: &str) -> String {
+    let mut plain = String::new();
+    for c in text.chars() {
+        match c {
+            '²' => plain.push('2'),
+            '⁻' | '−' => plain.push('-'),
+            'µ' | 'μ' => plain.push('u'),
+            // What is left over where UTF-8 was read as cp1252: `Â²`.
+            'Â' | '[' | ']' | '(' | ')' | '^' | '*' | '·' | '⋅' | '.' | '_' => {}
+            c if c.is_whitespace() || c.is_control() => {}
+            c => plain.push(c),
+        }
+    }
+    plain
+}
+
+#[rustfmt::skip]
+const UNITS: [(&str, Quantity, f64); 65] = {
+    use Quantity::{Acceleration, Length, Pressure, Speed, Time};
+    [
+        ("m/s2", Acceleration, 1.0), ("m/s/s", Acceleration, 1.0), ("ms-2", Acceleration, 1.0), ("mps2", Acceleration, 1.0),
+        ("m/sec2", Acceleration, 1.0), ("m/ss", Acceleration, 1.0), ("mpss", Acceleration, 1.0),
+        ("g", Acceleration, STANDARD_GRAVITY_M_S2), ("gn", Acceleration, STANDARD_GRAVITY_M_S2),
+        ("g0", Acceleration, STANDARD_GRAVITY_M_S2), ("mg", Acceleration, 1e-3 * STANDARD_GRAVITY_M_S2),
+        ("ug", Acceleration, 1e-6 * STANDARD_GRAVITY_M_S2),
+        ("dm/s2", Acceleration, 0.1), ("cm/s2", Acceleration, 0.01), ("Gal", Acceleration, 0.01),
+        ("mm/s2", Acceleration, 1e-3), ("ft/s2", Acceleration, 0.3048),
+
+        ("m/s", Speed, 1.0), ("ms-1", Speed, 1.0), ("mps", Speed, 1.0), ("m/sec", Speed, 1.0),
+        ("km/h", Speed, 1.0 / 3.6), ("kmh", Speed, 1.0 / 3.6), ("kph", Speed, 1.0 / 3.6), ("kmph", Speed, 1.0 / 3.6),
+        ("km/hr", Speed, 1.0 / 3.6), ("kmh-1", Speed, 1.0 / 3.6), ("kmperhour", Speed, 1.0 / 3.6), ("kmperhr", Speed, 1.0 / 3.6),
+        ("mph", Speed, 0.44704), ("mi/h", Speed, 0.44704), ("mile/h", Speed, 0.44704), ("miles/h", Speed, 0.44704),
+        ("kn", Speed, 1852.0 / 3600.0), ("kt", Speed, 1852.0 / 3600.0), ("knot", Speed, 1852.0 / 3600.0),
+        ("knots", Speed, 1852.0 / 3600.0), ("cm/s", Speed, 0.01), ("mm/s", Speed, 1e-3), ("ft/s", Speed, 0.3048),
+
+        ("kPa", Pressure, 1.0), ("Pa", Pressure, 1e-3), ("hPa", Pressure, 0.1), ("mbar", Pressure, 0.1),
+        ("bar", Pressure, 100.0), ("barg", Pressure, 100.0), ("MPa", Pressure, 1000.0),
+        ("psi", Pressure, 6.894_757_293_168), ("psig", Pressure, 6.894_757_293_168), ("kgf/cm2", Pressure, 98.066_5),
+
+        ("m", Length, 1.0), ("mm", Length, 1e-3), ("cm", Length, 0.01), ("dm", Length, 0.1), ("um", Length, 1e-6),
+        ("meter", Length, 1.0), ("in", Length, 0.0254), ("inch", Length, 0.0254), ("ft", Length, 0.3048), ("km", Length, 1000.0),
+
+        ("s", Time, 1.0), ("sec", Time, 1.0), ("ms", Time, 1e-3), ("us", Time, 1e-6), ("min", Time, 60.0),
+    ]
+};
+
+#[cfg(test)]
+mod tests {
+    use itpms_core::sample::Corner;
+
+    use super::*;
+
+    fn factor(text: &str, slot: Slot) -> Option<f64> {
+        Unit::of(text).conversion_to(slot).map(|conversion| conversion.factor)
+    }
+
+    #[test]
+    fn one_unit_has_many_spellings() {
+        let body = Slot::Corner(Corner::FrontLeft, Field::BodyAccel);
+        for text in
+            ["m/s^2", "m/s²", "m/s2", "m / s**2", "m·s⁻²", "[m/s^2]", "M/S^2", "m/sÂ²", "m/(s*s)", "m/s/s"]
+        {
+            assert_eq!(factor(text, body), Some(1.0), "{text}");
+        }
+        for text in ["km/h", "kmh", "KM/H", "km h^-1", "kph", "[km/h]"] {
+            assert_eq!(factor(text, Slot::Speed), Some(1.0 / 3.6), "{text}");
+        }
+    }
+
+    #[test]
+    fn published_factors() {
+        // NIST SP 811, B.8: exact, or to the digits printed there.
+        let (body, pressure) = (
+            Slot::Corner(Corner::FrontLeft, Field::BodyAccel),
+            Slot::Corner(Corner::FrontLeft, Field::Pressure),
+        );
+        assert_eq!(factor("g", body), Some(9.80665));
+        assert_eq!(factor("mph", Slot::Speed), Some(0.44704));
+        assert!((factor("knot", Slot::Speed).unwrap() - 0.514_444_4).abs() < 1e-7);
+        assert!((factor("psi", pressure).unwrap() - 6.894_757).abs() < 1e-6);
+        assert_eq!(factor("bar", pressure), Some(100.0));
+        assert_eq!(factor("mm", Slot::Corner(Corner::RearLeft, Field::Road)), Some(0.001));
+    }
+
+    #[test]
+    fn mega_is_not_milli_and_g_is_no_speed() {
+        let pressure = Slot::Corner(Corner::FrontLeft, Field::Pressure);
+        assert_eq!(factor("MPa", pressure), Some(1000.0));
+        assert_eq!(factor("g", Slot::Speed), None);
+        assert_eq!(Unit::of("LSB"), Unit::Unknown);
+        assert_eq!(Unit::of(" - "), Unit::Silent);
+    }
+
+    #[test]
+    fn no_spelling_is_there_twice() {
+        for (i, (name, ..)) in UNITS.iter().enumerate() {
+            assert!(UNITS[..i].iter().all(|(other, ..)| other != name), "{name}");
+        }
+    }
+}
