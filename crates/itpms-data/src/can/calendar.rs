@@ -39,7 +39,6 @@ impl Date {
         Some(days * 86_400 + of_day)
     }
 
-    #[cfg(test)]
     /// The date so many seconds after the beginning of 1970.
     pub(super) fn of_seconds(seconds: i64) -> Self {
         let days = seconds.div_euclid(86_400) + 719_468;
@@ -61,7 +60,6 @@ impl Date {
     }
 }
 
-#[cfg(test)]
 /// Day of the week, 0 being Sunday.
 pub(super) fn weekday(seconds: i64) -> usize {
     (seconds.div_euclid(86_400) + 4).rem_euclid(7) as usize

@@ -38,7 +38,7 @@ pub enum CanProblem {
         found: String,
     },
     /// A frame that a log cannot hold.
-    #[error("frame {number}: time is {time_s} s, expected a finite time from 0 s on")]
+    #[error("frame {number}: time is {time_s} s, expected 0 s to the end of the year 9999")]
     Time {
         /// Which frame, from one.
         number: u64,

@@ -8,9 +8,10 @@ use crate::error::{DataError, Problem};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum LogFormat {
     Candump,
+    Asc,
 }
 
-const EXPECTED: &str = ".log or .candump";
+const EXPECTED: &str = ".log, .candump or .asc";
 
 impl LogFormat {
     /// The format of a file by its extension, upper or lower case.
@@ -18,6 +19,7 @@ impl LogFormat {
         let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
         match extension.as_deref() {
             Some("log" | "candump") => Ok(LogFormat::Candump),
+            Some("asc") => Ok(LogFormat::Asc),
             other => {
                 let found = match other {
                     Some(extension) => format!("unknown file extension .{extension}"),

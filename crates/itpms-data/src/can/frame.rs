@@ -208,7 +208,6 @@ pub(crate) fn code_of_length(length: usize) -> u8 {
     LENGTHS.iter().position(|most| usize::from(*most) >= length).unwrap_or(15) as u8
 }
 
-#[cfg(test)]
 /// Bytes of a CAN FD frame with this code; only the lowest four bits count.
 pub(crate) fn length_of_code(code: u8) -> usize {
     LENGTHS.get(usize::from(code & 15)).map_or(0, |length| usize::from(*length))

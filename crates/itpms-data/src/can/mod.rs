@@ -12,6 +12,7 @@
 //! 1970 where it knows the date (taken as UTC), else since its beginning. Nothing here knows what a frame means.
 //! Memory is bounded whatever a file says: a line of 4 kB, and of a BLF one container.
 
+mod asc;
 mod calendar;
 pub mod candump;
 mod digits;

@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::asc::AscReader;
 use super::candump::CandumpReader;
 use super::format::LogFormat;
 use super::frame::CanFrame;
@@ -22,10 +23,11 @@ pub struct FrameReader {
 #[derive(Debug)]
 enum Source {
     Candump(CandumpReader),
+    Asc(AscReader),
 }
 
 impl FrameReader {
-    /// Opens a log: `.log` or `.candump`.
+    /// Opens a log: `.log`, `.candump` or `.asc`.
     ///
     /// # Errors
     /// There is no such file, it cannot be read, or its extension is another.
@@ -44,6 +46,7 @@ impl FrameReader {
         }
         let source = match format {
             LogFormat::Candump => Source::Candump(CandumpReader::new(file, metadata.len())),
+            LogFormat::Asc => Source::Asc(AscReader::new(file, metadata.len())),
         };
         Ok(Self { path: path.to_owned(), source, repairs: FrameRepairs::default(), is_over: false })
     }
@@ -58,6 +61,7 @@ impl FrameReader {
         }
         let next = match &mut self.source {
             Source::Candump(source) => source.next_frame(&mut self.repairs),
+            Source::Asc(source) => source.next_frame(&mut self.repairs),
         };
         match next {
             Ok(Some(frame)) => {
@@ -80,6 +84,7 @@ impl FrameReader {
     pub fn progress(&self) -> f64 {
         match &self.source {
             Source::Candump(source) => source.progress(),
+            Source::Asc(source) => source.progress(),
         }
     }
 

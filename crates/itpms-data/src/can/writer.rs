@@ -2,12 +2,16 @@
 
 use std::path::Path;
 
+use super::asc::AscWriter;
 use super::candump;
 use super::error::CanProblem;
 use super::format::LogFormat;
 use super::frame::CanFrame;
 use crate::error::DataError;
 use crate::out::AtomicFile;
+
+/// The end of the year 9999, in s since 1970: the formats write years of four digits.
+const MOST_TIME_S: f64 = 253_402_300_799.0;
 
 /// A CAN log in the making. Frames are written in the order they come.
 #[derive(Debug)]
@@ -21,10 +25,11 @@ pub struct FrameWriter {
 enum Sink {
     /// The line in the making.
     Candump(String),
+    Asc(AscWriter),
 }
 
 impl FrameWriter {
-    /// Starts a log: `.log` or `.candump`.
+    /// Starts a log: `.log`, `.candump` or `.asc`.
     ///
     /// # Errors
     /// The extension is another, or the file cannot be made.
@@ -33,6 +38,7 @@ impl FrameWriter {
         let file = AtomicFile::create(path)?;
         let sink = match format {
             LogFormat::Candump => Sink::Candump(String::new()),
+            LogFormat::Asc => Sink::Asc(AscWriter::default()),
         };
         Ok(Self { file, sink, frames: 0 })
     }
@@ -40,10 +46,10 @@ impl FrameWriter {
     /// Adds a frame.
     ///
     /// # Errors
-    /// Its time is negative, infinite or NaN; or the disk is full.
+    /// Its time is negative, beyond the year 9999 or NaN; or the disk is full.
     pub fn write(&mut self, frame: &CanFrame) -> Result<(), DataError> {
         self.frames += 1;
-        if !(frame.time_s >= 0.0 && frame.time_s.is_finite()) {
+        if !(0.0..=MOST_TIME_S).contains(&frame.time_s) {
             let problem = CanProblem::Time { number: self.frames, time_s: frame.time_s };
             return Err(DataError::new(self.file.target(), problem.into()));
         }
@@ -54,6 +60,7 @@ impl FrameWriter {
                 line.push('\n');
                 self.file.append(line.as_bytes())
             }
+            Sink::Asc(sink) => sink.write(&mut self.file, frame),
         }
     }
 
@@ -68,6 +75,10 @@ impl FrameWriter {
     /// # Errors
     /// The disk is full.
     pub fn finish(mut self) -> Result<AtomicFile, DataError> {
+        match &mut self.sink {
+            Sink::Candump(_) => {}
+            Sink::Asc(sink) => sink.finish(&mut self.file)?,
+        }
         self.file.settle()?;
         Ok(self.file)
     }
