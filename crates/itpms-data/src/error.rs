@@ -72,9 +72,15 @@ pub enum Problem {
         /// The extension in words.
         found: String,
         /// The known ones.
-        expected: &'static str,
+        expected: String,
     },
 
+    /// No corner can be made of the signals.
+    #[error("{0}")]
+    UnusableSignals(String),
+    /// The signals that were mapped hardly have values.
+    #[error("no row can be made: too few values of the mapped accelerations")]
+    NoRows,
     /// An option that means nothing for this format.
     #[error("{0}")]
     NotApplicable(&'static str),

@@ -25,7 +25,7 @@ impl LogFormat {
                     Some(extension) => format!("unknown file extension .{extension}"),
                     None => "no file extension".to_owned(),
                 };
-                Err(DataError::new(path, Problem::UnknownExtension { found, expected: EXPECTED }))
+                Err(DataError::new(path, Problem::UnknownExtension { found, expected: EXPECTED.to_owned() }))
             }
         }
     }

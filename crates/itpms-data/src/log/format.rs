@@ -13,25 +13,70 @@ pub(crate) enum Format {
 }
 
 #[cfg(feature = "parquet")]
-const EXPECTED: &str = ".csv or .parquet";
+const TABLES: &str = ".csv or .parquet";
 #[cfg(not(feature = "parquet"))]
-const EXPECTED: &str = ".csv (this build is without Parquet)";
+const TABLES: &str = ".csv (this build is without Parquet)";
 
 impl Format {
-    /// The format of a file by its extension, upper or lower case.
+    /// The format of a table by its extension, upper or lower case.
     pub(crate) fn of(path: &Path) -> Result<Self, DataError> {
-        let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-        match extension.as_deref() {
-            Some("csv") => Ok(Format::Csv),
+        let extension = extension(path);
+        Self::of_extension(extension.as_deref())
+            .ok_or_else(|| unknown(path, extension.as_deref(), TABLES.to_owned()))
+    }
+
+    fn of_extension(extension: Option<&str>) -> Option<Self> {
+        match extension {
+            Some("csv") => Some(Format::Csv),
             #[cfg(feature = "parquet")]
-            Some("parquet" | "pq") => Ok(Format::Parquet),
-            other => {
-                let found = match other {
-                    Some(extension) => format!("unknown file extension .{extension}"),
-                    None => "no file extension".to_owned(),
-                };
-                Err(DataError::new(path, Problem::UnknownExtension { found, expected: EXPECTED }))
-            }
+            Some("parquet" | "pq") => Some(Format::Parquet),
+            _ => None,
         }
     }
+}
+
+/// A format of drive logs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum LogFormat {
+    Table(Format),
+    #[cfg(feature = "mdf4")]
+    Mdf4,
+}
+
+impl LogFormat {
+    /// The format of a drive log by its extension, upper or lower case.
+    pub(super) fn of(path: &Path) -> Result<Self, DataError> {
+        let extension = extension(path);
+        match extension.as_deref() {
+            #[cfg(feature = "mdf4")]
+            Some("mf4" | "mdf") => Ok(LogFormat::Mdf4),
+            other => Format::of_extension(other)
+                .map(LogFormat::Table)
+                .ok_or_else(|| unknown(path, other, expected_log())),
+        }
+    }
+}
+
+/// The extensions of drive logs that this build reads.
+fn expected_log() -> String {
+    let mut known = vec![".csv"];
+    if cfg!(feature = "parquet") {
+        known.push(".parquet");
+    }
+    if cfg!(feature = "mdf4") {
+        known.push(".mf4");
+    }
+    known.join(", ")
+}
+
+fn extension(path: &Path) -> Option<String> {
+    path.extension().map(|extension| extension.to_string_lossy().to_lowercase())
+}
+
+fn unknown(path: &Path, extension: Option<&str>, expected: String) -> DataError {
+    let found = match extension {
+        Some(extension) => format!("unknown file extension .{extension}"),
+        None => "no file extension".to_owned(),
+    };
+    DataError::new(path, Problem::UnknownExtension { found, expected })
 }

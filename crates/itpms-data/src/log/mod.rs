@@ -1,4 +1,4 @@
-//! Drive logs in: one reader for CSV and Parquet that hands out clean rows, repairs what can be repaired, counts
+//! Drive logs in: one reader for CSV, Parquet, MDF4 and CAN logs that hands out clean rows, repairs what can be repaired, counts
 //! what it did, and refuses the rest in one sentence.
 //!
 //! | column | meaning |
@@ -8,6 +8,9 @@
 //! | `{c}_body_accel_m_s2`, `{c}_wheel_accel_m_s2` | sprung and unsprung acceleration, up; `c` in `fl fr rl rr` |
 //! | `{c}_pressure_kpa`, `{c}_road_m` | truth, optional |
 //!
+//! In a table the columns have these names. The signals of MDF4 and CAN logs are found by their names or by a map, and
+//! put into rows by the [aligner](crate::signals::align).
+//!
 //! An empty cell, `NaN`, `null` or a null is a missing sample. Rows keep their own times: rates, jitter and gaps are
 //! the estimator's business. Memory is bounded: the first [`SURVEY_ROWS`] rows and one batch, whatever the length.
 //!
@@ -16,6 +19,8 @@
 mod csv_source;
 mod format;
 mod header;
+#[cfg(feature = "mdf4")]
+mod mdf4_feed;
 mod options;
 mod order;
 #[cfg(feature = "parquet")]
@@ -23,6 +28,8 @@ mod parquet_source;
 mod reader;
 mod repair;
 mod row;
+#[cfg(feature = "mdf4")]
+mod signal_source;
 mod source;
 mod survey;
 mod units;

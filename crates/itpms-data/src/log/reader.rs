@@ -13,6 +13,7 @@ use super::source::Source;
 use super::survey::{GAP_PERIODS, Survey};
 use super::units::{self, UnitCheck};
 use crate::error::{DataError, Problem};
+use crate::signals::align::AlignmentReport;
 
 /// Rows read ahead to judge a log before the first is handed out: 8 s at 500 Hz, 2 s at 2 kHz.
 pub const SURVEY_ROWS: usize = 4096;
@@ -104,6 +105,18 @@ impl LogReader {
         &self.report
     }
 
+    /// Which signal of an MDF4 or CAN log became which column, and what was doubtful about it; empty for tables.
+    #[must_use]
+    pub fn mapping(&self) -> &[String] {
+        self.source.mapping()
+    }
+
+    /// How the signals of an MDF4 or CAN log were put into rows; `None` for tables.
+    #[must_use]
+    pub fn alignment(&self) -> Option<AlignmentReport> {
+        self.source.alignment()
+    }
+
     /// Share of the file that has been read, 0 to 1.
     #[must_use]
     pub fn progress(&self) -> f64 {
@@ -175,6 +188,7 @@ impl LogReader {
         self.order.check(Stage::Complete)?;
         self.ahead.extend(self.order.finish());
         self.report.cut_off_lines = u64::from(self.source.cut_off());
+        self.report.format = self.source.repairs();
         self.copy_counts();
         let columns = self.source.header().columns;
         let dead = |slot: &Slot| !self.seen[slot.index()];

@@ -25,6 +25,8 @@ pub struct RepairReport {
     pub longest_gap: Option<(f64, f64)>,
     /// Lines cut off at the end of the file, left out: 0 or 1.
     pub cut_off_lines: u64,
+    /// What the reader of the log's format mended, left out or assumed, in words.
+    pub format: Vec<String>,
     /// Columns that are ignored although their name is close to one that means something: (found, meant).
     pub misspelled_columns: Vec<(String, String)>,
 }
@@ -54,7 +56,7 @@ impl RepairReport {
     /// One sentence per kind of repair, without the file's name.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        let mut out = Vec::new();
+        let mut out = self.format.clone();
         let mut say = |count: u64, one: &str, many: &str| {
             if count > 0 {
                 out.push(format!("{count} {}", if count == 1 { one } else { many }));

@@ -5,13 +5,16 @@ use std::io;
 use std::path::Path;
 
 use super::csv_source::CsvSource;
-use super::format::Format;
+use super::format::{Format, LogFormat};
 use super::header::Header;
 use super::options::LogOptions;
 #[cfg(feature = "parquet")]
 use super::parquet_source::ParquetSource;
 use super::row::RawRow;
+#[cfg(feature = "mdf4")]
+use super::signal_source::SignalSource;
 use crate::error::{DataError, Place, Problem};
+use crate::signals::align::AlignmentReport;
 
 /// An open drive log.
 #[derive(Debug)]
@@ -19,6 +22,8 @@ pub(super) enum Source {
     Csv(CsvSource),
     #[cfg(feature = "parquet")]
     Parquet(Box<ParquetSource>),
+    #[cfg(feature = "mdf4")]
+    Signals(Box<SignalSource>),
 }
 
 impl Source {
@@ -32,11 +37,18 @@ impl Source {
         if metadata.is_dir() {
             return Err(fail(Problem::IsDirectory));
         }
-        let format = Format::of(path)?;
+        let format = LogFormat::of(path)?;
         let file = File::open(path).map_err(read_error)?;
         if metadata.is_file() && metadata.len() == 0 {
             return Err(fail(Problem::Empty));
         }
+        let format = match format {
+            LogFormat::Table(format) => format,
+            #[cfg(feature = "mdf4")]
+            LogFormat::Mdf4 => {
+                return SignalSource::mdf4(path, options).map(|source| Source::Signals(Box::new(source)));
+            }
+        };
         options.refuse_for_tables().map_err(fail)?;
         match format {
             Format::Csv => CsvSource::new(file, metadata.len()).map(Source::Csv),
@@ -51,6 +63,8 @@ impl Source {
             Source::Csv(source) => source.header(),
             #[cfg(feature = "parquet")]
             Source::Parquet(source) => source.header(),
+            #[cfg(feature = "mdf4")]
+            Source::Signals(source) => source.header(),
         }
     }
 
@@ -60,6 +74,8 @@ impl Source {
             Source::Csv(source) => source.next_row(row),
             #[cfg(feature = "parquet")]
             Source::Parquet(source) => source.next_row(row),
+            #[cfg(feature = "mdf4")]
+            Source::Signals(source) => source.next_row(row),
         }
     }
 
@@ -69,6 +85,8 @@ impl Source {
             Source::Csv(source) => source.progress(),
             #[cfg(feature = "parquet")]
             Source::Parquet(source) => source.progress(),
+            #[cfg(feature = "mdf4")]
+            Source::Signals(source) => source.progress(),
         }
     }
 
@@ -78,6 +96,35 @@ impl Source {
             Source::Csv(source) => source.cut_off(),
             #[cfg(feature = "parquet")]
             Source::Parquet(_) => false,
+            #[cfg(feature = "mdf4")]
+            Source::Signals(_) => false,
+        }
+    }
+
+    /// What the format's own reader mended, left out or assumed so far.
+    pub(super) fn repairs(&self) -> Vec<String> {
+        match self {
+            #[cfg(feature = "mdf4")]
+            Source::Signals(source) => source.repairs(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// Which signal became which column; empty for tables.
+    pub(super) fn mapping(&self) -> &[String] {
+        match self {
+            #[cfg(feature = "mdf4")]
+            Source::Signals(source) => source.mapping(),
+            _ => &[],
+        }
+    }
+
+    /// How signals were put into rows; `None` for tables.
+    pub(super) fn alignment(&self) -> Option<AlignmentReport> {
+        match self {
+            #[cfg(feature = "mdf4")]
+            Source::Signals(source) => source.alignment(),
+            _ => None,
         }
     }
 }

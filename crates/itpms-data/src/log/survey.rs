@@ -1,6 +1,6 @@
 //! A first look at a log: its sample period and its jitter, from the rows the reader has looked ahead.
 //!
-//! Called once by the reader when a log is opened.
+//! Called once by the reader when a log is opened, and by whoever listens to a bus.
 
 use super::row::LogRow;
 use crate::error::Problem;
@@ -27,7 +27,11 @@ pub struct Survey {
 }
 
 impl Survey {
-    pub(super) fn of<'a>(rows: impl IntoIterator<Item = &'a LogRow>) -> Result<Self, Problem> {
+    /// What these rows say, in the order of their times.
+    ///
+    /// # Errors
+    /// There are fewer than two rows, or the rate is none of a car's accelerometers.
+    pub fn of<'a>(rows: impl IntoIterator<Item = &'a LogRow>) -> Result<Self, Problem> {
         let times: Vec<f64> = rows.into_iter().map(|row| row.time_s).collect();
         let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
         if steps.is_empty() {

@@ -1,0 +1,99 @@
+//! Readings from an MDF4 file: its channel groups side by side, always the one whose next sample is the oldest.
+
+use std::path::Path;
+
+use super::row::Slot;
+use crate::error::DataError;
+use crate::mdf4::{ChannelKind, GroupCursor, Mdf4Reader};
+use crate::signals::{Candidate, Conversion, Reading, Resolved, SignalMap, resolve};
+
+#[derive(Debug)]
+pub(super) struct Mdf4Feed {
+    groups: Vec<Group>,
+    repairs: Vec<String>,
+}
+
+/// A channel group with signals that mean something to us.
+#[derive(Debug)]
+struct Group {
+    cursor: GroupCursor,
+    /// What each value is, and how it gets the column's unit.
+    slots: Vec<(Slot, Conversion)>,
+    values: Vec<f64>,
+    /// Time of the sample in `values`; `None` after the last.
+    next_s: Option<f64>,
+}
+
+impl Group {
+    /// The next sample that has a time.
+    fn advance(&mut self) -> Result<(), DataError> {
+        self.next_s = loop {
+            match self.cursor.next(&mut self.values)? {
+                Some(time_s) if !time_s.is_finite() => {}
+                next => break next,
+            }
+        };
+        Ok(())
+    }
+}
+
+impl Mdf4Feed {
+    /// Opens a file; also what its channels were taken for.
+    pub(super) fn open(path: &Path, map: Option<&SignalMap>) -> Result<(Self, Resolved), DataError> {
+        let reader = Mdf4Reader::open(path)?;
+        let (candidates, places) = candidates(&reader);
+        let resolved = resolve(&candidates, map)?;
+        let mut groups = Vec::new();
+        for index in 0..reader.groups().len() {
+            let here = resolved.iter().filter(|chosen| places[chosen.candidate].0 == index);
+            let (channels, slots): (Vec<usize>, Vec<_>) =
+                here.map(|chosen| (places[chosen.candidate].1, (chosen.slot, chosen.conversion))).unzip();
+            if channels.is_empty() {
+                continue;
+            }
+            let cursor = reader.cursor(index, &channels)?;
+            let mut group = Group { cursor, values: vec![f64::NAN; slots.len()], slots, next_s: None };
+            group.advance()?;
+            groups.push(group);
+        }
+        let repairs = reader.repairs().iter().map(ToString::to_string).collect();
+        Ok((Self { groups, repairs }, resolved))
+    }
+
+    pub(super) fn step(&mut self, mut take: impl FnMut(Reading)) -> Result<bool, DataError> {
+        let with_next = self.groups.iter_mut().filter_map(|group| group.next_s.map(|time_s| (time_s, group)));
+        let Some((time_s, group)) = with_next.min_by(|a, b| a.0.total_cmp(&b.0)) else { return Ok(false) };
+        for ((slot, conversion), value) in group.slots.iter().zip(&group.values) {
+            take(Reading { time_s, slot: *slot, value: conversion.apply(*value) });
+        }
+        group.advance()?;
+        Ok(true)
+    }
+
+    /// The groups move on together, so the one that is furthest behind tells.
+    pub(super) fn progress(&self) -> f64 {
+        self.groups.iter().map(|group| group.cursor.progress()).fold(1.0, f64::min)
+    }
+
+    pub(super) fn repairs(&self) -> Vec<String> {
+        let of_groups = self.groups.iter().flat_map(|group| group.cursor.repairs());
+        self.repairs.iter().cloned().chain(of_groups.map(ToString::to_string)).collect()
+    }
+}
+
+/// The channels that hold numbers and have a time, and their places: group and channel.
+fn candidates(reader: &Mdf4Reader) -> (Vec<Candidate>, Vec<(usize, usize)>) {
+    let mut candidates = Vec::new();
+    let mut places = Vec::new();
+    for (group_index, group) in reader.groups().iter().enumerate().filter(|(_, group)| group.has_time) {
+        for (index, channel) in group.channels.iter().enumerate() {
+            if channel.is_time || channel.kind != ChannelKind::Number {
+                continue;
+            }
+            let (group, name, unit) = (group.name.clone(), channel.name.clone(), channel.unit.clone());
+            candidates.push(Candidate { group, name, unit });
+            places.push((group_index, index));
+        }
+    }
+    (candidates, places)
+}

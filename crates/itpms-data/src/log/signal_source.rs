@@ -1,0 +1,123 @@
+//! Rows from logs that hold signal after signal, each on its own clock: MDF4 and CAN logs.
+//!
+//! Between the reader of drive logs, which wants rows, and a feed, which has readings; the aligner makes the ones of the
+//! others.
+
+use std::path::Path;
+
+use super::header::Header;
+use super::mdf4_feed::Mdf4Feed;
+use super::options::LogOptions;
+use super::row::RawRow;
+use crate::error::{DataError, Place, Problem};
+use crate::signals::align::AlignmentReport;
+use crate::signals::{Aligner, Reading, Resolved, SignalMap};
+
+/// Where readings come from, nearly in the order of time.
+#[derive(Debug)]
+pub(super) enum Feed {
+        Mdf4(Mdf4Feed),
+}
+
+impl Feed {
+    /// Hands out a few readings; false when there are no more.
+    fn step(&mut self, take: impl FnMut(Reading)) -> Result<bool, DataError> {
+        match self {
+                        Feed::Mdf4(feed) => feed.step(take),
+        }
+    }
+
+    fn progress(&self) -> f64 {
+        match self {
+                        Feed::Mdf4(feed) => feed.progress(),
+        }
+    }
+
+    /// What the format's reader repaired, left out or assumed so far.
+    fn repairs(&self) -> Vec<String> {
+        match self {
+                        Feed::Mdf4(feed) => feed.repairs(),
+        }
+    }
+}
+
+/// A feed, and the rows that are made of it.
+#[derive(Debug)]
+pub(super) struct SignalSource {
+    feed: Feed,
+    aligner: Aligner,
+    header: Header,
+    /// What was made of which signal, and what was doubtful about it.
+    mapping: Vec<String>,
+    rows: u64,
+    is_over: bool,
+}
+
+impl SignalSource {
+        pub(super) fn mdf4(path: &Path, options: &LogOptions) -> Result<Self, DataError> {
+        if options.dbc.is_some() {
+            let what = "a DBC file says what the frames of a CAN log mean; MDF4 names its signals itself";
+            return Err(DataError::new(path, Problem::NotApplicable(what)));
+        }
+        let (feed, resolved) = Mdf4Feed::open(path, options.map()?.as_ref())?;
+        Self::new(path, Feed::Mdf4(feed), &resolved)
+    }
+
+    fn new(path: &Path, feed: Feed, resolved: &Resolved) -> Result<Self, DataError> {
+        if let Some(why) = resolved.unusable() {
+            return Err(DataError::new(path, Problem::UnusableSignals(why)));
+        }
+        let aligner = Aligner::new(&resolved.slots());
+        let header = Header { columns: *aligner.columns(), slots: Vec::new(), suspicious: Vec::new() };
+        let lone = resolved.lone().into_iter().map(|slot| {
+            format!("there is no signal for {}, so that corner is left out", slot.name())
+        });
+        let doubts = resolved.remarks().iter().map(ToString::to_string);
+        let mapping = resolved.lines().into_iter().chain(doubts).chain(lone).collect();
+        Ok(Self { feed, aligner, header, mapping, rows: 0, is_over: false })
+    }
+
+    pub(super) fn header(&self) -> &Header {
+        &self.header
+    }
+
+    pub(super) fn progress(&self) -> f64 {
+        self.feed.progress()
+    }
+
+    pub(super) fn repairs(&self) -> Vec<String> {
+        self.feed.repairs()
+    }
+
+    pub(super) fn mapping(&self) -> &[String] {
+        &self.mapping
+    }
+
+    pub(super) fn alignment(&self) -> Option<AlignmentReport> {
+        self.aligner.report()
+    }
+
+    pub(super) fn next_row(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {
+        loop {
+            if let Some(values) = self.aligner.pop_values() {
+                *row = values;
+                self.rows += 1;
+                return Ok(Some(Place::Row(self.rows)));
+            }
+            if self.is_over {
+                return if self.rows == 0 { Err(Problem::NoRows) } else { Ok(None) };
+            }
+            let aligner = &mut self.aligner;
+            if !self.feed.step(|reading| aligner.push(reading)).map_err(|error| *error.problem)? {
+                self.is_over = true;
+                self.aligner.finish();
+            }
+        }
+    }
+}
+
+impl LogOptions {
+    fn map(&self) -> Result<Option<SignalMap>, DataError> {
+        self.signals.as_deref().map(SignalMap::read).transpose()
+    }
+}
