@@ -2,6 +2,14 @@
 //!
 //! | room | idea |
 //! |---|---|
+//! | [`source`] | where rows and frames come from |
+//! | [`input`], [`queue`] | what a source tells, and the bounded way it goes |
+//! | [`drive`] | the running estimate |
+//! | [`engine`] | what came in becomes snapshots and transitions |
+//! | [`latency`] | how late they are |
+//! | [`monitor`] | the estimating thread |
+//! | [`state`] | a drive kept from one start to the next |
+//! | [`output`] | where estimates and warnings go |
 //! | [`http`] | the page, and what scripts and scrapers read beside it |
 //! | [`snapshot`] | what is published: everything known of the car at one moment |
 //! | [`hub`] | the newest snapshot for whoever asks, and a bounded history |
@@ -9,6 +17,20 @@
 //! One thread estimates and waits for nobody. Used by `itpms monitor`; knows nothing of arguments and exit codes.
 #![forbid(unsafe_code)]
 
+mod describe;
+pub mod drive;
+pub mod engine;
+pub mod error;
 pub mod http;
 pub mod hub;
+pub mod input;
+pub mod latency;
+pub mod monitor;
+pub mod output;
+pub mod queue;
+mod roughness;
 pub mod snapshot;
+pub mod source;
+pub mod state;
+
+pub use error::LiveError;

@@ -4,6 +4,7 @@
 //! only when it is complete: every writer ends in [`AtomicFile::commit`], and one that is dropped before leaves
 //! nothing behind. The exception is a [`Ledger`], which grows line by line.
 
+mod alerts;
 mod atomic;
 mod csv_table;
 mod drive_log;
@@ -11,10 +12,13 @@ mod ledger;
 mod leftovers;
 #[cfg(feature = "parquet")]
 mod parquet_table;
+mod rate;
 mod results;
 mod table;
 
+pub use alerts::{alert_object, transition_object};
 pub use atomic::AtomicFile;
 pub use drive_log::LogWriter;
 pub use ledger::Ledger;
+pub use rate::RateGate;
 pub use results::{EstimateWriter, RoadPoint, RoadWriter};

@@ -5,7 +5,8 @@
 const POLYNOMIAL: u64 = 0xC96C_5795_D787_0F42;
 
 /// The checksum of all parts, one after the other.
-pub(super) fn crc64(parts: &[&[u8]]) -> u64 {
+#[must_use]
+pub fn crc64(parts: &[&[u8]]) -> u64 {
     let mut crc = u64::MAX;
     for byte in parts.iter().copied().flatten() {
         crc ^= u64::from(*byte);

@@ -30,7 +30,10 @@ impl VehicleIdentity {
     }
 
     /// Refuses the first thing that tells this car from `wanted`.
-    pub(super) fn expect(&self, wanted: &Self) -> Result<(), ReferenceProblem> {
+    ///
+    /// # Errors
+    /// [`ReferenceProblem::OtherVehicle`].
+    pub fn expect(&self, wanted: &Self) -> Result<(), ReferenceProblem> {
         let quoted =
             |text: &Option<String>| text.as_ref().map_or("not given".to_owned(), |id| format!("{id:?}"));
         let parameters = |car: &Self| format!("those of fingerprint {}", car.parameters);

@@ -37,6 +37,7 @@ use thiserror::Error;
 use crate::error::{DataError, Problem};
 use crate::out::AtomicFile;
 use crate::vehicle::Vehicle;
+pub use checksum::crc64;
 pub use identity::VehicleIdentity;
 
 /// The format that is written, and the newest that is read.

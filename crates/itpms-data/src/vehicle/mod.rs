@@ -30,6 +30,7 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
+use itpms_core::car::CarConfig;
 use itpms_core::estimate::CornerConfig;
 use itpms_core::pressure::PressureMap;
 use itpms_core::quarter_car::{ParameterError, QuarterCar};
@@ -106,6 +107,13 @@ impl Vehicle {
     #[must_use]
     pub fn corner(&self, corner: Corner) -> Option<&CornerConfig<f64>> {
         self.corners[corner.index()].as_ref()
+    }
+
+    /// What an estimator of these corners is told; corners that the vehicle does not have are left out.
+    #[must_use]
+    pub fn car_config(&self, corners: &[Corner]) -> CarConfig<f64> {
+        let told = |corner: Corner| self.corner(corner).copied().filter(|_| corners.contains(&corner));
+        CarConfig { corners: Corner::ALL.map(told), wheelbase_m: self.wheelbase_m }
     }
 
     /// Reads a vehicle file.

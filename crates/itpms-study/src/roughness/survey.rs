@@ -151,6 +151,8 @@ pub struct TrackSurvey {
     /// Where the golden car's next slope belongs.
     slope_at_m: Option<f64>,
     last_m: f64,
+    /// Segments that were taken away, all before the first of `segments`.
+    taken: usize,
     segments: Vec<Sums>,
     welch: Option<Welch>,
 }
@@ -167,7 +169,7 @@ impl TrackSurvey {
         }
         let spacing = |_| SurveyError::Spacing(options.spacing_m);
         let car = GoldenCar::new(options.spacing_m, options.enveloping).map_err(spacing)?;
-        Ok(Self { options, car, slope_at_m: None, last_m: f64::NAN, segments: Vec::new(), welch: None })
+        Ok(Self { options, car, slope_at_m: None, last_m: f64::NAN, taken: 0, segments: Vec::new(), welch: None })
     }
 
     /// The height at `at_m` (or the mean of the cell that begins there); NaN where it is unknown. Between two heights
@@ -182,7 +184,8 @@ impl TrackSurvey {
         if !(0.0..MOST_SEGMENTS).contains(&place) {
             return;
         }
-        let place = place as usize;
+        // Segments that were taken away are over.
+        let Some(place) = (place as usize).checked_sub(self.taken) else { return };
         if place >= self.segments.len() {
             self.end_spectrum();
             self.segments.resize(place + 1, Sums::EMPTY);
@@ -221,7 +224,8 @@ impl TrackSurvey {
         let Some(mut at_m) = self.slope_at_m else { return };
         for slope in slopes {
             let place = (at_m - self.options.origin_m) / self.options.segment_m + 1e-9;
-            if let Some(sums) = self.segments.get_mut(place as usize) {
+            let place = (place as usize).checked_sub(self.taken);
+            if let Some(sums) = place.and_then(|place| self.segments.get_mut(place)) {
                 sums.slopes += slope;
                 sums.count += 1.0;
             }
@@ -249,6 +253,20 @@ impl TrackSurvey {
         sums.fit = psd.map(|psd| fit_power_law(&psd, (1.0 / sums.waves_m.1).max(1e-3), highest));
     }
 
+    /// The newest segment that is complete, and nothing more of it and those before: for a track without an end, in the
+    /// memory of a segment or two. What was taken is not in the track's total.
+    pub fn take_newest(&mut self) -> Option<SegmentRoughness> {
+        let reached_m = self.slope_at_m.unwrap_or(self.last_m);
+        let place = (reached_m - self.options.origin_m) / self.options.segment_m + 1e-9;
+        // NaN before the first height becomes 0.
+        let complete = (place as usize).saturating_sub(self.taken).min(self.segments.len().saturating_sub(1));
+        let newest = self.segments.get(complete.checked_sub(1)?)?;
+        let newest = self.segment(self.taken + complete - 1, newest);
+        self.segments.drain(..complete);
+        self.taken += complete;
+        Some(newest)
+    }
+
     /// The track is over.
     #[must_use]
     pub fn finish(mut self) -> TrackRoughness {
@@ -262,12 +280,13 @@ impl TrackSurvey {
         let total = |of: fn(&Sums) -> f64| self.segments.iter().map(of).sum::<f64>();
         let (slopes, count) = (total(|s| s.slopes), total(|s| s.count));
         TrackRoughness {
-            segments: self.segments.iter().enumerate().map(|(i, sums)| self.segment(i, sums)).collect(),
+            segments: (self.taken..).zip(&self.segments).map(|(i, sums)| self.segment(i, sums)).collect(),
             iri_m_per_km: (count > 0.0).then(|| 1000.0 * slopes / count),
             known_m: total(|s| s.heights) * spacing_m,
         }
     }
 
+    /// `place` counts from the track's beginning.
     fn segment(&self, place: usize, sums: &Sums) -> SegmentRoughness {
         let SurveyOptions { origin_m, segment_m, spacing_m, .. } = self.options;
         let known_m = sums.heights * spacing_m;

@@ -118,6 +118,22 @@ fn a_hole_costs_its_segment_and_no_other() {
 }
 
 #[test]
+fn segments_taken_on_the_way_are_those_of_the_whole_track_and_memory_does_not_grow() {
+    let law = PowerLaw { gd_n0_m3: 64e-6, waviness: 2.0 };
+    let mut heights = road(law, 530.0, 0.05, 4);
+    heights[4000..4040].fill(f64::NAN);
+    let whole = survey(&heights, 100.0, 0.05);
+    let mut track = TrackSurvey::new(options(100.0, 0.05)).unwrap();
+    let mut taken = Vec::new();
+    for (i, height) in heights.iter().enumerate() {
+        track.push(i as f64 * 0.05, *height, ALL_WAVES);
+        taken.extend(track.take_newest());
+    }
+    assert_eq!(taken[..], whole.segments[..5]);
+    assert_eq!(track.finish().segments[..], whole.segments[5..]);
+}
+
+#[test]
 fn waves_that_are_missing_are_said_to_be() {
     let law = PowerLaw { gd_n0_m3: 64e-6, waviness: 2.0 };
     let heights = road(law, 100.0, 0.05, 5);

@@ -4,7 +4,7 @@
 
 use super::cells::Cells;
 use super::golden_car::Enveloping;
-use super::survey::{Sampling, SurveyError, SurveyOptions, TrackRoughness, TrackSurvey};
+use super::survey::{Sampling, SegmentRoughness, SurveyError, SurveyOptions, TrackRoughness, TrackSurvey};
 
 /// Length of a cell in m.
 const CELL_M: f64 = 0.05;
@@ -66,6 +66,11 @@ impl WheelSurvey {
             survey.push(*start_m + *done as f64 * CELL_M, height_m, waves_m);
             *done += 1;
         });
+    }
+
+    /// The newest complete segment, taken away: see [`TrackSurvey::take_newest`].
+    pub fn take_newest(&mut self) -> Option<SegmentRoughness> {
+        self.survey.take_newest()
     }
 
     /// The drive is over.

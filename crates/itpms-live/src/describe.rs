@@ -1,0 +1,99 @@
+//! What is known of the car, put into the words and numbers of a snapshot. Called by the engine; decides nothing.
+
+use itpms_core::monitor::{Cause, Doubt, MonitorReport, WheelState};
+use itpms_core::sample::Corner;
+use itpms_data::Vehicle;
+use itpms_data::log::{Field, Slot};
+use itpms_data::out::alert_object;
+use serde_json::{Map, Value};
+
+use crate::drive::Drive;
+use crate::snapshot::{SensorHealth, Track, Wheel};
+
+/// The wheels of a drive, in the order of [`Corner::ALL`].
+pub(crate) fn wheels(drive: &Drive, vehicle: &Vehicle) -> Vec<Wheel> {
+    drive.clock.corners.iter().filter_map(|corner| wheel(drive, vehicle, *corner)).collect()
+}
+
+fn wheel(drive: &Drive, vehicle: &Vehicle, corner: Corner) -> Option<Wheel> {
+    let i = corner.index();
+    let estimate = drive.latest.as_ref()?.corners[i]?;
+    let placard_kpa = vehicle.corner(corner).map_or(f64::NAN, |config| config.placard_kpa);
+    // A published filter has no monitor's word: nobody knows its wheel.
+    let report = drive.report().wheels[i];
+    let state = report.map_or(WheelState::Unknown(Doubt::Starting), |report| report.state);
+    Some(Wheel {
+        corner: corner.label(),
+        state: state.label(),
+        doubt: match state {
+            WheelState::Unknown(doubt) => Some(doubt_label(doubt)),
+            _ => None,
+        },
+        pressure_kpa: estimate.pressure_kpa,
+        pressure_sd_kpa: estimate.pressure_sd_kpa,
+        stiffness_n_per_m: estimate.stiffness_n_per_m,
+        reference_kpa: report.map_or(placard_kpa, |report| report.reference_kpa),
+        placard_kpa,
+        valid: estimate.validity.is_valid(),
+        warning: estimate.warning.label(),
+        gate: estimate.diagnostics.gate,
+        informed_age_s: report.map_or(f64::NAN, |report| drive.time_s() - report.informed_s),
+        road_m: estimate.road_m,
+        iri_m_per_km: drive.roughness.iri_m_per_km[i],
+    })
+}
+
+fn doubt_label(doubt: Doubt) -> &'static str {
+    match doubt {
+        Doubt::Starting => "starting",
+        Doubt::NoInformation => "no-information",
+        Doubt::Uncertain => "uncertain",
+        Doubt::Suspicion => "suspicion",
+    }
+}
+
+/// The sides whose front and rear are both measured.
+pub(crate) fn tracks(drive: &Drive) -> Vec<Track> {
+    let Some(estimate) = &drive.latest else { return Vec::new() };
+    let sides =
+        [("left", [Corner::FrontLeft, Corner::RearLeft]), ("right", [Corner::FrontRight, Corner::RearRight])];
+    let measured = sides.into_iter().zip(&estimate.tracks);
+    measured
+        .filter(|((_, corners), _)| corners.iter().all(|corner| drive.clock.corners.contains(corner)))
+        .map(|((side, _), track)| Track { side, shared: track.shared, incoherence: track.incoherence })
+        .collect()
+}
+
+/// The alerts that stand.
+pub(crate) fn alerts(report: &MonitorReport<f64>) -> Vec<Map<String, Value>> {
+    report.alerts().map(alert_object).collect()
+}
+
+/// Both accelerometers of every corner. A malfunction that names none of its sensors is one of all it could be.
+pub(crate) fn sensors(drive: &Drive) -> Vec<SensorHealth> {
+    let corners = drive.clock.corners.iter();
+    let both = corners.flat_map(|corner| [(*corner, Field::BodyAccel), (*corner, Field::WheelAccel)]);
+    both.map(|(corner, field)| sensor(drive.report(), corner, field)).collect()
+}
+
+fn sensor(report: &MonitorReport<f64>, corner: Corner, field: Field) -> SensorHealth {
+    let column = Slot::Corner(corner, field).name();
+    for alert in report.alerts_of(corner) {
+        let Cause::Malfunction(malfunction) = &alert.cause else { continue };
+        let named = alert_object(alert).remove("sensors");
+        let named: Vec<&str> =
+            named.iter().flat_map(|list| list.as_array()).flatten().filter_map(Value::as_str).collect();
+        if named.is_empty() || named.contains(&column.as_str()) {
+            return SensorHealth { column, state: "malfunction", reason: Some(malfunction.to_string()) };
+        }
+    }
+    let suspect = report.wheels[corner.index()]
+        .is_some_and(|wheel| wheel.state == WheelState::Unknown(Doubt::Suspicion));
+    match suspect {
+        true => {
+            let reason = Some("looks wrong, not for long enough to say so".to_owned());
+            SensorHealth { column, state: "suspect", reason }
+        }
+        false => SensorHealth { column, state: "fine", reason: None },
+    }
+}

@@ -1,0 +1,152 @@
+//! The running estimate: the car under its monitor, and what is counted along the way.
+//!
+//! Owned by the engine, which hands it row after row. Knows nothing of sources, threads and outputs: the same rows give the
+//! same estimates, here and in `itpms estimate`.
+
+use itpms_core::car::{CarEstimate, CarEstimator, LearnedReference};
+use itpms_core::estimator::EstimatorKind;
+use itpms_core::monitor::{Change, Monitor, MonitorConfig, MonitorReport, MonitoredCar, Regulation};
+use itpms_core::sample::Corner;
+use itpms_data::out::RateGate;
+use itpms_data::{LogRow, Vehicle};
+
+use crate::error::LiveError;
+use crate::roughness::Roughness;
+
+/// How a drive is estimated and how often it is told.
+#[derive(Debug, Clone)]
+pub struct DriveOptions {
+    /// Which estimator.
+    pub estimator: EstimatorKind,
+    /// Which loss is warned of.
+    pub regulation: Regulation,
+    /// Length in s of the reset that begins with the first row.
+    pub calibrate_s: Option<f64>,
+    /// What an earlier reset taught of this car.
+    pub reference: Option<LearnedReference<f64>>,
+    /// Estimates told per second.
+    pub rate_hz: f64,
+}
+
+impl Default for DriveOptions {
+    fn default() -> Self {
+        Self {
+            estimator: EstimatorKind::default(),
+            regulation: Regulation::default(),
+            calibrate_s: None,
+            reference: None,
+            rate_hz: 10.0,
+        }
+    }
+}
+
+/// What rows come: known before the first is estimated.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Clock {
+    /// Rows per second.
+    pub sample_rate_hz: f64,
+    /// The corners that are measured and that the vehicle has.
+    pub corners: Vec<Corner>,
+}
+
+/// A drive being estimated.
+#[derive(Debug)]
+pub struct Drive {
+    pub(crate) clock: Clock,
+    pub(crate) car: MonitoredCar<f64>,
+    pub(crate) gate: RateGate,
+    pub(crate) progress: Progress,
+    pub(crate) roughness: Roughness,
+    pub(crate) latest: Option<CarEstimate<f64>>,
+}
+
+/// What is counted along the way, and kept with the estimate when the drive is saved.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub(crate) struct Progress {
+    pub(crate) rows: u64,
+    pub(crate) time_s: f64,
+    pub(crate) speed_m_s: f64,
+    pub(crate) distance_m: f64,
+    /// What the monitor said last: transitions are told against it.
+    pub(crate) before: Option<MonitorReport<f64>>,
+}
+
+/// A longer step in s than this is a gap: nobody knows how far the car went.
+const LONGEST_STEP_S: f64 = 1.0;
+
+impl Drive {
+    /// A drive about to begin.
+    ///
+    /// # Errors
+    /// Parameters or a reference that the estimator refuses.
+    pub fn new(vehicle: &Vehicle, clock: Clock, options: &DriveOptions) -> Result<Self, LiveError> {
+        let config = vehicle.car_config(&clock.corners);
+        let refused = |error: &dyn std::fmt::Display| LiveError::Refused(error.to_string());
+        let mut car = CarEstimator::new(options.estimator, &config, clock.sample_rate_hz)
+            .map_err(|error| refused(&error))?;
+        if let Some(reference) = &options.reference {
+            car = car.with_reference(reference).map_err(|error| refused(&error))?;
+        }
+        let told = MonitorConfig::new(&config).with_limits(options.regulation.into());
+        let monitor = Monitor::new(&told, clock.sample_rate_hz).map_err(|error| refused(&error))?;
+        let mut car = MonitoredCar::new(car, monitor);
+        if let Some(seconds) = options.calibrate_s {
+            car.begin_reset(seconds).map_err(|error| refused(&error))?;
+        }
+        let roughness = Roughness::new(&clock)?;
+        let progress =
+            Progress { rows: 0, time_s: f64::NAN, speed_m_s: f64::NAN, distance_m: 0.0, before: None };
+        Ok(Self { clock, car, gate: RateGate::new(options.rate_hz), progress, roughness, latest: None })
+    }
+
+    /// Takes a row; gives what began and ended to `said`. `true` if an estimate is due to be told.
+    pub fn update(&mut self, row: &LogRow, mut said: impl FnMut(f64, Change<f64>)) -> bool {
+        let estimate = self.car.update(&row.sample());
+        self.count(row);
+        self.roughness.push(&estimate, row.speed_m_s, self.progress.distance_m);
+        self.latest = Some(estimate);
+        let report = self.car.report();
+        if self.progress.before.as_ref().is_none_or(|before| before.time_s != report.time_s) {
+            let time_s = report.time_s;
+            match self.progress.before.replace(*report) {
+                None => report.alerts().for_each(|alert| said(time_s, Change::Begun(*alert))),
+                Some(before) => report.changes_since(&before).for_each(|change| said(time_s, change)),
+            }
+        }
+        self.gate.lets_through(row.time_s)
+    }
+
+    fn count(&mut self, row: &LogRow) {
+        let progress = &mut self.progress;
+        let step_s = row.time_s - progress.time_s;
+        let mean_m_s = match (progress.speed_m_s.is_finite(), row.speed_m_s.is_finite()) {
+            (true, true) => 0.5 * (progress.speed_m_s + row.speed_m_s),
+            (true, false) => progress.speed_m_s,
+            _ => row.speed_m_s,
+        };
+        if step_s > 0.0 && step_s <= LONGEST_STEP_S && mean_m_s.is_finite() {
+            progress.distance_m += mean_m_s * step_s;
+        }
+        progress.rows += 1;
+        progress.time_s = row.time_s;
+        progress.speed_m_s = row.speed_m_s;
+    }
+
+    /// What the monitor says after the last row.
+    #[must_use]
+    pub fn report(&self) -> &MonitorReport<f64> {
+        self.car.report()
+    }
+
+    /// What was estimated after the last row.
+    #[must_use]
+    pub fn latest(&self) -> Option<&CarEstimate<f64>> {
+        self.latest.as_ref()
+    }
+
+    /// Time of the last row in s; NaN before the first.
+    #[must_use]
+    pub fn time_s(&self) -> f64 {
+        self.progress.time_s
+    }
+}

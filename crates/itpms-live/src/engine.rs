@@ -1,0 +1,325 @@
+//! What came in becomes estimates: surveys the first rows, estimates each, and makes snapshots and transitions of it.
+//!
+//! Owned by the estimating thread. Reads no clock but the wall's, for stamps and latency: what is estimated depends on the
+//! rows alone. Knows nothing of threads; where snapshots go is its caller's business.
+
+use std::sync::Arc;
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
+
+use itpms_core::monitor::Change;
+use itpms_core::sample::Corner;
+use itpms_data::log::{SURVEY_ROWS, Survey};
+use itpms_data::out::alert_object;
+use itpms_data::{LogRow, Vehicle};
+
+use crate::describe;
+use crate::drive::{Clock, Drive, DriveOptions};
+use crate::error::LiveError;
+use crate::input::{Note, Say, SourceName};
+use crate::latency::LatencyWindow;
+use crate::snapshot::{Snapshot, Source, SourceState, Transition};
+use crate::state::SavedDrive;
+
+/// Seconds of rows from which the rate is measured where the source does not know it.
+const SURVEY_S: f64 = 1.5;
+/// A row that is so much earlier than the one before it, in s, belongs to another drive.
+const ANOTHER_DRIVE_S: f64 = 2.0;
+/// Share by which the rate of a saved drive may differ from that of the rows.
+const SAME_RATE: f64 = 0.01;
+
+/// What leaves the estimating thread.
+#[derive(Debug, Clone)]
+pub enum Published {
+    /// What is known now.
+    Estimate(Arc<Snapshot>),
+    /// An alert began or ended.
+    Warning(Arc<Transition>),
+}
+
+/// The estimating thread's own.
+pub struct Engine {
+    vehicle: Vehicle,
+    options: DriveOptions,
+    say: Say,
+    stage: Stage,
+    /// A drive that waits for its first row.
+    saved: Option<SavedDrive>,
+    source: Source,
+    latency: LatencyWindow,
+    snapshots: u64,
+    transitions: u64,
+    /// Rows that came with the time of an earlier one.
+    out_of_order: u64,
+}
+
+enum Stage {
+    /// The first rows wait until their rate is known.
+    Surveying(Vec<(LogRow, Instant)>),
+    Running(Box<Drive>),
+}
+
+impl Engine {
+    /// An engine that has seen nothing yet; with a drive that was saved, it goes on where that stopped, if the rows fit it.
+    #[must_use]
+    pub fn new(
+        vehicle: Vehicle,
+        options: DriveOptions,
+        source: SourceName,
+        saved: Option<SavedDrive>,
+        say: Say,
+    ) -> Self {
+        let source = Source {
+            name: source.name,
+            kind: source.kind,
+            state: SourceState::Stale,
+            rows: 0,
+            frames: 0,
+            dropped: 0,
+            unknown_ids: 0,
+            malformed: 0,
+            reconnects: 0,
+            rate_hz: f64::NAN,
+        };
+        let stage = Stage::Surveying(Vec::new());
+        let latency = LatencyWindow::default();
+        Self {
+            vehicle,
+            options,
+            say,
+            stage,
+            saved,
+            source,
+            latency,
+            snapshots: 0,
+            transitions: 0,
+            out_of_order: 0,
+        }
+    }
+
+    /// The counters that are shown with every snapshot; the source's part of the work keeps them up to date.
+    pub fn source_mut(&mut self) -> &mut Source {
+        &mut self.source
+    }
+
+    /// Says what the rows will be, where the source knows it.
+    ///
+    /// # Errors
+    /// The vehicle has none of the corners, or the estimator refuses its parameters.
+    pub fn open(&mut self, sample_rate_hz: f64, corners: &[Corner]) -> Result<(), LiveError> {
+        if let Stage::Surveying(rows) = &self.stage
+            && rows.is_empty()
+        {
+            let clock = self.clock(sample_rate_hz, corners)?;
+            self.stage = Stage::Running(Box::new(self.begin(clock)?));
+        }
+        Ok(())
+    }
+
+    /// Takes a row; what there is to tell goes to `publish`.
+    ///
+    /// # Errors
+    /// As [`Engine::open`], at the row that ends the survey.
+    pub fn take(
+        &mut self,
+        row: &LogRow,
+        arrived: Instant,
+        publish: &mut impl FnMut(Published),
+    ) -> Result<(), LiveError> {
+        self.source.state = SourceState::Live;
+        match &mut self.stage {
+            Stage::Surveying(rows) => {
+                rows.push((*row, arrived));
+                let span_s = rows.first().map_or(0.0, |(first, _)| row.time_s - first.time_s);
+                if !(span_s >= SURVEY_S) && rows.len() < SURVEY_ROWS {
+                    return Ok(());
+                }
+                self.end_survey(publish)
+            }
+            Stage::Running(_) => self.estimate(row, arrived, publish),
+        }
+    }
+
+    /// There is nothing more: rows that wait for the end of the survey are estimated with what there is.
+    ///
+    /// # Errors
+    /// As [`Engine::take`].
+    pub fn finish(&mut self, publish: &mut impl FnMut(Published)) -> Result<(), LiveError> {
+        match &self.stage {
+            Stage::Surveying(rows) if rows.len() > 1 => self.end_survey(publish),
+            _ => Ok(()),
+        }
+    }
+
+    fn end_survey(&mut self, publish: &mut impl FnMut(Published)) -> Result<(), LiveError> {
+        let Stage::Surveying(rows) = &mut self.stage else { return Ok(()) };
+        let mut rows = std::mem::take(rows);
+        let corners = rows.last().map_or([None; 4], |(row, _)| row.corners);
+        let corners: Vec<Corner> =
+            Corner::ALL.into_iter().filter(|corner| corners[corner.index()].is_some()).collect();
+        let rate_hz = match Survey::of(rows.iter().map(|(row, _)| row)) {
+            Ok(survey) => survey.sample_rate_hz,
+            Err(problem) => {
+                // Perhaps the bus was just waking up: the newer half may be better.
+                (self.say)(Note::Warning(format!("{}: {problem}; looking on", self.source.name)));
+                self.stage = Stage::Surveying(rows.split_off(rows.len().div_ceil(2)));
+                return Ok(());
+            }
+        };
+        let clock = self.clock(rate_hz, &corners)?;
+        self.stage = Stage::Running(Box::new(self.begin(clock)?));
+        rows.iter().try_for_each(|(row, arrived)| self.estimate(row, *arrived, publish))
+    }
+
+    /// What of the source's corners the vehicle has.
+    fn clock(&self, sample_rate_hz: f64, corners: &[Corner]) -> Result<Clock, LiveError> {
+        let described = |corner: &Corner| self.vehicle.corner(*corner).is_some();
+        let common: Vec<Corner> = corners.iter().copied().filter(described).collect();
+        if common.is_empty() {
+            let all: Vec<Corner> = Corner::ALL.into_iter().filter(described).collect();
+            return Err(LiveError::NoCorner {
+                source_name: self.source.name.clone(),
+                found: labels(corners),
+                vehicle: self.vehicle.name.clone(),
+                described: labels(&all),
+            });
+        }
+        for corner in corners.iter().filter(|corner| !described(corner)) {
+            let label = corner.label();
+            let name = &self.source.name;
+            (self.say)(Note::Warning(format!(
+                "{name}: corner {label} is not in the vehicle file and is not estimated"
+            )));
+        }
+        Ok(Clock { sample_rate_hz, corners: common })
+    }
+
+    /// The saved drive if the rows fit it, else a new one, and that is said.
+    fn begin(&mut self, clock: Clock) -> Result<Drive, LiveError> {
+        self.source.rate_hz = clock.sample_rate_hz;
+        let Some(saved) = self.saved.take() else { return Drive::new(&self.vehicle, clock, &self.options) };
+        let rate_hz = saved.sample_rate_hz();
+        let same_rate = (clock.sample_rate_hz / rate_hz - 1.0).abs() <= SAME_RATE;
+        if saved.corners() == clock.corners && same_rate {
+            let drive = saved.resume(&self.options)?;
+            let time_s = drive.time_s();
+            (self.say)(Note::Remark(format!("goes on from the saved state, at {time_s:.1} s")));
+            self.source.rate_hz = rate_hz;
+            return Ok(drive);
+        }
+        (self.say)(Note::Warning(format!(
+            "the saved state is of {} at {rate_hz} Hz, found {} at {} Hz: begins afresh",
+            labels(saved.corners()),
+            labels(&clock.corners),
+            clock.sample_rate_hz
+        )));
+        Drive::new(&self.vehicle, clock, &self.options)
+    }
+
+    fn estimate(
+        &mut self,
+        row: &LogRow,
+        arrived: Instant,
+        publish: &mut impl FnMut(Published),
+    ) -> Result<(), LiveError> {
+        let Stage::Running(drive) = &mut self.stage else { return Ok(()) };
+        let back_s = drive.time_s() - row.time_s;
+        if back_s > ANOTHER_DRIVE_S {
+            (self.say)(Note::Warning(format!(
+                "{}: time went back by {back_s:.1} s to {:.1} s: begins afresh",
+                self.source.name, row.time_s
+            )));
+            let clock = drive.clock.clone();
+            **drive = Drive::new(&self.vehicle, clock, &self.options)?;
+        } else if back_s >= 0.0 || !row.time_s.is_finite() {
+            self.out_of_order += 1;
+            return Ok(());
+        }
+        let transitions = &mut self.transitions;
+        let due = drive.update(row, |time_s, change| {
+            publish(Published::Warning(Arc::new(transition(*transitions, time_s, &change))));
+            *transitions += 1;
+        });
+        self.source.rows += 1;
+        let now = Instant::now();
+        self.latency.add(now.saturating_duration_since(arrived), now);
+        if due {
+            publish(Published::Estimate(self.snapshot()));
+        }
+        Ok(())
+    }
+
+    /// Everything that is known now.
+    pub fn snapshot(&mut self) -> Arc<Snapshot> {
+        let latency_ms = self.latency.summary(Instant::now());
+        let seq = self.snapshots;
+        self.snapshots += 1;
+        let mut snapshot = Snapshot {
+            seq,
+            time_s: f64::NAN,
+            unix_s: unix_s(),
+            source: self.source.clone(),
+            vehicle: self.vehicle.name.clone(),
+            speed_m_s: f64::NAN,
+            distance_m: 0.0,
+            latency_ms,
+            wheels: Vec::new(),
+            tracks: Vec::new(),
+            alerts: Vec::new(),
+            sensors: Vec::new(),
+            all_fine: false,
+        };
+        if let Stage::Running(drive) = &self.stage {
+            snapshot.time_s = drive.time_s();
+            snapshot.speed_m_s = drive.progress.speed_m_s;
+            snapshot.distance_m = drive.progress.distance_m;
+            snapshot.wheels = describe::wheels(drive, &self.vehicle);
+            snapshot.tracks = describe::tracks(drive);
+            snapshot.alerts = describe::alerts(drive.report());
+            snapshot.sensors = describe::sensors(drive);
+            snapshot.all_fine = self.source.state == SourceState::Live && drive.report().is_all_fine();
+        }
+        Arc::new(snapshot)
+    }
+
+    /// The drive, once it runs.
+    #[must_use]
+    pub fn drive(&self) -> Option<&Drive> {
+        match &self.stage {
+            Stage::Surveying(_) => None,
+            Stage::Running(drive) => Some(drive),
+        }
+    }
+
+    /// The bytes of the state file, once there is something to save.
+    #[must_use]
+    pub fn saved(&self) -> Option<Vec<u8>> {
+        let drive = self.drive().filter(|drive| drive.latest.is_some())?;
+        SavedDrive::of(drive, &self.options).to_bytes(&self.vehicle)
+    }
+
+    /// Rows left out because their time was not after the last one's.
+    #[must_use]
+    pub fn out_of_order(&self) -> u64 {
+        self.out_of_order
+    }
+}
+
+fn transition(seq: u64, time_s: f64, change: &Change<f64>) -> Transition {
+    let (event, alert) = match change {
+        Change::Begun(alert) => ("begun", alert),
+        Change::Ended(alert) => ("ended", alert),
+    };
+    Transition { seq, time_s, unix_s: unix_s(), event, alert: alert_object(alert) }
+}
+
+/// A wall clock before 1970 gives a wrong stamp, not a wrong estimate.
+pub(crate) fn unix_s() -> f64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0.0, |since| since.as_secs_f64())
+}
+
+fn labels(corners: &[Corner]) -> String {
+    match corners {
+        [] => "none".to_owned(),
+        corners => corners.iter().map(|corner| corner.label()).collect::<Vec<_>>().join(" "),
+    }
+}

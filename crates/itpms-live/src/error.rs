@@ -1,0 +1,52 @@
+//! Why the monitor does not start, or ends.
+
+use std::io;
+
+use itpms_data::DataError;
+use thiserror::Error;
+
+/// The end of the monitor.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum LiveError {
+    /// A file in or out.
+    #[error(transparent)]
+    Data(#[from] DataError),
+    /// What the estimator was told.
+    #[error("{0}")]
+    Refused(String),
+    /// The source has none of the corners of the vehicle.
+    #[error("{source_name} has the corners {found}, but the vehicle {vehicle:?} describes {described}")]
+    NoCorner {
+        /// Where the rows come from.
+        source_name: String,
+        /// The measured corners.
+        found: String,
+        /// The vehicle's name.
+        vehicle: String,
+        /// Its corners.
+        described: String,
+    },
+    /// An address of a broker.
+    #[error("{found:?} is no address of an MQTT broker, expected mqtt://HOST[:PORT]/TOPIC")]
+    BrokerAddress {
+        /// What was given.
+        found: String,
+    },
+    /// A bus interface.
+    #[error("{interface}: {error}")]
+    Interface {
+        /// Its name.
+        interface: String,
+        /// What the system says.
+        error: io::Error,
+    },
+    /// An output that cannot be written.
+    #[error("{target}: cannot be written: {error}")]
+    Output {
+        /// Its name.
+        target: String,
+        /// What the system says.
+        error: io::Error,
+    },
+}

@@ -1,0 +1,58 @@
+//! What a source tells the estimating thread.
+
+use std::time::Instant;
+
+use itpms_core::sample::Corner;
+use itpms_data::LogRow;
+
+/// Something that came in.
+#[derive(Debug, Clone)]
+pub enum Input {
+    /// What kind of rows follow, from a source that knows before the first: the rate it measured and the corners it has.
+    Opened {
+        /// Rows per second.
+        sample_rate_hz: f64,
+        /// The measured corners.
+        corners: Vec<Corner>,
+    },
+    /// A row of a drive log.
+    Row {
+        /// The row.
+        row: LogRow,
+        /// When it came.
+        arrived: Instant,
+    },
+    /// Lines, messages or frames that could not be read.
+    Malformed(u64),
+    /// Frames that the system or the source itself lost.
+    Lost(u64),
+    /// The connection is gone; why.
+    Disconnected(String),
+    /// The connection is there again.
+    Reconnected,
+    /// There will be nothing more.
+    Ended,
+    /// There will be nothing more, because something broke in the middle.
+    Failed(String),
+}
+
+/// How a source is called.
+#[derive(Debug, Clone)]
+pub struct SourceName {
+    /// Interface, file or topic.
+    pub name: String,
+    /// `socketcan`, `stdin`, `replay` or `mqtt`.
+    pub kind: &'static str,
+}
+
+/// Something a person should read, from any thread.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Note {
+    /// What happened.
+    Remark(String),
+    /// What is wrong or was lost.
+    Warning(String),
+}
+
+/// Where notes go.
+pub type Say = std::sync::Arc<dyn Fn(Note) + Send + Sync>;

@@ -1,0 +1,246 @@
+//! The estimating thread: takes what sources tell, keeps the clock of staleness, hands out what there is to tell.
+//!
+//! Called by `itpms monitor`. Waits for its source alone: every output has a queue of its own, and the state is written by
+//! another thread.
+
+use std::collections::VecDeque;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use crate::engine::{Engine, Published};
+use crate::error::LiveError;
+use crate::hub::Hub;
+use crate::input::{Input, Note, Say};
+use crate::output::Output;
+use crate::queue::{Queue, Taken};
+use crate::snapshot::SourceState;
+use crate::state;
+
+/// Without a row for so long what is known is old.
+pub const STALE_AFTER: Duration = Duration::from_secs(1);
+/// How often an old state is told again.
+const STALE_EVERY: Duration = Duration::from_secs(1);
+/// How often the state is saved.
+const SAVE_EVERY: Duration = Duration::from_secs(60);
+/// How long the thread sleeps at most without looking at the clock.
+const LOOK_EVERY: Duration = Duration::from_millis(50);
+
+/// Why the monitor ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    /// The source has nothing more.
+    SourceEnded,
+    /// Somebody asked for it.
+    Stopped,
+}
+
+/// The estimating thread and everything it hands to.
+pub struct Monitor {
+    engine: Engine,
+    hub: Arc<Hub>,
+    outputs: Vec<Output>,
+    state: Option<StateFile>,
+    say: Say,
+    last_row: Instant,
+    last_told: Instant,
+    /// Losses that the queue between source and estimate has had.
+    queue_dropped: u64,
+    lost: u64,
+}
+
+impl Monitor {
+    /// Puts the parts together.
+    #[must_use]
+    pub fn new(
+        engine: Engine,
+        hub: Arc<Hub>,
+        outputs: Vec<Output>,
+        state: Option<PathBuf>,
+        say: Say,
+    ) -> Self {
+        let state = state.map(|path| StateFile::new(path, Arc::clone(&say)));
+        let now = Instant::now();
+        Self { engine, hub, outputs, state, say, last_row: now, last_told: now, queue_dropped: 0, lost: 0 }
+    }
+
+    /// Estimates until the source ends or `stop` says so. Outputs get everything that was published before this returns,
+    /// and the state is saved.
+    ///
+    /// # Errors
+    /// The vehicle does not fit the source, the source broke in the middle, or an output or the state cannot be written.
+    pub fn run(mut self, inputs: &Queue<Input>, stop: impl Fn() -> bool) -> Result<End, LiveError> {
+        let end = self.estimate(inputs, stop);
+        inputs.close();
+        let last = self.last_words(&end);
+        let saved = self.save_last();
+        let outputs: Vec<Result<(), LiveError>> = self.outputs.into_iter().map(Output::finish).collect();
+        let end = end?;
+        last?;
+        saved?;
+        outputs.into_iter().collect::<Result<(), _>>()?;
+        Ok(end)
+    }
+
+    fn estimate(&mut self, inputs: &Queue<Input>, stop: impl Fn() -> bool) -> Result<End, LiveError> {
+        // What came before this, loading and starting, is no silence of the source.
+        self.last_row = Instant::now();
+        let mut taken = VecDeque::new();
+        loop {
+            if stop() {
+                return Ok(End::Stopped);
+            }
+            let closed = inputs.take(&mut taken, LOOK_EVERY) == Taken::Closed;
+            self.queue_dropped = inputs.dropped();
+            while let Some(input) = taken.pop_front() {
+                if let Some(end) = self.take(input)? {
+                    return Ok(end);
+                }
+            }
+            if closed {
+                return Ok(End::SourceEnded);
+            }
+            self.look_at_the_clock();
+            if self.outputs.iter().any(Output::has_failed) {
+                return Ok(End::Stopped);
+            }
+        }
+    }
+
+    fn take(&mut self, input: Input) -> Result<Option<End>, LiveError> {
+        match input {
+            Input::Opened { sample_rate_hz, corners } => self.engine.open(sample_rate_hz, &corners)?,
+            Input::Row { row, arrived } => {
+                self.engine.source_mut().frames += 1;
+                self.row(&row, arrived)?;
+            }
+            Input::Malformed(count) => self.engine.source_mut().malformed += count,
+            Input::Lost(count) => self.lost += count,
+            Input::Disconnected(why) => {
+                let name = &self.engine.source_mut().name;
+                let text = format!("{name}: {why}; trying again");
+                (self.say)(Note::Warning(text));
+            }
+            Input::Reconnected => {
+                self.engine.source_mut().reconnects += 1;
+                let name = &self.engine.source_mut().name;
+                let text = format!("{name}: is there again");
+                (self.say)(Note::Remark(text));
+            }
+            Input::Ended => return Ok(Some(End::SourceEnded)),
+            Input::Failed(why) => return Err(LiveError::Refused(why)),
+        }
+        Ok(None)
+    }
+
+    fn row(&mut self, row: &itpms_data::LogRow, arrived: Instant) -> Result<(), LiveError> {
+        self.last_row = arrived;
+        self.engine.source_mut().dropped = self.queue_dropped + self.lost;
+        let Self { engine, hub, outputs, last_told, .. } = self;
+        engine.take(row, arrived, &mut |published| {
+            *last_told = Instant::now();
+            publish(hub, outputs, published);
+        })
+    }
+
+    /// Says that nothing comes, and saves the state, when it is time.
+    fn look_at_the_clock(&mut self) {
+        if self.last_row.elapsed() > STALE_AFTER {
+            let source = self.engine.source_mut();
+            let news = source.state == SourceState::Live;
+            source.state = SourceState::Stale;
+            if news || self.last_told.elapsed() > STALE_EVERY {
+                self.tell_now();
+            }
+        }
+        if let Some(state) = &mut self.state
+            && state.is_due()
+            && let Some(bytes) = self.engine.saved()
+        {
+            state.write_later(bytes);
+        }
+    }
+
+    fn tell_now(&mut self) {
+        self.last_told = Instant::now();
+        let snapshot = self.engine.snapshot();
+        publish(&self.hub, &self.outputs, Published::Estimate(snapshot));
+    }
+
+    /// What waits is estimated, and the end is told.
+    fn last_words(&mut self, end: &Result<End, LiveError>) -> Result<(), LiveError> {
+        if !matches!(end, Ok(End::SourceEnded)) {
+            return Ok(());
+        }
+        let Self { engine, hub, outputs, .. } = self;
+        engine.finish(&mut |published| publish(hub, outputs, published))?;
+        self.engine.source_mut().state = SourceState::Ended;
+        self.tell_now();
+        let backwards = self.engine.out_of_order();
+        if backwards > 0 {
+            let text = format!("{backwards} rows were not later than the ones before them and were left out");
+            (self.say)(Note::Warning(text));
+        }
+        Ok(())
+    }
+
+    fn save_last(&mut self) -> Result<(), LiveError> {
+        let Some(state) = self.state.take() else { return Ok(()) };
+        let path = state.path.clone();
+        state.finish();
+        self.engine.saved().map_or(Ok(()), |bytes| state::write(&path, &bytes))
+    }
+}
+
+fn publish(hub: &Hub, outputs: &[Output], published: Published) {
+    outputs.iter().for_each(|output| output.publish(&published));
+    match published {
+        Published::Estimate(snapshot) => hub.publish(snapshot),
+        Published::Warning(transition) => hub.announce(transition),
+    }
+}
+
+/// A thread that writes the newest state.
+struct StateFile {
+    path: PathBuf,
+    queue: Arc<Queue<Vec<u8>>>,
+    writer: JoinHandle<()>,
+    saved: Instant,
+}
+
+impl StateFile {
+    fn new(path: PathBuf, say: Say) -> Self {
+        let queue = Arc::new(Queue::<Vec<u8>>::new(1));
+        let writer = thread::spawn({
+            let (queue, path) = (Arc::clone(&queue), path.clone());
+            move || {
+                let mut taken = VecDeque::new();
+                while queue.take(&mut taken, SAVE_EVERY) != Taken::Closed {
+                    if let Some(bytes) = taken.pop_back()
+                        && let Err(error) = state::write(&path, &bytes)
+                    {
+                        say(Note::Warning(format!("the state was not saved: {error}")));
+                    }
+                    taken.clear();
+                }
+            }
+        });
+        Self { path, queue, writer, saved: Instant::now() }
+    }
+
+    fn is_due(&self) -> bool {
+        self.saved.elapsed() > SAVE_EVERY
+    }
+
+    fn write_later(&mut self, bytes: Vec<u8>) {
+        self.saved = Instant::now();
+        self.queue.push_now(bytes, |_| true);
+    }
+
+    /// Waits until what is being written is written.
+    fn finish(self) {
+        self.queue.close();
+        let _ = self.writer.join();
+    }
+}

@@ -1,0 +1,113 @@
+//! Where estimates and warnings go, each output behind a queue and a thread of its own, so that none can stall the estimate.
+//!
+//! | room | idea |
+//! |---|---|
+//! | `json` | a line of JSON per estimate and per warning |
+//!
+//! Fed by the estimating thread; knows nothing of where the estimates come from.
+
+mod json;
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+pub use json::JsonLines;
+
+use crate::engine::Published;
+use crate::error::LiveError;
+use crate::queue::{Queue, Taken};
+
+/// What waits for an output at most: seven minutes at ten a second, some 10 MB.
+const WAITING: usize = 4096;
+/// How long an output's thread sleeps at most.
+const PATIENCE: Duration = Duration::from_millis(200);
+
+/// What happens when an output is slower than the estimates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WhenSlow {
+    /// The estimate waits: for files, and for sources that can wait, too. Nothing is lost.
+    Wait,
+    /// The oldest waiting estimates are lost and counted; warnings only if nothing but warnings waits.
+    LoseEstimates,
+}
+
+/// An output at work.
+#[derive(Debug)]
+pub struct Output {
+    queue: Arc<Queue<Published>>,
+    when_slow: WhenSlow,
+    failed: Arc<AtomicBool>,
+    thread: Option<JoinHandle<Result<(), LiveError>>>,
+}
+
+impl Output {
+    /// Starts an output that hands everything to `write`, and at the end to `end`.
+    pub(crate) fn start<W: Send + 'static>(
+        when_slow: WhenSlow,
+        mut writer: W,
+        write: impl Fn(&mut W, &mut VecDeque<Published>) -> Result<(), LiveError> + Send + 'static,
+        end: impl FnOnce(W) -> Result<(), LiveError> + Send + 'static,
+    ) -> Self {
+        let queue = Arc::new(Queue::new(WAITING));
+        let failed = Arc::new(AtomicBool::new(false));
+        let thread = thread::spawn({
+            let (queue, failed) = (Arc::clone(&queue), Arc::clone(&failed));
+            move || {
+                let mut taken = VecDeque::new();
+                loop {
+                    match queue.take(&mut taken, PATIENCE) {
+                        Taken::Closed => return end(writer),
+                        Taken::Some | Taken::Nothing => {}
+                    }
+                    if let Err(error) = write(&mut writer, &mut taken) {
+                        failed.store(true, Ordering::Relaxed);
+                        // Nobody shall wait for room here.
+                        queue.close();
+                        return Err(error);
+                    }
+                }
+            }
+        });
+        Self { queue, when_slow, failed, thread: Some(thread) }
+    }
+
+    /// Hands it to the output's thread.
+    pub fn publish(&self, published: &Published) {
+        match self.when_slow {
+            WhenSlow::Wait => {
+                self.queue.push(published.clone());
+            }
+            WhenSlow::LoseEstimates => {
+                self.queue.push_now(published.clone(), |old| matches!(old, Published::Estimate(_)));
+            }
+        }
+    }
+
+    /// Whether it has given up.
+    #[must_use]
+    pub fn has_failed(&self) -> bool {
+        self.failed.load(Ordering::Relaxed)
+    }
+
+    /// What was lost because the output was slow.
+    #[must_use]
+    pub fn dropped(&self) -> u64 {
+        self.queue.dropped()
+    }
+
+    /// Waits until everything is out.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn finish(mut self) -> Result<(), LiveError> {
+        self.queue.close();
+        match self.thread.take().map(JoinHandle::join) {
+            Some(Ok(result)) => result,
+            Some(Err(_)) => Err(LiveError::Refused("an output broke off".to_owned())),
+            None => Ok(()),
+        }
+    }
+}

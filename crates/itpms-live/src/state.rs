@@ -1,0 +1,166 @@
+//! A drive kept in a file from one start of the monitor to the next, bit by bit.
+//!
+//! ```text
+//! itpms-live-state 1 f6d0c1f2a5a1b1c3\n     format, checksum of the format and of everything below
+//! postcard of the vehicle's identity, the options and the drive
+//! ```
+//!
+//! Made and read by the engine's thread, written by the monitor. What is damaged, of another format, of another vehicle or
+//! with other options is refused in words; its caller begins afresh and says so. The format carries the layout of the
+//! estimator: a program with another layout has another number.
+
+use std::fs::File;
+use std::io::{self, Read as _};
+use std::path::Path;
+
+use itpms_core::monitor::MonitoredCar;
+use itpms_core::sample::Corner;
+use itpms_data::Vehicle;
+use itpms_data::out::{AtomicFile, RateGate};
+use itpms_data::reference::{VehicleIdentity, crc64};
+use serde::{Deserialize, Serialize};
+
+use crate::drive::{Clock, Drive, DriveOptions, Progress};
+use crate::error::LiveError;
+use crate::roughness::Roughness;
+
+/// The format that is written, and the only one that is read.
+pub const FORMAT: u32 = 1;
+
+const MAGIC: &str = "itpms-live-state ";
+/// The largest car takes some 400 kB.
+const LONGEST_BYTES: u64 = 8 << 20;
+
+/// Everything a drive needs to go on.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct SavedDrive {
+    vehicle: (String, Option<String>, String),
+    /// Estimator and regulation: what cannot change in the middle.
+    options: [String; 2],
+    sample_rate_hz: f64,
+    corners: Vec<Corner>,
+    gate: (f64, Option<f64>, f64),
+    iri_m_per_km: [f64; 4],
+    progress: Progress,
+    car: Box<MonitoredCar<f64>>,
+}
+
+impl SavedDrive {
+    pub(crate) fn of(drive: &Drive, options: &DriveOptions) -> Self {
+        Self {
+            vehicle: Default::default(),
+            options: fixed(options),
+            sample_rate_hz: drive.clock.sample_rate_hz,
+            corners: drive.clock.corners.clone(),
+            gate: (options.rate_hz, drive.gate.start_s, drive.gate.due),
+            iri_m_per_km: drive.roughness.iri_m_per_km,
+            progress: drive.progress.clone(),
+            car: Box::new(drive.car.clone()),
+        }
+    }
+
+    /// The bytes of its file; `None` if they cannot be made, which a drive of ours always can.
+    pub(crate) fn to_bytes(&self, vehicle: &Vehicle) -> Option<Vec<u8>> {
+        let VehicleIdentity { name, id, parameters } = VehicleIdentity::of(vehicle);
+        let saved = Self { vehicle: (name, id, parameters), ..self.clone() };
+        let body = postcard::to_allocvec(&saved).ok()?;
+        let format = FORMAT.to_string();
+        let mut bytes = format!("{MAGIC}{format} {}\n", seal(&format, &body)).into_bytes();
+        bytes.extend(body);
+        Some(bytes)
+    }
+
+    /// The drive in the bytes of a file.
+    ///
+    /// # Errors
+    /// In words: another file, a damaged one, another format, another vehicle, other options.
+    pub fn parse(bytes: &[u8], vehicle: &Vehicle, options: &DriveOptions) -> Result<Self, String> {
+        let Some(rest) = bytes.strip_prefix(MAGIC.as_bytes()) else {
+            let beginning = String::from_utf8_lossy(&bytes[..bytes.len().min(MAGIC.len())]).into_owned();
+            return Err(format!("is no saved state: its beginning is {beginning:?}, expected {MAGIC:?}"));
+        };
+        let end_of_line = rest.iter().position(|byte| *byte == b'\n').unwrap_or(rest.len());
+        let (line, body) = (&rest[..end_of_line], rest.get(end_of_line + 1..).unwrap_or_default());
+        let line = String::from_utf8_lossy(line);
+        let (format, found) = line.split_once(' ').unwrap_or((&line, ""));
+        let expected = seal(format, body);
+        if found != expected {
+            return Err(format!("is damaged: its checksum says {found:?}, expected {expected:?}"));
+        }
+        if format != FORMAT.to_string() {
+            return Err(format!("has format {format}, expected {FORMAT}: another version of itpms wrote it"));
+        }
+        let saved: Self = postcard::from_bytes(body).map_err(|error| {
+            format!("does not fit this version of itpms ({error}), though its format is {FORMAT}")
+        })?;
+        let (name, id, parameters) = saved.vehicle.clone();
+        let identity = VehicleIdentity { name, id, parameters };
+        identity.expect(&VehicleIdentity::of(vehicle)).map_err(|problem| problem.to_string())?;
+        let wanted = fixed(options);
+        if saved.options != wanted {
+            return Err(format!("was made with {}, expected {}", saved.options.join(" "), wanted.join(" ")));
+        }
+        Ok(saved)
+    }
+
+    /// Reads a file. `None` if there is none yet.
+    ///
+    /// # Errors
+    /// In words: it cannot be read, or as [`SavedDrive::parse`].
+    pub fn read(path: &Path, vehicle: &Vehicle, options: &DriveOptions) -> Result<Option<Self>, String> {
+        let read = || {
+            let mut bytes = Vec::new();
+            // One byte more than is taken shows that there are more.
+            File::open(path)?.take(LONGEST_BYTES + 1).read_to_end(&mut bytes).map(|_| bytes)
+        };
+        match read() {
+            Ok(bytes) if bytes.len() as u64 > LONGEST_BYTES => {
+                Err(format!("is no saved state: more than {LONGEST_BYTES} bytes"))
+            }
+            Ok(bytes) => Self::parse(&bytes, vehicle, options).map(Some),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+            Err(error) => Err(format!("cannot be read: {error}")),
+        }
+    }
+
+    /// The drive, to go on with the next row.
+    pub(crate) fn resume(&self, options: &DriveOptions) -> Result<Drive, LiveError> {
+        let clock = Clock { sample_rate_hz: self.sample_rate_hz, corners: self.corners.clone() };
+        let mut roughness = Roughness::new(&clock)?;
+        roughness.iri_m_per_km = self.iri_m_per_km;
+        let mut gate = RateGate::new(options.rate_hz);
+        let (rate_hz, start_s, due) = self.gate;
+        // Told at another rate, the estimates begin a new count.
+        if rate_hz == options.rate_hz {
+            (gate.start_s, gate.due) = (start_s, due);
+        }
+        let (car, progress) = ((*self.car).clone(), self.progress.clone());
+        Ok(Drive { clock, car, gate, progress, roughness, latest: None })
+    }
+
+    pub(crate) fn sample_rate_hz(&self) -> f64 {
+        self.sample_rate_hz
+    }
+
+    pub(crate) fn corners(&self) -> &[Corner] {
+        &self.corners
+    }
+}
+
+/// Writes the bytes of a state. Killed or without power at any moment, the file is the one before or this, whole.
+///
+/// # Errors
+/// It cannot be written.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<(), LiveError> {
+    let mut file = AtomicFile::create(path)?;
+    file.append(bytes)?;
+    Ok(file.commit()?)
+}
+
+fn fixed(options: &DriveOptions) -> [String; 2] {
+    [options.estimator.label().to_owned(), options.regulation.label().to_owned()]
+}
+
+fn seal(format: &str, body: &[u8]) -> String {
+    format!("{:016x}", crc64(&[format.as_bytes(), b"\n", body]))
+}
