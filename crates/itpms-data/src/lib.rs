@@ -9,6 +9,7 @@
 //! | [`columns`] | small tables of measurements in: named columns of numbers from CSV |
 //! | [`crg`] | roads from OpenCRG files |
 //! | [`profile`] | road profiles from text |
+//! | [`mdf4`] | measurements in MDF4, in and out |
 //! | [`out`] | files out: complete under their name or not there at all |
 //! | [`signals`] | what comes signal by signal instead of row by row |
 //! | [`reference`](mod@reference) | what a reset taught of a car, stored: its own car's, complete and plausible, or refused |
@@ -23,6 +24,8 @@ pub mod columns;
 pub mod crg;
 pub mod error;
 pub mod log;
+#[cfg(feature = "mdf4")]
+pub mod mdf4;
 mod nearest;
 pub mod out;
 pub mod profile;

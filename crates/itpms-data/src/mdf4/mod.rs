@@ -1,0 +1,43 @@
+//! Measurements in MDF4 (ASAM MDF 4.0 to 4.2): read group by group at their native rates, written the same way.
+//!
+//! Called by the drive-log reader and by whoever converts logs; knows nothing of what a channel means.
+//!
+//! | room | idea |
+//! |---|---|
+//! | `identification`, `block`, `text` | the frame of a file and of its blocks, held against the file's length |
+//! | `structure`, `channel_list`, `conversion`, `field` | the tree of groups and channels, compiled to what reads a number |
+//! | `data`, `inflate`, `records` | a group's bytes however they are cut and compressed, and its records among others' |
+//! | [`Mdf4Reader`], [`GroupCursor`] | what the caller sees |
+//!
+//! What is readable of a file that is damaged, cut off or was never finished is read; what had to be mended or left out
+//! is an [`Mdf4Repair`]. Memory is bounded whatever a file says: texts 32 MB, 131 072 channels, and per cursor one data
+//! block (see [`Mdf4Reader::cursor`]).
+//!
+//! Not read: text and bytes (listed), arrays, formulas in words, the compressions of MDF 4.3.
+//!
+//! # Why not a crate
+//!
+//! Looked at in November 2026. `mf4-rs` 3.8.0 maps files into memory and refuses DZ blocks. `mdf4-rs` 0.6.0 inflates DZ but
+//! loads the whole file, turns back transposed blocks wrongly where the last row is incomplete, and needs a newer
+//! compiler than this workspace. `mdflib` 0.2.1 wraps a C++ library. `asammdf` 0.1.0 calls itself not ready for use. None
+//! bounds its memory. So the blocks are read here; inflating is `flate2`'s.
+
+mod block;
+mod channel;
+mod channel_list;
+mod conversion;
+mod cursor;
+mod data;
+mod error;
+mod field;
+mod identification;
+mod inflate;
+mod reader;
+mod records;
+mod structure;
+mod text;
+
+pub use channel::{Channel, ChannelGroup, ChannelKind};
+pub use cursor::GroupCursor;
+pub use error::{Damage, Mdf4Problem, Mdf4Repair};
+pub use reader::Mdf4Reader;
