@@ -11,32 +11,32 @@ use super::options::LogOptions;
 use super::row::RawRow;
 use crate::error::{DataError, Place, Problem};
 use crate::signals::align::AlignmentReport;
-use crate::signals::{Aligner, Reading, Resolved, SignalMap};
+use crate::signals::{self, Aligner, Reading, Resolved, SignalMap};
 
 /// Where readings come from, nearly in the order of time.
 #[derive(Debug)]
 pub(super) enum Feed {
-        Mdf4(Mdf4Feed),
+    Mdf4(Mdf4Feed),
 }
 
 impl Feed {
     /// Hands out a few readings; false when there are no more.
     fn step(&mut self, take: impl FnMut(Reading)) -> Result<bool, DataError> {
         match self {
-                        Feed::Mdf4(feed) => feed.step(take),
+            Feed::Mdf4(feed) => feed.step(take),
         }
     }
 
     fn progress(&self) -> f64 {
         match self {
-                        Feed::Mdf4(feed) => feed.progress(),
+            Feed::Mdf4(feed) => feed.progress(),
         }
     }
 
     /// What the format's reader repaired, left out or assumed so far.
     fn repairs(&self) -> Vec<String> {
         match self {
-                        Feed::Mdf4(feed) => feed.repairs(),
+            Feed::Mdf4(feed) => feed.repairs(),
         }
     }
 }
@@ -47,14 +47,14 @@ pub(super) struct SignalSource {
     feed: Feed,
     aligner: Aligner,
     header: Header,
-    /// What was made of which signal, and what was doubtful about it.
+    /// Which signal became which column where the names do not say it, and what was doubtful about it.
     mapping: Vec<String>,
     rows: u64,
     is_over: bool,
 }
 
 impl SignalSource {
-        pub(super) fn mdf4(path: &Path, options: &LogOptions) -> Result<Self, DataError> {
+    pub(super) fn mdf4(path: &Path, options: &LogOptions) -> Result<Self, DataError> {
         if options.dbc.is_some() {
             let what = "a DBC file says what the frames of a CAN log mean; MDF4 names its signals itself";
             return Err(DataError::new(path, Problem::NotApplicable(what)));
@@ -69,11 +69,15 @@ impl SignalSource {
         }
         let aligner = Aligner::new(&resolved.slots());
         let header = Header { columns: *aligner.columns(), slots: Vec::new(), suspicious: Vec::new() };
-        let lone = resolved.lone().into_iter().map(|slot| {
-            format!("there is no signal for {}, so that corner is left out", slot.name())
-        });
+        let lines = resolved.iter().zip(resolved.lines());
+        let guessed =
+            lines.filter(|(chosen, _)| chosen.source != signals::Source::Name).map(|(_, line)| line);
         let doubts = resolved.remarks().iter().map(ToString::to_string);
-        let mapping = resolved.lines().into_iter().chain(doubts).chain(lone).collect();
+        let lone = resolved
+            .lone()
+            .into_iter()
+            .map(|slot| format!("there is no signal for {}, so that corner is left out", slot.name()));
+        let mapping = guessed.chain(doubts).chain(lone).collect();
         Ok(Self { feed, aligner, header, mapping, rows: 0, is_over: false })
     }
 

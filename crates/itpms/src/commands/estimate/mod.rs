@@ -102,6 +102,10 @@ fn labels(corners: &[Corner]) -> String {
 /// What was repaired, and what a person should know before believing the result.
 fn remarks(args: &EstimateArgs, screen: &Screen, log: &LogReader, vehicle: &Vehicle) {
     let path = log.path().display();
+    let aligned = log.alignment().map(|report| report.remarks()).unwrap_or_default();
+    for remark in log.mapping().iter().chain(&aligned) {
+        screen.remark(format!("{path}: {remark}"));
+    }
     for warning in log.repairs().warnings() {
         screen.warn(format!("{path}: {warning}"));
     }
