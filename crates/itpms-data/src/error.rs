@@ -373,6 +373,12 @@ pub enum Problem {
     #[error(transparent)]
     Reference(#[from] ReferenceProblem),
 
+    // --- descriptions of a bus ---
+    /// No DBC file that could be used.
+    #[cfg(feature = "can")]
+    #[error(transparent)]
+    Dbc(#[from] crate::dbc::DbcError),
+
     // --- signals ---
     /// A map of signals, or a map and a log, that do not fit.
     #[error(transparent)]

@@ -6,6 +6,7 @@
 //! | [`vehicle`] | the vehicle file (TOML) and the corners it describes |
 //! | [`log`] | drive logs in: CSV and Parquet behind one reader that repairs, counts and refuses |
 //! | `can` (feature) | frames of CAN logs: candump, ASC and BLF, read and written |
+//! | `dbc` (feature `can`) | which frame carries which signals |
 //! | [`columns`] | small tables of measurements in: named columns of numbers from CSV |
 //! | [`crg`] | roads from OpenCRG files |
 //! | [`profile`] | road profiles from text |
@@ -22,6 +23,8 @@
 pub mod can;
 pub mod columns;
 pub mod crg;
+#[cfg(feature = "can")]
+pub mod dbc;
 pub mod error;
 pub mod log;
 #[cfg(feature = "mdf4")]

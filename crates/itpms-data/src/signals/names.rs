@@ -39,6 +39,8 @@ enum Word {
     Filler,
     /// Makes it something else: another axis, a limit, a status.
     Other,
+    /// The same, and as a group's name, too.
+    Machine,
     Unknown,
 }
 
@@ -75,18 +77,18 @@ const WORDS: [(&str, Word); 143] = [
     ("bias", Word::Other), ("min", Word::Other), ("max", Word::Other), ("rms", Word::Other), ("peak", Word::Other),
     ("mean", Word::Other), ("avg", Word::Other), ("sd", Word::Other), ("target", Word::Other), ("set", Word::Other),
     ("setpoint", Word::Other), ("request", Word::Other), ("req", Word::Other), ("limit", Word::Other), ("limiter", Word::Other),
-    ("cruise", Word::Other), ("nominal", Word::Other), ("warning", Word::Other), ("warn", Word::Other), ("engine", Word::Other),
-    ("motor", Word::Other), ("fan", Word::Other), ("wind", Word::Other), ("brake", Word::Other), ("estimated", Word::Other),
+    ("cruise", Word::Machine), ("nominal", Word::Other), ("warning", Word::Other), ("warn", Word::Other), ("engine", Word::Machine),
+    ("motor", Word::Machine), ("fan", Word::Machine), ("wind", Word::Machine), ("brake", Word::Machine), ("estimated", Word::Other),
 ];
 
 /// The column this signal's name and group speak of.
 pub(super) fn meaning(group: &str, name: &str) -> Option<(Slot, Fit)> {
     let (own, around) = (words(name), words(group));
-    if own.contains(&Word::Other) {
-        return None;
-    }
     let has = |word| own.contains(&word);
     let says = |word| own.contains(&word) || around.contains(&word);
+    if has(Word::Other) || says(Word::Machine) {
+        return None;
+    }
     let corner = corner(&own).or_else(|| if names_corner(&own) { None } else { corner(&around) });
     let complete = !has(Word::Unknown);
     let fit = |sure: bool| if sure && complete { Fit::AllWords } else { Fit::SomeWords };
@@ -104,7 +106,7 @@ pub(super) fn meaning(group: &str, name: &str) -> Option<(Slot, Fit)> {
         };
         return field.map(|(field, fit)| (Slot::Corner(corner, field), fit));
     }
-    let elsewhere = says(Word::Wheel) || names_corner(&own) || around.contains(&Word::Other);
+    let elsewhere = says(Word::Wheel) || names_corner(&own);
     if has(Word::Speed) && !elsewhere && !has(Word::Vertical) {
         return Some((Slot::Speed, fit(says(Word::Vehicle))));
     }
@@ -215,6 +217,7 @@ mod tests {
             ("", "sprungAccelRL", "rl_body_accel_m_s2"),
             ("", "az_body_fl", "fl_body_accel_m_s2"),
             ("ESP_02", "VehicleSpeed", "speed_m_s"),
+            ("ESP_Status", "VehicleSpeed", "speed_m_s"),
             ("", "v_veh", "speed_m_s"),
             ("", "VehSpd", "speed_m_s"),
             ("ABS", "vehspd", "speed_m_s"),

@@ -1,0 +1,161 @@
+//! Descriptions of a bus (DBC files): which frame carries which signals.
+//!
+//! Called by the reader of bus logs, by the live monitor and by `itpms signals`; knows nothing of estimators. Files come
+//! from many programs and are seldom flawless: what cannot be used is named with its line ([`Dbc::problems`]) and left
+//! out, the rest is read. The public crates for the format read a file as a whole or not at all.
+//!
+//! | room | idea |
+//! |---|---|
+//! | `text`, `cursor` | characters, words |
+//! | `statement` | how statements are written |
+//! | `build`, `draft` | statements to messages |
+//! | `bits` | where a signal's bits are |
+//! | `message` | bytes to physical values and back |
+//! | `decoder` | frames to readings of columns |
+//! | `problem` | what can be wrong |
+
+mod bits;
+mod build;
+mod cursor;
+mod decoder;
+mod draft;
+mod message;
+mod problem;
+mod statement;
+mod text;
+
+use std::collections::HashMap;
+use std::fs;
+use std::io::{self, Read as _};
+use std::path::Path;
+
+pub use bits::{ByteOrder, Layout};
+pub use decoder::{Decoder, FrameCounts};
+pub use message::{EncodeError, Kind, Message, Selector, Signal};
+pub use problem::{DbcError, DbcProblem, Fault};
+
+use crate::can::CanId;
+use crate::error::{DataError, Problem};
+use crate::signals::Candidate;
+use build::Builder;
+
+/// Files are read into memory; the largest in use have some 10 MB.
+const LARGEST: u64 = 1 << 26;
+
+/// A description of a bus.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dbc {
+    messages: Vec<Message>,
+    places: HashMap<CanId, usize>,
+    problems: Vec<DbcProblem>,
+}
+
+impl Dbc {
+    /// Reads a file in UTF-8 or code page 1252.
+    ///
+    /// # Errors
+    /// The file cannot be read, is larger than 64 MiB, or has no message with a usable signal.
+    pub fn read(path: &Path) -> Result<Self, DataError> {
+        let bytes = read_bytes(path).map_err(|problem| DataError::new(path, problem))?;
+        Self::from_bytes(&bytes).map_err(|error| DataError::new(path, Problem::Dbc(error)))
+    }
+
+    /// The same for a file's contents.
+    ///
+    /// # Errors
+    /// See [`DbcError`].
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, DbcError> {
+        Self::parse(&text::decoded(bytes))
+    }
+
+    /// The same for a file's text.
+    ///
+    /// # Errors
+    /// See [`DbcError`].
+    pub fn parse(text: &str) -> Result<Self, DbcError> {
+        if text.len() as u64 > 2 * LARGEST {
+            return Err(DbcError::TooLarge { found: text.len() as u64, most: LARGEST });
+        }
+        let mut builder = Builder::default();
+        let (mut statements, mut faults) = (Vec::new(), Vec::new());
+        let lines = statement::statements(
+            text,
+            |line, statement| statements.push((line, statement)),
+            |line, fault| faults.push((line, fault)),
+        );
+        faults.into_iter().for_each(|(line, fault)| builder.problems.add(line, fault));
+        statements.into_iter().for_each(|(line, statement)| builder.add(line, statement));
+        let (messages, problems) = builder.finish();
+        let problems = problems.finish();
+        if messages.iter().all(|message| message.signals.is_empty()) {
+            let problem = problems.first().cloned().map(Box::new);
+            return Err(DbcError::NoMessage { lines, problem });
+        }
+        let places = messages.iter().enumerate().map(|(place, message)| (message.id, place)).collect();
+        Ok(Self { messages, places, problems })
+    }
+
+    /// What is wrong with the file, by line; what it concerns was left out unless it says otherwise.
+    #[must_use]
+    pub fn problems(&self) -> &[DbcProblem] {
+        &self.problems
+    }
+
+    /// The messages, in the file's order.
+    #[must_use]
+    pub fn messages(&self) -> &[Message] {
+        &self.messages
+    }
+
+    /// The message with this identifier.
+    #[must_use]
+    pub fn message(&self, id: CanId) -> Option<&Message> {
+        self.messages.get(*self.places.get(&id)?)
+    }
+
+    /// All signals of all messages, as candidates for columns.
+    #[must_use]
+    pub fn candidates(&self) -> Vec<Candidate> {
+        let signals = self.messages.iter().flat_map(|m| m.signals.iter().map(move |signal| (m, signal)));
+        let candidate = |(message, signal): (&Message, &Signal)| Candidate {
+            group: message.name.clone(),
+            name: signal.name.clone(),
+            unit: signal.unit.clone(),
+        };
+        signals.map(candidate).collect()
+    }
+
+    /// Message and place of the signal in it of the candidate with this number.
+    #[must_use]
+    pub fn of_candidate(&self, mut number: usize) -> Option<(&Message, usize)> {
+        for message in &self.messages {
+            if number < message.signals.len() {
+                return Some((message, number));
+            }
+            number -= message.signals.len();
+        }
+        None
+    }
+}
+
+fn read_bytes(path: &Path) -> Result<Vec<u8>, Problem> {
+    let read_error = |error: io::Error| match error.kind() {
+        io::ErrorKind::NotFound => Problem::NotFound,
+        _ => Problem::Read(error),
+    };
+    let about = fs::metadata(path).map_err(read_error)?;
+    if about.is_dir() {
+        return Err(Problem::IsDirectory);
+    }
+    let mut bytes = Vec::new();
+    fs::File::open(path)
+        .map_err(read_error)?
+        .take(LARGEST + 1)
+        .read_to_end(&mut bytes)
+        .map_err(read_error)?;
+    if bytes.len() as u64 > LARGEST {
+        let found = about.len().max(LARGEST + 1);
+        return Err(Problem::Dbc(DbcError::TooLarge { found, most: LARGEST }));
+    }
+    Ok(bytes)
+}
