@@ -12,6 +12,7 @@
 //! | `bits` | where a signal's bits are |
 //! | `message` | bytes to physical values and back |
 //! | `decoder` | frames to readings of columns |
+//! | `encoder` | rows to frames |
 //! | `problem` | what can be wrong |
 
 mod bits;
@@ -19,6 +20,7 @@ mod build;
 mod cursor;
 mod decoder;
 mod draft;
+mod encoder;
 mod message;
 mod problem;
 mod statement;
@@ -31,6 +33,7 @@ use std::path::Path;
 
 pub use bits::{ByteOrder, Layout};
 pub use decoder::{Decoder, FrameCounts};
+pub use encoder::{EncodeCounts, Encoder};
 pub use message::{EncodeError, Kind, Message, Selector, Signal};
 pub use problem::{DbcError, DbcProblem, Fault};
 

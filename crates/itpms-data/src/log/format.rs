@@ -41,6 +41,8 @@ pub(super) enum LogFormat {
     Table(Format),
     #[cfg(feature = "mdf4")]
     Mdf4,
+    #[cfg(feature = "can")]
+    Can,
 }
 
 impl LogFormat {
@@ -50,6 +52,8 @@ impl LogFormat {
         match extension.as_deref() {
             #[cfg(feature = "mdf4")]
             Some("mf4" | "mdf") => Ok(LogFormat::Mdf4),
+            #[cfg(feature = "can")]
+            Some("log" | "candump" | "asc" | "blf") => Ok(LogFormat::Can),
             other => Format::of_extension(other)
                 .map(LogFormat::Table)
                 .ok_or_else(|| unknown(path, other, expected_log())),
@@ -65,6 +69,9 @@ fn expected_log() -> String {
     }
     if cfg!(feature = "mdf4") {
         known.push(".mf4");
+    }
+    if cfg!(feature = "can") {
+        known.extend([".log", ".candump", ".asc", ".blf"]);
     }
     known.join(", ")
 }

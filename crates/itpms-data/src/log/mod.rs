@@ -16,6 +16,8 @@
 //!
 //! Called by the commands of the binary and by the study; knows nothing of estimators and of simulation.
 
+#[cfg(feature = "can")]
+mod can_feed;
 mod csv_source;
 mod format;
 mod header;
@@ -28,7 +30,7 @@ mod parquet_source;
 mod reader;
 mod repair;
 mod row;
-#[cfg(feature = "mdf4")]
+#[cfg(any(feature = "can", feature = "mdf4"))]
 mod signal_source;
 mod source;
 mod survey;

@@ -5,7 +5,10 @@
 
 use std::path::Path;
 
+#[cfg(feature = "can")]
+use super::can_feed::CanFeed;
 use super::header::Header;
+#[cfg(feature = "mdf4")]
 use super::mdf4_feed::Mdf4Feed;
 use super::options::LogOptions;
 use super::row::RawRow;
@@ -16,27 +19,39 @@ use crate::signals::{self, Aligner, Reading, Resolved, SignalMap};
 /// Where readings come from, nearly in the order of time.
 #[derive(Debug)]
 pub(super) enum Feed {
+    #[cfg(feature = "mdf4")]
     Mdf4(Mdf4Feed),
+    #[cfg(feature = "can")]
+    Can(Box<CanFeed>),
 }
 
 impl Feed {
     /// Hands out a few readings; false when there are no more.
     fn step(&mut self, take: impl FnMut(Reading)) -> Result<bool, DataError> {
         match self {
+            #[cfg(feature = "mdf4")]
             Feed::Mdf4(feed) => feed.step(take),
+            #[cfg(feature = "can")]
+            Feed::Can(feed) => feed.step(take),
         }
     }
 
     fn progress(&self) -> f64 {
         match self {
+            #[cfg(feature = "mdf4")]
             Feed::Mdf4(feed) => feed.progress(),
+            #[cfg(feature = "can")]
+            Feed::Can(feed) => feed.progress(),
         }
     }
 
     /// What the format's reader repaired, left out or assumed so far.
     fn repairs(&self) -> Vec<String> {
         match self {
+            #[cfg(feature = "mdf4")]
             Feed::Mdf4(feed) => feed.repairs(),
+            #[cfg(feature = "can")]
+            Feed::Can(feed) => feed.repairs(),
         }
     }
 }
@@ -54,6 +69,7 @@ pub(super) struct SignalSource {
 }
 
 impl SignalSource {
+    #[cfg(feature = "mdf4")]
     pub(super) fn mdf4(path: &Path, options: &LogOptions) -> Result<Self, DataError> {
         if options.dbc.is_some() {
             let what = "a DBC file says what the frames of a CAN log mean; MDF4 names its signals itself";
@@ -61,6 +77,17 @@ impl SignalSource {
         }
         let (feed, resolved) = Mdf4Feed::open(path, options.map()?.as_ref())?;
         Self::new(path, Feed::Mdf4(feed), &resolved)
+    }
+
+    #[cfg(feature = "can")]
+    pub(super) fn can(path: &Path, options: &LogOptions) -> Result<Self, DataError> {
+        let Some(dbc) = &options.dbc else {
+            let what =
+                "is a CAN log, whose frames mean nothing by themselves; expected a DBC file (--dbc car.dbc)";
+            return Err(DataError::new(path, Problem::NotApplicable(what)));
+        };
+        let (feed, resolved) = CanFeed::open(path, dbc, options.map()?.as_ref())?;
+        Self::new(path, Feed::Can(Box::new(feed)), &resolved)
     }
 
     fn new(path: &Path, feed: Feed, resolved: &Resolved) -> Result<Self, DataError> {

@@ -11,7 +11,7 @@ use super::options::LogOptions;
 #[cfg(feature = "parquet")]
 use super::parquet_source::ParquetSource;
 use super::row::RawRow;
-#[cfg(feature = "mdf4")]
+#[cfg(any(feature = "can", feature = "mdf4"))]
 use super::signal_source::SignalSource;
 use crate::error::{DataError, Place, Problem};
 use crate::signals::align::AlignmentReport;
@@ -22,7 +22,7 @@ pub(super) enum Source {
     Csv(CsvSource),
     #[cfg(feature = "parquet")]
     Parquet(Box<ParquetSource>),
-    #[cfg(feature = "mdf4")]
+    #[cfg(any(feature = "can", feature = "mdf4"))]
     Signals(Box<SignalSource>),
 }
 
@@ -42,20 +42,24 @@ impl Source {
         if metadata.is_file() && metadata.len() == 0 {
             return Err(fail(Problem::Empty));
         }
-        let format = match format {
-            LogFormat::Table(format) => format,
-            #[cfg(feature = "mdf4")]
-            LogFormat::Mdf4 => {
-                return SignalSource::mdf4(path, options).map(|source| Source::Signals(Box::new(source)));
-            }
-        };
-        options.refuse_for_tables().map_err(fail)?;
         match format {
-            Format::Csv => CsvSource::new(file, metadata.len()).map(Source::Csv),
+            LogFormat::Table(format) => options
+                .refuse_for_tables()
+                .and_then(|()| Self::table(format, file, metadata.len()))
+                .map_err(fail),
+            #[cfg(feature = "mdf4")]
+            LogFormat::Mdf4 => Ok(Source::Signals(Box::new(SignalSource::mdf4(path, options)?))),
+            #[cfg(feature = "can")]
+            LogFormat::Can => Ok(Source::Signals(Box::new(SignalSource::can(path, options)?))),
+        }
+    }
+
+    fn table(format: Format, file: File, bytes: u64) -> Result<Self, Problem> {
+        match format {
+            Format::Csv => CsvSource::new(file, bytes).map(Source::Csv),
             #[cfg(feature = "parquet")]
             Format::Parquet => ParquetSource::new(file).map(|source| Source::Parquet(Box::new(source))),
         }
-        .map_err(fail)
     }
 
     pub(super) fn header(&self) -> &Header {
@@ -63,7 +67,7 @@ impl Source {
             Source::Csv(source) => source.header(),
             #[cfg(feature = "parquet")]
             Source::Parquet(source) => source.header(),
-            #[cfg(feature = "mdf4")]
+            #[cfg(any(feature = "can", feature = "mdf4"))]
             Source::Signals(source) => source.header(),
         }
     }
@@ -74,7 +78,7 @@ impl Source {
             Source::Csv(source) => source.next_row(row),
             #[cfg(feature = "parquet")]
             Source::Parquet(source) => source.next_row(row),
-            #[cfg(feature = "mdf4")]
+            #[cfg(any(feature = "can", feature = "mdf4"))]
             Source::Signals(source) => source.next_row(row),
         }
     }
@@ -85,7 +89,7 @@ impl Source {
             Source::Csv(source) => source.progress(),
             #[cfg(feature = "parquet")]
             Source::Parquet(source) => source.progress(),
-            #[cfg(feature = "mdf4")]
+            #[cfg(any(feature = "can", feature = "mdf4"))]
             Source::Signals(source) => source.progress(),
         }
     }
@@ -96,7 +100,7 @@ impl Source {
             Source::Csv(source) => source.cut_off(),
             #[cfg(feature = "parquet")]
             Source::Parquet(_) => false,
-            #[cfg(feature = "mdf4")]
+            #[cfg(any(feature = "can", feature = "mdf4"))]
             Source::Signals(_) => false,
         }
     }
@@ -104,7 +108,7 @@ impl Source {
     /// What the format's own reader mended, left out or assumed so far.
     pub(super) fn repairs(&self) -> Vec<String> {
         match self {
-            #[cfg(feature = "mdf4")]
+            #[cfg(any(feature = "can", feature = "mdf4"))]
             Source::Signals(source) => source.repairs(),
             _ => Vec::new(),
         }
@@ -113,7 +117,7 @@ impl Source {
     /// Which signal became which column; empty for tables.
     pub(super) fn mapping(&self) -> &[String] {
         match self {
-            #[cfg(feature = "mdf4")]
+            #[cfg(any(feature = "can", feature = "mdf4"))]
             Source::Signals(source) => source.mapping(),
             _ => &[],
         }
@@ -122,7 +126,7 @@ impl Source {
     /// How signals were put into rows; `None` for tables.
     pub(super) fn alignment(&self) -> Option<AlignmentReport> {
         match self {
-            #[cfg(feature = "mdf4")]
+            #[cfg(any(feature = "can", feature = "mdf4"))]
             Source::Signals(source) => source.alignment(),
             _ => None,
         }
