@@ -148,7 +148,7 @@ pub enum Mdf4Problem {
         expected: usize,
     },
     /// A number an integer channel cannot hold.
-    #[error("channel {channel:?} is to hold {found}, expected a whole number from {least} to {most}")]
+    #[error("channel {channel:?} is to hold {found}, expected a number from {least} to {most}")]
     IntegerRange {
         /// Name of the channel.
         channel: String,

@@ -7,7 +7,8 @@
 //! | `identification`, `block`, `text` | the frame of a file and of its blocks, held against the file's length |
 //! | `structure`, `channel_list`, `conversion`, `field` | the tree of groups and channels, compiled to what reads a number |
 //! | `data`, `inflate`, `records` | a group's bytes however they are cut and compressed, and its records among others' |
-//! | [`Mdf4Reader`], [`GroupCursor`] | what the caller sees |
+//! | [`Mdf4Reader`], [`GroupCursor`] | what a reader sees |
+//! | [`Mdf4Writer`] | groups at native rates, compressed or not, written as a stream |
 //!
 //! What is readable of a file that is damaged, cut off or was never finished is read; what had to be mended or left out
 //! is an [`Mdf4Repair`]. Memory is bounded whatever a file says: texts 32 MB, 131 072 channels, and per cursor one data
@@ -36,8 +37,10 @@ mod reader;
 mod records;
 mod structure;
 mod text;
+mod writer;
 
 pub use channel::{Channel, ChannelGroup, ChannelKind};
 pub use cursor::GroupCursor;
 pub use error::{Damage, Mdf4Problem, Mdf4Repair};
 pub use reader::Mdf4Reader;
+pub use writer::{ChannelSpec, Compression, GroupSpec, Mdf4Writer, SampleFormat};

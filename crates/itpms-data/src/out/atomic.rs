@@ -7,7 +7,7 @@
 
 use std::ffi::OsStr;
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::process;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -96,6 +96,29 @@ impl AtomicFile {
     /// The disk is full or the device gone.
     pub fn append(&mut self, bytes: &[u8]) -> Result<(), DataError> {
         self.file.write_all(bytes).map_err(|error| DataError::new(&self.target, Problem::Write(error)))
+    }
+
+    /// Replaces bytes that were added before, beginning `at` bytes from the start; what is added next goes to the end
+    /// again. For formats whose head says what only their end knows.
+    ///
+    /// # Errors
+    /// A device or pipe, which forgets; bytes that were not added yet; the disk is full.
+    pub fn replace(&mut self, at: u64, bytes: &[u8]) -> Result<(), DataError> {
+        let replaced = |file: &mut BufWriter<File>| {
+            let end = file.stream_position()?;
+            if at.checked_add(bytes.len() as u64).is_none_or(|last| last > end) {
+                return Err(io::Error::new(io::ErrorKind::InvalidInput, "replaces what is not there"));
+            }
+            file.seek(SeekFrom::Start(at))?;
+            file.write_all(bytes)?;
+            file.seek(SeekFrom::Start(end)).map(drop)
+        };
+        let done = if self.is_device() {
+            Err(io::Error::new(io::ErrorKind::NotSeekable, "a device or pipe cannot be written twice"))
+        } else {
+            replaced(&mut self.file)
+        };
+        done.map_err(|error| DataError::new(&self.target, Problem::Write(error)))
     }
 
     /// Brings everything written so far onto the disk. After this, [`AtomicFile::commit`] is a rename; with several
@@ -209,6 +232,20 @@ mod tests {
         file.commit().unwrap();
         assert_eq!(fs::read(&target).unwrap(), b"all of it");
         assert_eq!(names(dir.path()), ["est.csv"]);
+    }
+
+    #[test]
+    fn what_was_added_can_be_replaced_and_nothing_else() {
+        let dir = tempfile::tempdir().unwrap();
+        let target = dir.path().join("counted.bin");
+        let mut file = AtomicFile::create(&target).unwrap();
+        file.append(b"0 rows: a, b").unwrap();
+        file.replace(0, b"2").unwrap();
+        file.append(b", end").unwrap();
+        assert!(file.replace(17, b"x").is_err());
+        assert!(file.replace(u64::MAX, b"x").is_err());
+        file.commit().unwrap();
+        assert_eq!(fs::read(&target).unwrap(), b"2 rows: a, b, end");
     }
 
     #[test]
