@@ -35,7 +35,7 @@ fn groups_at_their_own_rates_come_back_with_names_units_and_values() {
     // 120 000 records of 18 bytes are three blocks, 30 of the other group one.
     let (fast, slow) = (120_000, 30);
     let accel = |i: usize| ((i * i) % 1009) as f64 / 64.0 - 7.0;
-    let raw = |i: usize| if i % 7 == 0 { f64::NAN } else { (i % 5000) as f64 - 2500.0 };
+    let raw = |i: usize| if i.is_multiple_of(7) { f64::NAN } else { (i % 5000) as f64 - 2500.0 };
     for compression in COMPRESSIONS {
         let path = dir.path().join("two.mf4");
         let channels = vec![
@@ -83,7 +83,7 @@ fn groups_at_their_own_rates_come_back_with_names_units_and_values() {
         assert_eq!(rows.len(), fast);
         for (i, row) in rows.iter().enumerate() {
             assert_eq!((row[0], row[1], row[3]), (i as f64 * 1e-3, accel(i), (i % 250) as f64));
-            assert!(row[2] == raw(i) || (row[2].is_nan() && i % 7 == 0));
+            assert!(row[2] == raw(i) || (row[2].is_nan() && i.is_multiple_of(7)));
         }
         let rows = read(&path, 1);
         assert_eq!(rows.len(), slow);
