@@ -4,6 +4,8 @@ mod bench;
 mod certify;
 mod log;
 mod malfunctions;
+#[cfg(feature = "live")]
+mod monitor;
 mod reproduce;
 mod roughness;
 mod soak;
@@ -22,6 +24,8 @@ pub(crate) use bench::{BenchOutput, CalibrateArgs, DamperArgs, IdentifyArgs, Ide
 pub(crate) use certify::CertifyArgs;
 pub(crate) use log::LogArgs;
 pub(crate) use malfunctions::MalfunctionsArgs;
+#[cfg(feature = "live")]
+pub(crate) use monitor::MonitorArgs;
 pub(crate) use reproduce::ReproduceArgs;
 pub(crate) use roughness::RoughnessArgs;
 pub(crate) use soak::SoakArgs;
@@ -55,6 +59,8 @@ pub(crate) enum Command {
     Soak(SoakArgs),
     Certify(CertifyArgs),
     Malfunctions(MalfunctionsArgs),
+    #[cfg(feature = "live")]
+    Monitor(MonitorArgs),
     Identify(IdentifyArgs),
     Calibrate(CalibrateArgs),
     Observability(ObservabilityArgs),

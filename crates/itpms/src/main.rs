@@ -34,6 +34,8 @@ fn main() -> ExitCode {
         Command::Simulate(args) => commands::simulate::run(args, &screen, &interrupt),
         Command::Certify(args) => commands::certify::run(args, &screen, &interrupt),
         Command::Malfunctions(args) => commands::malfunctions::run(args, &screen, &interrupt),
+        #[cfg(feature = "live")]
+        Command::Monitor(args) => commands::monitor::run(args, &screen, &interrupt),
         Command::Score(args) => commands::score::run(args, &screen, &interrupt),
         Command::Soak(args) => commands::soak::run(args, &screen, &interrupt),
         Command::Identify(args) => commands::identify::run(&args.part, &screen),

@@ -7,6 +7,8 @@ pub(crate) mod estimate;
 pub(crate) mod folder;
 pub(crate) mod identify;
 pub(crate) mod malfunctions;
+#[cfg(feature = "live")]
+pub(crate) mod monitor;
 pub(crate) mod observability;
 pub(crate) mod reproduce;
 pub(crate) mod roughness;

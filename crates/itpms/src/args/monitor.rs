@@ -1,0 +1,93 @@
+//! Arguments of `itpms monitor`.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use clap::ArgGroup;
+use itpms_core::estimator::EstimatorKind;
+use itpms_core::monitor::Regulation;
+use itpms_live::source::Speed;
+
+use super::{LogArgs, estimator_names, positive, regulation_names};
+
+/// Watch a car live: estimates and warnings from a CAN bus, a broker or a replayed log, as they come.
+///
+/// Ends with the log or the input, or with Ctrl-C or SIGTERM (then, too, with exit code 0). Whatever takes the estimates
+/// never delays them.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+#[command(group(ArgGroup::new("source").required(true).args(["interface", "replay", "mqtt_in", "print_dbc"])))]
+pub(crate) struct MonitorArgs {
+    /// A SocketCAN interface such as can0, or - for lines of candump on standard input.
+    pub(crate) interface: Option<String>,
+    /// Masses, springs, dampers and tires of the corners.
+    #[arg(long, value_name = "V.toml", required_unless_present = "print_dbc")]
+    pub(crate) vehicle: Option<PathBuf>,
+    /// A log instead of a bus: a drive log, or a CAN log with --dbc.
+    #[arg(long, value_name = "LOG")]
+    pub(crate) replay: Option<PathBuf>,
+    /// How fast a log is replayed: N times as fast as it was recorded, or max.
+    #[arg(long, value_name = "N|max", default_value = "1", value_parser = speed, requires = "replay")]
+    pub(crate) speed: Speed,
+    /// Lines of candump -L as messages of an MQTT broker.
+    #[arg(long, value_name = "mqtt://HOST:PORT/TOPIC")]
+    pub(crate) mqtt_in: Option<String>,
+    #[command(flatten)]
+    pub(crate) reading: LogArgs,
+    /// Where lines of JSON go, estimates and warnings: a file, which grows, or - for standard output. Standard output
+    /// unless any output is given.
+    #[arg(long, value_name = "FILE|-")]
+    pub(crate) json: Option<PathBuf>,
+    /// Where CAN frames of our own DBC go: an interface or a file of candump lines.
+    #[arg(long, value_name = "IFACE|FILE")]
+    pub(crate) can_out: Option<String>,
+    /// Where PREFIX/estimate, PREFIX/warning and PREFIX/status go.
+    #[arg(long, value_name = "mqtt://HOST:PORT/PREFIX")]
+    pub(crate) mqtt: Option<String>,
+    /// Where the page is served, such as 127.0.0.1:8080; a port alone is one of this machine only.
+    #[arg(long, value_name = "ADDR", value_parser = address)]
+    pub(crate) http: Option<SocketAddr>,
+    /// What is known of the car, kept from one start to the next: saved every minute and at the end.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) state: Option<PathBuf>,
+    /// Estimates per second.
+    #[arg(long, value_name = "HZ", default_value_t = 10.0, value_parser = positive)]
+    pub(crate) rate: f64,
+    /// The first S seconds are driven at placard pressure (a reset). Not where a saved state goes on.
+    #[arg(long, value_name = "S", value_parser = positive)]
+    pub(crate) calibrate_s: Option<f64>,
+    /// What a reset taught of this car on an earlier drive.
+    #[arg(long, value_name = "FILE", conflicts_with = "calibrate_s")]
+    pub(crate) reference: Option<PathBuf>,
+    /// Which loss is warned of, as in `itpms estimate`.
+    #[arg(long, value_name = "NAME", default_value = Regulation::default().label(), value_parser = regulation_names())]
+    pub(crate) regulation: Regulation,
+    /// Which estimator.
+    #[arg(long, value_name = "NAME", default_value = EstimatorKind::default().label(), value_parser = estimator_names())]
+    pub(crate) estimator: EstimatorKind,
+    /// Print the DBC of the frames of --can-out, and nothing else.
+    #[arg(long)]
+    pub(crate) print_dbc: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  itpms monitor can0 --vehicle car.toml --dbc car.dbc --http 127.0.0.1:8080
+  candump -L can0 | itpms monitor - --vehicle car.toml --dbc car.dbc
+  itpms monitor --replay drive.csv --speed 10 --vehicle car.toml --json live.jsonl
+  itpms monitor can0 --vehicle car.toml --dbc car.dbc --mqtt mqtt://127.0.0.1:1883/car7 --state car7.state
+  itpms monitor --print-dbc > itpms.dbc";
+
+fn speed(text: &str) -> Result<Speed, String> {
+    match text {
+        "max" => Ok(Speed::Max),
+        times => positive(times).map(Speed::Times).map_err(|error| format!("{error}, or max")),
+    }
+}
+
+fn address(text: &str) -> Result<SocketAddr, String> {
+    if let Ok(port) = text.trim_start_matches(':').parse::<u16>() {
+        return Ok(SocketAddr::from(([127, 0, 0, 1], port)));
+    }
+    text.parse().map_err(|_| "expected an address and a port, such as 127.0.0.1:8080".to_owned())
+}

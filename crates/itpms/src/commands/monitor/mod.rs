@@ -1,0 +1,132 @@
+//! `itpms monitor`: a source, an estimating thread and outputs put together; what they have to say goes to the screen.
+//!
+//! | room | idea |
+//! |---|---|
+//! | `sources` | the source that was asked for |
+//! | `outputs` | the outputs that were asked for |
+
+mod outputs;
+mod sources;
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
+
+use itpms_core::estimator::EstimatorKind;
+use itpms_data::Vehicle;
+use itpms_data::reference::StoredReference;
+use itpms_live::LiveError;
+use itpms_live::drive::DriveOptions;
+use itpms_live::engine::Engine;
+use itpms_live::hub::Hub;
+use itpms_live::input::{Note, Say};
+use itpms_live::monitor::{End, Monitor};
+use itpms_live::queue::Queue;
+use itpms_live::state::SavedDrive;
+
+use crate::args::MonitorArgs;
+use crate::exit::Failure;
+use crate::interrupt::Interrupt;
+use crate::screen::Screen;
+
+/// Rows and frames between a source and the estimate: some seconds of a busy bus.
+const WAITING: usize = 32_768;
+
+pub(crate) fn run(args: &MonitorArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
+    if args.print_dbc {
+        return outputs::print_dbc(screen);
+    }
+    let Some(vehicle) = &args.vehicle else {
+        return Err(Failure::Usage("expected --vehicle V.toml".to_owned()));
+    };
+    let vehicle = Vehicle::read(vehicle)?;
+    let options = options(args, &vehicle)?;
+    let say = notes(*screen);
+    let hub = Hub::new();
+    let stop = Arc::new(AtomicBool::new(false));
+    let inputs = Arc::new(Queue::new(WAITING));
+    let source = sources::open(args)?;
+    let saved = saved(args, &vehicle, &options, screen);
+    let outputs = outputs::open(args, source.can_wait(), &say)?;
+    let server = outputs::serve(args, &hub, screen)?;
+
+    let engine = Engine::new(vehicle, options, source.name(), saved, Arc::clone(&say));
+    let engine = source.start(engine, &inputs, &stop, &say);
+    let monitor = Monitor::new(engine, hub, outputs, args.state.clone(), say);
+    let stopped = || interrupt.check().is_err();
+    let end = monitor.run(&inputs, stopped);
+    stop.store(true, Ordering::Relaxed);
+    if end.map_err(failure)? == End::SourceEnded && server.is_some() {
+        screen.remark("the source has ended; the page stays until Ctrl-C");
+        while !stopped() {
+            thread::sleep(Duration::from_millis(100));
+        }
+    }
+    Ok(())
+}
+
+fn failure(error: LiveError) -> Failure {
+    match error {
+        LiveError::Data(error) => Failure::Data(error),
+        other => Failure::Usage(other.to_string()),
+    }
+}
+
+/// From any thread to the screen.
+fn notes(screen: Screen) -> Say {
+    Arc::new(move |note| match note {
+        Note::Remark(text) => screen.remark(text),
+        Note::Warning(text) => screen.warn(text),
+    })
+}
+
+fn options(args: &MonitorArgs, vehicle: &Vehicle) -> Result<DriveOptions, Failure> {
+    let learns = args.estimator == EstimatorKind::Informed;
+    let reference = match &args.reference {
+        Some(_) if !learns => {
+            let text =
+                format!("--reference with --estimator {}: only informed learns", args.estimator.label());
+            return Err(Failure::Usage(text));
+        }
+        Some(path) => {
+            let stored = StoredReference::read(path)?;
+            let refused = |problem| Failure::Usage(format!("{}: {problem}", path.display()));
+            Some(*stored.for_vehicle(vehicle).map_err(refused)?)
+        }
+        None => None,
+    };
+    Ok(DriveOptions {
+        estimator: args.estimator,
+        regulation: args.regulation,
+        calibrate_s: args.calibrate_s,
+        reference,
+        rate_hz: args.rate,
+    })
+}
+
+/// The saved state, or a word about why it is not used.
+fn saved(
+    args: &MonitorArgs,
+    vehicle: &Vehicle,
+    options: &DriveOptions,
+    screen: &Screen,
+) -> Option<SavedDrive> {
+    let path = args.state.as_ref()?;
+    match SavedDrive::read(path, vehicle, options) {
+        Ok(Some(saved)) => {
+            if args.calibrate_s.is_some() {
+                screen.remark("--calibrate-s: the saved state goes on, without another reset");
+            }
+            Some(saved)
+        }
+        Ok(None) => {
+            screen.remark(format!("{}: no saved state yet, begins afresh", path.display()));
+            None
+        }
+        Err(why) => {
+            screen.warn(format!("{}: {why}: refused, BEGINS AFRESH", path.display()));
+            None
+        }
+    }
+}
