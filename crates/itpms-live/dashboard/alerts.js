@@ -1,0 +1,141 @@
+// What was warned of: what stands on top, what is over below; each new warning is spoken once.
+
+import { CORNERS, NAMES, badge, element, kind, list, lower, moment, put } from "./words.js";
+
+const MOST = 50;
+const KINDS = {
+  "under-inflated": ["low", "Low"],
+  "fast-leak": ["low", "Fast leak"],
+  "all-low": ["low", "All low"],
+  "over-inflated": ["over", "Too high"],
+  malfunction: ["malfunction", "Malfunction"],
+  "no-information": ["unknown", "No information"],
+};
+
+const section = document.getElementById("warnings");
+const rows = document.getElementById("alert-rows");
+const table = document.getElementById("alert-table");
+const none = document.getElementById("no-alerts");
+const spoken = document.getElementById("spoken-alerts");
+
+// What makes two reports the same warning, over a new connection and over a restart of the monitor as well.
+const key = (alert) => `${alert.kind} ${(alert.wheels ?? []).join()} ${alert.said_s?.toFixed(2)}`;
+
+export function wheelsOf(alert) {
+  const wheels = alert.wheels ?? [];
+  return wheels.length === CORNERS.length ? "All four" : list(wheels.map((corner, i) => (i ? lower(NAMES[corner] ?? corner) : NAMES[corner] ?? corner)));
+}
+
+// The numbers that decided, in words.
+function reason(alert) {
+  const n = (value) => (value == null ? "–" : value.toFixed(0));
+  const at = `${n(alert.pressure_kpa)} ± ${n(alert.sd_kpa)} kPa when said, limit ${n(alert.limit_kpa)}, should be ${n(alert.reference_kpa)}`;
+  switch (alert.kind) {
+    case "under-inflated":
+    case "over-inflated":
+      return at;
+    case "fast-leak":
+      return `loses ${n(alert.rate_kpa_per_min)} kPa per minute; ${at}`;
+    case "all-low":
+      return `at ${n(100 * alert.mean_share)} ± ${n(100 * alert.sd_share)} % of their reference on average`;
+    case "no-information":
+      return `nothing learned in ${n(alert.driven_s / 60)} min of driving`;
+    default:
+      return (alert.text ?? "").replace(/; since .*$/, "").replace(/^malfunction: /, "").replace(/\b(fl|fr|rl|rr)\b/g, (corner) => lower(NAMES[corner]));
+  }
+}
+
+export class Alerts {
+  constructor() {
+    // By key: { alert, ended_s }, in the order in which they were said.
+    this.known = new Map();
+    this.spoken = new Set();
+    this.waiting = [];
+  }
+  transition(transition) {
+    const { event, time_s, seq, unix_s, ...alert } = transition, k = key(alert);
+    const before = this.known.get(k);
+    if (event === "ended") this.known.set(k, { alert: before?.alert ?? alert, ended_s: time_s });
+    else if (!before) this.known.set(k, { alert, ended_s: null });
+    if (event === "begun") this.say(alert);
+    this.changed = true;
+  }
+  history(history) {
+    history.transitions.forEach((transition) => this.transition(transition));
+  }
+  // The newest snapshot has the last word on what stands.
+  snapshot(snapshot) {
+    const standing = new Set();
+    for (const alert of snapshot.alerts) {
+      const k = key(alert), before = this.known.get(k);
+      standing.add(k);
+      if (!before || before.ended_s != null) {
+        this.known.set(k, { alert: before?.alert ?? alert, ended_s: null });
+        this.say(alert);
+        this.changed = true;
+      }
+    }
+    for (const [k, item] of this.known) {
+      if (item.ended_s == null && !standing.has(k) && snapshot.time_s >= item.alert.said_s) {
+        item.ended_s = snapshot.time_s;
+        this.changed = true;
+      }
+    }
+    while (this.known.size > MOST) this.known.delete(this.known.keys().next().value);
+    this.newest = snapshot;
+  }
+  // The next run of the monitor has a clock of its own; what was spoken stays spoken.
+  restart() {
+    this.known.clear();
+    this.changed = true;
+  }
+  say(alert) {
+    const k = key(alert);
+    if (this.spoken.has(k)) return;
+    this.spoken.add(k);
+    if (this.spoken.size > 4 * MOST) this.spoken.delete(this.spoken.values().next().value);
+    const [, what] = KINDS[alert.kind] ?? ["unknown", alert.kind];
+    this.waiting.push(`${wheelsOf(alert)}: ${what}. ${reason(alert)}.`);
+  }
+  draw() {
+    // One at a time is read out; several at once are said in one breath.
+    if (this.waiting.length) spoken.replaceChildren(...this.waiting.splice(0).map((text) => element("p", "", text)));
+    if (!this.changed) return;
+    this.changed = false;
+    const all = [...this.known.values()].sort((a, b) => (a.ended_s != null) - (b.ended_s != null) || b.alert.said_s - a.alert.said_s);
+    rows.replaceChildren(...all.map((item) => this.row(item)));
+    table.hidden = !all.length;
+    none.hidden = all.length > 0;
+    section.classList.toggle("standing", all.some((item) => item.ended_s == null));
+  }
+  // Without any warning it says how much that is worth.
+  silence(snapshot, state) {
+    const wheels = snapshot?.wheels ?? [], unknown = wheels.filter((wheel) => kind(wheel) === "unknown");
+    const caveat = unknown.length ? ` That is no all-clear: ${list(unknown.map((w) => `${lower(NAMES[w.corner])} is ${lower(badge(w)) === "not known" ? "not known" : "not known (" + lower(badge(w)) + ")"}`))}.` : "";
+    const text = state !== "live" ? "No warning was standing when data last came. Nobody knows what is now." : `Nothing is being warned of.${caveat}`;
+    put(none, wheels.length ? text : "Nothing has been seen yet, so nothing can be warned of.");
+  }
+  row({ alert, ended_s }) {
+    const [cls, what] = KINDS[alert.kind] ?? ["unknown", alert.kind];
+    // Roles are spelled out: on a phone the rows are laid out as blocks, which would cost the table its meaning.
+    const row = element("tr", ended_s == null ? "stands" : "over");
+    row.setAttribute("role", "row");
+    row.dataset.kind = alert.kind;
+    row.dataset.wheels = (alert.wheels ?? []).join();
+    const wheel = element("th", "", wheelsOf(alert));
+    wheel.scope = "row";
+    wheel.setAttribute("role", "rowheader");
+    const warning = element("td");
+    warning.setAttribute("role", "cell");
+    warning.append(element("span", "badge " + cls, what), " ", element("span", "", reason(alert)));
+    const cell = (label, text) => {
+      const td = element("td", "", text);
+      td.dataset.label = label;
+      td.setAttribute("role", "cell");
+      return td;
+    };
+    const at = (time_s) => moment(time_s, this.newest);
+    row.append(wheel, warning, cell("said", at(alert.said_s)), cell("since", at(alert.since_s)), cell("until", ended_s == null ? "still standing" : at(ended_s)));
+    return row;
+  }
+}

@@ -1,6 +1,6 @@
 // The car from above: four tires told apart by color, outline, sign and word.
 
-import { CORNERS, NAMES, attribute, badge, kind, pressure, put, reading, short, spread, STATES } from "./words.js";
+import { CORNERS, NAMES, attribute, badge, isShown, kind, put, reading, short, STATES } from "./words.js";
 
 const tires = Object.fromEntries(CORNERS.map((corner) => {
   const group = document.getElementById("tire-" + corner);
@@ -16,8 +16,9 @@ export function drawCar(snapshot, state) {
     const is = wheel ? kind(wheel) : "absent";
     attribute(tire.group, "class", "tire " + is);
     attribute(tire.sign, "href", wheel ? "#sign-" + is : "#sign-none");
-    put(tire.number, wheel ? pressure(wheel) : "");
-    put(tire.spread, wheel ? spread(wheel) : "no data");
+    // There is room for whole numbers; the cards have the rest.
+    put(tire.number, !wheel ? "" : isShown(wheel) ? wheel.pressure_kpa.toFixed(0) : "–");
+    put(tire.spread, !wheel ? "no data" : isShown(wheel) ? `± ${wheel.pressure_sd_kpa.toFixed(0)} kPa` : "kPa");
     put(tire.word, wheel ? (old ? STATES[is].was : short(wheel)) : "");
   }
   const said = (snapshot?.wheels ?? []).map((wheel) => `${NAMES[wheel.corner]}: ${badge(wheel)}, ${reading(wheel)}`);

@@ -12,7 +12,7 @@ function card(corner) {
   name.id = "card-" + corner;
   const mark = element("span", "badge"), number = element("p", "card-number"), gauge = element("div", "gauge"), foot = element("p", "card-foot");
   const value = element("span", "value", "–"), sd = element("small");
-  number.append(value, " ", sd);
+  number.append(value, sd);
   const fill = element("i", "gauge-fill"), band = element("i", "gauge-band"), aim = element("i", "gauge-mark");
   gauge.setAttribute("aria-hidden", "true");
   gauge.append(fill, band, aim);

@@ -70,8 +70,9 @@ export function moment(time_s, snapshot) {
 export const list = (words) => (words.length < 2 ? words.join("") : words.slice(0, -1).join(", ") + " and " + words.at(-1));
 export const lower = (text) => text[0].toLowerCase() + text.slice(1);
 
-// One sentence about the car, without a full stop: the most urgent first; "fine" only where everything is known.
-export function verdict(snapshot) {
+// One sentence about the car, without a full stop: the most urgent first; "fine" only where everything is known. `old`: of
+// how it was, in the words of how it is.
+export function verdict(snapshot, old) {
   const wheels = snapshot?.wheels ?? [];
   if (!wheels.length) return "No tire is being watched yet";
   const of = (state) => wheels.filter((wheel) => kind(wheel) === state);
@@ -85,7 +86,7 @@ export function verdict(snapshot) {
   if (over.length) return `${names(over)} ${are(over)} too high` + (over.length === 1 && isShown(over[0]) ? `: ${reading(over[0])}` : "");
   if (unknown.length === wheels.length) return "Nothing is known of the tires yet";
   if (unknown.length) return `${names(unknown)} ${are(unknown)} not known, ${fine.length === 1 ? "one is" : fine.length + " are"} fine`;
-  if (snapshot.all_fine) return wheels.length > 1 ? `All ${wheels.length} tires are fine` : `${names(fine)} is fine`;
+  if (snapshot.all_fine || old) return wheels.length > 1 ? `All ${wheels.length} tires are fine` : `${names(fine)} is fine`;
   return `${wheels.length} tires were fine when last seen`;
 }
 
