@@ -54,7 +54,7 @@ pub struct Engine {
 
 enum Stage {
     /// The first rows wait until their rate is known.
-    Surveying(Vec<(LogRow, Instant)>),
+    Surveying(Vec<LogRow>),
     Running(Box<Drive>),
 }
 
@@ -115,21 +115,21 @@ impl Engine {
         Ok(())
     }
 
-    /// Takes a row; what there is to tell goes to `publish`.
+    /// Takes a row and when it came, where that counts for the latency; what there is to tell goes to `publish`.
     ///
     /// # Errors
     /// As [`Engine::open`], at the row that ends the survey.
     pub fn take(
         &mut self,
         row: &LogRow,
-        arrived: Instant,
+        arrived: Option<Instant>,
         publish: &mut impl FnMut(Published),
     ) -> Result<(), LiveError> {
         self.source.state = SourceState::Live;
         match &mut self.stage {
             Stage::Surveying(rows) => {
-                rows.push((*row, arrived));
-                let span_s = rows.first().map_or(0.0, |(first, _)| row.time_s - first.time_s);
+                rows.push(*row);
+                let span_s = rows.first().map_or(0.0, |first| row.time_s - first.time_s);
                 if !(span_s >= SURVEY_S) && rows.len() < SURVEY_ROWS {
                     return Ok(());
                 }
@@ -153,10 +153,10 @@ impl Engine {
     fn end_survey(&mut self, publish: &mut impl FnMut(Published)) -> Result<(), LiveError> {
         let Stage::Surveying(rows) = &mut self.stage else { return Ok(()) };
         let mut rows = std::mem::take(rows);
-        let corners = rows.last().map_or([None; 4], |(row, _)| row.corners);
+        let corners = rows.last().map_or([None; 4], |row| row.corners);
         let corners: Vec<Corner> =
             Corner::ALL.into_iter().filter(|corner| corners[corner.index()].is_some()).collect();
-        let rate_hz = match Survey::of(rows.iter().map(|(row, _)| row)) {
+        let rate_hz = match Survey::of(&rows) {
             Ok(survey) => survey.sample_rate_hz,
             Err(problem) => {
                 // Perhaps the bus was just waking up: the newer half may be better.
@@ -167,7 +167,8 @@ impl Engine {
         };
         let clock = self.clock(rate_hz, &corners)?;
         self.stage = Stage::Running(Box::new(self.begin(clock)?));
-        rows.iter().try_for_each(|(row, arrived)| self.estimate(row, *arrived, publish))
+        // How long they waited says nothing of later rows.
+        rows.iter().try_for_each(|row| self.estimate(row, None, publish))
     }
 
     /// What of the source's corners the vehicle has.
@@ -218,7 +219,7 @@ impl Engine {
     fn estimate(
         &mut self,
         row: &LogRow,
-        arrived: Instant,
+        arrived: Option<Instant>,
         publish: &mut impl FnMut(Published),
     ) -> Result<(), LiveError> {
         let Stage::Running(drive) = &mut self.stage else { return Ok(()) };
@@ -240,8 +241,10 @@ impl Engine {
             *transitions += 1;
         });
         self.source.rows += 1;
-        let now = Instant::now();
-        self.latency.add(now.saturating_duration_since(arrived), now);
+        if let Some(arrived) = arrived {
+            let now = Instant::now();
+            self.latency.add(now.saturating_duration_since(arrived), now);
+        }
         if due {
             publish(Published::Estimate(self.snapshot()));
         }

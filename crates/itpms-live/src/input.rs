@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use itpms_core::sample::Corner;
 use itpms_data::LogRow;
+use itpms_data::can::CanFrame;
 
 /// Something that came in.
 #[derive(Debug, Clone)]
@@ -19,6 +20,13 @@ pub enum Input {
     Row {
         /// The row.
         row: LogRow,
+        /// When it came.
+        arrived: Instant,
+    },
+    /// A frame of a bus.
+    Frame {
+        /// The frame.
+        frame: CanFrame,
         /// When it came.
         arrived: Instant,
     },

@@ -4,6 +4,8 @@
 //! |---|---|
 //! | [`source`] | where rows and frames come from |
 //! | [`input`], [`queue`] | what a source tells, and the bounded way it goes |
+//! | [`broker`] | where an MQTT broker is |
+//! | [`feed`] | frames to rows |
 //! | [`drive`] | the running estimate |
 //! | [`engine`] | what came in becomes snapshots and transitions |
 //! | [`latency`] | how late they are |
@@ -17,10 +19,12 @@
 //! One thread estimates and waits for nobody. Used by `itpms monitor`; knows nothing of arguments and exit codes.
 #![forbid(unsafe_code)]
 
+pub mod broker;
 mod describe;
 pub mod drive;
 pub mod engine;
 pub mod error;
+pub mod feed;
 pub mod http;
 pub mod hub;
 pub mod input;

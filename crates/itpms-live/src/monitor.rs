@@ -9,8 +9,11 @@ use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
+use itpms_data::LogRow;
+
 use crate::engine::{Engine, Published};
 use crate::error::LiveError;
+use crate::feed::Feed;
 use crate::hub::Hub;
 use crate::input::{Input, Note, Say};
 use crate::output::Output;
@@ -39,6 +42,8 @@ pub enum End {
 /// The estimating thread and everything it hands to.
 pub struct Monitor {
     engine: Engine,
+    /// What makes rows of frames, where frames come.
+    feed: Option<Feed>,
     hub: Arc<Hub>,
     outputs: Vec<Output>,
     state: Option<StateFile>,
@@ -62,7 +67,24 @@ impl Monitor {
     ) -> Self {
         let state = state.map(|path| StateFile::new(path, Arc::clone(&say)));
         let now = Instant::now();
-        Self { engine, hub, outputs, state, say, last_row: now, last_told: now, queue_dropped: 0, lost: 0 }
+        Self {
+            engine,
+            feed: None,
+            hub,
+            outputs,
+            state,
+            say,
+            last_row: now,
+            last_told: now,
+            queue_dropped: 0,
+            lost: 0,
+        }
+    }
+
+    /// The same for a source of frames.
+    #[must_use]
+    pub fn with_feed(self, feed: Feed) -> Self {
+        Self { feed: Some(feed), ..self }
     }
 
     /// Estimates until the source ends or `stop` says so. Outputs get everything that was published before this returns,
@@ -113,7 +135,15 @@ impl Monitor {
             Input::Opened { sample_rate_hz, corners } => self.engine.open(sample_rate_hz, &corners)?,
             Input::Row { row, arrived } => {
                 self.engine.source_mut().frames += 1;
-                self.row(&row, arrived)?;
+                self.row(&row, Some(arrived))?;
+            }
+            Input::Frame { frame, arrived } => {
+                self.engine.source_mut().frames += 1;
+                if let Some(feed) = &mut self.feed {
+                    feed.push(&frame, arrived);
+                    self.engine.source_mut().unknown_ids = feed.unknown_ids();
+                }
+                self.fed_rows()?;
             }
             Input::Malformed(count) => self.engine.source_mut().malformed += count,
             Input::Lost(count) => self.lost += count,
@@ -134,8 +164,15 @@ impl Monitor {
         Ok(None)
     }
 
-    fn row(&mut self, row: &itpms_data::LogRow, arrived: Instant) -> Result<(), LiveError> {
-        self.last_row = arrived;
+    fn fed_rows(&mut self) -> Result<(), LiveError> {
+        while let Some((row, arrived)) = self.feed.as_mut().and_then(Feed::pop) {
+            self.row(&row, arrived)?;
+        }
+        Ok(())
+    }
+
+    fn row(&mut self, row: &LogRow, arrived: Option<Instant>) -> Result<(), LiveError> {
+        self.last_row = Instant::now();
         self.engine.source_mut().dropped = self.queue_dropped + self.lost;
         let Self { engine, hub, outputs, last_told, .. } = self;
         engine.take(row, arrived, &mut |published| {
@@ -172,6 +209,10 @@ impl Monitor {
     fn last_words(&mut self, end: &Result<End, LiveError>) -> Result<(), LiveError> {
         if !matches!(end, Ok(End::SourceEnded)) {
             return Ok(());
+        }
+        if let Some(feed) = &mut self.feed {
+            feed.finish();
+            self.fed_rows()?;
         }
         let Self { engine, hub, outputs, .. } = self;
         engine.finish(&mut |published| publish(hub, outputs, published))?;

@@ -3,10 +3,14 @@
 //! | room | idea |
 //! |---|---|
 //! | `json` | a line of JSON per estimate and per warning |
+//! | [`can`] | frames of our own DBC |
+//! | `mqtt` | messages of a broker |
 //!
 //! Fed by the estimating thread; knows nothing of where the estimates come from.
 
+pub mod can;
 mod json;
+mod mqtt;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -15,6 +19,7 @@ use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 pub use json::JsonLines;
+pub use mqtt::Mqtt;
 
 use crate::engine::Published;
 use crate::error::LiveError;

@@ -2,11 +2,21 @@
 //!
 //! | room | idea |
 //! |---|---|
-//! | `replay` | a log at the speed it was driven, or faster |
+//! | [`replay`] | a log at the speed it was recorded, or faster |
+//! | [`socketcan`] | a bus |
+//! | [`stdin`] | lines of candump through a pipe |
+//! | [`broker`] | the same as messages of an MQTT broker |
+//! | `lines` | what such a line says |
+//! | `pace` | when something recorded is due again |
 //!
 //! Started by `itpms monitor`; knows nothing of estimators.
 
+pub mod broker;
+mod lines;
 mod pace;
 pub mod replay;
+#[cfg(target_os = "linux")]
+pub mod socketcan;
+pub mod stdin;
 
 pub use pace::Speed;

@@ -1,4 +1,4 @@
-//! A drive log, replayed: its rows come when they were recorded, or N times as fast, or as fast as they are estimated.
+//! A drive log or a CAN log, replayed: its rows or frames come when they were recorded, or N times as fast, or as fast as they are estimated.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -6,7 +6,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, JoinHandle};
 use std::time::Instant;
 
-use itpms_data::LogReader;
+use itpms_data::can::FrameReader;
+use itpms_data::{DataError, LogReader};
 
 use super::pace::{Pace, Speed};
 use crate::input::{Input, Note, Say, SourceName};
@@ -34,7 +35,11 @@ pub fn start(
     thread::spawn(move || {
         let opened =
             Input::Opened { sample_rate_hz: log.survey().sample_rate_hz, corners: log.columns().present() };
-        let last = match inputs.push(opened).then(|| rows(&mut log, speed, &inputs, &stop)) {
+        let next = || {
+            let row = log.next_row()?;
+            Ok(row.map(|row| (row.time_s, Input::Row { row, arrived: Instant::now() })))
+        };
+        let last = match inputs.push(opened).then(|| replay(next, speed, &inputs, &stop)) {
             Some(Err(error)) => Input::Failed(error.to_string()),
             _ => Input::Ended,
         };
@@ -46,20 +51,49 @@ pub fn start(
     })
 }
 
-fn rows(
-    log: &mut LogReader,
+/// Starts the replay of a CAN log, the same way.
+#[must_use]
+pub fn start_frames(
+    mut log: FrameReader,
+    speed: Speed,
+    inputs: Arc<Queue<Input>>,
+    stop: Arc<AtomicBool>,
+    say: Say,
+) -> JoinHandle<()> {
+    thread::spawn(move || {
+        let next = || {
+            let frame = log.next_frame()?;
+            Ok(frame.map(|frame| (frame.time_s, Input::Frame { frame, arrived: Instant::now() })))
+        };
+        let last = match replay(next, speed, &inputs, &stop) {
+            Err(error) => Input::Failed(error.to_string()),
+            Ok(()) => Input::Ended,
+        };
+        for warning in log.repairs().warnings() {
+            say(Note::Warning(format!("{}: {warning}", log.path().display())));
+        }
+        inputs.push(last);
+        inputs.close();
+    })
+}
+
+fn replay(
+    mut next: impl FnMut() -> Result<Option<(f64, Input)>, DataError>,
     speed: Speed,
     inputs: &Queue<Input>,
     stop: &AtomicBool,
-) -> Result<(), itpms_data::DataError> {
+) -> Result<(), DataError> {
     let mut pace = Pace::new(speed);
     let wanted = || !stop.load(Ordering::Relaxed);
     let mut batch = Vec::with_capacity(BATCH);
-    while let Some(row) = log.next_row()? {
-        if !pace.wait(row.time_s, wanted) {
+    while let Some((time_s, mut input)) = next()? {
+        if !pace.wait(time_s, wanted) {
             break;
         }
-        batch.push(Input::Row { row, arrived: Instant::now() });
+        if let Input::Row { arrived, .. } | Input::Frame { arrived, .. } = &mut input {
+            *arrived = Instant::now();
+        }
+        batch.push(input);
         if (!pace.is_max() || batch.len() == BATCH) && !inputs.push_all(batch.drain(..)) {
             return Ok(());
         }

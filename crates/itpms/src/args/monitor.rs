@@ -47,6 +47,12 @@ pub(crate) struct MonitorArgs {
     /// Where the page is served, such as 127.0.0.1:8080; a port alone is one of this machine only.
     #[arg(long, value_name = "ADDR", value_parser = address)]
     pub(crate) http: Option<SocketAddr>,
+    /// A name under which the page may be asked for besides addresses, names without a dot and *.local; may be repeated.
+    #[arg(long, value_name = "NAME", requires = "http")]
+    pub(crate) http_allow_host: Vec<String>,
+    /// An origin such as https://fleet.example.com whose pages may read the stream; may be repeated.
+    #[arg(long, value_name = "ORIGIN", requires = "http")]
+    pub(crate) http_allow_origin: Vec<String>,
     /// What is known of the car, kept from one start to the next: saved every minute and at the end.
     #[arg(long, value_name = "FILE")]
     pub(crate) state: Option<PathBuf>,

@@ -22,6 +22,7 @@ use itpms_live::engine::Engine;
 use itpms_live::hub::Hub;
 use itpms_live::input::{Note, Say};
 use itpms_live::monitor::{End, Monitor};
+use itpms_live::output::can;
 use itpms_live::queue::Queue;
 use itpms_live::state::SavedDrive;
 
@@ -35,7 +36,8 @@ const WAITING: usize = 32_768;
 
 pub(crate) fn run(args: &MonitorArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
     if args.print_dbc {
-        return outputs::print_dbc(screen);
+        screen.print(can::DBC.trim_end());
+        return Ok(());
     }
     let Some(vehicle) = &args.vehicle else {
         return Err(Failure::Usage("expected --vehicle V.toml".to_owned()));
@@ -46,14 +48,18 @@ pub(crate) fn run(args: &MonitorArgs, screen: &Screen, interrupt: &Interrupt) ->
     let hub = Hub::new();
     let stop = Arc::new(AtomicBool::new(false));
     let inputs = Arc::new(Queue::new(WAITING));
-    let source = sources::open(args)?;
+    let mut source = sources::open(args, screen)?;
+    let feed = source.feed.take();
     let saved = saved(args, &vehicle, &options, screen);
     let outputs = outputs::open(args, source.can_wait(), &say)?;
     let server = outputs::serve(args, &hub, screen)?;
 
     let engine = Engine::new(vehicle, options, source.name(), saved, Arc::clone(&say));
-    let engine = source.start(engine, &inputs, &stop, &say);
-    let monitor = Monitor::new(engine, hub, outputs, args.state.clone(), say);
+    source.start(&inputs, &stop, &say);
+    let mut monitor = Monitor::new(engine, hub, outputs, args.state.clone(), say);
+    if let Some(feed) = feed {
+        monitor = monitor.with_feed(feed);
+    }
     let stopped = || interrupt.check().is_err();
     let end = monitor.run(&inputs, stopped);
     stop.store(true, Ordering::Relaxed);

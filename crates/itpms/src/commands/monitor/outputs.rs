@@ -3,10 +3,12 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use itpms_live::broker::BrokerAddress;
 use itpms_live::http::{self, Server};
 use itpms_live::hub::Hub;
 use itpms_live::input::Say;
-use itpms_live::output::{JsonLines, Output, WhenSlow};
+use itpms_live::output::can::CanOut;
+use itpms_live::output::{JsonLines, Mqtt, Output, WhenSlow};
 
 use super::failure;
 use crate::args::MonitorArgs;
@@ -15,7 +17,7 @@ use crate::screen::Screen;
 
 /// Starts everything that takes estimates, but for the page. `source_waits`: a source that waits may be held up by a slow
 /// pipe; a bus may not.
-pub(super) fn open(args: &MonitorArgs, source_waits: bool, _say: &Say) -> Result<Vec<Output>, Failure> {
+pub(super) fn open(args: &MonitorArgs, source_waits: bool, say: &Say) -> Result<Vec<Output>, Failure> {
     let mut outputs = Vec::new();
     let none = args.can_out.is_none() && args.mqtt.is_none() && args.http.is_none();
     let standard = none.then(|| Path::new("-"));
@@ -24,18 +26,29 @@ pub(super) fn open(args: &MonitorArgs, source_waits: bool, _say: &Say) -> Result
         let when_slow = if is_file || source_waits { WhenSlow::Wait } else { WhenSlow::LoseEstimates };
         outputs.push(JsonLines::open(path).map_err(failure)?.start(when_slow));
     }
+    if let Some(target) = &args.can_out {
+        outputs.push(CanOut::open(target, say).map_err(failure)?.start());
+    }
+    if let Some(address) = &args.mqtt {
+        let address = BrokerAddress::parse(address).map_err(failure)?;
+        outputs.push(Mqtt::open(address, say).map_err(failure)?.start());
+    }
     Ok(outputs)
 }
 
 /// Starts the page.
 pub(super) fn serve(args: &MonitorArgs, hub: &Arc<Hub>, screen: &Screen) -> Result<Option<Server>, Failure> {
     let Some(address) = args.http else { return Ok(None) };
-    let server = Server::start(http::Options::new(address), Arc::clone(hub));
+    let options = http::Options {
+        address,
+        hosts: args.http_allow_host.clone(),
+        origins: args.http_allow_origin.clone(),
+    };
+    let server = Server::start(options, Arc::clone(hub));
     let server = server.map_err(|error| Failure::Usage(error.to_string()))?;
     screen.remark(format!("the page is at http://{}/", server.address()));
+    if server.is_open_to_others() {
+        screen.warn("the page has NO PASSWORD and is OPEN TO EVERYONE who reaches this machine; 127.0.0.1 keeps it here");
+    }
     Ok(Some(server))
-}
-
-pub(super) fn print_dbc(_screen: &Screen) -> Result<(), Failure> {
-    Ok(())
 }

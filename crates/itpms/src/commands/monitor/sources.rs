@@ -1,56 +1,142 @@
 //! The source that was asked for, opened before anything else starts: what cannot be read is said at once.
 
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use itpms_data::LogReader;
-use itpms_live::engine::Engine;
+use itpms_data::can::FrameReader;
+use itpms_data::dbc::{Dbc, Decoder};
+use itpms_data::signals::SignalMap;
+use itpms_live::broker::BrokerAddress;
+use itpms_live::feed::Feed;
 use itpms_live::input::{Input, Say, SourceName};
+use itpms_live::output::can;
 use itpms_live::queue::Queue;
-use itpms_live::source::{Speed, replay};
+use itpms_live::source::{Speed, broker, replay, stdin};
 
+use super::failure;
 use crate::args::MonitorArgs;
 use crate::exit::Failure;
+use crate::screen::Screen;
 
 /// An opened source.
-pub(super) enum Source {
-    /// A drive log.
-    Replay(Box<LogReader>, Speed),
+pub(super) struct Source {
+    kind: Kind,
+    /// What makes rows of its frames.
+    pub(super) feed: Option<Feed>,
 }
 
+enum Kind {
+    /// A drive log.
+    Rows(Box<LogReader>, Speed),
+    /// A CAN log.
+    Frames(Box<FrameReader>, Speed),
+    Lines,
+    Broker(BrokerAddress),
+    #[cfg(target_os = "linux")]
+    Bus(itpms_live::source::socketcan::Interface, String),
+}
+
+/// Extensions of logs that hold frames.
+const FRAMES: [&str; 4] = ["log", "candump", "asc", "blf"];
+
 /// Opens what was asked for.
-pub(super) fn open(args: &MonitorArgs) -> Result<Source, Failure> {
+pub(super) fn open(args: &MonitorArgs, screen: &Screen) -> Result<Source, Failure> {
     if let Some(path) = &args.replay {
-        let log = LogReader::open_with(path, &args.reading.options())?;
-        return Ok(Source::Replay(Box::new(log), args.speed));
+        if !holds_frames(path) {
+            let log = LogReader::open_with(path, &args.reading.options())?;
+            return Ok(Source { kind: Kind::Rows(Box::new(log), args.speed), feed: None });
+        }
+        let feed = feed(args, screen)?;
+        let frames = FrameReader::open(path)?;
+        return Ok(Source { kind: Kind::Frames(Box::new(frames), args.speed), feed: Some(feed) });
     }
-    Err(Failure::Usage("expected an interface, -, --replay LOG or --mqtt-in URL".to_owned()))
+    let feed = Some(feed(args, screen)?);
+    let kind = match (&args.mqtt_in, args.interface.as_deref()) {
+        (Some(address), _) => Kind::Broker(BrokerAddress::parse(address).map_err(failure)?),
+        (None, Some("-")) => Kind::Lines,
+        (None, Some(interface)) => bus(interface)?,
+        (None, None) => {
+            return Err(Failure::Usage("expected an interface, -, --replay LOG or --mqtt-in URL".to_owned()));
+        }
+    };
+    Ok(Source { kind, feed })
+}
+
+#[cfg(target_os = "linux")]
+fn bus(interface: &str) -> Result<Kind, Failure> {
+    let opened = itpms_live::source::socketcan::Interface::open(interface).map_err(failure)?;
+    Ok(Kind::Bus(opened, interface.to_owned()))
+}
+
+#[cfg(not(target_os = "linux"))]
+fn bus(interface: &str) -> Result<Kind, Failure> {
+    Err(Failure::Usage(format!(
+        "{interface}: SocketCAN is Linux's alone, expected -, --replay LOG or --mqtt-in URL"
+    )))
+}
+
+fn holds_frames(path: &Path) -> bool {
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    FRAMES.contains(&extension.as_str())
+}
+
+/// What the frames mean.
+fn feed(args: &MonitorArgs, screen: &Screen) -> Result<Feed, Failure> {
+    let Some(path) = &args.reading.dbc else {
+        return Err(Failure::Usage("frames need --dbc CAR.dbc, which says what they mean".to_owned()));
+    };
+    let map = args.reading.signals.as_deref().map(SignalMap::read).transpose()?;
+    let decoder = Decoder::new(Dbc::read(path)?, map.as_ref())?;
+    if let Some(first) = decoder.problems().first() {
+        let count = decoder.problems().len();
+        screen.warn(format!("{}: {count} problems, the first: {first}", path.display()));
+    }
+    let sends_there = args.can_out.is_some() && args.can_out == args.interface;
+    let own = if sends_there { can::identifiers().map_err(failure)? } else { Vec::new() };
+    let feed = Feed::new(decoder, own);
+    if feed.corners().is_empty() {
+        let path = path.display();
+        return Err(Failure::Usage(format!(
+            "{path}: no corner has both its accelerations among the signals; `itpms signals` lists them, \
+             --signals MAP.toml says which is which"
+        )));
+    }
+    Ok(feed)
 }
 
 impl Source {
     pub(super) fn name(&self) -> SourceName {
-        match self {
-            Source::Replay(log, _) => replay::name(log.path()),
+        match &self.kind {
+            Kind::Rows(log, _) => replay::name(log.path()),
+            Kind::Frames(log, _) => replay::name(log.path()),
+            Kind::Lines => stdin::name(),
+            Kind::Broker(address) => broker::name(address),
+            #[cfg(target_os = "linux")]
+            Kind::Bus(_, interface) => itpms_live::source::socketcan::name(interface),
         }
     }
 
     /// Whether it waits while the estimate is busy, instead of losing something.
     pub(super) fn can_wait(&self) -> bool {
-        true
+        match &self.kind {
+            #[cfg(target_os = "linux")]
+            Kind::Bus(..) => false,
+            _ => true,
+        }
     }
 
     /// Starts its thread.
-    pub(super) fn start(
-        self,
-        engine: Engine,
-        inputs: &Arc<Queue<Input>>,
-        stop: &Arc<AtomicBool>,
-        say: &Say,
-    ) -> Engine {
+    pub(super) fn start(self, inputs: &Arc<Queue<Input>>, stop: &Arc<AtomicBool>, say: &Say) {
         let (inputs, stop, say) = (Arc::clone(inputs), Arc::clone(stop), Arc::clone(say));
-        match self {
-            Source::Replay(log, speed) => drop(replay::start(*log, speed, inputs, stop, say)),
+        match self.kind {
+            Kind::Rows(log, speed) => drop(replay::start(*log, speed, inputs, stop, say)),
+            Kind::Frames(log, speed) => drop(replay::start_frames(*log, speed, inputs, stop, say)),
+            Kind::Lines => stdin::start(inputs, say),
+            Kind::Broker(address) => broker::start(address, inputs, stop, say),
+            #[cfg(target_os = "linux")]
+            Kind::Bus(interface, _) => interface.start(inputs, stop),
         }
-        engine
     }
 }

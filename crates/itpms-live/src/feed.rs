@@ -1,0 +1,105 @@
+//! Frames to rows: what they mean from a DBC, and rows from signals with clocks of their own.
+//!
+//! Owned by the estimating thread. Remembers when the frames came, so that a row knows how long it took to be made.
+
+use std::collections::VecDeque;
+use std::time::Instant;
+
+use itpms_core::sample::Corner;
+use itpms_data::LogRow;
+use itpms_data::can::{CanFrame, CanId};
+use itpms_data::dbc::Decoder;
+use itpms_data::log::Slot;
+use itpms_data::signals::Aligner;
+
+/// Frames whose arrival is remembered: more than the aligner keeps waiting.
+const REMEMBERED: usize = 1 << 17;
+/// A frame that is so much earlier than the one before it, in s, belongs to another drive.
+const ANOTHER_DRIVE_S: f64 = 2.0;
+
+/// A row and when its first frame came; `None` if it waited for the rates to be measured, which says nothing of later ones.
+pub(crate) type FedRow = (LogRow, Option<Instant>);
+
+/// Frames in, rows out.
+pub struct Feed {
+    decoder: Decoder,
+    slots: Vec<Slot>,
+    aligner: Aligner,
+    /// Frames of ours that come back from the bus we send on.
+    own: Vec<CanId>,
+    came: VecDeque<(f64, Instant)>,
+    last_s: f64,
+    /// When the first row came out.
+    running_since: Option<Instant>,
+}
+
+impl Feed {
+    /// A feed that has seen no frame. `own` are the identifiers that this program sends on the same bus.
+    #[must_use]
+    pub fn new(decoder: Decoder, own: Vec<CanId>) -> Self {
+        let slots = decoder.slots();
+        let aligner = Aligner::new(&slots);
+        Self {
+            decoder,
+            slots,
+            aligner,
+            own,
+            came: VecDeque::new(),
+            last_s: f64::NEG_INFINITY,
+            running_since: None,
+        }
+    }
+
+    /// The corners that can come.
+    #[must_use]
+    pub fn corners(&self) -> Vec<Corner> {
+        self.aligner.columns().present()
+    }
+
+    /// Data frames whose identifier the DBC does not have.
+    #[must_use]
+    pub fn unknown_ids(&self) -> u64 {
+        self.decoder.counts().unknown
+    }
+
+    /// Takes a frame.
+    pub(crate) fn push(&mut self, frame: &CanFrame, arrived: Instant) {
+        if self.own.contains(&frame.id) {
+            return;
+        }
+        if self.last_s - frame.time_s > ANOTHER_DRIVE_S {
+            self.aligner = Aligner::new(&self.slots);
+            self.came.clear();
+            self.running_since = None;
+        }
+        self.last_s = frame.time_s;
+        let Self { decoder, aligner, .. } = self;
+        let mut wanted = false;
+        decoder.decode(frame, &mut |reading| {
+            wanted = true;
+            aligner.push(reading);
+        });
+        if wanted {
+            if self.came.len() == REMEMBERED {
+                self.came.pop_front();
+            }
+            self.came.push_back((frame.time_s, arrived));
+        }
+    }
+
+    /// The next row that waits for nothing.
+    pub(crate) fn pop(&mut self) -> Option<FedRow> {
+        let row = self.aligner.pop()?;
+        while self.came.front().is_some_and(|(time_s, _)| *time_s < row.time_s) {
+            self.came.pop_front();
+        }
+        let running_since = *self.running_since.get_or_insert_with(Instant::now);
+        let arrived = self.came.front().map(|(_, arrived)| *arrived);
+        Some((row, arrived.filter(|arrived| *arrived >= running_since)))
+    }
+
+    /// There is nothing more: what waits comes out.
+    pub(crate) fn finish(&mut self) {
+        self.aligner.finish();
+    }
+}

@@ -1,0 +1,288 @@
+//! Estimates as CAN frames of our own DBC: a frame per wheel and one of status with every estimate.
+//!
+//! The frames are made from the very text that `itpms monitor --print-dbc` prints: what it says of bits, factors and
+//! labels is what is sent.
+
+use std::collections::VecDeque;
+use std::fs::File;
+use std::io::{self, BufWriter, Write as _};
+use std::path::Path;
+
+use itpms_data::can::{CanFrame, CanId, Direction, FrameKind, candump};
+use itpms_data::dbc::{Dbc, Message};
+
+use super::{Output, WhenSlow};
+use crate::engine::Published;
+use crate::error::LiveError;
+use crate::input::{Note, Say};
+use crate::snapshot::{Snapshot, SourceState, Wheel};
+
+/// The description of our frames.
+pub const DBC: &str = include_str!("itpms.dbc");
+
+const STATUS: &str = "ITPMS_Status";
+const STATES: [&str; 5] = ["unknown", "fine", "low", "over", "malfunction"];
+const WARNINGS: [&str; 3] = ["none", "low", "malfunction"];
+const CORNERS: [&str; 4] = ["fl", "fr", "rl", "rr"];
+
+/// Identifiers of our frames.
+///
+/// # Errors
+/// Our description is broken, which a test excludes.
+pub fn identifiers() -> Result<Vec<CanId>, LiveError> {
+    Ok(description()?.messages().iter().map(|message| message.id).collect())
+}
+
+fn description() -> Result<Dbc, LiveError> {
+    Dbc::parse(DBC).map_err(|error| LiveError::Refused(format!("itpms.dbc: {error}")))
+}
+
+/// Makes frames of snapshots.
+#[derive(Debug)]
+pub struct Frames {
+    dbc: Dbc,
+    sets: u64,
+}
+
+impl Frames {
+    /// A maker that has made none.
+    ///
+    /// # Errors
+    /// As [`identifiers`].
+    pub fn new() -> Result<Self, LiveError> {
+        Ok(Self { dbc: description()?, sets: 0 })
+    }
+
+    /// The frames of a snapshot, the status first.
+    pub fn of(&mut self, snapshot: &Snapshot) -> Vec<CanFrame> {
+        let sets = self.sets;
+        self.sets += 1;
+        let time_s = snapshot.unix_s;
+        let mut frames = Vec::with_capacity(5);
+        for message in self.dbc.messages() {
+            let frame = if message.name == STATUS {
+                frame(message, time_s, |signal| status_value(snapshot, sets, signal))
+            } else {
+                let wheel = snapshot.wheels.iter().find(|wheel| message.name.ends_with(&upper(wheel.corner)));
+                wheel.and_then(|wheel| frame(message, time_s, |signal| wheel_value(wheel, sets, signal)))
+            };
+            frames.extend(frame);
+        }
+        frames
+    }
+}
+
+fn upper(corner: &str) -> String {
+    format!("_{}", corner.to_uppercase())
+}
+
+fn frame(message: &Message, time_s: f64, value: impl Fn(&str) -> f64) -> Option<CanFrame> {
+    let named = |place: usize| message.signals.get(place).map_or(f64::NAN, |signal| value(&signal.name));
+    let payload = message.encode(named).ok()?;
+    Some(CanFrame {
+        time_s,
+        bus: 0,
+        id: message.id,
+        kind: FrameKind::Data,
+        direction: Direction::Tx,
+        payload,
+    })
+}
+
+fn status_value(snapshot: &Snapshot, sets: u64, signal: &str) -> f64 {
+    let bits = |state: &str| {
+        let places = CORNERS.iter().enumerate();
+        let wheels = places.filter(|(_, corner)| {
+            snapshot.wheels.iter().any(|wheel| wheel.corner == **corner && wheel.state == state)
+        });
+        wheels.map(|(place, _)| f64::from(1u8 << place)).sum()
+    };
+    match signal {
+        "ITPMS_Counter" => (sets % 256) as f64,
+        "ITPMS_Source" => match snapshot.source.state {
+            SourceState::Live => 0.0,
+            SourceState::Stale => 1.0,
+            SourceState::Ended => 2.0,
+        },
+        "ITPMS_AllFine" => f64::from(u8::from(snapshot.all_fine)),
+        "ITPMS_Alerts" => snapshot.alerts.len().min(15) as f64,
+        "ITPMS_WheelsLow" => bits("low"),
+        "ITPMS_WheelsMalfunction" => bits("malfunction"),
+        "ITPMS_Latency" => snapshot.latency_ms.p99,
+        "ITPMS_Distance" => snapshot.distance_m / 1000.0,
+        _ => f64::NAN,
+    }
+}
+
+fn wheel_value(wheel: &Wheel, sets: u64, signal: &str) -> f64 {
+    let place =
+        |words: &[&str], word: &str| words.iter().position(|w| *w == word).map_or(f64::NAN, |p| p as f64);
+    // The corner's two letters tell the wheels' signals apart.
+    match signal.get(..signal.len().saturating_sub(3)).unwrap_or_default() {
+        "ITPMS_Pressure" => wheel.pressure_kpa,
+        "ITPMS_PressureSd" => wheel.pressure_sd_kpa,
+        "ITPMS_State" => place(&STATES, wheel.state),
+        "ITPMS_Valid" => f64::from(u8::from(wheel.valid)),
+        "ITPMS_Reference" => wheel.reference_kpa,
+        "ITPMS_Warning" => place(&WARNINGS, wheel.warning),
+        "ITPMS_Counter" => (sets % 16) as f64,
+        "ITPMS_Gate" => wheel.gate,
+        _ => f64::NAN,
+    }
+}
+
+/// Where frames go.
+enum Target {
+    /// A file of candump's lines.
+    File(BufWriter<File>),
+    #[cfg(target_os = "linux")]
+    Bus(bus::Bus),
+}
+
+/// Frames to an interface or to a file of candump's lines.
+pub struct CanOut {
+    name: String,
+    interface: String,
+    target: Target,
+    frames: Frames,
+}
+
+impl CanOut {
+    /// Opens an interface (a name without a dot and a slash) or a file.
+    ///
+    /// # Errors
+    /// There is no such interface, or the file cannot be written.
+    pub fn open(target: &str, say: &Say) -> Result<Self, LiveError> {
+        let frames = Frames::new()?;
+        let name = target.to_owned();
+        if is_interface(target) {
+            let (interface, target) = (name.clone(), open_bus(target, say)?);
+            return Ok(Self { name, interface, target, frames });
+        }
+        let file = File::options().create(true).append(true).open(Path::new(target));
+        let file = file.map_err(|error| LiveError::Output { target: name.clone(), error })?;
+        let target = Target::File(BufWriter::new(file));
+        Ok(Self { name, interface: "itpms0".to_owned(), target, frames })
+    }
+
+    /// The output at work: a bus is never waited for, a file is.
+    #[must_use]
+    pub fn start(self) -> Output {
+        let when_slow = match self.target {
+            Target::File(_) => WhenSlow::Wait,
+            #[cfg(target_os = "linux")]
+            Target::Bus(_) => WhenSlow::LoseEstimates,
+        };
+        Output::start(when_slow, self, Self::write, |mut out| out.flushed(Ok(())))
+    }
+
+    fn write(&mut self, waiting: &mut VecDeque<Published>) -> Result<(), LiveError> {
+        let mut written = Ok(());
+        for published in waiting.drain(..) {
+            let Published::Estimate(snapshot) = published else { continue };
+            for frame in self.frames.of(&snapshot) {
+                written = written.and_then(|()| match &mut self.target {
+                    Target::File(file) => writeln!(file, "{}", candump::format_line(&frame, &self.interface)),
+                    #[cfg(target_os = "linux")]
+                    Target::Bus(bus) => {
+                        bus.send(&frame);
+                        Ok(())
+                    }
+                });
+            }
+        }
+        self.flushed(written)
+    }
+
+    fn flushed(&mut self, written: io::Result<()>) -> Result<(), LiveError> {
+        let flushed = match &mut self.target {
+            Target::File(file) => written.and_then(|()| file.flush()),
+            #[cfg(target_os = "linux")]
+            Target::Bus(_) => written,
+        };
+        flushed.map_err(|error| LiveError::Output { target: self.name.clone(), error })
+    }
+}
+
+/// Whether this names an interface rather than a file.
+#[must_use]
+pub fn is_interface(target: &str) -> bool {
+    !target.contains(['.', '/', '\\'])
+}
+
+#[cfg(target_os = "linux")]
+fn open_bus(interface: &str, say: &Say) -> Result<Target, LiveError> {
+    bus::Bus::open(interface, say).map(Target::Bus)
+}
+
+#[cfg(not(target_os = "linux"))]
+fn open_bus(interface: &str, _say: &Say) -> Result<Target, LiveError> {
+    let error = io::Error::new(io::ErrorKind::Unsupported, "SocketCAN is Linux's alone; expected a file");
+    Err(LiveError::Output { target: interface.to_owned(), error })
+}
+
+/// An interface that frames are sent on, opened again when it was gone.
+#[cfg(target_os = "linux")]
+mod bus {
+    use std::io;
+    use std::time::{Duration, Instant};
+
+    use super::{CanFrame, LiveError, Note, Say};
+    use socketcan::{CanDataFrame, CanSocket, EmbeddedFrame as _, Socket as _, StandardId};
+
+    /// How long a full buffer of the interface is waited for.
+    const PATIENCE: Duration = Duration::from_millis(20);
+    /// How long nobody tries to open an interface again.
+    const PAUSE: Duration = Duration::from_secs(1);
+
+    pub(super) struct Bus {
+        name: String,
+        socket: Option<CanSocket>,
+        tried: Instant,
+        failed: bool,
+        say: Say,
+    }
+
+    impl Bus {
+        pub(super) fn open(name: &str, say: &Say) -> Result<Self, LiveError> {
+            let socket = open(name).map_err(|error| LiveError::Output { target: name.to_owned(), error })?;
+            let (name, say) = (name.to_owned(), std::sync::Arc::clone(say));
+            Ok(Self { name, socket: Some(socket), tried: Instant::now(), failed: false, say })
+        }
+
+        /// Sends, or says once that it cannot.
+        pub(super) fn send(&mut self, frame: &CanFrame) {
+            if self.socket.is_none() && self.tried.elapsed() > PAUSE {
+                self.tried = Instant::now();
+                self.socket = open(&self.name).ok();
+            }
+            let Some(socket) = &self.socket else { return };
+            // All our identifiers have 11 bits and all our frames 8 bytes.
+            let id = u16::try_from(frame.id.value()).ok().and_then(StandardId::new);
+            let Some(frame) = id.and_then(|id| CanDataFrame::new(id, frame.data())) else { return };
+            match socket.write_frame(&frame) {
+                Ok(()) if self.failed => {
+                    self.failed = false;
+                    (self.say)(Note::Remark(format!("{}: takes frames again", self.name)));
+                }
+                Ok(()) => {}
+                Err(error) => {
+                    if !std::mem::replace(&mut self.failed, true) {
+                        (self.say)(Note::Warning(format!("{}: takes no frames: {error}", self.name)));
+                    }
+                    // A full buffer empties itself; anything else needs a new socket.
+                    if error.kind() != io::ErrorKind::WouldBlock && error.raw_os_error() != Some(105) {
+                        self.tried = Instant::now();
+                        self.socket = None;
+                    }
+                }
+            }
+        }
+    }
+
+    fn open(name: &str) -> io::Result<CanSocket> {
+        let socket = CanSocket::open(name)?;
+        socket.set_write_timeout(PATIENCE)?;
+        Ok(socket)
+    }
+}
