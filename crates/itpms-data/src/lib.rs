@@ -8,6 +8,7 @@
 //! | `can` (feature) | frames of CAN logs: candump, ASC and BLF, read and written |
 //! | `dbc` (feature `can`) | which frame carries which signals |
 //! | [`columns`] | small tables of measurements in: named columns of numbers from CSV |
+//! | [`convert`] | a log from one format into another |
 //! | [`crg`] | roads from OpenCRG files |
 //! | [`profile`] | road profiles from text |
 //! | [`mdf4`] | measurements in MDF4, in and out |
@@ -22,6 +23,7 @@
 #[cfg(feature = "can")]
 pub mod can;
 pub mod columns;
+pub mod convert;
 pub mod crg;
 #[cfg(feature = "can")]
 pub mod dbc;

@@ -2,6 +2,7 @@
 
 mod bench;
 mod certify;
+mod convert;
 mod log;
 mod malfunctions;
 #[cfg(feature = "live")]
@@ -22,6 +23,7 @@ use itpms_study::score::Part;
 
 pub(crate) use bench::{BenchOutput, CalibrateArgs, DamperArgs, IdentifyArgs, IdentifyPart, SpringArgs};
 pub(crate) use certify::CertifyArgs;
+pub(crate) use convert::ConvertArgs;
 pub(crate) use log::LogArgs;
 pub(crate) use malfunctions::MalfunctionsArgs;
 #[cfg(feature = "live")]
@@ -66,6 +68,7 @@ pub(crate) enum Command {
     Observability(ObservabilityArgs),
     Reproduce(ReproduceArgs),
     Roughness(RoughnessArgs),
+    Convert(ConvertArgs),
     Completions(CompletionsArgs),
 }
 

@@ -43,6 +43,7 @@ fn main() -> ExitCode {
         Command::Observability(args) => commands::observability::run(args, &screen, &interrupt),
         Command::Reproduce(args) => commands::reproduce::run(args, &screen, &interrupt),
         Command::Roughness(args) => commands::roughness::run(args, &screen, &interrupt),
+        Command::Convert(args) => commands::convert::run(args, &screen, &interrupt),
         Command::Completions(args) => commands::completions::run(args),
     });
     match result {

@@ -103,6 +103,11 @@ impl Lines {
         self.number
     }
 
+    /// Bytes read so far.
+    pub(crate) fn position(&self) -> u64 {
+        self.position
+    }
+
     /// Goes to the next line that is neither blank nor a comment; false at the end.
     pub(crate) fn advance(&mut self) -> Result<bool, Problem> {
         loop {

@@ -37,7 +37,7 @@ impl Format {
 
 /// A format of drive logs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum LogFormat {
+pub(crate) enum LogFormat {
     Table(Format),
     #[cfg(feature = "mdf4")]
     Mdf4,
@@ -46,8 +46,13 @@ pub(super) enum LogFormat {
 }
 
 impl LogFormat {
+    /// The same for a log to be written; a device or pipe without an extension receives a table.
+    pub(crate) fn of_output(path: &Path) -> Result<Self, DataError> {
+        if path.extension().is_none() { Ok(LogFormat::Table(Format::Csv)) } else { Self::of(path) }
+    }
+
     /// The format of a drive log by its extension, upper or lower case.
-    pub(super) fn of(path: &Path) -> Result<Self, DataError> {
+    pub(crate) fn of(path: &Path) -> Result<Self, DataError> {
         let extension = extension(path);
         match extension.as_deref() {
             #[cfg(feature = "mdf4")]

@@ -37,7 +37,7 @@ mod survey;
 mod units;
 
 pub(crate) use csv_source::{Lines, cells, number};
-pub(crate) use format::Format;
+pub(crate) use format::{Format, LogFormat};
 pub(crate) use header::{separator, shortened};
 pub use options::LogOptions;
 pub use reader::{LogReader, SURVEY_ROWS};

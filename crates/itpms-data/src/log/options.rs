@@ -3,7 +3,11 @@
 use std::path::PathBuf;
 
 use super::units::UnitCheck;
+#[cfg(any(feature = "can", feature = "mdf4"))]
+use crate::error::DataError;
 use crate::error::Problem;
+#[cfg(any(feature = "can", feature = "mdf4"))]
+use crate::signals::SignalMap;
 
 /// How to read a drive log.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -17,6 +21,12 @@ pub struct LogOptions {
 }
 
 impl LogOptions {
+    /// The map, if there is one.
+    #[cfg(any(feature = "can", feature = "mdf4"))]
+    pub(crate) fn map(&self) -> Result<Option<SignalMap>, DataError> {
+        self.signals.as_deref().map(SignalMap::read).transpose()
+    }
+
     /// Columns of a table carry our names already.
     pub(super) fn refuse_for_tables(&self) -> Result<(), Problem> {
         let what = match (&self.dbc, &self.signals) {

@@ -105,8 +105,8 @@ impl LogReader {
         &self.report
     }
 
-    /// Which signal of an MDF4 or CAN log became which column where its name does not say it, and what was doubtful about
-    /// it; empty for tables.
+    /// Which signal of an MDF4 or CAN log was taken for which column where neither its name nor a map says so, and what was
+    /// doubtful about it; empty for tables.
     #[must_use]
     pub fn mapping(&self) -> &[String] {
         self.source.mapping()

@@ -1,5 +1,6 @@
 //! A row of a drive log and the columns it can have. Names live here and nowhere else.
 
+use crate::signals::Quantity;
 use itpms_core::sample::{CarSample, Corner, CornerSample, Sample};
 
 /// One quantity of one corner.
@@ -61,6 +62,12 @@ impl Slot {
             Slot::Speed => 1,
             Slot::Corner(corner, field) => 2 + 4 * corner.index() + field as usize,
         }
+    }
+
+    /// The unit its name stands for.
+    #[must_use]
+    pub fn unit(self) -> &'static str {
+        Quantity::of(self).unit()
     }
 
     /// The column's name.

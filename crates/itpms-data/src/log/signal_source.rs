@@ -14,7 +14,7 @@ use super::options::LogOptions;
 use super::row::RawRow;
 use crate::error::{DataError, Place, Problem};
 use crate::signals::align::AlignmentReport;
-use crate::signals::{self, Aligner, Reading, Resolved, SignalMap};
+use crate::signals::{Aligner, Reading, Resolved, Source};
 
 /// Where readings come from, nearly in the order of time.
 #[derive(Debug)]
@@ -62,7 +62,7 @@ pub(super) struct SignalSource {
     feed: Feed,
     aligner: Aligner,
     header: Header,
-    /// Which signal became which column where the names do not say it, and what was doubtful about it.
+    /// Which signal was taken for which column where neither its name nor a map says so, and what was doubtful.
     mapping: Vec<String>,
     rows: u64,
     is_over: bool,
@@ -97,8 +97,9 @@ impl SignalSource {
         let aligner = Aligner::new(&resolved.slots());
         let header = Header { columns: *aligner.columns(), slots: Vec::new(), suspicious: Vec::new() };
         let lines = resolved.iter().zip(resolved.lines());
-        let guessed =
-            lines.filter(|(chosen, _)| chosen.source != signals::Source::Name).map(|(_, line)| line);
+        let guessed = lines
+            .filter(|(chosen, _)| !matches!(chosen.source, Source::Name | Source::Map))
+            .map(|(_, line)| line);
         let doubts = resolved.remarks().iter().map(ToString::to_string);
         let lone = resolved
             .lone()
@@ -144,11 +145,5 @@ impl SignalSource {
                 self.aligner.finish();
             }
         }
-    }
-}
-
-impl LogOptions {
-    fn map(&self) -> Result<Option<SignalMap>, DataError> {
-        self.signals.as_deref().map(SignalMap::read).transpose()
     }
 }

@@ -1,28 +1,95 @@
-//! A drive log out, in the columns the reader takes in. Called by the simulate command and by tests.
+//! A drive log out, in the columns the reader takes in: a table, MDF4, or the frames of a bus. Called by the simulate and
+//! convert commands and by tests.
 
 use std::path::Path;
 
 use super::AtomicFile;
+#[cfg(feature = "can")]
+use super::log_frames::LogFrames;
 use super::table::{Cell, Kind, Table};
 use crate::error::DataError;
-use crate::log::{LogColumns, LogRow};
+#[cfg(feature = "mdf4")]
+use crate::log::Slot;
+use crate::log::{LogColumns, LogFormat, LogOptions, LogRow};
+#[cfg(feature = "mdf4")]
+use crate::mdf4::{ChannelSpec, Compression, GroupSpec, Mdf4Writer, SampleFormat};
 
 /// Writes the rows of a drive.
 #[derive(Debug)]
 pub struct LogWriter {
-    table: Table,
+    sink: Sink,
     columns: LogColumns,
-    cells: Vec<Cell>,
+}
+
+#[derive(Debug)]
+enum Sink {
+    Table {
+        table: Table,
+        cells: Vec<Cell>,
+    },
+    #[cfg(feature = "can")]
+    Frames(Box<LogFrames>),
+    #[cfg(feature = "mdf4")]
+    Channels {
+        writer: Box<Mdf4Writer>,
+        values: Vec<f64>,
+    },
+}
+
+/// Whether a format that can be compressed is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Packing {
+    /// Small.
+    #[default]
+    Packed,
+    /// For programs that cannot read it otherwise.
+    Plain,
+}
+
+#[cfg(feature = "mdf4")]
+impl From<Packing> for Compression {
+    fn from(packing: Packing) -> Self {
+        match packing {
+            Packing::Packed => Compression::Transposed,
+            Packing::Plain => Compression::None,
+        }
+    }
 }
 
 impl LogWriter {
-    /// Starts the file with these columns.
+    /// Starts the file with these columns, in the format that its extension asks for.
     ///
     /// # Errors
-    /// The file cannot be created, or its extension is not known.
+    /// The file cannot be created, or its extension is not known; a CAN log needs [`LogWriter::create_with`].
     pub fn create(path: &Path, columns: LogColumns) -> Result<Self, DataError> {
-        let names: Vec<_> = columns.slots().map(|slot| (slot.name(), Kind::Number)).collect();
-        Ok(Self { table: Table::create(path, &names)?, columns, cells: Vec::new() })
+        Self::create_with(path, columns, &LogOptions::default(), Packing::default())
+    }
+
+    /// The same for a CAN log, too: the DBC file and the map say which signals carry the columns.
+    ///
+    /// # Errors
+    /// As [`LogWriter::create`]; the DBC file is missing, unusable, or has no signal for any column.
+    #[cfg_attr(not(feature = "can"), expect(unused_variables, reason = "only CAN logs are told more"))]
+    #[cfg_attr(not(feature = "mdf4"), allow(unused_variables, reason = "only MDF4 can be packed"))]
+    pub fn create_with(
+        path: &Path,
+        columns: LogColumns,
+        options: &LogOptions,
+        packing: Packing,
+    ) -> Result<Self, DataError> {
+        let sink = match LogFormat::of_output(path)? {
+            #[cfg(feature = "can")]
+            LogFormat::Can => Sink::Frames(Box::new(LogFrames::create(path, &columns, options)?)),
+            #[cfg(feature = "mdf4")]
+            LogFormat::Mdf4 => {
+                Sink::Channels { writer: Box::new(channels(path, &columns, packing)?), values: Vec::new() }
+            }
+            LogFormat::Table(_) => {
+                let names: Vec<_> = columns.slots().map(|slot| (slot.name(), Kind::Number)).collect();
+                Sink::Table { table: Table::create(path, &names)?, cells: Vec::new() }
+            }
+        };
+        Ok(Self { sink, columns })
     }
 
     /// Adds a row. What the columns do not ask for is left out, what the row lacks is missing.
@@ -30,9 +97,31 @@ impl LogWriter {
     /// # Errors
     /// The file cannot be written.
     pub fn write(&mut self, row: &LogRow) -> Result<(), DataError> {
-        self.cells.clear();
-        self.cells.extend(self.columns.slots().map(|slot| Cell::Number(row.value(slot))));
-        self.table.write(&self.cells)
+        match &mut self.sink {
+            Sink::Table { table, cells } => {
+                cells.clear();
+                cells.extend(self.columns.slots().map(|slot| Cell::Number(row.value(slot))));
+                table.write(cells)
+            }
+            #[cfg(feature = "can")]
+            Sink::Frames(frames) => frames.write(row),
+            #[cfg(feature = "mdf4")]
+            Sink::Channels { writer, values } => {
+                values.clear();
+                values.extend(measured(&self.columns).map(|slot| row.value(slot)));
+                writer.write(0, row.time_s, values)
+            }
+        }
+    }
+
+    /// What of the rows did not get into the file so far, a sentence each.
+    #[must_use]
+    pub fn losses(&self) -> Vec<String> {
+        match &self.sink {
+            #[cfg(feature = "can")]
+            Sink::Frames(frames) => frames.losses(),
+            _ => Vec::new(),
+        }
     }
 
     /// Everything onto the disk; [`AtomicFile::commit`] then gives the file its name.
@@ -40,6 +129,27 @@ impl LogWriter {
     /// # Errors
     /// The file cannot be written.
     pub fn finish(self) -> Result<AtomicFile, DataError> {
-        self.table.finish()
+        match self.sink {
+            Sink::Table { table, .. } => table.finish(),
+            #[cfg(feature = "can")]
+            Sink::Frames(frames) => frames.finish(),
+            #[cfg(feature = "mdf4")]
+            Sink::Channels { writer, .. } => writer.finish(),
+        }
     }
+}
+
+/// The columns besides the time.
+#[cfg(feature = "mdf4")]
+fn measured(columns: &LogColumns) -> impl Iterator<Item = Slot> {
+    columns.slots().filter(|slot| *slot != Slot::Time)
+}
+
+/// An MDF4 file with one channel group.
+#[cfg(feature = "mdf4")]
+fn channels(path: &Path, columns: &LogColumns, packing: Packing) -> Result<Mdf4Writer, DataError> {
+    let channel = |slot: Slot| ChannelSpec::new(&slot.name(), slot.unit(), SampleFormat::Float64);
+    let channels = measured(columns).map(channel).collect();
+    let group = GroupSpec { name: "drive".to_owned(), comment: String::new(), channels };
+    Mdf4Writer::create(path, &[group], packing.into())
 }

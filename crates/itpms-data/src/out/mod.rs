@@ -10,6 +10,8 @@ mod csv_table;
 mod drive_log;
 mod ledger;
 mod leftovers;
+#[cfg(feature = "can")]
+mod log_frames;
 #[cfg(feature = "parquet")]
 mod parquet_table;
 mod rate;
@@ -18,7 +20,7 @@ mod table;
 
 pub use alerts::{alert_object, transition_object};
 pub use atomic::AtomicFile;
-pub use drive_log::LogWriter;
+pub use drive_log::{LogWriter, Packing};
 pub use ledger::Ledger;
 pub use rate::RateGate;
 pub use results::{EstimateWriter, RoadPoint, RoadWriter};

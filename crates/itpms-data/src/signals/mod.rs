@@ -9,11 +9,13 @@
 //! | `units` | from the log's unit to the column's |
 //! | `report` | all of this in words, and as a map to start from |
 //! | `problem` | what can be wrong |
+//! | `listing` | what is in a log: every signal with its rate and range |
 //! | [`align`] | readings on their own clocks to rows |
 //!
 //! Called by the log reader and by whoever listens to a bus; knows nothing of estimators.
 
 pub mod align;
+mod listing;
 mod map;
 mod names;
 mod problem;
@@ -23,11 +25,13 @@ mod units;
 
 use crate::log::Slot;
 pub use align::Aligner;
+pub use listing::{ListedGroup, ListedSignal, Lister, Listing};
 pub use map::SignalMap;
 use map::{Entry, Scale};
 pub use problem::SignalProblem;
 pub use report::{Remark, Source};
 pub use resolve::{Chosen, Resolved, resolve};
+pub(crate) use units::Quantity;
 
 /// One value of one signal at its own time.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,6 +2,7 @@
 
 pub(crate) mod certify;
 pub(crate) mod completions;
+pub(crate) mod convert;
 pub(crate) mod demo;
 pub(crate) mod estimate;
 pub(crate) mod folder;

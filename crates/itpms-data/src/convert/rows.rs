@@ -1,0 +1,40 @@
+//! The columns of a drive log, row by row.
+
+use super::{Converted, LOOK, Look, Request, counted};
+use crate::error::DataError;
+use crate::log::{LogFormat, LogOptions, LogReader};
+use crate::out::LogWriter;
+
+pub(super) fn convert(request: &Request<'_>, look: Look<'_>) -> Result<Option<Converted>, DataError> {
+    let mut log = LogReader::open_with(request.input, &for_reading(request)?)?;
+    let mut writer =
+        LogWriter::create_with(request.output, *log.columns(), request.options, request.packing)?;
+    let mut count = 0u64;
+    while let Some(row) = log.next_row()? {
+        if count.is_multiple_of(LOOK) && look(log.progress()).is_break() {
+            return Ok(None);
+        }
+        count += 1;
+        writer.write(&row)?;
+    }
+    let mut warnings = log.repairs().warnings();
+    warnings.extend(writer.losses());
+    let mut remarks = log.mapping().to_vec();
+    remarks.extend(log.alignment().iter().flat_map(|report| report.remarks()));
+    Ok(Some(Converted { file: writer.finish()?, content: counted(count, "row"), warnings, remarks }))
+}
+
+/// Of what was said of signals, what is meant for reading the log; the rest is for the file to be.
+fn for_reading(request: &Request<'_>) -> Result<LogOptions, DataError> {
+    let mut options = request.options.clone();
+    match LogFormat::of(request.input)? {
+        LogFormat::Table(_) => (options.dbc, options.signals) = (None, None),
+        #[cfg(feature = "mdf4")]
+        LogFormat::Mdf4 if options.dbc.is_some() => (options.dbc, options.signals) = (None, None),
+        #[cfg(feature = "mdf4")]
+        LogFormat::Mdf4 => {}
+        #[cfg(feature = "can")]
+        LogFormat::Can => {}
+    }
+    Ok(options)
+}

@@ -1,0 +1,131 @@
+//! A CAN log to MDF4: every signal that its description knows, a channel group per message and bus.
+//!
+//! The log is read twice: first for what is in it, then for the values.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use super::{Converted, LOOK, Look, Request, counted};
+use crate::can::{CanFrame, CanId, FrameKind, FrameReader};
+use crate::dbc::{Dbc, Message};
+use crate::error::{DataError, Problem};
+use crate::mdf4::{ChannelSpec, GroupSpec, Mdf4Writer, SampleFormat};
+
+/// Clocks that count from 1970 are beyond this, in s: the ones of a log that counts from its own beginning are not.
+const SINCE_1970_S: f64 = 1e8;
+
+pub(super) fn convert(request: &Request<'_>, look: Look<'_>) -> Result<Option<Converted>, DataError> {
+    let Some(path) = &request.options.dbc else {
+        let what =
+            "is a CAN log, whose frames mean nothing by themselves; expected a DBC file (--dbc car.dbc)";
+        return Err(DataError::new(request.input, Problem::NotApplicable(what)));
+    };
+    let dbc = Dbc::read(path)?;
+    let Some(content) = Content::of(request.input, &dbc, look)? else { return Ok(None) };
+    if content.groups.is_empty() {
+        return Err(DataError::new(
+            request.input,
+            Problem::NotApplicable("has no frame that the DBC file knows"),
+        ));
+    }
+    let groups: Vec<Group<'_>> = content
+        .groups
+        .keys()
+        .filter_map(|(bus, id)| dbc.message(*id).map(|message| Group { bus: *bus, message }))
+        .collect();
+    let several = groups.iter().any(|group| group.bus != groups[0].bus);
+    let specs: Vec<GroupSpec> = groups.iter().map(|group| group.spec(several)).collect();
+    let mut writer = Mdf4Writer::create(request.output, &specs, request.packing.into())?;
+    let start_s = if content.first_s > SINCE_1970_S { content.first_s } else { 0.0 };
+    writer.set_start_ns((start_s * 1e9) as u64);
+    let places: BTreeMap<(u16, CanId), usize> =
+        groups.iter().zip(0..).map(|(group, place)| ((group.bus, group.message.id), place)).collect();
+
+    let mut reader = FrameReader::open(request.input)?;
+    let mut count = 0u64;
+    let mut values = Vec::new();
+    while let Some(frame) = reader.next_frame()? {
+        if count.is_multiple_of(LOOK) && look(0.5 + 0.5 * reader.progress()).is_break() {
+            return Ok(None);
+        }
+        count += 1;
+        let Some(place) = places.get(&(frame.bus, frame.id)).filter(|_| has_data(&frame)) else { continue };
+        let message = groups[*place].message;
+        values.clear();
+        values.resize(message.signals.len(), f64::NAN);
+        message.decode(frame.data(), |signal, value| values[signal] = value);
+        writer.write(*place, frame.time_s - start_s, &values)?;
+    }
+    let mut warnings = reader.repairs().warnings();
+    warnings.extend(dbc.problems().iter().map(|problem| format!("{}: {problem}", path.display())));
+    if content.unknown > 0 {
+        warnings.push(format!(
+            "{} of messages that the DBC file does not have: left out",
+            counted(content.unknown, "frame")
+        ));
+    }
+    let known: u64 = content.groups.values().sum();
+    let content =
+        format!("{} in {}", counted(known, "sample"), counted(groups.len() as u64, "channel group"));
+    Ok(Some(Converted { file: writer.finish()?, content, warnings, remarks: Vec::new() }))
+}
+
+/// What is in a log.
+#[derive(Debug, Default)]
+struct Content {
+    /// Frames per bus and message of the description.
+    groups: BTreeMap<(u16, CanId), u64>,
+    first_s: f64,
+    unknown: u64,
+}
+
+impl Content {
+    fn of(path: &Path, dbc: &Dbc, look: Look<'_>) -> Result<Option<Self>, DataError> {
+        let mut content = Self { first_s: f64::INFINITY, ..Self::default() };
+        let mut reader = FrameReader::open(path)?;
+        let mut count = 0u64;
+        while let Some(frame) = reader.next_frame()? {
+            if count.is_multiple_of(LOOK) && look(0.5 * reader.progress()).is_break() {
+                return Ok(None);
+            }
+            count += 1;
+            if !has_data(&frame) {
+                continue;
+            }
+            content.first_s = content.first_s.min(frame.time_s);
+            if dbc.message(frame.id).is_some() {
+                *content.groups.entry((frame.bus, frame.id)).or_default() += 1;
+            } else {
+                content.unknown += 1;
+            }
+        }
+        Ok(Some(content))
+    }
+}
+
+fn has_data(frame: &CanFrame) -> bool {
+    matches!(frame.kind, FrameKind::Data | FrameKind::Fd { .. })
+}
+
+/// A channel group in the making.
+struct Group<'a> {
+    bus: u16,
+    message: &'a Message,
+}
+
+impl Group<'_> {
+    fn spec(&self, several: bool) -> GroupSpec {
+        let channels = self.message.signals.iter().map(|signal| ChannelSpec {
+            name: signal.name.clone(),
+            unit: signal.unit.clone(),
+            comment: signal.comment.clone(),
+            format: SampleFormat::Float64,
+        });
+        let bus = if several { format!(" (bus {})", self.bus) } else { String::new() };
+        GroupSpec {
+            name: format!("{}{bus}", self.message.name),
+            comment: self.message.comment.clone(),
+            channels: channels.collect(),
+        }
+    }
+}

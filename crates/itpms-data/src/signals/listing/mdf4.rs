@@ -1,0 +1,112 @@
+//! The list of an MDF4 file: its channel groups, one after the other.
+
+use std::path::Path;
+
+use super::statistics::{Clock, Range};
+use super::{ListedGroup, ListedSignal, Listing};
+use crate::error::DataError;
+use crate::mdf4::{ChannelKind, GroupCursor, Mdf4Reader};
+
+/// Values between two looks around.
+const VALUES_PER_STEP: usize = 16_384;
+
+#[derive(Debug)]
+pub(super) struct Mdf4Lister {
+    reader: Mdf4Reader,
+    /// The groups that have been opened; the last one is being read.
+    groups: Vec<Group>,
+    cursor: Option<GroupCursor>,
+    values: Vec<f64>,
+    notes: Vec<String>,
+    samples: u64,
+}
+
+#[derive(Debug)]
+struct Group {
+    /// Place among the file's groups.
+    place: usize,
+    channels: Vec<usize>,
+    clock: Clock,
+    ranges: Vec<Range>,
+}
+
+impl Mdf4Lister {
+    pub(super) fn open(path: &Path) -> Result<Self, DataError> {
+        let reader = Mdf4Reader::open(path)?;
+        let notes = reader.repairs().iter().map(ToString::to_string).collect();
+        Ok(Self { reader, groups: Vec::new(), cursor: None, values: Vec::new(), notes, samples: 0 })
+    }
+
+    /// Opens the next group that has a time and numbers; false if there is none.
+    fn open_next(&mut self) -> Result<bool, DataError> {
+        let first = self.groups.last().map_or(0, |group| group.place + 1);
+        for (place, group) in self.reader.groups().iter().enumerate().skip(first) {
+            let numbers = group.channels.iter().enumerate();
+            let channels: Vec<usize> = numbers
+                .filter(|(_, channel)| !channel.is_time && channel.kind == ChannelKind::Number)
+                .map(|(place, _)| place)
+                .collect();
+            if !group.has_time || channels.is_empty() {
+                continue;
+            }
+            self.cursor = Some(self.reader.cursor(place, &channels)?);
+            self.values = vec![f64::NAN; channels.len()];
+            let ranges = vec![Range::default(); channels.len()];
+            self.groups.push(Group { place, channels, clock: Clock::default(), ranges });
+            return Ok(true);
+        }
+        Ok(false)
+    }
+
+    pub(super) fn step(&mut self) -> Result<bool, DataError> {
+        if self.cursor.is_none() && !self.open_next()? {
+            return Ok(false);
+        }
+        let (Some(cursor), Some(group)) = (&mut self.cursor, self.groups.last_mut()) else {
+            return Ok(false);
+        };
+        for _ in 0..=VALUES_PER_STEP / self.values.len().max(1) {
+            let Some(time_s) = cursor.next(&mut self.values)? else {
+                self.notes.extend(cursor.repairs().iter().map(ToString::to_string));
+                self.cursor = None;
+                return Ok(true);
+            };
+            group.clock.tick(time_s);
+            group.ranges.iter_mut().zip(&self.values).for_each(|(range, value)| range.add(*value));
+            self.samples += 1;
+        }
+        Ok(true)
+    }
+
+    pub(super) fn progress(&self) -> f64 {
+        let in_group = self.cursor.as_ref().map_or(1.0, GroupCursor::progress);
+        let before = self.groups.last().map_or(0, |group| group.place);
+        (before as f64 + in_group) / self.reader.groups().len().max(1) as f64
+    }
+
+    pub(super) fn finish(self) -> Listing {
+        let mut span_s: Option<(f64, f64)> = None;
+        let mut groups = Vec::new();
+        for group in self.groups {
+            let Some(of_file) = self.reader.groups().get(group.place) else { continue };
+            let signals = group.channels.iter().zip(&group.ranges).filter_map(|(channel, range)| {
+                let channel = of_file.channels.get(*channel)?;
+                Some(ListedSignal::new(channel.name.clone(), channel.unit.clone(), range))
+            });
+            let signals = signals.collect();
+            groups.push(ListedGroup { signals, ..ListedGroup::new(of_file.name.clone(), &group.clock) });
+            if let Some((first, last)) = group.clock.span_s() {
+                let (f, l) = span_s.unwrap_or((first, last));
+                span_s = Some((f.min(first), l.max(last)));
+            }
+        }
+        Listing {
+            groups,
+            kind: "group",
+            span_s,
+            samples: self.samples,
+            notes: self.notes,
+            absent: Vec::new(),
+        }
+    }
+}

@@ -1,0 +1,269 @@
+//! What is in a log, whatever its format: every signal with its rate and range, read once from beginning to end.
+//!
+//! Called by `itpms signals`, a stretch at a time so that it can show progress and be interrupted. Memory grows with the
+//! number of signals, not with the length of the log. Knows nothing of columns; [`resolve`](super::resolve) says which
+//! signal is which.
+
+#[cfg(feature = "can")]
+mod frames;
+#[cfg(feature = "mdf4")]
+mod mdf4;
+#[cfg(feature = "parquet")]
+mod parquet;
+mod statistics;
+mod table;
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use super::Candidate;
+use crate::error::{DataError, Problem};
+use statistics::{Clock, Range};
+
+/// A log that is being listed.
+#[derive(Debug)]
+pub struct Lister {
+    path: PathBuf,
+    source: Source,
+}
+
+#[derive(Debug)]
+enum Source {
+    Table(table::TableLister),
+    #[cfg(feature = "parquet")]
+    Parquet(Box<parquet::ParquetLister>),
+    #[cfg(feature = "can")]
+    Frames(Box<frames::FrameLister>),
+    #[cfg(feature = "mdf4")]
+    Mdf4(mdf4::Mdf4Lister),
+}
+
+/// Everything in a log.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Listing {
+    /// Messages, channel groups or the one table.
+    pub groups: Vec<ListedGroup>,
+    /// What the groups are: `message`, `group` or `table`.
+    pub kind: &'static str,
+    /// First and last time in s, if there is any.
+    pub span_s: Option<(f64, f64)>,
+    /// Samples, frames or rows.
+    pub samples: u64,
+    /// What was repaired or left out, and what is wrong with the description of the bus.
+    pub notes: Vec<String>,
+    /// Signals that the description has but this log has not, in candidates' order after those of `groups`.
+    pub absent: Vec<Candidate>,
+}
+
+/// Signals with a common clock.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ListedGroup {
+    /// Its name; empty for a table and for a message that no description knows.
+    pub name: String,
+    /// A message's identifier in hexadecimal, `120` or, of 29 bits, `18FEF100`.
+    pub id: Option<String>,
+    /// The bus it came on, where a log has several.
+    pub bus: Option<u16>,
+    /// Whether a description knows it.
+    pub is_known: bool,
+    /// How often it came.
+    pub samples: u64,
+    /// Samples per second, gaps left out.
+    pub rate_hz: Option<f64>,
+    /// Standard deviation of the time from one to the next in s, gaps left out.
+    pub jitter_s: Option<f64>,
+    /// The rate the description states, in Hz.
+    pub stated_hz: Option<f64>,
+    /// Shortest and longest data in bytes, of messages.
+    pub bytes: Option<(usize, usize)>,
+    /// Its signals.
+    pub signals: Vec<ListedSignal>,
+}
+
+/// One signal.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ListedSignal {
+    /// Its name.
+    pub name: String,
+    /// Its unit as the log has it; may be empty.
+    pub unit: String,
+    /// Values.
+    pub samples: u64,
+    /// Places without a value: empty, invalid, not available.
+    pub missing: u64,
+    /// Least value; NaN if there is none.
+    pub min: f64,
+    /// Largest value; NaN if there is none.
+    pub max: f64,
+}
+
+impl Lister {
+    /// Opens a log by its extension. `dbc`: what the frames of a CAN log mean.
+    ///
+    /// # Errors
+    /// The log or the description cannot be read, or a description is given for something else than a CAN log.
+    pub fn open(path: &Path, dbc: Option<&Path>) -> Result<Self, DataError> {
+        let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+        let extension = extension.as_deref().unwrap_or_default();
+        let fail = |problem| DataError::new(path, problem);
+        let is_bus_log = matches!(extension, "log" | "candump" | "asc" | "blf");
+        if dbc.is_some() && !is_bus_log {
+            return Err(fail(Problem::NotApplicable(
+                "a DBC file says what the frames of a CAN log mean; this is none",
+            )));
+        }
+        let source = match extension {
+            #[cfg(feature = "can")]
+            _ if is_bus_log => Source::Frames(Box::new(frames::FrameLister::open(path, dbc)?)),
+            #[cfg(feature = "mdf4")]
+            "mf4" | "mdf" => Source::Mdf4(mdf4::Mdf4Lister::open(path)?),
+            #[cfg(feature = "parquet")]
+            "parquet" | "pq" => Source::Parquet(Box::new(parquet::ParquetLister::open(path).map_err(fail)?)),
+            "csv" => Source::Table(table::TableLister::open(path).map_err(fail)?),
+            "" => return Err(fail(unknown("no file extension".to_owned()))),
+            other => return Err(fail(unknown(format!("unknown file extension .{other}")))),
+        };
+        Ok(Self { path: path.to_owned(), source })
+    }
+
+    /// Reads on for a stretch of some thousand values; false at the end.
+    ///
+    /// # Errors
+    /// The log cannot be read on.
+    pub fn step(&mut self) -> Result<bool, DataError> {
+        match &mut self.source {
+            Source::Table(source) => source.step().map_err(|problem| DataError::new(&self.path, problem)),
+            #[cfg(feature = "parquet")]
+            Source::Parquet(source) => source.step().map_err(|problem| DataError::new(&self.path, problem)),
+            #[cfg(feature = "can")]
+            Source::Frames(source) => source.step(),
+            #[cfg(feature = "mdf4")]
+            Source::Mdf4(source) => source.step(),
+        }
+    }
+
+    /// Share of the log that has been read, 0 to 1.
+    #[must_use]
+    pub fn progress(&self) -> f64 {
+        match &self.source {
+            Source::Table(source) => source.progress(),
+            #[cfg(feature = "parquet")]
+            Source::Parquet(source) => source.progress(),
+            #[cfg(feature = "can")]
+            Source::Frames(source) => source.progress(),
+            #[cfg(feature = "mdf4")]
+            Source::Mdf4(source) => source.progress(),
+        }
+    }
+
+    /// What was found so far.
+    #[must_use]
+    pub fn finish(self) -> Listing {
+        match self.source {
+            Source::Table(source) => source.finish(),
+            #[cfg(feature = "parquet")]
+            Source::Parquet(source) => source.finish(),
+            #[cfg(feature = "can")]
+            Source::Frames(source) => source.finish(),
+            #[cfg(feature = "mdf4")]
+            Source::Mdf4(source) => source.finish(),
+        }
+    }
+}
+
+impl Listing {
+    /// All signals, group by group and then those of `absent`, as candidates for columns. A message that came on several
+    /// buses is there once.
+    #[must_use]
+    pub fn candidates(&self) -> Vec<Candidate> {
+        let mut candidates: Vec<Candidate> = Vec::new();
+        for (group, first) in self.groups.iter().zip(self.first_candidates()) {
+            if first == candidates.len() {
+                candidates.extend(group.signals.iter().map(|signal| Candidate {
+                    group: group.name.clone(),
+                    name: signal.name.clone(),
+                    unit: signal.unit.clone(),
+                }));
+            }
+        }
+        candidates.extend(self.absent.iter().cloned());
+        candidates
+    }
+
+    /// For each group the number of its first signal among [`Listing::candidates`]; the others follow.
+    #[must_use]
+    pub fn first_candidates(&self) -> Vec<usize> {
+        let mut next = 0;
+        let mut by_id: HashMap<&str, usize> = HashMap::new();
+        let mut firsts = Vec::with_capacity(self.groups.len());
+        for group in &self.groups {
+            let first = match &group.id {
+                Some(id) => *by_id.entry(id.as_str()).or_insert(next),
+                None => next,
+            };
+            firsts.push(first);
+            if first == next {
+                next += group.signals.len();
+            }
+        }
+        firsts
+    }
+
+    fn of_one_table(
+        columns: Vec<(String, Range)>,
+        clock: &Clock,
+        kind: &'static str,
+        notes: Vec<String>,
+    ) -> Self {
+        let signals =
+            columns.into_iter().map(|(name, range)| ListedSignal::new(name, String::new(), &range)).collect();
+        let group = ListedGroup { signals, ..ListedGroup::new(String::new(), clock) };
+        let (span_s, samples) = (clock.span_s(), clock.samples());
+        Self { groups: vec![group], kind, span_s, samples, notes, absent: Vec::new() }
+    }
+}
+
+impl ListedGroup {
+    fn new(name: String, clock: &Clock) -> Self {
+        let (rate_hz, jitter_s) = clock.rate_hz_and_jitter_s().unzip();
+        Self {
+            name,
+            id: None,
+            bus: None,
+            is_known: true,
+            samples: clock.samples(),
+            rate_hz,
+            jitter_s,
+            stated_hz: None,
+            bytes: None,
+            signals: Vec::new(),
+        }
+    }
+}
+
+impl ListedSignal {
+    fn new(name: String, unit: String, range: &Range) -> Self {
+        let (min, max) = if range.samples > 0 { (range.min, range.max) } else { (f64::NAN, f64::NAN) };
+        Self { name, unit, samples: range.samples, missing: range.missing, min, max }
+    }
+}
+
+fn unknown(found: String) -> Problem {
+    let mut expected = vec![".csv"];
+    if cfg!(feature = "parquet") {
+        expected.push(".parquet");
+    }
+    if cfg!(feature = "mdf4") {
+        expected.push(".mf4");
+    }
+    if cfg!(feature = "can") {
+        expected.extend([".log", ".candump", ".asc", ".blf"]);
+    }
+    Problem::UnknownExtension { found, expected: expected.join(", ") }
+}
+
+/// Whether a column of this name is the clock: `time_s`, `Time`, `t [s]`, `timestamps`.
+fn is_clock(name: &str) -> bool {
+    let letters: String = name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect();
+    matches!(letters.as_str(), "times" | "time" | "t" | "ts" | "timestamp" | "timestamps" | "timesec")
+}

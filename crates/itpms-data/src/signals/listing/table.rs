@@ -1,0 +1,83 @@
+//! The list of a CSV file: every column is a signal, one is the clock.
+
+use std::fs::{self, File};
+use std::io;
+use std::path::Path;
+
+use super::statistics::{Clock, Range};
+use super::{Listing, is_clock};
+use crate::error::Problem;
+use crate::log::{Lines, cells, number};
+
+/// Rows between two looks around.
+const ROWS_PER_STEP: usize = 1024;
+
+#[derive(Debug)]
+pub(super) struct TableLister {
+    lines: Lines,
+    bytes: u64,
+    names: Vec<String>,
+    ranges: Vec<Range>,
+    time: Option<usize>,
+    clock: Clock,
+    /// Rows with more or fewer cells than the header.
+    uneven: u64,
+}
+
+impl TableLister {
+    pub(super) fn open(path: &Path) -> Result<Self, Problem> {
+        let read_error = |error: io::Error| match error.kind() {
+            io::ErrorKind::NotFound => Problem::NotFound,
+            _ => Problem::Read(error),
+        };
+        let about = fs::metadata(path).map_err(read_error)?;
+        if about.is_dir() {
+            return Err(Problem::IsDirectory);
+        }
+        let mut lines = Lines::new(File::open(path).map_err(read_error)?);
+        if !lines.advance()? {
+            return Err(Problem::NoHeader("the names of the columns".to_owned()));
+        }
+        let names: Vec<String> =
+            cells(lines.text()).map(|name| String::from_utf8_lossy(name).into_owned()).collect();
+        let time = names.iter().position(|name| is_clock(name));
+        let ranges = vec![Range::default(); names.len()];
+        Ok(Self { lines, bytes: about.len(), names, ranges, time, clock: Clock::default(), uneven: 0 })
+    }
+
+    pub(super) fn step(&mut self) -> Result<bool, Problem> {
+        for _ in 0..ROWS_PER_STEP {
+            if !self.lines.advance()? {
+                return Ok(false);
+            }
+            let (mut time_s, mut found) = (f64::NAN, 0);
+            for cell in cells(self.lines.text()) {
+                let value = number(cell).unwrap_or(f64::NAN);
+                if let Some(range) = self.ranges.get_mut(found) {
+                    range.add(value);
+                }
+                if self.time == Some(found) {
+                    time_s = value;
+                }
+                found += 1;
+            }
+            self.uneven += u64::from(found != self.names.len());
+            self.clock.tick(time_s);
+        }
+        Ok(true)
+    }
+
+    pub(super) fn progress(&self) -> f64 {
+        self.lines.position() as f64 / self.bytes.max(1) as f64
+    }
+
+    pub(super) fn finish(self) -> Listing {
+        let mut notes = Vec::new();
+        if self.uneven > 0 {
+            notes.push(format!("{} rows have more or fewer cells than the header", self.uneven));
+        }
+        let columns = self.names.into_iter().zip(self.ranges).enumerate();
+        let columns = columns.filter(|(place, _)| self.time != Some(*place)).map(|(_, column)| column);
+        Listing::of_one_table(columns.collect(), &self.clock, "table", notes)
+    }
+}
