@@ -37,6 +37,24 @@ pub enum CanProblem {
         /// The line's beginning.
         found: String,
     },
+    /// A BLF that is none.
+    #[error("found {found:?} at the beginning of {bytes} bytes, expected a BLF header that begins with LOGG")]
+    NoHeader {
+        /// Its first bytes.
+        found: String,
+        /// The file's size.
+        bytes: u64,
+    },
+    /// A BLF without any object.
+    #[error(
+        "nothing in the file is understood; at byte {byte}: found {found}, expected an object that begins with LOBJ"
+    )]
+    NoObject {
+        /// Where.
+        byte: u64,
+        /// What is there.
+        found: String,
+    },
     /// A frame that a log cannot hold.
     #[error("frame {number}: time is {time_s} s, expected 0 s to the end of the year 9999")]
     Time {

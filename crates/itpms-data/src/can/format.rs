@@ -9,9 +9,10 @@ use crate::error::{DataError, Problem};
 pub(super) enum LogFormat {
     Candump,
     Asc,
+    Blf,
 }
 
-const EXPECTED: &str = ".log, .candump or .asc";
+const EXPECTED: &str = ".log or .candump (candump), .asc or .blf";
 
 impl LogFormat {
     /// The format of a file by its extension, upper or lower case.
@@ -20,6 +21,7 @@ impl LogFormat {
         match extension.as_deref() {
             Some("log" | "candump") => Ok(LogFormat::Candump),
             Some("asc") => Ok(LogFormat::Asc),
+            Some("blf") => Ok(LogFormat::Blf),
             other => {
                 let found = match other {
                     Some(extension) => format!("unknown file extension .{extension}"),

@@ -13,6 +13,7 @@
 //! Memory is bounded whatever a file says: a line of 4 kB, and of a BLF one container.
 
 mod asc;
+mod blf;
 mod calendar;
 pub mod candump;
 mod digits;

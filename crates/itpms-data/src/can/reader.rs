@@ -5,6 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::asc::AscReader;
+use super::blf::BlfReader;
 use super::candump::CandumpReader;
 use super::format::LogFormat;
 use super::frame::CanFrame;
@@ -24,13 +25,14 @@ pub struct FrameReader {
 enum Source {
     Candump(CandumpReader),
     Asc(AscReader),
+    Blf(BlfReader),
 }
 
 impl FrameReader {
-    /// Opens a log: `.log`, `.candump` or `.asc`.
+    /// Opens a log: `.log` or `.candump` (candump), `.asc` or `.blf`.
     ///
     /// # Errors
-    /// There is no such file, it cannot be read, or its extension is another.
+    /// There is no such file, it cannot be read, its extension is another, or a BLF has no header.
     pub fn open(path: &Path) -> Result<Self, DataError> {
         let format = LogFormat::of(path)?;
         let fail = |problem| DataError::new(path, problem);
@@ -47,6 +49,7 @@ impl FrameReader {
         let source = match format {
             LogFormat::Candump => Source::Candump(CandumpReader::new(file, metadata.len())),
             LogFormat::Asc => Source::Asc(AscReader::new(file, metadata.len())),
+            LogFormat::Blf => Source::Blf(BlfReader::new(file, metadata.len()).map_err(fail)?),
         };
         Ok(Self { path: path.to_owned(), source, repairs: FrameRepairs::default(), is_over: false })
     }
@@ -62,6 +65,7 @@ impl FrameReader {
         let next = match &mut self.source {
             Source::Candump(source) => source.next_frame(&mut self.repairs),
             Source::Asc(source) => source.next_frame(&mut self.repairs),
+            Source::Blf(source) => source.next_frame(&mut self.repairs),
         };
         match next {
             Ok(Some(frame)) => {
@@ -85,6 +89,7 @@ impl FrameReader {
         match &self.source {
             Source::Candump(source) => source.progress(),
             Source::Asc(source) => source.progress(),
+            Source::Blf(source) => source.progress(),
         }
     }
 

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::asc::AscWriter;
+use super::blf::BlfWriter;
 use super::candump;
 use super::error::CanProblem;
 use super::format::LogFormat;
@@ -26,10 +27,11 @@ enum Sink {
     /// The line in the making.
     Candump(String),
     Asc(AscWriter),
+    Blf(BlfWriter),
 }
 
 impl FrameWriter {
-    /// Starts a log: `.log`, `.candump` or `.asc`.
+    /// Starts a log: `.log` or `.candump` (candump), `.asc` or `.blf`.
     ///
     /// # Errors
     /// The extension is another, or the file cannot be made.
@@ -39,6 +41,7 @@ impl FrameWriter {
         let sink = match format {
             LogFormat::Candump => Sink::Candump(String::new()),
             LogFormat::Asc => Sink::Asc(AscWriter::default()),
+            LogFormat::Blf => Sink::Blf(BlfWriter::default()),
         };
         Ok(Self { file, sink, frames: 0 })
     }
@@ -61,6 +64,7 @@ impl FrameWriter {
                 self.file.append(line.as_bytes())
             }
             Sink::Asc(sink) => sink.write(&mut self.file, frame),
+            Sink::Blf(sink) => sink.write(&mut self.file, frame),
         }
     }
 
@@ -78,6 +82,7 @@ impl FrameWriter {
         match &mut self.sink {
             Sink::Candump(_) => {}
             Sink::Asc(sink) => sink.finish(&mut self.file)?,
+            Sink::Blf(sink) => sink.finish(&mut self.file)?,
         }
         self.file.settle()?;
         Ok(self.file)

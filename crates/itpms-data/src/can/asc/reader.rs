@@ -55,6 +55,10 @@ impl AscReader {
     ) -> Result<Option<CanFrame>, Problem> {
         while self.lines.advance().map_err(Problem::Read)? {
             match parse(self.lines.text(), self.base) {
+                // The last number of a frame that is cut off is another number.
+                Ok(AscLine::Frame(_)) if !self.lines.is_terminated() => {
+                    repairs.cut_off = Some(FramePlace::Line(self.lines.number()));
+                }
                 Ok(line) => {
                     if let Some(frame) = self.understood(line, repairs) {
                         return Ok(Some(frame));

@@ -105,6 +105,9 @@ impl CandumpReader {
         while self.lines.advance().map_err(Problem::Read)? {
             let place = FramePlace::Line(self.lines.number());
             match parse(self.lines.text()) {
+                Ok(_) if self.frames > 0 && !self.lines.is_terminated() && !is_whole(self.lines.text()) => {
+                    repairs.cut_off = Some(place);
+                }
                 Ok(line) => {
                     let mut frame = line.frame;
                     frame.bus = self.interfaces.bus(line.interface, frame.bus, repairs);
@@ -158,6 +161,12 @@ impl CandumpReader {
         }
         .into()
     }
+}
+
+/// Whether a last line without its end is whole all the same: `123#1122` may have been `123#112233`, but a direction or
+/// a length in brackets says that nothing is missing.
+fn is_whole(line: &[u8]) -> bool {
+    matches!(line, [.., b' ', b'R' | b'T' | b'r' | b't']) || line.contains(&b'[') || line.contains(&b'{')
 }
 
 /// Fewer stamps than this are taken as times.
