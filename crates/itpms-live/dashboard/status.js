@@ -61,7 +61,7 @@ export class Status {
       waiting: ["Waiting", `Connected to the monitor; nothing has come from ${name} yet.`],
       stale: ["Stale", `${this.since()} (${age} ago). Connected to the monitor, but nothing comes from ${name}. All values are old.`],
       ended: ["Ended", `${name} is at its end. All values are the last ones, from ${timeOfDay(this.data_ms)} (${age} ago).`],
-      gone: ["No connection", `${this.since()}. The monitor cannot be reached; ${this.pause(connection)}. All values are old.`],
+      gone: ["No connection", `${this.since()}. The monitor cannot be reached; ${this.pause(connection)}.${Number.isNaN(this.data_ms) ? "" : " All values are old."}`],
     }[state];
     document.documentElement.dataset.freshness = state;
     this.banner.dataset.state = state;
