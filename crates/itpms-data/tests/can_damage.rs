@@ -6,7 +6,7 @@
 use std::fs;
 use std::path::Path;
 
-use itpms_data::can::{FrameReader, candump};
+use itpms_data::can::{FrameKind, FrameReader, candump};
 use proptest::prelude::*;
 
 /// A small generator with a published sequence (Numerical Recipes' LCG), so that no test depends on a library's stream.
@@ -157,7 +157,7 @@ proptest! {
             // What is understood can be written and is understood the same way, up to the six digits of the stamp.
             let again = candump::format_line(&parsed.frame, "can0");
             let again = candump::parse_line(&again).unwrap().frame;
-            prop_assert_eq!(again.data(), parsed.frame.data());
+            prop_assert!(again.data() == parsed.frame.data() || again.kind == FrameKind::Error);
             prop_assert_eq!(again.kind, parsed.frame.kind);
             prop_assert!((again.time_s - parsed.frame.time_s).abs() <= 0.51e-6 + parsed.frame.time_s * 1e-15);
         }

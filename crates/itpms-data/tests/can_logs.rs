@@ -156,9 +156,9 @@ fn every_format_gives_back_what_went_in() {
             (FrameKind::Error, "all.asc") => {
                 CanFrame { id: CanId::extended(0).unwrap(), payload: Payload::EMPTY, ..*frame }
             }
-            // An error's identifier is a set of classes there, always in 29 bits.
+            // A frame's identifier is no class of errors: it is written as a bus error.
             (FrameKind::Error, "all.log" | "all.CANDUMP") => {
-                CanFrame { id: CanId::extended(frame.id.value()).unwrap(), ..*frame }
+                CanFrame { id: CanId::extended(0x80).unwrap(), payload: Payload::EMPTY, ..*frame }
             }
             _ => *frame,
         });

@@ -43,8 +43,11 @@ pub(super) fn byte(digits: &[u8]) -> Option<u8> {
     }
 }
 
-/// Digits of a time, at most: enough for the present date in nanoseconds.
-const MOST_DIGITS: usize = 19;
+/// Digits that certainly fit 64 bits: enough for the present date in nanoseconds.
+const FITTING_DIGITS: usize = 19;
+
+/// Digits of a time, at most.
+const MOST_DIGITS: usize = 40;
 
 /// A number of seconds such as `1436509052.249713`, correctly rounded. Digits and at most one point.
 pub(super) fn seconds(text: &[u8]) -> Option<f64> {
@@ -55,22 +58,19 @@ pub(super) fn seconds(text: &[u8]) -> Option<f64> {
         match byte {
             b'0'..=b'9' => {
                 digits += 1;
-                if digits > MOST_DIGITS {
-                    return None;
-                }
-                sum = sum * 10 + u64::from(byte - b'0');
+                sum = sum.wrapping_mul(10).wrapping_add(u64::from(byte - b'0'));
             }
             b'.' if fraction.is_none() => fraction = Some(digits),
             _ => return None,
         }
     }
-    if digits == 0 {
+    if !(1..=MOST_DIGITS).contains(&digits) {
         return None;
     }
     let decimals = digits - fraction.unwrap_or(digits);
     match POWERS.get(decimals) {
         // Both numbers are exact, so their quotient is rounded once.
-        Some(power) if sum < 1 << 53 => Some(sum as f64 / power),
+        Some(power) if digits <= FITTING_DIGITS && sum < 1 << 53 => Some(sum as f64 / power),
         _ => std::str::from_utf8(text).ok()?.parse().ok(),
     }
 }
@@ -95,11 +95,12 @@ mod tests {
             "1436509052.249713123",
             "9999999999.999999",
             ".5",
+            "18446744073709551617.000000",
             "7.",
         ] {
             assert_eq!(seconds(text.as_bytes()), Some(text.parse().unwrap()), "{text}");
         }
-        for text in ["", ".", "1.2.3", "-1", "1e3", "nan", "12345678901234567890"] {
+        for text in ["", ".", "1.2.3", "-1", "1e3", "nan", &"1".repeat(41)] {
             assert_eq!(seconds(text.as_bytes()), None, "{text}");
         }
     }

@@ -8,6 +8,18 @@ use crate::can::frame::{CanFrame, Direction, FrameKind};
 /// Class of an error of which the log says no more (`CAN_ERR_BUSERROR` of SocketCAN).
 const BUS_ERROR: u32 = 0x80;
 
+/// All classes of errors that SocketCAN has (linux/can/error.h).
+const CLASSES: u32 = 0x3FF;
+
+/// SocketCAN's class and details of an error. What comes from another format has the identifier of a frame, or none;
+/// of that no class is made.
+fn class_of(frame: &CanFrame) -> (u32, &[u8]) {
+    match frame.id.value() {
+        class @ 1..=CLASSES if frame.id.is_extended() => (class, frame.data()),
+        _ => (BUS_ERROR, &[]),
+    }
+}
+
 /// The line, without its end: time, interface, frame, and `R` or `T` for the direction. A time before 1970, infinite
 /// or NaN is written as zero.
 #[must_use]
@@ -24,8 +36,10 @@ pub(in crate::can) fn push_line(out: &mut String, frame: &CanFrame, interface: &
     let _ = write!(out, "({time_s:017.6}) {interface} ");
     let _ = match frame.kind {
         FrameKind::Error => {
-            let class = if frame.id.value() == 0 { BUS_ERROR } else { frame.id.value() };
-            write!(out, "{:08X}#", class | ERROR_FLAG)
+            let (class, details) = class_of(frame);
+            let done = write!(out, "{:08X}#", class | ERROR_FLAG);
+            push_bytes(out, details);
+            done
         }
         _ => write!(out, "{}#", frame.id),
     };
@@ -41,7 +55,8 @@ pub(in crate::can) fn push_line(out: &mut String, frame: &CanFrame, interface: &
             let _ = write!(out, "#{flags:X}");
             push_bytes(out, frame.data());
         }
-        FrameKind::Data | FrameKind::Error => push_bytes(out, frame.data()),
+        FrameKind::Data => push_bytes(out, frame.data()),
+        FrameKind::Error => {}
     }
     out.push_str(match frame.direction {
         Direction::Rx => " R",
