@@ -1,0 +1,112 @@
+//! `itpms convert`: what comes out reads back as what went in.
+#![cfg(all(feature = "can", feature = "mdf4", feature = "parquet"))]
+#![allow(clippy::unwrap_used, reason = "a test ends where something is wrong")]
+
+mod common;
+
+use std::path::Path;
+
+use common::Bench;
+use itpms_data::can::FrameReader;
+use itpms_data::mdf4::Mdf4Reader;
+
+const DRIVE: &str = "\
+# a tenth of a second
+time_s,speed_m_s,fl_body_accel_m_s2,fl_wheel_accel_m_s2,fl_pressure_kpa
+0,20.5,0.25,-3,240
+0.002,20.5,0.125,4.5,240
+0.004,20.5,,NaN,240
+0.006,20.5,-0.375,-1.25,240
+";
+
+/// A drive of a second, long enough that the rates of a bus can be measured.
+fn bench() -> Bench {
+    let mut text = DRIVE.to_owned();
+    for i in 4..500 {
+        let (time_s, body, wheel) = (f64::from(i) / 500.0, (f64::from(i) * 0.7).sin(), f64::from(i % 17) - 8.0);
+        text += &format!("{time_s},20.5,{body},{wheel},240\n");
+    }
+    let bench = Bench::new();
+    bench.write("drive.csv", text);
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/can");
+    for name in ["car.dbc", "map.toml"] {
+        bench.write(name, std::fs::read(examples.join(name)).unwrap());
+    }
+    bench
+}
+
+const BUS: &str = "--dbc car.dbc --signals map.toml";
+
+#[test]
+fn tables_and_mdf4_keep_every_bit() {
+    let bench = bench();
+    for line in [
+        "convert drive.csv a.mf4",
+        "convert a.mf4 b.mf4 --plain",
+        "convert b.mf4 c.parquet",
+        "convert c.parquet d.csv",
+        "convert drive.csv e.csv",
+    ] {
+        bench.run(line).success();
+    }
+    assert_eq!(bench.read("d.csv"), bench.read("e.csv"));
+    assert_eq!(bench.read("d.csv").lines().nth(3), Some("0.004,20.5,,,240"));
+
+    let reader = Mdf4Reader::open(&bench.path("b.mf4")).unwrap();
+    let channels = reader.groups()[0].channels.iter().filter(|channel| !channel.is_time);
+    let units: Vec<(&str, &str)> =
+        channels.map(|channel| (channel.name.as_str(), channel.unit.as_str())).collect();
+    assert_eq!(
+        units,
+        [
+            ("speed_m_s", "m/s"),
+            ("fl_body_accel_m_s2", "m/s^2"),
+            ("fl_wheel_accel_m_s2", "m/s^2"),
+            ("fl_pressure_kpa", "kPa"),
+        ]
+    );
+}
+
+#[test]
+fn frames_keep_their_bytes_and_signals_their_units() {
+    let bench = bench();
+    bench.run(&format!("convert drive.csv a.log {BUS}")).success();
+    for line in ["convert a.log b.asc", "convert b.asc c.blf", "convert c.blf d.log"] {
+        bench.run(line).success();
+    }
+    let frames = |name: &str| {
+        let mut reader = FrameReader::open(&bench.path(name)).unwrap();
+        let frames = std::iter::from_fn(|| reader.next_frame().unwrap());
+        frames.map(|frame| (frame.id, frame.data().to_vec())).collect::<Vec<_>>()
+    };
+    // Speed, corner and reference with every row, but no corner where an acceleration is missing.
+    assert_eq!(frames("a.log").len(), 3 * 500 - 1);
+    assert_eq!(frames("a.log"), frames("d.log"));
+
+    bench.run("convert c.blf e.mf4 --dbc car.dbc").success();
+    let reader = Mdf4Reader::open(&bench.path("e.mf4")).unwrap();
+    let index = reader.groups().iter().position(|group| group.name == "ESP_Status").unwrap();
+    let group = &reader.groups()[index];
+    let place = group.channels.iter().position(|channel| channel.name == "VehicleSpeed").unwrap();
+    assert_eq!((group.samples, group.channels[place].unit.as_str()), (Some(500), "km/h"));
+    let mut cursor = reader.cursor(index, &[place]).unwrap();
+    let mut value = [0.0];
+    assert_eq!(cursor.next(&mut value).unwrap(), Some(0.0));
+    // 20.5 m/s are 73.8 km/h, a whole number of steps of 0.01.
+    assert!((value[0] - 73.8).abs() < 1e-9);
+}
+
+#[test]
+fn what_cannot_be_done_is_said_and_leaves_nothing() {
+    let bench = bench();
+    for (line, message) in [
+        ("convert drive.csv x.xlsx", "unknown file extension .xlsx"),
+        ("convert drive.csv x.blf", "expected a DBC file (--dbc car.dbc)"),
+        ("convert drive.csv drive.csv", "is the log itself"),
+        ("convert none.mf4 x.csv", "no such file"),
+    ] {
+        let outcome = bench.run(line);
+        assert!(outcome.refusal().contains(message), "{outcome:?}");
+    }
+    assert_eq!(bench.names(), ["car.dbc", "drive.csv", "map.toml"]);
+}
