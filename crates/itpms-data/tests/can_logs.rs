@@ -273,6 +273,8 @@ fn what_is_no_log_says_what_was_found_and_what_was_expected() {
     assert!(csv.contains("line 1 is \"time_s,speed_m_s\"") && csv.contains("(1436509052.249713)"), "{csv}");
     let many = message_of("a.asc", "no such thing here\n".replace("no", "never").repeat(50_000).as_bytes());
     assert!(many.contains("none of the first 10000 lines"), "{many}");
+    let table = message_of("a.asc", b"0.0 1.5 2.5\n0.1 1.6 2.6\n");
+    assert!(table.contains("line 1 is \"0.0 1.5 2.5\""), "{table}");
     let blf = message_of("a.blf", &[b'x'; 500]);
     assert!(blf.contains("\"xxxx\"") && blf.contains("LOGG"), "{blf}");
     let mut hollow = fs::read(data("python_can.blf")).unwrap();

@@ -75,8 +75,12 @@ impl AscReader {
 
     /// Takes in what a line says; its frame if it is one.
     fn understood(&mut self, line: AscLine, repairs: &mut FrameRepairs) -> Option<CanFrame> {
-        // A comment alone does not make a file an ASC file.
-        self.any_meaning |= line != AscLine::Nothing;
+        // Neither a comment nor a number at the beginning of a line makes a file an ASC file.
+        match line {
+            AscLine::Nothing => {}
+            AscLine::Event(_) => self.remember_first(),
+            _ => self.any_meaning = true,
+        }
         match line {
             AscLine::Nothing => {}
             AscLine::Base { base, stamps } => (self.base, self.stamps) = (base, stamps),
@@ -121,13 +125,19 @@ impl AscReader {
     fn strange(&mut self, expected: &'static str, repairs: &mut FrameRepairs) -> Result<(), Problem> {
         let (number, text) = (self.lines.number(), self.lines.text());
         repairs.not_understood(FramePlace::Line(number), format!("{:?}", beginning(text)), expected);
-        if !self.any_meaning {
-            self.first_strange.get_or_insert_with(|| (number, beginning(text)));
-            if number >= MOST_LINES_OF_NOTHING {
-                return Err(self.nothing());
-            }
+        self.remember_first();
+        if !self.any_meaning && number >= MOST_LINES_OF_NOTHING {
+            return Err(self.nothing());
         }
         Ok(())
+    }
+
+    /// Keeps the present line for the message, should the whole file mean nothing.
+    fn remember_first(&mut self) {
+        if !self.any_meaning {
+            let (number, text) = (self.lines.number(), self.lines.text());
+            self.first_strange.get_or_insert_with(|| (number, beginning(text)));
+        }
     }
 
     /// The error of a file that says nothing.
