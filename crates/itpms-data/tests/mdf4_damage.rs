@@ -294,6 +294,32 @@ fn a_damaged_block_in_the_middle_costs_its_samples_and_no_others() {
 }
 
 #[test]
+fn of_a_long_file_of_ours_that_is_cut_the_part_before_the_cut_is_read() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("long.mf4");
+    // Records of 16 bytes: 65 536 in a block, sixteen blocks in a list, 1.2 million are a list and two blocks.
+    let channels = vec![ChannelSpec::new("i", "", SampleFormat::Float64)];
+    let specs = [GroupSpec { name: "g".to_owned(), comment: String::new(), channels }];
+    let mut writer = Mdf4Writer::create(&path, &specs, Compression::Transposed).unwrap();
+    for i in 0..1_200_000 {
+        writer.write(0, f64::from(i), &[f64::from(i)]).unwrap();
+    }
+    writer.finish().unwrap().commit().unwrap();
+    let bytes = fs::read(&path).unwrap();
+    put(&path, &bytes[..bytes.len() * 19 / 20]);
+    let reader = Mdf4Reader::open(&path).unwrap();
+    let mut cursor = reader.cursor(0, &[1]).unwrap();
+    let (mut value, mut read) = ([0.0], 0);
+    while let Some(time_s) = cursor.next(&mut value).unwrap() {
+        assert_eq!((time_s, value[0]), (f64::from(read), f64::from(read)));
+        read += 1;
+    }
+    assert_eq!(read, 16 * 65_536);
+    let last = cursor.repairs().last().unwrap().to_string();
+    assert_eq!(last, "group \"g\": read 1048576 of 1200000 samples, the others are not there");
+}
+
+#[test]
 fn rings_of_links_are_refused() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("ring.mf4");

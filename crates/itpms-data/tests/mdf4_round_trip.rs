@@ -32,8 +32,8 @@ fn read(path: &Path, group: usize) -> Vec<Vec<f64>> {
 #[test]
 fn groups_at_their_own_rates_come_back_with_names_units_and_values() {
     let dir = tempfile::tempdir().unwrap();
-    // 120 000 records of 18 bytes are three blocks, 30 of the other group one.
-    let (fast, slow) = (120_000, 30);
+    // A million records of 16 bytes are 17 blocks in two lists, 30 of the other group one block.
+    let (fast, slow) = (1_110_000, 30);
     let accel = |i: usize| ((i * i) % 1009) as f64 / 64.0 - 7.0;
     let raw = |i: usize| if i.is_multiple_of(7) { f64::NAN } else { (i % 5000) as f64 - 2500.0 };
     for compression in COMPRESSIONS {

@@ -217,15 +217,22 @@ impl DataStream {
     fn open_plain(&mut self, at: u64, frame: Frame) -> Result<(), Problem> {
         let there = self.file.length() - at;
         let mut length = frame.length;
+        let following = self.following(at);
         if self.unfinished.last_length {
             // The last block's length was to be written at the end: it reaches to the end of the file. If other
             // blocks follow, it is not the last, unless it has no length at all.
-            let next = self.places.partition_point(|place| *place <= at);
-            match self.places.get(next) {
+            match following {
                 None if self.is_last() => length = there,
-                Some(end) if length <= FRAME => length = end - at,
+                Some(following) if length <= FRAME => length = following - at,
                 _ => {}
             }
+        }
+        if let Some(following) = following.filter(|following| length > following - at) {
+            let found = format!("{length} bytes long, but another begins after {}", following - at);
+            self.damaged(Damage::new("data block", at, found));
+            length = following - at;
+            // Where the records of the next block begin, nobody knows.
+            self.list = List::default();
         }
         if length > there {
             let found = format!("cut off, {} of {} bytes are there", there - FRAME, length - FRAME);
@@ -233,8 +240,18 @@ impl DataStream {
             length = there;
         }
         self.count(length)?;
-        self.plain = (at + FRAME, length - FRAME);
+        self.plain = (at + FRAME, length.saturating_sub(FRAME));
         Ok(())
+    }
+
+    /// The next block behind `at` that is known of.
+    fn following(&self, at: u64) -> Option<u64> {
+        let place = self.places.get(self.places.partition_point(|place| *place <= at)).copied();
+        let link = self.list.links.last().copied().filter(|link| *link > at);
+        match (place, link) {
+            (Some(place), Some(link)) => Some(place.min(link)),
+            (place, link) => place.or(link),
+        }
     }
 
     /// Whether no further block is in the list.
