@@ -80,3 +80,44 @@ impl<S: AsyncWrite + Unpin> AsyncWrite for Patient<S> {
         self.judge(context, shut)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::future::poll_fn;
+
+    use tokio::net::{TcpListener, TcpStream};
+
+    use super::*;
+
+    #[test]
+    fn a_client_that_takes_nothing_is_given_up_and_one_that_takes_a_little_is_not() {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+        runtime.block_on(async {
+            let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+            let reader = TcpStream::connect(listener.local_addr().unwrap()).await.unwrap();
+            let (writer, _) = listener.accept().await.unwrap();
+            let mut patient = Patient::new(writer, Duration::from_secs(1));
+            // Everything that has come, five times a second, for longer than the patience: that is slow, not gone.
+            let reading = tokio::spawn(async move {
+                let mut bytes = vec![0; 1 << 16];
+                for _ in 0..8 {
+                    sleep(Duration::from_millis(200)).await;
+                    while matches!(reader.try_read(&mut bytes), Ok(1..)) {}
+                }
+                reader
+            });
+            let begun = std::time::Instant::now();
+            let error = loop {
+                let chunk = [0u8; 1 << 16];
+                let written = poll_fn(|context| Pin::new(&mut patient).poll_write(context, &chunk)).await;
+                if let Err(error) = written {
+                    break error;
+                }
+            };
+            assert_eq!(error.kind(), io::ErrorKind::TimedOut);
+            let held = begun.elapsed();
+            assert!(held > Duration::from_millis(1600), "{held:?}");
+            drop(reading.await.unwrap());
+        });
+    }
+}
