@@ -9,6 +9,7 @@ mod malfunctions;
 mod monitor;
 mod reproduce;
 mod roughness;
+mod signals;
 mod soak;
 
 use std::path::PathBuf;
@@ -30,6 +31,7 @@ pub(crate) use malfunctions::MalfunctionsArgs;
 pub(crate) use monitor::MonitorArgs;
 pub(crate) use reproduce::ReproduceArgs;
 pub(crate) use roughness::RoughnessArgs;
+pub(crate) use signals::SignalsArgs;
 pub(crate) use soak::SoakArgs;
 
 /// Indirect tire pressure monitoring: tire pressure and road from the accelerations of a car's body and wheels.
@@ -68,6 +70,7 @@ pub(crate) enum Command {
     Observability(ObservabilityArgs),
     Reproduce(ReproduceArgs),
     Roughness(RoughnessArgs),
+    Signals(SignalsArgs),
     Convert(ConvertArgs),
     Completions(CompletionsArgs),
 }

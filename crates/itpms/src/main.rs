@@ -44,6 +44,7 @@ fn main() -> ExitCode {
         Command::Reproduce(args) => commands::reproduce::run(args, &screen, &interrupt),
         Command::Roughness(args) => commands::roughness::run(args, &screen, &interrupt),
         Command::Convert(args) => commands::convert::run(args, &screen, &interrupt),
+        Command::Signals(args) => commands::signals::run(args, &screen, &interrupt),
         Command::Completions(args) => commands::completions::run(args),
     });
     match result {

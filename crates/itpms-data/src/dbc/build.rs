@@ -4,7 +4,7 @@
 
 use std::collections::HashMap;
 
-use super::draft::Draft;
+use super::draft::{Draft, MOST_COMPARISONS};
 use super::message::{Kind, Message, Signal};
 use super::problem::{Fault, Problems};
 use super::statement::{RawSignal, Statement};
@@ -169,6 +169,7 @@ impl Builder {
     /// The messages, checked, and what is wrong with them.
     pub(super) fn finish(mut self) -> (Vec<Message>, Problems) {
         let mut messages = Vec::with_capacity(self.messages.len());
+        let mut comparisons = MOST_COMPARISONS;
         for mut draft in self.messages {
             let cycle = draft.cycle_ms.take().or_else(|| self.defaults.get("GenMsgCycleTime").cloned());
             let cycle_ms = cycle.and_then(|text| text.parse().ok());
@@ -177,7 +178,7 @@ impl Builder {
             let format = draft.frame_format.take().or_else(|| self.defaults.get("VFrameFormat").cloned());
             draft.message.fd |=
                 format.is_some_and(|format| is_fd(&format, self.enumerations.get("VFrameFormat")));
-            messages.push(draft.finish(&mut self.problems));
+            messages.push(draft.finish(&mut comparisons, &mut self.problems));
         }
         (messages, self.problems)
     }

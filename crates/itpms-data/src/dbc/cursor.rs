@@ -101,6 +101,7 @@ impl<'a> Cursor<'a> {
             }
         }
         let Some(end) = end else {
+            self.advance(self.rest.len());
             return Err(Astray { found: "no end of a string".to_owned(), expected: "a quote" });
         };
         let text = self.rest[..end].replace("\\\"", "\"");
@@ -126,6 +127,11 @@ impl<'a> Cursor<'a> {
         let more = self.skip_blanks();
         let found = if more { format!("{:?}", self.beginning()) } else { "the end of the file".to_owned() };
         Astray { found, expected }
+    }
+
+    /// How far this is from an earlier place.
+    pub(super) fn bytes_since(&self, earlier: &Self) -> usize {
+        earlier.rest.len().saturating_sub(self.rest.len())
     }
 
     /// The beginning of what comes, for a message.

@@ -10,8 +10,11 @@ use super::problem::{Fault, Problems};
 use super::statement::{Multiplexing, RawSignal};
 use crate::can::CanId;
 
-/// More than any message has; keeps the comparison of each with each short.
+/// More than any message has.
 const MOST_SIGNALS: usize = 2048;
+/// Pairs of signals of a file that are looked at for overlaps; the largest in use need some hundred thousand. Keeps a file
+/// made for it from taking minutes.
+pub(super) const MOST_COMPARISONS: usize = 20_000_000;
 /// So many overlaps of one message are named.
 const NAMED_OVERLAPS: usize = 20;
 
@@ -98,8 +101,9 @@ impl Draft {
         Ok(())
     }
 
-    /// The message with the signals that make sense.
-    pub(super) fn finish(mut self, problems: &mut Problems) -> Message {
+    /// The message with the signals that make sense. `comparisons`: how many pairs of signals may still be held against
+    /// each other, in this message and all others.
+    pub(super) fn finish(mut self, comparisons: &mut usize, problems: &mut Problems) -> Message {
         let mut kept = vec![true; self.message.signals.len()];
         for (place, kept) in kept.iter_mut().enumerate() {
             let fault = self.float_fault(place).or_else(|| self.select(place).err());
@@ -112,7 +116,7 @@ impl Draft {
         let mut message = compacted(self.message, &kept);
         let new_place = new_places(&kept);
         message.order = order.into_iter().filter_map(|place| new_place[place]).collect();
-        overlaps(&message, problems);
+        overlaps(&message, comparisons, problems);
         message
     }
 
@@ -232,25 +236,29 @@ fn compacted(mut message: Message, kept: &[bool]) -> Message {
 }
 
 /// Names signals that share bits although they can be there at the same time.
-fn overlaps(message: &Message, problems: &mut Problems) {
+fn overlaps(message: &Message, comparisons: &mut usize, problems: &mut Problems) {
     let signals = &message.signals;
+    let pairs = signals.len() * signals.len() / 2;
+    if pairs > *comparisons {
+        return problems.add(message.line, Fault::NotCompared { message: message.name.clone() });
+    }
+    *comparisons -= pairs;
     let mut named = 0;
     for (place, signal) in signals.iter().enumerate() {
         for (other_place, other) in signals.iter().enumerate().take(place) {
-            if signal.layout.overlaps(&other.layout) && together(message, place, other_place) {
-                problems.add(
-                    signal.line,
-                    Fault::Overlap {
-                        message: message.name.clone(),
-                        signal: signal.name.clone(),
-                        other: other.name.clone(),
-                        other_line: other.line,
-                    },
-                );
-                named += 1;
-                if named == NAMED_OVERLAPS {
-                    return;
-                }
+            if !signal.layout.overlaps(&other.layout) || !together(message, place, other_place) {
+                continue;
+            }
+            let fault = Fault::Overlap {
+                message: message.name.clone(),
+                signal: signal.name.clone(),
+                other: other.name.clone(),
+                other_line: other.line,
+            };
+            problems.add(signal.line, fault);
+            named += 1;
+            if named == NAMED_OVERLAPS {
+                return;
             }
         }
     }
@@ -258,20 +266,17 @@ fn overlaps(message: &Message, problems: &mut Problems) {
 
 /// Whether two signals can be in one frame: no multiplexer that both depend on keeps them apart.
 fn together(message: &Message, a: usize, b: usize) -> bool {
-    let chain = |mut at: usize| {
-        let mut chain: Vec<&Selector> = Vec::new();
-        while let Some(selector) = &message.signals[at].selector
-            && chain.len() < message.signals.len()
-        {
-            chain.push(selector);
-            at = selector.switch;
-        }
-        chain
-    };
-    let (of_a, of_b) = (chain(a), chain(b));
-    of_a.iter().all(|a| {
-        of_b.iter()
+    chain(message, a).all(|a| {
+        chain(message, b)
             .filter(|b| b.switch == a.switch)
             .all(|b| a.ranges.iter().any(|(low, high)| b.ranges.iter().any(|(l, h)| low <= h && l <= high)))
     })
+}
+
+/// The multiplexers before a signal, from the nearest on.
+fn chain(message: &Message, place: usize) -> impl Iterator<Item = &Selector> {
+    let before = |selector: &&Selector| message.signals.get(selector.switch)?.selector.as_ref();
+    // There is no circle; the bound is for the reader of this line.
+    std::iter::successors(message.signals.get(place).and_then(|signal| signal.selector.as_ref()), before)
+        .take(message.signals.len())
 }

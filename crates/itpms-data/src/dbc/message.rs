@@ -157,7 +157,6 @@ impl Signal {
         }
         let within = if self.min < self.max { physical.clamp(self.min, self.max) } else { physical };
         let number = (within - self.offset) / self.factor;
-        let bits = u32::from(self.layout.bits());
         // Casts of floats keep to the range of the integer; 2^53 and above has no fractions to round.
         Some(match self.kind {
             Kind::Unsigned => (number.round() as u64).min(self.layout.mask()),
@@ -172,7 +171,6 @@ impl Signal {
             Kind::Float32 => u64::from((number as f32).to_bits()),
             Kind::Float64 => number.to_bits(),
         })
-        .filter(|_| bits > 0)
     }
 }
 

@@ -209,6 +209,12 @@ pub enum Fault {
         /// Where that is.
         other_line: u64,
     },
+    /// So many signals in the file that not all are held against each other.
+    #[error("message {message}: there are too many signals to look for overlaps; they are kept")]
+    NotCompared {
+        /// The message.
+        message: String,
+    },
     /// A statement about a signal that is not there.
     #[error("{statement} speaks of signal {signal} of message {id}, which is not there; passed over")]
     NobodyThere {

@@ -89,6 +89,9 @@ fn keyword(word: &str) -> Option<&'static str> {
     READ.iter().chain(&SKIPPED).chain(&OTHERS).find(|keyword| **keyword == word).copied()
 }
 
+/// So much text is gone back over after statements that went astray; more is no slip of an editor.
+const MOST_READ_TWICE: usize = 1 << 22;
+
 /// Hands every statement to `found` and everything unreadable to `fault`, with its line.
 pub(super) fn statements(
     text: &str,
@@ -96,6 +99,7 @@ pub(super) fn statements(
     mut fault: impl FnMut(u64, Fault),
 ) -> u64 {
     let mut at = Cursor::new(text);
+    let mut read_twice = 0;
     while at.skip_blanks() {
         let start = at;
         match next(&mut at) {
@@ -103,7 +107,10 @@ pub(super) fn statements(
             Ok(None) => {}
             Err(problem) => {
                 fault(start.line, problem);
-                at = start;
+                read_twice += at.bytes_since(&start);
+                if read_twice <= MOST_READ_TWICE {
+                    at = start;
+                }
                 at.line_rest();
             }
         }

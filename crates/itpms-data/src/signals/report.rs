@@ -133,7 +133,7 @@ impl Resolved {
             (of, 0) => format!("none of {of} signals is known to be an acceleration of a body or wheel"),
             (of, some) => {
                 format!(
-                    "{some} of {of} signals are accelerations, but no corner has that of its body and of its wheel"
+                    "{some} of {of} signals are known to be accelerations, but no corner has that of its body and of its wheel"
                 )
             }
         };

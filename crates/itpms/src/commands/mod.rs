@@ -14,6 +14,7 @@ pub(crate) mod observability;
 pub(crate) mod reproduce;
 pub(crate) mod roughness;
 pub(crate) mod score;
+pub(crate) mod signals;
 pub(crate) mod simulate;
 pub(crate) mod soak;
 

@@ -29,13 +29,13 @@ pub struct Lister {
 
 #[derive(Debug)]
 enum Source {
-    Table(table::TableLister),
+    Table(Box<table::TableLister>),
     #[cfg(feature = "parquet")]
     Parquet(Box<parquet::ParquetLister>),
     #[cfg(feature = "can")]
     Frames(Box<frames::FrameLister>),
     #[cfg(feature = "mdf4")]
-    Mdf4(mdf4::Mdf4Lister),
+    Mdf4(Box<mdf4::Mdf4Lister>),
 }
 
 /// Everything in a log.
@@ -116,10 +116,10 @@ impl Lister {
             #[cfg(feature = "can")]
             _ if is_bus_log => Source::Frames(Box::new(frames::FrameLister::open(path, dbc)?)),
             #[cfg(feature = "mdf4")]
-            "mf4" | "mdf" => Source::Mdf4(mdf4::Mdf4Lister::open(path)?),
+            "mf4" | "mdf" => Source::Mdf4(Box::new(mdf4::Mdf4Lister::open(path)?)),
             #[cfg(feature = "parquet")]
             "parquet" | "pq" => Source::Parquet(Box::new(parquet::ParquetLister::open(path).map_err(fail)?)),
-            "csv" => Source::Table(table::TableLister::open(path).map_err(fail)?),
+            "csv" => Source::Table(Box::new(table::TableLister::open(path).map_err(fail)?)),
             "" => return Err(fail(unknown("no file extension".to_owned()))),
             other => return Err(fail(unknown(format!("unknown file extension .{other}")))),
         };

@@ -1,0 +1,92 @@
+//! `itpms signals`: a log in; out come its signals with rates and ranges, and which column each would be.
+//!
+//! | room | idea |
+//! |---|---|
+//! | `table` | all of this as a table for a person |
+//! | `json` | the same for a script |
+
+mod json;
+mod table;
+
+use std::fs;
+use std::path::Path;
+
+use itpms_data::out::AtomicFile;
+use itpms_data::signals::{Chosen, Lister, Listing, Resolved, SignalMap, resolve};
+
+use crate::args::SignalsArgs;
+use crate::exit::Failure;
+use crate::interrupt::Interrupt;
+use crate::screen::Screen;
+
+pub(crate) fn run(args: &SignalsArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
+    let map = args.signals.as_deref().map(SignalMap::read).transpose()?;
+    let written = args.write_map.as_deref().map(|path| output(path, args)).transpose()?;
+    let mut lister = Lister::open(&args.log, args.dbc.as_deref())?;
+    let progress = screen.progress("reading");
+    while lister.step()? {
+        interrupt.check()?;
+        progress.set(lister.progress());
+    }
+    drop(progress);
+    let listing = lister.finish();
+    let resolved = resolve(&listing.candidates(), map.as_ref())?;
+    if let Some(mut file) = written {
+        file.append(resolved.to_toml().as_bytes())?;
+        file.settle()?;
+        file.commit()?;
+    }
+    let columns = Columns::new(&listing, &resolved);
+    if args.json {
+        screen.print(format!("{:#}", json::value(&args.log, &listing, &resolved, &columns)));
+    } else {
+        table::print(args, &listing, &resolved, &columns, screen);
+    }
+    for note in &listing.notes {
+        screen.warn(format!("{}: {note}", args.log.display()));
+    }
+    for remark in resolved.remarks() {
+        screen.warn(remark);
+    }
+    Ok(())
+}
+
+/// Starts the map's file, so that one that cannot be written is known before the work begins.
+fn output(path: &Path, args: &SignalsArgs) -> Result<AtomicFile, Failure> {
+    let inputs = [Some(args.log.as_path()), args.dbc.as_deref(), args.signals.as_deref()];
+    for input in inputs.into_iter().flatten() {
+        if fs::canonicalize(path).ok().zip(fs::canonicalize(input).ok()).is_some_and(|(a, b)| a == b) {
+            let name = path.display();
+            return Err(Failure::Usage(format!("{name}: is an input, expected another name to write to")));
+        }
+    }
+    Ok(AtomicFile::create(path)?)
+}
+
+/// Which column each listed signal would be.
+struct Columns<'a> {
+    /// For each group the number of its first signal among the candidates.
+    firsts: Vec<usize>,
+    resolved: &'a Resolved,
+    /// Candidates that are in the log, not only in its description.
+    in_log: usize,
+}
+
+impl<'a> Columns<'a> {
+    fn new(listing: &Listing, resolved: &'a Resolved) -> Self {
+        let in_log = listing.candidates().len() - listing.absent.len();
+        Self { firsts: listing.first_candidates(), resolved, in_log }
+    }
+
+    /// What the signal at this place of this group was taken for.
+    fn of(&self, group: usize, signal: usize) -> Option<&'a Chosen> {
+        let candidate = self.firsts.get(group)? + signal;
+        self.resolved.iter().find(|chosen| chosen.candidate == candidate)
+    }
+
+    /// Columns whose signals the description has and the log has not.
+    fn not_in_log(&self) -> impl Iterator<Item = &'a Chosen> {
+        let in_log = self.in_log;
+        self.resolved.iter().filter(move |chosen| chosen.candidate >= in_log)
+    }
+}
