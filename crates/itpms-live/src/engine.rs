@@ -230,7 +230,9 @@ impl Engine {
                 self.source.name, row.time_s
             )));
             let clock = drive.clock.clone();
-            **drive = Drive::new(&self.vehicle, clock, &self.options)?;
+            // A clock that was set back is no driver who has filled the tires.
+            let options = DriveOptions { calibrate_s: None, ..self.options.clone() };
+            **drive = Drive::new(&self.vehicle, clock, &options)?;
         } else if back_s >= 0.0 || !row.time_s.is_finite() {
             self.out_of_order += 1;
             return Ok(());

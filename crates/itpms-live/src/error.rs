@@ -41,6 +41,9 @@ pub enum LiveError {
         /// What the system says.
         error: io::Error,
     },
+    /// Whoever read standard output has gone away, as `head` does; no reason to complain.
+    #[error("nobody reads standard output any more")]
+    ReaderGone,
     /// An output that cannot be written.
     #[error("{target}: cannot be written: {error}")]
     Output {

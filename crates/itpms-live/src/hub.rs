@@ -98,6 +98,12 @@ impl Hub {
         self.transitions.subscribe()
     }
 
+    /// Whether anybody reads.
+    #[must_use]
+    pub fn is_read(&self) -> bool {
+        self.latest.receiver_count() > 0
+    }
+
     /// What has been.
     #[must_use]
     pub fn history(&self) -> History {

@@ -53,6 +53,7 @@ pub struct Monitor {
     /// Losses that the queue between source and estimate has had.
     queue_dropped: u64,
     lost: u64,
+    failures_told: usize,
 }
 
 impl Monitor {
@@ -78,6 +79,7 @@ impl Monitor {
             last_told: now,
             queue_dropped: 0,
             lost: 0,
+            failures_told: 0,
         }
     }
 
@@ -101,7 +103,10 @@ impl Monitor {
         let end = end?;
         last?;
         saved?;
-        outputs.into_iter().collect::<Result<(), _>>()?;
+        outputs
+            .into_iter()
+            .filter(|ended| !matches!(ended, Err(LiveError::ReaderGone)))
+            .collect::<Result<(), _>>()?;
         Ok(end)
     }
 
@@ -115,6 +120,7 @@ impl Monitor {
             }
             let closed = inputs.take(&mut taken, LOOK_EVERY) == Taken::Closed;
             self.queue_dropped = inputs.dropped();
+            self.engine.source_mut().dropped = self.queue_dropped + self.lost;
             while let Some(input) = taken.pop_front() {
                 if let Some(end) = self.take(input)? {
                     return Ok(end);
@@ -124,7 +130,7 @@ impl Monitor {
                 return Ok(End::SourceEnded);
             }
             self.look_at_the_clock();
-            if self.outputs.iter().any(Output::has_failed) {
+            if self.nobody_listens() {
                 return Ok(End::Stopped);
             }
         }
@@ -173,7 +179,6 @@ impl Monitor {
 
     fn row(&mut self, row: &LogRow, arrived: Option<Instant>) -> Result<(), LiveError> {
         self.last_row = Instant::now();
-        self.engine.source_mut().dropped = self.queue_dropped + self.lost;
         let Self { engine, hub, outputs, last_told, .. } = self;
         engine.take(row, arrived, &mut |published| {
             *last_told = Instant::now();
@@ -199,23 +204,29 @@ impl Monitor {
         }
     }
 
+    /// Whether all outputs have given up, and no page is served. One that has, while others go on, is told.
+    fn nobody_listens(&mut self) -> bool {
+        let failures: Vec<&str> = self.outputs.iter().filter_map(Output::failure).collect();
+        let over = !failures.is_empty() && failures.len() == self.outputs.len() && !self.hub.is_read();
+        if failures.len() > self.failures_told && !over {
+            self.failures_told = failures.len();
+            (self.say)(Note::Warning(format!("an output has ended: {}", failures.join("; "))));
+        }
+        over
+    }
+
     fn tell_now(&mut self) {
         self.last_told = Instant::now();
         let snapshot = self.engine.snapshot();
         publish(&self.hub, &self.outputs, Published::Estimate(snapshot));
     }
 
-    /// What waits is estimated, and the end is told.
+    /// At the end of the source what waits is estimated; that there will be nothing more is told in any case.
     fn last_words(&mut self, end: &Result<End, LiveError>) -> Result<(), LiveError> {
-        if !matches!(end, Ok(End::SourceEnded)) {
-            return Ok(());
-        }
-        if let Some(feed) = &mut self.feed {
-            feed.finish();
-            self.fed_rows()?;
-        }
-        let Self { engine, hub, outputs, .. } = self;
-        engine.finish(&mut |published| publish(hub, outputs, published))?;
+        let waiting = match end {
+            Ok(End::SourceEnded) => self.estimate_waiting(),
+            _ => Ok(()),
+        };
         self.engine.source_mut().state = SourceState::Ended;
         self.tell_now();
         let backwards = self.engine.out_of_order();
@@ -223,7 +234,16 @@ impl Monitor {
             let text = format!("{backwards} rows were not later than the ones before them and were left out");
             (self.say)(Note::Warning(text));
         }
-        Ok(())
+        waiting
+    }
+
+    fn estimate_waiting(&mut self) -> Result<(), LiveError> {
+        if let Some(feed) = &mut self.feed {
+            feed.finish();
+            self.fed_rows()?;
+        }
+        let Self { engine, hub, outputs, .. } = self;
+        engine.finish(&mut |published| publish(hub, outputs, published))
     }
 
     fn save_last(&mut self) -> Result<(), LiveError> {

@@ -138,6 +138,12 @@ impl SavedDrive {
         Ok(Drive { clock, car, gate, progress, roughness, latest: None })
     }
 
+    /// The estimator and its monitor as they were.
+    #[must_use]
+    pub fn car(&self) -> &MonitoredCar<f64> {
+        &self.car
+    }
+
     pub(crate) fn sample_rate_hz(&self) -> f64 {
         self.sample_rate_hz
     }

@@ -67,8 +67,10 @@ impl JsonLines {
     }
 
     fn flushed(&mut self, written: io::Result<()>) -> Result<(), LiveError> {
-        written
-            .and_then(|()| self.target.flush())
-            .map_err(|error| LiveError::Output { target: self.name.clone(), error })
+        let flushed = written.and_then(|()| self.target.flush());
+        flushed.map_err(|error| match error.kind() {
+            io::ErrorKind::BrokenPipe => LiveError::ReaderGone,
+            _ => LiveError::Output { target: self.name.clone(), error },
+        })
     }
 }

@@ -13,8 +13,7 @@ mod json;
 mod mqtt;
 
 use std::collections::VecDeque;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
@@ -44,7 +43,7 @@ pub enum WhenSlow {
 pub struct Output {
     queue: Arc<Queue<Published>>,
     when_slow: WhenSlow,
-    failed: Arc<AtomicBool>,
+    failed: Arc<OnceLock<String>>,
     thread: Option<JoinHandle<Result<(), LiveError>>>,
 }
 
@@ -57,7 +56,7 @@ impl Output {
         end: impl FnOnce(W) -> Result<(), LiveError> + Send + 'static,
     ) -> Self {
         let queue = Arc::new(Queue::new(WAITING));
-        let failed = Arc::new(AtomicBool::new(false));
+        let failed = Arc::new(OnceLock::new());
         let thread = thread::spawn({
             let (queue, failed) = (Arc::clone(&queue), Arc::clone(&failed));
             move || {
@@ -68,7 +67,7 @@ impl Output {
                         Taken::Some | Taken::Nothing => {}
                     }
                     if let Err(error) = write(&mut writer, &mut taken) {
-                        failed.store(true, Ordering::Relaxed);
+                        let _ = failed.set(error.to_string());
                         // Nobody shall wait for room here.
                         queue.close();
                         return Err(error);
@@ -91,10 +90,10 @@ impl Output {
         }
     }
 
-    /// Whether it has given up.
+    /// Why it has given up, if it has.
     #[must_use]
-    pub fn has_failed(&self) -> bool {
-        self.failed.load(Ordering::Relaxed)
+    pub fn failure(&self) -> Option<&str> {
+        self.failed.get().map(String::as_str)
     }
 
     /// What was lost because the output was slow.

@@ -1,0 +1,201 @@
+//! The estimating thread: it says when nothing comes, goes on bit by bit from a saved state, and waits for no output.
+
+mod common;
+
+use std::io::{self, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc;
+use std::sync::{Arc, Mutex};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use common::{rows, say, snapshot, transition};
+use itpms_core::sample::Corner;
+use itpms_data::{LogRow, Vehicle};
+use itpms_live::drive::{Clock, Drive, DriveOptions};
+use itpms_live::engine::{Engine, Published};
+use itpms_live::hub::Hub;
+use itpms_live::input::{Input, SourceName};
+use itpms_live::monitor::{End, Monitor};
+use itpms_live::output::{JsonLines, WhenSlow};
+use itpms_live::queue::Queue;
+use itpms_live::snapshot::SourceState;
+use itpms_live::state::SavedDrive;
+
+fn engine(saved: Option<SavedDrive>) -> Engine {
+    let source = SourceName { name: "test".to_owned(), kind: "replay" };
+    Engine::new(Vehicle::paper(), DriveOptions::default(), source, saved, say())
+}
+
+fn opened() -> Input {
+    Input::Opened { sample_rate_hz: 200.0, corners: Corner::ALL.to_vec() }
+}
+
+fn input(row: LogRow) -> Input {
+    Input::Row { row, arrived: Instant::now() }
+}
+
+/// Estimates of these rows as JSON, without what depends on the wall clock; and the bytes of the state after them.
+fn estimated(mut engine: Engine, rows: impl Iterator<Item = LogRow>) -> (Vec<String>, Vec<u8>) {
+    let mut told = Vec::new();
+    engine.open(200.0, &Corner::ALL).unwrap();
+    for row in rows {
+        engine
+            .take(&row, None, &mut |published| {
+                if let Published::Estimate(snapshot) = published {
+                    let wheels = serde_json::to_string(&snapshot.wheels).unwrap();
+                    told.push(format!("{} {} {wheels}", snapshot.time_s, snapshot.distance_m));
+                }
+            })
+            .unwrap();
+    }
+    let saved = engine.saved().unwrap();
+    (told, saved)
+}
+
+#[test]
+fn a_saved_drive_goes_on_to_the_same_bits() {
+    let (all, last) = estimated(engine(None), rows(8000));
+    let (first, saved) = estimated(engine(None), rows(3333));
+    let options = DriveOptions::default();
+    let saved = SavedDrive::parse(&saved, &Vehicle::paper(), &options).unwrap();
+    let (second, last_again) = estimated(engine(Some(saved)), rows(8000).skip(3333));
+    assert_eq!(all.len(), 400);
+    // The roughness of a segment that a restart has cut in two is not known; all else is the same.
+    let plain = |lines: &[String]| lines.iter().map(|line| strip(line)).collect::<Vec<_>>();
+    assert_eq!(plain(&[first, second].concat()), plain(&all));
+    // The estimator itself, every bit of it, is in the state.
+    let car = |bytes: &[u8]| SavedDrive::parse(bytes, &Vehicle::paper(), &options).unwrap();
+    assert_eq!(format!("{:?}", car(&last).car()), format!("{:?}", car(&last_again).car()));
+}
+
+/// A line without its roughness.
+fn strip(line: &str) -> String {
+    let mut parts = line.split(",\"iri_m_per_km\":");
+    let first = parts.next().unwrap().to_owned();
+    parts.fold(first, |all, part| all + &part[part.find('}').unwrap()..])
+}
+
+#[test]
+fn a_state_that_is_damaged_foreign_or_of_another_car_is_refused_in_words() {
+    let (_, bytes) = estimated(engine(None), rows(1000));
+    let (vehicle, options) = (Vehicle::paper(), DriveOptions::default());
+    let refusal = |bytes: &[u8], vehicle: &Vehicle| SavedDrive::parse(bytes, vehicle, &options).unwrap_err();
+    // Any byte, also of the checksum itself.
+    for place in (0..bytes.len()).step_by(bytes.len() / 97) {
+        let mut damaged = bytes.clone();
+        damaged[place] ^= 0x10;
+        let why = refusal(&damaged, &vehicle);
+        assert!(why.contains("damaged") || why.contains("no saved state"), "{place}: {why}");
+    }
+    for length in [0, 5, 30, 40, bytes.len() / 2, bytes.len() - 1] {
+        refusal(&bytes[..length], &vehicle);
+    }
+    let mut other = vehicle.clone();
+    other.corners[0].as_mut().unwrap().placard_kpa = 250.0;
+    assert!(refusal(&bytes, &other).contains("set of parameters"));
+    let regulation = itpms_core::monitor::Regulation::ALL.into_iter().find(|r| *r != options.regulation);
+    let others = DriveOptions { regulation: regulation.unwrap(), ..options.clone() };
+    assert!(SavedDrive::parse(&bytes, &vehicle, &others).unwrap_err().contains("was made with"));
+    assert!(SavedDrive::parse(&bytes, &vehicle, &options).is_ok());
+}
+
+#[test]
+fn silence_is_told_within_a_second_and_a_half_and_rows_end_it() {
+    let hub = Hub::new();
+    let inputs = Arc::new(Queue::new(1000));
+    let monitor = Monitor::new(engine(None), Arc::clone(&hub), vec![], None, say());
+    let thread = thread::spawn({
+        let inputs = Arc::clone(&inputs);
+        move || monitor.run(&inputs, || false).unwrap()
+    });
+    let state = |hub: &Hub| hub.latest().map(|snapshot| snapshot.source.state);
+    let wait = |wanted: SourceState, most: Duration| {
+        let start = Instant::now();
+        while state(&hub) != Some(wanted) {
+            assert!(start.elapsed() < most, "{:?} instead of {wanted:?}", state(&hub));
+            thread::sleep(Duration::from_millis(5));
+        }
+        start.elapsed()
+    };
+    inputs.push(opened());
+    let mut drive = rows(600);
+    inputs.push_all(drive.by_ref().take(300).map(input));
+    wait(SourceState::Live, Duration::from_secs(5));
+    let silent = wait(SourceState::Stale, Duration::from_secs(5));
+    // A second of silence, a look at the clock every 50 ms, and a busy machine.
+    assert!(silent < Duration::from_millis(2500), "{silent:?}");
+    assert!(!hub.latest().unwrap().all_fine);
+    inputs.push_all(drive.map(input));
+    wait(SourceState::Live, Duration::from_secs(5));
+    inputs.push(Input::Ended);
+    assert_eq!(thread.join().unwrap(), End::SourceEnded);
+    assert_eq!(state(&hub), Some(SourceState::Ended));
+    assert_eq!(hub.latest().unwrap().source.rows, 600);
+}
+
+#[test]
+fn a_drive_that_begins_again_begins_afresh_and_single_late_rows_are_left_out() {
+    let mut engine = engine(None);
+    engine.open(200.0, &Corner::ALL).unwrap();
+    let mut take = |row: &LogRow| engine.take(row, None, &mut |_| {}).unwrap();
+    rows(1000).for_each(|row| take(&row));
+    take(&rows(1).next().map(|row| LogRow { time_s: 4.0, ..row }).unwrap());
+    rows(500).for_each(|row| take(&row));
+    assert_eq!((engine.out_of_order(), engine.snapshot().source.rows), (1, 1500));
+    assert_eq!(engine.drive().unwrap().time_s(), 499.0 / 200.0);
+    // As if there had been nothing before.
+    let clock = Clock { sample_rate_hz: 200.0, corners: Corner::ALL.to_vec() };
+    let mut alone = Drive::new(&Vehicle::paper(), clock, &DriveOptions::default()).unwrap();
+    rows(500).for_each(|row| drop(alone.update(&row, |_, _| {})));
+    assert_eq!(format!("{:?}", engine.drive().unwrap().latest()), format!("{:?}", alone.latest()));
+}
+
+/// Takes nothing until it is let go.
+struct Stuck {
+    gate: mpsc::Receiver<()>,
+    open: Arc<AtomicBool>,
+    text: Arc<Mutex<Vec<u8>>>,
+}
+
+impl Write for Stuck {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if !self.open.load(Ordering::Relaxed) {
+            let _ = self.gate.recv();
+        }
+        self.text.lock().unwrap().extend(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+#[test]
+fn a_reader_that_does_not_read_stalls_nothing_and_gets_every_warning_in_the_end() {
+    let (release, gate) = mpsc::channel();
+    let open = Arc::new(AtomicBool::new(false));
+    let text = Arc::new(Mutex::new(Vec::new()));
+    let stuck = Stuck { gate, open: Arc::clone(&open), text: Arc::clone(&text) };
+    let output = JsonLines::to("stuck", Box::new(stuck)).start(WhenSlow::LoseEstimates);
+    let start = Instant::now();
+    for seq in 0..20_000 {
+        output.publish(&Published::Estimate(snapshot(seq)));
+        if seq % 100 == 0 {
+            output.publish(&Published::Warning(transition(seq / 100)));
+        }
+    }
+    assert!(start.elapsed() < Duration::from_secs(2), "{:?}", start.elapsed());
+    assert!(output.dropped() > 10_000);
+    open.store(true, Ordering::Relaxed);
+    release.send(()).unwrap();
+    output.finish().unwrap();
+    let text = String::from_utf8(text.lock().unwrap().clone()).unwrap();
+    let lines = text.lines().map(|line| serde_json::from_str::<serde_json::Value>(line).unwrap());
+    let lines: Vec<_> = lines.collect();
+    let of = |kind: &'static str| lines.iter().filter(move |line| line["type"] == kind);
+    let warnings: Vec<u64> = of("warning").map(|line| line["seq"].as_u64().unwrap()).collect();
+    assert!(warnings.into_iter().eq(0..200));
+    assert_eq!(of("estimate").next_back().unwrap()["seq"], 19_999);
+}
