@@ -226,3 +226,20 @@ fn an_unfinalised_file_is_read_to_its_end_and_that_is_said() {
     let cut = Mdf4Repair::PartialRecord { group: "fast".to_owned(), bytes: 5 };
     assert_eq!(found.repairs, [cut]);
 }
+
+#[test]
+fn a_file_whose_writer_was_killed_and_never_said_so_is_read_to_its_end() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("killed.mf4");
+    let mut bytes = std::fs::read(file("unfinalised.mf4")).unwrap();
+    bytes[..8].copy_from_slice(b"MDF     ");
+    bytes[60] = 0;
+    std::fs::write(&path, bytes).unwrap();
+    let reader = Mdf4Reader::open(&path).unwrap();
+    assert_eq!(reader.repairs(), [Mdf4Repair::CountZero { group: "fast".to_owned() }]);
+    let found = read(&reader, "accel");
+    same(&found.times, FAST, fast_time);
+    same(&found.values, FAST, accel);
+    let said = found.repairs[0].to_string();
+    assert!(said.ends_with("has no length; it is taken to reach to the end of the file"), "{said}");
+}

@@ -12,6 +12,9 @@ use crate::error::Problem;
 
 const CONVERSION: Kind = Kind { name: "conversion", id: b"##CC", links: 4, data: 24, most: 24 + 8 * 65_535 };
 
+/// Numbers of all tables of a file.
+const MOST_NUMBERS: usize = 1 << 21;
+
 /// Tables whose values are converted again, one inside the other.
 const DEEPEST: usize = 4;
 
@@ -123,6 +126,8 @@ fn find<T>(ranges: &[T], x: f64, raw: Raw, ends: impl Fn(&T) -> (f64, f64)) -> O
 #[derive(Debug, Default)]
 pub(super) struct Conversions {
     known: HashMap<u64, (Arc<Conversion>, u64)>,
+    /// Numbers of their tables so far.
+    numbers: usize,
 }
 
 impl Conversions {
@@ -163,6 +168,12 @@ impl Conversions {
         let claimed = usize::from(block.u16(6));
         let value = |i: usize| block.f64(CONVERSION.data + 8 * i);
         let values: Vec<f64> = (0..claimed.min(stored)).map(value).collect();
+        self.numbers += values.len();
+        if self.numbers > MOST_NUMBERS {
+            let why =
+                format!("converted by a table beyond the {MOST_NUMBERS} numbers that all tables may have");
+            return Ok(Conversion::Unreadable(why));
+        }
         let kind = block.u8(0);
         let references = usize::from(block.u16(4));
         let too_few = || Conversion::Unreadable(format!("converted by a table of {} numbers", values.len()));

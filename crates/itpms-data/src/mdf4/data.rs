@@ -227,6 +227,12 @@ impl DataStream {
                 _ => {}
             }
         }
+        if frame.length <= FRAME && length <= FRAME && there > FRAME && following.is_none() && self.is_last()
+        {
+            let found = "has no length; it is taken to reach to the end of the file";
+            self.damaged(Damage::new("data block", at, found));
+            length = there;
+        }
         if let Some(following) = following.filter(|following| length > following - at) {
             let found = format!("{length} bytes long, but another begins after {}", following - at);
             self.damaged(Damage::new("data block", at, found));

@@ -11,8 +11,8 @@
 //! | [`Mdf4Writer`] | groups at native rates, compressed or not, written as a stream |
 //!
 //! What is readable of a file that is damaged, cut off or was never finished is read; what had to be mended or left out
-//! is an [`Mdf4Repair`]. Memory is bounded whatever a file says: texts 32 MB, 131 072 channels, and per cursor one data
-//! block (see [`Mdf4Reader::cursor`]).
+//! is an [`Mdf4Repair`]. Memory is bounded whatever a file says: texts 64 MB, tables of conversions 100 MB, 131 072
+//! channels, and per cursor one data block (see [`Mdf4Reader::cursor`]).
 //!
 //! Not read: text and bytes (listed), arrays, formulas in words, the compressions of MDF 4.3.
 //!

@@ -193,7 +193,7 @@ fn forget_zero_counts(
     }
     for (data, groups) in structure.data.iter().zip(groups_of) {
         let counted = groups.iter().any(|group| structure.groups[*group].samples != Some(0));
-        if counted || data.data == 0 || !has_data(file, data.data)? {
+        if counted || data.data == 0 || !has_data(file, data.data, &structure.places)? {
             continue;
         }
         for group in groups {
@@ -205,9 +205,13 @@ fn forget_zero_counts(
     Ok(())
 }
 
-fn has_data(file: &mut BlockFile, at: u64) -> Result<bool, Problem> {
+/// Whether a data block has data; the last of a file may have them without a length.
+fn has_data(file: &mut BlockFile, at: u64, places: &[u64]) -> Result<bool, Problem> {
     match file.frame("data block", at) {
-        Ok(frame) => Ok(frame.length > FRAME),
+        Ok(frame) => {
+            let last = places.last().is_none_or(|place| *place <= at);
+            Ok(frame.length > FRAME || (last && at + FRAME < file.length()))
+        }
         Err(Fault::Damaged(_)) => Ok(false),
         Err(Fault::System(error)) => Err(Problem::Read(error)),
     }

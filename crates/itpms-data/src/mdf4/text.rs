@@ -15,13 +15,14 @@ const LONGEST: usize = 1000;
 /// How much of a comment is looked through for its text.
 const LOOKED_THROUGH: u64 = 1 << 16;
 
-/// All texts together, in bytes.
+/// All texts together, in bytes; as much again is remembered of those that may be asked for again.
 const ALL: usize = 32 << 20;
 
 /// Texts that were read, by their place: many channels share a unit.
 #[derive(Debug, Default)]
 pub(super) struct Texts {
     known: HashMap<u64, Arc<str>>,
+    remembered: usize,
     used: usize,
     full: bool,
 }
@@ -47,7 +48,10 @@ impl Texts {
                         "".into()
                     }
                 };
-                self.known.insert(at, Arc::clone(&text));
+                if self.remembered + text.len() <= ALL {
+                    self.remembered += text.len();
+                    self.known.insert(at, Arc::clone(&text));
+                }
                 text
             }
         };
