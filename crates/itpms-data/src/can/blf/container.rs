@@ -285,3 +285,52 @@ fn inflate(input: &[u8], whole: usize, out: &mut Vec<u8>) -> Ended {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+
+    use flate2::Compression;
+    use flate2::write::ZlibEncoder;
+
+    use super::*;
+
+    fn deflated(data: &[u8]) -> Vec<u8> {
+        let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
+        encoder.write_all(data).unwrap();
+        encoder.finish().unwrap()
+    }
+
+    #[test]
+    fn a_small_container_that_inflates_to_very_much_is_stopped() {
+        let bomb = deflated(&vec![0; 3 * MOST_BYTES]);
+        assert!(bomb.len() < 64 << 10);
+        for claimed in [0, 1000, 3 * MOST_BYTES, u32::MAX as usize] {
+            let mut out = Vec::new();
+            let ended = inflate(&bomb, claimed, &mut out);
+            assert!(!ended.is_whole);
+            assert_eq!(out.len(), MOST_BYTES);
+            assert!(out.capacity() <= MOST_BYTES);
+        }
+    }
+
+    #[test]
+    fn what_is_there_of_a_cut_container_is_inflated() {
+        // Numbers that do not compress, so that half the stream is half the data.
+        let step = |state: &mut u64| {
+            *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            Some((*state >> 56) as u8)
+        };
+        let data: Vec<u8> = std::iter::repeat_n((), 100_000).scan(1, |state, ()| step(state)).collect();
+        let whole = deflated(&data);
+        let mut out = Vec::new();
+        let ended = inflate(&whole, data.len(), &mut out);
+        assert!(ended.is_whole && ended.used == whole.len());
+        assert_eq!(out, data);
+        let mut half = Vec::new();
+        let ended = inflate(&whole[..whole.len() / 2], data.len(), &mut half);
+        assert!(!ended.is_whole);
+        assert!(half.len() > data.len() / 3 && data.starts_with(&half));
+        assert!(!inflate(&[], 10, &mut Vec::new()).is_whole);
+    }
+}
