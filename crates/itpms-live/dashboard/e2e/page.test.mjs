@@ -185,6 +185,8 @@ for (const [name, options] of [
     await check();
     const { wide, room } = await page.evaluate(() => ({ wide: document.documentElement.scrollWidth, room: innerWidth }));
     assert.ok(wide <= room, `${wide} pixels in ${room}`);
+    const cut = await page.evaluate(() => [...document.querySelectorAll("#alert-table, .card, .facts, #status, .panel")].filter((box) => box.scrollWidth > box.clientWidth + 1).map((box) => box.id || box.className));
+    assert.deepEqual(cut, []);
   });
 }
 
