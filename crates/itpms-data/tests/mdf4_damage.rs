@@ -169,7 +169,7 @@ fn ten_thousand_changed_files_bring_no_panic_and_no_hang() {
 }
 
 /// One change: a byte, a number that may be a length or a link, a piece that is missing, twice there, or zeros.
-fn change(bytes: &mut Vec<u8>, dice: &mut Dice) {
+fn change(bytes: &mut [u8], dice: &mut Dice) {
     let length = bytes.len();
     let at = dice.roll(length);
     // Lengths, links and counts lie on multiples of eight.
