@@ -3,33 +3,207 @@ line, what was seen and whether that is right.
 
     judge.py DIR
 
-Called by `run`. Knows nothing of how the machine is made.
+Called by `run`. Knows nothing of how the machine is made. The frames that the monitor sent are decoded here once more,
+from the DBC that it printed, without the project's own decoder.
 """
 
+import json
+import re
 import sys
 from pathlib import Path
+
+CORNERS = ["fl", "fr", "rl", "rr"]
+HZ = 10.0
+# What drive.toml says.
+TRUTH_KPA = {"fl": 137.9, "fr": 241.3, "rl": 241.3, "rr": 241.3}
+COMPLETE_LOSS_S = 12.5
 
 failures = []
 
 
-def check(what, holds):
+def check(holds, what):
     print(f"{'ok    ' if holds else 'FAILED'}  {what}")
     if not holds:
         failures.append(what)
 
 
+class Marks:
+    """What the scenario wrote down: a time since the start, a word and more words."""
+
+    def __init__(self, out):
+        self.lines = [line.split() for line in (out / "marks").read_text().splitlines()]
+        first_frame_s = float((out / "hello.log").read_text().split()[0].strip("()"))
+        self.start_unix_s = 0.0
+        self.start_unix_s = first_frame_s - self.time_s("hello")
+
+    def time_s(self, *words):
+        """In seconds since 1970, as the estimates have it, to some 20 ms."""
+        return next(self.start_unix_s + float(line[0]) for line in self.lines if line[1 : 1 + len(words)] == list(words))
+
+    def rest(self, *words):
+        return next(line[1 + len(words) :] for line in self.lines if line[1 : 1 + len(words)] == list(words))
+
+
+class Run:
+    """One start of the monitor: its lines of JSON and the bounds of its life."""
+
+    def __init__(self, out, name, marks):
+        lines = [json.loads(line) for line in (out / f"{name}.jsonl").read_text().splitlines()]
+        self.estimates = [line for line in lines if line["type"] == "estimate"]
+        self.warnings = [line for line in lines if line["type"] == "warning"]
+        self.said = (out / f"{name}.txt").read_text()
+        self.exit_code = int(marks.rest("ended", name)[0])
+        self.stopping_s = marks.time_s("ended", name) - marks.time_s("stop", name)
+        ticks = marks.rest("used", name)
+        self.load = (int(ticks[0]) + int(ticks[1])) / 100 / (marks.time_s("stop", name) - marks.time_s("start", name))
+        self.memory_mb = int(ticks[2]) / 1000
+
+    def between(self, from_s, to_s):
+        return [line for line in self.estimates if from_s <= line["unix_s"] < to_s]
+
+    def begun(self, kind):
+        return [line for line in self.warnings if line["event"] == "begun" and line["kind"] == kind]
+
+
+def states(estimate):
+    return {wheel["corner"]: wheel["state"] for wheel in estimate["wheels"]}
+
+
 def hello(out):
     """Three frames sent by hand: a standard one, an extended one, one of CAN FD."""
     seen = [line.split(" ", 2)[2] for line in (out / "hello.log").read_text().splitlines()]
-    # candump writes the flags of an FD frame behind `##`; the bit-rate switch is bit 0, and kernels since 6.1 set bit 2 (FDF).
-    check(f"candump saw the frames of cansend: {seen}", len(seen) == 3
-          and seen[:2] == ["123#DEADBEEF", "1ABCDEF0#01"]
-          and seen[2].startswith("7FF##") and seen[2].endswith("000102030405060708090A0B"))
+    # Behind `##` are the flags of an FD frame: the bit-rate switch, and on newer kernels the bit that says "FD".
+    expected = re.compile(r"123#DEADBEEF 1ABCDEF0#01 7FF##[15]000102030405060708090A0B")
+    check(expected.fullmatch(" ".join(seen)), f"candump saw the frames of cansend: {' '.join(seen)}")
+
+
+def puncture(first, marks):
+    """The tire that goes down is named, once, in time; no other is."""
+    start_s = marks.time_s("play", "puncture")
+    rows = first.between(start_s, marks.time_s("played", "puncture"))
+    rate_hz = len(rows) / (rows[-1]["unix_s"] - rows[0]["unix_s"])
+    check(abs(rate_hz - HZ) < 0.05 * HZ, f"{len(rows)} estimates, {rate_hz:.2f} per second")
+    said = first.begun("under-inflated")
+    check([alert["wheels"] for alert in said] == [["fl"]], f"warned of: {[alert['text'] for alert in said]}")
+    after_s = said[0]["unix_s"] - start_s - COMPLETE_LOSS_S if said else float("nan")
+    check(abs(after_s) <= 3.0, f"warned {after_s:+.1f} s from the complete loss")
+    others = [alert["text"] for alert in first.warnings if alert["wheels"] != ["fl"]]
+    check(not others, f"nothing else was said, but {others}")
+    last = first.estimates[-1]
+    for wheel in last["wheels"]:
+        # Five standard deviations: this asks whether the wheels were mixed up, not how good the estimator is.
+        error, sd = wheel["pressure_kpa"] - TRUTH_KPA[wheel["corner"]], wheel["pressure_sd_kpa"]
+        expected = "low" if wheel["corner"] == "fl" else "fine"
+        check(wheel["state"] == expected and abs(error) < 5.0 * sd < 60.0,
+              f"{wheel['corner']} {wheel['state']}: {wheel['pressure_kpa']:.1f} kPa, sd {sd:.1f}, error {error:+.1f}")
+
+
+def outage(run, marks, gone, back, part):
+    """While the interface is away what is said is old, and says so; then estimates go on."""
+    gone_s, back_s, play_s = marks.time_s(gone), marks.time_s(back), marks.time_s("play", part)
+    # Stale after a second without a row; told again every second.
+    while_away = [line["source"]["state"] for line in run.between(gone_s + 1.5, back_s)]
+    check(while_away and set(while_away) == {"stale"}, f"{gone}: the source is {while_away}")
+    check(not any(line["all_fine"] for line in run.between(gone_s, play_s)), f"{gone}: nobody said that all is fine")
+    live = [line["unix_s"] for line in run.between(play_s, play_s + 30.0) if line["source"]["state"] == "live"]
+    wait_s = live[0] - play_s if live else float("nan")
+    check(wait_s < 5.0, f"{back}: estimates {wait_s:.2f} s after the first frame")
+
+
+def counters(first):
+    source = first.estimates[-1]["source"]
+    print("        counted:", json.dumps(source))
+    check(source["dropped"] == 0, f"{source['frames']} frames, none lost")
+    check(source["reconnects"] == 3, f"{source['reconnects']} reconnects")
+    check(source["unknown_ids"] == 1 and source["malformed"] == 0, f"{source['unknown_ids']} frame with an unknown identifier")
+    check("bus-off" in first.said, f"said: {first.said.splitlines()}")
+
+
+def layouts(dbc):
+    """Per identifier, name and place of its signals: first bit, bits, factor. Ours are all unsigned and little-endian."""
+    signal = re.compile(r" SG_ (\w+) : (\d+)\|(\d+)@1\+ \(([^,]+),")
+    messages = {}
+    for line in dbc.read_text().splitlines():
+        if line.startswith("BO_ "):
+            current = messages.setdefault(int(line.split()[1]), {})
+        elif found := signal.match(line):
+            current[found[1]] = (int(found[2]), int(found[3]), float(found[4]))
+    return messages
+
+
+def sets_of_frames(log, messages):
+    """What the frames say, from one status frame to the next, as raw values."""
+    sets = []
+    for line in log.read_text().splitlines():
+        identifier, data = line.split()[2].split("#")
+        bits = int.from_bytes(bytes.fromhex(data), "little")
+        places = messages[int(identifier, 16)]
+        if "ITPMS_Counter" in places:
+            sets.append({})
+        if sets:
+            sets[-1] |= {name: bits >> start & (1 << length) - 1 for name, (start, length, _) in places.items()}
+    return sets
+
+
+def sent(out, log, run):
+    """The frames of our own DBC say what the lines of JSON say, within their quantisation."""
+    messages = layouts(out / "itpms.dbc")
+    places = {name: place for layout in messages.values() for name, place in layout.items()}
+    # Before the first row there are no wheels, and none are sent.
+    sets = [values for values in sets_of_frames(out / log, messages) if len(values) == len(places)]
+    estimates = [estimate for estimate in run.estimates if estimate["wheels"]]
+
+    def same(values, name, value):
+        _, length, factor = places[name]
+        if value is None:  # all bits set: not available
+            return values[name] == (1 << length) - 1
+        return abs(values[name] * factor - value) <= 0.5 * factor + 1e-9
+
+    def fits(values, estimate):
+        return values["ITPMS_Counter"] == estimate["seq"] % 256 and all(
+            same(values, f"ITPMS_{signal}_{wheel['corner'].upper()}", wheel[field])
+            for wheel in estimate["wheels"]
+            for signal, field in [("Pressure", "pressure_kpa"), ("PressureSd", "pressure_sd_kpa"), ("Valid", "valid")])
+
+    alike = sum(fits(values, estimate) for values, estimate in zip(sets, estimates))
+    check(alike == len(estimates) == len(sets), f"{log}: {len(sets)} sets of frames for {len(estimates)} estimates, {alike} alike")
+
+
+def restart(first, second, marks):
+    """SIGTERM ends the monitor well, and the next start goes on where it stopped."""
+    for name, run in (("first", first), ("second", second)):
+        check(run.exit_code == 0, f"SIGTERM: the {name} ended with code {run.exit_code} within {run.stopping_s:.2f} s")
+    rows = second.between(marks.time_s("play", "after-restart"), marks.time_s("stop", "second"))
+    rows = [line for line in rows if line["source"]["state"] == "live"]
+    before, after = first.estimates[-1], rows[0]
+    check(states(after) == states(before), f"the first estimate after the restart: {states(after)}")
+    check(after["distance_m"] > before["distance_m"], f"driven: {before['distance_m']:.0f} m, then {after['distance_m']:.0f} m")
+    check(not second.begun("under-inflated"), "what was said before the restart is not said again")
+
+
+def figures(runs):
+    for name, run in runs:
+        latest = [line["latency_ms"] for line in run.estimates if line["source"]["state"] == "live"][-1]
+        print(f"        {name}: frame to estimate {latest['p50']:.2f} ms (median), {latest['p99']:.2f} ms (99 %),"
+              f" {latest['max']:.2f} ms (worst of the last 10 s); processor {100 * run.load:.0f} %,"
+              f" memory {run.memory_mb:.1f} MB")
 
 
 def main():
     out = Path(sys.argv[1])
+    marks = Marks(out)
     hello(out)
+    if none := [" ".join(line) for line in marks.lines if line[1] == "no"]:
+        sys.exit(f"the scenario came to an early end: {none}")
+    first, second = Run(out, "first", marks), Run(out, "second", marks)
+    puncture(first, marks)
+    outage(first, marks, "down", "up", "after-down")
+    outage(first, marks, "unplugged", "plugged", "after-unplugged")
+    counters(first)
+    sent(out, "sent.log", first)
+    restart(first, second, marks)
+    sent(out, "sent-same-bus.log", second)
+    figures([("first start", first), ("second start", second)])
     if failures:
         sys.exit(f"{len(failures)} of the checks failed")
 
