@@ -45,7 +45,7 @@ def accel(i, k):  # examples/mdf4_make.rs
 def check_written(examples, directory):
     checked = 0
     for compression in ("none", "deflate", "transposed"):
-        for megabytes in ("0.05", "5"):  # in one block, and in a list of them
+        for megabytes in ("0.05", "5", "20"):  # in one block, in a list of them, and in two lists
             path = directory / f"ours-{compression}-{megabytes}.mf4"
             subprocess.run([examples / "mdf4_make", path, megabytes, compression], check=True)
             samples = int(float(megabytes) * 1e6 / 43.0)
