@@ -33,6 +33,11 @@ def expect(condition: bool, what: str) -> None:
         sys.exit(f"error: {what}")
 
 
+def number(value) -> int:
+    """The number behind a value that may have a name."""
+    return int(getattr(value, "value", value))
+
+
 def compare(snapshot: dict, frames: list[tuple[str, dict]]) -> int:
     """Holds the frames of one set against the line they were made of; gives the number of values compared."""
     compared = 0
@@ -53,11 +58,11 @@ def compare(snapshot: dict, frames: list[tuple[str, dict]]) -> int:
             found = str(values[f"ITPMS_{signal}_{corner}"])
             expect(found == wheel[key], f"{signal} {corner}: {found} instead of {wheel[key]}")
             compared += 1
-        expect(values[f"ITPMS_Valid_{corner}"] == int(wheel["valid"]), f"Valid {corner}")
+        expect(number(values[f"ITPMS_Valid_{corner}"]) == int(wheel["valid"]), f"Valid {corner}")
     status = dict(frames)["ITPMS_Status"]
     expect(str(status["ITPMS_Source"]) == snapshot["source"]["state"], "Source")
-    expect(int(status["ITPMS_AllFine"]) == int(snapshot["all_fine"]), "AllFine")
-    expect(int(status["ITPMS_Counter"]) == snapshot["seq"] % 256, "Counter")
+    expect(number(status["ITPMS_AllFine"]) == int(snapshot["all_fine"]), "AllFine")
+    expect(number(status["ITPMS_Counter"]) == snapshot["seq"] % 256, "Counter")
     return compared
 
 

@@ -49,11 +49,12 @@ pub struct Clock {
     pub corners: Vec<Corner>,
 }
 
-/// A drive being estimated.
+/// A drive being estimated. Made and restored in parts that are moved about: whoever does so needs a stack as a program's first
+/// thread has it (8 MB), not a test's.
 #[derive(Debug)]
 pub struct Drive {
     pub(crate) clock: Clock,
-    pub(crate) car: MonitoredCar<f64>,
+    pub(crate) car: Box<MonitoredCar<f64>>,
     pub(crate) gate: RateGate,
     pub(crate) progress: Progress,
     pub(crate) roughness: Roughness,
@@ -89,7 +90,7 @@ impl Drive {
         }
         let told = MonitorConfig::new(&config).with_limits(options.regulation.into());
         let monitor = Monitor::new(&told, clock.sample_rate_hz).map_err(|error| refused(&error))?;
-        let mut car = MonitoredCar::new(car, monitor);
+        let mut car = Box::new(MonitoredCar::new(car, monitor));
         if let Some(seconds) = options.calibrate_s {
             car.begin_reset(seconds).map_err(|error| refused(&error))?;
         }

@@ -55,7 +55,7 @@ impl SavedDrive {
             gate: (options.rate_hz, drive.gate.start_s, drive.gate.due),
             iri_m_per_km: drive.roughness.iri_m_per_km,
             progress: drive.progress.clone(),
-            car: Box::new(drive.car.clone()),
+            car: drive.car.clone(),
         }
     }
 
@@ -134,7 +134,7 @@ impl SavedDrive {
         if rate_hz == options.rate_hz {
             (gate.start_s, gate.due) = (start_s, due);
         }
-        let (car, progress) = ((*self.car).clone(), self.progress.clone());
+        let (car, progress) = (self.car.clone(), self.progress.clone());
         Ok(Drive { clock, car, gate, progress, roughness, latest: None })
     }
 

@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use common::{rows, say, snapshot, transition};
+use common::{rows, say, snapshot, transition, with_large_stack};
 use itpms_core::sample::Corner;
 use itpms_data::{LogRow, Vehicle};
 use itpms_live::drive::{Clock, Drive, DriveOptions};
@@ -55,6 +55,10 @@ fn estimated(mut engine: Engine, rows: impl Iterator<Item = LogRow>) -> (Vec<Str
 
 #[test]
 fn a_saved_drive_goes_on_to_the_same_bits() {
+    with_large_stack(resumed);
+}
+
+fn resumed() {
     let (all, last) = estimated(engine(None), rows(8000));
     let (first, saved) = estimated(engine(None), rows(3333));
     let options = DriveOptions::default();
@@ -78,6 +82,10 @@ fn strip(line: &str) -> String {
 
 #[test]
 fn a_state_that_is_damaged_foreign_or_of_another_car_is_refused_in_words() {
+    with_large_stack(refused);
+}
+
+fn refused() {
     let (_, bytes) = estimated(engine(None), rows(1000));
     let (vehicle, options) = (Vehicle::paper(), DriveOptions::default());
     let refusal = |bytes: &[u8], vehicle: &Vehicle| SavedDrive::parse(bytes, vehicle, &options).unwrap_err();
@@ -105,10 +113,12 @@ fn silence_is_told_within_a_second_and_a_half_and_rows_end_it() {
     let hub = Hub::new();
     let inputs = Arc::new(Queue::new(1000));
     let monitor = Monitor::new(engine(None), Arc::clone(&hub), vec![], None, say());
-    let thread = thread::spawn({
+    let thread = thread::Builder::new().stack_size(8 << 20);
+    let thread = thread.spawn({
         let inputs = Arc::clone(&inputs);
         move || monitor.run(&inputs, || false).unwrap()
     });
+    let thread = thread.unwrap();
     let state = |hub: &Hub| hub.latest().map(|snapshot| snapshot.source.state);
     let wait = |wanted: SourceState, most: Duration| {
         let start = Instant::now();
@@ -136,6 +146,10 @@ fn silence_is_told_within_a_second_and_a_half_and_rows_end_it() {
 
 #[test]
 fn a_drive_that_begins_again_begins_afresh_and_single_late_rows_are_left_out() {
+    with_large_stack(begun_again);
+}
+
+fn begun_again() {
     let mut engine = engine(None);
     engine.open(200.0, &Corner::ALL).unwrap();
     let mut take = |row: &LogRow| engine.take(row, None, &mut |_| {}).unwrap();
@@ -147,7 +161,9 @@ fn a_drive_that_begins_again_begins_afresh_and_single_late_rows_are_left_out() {
     // As if there had been nothing before.
     let clock = Clock { sample_rate_hz: 200.0, corners: Corner::ALL.to_vec() };
     let mut alone = Drive::new(&Vehicle::paper(), clock, &DriveOptions::default()).unwrap();
-    rows(500).for_each(|row| drop(alone.update(&row, |_, _| {})));
+    for row in rows(500) {
+        alone.update(&row, |_, _| {});
+    }
     assert_eq!(format!("{:?}", engine.drive().unwrap().latest()), format!("{:?}", alone.latest()));
 }
 

@@ -14,6 +14,7 @@ use common::{Bench, interrupt, table};
 use itpms_data::LogReader;
 use itpms_data::can::FrameWriter;
 use itpms_data::dbc::{Dbc, Encoder};
+use itpms_data::signals::SignalMap;
 use serde_json::Value;
 
 /// The puncture at 200 Hz and its vehicle: `drive.csv` and `car.toml`.
@@ -25,12 +26,15 @@ fn puncture() -> Bench {
     bench
 }
 
-/// The same as frames of the example car's bus: `drive.log` and `car.dbc`.
+/// The same as frames of the example car's bus: `drive.log`, `car.dbc` and `map.toml`.
 fn with_frames(bench: &Bench) {
-    let dbc = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/can/car.dbc");
-    std::fs::copy(&dbc, bench.path("car.dbc")).unwrap();
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/can");
+    for name in ["car.dbc", "map.toml"] {
+        std::fs::copy(examples.join(name), bench.path(name)).unwrap();
+    }
+    let (dbc, map) = (bench.path("car.dbc"), SignalMap::read(&bench.path("map.toml")).unwrap());
     let mut log = LogReader::open(&bench.path("drive.csv")).unwrap();
-    let mut encoder = Encoder::new(&Dbc::read(&dbc).unwrap(), None, log.columns()).unwrap();
+    let mut encoder = Encoder::new(&Dbc::read(&dbc).unwrap(), Some(&map), log.columns()).unwrap();
     let mut writer = FrameWriter::create(&bench.path("drive.log")).unwrap();
     while let Some(row) = log.next_row().unwrap() {
         encoder.encode(&row, |frame| writer.write(&frame).unwrap());
@@ -112,9 +116,9 @@ fn a_replay_says_what_estimate_says_row_for_row_and_warns_on_transitions_alone()
 fn frames_from_a_log_and_through_a_pipe_with_rubbish_in_between() {
     let bench = puncture();
     with_frames(&bench);
-    bench.run("estimate drive.log --dbc car.dbc --vehicle car.toml -o est.csv").success();
+    bench.run("estimate drive.log --dbc car.dbc --signals map.toml --vehicle car.toml -o est.csv").success();
     bench
-        .run("monitor --replay drive.log --speed max --dbc car.dbc --vehicle car.toml --json replay.jsonl")
+        .run("monitor --replay drive.log --speed max --dbc car.dbc --signals map.toml --vehicle car.toml --json replay.jsonl")
         .success();
     expect_est_csv(&bench, "replay.jsonl");
 
@@ -130,8 +134,9 @@ fn frames_from_a_log_and_through_a_pipe_with_rubbish_in_between() {
     let rubbish = bench.read("drive.log").lines().count().div_ceil(5000) + 1;
     piped.extend(b"\xff\xfe\xff\n\n");
     bench.write("piped.log", piped);
-    let mut command =
-        bench.command("monitor - --dbc car.dbc --vehicle car.toml --json pipe.jsonl".split(' '));
+    let mut command = bench.command(
+        "monitor - --dbc car.dbc --signals map.toml --vehicle car.toml --json pipe.jsonl".split(' '),
+    );
     let status = command.stdin(File::open(bench.path("piped.log")).unwrap()).status().unwrap();
     assert!(status.success());
     expect_est_csv(&bench, "pipe.jsonl");
@@ -146,8 +151,14 @@ fn without_a_dbc_or_with_two_sources_nothing_starts() {
     with_frames(&bench);
     let refusal = |line: &str| bench.run(line).refusal().to_owned();
     assert!(refusal("monitor --replay drive.log --vehicle car.toml").contains("--dbc"));
-    assert!(refusal("monitor nosuchcan0 --dbc car.dbc --vehicle car.toml").starts_with("nosuchcan0: "));
-    assert!(refusal("monitor --mqtt-in host/topic --dbc car.dbc --vehicle car.toml").contains("mqtt://"));
+    assert!(
+        refusal("monitor nosuchcan0 --dbc car.dbc --signals map.toml --vehicle car.toml")
+            .starts_with("nosuchcan0: ")
+    );
+    assert!(
+        refusal("monitor --mqtt-in host/topic --dbc car.dbc --signals map.toml --vehicle car.toml")
+            .contains("mqtt://")
+    );
     assert_eq!(bench.run("monitor can0 --replay drive.csv --vehicle car.toml").code, Some(2));
     assert_eq!(bench.run("monitor --vehicle car.toml").code, Some(2));
     assert!(bench.run("monitor --print-dbc").success().contains("BO_ 1776 ITPMS_Status"));

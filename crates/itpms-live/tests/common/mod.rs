@@ -76,3 +76,11 @@ pub(crate) fn say() -> Say {
         Note::Warning(text) => println!("warning: {text}"),
     })
 }
+
+/// Runs a test with the stack of a program's first thread: an estimator is made on it.
+pub(crate) fn with_large_stack(test: impl FnOnce() + Send + 'static) {
+    let thread = std::thread::Builder::new().stack_size(8 << 20).spawn(test).unwrap();
+    if let Err(panic) = thread.join() {
+        std::panic::resume_unwind(panic);
+    }
+}
