@@ -78,9 +78,13 @@ fn a_person_reads_a_table() {
     let text = String::from_utf8(output.stdout).unwrap();
     let line = |word: &str| text.lines().find(|line| line.contains(word)).unwrap_or_default().to_owned();
     assert!(text.contains("1 102 frames in 1.998"), "{text}");
-    assert!(line("BodyAccZ_FL").ends_with("1 000     2     2  fl_body_accel_m_s2"), "{text}");
+    assert!(line("BodyAccZ_FL").ends_with("1 000    2    2  fl_body_accel_m_s2"), "{text}");
     assert!(text.contains("1 identifier without signals, not in the DBC:"), "{text}");
     assert!(text.contains("In the DBC, not in this log: Suspension_FR, Suspension_RL"), "{text}");
+    assert!(
+        text.contains("Not in this log, though it would be a column: fl_pressure_kpa, fl_road_m, fr_body"),
+        "{text}"
+    );
     assert!(text.contains("no signal for fl_wheel_accel_m_s2, so this corner cannot be estimated"), "{text}");
 }
 

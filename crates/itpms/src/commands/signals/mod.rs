@@ -89,4 +89,8 @@ impl<'a> Columns<'a> {
         let in_log = self.in_log;
         self.resolved.iter().filter(move |chosen| chosen.candidate >= in_log)
     }
+
+    fn is_in_log(&self, chosen: &Chosen) -> bool {
+        chosen.candidate < self.in_log
+    }
 }

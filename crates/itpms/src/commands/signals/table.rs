@@ -1,6 +1,8 @@
 //! The list for a person: a table per log, groups in the order of the log, and below it what the columns would be.
 //! Called by the command alone.
 
+use itpms_core::sample::Corner;
+use itpms_data::log::{Field, Slot};
 use itpms_data::signals::{ListedGroup, Listing, Resolved};
 
 use super::Columns;
@@ -69,11 +71,14 @@ pub(super) fn print(
 }
 
 fn print_columns(resolved: &Resolved, columns: &Columns<'_>, screen: &Screen) {
-    for line in resolved.lines() {
-        screen.print(line);
+    for (chosen, line) in resolved.iter().zip(resolved.lines()) {
+        if columns.is_in_log(chosen) {
+            screen.print(line);
+        }
     }
-    for chosen in columns.not_in_log() {
-        screen.print(format!("{} would be {}, which is not in this log", chosen.slot.name(), chosen.signal));
+    let missing: Vec<String> = columns.not_in_log().map(|chosen| chosen.slot.name()).collect();
+    if !missing.is_empty() {
+        screen.print(format!("Not in this log, though it would be a column: {}", missing.join(", ")));
     }
     for slot in resolved.lone() {
         screen.print(format!("no signal for {}, so this corner cannot be estimated", slot.name()));
@@ -81,7 +86,14 @@ fn print_columns(resolved: &Resolved, columns: &Columns<'_>, screen: &Screen) {
     match resolved.unusable() {
         Some(why) => screen.print(format!("Not enough to estimate: {why}")),
         None => {
-            let corners: Vec<&str> = resolved.corners().into_iter().map(|corner| corner.label()).collect();
+            let there = |slot| resolved.get(slot).is_some_and(|chosen| columns.is_in_log(chosen));
+            let both = |corner: &Corner| {
+                [Field::BodyAccel, Field::WheelAccel]
+                    .into_iter()
+                    .all(|field| there(Slot::Corner(*corner, field)))
+            };
+            let corners: Vec<&str> = Corner::ALL.into_iter().filter(both).map(Corner::label).collect();
+            let corners = if corners.is_empty() { vec!["none in this log"] } else { corners };
             screen.print(format!("Corners with both accelerations: {}", corners.join(" ")));
         }
     }
