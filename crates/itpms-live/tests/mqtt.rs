@@ -1,4 +1,5 @@
 //! A real broker that is stopped and started again in the middle: every warning arrives.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail like tests")]
 
 mod common;
 
