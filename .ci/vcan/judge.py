@@ -110,10 +110,12 @@ def outage(run, marks, gone, back, part):
     check(wait_s < 5.0, f"{back}: estimates {wait_s:.2f} s after the first frame")
 
 
-def counters(first):
+def counters(first, marks):
     source = first.estimates[-1]["source"]
     print("        counted:", json.dumps(source))
-    check(source["dropped"] == 0, f"{source['frames']} frames, none lost")
+    played = sum(int(marks.rest("played", part)[0]) for part in ["puncture", "after-down", "after-unplugged"])
+    # While the interface is opened again, some tenths of a second, nothing is heard.
+    check(source["dropped"] == 0 and source["frames"] > 0.97 * played, f"{source['frames']} of {played} frames heard, none dropped")
     check(source["reconnects"] == 3, f"{source['reconnects']} reconnects")
     check(source["unknown_ids"] == 1 and source["malformed"] == 0, f"{source['unknown_ids']} frame with an unknown identifier")
     check("bus-off" in first.said, f"said: {first.said.splitlines()}")
@@ -177,7 +179,10 @@ def restart(first, second, marks):
     rows = [line for line in rows if line["source"]["state"] == "live"]
     before, after = first.estimates[-1], rows[0]
     check(states(after) == states(before), f"the first estimate after the restart: {states(after)}")
-    check(after["distance_m"] > before["distance_m"], f"driven: {before['distance_m']:.0f} m, then {after['distance_m']:.0f} m")
+    # Another eight seconds at 80 km/h; the way driven between the starts nobody has seen.
+    driven_m = [line["distance_m"] for line in (before, after, second.estimates[-1])]
+    check(driven_m[0] <= driven_m[1] < driven_m[0] + 50.0 and 120.0 < driven_m[2] - driven_m[0] < 200.0,
+          "driven: {:.0f} m, then {:.0f} m and on to {:.0f} m".format(*driven_m))
     check(not second.begun("under-inflated"), "what was said before the restart is not said again")
 
 
@@ -199,7 +204,7 @@ def main():
     puncture(first, marks)
     outage(first, marks, "down", "up", "after-down")
     outage(first, marks, "unplugged", "plugged", "after-unplugged")
-    counters(first)
+    counters(first, marks)
     sent(out, "sent.log", first)
     restart(first, second, marks)
     sent(out, "sent-same-bus.log", second)
