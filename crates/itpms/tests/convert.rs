@@ -23,7 +23,8 @@ time_s,speed_m_s,fl_body_accel_m_s2,fl_wheel_accel_m_s2,fl_pressure_kpa
 fn bench() -> Bench {
     let mut text = DRIVE.to_owned();
     for i in 4..500 {
-        let (time_s, body, wheel) = (f64::from(i) / 500.0, (f64::from(i) * 0.7).sin(), f64::from(i % 17) - 8.0);
+        let (time_s, body, wheel) =
+            (f64::from(i) / 500.0, (f64::from(i) * 0.7).sin(), f64::from(i % 17) - 8.0);
         text += &format!("{time_s},20.5,{body},{wheel},240\n");
     }
     let bench = Bench::new();

@@ -169,7 +169,15 @@ impl TrackSurvey {
         }
         let spacing = |_| SurveyError::Spacing(options.spacing_m);
         let car = GoldenCar::new(options.spacing_m, options.enveloping).map_err(spacing)?;
-        Ok(Self { options, car, slope_at_m: None, last_m: f64::NAN, taken: 0, segments: Vec::new(), welch: None })
+        Ok(Self {
+            options,
+            car,
+            slope_at_m: None,
+            last_m: f64::NAN,
+            taken: 0,
+            segments: Vec::new(),
+            welch: None,
+        })
     }
 
     /// The height at `at_m` (or the mean of the cell that begins there); NaN where it is unknown. Between two heights
