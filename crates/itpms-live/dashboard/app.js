@@ -50,7 +50,7 @@ const take = {
   },
   transition: (transition) => alerts.transition(transition),
   transitions: (transitions) => alerts.history({ transitions }),
-  beat: (beat) => (status.health = beat.health),
+  beat: (beat) => status.beat(beat),
 };
 
 const connection = new Connection("/api/events", (name, data) => {

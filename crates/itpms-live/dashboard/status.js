@@ -2,9 +2,6 @@
 
 import { put, span, timeOfDay } from "./words.js";
 
-// Without news for this long values are old, whatever anybody says.
-const FRESH_MS = 3000;
-
 export class Status {
   constructor() {
     // When rows last came, on this machine's clock; NaN: never.
@@ -31,8 +28,13 @@ export class Status {
     if (snapshot.time_s != null && snapshot.time_s !== this.time_s) {
       this.time_s = snapshot.time_s;
       this.data_ms = Date.now();
+      // What was overdue has come.
+      this.health = null;
     }
     this.source = snapshot.source;
+  }
+  beat(beat) {
+    this.health = beat.health;
   }
   // `live`, `waiting`, `stale`, `ended` or `gone`.
   judge(connection) {
@@ -40,8 +42,8 @@ export class Status {
     const state = this.source?.state;
     if (Number.isNaN(this.data_ms)) return "waiting";
     if (state === "ended") return "ended";
-    if (state !== "live" || (this.health && this.health.status === "stale")) return "stale";
-    return Date.now() - this.data_ms > FRESH_MS ? "stale" : "live";
+    // The server knows how often news is due, and says every second whether it is overdue.
+    return state !== "live" || this.health?.status === "stale" ? "stale" : "live";
   }
   since() {
     return Number.isNaN(this.data_ms) ? "No data yet" : `No data since ${timeOfDay(this.data_ms)}`;

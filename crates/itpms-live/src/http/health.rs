@@ -10,6 +10,9 @@ use crate::snapshot::SourceState;
 
 /// Seconds after which a snapshot is old, whatever it says of itself.
 const FRESH_S: f64 = 3.0;
+/// Where they come more slowly: so many times the time between the last two, and how long that may be.
+const OVERDUE: f64 = 2.5;
+const SLOWEST_S: f64 = 60.0;
 
 /// Whether what is shown is now.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -32,6 +35,7 @@ impl Health {
         };
         let source = &frame.snapshot.source;
         let age_s = frame.came.elapsed().as_secs_f64();
+        let patience_s = FRESH_S.max(OVERDUE * frame.pace.as_secs_f64().min(SLOWEST_S));
         let (status, reason) = match source.state {
             SourceState::Ended => ("ended", Some(format!("{} is at its end", source.name))),
             SourceState::Stale if source.rows == 0 => {
@@ -40,7 +44,7 @@ impl Health {
             SourceState::Stale => {
                 ("stale", Some(format!("no row from {} for more than a second", source.name)))
             }
-            SourceState::Live if age_s > FRESH_S => {
+            SourceState::Live if age_s > patience_s => {
                 ("stale", Some(format!("the monitor has said nothing for {age_s:.0} s")))
             }
             SourceState::Live => ("fresh", None),
@@ -50,5 +54,60 @@ impl Health {
 
     pub(super) fn is_fresh(&self) -> bool {
         self.status == "fresh"
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+    use std::time::Duration;
+
+    use tokio::time::Instant;
+
+    use super::*;
+    use crate::snapshot::{Latency, Snapshot, Source};
+
+    fn status(state: SourceState, age_s: f64, pace_s: f64) -> &'static str {
+        let source = Source {
+            name: "can0".to_owned(),
+            kind: "socketcan",
+            state,
+            rows: 1,
+            frames: 1,
+            dropped: 0,
+            unknown_ids: 0,
+            malformed: 0,
+            reconnects: 0,
+            rate_hz: 200.0,
+        };
+        let snapshot = Snapshot {
+            seq: 0,
+            time_s: 0.0,
+            unix_s: 0.0,
+            source,
+            vehicle: String::new(),
+            speed_m_s: f64::NAN,
+            distance_m: f64::NAN,
+            latency_ms: Latency { p50: f64::NAN, p99: f64::NAN, max: f64::NAN },
+            wheels: vec![],
+            tracks: vec![],
+            alerts: vec![],
+            sensors: vec![],
+            all_fine: false,
+        };
+        let [age, pace] = [age_s, pace_s].map(Duration::from_secs_f64);
+        Health::of(Some(&Frame::new(Arc::new(snapshot), Instant::now() - age, pace))).status
+    }
+
+    #[test]
+    fn old_is_what_is_overdue() {
+        assert_eq!(status(SourceState::Live, 2.0, 0.1), "fresh");
+        assert_eq!(status(SourceState::Live, 4.0, 0.1), "stale");
+        // An estimate every ten seconds is asked for: after twelve nothing is wrong yet, after thirty it is.
+        assert_eq!(status(SourceState::Live, 12.0, 10.0), "fresh");
+        assert_eq!(status(SourceState::Live, 30.0, 10.0), "stale");
+        assert_eq!(status(SourceState::Live, 200.0, 4000.0), "stale");
+        assert_eq!(status(SourceState::Stale, 0.1, 1.0), "stale");
+        assert_eq!(Health::of(None).status, "waiting");
     }
 }

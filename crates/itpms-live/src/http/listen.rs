@@ -48,7 +48,10 @@ pub(super) async fn serve(
     hub: Arc<Hub>,
     mut stopped: oneshot::Receiver<()>,
 ) {
-    let router = routes::router(options, hub.clone(), pump::start(hub));
+    let router = {
+        let newest = pump::start(&hub);
+        routes::router(options, hub, newest)
+    };
     let seats = Arc::new(Semaphore::new(CONNECTIONS));
     loop {
         let accepted = tokio::select! {

@@ -21,12 +21,14 @@ pub(super) struct Frame {
     pub(super) snapshot: Arc<Snapshot>,
     /// When it came, on our own clock.
     pub(super) came: Instant,
+    /// Time since the one before, as an idea of when the next one is due.
+    pub(super) pace: Duration,
     json: OnceLock<Bytes>,
 }
 
 impl Frame {
-    fn new(snapshot: Arc<Snapshot>) -> Self {
-        Self { snapshot, came: Instant::now(), json: OnceLock::new() }
+    pub(super) fn new(snapshot: Arc<Snapshot>, came: Instant, pace: Duration) -> Self {
+        Self { snapshot, came, pace, json: OnceLock::new() }
     }
 
     /// The snapshot in JSON, on one line.
@@ -44,13 +46,17 @@ pub(super) fn json(value: &impl serde::Serialize) -> Bytes {
 pub(super) type Newest = watch::Receiver<Option<Arc<Frame>>>;
 
 /// Starts the task; it ends when nobody listens any more.
-pub(super) fn start(hub: Arc<Hub>) -> Newest {
+pub(super) fn start(hub: &Hub) -> Newest {
     let mut snapshots = hub.subscribe();
-    let (frames, newest) = watch::channel(hub.latest().map(Frame::new).map(Arc::new));
+    let (frames, newest) = watch::channel(None);
+    snapshots.mark_changed();
     tokio::spawn(async move {
+        let mut before = None;
         while snapshots.changed().await.is_ok() {
-            let snapshot = snapshots.borrow_and_update().clone();
-            if frames.send(snapshot.map(Frame::new).map(Arc::new)).is_err() {
+            let Some(snapshot) = snapshots.borrow_and_update().clone() else { continue };
+            let came = Instant::now();
+            let pace = before.replace(came).map_or(Duration::ZERO, |before| came - before);
+            if frames.send(Some(Arc::new(Frame::new(snapshot, came, pace)))).is_err() {
                 return;
             }
             sleep(PACE).await;
