@@ -39,8 +39,11 @@ impl Mqtt {
     /// Starts to connect; a broker that is not there yet is waited for.
     ///
     /// # Errors
-    /// The system gives no thread.
+    /// The prefix has a wildcard, which a broker answers by hanging up; or the system gives no thread.
     pub fn open(address: BrokerAddress, say: &Say) -> Result<Self, LiveError> {
+        if address.topic.contains(['#', '+']) {
+            return Err(LiveError::BrokerAddress { found: address.topic });
+        }
         let prefix = address.topic.clone();
         let shared = Arc::new(Shared::new(Outbox::new(&prefix)));
         let failed = |error| LiveError::Output { target: "MQTT".to_owned(), error };
