@@ -96,6 +96,13 @@ impl Aligner {
         }
     }
 
+    /// Nothing comes for now: what waits comes out, and what comes later begins new rows. Not before the rates are known.
+    pub fn flush(&mut self) {
+        if let Stage::Running(timeline) = &mut self.stage {
+            timeline.flush();
+        }
+    }
+
     /// The next row that waits for nothing.
     pub fn pop(&mut self) -> Option<LogRow> {
         self.pop_values().map(|values| LogRow::from_values(&values, &self.columns))

@@ -201,6 +201,28 @@ fn a_clock_that_is_set_back_is_believed_after_a_while() {
 }
 
 #[test]
+fn a_silence_lets_go_what_waits_and_nothing_else() {
+    // Speed comes no more: every row waits for it, 2.5 periods of 20 ms.
+    let mut aligner = Aligner::new(&[Slot::Speed, BODY, WHEEL]);
+    let both = |i: u32, slot| Reading { time_s: f64::from(i) / 500.0, slot, value: f64::from(i) };
+    let mut count = 0;
+    for i in 0..2000 {
+        if i % 10 == 0 && i < 1500 {
+            aligner.push(both(i, Slot::Speed));
+        }
+        aligner.push(both(i, BODY));
+        aligner.push(both(i, WHEEL));
+        count += std::iter::from_fn(|| aligner.pop()).count();
+    }
+    assert_eq!(count, 2000 - 25);
+    aligner.flush();
+    assert_eq!(std::iter::from_fn(|| aligner.pop()).count(), 25);
+    aligner.push(both(2000, BODY));
+    aligner.push(both(2000, WHEEL));
+    assert!(aligner.pop().is_none());
+}
+
+#[test]
 fn a_stamp_from_the_future_holds_nobody_up() {
     let readings = [BODY, WHEEL].into_iter().flat_map(|slot| signal(slot, 500.0, 6.0, 0.0, mark(slot)));
     let mut readings: Vec<Reading> = readings.collect();

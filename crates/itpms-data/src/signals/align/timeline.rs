@@ -91,6 +91,8 @@ pub(super) struct Timeline {
     late: u64,
     restarts: u64,
     finished: bool,
+    /// Rows that do not wait any more.
+    released: usize,
 }
 
 impl Timeline {
@@ -119,6 +121,7 @@ impl Timeline {
             late: 0,
             restarts: 0,
             finished: false,
+            released: 0,
         }
     }
 
@@ -225,11 +228,17 @@ impl Timeline {
         }
     }
 
+    pub(super) fn flush(&mut self) {
+        self.released = self.rows.len();
+    }
+
     pub(super) fn pop(&mut self) -> Option<[f64; SLOTS]> {
         let row = self.rows.front()?;
-        if !self.finished && self.rows.len() < MOST_ROWS && !self.is_ready(row) {
+        let goes = self.finished || self.released > 0 || self.rows.len() >= MOST_ROWS || self.is_ready(row);
+        if !goes {
             return None;
         }
+        self.released = self.released.saturating_sub(1);
         let mut values = self.rows.pop_front()?.values;
         let time_s = values[Slot::Time.index()];
         for signal in &mut self.signals {
