@@ -97,7 +97,10 @@ export class Alerts {
     const [, what] = KINDS[alert.kind] ?? ["unknown", alert.kind];
     this.waiting.push(`${wheelsOf(alert)}: ${what}. ${reason(alert)}.`);
   }
-  draw() {
+  draw(state) {
+    const old = state !== "live";
+    if (old !== this.old) this.changed = true;
+    this.old = old;
     // One at a time is read out; several at once are said in one breath.
     if (this.waiting.length) spoken.replaceChildren(...this.waiting.splice(0).map((text) => element("p", "", text)));
     if (!this.changed) return;
@@ -135,7 +138,7 @@ export class Alerts {
       return td;
     };
     const at = (time_s) => moment(time_s, this.newest);
-    row.append(wheel, warning, cell("said", at(alert.said_s)), cell("since", at(alert.since_s)), cell("until", ended_s == null ? "still standing" : at(ended_s)));
+    row.append(wheel, warning, cell("said", at(alert.said_s)), cell("since", at(alert.since_s)), cell("until", ended_s != null ? at(ended_s) : this.old ? "stood when last seen" : "still standing"));
     return row;
   }
 }

@@ -92,7 +92,8 @@ function drawNumbers() {
   drawWheels(newest, state);
   drawHealth(newest, state);
   alerts.silence(newest, state);
-  alerts.draw();
+  alerts.draw(state);
+  put(by("tires-title"), state === "live" ? "Tires now" : state === "waiting" || !newest ? "Tires" : "Tires when last seen");
 }
 
 const worst = (snapshot) => Object.keys(STATES).find((state) => snapshot.wheels.some((wheel) => wheel.state === state)) ?? "quiet";

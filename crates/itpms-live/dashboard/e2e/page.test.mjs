@@ -92,6 +92,7 @@ for (const [line, means] of [["stale", /^Stale/], ["freeze", /^Stale/], ["end", 
     await until("status", text(page, "#status"), (words) => means.test(words));
     assert.match(await text(page, "#headline")(), /(No data since|The data ended at) \d\d:\d\d:\d\d/);
     assert.match(await text(page, "#last-known")(), /^When last seen: all 4 tires were fine/);
+    assert.equal(await text(page, "#tires-title")(), "Tires when last seen");
     assert.notEqual(await color(), live);
     assert.equal(await page.locator("#tire-fl .tire-word").textContent(), "was ok");
     assert.doesNotMatch(await text(page, "#no-alerts")(), /Nothing is being warned of/);
