@@ -56,6 +56,12 @@ impl Feed {
         self.aligner.columns().present()
     }
 
+    /// Frames with a signal that is wanted.
+    #[must_use]
+    pub fn used(&self) -> u64 {
+        self.decoder.counts().used
+    }
+
     /// Data frames whose identifier the DBC does not have.
     #[must_use]
     pub fn unknown_ids(&self) -> u64 {
@@ -96,6 +102,11 @@ impl Feed {
         let running_since = *self.running_since.get_or_insert_with(Instant::now);
         let arrived = self.came.front().map(|(_, arrived)| *arrived);
         Some((row, arrived.filter(|arrived| *arrived >= running_since)))
+    }
+
+    /// Nothing comes for now: what waits comes out.
+    pub(crate) fn flush(&mut self) {
+        self.aligner.flush();
     }
 
     /// There is nothing more: what waits comes out.

@@ -54,6 +54,8 @@ pub struct Monitor {
     queue_dropped: u64,
     lost: u64,
     failures_told: usize,
+    /// Whether it was said that no frame is of use.
+    useless_told: bool,
 }
 
 impl Monitor {
@@ -80,6 +82,7 @@ impl Monitor {
             queue_dropped: 0,
             lost: 0,
             failures_told: 0,
+            useless_told: false,
         }
     }
 
@@ -130,6 +133,7 @@ impl Monitor {
                 return Ok(End::SourceEnded);
             }
             self.look_at_the_clock();
+            self.release_what_waits()?;
             if self.nobody_listens() {
                 return Ok(End::Stopped);
             }
@@ -186,6 +190,37 @@ impl Monitor {
         })
     }
 
+    /// In a silence rows do not wait for more of their frames. How long they waited is no latency.
+    fn release_what_waits(&mut self) -> Result<(), LiveError> {
+        let Some(feed) = self.feed.as_mut().filter(|_| self.last_row.elapsed() > STALE_AFTER) else {
+            return Ok(());
+        };
+        feed.flush();
+        let last_row = self.last_row;
+        while let Some((row, _)) = self.feed.as_mut().and_then(Feed::pop) {
+            self.row(&row, None)?;
+        }
+        // Nothing new has come.
+        self.last_row = last_row;
+        Ok(())
+    }
+
+    /// Says once that frames come and none is of use: another bus, or another bus's description.
+    fn tell_useless_frames(&mut self) {
+        let Some(feed) = self.feed.as_ref().filter(|feed| feed.used() == 0 && !self.useless_told) else {
+            return;
+        };
+        let unknown = feed.unknown_ids();
+        let source = self.engine.source_mut();
+        if source.frames > 0 {
+            self.useless_told = true;
+            let (name, frames) = (&source.name, source.frames);
+            (self.say)(Note::Warning(format!(
+                "{name}: {frames} frames have come and none with a signal that is wanted; {unknown} have identifiers that the DBC file does not have"
+            )));
+        }
+    }
+
     /// Says that nothing comes, and saves the state, when it is time.
     fn look_at_the_clock(&mut self) {
         if self.last_row.elapsed() > STALE_AFTER {
@@ -194,6 +229,7 @@ impl Monitor {
             source.state = SourceState::Stale;
             if news || self.last_told.elapsed() > STALE_EVERY {
                 self.tell_now();
+                self.tell_useless_frames();
             }
         }
         if let Some(state) = &mut self.state
@@ -229,6 +265,7 @@ impl Monitor {
         };
         self.engine.source_mut().state = SourceState::Ended;
         self.tell_now();
+        self.tell_useless_frames();
         let backwards = self.engine.out_of_order();
         if backwards > 0 {
             let text = format!("{backwards} rows were not later than the ones before them and were left out");

@@ -94,8 +94,14 @@ impl SavedDrive {
             format!("does not fit this version of itpms ({error}), though its format is {FORMAT}")
         })?;
         let (name, id, parameters) = saved.vehicle.clone();
-        let identity = VehicleIdentity { name, id, parameters };
-        identity.expect(&VehicleIdentity::of(vehicle)).map_err(|problem| problem.to_string())?;
+        let ours = VehicleIdentity::of(vehicle);
+        if (VehicleIdentity { name: name.clone(), id, parameters }).expect(&ours).is_err() {
+            return Err(if name == ours.name {
+                format!("is of a vehicle {name:?} with another id or other parameters")
+            } else {
+                format!("is of the vehicle {name:?}, expected {:?}", ours.name)
+            });
+        }
         let wanted = fixed(options);
         if saved.options != wanted {
             return Err(format!("was made with {}, expected {}", saved.options.join(" "), wanted.join(" ")));

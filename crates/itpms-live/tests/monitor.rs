@@ -102,7 +102,7 @@ fn refused() {
     }
     let mut other = vehicle.clone();
     other.corners[0].as_mut().unwrap().placard_kpa = 250.0;
-    assert!(refusal(&bytes, &other).contains("set of parameters"));
+    assert!(refusal(&bytes, &other).contains("with another id or other parameters"));
     let regulation = itpms_core::monitor::Regulation::ALL.into_iter().find(|r| *r != options.regulation);
     let others = DriveOptions { regulation: regulation.unwrap(), ..options.clone() };
     assert!(SavedDrive::parse(&bytes, &vehicle, &others).unwrap_err().contains("was made with"));

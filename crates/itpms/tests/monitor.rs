@@ -164,6 +164,19 @@ fn without_a_dbc_or_with_two_sources_nothing_starts() {
     assert!(bench.run("monitor --print-dbc").success().contains("BO_ 1776 ITPMS_Status"));
 }
 
+#[test]
+fn frames_that_are_of_no_use_and_a_state_without_a_place_are_said() {
+    let bench = puncture();
+    with_frames(&bench);
+    let log = bench.read("drive.log").replace(" can0 ", " can0 00000");
+    bench.write("other.log", log);
+    let outcome = bench
+        .run("monitor --replay other.log --dbc car.dbc --signals map.toml --vehicle car.toml --speed max");
+    assert!(outcome.stderr.contains("none with a signal that is wanted"), "{}", outcome.stderr);
+    let refused = bench.run("monitor --replay drive.csv --vehicle car.toml --state nowhere/car.state");
+    assert!(refused.refusal().contains("nowhere"), "{refused:?}");
+}
+
 /// Waits until the monitor has told something.
 fn wait_for_estimate(bench: &Bench, name: &str, child: &mut Child) {
     let start = Instant::now();

@@ -15,6 +15,7 @@ use std::time::Duration;
 
 use itpms_core::estimator::EstimatorKind;
 use itpms_data::Vehicle;
+use itpms_data::out::AtomicFile;
 use itpms_data::reference::StoredReference;
 use itpms_live::LiveError;
 use itpms_live::drive::DriveOptions;
@@ -50,6 +51,10 @@ pub(crate) fn run(args: &MonitorArgs, screen: &Screen, interrupt: &Interrupt) ->
     let inputs = Arc::new(Queue::new(WAITING));
     let mut source = sources::open(args, screen)?;
     let feed = source.feed.take();
+    if let Some(state) = &args.state {
+        // That it cannot be written is better known now than at the end.
+        drop(AtomicFile::create(state)?);
+    }
     let saved = saved(args, &vehicle, &options, screen);
     let outputs = outputs::open(args, source.can_wait(), &say)?;
     let server = outputs::serve(args, &hub, screen)?;
