@@ -4,11 +4,10 @@
 //! whole, and has no missing values: a cell that is no finite number is refused with its line and column. Knows
 //! nothing of what the columns mean.
 
-use std::fs::{self, File};
-use std::io;
 use std::path::Path;
 
 use crate::error::{DataError, Place, Problem};
+use crate::input;
 use crate::log::{Lines, cells, number, separator, shortened};
 use crate::nearest::nearest;
 
@@ -52,14 +51,7 @@ impl Columns {
 }
 
 fn read(path: &Path, needed: &[&str], optional: &[&str]) -> Result<Columns, Problem> {
-    let read_error = |error: io::Error| match error.kind() {
-        io::ErrorKind::NotFound => Problem::NotFound,
-        _ => Problem::Read(error),
-    };
-    if fs::metadata(path).map_err(read_error)?.is_dir() {
-        return Err(Problem::IsDirectory);
-    }
-    let mut lines = Lines::new(File::open(path).map_err(read_error)?);
+    let mut lines = Lines::new(input::open(path)?.0);
     if !lines.advance()? {
         return Err(Problem::NoHeader(needed.join(",")));
     }
@@ -135,6 +127,8 @@ fn missing(name: &str, header: &[String], needed: &[&str]) -> Problem {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     fn read_text(text: &str) -> Result<Columns, String> {

@@ -28,6 +28,7 @@ pub mod crg;
 #[cfg(feature = "can")]
 pub mod dbc;
 pub mod error;
+mod input;
 pub mod log;
 #[cfg(feature = "mdf4")]
 pub mod mdf4;

@@ -3,11 +3,10 @@
 //! Called by the roughness command. Reads surveyed profiles (two or three columns of numbers) and the roads that an
 //! estimate leaves (`road.csv`). Knows nothing of roughness.
 
-use std::fs::{self, File};
-use std::io;
 use std::path::Path;
 
 use crate::error::{DataError, Place, Problem};
+use crate::input;
 use crate::log::{Lines, number, shortened};
 use crate::nearest::nearest;
 
@@ -86,14 +85,7 @@ impl RoadProfile {
 }
 
 fn read(path: &Path) -> Result<RoadProfile, Problem> {
-    let read_error = |error: io::Error| match error.kind() {
-        io::ErrorKind::NotFound => Problem::NotFound,
-        _ => Problem::Read(error),
-    };
-    if fs::metadata(path).map_err(read_error)?.is_dir() {
-        return Err(Problem::IsDirectory);
-    }
-    let mut lines = Lines::new(File::open(path).map_err(read_error)?);
+    let mut lines = Lines::new(input::open(path)?.0);
     if !lines.advance()? {
         return Err(Problem::NoHeader(EXPECTED.to_owned()));
     }
@@ -229,6 +221,8 @@ fn slot_name(profile: &RoadProfile, slot: Slot) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
     use proptest::prelude::*;
 

@@ -1,7 +1,5 @@
 //! Frames from a CAN log of any format. Called by the log reader and the commands; knows nothing of signals.
 
-use std::fs::File;
-use std::io;
 use std::path::{Path, PathBuf};
 
 use super::asc::AscReader;
@@ -10,7 +8,8 @@ use super::candump::CandumpReader;
 use super::format::LogFormat;
 use super::frame::CanFrame;
 use super::repairs::FrameRepairs;
-use crate::error::{DataError, Problem};
+use crate::error::DataError;
+use crate::input;
 
 /// A CAN log, frame by frame. What is not understood is left out and counted; see [`FrameReader::repairs`].
 #[derive(Debug)]
@@ -36,16 +35,7 @@ impl FrameReader {
     pub fn open(path: &Path) -> Result<Self, DataError> {
         let format = LogFormat::of(path)?;
         let fail = |problem| DataError::new(path, problem);
-        let file = File::open(path).map_err(|error| {
-            fail(match error.kind() {
-                io::ErrorKind::NotFound => Problem::NotFound,
-                _ => Problem::Read(error),
-            })
-        })?;
-        let metadata = file.metadata().map_err(|error| fail(Problem::Read(error)))?;
-        if metadata.is_dir() {
-            return Err(fail(Problem::IsDirectory));
-        }
+        let (file, metadata) = input::open(path).map_err(fail)?;
         let source = match format {
             LogFormat::Candump => Source::Candump(CandumpReader::new(file, metadata.len())),
             LogFormat::Asc => Source::Asc(AscReader::new(file, metadata.len())),

@@ -20,11 +20,10 @@ mod surface;
 
 pub use error::CrgProblem;
 
-use std::fs;
-use std::io::{self, Read as _};
 use std::path::Path;
 
 use crate::error::{DataError, Problem};
+use crate::input;
 use channels::Layout;
 use header::Header;
 use surface::Surface;
@@ -62,7 +61,8 @@ impl CrgRoad {
     /// # Errors
     /// The file cannot be read, is larger than 1 GiB, or is no complete OpenCRG file; the message names the line or row.
     pub fn read(path: &Path) -> Result<Self, DataError> {
-        let bytes = read_bytes(path).map_err(|problem| DataError::new(path, problem))?;
+        let too_large = |found| Problem::Crg(CrgProblem::TooLarge { found, most: LARGEST });
+        let bytes = input::read(path, LARGEST, too_large).map_err(|problem| DataError::new(path, problem))?;
         Self::from_bytes(&bytes).map_err(|problem| DataError::new(path, Problem::Crg(problem)))
     }
 
@@ -155,26 +155,4 @@ impl CrgRoad {
         // Numbers near the limits of what a float holds are no heights either.
         Ok((0..self.rows()).map(height).map(|z| if z.is_finite() { z } else { f64::NAN }).collect())
     }
-}
-
-fn read_bytes(path: &Path) -> Result<Vec<u8>, Problem> {
-    let read_error = |error: io::Error| match error.kind() {
-        io::ErrorKind::NotFound => Problem::NotFound,
-        _ => Problem::Read(error),
-    };
-    let about = fs::metadata(path).map_err(read_error)?;
-    if about.is_dir() {
-        return Err(Problem::IsDirectory);
-    }
-    let mut bytes = Vec::new();
-    fs::File::open(path)
-        .map_err(read_error)?
-        .take(LARGEST + 1)
-        .read_to_end(&mut bytes)
-        .map_err(read_error)?;
-    if bytes.len() as u64 > LARGEST {
-        let found = about.len().max(LARGEST + 1);
-        return Err(Problem::Crg(CrgProblem::TooLarge { found, most: LARGEST }));
-    }
-    Ok(bytes)
 }

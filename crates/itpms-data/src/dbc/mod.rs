@@ -27,8 +27,6 @@ mod statement;
 mod text;
 
 use std::collections::HashMap;
-use std::fs;
-use std::io::{self, Read as _};
 use std::path::Path;
 
 pub use bits::{ByteOrder, Layout};
@@ -39,6 +37,7 @@ pub use problem::{DbcError, DbcProblem, Fault};
 
 use crate::can::CanId;
 use crate::error::{DataError, Problem};
+use crate::input;
 use crate::signals::Candidate;
 use build::Builder;
 
@@ -59,7 +58,8 @@ impl Dbc {
     /// # Errors
     /// The file cannot be read, is larger than 64 MiB, or has no message with a usable signal.
     pub fn read(path: &Path) -> Result<Self, DataError> {
-        let bytes = read_bytes(path).map_err(|problem| DataError::new(path, problem))?;
+        let too_large = |found| Problem::Dbc(DbcError::TooLarge { found, most: LARGEST });
+        let bytes = input::read(path, LARGEST, too_large).map_err(|problem| DataError::new(path, problem))?;
         Self::from_bytes(&bytes).map_err(|error| DataError::new(path, Problem::Dbc(error)))
     }
 
@@ -139,26 +139,4 @@ impl Dbc {
         }
         None
     }
-}
-
-fn read_bytes(path: &Path) -> Result<Vec<u8>, Problem> {
-    let read_error = |error: io::Error| match error.kind() {
-        io::ErrorKind::NotFound => Problem::NotFound,
-        _ => Problem::Read(error),
-    };
-    let about = fs::metadata(path).map_err(read_error)?;
-    if about.is_dir() {
-        return Err(Problem::IsDirectory);
-    }
-    let mut bytes = Vec::new();
-    fs::File::open(path)
-        .map_err(read_error)?
-        .take(LARGEST + 1)
-        .read_to_end(&mut bytes)
-        .map_err(read_error)?;
-    if bytes.len() as u64 > LARGEST {
-        let found = about.len().max(LARGEST + 1);
-        return Err(Problem::Dbc(DbcError::TooLarge { found, most: LARGEST }));
-    }
-    Ok(bytes)
 }

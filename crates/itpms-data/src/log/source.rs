@@ -1,7 +1,6 @@
 //! Where rows come from, whatever the format: names first, then values, row by row. Called by the reader alone.
 
-use std::fs::{self, File};
-use std::io;
+use std::fs::File;
 use std::path::Path;
 
 use super::csv_source::CsvSource;
@@ -14,6 +13,7 @@ use super::row::RawRow;
 #[cfg(any(feature = "can", feature = "mdf4"))]
 use super::signal_source::SignalSource;
 use crate::error::{DataError, Place, Problem};
+use crate::input;
 use crate::signals::align::AlignmentReport;
 
 /// An open drive log.
@@ -29,16 +29,8 @@ pub(super) enum Source {
 impl Source {
     pub(super) fn open(path: &Path, options: &LogOptions) -> Result<Self, DataError> {
         let fail = |problem| DataError::new(path, problem);
-        let read_error = |error: io::Error| match error.kind() {
-            io::ErrorKind::NotFound => fail(Problem::NotFound),
-            _ => fail(Problem::Read(error)),
-        };
-        let metadata = fs::metadata(path).map_err(read_error)?;
-        if metadata.is_dir() {
-            return Err(fail(Problem::IsDirectory));
-        }
+        let (file, metadata) = input::open(path).map_err(fail)?;
         let format = LogFormat::of(path)?;
-        let file = File::open(path).map_err(read_error)?;
         if metadata.is_file() && metadata.len() == 0 {
             return Err(fail(Problem::Empty));
         }

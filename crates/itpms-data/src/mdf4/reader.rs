@@ -1,7 +1,5 @@
 //! An MDF4 file open for reading: its groups, and cursors through their samples.
 
-use std::fs::{self, File};
-use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -14,6 +12,7 @@ use super::identification::{self, Unfinished};
 use super::records::{MOST_EMPTY, MOST_RECORD, Records, Shape};
 use super::structure::{self, Structure};
 use crate::error::{DataError, Problem};
+use crate::input;
 
 /// An open MDF4 file (ASAM MDF 4.0 to 4.2).
 ///
@@ -170,14 +169,7 @@ impl Mdf4Reader {
 
 /// Opens a file for reading.
 fn open(path: &Path) -> Result<BlockFile, Problem> {
-    let refused = |error: io::Error| match error.kind() {
-        io::ErrorKind::NotFound => Problem::NotFound,
-        _ => Problem::Read(error),
-    };
-    if fs::metadata(path).map_err(refused)?.is_dir() {
-        return Err(Problem::IsDirectory);
-    }
-    BlockFile::new(File::open(path).map_err(refused)?).map_err(Problem::Read)
+    BlockFile::new(input::open(path)?.0).map_err(Problem::Read)
 }
 
 /// Programs that were killed leave data behind whose samples nobody counted, not always with a word of it in the

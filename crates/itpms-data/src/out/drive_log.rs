@@ -69,8 +69,10 @@ impl LogWriter {
     ///
     /// # Errors
     /// As [`LogWriter::create`]; the DBC file is missing, unusable, or has no signal for any column.
-    #[cfg_attr(not(feature = "can"), expect(unused_variables, reason = "only CAN logs are told more"))]
-    #[cfg_attr(not(feature = "mdf4"), allow(unused_variables, reason = "only MDF4 can be packed"))]
+    #[cfg_attr(
+        not(all(feature = "can", feature = "mdf4")),
+        allow(unused_variables, reason = "tables are told nothing")
+    )]
     pub fn create_with(
         path: &Path,
         columns: LogColumns,

@@ -11,8 +11,7 @@
 //! fr_pressure_kpa = ""                   # none, even if a name matches
 //! ```
 
-use std::fs;
-use std::io::{self, Read as _};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use toml::de::DeTable;
@@ -20,6 +19,7 @@ use toml::de::DeTable;
 use super::units::Unit;
 use super::{Conversion, SignalProblem};
 use crate::error::{DataError, Problem};
+use crate::input;
 use crate::log::Slot;
 use crate::toml_table::{Table, syntax_problem};
 
@@ -77,20 +77,9 @@ impl SignalMap {
 }
 
 fn read_text(path: &Path) -> Result<String, Problem> {
-    let read_error = |error: io::Error| match error.kind() {
-        io::ErrorKind::NotFound => Problem::NotFound,
-        _ => Problem::Read(error),
-    };
-    if fs::metadata(path).map_err(read_error)?.is_dir() {
-        return Err(Problem::IsDirectory);
-    }
-    let mut text = String::new();
-    let file = fs::File::open(path).map_err(read_error)?;
-    file.take(LONGEST_BYTES + 1).read_to_string(&mut text).map_err(read_error)?;
-    if text.len() as u64 > LONGEST_BYTES {
-        return Err(SignalProblem::MapTooLong { most: LONGEST_BYTES }.into());
-    }
-    Ok(text)
+    let too_long = |_| SignalProblem::MapTooLong { most: LONGEST_BYTES }.into();
+    let bytes = input::read(path, LONGEST_BYTES, too_long)?;
+    String::from_utf8(bytes).map_err(|error| Problem::Read(io::Error::new(io::ErrorKind::InvalidData, error)))
 }
 
 fn parse(text: &str) -> Result<Vec<Entry>, Problem> {

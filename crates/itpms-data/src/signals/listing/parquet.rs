@@ -1,7 +1,5 @@
 //! The list of a Parquet file: every column of plain numbers is a signal, one is the clock.
 
-use std::fs::{self, File};
-use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
@@ -12,6 +10,7 @@ use parquet::record::{Field, Row};
 use super::statistics::{Clock, Range};
 use super::{Listing, is_clock};
 use crate::error::Problem;
+use crate::input;
 
 /// Rows between two looks around.
 const ROWS_PER_STEP: usize = 1024;
@@ -33,14 +32,7 @@ impl std::fmt::Debug for ParquetLister {
 
 impl ParquetLister {
     pub(super) fn open(path: &Path) -> Result<Self, Problem> {
-        let read_error = |error: io::Error| match error.kind() {
-            io::ErrorKind::NotFound => Problem::NotFound,
-            _ => Problem::Read(error),
-        };
-        if fs::metadata(path).map_err(read_error)?.is_dir() {
-            return Err(Problem::IsDirectory);
-        }
-        let file = File::open(path).map_err(read_error)?;
+        let (file, _) = input::open(path)?;
         guarded(|| {
             let reader =
                 SerializedFileReader::new(file).map_err(|error| Problem::Parquet(error.to_string()))?;

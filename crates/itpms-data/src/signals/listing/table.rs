@@ -1,12 +1,11 @@
 //! The list of a CSV file: every column is a signal, one is the clock.
 
-use std::fs::{self, File};
-use std::io;
 use std::path::Path;
 
 use super::statistics::{Clock, Range};
 use super::{Listing, is_clock};
 use crate::error::Problem;
+use crate::input;
 use crate::log::{Lines, cells, number};
 
 /// Rows between two looks around.
@@ -26,15 +25,8 @@ pub(super) struct TableLister {
 
 impl TableLister {
     pub(super) fn open(path: &Path) -> Result<Self, Problem> {
-        let read_error = |error: io::Error| match error.kind() {
-            io::ErrorKind::NotFound => Problem::NotFound,
-            _ => Problem::Read(error),
-        };
-        let about = fs::metadata(path).map_err(read_error)?;
-        if about.is_dir() {
-            return Err(Problem::IsDirectory);
-        }
-        let mut lines = Lines::new(File::open(path).map_err(read_error)?);
+        let (file, about) = input::open(path)?;
+        let mut lines = Lines::new(file);
         if !lines.advance()? {
             return Err(Problem::NoHeader("the names of the columns".to_owned()));
         }
