@@ -14,6 +14,8 @@ use crate::plot::escape;
 
 const TEMPLATE: &str = include_str!("../../assets/report.html");
 const STYLE: &str = include_str!("../../assets/report.css");
+/// Colours of the report, by day and by night, as CSS variables.
+pub const BASE_STYLE: &str = include_str!("../../assets/base.css");
 const CHART_SCRIPT: &str = include_str!("../../assets/chart.js");
 const SCRIPT: &str = include_str!("../../assets/report.js");
 /// The charting library uPlot: its style sheet.
@@ -27,9 +29,10 @@ pub const PLOT_SCRIPT: &str = include_str!("../../assets/uplot/uPlot.iife.min.js
 pub(super) fn page(data: &ReportData) -> io::Result<String> {
     let headline = escape(&title(data));
     let curves = json::curves(data)?;
-    let parts: [(&str, String); 17] = [
+    let parts: [(&str, String); 18] = [
         ("title", headline.clone()),
         ("plot_style", PLOT_STYLE.into()),
+        ("base_style", BASE_STYLE.into()),
         ("style", STYLE.into()),
         ("headline", headline),
         ("subline", subline(data)),

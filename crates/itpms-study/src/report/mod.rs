@@ -18,7 +18,7 @@ mod words;
 
 pub use collector::{CornerRow, ReportCollector, ReportOptions};
 pub use figures::{CornerFigures, DriveFigures, Reading, TruthFigures};
-pub use html::{PLOT_LICENSE, PLOT_SCRIPT, PLOT_STYLE};
+pub use html::{BASE_STYLE, PLOT_LICENSE, PLOT_SCRIPT, PLOT_STYLE};
 pub use track::{Keep, Track};
 pub use watch::{AlertSpan, WatchReport};
 
