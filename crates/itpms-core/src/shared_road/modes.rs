@@ -7,7 +7,9 @@ use super::BINS;
 use super::coherence::Expectation;
 use super::constraint::{Disagreement, Signals, Slope, TrackFrame, Wheel, compare};
 use super::evidence::{Likelihood, OwnCovariance, score};
-use super::parameters::{Covariance, RATE, SIZE, State, TIRE, correlate_bars, prior_sd, wander_sd};
+use super::parameters::{
+    Covariance, RATE, SIZE, State, TIRE, correlate_bars, prior_sd, return_rate, wander_sd,
+};
 use crate::car::Learned;
 use crate::real::Real;
 
@@ -386,10 +388,15 @@ impl<T: Real> Modes<T> {
 }
 
 impl<T: Real> Mode<T> {
-    /// What changes by itself does so for `seconds`.
-    fn wander(&mut self, seconds: T) {
+    /// What changes by itself does so for `seconds`: about the vehicle file, and never further than a car may be from it.
+    pub(super) fn wander(&mut self, seconds: T) {
         let sd = wander_sd::<T>();
+        let stays = return_rate::<T>().map(|rate| (-rate * seconds).exp());
+        self.mean.component_mul_assign(&stays);
         for i in 0..SIZE {
+            for j in 0..SIZE {
+                self.covariance[(i, j)] *= stays[i] * stays[j];
+            }
             self.covariance[(i, i)] += sd[i] * sd[i] * seconds;
         }
     }

@@ -56,6 +56,20 @@ pub(super) fn wander_sd<T: Real>() -> State<T> {
     filled([8e-4, 5e-5, 1e-3, 1e-3, 1e-3, 5e-5, 1e-4, 5e-4, 1e-3, 1e-3, 0.0])
 }
 
+/// How fast, in 1/s, a quantity that nothing is learned of returns to what the vehicle file says: so that its wandering
+/// ends where it began, at the prior's standard deviation. Tires have no such place.
+pub(super) fn return_rate<T: Real>() -> State<T> {
+    let (prior, wander) = (prior_sd::<T>(), wander_sd::<T>());
+    State::from_fn(|i, _| {
+        if (TIRE..TIRE + 4).contains(&i) || i == RATE {
+            T::zero()
+        } else {
+            let share = wander[i] / prior[i];
+            T::lit(0.5) * share * share
+        }
+    })
+}
+
 /// One value per kind of quantity, in the order above.
 fn filled<T: Real>(kinds: [f64; 11]) -> State<T> {
     let starts = [TIRE, MASS, DAMPING, SPRING, BAR, GAIN, WHEELBASE, SKEW, COMMON_BIAS, OWN_BIAS, RATE, SIZE];

@@ -1,4 +1,4 @@
-//! Memory and instrument.
+//! Memory, instrument, and what is left of knowledge.
 
 use core::f64::consts::TAU;
 
@@ -9,7 +9,8 @@ use crate::shared_road::channel::Entry;
 use crate::shared_road::constraint::Axle;
 use crate::shared_road::instrument::Instrument;
 use crate::shared_road::memory::Memory;
-use crate::shared_road::parameters::BAR;
+use crate::shared_road::modes::Modes;
+use crate::shared_road::parameters::{BAR, GAIN, MASS, RATE, State, TIRE, prior_sd};
 
 /// A car that gains 3 m/s², as far as it came and as fast as it is.
 fn way_m(time_s: f64) -> f64 {
@@ -114,4 +115,25 @@ fn the_instrument_is_the_quarter_car() {
             assert!(worst < 1e-8, "{frequency_hz} Hz: {worst:e}");
         }
     }
+}
+
+/// However long nothing is learned of a car, it stays one that its file may describe.
+#[test]
+fn days_without_evidence_end_where_they_began() {
+    let mut modes = Modes::<f64>::new(&[0.0; 4]);
+    let before = prior_sd::<f64>();
+    let quiet = |modes: &Modes<f64>, i: usize| modes.modes[0].covariance[(i, i)].sqrt();
+    modes.modes[0].mean = State::repeat(0.01);
+    // Days of tenths of a second would take long; the return is exact for any step, what is added nearly so.
+    for _ in 0..4 * 24 * 360 {
+        modes.modes[0].wander(10.0);
+    }
+    for i in (MASS..RATE).filter(|i| *i != BAR + 1) {
+        let after = quiet(&modes, i);
+        assert!((after / before[i] - 1.0).abs() < 0.02, "{i}: {after} {}", before[i]);
+        // Bars and gains take more than a day.
+        let most = if (BAR..GAIN + 2).contains(&i) { 0.3 } else { 0.02 };
+        assert!(modes.modes[0].mean[i] < most * 0.01, "{i}");
+    }
+    assert!(quiet(&modes, TIRE) > 0.3);
 }
