@@ -49,6 +49,8 @@ pub struct Monitor {
     state: Option<StateFile>,
     say: Say,
     last_row: Instant,
+    /// When a frame with a signal that is wanted came last.
+    last_frame: Instant,
     last_told: Instant,
     /// Losses that the queue between source and estimate has had.
     queue_dropped: u64,
@@ -78,6 +80,7 @@ impl Monitor {
             state,
             say,
             last_row: now,
+            last_frame: now,
             last_told: now,
             queue_dropped: 0,
             lost: 0,
@@ -150,7 +153,11 @@ impl Monitor {
             Input::Frame { frame, arrived } => {
                 self.engine.source_mut().frames += 1;
                 if let Some(feed) = &mut self.feed {
+                    let used = feed.used();
                     feed.push(&frame, arrived);
+                    if feed.used() > used {
+                        self.last_frame = Instant::now();
+                    }
                     self.engine.source_mut().unknown_ids = feed.unknown_ids();
                 }
                 self.fed_rows()?;
@@ -192,7 +199,7 @@ impl Monitor {
 
     /// In a silence rows do not wait for more of their frames. How long they waited is no latency.
     fn release_what_waits(&mut self) -> Result<(), LiveError> {
-        let Some(feed) = self.feed.as_mut().filter(|_| self.last_row.elapsed() > STALE_AFTER) else {
+        let Some(feed) = self.feed.as_mut().filter(|_| self.last_frame.elapsed() > STALE_AFTER) else {
             return Ok(());
         };
         feed.flush();

@@ -12,9 +12,12 @@ use std::time::{Duration, Instant};
 
 use common::{rows, say, snapshot, transition, with_large_stack};
 use itpms_core::sample::Corner;
+use itpms_data::can::{CanFrame, CanId};
+use itpms_data::dbc::{Dbc, Decoder};
 use itpms_data::{LogRow, Vehicle};
 use itpms_live::drive::{Clock, Drive, DriveOptions};
 use itpms_live::engine::{Engine, Published};
+use itpms_live::feed::Feed;
 use itpms_live::hub::Hub;
 use itpms_live::input::{Input, SourceName};
 use itpms_live::monitor::{End, Monitor};
@@ -143,6 +146,61 @@ fn silence_is_told_within_a_second_and_a_half_and_rows_end_it() {
     assert_eq!(thread.join().unwrap(), End::SourceEnded);
     assert_eq!(state(&hub), Some(SourceState::Ended));
     assert_eq!(hub.latest().unwrap().source.rows, 600);
+}
+
+const DBC: &str = "\
+VERSION \"\"
+BU_: A
+BO_ 528 Left: 6 A
+ SG_ fl_body_accel_m_s2 : 0|16@1- (0.002,0) [0|0] \"m/s^2\" A
+ SG_ fl_wheel_accel_m_s2 : 16|16@1- (0.01,0) [0|0] \"m/s^2\" A
+ SG_ speed_m_s : 32|16@1+ (0.01,0) [0|0] \"m/s\" A
+";
+
+/// Frame `i` of a bus of 200 Hz, with a pattern that is no stuck sensor.
+fn frame(i: u32) -> Input {
+    let bytes = [(i * 37) as u8, 0, (i * 91) as u8, 0, 0xd0, 0x07];
+    let frame = CanFrame::new(f64::from(i) / 200.0, CanId::standard(528).unwrap(), &bytes).unwrap();
+    Input::Frame { frame, arrived: Instant::now() }
+}
+
+#[test]
+fn after_a_silence_of_the_bus_rows_come_as_before() {
+    let hub = Hub::new();
+    let inputs = Arc::new(Queue::new(10_000));
+    let feed = Feed::new(Decoder::new(Dbc::parse(DBC).unwrap(), None).unwrap(), Vec::new());
+    let monitor = Monitor::new(engine(None), Arc::clone(&hub), vec![], None, say()).with_feed(feed);
+    let thread = thread::Builder::new().stack_size(8 << 20);
+    let thread = thread.spawn({
+        let inputs = Arc::clone(&inputs);
+        move || monitor.run(&inputs, || false).unwrap()
+    });
+    let thread = thread.unwrap();
+    let state = || hub.latest().map(|snapshot| snapshot.source.state);
+    let wait = |wanted: SourceState| {
+        let start = Instant::now();
+        while state() != Some(wanted) {
+            assert!(start.elapsed() < Duration::from_secs(10), "{:?} instead of {wanted:?}", state());
+            thread::sleep(Duration::from_millis(5));
+        }
+    };
+    inputs.push_all((0..1000).map(frame));
+    wait(SourceState::Live);
+    wait(SourceState::Stale);
+    // The last row did not wait for a frame after it.
+    assert_eq!(hub.latest().unwrap().source.rows, 1000);
+    // Frame by frame, so that the thread looks at its clock in between.
+    for i in 1000..1200 {
+        inputs.push(frame(i));
+        thread::sleep(Duration::from_millis(2));
+    }
+    let now = hub.latest().unwrap();
+    assert_eq!(now.source.state, SourceState::Live);
+    // A row waits at most for the two after it, here 4 ms, and a busy machine.
+    assert!(now.latency_ms.p50 < 100.0, "{:?}", now.latency_ms);
+    inputs.push(Input::Ended);
+    assert_eq!(thread.join().unwrap(), End::SourceEnded);
+    assert_eq!(hub.latest().unwrap().source.rows, 1200);
 }
 
 #[test]

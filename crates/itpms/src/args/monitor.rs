@@ -50,7 +50,7 @@ pub(crate) struct MonitorArgs {
     /// A name under which the page may be asked for besides addresses, names without a dot and *.local; may be repeated.
     #[arg(long, value_name = "NAME", requires = "http")]
     pub(crate) http_allow_host: Vec<String>,
-    /// An origin such as https://fleet.example.com whose pages may read the stream; may be repeated.
+    /// An origin such as `https://fleet.example.com` whose pages may read the stream; may be repeated.
     #[arg(long, value_name = "ORIGIN", requires = "http")]
     pub(crate) http_allow_origin: Vec<String>,
     /// What is known of the car, kept from one start to the next: saved every minute and at the end.
