@@ -39,15 +39,8 @@ pub fn start(
             let row = log.next_row()?;
             Ok(row.map(|row| (row.time_s, Input::Row { row, arrived: Instant::now() })))
         };
-        let last = match inputs.push(opened).then(|| replay(next, speed, &inputs, &stop)) {
-            Some(Err(error)) => Input::Failed(error.to_string()),
-            _ => Input::Ended,
-        };
-        for warning in log.repairs().warnings() {
-            say(Note::Warning(format!("{}: {warning}", log.path().display())));
-        }
-        inputs.push(last);
-        inputs.close();
+        let result = if inputs.push(opened) { replay(next, speed, &inputs, &stop) } else { Ok(()) };
+        end(result, log.path(), &log.repairs().warnings(), &inputs, &say);
     })
 }
 
@@ -65,16 +58,18 @@ pub fn start_frames(
             let frame = log.next_frame()?;
             Ok(frame.map(|frame| (frame.time_s, Input::Frame { frame, arrived: Instant::now() })))
         };
-        let last = match replay(next, speed, &inputs, &stop) {
-            Err(error) => Input::Failed(error.to_string()),
-            Ok(()) => Input::Ended,
-        };
-        for warning in log.repairs().warnings() {
-            say(Note::Warning(format!("{}: {warning}", log.path().display())));
-        }
-        inputs.push(last);
-        inputs.close();
+        let result = replay(next, speed, &inputs, &stop);
+        end(result, log.path(), &log.repairs().warnings(), &inputs, &say);
     })
+}
+
+/// What there is to say of a log that has been replayed, or could not be to its end.
+fn end(result: Result<(), DataError>, path: &Path, warnings: &[String], inputs: &Queue<Input>, say: &Say) {
+    for warning in warnings {
+        say(Note::Warning(format!("{}: {warning}", path.display())));
+    }
+    inputs.push(result.map_or_else(|error| Input::Failed(error.to_string()), |()| Input::Ended));
+    inputs.close();
 }
 
 fn replay(
