@@ -3,7 +3,7 @@
 //!
 //! At the true stiffness a reconstructed road velocity is nearly white, so short frames do not smear it.
 
-use nalgebra::SMatrix;
+use nalgebra::{Complex, SMatrix};
 
 use crate::real::Real;
 
@@ -16,8 +16,13 @@ pub(crate) struct Frame<T: Real, const BINS: usize, const SIGNALS: usize> {
 }
 
 impl<T: Real, const BINS: usize, const SIGNALS: usize> Frame<T, BINS, SIGNALS> {
-    fn zero() -> Self {
+    pub(crate) fn zero() -> Self {
         Self { re: SMatrix::zeros(), im: SMatrix::zeros() }
+    }
+
+    /// A signal in a bin.
+    pub(crate) fn at(&self, bin: usize, signal: usize) -> Complex<T> {
+        Complex::new(self.re[(bin, signal)], self.im[(bin, signal)])
     }
 
     /// `Re(X_i X_j*)` of two signals in a bin.

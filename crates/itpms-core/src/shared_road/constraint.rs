@@ -4,6 +4,7 @@
 
 use nalgebra::{Complex, SMatrix, SVector};
 
+use super::answer::Ratios;
 use super::channel::{KEPT, high_pass_power};
 use super::parameters::{BAR, DAMPING, GAIN, MASS, SKEW, SKEW_UNIT_S, SPRING, State, TIRE, WHEELBASE};
 use super::{BIN_SPACING_HZ, BINS, Frame, bin_hz};
@@ -23,6 +24,8 @@ const OWN_WHEELBASE: usize = 11;
 const OWN_SKEW: usize = 12;
 /// Signals of an axle's side: those kept of a corner, and its relative velocity less that of the other side.
 pub(super) const SEEN: usize = KEPT + 1;
+/// Those of both axles.
+pub(super) const BOTH: usize = 2 * SEEN;
 
 /// Points per bin, and on each side, at which the window's spectrum is averaged, and the lowest frequency in Hz of that.
 const KERNEL_DENSITY: f64 = 4.0;
@@ -64,12 +67,12 @@ pub(super) struct TrackFrame<T: Real> {
 }
 
 /// Whose signals of a frame.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Signals {
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Signals<'a, T: Real> {
     /// As measured.
     Measured,
-    /// On the road that both axles agree on.
-    Common,
+    /// On the road that both axles agree on, as the instruments have them, times how the axles answer it.
+    Common(&'a Ratios<T>),
 }
 
 /// Where a side's quantities stand in the state.
@@ -148,6 +151,8 @@ impl<T: Real> Axle<T> {
 pub(super) struct Disagreement<T: Real> {
     pub(super) rows: SVector<T, ROWS>,
     pub(super) slope: Slope<T>,
+    /// Road velocity of every bin that both axles agree on.
+    pub(super) common: [Complex<T>; BINS],
     /// Road power of every bin, mean of the axles.
     pub(super) road_power: [T; BINS],
 }
@@ -155,7 +160,7 @@ pub(super) struct Disagreement<T: Real> {
 /// Compares the axles of a side for a state.
 pub(super) fn compare<T: Real>(
     taken: &TrackFrame<T>,
-    signals: Signals,
+    signals: Signals<'_, T>,
     wheels: &[Wheel<T>; 2],
     side: usize,
     state: &State<T>,
@@ -164,8 +169,12 @@ pub(super) fn compare<T: Real>(
     let gain = T::one() + state[GAIN + side];
     let late_s = taken.delay_s * (state[WHEELBASE] - taken.used_wheelbase)
         + T::lit(SKEW_UNIT_S) * (state[SKEW + side] - taken.used_skew);
-    let mut out =
-        Disagreement { rows: SVector::zeros(), slope: SMatrix::zeros(), road_power: [T::zero(); BINS] };
+    let mut out = Disagreement {
+        rows: SVector::zeros(),
+        slope: SMatrix::zeros(),
+        common: [Complex::new(T::zero(), T::zero()); BINS],
+        road_power: [T::zero(); BINS],
+    };
     for bin in 0..BINS {
         out.fill(taken, signals, &axles, gain, late_s, bin);
     }
@@ -176,7 +185,7 @@ impl<T: Real> Disagreement<T> {
     fn fill(
         &mut self,
         taken: &TrackFrame<T>,
-        signals: Signals,
+        signals: Signals<'_, T>,
         axles: &[Axle<T>; 2],
         gain: T,
         late_s: T,
@@ -184,16 +193,20 @@ impl<T: Real> Disagreement<T> {
     ) {
         let delay_s = taken.delay_s;
         let of = |axle: usize| {
-            core::array::from_fn(|i| {
-                let column = (2 * usize::from(signals == Signals::Common) + axle) * SEEN + i;
-                Complex::new(taken.frame.re[(bin, column)], taken.frame.im[(bin, column)])
+            core::array::from_fn(|i| match signals {
+                Signals::Measured => taken.frame.at(bin, axle * SEEN + i),
+                Signals::Common(ratios) => {
+                    taken.frame.at(bin, BOTH + axle * SEEN + i) * ratios[bin][axle * SEEN + i]
+                }
             })
         };
         let seen = [axles[0].road(of(0)), axles[1].road(of(1))];
         let slope = slopes(&seen, gain, bin_hz(bin), delay_s);
         let (ahead, behind) = (seen[0].0 * gain, seen[1].0);
-        let turn = Complex::new(T::zero(), T::two_pi() * bin_hz::<T>(bin)) * (ahead + behind) * T::lit(0.5);
+        let common = (ahead + behind) * T::lit(0.5);
+        let turn = Complex::new(T::zero(), T::two_pi() * bin_hz::<T>(bin)) * common;
         let apart = ahead - behind - turn * late_s;
+        self.common[bin] = common;
         self.rows[bin] = apart.re;
         self.rows[BINS + bin] = apart.im;
         self.road_power[bin] = T::lit(0.5) * (ahead.norm_sqr() + behind.norm_sqr());
@@ -204,12 +217,14 @@ impl<T: Real> Disagreement<T> {
     }
 }
 
-/// Products of the derivatives with each other that a road of unit power makes, per bin: `Re⟨C* C⟩`.
+/// Products of the derivatives with each other that a road of unit power makes, per bin: `Re⟨C* C⟩`, if the axles answer
+/// it as `ratios` say.
 pub(super) fn expected_products<T: Real>(
     wheels: &[Wheel<T>; 2],
     side: usize,
     state: &State<T>,
     delay_s: T,
+    ratios: &Ratios<T>,
 ) -> [Gram<T>; BINS] {
     let axles = [Axle::new(&wheels[0], state), Axle::new(&wheels[1], state)];
     let gain = T::one() + state[GAIN + side];
@@ -219,8 +234,10 @@ pub(super) fn expected_products<T: Real>(
             let offset = T::lit(f64::from(k) / KERNEL_DENSITY);
             let frequency = (bin_hz::<T>(bin) + T::lit(BIN_SPACING_HZ) * offset).abs().max(T::lit(LOWEST_HZ));
             let weight = sine_window_power(offset) * high_pass_power(frequency);
-            let seen =
-                |i: usize| axles[i].road(axles[i].over_unit_road(wheels[i].body.sprung_mass_kg, frequency));
+            let seen = |axle: usize| {
+                let foretold = axles[axle].over_unit_road(wheels[axle].body.sprung_mass_kg, frequency);
+                axles[axle].road(core::array::from_fn(|i| foretold[i] * ratios[bin][axle * SEEN + i]))
+            };
             // As a frame sees it: its turns are those of the middle of a bin.
             let slope = slopes(&[seen(0), seen(1)], gain, bin_hz(bin), delay_s);
             let re = Score::from_fn(|i, _| slope[i].re);

@@ -12,7 +12,8 @@
 //! | `acquire` | the first delay |
 //! | `track` | one side: aligned, cut into frames |
 //! | `constraint` | what the axles disagree on, and why |
-//! | `instrument` | what a wheel would do on the road both agree on |
+//! | `imbalance` | what wheels that turn add to the road |
+//! | `instrument`, `answer` | what a wheel would do on the road both agree on, and what it does |
 //! | `coherence` | how far they share a road |
 //! | `parameters` | what is unknown of the car |
 //! | `modes` | the belief |
@@ -20,10 +21,12 @@
 //! | `lesson` | what a reset taught |
 
 mod acquire;
+mod answer;
 mod channel;
 mod coherence;
 mod constraint;
 mod evidence;
+mod imbalance;
 mod instrument;
 mod lesson;
 mod memory;
@@ -36,7 +39,7 @@ mod track;
 use nalgebra::{SMatrix, SVector};
 
 use self::channel::{Channel, Entry, RELATIVE};
-use self::constraint::{SEEN, Wheel};
+use self::constraint::{BOTH, Wheel};
 use self::lesson::Lesson;
 use self::modes::Modes;
 use self::parameters::{COMMON_BIAS, DAMPING, OWN_BIAS, SKEW, SKEW_UNIT_S, State, TIRE, WHEELBASE};
@@ -56,7 +59,7 @@ const BIN_SPACING_HZ: f64 = 0.5 / HOP_S;
 /// A frame of both axles' signals.
 type Frame<T> = crate::frame::Frame<T, BINS, SIGNALS>;
 /// Signals of both axles, and what they would be on the road both agree on.
-const SIGNALS: usize = 4 * SEEN;
+const SIGNALS: usize = 2 * BOTH;
 /// Middle of a bin in Hz.
 fn bin_hz<T: Real>(bin: usize) -> T {
     T::lit((bin + 1) as f64 * BIN_SPACING_HZ)

@@ -316,8 +316,10 @@ impl<T: Real> Modes<T> {
     /// Modes in which a tire is what no tire can be are not followed; the quiet one is left for [`Modes::is_sound`].
     pub(super) fn drop_impossible(&mut self) {
         let mut total = T::zero();
-        for mode in &mut self.modes {
-            if !mode.is_possible() {
+        for (index, mode) in self.modes.iter_mut().enumerate() {
+            // Tires do not fill themselves, and nobody else fills four at once while they roll.
+            let filling = index == ALL && !(mode.mean[RATE] >= T::zero());
+            if filling || !mode.is_possible() {
                 mode.weight = T::zero();
             }
             total += mode.weight;

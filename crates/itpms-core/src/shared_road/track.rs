@@ -1,9 +1,13 @@
 //! One side of the car: what the front met, read again where the rear is now, and cut into frames of both.
 
 use super::acquire::{Acquisition, Found};
+use super::answer::Answer;
 use super::channel::{Entry, KEPT, RELATIVE};
 use super::coherence::Coherence;
-use super::constraint::{Axle, SEEN, Signals, TrackFrame, Wheel, compare, expected_products};
+use super::constraint::{
+    Axle, BOTH, Disagreement, SEEN, Signals, TrackFrame, Wheel, compare, expected_products,
+};
+use super::imbalance::Imbalance;
 use super::instrument::Instrument;
 use super::memory::{Memory, Read};
 use super::modes::Modes;
@@ -21,6 +25,8 @@ const FORGET_S: f64 = 5.0;
 const SETTLING_HOPS: u32 = 5;
 /// Seconds without a frame after which a side counts as not shared.
 const STALE_S: f64 = 1.0;
+/// Longest way in m between two entries that follow each other.
+const LONGEST_WAY_M: f64 = 1.0;
 /// Incoherence near wheel hop from which on a side counts as not shared.
 const APART: f64 = 0.5;
 
@@ -52,6 +58,10 @@ pub(super) struct Track<T: Real> {
     aligned: bool,
     clock: FrameClock<T, BINS, SIGNALS>,
     instruments: [Instrument<T>; 2],
+    answer: Answer<T>,
+    imbalance: Imbalance<T>,
+    /// Way in m of the rear wheel at its last entry.
+    way_m: f64,
     coherence: Coherence<T>,
     /// Wheelbase and skew that the frame under way is aligned with.
     used: [T; 2],
@@ -71,6 +81,9 @@ impl<T: Real> Track<T> {
             aligned: false,
             clock: FrameClock::new(HOP_S, period_s),
             instruments: [Instrument::new(), Instrument::new()],
+            answer: Answer::new(),
+            imbalance: Imbalance::new(),
+            way_m: f64::NAN,
             coherence: Coherence::new(),
             used: [T::zero(); 2],
             spoiled_hops: 0,
@@ -133,14 +146,14 @@ impl<T: Real> Track<T> {
         // The front met the same slope at another speed.
         let ratio = entry.speed_m_s / read.speed_m_s;
         let others = [other.memory.read(then_s).map(|read| read.signals[RELATIVE]), beside];
-        let front = with_other(read.signals, others[0]).map(|signal| ratio * signal);
-        let rear = with_other(entry.signals, others[1]);
-        let axles = road.axles();
-        let gain = T::one() + road.state[GAIN + self.side];
-        let common = T::lit(0.5) * (gain * axles[0].road_velocity(&front) + axles[1].road_velocity(&rear));
+        let mut both = [T::zero(); BOTH];
+        both[..SEEN].copy_from_slice(&with_other(read.signals, others[0]).map(|signal| ratio * signal));
+        both[SEEN..].copy_from_slice(&with_other(entry.signals, others[1]));
+        self.clear(&mut both, entry, road);
+        let [ahead, behind] = road.velocities(&both, self.side);
+        let common = T::lit(0.5) * (ahead + behind);
         let mut signals = [T::zero(); SIGNALS];
-        signals[..SEEN].copy_from_slice(&front);
-        signals[SEEN..2 * SEEN].copy_from_slice(&rear);
+        signals[..BOTH].copy_from_slice(&both);
         let scales = [ratio, T::one()];
         for (axle, instrument) in self.instruments.iter_mut().enumerate() {
             let there = with_other(instrument.push(common), others[axle].map(|other| scales[axle] * other));
@@ -156,6 +169,17 @@ impl<T: Real> Track<T> {
         }
         let middle_s = entry.time_s - self.clock.hop_s();
         Some(TrackFrame { frame, middle_s, delay_s, stretch: ratio.ln(), used_wheelbase, used_skew })
+    }
+
+    /// Takes off what the wheels' imbalance makes of both axles' signals.
+    fn clear(&mut self, both: &mut [T; BOTH], entry: &Entry<T>, road: &Meeting<'_, T>) {
+        let way_m = T::lit(entry.way_m - self.way_m);
+        self.way_m = entry.way_m;
+        if way_m >= T::zero() && way_m < T::lit(LONGEST_WAY_M) {
+            let [ahead, behind] = road.velocities(both, self.side);
+            self.imbalance.look(ahead - behind, way_m, entry.speed_m_s);
+            self.imbalance.clear(both, way_m, entry.speed_m_s);
+        }
     }
 
     /// Brings the instruments up to date with what is believed.
@@ -191,10 +215,11 @@ impl<T: Real> Track<T> {
         let best = modes.most_likely();
         let state = modes.modes[best].mean;
         let look = |signals| compare(taken, signals, wheels, self.side, &state);
-        let road_power = look(Signals::Measured).road_power;
-        let instrument = look(Signals::Common).slope;
+        let Disagreement { common, road_power, .. } = look(Signals::Measured);
+        let ratios = self.answer.ratios();
+        let instrument = look(Signals::Common(&ratios)).slope;
         let noise = self.noise(wheels, &state);
-        let products = expected_products(wheels, self.side, &state, taken.delay_s);
+        let products = expected_products(wheels, self.side, &state, taken.delay_s, &ratios);
         let expected = self.coherence.expect(&road_power, &noise, &products, taken.stretch);
         // What the model leaves out differs from road to road, and grows with what the axles do not share.
         modes.doubt(wheels, self.coherence.near_wheel_hop() * T::lit(HOP_S));
@@ -203,6 +228,7 @@ impl<T: Real> Track<T> {
         else {
             return false;
         };
+        self.answer.learn(&taken.frame, &common, trust);
         self.coherence.learn(&expected, &found, &ratio, &noise, T::lit(HOP_S));
         self.learned_until_s = taken.middle_s;
         self.coherence.near_wheel_hop() < T::lit(APART)
@@ -240,6 +266,13 @@ impl<T: Real> Meeting<'_, T> {
 
     fn axles(&self) -> [Axle<T>; 2] {
         [Axle::new(&self.wheels[0], self.state), Axle::new(&self.wheels[1], self.state)]
+    }
+
+    /// Road velocities that both axles' signals tell, the front's times its gain.
+    fn velocities(&self, both: &[T; BOTH], side: usize) -> [T; 2] {
+        let axles = self.axles();
+        let of = |axle: usize| axles[axle].road_velocity(&core::array::from_fn(|i| both[axle * SEEN + i]));
+        [(T::one() + self.state[GAIN + side]) * of(0), of(1)]
     }
 
     fn skew_s(&self) -> T {

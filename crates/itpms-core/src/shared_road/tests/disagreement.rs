@@ -8,15 +8,21 @@ use nalgebra::Complex;
 use nalgebra::ComplexField;
 
 use super::{C, Moved, STILL, deviating, frame, signals, taken, unit_frames, wheels};
+use crate::shared_road::answer::Ratios;
 use crate::shared_road::channel::high_pass_power;
 use crate::shared_road::constraint::{
-    Gram, OWN, Score, Signals, Slope, TrackFrame, compare, expected_products, places,
+    BOTH, Gram, OWN, Score, Signals, Slope, TrackFrame, compare, expected_products, places,
 };
 use crate::shared_road::parameters::{BAR, GAIN, SKEW, State, WHEELBASE};
 use crate::shared_road::{BINS, bin_hz};
 
 const DELAY_S: f64 = 0.12;
 const ONE: C = C::new(1.0, 0.0);
+
+/// Axles that answer as their quarter cars do.
+fn same() -> Ratios<f64> {
+    [[ONE; BOTH]; BINS]
+}
 
 /// Adds frames with weights.
 fn sum<'a>(parts: impl Iterator<Item = (f64, &'a TrackFrame<f64>)>) -> TrackFrame<f64> {
@@ -116,7 +122,7 @@ fn expected_products_are_those_of_a_long_random_road() {
             power[bin] += found.road_power[bin];
         }
     }
-    let expected = expected_products(&wheels(), 0, &state, DELAY_S);
+    let expected = expected_products(&wheels(), 0, &state, DELAY_S, &same());
     for bin in 0..BINS {
         for i in 0..OWN {
             for j in 0..=i {
@@ -155,7 +161,7 @@ fn roads_that_differ_do_not_pull_the_instruments() {
         }
         let taken = sum(parts.into_iter());
         let measured = compare(&taken, Signals::Measured, &wheels(), 0, &state);
-        let instrument = compare(&taken, Signals::Common, &wheels(), 0, &state).slope;
+        let instrument = compare(&taken, Signals::Common(&same()), &wheels(), 0, &state).slope;
         for (sums, slope) in sums.iter_mut().zip([&measured.slope, &instrument]) {
             let pull = pull(&measured.rows, slope);
             sums[0] += pull;

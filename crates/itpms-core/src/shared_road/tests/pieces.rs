@@ -137,3 +137,18 @@ fn days_without_evidence_end_where_they_began() {
     }
     assert!(quiet(&modes, TIRE) > 0.3);
 }
+
+/// Four tires may all lose pressure, but roads that part must not look like four that are filled.
+#[test]
+fn all_four_are_not_filled_while_they_roll() {
+    const ALL: usize = 5;
+    for (rate, followed) in [(0.05, true), (-0.05, false), (f64::NAN, false)] {
+        let mut modes = Modes::<f64>::new(&[0.0; 4]);
+        modes.modes[0].weight = 0.1;
+        modes.modes[ALL].weight = 0.9;
+        modes.modes[ALL].mean[RATE] = rate;
+        modes.drop_impossible();
+        let expected = if followed { [0.1, 0.9] } else { [1.0, 0.0] };
+        assert_eq!([modes.modes[0].weight, modes.modes[ALL].weight], expected, "{rate}");
+    }
+}
