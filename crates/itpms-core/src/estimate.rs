@@ -157,7 +157,7 @@ pub struct Diagnostics<T> {
     pub forgetting: T,
     /// Normalised innovation squared of the last update, divided by its expected value: about 1 when consistent.
     pub nis: T,
-    /// Information gate, 0 (nothing learned) to 1 (all of the last frame used).
+    /// Information gate, 0 (nothing learned) to 1 (all of the last frame used, or a road that both axles share).
     pub gate: T,
     /// Probability that the pressure is changing now; NaN where the estimator has no such notion.
     pub change_probability: T,

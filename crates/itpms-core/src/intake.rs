@@ -57,8 +57,9 @@ pub struct GridSample<T> {
     pub wheel_accel_m_s2: T,
     /// True if the signal was interrupted before this step.
     pub after_gap: bool,
-    /// True if a sensor near this step was at its limit, or did not move.
-    pub saturated: bool,
+    /// True if the step says nothing of the tire: a sensor near it was at its limit or did not move, or the wheel was in
+    /// the air.
+    pub spoiled: bool,
 }
 
 /// What a sensor's last values look like, the worst last.
@@ -299,7 +300,7 @@ impl<T: Real> Intake<T> {
                 body_accel_m_s2: body,
                 wheel_accel_m_s2: wheel,
                 after_gap: self.after_gap,
-                saturated,
+                spoiled: saturated,
             });
             self.after_gap = false;
             self.next_grid_s += self.grid_period_s;

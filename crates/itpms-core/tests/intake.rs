@@ -43,7 +43,7 @@ fn a_clean_signal_passes_unchanged_four_samples_late() {
             (sample.body_accel_m_s2 - body).abs() < 1e-5 && (sample.wheel_accel_m_s2 - wheel).abs() < 1e-5
         );
         assert_eq!(sample.after_gap, i == 0);
-        assert!(!sample.saturated);
+        assert!(!sample.spoiled);
     }
 }
 
@@ -136,7 +136,7 @@ fn a_flat_top_at_the_limit_is_saturation_and_one_below_is_not() {
     let flat = 2000.0 * (1.0 - 2.0 / std::f64::consts::PI * 0.75f64.asin());
     let tops = 2000.0 * 0.05 / std::f64::consts::PI;
     assert!((counts.saturated as f64 - (flat - 2.0 * tops)).abs() < 2.0 * tops, "{}", counts.saturated);
-    assert!(grid.iter().any(|s| s.saturated));
+    assert!(grid.iter().any(|s| s.spoiled));
     // The same value three times in a row amid larger ones is chance.
     let (_, counts, _) = regrid((0..2000).map(|k| {
         (k as f64 * PERIOD_S, lively(k), if (50..53).contains(&(k % 100)) { 0.5 } else { lively(k) })

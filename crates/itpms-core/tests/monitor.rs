@@ -26,6 +26,8 @@ struct Said {
     validity: Validity,
     speed_m_s: f64,
     incoherence: f64,
+    /// How far the errors of all tires go together.
+    correlation: f64,
 }
 
 const FINE: Said = Said {
@@ -35,6 +37,7 @@ const FINE: Said = Said {
     validity: Validity::Valid,
     speed_m_s: 20.0,
     incoherence: f64::NAN,
+    correlation: 0.0,
 };
 
 fn car() -> CarConfig<f64> {
@@ -60,7 +63,7 @@ fn estimate(time_s: f64, said: &Said) -> CarEstimate<f64> {
             pressure_variance_kpa2: said.sd * said.sd,
         },
     };
-    let one = |i: usize, j: usize| if i == j { 1.0 } else { 0.0 };
+    let one = |i: usize, j: usize| if i == j { 1.0 } else { said.correlation };
     CarEstimate {
         time_s,
         corners: said.kpa.map(|kpa| Some(corner(kpa))),
@@ -172,6 +175,32 @@ fn what_is_short_uncertain_or_learned_standing_still_is_not_warned_of() {
     // Nothing is learned while the gate is shut.
     let report = drive.on(120.0, &Said { gate: 0.0, speed_m_s: 0.0, ..low(150.0) });
     assert!(report.alerts().next().is_none());
+}
+
+#[test]
+fn a_tire_surely_lower_than_the_others_is_low_however_little_is_known_of_their_level() {
+    let unsure = |said: Said, correlation| Said { sd: 20.0, correlation, ..said };
+    // 193 kPa are a fifth less than 241.3. The sd of a difference from the mean of three is 20 sqrt((1 - 0.95) 4/3) = 5.2 kPa.
+    let mut drive = Drive::new();
+    drive.on(10.0, &unsure(FINE, 0.95));
+    drive.on(3.0, &unsure(low(193.0), 0.95));
+    assert_eq!(state(drive.monitor.report(), Corner::RearLeft), WheelState::Low);
+    assert_eq!(drive.monitor.report().alerts().count(), 1);
+    // Errors of their own say nothing sure, and nor does a level that all have in common.
+    for said in [unsure(low(193.0), 0.0), unsure(Said { kpa: [193.0; 4], ..FINE }, 0.95)] {
+        let mut drive = Drive::new();
+        let report = drive.on(60.0, &said);
+        assert!(report.alerts().next().is_none() && !report.is_all_fine());
+    }
+    // Lower than the others, but not low.
+    let mut drive = Drive::new();
+    assert!(
+        drive
+            .on(60.0, &unsure(Said { kpa: [280.0, 280.0, 225.0, 280.0], ..FINE }, 0.95))
+            .alerts()
+            .next()
+            .is_none()
+    );
 }
 
 #[test]

@@ -251,6 +251,7 @@ impl<T: Real> CarEstimator<T> {
                 stiffness_sd_n_per_m: belief.covariance[(i, i)].sqrt(),
                 moving: belief.moving,
                 learned_s: belief.learned_s,
+                learning: shared.side(i % 2).0,
             }));
         }
         belief

@@ -4,9 +4,11 @@
 //! Called by the binary, the studies and controllers. Every sample passes the [`Intake`], so no estimator behind it
 //! ever sees a missing or absurd value.
 
+mod contact;
 mod engine;
 mod warning;
 
+use self::contact::{Contact, ContactWatch};
 use self::engine::{Engine, Reading};
 use self::warning::LowPressureWatch;
 use crate::estimate::{CornerConfig, CornerEstimate, Diagnostics, Validity, Warning};
@@ -89,6 +91,7 @@ pub struct Estimator<T: Real> {
     repetition: RoadRepetition,
     /// What the whole car says of this corner, while it says anything.
     car_belief: Option<CarWord<T>>,
+    contact: ContactWatch<T>,
 }
 
 /// What the whole car knows of a corner that the corner by itself does not.
@@ -101,6 +104,8 @@ pub(crate) struct CarWord<T> {
     pub(crate) moving: T,
     /// Seconds of full information that it rests on.
     pub(crate) learned_s: T,
+    /// Whether the road that its axles share is being learned from.
+    pub(crate) learning: bool,
 }
 
 impl<T: Real> Estimator<T> {
@@ -134,6 +139,7 @@ impl<T: Real> Estimator<T> {
             resets: 0,
             repetition: RoadRepetition::Detect,
             car_belief: None,
+            contact: ContactWatch::new(&config.quarter_car),
         })
     }
 
@@ -204,11 +210,13 @@ impl<T: Real> Estimator<T> {
         corner: &CornerSample<T>,
         mut tap: impl FnMut(&GridSample<T>),
     ) {
-        let engine = &mut self.engine;
+        let (engine, contact) = (&mut self.engine, &mut self.contact);
         let (body, wheel) = (corner.body_accel_m_s2, corner.wheel_accel_m_s2);
         self.intake.push(time_s, speed_m_s, body, wheel, |sample| {
-            engine.step(&sample);
-            tap(&sample);
+            let contact = contact.look(&sample);
+            let spoiled_if = |spoiled: bool| GridSample { spoiled: sample.spoiled || spoiled, ..sample };
+            engine.step(&spoiled_if(contact != Contact::Rolling));
+            tap(&spoiled_if(contact == Contact::Airborne));
         });
         self.hold_reset(time_s);
     }

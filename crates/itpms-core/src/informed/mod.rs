@@ -100,7 +100,7 @@ pub struct Informed<T: Real> {
     variance_growth: T,
     learned_s: T,
     last_speed_m_s: T,
-    saturated: bool,
+    spoiled: bool,
     /// Seconds for which the car stands by now.
     stopped_s: T,
     repeat: RepeatedRoad<T>,
@@ -147,7 +147,7 @@ impl<T: Real> Informed<T> {
             variance_growth: T::one(),
             learned_s: T::zero(),
             last_speed_m_s: T::lit(f64::NAN),
-            saturated: false,
+            spoiled: false,
             stopped_s: T::zero(),
             repeat: RepeatedRoad::new(RoadRepetition::Detect, sample_rate_hz, grid_period_s),
             repeat_word: None,
@@ -172,7 +172,7 @@ impl<T: Real> Informed<T> {
             self.repeat.interrupted(T::lit(sample.time_s - self.last_time_s));
         }
         self.last_time_s = sample.time_s;
-        self.saturated |= sample.saturated;
+        self.spoiled |= sample.spoiled;
         let signals = self.reconstruction.push(sample.body_accel_m_s2, sample.wheel_accel_m_s2);
         let told = self.meet_again(&signals, sample);
         match self.clock.push(&signals) {
@@ -192,7 +192,7 @@ impl<T: Real> Informed<T> {
             force: body.unsprung_mass_kg * signals[WHEEL_JERK]
                 + body.damping_n_s_per_m * signals[RELATIVE_ACCELERATION]
                 + body.spring_n_per_m * signals[RELATIVE_VELOCITY],
-            spoiled: sample.saturated,
+            spoiled: sample.spoiled,
         };
         let corner = Corner { body, noise_density: self.noise_density };
         let held = if self.held_frames > 0 { Held::Yes } else { Held::No };
@@ -242,10 +242,10 @@ impl<T: Real> Informed<T> {
         let mut evidence = self.evidence(frame, speed_m_s, road.longest_envelope_m());
         let speed = if speed_m_s.is_finite() { SpeedKnowledge::Known } else { SpeedKnowledge::Unknown };
         self.gate.look(&evidence, &self.tables, cell, &road, speed);
-        if self.saturated || speed_m_s < T::lit(STANDING_M_S) {
+        if self.spoiled || speed_m_s < T::lit(STANDING_M_S) {
             self.gate.close();
         }
-        self.saturated = false;
+        self.spoiled = false;
         self.notice_stop(speed_m_s);
         evidence.weight *= self.gate.open();
         let ratio = speed_m_s / self.last_speed_m_s;

@@ -189,6 +189,7 @@ impl<T: Real> Monitor<T> {
                 let around = Around {
                     speed_m_s: self.speed_m_s,
                     other_share: valid.map(|corner| corner.pressure_kpa / self.reference_kpa[other]),
+                    above_others: above_others(estimate, i, self.reference_kpa),
                     parting: parting[i % 2],
                 };
                 self.wheels[i].update(step_s, corner, self.reference_kpa[i], &around, &limits);
@@ -294,6 +295,25 @@ impl<T: Real> Monitor<T> {
     pub fn config(&self) -> &MonitorConfig<T> {
         &self.config
     }
+}
+
+/// By how much a tire's share of its reference is above the mean of the others', and the sd of that: what all are wrong by
+/// alike is not in it.
+fn above_others<T: Real>(estimate: &CarEstimate<T>, corner: usize, reference_kpa: [T; 4]) -> Option<[T; 2]> {
+    let weight = |i: usize| if i == corner { T::one() } else { T::lit(-1.0 / 3.0) };
+    let (mut above, mut sds) = (T::zero(), [T::zero(); 4]);
+    for (i, sd) in sds.iter_mut().enumerate() {
+        let tire = estimate.corners[i].as_ref().filter(|tire| tire.validity.is_valid())?;
+        above += weight(i) * tire.pressure_kpa / reference_kpa[i];
+        *sd = weight(i) * tire.pressure_sd_kpa / reference_kpa[i];
+    }
+    let mut variance = T::zero();
+    for (row, &first) in estimate.correlation.iter().zip(&sds) {
+        for (&correlation, &second) in row.iter().zip(&sds) {
+            variance += correlation * first * second;
+        }
+    }
+    Some([above, variance.max(T::zero()).sqrt()])
 }
 
 fn alert<T>(latch: &Latch, wheels: Wheels, cause: Cause<T>) -> Alert<T> {

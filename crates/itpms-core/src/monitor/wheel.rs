@@ -31,6 +31,8 @@ pub(super) struct Around<T> {
     pub(super) speed_m_s: T,
     /// Pressure of the side's other tire over its reference, if there is one.
     pub(super) other_share: Option<T>,
+    /// By how much the tire's share of its reference is above the mean of the others', and the sd of that, if all are known.
+    pub(super) above_others: Option<[T; 2]>,
     /// Whether front and rear of the side have just stopped sharing a road.
     pub(super) parting: bool,
 }
@@ -82,7 +84,13 @@ impl WheelWatch {
         }
         let (p, sd) = (estimate.pressure_kpa, estimate.pressure_sd_kpa);
         let low_kpa = limits.low_share * reference_kpa;
-        let below = |sds: f64| p + T::lit(sds) * sd < low_kpa;
+        // Where the level of all is not known well, one can still be surely lower than the others.
+        let lower = |sds: f64| {
+            around.above_others.is_some_and(|[above, sd]| {
+                p < low_kpa && T::one() + above + T::lit(sds) * sd < limits.low_share
+            })
+        };
+        let below = |sds: f64| p + T::lit(sds) * sd < low_kpa || lower(sds);
         let low = if below(CERTAIN) {
             // What the axles disagree by may be the road's.
             if around.parting { Evidence::Nothing } else { Evidence::For }

@@ -137,7 +137,7 @@ impl<T: Real> Channel<T> {
             self.after_gap = true;
             self.step = 0;
         }
-        self.spoiled |= sample.saturated;
+        self.spoiled |= sample.spoiled;
         let all = self.reconstruction.push(sample.body_accel_m_s2, sample.wheel_accel_m_s2);
         let mut signals =
             [all[WHEEL_VELOCITY], all[WHEEL_JERK], all[RELATIVE_ACCELERATION], all[RELATIVE_VELOCITY]];
