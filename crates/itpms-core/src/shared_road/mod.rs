@@ -85,6 +85,10 @@ const LONGEST_PAUSE_S: f64 = 600.0;
 const FILLING_S: f64 = 20.0;
 /// Speed in m/s from which a word of the spectrum is heard.
 const SLOWEST_WORD_M_S: f64 = 4.0;
+/// Time in s over which the speed of late is averaged, and the logarithm of the speed over it at which a word counts half: a
+/// spectrum that changes while it is looked at says little.
+const SPEED_S: f64 = 1.5;
+const CHANGING: f64 = 0.15;
 /// Least compliance of a tire over that at placard pressure.
 const LEAST_COMPLIANCE: f64 = 0.05;
 /// Share by which a tire's sd grows while it surely moves: modes are few, leaks are not.
@@ -176,6 +180,8 @@ pub(crate) struct SharedRoad<T: Real> {
     newest_s: f64,
     way_m: f64,
     speed_m_s: T,
+    /// The same, averaged over some time.
+    late_speed_m_s: T,
     /// Seconds of shared road learned from.
     learned_s: T,
     /// Seconds driven so far, for as long as no shared road was found.
@@ -245,6 +251,7 @@ impl<T: Real> SharedRoad<T> {
             newest_s: f64::NAN,
             way_m: 0.0,
             speed_m_s: T::lit(f64::NAN),
+            late_speed_m_s: T::zero(),
             learned_s: T::zero(),
             waited_s: 0.0,
             held: false,
@@ -264,6 +271,7 @@ impl<T: Real> SharedRoad<T> {
                 self.speed_m_s
             };
             self.way_m += mean.to_f64() * seconds;
+            self.late_speed_m_s += (mean - self.late_speed_m_s) * T::lit((seconds / SPEED_S).min(1.0));
             if mean > T::lit(track::SLOWEST_M_S) {
                 self.waited_s += seconds;
             }
@@ -410,7 +418,12 @@ impl<T: Real> SharedRoad<T> {
         if !(time_s - self.believed_s < LONGEST_STEP_S) {
             self.predict_to(time_s);
         }
-        self.modes.hear(T::lit(SAME_ROAD) * sd_n_per_m * sd_n_per_m, |state| {
+        let changing = (self.speed_m_s / self.late_speed_m_s).ln() / T::lit(CHANGING);
+        let variance = T::lit(SAME_ROAD) * sd_n_per_m * sd_n_per_m * (T::one() + changing * changing);
+        if !variance.is_finite() {
+            return;
+        }
+        self.modes.hear(variance, |state| {
             let (expected, slope) = self.scale.word(corner, state);
             (slope, stiffness_n_per_m - expected)
         });
