@@ -69,6 +69,21 @@ fn a_shared_road_tells_all_four_pressures() {
     }
 }
 
+/// What the vehicle file says of the tires is good to 1.5 % all together and half a per cent each: 1.6 % of 233 kN/m are 5 kPa.
+#[test]
+fn no_sd_is_below_the_vehicle_file_s_own_before_a_reset() {
+    let least = |car: CarEstimator<f64>| {
+        let mut car = car;
+        let estimates = drive(&mut car, &ROWS);
+        let sds = estimates.iter().flat_map(|e| e.corners.map(|corner| corner.unwrap().pressure_sd_kpa));
+        sds.fold(f64::INFINITY, f64::min)
+    };
+    let of_file = |k_n_per_m: f64| 0.015f64.hypot(0.005) * k_n_per_m / 713.91;
+    // The softest of these tires has 180 kPa.
+    assert!(least(car(&config())) > 0.98 * of_file(713.91 * 180.0 + 60_880.0));
+    assert!(least(car(&config()).with_reset_drive(5.0).unwrap()) < 2.0);
+}
+
 #[test]
 fn both_precisions_say_the_same() {
     let double = drive(&mut car(&config::<f64>()), &ROWS[..4000]);

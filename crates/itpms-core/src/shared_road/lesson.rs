@@ -96,6 +96,7 @@ impl<T: Real> SharedRoad<T> {
         }
         self.modes.begin_with(WHEELBASE, &reference.wheelbase, wheelbase, T::one());
         self.recalled = Some(*reference);
+        self.told = true;
         Ok(())
     }
 }

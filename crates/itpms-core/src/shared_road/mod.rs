@@ -104,6 +104,9 @@ const SAME_ROAD: f64 = 2.0;
 /// Sd of a tire's compliance, over that at placard pressure, when somebody may have set it anew, and when nobody watched.
 const SET_ANEW_SD: f64 = 0.2;
 const UNWATCHED_SD: f64 = 0.05;
+/// Sd of the tires' stiffness in the vehicle file, of all alike and of each by itself, as a share: what nobody can learn before
+/// a reset.
+const FILE_SD: [f64; 2] = [0.015, 0.005];
 /// Sd with which a reset sets a tire, as a share of the placard pressure.
 const RESET_SD: f64 = 0.004;
 
@@ -187,6 +190,8 @@ pub(crate) struct SharedRoad<T: Real> {
     /// Seconds driven so far, for as long as no shared road was found.
     waited_s: f64,
     held: bool,
+    /// Whether somebody ever said, on this drive or before it, what the tires have.
+    told: bool,
     /// How likely each corner by itself finds that its pressure moves.
     suspected: [T; 4],
     /// Seconds of shared road learned from when the reset began, and what it taught.
@@ -255,6 +260,7 @@ impl<T: Real> SharedRoad<T> {
             learned_s: T::zero(),
             waited_s: 0.0,
             held: false,
+            told: false,
             suspected: [T::zero(); 4],
             held_from_s: T::zero(),
             lesson: None,
@@ -438,6 +444,7 @@ impl<T: Real> SharedRoad<T> {
 
     /// Says that all tires have their placard pressures now, as during a reset, or that this is over.
     pub(crate) fn hold(&mut self, held: bool) {
+        self.told |= held;
         if held && !self.held {
             self.held_from_s = self.learned_s;
             for corner in 0..4 {
@@ -485,7 +492,11 @@ impl<T: Real> SharedRoad<T> {
         let age_s = if age_s > 0.0 { T::lit(age_s.min(1.0)) } else { T::zero() };
         // What is believed of a front tire is as old as the road under the rear wheel.
         let ages = [age_s + self.delay_s[0], age_s + self.delay_s[1], age_s, age_s];
-        let (mean, covariance) = self.modes.tires(&ages);
+        let (mean, mut covariance) = self.modes.tires(&ages);
+        if !self.told {
+            let [all, each] = FILE_SD.map(|sd| T::lit(sd * sd));
+            covariance += SMatrix::from_fn(|i, j| if i == j { all + each } else { all });
+        }
         let floor = T::lit(LEAST_COMPLIANCE);
         let stiffness =
             SVector::<T, 4>::from_fn(|i, _| self.scale.placard_n_per_m[i] / (T::one() + mean[i]).max(floor));
