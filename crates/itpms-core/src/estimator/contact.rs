@@ -7,8 +7,8 @@ use crate::real::Real;
 
 /// Gravity in m/s².
 const GRAVITY_M_S2: f64 = 9.81;
-/// Share of the corner's weight by which the force of the tire is less than at rest when the wheel has lifted. Below one wheels
-/// that touch are missed, far above it those that do not are believed.
+/// Share of the corner's weight by which the force of the tire is less than at rest when the wheel has lifted. At less,
+/// wheels that touch are not believed either; at more, wheels in the air are.
 const LIFTING: f64 = 1.05;
 /// A share that no load explains: this tire pulls, as in a simulation that does not let it go, and nothing ever lifts.
 const PULLING: f64 = 2.0;
@@ -24,7 +24,7 @@ pub(super) enum Contact {
     Rolling,
     /// On the road again.
     Landed,
-    /// In the air, or about to be.
+    /// In the air.
     Airborne,
 }
 

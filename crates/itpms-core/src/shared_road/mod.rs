@@ -16,6 +16,7 @@
 //! | `instrument`, `answer` | what a wheel would do on the road both agree on, and what it does |
 //! | `coherence` | how far they share a road |
 //! | `parameters` | what is unknown of the car |
+//! | `scale` | the tires at their placard pressures, and what a spectrum should say of them |
 //! | `modes` | the belief |
 //! | `evidence` | what a frame says to one Gaussian of it |
 //! | `lesson` | what a reset taught |
@@ -32,6 +33,7 @@ mod lesson;
 mod memory;
 mod modes;
 mod parameters;
+mod scale;
 #[cfg(test)]
 mod tests;
 mod track;
@@ -42,7 +44,8 @@ use self::channel::{Channel, Entry, RELATIVE};
 use self::constraint::{BOTH, Wheel};
 use self::lesson::Lesson;
 use self::modes::Modes;
-use self::parameters::{COMMON_BIAS, DAMPING, OWN_BIAS, SKEW, SKEW_UNIT_S, State, TIRE, WHEELBASE};
+use self::parameters::{DAMPING, SKEW, SKEW_UNIT_S, State, TIRE, WHEELBASE};
+use self::scale::{LEAST_COMPLIANCE, Scale};
 use self::track::{Meeting, Track};
 use crate::car::{CarConfig, LearnedReference};
 use crate::estimate::CornerConfig;
@@ -89,8 +92,6 @@ const SLOWEST_WORD_M_S: f64 = 4.0;
 /// spectrum that changes while it is looked at says little.
 const SPEED_S: f64 = 1.5;
 const CHANGING: f64 = 0.15;
-/// Least compliance of a tire over that at placard pressure.
-const LEAST_COMPLIANCE: f64 = 0.05;
 /// Share by which a tire's sd grows while it surely moves: modes are few, leaks are not.
 const MOVING_SD: f64 = 0.5;
 /// Seconds of shared road after which the belief counts.
@@ -120,36 +121,6 @@ pub(crate) struct CarBelief<T: Real> {
     pub(crate) moving: T,
     /// Seconds of shared road that it rests on.
     pub(crate) learned_s: T,
-}
-
-/// The tires at their placard pressures, in the order of the corners.
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-struct Scale<T> {
-    /// N/m per kPa.
-    slope: [T; 4],
-    placard_n_per_m: [T; 4],
-    placard_kpa: [T; 4],
-}
-
-impl<T: Real> Scale<T> {
-    /// The placard pressure's share in a corner's stiffness.
-    fn share(&self, corner: usize) -> T {
-        self.placard_kpa[corner] * self.slope[corner] / self.placard_n_per_m[corner]
-    }
-
-    /// The stiffness in N/m that a corner's road spectrum should tell in a state, and its derivatives.
-    fn word(&self, corner: usize, state: &State<T>) -> (T, State<T>) {
-        let placard = self.placard_n_per_m[corner];
-        // Biases are shares of the placard pressure; the word's own unit is N/m.
-        let bias = self.slope[corner] * self.placard_kpa[corner];
-        let factor = (T::one() + state[TIRE + corner]).max(T::lit(LEAST_COMPLIANCE));
-        let mut slope = State::zeros();
-        slope[TIRE + corner] = -placard / (factor * factor);
-        slope[COMMON_BIAS] = bias;
-        slope[OWN_BIAS + corner] = bias;
-        (placard / factor + bias * (state[COMMON_BIAS] + state[OWN_BIAS + corner]), slope)
-    }
 }
 
 /// See the [module](self).

@@ -1,0 +1,38 @@
+//! The tires at their placard pressures: between compliances, stiffnesses and pressures, and what a corner's spectrum should
+//! say in a state (docs/math/shared-road.md, eq. 15). Knows nothing of beliefs.
+
+use super::parameters::{COMMON_BIAS, OWN_BIAS, State, TIRE};
+use crate::real::Real;
+
+/// Least compliance of a tire over that at placard pressure.
+pub(super) const LEAST_COMPLIANCE: f64 = 0.05;
+
+/// The tires at their placard pressures, in the order of the corners.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Scale<T> {
+    /// N/m per kPa.
+    pub(super) slope: [T; 4],
+    pub(super) placard_n_per_m: [T; 4],
+    pub(super) placard_kpa: [T; 4],
+}
+
+impl<T: Real> Scale<T> {
+    /// The placard pressure's share in a corner's stiffness.
+    pub(super) fn share(&self, corner: usize) -> T {
+        self.placard_kpa[corner] * self.slope[corner] / self.placard_n_per_m[corner]
+    }
+
+    /// The stiffness in N/m that a corner's road spectrum should tell in a state, and its derivatives.
+    pub(super) fn word(&self, corner: usize, state: &State<T>) -> (T, State<T>) {
+        let placard = self.placard_n_per_m[corner];
+        // Biases are shares of the placard pressure; the word's own unit is N/m.
+        let bias = self.slope[corner] * self.placard_kpa[corner];
+        let factor = (T::one() + state[TIRE + corner]).max(T::lit(LEAST_COMPLIANCE));
+        let mut slope = State::zeros();
+        slope[TIRE + corner] = -placard / (factor * factor);
+        slope[COMMON_BIAS] = bias;
+        slope[OWN_BIAS + corner] = bias;
+        (placard / factor + bias * (state[COMMON_BIAS] + state[OWN_BIAS + corner]), slope)
+    }
+}
