@@ -5,6 +5,7 @@ mod stored;
 
 use std::fs;
 
+use itpms_core::car::Learned;
 use itpms_data::Vehicle;
 use itpms_data::reference::StoredReference;
 use proptest::prelude::*;
@@ -95,11 +96,27 @@ fn other_files_are_named_for_what_they_are() {
 }
 
 #[test]
+fn the_format_before_is_read_as_knowing_nothing_of_the_shared_road() {
+    let older: String = body()
+        .lines()
+        .filter(|line| !line.contains("shared_road_bias"))
+        .fold(String::new(), |text, line| text + line + "\n");
+    let read = StoredReference::parse(sealed("1", &older).as_bytes()).unwrap();
+    let mut expected = old().reference;
+    for corner in expected.corners.iter_mut().flatten() {
+        corner.shared_road_bias = Learned { value: 0.0, sd: 0.03 };
+    }
+    assert_eq!(read.reference, expected);
+    // A file of today that lacks it is not taken for one of then.
+    assert!(refusal(sealed("2", &older).as_bytes()).contains("shared_road_bias"));
+}
+
+#[test]
 fn a_newer_format_is_told_from_damage() {
-    let newer = sealed("2", "something that nobody knows yet");
+    let newer = sealed("3", "something that nobody knows yet");
     assert_eq!(
         refusal(newer.as_bytes()),
-        "the learned reference has format 2, expected at most 1: a newer itpms wrote it"
+        "the learned reference has format 3, expected at most 2: a newer itpms wrote it"
     );
     let damaged = newer.replace("nobody", "n0body");
     assert!(refusal(damaged.as_bytes()).contains("is damaged"));
@@ -107,11 +124,11 @@ fn a_newer_format_is_told_from_damage() {
 
 #[test]
 fn whole_files_with_impossible_contents_are_refused_too() {
-    assert_eq!(StoredReference::parse(sealed("1", &body()).as_bytes()).unwrap(), old());
+    assert_eq!(StoredReference::parse(sealed("2", &body()).as_bytes()).unwrap(), old());
     let edited = |from: &str, to: &str| {
         let body = body();
         assert!(body.contains(from), "{from}");
-        refusal(sealed("1", &body.replacen(from, to, 1)).as_bytes())
+        refusal(sealed("2", &body.replacen(from, to, 1)).as_bytes())
     };
     assert!(
         edited("unsprung_mass = 0.01", "unsprung_mass = 0.3").contains("not plausible: unsprung_mass lies")

@@ -19,6 +19,7 @@ fn bench() -> (Bench, StoredReference) {
         damping: small(0.1),
         spring: small(0.1),
         spectrum_bias_kpa: small(5.0),
+        shared_road_bias: small(0.01),
     };
     let learned = LearnedReference {
         corners: [Some(corner), None, None, None],

@@ -29,6 +29,8 @@ pub struct LearnedCorner<T> {
     pub spring: Learned<T>,
     /// What the road's spectrum reads too much, in kPa.
     pub spectrum_bias_kpa: Learned<T>,
+    /// What the shared road reads too much of the tire's compliance, as a share of that at placard pressure.
+    pub shared_road_bias: Learned<T>,
 }
 
 /// What was learned of the whole car.
@@ -72,9 +74,9 @@ impl core::fmt::Display for ReferenceError {
 
 impl core::error::Error for ReferenceError {}
 
-/// Largest plausible values: relative unsprung mass, damping, spring, anti-roll bar, gain, wheelbase; bias as a share of the placard
-/// pressure; skew in s.
-const FURTHEST: [f64; 8] = [0.2, 0.7, 0.7, 2.0, 0.1, 0.05, 0.25, 0.02];
+/// Largest plausible values: relative unsprung mass, damping, spring, anti-roll bar, gain, wheelbase; the spectrum's bias as a share
+/// of the placard pressure; skew in s; the shared road's bias.
+const FURTHEST: [f64; 9] = [0.2, 0.7, 0.7, 2.0, 0.1, 0.05, 0.25, 0.02, 0.25];
 
 impl<T: Real> LearnedReference<T> {
     /// Checks every number: finite, with a positive sd, and no further out than a car can be.
@@ -82,7 +84,7 @@ impl<T: Real> LearnedReference<T> {
     /// # Errors
     /// The first quantity that fails.
     pub fn check(&self) -> Result<(), ReferenceError> {
-        let [mass, damping, spring, bar, gain, wheelbase, bias, skew] = FURTHEST.map(T::lit);
+        let [mass, damping, spring, bar, gain, wheelbase, bias, skew, road_bias] = FURTHEST.map(T::lit);
         for corner in self.corners.iter().flatten() {
             if !(corner.placard_kpa > T::zero() && corner.placard_kpa.is_finite()) {
                 return Err(ReferenceError::NotANumber("placard_kpa"));
@@ -91,6 +93,7 @@ impl<T: Real> LearnedReference<T> {
             plausible("damping", &corner.damping, damping)?;
             plausible("spring", &corner.spring, spring)?;
             plausible("spectrum_bias_kpa", &corner.spectrum_bias_kpa, bias * corner.placard_kpa)?;
+            plausible("shared_road_bias", &corner.shared_road_bias, road_bias)?;
         }
         self.bar.iter().try_for_each(|learned| plausible("bar", learned, bar))?;
         self.gain.iter().try_for_each(|learned| plausible("gain", learned, gain))?;

@@ -214,9 +214,10 @@ impl<T: Real> Posterior<T> {
         }
         let mut log_evidence = [Cells::zeros(); LEVEL_MODES];
         let mut largest = T::lit(f64::NEG_INFINITY);
-        for (roads, log_evidence) in self.road.iter_mut().zip(&mut log_evidence) {
-            for cell in 0..CELLS {
-                let (fitted, evidence) = roads.get(cell).weigh(frame, tables, cell);
+        for cell in 0..CELLS {
+            let reading = frame.read(tables, cell);
+            for (roads, log_evidence) in self.road.iter_mut().zip(&mut log_evidence) {
+                let (fitted, evidence) = roads.get(cell).weigh(frame, &reading, tables);
                 roads.set(cell, &fitted);
                 log_evidence[cell] = evidence;
                 largest = largest.max(evidence);

@@ -49,6 +49,29 @@ impl<T: Real> Evidence<T> {
         let power = self.a[bin] + theta * (T::lit(2.0) * self.b[bin] + theta * self.c[bin]);
         power.max(T::lit(1e-24))
     }
+
+    /// The frame as the stiffness of a cell reads it.
+    pub(super) fn read(&self, tables: &Tables<T>, cell: usize) -> Reading<T> {
+        let theta = tables.theta[cell];
+        Reading {
+            cell,
+            power: core::array::from_fn(|bin| self.power(bin, theta)),
+            noise: core::array::from_fn(|bin| self.noise_density * tables.noise[(bin, cell)]),
+            determinant_noise: core::array::from_fn(|bin| {
+                self.noise_density * tables.determinant_noise[(bin, cell)]
+            }),
+        }
+    }
+}
+
+/// What a frame is under one cell's stiffness, whatever the road: power densities per bin.
+pub(super) struct Reading<T> {
+    cell: usize,
+    /// Of the reconstructed road velocity.
+    power: [T; BINS],
+    /// Of the sensors' noise in it, and the same as the log-determinant has it.
+    noise: [T; BINS],
+    determinant_noise: [T; BINS],
 }
 
 /// A Gaussian over the road's parameters.
@@ -112,13 +135,13 @@ impl<T: Real> Road<T> {
 
     /// Fits the road to a frame under one cell's stiffness (two Gauss-Newton passes); gives the fitted belief and the
     /// frame's log evidence.
-    pub(super) fn weigh(&self, frame: &Evidence<T>, tables: &Tables<T>, cell: usize) -> (Self, T) {
+    pub(super) fn weigh(&self, frame: &Evidence<T>, reading: &Reading<T>, tables: &Tables<T>) -> (Self, T) {
         let Some(prior_information) = self.covariance.try_inverse() else {
             return (*self, T::zero());
         };
         let mut fit = *self;
         for _ in 0..2 {
-            let (score, information) = fit.score(frame, tables, cell);
+            let (score, information) = fit.score(frame, reading, tables);
             let slope = score * frame.weight + prior_information * (self.mean - fit.mean);
             let Some(covariance) = (information * frame.weight + prior_information).try_inverse() else {
                 return (*self, T::zero());
@@ -132,21 +155,35 @@ impl<T: Real> Road<T> {
         let distance = d.dot(&(prior_information * d));
         // ln det(P / P_post)
         let occam = -(prior_information.determinant() * fit.covariance.determinant()).max(T::lit(1e-30)).ln();
-        let misfit = fit.misfit(frame, tables, cell, self);
+        let misfit = fit.misfit(frame, reading, tables, self);
         (fit, -frame.weight * misfit - T::lit(0.5) * (distance + occam))
     }
 
+    /// The road's power density in every bin in use, as the sensors see it.
+    fn powers(&self, frame: &Evidence<T>, tables: &Tables<T>) -> [T; BINS] {
+        let log: [T; BINS] = core::array::from_fn(|bin| self.log_power(tables, frame, bin));
+        let mut powers = [T::zero(); BINS];
+        for (power, log) in powers.iter_mut().zip(log).take(frame.bins) {
+            *power = log.exp();
+        }
+        powers
+    }
+
     /// Score and Fisher information of the road's parameters for one frame.
-    fn score(&self, frame: &Evidence<T>, tables: &Tables<T>, cell: usize) -> (Vector3<T>, Matrix3<T>) {
-        let theta = tables.theta[cell];
+    fn score(
+        &self,
+        frame: &Evidence<T>,
+        reading: &Reading<T>,
+        tables: &Tables<T>,
+    ) -> (Vector3<T>, Matrix3<T>) {
+        let signal = self.powers(frame, tables);
         let (mut score, mut information) = (Vector3::zeros(), Matrix3::zeros());
-        for bin in 0..frame.bins {
-            let signal = self.log_power(tables, frame, bin).exp();
-            let expected = signal + frame.noise_density * tables.noise[(bin, cell)];
-            let excess = frame.power(bin, theta) / expected - T::one();
+        for (bin, &signal) in signal.iter().enumerate().take(frame.bins) {
+            let share = T::one() / (signal + reading.noise[bin]);
+            let excess = reading.power[bin] * share - T::one();
             // ∂ ln M / ∂(c, w, q) = S/M (1, -ln(f/10), -envelope); what the window adds hardly changes.
             let direction = Vector3::new(T::one(), -tables.log_frequency[bin], -frame.envelope[bin]);
-            let gradient = direction * (signal / expected);
+            let gradient = direction * (signal * share);
             score += gradient * excess;
             information += gradient * gradient.transpose();
         }
@@ -154,15 +191,18 @@ impl<T: Real> Road<T> {
     }
 
     /// `Σ ln(S + N_d) + |V|²/M + ln|H|²`: the frame's negative log-likelihood.
-    fn misfit(&self, frame: &Evidence<T>, tables: &Tables<T>, cell: usize, prior: &Self) -> T {
-        let theta = tables.theta[cell];
-        let mut misfit = T::zero();
-        for bin in 0..frame.bins {
-            let signal = self.log_power(tables, frame, bin).exp();
-            let expected = signal + frame.noise_density * tables.noise[(bin, cell)];
-            let determinant = signal + frame.noise_density * tables.determinant_noise[(bin, cell)];
-            let log_gain = tables.log_gain(bin, cell, prior.exponent(frame, bin));
-            misfit += determinant.ln() + frame.power(bin, theta) / expected + log_gain;
+    fn misfit(&self, frame: &Evidence<T>, reading: &Reading<T>, tables: &Tables<T>, prior: &Self) -> T {
+        let signal = self.powers(frame, tables);
+        let (mut misfit, mut pair) = (T::zero(), T::one());
+        for (bin, &signal) in signal.iter().enumerate().take(frame.bins) {
+            let log_gain = tables.log_gain(bin, reading.cell, prior.exponent(frame, bin));
+            misfit += reading.power[bin] / (signal + reading.noise[bin]) + log_gain;
+            // One logarithm for two bins; more would leave the range of f32.
+            pair *= signal + reading.determinant_noise[bin];
+            if bin % 2 == 1 || bin + 1 == frame.bins {
+                misfit += pair.max(T::lit(1e-37)).ln();
+                pair = T::one();
+            }
         }
         misfit
     }

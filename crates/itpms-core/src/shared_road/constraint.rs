@@ -6,7 +6,9 @@ use nalgebra::{Complex, SMatrix, SVector};
 
 use super::answer::Ratios;
 use super::channel::{KEPT, high_pass_power};
-use super::parameters::{BAR, DAMPING, GAIN, MASS, SKEW, SKEW_UNIT_S, SPRING, State, TIRE, WHEELBASE};
+use super::parameters::{
+    BAR, DAMPING, GAIN, MASS, SKEW, SKEW_UNIT_S, SPRING, State, TIRE, WHEELBASE, read_compliance,
+};
 use super::{BIN_SPACING_HZ, BINS, Frame, bin_hz};
 use crate::informed::model::{Body, sine_window_power};
 use crate::real::Real;
@@ -19,6 +21,8 @@ pub(super) const OWN: usize = 13;
 /// Places among them.
 const OWN_BAR: usize = 4;
 const REAR: usize = 5;
+/// The two tires.
+pub(super) const OWN_TIRES: [usize; 2] = [0, REAR];
 const OWN_GAIN: usize = 10;
 const OWN_WHEELBASE: usize = 11;
 const OWN_SKEW: usize = 12;
@@ -113,7 +117,12 @@ impl<T: Real> Axle<T> {
         let nominal = [body.unsprung_mass_kg, body.damping_n_s_per_m, spring, spring];
         let bar = spring * state[BAR + wheel.corner / 2];
         let factors = [nominal[0] * at(MASS), nominal[1] * at(DAMPING), spring * at(SPRING), bar];
-        Self { theta: wheel.theta * at(TIRE), placard: wheel.theta, factors, nominal }
+        Self {
+            theta: wheel.theta * read_compliance(state, wheel.corner),
+            placard: wheel.theta,
+            factors,
+            nominal,
+        }
     }
 
     /// The road velocity that the signals of an entry tell.
@@ -242,14 +251,17 @@ pub(super) fn expected_products<T: Real>(
             let slope = slopes(&[seen(0), seen(1)], gain, bin_hz(bin), delay_s);
             let re = Score::from_fn(|i, _| slope[i].re);
             let im = Score::from_fn(|i, _| slope[i].im);
-            sum += (re * re.transpose() + im * im.transpose()) * weight;
+            // The lower triangle; the upper one follows at the end.
+            sum.syger(weight, &re, &re, T::one());
+            sum.syger(weight, &im, &im, T::one());
             // The other side moves as much, by itself, and alike under both axles.
             let bars = [OWN_BAR, REAR + OWN_BAR];
-            for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(i, j)| (bars[i], bars[j])) {
+            for (i, j) in [(0, 0), (1, 0), (1, 1)].map(|(i, j)| (bars[i], bars[j])) {
                 sum[(i, j)] += (slope[i].re * slope[j].re + slope[i].im * slope[j].im) * weight;
             }
             total += weight;
         }
+        sum.fill_upper_triangle_with_lower_triangle();
         sum / total
     })
 }

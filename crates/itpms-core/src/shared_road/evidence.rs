@@ -4,9 +4,9 @@
 use nalgebra::SMatrix;
 
 use super::coherence::Expectation;
-use super::constraint::{Disagreement, Gram, OWN, ROWS, Score, Slope, places};
+use super::constraint::{Disagreement, Gram, OWN, OWN_TIRES, ROWS, Score, Slope, places};
 use super::modes::Mode;
-use super::parameters::{Covariance, SIZE};
+use super::parameters::{Covariance, ROAD_BIAS, SIZE, TIRE};
 use super::{BINS, OVERLAP};
 use crate::real::Real;
 
@@ -27,7 +27,17 @@ impl<T: Real> OwnCovariance<T> {
         for (column, &place) in places.iter().enumerate() {
             all.set_column(column, &covariance.column(place));
         }
-        let own = Gram::from_fn(|row, column| all[(places[row], column)]);
+        // The road reads a tire and its bias as one.
+        let biased = OWN_TIRES.map(|own| (own, places[own] - TIRE + ROAD_BIAS));
+        for (tire, bias) in biased {
+            let mut column = all.column_mut(tire);
+            column += covariance.column(bias);
+        }
+        let mut own = Gram::from_fn(|row, column| all[(places[row], column)]);
+        for (tire, bias) in biased {
+            let mut row = own.row_mut(tire);
+            row += all.row(bias);
+        }
         Self { all, own }
     }
 

@@ -1,15 +1,15 @@
 //! What a reset taught about the car, on its way from the belief to a stored reference and back into a belief.
 
 use super::parameters::{
-    BAR, COMMON_BIAS, DAMPING, GAIN, MASS, OWN_BIAS, SKEW, SKEW_UNIT_S, SPRING, State, WHEELBASE,
+    BAR, COMMON_BIAS, DAMPING, GAIN, MASS, OWN_BIAS, ROAD_BIAS, SKEW, SKEW_UNIT_S, SPRING, State, WHEELBASE,
 };
 use super::{ENOUGH_S, SharedRoad};
 use crate::car::{Learned, LearnedCorner, LearnedReference, ReferenceError};
 use crate::real::Real;
 
 /// Least sd that is recalled: unsprung mass (another rim), damping (warm oil), spring, bar, gain, wheelbase over speed
-/// (other tires), skew in s, and biases as a share of the placard pressure.
-const LEAST_SD: [f64; 8] = [0.003, 0.05, 0.02, 0.01, 0.003, 0.003, 5e-4, 0.02];
+/// (other tires), skew in s, the spectrum's bias as a share of the placard pressure, and the shared road's.
+const LEAST_SD: [f64; 9] = [0.003, 0.05, 0.02, 0.01, 0.003, 0.003, 5e-4, 0.02, 0.01];
 
 /// Mean and sd of every quantity when a reset was over, and the seconds of shared road it saw.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,6 +53,7 @@ impl<T: Real> SharedRoad<T> {
                     damping: one(DAMPING + i),
                     spring: one(SPRING + i),
                     spectrum_bias_kpa: Learned { value: common.value + own.value, sd: bias_sd },
+                    shared_road_bias: one(ROAD_BIAS + i),
                 }
             })
         };
@@ -71,7 +72,7 @@ impl<T: Real> SharedRoad<T> {
     /// # Errors
     /// A reference for other corners or other placard pressures.
     pub(crate) fn recall(&mut self, reference: &LearnedReference<T>) -> Result<(), ReferenceError> {
-        let [mass, damping, spring, bar, gain, wheelbase, skew, bias] = LEAST_SD.map(T::lit);
+        let [mass, damping, spring, bar, gain, wheelbase, skew, bias, road_bias] = LEAST_SD.map(T::lit);
         for (i, learned) in reference.corners.iter().enumerate() {
             match (learned, &self.wheels[i]) {
                 (Some(learned), Some(_)) => {
@@ -84,6 +85,7 @@ impl<T: Real> SharedRoad<T> {
                     self.modes.begin_with(DAMPING + i, &learned.damping, damping, T::one());
                     self.modes.begin_with(SPRING + i, &learned.spring, spring, T::one());
                     self.modes.begin_with(OWN_BIAS + i, &learned.spectrum_bias_kpa, bias * placard, placard);
+                    self.modes.begin_with(ROAD_BIAS + i, &learned.shared_road_bias, road_bias, T::one());
                 }
                 (None, None) => {}
                 _ => return Err(ReferenceError::OtherCar),

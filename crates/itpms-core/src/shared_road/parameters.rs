@@ -6,7 +6,7 @@ use nalgebra::{SMatrix, SVector};
 use crate::real::Real;
 
 /// Quantities.
-pub(super) const SIZE: usize = 29;
+pub(super) const SIZE: usize = 33;
 /// Compliance of each tire over the one at placard pressure, less one.
 pub(super) const TIRE: usize = 0;
 /// Relative deviations of unsprung mass, damping and spring of each corner.
@@ -24,8 +24,10 @@ pub(super) const SKEW: usize = 21;
 /// What the road's spectrum reads too much: all corners alike, and each on its own, as a share of the placard pressure.
 pub(super) const COMMON_BIAS: usize = 23;
 pub(super) const OWN_BIAS: usize = 24;
+/// What the shared road reads too much of each tire's compliance, as a share of that at placard pressure.
+pub(super) const ROAD_BIAS: usize = 28;
 /// Rate of change in 1/s of the compliances that move.
-pub(super) const RATE: usize = 28;
+pub(super) const RATE: usize = 32;
 
 /// So that skews are of the size of the other quantities.
 pub(super) const SKEW_UNIT_S: f64 = 0.1;
@@ -34,12 +36,17 @@ pub(super) const SKEW_UNIT_S: f64 = 0.1;
 const BAR_SHARE: f64 = 0.4;
 const BAR_SPREAD: f64 = 0.06;
 
+/// Standard deviation of [`ROAD_BIAS`] at the start and in the end, and the time in s between: what the model leaves out (a
+/// sensor late by a millisecond, corners that one body ties together) is taken for tires only slowly.
+const ROAD_BIAS_SD: [f64; 2] = [0.01, 0.03];
+const ROAD_BIAS_S: f64 = 3600.0;
+
 pub(super) type State<T> = SVector<T, SIZE>;
 pub(super) type Covariance<T> = SMatrix<T, SIZE, SIZE>;
 
 /// Standard deviations before anything is learned; the rate's is that of a mode that moves.
 pub(super) fn prior_sd<T: Real>() -> State<T> {
-    filled([0.11, 0.01, 0.15, 0.1, 0.3, 0.012, 0.01, 0.02, 0.04, 0.03, 0.0])
+    filled([0.11, 0.01, 0.15, 0.1, 0.3, 0.012, 0.01, 0.02, 0.04, 0.03, ROAD_BIAS_SD[0], 0.0])
 }
 
 /// The rear bar's stiffness is a share of the front one's, give or take: only their difference shows in the roads.
@@ -53,16 +60,21 @@ pub(super) fn correlate_bars<T: Real>(prior: &mut Covariance<T>) {
 
 /// Growth of the standard deviations in a second, of those that change by themselves.
 pub(super) fn wander_sd<T: Real>() -> State<T> {
-    filled([8e-4, 5e-5, 1e-3, 1e-3, 1e-3, 5e-5, 1e-4, 5e-4, 1e-3, 1e-3, 0.0])
+    let mut wander = filled([8e-4, 5e-5, 1e-3, 1e-3, 1e-3, 5e-5, 1e-4, 5e-4, 1e-3, 1e-3, 0.0, 0.0]);
+    let road_bias = T::lit(ROAD_BIAS_SD[1]) * T::lit(2.0 / ROAD_BIAS_S).sqrt();
+    wander.fixed_rows_mut::<4>(ROAD_BIAS).fill(road_bias);
+    wander
 }
 
 /// How fast, in 1/s, a quantity that nothing is learned of returns to what the vehicle file says: so that its wandering
-/// ends where it began, at the prior's standard deviation. Tires have no such place.
+/// ends where it began, at the prior's standard deviation, or at the larger one of [`ROAD_BIAS`]. Tires have no such place.
 pub(super) fn return_rate<T: Real>() -> State<T> {
     let (prior, wander) = (prior_sd::<T>(), wander_sd::<T>());
     State::from_fn(|i, _| {
         if (TIRE..TIRE + 4).contains(&i) || i == RATE {
             T::zero()
+        } else if (ROAD_BIAS..ROAD_BIAS + 4).contains(&i) {
+            T::lit(1.0 / ROAD_BIAS_S)
         } else {
             let share = wander[i] / prior[i];
             T::lit(0.5) * share * share
@@ -70,9 +82,28 @@ pub(super) fn return_rate<T: Real>() -> State<T> {
     })
 }
 
+/// A tire's compliance as the shared road reads it, over that at placard pressure.
+pub(super) fn read_compliance<T: Real>(state: &State<T>, corner: usize) -> T {
+    T::one() + state[TIRE + corner] + state[ROAD_BIAS + corner]
+}
+
 /// One value per kind of quantity, in the order above.
-fn filled<T: Real>(kinds: [f64; 11]) -> State<T> {
-    let starts = [TIRE, MASS, DAMPING, SPRING, BAR, GAIN, WHEELBASE, SKEW, COMMON_BIAS, OWN_BIAS, RATE, SIZE];
+fn filled<T: Real>(kinds: [f64; 12]) -> State<T> {
+    let starts = [
+        TIRE,
+        MASS,
+        DAMPING,
+        SPRING,
+        BAR,
+        GAIN,
+        WHEELBASE,
+        SKEW,
+        COMMON_BIAS,
+        OWN_BIAS,
+        ROAD_BIAS,
+        RATE,
+        SIZE,
+    ];
     let mut all = State::zeros();
     for (kind, value) in kinds.into_iter().enumerate() {
         for i in starts[kind]..starts[kind + 1] {

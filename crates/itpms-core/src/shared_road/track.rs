@@ -11,7 +11,7 @@ use super::imbalance::Imbalance;
 use super::instrument::Instrument;
 use super::memory::{Memory, Read};
 use super::modes::Modes;
-use super::parameters::{GAIN, SKEW_UNIT_S, State, TIRE};
+use super::parameters::{GAIN, SKEW_UNIT_S, State, read_compliance};
 use super::{BINS, HOP_S, SIGNALS, bin_hz};
 use crate::frame::FrameClock;
 use crate::informed::model::response;
@@ -239,7 +239,7 @@ impl<T: Real> Track<T> {
         core::array::from_fn(|bin| {
             let mut sum = T::zero();
             for (wheel, &density) in wheels.iter().zip(&self.noise_density) {
-                let theta = wheel.theta * (T::one() + state[TIRE + wheel.corner]);
+                let theta = wheel.theta * read_compliance(state, wheel.corner);
                 sum += density * response(&wheel.body, theta, bin_hz(bin)).1;
             }
             sum

@@ -5,7 +5,7 @@
 //! the reason, and the caller decides whether to go on without a reference.
 //!
 //! ```text
-//! itpms-reference 1 f6d0c1f2a5a1b1c3      format, checksum of the format and of everything below
+//! itpms-reference 2 f6d0c1f2a5a1b1c3      format, checksum of the format and of everything below
 //! [vehicle]
 //! name = "mid-size sedan"
 //! id = "WXY00000000000001"               # where the vehicle file has one
@@ -18,7 +18,7 @@
 //! front_bar = 0.28                       # anti-roll bars, and rear_bar
 //! front_bar_sd = 0.02
 //! [learned.left]                         # and right: gain, skew_s
-//! [corner.fl]                            # placard_kpa, unsprung_mass, damping, spring, spectrum_bias_kpa
+//! [corner.fl]                            # placard_kpa, unsprung_mass, damping, spring, spectrum_bias_kpa, shared_road_bias
 //! ```
 //!
 //! A later program may change everything but the first line's shape, so that an older one can say that it is too old.
@@ -41,7 +41,7 @@ pub use checksum::crc64;
 pub use identity::VehicleIdentity;
 
 /// The format that is written, and the newest that is read.
-pub const FORMAT: u32 = 1;
+pub const FORMAT: u32 = 2;
 
 /// A file longer than this is not read to its end: it is something else.
 const LONGEST_BYTES: u64 = 64 * 1024;

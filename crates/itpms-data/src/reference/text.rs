@@ -14,7 +14,11 @@ use crate::toml_table::{Table, escaped, syntax_problem};
 /// How every format of the file begins.
 const MAGIC: &str = "itpms-reference ";
 const SIDES: [&str; 2] = ["left", "right"];
-const CORNER_QUANTITIES: [&str; 4] = ["unsprung_mass", "damping", "spring", "spectrum_bias_kpa"];
+const CORNER_QUANTITIES: [&str; 5] =
+    ["unsprung_mass", "damping", "spring", "spectrum_bias_kpa", "shared_road_bias"];
+/// The format before `shared_road_bias`, and what that is then: nobody has looked.
+const WITHOUT_ROAD_BIAS: u32 = 1;
+const UNKNOWN_ROAD_BIAS: Learned<f64> = Learned { value: 0.0, sd: 0.03 };
 const SIDE_QUANTITIES: [&str; 2] = ["gain", "skew_s"];
 
 /// The file with its first line.
@@ -40,13 +44,13 @@ pub(super) fn opened(bytes: &[u8]) -> Result<StoredReference, Problem> {
     if found != expected {
         return Err(ReferenceProblem::Damaged { found: found.to_owned(), expected }.into());
     }
-    match format.parse() {
-        Ok(FORMAT) => {}
-        Ok(newer) => return Err(ReferenceProblem::Newer { found: newer }.into()),
+    let format = match format.parse() {
+        Ok(known @ WITHOUT_ROAD_BIAS..=FORMAT) => known,
+        Ok(other) => return Err(ReferenceProblem::Newer { found: other }.into()),
         Err(_) => return Err(ReferenceProblem::Lacks("a number of its format").into()),
-    }
+    };
     let body = str::from_utf8(body).map_err(|_| ReferenceProblem::Lacks("readable text"))?;
-    read_body(body)
+    read_body(body, format)
 }
 
 /// The checksum of a format and a body, in lower-case digits.
@@ -80,7 +84,13 @@ fn body(stored: &StoredReference) -> String {
     for corner in Corner::ALL {
         let Some(learned) = &reference.corners[corner.index()] else { continue };
         let _ = writeln!(out, "\n[corner.{}]\nplacard_kpa = {:?}", corner.label(), learned.placard_kpa);
-        let values = [learned.unsprung_mass, learned.damping, learned.spring, learned.spectrum_bias_kpa];
+        let values = [
+            learned.unsprung_mass,
+            learned.damping,
+            learned.spring,
+            learned.spectrum_bias_kpa,
+            learned.shared_road_bias,
+        ];
         for (name, value) in CORNER_QUANTITIES.into_iter().zip(&values) {
             write_learned(&mut out, name, value);
         }
@@ -93,7 +103,7 @@ fn write_learned(out: &mut String, name: &str, learned: &Learned<f64>) {
     let _ = writeln!(out, "{name} = {:?}\n{name}_sd = {:?}", learned.value, learned.sd);
 }
 
-fn read_body(text: &str) -> Result<StoredReference, Problem> {
+fn read_body(text: &str, format: u32) -> Result<StoredReference, Problem> {
     let document = DeTable::parse(text).map_err(|error| syntax_problem(text, &error))?;
     let root = Table::root(text, document.get_ref());
     root.check_keys(&["vehicle", "learned", "corner"])?;
@@ -110,7 +120,7 @@ fn read_body(text: &str) -> Result<StoredReference, Problem> {
     let [[left_gain, left_skew], [right_gain, right_skew]] =
         [read_side(&learned, SIDES[0])?, read_side(&learned, SIDES[1])?];
     let reference = LearnedReference {
-        corners: read_corners(&needed_table(&root, "corner")?)?,
+        corners: read_corners(&needed_table(&root, "corner")?, format)?,
         bar: [
             read_learned(&learned, "front_bar", "front_bar_sd")?,
             read_learned(&learned, "rear_bar", "rear_bar_sd")?,
@@ -123,18 +133,23 @@ fn read_body(text: &str) -> Result<StoredReference, Problem> {
     Ok(StoredReference { vehicle, learned_unix_s, reference })
 }
 
-fn read_corners(corners: &Table<'_>) -> Result<[Option<LearnedCorner<f64>>; 4], Problem> {
+fn read_corners(corners: &Table<'_>, format: u32) -> Result<[Option<LearnedCorner<f64>>; 4], Problem> {
     corners.check_keys(&Corner::ALL.map(Corner::label))?;
     let mut read = [None; 4];
     for corner in Corner::ALL {
         let Some(table) = corners.table(corner.label())? else { continue };
-        let [mass, damping, spring, bias] = CORNER_QUANTITIES;
+        let [mass, damping, spring, bias, road_bias] = CORNER_QUANTITIES;
         read[corner.index()] = Some(LearnedCorner {
             placard_kpa: needed_number(&table, "placard_kpa")?,
             unsprung_mass: read_learned(&table, mass, "unsprung_mass_sd")?,
             damping: read_learned(&table, damping, "damping_sd")?,
             spring: read_learned(&table, spring, "spring_sd")?,
             spectrum_bias_kpa: read_learned(&table, bias, "spectrum_bias_kpa_sd")?,
+            shared_road_bias: if format == WITHOUT_ROAD_BIAS {
+                UNKNOWN_ROAD_BIAS
+            } else {
+                read_learned(&table, road_bias, "shared_road_bias_sd")?
+            },
         });
     }
     Ok(read)

@@ -14,6 +14,7 @@ pub(crate) fn learned(scale: f64) -> LearnedReference<f64> {
         damping: pair(-0.1 * i, 0.03),
         spring: pair(0.02, 0.05 + 0.001 * i),
         spectrum_bias_kpa: pair(4.2 - i, 1.5),
+        shared_road_bias: pair(0.01 * i, 0.011),
     };
     LearnedReference {
         corners: [Some(corner(1.0)), Some(corner(2.0)), Some(corner(3.0)), Some(corner(4.0))],

@@ -114,15 +114,19 @@ impl<T: Real> PeriodSearch<T> {
 
     fn compare(&mut self, value: T) {
         let square = value * value;
-        let reach = self.filled.min(LONGEST);
-        for lag in SHORTEST..=reach {
-            // The newest stored value is one step old.
-            let index = (self.newest + LONGEST + 2 - lag) % (LONGEST + 1);
-            let old = self.past[index];
-            let i = lag - SHORTEST;
-            self.cross[i] = self.keep * self.cross[i] + value * old;
-            self.then[i] = self.keep * self.then[i] + old * old;
-            self.now[i] = self.keep * self.now[i] + square;
+        // From the newest stored value, which is one step old, to the oldest.
+        let (recent, older) = self.past.as_slice().split_at(self.newest + 1);
+        let backwards = recent.iter().rev().chain(older.iter().rev());
+        let mut past = [T::zero(); LAGS];
+        for (slot, &old) in past.iter_mut().zip(backwards.skip(SHORTEST - 1)) {
+            *slot = old;
+        }
+        let looked_back = (self.filled.min(LONGEST) + 1).saturating_sub(SHORTEST);
+        let sums = self.cross.iter_mut().zip(self.then.iter_mut()).zip(self.now.iter_mut());
+        for (((cross, then), now), old) in sums.zip(past).take(looked_back) {
+            *cross = self.keep * *cross + value * old;
+            *then = self.keep * *then + old * old;
+            *now = self.keep * *now + square;
         }
     }
 
