@@ -234,8 +234,12 @@ fn resumes<T: Real + serde::Serialize + serde::de::DeserializeOwned>() {
 #[cfg(feature = "serde")]
 #[test]
 fn saved_and_restored_it_goes_on_bit_by_bit() {
-    resumes::<f64>();
-    resumes::<f32>();
+    let both = || {
+        resumes::<f64>();
+        resumes::<f32>();
+    };
+    // Reading a whole car back takes more than the 2 MB of a test's thread while nothing is optimised.
+    std::thread::Builder::new().stack_size(8 << 20).spawn(both).unwrap().join().unwrap();
 }
 
 /// One row's damage: which fields are replaced by which bits, and which corner is not there.

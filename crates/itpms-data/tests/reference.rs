@@ -104,7 +104,7 @@ fn the_format_before_is_read_as_knowing_nothing_of_the_shared_road() {
     let read = StoredReference::parse(sealed("1", &older).as_bytes()).unwrap();
     let mut expected = old().reference;
     for corner in expected.corners.iter_mut().flatten() {
-        corner.shared_road_bias = Learned { value: 0.0, sd: 0.03 };
+        corner.shared_road_bias = Learned { value: 0.0, sd: 0.015 };
     }
     assert_eq!(read.reference, expected);
     // A file of today that lacks it is not taken for one of then.

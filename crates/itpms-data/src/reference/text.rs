@@ -18,7 +18,7 @@ const CORNER_QUANTITIES: [&str; 5] =
     ["unsprung_mass", "damping", "spring", "spectrum_bias_kpa", "shared_road_bias"];
 /// The format before `shared_road_bias`, and what that is then: nobody has looked.
 const WITHOUT_ROAD_BIAS: u32 = 1;
-const UNKNOWN_ROAD_BIAS: Learned<f64> = Learned { value: 0.0, sd: 0.03 };
+const UNKNOWN_ROAD_BIAS: Learned<f64> = Learned { value: 0.0, sd: 0.015 };
 const SIDE_QUANTITIES: [&str; 2] = ["gain", "skew_s"];
 
 /// The file with its first line.
