@@ -169,7 +169,7 @@ fn days_without_evidence_end_where_they_began() {
     for i in (MASS..RATE).filter(|i| *i != BAR + 1) {
         let after = quiet(&modes, i);
         // What the shared road reads too much is small at first.
-        let expected = if (ROAD_BIAS..ROAD_BIAS + 4).contains(&i) { 0.04 } else { before[i] };
+        let expected = if (ROAD_BIAS..ROAD_BIAS + 4).contains(&i) { 0.03 } else { before[i] };
         assert!((after / expected - 1.0).abs() < 0.02, "{i}: {after} {expected}");
         // Bars and gains take more than a day.
         let most = if (BAR..GAIN + 2).contains(&i) { 0.3 } else { 0.02 };
