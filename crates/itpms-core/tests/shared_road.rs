@@ -63,8 +63,12 @@ fn a_shared_road_tells_all_four_pressures() {
         let last = estimates.last().unwrap();
         assert!(last.tracks.iter().all(|track| track.shared && track.incoherence < 0.05), "{last:?}");
         for corner in last.corners {
-            // The start knows 36 kPa.
-            assert!(corner.unwrap().pressure_sd_kpa < 8.0, "{sources:?} {corner:?}");
+            let corner = corner.unwrap();
+            // What no drive tells before a reset: the file's 1.5 % and 0.5 % of the stiffness, and 1.5 % that the shared road
+            // may read too much. Beside it the start knows 36 kPa.
+            let untold = 0.015f64.hypot(0.005).hypot(0.015) * corner.stiffness_n_per_m / 713.91;
+            let learned = (corner.pressure_sd_kpa.powi(2) - untold.powi(2)).sqrt();
+            assert!(learned < 5.0, "{sources:?}: {learned} {corner:?}");
         }
     }
 }
