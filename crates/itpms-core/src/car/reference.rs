@@ -4,6 +4,7 @@
 //! estimator. Knows nothing of files: whoever stores it checks that it belongs to the car.
 
 use crate::real::Real;
+use crate::shared_road::ROAD_BIAS_SD;
 
 /// A learned quantity and its standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,6 +32,13 @@ pub struct LearnedCorner<T> {
     pub spectrum_bias_kpa: Learned<T>,
     /// What the shared road reads too much of the tire's compliance, as a share of that at placard pressure.
     pub shared_road_bias: Learned<T>,
+}
+
+impl<T: Real> LearnedCorner<T> {
+    /// What is believed of [`shared_road_bias`](Self::shared_road_bias) before any reset has taught it.
+    pub fn untaught_road_bias() -> Learned<T> {
+        Learned { value: T::zero(), sd: T::lit(ROAD_BIAS_SD[0]) }
+    }
 }
 
 /// What was learned of the whole car.

@@ -66,18 +66,17 @@ impl<T: Real> Gate<T> {
         road: &Road<T>,
         speed: SpeedKnowledge,
     ) {
-        let theta = tables.theta[cell];
+        let (reading, expected) = (frame.read(tables, cell), road.powers(frame, tables));
         let (mut ratio, mut hop_bins) = (T::zero(), T::zero());
         let (mut surprise, mut largest) = (T::zero(), T::zero());
-        for bin in 0..frame.bins {
-            let power = frame.power(bin, theta);
+        for (bin, &road) in expected.iter().enumerate().take(frame.bins) {
+            let (power, noise) = (reading.power[bin], reading.noise[bin]);
             largest = largest.max(power);
-            let noise = frame.noise_density * tables.noise[(bin, cell)];
             if tables.frequency_squared[bin] <= T::lit(HOP_BAND_HZ * HOP_BAND_HZ) {
                 ratio += power / noise;
                 hop_bins += T::one();
             }
-            surprise += power / (road.log_power(tables, frame, bin).exp() + noise);
+            surprise += power / (road + noise);
         }
         self.surprise = surprise / T::lit(frame.bins as f64);
         self.signal_to_noise += T::lit(SMOOTHING) * (ratio / hop_bins - self.signal_to_noise);

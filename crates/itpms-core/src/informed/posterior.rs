@@ -302,12 +302,10 @@ impl<T: Real> Posterior<T> {
 
     /// The first frame sets the level that the road is searched around.
     fn meet_road(&mut self, frame: &Evidence<T>, tables: &Tables<T>) {
-        let typical = Road::unknown(T::zero());
+        let typical = Road::unknown(T::zero()).powers(frame, tables);
         for cell in 0..CELLS {
-            let mut sum = T::zero();
-            for bin in 0..frame.bins {
-                sum += frame.power(bin, tables.theta[cell]) * (-typical.log_power(tables, frame, bin)).exp();
-            }
+            let power = frame.read(tables, cell).power;
+            let sum = (0..frame.bins).fold(T::zero(), |sum, bin| sum + power[bin] / typical[bin]);
             let road = Road::unknown((sum / T::lit(frame.bins as f64)).ln());
             for roads in &mut self.road {
                 roads.set(cell, &road);

@@ -45,7 +45,7 @@ pub(super) struct Evidence<T> {
 
 impl<T: Real> Evidence<T> {
     /// Power density of the road velocity reconstructed with `theta`.
-    pub(super) fn power(&self, bin: usize, theta: T) -> T {
+    fn power(&self, bin: usize, theta: T) -> T {
         let power = self.a[bin] + theta * (T::lit(2.0) * self.b[bin] + theta * self.c[bin]);
         power.max(T::lit(1e-24))
     }
@@ -68,9 +68,9 @@ impl<T: Real> Evidence<T> {
 pub(super) struct Reading<T> {
     cell: usize,
     /// Of the reconstructed road velocity.
-    power: [T; BINS],
+    pub(super) power: [T; BINS],
     /// Of the sensors' noise in it, and the same as the log-determinant has it.
-    noise: [T; BINS],
+    pub(super) noise: [T; BINS],
     determinant_noise: [T; BINS],
 }
 
@@ -98,7 +98,7 @@ impl<T: Real> Road<T> {
     }
 
     /// Log of the road's power density in a bin, as the sensors see it.
-    pub(super) fn log_power(&self, tables: &Tables<T>, frame: &Evidence<T>, bin: usize) -> T {
+    fn log_power(&self, tables: &Tables<T>, frame: &Evidence<T>, bin: usize) -> T {
         let power_law = (T::lit(2.0) - self.mean[SLOPE]) * tables.log_frequency[bin];
         self.mean[LEVEL] + power_law - self.mean[ENVELOPE] * frame.envelope[bin]
             + tables.log_window(bin, self.exponent(frame, bin))
@@ -160,7 +160,7 @@ impl<T: Real> Road<T> {
     }
 
     /// The road's power density in every bin in use, as the sensors see it.
-    fn powers(&self, frame: &Evidence<T>, tables: &Tables<T>) -> [T; BINS] {
+    pub(super) fn powers(&self, frame: &Evidence<T>, tables: &Tables<T>) -> [T; BINS] {
         let log: [T; BINS] = core::array::from_fn(|bin| self.log_power(tables, frame, bin));
         let mut powers = [T::zero(); BINS];
         for (power, log) in powers.iter_mut().zip(log).take(frame.bins) {

@@ -44,6 +44,7 @@ use self::channel::{Channel, Entry, RELATIVE};
 use self::constraint::{BOTH, Wheel};
 use self::lesson::Lesson;
 use self::modes::Modes;
+pub(crate) use self::parameters::ROAD_BIAS_SD;
 use self::parameters::{DAMPING, SKEW, SKEW_UNIT_S, State, TIRE, WHEELBASE};
 use self::scale::{LEAST_COMPLIANCE, Scale};
 use self::track::{Meeting, Track};

@@ -37,9 +37,9 @@ const BAR_SHARE: f64 = 0.4;
 const BAR_SPREAD: f64 = 0.06;
 
 /// Standard deviation of [`ROAD_BIAS`] at the start and in the end, and the time in s between: what the model leaves out (a
-/// sensor late by a millisecond, corners that one body ties together) is taken for tires only slowly. It grows four times more
+/// sensor late by a millisecond, corners that one body ties together) is taken for tires only slowly. It grows nearly four times more
 /// slowly than a tire's own compliance may, or it would take a loss of all four for its own.
-const ROAD_BIAS_SD: [f64; 2] = [0.015, 0.03];
+pub(crate) const ROAD_BIAS_SD: [f64; 2] = [0.015, 0.03];
 const ROAD_BIAS_S: f64 = 36_000.0;
 
 pub(super) type State<T> = SVector<T, SIZE>;

@@ -16,9 +16,8 @@ const MAGIC: &str = "itpms-reference ";
 const SIDES: [&str; 2] = ["left", "right"];
 const CORNER_QUANTITIES: [&str; 5] =
     ["unsprung_mass", "damping", "spring", "spectrum_bias_kpa", "shared_road_bias"];
-/// The format before `shared_road_bias`, and what that is then: nobody has looked.
+/// The format before `shared_road_bias`.
 const WITHOUT_ROAD_BIAS: u32 = 1;
-const UNKNOWN_ROAD_BIAS: Learned<f64> = Learned { value: 0.0, sd: 0.015 };
 const SIDE_QUANTITIES: [&str; 2] = ["gain", "skew_s"];
 
 /// The file with its first line.
@@ -146,7 +145,7 @@ fn read_corners(corners: &Table<'_>, format: u32) -> Result<[Option<LearnedCorne
             spring: read_learned(&table, spring, "spring_sd")?,
             spectrum_bias_kpa: read_learned(&table, bias, "spectrum_bias_kpa_sd")?,
             shared_road_bias: if format == WITHOUT_ROAD_BIAS {
-                UNKNOWN_ROAD_BIAS
+                LearnedCorner::untaught_road_bias()
             } else {
                 read_learned(&table, road_bias, "shared_road_bias_sd")?
             },
