@@ -2,7 +2,7 @@
 //! eq. 1-7). Gives the disagreement of a frame, bin by bin, and how it changes with every unknown quantity. Knows nothing
 //! of beliefs.
 
-use nalgebra::{Complex, SMatrix, SVector};
+use nalgebra::{Complex, Matrix2, SMatrix, SVector};
 
 use super::answer::Ratios;
 use super::channel::{KEPT, high_pass_power};
@@ -19,10 +19,11 @@ pub(super) const ROWS: usize = 2 * BINS;
 /// rear, gain, wheelbase, skew.
 pub(super) const OWN: usize = 13;
 /// Places among them.
-const OWN_BAR: usize = 4;
 const REAR: usize = 5;
 /// The two tires.
 pub(super) const OWN_TIRES: [usize; 2] = [0, REAR];
+/// The two anti-roll bars.
+const OWN_BARS: [usize; 2] = [4, REAR + 4];
 const OWN_GAIN: usize = 10;
 const OWN_WHEELBASE: usize = 11;
 const OWN_SKEW: usize = 12;
@@ -33,7 +34,8 @@ pub(super) const BOTH: usize = 2 * SEEN;
 
 /// Points per bin, and on each side, at which the window's spectrum is averaged, and the lowest frequency in Hz of that.
 const KERNEL_DENSITY: f64 = 4.0;
-const KERNEL_HALF: i32 = 8;
+const KERNEL_HALF: usize = 8;
+const KERNEL: usize = 2 * KERNEL_HALF + 1;
 const LOWEST_HZ: f64 = 0.5;
 
 /// Rows and columns over a side's quantities.
@@ -238,9 +240,11 @@ pub(super) fn expected_products<T: Real>(
     let axles = [Axle::new(&wheels[0], state), Axle::new(&wheels[1], state)];
     let gain = T::one() + state[GAIN + side];
     core::array::from_fn(|bin| {
-        let (mut sum, mut total) = (Gram::zeros(), T::zero());
-        for k in -KERNEL_HALF..=KERNEL_HALF {
-            let offset = T::lit(f64::from(k) / KERNEL_DENSITY);
+        // Real and imaginary part at every frequency that the bin sees, times the root of what it sees of it.
+        let mut parts = SMatrix::<T, OWN, { 2 * KERNEL }>::zeros();
+        let (mut other_side, mut total) = (Matrix2::zeros(), T::zero());
+        for point in 0..KERNEL {
+            let offset = T::lit((point as f64 - KERNEL_HALF as f64) / KERNEL_DENSITY);
             let frequency = (bin_hz::<T>(bin) + T::lit(BIN_SPACING_HZ) * offset).abs().max(T::lit(LOWEST_HZ));
             let weight = sine_window_power(offset) * high_pass_power(frequency);
             let seen = |axle: usize| {
@@ -249,19 +253,20 @@ pub(super) fn expected_products<T: Real>(
             };
             // As a frame sees it: its turns are those of the middle of a bin.
             let slope = slopes(&[seen(0), seen(1)], gain, bin_hz(bin), delay_s);
-            let re = Score::from_fn(|i, _| slope[i].re);
-            let im = Score::from_fn(|i, _| slope[i].im);
-            // The lower triangle; the upper one follows at the end.
-            sum.syger(weight, &re, &re, T::one());
-            sum.syger(weight, &im, &im, T::one());
-            // The other side moves as much, by itself, and alike under both axles.
-            let bars = [OWN_BAR, REAR + OWN_BAR];
-            for (i, j) in [(0, 0), (1, 0), (1, 1)].map(|(i, j)| (bars[i], bars[j])) {
-                sum[(i, j)] += (slope[i].re * slope[j].re + slope[i].im * slope[j].im) * weight;
+            let root = weight.sqrt();
+            for (row, &of) in slope.iter().enumerate() {
+                parts[(row, 2 * point)] = of.re * root;
+                parts[(row, 2 * point + 1)] = of.im * root;
             }
+            other_side +=
+                Matrix2::from_fn(|i, j| (slope[OWN_BARS[i]] * slope[OWN_BARS[j]].conj()).re * weight);
             total += weight;
         }
-        sum.fill_upper_triangle_with_lower_triangle();
+        let mut sum = parts * parts.transpose();
+        // The other side moves as much, by itself, and alike under both axles.
+        for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            sum[(OWN_BARS[i], OWN_BARS[j])] += other_side[(i, j)];
+        }
         sum / total
     })
 }
