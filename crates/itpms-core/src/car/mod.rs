@@ -12,7 +12,7 @@ use crate::estimator::{CarWord, Estimator, EstimatorKind, RoadRepetition};
 use crate::quarter_car::{ParameterError, QuarterCar, positive};
 use crate::real::Real;
 use crate::sample::{CarSample, Corner};
-use crate::shared_road::{CarBelief, SharedRoad};
+use crate::shared_road::{Alone, CarBelief, SharedRoad};
 
 /// What an estimator is told about the car.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -230,11 +230,13 @@ impl<T: Real> CarEstimator<T> {
         shared.hold(time_s < self.reset_ends_s);
         for (i, estimator) in self.corners.iter().enumerate() {
             let Some(estimator) = estimator else { continue };
-            shared.look_at(i, estimator.moving(), &estimator.quarter_car());
+            shared.look_at(i, &estimator.quarter_car());
         }
         if self.sources == Sources::SpectrumAndSharedRoad {
             for (i, estimator) in self.corners.iter_mut().enumerate() {
                 let Some(estimator) = estimator else { continue };
+                let (stiffness_n_per_m, sd_n_per_m) = estimator.own_stiffness();
+                shared.watch(i, Alone { moving: estimator.moving(), stiffness_n_per_m, sd_n_per_m });
                 if let Some(word) = estimator.take_word_for(|| shared.expect_word(i)) {
                     shared.hear(i, time_s, word.stiffness_n_per_m, word.sd_n_per_m);
                 }

@@ -183,6 +183,12 @@ impl<T: Real> Estimator<T> {
         self.engine.reading().change_probability
     }
 
+    /// Stiffness and its sd in N/m, as the corner by itself sees them.
+    pub(crate) fn own_stiffness(&self) -> (T, T) {
+        let reading = self.engine.reading();
+        (reading.stiffness_n_per_m, reading.stiffness_sd_n_per_m)
+    }
+
     /// The car as it seems to be now: sprung mass and damping as identified on the way, where the estimator does.
     pub fn quarter_car(&self) -> QuarterCar<T> {
         self.engine.quarter_car()

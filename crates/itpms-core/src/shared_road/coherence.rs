@@ -25,6 +25,8 @@ const DOUBTED: f64 = 0.4;
 /// Time constants in s of the incoherence and of the road's power.
 const INCOHERENCE_S: f64 = 2.0;
 const POWER_S: f64 = 1.0;
+/// Time constant in s in which incoherence becomes lasting; it ends at once.
+const LASTING_S: f64 = 20.0;
 
 /// Running averages of one side.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,6 +44,8 @@ pub(super) struct Coherence<T: Real> {
     /// Road power per bin; zero before the first frame.
     power: SVector<T, BINS>,
     frames: u32,
+    /// Incoherence near wheel hop that has lasted.
+    lasting: T,
 }
 
 /// What is expected of a frame, and what it is worth.
@@ -55,7 +59,12 @@ pub(super) struct Expectation<T: Real> {
 
 impl<T: Real> Coherence<T> {
     pub(super) fn new() -> Self {
-        Self { incoherence: SVector::repeat(T::lit(START)), power: SVector::zeros(), frames: 0 }
+        Self {
+            incoherence: SVector::repeat(T::lit(START)),
+            power: SVector::zeros(),
+            frames: 0,
+            lasting: T::zero(),
+        }
     }
 
     /// The road is another one: what it shares is seen anew.
@@ -115,6 +124,8 @@ impl<T: Real> Coherence<T> {
                 now
             };
         }
+        let now = self.near_wheel_hop();
+        self.lasting = (self.lasting + gain(LASTING_S) * (now - self.lasting)).min(now);
     }
 
     /// How far frames are believed: little, once front and rear hardly share a road.
@@ -123,8 +134,49 @@ impl<T: Real> Coherence<T> {
         T::one() / (T::one() + share * share)
     }
 
+    /// Incoherence near wheel hop that has lasted: in a bend or at a kerb the axles part for seconds only.
+    pub(super) fn lasting(&self) -> T {
+        self.lasting
+    }
+
     /// Incoherence near wheel hop.
     pub(super) fn near_wheel_hop(&self) -> T {
         T::lit(0.5) * (self.incoherence[1] + self.incoherence[2])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Complex, SMatrix};
+
+    use super::*;
+
+    /// Frames of `seconds` on a road of unit power of which this share is not common; gives what of it counts as lasting.
+    fn drive(coherence: &mut Coherence<f64>, seconds: f64, share: f64) -> f64 {
+        let found = Disagreement {
+            rows: SVector::zeros(),
+            slope: SMatrix::zeros(),
+            common: [Complex::new(0.0, 0.0); BINS],
+            road_power: [1.0; BINS],
+        };
+        for _ in 0..(10.0 * seconds) as u32 {
+            let expected = Expectation { power: [1.0; BINS], information: Gram::zeros() };
+            coherence.learn(&expected, &found, &[share; BINS], &[0.0; BINS], 0.1);
+        }
+        coherence.lasting()
+    }
+
+    #[test]
+    fn incoherence_lasts_only_after_a_while_and_ends_at_once() {
+        let mut coherence = Coherence::new();
+        assert!(drive(&mut coherence, 60.0, 0.002) < 0.01);
+        // A bend: nearly all of the road is another one, for some seconds; it is seen with 2 s, and lasts with 20.
+        let bend = drive(&mut coherence, 4.0, 0.9);
+        assert!(coherence.near_wheel_hop() > 0.5 && bend < 0.15, "{bend}");
+        assert!(drive(&mut coherence, 20.0, 0.002) < 0.01);
+        // Beside the track for good.
+        let apart = drive(&mut coherence, 20.0, 0.15);
+        let closed_form = 0.15 * (1.0 - 20.0 / 18.0 * (-1.0_f64).exp());
+        assert!((apart - closed_form).abs() < 0.01, "{apart}, expected {closed_form}");
     }
 }

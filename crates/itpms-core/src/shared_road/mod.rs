@@ -18,10 +18,12 @@
 //! | `parameters` | what is unknown of the car |
 //! | `scale` | the tires at their placard pressures, and what a spectrum should say of them |
 //! | `modes` | the belief |
+//! | `alone` | what a corner finds by itself, where front and rear hardly share a road |
 //! | `evidence` | what a frame says to one Gaussian of it |
 //! | `lesson` | what a reset taught |
 
 mod acquire;
+mod alone;
 mod answer;
 mod channel;
 mod coherence;
@@ -40,12 +42,13 @@ mod track;
 
 use nalgebra::{SMatrix, SVector};
 
+pub(crate) use self::alone::Alone;
 use self::channel::{Channel, Entry, RELATIVE};
 use self::constraint::{BOTH, Wheel};
 use self::lesson::Lesson;
 use self::modes::Modes;
 pub(crate) use self::parameters::ROAD_BIAS_SD;
-use self::parameters::{DAMPING, SKEW, SKEW_UNIT_S, State, TIRE, WHEELBASE};
+use self::parameters::{COMMON_BIAS, DAMPING, OWN_BIAS, SKEW, SKEW_UNIT_S, State, TIRE, WHEELBASE};
 use self::scale::{LEAST_COMPLIANCE, Scale};
 use self::track::{Meeting, Track};
 use crate::car::{CarConfig, LearnedReference};
@@ -75,11 +78,6 @@ const OVERLAP: f64 = 0.5;
 const SENSOR_LATE_PERIODS: f64 = 2.613 / (core::f64::consts::TAU * 0.3);
 /// Incoherence near wheel hop at which movements of several wheels begin half as often.
 const RESTLESS: f64 = 0.02;
-/// Incoherence near wheel hop at which a corner's own suspicion counts half, how much of it is usual, and the chance per
-/// second that the wheel begins to move if it is sure.
-const LOST: f64 = 0.1;
-const USUALLY_SUSPECTED: f64 = 0.3;
-const BEGIN_SUSPECTED: f64 = 4.0;
 /// Entries of two corners within so many periods are of the same time.
 const NEAR_PERIODS: f64 = 0.6;
 /// Longest time in s over which a movement is followed without a frame; pauses count for so long at most, and from so
@@ -164,8 +162,8 @@ pub(crate) struct SharedRoad<T: Real> {
     held: bool,
     /// Whether somebody ever said, on this drive or before it, what the tires have.
     told: bool,
-    /// How likely each corner by itself finds that its pressure moves.
-    suspected: [T; 4],
+    /// What each corner finds by itself.
+    alone: [Alone<T>; 4],
     /// Seconds of shared road learned from when the reset began, and what it taught.
     held_from_s: T,
     lesson: Option<Lesson<T>>,
@@ -233,7 +231,7 @@ impl<T: Real> SharedRoad<T> {
             waited_s: 0.0,
             held: false,
             told: false,
-            suspected: [T::zero(); 4],
+            alone: [Alone::silent(); 4],
             held_from_s: T::zero(),
             lesson: None,
         })
@@ -360,26 +358,23 @@ impl<T: Real> SharedRoad<T> {
         }
         let known = !self.held && self.learned_s >= T::lit(ENOUGH_S);
         let liveliness = if known { [T::one(), self.quietness()] } else { [T::zero(); 2] };
-        let suspected = core::array::from_fn(|i| if known { self.suspicion(i) } else { T::zero() });
+        let suspicion = |i: usize| self.alone[i].suspicion(self.tracks[i % 2].incoherence());
+        let suspected = core::array::from_fn(|i| if known { suspicion(i) } else { T::zero() });
         self.modes.predict(T::lit(seconds), liveliness, &suspected);
     }
 
-    /// Chance per second that a corner's pressure begins to move because its own spectrum looks like it: where front and
-    /// rear share the road, their frames tell sooner and surer.
-    fn suspicion(&self, corner: usize) -> T {
-        let apart = self.tracks[corner % 2].incoherence() / T::lit(LOST);
-        let surely = (self.suspected[corner] - T::lit(USUALLY_SUSPECTED)).max(T::zero());
-        T::lit(BEGIN_SUSPECTED) * surely * apart * apart / (T::one() + apart * apart)
-    }
-
-    /// Takes over what a corner finds by itself: how likely its pressure moves, and the quarter car it seems to be.
-    pub(crate) fn look_at(&mut self, corner: usize, moving: T, car: &QuarterCar<T>) {
-        self.suspected[corner] = moving;
+    /// Takes over the quarter car that a corner seems to be.
+    pub(crate) fn look_at(&mut self, corner: usize, car: &QuarterCar<T>) {
         let state = &self.modes.modes[self.modes.most_likely()].mean;
         let Some(wheel) = &mut self.wheels[corner] else { return };
         // How the body answers its wheel depends on damping over mass.
         let damping = wheel.body.damping_n_s_per_m * (T::one() + state[DAMPING + corner]);
         wheel.body.sprung_mass_kg = car.sprung_mass_kg() * damping / car.damping_n_s_per_m();
+    }
+
+    /// Takes over what a corner's own spectrum tells it now.
+    pub(crate) fn watch(&mut self, corner: usize, alone: Alone<T>) {
+        self.alone[corner] = alone;
     }
 
     /// How far a surprise may be taken for a movement of several wheels: hardly, where front and rear meet different roads.
@@ -405,6 +400,13 @@ impl<T: Real> SharedRoad<T> {
             let (expected, slope) = self.scale.word(corner, state);
             (slope, stiffness_n_per_m - expected)
         });
+    }
+
+    /// How much too stiff a corner's road spectrum reads, in N/m, and the variance of that.
+    fn word_bias(&self, corner: usize) -> (T, T) {
+        let unit = self.scale.slope[corner] * self.scale.placard_kpa[corner];
+        let (common, own) = (self.modes.quantity(COMMON_BIAS), self.modes.quantity(OWN_BIAS + corner));
+        (unit * (common.0 + own.0), unit * unit * (common.1 + own.1))
     }
 
     /// What a corner's road spectrum is expected to say: stiffness and sd in N/m.
@@ -476,13 +478,20 @@ impl<T: Real> SharedRoad<T> {
         let by = SVector::<T, 4>::from_fn(|i, _| {
             (T::one() + T::lit(MOVING_SD) * moving[i]) * stiffness[i] / (T::one() + mean[i]).max(floor)
         });
-        let covariance = SMatrix::<T, 4, 4>::from_fn(|i, j| by[i] * by[j] * covariance[(i, j)]);
-        CarBelief {
+        let mut belief = CarBelief {
             stiffness_n_per_m: stiffness,
-            covariance,
+            covariance: SMatrix::from_fn(|i, j| by[i] * by[j] * covariance[(i, j)]),
             moving: self.modes.moving(),
             // Half a frame more, so that rounding does not decide when enough was learned.
             learned_s: self.learned_s + T::lit(0.25 * HOP_S),
+        };
+        let file =
+            if self.told { T::zero() } else { T::lit(FILE_SD[0] * FILE_SD[0] + FILE_SD[1] * FILE_SD[1]) };
+        for (i, alone) in self.alone.iter().enumerate() {
+            let (bias, variance) = self.word_bias(i);
+            let file = file * alone.stiffness_n_per_m * alone.stiffness_n_per_m;
+            alone.mix_into(&mut belief, i, self.tracks[i % 2].lasting_incoherence(), (bias, variance + file));
         }
+        belief
     }
 }

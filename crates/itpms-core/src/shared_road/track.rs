@@ -251,6 +251,11 @@ impl<T: Real> Track<T> {
         self.coherence.near_wheel_hop()
     }
 
+    /// The same as far as it has lasted.
+    pub(super) fn lasting_incoherence(&self) -> T {
+        self.coherence.lasting()
+    }
+
     /// Whether the side's road is being learned from at this time, and its incoherence.
     pub(super) fn state(&self, now_s: f64) -> (bool, T) {
         let incoherence = self.coherence.near_wheel_hop();
