@@ -11,7 +11,7 @@ const USUALLY_SUSPECTED: f64 = 0.3;
 const BEGIN_SUSPECTED: f64 = 4.0;
 /// Lasting incoherence at which a corner that finds its pressure moving is believed as much as the shared road, and the chances of a
 /// movement from which on, and at which fully, it is heard.
-const LEFT: f64 = 0.03;
+const LEFT: f64 = 0.06;
 const HEARD: f64 = 0.1;
 const BELIEVED: f64 = 0.5;
 
