@@ -130,8 +130,7 @@ impl<T: Real> Coherence<T> {
 
     /// How far frames are believed: little, once front and rear hardly share a road.
     pub(super) fn trust(&self) -> T {
-        let share = self.near_wheel_hop() / T::lit(DOUBTED);
-        T::one() / (T::one() + share * share)
+        within(self.near_wheel_hop(), DOUBTED)
     }
 
     /// Incoherence near wheel hop that has lasted: in a bend or at a kerb the axles part for seconds only.
@@ -143,6 +142,12 @@ impl<T: Real> Coherence<T> {
     pub(super) fn near_wheel_hop(&self) -> T {
         T::lit(0.5) * (self.incoherence[1] + self.incoherence[2])
     }
+}
+
+/// From 1 to 0 as an incoherence exceeds another one, where it is a half.
+pub(super) fn within<T: Real>(incoherence: T, half: f64) -> T {
+    let ratio = incoherence / T::lit(half);
+    T::one() / (T::one() + ratio * ratio)
 }
 
 #[cfg(test)]

@@ -32,7 +32,7 @@ pub(super) const SEEN: usize = KEPT + 1;
 /// Those of both axles.
 pub(super) const BOTH: usize = 2 * SEEN;
 
-/// Points per bin, and on each side, at which the window's spectrum is averaged, and the lowest frequency in Hz of that.
+/// Points per bin, on each side, and in all, at which the window's spectrum is averaged, and the lowest frequency in Hz of that.
 const KERNEL_DENSITY: f64 = 4.0;
 const KERNEL_HALF: usize = 8;
 const KERNEL: usize = 2 * KERNEL_HALF + 1;

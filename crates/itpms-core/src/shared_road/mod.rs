@@ -44,6 +44,7 @@ use nalgebra::{SMatrix, SVector};
 
 pub(crate) use self::alone::Alone;
 use self::channel::{Channel, Entry, RELATIVE};
+use self::coherence::within;
 use self::constraint::{BOTH, Wheel};
 use self::lesson::Lesson;
 use self::modes::Modes;
@@ -379,8 +380,7 @@ impl<T: Real> SharedRoad<T> {
 
     /// How far a surprise may be taken for a movement of several wheels: hardly, where front and rear meet different roads.
     fn quietness(&self) -> T {
-        let apart = self.tracks[0].incoherence().max(self.tracks[1].incoherence()) / T::lit(RESTLESS);
-        T::one() / (T::one() + apart * apart)
+        within(self.tracks[0].incoherence().max(self.tracks[1].incoherence()), RESTLESS)
     }
 
     /// A word of a corner's road spectrum: its stiffness and sd in N/m, at a time.
@@ -404,7 +404,7 @@ impl<T: Real> SharedRoad<T> {
 
     /// How much too stiff a corner's road spectrum reads, in N/m, and the variance of that.
     fn word_bias(&self, corner: usize) -> (T, T) {
-        let unit = self.scale.slope[corner] * self.scale.placard_kpa[corner];
+        let unit = self.scale.pressures_part_n_per_m(corner);
         let (common, own) = (self.modes.quantity(COMMON_BIAS), self.modes.quantity(OWN_BIAS + corner));
         (unit * (common.0 + own.0), unit * unit * (common.1 + own.1))
     }
@@ -467,10 +467,8 @@ impl<T: Real> SharedRoad<T> {
         // What is believed of a front tire is as old as the road under the rear wheel.
         let ages = [age_s + self.delay_s[0], age_s + self.delay_s[1], age_s, age_s];
         let (mean, mut covariance) = self.modes.tires(&ages);
-        if !self.told {
-            let [all, each] = FILE_SD.map(|sd| T::lit(sd * sd));
-            covariance += SMatrix::from_fn(|i, j| if i == j { all + each } else { all });
-        }
+        let [all, each] = if self.told { [T::zero(); 2] } else { FILE_SD.map(|sd| T::lit(sd * sd)) };
+        covariance += SMatrix::from_fn(|i, j| if i == j { all + each } else { all });
         let floor = T::lit(LEAST_COMPLIANCE);
         let stiffness =
             SVector::<T, 4>::from_fn(|i, _| self.scale.placard_n_per_m[i] / (T::one() + mean[i]).max(floor));
@@ -485,11 +483,9 @@ impl<T: Real> SharedRoad<T> {
             // Half a frame more, so that rounding does not decide when enough was learned.
             learned_s: self.learned_s + T::lit(0.25 * HOP_S),
         };
-        let file =
-            if self.told { T::zero() } else { T::lit(FILE_SD[0] * FILE_SD[0] + FILE_SD[1] * FILE_SD[1]) };
         for (i, alone) in self.alone.iter().enumerate() {
             let (bias, variance) = self.word_bias(i);
-            let file = file * alone.stiffness_n_per_m * alone.stiffness_n_per_m;
+            let file = (all + each) * alone.stiffness_n_per_m * alone.stiffness_n_per_m;
             alone.mix_into(&mut belief, i, self.tracks[i % 2].lasting_incoherence(), (bias, variance + file));
         }
         belief

@@ -20,14 +20,19 @@ pub(super) struct Scale<T> {
 impl<T: Real> Scale<T> {
     /// The placard pressure's share in a corner's stiffness.
     pub(super) fn share(&self, corner: usize) -> T {
-        self.placard_kpa[corner] * self.slope[corner] / self.placard_n_per_m[corner]
+        self.pressures_part_n_per_m(corner) / self.placard_n_per_m[corner]
+    }
+
+    /// What of a corner's stiffness in N/m the placard pressure makes: the unit of the spectrum's biases.
+    pub(super) fn pressures_part_n_per_m(&self, corner: usize) -> T {
+        self.slope[corner] * self.placard_kpa[corner]
     }
 
     /// The stiffness in N/m that a corner's road spectrum should tell in a state, and its derivatives.
     pub(super) fn word(&self, corner: usize, state: &State<T>) -> (T, State<T>) {
         let placard = self.placard_n_per_m[corner];
         // Biases are shares of the placard pressure; the word's own unit is N/m.
-        let bias = self.slope[corner] * self.placard_kpa[corner];
+        let bias = self.pressures_part_n_per_m(corner);
         let factor = (T::one() + state[TIRE + corner]).max(T::lit(LEAST_COMPLIANCE));
         let mut slope = State::zeros();
         slope[TIRE + corner] = -placard / (factor * factor);
