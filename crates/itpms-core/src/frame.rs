@@ -1,5 +1,5 @@
 //! Short spectral frames of several signals under a sine window that overlap by half, accumulated sample by sample so
-//! that no signal is ever stored.
+//! that no signal is ever stored. Steps that do not count leave a hole in a frame; what is left is scaled up.
 //!
 //! At the true stiffness a reconstructed road velocity is nearly white, so short frames do not smear it.
 
@@ -7,17 +7,22 @@ use nalgebra::{Complex, SMatrix};
 
 use crate::real::Real;
 
+/// Share of a frame below which it is not scaled up any further.
+const LEAST_SEEN: f64 = 0.01;
+
 /// The complex spectra of one frame, scaled so that a squared magnitude is a one-sided power density per Hz.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Frame<T: Real, const BINS: usize, const SIGNALS: usize> {
     pub(crate) re: SMatrix<T, BINS, SIGNALS>,
     pub(crate) im: SMatrix<T, BINS, SIGNALS>,
+    /// Share of the window's energy that fell on steps that count.
+    pub(crate) seen: T,
 }
 
 impl<T: Real, const BINS: usize, const SIGNALS: usize> Frame<T, BINS, SIGNALS> {
     pub(crate) fn zero() -> Self {
-        Self { re: SMatrix::zeros(), im: SMatrix::zeros() }
+        Self { re: SMatrix::zeros(), im: SMatrix::zeros(), seen: T::one() }
     }
 
     /// A signal in a bin.
@@ -86,9 +91,36 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> FrameClock<T, BINS, SIGNA
 
     /// Adds one step of all signals; gives a frame when one is complete.
     pub(crate) fn push(&mut self, signals: &[T; SIGNALS]) -> Option<Frame<T, BINS, SIGNALS>> {
+        self.push_if(true, signals)
+    }
+
+    /// The same of a step that may not count.
+    pub(crate) fn push_if(
+        &mut self,
+        counts: bool,
+        signals: &[T; SIGNALS],
+    ) -> Option<Frame<T, BINS, SIGNALS>> {
         // Sine window over two hops: sin(π (i + ½) / n). The younger frame sees its first half, the older its second.
         let angle = T::lit(core::f64::consts::FRAC_PI_2 * (f64::from(self.step) + 0.5) / f64::from(self.hop));
         let (rising, falling) = (angle.sin(), angle.cos());
+        if counts {
+            self.add(rising, falling, signals);
+        } else {
+            // Σ window² of a whole frame is its hop.
+            let hop = T::lit(f64::from(self.hop));
+            self.younger.seen -= rising * rising / hop;
+            self.older.seen -= falling * falling / hop;
+        }
+        let ([re, im], [turn_re, turn_im]) = (self.phase, self.turn);
+        self.phase = [re * turn_re - im * turn_im, re * turn_im + im * turn_re];
+        self.step += 1;
+        if self.step < self.hop {
+            return None;
+        }
+        self.finish_hop()
+    }
+
+    fn add(&mut self, rising: T, falling: T, signals: &[T; SIGNALS]) {
         let [re_1, im_1] = self.phase;
         let (mut re, mut im) = (re_1, im_1);
         for bin in 0..BINS {
@@ -101,13 +133,6 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> FrameClock<T, BINS, SIGNA
             }
             (re, im) = (re * re_1 - im * im_1, re * im_1 + im * re_1);
         }
-        let [turn_re, turn_im] = self.turn;
-        self.phase = [re_1 * turn_re - im_1 * turn_im, re_1 * turn_im + im_1 * turn_re];
-        self.step += 1;
-        if self.step < self.hop {
-            return None;
-        }
-        self.finish_hop()
     }
 
     fn finish_hop(&mut self) -> Option<Frame<T, BINS, SIGNALS>> {
@@ -127,10 +152,77 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> FrameClock<T, BINS, SIGNA
         if self.complete_hops < 2 {
             return None;
         }
-        // 2 dt / Σ window² with Σ window² = hop
-        let scale = T::lit(2.0 * self.grid_period_s / f64::from(self.hop)).sqrt();
+        // 2 dt / Σ window², with Σ window² = hop if every step counts.
+        let seen = done.seen.max(T::lit(LEAST_SEEN));
+        let scale = (T::lit(2.0 * self.grid_period_s / f64::from(self.hop)) / seen).sqrt();
         done.re *= scale;
         done.im *= scale;
         Some(done)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use std::vec::Vec;
+
+    use super::*;
+    use crate::random::Random;
+
+    const PERIOD_S: f64 = 0.004;
+    const BINS: usize = 5;
+
+    /// Frames of a signal, of which those steps count that `counts` says.
+    fn frames(
+        steps: usize,
+        mut signal: impl FnMut() -> f64,
+        counts: impl Fn(usize) -> bool,
+    ) -> Vec<Frame<f64, BINS, 1>> {
+        let mut clock = FrameClock::<f64, BINS, 1>::new(0.1, PERIOD_S);
+        (0..steps).filter_map(|step| clock.push_if(counts(step), &[signal()])).collect()
+    }
+
+    /// White noise of variance one, the same each time.
+    fn noise() -> impl FnMut() -> f64 {
+        let mut random = Random(3);
+        move || random.normal()
+    }
+
+    #[test]
+    fn holes_leave_the_power_of_a_random_signal_as_it_is() {
+        // Eleven steps of every thirty: holes of 44 ms, some twice a frame of 200 ms.
+        let found = frames(200_000, noise(), |step| step % 30 >= 11);
+        let count = found.len() as f64;
+        let seen = found.iter().map(|frame| frame.seen).sum::<f64>() / count;
+        assert!((seen - 19.0 / 30.0).abs() < 1e-3, "{seen}");
+        for bin in 0..BINS {
+            // White noise has a one-sided density of twice the period. A frame's power scatters as much as it is large, and
+            // frames that overlap by half are worth two thirds of their number at least.
+            let power = found.iter().map(|frame| frame.cross(bin, 0, 0)).sum::<f64>() / count;
+            let off = power / (2.0 * PERIOD_S) - 1.0;
+            assert!(off.abs() < 4.0 / (0.66 * count).sqrt(), "bin {bin}: {off}");
+        }
+    }
+
+    #[test]
+    fn a_frame_is_seen_whole_or_not_at_all() {
+        assert!(frames(200, noise(), |_| true).iter().all(|frame| frame.seen == 1.0));
+        let unseen = frames(200, noise(), |_| false);
+        assert!(!unseen.is_empty());
+        for frame in unseen {
+            assert!(frame.seen.abs() < 1e-12 && frame.re.iter().chain(frame.im.iter()).all(|&x| x == 0.0));
+        }
+    }
+
+    #[test]
+    fn what_does_not_count_leaves_no_trace() {
+        let counts = |step: usize| step % 30 >= 11;
+        let (mut clean, mut step) = (noise(), 0);
+        let spoiled = move || {
+            step += 1;
+            let x = clean();
+            if counts(step - 1) { x } else { f64::NAN }
+        };
+        assert_eq!(frames(500, noise(), counts), frames(500, spoiled, counts));
     }
 }

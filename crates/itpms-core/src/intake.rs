@@ -57,9 +57,10 @@ pub struct GridSample<T> {
     pub wheel_accel_m_s2: T,
     /// True if the signal was interrupted before this step.
     pub after_gap: bool,
-    /// True if the step says nothing of the tire: a sensor near it was at its limit or did not move, or the wheel was in
-    /// the air.
+    /// True if the step and what is near it say nothing of the tire: a sensor was at its limit or did not move.
     pub spoiled: bool,
+    /// True if the wheel may have been in the air just then.
+    pub unloaded: bool,
 }
 
 /// What a sensor's last values look like, the worst last.
@@ -301,6 +302,7 @@ impl<T: Real> Intake<T> {
                 wheel_accel_m_s2: wheel,
                 after_gap: self.after_gap,
                 spoiled: saturated,
+                unloaded: false,
             });
             self.after_gap = false;
             self.next_grid_s += self.grid_period_s;

@@ -29,6 +29,8 @@ pub mod intake;
 pub mod monitor;
 pub mod pressure;
 pub mod quarter_car;
+#[cfg(test)]
+mod random;
 pub mod real;
 pub mod road;
 pub mod sample;

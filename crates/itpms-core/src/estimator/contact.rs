@@ -7,9 +7,10 @@ use crate::real::Real;
 
 /// Gravity in m/s².
 const GRAVITY_M_S2: f64 = 9.81;
-/// Share of the corner's weight by which the force of the tire is less than at rest when the wheel has lifted. At less,
-/// wheels that touch are not believed either; at more, wheels in the air are.
-const LIFTING: f64 = 1.05;
+/// Share of the corner's weight by which the force of the tire is less than at rest when the wheel has surely lifted, and
+/// when it may have: the body's mass, its pitch and roll and the load are not known to the percent.
+const LIFTED: f64 = 1.05;
+const UNLOADED: f64 = 0.85;
 /// A share that no load explains: this tire pulls, as in a simulation that does not let it go, and nothing ever lifts.
 const PULLING: f64 = 2.0;
 /// Seconds after which that is forgotten.
@@ -17,15 +18,13 @@ const PULLING_S: f64 = 60.0;
 /// Seconds for which a spectrum is spoiled: frames between two jumps are those in which the wheel happens to hop little.
 const LANDING_S: f64 = 0.5;
 
-/// Where the wheel is.
+/// What a grid step shows of the wheel's hold on the road.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Contact {
-    /// On the road, and for long enough.
-    Rolling,
-    /// On the road again.
-    Landed,
-    /// In the air.
-    Airborne,
+pub(super) struct Contact {
+    /// It may be in the air: this step is no word about the tire, its neighbours may be.
+    pub(super) unloaded: bool,
+    /// It surely was, now or a moment ago: no spectrum of such steps is that of a tire on its road.
+    pub(super) hopping: bool,
 }
 
 /// The watch on one wheel.
@@ -56,14 +55,15 @@ impl<T: Real> ContactWatch<T> {
         if force_n < -weight_n * T::lit(PULLING) {
             self.pulling_s = sample.time_s;
         }
-        let pulls = sample.time_s - self.pulling_s < PULLING_S;
-        if force_n < -weight_n * T::lit(LIFTING) && !pulls {
+        if sample.time_s - self.pulling_s < PULLING_S {
+            return Contact { unloaded: false, hopping: false };
+        }
+        if force_n < -weight_n * T::lit(LIFTED) {
             self.airborne_s = sample.time_s;
-            Contact::Airborne
-        } else if sample.time_s - self.airborne_s < LANDING_S && !pulls {
-            Contact::Landed
-        } else {
-            Contact::Rolling
+        }
+        Contact {
+            unloaded: force_n < -weight_n * T::lit(UNLOADED),
+            hopping: sample.time_s - self.airborne_s < LANDING_S,
         }
     }
 }
@@ -87,25 +87,37 @@ mod tests {
                 body_accel_m_s2: force_n / 3.0 / car.sprung_mass_kg(),
                 wheel_accel_m_s2: force_n / 1.5 / car.unsprung_mass_kg(),
                 spoiled: false,
+                unloaded: false,
                 after_gap: false,
             })
         };
         forces.iter().enumerate().map(look).collect()
     }
 
-    use Contact::{Airborne, Landed, Rolling};
+    /// Whether it may be in the air, and whether it surely was of late, step by step.
+    fn seen(forces: &[f64]) -> (std::vec::Vec<bool>, std::vec::Vec<bool>) {
+        watched(forces).iter().map(|contact| (contact.unloaded, contact.hopping)).unzip()
+    }
 
     #[test]
     fn a_wheel_without_force_is_in_the_air_and_lands() {
-        let forces = [0.0, 2.0, -1.0, -1.1, -1.06, -0.5, 1.5, 0.0, 0.0, 0.0, 0.0];
-        let expected =
-            [Rolling, Rolling, Rolling, Airborne, Airborne, Landed, Landed, Landed, Landed, Rolling, Rolling];
-        assert_eq!(watched(&forces), expected);
+        let forces = [0.0, 2.0, -0.8, -0.9, -1.0, -1.1, -1.06, -0.5, 1.5, 0.0, -0.86, 0.0, 0.0];
+        let (unloaded, hopping) = seen(&forces);
+        assert_eq!(
+            unloaded,
+            [3, 4, 5, 6, 10].iter().fold([false; 13], |mut all, &i| {
+                all[i] = true;
+                all
+            })
+        );
+        // Surely lifted at 0.5 and 0.6 s, and half a second more.
+        assert_eq!(hopping, core::array::from_fn::<_, 13, _>(|i| (5..11).contains(&i)));
     }
 
     #[test]
     fn a_tire_that_pulls_never_lifts_and_nothing_unknown_does() {
-        assert_eq!(watched(&[-1.1, -2.1, -1.1, -1.2]), [Airborne, Rolling, Rolling, Rolling]);
-        assert_eq!(watched(&[f64::NAN, f64::NAN]), [Rolling; 2]);
+        assert_eq!(seen(&[-1.1, -2.1, -1.1, -1.2]).0, [true, false, false, false]);
+        assert_eq!(seen(&[-1.1, -2.1, -1.1, -1.2]).1, [true, false, false, false]);
+        assert_eq!(seen(&[f64::NAN, f64::NAN]), (std::vec![false; 2], std::vec![false; 2]));
     }
 }

@@ -8,7 +8,7 @@ mod contact;
 mod engine;
 mod warning;
 
-use self::contact::{Contact, ContactWatch};
+use self::contact::ContactWatch;
 use self::engine::{Engine, Reading};
 use self::warning::LowPressureWatch;
 use crate::estimate::{CornerConfig, CornerEstimate, Diagnostics, Validity, Warning};
@@ -220,9 +220,9 @@ impl<T: Real> Estimator<T> {
         let (body, wheel) = (corner.body_accel_m_s2, corner.wheel_accel_m_s2);
         self.intake.push(time_s, speed_m_s, body, wheel, |sample| {
             let contact = contact.look(&sample);
-            let spoiled_if = |spoiled: bool| GridSample { spoiled: sample.spoiled || spoiled, ..sample };
-            engine.step(&spoiled_if(contact != Contact::Rolling));
-            tap(&spoiled_if(contact == Contact::Airborne));
+            let sample = GridSample { unloaded: contact.unloaded, ..sample };
+            engine.step(&GridSample { spoiled: sample.spoiled || contact.hopping, ..sample });
+            tap(&sample);
         });
         self.hold_reset(time_s);
     }

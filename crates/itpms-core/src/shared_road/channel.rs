@@ -16,6 +16,8 @@ const SMOOTH_HZ: f64 = 35.0;
 const LOWEST_HZ: f64 = 2.0;
 /// Frequency in Hz of wheel hop: where the delay of that filter is taken.
 const WHEEL_HOP_HZ: f64 = 12.0;
+/// Time in s for which the filters answer a step, on and off: what was wrong in between is wrong for so long.
+const ECHO_S: f64 = 0.05;
 /// Thinned signals come at this rate in Hz at least.
 const LEAST_RATE_HZ: f64 = 200.0;
 /// Quality factors of the two sections of a Butterworth filter of order four, as both filters are.
@@ -38,6 +40,8 @@ pub(super) struct Entry<T> {
     pub(super) signals: [T; KEPT],
     /// True if a sensor was at its limit since the last entry.
     pub(super) spoiled: bool,
+    /// True if the wheel may have been in the air while the filters still heard of it.
+    pub(super) unloaded: bool,
     /// True if the signal was interrupted before this entry.
     pub(super) after_gap: bool,
 }
@@ -93,6 +97,8 @@ pub(super) struct Channel<T> {
     every: u32,
     step: u32,
     spoiled: bool,
+    /// When the wheel may last have been in the air.
+    unloaded_s: f64,
     after_gap: bool,
 }
 
@@ -112,6 +118,7 @@ impl<T: Real> Channel<T> {
             every: every(rate_hz),
             step: 0,
             spoiled: false,
+            unloaded_s: f64::NEG_INFINITY,
             after_gap: true,
         }
     }
@@ -138,6 +145,9 @@ impl<T: Real> Channel<T> {
             self.step = 0;
         }
         self.spoiled |= sample.spoiled;
+        if sample.unloaded {
+            self.unloaded_s = sample.time_s;
+        }
         let all = self.reconstruction.push(sample.body_accel_m_s2, sample.wheel_accel_m_s2);
         let mut signals =
             [all[WHEEL_VELOCITY], all[WHEEL_JERK], all[RELATIVE_ACCELERATION], all[RELATIVE_VELOCITY]];
@@ -157,6 +167,7 @@ impl<T: Real> Channel<T> {
             speed_m_s: sample.speed_m_s,
             signals,
             spoiled: core::mem::take(&mut self.spoiled),
+            unloaded: sample.time_s - self.unloaded_s < ECHO_S,
             after_gap: core::mem::take(&mut self.after_gap),
         };
         Some(entry)

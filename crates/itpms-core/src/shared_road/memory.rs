@@ -26,6 +26,7 @@ pub(super) struct Memory<T: Real> {
     speed_m_s: SVector<T, LENGTH>,
     signals: SMatrix<T, KEPT, LENGTH>,
     spoiled: SVector<bool, LENGTH>,
+    unloaded: SVector<bool, LENGTH>,
     /// Place of the newest entry, and how many there are.
     newest: usize,
     filled: usize,
@@ -38,6 +39,7 @@ pub(super) struct Read<T> {
     pub(super) signals: [T; KEPT],
     pub(super) speed_m_s: T,
     pub(super) spoiled: bool,
+    pub(super) unloaded: bool,
 }
 
 impl<T: Real> Memory<T> {
@@ -48,6 +50,7 @@ impl<T: Real> Memory<T> {
             speed_m_s: SVector::zeros(),
             signals: SMatrix::zeros(),
             spoiled: SVector::repeat(false),
+            unloaded: SVector::repeat(false),
             newest: 0,
             filled: 0,
             period_s,
@@ -64,6 +67,7 @@ impl<T: Real> Memory<T> {
         self.speed_m_s[self.newest] = entry.speed_m_s;
         self.signals.set_column(self.newest, &SVector::from(entry.signals));
         self.spoiled[self.newest] = entry.spoiled;
+        self.unloaded[self.newest] = entry.unloaded;
         self.filled = (self.filled + 1).min(LENGTH);
     }
 
@@ -120,7 +124,9 @@ impl<T: Real> Memory<T> {
                 *signal += weight * value;
             }
         }
-        Some(Read { signals, speed_m_s: self.speed_m_s[self.place(back)], spoiled })
+        // The points further off have little weight.
+        let unloaded = [back, back + 1].map(|back| self.unloaded[self.place(back)]).contains(&true);
+        Some(Read { signals, speed_m_s: self.speed_m_s[self.place(back)], spoiled, unloaded })
     }
 }
 

@@ -27,6 +27,8 @@ const SETTLING_HOPS: u32 = 5;
 const STALE_S: f64 = 1.0;
 /// Longest way in m between two entries that follow each other.
 const LONGEST_WAY_M: f64 = 1.0;
+/// Share of a frame in which both wheels touch the road, from which on it counts.
+const LEAST_SEEN: f64 = 0.15;
 /// Incoherence near wheel hop from which on a side counts as not shared.
 const APART: f64 = 0.5;
 
@@ -106,7 +108,7 @@ impl<T: Real> Track<T> {
 
     /// Looks for the first delay with an entry of the rear corner.
     pub(super) fn search(&mut self, entry: &Entry<T>, road: &Meeting<'_, T>) -> Option<Found<T>> {
-        if !(entry.speed_m_s > T::lit(SLOWEST_M_S)) || entry.after_gap || entry.spoiled {
+        if !(entry.speed_m_s > T::lit(SLOWEST_M_S)) || entry.after_gap || entry.spoiled || entry.unloaded {
             return None;
         }
         let then_s = self.memory.time_at(entry.way_m - road.wheelbase_m.to_f64() * road.scale())?;
@@ -159,12 +161,15 @@ impl<T: Real> Track<T> {
             let there = with_other(instrument.push(common), others[axle].map(|other| scales[axle] * other));
             signals[(2 + axle) * SEEN..(3 + axle) * SEEN].copy_from_slice(&there);
         }
-        let frame = self.clock.push(&signals)?;
+        let frame = self.clock.push_if(!(entry.unloaded || read.unloaded), &signals)?;
         self.tune(road);
         let [used_wheelbase, used_skew] = self.used;
         self.used = [road.wheelbase, road.skew];
         if self.spoiled_hops > 0 {
             self.spoiled_hops -= 1;
+            return None;
+        }
+        if !(frame.seen > T::lit(LEAST_SEEN)) {
             return None;
         }
         let middle_s = entry.time_s - self.clock.hop_s();
@@ -223,7 +228,7 @@ impl<T: Real> Track<T> {
         let expected = self.coherence.expect(&road_power, &noise, &products, taken.stretch);
         // What the model leaves out differs from road to road, and grows with what the axles do not share.
         modes.doubt(wheels, self.coherence.near_wheel_hop() * T::lit(HOP_S));
-        let trust = self.coherence.trust();
+        let trust = self.coherence.trust() * taken.frame.seen;
         let Some((found, ratio)) = modes.weigh(taken, wheels, self.side, &expected, &instrument, trust)
         else {
             return false;

@@ -8,6 +8,7 @@ use nalgebra::Complex;
 use nalgebra::ComplexField;
 
 use super::{C, Moved, STILL, deviating, frame, signals, taken, unit_frames, wheels};
+use crate::random::Random;
 use crate::shared_road::answer::Ratios;
 use crate::shared_road::channel::high_pass_power;
 use crate::shared_road::constraint::{
@@ -205,22 +206,5 @@ fn plain_derivatives_are_pulled_by_half_the_incoherent_power() {
         let (found, expected) = (pull[bin] / power[bin], mean.0 / mean.1);
         // The sum over half hertz is not the integral, and a real signal has its image at negative frequencies.
         assert!((found - expected).abs() < 0.03, "bin {bin}: {found} {expected}");
-    }
-}
-
-/// SplitMix64 and Box-Muller.
-struct Random(u64);
-
-impl Random {
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64 + 0.5 / (1u64 << 53) as f64
-    }
-
-    fn normal(&mut self) -> f64 {
-        (-2.0 * self.uniform().ln()).sqrt() * (core::f64::consts::TAU * self.uniform()).cos()
     }
 }

@@ -30,6 +30,7 @@ fn remembered(signal: impl Fn(f64) -> f64) -> Memory<f64> {
             speed_m_s: 10.0 + 3.0 * time_s,
             signals: [signal(time_s), 1.0, 2.0 * time_s, -signal(time_s)],
             spoiled: k == 300,
+            unloaded: k == 300,
             after_gap: k == 0,
         });
     }
@@ -92,6 +93,8 @@ fn what_was_spoiled_is_read_as_spoiled() {
     let at = |entry: f64| memory.read(entry * PERIOD_S).unwrap().spoiled;
     assert!(at(300.5) && at(299.5) && at(297.5) && at(302.5));
     assert!(!at(296.5) && !at(303.5));
+    let unloaded = |entry: f64| memory.read(entry * PERIOD_S).unwrap().unloaded;
+    assert!(unloaded(300.5) && unloaded(299.5) && !unloaded(301.5) && !unloaded(298.5));
 }
 
 #[test]

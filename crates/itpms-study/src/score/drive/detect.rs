@@ -312,4 +312,23 @@ mod tests {
             .unwrap();
         assert!(!found[0][0].early && found[0][0].class == RoadClass::A);
     }
+
+    /// Class D at 80 km/h and more: each wheel is in the air for a tenth of the time and longer.
+    #[test]
+    fn wheels_in_the_air_hide_no_loss() {
+        let short = Loss { begins_s: 20.0, takes_s: [5.0, 5.0], wait_s: 20.0, ..ONE };
+        let fast = |turn: &Turn| {
+            let (_, found, _) = composed(EstimatorKind::Informed, &short, *turn).unwrap();
+            found.class == RoadClass::D && found.plant == Plant::Car && found.km_h > 80.0
+        };
+        let turns = (0..400).map(|i| Turn { index: i % 32, seed: 1000 + i as u64 }).filter(fast);
+        let cases: Vec<(Turn, usize)> = turns.take(3).map(|turn| (turn, 1)).collect();
+        let found = Runner::new(1, 2, &|_, _| ControlFlow::Continue(()))
+            .run(&cases, |turn, _| drive(EstimatorKind::Informed, &short, &Setup::USUAL, *turn))
+            .unwrap()
+            .concat();
+        assert_eq!(found.len(), 3);
+        // The goal is 3 s; one drive in twenty takes longer.
+        assert!(found.iter().all(|one| one.after_s < 15.0 && !one.wrong && !one.early), "{found:?}");
+    }
 }
