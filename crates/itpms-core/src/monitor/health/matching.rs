@@ -10,6 +10,10 @@ pub(super) const PAIRS: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3
 /// What is added to the wheels' moments, as a share of their trace: roads that are alike must not blow up the
 /// regression.
 const RIDGE: f64 = 1e-3;
+/// Share of the warp that one sensor's gain must explain; noise has its part in it, too.
+const EXPLAINED: f64 = 0.65;
+/// Warp that whatever explains it may leave. A healthy car has less than 0.01; what is no rigid body is not judged by it.
+pub(super) const LEFT: f64 = 0.02;
 
 /// Who follows whom, from the regression of the bodies on all four wheels in the hop band.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,6 +86,13 @@ impl<T: Real> Plane<T> {
             gain: one / (one - ratio),
         })
     }
+
+    /// The sensor whose gain makes bodies warp that otherwise are a plane. Bodies that are none to begin with have nobody
+    /// to blame.
+    pub(super) fn to_blame(&self) -> Option<usize> {
+        let left = (T::one() - self.explained) * self.warp;
+        (self.explained > T::lit(EXPLAINED) && left < T::lit(LEFT)).then_some(self.culprit)
+    }
 }
 
 /// A corner's power over the median of the others'.
@@ -97,5 +108,63 @@ pub(super) fn median<T: Real>(values: &mut [T]) -> T {
     match n {
         0 => T::lit(f64::NAN),
         _ => T::lit(0.5) * (values[(n - 1) / 2] + values[n / 2]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector4;
+
+    use super::*;
+    use crate::random::Random;
+
+    /// Moments of bodies that are moved so, as many independent times as two seconds of bounce have.
+    fn plane(random: &mut Random, bodies: impl Fn(&mut Random) -> Vector4<f64>) -> Plane<f64> {
+        let mut moments = SMatrix::<f64, 4, 4>::zeros();
+        for _ in 0..12 {
+            let moved = bodies(random);
+            moments += moved * moved.transpose();
+        }
+        Plane::of(&moments, 0.0).unwrap()
+    }
+
+    /// A rigid body that heaves, pitches and rolls, and warps by a fiftieth of that; one sensor with a gain.
+    fn rigid(random: &mut Random, at: usize, gain: f64) -> Vector4<f64> {
+        let [heave, pitch, roll, warp] = core::array::from_fn(|_| random.normal());
+        let warp = 0.02 * warp;
+        let mut bodies = Vector4::new(
+            heave + pitch + roll + warp,
+            heave + pitch - roll - warp,
+            heave - pitch + roll - warp,
+            heave - pitch - roll + warp,
+        );
+        bodies[at] *= gain;
+        bodies
+    }
+
+    #[test]
+    fn a_wrong_gain_of_a_rigid_body_is_blamed_on_its_sensor() {
+        let mut random = Random(5);
+        for gain in [0.5, 0.7, 1.5, 2.0] {
+            for i in 0..200 {
+                let plane = plane(&mut random, |random| rigid(random, i % 4, gain));
+                assert_eq!(plane.to_blame(), Some(i % 4), "{gain}: {plane:?}");
+                // The warp takes part: a fiftieth of the motion.
+                assert!((plane.gain / gain).ln().abs() < 0.15, "{gain}: {plane:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn four_bodies_that_are_not_one_have_nobody_to_blame() {
+        let mut random = Random(6);
+        let mut tempting = 0;
+        for _ in 0..20_000 {
+            let plane = plane(&mut random, |random| Vector4::from_fn(|_, _| random.normal()));
+            tempting += u32::from(plane.explained > EXPLAINED);
+            assert_eq!(plane.to_blame(), None, "{plane:?}");
+        }
+        // What one of four signals explains of their sum by chance.
+        assert!(tempting > 100, "{tempting}");
     }
 }

@@ -7,7 +7,7 @@ use super::super::latch::{Evidence, Patience};
 use super::super::wheels::Wheels;
 use super::Fault;
 use super::alone::evidence;
-use super::matching::{Following, PAIRS, Plane, following, median, over_others};
+use super::matching::{Following, LEFT, PAIRS, Plane, following, median, over_others};
 use super::moments::Moments;
 use super::signals::Block;
 use super::word::{Looks, Word};
@@ -51,8 +51,6 @@ const BENT: f64 = 0.04;
 const WARPED: f64 = 0.1;
 /// Warp that is left when the corners that are swapped are put back, over the warp as it is.
 const PUT_BACK: f64 = 0.1;
-/// Share of the warp that one sensor's gain must explain; noise has its part in it, too.
-const EXPLAINED: f64 = 0.65;
 /// Log of a gain that is wrong, of a body and of a wheel; and that is fine again.
 const BODY_GAIN: f64 = 0.2;
 const BODY_GAIN_FINE: f64 = 0.12;
@@ -265,7 +263,7 @@ impl<T: Real> Together<T> {
             let evidence = plane.map_or(Evidence::Nothing, |plane| {
                 gain = plane.gain;
                 let wrong = !(gain > T::zero() && gain.ln().abs() < T::lit(BODY_GAIN));
-                let his = plane.culprit == i && plane.explained > T::lit(EXPLAINED);
+                let his = plane.to_blame() == Some(i);
                 let fine = gain > T::zero() && gain.ln().abs() < T::lit(BODY_GAIN_FINE);
                 evidence(
                     his && wrong && plane.warp > T::lit(0.5 * FLAT),
@@ -350,7 +348,7 @@ impl Changed {
             Changed::Sides => [plane.warp_sides, plane.warp_axles],
             Changed::Axles => [plane.warp_axles, plane.warp_sides],
         };
-        let left = T::lit(PUT_BACK) * plane.warp;
+        let left = T::lit(LEFT).min(T::lit(PUT_BACK) * plane.warp);
         plane.warp > T::lit(WARPED) && this < left && other > left
     }
 }
