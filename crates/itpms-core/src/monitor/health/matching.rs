@@ -12,8 +12,11 @@ pub(super) const PAIRS: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3
 const RIDGE: f64 = 1e-3;
 /// Share of the warp that one sensor's gain must explain; noise has its part in it, too.
 const EXPLAINED: f64 = 0.65;
+/// Warp from which corners may be in each other's place; and what is left of it when they are put back.
+const WARPED: f64 = 0.1;
+const PUT_BACK: f64 = 0.1;
 /// Warp that whatever explains it may leave. A healthy car has less than 0.01; what is no rigid body is not judged by it.
-pub(super) const LEFT: f64 = 0.02;
+const LEFT: f64 = 0.02;
 
 /// Who follows whom, from the regression of the bodies on all four wheels in the hop band.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -93,6 +96,26 @@ impl<T: Real> Plane<T> {
         let left = (T::one() - self.explained) * self.warp;
         (self.explained > T::lit(EXPLAINED) && left < T::lit(LEFT)).then_some(self.culprit)
     }
+
+    /// The corners that, back in their places, would make the bodies one plane again, if no others would.
+    pub(super) fn changed(&self) -> Option<Changed> {
+        let left = T::lit(LEFT).min(T::lit(PUT_BACK) * self.warp);
+        match [self.warp_sides < left, self.warp_axles < left] {
+            _ if !(self.warp > T::lit(WARPED)) => None,
+            [true, false] => Some(Changed::Sides),
+            [false, true] => Some(Changed::Axles),
+            _ => None,
+        }
+    }
+}
+
+/// Which corners are in each other's place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Changed {
+    /// Left and right.
+    Sides,
+    /// Front and rear.
+    Axles,
 }
 
 /// A corner's power over the median of the others'.
@@ -156,13 +179,31 @@ mod tests {
     }
 
     #[test]
+    fn corners_in_each_other_s_place_are_told() {
+        let mut random = Random(7);
+        for _ in 0..200 {
+            let sides = plane(&mut random, |random| {
+                let bodies = rigid(random, 0, 1.0);
+                Vector4::new(bodies[1], bodies[0], bodies[2], bodies[3])
+            });
+            assert_eq!(sides.changed(), Some(Changed::Sides), "{sides:?}");
+            let axles = plane(&mut random, |random| {
+                let bodies = rigid(random, 0, 1.0);
+                Vector4::new(bodies[2], bodies[1], bodies[0], bodies[3])
+            });
+            assert_eq!(axles.changed(), Some(Changed::Axles), "{axles:?}");
+            assert_eq!(plane(&mut random, |random| rigid(random, 0, 1.0)).changed(), None);
+        }
+    }
+
+    #[test]
     fn four_bodies_that_are_not_one_have_nobody_to_blame() {
         let mut random = Random(6);
         let mut tempting = 0;
         for _ in 0..20_000 {
             let plane = plane(&mut random, |random| Vector4::from_fn(|_, _| random.normal()));
             tempting += u32::from(plane.explained > EXPLAINED);
-            assert_eq!(plane.to_blame(), None, "{plane:?}");
+            assert_eq!((plane.to_blame(), plane.changed()), (None, None), "{plane:?}");
         }
         // What one of four signals explains of their sum by chance.
         assert!(tempting > 100, "{tempting}");

@@ -7,7 +7,7 @@ use super::super::latch::{Evidence, Patience};
 use super::super::wheels::Wheels;
 use super::Fault;
 use super::alone::evidence;
-use super::matching::{Following, LEFT, PAIRS, Plane, following, median, over_others};
+use super::matching::{Changed, Following, PAIRS, Plane, following, median, over_others};
 use super::moments::Moments;
 use super::signals::Block;
 use super::word::{Looks, Word};
@@ -44,13 +44,10 @@ const OTHER: f64 = -0.4;
 const OWN: f64 = 0.4;
 const SWAP: Patience = Patience { raise_s: 4.0, clear_s: 4.0 };
 
-/// Warp of the body's plane, as a share of all power, that is none; that is somebody's fault; and that two corners in
-/// each other's place leave. A healthy car has less than 0.01.
+/// Warp of the body's plane, as a share of all power, that is none, and that is somebody's fault. A healthy car has less
+/// than 0.01.
 const FLAT: f64 = 0.01;
 const BENT: f64 = 0.04;
-const WARPED: f64 = 0.1;
-/// Warp that is left when the corners that are swapped are put back, over the warp as it is.
-const PUT_BACK: f64 = 0.1;
 /// Log of a gain that is wrong, of a body and of a wheel; and that is fine again.
 const BODY_GAIN: f64 = 0.2;
 const BODY_GAIN_FINE: f64 = 0.12;
@@ -235,7 +232,7 @@ impl<T: Real> Together<T> {
         let follows = following.is_some_and(own);
         for (word, changed) in self.corners.iter_mut().zip([Changed::Sides, Changed::Axles]) {
             let evidence = plane.map_or(Evidence::Nothing, |plane| {
-                evidence(follows && changed.explains(plane), plane.warp < T::lit(FLAT))
+                evidence(follows && plane.changed() == Some(changed), plane.warp < T::lit(FLAT))
             });
             word.update(at, evidence, SWAP, || match changed {
                 Changed::Sides => Malfunction::SwappedSides,
@@ -331,25 +328,6 @@ impl<T: Real> Together<T> {
         suspected
             .filter_map(|word| word.malfunction.as_ref())
             .fold(at_once, |all, malfunction| all | malfunction.wheels())
-    }
-}
-
-/// Which corners change places.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Changed {
-    Sides,
-    Axles,
-}
-
-impl Changed {
-    /// Whether that would make the bodies one plane again, and nothing else would.
-    fn explains<T: Real>(self, plane: &Plane<T>) -> bool {
-        let [this, other] = match self {
-            Changed::Sides => [plane.warp_sides, plane.warp_axles],
-            Changed::Axles => [plane.warp_axles, plane.warp_sides],
-        };
-        let left = T::lit(LEFT).min(T::lit(PUT_BACK) * plane.warp);
-        plane.warp > T::lit(WARPED) && this < left && other > left
     }
 }
 
