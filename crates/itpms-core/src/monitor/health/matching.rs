@@ -92,13 +92,13 @@ impl<T: Real> Plane<T> {
 
     /// The sensor whose gain makes bodies warp that otherwise are a plane. Bodies that are none to begin with have nobody
     /// to blame.
-    pub(super) fn to_blame(&self) -> Option<usize> {
+    pub(super) fn wrong_gain(&self) -> Option<usize> {
         let left = (T::one() - self.explained) * self.warp;
         (self.explained > T::lit(EXPLAINED) && left < T::lit(LEFT)).then_some(self.culprit)
     }
 
     /// The corners that, back in their places, would make the bodies one plane again, if no others would.
-    pub(super) fn changed(&self) -> Option<Changed> {
+    pub(super) fn changed_places(&self) -> Option<Changed> {
         let left = T::lit(LEFT).min(T::lit(PUT_BACK) * self.warp);
         match [self.warp_sides < left, self.warp_axles < left] {
             _ if !(self.warp > T::lit(WARPED)) => None,
@@ -171,7 +171,7 @@ mod tests {
         for gain in [0.5, 0.7, 1.5, 2.0] {
             for i in 0..200 {
                 let plane = plane(&mut random, |random| rigid(random, i % 4, gain));
-                assert_eq!(plane.to_blame(), Some(i % 4), "{gain}: {plane:?}");
+                assert_eq!(plane.wrong_gain(), Some(i % 4), "{gain}: {plane:?}");
                 // The warp takes part: a fiftieth of the motion.
                 assert!((plane.gain / gain).ln().abs() < 0.15, "{gain}: {plane:?}");
             }
@@ -186,24 +186,24 @@ mod tests {
                 let bodies = rigid(random, 0, 1.0);
                 Vector4::new(bodies[1], bodies[0], bodies[2], bodies[3])
             });
-            assert_eq!(sides.changed(), Some(Changed::Sides), "{sides:?}");
+            assert_eq!(sides.changed_places(), Some(Changed::Sides), "{sides:?}");
             let axles = plane(&mut random, |random| {
                 let bodies = rigid(random, 0, 1.0);
                 Vector4::new(bodies[2], bodies[1], bodies[0], bodies[3])
             });
-            assert_eq!(axles.changed(), Some(Changed::Axles), "{axles:?}");
-            assert_eq!(plane(&mut random, |random| rigid(random, 0, 1.0)).changed(), None);
+            assert_eq!(axles.changed_places(), Some(Changed::Axles), "{axles:?}");
+            assert_eq!(plane(&mut random, |random| rigid(random, 0, 1.0)).changed_places(), None);
         }
     }
 
     #[test]
-    fn four_bodies_that_are_not_one_have_nobody_to_blame() {
+    fn four_bodies_that_are_not_one_have_nobody_wrong_gain() {
         let mut random = Random(6);
         let mut tempting = 0;
         for _ in 0..20_000 {
             let plane = plane(&mut random, |random| Vector4::from_fn(|_, _| random.normal()));
             tempting += u32::from(plane.explained > EXPLAINED);
-            assert_eq!((plane.to_blame(), plane.changed()), (None, None), "{plane:?}");
+            assert_eq!((plane.wrong_gain(), plane.changed_places()), (None, None), "{plane:?}");
         }
         // What one of four signals explains of their sum by chance.
         assert!(tempting > 100, "{tempting}");

@@ -232,7 +232,7 @@ impl<T: Real> Together<T> {
         let follows = following.is_some_and(own);
         for (word, changed) in self.corners.iter_mut().zip([Changed::Sides, Changed::Axles]) {
             let evidence = plane.map_or(Evidence::Nothing, |plane| {
-                evidence(follows && plane.changed() == Some(changed), plane.warp < T::lit(FLAT))
+                evidence(follows && plane.changed_places() == Some(changed), plane.warp < T::lit(FLAT))
             });
             word.update(at, evidence, SWAP, || match changed {
                 Changed::Sides => Malfunction::SwappedSides,
@@ -260,7 +260,7 @@ impl<T: Real> Together<T> {
             let evidence = plane.map_or(Evidence::Nothing, |plane| {
                 gain = plane.gain;
                 let wrong = !(gain > T::zero() && gain.ln().abs() < T::lit(BODY_GAIN));
-                let his = plane.to_blame() == Some(i);
+                let his = plane.wrong_gain() == Some(i);
                 let fine = gain > T::zero() && gain.ln().abs() < T::lit(BODY_GAIN_FINE);
                 evidence(
                     his && wrong && plane.warp > T::lit(0.5 * FLAT),
