@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn four_bodies_that_are_not_one_have_nobody_wrong_gain() {
+    fn four_bodies_that_are_not_one_have_nobody_to_blame() {
         let mut random = Random(6);
         let mut tempting = 0;
         for _ in 0..20_000 {
