@@ -103,13 +103,7 @@ mod tests {
     fn a_wheel_without_force_is_in_the_air_and_lands() {
         let forces = [0.0, 2.0, -0.8, -0.9, -1.0, -1.1, -1.06, -0.5, 1.5, 0.0, -0.86, 0.0, 0.0];
         let (unloaded, hopping) = seen(&forces);
-        assert_eq!(
-            unloaded,
-            [3, 4, 5, 6, 10].iter().fold([false; 13], |mut all, &i| {
-                all[i] = true;
-                all
-            })
-        );
+        assert_eq!(unloaded, core::array::from_fn::<_, 13, _>(|i| [3, 4, 5, 6, 10].contains(&i)));
         // Surely lifted at 0.5 and 0.6 s, and half a second more.
         assert_eq!(hopping, core::array::from_fn::<_, 13, _>(|i| (5..11).contains(&i)));
     }
