@@ -8,7 +8,7 @@ use nalgebra::{Complex, SMatrix};
 use crate::real::Real;
 
 /// Share of a frame below which it is not scaled up any further.
-const LEAST_SEEN: f64 = 0.01;
+const HARDLY_SEEN: f64 = 0.01;
 
 /// The complex spectra of one frame, scaled so that a squared magnitude is a one-sided power density per Hz.
 #[derive(Debug, Clone, PartialEq)]
@@ -153,7 +153,7 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> FrameClock<T, BINS, SIGNA
             return None;
         }
         // 2 dt / Σ window², with Σ window² = hop if every step counts.
-        let seen = done.seen.max(T::lit(LEAST_SEEN));
+        let seen = done.seen.max(T::lit(HARDLY_SEEN));
         let scale = (T::lit(2.0 * self.grid_period_s / f64::from(self.hop)) / seen).sqrt();
         done.re *= scale;
         done.im *= scale;

@@ -57,7 +57,8 @@ pub struct GridSample<T> {
     pub wheel_accel_m_s2: T,
     /// True if the signal was interrupted before this step.
     pub after_gap: bool,
-    /// True if the step and what is near it say nothing of the tire: a sensor was at its limit or did not move.
+    /// True if the step and what is near it say nothing of the tire: a sensor was at its limit or did not move; for a
+    /// spectrum also if the wheel was in the air of late.
     pub spoiled: bool,
     /// True if the wheel may have been in the air just then.
     pub unloaded: bool,

@@ -16,7 +16,8 @@ const SMOOTH_HZ: f64 = 35.0;
 const LOWEST_HZ: f64 = 2.0;
 /// Frequency in Hz of wheel hop: where the delay of that filter is taken.
 const WHEEL_HOP_HZ: f64 = 12.0;
-/// Time in s for which the filters answer a step, on and off: what was wrong in between is wrong for so long.
+/// Time in s after which a tenth is left of what the filters answer to something short. Waiting longer cost more road than it
+/// brought.
 const ECHO_S: f64 = 0.05;
 /// Thinned signals come at this rate in Hz at least.
 const LEAST_RATE_HZ: f64 = 200.0;
@@ -235,5 +236,37 @@ mod tests {
         let phase = |f: f64| core::f64::consts::TAU * f * response(f, 500.0).1;
         let group = (phase(12.5) - phase(11.5)) / core::f64::consts::TAU;
         assert!((group - high_pass_late_s()).abs() < 1e-4, "{group}");
+    }
+
+    #[test]
+    fn a_wheel_in_the_air_is_heard_until_the_filters_have_forgotten() {
+        // A wheel sensor that says 100 m/s² for 20 ms, and is believed to be in the air so long.
+        let mut channel = Channel::<f64>::new(0.002);
+        let (mut heard, mut after) = (0.0f64, 0.0f64);
+        for step in 0..200 {
+            let pulse = (50..60).contains(&step);
+            let entry = channel.push(
+                &GridSample {
+                    time_s: f64::from(step) * 0.002,
+                    speed_m_s: 20.0,
+                    body_accel_m_s2: 0.0,
+                    wheel_accel_m_s2: if pulse { 100.0 } else { 0.0 },
+                    after_gap: step == 0,
+                    spoiled: false,
+                    unloaded: pulse,
+                },
+                0.0,
+            );
+            let Some(entry) = entry else { continue };
+            // The wheel's jerk is the pulse itself, differentiated: what integrates, the high-pass lets ring for longer.
+            let jerk = entry.signals[1].abs();
+            if entry.unloaded {
+                assert!((0.1..0.12 + ECHO_S).contains(&entry.time_s), "{entry:?}");
+                heard = heard.max(jerk);
+            } else {
+                after = after.max(jerk);
+            }
+        }
+        assert!(heard > 0.0 && after < 0.1 * heard, "{after} after, {heard} while it was in the air");
     }
 }
