@@ -1,10 +1,10 @@
-//! Fisher information of two stationary Gaussian signals (`docs/math/bound.md`, eq. 1-4).
+//! Fisher information of stationary Gaussian signals (`docs/math/bound.md`, eq. 1-4).
 //!
-//! Called by the bound; the transfers also by the sources of information (`observability`). The spectral matrix is `Phi(f) = S(f) g g^H + N I`: a road of density `S`, the
+//! Called by the bounds of a corner and of a side; the transfers also by the sources of information (`observability`). The spectral matrix is `Phi(f) = S(f) g g^H + N I`: a road of density `S`, the
 //! transfers `g` from road to body and wheel acceleration, white sensor noise of density `N`.
 
 use itpms_core::estimate::CornerConfig;
-use nalgebra::{Complex, Matrix2, Matrix3, Vector2};
+use nalgebra::{Complex, Matrix2, Matrix3, SMatrix, Vector2};
 
 use super::BoundSetting;
 
@@ -52,19 +52,29 @@ impl Fisher {
         }
     }
 
-    /// `∫ tr(Phi⁻¹ ∂Phi/∂i Phi⁻¹ ∂Phi/∂j) df` over the band (eq. 3): information per second.
+    /// Information per second (eq. 3).
     pub(super) fn per_second(&self, pressure_kpa: f64) -> Matrix3<f64> {
-        let (low, high) = self.setting.band_hz;
-        let steps = ((high - low) / STEP_HZ).ceil().max(1.0);
-        let step = (high - low) / steps;
-        let mut sum = Matrix3::zeros();
-        for k in 0..=steps as usize {
-            let at_end = k == 0 || k == steps as usize;
-            let weight = if at_end { 0.5 * step } else { step };
-            sum += information(&self.model(low + k as f64 * step, pressure_kpa)) * weight;
-        }
-        sum
+        over_the_band(self.setting.band_hz, |frequency_hz| {
+            let model = self.model(frequency_hz, pressure_kpa);
+            information(&model.phi, &model.derivatives)
+        })
     }
+}
+
+/// Integral over a band in Hz.
+pub(super) fn over_the_band<const N: usize>(
+    (low, high): (f64, f64),
+    at: impl Fn(f64) -> SMatrix<f64, N, N>,
+) -> SMatrix<f64, N, N> {
+    let steps = ((high - low) / STEP_HZ).ceil().max(1.0);
+    let step = (high - low) / steps;
+    let mut sum = SMatrix::zeros();
+    for k in 0..=steps as usize {
+        let at_end = k == 0 || k == steps as usize;
+        let weight = if at_end { 0.5 * step } else { step };
+        sum += at(low + k as f64 * step) * weight;
+    }
+    sum
 }
 
 /// Transfer from the road's height to (body, wheel) acceleration in 1/s² at a gauge pressure, and its derivative by the
@@ -89,11 +99,15 @@ pub(crate) fn transfers(
     (shape * h, shape * (h_k * corner.tire.stiffness_per_kpa()))
 }
 
-/// Information of one complex Gaussian vector (eq. 2).
-fn information(model: &SpectralModel) -> Matrix3<f64> {
-    let Some(inverse) = model.phi.try_inverse() else { return Matrix3::repeat(f64::NAN) };
-    let whitened = model.derivatives.map(|derivative| inverse * derivative);
-    Matrix3::from_fn(|i, j| (whitened[i] * whitened[j]).trace().re)
+/// Information of one complex Gaussian vector of `C` signals about `N` parameters, `tr(Phi⁻¹ ∂Phi/∂i Phi⁻¹ ∂Phi/∂j)`
+/// (eq. 2).
+pub(super) fn information<const C: usize, const N: usize>(
+    phi: &SMatrix<Complex<f64>, C, C>,
+    derivatives: &[SMatrix<Complex<f64>, C, C>; N],
+) -> SMatrix<f64, N, N> {
+    let Some(inverse) = phi.try_inverse() else { return SMatrix::repeat(f64::NAN) };
+    let whitened = derivatives.map(|derivative| inverse * derivative);
+    SMatrix::from_fn(|i, j| (whitened[i] * whitened[j]).trace().re)
 }
 
 #[cfg(test)]
@@ -211,7 +225,7 @@ mod tests {
             squares += score * score;
         }
         let (mean, variance) = (sum / f64::from(draws), squares / f64::from(draws));
-        let expected: f64 = bins.iter().map(|bin| information(bin)[(0, 0)]).sum();
+        let expected: f64 = bins.iter().map(|bin| information(&bin.phi, &bin.derivatives)[(0, 0)]).sum();
         // The variance of 4000 draws is known to 2.3 % (a little more: the score is not quite Gaussian).
         assert!((variance / expected - 1.0).abs() < 0.12, "{variance} for {expected}");
         assert!(mean.abs() < 5.0 * (expected / f64::from(draws)).sqrt());

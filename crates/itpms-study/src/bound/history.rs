@@ -1,9 +1,10 @@
 //! The bound along a drive with changing pressure: the posterior Cramer-Rao bound (Van Trees) in Tichavsky's
 //! recursion (`docs/math/bound.md`, eq. 5-8).
 //!
-//! Called by [`CornerBound`](super::CornerBound). The state is (pressure, logarithm of the road's level, slope).
+//! Called by [`CornerBound`](super::CornerBound) and [`SideBound`](super::SideBound). The state is (pressures, logarithm
+//! of the road's level, slope).
 
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, SMatrix};
 
 use super::RoadKnowledge;
 use super::fisher::Fisher;
@@ -52,12 +53,89 @@ const TABLE_POINTS: usize = 81;
 /// A sub-step changes the variance by at most this share, so that the result is that of continuous time.
 const SUBSTEP: f64 = 0.2;
 
+/// What is known of `N - 2` pressures and, in the last two places, of the road's level and slope.
+#[derive(Debug, Clone)]
+pub(super) struct Known<const N: usize> {
+    prior: BoundPrior,
+    covariance: SMatrix<f64, N, N>,
+}
+
+impl<const N: usize> Known<N> {
+    pub(super) fn new(knowledge: RoadKnowledge, prior: BoundPrior, prior_sd_kpa: f64) -> Self {
+        let mut prior = prior;
+        if knowledge == RoadKnowledge::Known {
+            (prior.level_sd_ln, prior.level_walk_ln_per_sqrt_s, prior.slope_sd) = (0.0, 0.0, 0.0);
+        }
+        prior.range_sd_kpa = prior.range_sd_kpa.max(prior_sd_kpa);
+        let mut covariance = SMatrix::from_diagonal_element(prior_sd_kpa.powi(2));
+        covariance[(N - 2, N - 2)] = prior.level_sd_ln.powi(2);
+        covariance[(N - 1, N - 1)] = prior.slope_sd.powi(2);
+        Self { prior, covariance }
+    }
+
+    /// Variance of a pressure in kPa².
+    pub(super) fn variance_kpa2(&self, pressure: usize) -> f64 {
+        self.covariance[(pressure, pressure)]
+    }
+
+    /// Drives on for `dt_s` seconds that give `information` each, while the pressures change at `rates_kpa_per_s`.
+    pub(super) fn drive(&mut self, dt_s: f64, rates_kpa_per_s: &[f64], information: &SMatrix<f64, N, N>) {
+        let change = |(i, &rate): (usize, &f64)| {
+            let variance = self.covariance[(i, i)];
+            (self.walk_kpa2_per_s(rate) / variance).max(variance * information[(i, i)]) * dt_s
+        };
+        let most = rates_kpa_per_s.iter().enumerate().map(change).fold(0.0, f64::max);
+        let steps = (most / SUBSTEP).ceil().clamp(1.0, 1000.0);
+        let step = dt_s / steps;
+        for _ in 0..steps as usize {
+            // Half the walk before and half after the data: exact to second order.
+            self.predict(0.5 * step, rates_kpa_per_s);
+            self.learn(&(*information * step));
+            self.predict(0.5 * step, rates_kpa_per_s);
+        }
+    }
+
+    /// `P <- (P^-1 + F)^-1`, written so that a `P` without full rank is welcome.
+    fn learn(&mut self, information: &SMatrix<f64, N, N>) {
+        if let Some(inverse) = (SMatrix::identity() + self.covariance * information).try_inverse() {
+            let updated = inverse * self.covariance;
+            self.covariance = (updated + updated.transpose()) * 0.5;
+        }
+    }
+
+    /// Somebody says what the pressures are: nothing is left to find out.
+    pub(super) fn tell_pressures(&mut self) {
+        for i in 0..N - 2 {
+            self.covariance.row_mut(i).fill(0.0);
+            self.covariance.column_mut(i).fill(0.0);
+        }
+    }
+
+    /// Strength `q` of the walk at a rate of change; an unknown rate is none.
+    fn walk_kpa2_per_s(&self, rate_kpa_per_s: f64) -> f64 {
+        let rate = if rate_kpa_per_s.is_finite() { rate_kpa_per_s } else { 0.0 };
+        self.prior.walk_kpa_per_sqrt_s.powi(2) + rate * rate * self.prior.change_time_s
+    }
+
+    /// Prediction of Ornstein-Uhlenbeck processes: `V' = V + (V_range - V)(1 - e^(-q dt / V_range))`, random walks
+    /// of `q` kPa²/s as long as `V` is small.
+    pub(super) fn predict(&mut self, dt_s: f64, rates_kpa_per_s: &[f64]) {
+        let range = self.prior.range_sd_kpa.powi(2);
+        for (i, &rate) in rates_kpa_per_s.iter().enumerate() {
+            let keep = (-0.5 * self.walk_kpa2_per_s(rate) * dt_s / range).exp();
+            self.covariance.row_mut(i).scale_mut(keep);
+            self.covariance.column_mut(i).scale_mut(keep);
+            self.covariance[(i, i)] += (1.0 - keep * keep) * range;
+        }
+        self.covariance[(N - 2, N - 2)] += self.prior.level_walk_ln_per_sqrt_s.powi(2) * dt_s;
+    }
+}
+
 /// The running bound. Cheap: the information per second is read from a table.
 #[derive(Debug, Clone)]
 pub struct BoundRecursion {
     table: Vec<Matrix3<f64>>,
-    prior: BoundPrior,
-    covariance: Matrix3<f64>,
+    known: Known<3>,
     pressure_kpa: f64,
 }
 
@@ -69,21 +147,13 @@ impl BoundRecursion {
         prior_sd_kpa: f64,
     ) -> Self {
         let table = (0..TABLE_POINTS).map(|i| fisher.per_second(i as f64 * TABLE_STEP_KPA)).collect();
-        let mut prior = prior;
-        if knowledge == RoadKnowledge::Known {
-            (prior.level_sd_ln, prior.level_walk_ln_per_sqrt_s, prior.slope_sd) = (0.0, 0.0, 0.0);
-        }
-        prior.range_sd_kpa = prior.range_sd_kpa.max(prior_sd_kpa);
-        let covariance = Matrix3::from_diagonal(
-            &[prior_sd_kpa.powi(2), prior.level_sd_ln.powi(2), prior.slope_sd.powi(2)].into(),
-        );
-        Self { table, prior, covariance, pressure_kpa: f64::NAN }
+        Self { table, known: Known::new(knowledge, prior, prior_sd_kpa), pressure_kpa: f64::NAN }
     }
 
     /// The bound now, as an sd in kPa.
     #[must_use]
     pub fn sd_kpa(&self) -> f64 {
-        self.covariance[(0, 0)].sqrt()
+        self.known.variance_kpa2(0).sqrt()
     }
 
     /// Drives on for `dt_s` seconds at a true pressure in kPa that changes by `rate_kpa_per_s`. An unknown pressure
@@ -95,66 +165,26 @@ impl BoundRecursion {
         if !(dt_s > 0.0 && dt_s.is_finite()) {
             return;
         }
-        let q = self.walk_kpa2_per_s(rate_kpa_per_s);
         if !self.pressure_kpa.is_finite() {
-            self.predict(dt_s, q);
+            self.known.predict(dt_s, &[rate_kpa_per_s]);
             return;
         }
-        let information = self.information(self.pressure_kpa);
-        let variance = self.covariance[(0, 0)];
-        let change = (q / variance).max(variance * information[(0, 0)]) * dt_s;
-        let steps = (change / SUBSTEP).ceil().clamp(1.0, 1000.0);
-        let step = dt_s / steps;
-        for _ in 0..steps as usize {
-            // Half the walk before and half after the data: exact to second order.
-            self.predict(0.5 * step, q);
-            self.learn(information * step);
-            self.predict(0.5 * step, q);
-        }
-    }
-
-    /// `P <- (P^-1 + F)^-1`, written so that a `P` without full rank is welcome.
-    fn learn(&mut self, information: Matrix3<f64>) {
-        if let Some(inverse) = (Matrix3::identity() + self.covariance * information).try_inverse() {
-            let updated = inverse * self.covariance;
-            self.covariance = (updated + updated.transpose()) * 0.5;
-        }
+        self.known.drive(dt_s, &[rate_kpa_per_s], &between(&self.table, self.pressure_kpa));
     }
 
     /// Stands for `dt_s` seconds: the pressure may creep, nothing is learned.
     pub fn stand(&mut self, dt_s: f64) {
         if dt_s > 0.0 && dt_s.is_finite() {
-            self.predict(dt_s, self.walk_kpa2_per_s(0.0));
+            self.known.predict(dt_s, &[0.0]);
         }
     }
+}
 
-    /// Strength `q` of the walk at a rate of change; an unknown rate is none.
-    fn walk_kpa2_per_s(&self, rate_kpa_per_s: f64) -> f64 {
-        let rate = if rate_kpa_per_s.is_finite() { rate_kpa_per_s } else { 0.0 };
-        self.prior.walk_kpa_per_sqrt_s.powi(2) + rate * rate * self.prior.change_time_s
-    }
-
-    /// Prediction of an Ornstein-Uhlenbeck process: `V' = V + (V_range - V)(1 - e^(-q dt / V_range))`, a random walk
-    /// of `q` kPa²/s as long as `V` is small.
-    fn predict(&mut self, dt_s: f64, q: f64) {
-        let prior = &self.prior;
-        let range = prior.range_sd_kpa.powi(2);
-        let keep = (-0.5 * q * dt_s / range).exp();
-        let p = &mut self.covariance;
-        p[(0, 0)] = keep * keep * p[(0, 0)] + (1.0 - keep * keep) * range;
-        for j in 1..3 {
-            p[(0, j)] *= keep;
-            p[(j, 0)] *= keep;
-        }
-        p[(1, 1)] += prior.level_walk_ln_per_sqrt_s.powi(2) * dt_s;
-    }
-
-    fn information(&self, pressure_kpa: f64) -> Matrix3<f64> {
-        let place = (pressure_kpa / TABLE_STEP_KPA).clamp(0.0, (TABLE_POINTS - 1) as f64);
-        let below = (place as usize).min(TABLE_POINTS - 2);
-        let share = place - below as f64;
-        self.table[below] * (1.0 - share) + self.table[below + 1] * share
-    }
+fn between(table: &[Matrix3<f64>], pressure_kpa: f64) -> Matrix3<f64> {
+    let place = (pressure_kpa / TABLE_STEP_KPA).clamp(0.0, (TABLE_POINTS - 1) as f64);
+    let below = (place as usize).min(TABLE_POINTS - 2);
+    let share = place - below as f64;
+    table[below] * (1.0 - share) + table[below + 1] * share
 }
 
 #[cfg(test)]

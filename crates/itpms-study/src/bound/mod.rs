@@ -1,14 +1,21 @@
-//! The Cramer-Rao bound: how well any estimator could know a tire's pressure from one corner's two accelerations.
-//! Derivation in `docs/math/bound.md`.
+//! The Cramer-Rao bound: how well any estimator could know a tire's pressure from one corner's two accelerations, or from
+//! those of a front and a rear wheel that meet nearly the same road. Derivation in `docs/math/bound.md`.
 //!
-//! Called by the score and the report, which show it beside every result of a single corner. It must never be fed
-//! to an estimator: it needs the true pressure. A front and a rear wheel on the same road (the shared road) see
-//! more than one corner does and may stay below it.
+//! Called by the score and the report, which show it beside their results. It must never be fed to an estimator: it
+//! needs the true pressure.
+//!
+//! | room | idea |
+//! |---|---|
+//! | `fisher` | information per second of stationary signals |
+//! | `history` | pressures that change |
+//! | `side` | two wheels on the road that they share |
 
 mod fisher;
 mod history;
+mod side;
 
 pub use history::{BoundPrior, BoundRecursion};
+pub use side::SideBound;
 
 use fisher::Fisher;
 pub(crate) use fisher::{LEVEL_HZ, STEP_HZ, transfers};
@@ -93,6 +100,9 @@ pub enum BoundError {
     /// The road's slope.
     #[error("waviness is {0}, expected a finite number")]
     Slope(f64),
+    /// How far the rear wheel runs beside the front one's track.
+    #[error("rear offset is {0} m, expected a finite number")]
+    Offset(f64),
     /// Limits that are no band, or beyond half the sampling rate.
     #[error("band from {low_hz} to {high_hz} Hz, expected 0 < low < high <= {half_rate_hz} Hz")]
     Band {

@@ -96,14 +96,16 @@ pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) 
     let mut car = monitored(&scenario)?;
     let speed_factor = match plan.car {
         Car::Nominal => 1.0,
-        Car::Varied => 1.0 + SPEED_SHARE * (2.0 * Pcg64::seed_from_u64(seed).random::<f64>() - 1.0),
+        Car::Varied | Car::Quarters => {
+            1.0 + SPEED_SHARE * (2.0 * Pcg64::seed_from_u64(seed).random::<f64>() - 1.0)
+        }
     };
     let limits = limits(&scenario)?;
     let mut watches = limits.map(Watch::new);
     let mut said = vec![];
     let mut before = *car.report();
     let (mut rows, mut km) = (0, 0.0);
-    for row in Simulation::new(&scenario, seed)? {
+    for row in Simulation::new(&driven(&scenario, plan.car, seed)?, seed)? {
         if rows % ASK_ROWS == 0 && flow().is_break() {
             return Err(SoakError::Stopped);
         }
@@ -128,11 +130,26 @@ fn scenario(plan: &Plan) -> Result<Scenario, SoakError> {
     let mut scenario = Scenario::builtin("drive-normal")?;
     scenario.rate_hz = plan.rate_hz;
     scenario.duration_s = plan.drive_s;
-    if let (Some(journey), Car::Varied) = (&mut scenario.journey, plan.car) {
+    if let (Some(journey), Car::Varied | Car::Quarters) = (&mut scenario.journey, plan.car) {
         journey.tolerances = Some(ToleranceSpec::default());
     }
     scenario.validate()?;
     Ok(scenario)
+}
+
+/// The same as its seed composes it, on the wheels of this car.
+fn driven(scenario: &Scenario, car: Car, seed: u64) -> Result<Scenario, SoakError> {
+    let mut driven = scenario.composed(seed)?;
+    if car == Car::Quarters {
+        driven.car = None;
+        for corner in Corner::ALL {
+            if let Some(spec) = driven.corner.get_mut(corner) {
+                // Wheels that turn belong to the whole car.
+                spec.truth.imbalance_kg_m = 0.0;
+            }
+        }
+    }
+    Ok(driven)
 }
 
 /// The estimator and the monitor as they are shipped, told what the vehicle file says; nobody reads the roads' heights.

@@ -33,7 +33,8 @@ pub(crate) struct SoakArgs {
     /// Drives at a time; as many as there are processors unless said.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) jobs: Option<u16>,
-    /// Whether every seed drives another car or all the one of the scenario.
+    /// Whether every seed drives another car, all the one of the scenario, or every seed four other quarter cars that no body
+    /// joins.
     #[arg(long, value_name = "CAR", default_value = Car::Varied.label(), value_parser = car_names())]
     pub(crate) car: Car,
     /// Print the sums as JSON.
@@ -43,7 +44,7 @@ pub(crate) struct SoakArgs {
 
 fn car_names() -> impl TypedValueParser<Value = Car> {
     PossibleValuesParser::new(Car::ALL.map(Car::label)).try_map(|label| {
-        Car::ALL.into_iter().find(|car| car.label() == label).ok_or("expected varied or nominal")
+        Car::ALL.into_iter().find(|car| car.label() == label).ok_or("expected varied, nominal or quarters")
     })
 }
 

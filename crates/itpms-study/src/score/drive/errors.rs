@@ -8,7 +8,7 @@ use super::super::ScoreError;
 use super::super::row::{Cell, Column, Goal, Row};
 use super::super::runner::{Runner, Turn};
 use super::super::stats::{ErrorSum, Mean, Spread};
-use super::Drive;
+use super::{Drive, limit};
 
 /// Share of time within the 95 % interval.
 const COVERAGE: Goal = Goal::Between(0.93, 0.98);
@@ -24,6 +24,8 @@ const RMSE: [Column; 4] = [
 ];
 const P10: Column = Column::new("struck_rmse_p10_kpa", "p10", 1);
 const P90: Column = Column::new("struck_rmse_p90_kpa", "p90", 1);
+const BOUND: Column = Column::new("struck_bound_rms_kpa", "bound", 1);
+const OTHER_BOUND: Column = Column::new("holding_worst_bound_rms_kpa", "bound*", 1);
 const BEFORE: Column = Column::new("struck_bias_before_kpa", "before", 1);
 const AFTER: Column = Column::new("struck_bias_after_kpa", "after", 1);
 const OTHER_BEFORE: Column = Column::new("holding_worst_bias_before_kpa", "before*", 1);
@@ -106,7 +108,7 @@ impl Plan {
         for ((entry, (drive, drives)), found) in self.entries.iter().zip(&self.cases).zip(&found) {
             for (number, setup) in drive.setups.iter().enumerate() {
                 let of_setup: Vec<&[Wheel; 4]> = found.iter().map(|errors| &errors[number]).collect();
-                let cells = cells(entry, drive.struck, &of_setup);
+                let cells = cells(entry, drive.struck, &of_setup, &limit::rms_kpa(drive, setup)?);
                 rows.push(Row::new(entry.part, drive.row_name(setup), drive.kind, *drives, cells));
             }
         }
@@ -114,7 +116,7 @@ impl Plan {
     }
 }
 
-fn cells(entry: &Entry, struck: Corner, drives: &[&[Wheel; 4]]) -> Vec<Cell> {
+fn cells(entry: &Entry, struck: Corner, drives: &[&[Wheel; 4]], bounds_kpa: &[f64; 4]) -> Vec<Cell> {
     let figure = |i: usize, of: &dyn Fn(&Wheel) -> f64| drives.iter().map(|wheels| of(&wheels[i])).collect();
     let rmse = |i: usize| -> Vec<f64> { figure(i, &|wheel| wheel.judged.rmse()) };
     let mean = |i: usize, of: fn(&Wheel) -> f64| Mean::of(&figure(i, &of)).value;
@@ -141,6 +143,8 @@ fn cells(entry: &Entry, struck: Corner, drives: &[&[Wheel; 4]]) -> Vec<Cell> {
     cells.extend([
         P10.plain(spread.p10),
         P90.plain(spread.p90),
+        BOUND.plain(bounds_kpa[struck]),
+        OTHER_BOUND.plain(super::super::track::worst(holding().map(|i| bounds_kpa[i]))),
         BEFORE.plain(mean(struck, |wheel| wheel.before.bias())),
         AFTER.plain(mean(struck, |wheel| wheel.after.bias())),
         OTHER_BEFORE.plain(worst(|wheel| wheel.before.bias())),
@@ -168,10 +172,11 @@ mod tests {
         let drives = [[4.0, 1.0, -6.0, 2.0], [5.0, 1.0, -6.0, 3.0], [9.0, 1.0, -6.0, 4.0]]
             .map(|errors| errors.map(|error| off_by(error, 2.6)));
         let entry = Entry { part: "drive", struck_kpa: Some(4.2) };
-        let cells = cells(&entry, Corner::FrontLeft, &drives.each_ref());
+        let cells = cells(&entry, Corner::FrontLeft, &drives.each_ref(), &[2.0, 0.5, 1.0, 0.25]);
         let value = |name: &str| cells.iter().find(|cell| cell.column.name == name).unwrap().value;
         assert_eq!((value("fl_rmse_median_kpa"), value("rr_rmse_median_kpa")), (5.0, 3.0));
         assert_eq!((value("struck_bias_before_kpa"), value("holding_worst_bias_after_kpa")), (6.0, -6.0));
+        assert_eq!((value("struck_bound_rms_kpa"), value("holding_worst_bound_rms_kpa")), (2.0, 1.0));
         // 1.96 * 2.6 = 5.1 kPa: two of three struck wheels are inside, none of the rear left, all of the others.
         assert!((value("coverage_in_change") - 2.0 / 3.0).abs() < 1e-12);
         assert!((value("holding_coverage_in_change") - 2.0 / 3.0).abs() < 1e-12);

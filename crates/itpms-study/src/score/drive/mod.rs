@@ -10,10 +10,12 @@
 //! | `puncture` | a puncture at two speeds; the sources of information one by one |
 //! | `detect` | how soon a loss is warned of, on which wheel |
 //! | `disturb` | the same while something is not as the estimator is told |
+//! | `limit` | what nobody could do better |
 
 mod detect;
 mod disturb;
 mod errors;
+mod limit;
 mod puncture;
 
 use itpms_core::car::{CarConfig, CarEstimate, CarEstimator, Sources};
