@@ -37,8 +37,10 @@ const FILLED: f64 = 1e-3;
 const FILLED_SD: f64 = 0.15;
 /// Log-likelihood of a mode that cannot say how likely a frame is.
 const IMPOSSIBLE: f64 = -1e6;
-/// Growth of a compliance's sd per square root of a second in which nothing is shared.
+/// Growth of a compliance's sd per square root of a second in which nothing is shared: as long as the car is known from its
+/// file only, and once a reset has taught what it is.
 const FADING: f64 = 0.03;
+const FADING_TAUGHT: f64 = 0.01;
 /// Weight below which a mode begins anew.
 const FORGOTTEN: f64 = 1e-20;
 /// Degrees of freedom of a word's distribution: how heavy its tails are.
@@ -261,12 +263,13 @@ impl<T: Real> Modes<T> {
             .fold(QUIET, |best, i| if self.modes[i].weight > self.modes[best].weight { i } else { best })
     }
 
-    /// Beliefs about a side's tires fade with seconds of incoherence.
-    pub(super) fn doubt(&mut self, wheels: &[Wheel<T>; 2], incoherent_s: T) {
+    /// Beliefs about a side's tires fade with seconds of incoherence; less so if a reset has `taught` what the car is.
+    pub(super) fn doubt(&mut self, wheels: &[Wheel<T>; 2], incoherent_s: T, taught: bool) {
+        let sd = if taught { FADING_TAUGHT } else { FADING };
         for mode in &mut self.modes {
             for wheel in wheels {
                 let at = TIRE + wheel.corner;
-                mode.covariance[(at, at)] += T::lit(FADING * FADING) * incoherent_s;
+                mode.covariance[(at, at)] += T::lit(sd * sd) * incoherent_s;
             }
         }
     }

@@ -207,12 +207,13 @@ impl<T: Real> Track<T> {
         (read.speed_m_s > T::lit(SLOWEST_M_S)).then(|| (read, read_s, T::lit(entry.time_s - then_s)))
     }
 
-    /// Weighs the belief with a frame; true if it was believed.
+    /// Weighs the belief with a frame; true if it was believed. `taught`: a reset has taught what the car is.
     pub(super) fn weigh(
         &mut self,
         modes: &mut Modes<T>,
         wheels: &[Wheel<T>; 2],
         taken: &TrackFrame<T>,
+        taught: bool,
     ) -> bool {
         if !(taken.middle_s - self.learned_until_s < FORGET_S) {
             self.coherence.restart();
@@ -227,7 +228,7 @@ impl<T: Real> Track<T> {
         let products = expected_products(wheels, self.side, &state, taken.delay_s, &ratios);
         let expected = self.coherence.expect(&road_power, &noise, &products, taken.stretch);
         // What the model leaves out differs from road to road, and grows with what the axles do not share.
-        modes.doubt(wheels, self.coherence.near_wheel_hop() * T::lit(HOP_S));
+        modes.doubt(wheels, self.coherence.near_wheel_hop() * T::lit(HOP_S), taught);
         let trust = self.coherence.trust() * taken.frame.seen;
         let Some((found, ratio)) = modes.weigh(taken, wheels, self.side, &expected, &instrument, trust)
         else {

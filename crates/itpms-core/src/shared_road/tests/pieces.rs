@@ -181,6 +181,23 @@ fn days_without_evidence_end_where_they_began() {
     assert!(quiet(&modes, TIRE) > 0.3);
 }
 
+/// Where roads differ beliefs fade, those of a car that was taught a third as far, and only those of the side.
+#[test]
+fn what_was_taught_fades_less() {
+    let grown = |taught| {
+        let mut modes = Modes::<f64>::new(&[0.0; 4]);
+        let before = modes.quiet().1;
+        modes.doubt(&wheels(), 4.0, taught);
+        let after = modes.quiet().1;
+        core::array::from_fn::<f64, 4, _>(|i| (after[TIRE + i].powi(2) - before[TIRE + i].powi(2)).sqrt())
+    };
+    for (taught, expected) in [(false, 0.06), (true, 0.02)] {
+        let [fl, fr, rl, rr] = grown(taught);
+        assert!((fl - expected).abs() < 1e-9 && (rl - expected).abs() < 1e-9, "{taught}: {fl} {rl}");
+        assert_eq!([fr, rr], [0.0; 2]);
+    }
+}
+
 /// Four tires may all lose pressure, but roads that part must not look like four that are filled.
 #[test]
 fn all_four_are_not_filled_while_they_roll() {
