@@ -310,7 +310,8 @@ mod tests {
         let found = runner
             .run(&cases, |(), turn| drive(EstimatorKind::Informed, &short, &Setup::USUAL, turn))
             .unwrap();
-        assert!(!found[0][0].early && found[0][0].class == RoadClass::A);
+        let one = &found[0][0];
+        assert!(one.class == RoadClass::A && !one.early && !one.wrong && one.after_s < 3.0, "{one:?}");
     }
 
     /// Class D at 80 km/h and more: each wheel is in the air for a tenth of the time and longer.
