@@ -46,6 +46,21 @@ impl Default for BoundPrior {
     }
 }
 
+#[cfg(test)]
+impl BoundPrior {
+    /// Nothing moves and nothing is known beforehand.
+    pub(super) fn vague() -> Self {
+        Self {
+            walk_kpa_per_sqrt_s: 0.0,
+            change_time_s: 0.0,
+            range_sd_kpa: 1e4,
+            level_sd_ln: 1e3,
+            level_walk_ln_per_sqrt_s: 0.0,
+            slope_sd: 1e3,
+        }
+    }
+}
+
 /// Grid of pressures the information is tabulated on, 0 to 400 kPa; a straight line between its points is within
 /// half a per cent.
 const TABLE_STEP_KPA: f64 = 5.0;
@@ -198,22 +213,10 @@ mod tests {
         CornerBound::new(&CornerConfig::paper(), &setting).unwrap()
     }
 
-    /// Nothing moves and nothing is known beforehand.
-    fn vague() -> BoundPrior {
-        BoundPrior {
-            walk_kpa_per_sqrt_s: 0.0,
-            change_time_s: 0.0,
-            range_sd_kpa: 1e4,
-            level_sd_ln: 1e3,
-            level_walk_ln_per_sqrt_s: 0.0,
-            slope_sd: 1e3,
-        }
-    }
-
     #[test]
     fn a_constant_pressure_gives_the_closed_form() {
         for knowledge in [RoadKnowledge::Known, RoadKnowledge::Unknown] {
-            let b = bound(knowledge).with_prior(vague());
+            let b = bound(knowledge).with_prior(BoundPrior::vague());
             let times: Vec<f64> = (0..=400).map(|k| f64::from(k) * 0.1).collect();
             let history = b.history(&times, &vec![240.0; 401], 1e4);
             for second in [1usize, 8, 16, 39] {
@@ -226,7 +229,7 @@ mod tests {
 
     #[test]
     fn the_table_is_fine_enough() {
-        let b = bound(RoadKnowledge::Unknown).with_prior(vague());
+        let b = bound(RoadKnowledge::Unknown).with_prior(BoundPrior::vague());
         for p in [35.0, 138.5, 244.0, 305.0] {
             let history = b.history(&[0.0, 10.0], &[p, p], 1e4);
             assert!((history[1] / b.sd_kpa(10.0, p) - 1.0).abs() < 0.01, "{p} kPa: {history:?}");
@@ -236,7 +239,7 @@ mod tests {
     #[test]
     fn a_scalar_walk_settles_at_the_kalman_limit() {
         // Road known: V + q dt - V' = V V' J dt in the steady state; for small steps V = sqrt(q / J).
-        let prior = BoundPrior { walk_kpa_per_sqrt_s: 0.5, ..vague() };
+        let prior = BoundPrior { walk_kpa_per_sqrt_s: 0.5, ..BoundPrior::vague() };
         let b = bound(RoadKnowledge::Known).with_prior(prior);
         let times: Vec<f64> = (0..6000).map(|k| f64::from(k) * 0.1).collect();
         let history = b.history(&times, &vec![240.0; 6000], 50.0);

@@ -175,8 +175,8 @@ mod tests {
 
     #[test]
     fn information_is_the_curvature_of_the_relative_entropy() {
-        // KL(p, p + e) = tr(Phi_e^-1 Phi) - 4 + ln det Phi - ln det Phi_e with the sign of the second term turned; no
-        // derivative is used. Both signs cancel the odd term.
+        // KL(p, p + e) = tr(Phi_e^-1 Phi) - 4 - ln det(Phi_e^-1 Phi): no derivative is used. Both signs of e cancel the odd
+        // term.
         let side = side(80.0, 0.02);
         let divergence = |f: f64, e: [f64; 2]| {
             let (phi, _) = side.model(f, [P, P]);
@@ -199,14 +199,7 @@ mod tests {
     #[test]
     fn a_history_is_the_closed_form_and_a_reset_leaves_what_came_later() {
         let mut side = side(20.0, 0.02);
-        side.prior = BoundPrior {
-            walk_kpa_per_sqrt_s: 0.0,
-            change_time_s: 0.0,
-            range_sd_kpa: 1e4,
-            level_sd_ln: 1e3,
-            level_walk_ln_per_sqrt_s: 0.0,
-            slope_sd: 1e3,
-        };
+        side.prior = BoundPrior::vague();
         let times: Vec<f64> = (0..=300).map(|k| 0.1 * f64::from(k)).collect();
         let held = vec![[P, P]; times.len()];
         let found = side.history(&times, &held, 1e4, None);
