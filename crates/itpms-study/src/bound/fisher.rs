@@ -1,7 +1,8 @@
 //! Fisher information of stationary Gaussian signals (`docs/math/bound.md`, eq. 1-4).
 //!
-//! Called by the bounds of a corner and of a side; the transfers also by the sources of information (`observability`). The spectral matrix is `Phi(f) = S(f) g g^H + N I`: a road of density `S`, the
-//! transfers `g` from road to body and wheel acceleration, white sensor noise of density `N`.
+//! Called by the bounds of a corner and of a side; the transfers also by the sources of information (`observability`). A
+//! corner's spectral matrix is `Phi(f) = S(f) g g^H + N I`: a road of density `S`, the transfers `g` from road to body and
+//! wheel acceleration, white sensor noise of density `N`.
 
 use itpms_core::estimate::CornerConfig;
 use nalgebra::{Complex, Matrix2, Matrix3, SMatrix, Vector2};

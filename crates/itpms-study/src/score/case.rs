@@ -156,13 +156,7 @@ impl Case {
     /// The Cramer-Rao bound for this kind of drive; `None` where the road has no one spectrum.
     pub(super) fn bound(&self) -> Result<Option<CornerBound>, ScoreError> {
         let Some(road) = self.road() else { return Ok(None) };
-        let setting = BoundSetting {
-            road: PowerLaw { gd_n0_m3: road.roughness.gd_n0_m3(), waviness: road.slope },
-            speed_m_s: self.scenario.speed.profile_m_s().map_err(|e| self.invalid(e))?.value(0.0),
-            rate_hz: self.scenario.rate_hz,
-            accel_noise_m_s2: self.scenario.sensor.noise_m_s2,
-            ..BoundSetting::paper()
-        };
+        let setting = bound_setting(&self.scenario, road)?;
         Ok(Some(CornerBound::new(&self.corner()?, &setting)?))
     }
 
@@ -171,17 +165,32 @@ impl Case {
         let (Some(bound), Some(corner)) = (self.bound()?, self.scenario.corner.get(CORNER)) else {
             return Ok(f64::NAN);
         };
-        let pressure = corner.pressure.profile_kpa().map_err(|e| self.invalid(e))?;
-        let steps = (self.scenario.duration_s / BOUND_STEP_S).round() as usize;
-        let times: Vec<f64> = (0..=steps).map(|i| i as f64 * BOUND_STEP_S).collect();
+        let pressure = corner.pressure.profile_kpa().map_err(|e| invalid(&self.scenario, e))?;
+        let times = bound_times_s(&self.scenario);
         let pressures: Vec<f64> = times.iter().map(|&t| pressure.value(t)).collect();
         let sds = bound.history(&times, &pressures, START_SD_KPA);
-        let judged = times.iter().zip(&sds).filter(|(t, _)| self.judged.contains(**t));
-        let (sum, count) = judged.fold((0.0, 0.0), |(sum, count), (_, sd)| (sum + sd * sd, count + 1.0));
-        Ok(f64::sqrt(sum / count))
+        Ok(self.judged.rms(&times, sds.into_iter()))
     }
+}
 
-    fn invalid(&self, source: itpms_sim::error::InvalidValue) -> ScoreError {
-        itpms_sim::error::ScenarioError::Invalid { scenario: self.scenario.name.clone(), source }.into()
-    }
+/// What a bound is asked for: a drive at one speed on one spectrum.
+pub(super) fn bound_setting(scenario: &Scenario, road: &Iso8608) -> Result<BoundSetting, ScoreError> {
+    Ok(BoundSetting {
+        road: PowerLaw { gd_n0_m3: road.roughness.gd_n0_m3(), waviness: road.slope },
+        speed_m_s: scenario.speed.profile_m_s().map_err(|e| invalid(scenario, e))?.value(0.0),
+        rate_hz: scenario.rate_hz,
+        accel_noise_m_s2: scenario.sensor.noise_m_s2,
+        ..BoundSetting::paper()
+    })
+}
+
+/// Times in s at which a bound is followed along a drive.
+pub(super) fn bound_times_s(scenario: &Scenario) -> Vec<f64> {
+    let steps = (scenario.duration_s / BOUND_STEP_S).round() as usize;
+    (0..=steps).map(|i| i as f64 * BOUND_STEP_S).collect()
+}
+
+/// A value that no profile can be made of.
+pub(super) fn invalid(scenario: &Scenario, source: itpms_sim::error::InvalidValue) -> ScoreError {
+    itpms_sim::error::ScenarioError::Invalid { scenario: scenario.name.clone(), source }.into()
 }

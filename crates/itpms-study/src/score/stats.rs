@@ -28,6 +28,13 @@ impl Window {
     pub fn contains(&self, time_s: f64) -> bool {
         time_s > self.from_s && time_s <= self.to_s
     }
+
+    /// Root of the mean square of the values at times within; NaN if there are none.
+    pub(super) fn rms(&self, times_s: &[f64], values: impl Iterator<Item = f64>) -> f64 {
+        let within = times_s.iter().zip(values).filter(|(t, _)| self.contains(**t));
+        let (sum, count) = within.fold((0.0, 0.0), |(sum, count), (_, v)| (sum + v * v, count + 1.0));
+        f64::sqrt(sum / count)
+    }
 }
 
 /// Errors gathered over a window. Everything is NaN before the first; an error that is not finite makes bias and RMSE

@@ -8,6 +8,7 @@ use super::super::ScoreError;
 use super::super::row::{Cell, Column, Goal, Row};
 use super::super::runner::{Runner, Turn};
 use super::super::stats::{ErrorSum, Mean, Spread};
+use super::super::track;
 use super::{Drive, limit};
 
 /// Share of time within the 95 % interval.
@@ -132,7 +133,7 @@ fn cells(entry: &Entry, struck: Corner, drives: &[&[Wheel; 4]], bounds_kpa: &[f6
         });
     }
     let spread = Spread::of(rmse(struck));
-    let worst = |of: fn(&Wheel) -> f64| super::super::track::worst(holding().map(|i| mean(i, of)));
+    let worst = |of: fn(&Wheel) -> f64| track::worst(holding().map(|i| mean(i, of)));
     let over = |wheels: &mut dyn Iterator<Item = usize>, of: fn(&Wheel) -> f64| {
         Mean::of(&wheels.map(|i| mean(i, of)).collect::<Vec<_>>()).value
     };
@@ -144,7 +145,7 @@ fn cells(entry: &Entry, struck: Corner, drives: &[&[Wheel; 4]], bounds_kpa: &[f6
         P10.plain(spread.p10),
         P90.plain(spread.p90),
         BOUND.plain(bounds_kpa[struck]),
-        OTHER_BOUND.plain(super::super::track::worst(holding().map(|i| bounds_kpa[i]))),
+        OTHER_BOUND.plain(track::worst(holding().map(|i| bounds_kpa[i]))),
         BEFORE.plain(mean(struck, |wheel| wheel.before.bias())),
         AFTER.plain(mean(struck, |wheel| wheel.after.bias())),
         OTHER_BEFORE.plain(worst(|wheel| wheel.before.bias())),

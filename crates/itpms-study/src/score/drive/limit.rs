@@ -8,45 +8,32 @@ use itpms_sim::plant::Deviations;
 use itpms_sim::road::{Iso8608, Surface};
 
 use super::super::ScoreError;
+use super::super::case::{bound_setting, bound_times_s, invalid};
 use super::{Drive, Setup};
-use crate::bound::{BoundSetting, SideBound};
-use crate::spectrum::PowerLaw;
+use crate::bound::SideBound;
 
 /// Sd in kPa of each pressure at the start: that of the estimator of a car.
 const START_SD_KPA: f64 = 36.0;
-/// Steps along the drive in s.
-const STEP_S: f64 = 0.1;
 
 /// Rms in kPa of the bound's sd over the time that is judged, by corner; NaN where there is none.
 pub(super) fn rms_kpa(drive: &Drive, setup: &Setup) -> Result<[f64; 4], ScoreError> {
     let mut rms = [f64::NAN; 4];
     let Some(road) = road(drive) else { return Ok(rms) };
     let scenario = &drive.scenario;
-    let invalid =
-        |source| itpms_sim::error::ScenarioError::Invalid { scenario: scenario.name.clone(), source };
-    let setting = BoundSetting {
-        road: PowerLaw { gd_n0_m3: road.roughness.gd_n0_m3(), waviness: road.slope },
-        speed_m_s: scenario.speed.profile_m_s().map_err(invalid)?.value(0.0),
-        rate_hz: scenario.rate_hz,
-        accel_noise_m_s2: scenario.sensor.noise_m_s2,
-        ..BoundSetting::paper()
-    };
-    let steps = (scenario.duration_s / STEP_S).round() as usize;
-    let times: Vec<f64> = (0..=steps).map(|i| i as f64 * STEP_S).collect();
+    let (setting, times) = (bound_setting(scenario, road)?, bound_times_s(scenario));
     for side in [[Corner::FrontLeft, Corner::RearLeft], [Corner::FrontRight, Corner::RearRight]] {
         let [Some(front), Some(rear)] = side.map(|corner| scenario.corner.get(corner)) else { continue };
-        let profiles =
-            [front.pressure.profile_kpa().map_err(invalid)?, rear.pressure.profile_kpa().map_err(invalid)?];
+        let profiles = [
+            front.pressure.profile_kpa().map_err(|e| invalid(scenario, e))?,
+            rear.pressure.profile_kpa().map_err(|e| invalid(scenario, e))?,
+        ];
         let pressures: Vec<[f64; 2]> =
             times.iter().map(|&t| profiles.each_ref().map(|profile| profile.value(t))).collect();
         let configs = [scenario.corner_config(side[0])?, scenario.corner_config(side[1])?];
         let bound = SideBound::new(configs, &setting, scenario.rear_offset_m)?;
         let sds = bound.history(&times, &pressures, START_SD_KPA, setup.reset_s);
         for (axle, corner) in side.into_iter().enumerate() {
-            let judged = times.iter().zip(&sds).filter(|(t, _)| drive.judged.contains(**t));
-            let (sum, count) =
-                judged.fold((0.0, 0.0), |(sum, count), (_, sd)| (sum + sd[axle] * sd[axle], count + 1.0));
-            rms[corner.index()] = f64::sqrt(sum / count);
+            rms[corner.index()] = drive.judged.rms(&times, sds.iter().map(|sd| sd[axle]));
         }
     }
     Ok(rms)
