@@ -34,13 +34,16 @@ pub(super) struct Acquisition<T: Real> {
     seconds: f64,
     delay_sum_s: T,
     count: T,
+    /// Wheelbase and skew that were believed when the search began, which its shifts are counted from.
+    used: Option<[T; 2]>,
 }
 
-/// A delay that was found: seconds more than expected, at a mean expected delay.
+/// A delay that was found: seconds more than expected with this wheelbase and skew, at a mean expected delay.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Found<T> {
     pub(super) later_s: T,
     pub(super) delay_s: T,
+    pub(super) used: [T; 2],
 }
 
 impl<T: Real> Acquisition<T> {
@@ -52,7 +55,14 @@ impl<T: Real> Acquisition<T> {
             seconds: 0.0,
             delay_sum_s: T::zero(),
             count: T::zero(),
+            used: None,
         }
+    }
+
+    /// Wheelbase and skew to look with: those `believed` as the search begins, to its end. What the other side finds
+    /// meanwhile is no part of this side's shifts.
+    pub(super) fn hold(&mut self, believed: [T; 2]) -> [T; 2] {
+        *self.used.get_or_insert(believed)
     }
 
     /// Takes the rear's road and, for every shift, the front's; the shift in s is given by [`shift_s`].
@@ -97,7 +107,7 @@ impl<T: Real> Acquisition<T> {
         let off = if bend < T::zero() { T::lit(0.5) * (before - after) / bend } else { T::zero() };
         let delay_s = self.delay_sum_s / self.count;
         let step_s = shift_s(1, delay_s) - shift_s(0, delay_s);
-        Some(Found { later_s: shift_s(at, delay_s) + off * step_s, delay_s })
+        Some(Found { later_s: shift_s(at, delay_s) + off * step_s, delay_s, used: self.used? })
     }
 }
 

@@ -295,7 +295,7 @@ impl<T: Real> SharedRoad<T> {
         };
         if !self.tracks[side].is_aligned() {
             if let Some(found) = self.tracks[side].search(entry, &road) {
-                let unit = T::lit(SKEW_UNIT_S);
+                let (unit, [wheelbase, skew]) = (T::lit(SKEW_UNIT_S), found.used);
                 self.modes.measure(T::lit(FOUND_SD_S * FOUND_SD_S), |state| {
                     let mut slope = State::zeros();
                     slope[WHEELBASE] = found.delay_s;

@@ -65,8 +65,8 @@ pub(super) struct Track<T: Real> {
     /// Way in m of the rear wheel at its last entry.
     way_m: f64,
     coherence: Coherence<T>,
-    /// Wheelbase and skew that the frame under way is aligned with.
-    used: [T; 2],
+    /// Wheelbase and skew that the frame under way is aligned with, once there is one.
+    used: Option<[T; 2]>,
     /// Hops to let pass because something spoiled the frames under way.
     spoiled_hops: u32,
     learned_until_s: f64,
@@ -87,7 +87,7 @@ impl<T: Real> Track<T> {
             imbalance: Imbalance::new(),
             way_m: f64::NAN,
             coherence: Coherence::new(),
-            used: [T::zero(); 2],
+            used: None,
             spoiled_hops: 0,
             learned_until_s: f64::NEG_INFINITY,
         }
@@ -111,11 +111,12 @@ impl<T: Real> Track<T> {
         if !(entry.speed_m_s > T::lit(SLOWEST_M_S)) || entry.after_gap || entry.spoiled || entry.unloaded {
             return None;
         }
-        let then_s = self.memory.time_at(entry.way_m - road.wheelbase_m.to_f64() * road.scale())?;
+        let [wheelbase, skew] = self.acquisition.hold([road.wheelbase, road.skew]);
+        let then_s = self.memory.time_at(entry.way_m - road.length_m(wheelbase))?;
         let axles = road.axles();
         let rear = axles[1].road_velocity(&with_other(entry.signals, None));
         let delay_s = T::lit(entry.time_s - then_s);
-        let (memory, skew_s) = (&self.memory, road.skew_s());
+        let (memory, skew_s) = (&self.memory, T::lit(SKEW_UNIT_S) * skew);
         let found = self.acquisition.push(rear, delay_s, self.period_s, |later_s| {
             let read = memory.read(then_s - (skew_s + later_s).to_f64())?;
             Some(axles[0].road_velocity(&with_other(read.signals, None)))
@@ -138,8 +139,9 @@ impl<T: Real> Track<T> {
             self.clock.restart();
             self.instruments.iter_mut().for_each(Instrument::restart);
             self.tune(road);
-            self.used = [road.wheelbase, road.skew];
-            self.spoiled_hops = SETTLING_HOPS;
+            // The first frames count all the same: while nothing is known yet, they bring more than they can spoil.
+            self.spoiled_hops = if self.used.is_some() { SETTLING_HOPS } else { 0 };
+            self.used = Some([road.wheelbase, road.skew]);
             return None;
         };
         if entry.spoiled || read.spoiled {
@@ -163,8 +165,7 @@ impl<T: Real> Track<T> {
         }
         let frame = self.clock.push_if(!(entry.unloaded || read.unloaded), &signals)?;
         self.tune(road);
-        let [used_wheelbase, used_skew] = self.used;
-        self.used = [road.wheelbase, road.skew];
+        let [used_wheelbase, used_skew] = self.used.replace([road.wheelbase, road.skew])?;
         if self.spoiled_hops > 0 {
             self.spoiled_hops -= 1;
             return None;
@@ -199,9 +200,8 @@ impl<T: Real> Track<T> {
         if entry.after_gap || !(entry.speed_m_s > T::lit(SLOWEST_M_S)) {
             return None;
         }
-        let [wheelbase, skew] = self.used;
-        let scale = 1.0 + wheelbase.to_f64();
-        let then_s = self.memory.time_at(entry.way_m - road.wheelbase_m.to_f64() * scale)?;
+        let [wheelbase, skew] = self.used?;
+        let then_s = self.memory.time_at(entry.way_m - road.length_m(wheelbase))?;
         let read_s = then_s - SKEW_UNIT_S * skew.to_f64();
         let read = self.memory.read(read_s)?;
         (read.speed_m_s > T::lit(SLOWEST_M_S)).then(|| (read, read_s, T::lit(entry.time_s - then_s)))
@@ -271,8 +271,9 @@ impl<T: Real> Track<T> {
 }
 
 impl<T: Real> Meeting<'_, T> {
-    fn scale(&self) -> f64 {
-        1.0 + self.wheelbase.to_f64()
+    /// Way in m from the rear wheel to the front one, with this relative deviation of wheelbase over speed.
+    fn length_m(&self, wheelbase: T) -> f64 {
+        self.wheelbase_m.to_f64() * (1.0 + wheelbase.to_f64())
     }
 
     fn axles(&self) -> [Axle<T>; 2] {
@@ -284,10 +285,6 @@ impl<T: Real> Meeting<'_, T> {
         let axles = self.axles();
         let of = |axle: usize| axles[axle].road_velocity(&core::array::from_fn(|i| both[axle * SEEN + i]));
         [(T::one() + self.state[GAIN + side]) * of(0), of(1)]
-    }
-
-    fn skew_s(&self) -> T {
-        T::lit(SKEW_UNIT_S) * self.skew
     }
 }
 

@@ -5,6 +5,7 @@ extern crate std;
 
 mod disagreement;
 mod pieces;
+mod search;
 
 use std::vec::Vec;
 
