@@ -13,8 +13,8 @@ const START: f64 = 0.2;
 const LEAST: f64 = 1e-3;
 /// The most that is believed.
 const MOST: f64 = 2.0;
-/// Largest step of a frame's estimate, as a multiple of what is believed, and more.
-const LARGEST_STEP: f64 = 6.0;
+/// Largest step of a frame's estimate, as a multiple of what is believed, and more: one pothole is not another road.
+const LARGEST_STEP: f64 = 30.0;
 const LARGEST_MORE: f64 = 0.01;
 /// Frames that what is assumed counts for.
 const COUNTED: f64 = 1.5;
@@ -25,6 +25,10 @@ const DOUBTED: f64 = 0.4;
 /// Time constants in s of the incoherence and of the road's power.
 const INCOHERENCE_S: f64 = 2.0;
 const POWER_S: f64 = 1.0;
+/// Where a frame shows so many times what is believed, roads are parting, as at the beginning of a bend: frames are believed
+/// too much until this is seen, so it is seen with this time constant in s.
+const PARTING: f64 = 4.0;
+const PARTING_S: f64 = 0.4;
 /// Time constant in s in which incoherence becomes lasting; it ends at once.
 const LASTING_S: f64 = 20.0;
 
@@ -110,16 +114,18 @@ impl<T: Real> Coherence<T> {
         let gain = |time_s: f64| T::one() - (-seconds / T::lit(time_s)).exp();
         self.frames = self.frames.saturating_add(1);
         let count = T::one() / T::lit(f64::from(self.frames) + COUNTED);
-        let (fast, slow) = (gain(POWER_S), gain(INCOHERENCE_S).max(count));
+        let (power, usual) = (gain(POWER_S), gain(INCOHERENCE_S).max(count));
+        let parting = gain(PARTING_S).max(count);
         for (bin, &ratio) in ratio.iter().enumerate() {
             let now = found.road_power[bin];
             let here = self.road(bin, now);
-            let most = self.incoherence[bin] * T::lit(LARGEST_STEP) + T::lit(LARGEST_MORE);
+            let believed = self.incoherence[bin];
+            let most = believed * T::lit(LARGEST_STEP) + T::lit(LARGEST_MORE);
             let seen = ((expected.power[bin] * ratio - noise[bin]) / here).min(most);
-            let step = slow * (seen - self.incoherence[bin]);
-            self.incoherence[bin] = (self.incoherence[bin] + step).clamp(T::lit(LEAST), T::lit(MOST));
+            let gain = if seen > T::lit(PARTING) * believed { parting } else { usual };
+            self.incoherence[bin] = (believed + gain * (seen - believed)).clamp(T::lit(LEAST), T::lit(MOST));
             self.power[bin] = if self.power[bin] > T::zero() {
-                self.power[bin] + fast * (now - self.power[bin])
+                self.power[bin] + power * (now - self.power[bin])
             } else {
                 now
             };
@@ -131,6 +137,12 @@ impl<T: Real> Coherence<T> {
     /// How far frames are believed: little, once front and rear hardly share a road.
     pub(super) fn trust(&self) -> T {
         within(self.near_wheel_hop(), DOUBTED)
+    }
+
+    /// How fast the belief fades: what the model leaves out differs from road to road and grows with what the axles do not
+    /// share, but leads astray only as far as frames are believed.
+    pub(super) fn fading(&self) -> T {
+        self.near_wheel_hop() * self.trust()
     }
 
     /// Incoherence near wheel hop that has lasted: in a bend or at a kerb the axles part for seconds only.
@@ -172,10 +184,37 @@ mod tests {
     }
 
     #[test]
+    fn roads_that_part_are_seen_at_once_and_a_pothole_is_none() {
+        let mut coherence = Coherence::new();
+        drive(&mut coherence, 60.0, 0.002);
+        let before = coherence.near_wheel_hop();
+        assert!(before < 0.0021, "{before}");
+        let mut pothole = coherence.clone();
+        drive(&mut pothole, 0.1, 1.0);
+        // A step of 1 - exp(-0.1/0.4) towards thirty times as much and a hundredth.
+        let closed_form = before + (1.0 - (-0.25_f64).exp()) * (29.0 * before + 0.01);
+        assert!((pothole.near_wheel_hop() - closed_form).abs() < 1e-12);
+        assert!(pothole.trust() > 0.99);
+        // A bend: of frames on roads that have nothing in common the seventh counts less than half.
+        drive(&mut coherence, 0.6, 1.0);
+        assert!(coherence.trust() < 0.5, "{}", coherence.near_wheel_hop());
+    }
+
+    #[test]
+    fn what_is_not_believed_does_not_make_beliefs_fade() {
+        let mut coherence = Coherence::new();
+        // Half the incoherence at which frames count half: 0.8 of it; where nothing is shared, a fifth of the most.
+        drive(&mut coherence, 60.0, 0.2);
+        assert!((coherence.fading() - 0.16).abs() < 2e-3, "{}", coherence.fading());
+        drive(&mut coherence, 60.0, 2.0);
+        assert!((coherence.fading() - 2.0 / 26.0).abs() < 2e-3, "{}", coherence.fading());
+    }
+
+    #[test]
     fn incoherence_lasts_only_after_a_while_and_ends_at_once() {
         let mut coherence = Coherence::new();
         assert!(drive(&mut coherence, 60.0, 0.002) < 0.01);
-        // A bend: nearly all of the road is another one, for some seconds; it is seen with 2 s, and lasts with 20.
+        // A bend: nearly all of the road is another one, for some seconds; it is seen at once, and lasts with 20 s.
         let bend = drive(&mut coherence, 4.0, 0.9);
         assert!(coherence.near_wheel_hop() > 0.5 && bend < 0.15, "{bend}");
         assert!(drive(&mut coherence, 20.0, 0.002) < 0.01);

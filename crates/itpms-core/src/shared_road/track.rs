@@ -227,8 +227,7 @@ impl<T: Real> Track<T> {
         let noise = self.noise(wheels, &state);
         let products = expected_products(wheels, self.side, &state, taken.delay_s, &ratios);
         let expected = self.coherence.expect(&road_power, &noise, &products, taken.stretch);
-        // What the model leaves out differs from road to road, and grows with what the axles do not share.
-        modes.doubt(wheels, self.coherence.near_wheel_hop() * T::lit(HOP_S), taught);
+        modes.doubt(wheels, self.coherence.fading() * T::lit(HOP_S), taught);
         let trust = self.coherence.trust() * taken.frame.seen;
         let Some((found, ratio)) = modes.weigh(taken, wheels, self.side, &expected, &instrument, trust)
         else {
