@@ -27,8 +27,8 @@ const INCOHERENCE_S: f64 = 2.0;
 const POWER_S: f64 = 1.0;
 /// Where a frame shows so many times what is believed, roads are parting, as at the beginning of a bend: frames are believed
 /// too much until this is seen, so it is seen with this time constant in s.
-const PARTING: f64 = 4.0;
-const PARTING_S: f64 = 0.4;
+const PARTING: f64 = 6.0;
+const PARTING_S: f64 = 0.3;
 /// Time constant in s in which incoherence becomes lasting; it ends at once.
 const LASTING_S: f64 = 20.0;
 
@@ -191,8 +191,8 @@ mod tests {
         assert!(before < 0.0021, "{before}");
         let mut pothole = coherence.clone();
         drive(&mut pothole, 0.1, 1.0);
-        // A step of 1 - exp(-0.1/0.4) towards thirty times as much and a hundredth.
-        let closed_form = before + (1.0 - (-0.25_f64).exp()) * (29.0 * before + 0.01);
+        // A step of 1 - exp(-0.1 s/0.3 s) towards thirty times as much and a hundredth.
+        let closed_form = before + (1.0 - (-1.0 / 3.0_f64).exp()) * (29.0 * before + 0.01);
         assert!((pothole.near_wheel_hop() - closed_form).abs() < 1e-12);
         assert!(pothole.trust() > 0.99);
         // A bend: of frames on roads that have nothing in common the seventh counts less than half.
