@@ -25,8 +25,8 @@ const DOUBTED: f64 = 0.4;
 /// Time constants in s of the incoherence and of the road's power.
 const INCOHERENCE_S: f64 = 2.0;
 const POWER_S: f64 = 1.0;
-/// Where a frame shows so many times what is believed, roads are parting, as at the beginning of a bend: frames are believed
-/// too much until this is seen, so it is seen with this time constant in s.
+/// Where frames of both sides show so many times what is believed, roads are parting, as at the beginning of a bend: frames are
+/// believed too much until this is seen, so it is seen with this time constant in s. (A tire that falls is on one side.)
 const PARTING: f64 = 6.0;
 const PARTING_S: f64 = 0.3;
 /// Time constant in s in which incoherence becomes lasting; it ends at once.
@@ -48,6 +48,8 @@ pub(super) struct Coherence<T: Real> {
     /// Road power per bin; zero before the first frame.
     power: SVector<T, BINS>,
     frames: u32,
+    /// Whether the last frame showed roads that part.
+    parting: bool,
     /// Incoherence near wheel hop that has lasted.
     lasting: T,
 }
@@ -67,6 +69,7 @@ impl<T: Real> Coherence<T> {
             incoherence: SVector::repeat(T::lit(START)),
             power: SVector::zeros(),
             frames: 0,
+            parting: false,
             lasting: T::zero(),
         }
     }
@@ -102,7 +105,8 @@ impl<T: Real> Coherence<T> {
         Expectation { power, information }
     }
 
-    /// Learns from a frame and what remained of it: power over what was expected, per bin.
+    /// Learns from a frame and what remained of it: power over what was expected, per bin. `beside`: the other side's roads
+    /// seem to part.
     pub(super) fn learn(
         &mut self,
         expected: &Expectation<T>,
@@ -110,19 +114,23 @@ impl<T: Real> Coherence<T> {
         ratio: &[T; BINS],
         noise: &[T; BINS],
         seconds: T,
+        beside: bool,
     ) {
         let gain = |time_s: f64| T::one() - (-seconds / T::lit(time_s)).exp();
         self.frames = self.frames.saturating_add(1);
         let count = T::one() / T::lit(f64::from(self.frames) + COUNTED);
         let (power, usual) = (gain(POWER_S), gain(INCOHERENCE_S).max(count));
         let parting = gain(PARTING_S).max(count);
+        self.parting = false;
         for (bin, &ratio) in ratio.iter().enumerate() {
             let now = found.road_power[bin];
             let here = self.road(bin, now);
             let believed = self.incoherence[bin];
             let most = believed * T::lit(LARGEST_STEP) + T::lit(LARGEST_MORE);
             let seen = ((expected.power[bin] * ratio - noise[bin]) / here).min(most);
-            let gain = if seen > T::lit(PARTING) * believed { parting } else { usual };
+            let parts = seen > T::lit(PARTING) * believed;
+            self.parting |= parts;
+            let gain = if parts && beside { parting } else { usual };
             self.incoherence[bin] = (believed + gain * (seen - believed)).clamp(T::lit(LEAST), T::lit(MOST));
             self.power[bin] = if self.power[bin] > T::zero() {
                 self.power[bin] + power * (now - self.power[bin])
@@ -132,6 +140,11 @@ impl<T: Real> Coherence<T> {
         }
         let now = self.near_wheel_hop();
         self.lasting = (self.lasting + gain(LASTING_S) * (now - self.lasting)).min(now);
+    }
+
+    /// Whether the last frame showed roads that part.
+    pub(super) fn is_parting(&self) -> bool {
+        self.parting
     }
 
     /// How far frames are believed: little, once front and rear hardly share a road.
@@ -170,6 +183,11 @@ mod tests {
 
     /// Frames of `seconds` on a road of unit power of which this share is not common; gives what of it counts as lasting.
     fn drive(coherence: &mut Coherence<f64>, seconds: f64, share: f64) -> f64 {
+        drive_beside(coherence, seconds, share, true)
+    }
+
+    /// The same, the other side's roads parting or not.
+    fn drive_beside(coherence: &mut Coherence<f64>, seconds: f64, share: f64, beside: bool) -> f64 {
         let found = Disagreement {
             rows: SVector::zeros(),
             slope: SMatrix::zeros(),
@@ -178,7 +196,7 @@ mod tests {
         };
         for _ in 0..(10.0 * seconds) as u32 {
             let expected = Expectation { power: [1.0; BINS], information: Gram::zeros() };
-            coherence.learn(&expected, &found, &[share; BINS], &[0.0; BINS], 0.1);
+            coherence.learn(&expected, &found, &[share; BINS], &[0.0; BINS], 0.1, beside);
         }
         coherence.lasting()
     }
@@ -195,6 +213,11 @@ mod tests {
         let closed_form = before + (1.0 - (-1.0 / 3.0_f64).exp()) * (29.0 * before + 0.01);
         assert!((pothole.near_wheel_hop() - closed_form).abs() < 1e-12);
         assert!(pothole.trust() > 0.99);
+        // What is on one side is a tire that falls, or one wheel's hole: seen with the usual 2 s.
+        let mut one_side = coherence.clone();
+        drive_beside(&mut one_side, 0.1, 1.0, false);
+        let closed_form = before + (1.0 - (-0.05_f64).exp()) * (29.0 * before + 0.01);
+        assert!(one_side.is_parting() && (one_side.near_wheel_hop() - closed_form).abs() < 1e-12);
         // A bend, roads that have nothing in common: a sixth of that is seen in half a second, and within a second frames count
         // less than half. With the usual 2 s, and a quarter more from frame to frame at most, it would have been 2.4 s.
         drive(&mut coherence, 0.5, 1.0);

@@ -207,13 +207,15 @@ impl<T: Real> Track<T> {
         (read.speed_m_s > T::lit(SLOWEST_M_S)).then(|| (read, read_s, T::lit(entry.time_s - then_s)))
     }
 
-    /// Weighs the belief with a frame; true if it was believed. `taught`: a reset has taught what the car is.
+    /// Weighs the belief with a frame; true if it was believed. `taught`: a reset has taught what the car is; `beside`: the
+    /// other side's roads seem to part.
     pub(super) fn weigh(
         &mut self,
         modes: &mut Modes<T>,
         wheels: &[Wheel<T>; 2],
         taken: &TrackFrame<T>,
         taught: bool,
+        beside: bool,
     ) -> bool {
         if !(taken.middle_s - self.learned_until_s < FORGET_S) {
             self.coherence.restart();
@@ -234,7 +236,7 @@ impl<T: Real> Track<T> {
             return false;
         };
         self.answer.learn(&taken.frame, &common, trust);
-        self.coherence.learn(&expected, &found, &ratio, &noise, T::lit(HOP_S));
+        self.coherence.learn(&expected, &found, &ratio, &noise, T::lit(HOP_S), beside);
         self.learned_until_s = taken.middle_s;
         self.coherence.near_wheel_hop() < T::lit(APART)
     }
@@ -249,6 +251,11 @@ impl<T: Real> Track<T> {
             }
             sum
         })
+    }
+
+    /// Whether the last frame showed roads that part.
+    pub(super) fn is_parting(&self) -> bool {
+        self.coherence.is_parting()
     }
 
     /// Incoherence near wheel hop.
