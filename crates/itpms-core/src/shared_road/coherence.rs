@@ -229,7 +229,7 @@ mod tests {
     #[test]
     fn what_is_not_believed_does_not_make_beliefs_fade() {
         let mut coherence = Coherence::new();
-        // Half the incoherence at which frames count half: 0.8 of it; where nothing is shared, a fifth of the most.
+        // Half the incoherence at which frames count half: 0.8 of it. Where nothing is shared, less than at either.
         drive(&mut coherence, 60.0, 0.2);
         assert!((coherence.fading() - 0.16).abs() < 2e-3, "{}", coherence.fading());
         drive(&mut coherence, 60.0, 2.0);

@@ -37,8 +37,8 @@ const FILLED: f64 = 1e-3;
 const FILLED_SD: f64 = 0.15;
 /// Log-likelihood of a mode that cannot say how likely a frame is.
 const IMPOSSIBLE: f64 = -1e6;
-/// Growth of a compliance's sd per square root of a second in which nothing is shared: as long as the car is known from its
-/// file only, and once a reset has taught what it is.
+/// Growth of a compliance's sd per square root of a second of incoherence, as far as it is believed: as long as the car is known
+/// from its file only, and once a reset has taught what it is.
 const FADING: f64 = 0.03;
 const FADING_TAUGHT: f64 = 0.01;
 /// Weight below which a mode begins anew.
