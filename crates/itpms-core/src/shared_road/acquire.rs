@@ -61,7 +61,7 @@ impl<T: Real> Acquisition<T> {
 
     /// Wheelbase and skew to look with: those `believed` as the search begins, to its end. What the other side finds
     /// meanwhile is no part of this side's shifts.
-    pub(super) fn hold(&mut self, believed: [T; 2]) -> [T; 2] {
+    pub(super) fn count_from(&mut self, believed: [T; 2]) -> [T; 2] {
         *self.used.get_or_insert(believed)
     }
 

@@ -111,7 +111,7 @@ impl<T: Real> Track<T> {
         if !(entry.speed_m_s > T::lit(SLOWEST_M_S)) || entry.after_gap || entry.spoiled || entry.unloaded {
             return None;
         }
-        let [wheelbase, skew] = self.acquisition.hold([road.wheelbase, road.skew]);
+        let [wheelbase, skew] = self.acquisition.count_from([road.wheelbase, road.skew]);
         let then_s = self.memory.time_at(entry.way_m - road.length_m(wheelbase))?;
         let axles = road.axles();
         let rear = axles[1].road_velocity(&with_other(entry.signals, None));
