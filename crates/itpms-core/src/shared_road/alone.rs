@@ -5,8 +5,8 @@ use super::CarBelief;
 use super::coherence::within;
 use crate::real::Real;
 
-/// Incoherence near wheel hop at which a corner's own suspicion counts half, how much of it is usual, and the chance per
-/// second that the wheel begins to move if it is sure.
+/// Lasting incoherence at which a corner's own suspicion counts half, how much of it is usual, and the chance per second that
+/// the wheel begins to move if it is sure.
 const LOST: f64 = 0.1;
 const USUALLY_SUSPECTED: f64 = 0.3;
 const BEGIN_SUSPECTED: f64 = 4.0;
@@ -33,7 +33,8 @@ impl<T: Real> Alone<T> {
     }
 
     /// Chance per second that the pressure begins to move because the corner's own spectrum looks like it: where front and
-    /// rear share the road, their frames tell sooner and surer.
+    /// rear share the road, their frames tell sooner and surer, and where they part for seconds only, as in a bend, a hole that
+    /// each of them meets by itself looks like a leak.
     pub(super) fn suspicion(&self, incoherence: T) -> T {
         let surely = (self.moving - T::lit(USUALLY_SUSPECTED)).max(T::zero());
         // What is no number suspects nothing.
@@ -117,6 +118,15 @@ mod tests {
             low(HEARD).mix_into(&mut resting, 0, incoherence, (0.0, 0.0));
             assert_eq!(resting, belief());
         }
+    }
+
+    #[test]
+    fn a_corner_is_suspicious_where_roads_have_parted_for_long() {
+        // Surely moving: 4 (1 - 0.3) per second, half of it where a tenth is not shared, a hundredth of a hundredth on one road.
+        assert!((low(1.0).suspicion(1e3) - 2.8).abs() < 1e-6);
+        assert!((low(1.0).suspicion(LOST) - 1.4).abs() < 1e-12);
+        assert!(low(1.0).suspicion(1e-3) < 3e-4);
+        assert_eq!(low(USUALLY_SUSPECTED).suspicion(1.0), 0.0);
     }
 
     #[test]

@@ -360,7 +360,7 @@ impl<T: Real> SharedRoad<T> {
         }
         let known = !self.held && self.learned_s >= T::lit(ENOUGH_S);
         let liveliness = if known { [T::one(), self.quietness()] } else { [T::zero(); 2] };
-        let suspicion = |i: usize| self.alone[i].suspicion(self.tracks[i % 2].incoherence());
+        let suspicion = |i: usize| self.alone[i].suspicion(self.tracks[i % 2].lasting_incoherence());
         let suspected = core::array::from_fn(|i| if known { suspicion(i) } else { T::zero() });
         self.modes.predict(T::lit(seconds), liveliness, &suspected);
     }
