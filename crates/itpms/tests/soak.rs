@@ -16,8 +16,9 @@ const LINE: &str = "soak --hours 0.1 --drive-s 60 --out soak";
 /// The hours that are kept, by seed, without the time they took.
 fn hours(bench: &Bench) -> Vec<Value> {
     let text = bench.read("soak/hours.jsonl");
-    let mut hours: Vec<Value> =
-        text.lines().skip(1).map(|line| serde_json::from_str(line).unwrap()).collect();
+    let mut hours: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    // The others say whose hours follow.
+    hours.retain(|line| line.get("seed").is_some());
     hours.iter_mut().for_each(|hour| hour["wall_s"] = 0.into());
     hours.sort_by_key(|hour| hour["seed"].as_u64());
     hours
@@ -84,6 +85,35 @@ fn an_interrupted_run_says_that_it_can_go_on() {
 }
 
 #[test]
+fn another_program_adds_its_hours_if_it_drives_the_same() {
+    let (whole, bench) = (Bench::new(), Bench::new());
+    whole.run(LINE).success();
+    bench.run(&LINE.replace("0.1", "0.05")).success();
+    // As if it had been another build.
+    let theirs = bench.read("soak/hours.jsonl").replacen("\"program\":\"", "\"program\":\"0", 1);
+    bench.write("soak/hours.jsonl", &theirs);
+    let outcome = bench.run(LINE);
+    assert!(
+        outcome.success().contains("6 drives") && outcome.stderr.contains("another build"),
+        "{outcome:?}"
+    );
+    assert_eq!(hours(&bench), hours(&whole));
+    let both = bench.read("soak/hours.jsonl");
+    assert!(both.starts_with(&theirs));
+    assert_eq!(both.lines().filter(|line| line.contains("program")).count(), 2);
+    // The hours after the second line are its own: nothing is driven again.
+    let more = bench.run(&LINE.replace("0.1", "0.11"));
+    assert!(more.success().contains("7 drives") && !more.stderr.contains("another build"), "{more:?}");
+    // One that drove otherwise, be it by a millimeter.
+    let mut line: Value = serde_json::from_str(theirs.lines().nth(1).unwrap()).unwrap();
+    line["km"] = (line["km"].as_f64().unwrap() + 1e-6).into();
+    bench.write("soak/hours.jsonl", format!("{}\n{line}\n", theirs.lines().next().unwrap()));
+    let refused = bench.run(&format!("--quiet {LINE}"));
+    assert!(refused.refusal().contains("drives that of seed"), "{refused:?}");
+    assert_eq!(bench.read("soak/hours.jsonl").lines().count(), 2);
+}
+
+#[test]
 fn hours_of_something_else_are_not_added_to() {
     let bench = Bench::new();
     bench.run(&LINE.replace("0.1", "0.01")).success();
@@ -94,9 +124,6 @@ fn hours_of_something_else_are_not_added_to() {
         let outcome = bench.run(&line);
         assert!(outcome.refusal().contains(expected), "{outcome:?}");
     }
-    let changed = bench.read("soak/hours.jsonl").replacen("\"program\":\"", "\"program\":\"0", 1);
-    bench.write("soak/hours.jsonl", changed);
-    assert!(bench.run(LINE).refusal().contains("the fingerprint of the program that drove them is"));
     bench.write("soak/hours.jsonl", "time_s,speed\n0,1\n");
     assert!(bench.run(LINE).refusal().contains("use another folder"));
     for line in ["soak", "soak --out x --hours 0", "soak --out x --car mine", "soak --out x --jobs 0"] {
