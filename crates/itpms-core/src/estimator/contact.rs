@@ -15,6 +15,12 @@ const UNLOADED: f64 = 0.85;
 const PULLING: f64 = 2.0;
 /// Seconds after which that is forgotten.
 const PULLING_S: f64 = 60.0;
+/// Gravity may be in or out. Time constant in s of a sensor's mean, the longest step that counts, the least time it is taken
+/// over, and the mean in m/s² from which on it is an offset and nothing that a road does for so long.
+const OFFSET_S: f64 = 5.0;
+const LONGEST_STEP_S: f64 = 0.1;
+const LEAST_S: f64 = 1.0;
+const OFFSET_M_S2: f64 = 4.0;
 /// Seconds for which a spectrum is spoiled: frames between two jumps are those in which the wheel happens to hop little.
 const LANDING_S: f64 = 0.5;
 
@@ -33,6 +39,12 @@ pub(super) struct Contact {
 pub(super) struct ContactWatch<T> {
     sprung_mass_kg: T,
     unsprung_mass_kg: T,
+    /// Means of body and wheel in m/s², over how many seconds, and up to when.
+    means: [T; 2],
+    watched_s: f64,
+    last_s: f64,
+    /// What of them is taken for an offset.
+    offsets: [T; 2],
     airborne_s: f64,
     pulling_s: f64,
 }
@@ -42,6 +54,10 @@ impl<T: Real> ContactWatch<T> {
         Self {
             sprung_mass_kg: car.sprung_mass_kg(),
             unsprung_mass_kg: car.unsprung_mass_kg(),
+            means: [T::zero(); 2],
+            watched_s: 0.0,
+            last_s: f64::NAN,
+            offsets: [T::zero(); 2],
             airborne_s: f64::NEG_INFINITY,
             pulling_s: f64::NEG_INFINITY,
         }
@@ -49,8 +65,8 @@ impl<T: Real> ContactWatch<T> {
 
     /// Looks at a grid step: what accelerates both masses, beyond their weight, is the force of the tire.
     pub(super) fn look(&mut self, sample: &GridSample<T>) -> Contact {
-        let force_n =
-            self.sprung_mass_kg * sample.body_accel_m_s2 + self.unsprung_mass_kg * sample.wheel_accel_m_s2;
+        let [body, wheel] = self.without_offsets(sample);
+        let force_n = self.sprung_mass_kg * body + self.unsprung_mass_kg * wheel;
         let weight_n = (self.sprung_mass_kg + self.unsprung_mass_kg) * T::lit(GRAVITY_M_S2);
         if force_n < -weight_n * T::lit(PULLING) {
             self.pulling_s = sample.time_s;
@@ -65,6 +81,33 @@ impl<T: Real> ContactWatch<T> {
             unloaded: force_n < -weight_n * T::lit(UNLOADED),
             hopping: sample.time_s - self.airborne_s < LANDING_S,
         }
+    }
+
+    /// Both accelerations without what the sensors always show. Small means are left alone: they are the road's.
+    fn without_offsets(&mut self, sample: &GridSample<T>) -> [T; 2] {
+        let readings = [sample.body_accel_m_s2, sample.wheel_accel_m_s2];
+        let seconds = sample.time_s - self.last_s;
+        self.last_s = sample.time_s;
+        if seconds > 0.0 {
+            let seconds = seconds.min(LONGEST_STEP_S);
+            self.watched_s += seconds;
+            let share = T::lit(seconds / self.watched_s.min(OFFSET_S));
+            for (mean, reading) in self.means.iter_mut().zip(readings) {
+                if reading.is_finite() {
+                    *mean += (reading - *mean) * share;
+                }
+            }
+        }
+        if self.watched_s >= LEAST_S {
+            let offset = |mean: T| if mean.abs() > T::lit(OFFSET_M_S2) { mean } else { T::zero() };
+            let before = core::mem::replace(&mut self.offsets, self.means.map(offset));
+            let is_new = |(before, now): (&T, &T)| (*before == T::zero()) != (*now == T::zero());
+            if before.iter().zip(&self.offsets).any(is_new) {
+                // What was made of the forces so far was made of wrong ones.
+                (self.pulling_s, self.airborne_s) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+            }
+        }
+        core::array::from_fn(|i| readings[i] - self.offsets[i])
     }
 }
 
@@ -94,6 +137,56 @@ mod tests {
         forces.iter().enumerate().map(look).collect()
     }
 
+    #[test]
+    fn gravity_may_be_in_or_out_of_either_sensor() {
+        let car = QuarterCar::<f64>::paper_table_2();
+        let weight_n = (car.sprung_mass_kg() + car.unsprung_mass_kg()) * GRAVITY_M_S2;
+        let lifts = |offsets: [f64; 2]| -> std::vec::Vec<Contact> {
+            let mut watch = ContactWatch::new(&car);
+            // Hops of 1.2 weights, 11 a second, at 200 Hz: airborne at the top of each.
+            let hop = |i: u32| {
+                let time_s = 0.005 * f64::from(i);
+                let force_n = 1.2 * weight_n * (core::f64::consts::TAU * 11.0 * time_s).sin();
+                watch.look(&GridSample {
+                    time_s,
+                    speed_m_s: 20.0,
+                    body_accel_m_s2: force_n / 3.0 / car.sprung_mass_kg() + offsets[0],
+                    wheel_accel_m_s2: force_n / 1.5 / car.unsprung_mass_kg() + offsets[1],
+                    spoiled: false,
+                    unloaded: false,
+                    after_gap: false,
+                })
+            };
+            (0..20_000).map(hop).collect()
+        };
+        let plain = lifts([0.0; 2]);
+        let share = plain.iter().filter(|contact| contact.unloaded).count() as f64 / plain.len() as f64;
+        // A sine is below -0.85/1.2 of its amplitude for a quarter of the time.
+        assert!((share - 0.25).abs() < 0.01, "{share}");
+        // Found after a second, to the digit after some more.
+        for offsets in [[9.81, 9.81], [-9.81, -9.81], [9.81, 0.0], [0.0, -9.81], [-40.0, 40.0]] {
+            let with = lifts(offsets);
+            let settled = 2_000;
+            let unlike = plain.iter().zip(&with).skip(settled).filter(|(a, b)| a != b).count();
+            assert!(unlike <= (plain.len() - settled) / 50, "{offsets:?}: {unlike}");
+        }
+        // A mean that a road may have is left alone, to the last bit.
+        let mut watch = ContactWatch::new(&car);
+        let sample = GridSample {
+            time_s: 1.0,
+            speed_m_s: 20.0,
+            body_accel_m_s2: 3.9,
+            wheel_accel_m_s2: -3.9,
+            spoiled: false,
+            unloaded: false,
+            after_gap: false,
+        };
+        for i in 0..10_000 {
+            let time_s = 0.005 * f64::from(i);
+            assert_eq!(watch.without_offsets(&GridSample { time_s, ..sample }), [3.9, -3.9]);
+        }
+    }
+
     /// Whether it may be in the air, and whether it surely was of late, step by step.
     fn seen(forces: &[f64]) -> (std::vec::Vec<bool>, std::vec::Vec<bool>) {
         watched(forces).iter().map(|contact| (contact.unloaded, contact.hopping)).unzip()
@@ -101,11 +194,14 @@ mod tests {
 
     #[test]
     fn a_wheel_without_force_is_in_the_air_and_lands() {
-        let forces = [0.0, 2.0, -0.8, -0.9, -1.0, -1.1, -1.06, -0.5, 1.5, 0.0, -0.86, 0.0, 0.0];
+        let mut forces = [0.0; 63];
+        // Five seconds of an even road first.
+        forces[50..62]
+            .copy_from_slice(&[0.0, 2.0, -0.8, -0.9, -1.0, -1.1, -1.06, -0.5, 1.5, 0.0, -0.86, 0.0]);
         let (unloaded, hopping) = seen(&forces);
-        assert_eq!(unloaded, core::array::from_fn::<_, 13, _>(|i| [3, 4, 5, 6, 10].contains(&i)));
-        // Surely lifted at 0.5 and 0.6 s, and half a second more.
-        assert_eq!(hopping, core::array::from_fn::<_, 13, _>(|i| (5..11).contains(&i)));
+        assert_eq!(unloaded, core::array::from_fn::<_, 63, _>(|i| [53, 54, 55, 56, 60].contains(&i)));
+        // Surely lifted at 5.5 and 5.6 s, and half a second more.
+        assert_eq!(hopping, core::array::from_fn::<_, 63, _>(|i| (55..61).contains(&i)));
     }
 
     #[test]
