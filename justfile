@@ -28,7 +28,7 @@ score seeds="40":
 
 # Time per sample and per frame.
 bench:
-    cargo bench --workspace
+    cargo bench -p itpms-bench --features time
 
 # The documentation of the code, opened in a browser.
 docs:

@@ -9,9 +9,9 @@ use crate::real::Real;
 /// Points of the Lagrange interpolation. Eight keep the error below 8 % at 0.3 of the sampling rate and below
 /// 0.1 % at 0.15 of it, in the middle between samples.
 const POINTS: usize = 8;
-/// A wheel on a kerb reaches some 500 m/s²; ten times Earth's gravity squared is no car any more.
+/// A wheel on a kerb reaches some 500 m/s²; twice that is no car any more.
 const ABSURD_M_S2: f64 = 1000.0;
-/// Samples in a row that may be missing before the signal counts as interrupted.
+/// Longest time between accepted samples, in periods, before the signal counts as interrupted: two in a row may be missing.
 const LONGEST_BRIDGE: f64 = 3.5;
 /// Equal values in a row, at the largest magnitude seen, that count as saturation.
 const FLAT_TOP: u32 = 3;

@@ -17,7 +17,7 @@
 //! | [`reference`](mod@reference) | what a reset taught of a car, stored: its own car's, complete and plausible, or refused |
 //! | [`error`] | one message per problem: file, line or column, what was found, what was expected |
 //!
-//! The binary and the study use this crate; it knows the core's types and nothing of simulation.
+//! The binary and the live monitor use this crate; it knows the core's types and nothing of simulation.
 #![forbid(unsafe_code)]
 
 #[cfg(feature = "can")]

@@ -126,7 +126,7 @@ pub struct Track {
     pub side: &'static str,
     /// Whether the shared road is being learned from.
     pub shared: bool,
-    /// Share of the road's power near wheel hop that front and rear do not have in common, 0 to 1.
+    /// Share of the road's power near wheel hop that front and rear do not have in common, 0.001 to 2.
     pub incoherence: f64,
 }
 

@@ -3,7 +3,7 @@
 //!
 //! | room | idea |
 //! |---|---|
-//! | [`bound`] | Cramer-Rao bound on a pressure from one corner |
+//! | [`bound`] | Cramer-Rao bound on a pressure from one corner, or from front and rear of a side |
 //! | [`certify`] | the test procedures of UN R141 and FMVSS 138, driven |
 //! | [`identify`] | spring, damper and tire from bench tests, with standard errors |
 //! | [`malfunction`] | sensors that go wrong, and what the monitor says of it |

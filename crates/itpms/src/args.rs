@@ -188,7 +188,7 @@ pub(crate) struct SimulateArgs {
     /// Seed of the road, the sensors' noise and losses: the same seed gives the same drive.
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub(crate) seed: u64,
-    /// Where the log goes: .csv or .parquet.
+    /// Where the log goes: .csv, .parquet or .mf4.
     #[arg(short, long, value_name = "LOG")]
     pub(crate) output: PathBuf,
     /// Drive this vehicle instead of the scenario's own.

@@ -4,7 +4,7 @@
 use crate::estimate::{Validity, Warning};
 use crate::real::Real;
 
-/// A tire is low below this share of the placard pressure, half of the way to the 20 % loss that UN R141 asks for.
+/// A tire is low below this share of the placard pressure, six tenths of the way to the 20 % loss that UN R141 asks for.
 const LOW: f64 = 0.88;
 /// It is fine again above this share.
 const FINE: f64 = 0.92;

@@ -1,7 +1,8 @@
 //! The monitor that a car would ship: watches sensors and pressures, and says what is wrong, since when and why.
 //!
 //! [`MonitoredCar`] is the whole: an estimator between the two halves of a [`Monitor`]. Called by the binary, the
-//! studies and controllers. The monitor must never know how a pressure was estimated, nor the truth. Thresholds, times and
+//! studies and controllers. Of the estimate the monitor knows pressures, their sds and
+//! correlations, and whether front and rear share a road; never the truth. Thresholds, times and
 //! their reasons are in docs/math/monitor.md.
 //!
 //! | room | idea |

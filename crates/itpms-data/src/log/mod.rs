@@ -14,7 +14,7 @@
 //! An empty cell, `NaN`, `null` or a null is a missing sample. Rows keep their own times: rates, jitter and gaps are
 //! the estimator's business. Memory is bounded: the first [`SURVEY_ROWS`] rows and one batch, whatever the length.
 //!
-//! Called by the commands of the binary and by the study; knows nothing of estimators and of simulation.
+//! Called by the commands of the binary and by the live monitor; knows nothing of estimators and of simulation.
 
 #[cfg(feature = "can")]
 mod can_feed;

@@ -1,4 +1,4 @@
-//! Files out: estimates, roads and drive logs, CSV or Parquet by extension.
+//! Files out, by extension: estimates and roads as CSV or Parquet, drive logs also as MDF4.
 //!
 //! Called by the commands of the binary. Rows go out as they come, in bounded memory. A file appears under its name
 //! only when it is complete: every writer ends in [`AtomicFile::commit`], and one that is dropped before leaves

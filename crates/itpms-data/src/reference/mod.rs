@@ -11,7 +11,7 @@
 //! id = "WXY00000000000001"               # where the vehicle file has one
 //! parameters = "5c0a9d4be1f20377"        # fingerprint of masses, springs, dampers, tires, placards, wheelbase
 //! [learned]
-//! unix_s = 1900000000                    # when
+//! unix_s = "1900000000"                  # when
 //! driving_s = 600.0                      # from how much useful driving
 //! wheelbase = 0.004                      # every quantity with its standard deviation
 //! wheelbase_sd = 0.001

@@ -1,6 +1,6 @@
 //! The vehicle file: a name, a wheelbase and up to four corners, each a complete [`CornerConfig`].
 //!
-//! Read by the binary and by the study; knows TOML and the core's types, nothing of drives. Every value is checked
+//! Read by the binary and by the live monitor; knows TOML and the core's types, nothing of drives. Every value is checked
 //! when it is read, so a [`Vehicle`] is usable as it stands.
 //!
 //! ```toml

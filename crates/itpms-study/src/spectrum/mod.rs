@@ -1,6 +1,6 @@
 //! Power spectral densities, and what ISO 8608 reads from a road's.
 //!
-//! Called by the report, the score and the paper's study. Knows profiles and frequencies, nothing of cars.
+//! Called by the report, the score, the roughness and the paper's study. Knows profiles and frequencies, nothing of cars.
 
 mod iso8608;
 mod welch;

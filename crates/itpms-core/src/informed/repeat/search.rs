@@ -1,5 +1,5 @@
 //! Looks for a road that repeats itself: the autocorrelation of the reconstructed road velocity at every lag from a
-//! quarter of a second to two seconds, forgotten over some periods (docs/math/repeated-road.md, eq. 1-2).
+//! quarter of a second to 1.8 s, forgotten over some periods (docs/math/repeated-road.md, eq. 1-2).
 //!
 //! Fed with every grid step; gives a period when the signal has repeated itself for a whole one. Knows nothing of
 //! stiffness. A road that does not repeat correlates by chance alone, a wheel out of balance with one frequency only:

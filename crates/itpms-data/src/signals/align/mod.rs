@@ -10,8 +10,8 @@
 //! | speed, true pressure and road | as they are where the times agree, else on the straight line between two readings no further apart than three of their periods |
 //!
 //! Rates and offsets are measured in the first two seconds, in which no row comes out. Later a row waits for its last
-//! reading: at most 1.5 periods for accelerations of its rate, 8 for faster ones, 2.5 periods of its own (and half a second)
-//! for the speed. What is still not there then is missing. An offset is followed slowly, so clocks may drift; when one
+//! reading: until two later rows have begun for accelerations of its rate, 8 for faster ones, at most 2.5 periods of its
+//! own (and half a second) for the speed. What is still not there then is missing. An offset is followed slowly, so clocks may drift; when one
 //! has drifted past three quarters of a period, one of its readings is missing or left over.
 
 mod kernel;
