@@ -57,8 +57,8 @@ pub struct CarEstimate<T> {
 pub struct TrackState<T> {
     /// Whether the shared road is being learned from.
     pub shared: bool,
-    /// Share of the road's power near wheel hop that front and rear do not have in common, 0.001 to 2 (roads that have nothing in common
-    /// differ by twice their power); NaN when unknown.
+    /// Share of the road's power near wheel hop that front and rear do not have in common, 0.001 to 2 (what two
+    /// roads that have nothing in common differ by has twice the power of one); NaN when unknown.
     pub incoherence: T,
 }
 

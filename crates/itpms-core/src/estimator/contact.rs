@@ -116,23 +116,32 @@ mod tests {
     extern crate std;
     use super::*;
 
+    /// A grid step of these accelerations.
+    fn step(time_s: f64, [body_accel_m_s2, wheel_accel_m_s2]: [f64; 2]) -> GridSample<f64> {
+        let (spoiled, unloaded, after_gap) = (false, false, false);
+        GridSample {
+            time_s,
+            speed_m_s: 20.0,
+            body_accel_m_s2,
+            wheel_accel_m_s2,
+            spoiled,
+            unloaded,
+            after_gap,
+        }
+    }
+
+    /// What accelerates body and wheel so that the tire has this force; the body takes a third of it.
+    fn accelerations(car: &QuarterCar<f64>, force_n: f64) -> [f64; 2] {
+        [force_n / 3.0 / car.sprung_mass_kg(), force_n / 1.5 / car.unsprung_mass_kg()]
+    }
+
     /// What a watch says of tire forces, as shares of the weight, a tenth of a second apart.
     fn watched(forces: &[f64]) -> std::vec::Vec<Contact> {
         let car = QuarterCar::<f64>::paper_table_2();
         let mut watch = ContactWatch::new(&car);
         let weight_n = (car.sprung_mass_kg() + car.unsprung_mass_kg()) * GRAVITY_M_S2;
         let look = |(i, share): (usize, &f64)| {
-            // The body takes a third of it.
-            let force_n = share * weight_n;
-            watch.look(&GridSample {
-                time_s: 0.1 * i as f64,
-                speed_m_s: 20.0,
-                body_accel_m_s2: force_n / 3.0 / car.sprung_mass_kg(),
-                wheel_accel_m_s2: force_n / 1.5 / car.unsprung_mass_kg(),
-                spoiled: false,
-                unloaded: false,
-                after_gap: false,
-            })
+            watch.look(&step(0.1 * i as f64, accelerations(&car, share * weight_n)))
         };
         forces.iter().enumerate().map(look).collect()
     }
@@ -147,15 +156,8 @@ mod tests {
             let hop = |i: u32| {
                 let time_s = 0.005 * f64::from(i);
                 let force_n = 1.2 * weight_n * (core::f64::consts::TAU * 11.0 * time_s).sin();
-                watch.look(&GridSample {
-                    time_s,
-                    speed_m_s: 20.0,
-                    body_accel_m_s2: force_n / 3.0 / car.sprung_mass_kg() + offsets[0],
-                    wheel_accel_m_s2: force_n / 1.5 / car.unsprung_mass_kg() + offsets[1],
-                    spoiled: false,
-                    unloaded: false,
-                    after_gap: false,
-                })
+                let [body, wheel] = accelerations(&car, force_n);
+                watch.look(&step(time_s, [body + offsets[0], wheel + offsets[1]]))
             };
             (0..20_000).map(hop).collect()
         };
@@ -172,18 +174,9 @@ mod tests {
         }
         // A mean that a road may have is left alone, to the last bit.
         let mut watch = ContactWatch::new(&car);
-        let sample = GridSample {
-            time_s: 1.0,
-            speed_m_s: 20.0,
-            body_accel_m_s2: 3.9,
-            wheel_accel_m_s2: -3.9,
-            spoiled: false,
-            unloaded: false,
-            after_gap: false,
-        };
         for i in 0..10_000 {
-            let time_s = 0.005 * f64::from(i);
-            assert_eq!(watch.without_offsets(&GridSample { time_s, ..sample }), [3.9, -3.9]);
+            let sample = step(0.005 * f64::from(i), [3.9, -3.9]);
+            assert_eq!(watch.without_offsets(&sample), [3.9, -3.9]);
         }
     }
 

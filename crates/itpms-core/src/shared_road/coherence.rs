@@ -29,8 +29,8 @@ const POWER_S: f64 = 1.0;
 /// believed too much until this is seen, so it is seen with this time constant in s. (A tire that falls is on one side.)
 const PARTING: f64 = 6.0;
 const PARTING_S: f64 = 0.3;
-/// Time constant in s in which incoherence becomes lasting, and the most that counts of it, or a bend of three seconds would last
-/// like a quarter of a minute beside the track; it ends at once.
+/// Time constant in s in which incoherence becomes lasting; it ends at once. The most that counts of it: two seconds of a bend,
+/// in which nothing is shared, would else count like 2 cm beside the track for good.
 const LASTING_S: f64 = 20.0;
 const MOST_LASTING: f64 = 0.2;
 
@@ -244,7 +244,7 @@ mod tests {
         let mut coherence = Coherence::new();
         assert!(drive(&mut coherence, 60.0, 0.002) < 0.01);
         // A bend: nearly all of the road is another one, for some seconds; it is seen at once, and lasts with 20 s, as far as it
-        // counts: 0.2 less what is left of the 0.198 to there after 4 s at most.
+        // counts: on the way from 0.002 to 0.2 at most.
         let bend = drive(&mut coherence, 4.0, 0.9);
         assert!(coherence.near_wheel_hop() > 0.5 && bend > 0.02, "{bend}");
         assert!(bend < 0.2 - 0.198 * (-4.0_f64 / 20.0).exp() + 1e-9, "{bend}");

@@ -70,10 +70,12 @@ impl Record {
     /// Seeds of hours to drive again before this program may add its own: the first and the last, if another build drove
     /// those that are there.
     pub(super) fn doubtful(&self) -> Vec<u64> {
+        if self.own {
+            return vec![];
+        }
         let [first, last] = [self.hours.keys().next(), self.hours.keys().next_back()];
         let mut seeds: Vec<u64> = [first, last].into_iter().flatten().copied().collect();
         seeds.dedup();
-        seeds.retain(|_| !self.own);
         seeds
     }
 
