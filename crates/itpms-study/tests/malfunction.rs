@@ -26,6 +26,20 @@ fn malfunctions_are_said_in_time_and_no_other_is() {
     assert!(table.contains("body and wheel swapped") && table.contains("nothing wrong: 0 malfunctions"));
 }
 
+/// Twenty-six km/h on a road so smooth that the sensors hear little but themselves: noise makes body and wheel look alike
+/// there, as if they were swapped, and one wheel hop more than the others, as if its gain were wrong.
+#[test]
+fn noise_on_a_smooth_road_is_said_to_be_noise() {
+    let go = |_, _| ControlFlow::Continue(());
+    let study = study(&Request { first_seed: 39, ..request("noise") }, &go).unwrap();
+    assert_eq!(study.rows.len(), 2);
+    for row in &study.rows {
+        assert_eq!((row.drives, row.in_time, row.named), (1, 1, 1), "{row:?}");
+        assert_eq!((row.wrong_before_s, row.wrong_after_s), (0.0, 0.0), "{row:?}");
+    }
+    assert_eq!(study.clean.malfunctions, 0, "{:?}", study.clean);
+}
+
 #[test]
 fn requests_that_make_no_sense_are_refused_and_a_break_stops() {
     let go = |_, _| ControlFlow::Continue(());

@@ -10,9 +10,11 @@
 //! | `filters`, `signals`, `moments` | bands and their second moments |
 //! | `matching` | who follows whom; whether the bodies are one plane |
 //! | `together`, `word` | swapped, wrong gain |
+//! | `jump` | a gain that changes at once |
 
 mod alone;
 mod filters;
+mod jump;
 mod matching;
 mod moments;
 mod sensor;
@@ -23,7 +25,7 @@ mod word;
 use self::alone::Alone;
 use self::matching::{median, over_others};
 use self::sensor::SensorBlock;
-use self::signals::{Block, Signals};
+use self::signals::{Block, HOP_WIDTH_HZ, Signals};
 use self::together::Together;
 use super::alert::{Malfunction, Place, Sensor};
 use super::latch::Latch;
@@ -42,6 +44,9 @@ const MOVING_M_S: f64 = 1.5;
 const DRIVING_M_S: f64 = 3.0;
 /// Share of missing values up to which a sensor is held against others.
 const FEW_MISSING: f64 = 0.1;
+/// Power of white noise in the hop band, at most, over what its quietest part says: of five parts of a tenth of a second
+/// the quietest has half of it, and half a second of the band is few swings. One block in a hundred has more.
+const WHITE_AT_MOST: f64 = 8.0;
 /// Blocks after something was wrong until the filters have forgotten it.
 const FORGETTING_BLOCKS: u32 = 6;
 
@@ -179,7 +184,8 @@ impl<T: Real> Health<T> {
     }
 
     /// Noise against that of its like; not of a corner where body and wheel may be swapped: each would be unlike its like.
-    /// A sensor that reads more of everything has a wrong gain: noise is what is more than wheel hop is more.
+    /// A sensor that reads more of everything has a wrong gain: noise is what is more than wheel hop is more. Where its
+    /// noise is all there is in the hop band, as on a smooth road, that band says nothing of either.
     fn judge_noise(
         &mut self,
         [time_s, step_s]: [f64; 2],
@@ -189,9 +195,13 @@ impl<T: Real> Health<T> {
         let body_hop = [0, 1, 2, 3].map(|i| block.hop[(i, i)]);
         for i in (0..8).filter(|i| self.present[i % 4]) {
             let hop = if i < 4 { &body_hop } else { &block.wheel_hop };
-            let powers = self.noise_powers(blocks, i).filter(|_| !self.together.is_odd(i % 4));
-            let louder = over_others(hop, i % 4).max(T::one());
-            let powers = powers.map(|[own, alike]| [own, alike * louder]);
+            let hops =
+                |own: T| !(hop[i % 4] < own * T::lit(WHITE_AT_MOST * HOP_WIDTH_HZ * 2.0 * self.period_s));
+            let powers = self.noise_powers(blocks, i).and_then(|[own, alike]| match hops(own) {
+                false => Some([own, alike]),
+                true if self.together.is_odd(i % 4) => None,
+                true => Some([own, alike * over_others(hop, i % 4).max(T::one())]),
+            });
             self.sensors[i].compare_noise(time_s, step_s, powers);
         }
     }

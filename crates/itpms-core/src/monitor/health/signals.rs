@@ -15,6 +15,8 @@ use crate::car::CarConfig;
 use crate::real::Real;
 
 const HOP_HZ: [f64; 2] = [8.0, 20.0];
+/// Width of the hop band in Hz.
+pub(super) const HOP_WIDTH_HZ: f64 = HOP_HZ[1] - HOP_HZ[0];
 const BOUNCE_HZ: [f64; 2] = [1.0, 6.0];
 const SLOW_HZ: [f64; 2] = [0.4, 0.9];
 /// Rates in Hz to which samples are averaged before hop, and before bounce and slow.

@@ -7,9 +7,10 @@ use super::super::latch::{Evidence, Patience};
 use super::super::wheels::Wheels;
 use super::Fault;
 use super::alone::evidence;
+use super::jump::{Jump, jumps};
 use super::matching::{Changed, Following, PAIRS, Plane, following, median, over_others};
 use super::moments::Moments;
-use super::signals::Block;
+use super::signals::{Block, HOP_WIDTH_HZ};
 use super::word::{Looks, Word};
 use crate::real::Real;
 use crate::sample::Corner;
@@ -24,8 +25,7 @@ const RATIO_BLOCKS: f64 = 4.0;
 const FILLED: f64 = 0.4;
 /// Power over the sensors' noise in a band from which it counts.
 const OVER_NOISE: f64 = 10.0;
-/// Bandwidths in Hz of the bands, for that noise.
-const HOP_WIDTH_HZ: f64 = 12.0;
+/// Bandwidths in Hz of the other bands, for that noise.
 const BOUNCE_WIDTH_HZ: f64 = 5.0;
 const SLOW_WIDTH_HZ: f64 = 0.5;
 
@@ -34,6 +34,8 @@ const SLOW_WIDTH_HZ: f64 = 0.5;
 const ODD: f64 = 0.7;
 const NOT_ODD: f64 = 1.7;
 const CROSSED: f64 = -1.5;
+/// Power of a body over its sensor's noise in the hop band from which it says what a wheel's hop does to it.
+const HEARD: f64 = 3.0;
 /// How much more than its like a body moves that is a wheel, as a log of powers.
 const LIKE_A_WHEEL: f64 = 2.0;
 const RATIO: Patience = Patience { raise_s: 3.0, clear_s: 5.0 };
@@ -90,6 +92,8 @@ pub(super) struct Together<T: Real> {
     reversed: [Word<T>; 4],
     /// Logs of the wheels' hop power over that of the others, averaged over the slow band's time.
     hop_level: [T; 4],
+    /// Whether what a wheel's hop does to its body has changed at once.
+    jumps: [Jump<T>; 4],
 }
 
 impl<T: Real> Together<T> {
@@ -108,6 +112,7 @@ impl<T: Real> Together<T> {
             gains: [Word::new(); 8],
             reversed: [Word::new(); 4],
             hop_level: [T::zero(); 4],
+            jumps: [Jump::new(); 4],
         }
     }
 
@@ -203,6 +208,14 @@ impl<T: Real> Together<T> {
                 _ => Malfunction::Inconsistent(corner),
             };
             self.odd[i].update(at, evidence(odd, ratio > T::lit(NOT_ODD)), RATIO, || malfunction);
+        }
+        let heard = |i: usize| {
+            let loud = body(i) > T::lit(HEARD / OVER_NOISE) * self.noise(i, HOP_WIDTH_HZ);
+            alive[i] && loud && self.newest_ratio[i].is_finite()
+        };
+        let explained = [0, 1, 2, 3].map(|i| [i, 4 + i].iter().any(|&i| self.gains[i].latch.is_said()));
+        if [0, 1, 2, 3].into_iter().all(heard) {
+            jumps(&mut self.jumps, at, &self.newest_ratio, explained);
         }
     }
 
@@ -318,13 +331,16 @@ impl<T: Real> Together<T> {
         Some(Fault::said_by(&self.odd[body].latch, swapped))
     }
 
-    /// The corners whose sensors may be swapped; a wrong gain is waited for, it does little harm.
+    /// The corners whose sensors may be swapped, or whose gain may have changed. That a gain was wrong all the time is
+    /// waited for.
     pub(super) fn suspects(&self) -> Wheels {
         let words = self.odd.iter().chain(&self.pairs).chain(&self.reversed).chain(&self.corners);
         let suspected = words.filter(|word| word.latch.is_suspected());
         // A body that moves like its wheel is suspect at once.
         let odd = |corner: &Corner| self.newest_ratio[corner.index()] < T::lit(ODD);
-        let at_once: Wheels = Corner::ALL.into_iter().filter(odd).collect();
+        let jumped = |corner: &Corner| self.jumps[corner.index()].is_suspected();
+        let at_once: Wheels =
+            Corner::ALL.into_iter().filter(|corner| odd(corner) || jumped(corner)).collect();
         suspected
             .filter_map(|word| word.malfunction.as_ref())
             .fold(at_once, |all, malfunction| all | malfunction.wheels())

@@ -1,0 +1,195 @@
+//! Whether what a wheel's hop does to its body has changed at once (docs/math/monitor.md, section 3).
+//!
+//! Strut and sprung mass make a body's acceleration of its wheel's; the tire has no part in it. So a change within
+//! seconds, at one corner alone, is one of a sensor's gain and never a loss of pressure. Which of the two sensors, and
+//! whether it stays, takes longer to say; until then the corner is kept from the estimator.
+
+use super::super::latch::{Evidence, Latch, Patience};
+use super::matching::median;
+use crate::real::Real;
+
+/// Blocks over which the usual ratio is averaged, and after which it is known.
+const USUAL_BLOCKS: u32 = 40;
+const KNOWN_BLOCKS: u32 = 20;
+/// Newest blocks of which the middle one counts. A hole under one wheel shakes the bodies of all: at the others one block or
+/// two, but not half of them, have a body that moves more than its wheel explains.
+const NEWEST: usize = 7;
+/// Log of powers by which a corner's ratio is off from its usual one, more than the others', from which it has jumped,
+/// and below which it has not. A gain of one half or two makes 1.39.
+const JUMPED: f64 = 1.0;
+const AS_EVER: f64 = 0.5;
+const JUMP: Patience = Patience { raise_s: 0.0, clear_s: 1.0 };
+/// A single block moves the usual ratio by no more than this, over their number.
+const LARGEST: f64 = 1.0;
+/// Seconds of driving after which a jump that nothing else explains is taken for another car: a load that was moved, a
+/// damper that broke.
+const LONGEST_S: f64 = 120.0;
+
+/// A corner's usual ratio, and whether it has left it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Jump<T> {
+    /// Mean log of hop power, wheel over body, and the blocks it is of.
+    usual: T,
+    blocks: u32,
+    /// By how much the newest blocks were off from it, more than at the other corners; newest last.
+    off: [T; NEWEST],
+    latch: Latch,
+    /// Seconds for which it has been suspected.
+    lasted_s: f64,
+}
+
+impl<T: Real> Jump<T> {
+    pub(super) fn new() -> Self {
+        Self { usual: T::zero(), blocks: 0, off: [T::zero(); NEWEST], latch: Latch::new(), lasted_s: 0.0 }
+    }
+
+    /// Whether its corner is not to be learned from.
+    pub(super) fn is_suspected(&self) -> bool {
+        self.latch.is_said()
+    }
+
+    fn learn(&mut self, ratio: T) {
+        self.blocks = (self.blocks + 1).min(USUAL_BLOCKS);
+        let by = T::lit(if self.blocks < KNOWN_BLOCKS { f64::INFINITY } else { LARGEST });
+        self.usual += (ratio - self.usual).clamp(-by, by) / T::lit(f64::from(self.blocks));
+    }
+
+    fn judge(&mut self, [time_s, step_s]: [f64; 2], off: T, explained: bool) {
+        self.off.rotate_left(1);
+        self.off[NEWEST - 1] = off;
+        let evidence = match median(&mut self.off.clone()).abs() {
+            off if off > T::lit(JUMPED) => Evidence::For,
+            off if off < T::lit(AS_EVER) => Evidence::Against,
+            _ => Evidence::Neither,
+        };
+        if !self.latch.update(time_s, step_s, evidence, JUMP) || explained {
+            self.lasted_s = 0.0;
+        } else {
+            self.lasted_s += step_s;
+        }
+        if self.lasted_s > LONGEST_S {
+            *self = Self::new();
+        }
+    }
+}
+
+/// Takes a block in which all four corners are heard: logs of its hop power, wheel over body, and the corners at which a
+/// wrong gain is said.
+pub(super) fn jumps<T: Real>(
+    corners: &mut [Jump<T>; 4],
+    at: [f64; 2],
+    ratios: &[T; 4],
+    explained: [bool; 4],
+) {
+    let off = [0, 1, 2, 3].map(|i| ratios[i] - corners[i].usual);
+    let known = corners.iter().all(|corner| corner.blocks >= KNOWN_BLOCKS);
+    for (i, corner) in corners.iter_mut().enumerate() {
+        if known {
+            let mut others = [1, 2, 3].map(|step| off[(i + step) % 4]);
+            corner.judge(at, off[i] - median(&mut others), explained[i]);
+        }
+        if !corner.is_suspected() {
+            corner.learn(ratios[i]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BLOCK_S: f64 = 0.5;
+
+    /// Four corners that have driven a minute: body and wheel as 4.5 in a log, a little more or less by corner and block.
+    struct Car {
+        corners: [Jump<f64>; 4],
+        blocks: u32,
+    }
+
+    impl Car {
+        fn that_has_driven(blocks: u32) -> Self {
+            let mut car = Self { corners: [Jump::new(); 4], blocks: 0 };
+            for _ in 0..blocks {
+                car.block([0.0; 4], false);
+                assert_eq!(car.suspects(), [false; 4]);
+            }
+            car
+        }
+
+        fn block(&mut self, more: [f64; 4], explained: bool) {
+            self.blocks += 1;
+            let usual = |i: usize| 4.5 + 0.2 * (f64::from(self.blocks) * (1.0 + 0.7 * i as f64)).sin();
+            let ratios = [0, 1, 2, 3].map(|i| usual(i) + more[i]);
+            let at = [BLOCK_S * f64::from(self.blocks), BLOCK_S];
+            jumps(&mut self.corners, at, &ratios, [explained, false, false, false]);
+        }
+
+        fn suspects(&self) -> [bool; 4] {
+            self.corners.each_ref().map(Jump::is_suspected)
+        }
+
+        /// Seconds until the first corner's suspicion is `wanted`.
+        fn until(&mut self, wanted: bool, more: f64, explained: bool) -> f64 {
+            let from = self.blocks;
+            while self.suspects()[0] != wanted {
+                self.block([more, 0.0, 0.0, 0.0], explained);
+                assert_eq!(self.suspects()[1..], [false; 3]);
+                assert!(self.blocks - from < 1000, "never");
+            }
+            f64::from(self.blocks - from) * BLOCK_S
+        }
+    }
+
+    #[test]
+    fn a_gain_that_changes_is_suspected_within_two_seconds_and_until_it_is_back() {
+        for gain in [0.5_f64, 2.0] {
+            let mut car = Car::that_has_driven(120);
+            let more = 2.0 * gain.ln();
+            assert!(car.until(true, more, false) <= 2.0);
+            for _ in 0..100 {
+                car.block([more, 0.0, 0.0, 0.0], false);
+                assert_eq!(car.suspects(), [true, false, false, false]);
+            }
+            assert!(car.until(false, 0.0, false) <= 3.5);
+        }
+    }
+
+    #[test]
+    fn holes_and_another_road_are_no_jump() {
+        let mut car = Car::that_has_driven(120);
+        // Every other wheel in turn meets a hole: the body above the others is shaken for a second.
+        for i in 0..200 {
+            let shaken = |corner: usize| if i % 7 < 2 && i / 7 % 4 != corner as u32 { -3.0 } else { 0.0 };
+            car.block([0, 1, 2, 3].map(shaken), false);
+            assert_eq!(car.suspects(), [false; 4], "{i}");
+        }
+        // A road on which all four answer otherwise.
+        for i in 0..100 {
+            car.block([1.5; 4], false);
+            assert_eq!(car.suspects(), [false; 4], "{i}");
+        }
+    }
+
+    #[test]
+    fn what_stays_unexplained_is_another_car_in_the_end() {
+        let mut car = Car::that_has_driven(120);
+        car.until(true, 1.4, false);
+        let lasted_s = car.until(false, 1.4, false);
+        assert!((lasted_s - LONGEST_S).abs() < 2.0, "{lasted_s}");
+        // But not while a wrong gain is said.
+        let mut car = Car::that_has_driven(120);
+        car.until(true, 1.4, false);
+        for _ in 0..1000 {
+            car.block([1.4, 0.0, 0.0, 0.0], true);
+            assert!(car.suspects()[0]);
+        }
+    }
+
+    #[test]
+    fn nothing_is_suspected_before_the_usual_is_known() {
+        let mut car = Car::that_has_driven(KNOWN_BLOCKS - 1);
+        car.block([3.0, 0.0, 0.0, 0.0], false);
+        assert_eq!(car.suspects(), [false; 4]);
+    }
+}
