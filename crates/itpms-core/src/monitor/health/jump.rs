@@ -32,7 +32,7 @@ pub(super) struct Jump<T> {
     /// Mean log of hop power, wheel over body, and the blocks it is of.
     usual: T,
     blocks: u32,
-    /// By how much the newest blocks were off from it, more than at the other corners; newest last.
+    /// By how much the newest blocks were off from it, more than at other corners; newest last.
     off: [T; NEWEST],
     latch: Latch,
     /// Seconds for which it has been suspected.
@@ -76,6 +76,9 @@ impl<T: Real> Jump<T> {
 
 /// Takes a block in which all four corners are heard: logs of its hop power, wheel over body, and the corners at which a
 /// wrong gain is said.
+///
+/// A corner is off by what it is off from all others and from the other one of its side, whichever is less: where one side is
+/// rough and the other smooth, both bodies of the smooth one move with the rough one's wheels.
 pub(super) fn jumps<T: Real>(
     corners: &mut [Jump<T>; 4],
     at: [f64; 2],
@@ -87,7 +90,10 @@ pub(super) fn jumps<T: Real>(
     for (i, corner) in corners.iter_mut().enumerate() {
         if known {
             let mut others = [1, 2, 3].map(|step| off[(i + step) % 4]);
-            corner.judge(at, off[i] - median(&mut others), explained[i]);
+            let (all, side) = (off[i] - median(&mut others), off[i] - off[(i + 2) % 4]);
+            let less =
+                if all * side > T::zero() { all.signum() * all.abs().min(side.abs()) } else { T::zero() };
+            corner.judge(at, less, explained[i]);
         }
         if !corner.is_suspected() {
             corner.learn(ratios[i]);
@@ -164,10 +170,12 @@ mod tests {
             car.block([0, 1, 2, 3].map(shaken), false);
             assert_eq!(car.suspects(), [false; 4], "{i}");
         }
-        // A road on which all four answer otherwise.
-        for i in 0..100 {
-            car.block([1.5; 4], false);
-            assert_eq!(car.suspects(), [false; 4], "{i}");
+        // A road on which all four answer otherwise; one that is rough on the left only.
+        for more in [[1.5; 4], [0.0, -2.0, 0.0, -2.0]] {
+            for i in 0..100 {
+                car.block(more, false);
+                assert_eq!(car.suspects(), [false; 4], "{i}");
+            }
         }
     }
 
