@@ -148,11 +148,11 @@ mod tests {
     }
 
     #[test]
-    fn a_gain_that_changes_is_suspected_within_two_seconds_and_until_it_is_back() {
+    fn a_gain_that_changes_is_suspected_within_three_seconds_and_until_it_is_back() {
         for gain in [0.5_f64, 2.0] {
             let mut car = Car::that_has_driven(120);
             let more = 2.0 * gain.ln();
-            assert!(car.until(true, more, false) <= 2.0);
+            assert!(car.until(true, more, false) <= 3.0);
             for _ in 0..100 {
                 car.block([more, 0.0, 0.0, 0.0], false);
                 assert_eq!(car.suspects(), [true, false, false, false]);
