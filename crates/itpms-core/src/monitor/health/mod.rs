@@ -177,6 +177,9 @@ impl<T: Real> Health<T> {
         let few = |block: &Option<SensorBlock<T>>| block.is_none_or(|b| b.missing < T::lit(FEW_MISSING));
         let calm = (0..8).all(|i| self.present[i % 4] && !self.sensors[i].is_suspected());
         let calm = calm && blocks.iter().all(few);
+        if calm {
+            self.together.look_for_jumps([time_s, step_s], &block);
+        }
         self.calm_blocks = if calm { (self.calm_blocks + 1).min(FORGETTING_BLOCKS + 1) } else { 0 };
         if driving && self.calm_blocks > FORGETTING_BLOCKS {
             self.together.take([time_s, step_s], &block);

@@ -209,14 +209,6 @@ impl<T: Real> Together<T> {
             };
             self.odd[i].update(at, evidence(odd, ratio > T::lit(NOT_ODD)), RATIO, || malfunction);
         }
-        let heard = |i: usize| {
-            let loud = body(i) > T::lit(HEARD / OVER_NOISE) * self.noise(i, HOP_WIDTH_HZ);
-            alive[i] && loud && self.newest_ratio[i].is_finite()
-        };
-        let explained = [0, 1, 2, 3].map(|i| [i, 4 + i].iter().any(|&i| self.gains[i].latch.is_said()));
-        if [0, 1, 2, 3].into_iter().all(heard) {
-            jumps(&mut self.jumps, at, &self.newest_ratio, explained);
-        }
     }
 
     /// Whether body and wheel of a corner may be swapped.
@@ -224,6 +216,19 @@ impl<T: Real> Together<T> {
         self.looks[corner] != Looks::Right
             || self.newest_ratio[corner] < T::lit(NOT_ODD)
             || self.odd[corner].latch.is_suspected()
+    }
+
+    /// Takes the block that was just compared, of a car none of whose sensors is odd by itself: has what a wheel does to its body
+    /// changed at once?
+    pub(super) fn look_for_jumps(&mut self, at: [f64; 2], block: &Block<T>) {
+        let heard = |i: usize| {
+            let loud = block.hop[(i, i)] > T::lit(HEARD / OVER_NOISE) * self.noise(i, HOP_WIDTH_HZ);
+            loud && self.newest_ratio[i].is_finite()
+        };
+        let explained = [0, 1, 2, 3].map(|i| [i, 4 + i].iter().any(|&i| self.gains[i].latch.is_said()));
+        if [0, 1, 2, 3].into_iter().all(heard) {
+            jumps(&mut self.jumps, at, &self.newest_ratio, explained);
+        }
     }
 
     fn judge_pairs(&mut self, at: [f64; 2], following: Option<&Following<T>>, plane: Option<&Plane<T>>) {
