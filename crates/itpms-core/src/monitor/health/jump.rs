@@ -16,7 +16,7 @@ const KNOWN_BLOCKS: u32 = 12;
 const NEWEST: usize = 9;
 /// Log of powers by which a corner's ratio is off from its usual one, more than the others', from which it has jumped,
 /// and below which it has not. A gain of one half or two makes 1.39.
-const JUMPED: f64 = 0.9;
+const JUMPED: f64 = 0.75;
 const AS_EVER: f64 = 0.5;
 const JUMP: Patience = Patience { raise_s: 0.0, clear_s: 1.0 };
 /// A single block moves the usual ratio by no more than this, over their number.
