@@ -26,8 +26,8 @@ fn malfunctions_are_said_in_time_and_no_other_is() {
     assert!(table.contains("body and wheel swapped") && table.contains("nothing wrong: 0 malfunctions"));
 }
 
-/// Twenty-six km/h on a road so smooth that the sensors hear little but themselves: noise makes body and wheel look alike
-/// there, as if they were swapped, and one wheel hop more than the others, as if its gain were wrong.
+/// Twenty-six km/h on a road so smooth that the sensors hear little but themselves: noise in a body's makes it look like its
+/// wheel there, as if they were swapped. (It was said after 32 s as long as that kept it from being compared with its like.)
 #[test]
 fn noise_on_a_smooth_road_is_said_to_be_noise() {
     let go = |_, _| ControlFlow::Continue(());

@@ -4,7 +4,8 @@
 //! seconds, at one corner alone, is one of a sensor's gain and never a loss of pressure. Which of the two sensors, and
 //! whether it stays, takes longer to say; until then the corner is kept from the estimator.
 
-use super::super::latch::{Evidence, Latch, Patience};
+use super::super::latch::{Latch, Patience};
+use super::alone::evidence;
 use super::matching::median;
 use crate::real::Real;
 
@@ -62,12 +63,8 @@ impl<T: Real> Jump<T> {
         median(&mut self.off.clone())
     }
 
-    fn judge(&mut self, [time_s, step_s]: [f64; 2], off: T, explained: bool) {
-        let evidence = match off.abs() {
-            off if off > T::lit(JUMPED) => Evidence::For,
-            off if off < T::lit(AS_EVER) => Evidence::Against,
-            _ => Evidence::Neither,
-        };
+    fn judge(&mut self, [time_s, step_s]: [f64; 2], by: T, explained: bool) {
+        let evidence = evidence(by > T::lit(JUMPED), by < T::lit(AS_EVER));
         if !self.latch.update(time_s, step_s, evidence, JUMP) || explained {
             self.lasted_s = 0.0;
         } else {
@@ -90,16 +87,16 @@ pub(super) fn jumps<T: Real>(
     ratios: &[T; 4],
     explained: [bool; 4],
 ) {
-    let known = corners.iter().all(|corner| corner.blocks >= KNOWN_BLOCKS);
-    let off = if known { [0, 1, 2, 3].map(|i| corners[i].off(ratios[i])) } else { [T::zero(); 4] };
-    for (i, corner) in corners.iter_mut().enumerate() {
-        if known {
+    if corners.iter().all(|corner| corner.blocks >= KNOWN_BLOCKS) {
+        let off = [0, 1, 2, 3].map(|i| corners[i].off(ratios[i]));
+        for (i, corner) in corners.iter_mut().enumerate() {
             let mut others = [1, 2, 3].map(|step| off[(i + step) % 4]);
             let (all, side) = (off[i] - median(&mut others), off[i] - off[(i + 2) % 4]);
-            let less =
-                if all * side > T::zero() { all.signum() * all.abs().min(side.abs()) } else { T::zero() };
-            corner.judge(at, less, explained[i]);
+            let by = if all * side > T::zero() { all.abs().min(side.abs()) } else { T::zero() };
+            corner.judge(at, by, explained[i]);
         }
+    }
+    for (i, corner) in corners.iter_mut().enumerate() {
         match (corner.is_suspected(), explained[i]) {
             (true, _) => {}
             // It was wrong before its usual was known: what was learned is not.
@@ -220,8 +217,16 @@ mod tests {
 
     #[test]
     fn nothing_is_suspected_before_the_usual_is_known() {
-        let mut car = Car::that_has_driven(KNOWN_BLOCKS - 1);
-        car.block([3.0, 0.0, 0.0, 0.0], false);
-        assert_eq!(car.suspects(), [false; 4]);
+        // As many blocks off as make a jump later, and none of them suspect yet.
+        let mut car = Car::that_has_driven(KNOWN_BLOCKS - 5);
+        for _ in 0..5 {
+            car.block([3.0, 0.0, 0.0, 0.0], false);
+            assert_eq!(car.suspects(), [false; 4]);
+        }
+        let mut car = Car::that_has_driven(120);
+        for _ in 0..5 {
+            car.block([3.0, 0.0, 0.0, 0.0], false);
+        }
+        assert_eq!(car.suspects(), [true, false, false, false]);
     }
 }
