@@ -35,7 +35,7 @@ function reason(alert) {
     case "over-inflated":
       return at;
     case "fast-leak":
-      return `loses ${n(alert.rate_kpa_per_min)} kPa per minute; ${at}`;
+      return `lost up to ${n(alert.rate_kpa_per_min)} kPa per minute; ${at}`;
     case "all-low":
       return `at ${n(100 * alert.mean_share)} ± ${n(100 * alert.sd_share)} % of their reference on average`;
     case "no-information":

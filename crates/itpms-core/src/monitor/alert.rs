@@ -30,7 +30,7 @@ pub enum Cause<T> {
     FastLeak {
         /// The pressure now.
         reading: Reading<T>,
-        /// How fast it falls, in kPa per minute, positive.
+        /// How fast it fell at most since then, over ten seconds or more, in kPa per minute, positive.
         rate_kpa_per_min: T,
     },
     /// All wheels together are low, though none of them needs to be so for certain by itself.
@@ -216,7 +216,7 @@ impl<T: Real> fmt::Display for Alert<T> {
             Cause::UnderInflated(reading) => write!(f, "{} under-inflated: {reading}", self.wheels)?,
             Cause::FastLeak { reading, rate_kpa_per_min } => {
                 let rate = rate_kpa_per_min.to_f64();
-                write!(f, "{} loses {rate:.0} kPa per minute: {reading}", self.wheels)?;
+                write!(f, "{} lost up to {rate:.0} kPa per minute: {reading}", self.wheels)?;
             }
             Cause::AllLow { mean_share, sd_share } => {
                 let [mean, sd] = [mean_share, sd_share].map(|share| 100.0 * share.to_f64());

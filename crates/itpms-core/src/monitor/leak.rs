@@ -37,7 +37,8 @@ impl<T: Real> LeakWatch<T> {
         }
     }
 
-    /// The latch of a wheel, and the rate in kPa per minute at which it last fell.
+    /// The latch of a wheel, and the highest rate in kPa per minute at which it fell since that looks like a leak: over
+    /// more time than the fall took, the same fall looks slower and slower.
     pub(super) fn of(&self, wheel: usize) -> (&Latch, T) {
         (&self.leaks[wheel], self.rate_kpa_per_min[wheel])
     }
@@ -63,7 +64,9 @@ impl<T: Real> LeakWatch<T> {
             let fall = self.steepest_fall(time_s, wheel, pressure, &now, reference_kpa[wheel]);
             let evidence = match fall {
                 Some(rate) if rate >= least_kpa_per_min => {
-                    self.rate_kpa_per_min[wheel] = rate;
+                    let leak = &self.leaks[wheel];
+                    let before = if leak.is_suspected() { self.rate_kpa_per_min[wheel] } else { T::zero() };
+                    self.rate_kpa_per_min[wheel] = before.max(rate);
                     Evidence::For
                 }
                 _ => Evidence::Against,
@@ -145,6 +148,20 @@ mod tests {
         assert!((24.0..26.5).contains(&at_s) && (rate - 60.0).abs() < 1.0, "{at_s} {rate}");
         // sd 8: 45 kPa are certain; two minutes at 12 kPa/min are not enough.
         assert_eq!(said(12.0, 0.0, 8.0), None);
+    }
+
+    #[test]
+    fn a_fall_that_is_over_has_the_rate_it_had() {
+        let mut watch = LeakWatch::<f64>::new();
+        for i in 0..900 {
+            let time_s = f64::from(i) * 0.1;
+            let other = Some([240.0, 4.0]);
+            let fallen = 100.0 * ((time_s - 30.0) / 5.0).clamp(0.0, 1.0);
+            watch.update(time_s, 0.1, [Some([240.0 - fallen, 4.0]), other, other, other], [240.0; 4], 3.0);
+        }
+        // Within the shortest time that is looked at: 10 s, up to 15 as pressures are kept every 5. Over the minute since it would be 100.
+        let (leak, rate) = watch.of(0);
+        assert!(leak.is_said() && (399.0..=601.0).contains(&rate), "{rate}");
     }
 
     #[test]

@@ -63,7 +63,7 @@ fn line(span: &AlertSpan) -> Line {
     let (class, what, why) = match &alert.cause {
         Cause::UnderInflated(r) => ("low", "Low", at(r)),
         Cause::FastLeak { reading, rate_kpa_per_min } => {
-            ("low", "Fast leak", format!("loses {rate_kpa_per_min:.0} kPa per minute; {}", at(reading)))
+            ("low", "Fast leak", format!("lost up to {rate_kpa_per_min:.0} kPa per minute; {}", at(reading)))
         }
         Cause::AllLow { mean_share, sd_share } => {
             let [mean, sd] = [mean_share, sd_share].map(|share| 100.0 * share);
