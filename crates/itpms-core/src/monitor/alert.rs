@@ -30,7 +30,7 @@ pub enum Cause<T> {
     FastLeak {
         /// The pressure now.
         reading: Reading<T>,
-        /// How fast it fell at most since then, over ten seconds or more, in kPa per minute, positive.
+        /// How fast it fell at most since the leak began, over ten seconds or more, in kPa per minute, positive.
         rate_kpa_per_min: T,
     },
     /// All wheels together are low, though none of them needs to be so for certain by itself.

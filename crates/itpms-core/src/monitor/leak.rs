@@ -37,8 +37,8 @@ impl<T: Real> LeakWatch<T> {
         }
     }
 
-    /// The latch of a wheel, and the highest rate in kPa per minute at which it fell since that looks like a leak: over
-    /// more time than the fall took, the same fall looks slower and slower.
+    /// The latch of a wheel, and the highest rate in kPa per minute since the first evidence of this leak: a fall that is
+    /// over looks slower the longer ago it was.
     pub(super) fn of(&self, wheel: usize) -> (&Latch, T) {
         (&self.leaks[wheel], self.rate_kpa_per_min[wheel])
     }
@@ -159,7 +159,8 @@ mod tests {
             let fallen = 100.0 * ((time_s - 30.0) / 5.0).clamp(0.0, 1.0);
             watch.update(time_s, 0.1, [Some([240.0 - fallen, 4.0]), other, other, other], [240.0; 4], 3.0);
         }
-        // Within the shortest time that is looked at: 10 s, up to 15 as pressures are kept every 5. Over the minute since it would be 100.
+        // 100 kPa within the shortest time that is looked at: 10 s, up to 15 as pressures are kept every 5. Over the minute
+        // since then it would be 100 kPa/min.
         let (leak, rate) = watch.of(0);
         assert!(leak.is_said() && (399.0..=601.0).contains(&rate), "{rate}");
     }
