@@ -8,6 +8,7 @@
 //! | [`quarter_car`] | parameters, dynamics, outputs, Jacobians (paper eq. 1-4) |
 //! | [`pressure`] | stiffness and pressure of a tire (paper eq. 5) |
 //! | [`sample`] | what comes in: one time, up to four corners |
+//! | [`speed`] | speed and way, where not every sample tells them |
 //! | [`estimate`] | what goes out: pressure, stiffness, their sd, validity, warning |
 //! | [`intake`] | bad values refused and counted, jitter regridded |
 //! | [`estimator`] | one interface before all estimators of a corner |
@@ -35,3 +36,4 @@ pub mod real;
 pub mod road;
 pub mod sample;
 mod shared_road;
+pub mod speed;

@@ -227,6 +227,42 @@ fn no_information_is_never_all_good_and_is_said_after_ten_minutes_of_driving() {
 }
 
 #[test]
+fn a_broken_clock_does_not_stop_the_monitor() {
+    for broken_s in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let mut drive = Drive::new();
+        drive.on(5.0, &FINE);
+        let corner = CornerSample { body_accel_m_s2: 0.1, wheel_accel_m_s2: 0.2 };
+        let sample = CarSample { time_s: broken_s, speed_m_s: 20.0, corners: [Some(corner); 4] };
+        drive.monitor.begin_reset(10.0).unwrap();
+        drive.monitor.screen(&sample);
+        drive.monitor.judge(&mut estimate(broken_s, &low(190.0)));
+        assert!(drive.monitor.report().alerts().next().is_none());
+        let said_s = drive.until(20.0, &low(190.0), |report| report.alerts().next().is_some());
+        assert!(said_s.is_some_and(|said_s| said_s < 10.0), "{broken_s}: {said_s:?}");
+    }
+}
+
+#[test]
+fn without_a_speed_a_parked_car_is_not_stuck_and_one_sensor_of_a_driven_one_is() {
+    let stuck = |changing: usize| {
+        let mut monitor = Monitor::new(&MonitorConfig::new(&car()), RATE_HZ).unwrap();
+        for step in 0..200 {
+            let wiggle = 0.1 * f64::from(step % 7);
+            let value = |sensor: usize| if sensor < changing { wiggle } else { 0.3 };
+            let corner = |i| CornerSample { body_accel_m_s2: value(i), wheel_accel_m_s2: value(4 + i) };
+            let corners = [0, 1, 2, 3].map(|i| Some(corner(i)));
+            let time_s = f64::from(step) / RATE_HZ;
+            monitor.screen(&CarSample { time_s, speed_m_s: f64::NAN, corners });
+            monitor.judge(&mut estimate(time_s, &FINE));
+        }
+        let report = monitor.report();
+        report.alerts().filter(|alert| alert.to_string().contains("stuck")).count()
+    };
+    // Of eight sensors: none changes, some do, all but one do.
+    assert_eq!([stuck(0), stuck(4), stuck(7)], [0, 0, 1]);
+}
+
+#[test]
 fn all_four_are_more_certain_together_than_each_alone() {
     // 0.83 of the reference with sd 15: 200.3 + 1.64 * 15 = 224.9 kPa, each alone says nothing; their mean's sd is half
     // of that: 0.83 + 1.64 * 0.031 = 0.881 is still above 0.88, 0.82 is not.

@@ -7,6 +7,7 @@ use itpms_core::car::{CarEstimate, CarEstimator, LearnedReference};
 use itpms_core::estimator::EstimatorKind;
 use itpms_core::monitor::{Change, Monitor, MonitorConfig, MonitorReport, MonitoredCar, Regulation};
 use itpms_core::sample::Corner;
+use itpms_core::speed::Odometer;
 use itpms_data::out::RateGate;
 use itpms_data::{LogRow, Vehicle};
 
@@ -66,14 +67,10 @@ pub struct Drive {
 pub(crate) struct Progress {
     pub(crate) rows: u64,
     pub(crate) time_s: f64,
-    pub(crate) speed_m_s: f64,
-    pub(crate) distance_m: f64,
+    pub(crate) odometer: Odometer,
     /// What the monitor said last: transitions are told against it.
     pub(crate) before: Option<MonitorReport<f64>>,
 }
-
-/// A longer step in s than this is a gap: nobody knows how far the car went.
-const LONGEST_STEP_S: f64 = 1.0;
 
 impl Drive {
     /// A drive about to begin.
@@ -95,16 +92,17 @@ impl Drive {
             car.begin_reset(seconds).map_err(|error| refused(&error))?;
         }
         let roughness = Roughness::new(&clock)?;
-        let progress =
-            Progress { rows: 0, time_s: f64::NAN, speed_m_s: f64::NAN, distance_m: 0.0, before: None };
+        let progress = Progress { rows: 0, time_s: f64::NAN, odometer: Odometer::new(), before: None };
         Ok(Self { clock, car, gate: RateGate::new(options.rate_hz), progress, roughness, latest: None })
     }
 
     /// Takes a row; gives what began and ended to `said`. `true` if an estimate is due to be told.
     pub fn update(&mut self, row: &LogRow, mut said: impl FnMut(f64, Change<f64>)) -> bool {
         let estimate = self.car.update(&row.sample());
-        self.count(row);
-        self.roughness.push(&estimate, row.speed_m_s, self.progress.distance_m);
+        let progress = &mut self.progress;
+        (progress.rows, progress.time_s) = (progress.rows + 1, row.time_s);
+        let speed_m_s = progress.odometer.push(row.time_s, row.speed_m_s);
+        self.roughness.push(&estimate, speed_m_s, progress.odometer.distance_m());
         self.latest = Some(estimate);
         let report = self.car.report();
         if self.progress.before.as_ref().is_none_or(|before| before.time_s != report.time_s) {
@@ -115,22 +113,6 @@ impl Drive {
             }
         }
         self.gate.lets_through(row.time_s)
-    }
-
-    fn count(&mut self, row: &LogRow) {
-        let progress = &mut self.progress;
-        let step_s = row.time_s - progress.time_s;
-        let mean_m_s = match (progress.speed_m_s.is_finite(), row.speed_m_s.is_finite()) {
-            (true, true) => 0.5 * (progress.speed_m_s + row.speed_m_s),
-            (true, false) => progress.speed_m_s,
-            _ => row.speed_m_s,
-        };
-        if step_s > 0.0 && step_s <= LONGEST_STEP_S && mean_m_s.is_finite() {
-            progress.distance_m += mean_m_s * step_s;
-        }
-        progress.rows += 1;
-        progress.time_s = row.time_s;
-        progress.speed_m_s = row.speed_m_s;
     }
 
     /// What the monitor says after the last row.

@@ -275,8 +275,8 @@ impl Engine {
         };
         if let Stage::Running(drive) = &self.stage {
             snapshot.time_s = drive.time_s();
-            snapshot.speed_m_s = drive.progress.speed_m_s;
-            snapshot.distance_m = drive.progress.distance_m;
+            snapshot.speed_m_s = drive.progress.odometer.speed_m_s();
+            snapshot.distance_m = drive.progress.odometer.distance_m();
             snapshot.wheels = describe::wheels(drive, &self.vehicle);
             snapshot.tracks = describe::tracks(drive);
             snapshot.alerts = describe::alerts(drive.report());

@@ -13,6 +13,7 @@ use crate::quarter_car::{ParameterError, QuarterCar, positive};
 use crate::real::Real;
 use crate::sample::{CarSample, Corner};
 use crate::shared_road::{Alone, CarBelief, SharedRoad};
+use crate::speed::SpeedHold;
 
 /// What an estimator is told about the car.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,6 +83,7 @@ impl<T: Real> TrackState<T> {
 pub struct CarEstimator<T: Real> {
     kind: EstimatorKind,
     sources: Sources,
+    speed: SpeedHold<T>,
     corners: [Option<Estimator<T>>; 4],
     shared_road: Option<SharedRoad<T>>,
     /// When the reset that is under way ends, and how long it lasts if it has not begun.
@@ -115,6 +117,7 @@ impl<T: Real> CarEstimator<T> {
         Ok(Self {
             kind,
             sources: Sources::default(),
+            speed: SpeedHold::new(),
             corners,
             shared_road,
             reset_s: None,
@@ -158,7 +161,8 @@ impl<T: Real> CarEstimator<T> {
         self
     }
 
-    /// Says that all tires have their placard pressures from now on, for `seconds` of driving: the driver's reset.
+    /// Says that all tires have their placard pressures from the next sample on, for `seconds`, in which the car should be
+    /// driven: the driver's reset. Whatever an earlier one had set is set anew, also while that lasts.
     ///
     /// # Errors
     /// The length must be positive and finite.
@@ -170,9 +174,10 @@ impl<T: Real> CarEstimator<T> {
         Ok(())
     }
 
-    /// What the last reset taught; `None` before one is over, or when it saw too little shared road.
+    /// What the last reset taught; `None` before it is over, or when it saw too little shared road.
     pub fn learned(&self) -> Option<LearnedReference<T>> {
-        self.shared_road.as_ref().and_then(SharedRoad::learned)
+        let shared = self.shared_road.as_ref().filter(|_| self.reset_s.is_none())?;
+        shared.learned()
     }
 
     /// The same for a car that was reset on an earlier drive; before the first sample.
@@ -197,9 +202,10 @@ impl<T: Real> CarEstimator<T> {
         }
     }
 
-    /// Takes one sample, gives the estimate after it.
+    /// Takes one sample, gives the estimate after it. A missing speed is the last one, for half a second ([`SpeedHold`]).
     pub fn update(&mut self, sample: &CarSample<T>) -> CarEstimate<T> {
-        let (time_s, speed) = (sample.time_s, sample.speed_m_s);
+        let time_s = sample.time_s;
+        let speed = self.speed.take(time_s, sample.speed_m_s);
         if let Some(shared) = &mut self.shared_road {
             shared.drive(time_s, speed);
         }
@@ -225,10 +231,13 @@ impl<T: Real> CarEstimator<T> {
     /// Brings the corners' words and the shared road together; gives what the shared road believes, if that counts.
     fn fuse(&mut self, time_s: f64) -> Option<CarBelief<T>> {
         let shared = self.shared_road.as_mut()?;
-        if let Some(seconds) = self.reset_s.take() {
-            self.reset_ends_s = time_s + seconds;
+        if time_s.is_finite() {
+            if let Some(seconds) = self.reset_s.take() {
+                self.reset_ends_s = time_s + seconds;
+                shared.begin_reset();
+            }
+            shared.hold(time_s < self.reset_ends_s);
         }
-        shared.hold(time_s < self.reset_ends_s);
         for (i, estimator) in self.corners.iter().enumerate() {
             let Some(estimator) = estimator else { continue };
             shared.look_at(i, &estimator.quarter_car());

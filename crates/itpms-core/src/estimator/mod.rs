@@ -19,6 +19,7 @@ use crate::quarter_car::{ParameterError, QuarterCar, positive};
 use crate::real::Real;
 use crate::road::{RoadConfig, RoadFilter};
 use crate::sample::CornerSample;
+use crate::speed::SpeedHold;
 
 /// Grid rate in Hz that the spectral frames need; slower samples are interpolated up to it.
 const FRAME_GRID_HZ: f64 = 400.0;
@@ -77,6 +78,7 @@ pub struct Estimator<T: Real> {
     kind: EstimatorKind,
     config: CornerConfig<T>,
     sample_rate_hz: f64,
+    speed: SpeedHold<T>,
     intake: Intake<T>,
     engine: Engine<T>,
     /// The road for the default estimator; the filters bring their own. `None`: nobody wants to know it.
@@ -128,6 +130,7 @@ impl<T: Real> Estimator<T> {
             kind,
             config: *config,
             sample_rate_hz,
+            speed: SpeedHold::new(),
             intake,
             engine,
             road: Some(RoadFilter::new(&road)),
@@ -195,7 +198,7 @@ impl<T: Real> Estimator<T> {
     }
 
     /// Takes one sample: time in s, speed in m/s, body and wheel acceleration in m/s²; NaN is a missing value. Gives
-    /// the estimate after it. A sample that cannot be used is counted, and the estimate says so when it matters.
+    /// the estimate after it. A missing speed is the last one, for half a second ([`SpeedHold`]). A sample that cannot be used is counted, and the estimate says so when it matters.
     pub fn update(
         &mut self,
         time_s: f64,
@@ -204,11 +207,12 @@ impl<T: Real> Estimator<T> {
         wheel_accel_m_s2: T,
     ) -> CornerEstimate<T> {
         let corner = CornerSample { body_accel_m_s2, wheel_accel_m_s2 };
+        let speed_m_s = self.speed.take(time_s, speed_m_s);
         self.take(time_s, speed_m_s, &corner, |_| {});
         self.conclude(time_s, &corner)
     }
 
-    /// The first half of [`Estimator::update`]: takes the sample, and shows every grid step to `tap`.
+    /// The first half of [`Estimator::update`]: takes the sample with the speed to go by, and shows every grid step to `tap`.
     pub(crate) fn take(
         &mut self,
         time_s: f64,

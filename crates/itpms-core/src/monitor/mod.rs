@@ -48,6 +48,7 @@ use crate::estimate::{CornerEstimate, Validity, Warning};
 use crate::quarter_car::{ParameterError, positive};
 use crate::real::Real;
 use crate::sample::{CarSample, Corner, CornerSample};
+use crate::speed::SpeedHold;
 
 /// Seconds between two decisions on pressures.
 const DECIDE_S: f64 = 0.1;
@@ -81,6 +82,8 @@ pub struct Monitor<T: Real> {
     partings: [Parting<T>; 2],
     leaks: LeakWatch<T>,
     all_low: AllLow<T>,
+    speed: SpeedHold<T>,
+    /// The speed to go by.
     speed_m_s: T,
     decided_s: f64,
     report: MonitorReport<T>,
@@ -108,6 +111,7 @@ impl<T: Real> Monitor<T> {
             partings: [Parting::new(); 2],
             leaks: LeakWatch::new(),
             all_low: AllLow::new(),
+            speed: SpeedHold::new(),
             speed_m_s: T::lit(f64::NAN),
             decided_s: f64::NEG_INFINITY,
             report: MonitorReport::empty(),
@@ -125,8 +129,8 @@ impl<T: Real> Monitor<T> {
 
     /// Looks at a sample; gives it back without the values that are not to be learned from.
     pub fn screen(&mut self, sample: &CarSample<T>) -> CarSample<T> {
-        self.health.push(sample);
-        self.speed_m_s = sample.speed_m_s;
+        self.speed_m_s = self.speed.take(sample.time_s, sample.speed_m_s);
+        self.health.push(&CarSample { speed_m_s: self.speed_m_s, ..*sample });
         if self.health.take_news() {
             self.faults = self.health.faults();
             let faulty = self.faults.iter().flatten().map(|fault| fault.malfunction.wheels());
@@ -162,7 +166,9 @@ impl<T: Real> Monitor<T> {
             }
         }
         let step_s = estimate.time_s - self.decided_s;
-        if !(step_s < DECIDE_S - 1e-9) || step_s < 0.0 {
+        // A clock that went back begins again.
+        let due = step_s >= DECIDE_S - 1e-9 || step_s < 0.0;
+        if due && estimate.time_s.is_finite() {
             self.decided_s = estimate.time_s;
             self.decide(estimate, step_s.clamp(0.0, LONGEST_STEP_S));
         }

@@ -342,6 +342,9 @@ impl<T: Real> SharedRoad<T> {
             // It was learned for this car, or accepted before.
             let _ = self.recall(&reference);
         }
+        if self.held {
+            self.set_tires();
+        }
     }
 
     fn predict_to(&mut self, time_s: f64) {
@@ -417,22 +420,32 @@ impl<T: Real> SharedRoad<T> {
         (expected, slope.dot(&(mode.covariance * slope)).max(T::zero()).sqrt())
     }
 
-    /// Says that all tires have their placard pressures now, as during a reset, or that this is over.
-    pub(crate) fn hold(&mut self, held: bool) {
-        self.told |= held;
-        if held && !self.held {
-            self.held_from_s = self.learned_s;
-            for corner in 0..4 {
-                // Somebody has just set it: what was believed of it before does not matter, nor of what goes with it.
-                self.modes.forget_tire(corner, T::lit(SET_ANEW_SD));
-                let sd = T::lit(RESET_SD) * self.scale.share(corner);
-                self.modes.measure(sd * sd, |state| {
-                    let mut slope = State::zeros();
-                    slope[TIRE + corner] = T::one();
-                    (slope, -state[TIRE + corner])
-                });
-            }
+    /// A reset begins: somebody has just set all tires to their placard pressures. What the one before has taught is what
+    /// an earlier reset has taught, from now on.
+    pub(crate) fn begin_reset(&mut self) {
+        self.recalled = self.learned().or(self.recalled);
+        self.lesson = None;
+        (self.told, self.held) = (true, true);
+        self.set_tires();
+    }
+
+    /// The tires have their placard pressures now: what was believed of them before does not matter, nor of what goes with
+    /// it.
+    fn set_tires(&mut self) {
+        self.held_from_s = self.learned_s;
+        for corner in 0..4 {
+            self.modes.forget_tire(corner, T::lit(SET_ANEW_SD));
+            let sd = T::lit(RESET_SD) * self.scale.share(corner);
+            self.modes.measure(sd * sd, |state| {
+                let mut slope = State::zeros();
+                slope[TIRE + corner] = T::one();
+                (slope, -state[TIRE + corner])
+            });
         }
+    }
+
+    /// Says that a reset goes on, or that it is over or there was none.
+    pub(crate) fn hold(&mut self, held: bool) {
         if held {
             self.modes.calm();
         } else if self.held {

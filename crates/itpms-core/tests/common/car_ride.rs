@@ -27,13 +27,18 @@ pub struct CarRide {
     pub seed: u64,
     pub seconds: f64,
     pub speed_m_s: fn(f64) -> f64,
-    pub pressure_kpa: [f64; 4],
+    pub pressure_kpa: fn(f64) -> [f64; 4],
 }
 
 impl CarRide {
     /// 15 s at 60 km/h on a class B road, one tire at 200 kPa and the others near the placard.
     pub fn new(seed: u64) -> Self {
-        Self { seed, seconds: 15.0, speed_m_s: |_| 60.0 / 3.6, pressure_kpa: [200.0, 235.0, 240.0, 245.0] }
+        Self {
+            seed,
+            seconds: 15.0,
+            speed_m_s: |_| 60.0 / 3.6,
+            pressure_kpa: |_| [200.0, 235.0, 240.0, 245.0],
+        }
     }
 
     pub fn rows(&self) -> Vec<CarSample<f64>> {
@@ -78,8 +83,9 @@ impl CarRide {
             heights[i] + share * (heights[i + 1] - heights[i])
         };
         let [sprung, unsprung, damping] = AXLES[corner / 2];
-        let k_t = stiffness(self.pressure_kpa[corner]);
-        let rates = |x: &[f64; 4], road: f64| {
+        let stiffness_at =
+            |step: usize| stiffness((self.pressure_kpa)(step as f64 / PLANT_HZ - WARM_UP_S)[corner]);
+        let rates = |x: &[f64; 4], road: f64, k_t: f64| {
             let suspension = KS * (x[2] - x[0]) + damping * (x[3] - x[1]);
             [x[1], suspension / sprung, x[3], (k_t * (road - x[2]) - suspension) / unsprung]
         };
@@ -88,10 +94,12 @@ impl CarRide {
         let mut filters = [low_pass(0.3 * RATE_HZ), low_pass(0.3 * RATE_HZ)];
         way_m
             .windows(2)
-            .map(|way| {
+            .enumerate()
+            .map(|(step, way)| {
+                let k_t = stiffness_at(step);
                 let (from, to) = (road(way[0]), road(way[1]));
-                let d = rates(&x, from);
-                x = runge_kutta(&x, 1.0 / PLANT_HZ, |x, t| rates(x, from + (to - from) * t * PLANT_HZ));
+                let d = rates(&x, from, k_t);
+                x = runge_kutta(&x, 1.0 / PLANT_HZ, |x, t| rates(x, from + (to - from) * t * PLANT_HZ, k_t));
                 let [body, wheel] = &mut filters;
                 (
                     body.iter_mut().fold(d[1], |a, section| section.step(a)),

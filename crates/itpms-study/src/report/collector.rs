@@ -6,6 +6,7 @@
 use itpms_core::estimate::{CornerConfig, CornerEstimate, Validity, Warning};
 use itpms_core::monitor::MonitorReport;
 use itpms_core::sample::Corner;
+use itpms_core::speed::Odometer;
 
 use super::figures::{DriveFigures, FigureSums};
 use super::road::RoadCollector;
@@ -105,10 +106,8 @@ pub struct ReportCollector {
     origin_s: f64,
     first_s: f64,
     last_s: f64,
-    last_speed: f64,
     steps: (f64, f64),
-    distance_m: f64,
-    speed_known: bool,
+    odometer: Odometer,
     watch: WatchCollector,
 }
 
@@ -138,10 +137,8 @@ impl ReportCollector {
             origin_s: 0.0,
             first_s: f64::NAN,
             last_s: f64::NAN,
-            last_speed: f64::NAN,
             steps: (0.0, 0.0),
-            distance_m: 0.0,
-            speed_known: false,
+            odometer: Odometer::new(),
             watch: WatchCollector::new(),
         }
     }
@@ -156,7 +153,8 @@ impl ReportCollector {
             self.origin_s = time_s;
         }
         let time_s = time_s - self.origin_s;
-        let hole = self.advance(time_s, speed_m_s);
+        let speed_m_s = self.odometer.push(time_s, speed_m_s);
+        let hole = self.advance(time_s);
         let driving = speed_m_s > STANDING_M_S && !hole;
         self.values.fill(f64::NAN);
         self.values[channel::SPEED] = speed_m_s;
@@ -174,7 +172,7 @@ impl ReportCollector {
                 match row.filter(|row| driving && road_is_estimated(row.estimate.validity)) {
                     Some(row) => {
                         let e = &row.estimate;
-                        road.push(self.distance_m, e.road_m, e.road_sd_m, row.truth_road_m);
+                        road.push(self.odometer.distance_m(), e.road_m, e.road_sd_m, row.truth_road_m);
                     }
                     None => road.interrupt(),
                 }
@@ -188,27 +186,19 @@ impl ReportCollector {
         self.watch.push(report);
     }
 
-    /// Time, distance and rate; true across a hole in the log.
-    fn advance(&mut self, time_s: f64, speed_m_s: f64) -> bool {
+    /// Time and rate; true across a hole in the log.
+    fn advance(&mut self, time_s: f64) -> bool {
         self.samples += 1;
         if self.samples == 1 {
             self.first_s = time_s;
         }
         let dt = time_s - self.last_s;
         let hole = dt > HOLE.1 && dt > HOLE.0 * self.steps.0 / self.steps.1;
-        if dt > 0.0 {
-            let mean_speed = 0.5 * (speed_m_s + self.last_speed);
-            if mean_speed.is_finite() {
-                self.distance_m += mean_speed.max(0.0) * dt;
-                self.speed_known = true;
-            }
-            if !hole {
-                self.steps.0 += dt;
-                self.steps.1 += 1.0;
-            }
+        if dt > 0.0 && !hole {
+            self.steps.0 += dt;
+            self.steps.1 += 1.0;
         }
         self.last_s = time_s;
-        self.last_speed = speed_m_s;
         hole
     }
 
@@ -219,7 +209,7 @@ impl ReportCollector {
             samples: self.samples,
             duration_s: self.last_s - self.first_s,
             rate_hz: self.steps.1 / self.steps.0,
-            distance_m: if self.speed_known { self.distance_m } else { f64::NAN },
+            distance_m: self.odometer.distance_m(),
             origin_s: self.origin_s,
         };
         let (track, options) = (self.track, self.options);

@@ -65,6 +65,11 @@ impl<T: Real> Alone<T> {
         self.watch.push(time_s, period_s, value)
     }
 
+    /// Whether its value has changed of late.
+    pub(super) fn changes(&self, time_s: f64) -> bool {
+        self.watch.unchanged_s(time_s) < STUCK_DOUBT_S
+    }
+
     /// Ends a block and judges all but its noise.
     pub(super) fn end_block(&mut self, time_s: f64, step_s: f64, motion: Motion) -> SensorBlock<T> {
         let block = self.watch.end_block(time_s);

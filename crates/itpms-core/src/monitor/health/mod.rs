@@ -161,7 +161,7 @@ impl<T: Real> Health<T> {
 
     fn end_block(&mut self, time_s: f64, step_s: f64) {
         self.news = true;
-        let motion = if self.slowest_m_s < T::lit(MOVING_M_S) { Motion::Standing } else { Motion::Moving };
+        let motion = self.motion(time_s);
         let mut blocks = [None; 8];
         for (i, block) in blocks.iter_mut().enumerate().filter(|(i, _)| self.present[i % 4]) {
             *block = Some(self.sensors[i].end_block(time_s, step_s, motion));
@@ -184,6 +184,19 @@ impl<T: Real> Health<T> {
         if driving && self.calm_blocks > FORGETTING_BLOCKS {
             self.together.take([time_s, step_s], &block);
         }
+    }
+
+    /// Whether the car moves. Where its speed is unknown most sensors say so: coarsely rounded, those of a parked car hardly
+    /// change, and are not stuck.
+    fn motion(&self, time_s: f64) -> Motion {
+        let moving = if self.slowest_m_s.is_finite() {
+            self.slowest_m_s >= T::lit(MOVING_M_S)
+        } else {
+            let present = || (0..8).filter(|i| self.present[i % 4]);
+            let changing = present().filter(|i| self.sensors[*i].changes(time_s));
+            2 * changing.count() > present().count()
+        };
+        if moving { Motion::Moving } else { Motion::Standing }
     }
 
     /// Noise against that of its like; not of a corner where body and wheel may be swapped: each would be unlike its like.

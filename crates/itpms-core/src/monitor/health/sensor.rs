@@ -133,13 +133,18 @@ impl<T: Real> SensorWatch<T> {
         }
     }
 
+    /// For how long the value has not changed, in s; NaN before the first one.
+    pub(super) fn unchanged_s(&self, time_s: f64) -> f64 {
+        time_s - self.changed_s
+    }
+
     /// Ends a block.
     pub(super) fn end_block(&mut self, time_s: f64) -> SensorBlock<T> {
         let block = SensorBlock {
             floor: self.floor,
             missing: self.missing,
             spikes: self.spikes,
-            unchanged_s: time_s - self.changed_s,
+            unchanged_s: self.unchanged_s(time_s),
             complete: self.lost == 0,
         };
         (self.spikes, self.lost, self.floor) = (0, 0, None);

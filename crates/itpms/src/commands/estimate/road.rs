@@ -7,6 +7,7 @@ use std::collections::VecDeque;
 use itpms_core::quarter_car::ParameterError;
 use itpms_core::road::{RoadConfig, RoadPoint, RoadRecorder, RoadRow, Segment, window_for};
 use itpms_core::sample::Corner;
+use itpms_core::speed::Odometer;
 use itpms_data::{LogRow, Vehicle};
 
 use super::drive::{Estimates, QuarterCars};
@@ -23,6 +24,8 @@ type Recorder = RoadRecorder<f64, Vec<RoadRow<f64>>, Vec<Segment<f64>>>;
 #[derive(Debug, Clone)]
 pub(in crate::commands) struct LateRow {
     pub(in crate::commands) row: LogRow,
+    /// The speed in m/s to go by; NaN while it is unknown.
+    pub(in crate::commands) speed_m_s: f64,
     /// The distance in m driven so far; NaN while the speed was never known.
     pub(in crate::commands) distance_m: f64,
     /// As they were at the row's time, but for the road.
@@ -33,8 +36,7 @@ pub(in crate::commands) struct LateRow {
 pub(in crate::commands) struct RoadTrack {
     recorders: [Option<(Recorder, VecDeque<RoadPoint<f64>>)>; 4],
     waiting: VecDeque<LateRow>,
-    distance_m: f64,
-    last: Option<(f64, f64)>,
+    odometer: Odometer,
     told_s: f64,
 }
 
@@ -57,18 +59,12 @@ impl RoadTrack {
                 .map_err(|error| Failure::Usage(error.to_string()))?;
             recorders[corner.index()] = Some((recorder, VecDeque::new()));
         }
-        Ok(Self {
-            recorders,
-            waiting: VecDeque::new(),
-            distance_m: f64::NAN,
-            last: None,
-            told_s: f64::NEG_INFINITY,
-        })
+        Ok(Self { recorders, waiting: VecDeque::new(), odometer: Odometer::new(), told_s: f64::NEG_INFINITY })
     }
 
     /// Takes a row of the log and what was estimated after it.
     pub(in crate::commands) fn push(&mut self, row: &LogRow, estimates: &Estimates, cars: &QuarterCars) {
-        self.advance(row);
+        let speed_m_s = self.odometer.push(row.time_s, row.speed_m_s);
         let tell = row.time_s - self.told_s >= TELL_S;
         if tell {
             self.told_s = row.time_s;
@@ -89,7 +85,8 @@ impl RoadTrack {
             }
             recorder.push(row.time_s, &sample.sample(), |point| points.push_back(point));
         }
-        self.waiting.push_back(LateRow { row: *row, distance_m: self.distance_m, estimates: *estimates });
+        let distance_m = self.odometer.distance_m();
+        self.waiting.push_back(LateRow { row: *row, speed_m_s, distance_m, estimates: *estimates });
     }
 
     /// The drive is over: nothing has to wait any more.
@@ -112,22 +109,5 @@ impl RoadTrack {
             }
         }
         Some(late)
-    }
-
-    /// The distance by the trapezoidal rule; where the speed is missing, by the last known one.
-    fn advance(&mut self, row: &LogRow) {
-        let known = row.speed_m_s.is_finite();
-        match self.last {
-            Some((time_s, speed)) => {
-                let now = if known { row.speed_m_s } else { speed };
-                self.distance_m += 0.5 * (speed + now) * (row.time_s - time_s);
-                self.last = Some((row.time_s, now));
-            }
-            None if known => {
-                self.distance_m = 0.0;
-                self.last = Some((row.time_s, row.speed_m_s));
-            }
-            None => {}
-        }
     }
 }

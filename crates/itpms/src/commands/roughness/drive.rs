@@ -89,7 +89,7 @@ impl Wheels {
             }
             for (corner, survey) in &mut self.surveys {
                 let height_m = late.estimates[corner.index()].map_or(f64::NAN, |estimate| estimate.road_m);
-                survey.push(late.distance_m, height_m, late.row.speed_m_s);
+                survey.push(late.distance_m, height_m, late.speed_m_s);
             }
         }
     }
