@@ -35,7 +35,7 @@ struct Disturbance {
     change: fn(Drive) -> Drive,
 }
 
-const ALONE: [Disturbance; 29] = [
+const ALONE: [Disturbance; 31] = [
     Disturbance { name: "nothing", change: |drive| drive },
     Disturbance { name: "bends of 2 m/s2", change: bends },
     Disturbance { name: "payload +20 %", change: |d| corners(d, |_, c| c.truth.sprung_mass_factor = 1.2) },
@@ -46,7 +46,17 @@ const ALONE: [Disturbance; 29] = [
         name: "dampers asymmetric .3",
         change: |d| corners(d, |_, c| c.truth.damper_asymmetry = 0.3),
     },
+    // At 0.5 m/s half the force of a linear one.
+    Disturbance {
+        name: "dampers digressive 2 s/m",
+        change: |d| corners(d, |_, c| c.truth.damper_digression_s_per_m = 2.0),
+    },
     Disturbance { name: "springs +20 %", change: |d| corners(d, |_, c| c.truth.spring_factor = 1.2) },
+    // 28 % stiffer where it is compressed by 5 cm.
+    Disturbance {
+        name: "springs progressive 5 /m",
+        change: |d| corners(d, |_, c| c.truth.spring_progression_per_m = 5.0),
+    },
     Disturbance { name: "friction 20 N", change: |d| corners(d, |_, c| c.truth.friction_n = 20.0) },
     Disturbance { name: "wheel gain fl +2 %", change: |d| wheel_sensor(d, fl_gain) },
     Disturbance { name: "wheel gain all +2 %", change: |d| wheel_sensor(d, |_, s| s.gain_error = 0.02) },
