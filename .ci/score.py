@@ -1,6 +1,6 @@
-"""Reads `itpms score --seeds 8 --json` and refuses what only a broken estimator would give.
+"""Reads `itpms score --json` of a few seeds and refuses what only a broken estimator would give.
 
-The limits are far from the goals on purpose. Goals are judged over forty seeds and more; eight tell whether it works.
+The limits are far from what is measured on purpose: goals are judged over many seeds, a few tell whether it works.
 """
 
 import json
@@ -16,12 +16,27 @@ LIMITS = [
     ("bias_before_kpa", "paper", -25.0, 25.0, "no systematic error before the drop"),
     # A mean square error of eight drives at three pressures has a relative standard deviation of sqrt(2/24).
     ("efficiency_39_s", "all pressures", 0.35, 2.5, "near the Cramer-Rao bound, not beyond it"),
-    # The four-wheel puncture, on the track and 2 cm beside it: who follows nothing is 70 kPa off.
-    # Not the goals, which the table judges: 2 cm off the track at 20 km/h misses its 8 kPa by far, with 11 to 14.
-    ("fl_rmse_median_kpa", "drive", 0.0, 24.0, "following a puncture of one of four wheels"),
+    # The four-wheel puncture, on the track and 2 cm beside it: who follows nothing is 70 kPa off. A limit is
+    # a good third above what eight seeds give with the noisier sensors; 2 cm off the track even that misses the goals, which
+    # the table judges.
+    ("fl_rmse_median_kpa", "drive", 0.0, 22.0, "following a puncture of one of four wheels"),
+    ("fl_rmse_median_kpa", "car, 80 km/h", 0.0, 4.8, "following it on the track"),
+    ("fl_rmse_median_kpa", "car, 80 km/h, reset", 0.0, 3.7, "following it after a reset"),
+    ("fl_rmse_median_kpa", "car, 80 km/h, 2 cm off", 0.0, 10.0, "following it beside the track"),
+    ("fl_rmse_median_kpa", "car, 20 km/h", 0.0, 10.0, "following it in town"),
+    ("rr_rmse_median_kpa", "car, 80 km/h", 0.0, 5.0, "knowing the other wheels"),
+    ("rr_rmse_median_kpa", "car, 80 km/h, reset", 0.0, 0.5, "knowing the other wheels after a reset"),
     # What a reset taught of the others is kept there: 2 to 3 kPa, and 6 if it fades.
     ("rl_rmse_median_kpa", "car, 20 km/h, 2 cm off, reset", 0.0, 5.0, "keeping what a reset taught"),
-    ("coverage", "drive", 0.7, 1.0, "an honest standard deviation of four wheels"),
+    ("coverage", "drive", 0.9, 1.0, "an honest standard deviation of four wheels"),
+    # 74 to 97 % is measured.
+    ("coverage_in_change", "drive", 0.65, 1.0, "the same while a tire goes down"),
+    # Losses of a fifth, each wheel in turn, classes A to D, 20 to 120 km/h.
+    ("missed", "detection", 0.0, 0.0, "every loss said"),
+    ("wrong_wheels", "detection", 0.0, 0.0, "no other wheel named"),
+    ("early", "detection", 0.0, 0.0, "nothing said before it begins"),
+    ("after_median_s", "one wheel", 0.0, 2.5, "said in time"),
+    ("share_within_goal", "one wheel", 0.85, 1.0, "said in time in nearly every drive"),
     ("error_median_percent", "road", 0.0, 16.0, "the road's shape"),
     ("iri_error_abs_median_percent", "road", 0.0, 10.0, "the road's roughness"),
 ]
