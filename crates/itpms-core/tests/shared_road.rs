@@ -141,6 +141,28 @@ fn a_loss_and_a_filling_are_followed() {
     }
 }
 
+/// All four tires lose a fifth within a minute, after a reset: what all lose alike no comparison of tires shows.
+#[test]
+fn a_fall_of_all_four_after_a_reset_is_read() {
+    let ride = CarRide {
+        seconds: 110.0,
+        pressure_kpa: |t| [PLACARD_KPA * (1.0 - 0.2 * ((t - 20.0) / 60.0).clamp(0.0, 1.0)); 4],
+        ..CarRide::new(33)
+    };
+    let mut car = car(&config::<f64>()).with_reset_drive(15.0).unwrap();
+    let estimates = drive(&mut car, &ride.rows());
+    let off_at = |time_s: f64| {
+        let estimate = &estimates[(time_s * RATE_HZ) as usize - 1];
+        let truth_kpa = (ride.pressure_kpa)(estimate.time_s);
+        let off = |i: usize| estimate.corners[i].unwrap().pressure_kpa - truth_kpa[i];
+        [0, 1, 2, 3].map(off)
+    };
+    for (time_s, most_kpa) in [(20.0, 3.0), (80.0, 20.0), (110.0, 14.0)] {
+        println!("{time_s} s: {:.1?} kPa", off_at(time_s));
+        assert!(off_at(time_s).iter().all(|off| off.abs() < most_kpa), "{time_s}: {:?}", off_at(time_s));
+    }
+}
+
 /// A bus tells the speed less often than the accelerations, or loses it now and then.
 #[test]
 fn a_speed_that_comes_now_and_then_is_enough() {
