@@ -68,6 +68,45 @@ fn the_regulation_sets_the_limit() {
     assert!(america.1 >= europe.1);
 }
 
+/// Four people with their luggage get in while the car stands, and out again: 400 kg, a third of the car.
+#[test]
+fn a_load_that_changes_is_no_pressure() {
+    let mut scenario = puncture()
+        .replace("duration_s = 40.0", "duration_s = 150.0")
+        .replace("constant_km_h = 80.0", "points_s_km_h = [[0.0, 60.0], [40.0, 60.0], [46.0, 0.0], [56.0, 0.0], [64.0, 60.0], [100.0, 60.0], [106.0, 0.0], [116.0, 0.0], [124.0, 60.0]]")
+        .replace("points_s_kpa = [[20.0, 241.3], [22.5, 137.9]]", "constant_kpa = 241.3");
+    for (behind_front_m, left_m) in [(1.2, 0.36), (1.2, -0.36), (2.4, 0.36), (2.4, -0.36)] {
+        let in_and_out = "points_s_kg = [[49.0, 0.0], [51.0, 100.0], [109.0, 100.0], [111.0, 0.0]]";
+        scenario += &format!(
+            "\n[[car.payload]]\nbehind_front_m = {behind_front_m}\nleft_m = {left_m}\n{in_and_out}\n"
+        );
+    }
+    let bench = Bench::new();
+    let events = estimated(&bench, &scenario, "");
+    assert!(events.is_empty(), "{events:?}");
+    // Nor was it silent for want of knowing.
+    for wheel in ["fl", "fr", "rl", "rr"] {
+        let valid = times(&bench, &format!("{wheel}_valid"), "true");
+        assert!(valid.iter().filter(|time_s| **time_s > 64.0 && **time_s < 100.0).count() > 340, "{wheel}");
+    }
+}
+
+#[test]
+fn a_tire_with_too_much_is_said_and_is_no_low_one() {
+    let scenario = puncture()
+        .replace("duration_s = 40.0", "duration_s = 120.0")
+        .replace("points_s_kpa = [[20.0, 241.3], [22.5, 137.9]]", "constant_kpa = 340.0");
+    let bench = Bench::new();
+    let events = estimated(&bench, &scenario, "");
+    assert_eq!(events.len(), 1, "{events:?}");
+    assert!(said(&events[0], "over-inflated", &["fl"]), "{events:?}");
+    // It has to hold for a minute.
+    assert!((60.0..=100.0).contains(&events[0]["said_s"].as_f64().unwrap()), "{events:?}");
+    for wheel in ["fl", "fr", "rl", "rr"] {
+        assert!(times(&bench, &format!("{wheel}_warning"), "low").is_empty(), "{wheel}");
+    }
+}
+
 #[test]
 fn a_stuck_sensor_is_said_and_taken_back_and_its_pressure_is_not_shown_meanwhile() {
     let bench = Bench::new();
