@@ -91,13 +91,14 @@ fn values_out_of_range_are_named_with_their_table() {
 
 #[test]
 fn values_in_another_unit_are_suspected() {
-    // Tons, N/mm, bar, mm, N/m per bar.
+    // Tons, N/mm, bar, mm, N/m per bar, mm/s².
     for (from, to, key) in [
         ("240.8", "0.2408", "sprung_mass_kg"),
         ("29114.0", "29.114", "spring_n_per_m"),
         ("241.3", "2.413", "placard_kpa"),
         ("2.7", "2700", "wheelbase_m"),
         ("713.91", "71391", "stiffness_per_kpa"),
+        ("0.05", "50", "accel_noise_m_s2"),
     ] {
         let text = edited(from, to);
         assert!(
@@ -105,6 +106,17 @@ fn values_in_another_unit_are_suspected() {
             "{text}"
         );
     }
+    // Where the estimate starts is a pressure like the placard's.
+    let started = |kpa: &str| Vehicle::parse(&format!("{SEDAN}initial_kpa = {kpa}\n"));
+    for (bad, expected) in [
+        ("2.4", "line 14: [corner.fl] initial_kpa is 2.4, expected 20 to 1500 (another unit?)"),
+        ("241300", "line 14: [corner.fl] initial_kpa is 241300, expected 20 to 1500 (another unit?)"),
+        ("0", "line 14: [corner.fl] initial_kpa is 0, expected a positive, finite number"),
+        ("nan", "line 14: [corner.fl] initial_kpa is NaN, expected a positive, finite number"),
+    ] {
+        assert_eq!(started(bad).unwrap_err().to_string(), expected);
+    }
+    assert_eq!(started("20").unwrap().corner(Corner::FrontLeft).unwrap().initial_kpa, Some(20.0));
 }
 
 #[test]
@@ -148,7 +160,7 @@ proptest! {
         wheelbase in proptest::option::of(1.0..6.0f64),
         slope in 100.0..3000.0f64,
         sds in proptest::option::of((0.1..50.0f64, 1.0..5000.0f64, -0.99..0.99f64)),
-        initial in proptest::option::of(1.0..400.0f64),
+        initial in proptest::option::of(20.0..400.0f64),
         own_tire in any::<bool>(),
     ) {
         let dir = tempfile::tempdir().unwrap();

@@ -55,8 +55,8 @@ pub struct Vehicle {
 }
 
 /// What no car exceeds in the unit of the key. A value outside was most likely given in another unit: tons, N/mm,
-/// bar, mm. Wide enough for a kart and for a 40-ton truck.
-const PLAUSIBLE: [(&str, f64, f64); 7] = [
+/// bar, mm, mm/s². Wide enough for a kart and for a 40-ton truck.
+const PLAUSIBLE: [(&str, f64, f64); 9] = [
     ("wheelbase_m", 0.5, 20.0),
     ("stiffness_per_kpa", 20.0, 20_000.0),
     ("sprung_mass_kg", 10.0, 10_000.0),
@@ -64,6 +64,8 @@ const PLAUSIBLE: [(&str, f64, f64); 7] = [
     ("damping_n_s_per_m", 10.0, 500_000.0),
     ("spring_n_per_m", 500.0, 10_000_000.0),
     ("placard_kpa", 20.0, 1_500.0),
+    ("accel_noise_m_s2", 0.0, 20.0),
+    ("initial_kpa", 20.0, 1_500.0),
 ];
 
 const TIRE_KEYS: [&str; 5] = [
@@ -234,7 +236,7 @@ fn read_corner(
         required(table, "spring_n_per_m")?,
     );
     let placard_kpa = required(table, "placard_kpa")?;
-    let (noise, initial) = (table.number("accel_noise_m_s2")?, table.number("initial_kpa")?);
+    let (noise, initial) = (checked(table, "accel_noise_m_s2")?, checked(table, "initial_kpa")?);
     quarter_car
         .and_then(|quarter_car| CornerConfig::new(quarter_car, tire, placard_kpa))
         .and_then(|config| noise.map_or(Ok(config), |noise| config.with_accel_noise(noise)))
