@@ -50,6 +50,22 @@ fn a_profile_of_two_tracks() {
 }
 
 #[test]
+fn a_segment_longer_than_the_road_is_the_road() {
+    let bench = Bench::new();
+    bench.write("road.csv", two_sines());
+    for asked in ["300", "1e9", "1e300"] {
+        let line = format!("roughness road.csv --segment-m {asked} -o table.csv --json");
+        let json: Value = serde_json::from_str(&ok(&bench, &line)).unwrap();
+        let [segment] = &json["segments"].as_array().unwrap()[..] else { panic!("{json}") };
+        assert_eq!(segment["end_m"], 250.0);
+        for i in 0..2 {
+            assert_eq!(segment["tracks"][i]["iri_m_per_km"], json["tracks"][i]["iri_m_per_km"]);
+        }
+        assert!(bench.read("table.csv").contains("\n0.000000,250.000000,left,250.000000,"));
+    }
+}
+
+#[test]
 fn an_opencrg_road() {
     let bench = Bench::new();
     // A ramp of 1 in 100 to the left: both tracks are smooth. Sections at -1 and 1 m, 0.25 m apart, 60 m.

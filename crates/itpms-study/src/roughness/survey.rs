@@ -1,13 +1,13 @@
 //! One track of road, segment by segment: IRI, level, slope and class, and on how much road and which waves they rest.
 //!
-//! Takes even heights as a stream; memory is one segment and a line per segment. Where there is too little road for a
-//! number it says so instead. Knows nothing of where the heights come from.
+//! Takes even heights as a stream; memory is one segment, as far as there is road in it, and a line per segment. Where
+//! there is too little road for a number it says so instead. Knows nothing of where the heights come from.
 
 use thiserror::Error;
 
 use super::cells::undo_cells;
 use super::golden_car::{Enveloping, GoldenCar, share_of_iri};
-use crate::spectrum::{FitError, REFERENCE_FREQUENCY_PER_M, RoadFit, Welch, fit_power_law};
+use crate::spectrum::{FitError, Psd, REFERENCE_FREQUENCY_PER_M, RoadFit, fit_power_law, welch};
 
 /// Share of a segment that has to be known for its numbers to stand for it.
 const LEAST_SHARE: f64 = 0.9;
@@ -36,7 +36,7 @@ pub enum Sampling {
 pub struct SurveyOptions {
     /// Where the first segment begins, in m.
     pub origin_m: f64,
-    /// Length of a segment in m.
+    /// Length of a segment in m; a road that is shorter is one segment.
     pub segment_m: f64,
     /// Distance from height to height in m.
     pub spacing_m: f64,
@@ -70,7 +70,7 @@ pub enum TooLittle {
     Road {
         /// What is known, in m.
         known_m: f64,
-        /// What was asked for, in m.
+        /// The length of the segment in m.
         segment_m: f64,
     },
     /// The band does not hold the wave at which ISO 8608 states a level.
@@ -91,6 +91,8 @@ pub enum TooLittle {
 pub struct SegmentRoughness {
     /// Where it begins, in m.
     pub start_m: f64,
+    /// Its length in m: as asked for, or that of a road that is shorter.
+    pub length_m: f64,
     /// Length of road whose height is known, in m.
     pub known_m: f64,
     /// IRI in m/km.
@@ -102,6 +104,12 @@ pub struct SegmentRoughness {
 }
 
 impl SegmentRoughness {
+    /// Where it ends, in m.
+    #[must_use]
+    pub fn end_m(&self) -> f64 {
+        self.start_m + self.length_m
+    }
+
     /// What a reader of the numbers should know, in words; empty if nothing.
     #[must_use]
     pub fn note(&self) -> String {
@@ -154,7 +162,8 @@ pub struct TrackSurvey {
     /// Segments that were taken away, all before the first of `segments`.
     taken: usize,
     segments: Vec<Sums>,
-    welch: Option<Welch>,
+    /// Heights of the newest segment, for its spectrum; NaN parts those that do not join.
+    heights_m: Vec<f64>,
 }
 
 impl TrackSurvey {
@@ -176,7 +185,7 @@ impl TrackSurvey {
             last_m: f64::NAN,
             taken: 0,
             segments: Vec::new(),
-            welch: None,
+            heights_m: Vec::new(),
         })
     }
 
@@ -195,9 +204,8 @@ impl TrackSurvey {
         // Segments that were taken away are over.
         let Some(place) = (place as usize).checked_sub(self.taken) else { return };
         if place >= self.segments.len() {
-            self.end_spectrum();
+            self.end_spectrum(self.options.segment_m);
             self.segments.resize(place + 1, Sums::EMPTY);
-            self.welch = self.begin_spectrum();
         }
         if !height_m.is_finite() {
             self.interrupt();
@@ -208,9 +216,7 @@ impl TrackSurvey {
         let tells = self.options.sampling == Sampling::CellMeans || self.slope_at_m.is_some();
         sums.heights += f64::from(u8::from(tells));
         sums.waves_m = (sums.waves_m.0.max(waves_m.0), sums.waves_m.1.min(waves_m.1));
-        if let Some(welch) = &mut self.welch {
-            welch.push(height_m);
-        }
+        self.heights_m.push(height_m);
         self.slope_at_m.get_or_insert(at_m);
         let mut slopes = Vec::new();
         self.car.push(height_m, |slope| slopes.push(slope));
@@ -223,8 +229,8 @@ impl TrackSurvey {
         self.car.push(f64::NAN, |slope| slopes.push(slope));
         self.add(&slopes);
         self.slope_at_m = None;
-        if let Some(welch) = &mut self.welch {
-            welch.push(f64::NAN);
+        if self.heights_m.last().is_some_and(|last| last.is_finite()) {
+            self.heights_m.push(f64::NAN);
         }
     }
 
@@ -242,23 +248,30 @@ impl TrackSurvey {
         self.slope_at_m = Some(at_m);
     }
 
-    fn begin_spectrum(&self) -> Option<Welch> {
-        let SurveyOptions { segment_m, spacing_m, .. } = self.options;
-        let window_m = (segment_m / 3.0).max(LEAST_WINDOW_M).min(segment_m);
-        // Even, and a little shorter than the segment that has to hold it.
-        let samples = ((window_m / spacing_m) as usize / 2).saturating_sub(1) * 2;
-        Welch::new(samples, spacing_m).ok()
-    }
-
-    fn end_spectrum(&mut self) {
-        let (Some(welch), Some(sums)) = (self.welch.take(), self.segments.last_mut()) else { return };
-        let psd = welch.psd();
+    /// The newest segment, of this length, is complete.
+    fn end_spectrum(&mut self, length_m: f64) {
+        let psd = self.spectrum(length_m);
+        self.heights_m.clear();
+        let Some(sums) = self.segments.last_mut() else { return };
         let psd = match self.options.sampling {
             Sampling::Points => psd,
             Sampling::CellMeans => psd.map(|psd| undo_cells(psd, self.options.spacing_m)),
         };
         let highest = HIGHEST_PER_M.min(0.4 / self.options.spacing_m).min(1.0 / sums.waves_m.0);
         sums.fit = psd.map(|psd| fit_power_law(&psd, (1.0 / sums.waves_m.1).max(1e-3), highest));
+    }
+
+    /// The spectrum of a segment of this length, from what is known of it.
+    fn spectrum(&self, length_m: f64) -> Option<Psd> {
+        let spacing_m = self.options.spacing_m;
+        let window_m = (length_m / 3.0).max(LEAST_WINDOW_M).min(length_m);
+        // Even, and a little shorter than the segment that has to hold it.
+        let samples = ((window_m / spacing_m) as usize / 2).saturating_sub(1) * 2;
+        // A window is made for heights that can fill it: after a leap in distance there are few in a long segment.
+        if samples > self.heights_m.len() {
+            return None;
+        }
+        welch(&self.heights_m, samples, spacing_m).ok().flatten()
     }
 
     /// The newest segment that is complete, and nothing more of it and those before: for a track without an end, in the
@@ -269,7 +282,7 @@ impl TrackSurvey {
         // NaN before the first height becomes 0.
         let complete = (place as usize).saturating_sub(self.taken).min(self.segments.len().saturating_sub(1));
         let newest = self.segments.get(complete.checked_sub(1)?)?;
-        let newest = self.segment(self.taken + complete - 1, newest);
+        let newest = self.segment(self.taken + complete - 1, self.options.segment_m, newest);
         self.segments.drain(..complete);
         self.taken += complete;
         Some(newest)
@@ -279,7 +292,8 @@ impl TrackSurvey {
     #[must_use]
     pub fn finish(mut self) -> TrackRoughness {
         self.interrupt();
-        self.end_spectrum();
+        let length_m = self.length_m();
+        self.end_spectrum(length_m);
         let spacing_m = self.options.spacing_m;
         // A last point on a border begins a segment of no length.
         if self.segments.last().is_some_and(|sums| sums.heights <= 1.0 && sums.count <= 0.0) {
@@ -288,18 +302,35 @@ impl TrackSurvey {
         let total = |of: fn(&Sums) -> f64| self.segments.iter().map(of).sum::<f64>();
         let (slopes, count) = (total(|s| s.slopes), total(|s| s.count));
         TrackRoughness {
-            segments: (self.taken..).zip(&self.segments).map(|(i, sums)| self.segment(i, sums)).collect(),
+            segments: (self.taken..)
+                .zip(&self.segments)
+                .map(|(i, sums)| self.segment(i, length_m, sums))
+                .collect(),
             iri_m_per_km: (count > 0.0).then(|| 1000.0 * slopes / count),
             known_m: total(|s| s.heights) * spacing_m,
         }
     }
 
+    /// Length of the segments of a track that is over: as asked for, but a road that is shorter is one segment.
+    fn length_m(&self) -> f64 {
+        let SurveyOptions { origin_m, segment_m, spacing_m, sampling, .. } = self.options;
+        if self.taken + self.segments.len() > 1 {
+            return segment_m;
+        }
+        let end_m = match sampling {
+            Sampling::Points => self.last_m,
+            Sampling::CellMeans => self.last_m + spacing_m,
+        };
+        (end_m - origin_m).max(SHORTEST_SEGMENT_M).min(segment_m)
+    }
+
     /// `place` counts from the track's beginning.
-    fn segment(&self, place: usize, sums: &Sums) -> SegmentRoughness {
+    fn segment(&self, place: usize, length_m: f64, sums: &Sums) -> SegmentRoughness {
         let SurveyOptions { origin_m, segment_m, spacing_m, .. } = self.options;
         let known_m = sums.heights * spacing_m;
-        let enough = known_m.min(sums.count * spacing_m) >= LEAST_SHARE * segment_m;
-        let too_little = TooLittle::Road { known_m: known_m.min(sums.count * spacing_m), segment_m };
+        let both_m = known_m.min(sums.count * spacing_m);
+        let enough = both_m >= LEAST_SHARE * length_m;
+        let too_little = TooLittle::Road { known_m: both_m, segment_m: length_m };
         let fit = match sums.fit {
             _ if !enough => Err(too_little),
             None => Err(too_little),
@@ -313,6 +344,7 @@ impl TrackSurvey {
         let waviness = fit.map_or(2.0, |fit| fit.law.waviness.clamp(1.0, 4.0));
         SegmentRoughness {
             start_m: origin_m + place as f64 * segment_m,
+            length_m,
             known_m,
             iri_m_per_km: if enough { Ok(1000.0 * sums.slopes / sums.count) } else { Err(too_little) },
             iri_share: share_of_iri(sums.waves_m.1, waviness),

@@ -31,8 +31,8 @@ pub struct RoughnessTable {
 }
 
 impl RoughnessTable {
-    /// From named tracks whose segments begin at the same places. `left`, `fl` and `rl` are on one side, `right`, `fr`
-    /// and `rr` on the other.
+    /// From named tracks whose segments begin at the same places; `segment_m` is the length asked for. `left`, `fl` and
+    /// `rl` are on one side, `right`, `fr` and `rr` on the other.
     #[must_use]
     pub fn new(segment_m: f64, tracks: Vec<(String, TrackRoughness)>) -> Self {
         Self { segment_m, tracks }
@@ -114,7 +114,7 @@ impl RoughnessTable {
     }
 
     fn line(&self, name: &str, segment: &SegmentRoughness) -> String {
-        let place = format!("{:.1} - {:.1}", segment.start_m, segment.start_m + self.segment_m);
+        let place = format!("{:.1} - {:.1}", segment.start_m, segment.end_m());
         let mut line = format!("{place:>16}  {name:<5}  ");
         match segment.iri_m_per_km {
             Ok(iri) => _ = write!(line, "{iri:>8.2}"),
@@ -144,7 +144,7 @@ impl RoughnessTable {
             let iri = segment.iri_m_per_km.ok();
             let cells = [
                 cell(Some(segment.start_m)),
-                cell(Some(segment.start_m + self.segment_m)),
+                cell(Some(segment.end_m())),
                 name.to_owned(),
                 cell(Some(segment.known_m)),
                 cell(iri),
@@ -176,7 +176,7 @@ impl RoughnessTable {
             let start_m = self.segment(i).map(|(_, segment)| segment.start_m).next();
             json!({
                 "start_m": start_m,
-                "end_m": start_m.map(|m| m + self.segment_m),
+                "end_m": self.segment(i).map(|(_, segment)| segment.end_m()).reduce(f64::max),
                 "mri_m_per_km": self.mri_m_per_km(i),
                 "tracks": tracks,
             })

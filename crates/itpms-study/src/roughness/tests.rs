@@ -98,6 +98,37 @@ fn level_slope_and_class_of_a_known_road() {
 }
 
 #[test]
+fn a_segment_longer_than_the_road_is_the_road() {
+    let law = PowerLaw { gd_n0_m3: 64e-6, waviness: 2.0 };
+    let heights = road(law, 300.0, 0.1, 9);
+    let whole = iri_m_per_km(&heights, 0.1, Enveloping::MovingAverage).unwrap().unwrap();
+    let of_300 = survey(&heights, 300.0, 0.1);
+    let [segment] = of_300.segments[..] else { panic!("{of_300:?}") };
+    assert!((segment.iri_m_per_km.unwrap() / whole - 1.0).abs() < 1e-9);
+    // A window of a third of the road holds waves up to two thirds of itself (docs/math/road.md, section 8).
+    assert!(1.0 / segment.fit.unwrap().band_per_m.0 > 60.0);
+    for asked_m in [301.0, 1e9, 1e300] {
+        assert_eq!(survey(&heights, asked_m, 0.1), of_300);
+    }
+    // A wheel, whose cells begin and end anywhere.
+    let rolled = |segment_m: f64| {
+        let mut wheel = WheelSurvey::new(segment_m, 500.0).unwrap();
+        heights.iter().enumerate().for_each(|(i, height)| wheel.push(i as f64 * 0.1, *height, 20.0));
+        wheel.finish()
+    };
+    assert!(rolled(1e300).segments[0].fit.is_ok());
+    assert_eq!(rolled(1e300), rolled(300.0));
+    // Nothing is told of less than the shortest segment, nor of a road that is one leap.
+    assert_eq!(survey(&heights[..41], 100.0, 0.1).segments[0].note(), "too little road: 4 of 5 m");
+    let mut leap = TrackSurvey::new(options(1e300, 0.1)).unwrap();
+    for (i, height) in heights.iter().enumerate() {
+        leap.push(if i < 1500 { 0.1 } else { 1e15 } * i as f64, *height, ALL_WAVES);
+    }
+    let [segment] = leap.finish().segments[..] else { panic!("one segment") };
+    assert!(segment.iri_m_per_km.is_err() && segment.fit.is_err());
+}
+
+#[test]
 fn a_hole_costs_its_segment_and_no_other() {
     let law = PowerLaw { gd_n0_m3: 16e-6, waviness: 2.0 };
     let mut heights = road(law, 300.0, 0.1, 3);
@@ -182,6 +213,7 @@ fn the_mean_of_the_sides() {
     let track = |iri: f64| TrackRoughness {
         segments: vec![SegmentRoughness {
             start_m: 0.0,
+            length_m: 100.0,
             known_m: 100.0,
             iri_m_per_km: Ok(iri),
             iri_share: 1.0,

@@ -17,7 +17,7 @@ pub(crate) struct RoughnessArgs {
     /// The input is a drive log of this vehicle.
     #[arg(long, value_name = "V.toml")]
     pub(crate) vehicle: Option<PathBuf>,
-    /// Length of a segment in m, 5 or more.
+    /// Length of a segment in m, 5 or more; a road that is shorter is one segment.
     #[arg(long, value_name = "M", default_value_t = 100.0, value_parser = positive)]
     pub(crate) segment_m: f64,
     /// OpenCRG: where the left and the right track lie beside the reference line in m, left positive; one for one track.
