@@ -145,6 +145,17 @@ fn what_cannot_be_used_is_refused() {
     let bench = Bench::with_drive();
     bench.write("road.csv", two_sines());
     bench.write("broken.crg", "$ROAD_CRG\n$\n");
+    // Every second step is a leap of 2500 km; the rest is even, or not, or closer than a cell.
+    for (name, step_m) in
+        [("even.csv", [0.25; 3]), ("uneven.csv", [0.25, 0.2, 0.3]), ("fine.csv", [0.01, 0.012, 0.008])]
+    {
+        let (mut at_m, mut text) = (0.0, String::from("distance_m,height_m\n"));
+        for i in 0..40 {
+            _ = writeln!(text, "{at_m:.3},0.01");
+            at_m += if i % 4 == 3 { 2.5e6 } else { step_m[i % 3] };
+        }
+        bench.write(name, text);
+    }
     let before = bench.names();
     for (line, message) in [
         ("roughness nowhere.csv", "nowhere.csv: no such file"),
@@ -154,6 +165,13 @@ fn what_cannot_be_used_is_refused() {
         ),
         ("roughness broken.crg", "broken.crg: the header does not end"),
         ("roughness road.csv --segment-m 2", "road.csv: segments of 2 m, expected 5 m or more"),
+        (
+            "roughness even.csv",
+            "even.csv: gaps leave 89999991 heights missing, 0.25 m apart (the longest from 0.75 to 2500000.75 m), \
+             expected 10000000 or fewer",
+        ),
+        ("roughness uneven.csv", "uneven.csv: gaps leave "),
+        ("roughness fine.csv", "fine.csv: gaps leave "),
         (
             "roughness road.csv -o table.json",
             "table.json: the table is CSV, expected a name that ends in .csv",

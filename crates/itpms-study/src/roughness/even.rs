@@ -2,6 +2,8 @@
 //!
 //! Called by the roughness command. Small holes are bridged and counted, larger ones stay.
 
+use thiserror::Error;
+
 use super::cells::Cells;
 use super::survey::Sampling;
 
@@ -13,6 +15,33 @@ const CELL_M: f64 = 0.05;
 const BRIDGED_M: f64 = 0.25;
 /// An uneven profile has a hole where a step is this many times the usual one, and at least [`BRIDGED_M`].
 const HOLE: f64 = 4.0;
+
+/// Heights that the gaps of a profile may leave missing in all: no leap in distance is a reason to fill the memory.
+const MOST_MISSING: f64 = 1e7;
+
+/// Profiles that cannot be made even.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum EvenError {
+    /// There is no distance between them.
+    #[error("found {0} points, expected 2 or more")]
+    Points(usize),
+    /// Leaps in distance.
+    #[error(
+        "gaps leave {missing:.0} heights missing, {spacing_m:.2} m apart (the longest from {from_m} to {to_m} m), \
+         expected {most} or fewer",
+        most = MOST_MISSING
+    )]
+    Gaps {
+        /// How many heights are missing.
+        missing: f64,
+        /// Distance from height to height in m.
+        spacing_m: f64,
+        /// Where the longest gap begins, in m.
+        from_m: f64,
+        /// Where it ends, in m.
+        to_m: f64,
+    },
+}
 
 /// Heights at even distances.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,38 +68,44 @@ impl EvenProfile {
     }
 
     /// From heights at increasing distances: taken as they are where the steps are even, else read between the points
-    /// at their usual distance, or, where that is less than 5 cm, averaged over 5 cm. `None` for fewer than two points.
-    #[must_use]
-    pub fn new(distance_m: &[f64], height_m: &[f64]) -> Option<Self> {
+    /// at their usual distance, or, where that is less than 5 cm, averaged over 5 cm.
+    ///
+    /// # Errors
+    /// See [`EvenError`].
+    pub fn new(distance_m: &[f64], height_m: &[f64]) -> Result<Self, EvenError> {
         let mut steps: Vec<f64> = distance_m.windows(2).map(|pair| pair[1] - pair[0]).collect();
         steps.sort_by(f64::total_cmp);
-        let usual_m = *steps.get(steps.len() / 2)?;
+        let usual_m = *steps.get(steps.len() / 2).ok_or(EvenError::Points(distance_m.len()))?;
         let (start_m, end_m) = (distance_m[0], distance_m[distance_m.len() - 1]);
         let even = steps.iter().all(|step| {
             let whole = (step / usual_m).round().max(1.0);
             (step - whole * usual_m).abs() < EVEN * usual_m
         });
+        let (spacing_m, sampling) = if !even && usual_m < CELL_M {
+            (CELL_M, Sampling::CellMeans)
+        } else {
+            (usual_m, Sampling::Points)
+        };
+        count_missing(distance_m, spacing_m)?;
         if even {
             // The usual step is a difference of rounded numbers; the whole length is rounded once.
             let spacing_m = (end_m - start_m) / ((end_m - start_m) / usual_m).round();
             let mut heights_m = Vec::with_capacity(height_m.len());
             for (x, z) in distance_m.iter().zip(height_m) {
                 let place = ((x - start_m) / spacing_m).round() as usize;
-                heights_m.resize(place.min(heights_m.len() + MOST_MISSING), f64::NAN);
+                heights_m.resize(place, f64::NAN);
                 heights_m.push(*z);
             }
-            return Some(Self::of_even(start_m, spacing_m, heights_m));
+            return Ok(Self::of_even(start_m, spacing_m, heights_m));
         }
         let hole_m = (HOLE * usual_m).max(BRIDGED_M);
-        let (spacing_m, sampling) =
-            if usual_m < CELL_M { (CELL_M, Sampling::CellMeans) } else { (usual_m, Sampling::Points) };
         let heights_m = match sampling {
             Sampling::CellMeans => cell_means(distance_m, height_m, hole_m),
             Sampling::Points => between(distance_m, height_m, spacing_m, hole_m),
         };
         let mut profile = Self { start_m, spacing_m, heights_m, sampling, bridged: 0 };
         profile.bridge();
-        Some(profile)
+        Ok(profile)
     }
 
     fn bridge(&mut self) {
@@ -93,8 +128,25 @@ impl EvenProfile {
     }
 }
 
-/// A leap in distance is no reason to fill the memory: a hole of this many heights is as good as a longer one.
-const MOST_MISSING: usize = 10_000_000;
+/// Refuses gaps that would take too many heights to fill, before they are filled.
+fn count_missing(distance_m: &[f64], spacing_m: f64) -> Result<(), EvenError> {
+    let (mut missing, mut longest) = (0.0, (0.0, 0.0));
+    for pair in distance_m.windows(2) {
+        let (from_m, to_m) = (pair[0], pair[1]);
+        let more = ((to_m - from_m) / spacing_m).round() - 1.0;
+        if !(more <= 0.0) {
+            missing += more;
+        }
+        if to_m - from_m > longest.1 - longest.0 {
+            longest = (from_m, to_m);
+        }
+    }
+    if !(missing <= MOST_MISSING) {
+        let (from_m, to_m) = longest;
+        return Err(EvenError::Gaps { missing, spacing_m, from_m, to_m });
+    }
+    Ok(())
+}
 
 fn cell_means(distance_m: &[f64], height_m: &[f64], hole_m: f64) -> Vec<f64> {
     let mut cells = Cells::new(CELL_M);
@@ -104,7 +156,7 @@ fn cell_means(distance_m: &[f64], height_m: &[f64], hole_m: f64) -> Vec<f64> {
         if hole {
             cells.restart();
             let place = ((x - distance_m[0]) / CELL_M).round() as usize;
-            means.resize(place.clamp(means.len(), means.len() + MOST_MISSING), f64::NAN);
+            means.resize(place.max(means.len()), f64::NAN);
         }
         cells.push(*x, [*z], |[mean]| means.push(mean));
     }
@@ -117,9 +169,9 @@ fn between(distance_m: &[f64], height_m: &[f64], spacing_m: f64, hole_m: f64) ->
     for i in 1..distance_m.len() {
         let (from, to) = (distance_m[i - 1], distance_m[i]);
         let missing = to - from > hole_m;
-        for _ in 0..MOST_MISSING {
+        loop {
             let at = start_m + heights.len() as f64 * spacing_m;
-            if at > to + 1e-9 * spacing_m {
+            if !(at <= to + 1e-9 * spacing_m) {
                 break;
             }
             let share = (at - from) / (to - from);

@@ -22,7 +22,7 @@ mod tests;
 mod wheel;
 
 pub(crate) use cells::{Cells, undo_cells};
-pub use even::EvenProfile;
+pub use even::{EvenError, EvenProfile};
 pub use golden_car::{Enveloping, GoldenCar, SpacingError, iri_m_per_km, segment_iri_m_per_km, share_of_iri};
 pub use survey::{
     Sampling, SegmentRoughness, SurveyError, SurveyOptions, TooLittle, TrackRoughness, TrackSurvey,

@@ -72,7 +72,7 @@ fn from_text(args: &RoughnessArgs) -> Result<Found, Failure> {
             wheel(args, &profile, &road.height_m)?
         } else {
             let even = EvenProfile::new(&profile.distance_m, &road.height_m)
-                .ok_or_else(|| Failure::Usage(format!("{}: a profile of one point", args.input.display())))?;
+                .map_err(|error| Failure::Usage(format!("{}: {error}", args.input.display())))?;
             remark_holes(road.name, &even, &mut warnings);
             if even.spacing_m > 0.3 {
                 let spacing =
