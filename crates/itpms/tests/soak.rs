@@ -130,3 +130,19 @@ fn hours_of_something_else_are_not_added_to() {
         assert_eq!(bench.run(line).code, Some(2), "{line}");
     }
 }
+
+#[test]
+fn more_drives_than_anybody_waits_for_are_refused_before_anything_is_written() {
+    let bench = Bench::new();
+    for (line, message) in [
+        ("soak --out x --hours 1e15", "--hours 1e15 is 1e15 drives of 3600 s, expected 1e6 or fewer"),
+        ("soak --out x --hours 1e300", "--hours 1e300 is 1e300 drives of 3600 s, expected 1e6 or fewer"),
+        (
+            "soak --out x --hours 1 --drive-s 0.001",
+            "--hours 1e0 is 3.6e6 drives of 0.001 s, expected 1e6 or fewer",
+        ),
+    ] {
+        assert_eq!(bench.run(line).refusal(), message);
+    }
+    assert!(bench.names().is_empty());
+}

@@ -15,7 +15,7 @@ use super::positive;
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct SoakArgs {
-    /// Hours in all, those of earlier runs included.
+    /// Hours in all, those of earlier runs included; a million drives at most.
     #[arg(long, value_name = "H", default_value_t = 1000.0, value_parser = positive)]
     pub(crate) hours: f64,
     /// Where the hours are kept.

@@ -21,12 +21,14 @@ use crate::screen::Screen;
 
 /// Seconds between two lines about the progress where there is no terminal for a bar.
 const WORD_S: u64 = 60;
+/// A hundred years of hours, which nobody waits for; the seeds of a run are kept in memory.
+const MOST_DRIVES: f64 = 1e6;
 
 pub(crate) fn run(args: &SoakArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
     let plan = Plan { rate_hz: args.rate, drive_s: args.drive_s, car: args.car };
+    let drives = drives(args)?;
     fs::create_dir_all(&args.out).map_err(|error| Failure::Directory(args.out.clone(), error))?;
     let mut record = Record::open(args.out.join("hours.jsonl"), &plan)?;
-    let drives = (args.hours * 3600.0 / args.drive_s - 1e-9).ceil().max(1.0) as u64;
     let seeds = (0..drives).map(|i| args.first_seed.wrapping_add(i));
     let todo: Vec<u64> = seeds.clone().filter(|seed| !record.hours().contains_key(seed)).collect();
     let jobs = args.jobs.map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from);
@@ -73,6 +75,18 @@ pub(crate) fn run(args: &SoakArgs, screen: &Screen, interrupt: &Interrupt) -> Re
     // Hours of other seeds may be there, too; what was asked for is added up.
     let asked: Vec<Hour> = seeds.filter_map(|seed| record.hours().get(&seed).cloned()).collect();
     finish(args, &Summary::of(&asked), record.path(), screen)
+}
+
+/// How many drives the hours are.
+fn drives(args: &SoakArgs) -> Result<u64, Failure> {
+    let drives = (args.hours * 3600.0 / args.drive_s - 1e-9).ceil().max(1.0);
+    if !(drives <= MOST_DRIVES) {
+        let (hours, drive_s) = (args.hours, args.drive_s);
+        return Err(Failure::Usage(format!(
+            "--hours {hours:e} is {drives:e} drives of {drive_s} s, expected {MOST_DRIVES:e} or fewer"
+        )));
+    }
+    Ok(drives as u64)
 }
 
 fn finish(args: &SoakArgs, summary: &Summary, hours: &Path, screen: &Screen) -> Result<(), Failure> {
