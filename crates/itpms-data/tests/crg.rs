@@ -1,6 +1,7 @@
 //! OpenCRG files: made here by hand in every format, refused when wrong, and the real ones where they are there.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
+use std::io::{Write as _, stderr};
 use std::path::PathBuf;
 
 use itpms_data::crg::{CrgProblem, CrgRoad};
@@ -264,15 +265,21 @@ fn wrong_data_are_refused_by_line_and_column() {
     assert!(matches!(CrgRoad::from_bytes(b"no road"), Err(CrgProblem::NoData)));
 }
 
+/// One of the standard's examples. `None` where it is not, which is said on the stream itself: what the macros print in
+/// a test that passes is not shown.
+fn example(name: &str) -> Option<CrgRoad> {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(name);
+    if !path.exists() {
+        stderr().write_all(format!("skipped: no ../shared/data/{name}\n").as_bytes()).unwrap();
+        return None;
+    }
+    Some(CrgRoad::read(&path).unwrap())
+}
+
 /// The file and heights in m that the C library of the standard gives for it at (u, v), less its height at u0, v = 0
 /// (it lifts the road so that this is zero).
 fn held_against_the_library(name: &str, start_m: f64, points: &[(f64, f64, f64)]) {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(name);
-    if !path.exists() {
-        println!("skipped: no ../shared/data");
-        return;
-    }
-    let road = CrgRoad::read(&path).unwrap();
+    let Some(road) = example(name) else { return };
     assert_eq!(road.start_m(), start_m);
     let height = |u: f64, v: f64| {
         let line = road.line_m(v).unwrap();
@@ -322,17 +329,13 @@ fn the_standards_examples_agree_with_its_library() {
 
 #[test]
 fn the_examples_holes_stay_holes() {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    let Ok(road) = CrgRoad::read(&path.join("handmade_straight.crg")) else {
-        println!("skipped: no ../shared/data");
-        return;
-    };
+    let Some(road) = example("handmade_straight.crg") else { return };
     assert_eq!((road.rows(), road.lateral_m().len(), road.missing_cells()), (23, 7, 3));
     // Written as *missing* in the rows at 7 and 8 m of the rightmost section.
     let holes: Vec<usize> =
         road.line_m(-1.5).unwrap().iter().enumerate().filter(|(_, z)| z.is_nan()).map(|(i, _)| i).collect();
     assert_eq!(holes, [7, 8]);
-    let belgian = CrgRoad::read(&path.join("belgian_block.crg")).unwrap();
+    let Some(belgian) = example("belgian_block.crg") else { return };
     assert_eq!((belgian.rows(), belgian.lateral_m().len(), belgian.increment_m()), (1001, 341, 0.01));
     // Its right edge was not measured; counted in the file's bytes with another program.
     assert!(belgian.line_m(-1.7).unwrap().iter().all(|z| z.is_nan()));

@@ -62,11 +62,8 @@ fn leftovers(dir: &Path) -> usize {
 }
 
 #[test]
+#[cfg_attr(not(unix), ignore = "killing without warning is tested on Unix only")]
 fn killed_at_any_moment_the_file_is_the_old_one_or_the_new_one() {
-    if cfg!(not(unix)) {
-        eprintln!("skipped: killing without warning is tested on Unix only");
-        return;
-    }
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("reference");
     let (old, new) = (old(), new());

@@ -203,7 +203,7 @@ fn mean_m_per_km(slopes: &[f64]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::Path;
+    use crate::roughness::tests::surveyed_road;
 
     /// World Bank Technical Paper 46, dx = 0.25 m.
     const S: [[f64; 4]; 4] = [
@@ -306,13 +306,7 @@ mod tests {
 
     #[test]
     fn a_surveyed_road() {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/profile_1.txt");
-        let Ok(text) = std::fs::read_to_string(path) else {
-            println!("skipped: no ../shared/data");
-            return;
-        };
-        let heights: Vec<f64> =
-            text.lines().filter_map(|line| line.split_whitespace().nth(1)?.parse().ok()).collect();
+        let Some((_, heights)) = surveyed_road() else { return };
         assert_eq!(heights.len(), 2177);
         // From an independent script, four digits.
         let whole = iri_m_per_km(&heights, 0.25, Enveloping::MovingAverage).unwrap().unwrap();
