@@ -15,7 +15,7 @@ fn malfunctions_are_said_in_time_and_no_other_is() {
     assert_eq!(study.rows.len(), 2);
     for row in &study.rows {
         assert_eq!((row.drives, row.in_time, row.named), (1, 1, 1), "{row:?}");
-        assert_eq!(row.wrong_after_s, 0.0, "{row:?}");
+        assert_eq!((row.wrong_after_s, row.wrong_after_others_s), (0.0, 0.0), "{row:?}");
         assert_eq!(row.recovered, row.awaited, "{row:?}");
     }
     // Warnings of pressures are the estimator's to avoid.
@@ -36,6 +36,7 @@ fn noise_on_a_smooth_road_is_said_to_be_noise() {
     for row in &study.rows {
         assert_eq!((row.drives, row.in_time, row.named), (1, 1, 1), "{row:?}");
         assert_eq!((row.wrong_before_s, row.wrong_after_s), (0.0, 0.0), "{row:?}");
+        assert_eq!((row.wrong_before_others_s, row.wrong_after_others_s), (0.0, 0.0), "{row:?}");
     }
     assert_eq!(study.clean.malfunctions, 0, "{:?}", study.clean);
 }
@@ -50,5 +51,8 @@ fn requests_that_make_no_sense_are_refused_and_a_break_stops() {
     );
     let stop = |_, _| ControlFlow::Break(());
     assert!(matches!(study(&request("stuck, wheel"), &stop), Err(MalfunctionError::Stopped)));
-    assert!(kinds().iter().all(|kind| kind.stated_s > 0.0 && !kind.faults.is_empty()));
+    assert!(kinds().iter().all(|kind| kind.stated_s > 0.0));
+    // Twenty-two of sensors, and a road that tells nothing.
+    let of_sensors = kinds().iter().filter(|kind| !kind.faults.is_empty()).count();
+    assert_eq!((of_sensors, kinds().len()), (22, 23));
 }

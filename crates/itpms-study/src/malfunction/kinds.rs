@@ -1,5 +1,6 @@
 //! The malfunctions that are put in, and within which time each is to be said.
 
+use itpms_core::monitor::{Cause, Malfunction, Place, Sensor, Wheels};
 use itpms_core::sample::Corner;
 use itpms_sim::fault::{FaultKind, FaultPlace, FaultSpec, SensorName};
 
@@ -12,10 +13,108 @@ pub struct Kind {
     pub name: &'static str,
     /// Seconds of driving within which it is said.
     pub stated_s: f64,
-    /// What happens to the sensors. Times are filled in when it is put in.
+    /// What happens to the sensors. Times are filled in when it is put in. None: a road that tells nothing, on a drive of
+    /// its own.
     pub faults: Vec<FaultSpec>,
-    /// The words of [`Malfunction::label`](itpms_core::monitor::Malfunction::label) that say what it is.
+    /// The words of [`Malfunction::label`] that pass for its name: its own, and those of what it looks like.
     pub labels: &'static [&'static str],
+}
+
+impl Kind {
+    /// The wheels whose sensors it happens to; without a fault all four.
+    #[must_use]
+    pub fn wheels(&self) -> Wheels {
+        if self.faults.is_empty() {
+            return Corner::ALL.into_iter().collect();
+        }
+        self.faults.iter().flat_map(sensors).map(|sensor| sensor.corner).collect()
+    }
+
+    /// Whether this is a malfunction at a wheel it happens to, under any of the words that pass. Gives the word.
+    #[must_use]
+    pub fn said_as(&self, cause: &Cause<f64>, wheels: Wheels) -> Option<&'static str> {
+        let label = malfunction_label(cause)?;
+        wheels.iter().any(|corner| self.wheels().contains(corner)).then_some(label)
+    }
+
+    /// Whether this is what is wrong: the kind of malfunction and the very sensors. Which way a gain is off counts, by how
+    /// much does not. Of two swaps at once the monitor can tell no more than whether sides or axles are swapped.
+    #[must_use]
+    pub fn is_exactly(&self, cause: &Cause<f64>) -> bool {
+        match (self.exact(), cause) {
+            (None, Cause::NoInformation { .. }) => self.faults.is_empty(),
+            (Some(exact), Cause::Malfunction(said)) => is_same(&exact, said),
+            _ => false,
+        }
+    }
+
+    /// What the monitor should say, as exactly as it can.
+    fn exact(&self) -> Option<Malfunction<f64>> {
+        match *self.faults.as_slice() {
+            [fault] => exact(&fault),
+            [one, other] => {
+                let (Malfunction::Swapped(a, b), Malfunction::Swapped(..)) = (exact(&one)?, exact(&other)?)
+                else {
+                    return None;
+                };
+                // Front left, front right, rear left, rear right.
+                let [a, b] = [a, b].map(|sensor| sensor.corner.index());
+                Some(if a / 2 == b / 2 { Malfunction::SwappedSides } else { Malfunction::SwappedAxles })
+            }
+            _ => None,
+        }
+    }
+}
+
+/// The word for a malfunction, or for nothing learned; `None` for what is said of a tire.
+pub(super) fn malfunction_label(cause: &Cause<f64>) -> Option<&'static str> {
+    match cause {
+        Cause::Malfunction(malfunction) => Some(malfunction.label()),
+        Cause::NoInformation { .. } => Some(cause.label()),
+        Cause::UnderInflated(_) | Cause::FastLeak { .. } | Cause::AllLow { .. } | Cause::OverInflated(_) => {
+            None
+        }
+    }
+}
+
+fn sensor(name: SensorName) -> Sensor {
+    let place = match name.sensor {
+        FaultPlace::Body => Place::Body,
+        FaultPlace::Wheel => Place::Wheel,
+    };
+    Sensor { corner: Corner::ALL[name.corner as usize], place }
+}
+
+fn sensors(fault: &FaultSpec) -> impl Iterator<Item = Sensor> {
+    let other = match fault.kind {
+        FaultKind::Swap { with } => Some(sensor(with)),
+        _ => None,
+    };
+    std::iter::once(sensor(fault.at())).chain(other)
+}
+
+fn exact(fault: &FaultSpec) -> Option<Malfunction<f64>> {
+    let at = sensor(fault.at());
+    match fault.kind {
+        FaultKind::Stuck => Some(Malfunction::Stuck(at)),
+        FaultKind::Dropout { .. } => Some(Malfunction::Dropout(at)),
+        FaultKind::Spikes { .. } => Some(Malfunction::Spikes(at)),
+        FaultKind::Noise { .. } => Some(Malfunction::Noise(at)),
+        FaultKind::Gain { factor } => Some(Malfunction::Gain { sensor: at, gain: factor }),
+        FaultKind::Swap { with } => Some(Malfunction::Swapped(at, sensor(with))),
+        // Nothing is said of it.
+        FaultKind::Bias { .. } => None,
+    }
+}
+
+fn is_same(exact: &Malfunction<f64>, said: &Malfunction<f64>) -> bool {
+    match (exact, said) {
+        (Malfunction::Swapped(a, b), Malfunction::Swapped(c, d)) => (a, b) == (c, d) || (a, b) == (d, c),
+        (Malfunction::Gain { sensor: a, gain: is }, Malfunction::Gain { sensor: b, gain: said }) => {
+            a == b && (*is > 1.0) == (*said > 1.0) && (*is > 0.0) == (*said > 0.0)
+        }
+        _ => exact == said,
+    }
 }
 
 fn kind(name: &'static str, stated_s: f64, labels: &'static [&'static str], faults: Vec<FaultSpec>) -> Kind {
@@ -93,5 +192,58 @@ pub fn kinds() -> Vec<Kind> {
         swapped("bodies swapped, front and rear", 25.0, fr, Body, rr, Body),
         corners("corners swapped, left and right", rl, rr),
         corners("corners swapped, front and rear", fr, rr),
+        // The monitor says it after ten minutes of driving; ten seconds more until the car is on that road and nothing is
+        // learned any more.
+        kind("road smooth as glass", 610.0, &["no-information"], vec![]),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(name: &str) -> Kind {
+        kinds().into_iter().find(|kind| kind.name == name).unwrap()
+    }
+
+    fn at(corner: Corner, place: Place) -> Sensor {
+        Sensor { corner, place }
+    }
+
+    #[test]
+    fn exactly_is_the_kind_and_the_very_sensor_and_which_way() {
+        let [fl, fr, rl, _] = Corner::ALL;
+        let says = |kind: &str, said| of(kind).is_exactly(&Cause::Malfunction(said));
+        assert!(says("stuck, wheel", Malfunction::Stuck(at(fl, Place::Wheel))));
+        assert!(!says("stuck, wheel", Malfunction::Stuck(at(fl, Place::Body))));
+        assert!(!says("stuck, wheel", Malfunction::Stuck(at(fr, Place::Wheel))));
+        assert!(!says("noise of 2 m/s2, wheel", Malfunction::Spikes(at(fl, Place::Wheel))));
+        let gain = |gain| Malfunction::Gain { sensor: at(fl, Place::Body), gain };
+        assert!(says("upside down, body", gain(-0.8)) && !says("upside down, body", gain(0.5)));
+        let halved = |gain| Malfunction::Gain { sensor: at(fr, Place::Wheel), gain };
+        assert!(says("gain 0.5, wheel", halved(0.6)) && !says("gain 0.5, wheel", halved(1.6)));
+        let (wheel, body) = (at(fl, Place::Wheel), at(rl, Place::Body));
+        assert!(says("body and another's wheel swapped", Malfunction::Swapped(body, wheel)));
+        assert!(says("body and another's wheel swapped", Malfunction::Swapped(wheel, body)));
+        assert!(!says("body and another's wheel swapped", Malfunction::Inconsistent(fl)));
+        assert!(says("corners swapped, left and right", Malfunction::SwappedSides));
+        assert!(!says("corners swapped, left and right", Malfunction::SwappedAxles));
+        assert!(says("corners swapped, front and rear", Malfunction::SwappedAxles));
+        let nothing = Cause::NoInformation { driven_s: 600.0 };
+        assert!(of("road smooth as glass").is_exactly(&nothing) && !of("stuck, wheel").is_exactly(&nothing));
+    }
+
+    #[test]
+    fn every_kind_can_be_said_exactly_and_passes_by_its_own_name() {
+        for kind in kinds() {
+            let exact = match kind.exact() {
+                Some(malfunction) => Cause::Malfunction(malfunction),
+                None => Cause::NoInformation { driven_s: 600.0 },
+            };
+            assert!(kind.is_exactly(&exact), "{}", kind.name);
+            let label = kind.said_as(&exact, kind.wheels()).unwrap();
+            assert_eq!(kind.labels[0], label, "{}", kind.name);
+            assert_eq!(kind.said_as(&exact, Wheels::NONE), None, "{}", kind.name);
+        }
+    }
 }

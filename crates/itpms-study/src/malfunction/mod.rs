@@ -1,5 +1,5 @@
-//! Every malfunction put into many everyday drives: is it said in time, is no wrong pressure shown, does the monitor come
-//! back; and is nothing said on the same drives without.
+//! Every malfunction put into many everyday drives: is it said in time, is no wrong pressure shown at any wheel, is no tire
+//! warned of, does the monitor come back; and is nothing said on the same drives without.
 //!
 //! Called by the binary's `malfunctions`. Deterministic: the same request gives the same figures on any number of
 //! processors.
@@ -36,6 +36,7 @@ use clean::{Watch, sum};
 use drive::Recorded;
 pub use kinds::{Kind, kinds};
 use outcome::Outcome;
+pub use outcome::TireWarnings;
 
 /// Told at the start and after every malfunction how many of how many are done; [`ControlFlow::Break`] ends the study.
 pub type Progress<'a> = &'a (dyn Fn(u64, u64) -> ControlFlow<()> + Sync);
@@ -93,29 +94,51 @@ pub struct Row {
     pub said: usize,
     /// Of these, within the stated time.
     pub in_time: usize,
-    /// Of these, by its name.
+    /// Of those in which it was said, in how many by a word that passes for its name, at any wheel it happens to: its own or
+    /// that of what it looks like.
     pub named: usize,
+    /// And in how many by its own name, with the very sensors and nothing beside them.
+    pub named_exactly: usize,
+    /// Other malfunctions said while it lasted or in the two minutes after: of another kind, or of another sensor.
+    pub others_said: usize,
     /// The stated time.
     pub stated_s: f64,
     /// Time until it was said, median.
     pub said_median_s: f64,
     /// Time until it was said, worst.
     pub said_worst_s: f64,
-    /// Time per drive with a wrong pressure shown (3 sd and 20 kPa off) before it was said.
+    /// Time per drive with a wrong pressure shown (3 sd and 20 kPa off) before it was said, at a wheel it happens to.
     pub wrong_before_s: f64,
     /// And in the 20 s after.
     pub wrong_after_s: f64,
-    /// The same for pressures more than 20 kPa off, whatever their sd.
+    /// And in the two minutes after its end.
+    pub wrong_back_s: f64,
+    /// The same at the other wheels: before it was said.
+    pub wrong_before_others_s: f64,
+    /// And in the 20 s after.
+    pub wrong_after_others_s: f64,
+    /// And in the two minutes after its end.
+    pub wrong_back_others_s: f64,
+    /// The same for pressures more than 20 kPa off, whatever their sd, at a wheel it happens to.
     pub far_before_s: f64,
     /// And in the 20 s after.
     pub far_after_s: f64,
-    /// Drives in which all was well again within the time driven after its end.
+    /// At the other wheels, before it was said.
+    pub far_before_others_s: f64,
+    /// And in the 20 s after.
+    pub far_after_others_s: f64,
+    /// Warnings of tires while it lasted. All are false.
+    pub tire_warnings_during: TireWarnings,
+    /// And in the two minutes after its end.
+    pub tire_warnings_after: TireWarnings,
+    /// Drives in which all was well again within the time driven after its end: nothing said, a right pressure shown at its
+    /// wheels, no wrong one at any.
     pub recovered: usize,
     /// Drives that went on for long enough after its end.
     pub awaited: usize,
-    /// Time until then, median.
+    /// Time until then, median of those that recovered.
     pub recovered_median_s: f64,
-    /// Time until then, worst.
+    /// Time until then, worst of those that recovered.
     pub recovered_worst_s: f64,
 }
 
@@ -193,9 +216,7 @@ fn one(
     count: &(dyn Fn() -> Result<(), MalfunctionError> + Sync),
 ) -> Result<OneDrive, MalfunctionError> {
     let drive = Recorded::of(seed)?;
-    let estimator = CarEstimator::new(EstimatorKind::Informed, &drive.car, drive.rate_hz)?;
-    let monitor = Monitor::new(&MonitorConfig::new(&drive.car), drive.rate_hz)?;
-    let mut car = Box::new(MonitoredCar::new(estimator, monitor));
+    let mut car = monitored(&drive)?;
     let mut until_then = None;
     let mut clean = Watch::new(&drive);
     for (i, sample) in drive.rows.iter().enumerate() {
@@ -209,12 +230,29 @@ fn one(
     let mut outcomes = Vec::with_capacity(kinds.len());
     for kind in kinds {
         outcomes.push(match &until_then {
+            _ if kind.faults.is_empty() => over_glass(kind, seed)?,
             Some(car) => outcome::run(kind, &drive, (**car).clone(), seed),
             None => Outcome::default(),
         });
         count()?;
     }
     Ok(OneDrive { outcomes, clean: clean.finish() })
+}
+
+/// A malfunction that is the road's, on a drive of its own.
+fn over_glass(kind: &Kind, seed: u64) -> Result<Outcome, MalfunctionError> {
+    let drive = Recorded::over_glass(seed)?;
+    let mut car = monitored(&drive)?;
+    for sample in &drive.rows[..drive.begins] {
+        car.update(sample);
+    }
+    Ok(outcome::run(kind, &drive, *car, seed))
+}
+
+fn monitored(drive: &Recorded) -> Result<Box<MonitoredCar<f64>>, MalfunctionError> {
+    let estimator = CarEstimator::new(EstimatorKind::Informed, &drive.car, drive.rate_hz)?;
+    let monitor = Monitor::new(&MonitorConfig::new(&drive.car), drive.rate_hz)?;
+    Ok(Box::new(MonitoredCar::new(estimator, monitor)))
 }
 
 /// A malfunction that was not said, and could not have been because the car hardly drove, does not count.
@@ -226,6 +264,9 @@ fn row(kind: &Kind, outcomes: &[&Outcome]) -> Row {
     let mean = |figure: fn(&Outcome) -> f64| {
         outcomes.iter().map(|o| figure(o)).sum::<f64>() / outcomes.len().max(1) as f64
     };
+    let tires = |warnings: fn(&Outcome) -> TireWarnings| {
+        outcomes.iter().fold(TireWarnings::default(), |sum, o| sum.plus(warnings(o)))
+    };
     let named = outcomes.iter().filter(|o| o.said_after_s.is_some() && kind.labels.contains(&o.label));
     let worst = |values: &[f64]| values.iter().copied().fold(f64::NAN, f64::max);
     Row {
@@ -234,16 +275,98 @@ fn row(kind: &Kind, outcomes: &[&Outcome]) -> Row {
         said: said.len(),
         in_time: said.iter().filter(|time_s| **time_s <= kind.stated_s).count(),
         named: named.count(),
+        named_exactly: outcomes.iter().filter(|o| o.said_after_s.is_some() && o.exactly).count(),
+        others_said: outcomes.iter().map(|o| o.others_said).sum(),
         stated_s: kind.stated_s,
         said_median_s: percentile(&said, 0.5),
         said_worst_s: worst(&said),
-        wrong_before_s: mean(|o| o.wrong_before_s),
-        wrong_after_s: mean(|o| o.wrong_after_s),
-        far_before_s: mean(|o| o.far_before_s),
-        far_after_s: mean(|o| o.far_after_s),
+        wrong_before_s: mean(|o| o.before.wrong_s[0]),
+        wrong_after_s: mean(|o| o.after.wrong_s[0]),
+        wrong_back_s: mean(|o| o.back.wrong_s[0]),
+        wrong_before_others_s: mean(|o| o.before.wrong_s[1]),
+        wrong_after_others_s: mean(|o| o.after.wrong_s[1]),
+        wrong_back_others_s: mean(|o| o.back.wrong_s[1]),
+        far_before_s: mean(|o| o.before.far_s[0]),
+        far_after_s: mean(|o| o.after.far_s[0]),
+        far_before_others_s: mean(|o| o.before.far_s[1]),
+        far_after_others_s: mean(|o| o.after.far_s[1]),
+        tire_warnings_during: tires(|o| o.tires_during),
+        tire_warnings_after: tires(|o| o.tires_after),
         recovered: recovered.len(),
         awaited: outcomes.iter().filter(|o| o.recovered_after_s.is_some() || o.driven_after_s > 60.0).count(),
         recovered_median_s: percentile(&recovered, 0.5),
         recovered_worst_s: worst(&recovered),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::outcome::Shown;
+    use super::*;
+
+    fn stuck() -> Kind {
+        kinds().into_iter().find(|kind| kind.name == "stuck, wheel").unwrap()
+    }
+
+    /// Said by its name after a second, and well again after two.
+    fn good() -> Outcome {
+        Outcome {
+            said_after_s: Some(1.0),
+            label: "stuck",
+            exactly: true,
+            driven_s: 21.0,
+            recovered_after_s: Some(2.0),
+            driven_after_s: 120.0,
+            ..Outcome::default()
+        }
+    }
+
+    #[test]
+    fn a_row_keeps_apart_what_happens_at_other_wheels_and_after_the_end() {
+        let shown = |wrong_s| Shown { wrong_s, far_s: [4.0, 8.0] };
+        let bad = Outcome {
+            label: "inconsistent",
+            exactly: false,
+            before: shown([1.0, 2.0]),
+            after: shown([3.0, 5.0]),
+            back: shown([6.0, 7.0]),
+            others_said: 2,
+            tires_during: TireWarnings { low: 1, ..TireWarnings::default() },
+            tires_after: TireWarnings { over: 1, fast_leak: 1, ..TireWarnings::default() },
+            recovered_after_s: None,
+            ..good()
+        };
+        let row = row(&stuck(), &[&good(), &bad]);
+        assert_eq!((row.drives, row.said, row.named, row.named_exactly, row.others_said), (2, 2, 1, 1, 2));
+        assert_eq!([row.wrong_before_s, row.wrong_after_s, row.wrong_back_s], [0.5, 1.5, 3.0]);
+        let others = [row.wrong_before_others_s, row.wrong_after_others_s, row.wrong_back_others_s];
+        assert_eq!(others, [1.0, 2.5, 3.5]);
+        assert_eq!([row.far_before_s, row.far_before_others_s, row.far_after_others_s], [2.0, 4.0, 4.0]);
+        assert_eq!((row.tire_warnings_during.total(), row.tire_warnings_after.total()), (1, 2));
+        // It drove on for two minutes and did not recover: awaited, and not in the median of those that did.
+        assert_eq!((row.recovered, row.awaited, row.recovered_worst_s), (1, 2, 2.0));
+    }
+
+    #[test]
+    fn the_table_marks_what_is_not_as_it_should_be() {
+        let table = |outcomes: &[&Outcome]| {
+            let rows = vec![row(&stuck(), outcomes)];
+            Study { version: 1, drives: outcomes.len(), first_seed: 1, rows, clean: Clean::default() }.table()
+        };
+        let line =
+            |text: &str| text.lines().find(|line| line.starts_with("stuck, wheel")).unwrap().to_owned();
+        let fine = line(&table(&[&good(), &good()]));
+        assert!(fine.contains("2/2") && fine.ends_with("2.0"), "{fine}");
+        let lost = Outcome { recovered_after_s: None, ..good() };
+        let text = line(&table(&[&good(), &lost]));
+        assert!(text.contains("1/2") && text.ends_with("not all back"), "{text}");
+        // The car stood or the drive ended before that could be seen.
+        let ended = Outcome { driven_after_s: 10.0, ..lost };
+        assert!(line(&table(&[&good(), &ended])).ends_with("2.0"));
+        let late = Outcome { said_after_s: Some(9.0), ..good() };
+        assert!(line(&table(&[&late])).ends_with("late"));
+        let warned = TireWarnings { low: 1, all_low: 2, ..TireWarnings::default() };
+        let text = line(&table(&[&Outcome { tires_after: warned, ..good() }]));
+        assert!(text.ends_with("false warnings: low 1, all low 2"), "{text}");
     }
 }

@@ -1,17 +1,18 @@
 //! One malfunction put into one drive: when it was said, what was shown meanwhile, and how the monitor came back.
 
 use itpms_core::estimate::CornerEstimate;
-use itpms_core::monitor::{Cause, MonitorReport, MonitoredCar, Wheels};
+use itpms_core::monitor::{Alert, Cause, Change, MonitoredCar, Wheels};
 use itpms_core::sample::{CarSample, Corner, CornerSample};
-use itpms_sim::fault::{CornerName, FaultKind, FaultSpec, Faults};
+use itpms_sim::fault::{FaultSpec, Faults};
+use serde::Serialize;
 
 use super::drive::Recorded;
-use super::kinds::Kind;
+use super::kinds::{Kind, malfunction_label};
 
 /// Seconds for which a malfunction goes on after it was said, and the longest it lasts.
 const AFTER_SAID_S: f64 = 20.0;
 const LONGEST_S: f64 = 150.0;
-/// Seconds for which the recovery is waited for.
+/// Seconds that are driven after its end, whenever all is well again: a tire may be warned of for nothing later.
 const RECOVERY_S: f64 = 120.0;
 /// Speed in m/s above which time counts as driven.
 const DRIVING_M_S: f64 = 3.0;
@@ -24,23 +25,87 @@ const FAR_KPA: f64 = 20.0;
 pub(super) struct Outcome {
     /// Seconds of driving until it was said; `None`: never.
     pub(super) said_after_s: Option<f64>,
-    /// What it was called then.
+    /// What it was called then, and whether nothing but the very malfunction was.
     pub(super) label: &'static str,
+    pub(super) exactly: bool,
     /// Seconds of driving while it lasted.
     pub(super) driven_s: f64,
-    /// Seconds in which a wrong pressure was shown at a wheel it concerns, and one far off: before it was said, and after.
-    pub(super) wrong_before_s: f64,
-    pub(super) far_before_s: f64,
-    pub(super) wrong_after_s: f64,
-    pub(super) far_after_s: f64,
-    /// Seconds of driving after its end until nothing was said any more and a right pressure was shown.
+    /// What was shown before it was said, after that, and after its end.
+    pub(super) before: Shown,
+    pub(super) after: Shown,
+    pub(super) back: Shown,
+    /// Other malfunctions that were said while it lasted or after.
+    pub(super) others_said: usize,
+    /// What was said of tires, with none of which anything is wrong: while it lasted, and after.
+    pub(super) tires_during: TireWarnings,
+    pub(super) tires_after: TireWarnings,
+    /// Seconds of driving after its end until nothing was said any more, a right pressure was shown at its wheels and no
+    /// wrong one at any.
     pub(super) recovered_after_s: Option<f64>,
     /// Seconds of driving after its end that were driven.
     pub(super) driven_after_s: f64,
 }
 
+/// Seconds in which a wrong pressure was shown, and one far off: at the wheels a malfunction happens to, and at the others,
+/// which learn from a road and a body they share with them.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Shown {
+    pub(super) wrong_s: [f64; 2],
+    pub(super) far_s: [f64; 2],
+}
+
+impl Shown {
+    fn add(&mut self, [wrong, far]: [[bool; 2]; 2], step_s: f64) {
+        for i in 0..2 {
+            self.wrong_s[i] += if wrong[i] { step_s } else { 0.0 };
+            self.far_s[i] += if far[i] { step_s } else { 0.0 };
+        }
+    }
+}
+
+/// Warnings of tires.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct TireWarnings {
+    /// Of one that is low.
+    pub low: usize,
+    /// Of one that leaks fast.
+    pub fast_leak: usize,
+    /// Of all four that are low.
+    pub all_low: usize,
+    /// Of one that is overfull.
+    pub over: usize,
+}
+
+impl TireWarnings {
+    /// Counts it, if it is of a tire.
+    fn count(&mut self, cause: &Cause<f64>) {
+        match cause {
+            Cause::UnderInflated(_) => self.low += 1,
+            Cause::FastLeak { .. } => self.fast_leak += 1,
+            Cause::AllLow { .. } => self.all_low += 1,
+            Cause::OverInflated(_) => self.over += 1,
+            Cause::Malfunction(_) | Cause::NoInformation { .. } => {}
+        }
+    }
+
+    /// All of them.
+    #[must_use]
+    pub fn total(&self) -> usize {
+        self.low + self.fast_leak + self.all_low + self.over
+    }
+
+    pub(super) fn plus(self, other: Self) -> Self {
+        Self {
+            low: self.low + other.low,
+            fast_leak: self.fast_leak + other.fast_leak,
+            all_low: self.all_low + other.all_low,
+            over: self.over + other.over,
+        }
+    }
+}
+
 /// Where it stands.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Phase {
     Hidden,
     Said,
@@ -50,47 +115,61 @@ enum Phase {
 /// Drives on with the malfunction from where it begins.
 pub(super) fn run(kind: &Kind, drive: &Recorded, mut car: MonitoredCar<f64>, seed: u64) -> Outcome {
     let period_s = 1.0 / drive.rate_hz;
-    let concerned = kind.faults.iter().flat_map(concerned).collect::<Wheels>();
+    let concerned = kind.wheels();
     let mut faults = Faults::new(&from_the_start(kind), seed);
     let mut outcome = Outcome::default();
     let mut phase = Phase::Hidden;
     let (mut lasted_s, mut since_s) = (0.0, 0.0);
-    for row in &drive.rows[drive.begins..] {
+    let mut before = *car.report();
+    for (i, row) in drive.rows.iter().enumerate().skip(drive.begins) {
         let step_driven_s = if row.speed_m_s > DRIVING_M_S { period_s } else { 0.0 };
+        if phase != Phase::Over && drive.ends.is_some_and(|end| i >= end) {
+            (phase, since_s) = (Phase::Over, 0.0);
+        }
         let sample = if phase == Phase::Over { *row } else { spoiled(row, &mut faults) };
         let estimate = car.update(&sample);
         let report = car.report();
-        let [wrong, far] = shown_wrong(&estimate.corners, concerned, &drive.pressure_kpa);
+        if report.time_s != before.time_s {
+            for change in report.changes_since(&before) {
+                if let Change::Begun(alert) = change {
+                    outcome.note(kind, phase, &alert);
+                }
+            }
+            before = *report;
+        }
+        let shown = shown_wrong(&estimate.corners, concerned, &drive.pressure_kpa);
         lasted_s += period_s;
         since_s += period_s;
         match phase {
             Phase::Hidden => {
                 outcome.driven_s += step_driven_s;
-                outcome.wrong_before_s += if wrong { period_s } else { 0.0 };
-                outcome.far_before_s += if far { period_s } else { 0.0 };
-                if let Some(label) = malfunction_of(report, concerned) {
-                    (outcome.said_after_s, outcome.label) = (Some(outcome.driven_s), label);
+                outcome.before.add(shown, period_s);
+                let alerts: Vec<Alert<f64>> = report.alerts().copied().collect();
+                if outcome.is_said(kind, &alerts) {
                     (phase, since_s) = (Phase::Said, 0.0);
-                } else if lasted_s > LONGEST_S {
+                } else if drive.ends.is_none() && lasted_s > LONGEST_S {
                     (phase, since_s) = (Phase::Over, 0.0);
                 }
             }
             Phase::Said => {
                 outcome.driven_s += step_driven_s;
-                outcome.wrong_after_s += if wrong { period_s } else { 0.0 };
-                outcome.far_after_s += if far { period_s } else { 0.0 };
-                if since_s > AFTER_SAID_S {
+                // Twenty seconds, however long the road makes it last.
+                if since_s <= AFTER_SAID_S {
+                    outcome.after.add(shown, period_s);
+                } else if drive.ends.is_none() {
                     (phase, since_s) = (Phase::Over, 0.0);
                 }
             }
             Phase::Over => {
                 outcome.driven_after_s += step_driven_s;
+                outcome.back.add(shown, period_s);
                 let all_shown = concerned.iter().all(|corner| {
                     estimate.corners[corner.index()].is_some_and(|corner| corner.validity.is_valid())
                 });
-                if all_shown && !wrong && report.malfunctioning().is_empty() {
+                let [wrong, _] = shown;
+                let well = all_shown && wrong == [false; 2] && report.alerts().next().is_none();
+                if well && outcome.recovered_after_s.is_none() {
                     outcome.recovered_after_s = Some(outcome.driven_after_s);
-                    break;
                 }
                 if since_s > RECOVERY_S {
                     break;
@@ -101,23 +180,26 @@ pub(super) fn run(kind: &Kind, drive: &Recorded, mut car: MonitoredCar<f64>, see
     outcome
 }
 
-/// The malfunction's label if one is said at a wheel that it concerns.
-pub(super) fn malfunction_of(report: &MonitorReport<f64>, concerned: Wheels) -> Option<&'static str> {
-    report.alerts().find_map(|alert| match &alert.cause {
-        Cause::Malfunction(malfunction) if alert.wheels.iter().any(|c| concerned.contains(c)) => {
-            Some(malfunction.label())
+impl Outcome {
+    /// Something began to be said: the malfunction, another one, or a warning of a tire, which is a false one.
+    fn note(&mut self, kind: &Kind, phase: Phase, alert: &Alert<f64>) {
+        if malfunction_label(&alert.cause).is_some() && !kind.is_exactly(&alert.cause) {
+            self.others_said += 1;
         }
-        _ => None,
-    })
-}
+        let tires = if phase == Phase::Over { &mut self.tires_after } else { &mut self.tires_during };
+        tires.count(&alert.cause);
+    }
 
-fn concerned(fault: &FaultSpec) -> impl Iterator<Item = Corner> {
-    let corner = |name: CornerName| Corner::ALL[name as usize];
-    let other = match fault.kind {
-        FaultKind::Swap { with } => Some(corner(with.corner)),
-        _ => None,
-    };
-    std::iter::once(corner(fault.corner)).chain(other)
+    /// Whether a malfunction is said at a wheel that it happens to; then when, and by which name.
+    fn is_said(&mut self, kind: &Kind, alerts: &[Alert<f64>]) -> bool {
+        let Some(label) = alerts.iter().find_map(|alert| kind.said_as(&alert.cause, alert.wheels)) else {
+            return false;
+        };
+        let mut malfunctions = alerts.iter().filter(|alert| malfunction_label(&alert.cause).is_some());
+        self.exactly = malfunctions.all(|alert| kind.is_exactly(&alert.cause));
+        (self.said_after_s, self.label) = (Some(self.driven_s), label);
+        true
+    }
 }
 
 fn from_the_start(kind: &Kind) -> Vec<FaultSpec> {
@@ -133,18 +215,121 @@ fn spoiled(row: &CarSample<f64>, faults: &mut Faults) -> CarSample<f64> {
     CarSample { corners: readings.map(|readings| Some(corner(readings))), ..*row }
 }
 
-/// Whether a pressure that is shown at one of these wheels is beyond its interval, and whether it is far off.
+/// Whether a pressure is shown that is beyond its interval, and one that is far off: at these wheels, and at the others.
 fn shown_wrong(
     corners: &[Option<CornerEstimate<f64>>; 4],
     concerned: Wheels,
     pressure_kpa: &[f64; 4],
-) -> [bool; 2] {
-    let shown = concerned.iter().filter_map(|corner| {
-        let estimate = corners[corner.index()].filter(|estimate| estimate.validity.is_valid())?;
-        Some(((estimate.pressure_kpa - pressure_kpa[corner.index()]).abs(), estimate.pressure_sd_kpa))
-    });
-    shown.fold([false; 2], |[wrong, far], (error, sd)| {
+) -> [[bool; 2]; 2] {
+    let [mut wrong, mut far] = [[false; 2]; 2];
+    for corner in Corner::ALL {
+        let i = corner.index();
+        let Some(estimate) = corners[i].filter(|estimate| estimate.validity.is_valid()) else { continue };
+        let at = usize::from(!concerned.contains(corner));
+        let error = (estimate.pressure_kpa - pressure_kpa[i]).abs();
         let is_far = !(error <= FAR_KPA);
-        [wrong || is_far && !(error <= WRONG_SDS * sd), far || is_far]
-    })
+        far[at] |= is_far;
+        wrong[at] |= is_far && !(error <= WRONG_SDS * estimate.pressure_sd_kpa);
+    }
+    [wrong, far]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::kinds;
+    use super::*;
+    use itpms_core::estimate::{Diagnostics, Validity, Warning};
+    use itpms_core::monitor::{Malfunction, Place, Reading, Sensor};
+
+    fn stuck() -> Kind {
+        kinds().into_iter().find(|kind| kind.name == "stuck, wheel").unwrap()
+    }
+
+    fn alert(cause: Cause<f64>, wheels: impl Into<Wheels>) -> Alert<f64> {
+        Alert { wheels: wheels.into(), since_s: 0.0, said_s: 1.0, cause }
+    }
+
+    fn broken(malfunction: Malfunction<f64>) -> Alert<f64> {
+        alert(Cause::Malfunction(malfunction), malfunction.wheels())
+    }
+
+    fn low(corner: Corner) -> Alert<f64> {
+        let reading = Reading { pressure_kpa: 190.0, sd_kpa: 4.0, limit_kpa: 212.0, reference_kpa: 241.0 };
+        alert(Cause::UnderInflated(reading), corner)
+    }
+
+    fn shows(pressure_kpa: f64, pressure_sd_kpa: f64, validity: Validity) -> Option<CornerEstimate<f64>> {
+        Some(CornerEstimate {
+            time_s: 0.0,
+            stiffness_n_per_m: 2e5,
+            stiffness_sd_n_per_m: 5e3,
+            pressure_kpa,
+            pressure_sd_kpa,
+            road_m: 0.0,
+            road_sd_m: 0.01,
+            validity,
+            warning: Warning::None,
+            diagnostics: Diagnostics {
+                forgetting: 1.0,
+                nis: 1.0,
+                gate: 1.0,
+                change_probability: 0.0,
+                pressure_variance_kpa2: pressure_sd_kpa * pressure_sd_kpa,
+            },
+        })
+    }
+
+    #[test]
+    fn a_wheel_that_is_dragged_along_is_counted_apart() {
+        use Validity::{BadSignal, Valid};
+        let truth = [240.0; 4];
+        let faulty = Wheels::from(Corner::FrontLeft);
+        let looked = |corners| shown_wrong(&corners, faulty, &truth);
+        let fine = shows(241.0, 4.0, Valid);
+        assert_eq!(looked([fine; 4]), [[false; 2]; 2]);
+        // The faulty wheel shows nothing; the one behind it is 30 kPa off at 4 kPa of sd, then at 12.
+        let hidden = shows(120.0, 4.0, BadSignal);
+        assert_eq!(looked([hidden, fine, shows(210.0, 4.0, Valid), fine]), [[false, true]; 2]);
+        assert_eq!(looked([hidden, fine, shows(210.0, 12.0, Valid), fine]), [[false; 2], [false, true]]);
+        assert_eq!(looked([shows(270.0, 4.0, Valid), fine, fine, fine]), [[true, false]; 2]);
+        let mut sum = Shown::default();
+        sum.add([[false, true], [true, true]], 0.5);
+        sum.add([[true, false], [true, false]], 0.25);
+        assert_eq!((sum.wrong_s, sum.far_s), ([0.25, 0.5], [0.75, 0.5]));
+    }
+
+    #[test]
+    fn warnings_of_tires_and_other_malfunctions_are_counted() {
+        let (kind, [fl, fr, rl, _]) = (stuck(), Corner::ALL);
+        let wheel = |corner| Sensor { corner, place: Place::Wheel };
+        let mut outcome = Outcome::default();
+        outcome.note(&kind, Phase::Hidden, &low(fl));
+        outcome.note(&kind, Phase::Said, &broken(Malfunction::Stuck(wheel(fl))));
+        outcome.note(&kind, Phase::Said, &broken(Malfunction::Noise(wheel(fl))));
+        outcome.note(&kind, Phase::Said, &broken(Malfunction::Stuck(wheel(fr))));
+        outcome.note(&kind, Phase::Over, &low(rl));
+        let all: Wheels = Corner::ALL.into_iter().collect();
+        outcome.note(&kind, Phase::Over, &alert(Cause::AllLow { mean_share: 0.8, sd_share: 0.01 }, all));
+        assert_eq!(outcome.tires_during, TireWarnings { low: 1, ..TireWarnings::default() });
+        assert_eq!(outcome.tires_after, TireWarnings { low: 1, all_low: 1, ..TireWarnings::default() });
+        assert_eq!(outcome.tires_during.plus(outcome.tires_after).total(), 3);
+        assert_eq!(outcome.others_said, 2);
+    }
+
+    #[test]
+    fn exactly_is_the_malfunction_and_no_other_beside_it() {
+        let (kind, [fl, fr, ..]) = (stuck(), Corner::ALL);
+        let wheel = |corner| Sensor { corner, place: Place::Wheel };
+        let said = |alerts: &[Alert<f64>]| {
+            let mut outcome = Outcome { driven_s: 3.0, ..Outcome::default() };
+            outcome.is_said(&kind, alerts).then_some((outcome.label, outcome.exactly))
+        };
+        let (right, elsewhere) =
+            (broken(Malfunction::Stuck(wheel(fl))), broken(Malfunction::Stuck(wheel(fr))));
+        assert_eq!(said(&[low(fl)]), None);
+        assert_eq!(said(&[elsewhere]), None);
+        assert_eq!(said(&[low(fl), right]), Some(("stuck", true)));
+        assert_eq!(said(&[right, elsewhere]), Some(("stuck", false)));
+        assert_eq!(said(&[broken(Malfunction::Inconsistent(fl))]), Some(("inconsistent", false)));
+    }
 }
