@@ -14,9 +14,9 @@ use rand::SeedableRng as _;
 use rand_pcg::Pcg64;
 
 use super::course::{Course, RECOVERY_S};
-use super::outcome::{Findings, Outcome, TracePoint};
+use super::outcome::{Findings, Outcome, Phase, TracePoint};
 use super::procedure::{Procedure, Test};
-use super::telltale::{Lamp, lit};
+use super::telltale::{Lamp, Wrong, lit, wrong};
 use super::{CertifyError, Odometer};
 
 /// After the tell-tale has come on the drive goes on so many s: it has to stay lit.
@@ -28,8 +28,8 @@ const LAMP_CHECK_S: f64 = 10.0;
 const KEY_IN_S: f64 = 30.0;
 /// The reset after everything is put right takes so many s of driving.
 const NEW_RESET_S: f64 = 300.0;
-/// A lamp that is out for so many s is out.
-const OUT_S: f64 = 10.0;
+/// A lamp that is out for so many s is out; as long it is looked at what else is said then.
+const OUT_S: f64 = 60.0;
 /// Seconds between two points of a trace.
 const TRACE_S: f64 = 2.0;
 /// Seconds between two reports of how far it is.
@@ -122,6 +122,7 @@ impl<'a> Run<'a> {
                 self.look_for_false_alarms(row.time_s);
                 continue;
             }
+            self.look_elsewhere(Phase::Detection);
             if row.time_s > course.wrong_at_s && course.counts(row.speed_m_s) {
                 counted_s += step_s;
             }
@@ -150,12 +151,20 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// While all is well no lamp may be lit.
+    /// While all is well nothing may be said.
     fn look_for_false_alarms(&mut self, time_s: f64) {
-        if self.findings.false_alarm_s.is_none()
-            && [Lamp::Low, Lamp::Malfunction].into_iter().any(|lamp| !self.lit(lamp).is_empty())
-        {
-            self.findings.false_alarm_s = Some(time_s);
+        for alert in self.car.report().alerts() {
+            self.findings.false_alarm_s.get_or_insert(time_s);
+            self.findings.keep_elsewhere(time_s, Phase::Learning, Wrong::Lamp, alert);
+        }
+    }
+
+    /// Whether something is said that what is wrong does not explain; before the tell-tale, beside it and after it.
+    fn look_elsewhere(&mut self, phase: Phase) {
+        for alert in self.car.report().alerts() {
+            if let Some(wrong) = wrong(self.lamp, self.concerned, alert) {
+                self.findings.keep_elsewhere(self.time_s, phase, wrong, alert);
+            }
         }
     }
 
@@ -177,6 +186,7 @@ impl<'a> Run<'a> {
             let sample = readings
                 .map(|[body, wheel]| Some(CornerSample { body_accel_m_s2: body, wheel_accel_m_s2: wheel }));
             self.take(&CarSample { time_s, speed_m_s: 0.0, corners: sample });
+            self.look_elsewhere(Phase::KeyIn);
             relit &= since_s < LAMP_CHECK_S || !self.lit(self.lamp).is_empty();
         }
         self.findings.relit = Some(relit);
@@ -194,6 +204,7 @@ impl<'a> Run<'a> {
         for row in Simulation::new(&self.course.recovery, self.seed.wrapping_add(500))? {
             self.take(&CarSample { time_s: offset_s + row.time_s, ..row.car_sample() });
             self.keep(&row, offset_s)?;
+            self.look_elsewhere(Phase::Recovery);
             if !self.lit(self.lamp).is_empty() {
                 out_since_s = None;
                 continue;

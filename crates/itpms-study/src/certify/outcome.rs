@@ -1,16 +1,17 @@
 //! What came of a test, and whether that passes.
 
 use itpms_core::car::CarEstimate;
-use itpms_core::monitor::Wheels;
+use itpms_core::monitor::{Alert, Wheels};
 use itpms_sim::simulation::SimRow;
 use serde::Serialize;
 
 use super::course::Course;
 use super::procedure::{Procedure, Test};
 use super::rules::Rule;
+use super::telltale::Wrong;
 
 /// What was seen in a test. Times in s.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Findings {
     /// A lamp was lit while all was well.
     pub(super) false_alarm_s: Option<f64>,
@@ -21,12 +22,56 @@ pub(super) struct Findings {
     pub(super) named: Wheels,
     /// Those named of which nothing is wrong.
     pub(super) wrong: Wheels,
+    /// Everything that was said though nothing of the kind was wrong then.
+    pub(super) elsewhere: Vec<Elsewhere>,
     /// It went out by itself within a minute.
     pub(super) went_out: bool,
     /// Whether it was lit again after the key was out.
     pub(super) relit: Option<bool>,
     /// Driving time after which it was out for good, everything being right again.
     pub(super) out_after_s: Option<f64>,
+}
+
+/// Something that was said of which nothing is true.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Elsewhere {
+    /// When it was first said, in s from the start of the learning phase, the key-out included.
+    pub time_s: f64,
+    /// What the car did.
+    pub phase: Phase,
+    /// Why, in one word; see [`Cause::label`](itpms_core::monitor::Cause::label).
+    pub cause: &'static str,
+    /// The wheels it named.
+    pub wheels: String,
+    /// In full.
+    pub text: String,
+    #[serde(skip)]
+    wrong: Wrong,
+}
+
+/// Where a test stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Phase {
+    /// Nothing is wrong yet.
+    Learning,
+    /// The tell-tale is waited for, or has been on for less than a minute.
+    Detection,
+    /// Parked, the key in again.
+    KeyIn,
+    /// Driving with everything put right.
+    Recovery,
+}
+
+impl Findings {
+    /// Keeps an alert that nothing explains; one of a cause and wheels once.
+    pub(super) fn keep_elsewhere(&mut self, time_s: f64, phase: Phase, wrong: Wrong, alert: &Alert<f64>) {
+        let (cause, wheels) = (alert.cause.label(), alert.wheels.to_string());
+        if self.elsewhere.iter().all(|known| known.cause != cause || known.wheels != wheels) {
+            let text = alert.to_string();
+            self.elsewhere.push(Elsewhere { time_s, phase, cause, wheels, text, wrong });
+        }
+    }
 }
 
 /// Whether a test is passed, and if not, the first reason.
@@ -45,6 +90,11 @@ pub enum Verdict {
     NotRelit,
     /// It stayed lit with everything put right.
     NotOut,
+    /// Something was said that is not the matter at all: the other lamp, or an overfull tire. The regulations do not ask; a
+    /// driver would.
+    OtherLamp,
+    /// The right lamp was lit, but a wheel was named with which nothing is wrong. We ask this, too.
+    WrongWheel,
 }
 
 impl Verdict {
@@ -59,6 +109,10 @@ impl Verdict {
             Self::NotRelit
         } else if findings.out_after_s.is_none() {
             Self::NotOut
+        } else if findings.elsewhere.iter().any(|elsewhere| elsewhere.wrong == Wrong::Lamp) {
+            Self::OtherLamp
+        } else if !findings.elsewhere.is_empty() || !findings.wrong.is_empty() {
+            Self::WrongWheel
         } else {
             Self::Pass
         }
@@ -74,6 +128,8 @@ impl Verdict {
             Self::WentOut => "FAIL: went out",
             Self::NotRelit => "FAIL: not lit again",
             Self::NotOut => "FAIL: stays lit",
+            Self::OtherLamp => "FAIL: another lamp lit",
+            Self::WrongWheel => "FAIL: wrong wheel named",
         }
     }
 }
@@ -99,6 +155,8 @@ pub struct Outcome {
     pub named: String,
     /// Those of them of which nothing was wrong. The regulations do not ask; we do.
     pub named_wrongly: String,
+    /// Everything that was said though nothing of the kind was wrong then, from the first sample to the last.
+    pub elsewhere: Vec<Elsewhere>,
     /// A lamp lit while all was well.
     pub false_alarm_s: Option<f64>,
     /// Lit again after five minutes without the key; `None`: it never was lit.
@@ -140,6 +198,7 @@ impl Outcome {
             limit_s: course.limit_s,
             named: findings.named.to_string(),
             named_wrongly: findings.wrong.to_string(),
+            elsewhere: findings.elsewhere,
             false_alarm_s: findings.false_alarm_s,
             relit: findings.relit,
             out_after_s: findings.out_after_s,
@@ -194,23 +253,56 @@ impl TracePoint {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use itpms_core::monitor::{Cause, Reading};
+    use itpms_core::sample::Corner;
 
-    #[test]
-    fn a_test_passes_only_if_everything_is_as_it_should_be() {
-        let good = Findings {
+    fn good() -> Findings {
+        Findings {
             warned_after_s: Some(600.0),
             relit: Some(true),
             out_after_s: Some(30.0),
             ..Findings::default()
-        };
-        assert_eq!(Verdict::of(&good, 600.0), Verdict::Pass);
-        assert_eq!(Verdict::of(&good, 599.0), Verdict::NotInTime);
+        }
+    }
+
+    #[test]
+    fn a_test_passes_only_if_everything_is_as_it_should_be() {
+        assert_eq!(Verdict::of(&good(), 600.0), Verdict::Pass);
+        assert_eq!(Verdict::of(&good(), 599.0), Verdict::NotInTime);
         assert_eq!(Verdict::of(&Findings::default(), 600.0), Verdict::NotInTime);
-        assert_eq!(Verdict::of(&Findings { went_out: true, ..good }, 600.0), Verdict::WentOut);
-        assert_eq!(Verdict::of(&Findings { relit: Some(false), ..good }, 600.0), Verdict::NotRelit);
-        assert_eq!(Verdict::of(&Findings { out_after_s: None, ..good }, 600.0), Verdict::NotOut);
-        assert_eq!(Verdict::of(&Findings { false_alarm_s: Some(7.0), ..good }, 600.0), Verdict::FalseAlarm);
-        let never = Findings { warned_after_s: Some(f64::NAN), ..good };
+        assert_eq!(Verdict::of(&Findings { went_out: true, ..good() }, 600.0), Verdict::WentOut);
+        assert_eq!(Verdict::of(&Findings { relit: Some(false), ..good() }, 600.0), Verdict::NotRelit);
+        assert_eq!(Verdict::of(&Findings { out_after_s: None, ..good() }, 600.0), Verdict::NotOut);
+        assert_eq!(Verdict::of(&Findings { false_alarm_s: Some(7.0), ..good() }, 600.0), Verdict::FalseAlarm);
+        let never = Findings { warned_after_s: Some(f64::NAN), ..good() };
         assert_eq!(Verdict::of(&never, 600.0), Verdict::NotInTime);
+    }
+
+    #[test]
+    fn another_lamp_or_wheel_fails_a_test_and_is_kept_once() {
+        let [fl, fr, ..] = Corner::ALL;
+        let reading = Reading { pressure_kpa: 190.0, sd_kpa: 4.0, limit_kpa: 212.0, reference_kpa: 241.0 };
+        let low = |corner: Corner| Alert {
+            wheels: corner.into(),
+            since_s: 0.0,
+            said_s: 0.0,
+            cause: Cause::UnderInflated(reading),
+        };
+        let mut findings = good();
+        findings.keep_elsewhere(1500.0, Phase::Detection, Wrong::Wheel, &low(fr));
+        findings.keep_elsewhere(1600.0, Phase::Recovery, Wrong::Wheel, &low(fr));
+        assert_eq!(Verdict::of(&findings, 600.0), Verdict::WrongWheel);
+        // While parked the other lamp, too; that is the graver one.
+        findings.keep_elsewhere(1900.0, Phase::KeyIn, Wrong::Lamp, &low(fl));
+        assert_eq!(Verdict::of(&findings, 600.0), Verdict::OtherLamp);
+        let kept: Vec<(f64, &str)> =
+            findings.elsewhere.iter().map(|e| (e.time_s, e.wheels.as_str())).collect();
+        assert_eq!(kept, [(1500.0, "fr"), (1900.0, "fl")]);
+        assert!(findings.elsewhere[0].text.starts_with("fr under-inflated: 190 kPa"));
+        // What the regulation asks for comes first.
+        let out = Findings { went_out: true, ..findings };
+        assert_eq!(Verdict::of(&out, 600.0), Verdict::WentOut);
+        let named = Findings { wrong: fr.into(), ..good() };
+        assert_eq!(Verdict::of(&named, 600.0), Verdict::WrongWheel);
     }
 }

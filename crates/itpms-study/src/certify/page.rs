@@ -1,6 +1,6 @@
 //! The result as one HTML page: a table, and a figure per test. Nothing is loaded from anywhere.
 
-use super::table::{clock, named, pressures, relit};
+use super::table::{clock, elsewhere, named, pressures, relit};
 use super::{Certificate, Outcome, Verdict};
 use crate::plot::escape;
 
@@ -20,10 +20,10 @@ impl Certificate {
              <p>{summary}</p>\
              <p>Each test: a reset, twenty minutes of learning while the tires warm up by 20 K, a standstill in which tires are let down or a plug is pulled, and \
              driving through the whole range of speeds until the tell-tale comes on or the time is over. Then five minutes without the key, after which the \
-             tell-tale has to be lit again, and a drive with everything put right, on which it has to go out. Times are cumulative driving time, minutes and \
-             seconds.</p>\n\
+             tell-tale has to be lit again, and a drive with everything put right, on which it has to go out. Nothing else may be \
+             said at any time. Times are cumulative driving time, minutes and seconds; of what was also said, time since the reset.</p>\n\
              <div class=\"scroll\"><table><thead><tr><th>regulation</th><th>clause</th><th>test</th><th>kPa</th><th>warned</th><th>limit</th>\
-             <th>wheels named</th><th>lit again</th><th>out after</th><th>verdict</th></tr></thead><tbody>{rows}</tbody></table></div>\n\
+             <th>wheels named</th><th>lit again</th><th>out after</th><th>also said, at</th><th>verdict</th></tr></thead><tbody>{rows}</tbody></table></div>\n\
              <h2>Pressures</h2><div class=\"figures\">{figures}</div></main></body></html>\n",
             summary = escape(self.summary().trim_end()),
         )
@@ -32,12 +32,13 @@ impl Certificate {
 
 fn row(outcome: &Outcome) -> String {
     let class = if outcome.verdict == Verdict::Pass { "pass" } else { "fail" };
-    let [rule, clause, what, kpa, wheels] =
-        [outcome.rule.label(), outcome.clause, &outcome.what, &pressures(outcome), &named(outcome)]
-            .map(escape);
+    let texts = [pressures(outcome), named(outcome), elsewhere(outcome)];
+    let [rule, clause, what] = [outcome.rule.label(), outcome.clause, &outcome.what].map(escape);
+    let [kpa, wheels, elsewhere] = texts.map(|text| escape(&text));
     format!(
         "<tr><td>{rule}</td><td>{clause}</td><td><a href=\"#{name}\">{what}</a></td><td class=\"n\">{kpa}</td><td class=\"n\">{warned}</td>\
-         <td class=\"n\">{limit}</td><td>{wheels}</td><td>{relit}</td><td class=\"n\">{out}</td><td class=\"{class}\">{verdict}</td></tr>\n",
+         <td class=\"n\">{limit}</td><td>{wheels}</td><td>{relit}</td><td class=\"n\">{out}</td><td>{elsewhere}</td>\
+         <td class=\"{class}\">{verdict}</td></tr>\n",
         name = escape(&outcome.name),
         warned = clock(outcome.warned_after_s),
         limit = clock(Some(outcome.limit_s)),

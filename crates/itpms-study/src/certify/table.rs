@@ -28,6 +28,14 @@ pub(super) fn pressures(outcome: &Outcome) -> String {
     outcome.test_kpa.map_or("-".to_owned(), |test| format!("{:.0} > {test:.0}", outcome.warm_kpa))
 }
 
+/// What was said of which nothing is true, each with when it was first.
+pub(super) fn elsewhere(outcome: &Outcome) -> String {
+    let said =
+        |said: &super::Elsewhere| format!("{} {} {}", said.cause, said.wheels, clock(Some(said.time_s)));
+    let all = outcome.elsewhere.iter().map(said).collect::<Vec<_>>().join(", ");
+    if all.is_empty() { "-".to_owned() } else { all }
+}
+
 /// Whether it was lit again, in a word.
 pub(super) fn relit(outcome: &Outcome) -> &'static str {
     match outcome.relit {
@@ -51,6 +59,7 @@ impl Certificate {
             "wheels named",
             "lit again",
             "out after",
+            "also said, at",
             "verdict",
         ];
         let rows = self.outcomes.iter().map(|outcome| {
@@ -64,10 +73,11 @@ impl Certificate {
                 named(outcome),
                 relit(outcome).to_owned(),
                 clock(outcome.out_after_s),
+                elsewhere(outcome),
                 outcome.verdict.label().to_owned(),
             ]
         });
-        let rows: Vec<[String; 10]> = std::iter::once(head.map(str::to_owned)).chain(rows).collect();
+        let rows: Vec<[String; 11]> = std::iter::once(head.map(str::to_owned)).chain(rows).collect();
         aligned(&rows) + &self.summary()
     }
 
@@ -76,8 +86,9 @@ impl Certificate {
     pub fn summary(&self) -> String {
         let passed = self.outcomes.iter().filter(|outcome| outcome.verdict == Verdict::Pass).count();
         let wrong = self.outcomes.iter().filter(|outcome| !outcome.named_wrongly.is_empty()).count();
+        let elsewhere = self.outcomes.iter().filter(|outcome| !outcome.elsewhere.is_empty()).count();
         format!(
-            "{passed} of {} tests passed, {wrong} with a wrong wheel named; {:.1} simulated hours, seed {}. A simulation is no type approval.\n",
+            "{passed} of {} tests passed, {wrong} with a wrong wheel named, {elsewhere} with something said that was not so; {:.1} simulated hours, seed {}. A simulation is no type approval.\n",
             self.outcomes.len(),
             self.driven_s / 3600.0,
             self.seed
@@ -139,7 +150,63 @@ impl Outcome {
 
 #[cfg(test)]
 mod tests {
-    use super::clock;
+    use super::super::outcome::{Findings, Phase};
+    use super::super::rules::Rule;
+    use super::super::telltale::Wrong;
+    use super::*;
+    use itpms_core::monitor::{Alert, Cause, Reading};
+
+    #[test]
+    fn what_else_was_said_is_in_the_table_and_on_the_page() {
+        let outcome = |elsewhere, verdict| Outcome {
+            name: "a".to_owned(),
+            rule: Rule::UnR141,
+            clause: "5.2",
+            what: "puncture: fl".to_owned(),
+            verdict,
+            warned_after_s: Some(3.0),
+            limit_s: 600.0,
+            named: "fl".to_owned(),
+            named_wrongly: String::new(),
+            elsewhere,
+            false_alarm_s: None,
+            relit: Some(true),
+            out_after_s: Some(60.0),
+            warm_kpa: 263.0,
+            test_kpa: Some(210.0),
+            wrong_at_s: 1340.0,
+            warned_at_s: Some(1400.0),
+            low_wheels: "fl".to_owned(),
+            driven_s: 2000.0,
+            trace: vec![],
+        };
+        let reading = Reading { pressure_kpa: 190.0, sd_kpa: 4.0, limit_kpa: 212.0, reference_kpa: 241.0 };
+        let alert = Alert {
+            wheels: Corner::RearRight.into(),
+            since_s: 0.0,
+            said_s: 0.0,
+            cause: Cause::UnderInflated(reading),
+        };
+        let mut findings = Findings::default();
+        findings.keep_elsewhere(1507.0, Phase::Detection, Wrong::Wheel, &alert);
+        let certificate = Certificate {
+            version: "0",
+            seed: 1,
+            passed: false,
+            driven_s: 4000.0,
+            outcomes: vec![outcome(vec![], Verdict::Pass), outcome(findings.elsewhere, Verdict::WrongWheel)],
+        };
+        let table = certificate.table();
+        let lines: Vec<&str> = table.lines().collect();
+        let said = "under-inflated rr 25:07";
+        assert!(lines[1].ends_with("pass") && !lines[1].contains("rr"), "{table}");
+        assert!(lines[2].contains(said) && lines[2].ends_with("FAIL: wrong wheel named"), "{table}");
+        assert!(lines[3].contains("1 with something said that was not so"), "{table}");
+        assert!(certificate.page().contains(said));
+        let json = serde_json::to_value(&certificate).unwrap();
+        let kept = &json["outcomes"][1]["elsewhere"][0];
+        assert_eq!((&kept["cause"], &kept["phase"]), (&"under-inflated".into(), &"detection".into()));
+    }
 
     #[test]
     fn times_read_like_a_clock() {

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use itpms_core::sample::Corner;
-use itpms_sim::fault::FaultPlace;
+use itpms_sim::fault::{FaultPlace, FaultSpec};
 
 use super::course::Course;
 use super::drive::drive;
@@ -21,11 +21,50 @@ fn request(only: &str) -> Request {
     Request { extent: Extent::Full, only: Some(only.to_owned()), seed: 1 }
 }
 
+/// Little learning and a minute of detection; what is said of a dead sensor needs neither.
+fn short(procedure: &Procedure) -> Course {
+    Course::with_times(procedure, 20.0, 60.0).unwrap()
+}
+
+fn driven(procedure: &Procedure, course: &Course) -> Outcome {
+    let progress = &|_: u64, _: u64| ControlFlow::Continue(());
+    let (done_s, stopped) = (AtomicU64::new(0), AtomicBool::new(false));
+    let odometer = Odometer { done_s, total_s: course.longest_s() as u64, stopped, progress };
+    drive(procedure, course, 7, &odometer).unwrap()
+}
+
+/// A second sensor for ten seconds, of which the test knows nothing.
+fn also_unplugged(from_s: f64) -> FaultSpec {
+    let for_good = Failure::Unplugged(Corner::FrontRight, FaultPlace::Wheel).spec(from_s);
+    FaultSpec { to_s: Some(from_s + 10.0), ..for_good }
+}
+
+#[test]
+fn what_is_said_of_another_wheel_beside_the_lamp_or_after_it_fails_a_test() {
+    let procedure = unplugged();
+    let seen = |course: &Course| {
+        let outcome = driven(&procedure, course);
+        let said = outcome.elsewhere.iter().map(|said| (said.phase, said.cause, said.wheels.clone()));
+        (outcome.verdict, said.collect::<Vec<_>>())
+    };
+    assert_eq!(seen(&short(&procedure)), (Verdict::Pass, vec![]));
+
+    let mut course = short(&procedure);
+    course.scenario.fault.push(also_unplugged(course.wrong_at_s + 30.0));
+    let said = (Phase::Detection, "malfunction", "fr".to_owned());
+    assert_eq!(seen(&course), (Verdict::WrongWheel, vec![said]));
+
+    // The tell-tale is out within seconds; half a minute later it comes on for another wheel.
+    let mut course = short(&procedure);
+    course.recovery.fault.push(also_unplugged(30.0));
+    let said = (Phase::Recovery, "malfunction", "fr".to_owned());
+    assert_eq!(seen(&course), (Verdict::WrongWheel, vec![said]));
+}
+
 #[test]
 fn an_unplugged_sensor_is_told_and_the_run_repeats_to_the_bit() {
     let procedure = unplugged();
-    // Little learning and a minute of detection; what is said of a dead sensor needs neither.
-    let course = Course::with_times(&procedure, 20.0, 60.0).unwrap();
+    let course = short(&procedure);
     let run = || {
         let progress = &|_: u64, _: u64| ControlFlow::Continue(());
         let (done_s, stopped) = (AtomicU64::new(0), AtomicBool::new(false));
