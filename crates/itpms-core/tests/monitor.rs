@@ -384,6 +384,26 @@ fn a_reset_moves_the_reference_within_bounds_and_only_with_information() {
     }
 }
 
+#[test]
+fn what_a_reset_changes_is_no_leak() {
+    // A neighbor of a low tire, read too high until all are filled and a reset says so.
+    let [fl, fr, _, rr] = FINE.kpa;
+    let before = Said { kpa: [fl, fr, 264.0, rr], sd: 2.0, ..FINE };
+    let mut drive = Drive::new();
+    drive.on(60.0, &before);
+    drive.monitor.begin_reset(60.0).unwrap();
+    assert_eq!(
+        drive.until(180.0, &Said { sd: 2.0, ..FINE }, |report| report.alerts().next().is_some()),
+        None
+    );
+    // Without a reset nobody says why it lost a tenth.
+    let mut drive = Drive::new();
+    drive.on(60.0, &before);
+    assert!(
+        drive.until(60.0, &Said { sd: 2.0, ..FINE }, |report| report.alerts().next().is_some()).is_some()
+    );
+}
+
 /// One corner under its monitor.
 fn watched(rows: &[Row], rate_hz: f64) -> Vec<(CornerEstimate<f64>, MonitorReport<f64>)> {
     let mut config = car();

@@ -163,6 +163,24 @@ fn a_fall_of_all_four_after_a_reset_is_read() {
     }
 }
 
+/// The sensors of both axles hear nothing but themselves: that is no road they agree on.
+#[test]
+fn a_road_that_is_not_heard_says_nothing() {
+    let silent = CarRide { roughness_m3: 1e-12, seconds: 40.0, ..CarRide::new(12) };
+    let later = |row: CarSample<f64>| CarSample { time_s: row.time_s + RIDE.seconds, ..row };
+    let rows: Vec<_> = ROWS.iter().copied().chain(silent.rows().into_iter().map(later)).collect();
+    let estimates = drive(&mut car(&config()), &rows);
+    within_four_sd(&estimates, RIDE.pressure_kpa);
+    let (before, last) = (&estimates[ROWS.len() - 1], estimates.last().unwrap());
+    assert!(before.tracks.iter().all(|track| track.shared));
+    assert!(last.tracks.iter().all(|track| !track.shared));
+    for (before, last) in before.corners.iter().flatten().zip(last.corners.iter().flatten()) {
+        assert_eq!(last.diagnostics.gate, 0.0);
+        let moved_kpa = last.pressure_kpa - before.pressure_kpa;
+        assert!(moved_kpa.abs() < 2.0 * before.pressure_sd_kpa, "{moved_kpa} kPa");
+    }
+}
+
 /// A bus tells the speed less often than the accelerations, or loses it now and then.
 #[test]
 fn a_speed_that_comes_now_and_then_is_enough() {

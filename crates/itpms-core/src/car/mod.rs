@@ -264,6 +264,7 @@ impl<T: Real> CarEstimator<T> {
                 moving: belief.moving,
                 learned_s: belief.learned_s,
                 learning: shared.side(i % 2).0,
+                hears: shared.hears(i),
             }));
         }
         belief

@@ -177,7 +177,9 @@ impl<T: Real> Engine<T> {
         reading.stiffness_n_per_m = word.stiffness_n_per_m;
         reading.stiffness_sd_n_per_m = word.stiffness_sd_n_per_m;
         reading.change_probability = word.moving;
-        if word.learning {
+        if !word.hears {
+            reading.gate = T::zero();
+        } else if word.learning {
             reading.gate = T::one();
         }
         let sd_kpa = word.stiffness_sd_n_per_m / self.config.tire.stiffness_per_kpa();

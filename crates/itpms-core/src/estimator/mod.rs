@@ -108,6 +108,8 @@ pub(crate) struct CarWord<T> {
     pub(crate) learned_s: T,
     /// Whether the road that its axles share is being learned from.
     pub(crate) learning: bool,
+    /// Whether there is a road to be heard at all.
+    pub(crate) hears: bool,
 }
 
 impl<T: Real> Estimator<T> {

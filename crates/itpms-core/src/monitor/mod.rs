@@ -124,7 +124,10 @@ impl<T: Real> Monitor<T> {
     /// # Errors
     /// The length must be positive and finite.
     pub fn begin_reset(&mut self, seconds: f64) -> Result<(), ParameterError> {
-        self.warm.begin_reset(seconds)
+        self.warm.begin_reset(seconds)?;
+        // Other tires, or the same ones filled: that they read less than before is no leak.
+        (0..4).for_each(|wheel| self.leaks.forget(wheel));
+        Ok(())
     }
 
     /// Looks at a sample; gives it back without the values that are not to be learned from.

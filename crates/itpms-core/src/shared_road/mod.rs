@@ -389,7 +389,7 @@ impl<T: Real> SharedRoad<T> {
 
     /// A word of a corner's road spectrum: its stiffness and sd in N/m, at a time.
     pub(crate) fn hear(&mut self, corner: usize, time_s: f64, stiffness_n_per_m: T, sd_n_per_m: T) {
-        if !(self.speed_m_s >= T::lit(SLOWEST_WORD_M_S)) {
+        if !(self.speed_m_s >= T::lit(SLOWEST_WORD_M_S)) || !self.hears(corner) {
             return;
         }
         if !(time_s - self.believed_s < LONGEST_STEP_S) {
@@ -467,6 +467,11 @@ impl<T: Real> SharedRoad<T> {
     /// Whether its belief is the better one: while the shared road may still be found, and from then on.
     pub(crate) fn is_trusted(&self) -> bool {
         self.learned_s > T::zero() || self.waited_s < PATIENCE_S
+    }
+
+    /// Whether the road under a corner is heard over its sensors' noise, as far as the axles tell.
+    pub(crate) fn hears(&self, corner: usize) -> bool {
+        self.tracks[corner % 2].heard() > T::zero()
     }
 
     /// Whether a side's road is being learned from, and its incoherence.

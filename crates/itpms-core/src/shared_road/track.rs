@@ -31,6 +31,11 @@ const LONGEST_WAY_M: f64 = 1.0;
 const LEAST_SEEN: f64 = 0.15;
 /// Incoherence near wheel hop from which on a side counts as not shared.
 const APART: f64 = 0.5;
+/// Power near wheel hop over that of the sensors' noise there at which frames begin to count; at twice this they count
+/// fully. Two axles that hear themselves alone agree on a road, too. The smoothest road there is has some hundred.
+const HEARD: f64 = 25.0;
+/// Time constant in s of the logarithm of that ratio.
+const HEARD_S: f64 = 1.0;
 
 /// What is believed of the car where the two axles meet.
 pub(super) struct Meeting<'a, T: Real> {
@@ -65,6 +70,8 @@ pub(super) struct Track<T: Real> {
     /// Way in m of the rear wheel at its last entry.
     way_m: f64,
     coherence: Coherence<T>,
+    /// Logarithm of the power near wheel hop over that of the sensors' noise, of late; `None` before the first frame.
+    loudness: Option<T>,
     /// Wheelbase and skew that the frame under way is aligned with, once there is one.
     used: Option<[T; 2]>,
     /// Hops to let pass because something spoiled the frames under way.
@@ -87,6 +94,7 @@ impl<T: Real> Track<T> {
             imbalance: Imbalance::new(),
             way_m: f64::NAN,
             coherence: Coherence::new(),
+            loudness: None,
             used: None,
             spoiled_hops: 0,
             learned_until_s: f64::NEG_INFINITY,
@@ -227,10 +235,14 @@ impl<T: Real> Track<T> {
         let ratios = self.answer.ratios();
         let instrument = look(Signals::Common(&ratios)).slope;
         let noise = self.noise(wheels, &state);
+        self.listen(&road_power, &noise);
+        if !(self.heard() > T::zero()) {
+            return false;
+        }
         let products = expected_products(wheels, self.side, &state, taken.delay_s, &ratios);
         let expected = self.coherence.expect(&road_power, &noise, &products, taken.stretch);
         modes.doubt(wheels, self.coherence.fading() * T::lit(HOP_S), taught);
-        let trust = self.coherence.trust() * taken.frame.seen;
+        let trust = self.coherence.trust() * taken.frame.seen * self.heard();
         let Some((found, ratio)) = modes.weigh(taken, wheels, self.side, &expected, &instrument, trust)
         else {
             return false;
@@ -239,6 +251,20 @@ impl<T: Real> Track<T> {
         self.coherence.learn(&expected, &found, &ratio, &noise, T::lit(HOP_S), beside);
         self.learned_until_s = taken.middle_s;
         self.coherence.near_wheel_hop() < T::lit(APART)
+    }
+
+    /// Takes a frame's road power and the sensors' noise in the axles' disagreement, per bin.
+    fn listen(&mut self, road_power: &[T; BINS], noise: &[T; BINS]) {
+        let ratio = (T::lit(0.5) * (road_power[1] / noise[1] + road_power[2] / noise[2])).ln();
+        let gain = T::one() - (T::lit(-HOP_S / HEARD_S)).exp();
+        let before = self.loudness.filter(|before| before.is_finite()).unwrap_or(ratio);
+        self.loudness = Some(before + gain * (ratio - before));
+    }
+
+    /// How far the road is heard over the sensors' noise, 0 to 1; fully before the first frame.
+    pub(super) fn heard(&self) -> T {
+        let over = |loudness: T| (loudness.exp() / T::lit(HEARD) - T::one()).clamp(T::zero(), T::one());
+        self.loudness.map_or(T::one(), over)
     }
 
     /// Sensor noise in the axles' disagreement, per bin.

@@ -28,12 +28,15 @@ pub struct CarRide {
     pub seconds: f64,
     pub speed_m_s: fn(f64) -> f64,
     pub pressure_kpa: fn(f64) -> [f64; 4],
+    /// Displacement power density of the road in m³ at 0.1 cycles/m.
+    pub roughness_m3: f64,
 }
 
 impl CarRide {
     /// 15 s at 60 km/h on a class B road, one tire at 200 kPa and the others near the placard.
     pub fn new(seed: u64) -> Self {
         Self {
+            roughness_m3: 64e-6,
             seed,
             seconds: 15.0,
             speed_m_s: |_| 60.0 / 3.6,
@@ -69,9 +72,9 @@ impl CarRide {
     /// Accelerations of a corner's body and wheel at the plant's rate.
     fn corner(&self, corner: usize, way_m: &[f64]) -> Vec<(f64, f64)> {
         let mut random = Random::new(self.seed ^ (1 + corner as u64 % 2));
-        // Height as a random walk over distance: Gd(n) = 64e-6 m³ (n0/n)² is white in slope, with a variance of
+        // Height as a random walk over distance: Gd(n) = roughness (n0/n)² is white in slope, with a variance of
         // (2 pi n0)² Gd / 2 per meter.
-        let step = ((core::f64::consts::TAU * 0.1).powi(2) * 64e-6 / 2.0 / PER_M).sqrt();
+        let step = ((core::f64::consts::TAU * 0.1).powi(2) * self.roughness_m3 / 2.0 / PER_M).sqrt();
         let mut heights = vec![0.0];
         for i in 0..(way_m[way_m.len() - 1] * PER_M) as usize + 2 {
             heights.push(heights[i] + step * random.normal());
