@@ -30,7 +30,7 @@ impl<T: Real> SpeedHold<T> {
             return speed_m_s;
         }
         let age_s = time_s - self.known_s;
-        if age_s >= 0.0 && age_s <= HOLD_S { self.speed_m_s } else { T::lit(f64::NAN) }
+        if (0.0..=HOLD_S).contains(&age_s) { self.speed_m_s } else { T::lit(f64::NAN) }
     }
 }
 

@@ -170,7 +170,7 @@ impl<T: Real> Monitor<T> {
         }
         let step_s = estimate.time_s - self.decided_s;
         // A clock that went back begins again.
-        let due = step_s >= DECIDE_S - 1e-9 || step_s < 0.0;
+        let due = !(0.0..DECIDE_S - 1e-9).contains(&step_s);
         if due && estimate.time_s.is_finite() {
             self.decided_s = estimate.time_s;
             self.decide(estimate, step_s.clamp(0.0, LONGEST_STEP_S));
