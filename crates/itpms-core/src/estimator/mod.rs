@@ -200,7 +200,8 @@ impl<T: Real> Estimator<T> {
     }
 
     /// Takes one sample: time in s, speed in m/s, body and wheel acceleration in m/s²; NaN is a missing value. Gives
-    /// the estimate after it. A missing speed is the last one, for half a second ([`SpeedHold`]). A sample that cannot be used is counted, and the estimate says so when it matters.
+    /// the estimate after it. A missing speed is the last one, for half a second ([`SpeedHold`]). A sample that cannot be
+    /// used is counted, and the estimate says so when it matters.
     pub fn update(
         &mut self,
         time_s: f64,
