@@ -41,6 +41,21 @@ fn noise_on_a_smooth_road_is_said_to_be_noise() {
     assert_eq!(study.clean.malfunctions, 0, "{:?}", study.clean);
 }
 
+/// A hole under the right wheels alone, while the rear right one's sensor is stuck: it reaches the left rear one through the
+/// anti-roll bar. (The left tires were read up to 100 kPa too high, for minutes, as long as that passed for their road.)
+#[test]
+fn a_hole_beside_a_sensor_that_is_stuck_is_no_road_of_the_other_side() {
+    let go = |_, _| ControlFlow::Continue(());
+    let study = study(&Request { first_seed: 32, ..request("stuck, body") }, &go).unwrap();
+    let [row] = study.rows.as_slice() else { panic!("{:?}", study.rows) };
+    assert_eq!((row.in_time, row.recovered), (1, 1), "{row:?}");
+    assert_eq!(
+        (row.wrong_after_others_s, row.wrong_back_others_s, row.wrong_back_s),
+        (0.0, 0.0, 0.0),
+        "{row:?}"
+    );
+}
+
 #[test]
 fn requests_that_make_no_sense_are_refused_and_a_break_stops() {
     let go = |_, _| ControlFlow::Continue(());
