@@ -20,7 +20,8 @@
 //! | `modes` | the belief |
 //! | `alone` | what a corner finds by itself, where front and rear hardly share a road |
 //! | `evidence` | what a frame says to one Gaussian of it |
-//! | `lesson` | what a reset taught |
+//! | `reset` | tires that somebody has just set |
+//! | `lesson` | what that taught |
 
 mod acquire;
 mod alone;
@@ -35,6 +36,7 @@ mod lesson;
 mod memory;
 mod modes;
 mod parameters;
+mod reset;
 mod scale;
 #[cfg(test)]
 mod tests;
@@ -49,7 +51,7 @@ use self::constraint::{BOTH, Wheel};
 use self::lesson::Lesson;
 use self::modes::Modes;
 pub(crate) use self::parameters::ROAD_BIAS_SD;
-use self::parameters::{COMMON_BIAS, DAMPING, OWN_BIAS, SKEW, SKEW_UNIT_S, State, TIRE, WHEELBASE};
+use self::parameters::{COMMON_BIAS, DAMPING, OWN_BIAS, SKEW, SKEW_UNIT_S, State, WHEELBASE};
 use self::scale::{LEAST_COMPLIANCE, Scale};
 use self::track::{Beside, Meeting, Track};
 use crate::car::{CarConfig, LearnedReference};
@@ -104,14 +106,11 @@ const PATIENCE_S: f64 = 6.0;
 const FOUND_SD_S: f64 = 1e-3;
 /// Front and rear of a side see the same road, so their spectra say half of what they seem to.
 const SAME_ROAD: f64 = 2.0;
-/// Sd of a tire's compliance, over that at placard pressure, when somebody may have set it anew, and when nobody watched.
-const SET_ANEW_SD: f64 = 0.2;
+/// Sd of a tire's compliance, over that at placard pressure, when nobody watched.
 const UNWATCHED_SD: f64 = 0.05;
 /// Sd of the tires' stiffness in the vehicle file, of all alike and of each by itself, as a share: what nobody can learn before
 /// a reset.
 const FILE_SD: [f64; 2] = [0.015, 0.005];
-/// Sd with which a reset sets a tire, as a share of the placard pressure.
-const RESET_SD: f64 = 0.004;
 
 /// What the shared road, and words about the spectrum, say of the tires.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -425,40 +424,6 @@ impl<T: Real> SharedRoad<T> {
         let mode = &self.modes.modes[self.modes.most_likely()];
         let (expected, slope) = self.scale.word(corner, &mode.mean);
         (expected, slope.dot(&(mode.covariance * slope)).max(T::zero()).sqrt())
-    }
-
-    /// A reset begins: somebody has just set all tires to their placard pressures. What the one before has taught is what
-    /// an earlier reset has taught, from now on.
-    pub(crate) fn begin_reset(&mut self) {
-        self.recalled = self.learned().or(self.recalled);
-        self.lesson = None;
-        (self.told, self.held) = (true, true);
-        self.set_tires();
-    }
-
-    /// The tires have their placard pressures now: what was believed of them before does not matter, nor of what goes with
-    /// it.
-    fn set_tires(&mut self) {
-        self.held_from_s = self.learned_s;
-        for corner in 0..4 {
-            self.modes.forget_tire(corner, T::lit(SET_ANEW_SD));
-            let sd = T::lit(RESET_SD) * self.scale.share(corner);
-            self.modes.measure(sd * sd, |state| {
-                let mut slope = State::zeros();
-                slope[TIRE + corner] = T::one();
-                (slope, -state[TIRE + corner])
-            });
-        }
-    }
-
-    /// Says that a reset goes on, or that it is over or there was none.
-    pub(crate) fn hold(&mut self, held: bool) {
-        if held {
-            self.modes.calm();
-        } else if self.held {
-            self.remember();
-        }
-        self.held = held;
     }
 
     /// A corner's sensors were out of order: its tire may have changed meanwhile.

@@ -1,0 +1,46 @@
+//! A reset: all tires have just been set to their placard pressures, and keep them for a while.
+
+use super::SharedRoad;
+use super::parameters::{State, TIRE};
+use crate::real::Real;
+
+/// Sd of a tire's compliance, over that at placard pressure, when somebody may have set it anew.
+const SET_ANEW_SD: f64 = 0.2;
+/// Sd with which a reset sets a tire, as a share of the placard pressure.
+const RESET_SD: f64 = 0.004;
+
+impl<T: Real> SharedRoad<T> {
+    /// A reset begins: somebody has just set all tires to their placard pressures. What the one before has taught is what
+    /// an earlier reset has taught, from now on.
+    pub(crate) fn begin_reset(&mut self) {
+        self.recalled = self.learned().or(self.recalled);
+        self.lesson = None;
+        (self.told, self.held) = (true, true);
+        self.set_tires();
+    }
+
+    /// The tires have their placard pressures now: what was believed of them before does not matter, nor of what goes with
+    /// it.
+    pub(super) fn set_tires(&mut self) {
+        self.held_from_s = self.learned_s;
+        for corner in 0..4 {
+            self.modes.forget_tire(corner, T::lit(SET_ANEW_SD));
+            let sd = T::lit(RESET_SD) * self.scale.share(corner);
+            self.modes.measure(sd * sd, |state| {
+                let mut slope = State::zeros();
+                slope[TIRE + corner] = T::one();
+                (slope, -state[TIRE + corner])
+            });
+        }
+    }
+
+    /// Says that a reset goes on, or that it is over or there was none.
+    pub(crate) fn hold(&mut self, held: bool) {
+        if held {
+            self.modes.calm();
+        } else if self.held {
+            self.remember();
+        }
+        self.held = held;
+    }
+}
