@@ -202,6 +202,14 @@ impl<T: Real> CarEstimator<T> {
         }
     }
 
+    /// Unlearns what the last six to twelve seconds taught of tires and road, as when a sensor turns out to have lied in
+    /// them: that its gain has changed, or that it carries another one's name, shows only after some seconds.
+    pub fn unlearn(&mut self) {
+        if let Some(shared) = &mut self.shared_road {
+            shared.go_back();
+        }
+    }
+
     /// Takes one sample, gives the estimate after it. A missing speed is the last one, for half a second ([`SpeedHold`]).
     pub fn update(&mut self, sample: &CarSample<T>) -> CarEstimate<T> {
         let time_s = sample.time_s;

@@ -75,6 +75,9 @@ pub struct Monitor<T: Real> {
     health: Health<T>,
     faults: [Option<Fault<T>>; 4],
     suspects: Wheels,
+    /// Corners that had told wrong for seconds before it was noticed; whether it just was.
+    belated: Wheels,
+    regret: bool,
     /// Corners that have had a fault since their estimator last started.
     spoiled: Wheels,
     wheels: [WheelWatch; 4],
@@ -106,6 +109,8 @@ impl<T: Real> Monitor<T> {
             health: Health::new(&config.car, sample_rate_hz),
             faults: [None; 4],
             suspects: Wheels::NONE,
+            belated: Wheels::NONE,
+            regret: false,
             spoiled: Wheels::NONE,
             wheels: [WheelWatch::new(); 4],
             partings: [Parting::new(); 2],
@@ -139,6 +144,11 @@ impl<T: Real> Monitor<T> {
             let faulty = self.faults.iter().flatten().map(|fault| fault.malfunction.wheels());
             let faulty = faulty.fold(Wheels::NONE, |all, wheels| all | wheels);
             self.suspects = self.health.suspects() | faulty;
+            let before = core::mem::replace(&mut self.belated, self.health.belated());
+            if self.belated.iter().any(|corner| !before.contains(corner)) {
+                self.regret = true;
+                (0..4).for_each(|wheel| self.leaks.forget(wheel));
+            }
             self.spoiled = self.spoiled | faulty;
         }
         let mut screened = *sample;
@@ -149,6 +159,12 @@ impl<T: Real> Monitor<T> {
             }
         }
         screened
+    }
+
+    /// True once after a corner turned out to have told wrong for some seconds: what was learned in them is to be unlearned
+    /// ([`CarEstimator::unlearn`](crate::car::CarEstimator::unlearn)).
+    pub fn take_regret(&mut self) -> bool {
+        core::mem::take(&mut self.regret)
     }
 
     /// Takes what was estimated after the sample; gives the wheels whose estimator should start again, because their

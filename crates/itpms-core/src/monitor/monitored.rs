@@ -36,6 +36,9 @@ impl<T: Real> MonitoredCar<T> {
             return self.estimator.update(sample);
         }
         let screened = self.monitor.screen(sample);
+        if self.monitor.take_regret() {
+            self.estimator.unlearn();
+        }
         let mut estimate = self.estimator.update(&screened);
         for corner in self.monitor.judge(&mut estimate).iter() {
             self.estimator.restart_corner(corner);

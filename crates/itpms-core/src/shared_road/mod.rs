@@ -21,6 +21,7 @@
 //! | `alone` | what a corner finds by itself, where front and rear hardly share a road |
 //! | `evidence` | what a frame says to one Gaussian of it |
 //! | `reset` | tires that somebody has just set |
+//! | `keepsake` | what was believed before a sensor lied |
 //! | `lesson` | what that taught |
 
 mod acquire;
@@ -32,6 +33,7 @@ mod constraint;
 mod evidence;
 mod imbalance;
 mod instrument;
+mod keepsake;
 mod lesson;
 mod memory;
 mod modes;
@@ -48,6 +50,7 @@ pub(crate) use self::alone::Alone;
 use self::channel::{Channel, Entry, RELATIVE};
 use self::coherence::within;
 use self::constraint::{BOTH, Wheel};
+use self::keepsake::Keepsakes;
 use self::lesson::Lesson;
 use self::modes::Modes;
 pub(crate) use self::parameters::ROAD_BIAS_SD;
@@ -169,6 +172,7 @@ pub(crate) struct SharedRoad<T: Real> {
     /// Seconds of shared road learned from when the reset began, and what it taught.
     held_from_s: T,
     lesson: Option<Lesson<T>>,
+    kept: Keepsakes<T>,
 }
 
 impl<T: Real> SharedRoad<T> {
@@ -236,6 +240,7 @@ impl<T: Real> SharedRoad<T> {
             alone: [Alone::silent(); 4],
             held_from_s: T::zero(),
             lesson: None,
+            kept: Keepsakes::none(),
         })
     }
 
@@ -335,7 +340,9 @@ impl<T: Real> SharedRoad<T> {
             self.learned_s += T::lit(0.5 * HOP_S);
         }
         self.modes.drop_impossible();
-        if !self.modes.is_sound() {
+        if self.modes.is_sound() {
+            self.keep();
+        } else {
             self.begin_again();
         }
     }
@@ -344,6 +351,7 @@ impl<T: Real> SharedRoad<T> {
     fn begin_again(&mut self) {
         self.modes = Modes::new(&self.start);
         self.learned_s = T::zero();
+        self.kept = Keepsakes::none();
         if let Some(reference) = self.learned().or(self.recalled) {
             // It was learned for this car, or accepted before.
             let _ = self.recall(&reference);

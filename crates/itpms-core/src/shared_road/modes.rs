@@ -156,10 +156,7 @@ impl<T: Real> Modes<T> {
         still.add(quiet.weight * stay, &quiet.mean, &quiet.covariance);
         for (mode, moving) in old.iter().enumerate().skip(1) {
             if moving.weight > T::lit(FORGOTTEN) {
-                let mut ended = moving.clone();
-                ended.mean[RATE] = T::zero();
-                ended.covariance.row_mut(RATE).fill(T::zero());
-                ended.covariance.column_mut(RATE).fill(T::zero());
+                let ended = moving.ended();
                 still.add(moving.weight * end, &ended.mean, &ended.covariance);
             }
 
@@ -298,6 +295,22 @@ impl<T: Real> Modes<T> {
         }
     }
 
+    /// All modes as one Gaussian, in which nothing moves.
+    pub(super) fn as_one(&self) -> Mode<T> {
+        let mut one = Mixture::new();
+        for mode in &self.modes {
+            let ended = mode.ended();
+            one.add(mode.weight, &ended.mean, &ended.covariance);
+        }
+        one.into_mode()
+    }
+
+    /// Believes this and nothing else.
+    pub(super) fn set(&mut self, belief: &Mode<T>) {
+        self.modes[QUIET] = belief.clone();
+        self.calm();
+    }
+
     /// Moves on by `seconds` in which nobody watched: nothing moves any more. `filled`: somebody may have changed a
     /// pressure.
     pub(super) fn wake(&mut self, seconds: T, filled: bool) {
@@ -404,6 +417,15 @@ impl<T: Real> Mode<T> {
             }
             self.covariance[(i, i)] += sd[i] * sd[i] * seconds;
         }
+    }
+
+    /// The same when its movement is over.
+    fn ended(&self) -> Self {
+        let mut ended = self.clone();
+        ended.mean[RATE] = T::zero();
+        ended.covariance.row_mut(RATE).fill(T::zero());
+        ended.covariance.column_mut(RATE).fill(T::zero());
+        ended
     }
 
     fn is_possible(&self) -> bool {

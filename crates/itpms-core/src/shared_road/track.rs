@@ -303,6 +303,16 @@ impl<T: Real> Track<T> {
         })
     }
 
+    /// What was learned of the side: how its axles answer, and how far they share a road.
+    pub(super) fn learned(&self) -> (Answer<T>, Coherence<T>) {
+        (self.answer.clone(), self.coherence.clone())
+    }
+
+    /// Goes back to what had been learned.
+    pub(super) fn recall(&mut self, (answer, coherence): &(Answer<T>, Coherence<T>)) {
+        (self.answer, self.coherence) = (answer.clone(), coherence.clone());
+    }
+
     /// Whether the last frame showed roads that part.
     pub(super) fn is_parting(&self) -> bool {
         self.coherence.is_parting()

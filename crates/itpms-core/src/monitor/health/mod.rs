@@ -246,6 +246,11 @@ impl<T: Real> Health<T> {
         })
     }
 
+    /// The corners among them that were learned from for seconds before that showed.
+    pub(super) fn belated(&self) -> Wheels {
+        self.together.belated()
+    }
+
     /// The corners not to be learned from now.
     pub(super) fn suspects(&self) -> Wheels {
         let alone = Corner::ALL.into_iter().filter(|corner| {

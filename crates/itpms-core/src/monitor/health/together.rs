@@ -339,16 +339,20 @@ impl<T: Real> Together<T> {
     /// The corners whose sensors may be swapped, or whose gain may have changed. That a gain was wrong all the time is
     /// waited for.
     pub(super) fn suspects(&self) -> Wheels {
-        let words = self.odd.iter().chain(&self.pairs).chain(&self.reversed).chain(&self.corners);
-        let suspected = words.filter(|word| word.latch.is_suspected());
         // A body that moves like its wheel is suspect at once.
         let odd = |corner: &Corner| self.newest_ratio[corner.index()] < T::lit(ODD);
+        self.belated() | Corner::ALL.into_iter().filter(odd).collect()
+    }
+
+    /// Those among them of which it took seconds to find out.
+    pub(super) fn belated(&self) -> Wheels {
+        let words = self.odd.iter().chain(&self.pairs).chain(&self.reversed).chain(&self.corners);
+        let suspected = words.filter(|word| word.latch.is_suspected());
         let jumped = |corner: &Corner| self.jumps[corner.index()].is_suspected();
-        let at_once: Wheels =
-            Corner::ALL.into_iter().filter(|corner| odd(corner) || jumped(corner)).collect();
+        let jumped = Corner::ALL.into_iter().filter(jumped).collect();
         suspected
             .filter_map(|word| word.malfunction.as_ref())
-            .fold(at_once, |all, malfunction| all | malfunction.wheels())
+            .fold(jumped, |all: Wheels, malfunction| all | malfunction.wheels())
     }
 }
 
