@@ -474,3 +474,58 @@ proptest! {
         survives::<f32>(&damage, |bits| f32::from_bits(bits as u32));
     }
 }
+
+/// The rear right wheel's sensor reads twice of what it should for four seconds, and is then kept away: the front right tire,
+/// which was taken for the one that had changed, is read as before. (Else it stays too low for many seconds more.)
+#[test]
+fn what_a_sensor_taught_that_lied_is_unlearned() {
+    let rows = CarRide { seconds: 34.0, ..CarRide::new(5) }.rows();
+    let lying = |row: &CarSample<f64>, since_s: f64, until_s: f64| {
+        let mut row = *row;
+        if let Some(rear_right) = &mut row.corners[3] {
+            if row.time_s >= until_s {
+                *rear_right = CornerSample { body_accel_m_s2: f64::NAN, wheel_accel_m_s2: f64::NAN };
+            } else if row.time_s >= since_s {
+                rear_right.wheel_accel_m_s2 *= 2.0;
+            }
+        }
+        row
+    };
+    let front_right = |car: &mut CarEstimator<f64>, from_s: f64, to_s: f64| {
+        let range = (from_s * RATE_HZ) as usize..(to_s * RATE_HZ) as usize;
+        let rows: Vec<_> = rows[range].iter().map(|row| lying(row, 24.0, 28.0)).collect();
+        drive(car, &rows).last().unwrap().corners[1].unwrap().pressure_kpa
+    };
+    let mut car = car(&config());
+    let before = front_right(&mut car, 0.0, 24.0);
+    let misled = front_right(&mut car, 24.0, 28.0);
+    assert!(misled < before - 40.0, "{misled} kPa, {before} before");
+    let mut unlearned = car.clone();
+    unlearned.unlearn();
+    let [misled, unlearned] = [&mut car, &mut unlearned].map(|car| front_right(car, 28.0, 34.0));
+    assert!(misled < before - 20.0 && (unlearned - before).abs() < 3.0, "{misled} {unlearned} {before} kPa");
+}
+
+/// What a driver has told is not unlearned, and who has learned nothing yet begins anew.
+#[test]
+fn unlearning_keeps_what_was_told() {
+    let rows = &ROWS[..(3.0 * RATE_HZ) as usize];
+    let kpa = |car: &mut CarEstimator<f64>| {
+        car.unlearn();
+        let last = *drive(car, &ROWS[rows.len()..][..5]).last().unwrap();
+        last.corners.map(|corner| [corner.unwrap().pressure_kpa, corner.unwrap().pressure_sd_kpa])
+    };
+    let mut told = car(&config::<f64>()).with_sources(Sources::SharedRoad);
+    let mut untold = told.clone();
+    drive(&mut untold, rows);
+    for [pressure_kpa, sd_kpa] in kpa(&mut untold) {
+        // The start's 36 kPa, and a frame or two since.
+        assert!((pressure_kpa - PLACARD_KPA).abs() < 10.0 && sd_kpa > 25.0, "{pressure_kpa} {sd_kpa}");
+    }
+    drive(&mut told, &rows[..rows.len() - 5]);
+    told.begin_reset(10.0).unwrap();
+    drive(&mut told, &ROWS[rows.len() - 5..rows.len()]);
+    for [pressure_kpa, sd_kpa] in kpa(&mut told) {
+        assert!((pressure_kpa - PLACARD_KPA).abs() < 1.0 && sd_kpa < 2.0, "{pressure_kpa} {sd_kpa}");
+    }
+}

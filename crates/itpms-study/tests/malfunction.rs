@@ -56,6 +56,19 @@ fn a_hole_beside_a_sensor_that_is_stuck_is_no_road_of_the_other_side() {
     );
 }
 
+/// The rear right wheel's sensor reads twice of what it should. (What it taught in the seconds before that was noticed was a
+/// front right tire 70 kPa too low: warned of, and shown for twenty seconds, as long as it was not unlearned.)
+#[test]
+fn a_gain_that_changes_is_no_leak_of_the_other_tire() {
+    let go = |_, _| ControlFlow::Continue(());
+    let study = study(&Request { first_seed: 13, ..request("gain 2, wheel") }, &go).unwrap();
+    let [row] = study.rows.as_slice() else { panic!("{:?}", study.rows) };
+    assert_eq!((row.in_time, row.recovered), (1, 1), "{row:?}");
+    assert_eq!(row.tire_warnings_during.total() + row.tire_warnings_after.total(), 0, "{row:?}");
+    assert!(row.wrong_before_others_s < 2.0, "{row:?}");
+    assert_eq!((row.wrong_after_others_s, row.wrong_back_others_s), (0.0, 0.0), "{row:?}");
+}
+
 #[test]
 fn requests_that_make_no_sense_are_refused_and_a_break_stops() {
     let go = |_, _| ControlFlow::Continue(());
