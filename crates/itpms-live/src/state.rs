@@ -1,7 +1,7 @@
 //! A drive kept in a file from one start of the monitor to the next, bit by bit.
 //!
 //! ```text
-//! itpms-live-state 7 f6d0c1f2a5a1b1c3\n     format, checksum of the format and of everything below
+//! itpms-live-state 10 f6d0c1f2a5a1b1c3\n     format, checksum of the format and of everything below
 //! postcard of the vehicle's identity, the options and the drive
 //! ```
 //!
@@ -25,7 +25,7 @@ use crate::error::LiveError;
 use crate::roughness::Roughness;
 
 /// The format that is written, and the only one that is read.
-pub const FORMAT: u32 = 9;
+pub const FORMAT: u32 = 10;
 
 const MAGIC: &str = "itpms-live-state ";
 /// The largest car takes some 400 kB.

@@ -55,8 +55,9 @@ const DECIDE_S: f64 = 0.1;
 /// Longest time in s that counts between two decisions: a hole in the record is no evidence.
 const LONGEST_STEP_S: f64 = 0.5;
 
-/// A running monitor. A value: clone it, save it, go on. Per sample: [`screen`](Self::screen) what the sensors say, give
-/// what it returns to the estimator, and let it [`judge`](Self::judge) what comes out; [`MonitoredCar`] does so.
+/// A running monitor. A value: clone it, save it, go on. Per sample: [`screen`](Self::screen) what the sensors say, ask whether
+/// the estimator is to unlearn anything ([`take_regret`](Self::take_regret)), give it what `screen` returns, and let
+/// [`judge`](Self::judge) look at what comes out; [`MonitoredCar`] does so.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
