@@ -202,11 +202,12 @@ impl<T: Real> CarEstimator<T> {
         }
     }
 
-    /// Unlearns what the last six to twelve seconds taught of tires and road, as when a sensor turns out to have lied in
-    /// them: that its gain has changed, or that it carries another one's name, shows only after some seconds.
+    /// For some seconds a sensor may have told wrong: that its gain has changed, or that it carries another one's name,
+    /// shows only later. What the axles have taught in the last six to twelve seconds is unlearned, if it contradicts what
+    /// was known before.
     pub fn unlearn(&mut self) {
         if let Some(shared) = &mut self.shared_road {
-            shared.go_back();
+            shared.unlearn();
         }
     }
 

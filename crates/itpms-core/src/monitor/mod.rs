@@ -76,7 +76,7 @@ pub struct Monitor<T: Real> {
     health: Health<T>,
     faults: [Option<Fault<T>>; 4],
     suspects: Wheels,
-    /// Corners that had told wrong for seconds before it was noticed; whether it just was.
+    /// Corners that may have told wrong for seconds before it was noticed; whether it just was.
     belated: Wheels,
     regret: bool,
     /// Corners that have had a fault since their estimator last started.
@@ -146,10 +146,7 @@ impl<T: Real> Monitor<T> {
             let faulty = faulty.fold(Wheels::NONE, |all, wheels| all | wheels);
             self.suspects = self.health.suspects() | faulty;
             let before = core::mem::replace(&mut self.belated, self.health.belated());
-            if self.belated.iter().any(|corner| !before.contains(corner)) {
-                self.regret = true;
-                (0..4).for_each(|wheel| self.leaks.forget(wheel));
-            }
+            self.regret |= self.belated.iter().any(|corner| !before.contains(corner));
             self.spoiled = self.spoiled | faulty;
         }
         let mut screened = *sample;
@@ -162,8 +159,8 @@ impl<T: Real> Monitor<T> {
         screened
     }
 
-    /// True once after a corner turned out to have told wrong for some seconds: what was learned in them is to be unlearned
-    /// ([`CarEstimator::unlearn`](crate::car::CarEstimator::unlearn)).
+    /// True once after it turned out that a corner may have told wrong for some seconds: what was learned in them is to be
+    /// unlearned ([`CarEstimator::unlearn`](crate::car::CarEstimator::unlearn)).
     pub fn take_regret(&mut self) -> bool {
         core::mem::take(&mut self.regret)
     }

@@ -2,16 +2,19 @@
 //! it carries another one's name, shows only after seconds, and for so long it was learned from.
 
 use super::answer::Answer;
-use super::coherence::Coherence;
 use super::modes::Mode;
+use super::parameters::{RATE, SIZE};
 use super::{LONGEST_PAUSE_S, SharedRoad};
 use crate::real::Real;
 
 /// Seconds between two keepsakes: what is gone back to is once to twice as old. A gain that changes at once is noticed within
-/// three seconds, sensors that change places within five.
+/// three seconds, sensors that change places within six.
 const EVERY_S: f64 = 6.0;
+/// So many standard deviations from what was believed before, nothing moves within twelve seconds that is true: what is learned
+/// there moves it by less than one.
+const CONTRADICTED: f64 = 3.0;
 
-/// The belief at a time, as one Gaussian, and what had been learned of both sides' roads.
+/// The belief at a time, as one Gaussian, and how both sides' axles answered.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -25,7 +28,7 @@ struct Keepsake<T: Real> {
     time_s: f64,
     belief: Mode<T>,
     learned_s: T,
-    sides: [(Answer<T>, Coherence<T>); 2],
+    answers: [Answer<T>; 2],
 }
 
 /// The last two.
@@ -49,6 +52,16 @@ impl<T: Real> Keepsakes<T> {
     }
 }
 
+impl<T: Real> Keepsake<T> {
+    /// Whether a belief is none that anything true could have made of it.
+    fn is_contradicted_by(&self, now: &Mode<T>) -> bool {
+        (0..SIZE).filter(|&i| i != RATE).any(|i| {
+            let off = now.mean[i] - self.belief.mean[i];
+            off * off > T::lit(CONTRADICTED * CONTRADICTED) * self.belief.covariance[(i, i)]
+        })
+    }
+}
+
 impl<T: Real> SharedRoad<T> {
     /// Keeps what is believed now, if that was not done of late.
     pub(super) fn keep(&mut self) {
@@ -60,23 +73,23 @@ impl<T: Real> SharedRoad<T> {
             time_s: self.believed_s,
             belief: self.modes.as_one(),
             learned_s: self.learned_s,
-            sides: self.tracks.each_ref().map(|track| track.learned()),
+            answers: self.tracks.each_ref().map(|track| track.answer().clone()),
         };
         self.kept.before = self.kept.newest.replace(now);
     }
 
-    /// Some seconds' worth of what was learned came from a sensor that is not to be trusted: believes what it did before.
-    pub(crate) fn go_back(&mut self) {
-        let Some(kept) = self.kept.before.take().or(self.kept.newest.take()) else {
-            return self.begin_again();
-        };
-        self.modes.set(&kept.belief);
-        self.learned_s = kept.learned_s;
-        for (track, learned) in self.tracks.iter_mut().zip(&kept.sides) {
-            track.recall(learned);
+    /// For some seconds a sensor may have told wrong: believes what it did before, if what it does now contradicts that.
+    pub(crate) fn unlearn(&mut self) {
+        let Some(kept) = self.kept.before.take().or(self.kept.newest.take()) else { return };
+        if kept.is_contradicted_by(&self.modes.as_one()) {
+            self.modes.set(&kept.belief);
+            self.learned_s = kept.learned_s;
+            for (track, answer) in self.tracks.iter_mut().zip(&kept.answers) {
+                track.set_answer(answer);
+            }
+            let seconds = (self.believed_s - kept.time_s).clamp(0.0, LONGEST_PAUSE_S);
+            self.modes.wake(T::lit(seconds), false);
         }
-        let seconds = (self.believed_s - kept.time_s).clamp(0.0, LONGEST_PAUSE_S);
-        self.modes.wake(T::lit(seconds), !self.held);
         self.kept = Keepsakes { newest: Some(kept), before: None };
     }
 }

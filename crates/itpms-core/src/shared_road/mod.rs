@@ -327,15 +327,14 @@ impl<T: Real> SharedRoad<T> {
 
     fn learn(&mut self, side: usize, wheels: &[Wheel<T>; 2], taken: &constraint::TrackFrame<T>) {
         self.predict_to(taken.middle_s);
+        self.keep();
         self.delay_s[side] = taken.delay_s;
         let beside = self.tracks[1 - side].is_parting();
         if self.tracks[side].weigh(&mut self.modes, wheels, taken, self.told, beside) {
             self.learned_s += T::lit(0.5 * HOP_S);
         }
         self.modes.drop_impossible();
-        if self.modes.is_sound() {
-            self.keep();
-        } else {
+        if !self.modes.is_sound() {
             self.begin_again();
         }
     }

@@ -287,14 +287,14 @@ impl<T: Real> Track<T> {
         })
     }
 
-    /// What was learned of the side: how its axles answer, and how far they share a road.
-    pub(super) fn learned(&self) -> (Answer<T>, Coherence<T>) {
-        (self.answer.clone(), self.coherence.clone())
+    /// How the axles answer the road.
+    pub(super) fn answer(&self) -> &Answer<T> {
+        &self.answer
     }
 
-    /// Goes back to what had been learned.
-    pub(super) fn recall(&mut self, (answer, coherence): &(Answer<T>, Coherence<T>)) {
-        (self.answer, self.coherence) = (answer.clone(), coherence.clone());
+    /// Goes back to how they had answered it.
+    pub(super) fn set_answer(&mut self, answer: &Answer<T>) {
+        self.answer = answer.clone();
     }
 
     /// Whether the last frame showed roads that part.
