@@ -56,7 +56,7 @@ use self::modes::Modes;
 pub(crate) use self::parameters::ROAD_BIAS_SD;
 use self::parameters::{COMMON_BIAS, DAMPING, OWN_BIAS, SKEW, SKEW_UNIT_S, State, WHEELBASE};
 use self::scale::{LEAST_COMPLIANCE, Scale};
-use self::track::{Meeting, Track};
+use self::track::{Beside, Meeting, Track};
 use crate::car::{CarConfig, LearnedReference};
 use crate::estimate::CornerConfig;
 use crate::informed::model::Body;
@@ -86,6 +86,8 @@ const SENSOR_LATE_PERIODS: f64 = 2.613 / (core::f64::consts::TAU * 0.3);
 const RESTLESS: f64 = 0.02;
 /// Entries of two corners within so many periods are of the same time.
 const NEAR_PERIODS: f64 = 0.6;
+/// Seconds after which a corner that has told nothing counts as silent.
+const SILENT_S: f64 = 1.0;
 /// Longest time in s over which a movement is followed without a frame; pauses count for so long at most, and from so
 /// long on a tire may have been filled.
 const LONGEST_STEP_S: f64 = 1.0;
@@ -319,10 +321,15 @@ impl<T: Real> SharedRoad<T> {
     }
 
     /// How the suspension of the other rear corner moves at the same time.
-    fn beside(&self, side: usize, entry: &Entry<T>) -> Option<T> {
+    fn beside(&self, side: usize, entry: &Entry<T>) -> Beside<T> {
         let near_s = NEAR_PERIODS * self.channels[0].period_s();
-        let near = |other: &&Entry<T>| (other.time_s - entry.time_s).abs() < near_s && !other.spoiled;
-        self.rear[1 - side].iter().flatten().find(near).map(|other| other.signals[RELATIVE])
+        let apart_s = |other: &&Entry<T>| (other.time_s - entry.time_s).abs();
+        let others = || self.rear[1 - side].iter().flatten();
+        match others().find(|other| apart_s(other) < near_s && !other.spoiled) {
+            Some(other) => Beside::Known(other.signals[RELATIVE]),
+            None if others().all(|other| apart_s(&other) > SILENT_S) => Beside::Silent,
+            None => Beside::Missed,
+        }
     }
 
     fn learn(&mut self, side: usize, wheels: &[Wheel<T>; 2], taken: &constraint::TrackFrame<T>) {

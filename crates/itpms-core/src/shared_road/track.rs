@@ -37,11 +37,27 @@ const HEARD: f64 = 25.0;
 /// Time constant in s of the logarithm of that ratio.
 const HEARD_S: f64 = 1.0;
 
+/// How the suspension of the other side's rear wheel moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Beside<T> {
+    /// Its relative velocity in m/s.
+    Known(T),
+    /// Not known at this moment, as when its wheel has just left the road.
+    Missed,
+    /// It has told nothing for a while.
+    Silent,
+}
+
 /// How the other side's suspensions moved: at the front when it was where the rear is now, and at the rear. Where one tells
 /// nothing it moves as the other one did at that place, `ratio` times as fast at the rear: else the anti-roll bar makes of a
 /// hole under that side a road of this one's axle.
-fn of_other_side<T: Real>(ahead: Option<T>, behind: Option<T>, ratio: T) -> [Option<T>; 2] {
-    [ahead.or(behind.map(|behind| behind / ratio)), behind.or(ahead.map(|ahead| ratio * ahead))]
+fn of_other_side<T: Real>(ahead: Option<T>, beside: Beside<T>, ratio: T) -> [Option<T>; 2] {
+    match (ahead, beside) {
+        (None, Beside::Known(behind)) => [Some(behind / ratio), Some(behind)],
+        (Some(ahead), Beside::Silent) => [Some(ahead), Some(ratio * ahead)],
+        (ahead, Beside::Known(behind)) => [ahead, Some(behind)],
+        (ahead, Beside::Missed | Beside::Silent) => [ahead, None],
+    }
 }
 
 /// What is believed of the car where the two axles meet.
@@ -145,7 +161,7 @@ impl<T: Real> Track<T> {
     pub(super) fn meet(
         &mut self,
         entry: &Entry<T>,
-        beside: Option<T>,
+        beside: Beside<T>,
         other: &Self,
         road: &Meeting<'_, T>,
     ) -> Option<TrackFrame<T>> {
@@ -353,9 +369,11 @@ mod tests {
     fn a_silent_wheel_moves_as_the_other_one_of_its_side_did() {
         // At the rear half as fast again as at the front.
         let others = |ahead, beside| of_other_side(ahead, beside, 1.5);
-        assert_eq!(others(Some(2.0), Some(7.0)), [Some(2.0), Some(7.0)]);
-        assert_eq!(others(Some(2.0), None), [Some(2.0), Some(3.0)]);
-        assert_eq!(others(None, Some(3.0)), [Some(2.0), Some(3.0)]);
-        assert_eq!(others(None, None), [None, None]);
+        assert_eq!(others(Some(2.0), Beside::Known(7.0)), [Some(2.0), Some(7.0)]);
+        assert_eq!(others(Some(2.0), Beside::Silent), [Some(2.0), Some(3.0)]);
+        assert_eq!(others(None, Beside::Known(3.0)), [Some(2.0), Some(3.0)]);
+        // A wheel in the air moves as no other one.
+        assert_eq!(others(Some(2.0), Beside::Missed), [Some(2.0), None]);
+        assert_eq!(others(None, Beside::Silent), [None, None]);
     }
 }
