@@ -530,3 +530,23 @@ fn only_what_contradicts_is_unlearned() {
         assert!((off_kpa.abs() < 1.0) == reset_s.is_some(), "{reset_s:?}: {off_kpa} kPa");
     }
 }
+
+/// A tire has just lost a fifth when a sensor is suspected for nothing: the loss is unlearned, and found again.
+#[test]
+fn a_loss_that_was_unlearned_is_found_again() {
+    let ride = CarRide {
+        seconds: 30.0,
+        pressure_kpa: |t| [235.0, 240.0 - 24.0 * (t - 20.0).clamp(0.0, 2.0), 238.0, 243.0],
+        ..CarRide::new(21)
+    };
+    let rows = ride.rows();
+    let (before, after) = rows.split_at((24.0 * RATE_HZ) as usize);
+    let mut car = car(&config::<f64>());
+    let front_right = |estimate: &CarEstimate<f64>| estimate.corners[1].unwrap().pressure_kpa;
+    assert!(front_right(drive(&mut car, before).last().unwrap()) < 205.0);
+    car.unlearn();
+    let estimates = drive(&mut car, after);
+    assert!(front_right(&estimates[0]) > 230.0);
+    let again = front_right(&estimates[RATE_HZ as usize]);
+    assert!((again - 192.0).abs() < 8.0, "{again} kPa after a second");
+}

@@ -10,8 +10,8 @@ use crate::real::Real;
 /// Seconds between two keepsakes: what is gone back to is once to twice as old. A gain that changes at once is noticed within
 /// three seconds, sensors that change places within six.
 const EVERY_S: f64 = 6.0;
-/// So many standard deviations from what was believed before, nothing moves within twelve seconds that is true: what is learned
-/// there moves it by less than one.
+/// What is learned in twelve seconds moves a belief by less than one of its standard deviations; by so many, either a tire has
+/// lost air, which is found again within a second, or a sensor has told wrong.
 const CONTRADICTED: f64 = 3.0;
 
 /// The belief at a time, as one Gaussian, and how both sides' axles answered.
@@ -53,7 +53,7 @@ impl<T: Real> Keepsakes<T> {
 }
 
 impl<T: Real> Keepsake<T> {
-    /// Whether a belief is none that anything true could have made of it.
+    /// Whether a belief is none that learning alone could have made of it.
     fn is_contradicted_by(&self, now: &Mode<T>) -> bool {
         (0..SIZE).filter(|&i| i != RATE).any(|i| {
             let off = now.mean[i] - self.belief.mean[i];
