@@ -24,32 +24,11 @@ const CONTRADICTED: f64 = 3.0;
         deserialize = "T: Real + serde::Deserialize<'de>"
     ))
 )]
-struct Keepsake<T: Real> {
+pub(super) struct Keepsake<T: Real> {
     time_s: f64,
     belief: Mode<T>,
     learned_s: T,
     answers: [Answer<T>; 2],
-}
-
-/// The last two.
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
-pub(super) struct Keepsakes<T: Real> {
-    newest: Option<Keepsake<T>>,
-    before: Option<Keepsake<T>>,
-}
-
-impl<T: Real> Keepsakes<T> {
-    pub(super) fn none() -> Self {
-        Self { newest: None, before: None }
-    }
 }
 
 impl<T: Real> Keepsake<T> {
@@ -65,7 +44,8 @@ impl<T: Real> Keepsake<T> {
 impl<T: Real> SharedRoad<T> {
     /// Keeps what is believed now, if that was not done of late.
     pub(super) fn keep(&mut self) {
-        let newest_s = self.kept.newest.as_ref().map_or(f64::NEG_INFINITY, |kept| kept.time_s);
+        let [newest, before] = &mut self.kept;
+        let newest_s = newest.as_ref().map_or(f64::NEG_INFINITY, |kept| kept.time_s);
         if self.believed_s - newest_s < EVERY_S {
             return;
         }
@@ -75,12 +55,13 @@ impl<T: Real> SharedRoad<T> {
             learned_s: self.learned_s,
             answers: self.tracks.each_ref().map(|track| track.answer().clone()),
         };
-        self.kept.before = self.kept.newest.replace(now);
+        *before = newest.replace(now);
     }
 
     /// For some seconds a sensor may have told wrong: believes what it did before, if what it does now contradicts that.
     pub(crate) fn unlearn(&mut self) {
-        let Some(kept) = self.kept.before.take().or(self.kept.newest.take()) else { return };
+        let [newest, before] = &mut self.kept;
+        let Some(kept) = before.take().or(newest.take()) else { return };
         if kept.is_contradicted_by(&self.modes.as_one()) {
             self.modes.set(&kept.belief);
             self.learned_s = kept.learned_s;
@@ -90,6 +71,6 @@ impl<T: Real> SharedRoad<T> {
             let seconds = (self.believed_s - kept.time_s).clamp(0.0, LONGEST_PAUSE_S);
             self.modes.wake(T::lit(seconds), false);
         }
-        self.kept = Keepsakes { newest: Some(kept), before: None };
+        self.kept = [Some(kept), None];
     }
 }

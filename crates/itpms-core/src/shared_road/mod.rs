@@ -50,7 +50,7 @@ pub(crate) use self::alone::Alone;
 use self::channel::{Channel, Entry, RELATIVE};
 use self::coherence::within;
 use self::constraint::{BOTH, Wheel};
-use self::keepsake::Keepsakes;
+use self::keepsake::Keepsake;
 use self::lesson::Lesson;
 use self::modes::Modes;
 pub(crate) use self::parameters::ROAD_BIAS_SD;
@@ -172,7 +172,8 @@ pub(crate) struct SharedRoad<T: Real> {
     /// Seconds of shared road learned from when the reset began, and what it taught.
     held_from_s: T,
     lesson: Option<Lesson<T>>,
-    kept: Keepsakes<T>,
+    /// What was believed of late, the newest first.
+    kept: [Option<Keepsake<T>>; 2],
 }
 
 impl<T: Real> SharedRoad<T> {
@@ -240,7 +241,7 @@ impl<T: Real> SharedRoad<T> {
             alone: [Alone::silent(); 4],
             held_from_s: T::zero(),
             lesson: None,
-            kept: Keepsakes::none(),
+            kept: [None, None],
         })
     }
 
@@ -350,7 +351,7 @@ impl<T: Real> SharedRoad<T> {
     fn begin_again(&mut self) {
         self.modes = Modes::new(&self.start);
         self.learned_s = T::zero();
-        self.kept = Keepsakes::none();
+        self.kept = [None, None];
         if let Some(reference) = self.learned().or(self.recalled) {
             // It was learned for this car, or accepted before.
             let _ = self.recall(&reference);

@@ -1,7 +1,6 @@
 //! A reset: all tires have just been set to their placard pressures, and keep them for a while.
 
 use super::SharedRoad;
-use super::keepsake::Keepsakes;
 use super::parameters::{State, TIRE};
 use crate::real::Real;
 
@@ -24,7 +23,7 @@ impl<T: Real> SharedRoad<T> {
     /// it.
     pub(super) fn set_tires(&mut self) {
         self.held_from_s = self.learned_s;
-        self.kept = Keepsakes::none();
+        self.kept = [None, None];
         for corner in 0..4 {
             self.modes.forget_tire(corner, T::lit(SET_ANEW_SD));
             let sd = T::lit(RESET_SD) * self.scale.share(corner);

@@ -1,8 +1,9 @@
 //! A car of four quarter cars on two tracks, rear wheels behind front ones on the same road. Written from eq. (1) without
 //! the crate's own model: a road of slope -2 over distance, Runge-Kutta at 4 kHz, a Butterworth low-pass, sensors.
 
-use itpms_core::car::CarConfig;
+use itpms_core::car::{CarConfig, CarEstimate, CarEstimator};
 use itpms_core::estimate::CornerConfig;
+use itpms_core::estimator::EstimatorKind;
 use itpms_core::pressure::PressureMap;
 use itpms_core::quarter_car::QuarterCar;
 use itpms_core::real::Real;
@@ -137,4 +138,14 @@ pub fn cast<T: Real>(row: &CarSample<f64>) -> CarSample<T> {
             })
         }),
     }
+}
+
+/// The estimator of a car.
+pub fn car<T: Real>(config: &CarConfig<T>) -> CarEstimator<T> {
+    CarEstimator::new(EstimatorKind::Informed, config, RATE_HZ).unwrap()
+}
+
+/// What it says after each row.
+pub fn drive<T: Real>(car: &mut CarEstimator<T>, rows: &[CarSample<f64>]) -> Vec<CarEstimate<T>> {
+    rows.iter().map(|row| car.update(&cast(row))).collect()
 }
