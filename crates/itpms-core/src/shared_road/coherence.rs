@@ -32,7 +32,7 @@ const PARTING_S: f64 = 0.3;
 /// Time constant in s in which incoherence becomes lasting; it ends at once. The most that counts of it: two seconds of a bend,
 /// in which nothing is shared, would else count like 2 cm beside the track for good.
 const LASTING_S: f64 = 20.0;
-const MOST_LASTING: f64 = 0.2;
+pub(super) const MOST_LASTING: f64 = 0.2;
 
 /// Running averages of one side.
 #[derive(Debug, Clone, PartialEq)]
@@ -155,10 +155,9 @@ impl<T: Real> Coherence<T> {
         within(self.near_wheel_hop(), DOUBTED)
     }
 
-    /// How fast the belief fades: what the model leaves out differs from road to road and grows with what the axles do not
-    /// share, but leads astray only as far as frames are believed.
+    /// How fast the belief fades.
     pub(super) fn fading(&self) -> T {
-        self.near_wheel_hop() * self.trust()
+        fading(self.near_wheel_hop())
     }
 
     /// Incoherence near wheel hop that has lasted: in a bend or at a kerb the axles part for seconds only.
@@ -170,6 +169,12 @@ impl<T: Real> Coherence<T> {
     pub(super) fn near_wheel_hop(&self) -> T {
         T::lit(0.5) * (self.incoherence[1] + self.incoherence[2])
     }
+}
+
+/// How fast a belief fades at an incoherence: what the model leaves out differs from road to road and grows with what the axles
+/// do not share, but leads astray only as far as frames are believed.
+pub(super) fn fading<T: Real>(incoherence: T) -> T {
+    incoherence * within(incoherence, DOUBTED)
 }
 
 /// From 1 to 0 as an incoherence exceeds another one, where it is a half.

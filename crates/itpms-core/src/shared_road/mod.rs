@@ -88,9 +88,10 @@ const RESTLESS: f64 = 0.02;
 const NEAR_PERIODS: f64 = 0.6;
 /// Seconds after which a corner that has told nothing counts as silent.
 const SILENT_S: f64 = 1.0;
-/// Longest time in s over which a movement is followed without a frame; pauses count for so long at most, and from so
-/// long on a tire may have been filled.
+/// Longest time in s over which a movement is followed without a frame, and between words where there are no frames; pauses
+/// count for so long at most, and from so long on a tire may have been filled.
 const LONGEST_STEP_S: f64 = 1.0;
+const LONGEST_SILENCE_S: f64 = 3.0;
 const LONGEST_PAUSE_S: f64 = 600.0;
 const FILLING_S: f64 = 20.0;
 /// Speed in m/s from which a word of the spectrum is heard.
@@ -162,13 +163,14 @@ pub(crate) struct SharedRoad<T: Real> {
     late_speed_m_s: T,
     /// Seconds of shared road learned from.
     learned_s: T,
-    /// Seconds driven so far, for as long as no shared road was found.
+    /// Seconds driven since a shared road was last learned from; all of them while nobody knows the speed.
     waited_s: f64,
     held: bool,
     /// Whether somebody ever said, on this drive or before it, what the tires have.
     told: bool,
-    /// What each corner finds by itself.
+    /// What each corner finds by itself, and when it last said a word.
     alone: [Alone<T>; 4],
+    word_s: [f64; 4],
     /// Seconds of shared road learned from when the reset began, and what it taught.
     held_from_s: T,
     lesson: Option<Lesson<T>>,
@@ -239,6 +241,7 @@ impl<T: Real> SharedRoad<T> {
             held: false,
             told: false,
             alone: [Alone::silent(); 4],
+            word_s: [f64::NEG_INFINITY; 4],
             held_from_s: T::zero(),
             lesson: None,
             kept: [None, None],
@@ -248,7 +251,8 @@ impl<T: Real> SharedRoad<T> {
     /// Says how fast the car is, before its corners' samples of that time.
     pub(crate) fn drive(&mut self, time_s: f64, speed_m_s: T) {
         let seconds = time_s - self.newest_s;
-        if seconds > 0.0 && seconds < 0.5 && self.speed_m_s.is_finite() {
+        let follows = seconds > 0.0 && seconds < 0.5;
+        if follows && self.speed_m_s.is_finite() {
             let mean = if speed_m_s.is_finite() {
                 T::lit(0.5) * (speed_m_s + self.speed_m_s)
             } else {
@@ -259,6 +263,8 @@ impl<T: Real> SharedRoad<T> {
             if mean > T::lit(track::SLOWEST_M_S) {
                 self.waited_s += seconds;
             }
+        } else if follows {
+            self.waited_s += seconds;
         }
         if time_s.is_finite() {
             self.newest_s = time_s;
@@ -340,6 +346,7 @@ impl<T: Real> SharedRoad<T> {
         let beside = self.tracks[1 - side].is_parting();
         if self.tracks[side].weigh(&mut self.modes, wheels, taken, self.told, beside) {
             self.learned_s += T::lit(0.5 * HOP_S);
+            self.waited_s = 0.0;
         }
         self.modes.drop_impossible();
         if !self.modes.is_sound() {
@@ -370,7 +377,7 @@ impl<T: Real> SharedRoad<T> {
             return;
         }
         self.believed_s = time_s;
-        if seconds > LONGEST_STEP_S {
+        if seconds > if self.is_left() { LONGEST_SILENCE_S } else { LONGEST_STEP_S } {
             // Nobody watched: what moved then is over, and a tire may have been filled.
             self.modes.wake(T::lit(seconds.min(LONGEST_PAUSE_S)), seconds > FILLING_S && !self.held);
             return;
@@ -401,16 +408,26 @@ impl<T: Real> SharedRoad<T> {
         within(self.tracks[0].incoherence().max(self.tracks[1].incoherence()), RESTLESS)
     }
 
-    /// A word of a corner's road spectrum: its stiffness and sd in N/m, at a time.
+    /// A word of a corner's road spectrum: its stiffness and sd in N/m, at a time. Where the speed is unknown the corner has
+    /// seen to it that nothing changes.
     pub(crate) fn hear(&mut self, corner: usize, time_s: f64, stiffness_n_per_m: T, sd_n_per_m: T) {
-        if !(self.speed_m_s >= T::lit(SLOWEST_WORD_M_S)) || !self.hears(corner) {
+        let speed = Some(self.speed_m_s).filter(|speed| speed.is_finite());
+        let slow = speed.is_some_and(|speed| speed < T::lit(SLOWEST_WORD_M_S));
+        let changing = speed.map_or(T::zero(), |speed| (speed / self.late_speed_m_s).ln() / T::lit(CHANGING));
+        let variance = T::lit(SAME_ROAD) * sd_n_per_m * sd_n_per_m * (T::one() + changing * changing);
+        if slow || !self.hears(corner) {
             return;
         }
-        if !(time_s - self.believed_s < LONGEST_STEP_S) {
+        self.tracks[corner % 2].hear();
+        if self.is_left() || !(time_s - self.believed_s < LONGEST_STEP_S) {
             self.predict_to(time_s);
         }
-        let changing = (self.speed_m_s / self.late_speed_m_s).ln() / T::lit(CHANGING);
-        let variance = T::lit(SAME_ROAD) * sd_n_per_m * sd_n_per_m * (T::one() + changing * changing);
+        let since_s = (time_s - self.word_s[corner]).clamp(0.0, LONGEST_SILENCE_S);
+        self.word_s[corner] = time_s;
+        let track = &self.tracks[corner % 2];
+        if track.is_left() {
+            self.modes.doubt(corner, track.fading() * T::lit(since_s), self.told);
+        }
         if !variance.is_finite() {
             return;
         }
@@ -444,9 +461,19 @@ impl<T: Real> SharedRoad<T> {
         self.wheels[corner % 2].is_some() && self.wheels[corner % 2 + 2].is_some()
     }
 
+    /// Whether no side gives frames and words are all there is.
+    fn is_left(&self) -> bool {
+        (0..2).all(|side| !self.has_partner(side) || self.tracks[side].is_left())
+    }
+
     /// Whether its belief is the better one: while the shared road may still be found, and from then on.
     pub(crate) fn is_trusted(&self) -> bool {
-        self.learned_s > T::zero() || self.waited_s < PATIENCE_S
+        self.seconds_learned() >= T::lit(ENOUGH_S) || self.waited_s < PATIENCE_S
+    }
+
+    /// Seconds of shared road that the belief rests on; half a frame more, so that rounding does not decide when it is enough.
+    fn seconds_learned(&self) -> T {
+        self.learned_s + T::lit(0.25 * HOP_S)
     }
 
     /// Whether the road under a corner is heard over its sensors' noise, as far as the axles tell.
@@ -479,8 +506,7 @@ impl<T: Real> SharedRoad<T> {
             stiffness_n_per_m: stiffness,
             covariance: SMatrix::from_fn(|i, j| by[i] * by[j] * covariance[(i, j)]),
             moving: self.modes.moving(),
-            // Half a frame more, so that rounding does not decide when enough was learned.
-            learned_s: self.learned_s + T::lit(0.25 * HOP_S),
+            learned_s: self.seconds_learned(),
         };
         for (i, alone) in self.alone.iter().enumerate() {
             let (bias, variance) = self.word_bias(i);

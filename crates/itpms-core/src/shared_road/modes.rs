@@ -260,14 +260,11 @@ impl<T: Real> Modes<T> {
             .fold(QUIET, |best, i| if self.modes[i].weight > self.modes[best].weight { i } else { best })
     }
 
-    /// Beliefs about a side's tires fade with seconds of incoherence; less so if a reset has `taught` what the car is.
-    pub(super) fn doubt(&mut self, wheels: &[Wheel<T>; 2], incoherent_s: T, taught: bool) {
+    /// The belief about a tire fades with seconds of incoherence; less so if a reset has `taught` what the car is.
+    pub(super) fn doubt(&mut self, corner: usize, incoherent_s: T, taught: bool) {
         let sd = if taught { FADING_TAUGHT } else { FADING };
         for mode in &mut self.modes {
-            for wheel in wheels {
-                let at = TIRE + wheel.corner;
-                mode.covariance[(at, at)] += T::lit(sd * sd) * incoherent_s;
-            }
+            mode.covariance[(TIRE + corner, TIRE + corner)] += T::lit(sd * sd) * incoherent_s;
         }
     }
 

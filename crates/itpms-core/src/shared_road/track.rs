@@ -3,7 +3,7 @@
 use super::acquire::{Acquisition, Found};
 use super::answer::Answer;
 use super::channel::{Entry, KEPT, RELATIVE};
-use super::coherence::Coherence;
+use super::coherence::{Coherence, MOST_LASTING, fading};
 use super::constraint::{
     Axle, BOTH, Disagreement, SEEN, Signals, TrackFrame, Wheel, compare, expected_products,
 };
@@ -25,6 +25,9 @@ const FORGET_S: f64 = 5.0;
 const SETTLING_HOPS: u32 = 5;
 /// Seconds without a frame after which a side counts as not shared.
 const STALE_S: f64 = 1.0;
+/// Words of a side's spectra without a frame between them, after which the side is left to words: some five seconds of both
+/// corners, ten of one.
+const LEFT_WORDS: u32 = 12;
 /// Longest way in m between two entries that follow each other.
 const LONGEST_WAY_M: f64 = 1.0;
 /// Share of a frame in which both wheels touch the road, from which on it counts.
@@ -100,6 +103,8 @@ pub(super) struct Track<T: Real> {
     /// Hops to let pass because something spoiled the frames under way.
     spoiled_hops: u32,
     learned_until_s: f64,
+    /// Words of both corners' spectra since the last frame.
+    words: u32,
 }
 
 impl<T: Real> Track<T> {
@@ -121,6 +126,7 @@ impl<T: Real> Track<T> {
             used: None,
             spoiled_hops: 0,
             learned_until_s: f64::NEG_INFINITY,
+            words: 0,
         }
     }
 
@@ -252,6 +258,7 @@ impl<T: Real> Track<T> {
         if !(taken.middle_s - self.learned_until_s < FORGET_S) {
             self.coherence.restart();
         }
+        self.words = 0;
         let best = modes.most_likely();
         let state = modes.modes[best].mean;
         let look = |signals| compare(taken, signals, wheels, self.side, &state);
@@ -265,7 +272,8 @@ impl<T: Real> Track<T> {
         }
         let products = expected_products(wheels, self.side, &state, taken.delay_s, &ratios);
         let expected = self.coherence.expect(&road_power, &noise, &products, taken.stretch);
-        modes.doubt(wheels, self.coherence.fading() * T::lit(HOP_S), taught);
+        let incoherent_s = self.fading() * T::lit(HOP_S);
+        wheels.iter().for_each(|wheel| modes.doubt(wheel.corner, incoherent_s, taught));
         let trust = self.coherence.trust() * taken.frame.seen * self.heard();
         let Some((found, ratio)) = modes.weigh(taken, wheels, self.side, &expected, &instrument, trust)
         else {
@@ -285,10 +293,25 @@ impl<T: Real> Track<T> {
         self.loudness = Some(before + gain * (ratio - before));
     }
 
-    /// How far the road is heard over the sensors' noise, 0 to 1; fully before the first frame.
+    /// How far the road is heard over the sensors' noise, 0 to 1; fully where no frame says so.
     pub(super) fn heard(&self) -> T {
         let over = |loudness: T| (loudness.exp() / T::lit(HEARD) - T::one()).clamp(T::zero(), T::one());
-        self.loudness.map_or(T::one(), over)
+        self.loudness.filter(|_| !self.is_left()).map_or(T::one(), over)
+    }
+
+    /// Takes note that a corner's spectrum has said a word.
+    pub(super) fn hear(&mut self) {
+        self.words = self.words.saturating_add(1);
+    }
+
+    /// Whether words come and frames do not, as without an axle's sensors, or the speed.
+    pub(super) fn is_left(&self) -> bool {
+        self.words > LEFT_WORDS
+    }
+
+    /// How fast the belief fades; left to words, as where the axles share least for long.
+    pub(super) fn fading(&self) -> T {
+        if self.is_left() { fading(T::lit(MOST_LASTING)) } else { self.coherence.fading() }
     }
 
     /// Sensor noise in the axles' disagreement, per bin.
@@ -323,9 +346,9 @@ impl<T: Real> Track<T> {
         self.coherence.near_wheel_hop()
     }
 
-    /// The same as far as it has lasted.
+    /// The same as far as it has lasted; the most there is, where the side is left to words.
     pub(super) fn lasting_incoherence(&self) -> T {
-        self.coherence.lasting()
+        if self.is_left() { T::lit(MOST_LASTING) } else { self.coherence.lasting() }
     }
 
     /// Whether the side's road is being learned from at this time, and its incoherence.

@@ -1,0 +1,111 @@
+//! A car of which a part has fallen silent: nobody says how fast it is, or sensors of the rear axle are gone. What is still
+//! heard goes on, and says how well.
+// Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
+#![allow(clippy::unwrap_used)]
+mod common;
+
+use std::sync::LazyLock;
+
+use common::car_ride::{CarRide, RATE_HZ, car, config, drive};
+use itpms_core::car::CarEstimate;
+use itpms_core::monitor::{Monitor, MonitorConfig, MonitoredCar, WheelState};
+use itpms_core::sample::{CarSample, Corner, CornerSample};
+
+/// The front left tire loses 90 kPa in two seconds.
+fn pressure_kpa(time_s: f64) -> [f64; 4] {
+    [240.0 - 45.0 * (time_s - 20.0).clamp(0.0, 2.0), 235.0, 240.0, 238.0]
+}
+
+static ROWS: LazyLock<Vec<CarSample<f64>>> =
+    LazyLock::new(|| CarRide { seconds: 70.0, pressure_kpa, ..CarRide::new(5) }.rows());
+
+fn changed(change: impl Fn(&mut CarSample<f64>)) -> Vec<CarSample<f64>> {
+    let mut rows = ROWS.clone();
+    rows.iter_mut().for_each(change);
+    rows
+}
+
+/// The car of which nobody knows the speed in this time.
+fn without_speed(from_s: f64, to_s: f64) -> Vec<CarSample<f64>> {
+    changed(|row| {
+        if (from_s..to_s).contains(&row.time_s) {
+            row.speed_m_s = f64::NAN;
+        }
+    })
+}
+
+/// The car whose corners are gone from 10 s on.
+fn without_corners(corners: &[Corner]) -> Vec<CarSample<f64>> {
+    let gone = Some(CornerSample { body_accel_m_s2: f64::NAN, wheel_accel_m_s2: f64::NAN });
+    changed(|row| {
+        if row.time_s >= 10.0 {
+            corners.iter().for_each(|corner| row.corners[corner.index()] = gone);
+        }
+    })
+}
+
+/// Every valid pressure within four of its sds; the loss read within ten seconds, to 25 kPa.
+fn assert_followed(name: &str, estimates: &[CarEstimate<f64>], from_s: f64) {
+    let mut worst = 0.0f64;
+    for estimate in estimates.iter().filter(|estimate| estimate.time_s >= from_s) {
+        for (corner, truth_kpa) in estimate.corners.iter().flatten().zip(pressure_kpa(estimate.time_s)) {
+            // What falls is followed with a delay, to which the sd is no limit.
+            let falling = (20.0..30.0).contains(&estimate.time_s);
+            if corner.validity.is_valid() && !falling {
+                worst = worst.max((corner.pressure_kpa - truth_kpa).abs() / corner.pressure_sd_kpa);
+            }
+        }
+        if estimate.time_s >= 30.0 {
+            let front_left = estimate.corners[0].unwrap();
+            let off_kpa = front_left.pressure_kpa - 150.0;
+            assert!(front_left.validity.is_valid() && off_kpa.abs() < 25.0, "{name}: {front_left:?}");
+        }
+    }
+    println!("{name}: {worst:.1} sd");
+    assert!(worst < 4.0, "{name}: {worst} sd");
+}
+
+#[test]
+fn a_car_that_never_tells_its_speed_is_left_to_its_corners() {
+    let estimates = drive(&mut car(&config::<f64>()), &without_speed(0.0, f64::INFINITY));
+    assert!(estimates.iter().all(|estimate| estimate.tracks.iter().all(|track| !track.shared)));
+    assert_followed("never", &estimates, 8.0);
+}
+
+#[test]
+fn words_go_on_where_the_axles_no_longer_share_a_road() {
+    use Corner::{RearLeft, RearRight};
+    let unknown = without_speed(10.0, 55.0);
+    let (one, both) = (without_corners(&[RearLeft]), without_corners(&[RearLeft, RearRight]));
+    for (name, rows) in [("no speed", &unknown), ("no rear left", &one), ("no rear axle", &both)] {
+        let estimates = drive(&mut car(&config::<f64>()), rows);
+        assert_followed(name, &estimates, 0.0);
+        let at = |time_s: f64| estimates[(time_s * RATE_HZ) as usize - 1];
+        let sd = |time_s: f64| at(time_s).corners[0].unwrap().pressure_sd_kpa;
+        // Before the loss the spectrum knows less than the shared road did.
+        assert!(sd(10.0) < 9.5 && sd(20.0) > 1.05 * sd(10.0), "{name}: {} {}", sd(10.0), sd(20.0));
+        // As soon as the speed is back, the roads are shared again.
+        let shared = at(70.0).tracks[0].shared;
+        assert_eq!(shared, name == "no speed");
+        assert!(!shared || sd(70.0) < 6.0, "{}", sd(70.0));
+    }
+}
+
+/// A loss that only words tell is warned of, and no other wheel is.
+#[test]
+fn a_loss_is_warned_of_without_a_speed() {
+    let config = config::<f64>();
+    let monitor = Monitor::new(&MonitorConfig::new(&config), RATE_HZ).unwrap();
+    let mut car = MonitoredCar::new(car(&config), monitor);
+    let mut warned_s = None;
+    for row in &without_speed(10.0, f64::INFINITY) {
+        car.update(row);
+        let report = car.report();
+        let low = |corner: Corner| report.wheels[corner.index()].unwrap().state == WheelState::Low;
+        assert!(Corner::ALL[1..].iter().all(|corner| !low(*corner)), "{report:?}");
+        if warned_s.is_none() && low(Corner::FrontLeft) {
+            warned_s = Some(row.time_s);
+        }
+    }
+    assert!(warned_s.is_some_and(|at_s| (22.0..40.0).contains(&at_s)), "{warned_s:?}");
+}
