@@ -202,12 +202,12 @@ impl<T: Real> CarEstimator<T> {
         }
     }
 
-    /// For some seconds a sensor may have told wrong: that its gain has changed, or that it carries another one's name,
-    /// shows only later. What the axles have taught in the last six to twelve seconds is unlearned, if it contradicts what
-    /// was known before.
-    pub fn unlearn(&mut self) {
+    /// For some seconds sensors of the `suspected` corners (in the order of [`Corner::ALL`]) may have told wrong: that a gain
+    /// has changed, or that a sensor carries another one's name, shows only later. What the axles have taught in the last six
+    /// to twelve seconds is unlearned, if it contradicts what was known before of anything but those corners' own tires.
+    pub fn unlearn(&mut self, suspected: [bool; 4]) {
         if let Some(shared) = &mut self.shared_road {
-            shared.unlearn();
+            shared.unlearn(suspected);
         }
     }
 

@@ -52,6 +52,8 @@ use crate::speed::SpeedHold;
 
 /// Seconds between two decisions on pressures.
 const DECIDE_S: f64 = 0.1;
+/// Seconds for which a corner that was regretted is not regretted again.
+const REGRETTED_S: f64 = 60.0;
 /// Longest time in s that counts between two decisions: a hole in the record is no evidence.
 const LONGEST_STEP_S: f64 = 0.5;
 
@@ -76,9 +78,9 @@ pub struct Monitor<T: Real> {
     health: Health<T>,
     faults: [Option<Fault<T>>; 4],
     suspects: Wheels,
-    /// Corners that may have told wrong for seconds before it was noticed; whether it just was.
-    belated: Wheels,
-    regret: bool,
+    /// When each corner was last found to have told wrong for seconds, and those of which it was found just now.
+    belated_s: [f64; 4],
+    regretted: Wheels,
     /// Corners that have had a fault since their estimator last started.
     spoiled: Wheels,
     wheels: [WheelWatch; 4],
@@ -110,8 +112,8 @@ impl<T: Real> Monitor<T> {
             health: Health::new(&config.car, sample_rate_hz),
             faults: [None; 4],
             suspects: Wheels::NONE,
-            belated: Wheels::NONE,
-            regret: false,
+            belated_s: [f64::NEG_INFINITY; 4],
+            regretted: Wheels::NONE,
             spoiled: Wheels::NONE,
             wheels: [WheelWatch::new(); 4],
             partings: [Parting::new(); 2],
@@ -145,8 +147,7 @@ impl<T: Real> Monitor<T> {
             let faulty = self.faults.iter().flatten().map(|fault| fault.malfunction.wheels());
             let faulty = faulty.fold(Wheels::NONE, |all, wheels| all | wheels);
             self.suspects = self.health.suspects() | faulty;
-            let before = core::mem::replace(&mut self.belated, self.health.belated());
-            self.regret |= self.belated.iter().any(|corner| !before.contains(corner));
+            self.regret(sample.time_s);
             self.spoiled = self.spoiled | faulty;
         }
         let mut screened = *sample;
@@ -159,10 +160,18 @@ impl<T: Real> Monitor<T> {
         screened
     }
 
-    /// True once after it turned out that a corner may have told wrong for some seconds: what was learned in them is to be
-    /// unlearned ([`CarEstimator::unlearn`](crate::car::CarEstimator::unlearn)).
-    pub fn take_regret(&mut self) -> bool {
-        core::mem::take(&mut self.regret)
+    /// Notes the corners that have told wrong for seconds before it showed. One that comes and goes is regretted once.
+    fn regret(&mut self, time_s: f64) {
+        let belated = self.health.belated();
+        let fresh = |corner: &Corner| !(time_s - self.belated_s[corner.index()] < REGRETTED_S);
+        self.regretted = self.regretted | belated.iter().filter(fresh).collect();
+        belated.iter().for_each(|corner| self.belated_s[corner.index()] = time_s);
+    }
+
+    /// The corners of which it has just turned out that they may have told wrong for some seconds; once. What was learned in
+    /// them is to be unlearned ([`CarEstimator::unlearn`](crate::car::CarEstimator::unlearn)).
+    pub fn take_regret(&mut self) -> Wheels {
+        core::mem::replace(&mut self.regretted, Wheels::NONE)
     }
 
     /// Takes what was estimated after the sample; gives the wheels whose estimator should start again, because their

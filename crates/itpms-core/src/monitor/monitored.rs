@@ -6,7 +6,7 @@ use crate::car::{CarEstimate, CarEstimator};
 use crate::estimator::EstimatorKind;
 use crate::quarter_car::ParameterError;
 use crate::real::Real;
-use crate::sample::CarSample;
+use crate::sample::{CarSample, Corner};
 
 /// A running estimator and its monitor. A value: clone it, save it, go on.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,8 +36,9 @@ impl<T: Real> MonitoredCar<T> {
             return self.estimator.update(sample);
         }
         let screened = self.monitor.screen(sample);
-        if self.monitor.take_regret() {
-            self.estimator.unlearn();
+        let regretted = self.monitor.take_regret();
+        if !regretted.is_empty() {
+            self.estimator.unlearn(Corner::ALL.map(|corner| regretted.contains(corner)));
         }
         let mut estimate = self.estimator.update(&screened);
         for corner in self.monitor.judge(&mut estimate).iter() {

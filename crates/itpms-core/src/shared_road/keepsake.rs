@@ -3,7 +3,7 @@
 
 use super::answer::Answer;
 use super::modes::Mode;
-use super::parameters::{RATE, SIZE};
+use super::parameters::{RATE, SIZE, TIRE};
 use super::{LONGEST_PAUSE_S, SharedRoad};
 use crate::real::Real;
 
@@ -32,9 +32,11 @@ pub(super) struct Keepsake<T: Real> {
 }
 
 impl<T: Real> Keepsake<T> {
-    /// Whether a belief is none that learning alone could have made of it.
-    fn is_contradicted_by(&self, now: &Mode<T>) -> bool {
-        (0..SIZE).filter(|&i| i != RATE).any(|i| {
+    /// Whether a belief is none that learning alone could have made of it. That the tire of a `suspected` corner is another
+    /// one contradicts nothing: a sensor that lies makes the other tire of its side look so.
+    fn is_contradicted_by(&self, now: &Mode<T>, suspected: [bool; 4]) -> bool {
+        let own = |i: usize| (TIRE..TIRE + 4).contains(&i) && suspected[i - TIRE];
+        (0..SIZE).filter(|&i| i != RATE && !own(i)).any(|i| {
             let off = now.mean[i] - self.belief.mean[i];
             off * off > T::lit(CONTRADICTED * CONTRADICTED) * self.belief.covariance[(i, i)]
         })
@@ -58,19 +60,23 @@ impl<T: Real> SharedRoad<T> {
         *before = newest.replace(now);
     }
 
-    /// For some seconds a sensor may have told wrong: believes what it did before, if what it does now contradicts that.
-    pub(crate) fn unlearn(&mut self) {
-        let [newest, before] = &mut self.kept;
-        let Some(kept) = before.take().or(newest.take()) else { return };
-        if kept.is_contradicted_by(&self.modes.as_one()) {
-            self.modes.set(&kept.belief);
-            self.learned_s = kept.learned_s;
-            for (track, answer) in self.tracks.iter_mut().zip(&kept.answers) {
-                track.set_answer(answer);
-            }
-            let seconds = (self.believed_s - kept.time_s).clamp(0.0, LONGEST_PAUSE_S);
-            self.modes.wake(T::lit(seconds), false);
+    /// For some seconds a sensor of a `suspected` corner may have told wrong: believes what it did before, if what it does
+    /// now contradicts that.
+    pub(crate) fn unlearn(&mut self, suspected: [bool; 4]) {
+        let [newest, before] = &self.kept;
+        let Some(kept) = before.as_ref().or(newest.as_ref()) else { return };
+        if !kept.is_contradicted_by(&self.modes.as_one(), suspected) {
+            return;
         }
-        self.kept = [Some(kept), None];
+        self.modes.set(&kept.belief);
+        self.learned_s = kept.learned_s;
+        for (track, answer) in self.tracks.iter_mut().zip(&kept.answers) {
+            track.set_answer(answer);
+        }
+        let seconds = (self.believed_s - kept.time_s).clamp(0.0, LONGEST_PAUSE_S);
+        self.modes.wake(T::lit(seconds), false);
+        // From here on: nothing is gone back to twice.
+        self.kept = [None, None];
+        self.keep();
     }
 }

@@ -379,6 +379,7 @@ impl<T: Real> SharedRoad<T> {
         self.believed_s = time_s;
         if seconds > if self.is_left() { LONGEST_SILENCE_S } else { LONGEST_STEP_S } {
             // Nobody watched: what moved then is over, and a tire may have been filled.
+            self.kept = [None, None];
             self.modes.wake(T::lit(seconds.min(LONGEST_PAUSE_S)), seconds > FILLING_S && !self.held);
             return;
         }
@@ -453,6 +454,7 @@ impl<T: Real> SharedRoad<T> {
 
     /// A corner's sensors were out of order: its tire may have changed meanwhile.
     pub(crate) fn restart(&mut self, corner: usize) {
+        self.kept = [None, None];
         self.modes.forget_tire(corner, T::lit(UNWATCHED_SD));
     }
 

@@ -7,7 +7,7 @@ use super::super::latch::{Evidence, Patience};
 use super::super::wheels::Wheels;
 use super::Fault;
 use super::alone::evidence;
-use super::jump::{Jump, jumps};
+use super::jump::{Hop, Jump, jumps};
 use super::matching::{Changed, Following, PAIRS, Plane, following, median, over_others};
 use super::moments::Moments;
 use super::signals::{Block, HOP_WIDTH_HZ};
@@ -223,11 +223,15 @@ impl<T: Real> Together<T> {
     pub(super) fn look_for_jumps(&mut self, at: [f64; 2], block: &Block<T>) {
         let heard = |i: usize| {
             let loud = block.hop[(i, i)] > T::lit(HEARD / OVER_NOISE) * self.noise(i, HOP_WIDTH_HZ);
-            loud && self.newest_ratio[i].is_finite()
+            loud && self.newest_ratio[i].is_finite() && block.hop[(4 + i, 4 + i)] > T::zero()
         };
         let explained = [0, 1, 2, 3].map(|i| [i, 4 + i].iter().any(|&i| self.gains[i].latch.is_said()));
         if [0, 1, 2, 3].into_iter().all(heard) {
-            jumps(&mut self.jumps, at, &self.newest_ratio, explained);
+            let hop = |i: usize| {
+                let moved = (block.hop[(4 + i, 4 + i)] / block.hop[(i, i)]).ln();
+                Hop { moved, quick: self.newest_ratio[i] - moved }
+            };
+            jumps(&mut self.jumps, at, &[0, 1, 2, 3].map(hop), explained);
         }
     }
 

@@ -187,7 +187,7 @@ fn what_was_taught_fades_less() {
     let grown = |taught| {
         let mut modes = Modes::<f64>::new(&[0.0; 4]);
         let before = modes.quiet().1;
-        modes.doubt(&wheels(), 4.0, taught);
+        wheels().iter().for_each(|wheel| modes.doubt(wheel.corner, 4.0, taught));
         let after = modes.quiet().1;
         core::array::from_fn::<f64, 4, _>(|i| (after[TIRE + i].powi(2) - before[TIRE + i].powi(2)).sqrt())
     };
