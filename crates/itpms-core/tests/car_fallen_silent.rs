@@ -91,12 +91,60 @@ fn words_go_on_where_the_axles_no_longer_share_a_road() {
     }
 }
 
+fn monitored() -> MonitoredCar<f64> {
+    let config = config::<f64>();
+    MonitoredCar::new(car(&config), Monitor::new(&MonitorConfig::new(&config), RATE_HZ).unwrap())
+}
+
+/// What a car that was fine for 15 s says while `rows` follow.
+fn after_fifteen_seconds(rows: impl Iterator<Item = CarSample<f64>>) -> Vec<[WheelState; 4]> {
+    let mut car = monitored();
+    ROWS.iter().take_while(|row| row.time_s < 15.0).for_each(|row| drop(car.update(row)));
+    assert!(car.report().is_all_fine(), "{:?}", car.report());
+    rows.map(|row| {
+        let estimate = car.update(&row);
+        let wheels = car.report().wheels.map(|wheel| wheel.unwrap());
+        for (wheel, corner) in wheels.iter().zip(estimate.corners) {
+            assert!(corner.unwrap().validity.is_valid() || wheel.state != WheelState::Fine);
+        }
+        wheels.map(|wheel| wheel.state)
+    })
+    .collect()
+}
+
+/// Nobody knows what eight hours in a car park have done to a tire.
+#[test]
+fn after_a_night_nothing_is_fine_before_it_is_learned_anew() {
+    const NIGHT_S: f64 = 28_800.0;
+    let mut noise = 0.02;
+    let parked = ROWS.iter().take(2500).map(|row| {
+        noise = -1.01 * noise % 0.1;
+        let still = Some(CornerSample { body_accel_m_s2: noise, wheel_accel_m_s2: 1.5 * noise });
+        CarSample { time_s: row.time_s + NIGHT_S, speed_m_s: 0.0, corners: [still; 4] }
+    });
+    let (rows, on) = (ROWS.iter(), NIGHT_S + 20.0);
+    let driven = rows.take(2500).map(|row| CarSample { time_s: row.time_s + on, ..*row });
+    let states = after_fifteen_seconds(parked.chain(driven));
+    assert!(states[..2500].iter().flatten().all(|state| matches!(state, WheelState::Unknown(_))));
+    assert_eq!(states.last().unwrap(), &[WheelState::Fine; 4]);
+}
+
+/// A corner that the samples leave out is one that tells nothing.
+#[test]
+fn a_corner_that_is_left_out_is_not_fine() {
+    let rows = ROWS.iter().filter(|row| (15.0..19.0).contains(&row.time_s));
+    let states = after_fifteen_seconds(rows.map(|row| {
+        let [front_left, front_right, rear_left, _] = row.corners;
+        CarSample { corners: [front_left, front_right, rear_left, None], ..*row }
+    }));
+    let [.., rear_right] = states.last().unwrap();
+    assert_eq!(*rear_right, WheelState::Malfunction);
+}
+
 /// A loss that only words tell is warned of, and no other wheel is.
 #[test]
 fn a_loss_is_warned_of_without_a_speed() {
-    let config = config::<f64>();
-    let monitor = Monitor::new(&MonitorConfig::new(&config), RATE_HZ).unwrap();
-    let mut car = MonitoredCar::new(car(&config), monitor);
+    let mut car = monitored();
     let mut warned_s = None;
     for row in &without_speed(10.0, f64::INFINITY) {
         car.update(row);

@@ -15,6 +15,8 @@ use super::{CarWord, EstimatorKind};
 
 /// Seconds of full information before an estimate counts.
 const STARTING_S: f64 = 2.0;
+/// Seconds without a frame after which nothing is being learned.
+const STALE_S: f64 = 1.0;
 /// Standard deviation, as a share of the placard pressure, beyond which an estimate says nothing.
 const WORTHLESS: f64 = 0.25;
 
@@ -66,6 +68,8 @@ pub(super) struct Engine<T: Real> {
     config: CornerConfig<T>,
     grid_period_s: T,
     reading: Reading<T>,
+    /// Time of the step in which a frame or a repeated road last said something.
+    read_s: f64,
 }
 
 impl<T: Real> Engine<T> {
@@ -97,7 +101,8 @@ impl<T: Real> Engine<T> {
             }
             Method::Published(_) => start_reading(initial),
         };
-        Ok(Self { method, config: *config, grid_period_s: T::lit(grid_period_s), reading })
+        let grid_period_s = T::lit(grid_period_s);
+        Ok(Self { method, config: *config, grid_period_s, reading, read_s: f64::NEG_INFINITY })
     }
 
     /// What is known of the road repeating itself; before the first sample. The published filters have no use for it.
@@ -119,16 +124,18 @@ impl<T: Real> Engine<T> {
         match &mut self.method {
             Method::Informed(informed) => {
                 if informed.push(sample) {
+                    self.read_s = sample.time_s;
                     self.reading = belief_reading(&self.config, informed);
                 }
             }
             Method::AekfUiInformed { likelihood, filter } => {
                 let mut record = filter.step(self.grid_period_s, &corner);
-                if likelihood.push(sample)
-                    && let Some(word) = likelihood.take_word()
-                {
-                    filter.measure_stiffness(word.stiffness_n_per_m, word.sd_n_per_m);
-                    record = filter.record(record.status);
+                if likelihood.push(sample) {
+                    self.read_s = sample.time_s;
+                    if let Some(word) = likelihood.take_word() {
+                        filter.measure_stiffness(word.stiffness_n_per_m, word.sd_n_per_m);
+                        record = filter.record(record.status);
+                    }
                 }
                 self.reading = record_reading(&self.config, likelihood, &record);
             }
@@ -188,6 +195,16 @@ impl<T: Real> Engine<T> {
 
     pub(super) fn reading(&self) -> Reading<T> {
         self.reading
+    }
+
+    /// The same at a time: nothing is being learned where no frame comes, as in a hole of the record.
+    pub(super) fn reading_at(&self, time_s: f64) -> Reading<T> {
+        let fresh = (0.0..STALE_S).contains(&(time_s - self.read_s));
+        match &self.method {
+            Method::Published(_) => self.reading,
+            _ if fresh => self.reading,
+            _ => Reading { gate: T::zero(), ..self.reading },
+        }
     }
 }
 

@@ -252,7 +252,7 @@ impl<T: Real> Estimator<T> {
 
     /// The second half of [`Estimator::update`]: what is known after the sample.
     pub(crate) fn conclude(&mut self, time_s: f64, corner: &CornerSample<T>) -> CornerEstimate<T> {
-        let mut reading = self.engine.reading();
+        let mut reading = self.engine.reading_at(time_s);
         if !(reading.stiffness_n_per_m.is_finite() && reading.stiffness_sd_n_per_m.is_finite())
             && self.kind == EstimatorKind::Informed
         {

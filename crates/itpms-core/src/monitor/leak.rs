@@ -6,8 +6,9 @@ use crate::real::Real;
 /// Seconds between two pressures that are kept, and how many are: the last two minutes.
 const KEPT_EVERY_S: f64 = 5.0;
 const KEPT: usize = 24;
-/// Shortest time in s over which a fall is judged.
+/// Shortest and longest time in s over which a fall is judged: what is older lies before a hole in the record.
 const SHORTEST_S: f64 = 10.0;
+const LONGEST_S: f64 = (KEPT + 1) as f64 * KEPT_EVERY_S;
 /// Standard deviations of its difference by which a pressure must have fallen, and the least fall as a share of the
 /// reference.
 const CERTAIN: f64 = 4.0;
@@ -73,7 +74,8 @@ impl<T: Real> LeakWatch<T> {
             };
             self.leaks[wheel].update(time_s, step_s, evidence, LEAK);
         }
-        if !(time_s - self.kept_s[KEPT - 1] < KEPT_EVERY_S) {
+        // Not so of a time that was ahead.
+        if !(0.0..KEPT_EVERY_S).contains(&(time_s - self.kept_s[KEPT - 1])) {
             self.kept.rotate_left(1);
             self.kept_s.rotate_left(1);
             self.kept[KEPT - 1] = now;
@@ -94,7 +96,7 @@ impl<T: Real> LeakWatch<T> {
         for (kept, kept_s) in self.kept.iter().zip(self.kept_s) {
             let lasted_s = time_s - kept_s;
             let Some([before, variance_before]) = kept[wheel] else { continue };
-            if !(lasted_s >= SHORTEST_S) {
+            if !(SHORTEST_S..LONGEST_S).contains(&lasted_s) {
                 continue;
             }
             // If the others fell, too, only what this one fell more counts; if they rose, that is no fall.
@@ -163,6 +165,29 @@ mod tests {
         // since then it would be 100 kPa/min.
         let (leak, rate) = watch.of(0);
         assert!(leak.is_said() && (399.0..=601.0).contains(&rate), "{rate}");
+    }
+
+    #[test]
+    fn what_a_night_has_cost_is_no_fast_leak() {
+        let mut watch = LeakWatch::<f64>::new();
+        let other = Some([240.0, 4.0]);
+        for i in 0..1200 {
+            // One second of the time of tomorrow, then 60 s of today, then the morning: 60 kPa less.
+            let (time_s, kpa) = match i {
+                0..10 => (1e9 + 0.1 * f64::from(i), 240.0),
+                10..610 => (0.1 * f64::from(i), 240.0),
+                _ => (3e4 + 0.1 * f64::from(i), 180.0),
+            };
+            watch.update(time_s, 0.1, [Some([kpa, 4.0]), other, other, other], [240.0; 4], 3.0);
+            assert!(!watch.of(0).0.is_suspected(), "{time_s}");
+        }
+        // What is kept is of the morning: a leak that begins is said.
+        for i in 1200..1600 {
+            let leaking = Some([180.0 - 0.1 * f64::from(i - 1200), 4.0]);
+            let time_s = 3e4 + 0.1 * f64::from(i);
+            watch.update(time_s, 0.1, [leaking, other, other, other], [240.0; 4], 3.0);
+        }
+        assert!(watch.of(0).0.is_said());
     }
 
     #[test]

@@ -152,9 +152,12 @@ impl<T: Real> Monitor<T> {
         }
         let mut screened = *sample;
         let lost = T::lit(f64::NAN);
-        for corner in self.suspects.iter() {
-            if let Some(values) = &mut screened.corners[corner.index()] {
-                *values = CornerSample { body_accel_m_s2: lost, wheel_accel_m_s2: lost };
+        let lost = CornerSample { body_accel_m_s2: lost, wheel_accel_m_s2: lost };
+        for corner in self.all().iter() {
+            // A corner that a sample leaves out is still one to be watched.
+            let values = screened.corners[corner.index()].get_or_insert(lost);
+            if self.suspects.contains(corner) {
+                *values = lost;
             }
         }
         screened
@@ -198,9 +201,14 @@ impl<T: Real> Monitor<T> {
             self.decided_s = estimate.time_s;
             self.decide(estimate, step_s.clamp(0.0, LONGEST_STEP_S));
         }
-        for (estimate, wheel) in estimate.corners.iter_mut().zip(&self.report.wheels) {
+        for (i, (estimate, wheel)) in estimate.corners.iter_mut().zip(&self.report.wheels).enumerate() {
             if let (Some(estimate), Some(wheel)) = (estimate, wheel) {
                 estimate.warning = wheel.warning;
+                if estimate.validity.is_valid()
+                    && self.wheels[i].is_forgotten(estimate.time_s, &self.config.limits)
+                {
+                    estimate.validity = Validity::NoInformation;
+                }
             }
         }
         back

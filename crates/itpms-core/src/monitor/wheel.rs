@@ -117,6 +117,12 @@ impl WheelWatch {
         self.over.update(time_s, step_s, over, OVER);
     }
 
+    /// Whether what was learned of the wheel is too long ago to be shown.
+    pub(super) fn is_forgotten<T: Real>(&self, time_s: f64, limits: &Limits<T>) -> bool {
+        let age_s = time_s - self.informed_s;
+        self.informed_s != f64::NEG_INFINITY && !(age_s < limits.no_information_s)
+    }
+
     /// The wheel's state if nothing is to be said of it: fine, or why that is not known.
     pub(super) fn quiet_state<T: Real>(
         &self,
@@ -129,7 +135,9 @@ impl WheelWatch {
             Validity::Starting => WheelState::Unknown(Doubt::Starting),
             Validity::NoInformation => WheelState::Unknown(Doubt::NoInformation),
             Validity::BadSignal | Validity::Diverged => WheelState::Unknown(Doubt::Suspicion),
-            Validity::Valid if !(estimate.time_s - self.informed_s < limits.no_information_s) => {
+            Validity::Valid
+                if self.is_forgotten(estimate.time_s, limits) || self.informed_s == f64::NEG_INFINITY =>
+            {
                 WheelState::Unknown(Doubt::NoInformation)
             }
             Validity::Valid if reaches > limits.low_share * reference_kpa => WheelState::Fine,

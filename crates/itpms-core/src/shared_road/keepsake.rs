@@ -27,7 +27,7 @@ const CONTRADICTED: f64 = 3.0;
 pub(super) struct Keepsake<T: Real> {
     time_s: f64,
     belief: Mode<T>,
-    learned_s: T,
+    learned_s: f64,
     answers: [Answer<T>; 2],
 }
 

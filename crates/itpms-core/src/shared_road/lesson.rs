@@ -31,9 +31,9 @@ impl<T: Real> SharedRoad<T> {
     /// Keeps what is believed at the end of a reset, if it saw enough.
     pub(super) fn remember(&mut self) {
         let seconds = self.learned_s - self.held_from_s;
-        if seconds >= T::lit(ENOUGH_S) {
+        if seconds >= ENOUGH_S {
             let (mean, sd) = self.modes.quiet();
-            self.lesson = Some(Lesson { mean, sd, seconds });
+            self.lesson = Some(Lesson { mean, sd, seconds: T::lit(seconds) });
         }
     }
 

@@ -162,7 +162,7 @@ pub(crate) struct SharedRoad<T: Real> {
     /// The same, averaged over some time.
     late_speed_m_s: T,
     /// Seconds of shared road learned from.
-    learned_s: T,
+    learned_s: f64,
     /// Seconds driven since a shared road was last learned from; all of them while nobody knows the speed.
     waited_s: f64,
     held: bool,
@@ -172,7 +172,7 @@ pub(crate) struct SharedRoad<T: Real> {
     alone: [Alone<T>; 4],
     word_s: [f64; 4],
     /// Seconds of shared road learned from when the reset began, and what it taught.
-    held_from_s: T,
+    held_from_s: f64,
     lesson: Option<Lesson<T>>,
     /// What was believed of late, the newest first.
     kept: [Option<Keepsake<T>>; 2],
@@ -236,13 +236,13 @@ impl<T: Real> SharedRoad<T> {
             way_m: 0.0,
             speed_m_s: T::lit(f64::NAN),
             late_speed_m_s: T::zero(),
-            learned_s: T::zero(),
+            learned_s: 0.0,
             waited_s: 0.0,
             held: false,
             told: false,
             alone: [Alone::silent(); 4],
             word_s: [f64::NEG_INFINITY; 4],
-            held_from_s: T::zero(),
+            held_from_s: 0.0,
             lesson: None,
             kept: [None, None],
         })
@@ -345,7 +345,7 @@ impl<T: Real> SharedRoad<T> {
         self.delay_s[side] = taken.delay_s;
         let beside = self.tracks[1 - side].is_parting();
         if self.tracks[side].weigh(&mut self.modes, wheels, taken, self.told, beside) {
-            self.learned_s += T::lit(0.5 * HOP_S);
+            self.learned_s += 0.5 * HOP_S;
             self.waited_s = 0.0;
         }
         self.modes.drop_impossible();
@@ -357,7 +357,7 @@ impl<T: Real> SharedRoad<T> {
     /// The belief has become impossible: begins again with what resets taught.
     fn begin_again(&mut self) {
         self.modes = Modes::new(&self.start);
-        self.learned_s = T::zero();
+        self.learned_s = 0.0;
         self.kept = [None, None];
         if let Some(reference) = self.learned().or(self.recalled) {
             // It was learned for this car, or accepted before.
@@ -383,7 +383,7 @@ impl<T: Real> SharedRoad<T> {
             self.modes.wake(T::lit(seconds.min(LONGEST_PAUSE_S)), seconds > FILLING_S && !self.held);
             return;
         }
-        let known = !self.held && self.learned_s >= T::lit(ENOUGH_S);
+        let known = !self.held && self.learned_s >= ENOUGH_S;
         let liveliness = if known { [T::one(), self.quietness()] } else { [T::zero(); 2] };
         let suspicion = |i: usize| self.alone[i].suspicion(self.tracks[i % 2].lasting_incoherence());
         let suspected = core::array::from_fn(|i| if known { suspicion(i) } else { T::zero() });
@@ -470,12 +470,12 @@ impl<T: Real> SharedRoad<T> {
 
     /// Whether its belief is the better one: while the shared road may still be found, and from then on.
     pub(crate) fn is_trusted(&self) -> bool {
-        self.seconds_learned() >= T::lit(ENOUGH_S) || self.waited_s < PATIENCE_S
+        self.seconds_learned() >= ENOUGH_S || self.waited_s < PATIENCE_S
     }
 
     /// Seconds of shared road that the belief rests on; half a frame more, so that rounding does not decide when it is enough.
-    fn seconds_learned(&self) -> T {
-        self.learned_s + T::lit(0.25 * HOP_S)
+    fn seconds_learned(&self) -> f64 {
+        self.learned_s + 0.25 * HOP_S
     }
 
     /// Whether the road under a corner is heard over its sensors' noise, as far as the axles tell.
@@ -508,7 +508,7 @@ impl<T: Real> SharedRoad<T> {
             stiffness_n_per_m: stiffness,
             covariance: SMatrix::from_fn(|i, j| by[i] * by[j] * covariance[(i, j)]),
             moving: self.modes.moving(),
-            learned_s: self.seconds_learned(),
+            learned_s: T::lit(self.seconds_learned()),
         };
         for (i, alone) in self.alone.iter().enumerate() {
             let (bias, variance) = self.word_bias(i);

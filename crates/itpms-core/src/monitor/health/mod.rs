@@ -49,6 +49,8 @@ const FEW_MISSING: f64 = 0.1;
 const WHITE_AT_MOST: f64 = 8.0;
 /// Blocks after something was wrong until the filters have forgotten it.
 const FORGETTING_BLOCKS: u32 = 6;
+/// Blocks with something wrong after which what is suspected, not said, and cannot be looked at meanwhile is let go.
+const LEFT_BLOCKS: u32 = 20;
 
 /// Something that is wrong.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,6 +96,8 @@ pub(super) struct Health<T: Real> {
     block_from_s: f64,
     /// Blocks since something was wrong with a sensor by itself.
     calm_blocks: u32,
+    /// Blocks of which something was wrong with a sensor by itself, in a row.
+    rough_blocks: u32,
     /// Whether a block has ended since it was last asked.
     news: bool,
 }
@@ -116,6 +120,7 @@ impl<T: Real> Health<T> {
             last_s: f64::NEG_INFINITY,
             block_from_s: f64::NAN,
             calm_blocks: 0,
+            rough_blocks: 0,
             news: false,
         }
     }
@@ -180,7 +185,14 @@ impl<T: Real> Health<T> {
         if calm {
             self.together.look_for_jumps([time_s, step_s], &block);
         }
-        self.calm_blocks = if calm { (self.calm_blocks + 1).min(FORGETTING_BLOCKS + 1) } else { 0 };
+        if calm {
+            (self.calm_blocks, self.rough_blocks) = ((self.calm_blocks + 1).min(FORGETTING_BLOCKS + 1), 0);
+        } else {
+            (self.calm_blocks, self.rough_blocks) = (0, self.rough_blocks.saturating_add(1));
+        }
+        if self.rough_blocks == LEFT_BLOCKS {
+            self.together.drop_suspicions();
+        }
         if driving && self.calm_blocks > FORGETTING_BLOCKS {
             self.together.take([time_s, step_s], &block);
         }

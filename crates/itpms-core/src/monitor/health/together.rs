@@ -116,6 +116,15 @@ impl<T: Real> Together<T> {
         }
     }
 
+    /// Lets go of what is only suspected, and of what jumped: nobody can look whether it still holds.
+    pub(super) fn drop_suspicions(&mut self) {
+        let words = self.pairs.iter_mut().chain(&mut self.corners).chain(&mut self.reversed);
+        words.for_each(Word::drop_suspicion);
+        for jump in self.jumps.iter_mut().filter(|jump| jump.is_suspected()) {
+            *jump = Jump::new();
+        }
+    }
+
     /// Takes a block of a car that drives, with all eight sensors there and none of them odd by itself.
     pub(super) fn take(&mut self, at: [f64; 2], block: &Block<T>) {
         if self.looks != [Looks::Right; 4] {

@@ -45,6 +45,13 @@ impl<T: Real> Word<T> {
         self.latch.update(time_s, step_s, evidence, patience);
     }
 
+    /// Forgets what speaks for it, if that is not enough to say it.
+    pub(super) fn drop_suspicion(&mut self) {
+        if !self.latch.is_said() {
+            self.latch = Latch::new();
+        }
+    }
+
     /// What is said, while it is.
     pub(super) fn fault(&self) -> Option<Fault<T>> {
         let malfunction = self.malfunction.filter(|_| self.latch.is_said())?;

@@ -4,7 +4,7 @@
 //! drive to drive.
 
 use itpms_core::estimator::EstimatorKind;
-use itpms_core::monitor::{Alert, Cause, Monitor, MonitorConfig, MonitoredCar};
+use itpms_core::monitor::{Alert, Cause};
 use itpms_core::sample::Corner;
 use itpms_sim::road::{RoadClass, RoadSpec};
 use itpms_sim::time_profile::{Pressure, Speed};
@@ -207,9 +207,7 @@ fn composed(kind: EstimatorKind, loss: &Loss, turn: Turn) -> Result<(Drive, Foun
 fn drive(kind: EstimatorKind, loss: &Loss, setup: &Setup, turn: Turn) -> Result<Found, ScoreError> {
     let (drive, mut found, complete_s) = composed(kind, loss, turn)?;
     let drive = drive.with_setups(&[*setup]);
-    let monitor = Monitor::new(&MonitorConfig::new(&drive.told()?), drive.scenario.rate_hz)?;
-    let mut cars = drive.estimators()?.into_iter().map(|car| MonitoredCar::new(car, monitor.clone()));
-    let Some(mut car) = cars.next() else { return Ok(found) };
+    let Some(mut car) = drive.cars()?.pop() else { return Ok(found) };
     for row in Simulation::new(&drive.scenario, turn.seed)? {
         car.update(&row.car_sample());
         for alert in car.report().alerts() {
