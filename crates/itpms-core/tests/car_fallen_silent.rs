@@ -99,7 +99,9 @@ fn monitored() -> MonitoredCar<f64> {
 /// What a car that was fine for 15 s says while `rows` follow.
 fn after_fifteen_seconds(rows: impl Iterator<Item = CarSample<f64>>) -> Vec<[WheelState; 4]> {
     let mut car = monitored();
-    ROWS.iter().take_while(|row| row.time_s < 15.0).for_each(|row| drop(car.update(row)));
+    for row in ROWS.iter().take_while(|row| row.time_s < 15.0) {
+        car.update(row);
+    }
     assert!(car.report().is_all_fine(), "{:?}", car.report());
     rows.map(|row| {
         let estimate = car.update(&row);

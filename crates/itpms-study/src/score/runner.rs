@@ -11,7 +11,7 @@ use super::ScoreError;
 
 /// Stack of a thread in bytes: an estimator of a whole car is a value of some hundred kilobytes, and is handed about by
 /// value while it is set up.
-const STACK_BYTES: usize = 32 << 20;
+pub(super) const STACK_BYTES: usize = 32 << 20;
 
 /// Told after every drive how many of how many are done; [`ControlFlow::Break`] ends the score.
 pub type Progress<'a> = &'a (dyn Fn(u64, u64) -> ControlFlow<()> + Sync);
