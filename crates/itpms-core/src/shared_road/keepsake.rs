@@ -5,6 +5,7 @@ use super::answer::Answer;
 use super::modes::Mode;
 use super::parameters::{RATE, SIZE, TIRE};
 use super::{LONGEST_PAUSE_S, SharedRoad};
+use crate::car::Learned;
 use crate::real::Real;
 
 /// Seconds between two keepsakes: what is gone back to is once to twice as old. A gain that changes at once is noticed within
@@ -13,6 +14,8 @@ const EVERY_S: f64 = 6.0;
 /// What is learned in twelve seconds moves a belief by less than one of its standard deviations; by so many, either a tire has
 /// lost air, which is found again within a second, or a sensor has told wrong.
 const CONTRADICTED: f64 = 3.0;
+/// Seconds for which frames may still come after a sensor was taken away.
+const SETTLING_S: f64 = 1.0;
 
 /// The belief at a time, as one Gaussian, and how both sides' axles answered.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,15 +34,40 @@ pub(super) struct Keepsake<T: Real> {
     answers: [Answer<T>; 2],
 }
 
+/// A tire's compliance before its own sensors were suspected.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Disputed<T> {
+    pub(super) before: Learned<T>,
+    since_s: f64,
+}
+
+impl<T: Real> Disputed<T> {
+    /// Whether frames that come at this time tell what the tire is: those under way when its sensors were taken away do not.
+    pub(super) fn is_settled(&self, time_s: f64) -> bool {
+        !(time_s - self.since_s < SETTLING_S)
+    }
+}
+
 impl<T: Real> Keepsake<T> {
-    /// Whether a belief is none that learning alone could have made of it. That the tire of a `suspected` corner is another
-    /// one contradicts nothing: a sensor that lies makes the other tire of its side look so.
+    /// By how much a quantity has moved, if learning alone could not have made it do so.
+    fn contradicted(&self, now: &Mode<T>, i: usize) -> Option<T> {
+        let off = now.mean[i] - self.belief.mean[i];
+        let far = off * off > T::lit(CONTRADICTED * CONTRADICTED) * self.belief.covariance[(i, i)];
+        far.then_some(off.abs())
+    }
+
+    /// A tire's compliance and the variance of that.
+    fn tire(&self, corner: usize) -> (T, T) {
+        let at = TIRE + corner;
+        (self.belief.mean[at], self.belief.covariance[(at, at)])
+    }
+
+    /// Whether anything has but the `suspected` corners' own tires: one that has lost its air is easily taken for a sensor that
+    /// lies, and one that lies makes the other tire of its side look so.
     fn is_contradicted_by(&self, now: &Mode<T>, suspected: [bool; 4]) -> bool {
         let own = |i: usize| (TIRE..TIRE + 4).contains(&i) && suspected[i - TIRE];
-        (0..SIZE).filter(|&i| i != RATE && !own(i)).any(|i| {
-            let off = now.mean[i] - self.belief.mean[i];
-            off * off > T::lit(CONTRADICTED * CONTRADICTED) * self.belief.covariance[(i, i)]
-        })
+        (0..SIZE).filter(|&i| i != RATE && !own(i)).any(|i| self.contradicted(now, i).is_some())
     }
 }
 
@@ -65,7 +93,18 @@ impl<T: Real> SharedRoad<T> {
     pub(crate) fn unlearn(&mut self, suspected: [bool; 4]) {
         let [newest, before] = &self.kept;
         let Some(kept) = before.as_ref().or(newest.as_ref()) else { return };
-        if !kept.is_contradicted_by(&self.modes.as_one(), suspected) {
+        let now = self.modes.as_one();
+        if !kept.is_contradicted_by(&now, suspected) {
+            // A suspected corner's own tire may be what it was or what it seems to be now: if it turns out that its sensors
+            // did lie, what it was counts.
+            for corner in (0..4).filter(|&corner| suspected[corner]) {
+                if let Some(moved) = kept.contradicted(&now, TIRE + corner) {
+                    let (value, variance) = kept.tire(corner);
+                    let before = Learned { value, sd: variance.max(T::zero()).sqrt() };
+                    self.disputed[corner] = Some(Disputed { before, since_s: self.believed_s });
+                    self.modes.forget_tire(corner, moved);
+                }
+            }
             return;
         }
         self.modes.set(&kept.belief);

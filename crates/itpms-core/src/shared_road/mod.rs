@@ -50,11 +50,11 @@ pub(crate) use self::alone::Alone;
 use self::channel::{Channel, Entry, RELATIVE};
 use self::coherence::within;
 use self::constraint::{BOTH, Wheel};
-use self::keepsake::Keepsake;
+use self::keepsake::{Disputed, Keepsake};
 use self::lesson::Lesson;
 use self::modes::Modes;
 pub(crate) use self::parameters::ROAD_BIAS_SD;
-use self::parameters::{COMMON_BIAS, DAMPING, OWN_BIAS, SKEW, SKEW_UNIT_S, State, WHEELBASE};
+use self::parameters::{COMMON_BIAS, DAMPING, OWN_BIAS, SKEW, SKEW_UNIT_S, State, TIRE, WHEELBASE};
 use self::scale::{LEAST_COMPLIANCE, Scale};
 use self::track::{Beside, Meeting, Track};
 use crate::car::{CarConfig, LearnedReference};
@@ -174,8 +174,9 @@ pub(crate) struct SharedRoad<T: Real> {
     /// Seconds of shared road learned from when the reset began, and what it taught.
     held_from_s: f64,
     lesson: Option<Lesson<T>>,
-    /// What was believed of late, the newest first.
+    /// What was believed of late, the newest first; and what of tires whose sensors were then suspected.
     kept: [Option<Keepsake<T>>; 2],
+    disputed: [Option<Disputed<T>>; 4],
 }
 
 impl<T: Real> SharedRoad<T> {
@@ -245,6 +246,7 @@ impl<T: Real> SharedRoad<T> {
             held_from_s: 0.0,
             lesson: None,
             kept: [None, None],
+            disputed: [None; 4],
         })
     }
 
@@ -342,6 +344,9 @@ impl<T: Real> SharedRoad<T> {
     fn learn(&mut self, side: usize, wheels: &[Wheel<T>; 2], taken: &constraint::TrackFrame<T>) {
         self.predict_to(taken.middle_s);
         self.keep();
+        for corner in [side, side + 2] {
+            self.disputed[corner].take_if(|tire| tire.is_settled(taken.middle_s));
+        }
         self.delay_s[side] = taken.delay_s;
         let beside = self.tracks[1 - side].is_parting();
         if self.tracks[side].weigh(&mut self.modes, wheels, taken, self.told, beside) {
@@ -452,9 +457,12 @@ impl<T: Real> SharedRoad<T> {
         (expected, slope.dot(&(mode.covariance * slope)).max(T::zero()).sqrt())
     }
 
-    /// A corner's sensors were out of order: its tire may have changed meanwhile.
+    /// A corner's sensors were out of order: its tire may have changed meanwhile, and before it was noticed only seemed to.
     pub(crate) fn restart(&mut self, corner: usize) {
         self.kept = [None, None];
+        if let Some(tire) = self.disputed[corner].take() {
+            self.modes.begin_with(TIRE + corner, &tire.before, T::zero(), T::one());
+        }
         self.modes.forget_tire(corner, T::lit(UNWATCHED_SD));
     }
 

@@ -23,7 +23,7 @@ impl<T: Real> SharedRoad<T> {
     /// it.
     pub(super) fn set_tires(&mut self) {
         self.held_from_s = self.learned_s;
-        self.kept = [None, None];
+        (self.kept, self.disputed) = ([None, None], [None; 4]);
         for corner in 0..4 {
             self.modes.forget_tire(corner, T::lit(SET_ANEW_SD));
             let sd = T::lit(RESET_SD) * self.scale.share(corner);

@@ -128,7 +128,7 @@ fn apart<T: Real>(off: &[T; 4], i: usize) -> T {
     if all * side > T::zero() { all.abs().min(side.abs()) } else { T::zero() }
 }
 
-/// Takes a block in which all four corners are heard, and the corners at which a wrong gain is said.
+/// Takes a block in which all four corners are heard, and the corners of which it is said already what is wrong.
 pub(super) fn jumps<T: Real>(
     corners: &mut [Jump<T>; 4],
     at: [f64; 2],

@@ -234,7 +234,10 @@ impl<T: Real> Together<T> {
             let loud = block.hop[(i, i)] > T::lit(HEARD / OVER_NOISE) * self.noise(i, HOP_WIDTH_HZ);
             loud && self.newest_ratio[i].is_finite() && block.hop[(4 + i, 4 + i)] > T::zero()
         };
-        let explained = [0, 1, 2, 3].map(|i| [i, 4 + i].iter().any(|&i| self.gains[i].latch.is_said()));
+        let words = self.odd.iter().chain(&self.pairs).chain(&self.reversed).chain(&self.corners);
+        let said = words.chain(&self.gains).filter_map(Word::fault);
+        let said = said.fold(Wheels::NONE, |all, fault| all | fault.malfunction.wheels());
+        let explained = Corner::ALL.map(|corner| said.contains(corner));
         if [0, 1, 2, 3].into_iter().all(heard) {
             let hop = |i: usize| {
                 let moved = (block.hop[(4 + i, 4 + i)] / block.hop[(i, i)]).ln();
