@@ -109,6 +109,21 @@ impl SavedDrive {
         Ok(saved)
     }
 
+    /// Whether a file begins as a saved state does, damaged or not, is empty or begins with zeros as a power cut may leave it, or
+    /// is not there yet: no other is to be written over.
+    #[must_use]
+    pub fn is_one(path: &Path) -> bool {
+        let mut beginning = Vec::new();
+        match File::open(path) {
+            Ok(file) => {
+                let read = file.take(MAGIC.len() as u64).read_to_end(&mut beginning);
+                let zeros = beginning.iter().all(|byte| *byte == 0);
+                read.is_ok() && (zeros || MAGIC.as_bytes().starts_with(&beginning))
+            }
+            Err(error) => error.kind() == io::ErrorKind::NotFound,
+        }
+    }
+
     /// Reads a file. `None` if there is none yet.
     ///
     /// # Errors

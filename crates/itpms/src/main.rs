@@ -45,9 +45,9 @@ fn main() -> ExitCode {
         Command::Roughness(args) => commands::roughness::run(args, &screen, &interrupt),
         Command::Convert(args) => commands::convert::run(args, &screen, &interrupt),
         Command::Signals(args) => commands::signals::run(args, &screen, &interrupt),
-        Command::Completions(args) => commands::completions::run(args),
+        Command::Completions(args) => commands::completions::run(args, &screen),
     });
-    match result {
+    match result.and_then(|()| screen.check()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             screen.error(&failure);

@@ -1,9 +1,20 @@
 //! What a person or a script gets to read: results on standard output, remarks on standard error.
 
 use std::fmt::Display;
-use std::io::{self, Write as _};
+use std::io::{self, ErrorKind, Write as _};
+use std::sync::atomic::{AtomicBool, Ordering};
 
+use crate::exit::Failure;
 use crate::progress::Progress;
+
+/// Whether a part of the result was lost, on any thread.
+static LOST: AtomicBool = AtomicBool::new(false);
+
+fn note(written: io::Result<()>) {
+    if written.is_err_and(|error| error.kind() != ErrorKind::BrokenPipe) {
+        LOST.store(true, Ordering::Relaxed);
+    }
+}
 
 /// Where a command speaks.
 #[derive(Debug, Clone, Copy)]
@@ -17,9 +28,24 @@ impl Screen {
         Self { quiet }
     }
 
-    /// A line of the result. A reader that has gone away (`| head`) is no reason to complain.
+    /// A line of the result. A reader that has gone away (`| head`) is no reason to complain; one that cannot take it is, at
+    /// the end ([`Screen::check`]).
     pub(crate) fn print(&self, line: impl Display) {
-        let _ = writeln!(io::stdout(), "{line}");
+        note(writeln!(io::stdout(), "{line}"));
+    }
+
+    /// Bytes of the result, as they are.
+    pub(crate) fn write(&self, bytes: &[u8]) {
+        note(io::stdout().write_all(bytes));
+    }
+
+    /// Whether all of the result could be written so far.
+    pub(crate) fn check(&self) -> Result<(), Failure> {
+        note(io::stdout().flush());
+        if LOST.load(Ordering::Relaxed) {
+            return Err(Failure::Usage("standard output: the result cannot be written to it".to_owned()));
+        }
+        Ok(())
     }
 
     /// What happened besides the result.

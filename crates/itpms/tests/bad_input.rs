@@ -220,6 +220,46 @@ fn an_output_that_cannot_be_written() {
 }
 
 #[test]
+fn no_command_writes_over_what_it_reads() {
+    let bench = Bench::with_drive();
+    for (line, message) in [
+        ("estimate drive.csv --vehicle car.toml -o x.csv --road-out ./x.csv", "./x.csv: is given for two"),
+        (
+            "estimate drive.csv --vehicle car.toml --signals m.toml -o x.csv --events m.toml",
+            "m.toml: is the signal map",
+        ),
+        ("simulate car.toml -o x.csv --vehicle-out car.toml", "car.toml: is the scenario itself"),
+        ("simulate paper-drop -o x.csv --vehicle-out ./x.csv", "./x.csv: is given for two outputs"),
+        ("monitor --replay drive.csv --vehicle car.toml --json drive.csv", "drive.csv: is the log itself"),
+        (
+            "monitor --replay drive.csv --vehicle car.toml --state ./car.toml",
+            "./car.toml: is the vehicle file",
+        ),
+        ("monitor --replay drive.csv --vehicle car.toml --state other.csv", "other.csv: is no saved state"),
+    ] {
+        if line.starts_with("monitor") && !cfg!(feature = "live") {
+            continue;
+        }
+        bench.write("other.csv", "somebody's");
+        bench.write("m.toml", "");
+        let text = refusal_of(&bench, line);
+        assert!(text.starts_with(message), "{line}: {text}");
+        assert_eq!(bench.read("other.csv"), "somebody's");
+    }
+}
+
+/// A result that goes nowhere is no result.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_standard_output_that_is_full_is_said() {
+    let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let done = Bench::new().command(["completions", "bash"]).stdout(full).output().unwrap();
+    let text = String::from_utf8(done.stderr).unwrap();
+    assert_eq!(text, "error: standard output: the result cannot be written to it\n");
+    assert_eq!(done.status.code(), Some(2));
+}
+
+#[test]
 fn an_older_result_survives_a_failed_run() {
     let bench = Bench::with_drive();
     bench.run(ESTIMATE).success();

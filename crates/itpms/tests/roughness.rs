@@ -176,7 +176,7 @@ fn what_cannot_be_used_is_refused() {
             "roughness road.csv -o table.json",
             "table.json: the table is CSV, expected a name that ends in .csv",
         ),
-        ("roughness road.csv -o road.csv", "road.csv: is an input, expected another name to write to"),
+        ("roughness road.csv -o road.csv", "road.csv: is the road itself, expected another name to write to"),
         ("roughness road.csv -o none/table.csv", "none/table.csv: cannot be written"),
     ] {
         let outcome = bench.run(line);

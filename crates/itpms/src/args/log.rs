@@ -1,6 +1,6 @@
 //! How a drive log is to be read: arguments that every command with a log has.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use itpms_data::log::{LogOptions, UnitCheck};
 
@@ -19,6 +19,11 @@ pub(crate) struct LogArgs {
 
 impl LogArgs {
     /// The same for the reader.
+    /// The files it reads, each with what it is.
+    pub(crate) fn inputs(&self) -> [(Option<&Path>, &'static str); 2] {
+        [(self.dbc.as_deref(), "the DBC file"), (self.signals.as_deref(), "the signal map")]
+    }
+
     pub(crate) fn options(&self) -> LogOptions {
         LogOptions {
             units: if self.trust_units { UnitCheck::Trusting } else { UnitCheck::Suspicious },

@@ -1,16 +1,14 @@
 //! `itpms completions`: tab completion for shells.
 
-use std::io;
-
 use clap::CommandFactory as _;
 
 use crate::args::{Args, CompletionsArgs};
 use crate::exit::Failure;
+use crate::screen::Screen;
 
-pub(crate) fn run(args: &CompletionsArgs) -> Result<(), Failure> {
+pub(crate) fn run(args: &CompletionsArgs, screen: &Screen) -> Result<(), Failure> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Args::command(), "itpms", &mut script);
-    // A pager that was closed early is no failure.
-    let _ = io::Write::write_all(&mut io::stdout(), &script);
+    screen.write(&script);
     Ok(())
 }

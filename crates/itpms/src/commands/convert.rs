@@ -1,11 +1,11 @@
 //! `itpms convert`: a log from one format into another.
 
-use std::fs;
 use std::ops::ControlFlow;
 
 use itpms_data::convert::{Request, convert};
 use itpms_data::out::Packing;
 
+use super::names;
 use crate::args::ConvertArgs;
 use crate::exit::Failure;
 use crate::interrupt::Interrupt;
@@ -13,13 +13,8 @@ use crate::screen::Screen;
 
 pub(crate) fn run(args: &ConvertArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
     let (input, output) = (args.input.display(), args.output.display());
-    if let (Ok(from), Ok(to)) = (fs::canonicalize(&args.input), fs::canonicalize(&args.output))
-        && from == to
-    {
-        return Err(Failure::Usage(format!(
-            "{output}: is the log itself, expected another name to write to"
-        )));
-    }
+    let [dbc, signals] = args.reading.inputs();
+    names::check(&[(Some(&args.input), "the log"), dbc, signals], &[Some(&args.output)])?;
     let options = args.reading.options();
     let packing = if args.plain { Packing::Plain } else { Packing::Packed };
     let request = Request { input: &args.input, output: &args.output, options: &options, packing };

@@ -1,7 +1,7 @@
 //! `itpms identify spring|damper` and `itpms calibrate`: measurements of a bench in, the numbers of a vehicle file with
 //! their standard errors out.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use itpms_data::DataError;
 use itpms_data::columns::Columns;
@@ -10,9 +10,13 @@ use itpms_data::vehicle::tire_table;
 use itpms_study::identify::{IdentifyError, SineRecord, Units, calibrate, damper, spring};
 use itpms_study::plot::Figure;
 
+use super::names;
 use crate::args::{BenchOutput, CalibrateArgs, DamperArgs, IdentifyPart, SpringArgs};
 use crate::exit::Failure;
 use crate::screen::Screen;
+
+/// What all inputs here are.
+const MEASUREMENT: &str = "the measurement";
 
 pub(crate) fn run(part: &IdentifyPart, screen: &Screen) -> Result<(), Failure> {
     match part {
@@ -31,7 +35,7 @@ fn refusal(path: &Path, error: &IdentifyError) -> Failure {
 }
 
 fn run_spring(args: &SpringArgs, screen: &Screen) -> Result<(), Failure> {
-    not_the_input(&[&args.table], &[args.output.plot.as_deref()])?;
+    names::check(&[(Some(&args.table), MEASUREMENT)], &[args.output.plot.as_deref()])?;
     let table = Columns::read(&args.table, &["displacement_m", "load_n"], &[])?;
     let result = spring(table.column("displacement_m"), table.column("load_n"), units(&args.output))
         .map_err(|error| refusal(&args.table, &error))?;
@@ -48,8 +52,8 @@ fn run_spring(args: &SpringArgs, screen: &Screen) -> Result<(), Failure> {
 const SINE: [&str; 3] = ["time_s", "displacement_m", "force_n"];
 
 fn run_damper(args: &DamperArgs, screen: &Screen) -> Result<(), Failure> {
-    let inputs: Vec<&Path> = args.tables.iter().map(PathBuf::as_path).collect();
-    not_the_input(&inputs, &[args.output.plot.as_deref()])?;
+    let inputs: Vec<_> = args.tables.iter().map(|table| (Some(table.as_path()), MEASUREMENT)).collect();
+    names::check(&inputs, &[args.output.plot.as_deref()])?;
     let tables: Vec<Columns> = args
         .tables
         .iter()
@@ -104,7 +108,7 @@ fn stretches(path: &Path, table: &Columns) -> Vec<(String, std::ops::Range<usize
 }
 
 pub(crate) fn run_calibrate(args: &CalibrateArgs, screen: &Screen) -> Result<(), Failure> {
-    not_the_input(&[&args.table], &[args.tire.as_deref(), args.output.plot.as_deref()])?;
+    names::check(&[(Some(&args.table), MEASUREMENT)], &[args.tire.as_deref(), args.output.plot.as_deref()])?;
     let table = Columns::read(&args.table, &["pressure_kpa", "stiffness_n_per_m"], &[])?;
     let result =
         calibrate(table.column("pressure_kpa"), table.column("stiffness_n_per_m"), units(&args.output))
@@ -144,23 +148,5 @@ fn finish(
         file.commit()?;
     }
     screen.print(if output.json { &json } else { text.trim_end() });
-    Ok(())
-}
-
-/// Outputs are not inputs, nor each other.
-fn not_the_input(inputs: &[&Path], outputs: &[Option<&Path>]) -> Result<(), Failure> {
-    let place = |path: &Path| std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    let outputs: Vec<&Path> = outputs.iter().copied().flatten().collect();
-    for (i, output) in outputs.iter().enumerate() {
-        if inputs.iter().any(|input| place(input) == place(output)) {
-            let text =
-                format!("{}: is the measurement itself, expected another name to write to", output.display());
-            return Err(Failure::Usage(text));
-        }
-        if outputs[..i].contains(output) {
-            let text = format!("{}: is given for two outputs, expected a name for each", output.display());
-            return Err(Failure::Usage(text));
-        }
-    }
     Ok(())
 }

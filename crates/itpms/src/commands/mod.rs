@@ -10,6 +10,7 @@ pub(crate) mod identify;
 pub(crate) mod malfunctions;
 #[cfg(feature = "live")]
 pub(crate) mod monitor;
+pub(crate) mod names;
 pub(crate) mod observability;
 pub(crate) mod reproduce;
 pub(crate) mod roughness;

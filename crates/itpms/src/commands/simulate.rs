@@ -13,13 +13,18 @@ use itpms_sim::simulation::{SimRow, Simulation};
 use itpms_study::roughness::EvenProfile;
 use serde_json::json;
 
-use super::ROWS_PER_LOOK;
+use super::{ROWS_PER_LOOK, names};
 use crate::args::SimulateArgs;
 use crate::exit::Failure;
 use crate::interrupt::Interrupt;
 use crate::screen::Screen;
 
 pub(crate) fn run(args: &SimulateArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
+    let inputs = [
+        (Some(Path::new(&args.scenario)), "the scenario"),
+        (args.vehicle.as_deref(), "the vehicle file that is read"),
+    ];
+    names::check(&inputs, &[Some(&args.output), args.vehicle_out.as_deref()])?;
     let mut scenario = Scenario::load(&args.scenario)?;
     take_crg(&mut scenario)?;
     if let Some(path) = &args.vehicle {

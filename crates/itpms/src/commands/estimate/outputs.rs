@@ -1,9 +1,6 @@
 //! The files a drive leaves: pressures as they are known, road and report half a minute later, all of them renamed
 //! to their names at the very end or none.
 
-use std::fs;
-use std::path::Path;
-
 use itpms_core::car::LearnedReference;
 use itpms_core::monitor::MonitorReport;
 use itpms_core::sample::Corner;
@@ -16,38 +13,22 @@ use super::events::{Alerts, Events};
 use super::reference::Saving;
 use super::road::RoadTrack;
 use crate::args::EstimateArgs;
+use crate::commands::names;
 use crate::exit::Failure;
 
 /// Refuses an output that is one of the inputs, or two outputs of one name.
 pub(super) fn check_names(args: &EstimateArgs) -> Result<(), Failure> {
+    let [dbc, signals] = args.reading.inputs();
+    let inputs = [
+        (Some(args.log.as_path()), "the drive log"),
+        (Some(&args.vehicle), "the vehicle file"),
+        (args.reference.as_deref(), "the learned reference"),
+        dbc,
+        signals,
+    ];
     let optional = [&args.road_out, &args.report, &args.save_reference, &args.events];
-    let outputs: Vec<&Path> =
-        std::iter::once(&args.output).chain(optional.into_iter().flatten()).map(AsRef::as_ref).collect();
-    let same = |a: &Path, b: &Path| match (fs::canonicalize(a), fs::canonicalize(b)) {
-        (Ok(a_real), Ok(b_real)) => a_real == b_real && a_real.is_file(),
-        _ => a == b,
-    };
-    for (i, output) in outputs.iter().enumerate() {
-        let name = output.display();
-        let inputs = [
-            (Some(&args.log), "the drive log"),
-            (Some(&args.vehicle), "the vehicle file"),
-            (args.reference.as_ref(), "the learned reference"),
-        ];
-        for (input, what) in inputs {
-            if input.is_some_and(|input| same(output, input)) {
-                return Err(Failure::Usage(format!(
-                    "{name}: is {what} itself, expected another name to write to"
-                )));
-            }
-        }
-        if outputs[..i].iter().any(|other| same(output, other)) {
-            return Err(Failure::Usage(format!(
-                "{name}: is given for two outputs, expected a name for each"
-            )));
-        }
-    }
-    Ok(())
+    let [road, report, reference, events] = optional.map(|path| path.as_deref());
+    names::check(&inputs, &[Some(&args.output), road, report, reference, events])
 }
 
 /// The files in the making.

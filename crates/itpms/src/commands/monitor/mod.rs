@@ -27,6 +27,7 @@ use itpms_live::output::can;
 use itpms_live::queue::Queue;
 use itpms_live::state::SavedDrive;
 
+use super::names;
 use crate::args::MonitorArgs;
 use crate::exit::Failure;
 use crate::interrupt::Interrupt;
@@ -43,6 +44,7 @@ pub(crate) fn run(args: &MonitorArgs, screen: &Screen, interrupt: &Interrupt) ->
     let Some(vehicle) = &args.vehicle else {
         return Err(Failure::Usage("expected --vehicle V.toml".to_owned()));
     };
+    check_names(args)?;
     let vehicle = Vehicle::read(vehicle)?;
     let options = options(args, &vehicle)?;
     let say = notes(*screen);
@@ -55,7 +57,7 @@ pub(crate) fn run(args: &MonitorArgs, screen: &Screen, interrupt: &Interrupt) ->
         // That it cannot be written is better known now than at the end.
         drop(AtomicFile::create(state)?);
     }
-    let saved = saved(args, &vehicle, &options, screen);
+    let saved = saved(args, &vehicle, &options, screen)?;
     let outputs = outputs::open(args, source.can_wait(), &say)?;
     let server = outputs::serve(args, &hub, screen)?;
 
@@ -116,15 +118,32 @@ fn options(args: &MonitorArgs, vehicle: &Vehicle) -> Result<DriveOptions, Failur
     })
 }
 
-/// The saved state, or a word about why it is not used.
+/// Refuses an output that is one of the inputs, or two outputs of one name.
+fn check_names(args: &MonitorArgs) -> Result<(), Failure> {
+    let [dbc, signals] = args.reading.inputs();
+    let inputs = [
+        (args.replay.as_deref(), "the log"),
+        (args.vehicle.as_deref(), "the vehicle file"),
+        (args.reference.as_deref(), "the learned reference"),
+        dbc,
+        signals,
+    ];
+    names::check(&inputs, &[args.json.as_deref(), args.state.as_deref()])
+}
+
+/// The saved state, or a word about why it is not used. What is no saved state at all is somebody's file, and not written over.
 fn saved(
     args: &MonitorArgs,
     vehicle: &Vehicle,
     options: &DriveOptions,
     screen: &Screen,
-) -> Option<SavedDrive> {
-    let path = args.state.as_ref()?;
-    match SavedDrive::read(path, vehicle, options) {
+) -> Result<Option<SavedDrive>, Failure> {
+    let Some(path) = &args.state else { return Ok(None) };
+    if !SavedDrive::is_one(path) {
+        let text = format!("{}: is no saved state, expected one, or the name of a new file", path.display());
+        return Err(Failure::Usage(text));
+    }
+    Ok(match SavedDrive::read(path, vehicle, options) {
         Ok(Some(saved)) => {
             if args.calibrate_s.is_some() {
                 screen.remark("--calibrate-s: the saved state goes on, without another reset");
@@ -139,5 +158,5 @@ fn saved(
             screen.warn(format!("{}: {why}: refused, BEGINS AFRESH", path.display()));
             None
         }
-    }
+    })
 }

@@ -14,6 +14,7 @@ use itpms_data::out::AtomicFile;
 use itpms_study::roughness::RoughnessTable;
 use serde_json::json;
 
+use super::names;
 use crate::args::RoughnessArgs;
 use crate::exit::Failure;
 use crate::interrupt::Interrupt;
@@ -69,12 +70,7 @@ fn output(args: &RoughnessArgs) -> Result<Option<AtomicFile>, Failure> {
     if !device && path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("csv")) {
         return Err(Failure::Usage(format!("{name}: the table is CSV, expected a name that ends in .csv")));
     }
-    let inputs = [Some(&args.input), args.vehicle.as_ref()];
-    for input in inputs.into_iter().flatten() {
-        let same = fs::canonicalize(path).ok().zip(fs::canonicalize(input).ok()).is_some_and(|(a, b)| a == b);
-        if same && !device {
-            return Err(Failure::Usage(format!("{name}: is an input, expected another name to write to")));
-        }
-    }
+    let inputs = [(Some(args.input.as_path()), "the road"), (args.vehicle.as_deref(), "the vehicle file")];
+    names::check(&inputs, &[Some(path)])?;
     Ok(Some(AtomicFile::create(path)?))
 }

@@ -8,12 +8,12 @@
 mod json;
 mod table;
 
-use std::fs;
 use std::path::Path;
 
 use itpms_data::out::AtomicFile;
 use itpms_data::signals::{Chosen, Lister, Listing, Resolved, SignalMap, resolve};
 
+use super::names;
 use crate::args::SignalsArgs;
 use crate::exit::Failure;
 use crate::interrupt::Interrupt;
@@ -53,13 +53,12 @@ pub(crate) fn run(args: &SignalsArgs, screen: &Screen, interrupt: &Interrupt) ->
 
 /// Starts the map's file, so that one that cannot be written is known before the work begins.
 fn output(path: &Path, args: &SignalsArgs) -> Result<AtomicFile, Failure> {
-    let inputs = [Some(args.log.as_path()), args.dbc.as_deref(), args.signals.as_deref()];
-    for input in inputs.into_iter().flatten() {
-        if fs::canonicalize(path).ok().zip(fs::canonicalize(input).ok()).is_some_and(|(a, b)| a == b) {
-            let name = path.display();
-            return Err(Failure::Usage(format!("{name}: is an input, expected another name to write to")));
-        }
-    }
+    let inputs = [
+        (Some(args.log.as_path()), "the log"),
+        (args.dbc.as_deref(), "the DBC file"),
+        (args.signals.as_deref(), "the signal map"),
+    ];
+    names::check(&inputs, &[Some(path)])?;
     Ok(AtomicFile::create(path)?)
 }
 
