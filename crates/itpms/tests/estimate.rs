@@ -62,7 +62,10 @@ fn a_published_filter_runs_and_is_not_believed() {
     let bench = Bench::with_drive();
     let outcome = bench.run("estimate drive.csv --vehicle car.toml -o est.csv --estimator ekf-ui");
     assert!(outcome.success().contains("ekf-ui"), "{outcome:?}");
-    assert!(outcome.stderr.contains("warning: ekf-ui as published cannot find the stiffness"), "{outcome:?}");
+    assert!(
+        outcome.stderr.contains("drive.csv: ekf-ui as published cannot find the stiffness"),
+        "{outcome:?}"
+    );
     assert!(table(&bench.read("est.csv")).1.iter().all(|row| row[5] == "none"));
 }
 
@@ -187,6 +190,28 @@ fn up_to_four_corners_run_side_by_side() {
         outcome.stderr.contains("corner rr is not in the vehicle file and was not estimated"),
         "{outcome:?}"
     );
+}
+
+/// Without a speed front and rear cannot be held against each other: that is said, and the puncture is seen all the same.
+#[test]
+fn four_wheels_without_a_speed_are_by_themselves() {
+    let bench = Bench::new();
+    bench.run("simulate drive-puncture --seed 2 -o whole.csv --vehicle-out car.toml").success();
+    let without = |line: &str| {
+        let (time_s, rest) = line.split_once(',').unwrap();
+        format!("{time_s},{}\n", rest.split_once(',').unwrap().1)
+    };
+    bench.write("drive.csv", bench.read("whole.csv").lines().map(without).collect::<String>());
+    for (log, alone) in [("whole.csv", false), ("drive.csv", true)] {
+        let outcome = bench.run(&format!("estimate {log} --vehicle car.toml -o est.csv --json"));
+        let json: serde_json::Value = serde_json::from_str(outcome.success()).unwrap();
+        let said = json["warnings"].as_array().unwrap().iter().any(|said| said.to_string().contains("speed"));
+        let fl = &json["corners"]["fl"];
+        let (low_s, kpa) = (&fl["low_since_s"], fl["last"]["pressure_kpa"].as_f64().unwrap());
+        assert_eq!(said, alone, "{json}");
+        assert!(low_s.as_f64().is_some_and(|low_s| (21.0..28.0).contains(&low_s)), "{json}");
+        assert!((kpa - 137.9).abs() < 25.0, "{json}");
+    }
 }
 
 #[test]

@@ -99,6 +99,12 @@ impl LogReader {
         &self.survey
     }
 
+    /// Time in s of the last row that was given; `None` before the first.
+    #[must_use]
+    pub fn last_time_s(&self) -> Option<f64> {
+        self.last_time_s
+    }
+
     /// What was repaired so far.
     #[must_use]
     pub fn repairs(&self) -> &RepairReport {

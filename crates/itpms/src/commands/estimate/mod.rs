@@ -46,6 +46,8 @@ pub(crate) struct Done {
     pub(crate) log: LogReader,
     pub(crate) data: ReportData,
     pub(crate) alerts: Alerts,
+    /// What should be known before believing it.
+    concerns: Vec<String>,
 }
 
 /// Everything but the summary.
@@ -73,9 +75,10 @@ pub(crate) fn perform(args: &EstimateArgs, screen: &Screen, interrupt: &Interrup
     interrupt.check()?;
 
     let (data, alerts) = outputs.complete(args, &vehicle, &log, drive.learned())?;
-    remarks(args, screen, &log, &vehicle);
+    let concerns = concerns(args, &log, &vehicle);
+    remarks(screen, &log, &concerns);
     reference::remark(args, screen);
-    Ok(Done { log, data, alerts })
+    Ok(Done { log, data, alerts, concerns })
 }
 
 /// The corners that the log has measured and the vehicle file describes.
@@ -100,32 +103,49 @@ fn labels(corners: &[Corner]) -> String {
 }
 
 /// What was repaired, and what a person should know before believing the result.
-fn remarks(args: &EstimateArgs, screen: &Screen, log: &LogReader, vehicle: &Vehicle) {
+fn remarks(screen: &Screen, log: &LogReader, concerns: &[String]) {
     let path = log.path().display();
     let aligned = log.alignment().map(|report| report.remarks()).unwrap_or_default();
     for remark in log.mapping().iter().chain(&aligned) {
         screen.remark(format!("{path}: {remark}"));
     }
-    for warning in log.repairs().warnings() {
-        screen.warn(format!("{path}: {warning}"));
-    }
-    for corner in log.columns().present() {
-        if vehicle.corner(corner).is_none() {
-            let label = corner.label();
-            screen.warn(format!("{path}: corner {label} is not in the vehicle file and was not estimated"));
-        }
-    }
-    let rate = log.survey().sample_rate_hz;
-    if !USUAL_RATES_HZ.contains(&rate) {
-        screen.warn(format!("{path}: sampled at {rate:.1} Hz, expected 100 Hz to 2 kHz: less accurate"));
+    for concern in concerns {
+        screen.warn(format!("{path}: {concern}"));
     }
     if !log.columns().speed {
         screen.remark(format!("{path}: no speed_m_s, so no distance and no roughness"));
     }
+}
+
+/// What a person, or a script, should know before believing the result.
+fn concerns(args: &EstimateArgs, log: &LogReader, vehicle: &Vehicle) -> Vec<String> {
+    let mut concerns = log.repairs().warnings();
+    let present = log.columns().present();
+    for corner in present.iter().filter(|corner| vehicle.corner(**corner).is_none()) {
+        concerns.push(format!("corner {} is not in the vehicle file and was not estimated", corner.label()));
+    }
+    let rate = log.survey().sample_rate_hz;
+    if !USUAL_RATES_HZ.contains(&rate) {
+        concerns.push(format!("sampled at {rate:.1} Hz, expected 100 Hz to 2 kHz: less accurate"));
+    }
+    let both =
+        |front, rear| [front, rear].iter().all(|c| present.contains(c) && vehicle.corner(*c).is_some());
+    let axles = both(Corner::FrontLeft, Corner::RearLeft) || both(Corner::FrontRight, Corner::RearRight);
+    if axles && args.estimator == EstimatorKind::Informed {
+        let alone =
+            "so front and rear cannot be held against each other: less accurate, every wheel is by itself";
+        if !log.columns().speed {
+            concerns.push(format!("no speed_m_s, {alone}"));
+        }
+        if vehicle.wheelbase_m.is_none() {
+            concerns.push(format!("the vehicle file has no wheelbase_m, {alone}"));
+        }
+    }
     if matches!(args.estimator, EstimatorKind::AekfUi | EstimatorKind::EkfUi) {
-        screen.warn(format!(
-            "{} as published cannot find the stiffness: its pressure says nothing about the tire",
-            args.estimator.label()
+        let label = args.estimator.label();
+        concerns.push(format!(
+            "{label} as published cannot find the stiffness: its pressure says nothing about the tire"
         ));
     }
+    concerns
 }

@@ -1,22 +1,22 @@
 //! What is said at the end: a line for the drive, one per corner and one per alert, or the same as JSON.
 
 use itpms_core::estimate::Warning;
-use itpms_data::LogReader;
-use itpms_study::report::{CornerReport, Reading, ReportData};
+use itpms_study::report::{CornerReport, Reading};
 use serde_json::{Value, json};
 
 use super::Done;
-use super::events::Alerts;
 use crate::args::EstimateArgs;
 use crate::screen::Screen;
 
+/// Seconds before the end for which a reading counts as the one at the end.
+const FRESH_S: f64 = 1.0;
+
 pub(super) fn print(args: &EstimateArgs, screen: &Screen, done: &Done) {
-    let Done { log, data, alerts } = done;
     if args.json {
-        screen.print(as_json(args, log, data, alerts));
+        screen.print(as_json(args, done));
         return;
     }
-    let drive = &data.drive;
+    let drive = &done.data.drive;
     let distance =
         if drive.distance_m.is_finite() { format!(", {:.0} m", drive.distance_m) } else { String::new() };
     screen.print(format!(
@@ -31,19 +31,25 @@ pub(super) fn print(args: &EstimateArgs, screen: &Screen, done: &Done) {
 
 /// A line per corner, and one for each alert of the monitor.
 pub(crate) fn print_corners(screen: &Screen, done: &Done) {
+    let end_s = done.log.last_time_s().map_or(f64::NAN, |end_s| end_s - done.data.drive.origin_s);
     for corner in &done.data.corners {
-        screen.print(corner_line(corner));
+        screen.print(corner_line(corner, end_s));
     }
     for sentence in done.alerts.sentences() {
         screen.print(sentence);
     }
 }
 
-fn corner_line(corner: &CornerReport) -> String {
+/// What is shown is the last that was valid; where that is not now, it says since when.
+fn corner_line(corner: &CornerReport, end_s: f64) -> String {
     let figures = &corner.figures;
     let mut line = format!("{}  ", corner.corner.label());
     line += &match figures.last {
-        Some(Reading { pressure_kpa, sd_kpa, .. }) => format!("{pressure_kpa:.1} kPa, sd {sd_kpa:.1}"),
+        Some(Reading { pressure_kpa, sd_kpa, time_s }) => {
+            let old = end_s - time_s > FRESH_S;
+            let when = if old { format!(" at {time_s:.1} s, nothing valid since") } else { String::new() };
+            format!("{pressure_kpa:.1} kPa, sd {sd_kpa:.1}{when}")
+        }
         None => "no valid estimate".to_owned(),
     };
     line += &format!(" (placard {})", corner.placard_kpa);
@@ -54,7 +60,8 @@ fn corner_line(corner: &CornerReport) -> String {
     if let Some(since_s) = figures.malfunction_since_s {
         line += &format!("; MALFUNCTION since {since_s:.1} s");
     }
-    if let Some(truth) = &figures.truth {
+    // Before anything is known there is nothing to be right or wrong about.
+    if let Some(truth) = figures.truth.as_ref().filter(|_| figures.last.is_some()) {
         line += &format!(
             "; against the truth after {} s: RMSE {:.1} kPa, bias {:+.1}, {:.0} % inside the 95 % interval",
             truth.settle_s,
@@ -66,7 +73,8 @@ fn corner_line(corner: &CornerReport) -> String {
     line
 }
 
-fn as_json(args: &EstimateArgs, log: &LogReader, data: &ReportData, alerts: &Alerts) -> Value {
+fn as_json(args: &EstimateArgs, done: &Done) -> Value {
+    let Done { log, data, alerts, concerns } = done;
     let path = |path: &std::path::PathBuf| path.display().to_string();
     let corners: serde_json::Map<String, Value> =
         data.corners.iter().map(|corner| (corner.corner.label().to_owned(), corner_json(corner))).collect();
@@ -80,7 +88,7 @@ fn as_json(args: &EstimateArgs, log: &LogReader, data: &ReportData, alerts: &Ale
         "corners": corners,
         "alerts": alerts.json(),
         "rows": log.repairs().rows_kept,
-        "warnings": log.repairs().warnings(),
+        "warnings": concerns,
         "outputs": {
             "estimate": path(&args.output),
             "road": args.road_out.as_ref().map(path),
@@ -104,7 +112,7 @@ fn corner_json(corner: &CornerReport) -> Value {
         "low_since_s": figures.low_since_s,
         "malfunction_since_s": figures.malfunction_since_s,
         "share_valid": figures.share_valid,
-        "truth": figures.truth.map(|t| json!({
+        "truth": figures.truth.filter(|_| figures.last.is_some()).map(|t| json!({
             "rmse_kpa": t.rmse_kpa,
             "bias_kpa": t.bias_kpa,
             "coverage": t.coverage,
