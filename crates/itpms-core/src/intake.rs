@@ -4,6 +4,7 @@
 //! Stands before every estimator, so that none of them ever sees a missing or absurd value. Knows nothing of cars
 //! beyond the size an acceleration can have.
 
+use crate::clock::{CLOSEST, LONGEST_BRIDGE, SET_BACK, Stray, is_resolved};
 use crate::real::Real;
 
 /// Points of the Lagrange interpolation. Eight keep the error below 8 % at 0.3 of the sampling rate and below
@@ -11,18 +12,12 @@ use crate::real::Real;
 const POINTS: usize = 8;
 /// A wheel on a kerb reaches some 500 m/s²; twice that is no car any more.
 const ABSURD_M_S2: f64 = 1000.0;
-/// Longest time between accepted samples, in periods, before the signal counts as interrupted: two in a row may be missing.
-const LONGEST_BRIDGE: f64 = 3.5;
 /// Equal values in a row, at the largest magnitude seen, that count as saturation.
 const FLAT_TOP: u32 = 3;
 /// Equal values in a row, at any magnitude, that are no signal: their steps are marked like saturated ones.
 const FLAT: u32 = 8;
 /// Seconds without a single change after which a sensor counts as stuck.
 const STUCK_S: f64 = 0.5;
-/// Least distance of two samples, in sampling periods: closer ones blow up the interpolation.
-const CLOSEST: f64 = 0.05;
-/// Samples that must follow one another before a clock that went back is believed.
-const SET_BACK: u32 = 16;
 
 /// What was found in the raw samples so far.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -130,10 +125,9 @@ pub struct Intake<T> {
     wheel_watch: FlatWatch<T>,
     last_raw_s: f64,
     last_accepted_s: f64,
-    /// Time of the last refused sample, refusals in a row, and how many of them followed one another.
-    refused_s: f64,
+    /// Refusals in a row, and how far they followed one another.
     refused: u32,
-    refused_in_order: u32,
+    stray: Stray,
     stuck_now: bool,
     counts: SampleCounts,
 }
@@ -161,9 +155,8 @@ impl<T: Real> Intake<T> {
             wheel_watch: FlatWatch::new(),
             last_raw_s: f64::NEG_INFINITY,
             last_accepted_s: f64::NEG_INFINITY,
-            refused_s: f64::NEG_INFINITY,
             refused: 0,
-            refused_in_order: 0,
+            stray: Stray::NONE,
             stuck_now: false,
             counts: SampleCounts::default(),
         }
@@ -198,16 +191,16 @@ impl<T: Real> Intake<T> {
         wheel_accel_m_s2: T,
         mut sink: impl FnMut(GridSample<T>),
     ) {
+        // Closer ones blow up the interpolation.
         let closest_s = CLOSEST * self.sample_period_s;
-        // Beyond this a time's own rounding exceeds that distance. Infinite and NaN fail too.
-        let resolved = time_s.abs() * f64::EPSILON < closest_s;
+        let resolved = is_resolved(time_s, self.sample_period_s);
         if !(resolved && time_s >= self.last_raw_s + closest_s) {
             self.counts.out_of_order += 1;
             if !(resolved && self.was_set_back(time_s)) {
                 return;
             }
         }
-        (self.refused, self.refused_in_order) = (0, 0);
+        (self.refused, self.stray) = (0, Stray::NONE);
         if self.last_raw_s == f64::NEG_INFINITY {
             self.last_accepted_s = time_s;
         }
@@ -243,14 +236,8 @@ impl<T: Real> Intake<T> {
     /// clock must have been wrong before: then all that came until now is another record.
     fn was_set_back(&mut self, time_s: f64) -> bool {
         self.refused = self.refused.saturating_add(1);
-        let step_s = time_s - self.refused_s;
-        // The same time again says nothing.
-        if !(step_s.abs() < CLOSEST * self.sample_period_s) {
-            let in_order = step_s > 0.0 && step_s <= LONGEST_BRIDGE * self.sample_period_s;
-            self.refused_in_order = if in_order { self.refused_in_order + 1 } else { 0 };
-            self.refused_s = time_s;
-        }
-        if self.refused_in_order < SET_BACK {
+        self.stray.take(time_s, self.sample_period_s);
+        if self.stray.steps < SET_BACK {
             return false;
         }
         self.counts.gaps += 1;

@@ -10,6 +10,7 @@
 //! | [`sample`] | what comes in: one time, up to four corners |
 //! | [`speed`] | speed and way, where not every sample tells them |
 //! | [`estimate`] | what goes out: pressure, stiffness, their sd, validity, warning |
+//! | `clock` | a time that only goes forwards |
 //! | [`intake`] | bad values refused and counted, jitter regridded |
 //! | [`estimator`] | one interface before all estimators of a corner |
 //! | [`car`] | the estimator of a whole car |
@@ -21,6 +22,7 @@
 #![forbid(unsafe_code)]
 
 pub mod car;
+mod clock;
 pub mod estimate;
 pub mod estimator;
 pub mod filter;

@@ -7,6 +7,7 @@
 mod reference;
 
 pub use self::reference::{Learned, LearnedCorner, LearnedReference, ReferenceError};
+use crate::clock::SteadyClock;
 use crate::estimate::{CornerConfig, CornerEstimate};
 use crate::estimator::{CarWord, Estimator, EstimatorKind, RoadRepetition};
 use crate::quarter_car::{ParameterError, QuarterCar, positive};
@@ -83,6 +84,7 @@ impl<T: Real> TrackState<T> {
 pub struct CarEstimator<T: Real> {
     kind: EstimatorKind,
     sources: Sources,
+    clock: SteadyClock,
     speed: SpeedHold<T>,
     corners: [Option<Estimator<T>>; 4],
     shared_road: Option<SharedRoad<T>>,
@@ -117,6 +119,7 @@ impl<T: Real> CarEstimator<T> {
         Ok(Self {
             kind,
             sources: Sources::default(),
+            clock: SteadyClock::new(sample_rate_hz),
             speed: SpeedHold::new(),
             corners,
             shared_road,
@@ -213,7 +216,26 @@ impl<T: Real> CarEstimator<T> {
 
     /// Takes one sample, gives the estimate after it. A missing speed is the last one, for half a second ([`SpeedHold`]).
     pub fn update(&mut self, sample: &CarSample<T>) -> CarEstimate<T> {
-        let time_s = sample.time_s;
+        match self.clock.take(sample.time_s) {
+            Some(time_s) => self.take(time_s, sample),
+            // Counted corner by corner.
+            None => self.corners.iter_mut().flatten().for_each(Estimator::refuse),
+        }
+        let belief = self.fuse(self.clock.now_s());
+        let mut corners = [None; 4];
+        for ((estimate, estimator), corner) in corners.iter_mut().zip(&mut self.corners).zip(&sample.corners)
+        {
+            if let (Some(estimator), Some(corner)) = (estimator, corner) {
+                let concluded = estimator.conclude(self.clock.now_s(), corner);
+                *estimate = Some(CornerEstimate { time_s: sample.time_s, ..concluded });
+            }
+        }
+        let (correlation, tracks) = (correlation(belief.as_ref()), self.tracks());
+        CarEstimate { time_s: sample.time_s, corners, correlation, tracks }
+    }
+
+    /// Gives a sample's values to the corners and to the road they share.
+    fn take(&mut self, time_s: f64, sample: &CarSample<T>) {
         let speed = self.speed.take(time_s, sample.speed_m_s);
         if let Some(shared) = &mut self.shared_road {
             shared.drive(time_s, speed);
@@ -226,15 +248,6 @@ impl<T: Real> CarEstimator<T> {
                 None => estimator.take(time_s, speed, corner, |_| {}),
             }
         }
-        let belief = self.fuse(time_s);
-        let mut corners = [None; 4];
-        for ((estimate, estimator), corner) in corners.iter_mut().zip(&mut self.corners).zip(&sample.corners)
-        {
-            if let (Some(estimator), Some(corner)) = (estimator, corner) {
-                *estimate = Some(estimator.conclude(time_s, corner));
-            }
-        }
-        CarEstimate { time_s, corners, correlation: correlation(belief.as_ref()), tracks: self.tracks() }
     }
 
     /// Brings the corners' words and the shared road together; gives what the shared road believes, if that counts.

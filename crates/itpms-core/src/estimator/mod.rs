@@ -11,6 +11,7 @@ mod warning;
 use self::contact::ContactWatch;
 use self::engine::{Engine, Reading};
 use self::warning::LowPressureWatch;
+use crate::clock::SteadyClock;
 use crate::estimate::{CornerConfig, CornerEstimate, Diagnostics, Validity, Warning};
 use crate::informed::StiffnessWord;
 pub use crate::informed::{RoadPeriod, RoadRepetition};
@@ -78,6 +79,7 @@ pub struct Estimator<T: Real> {
     kind: EstimatorKind,
     config: CornerConfig<T>,
     sample_rate_hz: f64,
+    clock: SteadyClock,
     speed: SpeedHold<T>,
     intake: Intake<T>,
     engine: Engine<T>,
@@ -132,6 +134,7 @@ impl<T: Real> Estimator<T> {
             kind,
             config: *config,
             sample_rate_hz,
+            clock: SteadyClock::new(sample_rate_hz),
             speed: SpeedHold::new(),
             intake,
             engine,
@@ -210,9 +213,20 @@ impl<T: Real> Estimator<T> {
         wheel_accel_m_s2: T,
     ) -> CornerEstimate<T> {
         let corner = CornerSample { body_accel_m_s2, wheel_accel_m_s2 };
-        let speed_m_s = self.speed.take(time_s, speed_m_s);
-        self.take(time_s, speed_m_s, &corner, |_| {});
-        self.conclude(time_s, &corner)
+        match self.clock.take(time_s) {
+            Some(steady_s) => {
+                let speed_m_s = self.speed.take(steady_s, speed_m_s);
+                self.take(steady_s, speed_m_s, &corner, |_| {});
+            }
+            None => self.refuse(),
+        }
+        CornerEstimate { time_s, ..self.conclude(self.clock.now_s(), &corner) }
+    }
+
+    /// Counts a sample whose time nobody should go by.
+    pub(crate) fn refuse(&mut self) {
+        let lost = T::lit(f64::NAN);
+        self.intake.push(f64::NAN, lost, lost, lost, |_| {});
     }
 
     /// The first half of [`Estimator::update`]: takes the sample with the speed to go by, and shows every grid step to `tap`.

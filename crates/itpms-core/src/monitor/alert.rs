@@ -6,6 +6,9 @@ use super::wheels::Wheels;
 use crate::real::Real;
 use crate::sample::Corner;
 
+/// Alerts that were said less than so many seconds apart are one: decisions are further apart, and rounding is nearer.
+const SAME_S: f64 = 1e-3;
+
 /// Something the driver or the workshop should know.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -161,13 +164,13 @@ impl<T> Cause<T> {
 }
 
 impl<T> Alert<T> {
-    /// Whether this is that alert, perhaps with newer numbers.
-    pub(super) fn is_same_as(&self, other: &Self) -> bool {
+    /// Whether this is what became of it, perhaps with newer numbers, after the clock was set back by so much in between.
+    pub(super) fn is_same_as(&self, other: &Self, set_back_s: f64) -> bool {
         let same_fault = match (&self.cause, &other.cause) {
             (Cause::Malfunction(a), Cause::Malfunction(b)) => a.label() == b.label(),
             (a, b) => a.label() == b.label(),
         };
-        same_fault && self.wheels == other.wheels && self.said_s == other.said_s
+        same_fault && self.wheels == other.wheels && (self.said_s - set_back_s - other.said_s).abs() < SAME_S
     }
 }
 

@@ -44,6 +44,7 @@ use self::report::{ALL_LOW_SLOT, Slot};
 use self::warm::WarmReference;
 use self::wheel::{Around, WheelWatch, is_learning, reading};
 use crate::car::CarEstimate;
+use crate::clock::SteadyClock;
 use crate::estimate::{CornerEstimate, Validity, Warning};
 use crate::quarter_car::{ParameterError, positive};
 use crate::real::Real;
@@ -88,6 +89,9 @@ pub struct Monitor<T: Real> {
     partings: [Parting<T>; 2],
     leaks: LeakWatch<T>,
     all_low: AllLow<T>,
+    clock: SteadyClock,
+    /// When the last sample came; `None`: it does not say.
+    sampled_s: Option<f64>,
     speed: SpeedHold<T>,
     /// The speed to go by.
     speed_m_s: T,
@@ -119,6 +123,8 @@ impl<T: Real> Monitor<T> {
             partings: [Parting::new(); 2],
             leaks: LeakWatch::new(),
             all_low: AllLow::new(),
+            clock: SteadyClock::new(sample_rate_hz),
+            sampled_s: None,
             speed: SpeedHold::new(),
             speed_m_s: T::lit(f64::NAN),
             decided_s: f64::NEG_INFINITY,
@@ -140,14 +146,17 @@ impl<T: Real> Monitor<T> {
 
     /// Looks at a sample; gives it back without the values that are not to be learned from.
     pub fn screen(&mut self, sample: &CarSample<T>) -> CarSample<T> {
-        self.speed_m_s = self.speed.take(sample.time_s, sample.speed_m_s);
-        self.health.push(&CarSample { speed_m_s: self.speed_m_s, ..*sample });
+        self.sampled_s = self.clock.take(sample.time_s);
+        if let Some(time_s) = self.sampled_s {
+            self.speed_m_s = self.speed.take(time_s, sample.speed_m_s);
+            self.health.push(&CarSample { time_s, speed_m_s: self.speed_m_s, ..*sample });
+        }
         if self.health.take_news() {
             self.faults = self.health.faults();
             let faulty = self.faults.iter().flatten().map(|fault| fault.malfunction.wheels());
             let faulty = faulty.fold(Wheels::NONE, |all, wheels| all | wheels);
             self.suspects = self.health.suspects() | faulty;
-            self.regret(sample.time_s);
+            self.regret(self.clock.now_s());
             self.spoiled = self.spoiled | faulty;
         }
         let mut screened = *sample;
@@ -194,21 +203,23 @@ impl<T: Real> Monitor<T> {
                 }
             }
         }
-        let step_s = estimate.time_s - self.decided_s;
-        // A clock that went back begins again.
-        let due = !(0.0..DECIDE_S - 1e-9).contains(&step_s);
-        if due && estimate.time_s.is_finite() {
-            self.decided_s = estimate.time_s;
-            self.decide(estimate, step_s.clamp(0.0, LONGEST_STEP_S));
+        let time_s = self.clock.now_s();
+        let step_s = time_s - self.decided_s;
+        if self.sampled_s.is_some() && step_s >= DECIDE_S - 1e-9 {
+            self.decided_s = time_s;
+            self.decide(&steadied(estimate, time_s), step_s.min(LONGEST_STEP_S));
         }
-        for (i, (estimate, wheel)) in estimate.corners.iter_mut().zip(&self.report.wheels).enumerate() {
-            if let (Some(estimate), Some(wheel)) = (estimate, wheel) {
-                estimate.warning = wheel.warning;
-                if estimate.validity.is_valid()
-                    && self.wheels[i].is_forgotten(estimate.time_s, &self.config.limits)
-                {
-                    estimate.validity = Validity::NoInformation;
-                }
+        for (i, (estimate, wheel)) in estimate.corners.iter_mut().zip(&mut self.report.wheels).enumerate() {
+            let (Some(estimate), Some(wheel)) = (estimate, wheel) else { continue };
+            estimate.warning = wheel.warning;
+            // Of a time that nobody can place, nobody can say how long ago something was learned.
+            let forgotten =
+                self.sampled_s.is_none() || self.wheels[i].is_forgotten(time_s, &self.config.limits);
+            if estimate.validity.is_valid() && forgotten {
+                estimate.validity = Validity::NoInformation;
+            }
+            if wheel.state == WheelState::Fine && self.sampled_s.is_none() {
+                wheel.state = WheelState::Unknown(Doubt::NoInformation);
             }
         }
         back
@@ -248,7 +259,7 @@ impl<T: Real> Monitor<T> {
     }
 
     fn write(&mut self, estimate: &CarEstimate<T>) {
-        self.report.time_s = estimate.time_s;
+        self.report.begin(estimate.time_s, self.clock.ahead_s());
         let all_low = self.all_low.cause().map(|cause| alert(self.all_low.latch(), self.all(), cause));
         self.report.put(ALL_LOW_SLOT, all_low);
         for (corner, estimate) in Corner::ALL.into_iter().zip(&estimate.corners) {
@@ -323,7 +334,7 @@ impl<T: Real> Monitor<T> {
             pressure_kpa: estimate.pressure_kpa,
             pressure_sd_kpa: estimate.pressure_sd_kpa,
             reference_kpa: reference,
-            informed_s: watch.informed_s,
+            informed_s: watch.informed_s - self.clock.ahead_s(),
         }
     }
 
@@ -336,6 +347,12 @@ impl<T: Real> Monitor<T> {
     pub fn config(&self) -> &MonitorConfig<T> {
         &self.config
     }
+}
+
+/// The same with the steady time in place of the samples' stamps.
+fn steadied<T: Real>(estimate: &CarEstimate<T>, time_s: f64) -> CarEstimate<T> {
+    let corners = estimate.corners.map(|corner| corner.map(|corner| CornerEstimate { time_s, ..corner }));
+    CarEstimate { time_s, corners, ..*estimate }
 }
 
 /// By how much a tire's share of its reference is above the mean of the others', and the sd of that: what all are wrong by

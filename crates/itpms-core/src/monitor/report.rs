@@ -98,20 +98,34 @@ pub struct WheelReport<T> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MonitorReport<T> {
-    /// Time in s.
+    /// Time in s; like all times here, by the samples' clock as it is now.
     pub time_s: f64,
     /// The wheels, in the order of [`Corner::ALL`]; those that are monitored.
     pub wheels: [Option<WheelReport<T>>; 4],
     slots: [Option<Alert<T>>; SLOTS],
+    /// By how much that clock was set back so far, in s.
+    set_back_s: f64,
 }
 
 impl<T: Real> MonitorReport<T> {
     pub(super) fn empty() -> Self {
-        Self { time_s: f64::NEG_INFINITY, wheels: [None; 4], slots: [None; SLOTS] }
+        Self { time_s: f64::NEG_INFINITY, wheels: [None; 4], slots: [None; SLOTS], set_back_s: 0.0 }
     }
 
+    /// Begins to write anew: at a steady time, of a clock that was set back by so many seconds.
+    pub(super) fn begin(&mut self, steady_s: f64, set_back_s: f64) {
+        self.time_s = steady_s - set_back_s;
+        self.set_back_s = set_back_s;
+    }
+
+    /// Writes an alert, its times being steady ones.
     pub(super) fn put(&mut self, slot: usize, alert: Option<Alert<T>>) {
-        self.slots[slot] = alert;
+        let set_back_s = self.set_back_s;
+        self.slots[slot] = alert.map(|alert| Alert {
+            since_s: alert.since_s - set_back_s,
+            said_s: alert.said_s - set_back_s,
+            ..alert
+        });
     }
 
     /// The alerts that stand, wheel by wheel.
@@ -139,9 +153,10 @@ impl<T: Real> MonitorReport<T> {
     /// What began, changed or ended since `before`, in a fixed order.
     pub fn changes_since<'a>(&'a self, before: &'a Self) -> impl Iterator<Item = Change<T>> + 'a {
         let pairs = before.slots.iter().zip(&self.slots);
-        pairs.flat_map(|(before, now)| {
+        let set_back_s = self.set_back_s - before.set_back_s;
+        pairs.flat_map(move |(before, now)| {
             let (ended, begun) = match (before, now) {
-                (Some(old), Some(new)) if old.is_same_as(new) => (None, None),
+                (Some(old), Some(new)) if old.is_same_as(new, set_back_s) => (None, None),
                 (old, new) => (old.map(Change::Ended), new.map(Change::Begun)),
             };
             ended.into_iter().chain(begun)

@@ -65,6 +65,11 @@ impl<T: Real> Alone<T> {
         self.watch.push(time_s, period_s, value)
     }
 
+    /// Samples are not there: the next value does not follow the last one.
+    pub(super) fn interrupted(&mut self) {
+        self.watch.interrupted();
+    }
+
     /// Whether its value has changed of late.
     pub(super) fn changes(&self, time_s: f64) -> bool {
         self.watch.unchanged_s(time_s) < STUCK_DOUBT_S

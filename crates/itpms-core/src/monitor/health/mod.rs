@@ -39,6 +39,8 @@ use crate::sample::{CarSample, Corner};
 const BLOCK_S: f64 = 0.5;
 /// A hole in the record longer than this, in s, begins a new one.
 const LONGEST_HOLE_S: f64 = 1.0;
+/// Longest time between samples that follow one another, in periods.
+const LONGEST_STEP: f64 = 1.75;
 /// Speed in m/s above which a car moves, and above which its sensors are held against each other.
 const MOVING_M_S: f64 = 1.5;
 const DRIVING_M_S: f64 = 3.0;
@@ -125,20 +127,20 @@ impl<T: Real> Health<T> {
         }
     }
 
-    /// Takes a sample.
+    /// Takes a sample of a clock that does not go back.
     pub(super) fn push(&mut self, sample: &CarSample<T>) {
         let time_s = sample.time_s;
         let step_s = time_s - self.last_s;
-        if !(step_s > 0.0) && time_s.is_finite() && -step_s < LONGEST_HOLE_S {
-            return; // Out of order; the intake counts it.
-        }
-        if !time_s.is_finite() {
-            return;
+        if step_s <= 0.0 {
+            return; // The same sample again; the intake counts it.
         }
         self.last_s = time_s;
-        if !(step_s < LONGEST_HOLE_S && step_s > 0.0) {
+        if !(step_s < LONGEST_HOLE_S) {
             (self.block_from_s, self.calm_blocks) = (time_s, 0);
             self.slowest_m_s = sample.speed_m_s;
+        }
+        if step_s > LONGEST_STEP * self.period_s {
+            self.sensors.iter_mut().for_each(Alone::interrupted);
         }
         let nothing = [T::lit(f64::NAN); 2];
         let mut values = [T::zero(); 8];

@@ -100,6 +100,11 @@ impl<T: Real> SensorWatch<T> {
         value
     }
 
+    /// The next value does not follow the last one.
+    pub(super) fn interrupted(&mut self) {
+        self.whole = 0;
+    }
+
     /// Interpolates the middle of the window from its neighbors, sixth order.
     fn look_for_spike(&mut self, period_s: f64) {
         let w = &self.window;

@@ -1,0 +1,169 @@
+//! A clock that only goes forwards, whatever the stamps of the samples do.
+//!
+//! Stands before the estimators and the monitor, so that a clock that is set, or one stray stamp, is a pause to them and
+//! nothing else: resets end, warm references and beliefs go on. Called by them; knows nothing of what is sampled.
+
+/// Least distance of two stamps, in sampling periods: closer ones are the same.
+pub(crate) const CLOSEST: f64 = 0.05;
+/// Longest distance of stamps that follow one another, in periods: two samples in a row may be missing.
+pub(crate) const LONGEST_BRIDGE: f64 = 3.5;
+/// Steps, one after the other, after which stamps that are out of line are believed: where they lie in the past, and so
+/// could be old ones that come late, and where they lie ahead.
+pub(crate) const SET_BACK: u32 = 16;
+const LEAPT: u32 = 1;
+/// A stamp that is so far ahead, in s, has to be followed by another one before it is believed.
+const LEAP_S: f64 = 1.0;
+
+/// Whether a stamp's own rounding is smaller than the least distance of two. Infinite and NaN ones are not.
+pub(crate) fn is_resolved(time_s: f64, period_s: f64) -> bool {
+    time_s.abs() * f64::EPSILON < CLOSEST * period_s
+}
+
+/// Stamps that are out of line, and whether they follow one another.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Stray {
+    first_s: f64,
+    last_s: f64,
+    /// How many steps one after the other.
+    pub(crate) steps: u32,
+}
+
+impl Stray {
+    /// None yet.
+    pub(crate) const NONE: Self = Self { first_s: f64::NAN, last_s: f64::NAN, steps: 0 };
+
+    /// Takes another one.
+    pub(crate) fn take(&mut self, time_s: f64, period_s: f64) {
+        let step_s = time_s - self.last_s;
+        // The same time again says nothing.
+        if step_s.abs() < CLOSEST * period_s {
+            return;
+        }
+        if step_s > 0.0 && step_s <= LONGEST_BRIDGE * period_s {
+            self.steps += 1;
+        } else {
+            (self.first_s, self.steps) = (time_s, 0);
+        }
+        self.last_s = time_s;
+    }
+}
+
+/// Makes of the stamps of samples a time that only goes forwards.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct SteadyClock {
+    period_s: f64,
+    /// The last stamp that was believed; NaN before the first.
+    stamp_s: f64,
+    /// What the steady time is ahead of the stamps.
+    ahead_s: f64,
+    stray: Stray,
+}
+
+impl SteadyClock {
+    /// A clock for samples that come at about `sample_rate_hz`.
+    pub(crate) fn new(sample_rate_hz: f64) -> Self {
+        Self { period_s: 1.0 / sample_rate_hz, stamp_s: f64::NAN, ahead_s: 0.0, stray: Stray::NONE }
+    }
+
+    /// Takes a sample's stamp in s; gives the steady time, or `None` for a stamp that nobody should go by: one that is not
+    /// finite, too large to be resolved, or out of line with those around it.
+    pub(crate) fn take(&mut self, time_s: f64) -> Option<f64> {
+        if !is_resolved(time_s, self.period_s) {
+            return None;
+        }
+        let step_s = time_s - self.stamp_s;
+        let in_line = self.stamp_s.is_nan() || (0.0..=LEAP_S).contains(&step_s);
+        if !in_line {
+            self.stray.take(time_s, self.period_s);
+            if self.stray.steps < if step_s > 0.0 { LEAPT } else { SET_BACK } {
+                return None;
+            }
+            if step_s < 0.0 {
+                // Nobody knows for how long; at least for those that were not believed.
+                let lost_s = time_s - self.stray.first_s + self.period_s;
+                self.ahead_s += lost_s - step_s;
+            }
+        }
+        self.stray = Stray::NONE;
+        self.stamp_s = time_s;
+        Some(time_s + self.ahead_s)
+    }
+
+    /// The steady time of the last stamp that was believed; NaN before the first.
+    pub(crate) fn now_s(&self) -> f64 {
+        self.stamp_s + self.ahead_s
+    }
+
+    /// What the steady time is ahead of the stamps now, in s: zero until a clock was set back.
+    pub(crate) fn ahead_s(&self) -> f64 {
+        self.ahead_s
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PERIOD_S: f64 = 0.01;
+
+    fn steady(stamps: impl IntoIterator<Item = f64>) -> (SteadyClock, [Option<f64>; 400]) {
+        let mut clock = SteadyClock::new(1.0 / PERIOD_S);
+        let mut times = [None; 400];
+        for (time, stamp) in times.iter_mut().zip(stamps) {
+            *time = clock.take(stamp);
+        }
+        (clock, times)
+    }
+
+    fn stamp(k: usize) -> f64 {
+        k as f64 * PERIOD_S
+    }
+
+    #[test]
+    fn an_honest_clock_is_passed_on() {
+        // Doubled rows and holes, too.
+        let honest = |k: usize| stamp(k / 2 * 3);
+        let (clock, times) = steady((0..400).map(honest));
+        assert!((0..400).all(|k| times[k] == Some(honest(k))));
+        assert_eq!(clock.ahead_s(), 0.0);
+    }
+
+    #[test]
+    fn one_stray_stamp_is_left_out() {
+        for stray in [1e3, 1e9, 1e200, f64::INFINITY, -1e3, f64::NEG_INFINITY, f64::NAN, stamp(150)] {
+            let (clock, times) = steady((0..400).map(|k| if k == 200 { stray } else { stamp(k) }));
+            assert!((0..400).all(|k| times[k] == (k != 200).then(|| stamp(k))), "{stray}");
+            assert_eq!(clock.now_s(), stamp(399));
+        }
+    }
+
+    #[test]
+    fn a_pause_is_believed_with_its_second_stamp() {
+        let (_, times) = steady((0..400).map(|k| stamp(k) + if k < 200 { 0.0 } else { 3600.0 }));
+        assert_eq!(times[200], None);
+        assert_eq!(times[201], Some(stamp(201) + 3600.0));
+    }
+
+    #[test]
+    fn a_clock_that_is_set_back_goes_on() {
+        for back_s in [0.3, 10.0, 1e6] {
+            let (clock, times) = steady((0..400).map(|k| stamp(k) - if k < 200 { 0.0 } else { back_s }));
+            assert!(times[200..216].iter().all(Option::is_none), "{back_s}");
+            // As if it had not been set.
+            for (k, time) in times.iter().enumerate().skip(216) {
+                assert!(time.is_some_and(|time| (time - stamp(k)).abs() < 1e-9), "{back_s}: {k} {time:?}");
+            }
+            assert!((clock.ahead_s() - back_s).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_first_stamp_from_the_future_is_only_an_offset() {
+        let (_, times) = steady((0..400).map(|k| if k == 0 { 1e5 } else { stamp(k) }));
+        let late = times.iter().flatten().count();
+        assert_eq!(late, 400 - 16);
+        assert!(times[17].is_some_and(|time| (time - 1e5 - stamp(17)).abs() < 1e-6), "{:?}", times[17]);
+    }
+}
