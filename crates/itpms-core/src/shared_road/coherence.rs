@@ -81,10 +81,17 @@ impl<T: Real> Coherence<T> {
         *self = Self::new();
     }
 
-    /// Road power to be expected in a bin, half of it the frame's own.
-    fn road(&self, bin: usize, now: T) -> T {
-        let usual = if self.power[bin] > T::zero() { self.power[bin] } else { now };
-        T::lit(0.5) * (usual + now)
+    /// Road power that is usual in every bin: in a first frame that of its bins together, as a single bin's is anything
+    /// between nothing and five times its mean, and what the axles disagree by is held against it.
+    fn usual(&self, now: &[T; BINS]) -> [T; BINS] {
+        let together = now.iter().fold(T::zero(), |sum, &power| sum + power) / T::lit(BINS as f64);
+        core::array::from_fn(|bin| if self.power[bin] > T::zero() { self.power[bin] } else { together })
+    }
+
+    /// Road power to be expected, half of it the frame's own.
+    fn road(&self, now: &[T; BINS]) -> [T; BINS] {
+        let usual = self.usual(now);
+        core::array::from_fn(|bin| T::lit(0.5) * (usual[bin] + now[bin]))
     }
 
     /// What to expect of a frame with this road power, given the sensors' noise in the disagreement, the derivatives'
@@ -99,8 +106,7 @@ impl<T: Real> Coherence<T> {
         let stretched = T::lit(STRETCHED) * stretch * stretch;
         let mut power = [T::zero(); BINS];
         let mut information = Gram::zeros();
-        for bin in 0..BINS {
-            let road = self.road(bin, road_power[bin]);
+        for (bin, road) in self.road(road_power).into_iter().enumerate() {
             power[bin] = (self.incoherence[bin] + stretched) * road + noise[bin] + T::lit(1e-12);
             information += products[bin] * (T::lit(2.0 * OVERLAP) * road / power[bin]);
         }
@@ -124,21 +130,17 @@ impl<T: Real> Coherence<T> {
         let (power, usual) = (gain(POWER_S), gain(INCOHERENCE_S).max(count));
         let parting = gain(PARTING_S).max(count);
         self.parting = false;
+        let (usual_power, road) = (self.usual(&found.road_power), self.road(&found.road_power));
         for (bin, &ratio) in ratio.iter().enumerate() {
             let now = found.road_power[bin];
-            let here = self.road(bin, now);
             let believed = self.incoherence[bin];
             let most = believed * T::lit(LARGEST_STEP) + T::lit(LARGEST_MORE);
-            let seen = ((expected.power[bin] * ratio - noise[bin]) / here).min(most);
+            let seen = ((expected.power[bin] * ratio - noise[bin]) / road[bin]).min(most);
             let parts = seen > T::lit(PARTING) * believed;
             self.parting |= parts;
             let gain = if parts && beside { parting } else { usual };
             self.incoherence[bin] = (believed + gain * (seen - believed)).clamp(T::lit(LEAST), T::lit(MOST));
-            self.power[bin] = if self.power[bin] > T::zero() {
-                self.power[bin] + power * (now - self.power[bin])
-            } else {
-                now
-            };
+            self.power[bin] = usual_power[bin] + power * (now - usual_power[bin]);
         }
         let now = self.near_wheel_hop();
         let counted = now.min(T::lit(MOST_LASTING));
@@ -232,6 +234,17 @@ mod tests {
         assert!(coherence.near_wheel_hop() > 1.0 / PARTING, "{}", coherence.near_wheel_hop());
         drive(&mut coherence, 0.5, 1.0);
         assert!(coherence.trust() < 0.5, "{}", coherence.near_wheel_hop());
+    }
+
+    #[test]
+    fn a_first_frame_that_hardly_hears_a_frequency_is_not_believed_more_there() {
+        let mut road = [1.0; BINS];
+        road[1] = 1e-6;
+        let products = core::array::from_fn(|_| Gram::identity());
+        let expected = Coherence::<f64>::new().expect(&road, &[0.0; BINS], &products, 0.0);
+        // Half the mean of all five, of which a fifth need not be common: not a millionth of what the others have.
+        assert!((expected.power[1] - START * 0.5 * 0.8).abs() < 1e-6, "{}", expected.power[1]);
+        assert!((expected.power[0] - START * 0.5 * 1.8).abs() < 1e-6, "{}", expected.power[0]);
     }
 
     #[test]

@@ -20,7 +20,7 @@ use crate::real::Real;
 /// Slowest speed in m/s at which a road is shared.
 pub(super) const SLOWEST_M_S: f64 = 2.8;
 /// Seconds without a frame after which the road's coherence is seen anew.
-const FORGET_S: f64 = 5.0;
+const FORGET_S: f64 = 2.0;
 /// Hops after a restart until the instruments have forgotten that they began at rest.
 const SETTLING_HOPS: u32 = 5;
 /// Seconds without a frame after which a side counts as not shared.
