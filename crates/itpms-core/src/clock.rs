@@ -31,7 +31,7 @@ pub(crate) struct Stray {
 
 impl Stray {
     /// None yet.
-    pub(crate) const NONE: Self = Self { first_s: f64::NAN, last_s: f64::NAN, steps: 0 };
+    pub(crate) const NONE: Self = Self { first_s: f64::NEG_INFINITY, last_s: f64::NEG_INFINITY, steps: 0 };
 
     /// Takes another one.
     pub(crate) fn take(&mut self, time_s: f64, period_s: f64) {
@@ -54,7 +54,7 @@ impl Stray {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct SteadyClock {
     period_s: f64,
-    /// The last stamp that was believed; NaN before the first.
+    /// The last stamp that was believed; minus infinity before the first.
     stamp_s: f64,
     /// What the steady time is ahead of the stamps.
     ahead_s: f64,
@@ -64,7 +64,7 @@ pub(crate) struct SteadyClock {
 impl SteadyClock {
     /// A clock for samples that come at about `sample_rate_hz`.
     pub(crate) fn new(sample_rate_hz: f64) -> Self {
-        Self { period_s: 1.0 / sample_rate_hz, stamp_s: f64::NAN, ahead_s: 0.0, stray: Stray::NONE }
+        Self { period_s: 1.0 / sample_rate_hz, stamp_s: f64::NEG_INFINITY, ahead_s: 0.0, stray: Stray::NONE }
     }
 
     /// Takes a sample's stamp in s; gives the steady time, or `None` for a stamp that nobody should go by: one that is not
@@ -74,7 +74,7 @@ impl SteadyClock {
             return None;
         }
         let step_s = time_s - self.stamp_s;
-        let in_line = self.stamp_s.is_nan() || (0.0..=LEAP_S).contains(&step_s);
+        let in_line = self.stamp_s == f64::NEG_INFINITY || (0.0..=LEAP_S).contains(&step_s);
         if !in_line {
             self.stray.take(time_s, self.period_s);
             if self.stray.steps < if step_s > 0.0 { LEAPT } else { SET_BACK } {
@@ -91,7 +91,7 @@ impl SteadyClock {
         Some(time_s + self.ahead_s)
     }
 
-    /// The steady time of the last stamp that was believed; NaN before the first.
+    /// The steady time of the last stamp that was believed; minus infinity before the first.
     pub(crate) fn now_s(&self) -> f64 {
         self.stamp_s + self.ahead_s
     }

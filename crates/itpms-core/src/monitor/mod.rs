@@ -90,7 +90,8 @@ pub struct Monitor<T: Real> {
     leaks: LeakWatch<T>,
     all_low: AllLow<T>,
     clock: SteadyClock,
-    /// When the last sample came; `None`: it does not say.
+    /// The last sample's stamp, and its steady time; `None`: it does not say.
+    stamp_s: f64,
     sampled_s: Option<f64>,
     speed: SpeedHold<T>,
     /// The speed to go by.
@@ -124,6 +125,7 @@ impl<T: Real> Monitor<T> {
             leaks: LeakWatch::new(),
             all_low: AllLow::new(),
             clock: SteadyClock::new(sample_rate_hz),
+            stamp_s: f64::NEG_INFINITY,
             sampled_s: None,
             speed: SpeedHold::new(),
             speed_m_s: T::lit(f64::NAN),
@@ -146,7 +148,7 @@ impl<T: Real> Monitor<T> {
 
     /// Looks at a sample; gives it back without the values that are not to be learned from.
     pub fn screen(&mut self, sample: &CarSample<T>) -> CarSample<T> {
-        self.sampled_s = self.clock.take(sample.time_s);
+        (self.stamp_s, self.sampled_s) = (sample.time_s, self.clock.take(sample.time_s));
         if let Some(time_s) = self.sampled_s {
             self.speed_m_s = self.speed.take(time_s, sample.speed_m_s);
             self.health.push(&CarSample { time_s, speed_m_s: self.speed_m_s, ..*sample });
@@ -202,6 +204,10 @@ impl<T: Real> Monitor<T> {
                     estimate.validity = Validity::Starting;
                 }
             }
+        }
+        if estimate.time_s != self.stamp_s {
+            // Nobody has screened its sample.
+            (self.stamp_s, self.sampled_s) = (estimate.time_s, self.clock.take(estimate.time_s));
         }
         let time_s = self.clock.now_s();
         let step_s = time_s - self.decided_s;
