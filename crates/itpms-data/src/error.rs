@@ -237,11 +237,13 @@ pub enum Problem {
         /// Rows read.
         rows: u64,
     },
-    /// The numbers cannot be m/s².
-    #[error("wrong units suspected ({suspicion}): {evidence}, expected m/s^2")]
+    /// The numbers cannot be in the units that they should be in.
+    #[error("wrong units suspected ({suspicion}): {evidence}, expected {expected}")]
     Units {
         /// What they seem to be.
         suspicion: &'static str,
+        /// What they should be.
+        expected: &'static str,
         /// The numbers that say so.
         evidence: String,
     },

@@ -7,6 +7,7 @@ use itpms_core::sample::Corner;
 use super::row::{CornerColumns, Field, LogColumns, Slot};
 use crate::error::Problem;
 use crate::nearest::nearest;
+use crate::signals::names::meaning;
 
 /// What a header says.
 #[derive(Debug, Clone)]
@@ -69,7 +70,9 @@ impl Header {
         let absent: Vec<&str> = known.iter().filter(|(s, _)| !has(*s)).map(|(_, n)| n.as_str()).collect();
         let suspicious = strangers
             .iter()
-            .filter_map(|name| nearly(name, &absent).map(|meant| (shortened(name), meant.to_owned())))
+            .filter_map(|name| {
+                Some((shortened(name), nearly(name, &absent).or_else(|| speed(name, &absent))?.to_owned()))
+            })
             .collect();
         Ok(Self { columns, slots, suspicious })
     }
@@ -100,6 +103,12 @@ fn nearly<'a>(name: &str, candidates: &[&'a str]) -> Option<&'a str> {
         .filter(|(distance, candidate)| 3 * distance <= name.len() && corner(candidate) == corner(&name))
         .min_by_key(|(distance, _)| *distance)
         .map(|(_, candidate)| candidate)
+}
+
+/// The speed, if it is absent and the name says that it is one: what a log without it misses, nobody sees later.
+fn speed<'a>(name: &str, absent: &[&'a str]) -> Option<&'a str> {
+    let (slot, _) = meaning("", name)?;
+    absent.iter().copied().find(|column| slot == Slot::Speed && *column == slot.name())
 }
 
 /// A header that is one cell because its separator is not the comma.
@@ -172,5 +181,11 @@ mod tests {
         let h = header("time_s,speed_mps,fl_body_accel_m_s2,fl_wheel_accel_m_s2,fr_pressure").unwrap();
         // fr_pressure is nearer to nothing of its own corner than a third of its letters allow, and no harm either way.
         assert!(h.suspicious.contains(&("speed_mps".to_owned(), "speed_m_s".to_owned())));
+        // By what it says, too, but not where there is one already.
+        let named = |speed: &str| {
+            let h = header(&format!("time_s,{speed},fl_body_accel_m_s2,fl_wheel_accel_m_s2")).unwrap();
+            h.suspicious.iter().any(|(found, meant)| found.contains("Vehicle") && meant == "speed_m_s")
+        };
+        assert!(named("VehicleSpeed") && !named("VehicleSpeed,speed_m_s") && !named("VehicleSpeedLimit"));
     }
 }

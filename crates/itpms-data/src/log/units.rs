@@ -1,6 +1,6 @@
-//! Accelerations in another unit than m/s²: suspected where physics leaves no other reading.
+//! Numbers in another unit than m/s² and m/s: suspected where physics leaves no other reading.
 //!
-//! Called once by the reader with the rows it has looked ahead. Two signs, either of them enough:
+//! Called once by the reader with the rows it has looked ahead. Four signs, any of them enough:
 //!
 //! 1. **Gravity of size one.** Both sensors of a corner have a mean of 0.85 to 1.15 in size while the body hardly moves
 //!    (rms below 0.5 about it). In g that is a sensor standing upright; in m/s² it would be a constant acceleration of
@@ -14,6 +14,13 @@
 //!    (noise included), hence 0.025 and 0.24 in g: caught; at 80 km/h 0.053 and 0.53 against limits of 0.1 and 2: caught.
 //!    Below 5 m/s nothing is said: a parked car shows its sensors' noise in any unit. Where the speed is unknown a wheel
 //!    that moves four times as much as its body shows that the car rolls; then the body's limit is 0.035.
+//!
+//! 3. **Faster than cars are**: more than 90 m/s (324 km/h) is a speed in km/h. One that stays below is not seen.
+//! 4. **Wheels calmer than their bodies.** A wheel follows the road at frequencies at which its body rests on springs: its rms
+//!    is four to fifteen times the body's, noise of both taken in, and hardly ever less than noise of both alone makes it,
+//!    once. In g it is 0.4 to 1.5 times the body's, in columns that carry each other's names a tenth. So a moving car whose
+//!    wheels all show less than 0.8 of their bodies' rms is not what its columns say. (A wheel in g on a road that makes
+//!    it more is not seen; nor is one that shows gravity, 1 beside the body's 9.81, missed.)
 //!
 //! Simulated drives of the paper's car (classes A-C, 15 to 120 km/h, w 1.8 to 2.6, noise 0 to 0.3 m/s², four seeds): of
 //! 1620 logs in m/s², a third of them without a speed and a third with gravity, none is refused; of 540 in g with gravity
@@ -50,6 +57,12 @@ const ONE_G: std::ops::RangeInclusive<f64> = 0.85..=1.15;
 const STEADY_BODY: f64 = 0.5;
 /// 10 g rms: no body and no wheel does this for seconds.
 const VIOLENT_BODY_M_S2: f64 = 100.0;
+/// Faster than any car on a road, in m/s.
+const FASTEST_M_S: f64 = 90.0;
+/// Least rms of a wheel over its body's while the car moves.
+const CALM_WHEEL: f64 = 0.8;
+/// Gravity in m/s², within what tilt, offset and scale make of it.
+const GRAVITY_M_S2: std::ops::RangeInclusive<f64> = 8.3..=11.3;
 /// Values a statistic needs.
 const ENOUGH: usize = 200;
 
@@ -93,9 +106,25 @@ fn pairs<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone) -> Vec<Pair> {
 
 /// Refuses accelerations that cannot be in m/s².
 pub(super) fn check<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone) -> Result<(), Problem> {
+    let fastest = rows.clone().map(|row| row.speed_m_s).fold(0.0, f64::max);
+    if fastest > FASTEST_M_S {
+        let evidence = format!("the car reaches {fastest:.1} m/s, {:.0} km/h", 3.6 * fastest);
+        return Err(Problem::Units { suspicion: "speed in km/h", expected: "m/s", evidence });
+    }
     let all = pairs(rows.clone());
     for pair in &all {
         let label = pair.corner.label();
+        if GRAVITY_M_S2.contains(&pair.body.mean.abs()) && ONE_G.contains(&pair.wheel.mean.abs()) {
+            let evidence = format!(
+                "{label} body acceleration averages {:.2} and its wheel's {:.2}, gravity in two units",
+                pair.body.mean, pair.wheel.mean
+            );
+            return Err(Problem::Units {
+                suspicion: "wheel accelerations in g",
+                expected: "m/s^2",
+                evidence,
+            });
+        }
         if ONE_G.contains(&pair.body.mean.abs())
             && ONE_G.contains(&pair.wheel.mean.abs())
             && pair.body.rms < STEADY_BODY
@@ -104,14 +133,37 @@ pub(super) fn check<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone) -> Resul
                 "{label} body and wheel accelerations average {:.2} and {:.2}, gravity in g would",
                 pair.body.mean, pair.wheel.mean
             );
-            return Err(Problem::Units { suspicion: "accelerations in g", evidence });
+            return Err(Problem::Units { suspicion: "accelerations in g", expected: "m/s^2", evidence });
         }
         if pair.body.rms > VIOLENT_BODY_M_S2 {
             let evidence = format!("{label} body acceleration is {:.0} rms", pair.body.rms);
-            return Err(Problem::Units { suspicion: "accelerations in mm/s^2 or raw counts", evidence });
+            return Err(Problem::Units {
+                suspicion: "accelerations in mm/s^2 or raw counts",
+                expected: "m/s^2",
+                evidence,
+            });
         }
     }
-    too_quiet(rows, &all)
+    too_quiet(rows.clone(), &all)?;
+    calm_wheels(rows)
+}
+
+fn calm_wheels<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone) -> Result<(), Problem> {
+    let moving = pairs(rows.filter(|row| row.speed_m_s > MOVING_M_S));
+    let calm = |pair: &&Pair| pair.wheel.rms > 0.0 && pair.wheel.rms < CALM_WHEEL * pair.body.rms;
+    match moving.first() {
+        Some(pair) if moving.iter().all(|pair| calm(&pair)) => {
+            let evidence = format!(
+                "{} wheel acceleration is {:.3} rms and its body's {:.3} while the car moves",
+                pair.corner.label(),
+                pair.wheel.rms,
+                pair.body.rms
+            );
+            let suspicion = "wheel accelerations in g, or body and wheel confused";
+            Err(Problem::Units { suspicion, expected: "m/s^2", evidence })
+        }
+        _ => Ok(()),
+    }
 }
 
 fn too_quiet<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone, all: &[Pair]) -> Result<(), Problem> {
@@ -146,7 +198,7 @@ fn too_quiet<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone, all: &[Pair]) -
                 pair.body.rms,
                 pair.wheel.rms
             );
-            Err(Problem::Units { suspicion: "accelerations in g", evidence })
+            Err(Problem::Units { suspicion: "accelerations in g", expected: "m/s^2", evidence })
         }
         _ => Ok(()),
     }
@@ -200,6 +252,36 @@ mod tests {
             assert!(text.contains("average -1.0"), "{text}");
         }
         assert!(verdict(10.0, 0.0, 300.0, 4000.0).unwrap().contains("mm/s^2"));
+    }
+
+    #[test]
+    fn a_speed_in_km_h_is_refused() {
+        let text = verdict(100.0, 0.0, 0.5, 5.0).unwrap();
+        assert!(text.contains("speed in km/h") && text.ends_with("360 km/h, expected m/s"), "{text}");
+        assert_eq!(verdict(69.0, 0.0, 0.5, 5.0), None);
+        assert_eq!(verdict(f64::NAN, 0.0, 0.5, 5.0), None);
+    }
+
+    #[test]
+    fn wheels_that_are_calmer_than_their_bodies_are_refused() {
+        // Class C at 60 km/h: wheels in g, and columns that carry each other's names.
+        for (body, wheel) in [(1.8, 18.0 / G / 1.5), (18.0, 1.8)] {
+            let text = verdict(16.7, 0.0, body, wheel).unwrap();
+            assert!(text.contains("wheel accelerations in g, or body and wheel confused"), "{text}");
+            // Standing still, or who knows whether it moves, proves nothing.
+            assert_eq!(verdict(0.0, 0.0, body, wheel), None);
+            assert_eq!(verdict(f64::NAN, 0.0, body, wheel), None);
+        }
+        // Noise alone in both.
+        assert_eq!(verdict(16.7, 0.0, 1.0, 1.0), None);
+        // Gravity in both units, in any motion.
+        let mut rows = drive(0.0, 0.0, 1.8, 2.0);
+        for corner in rows.iter_mut().filter_map(|row| row.corners[0].as_mut()) {
+            corner.body_accel_m_s2 += G;
+            corner.wheel_accel_m_s2 += 1.0;
+        }
+        let text = check(rows.iter()).unwrap_err().to_string();
+        assert!(text.contains("and its wheel's 1.00, gravity in two units"), "{text}");
     }
 
     #[test]

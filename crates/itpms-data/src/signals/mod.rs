@@ -17,7 +17,7 @@
 pub mod align;
 mod listing;
 mod map;
-mod names;
+pub(crate) mod names;
 mod problem;
 mod report;
 mod resolve;

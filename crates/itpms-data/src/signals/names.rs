@@ -10,7 +10,7 @@ use crate::log::{Field, Slot};
 
 /// How sure the words are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Fit {
+pub(crate) enum Fit {
     /// Every word of the name is understood, an acceleration says that it is vertical.
     AllWords,
     /// Some words are unknown, or something was left open.
@@ -82,7 +82,7 @@ const WORDS: [(&str, Word); 143] = [
 ];
 
 /// The column this signal's name and group speak of.
-pub(super) fn meaning(group: &str, name: &str) -> Option<(Slot, Fit)> {
+pub(crate) fn meaning(group: &str, name: &str) -> Option<(Slot, Fit)> {
     let (own, around) = (words(name), words(group));
     let has = |word| own.contains(&word);
     let says = |word| own.contains(&word) || around.contains(&word);

@@ -210,6 +210,14 @@ pub enum ScoreError {
         /// What was asked for.
         part: &'static str,
     },
+    /// No row is called so.
+    #[error(
+        "no four-wheel row that was asked for has a name with `{only}` in it, such as `car, 80 km/h, reset`"
+    )]
+    NoRow {
+        /// What was asked for.
+        only: String,
+    },
     /// The progress callback said so.
     #[error("stopped")]
     Stopped,
@@ -262,6 +270,9 @@ pub fn score(request: &Request, progress: Progress<'_>) -> Result<Score, ScoreEr
     let record = record::Plan::new(kind, drives(Part::Road))?;
 
     let cars = drive::Plan::new(wanted, kind, request.seeds, request.only.as_deref())?;
+    if let Some(only) = request.only.as_ref().filter(|_| cars.drives() == 0) {
+        return Err(ScoreError::NoRow { only: only.clone() });
+    }
 
     let total = tracks.drives() + constant.drives() + record.drives() + cars.drives();
     let runner = Runner::new(request.first_seed, total, progress);
@@ -292,6 +303,8 @@ mod tests {
         let go = |_, _| ControlFlow::Continue(());
         let nothing = Request { seeds: 0, ..Request::default() };
         assert!(matches!(score(&nothing, &go), Err(ScoreError::Nothing)));
+        let unknown = Request { part: Some(Part::Drive), only: Some("zzz".to_owned()), ..Request::default() };
+        assert!(matches!(score(&unknown, &go), Err(ScoreError::NoRow { .. })));
         let several = Request {
             estimators: EstimatorKind::ALL.to_vec(),
             part: Some(Part::Road),

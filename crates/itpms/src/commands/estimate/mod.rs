@@ -141,6 +141,12 @@ fn concerns(args: &EstimateArgs, log: &LogReader, vehicle: &Vehicle) -> Vec<Stri
             concerns.push(format!("the vehicle file has no wheelbase_m, {alone}"));
         }
     }
+    if let Some(path) = args.reference.as_ref().filter(|_| !axles || vehicle.wheelbase_m.is_none()) {
+        concerns.push(format!(
+            "{}: without effect: what a reset teaches is of front and rear over the same road",
+            path.display()
+        ));
+    }
     if matches!(args.estimator, EstimatorKind::AekfUi | EstimatorKind::EkfUi) {
         let label = args.estimator.label();
         concerns.push(format!(

@@ -30,7 +30,7 @@ pub(super) fn survey(args: &RoughnessArgs) -> Result<Found, Failure> {
 fn no_vehicle(args: &RoughnessArgs) -> Failure {
     let path = args.input.display();
     Failure::Usage(format!(
-        "{path}: looks like a drive log, whose road has to be estimated: expected --vehicle V.toml"
+        "{path}: looks like a drive log, whose road has to be estimated: expected --vehicle V.toml (a road is read from .csv)"
     ))
 }
 
