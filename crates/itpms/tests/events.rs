@@ -53,6 +53,27 @@ fn a_puncture_is_said_once_for_the_right_wheel_and_in_both_files() {
     }
 }
 
+/// A speed in km/h that no check of units can know for one: 80 m/s.
+#[test]
+fn roads_that_never_meet_are_mentioned() {
+    let bench = Bench::new();
+    estimated(&bench, &puncture().replace("duration_s = 40.0", "duration_s = 70.0"), "");
+    let log = bench.read("drive.csv");
+    let place = log.lines().next().unwrap().split(',').position(|name| name == "speed_m_s").unwrap();
+    let faster = |line: &str| {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        if let Ok(speed) = cells[place].parse::<f64>() {
+            cells[place] = (3.6 * speed).to_string();
+        }
+        cells.join(",")
+    };
+    bench.write("fast.csv", log.lines().map(faster).collect::<Vec<_>>().join("\n"));
+    let stderr = |log: &str| bench.run(&format!("estimate {log} --vehicle car.toml -o est.csv")).stderr;
+    assert!(!stderr("drive.csv").contains("never found to meet"));
+    let said = stderr("fast.csv");
+    assert!(said.contains("never found to meet the same road") && said.contains("another unit"), "{said}");
+}
+
 #[test]
 fn the_regulation_sets_the_limit() {
     let bench = Bench::new();

@@ -39,7 +39,10 @@ const ESTIMATE: &str = "estimate drive.csv --vehicle car.toml -o est.csv";
 #[test]
 fn a_good_reference_is_taken_and_left_as_it_is() {
     let (bench, stored) = bench();
-    bench.run(&format!("{ESTIMATE} --reference car.reference")).success();
+    let outcome = bench.run(&format!("{ESTIMATE} --reference car.reference"));
+    outcome.success();
+    // One corner has nothing to gain from it.
+    assert!(outcome.stderr.contains("car.reference: without effect"), "{}", outcome.stderr);
     assert_eq!(StoredReference::read(&bench.path("car.reference")).unwrap(), stored);
 }
 

@@ -12,18 +12,18 @@ pub(crate) struct LogArgs {
     /// MDF4 and CAN logs: which signal is which column, where the names do not say it. `itpms signals` writes such a map.
     #[arg(long, value_name = "MAP.toml")]
     pub(crate) signals: Option<PathBuf>,
-    /// Take the accelerations as m/s^2 even if they do not look like it.
+    /// Take accelerations as m/s^2 and the speed as m/s even if they do not look like it.
     #[arg(long)]
     pub(crate) trust_units: bool,
 }
 
 impl LogArgs {
-    /// The same for the reader.
     /// The files it reads, each with what it is.
     pub(crate) fn inputs(&self) -> [(Option<&Path>, &'static str); 2] {
         [(self.dbc.as_deref(), "the DBC file"), (self.signals.as_deref(), "the signal map")]
     }
 
+    /// The same for the reader.
     pub(crate) fn options(&self) -> LogOptions {
         LogOptions {
             units: if self.trust_units { UnitCheck::Trusting } else { UnitCheck::Suspicious },

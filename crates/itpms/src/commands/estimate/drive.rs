@@ -17,9 +17,18 @@ pub(super) type Estimates = [Option<CornerEstimate<f64>>; 4];
 /// Load and damping as identified, in the order of [`Corner::ALL`].
 pub(super) type QuarterCars = [Option<QuarterCar<f64>>; 4];
 
+/// Speed in m/s above which front and rear should be found to meet the same road, and seconds of that after which they
+/// should have been: in everyday driving it takes two.
+const MEETING_M_S: f64 = 5.0;
+const MEETING_S: f64 = 60.0;
+
 /// The running estimator under its monitor.
 pub(super) struct Drive {
     car: MonitoredCar<f64>,
+    /// Time of the last row, and seconds driven until front and rear of any side were found to meet the same road.
+    time_s: f64,
+    apart_s: f64,
+    met: bool,
 }
 
 impl Drive {
@@ -40,7 +49,7 @@ impl Drive {
         if let Some(seconds) = args.calibrate_s {
             car.begin_reset(seconds).map_err(fail)?;
         }
-        Ok(Self { car })
+        Ok(Self { car, time_s: f64::NAN, apart_s: 0.0, met: false })
     }
 
     /// The cars as they seem to be now, in the order of [`Corner::ALL`].
@@ -58,7 +67,19 @@ impl Drive {
         self.car.report()
     }
 
+    /// Whether the car has been driven for long, and front and rear never met the same road.
+    pub(super) fn never_met(&self) -> bool {
+        !self.met && self.apart_s > MEETING_S
+    }
+
     pub(super) fn update(&mut self, row: &LogRow) -> CarEstimate<f64> {
-        self.car.update(&row.sample())
+        let estimate = self.car.update(&row.sample());
+        let step_s = row.time_s - self.time_s;
+        self.time_s = row.time_s;
+        self.met |= estimate.tracks.iter().any(|track| track.shared);
+        if row.speed_m_s > MEETING_M_S && step_s < 1.0 {
+            self.apart_s += step_s;
+        }
+        estimate
     }
 }
