@@ -96,6 +96,12 @@ impl SteadyClock {
         self.stamp_s + self.ahead_s
     }
 
+    /// The steady time at a stamp that may not have been believed, if it is right; infinite if nobody can say.
+    pub(crate) fn at_latest_s(&self, time_s: f64) -> f64 {
+        let ahead = is_resolved(time_s, self.period_s) && time_s >= self.stamp_s;
+        if ahead { time_s + self.ahead_s } else { f64::INFINITY }
+    }
+
     /// What the steady time is ahead of the stamps now, in s: zero until a clock was set back.
     pub(crate) fn ahead_s(&self) -> f64 {
         self.ahead_s
@@ -144,6 +150,16 @@ mod tests {
         let (_, times) = steady((0..400).map(|k| stamp(k) + if k < 200 { 0.0 } else { 3600.0 }));
         assert_eq!(times[200], None);
         assert_eq!(times[201], Some(stamp(201) + 3600.0));
+    }
+
+    #[test]
+    fn what_is_not_believed_yet_may_be_right() {
+        let (clock, _) = steady((0..400).map(stamp));
+        assert_eq!(clock.at_latest_s(stamp(399)), clock.now_s());
+        assert_eq!(clock.at_latest_s(3600.0), 3600.0);
+        for stray in [stamp(398), 1e200, f64::INFINITY, f64::NEG_INFINITY, f64::NAN] {
+            assert_eq!(clock.at_latest_s(stray), f64::INFINITY, "{stray}");
+        }
     }
 
     #[test]

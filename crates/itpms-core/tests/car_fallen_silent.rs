@@ -131,6 +131,17 @@ fn after_a_night_nothing_is_fine_before_it_is_learned_anew() {
     assert_eq!(states.last().unwrap(), &[WheelState::Fine; 4]);
 }
 
+/// What was known a minute ago is known now, from the first sample on: a program that starts again says what it said.
+#[test]
+fn after_a_short_pause_what_was_known_is_known() {
+    for pause_s in [2.0, 60.0] {
+        let rows = ROWS.iter().filter(|row| (15.0..17.0).contains(&row.time_s));
+        let states =
+            after_fifteen_seconds(rows.map(|row| CarSample { time_s: row.time_s + pause_s, ..*row }));
+        assert!(states.iter().all(|states| *states == [WheelState::Fine; 4]), "{pause_s}: {states:?}");
+    }
+}
+
 /// A corner that the samples leave out is one that tells nothing.
 #[test]
 fn a_corner_that_is_left_out_is_not_fine() {

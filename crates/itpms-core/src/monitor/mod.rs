@@ -215,16 +215,16 @@ impl<T: Real> Monitor<T> {
             self.decided_s = time_s;
             self.decide(&steadied(estimate, time_s), step_s.min(LONGEST_STEP_S));
         }
+        // Of a time that nobody can place, nobody can say how long ago something was learned.
+        let latest_s = self.clock.at_latest_s(self.stamp_s);
         for (i, (estimate, wheel)) in estimate.corners.iter_mut().zip(&mut self.report.wheels).enumerate() {
             let (Some(estimate), Some(wheel)) = (estimate, wheel) else { continue };
             estimate.warning = wheel.warning;
-            // Of a time that nobody can place, nobody can say how long ago something was learned.
-            let forgotten =
-                self.sampled_s.is_none() || self.wheels[i].is_forgotten(time_s, &self.config.limits);
+            let forgotten = self.wheels[i].is_forgotten(latest_s, &self.config.limits);
             if estimate.validity.is_valid() && forgotten {
                 estimate.validity = Validity::NoInformation;
             }
-            if wheel.state == WheelState::Fine && self.sampled_s.is_none() {
+            if wheel.state == WheelState::Fine && forgotten {
                 wheel.state = WheelState::Unknown(Doubt::NoInformation);
             }
         }
