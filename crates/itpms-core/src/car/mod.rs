@@ -280,13 +280,14 @@ impl<T: Real> CarEstimator<T> {
             let Some(estimator) = estimator else { continue };
             // A shared road that was given up must not leave its last word behind.
             let belief = belief.as_ref().filter(|_| shared.has_partner(i));
+            let learning = shared.side(i % 2).0;
             estimator.believe(belief.map(|belief| CarWord {
                 stiffness_n_per_m: belief.stiffness_n_per_m[i],
                 stiffness_sd_n_per_m: belief.covariance[(i, i)].sqrt(),
                 moving: belief.moving,
                 learned_s: belief.learned_s,
-                learning: shared.side(i % 2).0,
-                hears: shared.hears(i),
+                learning,
+                hears: shared.hears(i) && (learning || !shared.is_slow()),
             }));
         }
         belief

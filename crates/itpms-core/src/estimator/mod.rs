@@ -110,7 +110,7 @@ pub(crate) struct CarWord<T> {
     pub(crate) learned_s: T,
     /// Whether the road that its axles share is being learned from.
     pub(crate) learning: bool,
-    /// Whether there is a road to be heard at all.
+    /// Whether anything is heard at all: frames, or words of the corner's spectrum.
     pub(crate) hears: bool,
 }
 

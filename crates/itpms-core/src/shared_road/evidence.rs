@@ -41,21 +41,38 @@ impl<T: Real> OwnCovariance<T> {
         Self { all, own }
     }
 
-    /// Adds information with its score, both divided by `scale`.
-    pub(super) fn learn(&self, mode: &mut Mode<T>, score: &Score<T>, information: &Gram<T>, scale: T) {
+    /// Adds a frame's information with its score, counting `trust` of them. The mean moves by no more than the frame surprises,
+    /// both in standard deviations: no update by Bayes' rule would, but the score is taken with instruments, and what these
+    /// heard need not have been the road, as when a wheel comes down.
+    pub(super) fn learn(
+        &self,
+        mode: &mut Mode<T>,
+        score: &Score<T>,
+        information: &Gram<T>,
+        likelihood: &Likelihood<T>,
+        trust: T,
+    ) {
+        let scale = likelihood.scale / trust;
         let information = information / scale;
         // P' = P - P_o (I + Ω P_oo)^-1 Ω P_o^T, and with it the mean: m' = m + P'_o score.
         let Some(inverse) = (Gram::identity() + information * self.own).try_inverse() else { return };
         let gain = self.all * inverse;
         mode.covariance -= gain * information * self.all.transpose();
         mode.tidy();
-        mode.mean += gain * (score / scale);
+        let step = gain * (score / scale);
+        // step^T P^-1 step, as step = P_o by.
+        let by = inverse * (score / scale);
+        let length = by.dot(&(self.own * by));
+        let beyond = length > likelihood.surprise;
+        mode.mean += if beyond { step * (likelihood.surprise / length).sqrt() } else { step };
     }
 }
 
 /// How well a mode foretold a frame.
 pub(super) struct Likelihood<T: Real> {
     pub(super) log: T,
+    /// Square of the disagreement over its standard deviations, these so enlarged.
+    pub(super) surprise: T,
     /// Factor by which the disagreement's variance is larger than expected, at least one.
     pub(super) scale: T,
     /// Power of what remains over what was expected, per bin.
@@ -92,7 +109,7 @@ impl<T: Real> Likelihood<T> {
         let diagonal = plain.l_dirty().diagonal();
         let log_determinant = diagonal.iter().fold(T::zero(), |sum, x| sum + T::lit(2.0) * x.ln());
         let log = T::lit(-0.5) * (log_determinant + (tails + rows) * (T::one() + surprise / tails).ln());
-        Some(Self { log, scale, ratio })
+        Some(Self { log, surprise: found.rows.dot(&weighted), scale, ratio })
     }
 }
 

@@ -96,12 +96,13 @@ impl<T: Real> SharedRoad<T> {
         let now = self.modes.as_one();
         if !kept.is_contradicted_by(&now, suspected) {
             // A suspected corner's own tire may be what it was or what it seems to be now: if it turns out that its sensors
-            // did lie, what it was counts.
+            // did lie, what it was counts, however little of the lie had been believed by now: frames are still under way,
+            // and what seems to move goes on unheard.
             for corner in (0..4).filter(|&corner| suspected[corner]) {
+                let (value, variance) = kept.tire(corner);
+                let before = Learned { value, sd: variance.max(T::zero()).sqrt() };
+                self.disputed[corner] = Some(Disputed { before, since_s: self.believed_s });
                 if let Some(moved) = kept.contradicted(&now, TIRE + corner) {
-                    let (value, variance) = kept.tire(corner);
-                    let before = Learned { value, sd: variance.max(T::zero()).sqrt() };
-                    self.disputed[corner] = Some(Disputed { before, since_s: self.believed_s });
                     self.modes.forget_tire(corner, moved);
                 }
             }

@@ -418,10 +418,9 @@ impl<T: Real> SharedRoad<T> {
     /// seen to it that nothing changes.
     pub(crate) fn hear(&mut self, corner: usize, time_s: f64, stiffness_n_per_m: T, sd_n_per_m: T) {
         let speed = Some(self.speed_m_s).filter(|speed| speed.is_finite());
-        let slow = speed.is_some_and(|speed| speed < T::lit(SLOWEST_WORD_M_S));
         let changing = speed.map_or(T::zero(), |speed| (speed / self.late_speed_m_s).ln() / T::lit(CHANGING));
         let variance = T::lit(SAME_ROAD) * sd_n_per_m * sd_n_per_m * (T::one() + changing * changing);
-        if slow || !self.hears(corner) {
+        if !self.hears(corner) || self.is_slow() {
             return;
         }
         self.tracks[corner % 2].hear();
@@ -489,6 +488,11 @@ impl<T: Real> SharedRoad<T> {
     /// Whether the road under a corner is heard over its sensors' noise, as far as the axles tell.
     pub(crate) fn hears(&self, corner: usize) -> bool {
         self.tracks[corner % 2].heard() > T::zero()
+    }
+
+    /// Whether the car is too slow for words of the spectrum; not where nobody knows.
+    pub(crate) fn is_slow(&self) -> bool {
+        self.speed_m_s < T::lit(SLOWEST_WORD_M_S)
     }
 
     /// Whether a side's road is being learned from, and its incoherence.

@@ -199,7 +199,7 @@ impl<T: Real> Modes<T> {
             };
             log_weight[index] = trust * likelihood.log;
             let score = score(&found, instrument, expected);
-            own.learn(mode, &score, &expected.information, likelihood.scale / trust);
+            own.learn(mode, &score, &expected.information, &likelihood, trust);
             if index == best {
                 kept = Some((found, likelihood.ratio));
             }

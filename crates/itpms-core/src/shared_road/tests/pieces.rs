@@ -5,9 +5,10 @@ use core::f64::consts::TAU;
 use nalgebra::{ComplexField, SMatrix};
 
 use super::{C, Moved, PERIOD_S, SETTLED, deviating, signals, wheels};
+use crate::shared_road::BINS;
 use crate::shared_road::channel::Entry;
 use crate::shared_road::constraint::{Axle, Gram, OWN, OWN_TIRES, Score, places};
-use crate::shared_road::evidence::OwnCovariance;
+use crate::shared_road::evidence::{Likelihood, OwnCovariance};
 use crate::shared_road::instrument::Instrument;
 use crate::shared_road::memory::Memory;
 use crate::shared_road::modes::Modes;
@@ -123,6 +124,12 @@ fn the_instrument_is_the_quarter_car() {
     }
 }
 
+/// Any belief with correlations: a sum of squares.
+fn correlated() -> Covariance<f64> {
+    let mixing = Covariance::<f64>::from_fn(|i, j| ((7 * i + 3 * j) % 11) as f64 / 11.0 - 0.4);
+    mixing * mixing.transpose() * 1e-3 + Covariance::identity() * 1e-3
+}
+
 /// A frame says the same of a tire and of what the shared road reads too much of it: the short way of learning from it against
 /// the information of all quantities, inverted whole.
 #[test]
@@ -130,14 +137,12 @@ fn a_frame_tells_the_sum_of_tire_and_bias() {
     let side = 1;
     let mut modes = Modes::<f64>::new(&[0.0; 4]);
     let mode = &mut modes.modes[0];
-    // Any belief with correlations, and any information: sums of squares.
-    let mixing = Covariance::<f64>::from_fn(|i, j| ((7 * i + 3 * j) % 11) as f64 / 11.0 - 0.4);
-    mode.covariance = mixing * mixing.transpose() * 1e-3 + Covariance::identity() * 1e-3;
+    mode.covariance = correlated();
     let root = Gram::<f64>::from_fn(|i, j| ((5 * i + 2 * j) % 13) as f64 / 13.0 - 0.5);
     let information = root * root.transpose() * 300.0;
     let score = Score::<f64>::from_fn(|i, _| 10.0 * (i as f64 - 6.0));
     let before = mode.clone();
-    OwnCovariance::new(&mode.covariance, side).learn(mode, &score, &information, 1.0);
+    OwnCovariance::new(&mode.covariance, side).learn(mode, &score, &information, &surprised(1e6), 1.0);
 
     let mut reads = SMatrix::<f64, OWN, SIZE>::zeros();
     for (own, place) in places(side).into_iter().enumerate() {
@@ -156,6 +161,35 @@ fn a_frame_tells_the_sum_of_tire_and_bias() {
     state[TIRE + 3] = 0.1;
     state[ROAD_BIAS + 3] = -0.02;
     assert!((read_compliance(&state, 3) - 1.08f64).abs() < 1e-15);
+}
+
+/// A frame whose disagreement has this square over its standard deviations.
+fn surprised(surprise: f64) -> Likelihood<f64> {
+    Likelihood { log: 0.0, surprise, scale: 1.0, ratio: [1.0; BINS] }
+}
+
+/// A score that asks for more than the frame surprises, as of instruments that heard no road, moves the mean as far as that and
+/// no farther, in the same direction; one that asks for less is left alone.
+#[test]
+fn no_step_is_longer_than_the_surprise() {
+    let side = 0;
+    let moved = |times: f64, surprise: f64| {
+        let mut modes = Modes::<f64>::new(&[0.0; 4]);
+        let mode = &mut modes.modes[0];
+        mode.covariance = correlated();
+        let before = mode.clone();
+        let information = Gram::<f64>::identity() * 100.0;
+        let score = Score::<f64>::from_fn(|i, _| times * (i as f64 - 6.0));
+        let own = OwnCovariance::new(&mode.covariance, side);
+        own.learn(mode, &score, &information, &surprised(surprise), 1.0);
+        let step = mode.mean - before.mean;
+        (step, step.dot(&(before.covariance.try_inverse().unwrap() * step)))
+    };
+    let (small, length) = moved(1.0, 10.0);
+    assert!(length > 0.0 && length < 10.0, "{length}");
+    let (large, length) = moved(1000.0, 10.0);
+    assert!((length - 10.0).abs() < 1e-9, "{length}");
+    assert!((large.normalize() - small.normalize()).amax() < 1e-12);
 }
 
 /// However long nothing is learned of a car, it stays one that its file may describe.
