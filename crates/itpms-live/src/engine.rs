@@ -265,7 +265,7 @@ impl Engine {
             source: self.source.clone(),
             vehicle: self.vehicle.name.clone(),
             speed_m_s: f64::NAN,
-            distance_m: 0.0,
+            distance_m: f64::NAN,
             latency_ms,
             wheels: Vec::new(),
             tracks: Vec::new(),

@@ -53,25 +53,34 @@ fn a_puncture_is_said_once_for_the_right_wheel_and_in_both_files() {
     }
 }
 
-/// A speed in km/h that no check of units can know for one: 80 m/s.
-#[test]
-fn roads_that_never_meet_are_mentioned() {
+/// What a drive of more than a minute says of its speeds once they are made others: the number of the row and m/s give a cell.
+fn remarks_on_speeds(speeds: impl Fn(usize, f64) -> String) -> String {
     let bench = Bench::new();
     estimated(&bench, &puncture().replace("duration_s = 40.0", "duration_s = 70.0"), "");
     let log = bench.read("drive.csv");
     let place = log.lines().next().unwrap().split(',').position(|name| name == "speed_m_s").unwrap();
-    let faster = |line: &str| {
+    let other = |(row, line): (usize, &str)| {
         let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
-        if let Ok(speed) = cells[place].parse::<f64>() {
-            cells[place] = (3.6 * speed).to_string();
+        if let Ok(speed) = cells[place].parse() {
+            cells[place] = speeds(row, speed);
         }
         cells.join(",")
     };
-    bench.write("fast.csv", log.lines().map(faster).collect::<Vec<_>>().join("\n"));
-    let stderr = |log: &str| bench.run(&format!("estimate {log} --vehicle car.toml -o est.csv")).stderr;
-    assert!(!stderr("drive.csv").contains("never found to meet"));
-    let said = stderr("fast.csv");
+    bench.write("other.csv", log.lines().enumerate().map(other).collect::<Vec<_>>().join("\n"));
+    bench.run("estimate other.csv --vehicle car.toml -o est.csv").stderr
+}
+
+#[test]
+fn a_speed_that_makes_no_sense_or_comes_too_seldom_is_mentioned() {
+    let right = remarks_on_speeds(|_, speed| speed.to_string());
+    assert!(!right.contains("never found to meet") && !right.contains("is unknown"), "{right}");
+    // A speed in km/h that no check of units can know for one: 80 m/s.
+    let said = remarks_on_speeds(|_, speed| (3.6 * speed).to_string());
     assert!(said.contains("never found to meet the same road") && said.contains("another unit"), "{said}");
+    // One value a second at 200 Hz, as a satellite receiver tells it: known for half of the time.
+    let seldom = |row: usize, speed: f64| if row % 200 == 1 { speed.to_string() } else { String::new() };
+    let said = remarks_on_speeds(seldom);
+    assert!(said.contains("speed_m_s is unknown for 50 % of the time"), "{said}");
 }
 
 #[test]

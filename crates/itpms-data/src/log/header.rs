@@ -68,12 +68,9 @@ impl Header {
         }
         let columns = LogColumns { speed: has(Slot::Speed), corners };
         let absent: Vec<&str> = known.iter().filter(|(s, _)| !has(*s)).map(|(_, n)| n.as_str()).collect();
-        let suspicious = strangers
-            .iter()
-            .filter_map(|name| {
-                Some((shortened(name), nearly(name, &absent).or_else(|| speed(name, &absent))?.to_owned()))
-            })
-            .collect();
+        let meant = |name: &str| nearly(name, &absent).or_else(|| speed(name, &absent));
+        let suspicious =
+            strangers.iter().filter_map(|name| Some((shortened(name), meant(name)?.to_owned()))).collect();
         Ok(Self { columns, slots, suspicious })
     }
 }

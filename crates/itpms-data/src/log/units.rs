@@ -1,6 +1,6 @@
 //! Numbers in another unit than m/s² and m/s: suspected where physics leaves no other reading.
 //!
-//! Called once by the reader with the rows it has looked ahead. Four signs, any of them enough:
+//! Called once by the reader with the rows it has looked ahead. Signs, any of them enough:
 //!
 //! 1. **Gravity of size one.** Both sensors of a corner have a mean of 0.85 to 1.15 in size while the body hardly moves
 //!    (rms below 0.5 about it). In g that is a sensor standing upright; in m/s² it would be a constant acceleration of
@@ -20,7 +20,8 @@
 //!    is four to fifteen times the body's, noise of both taken in, and hardly ever less than noise of both alone makes it,
 //!    once. In g it is 0.4 to 1.5 times the body's, in columns that carry each other's names a tenth. So a moving car whose
 //!    wheels all show less than 0.8 of their bodies' rms is not what its columns say. (A wheel in g on a road that makes
-//!    it more is not seen; nor is one that shows gravity, 1 beside the body's 9.81, missed.)
+//!    it more is not seen.)
+//! 5. **Gravity in two units.** The body of a corner has a mean of some 9.81 in size, its wheel one of some 1.
 //!
 //! Simulated drives of the paper's car (classes A-C, 15 to 120 km/h, w 1.8 to 2.6, noise 0 to 0.3 m/s², four seeds): of
 //! 1620 logs in m/s², a third of them without a speed and a third with gravity, none is refused; of 540 in g with gravity

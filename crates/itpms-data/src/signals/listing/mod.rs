@@ -156,6 +156,20 @@ impl Lister {
         }
     }
 
+    /// Whether the log is a table, whose columns need our names and have no map.
+    #[must_use]
+    pub fn is_table(&self) -> bool {
+        match &self.source {
+            Source::Table(_) => true,
+            #[cfg(feature = "parquet")]
+            Source::Parquet(_) => true,
+            #[cfg(feature = "can")]
+            Source::Frames(_) => false,
+            #[cfg(feature = "mdf4")]
+            Source::Mdf4(_) => false,
+        }
+    }
+
     /// What was found so far.
     #[must_use]
     pub fn finish(self) -> Listing {

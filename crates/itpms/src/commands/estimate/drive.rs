@@ -5,6 +5,7 @@ use itpms_core::estimate::CornerEstimate;
 use itpms_core::monitor::{Monitor, MonitorConfig, MonitorReport, MonitoredCar};
 use itpms_core::quarter_car::QuarterCar;
 use itpms_core::sample::Corner;
+use itpms_core::speed::SpeedHold;
 use itpms_data::{LogRow, Vehicle};
 
 use super::reference;
@@ -21,6 +22,8 @@ pub(super) type QuarterCars = [Option<QuarterCar<f64>>; 4];
 /// should have been: in everyday driving it takes two.
 const MEETING_M_S: f64 = 5.0;
 const MEETING_S: f64 = 60.0;
+/// Share of the time for which a speed may be unknown before that is said.
+const UNKNOWN_SHARE: f64 = 0.1;
 
 /// The running estimator under its monitor.
 pub(super) struct Drive {
@@ -29,6 +32,10 @@ pub(super) struct Drive {
     time_s: f64,
     apart_s: f64,
     met: bool,
+    /// Seconds of rows, and of those in which nobody knew the speed.
+    speed: SpeedHold<f64>,
+    passed_s: f64,
+    unknown_s: f64,
 }
 
 impl Drive {
@@ -49,7 +56,15 @@ impl Drive {
         if let Some(seconds) = args.calibrate_s {
             car.begin_reset(seconds).map_err(fail)?;
         }
-        Ok(Self { car, time_s: f64::NAN, apart_s: 0.0, met: false })
+        Ok(Self {
+            car,
+            time_s: f64::NAN,
+            apart_s: 0.0,
+            met: false,
+            speed: SpeedHold::new(),
+            passed_s: 0.0,
+            unknown_s: 0.0,
+        })
     }
 
     /// The cars as they seem to be now, in the order of [`Corner::ALL`].
@@ -72,13 +87,21 @@ impl Drive {
         !self.met && self.apart_s > MEETING_S
     }
 
+    /// The share of the time in which nobody knew the speed, if it is more than should be.
+    pub(super) fn speed_unknown(&self) -> Option<f64> {
+        Some(self.unknown_s / self.passed_s).filter(|share| *share > UNKNOWN_SHARE)
+    }
+
     pub(super) fn update(&mut self, row: &LogRow) -> CarEstimate<f64> {
         let estimate = self.car.update(&row.sample());
         let step_s = row.time_s - self.time_s;
         self.time_s = row.time_s;
         self.met |= estimate.tracks.iter().any(|track| track.shared);
-        if row.speed_m_s > MEETING_M_S && step_s < 1.0 {
-            self.apart_s += step_s;
+        let speed_m_s = self.speed.take(row.time_s, row.speed_m_s);
+        if step_s < 1.0 {
+            self.passed_s += step_s;
+            self.unknown_s += if speed_m_s.is_nan() { step_s } else { 0.0 };
+            self.apart_s += if speed_m_s > MEETING_M_S { step_s } else { 0.0 };
         }
         estimate
     }

@@ -75,7 +75,7 @@ pub(crate) fn perform(args: &EstimateArgs, screen: &Screen, interrupt: &Interrup
     interrupt.check()?;
 
     let (data, alerts) = outputs.complete(args, &vehicle, &log, drive.learned())?;
-    let concerns = concerns(args, &log, &vehicle, drive.never_met());
+    let concerns = concerns(args, &log, &vehicle, &drive);
     remarks(screen, &log, &concerns);
     reference::remark(args, screen);
     Ok(Done { log, data, alerts, concerns })
@@ -118,7 +118,7 @@ fn remarks(screen: &Screen, log: &LogReader, concerns: &[String]) {
 }
 
 /// What a person, or a script, should know before believing the result.
-fn concerns(args: &EstimateArgs, log: &LogReader, vehicle: &Vehicle, never_met: bool) -> Vec<String> {
+fn concerns(args: &EstimateArgs, log: &LogReader, vehicle: &Vehicle, drive: &Drive) -> Vec<String> {
     let mut concerns = log.repairs().warnings();
     let present = log.columns().present();
     for corner in present.iter().filter(|corner| vehicle.corner(**corner).is_none()) {
@@ -140,7 +140,12 @@ fn concerns(args: &EstimateArgs, log: &LogReader, vehicle: &Vehicle, never_met: 
         if vehicle.wheelbase_m.is_none() {
             concerns.push(format!("the vehicle file has no wheelbase_m, {alone}"));
         }
-        if never_met && log.columns().speed && vehicle.wheelbase_m.is_some() {
+        if let Some(share) = drive.speed_unknown().filter(|_| log.columns().speed) {
+            concerns.push(format!(
+                "speed_m_s is unknown for {:.0} % of the time (a value goes on for half a second), and for as long every wheel is by itself: less accurate",
+                100.0 * share
+            ));
+        } else if drive.never_met() && log.columns().speed && vehicle.wheelbase_m.is_some() {
             concerns.push(
                 "front and rear were never found to meet the same road, so every wheel is by itself: speed_m_s in another unit, another wheelbase_m, or wheels confused?"
                     .to_owned(),
