@@ -80,6 +80,29 @@ impl<T: Real> Limits<T> {
         Ok(Self::scaled_to(loss, WARM_SPAN))
     }
 
+    /// A limit that is no number, or out of order, would silence the monitor.
+    fn check(&self) -> Result<(), ParameterError> {
+        let [least, largest] = self.reference_span;
+        let shares = [
+            ("low_share", self.low_share, T::zero(), T::one()),
+            ("all_low_share", self.all_low_share, T::zero(), T::one()),
+            ("low_over_share", self.low_over_share, self.low_share, T::one()),
+            ("over_share", self.over_share, T::one(), T::lit(10.0)),
+            ("over_over_share", self.over_over_share, self.low_over_share, self.over_share),
+            ("reference_span's least share", least, T::zero(), largest),
+            ("reference_span's largest share", largest, least, T::lit(10.0)),
+        ];
+        for (name, share, from, to) in shares {
+            if !(share > T::zero() && share >= from && share <= to) {
+                let expected = "a share of the reference, in order with the others";
+                return Err(ParameterError { name, value: share.to_f64(), expected });
+            }
+        }
+        positive("fast_leak_kpa_per_min", self.fast_leak_kpa_per_min)?;
+        positive("no_information_s", self.no_information_s)?;
+        Ok(())
+    }
+
     /// Six tenths of the loss decide: 0.88 for a fifth.
     fn scaled_to(loss: T, [least, largest]: [f64; 2]) -> Self {
         Self {
@@ -133,10 +156,22 @@ impl<T: Real> MonitorConfig<T> {
     /// # Errors
     /// A reference must be positive and finite.
     pub fn with_references(self, reference_kpa: [Option<T>; 4]) -> Result<Self, ParameterError> {
-        for reference in reference_kpa.into_iter().flatten() {
+        let config = Self { reference_kpa, ..self };
+        config.check_references()?;
+        Ok(config)
+    }
+
+    fn check_references(&self) -> Result<(), ParameterError> {
+        for reference in self.reference_kpa.into_iter().flatten() {
             positive("reference_kpa", reference)?;
         }
-        Ok(Self { reference_kpa, ..self })
+        Ok(())
+    }
+
+    /// Whether a monitor can go by it.
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
+        self.limits.check()?;
+        self.check_references()
     }
 }
 
@@ -153,5 +188,35 @@ mod tests {
         for bad in [0.0, -0.1, 0.6, f64::NAN] {
             assert_eq!(Limits::for_loss(bad).unwrap_err().name, "loss_share");
         }
+    }
+
+    #[test]
+    fn no_limit_is_a_number_that_says_nothing() {
+        let good = Limits::<f64>::from(Regulation::UnR141);
+        for rule in Regulation::ALL {
+            assert_eq!(Limits::<f64>::from(rule).check(), Ok(()));
+        }
+        assert_eq!(Limits::<f32>::for_loss(0.5).unwrap().check(), Ok(()));
+        let changes: [fn(&mut Limits<f64>, f64); 9] = [
+            |limits, value| limits.low_share = value,
+            |limits, value| limits.low_over_share = value,
+            |limits, value| limits.all_low_share = value,
+            |limits, value| limits.over_share = value,
+            |limits, value| limits.over_over_share = value,
+            |limits, value| limits.fast_leak_kpa_per_min = value,
+            |limits, value| limits.reference_span[0] = value,
+            |limits, value| limits.reference_span[1] = value,
+            |limits, value| limits.no_information_s = value,
+        ];
+        for (place, change) in changes.into_iter().enumerate() {
+            for value in [f64::NAN, f64::INFINITY, -1.0, 0.0] {
+                let mut limits = good;
+                change(&mut limits, value);
+                assert!(limits.check().is_err(), "{place} {value}");
+            }
+        }
+        // Hysteresis the wrong way round.
+        assert!(Limits { low_over_share: 0.8, ..good }.check().is_err());
+        assert!(Limits { over_over_share: 1.3, ..good }.check().is_err());
     }
 }

@@ -104,9 +104,10 @@ impl<T: Real> Monitor<T> {
     /// A monitor for samples that come at about `sample_rate_hz`.
     ///
     /// # Errors
-    /// The rate must be positive and finite.
+    /// The rate must be positive and finite, limits and references numbers in order.
     pub fn new(config: &MonitorConfig<T>, sample_rate_hz: f64) -> Result<Self, ParameterError> {
         let sample_rate_hz = positive("sample_rate_hz", sample_rate_hz)?;
+        config.check()?;
         let placard = |i: usize| config.car.corners[i].as_ref().map_or(T::one(), |corner| corner.placard_kpa);
         let told_kpa = [0, 1, 2, 3].map(|i| config.reference_kpa[i].unwrap_or(placard(i)));
         Ok(Self {
