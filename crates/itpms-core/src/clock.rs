@@ -33,14 +33,14 @@ impl Stray {
     /// None yet.
     pub(crate) const NONE: Self = Self { first_s: f64::NEG_INFINITY, last_s: f64::NEG_INFINITY, steps: 0 };
 
-    /// Takes another one.
-    pub(crate) fn take(&mut self, time_s: f64, period_s: f64) {
+    /// Takes another one; it follows the last one if it is at most `longest_s` later.
+    pub(crate) fn take(&mut self, time_s: f64, period_s: f64, longest_s: f64) {
         let step_s = time_s - self.last_s;
         // The same time again says nothing.
         if step_s.abs() < CLOSEST * period_s {
             return;
         }
-        if step_s > 0.0 && step_s <= LONGEST_BRIDGE * period_s {
+        if step_s > 0.0 && step_s <= longest_s {
             self.steps += 1;
         } else {
             (self.first_s, self.steps) = (time_s, 0);
@@ -76,7 +76,9 @@ impl SteadyClock {
         let step_s = time_s - self.stamp_s;
         let in_line = self.stamp_s == f64::NEG_INFINITY || (0.0..=LEAP_S).contains(&step_s);
         if !in_line {
-            self.stray.take(time_s, self.period_s);
+            // Ahead, samples may come as seldom as they may before it; old ones that come late come as they were sent.
+            let longest_s = if step_s > 0.0 { LEAP_S } else { LONGEST_BRIDGE * self.period_s };
+            self.stray.take(time_s, self.period_s, longest_s);
             if self.stray.steps < if step_s > 0.0 { LEAPT } else { SET_BACK } {
                 return None;
             }
@@ -150,6 +152,15 @@ mod tests {
         let (_, times) = steady((0..400).map(|k| stamp(k) + if k < 200 { 0.0 } else { 3600.0 }));
         assert_eq!(times[200], None);
         assert_eq!(times[201], Some(stamp(201) + 3600.0));
+    }
+
+    #[test]
+    fn after_a_pause_samples_may_come_more_seldom() {
+        // Twelve periods apart, after an hour.
+        let (clock, times) =
+            steady((0..400).map(|k| if k < 200 { stamp(k) } else { 3600.0 + stamp(12 * k) }));
+        assert!(times[200].is_none() && times[201..].iter().all(Option::is_some), "{:?}", times[201]);
+        assert_eq!(clock.now_s(), 3600.0 + stamp(12 * 399));
     }
 
     #[test]

@@ -236,7 +236,7 @@ impl<T: Real> Intake<T> {
     /// clock must have been wrong before: then all that came until now is another record.
     fn was_set_back(&mut self, time_s: f64) -> bool {
         self.refused = self.refused.saturating_add(1);
-        self.stray.take(time_s, self.sample_period_s);
+        self.stray.take(time_s, self.sample_period_s, LONGEST_BRIDGE * self.sample_period_s);
         if self.stray.steps < SET_BACK {
             return false;
         }

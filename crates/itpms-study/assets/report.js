@@ -26,6 +26,7 @@
     const of = (list) => list.filter((v, i) => v != null && valid[i]);
     const p = of(c.p), lo = of(c.lo), hi = of(c.hi), sd = of(c.sd);
     const known = [...p, ...c.truth.filter((v) => v != null), corner.placard];
+    if (!p.length) known.push(quantile(c.notValid, 0.02), quantile(c.notValid, 0.98));
     if (p.length) known.push(quantile(lo, 0.02), quantile(hi, 0.98));
     const bound = c.bound.filter((v) => v != null);
     corner.span = { low: Math.max(0, Math.min(...known)), high: Math.max(...known), sd: Math.max(5, quantile(sd, 0.98), quantile(bound, 0.98)) };
@@ -50,6 +51,7 @@
         { label: "Cramer-Rao bound, 95 %", lo: c.boundLo, hi: c.boundHi, dash: "dotted",
           ...(known ? { band: "bound-band", edge: "bound", color: "bound" } : { band: "bound-soft" }),
           text: (i) => "± " + digits((c.boundHi[i] - c.boundLo[i]) / 2, 0) },
+        { label: "Not valid", y: c.notValid, color: "quiet", dash: "dotted", text: (i) => kpa(c.notValid[i]) },
         { label: "Estimate", y: c.p, color: "estimate", width: 2, text: (i) => kpa(c.p[i]) },
         { label: "Truth", y: c.truth, color: "truth", dash: "dashed", text: (i) => kpa(c.truth[i]) },
       ],

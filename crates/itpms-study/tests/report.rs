@@ -100,6 +100,7 @@ fn the_data_is_all_there_and_small() {
     let time = &json["corners"][0]["time"];
     for curve in [
         "p",
+        "notValid",
         "lo",
         "hi",
         "truth",
@@ -161,11 +162,12 @@ fn without_truth_or_speed_the_page_says_less_and_stays_whole() {
 #[test]
 fn a_missing_value_is_null() {
     let mut data = report(&PAPER, "sedan");
-    data.corners[0].curves.pressure_kpa[7] = f64::NAN;
+    // In the middle of a drive, where the estimate has begun to be valid.
+    data.corners[0].curves.pressure_kpa[1007] = f64::NAN;
     data.corners[0].curves.sd_kpa[9] = f64::INFINITY;
     let json = embedded(&render_report(&data).unwrap());
     let time = &json["corners"][0]["time"];
-    assert!(time["p"][7].is_null() && time["sd"][9].is_null() && time["p"][8].is_number());
+    assert!(time["p"][1007].is_null() && time["sd"][9].is_null() && time["p"][1008].is_number());
 }
 
 #[test]
@@ -306,7 +308,11 @@ fn without_speed_there_is_no_road_and_without_validity_no_pressure() {
     assert!(data.corners[0].road.is_none() && data.drive.distance_m.is_nan());
     let page = render_report(&data).unwrap();
     assert!(page.contains("No road is shown") && !page.contains("NaN"));
-    let page = render_report(&steady(10.0, 200.0, 5.0, Validity::NoInformation)).unwrap();
+    let data = steady(10.0, 200.0, 5.0, Validity::NoInformation);
+    let curves = &data.corners[0].curves;
+    assert!(curves.pressure_kpa.is_empty() && curves.band_kpa.iter().all(Vec::is_empty));
+    assert_eq!(curves.not_valid_kpa.len(), data.time_s.len());
+    let page = render_report(&data).unwrap();
     assert!(page.contains("Front left: not enough was seen for a pressure"));
 }
 

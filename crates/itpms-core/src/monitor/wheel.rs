@@ -24,6 +24,8 @@ const UNINFORMED: Patience = Patience { raise_s: 0.0, clear_s: 1.0 };
 const LEARNING: f64 = 0.1;
 /// Speed in m/s above which a car should learn something: 20 km/h.
 const SHOULD_LEARN_M_S: f64 = 5.5;
+/// Seconds of learning after which what had been forgotten, as after a night, is known anew: not by its first frame.
+const ANEW_S: f64 = 2.0;
 
 /// What else is known when a wheel is looked at.
 #[derive(Debug, Clone, Copy)]
@@ -45,6 +47,8 @@ pub(super) struct WheelWatch {
     pub(super) over: Latch,
     pub(super) uninformed: Latch,
     pub(super) informed_s: f64,
+    /// Seconds in which something was learned since all that had been known was forgotten.
+    anew_s: f64,
     /// Seconds of driving since something was last learned.
     pub(super) driven_s: f64,
 }
@@ -56,6 +60,7 @@ impl WheelWatch {
             over: Latch::new(),
             uninformed: Latch::new(),
             informed_s: f64::NEG_INFINITY,
+            anew_s: 0.0,
             driven_s: 0.0,
         }
     }
@@ -72,7 +77,12 @@ impl WheelWatch {
         let time_s = estimate.time_s;
         let learning = is_learning(estimate);
         if learning {
-            (self.informed_s, self.driven_s) = (time_s, 0.0);
+            let forgotten = self.is_forgotten(time_s, limits);
+            self.driven_s = 0.0;
+            self.anew_s = if forgotten { self.anew_s + step_s } else { 0.0 };
+            if !forgotten || self.anew_s >= ANEW_S {
+                self.informed_s = time_s;
+            }
         } else if around.speed_m_s > T::lit(SHOULD_LEARN_M_S) {
             self.driven_s += step_s;
         }

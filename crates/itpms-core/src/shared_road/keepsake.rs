@@ -108,6 +108,8 @@ impl<T: Real> SharedRoad<T> {
             }
             return;
         }
+        let side_tells = |corner: usize| !suspected[corner] && !suspected[(corner + 2) % 4];
+        let moved: [_; 4] = core::array::from_fn(|corner| kept.contradicted(&now, TIRE + corner));
         self.modes.set(&kept.belief);
         self.learned_s = kept.learned_s;
         for (track, answer) in self.tracks.iter_mut().zip(&kept.answers) {
@@ -115,6 +117,17 @@ impl<T: Real> SharedRoad<T> {
         }
         let seconds = (self.believed_s - kept.time_s).clamp(0.0, LONGEST_PAUSE_S);
         self.modes.wake(T::lit(seconds), false);
+        // Another tire that has moved may really have lost its air, with a sensor that lies or one that only seems to: it may
+        // be what it was or what it is now. On a side whose sensors are all trusted the latter is likelier, and frames go on.
+        for corner in (0..4).filter(|&corner| !suspected[corner]) {
+            let Some(moved) = moved[corner] else { continue };
+            if side_tells(corner) {
+                let (value, sd) = (now.mean[TIRE + corner], T::zero());
+                self.modes.begin_with(TIRE + corner, &Learned { value, sd }, moved, T::one());
+            } else {
+                self.modes.forget_tire(corner, moved);
+            }
+        }
         // From here on: nothing is gone back to twice.
         self.kept = [None, None];
         self.keep();

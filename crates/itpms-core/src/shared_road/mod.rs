@@ -353,8 +353,9 @@ impl<T: Real> SharedRoad<T> {
             self.learned_s += 0.5 * HOP_S;
             self.waited_s = 0.0;
         }
-        self.modes.drop_impossible();
-        if !self.modes.is_sound() {
+        let softest = self.scale.softest();
+        self.modes.drop_impossible(&softest);
+        if !self.modes.is_sound(&softest) {
             self.begin_again();
         }
     }
@@ -457,9 +458,15 @@ impl<T: Real> SharedRoad<T> {
     }
 
     /// A corner's sensors were out of order: its tire may have changed meanwhile, and before it was noticed only seemed to.
+    /// During a reset it is what somebody has set.
     pub(crate) fn restart(&mut self, corner: usize) {
         self.kept = [None, None];
-        if let Some(tire) = self.disputed[corner].take() {
+        let disputed = self.disputed[corner].take();
+        if self.held {
+            self.set_tire(corner);
+            return;
+        }
+        if let Some(tire) = disputed {
             self.modes.begin_with(TIRE + corner, &tire.before, T::zero(), T::one());
         }
         self.modes.forget_tire(corner, T::lit(UNWATCHED_SD));

@@ -29,9 +29,8 @@ const RATE_SD: f64 = 0.08;
 const RATE_WANDER: f64 = 0.1;
 /// Growth per square root of a second of each compliance's sd while wheels wander.
 const LOOSE_SD: f64 = 0.06;
-/// What a tire's compliance can be, over that at placard pressure, less one: at more than twice that pressure, and flat.
+/// The least that a tire's compliance can be, over that at placard pressure, less one: at more than twice that pressure.
 const HARDEST: f64 = -0.5;
-const SOFTEST: f64 = 3.0;
 /// Chance that a tire was filled or let down during a stop, and the sd of its compliance then.
 const FILLED: f64 = 1e-3;
 const FILLED_SD: f64 = 0.15;
@@ -326,13 +325,15 @@ impl<T: Real> Modes<T> {
         }
     }
 
-    /// Modes in which a tire is what no tire can be are not followed; the quiet one is left for [`Modes::is_sound`].
-    pub(super) fn drop_impossible(&mut self) {
+    /// Modes in which a tire is what no tire can be are not followed. A tire of the quiet one is never softer than flat; what
+    /// else is wrong with that one is left for [`Modes::is_sound`]. `softest`: each tire's compliance when flat.
+    pub(super) fn drop_impossible(&mut self, softest: &[T; 4]) {
+        self.modes[QUIET].stop_at(softest);
         let mut total = T::zero();
         for (index, mode) in self.modes.iter_mut().enumerate() {
             // Tires do not fill themselves, and nobody else fills four at once while they roll.
             let filling = index == ALL && !(mode.mean[RATE] >= T::zero());
-            if filling || !mode.is_possible() {
+            if filling || !mode.is_possible(softest) {
                 mode.weight = T::zero();
             }
             total += mode.weight;
@@ -392,13 +393,13 @@ impl<T: Real> Modes<T> {
         self.modes[1..].iter().fold(T::zero(), |sum, mode| sum + mode.weight)
     }
 
-    pub(super) fn is_sound(&self) -> bool {
+    pub(super) fn is_sound(&self, softest: &[T; 4]) -> bool {
         let finite = |mode: &Mode<T>| {
             mode.weight >= T::zero()
                 && mode.mean.iter().all(|x| x.is_finite())
                 && mode.covariance.iter().all(|x| x.is_finite())
         };
-        self.modes.iter().all(finite) && self.modes[QUIET].is_possible()
+        self.modes.iter().all(finite) && self.modes[QUIET].is_possible(softest)
     }
 }
 
@@ -425,8 +426,23 @@ impl<T: Real> Mode<T> {
         ended
     }
 
-    fn is_possible(&self) -> bool {
-        (TIRE..TIRE + 4).all(|i| self.mean[i] > T::lit(HARDEST) && self.mean[i] < T::lit(SOFTEST))
+    fn is_possible(&self, softest: &[T; 4]) -> bool {
+        softest.iter().enumerate().all(|(i, &softest)| {
+            let tire = self.mean[TIRE + i];
+            tire > T::lit(HARDEST) && tire <= softest
+        })
+    }
+
+    /// A tire that is softer than flat is flat, give or take what it was more.
+    fn stop_at(&mut self, softest: &[T; 4]) {
+        for (i, &softest) in softest.iter().enumerate() {
+            let at = TIRE + i;
+            let more = self.mean[at] - softest;
+            if more > T::zero() && more.is_finite() {
+                self.mean[at] = softest;
+                self.covariance[(at, at)] += more * more;
+            }
+        }
     }
 
     /// Rounding leaves a covariance neither symmetric nor quite positive.

@@ -24,15 +24,18 @@ impl<T: Real> SharedRoad<T> {
     pub(super) fn set_tires(&mut self) {
         self.held_from_s = self.learned_s;
         (self.kept, self.disputed) = ([None, None], [None; 4]);
-        for corner in 0..4 {
-            self.modes.forget_tire(corner, T::lit(SET_ANEW_SD));
-            let sd = T::lit(RESET_SD) * self.scale.share(corner);
-            self.modes.measure(sd * sd, |state| {
-                let mut slope = State::zeros();
-                slope[TIRE + corner] = T::one();
-                (slope, -state[TIRE + corner])
-            });
-        }
+        (0..4).for_each(|corner| self.set_tire(corner));
+    }
+
+    /// One of them.
+    pub(super) fn set_tire(&mut self, corner: usize) {
+        self.modes.forget_tire(corner, T::lit(SET_ANEW_SD));
+        let sd = T::lit(RESET_SD) * self.scale.share(corner);
+        self.modes.measure(sd * sd, |state| {
+            let mut slope = State::zeros();
+            slope[TIRE + corner] = T::one();
+            (slope, -state[TIRE + corner])
+        });
     }
 
     /// Says that a reset goes on, or that it is over or there was none.

@@ -7,6 +7,9 @@ use crate::real::Real;
 /// Least compliance of a tire over that at placard pressure.
 pub(super) const LEAST_COMPLIANCE: f64 = 0.05;
 
+/// What is taken for flat is the compliance at no pressure, within so many times that at placard pressure.
+const FLAT: [f64; 2] = [4.0, 30.0];
+
 /// The tires at their placard pressures, in the order of the corners.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -21,6 +24,15 @@ impl<T: Real> Scale<T> {
     /// The placard pressure's share in a corner's stiffness.
     pub(super) fn share(&self, corner: usize) -> T {
         self.pressures_part_n_per_m(corner) / self.placard_n_per_m[corner]
+    }
+
+    /// The most that each tire's compliance can be, over that at placard pressure, less one: flat.
+    pub(super) fn softest(&self) -> [T; 4] {
+        core::array::from_fn(|corner| {
+            let carcass = T::one() - self.share(corner);
+            let [least, most] = FLAT;
+            (T::one() / carcass.max(T::lit(1.0 / most))).max(T::lit(least)) - T::one()
+        })
     }
 
     /// What of a corner's stiffness in N/m the placard pressure makes: the unit of the spectrum's biases.

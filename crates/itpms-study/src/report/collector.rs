@@ -45,7 +45,9 @@ mod channel {
     pub(super) const CHANGE: usize = 9;
     pub(super) const VALIDITY: usize = 10;
     pub(super) const WARNING: usize = 11;
-    pub(super) const PER_CORNER: usize = 12;
+    /// The pressure where it is not valid: nobody should go by it.
+    pub(super) const NOT_VALID: usize = 12;
+    pub(super) const PER_CORNER: usize = 13;
 }
 
 /// What the report takes for granted.
@@ -249,10 +251,12 @@ fn road_is_estimated(validity: Validity) -> bool {
 fn fill(values: &mut [f64], row: &CornerRow) {
     let e = &row.estimate;
     let half = Z_95 * e.pressure_sd_kpa;
+    let (valid, not_valid) =
+        if e.validity.is_valid() { (e.pressure_kpa, f64::NAN) } else { (f64::NAN, e.pressure_kpa) };
     values.copy_from_slice(&[
-        e.pressure_kpa,
-        e.pressure_kpa - half,
-        e.pressure_kpa + half,
+        valid,
+        valid - half,
+        valid + half,
         row.truth_kpa,
         e.pressure_sd_kpa,
         (e.pressure_kpa - row.truth_kpa).abs(),
@@ -272,6 +276,7 @@ fn fill(values: &mut [f64], row: &CornerRow) {
             Warning::Malfunction => 1.0,
             Warning::Low => 2.0,
         },
+        not_valid,
     ]);
 }
 
@@ -285,6 +290,7 @@ fn time_curves(track: &Track, base: usize, options: &ReportOptions) -> TimeCurve
     let (nis_mean, nis_check) = averaged_nis(track, base + channel::NIS, options.nis_dof_per_s);
     TimeCurves {
         pressure_kpa: curve(channel::PRESSURE, Keep::Extremes),
+        not_valid_kpa: curve(channel::NOT_VALID, Keep::Extremes),
         band_kpa: [curve(channel::LOWER, Keep::Lowest), curve(channel::UPPER, Keep::Highest)],
         truth_kpa: curve(channel::TRUTH, Keep::Extremes),
         sd_kpa: curve(channel::SD, Keep::Extremes),
@@ -364,7 +370,8 @@ fn bound_sd(
     };
     let Ok(bound) = CornerBound::new(config, &setting) else { return Vec::new() };
     let mut recursion = bound.recursion(options.bound_prior_sd_kpa);
-    let truths: Vec<f64> = track.means(base + channel::TRUTH).map(|(_, v)| v).collect();
+    let means = |channel: usize| track.means(base + channel).map(|(_, v)| v).collect::<Vec<f64>>();
+    let (truths, not_valid) = (means(channel::TRUTH), means(channel::NOT_VALID));
     let (mut last_x, mut last_truth) = (f64::NAN, f64::NAN);
     let mut sd = Vec::with_capacity(speeds.len());
     for (i, (x, estimate)) in track.means(base + channel::PRESSURE).enumerate() {
@@ -372,7 +379,8 @@ fn bound_sd(
         if speeds[i] <= STANDING_M_S {
             recursion.stand(dt);
         } else {
-            let pressure = if truths[i].is_finite() { truths[i] } else { estimate };
+            let best = [truths[i], estimate, not_valid[i]];
+            let pressure = best.into_iter().find(|pressure| pressure.is_finite()).unwrap_or(f64::NAN);
             recursion.drive(dt, pressure, (truths[i] - last_truth) / dt);
         }
         (last_x, last_truth) = (x, truths[i]);

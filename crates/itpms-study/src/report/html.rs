@@ -87,7 +87,8 @@ fn distance(metres: f64) -> String {
 /// The corners at a glance, around the car where there are several.
 fn cards(data: &ReportData) -> String {
     let mut out = if data.corners.len() > 1 { car::drawing(data) } else { String::new() };
-    out.extend(data.corners.iter().map(card));
+    let end_s = data.time_s.last().copied().unwrap_or(f64::NAN);
+    out.extend(data.corners.iter().map(|corner| card(corner, end_s)));
     out
 }
 
@@ -103,8 +104,9 @@ fn roads_section(data: &ReportData) -> String {
     )
 }
 
-/// One corner at a glance: its pressure now against the placard's.
-fn card(corner: &CornerReport) -> String {
+/// One corner at a glance: its last pressure against the placard's. Where the drive went on for more than a second without
+/// one, since when.
+fn card(corner: &CornerReport, end_s: f64) -> String {
     let status = Status::of(corner);
     let f = &corner.figures;
     let (number, spread, gauge) = match &f.last {
@@ -115,9 +117,11 @@ fn card(corner: &CornerReport) -> String {
         }
         None => ("–".to_owned(), "kPa".to_owned(), String::new()),
     };
-    let foot = match f.low_since_s {
-        Some(since) => format!("<span>low since {}</span>", clock(since)),
-        None => format!("<span>valid for {:.0} % of the drive</span>", 100.0 * f.share_valid),
+    let old_s = f.last.as_ref().map(|last| last.time_s).filter(|last_s| end_s - last_s > 1.0);
+    let foot = match (old_s, f.low_since_s) {
+        (Some(last_s), _) => format!("<span>last valid at {}</span>", clock(last_s)),
+        (None, Some(since)) => format!("<span>low since {}</span>", clock(since)),
+        (None, None) => format!("<span>valid for {:.0} % of the drive</span>", 100.0 * f.share_valid),
     };
     format!(
         "<a class=\"card {class} at-{id}\" href=\"#{id}\"><span class=\"card-name\">{name}</span>\

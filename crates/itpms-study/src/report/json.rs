@@ -104,6 +104,8 @@ struct CornerJson<'a> {
 #[derive(Serialize)]
 struct TimeJson<'a> {
     p: Digits<'a>,
+    #[serde(rename = "notValid")]
+    not_valid: Digits<'a>,
     lo: Digits<'a>,
     hi: Digits<'a>,
     truth: Digits<'a>,
@@ -217,6 +219,7 @@ fn corner<'a>(corner: &'a CornerReport, data: &ReportData) -> CornerJson<'a> {
 fn time(c: &TimeCurves) -> TimeJson<'_> {
     TimeJson {
         p: values(&c.pressure_kpa),
+        not_valid: values(&c.not_valid_kpa),
         lo: values(&c.band_kpa[0]),
         hi: values(&c.band_kpa[1]),
         truth: values(&c.truth_kpa),

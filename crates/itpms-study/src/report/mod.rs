@@ -88,8 +88,10 @@ pub struct CornerReport {
 /// Curves over time, each as long as [`ReportData::time_s`] or empty when there is nothing to show.
 #[derive(Debug, Clone, Default)]
 pub struct TimeCurves {
-    /// Estimate in kPa.
+    /// Estimate in kPa, where it is valid.
     pub pressure_kpa: Vec<f64>,
+    /// The same where it is not, and nobody should go by it: while it starts, without information, with a bad sensor.
+    pub not_valid_kpa: Vec<f64>,
     /// Lower and upper edge of its 95 % band in kPa.
     pub band_kpa: [Vec<f64>; 2],
     /// True pressure in kPa.

@@ -232,6 +232,22 @@ fn what_was_taught_fades_less() {
     }
 }
 
+/// A tire that seems softer than flat is flat, and the others are what they were; what is no number is not sound.
+#[test]
+fn no_tire_is_softer_than_flat() {
+    let softest = [3.0, 6.0, 3.0, 3.0];
+    let mut modes = Modes::<f64>::new(&[3.5, 5.0, 0.1, 0.0]);
+    let before = modes.modes[0].clone();
+    modes.drop_impossible(&softest);
+    let quiet = &modes.modes[0];
+    assert_eq!(quiet.mean.as_slice()[..4], [3.0, 5.0, 0.1, 0.0]);
+    assert!((quiet.covariance[(0, 0)] - before.covariance[(0, 0)] - 0.25).abs() < 1e-12);
+    assert!(modes.is_sound(&softest));
+    modes.modes[0].mean[1] = f64::NAN;
+    modes.drop_impossible(&softest);
+    assert!(!modes.is_sound(&softest));
+}
+
 /// Four tires may all lose pressure, but roads that part must not look like four that are filled.
 #[test]
 fn all_four_are_not_filled_while_they_roll() {
@@ -241,7 +257,7 @@ fn all_four_are_not_filled_while_they_roll() {
         modes.modes[0].weight = 0.1;
         modes.modes[ALL].weight = 0.9;
         modes.modes[ALL].mean[RATE] = rate;
-        modes.drop_impossible();
+        modes.drop_impossible(&[3.0; 4]);
         let expected = if followed { [0.1, 0.9] } else { [1.0, 0.0] };
         assert_eq!([modes.modes[0].weight, modes.modes[ALL].weight], expected, "{rate}");
     }
