@@ -19,6 +19,8 @@ const NEWEST: usize = 9;
 /// Log of powers by which a corner's ratio is off from its usual one, more than the others', from which it has jumped,
 /// and below which it has not. A gain of one half or two makes 1.39.
 const JUMPED: f64 = 0.75;
+/// The same while another corner's hop is another one: a wheel on a flat tire shakes the other bodies, too.
+const JUMPED_BESIDE: f64 = 1.1;
 const AS_EVER: f64 = 0.5;
 const JUMP: Patience = Patience { raise_s: 0.0, clear_s: 1.0 };
 /// The same of the hop's log of frequencies squared from which on it is the tire that has changed. One that loses 100 kPa
@@ -104,9 +106,13 @@ impl<T: Real> Jump<T> {
         self.quick.learn(hop.quick, self.blocks);
     }
 
-    fn judge(&mut self, [time_s, step_s]: [f64; 2], moved: T, quick: T, explained: bool) {
+    fn tune(&mut self, quick: T) {
         self.retuned = quick > T::lit(if self.retuned { 0.5 * SLOWER } else { SLOWER });
-        let jumped = moved > T::lit(JUMPED) && !self.retuned;
+    }
+
+    /// `beside`: the hop of another corner is another one.
+    fn judge(&mut self, [time_s, step_s]: [f64; 2], moved: T, explained: bool, beside: bool) {
+        let jumped = moved > T::lit(if beside { JUMPED_BESIDE } else { JUMPED }) && !self.retuned;
         let evidence = evidence(jumped, self.retuned || moved < T::lit(AS_EVER));
         let suspected = self.latch.update(time_s, step_s, evidence, JUMP);
         if (suspected || self.retuned) && !explained {
@@ -139,7 +145,12 @@ pub(super) fn jumps<T: Real>(
         let moved = [0, 1, 2, 3].map(|i| corners[i].moved.off(hops[i].moved));
         let quick = [0, 1, 2, 3].map(|i| corners[i].quick.off(hops[i].quick));
         for (i, corner) in corners.iter_mut().enumerate() {
-            corner.judge(at, apart(&moved, i), apart(&quick, i), explained[i]);
+            corner.tune(apart(&quick, i));
+        }
+        let retuned = corners.each_ref().map(|corner| corner.retuned);
+        for (i, corner) in corners.iter_mut().enumerate() {
+            let beside = (0..4).any(|other| other != i && retuned[other]);
+            corner.judge(at, apart(&moved, i), explained[i], beside);
         }
     }
     for (i, corner) in corners.iter_mut().enumerate() {
