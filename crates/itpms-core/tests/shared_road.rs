@@ -134,6 +134,28 @@ fn a_loss_and_a_filling_are_followed() {
 }
 
 /// All four tires lose a fifth within a minute, after a reset: what all lose alike no comparison of tires shows.
+fn fallen_kpa(time_s: f64, from_s: f64) -> f64 {
+    240.0 - 50.0 * (time_s - from_s).clamp(0.0, 2.0)
+}
+
+/// A kerb met with both wheels of a side, one after the other: neither looks whole for the other one's sake.
+#[test]
+fn two_tires_of_a_side_that_fall_together_are_read() {
+    let together: fn(f64) -> [f64; 4] = |t| [fallen_kpa(t, 20.0), 235.0, fallen_kpa(t, 20.0), 245.0];
+    let apart: fn(f64) -> [f64; 4] = |t| [fallen_kpa(t, 20.0), 235.0, fallen_kpa(t, 20.15), 245.0];
+    for (seed, pressure_kpa) in [(31, together), (32, apart), (33, apart)] {
+        let ride = CarRide { seconds: 32.0, pressure_kpa, ..CarRide::new(seed) };
+        let estimates = drive(&mut car(&config::<f64>()), &ride.rows());
+        let mut worst = 0.0f64;
+        for estimate in &estimates[(26.0 * RATE_HZ) as usize..] {
+            for (corner, truth_kpa) in estimate.corners.iter().zip(pressure_kpa(estimate.time_s)) {
+                worst = worst.max((corner.unwrap().pressure_kpa - truth_kpa).abs());
+            }
+        }
+        assert!(worst < 25.0, "{seed}: {worst} kPa");
+    }
+}
+
 #[test]
 fn a_fall_of_all_four_after_a_reset_is_read() {
     let ride = CarRide {

@@ -1,4 +1,4 @@
-//! The belief about the car: a mixture of seven Gaussians, one for every way in which pressures may be changing now
+//! The belief about the car: a mixture of nine Gaussians, one for every way in which pressures may be changing now
 //! (docs/math/shared-road.md, section 6). Moves on with time, is weighed by the constraint and by what others say.
 
 use nalgebra::{SMatrix, SVector};
@@ -13,13 +13,19 @@ use super::parameters::{
 use crate::car::Learned;
 use crate::real::Real;
 
-/// Nothing moves; each wheel loses pressure by itself; all four alike; any wheel wanders either way.
-pub(super) const MODES: usize = 7;
+/// Nothing moves; each wheel loses pressure by itself; both of the left alike, or of the right; all four alike; any wheel wanders
+/// either way.
+pub(super) const MODES: usize = 9;
 const QUIET: usize = 0;
-const ALL: usize = 5;
-const LOOSE: usize = 6;
+const SIDE: usize = 5;
+const ALL: usize = 7;
+const LOOSE: usize = 8;
 /// Chance per second that each begins.
-const BEGIN: [f64; MODES] = [0.0, 2e-4, 2e-4, 2e-4, 2e-4, 1e-6, 1e-8];
+const BEGIN: [f64; MODES] = [0.0, 2e-4, 2e-4, 2e-4, 2e-4, 1e-6, 1e-6, 1e-6, 1e-8];
+/// Chance per second that a wheel which loses pressure is joined by the other one of its side: a kerb meets both. Share of the
+/// side's own weight below which that is not looked at.
+const JOIN: f64 = 1e-2;
+const NOTICED: f64 = 1e-3;
 /// Chance per second that a movement ends.
 const END: f64 = 0.5;
 /// Mean and sd in 1/s of the rate at which a compliance begins to grow, and growth of the sd per square root of a second:
@@ -47,7 +53,7 @@ const WORD_TAILS: f64 = 4.0;
 /// Largest chance of a step that a suspected wheel begins to move.
 const LARGEST_CHANCE: f64 = 0.2;
 
-/// One of the seven.
+/// One of them.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -79,7 +85,8 @@ pub(super) struct Modes<T: Real> {
 
 /// How the compliances follow the rate in a mode.
 pub(super) fn moves<T: Real>(mode: usize) -> [T; 4] {
-    core::array::from_fn(|i| if mode == ALL || mode == i + 1 { T::one() } else { T::zero() })
+    let moves = |i: usize| mode == i + 1 || mode == SIDE + i % 2 || mode == ALL;
+    core::array::from_fn(|i| if moves(i) { T::one() } else { T::zero() })
 }
 
 /// A quiet Gaussian as it is when a movement begins.
@@ -143,8 +150,8 @@ impl<T: Real> Modes<T> {
         let mut begin = [T::zero(); MODES];
         let mut stay = T::one();
         for mode in 1..MODES {
-            begin[mode] = T::lit(BEGIN[mode]) * seconds * liveliness[usize::from(mode >= ALL)];
-            if mode < ALL {
+            begin[mode] = T::lit(BEGIN[mode]) * seconds * liveliness[usize::from(mode >= SIDE)];
+            if mode < SIDE {
                 begin[mode] += (suspected[mode - 1] * seconds).min(T::lit(LARGEST_CHANCE));
             }
             stay -= begin[mode];
@@ -173,6 +180,25 @@ impl<T: Real> Modes<T> {
             };
         }
         self.modes[QUIET] = still.into_mode();
+        let [_, several] = liveliness;
+        (0..2).for_each(|side| self.join(side, &old, T::lit(JOIN) * seconds * several));
+    }
+
+    /// A wheel that lost pressure by itself is joined, by this chance, by the other one of its side.
+    fn join(&mut self, side: usize, old: &[Mode<T>; MODES], chance: T) {
+        let mode = SIDE + side;
+        for wheel in [side, side + 2] {
+            let (alone, both) = (&old[wheel + 1], &self.modes[mode]);
+            let joins = alone.weight * chance;
+            if joins > T::lit(NOTICED) * both.weight {
+                let ended = alone.ended();
+                let (mean, covariance) = begun(mode, &ended.mean, &ended.covariance);
+                let mut going = Mixture::new();
+                going.add(both.weight, &both.mean, &both.covariance);
+                going.add(joins, &mean, &covariance);
+                self.modes[mode] = going.into_mode();
+            }
+        }
     }
 
     /// Weighs the belief with a frame of one side. Returns what the most likely mode found, and what remained of it over
@@ -331,8 +357,8 @@ impl<T: Real> Modes<T> {
         self.modes[QUIET].stop_at(softest);
         let mut total = T::zero();
         for (index, mode) in self.modes.iter_mut().enumerate() {
-            // Tires do not fill themselves, and nobody else fills four at once while they roll.
-            let filling = index == ALL && !(mode.mean[RATE] >= T::zero());
+            // Tires do not fill themselves, and nobody else fills several at once while they roll.
+            let filling = (SIDE..=ALL).contains(&index) && !(mode.mean[RATE] >= T::zero());
             if filling || !mode.is_possible(softest) {
                 mode.weight = T::zero();
             }
@@ -385,7 +411,7 @@ impl<T: Real> Modes<T> {
     /// Probability that each tire moves.
     pub(super) fn moving_tires(&self) -> [T; 4] {
         let several = self.modes[ALL].weight + self.modes[LOOSE].weight;
-        core::array::from_fn(|i| self.modes[i + 1].weight + several)
+        core::array::from_fn(|i| self.modes[i + 1].weight + self.modes[SIDE + i % 2].weight + several)
     }
 
     /// Probability that anything moves.

@@ -248,17 +248,18 @@ fn no_tire_is_softer_than_flat() {
     assert!(!modes.is_sound(&softest));
 }
 
-/// Four tires may all lose pressure, but roads that part must not look like four that are filled.
+/// Two of a side or all four may lose pressure together, but roads that part must not look like tires that are filled.
 #[test]
-fn all_four_are_not_filled_while_they_roll() {
-    const ALL: usize = 5;
-    for (rate, followed) in [(0.05, true), (-0.05, false), (f64::NAN, false)] {
+fn several_are_not_filled_while_they_roll() {
+    const SEVERAL: [usize; 3] = [5, 6, 7];
+    let cases = [(0.05, true), (-0.05, false), (f64::NAN, false)];
+    for (several, (rate, followed)) in SEVERAL.into_iter().flat_map(|mode| cases.map(|case| (mode, case))) {
         let mut modes = Modes::<f64>::new(&[0.0; 4]);
         modes.modes[0].weight = 0.1;
-        modes.modes[ALL].weight = 0.9;
-        modes.modes[ALL].mean[RATE] = rate;
+        modes.modes[several].weight = 0.9;
+        modes.modes[several].mean[RATE] = rate;
         modes.drop_impossible(&[3.0; 4]);
         let expected = if followed { [0.1, 0.9] } else { [1.0, 0.0] };
-        assert_eq!([modes.modes[0].weight, modes.modes[ALL].weight], expected, "{rate}");
+        assert_eq!([modes.modes[0].weight, modes.modes[several].weight], expected, "{rate}");
     }
 }
