@@ -144,7 +144,8 @@ fn two_tires_of_a_side_that_fall_together_are_read() {
     let together: fn(f64) -> [f64; 4] = |t| [fallen_kpa(t, 20.0), 235.0, fallen_kpa(t, 20.0), 245.0];
     let apart: fn(f64) -> [f64; 4] = |t| [fallen_kpa(t, 20.0), 235.0, fallen_kpa(t, 20.15), 245.0];
     for (seed, pressure_kpa) in [(31, together), (32, apart), (33, apart)] {
-        let ride = CarRide { seconds: 32.0, pressure_kpa, ..CarRide::new(seed) };
+        let (speed_m_s, roughness_m3): (fn(f64) -> f64, _) = (|_| 80.0 / 3.6, 16e-6);
+        let ride = CarRide { seconds: 32.0, speed_m_s, roughness_m3, pressure_kpa, ..CarRide::new(seed) };
         let estimates = drive(&mut car(&config::<f64>()), &ride.rows());
         let mut worst = 0.0f64;
         for estimate in &estimates[(26.0 * RATE_HZ) as usize..] {
