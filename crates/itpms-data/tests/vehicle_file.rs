@@ -96,6 +96,10 @@ fn values_in_another_unit_are_suspected() {
         ("240.8", "0.2408", "sprung_mass_kg"),
         ("29114.0", "29.114", "spring_n_per_m"),
         ("241.3", "2.413", "placard_kpa"),
+        ("241.3", "35", "placard_kpa"),
+        ("60880.0", "60.88", "stiffness_at_zero"),
+        // As heavy as what it carries: exchanged.
+        ("56.9", "569", "unsprung_mass_kg"),
         ("2.7", "2700", "wheelbase_m"),
         ("713.91", "71391", "stiffness_per_kpa"),
         ("0.05", "50", "accel_noise_m_s2"),

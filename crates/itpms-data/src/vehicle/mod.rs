@@ -55,15 +55,16 @@ pub struct Vehicle {
 }
 
 /// What no car exceeds in the unit of the key. A value outside was most likely given in another unit: tons, N/mm,
-/// bar, mm, mm/s². Wide enough for a kart and for a 40-ton truck.
-const PLAUSIBLE: [(&str, f64, f64); 9] = [
+/// bar or psi, mm, mm/s². Wide enough for a kart and for a 40-ton truck.
+const PLAUSIBLE: [(&str, f64, f64); 10] = [
     ("wheelbase_m", 0.5, 20.0),
     ("stiffness_per_kpa", 20.0, 20_000.0),
+    ("stiffness_at_zero", 1_000.0, 10_000_000.0),
     ("sprung_mass_kg", 10.0, 10_000.0),
     ("unsprung_mass_kg", 1.0, 2_000.0),
     ("damping_n_s_per_m", 10.0, 500_000.0),
     ("spring_n_per_m", 500.0, 10_000_000.0),
-    ("placard_kpa", 20.0, 1_500.0),
+    ("placard_kpa", 60.0, 1_500.0),
     ("accel_noise_m_s2", 0.0, 20.0),
     ("initial_kpa", 20.0, 1_500.0),
 ];
@@ -190,13 +191,22 @@ fn checked(table: &Table<'_>, key: &'static str) -> Result<Option<f64>, Problem>
         let error = ParameterError { name: key, value, expected: "a positive, finite number" };
         return Err(table.refuse(error));
     }
+    plausible(table, key, value).map(Some)
+}
+
+/// The value, if it is in the plausible range of its key.
+fn plausible(table: &Table<'_>, key: &'static str, value: f64) -> Result<f64, Problem> {
     for (name, low, high) in PLAUSIBLE {
         if name == key && !(low..=high).contains(&value) {
-            let (line, table) = (table.line_of_key(key), table.path().to_owned());
-            return Err(Problem::Implausible { line, table, key, value, low, high });
+            return Err(implausible(table, key, value, low, high));
         }
     }
-    Ok(Some(value))
+    Ok(value)
+}
+
+fn implausible(table: &Table<'_>, key: &'static str, value: f64, low: f64, high: f64) -> Problem {
+    let (line, table) = (table.line_of_key(key), table.path().to_owned());
+    Problem::Implausible { line, table, key, value, low, high }
 }
 
 fn required(table: &Table<'_>, key: &'static str) -> Result<f64, Problem> {
@@ -207,6 +217,9 @@ fn read_tire(table: &Table<'_>) -> Result<PressureMap<f64>, Problem> {
     table.check_keys(&TIRE_KEYS)?;
     let per_kpa = required(table, "stiffness_per_kpa")?;
     let at_zero = table.number("stiffness_at_zero")?.ok_or_else(|| table.lacks("stiffness_at_zero"))?;
+    if at_zero > 0.0 {
+        plausible(table, "stiffness_at_zero", at_zero)?;
+    }
     let or_zero = |key| Ok::<f64, Problem>(table.number(key)?.unwrap_or(0.0));
     let per_kpa_sd = or_zero("stiffness_per_kpa_sd")?;
     let at_zero_sd = or_zero("stiffness_at_zero_sd")?;
@@ -229,9 +242,14 @@ fn read_corner(
             key: "tire; expected a table [tire] for all corners or one under this corner",
         })?,
     };
+    let (sprung_kg, unsprung_kg) = (required(table, "sprung_mass_kg")?, required(table, "unsprung_mass_kg")?);
+    // A wheel is not heavier than what it carries: most likely the two are exchanged.
+    if unsprung_kg > sprung_kg {
+        return Err(implausible(table, "unsprung_mass_kg", unsprung_kg, 1.0, sprung_kg));
+    }
     let quarter_car = QuarterCar::new(
-        required(table, "sprung_mass_kg")?,
-        required(table, "unsprung_mass_kg")?,
+        sprung_kg,
+        unsprung_kg,
         required(table, "damping_n_s_per_m")?,
         required(table, "spring_n_per_m")?,
     );

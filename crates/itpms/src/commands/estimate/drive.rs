@@ -28,7 +28,8 @@ const UNKNOWN_SHARE: f64 = 0.1;
 /// The running estimator under its monitor.
 pub(super) struct Drive {
     car: MonitoredCar<f64>,
-    /// Time of the last row, and seconds driven until front and rear of any side were found to meet the same road.
+    /// Time of the first and of the last row, and seconds driven until front and rear of any side were found to meet the same road.
+    first_s: f64,
     time_s: f64,
     apart_s: f64,
     met: bool,
@@ -58,6 +59,7 @@ impl Drive {
         }
         Ok(Self {
             car,
+            first_s: f64::NAN,
             time_s: f64::NAN,
             apart_s: 0.0,
             met: false,
@@ -82,6 +84,11 @@ impl Drive {
         self.car.report()
     }
 
+    /// Seconds from the first row to the last.
+    pub(super) fn length_s(&self) -> f64 {
+        self.time_s - self.first_s
+    }
+
     /// Whether the car has been driven for long, and front and rear never met the same road.
     pub(super) fn never_met(&self) -> bool {
         !self.met && self.apart_s > MEETING_S
@@ -96,6 +103,9 @@ impl Drive {
         let estimate = self.car.update(&row.sample());
         let step_s = row.time_s - self.time_s;
         self.time_s = row.time_s;
+        if self.first_s.is_nan() {
+            self.first_s = row.time_s;
+        }
         self.met |= estimate.tracks.iter().any(|track| track.shared);
         let speed_m_s = self.speed.take(row.time_s, row.speed_m_s);
         if step_s < 1.0 {

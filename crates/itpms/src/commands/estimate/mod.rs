@@ -152,6 +152,12 @@ fn concerns(args: &EstimateArgs, log: &LogReader, vehicle: &Vehicle, drive: &Dri
             );
         }
     }
+    if let Some(seconds) = args.calibrate_s.filter(|seconds| drive.length_s() < *seconds) {
+        concerns.push(format!(
+            "the reset of {seconds} s outlasts the drive of {:.1} s: every pressure is the placard's because that was said, not because it was found",
+            drive.length_s()
+        ));
+    }
     if let Some(path) = args.reference.as_ref().filter(|_| !axles || vehicle.wheelbase_m.is_none()) {
         concerns.push(format!(
             "{}: without effect: what a reset teaches is of front and rear over the same road",

@@ -8,6 +8,8 @@
 mod outputs;
 mod sources;
 
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -35,6 +37,8 @@ use crate::screen::Screen;
 
 /// Rows and frames between a source and the estimate: some seconds of a busy bus.
 const WAITING: usize = 32_768;
+/// So many refused states are kept; the last one of them is written over.
+const SET_ASIDE: u32 = 9;
 
 pub(crate) fn run(args: &MonitorArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
     if args.print_dbc {
@@ -155,8 +159,27 @@ fn saved(
             None
         }
         Err(why) => {
-            screen.warn(format!("{}: {why}: refused, BEGINS AFRESH", path.display()));
+            let aside = set_aside(path)?;
+            let kept = aside.map(|aside| format!(", kept as {}", aside.display())).unwrap_or_default();
+            screen.warn(format!("{}: {why}: refused{kept}, BEGINS AFRESH", path.display()));
             None
         }
     })
+}
+
+/// Gives a state that is refused another name: it may be another car's, or this one's under another regulation. What is empty is
+/// not kept.
+fn set_aside(path: &Path) -> Result<Option<PathBuf>, Failure> {
+    let failure = |error: std::io::Error| Failure::Usage(format!("{}: {error}", path.display()));
+    if fs::metadata(path).map_err(failure)?.len() == 0 {
+        return Ok(None);
+    }
+    let named = |k: u32| {
+        let mut name = path.as_os_str().to_owned();
+        name.push(if k == 1 { ".refused".to_owned() } else { format!(".refused-{k}") });
+        PathBuf::from(name)
+    };
+    let aside = (1..SET_ASIDE).map(named).find(|name| !name.exists()).unwrap_or_else(|| named(SET_ASIDE));
+    fs::rename(path, &aside).map_err(failure)?;
+    Ok(Some(aside))
 }
