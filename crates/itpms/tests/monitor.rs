@@ -242,7 +242,7 @@ fn a_damaged_state_is_refused_loudly_and_the_monitor_begins_afresh() {
     // What was refused is somebody's knowledge of a car, and kept.
     assert_eq!(std::fs::read(bench.path("car.state.refused")).unwrap(), state);
     bench.write("car.state", &state);
-    bench.run(&format!("{line} again.jsonl")).success();
+    bench.run(&format!("{line} third.jsonl")).success();
     assert_eq!(std::fs::read(bench.path("car.state.refused-2")).unwrap(), state);
     assert_eq!(all_said(&estimates(&bench, "again.jsonl")), all_said(&estimates(&bench, "fresh.jsonl")));
 }

@@ -26,6 +26,16 @@ fn two_sines() -> String {
 }
 
 #[test]
+fn heights_in_another_unit_are_doubted() {
+    let bench = Bench::new();
+    bench.write("road.csv", two_sines());
+    // Without the point, nanometers.
+    bench.write("nm.csv", two_sines().replace(",0.", ",").replace(",-0.", ",-"));
+    let said = |name: &str| bench.run(&format!("roughness {name}")).stderr;
+    assert!(!said("road.csv").contains("another unit") && said("nm.csv").contains("heights in another unit"));
+}
+
+#[test]
 fn a_profile_of_two_tracks() {
     let bench = Bench::new();
     bench.write("road.csv", two_sines());

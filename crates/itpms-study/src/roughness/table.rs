@@ -38,6 +38,12 @@ impl RoughnessTable {
         Self { segment_m, tracks }
     }
 
+    /// IRI of its roughest track in m/km, if that of any is known.
+    #[must_use]
+    pub fn roughest_m_per_km(&self) -> Option<f64> {
+        self.tracks.iter().filter_map(|(_, track)| track.iri_m_per_km).reduce(f64::max)
+    }
+
     /// The tracks with their names.
     #[must_use]
     pub fn tracks(&self) -> &[(String, TrackRoughness)] {

@@ -22,6 +22,8 @@ use crate::screen::Screen;
 
 /// Lines of a table on the terminal; more are for a file.
 const MOST_LINES: usize = 60;
+/// Rougher than anything that is driven on: 25 m/km is a track that can hardly be passed.
+const ROUGHEST_M_PER_KM: f64 = 60.0;
 
 /// What was found, with a line that says where.
 struct Found {
@@ -34,11 +36,14 @@ struct Found {
 
 pub(crate) fn run(args: &RoughnessArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
     let file = output(args)?;
-    let found = match &args.vehicle {
+    let mut found = match &args.vehicle {
         Some(vehicle) => drive::survey(args, vehicle, screen, interrupt)?,
         None => profile::survey(args)?,
     };
     interrupt.check()?;
+    if let Some(iri) = found.table.roughest_m_per_km().filter(|iri| *iri > ROUGHEST_M_PER_KM) {
+        found.warnings.push(format!("an IRI of {iri:.0} m/km is no road's: heights in another unit than m?"));
+    }
     if let Some(mut file) = file {
         file.append(found.table.csv().as_bytes())?;
         file.settle()?;
