@@ -17,7 +17,7 @@
 //! | `coherence` | how far they share a road |
 //! | `parameters` | what is unknown of the car |
 //! | `scale` | the tires at their placard pressures, and what a spectrum should say of them |
-//! | `modes` | the belief |
+//! | `modes`, `mixture` | the belief, and Gaussians of it added up to one |
 //! | `alone` | what a corner finds by itself, where front and rear hardly share a road |
 //! | `evidence` | what a frame says to one Gaussian of it |
 //! | `reset` | tires that somebody has just set |
@@ -36,6 +36,7 @@ mod instrument;
 mod keepsake;
 mod lesson;
 mod memory;
+mod mixture;
 mod modes;
 mod parameters;
 mod reset;

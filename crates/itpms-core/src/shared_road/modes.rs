@@ -7,6 +7,7 @@ use super::BINS;
 use super::coherence::Expectation;
 use super::constraint::{Disagreement, Signals, Slope, TrackFrame, Wheel, compare};
 use super::evidence::{Likelihood, OwnCovariance, score};
+use super::mixture::Mixture;
 use super::parameters::{
     Covariance, RATE, SIZE, State, TIRE, correlate_bars, prior_sd, return_rate, wander_sd,
 };
@@ -481,37 +482,5 @@ impl<T: Real> Mode<T> {
             }
             self.covariance[(i, i)] = self.covariance[(i, i)].max(T::zero());
         }
-    }
-}
-
-/// Gaussians added up to one.
-struct Mixture<T: Real> {
-    weight: T,
-    sum: State<T>,
-    square: Covariance<T>,
-    /// The first one's mean, around which squares are taken.
-    around: Option<State<T>>,
-}
-
-impl<T: Real> Mixture<T> {
-    fn new() -> Self {
-        Self { weight: T::zero(), sum: State::zeros(), square: Covariance::zeros(), around: None }
-    }
-
-    fn add(&mut self, weight: T, mean: &State<T>, covariance: &Covariance<T>) {
-        let around = *self.around.get_or_insert(*mean);
-        let off = mean - around;
-        // A weight of nothing still leaves a usable Gaussian.
-        let weight = weight.max(T::lit(1e-30));
-        self.weight += weight;
-        self.sum += off * weight;
-        self.square += (covariance + off * off.transpose()) * weight;
-    }
-
-    fn into_mode(self) -> Mode<T> {
-        let off = self.sum / self.weight;
-        let around = self.around.unwrap_or_else(State::zeros);
-        let covariance = self.square / self.weight - off * off.transpose();
-        Mode { mean: around + off, covariance, weight: self.weight }
     }
 }
