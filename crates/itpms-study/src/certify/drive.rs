@@ -62,7 +62,7 @@ struct Run<'a> {
     concerned: Wheels,
     low: bool,
     seed: u64,
-    car: MonitoredCar<f64>,
+    car: Box<MonitoredCar<f64>>,
     estimate: Option<CarEstimate<f64>>,
     /// Time of the last sample in s, and simulated time in s.
     time_s: f64,
@@ -86,7 +86,7 @@ impl<'a> Run<'a> {
         let estimator = CarEstimator::new(EstimatorKind::Informed, &config, scenario.rate_hz)?;
         let told = MonitorConfig::new(&config).with_limits(procedure.rule.limits());
         let monitor = Monitor::new(&told, scenario.rate_hz)?;
-        let mut car = MonitoredCar::new(estimator, monitor);
+        let mut car = Box::new(MonitoredCar::new(estimator, monitor));
         car.begin_reset(course.learning_s)?;
         let low = !matches!(procedure.test, Test::Malfunction(_));
         Ok(Self {

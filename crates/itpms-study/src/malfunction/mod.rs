@@ -231,7 +231,7 @@ fn one(
     for kind in kinds {
         outcomes.push(match &until_then {
             _ if kind.faults.is_empty() => over_glass(kind, seed)?,
-            Some(car) => outcome::run(kind, &drive, (**car).clone(), seed),
+            Some(car) => outcome::run(kind, &drive, car.clone(), seed),
             None => Outcome::default(),
         });
         count()?;
@@ -246,7 +246,7 @@ fn over_glass(kind: &Kind, seed: u64) -> Result<Outcome, MalfunctionError> {
     for sample in &drive.rows[..drive.begins] {
         car.update(sample);
     }
-    Ok(outcome::run(kind, &drive, *car, seed))
+    Ok(outcome::run(kind, &drive, car, seed))
 }
 
 fn monitored(drive: &Recorded) -> Result<Box<MonitoredCar<f64>>, MalfunctionError> {

@@ -113,7 +113,7 @@ enum Phase {
 }
 
 /// Drives on with the malfunction from where it begins.
-pub(super) fn run(kind: &Kind, drive: &Recorded, mut car: MonitoredCar<f64>, seed: u64) -> Outcome {
+pub(super) fn run(kind: &Kind, drive: &Recorded, mut car: Box<MonitoredCar<f64>>, seed: u64) -> Outcome {
     let period_s = 1.0 / drive.rate_hz;
     let concerned = kind.wheels();
     let mut faults = Faults::new(&from_the_start(kind), seed);

@@ -27,7 +27,7 @@ const UNKNOWN_SHARE: f64 = 0.1;
 
 /// The running estimator under its monitor.
 pub(super) struct Drive {
-    car: MonitoredCar<f64>,
+    car: Box<MonitoredCar<f64>>,
     /// Time of the first and of the last row, and seconds driven until front and rear of any side were found to meet the same road.
     first_s: f64,
     time_s: f64,
@@ -53,7 +53,7 @@ impl Drive {
         let car = reference::told(args, vehicle, car)?;
         let told = MonitorConfig::new(&config).with_limits(args.regulation.into());
         let monitor = Monitor::new(&told, sample_rate_hz).map_err(fail)?;
-        let mut car = MonitoredCar::new(car, monitor);
+        let mut car = Box::new(MonitoredCar::new(car, monitor));
         if let Some(seconds) = args.calibrate_s {
             car.begin_reset(seconds).map_err(fail)?;
         }
