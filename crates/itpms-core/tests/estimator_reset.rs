@@ -3,8 +3,10 @@
 #![allow(clippy::unwrap_used)]
 mod common;
 
+use common::car_ride::{CarRide, RATE_HZ, car, config, drive};
 use common::ride::{Ride, estimator, feed};
 use itpms_core::estimator::EstimatorKind;
+use itpms_core::sample::Corner;
 
 const PLACARD_KPA: f64 = 241.3;
 const RESET_S: f64 = 10.0;
@@ -37,5 +39,23 @@ fn a_reset_of_no_length_is_refused() {
     for seconds in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let tire = estimator::<f64>(EstimatorKind::Informed, 500.0);
         assert_eq!(tire.with_reset_drive(seconds).unwrap_err().name, "calibrate_s");
+    }
+}
+
+/// Sensors that were out of order and come back early in a reset do not end it: what somebody has set is still what it was.
+#[test]
+fn a_reset_goes_on_over_sensors_that_come_back() {
+    let rows = CarRide { seconds: 20.0, pressure_kpa: |_| [PLACARD_KPA; 4], ..CarRide::new(5) }.rows();
+    let mut car = car(&config::<f64>());
+    car.begin_reset(20.0).unwrap();
+    let (before, after) = rows.split_at((5.0 * RATE_HZ) as usize);
+    drive(&mut car, before);
+    car.restart_corner(Corner::RearRight);
+    // The second until frames of it are complete again is not looked at.
+    for estimate in &drive(&mut car, after)[RATE_HZ as usize..] {
+        for corner in estimate.corners.map(Option::unwrap) {
+            assert!((corner.pressure_kpa - PLACARD_KPA).abs() < 4.0, "{} s: {corner:?}", estimate.time_s);
+            assert!(corner.pressure_sd_kpa < 4.0, "{} s: {corner:?}", estimate.time_s);
+        }
     }
 }

@@ -224,6 +224,10 @@ fn no_information_is_never_all_good_and_is_said_after_ten_minutes_of_driving() {
     // Learned long ago is not known now.
     let report = drive.on(700.0, &Said { gate: 0.0, speed_m_s: 0.0, ..FINE });
     assert_eq!(state(report, Corner::FrontLeft), WheelState::Unknown(Doubt::NoInformation));
+    // Nor with the first frame afterwards: two seconds of learning make it so.
+    let report = drive.on(1.5, &FINE);
+    assert_eq!(state(report, Corner::FrontLeft), WheelState::Unknown(Doubt::NoInformation));
+    assert!(drive.on(1.0, &FINE).is_all_fine());
 }
 
 #[test]

@@ -5,7 +5,7 @@ mod common;
 
 use common::car_ride::{CarRide, PLACARD_KPA, RATE_HZ, car, config, drive};
 use itpms_core::car::{CarEstimate, CarEstimator};
-use itpms_core::sample::{CarSample, CornerSample};
+use itpms_core::sample::{CarSample, Corner, CornerSample};
 
 /// The rear right wheel's sensor reads twice of what it should for four seconds, and is then kept away: the front right tire,
 /// which was taken for the one that had changed, is read as before. (Else it stays too low for many seconds more.)
@@ -86,4 +86,70 @@ fn a_loss_that_was_unlearned_is_found_again() {
     assert!(front_right(&estimates[0]) > 230.0);
     let again = front_right(&estimates[RATE_HZ as usize]);
     assert!((again - 192.0).abs() < 8.0, "{again} kPa after a second");
+}
+
+/// A tire has just lost a fifth, and sensors of one other corner are suspected: the loss may be real and may be what they have
+/// taught. On a side of which nothing is suspected it is what it seems, beside a suspected corner what it was; either way it is
+/// doubted, so that frames soon tell.
+#[test]
+fn what_has_moved_beside_a_suspected_corner_is_doubted() {
+    let ride = CarRide {
+        seconds: 30.0,
+        pressure_kpa: |t| [235.0, 240.0 - 24.0 * (t - 20.0).clamp(0.0, 2.0), 238.0, 243.0],
+        ..CarRide::new(21)
+    };
+    let rows = ride.rows();
+    let (before, after) = rows.split_at((24.0 * RATE_HZ) as usize);
+    let mut car = car(&config::<f64>());
+    drive(&mut car, before);
+    for (suspected, is_lost) in [([true, false, false, false], true), ([false, false, false, true], false)] {
+        let mut car = car.clone();
+        car.unlearn(suspected);
+        let read = drive(&mut car, after);
+        let [first, then] = [0, RATE_HZ as usize].map(|k| read[k].corners[1].unwrap());
+        assert_eq!(first.pressure_kpa < 205.0, is_lost, "{suspected:?}: {first:?}");
+        assert!(is_lost || first.pressure_kpa > 225.0, "{suspected:?}: {first:?}");
+        // By so much it has moved.
+        assert!(first.pressure_sd_kpa > 25.0, "{suspected:?}: {first:?}");
+        assert!((then.pressure_kpa - 192.0).abs() < 8.0, "{suspected:?}: {then:?}");
+    }
+}
+
+/// A tire's own sensor lies for three seconds, and after two it is suspected. Once it is said that it lied, the tire is what it
+/// was before it did, whether it was misread by far (a wheel's sensor) or so little that nobody would have doubted it (a
+/// body's). As long as nobody says so, it is what it seems to be.
+#[test]
+fn what_a_tire_was_before_its_sensors_lied_counts_once_that_is_said() {
+    let rows = CarRide { seconds: 28.0, ..CarRide::new(5) }.rows();
+    let at = |time_s: f64| (time_s * RATE_HZ) as usize;
+    let rear_right = |car: &mut CarEstimator<f64>, rows: &[CarSample<f64>]| {
+        drive(car, rows).last().unwrap().corners[3].unwrap()
+    };
+    let mut honest = car(&config::<f64>());
+    let before = rear_right(&mut honest, &rows[..at(24.0)]);
+    for ([body, wheel], misread_kpa) in [([1.0, 3.0], 100.0..300.0), ([2.0, 1.0], 2.0..8.0)] {
+        let lying = |row: &CarSample<f64>| {
+            let corner = row.corners[3].unwrap();
+            let gain = if row.time_s < 27.0 { [body, wheel] } else { [f64::NAN; 2] };
+            let mut row = *row;
+            row.corners[3] = Some(CornerSample {
+                body_accel_m_s2: gain[0] * corner.body_accel_m_s2,
+                wheel_accel_m_s2: gain[1] * corner.wheel_accel_m_s2,
+            });
+            row
+        };
+        let rows: Vec<_> = rows.iter().map(lying).collect();
+        let mut car = honest.clone();
+        drive(&mut car, &rows[at(24.0)..at(26.0)]);
+        car.unlearn([false, false, false, true]);
+        let misled = rear_right(&mut car, &rows[at(26.0)..at(27.0)]);
+        assert!(misread_kpa.contains(&(misled.pressure_kpa - before.pressure_kpa)), "{misled:?}");
+        let mut unsaid = car.clone();
+        car.restart_corner(Corner::RearRight);
+        let [said, unsaid] = [&mut car, &mut unsaid].map(|car| rear_right(car, &rows[at(27.0)..at(27.1)]));
+        let off_kpa = [said, unsaid].map(|corner| (corner.pressure_kpa - before.pressure_kpa).abs());
+        assert!(off_kpa[0] < 4.0 && off_kpa[0] < 0.5 * off_kpa[1], "{off_kpa:?}");
+        // For as long as nothing was heard of it, it may have changed.
+        assert!(said.pressure_sd_kpa > 1.5 * before.pressure_sd_kpa, "{said:?} {before:?}");
+    }
 }

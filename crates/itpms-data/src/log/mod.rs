@@ -40,6 +40,7 @@ pub(crate) use csv_source::{Lines, cells, number};
 pub(crate) use format::{Format, LogFormat};
 pub(crate) use header::{separator, shortened};
 pub use options::LogOptions;
+pub(crate) use options::NO_MAP;
 pub use reader::{LogReader, SURVEY_ROWS};
 pub use repair::RepairReport;
 pub use row::{CornerColumns, Field, LogColumns, LogCorner, LogRow, SLOTS, Slot};

@@ -9,6 +9,10 @@ use crate::error::Problem;
 #[cfg(any(feature = "can", feature = "mdf4"))]
 use crate::signals::SignalMap;
 
+/// Why a table, whose columns carry our names already, takes no signal map.
+pub(crate) const NO_MAP: &str =
+    "a signal map is for MDF4 and CAN logs; the columns of a table need our names";
+
 /// How to read a drive log.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct LogOptions {
@@ -27,11 +31,11 @@ impl LogOptions {
         self.signals.as_deref().map(SignalMap::read).transpose()
     }
 
-    /// Columns of a table carry our names already.
+    /// What only other logs have.
     pub(super) fn refuse_for_tables(&self) -> Result<(), Problem> {
         let what = match (&self.dbc, &self.signals) {
             (Some(_), _) => "a DBC file says what the frames of a CAN log mean; this is a table",
-            (None, Some(_)) => "a signal map is for MDF4 and CAN logs; the columns of a table need our names",
+            (None, Some(_)) => NO_MAP,
             (None, None) => return Ok(()),
         };
         Err(Problem::NotApplicable(what))

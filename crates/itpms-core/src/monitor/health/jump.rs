@@ -271,6 +271,19 @@ mod tests {
     }
 
     #[test]
+    fn a_body_that_a_flat_tire_shakes_is_no_gain_and_one_of_a_half_is() {
+        let beside_a_flat_tire = || Car { quicker: [0.0, 0.0, -0.3, 0.0], ..Car::that_has_driven(120) };
+        let mut car = beside_a_flat_tire();
+        for _ in 0..20 {
+            car.block([-0.95, 0.0, 0.0, 0.0], false);
+            assert_eq!(car.suspects(), [false; 4]);
+        }
+        assert!(beside_a_flat_tire().until(true, 2.0 * 0.5_f64.ln(), false) <= 3.0);
+        // Where nothing else has happened as much is suspected.
+        assert!(Car::that_has_driven(120).until(true, -0.95, false) <= 3.0);
+    }
+
+    #[test]
     fn what_was_wrong_from_the_start_is_not_the_usual() {
         let mut car = Car::that_has_driven(0);
         for said in [false, true] {

@@ -18,6 +18,7 @@ use std::path::{Path, PathBuf};
 
 use super::Candidate;
 use crate::error::{DataError, Problem};
+use crate::log::NO_MAP;
 use statistics::{Clock, Range};
 
 /// A log that is being listed.
@@ -156,17 +157,19 @@ impl Lister {
         }
     }
 
-    /// Whether the log is a table, whose columns need our names and have no map.
-    #[must_use]
-    pub fn is_table(&self) -> bool {
+    /// Whether a [`SignalMap`](crate::signals::SignalMap) may say which of the log's signals are which columns.
+    ///
+    /// # Errors
+    /// The log is a table, whose columns need our names.
+    pub fn check_mappable(&self) -> Result<(), DataError> {
         match &self.source {
-            Source::Table(_) => true,
+            Source::Table(_) => Err(DataError::new(&self.path, Problem::NotApplicable(NO_MAP))),
             #[cfg(feature = "parquet")]
-            Source::Parquet(_) => true,
+            Source::Parquet(_) => Err(DataError::new(&self.path, Problem::NotApplicable(NO_MAP))),
             #[cfg(feature = "can")]
-            Source::Frames(_) => false,
+            Source::Frames(_) => Ok(()),
             #[cfg(feature = "mdf4")]
-            Source::Mdf4(_) => false,
+            Source::Mdf4(_) => Ok(()),
         }
     }
 

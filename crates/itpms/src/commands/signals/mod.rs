@@ -23,11 +23,8 @@ pub(crate) fn run(args: &SignalsArgs, screen: &Screen, interrupt: &Interrupt) ->
     let map = args.signals.as_deref().map(SignalMap::read).transpose()?;
     let written = args.write_map.as_deref().map(|path| output(path, args)).transpose()?;
     let mut lister = Lister::open(&args.log, args.dbc.as_deref())?;
-    if written.is_some() && lister.is_table() {
-        return Err(Failure::Usage(format!(
-            "{}: a signal map is for MDF4 and CAN logs; the columns of a table need our names",
-            args.log.display()
-        )));
+    if written.is_some() {
+        lister.check_mappable()?;
     }
     let progress = screen.progress("reading");
     while lister.step()? {
