@@ -1,6 +1,7 @@
 //! Least stack with which a car's estimator is built and takes its samples: `cargo run --release -p itpms-bench --example stack`.
 //!
 //! Asks this program itself, over and over, with a thread that has more or less of it: what has too little is killed.
+#![allow(clippy::expect_used)] // As in the library: without its fixed drive there is nothing to measure.
 
 use std::env;
 use std::hint::black_box;
