@@ -79,37 +79,40 @@ impl<T: Real> Engine<T> {
         sample_rate_hz: f64,
         grid_period_s: f64,
     ) -> Result<Self, ParameterError> {
-        let initial = config.initial_stiffness_n_per_m();
-        let published = |forgetting| {
-            let start = FilterConfig::paper_simulation().with_forgetting(forgetting);
-            AekfUi::new(config.quarter_car, start.with_initial_stiffness(initial)).map(Method::Published)
-        };
         let informed = || Informed::new(config, sample_rate_hz, grid_period_s);
         let method = match kind {
             EstimatorKind::Informed => Method::Informed(informed()),
-            EstimatorKind::AekfUiInformed => Method::AekfUiInformed {
-                likelihood: informed(),
-                filter: AekfUiInformed::new(config.quarter_car, filter_config(config))?,
-            },
-            EstimatorKind::AekfUi => published(Forgetting::OneStep)?,
-            EstimatorKind::EkfUi => published(Forgetting::None)?,
-        };
-        let reading = match &method {
-            Method::Informed(informed) => belief_reading(config, informed),
-            Method::AekfUiInformed { likelihood, filter } => {
-                record_reading(config, likelihood, &filter.record(InformedStatus::PredictedOnly))
+            EstimatorKind::AekfUiInformed => {
+                Method::AekfUiInformed { likelihood: informed(), filter: mended(config)? }
             }
-            Method::Published(_) => start_reading(initial),
+            EstimatorKind::AekfUi | EstimatorKind::EkfUi => Method::Published(published(kind, config)?),
         };
+        let reading = method.first_reading(config);
         let grid_period_s = T::lit(grid_period_s);
         Ok(Self { method, config: *config, grid_period_s, reading, read_s: f64::NEG_INFINITY })
+    }
+
+    /// Starts again, in place: another engine beside this one is more than a controller's stack has room for.
+    pub(super) fn restart(&mut self, kind: EstimatorKind, repetition: RoadRepetition) {
+        let config = &self.config;
+        // The filters have accepted the same before.
+        match &mut self.method {
+            Method::Informed(informed) => informed.restart(repetition),
+            Method::AekfUiInformed { likelihood, filter } => {
+                likelihood.restart(repetition);
+                *filter = mended(config).unwrap_or(*filter);
+            }
+            Method::Published(filter) => *filter = published(kind, config).unwrap_or(*filter),
+        }
+        self.reading = self.method.first_reading(config);
+        self.read_s = f64::NEG_INFINITY;
     }
 
     /// What is known of the road repeating itself; before the first sample. The published filters have no use for it.
     pub(super) fn set_repetition(&mut self, repetition: RoadRepetition) {
         match &mut self.method {
             Method::Informed(informed) | Method::AekfUiInformed { likelihood: informed, .. } => {
-                *informed = informed.clone().with_repetition(repetition);
+                informed.set_repetition(repetition);
             }
             Method::Published(_) => {}
         }
@@ -206,6 +209,31 @@ impl<T: Real> Engine<T> {
             _ => Reading { gate: T::zero(), ..self.reading },
         }
     }
+}
+
+impl<T: Real> Method<T> {
+    /// What is known before the first sample.
+    fn first_reading(&self, config: &CornerConfig<T>) -> Reading<T> {
+        match self {
+            Self::Informed(informed) => belief_reading(config, informed),
+            Self::AekfUiInformed { likelihood, filter } => {
+                record_reading(config, likelihood, &filter.record(InformedStatus::PredictedOnly))
+            }
+            Self::Published(_) => start_reading(config.initial_stiffness_n_per_m()),
+        }
+    }
+}
+
+/// The filter as published, with the forgetting of its kind.
+fn published<T: Real>(kind: EstimatorKind, config: &CornerConfig<T>) -> Result<AekfUi<T>, ParameterError> {
+    let forgetting = if kind == EstimatorKind::AekfUi { Forgetting::OneStep } else { Forgetting::None };
+    let start = FilterConfig::paper_simulation().with_forgetting(forgetting);
+    AekfUi::new(config.quarter_car, start.with_initial_stiffness(config.initial_stiffness_n_per_m()))
+}
+
+/// The filter that is told the stiffness.
+fn mended<T: Real>(config: &CornerConfig<T>) -> Result<AekfUiInformed<T>, ParameterError> {
+    AekfUiInformed::new(config.quarter_car, filter_config(config))
 }
 
 /// Settings of the mended filter for words that come every 0.7 s: a short memory of few, weighty innovations.

@@ -309,13 +309,7 @@ impl<T: Real> Estimator<T> {
 
     /// Starts again from the corner's initial pressure, as after a tire change. Counted.
     pub fn reset(&mut self) {
-        // The same arguments were accepted before.
-        if let Ok(engine) =
-            Engine::new(self.kind, &self.config, self.sample_rate_hz, self.intake.grid_period_s())
-        {
-            self.engine = engine;
-            self.engine.set_repetition(self.repetition);
-        }
+        self.engine.restart(self.kind, self.repetition);
         self.watch = LowPressureWatch::new();
         self.resets = self.resets.saturating_add(1);
     }

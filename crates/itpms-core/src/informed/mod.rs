@@ -157,11 +157,15 @@ impl<T: Real> Informed<T> {
         }
     }
 
-    /// The same with what is known of the road repeating itself; to be said before the first sample.
-    #[must_use]
-    pub fn with_repetition(mut self, repetition: RoadRepetition) -> Self {
+    /// Tells what is known of the road repeating itself; to be said before the first sample.
+    pub fn set_repetition(&mut self, repetition: RoadRepetition) {
         self.repeat = RepeatedRoad::new(repetition, self.sample_rate_hz, self.grid_period_s);
-        self
+    }
+
+    /// Forgets everything, as before the first sample; the road may repeat itself as it was told at first.
+    pub fn restart(&mut self, repetition: RoadRepetition) {
+        *self = Self::new(&self.config, self.sample_rate_hz, self.grid_period_s);
+        self.set_repetition(repetition);
     }
 
     /// Takes one grid sample; true when a frame was completed and the belief has moved.

@@ -1,7 +1,7 @@
 //! Gaussians added up to one with their mean and covariance. Used by the modes where ways of moving meet; knows nothing of them.
 
 use super::modes::Mode;
-use super::parameters::{Covariance, State};
+use super::parameters::{Covariance, SIZE, State};
 use crate::real::Real;
 
 /// Gaussians added up to one.
@@ -18,20 +18,31 @@ impl<T: Real> Mixture<T> {
         Self { weight: T::zero(), sum: State::zeros(), square: Covariance::zeros(), around: None }
     }
 
-    pub(super) fn add(&mut self, weight: T, mean: &State<T>, covariance: &Covariance<T>) {
-        let around = *self.around.get_or_insert(*mean);
-        let off = mean - around;
+    /// Adds a Gaussian with this weight, whatever its own.
+    pub(super) fn add(&mut self, weight: T, mode: &Mode<T>) {
+        let around = *self.around.get_or_insert(mode.mean);
+        let off = mode.mean - around;
         // A weight of nothing still leaves a usable Gaussian.
         let weight = weight.max(T::lit(1e-30));
         self.weight += weight;
         self.sum += off * weight;
-        self.square += (covariance + off * off.transpose()) * weight;
+        // Entry by entry, as matrices in between would be the largest things on the stack.
+        for j in 0..SIZE {
+            for i in 0..SIZE {
+                self.square[(i, j)] += (mode.covariance[(i, j)] + off[i] * off[j]) * weight;
+            }
+        }
     }
 
     pub(super) fn into_mode(self) -> Mode<T> {
         let off = self.sum / self.weight;
         let around = self.around.unwrap_or_else(State::zeros);
-        let covariance = self.square / self.weight - off * off.transpose();
-        Mode { mean: around + off, covariance, weight: self.weight }
+        let mut mode = Mode { mean: around + off, covariance: self.square, weight: self.weight };
+        for j in 0..SIZE {
+            for i in 0..SIZE {
+                mode.covariance[(i, j)] = mode.covariance[(i, j)] / self.weight - off[i] * off[j];
+            }
+        }
+        mode
     }
 }

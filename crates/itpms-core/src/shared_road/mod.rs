@@ -363,7 +363,7 @@ impl<T: Real> SharedRoad<T> {
 
     /// The belief has become impossible: begins again with what resets taught.
     fn begin_again(&mut self) {
-        self.modes = Modes::new(&self.start);
+        self.modes.begin_again(&self.start);
         self.learned_s = 0.0;
         self.kept = [None, None];
         if let Some(reference) = self.learned().or(self.recalled) {

@@ -90,30 +90,22 @@ pub(super) fn moves<T: Real>(mode: usize) -> [T; 4] {
     core::array::from_fn(|i| if moves(i) { T::one() } else { T::zero() })
 }
 
-/// A quiet Gaussian as it is when a movement begins.
-fn begun<T: Real>(mode: usize, mean: &State<T>, covariance: &Covariance<T>) -> (State<T>, Covariance<T>) {
-    let (mut mean, mut covariance) = (*mean, *covariance);
-    if mode != QUIET && mode != LOOSE {
-        mean[RATE] = T::lit(RATE_MEAN);
-        covariance[(RATE, RATE)] = T::lit(RATE_SD * RATE_SD);
-    }
-    (mean, covariance)
-}
-
 impl<T: Real> Modes<T> {
     /// What is believed at the start, the tires' compliances around `tires`.
     pub(super) fn new(tires: &[T; 4]) -> Self {
-        let sd = prior_sd::<T>();
-        let mut covariance = Covariance::from_diagonal(&sd.component_mul(&sd));
-        correlate_bars(&mut covariance);
-        let mut start = State::zeros();
-        start.fixed_rows_mut::<4>(TIRE).copy_from_slice(tires);
-        let modes = core::array::from_fn(|mode| {
-            let weight = if mode == QUIET { T::one() } else { T::zero() };
-            let (mean, covariance) = begun(mode, &start, &covariance);
-            Mode { mean, covariance, weight }
-        });
-        Self { modes }
+        let start = Mode::at_start(tires);
+        let mut modes = Self { modes: core::array::from_fn(|mode| start.begun(mode)) };
+        modes.calm();
+        modes
+    }
+
+    /// The same in the place of what was believed.
+    pub(super) fn begin_again(&mut self, tires: &[T; 4]) {
+        let start = Mode::at_start(tires);
+        for (index, mode) in self.modes.iter_mut().enumerate() {
+            *mode = start.begun(index);
+        }
+        self.calm();
     }
 
     /// Moves on by `seconds`; `liveliness` multiplies the chances that one wheel, and that several, begin to move;
@@ -157,48 +149,62 @@ impl<T: Real> Modes<T> {
             }
             stay -= begin[mode];
         }
-        let old = self.modes.clone();
-        let quiet = &old[QUIET];
-        let mut still = Mixture::new();
-        still.add(quiet.weight * stay, &quiet.mean, &quiet.covariance);
-        for (mode, moving) in old.iter().enumerate().skip(1) {
-            if moving.weight > T::lit(FORGOTTEN) {
-                let ended = moving.ended();
-                still.add(moving.weight * end, &ended.mean, &ended.covariance);
-            }
-
-            let (mean, covariance) = begun(mode, &quiet.mean, &quiet.covariance);
-            let stays = moving.weight * (T::one() - end);
-            let begins = quiet.weight * begin[mode];
-            // What nobody believes in is not followed.
-            self.modes[mode] = if stays > T::lit(FORGOTTEN) {
-                let mut going = Mixture::new();
-                going.add(stays, &moving.mean, &moving.covariance);
-                going.add(begins, &mean, &covariance);
-                going.into_mode()
-            } else {
-                Mode { mean, covariance, weight: begins }
-            };
+        // In place: a copy of all modes is more than a controller's stack has room for. The quiet mode comes last, as every
+        // other begins from it, and single wheels after those that they join.
+        let still = self.still(stay, end);
+        for (mode, &begin) in begin.iter().enumerate().skip(SIDE) {
+            self.go_on(mode, end, begin);
         }
-        self.modes[QUIET] = still.into_mode();
         let [_, several] = liveliness;
-        (0..2).for_each(|side| self.join(side, &old, T::lit(JOIN) * seconds * several));
+        for wheel in 0..4 {
+            self.join(wheel, T::lit(JOIN) * seconds * several);
+        }
+        for (mode, &begin) in begin.iter().enumerate().take(SIDE).skip(1) {
+            self.go_on(mode, end, begin);
+        }
+        self.modes[QUIET] = still;
     }
 
-    /// A wheel that lost pressure by itself is joined, by this chance, by the other one of its side.
-    fn join(&mut self, side: usize, old: &[Mode<T>; MODES], chance: T) {
-        let mode = SIDE + side;
-        for wheel in [side, side + 2] {
-            let (alone, both) = (&old[wheel + 1], &self.modes[mode]);
-            let joins = alone.weight * chance;
-            if joins > T::lit(NOTICED) * both.weight {
-                let ended = alone.ended();
-                let (mean, covariance) = begun(mode, &ended.mean, &ended.covariance);
-                let mut going = Mixture::new();
-                going.add(both.weight, &both.mean, &both.covariance);
-                going.add(joins, &mean, &covariance);
-                self.modes[mode] = going.into_mode();
+    /// What moves no more: what did not and of which this share stays so, and of what did the share that ends.
+    fn still(&self, stay: T, end: T) -> Mode<T> {
+        let mut still = Mixture::new();
+        still.add(self.modes[QUIET].weight * stay, &self.modes[QUIET]);
+        for moving in &self.modes[1..] {
+            if moving.weight > T::lit(FORGOTTEN) {
+                still.add(moving.weight * end, &moving.ended());
             }
+        }
+        still.into_mode()
+    }
+
+    /// A movement goes on but for the share that ends, and by this chance what moved not begins to.
+    fn go_on(&mut self, mode: usize, end: T, begin: T) {
+        let (quiet, moving) = (&self.modes[QUIET], &self.modes[mode]);
+        let mut begun = quiet.begun(mode);
+        let stays = moving.weight * (T::one() - end);
+        let begins = quiet.weight * begin;
+        // What nobody believes in is not followed.
+        self.modes[mode] = if stays > T::lit(FORGOTTEN) {
+            let mut going = Mixture::new();
+            going.add(stays, moving);
+            going.add(begins, &begun);
+            going.into_mode()
+        } else {
+            begun.weight = begins;
+            begun
+        };
+    }
+
+    /// A wheel that loses pressure by itself is joined, by this chance, by the other one of its side.
+    fn join(&mut self, wheel: usize, chance: T) {
+        let mode = SIDE + wheel % 2;
+        let (alone, both) = (&self.modes[wheel + 1], &self.modes[mode]);
+        let joins = alone.weight * chance;
+        if joins > T::lit(NOTICED) * both.weight {
+            let mut going = Mixture::new();
+            going.add(both.weight, both);
+            going.add(joins, &alone.ended().begun(mode));
+            self.modes[mode] = going.into_mode();
         }
     }
 
@@ -322,8 +328,7 @@ impl<T: Real> Modes<T> {
     pub(super) fn as_one(&self) -> Mode<T> {
         let mut one = Mixture::new();
         for mode in &self.modes {
-            let ended = mode.ended();
-            one.add(mode.weight, &ended.mean, &ended.covariance);
+            one.add(mode.weight, &mode.ended());
         }
         one.into_mode()
     }
@@ -431,6 +436,26 @@ impl<T: Real> Modes<T> {
 }
 
 impl<T: Real> Mode<T> {
+    /// A car as its file has it, the tires' compliances around these.
+    fn at_start(tires: &[T; 4]) -> Self {
+        let sd = prior_sd::<T>();
+        let mut covariance = Covariance::from_diagonal(&sd.component_mul(&sd));
+        correlate_bars(&mut covariance);
+        let mut mean = State::zeros();
+        mean.fixed_rows_mut::<4>(TIRE).copy_from_slice(tires);
+        Self { mean, covariance, weight: T::one() }
+    }
+
+    /// A quiet one as it is when a movement begins.
+    fn begun(&self, mode: usize) -> Self {
+        let mut begun = self.clone();
+        if mode != QUIET && mode != LOOSE {
+            begun.mean[RATE] = T::lit(RATE_MEAN);
+            begun.covariance[(RATE, RATE)] = T::lit(RATE_SD * RATE_SD);
+        }
+        begun
+    }
+
     /// What changes by itself does so for `seconds`: about the vehicle file, and never further than a car may be from it.
     pub(super) fn wander(&mut self, seconds: T) {
         let sd = wander_sd::<T>();
