@@ -7,11 +7,14 @@
 //! | [`stdin`] | lines of candump through a pipe |
 //! | [`broker`] | the same as messages of an MQTT broker |
 //! | `lines` | what such a line says |
+//! | `bus_time` | what a frame's stamp tells when somebody sets the clock |
 //! | `pace` | when something recorded is due again |
 //!
 //! Started by `itpms monitor`; knows nothing of estimators.
 
 pub mod broker;
+#[cfg(target_os = "linux")]
+mod bus_time;
 mod lines;
 mod pace;
 pub mod replay;

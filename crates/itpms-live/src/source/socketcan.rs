@@ -1,8 +1,8 @@
 //! A SocketCAN interface of Linux, classic and FD. Survives bus-off and an interface that goes down and up again.
 //!
 //! The thread reads, stamps and hands on; when the estimate is behind, the oldest waiting frames are lost and counted, so
-//! that the socket is always read. Frames have the kernel's time of their arrival. What the kernel itself lost because this
-//! thread was not run for too long is not counted.
+//! that the socket is always read. Frames have the kernel's time of their arrival, which goes on when somebody sets the clock.
+//! What the kernel itself lost because this thread was not run for too long is not counted.
 
 use std::io;
 use std::sync::Arc;
@@ -20,6 +20,7 @@ use crate::broker::Backoff;
 use crate::error::LiveError;
 use crate::input::{Input, SourceName};
 use crate::queue::Queue;
+use crate::source::bus_time::BusTime;
 
 /// How long a read waits without looking whether an end is wanted.
 const LOOK_EVERY: Duration = Duration::from_millis(100);
@@ -92,12 +93,13 @@ fn listen(interface: Interface, inputs: &Queue<Input>, stop: &AtomicBool) {
     let mut socket = Some(interface.socket);
     let mut backoff = Backoff::default();
     let mut well = true;
+    let mut clock = BusClock { time: BusTime::default(), began: Instant::now() };
     while !stop.load(Ordering::Relaxed) {
         let Some(open_socket) = socket.take().or_else(|| open(&interface.name).ok()) else {
             thread::sleep(backoff.next());
             continue;
         };
-        let heard = read(&open_socket, bus, inputs);
+        let heard = read(&open_socket, bus, &mut clock, inputs);
         let news = match &heard {
             Heard::BusOff if well => Some(Input::Disconnected("bus-off".to_owned())),
             Heard::Broken(error) if well => Some(Input::Disconnected(error.to_string())),
@@ -125,7 +127,21 @@ fn may_go(input: &Input) -> bool {
     matches!(input, Input::Frame { .. })
 }
 
-fn read(socket: &CanFdSocket, bus: u16, inputs: &Queue<Input>) -> Heard {
+/// What tells a frame's time.
+struct BusClock {
+    time: BusTime,
+    began: Instant,
+}
+
+impl BusClock {
+    fn time_s(&mut self, stamp: SystemTime) -> f64 {
+        let unix_s =
+            |time: SystemTime| time.duration_since(UNIX_EPOCH).map_or(0.0, |since| since.as_secs_f64());
+        self.time.of(unix_s(stamp), unix_s(SystemTime::now()), self.began.elapsed().as_secs_f64())
+    }
+}
+
+fn read(socket: &CanFdSocket, bus: u16, clock: &mut BusClock, inputs: &Queue<Input>) -> Heard {
     let (frame, stamp) = match socket.read_frame_with_timestamps() {
         Ok((frame, stamps)) => (frame, stamps.socket.unwrap_or_else(SystemTime::now)),
         Err(error) if error.should_retry() || error.kind() == io::ErrorKind::Interrupted => {
@@ -140,7 +156,7 @@ fn read(socket: &CanFdSocket, bus: u16, inputs: &Queue<Input>) -> Heard {
             _ => Heard::Silence,
         };
     }
-    let Some(frame) = ours(&frame, stamp, bus) else { return Heard::Silence };
+    let Some(frame) = ours(&frame, clock.time_s(stamp), bus) else { return Heard::Silence };
     let waited = stamp.elapsed().unwrap_or_default();
     let now = Instant::now();
     let arrived = now.checked_sub(waited).unwrap_or(now);
@@ -149,7 +165,7 @@ fn read(socket: &CanFdSocket, bus: u16, inputs: &Queue<Input>) -> Heard {
 }
 
 /// The same frame in our words.
-fn ours(frame: &CanAnyFrame, stamp: SystemTime, bus: u16) -> Option<CanFrame> {
+fn ours(frame: &CanAnyFrame, time_s: f64, bus: u16) -> Option<CanFrame> {
     let kind = match frame {
         CanAnyFrame::Normal(_) => FrameKind::Data,
         CanAnyFrame::Remote(_) => FrameKind::Remote,
@@ -164,7 +180,6 @@ fn ours(frame: &CanAnyFrame, stamp: SystemTime, bus: u16) -> Option<CanFrame> {
         FrameKind::Remote => Payload::zeros(frame.dlc()),
         _ => Payload::new(frame.data()),
     }?;
-    let time_s = stamp.duration_since(UNIX_EPOCH).map_or(0.0, |since| since.as_secs_f64());
     Some(CanFrame { time_s, bus, id, kind, direction: Direction::Rx, payload })
 }
 
