@@ -86,6 +86,9 @@ pub enum Problem {
     NotApplicable(&'static str),
 
     // --- drive logs: the table ---
+    /// What spreadsheets call Unicode text.
+    #[error("the text is UTF-16, expected UTF-8")]
+    Utf16,
     /// Zero bytes or blank lines only.
     #[error("the file is empty, expected a header line with time_s and the accelerations of a corner")]
     Empty,

@@ -34,6 +34,8 @@ pub mod log;
 pub mod mdf4;
 mod nearest;
 pub mod out;
+#[cfg(feature = "parquet")]
+mod parquet_columns;
 pub mod profile;
 pub mod reference;
 pub mod signals;

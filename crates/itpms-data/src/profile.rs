@@ -1,7 +1,7 @@
-//! Road profiles from text: distance and height, of one track, of two, or of every wheel.
+//! Road profiles from text or Parquet: distance and height, of one track, of two, or of every wheel.
 //!
 //! Called by the roughness command. Reads surveyed profiles (two or three columns of numbers) and the roads that an
-//! estimate leaves (`road.csv`). Knows nothing of roughness.
+//! estimate leaves (`road.csv`, `road.parquet`). Knows nothing of roughness.
 
 use std::path::Path;
 
@@ -9,6 +9,8 @@ use crate::error::{DataError, Place, Problem};
 use crate::input;
 use crate::log::{Lines, number, shortened};
 use crate::nearest::nearest;
+#[cfg(feature = "parquet")]
+use crate::parquet_columns::ParquetColumns;
 
 /// Heights along the road.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,39 +77,107 @@ impl RoadProfile {
     /// Reads a file. Cells are parted by commas or semicolons, else by blanks; `#` begins a comment. With a header the
     /// columns are `distance_m` and `height_m`, or `left_height_m` and `right_height_m`, or `{c}_road_m` for the wheels;
     /// others are passed over. Without one, two columns are distance and height, three are distance, left and right.
+    /// A file that ends in `.parquet` or `.pq` has the same columns.
     ///
     /// # Errors
     /// The file cannot be read, lacks a column, a cell is no number, a row is longer or shorter than the first, or the
-    /// distance goes backwards.
+    /// distance goes backwards; this build is without Parquet.
     pub fn read(path: &Path) -> Result<Self, DataError> {
-        read(path).map_err(|problem| DataError::new(path, problem))
+        let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
+        let is_parquet = extension.is_some_and(|extension| extension == "parquet" || extension == "pq");
+        let profile = if is_parquet { read_parquet(path) } else { read_text(path) };
+        profile.and_then(RoadProfile::complete).map_err(|problem| DataError::new(path, problem))
+    }
+
+    fn of(names: &[&'static str]) -> Self {
+        Self {
+            distance_m: Vec::new(),
+            time_s: Vec::new(),
+            tracks: names.iter().map(|name| RoadTrack { name, height_m: Vec::new() }).collect(),
+            rows_left_out: 0,
+        }
+    }
+
+    fn complete(self) -> Result<Self, Problem> {
+        match self.distance_m.len() {
+            0 if self.rows_left_out == 0 => Err(Problem::HeaderOnly),
+            0 | 1 => Err(Problem::NoRoad),
+            _ => Ok(self),
+        }
+    }
+
+    /// Adds a row of values with what they are.
+    fn add(&mut self, place: Place, row: impl Iterator<Item = (Slot, f64)>) -> Result<(), Problem> {
+        let mut heights = vec![f64::NAN; self.tracks.len()];
+        let (mut distance_m, mut time_s) = (f64::NAN, None);
+        for (slot, value) in row {
+            match slot {
+                Slot::Track(track) => heights[track] = value,
+                Slot::Time => time_s = Some(value),
+                Slot::Distance => distance_m = value,
+                Slot::Other => {}
+            }
+        }
+        let last_m = self.distance_m.last().copied().unwrap_or(f64::NEG_INFINITY);
+        if distance_m < last_m {
+            return Err(Problem::DistanceBackwards { place, from_m: last_m, to_m: distance_m });
+        }
+        if !(distance_m > last_m) {
+            self.rows_left_out += 1;
+            return Ok(());
+        }
+        self.distance_m.push(distance_m);
+        self.time_s.extend(time_s);
+        for (track, height) in self.tracks.iter_mut().zip(heights) {
+            track.height_m.push(height);
+        }
+        Ok(())
     }
 }
 
-fn read(path: &Path) -> Result<RoadProfile, Problem> {
+#[cfg(feature = "parquet")]
+fn read_parquet(path: &Path) -> Result<RoadProfile, Problem> {
+    let mut columns = ParquetColumns::open(input::open(path)?.0)?;
+    let (slots, names) = by_name(columns.names())?;
+    let mut chosen = Vec::new();
+    for (leaf, slot) in slots.into_iter().enumerate() {
+        if slot != Slot::Other {
+            columns.choose(leaf)?;
+            chosen.push(slot);
+        }
+    }
+    let mut profile = RoadProfile::of(&names);
+    while let Some(place) = columns.advance()? {
+        profile.add(place, chosen.iter().copied().zip(columns.values()))?;
+    }
+    Ok(profile)
+}
+
+#[cfg(not(feature = "parquet"))]
+fn read_parquet(_: &Path) -> Result<RoadProfile, Problem> {
+    Err(Problem::NotApplicable("this build is without Parquet, expected a road as text"))
+}
+
+fn read_text(path: &Path) -> Result<RoadProfile, Problem> {
     let mut lines = Lines::new(input::open(path)?.0);
     if !lines.advance()? {
         return Err(Problem::NoHeader(EXPECTED.to_owned()));
     }
     let first: Vec<Vec<u8>> = parts(lines.text()).map(<[u8]>::to_vec).collect();
     let header = first.iter().any(|cell| number(cell).is_none());
-    let (slots, names) = if header { by_name(&first)? } else { by_place(&first, lines.number())? };
-    let mut profile = RoadProfile {
-        distance_m: Vec::new(),
-        time_s: Vec::new(),
-        tracks: names.iter().map(|name| RoadTrack { name, height_m: Vec::new() }).collect(),
-        rows_left_out: 0,
+    let (slots, names) = if header {
+        let names: Vec<_> = first.iter().map(|name| String::from_utf8_lossy(name).into_owned()).collect();
+        by_name(&names)?
+    } else {
+        by_place(&first, lines.number())?
     };
+    let mut profile = RoadProfile::of(&names);
     let mut there = !header || lines.advance()?;
     while there {
         take_row(&mut profile, lines.text(), lines.number(), &slots)?;
         there = lines.advance()?;
     }
-    match profile.distance_m.len() {
-        0 if profile.rows_left_out == 0 => Err(Problem::HeaderOnly),
-        0 | 1 => Err(Problem::NoRoad),
-        _ => Ok(profile),
-    }
+    Ok(profile)
 }
 
 /// The cells of a line.
@@ -119,8 +189,7 @@ fn parts(line: &[u8]) -> impl Iterator<Item = &[u8]> {
         .filter(move |cell| separated || !cell.is_empty())
 }
 
-fn by_name(header: &[Vec<u8>]) -> Result<(Vec<Slot>, Vec<&'static str>), Problem> {
-    let header: Vec<String> = header.iter().map(|name| String::from_utf8_lossy(name).into_owned()).collect();
+fn by_name(header: &[String]) -> Result<(Vec<Slot>, Vec<&'static str>), Problem> {
     for (second, name) in header.iter().enumerate() {
         let known = name == DISTANCE || name == TIME || HEIGHTS.iter().any(|(column, _)| column == name);
         if let Some(first) = header[..second].iter().position(|other| known && other == name) {
@@ -167,8 +236,7 @@ fn by_place(first: &[Vec<u8>], line: u64) -> Result<(Vec<Slot>, Vec<&'static str
 
 fn take_row(profile: &mut RoadProfile, text: &[u8], line: u64, slots: &[Slot]) -> Result<(), Problem> {
     let place = Place::Line(line);
-    let mut heights = vec![f64::NAN; profile.tracks.len()];
-    let (mut distance_m, mut time_s) = (f64::NAN, f64::NAN);
+    let mut row = Vec::with_capacity(slots.len());
     let mut found = 0;
     for cell in parts(text) {
         let slot = slots.get(found).copied().unwrap_or(Slot::Other);
@@ -181,31 +249,12 @@ fn take_row(profile: &mut RoadProfile, text: &[u8], line: u64, slots: &[Slot]) -
                 found: shortened(&String::from_utf8_lossy(cell)),
             })?,
         };
-        match slot {
-            Slot::Track(track) => heights[track] = value,
-            Slot::Time => time_s = value,
-            Slot::Distance | Slot::Other => distance_m = value,
-        }
+        row.push((slot, value));
     }
     if found != slots.len() {
         return Err(Problem::CellCount { place, found, expected: slots.len() });
     }
-    let last_m = profile.distance_m.last().copied().unwrap_or(f64::NEG_INFINITY);
-    if distance_m < last_m {
-        return Err(Problem::DistanceBackwards { place, from_m: last_m, to_m: distance_m });
-    }
-    if !(distance_m > last_m) {
-        profile.rows_left_out += 1;
-        return Ok(());
-    }
-    profile.distance_m.push(distance_m);
-    if slots.contains(&Slot::Time) {
-        profile.time_s.push(time_s);
-    }
-    for (track, height) in profile.tracks.iter_mut().zip(heights) {
-        track.height_m.push(height);
-    }
-    Ok(())
+    profile.add(place, row.into_iter())
 }
 
 fn slot_name(profile: &RoadProfile, slot: Slot) -> String {

@@ -83,6 +83,20 @@ fn empty_and_header_only() {
 }
 
 #[test]
+fn text_in_another_encoding_is_said_to_be() {
+    let bench = Bench::new();
+    let path = bench.csv("");
+    for [first, second] in [[0xff, 0xfe], [0xfe, 0xff]] {
+        fs::write(&path, [&[first, second], b"t\0i\0m\0e\0".as_slice()].concat()).unwrap();
+        assert_eq!(message(&path), "drive.csv: the text is UTF-16, expected UTF-8");
+    }
+    // With the mark of UTF-8 it is what it was.
+    fs::write(&path, format!("\u{feff}{}", drive(300, |_, _| {}))).unwrap();
+    let mut log = LogReader::open(&path).unwrap();
+    assert_eq!(log.next_row().unwrap().map(|row| row.time_s), Some(0.0));
+}
+
+#[test]
 fn missing_and_duplicate_columns() {
     let text = csv_message("time_s,fl_body_accel_m_s2,fl_wheel_accel\n0,1,2\n");
     assert_eq!(

@@ -152,7 +152,7 @@ fn repairs_are_counted_as_warnings_and_the_result_stays() {
     assert_eq!(
         warnings,
         [
-            "warning: drive.csv: 2 acceleration values are missing (empty, NaN or null)",
+            "warning: drive.csv: 2 acceleration values are missing (empty, infinite, NaN or null)",
             "warning: drive.csv: 1 row is out of order and was left out",
             "warning: drive.csv: 1 gap of more than 3 sample periods, the longest 0.502 s at 23.994 s",
         ]

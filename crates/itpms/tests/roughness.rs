@@ -146,6 +146,14 @@ fn a_drive_is_estimated_first_and_its_road_file_gives_the_same() {
     // The file rounds heights and distances.
     let iri = |value: &Value| value["iri_m_per_km"].as_f64().unwrap();
     assert!((iri(&drive) / iri(&road) - 1.0).abs() < 1e-3, "{drive} {road}");
+    // The same road in Parquet, unrounded; a drive in Parquet is none.
+    ok(&bench, "estimate drive.csv --vehicle car.toml -o est.csv --road-out road.parquet");
+    let parquet = first(&of("roughness road.parquet --segment-m 50 --json"));
+    assert!((iri(&drive) / iri(&parquet) - 1.0).abs() < 1e-6, "{drive} {parquet}");
+    ok(&bench, "convert drive.csv drive.parquet");
+    assert!(
+        bench.run("roughness drive.parquet").refusal().starts_with("drive.parquet: looks like a drive log")
+    );
     // The paper drives at 20 km/h: half a hertz is 11 m.
     assert!(drive["note"].as_str().unwrap().contains("of its waves: reads low"), "{drive}");
 }

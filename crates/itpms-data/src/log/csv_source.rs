@@ -127,6 +127,10 @@ impl Lines {
                 // The byte order mark with which some programs begin a text file.
                 self.line.drain(..3);
             }
+            if self.number == 1 && (self.line.starts_with(b"\xff\xfe") || self.line.starts_with(b"\xfe\xff"))
+            {
+                return Err(Problem::Utf16);
+            }
             if !self.text().is_empty() && self.text()[0] != b'#' {
                 return Ok(true);
             }

@@ -64,8 +64,8 @@ impl RepairReport {
         };
         say(
             self.missing_accelerations,
-            "acceleration value is missing (empty, NaN or null)",
-            "acceleration values are missing (empty, NaN or null)",
+            "acceleration value is missing (empty, infinite, NaN or null)",
+            "acceleration values are missing (empty, infinite, NaN or null)",
         );
         say(self.missing_speeds, "speed value is missing", "speed values are missing");
         say(self.without_time, "row has no time and was left out", "rows have no time and were left out");
@@ -122,7 +122,7 @@ mod tests {
         assert_eq!(
             report.warnings(),
             [
-                "12 acceleration values are missing (empty, NaN or null)",
+                "12 acceleration values are missing (empty, infinite, NaN or null)",
                 "1 row is out of order and was left out",
                 "2 gaps of more than 3 sample periods, the longest 1.5 s at 17.25 s",
             ]

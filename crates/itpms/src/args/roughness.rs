@@ -6,13 +6,14 @@ use super::{LogArgs, positive};
 
 /// How rough a road is: International Roughness Index, ISO 8608 class, level and slope, per track and segment.
 ///
-/// From a profile: OpenCRG (.crg), or text with distance_m and height_m, or left_height_m and right_height_m; without a
-/// header two columns are distance and height, three are distance, left and right. Or from a drive, with --vehicle: then
+/// From a profile: OpenCRG (.crg), or text or Parquet with distance_m and height_m, or left_height_m and right_height_m, or
+/// what estimate --road-out wrote; without a header two columns are distance and height, three are distance, left and
+/// right. Or from a drive, with --vehicle: then
 /// the road under every wheel is estimated first. A segment with too little road says so instead of a number.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct RoughnessArgs {
-    /// A road profile (.crg, or text), or a drive log with --vehicle.
+    /// A road profile (.crg, .parquet, or text), or a drive log with --vehicle.
     pub(crate) input: PathBuf,
     /// The input is a drive log of this vehicle.
     #[arg(long, value_name = "V.toml")]

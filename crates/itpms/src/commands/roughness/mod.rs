@@ -2,7 +2,7 @@
 //!
 //! | room | idea |
 //! |---|---|
-//! | `profile` | tracks from OpenCRG and text |
+//! | `profile` | tracks from OpenCRG, text and Parquet |
 //! | `drive` | tracks from a drive log, the road estimated first |
 
 mod drive;

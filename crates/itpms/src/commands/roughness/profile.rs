@@ -1,4 +1,4 @@
-//! Tracks from a road profile: OpenCRG, or text.
+//! Tracks from a road profile: OpenCRG, text or Parquet.
 
 use itpms_data::Problem;
 use itpms_data::crg::CrgRoad;
@@ -19,18 +19,13 @@ const POINTS_PER_WAVE: f64 = 2.5;
 
 pub(super) fn survey(args: &RoughnessArgs) -> Result<Found, Failure> {
     let crg = args.input.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("crg"));
-    let parquet = args.input.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet"));
-    match (crg, parquet) {
-        (true, _) => from_crg(args),
-        (_, true) => Err(no_vehicle(args)),
-        _ => from_text(args),
-    }
+    if crg { from_crg(args) } else { from_table(args) }
 }
 
 fn no_vehicle(args: &RoughnessArgs) -> Failure {
     let path = args.input.display();
     Failure::Usage(format!(
-        "{path}: looks like a drive log, whose road has to be estimated: expected --vehicle V.toml (a road is read from .csv)"
+        "{path}: looks like a drive log, whose road has to be estimated: expected --vehicle V.toml"
     ))
 }
 
@@ -57,7 +52,7 @@ fn from_crg(args: &RoughnessArgs) -> Result<Found, Failure> {
     Ok(Found { about, table: RoughnessTable::new(args.segment_m, tracks), warnings })
 }
 
-fn from_text(args: &RoughnessArgs) -> Result<Found, Failure> {
+fn from_table(args: &RoughnessArgs) -> Result<Found, Failure> {
     let profile = RoadProfile::read(&args.input).map_err(|error| match *error.problem {
         Problem::DriveLog => no_vehicle(args),
         _ => error.into(),
