@@ -106,6 +106,16 @@ pub enum Problem {
         /// The most similar name that is there.
         nearest: Option<String>,
     },
+    /// A corner of which one acceleration is there and the other one is not.
+    #[error(
+        "column {column} is missing; a corner has both accelerations: without {present} the log is read without this corner"
+    )]
+    HalfCorner {
+        /// The name of what is missing.
+        column: String,
+        /// The name of what is there.
+        present: String,
+    },
     /// A table of measurements without a column it has to have.
     #[error("column {column} is missing{}; found {found}, expected {expected}", hint(.nearest))]
     NotAmongColumns {

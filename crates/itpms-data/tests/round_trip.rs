@@ -107,7 +107,7 @@ fn a_long_drive_crosses_row_groups_and_batches() {
                 None,
                 Some(LogCorner {
                     body_accel_m_s2: f64::from(i).sin(),
-                    wheel_accel_m_s2: if i % 3 == 0 { f64::NAN } else { f64::from(i) },
+                    wheel_accel_m_s2: if i % 3 == 0 { f64::NAN } else { f64::from(i % 100) },
                     pressure_kpa: f64::NAN,
                     road_m: f64::NAN,
                 }),

@@ -69,6 +69,20 @@ fn a_gain_that_changes_is_no_leak_of_the_other_tire() {
     assert_eq!((row.wrong_after_others_s, row.wrong_back_others_s), (0.0, 0.0), "{row:?}");
 }
 
+/// A wheel's sensor begins to read a quarter too little or a third too much: said, and with it that its tire is not known. What
+/// is shown of it and of the other tire of its side until then, and for some seconds more, is wrong.
+#[test]
+fn a_gain_that_is_a_quarter_off_is_said() {
+    let go = |_, _| ControlFlow::Continue(());
+    for name in ["gain 0.75", "gain 1.35"] {
+        let study = study(&request(name), &go).unwrap();
+        let [row] = study.rows.as_slice() else { panic!("{:?}", study.rows) };
+        assert_eq!((row.in_time, row.named, row.recovered), (1, 1, row.awaited), "{row:?}");
+        assert_eq!(row.wrong_after_s, 0.0, "{row:?}");
+        assert_eq!(study.clean.malfunctions, 0, "{:?}", study.clean);
+    }
+}
+
 #[test]
 fn requests_that_make_no_sense_are_refused_and_a_break_stops() {
     let go = |_, _| ControlFlow::Continue(());
@@ -80,7 +94,7 @@ fn requests_that_make_no_sense_are_refused_and_a_break_stops() {
     let stop = |_, _| ControlFlow::Break(());
     assert!(matches!(study(&request("stuck, wheel"), &stop), Err(MalfunctionError::Stopped)));
     assert!(kinds().iter().all(|kind| kind.stated_s > 0.0));
-    // Twenty-two of sensors, and a road that tells nothing.
+    // Twenty-four of sensors, and a road that tells nothing.
     let of_sensors = kinds().iter().filter(|kind| !kind.faults.is_empty()).count();
-    assert_eq!((of_sensors, kinds().len()), (22, 23));
+    assert_eq!((of_sensors, kinds().len()), (24, 25));
 }

@@ -10,7 +10,7 @@ use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use itpms_data::DataError;
+use itpms_data::{DataError, Problem};
 use itpms_sim::error::ScenarioError;
 use thiserror::Error;
 
@@ -18,7 +18,7 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 pub(crate) enum Failure {
     /// A file in or out.
-    #[error(transparent)]
+    #[error("{error}{hint}", error = .0, hint = remedy(.0))]
     Data(#[from] DataError),
     /// A scenario.
     #[error(transparent)]
@@ -38,6 +38,14 @@ pub(crate) enum Failure {
     /// The same, in a run whose finished parts are kept.
     #[error("interrupted; what is finished is kept, the same command goes on from there")]
     Paused,
+}
+
+/// The option with which somebody who knows better goes on.
+fn remedy(error: &DataError) -> &'static str {
+    match *error.problem {
+        Problem::Units { .. } => "; if they are right: --trust-units",
+        _ => "",
+    }
 }
 
 impl Failure {

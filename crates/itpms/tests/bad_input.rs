@@ -80,6 +80,16 @@ fn a_missing_or_a_duplicate_column() {
     );
     let text = edited(|line, cells| {
         if line == 1 {
+            cells[WHEEL] = "gear".to_owned();
+        }
+    });
+    assert_eq!(
+        text,
+        "drive.csv: column fl_wheel_accel_m_s2 is missing; a corner has both accelerations: without \
+         fl_body_accel_m_s2 the log is read without this corner"
+    );
+    let text = edited(|line, cells| {
+        if line == 1 {
             cells[0] = "Time [s]".to_owned();
         }
     });
@@ -169,7 +179,7 @@ fn accelerations_in_g_with_and_without_gravity() {
             text.starts_with("drive.csv: wrong units suspected (accelerations in g): fl body and wheel"),
             "{text}"
         );
-        assert!(text.ends_with(", expected m/s^2"), "{text}");
+        assert!(text.ends_with(", expected m/s^2; if they are right: --trust-units"), "{text}");
         bench.run("estimate drive.csv --vehicle car.toml -o est.csv --trust-units").success();
     }
 }
@@ -178,6 +188,11 @@ fn accelerations_in_g_with_and_without_gravity() {
 fn a_vehicle_file_with_an_unknown_key_a_negative_mass_or_the_wrong_corner() {
     let bench = Bench::with_drive();
     let car = bench.read("car.toml");
+    // Each where the other one should be.
+    let exchanged = car.replace("damping_n_s_per_m", "x").replace("spring_n_per_m", "damping_n_s_per_m");
+    bench.write("car.toml", exchanged.replace("\nx =", "\nspring_n_per_m ="));
+    let text = refusal(&bench);
+    assert!(text.contains("spring_n_per_m is 925.8, expected 2377 to 237660 (another unit?)"), "{text}");
     bench.write("car.toml", car.replace("unsprung_mass_kg", "unsprung_mas_kg"));
     let text = refusal(&bench);
     assert!(

@@ -214,6 +214,28 @@ fn four_wheels_without_a_speed_are_by_themselves() {
     }
 }
 
+/// A car that stands by its speed and not by its wheels, and a reset too short to teach anything.
+#[test]
+fn a_speed_that_is_stuck_and_a_short_reset_are_said() {
+    let bench = Bench::with_drive();
+    let said = |bench: &Bench, line: &str| bench.run(&format!("estimate drive.csv {line}")).stderr;
+    let text = said(&bench, "--vehicle car.toml -o est.csv --calibrate-s 5");
+    assert!(text.contains("a reset of 5 s teaches little") && !text.contains("stuck"), "{text}");
+    let (head, rows) =
+        bench.read("drive.csv").split_once('\n').map(|(a, b)| (a.to_owned(), b.to_owned())).unwrap();
+    assert!(head.starts_with("time_s,speed_m_s,"), "{head}");
+    for speed in ["0", "-22.2"] {
+        let stuck = |line: &str| {
+            let mut cells: Vec<&str> = line.split(',').collect();
+            cells[1] = speed;
+            cells.join(",") + "\n"
+        };
+        bench.write("drive.csv", format!("{head}\n{}", rows.lines().map(stuck).collect::<String>()));
+        let text = said(&bench, "--vehicle car.toml -o est.csv");
+        assert!(text.contains("is the speed stuck, or negative?"), "{speed}: {text}");
+    }
+}
+
 #[test]
 fn results_go_to_standard_output_where_asked() {
     let bench = Bench::with_drive();

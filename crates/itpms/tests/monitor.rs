@@ -92,6 +92,13 @@ fn expect_est_csv(bench: &Bench, json: &str) {
 }
 
 #[test]
+fn a_log_is_no_interface() {
+    let bench = Bench::with_drive();
+    let outcome = bench.run("monitor drive.csv --vehicle car.toml");
+    assert_eq!(outcome.refusal(), "drive.csv: is a file, expected an interface; a log: --replay drive.csv");
+}
+
+#[test]
 fn a_replay_says_what_estimate_says_row_for_row_and_warns_on_transitions_alone() {
     let bench = puncture();
     bench.run("estimate drive.csv --vehicle car.toml -o est.csv --events events.jsonl").success();

@@ -45,6 +45,12 @@ impl Header {
             let nearest = nearest(&column, strangers.iter().copied()).map(shortened);
             Problem::MissingColumn { column, nearest }
         };
+        let half = |slot: Slot, present: Slot| match missing(slot) {
+            Problem::MissingColumn { column, nearest: None } => {
+                Problem::HalfCorner { column, present: present.name() }
+            }
+            misspelled => misspelled,
+        };
         if !has(Slot::Time) {
             return Err(separator(names).map_or_else(|| missing(Slot::Time), Problem::Separator));
         }
@@ -58,8 +64,8 @@ impl Header {
                         road: has(slot(Field::Road)),
                     });
                 }
-                (true, false) => return Err(missing(slot(Field::WheelAccel))),
-                (false, true) => return Err(missing(slot(Field::BodyAccel))),
+                (true, false) => return Err(half(slot(Field::WheelAccel), slot(Field::BodyAccel))),
+                (false, true) => return Err(half(slot(Field::BodyAccel), slot(Field::WheelAccel))),
                 (false, false) => {}
             }
         }

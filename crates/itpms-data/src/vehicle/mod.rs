@@ -184,6 +184,9 @@ impl Vehicle {
     }
 }
 
+/// Natural frequencies in Hz that a body on its springs may have: twice and half of what cars and trucks have.
+const BODY_HZ: [f64; 2] = [0.5, 5.0];
+
 /// A positive number inside its plausible range, if the key is there.
 fn checked(table: &Table<'_>, key: &'static str) -> Result<Option<f64>, Problem> {
     let Some(value) = table.number(key)? else { return Ok(None) };
@@ -247,12 +250,13 @@ fn read_corner(
     if unsprung_kg > sprung_kg {
         return Err(implausible(table, "unsprung_mass_kg", unsprung_kg, 1.0, sprung_kg));
     }
-    let quarter_car = QuarterCar::new(
-        sprung_kg,
-        unsprung_kg,
-        required(table, "damping_n_s_per_m")?,
-        required(table, "spring_n_per_m")?,
-    );
+    let (damping, spring) = (required(table, "damping_n_s_per_m")?, required(table, "spring_n_per_m")?);
+    // A body rests on its springs at 1 to 2 Hz; far from that, damper and spring are most likely exchanged.
+    let [softest, stiffest] = BODY_HZ.map(|hz| (std::f64::consts::TAU * hz).powi(2) * sprung_kg);
+    if !(softest..=stiffest).contains(&spring) {
+        return Err(implausible(table, "spring_n_per_m", spring, softest.round(), stiffest.round()));
+    }
+    let quarter_car = QuarterCar::new(sprung_kg, unsprung_kg, damping, spring);
     let placard_kpa = required(table, "placard_kpa")?;
     let (noise, initial) = (checked(table, "accel_noise_m_s2")?, checked(table, "initial_kpa")?);
     quarter_car

@@ -180,6 +180,8 @@ pub fn kinds() -> Vec<Kind> {
         ),
         alone("gain 0.5, wheel", 120.0, &["gain"], fr, Wheel, FaultKind::Gain { factor: 0.5 }),
         alone("gain 2, wheel", 120.0, &["gain", "noise"], rr, Wheel, FaultKind::Gain { factor: 2.0 }),
+        alone("gain 0.75, wheel", 120.0, &["gain"], fl, Wheel, FaultKind::Gain { factor: 0.75 }),
+        alone("gain 1.35, wheel", 120.0, &["gain"], rl, Wheel, FaultKind::Gain { factor: 1.35 }),
         alone("gain 0.7, body", 35.0, &["gain"], fr, Body, FaultKind::Gain { factor: 0.7 }),
         alone("gain 1.5, body", 25.0, &["gain"], rr, Body, FaultKind::Gain { factor: 1.5 }),
         alone("upside down, wheel", 25.0, &["gain"], rr, Wheel, FaultKind::Gain { factor: -1.0 }),

@@ -53,11 +53,16 @@ const BENT: f64 = 0.04;
 /// Log of a gain that is wrong, of a body and of a wheel; and that is fine again.
 const BODY_GAIN: f64 = 0.2;
 const BODY_GAIN_FINE: f64 = 0.12;
-const WHEEL_GAIN: f64 = 0.35;
-const WHEEL_GAIN_FINE: f64 = 0.25;
+const WHEEL_GAIN: f64 = 0.2;
+const WHEEL_GAIN_FINE: f64 = 0.15;
+/// Share of the most that a wheel's gain was off, below which it is fine again; and the most from which on that is enough,
+/// whatever its hop does: averages of so much take long to be forgotten.
+const LESS: f64 = 0.4;
+const LARGE: f64 = 0.5;
 const GAIN: Patience = Patience { raise_s: 5.0, clear_s: 5.0 };
 
-/// Mean log of hop power over that of the other wheels that a wrong gain must have, in the direction of the gain.
+/// Mean log of hop power over that of the other wheels that a wrong gain must have, in the direction of the gain. It alone is
+/// no sign of one: a tire with little air hops less, too. Both together have not been more than 0.18 in ten everyday hours.
 const HOP_AGREES: f64 = 0.15;
 
 /// The car's sensors against each other.
@@ -88,6 +93,8 @@ pub(super) struct Together<T: Real> {
     /// Both sensors of corners are swapped, left with right or front with rear.
     corners: [Word<T>; 2],
     gains: [Word<T>; 8],
+    /// The most that a wheel's gain has been off, as a log, since it is said.
+    most_off: [T; 4],
     /// A wheel sensor is upside down.
     reversed: [Word<T>; 4],
     /// Logs of the wheels' hop power over that of the others, averaged over the slow band's time.
@@ -110,6 +117,7 @@ impl<T: Real> Together<T> {
             pairs: [Word::new(); 6],
             corners: [Word::new(); 2],
             gains: [Word::new(); 8],
+            most_off: [T::zero(); 4],
             reversed: [Word::new(); 4],
             hop_level: [T::zero(); 4],
             jumps: [Jump::new(); 4],
@@ -316,8 +324,17 @@ impl<T: Real> Together<T> {
         for i in 0..4 {
             let off = logs.zip(usual).map(|(logs, usual)| logs[i] - usual);
             let agrees = off.is_some_and(|off| off.signum() * self.hop_level[i] > T::lit(HOP_AGREES));
+            let most = &mut self.most_off[i];
+            *most = if self.gains[4 + i].latch.is_said() {
+                off.map_or(*most, |off| most.max(off.abs()))
+            } else {
+                T::zero()
+            };
+            let fine = T::lit(WHEEL_GAIN_FINE).max(T::lit(LESS) * *most);
+            let past = !agrees || *most > T::lit(LARGE);
+            let wrong = T::lit(WHEEL_GAIN).max(fine);
             let evidence = off.map_or(Evidence::Nothing, |off| {
-                evidence(agrees && off.abs() > T::lit(WHEEL_GAIN), off.abs() < T::lit(WHEEL_GAIN_FINE))
+                evidence(agrees && off.abs() > wrong, past && off.abs() < fine)
             });
             let sensor = Sensor { corner: Corner::ALL[i], place: Place::Wheel };
             let gain = off.map_or(T::one(), |off| off.exp());

@@ -25,6 +25,11 @@ const MEETING_S: f64 = 60.0;
 /// Share of the time for which a speed may be unknown before that is said.
 const UNKNOWN_SHARE: f64 = 0.1;
 
+/// Speed in m/s that a car which stands does not reach, and rms of a wheel's acceleration that it does not either: engines
+/// and doors make a tenth.
+pub(super) const STANDING_M_S: f64 = 0.5;
+const MOVING_WHEEL_M_S2: f64 = 1.0;
+
 /// The running estimator under its monitor.
 pub(super) struct Drive {
     car: Box<MonitoredCar<f64>>,
@@ -37,6 +42,31 @@ pub(super) struct Drive {
     speed: SpeedHold<f64>,
     passed_s: f64,
     unknown_s: f64,
+    /// The highest speed, and how every wheel moves.
+    fastest_m_s: f64,
+    wheels: [Motion; 4],
+}
+
+/// Mean and mean square of the accelerations so far.
+#[derive(Debug, Clone, Copy, Default)]
+struct Motion {
+    count: f64,
+    mean: f64,
+    square: f64,
+}
+
+impl Motion {
+    fn take(&mut self, value: f64) {
+        if value.is_finite() {
+            self.count += 1.0;
+            self.mean += (value - self.mean) / self.count;
+            self.square += (value * value - self.square) / self.count;
+        }
+    }
+
+    fn rms(&self) -> f64 {
+        (self.square - self.mean * self.mean).max(0.0).sqrt()
+    }
 }
 
 impl Drive {
@@ -66,6 +96,8 @@ impl Drive {
             speed: SpeedHold::new(),
             passed_s: 0.0,
             unknown_s: 0.0,
+            fastest_m_s: f64::NEG_INFINITY,
+            wheels: [Motion::default(); 4],
         })
     }
 
@@ -99,7 +131,18 @@ impl Drive {
         Some(self.unknown_s / self.passed_s).filter(|share| *share > UNKNOWN_SHARE)
     }
 
+    /// How much the wheels move, in m/s² rms, of a car that is said to stand for all of its drive and does not look like it.
+    pub(super) fn moves_at_no_speed(&self) -> Option<f64> {
+        let most = self.wheels.iter().map(Motion::rms).fold(0.0, f64::max);
+        let stands = self.fastest_m_s.is_finite() && self.fastest_m_s <= STANDING_M_S;
+        (stands && most > MOVING_WHEEL_M_S2).then_some(most)
+    }
+
     pub(super) fn update(&mut self, row: &LogRow) -> CarEstimate<f64> {
+        self.fastest_m_s = self.fastest_m_s.max(row.speed_m_s);
+        for (wheel, corner) in self.wheels.iter_mut().zip(&row.corners) {
+            wheel.take(corner.as_ref().map_or(f64::NAN, |corner| corner.wheel_accel_m_s2));
+        }
         let estimate = self.car.update(&row.sample());
         let step_s = row.time_s - self.time_s;
         self.time_s = row.time_s;

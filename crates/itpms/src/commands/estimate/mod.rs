@@ -26,7 +26,7 @@ use crate::args::EstimateArgs;
 use crate::exit::Failure;
 use crate::interrupt::Interrupt;
 use crate::screen::Screen;
-use drive::Drive;
+use drive::{Drive, STANDING_M_S};
 use events::Alerts;
 use outputs::Outputs;
 pub(super) use road::RoadTrack;
@@ -34,6 +34,8 @@ pub(crate) use summary::print_corners;
 
 /// Rates in Hz for which the estimators are made.
 const USUAL_RATES_HZ: std::ops::RangeInclusive<f64> = 99.0..=2020.0;
+/// Seconds of driving that a reset should have.
+const SHORTEST_RESET_S: f64 = 10.0;
 
 pub(crate) fn run(args: &EstimateArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
     let done = perform(args, screen, interrupt)?;
@@ -147,7 +149,7 @@ fn concerns(args: &EstimateArgs, log: &LogReader, vehicle: &Vehicle, drive: &Dri
             ));
         } else if drive.never_met() && log.columns().speed && vehicle.wheelbase_m.is_some() {
             concerns.push(
-                "front and rear were never found to meet the same road, so every wheel is by itself: speed_m_s in another unit, another wheelbase_m, or wheels confused?"
+                "front and rear were never found to meet the same road, so every wheel is by itself: speed_m_s in another unit, another wheelbase_m, wheels confused, or too many values missing?"
                     .to_owned(),
             );
         }
@@ -156,6 +158,16 @@ fn concerns(args: &EstimateArgs, log: &LogReader, vehicle: &Vehicle, drive: &Dri
         concerns.push(format!(
             "the reset of {seconds} s outlasts the drive of {:.1} s: every pressure is the placard's because that was said, not because it was found",
             drive.length_s()
+        ));
+    }
+    if let Some(seconds) = args.calibrate_s.filter(|seconds| *seconds < SHORTEST_RESET_S) {
+        concerns.push(format!(
+            "a reset of {seconds} s teaches little of the car, expected {SHORTEST_RESET_S} s or more of driving"
+        ));
+    }
+    if let Some(wheel_m_s2) = drive.moves_at_no_speed() {
+        concerns.push(format!(
+            "speed_m_s is never above {STANDING_M_S} m/s, and wheels move with {wheel_m_s2:.1} m/s^2 rms: is the speed stuck, or negative? Nothing is learned of a car that stands"
         ));
     }
     if let Some(path) = args.reference.as_ref().filter(|_| !axles || vehicle.wheelbase_m.is_none()) {

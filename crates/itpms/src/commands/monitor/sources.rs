@@ -52,6 +52,11 @@ pub(super) fn open(args: &MonitorArgs, screen: &Screen) -> Result<Source, Failur
         let frames = FrameReader::open(path)?;
         return Ok(Source { kind: Kind::Frames(Box::new(frames), args.speed), feed: Some(feed) });
     }
+    if let Some(file) = args.interface.as_deref().filter(|name| Path::new(name).is_file()) {
+        return Err(Failure::Usage(format!(
+            "{file}: is a file, expected an interface; a log: --replay {file}"
+        )));
+    }
     let feed = Some(feed(args, screen)?);
     let kind = match (&args.mqtt_in, args.interface.as_deref()) {
         (Some(address), _) => Kind::Broker(BrokerAddress::parse(address).map_err(failure)?),
