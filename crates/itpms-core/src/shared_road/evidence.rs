@@ -5,7 +5,7 @@ use nalgebra::SMatrix;
 
 use super::coherence::Expectation;
 use super::constraint::{Disagreement, Gram, OWN, OWN_TIRES, ROWS, Score, Slope, places};
-use super::modes::Mode;
+use super::mode::Mode;
 use super::parameters::{Covariance, ROAD_BIAS, SIZE, TIRE};
 use super::{BINS, OVERLAP};
 use crate::real::Real;

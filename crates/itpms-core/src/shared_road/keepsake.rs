@@ -2,7 +2,7 @@
 //! it carries another one's name, shows only after seconds, and for so long it was learned from.
 
 use super::answer::Answer;
-use super::modes::Mode;
+use super::mode::Mode;
 use super::parameters::{RATE, SIZE, TIRE};
 use super::{LONGEST_PAUSE_S, SharedRoad};
 use crate::car::Learned;

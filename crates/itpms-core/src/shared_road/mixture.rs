@@ -1,6 +1,6 @@
 //! Gaussians added up to one with their mean and covariance. Used by the modes where ways of moving meet; knows nothing of them.
 
-use super::modes::Mode;
+use super::mode::Mode;
 use super::parameters::{Covariance, SIZE, State};
 use crate::real::Real;
 

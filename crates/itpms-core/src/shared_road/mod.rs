@@ -17,7 +17,7 @@
 //! | `coherence` | how far they share a road |
 //! | `parameters` | what is unknown of the car |
 //! | `scale` | the tires at their placard pressures, and what a spectrum should say of them |
-//! | `modes`, `mixture` | the belief, and Gaussians of it added up to one |
+//! | `modes`, `mode`, `mixture` | the belief, one Gaussian of it, and several added up to one |
 //! | `alone` | what a corner finds by itself, where front and rear hardly share a road |
 //! | `evidence` | what a frame says to one Gaussian of it |
 //! | `reset` | tires that somebody has just set |
@@ -37,6 +37,7 @@ mod keepsake;
 mod lesson;
 mod memory;
 mod mixture;
+mod mode;
 mod modes;
 mod parameters;
 mod reset;

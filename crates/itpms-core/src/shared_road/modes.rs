@@ -8,9 +8,8 @@ use super::coherence::Expectation;
 use super::constraint::{Disagreement, Signals, Slope, TrackFrame, Wheel, compare};
 use super::evidence::{Likelihood, OwnCovariance, score};
 use super::mixture::Mixture;
-use super::parameters::{
-    Covariance, RATE, SIZE, State, TIRE, correlate_bars, prior_sd, return_rate, wander_sd,
-};
+use super::mode::Mode;
+use super::parameters::{RATE, State, TIRE};
 use crate::car::Learned;
 use crate::real::Real;
 
@@ -29,15 +28,10 @@ const JOIN: f64 = 1e-2;
 const NOTICED: f64 = 1e-3;
 /// Chance per second that a movement ends.
 const END: f64 = 0.5;
-/// Mean and sd in 1/s of the rate at which a compliance begins to grow, and growth of the sd per square root of a second:
-/// that of a tire which loses 40 kPa/s grows by 0.15/s.
-const RATE_MEAN: f64 = 0.08;
-const RATE_SD: f64 = 0.08;
+/// Growth of the rate's sd per square root of a second.
 const RATE_WANDER: f64 = 0.1;
 /// Growth per square root of a second of each compliance's sd while wheels wander.
 const LOOSE_SD: f64 = 0.06;
-/// The least that a tire's compliance can be, over that at placard pressure, less one: at more than twice that pressure.
-const HARDEST: f64 = -0.5;
 /// Chance that a tire was filled or let down during a stop, and the sd of its compliance then.
 const FILLED: f64 = 1e-3;
 const FILLED_SD: f64 = 0.15;
@@ -54,22 +48,6 @@ const WORD_TAILS: f64 = 4.0;
 /// Largest chance of a step that a suspected wheel begins to move.
 const LARGEST_CHANCE: f64 = 0.2;
 
-/// One of them.
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
-pub(super) struct Mode<T: Real> {
-    pub(super) mean: State<T>,
-    pub(super) covariance: Covariance<T>,
-    pub(super) weight: T,
-}
-
 /// See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -84,6 +62,11 @@ pub(super) struct Modes<T: Real> {
     pub(super) modes: [Mode<T>; MODES],
 }
 
+/// Whether compliances follow the rate in a mode.
+fn has_rate(mode: usize) -> bool {
+    mode != QUIET && mode != LOOSE
+}
+
 /// How the compliances follow the rate in a mode.
 pub(super) fn moves<T: Real>(mode: usize) -> [T; 4] {
     let moves = |i: usize| mode == i + 1 || mode == SIDE + i % 2 || mode == ALL;
@@ -94,7 +77,7 @@ impl<T: Real> Modes<T> {
     /// What is believed at the start, the tires' compliances around `tires`.
     pub(super) fn new(tires: &[T; 4]) -> Self {
         let start = Mode::at_start(tires);
-        let mut modes = Self { modes: core::array::from_fn(|mode| start.begun(mode)) };
+        let mut modes = Self { modes: core::array::from_fn(|mode| start.begun(has_rate(mode))) };
         modes.calm();
         modes
     }
@@ -103,7 +86,7 @@ impl<T: Real> Modes<T> {
     pub(super) fn begin_again(&mut self, tires: &[T; 4]) {
         let start = Mode::at_start(tires);
         for (index, mode) in self.modes.iter_mut().enumerate() {
-            *mode = start.begun(index);
+            *mode = start.begun(has_rate(index));
         }
         self.calm();
     }
@@ -119,7 +102,7 @@ impl<T: Real> Modes<T> {
                     mode.covariance[(TIRE + i, TIRE + i)] += T::lit(LOOSE_SD * LOOSE_SD) * seconds;
                 }
             }
-            if index == QUIET || index == LOOSE {
+            if !has_rate(index) {
                 continue;
             }
             mode.covariance[(RATE, RATE)] += T::lit(RATE_WANDER * RATE_WANDER) * seconds;
@@ -180,7 +163,7 @@ impl<T: Real> Modes<T> {
     /// A movement goes on but for the share that ends, and by this chance what moved not begins to.
     fn go_on(&mut self, mode: usize, end: T, begin: T) {
         let (quiet, moving) = (&self.modes[QUIET], &self.modes[mode]);
-        let mut begun = quiet.begun(mode);
+        let mut begun = quiet.begun(has_rate(mode));
         let stays = moving.weight * (T::one() - end);
         let begins = quiet.weight * begin;
         // What nobody believes in is not followed.
@@ -203,7 +186,7 @@ impl<T: Real> Modes<T> {
         if joins > T::lit(NOTICED) * both.weight {
             let mut going = Mixture::new();
             going.add(both.weight, both);
-            going.add(joins, &alone.ended().begun(mode));
+            going.add(joins, &alone.ended().begun(has_rate(mode)));
             self.modes[mode] = going.into_mode();
         }
     }
@@ -432,80 +415,5 @@ impl<T: Real> Modes<T> {
                 && mode.covariance.iter().all(|x| x.is_finite())
         };
         self.modes.iter().all(finite) && self.modes[QUIET].is_possible(softest)
-    }
-}
-
-impl<T: Real> Mode<T> {
-    /// A car as its file has it, the tires' compliances around these.
-    fn at_start(tires: &[T; 4]) -> Self {
-        let sd = prior_sd::<T>();
-        let mut covariance = Covariance::from_diagonal(&sd.component_mul(&sd));
-        correlate_bars(&mut covariance);
-        let mut mean = State::zeros();
-        mean.fixed_rows_mut::<4>(TIRE).copy_from_slice(tires);
-        Self { mean, covariance, weight: T::one() }
-    }
-
-    /// A quiet one as it is when a movement begins.
-    fn begun(&self, mode: usize) -> Self {
-        let mut begun = self.clone();
-        if mode != QUIET && mode != LOOSE {
-            begun.mean[RATE] = T::lit(RATE_MEAN);
-            begun.covariance[(RATE, RATE)] = T::lit(RATE_SD * RATE_SD);
-        }
-        begun
-    }
-
-    /// What changes by itself does so for `seconds`: about the vehicle file, and never further than a car may be from it.
-    pub(super) fn wander(&mut self, seconds: T) {
-        let sd = wander_sd::<T>();
-        let stays = return_rate::<T>().map(|rate| (-rate * seconds).exp());
-        self.mean.component_mul_assign(&stays);
-        for i in 0..SIZE {
-            for j in 0..SIZE {
-                self.covariance[(i, j)] *= stays[i] * stays[j];
-            }
-            self.covariance[(i, i)] += sd[i] * sd[i] * seconds;
-        }
-    }
-
-    /// The same when its movement is over.
-    fn ended(&self) -> Self {
-        let mut ended = self.clone();
-        ended.mean[RATE] = T::zero();
-        ended.covariance.row_mut(RATE).fill(T::zero());
-        ended.covariance.column_mut(RATE).fill(T::zero());
-        ended
-    }
-
-    fn is_possible(&self, softest: &[T; 4]) -> bool {
-        softest.iter().enumerate().all(|(i, &softest)| {
-            let tire = self.mean[TIRE + i];
-            tire > T::lit(HARDEST) && tire <= softest
-        })
-    }
-
-    /// A tire that is softer than flat is flat, give or take what it was more.
-    fn stop_at(&mut self, softest: &[T; 4]) {
-        for (i, &softest) in softest.iter().enumerate() {
-            let at = TIRE + i;
-            let more = self.mean[at] - softest;
-            if more > T::zero() && more.is_finite() {
-                self.mean[at] = softest;
-                self.covariance[(at, at)] += more * more;
-            }
-        }
-    }
-
-    /// Rounding leaves a covariance neither symmetric nor quite positive.
-    pub(super) fn tidy(&mut self) {
-        for i in 0..SIZE {
-            for j in 0..i {
-                let mean = T::lit(0.5) * (self.covariance[(i, j)] + self.covariance[(j, i)]);
-                self.covariance[(i, j)] = mean;
-                self.covariance[(j, i)] = mean;
-            }
-            self.covariance[(i, i)] = self.covariance[(i, i)].max(T::zero());
-        }
     }
 }
