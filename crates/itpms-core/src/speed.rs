@@ -7,8 +7,17 @@ use crate::real::Real;
 /// Longest time in s for which a speed is taken to go on: a car that brakes hard is 4 m/s slower by then.
 const HOLD_S: f64 = 0.5;
 
+/// Speeds in m/s that cars have: backwards, forwards. Anything else is a bus that tells nonsense.
+const CARS_M_S: core::ops::RangeInclusive<f64> = -15.0..=100.0;
+
+/// Whether this is a speed in m/s that a car can have, -15 to 100.
+#[must_use]
+pub fn is_a_cars<T: Real>(speed_m_s: T) -> bool {
+    CARS_M_S.contains(&speed_m_s.to_f64())
+}
+
 /// Bridges the samples that come without a speed, as where a bus tells it less often than the accelerations: the last one
-/// goes on for half a second.
+/// goes on for half a second. What no car drives ([`is_a_cars`]) is no speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SpeedHold<T> {
@@ -25,7 +34,7 @@ impl<T: Real> SpeedHold<T> {
 
     /// Takes a sample's time in s and speed in m/s, NaN when it has none; gives the speed to go by, NaN when that is unknown.
     pub fn take(&mut self, time_s: f64, speed_m_s: T) -> T {
-        if speed_m_s.is_finite() {
+        if is_a_cars(speed_m_s) {
             (self.known_s, self.speed_m_s) = (time_s, speed_m_s);
             return speed_m_s;
         }
@@ -110,6 +119,17 @@ mod tests {
         assert!(speed.take(f64::NAN, f64::NAN).is_nan());
         assert_eq!(speed.take(f64::NAN, 19.0), 19.0);
         assert!(speed.take(2.0, f64::NAN).is_nan());
+    }
+
+    #[test]
+    fn what_no_car_drives_is_no_speed() {
+        let mut speed = SpeedHold::new();
+        assert_eq!(speed.take(0.0, 22.0f32), 22.0);
+        for nonsense in [655.35f32, f32::MAX, -16.0, f32::MIN, f32::INFINITY] {
+            assert_eq!(speed.take(0.1, nonsense), 22.0);
+        }
+        assert!(speed.take(0.6, 655.35).is_nan());
+        assert_eq!([speed.take(0.7, -3.0), speed.take(0.8, 99.0)], [-3.0, 99.0]);
     }
 
     #[test]

@@ -78,9 +78,9 @@ pub enum Problem {
     /// No corner can be made of the signals.
     #[error("{0}")]
     UnusableSignals(String),
-    /// The signals that were mapped hardly have values.
-    #[error("no row can be made: too few values of the mapped accelerations")]
-    NoRows,
+    /// The signals that were mapped hardly have values; what had to be repaired may say why.
+    #[error("no row can be made: too few values of the mapped accelerations{}", because(.0))]
+    NoRows(Vec<String>),
     /// An option that means nothing for this format.
     #[error("{0}")]
     NotApplicable(&'static str),
@@ -410,6 +410,10 @@ fn hint_key(nearest: &Option<String>) -> String {
 
 fn hint_missing(line: Option<usize>) -> String {
     line.map(|line| format!(" (table at line {line})")).unwrap_or_default()
+}
+
+fn because(repairs: &[String]) -> String {
+    if repairs.is_empty() { String::new() } else { format!(" ({})", repairs.join("; ")) }
 }
 
 fn milliseconds(period_s: f64) -> &'static str {

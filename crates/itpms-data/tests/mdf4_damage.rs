@@ -7,9 +7,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use itpms_data::log::{CornerColumns, LogColumns, LogCorner, LogOptions};
 use itpms_data::mdf4::{
     ChannelKind, ChannelSpec, Compression, GroupSpec, Mdf4Reader, Mdf4Repair, Mdf4Writer, SampleFormat,
 };
+use itpms_data::out::{LogWriter, Packing};
+use itpms_data::{LogReader, LogRow};
 use proptest::prelude::*;
 
 /// What reading a file gave, if it could be opened.
@@ -143,6 +146,35 @@ fn a_file_cut_at_any_byte_is_read_up_to_there_or_named() {
             }
         }
     }
+}
+
+/// Without its only packed block there are no rows, and the reader of logs says why.
+#[test]
+fn a_log_that_is_cut_off_says_so() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("log.mf4");
+    let corner = CornerColumns { pressure: false, road: false };
+    let columns = LogColumns { speed: true, corners: [Some(corner), None, None, None] };
+    let mut writer = LogWriter::create_with(&path, columns, &LogOptions::default(), Packing::Packed).unwrap();
+    for i in 0..20_000 {
+        let time_s = f64::from(i) / 500.0;
+        let values = LogCorner {
+            body_accel_m_s2: (9.0 * time_s).sin(),
+            wheel_accel_m_s2: 9.0 * (71.0 * time_s).sin(),
+            pressure_kpa: f64::NAN,
+            road_m: f64::NAN,
+        };
+        writer.write(&LogRow { time_s, speed_m_s: 20.0, corners: [Some(values), None, None, None] }).unwrap();
+    }
+    writer.finish().unwrap().commit().unwrap();
+    assert!(LogReader::open(&path).is_ok());
+    let bytes = fs::read(&path).unwrap();
+    put(&path, &bytes[..bytes.len() / 2]);
+    let said = LogReader::open(&path).unwrap_err().to_string();
+    assert!(
+        said.contains("too few values of the mapped accelerations (") && said.contains("cut off"),
+        "{said}"
+    );
 }
 
 #[test]

@@ -101,7 +101,8 @@ impl Drive {
         let estimate = self.car.update(&row.sample());
         let progress = &mut self.progress;
         (progress.rows, progress.time_s) = (progress.rows + 1, row.time_s);
-        let speed_m_s = progress.odometer.push(row.time_s, row.speed_m_s);
+        let told_m_s = if self.car.denies_standstill() { f64::NAN } else { row.speed_m_s };
+        let speed_m_s = progress.odometer.push(row.time_s, told_m_s);
         self.roughness.push(&estimate, speed_m_s, progress.odometer.distance_m());
         self.latest = Some(estimate);
         let report = self.car.report();

@@ -154,6 +154,18 @@ fn a_drive_is_estimated_first_and_its_road_file_gives_the_same() {
     assert!(
         bench.run("roughness drive.parquet").refusal().starts_with("drive.parquet: looks like a drive log")
     );
+    let (head, rows) =
+        bench.read("drive.csv").split_once('\n').map(|(a, b)| (a.to_owned(), b.to_owned())).unwrap();
+    let at = head.split(',').position(|name| name == "speed_m_s").unwrap();
+    let nobody_knows = |line: &str| {
+        let mut cells: Vec<&str> = line.split(',').collect();
+        cells[at] = "";
+        cells.join(",") + "\n"
+    };
+    bench.write("slow.csv", format!("{head}\n{}", rows.lines().map(nobody_knows).collect::<String>()));
+    let refusal = "slow.csv: speed_m_s never says that the car moves, so no distance: expected speeds above zero, or --speed-m-s V";
+    assert_eq!(bench.run("roughness slow.csv --vehicle car.toml").refusal(), refusal);
+    ok(&bench, "roughness slow.csv --vehicle car.toml --speed-m-s 5.6");
     // The paper drives at 20 km/h: half a hertz is 11 m.
     assert!(drive["note"].as_str().unwrap().contains("of its waves: reads low"), "{drive}");
 }

@@ -10,6 +10,7 @@
 //! | `config` | limits of the regulations |
 //! | `health` | the sensors, from their raw values |
 //! | `wheel`, `leak`, `all_low` | pressures against limits, against each other, and all together |
+//! | `standstill` | a speed of zero while wheels roll |
 //! | `parting` | roads that front and rear have just stopped sharing |
 //! | `warm` | what a tire should have, warm as it is after so much driving |
 //! | `latch` | debouncing and hysteresis |
@@ -25,6 +26,7 @@ mod leak;
 mod monitored;
 mod parting;
 mod report;
+mod standstill;
 mod warm;
 mod wheel;
 mod wheels;
@@ -41,6 +43,7 @@ use self::latch::Latch;
 use self::leak::LeakWatch;
 use self::parting::Parting;
 use self::report::{ALL_LOW_SLOT, Slot};
+use self::standstill::Standstill;
 use self::warm::WarmReference;
 use self::wheel::{Around, WheelWatch, is_learning, reading};
 use crate::car::CarEstimate;
@@ -94,6 +97,7 @@ pub struct Monitor<T: Real> {
     stamp_s: f64,
     sampled_s: Option<f64>,
     speed: SpeedHold<T>,
+    standstill: Standstill<T>,
     /// The speed to go by.
     speed_m_s: T,
     decided_s: f64,
@@ -129,6 +133,7 @@ impl<T: Real> Monitor<T> {
             stamp_s: f64::NEG_INFINITY,
             sampled_s: None,
             speed: SpeedHold::new(),
+            standstill: Standstill::new(),
             speed_m_s: T::lit(f64::NAN),
             decided_s: f64::NEG_INFINITY,
             report: MonitorReport::empty(),
@@ -147,11 +152,17 @@ impl<T: Real> Monitor<T> {
         Ok(())
     }
 
+    /// Whether the speed says that the car stands while its wheels roll. It is taken as unknown for as long.
+    pub fn denies_standstill(&self) -> bool {
+        self.standstill.is_denied()
+    }
+
     /// Looks at a sample; gives it back without the values that are not to be learned from.
     pub fn screen(&mut self, sample: &CarSample<T>) -> CarSample<T> {
         (self.stamp_s, self.sampled_s) = (sample.time_s, self.clock.take(sample.time_s));
         if let Some(time_s) = self.sampled_s {
-            self.speed_m_s = self.speed.take(time_s, sample.speed_m_s);
+            let told_m_s = self.speed.take(time_s, sample.speed_m_s);
+            self.speed_m_s = self.standstill.take(time_s, told_m_s, sample);
             self.health.push(&CarSample { time_s, speed_m_s: self.speed_m_s, ..*sample });
         }
         if self.health.take_news() {
@@ -163,6 +174,9 @@ impl<T: Real> Monitor<T> {
             self.spoiled = self.spoiled | faulty;
         }
         let mut screened = *sample;
+        if self.standstill.is_denied() {
+            screened.speed_m_s = T::lit(f64::NAN);
+        }
         let lost = T::lit(f64::NAN);
         let lost = CornerSample { body_accel_m_s2: lost, wheel_accel_m_s2: lost };
         for corner in self.all().iter() {

@@ -52,6 +52,11 @@ impl<T: Real> MonitoredCar<T> {
         self.monitor.report()
     }
 
+    /// Whether the speed says that the car stands while its wheels roll ([`Monitor::denies_standstill`]).
+    pub fn denies_standstill(&self) -> bool {
+        self.monitor.denies_standstill()
+    }
+
     /// The estimator.
     pub fn estimator(&self) -> &CarEstimator<T> {
         &self.estimator

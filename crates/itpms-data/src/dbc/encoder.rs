@@ -77,6 +77,17 @@ impl Encoder {
         self.outgoing.is_empty()
     }
 
+    /// Signals that share a message with a column without being one, as `message.signal`: they are sent as zero.
+    #[must_use]
+    pub fn zeros(&self) -> Vec<String> {
+        let mut zeros = Vec::new();
+        for Outgoing { message, columns } in &self.outgoing {
+            let signals = message.signals.iter().zip(columns).filter(|(_, column)| column.is_none());
+            zeros.extend(signals.map(|(signal, _)| format!("{}.{}", message.name, signal.name)));
+        }
+        zeros
+    }
+
     /// What became of the rows so far.
     #[must_use]
     pub fn counts(&self) -> &EncodeCounts {

@@ -137,7 +137,7 @@ impl SignalSource {
                 return Ok(Some(Place::Row(self.rows)));
             }
             if self.is_over {
-                return if self.rows == 0 { Err(Problem::NoRows) } else { Ok(None) };
+                return if self.rows == 0 { Err(Problem::NoRows(self.feed.repairs())) } else { Ok(None) };
             }
             let aligner = &mut self.aligner;
             if !self.feed.step(|reading| aligner.push(reading)).map_err(|error| *error.problem)? {

@@ -45,6 +45,7 @@ impl LogFrames {
         let mut out: Vec<String> = left_out
             .map(|slot| format!("{} has no signal in the DBC file and was left out", slot.name()))
             .collect();
+        out.extend(sent_as_zero(&self.encoder.zeros()));
         let counts = self.encoder.counts();
         if counts.without_value > 0 {
             out.push(format!(
@@ -64,4 +65,11 @@ impl LogFrames {
     pub(super) fn finish(self) -> Result<AtomicFile, DataError> {
         self.writer.finish()
     }
+}
+
+/// A reader with another map would take these zeros for measurements.
+fn sent_as_zero(signals: &[String]) -> Option<String> {
+    let (first, rest) = signals.split_first()?;
+    let others = if rest.is_empty() { String::new() } else { format!(" and {} more", rest.len()) };
+    Some(format!("{first}{others} in the frames' messages are no column of the drive and were sent as 0"))
 }

@@ -5,7 +5,7 @@ use itpms_core::estimate::CornerEstimate;
 use itpms_core::monitor::{Monitor, MonitorConfig, MonitorReport, MonitoredCar};
 use itpms_core::quarter_car::QuarterCar;
 use itpms_core::sample::Corner;
-use itpms_core::speed::SpeedHold;
+use itpms_core::speed::{SpeedHold, is_a_cars};
 use itpms_data::{LogRow, Vehicle};
 
 use super::reference;
@@ -25,11 +25,6 @@ const MEETING_S: f64 = 60.0;
 /// Share of the time for which a speed may be unknown before that is said.
 const UNKNOWN_SHARE: f64 = 0.1;
 
-/// Speed in m/s that a car which stands does not reach, and rms of a wheel's acceleration that it does not either: engines
-/// and doors make a tenth.
-pub(super) const STANDING_M_S: f64 = 0.5;
-const MOVING_WHEEL_M_S2: f64 = 1.0;
-
 /// The running estimator under its monitor.
 pub(super) struct Drive {
     car: Box<MonitoredCar<f64>>,
@@ -42,31 +37,10 @@ pub(super) struct Drive {
     speed: SpeedHold<f64>,
     passed_s: f64,
     unknown_s: f64,
-    /// The highest speed, and how every wheel moves.
-    fastest_m_s: f64,
-    wheels: [Motion; 4],
-}
-
-/// Mean and mean square of the accelerations so far.
-#[derive(Debug, Clone, Copy, Default)]
-struct Motion {
-    count: f64,
-    mean: f64,
-    square: f64,
-}
-
-impl Motion {
-    fn take(&mut self, value: f64) {
-        if value.is_finite() {
-            self.count += 1.0;
-            self.mean += (value - self.mean) / self.count;
-            self.square += (value * value - self.square) / self.count;
-        }
-    }
-
-    fn rms(&self) -> f64 {
-        (self.square - self.mean * self.mean).max(0.0).sqrt()
-    }
+    /// Rows whose speed no car has, and the first such speed.
+    absurd: (u64, f64),
+    /// Seconds for which the speed said that the car stands while its wheels rolled.
+    denied_s: f64,
 }
 
 impl Drive {
@@ -96,8 +70,8 @@ impl Drive {
             speed: SpeedHold::new(),
             passed_s: 0.0,
             unknown_s: 0.0,
-            fastest_m_s: f64::NEG_INFINITY,
-            wheels: [Motion::default(); 4],
+            absurd: (0, f64::NAN),
+            denied_s: 0.0,
         })
     }
 
@@ -131,17 +105,20 @@ impl Drive {
         Some(self.unknown_s / self.passed_s).filter(|share| *share > UNKNOWN_SHARE)
     }
 
-    /// How much the wheels move, in m/s² rms, of a car that is said to stand for all of its drive and does not look like it.
-    pub(super) fn moves_at_no_speed(&self) -> Option<f64> {
-        let most = self.wheels.iter().map(Motion::rms).fold(0.0, f64::max);
-        let stands = self.fastest_m_s.is_finite() && self.fastest_m_s <= STANDING_M_S;
-        (stands && most > MOVING_WHEEL_M_S2).then_some(most)
+    /// How many rows have a speed in m/s that no car has, and the first such speed, if there are any.
+    pub(super) fn absurd_speeds(&self) -> Option<(u64, f64)> {
+        Some(self.absurd).filter(|(rows, _)| *rows > 0)
+    }
+
+    /// Seconds for which the speed said that the car stands while its wheels rolled, if there were any.
+    pub(super) fn denied_s(&self) -> Option<f64> {
+        Some(self.denied_s).filter(|seconds| *seconds > 0.0)
     }
 
     pub(super) fn update(&mut self, row: &LogRow) -> CarEstimate<f64> {
-        self.fastest_m_s = self.fastest_m_s.max(row.speed_m_s);
-        for (wheel, corner) in self.wheels.iter_mut().zip(&row.corners) {
-            wheel.take(corner.as_ref().map_or(f64::NAN, |corner| corner.wheel_accel_m_s2));
+        if row.speed_m_s.is_finite() && !is_a_cars(row.speed_m_s) {
+            let first = if self.absurd.0 == 0 { row.speed_m_s } else { self.absurd.1 };
+            self.absurd = (self.absurd.0 + 1, first);
         }
         let estimate = self.car.update(&row.sample());
         let step_s = row.time_s - self.time_s;
@@ -154,6 +131,7 @@ impl Drive {
         if step_s < 1.0 {
             self.passed_s += step_s;
             self.unknown_s += if speed_m_s.is_nan() { step_s } else { 0.0 };
+            self.denied_s += if self.car.denies_standstill() { step_s } else { 0.0 };
             self.apart_s += if speed_m_s > MEETING_M_S { step_s } else { 0.0 };
         }
         estimate

@@ -26,7 +26,7 @@ use crate::args::EstimateArgs;
 use crate::exit::Failure;
 use crate::interrupt::Interrupt;
 use crate::screen::Screen;
-use drive::{Drive, STANDING_M_S};
+use drive::Drive;
 use events::Alerts;
 use outputs::Outputs;
 pub(super) use road::RoadTrack;
@@ -165,9 +165,14 @@ fn concerns(args: &EstimateArgs, log: &LogReader, vehicle: &Vehicle, drive: &Dri
             "a reset of {seconds} s teaches little of the car, expected {SHORTEST_RESET_S} s or more of driving"
         ));
     }
-    if let Some(wheel_m_s2) = drive.moves_at_no_speed() {
+    if let Some((rows, first)) = drive.absurd_speeds() {
         concerns.push(format!(
-            "speed_m_s is never above {STANDING_M_S} m/s, and wheels move with {wheel_m_s2:.1} m/s^2 rms: is the speed stuck, or negative? Nothing is learned of a car that stands"
+            "{rows} rows have a speed_m_s that no car has, the first {first:e}; they count as rows without one"
+        ));
+    }
+    if let Some(seconds) = drive.denied_s() {
+        concerns.push(format!(
+            "for {seconds:.1} s speed_m_s says that the car stands while its wheels roll; it was taken as unknown, and for as long every wheel is by itself: less accurate. Has the signal failed?"
         ));
     }
     if let Some(path) = args.reference.as_ref().filter(|_| !axles || vehicle.wheelbase_m.is_none()) {

@@ -53,6 +53,13 @@ pub(super) fn survey(
     wheels.take(&mut road);
     drop(progress);
 
+    if !(wheels.distance_m > 0.0) {
+        let path = args.input.display();
+        let expected = "expected speeds above zero, or --speed-m-s V";
+        return Err(Failure::Usage(format!(
+            "{path}: speed_m_s never says that the car moves, so no distance: {expected}"
+        )));
+    }
     let about = format!("road under {} wheels, {:.1} m driven", corners.len(), wheels.distance_m);
     Ok(Found { about, table: wheels.finish(args.segment_m), warnings: log.repairs().warnings() })
 }
