@@ -81,6 +81,12 @@ impl<T: Real> Coherence<T> {
         *self = Self::new();
     }
 
+    /// The other side has found roads that share less meanwhile: what makes them part, a bend or a place that only one axle meets, mostly
+    /// does so on both sides.
+    pub(super) fn follow(&mut self, other: &Self) {
+        self.incoherence = self.incoherence.sup(&other.incoherence);
+    }
+
     /// Road power that is usual in every bin: in a first frame that of its bins together, as a single bin's is anything
     /// between nothing and five times its mean, and what the axles disagree by is held against it.
     fn usual(&self, now: &[T; BINS]) -> [T; BINS] {
@@ -245,6 +251,22 @@ mod tests {
         // Half the mean of all five, of which a fifth need not be common: not a millionth of what the others have.
         assert!((expected.power[1] - START * 0.5 * 0.8).abs() < 1e-6, "{}", expected.power[1]);
         assert!((expected.power[0] - START * 0.5 * 1.8).abs() < 1e-6, "{}", expected.power[0]);
+    }
+
+    #[test]
+    fn a_side_that_was_silent_shares_no_more_than_the_other_one_found() {
+        let (mut silent, mut other) = (Coherence::new(), Coherence::new());
+        drive(&mut silent, 60.0, 0.02);
+        drive(&mut other, 60.0, 0.02);
+        drive(&mut other, 1.5, 1.0);
+        let mut informed = silent.clone();
+        informed.follow(&other);
+        assert_eq!(informed.near_wheel_hop(), other.near_wheel_hop());
+        assert!(silent.trust() > 0.99 && informed.trust() < 0.3, "{}", informed.trust());
+        // What it has found worse by itself stays.
+        let lasting = other.lasting();
+        other.follow(&silent);
+        assert!(other.near_wheel_hop() == informed.near_wheel_hop() && other.lasting() == lasting);
     }
 
     #[test]

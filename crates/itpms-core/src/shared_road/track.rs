@@ -23,6 +23,8 @@ pub(super) const SLOWEST_M_S: f64 = 2.8;
 const FORGET_S: f64 = 2.0;
 /// Hops after a restart until the instruments have forgotten that they began at rest.
 const SETTLING_HOPS: u32 = 5;
+/// Seconds without a frame, while the other side had some, after which the other side's coherence counts, too.
+const MISSED_S: f64 = 0.5;
 /// Seconds without a frame after which a side counts as not shared.
 const STALE_S: f64 = 1.0;
 /// Words of a side's spectra without a frame between them, after which the side is left to words: some five seconds of both
@@ -245,8 +247,14 @@ impl<T: Real> Track<T> {
         (read.speed_m_s > T::lit(SLOWEST_M_S)).then(|| (read, read_s, T::lit(entry.time_s - then_s)))
     }
 
+    /// How the roads of the other side hang together, if there were frames of it while this side had none before a time in s.
+    pub(super) fn found_meanwhile(&self, other: &Self, time_s: f64) -> Option<Coherence<T>> {
+        let missed = other.learned_until_s - self.learned_until_s > MISSED_S;
+        (missed && time_s - other.learned_until_s < MISSED_S).then(|| other.coherence.clone())
+    }
+
     /// Weighs the belief with a frame; true if it was believed. `taught`: a reset has taught what the car is; `beside`: the
-    /// other side's roads seem to part.
+    /// other side's roads seem to part; `meanwhile`: what the other side found while there were no frames of this one.
     pub(super) fn weigh(
         &mut self,
         modes: &mut Modes<T>,
@@ -254,9 +262,13 @@ impl<T: Real> Track<T> {
         taken: &TrackFrame<T>,
         taught: bool,
         beside: bool,
+        meanwhile: Option<&Coherence<T>>,
     ) -> bool {
         if !(taken.middle_s - self.learned_until_s < FORGET_S) {
             self.coherence.restart();
+        }
+        if let Some(other) = meanwhile {
+            self.coherence.follow(other);
         }
         self.words = 0;
         let best = modes.most_likely();
@@ -387,6 +399,16 @@ fn with_other<T: Real>(signals: [T; KEPT], other: Option<T>) -> [T; SEEN] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_other_side_counts_where_it_had_frames_and_this_one_had_none() {
+        let track = |learned_until_s: f64| Track { learned_until_s, ..Track::<f64>::new(0, 0.01, [0.0; 2]) };
+        let counts = |own_s: f64, other_s: f64| track(own_s).found_meanwhile(&track(other_s), 10.0).is_some();
+        assert!(counts(8.7, 9.9) && counts(f64::NEG_INFINITY, 9.9));
+        // It has just had frames itself; both were silent; the other one longer.
+        assert!(!counts(9.8, 9.9) && !counts(3.0, 4.0) && !counts(9.8, 8.0));
+        assert!(!counts(f64::NEG_INFINITY, f64::NEG_INFINITY));
+    }
 
     #[test]
     fn a_silent_wheel_moves_as_the_other_one_of_its_side_did() {
