@@ -281,7 +281,9 @@ const Chart = (() => {
     ctx.strokeStyle = ink("panel");
     ctx.lineWidth = 4 * dpr;
     ctx.lineJoin = "round";
-    word(u, ctx, text, u.bbox.left + u.bbox.width - 4 * dpr, y - 4 * dpr, color, "right", true);
+    // Above the line; below it where it would be cut off.
+    const off = y - u.bbox.top > 18 * dpr ? -4 : 13;
+    word(u, ctx, text, u.bbox.left + u.bbox.width - 4 * dpr, y + off * dpr, color, "right", true);
   }
   function word(u, ctx, text, x, y, color, align, halo) {
     const dpr = devicePixelRatio || 1;
