@@ -81,10 +81,14 @@ impl<T: Real> Coherence<T> {
         *self = Self::new();
     }
 
-    /// The other side has found roads that share less meanwhile: what makes them part, a bend or a place that only one axle meets, mostly
-    /// does so on both sides.
-    pub(super) fn follow(&mut self, other: &Self) {
-        self.incoherence = self.incoherence.sup(&other.incoherence);
+    /// Incoherence in every bin.
+    pub(super) fn incoherence(&self) -> SVector<T, BINS> {
+        self.incoherence
+    }
+
+    /// The other side has found this incoherence meanwhile: what makes roads part, such as a bend, mostly does so on both sides.
+    pub(super) fn follow(&mut self, other: &SVector<T, BINS>) {
+        self.incoherence = self.incoherence.sup(other);
     }
 
     /// Road power that is usual in every bin: in a first frame that of its bins together, as a single bin's is anything
@@ -260,12 +264,12 @@ mod tests {
         drive(&mut other, 60.0, 0.02);
         drive(&mut other, 1.5, 1.0);
         let mut informed = silent.clone();
-        informed.follow(&other);
+        informed.follow(&other.incoherence());
         assert_eq!(informed.near_wheel_hop(), other.near_wheel_hop());
         assert!(silent.trust() > 0.99 && informed.trust() < 0.5, "{}", informed.trust());
         // What it has found worse by itself stays.
         let lasting = other.lasting();
-        other.follow(&silent);
+        other.follow(&silent.incoherence());
         assert!(other.near_wheel_hop() == informed.near_wheel_hop() && other.lasting() == lasting);
     }
 

@@ -352,7 +352,7 @@ impl<T: Real> SharedRoad<T> {
         self.delay_s[side] = taken.delay_s;
         let beside = self.tracks[1 - side].is_parting();
         let meanwhile = self.tracks[side].found_meanwhile(&self.tracks[1 - side], taken.middle_s);
-        if self.tracks[side].weigh(&mut self.modes, wheels, taken, self.told, beside, meanwhile.as_ref()) {
+        if self.tracks[side].weigh(&mut self.modes, wheels, taken, self.told, beside, meanwhile) {
             self.learned_s += 0.5 * HOP_S;
             self.waited_s = 0.0;
         }

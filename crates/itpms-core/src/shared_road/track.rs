@@ -1,5 +1,7 @@
 //! One side of the car: what the front met, read again where the rear is now, and cut into frames of both.
 
+use nalgebra::SVector;
+
 use super::acquire::{Acquisition, Found};
 use super::answer::Answer;
 use super::channel::{Entry, KEPT, RELATIVE};
@@ -247,10 +249,10 @@ impl<T: Real> Track<T> {
         (read.speed_m_s > T::lit(SLOWEST_M_S)).then(|| (read, read_s, T::lit(entry.time_s - then_s)))
     }
 
-    /// How the roads of the other side hang together, if there were frames of it while this side had none before a time in s.
-    pub(super) fn found_meanwhile(&self, other: &Self, time_s: f64) -> Option<Coherence<T>> {
+    /// The other side's incoherence in every bin, if there were frames of it while this side had none before a time in s.
+    pub(super) fn found_meanwhile(&self, other: &Self, time_s: f64) -> Option<SVector<T, BINS>> {
         let missed = other.learned_until_s - self.learned_until_s > MISSED_S;
-        (missed && time_s - other.learned_until_s < MISSED_S).then(|| other.coherence.clone())
+        (missed && time_s - other.learned_until_s < MISSED_S).then(|| other.coherence.incoherence())
     }
 
     /// Weighs the belief with a frame; true if it was believed. `taught`: a reset has taught what the car is; `beside`: the
@@ -262,13 +264,13 @@ impl<T: Real> Track<T> {
         taken: &TrackFrame<T>,
         taught: bool,
         beside: bool,
-        meanwhile: Option<&Coherence<T>>,
+        meanwhile: Option<SVector<T, BINS>>,
     ) -> bool {
         if !(taken.middle_s - self.learned_until_s < FORGET_S) {
             self.coherence.restart();
         }
         if let Some(other) = meanwhile {
-            self.coherence.follow(other);
+            self.coherence.follow(&other);
         }
         self.words = 0;
         let best = modes.most_likely();

@@ -38,7 +38,7 @@ pub(super) struct Drive {
     passed_s: f64,
     unknown_s: f64,
     /// Rows whose speed no car has, and the first such speed.
-    absurd: (u64, f64),
+    absurd: Option<(u64, f64)>,
     /// Seconds for which the speed said that the car stands while its wheels rolled.
     denied_s: f64,
 }
@@ -70,7 +70,7 @@ impl Drive {
             speed: SpeedHold::new(),
             passed_s: 0.0,
             unknown_s: 0.0,
-            absurd: (0, f64::NAN),
+            absurd: None,
             denied_s: 0.0,
         })
     }
@@ -107,7 +107,7 @@ impl Drive {
 
     /// How many rows have a speed in m/s that no car has, and the first such speed, if there are any.
     pub(super) fn absurd_speeds(&self) -> Option<(u64, f64)> {
-        Some(self.absurd).filter(|(rows, _)| *rows > 0)
+        self.absurd
     }
 
     /// Seconds for which the speed said that the car stands while its wheels rolled, if there were any.
@@ -117,8 +117,7 @@ impl Drive {
 
     pub(super) fn update(&mut self, row: &LogRow) -> CarEstimate<f64> {
         if row.speed_m_s.is_finite() && !is_a_cars(row.speed_m_s) {
-            let first = if self.absurd.0 == 0 { row.speed_m_s } else { self.absurd.1 };
-            self.absurd = (self.absurd.0 + 1, first);
+            self.absurd.get_or_insert((0, row.speed_m_s)).0 += 1;
         }
         let estimate = self.car.update(&row.sample());
         let step_s = row.time_s - self.time_s;
