@@ -19,6 +19,9 @@ const DOUBTS = {
   suspicion: ["Sensor in doubt", "in doubt"],
 };
 
+// Why the speed is not known.
+export const speedDoubt = (snapshot) => (snapshot.speed_doubt === "contradicted" ? "speed not known: the signal is zero while the wheels roll" : "speed not known");
+
 // A wheel's state in one word for a badge, and in a shorter one for beside a tire.
 export const badge = (wheel) => (wheel.state === "unknown" && DOUBTS[wheel.doubt]?.[0]) || STATES[wheel.state]?.word || wheel.state;
 export const short = (wheel) => (wheel.state === "unknown" && DOUBTS[wheel.doubt]?.[1]) || STATES[wheel.state]?.short || wheel.state;

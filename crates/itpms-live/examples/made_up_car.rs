@@ -152,6 +152,7 @@ impl Car {
             },
             vehicle: "made-up car".to_owned(),
             speed_m_s: SPEED_M_S,
+            speed_doubt: None,
             distance_m: SPEED_M_S * self.time_s,
             latency_ms: Latency { p50: 0.4, p99: 1.1, max: 2.3 },
             all_fine: live && wheels.iter().all(|wheel| wheel.state == "fine"),

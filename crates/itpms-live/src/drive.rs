@@ -13,6 +13,7 @@ use itpms_data::{LogRow, Vehicle};
 
 use crate::error::LiveError;
 use crate::roughness::Roughness;
+use crate::speed::SpeedDoubt;
 
 /// How a drive is estimated and how often it is told.
 #[derive(Debug, Clone)]
@@ -48,6 +49,16 @@ pub struct Clock {
     pub sample_rate_hz: f64,
     /// The corners that are measured and that the vehicle has.
     pub corners: Vec<Corner>,
+}
+
+impl Clock {
+    /// Whether front and rear of a side are measured: where the speed is known they are held against each other.
+    #[must_use]
+    pub fn has_side(&self) -> bool {
+        [[Corner::FrontLeft, Corner::RearLeft], [Corner::FrontRight, Corner::RearRight]]
+            .iter()
+            .any(|side| side.iter().all(|corner| self.corners.contains(corner)))
+    }
 }
 
 /// A drive being estimated. Made and restored in parts that are moved about: whoever does so needs a stack as a program's first
@@ -126,6 +137,16 @@ impl Drive {
     #[must_use]
     pub fn latest(&self) -> Option<&CarEstimate<f64>> {
         self.latest.as_ref()
+    }
+
+    /// Why nobody knows how fast the car is; `None` where somebody does.
+    #[must_use]
+    pub fn speed_doubt(&self) -> Option<SpeedDoubt> {
+        match self.progress.odometer.speed_m_s().is_nan() {
+            true if self.car.denies_standstill() => Some(SpeedDoubt::Contradicted),
+            true => Some(SpeedDoubt::Missing),
+            false => None,
+        }
     }
 
     /// Time of the last row in s; NaN before the first.

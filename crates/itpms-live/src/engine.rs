@@ -18,6 +18,7 @@ use crate::error::LiveError;
 use crate::input::{Note, Say, SourceName};
 use crate::latency::LatencyWindow;
 use crate::snapshot::{Snapshot, Source, SourceState, Transition};
+use crate::speed::{SpeedDoubt, SpeedWord};
 use crate::state::SavedDrive;
 
 /// Seconds of rows from which the rate is measured where the source does not know it.
@@ -46,6 +47,7 @@ pub struct Engine {
     saved: Option<SavedDrive>,
     source: Source,
     latency: LatencyWindow,
+    speed: SpeedWord,
     snapshots: u64,
     transitions: u64,
     /// Rows that came with the time of an earlier one.
@@ -90,6 +92,7 @@ impl Engine {
             saved,
             source,
             latency,
+            speed: SpeedWord::default(),
             snapshots: 0,
             transitions: 0,
             out_of_order: 0,
@@ -242,6 +245,11 @@ impl Engine {
             publish(Published::Warning(Arc::new(transition(*transitions, time_s, &change))));
             *transitions += 1;
         });
+        if drive.clock.has_side()
+            && let Some(word) = self.speed.take(row.time_s, drive.speed_doubt())
+        {
+            (self.say)(Note::Warning(format!("{}: {word}", self.source.name)));
+        }
         self.source.rows += 1;
         if let Some(arrived) = arrived {
             let now = Instant::now();
@@ -265,6 +273,7 @@ impl Engine {
             source: self.source.clone(),
             vehicle: self.vehicle.name.clone(),
             speed_m_s: f64::NAN,
+            speed_doubt: None,
             distance_m: f64::NAN,
             latency_ms,
             wheels: Vec::new(),
@@ -276,6 +285,7 @@ impl Engine {
         if let Stage::Running(drive) = &self.stage {
             snapshot.time_s = drive.time_s();
             snapshot.speed_m_s = drive.progress.odometer.speed_m_s();
+            snapshot.speed_doubt = drive.speed_doubt().map(SpeedDoubt::label);
             snapshot.distance_m = drive.progress.odometer.distance_m();
             snapshot.wheels = describe::wheels(drive, &self.vehicle);
             snapshot.tracks = describe::tracks(drive);

@@ -182,6 +182,7 @@ mod tests {
             },
             vehicle: "car".to_owned(),
             speed_m_s: f64::NAN,
+            speed_doubt: Some("missing"),
             distance_m: 0.0,
             latency_ms: Latency { p50: 0.1, p99: 0.2, max: 0.3 },
             wheels: vec![],

@@ -7,6 +7,7 @@
 //! | [`broker`] | where an MQTT broker is |
 //! | [`feed`] | frames to rows |
 //! | [`drive`] | the running estimate |
+//! | [`speed`] | why nobody knows how fast the car is, and when that is said |
 //! | [`engine`] | what came in becomes snapshots and transitions |
 //! | [`latency`] | how late they are |
 //! | [`monitor`] | the estimating thread |
@@ -35,6 +36,7 @@ pub mod queue;
 mod roughness;
 pub mod snapshot;
 pub mod source;
+pub mod speed;
 pub mod state;
 
 pub use error::LiveError;

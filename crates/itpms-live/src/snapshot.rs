@@ -21,6 +21,8 @@ pub struct Snapshot {
     pub vehicle: String,
     /// Speed of the car in m/s.
     pub speed_m_s: f64,
+    /// Why the speed is not known: `missing` or `contradicted` by wheels that roll while it is zero; else `null`.
+    pub speed_doubt: Option<&'static str>,
     /// Distance driven since the start, in m.
     pub distance_m: f64,
     /// How late the estimates are.

@@ -119,6 +119,34 @@ fn a_replay_says_what_estimate_says_row_for_row_and_warns_on_transitions_alone()
     assert_eq!(last["wheels"][0]["state"], "low");
 }
 
+/// A speed that is zero while the car drives, and one that stops coming at 20 s.
+#[test]
+fn a_speed_that_nobody_knows_is_said_once_and_told() {
+    for (from_s, told, reason, text) in [
+        (0.0, "0", "contradicted", "speed_m_s says that the car stands while its wheels roll"),
+        (20.0, "", "missing", "since 20.5 s there has been no speed_m_s that a car can have"),
+    ] {
+        let bench = puncture();
+        bench.edit_drive(|line, cells| {
+            if line > 1 && cells[0].parse::<f64>().unwrap() >= from_s {
+                told.clone_into(&mut cells[1]);
+            }
+        });
+        let outcome =
+            bench.run("monitor --replay drive.csv --speed max --vehicle car.toml --json live.jsonl");
+        outcome.success();
+        assert_eq!(outcome.stderr.matches("every wheel is by itself").count(), 1, "{outcome:?}");
+        assert!(outcome.stderr.contains(text), "{outcome:?}");
+        for estimate in estimates(&bench, "live.jsonl") {
+            let known = estimate["speed_m_s"].is_number();
+            assert_eq!(known, estimate["speed_doubt"].is_null(), "{estimate}");
+            if estimate["time_s"].as_f64().unwrap() > from_s + 3.0 {
+                assert_eq!(estimate["speed_doubt"], reason, "{estimate}");
+            }
+        }
+    }
+}
+
 #[test]
 fn frames_from_a_log_and_through_a_pipe_with_rubbish_in_between() {
     let bench = puncture();

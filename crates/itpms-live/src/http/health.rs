@@ -87,6 +87,7 @@ mod tests {
             source,
             vehicle: String::new(),
             speed_m_s: f64::NAN,
+            speed_doubt: Some("missing"),
             distance_m: f64::NAN,
             latency_ms: Latency { p50: f64::NAN, p99: f64::NAN, max: f64::NAN },
             wheels: vec![],

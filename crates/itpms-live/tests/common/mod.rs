@@ -53,6 +53,7 @@ pub(crate) fn snapshot(seq: u64) -> Arc<Snapshot> {
         },
         vehicle: "car".to_owned(),
         speed_m_s: 20.0,
+        speed_doubt: None,
         distance_m: 0.0,
         latency_ms: Latency { p50: 0.1, p99: 0.2, max: 0.3 },
         wheels: vec![],

@@ -25,6 +25,7 @@ pub(crate) fn snapshot(seq: u64, time_s: f64, state: SourceState) -> Arc<Snapsho
         },
         vehicle: "car".to_owned(),
         speed_m_s: 22.2,
+        speed_doubt: None,
         distance_m: 22.2 * time_s,
         latency_ms: Latency { p50: 0.5, p99: 2.0, max: f64::NAN },
         wheels: ["fl", "fr", "rl", "rr"].map(wheel).to_vec(),

@@ -8,7 +8,7 @@ use std::io;
 
 use itpms_core::estimate::Warning;
 
-use super::words::{Status, clock, corner_name, reading, sentence, title};
+use super::words::{Status, clock, corner_name, level, reading, sentence, title};
 use super::{CornerReport, ReportData, alerts, car, json, roads};
 use crate::plot::escape;
 
@@ -231,7 +231,7 @@ const FIGURES: [Row; 18] = [
     }),
     ("Road class", "ISO 8608 class and level Gd(0.1 cycle/m)", |c| {
         let fit = c.road.as_ref().and_then(|r| r.fit);
-        fit.map_or(String::new(), |f| format!("{} ({:.0}·10⁻⁶ m³)", f.class.label(), f.law.gd_n0_m3 * 1e6))
+        fit.map_or(String::new(), |f| format!("{} ({})", f.class.label(), level(f.law.gd_n0_m3)))
     }),
     ("Road slope", "waviness w of the displacement spectrum", |c| {
         some(c.road.as_ref().and_then(|r| r.fit).map(|f| f.law.waviness), |v| format!("{v:.2}"))
@@ -239,7 +239,7 @@ const FIGURES: [Row; 18] = [
     ("True road class", "the same of the true road", |c| {
         let fit = c.road.as_ref().and_then(|r| r.truth_fit);
         fit.map_or(String::new(), |f| {
-            format!("{} ({:.0}·10⁻⁶ m³), slope {:.2}", f.class.label(), f.law.gd_n0_m3 * 1e6, f.law.waviness)
+            format!("{} ({}), slope {:.2}", f.class.label(), level(f.law.gd_n0_m3), f.law.waviness)
         })
     }),
     ("Roughness (IRI)", "of the estimated road, without the waves too long to be felt", |c| {

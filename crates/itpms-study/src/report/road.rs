@@ -62,7 +62,7 @@ impl Roughness {
     }
 
     fn iri_m_per_km(&self) -> Option<f64> {
-        (self.count > 0.0).then(|| 1000.0 * self.sum / self.count)
+        (self.count * CELL_M >= ROUGHNESS_M).then(|| 1000.0 * self.sum / self.count)
     }
 }
 
@@ -277,6 +277,14 @@ mod tests {
         assert!(report.iri_m_per_km.unwrap() < 1e-6);
         assert!(report.profile.height_m.iter().all(|z| z.is_nan() || z.abs() < 1e-9));
         assert!(report.truth_iri_m_per_km.is_none() && report.profile.truth_m.is_empty());
+    }
+
+    #[test]
+    fn a_few_metres_have_no_roughness() {
+        for (metres, some) in [(3.0, false), (35.0, true)] {
+            let report = sine_road(0.02, metres, 1.0);
+            assert_eq!([report.iri_m_per_km, report.truth_iri_m_per_km].map(|iri| iri.is_some()), [some; 2]);
+        }
     }
 
     #[test]

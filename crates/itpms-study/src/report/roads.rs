@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 
 use itpms_core::sample::Corner;
 
-use super::words::corner_name;
+use super::words::{corner_name, level};
 use super::{CornerReport, ReportData, RoadReport};
 
 /// The table; empty without a road.
@@ -67,9 +67,9 @@ fn row(out: &mut String, corner: Corner, road: &RoadReport, truth: bool) {
             let (low, high) = fit.band_per_m;
             let _ = writeln!(
                 out,
-                "<td>{} <small>{:.0}·10⁻⁶ m³ ± {:.0} %</small></td><td>{:.2} ± {:.2}</td><td>{:.1} – {:.0} m</td></tr>",
+                "<td>{} <small>{} ± {:.0} %</small></td><td>{:.2} ± {:.2}</td><td>{:.1} – {:.0} m</td></tr>",
                 fit.class.label(),
-                1e6 * fit.law.gd_n0_m3,
+                level(fit.law.gd_n0_m3),
                 100.0 * fit.level_sd_ln,
                 fit.law.waviness,
                 fit.waviness_sd,

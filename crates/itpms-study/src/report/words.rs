@@ -221,6 +221,17 @@ fn lower(text: &str) -> String {
     text.to_lowercase()
 }
 
+/// Level of a road in millionths of m³, with two figures where it is a small one.
+pub(super) fn level(gd_n0_m3: f64) -> String {
+    let millionths = 1e6 * gd_n0_m3;
+    let places = match millionths {
+        small if small < 1.0 => 2,
+        few if few < 10.0 => 1,
+        _ => 0,
+    };
+    format!("{millionths:.places$}·10⁻⁶ m³")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -235,6 +246,12 @@ mod tests {
         assert_eq!(clock(245.0), "4 min 05 s");
         assert_eq!(clock(3720.0), "1 h 02 min");
         assert_eq!(clock(f64::NAN), "an unknown time");
+    }
+
+    #[test]
+    fn small_levels_keep_two_figures() {
+        let levels = [16e-6, 9.96e-6, 1.64e-6, 0.3e-6].map(level);
+        assert_eq!(levels, ["16·10⁻⁶ m³", "10.0·10⁻⁶ m³", "1.6·10⁻⁶ m³", "0.30·10⁻⁶ m³"]);
     }
 
     #[test]

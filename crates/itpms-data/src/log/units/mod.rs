@@ -38,8 +38,12 @@
 //! speed) none is refused; with bodies and wheels exchanged all are; with wheels in g, of 36 each with and without a speed, 32
 //! and 26 on classes A and B, all on C and D.
 //!
+//! Pressures that came with the log: `truth`.
+//!
 //! What this cannot see: a drive in g without gravity (AC-coupled sensors) on class B and worse, which looks like a very
 //! smooth road in m/s². The estimated pressure does not depend on the unit there, the road's height does.
+
+mod truth;
 
 use itpms_core::sample::Corner;
 
@@ -181,7 +185,8 @@ pub(super) fn check<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone) -> Resul
     }
     violent(rows.clone())?;
     too_quiet(rows.clone(), &all)?;
-    calm_wheels(rows)
+    calm_wheels(rows.clone())?;
+    truth::check(rows)
 }
 
 fn violent<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone) -> Result<(), Problem> {
