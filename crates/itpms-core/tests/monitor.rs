@@ -28,6 +28,8 @@ struct Said {
     incoherence: f64,
     /// How far the errors of all tires go together.
     correlation: f64,
+    /// A wheel of which nothing is learned.
+    silent: Option<Corner>,
 }
 
 const FINE: Said = Said {
@@ -38,6 +40,7 @@ const FINE: Said = Said {
     speed_m_s: 20.0,
     incoherence: f64::NAN,
     correlation: 0.0,
+    silent: None,
 };
 
 fn car() -> CarConfig<f64> {
@@ -63,10 +66,14 @@ fn estimate(time_s: f64, said: &Said) -> CarEstimate<f64> {
             pressure_variance_kpa2: said.sd * said.sd,
         },
     };
+    let mut corners = said.kpa.map(|kpa| Some(corner(kpa)));
+    if let Some(corner) = said.silent.and_then(|silent| corners[silent.index()].as_mut()) {
+        (corner.validity, corner.diagnostics.gate) = (Validity::NoInformation, 0.0);
+    }
     let one = |i: usize, j: usize| if i == j { 1.0 } else { said.correlation };
     CarEstimate {
         time_s,
-        corners: said.kpa.map(|kpa| Some(corner(kpa))),
+        corners,
         correlation: [0, 1, 2, 3].map(|i| [0, 1, 2, 3].map(|j| one(i, j))),
         tracks: [TrackState { shared: false, incoherence: said.incoherence }; 2],
     }
@@ -278,6 +285,15 @@ fn all_four_are_more_certain_together_than_each_alone() {
     assert!((149.9..150.3).contains(&(said_s - from_s)), "{said_s}");
     let alert = drive.monitor.report().alerts().next().unwrap();
     assert!(matches!(alert.cause, Cause::AllLow { .. }) && alert.wheels.iter().count() == 4, "{alert}");
+    // Nobody hears of one of them any more: it stands while the others are low, and is over when they are not.
+    let silent = Some(Corner::FrontRight);
+    let stands = |report: &MonitorReport<f64>| {
+        report.alerts().any(|alert| matches!(alert.cause, Cause::AllLow { .. }))
+    };
+    assert!(stands(drive.on(60.0, &Said { silent, ..all(0.82) })));
+    let from_s = drive.time_s();
+    let over_s = drive.until(60.0, &Said { silent, ..FINE }, |report| !stands(report)).unwrap();
+    assert!((19.9..20.3).contains(&(over_s - from_s)), "{over_s}");
     // One that is not low is not all of them.
     let mut drive = Drive::new();
     let report = drive.on(200.0, &Said { kpa: [190.0, 190.0, 190.0, 235.0], sd: 15.0, ..FINE });

@@ -8,6 +8,7 @@ use itpms_core::estimator::EstimatorKind;
 use itpms_core::monitor::{Change, Monitor, MonitorConfig, MonitorReport, MonitoredCar, Regulation};
 use itpms_core::sample::Corner;
 use itpms_core::speed::Odometer;
+use itpms_data::log::UnitCheck;
 use itpms_data::out::RateGate;
 use itpms_data::{LogRow, Vehicle};
 
@@ -28,6 +29,8 @@ pub struct DriveOptions {
     pub reference: Option<LearnedReference<f64>>,
     /// Estimates told per second.
     pub rate_hz: f64,
+    /// Whether numbers that do not look like m/s² and m/s are told of.
+    pub units: UnitCheck,
 }
 
 impl Default for DriveOptions {
@@ -38,6 +41,7 @@ impl Default for DriveOptions {
             calibrate_s: None,
             reference: None,
             rate_hz: 10.0,
+            units: UnitCheck::default(),
         }
     }
 }

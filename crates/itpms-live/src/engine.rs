@@ -9,7 +9,7 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 use itpms_core::monitor::Change;
 use itpms_core::sample::Corner;
 use itpms_data::log::{SURVEY_ROWS, Survey};
-use itpms_data::out::alert_object;
+use itpms_data::out::{RateGate, alert_object};
 use itpms_data::{LogRow, Vehicle};
 
 use crate::describe;
@@ -17,14 +17,16 @@ use crate::drive::{Clock, Drive, DriveOptions};
 use crate::error::LiveError;
 use crate::input::{Note, Say, SourceName};
 use crate::latency::LatencyWindow;
+use crate::past::{Past, Place};
 use crate::snapshot::{Snapshot, Source, SourceState, Transition};
 use crate::speed::{SpeedDoubt, SpeedWord};
 use crate::state::SavedDrive;
+use crate::units::UnitWatch;
 
 /// Seconds of rows from which the rate is measured where the source does not know it.
 const SURVEY_S: f64 = 1.5;
-/// A row that is so much earlier than the one before it, in s, belongs to another drive.
-const ANOTHER_DRIVE_S: f64 = 2.0;
+/// Share of that time that has to hold rows at the rate measured: a bus that wakes up may tell a few and pause.
+const FULL_SHARE: f64 = 0.5;
 /// Share by which the rate of a saved drive may differ from that of the rows.
 const SAME_RATE: f64 = 0.01;
 
@@ -50,8 +52,10 @@ pub struct Engine {
     speed: SpeedWord,
     snapshots: u64,
     transitions: u64,
-    /// Rows that came with the time of an earlier one.
-    out_of_order: u64,
+    past: Past,
+    units: UnitWatch,
+    /// Whether it was said that rows come in bursts.
+    bursts_told: bool,
 }
 
 enum Stage {
@@ -84,6 +88,7 @@ impl Engine {
         };
         let stage = Stage::Surveying(Vec::new());
         let latency = LatencyWindow::default();
+        let units = UnitWatch::new(options.units);
         Self {
             vehicle,
             options,
@@ -95,7 +100,9 @@ impl Engine {
             speed: SpeedWord::default(),
             snapshots: 0,
             transitions: 0,
-            out_of_order: 0,
+            past: Past::new(),
+            units,
+            bursts_told: false,
         }
     }
 
@@ -136,7 +143,7 @@ impl Engine {
                 if !(span_s >= SURVEY_S) && rows.len() < SURVEY_ROWS {
                     return Ok(());
                 }
-                self.end_survey(publish)
+                self.end_survey(false, publish)
             }
             Stage::Running(_) => self.estimate(row, arrived, publish),
         }
@@ -147,13 +154,23 @@ impl Engine {
     /// # Errors
     /// As [`Engine::take`].
     pub fn finish(&mut self, publish: &mut impl FnMut(Published)) -> Result<(), LiveError> {
-        match &self.stage {
-            Stage::Surveying(rows) if rows.len() > 1 => self.end_survey(publish),
-            _ => Ok(()),
+        if let Stage::Surveying(rows) = &self.stage
+            && rows.len() > 1
+        {
+            self.end_survey(true, publish)?;
         }
+        if let Some(word) = self.units.finish() {
+            self.warn(&word);
+        }
+        Ok(())
     }
 
-    fn end_survey(&mut self, publish: &mut impl FnMut(Published)) -> Result<(), LiveError> {
+    fn warn(&self, text: &str) {
+        (self.say)(Note::Warning(format!("{}: {text}", self.source.name)));
+    }
+
+    /// `ended`: no more rows will come.
+    fn end_survey(&mut self, ended: bool, publish: &mut impl FnMut(Published)) -> Result<(), LiveError> {
         let Stage::Surveying(rows) = &mut self.stage else { return Ok(()) };
         let mut rows = std::mem::take(rows);
         let corners = rows.last().map_or([None; 4], |row| row.corners);
@@ -163,11 +180,23 @@ impl Engine {
             Ok(survey) => survey.sample_rate_hz,
             Err(problem) => {
                 // Perhaps the bus was just waking up: the newer half may be better.
-                (self.say)(Note::Warning(format!("{}: {problem}; looking on", self.source.name)));
+                self.warn(&format!("{problem}; looking on"));
                 self.stage = Stage::Surveying(rows.split_off(rows.len().div_ceil(2)));
                 return Ok(());
             }
         };
+        let span_s = rows.first().zip(rows.last()).map_or(0.0, |(first, last)| last.time_s - first.time_s);
+        if !ended && (rows.len() as f64) < FULL_SHARE * span_s * rate_hz {
+            if !std::mem::replace(&mut self.bursts_told, true) {
+                let count = rows.len();
+                self.warn(&format!(
+                    "{count} rows in {span_s:.1} s, though {:.1} ms apart: bursts; looking on",
+                    1e3 / rate_hz
+                ));
+            }
+            self.stage = Stage::Surveying(rows.split_off(rows.len().div_ceil(2)));
+            return Ok(());
+        }
         let clock = self.clock(rate_hz, &corners)?;
         self.stage = Stage::Running(Box::new(self.begin(clock)?));
         // How long they waited says nothing of later rows.
@@ -226,19 +255,19 @@ impl Engine {
         publish: &mut impl FnMut(Published),
     ) -> Result<(), LiveError> {
         let Stage::Running(drive) = &mut self.stage else { return Ok(()) };
-        let back_s = drive.time_s() - row.time_s;
-        if back_s > ANOTHER_DRIVE_S {
-            (self.say)(Note::Warning(format!(
-                "{}: time went back by {back_s:.1} s to {:.1} s: begins afresh",
-                self.source.name, row.time_s
-            )));
-            let clock = drive.clock.clone();
-            // A clock that was set back is no driver who has filled the tires.
-            let options = DriveOptions { calibrate_s: None, ..self.options.clone() };
-            **drive = Drive::new(&self.vehicle, clock, &options)?;
-        } else if back_s >= 0.0 || !row.time_s.is_finite() {
-            self.out_of_order += 1;
-            return Ok(());
+        match self.past.place(drive.time_s(), row.time_s) {
+            Place::Next => {}
+            Place::Late => return Ok(()),
+            Place::SetBack(back_s) => {
+                drive.gate = RateGate::new(self.options.rate_hz);
+                (self.say)(Note::Warning(format!(
+                    "{}: time went back by {back_s:.1} s to {:.1} s: the clock was set, what is known of the car stays",
+                    self.source.name, row.time_s
+                )));
+            }
+        }
+        if let Some(word) = self.units.take(row) {
+            (self.say)(Note::Warning(format!("{}: {word}", self.source.name)));
         }
         let transitions = &mut self.transitions;
         let due = drive.update(row, |time_s, change| {
@@ -315,7 +344,7 @@ impl Engine {
     /// Rows left out because their time was not after the last one's.
     #[must_use]
     pub fn out_of_order(&self) -> u64 {
-        self.out_of_order
+        self.past.left_out()
     }
 }
 

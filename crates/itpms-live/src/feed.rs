@@ -9,13 +9,12 @@ use itpms_core::sample::Corner;
 use itpms_data::LogRow;
 use itpms_data::can::{CanFrame, CanId};
 use itpms_data::dbc::Decoder;
-use itpms_data::log::Slot;
 use itpms_data::signals::Aligner;
 
 /// Frames whose arrival is remembered: more than the aligner keeps waiting.
 const REMEMBERED: usize = 1 << 17;
-/// A frame that is so much earlier than the one before it, in s, belongs to another drive.
-const ANOTHER_DRIVE_S: f64 = 2.0;
+/// A frame that is so much later than a row, in s, is not of it: its stamp is broken, or the clock was set back since.
+const NOT_OF_IT_S: f64 = 10.0;
 
 /// A row and when its first frame came; `None` if it waited for the rates to be measured, which says nothing of later ones.
 pub(crate) type FedRow = (LogRow, Option<Instant>);
@@ -23,12 +22,10 @@ pub(crate) type FedRow = (LogRow, Option<Instant>);
 /// Frames in, rows out.
 pub struct Feed {
     decoder: Decoder,
-    slots: Vec<Slot>,
     aligner: Aligner,
     /// Frames of ours that come back from the bus we send on.
     own: Vec<CanId>,
     came: VecDeque<(f64, Instant)>,
-    last_s: f64,
     /// When the first row came out.
     running_since: Option<Instant>,
 }
@@ -37,17 +34,8 @@ impl Feed {
     /// A feed that has seen no frame. `own` are the identifiers that this program sends on the same bus.
     #[must_use]
     pub fn new(decoder: Decoder, own: Vec<CanId>) -> Self {
-        let slots = decoder.slots();
-        let aligner = Aligner::new(&slots);
-        Self {
-            decoder,
-            slots,
-            aligner,
-            own,
-            came: VecDeque::new(),
-            last_s: f64::NEG_INFINITY,
-            running_since: None,
-        }
+        let aligner = Aligner::new(&decoder.slots());
+        Self { decoder, aligner, own, came: VecDeque::new(), running_since: None }
     }
 
     /// The corners that can come.
@@ -73,12 +61,6 @@ impl Feed {
         if self.own.contains(&frame.id) {
             return;
         }
-        if self.last_s - frame.time_s > ANOTHER_DRIVE_S {
-            self.aligner = Aligner::new(&self.slots);
-            self.came.clear();
-            self.running_since = None;
-        }
-        self.last_s = frame.time_s;
         let Self { decoder, aligner, .. } = self;
         let mut wanted = false;
         decoder.decode(frame, &mut |reading| {
@@ -96,7 +78,8 @@ impl Feed {
     /// The next row that waits for nothing.
     pub(crate) fn pop(&mut self) -> Option<FedRow> {
         let row = self.aligner.pop()?;
-        while self.came.front().is_some_and(|(time_s, _)| *time_s < row.time_s) {
+        let own = row.time_s..=row.time_s + NOT_OF_IT_S;
+        while self.came.front().is_some_and(|(time_s, _)| !own.contains(time_s)) {
             self.came.pop_front();
         }
         let running_since = *self.running_since.get_or_insert_with(Instant::now);

@@ -7,6 +7,7 @@
 //! | [`broker`] | where an MQTT broker is |
 //! | [`feed`] | frames to rows |
 //! | [`drive`] | the running estimate |
+//! | `past`, `units` | rows that are late, clocks that are set back; numbers in another unit |
 //! | [`speed`] | why nobody knows how fast the car is, and when that is said |
 //! | [`engine`] | what came in becomes snapshots and transitions |
 //! | [`latency`] | how late they are |
@@ -32,11 +33,13 @@ pub mod input;
 pub mod latency;
 pub mod monitor;
 pub mod output;
+mod past;
 pub mod queue;
 mod roughness;
 pub mod snapshot;
 pub mod source;
 pub mod speed;
 pub mod state;
+mod units;
 
 pub use error::LiveError;

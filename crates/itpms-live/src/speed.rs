@@ -28,8 +28,8 @@ impl SpeedDoubt {
 /// What was said of the speed.
 #[derive(Debug, Default)]
 pub(crate) struct SpeedWord {
-    /// What is doubted now, and since when.
-    doubted: Option<(SpeedDoubt, f64)>,
+    /// What is doubted now, since when, and when that was looked at last.
+    doubted: Option<(SpeedDoubt, f64, f64)>,
     said: Vec<SpeedDoubt>,
 }
 
@@ -37,10 +37,15 @@ impl SpeedWord {
     /// Takes the doubt after a row at `time_s`; gives what is to be said, once of each.
     pub(crate) fn take(&mut self, time_s: f64, doubt: Option<SpeedDoubt>) -> Option<String> {
         let since_s = match (self.doubted, doubt) {
-            (Some((before, since_s)), Some(now)) if before == now && since_s <= time_s => since_s,
+            (Some((before, since_s, last_s)), Some(now))
+                if before == now && (0.0..LASTS_S).contains(&(time_s - last_s)) =>
+            {
+                since_s
+            }
+            // Another doubt, a clock that was set back or a bus that slept.
             _ => time_s,
         };
-        self.doubted = doubt.map(|doubt| (doubt, since_s));
+        self.doubted = doubt.map(|doubt| (doubt, since_s, time_s));
         let doubt = doubt.filter(|doubt| !self.said.contains(doubt))?;
         let what = match doubt {
             SpeedDoubt::Missing if time_s - since_s < LASTS_S => return None,
@@ -73,9 +78,9 @@ mod tests {
         assert_eq!(said.len(), 2, "{said:?}");
         assert!(said[0].starts_with("15.0: since 10.0 s there has been no speed_m_s"), "{said:?}");
         assert!(said[1].starts_with("20.0: since 20.0 s speed_m_s says that the car stands"), "{said:?}");
-        // A clock that is set back begins to count again.
+        // A clock that is set back begins to count again, and so does a bus that slept.
         let mut word = SpeedWord::default();
-        for time_s in [100.0, 104.0, 3.0, 7.0] {
+        for time_s in [100.0, 104.0, 3.0, 7.0, 5000.0] {
             assert_eq!(word.take(time_s, Some(SpeedDoubt::Missing)), None);
         }
     }

@@ -15,11 +15,11 @@ use itpms_core::sample::Corner;
 use itpms_data::can::{CanFrame, CanId};
 use itpms_data::dbc::{Dbc, Decoder};
 use itpms_data::{LogRow, Vehicle};
-use itpms_live::drive::{Clock, Drive, DriveOptions};
+use itpms_live::drive::DriveOptions;
 use itpms_live::engine::{Engine, Published};
 use itpms_live::feed::Feed;
 use itpms_live::hub::Hub;
-use itpms_live::input::{Input, SourceName};
+use itpms_live::input::{Input, Note, Say, SourceName};
 use itpms_live::monitor::{End, Monitor};
 use itpms_live::output::{JsonLines, WhenSlow};
 use itpms_live::queue::Queue;
@@ -37,6 +37,20 @@ fn opened() -> Input {
 
 fn input(row: LogRow) -> Input {
     Input::Row { row, arrived: Instant::now() }
+}
+
+/// An engine and what it has to say.
+fn telling_engine(saved: Option<SavedDrive>) -> (Engine, Arc<Mutex<Vec<String>>>) {
+    let said = Arc::new(Mutex::new(Vec::new()));
+    let say: Say = Arc::new({
+        let said = Arc::clone(&said);
+        move |note| {
+            let (Note::Remark(text) | Note::Warning(text)) = note;
+            said.lock().unwrap().push(text);
+        }
+    });
+    let source = SourceName { name: "test".to_owned(), kind: "replay" };
+    (Engine::new(Vehicle::paper(), DriveOptions::default(), source, saved, say), said)
 }
 
 /// Estimates of these rows as JSON, without what depends on the wall clock; and the bytes of the state after them.
@@ -75,6 +89,72 @@ fn resumed() {
     // The estimator itself, every bit of it, is in the state.
     let car = |bytes: &[u8]| SavedDrive::parse(bytes, &Vehicle::paper(), &options).unwrap();
     assert_eq!(format!("{:?}", car(&last).car()), format!("{:?}", car(&last_again).car()));
+}
+
+#[test]
+fn a_burst_of_a_bus_that_wakes_up_does_not_set_the_rate() {
+    with_large_stack(|| {
+        let (mut engine, said) = telling_engine(None);
+        let burst = rows(12).map(|row| LogRow { time_s: 0.4 * row.time_s, ..row });
+        let then = rows(1000).map(|row| LogRow { time_s: 3.0 + row.time_s, ..row });
+        for row in burst.chain(then) {
+            engine.take(&row, None, &mut |_| {}).unwrap();
+        }
+        assert_eq!(engine.snapshot().source.rate_hz, 200.0);
+        let said = said.lock().unwrap();
+        assert!(said.len() == 1 && said[0].contains("2.0 ms apart: bursts"), "{said:?}");
+    });
+}
+
+#[test]
+fn a_clock_that_is_set_back_is_no_other_car() {
+    with_large_stack(|| {
+        // Four seconds on, a second back; and a saved drive whose clock is ahead of the one of today.
+        let (_, bytes) = estimated(engine(None), rows(4000));
+        let saved = SavedDrive::parse(&bytes, &Vehicle::paper(), &DriveOptions::default()).unwrap();
+        let back =
+            |row: LogRow| LogRow { time_s: row.time_s + if row.time_s < 4.0 { 0.0 } else { -1.0 }, ..row };
+        let all: Vec<LogRow> = rows(1200).map(back).collect();
+        for (saved, first_s) in [(None, 0.0), (Some(saved), 0.15)] {
+            let resumed = usize::from(saved.is_some());
+            let (mut engine, said) = telling_engine(saved);
+            engine.open(200.0, &Corner::ALL).unwrap();
+            let mut told_s = Vec::new();
+            for row in &all {
+                let tell = &mut |published| {
+                    if let Published::Estimate(snapshot) = published {
+                        told_s.push(snapshot.time_s);
+                    }
+                };
+                engine.take(row, None, tell).unwrap();
+            }
+            let set_back = 1 + resumed as u64;
+            assert_eq!(engine.out_of_order(), 15 * set_back);
+            assert_eq!(engine.drive().unwrap().time_s(), all[1199].time_s);
+            // Ten a second all the while.
+            assert!((told_s[0] - first_s).abs() < 0.08 && told_s.len() >= 58, "{told_s:?}");
+            let said = said.lock().unwrap();
+            let count = said.iter().filter(|text| text.contains("what is known of the car stays")).count();
+            assert_eq!((count, said.len()), (1 + resumed, 1 + 2 * resumed), "{said:?}");
+        }
+    });
+}
+
+#[test]
+fn numbers_in_another_unit_are_told_of_once() {
+    with_large_stack(|| {
+        let (mut engine, said) = telling_engine(None);
+        engine.open(200.0, &Corner::ALL).unwrap();
+        for mut row in rows(5000) {
+            for corner in row.corners.iter_mut().flatten() {
+                corner.body_accel_m_s2 *= 0.01;
+                corner.wheel_accel_m_s2 *= 0.01;
+            }
+            engine.take(&row, None, &mut |_| {}).unwrap();
+        }
+        let said = said.lock().unwrap();
+        assert!(said.len() == 1 && said[0].contains("wrong units suspected"), "{said:?}");
+    });
 }
 
 /// A line without its roughness.
@@ -201,29 +281,6 @@ fn after_a_silence_of_the_bus_rows_come_as_before() {
     inputs.push(Input::Ended);
     assert_eq!(thread.join().unwrap(), End::SourceEnded);
     assert_eq!(hub.latest().unwrap().source.rows, 1200);
-}
-
-#[test]
-fn a_drive_that_begins_again_begins_afresh_and_single_late_rows_are_left_out() {
-    with_large_stack(begun_again);
-}
-
-fn begun_again() {
-    let mut engine = engine(None);
-    engine.open(200.0, &Corner::ALL).unwrap();
-    let mut take = |row: &LogRow| engine.take(row, None, &mut |_| {}).unwrap();
-    rows(1000).for_each(|row| take(&row));
-    take(&rows(1).next().map(|row| LogRow { time_s: 4.0, ..row }).unwrap());
-    rows(500).for_each(|row| take(&row));
-    assert_eq!((engine.out_of_order(), engine.snapshot().source.rows), (1, 1500));
-    assert_eq!(engine.drive().unwrap().time_s(), 499.0 / 200.0);
-    // As if there had been nothing before.
-    let clock = Clock { sample_rate_hz: 200.0, corners: Corner::ALL.to_vec() };
-    let mut alone = Drive::new(&Vehicle::paper(), clock, &DriveOptions::default()).unwrap();
-    for row in rows(500) {
-        alone.update(&row, |_, _| {});
-    }
-    assert_eq!(format!("{:?}", engine.drive().unwrap().latest()), format!("{:?}", alone.latest()));
 }
 
 /// Takes nothing until it is let go.

@@ -119,6 +119,20 @@ fn a_replay_says_what_estimate_says_row_for_row_and_warns_on_transitions_alone()
     assert_eq!(last["wheels"][0]["state"], "low");
 }
 
+#[test]
+fn frames_are_written_into_no_other_file() {
+    let bench = puncture();
+    let line = "monitor --replay drive.csv --speed max --vehicle car.toml --can-out";
+    for (to, what) in [
+        ("drive.csv", "drive.csv: is the log itself"),
+        ("car.toml", "car.toml: is the vehicle file itself"),
+        ("live.jsonl --json live.jsonl", "live.jsonl: is given for two outputs"),
+    ] {
+        let outcome = bench.run(&format!("{line} {to}"));
+        assert!(outcome.refusal().starts_with(what), "{outcome:?}");
+    }
+}
+
 /// A speed that is zero while the car drives, and one that stops coming at 20 s.
 #[test]
 fn a_speed_that_nobody_knows_is_said_once_and_told() {

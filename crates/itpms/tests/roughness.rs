@@ -166,6 +166,15 @@ fn a_drive_is_estimated_first_and_its_road_file_gives_the_same() {
     let refusal = "slow.csv: speed_m_s never says that the car moves, so no distance: expected speeds above zero, or --speed-m-s V";
     assert_eq!(bench.run("roughness slow.csv --vehicle car.toml").refusal(), refusal);
     ok(&bench, "roughness slow.csv --vehicle car.toml --speed-m-s 5.6");
+    // A wire that breaks for ten seconds.
+    bench.edit_drive(|line, cells| {
+        if line > 1 && (20.0..30.0).contains(&cells[0].parse::<f64>().unwrap()) {
+            "0".clone_into(&mut cells[at]);
+        }
+    });
+    let broken = bench.run("roughness drive.csv --vehicle car.toml");
+    assert!(broken.stderr.contains("for 8.0 s speed_m_s says that the car stands"), "{broken:?}");
+    assert!(broken.success().contains("driven"), "{broken:?}");
     // The paper drives at 20 km/h: half a hertz is 11 m.
     assert!(drive["note"].as_str().unwrap().contains("of its waves: reads low"), "{drive}");
 }

@@ -132,6 +132,20 @@ impl<T> Malfunction<T> {
         }
     }
 
+    /// Whether the same is wrong with the same sensors, perhaps by another figure.
+    fn is_same_as(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Malfunction::Stuck(a), Malfunction::Stuck(b))
+            | (Malfunction::Dropout(a), Malfunction::Dropout(b))
+            | (Malfunction::Spikes(a), Malfunction::Spikes(b))
+            | (Malfunction::Noise(a), Malfunction::Noise(b))
+            | (Malfunction::Gain { sensor: a, .. }, Malfunction::Gain { sensor: b, .. }) => a == b,
+            (Malfunction::Swapped(a, b), Malfunction::Swapped(c, d)) => [a, b] == [c, d] || [b, a] == [c, d],
+            (Malfunction::Inconsistent(a), Malfunction::Inconsistent(b)) => a == b,
+            (a, b) => core::mem::discriminant(a) == core::mem::discriminant(b),
+        }
+    }
+
     /// The corners whose pressures cannot be trusted while it lasts.
     #[must_use]
     pub fn wheels(&self) -> Wheels {
@@ -167,7 +181,7 @@ impl<T> Alert<T> {
     /// Whether this is what became of it, perhaps with newer numbers, after the clock was set back by so much in between.
     pub(super) fn is_same_as(&self, other: &Self, set_back_s: f64) -> bool {
         let same_fault = match (&self.cause, &other.cause) {
-            (Cause::Malfunction(a), Cause::Malfunction(b)) => a.label() == b.label(),
+            (Cause::Malfunction(a), Cause::Malfunction(b)) => a.is_same_as(b),
             (a, b) => a.label() == b.label(),
         };
         same_fault && self.wheels == other.wheels && (self.said_s - set_back_s - other.said_s).abs() < SAME_S

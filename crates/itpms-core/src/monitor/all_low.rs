@@ -41,7 +41,8 @@ impl<T: Real> AllLow<T> {
         self.latch.is_said().then_some(Cause::AllLow { mean_share, sd_share })
     }
 
-    /// Takes what was estimated over the last `step_s` seconds. Needs all four wheels and something learned of each.
+    /// Takes what was estimated over the last `step_s` seconds. It takes all four wheels and something learned of each to say it;
+    /// to take it back, those that are learned of will do.
     pub(super) fn update(
         &mut self,
         step_s: f64,
@@ -49,12 +50,19 @@ impl<T: Real> AllLow<T> {
         reference_kpa: [T; 4],
         limits: &Limits<T>,
     ) {
-        let Some((mean, sd, highest)) = shares(estimate, reference_kpa) else { return };
-        (self.mean_share, self.sd_share) = (mean, sd);
-        let low = mean + T::lit(CERTAIN) * sd < limits.all_low_share;
-        let evidence = if low && highest < T::lit(NONE_ABOVE) {
+        let Some(shares) = Shares::of(estimate, reference_kpa) else { return };
+        let fine = shares.mean > limits.all_low_share + T::lit(FINE_ABOVE);
+        if !shares.complete {
+            if fine {
+                self.latch.update(estimate.time_s, step_s, Evidence::Against, ALL_LOW);
+            }
+            return;
+        }
+        (self.mean_share, self.sd_share) = (shares.mean, shares.sd);
+        let low = shares.mean + T::lit(CERTAIN) * shares.sd < limits.all_low_share;
+        let evidence = if low && shares.highest < T::lit(NONE_ABOVE) {
             Evidence::For
-        } else if mean > limits.all_low_share + T::lit(FINE_ABOVE) {
+        } else if fine {
             Evidence::Against
         } else {
             Evidence::Neither
@@ -63,23 +71,39 @@ impl<T: Real> AllLow<T> {
     }
 }
 
-/// Mean of pressure over reference, its sd with the errors' correlations, and the highest.
-fn shares<T: Real>(estimate: &CarEstimate<T>, reference_kpa: [T; 4]) -> Option<(T, T, T)> {
-    let mut share = [T::zero(); 4];
-    let mut sd = [T::zero(); 4];
-    for (i, corner) in estimate.corners.iter().enumerate() {
-        let corner = corner.as_ref().filter(|corner| is_learning(corner))?;
-        share[i] = corner.pressure_kpa / reference_kpa[i];
-        sd[i] = corner.pressure_sd_kpa / reference_kpa[i];
-    }
-    let quarter = T::lit(0.25);
-    let mut variance = T::zero();
-    for (i, row) in estimate.correlation.iter().enumerate() {
-        for (j, correlation) in row.iter().enumerate() {
-            variance += *correlation * sd[i] * sd[j];
+/// Pressures over their references, of the wheels that are learned of.
+struct Shares<T> {
+    mean: T,
+    /// Of the mean, with the errors' correlations.
+    sd: T,
+    highest: T,
+    /// Whether these are all four.
+    complete: bool,
+}
+
+impl<T: Real> Shares<T> {
+    /// `None` where nothing is learned of any wheel.
+    fn of(estimate: &CarEstimate<T>, reference_kpa: [T; 4]) -> Option<Self> {
+        let learned = |i: usize| estimate.corners[i].as_ref().filter(|corner| is_learning(corner));
+        let share: [Option<T>; 4] =
+            core::array::from_fn(|i| learned(i).map(|corner| corner.pressure_kpa / reference_kpa[i]));
+        let sd: [T; 4] = core::array::from_fn(|i| {
+            learned(i).map_or(T::zero(), |corner| corner.pressure_sd_kpa / reference_kpa[i])
+        });
+        let mut variance = T::zero();
+        for (i, row) in estimate.correlation.iter().enumerate() {
+            for (j, correlation) in row.iter().enumerate() {
+                variance += *correlation * sd[i] * sd[j];
+            }
         }
+        let known = || share.iter().flatten().copied();
+        let highest = known().reduce(|highest, share| highest.max(share))?;
+        let count = known().fold(T::zero(), |count, _| count + T::one());
+        Some(Self {
+            mean: known().fold(T::zero(), |sum, share| sum + share) / count,
+            sd: variance.max(T::zero()).sqrt() / count,
+            highest,
+            complete: share.iter().all(Option::is_some),
+        })
     }
-    let mean = quarter * share.iter().fold(T::zero(), |sum, share| sum + *share);
-    let highest = share.iter().fold(share[0], |highest, share| highest.max(*share));
-    Some((mean, quarter * variance.max(T::zero()).sqrt(), highest))
 }

@@ -52,12 +52,14 @@ pub(super) struct Standstill<T> {
     /// When the look under way began; NaN: the car is not said to stand.
     from_s: f64,
     wheels: [Spread<T>; 4],
+    /// What the last look found by itself, and what two in a row did: one may hold garbage.
+    rolled: bool,
     denied: bool,
 }
 
 impl<T: Real> Standstill<T> {
     pub(super) fn new() -> Self {
-        Self { from_s: f64::NAN, wheels: [Spread::new(); 4], denied: false }
+        Self { from_s: f64::NAN, wheels: [Spread::new(); 4], rolled: false, denied: false }
     }
 
     /// Takes a sample and the speed it tells or that goes on, in m/s; gives the speed to go by, NaN when that is unknown.
@@ -69,6 +71,7 @@ impl<T: Real> Standstill<T> {
         let look_s = time_s - self.from_s;
         // A first look, or one after a hole.
         if !(look_s <= 2.0 * LOOK_S) {
+            self.rolled = false;
             self.look_anew(time_s);
         } else if look_s >= LOOK_S {
             self.judge();
@@ -96,7 +99,11 @@ impl<T: Real> Standstill<T> {
             }
         }
         if let Some(rms) = second.or(loudest) {
-            self.denied = rms > T::lit(if self.denied { CALM_M_S2 } else { ROLLS_M_S2 });
+            let rolls = rms > T::lit(if self.denied { CALM_M_S2 } else { ROLLS_M_S2 });
+            if rolls == self.rolled {
+                self.denied = rolls;
+            }
+            self.rolled = rolls;
         }
     }
 
@@ -137,15 +144,25 @@ mod tests {
     fn a_zero_is_unknown_while_wheels_roll() {
         let mut standstill = Standstill::new();
         assert!(drive(&mut standstill, 0.0, 20.0, [5.0; 4], 2.0).iter().all(|v| *v == 20.0));
-        // The wire breaks: after a second it is no longer believed.
+        // The wire breaks: after two seconds it is no longer believed.
         let broken = drive(&mut standstill, 2.0, 0.0, [5.0; 4], 5.0);
-        assert!(broken[..199].iter().all(|v| *v == 0.0) && broken[201..].iter().all(|v| v.is_nan()));
+        assert!(broken[..399].iter().all(|v| *v == 0.0) && broken[401..].iter().all(|v| v.is_nan()));
         assert!(standstill.is_denied());
         // The car stands indeed, with its engine running; drives on, and stands.
-        let stands = drive(&mut standstill, 7.0, 0.0, [0.3; 4], 3.0);
-        assert!(stands[201..].iter().all(|v| *v == 0.0));
-        assert_eq!(drive(&mut standstill, 10.0, 0.2, [5.0; 4], 2.0)[399], 0.2);
-        assert!(drive(&mut standstill, 12.0, 0.0, [0.9; 4], 5.0).iter().all(|v| *v == 0.0));
+        let stands = drive(&mut standstill, 7.0, 0.0, [0.3; 4], 4.0);
+        assert!(stands[601..].iter().all(|v| *v == 0.0));
+        assert_eq!(drive(&mut standstill, 11.0, 0.2, [5.0; 4], 2.0)[399], 0.2);
+        assert!(drive(&mut standstill, 13.0, 0.0, [0.9; 4], 5.0).iter().all(|v| *v == 0.0));
+    }
+
+    #[test]
+    fn a_single_sample_of_garbage_does_not_make_a_car_roll() {
+        let mut standstill = Standstill::new();
+        drive(&mut standstill, 0.0, 0.0, [0.1; 4], 3.0);
+        let corner = CornerSample { body_accel_m_s2: 9.81, wheel_accel_m_s2: -400.0 };
+        let glitch = CarSample { time_s: 3.0, speed_m_s: 0.0, corners: [Some(corner); 4] };
+        assert_eq!(standstill.take(3.0, 0.0, &glitch), 0.0);
+        assert!(drive(&mut standstill, 3.005, 0.0, [0.1; 4], 5.0).iter().all(|v| *v == 0.0));
     }
 
     #[test]

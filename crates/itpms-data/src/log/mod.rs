@@ -45,4 +45,4 @@ pub use reader::{LogReader, SURVEY_ROWS};
 pub use repair::RepairReport;
 pub use row::{CornerColumns, Field, LogColumns, LogCorner, LogRow, SLOTS, Slot};
 pub use survey::Survey;
-pub use units::UnitCheck;
+pub use units::{UnitCheck, check as check_units};

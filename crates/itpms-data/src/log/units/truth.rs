@@ -11,6 +11,8 @@ use crate::log::row::LogRow;
 
 const BAR: std::ops::Range<f64> = 0.5..12.0;
 const MOST_KPA: f64 = 1500.0;
+/// Values from which a unit is told.
+const ENOUGH: usize = 5;
 
 /// Refuses true pressures that cannot be in kPa.
 pub(super) fn check<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone) -> Result<(), Problem> {
@@ -18,7 +20,7 @@ pub(super) fn check<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone) -> Resul
         let truth = column(rows.clone(), corner, |corner| corner.pressure_kpa);
         let mut truth: Vec<f64> = truth.filter(|value| value.is_finite()).collect();
         truth.sort_unstable_by(f64::total_cmp);
-        let Some(&median) = truth.get(truth.len() / 2) else { continue };
+        let Some(&median) = truth.get(truth.len() / 2).filter(|_| truth.len() >= ENOUGH) else { continue };
         let suspicion = match median {
             bar if BAR.contains(&bar) => "true pressure in bar",
             much if much > MOST_KPA => "true pressure in mbar or Pa",
@@ -66,7 +68,8 @@ mod tests {
             // Told seldom, and garbage at times.
             |i| if i % 10 == 0 { 241.3 } else { f64::NAN },
             |i| if i % 10 == 0 { 2.4 } else { 241.3 },
-        ] as [fn(usize) -> f64; 7]
+            |i| if i == 50 { 2.4 } else { f64::NAN },
+        ] as [fn(usize) -> f64; 8]
         {
             assert_eq!(verdict(fine), None);
         }

@@ -14,6 +14,7 @@
 //! own (and half a second) for the speed. What is still not there then is missing. An offset is followed slowly, so clocks may drift; when one
 //! has drifted past three quarters of a period, one of its readings is missing or left over.
 
+mod ahead;
 mod kernel;
 mod report;
 mod series;
@@ -24,6 +25,7 @@ mod timeline;
 
 use crate::log::{LogColumns, LogRow, SLOTS, Slot};
 use crate::signals::Reading;
+use ahead::Ahead;
 pub use report::{AlignmentReport, SlotAlignment, SlotMethod};
 use survey::{Clock, Survey};
 use timeline::Timeline;
@@ -33,6 +35,7 @@ use timeline::Timeline;
 pub struct Aligner {
     columns: LogColumns,
     wanted: [bool; SLOTS],
+    ahead: Ahead,
     stage: Stage,
     without_time: u64,
 }
@@ -55,6 +58,7 @@ impl Aligner {
         Self {
             columns: LogColumns::of(slots),
             wanted,
+            ahead: Ahead::new(),
             stage: Stage::Surveying(Survey::default()),
             without_time: 0,
         }
@@ -75,22 +79,14 @@ impl Aligner {
             self.without_time += 1;
             return;
         }
-        match &mut self.stage {
-            Stage::Surveying(survey) => {
-                survey.push(reading);
-                if survey.is_over() {
-                    self.begin();
-                }
-            }
-            Stage::Running(timeline) => timeline.push(reading),
-        }
+        let Self { ahead, stage, columns, wanted, .. } = self;
+        ahead.take(reading, |reading| stage.push(reading, columns, wanted));
     }
 
     /// There is nothing more: what waits comes out.
     pub fn finish(&mut self) {
-        if matches!(self.stage, Stage::Surveying(_)) {
-            self.begin();
-        }
+        self.ahead.drop_waiting();
+        self.stage.begin(&self.columns, &self.wanted);
         if let Stage::Running(timeline) = &mut self.stage {
             timeline.finish();
         }
@@ -122,22 +118,37 @@ impl Aligner {
         match &self.stage {
             Stage::Surveying(_) => None,
             Stage::Running(timeline) => {
-                Some(AlignmentReport { without_time: self.without_time, ..timeline.report() })
+                let (without_time, strays) = (self.without_time, self.ahead.strays);
+                Some(AlignmentReport { without_time, strays, ..timeline.report() })
             }
+        }
+    }
+}
+
+impl Stage {
+    fn push(&mut self, reading: Reading, columns: &LogColumns, wanted: &[bool; SLOTS]) {
+        match self {
+            Stage::Surveying(survey) => {
+                survey.push(reading);
+                if survey.is_over() {
+                    self.begin(columns, wanted);
+                }
+            }
+            Stage::Running(timeline) => timeline.push(reading),
         }
     }
 
     /// The survey is over: with a clock the rows begin; without one, as long as no acceleration comes, it goes on.
-    fn begin(&mut self) {
-        let Stage::Surveying(survey) = &mut self.stage else { return };
-        let Some(clock) = Clock::of(survey, &self.columns) else {
+    fn begin(&mut self, columns: &LogColumns, wanted: &[bool; SLOTS]) {
+        let Stage::Surveying(survey) = self else { return };
+        let Some(clock) = Clock::of(survey, columns) else {
             survey.forget_older_half();
             return;
         };
-        let mut timeline = Timeline::new(&clock, &self.wanted);
+        let mut timeline = Timeline::new(&clock, wanted);
         for reading in survey.take() {
             timeline.push(reading);
         }
-        self.stage = Stage::Running(Box::new(timeline));
+        *self = Stage::Running(Box::new(timeline));
     }
 }

@@ -44,6 +44,8 @@ pub struct AlignmentReport {
     pub signals: Vec<SlotAlignment>,
     /// Readings without a time.
     pub without_time: u64,
+    /// Readings stamped far ahead of all others that none followed.
+    pub strays: u64,
     /// Readings that came after their row had gone.
     pub late: u64,
     /// Times the clock went back and was believed.
@@ -57,6 +59,7 @@ impl AlignmentReport {
         let mut out: Vec<String> = self.signals.iter().filter_map(|signal| self.remark(signal)).collect();
         for (count, what) in [
             (self.without_time, "had no time"),
+            (self.strays, "had a stamp far ahead of all others that none followed"),
             (self.late, "came after their row had gone"),
             (
                 self.signals.iter().map(|signal| signal.left_over).sum(),

@@ -228,10 +228,40 @@ fn a_stamp_from_the_future_holds_nobody_up() {
     let mut readings: Vec<Reading> = readings.collect();
     readings.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
     let at_4_s = readings.iter().position(|reading| reading.time_s >= 4.0).unwrap();
-    readings.insert(at_4_s, Reading { time_s: 9e9, slot: WHEEL, value: 1.0 });
-    let (rows, _) = in_order(&ALL, readings);
-    assert_eq!(rows.len(), 3001);
-    assert!(rows[..3000].iter().all(|row| at(row, BODY).is_finite() && at(row, WHEEL).is_finite()));
+    // Both of one message.
+    for slot in [WHEEL, BODY] {
+        readings.insert(at_4_s, Reading { time_s: 9e9, slot, value: 1.0 });
+    }
+    let (rows, report) = in_order(&ALL, readings);
+    assert_eq!((rows.len(), report.strays), (3000, 2));
+    assert!(rows.iter().all(|row| at(row, BODY).is_finite() && at(row, WHEEL).is_finite()));
+}
+
+#[test]
+fn a_slow_signal_goes_on_after_a_stamp_from_the_future() {
+    let slots = [Slot::Speed, BODY, WHEEL];
+    let readings = [BODY, WHEEL].into_iter().flat_map(|slot| signal(slot, 500.0, 6.0, 0.0, mark(slot)));
+    let mut readings: Vec<Reading> = readings.collect();
+    readings.extend(signal(Slot::Speed, 20.0, 6.0, 0.0, |_| 20.0));
+    readings.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+    for reading in readings.iter_mut().filter(|reading| reading.slot == Slot::Speed).skip(60).take(1) {
+        reading.time_s += 1000.0;
+    }
+    let (rows, report) = in_order(&slots, readings);
+    assert_eq!(report.strays, 1);
+    let without = rows.iter().filter(|row| !at(row, Slot::Speed).is_finite()).count();
+    assert!(without <= 25 && rows.len() == 3000, "{without} of {}", rows.len());
+}
+
+#[test]
+fn after_a_pause_nothing_is_lost_and_a_stamp_that_stands_still_is_not_kept() {
+    let both = |time_s: f64| [BODY, WHEEL].map(|slot| Reading { time_s, slot, value: 1.0 });
+    let times = (0..2000).map(|i| f64::from(i) / 500.0 + if i < 1000 { 0.0 } else { 30.0 });
+    let (rows, report) = in_order(&ALL, times.flat_map(both).collect());
+    assert_eq!((rows.len(), report.strays), (2000, 0));
+    let times = (0..2000).map(|i| if i < 1500 { f64::from(i) / 500.0 } else { 77.0 });
+    let (rows, report) = in_order(&ALL, times.flat_map(both).collect());
+    assert_eq!((rows.len(), report.strays), (1500, 1000));
 }
 
 #[test]

@@ -291,6 +291,7 @@ impl Timeline {
             rate_hz: 1.0 / self.period_s,
             signals: signals.collect(),
             without_time: 0,
+            strays: 0,
             late: self.late,
             restarts: self.restarts,
         }

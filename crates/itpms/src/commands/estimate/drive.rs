@@ -115,7 +115,8 @@ impl Drive {
         Some(self.denied_s).filter(|seconds| *seconds > 0.0)
     }
 
-    pub(super) fn update(&mut self, row: &LogRow) -> CarEstimate<f64> {
+    /// Takes a row; a speed that its wheels deny is taken out of it.
+    pub(super) fn update(&mut self, row: &mut LogRow) -> CarEstimate<f64> {
         if row.speed_m_s.is_finite() && !is_a_cars(row.speed_m_s) {
             self.absurd.get_or_insert((0, row.speed_m_s)).0 += 1;
         }
@@ -132,6 +133,9 @@ impl Drive {
             self.unknown_s += if speed_m_s.is_nan() { step_s } else { 0.0 };
             self.denied_s += if self.car.denies_standstill() { step_s } else { 0.0 };
             self.apart_s += if speed_m_s > MEETING_M_S { step_s } else { 0.0 };
+        }
+        if self.car.denies_standstill() {
+            row.speed_m_s = f64::NAN;
         }
         estimate
     }

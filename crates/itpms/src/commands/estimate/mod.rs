@@ -64,13 +64,13 @@ pub(crate) fn perform(args: &EstimateArgs, screen: &Screen, interrupt: &Interrup
 
     let progress = screen.progress("estimating");
     let mut count = 0u64;
-    while let Some(row) = log.next_row()? {
+    while let Some(mut row) = log.next_row()? {
         if count.is_multiple_of(ROWS_PER_LOOK) {
             interrupt.check()?;
             progress.set(log.progress());
         }
         count += 1;
-        let estimate = drive.update(&row);
+        let estimate = drive.update(&mut row);
         outputs.take(&row, &estimate.corners, &drive.quarter_cars(), drive.report())?;
     }
     drop(progress);

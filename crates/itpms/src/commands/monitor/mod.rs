@@ -119,6 +119,7 @@ fn options(args: &MonitorArgs, vehicle: &Vehicle) -> Result<DriveOptions, Failur
         calibrate_s: args.calibrate_s,
         reference,
         rate_hz: args.rate,
+        units: args.reading.options().units,
     })
 }
 
@@ -132,7 +133,9 @@ fn check_names(args: &MonitorArgs) -> Result<(), Failure> {
         dbc,
         signals,
     ];
-    names::check(&inputs, &[args.json.as_deref(), args.state.as_deref()])
+    // An interface is no file; a file that is one of the others would grow by our frames.
+    let can_out = args.can_out.as_deref().map(Path::new);
+    names::check(&inputs, &[args.json.as_deref(), args.state.as_deref(), can_out])
 }
 
 /// The saved state, or a word about why it is not used. What is no saved state at all is somebody's file, and not written over.
@@ -151,6 +154,9 @@ fn saved(
         Ok(Some(saved)) => {
             if args.calibrate_s.is_some() {
                 screen.remark("--calibrate-s: the saved state goes on, without another reset");
+            }
+            if args.reference.is_some() {
+                screen.remark("--reference: the saved state goes on with what it has learned itself");
             }
             Some(saved)
         }

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use itpms_core::car::{CarConfig, CarEstimator};
+use itpms_core::car::CarEstimator;
 use itpms_core::estimator::EstimatorKind;
+use itpms_core::monitor::{Monitor, MonitorConfig, MonitoredCar};
 use itpms_core::sample::Corner;
 use itpms_data::{LogReader, Vehicle};
 use itpms_study::roughness::{RoughnessTable, WheelSurvey};
@@ -35,7 +36,7 @@ pub(super) fn survey(
     let mut wheels = Wheels::new(args, &corners, rate_hz)?;
 
     let progress = screen.progress("estimating the road");
-    let mut count = 0u64;
+    let (mut count, mut denied) = (0u64, 0u64);
     while let Some(mut row) = log.next_row()? {
         if count.is_multiple_of(ROWS_PER_LOOK) {
             interrupt.check()?;
@@ -46,7 +47,11 @@ pub(super) fn survey(
             row.speed_m_s = speed;
         }
         let estimate = car.update(&row.sample());
-        road.push(&row, &estimate.corners, &car.quarter_cars());
+        if car.denies_standstill() {
+            row.speed_m_s = args.speed_m_s.unwrap_or(f64::NAN);
+            denied += 1;
+        }
+        road.push(&row, &estimate.corners, &car.estimator().quarter_cars());
         wheels.take(&mut road);
     }
     road.finish();
@@ -61,16 +66,22 @@ pub(super) fn survey(
         )));
     }
     let about = format!("road under {} wheels, {:.1} m driven", corners.len(), wheels.distance_m);
-    Ok(Found { about, table: wheels.finish(args.segment_m), warnings: log.repairs().warnings() })
+    let mut warnings = log.repairs().warnings();
+    if denied > 0 {
+        let seconds = denied as f64 / rate_hz;
+        warnings.push(format!(
+            "for {seconds:.1} s speed_m_s says that the car stands while its wheels roll: that way is missing"
+        ));
+    }
+    Ok(Found { about, table: wheels.finish(args.segment_m), warnings })
 }
 
-fn estimator(vehicle: &Vehicle, corners: &[Corner], rate_hz: f64) -> Result<CarEstimator<f64>, Failure> {
-    let mut config = CarConfig { corners: [None; 4], wheelbase_m: vehicle.wheelbase_m };
-    for corner in corners {
-        config.corners[corner.index()] = vehicle.corner(*corner).copied();
-    }
-    CarEstimator::new(EstimatorKind::default(), &config, rate_hz)
-        .map_err(|error| Failure::Usage(error.to_string()))
+fn estimator(vehicle: &Vehicle, corners: &[Corner], rate_hz: f64) -> Result<Box<MonitoredCar<f64>>, Failure> {
+    let config = vehicle.car_config(corners);
+    let fail = |error| Failure::Usage(format!("{error}"));
+    let car = CarEstimator::new(EstimatorKind::default(), &config, rate_hz).map_err(fail)?;
+    let monitor = Monitor::new(&MonitorConfig::new(&config), rate_hz).map_err(fail)?;
+    Ok(Box::new(MonitoredCar::new(car, monitor)))
 }
 
 /// A survey per wheel.
