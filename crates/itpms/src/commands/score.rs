@@ -32,5 +32,10 @@ pub(crate) fn run(args: &ScoreArgs, screen: &Screen, interrupt: &Interrupt) -> R
     } else {
         screen.print(score.table().trim_end());
     }
+    if args.row.is_none() {
+        screen.remark(
+            "by themselves: --row detection (how soon a loss is warned of), ablation and disturbances; false warnings: itpms soak",
+        );
+    }
     Ok(())
 }
