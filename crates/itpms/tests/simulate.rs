@@ -118,3 +118,15 @@ fn help_has_examples_and_exit_codes() {
     assert!(help.success().contains("Examples:") && help.stdout.contains("Exit codes: 0"));
     assert!(bench.run("simulate --help").success().contains("itpms simulate paper-drop"));
 }
+
+#[test]
+fn a_car_that_cannot_be_simulated_leaves_no_log() {
+    let bench = Bench::new();
+    let scenario = include_str!("../../itpms-sim/scenarios/drive-puncture.toml");
+    let impossible = scenario.replace("unsprung_mass_kg = 50.0", "unsprung_mass_kg = 0.001");
+    assert_ne!(impossible, scenario);
+    bench.write("impossible.toml", impossible);
+    let outcome = bench.run("simulate impossible.toml -o drive.csv --vehicle-out car.toml");
+    assert!(outcome.refusal().contains("the car's accelerations are no numbers"), "{outcome:?}");
+    assert_eq!(bench.names(), ["impossible.toml"]);
+}

@@ -64,6 +64,8 @@ impl Fault {
         }
         let reading = readings[corner][place];
         readings[corner][place] = match self.spec.kind {
+            // A sample that was lost is nothing to be stuck at.
+            FaultKind::Stuck if self.stuck_at.is_none() && reading.is_nan() => reading,
             FaultKind::Stuck => *self.stuck_at.get_or_insert(reading),
             FaultKind::Dropout { share } => self.lost_or(share, reading),
             FaultKind::Spikes { per_s, size_m_s2 } => reading + self.spike(per_s * since_last_s, size_m_s2),
@@ -131,6 +133,18 @@ mod tests {
     fn a_stuck_sensor_repeats_its_first_value() {
         let readings = run(FaultKind::Stuck);
         assert!(readings.iter().enumerate().all(|(i, x)| (x + i as f64 * 1e-3 - 2.0).abs() < 1e-9));
+    }
+
+    #[test]
+    fn a_sample_that_is_lost_is_nothing_to_be_stuck_at() {
+        let mut faults = Faults::new(&[fault(FaultKind::Stuck)], 7);
+        let told = [f64::NAN, 2.5, 3.0, f64::NAN].map(|reading| {
+            let mut readings = CLEAN;
+            readings[1][1] = reading;
+            faults.spoil(2.0, &mut readings);
+            readings[1][1]
+        });
+        assert!(told[0].is_nan() && told[1..] == [2.5; 3], "{told:?}");
     }
 
     #[test]

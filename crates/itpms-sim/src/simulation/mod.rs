@@ -37,6 +37,9 @@ const CONTACT_RATE_HZ: f64 = 1600.0;
 /// Contact length in m from which on it counts as one.
 const CONTACT_M: f64 = 0.05;
 
+/// An acceleration in m/s² that nothing on a road has.
+const ABSURD_M_S2: f64 = 1e6;
+
 /// Steps of the fine grid per sample of the log, at least.
 const STEPS_PER_SAMPLE: f64 = 8.0;
 
@@ -56,6 +59,8 @@ pub struct Simulation {
     step: i64,
     row: u64,
     rows: u64,
+    /// When the car's motion stopped being one.
+    diverged_s: Option<f64>,
 }
 
 /// The roads under the left and the right wheels, where there are any.
@@ -116,7 +121,15 @@ impl Simulation {
             step,
             row: 0,
             rows: scenario.rows(),
+            diverged_s: None,
         })
+    }
+
+    /// Since when, in s, the car's accelerations are no numbers or absurd, if they are: its masses, springs, dampers or tires are
+    /// none that can be simulated. What came since is worth nothing.
+    #[must_use]
+    pub fn diverged_s(&self) -> Option<f64> {
+        self.diverged_s
     }
 
     /// Time in s of a (fractional) fine-grid step.
@@ -158,6 +171,9 @@ impl Simulation {
             }
         }
         let accelerations = self.ride.step(&step, &inputs);
+        if !accelerations.iter().flatten().all(|acceleration| acceleration.abs() < ABSURD_M_S2) {
+            self.diverged_s.get_or_insert(times[2]);
+        }
         for run in &mut self.corners {
             run.sense(accelerations[run.corner.index()]);
         }

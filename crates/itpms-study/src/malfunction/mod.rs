@@ -83,6 +83,9 @@ pub enum MalfunctionError {
     Threads(#[from] rayon::ThreadPoolBuildError),
 }
 
+/// Seconds of driving after the end of a malfunction in which all should be well again.
+const AWAITED_S: f64 = 60.0;
+
 /// One kind of malfunction over all drives. Times in s of driving; NaN where there is none.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
@@ -255,12 +258,13 @@ fn monitored(drive: &Recorded) -> Result<Box<MonitoredCar<f64>>, MalfunctionErro
     Ok(Box::new(MonitoredCar::new(estimator, monitor)))
 }
 
-/// A malfunction that was not said, and could not have been because the car hardly drove, does not count.
+/// Where a malfunction was not said, and could not have been because the car hardly drove, that is not held against anybody; what
+/// was shown and warned of counts. The same holds for how a drive went on after its end.
 fn row(kind: &Kind, outcomes: &[&Outcome]) -> Row {
-    let counts = |o: &&&Outcome| o.said_after_s.is_some() || o.driven_s >= kind.stated_s;
-    let outcomes: Vec<&&Outcome> = outcomes.iter().filter(counts).collect();
+    let could_be_said = |o: &&&Outcome| o.said_after_s.is_some() || o.driven_s >= kind.stated_s;
     let said: Vec<f64> = outcomes.iter().filter_map(|o| o.said_after_s).collect();
-    let recovered: Vec<f64> = outcomes.iter().filter_map(|o| o.recovered_after_s).collect();
+    let awaited: Vec<&&Outcome> = outcomes.iter().filter(|o| o.driven_after_s > AWAITED_S).collect();
+    let recovered: Vec<f64> = awaited.iter().filter_map(|o| o.recovered_after_s).collect();
     let mean = |figure: fn(&Outcome) -> f64| {
         outcomes.iter().map(|o| figure(o)).sum::<f64>() / outcomes.len().max(1) as f64
     };
@@ -271,7 +275,7 @@ fn row(kind: &Kind, outcomes: &[&Outcome]) -> Row {
     let worst = |values: &[f64]| values.iter().copied().fold(f64::NAN, f64::max);
     Row {
         name: kind.name,
-        drives: outcomes.len(),
+        drives: outcomes.iter().filter(could_be_said).count(),
         said: said.len(),
         in_time: said.iter().filter(|time_s| **time_s <= kind.stated_s).count(),
         named: named.count(),
@@ -293,7 +297,7 @@ fn row(kind: &Kind, outcomes: &[&Outcome]) -> Row {
         tire_warnings_during: tires(|o| o.tires_during),
         tire_warnings_after: tires(|o| o.tires_after),
         recovered: recovered.len(),
-        awaited: outcomes.iter().filter(|o| o.recovered_after_s.is_some() || o.driven_after_s > 60.0).count(),
+        awaited: awaited.len(),
         recovered_median_s: percentile(&recovered, 0.5),
         recovered_worst_s: worst(&recovered),
     }
@@ -345,6 +349,16 @@ mod tests {
         assert_eq!((row.tire_warnings_during.total(), row.tire_warnings_after.total()), (1, 2));
         // It drove on for two minutes and did not recover: awaited, and not in the median of those that did.
         assert_eq!((row.recovered, row.awaited, row.recovered_worst_s), (1, 2, 2.0));
+    }
+
+    #[test]
+    fn what_a_short_drive_showed_counts_though_nobody_could_have_said_it() {
+        let tires_during = TireWarnings { low: 1, ..TireWarnings::default() };
+        let short =
+            Outcome { said_after_s: None, driven_s: 0.5, tires_during, driven_after_s: 10.0, ..good() };
+        let row = row(&stuck(), &[&good(), &short]);
+        assert_eq!((row.drives, row.said, row.tire_warnings_during.total()), (1, 1, 1));
+        assert_eq!((row.recovered, row.awaited), (1, 1));
     }
 
     #[test]

@@ -75,7 +75,12 @@ impl EvenProfile {
     pub fn new(distance_m: &[f64], height_m: &[f64]) -> Result<Self, EvenError> {
         let mut steps: Vec<f64> = distance_m.windows(2).map(|pair| pair[1] - pair[0]).collect();
         steps.sort_by(f64::total_cmp);
-        let usual_m = *steps.get(steps.len() / 2).ok_or(EvenError::Points(distance_m.len()))?;
+        let median_m = *steps.get(steps.len() / 2).ok_or(EvenError::Points(distance_m.len()))?;
+        // Stations that were rounded make steps that were, too; their mean is hardly touched by it.
+        let like = |step: &&f64| (*step - median_m).abs() <= EVEN * median_m;
+        let (count, sum) =
+            steps.iter().filter(like).fold((0.0, 0.0), |(count, sum), step| (count + 1.0, sum + step));
+        let usual_m = sum / count;
         let (start_m, end_m) = (distance_m[0], distance_m[distance_m.len() - 1]);
         let even = steps.iter().all(|step| {
             let whole = (step / usual_m).round().max(1.0);
@@ -193,6 +198,22 @@ mod tests {
         let even = EvenProfile::new(&x, &z).unwrap();
         assert!((even.spacing_m - 0.1).abs() < 1e-6 && even.sampling == Sampling::Points);
         assert_eq!((even.heights_m, even.bridged), (z, 0));
+    }
+
+    #[test]
+    fn stations_that_were_rounded_are_no_holes() {
+        for step in [1.0 / 3.0, 0.1524, 0.0254] {
+            let x: Vec<f64> = (0..12_000).map(|i| (1000.0 * step * f64::from(i)).round() / 1000.0).collect();
+            let even = EvenProfile::new(&x, &x).unwrap();
+            assert_eq!(
+                (even.bridged, even.heights_m.iter().filter(|z| z.is_nan()).count()),
+                (0, 0),
+                "{step}"
+            );
+            if even.sampling == Sampling::Points {
+                assert_eq!(even.heights_m.len(), 12_000, "{step}");
+            }
+        }
     }
 
     #[test]

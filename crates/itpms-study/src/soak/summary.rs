@@ -144,11 +144,12 @@ fn extreme(hours: &[&Hour], of: impl Fn(&super::WheelHour) -> Option<f64>) -> Ex
 /// Largest mean of a Poisson variable that still shows no more than `count` with a probability of 5 %.
 fn poisson_limit(count: usize) -> f64 {
     let probability = |mean: f64| {
-        let mut term = (-mean).exp();
-        let mut sum = term;
+        // As logarithms: exp(-mean) alone is nothing for many.
+        let mut log_term = -mean;
+        let mut sum = log_term.exp();
         for k in 1..=count {
-            term *= mean / k as f64;
-            sum += term;
+            log_term += (mean / k as f64).ln();
+            sum += log_term.exp();
         }
         sum
     };
@@ -217,6 +218,11 @@ mod tests {
         // One-sided 95 % limits of a Poisson mean (Garwood 1936; tables of the Particle Data Group).
         for (count, limit) in [(0, 3.00), (1, 4.74), (2, 6.30), (5, 10.51), (10, 16.96)] {
             assert!((poisson_limit(count) - limit).abs() < 0.006, "{count}: {}", poisson_limit(count));
+        }
+        // Many are nearly normal: count + 1.645 sqrt(count) + (1.645² + 2)/3 + ...
+        for count in [800, 5000] {
+            let normal = count as f64 + 1.645 * (count as f64).sqrt() + 1.57;
+            assert!((poisson_limit(count) - normal).abs() < 0.2, "{count}: {}", poisson_limit(count));
         }
     }
 }

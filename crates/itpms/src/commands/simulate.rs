@@ -79,13 +79,13 @@ fn write(
     screen: &Screen,
     interrupt: &Interrupt,
 ) -> Result<(), Failure> {
-    let simulation = Simulation::new(scenario, seed)?;
+    let mut simulation = Simulation::new(scenario, seed)?;
     let rows = scenario.rows();
     let mut log = LogWriter::create(log, columns)?;
     let vehicle_file = vehicle.map(|path| written_vehicle(path, scenario)).transpose()?;
 
     let progress = screen.progress(&format!("simulating {}", scenario.name));
-    for (row, count) in simulation.zip(0u64..) {
+    for (row, count) in simulation.by_ref().zip(0u64..) {
         if count.is_multiple_of(ROWS_PER_LOOK) {
             interrupt.check()?;
             progress.set(count as f64 / rows as f64);
@@ -94,6 +94,12 @@ fn write(
     }
     drop(progress);
 
+    if let Some(time_s) = simulation.diverged_s() {
+        return Err(Failure::Usage(format!(
+            "{}: from {time_s:.3} s on the car's accelerations are no numbers, or absurd: expected masses, springs, dampers and tires of a car",
+            scenario.name
+        )));
+    }
     let log = log.finish()?;
     interrupt.check()?;
     for file in [Some(log), vehicle_file].into_iter().flatten() {
