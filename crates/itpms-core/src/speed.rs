@@ -7,10 +7,11 @@ use crate::real::Real;
 /// Longest time in s for which a speed is taken to go on: a car that brakes hard is 4 m/s slower by then.
 const HOLD_S: f64 = 0.5;
 
-/// Speeds in m/s that cars have: backwards, forwards. Anything else is a bus that tells nonsense.
-const CARS_M_S: core::ops::RangeInclusive<f64> = -15.0..=100.0;
+/// Speeds in m/s that cars have: backwards, forwards. Anything else is a bus that tells nonsense, or a sign that is wrong: a car
+/// that stood or reversed for good would be heard no more.
+const CARS_M_S: core::ops::RangeInclusive<f64> = -5.0..=100.0;
 
-/// Whether this is a speed in m/s that a car can have, -15 to 100.
+/// Whether this is a speed in m/s that a car can have, -5 to 100.
 #[must_use]
 pub fn is_a_cars<T: Real>(speed_m_s: T) -> bool {
     CARS_M_S.contains(&speed_m_s.to_f64())
@@ -125,7 +126,7 @@ mod tests {
     fn what_no_car_drives_is_no_speed() {
         let mut speed = SpeedHold::new();
         assert_eq!(speed.take(0.0, 22.0f32), 22.0);
-        for nonsense in [655.35f32, f32::MAX, -16.0, f32::MIN, f32::INFINITY] {
+        for nonsense in [655.35f32, f32::MAX, -6.0, f32::MIN, f32::INFINITY] {
             assert_eq!(speed.take(0.1, nonsense), 22.0);
         }
         assert!(speed.take(0.6, 655.35).is_nan());

@@ -138,7 +138,9 @@ impl Part {
             "bench" => {
                 "Test bed, a road that repeats every 0.66 s, at placard pressure for the first 20 s (4 s), kPa"
             }
-            "efficiency" => "Constant pressure: bound (3-60 Hz) / mean square error, prior of 30 kPa included in both",
+            "efficiency" => {
+                "Constant pressure: bound (3-60 Hz) / mean square error, prior of 30 kPa included in both"
+            }
             "road" => "Road record, class B, wavelengths 0.5-10 m, stiffness from the estimator",
             "drive" => {
                 "drive-puncture, front left down, kPa: median RMSE over t > 3 s by wheel; * the three other wheels"

@@ -102,6 +102,44 @@ impl<T: Real> Averager<T> {
     }
 }
 
+/// Means under a triangle twice as long, for all eight sensors at once: what would come down from about the lower rate is less by
+/// the square of what an [`Averager`] leaves of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Triangle<T> {
+    of: u32,
+    count: u32,
+    /// Under the rising half, which ends the next mean, and under the falling half.
+    rising: [T; 8],
+    falling: [T; 8],
+    /// The rising half of the stretch before.
+    risen: [T; 8],
+}
+
+impl<T: Real> Triangle<T> {
+    pub(super) fn new(of: u32) -> Self {
+        let none = [T::zero(); 8];
+        Self { of: of.max(1), count: 0, rising: none, falling: none, risen: none }
+    }
+
+    /// The means, with every `of`-th call.
+    pub(super) fn push(&mut self, values: &[T; 8]) -> Option<[T; 8]> {
+        let (up, down) = (T::lit(f64::from(self.count)), T::lit(f64::from(self.of - self.count)));
+        for (i, value) in values.iter().enumerate() {
+            self.rising[i] += up * *value;
+            self.falling[i] += down * *value;
+        }
+        self.count += 1;
+        if self.count < self.of {
+            return None;
+        }
+        let scale = T::one() / T::lit(f64::from(self.of) * f64::from(self.of));
+        let means = core::array::from_fn(|i| (self.risen[i] + self.falling[i]) * scale);
+        *self = Self { risen: self.rising, ..Self::new(self.of) };
+        Some(means)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     extern crate std;
@@ -135,5 +173,26 @@ mod tests {
         let mut averager = Averager::<f64>::new(4);
         let out: Vec<_> = (0..9).filter_map(|i| averager.push(&[f64::from(i); 8])).collect();
         assert_eq!(out, [[1.5; 8], [5.5; 8]]);
+    }
+
+    #[test]
+    fn what_would_come_down_from_the_lower_rate_is_lost_under_a_triangle() {
+        // From 100 to 25 Hz; at 24.4 Hz, which comes down to 0.6 Hz, a mean leaves 2.5 % and the triangle its square.
+        let amplitude = |hz: f64| {
+            let (mut mean, mut triangle) = (Averager::<f64>::new(4), Triangle::<f64>::new(4));
+            let mut powers = [0.0; 2];
+            for i in 0..4000 {
+                let values = [(core::f64::consts::TAU * hz * f64::from(i) / 100.0).sin(); 8];
+                for (power, out) in powers.iter_mut().zip([mean.push(&values), triangle.push(&values)]) {
+                    // The first triangle is half a one.
+                    *power += out.filter(|_| i > 4).map_or(0.0, |out| out[3] * out[3] / 500.0);
+                }
+            }
+            powers.map(f64::sqrt)
+        };
+        let [mean, triangle] = amplitude(24.4);
+        assert!((0.02..0.03).contains(&mean) && triangle < 1.1 * mean * mean, "{mean} {triangle}");
+        let [mean, triangle] = amplitude(0.6);
+        assert!((mean - 1.0).abs() < 0.01 && (triangle - 1.0).abs() < 0.01, "{mean} {triangle}");
     }
 }

@@ -9,7 +9,7 @@
 
 use nalgebra::SMatrix;
 
-use super::filters::{Averager, Band};
+use super::filters::{Averager, Band, Triangle};
 use super::moments::Moments;
 use crate::car::CarConfig;
 use crate::real::Real;
@@ -61,6 +61,8 @@ struct Strut<T> {
 pub(super) struct Signals<T: Real> {
     to_quick: Averager<T>,
     to_slow: Averager<T>,
+    /// The slow band is a hundredth of what wheels do near the lower rate: it takes a better filter.
+    to_slow_band: Triangle<T>,
     quick_step_s: T,
     hop: [Band<T>; 8],
     bounce: [Band<T>; 4],
@@ -92,6 +94,7 @@ impl<T: Real> Signals<T> {
         Self {
             to_quick: Averager::new(by),
             to_slow: Averager::new(slow_by),
+            to_slow_band: Triangle::new(slow_by),
             quick_step_s: T::lit(1.0 / quick_hz),
             hop: [Band::new(HOP_HZ, quick_hz); 8],
             bounce: [Band::new(BOUNCE_HZ, slow_hz); 4],
@@ -112,6 +115,9 @@ impl<T: Real> Signals<T> {
         self.push_quick(&quick);
         if let Some(slow) = self.to_slow.push(&quick) {
             self.push_slow(&slow);
+        }
+        if let Some(slow) = self.to_slow_band.push(&quick) {
+            self.push_slow_band(&slow);
         }
     }
 
@@ -137,6 +143,9 @@ impl<T: Real> Signals<T> {
             *body = self.bounce[i].push(values[i]);
         }
         self.bounce_moments.push(&bodies);
+    }
+
+    fn push_slow_band(&mut self, values: &[T; 8]) {
         for ((power, band), value) in self.slow_power.iter_mut().zip(&mut self.slow).zip(values) {
             let accel = band.push(*value);
             *power += accel * accel;

@@ -18,7 +18,7 @@ use crate::sample::Corner;
 /// Blocks over which hop, bounce and slow band are averaged.
 const HOP_BLOCKS: f64 = 12.0;
 const BOUNCE_BLOCKS: f64 = 5.0;
-const SLOW_BLOCKS: f64 = 40.0;
+const SLOW_BLOCKS: f64 = 20.0;
 /// Blocks over which the ratio of a corner's wheel to its body is averaged.
 const RATIO_BLOCKS: f64 = 4.0;
 /// Share of an average that must be filled before it counts.
@@ -53,8 +53,8 @@ const BENT: f64 = 0.04;
 /// Log of a gain that is wrong, of a body and of a wheel; and that is fine again.
 const BODY_GAIN: f64 = 0.2;
 const BODY_GAIN_FINE: f64 = 0.12;
-const WHEEL_GAIN: f64 = 0.2;
-const WHEEL_GAIN_FINE: f64 = 0.15;
+const WHEEL_GAIN: f64 = 0.15;
+const WHEEL_GAIN_FINE: f64 = 0.1;
 /// Share of the most that a wheel's gain was off, below which it is fine again; and the most from which on that is enough,
 /// whatever its hop does: averages of so much take long to be forgotten.
 const LESS: f64 = 0.4;
@@ -314,7 +314,8 @@ impl<T: Real> Together<T> {
         }
     }
 
-    /// In the slow band wheel over body is the same for all corners.
+    /// In the slow band wheel over body is the same for all corners, and more so for both of an axle, which stand at the same distance from
+    /// where the body pitches about.
     fn judge_wheel_gains(&mut self, at: [f64; 2], plane: Option<&Plane<T>>) {
         let flat = plane.is_some_and(|plane| plane.warp < T::lit(FLAT));
         let slow = self.slow.mean(FILLED).filter(|_| flat);
@@ -322,7 +323,8 @@ impl<T: Real> Together<T> {
             slow.map(|slow| [0, 1, 2, 3].map(|i| T::lit(0.5) * (slow[(4 + i, 4 + i)] / slow[(i, i)]).ln()));
         let usual = logs.map(|mut logs| median(&mut logs));
         for i in 0..4 {
-            let off = logs.zip(usual).map(|(logs, usual)| logs[i] - usual);
+            // The other corner of the axle is next to it.
+            let off = logs.zip(usual).map(|(logs, usual)| lesser(logs[i] - usual, logs[i] - logs[i ^ 1]));
             let agrees = off.is_some_and(|off| off.signum() * self.hop_level[i] > T::lit(HOP_AGREES));
             let most = &mut self.most_off[i];
             *most = if self.gains[4 + i].latch.is_said() {
@@ -386,6 +388,15 @@ impl<T: Real> Together<T> {
         suspected
             .filter_map(|word| word.malfunction.as_ref())
             .fold(jumped, |all: Wheels, malfunction| all | malfunction.wheels())
+    }
+}
+
+/// The one nearer to zero of two that agree in their sign, else nothing.
+fn lesser<T: Real>(a: T, b: T) -> T {
+    match (a > T::zero(), b > T::zero()) {
+        (true, true) => a.min(b),
+        (false, false) => a.max(b),
+        _ => T::zero(),
     }
 }
 
