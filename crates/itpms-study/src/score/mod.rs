@@ -139,7 +139,7 @@ impl Part {
                 "Test bed, a road that repeats every 0.66 s, at placard pressure for the first 20 s (4 s), kPa"
             }
             "efficiency" => {
-                "Constant pressure: bound (3-60 Hz) / mean square error, prior of 30 kPa included in both"
+                "Constant pressure: bound (3-60 Hz) / mean square error, both with a prior of 30 kPa"
             }
             "road" => "Road record, class B, wavelengths 0.5-10 m, stiffness from the estimator",
             "drive" => {
