@@ -18,7 +18,7 @@ use crate::sample::Corner;
 /// Blocks over which hop, bounce and slow band are averaged.
 const HOP_BLOCKS: f64 = 12.0;
 const BOUNCE_BLOCKS: f64 = 5.0;
-const SLOW_BLOCKS: f64 = 20.0;
+const SLOW_BLOCKS: f64 = 40.0;
 /// Blocks over which the ratio of a corner's wheel to its body is averaged.
 const RATIO_BLOCKS: f64 = 4.0;
 /// Share of an average that must be filled before it counts.
@@ -53,8 +53,8 @@ const BENT: f64 = 0.04;
 /// Log of a gain that is wrong, of a body and of a wheel; and that is fine again.
 const BODY_GAIN: f64 = 0.2;
 const BODY_GAIN_FINE: f64 = 0.12;
-const WHEEL_GAIN: f64 = 0.15;
-const WHEEL_GAIN_FINE: f64 = 0.1;
+const WHEEL_GAIN: f64 = 0.2;
+const WHEEL_GAIN_FINE: f64 = 0.15;
 /// Share of the most that a wheel's gain was off, below which it is fine again; and the most from which on that is enough,
 /// whatever its hop does: averages of so much take long to be forgotten.
 const LESS: f64 = 0.4;
