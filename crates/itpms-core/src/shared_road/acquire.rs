@@ -1,5 +1,5 @@
-//! The first delay: where the front's road, shifted, looks most like the rear's. Needed once, because the constraint is
-//! only linear in small errors of the delay.
+//! The delay: where the front's road, shifted, looks most like the rear's. Needed first, and where the two are no longer alike,
+//! because the constraint is only linear in small errors of the delay.
 
 use nalgebra::SVector;
 
@@ -7,8 +7,11 @@ use crate::real::Real;
 
 /// Shifts tried.
 pub(super) const SHIFTS: usize = 25;
-/// How far, in each direction: a share of the delay, and seconds.
-const SHARE: f64 = 0.03;
+/// How far at first, in each direction, as a share of the delay: what a vehicle file and a speed are off. And later on: another
+/// source of the speed, or other wheels.
+pub(super) const AT_FIRST: f64 = 0.03;
+pub(super) const LATER: f64 = 0.12;
+/// And that many seconds more.
 const SECONDS: f64 = 0.005;
 /// Seconds of driving to look at.
 const LOOK_S: f64 = 1.5;
@@ -28,6 +31,8 @@ const GIVE_UP_S: f64 = 6.0;
     ))
 )]
 pub(super) struct Acquisition<T: Real> {
+    /// How far it looks, as a share of the delay.
+    reach: f64,
     cross: SVector<T, SHIFTS>,
     front: SVector<T, SHIFTS>,
     rear: SVector<T, SHIFTS>,
@@ -40,6 +45,7 @@ pub(super) struct Acquisition<T: Real> {
 
 /// A delay that was found: seconds more than expected with this wheelbase and skew, at a mean expected delay.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Found<T> {
     pub(super) later_s: T,
     pub(super) delay_s: T,
@@ -47,8 +53,9 @@ pub(super) struct Found<T> {
 }
 
 impl<T: Real> Acquisition<T> {
-    pub(super) fn new() -> Self {
+    pub(super) fn new(reach: f64) -> Self {
         Self {
+            reach,
             cross: SVector::zeros(),
             front: SVector::zeros(),
             rear: SVector::zeros(),
@@ -59,13 +66,20 @@ impl<T: Real> Acquisition<T> {
         }
     }
 
+    /// Begins to look from here on.
+    pub(super) fn restart(&mut self) {
+        if self.count > T::zero() || self.used.is_some() {
+            *self = Self::new(self.reach);
+        }
+    }
+
     /// Wheelbase and skew to look with: those `believed` as the search begins, to its end. What the other side finds
     /// meanwhile is no part of this side's shifts.
     pub(super) fn count_from(&mut self, believed: [T; 2]) -> [T; 2] {
         *self.used.get_or_insert(believed)
     }
 
-    /// Takes the rear's road and, for every shift, the front's; the shift in s is given by [`shift_s`].
+    /// Takes the rear's road and, for every shift, the front's; the shift in s is given by [`Self::shift_s`].
     pub(super) fn push(
         &mut self,
         rear: T,
@@ -74,7 +88,7 @@ impl<T: Real> Acquisition<T> {
         front: impl Fn(T) -> Option<T>,
     ) -> Option<Found<T>> {
         for i in 0..SHIFTS {
-            if let Some(front) = front(shift_s(i, delay_s)) {
+            if let Some(front) = front(self.shift_s(i, delay_s)) {
                 self.cross[i] += front * rear;
                 self.front[i] += front * front;
                 self.rear[i] += rear * rear;
@@ -88,7 +102,7 @@ impl<T: Real> Acquisition<T> {
         }
         let found = self.peak();
         if found.is_some() || self.seconds > GIVE_UP_S {
-            *self = Self::new();
+            self.restart();
         }
         found
     }
@@ -106,13 +120,13 @@ impl<T: Real> Acquisition<T> {
         let bend = before - T::lit(2.0) * here + after;
         let off = if bend < T::zero() { T::lit(0.5) * (before - after) / bend } else { T::zero() };
         let delay_s = self.delay_sum_s / self.count;
-        let step_s = shift_s(1, delay_s) - shift_s(0, delay_s);
-        Some(Found { later_s: shift_s(at, delay_s) + off * step_s, delay_s, used: self.used? })
+        let step_s = self.shift_s(1, delay_s) - self.shift_s(0, delay_s);
+        Some(Found { later_s: self.shift_s(at, delay_s) + off * step_s, delay_s, used: self.used? })
     }
-}
 
-/// Seconds of the `i`-th shift.
-fn shift_s<T: Real>(i: usize, delay_s: T) -> T {
-    let reach = T::lit(SHARE) * delay_s + T::lit(SECONDS);
-    reach * (T::lit(2.0 * i as f64 / (SHIFTS - 1) as f64) - T::one())
+    /// Seconds of the `i`-th shift.
+    fn shift_s(&self, i: usize, delay_s: T) -> T {
+        let reach = T::lit(self.reach) * delay_s + T::lit(SECONDS);
+        reach * (T::lit(2.0 * i as f64 / (SHIFTS - 1) as f64) - T::one())
+    }
 }

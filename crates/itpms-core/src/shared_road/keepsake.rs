@@ -110,13 +110,7 @@ impl<T: Real> SharedRoad<T> {
         }
         let side_tells = |corner: usize| !suspected[corner] && !suspected[(corner + 2) % 4];
         let moved: [_; 4] = core::array::from_fn(|corner| kept.contradicted(&now, TIRE + corner));
-        self.modes.set(&kept.belief);
-        self.learned_s = kept.learned_s;
-        for (track, answer) in self.tracks.iter_mut().zip(&kept.answers) {
-            track.set_answer(answer);
-        }
-        let seconds = (self.believed_s - kept.time_s).clamp(0.0, LONGEST_PAUSE_S);
-        self.modes.wake(T::lit(seconds), false);
+        self.go_back();
         // Another tire that has moved may really have lost its air, with a sensor that lies or one that only seems to: it may
         // be what it was or what it is now. On a side whose sensors are all trusted the latter is likelier, and frames go on.
         for corner in (0..4).filter(|&corner| !suspected[corner]) {
@@ -128,7 +122,30 @@ impl<T: Real> SharedRoad<T> {
                 self.modes.forget_tire(corner, moved);
             }
         }
-        // From here on: nothing is gone back to twice.
+        self.keep_anew();
+    }
+
+    /// The belief to go back to.
+    pub(super) fn before(&self) -> Option<&Mode<T>> {
+        let [newest, before] = &self.kept;
+        before.as_ref().or(newest.as_ref()).map(|kept| &kept.belief)
+    }
+
+    /// Believes that, as old as it is by now.
+    pub(super) fn go_back(&mut self) {
+        let Self { kept: [newest, before], modes, tracks, .. } = self;
+        let Some(kept) = before.as_ref().or(newest.as_ref()) else { return };
+        modes.set(&kept.belief);
+        for (track, answer) in tracks.iter_mut().zip(&kept.answers) {
+            track.set_answer(answer);
+        }
+        let seconds = (self.believed_s - kept.time_s).clamp(0.0, LONGEST_PAUSE_S);
+        modes.wake(T::lit(seconds), false);
+        self.learned_s = kept.learned_s;
+    }
+
+    /// From here on: nothing is gone back to twice.
+    pub(super) fn keep_anew(&mut self) {
         self.kept = [None, None];
         self.keep();
     }

@@ -9,7 +9,7 @@
 //! |---|---|
 //! | `channel` | a corner's signals, thinned |
 //! | `memory` | the front's last second, read where the rear is now |
-//! | `acquire` | the first delay |
+//! | `acquire` | the delay, first and anew |
 //! | `track` | one side: aligned, cut into frames |
 //! | `constraint` | what the axles disagree on, and why |
 //! | `imbalance` | what wheels that turn add to the road |
@@ -23,6 +23,7 @@
 //! | `reset` | tires that somebody has just set |
 //! | `keepsake` | what was believed before a sensor lied |
 //! | `lesson` | what that taught |
+//! | `elsewhere` | a speed whose scale has changed: the axles meet elsewhere |
 
 mod acquire;
 mod alone;
@@ -30,6 +31,7 @@ mod answer;
 mod channel;
 mod coherence;
 mod constraint;
+mod elsewhere;
 mod evidence;
 mod imbalance;
 mod instrument;
@@ -52,6 +54,7 @@ pub(crate) use self::alone::Alone;
 use self::channel::{Channel, Entry, RELATIVE};
 use self::coherence::within;
 use self::constraint::{BOTH, Wheel};
+use self::elsewhere::Elsewhere;
 use self::keepsake::{Disputed, Keepsake};
 use self::lesson::Lesson;
 use self::modes::Modes;
@@ -179,6 +182,8 @@ pub(crate) struct SharedRoad<T: Real> {
     /// What was believed of late, the newest first; and what of tires whose sensors were then suspected.
     kept: [Option<Keepsake<T>>; 2],
     disputed: [Option<Disputed<T>>; 4],
+    /// Where each side last found the other axle's road, when it looked for it anew.
+    elsewhere: [Option<Elsewhere<T>>; 2],
 }
 
 impl<T: Real> SharedRoad<T> {
@@ -249,6 +254,7 @@ impl<T: Real> SharedRoad<T> {
             lesson: None,
             kept: [None, None],
             disputed: [None; 4],
+            elsewhere: [None; 2],
         })
     }
 
@@ -326,8 +332,13 @@ impl<T: Real> SharedRoad<T> {
         }
         let [left, right] = &mut self.tracks;
         let (own, other) = if side == 0 { (left, right) } else { (right, left) };
-        if let Some(taken) = own.meet(entry, beside, other, &road) {
+        let taken = own.meet(entry, beside, other, &road);
+        let found = own.search_again(entry, &road);
+        if let Some(taken) = taken {
             self.learn(side, &[front, rear], &taken);
+        }
+        if let Some(found) = found {
+            self.look_elsewhere(side, found, entry.time_s);
         }
     }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 
-use super::acquire::{Acquisition, Found};
+use super::acquire::{AT_FIRST, Acquisition, Found, LATER};
 use super::answer::Answer;
 use super::channel::{Entry, KEPT, RELATIVE};
 use super::coherence::{Coherence, MOST_LASTING, fading};
@@ -38,6 +38,8 @@ const LONGEST_WAY_M: f64 = 1.0;
 const LEAST_SEEN: f64 = 0.15;
 /// Incoherence near wheel hop from which on a side counts as not shared.
 const APART: f64 = 0.5;
+/// And from which on it is looked whether the axles meet elsewhere.
+const ELSEWHERE: f64 = 0.04;
 /// Power near wheel hop over that of the sensors' noise there at which frames begin to count; at twice this they count
 /// fully. Two axles that hear themselves alone agree on a road, too. The smoothest road there is has some hundred.
 const HEARD: f64 = 25.0;
@@ -118,7 +120,7 @@ impl<T: Real> Track<T> {
             period_s,
             noise_density,
             memory: Memory::new(period_s),
-            acquisition: Acquisition::new(),
+            acquisition: Acquisition::new(AT_FIRST),
             aligned: false,
             clock: FrameClock::new(HOP_S, period_s),
             instruments: [Instrument::new(), Instrument::new()],
@@ -149,6 +151,23 @@ impl<T: Real> Track<T> {
 
     /// Looks for the first delay with an entry of the rear corner.
     pub(super) fn search(&mut self, entry: &Entry<T>, road: &Meeting<'_, T>) -> Option<Found<T>> {
+        let found = self.look_for_delay(entry, road)?;
+        self.aligned = true;
+        self.acquisition = Acquisition::new(LATER);
+        Some(found)
+    }
+
+    /// Looks for it anew, as long as front and rear are less alike than on a road they share: in a bend, beside each other's
+    /// track, or as the speed is no longer what it was.
+    pub(super) fn search_again(&mut self, entry: &Entry<T>, road: &Meeting<'_, T>) -> Option<Found<T>> {
+        if !(self.incoherence() > T::lit(ELSEWHERE)) {
+            self.acquisition.restart();
+            return None;
+        }
+        self.look_for_delay(entry, road)
+    }
+
+    fn look_for_delay(&mut self, entry: &Entry<T>, road: &Meeting<'_, T>) -> Option<Found<T>> {
         if !(entry.speed_m_s > T::lit(SLOWEST_M_S)) || entry.after_gap || entry.spoiled || entry.unloaded {
             return None;
         }
@@ -158,12 +177,17 @@ impl<T: Real> Track<T> {
         let rear = axles[1].road_velocity(&with_other(entry.signals, None));
         let delay_s = T::lit(entry.time_s - then_s);
         let (memory, skew_s) = (&self.memory, T::lit(SKEW_UNIT_S) * skew);
-        let found = self.acquisition.push(rear, delay_s, self.period_s, |later_s| {
+        self.acquisition.push(rear, delay_s, self.period_s, |later_s| {
             let read = memory.read(then_s - (skew_s + later_s).to_f64())?;
             Some(axles[0].road_velocity(&with_other(read.signals, None)))
-        });
-        self.aligned = found.is_some();
-        found
+        })
+    }
+
+    /// The axles meet elsewhere than they were thought to: what they share is seen anew.
+    pub(super) fn begin_elsewhere(&mut self) {
+        self.used = None;
+        self.coherence.restart();
+        self.acquisition.restart();
     }
 
     /// Meets the front's road with an entry of the rear corner; gives a frame when one is complete. The other side is
