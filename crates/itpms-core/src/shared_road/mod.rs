@@ -99,6 +99,10 @@ const LONGEST_STEP_S: f64 = 1.0;
 const LONGEST_SILENCE_S: f64 = 3.0;
 const LONGEST_PAUSE_S: f64 = 600.0;
 const FILLING_S: f64 = 20.0;
+/// Sd of what a car that was parked for long has lost or won of all pressures alike, as a share of them, and the time in s in which tires
+/// become as cold as the air: 20 K are 23 kPa.
+const PARKED_SD: f64 = 0.06;
+const PARKED_S: f64 = 1800.0;
 /// Speed in m/s from which a word of the spectrum is heard.
 const SLOWEST_WORD_M_S: f64 = 4.0;
 /// Time in s over which the speed of late is averaged, and the logarithm of the speed over it at which a word counts half: a
@@ -401,6 +405,10 @@ impl<T: Real> SharedRoad<T> {
             // Nobody watched: what moved then is over, and a tire may have been filled.
             self.kept = [None, None];
             self.modes.wake(T::lit(seconds.min(LONGEST_PAUSE_S)), seconds > FILLING_S && !self.held);
+            if seconds > LONGEST_PAUSE_S && !self.held {
+                let sd = T::lit(PARKED_SD) * (T::one() - T::lit(-seconds / PARKED_S).exp());
+                self.modes.change_temperature(&core::array::from_fn(|corner| sd * self.scale.share(corner)));
+            }
             return;
         }
         let known = !self.held && self.learned_s >= ENOUGH_S;

@@ -307,6 +307,17 @@ impl<T: Real> Modes<T> {
         }
     }
 
+    /// All tires may have become warmer or colder together: their compliances have so much more sd in common.
+    pub(super) fn change_temperature(&mut self, sd: &[T; 4]) {
+        for mode in &mut self.modes {
+            for i in 0..4 {
+                for j in 0..4 {
+                    mode.covariance[(TIRE + i, TIRE + j)] += sd[i] * sd[j];
+                }
+            }
+        }
+    }
+
     /// All modes as one Gaussian, in which nothing moves.
     pub(super) fn as_one(&self) -> Mode<T> {
         let mut one = Mixture::new();

@@ -9,7 +9,8 @@
 //! | `alone` | stuck, losing samples, spiking, noisy |
 //! | `filters`, `signals`, `moments` | bands and their second moments |
 //! | `matching` | who follows whom; whether the bodies are one plane |
-//! | `together`, `word` | swapped, wrong gain |
+//! | `together`, `word` | swapped, a body's wrong gain |
+//! | `wheel_gain` | a wheel's wrong gain |
 //! | `jump` | a gain that changes at once |
 
 mod alone;
@@ -20,6 +21,7 @@ mod moments;
 mod sensor;
 mod signals;
 mod together;
+mod wheel_gain;
 mod word;
 
 use self::alone::Alone;

@@ -1,24 +1,22 @@
 //! What is wrong with the sensors, as far as it takes several of them to tell: swapped, or with a wrong gain.
 
-use nalgebra::SMatrix;
-
 use super::super::alert::{Malfunction, Place, Sensor};
 use super::super::latch::{Evidence, Patience};
 use super::super::wheels::Wheels;
 use super::Fault;
 use super::alone::evidence;
 use super::jump::{Hop, Jump, jumps};
-use super::matching::{Changed, Following, PAIRS, Plane, following, median, over_others};
+use super::matching::{Changed, Following, PAIRS, Plane, following, median};
 use super::moments::Moments;
 use super::signals::{Block, HOP_WIDTH_HZ};
+use super::wheel_gain::WheelGains;
 use super::word::{Looks, Word};
 use crate::real::Real;
 use crate::sample::Corner;
 
-/// Blocks over which hop, bounce and slow band are averaged.
+/// Blocks over which hop and bounce are averaged.
 const HOP_BLOCKS: f64 = 12.0;
 const BOUNCE_BLOCKS: f64 = 5.0;
-const SLOW_BLOCKS: f64 = 40.0;
 /// Blocks over which the ratio of a corner's wheel to its body is averaged.
 const RATIO_BLOCKS: f64 = 4.0;
 /// Share of an average that must be filled before it counts.
@@ -50,20 +48,10 @@ const SWAP: Patience = Patience { raise_s: 4.0, clear_s: 4.0 };
 /// than 0.01.
 const FLAT: f64 = 0.01;
 const BENT: f64 = 0.04;
-/// Log of a gain that is wrong, of a body and of a wheel; and that is fine again.
+/// Log of a body's gain that is wrong; and that is fine again.
 const BODY_GAIN: f64 = 0.2;
 const BODY_GAIN_FINE: f64 = 0.12;
-const WHEEL_GAIN: f64 = 0.2;
-const WHEEL_GAIN_FINE: f64 = 0.15;
-/// Share of the most that a wheel's gain was off, below which it is fine again; and the most from which on that is enough,
-/// whatever its hop does: averages of so much take long to be forgotten.
-const LESS: f64 = 0.4;
-const LARGE: f64 = 0.5;
 const GAIN: Patience = Patience { raise_s: 5.0, clear_s: 5.0 };
-
-/// Mean log of hop power over that of the other wheels that a wrong gain must have, in the direction of the gain. It alone is
-/// no sign of one: a tire with little air hops less, too. Both together have not been more than 0.18 in ten everyday hours.
-const HOP_AGREES: f64 = 0.15;
 
 /// The car's sensors against each other.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,7 +68,6 @@ pub(super) struct Together<T: Real> {
     noise_density: [T; 4],
     hop: Moments<T, 8>,
     bounce: Moments<T, 4>,
-    slow: Moments<T, 8>,
     /// Logs of hop power, wheel over body, averaged; NaN: unknown.
     ratio: [T; 4],
     /// The same in the last block alone.
@@ -92,13 +79,10 @@ pub(super) struct Together<T: Real> {
     pairs: [Word<T>; 6],
     /// Both sensors of corners are swapped, left with right or front with rear.
     corners: [Word<T>; 2],
-    gains: [Word<T>; 8],
-    /// The most that a wheel's gain has been off, as a log, since it is said.
-    most_off: [T; 4],
+    body_gains: [Word<T>; 4],
+    wheel_gains: WheelGains<T>,
     /// A wheel sensor is upside down.
     reversed: [Word<T>; 4],
-    /// Logs of the wheels' hop power over that of the others, averaged over the slow band's time.
-    hop_level: [T; 4],
     /// Whether what a wheel's hop does to its body has changed at once.
     jumps: [Jump<T>; 4],
 }
@@ -109,17 +93,15 @@ impl<T: Real> Together<T> {
             noise_density: noise_power.map(|power| power * T::lit(2.0 / rate_hz)),
             hop: Moments::new(),
             bounce: Moments::new(),
-            slow: Moments::new(),
             ratio: [T::lit(f64::NAN); 4],
             newest_ratio: [T::lit(f64::NAN); 4],
             looks: [Looks::Right; 4],
             odd: [Word::new(); 4],
             pairs: [Word::new(); 6],
             corners: [Word::new(); 2],
-            gains: [Word::new(); 8],
-            most_off: [T::zero(); 4],
+            body_gains: [Word::new(); 4],
+            wheel_gains: WheelGains::new(),
             reversed: [Word::new(); 4],
-            hop_level: [T::zero(); 4],
             jumps: [Jump::new(); 4],
         }
     }
@@ -145,7 +127,7 @@ impl<T: Real> Together<T> {
         self.judge_corners(at, following.as_ref(), plane.as_ref());
         self.judge_direction(at, following.as_ref(), plane.as_ref());
         self.judge_body_gains(at, plane.as_ref());
-        self.judge_wheel_gains(at, plane.as_ref());
+        self.wheel_gains.judge(at, plane.is_some_and(|plane| plane.warp < T::lit(FLAT)));
     }
 
     fn noise(&self, i: usize, width_hz: f64) -> T {
@@ -164,19 +146,8 @@ impl<T: Real> Together<T> {
         if four.iter().any(|&i| block.bounce[(i, i)] > bounce[i]) {
             self.bounce.take(&block.bounce, block.bounce.trace(), BOUNCE_BLOCKS);
         }
-        let share = T::lit(1.0 / SLOW_BLOCKS);
-        for i in 0..4 {
-            let level = T::lit(0.5) * over_others(&block.wheel_hop, i).ln();
-            if level.is_finite() {
-                let level = level.clamp(-T::one(), T::one());
-                self.hop_level[i] += share * (level - self.hop_level[i]);
-            }
-        }
         let slow = block.slow.iter().fold(T::zero(), |sum, power| sum + *power);
-        if slow > T::lit(8.0) * self.noise(0, SLOW_WIDTH_HZ) {
-            let diagonal = SMatrix::<T, 8, 8>::from_fn(|i, j| if i == j { block.slow[i] } else { T::zero() });
-            self.slow.take(&diagonal, slow, SLOW_BLOCKS);
-        }
+        self.wheel_gains.average(block, slow > T::lit(8.0) * self.noise(0, SLOW_WIDTH_HZ));
     }
 
     fn plane(&self) -> Option<Plane<T>> {
@@ -243,7 +214,7 @@ impl<T: Real> Together<T> {
             loud && self.newest_ratio[i].is_finite() && block.hop[(4 + i, 4 + i)] > T::zero()
         };
         let words = self.odd.iter().chain(&self.pairs).chain(&self.reversed).chain(&self.corners);
-        let said = words.chain(&self.gains).filter_map(Word::fault);
+        let said = words.chain(&self.body_gains).filter_map(Word::fault).chain(self.wheel_gains.faults());
         let said = said.fold(Wheels::NONE, |all, fault| all | fault.malfunction.wheels());
         let explained = Corner::ALL.map(|corner| said.contains(corner));
         if [0, 1, 2, 3].into_iter().all(heard) {
@@ -310,37 +281,7 @@ impl<T: Real> Together<T> {
                 )
             });
             let sensor = Sensor { corner: Corner::ALL[i], place: Place::Body };
-            self.gains[i].update(at, evidence, GAIN, || Malfunction::Gain { sensor, gain });
-        }
-    }
-
-    /// In the slow band wheel over body is the same for all corners, and more so for both of an axle, which stand at the same distance from
-    /// where the body pitches about.
-    fn judge_wheel_gains(&mut self, at: [f64; 2], plane: Option<&Plane<T>>) {
-        let flat = plane.is_some_and(|plane| plane.warp < T::lit(FLAT));
-        let slow = self.slow.mean(FILLED).filter(|_| flat);
-        let logs =
-            slow.map(|slow| [0, 1, 2, 3].map(|i| T::lit(0.5) * (slow[(4 + i, 4 + i)] / slow[(i, i)]).ln()));
-        let usual = logs.map(|mut logs| median(&mut logs));
-        for i in 0..4 {
-            // The other corner of the axle is next to it.
-            let off = logs.zip(usual).map(|(logs, usual)| lesser(logs[i] - usual, logs[i] - logs[i ^ 1]));
-            let agrees = off.is_some_and(|off| off.signum() * self.hop_level[i] > T::lit(HOP_AGREES));
-            let most = &mut self.most_off[i];
-            *most = if self.gains[4 + i].latch.is_said() {
-                off.map_or(*most, |off| most.max(off.abs()))
-            } else {
-                T::zero()
-            };
-            let fine = T::lit(WHEEL_GAIN_FINE).max(T::lit(LESS) * *most);
-            let past = !agrees || *most > T::lit(LARGE);
-            let wrong = T::lit(WHEEL_GAIN).max(fine);
-            let evidence = off.map_or(Evidence::Nothing, |off| {
-                evidence(agrees && off.abs() > wrong, past && off.abs() < fine)
-            });
-            let sensor = Sensor { corner: Corner::ALL[i], place: Place::Wheel };
-            let gain = off.map_or(T::one(), |off| off.exp());
-            self.gains[4 + i].update(at, evidence, GAIN, || Malfunction::Gain { sensor, gain });
+            self.body_gains[i].update(at, evidence, GAIN, || Malfunction::Gain { sensor, gain });
         }
     }
 
@@ -350,8 +291,9 @@ impl<T: Real> Together<T> {
         let crossed = self.crossed();
         let odd = if crossed.is_some() { &self.odd[..0] } else { &self.odd[..] };
         let words = odd.iter().chain(&self.pairs).chain(&self.reversed);
-        let words = words.chain(&self.corners).chain(&self.gains);
-        for fault in crossed.into_iter().chain(words.filter_map(Word::fault)) {
+        let words = words.chain(&self.corners).chain(&self.body_gains);
+        let all = crossed.into_iter().chain(words.filter_map(Word::fault)).chain(self.wheel_gains.faults());
+        for fault in all {
             if let Some(corner) = fault.malfunction.wheels().iter().next() {
                 faults[corner.index()].get_or_insert(fault);
             }
@@ -388,15 +330,6 @@ impl<T: Real> Together<T> {
         suspected
             .filter_map(|word| word.malfunction.as_ref())
             .fold(jumped, |all: Wheels, malfunction| all | malfunction.wheels())
-    }
-}
-
-/// The one nearer to zero of two that agree in their sign, else nothing.
-fn lesser<T: Real>(a: T, b: T) -> T {
-    match (a > T::zero(), b > T::zero()) {
-        (true, true) => a.min(b),
-        (false, false) => a.max(b),
-        _ => T::zero(),
     }
 }
 
