@@ -38,17 +38,20 @@ pub(super) struct Acquisition<T: Real> {
     rear: SVector<T, SHIFTS>,
     seconds: f64,
     delay_sum_s: T,
+    stretch_sum: T,
     count: T,
     /// Wheelbase and skew that were believed when the search began, which its shifts are counted from.
     used: Option<[T; 2]>,
 }
 
-/// A delay that was found: seconds more than expected with this wheelbase and skew, at a mean expected delay.
+/// A delay that was found: seconds more than expected with this wheelbase and skew, at a mean expected delay and a mean logarithm of
+/// the rear's speed over the front's.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Found<T> {
     pub(super) later_s: T,
     pub(super) delay_s: T,
+    pub(super) stretch: T,
     pub(super) used: [T; 2],
 }
 
@@ -61,6 +64,7 @@ impl<T: Real> Acquisition<T> {
             rear: SVector::zeros(),
             seconds: 0.0,
             delay_sum_s: T::zero(),
+            stretch_sum: T::zero(),
             count: T::zero(),
             used: None,
         }
@@ -79,11 +83,11 @@ impl<T: Real> Acquisition<T> {
         *self.used.get_or_insert(believed)
     }
 
-    /// Takes the rear's road and, for every shift, the front's; the shift in s is given by [`Self::shift_s`].
+    /// Takes the rear's road, the delay and stretch expected of it, and for every shift the front's road; the shift in s is given by [`Self::shift_s`].
     pub(super) fn push(
         &mut self,
         rear: T,
-        delay_s: T,
+        [delay_s, stretch]: [T; 2],
         period_s: f64,
         front: impl Fn(T) -> Option<T>,
     ) -> Option<Found<T>> {
@@ -96,6 +100,7 @@ impl<T: Real> Acquisition<T> {
         }
         self.seconds += period_s;
         self.delay_sum_s += delay_s;
+        self.stretch_sum += stretch;
         self.count += T::one();
         if self.seconds < LOOK_S {
             return None;
@@ -121,7 +126,8 @@ impl<T: Real> Acquisition<T> {
         let off = if bend < T::zero() { T::lit(0.5) * (before - after) / bend } else { T::zero() };
         let delay_s = self.delay_sum_s / self.count;
         let step_s = self.shift_s(1, delay_s) - self.shift_s(0, delay_s);
-        Some(Found { later_s: self.shift_s(at, delay_s) + off * step_s, delay_s, used: self.used? })
+        let stretch = self.stretch_sum / self.count;
+        Some(Found { later_s: self.shift_s(at, delay_s) + off * step_s, delay_s, stretch, used: self.used? })
     }
 
     /// Seconds of the `i`-th shift.

@@ -1,11 +1,12 @@
 //! A speed signal whose scale changes on the way, as when a bus changes from one source to another: the rear axle meets the
 //! front's road elsewhere than it was believed to, farther off than the constraint is linear, and no frame would find it back for a
 //! minute. Both sides then look for it, and if they find it at the same place, what was believed before is believed again, with the new
-//! scale (docs/math/shared-road.md, section 4).
+//! scale; and if it is elsewhere by more the faster the speed grows, it is the speed that is late (docs/math/shared-road.md, section 2).
 
 use super::acquire::Found;
 use super::mode::Mode;
-use super::parameters::{SKEW, SKEW_UNIT_S, WHEELBASE};
+use super::parameters::{SKEW, SKEW_UNIT_S, TIRE, WHEELBASE};
+use super::speed_lag::{Find, Lag, SpeedLag};
 use super::track::Track;
 use super::{FOUND_SD_S, SharedRoad};
 use crate::car::Learned;
@@ -15,8 +16,11 @@ use crate::real::Real;
 /// shorter and that of the outer one is longer.
 const FAR: f64 = 0.015;
 const ALIKE: f64 = 0.01;
-/// Seconds between what both sides find.
+/// Seconds between what both sides find; and within which they found it at the same acceleration.
 const FRESH_S: f64 = 7.0;
+const TOGETHER_S: f64 = 1.0;
+/// Sd by which a tire's compliance may be wrong where the speed was late.
+const DOUBTED_SD: f64 = 0.05;
 
 /// Where a side found the other axle's road, and when.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,11 +31,11 @@ pub(super) struct Elsewhere<T> {
 }
 
 impl<T: Real> Elsewhere<T> {
-    /// By how much wheelbase over speed is more than it was `before`, if the side's skew is what it was then.
-    fn change(&self, side: usize, before: &Mode<T>) -> T {
-        let Found { later_s, delay_s, used: [wheelbase, skew] } = self.found;
-        let later_s = later_s - T::lit(SKEW_UNIT_S) * (before.mean[SKEW + side] - skew);
-        wheelbase + later_s / delay_s - before.mean[WHEELBASE]
+    /// Wheelbase over speed that goes with it, if the side's skew is what it was `before`.
+    fn rho(&self, side: usize, before: &Mode<T>) -> T {
+        let [wheelbase, skew] = self.found.used;
+        let later_s = self.found.later_s - T::lit(SKEW_UNIT_S) * (before.mean[SKEW + side] - skew);
+        wheelbase + later_s / self.found.delay_s
     }
 }
 
@@ -39,24 +43,72 @@ impl<T: Real> SharedRoad<T> {
     /// Takes note of where a side has found the other axle's road.
     pub(super) fn look_elsewhere(&mut self, side: usize, found: Found<T>, time_s: f64) {
         self.elsewhere[side] = Some(Elsewhere { time_s, found });
-        let ([Some(left), Some(right)], Some(before)) = (&self.elsewhere, self.before()) else { return };
-        let changes = [left.change(0, before), right.change(1, before)];
-        let Some(change) = agreed(changes, (left.time_s - right.time_s).abs()) else { return };
-        let value = before.mean[WHEELBASE] + change;
+        let ([Some(left), Some(right)], Some(before)) = (self.elsewhere, self.before()) else { return };
+        let [by_left, by_right] = [left.rho(0, before), right.rho(1, before)];
+        let apart_s = (left.time_s - right.time_s).abs();
+        let Some(rho) = agreed([by_left, by_right], apart_s) else { return };
+        let changed = (rho - before.mean[WHEELBASE]).abs() > T::lit(FAR);
         let sd = T::lit(FOUND_SD_S) / left.found.delay_s.min(right.found.delay_s);
-        self.go_back();
-        self.modes.begin_with(WHEELBASE, &Learned { value, sd }, T::zero(), T::one());
-        self.keep_anew();
-        self.elsewhere = [None; 2];
-        self.tracks.iter_mut().for_each(Track::begin_elsewhere);
+        // Of the same moment, so at one acceleration.
+        if apart_s < TOGETHER_S {
+            self.elsewhere = [None; 2];
+            if let Some(lag) = self.speed_lag.take(&both(&left.found, &right.found)) {
+                self.correct(&lag);
+                return;
+            }
+        }
+        if changed {
+            self.go_back();
+            self.modes.begin_with(WHEELBASE, &Learned { value: rho, sd }, T::zero(), T::one());
+            self.keep_anew();
+            self.elsewhere = [None; 2];
+            self.tracks.iter_mut().for_each(Track::begin_elsewhere);
+        }
+    }
+
+    /// The speed comes late, and did so all the time: what was learned of the car meanwhile is worth little, and of the tires less than it
+    /// seemed.
+    fn correct(&mut self, lag: &Lag<T>) {
+        self.late_s -= lag.seconds.to_f64();
+        self.speed_lag = SpeedLag::new();
+        let tires = self.before().map(|before| {
+            let variance =
+                |i: usize| before.covariance[(TIRE + i, TIRE + i)] + T::lit(DOUBTED_SD * DOUBTED_SD);
+            core::array::from_fn::<_, 4, _>(|i| Learned {
+                value: before.mean[TIRE + i],
+                sd: variance(i).sqrt(),
+            })
+        });
+        self.begin_again();
+        // During a reset they are what they were set to.
+        for (i, tire) in tires.iter().flatten().enumerate().filter(|_| !self.held) {
+            self.modes.begin_with(TIRE + i, tire, T::zero(), T::one());
+        }
+        let learned = |[value, sd]: [T; 2]| Learned { value, sd };
+        self.modes.begin_with(WHEELBASE, &learned(lag.rho), T::zero(), T::one());
+        for side in 0..2 {
+            self.modes.begin_with(SKEW + side, &learned(lag.skew_s), T::zero(), T::lit(SKEW_UNIT_S));
+        }
+        self.tracks.iter_mut().for_each(Track::forget_ways);
     }
 }
 
-/// The change that both sides agree on, if it is one; they found it so many seconds apart.
+/// What both sides found at the same moment.
+fn both<T: Real>(left: &Found<T>, right: &Found<T>) -> Find<T> {
+    let mean = |of: &dyn Fn(&Found<T>) -> T| T::lit(0.5) * (of(left) + of(right));
+    Find {
+        later: mean(&|found| {
+            found.used[0] + (found.later_s + T::lit(SKEW_UNIT_S) * found.used[1]) / found.delay_s
+        }),
+        delay_s: mean(&|found| found.delay_s),
+        growth_per_s: mean(&|found| found.stretch / found.delay_s),
+    }
+}
+
+/// What both sides agree on, who found it so many seconds apart.
 fn agreed<T: Real>([left, right]: [T; 2], apart_s: f64) -> Option<T> {
-    let change = T::lit(0.5) * (left + right);
     let agree = apart_s < FRESH_S && (left - right).abs() < T::lit(ALIKE);
-    (agree && change.abs() > T::lit(FAR)).then_some(change)
+    agree.then(|| T::lit(0.5) * (left + right))
 }
 
 #[cfg(test)]
@@ -65,16 +117,15 @@ mod tests {
 
     #[test]
     fn sides_agree_on_a_scale_and_not_on_a_bend() {
-        assert_eq!(agreed([0.052, 0.048], 3.0), Some(0.05));
+        assert_eq!(agreed([0.0625, 0.0605], 3.0), Some(0.0615));
         assert_eq!(agreed([-0.04, -0.04], 0.0), Some(-0.04));
         // A radius of 20 m: one side's way is 4 % shorter and the other's 4 % longer.
         assert_eq!(agreed([-0.04, 0.04], 0.0), None);
-        // One side alone beside the track, what frames find by themselves, long ago, and nothing at all.
+        // One side alone beside the track, long ago, and nothing at all.
         assert_eq!(agreed([0.05, 0.0], 0.0), None);
-        assert_eq!(agreed([0.01, 0.011], 0.0), None);
         assert_eq!(agreed([0.05, 0.05], 20.0), None);
-        for changes in [[f64::NAN, 0.05], [0.05, f64::NAN], [f64::INFINITY; 2]] {
-            assert_eq!(agreed(changes, 0.0), None);
+        for [left, right] in [[f64::NAN, 0.05], [0.05, f64::NAN], [f64::INFINITY; 2]] {
+            assert_eq!(agreed([left, right], 0.0), None);
         }
         assert_eq!(agreed([0.05, 0.05], f64::NAN), None);
     }

@@ -23,7 +23,7 @@
 //! | `reset` | tires that somebody has just set |
 //! | `keepsake` | what was believed before a sensor lied |
 //! | `lesson` | what that taught |
-//! | `elsewhere` | a speed whose scale has changed: the axles meet elsewhere |
+//! | `elsewhere`, `speed_lag` | a speed whose scale has changed, or that comes late: the axles meet elsewhere |
 
 mod acquire;
 mod alone;
@@ -44,6 +44,7 @@ mod modes;
 mod parameters;
 mod reset;
 mod scale;
+mod speed_lag;
 #[cfg(test)]
 mod tests;
 mod track;
@@ -61,6 +62,7 @@ use self::modes::Modes;
 pub(crate) use self::parameters::ROAD_BIAS_SD;
 use self::parameters::{COMMON_BIAS, DAMPING, OWN_BIAS, SKEW, SKEW_UNIT_S, State, TIRE, WHEELBASE};
 use self::scale::{LEAST_COMPLIANCE, Scale};
+use self::speed_lag::SpeedLag;
 use self::track::{Beside, Meeting, Track};
 use crate::car::{CarConfig, LearnedReference};
 use crate::estimate::CornerConfig;
@@ -161,7 +163,7 @@ pub(crate) struct SharedRoad<T: Real> {
     recalled: Option<LearnedReference<T>>,
     /// Seconds from front to rear wheel, left and right.
     delay_s: [T; 2],
-    /// Seconds by which filters make the signals late.
+    /// Seconds by which filters make the signals late, less those by which the speed is.
     late_s: f64,
     /// Time to which the belief was moved on.
     believed_s: f64,
@@ -188,6 +190,7 @@ pub(crate) struct SharedRoad<T: Real> {
     disputed: [Option<Disputed<T>>; 4],
     /// Where each side last found the other axle's road, when it looked for it anew.
     elsewhere: [Option<Elsewhere<T>>; 2],
+    speed_lag: SpeedLag<T>,
 }
 
 impl<T: Real> SharedRoad<T> {
@@ -259,6 +262,7 @@ impl<T: Real> SharedRoad<T> {
             kept: [None, None],
             disputed: [None; 4],
             elsewhere: [None; 2],
+            speed_lag: SpeedLag::new(),
         })
     }
 
@@ -378,7 +382,7 @@ impl<T: Real> SharedRoad<T> {
         }
     }
 
-    /// The belief has become impossible: begins again with what resets taught.
+    /// The belief has become impossible, or rests on something that was wrong: begins again with what resets taught.
     fn begin_again(&mut self) {
         self.modes.begin_again(&self.start);
         self.learned_s = 0.0;

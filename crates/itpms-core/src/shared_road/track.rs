@@ -177,10 +177,17 @@ impl<T: Real> Track<T> {
         let rear = axles[1].road_velocity(&with_other(entry.signals, None));
         let delay_s = T::lit(entry.time_s - then_s);
         let (memory, skew_s) = (&self.memory, T::lit(SKEW_UNIT_S) * skew);
-        self.acquisition.push(rear, delay_s, self.period_s, |later_s| {
+        let stretch = memory.read(then_s).map_or(T::zero(), |read| (entry.speed_m_s / read.speed_m_s).ln());
+        self.acquisition.push(rear, [delay_s, stretch], self.period_s, |later_s| {
             let read = memory.read(then_s - (skew_s + later_s).to_f64())?;
             Some(axles[0].road_velocity(&with_other(read.signals, None)))
         })
+    }
+
+    /// Ways are counted otherwise from here on: those of before do not go with them.
+    pub(super) fn forget_ways(&mut self) {
+        self.memory.clear();
+        self.begin_elsewhere();
     }
 
     /// The axles meet elsewhere than they were thought to: what they share is seen anew.
