@@ -403,7 +403,9 @@ fn a_speed_that_is_late_is_found_out() {
     };
     let mut rows = ride.rows();
     rows.iter_mut().for_each(|row| row.speed_m_s = (ride.speed_m_s)(row.time_s - 0.2));
-    let estimates = drive(&mut car(&config::<f64>()), &rows);
+    let mut car = car(&config::<f64>());
+    let estimates = drive(&mut car, &rows);
+    assert!((car.speed_late_s() - 0.2).abs() < 0.05, "{}", car.speed_late_s());
     for estimate in estimates.iter().filter(|estimate| estimate.time_s > 50.0) {
         let worst = estimate.tracks.iter().map(|track| track.incoherence).fold(0.0, f64::max);
         assert!(worst < 0.05, "{worst} at {} s", estimate.time_s);

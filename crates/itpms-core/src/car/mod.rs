@@ -177,6 +177,12 @@ impl<T: Real> CarEstimator<T> {
         Ok(())
     }
 
+    /// Seconds by which the speed was found to come late against the accelerations, and which are allowed for since; below zero where it
+    /// comes early, zero as long as nothing was found.
+    pub fn speed_late_s(&self) -> f64 {
+        self.shared_road.as_ref().map_or(0.0, SharedRoad::speed_late_s)
+    }
+
     /// What the last reset taught; `None` before it is over, or when it saw too little shared road.
     pub fn learned(&self) -> Option<LearnedReference<T>> {
         let shared = self.shared_road.as_ref().filter(|_| self.reset_s.is_none())?;

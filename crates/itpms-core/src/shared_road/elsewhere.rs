@@ -40,6 +40,11 @@ impl<T: Real> Elsewhere<T> {
 }
 
 impl<T: Real> SharedRoad<T> {
+    /// Seconds by which the speed was found to come late.
+    pub(crate) fn speed_late_s(&self) -> f64 {
+        self.speed_late_s
+    }
+
     /// Takes note of where a side has found the other axle's road.
     pub(super) fn look_elsewhere(&mut self, side: usize, found: Found<T>, time_s: f64) {
         self.elsewhere[side] = Some(Elsewhere { time_s, found });
@@ -69,7 +74,7 @@ impl<T: Real> SharedRoad<T> {
     /// The speed comes late, and did so all the time: what was learned of the car meanwhile is worth little, and of the tires less than it
     /// seemed.
     fn correct(&mut self, lag: &Lag<T>) {
-        self.late_s -= lag.seconds.to_f64();
+        self.speed_late_s += lag.seconds.to_f64();
         self.speed_lag = SpeedLag::new();
         let tires = self.before().map(|before| {
             let variance =

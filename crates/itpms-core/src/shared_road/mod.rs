@@ -163,8 +163,9 @@ pub(crate) struct SharedRoad<T: Real> {
     recalled: Option<LearnedReference<T>>,
     /// Seconds from front to rear wheel, left and right.
     delay_s: [T; 2],
-    /// Seconds by which filters make the signals late, less those by which the speed is.
+    /// Seconds by which filters make the signals late, and by which the speed was found to be.
     late_s: f64,
+    speed_late_s: f64,
     /// Time to which the belief was moved on.
     believed_s: f64,
     newest_s: f64,
@@ -246,6 +247,7 @@ impl<T: Real> SharedRoad<T> {
             delay_s: [T::zero(); 2],
             late_s: channels[0].late_s() + SENSOR_LATE_PERIODS / sample_rate_hz,
             channels,
+            speed_late_s: 0.0,
             believed_s: f64::NAN,
             newest_s: f64::NAN,
             way_m: 0.0,
@@ -294,7 +296,8 @@ impl<T: Real> SharedRoad<T> {
     pub(crate) fn push(&mut self, corner: usize, sample: &GridSample<T>) {
         let way_m = if self.speed_m_s.is_finite() {
             // The road that the signals tell lies as far back as filters delay them: at another speed, another way.
-            self.way_m - self.speed_m_s.to_f64() * (self.newest_s - sample.time_s + self.late_s)
+            let late_s = self.late_s - self.speed_late_s;
+            self.way_m - self.speed_m_s.to_f64() * (self.newest_s - sample.time_s + late_s)
         } else {
             f64::NAN
         };

@@ -115,6 +115,11 @@ impl Drive {
         Some(self.denied_s).filter(|seconds| *seconds > 0.0)
     }
 
+    /// Seconds by which the speed was found to come late, if it was.
+    pub(super) fn speed_late_s(&self) -> Option<f64> {
+        Some(self.car.estimator().speed_late_s()).filter(|seconds| *seconds != 0.0)
+    }
+
     /// Takes a row; a speed that its wheels deny is taken out of it.
     pub(super) fn update(&mut self, row: &mut LogRow) -> CarEstimate<f64> {
         if row.speed_m_s.is_finite() && !is_a_cars(row.speed_m_s) {

@@ -165,6 +165,13 @@ fn concerns(args: &EstimateArgs, log: &LogReader, vehicle: &Vehicle, drive: &Dri
             "a reset of {seconds} s teaches little of the car, expected {SHORTEST_RESET_S} s or more of driving"
         ));
     }
+    if let Some(seconds) = drive.speed_late_s() {
+        let way = if seconds > 0.0 { "late" } else { "early" };
+        concerns.push(format!(
+            "speed_m_s comes {:.2} s {way}: while the car brakes or speeds up front and rear meet the same road elsewhere than it says; allowed for since that was found",
+            seconds.abs()
+        ));
+    }
     if let Some((rows, first)) = drive.absurd_speeds() {
         concerns.push(format!(
             "{rows} rows have a speed_m_s that no car has, the first {first:e}; they count as rows without one"
