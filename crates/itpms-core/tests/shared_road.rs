@@ -391,31 +391,6 @@ fn a_stop_is_sat_out() {
     assert!(sd(14.9) > 0.9 * sd(12.5) && sd(14.9) < 2.0 * sd(12.5), "{} {}", sd(12.5), sd(14.9));
 }
 
-/// The speed comes 0.2 s late, as through a filter and a gateway: while the car brakes or speeds up at 2 m/s² the rear meets the front's road
-/// 3 % of the delay from where it is expected.
-#[test]
-fn a_speed_that_is_late_is_found_out() {
-    let ride = CarRide {
-        seconds: 75.0,
-        speed_m_s: |t| 14.0 + 4.0 * (t / 2.0).sin(),
-        pressure_kpa: |_| [PLACARD_KPA; 4],
-        ..CarRide::new(11)
-    };
-    let mut rows = ride.rows();
-    rows.iter_mut().for_each(|row| row.speed_m_s = (ride.speed_m_s)(row.time_s - 0.2));
-    let mut car = car(&config::<f64>());
-    let estimates = drive(&mut car, &rows);
-    assert!((car.speed_late_s() - 0.2).abs() < 0.05, "{}", car.speed_late_s());
-    for estimate in estimates.iter().filter(|estimate| estimate.time_s > 50.0) {
-        let worst = estimate.tracks.iter().map(|track| track.incoherence).fold(0.0, f64::max);
-        assert!(worst < 0.05, "{worst} at {} s", estimate.time_s);
-        for corner in estimate.corners.map(|corner| corner.unwrap()) {
-            let (off, sd) = (corner.pressure_kpa - PLACARD_KPA, corner.pressure_sd_kpa);
-            assert!(off.abs() < 3.0 * sd && off.abs() < 15.0, "{off} at {} s: {corner:?}", estimate.time_s);
-        }
-    }
-}
-
 /// Over a night all four tires have become colder, and lost 30 kPa: nobody could watch, so that is no surprise.
 #[test]
 fn what_a_night_takes_from_all_tires_is_read_within_seconds() {
@@ -434,31 +409,6 @@ fn what_a_night_takes_from_all_tires_is_read_within_seconds() {
             let off = corner.pressure_kpa - (PLACARD_KPA - 30.0);
             let sd = corner.pressure_sd_kpa;
             assert!(off.abs() < 3.0 * sd && off.abs() < 12.0 && sd < 12.0, "{off}: {corner:?}");
-        }
-    }
-}
-
-/// The speed reads 6 % more from one moment on, as from another source: the rear axle meets the front's road 9 ms earlier than believed.
-/// That is found within two seconds, and pressures are known as well as before. (By frames alone they were 38 kPa off after nine.)
-#[test]
-fn a_speed_whose_scale_changes_on_the_way_is_found_out() {
-    for scale in [0.94, 1.06] {
-        let ride = CarRide { seconds: 38.0, ..CarRide::new(8) };
-        let mut rows = ride.rows();
-        let changes = |row: &&mut CarSample<f64>| row.time_s > 25.0;
-        rows.iter_mut().filter(changes).for_each(|row| row.speed_m_s *= scale);
-        let estimates = drive(&mut car(&config::<f64>()).with_reset_drive(10.0).unwrap(), &rows);
-        // A reset takes what there is for the placard's pressure.
-        within_four_sd(&estimates, |_| [PLACARD_KPA; 4]);
-        for estimate in estimates.iter().filter(|estimate| estimate.time_s > 27.5) {
-            for corner in estimate.corners.map(|corner| corner.unwrap()) {
-                let off = (corner.pressure_kpa - PLACARD_KPA).abs();
-                assert!(
-                    off < 10.0 && corner.pressure_sd_kpa < 6.0,
-                    "{scale} at {} s: {corner:?}",
-                    estimate.time_s
-                );
-            }
         }
     }
 }

@@ -72,7 +72,7 @@ impl<T: Real> Acquisition<T> {
 
     /// Begins to look from here on.
     pub(super) fn restart(&mut self) {
-        if self.count > T::zero() || self.used.is_some() {
+        if self.used.is_some() {
             *self = Self::new(self.reach);
         }
     }

@@ -53,20 +53,19 @@ impl<T: Real> SharedRoad<T> {
         let apart_s = (left.time_s - right.time_s).abs();
         let Some(rho) = agreed([by_left, by_right], apart_s) else { return };
         let changed = (rho - before.mean[WHEELBASE]).abs() > T::lit(FAR);
-        let sd = T::lit(FOUND_SD_S) / left.found.delay_s.min(right.found.delay_s);
-        // Of the same moment, so at one acceleration.
-        if apart_s < TOGETHER_S {
+        let together = apart_s < TOGETHER_S;
+        if changed || together {
             self.elsewhere = [None; 2];
-            if let Some(lag) = self.speed_lag.take(&both(&left.found, &right.found)) {
-                self.correct(&lag);
-                return;
-            }
         }
-        if changed {
+        // Of the same moment, so at one acceleration.
+        let lag = if together { self.speed_lag.take(&both(&left.found, &right.found)) } else { None };
+        if let Some(lag) = lag {
+            self.correct(&lag);
+        } else if changed {
+            let sd = T::lit(FOUND_SD_S) / left.found.delay_s.min(right.found.delay_s);
             self.go_back();
             self.modes.begin_with(WHEELBASE, &Learned { value: rho, sd }, T::zero(), T::one());
             self.keep_anew();
-            self.elsewhere = [None; 2];
             self.tracks.iter_mut().for_each(Track::begin_elsewhere);
         }
     }

@@ -91,8 +91,7 @@ impl<T: Real> SharedRoad<T> {
     /// For some seconds a sensor of a `suspected` corner may have told wrong: believes what it did before, if what it does
     /// now contradicts that.
     pub(crate) fn unlearn(&mut self, suspected: [bool; 4]) {
-        let [newest, before] = &self.kept;
-        let Some(kept) = before.as_ref().or(newest.as_ref()) else { return };
+        let Some(kept) = older(&self.kept) else { return };
         let now = self.modes.as_one();
         if !kept.is_contradicted_by(&now, suspected) {
             // A suspected corner's own tire may be what it was or what it seems to be now: if it turns out that its sensors
@@ -127,20 +126,18 @@ impl<T: Real> SharedRoad<T> {
 
     /// The belief to go back to.
     pub(super) fn before(&self) -> Option<&Mode<T>> {
-        let [newest, before] = &self.kept;
-        before.as_ref().or(newest.as_ref()).map(|kept| &kept.belief)
+        older(&self.kept).map(|kept| &kept.belief)
     }
 
     /// Believes that, as old as it is by now.
     pub(super) fn go_back(&mut self) {
-        let Self { kept: [newest, before], modes, tracks, .. } = self;
-        let Some(kept) = before.as_ref().or(newest.as_ref()) else { return };
-        modes.set(&kept.belief);
-        for (track, answer) in tracks.iter_mut().zip(&kept.answers) {
+        let Some(kept) = older(&self.kept) else { return };
+        self.modes.set(&kept.belief);
+        for (track, answer) in self.tracks.iter_mut().zip(&kept.answers) {
             track.set_answer(answer);
         }
         let seconds = (self.believed_s - kept.time_s).clamp(0.0, LONGEST_PAUSE_S);
-        modes.wake(T::lit(seconds), false);
+        self.modes.wake(T::lit(seconds), false);
         self.learned_s = kept.learned_s;
     }
 
@@ -149,4 +146,9 @@ impl<T: Real> SharedRoad<T> {
         self.kept = [None, None];
         self.keep();
     }
+}
+
+/// The one to go back to, of the newest and the one before it.
+fn older<T: Real>([newest, before]: &[Option<Keepsake<T>>; 2]) -> Option<&Keepsake<T>> {
+    before.as_ref().or(newest.as_ref())
 }
