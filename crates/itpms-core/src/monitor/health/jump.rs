@@ -30,7 +30,7 @@ const SLOWER: f64 = 0.2;
 const LARGEST: f64 = 1.0;
 /// Seconds of driving after which a jump that nothing else explains is taken for another car: a load that was moved, a
 /// damper that broke.
-const LONGEST_S: f64 = 120.0;
+pub(super) const LONGEST_S: f64 = 120.0;
 
 /// How a corner's hop looks in a block, as logs of powers.
 #[derive(Debug, Clone, Copy, PartialEq)]

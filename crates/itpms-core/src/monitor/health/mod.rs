@@ -12,6 +12,7 @@
 //! | `together`, `word` | swapped, a body's wrong gain |
 //! | `wheel_gain` | a wheel's wrong gain |
 //! | `jump` | a gain that changes at once |
+//! | `shift` | one that changes by less |
 
 mod alone;
 mod filters;
@@ -19,6 +20,7 @@ mod jump;
 mod matching;
 mod moments;
 mod sensor;
+mod shift;
 mod signals;
 mod together;
 mod wheel_gain;

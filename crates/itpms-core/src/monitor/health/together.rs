@@ -8,6 +8,7 @@ use super::alone::evidence;
 use super::jump::{Hop, Jump, jumps};
 use super::matching::{Changed, Following, PAIRS, Plane, following, median};
 use super::moments::Moments;
+use super::shift::Shifts;
 use super::signals::{Block, HOP_WIDTH_HZ};
 use super::wheel_gain::WheelGains;
 use super::word::{Looks, Word};
@@ -83,8 +84,9 @@ pub(super) struct Together<T: Real> {
     wheel_gains: WheelGains<T>,
     /// A wheel sensor is upside down.
     reversed: [Word<T>; 4],
-    /// Whether what a wheel's hop does to its body has changed at once.
+    /// Whether what a wheel's hop does to its body has changed at once; and by less, in seconds.
     jumps: [Jump<T>; 4],
+    shifts: Shifts<T>,
 }
 
 impl<T: Real> Together<T> {
@@ -103,6 +105,7 @@ impl<T: Real> Together<T> {
             wheel_gains: WheelGains::new(),
             reversed: [Word::new(); 4],
             jumps: [Jump::new(); 4],
+            shifts: Shifts::new(),
         }
     }
 
@@ -113,6 +116,7 @@ impl<T: Real> Together<T> {
         for jump in self.jumps.iter_mut().filter(|jump| jump.is_suspected()) {
             *jump = Jump::new();
         }
+        self.shifts.drop_suspicions();
     }
 
     /// Takes a block of a car that drives, with all eight sensors there and none of them odd by itself.
@@ -223,6 +227,10 @@ impl<T: Real> Together<T> {
                 Hop { moved, quick: self.newest_ratio[i] - moved }
             };
             jumps(&mut self.jumps, at, &[0, 1, 2, 3].map(hop), explained);
+            // What a swapped sensor reads is so much more than its own that averages would be long in forgetting it.
+            if (0..4).all(|i| !self.is_odd(i)) {
+                self.shifts.take(at, block, explained);
+            }
         }
     }
 
@@ -325,7 +333,9 @@ impl<T: Real> Together<T> {
     pub(super) fn belated(&self) -> Wheels {
         let words = self.odd.iter().chain(&self.pairs).chain(&self.reversed).chain(&self.corners);
         let suspected = words.filter(|word| word.latch.is_suspected());
-        let jumped = |corner: &Corner| self.jumps[corner.index()].is_suspected();
+        let jumped = |corner: &Corner| {
+            self.jumps[corner.index()].is_suspected() || self.shifts.is_suspected(corner.index())
+        };
         let jumped = Corner::ALL.into_iter().filter(jumped).collect();
         suspected
             .filter_map(|word| word.malfunction.as_ref())
