@@ -94,7 +94,7 @@ fn requests_that_make_no_sense_are_refused_and_a_break_stops() {
     let stop = |_, _| ControlFlow::Break(());
     assert!(matches!(study(&request("stuck, wheel"), &stop), Err(MalfunctionError::Stopped)));
     assert!(kinds().iter().all(|kind| kind.stated_s > 0.0));
-    // Twenty-four of sensors, and a road that tells nothing.
+    // Twenty-six of sensors, and a road that tells nothing.
     let of_sensors = kinds().iter().filter(|kind| !kind.faults.is_empty()).count();
-    assert_eq!((of_sensors, kinds().len()), (24, 25));
+    assert_eq!((of_sensors, kinds().len()), (26, 27));
 }

@@ -59,13 +59,15 @@ pub(super) enum Beside<T> {
 
 /// How the other side's suspensions moved: at the front when it was where the rear is now, and at the rear. Where one tells
 /// nothing it moves as the other one did at that place, `ratio` times as fast at the rear: else the anti-roll bar makes of a
-/// hole under that side a road of this one's axle.
+/// hole under that side a road of this one's axle. Where neither tells anything they stand still, and the bar is one more
+/// spring: where a tire shows, each side's wheels move for themselves.
 fn of_other_side<T: Real>(ahead: Option<T>, beside: Beside<T>, ratio: T) -> [Option<T>; 2] {
     match (ahead, beside) {
         (None, Beside::Known(behind)) => [Some(behind / ratio), Some(behind)],
         (Some(ahead), Beside::Silent) => [Some(ahead), Some(ratio * ahead)],
+        (None, Beside::Silent) => [Some(T::zero()); 2],
         (ahead, Beside::Known(behind)) => [ahead, Some(behind)],
-        (ahead, Beside::Missed | Beside::Silent) => [ahead, None],
+        (ahead, Beside::Missed) => [ahead, None],
     }
 }
 
@@ -422,7 +424,7 @@ impl<T: Real> Meeting<'_, T> {
     }
 }
 
-/// A corner's signals and its relative velocity less the other side's; nothing, if that is not known.
+/// A corner's signals and its relative velocity less the other side's; none, as if both moved alike, if that is not known.
 fn with_other<T: Real>(signals: [T; KEPT], other: Option<T>) -> [T; SEEN] {
     let [wheel, jerk, acceleration, relative] = signals;
     let apart = other.map_or(T::zero(), |other| relative - other);
@@ -452,6 +454,8 @@ mod tests {
         assert_eq!(others(None, Beside::Known(3.0)), [Some(2.0), Some(3.0)]);
         // A wheel in the air moves as no other one.
         assert_eq!(others(Some(2.0), Beside::Missed), [Some(2.0), None]);
-        assert_eq!(others(None, Beside::Silent), [None, None]);
+        assert_eq!(others(None, Beside::Missed), [None, None]);
+        // Of a whole side that is silent it is known that it moves otherwise.
+        assert_eq!(others(None, Beside::Silent), [Some(0.0), Some(0.0)]);
     }
 }

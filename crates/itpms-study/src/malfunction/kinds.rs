@@ -41,28 +41,20 @@ impl Kind {
     /// much does not. Of two swaps at once the monitor can tell no more than whether sides or axles are swapped.
     #[must_use]
     pub fn is_exactly(&self, cause: &Cause<f64>) -> bool {
-        match (self.exact(), cause) {
-            (None, Cause::NoInformation { .. }) => self.faults.is_empty(),
-            (Some(exact), Cause::Malfunction(said)) => is_same(&exact, said),
+        match cause {
+            Cause::NoInformation { .. } => self.faults.is_empty(),
+            Cause::Malfunction(said) => self.exact().iter().any(|exact| is_same(exact, said)),
             _ => false,
         }
     }
 
-    /// What the monitor should say, as exactly as it can.
-    fn exact(&self) -> Option<Malfunction<f64>> {
-        match *self.faults.as_slice() {
-            [fault] => exact(&fault),
-            [one, other] => {
-                let (Malfunction::Swapped(a, b), Malfunction::Swapped(..)) = (exact(&one)?, exact(&other)?)
-                else {
-                    return None;
-                };
-                // Front left, front right, rear left, rear right.
-                let [a, b] = [a, b].map(|sensor| sensor.corner.index());
-                Some(if a / 2 == b / 2 { Malfunction::SwappedSides } else { Malfunction::SwappedAxles })
-            }
-            _ => None,
-        }
+    /// What the monitor should say, as exactly as it can: any of these.
+    fn exact(&self) -> Vec<Malfunction<f64>> {
+        let all: Vec<_> = self.faults.iter().filter_map(exact).collect();
+        let [Malfunction::Swapped(a, b), Malfunction::Swapped(..)] = *all else { return all };
+        // Front left, front right, rear left, rear right.
+        let [a, b] = [a, b].map(|sensor| sensor.corner.index());
+        vec![if a / 2 == b / 2 { Malfunction::SwappedSides } else { Malfunction::SwappedAxles }]
     }
 }
 
@@ -141,10 +133,16 @@ pub fn kinds() -> Vec<Kind> {
     };
     let corners =
         |name, a, b| kind(name, 25.0, &["swapped"], vec![swap(a, Body, b, Body), swap(a, Wheel, b, Wheel)]);
+    let silent = |name, a, b| {
+        let at = |corner, place| fault(corner, place, FaultKind::Dropout { share: 1.0 });
+        kind(name, 2.5, &["dropout"], [a, b].into_iter().flat_map(|i| [at(i, Body), at(i, Wheel)]).collect())
+    };
     vec![
         alone("stuck, wheel", 1.5, &["stuck"], fl, Wheel, FaultKind::Stuck),
         alone("stuck, body", 1.5, &["stuck"], rr, Body, FaultKind::Stuck),
         alone("dropped out, wheel", 2.5, &["dropout"], fr, Wheel, FaultKind::Dropout { share: 1.0 }),
+        silent("dropped out, a side", fl, rl),
+        silent("dropped out, an axle", rl, rr),
         alone("6 of 10 samples lost, body", 3.5, &["dropout"], rl, Body, FaultKind::Dropout { share: 0.6 }),
         alone(
             "spikes of 50 m/s2, 1/s, wheel",
@@ -222,6 +220,8 @@ mod tests {
         assert!(!says("noise of 2 m/s2, wheel", Malfunction::Spikes(at(fl, Place::Wheel))));
         let gain = |gain| Malfunction::Gain { sensor: at(fl, Place::Body), gain };
         assert!(says("upside down, body", gain(-0.8)) && !says("upside down, body", gain(0.5)));
+        assert!(says("dropped out, a side", Malfunction::Dropout(at(rl, Place::Body))));
+        assert!(!says("dropped out, a side", Malfunction::Dropout(at(fr, Place::Body))));
         let halved = |gain| Malfunction::Gain { sensor: at(fr, Place::Wheel), gain };
         assert!(says("gain 0.5, wheel", halved(0.6)) && !says("gain 0.5, wheel", halved(1.6)));
         let (wheel, body) = (at(fl, Place::Wheel), at(rl, Place::Body));
