@@ -157,6 +157,23 @@ fn two_tires_of_a_side_that_fall_together_are_read() {
     }
 }
 
+/// Somebody has set all tires, and says so; while that is learned from one falls. (It was denied for a quarter of a minute, and the
+/// other tire of its side read 30 kPa too high, as long as nothing could move during a reset.)
+#[test]
+fn a_puncture_during_a_reset_is_read() {
+    let pressure_kpa: fn(f64) -> [f64; 4] =
+        |t| [PLACARD_KPA - 50.0 * (t - 15.0).clamp(0.0, 2.0), PLACARD_KPA, PLACARD_KPA, PLACARD_KPA];
+    let ride = CarRide { seconds: 30.0, pressure_kpa, ..CarRide::new(34) };
+    let mut car = car(&config::<f64>()).with_reset_drive(28.0).unwrap();
+    let estimates = drive(&mut car, &ride.rows());
+    for estimate in &estimates[(18.0 * RATE_HZ) as usize..] {
+        for (corner, truth_kpa) in estimate.corners.iter().zip(pressure_kpa(estimate.time_s)) {
+            let off_kpa = corner.unwrap().pressure_kpa - truth_kpa;
+            assert!(off_kpa.abs() < 8.0, "{} s: {off_kpa} kPa", estimate.time_s);
+        }
+    }
+}
+
 #[test]
 fn a_fall_of_all_four_after_a_reset_is_read() {
     let ride = CarRide {

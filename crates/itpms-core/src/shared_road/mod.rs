@@ -418,7 +418,7 @@ impl<T: Real> SharedRoad<T> {
             }
             return;
         }
-        let known = !self.held && self.learned_s >= ENOUGH_S;
+        let known = self.is_known();
         let liveliness = if known { [T::one(), self.quietness()] } else { [T::zero(); 2] };
         let suspicion = |i: usize| self.alone[i].suspicion(self.tracks[i % 2].lasting_incoherence());
         let suspected = core::array::from_fn(|i| if known { suspicion(i) } else { T::zero() });

@@ -1,13 +1,15 @@
 //! A reset: all tires have just been set to their placard pressures, and keep them for a while.
 
-use super::SharedRoad;
 use super::parameters::{State, TIRE};
+use super::{ENOUGH_S, SharedRoad};
 use crate::real::Real;
 
 /// Sd of a tire's compliance, over that at placard pressure, when somebody may have set it anew.
 const SET_ANEW_SD: f64 = 0.2;
 /// Sd with which a reset sets a tire, as a share of the placard pressure.
 const RESET_SD: f64 = 0.004;
+/// Seconds of shared road learned from in a reset after which tires may move all the same.
+const HELD_ENOUGH_S: f64 = 6.0;
 
 impl<T: Real> SharedRoad<T> {
     /// A reset begins: somebody has just set all tires to their placard pressures. What the one before has taught is what
@@ -23,6 +25,7 @@ impl<T: Real> SharedRoad<T> {
     /// it.
     pub(super) fn set_tires(&mut self) {
         self.held_from_s = self.learned_s;
+        self.modes.calm();
         (self.kept, self.disputed) = ([None, None], [None; 4]);
         (0..4).for_each(|corner| self.set_tire(corner));
     }
@@ -40,11 +43,14 @@ impl<T: Real> SharedRoad<T> {
 
     /// Says that a reset goes on, or that it is over or there was none.
     pub(crate) fn hold(&mut self, held: bool) {
-        if held {
-            self.modes.calm();
-        } else if self.held {
+        if self.held && !held {
             self.remember();
         }
         self.held = held;
+    }
+
+    /// Whether the car is known well enough for a surprise to be a tire that moves; in a reset, for one to be punctured.
+    pub(super) fn is_known(&self) -> bool {
+        self.learned_s >= if self.held { self.held_from_s + HELD_ENOUGH_S } else { ENOUGH_S }
     }
 }
