@@ -18,6 +18,7 @@
 //! | `parameters` | what is unknown of the car |
 //! | `scale` | the tires at their placard pressures, and what a spectrum should say of them |
 //! | `modes`, `mode`, `mixture` | the belief, one Gaussian of it, and several added up to one |
+//! | `word` | what a corner's road spectrum says of its tire |
 //! | `alone` | what a corner finds by itself, where front and rear hardly share a road |
 //! | `evidence` | what a frame says to one Gaussian of it |
 //! | `reset` | tires that somebody has just set |
@@ -48,6 +49,7 @@ mod speed_lag;
 #[cfg(test)]
 mod tests;
 mod track;
+mod word;
 
 use nalgebra::{SMatrix, SVector};
 
@@ -60,7 +62,7 @@ use self::keepsake::{Disputed, Keepsake};
 use self::lesson::Lesson;
 use self::modes::Modes;
 pub(crate) use self::parameters::ROAD_BIAS_SD;
-use self::parameters::{COMMON_BIAS, DAMPING, OWN_BIAS, SKEW, SKEW_UNIT_S, State, TIRE, WHEELBASE};
+use self::parameters::{DAMPING, SKEW, SKEW_UNIT_S, State, TIRE, WHEELBASE};
 use self::scale::{LEAST_COMPLIANCE, Scale};
 use self::speed_lag::SpeedLag;
 use self::track::{Beside, Meeting, Track};
@@ -105,12 +107,8 @@ const FILLING_S: f64 = 20.0;
 /// become as cold as the air: 20 K are 23 kPa.
 const PARKED_SD: f64 = 0.06;
 const PARKED_S: f64 = 1800.0;
-/// Speed in m/s from which a word of the spectrum is heard.
-const SLOWEST_WORD_M_S: f64 = 4.0;
-/// Time in s over which the speed of late is averaged, and the logarithm of the speed over it at which a word counts half: a
-/// spectrum that changes while it is looked at says little.
+/// Time in s over which the speed of late is averaged.
 const SPEED_S: f64 = 1.5;
-const CHANGING: f64 = 0.15;
 /// Share by which a tire's sd grows while it surely moves: modes are few, leaks are not.
 const MOVING_SD: f64 = 0.5;
 /// Seconds of shared road after which the belief counts.
@@ -119,8 +117,6 @@ const ENOUGH_S: f64 = 2.0;
 const PATIENCE_S: f64 = 6.0;
 /// Sd in s of the first delay that was found.
 const FOUND_SD_S: f64 = 1e-3;
-/// Front and rear of a side see the same road, so their spectra say half of what they seem to.
-const SAME_ROAD: f64 = 2.0;
 /// Sd of a tire's compliance, over that at placard pressure, when nobody watched.
 const UNWATCHED_SD: f64 = 0.05;
 /// Sd of the tires' stiffness in the vehicle file, of all alike and of each by itself, as a share: what nobody can learn before
@@ -444,48 +440,6 @@ impl<T: Real> SharedRoad<T> {
         within(self.tracks[0].incoherence().max(self.tracks[1].incoherence()), RESTLESS)
     }
 
-    /// A word of a corner's road spectrum: its stiffness and sd in N/m, at a time. Where the speed is unknown the corner has
-    /// seen to it that nothing changes.
-    pub(crate) fn hear(&mut self, corner: usize, time_s: f64, stiffness_n_per_m: T, sd_n_per_m: T) {
-        let speed = Some(self.speed_m_s).filter(|speed| speed.is_finite());
-        let changing = speed.map_or(T::zero(), |speed| (speed / self.late_speed_m_s).ln() / T::lit(CHANGING));
-        let variance = T::lit(SAME_ROAD) * sd_n_per_m * sd_n_per_m * (T::one() + changing * changing);
-        if !self.hears(corner) || self.is_slow() {
-            return;
-        }
-        self.tracks[corner % 2].hear();
-        if self.is_left() || !(time_s - self.believed_s < LONGEST_STEP_S) {
-            self.predict_to(time_s);
-        }
-        let since_s = (time_s - self.word_s[corner]).clamp(0.0, LONGEST_SILENCE_S);
-        self.word_s[corner] = time_s;
-        let track = &self.tracks[corner % 2];
-        if track.is_left() {
-            self.modes.doubt(corner, track.fading() * T::lit(since_s), self.told);
-        }
-        if !variance.is_finite() {
-            return;
-        }
-        self.modes.hear(variance, |state| {
-            let (expected, slope) = self.scale.word(corner, state);
-            (slope, stiffness_n_per_m - expected)
-        });
-    }
-
-    /// How much too stiff a corner's road spectrum reads, in N/m, and the variance of that.
-    fn word_bias(&self, corner: usize) -> (T, T) {
-        let unit = self.scale.pressures_part_n_per_m(corner);
-        let (common, own) = (self.modes.quantity(COMMON_BIAS), self.modes.quantity(OWN_BIAS + corner));
-        (unit * (common.0 + own.0), unit * unit * (common.1 + own.1))
-    }
-
-    /// What a corner's road spectrum is expected to say: stiffness and sd in N/m.
-    pub(crate) fn expect_word(&self, corner: usize) -> (T, T) {
-        let mode = &self.modes.modes[self.modes.most_likely()];
-        let (expected, slope) = self.scale.word(corner, &mode.mean);
-        (expected, slope.dot(&(mode.covariance * slope)).max(T::zero()).sqrt())
-    }
-
     /// A corner's sensors were out of order: its tire may have changed meanwhile, and before it was noticed only seemed to.
     /// During a reset it is what somebody has set.
     pub(crate) fn restart(&mut self, corner: usize) {
@@ -519,16 +473,6 @@ impl<T: Real> SharedRoad<T> {
     /// Seconds of shared road that the belief rests on; half a frame more, so that rounding does not decide when it is enough.
     fn seconds_learned(&self) -> f64 {
         self.learned_s + 0.25 * HOP_S
-    }
-
-    /// Whether the road under a corner is heard over its sensors' noise, as far as the axles tell.
-    pub(crate) fn hears(&self, corner: usize) -> bool {
-        self.tracks[corner % 2].heard() > T::zero()
-    }
-
-    /// Whether the car is too slow for words of the spectrum; not where nobody knows.
-    pub(crate) fn is_slow(&self) -> bool {
-        self.speed_m_s < T::lit(SLOWEST_WORD_M_S)
     }
 
     /// Whether a side's road is being learned from, and its incoherence.
