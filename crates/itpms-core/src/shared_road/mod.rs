@@ -18,6 +18,7 @@
 //! | `parameters` | what is unknown of the car |
 //! | `scale` | the tires at their placard pressures, and what a spectrum should say of them |
 //! | `modes`, `mode`, `mixture` | the belief, one Gaussian of it, and several added up to one |
+//! | `belief` | what it says of the tires now |
 //! | `word` | what a corner's road spectrum says of its tire |
 //! | `alone` | what a corner finds by itself, where front and rear hardly share a road |
 //! | `evidence` | what a frame says to one Gaussian of it |
@@ -29,6 +30,7 @@
 mod acquire;
 mod alone;
 mod answer;
+mod belief;
 mod channel;
 mod coherence;
 mod constraint;
@@ -51,9 +53,8 @@ mod tests;
 mod track;
 mod word;
 
-use nalgebra::{SMatrix, SVector};
-
 pub(crate) use self::alone::Alone;
+pub(crate) use self::belief::CarBelief;
 use self::channel::{Channel, Entry, RELATIVE};
 use self::coherence::within;
 use self::constraint::{BOTH, Wheel};
@@ -63,7 +64,7 @@ use self::lesson::Lesson;
 use self::modes::Modes;
 pub(crate) use self::parameters::ROAD_BIAS_SD;
 use self::parameters::{DAMPING, SKEW, SKEW_UNIT_S, State, TIRE, WHEELBASE};
-use self::scale::{LEAST_COMPLIANCE, Scale};
+use self::scale::Scale;
 use self::speed_lag::SpeedLag;
 use self::track::{Beside, Meeting, Track};
 use crate::car::{CarConfig, LearnedReference};
@@ -109,8 +110,6 @@ const PARKED_SD: f64 = 0.06;
 const PARKED_S: f64 = 1800.0;
 /// Time in s over which the speed of late is averaged.
 const SPEED_S: f64 = 1.5;
-/// Share by which a tire's sd grows while it surely moves: modes are few, leaks are not.
-const MOVING_SD: f64 = 0.5;
 /// Seconds of shared road after which the belief counts.
 const ENOUGH_S: f64 = 2.0;
 /// Seconds of driving after which the shared road is given up if it was not found.
@@ -119,21 +118,6 @@ const PATIENCE_S: f64 = 6.0;
 const FOUND_SD_S: f64 = 1e-3;
 /// Sd of a tire's compliance, over that at placard pressure, when nobody watched.
 const UNWATCHED_SD: f64 = 0.05;
-/// Sd of the tires' stiffness in the vehicle file, of all alike and of each by itself, as a share: what nobody can learn before
-/// a reset.
-const FILE_SD: [f64; 2] = [0.015, 0.005];
-
-/// What the shared road, and words about the spectrum, say of the tires.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct CarBelief<T: Real> {
-    /// Stiffnesses in N/m, in the order of the corners.
-    pub(crate) stiffness_n_per_m: SVector<T, 4>,
-    pub(crate) covariance: SMatrix<T, 4, 4>,
-    /// Probability that a pressure is changing.
-    pub(crate) moving: T,
-    /// Seconds of shared road that it rests on.
-    pub(crate) learned_s: T,
-}
 
 /// See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
@@ -478,35 +462,5 @@ impl<T: Real> SharedRoad<T> {
     /// Whether a side's road is being learned from, and its incoherence.
     pub(crate) fn side(&self, side: usize) -> (bool, T) {
         self.tracks[side].state(self.newest_s)
-    }
-
-    /// What is believed now.
-    pub(crate) fn belief(&self) -> CarBelief<T> {
-        let age_s = self.newest_s - self.believed_s;
-        let age_s = if age_s > 0.0 { T::lit(age_s.min(1.0)) } else { T::zero() };
-        // What is believed of a front tire is as old as the road under the rear wheel.
-        let ages = [age_s + self.delay_s[0], age_s + self.delay_s[1], age_s, age_s];
-        let (mean, mut covariance) = self.modes.tires(&ages);
-        let [all, each] = if self.told { [T::zero(); 2] } else { FILE_SD.map(|sd| T::lit(sd * sd)) };
-        covariance += SMatrix::from_fn(|i, j| if i == j { all + each } else { all });
-        let floor = T::lit(LEAST_COMPLIANCE);
-        let stiffness =
-            SVector::<T, 4>::from_fn(|i, _| self.scale.placard_n_per_m[i] / (T::one() + mean[i]).max(floor));
-        let moving = self.modes.moving_tires();
-        let by = SVector::<T, 4>::from_fn(|i, _| {
-            (T::one() + T::lit(MOVING_SD) * moving[i]) * stiffness[i] / (T::one() + mean[i]).max(floor)
-        });
-        let mut belief = CarBelief {
-            stiffness_n_per_m: stiffness,
-            covariance: SMatrix::from_fn(|i, j| by[i] * by[j] * covariance[(i, j)]),
-            moving: self.modes.moving(),
-            learned_s: T::lit(self.seconds_learned()),
-        };
-        for (i, alone) in self.alone.iter().enumerate() {
-            let (bias, variance) = self.word_bias(i);
-            let file = (all + each) * alone.stiffness_n_per_m * alone.stiffness_n_per_m;
-            alone.mix_into(&mut belief, i, self.tracks[i % 2].lasting_incoherence(), (bias, variance + file));
-        }
-        belief
     }
 }
