@@ -250,9 +250,11 @@ impl<T: Real> Monitor<T> {
     fn decide(&mut self, estimate: &CarEstimate<T>, step_s: f64) {
         let limits = self.config.limits;
         self.reference_kpa = self.warm.update(estimate, self.speed_m_s, self.told_kpa, limits.reference_span);
-        let mut parting = [false; 2];
-        for ((parting, watch), track) in parting.iter_mut().zip(&mut self.partings).zip(&estimate.tracks) {
-            *parting = watch.update(step_s, track.incoherence);
+        let strange = self.health.strange();
+        let mut doubted = [false; 2];
+        for (side, (watch, track)) in self.partings.iter_mut().zip(&estimate.tracks).enumerate() {
+            let parting = watch.update(step_s, track.incoherence);
+            doubted[side] = parting || strange.iter().any(|corner| corner.index() % 2 == side);
         }
         for (i, corner) in estimate.corners.iter().enumerate() {
             if let Some(corner) = corner {
@@ -263,7 +265,7 @@ impl<T: Real> Monitor<T> {
                     speed_m_s: self.speed_m_s,
                     other_share: valid.map(|corner| corner.pressure_kpa / self.reference_kpa[other]),
                     above_others: above_others(estimate, i, self.reference_kpa),
-                    parting: parting[i % 2],
+                    doubted: doubted[i % 2],
                 };
                 self.wheels[i].update(step_s, corner, self.reference_kpa[i], &around, &limits);
             }
@@ -274,7 +276,7 @@ impl<T: Real> Monitor<T> {
         };
         let now = estimate.corners.each_ref().map(learned);
         let least = limits.fast_leak_kpa_per_min;
-        self.leaks.update(estimate.time_s, step_s, now, self.reference_kpa, least);
+        self.leaks.update(estimate.time_s, step_s, now, self.reference_kpa, least, doubted);
         self.all_low.update(step_s, estimate, self.reference_kpa, &limits);
         self.write(estimate);
     }

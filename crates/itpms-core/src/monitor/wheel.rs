@@ -35,8 +35,8 @@ pub(super) struct Around<T> {
     pub(super) other_share: Option<T>,
     /// By how much the tire's share of its reference is above the mean of the others', and the sd of that, if all are known.
     pub(super) above_others: Option<[T; 2]>,
-    /// Whether front and rear of the side have just stopped sharing a road.
-    pub(super) parting: bool,
+    /// Whether what front and rear of the side disagree by may be the road's or a sensor's.
+    pub(super) doubted: bool,
 }
 
 /// What is remembered of a wheel.
@@ -102,8 +102,7 @@ impl WheelWatch {
         };
         let below = |sds: f64| p + T::lit(sds) * sd < low_kpa || lower(sds);
         let low = if below(CERTAIN) {
-            // What the axles disagree by may be the road's.
-            if around.parting { Evidence::Nothing } else { Evidence::For }
+            if around.doubted { Evidence::Nothing } else { Evidence::For }
         } else if p - T::lit(CERTAIN) * sd > low_kpa || p > limits.low_over_share * reference_kpa {
             Evidence::Against
         } else {

@@ -269,6 +269,11 @@ impl<T: Real> Health<T> {
         self.together.belated()
     }
 
+    /// The corners that may be among those in a moment.
+    pub(super) fn strange(&self) -> Wheels {
+        self.together.strange()
+    }
+
     /// The corners not to be learned from now.
     pub(super) fn suspects(&self) -> Wheels {
         let alone = Corner::ALL.into_iter().filter(|corner| {

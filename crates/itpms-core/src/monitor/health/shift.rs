@@ -26,6 +26,8 @@ const SHIFTED: f64 = 0.35;
 const SHIFTED_BESIDE: f64 = 0.55;
 const AS_EVER: f64 = 0.22;
 const UNUSUAL: f64 = 0.2;
+/// Seconds for which what is unusual, and no tire makes, is a reason to wait with a tire of its side that looks low.
+const WAIT_S: f64 = 15.0;
 const SHIFT: Patience = Patience { raise_s: 0.0, clear_s: 1.0 };
 /// The same of the hop's log of frequencies squared from which on it is the tire that has changed; and what a tire that changes by less
 /// may make of the other log, over that.
@@ -55,14 +57,15 @@ struct Shift<T> {
     latch: Latch,
     /// Whether the hop is slower or quicker than usual.
     retuned: bool,
-    /// Seconds for which it has not been as usual.
+    /// Seconds for which it has not been as usual; and for which no tire makes it so.
     lasted_s: f64,
+    strange_s: f64,
 }
 
 impl<T: Real> Shift<T> {
     fn new() -> Self {
         let usual = Hop { moved: T::zero(), quick: T::zero() };
-        Self { usual, blocks: 0, latch: Latch::new(), retuned: false, lasted_s: 0.0 }
+        Self { usual, blocks: 0, latch: Latch::new(), retuned: false, lasted_s: 0.0, strange_s: 0.0 }
     }
 
     fn learn(&mut self, hop: Hop<T>) {
@@ -79,7 +82,10 @@ impl<T: Real> Shift<T> {
     /// Takes the newest average, off by `off`. `beside`: the hop of another corner is another one.
     fn judge(&mut self, [time_s, step_s]: [f64; 2], hop: Hop<T>, off: Hop<T>, explained: bool, beside: bool) {
         let moved = off.moved;
-        let limit = T::lit(if beside { SHIFTED_BESIDE } else { SHIFTED }) + T::lit(BY_TIRE) * off.quick;
+        let by_tire = T::lit(BY_TIRE) * off.quick;
+        let limit = T::lit(if beside { SHIFTED_BESIDE } else { SHIFTED }) + by_tire;
+        let strange = moved > T::lit(UNUSUAL) + by_tire && !self.retuned;
+        self.strange_s = if strange { self.strange_s + step_s } else { 0.0 };
         let evidence = evidence(moved > limit && !self.retuned, self.retuned || moved < T::lit(AS_EVER));
         let suspected = self.latch.update(time_s, step_s, evidence, SHIFT);
         let usual = !suspected && !self.retuned && moved < T::lit(UNUSUAL);
@@ -108,6 +114,12 @@ impl<T: Real> Shifts<T> {
     /// Whether a corner is not to be learned from.
     pub(super) fn is_suspected(&self, corner: usize) -> bool {
         self.corners[corner].latch.is_said()
+    }
+
+    /// Whether a corner may be about to be suspected: what its tire seems to be may be its sensor's.
+    pub(super) fn is_strange(&self, corner: usize) -> bool {
+        let strange_s = self.corners[corner].strange_s;
+        strange_s > 0.0 && strange_s <= WAIT_S
     }
 
     /// Lets go of what is suspected.
@@ -265,6 +277,36 @@ mod tests {
                 assert_eq!(car.suspects(), [true, false, false, false]);
             }
             assert!(car.until(false, 1.0) < 10.0);
+        }
+    }
+
+    #[test]
+    fn before_a_corner_is_suspected_it_is_strange_and_not_for_long() {
+        // 0.2 of 0.52 after 2.9 s; suspected after 6.7, but for what a block has more or less.
+        let mut car = Car::that_has_driven(120);
+        let mut strange_s = 0.0;
+        while !car.suspects()[0] {
+            car.read([0.75, 1.0, 1.0, 1.0], [false; 4]);
+            let strange = [0, 1, 2, 3].map(|i| car.shifts.is_strange(i));
+            assert_eq!(strange[1..], [false; 3]);
+            strange_s += if strange[0] { BLOCK_S } else { 0.0 };
+        }
+        assert!((2.0..9.0).contains(&strange_s), "{strange_s} s");
+        // A gain of 0.82 makes 0.34, too little for a suspicion. What lasts is no reason to wait any more.
+        let mut car = Car::that_has_driven(120);
+        let strange = (0..120).filter(|_| {
+            car.read([0.82, 1.0, 1.0, 1.0], [false; 4]);
+            car.shifts.is_strange(0)
+        });
+        let strange_s = BLOCK_S * strange.count() as f64;
+        assert!((0.6 * WAIT_S..=1.5 * WAIT_S).contains(&strange_s), "{strange_s} s");
+        assert_eq!(car.suspects(), [false; 4]);
+        // Nor is what a tire that falls makes.
+        let mut car = Car::that_has_driven(120);
+        let (masses, quicker) = ([1.25, 1.0, 1.0, 1.0], [-0.25, 0.0, 0.0, 0.0]);
+        for _ in 0..120 {
+            car.block(&Drive { masses, quicker, ..Drive::USUAL }, [false; 4]);
+            assert!((0..4).all(|i| !car.shifts.is_strange(i)));
         }
     }
 

@@ -321,6 +321,11 @@ impl<T: Real> Together<T> {
         Some(Fault::said_by(&self.odd[body].latch, swapped))
     }
 
+    /// The corners whose gain may be about to be suspected.
+    pub(super) fn strange(&self) -> Wheels {
+        Corner::ALL.into_iter().filter(|corner| self.shifts.is_strange(corner.index())).collect()
+    }
+
     /// The corners whose sensors may be swapped, or whose gain may have changed. That a gain was wrong all the time is
     /// waited for.
     pub(super) fn suspects(&self) -> Wheels {
