@@ -271,7 +271,7 @@ impl<T: Real> Health<T> {
 
     /// The corners that may be among those in a moment.
     pub(super) fn strange(&self) -> Wheels {
-        self.together.strange()
+        self.together.strange(self.last_s)
     }
 
     /// The corners not to be learned from now.

@@ -57,15 +57,23 @@ struct Shift<T> {
     latch: Latch,
     /// Whether the hop is slower or quicker than usual.
     retuned: bool,
-    /// Seconds for which it has not been as usual; and for which no tire makes it so.
+    /// Seconds for which it has not been as usual.
     lasted_s: f64,
-    strange_s: f64,
+    /// Since when no tire makes it what it is; NaN: one might.
+    strange_since_s: f64,
 }
 
 impl<T: Real> Shift<T> {
     fn new() -> Self {
         let usual = Hop { moved: T::zero(), quick: T::zero() };
-        Self { usual, blocks: 0, latch: Latch::new(), retuned: false, lasted_s: 0.0, strange_s: 0.0 }
+        Self {
+            usual,
+            blocks: 0,
+            latch: Latch::new(),
+            retuned: false,
+            lasted_s: 0.0,
+            strange_since_s: f64::NAN,
+        }
     }
 
     fn learn(&mut self, hop: Hop<T>) {
@@ -85,7 +93,11 @@ impl<T: Real> Shift<T> {
         let by_tire = T::lit(BY_TIRE) * off.quick;
         let limit = T::lit(if beside { SHIFTED_BESIDE } else { SHIFTED }) + by_tire;
         let strange = moved > T::lit(UNUSUAL) + by_tire && !self.retuned;
-        self.strange_s = if strange { self.strange_s + step_s } else { 0.0 };
+        if !strange {
+            self.strange_since_s = f64::NAN;
+        } else if self.strange_since_s.is_nan() {
+            self.strange_since_s = time_s;
+        }
         let evidence = evidence(moved > limit && !self.retuned, self.retuned || moved < T::lit(AS_EVER));
         let suspected = self.latch.update(time_s, step_s, evidence, SHIFT);
         let usual = !suspected && !self.retuned && moved < T::lit(UNUSUAL);
@@ -117,9 +129,8 @@ impl<T: Real> Shifts<T> {
     }
 
     /// Whether a corner may be about to be suspected: what its tire seems to be may be its sensor's.
-    pub(super) fn is_strange(&self, corner: usize) -> bool {
-        let strange_s = self.corners[corner].strange_s;
-        strange_s > 0.0 && strange_s <= WAIT_S
+    pub(super) fn is_strange(&self, corner: usize, now_s: f64) -> bool {
+        now_s - self.corners[corner].strange_since_s < WAIT_S
     }
 
     /// Lets go of what is suspected.
@@ -252,6 +263,10 @@ mod tests {
             [0, 1, 2, 3].map(|i| self.shifts.is_suspected(i))
         }
 
+        fn strange(&self) -> [bool; 4] {
+            [0, 1, 2, 3].map(|i| self.shifts.is_strange(i, BLOCK_S * f64::from(self.blocks)))
+        }
+
         /// Seconds until the suspicion of the front left wheel is `wanted`, with this gain.
         fn until(&mut self, wanted: bool, gain: f64) -> f64 {
             let from = self.blocks;
@@ -287,7 +302,7 @@ mod tests {
         let mut strange_s = 0.0;
         while !car.suspects()[0] {
             car.read([0.75, 1.0, 1.0, 1.0], [false; 4]);
-            let strange = [0, 1, 2, 3].map(|i| car.shifts.is_strange(i));
+            let strange = car.strange();
             assert_eq!(strange[1..], [false; 3]);
             strange_s += if strange[0] { BLOCK_S } else { 0.0 };
         }
@@ -296,7 +311,7 @@ mod tests {
         let mut car = Car::that_has_driven(120);
         let strange = (0..120).filter(|_| {
             car.read([0.82, 1.0, 1.0, 1.0], [false; 4]);
-            car.shifts.is_strange(0)
+            car.strange()[0]
         });
         let strange_s = BLOCK_S * strange.count() as f64;
         assert!((0.6 * WAIT_S..=1.5 * WAIT_S).contains(&strange_s), "{strange_s} s");
@@ -306,8 +321,19 @@ mod tests {
         let (masses, quicker) = ([1.25, 1.0, 1.0, 1.0], [-0.25, 0.0, 0.0, 0.0]);
         for _ in 0..120 {
             car.block(&Drive { masses, quicker, ..Drive::USUAL }, [false; 4]);
-            assert!((0..4).all(|i| !car.shifts.is_strange(i)));
+            assert_eq!(car.strange(), [false; 4]);
         }
+    }
+
+    #[test]
+    fn what_is_strange_passes_though_nobody_looks() {
+        let mut car = Car::that_has_driven(120);
+        while !car.strange()[0] {
+            car.read([0.75, 1.0, 1.0, 1.0], [false; 4]);
+        }
+        let now_s = BLOCK_S * f64::from(car.blocks);
+        assert!(car.shifts.is_strange(0, now_s + 0.9 * WAIT_S));
+        assert!(!car.shifts.is_strange(0, now_s + WAIT_S));
     }
 
     #[test]

@@ -322,8 +322,8 @@ impl<T: Real> Together<T> {
     }
 
     /// The corners whose gain may be about to be suspected.
-    pub(super) fn strange(&self) -> Wheels {
-        Corner::ALL.into_iter().filter(|corner| self.shifts.is_strange(corner.index())).collect()
+    pub(super) fn strange(&self, now_s: f64) -> Wheels {
+        Corner::ALL.into_iter().filter(|corner| self.shifts.is_strange(corner.index(), now_s)).collect()
     }
 
     /// The corners whose sensors may be swapped, or whose gain may have changed. That a gain was wrong all the time is
