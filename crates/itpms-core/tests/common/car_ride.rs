@@ -149,3 +149,14 @@ pub fn car<T: Real>(config: &CarConfig<T>) -> CarEstimator<T> {
 pub fn drive<T: Real>(car: &mut CarEstimator<T>, rows: &[CarSample<f64>]) -> Vec<CarEstimate<T>> {
     rows.iter().map(|row| car.update(&cast(row))).collect()
 }
+
+/// Pressure and sd of the corners that are there must be finite where they are called valid.
+pub fn sound<T: Real>(estimate: &CarEstimate<T>) {
+    for corner in estimate.corners.iter().flatten().filter(|corner| corner.validity.is_valid()) {
+        assert!(corner.pressure_kpa.is_finite() && corner.pressure_sd_kpa > T::zero(), "{corner:?}");
+        assert!(corner.pressure_sd_kpa.is_finite() && corner.stiffness_n_per_m.is_finite(), "{corner:?}");
+    }
+    for (i, row) in estimate.correlation.iter().enumerate() {
+        assert!(row[i] == T::one() && row.iter().all(|r| r.abs() <= T::lit(1.0 + 1e-3)), "{row:?}");
+    }
+}

@@ -269,11 +269,6 @@ impl<T: Real> Health<T> {
         self.together.belated()
     }
 
-    /// The corners that may be among those in a moment.
-    pub(super) fn strange(&self) -> Wheels {
-        self.together.strange(self.last_s)
-    }
-
     /// The corners not to be learned from now.
     pub(super) fn suspects(&self) -> Wheels {
         let alone = Corner::ALL.into_iter().filter(|corner| {
@@ -281,5 +276,10 @@ impl<T: Real> Health<T> {
             self.present[i] && (self.sensors[i].is_suspected() || self.sensors[4 + i].is_suspected())
         });
         alone.collect::<Wheels>() | self.together.suspects()
+    }
+
+    /// The corners that may be among these in a moment.
+    pub(super) fn strange(&self) -> Wheels {
+        self.together.strange(self.last_s)
     }
 }
