@@ -1,8 +1,7 @@
 //! The readers open files: a place in memory, where there is one, to put an input.
 
-use std::fs;
+use std::{fs, process};
 use std::path::{Path, PathBuf};
-use std::process;
 
 /// A new file with these bytes under a name of this process.
 pub fn file(name: &str, bytes: &[u8]) -> PathBuf {

@@ -1,13 +1,13 @@
 //! Bytes that an estimator occupies: `cargo run -p itpms-bench --example sizes`.
 
 use itpms_core::car::CarEstimator;
+use itpms_core::conditioning::Intake;
 use itpms_core::estimator::Estimator;
-use itpms_core::filter::{AekfUi, AekfUiInformed};
-use itpms_core::informed::Informed;
-use itpms_core::intake::Intake;
 use itpms_core::monitor::{Monitor, MonitoredCar};
+use itpms_core::published::{AekfUi, AekfUiInformed};
 use itpms_core::real::Real;
 use itpms_core::road::RoadFilter;
+use itpms_core::single_wheel::Informed;
 
 fn report<T: Real>(scalar: &str) {
     let sizes = [

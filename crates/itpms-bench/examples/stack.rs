@@ -3,14 +3,13 @@
 //! Asks this program itself, over and over, with a thread that has more or less of it: what has too little is killed.
 #![allow(clippy::expect_used)] // As in the library: without its fixed drive there is nothing to measure.
 
-use std::env;
 use std::hint::black_box;
 use std::process::{Command, Stdio};
-use std::thread;
+use std::{env, thread};
 
 use itpms_bench::car::{shipped, taken};
+use itpms_core::model::{CarSample, CornerSample};
 use itpms_core::real::Real;
-use itpms_core::sample::{CarSample, CornerSample};
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::Simulation;
 

@@ -4,10 +4,9 @@
 
 use itpms_bench::car::{shipped, taken};
 use itpms_bench::{RATE_HZ, SPEED_M_S, sample};
-use itpms_core::estimate::{CornerConfig, CornerEstimate};
 use itpms_core::estimator::{Estimator, EstimatorKind};
+use itpms_core::model::{CarSample, CornerConfig, CornerEstimate, CornerSample};
 use itpms_core::real::Real;
-use itpms_core::sample::{CarSample, CornerSample};
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::Simulation;
 

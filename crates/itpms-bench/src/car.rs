@@ -3,13 +3,12 @@
 
 use std::sync::Arc;
 
-use itpms_core::car::{CarConfig, CarEstimate, CarEstimator};
-use itpms_core::estimate::CornerConfig;
+use itpms_core::car::{CarEstimate, CarEstimator};
 use itpms_core::estimator::EstimatorKind;
-use itpms_core::monitor::{Monitor, MonitorConfig, MonitoredCar};
-use itpms_core::quarter_car::QuarterCar;
+use itpms_core::model::{CarConfig, CarSample, CornerConfig, CornerSample, QuarterCar};
+use itpms_core::monitor::{Monitor, MonitoredCar};
 use itpms_core::real::Real;
-use itpms_core::sample::{CarSample, CornerSample};
+use itpms_core::warning::MonitorConfig;
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::Simulation;
 

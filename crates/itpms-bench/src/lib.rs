@@ -4,13 +4,11 @@
 
 pub mod car;
 
-use itpms_core::estimate::{CornerConfig, CornerEstimate};
 use itpms_core::estimator::{Estimator, EstimatorKind};
-use itpms_core::filter::{AekfUi, FilterConfig, Forgetting};
-use itpms_core::quarter_car::QuarterCar;
+use itpms_core::model::{CornerConfig, CornerEstimate, CornerSample, QuarterCar};
+use itpms_core::published::{AekfUi, FilterConfig, Forgetting};
 use itpms_core::real::Real;
 use itpms_core::road::{RoadConfig, RoadFilter};
-use itpms_core::sample::CornerSample;
 
 /// Samples per second.
 pub const RATE_HZ: f64 = 500.0;

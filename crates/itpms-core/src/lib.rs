@@ -21,21 +21,19 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+mod belief;
 pub mod car;
-mod clock;
-pub mod estimate;
+pub mod conditioning;
+pub mod diagnosis;
 pub mod estimator;
-pub mod filter;
-mod frame;
-pub mod informed;
-pub mod intake;
+mod inter_axle;
+pub mod model;
 pub mod monitor;
-pub mod pressure;
-pub mod quarter_car;
+pub mod published;
 #[cfg(test)]
 mod random;
 pub mod real;
 pub mod road;
-pub mod sample;
-mod shared_road;
-pub mod speed;
+pub mod single_wheel;
+mod spectrum;
+pub mod warning;

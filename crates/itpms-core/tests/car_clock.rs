@@ -6,9 +6,10 @@ mod common;
 use std::sync::LazyLock;
 
 use common::car_ride::{CarRide, RATE_HZ, car, config};
-use itpms_core::car::{CarEstimate, LearnedReference};
-use itpms_core::monitor::{Monitor, MonitorConfig, MonitorReport, MonitoredCar};
-use itpms_core::sample::{CarSample, Corner};
+use itpms_core::car::CarEstimate;
+use itpms_core::model::{CarSample, Corner, LearnedReference};
+use itpms_core::monitor::{Monitor, MonitoredCar};
+use itpms_core::warning::{MonitorConfig, MonitorReport};
 
 /// A reset is begun with the first sample and lasts so long.
 const RESET_S: f64 = 12.0;

@@ -8,8 +8,9 @@ use std::sync::LazyLock;
 
 use common::car_ride::{CarRide, RATE_HZ, car, config, drive};
 use itpms_core::car::CarEstimate;
-use itpms_core::monitor::{Monitor, MonitorConfig, MonitoredCar, WheelState};
-use itpms_core::sample::{CarSample, Corner, CornerSample};
+use itpms_core::model::{CarSample, Corner, CornerSample};
+use itpms_core::monitor::{Monitor, MonitoredCar};
+use itpms_core::warning::{MonitorConfig, WheelState};
 
 /// The front left tire loses 90 kPa in two seconds.
 fn pressure_kpa(time_s: f64) -> [f64; 4] {

@@ -7,8 +7,8 @@ use std::sync::LazyLock;
 
 use common::car_ride::{CarRide, car, cast, config, drive, sound};
 use itpms_core::car::CarEstimate;
+use itpms_core::model::CarSample;
 use itpms_core::real::Real;
-use itpms_core::sample::CarSample;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 

@@ -4,8 +4,8 @@
 mod common;
 
 use common::ride::{Ride, Row, estimator, feed, informed, normalised};
-use itpms_core::estimate::{CornerEstimate, Warning};
 use itpms_core::estimator::EstimatorKind;
+use itpms_core::model::{CornerEstimate, Warning};
 
 const SEEDS: [u64; 4] = [1, 2, 3, 4];
 

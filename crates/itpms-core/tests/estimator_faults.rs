@@ -4,7 +4,7 @@
 mod common;
 
 use common::ride::{Ride, Row, informed, normalised};
-use itpms_core::estimate::{CornerEstimate, Validity, Warning};
+use itpms_core::model::{CornerEstimate, Validity, Warning};
 
 const SEEDS: [u64; 4] = [1, 2, 3, 4];
 /// First row of every fault, and its time.

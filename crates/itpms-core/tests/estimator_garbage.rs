@@ -8,8 +8,8 @@ use std::sync::LazyLock;
 
 use common::quarter_plant::Random;
 use common::ride::{Ride, Row, estimator, feed};
-use itpms_core::estimate::CornerEstimate;
 use itpms_core::estimator::{Estimator, EstimatorKind};
+use itpms_core::model::CornerEstimate;
 use itpms_core::real::Real;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;

@@ -4,8 +4,8 @@
 mod common;
 
 use common::ride::{Ride, Row, estimator, feed, normalised};
-use itpms_core::estimate::{CornerConfig, CornerEstimate, Validity};
 use itpms_core::estimator::{Estimator, EstimatorKind, RoadPeriod, RoadRepetition};
+use itpms_core::model::{CornerConfig, CornerEstimate, Validity};
 
 const PERIOD_S: f64 = 0.66;
 

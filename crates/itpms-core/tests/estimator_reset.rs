@@ -6,7 +6,7 @@ mod common;
 use common::car_ride::{CarRide, RATE_HZ, car, config, drive};
 use common::ride::{Ride, estimator, feed};
 use itpms_core::estimator::EstimatorKind;
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 
 const PLACARD_KPA: f64 = 241.3;
 const RESET_S: f64 = 10.0;

@@ -6,8 +6,8 @@ mod common;
 
 use common::quarter_plant::Random;
 use common::ride::{Ride, estimator, feed};
+use itpms_core::conditioning::{GridSample, Intake};
 use itpms_core::estimator::{Estimator, EstimatorKind};
-use itpms_core::intake::{GridSample, Intake};
 use itpms_core::real::Real;
 use serde::Serialize;
 use serde::de::DeserializeOwned;

@@ -2,14 +2,12 @@
 // Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
 #![allow(clippy::unwrap_used)]
 
-use itpms_core::estimate::CornerConfig;
-use itpms_core::filter::{
+use itpms_core::model::{CornerConfig, CornerSample, QuarterCar};
+use itpms_core::published::{
     AekfUi, AekfUiInformed, CorrectionInput, FilterConfig, Forgetting, GradientDescent, InformedConfig,
     InformedRecord, InformedStatus, StepRecord, StepStatus,
 };
-use itpms_core::quarter_car::QuarterCar;
 use itpms_core::real::Real;
-use itpms_core::sample::CornerSample;
 use nalgebra::{Matrix6, SMatrix};
 use proptest::prelude::*;
 

@@ -5,11 +5,10 @@ mod common;
 
 use common::band::band_pass;
 use common::quarter_plant::{Drive, Random, SLOPE, drive, fig_6_kpa, pressure, quantiles, rms, stiffness};
-use itpms_core::estimate::CornerConfig;
-use itpms_core::filter::{
+use itpms_core::model::{CornerConfig, CornerSample};
+use itpms_core::published::{
     AekfUiInformed, InformedConfig, InformedStatus, ParameterForgetting, StiffnessUpdate,
 };
-use itpms_core::sample::CornerSample;
 
 const SEEDS: u64 = 20;
 const MEASUREMENT_SD_KPA: f64 = 40.0;

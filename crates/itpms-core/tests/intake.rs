@@ -2,7 +2,7 @@
 mod common;
 
 use common::quarter_plant::{Random, rms};
-use itpms_core::intake::{GridSample, Intake, SampleCounts};
+use itpms_core::conditioning::{GridSample, Intake, SampleCounts};
 
 const RATE_HZ: f64 = 500.0;
 const PERIOD_S: f64 = 1.0 / RATE_HZ;

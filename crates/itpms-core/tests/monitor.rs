@@ -1,12 +1,14 @@
 //! The monitor through its public face: what it says of estimates made up for it.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-use itpms_core::car::{CarConfig, CarEstimate, TrackState};
-use itpms_core::estimate::{CornerConfig, CornerEstimate, Diagnostics, Validity, Warning};
-use itpms_core::monitor::{
-    Cause, Change, Doubt, Limits, Monitor, MonitorConfig, MonitorReport, Regulation, WheelState,
+use itpms_core::car::{CarEstimate, TrackState};
+use itpms_core::model::{
+    CarConfig, CarSample, Corner, CornerConfig, CornerEstimate, CornerSample, Diagnostics, Validity, Warning,
 };
-use itpms_core::sample::{CarSample, Corner, CornerSample};
+use itpms_core::monitor::Monitor;
+use itpms_core::warning::{
+    Cause, Change, Doubt, Limits, MonitorConfig, MonitorReport, Regulation, WheelState,
+};
 
 /// Steps per second of the made-up drives.
 const RATE_HZ: f64 = 20.0;

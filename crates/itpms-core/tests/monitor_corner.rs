@@ -4,11 +4,12 @@
 mod common;
 
 use common::ride::{Ride, Row};
-use itpms_core::car::{CarConfig, CarEstimator};
-use itpms_core::estimate::{CornerConfig, CornerEstimate, Warning};
+use itpms_core::car::CarEstimator;
+use itpms_core::diagnosis::Malfunction;
 use itpms_core::estimator::EstimatorKind;
-use itpms_core::monitor::{Cause, Malfunction, Monitor, MonitorConfig, MonitorReport, MonitoredCar};
-use itpms_core::sample::{CarSample, CornerSample};
+use itpms_core::model::{CarConfig, CarSample, CornerConfig, CornerEstimate, CornerSample, Warning};
+use itpms_core::monitor::{Monitor, MonitoredCar};
+use itpms_core::warning::{Cause, MonitorConfig, MonitorReport};
 
 /// One corner under its monitor.
 fn watched(rows: &[Row], rate_hz: f64) -> Vec<(CornerEstimate<f64>, MonitorReport<f64>)> {

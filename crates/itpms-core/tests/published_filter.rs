@@ -5,11 +5,11 @@
 mod common;
 
 use common::quarter_plant::{MB, MW, Random, drive, fig_6_kpa, pressure, rms, stiffness};
-use itpms_core::filter::{
+use itpms_core::model::CornerSample;
+use itpms_core::model::quarter_car::{QuarterCar, state};
+use itpms_core::published::{
     AekfUi, CorrectionInput, FilterConfig, Forgetting, GradientDescent, StepRecord, StepStatus,
 };
-use itpms_core::quarter_car::{QuarterCar, state};
-use itpms_core::sample::CornerSample;
 use nalgebra::Vector5;
 
 const FORGETTINGS: [Forgetting<f64>; 2] = [Forgetting::None, Forgetting::OneStep];

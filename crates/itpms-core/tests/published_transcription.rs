@@ -4,11 +4,10 @@
 // Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
 #![allow(clippy::unwrap_used)]
 
-use itpms_core::filter::{
+use itpms_core::model::{CornerSample, QuarterCar};
+use itpms_core::published::{
     AekfUi, CorrectionInput, FactorTiming, FilterConfig, Forgetting, GradientDescent, StepStatus,
 };
-use itpms_core::quarter_car::QuarterCar;
-use itpms_core::sample::CornerSample;
 use nalgebra::{Vector2, Vector5};
 
 const ACCELERATIONS: &str = include_str!("data/published_filters/accelerations.csv");

@@ -5,9 +5,10 @@
 mod common;
 
 use common::quarter_plant::{drive, fig_6_kpa};
-use itpms_core::estimate::CornerConfig;
-use itpms_core::filter::{AekfUi, AekfUiInformed, FilterConfig, Forgetting, GradientDescent, InformedConfig};
-use itpms_core::quarter_car::QuarterCar;
+use itpms_core::model::{CornerConfig, QuarterCar};
+use itpms_core::published::{
+    AekfUi, AekfUiInformed, FilterConfig, Forgetting, GradientDescent, InformedConfig,
+};
 
 #[test]
 fn the_published_filter_resumes_bit_identically() {

@@ -7,9 +7,9 @@ mod common;
 use std::sync::LazyLock;
 
 use common::car_ride::{CarRide, PLACARD_KPA, RATE_HZ, car, config, drive, sound};
-use itpms_core::car::{CarConfig, CarEstimate, CarEstimator, Sources};
+use itpms_core::car::{CarEstimate, CarEstimator, Sources};
 use itpms_core::estimator::{Estimator, EstimatorKind};
-use itpms_core::sample::{CarSample, CornerSample};
+use itpms_core::model::{CarConfig, CarSample, CornerSample};
 
 static RIDE: LazyLock<CarRide> = LazyLock::new(|| CarRide::new(5));
 static ROWS: LazyLock<Vec<CarSample<f64>>> = LazyLock::new(|| RIDE.rows());

@@ -4,7 +4,7 @@
 mod common;
 
 use common::car_ride::{CarRide, PLACARD_KPA, car, config, drive};
-use itpms_core::sample::CarSample;
+use itpms_core::model::CarSample;
 
 /// The speed reads 6 % more from one moment on, as from another source: the rear axle meets the front's road 9 ms earlier than believed.
 /// That is found within two seconds, and pressures are known as well as before. (By frames alone they were 38 kPa off after nine.)

@@ -5,7 +5,7 @@ mod common;
 
 use common::car_ride::{CarRide, PLACARD_KPA, RATE_HZ, car, config, drive};
 use itpms_core::car::{CarEstimate, CarEstimator};
-use itpms_core::sample::{CarSample, Corner, CornerSample};
+use itpms_core::model::{CarSample, Corner, CornerSample};
 
 /// The rear right wheel's sensor reads twice of what it should for four seconds, and is then kept away: the front right tire,
 /// which was taken for the one that had changed, is read as before. (Else it stays too low for many seconds more.)

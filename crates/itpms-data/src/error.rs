@@ -2,11 +2,10 @@
 //!
 //! Every public function of this crate returns [`DataError`]. Its message is complete; callers print it as it is.
 
-use std::fmt;
-use std::io;
 use std::path::{Path, PathBuf};
+use std::{fmt, io};
 
-use itpms_core::quarter_car::ParameterError;
+use itpms_core::model::ParameterError;
 use thiserror::Error;
 
 use crate::reference::ReferenceProblem;

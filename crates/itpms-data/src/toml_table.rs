@@ -4,7 +4,7 @@
 
 use std::fmt::Write as _;
 
-use itpms_core::quarter_car::ParameterError;
+use itpms_core::model::ParameterError;
 use toml::de::{DeTable, DeValue};
 
 use crate::error::Problem;

@@ -5,7 +5,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use itpms_data::log::{CornerColumns, LogColumns, LogCorner, LogOptions, UnitCheck};
 use itpms_data::out::{LogWriter, Packing};
 use itpms_data::{LogReader, LogRow};

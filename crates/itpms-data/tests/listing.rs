@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use itpms_data::LogRow;
 use itpms_data::log::{CornerColumns, LogColumns, LogCorner, LogOptions, Slot};
 use itpms_data::out::{LogWriter, Packing};

@@ -5,7 +5,7 @@ mod stored;
 
 use std::fs;
 
-use itpms_core::car::Learned;
+use itpms_core::model::Learned;
 use itpms_data::Vehicle;
 use itpms_data::reference::StoredReference;
 use proptest::prelude::*;

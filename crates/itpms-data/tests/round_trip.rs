@@ -5,8 +5,7 @@
 use std::fs;
 use std::path::Path;
 
-use itpms_core::estimate::{CornerEstimate, Diagnostics, Validity, Warning};
-use itpms_core::sample::Corner;
+use itpms_core::model::{Corner, CornerEstimate, Diagnostics, Validity, Warning};
 use itpms_data::log::{CornerColumns, LogColumns, LogCorner, UnitCheck};
 use itpms_data::out::{EstimateWriter, LogWriter, RoadPoint, RoadWriter};
 use itpms_data::{LogReader, LogRow};

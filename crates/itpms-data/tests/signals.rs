@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use itpms_data::log::{Field, Slot};
 use itpms_data::signals::{Candidate, Resolved, SignalMap, Source, resolve};
 

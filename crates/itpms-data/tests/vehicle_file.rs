@@ -1,9 +1,7 @@
 //! The vehicle file: what it says, what it may not say, and the way back.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-use itpms_core::estimate::CornerConfig;
-use itpms_core::pressure::PressureMap;
-use itpms_core::sample::Corner;
+use itpms_core::model::{Corner, CornerConfig, PressureMap};
 use itpms_data::Vehicle;
 use proptest::prelude::*;
 

@@ -1,7 +1,7 @@
 //! What is known of the car, put into the words and numbers of a snapshot. Called by the engine; decides nothing.
 
-use itpms_core::monitor::{Cause, Doubt, MonitorReport, WheelState};
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
+use itpms_core::warning::{Cause, Doubt, MonitorReport, WheelState};
 use itpms_data::Vehicle;
 use itpms_data::log::{Field, Slot};
 use itpms_data::out::alert_object;

@@ -3,11 +3,12 @@
 //! Owned by the engine, which hands it row after row. Knows nothing of sources, threads and outputs: the same rows give the
 //! same estimates, here and in `itpms estimate`.
 
-use itpms_core::car::{CarEstimate, CarEstimator, LearnedReference};
+use itpms_core::car::{CarEstimate, CarEstimator};
+use itpms_core::conditioning::Odometer;
 use itpms_core::estimator::EstimatorKind;
-use itpms_core::monitor::{Change, Monitor, MonitorConfig, MonitorReport, MonitoredCar, Regulation};
-use itpms_core::sample::Corner;
-use itpms_core::speed::Odometer;
+use itpms_core::model::{Corner, LearnedReference};
+use itpms_core::monitor::{Monitor, MonitoredCar};
+use itpms_core::warning::{Change, MonitorConfig, MonitorReport, Regulation};
 use itpms_data::log::UnitCheck;
 use itpms_data::out::RateGate;
 use itpms_data::{LogRow, Vehicle};

@@ -6,8 +6,8 @@
 use std::sync::Arc;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
-use itpms_core::monitor::Change;
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
+use itpms_core::warning::Change;
 use itpms_data::log::{SURVEY_ROWS, Survey};
 use itpms_data::out::{RateGate, alert_object};
 use itpms_data::{LogRow, Vehicle};

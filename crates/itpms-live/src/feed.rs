@@ -5,7 +5,7 @@
 use std::collections::VecDeque;
 use std::time::Instant;
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use itpms_data::LogRow;
 use itpms_data::can::{CanFrame, CanId};
 use itpms_data::dbc::Decoder;

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use itpms_data::LogRow;
 use itpms_data::can::CanFrame;
 

@@ -13,8 +13,8 @@ use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::Path;
 
+use itpms_core::model::Corner;
 use itpms_core::monitor::MonitoredCar;
-use itpms_core::sample::Corner;
 use itpms_data::Vehicle;
 use itpms_data::out::{AtomicFile, RateGate};
 use itpms_data::reference::{VehicleIdentity, crc64};

@@ -5,13 +5,12 @@ mod common;
 
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, mpsc};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use common::{rows, say, snapshot, transition, with_large_stack};
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use itpms_data::can::{CanFrame, CanId};
 use itpms_data::dbc::{Dbc, Decoder};
 use itpms_data::{LogRow, Vehicle};
@@ -186,7 +185,7 @@ fn refused() {
     let mut other = vehicle.clone();
     other.corners[0].as_mut().unwrap().placard_kpa = 250.0;
     assert!(refusal(&bytes, &other).contains("with another id or other parameters"));
-    let regulation = itpms_core::monitor::Regulation::ALL.into_iter().find(|r| *r != options.regulation);
+    let regulation = itpms_core::warning::Regulation::ALL.into_iter().find(|r| *r != options.regulation);
     let others = DriveOptions { regulation: regulation.unwrap(), ..options.clone() };
     assert!(SavedDrive::parse(&bytes, &vehicle, &others).unwrap_err().contains("was made with"));
     assert!(SavedDrive::parse(&bytes, &vehicle, &options).is_ok());

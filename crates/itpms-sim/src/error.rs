@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use itpms_core::quarter_car::ParameterError;
+use itpms_core::model::ParameterError;
 use thiserror::Error;
 
 /// A value outside its range.

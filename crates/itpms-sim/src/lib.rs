@@ -17,7 +17,7 @@
 //! | [`simulation`] | a scenario and a seed in, a stream of rows out, in bounded memory |
 //!
 //! ```
-//! use itpms_core::sample::Corner;
+//! use itpms_core::model::Corner;
 //! use itpms_sim::{scenario::Scenario, simulation::Simulation};
 //!
 //! let scenario = Scenario::builtin("paper-drop")?;

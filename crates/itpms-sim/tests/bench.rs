@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use itpms_sim::road::{Actuator, BenchRoad, Road, Side, Surface};
 use itpms_sim::scenario::{CornerSpec, Scenario};
 use itpms_sim::sensor::SensorSpec;

@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use itpms_core::quarter_car::QuarterCar;
+use itpms_core::model::QuarterCar;
 use itpms_sim::antialias::AntiAliasSpec;
 use itpms_sim::plant::{Body, CarInput, Deviations, FullCar, Load, Plant, StepInput};
 use itpms_sim::road::RoadSpec;

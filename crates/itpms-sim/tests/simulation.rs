@@ -3,8 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use itpms_core::pressure::PressureMap;
-use itpms_core::sample::Corner;
+use itpms_core::model::{Corner, PressureMap};
 use itpms_sim::road::{Pothole, RoadClass, RoadSpec, Tracks};
 use itpms_sim::scenario::{CornerSpec, Scenario};
 use itpms_sim::sensor::SensorSpec;
@@ -48,7 +47,7 @@ fn the_paper_scenarios_are_those_of_the_contract() {
         let told = scenario.corner_config(Corner::FrontLeft).unwrap();
         assert!((told.initial_stiffness_n_per_m() - 220_000.0).abs() < 1e-6);
         assert_eq!(told.accel_noise_m_s2, Some(0.05));
-        assert_eq!(told.quarter_car, itpms_core::quarter_car::QuarterCar::paper_table_2());
+        assert_eq!(told.quarter_car, itpms_core::model::QuarterCar::paper_table_2());
         assert_eq!(told.placard_kpa, 241.3);
     }
 }

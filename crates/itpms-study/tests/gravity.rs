@@ -1,9 +1,11 @@
 //! Sensors that show gravity: a car on a road so rough that its wheels leave it is read as if they did not.
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
-use itpms_core::car::{CarConfig, CarEstimate, CarEstimator};
+use itpms_core::car::{CarEstimate, CarEstimator};
 use itpms_core::estimator::EstimatorKind;
-use itpms_core::monitor::{Monitor, MonitorConfig, MonitoredCar};
+use itpms_core::model::CarConfig;
+use itpms_core::monitor::{Monitor, MonitoredCar};
+use itpms_core::warning::MonitorConfig;
 use itpms_sim::road::{RoadClass, RoadSpec};
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::Simulation;

@@ -3,10 +3,10 @@
 
 mod synthetic;
 
-use itpms_core::car::{CarConfig, CarEstimate, TrackState};
-use itpms_core::estimate::{CornerConfig, CornerEstimate, Diagnostics, Validity, Warning};
-use itpms_core::monitor::{Monitor, MonitorConfig, WheelState};
-use itpms_core::sample::Corner;
+use itpms_core::car::{CarEstimate, TrackState};
+use itpms_core::model::{CarConfig, Corner, CornerConfig, CornerEstimate, Diagnostics, Validity, Warning};
+use itpms_core::monitor::Monitor;
+use itpms_core::warning::{MonitorConfig, WheelState};
 use itpms_study::report::{
     CornerRow, Provenance, ReportCollector, ReportData, ReportOptions, headline, render_report, write_report,
 };

@@ -18,8 +18,8 @@ use clap::builder::{PossibleValuesParser, TypedValueParser as _};
 use clap::{Parser, Subcommand};
 use clap_complete::Shell;
 use itpms_core::estimator::{EstimatorKind, RoadPeriod, RoadRepetition};
-use itpms_core::monitor::Regulation;
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
+use itpms_core::warning::Regulation;
 use itpms_study::score::Part;
 
 pub(crate) use bench::{BenchOutput, CalibrateArgs, DamperArgs, IdentifyArgs, IdentifyPart, SpringArgs};

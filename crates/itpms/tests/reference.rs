@@ -4,7 +4,7 @@
 mod common;
 
 use common::Bench;
-use itpms_core::car::{Learned, LearnedCorner, LearnedReference};
+use itpms_core::model::{Learned, LearnedCorner, LearnedReference};
 use itpms_data::Vehicle;
 use itpms_data::reference::StoredReference;
 

@@ -4,27 +4,17 @@
 //! Called by the binary, the studies, the monitor and controllers. A corner without a partner on its side is estimated
 //! as by [`Estimator`]; nothing else here knows how many wheels a car has.
 
-mod reference;
-
-pub use self::reference::{Learned, LearnedCorner, LearnedReference, ReferenceError};
-use crate::clock::SteadyClock;
-use crate::estimate::{CornerConfig, CornerEstimate};
+use crate::belief::output::CarBelief;
+use crate::belief::single_wheel_estimate::Alone;
+use crate::conditioning::SpeedHold;
+use crate::conditioning::clock::SteadyClock;
 use crate::estimator::{CarWord, Estimator, EstimatorKind, RoadRepetition};
-use crate::quarter_car::{ParameterError, QuarterCar, positive};
+use crate::inter_axle::SharedRoad;
+use crate::model::{
+    CarConfig, CarSample, Corner, CornerEstimate, LearnedReference, ParameterError, QuarterCar,
+    ReferenceError, positive,
+};
 use crate::real::Real;
-use crate::sample::{CarSample, Corner};
-use crate::shared_road::{Alone, CarBelief, SharedRoad};
-use crate::speed::SpeedHold;
-
-/// What an estimator is told about the car.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct CarConfig<T> {
-    /// The corners, in the order of [`Corner::ALL`]; those that are measured.
-    pub corners: [Option<CornerConfig<T>>; 4],
-    /// Distance between the axles in m; `None`: the shared road is not used.
-    pub wheelbase_m: Option<T>,
-}
 
 /// From where the pressure may be learned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]

@@ -1,17 +1,15 @@
 //! The four estimators side by side, each brought to the same reading.
 
-use crate::estimate::{CornerConfig, Validity};
-use crate::filter::{
+use crate::conditioning::GridSample;
+use crate::model::{CornerConfig, CornerSample, ParameterError, QuarterCar, Validity};
+use crate::published::{
     AekfUi, AekfUiInformed, FilterConfig, Forgetting, InformedConfig, InformedRecord, InformedStatus,
     ParameterForgetting, StepRecord,
 };
-use crate::informed::{Informed, RESET_SD, RoadRepetition, StiffnessWord};
-use crate::intake::GridSample;
-use crate::quarter_car::{ParameterError, QuarterCar};
 use crate::real::Real;
-use crate::sample::CornerSample;
+use crate::single_wheel::{Informed, RESET_SD, RoadRepetition, StiffnessWord};
 
-use super::{CarWord, EstimatorKind};
+use crate::estimator::{CarWord, EstimatorKind};
 
 /// Seconds of full information before an estimate counts.
 const STARTING_S: f64 = 2.0;
@@ -23,16 +21,16 @@ const WORTHLESS: f64 = 0.25;
 /// What every estimator can say after a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Reading<T> {
-    pub(super) stiffness_n_per_m: T,
-    pub(super) stiffness_sd_n_per_m: T,
-    pub(super) road_m: T,
-    pub(super) road_sd_m: T,
-    pub(super) validity: Validity,
-    pub(super) forgetting: T,
-    pub(super) nis: T,
-    pub(super) gate: T,
-    pub(super) change_probability: T,
+pub(crate) struct Reading<T> {
+    pub(crate) stiffness_n_per_m: T,
+    pub(crate) stiffness_sd_n_per_m: T,
+    pub(crate) road_m: T,
+    pub(crate) road_sd_m: T,
+    pub(crate) validity: Validity,
+    pub(crate) forgetting: T,
+    pub(crate) nis: T,
+    pub(crate) gate: T,
+    pub(crate) change_probability: T,
 }
 
 /// One of the four, and what it last said.
@@ -63,7 +61,7 @@ enum Method<T: Real> {
         deserialize = "T: Real + serde::Deserialize<'de>"
     ))
 )]
-pub(super) struct Engine<T: Real> {
+pub(crate) struct Engine<T: Real> {
     method: Method<T>,
     config: CornerConfig<T>,
     grid_period_s: T,
@@ -73,7 +71,7 @@ pub(super) struct Engine<T: Real> {
 }
 
 impl<T: Real> Engine<T> {
-    pub(super) fn new(
+    pub(crate) fn new(
         kind: EstimatorKind,
         config: &CornerConfig<T>,
         sample_rate_hz: f64,
@@ -93,7 +91,7 @@ impl<T: Real> Engine<T> {
     }
 
     /// Starts again, in place: another engine beside this one is more than a controller's stack has room for.
-    pub(super) fn restart(&mut self, kind: EstimatorKind, repetition: RoadRepetition) {
+    pub(crate) fn restart(&mut self, kind: EstimatorKind, repetition: RoadRepetition) {
         let config = &self.config;
         // The filters have accepted the same before.
         match &mut self.method {
@@ -109,7 +107,7 @@ impl<T: Real> Engine<T> {
     }
 
     /// What is known of the road repeating itself; before the first sample. The published filters have no use for it.
-    pub(super) fn set_repetition(&mut self, repetition: RoadRepetition) {
+    pub(crate) fn set_repetition(&mut self, repetition: RoadRepetition) {
         match &mut self.method {
             Method::Informed(informed) | Method::AekfUiInformed { likelihood: informed, .. } => {
                 informed.set_repetition(repetition);
@@ -119,7 +117,7 @@ impl<T: Real> Engine<T> {
     }
 
     /// Takes one grid sample.
-    pub(super) fn step(&mut self, sample: &GridSample<T>) {
+    pub(crate) fn step(&mut self, sample: &GridSample<T>) {
         let corner = CornerSample {
             body_accel_m_s2: sample.body_accel_m_s2,
             wheel_accel_m_s2: sample.wheel_accel_m_s2,
@@ -149,7 +147,7 @@ impl<T: Real> Engine<T> {
     }
 
     /// Tells that the tire has its placard pressure now. The published filters have no ear for it.
-    pub(super) fn pin_to_placard(&mut self) {
+    pub(crate) fn pin_to_placard(&mut self) {
         match &mut self.method {
             Method::Informed(informed) => {
                 informed.pin_to_placard();
@@ -167,7 +165,7 @@ impl<T: Real> Engine<T> {
     }
 
     /// The car as it seems to be now, where the method looks at it.
-    pub(super) fn quarter_car(&self) -> QuarterCar<T> {
+    pub(crate) fn quarter_car(&self) -> QuarterCar<T> {
         match &self.method {
             Method::Informed(informed) => informed.quarter_car(),
             _ => self.config.quarter_car,
@@ -175,7 +173,7 @@ impl<T: Real> Engine<T> {
     }
 
     /// What the last frames said to a belief outside.
-    pub(super) fn take_word_for(&mut self, believed: impl FnOnce() -> (T, T)) -> Option<StiffnessWord<T>> {
+    pub(crate) fn take_word_for(&mut self, believed: impl FnOnce() -> (T, T)) -> Option<StiffnessWord<T>> {
         match &mut self.method {
             Method::Informed(informed) => informed.take_word_for(believed),
             _ => None,
@@ -183,7 +181,7 @@ impl<T: Real> Engine<T> {
     }
 
     /// Puts what the whole car says in the place of what the corner says.
-    pub(super) fn overrule(&self, reading: &mut Reading<T>, word: &CarWord<T>) {
+    pub(crate) fn overrule(&self, reading: &mut Reading<T>, word: &CarWord<T>) {
         reading.stiffness_n_per_m = word.stiffness_n_per_m;
         reading.stiffness_sd_n_per_m = word.stiffness_sd_n_per_m;
         reading.change_probability = word.moving;
@@ -196,12 +194,12 @@ impl<T: Real> Engine<T> {
         reading.validity = validity(&self.config, word.learned_s, sd_kpa);
     }
 
-    pub(super) fn reading(&self) -> Reading<T> {
+    pub(crate) fn reading(&self) -> Reading<T> {
         self.reading
     }
 
     /// The same at a time: nothing is being learned where no frame comes, as in a hole of the record.
-    pub(super) fn reading_at(&self, time_s: f64) -> Reading<T> {
+    pub(crate) fn reading_at(&self, time_s: f64) -> Reading<T> {
         let fresh = (0.0..STALE_S).contains(&(time_s - self.read_s));
         match &self.method {
             Method::Published(_) => self.reading,

@@ -4,23 +4,21 @@
 //! Called by the binary, the studies and controllers. Every sample passes the [`Intake`], so no estimator behind it
 //! ever sees a missing or absurd value.
 
-mod contact;
 mod engine;
-mod warning;
 
-use self::contact::ContactWatch;
-use self::engine::{Engine, Reading};
-use self::warning::LowPressureWatch;
-use crate::clock::SteadyClock;
-use crate::estimate::{CornerConfig, CornerEstimate, Diagnostics, Validity, Warning};
-use crate::informed::StiffnessWord;
-pub use crate::informed::{RoadPeriod, RoadRepetition};
-use crate::intake::{GridSample, Intake, SampleCounts};
-use crate::quarter_car::{ParameterError, QuarterCar, positive};
+use crate::conditioning::clock::SteadyClock;
+use crate::conditioning::wheel_lift::ContactWatch;
+use crate::conditioning::{GridSample, Intake, SampleCounts, SpeedHold};
+use crate::estimator::engine::{Engine, Reading};
+use crate::model::{
+    CornerConfig, CornerEstimate, CornerSample, Diagnostics, ParameterError, QuarterCar, Validity, Warning,
+    positive,
+};
 use crate::real::Real;
 use crate::road::{RoadConfig, RoadFilter};
-use crate::sample::CornerSample;
-use crate::speed::SpeedHold;
+use crate::single_wheel::StiffnessWord;
+pub use crate::single_wheel::{RoadPeriod, RoadRepetition};
+use crate::warning::single_wheel::LowPressureWatch;
 
 /// Grid rate in Hz that the spectral frames need; slower samples are interpolated up to it.
 const FRAME_GRID_HZ: f64 = 400.0;
@@ -32,7 +30,7 @@ const TELL_ROAD_S: f64 = 0.1;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum EstimatorKind {
-    /// Bayes filter that knows that a road looks like a road: [`crate::informed`].
+    /// Bayes filter that knows that a road looks like a road: [`crate::single_wheel`].
     #[default]
     Informed,
     /// The paper's recursion, mended and told the stiffness likelihood of the same frames.

@@ -17,42 +17,26 @@
 //! | `alert`, `report`, `wheels` | what is said |
 //! | `monitored` | estimator and monitor as one |
 
-mod alert;
-mod all_low;
-mod config;
-mod health;
-mod latch;
-mod leak;
 mod monitored;
-mod parting;
-mod report;
-mod standstill;
-mod warm;
-mod wheel;
-mod wheels;
 
-pub use alert::{Alert, Cause, Malfunction, Place, Reading, Sensor};
-pub use config::{Limits, MonitorConfig, Regulation};
-pub use monitored::MonitoredCar;
-pub use report::{Change, Doubt, MonitorReport, WheelReport, WheelState};
-pub use wheels::Wheels;
-
-use self::all_low::AllLow;
-use self::health::{Fault, Health};
-use self::latch::Latch;
-use self::leak::LeakWatch;
-use self::parting::Parting;
-use self::report::{ALL_LOW_SLOT, Slot};
-use self::standstill::Standstill;
-use self::warm::WarmReference;
-use self::wheel::{Around, WheelWatch, is_learning, reading};
+pub use self::monitored::MonitoredCar;
 use crate::car::CarEstimate;
-use crate::clock::SteadyClock;
-use crate::estimate::{CornerEstimate, Validity, Warning};
-use crate::quarter_car::{ParameterError, positive};
+use crate::conditioning::SpeedHold;
+use crate::conditioning::clock::SteadyClock;
+use crate::diagnosis::debounce::Latch;
+use crate::diagnosis::decorrelation::Parting;
+use crate::diagnosis::standstill::Standstill;
+use crate::diagnosis::{Fault, Health};
+use crate::model::{
+    CarSample, Corner, CornerEstimate, CornerSample, ParameterError, Validity, Warning, Wheels, positive,
+};
 use crate::real::Real;
-use crate::sample::{CarSample, Corner, CornerSample};
-use crate::speed::SpeedHold;
+use crate::warning::all_low::AllLow;
+use crate::warning::leak::LeakWatch;
+use crate::warning::low::{Around, WheelWatch, is_learning, reading};
+use crate::warning::reference_pressure::WarmReference;
+use crate::warning::report::{ALL_LOW_SLOT, Slot};
+use crate::warning::{Alert, Cause, Doubt, MonitorConfig, MonitorReport, WheelReport, WheelState};
 
 /// Seconds between two decisions on pressures.
 const DECIDE_S: f64 = 0.1;

@@ -1,12 +1,12 @@
 //! An estimator under a monitor: bad sensors are kept from it, what it says is judged, and corners start again when
 //! their sensors are back.
 
-use super::{Monitor, MonitorReport};
 use crate::car::{CarEstimate, CarEstimator};
 use crate::estimator::EstimatorKind;
-use crate::quarter_car::ParameterError;
+use crate::model::{CarSample, Corner, ParameterError};
+use crate::monitor::Monitor;
 use crate::real::Real;
-use crate::sample::{CarSample, Corner};
+use crate::warning::MonitorReport;
 
 /// A running estimator and its monitor. A value: clone it, save it, go on.
 #[derive(Debug, Clone, PartialEq)]

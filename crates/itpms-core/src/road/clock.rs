@@ -1,6 +1,6 @@
 //! Time as it comes with the samples: what to make of each stamp, and how far apart they usually are.
 //!
-//! Called by [`super::filter`]; knows no state and no sensor.
+//! Called by [`crate::road::filter`]; knows no state and no sensor.
 
 use crate::real::Real;
 

@@ -1,8 +1,8 @@
 //! What the road estimate is told: the corner, its sensors, how rough the road may be, and how late the sensors are.
 //!
-//! Made by whoever owns an estimator; read by [`super::RoadFilter`] and [`super::RoadRecorder`].
+//! Made by whoever owns an estimator; read by [`crate::road::RoadFilter`] and [`crate::road::RoadRecorder`].
 
-use crate::quarter_car::{ParameterError, QuarterCar, positive};
+use crate::model::{ParameterError, QuarterCar, positive};
 use crate::real::Real;
 
 /// How rough the road is believed to be at long waves: the natural logarithm `c` of the one-sided density of its

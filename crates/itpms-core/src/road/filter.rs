@@ -2,17 +2,15 @@
 //! flagged (docs/math/road.md, section 3).
 //!
 //! Called with every sample of a corner, by an estimator that knows the tire's stiffness or by
-//! [`super::RoadRecorder`]. Knows nothing of pressure, speed or other corners.
+//! [`crate::road::RoadRecorder`]. Knows nothing of pressure, speed or other corners.
 
-use super::clock::{Arrival, Clock};
-use super::config::{RoadConfig, RoadLevel};
-use super::level::LevelTracker;
-use super::model::{CoreState, FIRST_INTERVAL_S, Model, Transition, road_bandwidth, state};
-use super::recursion::{Correction, Lean, Recursion};
-use crate::estimate::Validity;
-use crate::quarter_car::{ParameterError, QuarterCar, positive};
+use crate::model::{CornerSample, ParameterError, QuarterCar, Validity, positive};
 use crate::real::Real;
-use crate::sample::CornerSample;
+use crate::road::clock::{Arrival, Clock};
+use crate::road::config::{RoadConfig, RoadLevel};
+use crate::road::level::LevelTracker;
+use crate::road::model::{CoreState, FIRST_INTERVAL_S, Model, Transition, road_bandwidth, state};
+use crate::road::recursion::{Correction, Lean, Recursion};
 
 /// Accelerations beyond this, in m/s², are no road but a broken signal.
 const ABSURD_M_S2: f64 = 2_000.0;
@@ -36,7 +34,7 @@ pub struct RoadEstimate<T> {
     /// Road height in m behind the configured high-pass (0.05 Hz, second order), from all samples so far.
     pub road_m: T,
     /// Its standard deviation in m. Most of it is slow drift, which two accelerometers cannot see before it is over;
-    /// for a band of wavelengths use [`super::RoadLimits::band_sd_m`].
+    /// for a band of wavelengths use [`crate::road::RoadLimits::band_sd_m`].
     pub road_sd_m: T,
     /// Tire deflection `x_r - x_w` in m, positive when the road pushes.
     pub tire_deflection_m: T,
@@ -311,7 +309,7 @@ impl<T: Real> RoadFilter<T> {
     }
 }
 
-/// What [`super::RoadRecorder`] reads after a sample.
+/// What [`crate::road::RoadRecorder`] reads after a sample.
 impl<T: Real> RoadFilter<T> {
     /// What [`Self::advance`] would make of a time.
     pub(crate) fn arrival(&self, time_s: f64) -> Arrival<T> {

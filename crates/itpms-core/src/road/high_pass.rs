@@ -1,6 +1,6 @@
 //! The second-order high-pass that frees a height of drift, for uneven steps (docs/math/road.md, eq. 4).
 //!
-//! Called by [`super::recorder`] backwards in time; the filter has the same high-pass inside its model.
+//! Called by [`crate::road::recorder`] backwards in time; the filter has the same high-pass inside its model.
 
 use crate::real::Real;
 

@@ -1,6 +1,6 @@
 //! A road height between samples: moves the record back by the sensors' delay.
 //!
-//! Called by [`super::recorder`]; knows points in time and heights, nothing else.
+//! Called by [`crate::road::recorder`]; knows points in time and heights, nothing else.
 
 use crate::real::Real;
 

@@ -1,7 +1,7 @@
 //! How rough the road is (docs/math/road.md, eq. 9, 10): the level at wheel hop from the power of the wheel's
 //! acceleration, drawn out to long waves with the slope that the recorded road shows.
 //!
-//! Called by [`super::filter`] with every wheel acceleration and height. The first part does not depend on the
+//! Called by [`crate::road::filter`] with every wheel acceleration and height. The first part does not depend on the
 //! filter's own estimate, and the second only ever raises the level, so that a level too low cannot confirm itself.
 
 use crate::real::Real;
@@ -95,7 +95,7 @@ impl<T: Real> LevelTracker<T> {
     }
 
     /// One more wheel acceleration, `step_s` after the last; `power_per_intensity` from
-    /// [`super::model::Model::wheel_power_per_intensity`].
+    /// [`crate::road::model::Model::wheel_power_per_intensity`].
     pub(crate) fn update(
         &mut self,
         wheel_accel_m_s2: T,

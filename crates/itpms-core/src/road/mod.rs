@@ -6,9 +6,9 @@
 //! either can see. Nothing here knows of pressure, distance or files.
 //!
 //! ```
-//! use itpms_core::quarter_car::QuarterCar;
+//! use itpms_core::model::QuarterCar;
 //! use itpms_core::road::{RoadConfig, RoadFilter, RoadRecorder, RoadRow, Segment, window_for};
-//! use itpms_core::sample::CornerSample;
+//! use itpms_core::model::CornerSample;
 //! # let log = (0..1_000).map(|i| (f64::from(i) * 0.002, (f64::from(i) * 0.1).sin()));
 //! # let log: Vec<_> = log.map(|(t, a)| (t, CornerSample { body_accel_m_s2: 0.1 * a, wheel_accel_m_s2: a })).collect();
 //!

@@ -1,13 +1,13 @@
 //! The quarter car with the road as a state, in coordinates that suit single precision, and its exact discretisation
 //! (docs/math/road.md, eq. 1-8).
 //!
-//! Called by [`super::filter`] and [`super::limits`]. Knows nothing of samples, time stamps or missing values.
+//! Called by [`crate::road::filter`] and [`crate::road::limits`]. Knows nothing of samples, time stamps or missing values.
 
 use nalgebra::{Matrix2, SMatrix, SVector};
 
-use super::config::RoadConfig;
-use crate::quarter_car::QuarterCar;
+use crate::model::QuarterCar;
 use crate::real::Real;
+use crate::road::config::RoadConfig;
 
 /// Number of states.
 pub(crate) const STATES: usize = 9;

@@ -5,15 +5,15 @@
 
 use core::marker::PhantomData;
 
-use super::clock::Arrival;
-use super::config::RoadConfig;
-use super::filter::{RoadFilter, believable};
-use super::high_pass::HighPass;
-use super::interpolate::{HALF, WIDTH, height_at};
-use super::row::{RoadPoint, RoadRow};
-use super::segment::{Later, Segment};
+use crate::model::CornerSample;
 use crate::real::Real;
-use crate::sample::CornerSample;
+use crate::road::clock::Arrival;
+use crate::road::config::RoadConfig;
+use crate::road::filter::{RoadFilter, believable};
+use crate::road::high_pass::HighPass;
+use crate::road::interpolate::{HALF, WIDTH, height_at};
+use crate::road::row::{RoadPoint, RoadRow};
+use crate::road::segment::{Later, Segment};
 use thiserror::Error;
 
 /// Length of a segment in s: the backward pass corrects slow drift only, and is linear over so short a time to a

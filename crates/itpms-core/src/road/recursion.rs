@@ -1,12 +1,12 @@
 //! The Kalman recursion behind the road estimate: mean, covariance, prediction, correction (docs/math/road.md,
 //! section 3).
 //!
-//! Called by [`super::filter`]. Knows nothing of time stamps, missing values or levels.
+//! Called by [`crate::road::filter`]. Knows nothing of time stamps, missing values or levels.
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::model::{CORE, CoreState, Matrix, Model, State, Transition, state, symmetrise};
 use crate::real::Real;
+use crate::road::model::{CORE, CoreState, Matrix, Model, State, Transition, state, symmetrise};
 
 /// Steps further from the one at hand than this share of it get their own discretisation.
 const STEP_TOLERANCE: f64 = 1e-3;
@@ -183,7 +183,7 @@ fn recall<T: Real>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::quarter_car::QuarterCar;
+    use crate::model::QuarterCar;
     use crate::road::RoadConfig;
     use proptest::prelude::*;
 

@@ -1,14 +1,14 @@
 //! The backward pass: what later samples say about an earlier road height (docs/math/road.md, section 4).
 //!
 //! A segment stands for some tens of milliseconds of forward filtering between two snapshots of it. Called by
-//! [`super::recorder`]; knows nothing of rows, time or delays.
+//! [`crate::road::recorder`]; knows nothing of rows, time or delays.
 
-use super::filter::RoadFilter;
-use super::model::{CoreMatrix, CoreState, Transition};
-use super::recursion::Correction;
 use crate::real::Real;
+use crate::road::filter::RoadFilter;
+use crate::road::model::{CoreMatrix, CoreState, Transition};
+use crate::road::recursion::Correction;
 
-/// A stretch of the forward pass, condensed to what the backward pass needs: memory for [`super::RoadRecorder`],
+/// A stretch of the forward pass, condensed to what the backward pass needs: memory for [`crate::road::RoadRecorder`],
 /// about 120 numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -114,11 +114,10 @@ impl<T: Real> Later<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::quarter_car::QuarterCar;
+    use crate::model::{CornerSample, QuarterCar};
     use crate::road::config::RoadLevel;
     use crate::road::model::{CORE, Matrix, Model, State, state};
     use crate::road::{RoadConfig, RoadFilter};
-    use crate::sample::CornerSample;
     use nalgebra::{SMatrix, SVector};
 
     const SAMPLES: usize = 20;

@@ -1,13 +1,10 @@
 //! A car of four quarter cars on two tracks, rear wheels behind front ones on the same road. Written from eq. (1) without
 //! the crate's own model: a road of slope -2 over distance, Runge-Kutta at 4 kHz, a Butterworth low-pass, sensors.
 
-use itpms_core::car::{CarConfig, CarEstimate, CarEstimator};
-use itpms_core::estimate::CornerConfig;
+use itpms_core::car::{CarEstimate, CarEstimator};
 use itpms_core::estimator::EstimatorKind;
-use itpms_core::pressure::PressureMap;
-use itpms_core::quarter_car::QuarterCar;
+use itpms_core::model::{CarConfig, CarSample, CornerConfig, CornerSample, PressureMap, QuarterCar};
 use itpms_core::real::Real;
-use itpms_core::sample::{CarSample, CornerSample};
 
 use super::quarter_plant::{KS, Random, runge_kutta, stiffness};
 use super::ride::{PLANT_HZ, low_pass};

@@ -1,7 +1,7 @@
 //! A quarter car on a rough road, written from eq. (1) without the crate's own model: road as integrated white
 //! noise (slope -2), Runge-Kutta at 4 kHz, an anti-alias filter without delay, sensors with white noise.
 
-use itpms_core::sample::CornerSample;
+use itpms_core::model::CornerSample;
 
 /// The paper's Table 2 and eq. (5), written out.
 pub const MB: f64 = 240.8;

@@ -2,8 +2,8 @@
 //! without the crate's own model: a road of slope -2, Runge-Kutta at 4 kHz, a Butterworth low-pass, sensors.
 
 use super::quarter_plant::{Random, derivative, runge_kutta, stiffness};
-use itpms_core::estimate::{CornerConfig, CornerEstimate};
 use itpms_core::estimator::{Estimator, EstimatorKind};
+use itpms_core::model::{CornerConfig, CornerEstimate};
 use itpms_core::real::Real;
 
 /// Steps of the plant per second.

@@ -177,9 +177,8 @@ fn report() {
 #[test]
 #[ignore = "prints times"]
 fn cost_report() {
-    use itpms_core::quarter_car::QuarterCar;
+    use itpms_core::model::{CornerSample, QuarterCar};
     use itpms_core::road::RoadFilter;
-    use itpms_core::sample::CornerSample;
     let log = drive(&Drive::new(1, 20.0, CLASS_B));
     let samples: Vec<_> = log.samples().collect();
     let per_sample = |seconds: f64| 1e9 * seconds / samples.len() as f64;

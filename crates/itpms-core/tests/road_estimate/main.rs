@@ -9,9 +9,8 @@ mod honesty;
 mod plant;
 mod robustness;
 
-use itpms_core::quarter_car::QuarterCar;
+use itpms_core::model::{CornerSample, QuarterCar};
 use itpms_core::road::{RoadConfig, RoadFilter, RoadPoint, RoadRecorder, RoadRow, Segment, window_for};
-use itpms_core::sample::CornerSample;
 use plant::{Log, STIFFNESS};
 
 /// The paper's corner, its stiffness known, the noise as given.

@@ -3,12 +3,10 @@
 use crate::compare::{band, band_error, rms};
 use crate::plant::{CLASS_A, CLASS_B, CLASS_C, Drive, Log, Random, STIFFNESS, drive};
 use crate::{config, heights, record, recorder};
-use itpms_core::estimate::Validity;
-use itpms_core::quarter_car::QuarterCar;
+use itpms_core::model::{CornerSample, QuarterCar, Validity};
 use itpms_core::road::{
     RoadConfig, RoadFilter, RoadLevel, RoadPoint, RoadRecorder, RoadRow, Segment, SensorDelay, window_for,
 };
-use itpms_core::sample::CornerSample;
 use proptest::prelude::*;
 
 fn error(log: &Log, d: &Drive, points: &[RoadPoint<f64>]) -> f64 {

@@ -2,7 +2,7 @@
 //!
 //! Called by both sources with their column names.
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 
 use super::row::{CornerColumns, Field, LogColumns, Slot};
 use crate::error::Problem;

@@ -4,8 +4,7 @@ use std::path::PathBuf;
 
 use super::units::UnitCheck;
 #[cfg(any(feature = "can", feature = "mdf4"))]
-use crate::error::DataError;
-use crate::error::Problem;
+use crate::error::{DataError, Problem};
 #[cfg(any(feature = "can", feature = "mdf4"))]
 use crate::signals::SignalMap;
 

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 
 use super::options::LogOptions;
 use super::order::{Stage, TimeOrder};

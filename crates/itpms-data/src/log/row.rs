@@ -1,7 +1,7 @@
 //! A row of a drive log and the columns it can have. Names live here and nowhere else.
 
 use crate::signals::Quantity;
-use itpms_core::sample::{CarSample, Corner, CornerSample, Sample};
+use itpms_core::model::{CarSample, Corner, CornerSample, Sample};
 
 /// One quantity of one corner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

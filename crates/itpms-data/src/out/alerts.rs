@@ -2,7 +2,9 @@
 //!
 //! Called by the commands that write what the monitor says. Knows the monitor's words, no file.
 
-use itpms_core::monitor::{Alert, Cause, Change, Malfunction, Place, Reading, Sensor, Wheels};
+use itpms_core::diagnosis::{Malfunction, Place, Sensor};
+use itpms_core::model::Wheels;
+use itpms_core::warning::{Alert, Cause, Change, Reading};
 use serde_json::{Map, Value, json};
 
 use crate::log::{Field, Slot};

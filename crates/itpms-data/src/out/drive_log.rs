@@ -9,8 +9,7 @@ use super::log_frames::LogFrames;
 use super::table::{Cell, Kind, Table};
 use crate::error::DataError;
 #[cfg(feature = "mdf4")]
-use crate::log::Slot;
-use crate::log::{LogColumns, LogFormat, LogOptions, LogRow};
+use crate::log::{LogColumns, LogFormat, LogOptions, LogRow, Slot};
 #[cfg(feature = "mdf4")]
 use crate::mdf4::{ChannelSpec, Compression, GroupSpec, Mdf4Writer, SampleFormat};
 

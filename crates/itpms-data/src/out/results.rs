@@ -4,8 +4,7 @@
 
 use std::path::Path;
 
-use itpms_core::estimate::{CornerEstimate, Warning};
-use itpms_core::sample::Corner;
+use itpms_core::model::{Corner, CornerEstimate, Warning};
 
 use super::AtomicFile;
 use super::table::{Cell, Kind, Table};

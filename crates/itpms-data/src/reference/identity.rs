@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 
 use super::ReferenceProblem;
 use super::checksum::crc64;

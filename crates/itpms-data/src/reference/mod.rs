@@ -31,7 +31,7 @@ use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::Path;
 
-use itpms_core::car::{LearnedReference, ReferenceError};
+use itpms_core::model::{LearnedReference, ReferenceError};
 use thiserror::Error;
 
 use crate::error::{DataError, Problem};

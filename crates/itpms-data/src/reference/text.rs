@@ -2,8 +2,7 @@
 
 use std::fmt::Write as _;
 
-use itpms_core::car::{Learned, LearnedCorner, LearnedReference};
-use itpms_core::sample::Corner;
+use itpms_core::model::{Corner, Learned, LearnedCorner, LearnedReference};
 use toml::de::DeTable;
 
 use super::checksum::crc64;

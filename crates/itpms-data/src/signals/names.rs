@@ -4,7 +4,7 @@
 //! it is in helps out with what the name itself leaves open. Cautious: a word that makes it another quantity (`lateral`,
 //! `target`, `status`) rules it out. Knows nothing of units.
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 
 use crate::log::{Field, Slot};
 

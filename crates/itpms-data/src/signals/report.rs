@@ -4,7 +4,7 @@
 
 use std::fmt::{self, Write as _};
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 
 use super::problem::stated;
 use super::units::Quantity;

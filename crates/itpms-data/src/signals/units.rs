@@ -158,7 +158,7 @@ const UNITS: [(&str, Quantity, f64); 65] = {
 
 #[cfg(test)]
 mod tests {
-    use itpms_core::sample::Corner;
+    use itpms_core::model::Corner;
 
     use super::*;
 

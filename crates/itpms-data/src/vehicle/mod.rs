@@ -26,15 +26,11 @@
 
 mod write;
 
-use std::fs;
-use std::io;
 use std::path::Path;
+use std::{fs, io};
 
-use itpms_core::car::CarConfig;
-use itpms_core::estimate::CornerConfig;
-use itpms_core::pressure::PressureMap;
-use itpms_core::quarter_car::{ParameterError, QuarterCar};
-use itpms_core::sample::Corner;
+use itpms_core::model::quarter_car::{ParameterError, QuarterCar};
+use itpms_core::model::{CarConfig, Corner, CornerConfig, PressureMap};
 use toml::de::DeTable;
 
 use crate::error::{DataError, Problem};

@@ -2,9 +2,7 @@
 
 use std::fmt::Write as _;
 
-use itpms_core::estimate::CornerConfig;
-use itpms_core::pressure::PressureMap;
-use itpms_core::sample::Corner;
+use itpms_core::model::{Corner, CornerConfig, PressureMap};
 
 use super::Vehicle;
 use crate::toml_table::escaped;

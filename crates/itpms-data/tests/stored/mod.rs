@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 #![allow(dead_code, reason = "every test file uses its own part")]
 
-use itpms_core::car::{Learned, LearnedCorner, LearnedReference};
+use itpms_core::model::{Learned, LearnedCorner, LearnedReference};
 use itpms_data::Vehicle;
 use itpms_data::reference::StoredReference;
 

@@ -4,11 +4,10 @@
 //! that the socket is always read. Frames have the kernel's time of their arrival, which goes on when somebody sets the clock.
 //! What the kernel itself lost because this thread was not run for too long is not counted.
 
-use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use std::{io, thread};
 
 use itpms_data::can::{CanFrame, CanId, Direction, FrameKind, Payload};
 use socketcan::{

@@ -9,7 +9,7 @@
 
 use std::sync::Arc;
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use itpms_data::LogRow;
 use itpms_data::log::LogCorner;
 use itpms_live::input::{Note, Say};

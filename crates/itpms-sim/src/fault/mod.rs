@@ -96,7 +96,7 @@ impl Fault {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use itpms_core::sample::Corner;
+    use itpms_core::model::Corner;
 
     const CLEAN: Readings = [[0.1, 1.0], [0.2, 2.0], [0.3, 3.0], [0.4, 4.0]];
 

@@ -1,6 +1,6 @@
 //! A sensor's fault as written in a scenario.
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{InvalidValue, not_negative, positive, within};

@@ -3,7 +3,7 @@
 //! Called by the simulation for corners that are on their own. It is written apart from the model in `itpms-core` on
 //! purpose: the tests hold the two against each other.
 
-use itpms_core::quarter_car::{ParameterError, QuarterCar};
+use itpms_core::model::quarter_car::{ParameterError, QuarterCar};
 
 use super::{Deviations, Strut};
 

@@ -2,7 +2,7 @@
 //!
 //! Called by both plants, several times a step; without crookedness it is the linear law of eq. (1).
 
-use itpms_core::quarter_car::QuarterCar;
+use itpms_core::model::QuarterCar;
 
 use super::Deviations;
 

@@ -1,9 +1,6 @@
 //! One corner of a scenario: what its estimator is told, how the true one differs, and its pressure.
 
-use itpms_core::estimate::CornerConfig;
-use itpms_core::pressure::PressureMap;
-use itpms_core::quarter_car::QuarterCar;
-use itpms_core::sample::Corner;
+use itpms_core::model::{Corner, CornerConfig, PressureMap, QuarterCar};
 use serde::{Deserialize, Serialize};
 
 use crate::error::InvalidValue;

@@ -13,8 +13,7 @@ mod tolerance;
 
 use serde::{Deserialize, Serialize};
 
-use itpms_core::estimate::CornerConfig;
-use itpms_core::sample::Corner;
+use itpms_core::model::{Corner, CornerConfig};
 
 pub use corner::{CornerSpec, Corners, TireSpec};
 pub use journey::JourneySpec;

@@ -11,7 +11,7 @@ use super::Scenario;
 use crate::error::{InvalidValue, within};
 use crate::sensor::SensorSpec;
 use crate::streams::{Purpose, generator};
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 
 /// The largest deviations either way; each is drawn evenly in between.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

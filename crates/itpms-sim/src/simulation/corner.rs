@@ -2,8 +2,7 @@
 //!
 //! Called by the simulation, which moves the masses (the corner does not know whether they are its own).
 
-use itpms_core::pressure::PressureMap;
-use itpms_core::sample::Corner;
+use itpms_core::model::{Corner, PressureMap};
 
 use super::history::History;
 use super::row::CornerRow;

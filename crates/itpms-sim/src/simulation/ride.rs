@@ -2,7 +2,7 @@
 //!
 //! Called by the simulation, which knows roads and sensors; this knows none of them.
 
-use itpms_core::quarter_car::QuarterCar;
+use itpms_core::model::QuarterCar;
 use rand::RngExt;
 
 use crate::car::motion::Motion;

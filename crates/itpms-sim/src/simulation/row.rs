@@ -1,6 +1,6 @@
 //! What a simulation hands out: rows of a log with the truth beside them.
 
-use itpms_core::sample::{Corner, CornerSample, Sample};
+use itpms_core::model::{Corner, CornerSample, Sample};
 
 /// One row of a log with its truth. Signals are late by the anti-alias filter's group delay, the truth is not.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,7 +4,7 @@
 //! corner's spectral matrix is `Phi(f) = S(f) g g^H + N I`: a road of density `S`, the transfers `g` from road to body and
 //! wheel acceleration, white sensor noise of density `N`.
 
-use itpms_core::estimate::CornerConfig;
+use itpms_core::model::CornerConfig;
 use nalgebra::{Complex, Matrix2, Matrix3, SMatrix, Vector2};
 
 use super::BoundSetting;
@@ -114,7 +114,7 @@ pub(super) fn information<const C: usize, const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use itpms_core::quarter_car::{QuarterCar, state};
+    use itpms_core::model::quarter_car::{QuarterCar, state};
     use nalgebra::{Matrix4, Vector4, Vector5};
     use rand::SeedableRng;
     use rand_distr::{Distribution, StandardNormal};

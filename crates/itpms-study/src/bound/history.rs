@@ -206,7 +206,7 @@ fn between(table: &[Matrix3<f64>], pressure_kpa: f64) -> Matrix3<f64> {
 mod tests {
     use super::super::{BoundSetting, CornerBound};
     use super::*;
-    use itpms_core::estimate::CornerConfig;
+    use itpms_core::model::CornerConfig;
 
     fn bound(road_knowledge: RoadKnowledge) -> CornerBound {
         let setting = BoundSetting { road_knowledge, ..BoundSetting::paper() };

@@ -19,7 +19,7 @@ pub use side::SideBound;
 
 use fisher::Fisher;
 pub(crate) use fisher::{LEVEL_HZ, STEP_HZ, transfers};
-use itpms_core::estimate::CornerConfig;
+use itpms_core::model::CornerConfig;
 use nalgebra::{Matrix2, Matrix3, Vector2};
 use thiserror::Error;
 
@@ -208,7 +208,7 @@ impl CornerBound {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use itpms_core::quarter_car::QuarterCar;
+    use itpms_core::model::QuarterCar;
 
     const P: f64 = 241.3;
 

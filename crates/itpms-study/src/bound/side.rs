@@ -4,7 +4,7 @@
 //! Called by the score, beside the drives of four quarter cars. The four signals are those of one place on the road: the
 //! delay between the wheels is known, and a known delay changes nothing.
 
-use itpms_core::estimate::CornerConfig;
+use itpms_core::model::CornerConfig;
 use itpms_sim::road::coherence;
 use nalgebra::{Complex, Matrix2, Matrix4, Vector2};
 
@@ -121,7 +121,7 @@ impl SideBound {
 
 #[cfg(test)]
 mod tests {
-    use itpms_core::quarter_car::QuarterCar;
+    use itpms_core::model::QuarterCar;
 
     use super::super::CornerBound;
     use super::*;

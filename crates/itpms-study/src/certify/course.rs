@@ -3,7 +3,7 @@
 //!
 //! Called by `drive`. Knows the regulations' numbers, nothing of estimators.
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use itpms_sim::error::ScenarioError;
 use itpms_sim::scenario::Scenario;
 use itpms_sim::time_profile::{Pressure, Speed};

@@ -3,10 +3,11 @@
 //! Called for each procedure. The estimator and its monitor get samples and nothing else; what is known here of pressures
 //! and faults is held against what they say.
 
-use itpms_core::car::{CarConfig, CarEstimate, CarEstimator};
+use itpms_core::car::{CarEstimate, CarEstimator};
 use itpms_core::estimator::EstimatorKind;
-use itpms_core::monitor::{Monitor, MonitorConfig, MonitoredCar, Wheels};
-use itpms_core::sample::{CarSample, Corner, CornerSample};
+use itpms_core::model::{CarConfig, CarSample, Corner, CornerSample, Wheels};
+use itpms_core::monitor::{Monitor, MonitoredCar};
+use itpms_core::warning::MonitorConfig;
 use itpms_sim::fault::Faults;
 use itpms_sim::simulation::{SimRow, Simulation};
 use rand::RngExt;

@@ -1,6 +1,6 @@
 //! A test as a figure: true and estimated pressures, when something went wrong, and when the tell-tale came on.
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 
 use super::{Certificate, Outcome};
 use crate::plot::{Axis, Figure, Ink, Panel, Stroke};

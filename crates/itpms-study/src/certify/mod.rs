@@ -29,8 +29,7 @@ mod tests;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use itpms_core::car::ReferenceError;
-use itpms_core::quarter_car::ParameterError;
+use itpms_core::model::{ParameterError, ReferenceError};
 use itpms_sim::error::ScenarioError;
 use rayon::prelude::*;
 use serde::Serialize;

@@ -1,7 +1,8 @@
 //! What came of a test, and whether that passes.
 
 use itpms_core::car::CarEstimate;
-use itpms_core::monitor::{Alert, Wheels};
+use itpms_core::model::Wheels;
+use itpms_core::warning::Alert;
 use itpms_sim::simulation::SimRow;
 use serde::Serialize;
 
@@ -39,7 +40,7 @@ pub struct Elsewhere {
     pub time_s: f64,
     /// What the car did.
     pub phase: Phase,
-    /// Why, in one word; see [`Cause::label`](itpms_core::monitor::Cause::label).
+    /// Why, in one word; see [`Cause::label`](itpms_core::warning::Cause::label).
     pub cause: &'static str,
     /// The wheels it named.
     pub wheels: String,
@@ -253,8 +254,8 @@ impl TracePoint {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use itpms_core::monitor::{Cause, Reading};
-    use itpms_core::sample::Corner;
+    use itpms_core::model::Corner;
+    use itpms_core::warning::{Cause, Reading};
 
     fn good() -> Findings {
         Findings {

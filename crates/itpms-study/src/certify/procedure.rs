@@ -1,7 +1,6 @@
 //! The list of tests: which regulation, which wheels or which fault.
 
-use itpms_core::monitor::Wheels;
-use itpms_core::sample::Corner;
+use itpms_core::model::{Corner, Wheels};
 use itpms_sim::fault::{FaultKind, FaultPlace, FaultSpec, SensorName};
 
 use super::rules::Rule;

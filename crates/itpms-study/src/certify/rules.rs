@@ -2,7 +2,7 @@
 //!
 //! Sources: UN Regulation No. 141, paragraphs 5.2 to 5.4 and Annex 3; 49 CFR 571.138 (FMVSS 138), S4.2, S4.4, S5.3, S6.
 
-use itpms_core::monitor::{Limits, Regulation};
+use itpms_core::warning::{Limits, Regulation};
 use serde::Serialize;
 
 use super::procedure::Test;
@@ -109,8 +109,7 @@ impl Rule {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use itpms_core::monitor::Wheels;
-    use itpms_core::sample::Corner;
+    use itpms_core::model::{Corner, Wheels};
 
     #[test]
     fn tires_are_let_down_to_what_the_clauses_say() {

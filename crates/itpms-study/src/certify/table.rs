@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 
 use super::{Certificate, Outcome, Procedure, Verdict};
 
@@ -154,7 +154,7 @@ mod tests {
     use super::super::rules::Rule;
     use super::super::telltale::Wrong;
     use super::*;
-    use itpms_core::monitor::{Alert, Cause, Reading};
+    use itpms_core::warning::{Alert, Cause, Reading};
 
     #[test]
     fn what_else_was_said_is_in_the_table_and_on_the_page() {

@@ -1,9 +1,8 @@
 //! What the driver would see: one lamp for low pressure, one for a malfunction, and the wheels that are named.
 
 use itpms_core::car::CarEstimate;
-use itpms_core::estimate::Warning;
-use itpms_core::monitor::{Alert, Cause, MonitorReport, Wheels};
-use itpms_core::sample::Corner;
+use itpms_core::model::{Corner, Warning, Wheels};
+use itpms_core::warning::{Alert, Cause, MonitorReport};
 
 /// A lamp.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -72,7 +71,8 @@ pub(super) fn wrong(lamp: Lamp, concerned: Wheels, alert: &Alert<f64>) -> Option
 #[cfg(test)]
 mod tests {
     use super::*;
-    use itpms_core::monitor::{Malfunction, Place, Reading, Sensor};
+    use itpms_core::diagnosis::{Malfunction, Place, Sensor};
+    use itpms_core::warning::Reading;
 
     #[test]
     fn only_what_was_done_to_the_car_explains_a_lamp() {

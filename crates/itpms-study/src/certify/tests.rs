@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use itpms_sim::fault::{FaultPlace, FaultSpec};
 
 use super::course::Course;

@@ -4,7 +4,7 @@
 //! Called by `itpms calibrate`. The regression itself is the core's; here it is held against its assumptions: is the line
 //! straight, does a row stand out, do repeats scatter as the line says.
 
-use itpms_core::pressure::{PressureMap, RegressionError};
+use itpms_core::model::{PressureMap, RegressionError};
 use serde::Serialize;
 
 use super::IdentifyError;

@@ -7,14 +7,13 @@
 
 use serde::Serialize;
 
-use super::IdentifyError;
 use super::blocks::{Block, BlockFit, jackknife};
 use super::distribution::chi_square_beyond;
-use super::doubts;
 use super::estimate::Estimate;
 use super::guard::{Units, plain};
 use super::motion::{Run, runs};
 use super::spring::UNSETTLED;
+use super::{IdentifyError, doubts};
 
 /// Damping in N s/m beyond which the unit is doubted.
 const PLAUSIBLE_N_S_PER_M: (f64, f64) = (10.0, 500_000.0);

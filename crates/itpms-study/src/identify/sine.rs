@@ -6,9 +6,8 @@ use std::ops::Range;
 
 use nalgebra::{SMatrix, SVector};
 
-use super::IdentifyError;
-use super::guard;
 use super::strokes::strokes;
+use super::{IdentifyError, guard};
 
 /// Periods a stretch must have.
 pub(super) const FEWEST_PERIODS: usize = 5;

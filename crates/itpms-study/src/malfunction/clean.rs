@@ -1,9 +1,8 @@
 //! The same drives without a malfunction: what is said for nothing, and how far off a pressure is anyway.
 
 use itpms_core::car::CarEstimate;
-use itpms_core::estimate::Validity;
-use itpms_core::monitor::{Cause, Change, MonitorReport};
-use itpms_core::sample::CarSample;
+use itpms_core::model::{CarSample, Validity};
+use itpms_core::warning::{Cause, Change, MonitorReport};
 use serde::Serialize;
 
 use super::drive::Recorded;

@@ -1,7 +1,6 @@
 //! Everyday drives on which nothing is wrong, recorded, to put malfunctions into.
 
-use itpms_core::car::CarConfig;
-use itpms_core::sample::{CarSample, Corner};
+use itpms_core::model::{CarConfig, CarSample, Corner};
 use itpms_sim::road::{AfterLast, Amplitude, Pothole, RoadClass, Segment, Segments, Surface, Tracks};
 use itpms_sim::scenario::{Scenario, ToleranceSpec};
 use itpms_sim::simulation::Simulation;

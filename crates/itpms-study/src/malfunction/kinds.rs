@@ -1,7 +1,8 @@
 //! The malfunctions that are put in, and within which time each is to be said.
 
-use itpms_core::monitor::{Cause, Malfunction, Place, Sensor, Wheels};
-use itpms_core::sample::Corner;
+use itpms_core::diagnosis::{Malfunction, Place, Sensor};
+use itpms_core::model::{Corner, Wheels};
+use itpms_core::warning::Cause;
 use itpms_sim::fault::{FaultKind, FaultPlace, FaultSpec, SensorName};
 
 use FaultPlace::{Body, Wheel};

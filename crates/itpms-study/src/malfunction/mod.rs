@@ -23,8 +23,9 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use itpms_core::car::CarEstimator;
 use itpms_core::estimator::EstimatorKind;
-use itpms_core::monitor::{Monitor, MonitorConfig, MonitoredCar};
-use itpms_core::quarter_car::ParameterError;
+use itpms_core::model::ParameterError;
+use itpms_core::monitor::{Monitor, MonitoredCar};
+use itpms_core::warning::MonitorConfig;
 use itpms_sim::error::ScenarioError;
 use rayon::prelude::*;
 use serde::Serialize;

@@ -1,8 +1,8 @@
 //! One malfunction put into one drive: when it was said, what was shown meanwhile, and how the monitor came back.
 
-use itpms_core::estimate::CornerEstimate;
-use itpms_core::monitor::{Alert, Cause, Change, MonitoredCar, Wheels};
-use itpms_core::sample::{CarSample, Corner, CornerSample};
+use itpms_core::model::{CarSample, Corner, CornerEstimate, CornerSample, Wheels};
+use itpms_core::monitor::MonitoredCar;
+use itpms_core::warning::{Alert, Cause, Change};
 use itpms_sim::fault::{FaultSpec, Faults};
 use serde::Serialize;
 
@@ -238,8 +238,9 @@ fn shown_wrong(
 mod tests {
     use super::super::kinds;
     use super::*;
-    use itpms_core::estimate::{Diagnostics, Validity, Warning};
-    use itpms_core::monitor::{Malfunction, Place, Reading, Sensor};
+    use itpms_core::diagnosis::{Malfunction, Place, Sensor};
+    use itpms_core::model::{Diagnostics, Validity, Warning};
+    use itpms_core::warning::Reading;
 
     fn stuck() -> Kind {
         kinds().into_iter().find(|kind| kind.name == "stuck, wheel").unwrap()

@@ -4,7 +4,7 @@
 
 use std::f64::consts::TAU;
 
-use itpms_core::estimate::CornerConfig;
+use itpms_core::model::CornerConfig;
 use nalgebra::{Complex, Vector2};
 
 /// Logarithms of unsprung mass, sprung mass, damping and spring: an uncertain corner's parameters, in this order.
@@ -51,7 +51,7 @@ pub(super) fn slopes(
 mod tests {
     use super::*;
     use crate::bound::transfers;
-    use itpms_core::quarter_car::QuarterCar;
+    use itpms_core::model::QuarterCar;
 
     #[test]
     fn slopes_are_finite_differences() {

@@ -5,7 +5,7 @@
 //! the road's power says of the stiffness and what the passes say about each other. It must not know which of
 //! the four sources it serves.
 
-use itpms_core::estimate::CornerConfig;
+use itpms_core::model::CornerConfig;
 use nalgebra::{Complex, DMatrix, DVector, Vector2};
 
 use super::car;
@@ -185,7 +185,7 @@ pub(super) fn variance(information: &DMatrix<f64>, combination: &[f64]) -> f64 {
 mod tests {
     use super::*;
     use crate::bound::CornerBound;
-    use itpms_core::quarter_car::QuarterCar;
+    use itpms_core::model::QuarterCar;
     use rand::SeedableRng;
     use rand_distr::{Distribution, StandardNormal};
     use rand_pcg::Pcg64;

@@ -33,7 +33,7 @@ pub use twin::{Twin, Twins};
 
 use std::ops::ControlFlow;
 
-use itpms_core::quarter_car::ParameterError;
+use itpms_core::model::ParameterError;
 use rayon::prelude::*;
 use serde::Serialize;
 use thiserror::Error;

@@ -6,7 +6,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use itpms_core::estimate::CornerConfig;
+use itpms_core::model::CornerConfig;
 use nalgebra::{Complex, DMatrix, DVector};
 use rand::{RngExt as _, SeedableRng};
 use rand_pcg::Pcg64;

@@ -5,7 +5,7 @@
 //! the outputs are the accelerations with theirs. The matrix is the derivative of the latter by the former, exact (no
 //! finite differences), in units that make all of them of order one.
 
-use itpms_core::estimate::CornerConfig;
+use itpms_core::model::CornerConfig;
 use nalgebra::DVector;
 use serde::Serialize;
 
@@ -193,7 +193,7 @@ fn stiffness(null: &[DVector<f64>], layout: &Layout, known: Known) -> Stiffness 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use itpms_core::quarter_car::QuarterCar;
+    use itpms_core::model::QuarterCar;
 
     fn rear() -> CornerConfig<f64> {
         CornerConfig {

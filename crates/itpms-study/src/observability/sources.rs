@@ -5,8 +5,8 @@
 
 use std::fmt;
 
-use itpms_core::estimate::CornerConfig;
-use itpms_core::quarter_car::{ParameterError, QuarterCar};
+use itpms_core::model::CornerConfig;
+use itpms_core::model::quarter_car::{ParameterError, QuarterCar};
 use nalgebra::DMatrix;
 use serde::Serialize;
 

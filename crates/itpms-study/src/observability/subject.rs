@@ -2,8 +2,7 @@
 //!
 //! Filled by the binary from a vehicle file.
 
-use itpms_core::estimate::CornerConfig;
-use itpms_core::quarter_car::QuarterCar;
+use itpms_core::model::{CornerConfig, QuarterCar};
 
 use crate::bound::BoundSetting;
 

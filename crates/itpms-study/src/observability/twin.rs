@@ -3,8 +3,8 @@
 //! Called by the study. A quarter car drives a class A road; then others with another stiffness, constant or falling,
 //! drive the road made for them. Each drive is integrated by itself, from its own road and its own stiffness.
 
-use itpms_core::estimate::CornerConfig;
-use itpms_core::quarter_car::state;
+use itpms_core::model::CornerConfig;
+use itpms_core::model::quarter_car::state;
 use nalgebra::Vector5;
 use serde::Serialize;
 

@@ -3,10 +3,9 @@
 //! Called by `drive`. The published filters are driven directly: the study draws what is inside them, and gives them
 //! the tuning of the section of the paper at hand.
 
-use itpms_core::estimate::CornerConfig;
 use itpms_core::estimator::{Estimator, EstimatorKind};
-use itpms_core::filter::{AekfUi, FilterConfig, Forgetting};
-use itpms_core::sample::CornerSample;
+use itpms_core::model::{CornerConfig, CornerSample};
+use itpms_core::published::{AekfUi, FilterConfig, Forgetting};
 
 use super::PaperError;
 use crate::plot::{Ink, Stroke};

@@ -2,7 +2,7 @@
 //!
 //! Called by `plan`, on all processors.
 
-use itpms_core::sample::CornerSample;
+use itpms_core::model::CornerSample;
 use itpms_sim::simulation::Simulation;
 
 use super::case::{Case, JUDGED_FROM_S};

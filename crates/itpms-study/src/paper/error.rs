@@ -1,7 +1,6 @@
 //! Why there is no study.
 
-use itpms_core::pressure::RegressionError;
-use itpms_core::quarter_car::ParameterError;
+use itpms_core::model::{ParameterError, RegressionError};
 use itpms_sim::error::{InvalidValue, ScenarioError};
 use thiserror::Error;
 

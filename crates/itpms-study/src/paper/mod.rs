@@ -43,7 +43,7 @@ mod summary;
 mod tire;
 mod why;
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use itpms_sim::scenario::Scenario;
 
 pub use data::Data;

@@ -10,8 +10,7 @@ use rayon::prelude::*;
 use super::case::Case;
 use super::drive::{Drive, Keep, drive};
 use super::outcome::Outcome;
-use super::{PaperError, Progress, Request};
-use super::{published::TABLE_3, published::TABLE_4, published::TABLE_5};
+use super::{PaperError, Progress, Request, published::TABLE_3, published::TABLE_4, published::TABLE_5};
 
 /// Reset drives in s: with `bench-drop` the loss comes at 38 s, with the other two at 5 s.
 pub(super) const RESET_LONG_S: f64 = 20.0;

@@ -2,8 +2,10 @@
 //!
 //! Called by [`super::reproduce`]; its table stands below Fig. 7.
 
-use itpms_core::filter::{AekfUi, CorrectionInput, FactorTiming, FilterConfig, Forgetting, GradientDescent};
-use itpms_core::sample::CornerSample;
+use itpms_core::model::CornerSample;
+use itpms_core::published::{
+    AekfUi, CorrectionInput, FactorTiming, FilterConfig, Forgetting, GradientDescent,
+};
 use itpms_sim::simulation::Simulation;
 use rayon::prelude::*;
 

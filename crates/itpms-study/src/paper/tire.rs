@@ -2,7 +2,7 @@
 //!
 //! Called by [`super::reproduce`].
 
-use itpms_core::pressure::PressureMap;
+use itpms_core::model::PressureMap;
 
 use super::PaperError;
 use super::data::Data;

@@ -4,7 +4,7 @@
 
 use std::fmt::Write as _;
 
-use itpms_core::monitor::{Cause, Reading};
+use itpms_core::warning::{Cause, Reading};
 
 use super::words::{clock, corner_name};
 use super::{AlertSpan, ReportData};

@@ -5,7 +5,7 @@
 
 use std::fmt::Write as _;
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 
 use super::words::{Status, corner_name, reading, sentence};
 use super::{CornerReport, ReportData};

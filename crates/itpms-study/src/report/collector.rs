@@ -3,10 +3,9 @@
 //! Called by whoever runs an estimator over a log, once per sample. A few thousand buckets per curve, whether the
 //! drive lasts a minute or a day.
 
-use itpms_core::estimate::{CornerConfig, CornerEstimate, Validity, Warning};
-use itpms_core::monitor::MonitorReport;
-use itpms_core::sample::Corner;
-use itpms_core::speed::Odometer;
+use itpms_core::conditioning::Odometer;
+use itpms_core::model::{Corner, CornerConfig, CornerEstimate, Validity, Warning};
+use itpms_core::warning::MonitorReport;
 
 use super::figures::{DriveFigures, FigureSums};
 use super::road::RoadCollector;

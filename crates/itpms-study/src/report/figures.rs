@@ -2,7 +2,7 @@
 //!
 //! Called by the report's collector. Exact: nothing here is decimated.
 
-use itpms_core::estimate::{CornerEstimate, Warning};
+use itpms_core::model::{CornerEstimate, Warning};
 
 use super::Z_95;
 

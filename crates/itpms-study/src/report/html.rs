@@ -6,7 +6,7 @@
 use std::fmt::Write as _;
 use std::io;
 
-use itpms_core::estimate::Warning;
+use itpms_core::model::Warning;
 
 use super::words::{Status, clock, corner_name, level, reading, sentence, title};
 use super::{CornerReport, ReportData, alerts, car, json, roads};

@@ -4,7 +4,7 @@
 
 use std::io;
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use serde::Serialize;
 use serde::ser::{SerializeSeq, Serializer};
 

@@ -24,8 +24,8 @@ pub use watch::{AlertSpan, WatchReport};
 
 use std::io;
 
-use itpms_core::monitor::WheelState;
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
+use itpms_core::warning::WheelState;
 
 use crate::spectrum::RoadFit;
 

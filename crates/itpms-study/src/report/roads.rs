@@ -4,7 +4,7 @@
 
 use std::fmt::Write as _;
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 
 use super::words::{corner_name, level};
 use super::{CornerReport, ReportData, RoadReport};

@@ -2,8 +2,8 @@
 //!
 //! Called by the report's collector. Knows nothing of how a state came about.
 
-use itpms_core::monitor::{Alert, Change, MonitorReport, WheelState};
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
+use itpms_core::warning::{Alert, Change, MonitorReport, WheelState};
 
 use super::track::Track;
 

@@ -2,9 +2,8 @@
 //!
 //! Called by the page's writer. Plain text; escaping is the writer's business.
 
-use itpms_core::estimate::Warning;
-use itpms_core::monitor::{Doubt, WheelState};
-use itpms_core::sample::Corner;
+use itpms_core::model::{Corner, Warning};
+use itpms_core::warning::{Doubt, WheelState};
 
 use super::{CornerReport, Reading, ReportData};
 

@@ -2,9 +2,8 @@
 //!
 //! Called by the parts of the score.
 
-use itpms_core::estimate::{CornerConfig, CornerEstimate};
 use itpms_core::estimator::{Estimator, EstimatorKind};
-use itpms_core::sample::Corner;
+use itpms_core::model::{Corner, CornerConfig, CornerEstimate};
 use itpms_sim::road::{Iso8608, RoadClass, RoadSpec, Surface};
 use itpms_sim::scenario::{CornerSpec, Scenario};
 use itpms_sim::sensor::SensorSpec;

@@ -27,7 +27,7 @@ mod table;
 mod track;
 
 use itpms_core::estimator::EstimatorKind;
-use itpms_core::quarter_car::ParameterError;
+use itpms_core::model::ParameterError;
 use itpms_core::road::RecorderMemoryError;
 use itpms_sim::error::ScenarioError;
 use serde::Serialize;

@@ -3,10 +3,11 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use itpms_core::car::{CarConfig, CarEstimate, CarEstimator};
+use itpms_core::car::{CarEstimate, CarEstimator};
 use itpms_core::estimator::EstimatorKind;
-use itpms_core::monitor::{Alert, Change, Limits, Monitor, MonitorConfig, MonitorReport, MonitoredCar};
-use itpms_core::sample::Corner;
+use itpms_core::model::{CarConfig, Corner};
+use itpms_core::monitor::{Monitor, MonitoredCar};
+use itpms_core::warning::{Alert, Change, Limits, MonitorConfig, MonitorReport};
 use itpms_sim::scenario::{Scenario, ToleranceSpec};
 use itpms_sim::simulation::{SimRow, Simulation};
 use rand::{RngExt, SeedableRng};
@@ -48,7 +49,7 @@ pub struct Said {
     pub time_s: f64,
     /// The wheels it named, such as `fl`.
     pub wheels: Vec<String>,
-    /// Why, in one word; see [`itpms_core::monitor::Cause::label`].
+    /// Why, in one word; see [`itpms_core::warning::Cause::label`].
     pub cause: String,
     /// Why, in full.
     pub text: String,
@@ -165,7 +166,7 @@ fn monitored(scenario: &Scenario) -> Result<Box<MonitoredCar<f64>>, SoakError> {
 
 /// Pressures in kPa below which a wheel is warned of.
 fn limits(scenario: &Scenario) -> Result<[f64; 4], SoakError> {
-    let share = Limits::<f64>::from(itpms_core::monitor::Regulation::default()).low_share;
+    let share = Limits::<f64>::from(itpms_core::warning::Regulation::default()).low_share;
     let mut limits = [f64::NAN; 4];
     for (corner, _) in scenario.corner.iter() {
         limits[corner.index()] = share * scenario.corner_config(corner)?.placard_kpa;

@@ -17,7 +17,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread;
 
-use itpms_core::quarter_car::ParameterError;
+use itpms_core::model::ParameterError;
 use itpms_sim::error::ScenarioError;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use serde::Serialize;
 
 use super::Hour;

@@ -1,7 +1,7 @@
 //! A drive as an estimator might have told it: no physics, only curves of the right shape, so that the report can be
 //! tested and looked at without one.
 
-use itpms_core::estimate::{CornerConfig, CornerEstimate, Diagnostics, Validity, Warning};
+use itpms_core::model::{CornerConfig, CornerEstimate, Diagnostics, Validity, Warning};
 use itpms_study::report::{CornerRow, Provenance, ReportCollector, ReportData, ReportOptions};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::ArgGroup;
 use itpms_core::estimator::EstimatorKind;
-use itpms_core::monitor::Regulation;
+use itpms_core::warning::Regulation;
 use itpms_live::source::Speed;
 
 use super::{LogArgs, estimator_names, positive, regulation_names};

@@ -3,12 +3,11 @@
 //! Nothing of its own: the built-in `drive-puncture`, `itpms simulate` and `itpms estimate` one after the other, in a directory that gets its name
 //! when both are done.
 
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 use itpms_core::estimator::{EstimatorKind, RoadRepetition};
-use itpms_core::monitor::Regulation;
+use itpms_core::warning::Regulation;
 use itpms_sim::scenario::Scenario;
 
 use super::{estimate, simulate};

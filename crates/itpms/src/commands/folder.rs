@@ -3,9 +3,8 @@
 //!
 //! Used by the commands that make a page with its data.
 
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 use itpms_data::out::AtomicFile;
 

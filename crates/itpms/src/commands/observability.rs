@@ -1,6 +1,6 @@
 //! `itpms observability`: what the accelerations of a vehicle's corner can tell of its tire, and what they cannot.
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use itpms_data::Vehicle;
 use itpms_study::observability::{Observability, StudyError, Subject, study};
 

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use itpms_data::crg::CrgRoad;
 use itpms_data::log::{CornerColumns, LogColumns, LogCorner};
 use itpms_data::out::{AtomicFile, LogWriter};

@@ -45,7 +45,7 @@
 
 mod truth;
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 
 use super::row::{LogCorner, LogRow};
 use crate::error::Problem;

@@ -3,7 +3,7 @@
 //! Tires of cars hold 150 to 350 kPa, of lorries up to 900, and a flat one some tens. So a median from 0.5 to 12 is in bar, one
 //! beyond 1500 in millibar or in Pa. What is in psi looks like a flat tire and is not seen.
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 
 use super::column;
 use crate::error::Problem;

@@ -1,6 +1,6 @@
 //! The first readings: how fast each signal comes, which acceleration is the clock, and how far the others lie behind it.
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 
 use crate::log::{Field, LogColumns, SLOTS, Slot};
 use crate::signals::Reading;

@@ -1,4 +1,4 @@
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use proptest::prelude::*;
 
 use super::*;

@@ -4,8 +4,8 @@
 //! drive to drive.
 
 use itpms_core::estimator::EstimatorKind;
-use itpms_core::monitor::{Alert, Cause};
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
+use itpms_core::warning::{Alert, Cause};
 use itpms_sim::road::{RoadClass, RoadSpec};
 use itpms_sim::time_profile::{Pressure, Speed};
 use rand::{RngExt, SeedableRng};

@@ -4,7 +4,7 @@
 //! changed; sizes are those that come with cars and sensors one can buy, or worse.
 
 use itpms_core::estimator::EstimatorKind;
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use itpms_sim::scenario::CornerSpec;
 use itpms_sim::sensor::SensorSpec;
 

@@ -2,13 +2,12 @@
 //!
 //! Called by the four-wheel parts of the score that follow a pressure.
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 
-use super::super::ScoreError;
 use super::super::row::{Cell, Column, Goal, Row};
 use super::super::runner::{Runner, Turn};
 use super::super::stats::{ErrorSum, Mean, Spread};
-use super::super::track;
+use super::super::{ScoreError, track};
 use super::{Drive, limit};
 
 /// Share of time within the 95 % interval.

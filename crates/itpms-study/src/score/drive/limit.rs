@@ -3,7 +3,7 @@
 //! Called where the cells of a row are made. It is that of four quarter cars on one spectrum which are what the estimator
 //! is told.
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use itpms_sim::plant::Deviations;
 use itpms_sim::road::{Iso8608, Surface};
 

@@ -18,10 +18,11 @@ mod errors;
 mod limit;
 mod puncture;
 
-use itpms_core::car::{CarConfig, CarEstimate, CarEstimator, Sources};
+use itpms_core::car::{CarEstimate, CarEstimator, Sources};
 use itpms_core::estimator::EstimatorKind;
-use itpms_core::monitor::{Monitor, MonitorConfig, MonitoredCar};
-use itpms_core::sample::Corner;
+use itpms_core::model::{CarConfig, Corner};
+use itpms_core::monitor::{Monitor, MonitoredCar};
+use itpms_core::warning::MonitorConfig;
 use itpms_sim::scenario::{CornerSpec, Scenario};
 use itpms_sim::sensor::SensorSpec;
 use itpms_sim::simulation::{SimRow, Simulation};

@@ -1,11 +1,10 @@
 //! The estimator of a drive's car, and what it says after a row.
 
-use itpms_core::car::{CarEstimate, CarEstimator, LearnedReference};
-use itpms_core::estimate::CornerEstimate;
-use itpms_core::monitor::{Monitor, MonitorConfig, MonitorReport, MonitoredCar};
-use itpms_core::quarter_car::QuarterCar;
-use itpms_core::sample::Corner;
-use itpms_core::speed::{SpeedHold, is_a_cars};
+use itpms_core::car::{CarEstimate, CarEstimator};
+use itpms_core::conditioning::{SpeedHold, is_a_cars};
+use itpms_core::model::{Corner, CornerEstimate, LearnedReference, QuarterCar};
+use itpms_core::monitor::{Monitor, MonitoredCar};
+use itpms_core::warning::{MonitorConfig, MonitorReport};
 use itpms_data::{LogRow, Vehicle};
 
 use super::reference;

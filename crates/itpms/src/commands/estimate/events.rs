@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use itpms_core::monitor::{Alert, Change, MonitorReport};
+use itpms_core::warning::{Alert, Change, MonitorReport};
 use itpms_data::out::{AtomicFile, alert_object, transition_object};
 use serde_json::{Value, json};
 

@@ -17,7 +17,7 @@ mod road;
 mod summary;
 
 use itpms_core::estimator::EstimatorKind;
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use itpms_data::{LogReader, Vehicle};
 use itpms_study::report::ReportData;
 

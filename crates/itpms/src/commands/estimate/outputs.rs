@@ -1,9 +1,8 @@
 //! The files a drive leaves: pressures as they are known, road and report half a minute later, all of them renamed
 //! to their names at the very end or none.
 
-use itpms_core::car::LearnedReference;
-use itpms_core::monitor::MonitorReport;
-use itpms_core::sample::Corner;
+use itpms_core::model::{Corner, LearnedReference};
+use itpms_core::warning::MonitorReport;
 use itpms_data::out::{AtomicFile, EstimateWriter, RateGate, RoadPoint, RoadWriter};
 use itpms_data::{LogReader, LogRow, Vehicle};
 use itpms_study::report::{self, CornerRow, Provenance, ReportCollector, ReportData, ReportOptions};
@@ -97,7 +96,7 @@ impl Outputs {
         let Some(track) = &mut self.track else { return Ok(()) };
         while let Some(late) = track.pop() {
             if let Some(road) = &mut self.road {
-                let point = |e: &itpms_core::estimate::CornerEstimate<f64>| RoadPoint {
+                let point = |e: &itpms_core::model::CornerEstimate<f64>| RoadPoint {
                     road_m: e.road_m,
                     road_sd_m: e.road_sd_m,
                 };

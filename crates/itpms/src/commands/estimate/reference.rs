@@ -5,8 +5,9 @@
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use itpms_core::car::{CarEstimator, LearnedReference, ReferenceError};
+use itpms_core::car::CarEstimator;
 use itpms_core::estimator::EstimatorKind;
+use itpms_core::model::{LearnedReference, ReferenceError};
 use itpms_data::Vehicle;
 use itpms_data::out::AtomicFile;
 use itpms_data::reference::StoredReference;

@@ -4,10 +4,9 @@
 
 use std::collections::VecDeque;
 
-use itpms_core::quarter_car::ParameterError;
+use itpms_core::conditioning::Odometer;
+use itpms_core::model::{Corner, ParameterError};
 use itpms_core::road::{RoadConfig, RoadPoint, RoadRecorder, RoadRow, Segment, window_for};
-use itpms_core::sample::Corner;
-use itpms_core::speed::Odometer;
 use itpms_data::{LogRow, Vehicle};
 
 use super::drive::{Estimates, QuarterCars};

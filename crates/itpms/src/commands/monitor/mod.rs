@@ -8,12 +8,11 @@
 mod outputs;
 mod sources;
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread;
 use std::time::Duration;
+use std::{fs, thread};
 
 use itpms_core::estimator::EstimatorKind;
 use itpms_data::Vehicle;

@@ -4,8 +4,9 @@ use std::path::Path;
 
 use itpms_core::car::CarEstimator;
 use itpms_core::estimator::EstimatorKind;
-use itpms_core::monitor::{Monitor, MonitorConfig, MonitoredCar};
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
+use itpms_core::monitor::{Monitor, MonitoredCar};
+use itpms_core::warning::MonitorConfig;
 use itpms_data::{LogReader, Vehicle};
 use itpms_study::roughness::{RoughnessTable, WheelSurvey};
 

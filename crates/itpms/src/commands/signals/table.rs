@@ -1,7 +1,7 @@
 //! The list for a person: a table per log, groups in the order of the log, and below it what the columns would be.
 //! Called by the command alone.
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use itpms_data::log::{Field, Slot};
 use itpms_data::signals::{ListedGroup, Listing, Resolved};
 

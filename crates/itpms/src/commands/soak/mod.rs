@@ -3,12 +3,11 @@
 mod record;
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::io::{IsTerminal as _, stderr};
 use std::ops::ControlFlow;
 use std::path::Path;
-use std::thread;
 use std::time::{Duration, Instant};
+use std::{fs, thread};
 
 use itpms_data::out::AtomicFile;
 use itpms_study::soak::{Hour, Plan, SoakError, Summary, soak};

@@ -1,0 +1,104 @@
+//! One Gaussian of the belief: what the car is if pressures change in one way. Knows how a movement begins and ends in it, how what
+//! is known wanders, and what no tire can be; nothing of the other ways.
+
+use crate::belief::state::{
+    Covariance, RATE, SIZE, State, TIRE, correlate_bars, prior_sd, return_rate, wander_sd,
+};
+use crate::real::Real;
+
+/// Mean and sd in 1/s of the rate at which a compliance begins to grow: that of a tire which loses 40 kPa/s grows by 0.15/s.
+const RATE_MEAN: f64 = 0.08;
+const RATE_SD: f64 = 0.08;
+/// The least that a tire's compliance can be, over that at placard pressure, less one: at more than twice that pressure.
+const HARDEST: f64 = -0.5;
+
+/// See the [module](self).
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: Real + serde::Serialize",
+        deserialize = "T: Real + serde::Deserialize<'de>"
+    ))
+)]
+pub(crate) struct Mode<T: Real> {
+    pub(crate) mean: State<T>,
+    pub(crate) covariance: Covariance<T>,
+    pub(crate) weight: T,
+}
+
+impl<T: Real> Mode<T> {
+    /// A car as its file has it, the tires' compliances around these.
+    pub(crate) fn at_start(tires: &[T; 4]) -> Self {
+        let sd = prior_sd::<T>();
+        let mut covariance = Covariance::from_diagonal(&sd.component_mul(&sd));
+        correlate_bars(&mut covariance);
+        let mut mean = State::zeros();
+        mean.fixed_rows_mut::<4>(TIRE).copy_from_slice(tires);
+        Self { mean, covariance, weight: T::one() }
+    }
+
+    /// A quiet one as it is when a movement begins, `at_a_rate` or any way.
+    pub(crate) fn begun(&self, at_a_rate: bool) -> Self {
+        let mut begun = self.clone();
+        if at_a_rate {
+            begun.mean[RATE] = T::lit(RATE_MEAN);
+            begun.covariance[(RATE, RATE)] = T::lit(RATE_SD * RATE_SD);
+        }
+        begun
+    }
+
+    /// What changes by itself does so for `seconds`: about the vehicle file, and never further than a car may be from it.
+    pub(crate) fn wander(&mut self, seconds: T) {
+        let sd = wander_sd::<T>();
+        let stays = return_rate::<T>().map(|rate| (-rate * seconds).exp());
+        self.mean.component_mul_assign(&stays);
+        for i in 0..SIZE {
+            for j in 0..SIZE {
+                self.covariance[(i, j)] *= stays[i] * stays[j];
+            }
+            self.covariance[(i, i)] += sd[i] * sd[i] * seconds;
+        }
+    }
+
+    /// The same when its movement is over.
+    pub(crate) fn ended(&self) -> Self {
+        let mut ended = self.clone();
+        ended.mean[RATE] = T::zero();
+        ended.covariance.row_mut(RATE).fill(T::zero());
+        ended.covariance.column_mut(RATE).fill(T::zero());
+        ended
+    }
+
+    pub(crate) fn is_possible(&self, softest: &[T; 4]) -> bool {
+        softest.iter().enumerate().all(|(i, &softest)| {
+            let tire = self.mean[TIRE + i];
+            tire > T::lit(HARDEST) && tire <= softest
+        })
+    }
+
+    /// A tire that is softer than flat is flat, give or take what it was more.
+    pub(crate) fn stop_at(&mut self, softest: &[T; 4]) {
+        for (i, &softest) in softest.iter().enumerate() {
+            let at = TIRE + i;
+            let more = self.mean[at] - softest;
+            if more > T::zero() && more.is_finite() {
+                self.mean[at] = softest;
+                self.covariance[(at, at)] += more * more;
+            }
+        }
+    }
+
+    /// Rounding leaves a covariance neither symmetric nor quite positive.
+    pub(crate) fn tidy(&mut self) {
+        for i in 0..SIZE {
+            for j in 0..i {
+                let mean = T::lit(0.5) * (self.covariance[(i, j)] + self.covariance[(j, i)]);
+                self.covariance[(i, j)] = mean;
+                self.covariance[(j, i)] = mean;
+            }
+            self.covariance[(i, i)] = self.covariance[(i, i)].max(T::zero());
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! What is unknown of the car, as one vector: where each quantity stands, how far it may be from the vehicle file, and
+//! how fast it may change (docs/math/shared-road.md, section 3).
+
+use nalgebra::{SMatrix, SVector};
+
+use crate::real::Real;
+
+/// Quantities.
+pub(crate) const SIZE: usize = 33;
+/// Compliance of each tire over the one at placard pressure, less one.
+pub(crate) const TIRE: usize = 0;
+/// Relative deviations of unsprung mass, damping and spring of each corner.
+pub(crate) const MASS: usize = 4;
+pub(crate) const DAMPING: usize = 8;
+pub(crate) const SPRING: usize = 12;
+/// Stiffness of each axle's anti-roll bar at a wheel, over its spring's.
+pub(crate) const BAR: usize = 16;
+/// Gain of the front wheel's sensor over the rear one's, left and right, less one.
+pub(crate) const GAIN: usize = 18;
+/// Relative deviation of wheelbase over speed.
+pub(crate) const WHEELBASE: usize = 20;
+/// Time by which the rear wheel's sensor is late, left and right, in units of [`SKEW_UNIT_S`].
+pub(crate) const SKEW: usize = 21;
+/// What the road's spectrum reads too much: all corners alike, and each on its own, as a share of the placard pressure.
+pub(crate) const COMMON_BIAS: usize = 23;
+pub(crate) const OWN_BIAS: usize = 24;
+/// What the shared road reads too much of each tire's compliance, as a share of that at placard pressure.
+pub(crate) const ROAD_BIAS: usize = 28;
+/// Rate of change in 1/s of the compliances that move.
+pub(crate) const RATE: usize = 32;
+
+/// So that skews are of the size of the other quantities.
+pub(crate) const SKEW_UNIT_S: f64 = 0.1;
+
+/// Stiffness of a rear anti-roll bar over that of the front one, and how far it may be from that, over the spring's.
+const BAR_SHARE: f64 = 0.4;
+const BAR_SPREAD: f64 = 0.06;
+
+/// Standard deviation of [`ROAD_BIAS`] at the start and in the end, and the time in s between: what the model leaves out (a
+/// sensor late by a millisecond, corners that one body ties together) is taken for tires only slowly. It grows nearly four times more
+/// slowly than a tire's own compliance may, or it would take a loss of all four for its own.
+pub(crate) const ROAD_BIAS_SD: [f64; 2] = [0.015, 0.03];
+const ROAD_BIAS_S: f64 = 36_000.0;
+
+pub(crate) type State<T> = SVector<T, SIZE>;
+pub(crate) type Covariance<T> = SMatrix<T, SIZE, SIZE>;
+
+/// Standard deviations before anything is learned; the rate's is that of a mode that moves.
+pub(crate) fn prior_sd<T: Real>() -> State<T> {
+    filled([0.11, 0.01, 0.15, 0.1, 0.3, 0.012, 0.01, 0.02, 0.04, 0.03, ROAD_BIAS_SD[0], 0.0])
+}
+
+/// The rear bar's stiffness is a share of the front one's, give or take: only their difference shows in the roads.
+pub(crate) fn correlate_bars<T: Real>(prior: &mut Covariance<T>) {
+    let (share, spread) = (T::lit(BAR_SHARE), T::lit(BAR_SPREAD));
+    let front = prior[(BAR, BAR)];
+    prior[(BAR, BAR + 1)] = share * front;
+    prior[(BAR + 1, BAR)] = share * front;
+    prior[(BAR + 1, BAR + 1)] = share * share * front + spread * spread;
+}
+
+/// Growth of the standard deviations in a second, of those that change by themselves.
+pub(crate) fn wander_sd<T: Real>() -> State<T> {
+    let mut wander = filled([8e-4, 5e-5, 1e-3, 1e-3, 1e-3, 5e-5, 1e-4, 5e-4, 1e-3, 1e-3, 0.0, 0.0]);
+    let road_bias = T::lit(ROAD_BIAS_SD[1]) * T::lit(2.0 / ROAD_BIAS_S).sqrt();
+    wander.fixed_rows_mut::<4>(ROAD_BIAS).fill(road_bias);
+    wander
+}
+
+/// How fast, in 1/s, a quantity that nothing is learned of returns to what the vehicle file says: so that its wandering
+/// ends where it began, at the prior's standard deviation, or at the larger one of [`ROAD_BIAS`]. Tires have no such place.
+pub(crate) fn return_rate<T: Real>() -> State<T> {
+    let (prior, wander) = (prior_sd::<T>(), wander_sd::<T>());
+    State::from_fn(|i, _| {
+        if (TIRE..TIRE + 4).contains(&i) || i == RATE {
+            T::zero()
+        } else if (ROAD_BIAS..ROAD_BIAS + 4).contains(&i) {
+            T::lit(1.0 / ROAD_BIAS_S)
+        } else {
+            let share = wander[i] / prior[i];
+            T::lit(0.5) * share * share
+        }
+    })
+}
+
+/// A tire's compliance as the shared road reads it, over that at placard pressure.
+pub(crate) fn read_compliance<T: Real>(state: &State<T>, corner: usize) -> T {
+    T::one() + state[TIRE + corner] + state[ROAD_BIAS + corner]
+}
+
+/// One value per kind of quantity, in the order above.
+fn filled<T: Real>(kinds: [f64; 12]) -> State<T> {
+    let starts = [
+        TIRE,
+        MASS,
+        DAMPING,
+        SPRING,
+        BAR,
+        GAIN,
+        WHEELBASE,
+        SKEW,
+        COMMON_BIAS,
+        OWN_BIAS,
+        ROAD_BIAS,
+        RATE,
+        SIZE,
+    ];
+    let mut all = State::zeros();
+    for (kind, value) in kinds.into_iter().enumerate() {
+        for i in starts[kind]..starts[kind + 1] {
+            all[i] = T::lit(value);
+        }
+    }
+    all
+}

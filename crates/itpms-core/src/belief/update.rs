@@ -1,0 +1,128 @@
+//! What a frame says to one Gaussian of the belief: how likely it was, and where its quantities should go (docs/math/shared-road.md,
+//! eq. 11-13). Used by every mode in turn; knows nothing of the others.
+
+use nalgebra::SMatrix;
+
+use crate::belief::gaussian::Mode;
+use crate::belief::state::{Covariance, ROAD_BIAS, SIZE, TIRE};
+use crate::inter_axle::residual::model::{Disagreement, Gram, OWN, OWN_TIRES, ROWS, Score, Slope, places};
+use crate::inter_axle::residual::noise::Expectation;
+use crate::inter_axle::{BINS, OVERLAP};
+use crate::real::Real;
+
+/// Degrees of freedom of the disagreement's distribution: how heavy its tails are.
+const TAILS: f64 = 8.0;
+
+/// The part of a belief that a side's disagreement depends on.
+pub(crate) struct OwnCovariance<T: Real> {
+    /// Covariance of everything with the side's quantities, and of these among themselves.
+    all: SMatrix<T, SIZE, OWN>,
+    own: Gram<T>,
+}
+
+impl<T: Real> OwnCovariance<T> {
+    pub(crate) fn new(covariance: &Covariance<T>, side: usize) -> Self {
+        let places = places(side);
+        let mut all = SMatrix::<T, SIZE, OWN>::zeros();
+        for (column, &place) in places.iter().enumerate() {
+            all.set_column(column, &covariance.column(place));
+        }
+        // The road reads a tire and its bias as one.
+        let biased = OWN_TIRES.map(|own| (own, places[own] - TIRE + ROAD_BIAS));
+        for (tire, bias) in biased {
+            let mut column = all.column_mut(tire);
+            column += covariance.column(bias);
+        }
+        let mut own = Gram::from_fn(|row, column| all[(places[row], column)]);
+        for (tire, bias) in biased {
+            let mut row = own.row_mut(tire);
+            row += all.row(bias);
+        }
+        Self { all, own }
+    }
+
+    /// Adds a frame's information with its score, counting `trust` of them. The mean moves by no more than the frame surprises,
+    /// both in standard deviations: no update by Bayes' rule would, but the score is taken with instruments, and what these
+    /// heard need not have been the road, as when a wheel comes down.
+    pub(crate) fn learn(
+        &self,
+        mode: &mut Mode<T>,
+        score: &Score<T>,
+        information: &Gram<T>,
+        likelihood: &Likelihood<T>,
+        trust: T,
+    ) {
+        let scale = likelihood.scale / trust;
+        let information = information / scale;
+        // P' = P - P_o (I + Ω P_oo)^-1 Ω P_o^T, and with it the mean: m' = m + P'_o score.
+        let Some(inverse) = (Gram::identity() + information * self.own).try_inverse() else { return };
+        let gain = self.all * inverse;
+        mode.covariance -= gain * information * self.all.transpose();
+        mode.tidy();
+        let step = gain * (score / scale);
+        // step^T P^-1 step, as step = P_o by.
+        let by = inverse * (score / scale);
+        let length = by.dot(&(self.own * by));
+        let beyond = length > likelihood.surprise;
+        mode.mean += if beyond { step * (likelihood.surprise / length).sqrt() } else { step };
+    }
+}
+
+/// How well a mode foretold a frame.
+pub(crate) struct Likelihood<T: Real> {
+    pub(crate) log: T,
+    /// Square of the disagreement over its standard deviations, these so enlarged.
+    pub(crate) surprise: T,
+    /// Factor by which the disagreement's variance is larger than expected, at least one.
+    pub(crate) scale: T,
+    /// Power of what remains over what was expected, per bin.
+    pub(crate) ratio: [T; BINS],
+}
+
+impl<T: Real> Likelihood<T> {
+    pub(crate) fn new(
+        own: &OwnCovariance<T>,
+        found: &Disagreement<T>,
+        expected: &Expectation<T>,
+    ) -> Option<Self> {
+        let known = found.slope * own.own * found.slope.transpose();
+        // Half of a bin's power in each of its two numbers; frames that overlap say half of everything twice.
+        let share = T::lit(0.5 / OVERLAP);
+        let total = |scale: T| {
+            let mut total = known;
+            (0..ROWS).for_each(|row| total[(row, row)] += expected.power[row % BINS] * share * scale);
+            total
+        };
+        let plain = total(T::one()).cholesky()?;
+        let surprise = found.rows.dot(&plain.solve(&found.rows));
+        // A disagreement far larger than expected says little: Student's t with few degrees of freedom.
+        let (tails, rows) = (T::lit(TAILS), T::lit(ROWS as f64));
+        let scale = ((tails + surprise) / (tails + rows)).max(T::one());
+        let inverse = total(scale).cholesky()?.inverse();
+        let weighted = inverse * found.rows;
+        let mut ratio = [T::zero(); BINS];
+        for (bin, ratio) in ratio.iter_mut().enumerate() {
+            for row in [bin, BINS + bin] {
+                *ratio += share * scale * weighted[row] * weighted[row] / inverse[(row, row)];
+            }
+        }
+        let diagonal = plain.l_dirty().diagonal();
+        let log_determinant = diagonal.iter().fold(T::zero(), |sum, x| sum + T::lit(2.0) * x.ln());
+        let log = T::lit(-0.5) * (log_determinant + (tails + rows) * (T::one() + surprise / tails).ln());
+        Some(Self { log, surprise: found.rows.dot(&weighted), scale, ratio })
+    }
+}
+
+/// How the instruments want the side's quantities changed.
+pub(crate) fn score<T: Real>(
+    found: &Disagreement<T>,
+    instrument: &Slope<T>,
+    expected: &Expectation<T>,
+) -> Score<T> {
+    let mut score = Score::zeros();
+    for row in 0..ROWS {
+        let weight = T::lit(2.0 * OVERLAP) / expected.power[row % BINS];
+        score -= instrument.row(row).transpose() * (found.rows[row] * weight);
+    }
+    score
+}

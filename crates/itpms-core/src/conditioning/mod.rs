@@ -1,0 +1,10 @@
+//! What makes samples fit to be used: one time that only goes forward, a speed where not every sample tells it, values
+//! checked and put on a uniform grid, wheels that have left the road.
+
+pub(crate) mod clock;
+mod resampler;
+mod speed;
+pub(crate) mod wheel_lift;
+
+pub use self::resampler::{GridSample, Intake, SampleCounts};
+pub use self::speed::{Odometer, SpeedHold, is_a_cars};

@@ -1,0 +1,315 @@
+//! From the samples of a real sensor to a uniform grid: checks every value, counts what it refuses, bridges short
+//! holes, and interpolates jittered or slow samples onto equal steps.
+//!
+//! Stands before every estimator, so that none of them ever sees a missing or absurd value. Knows nothing of cars
+//! beyond the size an acceleration can have.
+
+use crate::conditioning::clock::{CLOSEST, LONGEST_BRIDGE, SET_BACK, Stray, is_resolved};
+use crate::real::Real;
+
+/// Points of the Lagrange interpolation. Eight keep the error below 8 % at 0.3 of the sampling rate and below
+/// 0.1 % at 0.15 of it, in the middle between samples.
+const POINTS: usize = 8;
+/// A wheel on a kerb reaches some 500 m/s²; twice that is no car any more.
+const ABSURD_M_S2: f64 = 1000.0;
+/// Equal values in a row, at the largest magnitude seen, that count as saturation.
+const FLAT_TOP: u32 = 3;
+/// Equal values in a row, at any magnitude, that are no signal: their steps are marked like saturated ones.
+const FLAT: u32 = 8;
+/// Seconds without a single change after which a sensor counts as stuck.
+const STUCK_S: f64 = 0.5;
+
+/// What was found in the raw samples so far.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct SampleCounts {
+    /// Samples used.
+    pub accepted: u64,
+    /// Samples with a missing or non-finite acceleration.
+    pub missing: u64,
+    /// Samples beyond 1000 m/s².
+    pub absurd: u64,
+    /// Samples whose time was not finite, too large to be resolved, or not clearly after the one before.
+    pub out_of_order: u64,
+    /// Interruptions too long to bridge.
+    pub gaps: u64,
+    /// Samples at a sensor's limit.
+    pub saturated: u64,
+    /// Samples of a sensor that has stopped moving for half a second; not used.
+    pub stuck: u64,
+}
+
+/// One step of the uniform grid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GridSample<T> {
+    /// Time in s.
+    pub time_s: f64,
+    /// Vehicle speed in m/s, NaN when unknown.
+    pub speed_m_s: T,
+    /// Sprung mass acceleration in m/s², finite.
+    pub body_accel_m_s2: T,
+    /// Unsprung mass acceleration in m/s², finite.
+    pub wheel_accel_m_s2: T,
+    /// True if the signal was interrupted before this step.
+    pub after_gap: bool,
+    /// True if the step and what is near it say nothing of the tire: a sensor was at its limit or did not move; for a
+    /// spectrum also if the wheel was in the air of late.
+    pub spoiled: bool,
+    /// True if the wheel may have been in the air just then.
+    pub unloaded: bool,
+}
+
+/// What a sensor's last values look like, the worst last.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Flatness {
+    Moving,
+    Flat,
+    AtLimit,
+    Stuck,
+}
+
+/// Watches one sensor for a value that does not move.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct FlatWatch<T> {
+    last: T,
+    equal: u32,
+    equal_since_s: f64,
+    largest: T,
+}
+
+impl<T: Real> FlatWatch<T> {
+    fn new() -> Self {
+        Self { last: T::zero(), equal: 0, equal_since_s: f64::NEG_INFINITY, largest: T::zero() }
+    }
+
+    /// Takes a finite value.
+    fn push(&mut self, time_s: f64, value: T) -> Flatness {
+        if value == self.last && self.equal > 0 {
+            self.equal += 1;
+        } else {
+            self.last = value;
+            self.equal = 1;
+            self.equal_since_s = time_s;
+        }
+        let magnitude = value.abs();
+        let at_limit = magnitude >= self.largest && magnitude > T::zero();
+        self.largest = self.largest.max(magnitude);
+        if self.equal > 1 && time_s - self.equal_since_s > STUCK_S {
+            Flatness::Stuck
+        } else if at_limit && self.equal >= FLAT_TOP {
+            Flatness::AtLimit
+        } else if self.equal >= FLAT {
+            Flatness::Flat
+        } else {
+            Flatness::Moving
+        }
+    }
+}
+
+/// Checks and regrids the samples of one corner. See the [module](self).
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Intake<T> {
+    sample_period_s: f64,
+    grid_period_s: f64,
+    /// Times, body and wheel accelerations of the newest samples, oldest first; `filled` of them count.
+    time_s: [f64; POINTS],
+    body: [T; POINTS],
+    wheel: [T; POINTS],
+    saturated: [bool; POINTS],
+    filled: usize,
+    next_grid_s: f64,
+    after_gap: bool,
+    body_watch: FlatWatch<T>,
+    wheel_watch: FlatWatch<T>,
+    last_raw_s: f64,
+    last_accepted_s: f64,
+    /// Refusals in a row, and how far they followed one another.
+    refused: u32,
+    stray: Stray,
+    stuck_now: bool,
+    counts: SampleCounts,
+}
+
+impl<T: Real> Intake<T> {
+    /// An intake for samples that come at about `sample_rate_hz`; its grid runs at the smallest multiple of that rate
+    /// which reaches `least_grid_rate_hz`.
+    #[must_use]
+    pub fn new(sample_rate_hz: f64, least_grid_rate_hz: f64) -> Self {
+        let mut multiple = 1.0;
+        while multiple * sample_rate_hz < least_grid_rate_hz && multiple < 64.0 {
+            multiple += 1.0;
+        }
+        Self {
+            sample_period_s: 1.0 / sample_rate_hz,
+            grid_period_s: 1.0 / (multiple * sample_rate_hz),
+            time_s: [0.0; POINTS],
+            body: [T::zero(); POINTS],
+            wheel: [T::zero(); POINTS],
+            saturated: [false; POINTS],
+            filled: 0,
+            next_grid_s: f64::NAN,
+            after_gap: true,
+            body_watch: FlatWatch::new(),
+            wheel_watch: FlatWatch::new(),
+            last_raw_s: f64::NEG_INFINITY,
+            last_accepted_s: f64::NEG_INFINITY,
+            refused: 0,
+            stray: Stray::NONE,
+            stuck_now: false,
+            counts: SampleCounts::default(),
+        }
+    }
+
+    /// Step of the grid in s.
+    #[must_use]
+    pub fn grid_period_s(&self) -> f64 {
+        self.grid_period_s
+    }
+
+    /// What was found so far.
+    #[must_use]
+    pub fn counts(&self) -> SampleCounts {
+        self.counts
+    }
+
+    /// True while the signal cannot be used: nothing accepted for half a second, or a sensor or the clock is stuck.
+    #[must_use]
+    pub fn is_bad(&self) -> bool {
+        let clock_stuck = f64::from(self.refused) * self.sample_period_s > STUCK_S;
+        self.stuck_now || clock_stuck || !(self.last_raw_s - self.last_accepted_s <= STUCK_S)
+    }
+
+    /// Takes one raw sample (NaN: missing) and hands every grid step it completes to `sink`. A step comes four samples
+    /// after its time, when both sides of the interpolation are there.
+    pub fn push(
+        &mut self,
+        time_s: f64,
+        speed_m_s: T,
+        body_accel_m_s2: T,
+        wheel_accel_m_s2: T,
+        mut sink: impl FnMut(GridSample<T>),
+    ) {
+        // Closer ones blow up the interpolation.
+        let closest_s = CLOSEST * self.sample_period_s;
+        let resolved = is_resolved(time_s, self.sample_period_s);
+        if !(resolved && time_s >= self.last_raw_s + closest_s) {
+            self.counts.out_of_order += 1;
+            if !(resolved && self.was_set_back(time_s)) {
+                return;
+            }
+        }
+        (self.refused, self.stray) = (0, Stray::NONE);
+        if self.last_raw_s == f64::NEG_INFINITY {
+            self.last_accepted_s = time_s;
+        }
+        self.last_raw_s = time_s;
+        if !(body_accel_m_s2.is_finite() && wheel_accel_m_s2.is_finite()) {
+            self.counts.missing += 1;
+            return;
+        }
+        if !(body_accel_m_s2.abs() < T::lit(ABSURD_M_S2) && wheel_accel_m_s2.abs() < T::lit(ABSURD_M_S2)) {
+            self.counts.absurd += 1;
+            return;
+        }
+        let body_flatness = self.body_watch.push(time_s, body_accel_m_s2);
+        let flatness = body_flatness.max(self.wheel_watch.push(time_s, wheel_accel_m_s2));
+        self.stuck_now = flatness == Flatness::Stuck;
+        if self.stuck_now {
+            self.counts.stuck += 1;
+            return;
+        }
+        self.counts.saturated += u64::from(flatness == Flatness::AtLimit);
+        self.counts.accepted += 1;
+
+        if self.filled > 0 && time_s - self.last_accepted_s > LONGEST_BRIDGE * self.sample_period_s {
+            self.counts.gaps += 1;
+            self.filled = 0;
+        }
+        self.last_accepted_s = time_s;
+        self.append(time_s, body_accel_m_s2, wheel_accel_m_s2, flatness >= Flatness::Flat);
+        self.emit(speed_m_s, &mut sink);
+    }
+
+    /// Takes the time of a refused sample. True if refused samples have followed one another for so long that the
+    /// clock must have been wrong before: then all that came until now is another record.
+    fn was_set_back(&mut self, time_s: f64) -> bool {
+        self.refused = self.refused.saturating_add(1);
+        self.stray.take(time_s, self.sample_period_s, LONGEST_BRIDGE * self.sample_period_s);
+        if self.stray.steps < SET_BACK {
+            return false;
+        }
+        self.counts.gaps += 1;
+        self.filled = 0;
+        self.last_accepted_s = time_s;
+        (self.body_watch.equal, self.wheel_watch.equal) = (0, 0);
+        true
+    }
+
+    fn append(&mut self, time_s: f64, body: T, wheel: T, saturated: bool) {
+        if self.filled == 0 {
+            self.after_gap = true;
+            self.next_grid_s = f64::NAN;
+        }
+        if self.filled == POINTS {
+            self.time_s.rotate_left(1);
+            self.body.rotate_left(1);
+            self.wheel.rotate_left(1);
+            self.saturated.rotate_left(1);
+            self.filled -= 1;
+        }
+        self.time_s[self.filled] = time_s;
+        self.body[self.filled] = body;
+        self.wheel[self.filled] = wheel;
+        self.saturated[self.filled] = saturated;
+        self.filled += 1;
+    }
+
+    fn emit(&mut self, speed_m_s: T, sink: &mut impl FnMut(GridSample<T>)) {
+        if self.filled < POINTS {
+            return;
+        }
+        // Interpolate between the two middle points only, where the error is smallest.
+        let (from_s, to_s) = (self.time_s[POINTS / 2 - 1], self.time_s[POINTS / 2]);
+        if !(self.next_grid_s >= from_s - self.grid_period_s) {
+            self.next_grid_s = from_s;
+        }
+        while self.next_grid_s < to_s {
+            let weights = self.lagrange_weights(self.next_grid_s);
+            let (mut body, mut wheel, mut saturated) = (T::zero(), T::zero(), false);
+            for (i, &weight) in weights.iter().enumerate() {
+                body += weight * self.body[i];
+                wheel += weight * self.wheel[i];
+                saturated |= self.saturated[i];
+            }
+            sink(GridSample {
+                time_s: self.next_grid_s,
+                speed_m_s,
+                body_accel_m_s2: body,
+                wheel_accel_m_s2: wheel,
+                after_gap: self.after_gap,
+                spoiled: saturated,
+                unloaded: false,
+            });
+            self.after_gap = false;
+            self.next_grid_s += self.grid_period_s;
+        }
+    }
+
+    /// Weights of the polynomial through all points, at `at_s`.
+    fn lagrange_weights(&self, at_s: f64) -> [T; POINTS] {
+        // Distances in sampling periods, so that f32 keeps its digits.
+        let scale = 1.0 / self.sample_period_s;
+        let distance: [T; POINTS] = core::array::from_fn(|i| T::lit((at_s - self.time_s[i]) * scale));
+        core::array::from_fn(|i| {
+            let mut weight = T::one();
+            for j in 0..POINTS {
+                if j != i {
+                    weight *= distance[j] / (distance[j] - distance[i]);
+                }
+            }
+            weight
+        })
+    }
+}

@@ -1,0 +1,353 @@
+//! What is wrong with the sensors, as far as it takes several of them to tell: swapped, or with a wrong gain.
+
+use crate::diagnosis::debounce::{Evidence, Patience};
+use crate::diagnosis::fault_latch::{Looks, Word};
+use crate::diagnosis::matching::{Changed, Following, PAIRS, Plane, following, median};
+use crate::diagnosis::moments::Moments;
+use crate::diagnosis::signals::{Block, HOP_WIDTH_HZ};
+use crate::diagnosis::single_sensor::evidence;
+use crate::diagnosis::wheel_gain::balance::WheelGains;
+use crate::diagnosis::wheel_gain::jump::{Hop, Jump, jumps};
+use crate::diagnosis::wheel_gain::shift::Shifts;
+use crate::diagnosis::{Fault, Malfunction, Place, Sensor};
+use crate::model::{Corner, Wheels};
+use crate::real::Real;
+
+/// Blocks over which hop and bounce are averaged.
+const HOP_BLOCKS: f64 = 12.0;
+const BOUNCE_BLOCKS: f64 = 5.0;
+/// Blocks over which the ratio of a corner's wheel to its body is averaged.
+const RATIO_BLOCKS: f64 = 4.0;
+/// Share of an average that must be filled before it counts.
+const FILLED: f64 = 0.4;
+/// Power over the sensors' noise in a band from which it counts.
+const OVER_NOISE: f64 = 10.0;
+/// Bandwidths in Hz of the other bands, for that noise.
+const BOUNCE_WIDTH_HZ: f64 = 5.0;
+const SLOW_WIDTH_HZ: f64 = 0.5;
+
+/// Log of wheel over body power in the hop band below which a body moves like a wheel or a wheel like a body; above
+/// which it does not; and below which both do. A healthy corner has 4 to 5.
+const ODD: f64 = 0.7;
+const NOT_ODD: f64 = 1.7;
+const CROSSED: f64 = -1.5;
+/// Power of a body over its sensor's noise in the hop band from which it says what a wheel's hop does to it.
+const HEARD: f64 = 3.0;
+/// How much more than its like a body moves that is a wheel, as a log of powers.
+const LIKE_A_WHEEL: f64 = 2.0;
+const RATIO: Patience = Patience { raise_s: 3.0, clear_s: 5.0 };
+
+/// Log of how much better bodies follow their own wheels than each other's, below which two are swapped and above which
+/// not. A healthy car has more than 1.1.
+const OTHER: f64 = -0.4;
+const OWN: f64 = 0.4;
+const SWAP: Patience = Patience { raise_s: 4.0, clear_s: 4.0 };
+
+/// Warp of the body's plane, as a share of all power, that is none, and that is somebody's fault. A healthy car has less
+/// than 0.01.
+const FLAT: f64 = 0.01;
+const BENT: f64 = 0.04;
+/// Log of a body's gain that is wrong; and that is fine again.
+const BODY_GAIN: f64 = 0.2;
+const BODY_GAIN_FINE: f64 = 0.12;
+const GAIN: Patience = Patience { raise_s: 5.0, clear_s: 5.0 };
+
+/// The car's sensors against each other.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: Real + serde::Serialize",
+        deserialize = "T: Real + serde::Deserialize<'de>"
+    ))
+)]
+pub(crate) struct Together<T: Real> {
+    /// Power density in (m/s²)²/Hz of each corner's sensors' noise.
+    noise_density: [T; 4],
+    hop: Moments<T, 8>,
+    bounce: Moments<T, 4>,
+    /// Logs of hop power, wheel over body, averaged; NaN: unknown.
+    ratio: [T; 4],
+    /// The same in the last block alone.
+    newest_ratio: [T; 4],
+    looks: [Looks; 4],
+    /// A body moves like a wheel, or the other way round; by corner.
+    odd: [Word<T>; 4],
+    /// Two wheels or two bodies are swapped; by pair.
+    pairs: [Word<T>; 6],
+    /// Both sensors of corners are swapped, left with right or front with rear.
+    corners: [Word<T>; 2],
+    body_gains: [Word<T>; 4],
+    wheel_gains: WheelGains<T>,
+    /// A wheel sensor is upside down.
+    reversed: [Word<T>; 4],
+    /// Whether what a wheel's hop does to its body has changed at once; and by less, in seconds.
+    jumps: [Jump<T>; 4],
+    shifts: Shifts<T>,
+}
+
+impl<T: Real> Together<T> {
+    pub(crate) fn new(noise_power: [T; 4], rate_hz: f64) -> Self {
+        Self {
+            noise_density: noise_power.map(|power| power * T::lit(2.0 / rate_hz)),
+            hop: Moments::new(),
+            bounce: Moments::new(),
+            ratio: [T::lit(f64::NAN); 4],
+            newest_ratio: [T::lit(f64::NAN); 4],
+            looks: [Looks::Right; 4],
+            odd: [Word::new(); 4],
+            pairs: [Word::new(); 6],
+            corners: [Word::new(); 2],
+            body_gains: [Word::new(); 4],
+            wheel_gains: WheelGains::new(),
+            reversed: [Word::new(); 4],
+            jumps: [Jump::new(); 4],
+            shifts: Shifts::new(),
+        }
+    }
+
+    /// Lets go of what is only suspected, and of what jumped: nobody can look whether it still holds.
+    pub(crate) fn drop_suspicions(&mut self) {
+        let words = self.pairs.iter_mut().chain(&mut self.corners).chain(&mut self.reversed);
+        words.for_each(Word::drop_suspicion);
+        for jump in self.jumps.iter_mut().filter(|jump| jump.is_suspected()) {
+            *jump = Jump::new();
+        }
+        self.shifts.drop_suspicions();
+    }
+
+    /// Takes a block of a car that drives, with all eight sensors there and none of them odd by itself.
+    pub(crate) fn take(&mut self, at: [f64; 2], block: &Block<T>) {
+        if self.looks != [Looks::Right; 4] {
+            return;
+        }
+        self.average(block);
+        let plane = self.plane();
+        let following = self.hop.mean(FILLED).and_then(|hop| following(&hop));
+        self.judge_pairs(at, following.as_ref(), plane.as_ref());
+        self.judge_corners(at, following.as_ref(), plane.as_ref());
+        self.judge_direction(at, following.as_ref(), plane.as_ref());
+        self.judge_body_gains(at, plane.as_ref());
+        self.wheel_gains.judge(at, plane.is_some_and(|plane| plane.warp < T::lit(FLAT)));
+    }
+
+    fn noise(&self, i: usize, width_hz: f64) -> T {
+        self.noise_density[i] * T::lit(width_hz * OVER_NOISE)
+    }
+
+    fn average(&mut self, block: &Block<T>) {
+        let four = [0, 1, 2, 3];
+        let all = |width_hz| move |together: &Self| four.map(|i| together.noise(i, width_hz));
+        let (hop, bounce) = (all(HOP_WIDTH_HZ)(self), all(BOUNCE_WIDTH_HZ)(self));
+        // What the struts make of the wheels is what bodies should do: both must be there.
+        if four.iter().all(|&i| block.hop[(4 + i, 4 + i)] > T::lit(0.3) * hop[i]) {
+            let wheels = block.hop.fixed_view::<4, 4>(4, 4).trace();
+            self.hop.take(&block.hop, wheels, HOP_BLOCKS);
+        }
+        if four.iter().any(|&i| block.bounce[(i, i)] > bounce[i]) {
+            self.bounce.take(&block.bounce, block.bounce.trace(), BOUNCE_BLOCKS);
+        }
+        let slow = block.slow.iter().fold(T::zero(), |sum, power| sum + *power);
+        self.wheel_gains.average(block, slow > T::lit(8.0) * self.noise(0, SLOW_WIDTH_HZ));
+    }
+
+    fn plane(&self) -> Option<Plane<T>> {
+        Plane::of(&self.bounce.mean(FILLED)?, T::zero())
+    }
+
+    /// Takes a block of a car that drives: does each wheel hop, and each body not? `alive`: the corners whose sensors move
+    /// and whose values come.
+    pub(crate) fn compare_wheel_and_body(&mut self, at: [f64; 2], block: &Block<T>, alive: [bool; 4]) {
+        self.newest_ratio = [T::lit(f64::NAN); 4];
+        let body = |i: usize| block.hop[(i, i)];
+        let others = |power: &dyn Fn(usize) -> T, i: usize| {
+            let mut alike = [T::zero(); 4];
+            let mut count = 0;
+            for j in (0..4).filter(|j| *j != i && alive[*j]) {
+                alike[count] = power(j);
+                count += 1;
+            }
+            median(&mut alike[..count])
+        };
+        for i in (0..4).filter(|i| alive[*i]) {
+            let (b, w) = (body(i), block.wheel_hop[i]);
+            if !(b.max(w) > self.noise(i, HOP_WIDTH_HZ)) {
+                continue;
+            }
+            let ratio = (w / b).ln();
+            self.newest_ratio[i] = ratio;
+            let before = self.ratio[i];
+            let share = T::lit(1.0 / RATIO_BLOCKS);
+            self.ratio[i] = if before.is_finite() { before + share * (ratio - before) } else { ratio };
+            let ratio = self.ratio[i];
+            let corner = Corner::ALL[i];
+            let sensor = |place| Sensor { corner, place };
+            // A wheel that reads little, or a body that reads much, is not a swap: then one of the two is like its like.
+            let body_is_wheel = !((b / others(&body, i)).ln() < T::lit(LIKE_A_WHEEL));
+            let wheel_is_body = !((others(&|j| block.wheel_hop[j], i) / w).ln() < T::lit(LIKE_A_WHEEL));
+            self.looks[i] = match (ratio < T::lit(ODD), body_is_wheel, wheel_is_body) {
+                (true, true, true) if ratio < T::lit(CROSSED) => Looks::Crossed,
+                (true, true, false) => Looks::BodyIsWheel,
+                (true, false, true) => Looks::WheelIsBody,
+                _ => Looks::Right,
+            };
+            let odd = self.looks[i] != Looks::Right;
+            let malfunction = match self.looks[i] {
+                Looks::Crossed => Malfunction::Swapped(sensor(Place::Body), sensor(Place::Wheel)),
+                _ => Malfunction::Inconsistent(corner),
+            };
+            self.odd[i].update(at, evidence(odd, ratio > T::lit(NOT_ODD)), RATIO, || malfunction);
+        }
+    }
+
+    /// Whether body and wheel of a corner may be swapped.
+    pub(crate) fn is_odd(&self, corner: usize) -> bool {
+        self.looks[corner] != Looks::Right
+            || self.newest_ratio[corner] < T::lit(NOT_ODD)
+            || self.odd[corner].latch.is_suspected()
+    }
+
+    /// Takes the block that was just compared, of a car none of whose sensors is odd by itself: has what a wheel does to its body
+    /// changed at once?
+    pub(crate) fn look_for_jumps(&mut self, at: [f64; 2], block: &Block<T>) {
+        let heard = |i: usize| {
+            let loud = block.hop[(i, i)] > T::lit(HEARD / OVER_NOISE) * self.noise(i, HOP_WIDTH_HZ);
+            loud && self.newest_ratio[i].is_finite() && block.hop[(4 + i, 4 + i)] > T::zero()
+        };
+        let words = self.odd.iter().chain(&self.pairs).chain(&self.reversed).chain(&self.corners);
+        let said = words.chain(&self.body_gains).filter_map(Word::fault).chain(self.wheel_gains.faults());
+        let said = said.fold(Wheels::NONE, |all, fault| all | fault.malfunction.wheels());
+        let explained = Corner::ALL.map(|corner| said.contains(corner));
+        if [0, 1, 2, 3].into_iter().all(heard) {
+            let hop = |i: usize| {
+                let moved = (block.hop[(4 + i, 4 + i)] / block.hop[(i, i)]).ln();
+                Hop { moved, quick: self.newest_ratio[i] - moved }
+            };
+            jumps(&mut self.jumps, at, &[0, 1, 2, 3].map(hop), explained);
+            // What a swapped sensor reads is so much more than its own that averages would be long in forgetting it.
+            if (0..4).all(|i| !self.is_odd(i)) {
+                self.shifts.take(at, block, explained);
+            }
+        }
+    }
+
+    fn judge_pairs(&mut self, at: [f64; 2], following: Option<&Following<T>>, plane: Option<&Plane<T>>) {
+        for (k, [i, j]) in PAIRS.into_iter().enumerate() {
+            let evidence = following.map_or(Evidence::Nothing, |following| {
+                let own = &following.own_over_other;
+                let least = own.iter().fold(own[k], |least, other| least.min(*other));
+                evidence(own[k] < T::lit(OTHER) && own[k] <= least, own[k] > T::lit(OWN))
+            });
+            let place = if bodies_swapped(plane, k) { Place::Body } else { Place::Wheel };
+            let sensor = |i: usize| Sensor { corner: Corner::ALL[i], place };
+            self.pairs[k].update(at, evidence, SWAP, || Malfunction::Swapped(sensor(i), sensor(j)));
+        }
+    }
+
+    /// Bodies that follow their wheels but are no plane as they are, and one if two corners change places.
+    fn judge_corners(&mut self, at: [f64; 2], following: Option<&Following<T>>, plane: Option<&Plane<T>>) {
+        let own = |f: &Following<T>| f.own_over_other.iter().all(|log| *log > T::lit(OWN));
+        let follows = following.is_some_and(own);
+        for (word, changed) in self.corners.iter_mut().zip([Changed::Sides, Changed::Axles]) {
+            let evidence = plane.map_or(Evidence::Nothing, |plane| {
+                evidence(follows && plane.changed_places() == Some(changed), plane.warp < T::lit(FLAT))
+            });
+            word.update(at, evidence, SWAP, || match changed {
+                Changed::Sides => Malfunction::SwappedSides,
+                Changed::Axles => Malfunction::SwappedAxles,
+            });
+        }
+    }
+
+    /// A body that goes down when its wheel goes up, while the bodies are one plane: the wheel's sensor is upside down.
+    fn judge_direction(&mut self, at: [f64; 2], following: Option<&Following<T>>, plane: Option<&Plane<T>>) {
+        let flat = plane.is_some_and(|plane| plane.warp < T::lit(BENT));
+        for i in 0..4 {
+            let evidence = following.filter(|_| flat).map_or(Evidence::Nothing, |following| {
+                evidence(following.own[i] < T::zero(), following.own[i] > T::zero())
+            });
+            let sensor = Sensor { corner: Corner::ALL[i], place: Place::Wheel };
+            let gain = -T::one();
+            self.reversed[i].update(at, evidence, SWAP, || Malfunction::Gain { sensor, gain });
+        }
+    }
+
+    fn judge_body_gains(&mut self, at: [f64; 2], plane: Option<&Plane<T>>) {
+        for i in 0..4 {
+            let mut gain = T::one();
+            let evidence = plane.map_or(Evidence::Nothing, |plane| {
+                gain = plane.gain;
+                let wrong = !(gain > T::zero() && gain.ln().abs() < T::lit(BODY_GAIN));
+                let his = plane.wrong_gain() == Some(i);
+                let fine = gain > T::zero() && gain.ln().abs() < T::lit(BODY_GAIN_FINE);
+                evidence(
+                    his && wrong && plane.warp > T::lit(0.5 * FLAT),
+                    fine || plane.warp < T::lit(0.3 * FLAT),
+                )
+            });
+            let sensor = Sensor { corner: Corner::ALL[i], place: Place::Body };
+            self.body_gains[i].update(at, evidence, GAIN, || Malfunction::Gain { sensor, gain });
+        }
+    }
+
+    /// What is wrong, by the first corner it names.
+    pub(crate) fn faults(&self) -> [Option<Fault<T>>; 4] {
+        let mut faults = [None; 4];
+        let crossed = self.crossed();
+        let odd = if crossed.is_some() { &self.odd[..0] } else { &self.odd[..] };
+        let words = odd.iter().chain(&self.pairs).chain(&self.reversed);
+        let words = words.chain(&self.corners).chain(&self.body_gains);
+        let all = crossed.into_iter().chain(words.filter_map(Word::fault)).chain(self.wheel_gains.faults());
+        for fault in all {
+            if let Some(corner) = fault.malfunction.wheels().iter().next() {
+                faults[corner.index()].get_or_insert(fault);
+            }
+        }
+        faults
+    }
+
+    /// A body that is a wheel at one corner and a wheel that is a body at another: these two are swapped.
+    fn crossed(&self) -> Option<Fault<T>> {
+        let only = |looks: Looks| {
+            let mut those = (0..4).filter(|&i| self.odd[i].latch.is_said() && self.looks[i] == looks);
+            those.next().filter(|_| those.next().is_none())
+        };
+        let (body, wheel) = (only(Looks::BodyIsWheel)?, only(Looks::WheelIsBody)?);
+        let sensor = |i: usize, place| Sensor { corner: Corner::ALL[i], place };
+        let swapped = Malfunction::Swapped(sensor(body, Place::Body), sensor(wheel, Place::Wheel));
+        Some(Fault::said_by(&self.odd[body].latch, swapped))
+    }
+
+    /// The corners whose gain may be about to be suspected.
+    pub(crate) fn strange(&self, now_s: f64) -> Wheels {
+        Corner::ALL.into_iter().filter(|corner| self.shifts.is_strange(corner.index(), now_s)).collect()
+    }
+
+    /// The corners whose sensors may be swapped, or whose gain may have changed. That a gain was wrong all the time is
+    /// waited for.
+    pub(crate) fn suspects(&self) -> Wheels {
+        // A body that moves like its wheel is suspect at once.
+        let odd = |corner: &Corner| self.newest_ratio[corner.index()] < T::lit(ODD);
+        self.belated() | Corner::ALL.into_iter().filter(odd).collect()
+    }
+
+    /// Those among them of which it took seconds to find out.
+    pub(crate) fn belated(&self) -> Wheels {
+        let words = self.odd.iter().chain(&self.pairs).chain(&self.reversed).chain(&self.corners);
+        let suspected = words.filter(|word| word.latch.is_suspected());
+        let jumped = |corner: &Corner| {
+            self.jumps[corner.index()].is_suspected() || self.shifts.is_suspected(corner.index())
+        };
+        let jumped = Corner::ALL.into_iter().filter(jumped).collect();
+        suspected
+            .filter_map(|word| word.malfunction.as_ref())
+            .fold(jumped, |all: Wheels, malfunction| all | malfunction.wheels())
+    }
+}
+
+/// Whether it is the bodies of this pair that are swapped and not the wheels: then they are no plane as they are.
+fn bodies_swapped<T: Real>(plane: Option<&Plane<T>>, pair: usize) -> bool {
+    // Bodies of a diagonal stay in the plane: that it is not their wheels cannot be told.
+    plane.is_some_and(|plane| matches!(pair, 0 | 1 | 4 | 5) && plane.warp > T::lit(BENT))
+}

@@ -1,0 +1,211 @@
+//! Which sensors belong together, from their moments: whose body follows which wheel, and whether the bodies move as one
+//! plane (docs/math/monitor.md, section 3).
+
+use nalgebra::{SMatrix, SVector};
+
+use crate::real::Real;
+
+/// The pairs of corners.
+pub(crate) const PAIRS: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
+/// What is added to the wheels' moments, as a share of their trace: roads that are alike must not blow up the
+/// regression.
+const RIDGE: f64 = 1e-3;
+/// Share of the warp that one sensor's gain must explain; noise has its part in it, too.
+const EXPLAINED: f64 = 0.65;
+/// Warp from which corners may be in each other's place; and what is left of it when they are put back.
+const WARPED: f64 = 0.1;
+const PUT_BACK: f64 = 0.1;
+/// Warp that whatever explains it may leave. A healthy car has less than 0.01; what is no rigid body is not judged by it.
+const LEFT: f64 = 0.02;
+
+/// Who follows whom, from the regression of the bodies on all four wheels in the hop band.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Following<T> {
+    /// For every pair of corners the logarithm of how much better each body follows its own wheel than the other's.
+    /// Negative: two of the sensors are swapped.
+    pub(crate) own_over_other: [T; 6],
+    /// By how much each body follows its own wheel. Negative: one of the two is upside down.
+    pub(crate) own: [T; 4],
+}
+
+/// `None` for wheels that do not move.
+pub(crate) fn following<T: Real>(hop: &SMatrix<T, 8, 8>) -> Option<Following<T>> {
+    let mut wheels = hop.fixed_view::<4, 4>(4, 4).into_owned();
+    let ridge = wheels.trace() * T::lit(RIDGE);
+    for i in 0..4 {
+        wheels[(i, i)] += ridge;
+    }
+    let wheels_by_bodies = hop.fixed_view::<4, 4>(4, 0).into_owned();
+    // Column i: what makes body i move.
+    let follows = wheels.cholesky()?.solve(&wheels_by_bodies);
+    let square = |wheel: usize, body: usize| follows[(wheel, body)] * follows[(wheel, body)];
+    let log = |[i, j]: [usize; 2]| ((square(i, i) + square(j, j)) / (square(i, j) + square(j, i))).ln();
+    Some(Following { own_over_other: PAIRS.map(log), own: [0, 1, 2, 3].map(|i| follows[(i, i)]) })
+}
+
+/// How the bodies' accelerations lie in one plane: `a_fl - a_fr - a_rl + a_rr` is zero for a rigid body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Plane<T> {
+    /// Power outside of the plane over the power of all, noise taken off.
+    pub(crate) warp: T,
+    /// The same if left and right of one axle were swapped.
+    pub(crate) warp_sides: T,
+    /// The same if front and rear of one side were swapped.
+    pub(crate) warp_axles: T,
+    /// The sensor whose gain would explain most of the warp, the share it explains, and the gain.
+    pub(crate) culprit: usize,
+    pub(crate) explained: T,
+    pub(crate) gain: T,
+}
+
+impl<T: Real> Plane<T> {
+    /// Of the bodies' moments in the bounce band; `noise` is the sum of their noise powers there. `None` if there is too
+    /// little but noise.
+    pub(crate) fn of(bounce: &SMatrix<T, 4, 4>, noise: T) -> Option<Self> {
+        let one = T::one();
+        let all = bounce.trace();
+        if !(all > T::lit(20.0) * noise && all.is_finite()) {
+            return None;
+        }
+        let warp = SVector::<T, 4>::new(one, -one, -one, one);
+        let power = |signs: &SVector<T, 4>| (signs.dot(&(bounce * signs)) - noise).max(T::zero()) / all;
+        let with_each = bounce * warp;
+        let out = warp.dot(&with_each);
+        let (mut culprit, mut explained) = (0, T::zero());
+        for i in 0..4 {
+            let share = with_each[i] * with_each[i] / (out * bounce[(i, i)]).max(T::lit(1e-12));
+            if share > explained {
+                (culprit, explained) = (i, share);
+            }
+        }
+        // r = s g a and m = (1 + g) a: r / m = s g / (1 + g).
+        let ratio = warp[culprit] * with_each[culprit] / bounce[(culprit, culprit)].max(T::lit(1e-12));
+        Some(Self {
+            warp: power(&warp),
+            warp_sides: power(&SVector::<T, 4>::new(-one, one, -one, one)),
+            warp_axles: power(&SVector::<T, 4>::new(-one, -one, one, one)),
+            culprit,
+            explained,
+            gain: one / (one - ratio),
+        })
+    }
+
+    /// The sensor whose gain makes bodies warp that otherwise are a plane. Bodies that are none to begin with have nobody
+    /// to blame.
+    pub(crate) fn wrong_gain(&self) -> Option<usize> {
+        let left = (T::one() - self.explained) * self.warp;
+        (self.explained > T::lit(EXPLAINED) && left < T::lit(LEFT)).then_some(self.culprit)
+    }
+
+    /// The corners that, back in their places, would make the bodies one plane again, if no others would.
+    pub(crate) fn changed_places(&self) -> Option<Changed> {
+        let left = T::lit(LEFT).min(T::lit(PUT_BACK) * self.warp);
+        match [self.warp_sides < left, self.warp_axles < left] {
+            _ if !(self.warp > T::lit(WARPED)) => None,
+            [true, false] => Some(Changed::Sides),
+            [false, true] => Some(Changed::Axles),
+            _ => None,
+        }
+    }
+}
+
+/// Which corners are in each other's place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Changed {
+    /// Left and right.
+    Sides,
+    /// Front and rear.
+    Axles,
+}
+
+/// A corner's power over the median of the others'.
+pub(crate) fn over_others<T: Real>(powers: &[T; 4], i: usize) -> T {
+    let mut others = [1, 2, 3].map(|step| powers[(i + step) % 4]);
+    powers[i] / median(&mut others)
+}
+
+/// The value in the middle; of an even number the mean of the two there. NaN for nothing.
+pub(crate) fn median<T: Real>(values: &mut [T]) -> T {
+    values.sort_unstable_by(|a, b| a.partial_cmp(b).unwrap_or(core::cmp::Ordering::Equal));
+    let n = values.len();
+    match n {
+        0 => T::lit(f64::NAN),
+        _ => T::lit(0.5) * (values[(n - 1) / 2] + values[n / 2]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector4;
+
+    use super::*;
+    use crate::random::Random;
+
+    /// Moments of bodies that are moved so, as many independent times as two seconds of bounce have.
+    fn plane(random: &mut Random, bodies: impl Fn(&mut Random) -> Vector4<f64>) -> Plane<f64> {
+        let mut moments = SMatrix::<f64, 4, 4>::zeros();
+        for _ in 0..12 {
+            let moved = bodies(random);
+            moments += moved * moved.transpose();
+        }
+        Plane::of(&moments, 0.0).unwrap()
+    }
+
+    /// A rigid body that heaves, pitches and rolls, and warps by a fiftieth of that; one sensor with a gain.
+    fn rigid(random: &mut Random, at: usize, gain: f64) -> Vector4<f64> {
+        let [heave, pitch, roll, warp] = core::array::from_fn(|_| random.normal());
+        let warp = 0.02 * warp;
+        let mut bodies = Vector4::new(
+            heave + pitch + roll + warp,
+            heave + pitch - roll - warp,
+            heave - pitch + roll - warp,
+            heave - pitch - roll + warp,
+        );
+        bodies[at] *= gain;
+        bodies
+    }
+
+    #[test]
+    fn a_wrong_gain_of_a_rigid_body_is_blamed_on_its_sensor() {
+        let mut random = Random(5);
+        for gain in [0.5, 0.7, 1.5, 2.0] {
+            for i in 0..200 {
+                let plane = plane(&mut random, |random| rigid(random, i % 4, gain));
+                assert_eq!(plane.wrong_gain(), Some(i % 4), "{gain}: {plane:?}");
+                // The warp takes part: a fiftieth of the motion.
+                assert!((plane.gain / gain).ln().abs() < 0.15, "{gain}: {plane:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn corners_in_each_other_s_place_are_told() {
+        let mut random = Random(7);
+        for _ in 0..200 {
+            let sides = plane(&mut random, |random| {
+                let bodies = rigid(random, 0, 1.0);
+                Vector4::new(bodies[1], bodies[0], bodies[2], bodies[3])
+            });
+            assert_eq!(sides.changed_places(), Some(Changed::Sides), "{sides:?}");
+            let axles = plane(&mut random, |random| {
+                let bodies = rigid(random, 0, 1.0);
+                Vector4::new(bodies[2], bodies[1], bodies[0], bodies[3])
+            });
+            assert_eq!(axles.changed_places(), Some(Changed::Axles), "{axles:?}");
+            assert_eq!(plane(&mut random, |random| rigid(random, 0, 1.0)).changed_places(), None);
+        }
+    }
+
+    #[test]
+    fn four_bodies_that_are_not_one_have_nobody_to_blame() {
+        let mut random = Random(6);
+        let mut tempting = 0;
+        for _ in 0..20_000 {
+            let plane = plane(&mut random, |random| Vector4::from_fn(|_, _| random.normal()));
+            tempting += u32::from(plane.explained > EXPLAINED);
+            assert_eq!((plane.wrong_gain(), plane.changed_places()), (None, None), "{plane:?}");
+        }
+        // What one of four signals explains of their sum by chance.
+        assert!(tempting > 100, "{tempting}");
+    }
+}

@@ -1,0 +1,284 @@
+//! The health of the sensors, from their raw values alone: each by itself, and all against the car that they sit on.
+//!
+//! Called by the monitor with every sample, before the estimator. Knows nothing of pressures. What can be told, how soon
+//! and what cannot: docs/math/monitor.md, sections 2 to 4.
+//!
+//! | room | idea |
+//! |---|---|
+//! | `sensor` | running figures of one sensor |
+//! | `alone` | stuck, losing samples, spiking, noisy |
+//! | `filters`, `signals`, `moments` | bands and their second moments |
+//! | `matching` | who follows whom; whether the bodies are one plane |
+//! | `together`, `word` | swapped, a body's wrong gain |
+//! | `wheel_gain` | a wheel's wrong gain |
+//! | `jump` | a gain that changes at once |
+//! | `shift` | one that changes by less |
+
+pub(crate) mod cross_sensor;
+pub(crate) mod debounce;
+pub(crate) mod decorrelation;
+mod fault_latch;
+mod filters;
+pub(crate) mod malfunction;
+mod matching;
+mod moments;
+mod sensor_statistics;
+mod signals;
+mod single_sensor;
+pub(crate) mod standstill;
+mod wheel_gain;
+
+pub use self::malfunction::{Malfunction, Place, Sensor};
+use crate::diagnosis::cross_sensor::Together;
+use crate::diagnosis::debounce::Latch;
+use crate::diagnosis::matching::{median, over_others};
+use crate::diagnosis::sensor_statistics::SensorBlock;
+use crate::diagnosis::signals::{Block, HOP_WIDTH_HZ, Signals};
+use crate::diagnosis::single_sensor::Alone;
+use crate::model::{CarConfig, CarSample, Corner, CornerConfig, Wheels};
+use crate::real::Real;
+
+/// Seconds between two looks at what the sensors did.
+const BLOCK_S: f64 = 0.5;
+/// A hole in the record longer than this, in s, begins a new one.
+const LONGEST_HOLE_S: f64 = 1.0;
+/// Longest time between samples that follow one another, in periods.
+const LONGEST_STEP: f64 = 1.75;
+/// Speed in m/s above which a car moves, and above which its sensors are held against each other.
+const MOVING_M_S: f64 = 1.5;
+const DRIVING_M_S: f64 = 3.0;
+/// Share of missing values up to which a sensor is held against others.
+const FEW_MISSING: f64 = 0.1;
+/// Power of white noise in the hop band, at most, over what its quietest part says: of five parts of a tenth of a second
+/// the quietest has half of it, and half a second of the band is few swings. One block in a hundred has more.
+const WHITE_AT_MOST: f64 = 8.0;
+/// Blocks after something was wrong until the filters have forgotten it.
+const FORGETTING_BLOCKS: u32 = 6;
+/// Blocks with something wrong after which what is suspected, not said, and cannot be looked at meanwhile is let go.
+const LEFT_BLOCKS: u32 = 20;
+
+/// Something that is wrong.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Fault<T> {
+    pub(crate) malfunction: Malfunction<T>,
+    pub(crate) since_s: f64,
+    pub(crate) said_s: f64,
+}
+
+impl<T> Fault<T> {
+    fn said_by(latch: &Latch, malfunction: Malfunction<T>) -> Self {
+        Self { malfunction, since_s: latch.since_s(), said_s: latch.said_s() }
+    }
+}
+
+/// Whether the car moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Motion {
+    Standing,
+    Moving,
+}
+
+/// The sensors of a car under watch.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: Real + serde::Serialize",
+        deserialize = "T: Real + serde::Deserialize<'de>"
+    ))
+)]
+pub(crate) struct Health<T: Real> {
+    period_s: f64,
+    noise_power: [T; 4],
+    present: [bool; 4],
+    sensors: [Alone<T>; 8],
+    signals: Signals<T>,
+    together: Together<T>,
+    slowest_m_s: T,
+    last_s: f64,
+    block_from_s: f64,
+    /// Blocks since something was wrong with a sensor by itself.
+    calm_blocks: u32,
+    /// Blocks of which something was wrong with a sensor by itself, in a row.
+    rough_blocks: u32,
+    /// Whether a block has ended since it was last asked.
+    news: bool,
+}
+
+impl<T: Real> Health<T> {
+    pub(crate) fn new(car: &CarConfig<T>, rate_hz: f64) -> Self {
+        let noise = |corner: &Option<CornerConfig<T>>| {
+            let noise = corner.as_ref().map_or(T::zero(), CornerConfig::accel_noise_or_usual_m_s2);
+            noise * noise
+        };
+        let noise_power = car.corners.each_ref().map(noise);
+        Self {
+            period_s: 1.0 / rate_hz,
+            noise_power,
+            present: car.corners.each_ref().map(Option::is_some),
+            sensors: [Alone::new(1.0 / rate_hz); 8],
+            signals: Signals::new(car, rate_hz),
+            together: Together::new(noise_power, rate_hz),
+            slowest_m_s: T::lit(f64::NAN),
+            last_s: f64::NEG_INFINITY,
+            block_from_s: f64::NAN,
+            calm_blocks: 0,
+            rough_blocks: 0,
+            news: false,
+        }
+    }
+
+    /// Takes a sample of a clock that does not go back.
+    pub(crate) fn push(&mut self, sample: &CarSample<T>) {
+        let time_s = sample.time_s;
+        let step_s = time_s - self.last_s;
+        if step_s <= 0.0 {
+            return; // The same sample again; the intake counts it.
+        }
+        self.last_s = time_s;
+        if !(step_s < LONGEST_HOLE_S) {
+            (self.block_from_s, self.calm_blocks) = (time_s, 0);
+            self.slowest_m_s = sample.speed_m_s;
+        }
+        if step_s > LONGEST_STEP * self.period_s {
+            self.sensors.iter_mut().for_each(Alone::interrupted);
+        }
+        let nothing = [T::lit(f64::NAN); 2];
+        let mut values = [T::zero(); 8];
+        for (i, corner) in sample.corners.iter().enumerate().filter(|(i, _)| self.present[*i]) {
+            let [body, wheel] = corner.map_or(nothing, |c| [c.body_accel_m_s2, c.wheel_accel_m_s2]);
+            values[i] = self.sensors[i].push(time_s, self.period_s, body);
+            values[4 + i] = self.sensors[4 + i].push(time_s, self.period_s, wheel);
+        }
+        self.signals.push(&values);
+        if !(self.slowest_m_s <= sample.speed_m_s) {
+            self.slowest_m_s = sample.speed_m_s;
+        }
+        let block_s = time_s - self.block_from_s;
+        if block_s >= BLOCK_S - 0.5 * self.period_s {
+            self.end_block(time_s, block_s);
+            self.block_from_s = time_s;
+            self.slowest_m_s = sample.speed_m_s;
+        }
+    }
+
+    /// True once after every block: then faults and suspects may be others.
+    pub(crate) fn take_news(&mut self) -> bool {
+        core::mem::take(&mut self.news)
+    }
+
+    fn end_block(&mut self, time_s: f64, step_s: f64) {
+        self.news = true;
+        let motion = self.motion(time_s);
+        let mut blocks = [None; 8];
+        for (i, block) in blocks.iter_mut().enumerate().filter(|(i, _)| self.present[i % 4]) {
+            *block = Some(self.sensors[i].end_block(time_s, step_s, motion));
+        }
+        let Some(block) = self.signals.end_block() else { return };
+        let alive = [0, 1, 2, 3]
+            .map(|i| self.present[i] && self.sensors[i].is_alive() && self.sensors[4 + i].is_alive());
+        // An unknown speed passes: there is power in the bands, or nothing is concluded.
+        let driving = !(self.slowest_m_s < T::lit(DRIVING_M_S));
+        let alive = if driving { alive } else { [false; 4] };
+        self.together.compare_wheel_and_body([time_s, step_s], &block, alive);
+        self.judge_noise([time_s, step_s], &blocks, &block);
+        let few = |block: &Option<SensorBlock<T>>| block.is_none_or(|b| b.missing < T::lit(FEW_MISSING));
+        let calm = (0..8).all(|i| self.present[i % 4] && !self.sensors[i].is_suspected());
+        let calm = calm && blocks.iter().all(few);
+        if calm {
+            self.together.look_for_jumps([time_s, step_s], &block);
+        }
+        if calm {
+            (self.calm_blocks, self.rough_blocks) = ((self.calm_blocks + 1).min(FORGETTING_BLOCKS + 1), 0);
+        } else {
+            (self.calm_blocks, self.rough_blocks) = (0, self.rough_blocks.saturating_add(1));
+        }
+        if self.rough_blocks == LEFT_BLOCKS {
+            self.together.drop_suspicions();
+        }
+        if driving && self.calm_blocks > FORGETTING_BLOCKS {
+            self.together.take([time_s, step_s], &block);
+        }
+    }
+
+    /// Whether the car moves. Where its speed is unknown most sensors say so: coarsely rounded, those of a parked car hardly
+    /// change, and are not stuck.
+    fn motion(&self, time_s: f64) -> Motion {
+        let moving = if self.slowest_m_s.is_finite() {
+            self.slowest_m_s >= T::lit(MOVING_M_S)
+        } else {
+            let present = || (0..8).filter(|i| self.present[i % 4]);
+            let changing = present().filter(|i| self.sensors[*i].changes(time_s));
+            2 * changing.count() > present().count()
+        };
+        if moving { Motion::Moving } else { Motion::Standing }
+    }
+
+    /// Noise against that of its like; not of a corner where body and wheel may be swapped: each would be unlike its like.
+    /// A sensor that reads more of everything has a wrong gain: noise is what is more than wheel hop is more. Where its
+    /// noise is all there is in the hop band, as on a smooth road, that band says nothing of either.
+    fn judge_noise(
+        &mut self,
+        [time_s, step_s]: [f64; 2],
+        blocks: &[Option<SensorBlock<T>>; 8],
+        block: &Block<T>,
+    ) {
+        let body_hop = [0, 1, 2, 3].map(|i| block.hop[(i, i)]);
+        for i in (0..8).filter(|i| self.present[i % 4]) {
+            let hop = if i < 4 { &body_hop } else { &block.wheel_hop };
+            let hops =
+                |own: T| !(hop[i % 4] < own * T::lit(WHITE_AT_MOST * HOP_WIDTH_HZ * 2.0 * self.period_s));
+            let powers = self.noise_powers(blocks, i).and_then(|[own, alike]| match hops(own) {
+                false => Some([own, alike]),
+                true if self.together.is_odd(i % 4) => None,
+                true => Some([own, alike * over_others(hop, i % 4).max(T::one())]),
+            });
+            self.sensors[i].compare_noise(time_s, step_s, powers);
+        }
+    }
+
+    /// A sensor's noise power and that of its like on other corners, with what any of them may have.
+    fn noise_powers(&self, blocks: &[Option<SensorBlock<T>>; 8], i: usize) -> Option<[T; 2]> {
+        let own = blocks[i]?.floor?;
+        let mut alike = [T::zero(); 4];
+        let mut count = 0;
+        for j in (0..4).map(|corner| corner + (i & 4)).filter(|j| *j != i) {
+            if let Some(floor) = blocks[j].and_then(|block| block.floor) {
+                alike[count] = floor;
+                count += 1;
+            }
+        }
+        (count >= 2).then(|| [own, median(&mut alike[..count]) + self.noise_power[i % 4]])
+    }
+
+    /// What is wrong, by the corner it is told at: the worst of each.
+    pub(crate) fn faults(&self) -> [Option<Fault<T>>; 4] {
+        let together = self.together.faults();
+        core::array::from_fn(|i| {
+            let sensor = |place| Sensor { corner: Corner::ALL[i], place };
+            let wheel = self.sensors[4 + i].fault(sensor(Place::Wheel));
+            wheel.or_else(|| self.sensors[i].fault(sensor(Place::Body))).or(together[i])
+        })
+    }
+
+    /// The corners among them that were learned from for seconds before that showed.
+    pub(crate) fn belated(&self) -> Wheels {
+        self.together.belated()
+    }
+
+    /// The corners not to be learned from now.
+    pub(crate) fn suspects(&self) -> Wheels {
+        let alone = Corner::ALL.into_iter().filter(|corner| {
+            let i = corner.index();
+            self.present[i] && (self.sensors[i].is_suspected() || self.sensors[4 + i].is_suspected())
+        });
+        alone.collect::<Wheels>() | self.together.suspects()
+    }
+
+    /// The corners that may be among these in a moment.
+    pub(crate) fn strange(&self) -> Wheels {
+        self.together.strange(self.last_s)
+    }
+}

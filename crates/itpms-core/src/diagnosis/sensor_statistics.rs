@@ -1,0 +1,222 @@
+//! One accelerometer by itself: does it move, does it come, does it jump, how loud is it between the road's waves.
+
+use crate::real::Real;
+
+/// Beyond this nothing on a car moves; such a value counts as missing, in m/s².
+const ABSURD_M_S2: f64 = 1000.0;
+/// Values around a spike that are looked at; the one in the middle is judged.
+const WINDOW: usize = 9;
+const MIDDLE: usize = WINDOW / 2;
+/// A spike stands out of its neighbors by so much, in m/s², and by so many times what is usual.
+const LEAST_SPIKE_M_S2: f64 = 1.0;
+const SPIKE_OVER_USUAL: f64 = 10.0;
+/// With the spike taken out, so little of the window's fourth differences is left: no wheel can jump for one sample
+/// behind an anti-alias filter.
+const LEFT_WITHOUT_SPIKE: f64 = 0.1;
+/// Time constants in s of what is usual, and of the share of missing values.
+const USUAL_S: f64 = 0.3;
+const MISSING_S: f64 = 1.0;
+/// Length in s of the parts of a block whose quietest one counts as its noise: a pothole is not in all of them.
+const PART_S: f64 = 0.1;
+/// Sum of squares of the fourth difference's weights 1, -4, 6, -4, 1.
+const FOURTH_DIFFERENCE: f64 = 70.0;
+
+/// What a sensor was like in a block.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct SensorBlock<T> {
+    /// Power in (m/s²)² per sample of white noise with the fourth differences of the block's quietest part; `None` when
+    /// no part was whole.
+    pub(crate) floor: Option<T>,
+    /// Share of missing values of late.
+    pub(crate) missing: T,
+    /// Single values that stood out.
+    pub(crate) spikes: u32,
+    /// For how long the value has not changed, in s.
+    pub(crate) unchanged_s: f64,
+    /// Whether every value of the block came.
+    pub(crate) complete: bool,
+}
+
+/// Remembers a sensor's last values.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct SensorWatch<T> {
+    /// Newest last.
+    window: [T; WINDOW],
+    /// Values since the last missing one, up to the window's length.
+    whole: u32,
+    /// How far values of late were from what their neighbors say, in m/s²; and those too new to count, newest last.
+    usual: T,
+    deviations: [T; MIDDLE + 1],
+    missing: T,
+    changed_s: f64,
+    spikes: u32,
+    lost: u32,
+    /// Power of the fourth differences in the part that runs, its values, and the quietest part of the block.
+    part: T,
+    in_part: u32,
+    part_of: u32,
+    floor: Option<T>,
+}
+
+impl<T: Real> SensorWatch<T> {
+    pub(crate) fn new(period_s: f64) -> Self {
+        Self {
+            window: [T::zero(); WINDOW],
+            whole: 0,
+            usual: T::zero(),
+            deviations: [T::zero(); MIDDLE + 1],
+            missing: T::zero(),
+            changed_s: f64::NAN,
+            spikes: 0,
+            lost: 0,
+            part: T::zero(),
+            in_part: 0,
+            part_of: ((PART_S / period_s) as u32).max(5),
+            floor: None,
+        }
+    }
+
+    /// Takes a value; gives it, or the last one in the place of a missing one.
+    pub(crate) fn push(&mut self, time_s: f64, period_s: f64, value: T) -> T {
+        let here = value.abs() < T::lit(ABSURD_M_S2);
+        let lost = if here { T::zero() } else { T::one() };
+        self.missing += T::lit((period_s / MISSING_S).min(1.0)) * (lost - self.missing);
+        if !here {
+            self.lost += 1;
+            self.whole = 0;
+            return self.window[WINDOW - 1];
+        }
+        if value != self.window[WINDOW - 1] || self.changed_s.is_nan() {
+            self.changed_s = time_s;
+        }
+        self.window.rotate_left(1);
+        self.window[WINDOW - 1] = value;
+        self.whole = (self.whole + 1).min(WINDOW as u32);
+        if self.whole == WINDOW as u32 {
+            self.look_for_spike(period_s);
+            self.listen();
+        }
+        value
+    }
+
+    /// The next value does not follow the last one.
+    pub(crate) fn interrupted(&mut self) {
+        self.whole = 0;
+    }
+
+    /// Interpolates the middle of the window from its neighbors, sixth order.
+    fn look_for_spike(&mut self, period_s: f64) {
+        let w = &self.window;
+        let m = MIDDLE;
+        let near = T::lit(15.0) * (w[m - 1] + w[m + 1]) - T::lit(6.0) * (w[m - 2] + w[m + 2]);
+        let expected = (near + w[m - 3] + w[m + 3]) / T::lit(20.0);
+        let deviation = (w[m] - expected).abs();
+        let over = T::lit(LEAST_SPIKE_M_S2).max(T::lit(SPIKE_OVER_USUAL) * self.usual);
+        if deviation > over {
+            let mut without = self.window;
+            without[m] = expected;
+            let left = roughness(&without);
+            if left < T::lit(LEFT_WITHOUT_SPIKE) * roughness(&self.window) {
+                self.spikes += 1;
+            }
+        }
+        self.usual += T::lit((period_s / USUAL_S).min(1.0)) * (self.deviations[0] - self.usual);
+        self.deviations.rotate_left(1);
+        self.deviations[MIDDLE] = deviation;
+    }
+
+    /// Adds the newest fourth difference to the part that runs.
+    fn listen(&mut self) {
+        let fourth = fourth_difference(&self.window[WINDOW - 5..]);
+        self.part += fourth * fourth / T::lit(FOURTH_DIFFERENCE);
+        self.in_part += 1;
+        if self.in_part == self.part_of {
+            let power = self.part / T::lit(f64::from(self.part_of));
+            self.floor = Some(self.floor.map_or(power, |floor| floor.min(power)));
+            (self.part, self.in_part) = (T::zero(), 0);
+        }
+    }
+
+    /// For how long the value has not changed, in s; NaN before the first one.
+    pub(crate) fn unchanged_s(&self, time_s: f64) -> f64 {
+        time_s - self.changed_s
+    }
+
+    /// Ends a block.
+    pub(crate) fn end_block(&mut self, time_s: f64) -> SensorBlock<T> {
+        let block = SensorBlock {
+            floor: self.floor,
+            missing: self.missing,
+            spikes: self.spikes,
+            unchanged_s: self.unchanged_s(time_s),
+            complete: self.lost == 0,
+        };
+        (self.spikes, self.lost, self.floor) = (0, 0, None);
+        block
+    }
+}
+
+/// Sum of squared fourth differences.
+fn roughness<T: Real>(window: &[T; WINDOW]) -> T {
+    window.windows(5).map(fourth_difference).fold(T::zero(), |sum, fourth| sum + fourth * fourth)
+}
+
+/// Of five values.
+fn fourth_difference<T: Real>(w: &[T]) -> T {
+    w[0] + w[4] + T::lit(6.0) * w[2] - T::lit(4.0) * (w[1] + w[3])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PERIOD_S: f64 = 0.005;
+
+    /// A wheel on a road: waves of some frequencies up to 50 Hz, at 200 Hz.
+    fn ride(i: u32) -> f64 {
+        let t = f64::from(i) * PERIOD_S;
+        [(1.3, 0.8), (7.7, 2.0), (12.3, 5.0), (31.0, 1.5), (49.0, 0.5)]
+            .iter()
+            .map(|(hz, size)| size * (core::f64::consts::TAU * hz * t + hz).sin())
+            .sum()
+    }
+
+    fn watch(values: impl Iterator<Item = f64>) -> SensorBlock<f64> {
+        let mut watch = SensorWatch::new(PERIOD_S);
+        let mut time_s = 0.0;
+        for value in values {
+            time_s += PERIOD_S;
+            watch.push(time_s, PERIOD_S, value);
+        }
+        watch.end_block(time_s)
+    }
+
+    #[test]
+    fn every_spike_is_seen_and_no_wave_is_one() {
+        assert_eq!(watch((0..4000).map(ride)).spikes, 0);
+        let spiky = |i: u32| ride(i) + if i % 100 == 50 { 30.0 } else { 0.0 };
+        assert_eq!(watch((0..4000).map(spiky)).spikes, 40);
+        // A step, as of a bias that jumps, is none.
+        assert_eq!(watch((0..4000).map(|i| ride(i) + if i > 2000 { 20.0 } else { 0.0 })).spikes, 0);
+    }
+
+    #[test]
+    fn the_floor_is_the_noise_and_a_pothole_does_not_lift_it() {
+        // Alternating 0.3 is a wave at half the rate: its fourth difference is 16 times as large, of power 256.
+        let quiet = |i: u32| if i.is_multiple_of(2) { 0.3 } else { -0.3 };
+        let expected = 0.09 * 256.0 / FOURTH_DIFFERENCE;
+        let pothole = |i: u32| quiet(i) + if (40..46).contains(&i) { 80.0 } else { 0.0 };
+        assert!((watch((0..100).map(pothole)).floor.unwrap() / expected - 1.0).abs() < 1e-9);
+        assert_eq!(watch((0..3).map(quiet)).floor, None);
+    }
+
+    #[test]
+    fn missing_and_unchanged_values_are_told() {
+        let torn = watch((0..2000u32).map(|i| if i.is_multiple_of(2) { f64::NAN } else { ride(i) }));
+        assert!((torn.missing - 0.5).abs() < 0.01 && !torn.complete);
+        let stuck = watch((0..2000).map(|i| ride(i.min(1799))));
+        assert!((stuck.unchanged_s - 1.0).abs() < 1e-9 && stuck.complete);
+        assert!(watch(core::iter::repeat_n(f64::INFINITY, 100)).missing > 0.3);
+    }
+}

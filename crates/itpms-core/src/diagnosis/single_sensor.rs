@@ -1,0 +1,145 @@
+//! What is wrong with one sensor, as far as it can be told from itself and from its like on the other corners.
+
+use crate::diagnosis::debounce::{Evidence, Latch, Patience};
+use crate::diagnosis::sensor_statistics::{SensorBlock, SensorWatch};
+use crate::diagnosis::{Fault, Malfunction, Motion, Sensor};
+use crate::real::Real;
+
+/// Seconds without a change after which a sensor of a moving car is stuck; and of the doubt before.
+const STUCK_S: f64 = 0.5;
+const STUCK_DOUBT_S: f64 = 0.2;
+const STUCK: Patience = Patience { raise_s: 0.0, clear_s: 1.5 };
+/// Share of missing values that is too much, and that is fine again.
+const TOO_MANY_MISSING: f64 = 0.4;
+const FEW_MISSING: f64 = 0.1;
+const DROPOUT: Patience = Patience { raise_s: 1.0, clear_s: 2.0 };
+/// Spikes that are too many within the time constant in s of their count; seconds of doubt after each of them.
+const TOO_MANY_SPIKES: f64 = 2.2;
+const SPIKES_S: f64 = 10.0;
+const SPIKE_DOUBT_S: f64 = 2.0;
+const SPIKES: Patience = Patience { raise_s: 0.0, clear_s: 15.0 };
+/// Noise power over that of its like that is too much, and that is fine again.
+const TOO_NOISY: f64 = 6.0;
+const NOT_NOISY: f64 = 3.0;
+const NOISE: Patience = Patience { raise_s: 3.0, clear_s: 5.0 };
+
+/// A sensor under watch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Alone<T> {
+    watch: SensorWatch<T>,
+    stuck: Latch,
+    dropout: Latch,
+    spikes: Latch,
+    noise: Latch,
+    spike_count: f64,
+    spike_s: f64,
+    doubtful: Doubtful,
+}
+
+/// Whether the last block left a doubt that is not said.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+enum Doubtful {
+    No,
+    Yes,
+}
+
+impl<T: Real> Alone<T> {
+    pub(crate) fn new(period_s: f64) -> Self {
+        Self {
+            watch: SensorWatch::new(period_s),
+            stuck: Latch::new(),
+            dropout: Latch::new(),
+            spikes: Latch::new(),
+            noise: Latch::new(),
+            spike_count: 0.0,
+            spike_s: f64::NEG_INFINITY,
+            doubtful: Doubtful::No,
+        }
+    }
+
+    /// Takes a value; gives it, or the last one in the place of a missing one.
+    pub(crate) fn push(&mut self, time_s: f64, period_s: f64, value: T) -> T {
+        self.watch.push(time_s, period_s, value)
+    }
+
+    /// Samples are not there: the next value does not follow the last one.
+    pub(crate) fn interrupted(&mut self) {
+        self.watch.interrupted();
+    }
+
+    /// Whether its value has changed of late.
+    pub(crate) fn changes(&self, time_s: f64) -> bool {
+        self.watch.unchanged_s(time_s) < STUCK_DOUBT_S
+    }
+
+    /// Ends a block and judges all but its noise.
+    pub(crate) fn end_block(&mut self, time_s: f64, step_s: f64, motion: Motion) -> SensorBlock<T> {
+        let block = self.watch.end_block(time_s);
+        let unchanged_s = if block.complete { block.unchanged_s } else { 0.0 };
+        let stuck = match motion {
+            _ if !block.complete => Evidence::Nothing,
+            Motion::Moving if unchanged_s > STUCK_S => Evidence::For,
+            _ if unchanged_s < STUCK_DOUBT_S => Evidence::Against,
+            _ => Evidence::Nothing,
+        };
+        self.stuck.update(time_s, step_s, stuck, STUCK);
+        let missing = block.missing.to_f64();
+        let dropout = evidence(missing > TOO_MANY_MISSING, missing < FEW_MISSING);
+        self.dropout.update(time_s, step_s, dropout, DROPOUT);
+        self.spike_count *= 1.0 - (step_s / SPIKES_S).min(1.0);
+        if block.spikes > 0 {
+            self.spike_count += f64::from(block.spikes);
+            self.spike_s = time_s;
+        }
+        let spikes = evidence(self.spike_count > TOO_MANY_SPIKES, block.spikes == 0);
+        self.spikes.update(time_s, step_s, spikes, SPIKES);
+        let still = motion == Motion::Moving && unchanged_s > STUCK_DOUBT_S;
+        let spiky = time_s - self.spike_s < SPIKE_DOUBT_S;
+        let doubtful = still || spiky || missing > TOO_MANY_MISSING;
+        self.doubtful = if doubtful { Doubtful::Yes } else { Doubtful::No };
+        block
+    }
+
+    /// Judges its noise against that of its like, both as powers; `None`: cannot be compared now.
+    pub(crate) fn compare_noise(&mut self, time_s: f64, step_s: f64, powers: Option<[T; 2]>) {
+        let noise = powers.map_or(Evidence::Nothing, |[own, alike]| {
+            evidence(own > T::lit(TOO_NOISY) * alike, own < T::lit(NOT_NOISY) * alike)
+        });
+        self.noise.update(time_s, step_s, noise, NOISE);
+    }
+
+    /// What is wrong with it, the most certain first.
+    pub(crate) fn fault(&self, sensor: Sensor) -> Option<Fault<T>> {
+        let latches = [
+            (&self.dropout, Malfunction::Dropout(sensor)),
+            (&self.stuck, Malfunction::Stuck(sensor)),
+            (&self.spikes, Malfunction::Spikes(sensor)),
+            (&self.noise, Malfunction::Noise(sensor)),
+        ];
+        let said = latches.into_iter().find(|(latch, _)| latch.is_said());
+        said.map(|(latch, malfunction)| Fault::said_by(latch, malfunction))
+    }
+
+    /// Whether it can be held against other sensors: it moves and its values come.
+    pub(crate) fn is_alive(&self) -> bool {
+        let latches = [&self.stuck, &self.dropout, &self.spikes];
+        self.doubtful == Doubtful::No && !latches.iter().any(|latch| latch.is_suspected())
+    }
+
+    /// Whether its values may not be learned from, said or not.
+    pub(crate) fn is_suspected(&self) -> bool {
+        let latches = [&self.stuck, &self.dropout, &self.spikes, &self.noise];
+        self.doubtful == Doubtful::Yes || latches.iter().any(|latch| latch.is_suspected())
+    }
+}
+
+/// What two conditions that exclude each other speak for.
+pub(crate) fn evidence(for_it: bool, against_it: bool) -> Evidence {
+    match (for_it, against_it) {
+        (true, _) => Evidence::For,
+        (false, true) => Evidence::Against,
+        (false, false) => Evidence::Neither,
+    }
+}

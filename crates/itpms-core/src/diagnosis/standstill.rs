@@ -1,0 +1,180 @@
+//! A speed that says that the car stands while its wheels roll: a broken wire reads as zero.
+//!
+//! Called by the monitor with every sample. A speed that is not to be believed is unknown: then every wheel goes by its own
+//! road, which is less but not wrong. Thresholds: docs/math/monitor.md, section 2.
+
+use crate::model::CarSample;
+use crate::real::Real;
+
+/// Speed in m/s, forwards or backwards, up to which a car is said to stand. On the worst road it shakes its wheels with
+/// 1 m/s² rms at 0.2 m/s.
+const STANDS_M_S: f64 = 0.1;
+/// Seconds that are looked at together.
+const LOOK_S: f64 = 1.0;
+/// Rms of a wheel's acceleration in m/s² that no car that stands has: engines, doors and sensors make a tenth to a third.
+/// And with how much it stands again. Between lies noise.
+const ROLLS_M_S2: f64 = 1.0;
+const CALM_M_S2: f64 = 0.5;
+
+/// Mean and sum of squares about it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Spread<T> {
+    count: T,
+    mean: T,
+    squares: T,
+}
+
+impl<T: Real> Spread<T> {
+    fn new() -> Self {
+        Self { count: T::zero(), mean: T::zero(), squares: T::zero() }
+    }
+
+    fn take(&mut self, value: T) {
+        if value.is_finite() {
+            self.count += T::one();
+            let off = value - self.mean;
+            self.mean += off / self.count;
+            self.squares += off * (value - self.mean);
+        }
+    }
+
+    /// `None` without a value.
+    fn rms(&self) -> Option<T> {
+        (self.count > T::zero()).then(|| (self.squares / self.count).sqrt())
+    }
+}
+
+/// Holds a speed of zero against the wheels.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Standstill<T> {
+    /// When the look under way began; NaN: the car is not said to stand.
+    from_s: f64,
+    wheels: [Spread<T>; 4],
+    /// What the last look found by itself, and what two in a row did: one may hold garbage.
+    rolled: bool,
+    denied: bool,
+}
+
+impl<T: Real> Standstill<T> {
+    pub(crate) fn new() -> Self {
+        Self { from_s: f64::NAN, wheels: [Spread::new(); 4], rolled: false, denied: false }
+    }
+
+    /// Takes a sample and the speed it tells or that goes on, in m/s; gives the speed to go by, NaN when that is unknown.
+    pub(crate) fn take(&mut self, time_s: f64, speed_m_s: T, sample: &CarSample<T>) -> T {
+        if !(speed_m_s.abs() <= T::lit(STANDS_M_S)) {
+            *self = Self::new();
+            return speed_m_s;
+        }
+        let look_s = time_s - self.from_s;
+        // A first look, or one after a hole.
+        if !(look_s <= 2.0 * LOOK_S) {
+            self.rolled = false;
+            self.look_anew(time_s);
+        } else if look_s >= LOOK_S {
+            self.judge();
+            self.look_anew(time_s);
+        }
+        for (wheel, corner) in self.wheels.iter_mut().zip(&sample.corners) {
+            wheel.take(corner.map_or(T::lit(f64::NAN), |corner| corner.wheel_accel_m_s2));
+        }
+        if self.denied { T::lit(f64::NAN) } else { speed_m_s }
+    }
+
+    fn look_anew(&mut self, time_s: f64) {
+        self.from_s = time_s;
+        self.wheels = [Spread::new(); 4];
+    }
+
+    /// The second loudest wheel decides, or the only one: a single sensor may be noisy.
+    fn judge(&mut self) {
+        let (mut loudest, mut second) = (None, None);
+        for rms in self.wheels.iter().filter_map(Spread::rms) {
+            if loudest.is_none_or(|most| rms > most) {
+                second = loudest.replace(rms);
+            } else if second.is_none_or(|most| rms > most) {
+                second = Some(rms);
+            }
+        }
+        if let Some(rms) = second.or(loudest) {
+            let rolls = rms > T::lit(if self.denied { CALM_M_S2 } else { ROLLS_M_S2 });
+            if rolls == self.rolled {
+                self.denied = rolls;
+            }
+            self.rolled = rolls;
+        }
+    }
+
+    /// Whether the car was said to stand and does not.
+    pub(crate) fn is_denied(&self) -> bool {
+        self.denied
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use std::vec::Vec;
+
+    use super::*;
+    use crate::model::CornerSample;
+
+    /// Seconds of a car whose wheels shake with these rms about gravity, at 200 Hz; gives the speeds to go by.
+    fn drive(
+        standstill: &mut Standstill<f64>,
+        from_s: f64,
+        told: f64,
+        rms: [f64; 4],
+        seconds: f64,
+    ) -> Vec<f64> {
+        let sample = |k: u32| {
+            let time_s = from_s + f64::from(k) / 200.0;
+            let wave = (core::f64::consts::TAU * 11.0 * time_s).sin() * core::f64::consts::SQRT_2;
+            let corner =
+                |rms: f64| CornerSample { body_accel_m_s2: 9.81, wheel_accel_m_s2: 9.81 + rms * wave };
+            CarSample { time_s, speed_m_s: told, corners: rms.map(|rms| Some(corner(rms))) }
+        };
+        let samples = (0..(200.0 * seconds) as u32).map(sample);
+        samples.map(|sample| standstill.take(sample.time_s, told, &sample)).collect()
+    }
+
+    #[test]
+    fn a_zero_is_unknown_while_wheels_roll() {
+        let mut standstill = Standstill::new();
+        assert!(drive(&mut standstill, 0.0, 20.0, [5.0; 4], 2.0).iter().all(|v| *v == 20.0));
+        // The wire breaks: after two seconds it is no longer believed.
+        let broken = drive(&mut standstill, 2.0, 0.0, [5.0; 4], 5.0);
+        assert!(broken[..399].iter().all(|v| *v == 0.0) && broken[401..].iter().all(|v| v.is_nan()));
+        assert!(standstill.is_denied());
+        // The car stands indeed, with its engine running; drives on, and stands.
+        let stands = drive(&mut standstill, 7.0, 0.0, [0.3; 4], 4.0);
+        assert!(stands[601..].iter().all(|v| *v == 0.0));
+        assert_eq!(drive(&mut standstill, 11.0, 0.2, [5.0; 4], 2.0)[399], 0.2);
+        assert!(drive(&mut standstill, 13.0, 0.0, [0.9; 4], 5.0).iter().all(|v| *v == 0.0));
+    }
+
+    #[test]
+    fn a_single_sample_of_garbage_does_not_make_a_car_roll() {
+        let mut standstill = Standstill::new();
+        drive(&mut standstill, 0.0, 0.0, [0.1; 4], 3.0);
+        let corner = CornerSample { body_accel_m_s2: 9.81, wheel_accel_m_s2: -400.0 };
+        let glitch = CarSample { time_s: 3.0, speed_m_s: 0.0, corners: [Some(corner); 4] };
+        assert_eq!(standstill.take(3.0, 0.0, &glitch), 0.0);
+        assert!(drive(&mut standstill, 3.005, 0.0, [0.1; 4], 5.0).iter().all(|v| *v == 0.0));
+    }
+
+    #[test]
+    fn one_noisy_sensor_of_several_proves_nothing_nor_does_an_unknown_speed() {
+        let mut standstill = Standstill::new();
+        assert!(drive(&mut standstill, 0.0, 0.0, [9.0, 0.1, 0.1, f64::NAN], 5.0).iter().all(|v| *v == 0.0));
+        let only = [f64::NAN, f64::NAN, 9.0, f64::NAN];
+        assert!(drive(&mut standstill, 5.0, 0.0, only, 3.0)[599].is_nan());
+        assert!(drive(&mut standstill, 8.0, f64::NAN, [9.0; 4], 3.0).iter().all(|v| v.is_nan()));
+        assert!(!standstill.is_denied());
+        // Without a single value nothing is found; a hole begins anew.
+        assert!(drive(&mut standstill, 11.0, 0.0, [f64::NAN; 4], 3.0).iter().all(|v| *v == 0.0));
+        assert_eq!(drive(&mut standstill, 60.0, 0.0, [9.0; 4], 0.5)[99], 0.0);
+    }
+}

@@ -1,0 +1,243 @@
+//! Wheel sensors with a wrong gain. Below the body's own swing body and wheel go up and down together, so their ratio is the same at all
+//! corners, and more so at both of an axle, which stand at the same distance from where the body pitches about. What both sides of
+//! one axle differ by shows at the other one, too, where it is the road's
+//! (docs/math/monitor.md, section 3, "Gain of a wheel").
+
+use crate::diagnosis::debounce::{Evidence, Patience};
+use crate::diagnosis::fault_latch::Word;
+use crate::diagnosis::matching::{median, over_others};
+use crate::diagnosis::signals::Block;
+use crate::diagnosis::single_sensor::evidence;
+use crate::diagnosis::{Fault, Malfunction, Place, Sensor};
+use crate::model::Corner;
+use crate::real::Real;
+
+/// Blocks over which ratios and hop are averaged, and the share of an average that must be filled before it counts.
+const BLOCKS: f64 = 20.0;
+const FILLED: f64 = 0.4;
+/// The most that a block counts of a ratio's logarithm, where it is judged: a hole under one wheel makes two of a single block. And where
+/// it is told, and of the hop's.
+const MOST: f64 = 0.35;
+const MOST_TOLD: f64 = 2.0;
+const MOST_HOP: f64 = 1.0;
+/// Log of a gain that is wrong; and that is fine again.
+const WRONG: f64 = 0.14;
+const FINE: f64 = 0.11;
+/// Share of the most that a gain was off, below which it is fine again; and the most from which on that is enough, whatever its
+/// hop does: averages of so much take long to be forgotten.
+const LESS: f64 = 0.4;
+const LARGE: f64 = 0.31;
+const PATIENCE: Patience = Patience { raise_s: 5.0, clear_s: 10.0 };
+/// Mean log of hop power over that of the other wheels that a wrong gain must have, in the direction of the gain. It alone is no
+/// sign of one: a tire with little air hops less, too.
+const HOP_AGREES: f64 = 0.15;
+
+/// What the wheels of a car say of each other's gain.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct WheelGains<T> {
+    /// Logs of wheel over body, less the median of the four and less that of the axle's other corner.
+    over_median: [T; 4],
+    over_partner: [T; 4],
+    /// The first as it is told.
+    told: [T; 4],
+    filled: T,
+    /// Logs of the wheels' hop power over that of the others.
+    hop: [T; 4],
+    /// The most that a gain has been off since it is said.
+    most_off: [T; 4],
+    words: [Word<T>; 4],
+}
+
+impl<T: Real> WheelGains<T> {
+    pub(crate) fn new() -> Self {
+        let nothing = [T::zero(); 4];
+        Self {
+            over_median: nothing,
+            over_partner: nothing,
+            told: nothing,
+            filled: T::zero(),
+            hop: nothing,
+            most_off: nothing,
+            words: [Word::new(); 4],
+        }
+    }
+
+    /// Takes a block of a car that drives; `heard`: the slow band is louder than the sensors' noise in it.
+    pub(crate) fn average(&mut self, block: &Block<T>, heard: bool) {
+        let share = T::lit(1.0 / BLOCKS);
+        let follow = |mean: &mut T, now: T, most: f64| {
+            let most = T::lit(most);
+            *mean += share * (now.clamp(-most, most) - *mean);
+        };
+        for (i, hop) in self.hop.iter_mut().enumerate() {
+            let level = T::lit(0.5) * over_others(&block.wheel_hop, i).ln();
+            if level.is_finite() {
+                follow(hop, level, MOST_HOP);
+            }
+        }
+        let logs = [0, 1, 2, 3].map(|i| T::lit(0.5) * (block.slow[4 + i] / block.slow[i]).ln());
+        if !heard || logs.iter().any(|log| !log.is_finite()) {
+            return;
+        }
+        let usual = median(&mut logs.clone());
+        for i in 0..4 {
+            follow(&mut self.over_median[i], logs[i] - usual, MOST);
+            follow(&mut self.over_partner[i], logs[i] - logs[i ^ 1], MOST);
+            follow(&mut self.told[i], logs[i] - usual, MOST_TOLD);
+        }
+        self.filled += share * (T::one() - self.filled);
+    }
+
+    /// Judges by what was taken; `flat`: the bodies are one plane, so none of them reads wrong.
+    pub(crate) fn judge(&mut self, at: [f64; 2], flat: bool) {
+        let counts = flat && self.filled >= T::lit(FILLED);
+        for i in 0..4 {
+            // A smooth road under one side, which rolls with the other, is one of both axles.
+            let other_axle = self.over_partner[i ^ 2];
+            let over_all = lesser(self.over_median[i], self.over_partner[i]);
+            let off = counts.then(|| lesser(over_all, self.over_partner[i] - other_axle) / self.filled);
+            let agrees = off.is_some_and(|off| off.signum() * self.hop[i] > T::lit(HOP_AGREES));
+            let most = &mut self.most_off[i];
+            *most = if self.words[i].latch.is_said() {
+                off.map_or(*most, |off| most.max(off.abs()))
+            } else {
+                T::zero()
+            };
+            let fine = T::lit(FINE).max(T::lit(LESS) * *most);
+            let past = !agrees || *most > T::lit(LARGE);
+            let wrong = T::lit(WRONG).max(fine);
+            let evidence = off.map_or(Evidence::Nothing, |off| {
+                evidence(agrees && off.abs() > wrong, past && off.abs() < fine)
+            });
+            let sensor = Sensor { corner: Corner::ALL[i], place: Place::Wheel };
+            let gain = (self.told[i] / self.filled.max(T::lit(FILLED))).exp();
+            self.words[i].update(at, evidence, PATIENCE, || Malfunction::Gain { sensor, gain });
+        }
+    }
+
+    /// What is said, of any wheel.
+    pub(crate) fn faults(&self) -> impl Iterator<Item = Fault<T>> {
+        self.words.iter().filter_map(Word::fault)
+    }
+}
+
+/// The one nearer to zero of two that agree in their sign, else nothing.
+fn lesser<T: Real>(a: T, b: T) -> T {
+    match (a > T::zero(), b > T::zero()) {
+        (true, true) => a.min(b),
+        (false, false) => a.max(b),
+        _ => T::zero(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::SMatrix;
+
+    use super::*;
+
+    const BLOCK_S: f64 = 0.5;
+
+    struct Drive {
+        gains: WheelGains<f64>,
+        time_s: f64,
+    }
+
+    impl Drive {
+        fn new() -> Self {
+            Self { gains: WheelGains::new(), time_s: 0.0 }
+        }
+
+        /// Drives on with these logs of every wheel's reading over what is usual, in the slow band and in its hop's; gives when
+        /// something was said first.
+        fn on(&mut self, seconds: f64, slow: [f64; 4], hop: [f64; 4]) -> Option<f64> {
+            let power = |log: f64| (2.0 * log).exp();
+            let [a, b, c, d] = slow.map(power);
+            let block = Block {
+                hop: SMatrix::zeros(),
+                wheel_hop: hop.map(power),
+                bounce: SMatrix::zeros(),
+                slow: [1.0, 1.0, 1.0, 1.0, a, b, c, d],
+            };
+            let mut said_s = None;
+            for _ in 0..(seconds / BLOCK_S) as u32 {
+                self.time_s += BLOCK_S;
+                self.gains.average(&block, true);
+                self.gains.judge([self.time_s, BLOCK_S], true);
+                if self.gains.faults().next().is_some() {
+                    said_s.get_or_insert(self.time_s);
+                }
+            }
+            said_s
+        }
+
+        fn said(&self) -> Option<Malfunction<f64>> {
+            self.gains.faults().next().map(|fault| fault.malfunction)
+        }
+    }
+
+    /// Front right reads this much, in both bands.
+    fn front_right(log: f64) -> [f64; 4] {
+        [0.0, log, 0.0, 0.0]
+    }
+
+    #[test]
+    fn a_gain_by_a_quarter_is_said_and_taken_back() {
+        let mut drive = Drive::new();
+        assert_eq!(drive.on(60.0, [0.0; 4], [0.0; 4]), None);
+        let off = 0.75_f64.ln();
+        let said_s = drive.on(60.0, front_right(off), front_right(off)).unwrap() - 60.0;
+        // On its way from 0 to 0.288 with 10 s an average is 0.14 after 6.7 s, and 0.15 of the hop after 7.4 s; 5 s more.
+        let closed_form = -10.0 * (1.0 - HOP_AGREES.max(WRONG) / off.abs()).ln() + 5.0;
+        assert!((said_s - closed_form).abs() < 1.5, "{said_s} s, {closed_form} s");
+        let sensor = Sensor { corner: Corner::FrontRight, place: Place::Wheel };
+        let Some(Malfunction::Gain { sensor: told, gain }) = drive.said() else { unreachable!() };
+        assert!(told == sensor && (0.75..0.9).contains(&gain), "{told:?} {gain}");
+        drive.on(40.0, [0.0; 4], [0.0; 4]);
+        assert_eq!(drive.said(), None);
+    }
+
+    #[test]
+    fn neither_band_alone_accuses_a_wheel_nor_a_hole() {
+        let mut drive = Drive::new();
+        // A tire with little air hops less; loads and pitching change the slow band.
+        assert_eq!(drive.on(120.0, [0.0; 4], front_right(-0.4)), None);
+        assert_eq!(drive.on(120.0, front_right(-0.2), [0.0; 4]), None);
+        // The whole axle, as a car that pitches near the band.
+        assert_eq!(drive.on(120.0, [-0.2, -0.2, 0.0, 0.0], [-0.3, -0.3, 0.0, 0.0]), None);
+        // With little air, and a hole every ten seconds that makes two of a block.
+        for _ in 0..12 {
+            assert_eq!(drive.on(0.5, front_right(-2.0), front_right(-0.4)), None);
+            assert_eq!(drive.on(9.5, [0.0; 4], front_right(-0.4)), None);
+        }
+        assert_eq!(drive.on(120.0, front_right(f64::NAN), front_right(-0.4)), None);
+    }
+
+    /// A quiet road under the right wheels: their bodies move with the left ones. (Said of a healthy sensor once in 230 everyday hours.)
+    #[test]
+    fn a_side_that_rolls_with_the_other_is_no_gain() {
+        let mut drive = Drive::new();
+        assert_eq!(drive.on(120.0, [0.1, -0.1, 0.1, -0.17], [0.0, 0.0, 0.0, -0.25]), None);
+        // But a gain that is wrong beside that is.
+        assert!(drive.on(120.0, [0.1, -0.1, 0.1, -0.4], [0.0, 0.0, 0.0, -0.3]).is_some());
+    }
+
+    #[test]
+    fn nothing_is_judged_while_the_band_is_not_heard_or_a_body_reads_wrong() {
+        let mut gains = WheelGains::new();
+        let loud = Block {
+            hop: SMatrix::zeros(),
+            wheel_hop: [0.25, 1.0, 1.0, 1.0],
+            bounce: SMatrix::zeros(),
+            slow: [1.0, 1.0, 1.0, 1.0, 0.25, 1.0, 1.0, 1.0],
+        };
+        for (heard, flat) in [(false, true), (true, false)] {
+            for block in 0..200 {
+                gains.average(&loud, heard);
+                gains.judge([f64::from(block) * BLOCK_S, BLOCK_S], flat);
+                assert!(gains.faults().next().is_none());
+            }
+        }
+    }
+}

@@ -1,0 +1,316 @@
+//! Whether what a wheel's hop does to its body has changed at once (docs/math/monitor.md, section 3).
+//!
+//! Strut and sprung mass make a body's acceleration of its wheel's; the tire has no part in it. So a change within
+//! seconds, at one corner alone, is one of a sensor's gain. Which of the two sensors, and whether it stays, takes longer to
+//! say; until then the corner is kept from the estimator. A tire that loses its air moves the hop to where the other wheels
+//! shake the body, too: the wheel's sensor by itself tells that, whatever its gain, as the hop is slower.
+
+use crate::diagnosis::debounce::{Latch, Patience};
+use crate::diagnosis::matching::median;
+use crate::diagnosis::single_sensor::evidence;
+use crate::real::Real;
+
+/// Blocks over which the usual ratio is averaged, and after which it is known.
+const USUAL_BLOCKS: u32 = 40;
+const KNOWN_BLOCKS: u32 = 12;
+/// Newest blocks of which the middle one counts. A hole under one wheel shakes the bodies of all: at the others one block or
+/// two, but not half of them, have a body that moves more than its wheel explains.
+const NEWEST: usize = 9;
+/// Log of powers by which a corner's ratio is off from its usual one, more than the others', from which it has jumped,
+/// and below which it has not. A gain of one half or two makes 1.39.
+const JUMPED: f64 = 0.75;
+/// The same while another corner's hop is another one: a wheel on a flat tire shakes the other bodies, too.
+const JUMPED_BESIDE: f64 = 1.1;
+const AS_EVER: f64 = 0.5;
+const JUMP: Patience = Patience { raise_s: 0.0, clear_s: 1.0 };
+/// The same of the hop's log of frequencies squared from which on it is the tire that has changed. One that loses 100 kPa
+/// makes 0.3, two hours of everyday driving no more than 0.25.
+const SLOWER: f64 = 0.2;
+/// A single block moves the usual ratio by no more than this, over their number.
+const LARGEST: f64 = 1.0;
+/// Seconds of driving after which a jump that nothing else explains is taken for another car: a load that was moved, a
+/// damper that broke.
+pub(crate) const LONGEST_S: f64 = 120.0;
+
+/// How a corner's hop looks in a block, as logs of powers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Hop<T> {
+    /// What the strut makes of the wheel's motion, over the body's acceleration.
+    pub(crate) moved: T,
+    /// The wheel's acceleration over what the strut makes of its motion: nearly the square of a frequency.
+    pub(crate) quick: T,
+}
+
+/// A running quantity of a corner: what is usual of it, and by how much the newest blocks were off; newest last.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Usual<T> {
+    mean: T,
+    off: [T; NEWEST],
+}
+
+/// A corner's usual hop, and whether it has left it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Jump<T> {
+    moved: Usual<T>,
+    quick: Usual<T>,
+    /// Blocks that the means are of.
+    blocks: u32,
+    latch: Latch,
+    /// Whether the hop is slower or quicker than usual.
+    retuned: bool,
+    /// Seconds for which it has been suspected, or the hop another one.
+    lasted_s: f64,
+}
+
+impl<T: Real> Usual<T> {
+    fn new() -> Self {
+        Self { mean: T::zero(), off: [T::zero(); NEWEST] }
+    }
+
+    /// Takes a block; the middle one of the newest.
+    fn off(&mut self, log: T) -> T {
+        self.off.rotate_left(1);
+        self.off[NEWEST - 1] = log - self.mean;
+        median(&mut self.off.clone())
+    }
+
+    fn learn(&mut self, log: T, blocks: u32) {
+        let by = T::lit(if blocks < KNOWN_BLOCKS { f64::INFINITY } else { LARGEST });
+        self.mean += (log - self.mean).clamp(-by, by) / T::lit(f64::from(blocks));
+    }
+}
+
+impl<T: Real> Jump<T> {
+    pub(crate) fn new() -> Self {
+        Self {
+            moved: Usual::new(),
+            quick: Usual::new(),
+            blocks: 0,
+            latch: Latch::new(),
+            retuned: false,
+            lasted_s: 0.0,
+        }
+    }
+
+    /// Whether its corner is not to be learned from.
+    pub(crate) fn is_suspected(&self) -> bool {
+        self.latch.is_said()
+    }
+
+    fn learn(&mut self, hop: Hop<T>) {
+        self.blocks = (self.blocks + 1).min(USUAL_BLOCKS);
+        self.moved.learn(hop.moved, self.blocks);
+        self.quick.learn(hop.quick, self.blocks);
+    }
+
+    fn tune(&mut self, quick: T) {
+        self.retuned = quick > T::lit(if self.retuned { 0.5 * SLOWER } else { SLOWER });
+    }
+
+    /// `beside`: the hop of another corner is another one.
+    fn judge(&mut self, [time_s, step_s]: [f64; 2], moved: T, explained: bool, beside: bool) {
+        let jumped = moved > T::lit(if beside { JUMPED_BESIDE } else { JUMPED }) && !self.retuned;
+        let evidence = evidence(jumped, self.retuned || moved < T::lit(AS_EVER));
+        let suspected = self.latch.update(time_s, step_s, evidence, JUMP);
+        if (suspected || self.retuned) && !explained {
+            self.lasted_s += step_s;
+        } else {
+            self.lasted_s = 0.0;
+        }
+        if self.lasted_s > LONGEST_S {
+            *self = Self::new();
+        }
+    }
+}
+
+/// By how much a corner is off from all others and from the other one of its side, whichever is less: where one side is
+/// rough and the other smooth, both bodies of the smooth one move with the rough one's wheels.
+fn apart<T: Real>(off: &[T; 4], i: usize) -> T {
+    let mut others = [1, 2, 3].map(|step| off[(i + step) % 4]);
+    let (all, side) = (off[i] - median(&mut others), off[i] - off[(i + 2) % 4]);
+    if all * side > T::zero() { all.abs().min(side.abs()) } else { T::zero() }
+}
+
+/// Takes a block in which all four corners are heard, and the corners of which it is said already what is wrong.
+pub(crate) fn jumps<T: Real>(
+    corners: &mut [Jump<T>; 4],
+    at: [f64; 2],
+    hops: &[Hop<T>; 4],
+    explained: [bool; 4],
+) {
+    if corners.iter().all(|corner| corner.blocks >= KNOWN_BLOCKS) {
+        let moved = [0, 1, 2, 3].map(|i| corners[i].moved.off(hops[i].moved));
+        let quick = [0, 1, 2, 3].map(|i| corners[i].quick.off(hops[i].quick));
+        for (i, corner) in corners.iter_mut().enumerate() {
+            corner.tune(apart(&quick, i));
+        }
+        let retuned = corners.each_ref().map(|corner| corner.retuned);
+        for (i, corner) in corners.iter_mut().enumerate() {
+            let beside = (0..4).any(|other| other != i && retuned[other]);
+            corner.judge(at, apart(&moved, i), explained[i], beside);
+        }
+    }
+    for (i, corner) in corners.iter_mut().enumerate() {
+        match (corner.is_suspected() || corner.retuned, explained[i]) {
+            (true, _) => {}
+            // It was wrong before its usual was known: what was learned is not.
+            (false, true) => *corner = Jump::new(),
+            (false, false) => corner.learn(hops[i]),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BLOCK_S: f64 = 0.5;
+
+    /// Four corners that have driven a minute: body and wheel as 4.5 in a log, a little more or less by corner and block.
+    struct Car {
+        corners: [Jump<f64>; 4],
+        blocks: u32,
+        /// By how much the hops are quicker than before.
+        quicker: [f64; 4],
+    }
+
+    impl Car {
+        fn that_has_driven(blocks: u32) -> Self {
+            let mut car = Self { corners: [Jump::new(); 4], blocks: 0, quicker: [0.0; 4] };
+            for _ in 0..blocks {
+                car.block([0.0; 4], false);
+                assert_eq!(car.suspects(), [false; 4]);
+            }
+            car
+        }
+
+        fn block(&mut self, more: [f64; 4], explained: bool) {
+            self.blocks += 1;
+            let usual = |i: usize| 4.5 + 0.2 * (f64::from(self.blocks) * (1.0 + 0.7 * i as f64)).sin();
+            let hops = [0, 1, 2, 3].map(|i| Hop { moved: usual(i) + more[i], quick: 8.0 + self.quicker[i] });
+            let at = [BLOCK_S * f64::from(self.blocks), BLOCK_S];
+            jumps(&mut self.corners, at, &hops, [explained, false, false, false]);
+        }
+
+        fn suspects(&self) -> [bool; 4] {
+            self.corners.each_ref().map(Jump::is_suspected)
+        }
+
+        /// Seconds until the first corner's suspicion is `wanted`.
+        fn until(&mut self, wanted: bool, more: f64, explained: bool) -> f64 {
+            let from = self.blocks;
+            while self.suspects()[0] != wanted {
+                self.block([more, 0.0, 0.0, 0.0], explained);
+                assert_eq!(self.suspects()[1..], [false; 3]);
+                assert!(self.blocks - from < 1000, "never");
+            }
+            f64::from(self.blocks - from) * BLOCK_S
+        }
+    }
+
+    #[test]
+    fn a_gain_that_changes_is_suspected_within_three_seconds_and_until_it_is_back() {
+        for gain in [0.5_f64, 2.0] {
+            let mut car = Car::that_has_driven(120);
+            let more = 2.0 * gain.ln();
+            assert!(car.until(true, more, false) <= 3.0);
+            for _ in 0..100 {
+                car.block([more, 0.0, 0.0, 0.0], false);
+                assert_eq!(car.suspects(), [true, false, false, false]);
+            }
+            assert!(car.until(false, 0.0, false) <= 4.0);
+        }
+    }
+
+    #[test]
+    fn holes_and_another_road_are_no_jump() {
+        let mut car = Car::that_has_driven(120);
+        // Every other wheel in turn meets a hole: the body above the others is shaken for a second.
+        for i in 0..200 {
+            let shaken = |corner: usize| if i % 5 < 2 && i / 5 % 4 != corner as u32 { -3.0 } else { 0.0 };
+            car.block([0, 1, 2, 3].map(shaken), false);
+            assert_eq!(car.suspects(), [false; 4], "{i}");
+        }
+        // A road on which all four answer otherwise; one that is rough on the left only.
+        for more in [[1.5; 4], [0.0, -2.0, 0.0, -2.0]] {
+            for i in 0..100 {
+                car.block(more, false);
+                assert_eq!(car.suspects(), [false; 4], "{i}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_stays_unexplained_is_another_car_in_the_end() {
+        let mut car = Car::that_has_driven(120);
+        car.until(true, 1.4, false);
+        let lasted_s = car.until(false, 1.4, false);
+        assert!((lasted_s - LONGEST_S).abs() < 2.0, "{lasted_s}");
+        // But not while a wrong gain is said.
+        let mut car = Car::that_has_driven(120);
+        car.until(true, 1.4, false);
+        for _ in 0..1000 {
+            car.block([1.4, 0.0, 0.0, 0.0], true);
+            assert!(car.suspects()[0]);
+        }
+    }
+
+    #[test]
+    fn a_hop_that_is_slower_is_another_tire_and_no_gain() {
+        let mut car = Car::that_has_driven(120);
+        car.quicker[0] = -0.3;
+        for _ in 0..300 {
+            car.block([-1.4, 0.0, 0.0, 0.0], false);
+            assert_eq!(car.suspects(), [false; 4]);
+        }
+        // By then it is the usual, and a gain that changes is seen again.
+        assert!(car.until(true, 0.0, false) <= 3.0);
+    }
+
+    #[test]
+    fn a_body_that_a_flat_tire_shakes_is_no_gain_and_one_of_a_half_is() {
+        let beside_a_flat_tire = || Car { quicker: [0.0, 0.0, -0.3, 0.0], ..Car::that_has_driven(120) };
+        let mut car = beside_a_flat_tire();
+        for _ in 0..20 {
+            car.block([-0.95, 0.0, 0.0, 0.0], false);
+            assert_eq!(car.suspects(), [false; 4]);
+        }
+        assert!(beside_a_flat_tire().until(true, 2.0 * 0.5_f64.ln(), false) <= 3.0);
+        // Where nothing else has happened as much is suspected.
+        assert!(Car::that_has_driven(120).until(true, -0.95, false) <= 3.0);
+    }
+
+    #[test]
+    fn what_was_wrong_from_the_start_is_not_the_usual() {
+        let mut car = Car::that_has_driven(0);
+        for said in [false, true] {
+            for _ in 0..60 {
+                car.block([1.4, 0.0, 0.0, 0.0], said);
+                assert_eq!(car.suspects(), [false; 4]);
+            }
+        }
+        for _ in 0..60 {
+            car.block([0.0; 4], false);
+            assert_eq!(car.suspects(), [false; 4]);
+        }
+        assert!(car.until(true, 1.4, false) <= 3.0);
+    }
+
+    #[test]
+    fn nothing_is_suspected_before_the_usual_is_known() {
+        // As many blocks off as make a jump later, and none of them suspect yet.
+        let mut car = Car::that_has_driven(KNOWN_BLOCKS - 5);
+        for _ in 0..5 {
+            car.block([3.0, 0.0, 0.0, 0.0], false);
+            assert_eq!(car.suspects(), [false; 4]);
+        }
+        let mut car = Car::that_has_driven(120);
+        for _ in 0..5 {
+            car.block([3.0, 0.0, 0.0, 0.0], false);
+        }
+        assert_eq!(car.suspects(), [true, false, false, false]);
+    }
+}

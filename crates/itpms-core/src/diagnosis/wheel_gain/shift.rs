@@ -1,0 +1,411 @@
+//! Whether what a wheel's hop does to its body has changed by so little that one hole could have made it: as a gain that is off by a
+//! quarter or a third does (docs/math/monitor.md, section 3).
+//!
+//! Like [`crate::diagnosis::wheel_gain::jump`], but of powers that are averaged over seconds, and counting what the other wheels do to a body.
+
+use crate::diagnosis::debounce::{Latch, Patience};
+use crate::diagnosis::matching::median;
+use crate::diagnosis::signals::Block;
+use crate::diagnosis::single_sensor::evidence;
+use crate::diagnosis::wheel_gain::jump::{Hop, LONGEST_S};
+use crate::real::Real;
+
+/// Blocks over which powers are averaged, and the share of an average that must be filled before it counts.
+const BLOCKS: f64 = 12.0;
+const FILLED: f64 = 0.6;
+/// What a wheel does to the body over another one, as a share of the power that it gives the one over itself.
+const TO_OTHERS: f64 = 0.05;
+/// Averages that the usual one is the mean of; after which its hop's quickness is known; and after which all of it is.
+const USUAL_BLOCKS: u32 = 60;
+const TUNED_BLOCKS: u32 = 16;
+const KNOWN_BLOCKS: u32 = 48;
+/// Log of powers by which a corner is off from its usual, more than the others, from which it has shifted; the same while another
+/// corner's tire is another one; below which it has not; and from which it is no more taken for usual. A gain of 0.75 makes 0.52,
+/// five hours over holes and humps 0.38.
+const SHIFTED: f64 = 0.35;
+const SHIFTED_BESIDE: f64 = 0.55;
+const AS_EVER: f64 = 0.22;
+const UNUSUAL: f64 = 0.2;
+/// Seconds for which what is unusual, and no tire makes, is a reason to wait with a tire of its side that looks low.
+const WAIT_S: f64 = 15.0;
+const SHIFT: Patience = Patience { raise_s: 0.0, clear_s: 1.0 };
+/// The same of the hop's log of frequencies squared from which on it is the tire that has changed; and what a tire that changes by less
+/// may make of the other log, over that.
+const SLOWER: f64 = 0.14;
+const BY_TIRE: f64 = 2.0;
+
+/// What every wheel does to its body, and whether that has shifted.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Shifts<T> {
+    /// Averaged shares of the power in the hop band: accelerations of the bodies, what the struts make of the wheels' motion, and
+    /// accelerations of the wheels.
+    bodies: [T; 4],
+    struts: [T; 4],
+    wheels: [T; 4],
+    filled: T,
+    corners: [Shift<T>; 4],
+}
+
+/// A corner's usual hop, and whether it has left it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Shift<T> {
+    usual: Hop<T>,
+    /// Averages that the usual one is the mean of.
+    blocks: u32,
+    latch: Latch,
+    /// Whether the hop is slower or quicker than usual.
+    retuned: bool,
+    /// Seconds for which it has not been as usual.
+    lasted_s: f64,
+    /// Since when no tire makes it what it is; NaN: one might.
+    strange_since_s: f64,
+}
+
+impl<T: Real> Shift<T> {
+    fn new() -> Self {
+        let usual = Hop { moved: T::zero(), quick: T::zero() };
+        Self {
+            usual,
+            blocks: 0,
+            latch: Latch::new(),
+            retuned: false,
+            lasted_s: 0.0,
+            strange_since_s: f64::NAN,
+        }
+    }
+
+    fn learn(&mut self, hop: Hop<T>) {
+        self.blocks = (self.blocks + 1).min(USUAL_BLOCKS);
+        let share = T::lit(1.0 / f64::from(self.blocks));
+        self.usual.moved += share * (hop.moved - self.usual.moved);
+        self.usual.quick += share * (hop.quick - self.usual.quick);
+    }
+
+    fn tune(&mut self, quick: T) {
+        self.retuned = quick > T::lit(if self.retuned { 0.5 * SLOWER } else { SLOWER });
+    }
+
+    /// Takes the newest average, off by `off`. `beside`: the hop of another corner is another one.
+    fn judge(&mut self, [time_s, step_s]: [f64; 2], hop: Hop<T>, off: Hop<T>, explained: bool, beside: bool) {
+        let moved = off.moved;
+        let by_tire = T::lit(BY_TIRE) * off.quick;
+        let limit = T::lit(if beside { SHIFTED_BESIDE } else { SHIFTED }) + by_tire;
+        let strange = moved > T::lit(UNUSUAL) + by_tire && !self.retuned;
+        if !strange {
+            self.strange_since_s = f64::NAN;
+        } else if self.strange_since_s.is_nan() {
+            self.strange_since_s = time_s;
+        }
+        let evidence = evidence(moved > limit && !self.retuned, self.retuned || moved < T::lit(AS_EVER));
+        let suspected = self.latch.update(time_s, step_s, evidence, SHIFT);
+        let usual = !suspected && !self.retuned && moved < T::lit(UNUSUAL);
+        self.lasted_s = if usual || explained { 0.0 } else { self.lasted_s + step_s };
+        if self.lasted_s > LONGEST_S || (explained && !suspected) {
+            // Another car; or it was wrong before its usual was known, and what was learned is not usual.
+            *self = Self::new();
+        } else if usual {
+            self.learn(hop);
+        }
+    }
+}
+
+impl<T: Real> Shifts<T> {
+    pub(crate) fn new() -> Self {
+        let nothing = [T::zero(); 4];
+        Self {
+            bodies: nothing,
+            struts: nothing,
+            wheels: nothing,
+            filled: T::zero(),
+            corners: [Shift::new(); 4],
+        }
+    }
+
+    /// Whether a corner is not to be learned from.
+    pub(crate) fn is_suspected(&self, corner: usize) -> bool {
+        self.corners[corner].latch.is_said()
+    }
+
+    /// Whether a corner may be about to be suspected: what its tire seems to be may be its sensor's.
+    pub(crate) fn is_strange(&self, corner: usize, now_s: f64) -> bool {
+        now_s - self.corners[corner].strange_since_s < WAIT_S
+    }
+
+    /// Lets go of what is suspected.
+    pub(crate) fn drop_suspicions(&mut self) {
+        for corner in self.corners.iter_mut().filter(|corner| corner.latch.is_said()) {
+            *corner = Shift::new();
+        }
+    }
+
+    /// Takes a block in which all four corners are heard, and the corners of which it is said already what is wrong.
+    pub(crate) fn take(&mut self, at: [f64; 2], block: &Block<T>, explained: [bool; 4]) {
+        self.average(block);
+        if self.filled < T::lit(FILLED) {
+            return;
+        }
+        let hops = self.hops();
+        let blocks = self.corners.iter().fold(USUAL_BLOCKS, |least, corner| least.min(corner.blocks));
+        let off = |of: fn(&Hop<T>) -> T, known: u32| {
+            let off = [0, 1, 2, 3].map(|i| of(&hops[i]) - of(&self.corners[i].usual));
+            [0, 1, 2, 3].map(|i| if blocks < known { T::zero() } else { apart(&off, i) })
+        };
+        let (quick, moved) = (off(|hop| hop.quick, TUNED_BLOCKS), off(|hop| hop.moved, KNOWN_BLOCKS));
+        for (corner, quick) in self.corners.iter_mut().zip(quick) {
+            corner.tune(quick);
+        }
+        let retuned = self.corners.each_ref().map(|corner| corner.retuned);
+        for (i, corner) in self.corners.iter_mut().enumerate() {
+            let beside = (0..4).any(|other| other != i && retuned[other]);
+            let off = Hop { moved: moved[i], quick: quick[i] };
+            corner.judge(at, hops[i], off, explained[i], beside);
+        }
+    }
+
+    /// Every block counts alike, however rough its road.
+    fn average(&mut self, block: &Block<T>) {
+        let all = (4..8).fold(T::zero(), |sum, i| sum + block.hop[(i, i)]);
+        let share = T::lit(1.0 / BLOCKS);
+        let follow = |mean: &mut T, power: T| *mean += share * (power / all - *mean);
+        for i in 0..4 {
+            follow(&mut self.bodies[i], block.hop[(i, i)]);
+            follow(&mut self.struts[i], block.hop[(4 + i, 4 + i)]);
+            follow(&mut self.wheels[i], block.wheel_hop[i]);
+        }
+        self.filled += share * (T::one() - self.filled);
+    }
+
+    /// What the struts of all wheels give a body over what it has; and the hop's quickness.
+    fn hops(&self) -> [Hop<T>; 4] {
+        let all = self.struts.iter().fold(T::zero(), |sum, strut| sum + *strut);
+        [0, 1, 2, 3].map(|i| {
+            let own = self.struts[i];
+            let given = own + T::lit(TO_OTHERS) * (all - own);
+            Hop { moved: (given / self.bodies[i]).ln(), quick: (self.wheels[i] / own).ln() }
+        })
+    }
+}
+
+/// By how much a corner is off from all others, from the other one of its side and from that of its axle, whichever is least; nothing if
+/// they differ in sign. A load is one of an axle, a rough road one of a side.
+fn apart<T: Real>(off: &[T; 4], i: usize) -> T {
+    let mut others = [1, 2, 3].map(|step| off[(i + step) % 4]);
+    // Front left, front right, rear left, rear right.
+    let apart = [median(&mut others), off[i ^ 2], off[i ^ 1]].map(|other| off[i] - other);
+    let alike = apart.iter().all(|apart| *apart > T::zero()) || apart.iter().all(|apart| *apart < T::zero());
+    if alike {
+        apart.iter().fold(T::lit(f64::INFINITY), |least, apart| least.min(apart.abs()))
+    } else {
+        T::zero()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::SMatrix;
+
+    use super::*;
+
+    const BLOCK_S: f64 = 0.5;
+
+    /// How rough each wheel's road is, the masses over the wheels, their sensors' gains and by how much their hop is quicker.
+    struct Drive {
+        rough: [f64; 4],
+        masses: [f64; 4],
+        gains: [f64; 4],
+        quicker: [f64; 4],
+    }
+
+    impl Drive {
+        const USUAL: Self = Self { rough: [1.0; 4], masses: [1.0; 4], gains: [1.0; 4], quicker: [0.0; 4] };
+    }
+
+    /// A car whose bodies get what their own wheels and the others give them.
+    struct Car {
+        shifts: Shifts<f64>,
+        blocks: u32,
+    }
+
+    impl Car {
+        fn that_has_driven(blocks: u32) -> Self {
+            let mut car = Self { shifts: Shifts::new(), blocks: 0 };
+            for _ in 0..blocks {
+                car.read([1.0; 4], [false; 4]);
+                assert_eq!(car.suspects(), [false; 4]);
+            }
+            car
+        }
+
+        /// With the wheels' gains.
+        fn read(&mut self, gains: [f64; 4], explained: [bool; 4]) {
+            self.block(&Drive { gains, ..Drive::USUAL }, explained);
+        }
+
+        fn block(&mut self, drive: &Drive, explained: [bool; 4]) {
+            let Drive { rough, masses, gains, quicker } = drive;
+            self.blocks += 1;
+            let phase = |i: usize| f64::from(self.blocks) * (1.0 + 0.7 * i as f64);
+            let moves = [0, 1, 2, 3].map(|i| (rough[i] * (0.3 * phase(i).sin()).exp()).powi(2));
+            let mut hop = SMatrix::zeros();
+            for i in 0..4 {
+                let given = moves[i] + 0.08 * moves[i ^ 1] + 0.05 * moves[i ^ 2] + 0.02 * moves[i ^ 3];
+                hop[(i, i)] = given / masses[i].powi(2);
+                hop[(4 + i, 4 + i)] = moves[i] * gains[i].powi(2);
+            }
+            let wheel_hop = [0, 1, 2, 3].map(|i| hop[(4 + i, 4 + i)] * quicker[i].exp());
+            let block = Block { hop, wheel_hop, bounce: SMatrix::zeros(), slow: [1.0; 8] };
+            self.shifts.take([BLOCK_S * f64::from(self.blocks), BLOCK_S], &block, explained);
+        }
+
+        fn suspects(&self) -> [bool; 4] {
+            [0, 1, 2, 3].map(|i| self.shifts.is_suspected(i))
+        }
+
+        fn strange(&self) -> [bool; 4] {
+            [0, 1, 2, 3].map(|i| self.shifts.is_strange(i, BLOCK_S * f64::from(self.blocks)))
+        }
+
+        /// Seconds until the suspicion of the front left wheel is `wanted`, with this gain.
+        fn until(&mut self, wanted: bool, gain: f64) -> f64 {
+            let from = self.blocks;
+            while self.suspects()[0] != wanted {
+                self.read([gain, 1.0, 1.0, 1.0], [false; 4]);
+                assert_eq!(self.suspects()[1..], [false; 3]);
+                assert!(self.blocks - from < 1000, "never");
+            }
+            f64::from(self.blocks - from) * BLOCK_S
+        }
+    }
+
+    #[test]
+    fn a_gain_that_changes_by_a_quarter_is_suspected_until_it_is_back() {
+        // The log moves by 0.52 and 0.55; the averages of 6 s would have 0.35 of that after 6.7 s and 6.1 s, but for what a block
+        // has more or less.
+        for gain in [0.75, 1.35] {
+            let mut car = Car::that_has_driven(120);
+            let suspected_s = car.until(true, gain);
+            assert!((4.0..12.0).contains(&suspected_s), "{gain}: {suspected_s} s");
+            for _ in 0..100 {
+                car.read([gain, 1.0, 1.0, 1.0], [false; 4]);
+                assert_eq!(car.suspects(), [true, false, false, false]);
+            }
+            assert!(car.until(false, 1.0) < 10.0);
+        }
+    }
+
+    #[test]
+    fn before_a_corner_is_suspected_it_is_strange_and_not_for_long() {
+        // 0.2 of 0.52 after 2.9 s; suspected after 6.7, but for what a block has more or less.
+        let mut car = Car::that_has_driven(120);
+        let mut strange_s = 0.0;
+        while !car.suspects()[0] {
+            car.read([0.75, 1.0, 1.0, 1.0], [false; 4]);
+            let strange = car.strange();
+            assert_eq!(strange[1..], [false; 3]);
+            strange_s += if strange[0] { BLOCK_S } else { 0.0 };
+        }
+        assert!((2.0..9.0).contains(&strange_s), "{strange_s} s");
+        // A gain of 0.82 makes 0.34, too little for a suspicion. What lasts is no reason to wait any more.
+        let mut car = Car::that_has_driven(120);
+        let strange = (0..120).filter(|_| {
+            car.read([0.82, 1.0, 1.0, 1.0], [false; 4]);
+            car.strange()[0]
+        });
+        let strange_s = BLOCK_S * strange.count() as f64;
+        assert!((0.6 * WAIT_S..=1.5 * WAIT_S).contains(&strange_s), "{strange_s} s");
+        assert_eq!(car.suspects(), [false; 4]);
+        // Nor is what a tire that falls makes.
+        let mut car = Car::that_has_driven(120);
+        let (masses, quicker) = ([1.25, 1.0, 1.0, 1.0], [-0.25, 0.0, 0.0, 0.0]);
+        for _ in 0..120 {
+            car.block(&Drive { masses, quicker, ..Drive::USUAL }, [false; 4]);
+            assert_eq!(car.strange(), [false; 4]);
+        }
+    }
+
+    #[test]
+    fn what_is_strange_passes_though_nobody_looks() {
+        let mut car = Car::that_has_driven(120);
+        while !car.strange()[0] {
+            car.read([0.75, 1.0, 1.0, 1.0], [false; 4]);
+        }
+        let now_s = BLOCK_S * f64::from(car.blocks);
+        assert!(car.shifts.is_strange(0, now_s + 0.9 * WAIT_S));
+        assert!(!car.shifts.is_strange(0, now_s + WAIT_S));
+    }
+
+    #[test]
+    fn what_stays_is_another_car_in_the_end_unless_it_is_said_why() {
+        let mut car = Car::that_has_driven(120);
+        car.until(true, 0.75);
+        let lasted_s = car.until(false, 0.75);
+        assert!((0.9 * LONGEST_S..=LONGEST_S).contains(&lasted_s), "{lasted_s} s");
+        let mut car = Car::that_has_driven(120);
+        car.until(true, 0.75);
+        let explained = [true, false, false, false];
+        for _ in 0..1000 {
+            car.read([0.75, 1.0, 1.0, 1.0], explained);
+            assert!(car.suspects()[0]);
+        }
+    }
+
+    #[test]
+    fn roads_loads_holes_and_other_tires_are_no_shift() {
+        let drive = |drive: &dyn Fn(u32) -> Drive| {
+            let mut car = Car::that_has_driven(120);
+            for i in 0..300 {
+                car.block(&drive(i), [false; 4]);
+                assert_eq!(car.suspects(), [false; 4], "{i}");
+            }
+        };
+        // The left side is ten times as rough; a hole under one wheel after the other.
+        drive(&|_| Drive { rough: [10.0, 1.0, 10.0, 1.0], ..Drive::USUAL });
+        let hole = |i: u32, wheel: u32| if i.is_multiple_of(6) && i / 6 % 4 == wheel { 8.0 } else { 1.0 };
+        drive(&|i| Drive { rough: [0, 1, 2, 3].map(|wheel| hole(i, wheel)), ..Drive::USUAL });
+        // A third more over the rear axle.
+        drive(&|_| Drive { masses: [1.0, 1.0, 1.33, 1.33], ..Drive::USUAL });
+        // The same over one wheel would be a shift, were its hop not slower than before.
+        let masses = [1.25, 1.0, 1.0, 1.0];
+        drive(&|_| Drive { masses, quicker: [-0.4, 0.0, 0.0, 0.0], ..Drive::USUAL });
+        // Or over another one than that with a flat tire.
+        drive(&|_| Drive { masses, quicker: [0.0, 0.0, -0.4, 0.0], ..Drive::USUAL });
+    }
+
+    #[test]
+    fn a_tire_that_goes_flat_before_the_usual_is_known_is_no_shift() {
+        // What a tire that falls from 250 to 190 kPa makes: less than what its wheel's power would tell, and a slower hop.
+        let (masses, quicker) = ([1.25, 1.0, 1.0, 1.0], [-0.25, 0.0, 0.0, 0.0]);
+        for blocks in [20, 30, 40, KNOWN_BLOCKS] {
+            let mut car = Car::that_has_driven(blocks);
+            for i in 0..300 {
+                car.block(&Drive { masses, quicker, ..Drive::USUAL }, [false; 4]);
+                assert_eq!(car.suspects(), [false; 4], "after {blocks} blocks and {i}");
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_is_suspected_before_the_usual_is_known() {
+        let mut car = Car::that_has_driven(KNOWN_BLOCKS);
+        for _ in 0..4 {
+            car.read([3.0, 1.0, 1.0, 1.0], [false; 4]);
+            assert_eq!(car.suspects(), [false; 4]);
+        }
+        // One that is wrong from the start, and then said, is not the usual.
+        let mut car = Car { shifts: Shifts::new(), blocks: 0 };
+        for said in [false, true] {
+            for _ in 0..60 {
+                let explained = [said, false, false, false];
+                car.read([0.75, 1.0, 1.0, 1.0], explained);
+                assert_eq!(car.suspects(), [false; 4]);
+            }
+        }
+        for _ in 0..120 {
+            car.read([1.0; 4], [false; 4]);
+            assert_eq!(car.suspects(), [false; 4]);
+        }
+        car.until(true, 0.75);
+    }
+}

@@ -1,0 +1,146 @@
+//! What the front wheel met during the last second, to be read again where the rear wheel is now.
+
+use nalgebra::{SMatrix, SVector};
+
+use crate::inter_axle::alignment::channel::{Entry, KEPT};
+use crate::real::Real;
+
+/// Entries kept: a second at 250 Hz.
+const LENGTH: usize = 256;
+/// Points of the interpolation.
+const POINTS: usize = 6;
+
+/// A ring of the newest entries.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: Real + serde::Serialize",
+        deserialize = "T: Real + serde::Deserialize<'de>"
+    ))
+)]
+pub(crate) struct Memory<T: Real> {
+    time_s: SVector<f64, LENGTH>,
+    way_m: SVector<f64, LENGTH>,
+    speed_m_s: SVector<T, LENGTH>,
+    signals: SMatrix<T, KEPT, LENGTH>,
+    spoiled: SVector<bool, LENGTH>,
+    unloaded: SVector<bool, LENGTH>,
+    /// Place of the newest entry, and how many there are.
+    newest: usize,
+    filled: usize,
+    period_s: f64,
+}
+
+/// What was read back.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Read<T> {
+    pub(crate) signals: [T; KEPT],
+    pub(crate) speed_m_s: T,
+    pub(crate) spoiled: bool,
+    pub(crate) unloaded: bool,
+}
+
+impl<T: Real> Memory<T> {
+    pub(crate) fn new(period_s: f64) -> Self {
+        Self {
+            time_s: SVector::zeros(),
+            way_m: SVector::zeros(),
+            speed_m_s: SVector::zeros(),
+            signals: SMatrix::zeros(),
+            spoiled: SVector::repeat(false),
+            unloaded: SVector::repeat(false),
+            newest: 0,
+            filled: 0,
+            period_s,
+        }
+    }
+
+    pub(crate) fn push(&mut self, entry: &Entry<T>) {
+        if entry.after_gap {
+            self.filled = 0;
+        }
+        self.newest = (self.newest + 1) % LENGTH;
+        self.time_s[self.newest] = entry.time_s;
+        self.way_m[self.newest] = entry.way_m;
+        self.speed_m_s[self.newest] = entry.speed_m_s;
+        self.signals.set_column(self.newest, &SVector::from(entry.signals));
+        self.spoiled[self.newest] = entry.spoiled;
+        self.unloaded[self.newest] = entry.unloaded;
+        self.filled = (self.filled + 1).min(LENGTH);
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.filled = 0;
+    }
+
+    /// Where the entry `back` steps before the newest is kept.
+    fn place(&self, back: usize) -> usize {
+        (self.newest + LENGTH - back % LENGTH) % LENGTH
+    }
+
+    fn way_back_m(&self, back: usize) -> f64 {
+        self.way_m[self.place(back)]
+    }
+
+    /// The time at which the front wheel was at `way_m`; `None` if that is too long ago, or not yet.
+    pub(crate) fn time_at(&self, way_m: f64) -> Option<f64> {
+        if self.filled < POINTS {
+            return None;
+        }
+        // Ways never fall with time: halve the interval.
+        let (mut near, mut far) = (0, self.filled - 1);
+        if !(self.way_back_m(near) > way_m && self.way_back_m(far) <= way_m) {
+            return None;
+        }
+        while far - near > 1 {
+            let middle = usize::midpoint(near, far);
+            if self.way_back_m(middle) > way_m {
+                near = middle;
+            } else {
+                far = middle;
+            }
+        }
+        let (before, after) = (self.place(far), self.place(near));
+        let share = (way_m - self.way_m[before]) / (self.way_m[after] - self.way_m[before]);
+        Some(self.time_s[before] + share * (self.time_s[after] - self.time_s[before]))
+    }
+
+    /// The signals at a time, through six points.
+    pub(crate) fn read(&self, time_s: f64) -> Option<Read<T>> {
+        let steps = (self.time_s[self.newest] - time_s) / self.period_s;
+        if !(steps >= 2.0 && steps < self.filled as f64 - 3.0) {
+            return None;
+        }
+        let back = steps as usize;
+        // From the entry just after the time: two on its young side, three on its old one.
+        let offset = T::lit(steps - back as f64);
+        let (mut signals, mut spoiled) = ([T::zero(); KEPT], false);
+        for (i, &weight) in lagrange(offset).iter().enumerate() {
+            let place = self.place(back + i - 2);
+            spoiled |= self.spoiled[place];
+            for (signal, &value) in signals.iter_mut().zip(&self.signals.column(place)) {
+                *signal += weight * value;
+            }
+        }
+        // The points further off have little weight.
+        let unloaded = [back, back + 1].map(|back| self.unloaded[self.place(back)]).contains(&true);
+        Some(Read { signals, speed_m_s: self.speed_m_s[self.place(back)], spoiled, unloaded })
+    }
+}
+
+/// Weights of the polynomial through the points -2 to 3 at `x` in `[0, 1)`.
+fn lagrange<T: Real>(x: T) -> [T; POINTS] {
+    core::array::from_fn(|i| {
+        let here = i as f64 - 2.0;
+        let mut weight = T::one();
+        for j in 0..POINTS {
+            if j != i {
+                let there = j as f64 - 2.0;
+                weight *= (x - T::lit(there)) / T::lit(here - there);
+            }
+        }
+        weight
+    })
+}

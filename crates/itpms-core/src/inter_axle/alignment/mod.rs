@@ -1,0 +1,8 @@
+//! The front axle's signals, read again where the rear axle is now.
+
+pub(crate) mod axle_pair;
+pub(crate) mod channel;
+pub(crate) mod delay_line;
+pub(crate) mod delay_search;
+pub(crate) mod realign;
+pub(crate) mod speed_latency;

@@ -1,0 +1,134 @@
+//! How each axle really answers the road that both agree on, over how the instruments' quarter car does: a loaded body, a
+//! damper that is harder in rebound, a sensor that is late answer otherwise, and instruments that answer otherwise than
+//! the car lead astray (docs/math/shared-road.md, section 4). Knows nothing of beliefs.
+
+use nalgebra::Complex;
+
+use crate::inter_axle::residual::model::{BOTH, SEEN};
+use crate::inter_axle::{BINS, Frame};
+use crate::real::Real;
+use crate::spectrum::Frame as Spectra;
+
+/// Frames that an average runs over, and those that the quarter car counts for.
+const REMEMBERED: f64 = 200.0;
+const COUNTED: f64 = 5.0;
+/// Largest difference from the quarter car, as a share of it.
+const LARGEST: f64 = 0.5;
+
+/// What each signal of both axles is on the common road, over what the instruments make of it, bin by bin.
+pub(crate) type Ratios<T> = [[Complex<T>; BOTH]; BINS];
+
+/// Products of the common road with the signals of both axles, averaged.
+type Products<T> = Spectra<T, BINS, BOTH>;
+
+/// Running averages of one side.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: Real + serde::Serialize",
+        deserialize = "T: Real + serde::Deserialize<'de>"
+    ))
+)]
+pub(crate) struct Answer<T: Real> {
+    /// With the signals as measured, and as the instruments have them.
+    measured: Products<T>,
+    foretold: Products<T>,
+    /// Frames seen, those long ago counting less.
+    frames: T,
+}
+
+impl<T: Real> Answer<T> {
+    pub(crate) fn new() -> Self {
+        Self { measured: Products::zero(), foretold: Products::zero(), frames: T::zero() }
+    }
+
+    /// How the axles answer, as far as was seen: one where nothing was.
+    pub(crate) fn ratios(&self) -> Ratios<T> {
+        let share = self.frames / (self.frames + T::lit(COUNTED));
+        let one = Complex::new(T::one(), T::zero());
+        let largest = T::lit(LARGEST);
+        core::array::from_fn(|bin| {
+            let mut ratios = core::array::from_fn(|column| {
+                let (measured, foretold) = (self.measured.at(bin, column), self.foretold.at(bin, column));
+                let more = (measured / foretold - one) * share;
+                let size = more.norm_sqr().sqrt();
+                match size {
+                    size if size <= largest => one + more,
+                    size if size.is_finite() => one + more * (largest / size),
+                    _ => one,
+                }
+            });
+            // What the other side of an axle does is its own.
+            for axle in 0..2 {
+                ratios[axle * SEEN + SEEN - 1] = ratios[axle * SEEN + SEEN - 2];
+            }
+            ratios
+        })
+    }
+
+    /// Learns from a frame, given the road that both axles agree on and how far the frame is trusted.
+    pub(crate) fn learn(&mut self, frame: &Frame<T>, common: &[Complex<T>; BINS], trust: T) {
+        let keep = T::one() - T::lit(1.0 / REMEMBERED);
+        self.frames = self.frames * keep + trust;
+        for (bin, road) in common.iter().enumerate() {
+            // Every frame counts alike, however rough its road is.
+            let weight = trust / road.norm_sqr().max(T::lit(1e-20));
+            for column in 0..BOTH {
+                for (products, from) in [(&mut self.measured, column), (&mut self.foretold, BOTH + column)] {
+                    let new = road.conj() * frame.at(bin, from) * weight;
+                    products.re[(bin, column)] = products.re[(bin, column)] * keep + new.re;
+                    products.im[(bin, column)] = products.im[(bin, column)] * keep + new.im;
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    type C = Complex<f64>;
+    const ONE: C = C::new(1.0, 0.0);
+
+    /// Frames on roads of any size whose signals, for all but the other side's, are `ratio` times what the instruments
+    /// have, and on top of it what is not on the common road, now this way and now that.
+    fn answered(ratio: C, frames: usize) -> Ratios<f64> {
+        let mut answer = Answer::<f64>::new();
+        for i in 0..frames {
+            let road = C::new(0.3 + i as f64, 0.1);
+            let mut frame = Frame::<f64>::zero();
+            let own = if i % 2 == 0 { ONE } else { -ONE } * road * 0.2;
+            for bin in 0..BINS {
+                for column in 0..BOTH {
+                    let foretold = road * C::new(1.0, column as f64);
+                    let measured = foretold * ratio + own;
+                    (frame.re[(bin, column)], frame.im[(bin, column)]) = (measured.re, measured.im);
+                    let at = BOTH + column;
+                    (frame.re[(bin, at)], frame.im[(bin, at)]) = (foretold.re, foretold.im);
+                }
+            }
+            answer.learn(&frame, &[road; BINS], 1.0);
+        }
+        answer.ratios()
+    }
+
+    #[test]
+    fn an_answer_is_learned_and_what_is_not_on_the_common_road_is_not() {
+        let ratio = C::new(0.8, 0.1);
+        for learned in answered(ratio, 2000).iter().flatten() {
+            // The quarter car counts for five frames of two hundred, the last frame's own part for one.
+            assert!((learned - ratio).norm_sqr().sqrt() < 0.01, "{learned}");
+        }
+    }
+
+    #[test]
+    fn nothing_seen_is_the_quarter_car_and_nothing_is_too_far_from_it() {
+        assert_eq!(answered(ONE, 0), [[ONE; BOTH]; BINS]);
+        for learned in answered(C::new(-3.0, 2.0), 500).iter().flatten() {
+            assert!((learned - ONE).norm_sqr().sqrt() < LARGEST + 1e-12);
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! What a wheel would do on the road that both axles agree on: the mean of what they say, sent forward through one axle's
+//! quarter car. Derivatives of the disagreement taken from it are free of what differs between the axles, so they do not
+//! bias what is learned (docs/math/shared-road.md, section 4). Knows nothing of beliefs or frames.
+
+use nalgebra::{SMatrix, SVector};
+
+use crate::inter_axle::alignment::channel::KEPT;
+use crate::inter_axle::residual::model::Axle;
+use crate::real::Real;
+
+/// Wheel velocity, body velocity, deflection of the spring, force of the tire.
+const STATES: usize = 4;
+
+/// A quarter car on a road of given velocity, by the bilinear rule.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: Real + serde::Serialize",
+        deserialize = "T: Real + serde::Deserialize<'de>"
+    ))
+)]
+pub(crate) struct Instrument<T: Real> {
+    transition: SMatrix<T, STATES, STATES>,
+    input: SVector<T, STATES>,
+    state: SVector<T, STATES>,
+    last_road: T,
+    /// Unsprung mass, sprung mass, damping, spring, tire.
+    car: [T; 5],
+}
+
+impl<T: Real> Instrument<T> {
+    pub(crate) fn new() -> Self {
+        Self {
+            transition: SMatrix::zeros(),
+            input: SVector::zeros(),
+            state: SVector::zeros(),
+            last_road: T::zero(),
+            car: [T::one(); 5],
+        }
+    }
+
+    /// The road starts anew.
+    pub(crate) fn restart(&mut self) {
+        self.state = SVector::zeros();
+        self.last_road = T::zero();
+    }
+
+    /// Takes over an axle's parameters, for steps of `period_s`.
+    pub(crate) fn tune(&mut self, axle: &Axle<T>, sprung_mass_kg: T, period_s: f64) {
+        let [wheel, damping, spring, _] = axle.factors;
+        let tire = T::one() / axle.theta.max(T::lit(1e-8));
+        self.car = [wheel, sprung_mass_kg, damping, spring, tire];
+        let (zero, one) = (T::zero(), T::one());
+        #[rustfmt::skip]
+        let rates = SMatrix::<T, STATES, STATES>::new(
+            -damping / wheel,          damping / wheel,           -spring / wheel,          one / wheel,
+            damping / sprung_mass_kg,  -damping / sprung_mass_kg, spring / sprung_mass_kg,  zero,
+            one,                       -one,                      zero,                     zero,
+            -tire,                     zero,                      zero,                     zero,
+        );
+        let half = rates * T::lit(0.5 * period_s);
+        let Some(inverse) = (SMatrix::identity() - half).try_inverse() else { return };
+        self.transition = inverse * (SMatrix::identity() + half);
+        self.input = inverse * SVector::<T, STATES>::new(zero, zero, zero, tire) * T::lit(0.5 * period_s);
+    }
+
+    /// Takes the road's velocity; gives wheel velocity, wheel jerk, relative acceleration, relative velocity.
+    pub(crate) fn push(&mut self, road: T) -> [T; KEPT] {
+        self.state = self.transition * self.state + self.input * (road + self.last_road);
+        self.last_road = road;
+        let [wheel_kg, sprung_kg, damping, spring, tire] = self.car;
+        let (wheel, relative) = (self.state[0], self.state[0] - self.state[1]);
+        let suspension = damping * relative + spring * self.state[2];
+        let relative_acceleration = (self.state[3] - suspension) / wheel_kg - suspension / sprung_kg;
+        let jerk = (tire * (road - wheel) - damping * relative_acceleration - spring * relative) / wheel_kg;
+        [wheel, jerk, relative_acceleration, relative]
+    }
+}

@@ -1,0 +1,292 @@
+//! What front and rear of one side should agree on: the road velocity, from each axle's signals (docs/math/shared-road.md,
+//! eq. 1-7). Gives the disagreement of a frame, bin by bin, and how it changes with every unknown quantity. Knows nothing
+//! of beliefs.
+
+use nalgebra::{Complex, Matrix2, SMatrix, SVector};
+
+use crate::belief::state::{
+    BAR, DAMPING, GAIN, MASS, SKEW, SKEW_UNIT_S, SPRING, State, TIRE, WHEELBASE, read_compliance,
+};
+use crate::inter_axle::alignment::channel::{KEPT, high_pass_power};
+use crate::inter_axle::residual::correction::Ratios;
+use crate::inter_axle::{BIN_SPACING_HZ, BINS, Frame, bin_hz};
+use crate::real::Real;
+use crate::spectrum::transfer::{Body, sine_window_power};
+
+/// Real numbers in a frame's disagreement: real and imaginary part of every bin.
+pub(crate) const ROWS: usize = 2 * BINS;
+/// Quantities that a side's disagreement depends on: front tire, mass, damping, spring, anti-roll bar, the same of the
+/// rear, gain, wheelbase, skew.
+pub(crate) const OWN: usize = 13;
+/// Places among them.
+const REAR: usize = 5;
+/// The two tires.
+pub(crate) const OWN_TIRES: [usize; 2] = [0, REAR];
+/// The two anti-roll bars.
+const OWN_BARS: [usize; 2] = [4, REAR + 4];
+const OWN_GAIN: usize = 10;
+const OWN_WHEELBASE: usize = 11;
+const OWN_SKEW: usize = 12;
+/// Signals of an axle's side: those kept of a corner, and its relative velocity less that of the other side.
+pub(crate) const SEEN: usize = KEPT + 1;
+/// Those of both axles.
+pub(crate) const BOTH: usize = 2 * SEEN;
+
+/// Points per bin, on each side, and in all, at which the window's spectrum is averaged, and the lowest frequency in Hz of that.
+const KERNEL_DENSITY: f64 = 4.0;
+const KERNEL_HALF: usize = 8;
+const KERNEL: usize = 2 * KERNEL_HALF + 1;
+const LOWEST_HZ: f64 = 0.5;
+
+/// Rows and columns over a side's quantities.
+pub(crate) type Gram<T> = SMatrix<T, OWN, OWN>;
+pub(crate) type Score<T> = SVector<T, OWN>;
+/// Derivatives of a disagreement by a side's quantities.
+pub(crate) type Slope<T> = SMatrix<T, ROWS, OWN>;
+
+/// What is known of one axle's corner.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Wheel<T> {
+    /// As in the vehicle file.
+    pub(crate) body: Body<T>,
+    /// Compliance of the tire at placard pressure in m/N.
+    pub(crate) theta: T,
+    /// Place in the order of [`Corner::ALL`](crate::model::Corner::ALL).
+    pub(crate) corner: usize,
+}
+
+/// A complete frame of both axles, and where it was taken.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct TrackFrame<T: Real> {
+    /// Spectra of the front's and the rear's signals, then of what both would be on the common road.
+    pub(crate) frame: Frame<T>,
+    /// Time in s of its middle at the rear wheel.
+    pub(crate) middle_s: f64,
+    /// Seconds from front to rear.
+    pub(crate) delay_s: T,
+    /// Logarithm of the rear's speed over the front's there.
+    pub(crate) stretch: T,
+    /// What wheelbase and skew were taken to be in aligning them.
+    pub(crate) used_wheelbase: T,
+    pub(crate) used_skew: T,
+}
+
+/// Whose signals of a frame.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Signals<'a, T: Real> {
+    /// As measured.
+    Measured,
+    /// On the road that both axles agree on, as the instruments have them, times how the axles answer it.
+    Common(&'a Ratios<T>),
+}
+
+/// Where a side's quantities stand in the state.
+pub(crate) fn places(side: usize) -> [usize; OWN] {
+    let (front, rear) = (side, side + 2);
+    [
+        TIRE + front,
+        MASS + front,
+        DAMPING + front,
+        SPRING + front,
+        BAR,
+        TIRE + rear,
+        MASS + rear,
+        DAMPING + rear,
+        SPRING + rear,
+        BAR + 1,
+        GAIN + side,
+        WHEELBASE,
+        SKEW + side,
+    ]
+}
+
+/// One axle's parameters as a state has them.
+pub(crate) struct Axle<T> {
+    /// Compliance in m/N of the tire, as it is and at placard pressure.
+    pub(crate) theta: T,
+    placard: T,
+    /// Unsprung mass, damping, spring, anti-roll bar: as they are, and as the vehicle file says; the bar's is the spring's.
+    pub(crate) factors: [T; 4],
+    nominal: [T; 4],
+}
+
+impl<T: Real> Axle<T> {
+    pub(crate) fn new(wheel: &Wheel<T>, state: &State<T>) -> Self {
+        let at = |kind: usize| T::one() + state[kind + wheel.corner];
+        let body = &wheel.body;
+        let spring = body.spring_n_per_m;
+        let nominal = [body.unsprung_mass_kg, body.damping_n_s_per_m, spring, spring];
+        let bar = spring * state[BAR + wheel.corner / 2];
+        let factors = [nominal[0] * at(MASS), nominal[1] * at(DAMPING), spring * at(SPRING), bar];
+        Self {
+            theta: wheel.theta * read_compliance(state, wheel.corner),
+            placard: wheel.theta,
+            factors,
+            nominal,
+        }
+    }
+
+    /// The road velocity that the signals of an entry tell.
+    pub(crate) fn road_velocity(&self, signals: &[T; SEEN]) -> T {
+        let force = self.factors.iter().zip(&signals[1..]).fold(T::zero(), |sum, (&f, &x)| sum + f * x);
+        signals[0] + self.theta * force
+    }
+
+    /// The signals that a road of unit velocity makes at a frequency in Hz, if the other side does not move.
+    fn over_unit_road(&self, sprung_mass_kg: T, frequency_hz: T) -> [Complex<T>; SEEN] {
+        let s = Complex::new(T::zero(), T::two_pi() * frequency_hz);
+        let one = Complex::new(T::one(), T::zero());
+        let z = s * self.factors[1] + one * self.factors[2];
+        let sprung = s * s * sprung_mass_kg;
+        // v_w - v_b = Q v_w, and R = v_w (1 + θ (m s² + Z Q)).
+        let relative = sprung / (sprung + z);
+        let wheel = one / (one + (s * s * self.factors[0] + z * relative) * self.theta);
+        [wheel, s * s * wheel, s * relative * wheel, relative * wheel, relative * wheel]
+    }
+
+    /// Road and its derivatives by tire, mass, damping, spring, bar, from wheel velocity and the force signals.
+    fn road(&self, signals: [Complex<T>; SEEN]) -> (Complex<T>, [Complex<T>; REAR]) {
+        let mut force = Complex::new(T::zero(), T::zero());
+        let mut slope = [force; REAR];
+        for i in 0..SEEN - 1 {
+            force += signals[i + 1] * self.factors[i];
+            slope[i + 1] = signals[i + 1] * (self.theta * self.nominal[i]);
+        }
+        slope[0] = force * self.placard;
+        (signals[0] + force * self.theta, slope)
+    }
+}
+
+/// Disagreement of a frame and its derivatives.
+pub(crate) struct Disagreement<T: Real> {
+    pub(crate) rows: SVector<T, ROWS>,
+    pub(crate) slope: Slope<T>,
+    /// Road velocity of every bin that both axles agree on.
+    pub(crate) common: [Complex<T>; BINS],
+    /// Road power of every bin, mean of the axles.
+    pub(crate) road_power: [T; BINS],
+}
+
+/// Compares the axles of a side for a state.
+pub(crate) fn compare<T: Real>(
+    taken: &TrackFrame<T>,
+    signals: Signals<'_, T>,
+    wheels: &[Wheel<T>; 2],
+    side: usize,
+    state: &State<T>,
+) -> Disagreement<T> {
+    let axles = [Axle::new(&wheels[0], state), Axle::new(&wheels[1], state)];
+    let gain = T::one() + state[GAIN + side];
+    let late_s = taken.delay_s * (state[WHEELBASE] - taken.used_wheelbase)
+        + T::lit(SKEW_UNIT_S) * (state[SKEW + side] - taken.used_skew);
+    let mut out = Disagreement {
+        rows: SVector::zeros(),
+        slope: SMatrix::zeros(),
+        common: [Complex::new(T::zero(), T::zero()); BINS],
+        road_power: [T::zero(); BINS],
+    };
+    for bin in 0..BINS {
+        out.fill(taken, signals, &axles, gain, late_s, bin);
+    }
+    out
+}
+
+impl<T: Real> Disagreement<T> {
+    fn fill(
+        &mut self,
+        taken: &TrackFrame<T>,
+        signals: Signals<'_, T>,
+        axles: &[Axle<T>; 2],
+        gain: T,
+        late_s: T,
+        bin: usize,
+    ) {
+        let delay_s = taken.delay_s;
+        let of = |axle: usize| {
+            core::array::from_fn(|i| match signals {
+                Signals::Measured => taken.frame.at(bin, axle * SEEN + i),
+                Signals::Common(ratios) => {
+                    taken.frame.at(bin, BOTH + axle * SEEN + i) * ratios[bin][axle * SEEN + i]
+                }
+            })
+        };
+        let seen = [axles[0].road(of(0)), axles[1].road(of(1))];
+        let slope = slopes(&seen, gain, bin_hz(bin), delay_s);
+        let (ahead, behind) = (seen[0].0 * gain, seen[1].0);
+        let common = (ahead + behind) * T::lit(0.5);
+        let turn = Complex::new(T::zero(), T::two_pi() * bin_hz::<T>(bin)) * common;
+        let apart = ahead - behind - turn * late_s;
+        self.common[bin] = common;
+        self.rows[bin] = apart.re;
+        self.rows[BINS + bin] = apart.im;
+        self.road_power[bin] = T::lit(0.5) * (ahead.norm_sqr() + behind.norm_sqr());
+        for (column, value) in slope.iter().enumerate() {
+            self.slope[(bin, column)] = value.re;
+            self.slope[(BINS + bin, column)] = value.im;
+        }
+    }
+}
+
+/// Products of the derivatives with each other that a road of unit power makes, per bin: `Re⟨C* C⟩`, if the axles answer
+/// it as `ratios` say.
+pub(crate) fn expected_products<T: Real>(
+    wheels: &[Wheel<T>; 2],
+    side: usize,
+    state: &State<T>,
+    delay_s: T,
+    ratios: &Ratios<T>,
+) -> [Gram<T>; BINS] {
+    let axles = [Axle::new(&wheels[0], state), Axle::new(&wheels[1], state)];
+    let gain = T::one() + state[GAIN + side];
+    core::array::from_fn(|bin| {
+        // Real and imaginary part at every frequency that the bin sees, times the root of what it sees of it.
+        let mut parts = SMatrix::<T, OWN, { 2 * KERNEL }>::zeros();
+        let (mut other_side, mut total) = (Matrix2::zeros(), T::zero());
+        for point in 0..KERNEL {
+            let offset = T::lit((point as f64 - KERNEL_HALF as f64) / KERNEL_DENSITY);
+            let frequency = (bin_hz::<T>(bin) + T::lit(BIN_SPACING_HZ) * offset).abs().max(T::lit(LOWEST_HZ));
+            let weight = sine_window_power(offset) * high_pass_power(frequency);
+            let seen = |axle: usize| {
+                let foretold = axles[axle].over_unit_road(wheels[axle].body.sprung_mass_kg, frequency);
+                axles[axle].road(core::array::from_fn(|i| foretold[i] * ratios[bin][axle * SEEN + i]))
+            };
+            // As a frame sees it: its turns are those of the middle of a bin.
+            let slope = slopes(&[seen(0), seen(1)], gain, bin_hz(bin), delay_s);
+            let root = weight.sqrt();
+            for (row, &of) in slope.iter().enumerate() {
+                parts[(row, 2 * point)] = of.re * root;
+                parts[(row, 2 * point + 1)] = of.im * root;
+            }
+            other_side +=
+                Matrix2::from_fn(|i, j| (slope[OWN_BARS[i]] * slope[OWN_BARS[j]].conj()).re * weight);
+            total += weight;
+        }
+        let mut sum = parts * parts.transpose();
+        // The other side moves as much, by itself, and alike under both axles.
+        for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            sum[(OWN_BARS[i], OWN_BARS[j])] += other_side[(i, j)];
+        }
+        sum / total
+    })
+}
+
+/// Derivatives of a disagreement, from each axle's road and its derivatives.
+fn slopes<T: Real>(
+    seen: &[(Complex<T>, [Complex<T>; REAR]); 2],
+    gain: T,
+    frequency_hz: T,
+    delay_s: T,
+) -> [Complex<T>; OWN] {
+    let [(front, front_slope), (rear, rear_slope)] = seen;
+    let turn = Complex::new(T::zero(), T::two_pi() * frequency_hz) * (*front * gain + rear) * T::lit(0.5);
+    let mut slope = [Complex::new(T::zero(), T::zero()); OWN];
+    for i in 0..REAR {
+        slope[i] = front_slope[i] * gain;
+        slope[REAR + i] = -rear_slope[i];
+    }
+    slope[OWN_GAIN] = *front;
+    slope[OWN_WHEELBASE] = -turn * delay_s;
+    slope[OWN_SKEW] = -turn * T::lit(SKEW_UNIT_S);
+    slope
+}

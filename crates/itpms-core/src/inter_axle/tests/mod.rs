@@ -1,0 +1,143 @@
+//! The parts of the shared road against closed forms: quarter cars solved here, from their equations of motion, for one
+//! frequency at a time.
+
+extern crate std;
+
+mod disagreement;
+mod pieces;
+mod search;
+
+use std::vec::Vec;
+
+use nalgebra::Complex;
+// Where another crate of the build brings `std`, numbers have these functions by themselves.
+#[allow(unused_imports)]
+use nalgebra::ComplexField;
+
+use crate::belief::state::{BAR, DAMPING, GAIN, MASS, SPRING, State, TIRE};
+use crate::inter_axle::residual::instrument::Instrument;
+use crate::inter_axle::residual::model::{Axle, SEEN, TrackFrame, Wheel};
+use crate::inter_axle::{Frame, HOP_S, SIGNALS};
+use crate::spectrum::FrameClock;
+use crate::spectrum::transfer::Body;
+
+type C = Complex<f64>;
+const PERIOD_S: f64 = 0.004;
+/// Steps after which an instrument has forgotten that it began at rest: six seconds, 1e-5 of a body's slowest swing.
+const SETTLED: i32 = 1500;
+
+/// The unlike axles of a family car, on the left.
+fn wheels() -> [Wheel<f64>; 2] {
+    let wheel =
+        |corner, sprung_mass_kg, unsprung_mass_kg, damping_n_s_per_m, spring_n_per_m, stiffness: f64| {
+            let body = Body { sprung_mass_kg, unsprung_mass_kg, damping_n_s_per_m, spring_n_per_m };
+            Wheel { body, theta: 1.0 / stiffness, corner }
+        };
+    [wheel(0, 240.8, 56.9, 925.8, 29_114.0, 233_000.0), wheel(2, 216.0, 50.0, 870.0, 26_000.0, 220_000.0)]
+}
+
+/// A car that is not as its vehicle file says.
+fn deviating() -> State<f64> {
+    let mut state = State::zeros();
+    for (at, value) in [
+        (TIRE, 0.18),
+        (TIRE + 2, -0.07),
+        (MASS, 0.02),
+        (MASS + 2, -0.01),
+        (DAMPING, -0.15),
+        (DAMPING + 2, 0.1),
+        (SPRING, 0.08),
+        (SPRING + 2, -0.05),
+        (BAR, 0.35),
+        (BAR + 1, 0.12),
+        (GAIN, 0.015),
+    ] {
+        state[at] = value;
+    }
+    state
+}
+
+/// What moves an axle at one frequency: the road, and the other side's relative velocity through the anti-roll bar.
+#[derive(Debug, Clone, Copy)]
+struct Moved {
+    road: C,
+    other: C,
+}
+
+const STILL: Moved = Moved { road: C::new(0.0, 0.0), other: C::new(0.0, 0.0) };
+
+impl Moved {
+    fn by_road(road: C) -> Self {
+        Self { road, other: C::new(0.0, 0.0) }
+    }
+}
+
+/// The signals of an axle at `s`: its two equations of motion in velocities, solved by Cramer's rule.
+fn signals(wheel: &Wheel<f64>, state: &State<f64>, s: C, moved: Moved) -> [C; SEEN] {
+    let (body, i) = (&wheel.body, wheel.corner);
+    let mass = body.unsprung_mass_kg * (1.0 + state[MASS + i]);
+    let z = s * (body.damping_n_s_per_m * (1.0 + state[DAMPING + i]))
+        + body.spring_n_per_m * (1.0 + state[SPRING + i]);
+    let bar = body.spring_n_per_m * state[BAR + i / 2];
+    let tire = 1.0 / (wheel.theta * (1.0 + state[TIRE + i]));
+    let (a, b, d) = (s * s * mass + z + bar + tire, -(z + bar), s * s * body.sprung_mass_kg + z + bar);
+    let (wheel_side, body_side) = (moved.road * tire + moved.other * bar, -moved.other * bar);
+    let determinant = a * d - b * b;
+    let wheel = (wheel_side * d - body_side * b) / determinant;
+    let relative = wheel - (body_side * a - wheel_side * b) / determinant;
+    [wheel, s * s * wheel, s * relative, relative, relative - moved.other]
+}
+
+/// A frame of both axles at `frequency_hz`, front and rear moved as said, times `amplitude`; the state is the truth.
+fn frame(frequency_hz: f64, moved: [Moved; 2], state: &State<f64>, amplitude: C) -> TrackFrame<f64> {
+    let wheels = wheels();
+    let s = C::new(0.0, core::f64::consts::TAU * frequency_hz);
+    let gain = 1.0 + state[GAIN];
+    let axles = [Axle::new(&wheels[0], state), Axle::new(&wheels[1], state)];
+    // A front sensor that reads too little by this gain.
+    let seen = [
+        signals(&wheels[0], state, s, moved[0]).map(|x| x * amplitude / gain),
+        signals(&wheels[1], state, s, moved[1]).map(|x| x * amplitude),
+    ];
+    let mut instruments = [Instrument::new(), Instrument::new()];
+    for ((instrument, axle), wheel) in instruments.iter_mut().zip(&axles).zip(&wheels) {
+        instrument.tune(axle, wheel.body.sprung_mass_kg, PERIOD_S);
+    }
+    let mut clock = FrameClock::new(HOP_S, PERIOD_S);
+    for step in -SETTLED.. {
+        let turn = (s * (f64::from(step) * PERIOD_S)).exp();
+        let now = seen.map(|seen| seen.map(|x| (x * turn).re));
+        let common = 0.5 * (gain * axles[0].road_velocity(&now[0]) + axles[1].road_velocity(&now[1]));
+        let mut all = [0.0; SIGNALS];
+        for axle in 0..2 {
+            let [wheel, jerk, acceleration, relative] = instruments[axle].push(common);
+            let other = now[axle][3] - now[axle][4];
+            all[axle * SEEN..][..SEEN].copy_from_slice(&now[axle]);
+            all[(2 + axle) * SEEN..][..SEEN].copy_from_slice(&[
+                wheel,
+                jerk,
+                acceleration,
+                relative,
+                relative - other,
+            ]);
+        }
+        if step >= 0
+            && let Some(frame) = clock.push(&all)
+        {
+            return taken(frame);
+        }
+    }
+    unreachable!()
+}
+
+fn taken(frame: Frame<f64>) -> TrackFrame<f64> {
+    TrackFrame { frame, middle_s: 0.0, delay_s: 0.12, stretch: 0.0, used_wheelbase: 0.0, used_skew: 0.0 }
+}
+
+/// Frames of unit cosines and sines at all frequencies that the bins see, half a hertz apart: a tenth of a bin.
+fn unit_frames(state: &State<f64>, moved: impl Fn(f64) -> [Moved; 2]) -> Vec<TrackFrame<f64>> {
+    (1..=100)
+        .map(|k| 0.5 * f64::from(k))
+        .flat_map(|f| [C::new(1.0, 0.0), C::new(0.0, -1.0)].map(|a| frame(f, moved(f), state, a)))
+        .collect()
+}

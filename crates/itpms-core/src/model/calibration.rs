@@ -1,0 +1,125 @@
+//! What a reset teaches about the car: how it differs from its vehicle file while all tires are known to be right.
+//!
+//! Made by [`CarEstimator::learned`](crate::car::CarEstimator::learned) when a reset is over, given to the next drive's
+//! estimator. Knows nothing of files: whoever stores it checks that it belongs to the car.
+
+use crate::belief::state::ROAD_BIAS_SD;
+use crate::real::Real;
+
+/// A learned quantity and its standard deviation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Learned<T> {
+    /// The value.
+    pub value: T,
+    /// Its standard deviation.
+    pub sd: T,
+}
+
+/// What was learned of one corner. Masses, damper and spring as relative deviations from the vehicle file.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct LearnedCorner<T> {
+    /// Pressure in kPa gauge that the tire was known to have.
+    pub placard_kpa: T,
+    /// Unsprung mass, relative deviation.
+    pub unsprung_mass: Learned<T>,
+    /// Damping, relative deviation.
+    pub damping: Learned<T>,
+    /// Suspension stiffness, relative deviation.
+    pub spring: Learned<T>,
+    /// What the road's spectrum reads too much, in kPa.
+    pub spectrum_bias_kpa: Learned<T>,
+    /// What the shared road reads too much of the tire's compliance, as a share of that at placard pressure.
+    pub shared_road_bias: Learned<T>,
+}
+
+impl<T: Real> LearnedCorner<T> {
+    /// What is believed of [`shared_road_bias`](Self::shared_road_bias) before any reset has taught it.
+    pub fn untaught_road_bias() -> Learned<T> {
+        Learned { value: T::zero(), sd: T::lit(ROAD_BIAS_SD[0]) }
+    }
+}
+
+/// What was learned of the whole car.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct LearnedReference<T> {
+    /// The corners, in the order of [`Corner::ALL`](crate::model::Corner::ALL).
+    pub corners: [Option<LearnedCorner<T>>; 4],
+    /// Stiffness of the front and the rear anti-roll bar at a wheel, over its spring's in the vehicle file.
+    pub bar: [Learned<T>; 2],
+    /// Gain of the front wheel's sensor over the rear one's, left and right, less one.
+    pub gain: [Learned<T>; 2],
+    /// Wheelbase over speed, relative deviation.
+    pub wheelbase: Learned<T>,
+    /// Time in s by which the rear wheel's sensor is late against the front one's, left and right.
+    pub skew_s: [Learned<T>; 2],
+    /// Seconds of useful driving it was learned from.
+    pub learned_s: T,
+}
+
+/// What a stored reference cannot be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ReferenceError {
+    /// A value is not finite, or an sd not positive and finite.
+    NotANumber(&'static str),
+    /// A value lies further out than any car could be.
+    Implausible(&'static str),
+    /// It was learned for other corners or other placard pressures.
+    OtherCar,
+}
+
+impl core::fmt::Display for ReferenceError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::NotANumber(what) => write!(f, "{what} is not a finite number with a positive sd"),
+            Self::Implausible(what) => write!(f, "{what} lies further out than any car could be"),
+            Self::OtherCar => write!(f, "it was learned for other corners or other placard pressures"),
+        }
+    }
+}
+
+impl core::error::Error for ReferenceError {}
+
+/// Largest plausible values: relative unsprung mass, damping, spring, anti-roll bar, gain, wheelbase; the spectrum's bias as a share
+/// of the placard pressure; skew in s; the shared road's bias.
+const FURTHEST: [f64; 9] = [0.2, 0.7, 0.7, 2.0, 0.1, 0.05, 0.25, 0.02, 0.25];
+
+impl<T: Real> LearnedReference<T> {
+    /// Checks every number: finite, with a positive sd, and no further out than a car can be.
+    ///
+    /// # Errors
+    /// The first quantity that fails.
+    pub fn check(&self) -> Result<(), ReferenceError> {
+        let [mass, damping, spring, bar, gain, wheelbase, bias, skew, road_bias] = FURTHEST.map(T::lit);
+        for corner in self.corners.iter().flatten() {
+            if !(corner.placard_kpa > T::zero() && corner.placard_kpa.is_finite()) {
+                return Err(ReferenceError::NotANumber("placard_kpa"));
+            }
+            plausible("unsprung_mass", &corner.unsprung_mass, mass)?;
+            plausible("damping", &corner.damping, damping)?;
+            plausible("spring", &corner.spring, spring)?;
+            plausible("spectrum_bias_kpa", &corner.spectrum_bias_kpa, bias * corner.placard_kpa)?;
+            plausible("shared_road_bias", &corner.shared_road_bias, road_bias)?;
+        }
+        self.bar.iter().try_for_each(|learned| plausible("bar", learned, bar))?;
+        self.gain.iter().try_for_each(|learned| plausible("gain", learned, gain))?;
+        plausible("wheelbase", &self.wheelbase, wheelbase)?;
+        self.skew_s.iter().try_for_each(|learned| plausible("skew_s", learned, skew))?;
+        if !(self.learned_s > T::zero() && self.learned_s.is_finite()) {
+            return Err(ReferenceError::NotANumber("learned_s"));
+        }
+        Ok(())
+    }
+}
+
+fn plausible<T: Real>(what: &'static str, learned: &Learned<T>, furthest: T) -> Result<(), ReferenceError> {
+    if !(learned.value.is_finite() && learned.sd > T::zero() && learned.sd.is_finite()) {
+        return Err(ReferenceError::NotANumber(what));
+    }
+    if !(learned.value.abs() <= furthest) {
+        return Err(ReferenceError::Implausible(what));
+    }
+    Ok(())
+}

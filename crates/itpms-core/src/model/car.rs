@@ -1,0 +1,13 @@
+//! What an estimator is told about the car.
+
+use super::estimate::CornerConfig;
+
+/// What an estimator is told about the car.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct CarConfig<T> {
+    /// The corners, in the order of [`Corner::ALL`]; those that are measured.
+    pub corners: [Option<CornerConfig<T>>; 4],
+    /// Distance between the axles in m; `None`: the shared road is not used.
+    pub wheelbase_m: Option<T>,
+}

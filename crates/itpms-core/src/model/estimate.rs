@@ -1,0 +1,165 @@
+//! What goes out, for every estimator alike: pressure and stiffness with their standard deviations, whether to
+//! believe them, and a warning.
+
+use crate::model::{ParameterError, PressureMap, QuarterCar, positive};
+use crate::real::Real;
+
+/// What an estimator is told about its corner.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct CornerConfig<T> {
+    /// Masses, spring and damper.
+    pub quarter_car: QuarterCar<T>,
+    /// Stiffness over pressure.
+    pub tire: PressureMap<T>,
+    /// Pressure the car's placard asks for, in kPa gauge.
+    pub placard_kpa: T,
+    /// Accelerometer noise in m/s², rms per sample at the log's rate, both sensors; `None`: 0.05 is assumed.
+    pub accel_noise_m_s2: Option<T>,
+    /// Pressure to start from, in kPa gauge; `None`: the placard's.
+    pub initial_kpa: Option<T>,
+}
+
+impl<T: Real> CornerConfig<T> {
+    /// A corner with the placard's pressure as its start and unknown sensor noise.
+    ///
+    /// # Errors
+    /// The placard pressure must be positive and finite.
+    pub fn new(
+        quarter_car: QuarterCar<T>,
+        tire: PressureMap<T>,
+        placard_kpa: T,
+    ) -> Result<Self, ParameterError> {
+        let placard_kpa = positive("placard_kpa", placard_kpa)?;
+        Ok(Self { quarter_car, tire, placard_kpa, accel_noise_m_s2: None, initial_kpa: None })
+    }
+
+    /// The same with a known accelerometer noise in m/s² rms per sample.
+    ///
+    /// # Errors
+    /// The noise must be positive and finite.
+    pub fn with_accel_noise(self, accel_noise_m_s2: T) -> Result<Self, ParameterError> {
+        Ok(Self { accel_noise_m_s2: Some(positive("accel_noise_m_s2", accel_noise_m_s2)?), ..self })
+    }
+
+    /// The same with another pressure to start from, in kPa gauge.
+    ///
+    /// # Errors
+    /// The pressure must be positive and finite.
+    pub fn with_initial_pressure(self, initial_kpa: T) -> Result<Self, ParameterError> {
+        Ok(Self { initial_kpa: Some(positive("initial_kpa", initial_kpa)?), ..self })
+    }
+
+    /// The paper's simulated corner: Table 2, eq. (5), placard 241.3 kPa (35 psi), noise 0.05 m/s².
+    #[must_use]
+    pub fn paper() -> Self {
+        Self {
+            quarter_car: QuarterCar::paper_table_2(),
+            tire: PressureMap::paper_eq_5(),
+            placard_kpa: T::lit(241.3),
+            accel_noise_m_s2: Some(T::lit(0.05)),
+            initial_kpa: None,
+        }
+    }
+
+    /// Accelerometer noise in m/s² rms per sample: as given, else 0.05.
+    pub fn accel_noise_or_usual_m_s2(&self) -> T {
+        self.accel_noise_m_s2.unwrap_or(T::lit(0.05))
+    }
+
+    /// Stiffness to start from in N/m.
+    pub fn initial_stiffness_n_per_m(&self) -> T {
+        self.tire.stiffness_n_per_m(self.initial_kpa.unwrap_or(self.placard_kpa))
+    }
+}
+
+/// Whether, and if not why not, an estimate may be believed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Validity {
+    /// The data says this.
+    Valid,
+    /// Not enough has been seen since the start.
+    Starting,
+    /// Nothing to learn from for a while: standing still, too smooth, hidden in noise.
+    NoInformation,
+    /// Samples are missing, stuck or absurd.
+    BadSignal,
+    /// The computation left its range (a published filter diverged).
+    Diverged,
+}
+
+impl Validity {
+    /// True for [`Validity::Valid`] alone.
+    #[must_use]
+    pub fn is_valid(self) -> bool {
+        self == Validity::Valid
+    }
+}
+
+/// What the driver should know about one tire.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Warning {
+    /// Nothing to say. Not a promise that all is well: see [`Validity`].
+    None,
+    /// Under-inflated.
+    Low,
+    /// The sensors do not allow a statement.
+    Malfunction,
+}
+
+impl Warning {
+    /// The word in `est.csv`: `none`, `low` or `malfunction`.
+    #[must_use]
+    pub fn label(self) -> &'static str {
+        match self {
+            Warning::None => "none",
+            Warning::Low => "low",
+            Warning::Malfunction => "malfunction",
+        }
+    }
+}
+
+/// The estimate of one corner after a sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct CornerEstimate<T> {
+    /// Time of the sample in s.
+    pub time_s: f64,
+    /// Tire stiffness in N/m.
+    pub stiffness_n_per_m: T,
+    /// Its standard deviation in N/m.
+    pub stiffness_sd_n_per_m: T,
+    /// Gauge pressure in kPa.
+    pub pressure_kpa: T,
+    /// Its standard deviation in kPa, the map's own uncertainty included.
+    pub pressure_sd_kpa: T,
+    /// Road height under the wheel in m, causal and without drift.
+    pub road_m: T,
+    /// Its standard deviation in m.
+    pub road_sd_m: T,
+    /// Whether to believe it.
+    pub validity: Validity,
+    /// What to tell the driver.
+    pub warning: Warning,
+    /// The estimator's inner life, for reports and consistency checks.
+    pub diagnostics: Diagnostics<T>,
+}
+
+/// How an estimate came about.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Diagnostics<T> {
+    /// Forgetting factor `lambda >= 1` of the covariance (eq. 28); 1 keeps everything. For `informed`: the factor by
+    /// which its variance grew in the last prediction step.
+    pub forgetting: T,
+    /// Normalised innovation squared of the last update, divided by its expected value: about 1 when consistent.
+    pub nis: T,
+    /// Information gate, 0 (nothing learned) to 1 (all of the last frame used, or a road that both axles share).
+    pub gate: T,
+    /// Probability that the pressure is changing now; NaN where the estimator has no such notion.
+    pub change_probability: T,
+    /// Variance of the pressure in kPa² (`P_55` over slope squared for the filters).
+    pub pressure_variance_kpa2: T,
+}

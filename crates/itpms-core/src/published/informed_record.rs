@@ -1,0 +1,90 @@
+//! What a step of the mended filter, and a stiffness measurement to it, say about themselves.
+//!
+//! Filled by [`crate::published::aekf_ui_informed`]; read by estimators, reports and tests.
+
+use nalgebra::{Matrix5, Vector2, Vector5};
+
+use crate::model::quarter_car::state;
+use crate::real::Real;
+
+/// What a step did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum InformedStatus {
+    /// Predicted and corrected.
+    Updated,
+    /// A measurement was missing or absurd: predicted only.
+    PredictedOnly,
+    /// The time step was not a positive, finite number: nothing was done.
+    Ignored,
+    /// After a gap, or because the numbers left their range: the motion starts from rest, the stiffness is kept.
+    Restarted,
+}
+
+/// One step seen from outside. After any status but [`InformedStatus::Updated`] residual and NIS are NaN.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: Real + serde::Serialize",
+        deserialize = "T: Real + serde::Deserialize<'de>"
+    ))
+)]
+pub struct InformedRecord<T: Real> {
+    /// What happened.
+    pub status: InformedStatus,
+    /// State in the order and units of [`state`]; displacements and velocities without their drift.
+    pub state: Vector5<T>,
+    /// Force of the tire on the wheel in N, less its share of the weight.
+    pub tire_force_n: T,
+    /// Road height in m, without drift: the road less what the leak forgot of the wheel's displacement.
+    pub road_m: T,
+    /// Its variance in m².
+    pub road_variance_m2: T,
+    /// Joint covariance of the four motion states and, at [`crate::published::motion::TIRE_FORCE`], the tire's force, 5x5.
+    pub motion_covariance: Matrix5<T>,
+    /// Variance of the stiffness in (N/m)²; it has no covariance with the motion.
+    pub stiffness_variance: T,
+    /// What the measurement differed by from the prediction with the force held, in m/s².
+    pub residual_m_s2: Vector2<T>,
+    /// Squared, normalised residual after the input is estimated: 1 on average when consistent.
+    pub nis: T,
+    /// The factor that the last stiffness measurement brought about; 1 keeps everything.
+    pub forgetting: T,
+}
+
+impl<T: Real> InformedRecord<T> {
+    /// Tire stiffness in N/m.
+    pub fn stiffness_n_per_m(&self) -> T {
+        self.state[state::TIRE_STIFFNESS]
+    }
+
+    /// Its standard deviation in N/m.
+    pub fn stiffness_sd_n_per_m(&self) -> T {
+        self.stiffness_variance.sqrt()
+    }
+
+    /// Standard deviation of the road's height in m.
+    pub fn road_sd_m(&self) -> T {
+        self.road_variance_m2.sqrt()
+    }
+}
+
+/// What became of a stiffness measurement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum StiffnessUpdate<T> {
+    /// It was used.
+    Used {
+        /// Measurement minus estimate before the update, in N/m.
+        innovation_n_per_m: T,
+        /// Square of the innovation over its believed variance: 1 on average when consistent. The variance is the
+        /// one before forgetting, so that a change of the tire shows here.
+        nis: T,
+        /// The factor it brought about.
+        forgetting: T,
+    },
+    /// It carried no information (not positive, or not finite) and was left out.
+    Ignored,
+}

@@ -1,0 +1,448 @@
+//! The default estimator of one corner: a Bayes filter on a grid of pressures that knows one more thing than the
+//! paper's filter, namely that a road looks like a road (docs/math/informed.md).
+//!
+//! The spectrum of a road is a smooth power law. Reconstructed with a wrong stiffness it shows a wheel-hop peak or
+//! notch near 10-14 Hz; how unlikely that is, for every stiffness of a grid, is the information. Short spectral frames
+//! feed it some seventeen times a second; leak modes and road-level modes say how fast belief may change.
+//!
+//! | room | idea |
+//! |---|---|
+//! | `reconstruct` | per sample: the signals that the road velocity is made of |
+//! | `gate` | how much of a frame to believe |
+//! | `body` | load and damping identified on the way |
+//! | `model` | what they should look like for every stiffness |
+//! | `dynamics` | how pressure and road may change |
+//! | `road_belief` | level, slope and enveloping of the road under one hypothesis |
+//! | `repeat` | a road that repeats itself: the same road again, seen through another stiffness |
+//! | `posterior` | the belief, moved on and weighed |
+
+mod dynamics;
+mod gate;
+mod grid_posterior;
+mod load;
+mod periodic_road;
+mod road_model;
+mod tables;
+
+use crate::conditioning::GridSample;
+use crate::model::{CornerConfig, QuarterCar};
+use crate::real::Real;
+use crate::single_wheel::gate::{Gate, SpeedKnowledge};
+use crate::single_wheel::grid_posterior::Posterior;
+use crate::single_wheel::load::BodyIdentification;
+use crate::single_wheel::periodic_road::{Corner, Held, RepeatWord, RepeatedRoad, Step};
+pub use crate::single_wheel::periodic_road::{RoadPeriod, RoadRepetition};
+use crate::single_wheel::road_model::Evidence;
+use crate::single_wheel::tables::{Grid, Tables};
+use crate::spectrum::FrameClock;
+use crate::spectrum::reconstruction::{
+    RELATIVE_ACCELERATION, RELATIVE_VELOCITY, Reconstruction, SIGNALS, WHEEL_JERK, WHEEL_VELOCITY,
+};
+use crate::spectrum::transfer::Body;
+
+/// Spectral bins of a frame: 8.3, 16.7, ... 100 Hz.
+const BINS: usize = 12;
+/// Nominal time between frames in s; a frame lasts twice as long.
+const HOP_S: f64 = 0.06;
+/// A frame of all reconstructed signals.
+type Frame<T> = crate::spectrum::Frame<T, BINS, SIGNALS>;
+
+/// Share of a frame's log-likelihood that counts. Frames under a sine window that overlap by half say everything twice;
+/// a little less than half lets the interval cover what the model leaves out.
+const OVERLAP: f64 = 0.45;
+/// Highest frequency used, as a share of the sampling rate.
+const BAND: f64 = 0.25;
+/// Frequency times enveloping length over speed up to which enveloping is a smooth loss.
+const ENVELOPE_REACH: f64 = 0.75;
+/// Bins used however long the enveloping may be: up to 40 Hz, so that wheel hop has neighbours on both sides.
+const LEAST_BINS: usize = 5;
+/// Speed in m/s below which nothing is learned.
+const STANDING_M_S: f64 = 2.5;
+/// Speed in m/s below which a car stands, and seconds of it in which somebody can get in or out.
+const STOPPED_M_S: f64 = 0.3;
+const STOP_S: f64 = 3.0;
+/// Share by which the sd grows while the pressure surely moves fast: found on seeds of its own so that intervals cover
+/// more of a drop without covering too much elsewhere.
+const MOVING_SD: f64 = 0.7;
+/// How well a reset sets the pressure, as a share of the placard pressure: 3 kPa at 241.3 kPa.
+pub(crate) const RESET_SD: f64 = 0.0125;
+/// A repeated road is found in its third period or so: until then its spectrum has been counted that often.
+const OVERCOUNTED: f64 = 3.0;
+/// The words of a repeated road are its belief, and so not independent: how much wider they are given to a filter
+/// outside, one per period.
+const REPEATED_WORD_SD: f64 = 2.0;
+/// Seconds for which a change is taken to go on after a word of the repeated road.
+const OLDEST_WORD_S: f64 = 0.3;
+/// Least sd in cells with which the repeated road's word is put on the grid.
+const LEAST_PIN_CELLS: f64 = 0.4;
+/// Frames for which a reset that was told holds: it is told ten times a second.
+const HELD_FRAMES: u32 = 4;
+/// Standard deviation in kPa of the pressure to start from.
+const INITIAL_SD_KPA: f64 = 30.0;
+
+/// The default one-corner estimator's core, fed with grid samples. See the [module](self).
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Informed<T: Real> {
+    config: CornerConfig<T>,
+    grid: Grid<T>,
+    body: BodyIdentification<T>,
+    tables: Tables<T>,
+    reconstruction: Reconstruction<T>,
+    clock: FrameClock<T, BINS, SIGNALS>,
+    posterior: Posterior<T>,
+    sample_rate_hz: f64,
+    grid_period_s: f64,
+    noise_density: T,
+    bins: usize,
+    gate: Gate<T>,
+    variance_growth: T,
+    learned_s: T,
+    last_speed_m_s: T,
+    spoiled: bool,
+    /// Seconds for which the car stands by now.
+    stopped_s: T,
+    repeat: RepeatedRoad<T>,
+    /// What the repeated road last said, while there is one.
+    repeat_word: Option<RepeatWord<T>>,
+    repeat_word_s: f64,
+    held_frames: u32,
+    last_time_s: f64,
+}
+
+impl<T: Real> Informed<T> {
+    /// An estimator for samples that were taken at `sample_rate_hz` and come on a grid of `grid_period_s`.
+    pub fn new(config: &CornerConfig<T>, sample_rate_hz: f64, grid_period_s: f64) -> Self {
+        let clock = FrameClock::new(HOP_S, grid_period_s);
+        let grid = Grid::new(config.placard_kpa);
+        let car = &config.quarter_car;
+        let body = Body {
+            sprung_mass_kg: car.sprung_mass_kg(),
+            unsprung_mass_kg: car.unsprung_mass_kg(),
+            damping_n_s_per_m: car.damping_n_s_per_m(),
+            spring_n_per_m: car.spring_n_per_m(),
+        };
+        let tables = Tables::new(clock.bin_spacing_hz(), sample_rate_hz, &grid, &config.tire, &body);
+        let noise = config.accel_noise_or_usual_m_s2();
+        let initial = config.initial_kpa.unwrap_or(config.placard_kpa);
+        let initial_cell = (initial - grid.pressure_kpa(0)) / grid.step_kpa();
+        let scale = config.placard_kpa / T::lit(dynamics::REFERENCE_KPA);
+        let posterior =
+            Posterior::new(clock.hop_s(), initial_cell, T::lit(INITIAL_SD_KPA) * scale / grid.step_kpa());
+        let highest = (BAND * sample_rate_hz / clock.bin_spacing_hz()).clamp(1.0, BINS as f64);
+        Self {
+            config: *config,
+            grid,
+            body: BodyIdentification::new(body),
+            tables,
+            reconstruction: Reconstruction::new(grid_period_s),
+            clock,
+            posterior,
+            sample_rate_hz,
+            grid_period_s,
+            noise_density: T::lit(2.0 / sample_rate_hz) * noise * noise,
+            bins: highest as usize,
+            gate: Gate::new(),
+            variance_growth: T::one(),
+            learned_s: T::zero(),
+            last_speed_m_s: T::lit(f64::NAN),
+            spoiled: false,
+            stopped_s: T::zero(),
+            repeat: RepeatedRoad::new(RoadRepetition::Detect, sample_rate_hz, grid_period_s),
+            repeat_word: None,
+            repeat_word_s: f64::NAN,
+            held_frames: 0,
+            last_time_s: f64::NAN,
+        }
+    }
+
+    /// Tells what is known of the road repeating itself; to be said before the first sample.
+    pub fn set_repetition(&mut self, repetition: RoadRepetition) {
+        self.repeat = RepeatedRoad::new(repetition, self.sample_rate_hz, self.grid_period_s);
+    }
+
+    /// Forgets everything, as before the first sample; the road may repeat itself as it was told at first.
+    pub fn restart(&mut self, repetition: RoadRepetition) {
+        *self = Self::new(&self.config, self.sample_rate_hz, self.grid_period_s);
+        self.set_repetition(repetition);
+    }
+
+    /// Takes one grid sample; true when a frame was completed and the belief has moved.
+    pub fn push(&mut self, sample: &GridSample<T>) -> bool {
+        if sample.after_gap {
+            self.reconstruction.restart();
+            self.clock.restart();
+            self.repeat.interrupted(T::lit(sample.time_s - self.last_time_s));
+        }
+        self.last_time_s = sample.time_s;
+        self.spoiled |= sample.spoiled;
+        let signals = self.reconstruction.push(sample.body_accel_m_s2, sample.wheel_accel_m_s2);
+        let told = self.meet_again(&signals, sample);
+        match self.clock.push(&signals) {
+            Some(frame) => {
+                self.learn(&frame, sample.speed_m_s);
+                true
+            }
+            None => told,
+        }
+    }
+
+    /// Asks the repeated road, if there is one; true if it had something to say.
+    fn meet_again(&mut self, signals: &[T; SIGNALS], sample: &GridSample<T>) -> bool {
+        let body = self.body.body();
+        let step = Step {
+            wheel: signals[WHEEL_VELOCITY],
+            force: body.unsprung_mass_kg * signals[WHEEL_JERK]
+                + body.damping_n_s_per_m * signals[RELATIVE_ACCELERATION]
+                + body.spring_n_per_m * signals[RELATIVE_VELOCITY],
+            spoiled: sample.spoiled,
+        };
+        let corner = Corner { body, noise_density: self.noise_density };
+        let held = if self.held_frames > 0 { Held::Yes } else { Held::No };
+        let (config, grid, posterior) = (&self.config, &self.grid, &self.posterior);
+        let word = self.repeat.push(&step, &corner, || {
+            let (pressure, sd) = match held {
+                Held::Yes => (config.placard_kpa, T::lit(RESET_SD) * config.placard_kpa),
+                Held::No => {
+                    let summary = posterior.summary();
+                    let sd_cells = (summary.variance_cells2 * T::lit(OVERCOUNTED)).sqrt();
+                    let pressure = grid.pressure_kpa(0) + summary.mean_cell * grid.step_kpa();
+                    (pressure, sd_cells * grid.step_kpa())
+                }
+            };
+            let stiffness = config.tire.stiffness_n_per_m(pressure);
+            periodic_road::Belief {
+                theta: T::one() / stiffness,
+                relative_sd: sd * config.tire.stiffness_per_kpa() / stiffness,
+                held,
+            }
+        });
+        if let Some(word) = &word {
+            let pressure = config.tire.pressure_kpa(T::one() / word.theta);
+            let sd = word.relative_sd / word.theta / config.tire.stiffness_per_kpa();
+            let cell = (pressure - grid.pressure_kpa(0)) / grid.step_kpa();
+            self.posterior.pin(cell, (sd / grid.step_kpa()).max(T::lit(LEAST_PIN_CELLS)));
+            self.learned_s += word.seconds;
+            self.repeat_word = Some(*word);
+            self.repeat_word_s = sample.time_s;
+        }
+        if !self.repeat.is_following() {
+            self.repeat_word = None;
+        }
+        word.is_some()
+    }
+
+    /// Tells that the tire has its placard pressure now, as during a reset.
+    pub fn pin_to_placard(&mut self) {
+        let cell = (self.config.placard_kpa - self.grid.pressure_kpa(0)) / self.grid.step_kpa();
+        self.posterior.pin(cell, T::lit(RESET_SD) * self.config.placard_kpa / self.grid.step_kpa());
+        self.held_frames = HELD_FRAMES;
+    }
+
+    fn learn(&mut self, frame: &Frame<T>, speed_m_s: T) {
+        self.held_frames = self.held_frames.saturating_sub(1);
+        let (cell, road) = self.posterior.most_likely();
+        let mut evidence = self.evidence(frame, speed_m_s, road.longest_envelope_m());
+        let speed = if speed_m_s.is_finite() { SpeedKnowledge::Known } else { SpeedKnowledge::Unknown };
+        self.gate.look(&evidence, &self.tables, cell, &road, speed);
+        if self.spoiled || speed_m_s < T::lit(STANDING_M_S) {
+            self.gate.close();
+        }
+        self.spoiled = false;
+        self.notice_stop(speed_m_s);
+        evidence.weight *= self.gate.open();
+        let ratio = speed_m_s / self.last_speed_m_s;
+        self.last_speed_m_s = speed_m_s;
+        let seconds = self.gate.open() * T::lit(self.clock.hop_s());
+        // The same road again has the same spectrum again: it says nothing new of the tire.
+        if !self.repeat.is_following() {
+            self.weigh(&evidence, ratio);
+            self.learned_s += seconds;
+        }
+        if evidence.weight > T::zero() {
+            let spacing = T::lit(self.clock.bin_spacing_hz());
+            self.body.learn(frame, spacing, self.noise_density, evidence.weight, seconds);
+        }
+        self.tables.refresh_next(&self.body.body());
+    }
+
+    fn notice_stop(&mut self, speed_m_s: T) {
+        if !(speed_m_s < T::lit(STOPPED_M_S)) {
+            self.stopped_s = T::zero();
+            return;
+        }
+        let before_s = self.stopped_s;
+        self.stopped_s += T::lit(self.clock.hop_s());
+        let long_s = T::lit(STOP_S);
+        if before_s < long_s && self.stopped_s >= long_s {
+            self.body.doubt();
+        }
+    }
+
+    /// Moves the belief on by a frame and weighs it, if the frame counts; `speed_ratio` is the speed over the last one.
+    fn weigh(&mut self, evidence: &Evidence<T>, speed_ratio: T) {
+        let before = self.posterior.summary().variance_cells2;
+        if evidence.weight > T::zero() {
+            let known = speed_ratio > T::zero() && speed_ratio.is_finite();
+            self.posterior.predict(if known { speed_ratio.ln() } else { T::zero() });
+        } else {
+            self.posterior.hold();
+        }
+        let after = self.posterior.summary().variance_cells2;
+        self.variance_growth = (after / before.max(T::lit(1e-3))).max(T::one());
+        if evidence.weight > T::zero() {
+            self.posterior.update(evidence, &self.tables);
+        }
+    }
+
+    /// `|V|² = |U_1|² + 2 θ Re(U_1 U_2*) + θ² |U_2|²` with `U_2 = m_w J + c_s A + k_s V`.
+    fn evidence(&self, frame: &Frame<T>, speed_m_s: T, envelope_m: T) -> Evidence<T> {
+        let speed = if speed_m_s > T::lit(STANDING_M_S) { speed_m_s } else { T::lit(15.0) };
+        let reach = T::lit(ENVELOPE_REACH) * speed / (T::lit(self.clock.bin_spacing_hz()) * envelope_m);
+        let bins = (reach.to_f64() as usize).max(LEAST_BINS).min(self.bins);
+        let body = self.body.body();
+        let parts = [
+            (WHEEL_JERK, body.unsprung_mass_kg),
+            (RELATIVE_ACCELERATION, body.damping_n_s_per_m),
+            (RELATIVE_VELOCITY, body.spring_n_per_m),
+        ];
+        let mut evidence = Evidence {
+            a: [T::zero(); BINS],
+            b: [T::zero(); BINS],
+            c: [T::zero(); BINS],
+            envelope: [T::zero(); BINS],
+            bins,
+            noise_density: self.noise_density,
+            weight: T::lit(OVERLAP),
+        };
+        let unit = T::pi() * T::lit(0.1) / speed;
+        for bin in 0..BINS {
+            evidence.envelope[bin] = unit * unit * self.tables.frequency_squared[bin] / T::lit(3.0);
+            evidence.a[bin] = frame.cross(bin, WHEEL_VELOCITY, WHEEL_VELOCITY);
+            for (i, p) in parts {
+                evidence.b[bin] += p * frame.cross(bin, WHEEL_VELOCITY, i);
+                for (j, q) in parts {
+                    evidence.c[bin] += p * q * frame.cross(bin, i, j);
+                }
+            }
+        }
+        evidence
+    }
+
+    /// The car as it seems to be now: sprung mass, damping and spring identified from the relation between body and
+    /// wheel, which does not contain the tire; the unsprung mass as configured.
+    pub fn quarter_car(&self) -> QuarterCar<T> {
+        let body = self.body.body();
+        QuarterCar::new(
+            body.sprung_mass_kg,
+            body.unsprung_mass_kg,
+            body.damping_n_s_per_m,
+            body.spring_n_per_m,
+        )
+        .unwrap_or(self.config.quarter_car)
+    }
+
+    /// What the frames since the last word say by themselves, whatever was believed before: a stiffness measurement for
+    /// a filter outside. `None` until there are enough of them. Frames are tempered, so words may be added up.
+    pub fn take_word(&mut self) -> Option<StiffnessWord<T>> {
+        if let Some(word) = &mut self.repeat_word {
+            let stiffness = T::one() / word.theta;
+            let sd_n_per_m = word.relative_sd * stiffness * T::lit(REPEATED_WORD_SD);
+            return core::mem::take(&mut word.whole_period)
+                .then_some(StiffnessWord { stiffness_n_per_m: stiffness, sd_n_per_m });
+        }
+        let (cell, variance) = self.posterior.take_word()?;
+        let pressure_kpa = self.grid.pressure_kpa(0) + cell * self.grid.step_kpa();
+        let per_cell = self.grid.step_kpa() * self.config.tire.stiffness_per_kpa();
+        Some(StiffnessWord {
+            stiffness_n_per_m: self.config.tire.stiffness_n_per_m(pressure_kpa),
+            sd_n_per_m: variance.sqrt() * per_cell,
+        })
+    }
+
+    /// The belief on a road that repeats.
+    fn repeated_belief(&self, word: &RepeatWord<T>) -> Belief<T> {
+        let age_s = T::lit((self.last_time_s - self.repeat_word_s).clamp(0.0, OLDEST_WORD_S));
+        let stiffness = (T::one() - word.rate_per_s * age_s) / word.theta;
+        Belief {
+            pressure_kpa: self.config.tire.pressure_kpa(stiffness),
+            pressure_sd_kpa: word.relative_sd * stiffness / self.config.tire.stiffness_per_kpa(),
+            moving: word.moving,
+            surprise: word.surprise,
+            gate: T::one(),
+            variance_growth: T::one(),
+            learned_s: self.learned_s,
+        }
+    }
+
+    /// The same for somebody who believes in a stiffness with an sd, in N/m, and is asked only if there is a word.
+    pub fn take_word_for(&mut self, believed: impl FnOnce() -> (T, T)) -> Option<StiffnessWord<T>> {
+        if self.repeat_word.is_some() {
+            return self.take_word();
+        }
+        if !self.posterior.has_word() {
+            return None;
+        }
+        let (stiffness_n_per_m, sd_n_per_m) = believed();
+        let step = self.grid.step_kpa();
+        let tire = &self.config.tire;
+        let cell = (tire.pressure_kpa(stiffness_n_per_m) - self.grid.pressure_kpa(0)) / step;
+        let sd_cells = sd_n_per_m / tire.stiffness_per_kpa() / step;
+        let (cell, variance) = self.posterior.take_word_for(cell, sd_cells)?;
+        let pressure_kpa = self.grid.pressure_kpa(0) + cell * step;
+        Some(StiffnessWord {
+            stiffness_n_per_m: tire.stiffness_n_per_m(pressure_kpa),
+            sd_n_per_m: variance.sqrt() * step * tire.stiffness_per_kpa(),
+        })
+    }
+
+    /// What is believed now.
+    pub fn belief(&self) -> Belief<T> {
+        if let Some(word) = &self.repeat_word {
+            return self.repeated_belief(word);
+        }
+        let summary = self.posterior.summary();
+        let step = self.grid.step_kpa();
+        // A cell is a small uniform distribution of its own.
+        let variance = (summary.variance_cells2 + T::lit(1.0 / 12.0)) * step * step;
+        // While the pressure moves, no single drift fits and the mean lags: the sd says so.
+        let lag = T::one() + T::lit(MOVING_SD) * summary.moving;
+        Belief {
+            pressure_kpa: self.grid.pressure_kpa(0) + summary.mean_cell * step,
+            pressure_sd_kpa: variance.sqrt() * lag,
+            moving: summary.moving,
+            surprise: self.gate.surprise(),
+            gate: self.gate.open(),
+            variance_growth: self.variance_growth,
+            learned_s: self.learned_s,
+        }
+    }
+}
+
+/// What the estimator believes after a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Belief<T> {
+    /// Posterior mean of the pressure in kPa.
+    pub pressure_kpa: T,
+    /// Its standard deviation in kPa.
+    pub pressure_sd_kpa: T,
+    /// Probability that the pressure is changing.
+    pub moving: T,
+    /// Power of the last frame over its expectation: about 1 when the model holds.
+    pub surprise: T,
+    /// Share of the last frame that was used, 0 to 1.
+    pub gate: T,
+    /// Factor by which the variance grew in the last prediction.
+    pub variance_growth: T,
+    /// Seconds of full information so far.
+    pub learned_s: T,
+}
+
+/// A measurement of the stiffness, by a few frames.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StiffnessWord<T> {
+    /// Stiffness in N/m; may lie outside what is possible when it says little.
+    pub stiffness_n_per_m: T,
+    /// Its standard deviation in N/m.
+    pub sd_n_per_m: T,
+}

@@ -1,0 +1,270 @@
+//! What is believed of the road under one hypothesis of the pressure: a Gaussian over its log level, its slope and
+//! the length over which the tire averages it, and how a frame changes that belief (docs/math/informed.md, eq. 13-19).
+//!
+//! Called by the posterior for every (level mode, cell); knows nothing of probabilities of pressures.
+
+use nalgebra::{Matrix3, SMatrix, Vector3};
+
+use crate::real::Real;
+use crate::single_wheel::BINS;
+use crate::single_wheel::dynamics::{ENVELOPE_SD, SLOPE_MEAN, SLOPE_SD};
+use crate::single_wheel::tables::{CELLS, Tables};
+
+/// Numbers that describe a road.
+const PARAMETERS: usize = 3;
+/// Log of the velocity power density at 10 Hz, `c`.
+pub(crate) const LEVEL: usize = 0;
+/// Slope `w` of the displacement spectrum.
+pub(crate) const SLOPE: usize = 1;
+/// Squared length over which the tire averages the road, in units of (0.1 m)², `q`.
+pub(crate) const ENVELOPE: usize = 2;
+
+/// Bounds of the three, the largest variances they may have, and the largest step of one Gauss-Newton pass.
+const LOWEST: [f64; PARAMETERS] = [-19.0, 1.0, -1.0];
+const HIGHEST: [f64; PARAMETERS] = [20.0, 3.4, 20.0];
+const LARGEST_VARIANCE: [f64; PARAMETERS] = [9.0, 0.25, 16.0];
+const LARGEST_STEP: f64 = 1.0;
+/// Steepest fall of the velocity power, as an exponent of frequency, that the window's tables are made for.
+const STEEPEST: f64 = -3.0;
+
+/// One frame, ready to be weighed: the road velocity reconstructed with `θ` has the power `a + 2 θ b + θ² c` per bin.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Evidence<T> {
+    pub(crate) a: [T; BINS],
+    pub(crate) b: [T; BINS],
+    pub(crate) c: [T; BINS],
+    /// Log power lost per unit of [`ENVELOPE`] in each bin, at the speed of this frame.
+    pub(crate) envelope: [T; BINS],
+    /// Bins in use.
+    pub(crate) bins: usize,
+    /// One-sided accelerometer noise density in (m/s²)²/Hz.
+    pub(crate) noise_density: T,
+    /// Exponent of the likelihood: overlap of the frames times the gates.
+    pub(crate) weight: T,
+}
+
+impl<T: Real> Evidence<T> {
+    /// Power density of the road velocity reconstructed with `theta`.
+    fn power(&self, bin: usize, theta: T) -> T {
+        let power = self.a[bin] + theta * (T::lit(2.0) * self.b[bin] + theta * self.c[bin]);
+        power.max(T::lit(1e-24))
+    }
+
+    /// The frame as the stiffness of a cell reads it.
+    pub(crate) fn read(&self, tables: &Tables<T>, cell: usize) -> Reading<T> {
+        let theta = tables.theta[cell];
+        Reading {
+            cell,
+            power: core::array::from_fn(|bin| self.power(bin, theta)),
+            noise: core::array::from_fn(|bin| self.noise_density * tables.noise[(bin, cell)]),
+            determinant_noise: core::array::from_fn(|bin| {
+                self.noise_density * tables.determinant_noise[(bin, cell)]
+            }),
+        }
+    }
+}
+
+/// What a frame is under one cell's stiffness, whatever the road: power densities per bin.
+pub(crate) struct Reading<T> {
+    cell: usize,
+    /// Of the reconstructed road velocity.
+    pub(crate) power: [T; BINS],
+    /// Of the sensors' noise in it, and the same as the log-determinant has it.
+    pub(crate) noise: [T; BINS],
+    determinant_noise: [T; BINS],
+}
+
+/// A Gaussian over the road's parameters.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Road<T: Real> {
+    pub(crate) mean: Vector3<T>,
+    pub(crate) covariance: Matrix3<T>,
+}
+
+impl<T: Real> Road<T> {
+    /// What is believed before the first frame, with a level guessed from outside.
+    pub(crate) fn unknown(level: T) -> Self {
+        let variance = [LARGEST_VARIANCE[LEVEL], SLOPE_SD * SLOPE_SD, ENVELOPE_SD * ENVELOPE_SD];
+        Self {
+            mean: Vector3::new(level.max(T::lit(LOWEST[LEVEL])), T::lit(SLOPE_MEAN), T::zero()),
+            covariance: Matrix3::from_diagonal(&Vector3::from(variance.map(T::lit))),
+        }
+    }
+
+    /// Exponent of the velocity power around a bin: the power law's and what enveloping adds to it.
+    fn exponent(&self, frame: &Evidence<T>, bin: usize) -> T {
+        let local = T::lit(2.0) * (T::one() - self.mean[ENVELOPE] * frame.envelope[bin]) - self.mean[SLOPE];
+        local.max(T::lit(STEEPEST))
+    }
+
+    /// Log of the road's power density in a bin, as the sensors see it.
+    fn log_power(&self, tables: &Tables<T>, frame: &Evidence<T>, bin: usize) -> T {
+        let power_law = (T::lit(2.0) - self.mean[SLOPE]) * tables.log_frequency[bin];
+        self.mean[LEVEL] + power_law - self.mean[ENVELOPE] * frame.envelope[bin]
+            + tables.log_window(bin, self.exponent(frame, bin))
+    }
+
+    /// Length in m over which the tire averages the road at most, as far as is known: one sd above the mean.
+    pub(crate) fn longest_envelope_m(&self) -> T {
+        let sd = self.covariance[(ENVELOPE, ENVELOPE)].max(T::zero()).sqrt();
+        T::lit(0.1) * (self.mean[ENVELOPE] + sd).max(T::lit(1e-4)).sqrt()
+    }
+
+    /// Keeps the mean inside its bounds; what is moved takes the others along as their covariance says.
+    fn clamp(&mut self) {
+        for i in 0..PARAMETERS {
+            let excess = self.mean[i].clamp(T::lit(LOWEST[i]), T::lit(HIGHEST[i])) - self.mean[i];
+            if excess != T::zero() {
+                self.mean += self.covariance.column(i) * (excess / self.covariance[(i, i)]);
+            }
+        }
+    }
+
+    /// Keeps the belief inside its bounds; shrinks rows and columns alike, so that the covariance stays positive.
+    pub(crate) fn cap(&mut self) {
+        self.clamp();
+        for (i, largest) in LARGEST_VARIANCE.map(T::lit).into_iter().enumerate() {
+            let variance = self.covariance[(i, i)];
+            if variance > largest {
+                let shrink = (largest / variance).sqrt();
+                self.covariance.row_mut(i).scale_mut(shrink);
+                self.covariance.column_mut(i).scale_mut(shrink);
+            }
+        }
+    }
+
+    /// Fits the road to a frame under one cell's stiffness (two Gauss-Newton passes); gives the fitted belief and the
+    /// frame's log evidence.
+    pub(crate) fn weigh(&self, frame: &Evidence<T>, reading: &Reading<T>, tables: &Tables<T>) -> (Self, T) {
+        let Some(prior_information) = self.covariance.try_inverse() else {
+            return (*self, T::zero());
+        };
+        let mut fit = *self;
+        for _ in 0..2 {
+            let (score, information) = fit.score(frame, reading, tables);
+            let slope = score * frame.weight + prior_information * (self.mean - fit.mean);
+            let Some(covariance) = (information * frame.weight + prior_information).try_inverse() else {
+                return (*self, T::zero());
+            };
+            let largest = T::lit(LARGEST_STEP);
+            fit.mean += (covariance * slope).map(|step| step.clamp(-largest, largest));
+            fit.covariance = covariance;
+            fit.clamp();
+        }
+        let d = fit.mean - self.mean;
+        let distance = d.dot(&(prior_information * d));
+        // ln det(P / P_post)
+        let occam = -(prior_information.determinant() * fit.covariance.determinant()).max(T::lit(1e-30)).ln();
+        let misfit = fit.misfit(frame, reading, tables, self);
+        (fit, -frame.weight * misfit - T::lit(0.5) * (distance + occam))
+    }
+
+    /// The road's power density in every bin in use, as the sensors see it.
+    pub(crate) fn powers(&self, frame: &Evidence<T>, tables: &Tables<T>) -> [T; BINS] {
+        let log: [T; BINS] = core::array::from_fn(|bin| self.log_power(tables, frame, bin));
+        let mut powers = [T::zero(); BINS];
+        for (power, log) in powers.iter_mut().zip(log).take(frame.bins) {
+            *power = log.exp();
+        }
+        powers
+    }
+
+    /// Score and Fisher information of the road's parameters for one frame.
+    fn score(
+        &self,
+        frame: &Evidence<T>,
+        reading: &Reading<T>,
+        tables: &Tables<T>,
+    ) -> (Vector3<T>, Matrix3<T>) {
+        let signal = self.powers(frame, tables);
+        let (mut score, mut information) = (Vector3::zeros(), Matrix3::zeros());
+        for (bin, &signal) in signal.iter().enumerate().take(frame.bins) {
+            let share = T::one() / (signal + reading.noise[bin]);
+            let excess = reading.power[bin] * share - T::one();
+            // ∂ ln M / ∂(c, w, q) = S/M (1, -ln(f/10), -envelope); what the window adds hardly changes.
+            let direction = Vector3::new(T::one(), -tables.log_frequency[bin], -frame.envelope[bin]);
+            let gradient = direction * (signal * share);
+            score += gradient * excess;
+            information += gradient * gradient.transpose();
+        }
+        (score, information)
+    }
+
+    /// `Σ ln(S + N_d) + |V|²/M + ln|H|²`: the frame's negative log-likelihood.
+    fn misfit(&self, frame: &Evidence<T>, reading: &Reading<T>, tables: &Tables<T>, prior: &Self) -> T {
+        let signal = self.powers(frame, tables);
+        let (mut misfit, mut pair) = (T::zero(), T::one());
+        for (bin, &signal) in signal.iter().enumerate().take(frame.bins) {
+            let log_gain = tables.log_gain(bin, reading.cell, prior.exponent(frame, bin));
+            misfit += reading.power[bin] / (signal + reading.noise[bin]) + log_gain;
+            // One logarithm for two bins; more would leave the range of f32.
+            pair *= signal + reading.determinant_noise[bin];
+            if bin % 2 == 1 || bin + 1 == frame.bins {
+                misfit += pair.max(T::lit(1e-37)).ln();
+                pair = T::one();
+            }
+        }
+        misfit
+    }
+}
+
+/// A road belief for every cell, column by column.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct RoadBelief<T: Real> {
+    mean: SMatrix<T, PARAMETERS, CELLS>,
+    covariance: SMatrix<T, { PARAMETERS * PARAMETERS }, CELLS>,
+}
+
+impl<T: Real> RoadBelief<T> {
+    /// The same belief everywhere.
+    pub(crate) fn repeat(road: &Road<T>) -> Self {
+        let mut belief = Self { mean: SMatrix::zeros(), covariance: SMatrix::zeros() };
+        for cell in 0..CELLS {
+            belief.set(cell, road);
+        }
+        belief
+    }
+
+    pub(crate) fn get(&self, cell: usize) -> Road<T> {
+        Road {
+            mean: self.mean.column(cell).into_owned(),
+            covariance: Matrix3::from_column_slice(self.covariance.column(cell).as_slice()),
+        }
+    }
+
+    pub(crate) fn set(&mut self, cell: usize, road: &Road<T>) {
+        self.mean.set_column(cell, &road.mean);
+        self.covariance.column_mut(cell).copy_from_slice(road.covariance.as_slice());
+    }
+}
+
+/// Collects weighted Gaussians and gives the one with the same mean and covariance.
+pub(crate) struct MomentMatch<T: Real> {
+    reference: Road<T>,
+    weight: T,
+    first: Vector3<T>,
+    second: Matrix3<T>,
+}
+
+impl<T: Real> MomentMatch<T> {
+    /// Sums are kept relative to `reference`, so that f32 keeps its digits.
+    pub(crate) fn around(reference: Road<T>) -> Self {
+        Self { reference, weight: T::zero(), first: Vector3::zeros(), second: Matrix3::zeros() }
+    }
+
+    pub(crate) fn add(&mut self, weight: T, road: &Road<T>) {
+        let d = road.mean - self.reference.mean;
+        self.weight += weight;
+        self.first += d * weight;
+        self.second += (road.covariance + d * d.transpose()) * weight;
+    }
+
+    pub(crate) fn finish(&self) -> Road<T> {
+        if !(self.weight > T::zero()) {
+            return self.reference;
+        }
+        let d = self.first / self.weight;
+        Road { mean: self.reference.mean + d, covariance: self.second / self.weight - d * d.transpose() }
+    }
+}

@@ -1,0 +1,313 @@
+//! What the frames should look like for every stiffness of the grid: tables of the transfer function and of the
+//! sensor noise per bin and cell (docs/math/informed.md, eq. 8-12), averaged over the window's own spectrum.
+//!
+//! Built a cell at a time, so that following slow changes of the car costs the same every frame.
+
+use nalgebra::{ComplexField, SMatrix, SVector};
+
+use crate::model::PressureMap;
+use crate::real::Real;
+use crate::single_wheel::BINS;
+use crate::spectrum::reconstruction::LEAK_RAD_S;
+use crate::spectrum::transfer::{Body, response, sine_window_power};
+
+/// Cells of the pressure grid.
+pub(crate) const CELLS: usize = 36;
+/// Lowest cell and step as shares of the placard pressure: 33 kPa and 8 kPa at 241.3 kPa, one cell on the placard.
+const LOWEST: f64 = 1.0 - 26.0 * STEP;
+pub(crate) const STEP: f64 = 8.0 / 241.3;
+/// Corner of the sensors' anti-alias filter as a share of the sampling rate.
+const ANTI_ALIAS: f64 = 0.3;
+/// Points per bin, and on each side, at which the window's spectrum is averaged.
+const KERNEL_DENSITY: i32 = 8;
+const KERNEL_HALF: i32 = 20;
+/// Points of one bin's window, and of all together from zero on.
+const WINDOW: usize = 2 * KERNEL_HALF as usize + 1;
+const POINTS: usize = BINS * KERNEL_DENSITY as usize + KERNEL_HALF as usize + 1;
+/// Lowest frequency in Hz of these averages.
+const LOWEST_HZ: f64 = 0.1;
+/// Exponents on each side of zero through which the power law's parabola is drawn.
+const SHAPE_REACH: f64 = 0.6;
+
+/// The pressure grid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Grid<T> {
+    lowest_kpa: T,
+    step_kpa: T,
+}
+
+impl<T: Real> Grid<T> {
+    pub(crate) fn new(placard_kpa: T) -> Self {
+        Self { lowest_kpa: placard_kpa * T::lit(LOWEST), step_kpa: placard_kpa * T::lit(STEP) }
+    }
+
+    pub(crate) fn step_kpa(&self) -> T {
+        self.step_kpa
+    }
+
+    pub(crate) fn pressure_kpa(&self, cell: usize) -> T {
+        self.lowest_kpa + self.step_kpa * T::lit(cell as f64)
+    }
+}
+
+/// Tables over (cell, bin) and over bins alone.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Tables<T: Real> {
+    /// `ln |H|²`, `H` from road to wheel, less the middle cell's, averaged with the power that the road and the window
+    /// give each frequency: for a displacement slope of two, and its change with the exponent `2 - w`.
+    log_gain: SMatrix<T, BINS, CELLS>,
+    log_gain_by_exponent: SMatrix<T, BINS, CELLS>,
+    /// Noise power of the reconstructed velocity for unit accelerometer noise density.
+    pub(crate) noise: SMatrix<T, BINS, CELLS>,
+    /// The same, moved with the gain from the middle cell: for the log-determinant alone, so that pure noise says
+    /// nothing about the stiffness.
+    pub(crate) determinant_noise: SMatrix<T, BINS, CELLS>,
+    /// `1/k_t` per cell in m/N.
+    pub(crate) theta: SVector<T, CELLS>,
+    /// `ln (f / 10 Hz)` per bin.
+    pub(crate) log_frequency: SVector<T, BINS>,
+    /// What leak, anti-alias filter and window make of a power law of exponent `x` in a bin, as a parabola in `x`:
+    /// `ln ⟨|L|² |A|² (f'/f)^x⟩`.
+    window: SMatrix<T, 3, BINS>,
+    /// Squared frequency in Hz² per bin.
+    pub(crate) frequency_squared: SVector<T, BINS>,
+    bin_spacing_hz: T,
+    next_cell: usize,
+}
+
+impl<T: Real> Tables<T> {
+    pub(crate) fn new(
+        bin_spacing_hz: f64,
+        sample_rate_hz: f64,
+        grid: &Grid<T>,
+        tire: &PressureMap<T>,
+        body: &Body<T>,
+    ) -> Self {
+        let frequency = |bin: usize| bin_spacing_hz * (bin as f64 + 1.0);
+        let per_bin = |f: &dyn Fn(f64) -> T| SVector::from_fn(|bin, _| f(frequency(bin)));
+        let mut tables = Self {
+            log_gain: SMatrix::zeros(),
+            log_gain_by_exponent: SMatrix::zeros(),
+            noise: SMatrix::zeros(),
+            determinant_noise: SMatrix::zeros(),
+            theta: SVector::from_fn(|cell, _| T::one() / tire.stiffness_n_per_m(grid.pressure_kpa(cell))),
+            log_frequency: per_bin(&|f| T::lit(f / 10.0).ln()),
+            window: window_parabolas(bin_spacing_hz, sample_rate_hz),
+            frequency_squared: per_bin(&|f| T::lit(f * f)),
+            bin_spacing_hz: T::lit(bin_spacing_hz),
+            next_cell: 0,
+        };
+        for cell in 0..CELLS {
+            tables.fill_cell(cell, body);
+        }
+        tables
+    }
+
+    /// Brings one more cell up to date with the body.
+    pub(crate) fn refresh_next(&mut self, body: &Body<T>) {
+        self.fill_cell(self.next_cell, body);
+        self.next_cell = (self.next_cell + 1) % CELLS;
+    }
+
+    /// Log of what leak, anti-alias filter and window make of a power law of this exponent in a bin.
+    pub(crate) fn log_window(&self, bin: usize, exponent: T) -> T {
+        let c = self.window.column(bin);
+        c[0] + exponent * (c[1] + exponent * c[2])
+    }
+
+    /// `ln |H|²` of a cell in a bin relative to the middle cell's, as a road of `exponent = 2 - w` weighs it.
+    pub(crate) fn log_gain(&self, bin: usize, cell: usize, exponent: T) -> T {
+        self.log_gain[(bin, cell)] + exponent * self.log_gain_by_exponent[(bin, cell)]
+    }
+
+    fn fill_cell(&mut self, cell: usize, body: &Body<T>) {
+        let (theta, middle) = (self.theta[cell], self.theta[CELLS / 2]);
+        let window = window_powers::<T>();
+        let points: [Point<T>; POINTS] =
+            core::array::from_fn(|i| Point::new(point_hz(self.bin_spacing_hz, i), body, theta, middle));
+        for bin in 0..BINS {
+            let mut noise = (T::zero(), T::zero());
+            // Sums of ln|H|² and of the weights for an exponent below and above zero.
+            let mut gain = [(T::zero(), T::zero()); 2];
+            let mut middle_noise = T::zero();
+            for (i, &weight) in window_points(bin).zip(&window) {
+                let point = &points[i];
+                noise = (noise.0 + weight * point.noise, noise.1 + weight);
+                middle_noise += weight * point.middle_noise;
+                let roads = [weight * point.leak / point.tilt, weight * point.leak * point.tilt];
+                for (sum, road) in gain.iter_mut().zip(roads) {
+                    *sum = (sum.0 + road * point.log_gain, sum.1 + road);
+                }
+            }
+            let [below, above] = gain.map(|(sum, total)| sum / total);
+            self.log_gain[(bin, cell)] = T::lit(0.5) * (above + below);
+            self.log_gain_by_exponent[(bin, cell)] = (above - below) / T::lit(2.0 * SHAPE_REACH);
+            self.noise[(bin, cell)] = noise.0 / noise.1;
+            let moved = (-self.log_gain[(bin, cell)]).exp();
+            self.determinant_noise[(bin, cell)] = middle_noise / noise.1 * moved;
+        }
+    }
+}
+
+/// What is averaged over a bin's window, at one frequency. The windows of neighbouring bins share their frequencies, so
+/// each is computed once per cell and not once per bin.
+#[derive(Clone, Copy)]
+struct Point<T> {
+    /// `ln |H|²` less the middle cell's.
+    log_gain: T,
+    noise: T,
+    middle_noise: T,
+    /// Power that the leaky integrator leaves.
+    leak: T,
+    /// Power of a road whose exponent is [`SHAPE_REACH`], one at 10 Hz.
+    tilt: T,
+}
+
+impl<T: Real> Point<T> {
+    fn new(frequency: T, body: &Body<T>, theta: T, middle: T) -> Self {
+        let leak_hz = T::lit(LEAK_RAD_S) / T::two_pi();
+        let (gain_here, noise) = response(body, theta, frequency);
+        let (gain_middle, middle_noise) = response(body, middle, frequency);
+        Self {
+            log_gain: (gain_here / gain_middle).ln(),
+            noise,
+            middle_noise,
+            leak: frequency * frequency / (frequency * frequency + leak_hz * leak_hz),
+            tilt: (T::lit(SHAPE_REACH) * (frequency / T::lit(10.0)).ln()).exp(),
+        }
+    }
+}
+
+/// Frequency in Hz of point `i`; the first lies at zero, where [`LOWEST_HZ`] takes its place.
+fn point_hz<T: Real>(bin_spacing_hz: T, i: usize) -> T {
+    (bin_spacing_hz * T::lit(i as f64 / f64::from(KERNEL_DENSITY))).max(T::lit(LOWEST_HZ))
+}
+
+/// The points around a bin, from below to above it; those of negative frequencies mirrored.
+fn window_points(bin: usize) -> impl Iterator<Item = usize> {
+    let centre = (bin as i32 + 1) * KERNEL_DENSITY;
+    (-KERNEL_HALF..=KERNEL_HALF).map(move |k| (centre + k).unsigned_abs() as usize)
+}
+
+/// How much power the window lets through at each point around a bin.
+fn window_powers<T: Real>() -> [T; WINDOW] {
+    core::array::from_fn(|i| {
+        sine_window_power(T::lit(f64::from(i as i32 - KERNEL_HALF) / f64::from(KERNEL_DENSITY)))
+    })
+}
+
+/// See [`Tables::window`]: the parabola through three exponents.
+fn window_parabolas<T: Real>(bin_spacing_hz: f64, sample_rate_hz: f64) -> SMatrix<T, 3, BINS> {
+    let leak_hz = LEAK_RAD_S / core::f64::consts::TAU;
+    let window = window_powers::<f64>();
+    let average = |bin: usize, exponent: f64| {
+        let centre = bin_spacing_hz * (bin as f64 + 1.0);
+        let (mut power, mut total) = (0.0, 0.0);
+        for (i, &weight) in window_points(bin).zip(&window) {
+            let f = point_hz(bin_spacing_hz, i);
+            let leak = f * f / (f * f + leak_hz * leak_hz);
+            // Butterworth of order four: |A|² = 1 / (1 + x⁸)
+            let x = f / (ANTI_ALIAS * sample_rate_hz);
+            let anti_alias = 1.0 / (1.0 + ComplexField::powi(x, 8));
+            power += weight * leak * anti_alias * ComplexField::exp(exponent * ComplexField::ln(f / centre));
+            total += weight;
+        }
+        ComplexField::ln(power / total)
+    };
+    let mut coefficients = SMatrix::zeros();
+    for bin in 0..BINS {
+        let (low, middle, high) = (average(bin, -SHAPE_REACH), average(bin, 0.0), average(bin, SHAPE_REACH));
+        coefficients[(0, bin)] = T::lit(middle);
+        coefficients[(1, bin)] = T::lit((high - low) / (2.0 * SHAPE_REACH));
+        coefficients[(2, bin)] = T::lit((high + low - 2.0 * middle) / (2.0 * SHAPE_REACH * SHAPE_REACH));
+    }
+    coefficients
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn body() -> Body<f64> {
+        Body {
+            sprung_mass_kg: 240.8,
+            unsprung_mass_kg: 56.9,
+            damping_n_s_per_m: 925.8,
+            spring_n_per_m: 29_114.0,
+        }
+    }
+
+    #[test]
+    fn gain_agrees_with_the_equations_of_motion() {
+        // Solve eq. (1) for a harmonic road as a real 4x4 system: an independent way to the same number.
+        let (m_b, m_w, c, k, k_t) = (240.8, 56.9, 925.8, 29_114.0, 233_000.0);
+        for f in [1.0, 5.0, 10.3, 13.0, 40.0] {
+            let w = std_tau() * f;
+            let a = nalgebra::Matrix4::new(
+                k - m_b * w * w,
+                -c * w,
+                -k,
+                c * w,
+                c * w,
+                k - m_b * w * w,
+                -c * w,
+                -k,
+                -k,
+                c * w,
+                k + k_t - m_w * w * w,
+                -c * w,
+                -c * w,
+                -k,
+                c * w,
+                k + k_t - m_w * w * w,
+            );
+            let x = a.lu().solve(&nalgebra::Vector4::new(0.0, 0.0, k_t, 0.0)).unwrap();
+            let (gain, _) = response(&body(), 1.0 / k_t, f);
+            assert!((gain - (x[2] * x[2] + x[3] * x[3])).abs() < 1e-10 * gain);
+        }
+    }
+
+    #[test]
+    fn window_power_has_its_known_values() {
+        // Sine window of n samples: amplitude 1 at 0, π/4 half a bin off, -1/3 a whole bin off, zero at 1.5 bins.
+        assert!((sine_window_power(0.0f64) - 1.0).abs() < 1e-15);
+        assert!((sine_window_power(0.5f64) - (core::f64::consts::FRAC_PI_4).powi(2)).abs() < 1e-9);
+        assert!((sine_window_power(1.0f64) - 1.0 / 9.0).abs() < 1e-12);
+        assert!(sine_window_power(1.5f64) < 1e-30);
+    }
+
+    #[test]
+    fn a_cell_agrees_with_averages_bin_by_bin() {
+        // Eq. (9-12) written out for one bin after the other; the sums are the same, so only rounding may differ.
+        let tire = PressureMap::new(860.0, 25_500.0).unwrap();
+        let grid = Grid::new(241.3);
+        let spacing = 1.0 / 0.12;
+        let mut tables = Tables::new(spacing, 500.0, &grid, &tire, &body());
+        let moved = Body { sprung_mass_kg: 260.0, damping_n_s_per_m: 1000.0, ..body() };
+        tables.refresh_next(&moved);
+        let (theta, middle) = (tables.theta[0], tables.theta[CELLS / 2]);
+        let leak_hz = LEAK_RAD_S / std_tau();
+        for bin in 0..BINS {
+            let sum = |value: &dyn Fn(f64) -> f64| -> f64 {
+                let offsets = (-20..=20).map(|k| f64::from(k) / 8.0);
+                let hz = |offset: f64| (spacing * (bin as f64 + 1.0 + offset)).abs().max(LOWEST_HZ);
+                offsets.map(|offset| sine_window_power(offset) * value(hz(offset))).sum()
+            };
+            let road =
+                |f: f64, exponent: f64| f * f / (f * f + leak_hz * leak_hz) * (f / 10.0).powf(exponent);
+            let gain = |f: f64| (response(&moved, theta, f).0 / response(&moved, middle, f).0).ln();
+            for exponent in [-SHAPE_REACH, SHAPE_REACH] {
+                let mean = sum(&|f| road(f, exponent) * gain(f)) / sum(&|f| road(f, exponent));
+                assert!((tables.log_gain(bin, 0, exponent) - mean).abs() < 1e-12);
+            }
+            let noise = sum(&|f| response(&moved, theta, f).1) / sum(&|_| 1.0);
+            assert!((tables.noise[(bin, 0)] / noise - 1.0).abs() < 1e-12);
+        }
+    }
+
+    fn std_tau() -> f64 {
+        core::f64::consts::TAU
+    }
+}

@@ -1,0 +1,7 @@
+//! Short spectral frames, the signals they are made of, and what a quarter car makes of a road.
+
+mod frame;
+pub(crate) mod reconstruction;
+pub(crate) mod transfer;
+
+pub(crate) use self::frame::{Frame, FrameClock};

@@ -1,0 +1,55 @@
+//! Transfer functions of a quarter car, and the spectrum of the sine window (docs/math/informed.md, eq. 8-12).
+
+use nalgebra::Complex;
+
+use super::reconstruction::LEAK_RAD_S;
+use crate::real::Real;
+
+/// What a corner is believed to be now; the unsprung mass is known and does not change.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Body<T> {
+    pub(crate) sprung_mass_kg: T,
+    pub(crate) unsprung_mass_kg: T,
+    pub(crate) damping_n_s_per_m: T,
+    pub(crate) spring_n_per_m: T,
+}
+
+/// Power of the sine window's spectrum `offset` bins from its centre, one at the centre.
+pub(crate) fn sine_window_power<T: Real>(offset: T) -> T {
+    let pole = T::one() - T::lit(4.0) * offset * offset;
+    let amplitude = if pole.abs() < T::lit(1e-3) { T::frac_pi_4() } else { (T::pi() * offset).cos() / pole };
+    amplitude * amplitude
+}
+
+/// `Z = c_s s + k_s` and `H = x_w / x_r` at one frequency in Hz.
+fn transfer<T: Real>(body: &Body<T>, theta: T, frequency_hz: T) -> (Complex<T>, Complex<T>) {
+    let omega = T::two_pi() * frequency_hz;
+    let (zero, one) = (T::zero(), Complex::new(T::one(), T::zero()));
+    let s2 = -omega * omega;
+    let z = Complex::new(body.spring_n_per_m, body.damping_n_s_per_m * omega);
+    // B = Z / (m_b s² + Z)
+    let b = z / (z + Complex::new(body.sprung_mass_kg * s2, zero));
+    // D = m_w s² + Z (1 - B), H = k_t / (D + k_t)
+    let d = z * (one - b) + Complex::new(body.unsprung_mass_kg * s2, zero);
+    (z, one / (d * theta + one))
+}
+
+/// `H = x_w / x_r` at one frequency in Hz: what the wheel makes of the road.
+pub(crate) fn wheel_over_road<T: Real>(body: &Body<T>, theta: T, frequency_hz: T) -> Complex<T> {
+    transfer(body, theta, frequency_hz).1
+}
+
+/// `|H|²` from road to wheel, and the noise power of the leaky road velocity for unit noise density of both
+/// accelerometers, at one frequency in Hz.
+pub(crate) fn response<T: Real>(body: &Body<T>, theta: T, frequency_hz: T) -> (T, T) {
+    let omega = T::two_pi() * frequency_hz;
+    let s = Complex::new(T::zero(), omega);
+    let (z, h) = transfer(body, theta, frequency_hz);
+    // L v_r = L [1/s + θ (m_w s + Z/s)] a_w - L θ Z/s a_b
+    let leak_rad_s = T::lit(LEAK_RAD_S);
+    let leak = omega * omega / (omega * omega + leak_rad_s * leak_rad_s);
+    let from_body = z / s * theta;
+    let from_wheel = Complex::new(T::one(), T::zero()) / s + s * (theta * body.unsprung_mass_kg) + from_body;
+    (h.norm_sqr(), leak * (from_wheel.norm_sqr() + from_body.norm_sqr()))
+}

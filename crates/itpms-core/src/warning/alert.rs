@@ -1,0 +1,126 @@
+//! An alert: which wheels, since when, and why, with the numbers that decided.
+
+use core::fmt;
+
+use crate::diagnosis::Malfunction;
+use crate::model::Wheels;
+use crate::real::Real;
+
+/// Alerts that were said less than so many seconds apart are one: decisions are further apart, and rounding is nearer.
+const SAME_S: f64 = 1e-3;
+
+/// Something the driver or the workshop should know.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Alert<T> {
+    /// Whom it is about.
+    pub wheels: Wheels,
+    /// Since when it has been so, in s, as far as can be told.
+    pub since_s: f64,
+    /// When it was first said, in s.
+    pub said_s: f64,
+    /// Why.
+    pub cause: Cause<T>,
+}
+
+/// Why an alert stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Cause<T> {
+    /// The pressure is certainly below the limit.
+    UnderInflated(Reading<T>),
+    /// The pressure falls fast against that of the other wheels.
+    FastLeak {
+        /// The pressure now.
+        reading: Reading<T>,
+        /// How fast it fell at most since the leak began, over ten seconds or more, in kPa per minute, positive.
+        rate_kpa_per_min: T,
+    },
+    /// All wheels together are low, though none of them needs to be so for certain by itself.
+    AllLow {
+        /// Mean of pressure over reference.
+        mean_share: T,
+        /// Its standard deviation.
+        sd_share: T,
+    },
+    /// The pressure is certainly above the limit.
+    OverInflated(Reading<T>),
+    /// A sensor or its wiring.
+    Malfunction(Malfunction<T>),
+    /// Nothing could be learned for too long a time of driving.
+    NoInformation {
+        /// That time in s.
+        driven_s: f64,
+    },
+}
+
+/// The pressure that decided.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Reading<T> {
+    /// Gauge pressure in kPa.
+    pub pressure_kpa: T,
+    /// Its standard deviation in kPa.
+    pub sd_kpa: T,
+    /// The limit it has passed, in kPa.
+    pub limit_kpa: T,
+    /// What the pressure should be, in kPa.
+    pub reference_kpa: T,
+}
+
+impl<T> Cause<T> {
+    /// One word: `under-inflated`, `fast-leak`, `all-low`, `over-inflated`, `malfunction` or `no-information`.
+    #[must_use]
+    pub fn label(&self) -> &'static str {
+        match self {
+            Cause::UnderInflated(_) => "under-inflated",
+            Cause::FastLeak { .. } => "fast-leak",
+            Cause::AllLow { .. } => "all-low",
+            Cause::OverInflated(_) => "over-inflated",
+            Cause::Malfunction(_) => "malfunction",
+            Cause::NoInformation { .. } => "no-information",
+        }
+    }
+}
+
+impl<T> Alert<T> {
+    /// Whether this is what became of it, perhaps with newer numbers, after the clock was set back by so much in between.
+    pub(crate) fn is_same_as(&self, other: &Self, set_back_s: f64) -> bool {
+        let same_fault = match (&self.cause, &other.cause) {
+            (Cause::Malfunction(a), Cause::Malfunction(b)) => a.is_same_as(b),
+            (a, b) => a.label() == b.label(),
+        };
+        same_fault && self.wheels == other.wheels && (self.said_s - set_back_s - other.said_s).abs() < SAME_S
+    }
+}
+
+impl<T: Real> fmt::Display for Reading<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [pressure, sd, limit, reference] =
+            [self.pressure_kpa, self.sd_kpa, self.limit_kpa, self.reference_kpa].map(Real::to_f64);
+        write!(f, "{pressure:.0} kPa (sd {sd:.0}), limit {limit:.0} of {reference:.0}")
+    }
+}
+
+/// A sentence for a person: wheels, why, the numbers, since when.
+impl<T: Real> fmt::Display for Alert<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.cause {
+            Cause::UnderInflated(reading) => write!(f, "{} under-inflated: {reading}", self.wheels)?,
+            Cause::FastLeak { reading, rate_kpa_per_min } => {
+                let rate = rate_kpa_per_min.to_f64();
+                write!(f, "{} lost up to {rate:.0} kPa per minute: {reading}", self.wheels)?;
+            }
+            Cause::AllLow { mean_share, sd_share } => {
+                let [mean, sd] = [mean_share, sd_share].map(|share| 100.0 * share.to_f64());
+                write!(f, "all wheels low: at {mean:.0} % (sd {sd:.0}) of their reference")?;
+            }
+            Cause::OverInflated(reading) => write!(f, "{} over-inflated: {reading}", self.wheels)?,
+            Cause::Malfunction(malfunction) => write!(f, "malfunction: {malfunction}")?,
+            Cause::NoInformation { driven_s } => {
+                write!(f, "{}: nothing learned in {:.0} min of driving", self.wheels, driven_s / 60.0)?;
+            }
+        }
+        write!(f, "; since {:.1} s, said at {:.1} s", self.since_s, self.said_s)
+    }
+}

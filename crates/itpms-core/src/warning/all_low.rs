@@ -1,0 +1,108 @@
+//! All wheels together: a slow loss of all four is more certain in their mean than in any one of them.
+
+use crate::car::CarEstimate;
+use crate::diagnosis::debounce::{Evidence, Latch, Patience};
+use crate::real::Real;
+use crate::warning::low::is_learning;
+use crate::warning::{Cause, Limits};
+
+/// One-sided 95 % quantile of a normal distribution.
+const CERTAIN: f64 = 1.64;
+/// No wheel may be above this share: else it is not all of them.
+const NONE_ABOVE: f64 = 0.95;
+/// The mean is fine again this much above its limit.
+const FINE_ABOVE: f64 = 0.03;
+/// Minutes, not seconds: the level of all four is what an estimator is most easily wrong in, and nobody loses four tires at
+/// once.
+const ALL_LOW: Patience = Patience { raise_s: 150.0, clear_s: 20.0 };
+
+/// Remembers since when all wheels are low.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct AllLow<T> {
+    latch: Latch,
+    mean_share: T,
+    sd_share: T,
+}
+
+impl<T: Real> AllLow<T> {
+    pub(crate) fn new() -> Self {
+        Self { latch: Latch::new(), mean_share: T::one(), sd_share: T::zero() }
+    }
+
+    pub(crate) fn latch(&self) -> &Latch {
+        &self.latch
+    }
+
+    /// Why it is said, while it is.
+    pub(crate) fn cause(&self) -> Option<Cause<T>> {
+        let (mean_share, sd_share) = (self.mean_share, self.sd_share);
+        self.latch.is_said().then_some(Cause::AllLow { mean_share, sd_share })
+    }
+
+    /// Takes what was estimated over the last `step_s` seconds. It takes all four wheels and something learned of each to say it;
+    /// to take it back, those that are learned of will do.
+    pub(crate) fn update(
+        &mut self,
+        step_s: f64,
+        estimate: &CarEstimate<T>,
+        reference_kpa: [T; 4],
+        limits: &Limits<T>,
+    ) {
+        let Some(shares) = Shares::of(estimate, reference_kpa) else { return };
+        let fine = shares.mean > limits.all_low_share + T::lit(FINE_ABOVE);
+        if !shares.complete {
+            if fine {
+                self.latch.update(estimate.time_s, step_s, Evidence::Against, ALL_LOW);
+            }
+            return;
+        }
+        (self.mean_share, self.sd_share) = (shares.mean, shares.sd);
+        let low = shares.mean + T::lit(CERTAIN) * shares.sd < limits.all_low_share;
+        let evidence = if low && shares.highest < T::lit(NONE_ABOVE) {
+            Evidence::For
+        } else if fine {
+            Evidence::Against
+        } else {
+            Evidence::Neither
+        };
+        self.latch.update(estimate.time_s, step_s, evidence, ALL_LOW);
+    }
+}
+
+/// Pressures over their references, of the wheels that are learned of.
+struct Shares<T> {
+    mean: T,
+    /// Of the mean, with the errors' correlations.
+    sd: T,
+    highest: T,
+    /// Whether these are all four.
+    complete: bool,
+}
+
+impl<T: Real> Shares<T> {
+    /// `None` where nothing is learned of any wheel.
+    fn of(estimate: &CarEstimate<T>, reference_kpa: [T; 4]) -> Option<Self> {
+        let learned = |i: usize| estimate.corners[i].as_ref().filter(|corner| is_learning(corner));
+        let share: [Option<T>; 4] =
+            core::array::from_fn(|i| learned(i).map(|corner| corner.pressure_kpa / reference_kpa[i]));
+        let sd: [T; 4] = core::array::from_fn(|i| {
+            learned(i).map_or(T::zero(), |corner| corner.pressure_sd_kpa / reference_kpa[i])
+        });
+        let mut variance = T::zero();
+        for (i, row) in estimate.correlation.iter().enumerate() {
+            for (j, correlation) in row.iter().enumerate() {
+                variance += *correlation * sd[i] * sd[j];
+            }
+        }
+        let known = || share.iter().flatten().copied();
+        let highest = known().reduce(|highest, share| highest.max(share))?;
+        let count = known().fold(T::zero(), |count, _| count + T::one());
+        Some(Self {
+            mean: known().fold(T::zero(), |sum, share| sum + share) / count,
+            sd: variance.max(T::zero()).sqrt() / count,
+            highest,
+            complete: share.iter().all(Option::is_some),
+        })
+    }
+}

@@ -1,0 +1,219 @@
+//! How fast a tire loses pressure against the others: what road, temperature and load do to all of them cancels.
+
+use crate::diagnosis::debounce::{Evidence, Latch, Patience};
+use crate::real::Real;
+
+/// Seconds between two pressures that are kept, and how many are: the last two minutes.
+const KEPT_EVERY_S: f64 = 5.0;
+const KEPT: usize = 24;
+/// Shortest and longest time in s over which a fall is judged: what is older lies before a hole in the record.
+const SHORTEST_S: f64 = 10.0;
+const LONGEST_S: f64 = (KEPT + 1) as f64 * KEPT_EVERY_S;
+/// Standard deviations of its difference by which a pressure must have fallen, and the least fall as a share of the
+/// reference.
+const CERTAIN: f64 = 4.0;
+const LEAST_FALL: f64 = 0.06;
+const LEAK: Patience = Patience { raise_s: 10.0, clear_s: 60.0 };
+
+/// A pressure and its variance.
+type Kept<T> = Option<[T; 2]>;
+
+/// Pressures of all wheels over the last minutes, and who leaks.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct LeakWatch<T> {
+    kept: [[Kept<T>; 4]; KEPT],
+    kept_s: [f64; KEPT],
+    leaks: [Latch; 4],
+    rate_kpa_per_min: [T; 4],
+}
+
+impl<T: Real> LeakWatch<T> {
+    pub(crate) fn new() -> Self {
+        Self {
+            kept: [[None; 4]; KEPT],
+            kept_s: [f64::NEG_INFINITY; KEPT],
+            leaks: [Latch::new(); 4],
+            rate_kpa_per_min: [T::zero(); 4],
+        }
+    }
+
+    /// The latch of a wheel, and the highest rate in kPa per minute since the first evidence of this leak: a fall that is
+    /// over looks slower the longer ago it was.
+    pub(crate) fn of(&self, wheel: usize) -> (&Latch, T) {
+        (&self.leaks[wheel], self.rate_kpa_per_min[wheel])
+    }
+
+    /// The wheel's past says nothing any more.
+    pub(crate) fn forget(&mut self, wheel: usize) {
+        for kept in &mut self.kept {
+            kept[wheel] = None;
+        }
+    }
+
+    /// Takes pressures and variances; `None` for a wheel of which nothing is being learned. `doubted`: the sides, left and right, whose
+    /// tires may only seem to fall.
+    pub(crate) fn update(
+        &mut self,
+        time_s: f64,
+        step_s: f64,
+        now: [Kept<T>; 4],
+        reference_kpa: [T; 4],
+        least_kpa_per_min: T,
+        doubted: [bool; 2],
+    ) {
+        for wheel in 0..4 {
+            let Some(pressure) = now[wheel] else { continue };
+            let fall = self.steepest_fall(time_s, wheel, pressure, &now, reference_kpa[wheel]);
+            let evidence = match fall {
+                Some(rate) if rate >= least_kpa_per_min => {
+                    let leak = &self.leaks[wheel];
+                    let before = if leak.is_suspected() { self.rate_kpa_per_min[wheel] } else { T::zero() };
+                    self.rate_kpa_per_min[wheel] = before.max(rate);
+                    if doubted[wheel % 2] { Evidence::Nothing } else { Evidence::For }
+                }
+                _ => Evidence::Against,
+            };
+            self.leaks[wheel].update(time_s, step_s, evidence, LEAK);
+        }
+        // Not so of a time that was ahead.
+        if !(0.0..KEPT_EVERY_S).contains(&(time_s - self.kept_s[KEPT - 1])) {
+            self.kept.rotate_left(1);
+            self.kept_s.rotate_left(1);
+            self.kept[KEPT - 1] = now;
+            self.kept_s[KEPT - 1] = time_s;
+        }
+    }
+
+    /// The highest rate of a fall that is certain, in kPa per minute.
+    fn steepest_fall(
+        &self,
+        time_s: f64,
+        wheel: usize,
+        [pressure, variance]: [T; 2],
+        now: &[Kept<T>; 4],
+        reference_kpa: T,
+    ) -> Option<T> {
+        let mut steepest = None;
+        for (kept, kept_s) in self.kept.iter().zip(self.kept_s) {
+            let lasted_s = time_s - kept_s;
+            let Some([before, variance_before]) = kept[wheel] else { continue };
+            if !(SHORTEST_S..LONGEST_S).contains(&lasted_s) {
+                continue;
+            }
+            // If the others fell, too, only what this one fell more counts; if they rose, that is no fall.
+            let fall = before - pressure - others_fall(kept, now, wheel).max(T::zero());
+            let sd = (variance + variance_before).sqrt();
+            if fall > T::lit(CERTAIN) * sd && fall > T::lit(LEAST_FALL) * reference_kpa {
+                let rate = fall * T::lit(60.0 / lasted_s);
+                steepest = Some(steepest.map_or(rate, |steepest: T| steepest.max(rate)));
+            }
+        }
+        steepest
+    }
+}
+
+/// Mean fall of the other wheels, in kPa.
+fn others_fall<T: Real>(kept: &[Kept<T>; 4], now: &[Kept<T>; 4], wheel: usize) -> T {
+    let (mut sum, mut count) = (T::zero(), T::zero());
+    for other in (0..4).filter(|other| *other != wheel) {
+        if let (Some([before, _]), Some([after, _])) = (kept[other], now[other]) {
+            sum += before - after;
+            count += T::one();
+        }
+    }
+    sum / count.max(T::one())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Takes what wheel 0 has, the others 240 kPa, each with an sd of 2, after another 0.1 s.
+    fn take(watch: &mut LeakWatch<f64>, time_s: f64, kpa: f64, doubted: bool) {
+        let other = Some([240.0, 4.0]);
+        let now = [Some([kpa, 4.0]), other, other, other];
+        watch.update(time_s, 0.1, now, [240.0; 4], 3.0, [doubted, false]);
+    }
+
+    /// Seconds until wheel 0 is said to leak and the rate said, while it falls at `kpa_per_min` and the others at `all`.
+    fn said(kpa_per_min: f64, all: f64, sd: f64) -> Option<(f64, f64)> {
+        let mut watch = LeakWatch::<f64>::new();
+        for i in 0..6000 {
+            let time_s = f64::from(i) * 0.1;
+            let other = Some([240.0 - all / 60.0 * time_s, sd * sd]);
+            let now = [Some([240.0 - kpa_per_min / 60.0 * time_s, sd * sd]), other, other, other];
+            watch.update(time_s, 0.1, now, [240.0; 4], 3.0, [false; 2]);
+            assert!(!watch.of(1).0.is_said());
+            if watch.of(0).0.is_said() {
+                return Some((time_s, watch.of(0).1));
+            }
+        }
+        None
+    }
+
+    #[test]
+    fn a_fall_is_said_when_it_is_certain_and_with_its_rate() {
+        // sd 2: the difference's is 2.8, so 14.4 kPa (6 %) decide; 60 kPa/min falls that in 14.4 s, then 10 s of waiting.
+        let (at_s, rate) = said(60.0, 0.0, 2.0).unwrap();
+        assert!((24.0..26.5).contains(&at_s) && (rate - 60.0).abs() < 1.0, "{at_s} {rate}");
+        // sd 8: 45 kPa are certain; two minutes at 12 kPa/min are not enough.
+        assert_eq!(said(12.0, 0.0, 8.0), None);
+    }
+
+    #[test]
+    fn seconds_in_which_the_side_is_doubted_do_not_count() {
+        for (doubted_s, said) in [(0.0, true), (9.0, false)] {
+            let mut watch = LeakWatch::<f64>::new();
+            // One kPa in a second: 14.4 kPa, then ten seconds.
+            for i in 0..300 {
+                let time_s = f64::from(i) * 0.1;
+                take(&mut watch, time_s, 240.0 - time_s, time_s > 30.0 - doubted_s);
+            }
+            assert_eq!(watch.of(0).0.is_said(), said);
+        }
+    }
+
+    #[test]
+    fn a_fall_that_is_over_has_the_rate_it_had() {
+        let mut watch = LeakWatch::<f64>::new();
+        for i in 0..900 {
+            let time_s = f64::from(i) * 0.1;
+            let fallen = 100.0 * ((time_s - 30.0) / 5.0).clamp(0.0, 1.0);
+            take(&mut watch, time_s, 240.0 - fallen, false);
+        }
+        // 100 kPa within the shortest time that is looked at: 10 s, up to 15 as pressures are kept every 5. Over the minute
+        // since then it would be 100 kPa/min.
+        let (leak, rate) = watch.of(0);
+        assert!(leak.is_said() && (399.0..=601.0).contains(&rate), "{rate}");
+    }
+
+    #[test]
+    fn what_a_night_has_cost_is_no_fast_leak() {
+        let mut watch = LeakWatch::<f64>::new();
+        for i in 0..1200 {
+            // One second of the time of tomorrow, then 60 s of today, then the morning: 60 kPa less.
+            let (time_s, kpa) = match i {
+                0..10 => (1e9 + 0.1 * f64::from(i), 240.0),
+                10..610 => (0.1 * f64::from(i), 240.0),
+                _ => (3e4 + 0.1 * f64::from(i), 180.0),
+            };
+            take(&mut watch, time_s, kpa, false);
+            assert!(!watch.of(0).0.is_suspected(), "{time_s}");
+        }
+        // What is kept is of the morning: a leak that begins is said.
+        for i in 1200..1600 {
+            let kpa = 180.0 - 0.1 * f64::from(i - 1200);
+            take(&mut watch, 3e4 + 0.1 * f64::from(i), kpa, false);
+        }
+        assert!(watch.of(0).0.is_said());
+    }
+
+    #[test]
+    fn what_all_do_is_no_leak() {
+        assert_eq!(said(60.0, 60.0, 2.0), None);
+        assert!(said(60.0, 20.0, 2.0).is_some());
+        // Two minutes at 2 kPa a minute are below the least rate and the least fall.
+        assert_eq!(said(2.0, 0.0, 0.5), None);
+    }
+}

@@ -1,0 +1,170 @@
+//! One wheel's pressure against its limits, and how long ago something was learned of it.
+
+use crate::diagnosis::debounce::{Evidence, Latch, Patience};
+use crate::model::{CornerEstimate, Validity};
+use crate::real::Real;
+use crate::warning::report::{Doubt, WheelState};
+use crate::warning::{Limits, Reading};
+
+/// One-sided 95 % quantile of a normal distribution: a pressure counts as past a limit when this many sds still are.
+const CERTAIN: f64 = 1.64;
+/// So many sds count double: a pressure that is far past its limit need not be waited for as long.
+const VERY_CERTAIN: f64 = 3.0;
+/// Seconds in which something was learned, for and against.
+const LOW: Patience = Patience { raise_s: 2.0, clear_s: 10.0 };
+const OVER: Patience = Patience { raise_s: 60.0, clear_s: 10.0 };
+/// A tire that is lower than the other one of its side by less than this share of the reference goes with it, and then a
+/// second counts for that much less: two tires hardly lose pressure alike within minutes, but the level of a side is what
+/// an estimator is most easily wrong in.
+const ALONE: f64 = 0.06;
+const TOGETHER: f64 = 75.0;
+const UNINFORMED: Patience = Patience { raise_s: 0.0, clear_s: 1.0 };
+/// Information gate above which something is being learned.
+const LEARNING: f64 = 0.1;
+/// Speed in m/s above which a car should learn something: 20 km/h.
+const SHOULD_LEARN_M_S: f64 = 5.5;
+/// Seconds of learning after which what had been forgotten, as after a night, is known anew: not by its first frame.
+const ANEW_S: f64 = 2.0;
+
+/// What else is known when a wheel is looked at.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Around<T> {
+    pub(crate) speed_m_s: T,
+    /// Pressure of the side's other tire over its reference, if there is one.
+    pub(crate) other_share: Option<T>,
+    /// By how much the tire's share of its reference is above the mean of the others', and the sd of that, if all are known.
+    pub(crate) above_others: Option<[T; 2]>,
+    /// Whether what front and rear of the side disagree by may be the road's or a sensor's.
+    pub(crate) doubted: bool,
+}
+
+/// What is remembered of a wheel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct WheelWatch {
+    pub(crate) low: Latch,
+    pub(crate) over: Latch,
+    pub(crate) uninformed: Latch,
+    pub(crate) informed_s: f64,
+    /// Seconds in which something was learned since all that had been known was forgotten.
+    anew_s: f64,
+    /// Seconds of driving since something was last learned.
+    pub(crate) driven_s: f64,
+}
+
+impl WheelWatch {
+    pub(crate) fn new() -> Self {
+        Self {
+            low: Latch::new(),
+            over: Latch::new(),
+            uninformed: Latch::new(),
+            informed_s: f64::NEG_INFINITY,
+            anew_s: 0.0,
+            driven_s: 0.0,
+        }
+    }
+
+    /// Takes what was estimated over the last `step_s` seconds.
+    pub(crate) fn update<T: Real>(
+        &mut self,
+        step_s: f64,
+        estimate: &CornerEstimate<T>,
+        reference_kpa: T,
+        around: &Around<T>,
+        limits: &Limits<T>,
+    ) {
+        let time_s = estimate.time_s;
+        let learning = is_learning(estimate);
+        if learning {
+            let forgotten = self.is_forgotten(time_s, limits);
+            self.driven_s = 0.0;
+            self.anew_s = if forgotten { self.anew_s + step_s } else { 0.0 };
+            if !forgotten || self.anew_s >= ANEW_S {
+                self.informed_s = time_s;
+            }
+        } else if around.speed_m_s > T::lit(SHOULD_LEARN_M_S) {
+            self.driven_s += step_s;
+        }
+        let silent = self.driven_s >= limits.no_information_s;
+        let uninformed = if silent { Evidence::For } else { Evidence::Against };
+        self.uninformed.update(time_s, step_s, uninformed, UNINFORMED);
+        if !learning {
+            return;
+        }
+        let (p, sd) = (estimate.pressure_kpa, estimate.pressure_sd_kpa);
+        let low_kpa = limits.low_share * reference_kpa;
+        // Where the level of all is not known well, one can still be surely lower than the others.
+        let lower = |sds: f64| {
+            around.above_others.is_some_and(|[above, sd]| {
+                p < low_kpa && T::one() + above + T::lit(sds) * sd < limits.low_share
+            })
+        };
+        let below = |sds: f64| p + T::lit(sds) * sd < low_kpa || lower(sds);
+        let low = if below(CERTAIN) {
+            if around.doubted { Evidence::Nothing } else { Evidence::For }
+        } else if p - T::lit(CERTAIN) * sd > low_kpa || p > limits.low_over_share * reference_kpa {
+            Evidence::Against
+        } else {
+            Evidence::Neither
+        };
+        let alone = around.other_share.is_none_or(|other| other - p / reference_kpa > T::lit(ALONE));
+        let certainty = if below(VERY_CERTAIN) { 2.0 } else { 1.0 };
+        let weight = match low {
+            Evidence::For if alone => certainty,
+            Evidence::For => certainty / TOGETHER,
+            _ => 1.0,
+        };
+        self.low.update(time_s, weight * step_s, low, LOW);
+        let over = if p - T::lit(CERTAIN) * sd > limits.over_share * reference_kpa {
+            Evidence::For
+        } else if p < limits.over_over_share * reference_kpa {
+            Evidence::Against
+        } else {
+            Evidence::Neither
+        };
+        self.over.update(time_s, step_s, over, OVER);
+    }
+
+    /// Whether what was learned of the wheel is too long ago to be shown.
+    pub(crate) fn is_forgotten<T: Real>(&self, time_s: f64, limits: &Limits<T>) -> bool {
+        let age_s = time_s - self.informed_s;
+        self.informed_s != f64::NEG_INFINITY && !(age_s < limits.no_information_s)
+    }
+
+    /// The wheel's state if nothing is to be said of it: fine, or why that is not known.
+    pub(crate) fn quiet_state<T: Real>(
+        &self,
+        estimate: &CornerEstimate<T>,
+        reference_kpa: T,
+        limits: &Limits<T>,
+    ) -> WheelState {
+        let reaches = estimate.pressure_kpa - T::lit(CERTAIN) * estimate.pressure_sd_kpa;
+        match estimate.validity {
+            Validity::Starting => WheelState::Unknown(Doubt::Starting),
+            Validity::NoInformation => WheelState::Unknown(Doubt::NoInformation),
+            Validity::BadSignal | Validity::Diverged => WheelState::Unknown(Doubt::Suspicion),
+            Validity::Valid
+                if self.is_forgotten(estimate.time_s, limits) || self.informed_s == f64::NEG_INFINITY =>
+            {
+                WheelState::Unknown(Doubt::NoInformation)
+            }
+            Validity::Valid if reaches > limits.low_share * reference_kpa => WheelState::Fine,
+            Validity::Valid => WheelState::Unknown(Doubt::Uncertain),
+        }
+    }
+}
+
+/// Whether there is a pressure and something new is being learned of it.
+pub(crate) fn is_learning<T: Real>(estimate: &CornerEstimate<T>) -> bool {
+    estimate.validity.is_valid() && estimate.diagnostics.gate > T::lit(LEARNING)
+}
+
+/// The estimate against a limit.
+pub(crate) fn reading<T: Real>(estimate: &CornerEstimate<T>, limit_share: T, reference_kpa: T) -> Reading<T> {
+    Reading {
+        pressure_kpa: estimate.pressure_kpa,
+        sd_kpa: estimate.pressure_sd_kpa,
+        limit_kpa: limit_share * reference_kpa,
+        reference_kpa,
+    }
+}

@@ -1,0 +1,14 @@
+//! When to warn of what: limits, pressures against them, and what is reported.
+
+mod alert;
+pub(crate) mod all_low;
+pub(crate) mod leak;
+mod limits;
+pub(crate) mod low;
+pub(crate) mod reference_pressure;
+pub(crate) mod report;
+pub(crate) mod single_wheel;
+
+pub use self::alert::{Alert, Cause, Reading};
+pub use self::limits::{Limits, MonitorConfig, Regulation};
+pub use self::report::{Change, Doubt, MonitorReport, WheelReport, WheelState};

@@ -1,0 +1,144 @@
+//! What a tire should have now: the pressure that was told, and what a warm tire had more at the end of the last reset,
+//! for as long as it can be taken to be as warm again.
+//!
+//! Called by the monitor. Knows no temperature, only for how long the car has been driven and has stood; wherever it
+//! has to guess, it takes the tire to be cold, because a reference that is too low warns later and never wrongly.
+//! Derivation and limits: docs/math/monitor.md, section 1; docs/reset.md.
+
+use crate::car::CarEstimate;
+use crate::model::{ParameterError, positive};
+use crate::real::Real;
+use crate::warning::low::is_learning;
+
+/// Time constants in s with which a driven tire is taken to warm up and a standing one to cool down. Tires warm up in
+/// some 8 to 10 minutes and cool down in more than half an hour.
+const WARMS_IN_S: f64 = 600.0;
+const COOLS_IN_S: f64 = 900.0;
+/// Speed in m/s from which a tire is taken to become as warm as it can; proportionally less below it.
+const WARM_M_S: f64 = 20.0;
+/// Without a sample for so many s the car is taken to have stood.
+const LONGEST_STEP_S: f64 = 2.0;
+/// Share of a reset at its end from which pressures are taken, how long that is at the most, and how many s of it must
+/// have been learned from, all in s.
+const TAKEN_SHARE: f64 = 0.25;
+const TAKEN_S: f64 = 300.0;
+const LEAST_S: f64 = 30.0;
+
+/// What one tire had at the end of a reset.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Taken<T> {
+    /// Seconds that were learned from, the mean pressure in kPa and the mean warmth in them.
+    seconds: f64,
+    pressure_kpa: T,
+    warmth: T,
+}
+
+/// What all tires should have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct WarmReference<T> {
+    /// 0 for cold tires, 1 for those as warm as driving makes them.
+    warmth: T,
+    /// Length of a reset that is to begin with the next sample.
+    reset_s: Option<f64>,
+    /// From when on pressures are taken, and when the reset ends.
+    takes_from_s: f64,
+    ends_s: f64,
+    taken: [Taken<T>; 4],
+    time_s: f64,
+}
+
+impl<T: Real> WarmReference<T> {
+    /// Cold tires, never reset.
+    pub(crate) fn new() -> Self {
+        Self {
+            warmth: T::zero(),
+            reset_s: None,
+            takes_from_s: f64::NEG_INFINITY,
+            ends_s: f64::NEG_INFINITY,
+            taken: [Taken::nothing(); 4],
+            time_s: f64::NAN,
+        }
+    }
+
+    /// A reset of so many s begins with the next sample; what an earlier one left is forgotten.
+    pub(crate) fn begin_reset(&mut self, seconds: f64) -> Result<(), ParameterError> {
+        self.reset_s = Some(positive("calibrate_s", seconds)?);
+        self.taken = [Taken::nothing(); 4];
+        Ok(())
+    }
+
+    /// Takes what was estimated; gives what the tires should have, in kPa, from what was told of each and the least and
+    /// largest share of it that a reset may make of it.
+    pub(crate) fn update(
+        &mut self,
+        estimate: &CarEstimate<T>,
+        speed_m_s: T,
+        told_kpa: [T; 4],
+        span: [T; 2],
+    ) -> [T; 4] {
+        let time_s = estimate.time_s;
+        let step_s = time_s - self.time_s;
+        self.time_s = time_s;
+        if step_s > 0.0 {
+            self.warm(step_s, speed_m_s);
+        }
+        if let Some(seconds) = self.reset_s.take() {
+            self.ends_s = time_s + seconds;
+            self.takes_from_s = self.ends_s - (TAKEN_SHARE * seconds).min(TAKEN_S);
+        }
+        if time_s < self.ends_s {
+            if time_s >= self.takes_from_s && step_s > 0.0 {
+                self.take(estimate, step_s.min(LONGEST_STEP_S), told_kpa, span);
+            }
+            return told_kpa;
+        }
+        core::array::from_fn(|i| self.taken[i].reference(told_kpa[i], self.warmth, span))
+    }
+
+    /// The tires warm up or cool down for a while. To first order in the step, which errs towards cold in a long one.
+    fn warm(&mut self, step_s: f64, speed_m_s: T) {
+        let driven = speed_m_s > T::zero() && step_s <= LONGEST_STEP_S;
+        let goal = if driven { (speed_m_s / T::lit(WARM_M_S)).min(T::one()) } else { T::zero() };
+        let in_s = if goal > self.warmth { WARMS_IN_S } else { COOLS_IN_S };
+        self.warmth += T::lit((step_s / in_s).min(1.0)) * (goal - self.warmth);
+    }
+
+    fn take(&mut self, estimate: &CarEstimate<T>, step_s: f64, told_kpa: [T; 4], span: [T; 2]) {
+        for (i, taken) in self.taken.iter_mut().enumerate() {
+            let Some(corner) = estimate.corners[i].as_ref().filter(|corner| is_learning(corner)) else {
+                continue;
+            };
+            // Within the bounds each value counts as it is: an excursion moves the mean no further than they are apart.
+            let pressure = corner.pressure_kpa.max(span[0] * told_kpa[i]).min(span[1] * told_kpa[i]);
+            taken.seconds += step_s;
+            let share = T::lit(step_s / taken.seconds);
+            taken.pressure_kpa += share * (pressure - taken.pressure_kpa);
+            taken.warmth += share * (self.warmth - taken.warmth);
+        }
+    }
+}
+
+impl<T: Real> Taken<T> {
+    fn nothing() -> Self {
+        Self { seconds: 0.0, pressure_kpa: T::zero(), warmth: T::zero() }
+    }
+
+    /// What the tire should have at a warmth. What it had more at the reset is scaled down while it is colder than then
+    /// and not scaled up when it is warmer; what it had less is no matter of warmth.
+    fn reference(&self, told_kpa: T, warmth: T, span: [T; 2]) -> T {
+        if !(self.seconds >= LEAST_S) {
+            return told_kpa;
+        }
+        let rise = self.pressure_kpa - told_kpa;
+        let share = if !(rise > T::zero()) {
+            T::one()
+        } else if self.warmth > T::zero() {
+            (warmth / self.warmth).min(T::one())
+        } else {
+            T::zero()
+        };
+        (told_kpa + share * rise).max(span[0] * told_kpa).min(span[1] * told_kpa)
+    }
+}

@@ -1,0 +1,173 @@
+//! What the monitor says: a state per wheel, and alerts that name wheels, numbers, since when and why.
+//!
+//! Made by the monitor; read by displays, files and studies. Holds no logic beyond reading it.
+
+use crate::model::{Corner, Validity, Warning, Wheels};
+use crate::real::Real;
+use crate::warning::{Alert, Cause};
+
+/// The place of the alert for all wheels together, after five for each.
+pub(crate) const ALL_LOW_SLOT: usize = 20;
+/// Alerts that can stand at once.
+const SLOTS: usize = 21;
+
+/// The places of a wheel's alerts.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Slot {
+    Low,
+    Leak,
+    Over,
+    Malfunction,
+    NoInformation,
+}
+
+impl Slot {
+    /// The place of a wheel.
+    pub(crate) fn of(self, corner: Corner) -> usize {
+        5 * corner.index() + self as usize
+    }
+}
+
+/// What is known of a wheel, in one word.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum WheelState {
+    /// Nobody knows, and why not. Never to be shown as "all good".
+    Unknown(Doubt),
+    /// Known to be neither low nor overfull.
+    Fine,
+    /// Under-inflated, leaking fast, or falling with all the others.
+    Low,
+    /// Over-inflated.
+    Over,
+    /// A sensor of this corner is not to be trusted, or has told nothing for too long.
+    Malfunction,
+}
+
+/// Why a wheel's state is unknown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Doubt {
+    /// Not enough has been seen since the start, or since a malfunction ended.
+    Starting,
+    /// Nothing to learn from: standing still, too smooth, hidden in noise, or learned too long ago.
+    NoInformation,
+    /// There is a pressure, but it could be low as well as not.
+    Uncertain,
+    /// A sensor looks wrong; not for long enough to say so.
+    Suspicion,
+}
+
+impl WheelState {
+    /// One word: `unknown`, `fine`, `low`, `over` or `malfunction`.
+    #[must_use]
+    pub fn label(self) -> &'static str {
+        match self {
+            WheelState::Unknown(_) => "unknown",
+            WheelState::Fine => "fine",
+            WheelState::Low => "low",
+            WheelState::Over => "over",
+            WheelState::Malfunction => "malfunction",
+        }
+    }
+}
+
+/// One wheel as it is to be shown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct WheelReport<T> {
+    /// In one word.
+    pub state: WheelState,
+    /// Whether the pressure may be shown. The estimator's own word, unless a sensor is suspect or worse.
+    pub validity: Validity,
+    /// The three words of `est.csv`.
+    pub warning: Warning,
+    /// Gauge pressure in kPa; means something only while valid.
+    pub pressure_kpa: T,
+    /// Its standard deviation in kPa.
+    pub pressure_sd_kpa: T,
+    /// What the pressure is held against, in kPa.
+    pub reference_kpa: T,
+    /// When something was last learned of this wheel, in s; minus infinity: never.
+    pub informed_s: f64,
+}
+
+/// Everything the monitor has to say after a sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct MonitorReport<T> {
+    /// Time in s; like all times here, by the samples' clock as it is now.
+    pub time_s: f64,
+    /// The wheels, in the order of [`Corner::ALL`]; those that are monitored.
+    pub wheels: [Option<WheelReport<T>>; 4],
+    slots: [Option<Alert<T>>; SLOTS],
+    /// By how much that clock was set back so far, in s.
+    set_back_s: f64,
+}
+
+impl<T: Real> MonitorReport<T> {
+    pub(crate) fn empty() -> Self {
+        Self { time_s: f64::NEG_INFINITY, wheels: [None; 4], slots: [None; SLOTS], set_back_s: 0.0 }
+    }
+
+    /// Begins to write anew: at a steady time, of a clock that was set back by so many seconds.
+    pub(crate) fn begin(&mut self, steady_s: f64, set_back_s: f64) {
+        self.time_s = steady_s - set_back_s;
+        self.set_back_s = set_back_s;
+    }
+
+    /// Writes an alert, its times being steady ones.
+    pub(crate) fn put(&mut self, slot: usize, alert: Option<Alert<T>>) {
+        let set_back_s = self.set_back_s;
+        self.slots[slot] = alert.map(|alert| Alert {
+            since_s: alert.since_s - set_back_s,
+            said_s: alert.said_s - set_back_s,
+            ..alert
+        });
+    }
+
+    /// The alerts that stand, wheel by wheel.
+    pub fn alerts(&self) -> impl Iterator<Item = &Alert<T>> {
+        self.slots.iter().flatten()
+    }
+
+    /// The alerts that name this wheel.
+    pub fn alerts_of(&self, corner: Corner) -> impl Iterator<Item = &Alert<T>> {
+        self.alerts().filter(move |alert| alert.wheels.contains(corner))
+    }
+
+    /// The wheels with a malfunction.
+    pub fn malfunctioning(&self) -> Wheels {
+        let broken = self.alerts().filter(|alert| matches!(alert.cause, Cause::Malfunction(_)));
+        broken.fold(Wheels::NONE, |all, alert| all | alert.wheels)
+    }
+
+    /// True if every wheel is known to be fine: the only time to say "all good".
+    pub fn is_all_fine(&self) -> bool {
+        let mut wheels = self.wheels.iter().flatten().peekable();
+        wheels.peek().is_some() && wheels.all(|wheel| wheel.state == WheelState::Fine)
+    }
+
+    /// What began, changed or ended since `before`, in a fixed order.
+    pub fn changes_since<'a>(&'a self, before: &'a Self) -> impl Iterator<Item = Change<T>> + 'a {
+        let pairs = before.slots.iter().zip(&self.slots);
+        let set_back_s = self.set_back_s - before.set_back_s;
+        pairs.flat_map(move |(before, now)| {
+            let (ended, begun) = match (before, now) {
+                (Some(old), Some(new)) if old.is_same_as(new, set_back_s) => (None, None),
+                (old, new) => (old.map(Change::Ended), new.map(Change::Begun)),
+            };
+            ended.into_iter().chain(begun)
+        })
+    }
+}
+
+/// A transition.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Change<T> {
+    /// An alert was raised.
+    Begun(Alert<T>),
+    /// An alert was taken back; as it stood at the end.
+    Ended(Alert<T>),
+}
