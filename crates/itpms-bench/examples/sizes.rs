@@ -1,7 +1,7 @@
 //! Bytes that an estimator occupies: `cargo run -p itpms-bench --example sizes`.
 
 use itpms_core::car::CarEstimator;
-use itpms_core::conditioning::Intake;
+use itpms_core::conditioning::Resampler;
 use itpms_core::estimator::Estimator;
 use itpms_core::monitor::{Monitor, MonitoredCar};
 use itpms_core::published::{AekfUi, AekfUiInformed};
@@ -16,7 +16,7 @@ fn report<T: Real>(scalar: &str) {
         ("Monitor", size_of::<Monitor<T>>()),
         ("Estimator", size_of::<Estimator<T>>()),
         ("Informed", size_of::<Informed<T>>()),
-        ("Intake", size_of::<Intake<T>>()),
+        ("Intake", size_of::<Resampler<T>>()),
         ("RoadFilter", size_of::<RoadFilter<T>>()),
         ("AekfUiInformed", size_of::<AekfUiInformed<T>>()),
         ("AekfUi", size_of::<AekfUi<T>>()),

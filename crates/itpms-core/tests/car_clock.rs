@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 
 use common::car_ride::{CarRide, RATE_HZ, car, config};
 use itpms_core::car::CarEstimate;
-use itpms_core::model::{CarSample, Corner, LearnedReference};
+use itpms_core::model::{CarSample, Corner, VehicleCalibration};
 use itpms_core::monitor::{Monitor, MonitoredCar};
 use itpms_core::warning::{MonitorConfig, MonitorReport};
 
@@ -24,7 +24,7 @@ static ROWS: LazyLock<Vec<CarSample<f64>>> =
 
 /// What is known and said after every sample of a drive.
 struct Driven {
-    learned: LearnedReference<f64>,
+    learned: VehicleCalibration<f64>,
     said: Vec<(CarEstimate<f64>, MonitorReport<f64>)>,
 }
 
@@ -34,7 +34,7 @@ impl Driven {
         let config = config::<f64>();
         let monitor = Monitor::new(&MonitorConfig::new(&config), RATE_HZ).unwrap();
         let mut car = Box::new(MonitoredCar::new(car(&config), monitor));
-        car.begin_reset(RESET_S).unwrap();
+        car.begin_calibration(RESET_S).unwrap();
         let said = ROWS.iter().enumerate().map(|(k, row)| {
             let estimate = car.update(&CarSample { time_s: stamp(k, row.time_s), ..*row });
             (estimate, *car.report())

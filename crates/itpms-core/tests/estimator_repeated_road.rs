@@ -64,7 +64,7 @@ fn errors(rows: &[Row], estimates: &[CornerEstimate<f64>], span: std::ops::Range
 #[test]
 fn after_a_reset_a_loss_is_read_to_a_few_kilopascal() {
     let rows = loss().rows();
-    let estimates = run(tire(500.0).with_reset_drive(10.0).unwrap(), &rows);
+    let estimates = run(tire(500.0).with_calibration_drive(10.0).unwrap(), &rows);
     // One corner on a road that does not repeat is good to 12 kPa here (its Cramer-Rao bound, docs/math/bound.md); the
     // bound of a repeated road is well below 1 kPa. Three leave room for the model.
     let (before, _) = errors(&rows, &estimates, 10.5..15.0);
@@ -100,9 +100,9 @@ fn without_change_the_level_stays_unknown() {
 #[test]
 fn told_or_found_the_period_gives_the_same() {
     let rows = loss().rows();
-    let found = run(tire(500.0).with_reset_drive(10.0).unwrap(), &rows);
+    let found = run(tire(500.0).with_calibration_drive(10.0).unwrap(), &rows);
     let told = RoadRepetition::Every(RoadPeriod::new(PERIOD_S).unwrap());
-    let told = run(tire(500.0).with_road_repetition(told).with_reset_drive(10.0).unwrap(), &rows);
+    let told = run(tire(500.0).with_road_repetition(told).with_calibration_drive(10.0).unwrap(), &rows);
     // Both know the road from more than ten passes, only not from the same ones.
     let far =
         found.iter().zip(&told).skip(10_000).all(|(a, b)| (a.pressure_kpa - b.pressure_kpa).abs() < 1.5);
@@ -136,7 +136,7 @@ fn when_the_road_repeats_no_more_the_estimator_lets_go() {
         ..loss()
     };
     let rows = ride.rows();
-    let estimates = run(tire(500.0).with_reset_drive(5.0).unwrap(), &rows);
+    let estimates = run(tire(500.0).with_calibration_drive(5.0).unwrap(), &rows);
     let (_, worst) = errors(&rows, &estimates, 6.0..60.0);
     assert!(worst < 4.0, "{worst} sd");
     // No reset helps here any more: the sd is that of one corner on any road.
@@ -147,7 +147,7 @@ fn when_the_road_repeats_no_more_the_estimator_lets_go() {
 fn a_hole_in_the_data_loses_neither_the_place_nor_the_pressure() {
     let mut rows = loss().rows();
     rows.retain(|row| !(12.0..13.1).contains(&row.time_s) && !(19.0..19.5).contains(&row.time_s));
-    let estimates = run(tire(500.0).with_reset_drive(10.0).unwrap(), &rows);
+    let estimates = run(tire(500.0).with_calibration_drive(10.0).unwrap(), &rows);
     let (after, worst) = errors(&rows, &estimates, 21.0..30.0);
     assert!(after < 3.0 && worst < 3.5, "{after} kPa, {worst} sd");
 }
@@ -155,10 +155,10 @@ fn a_hole_in_the_data_loses_neither_the_place_nor_the_pressure() {
 #[test]
 fn single_precision_is_enough() {
     let rows = loss().rows();
-    let double = run(tire(500.0).with_reset_drive(10.0).unwrap(), &rows);
+    let double = run(tire(500.0).with_calibration_drive(10.0).unwrap(), &rows);
     let config = CornerConfig::<f32>::paper().with_accel_noise(0.2).unwrap();
     let single = Estimator::<f32>::new(EstimatorKind::Informed, &config, 500.0).unwrap();
-    let mut single = single.with_reset_drive(10.0).unwrap();
+    let mut single = single.with_calibration_drive(10.0).unwrap();
     let far = rows.iter().zip(&double).map(|(row, d)| {
         let s = feed(&mut single, row);
         (f64::from(s.pressure_kpa) - d.pressure_kpa).abs()

@@ -15,7 +15,7 @@ const RESET_S: f64 = 10.0;
 fn a_reset_drive_stays_at_placard_and_lets_go_afterwards() {
     for kind in [EstimatorKind::Informed, EstimatorKind::AekfUiInformed] {
         let ride = Ride::new(7);
-        let mut tire = estimator::<f64>(kind, ride.rate_hz).with_reset_drive(RESET_S).unwrap();
+        let mut tire = estimator::<f64>(kind, ride.rate_hz).with_calibration_drive(RESET_S).unwrap();
         let start_s = ride.rows()[0].time_s;
         let mut free_sd: f64 = 0.0;
         for row in ride.rows() {
@@ -38,7 +38,7 @@ fn a_reset_drive_stays_at_placard_and_lets_go_afterwards() {
 fn a_reset_of_no_length_is_refused() {
     for seconds in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let tire = estimator::<f64>(EstimatorKind::Informed, 500.0);
-        assert_eq!(tire.with_reset_drive(seconds).unwrap_err().name, "calibrate_s");
+        assert_eq!(tire.with_calibration_drive(seconds).unwrap_err().name, "calibrate_s");
     }
 }
 
@@ -47,7 +47,7 @@ fn a_reset_of_no_length_is_refused() {
 fn a_reset_goes_on_over_sensors_that_come_back() {
     let rows = CarRide { seconds: 20.0, pressure_kpa: |_| [PLACARD_KPA; 4], ..CarRide::new(5) }.rows();
     let mut car = car(&config::<f64>());
-    car.begin_reset(20.0).unwrap();
+    car.begin_calibration(20.0).unwrap();
     let (before, after) = rows.split_at((5.0 * RATE_HZ) as usize);
     drive(&mut car, before);
     car.restart_corner(Corner::RearRight);

@@ -6,7 +6,7 @@ mod common;
 
 use common::quarter_plant::Random;
 use common::ride::{Ride, estimator, feed};
-use itpms_core::conditioning::{GridSample, Intake};
+use itpms_core::conditioning::{GridSample, Resampler};
 use itpms_core::estimator::{Estimator, EstimatorKind};
 use itpms_core::real::Real;
 use serde::Serialize;
@@ -61,8 +61,8 @@ fn estimators_in_f32_resume_bit_identically() {
 fn an_intake_resumes_bit_identically() {
     let rows = ride().rows();
     for moment in [3, 8, 500, 1501] {
-        let mut original = Intake::<f64>::new(500.0, 400.0);
-        let step = |intake: &mut Intake<f64>, k: usize| {
+        let mut original = Resampler::<f64>::new(500.0, 400.0);
+        let step = |intake: &mut Resampler<f64>, k: usize| {
             let mut out: Vec<GridSample<f64>> = vec![];
             intake.push(rows[k].time_s, rows[k].speed_m_s, rows[k].body, rows[k].wheel, |sample| {
                 out.push(sample)
@@ -73,7 +73,7 @@ fn an_intake_resumes_bit_identically() {
             step(&mut original, k);
         }
         let saved = postcard::to_allocvec(&original).unwrap();
-        let mut restored: Intake<f64> = postcard::from_bytes(&saved).unwrap();
+        let mut restored: Resampler<f64> = postcard::from_bytes(&saved).unwrap();
         for k in moment..moment + 200 {
             assert_eq!(step(&mut original, k), step(&mut restored, k));
         }

@@ -145,7 +145,7 @@ fn a_low_tire_is_named_with_its_numbers_and_taken_back_when_it_is_over() {
     assert_eq!((reading.pressure_kpa, reading.sd_kpa, reading.reference_kpa), (185.0, 8.0, 241.3));
     assert!((reading.limit_kpa - 212.344).abs() < 1e-9);
     // Decided ten times a second.
-    assert!((29.8..30.21).contains(&alert.since_s) && (alert.said_s - at_s).abs() < 1e-9, "{alert:?}");
+    assert!((29.8..30.21).contains(&alert.since_s) && (alert.reported_s - at_s).abs() < 1e-9, "{alert:?}");
     assert_eq!(
         report.wheels.map(|wheel| wheel.unwrap().warning == Warning::Low),
         [false, false, true, false]
@@ -217,8 +217,8 @@ fn no_information_is_never_all_good_and_is_said_after_ten_minutes_of_driving() {
     let report = drive.on(1000.0, &Said { speed_m_s: 0.0, ..nothing });
     assert!(report.alerts().next().is_none());
     let before_s = drive.time_s();
-    let said_s = drive.until(400.0, &nothing, |report| report.alerts().count() == 4).unwrap();
-    assert!((said_s - before_s - 300.0).abs() < 1.0, "{said_s}");
+    let reported_s = drive.until(400.0, &nothing, |report| report.alerts().count() == 4).unwrap();
+    assert!((reported_s - before_s - 300.0).abs() < 1.0, "{reported_s}");
     let report = drive.monitor.report();
     assert!(report.alerts().all(|alert| matches!(alert.cause, Cause::NoInformation { .. })));
     assert!(report.wheels.iter().all(|wheel| wheel.unwrap().warning == Warning::Malfunction));
@@ -240,12 +240,12 @@ fn a_broken_clock_does_not_stop_the_monitor() {
         drive.on(5.0, &FINE);
         let corner = CornerSample { body_accel_m_s2: 0.1, wheel_accel_m_s2: 0.2 };
         let sample = CarSample { time_s: broken_s, speed_m_s: 20.0, corners: [Some(corner); 4] };
-        drive.monitor.begin_reset(10.0).unwrap();
+        drive.monitor.begin_calibration(10.0).unwrap();
         drive.monitor.screen(&sample);
         drive.monitor.judge(&mut estimate(broken_s, &low(190.0)));
         assert!(drive.monitor.report().alerts().next().is_none());
-        let said_s = drive.until(20.0, &low(190.0), |report| report.alerts().next().is_some());
-        assert!(said_s.is_some_and(|said_s| said_s < 10.0), "{broken_s}: {said_s:?}");
+        let reported_s = drive.until(20.0, &low(190.0), |report| report.alerts().next().is_some());
+        assert!(reported_s.is_some_and(|reported_s| reported_s < 10.0), "{broken_s}: {reported_s:?}");
     }
 }
 
@@ -277,8 +277,8 @@ fn all_four_are_more_certain_together_than_each_alone() {
     let mut drive = Drive::new();
     assert!(drive.on(200.0, &all(0.84)).alerts().next().is_none());
     let from_s = drive.time_s();
-    let said_s = drive.until(200.0, &all(0.82), |report| report.alerts().next().is_some()).unwrap();
-    assert!((149.9..150.3).contains(&(said_s - from_s)), "{said_s}");
+    let reported_s = drive.until(200.0, &all(0.82), |report| report.alerts().next().is_some()).unwrap();
+    assert!((149.9..150.3).contains(&(reported_s - from_s)), "{reported_s}");
     let alert = drive.monitor.report().alerts().next().unwrap();
     assert!(matches!(alert.cause, Cause::AllLow { .. }) && alert.wheels.iter().count() == 4, "{alert}");
     // Nobody hears of one of them any more: it stands while the others are low, and is over when they are not.
@@ -302,14 +302,14 @@ fn a_side_that_falls_alike_is_waited_for() {
     let side = Said { kpa: [185.0, 241.3, 185.0, 241.3], sd: 8.0, ..FINE };
     let mut drive = Drive::new();
     assert!(drive.on(30.0, &FINE).is_all_fine());
-    let said_s = drive.until(200.0, &side, |report| report.alerts().next().is_some()).unwrap();
-    assert!((104.8..105.3).contains(&said_s), "{said_s}");
+    let reported_s = drive.until(200.0, &side, |report| report.alerts().next().is_some()).unwrap();
+    assert!((104.8..105.3).contains(&reported_s), "{reported_s}");
     // One tire well below the other is not waited for.
     let mut drive = Drive::new();
     drive.on(30.0, &FINE);
     let one = Said { kpa: [185.0, 241.3, 160.0, 241.3], sd: 8.0, ..FINE };
-    let said_s = drive.until(200.0, &one, |report| report.alerts().next().is_some()).unwrap();
-    assert!(said_s < 31.3, "{said_s}");
+    let reported_s = drive.until(200.0, &one, |report| report.alerts().next().is_some()).unwrap();
+    assert!(reported_s < 31.3, "{reported_s}");
 }
 
 #[test]
@@ -354,7 +354,7 @@ fn reference_kpa(report: &MonitorReport<f64>) -> f64 {
 #[test]
 fn after_a_reset_a_warm_tire_should_have_what_it_had() {
     let mut drive = Drive::new();
-    drive.monitor.begin_reset(1200.0).unwrap();
+    drive.monitor.begin_calibration(1200.0).unwrap();
     let warm = Said { kpa: [256.3; 4], ..FINE };
     let stands = Said { gate: 0.0, speed_m_s: 0.0, ..warm };
     // Until the reset is over the placard counts, then the mean of its last five minutes.
@@ -376,7 +376,7 @@ fn after_a_reset_a_warm_tire_should_have_what_it_had() {
     assert!(Drive::new().on(60.0, &lost).alerts().next().is_none());
     assert!(drive.on(10.0, &lost).alerts().next().is_some());
     // A new reset forgets the old one.
-    drive.monitor.begin_reset(300.0).unwrap();
+    drive.monitor.begin_calibration(300.0).unwrap();
     assert_eq!(reference_kpa(drive.on(1.0, &FINE)), 241.3);
 }
 
@@ -384,7 +384,7 @@ fn after_a_reset_a_warm_tire_should_have_what_it_had() {
 fn a_reset_moves_the_reference_within_bounds_and_only_with_information() {
     let after = |config: MonitorConfig<f64>, said: Said| {
         let mut drive = Drive::with(config);
-        drive.monitor.begin_reset(600.0).unwrap();
+        drive.monitor.begin_calibration(600.0).unwrap();
         reference_kpa(drive.on(601.0, &said))
     };
     let r141 = || MonitorConfig::new(&car());
@@ -396,7 +396,7 @@ fn a_reset_moves_the_reference_within_bounds_and_only_with_information() {
     // Read with a speed that is not known, the tire is taken for a cold one: no more than the placard's.
     assert_eq!(after(r141(), Said { speed_m_s: f64::NAN, ..at(260.0) }), 241.3);
     for seconds in [0.0, -1.0, f64::NAN] {
-        assert_eq!(Drive::new().monitor.begin_reset(seconds).unwrap_err().name, "calibrate_s");
+        assert_eq!(Drive::new().monitor.begin_calibration(seconds).unwrap_err().name, "calibrate_s");
     }
 }
 
@@ -407,7 +407,7 @@ fn what_a_reset_changes_is_no_leak() {
     let before = Said { kpa: [fl, fr, 264.0, rr], sd: 2.0, ..FINE };
     let mut drive = Drive::new();
     drive.on(60.0, &before);
-    drive.monitor.begin_reset(60.0).unwrap();
+    drive.monitor.begin_calibration(60.0).unwrap();
     assert_eq!(
         drive.until(180.0, &Said { sd: 2.0, ..FINE }, |report| report.alerts().next().is_some()),
         None

@@ -63,7 +63,7 @@ fn no_sd_is_below_the_vehicle_file_s_own_before_a_reset() {
     let of_file = |k_n_per_m: f64| 0.015f64.hypot(0.005) * k_n_per_m / 713.91;
     // The softest of these tires has 180 kPa.
     assert!(least(car(&config())) > 0.98 * of_file(713.91 * 180.0 + 60_880.0));
-    assert!(least(car(&config()).with_reset_drive(5.0).unwrap()) < 2.0);
+    assert!(least(car(&config()).with_calibration_drive(5.0).unwrap()) < 2.0);
 }
 
 /// The file's 1.5 % is wrong by the same in all tires, so any two of them are wrong together by that much at least; a reset
@@ -84,7 +84,7 @@ fn what_all_tires_are_wrong_by_alike_is_in_their_correlations() {
     };
     let told = ends_with(car(&config()));
     assert!(told.iter().all(|share| *share > 0.9), "{told:?}");
-    let reset = ends_with(car(&config()).with_reset_drive(5.0).unwrap());
+    let reset = ends_with(car(&config()).with_calibration_drive(5.0).unwrap());
     assert!(reset.iter().all(|share| share.abs() < 0.2), "{reset:?}");
     let alone = ends_with(car(&CarConfig { wheelbase_m: None, ..config() }));
     assert!(alone.iter().all(|share| *share == 0.0), "{alone:?}");
@@ -150,7 +150,7 @@ fn a_puncture_during_a_reset_is_read() {
     let pressure_kpa: fn(f64) -> [f64; 4] =
         |t| [PLACARD_KPA - 50.0 * (t - 15.0).clamp(0.0, 2.0), PLACARD_KPA, PLACARD_KPA, PLACARD_KPA];
     let ride = CarRide { seconds: 30.0, pressure_kpa, ..CarRide::new(34) };
-    let mut car = car(&config::<f64>()).with_reset_drive(28.0).unwrap();
+    let mut car = car(&config::<f64>()).with_calibration_drive(28.0).unwrap();
     let estimates = drive(&mut car, &ride.rows());
     for estimate in &estimates[(18.0 * RATE_HZ) as usize..] {
         for (corner, truth_kpa) in estimate.corners.iter().zip(pressure_kpa(estimate.time_s)) {
@@ -167,7 +167,7 @@ fn a_fall_of_all_four_after_a_reset_is_read() {
         pressure_kpa: |t| [PLACARD_KPA * (1.0 - 0.2 * ((t - 20.0) / 60.0).clamp(0.0, 1.0)); 4],
         ..CarRide::new(33)
     };
-    let mut car = car(&config::<f64>()).with_reset_drive(15.0).unwrap();
+    let mut car = car(&config::<f64>()).with_calibration_drive(15.0).unwrap();
     let estimates = drive(&mut car, &ride.rows());
     let off_at = |time_s: f64| {
         let estimate = &estimates[(time_s * RATE_HZ) as usize - 1];
@@ -244,20 +244,20 @@ fn a_reset_may_begin_again() {
         let off = e.corners.map(|corner| (corner.unwrap().pressure_kpa - PLACARD_KPA).abs());
         off.into_iter().fold(0.0, f64::max)
     };
-    car.begin_reset(8.0).unwrap();
+    car.begin_calibration(8.0).unwrap();
     drive_to(&mut car, 0.0, 10.0);
     assert!(car.learned().is_some());
-    car.begin_reset(600.0).unwrap();
+    car.begin_calibration(600.0).unwrap();
     assert!(car.learned().is_none());
     // The front left tire is 40 kPa softer than was said, which pulls however firmly it is held.
     let held = drive_to(&mut car, 10.0, 20.0);
     let drifted = worst(held.last().unwrap());
-    car.begin_reset(600.0).unwrap();
+    car.begin_calibration(600.0).unwrap();
     let again = drive_to(&mut car, 20.0, 20.5);
     assert!(worst(&again[0]) < 0.1 && drifted > 0.5, "{} {drifted}", worst(&again[0]));
     assert!(car.learned().is_none());
     // A sample without a time loses no reset.
-    car.begin_reset(3.0).unwrap();
+    car.begin_calibration(3.0).unwrap();
     car.update(&CarSample { time_s: f64::NAN, ..rows[0] });
     drive_to(&mut car, 20.5, 24.0);
     assert!(car.learned().is_some());
@@ -406,7 +406,7 @@ fn what_a_night_takes_from_all_tires_is_read_within_seconds() {
     let mut rows = ride.rows();
     let after = |row: &&mut CarSample<f64>| row.time_s >= 20.0;
     rows.iter_mut().filter(after).for_each(|row| row.time_s += NIGHT_S);
-    let estimates = drive(&mut car(&config::<f64>()).with_reset_drive(10.0).unwrap(), &rows);
+    let estimates = drive(&mut car(&config::<f64>()).with_calibration_drive(10.0).unwrap(), &rows);
     for estimate in estimates.iter().filter(|estimate| estimate.time_s > NIGHT_S + 24.0) {
         for corner in estimate.corners.map(|corner| corner.unwrap()) {
             let off = corner.pressure_kpa - (PLACARD_KPA - 30.0);

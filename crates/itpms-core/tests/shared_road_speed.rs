@@ -15,7 +15,7 @@ fn a_speed_whose_scale_changes_on_the_way_is_found_out() {
         let mut rows = ride.rows();
         let changes = |row: &&mut CarSample<f64>| row.time_s > 25.0;
         rows.iter_mut().filter(changes).for_each(|row| row.speed_m_s *= scale);
-        let estimates = drive(&mut car(&config::<f64>()).with_reset_drive(10.0).unwrap(), &rows);
+        let estimates = drive(&mut car(&config::<f64>()).with_calibration_drive(10.0).unwrap(), &rows);
         // A reset takes what there is for the placard's pressure.
         for corner in estimates.iter().flat_map(|estimate| estimate.corners.map(|corner| corner.unwrap())) {
             let off = corner.pressure_kpa - PLACARD_KPA;
@@ -51,7 +51,7 @@ fn a_speed_that_is_late_is_found_out() {
     rows.iter_mut().for_each(|row| row.speed_m_s = (ride.speed_m_s)(row.time_s - 0.2));
     let mut car = car(&config::<f64>());
     let estimates = drive(&mut car, &rows);
-    assert!((car.speed_late_s() - 0.2).abs() < 0.05, "{}", car.speed_late_s());
+    assert!((car.speed_latency_s() - 0.2).abs() < 0.05, "{}", car.speed_latency_s());
     for estimate in estimates.iter().filter(|estimate| estimate.time_s > 50.0) {
         let worst = estimate.tracks.iter().map(|track| track.incoherence).fold(0.0, f64::max);
         assert!(worst < 0.05, "{worst} at {} s", estimate.time_s);

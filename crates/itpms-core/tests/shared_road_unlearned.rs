@@ -33,7 +33,7 @@ fn what_a_sensor_taught_that_lied_is_unlearned() {
     let misled = front_right(&mut car, 24.0, 28.0);
     assert!(misled < before - 40.0, "{misled} kPa, {before} before");
     let mut unlearned = car.clone();
-    unlearned.unlearn([false, false, false, true]);
+    unlearned.rollback([false, false, false, true]);
     let [misled, unlearned] = [&mut car, &mut unlearned].map(|car| front_right(car, 28.0, 34.0));
     assert!(misled < before - 20.0 && (unlearned - before).abs() < 3.0, "{misled} {unlearned} {before} kPa");
 }
@@ -49,11 +49,11 @@ fn only_what_contradicts_is_unlearned() {
     for reset_s in [None, Some(10.0)] {
         let mut car = car.clone();
         if let Some(seconds) = reset_s {
-            car.begin_reset(seconds).unwrap();
+            car.begin_calibration(seconds).unwrap();
         }
         drive(&mut car, &before[before.len() - 5..]);
         let mut unlearned = car.clone();
-        unlearned.unlearn([false; 4]);
+        unlearned.rollback([false; 4]);
         let [kept, unlearned] = [&mut car, &mut unlearned].map(|car| {
             let corners = drive(car, &after[..5])[4].corners;
             corners.map(|corner| [corner.unwrap().pressure_kpa, corner.unwrap().pressure_sd_kpa])
@@ -85,9 +85,9 @@ fn a_loss_that_was_unlearned_is_found_again() {
     let (mut car, after) = with_a_loss();
     let front_right = |estimate: &CarEstimate<f64>| estimate.corners[1].unwrap().pressure_kpa;
     let mut own = car.clone();
-    own.unlearn([false, true, false, false]);
+    own.rollback([false, true, false, false]);
     assert!(front_right(&drive(&mut own, &after[..1])[0]) < 205.0);
-    car.unlearn([true, false, true, true]);
+    car.rollback([true, false, true, true]);
     let estimates = drive(&mut car, &after);
     assert!(front_right(&estimates[0]) > 230.0);
     let again = front_right(&estimates[RATE_HZ as usize]);
@@ -102,7 +102,7 @@ fn what_has_moved_beside_a_suspected_corner_is_doubted() {
     let (car, after) = with_a_loss();
     for (suspected, is_lost) in [([true, false, false, false], true), ([false, false, false, true], false)] {
         let mut car = car.clone();
-        car.unlearn(suspected);
+        car.rollback(suspected);
         let read = drive(&mut car, &after);
         let [first, then] = [0, RATE_HZ as usize].map(|k| read[k].corners[1].unwrap());
         assert_eq!(first.pressure_kpa < 205.0, is_lost, "{suspected:?}: {first:?}");
@@ -139,7 +139,7 @@ fn what_a_tire_was_before_its_sensors_lied_counts_once_that_is_said() {
         let rows: Vec<_> = rows.iter().map(lying).collect();
         let mut car = honest.clone();
         drive(&mut car, &rows[at(24.0)..at(26.0)]);
-        car.unlearn([false, false, false, true]);
+        car.rollback([false, false, false, true]);
         let misled = rear_right(&mut car, &rows[at(26.0)..at(27.0)]);
         assert!(misread_kpa.contains(&(misled.pressure_kpa - before.pressure_kpa)), "{misled:?}");
         let mut unsaid = car.clone();

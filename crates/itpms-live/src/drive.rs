@@ -6,7 +6,7 @@
 use itpms_core::car::{CarEstimate, CarEstimator};
 use itpms_core::conditioning::Odometer;
 use itpms_core::estimator::EstimatorKind;
-use itpms_core::model::{Corner, LearnedReference};
+use itpms_core::model::{Corner, VehicleCalibration};
 use itpms_core::monitor::{Monitor, MonitoredCar};
 use itpms_core::warning::{Change, MonitorConfig, MonitorReport, Regulation};
 use itpms_data::log::UnitCheck;
@@ -27,7 +27,7 @@ pub struct DriveOptions {
     /// Length in s of the reset that begins with the first row.
     pub calibrate_s: Option<f64>,
     /// What an earlier reset taught of this car.
-    pub reference: Option<LearnedReference<f64>>,
+    pub reference: Option<VehicleCalibration<f64>>,
     /// Estimates told per second.
     pub rate_hz: f64,
     /// Whether numbers that do not look like m/s² and m/s are told of.
@@ -99,13 +99,13 @@ impl Drive {
         let mut car = CarEstimator::new(options.estimator, &config, clock.sample_rate_hz)
             .map_err(|error| refused(&error))?;
         if let Some(reference) = &options.reference {
-            car = car.with_reference(reference).map_err(|error| refused(&error))?;
+            car = car.with_calibration(reference).map_err(|error| refused(&error))?;
         }
         let told = MonitorConfig::new(&config).with_limits(options.regulation.into());
         let monitor = Monitor::new(&told, clock.sample_rate_hz).map_err(|error| refused(&error))?;
         let mut car = Box::new(MonitoredCar::new(car, monitor));
         if let Some(seconds) = options.calibrate_s {
-            car.begin_reset(seconds).map_err(|error| refused(&error))?;
+            car.begin_calibration(seconds).map_err(|error| refused(&error))?;
         }
         let roughness = Roughness::new(&clock)?;
         let progress = Progress { rows: 0, time_s: f64::NAN, odometer: Odometer::new(), before: None };

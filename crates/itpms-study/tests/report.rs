@@ -225,7 +225,7 @@ fn what_the_monitor_said_is_a_table_and_a_time_line() {
         let low = watch.alerts.iter().find(|span| span.alert.cause.label() == "under-inflated").unwrap();
         // Said within seconds of the loss, in the report's time, and standing at the end.
         assert!(low.alert.wheels.contains(Corner::FrontLeft) && low.ended_s.is_none());
-        assert!((30.0..35.0).contains(&low.alert.said_s), "{low:?}");
+        assert!((30.0..35.0).contains(&low.alert.reported_s), "{low:?}");
         let page = render_report(&data).unwrap();
         assert!(page.contains("</span> 140 ± 4 kPa when said"), "the table says why");
         assert!(page.contains("class=\"tire low\"") && page.matches("class=\"tire fine\"").count() == 3);

@@ -4,7 +4,7 @@
 mod common;
 
 use common::Bench;
-use itpms_core::model::{Learned, LearnedCorner, LearnedReference};
+use itpms_core::model::{CornerCalibration, Learned, VehicleCalibration};
 use itpms_data::Vehicle;
 use itpms_data::reference::StoredReference;
 
@@ -13,7 +13,7 @@ fn bench() -> (Bench, StoredReference) {
     let bench = Bench::with_drive();
     let vehicle = Vehicle::read(&bench.path("car.toml")).unwrap();
     let small = |sd: f64| Learned { value: 0.0, sd };
-    let corner = LearnedCorner {
+    let corner = CornerCalibration {
         placard_kpa: 241.3,
         unsprung_mass: small(0.01),
         damping: small(0.1),
@@ -21,7 +21,7 @@ fn bench() -> (Bench, StoredReference) {
         spectrum_bias_kpa: small(5.0),
         shared_road_bias: small(0.01),
     };
-    let learned = LearnedReference {
+    let learned = VehicleCalibration {
         corners: [Some(corner), None, None, None],
         bar: [Learned { value: 0.25, sd: 0.02 }, Learned { value: 0.1, sd: 0.02 }],
         gain: [small(0.01); 2],

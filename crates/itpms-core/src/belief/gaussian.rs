@@ -22,13 +22,13 @@ const HARDEST: f64 = -0.5;
         deserialize = "T: Real + serde::Deserialize<'de>"
     ))
 )]
-pub(crate) struct Mode<T: Real> {
+pub(crate) struct Hypothesis<T: Real> {
     pub(crate) mean: State<T>,
     pub(crate) covariance: Covariance<T>,
     pub(crate) weight: T,
 }
 
-impl<T: Real> Mode<T> {
+impl<T: Real> Hypothesis<T> {
     /// A car as its file has it, the tires' compliances around these.
     pub(crate) fn at_start(tires: &[T; 4]) -> Self {
         let sd = prior_sd::<T>();
@@ -40,13 +40,13 @@ impl<T: Real> Mode<T> {
     }
 
     /// A quiet one as it is when a movement begins, `at_a_rate` or any way.
-    pub(crate) fn begun(&self, at_a_rate: bool) -> Self {
-        let mut begun = self.clone();
+    pub(crate) fn with_onset(&self, at_a_rate: bool) -> Self {
+        let mut with_onset = self.clone();
         if at_a_rate {
-            begun.mean[RATE] = T::lit(RATE_MEAN);
-            begun.covariance[(RATE, RATE)] = T::lit(RATE_SD * RATE_SD);
+            with_onset.mean[RATE] = T::lit(RATE_MEAN);
+            with_onset.covariance[(RATE, RATE)] = T::lit(RATE_SD * RATE_SD);
         }
-        begun
+        with_onset
     }
 
     /// What changes by itself does so for `seconds`: about the vehicle file, and never further than a car may be from it.
@@ -63,12 +63,12 @@ impl<T: Real> Mode<T> {
     }
 
     /// The same when its movement is over.
-    pub(crate) fn ended(&self) -> Self {
-        let mut ended = self.clone();
-        ended.mean[RATE] = T::zero();
-        ended.covariance.row_mut(RATE).fill(T::zero());
-        ended.covariance.column_mut(RATE).fill(T::zero());
-        ended
+    pub(crate) fn without_rate(&self) -> Self {
+        let mut without_rate = self.clone();
+        without_rate.mean[RATE] = T::zero();
+        without_rate.covariance.row_mut(RATE).fill(T::zero());
+        without_rate.covariance.column_mut(RATE).fill(T::zero());
+        without_rate
     }
 
     pub(crate) fn is_possible(&self, softest: &[T; 4]) -> bool {
@@ -91,7 +91,7 @@ impl<T: Real> Mode<T> {
     }
 
     /// Rounding leaves a covariance neither symmetric nor quite positive.
-    pub(crate) fn tidy(&mut self) {
+    pub(crate) fn symmetrize(&mut self) {
         for i in 0..SIZE {
             for j in 0..i {
                 let mean = T::lit(0.5) * (self.covariance[(i, j)] + self.covariance[(j, i)]);

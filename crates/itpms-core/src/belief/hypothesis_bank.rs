@@ -3,25 +3,25 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use crate::belief::gaussian::Mode;
+use crate::belief::gaussian::Hypothesis;
 use crate::belief::mixture::Mixture;
 use crate::belief::state::{RATE, State, TIRE};
 use crate::belief::update::{Likelihood, OwnCovariance, score};
 use crate::inter_axle::BINS;
-use crate::inter_axle::residual::model::{Disagreement, Signals, Slope, TrackFrame, Wheel, compare};
+use crate::inter_axle::residual::model::{AxleFrame, AxleResidual, Signals, Slope, Wheel, linearize};
 use crate::inter_axle::residual::noise::Expectation;
 use crate::model::Learned;
 use crate::real::Real;
 
 /// Nothing moves; each wheel loses pressure by itself; both of the left alike, or of the right; all four alike; any wheel wanders
 /// either way.
-pub(crate) const MODES: usize = 9;
-const QUIET: usize = 0;
+pub(crate) const HYPOTHESES: usize = 9;
+const CONSTANT: usize = 0;
 const SIDE: usize = 5;
 const ALL: usize = 7;
-const LOOSE: usize = 8;
+const RANDOM_WALK: usize = 8;
 /// Chance per second that each begins.
-const BEGIN: [f64; MODES] = [0.0, 2e-4, 2e-4, 2e-4, 2e-4, 1e-6, 1e-6, 1e-6, 1e-8];
+const BEGIN: [f64; HYPOTHESES] = [0.0, 2e-4, 2e-4, 2e-4, 2e-4, 1e-6, 1e-6, 1e-6, 1e-8];
 /// Chance per second that a wheel which loses pressure is joined by the other one of its side: a kerb meets both. Share of the
 /// side's own weight below which that is not looked at.
 const JOIN: f64 = 1e-2;
@@ -58,163 +58,165 @@ const LARGEST_CHANCE: f64 = 0.2;
         deserialize = "T: Real + serde::Deserialize<'de>"
     ))
 )]
-pub(crate) struct Modes<T: Real> {
-    pub(crate) modes: [Mode<T>; MODES],
+pub(crate) struct HypothesisBank<T: Real> {
+    pub(crate) bank: [Hypothesis<T>; HYPOTHESES],
 }
 
 /// Whether compliances follow the rate in a mode.
-fn has_rate(mode: usize) -> bool {
-    mode != QUIET && mode != LOOSE
+fn has_rate(hypothesis: usize) -> bool {
+    hypothesis != CONSTANT && hypothesis != RANDOM_WALK
 }
 
 /// How the compliances follow the rate in a mode.
-pub(crate) fn moves<T: Real>(mode: usize) -> [T; 4] {
-    let moves = |i: usize| mode == i + 1 || mode == SIDE + i % 2 || mode == ALL;
-    core::array::from_fn(|i| if moves(i) { T::one() } else { T::zero() })
+pub(crate) fn changing<T: Real>(hypothesis: usize) -> [T; 4] {
+    let changing = |i: usize| hypothesis == i + 1 || hypothesis == SIDE + i % 2 || hypothesis == ALL;
+    core::array::from_fn(|i| if changing(i) { T::one() } else { T::zero() })
 }
 
-impl<T: Real> Modes<T> {
+impl<T: Real> HypothesisBank<T> {
     /// What is believed at the start, the tires' compliances around `tires`.
     pub(crate) fn new(tires: &[T; 4]) -> Self {
-        let start = Mode::at_start(tires);
-        let mut modes = Self { modes: core::array::from_fn(|mode| start.begun(has_rate(mode))) };
-        modes.calm();
-        modes
+        let start = Hypothesis::at_start(tires);
+        let mut bank =
+            Self { bank: core::array::from_fn(|hypothesis| start.with_onset(has_rate(hypothesis))) };
+        bank.collapse();
+        bank
     }
 
     /// The same in the place of what was believed.
     pub(crate) fn begin_again(&mut self, tires: &[T; 4]) {
-        let start = Mode::at_start(tires);
-        for (index, mode) in self.modes.iter_mut().enumerate() {
-            *mode = start.begun(has_rate(index));
+        let start = Hypothesis::at_start(tires);
+        for (index, hypothesis) in self.bank.iter_mut().enumerate() {
+            *hypothesis = start.with_onset(has_rate(index));
         }
-        self.calm();
+        self.collapse();
     }
 
     /// Moves on by `seconds`; `liveliness` multiplies the chances that one wheel, and that several, begin to move;
     /// `suspected` are chances per second that each wheel does that somebody else has reason to believe in.
-    pub(crate) fn predict(&mut self, seconds: T, liveliness: [T; 2], suspected: &[T; 4]) {
-        self.mix(seconds, liveliness, suspected);
-        for (index, mode) in self.modes.iter_mut().enumerate() {
-            mode.wander(seconds);
-            if index == LOOSE {
+    pub(crate) fn predict(&mut self, seconds: T, onset_scale: [T; 2], onset_rates: &[T; 4]) {
+        self.mix(seconds, onset_scale, onset_rates);
+        for (index, hypothesis) in self.bank.iter_mut().enumerate() {
+            hypothesis.wander(seconds);
+            if index == RANDOM_WALK {
                 for i in 0..4 {
-                    mode.covariance[(TIRE + i, TIRE + i)] += T::lit(LOOSE_SD * LOOSE_SD) * seconds;
+                    hypothesis.covariance[(TIRE + i, TIRE + i)] += T::lit(LOOSE_SD * LOOSE_SD) * seconds;
                 }
             }
             if !has_rate(index) {
                 continue;
             }
-            mode.covariance[(RATE, RATE)] += T::lit(RATE_WANDER * RATE_WANDER) * seconds;
-            let moves = moves::<T>(index);
-            for (i, &moved) in moves.iter().enumerate() {
+            hypothesis.covariance[(RATE, RATE)] += T::lit(RATE_WANDER * RATE_WANDER) * seconds;
+            let changing = changing::<T>(index);
+            for (i, &moved) in changing.iter().enumerate() {
                 let by = moved * seconds;
-                let change = by * mode.mean[RATE];
-                mode.mean[TIRE + i] += change;
-                let row = mode.covariance.row(RATE) * by;
-                let mut target = mode.covariance.row_mut(TIRE + i);
+                let change = by * hypothesis.mean[RATE];
+                hypothesis.mean[TIRE + i] += change;
+                let row = hypothesis.covariance.row(RATE) * by;
+                let mut target = hypothesis.covariance.row_mut(TIRE + i);
                 target += row;
-                let column = mode.covariance.column(RATE) * by;
-                let mut target = mode.covariance.column_mut(TIRE + i);
+                let column = hypothesis.covariance.column(RATE) * by;
+                let mut target = hypothesis.covariance.column_mut(TIRE + i);
                 target += column;
             }
         }
     }
 
-    fn mix(&mut self, seconds: T, liveliness: [T; 2], suspected: &[T; 4]) {
+    fn mix(&mut self, seconds: T, onset_scale: [T; 2], onset_rates: &[T; 4]) {
         let end = T::one() - (-T::lit(END) * seconds).exp();
-        let mut begin = [T::zero(); MODES];
+        let mut begin = [T::zero(); HYPOTHESES];
         let mut stay = T::one();
-        for mode in 1..MODES {
-            begin[mode] = T::lit(BEGIN[mode]) * seconds * liveliness[usize::from(mode >= SIDE)];
-            if mode < SIDE {
-                begin[mode] += (suspected[mode - 1] * seconds).min(T::lit(LARGEST_CHANCE));
+        for hypothesis in 1..HYPOTHESES {
+            begin[hypothesis] =
+                T::lit(BEGIN[hypothesis]) * seconds * onset_scale[usize::from(hypothesis >= SIDE)];
+            if hypothesis < SIDE {
+                begin[hypothesis] += (onset_rates[hypothesis - 1] * seconds).min(T::lit(LARGEST_CHANCE));
             }
-            stay -= begin[mode];
+            stay -= begin[hypothesis];
         }
         // In place: a copy of all modes is more than a controller's stack has room for. The quiet mode comes last, as every
         // other begins from it, and single wheels after those that they join.
         let still = self.still(stay, end);
-        for (mode, &begin) in begin.iter().enumerate().skip(SIDE) {
-            self.go_on(mode, end, begin);
+        for (hypothesis, &begin) in begin.iter().enumerate().skip(SIDE) {
+            self.go_on(hypothesis, end, begin);
         }
-        let [_, several] = liveliness;
+        let [_, several] = onset_scale;
         for wheel in 0..4 {
-            self.join(wheel, T::lit(JOIN) * seconds * several);
+            self.merge(wheel, T::lit(JOIN) * seconds * several);
         }
-        for (mode, &begin) in begin.iter().enumerate().take(SIDE).skip(1) {
-            self.go_on(mode, end, begin);
+        for (hypothesis, &begin) in begin.iter().enumerate().take(SIDE).skip(1) {
+            self.go_on(hypothesis, end, begin);
         }
-        self.modes[QUIET] = still;
+        self.bank[CONSTANT] = still;
     }
 
     /// What moves no more: what did not and of which this share stays so, and of what did the share that ends.
-    fn still(&self, stay: T, end: T) -> Mode<T> {
+    fn still(&self, stay: T, end: T) -> Hypothesis<T> {
         let mut still = Mixture::new();
-        still.add(self.modes[QUIET].weight * stay, &self.modes[QUIET]);
-        for moving in &self.modes[1..] {
-            if moving.weight > T::lit(FORGOTTEN) {
-                still.add(moving.weight * end, &moving.ended());
+        still.add(self.bank[CONSTANT].weight * stay, &self.bank[CONSTANT]);
+        for changing in &self.bank[1..] {
+            if changing.weight > T::lit(FORGOTTEN) {
+                still.add(changing.weight * end, &changing.without_rate());
             }
         }
-        still.into_mode()
+        still.into_hypothesis()
     }
 
     /// A movement goes on but for the share that ends, and by this chance what moved not begins to.
-    fn go_on(&mut self, mode: usize, end: T, begin: T) {
-        let (quiet, moving) = (&self.modes[QUIET], &self.modes[mode]);
-        let mut begun = quiet.begun(has_rate(mode));
-        let stays = moving.weight * (T::one() - end);
-        let begins = quiet.weight * begin;
+    fn go_on(&mut self, hypothesis: usize, end: T, begin: T) {
+        let (constant, changing) = (&self.bank[CONSTANT], &self.bank[hypothesis]);
+        let mut with_onset = constant.with_onset(has_rate(hypothesis));
+        let stays = changing.weight * (T::one() - end);
+        let begins = constant.weight * begin;
         // What nobody believes in is not followed.
-        self.modes[mode] = if stays > T::lit(FORGOTTEN) {
+        self.bank[hypothesis] = if stays > T::lit(FORGOTTEN) {
             let mut going = Mixture::new();
-            going.add(stays, moving);
-            going.add(begins, &begun);
-            going.into_mode()
+            going.add(stays, changing);
+            going.add(begins, &with_onset);
+            going.into_hypothesis()
         } else {
-            begun.weight = begins;
-            begun
+            with_onset.weight = begins;
+            with_onset
         };
     }
 
     /// A wheel that loses pressure by itself is joined, by this chance, by the other one of its side.
-    fn join(&mut self, wheel: usize, chance: T) {
-        let mode = SIDE + wheel % 2;
-        let (alone, both) = (&self.modes[wheel + 1], &self.modes[mode]);
+    fn merge(&mut self, wheel: usize, chance: T) {
+        let hypothesis = SIDE + wheel % 2;
+        let (alone, both) = (&self.bank[wheel + 1], &self.bank[hypothesis]);
         let joins = alone.weight * chance;
         if joins > T::lit(NOTICED) * both.weight {
             let mut going = Mixture::new();
             going.add(both.weight, both);
-            going.add(joins, &alone.ended().begun(has_rate(mode)));
-            self.modes[mode] = going.into_mode();
+            going.add(joins, &alone.without_rate().with_onset(has_rate(hypothesis)));
+            self.bank[hypothesis] = going.into_hypothesis();
         }
     }
 
     /// Weighs the belief with a frame of one side. Returns what the most likely mode found, and what remained of it over
     /// what was expected, per bin.
-    pub(crate) fn weigh(
+    pub(crate) fn update_residual(
         &mut self,
-        taken: &TrackFrame<T>,
+        taken: &AxleFrame<T>,
         wheels: &[Wheel<T>; 2],
         side: usize,
         expected: &Expectation<T>,
         instrument: &Slope<T>,
-        trust: T,
-    ) -> Option<(Disagreement<T>, [T; BINS])> {
+        weight: T,
+    ) -> Option<(AxleResidual<T>, [T; BINS])> {
         let best = self.most_likely();
         let mut kept = None;
-        let mut log_weight = [T::zero(); MODES];
-        for (index, mode) in self.modes.iter_mut().enumerate() {
-            let found = compare(taken, Signals::Measured, wheels, side, &mode.mean);
-            let own = OwnCovariance::new(&mode.covariance, side);
+        let mut log_weight = [T::zero(); HYPOTHESES];
+        for (index, hypothesis) in self.bank.iter_mut().enumerate() {
+            let found = linearize(taken, Signals::Measured, wheels, side, &hypothesis.mean);
+            let own = OwnCovariance::new(&hypothesis.covariance, side);
             let Some(likelihood) = Likelihood::new(&own, &found, expected) else {
                 log_weight[index] = T::lit(IMPOSSIBLE);
                 continue;
             };
-            log_weight[index] = trust * likelihood.log;
+            log_weight[index] = weight * likelihood.log;
             let score = score(&found, instrument, expected);
-            own.learn(mode, &score, &expected.information, &likelihood, trust);
+            own.learn(hypothesis, &score, &expected.information, &likelihood, weight);
             if index == best {
                 kept = Some((found, likelihood.ratio));
             }
@@ -225,175 +227,177 @@ impl<T: Real> Modes<T> {
 
     /// A measured number with its variance: `linearise` gives, for a state, its derivatives and how much more it is than
     /// expected. Says nothing about which mode holds.
-    pub(crate) fn measure(&mut self, variance: T, linearise: impl Fn(&State<T>) -> (State<T>, T)) {
-        for mode in &mut self.modes {
-            let (slope, innovation) = linearise(&mode.mean);
-            let spread = mode.covariance * slope;
+    pub(crate) fn update(&mut self, variance: T, linearise: impl Fn(&State<T>) -> (State<T>, T)) {
+        for hypothesis in &mut self.bank {
+            let (slope, innovation) = linearise(&hypothesis.mean);
+            let spread = hypothesis.covariance * slope;
             let total = slope.dot(&spread) + variance;
             if !(total > T::zero()) {
                 continue;
             }
-            mode.mean += spread * (innovation / total);
-            mode.covariance -= spread * spread.transpose() / total;
-            mode.tidy();
+            hypothesis.mean += spread * (innovation / total);
+            hypothesis.covariance -= spread * spread.transpose() / total;
+            hypothesis.symmetrize();
         }
     }
 
     /// The same of a number that also says how likely each mode is.
-    pub(crate) fn hear(&mut self, variance: T, linearise: impl Fn(&State<T>) -> (State<T>, T)) {
-        let mut log_weight = [T::zero(); MODES];
-        for (mode, log) in self.modes.iter().zip(&mut log_weight) {
-            let (slope, innovation) = linearise(&mode.mean);
-            let total = slope.dot(&(mode.covariance * slope)) + variance;
+    pub(crate) fn update_reweighted(&mut self, variance: T, linearise: impl Fn(&State<T>) -> (State<T>, T)) {
+        let mut log_weight = [T::zero(); HYPOTHESES];
+        for (hypothesis, log) in self.bank.iter().zip(&mut log_weight) {
+            let (slope, innovation) = linearise(&hypothesis.mean);
+            let total = slope.dot(&(hypothesis.covariance * slope)) + variance;
             let tails = T::lit(WORD_TAILS);
-            let surprise = innovation * innovation / total;
-            *log = T::lit(-0.5) * (total.ln() + (tails + T::one()) * (T::one() + surprise / tails).ln());
+            let mahalanobis_sq = innovation * innovation / total;
+            *log =
+                T::lit(-0.5) * (total.ln() + (tails + T::one()) * (T::one() + mahalanobis_sq / tails).ln());
         }
-        self.measure(variance, linearise);
+        self.update(variance, linearise);
         self.reweigh(&log_weight);
     }
 
-    fn reweigh(&mut self, log_weight: &[T; MODES]) {
+    fn reweigh(&mut self, log_weight: &[T; HYPOTHESES]) {
         let mut largest = T::lit(f64::NEG_INFINITY);
-        for (mode, &log) in self.modes.iter().zip(log_weight) {
-            if mode.weight > T::zero() {
+        for (hypothesis, &log) in self.bank.iter().zip(log_weight) {
+            if hypothesis.weight > T::zero() {
                 largest = largest.max(log);
             }
         }
         let mut total = T::zero();
-        for (mode, &log) in self.modes.iter_mut().zip(log_weight) {
-            mode.weight *= (log - largest).exp();
-            total += mode.weight;
+        for (hypothesis, &log) in self.bank.iter_mut().zip(log_weight) {
+            hypothesis.weight *= (log - largest).exp();
+            total += hypothesis.weight;
         }
         if total > T::zero() && total.is_finite() {
-            self.modes.iter_mut().for_each(|mode| mode.weight /= total);
+            self.bank.iter_mut().for_each(|hypothesis| hypothesis.weight /= total);
         }
     }
 
     pub(crate) fn most_likely(&self) -> usize {
-        (1..MODES)
-            .fold(QUIET, |best, i| if self.modes[i].weight > self.modes[best].weight { i } else { best })
+        (1..HYPOTHESES)
+            .fold(CONSTANT, |best, i| if self.bank[i].weight > self.bank[best].weight { i } else { best })
     }
 
     /// The belief about a tire fades with seconds of incoherence; less so if a reset has `taught` what the car is.
-    pub(crate) fn doubt(&mut self, corner: usize, incoherent_s: T, taught: bool) {
-        let sd = if taught { FADING_TAUGHT } else { FADING };
-        for mode in &mut self.modes {
-            mode.covariance[(TIRE + corner, TIRE + corner)] += T::lit(sd * sd) * incoherent_s;
+    pub(crate) fn inflate(&mut self, corner: usize, incoherent_s: T, calibrated: bool) {
+        let sd = if calibrated { FADING_TAUGHT } else { FADING };
+        for hypothesis in &mut self.bank {
+            hypothesis.covariance[(TIRE + corner, TIRE + corner)] += T::lit(sd * sd) * incoherent_s;
         }
     }
 
     /// Mean and sd of every quantity while nothing moves.
-    pub(crate) fn quiet(&self) -> (State<T>, State<T>) {
-        let mode = &self.modes[QUIET];
-        (mode.mean, mode.covariance.diagonal().map(|variance| variance.max(T::zero()).sqrt()))
+    pub(crate) fn constant(&self) -> (State<T>, State<T>) {
+        let hypothesis = &self.bank[CONSTANT];
+        (hypothesis.mean, hypothesis.covariance.diagonal().map(|variance| variance.max(T::zero()).sqrt()))
     }
 
     /// Begins with a quantity as it was learned before, its sd at least `least`; `unit` is the state's in that quantity.
     pub(crate) fn begin_with(&mut self, at: usize, learned: &Learned<T>, least: T, unit: T) {
         let sd = learned.sd.max(least) / unit;
-        for mode in &mut self.modes {
-            mode.mean[at] = learned.value / unit;
-            mode.covariance.row_mut(at).fill(T::zero());
-            mode.covariance.column_mut(at).fill(T::zero());
-            mode.covariance[(at, at)] = sd * sd;
+        for hypothesis in &mut self.bank {
+            hypothesis.mean[at] = learned.value / unit;
+            hypothesis.covariance.row_mut(at).fill(T::zero());
+            hypothesis.covariance.column_mut(at).fill(T::zero());
+            hypothesis.covariance[(at, at)] = sd * sd;
         }
     }
 
     /// A tire may have been changed: its compliance has this much more sd.
     pub(crate) fn forget_tire(&mut self, corner: usize, sd: T) {
-        for mode in &mut self.modes {
-            mode.covariance[(TIRE + corner, TIRE + corner)] += sd * sd;
+        for hypothesis in &mut self.bank {
+            hypothesis.covariance[(TIRE + corner, TIRE + corner)] += sd * sd;
         }
     }
 
     /// All tires may have become warmer or colder together: their compliances have so much more sd in common.
     pub(crate) fn change_temperature(&mut self, sd: &[T; 4]) {
-        for mode in &mut self.modes {
+        for hypothesis in &mut self.bank {
             for i in 0..4 {
                 for j in 0..4 {
-                    mode.covariance[(TIRE + i, TIRE + j)] += sd[i] * sd[j];
+                    hypothesis.covariance[(TIRE + i, TIRE + j)] += sd[i] * sd[j];
                 }
             }
         }
     }
 
     /// All modes as one Gaussian, in which nothing moves.
-    pub(crate) fn as_one(&self) -> Mode<T> {
+    pub(crate) fn as_one(&self) -> Hypothesis<T> {
         let mut one = Mixture::new();
-        for mode in &self.modes {
-            one.add(mode.weight, &mode.ended());
+        for hypothesis in &self.bank {
+            one.add(hypothesis.weight, &hypothesis.without_rate());
         }
-        one.into_mode()
+        one.into_hypothesis()
     }
 
     /// Believes this and nothing else.
-    pub(crate) fn set(&mut self, belief: &Mode<T>) {
-        self.modes[QUIET] = belief.clone();
-        self.calm();
+    pub(crate) fn set(&mut self, belief: &Hypothesis<T>) {
+        self.bank[CONSTANT] = belief.clone();
+        self.collapse();
     }
 
     /// Moves on by `seconds` in which nobody watched: nothing moves any more. `filled`: somebody may have changed a
     /// pressure.
-    pub(crate) fn wake(&mut self, seconds: T, filled: bool) {
-        self.calm();
-        let quiet = &mut self.modes[QUIET];
-        quiet.wander(seconds);
+    pub(crate) fn predict_gap(&mut self, seconds: T, filled: bool) {
+        self.collapse();
+        let constant = &mut self.bank[CONSTANT];
+        constant.wander(seconds);
         if filled {
             let chance = T::lit(FILLED);
-            let mut loose = quiet.clone();
+            let mut loose = constant.clone();
             for i in TIRE..TIRE + 4 {
                 loose.covariance[(i, i)] += T::lit(FILLED_SD * FILLED_SD);
             }
             loose.weight = chance;
-            quiet.weight = T::one() - chance;
-            self.modes[LOOSE] = loose;
+            constant.weight = T::one() - chance;
+            self.bank[RANDOM_WALK] = loose;
         }
     }
 
-    /// Modes in which a tire is what no tire can be are not followed. A tire of the quiet one is never softer than flat; what
-    /// else is wrong with that one is left for [`Modes::is_sound`]. `softest`: each tire's compliance when flat.
+    /// HypothesisBank in which a tire is what no tire can be are not followed. A tire of the quiet one is never softer than flat; what
+    /// else is wrong with that one is left for [`HypothesisBank::is_sound`]. `softest`: each tire's compliance when flat.
     pub(crate) fn drop_impossible(&mut self, softest: &[T; 4]) {
-        self.modes[QUIET].stop_at(softest);
+        self.bank[CONSTANT].stop_at(softest);
         let mut total = T::zero();
-        for (index, mode) in self.modes.iter_mut().enumerate() {
+        for (index, hypothesis) in self.bank.iter_mut().enumerate() {
             // Tires do not fill themselves, and nobody else fills several at once while they roll.
-            let filling = (SIDE..=ALL).contains(&index) && !(mode.mean[RATE] >= T::zero());
-            if filling || !mode.is_possible(softest) {
-                mode.weight = T::zero();
+            let filling = (SIDE..=ALL).contains(&index) && !(hypothesis.mean[RATE] >= T::zero());
+            if filling || !hypothesis.is_possible(softest) {
+                hypothesis.weight = T::zero();
             }
-            total += mode.weight;
+            total += hypothesis.weight;
         }
         if total > T::zero() {
-            self.modes.iter_mut().for_each(|mode| mode.weight /= total);
+            self.bank.iter_mut().for_each(|hypothesis| hypothesis.weight /= total);
         }
     }
 
     /// Only the quiet mode is left: somebody knows that nothing moves.
-    pub(crate) fn calm(&mut self) {
-        for mode in &mut self.modes[1..] {
-            mode.weight = T::zero();
+    pub(crate) fn collapse(&mut self) {
+        for hypothesis in &mut self.bank[1..] {
+            hypothesis.weight = T::zero();
         }
-        self.modes[QUIET].weight = T::one();
+        self.bank[CONSTANT].weight = T::one();
     }
 
     /// Mean and covariance of the tires' compliances, each so many seconds after what is believed of it, all modes together.
     pub(crate) fn tires(&self, age_s: &[T; 4]) -> (SVector<T, 4>, SMatrix<T, 4, 4>) {
         let mut mean = SVector::<T, 4>::zeros();
         let mut square = SMatrix::<T, 4, 4>::zeros();
-        for (index, mode) in self.modes.iter().enumerate() {
-            let moves = moves::<T>(index);
-            let by: [T; 4] = core::array::from_fn(|i| moves[i] * age_s[i]);
-            let z = SVector::<T, 4>::from_fn(|i, _| mode.mean[TIRE + i] + by[i] * mode.mean[RATE]);
+        for (index, hypothesis) in self.bank.iter().enumerate() {
+            let changing = changing::<T>(index);
+            let by: [T; 4] = core::array::from_fn(|i| changing[i] * age_s[i]);
+            let z =
+                SVector::<T, 4>::from_fn(|i, _| hypothesis.mean[TIRE + i] + by[i] * hypothesis.mean[RATE]);
             let p = SMatrix::<T, 4, 4>::from_fn(|i, j| {
-                let c = |a: usize, b: usize| mode.covariance[(a, b)];
+                let c = |a: usize, b: usize| hypothesis.covariance[(a, b)];
                 c(TIRE + i, TIRE + j)
                     + by[i] * c(RATE, TIRE + j)
                     + by[j] * c(RATE, TIRE + i)
                     + by[i] * by[j] * c(RATE, RATE)
             });
-            mean += z * mode.weight;
-            square += (p + z * z.transpose()) * mode.weight;
+            mean += z * hypothesis.weight;
+            square += (p + z * z.transpose()) * hypothesis.weight;
         }
         (mean, square - mean * mean.transpose())
     }
@@ -401,30 +405,31 @@ impl<T: Real> Modes<T> {
     /// Mean and variance of one quantity, all modes together.
     pub(crate) fn quantity(&self, at: usize) -> (T, T) {
         let (mut mean, mut square) = (T::zero(), T::zero());
-        for mode in &self.modes {
-            mean += mode.weight * mode.mean[at];
-            square += mode.weight * (mode.covariance[(at, at)] + mode.mean[at] * mode.mean[at]);
+        for hypothesis in &self.bank {
+            mean += hypothesis.weight * hypothesis.mean[at];
+            square += hypothesis.weight
+                * (hypothesis.covariance[(at, at)] + hypothesis.mean[at] * hypothesis.mean[at]);
         }
         (mean, square - mean * mean)
     }
 
     /// Probability that each tire moves.
-    pub(crate) fn moving_tires(&self) -> [T; 4] {
-        let several = self.modes[ALL].weight + self.modes[LOOSE].weight;
-        core::array::from_fn(|i| self.modes[i + 1].weight + self.modes[SIDE + i % 2].weight + several)
+    pub(crate) fn changing_tires(&self) -> [T; 4] {
+        let several = self.bank[ALL].weight + self.bank[RANDOM_WALK].weight;
+        core::array::from_fn(|i| self.bank[i + 1].weight + self.bank[SIDE + i % 2].weight + several)
     }
 
     /// Probability that anything moves.
-    pub(crate) fn moving(&self) -> T {
-        self.modes[1..].iter().fold(T::zero(), |sum, mode| sum + mode.weight)
+    pub(crate) fn changing(&self) -> T {
+        self.bank[1..].iter().fold(T::zero(), |sum, hypothesis| sum + hypothesis.weight)
     }
 
     pub(crate) fn is_sound(&self, softest: &[T; 4]) -> bool {
-        let finite = |mode: &Mode<T>| {
-            mode.weight >= T::zero()
-                && mode.mean.iter().all(|x| x.is_finite())
-                && mode.covariance.iter().all(|x| x.is_finite())
+        let finite = |hypothesis: &Hypothesis<T>| {
+            hypothesis.weight >= T::zero()
+                && hypothesis.mean.iter().all(|x| x.is_finite())
+                && hypothesis.covariance.iter().all(|x| x.is_finite())
         };
-        self.modes.iter().all(finite) && self.modes[QUIET].is_possible(softest)
+        self.bank.iter().all(finite) && self.bank[CONSTANT].is_possible(softest)
     }
 }

@@ -1,6 +1,6 @@
 //! Gaussians added up to one with their mean and covariance. Used by the modes where ways of moving meet; knows nothing of them.
 
-use crate::belief::gaussian::Mode;
+use crate::belief::gaussian::Hypothesis;
 use crate::belief::state::{Covariance, SIZE, State};
 use crate::real::Real;
 
@@ -19,9 +19,9 @@ impl<T: Real> Mixture<T> {
     }
 
     /// Adds a Gaussian with this weight, whatever its own.
-    pub(crate) fn add(&mut self, weight: T, mode: &Mode<T>) {
-        let around = *self.around.get_or_insert(mode.mean);
-        let off = mode.mean - around;
+    pub(crate) fn add(&mut self, weight: T, hypothesis: &Hypothesis<T>) {
+        let around = *self.around.get_or_insert(hypothesis.mean);
+        let off = hypothesis.mean - around;
         // A weight of nothing still leaves a usable Gaussian.
         let weight = weight.max(T::lit(1e-30));
         self.weight += weight;
@@ -29,20 +29,20 @@ impl<T: Real> Mixture<T> {
         // Entry by entry, as matrices in between would be the largest things on the stack.
         for j in 0..SIZE {
             for i in 0..SIZE {
-                self.square[(i, j)] += (mode.covariance[(i, j)] + off[i] * off[j]) * weight;
+                self.square[(i, j)] += (hypothesis.covariance[(i, j)] + off[i] * off[j]) * weight;
             }
         }
     }
 
-    pub(crate) fn into_mode(self) -> Mode<T> {
+    pub(crate) fn into_hypothesis(self) -> Hypothesis<T> {
         let off = self.sum / self.weight;
         let around = self.around.unwrap_or_else(State::zeros);
-        let mut mode = Mode { mean: around + off, covariance: self.square, weight: self.weight };
+        let mut hypothesis = Hypothesis { mean: around + off, covariance: self.square, weight: self.weight };
         for j in 0..SIZE {
             for i in 0..SIZE {
-                mode.covariance[(i, j)] = mode.covariance[(i, j)] / self.weight - off[i] * off[j];
+                hypothesis.covariance[(i, j)] = hypothesis.covariance[(i, j)] / self.weight - off[i] * off[j];
             }
         }
-        mode
+        hypothesis
     }
 }

@@ -19,7 +19,7 @@ pub(crate) struct CarBelief<T: Real> {
     pub(crate) stiffness_n_per_m: SVector<T, 4>,
     pub(crate) covariance: SMatrix<T, 4, 4>,
     /// Probability that a pressure is changing.
-    pub(crate) moving: T,
+    pub(crate) changing: T,
     /// Seconds of shared road that it rests on.
     pub(crate) learned_s: T,
 }
@@ -31,26 +31,26 @@ impl<T: Real> SharedRoad<T> {
         let age_s = if age_s > 0.0 { T::lit(age_s.min(1.0)) } else { T::zero() };
         // What is believed of a front tire is as old as the road under the rear wheel.
         let ages = [age_s + self.delay_s[0], age_s + self.delay_s[1], age_s, age_s];
-        let (mean, mut covariance) = self.modes.tires(&ages);
-        let [all, each] = if self.told { [T::zero(); 2] } else { FILE_SD.map(|sd| T::lit(sd * sd)) };
+        let (mean, mut covariance) = self.bank.tires(&ages);
+        let [all, each] = if self.calibrated { [T::zero(); 2] } else { FILE_SD.map(|sd| T::lit(sd * sd)) };
         covariance += SMatrix::from_fn(|i, j| if i == j { all + each } else { all });
         let floor = T::lit(LEAST_COMPLIANCE);
         let stiffness =
             SVector::<T, 4>::from_fn(|i, _| self.scale.placard_n_per_m[i] / (T::one() + mean[i]).max(floor));
-        let moving = self.modes.moving_tires();
+        let changing = self.bank.changing_tires();
         let by = SVector::<T, 4>::from_fn(|i, _| {
-            (T::one() + T::lit(MOVING_SD) * moving[i]) * stiffness[i] / (T::one() + mean[i]).max(floor)
+            (T::one() + T::lit(MOVING_SD) * changing[i]) * stiffness[i] / (T::one() + mean[i]).max(floor)
         });
         let mut belief = CarBelief {
             stiffness_n_per_m: stiffness,
             covariance: SMatrix::from_fn(|i, j| by[i] * by[j] * covariance[(i, j)]),
-            moving: self.modes.moving(),
+            changing: self.bank.changing(),
             learned_s: T::lit(self.seconds_learned()),
         };
         for (i, alone) in self.alone.iter().enumerate() {
-            let (bias, variance) = self.word_bias(i);
+            let (bias, variance) = self.pseudo_measurement_bias(i);
             let file = (all + each) * alone.stiffness_n_per_m * alone.stiffness_n_per_m;
-            alone.mix_into(&mut belief, i, self.tracks[i % 2].lasting_incoherence(), (bias, variance + file));
+            alone.blend(&mut belief, i, self.pairs[i % 2].lasting_incoherence(), (bias, variance + file));
         }
         belief
     }

@@ -4,7 +4,7 @@ use crate::belief::state::{
     BAR, COMMON_BIAS, DAMPING, GAIN, MASS, OWN_BIAS, ROAD_BIAS, SKEW, SKEW_UNIT_S, SPRING, State, WHEELBASE,
 };
 use crate::inter_axle::{ENOUGH_S, SharedRoad};
-use crate::model::{Learned, LearnedCorner, LearnedReference, ReferenceError};
+use crate::model::{CalibrationError, CornerCalibration, Learned, VehicleCalibration};
 use crate::real::Real;
 
 /// Least sd that is recalled: unsprung mass (another rim), damping (warm oil), spring, bar, gain, wheelbase over speed
@@ -21,7 +21,7 @@ const LEAST_SD: [f64; 9] = [0.003, 0.05, 0.02, 0.01, 0.003, 0.003, 5e-4, 0.02, 0
         deserialize = "T: Real + serde::Deserialize<'de>"
     ))
 )]
-pub(crate) struct Lesson<T: Real> {
+pub(crate) struct CalibrationResult<T: Real> {
     mean: State<T>,
     sd: State<T>,
     seconds: T,
@@ -29,17 +29,17 @@ pub(crate) struct Lesson<T: Real> {
 
 impl<T: Real> SharedRoad<T> {
     /// Keeps what is believed at the end of a reset, if it saw enough.
-    pub(crate) fn remember(&mut self) {
-        let seconds = self.learned_s - self.held_from_s;
+    pub(crate) fn store_calibration(&mut self) {
+        let seconds = self.learned_s - self.calibrating_from_s;
         if seconds >= ENOUGH_S {
-            let (mean, sd) = self.modes.quiet();
-            self.lesson = Some(Lesson { mean, sd, seconds: T::lit(seconds) });
+            let (mean, sd) = self.bank.constant();
+            self.calibration_result = Some(CalibrationResult { mean, sd, seconds: T::lit(seconds) });
         }
     }
 
     /// What the last reset taught.
-    pub(crate) fn learned(&self) -> Option<LearnedReference<T>> {
-        let Lesson { mean, sd, seconds } = self.lesson.as_ref()?;
+    pub(crate) fn learned(&self) -> Option<VehicleCalibration<T>> {
+        let CalibrationResult { mean, sd, seconds } = self.calibration_result.as_ref()?;
         let of = |at: usize, unit: T| Learned { value: mean[at] * unit, sd: sd[at] * unit };
         let one = |at: usize| of(at, T::one());
         let corner = |i: usize| {
@@ -47,7 +47,7 @@ impl<T: Real> SharedRoad<T> {
                 let placard = self.scale.placard_kpa[i];
                 let (common, own) = (of(COMMON_BIAS, placard), of(OWN_BIAS + i, placard));
                 let bias_sd = (common.sd * common.sd + own.sd * own.sd).sqrt();
-                LearnedCorner {
+                CornerCalibration {
                     placard_kpa: placard,
                     unsprung_mass: one(MASS + i),
                     damping: one(DAMPING + i),
@@ -57,7 +57,7 @@ impl<T: Real> SharedRoad<T> {
                 }
             })
         };
-        Some(LearnedReference {
+        Some(VehicleCalibration {
             corners: core::array::from_fn(corner),
             bar: [one(BAR), one(BAR + 1)],
             gain: [one(GAIN), one(GAIN + 1)],
@@ -71,7 +71,10 @@ impl<T: Real> SharedRoad<T> {
     ///
     /// # Errors
     /// A reference for other corners or other placard pressures.
-    pub(crate) fn recall(&mut self, reference: &LearnedReference<T>) -> Result<(), ReferenceError> {
+    pub(crate) fn load_calibration(
+        &mut self,
+        reference: &VehicleCalibration<T>,
+    ) -> Result<(), CalibrationError> {
         let [mass, damping, spring, bar, gain, wheelbase, skew, bias, road_bias] = LEAST_SD.map(T::lit);
         for (i, learned) in reference.corners.iter().enumerate() {
             match (learned, &self.wheels[i]) {
@@ -79,26 +82,26 @@ impl<T: Real> SharedRoad<T> {
                     let placard = self.scale.placard_kpa[i];
                     // A tenth of a kPa is more than any file loses.
                     if !((learned.placard_kpa - placard).abs() < T::lit(0.1)) {
-                        return Err(ReferenceError::OtherCar);
+                        return Err(CalibrationError::OtherCar);
                     }
-                    self.modes.begin_with(MASS + i, &learned.unsprung_mass, mass, T::one());
-                    self.modes.begin_with(DAMPING + i, &learned.damping, damping, T::one());
-                    self.modes.begin_with(SPRING + i, &learned.spring, spring, T::one());
-                    self.modes.begin_with(OWN_BIAS + i, &learned.spectrum_bias_kpa, bias * placard, placard);
-                    self.modes.begin_with(ROAD_BIAS + i, &learned.shared_road_bias, road_bias, T::one());
+                    self.bank.begin_with(MASS + i, &learned.unsprung_mass, mass, T::one());
+                    self.bank.begin_with(DAMPING + i, &learned.damping, damping, T::one());
+                    self.bank.begin_with(SPRING + i, &learned.spring, spring, T::one());
+                    self.bank.begin_with(OWN_BIAS + i, &learned.spectrum_bias_kpa, bias * placard, placard);
+                    self.bank.begin_with(ROAD_BIAS + i, &learned.shared_road_bias, road_bias, T::one());
                 }
                 (None, None) => {}
-                _ => return Err(ReferenceError::OtherCar),
+                _ => return Err(CalibrationError::OtherCar),
             }
         }
         for i in 0..2 {
-            self.modes.begin_with(BAR + i, &reference.bar[i], bar, T::one());
-            self.modes.begin_with(GAIN + i, &reference.gain[i], gain, T::one());
-            self.modes.begin_with(SKEW + i, &reference.skew_s[i], skew, T::lit(SKEW_UNIT_S));
+            self.bank.begin_with(BAR + i, &reference.bar[i], bar, T::one());
+            self.bank.begin_with(GAIN + i, &reference.gain[i], gain, T::one());
+            self.bank.begin_with(SKEW + i, &reference.skew_s[i], skew, T::lit(SKEW_UNIT_S));
         }
-        self.modes.begin_with(WHEELBASE, &reference.wheelbase, wheelbase, T::one());
-        self.recalled = Some(*reference);
-        self.told = true;
+        self.bank.begin_with(WHEELBASE, &reference.wheelbase, wheelbase, T::one());
+        self.loaded = Some(*reference);
+        self.calibrated = true;
         Ok(())
     }
 }

@@ -13,14 +13,14 @@ const FLAT: [f64; 2] = [4.0, 30.0];
 /// The tires at their placard pressures, in the order of the corners.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Scale<T> {
+pub(crate) struct TireScale<T> {
     /// N/m per kPa.
     pub(crate) slope: [T; 4],
     pub(crate) placard_n_per_m: [T; 4],
     pub(crate) placard_kpa: [T; 4],
 }
 
-impl<T: Real> Scale<T> {
+impl<T: Real> TireScale<T> {
     /// The placard pressure's share in a corner's stiffness.
     pub(crate) fn share(&self, corner: usize) -> T {
         self.pressures_part_n_per_m(corner) / self.placard_n_per_m[corner]

@@ -3,9 +3,9 @@
 
 use nalgebra::SMatrix;
 
-use crate::belief::gaussian::Mode;
+use crate::belief::gaussian::Hypothesis;
 use crate::belief::state::{Covariance, ROAD_BIAS, SIZE, TIRE};
-use crate::inter_axle::residual::model::{Disagreement, Gram, OWN, OWN_TIRES, ROWS, Score, Slope, places};
+use crate::inter_axle::residual::model::{AxleResidual, Gram, OWN, OWN_TIRES, ROWS, Score, Slope, places};
 use crate::inter_axle::residual::noise::Expectation;
 use crate::inter_axle::{BINS, OVERLAP};
 use crate::real::Real;
@@ -46,25 +46,25 @@ impl<T: Real> OwnCovariance<T> {
     /// heard need not have been the road, as when a wheel comes down.
     pub(crate) fn learn(
         &self,
-        mode: &mut Mode<T>,
+        hypothesis: &mut Hypothesis<T>,
         score: &Score<T>,
         information: &Gram<T>,
         likelihood: &Likelihood<T>,
-        trust: T,
+        weight: T,
     ) {
-        let scale = likelihood.scale / trust;
+        let scale = likelihood.scale / weight;
         let information = information / scale;
         // P' = P - P_o (I + Ω P_oo)^-1 Ω P_o^T, and with it the mean: m' = m + P'_o score.
         let Some(inverse) = (Gram::identity() + information * self.own).try_inverse() else { return };
         let gain = self.all * inverse;
-        mode.covariance -= gain * information * self.all.transpose();
-        mode.tidy();
+        hypothesis.covariance -= gain * information * self.all.transpose();
+        hypothesis.symmetrize();
         let step = gain * (score / scale);
         // step^T P^-1 step, as step = P_o by.
         let by = inverse * (score / scale);
         let length = by.dot(&(self.own * by));
-        let beyond = length > likelihood.surprise;
-        mode.mean += if beyond { step * (likelihood.surprise / length).sqrt() } else { step };
+        let beyond = length > likelihood.mahalanobis_sq;
+        hypothesis.mean += if beyond { step * (likelihood.mahalanobis_sq / length).sqrt() } else { step };
     }
 }
 
@@ -72,7 +72,7 @@ impl<T: Real> OwnCovariance<T> {
 pub(crate) struct Likelihood<T: Real> {
     pub(crate) log: T,
     /// Square of the disagreement over its standard deviations, these so enlarged.
-    pub(crate) surprise: T,
+    pub(crate) mahalanobis_sq: T,
     /// Factor by which the disagreement's variance is larger than expected, at least one.
     pub(crate) scale: T,
     /// Power of what remains over what was expected, per bin.
@@ -82,7 +82,7 @@ pub(crate) struct Likelihood<T: Real> {
 impl<T: Real> Likelihood<T> {
     pub(crate) fn new(
         own: &OwnCovariance<T>,
-        found: &Disagreement<T>,
+        found: &AxleResidual<T>,
         expected: &Expectation<T>,
     ) -> Option<Self> {
         let known = found.slope * own.own * found.slope.transpose();
@@ -94,10 +94,10 @@ impl<T: Real> Likelihood<T> {
             total
         };
         let plain = total(T::one()).cholesky()?;
-        let surprise = found.rows.dot(&plain.solve(&found.rows));
+        let mahalanobis_sq = found.rows.dot(&plain.solve(&found.rows));
         // A disagreement far larger than expected says little: Student's t with few degrees of freedom.
         let (tails, rows) = (T::lit(TAILS), T::lit(ROWS as f64));
-        let scale = ((tails + surprise) / (tails + rows)).max(T::one());
+        let scale = ((tails + mahalanobis_sq) / (tails + rows)).max(T::one());
         let inverse = total(scale).cholesky()?.inverse();
         let weighted = inverse * found.rows;
         let mut ratio = [T::zero(); BINS];
@@ -108,14 +108,15 @@ impl<T: Real> Likelihood<T> {
         }
         let diagonal = plain.l_dirty().diagonal();
         let log_determinant = diagonal.iter().fold(T::zero(), |sum, x| sum + T::lit(2.0) * x.ln());
-        let log = T::lit(-0.5) * (log_determinant + (tails + rows) * (T::one() + surprise / tails).ln());
-        Some(Self { log, surprise: found.rows.dot(&weighted), scale, ratio })
+        let log =
+            T::lit(-0.5) * (log_determinant + (tails + rows) * (T::one() + mahalanobis_sq / tails).ln());
+        Some(Self { log, mahalanobis_sq: found.rows.dot(&weighted), scale, ratio })
     }
 }
 
 /// How the instruments want the side's quantities changed.
 pub(crate) fn score<T: Real>(
-    found: &Disagreement<T>,
+    found: &AxleResidual<T>,
     instrument: &Slope<T>,
     expected: &Expectation<T>,
 ) -> Score<T> {

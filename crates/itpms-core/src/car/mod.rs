@@ -5,14 +5,14 @@
 //! as by [`Estimator`]; nothing else here knows how many wheels a car has.
 
 use crate::belief::output::CarBelief;
-use crate::belief::single_wheel_estimate::Alone;
+use crate::belief::single_wheel_estimate::SingleWheelEstimate;
 use crate::conditioning::SpeedHold;
 use crate::conditioning::clock::SteadyClock;
-use crate::estimator::{CarWord, Estimator, EstimatorKind, RoadRepetition};
+use crate::estimator::{Estimator, EstimatorKind, FusedStiffness, RoadRepetition};
 use crate::inter_axle::SharedRoad;
 use crate::model::{
-    CarConfig, CarSample, Corner, CornerEstimate, LearnedReference, ParameterError, QuarterCar,
-    ReferenceError, positive,
+    CalibrationError, CarConfig, CarSample, Corner, CornerEstimate, ParameterError, QuarterCar,
+    VehicleCalibration, positive,
 };
 use crate::real::Real;
 
@@ -79,7 +79,7 @@ pub struct CarEstimator<T: Real> {
     corners: [Option<Estimator<T>>; 4],
     shared_road: Option<SharedRoad<T>>,
     /// When the reset that is under way ends, and how long it lasts if it has not begun.
-    reset_s: Option<f64>,
+    calibration_s: Option<f64>,
     reset_ends_s: f64,
 }
 
@@ -113,7 +113,7 @@ impl<T: Real> CarEstimator<T> {
             speed: SpeedHold::new(),
             corners,
             shared_road,
-            reset_s: None,
+            calibration_s: None,
             reset_ends_s: f64::NEG_INFINITY,
         })
     }
@@ -128,11 +128,11 @@ impl<T: Real> CarEstimator<T> {
     ///
     /// # Errors
     /// The length must be positive and finite.
-    pub fn with_reset_drive(mut self, seconds: f64) -> Result<Self, ParameterError> {
+    pub fn with_calibration_drive(mut self, seconds: f64) -> Result<Self, ParameterError> {
         for corner in &mut self.corners {
-            *corner = corner.take().map(|estimator| estimator.with_reset_drive(seconds)).transpose()?;
+            *corner = corner.take().map(|estimator| estimator.with_calibration_drive(seconds)).transpose()?;
         }
-        self.reset_s = Some(seconds);
+        self.calibration_s = Some(seconds);
         Ok(self)
     }
 
@@ -159,23 +159,23 @@ impl<T: Real> CarEstimator<T> {
     ///
     /// # Errors
     /// The length must be positive and finite.
-    pub fn begin_reset(&mut self, seconds: f64) -> Result<(), ParameterError> {
+    pub fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
         for corner in self.corners.iter_mut().flatten() {
-            corner.begin_reset(seconds)?;
+            corner.begin_calibration(seconds)?;
         }
-        self.reset_s = Some(seconds);
+        self.calibration_s = Some(seconds);
         Ok(())
     }
 
     /// Seconds by which the speed was found to come late against the accelerations, and which are allowed for since; below zero where it
     /// comes early, zero as long as nothing was found.
-    pub fn speed_late_s(&self) -> f64 {
-        self.shared_road.as_ref().map_or(0.0, SharedRoad::speed_late_s)
+    pub fn speed_latency_s(&self) -> f64 {
+        self.shared_road.as_ref().map_or(0.0, SharedRoad::speed_latency_s)
     }
 
     /// What the last reset taught; `None` before it is over, or when it saw too little shared road.
-    pub fn learned(&self) -> Option<LearnedReference<T>> {
-        let shared = self.shared_road.as_ref().filter(|_| self.reset_s.is_none())?;
+    pub fn learned(&self) -> Option<VehicleCalibration<T>> {
+        let shared = self.shared_road.as_ref().filter(|_| self.calibration_s.is_none())?;
         shared.learned()
     }
 
@@ -183,10 +183,10 @@ impl<T: Real> CarEstimator<T> {
     ///
     /// # Errors
     /// An implausible reference, or one learned for other corners or other placard pressures.
-    pub fn with_reference(mut self, reference: &LearnedReference<T>) -> Result<Self, ReferenceError> {
+    pub fn with_calibration(mut self, reference: &VehicleCalibration<T>) -> Result<Self, CalibrationError> {
         reference.check()?;
         if let Some(shared) = &mut self.shared_road {
-            shared.recall(reference)?;
+            shared.load_calibration(reference)?;
         }
         Ok(self)
     }
@@ -194,7 +194,7 @@ impl<T: Real> CarEstimator<T> {
     /// Starts one corner again, as after its sensors were out of order; the others go on.
     pub fn restart_corner(&mut self, corner: Corner) {
         if let Some(estimator) = &mut self.corners[corner.index()] {
-            estimator.reset();
+            estimator.restart();
         }
         if let Some(shared) = &mut self.shared_road {
             shared.restart(corner.index());
@@ -204,9 +204,9 @@ impl<T: Real> CarEstimator<T> {
     /// For some seconds sensors of the `suspected` corners (in the order of [`Corner::ALL`]) may have told wrong: that a gain
     /// has changed, or that a sensor carries another one's name, shows only later. What the axles have taught in the last six
     /// to twelve seconds is unlearned, if it contradicts what was known before of anything but those corners' own tires.
-    pub fn unlearn(&mut self, suspected: [bool; 4]) {
+    pub fn rollback(&mut self, onset_rates: [bool; 4]) {
         if let Some(shared) = &mut self.shared_road {
-            shared.unlearn(suspected);
+            shared.rollback(onset_rates);
         }
     }
 
@@ -250,9 +250,9 @@ impl<T: Real> CarEstimator<T> {
     fn fuse(&mut self, time_s: f64) -> Option<CarBelief<T>> {
         let shared = self.shared_road.as_mut()?;
         if time_s.is_finite() {
-            if let Some(seconds) = self.reset_s.take() {
+            if let Some(seconds) = self.calibration_s.take() {
                 self.reset_ends_s = time_s + seconds;
-                shared.begin_reset();
+                shared.begin_calibration();
             }
             shared.hold(time_s < self.reset_ends_s);
         }
@@ -264,9 +264,16 @@ impl<T: Real> CarEstimator<T> {
             for (i, estimator) in self.corners.iter_mut().enumerate() {
                 let Some(estimator) = estimator else { continue };
                 let (stiffness_n_per_m, sd_n_per_m) = estimator.own_stiffness();
-                shared.watch(i, Alone { moving: estimator.moving(), stiffness_n_per_m, sd_n_per_m });
-                if let Some(word) = estimator.take_word_for(|| shared.expect_word(i)) {
-                    shared.hear(i, time_s, word.stiffness_n_per_m, word.sd_n_per_m);
+                shared.watch(
+                    i,
+                    SingleWheelEstimate {
+                        changing: estimator.change_probability(),
+                        stiffness_n_per_m,
+                        sd_n_per_m,
+                    },
+                );
+                if let Some(word) = estimator.pseudo_measurement(|| shared.expected_pseudo_measurement(i)) {
+                    shared.update_reweighted(i, time_s, word.stiffness_n_per_m, word.sd_n_per_m);
                 }
             }
         }
@@ -277,10 +284,10 @@ impl<T: Real> CarEstimator<T> {
             // A shared road that was given up must not leave its last word behind.
             let belief = belief.as_ref().filter(|_| shared.has_partner(i));
             let learning = shared.side(i % 2).0;
-            estimator.believe(belief.map(|belief| CarWord {
+            estimator.set_fused(belief.map(|belief| FusedStiffness {
                 stiffness_n_per_m: belief.stiffness_n_per_m[i],
                 stiffness_sd_n_per_m: belief.covariance[(i, i)].sqrt(),
-                moving: belief.moving,
+                changing: belief.changing,
                 learned_s: belief.learned_s,
                 learning,
                 hears: shared.hears(i) && (learning || !shared.is_slow()),

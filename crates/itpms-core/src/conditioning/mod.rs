@@ -6,5 +6,5 @@ mod resampler;
 mod speed;
 pub(crate) mod wheel_lift;
 
-pub use self::resampler::{GridSample, Intake, SampleCounts};
+pub use self::resampler::{GridSample, Resampler, SampleCounts};
 pub use self::speed::{Odometer, SpeedHold, is_a_cars};

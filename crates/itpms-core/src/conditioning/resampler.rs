@@ -54,7 +54,7 @@ pub struct GridSample<T> {
     pub after_gap: bool,
     /// True if the step and what is near it say nothing of the tire: a sensor was at its limit or did not move; for a
     /// spectrum also if the wheel was in the air of late.
-    pub spoiled: bool,
+    pub invalid: bool,
     /// True if the wheel may have been in the air just then.
     pub unloaded: bool,
 }
@@ -110,7 +110,7 @@ impl<T: Real> FlatWatch<T> {
 /// Checks and regrids the samples of one corner. See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Intake<T> {
+pub struct Resampler<T> {
     sample_period_s: f64,
     grid_period_s: f64,
     /// Times, body and wheel accelerations of the newest samples, oldest first; `filled` of them count.
@@ -132,7 +132,7 @@ pub struct Intake<T> {
     counts: SampleCounts,
 }
 
-impl<T: Real> Intake<T> {
+impl<T: Real> Resampler<T> {
     /// An intake for samples that come at about `sample_rate_hz`; its grid runs at the smallest multiple of that rate
     /// which reaches `least_grid_rate_hz`.
     #[must_use]
@@ -289,7 +289,7 @@ impl<T: Real> Intake<T> {
                 body_accel_m_s2: body,
                 wheel_accel_m_s2: wheel,
                 after_gap: self.after_gap,
-                spoiled: saturated,
+                invalid: saturated,
                 unloaded: false,
             });
             self.after_gap = false;

@@ -118,13 +118,13 @@ mod tests {
 
     /// A grid step of these accelerations.
     fn step(time_s: f64, [body_accel_m_s2, wheel_accel_m_s2]: [f64; 2]) -> GridSample<f64> {
-        let (spoiled, unloaded, after_gap) = (false, false, false);
+        let (invalid, unloaded, after_gap) = (false, false, false);
         GridSample {
             time_s,
             speed_m_s: 20.0,
             body_accel_m_s2,
             wheel_accel_m_s2,
-            spoiled,
+            invalid,
             unloaded,
             after_gap,
         }

@@ -1,14 +1,14 @@
 //! What is wrong with the sensors, as far as it takes several of them to tell: swapped, or with a wrong gain.
 
-use crate::diagnosis::debounce::{Evidence, Patience};
-use crate::diagnosis::fault_latch::{Looks, Word};
+use crate::diagnosis::debounce::{DebounceTimes, Evidence};
+use crate::diagnosis::fault_latch::{FaultLatch, SwapPattern};
 use crate::diagnosis::matching::{Changed, Following, PAIRS, Plane, following, median};
 use crate::diagnosis::moments::Moments;
 use crate::diagnosis::signals::{Block, HOP_WIDTH_HZ};
 use crate::diagnosis::single_sensor::evidence;
-use crate::diagnosis::wheel_gain::balance::WheelGains;
-use crate::diagnosis::wheel_gain::jump::{Hop, Jump, jumps};
-use crate::diagnosis::wheel_gain::shift::Shifts;
+use crate::diagnosis::wheel_gain::balance::WheelGainBalance;
+use crate::diagnosis::wheel_gain::jump::{Hop, WheelGainJump, jumps};
+use crate::diagnosis::wheel_gain::shift::WheelGainShift;
 use crate::diagnosis::{Fault, Malfunction, Place, Sensor};
 use crate::model::{Corner, Wheels};
 use crate::real::Real;
@@ -35,13 +35,13 @@ const CROSSED: f64 = -1.5;
 const HEARD: f64 = 3.0;
 /// How much more than its like a body moves that is a wheel, as a log of powers.
 const LIKE_A_WHEEL: f64 = 2.0;
-const RATIO: Patience = Patience { raise_s: 3.0, clear_s: 5.0 };
+const RATIO: DebounceTimes = DebounceTimes { set_s: 3.0, clear_s: 5.0 };
 
 /// Log of how much better bodies follow their own wheels than each other's, below which two are swapped and above which
 /// not. A healthy car has more than 1.1.
 const OTHER: f64 = -0.4;
 const OWN: f64 = 0.4;
-const SWAP: Patience = Patience { raise_s: 4.0, clear_s: 4.0 };
+const SWAP: DebounceTimes = DebounceTimes { set_s: 4.0, clear_s: 4.0 };
 
 /// Warp of the body's plane, as a share of all power, that is none, and that is somebody's fault. A healthy car has less
 /// than 0.01.
@@ -50,7 +50,7 @@ const BENT: f64 = 0.04;
 /// Log of a body's gain that is wrong; and that is fine again.
 const BODY_GAIN: f64 = 0.2;
 const BODY_GAIN_FINE: f64 = 0.12;
-const GAIN: Patience = Patience { raise_s: 5.0, clear_s: 5.0 };
+const GAIN: DebounceTimes = DebounceTimes { set_s: 5.0, clear_s: 5.0 };
 
 /// The car's sensors against each other.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,7 +62,7 @@ const GAIN: Patience = Patience { raise_s: 5.0, clear_s: 5.0 };
         deserialize = "T: Real + serde::Deserialize<'de>"
     ))
 )]
-pub(crate) struct Together<T: Real> {
+pub(crate) struct CrossSensorPlausibility<T: Real> {
     /// Power density in (m/s²)²/Hz of each corner's sensors' noise.
     noise_density: [T; 4],
     hop: Moments<T, 8>,
@@ -71,23 +71,23 @@ pub(crate) struct Together<T: Real> {
     ratio: [T; 4],
     /// The same in the last block alone.
     newest_ratio: [T; 4],
-    looks: [Looks; 4],
+    patterns: [SwapPattern; 4],
     /// A body moves like a wheel, or the other way round; by corner.
-    odd: [Word<T>; 4],
+    odd: [FaultLatch<T>; 4],
     /// Two wheels or two bodies are swapped; by pair.
-    pairs: [Word<T>; 6],
+    pairs: [FaultLatch<T>; 6],
     /// Both sensors of corners are swapped, left with right or front with rear.
-    corners: [Word<T>; 2],
-    body_gains: [Word<T>; 4],
-    wheel_gains: WheelGains<T>,
+    corners: [FaultLatch<T>; 2],
+    body_gains: [FaultLatch<T>; 4],
+    wheel_gains: WheelGainBalance<T>,
     /// A wheel sensor is upside down.
-    reversed: [Word<T>; 4],
+    reversed: [FaultLatch<T>; 4],
     /// Whether what a wheel's hop does to its body has changed at once; and by less, in seconds.
-    jumps: [Jump<T>; 4],
-    shifts: Shifts<T>,
+    jumps: [WheelGainJump<T>; 4],
+    shifts: WheelGainShift<T>,
 }
 
-impl<T: Real> Together<T> {
+impl<T: Real> CrossSensorPlausibility<T> {
     pub(crate) fn new(noise_power: [T; 4], rate_hz: f64) -> Self {
         Self {
             noise_density: noise_power.map(|power| power * T::lit(2.0 / rate_hz)),
@@ -95,31 +95,31 @@ impl<T: Real> Together<T> {
             bounce: Moments::new(),
             ratio: [T::lit(f64::NAN); 4],
             newest_ratio: [T::lit(f64::NAN); 4],
-            looks: [Looks::Right; 4],
-            odd: [Word::new(); 4],
-            pairs: [Word::new(); 6],
-            corners: [Word::new(); 2],
-            body_gains: [Word::new(); 4],
-            wheel_gains: WheelGains::new(),
-            reversed: [Word::new(); 4],
-            jumps: [Jump::new(); 4],
-            shifts: Shifts::new(),
+            patterns: [SwapPattern::Right; 4],
+            odd: [FaultLatch::new(); 4],
+            pairs: [FaultLatch::new(); 6],
+            corners: [FaultLatch::new(); 2],
+            body_gains: [FaultLatch::new(); 4],
+            wheel_gains: WheelGainBalance::new(),
+            reversed: [FaultLatch::new(); 4],
+            jumps: [WheelGainJump::new(); 4],
+            shifts: WheelGainShift::new(),
         }
     }
 
     /// Lets go of what is only suspected, and of what jumped: nobody can look whether it still holds.
     pub(crate) fn drop_suspicions(&mut self) {
         let words = self.pairs.iter_mut().chain(&mut self.corners).chain(&mut self.reversed);
-        words.for_each(Word::drop_suspicion);
+        words.for_each(FaultLatch::drop_suspicion);
         for jump in self.jumps.iter_mut().filter(|jump| jump.is_suspected()) {
-            *jump = Jump::new();
+            *jump = WheelGainJump::new();
         }
         self.shifts.drop_suspicions();
     }
 
     /// Takes a block of a car that drives, with all eight sensors there and none of them odd by itself.
     pub(crate) fn take(&mut self, at: [f64; 2], block: &Block<T>) {
-        if self.looks != [Looks::Right; 4] {
+        if self.patterns != [SwapPattern::Right; 4] {
             return;
         }
         self.average(block);
@@ -138,7 +138,7 @@ impl<T: Real> Together<T> {
 
     fn average(&mut self, block: &Block<T>) {
         let four = [0, 1, 2, 3];
-        let all = |width_hz| move |together: &Self| four.map(|i| together.noise(i, width_hz));
+        let all = |width_hz| move |cross_sensor: &Self| four.map(|i| cross_sensor.noise(i, width_hz));
         let (hop, bounce) = (all(HOP_WIDTH_HZ)(self), all(BOUNCE_WIDTH_HZ)(self));
         // What the struts make of the wheels is what bodies should do: both must be there.
         if four.iter().all(|&i| block.hop[(4 + i, 4 + i)] > T::lit(0.3) * hop[i]) {
@@ -186,15 +186,15 @@ impl<T: Real> Together<T> {
             // A wheel that reads little, or a body that reads much, is not a swap: then one of the two is like its like.
             let body_is_wheel = !((b / others(&body, i)).ln() < T::lit(LIKE_A_WHEEL));
             let wheel_is_body = !((others(&|j| block.wheel_hop[j], i) / w).ln() < T::lit(LIKE_A_WHEEL));
-            self.looks[i] = match (ratio < T::lit(ODD), body_is_wheel, wheel_is_body) {
-                (true, true, true) if ratio < T::lit(CROSSED) => Looks::Crossed,
-                (true, true, false) => Looks::BodyIsWheel,
-                (true, false, true) => Looks::WheelIsBody,
-                _ => Looks::Right,
+            self.patterns[i] = match (ratio < T::lit(ODD), body_is_wheel, wheel_is_body) {
+                (true, true, true) if ratio < T::lit(CROSSED) => SwapPattern::Crossed,
+                (true, true, false) => SwapPattern::BodyIsWheel,
+                (true, false, true) => SwapPattern::WheelIsBody,
+                _ => SwapPattern::Right,
             };
-            let odd = self.looks[i] != Looks::Right;
-            let malfunction = match self.looks[i] {
-                Looks::Crossed => Malfunction::Swapped(sensor(Place::Body), sensor(Place::Wheel)),
+            let odd = self.patterns[i] != SwapPattern::Right;
+            let malfunction = match self.patterns[i] {
+                SwapPattern::Crossed => Malfunction::Swapped(sensor(Place::Body), sensor(Place::Wheel)),
                 _ => Malfunction::Inconsistent(corner),
             };
             self.odd[i].update(at, evidence(odd, ratio > T::lit(NOT_ODD)), RATIO, || malfunction);
@@ -203,9 +203,9 @@ impl<T: Real> Together<T> {
 
     /// Whether body and wheel of a corner may be swapped.
     pub(crate) fn is_odd(&self, corner: usize) -> bool {
-        self.looks[corner] != Looks::Right
+        self.patterns[corner] != SwapPattern::Right
             || self.newest_ratio[corner] < T::lit(NOT_ODD)
-            || self.odd[corner].latch.is_suspected()
+            || self.odd[corner].debouncer.is_suspected()
     }
 
     /// Takes the block that was just compared, of a car none of whose sensors is odd by itself: has what a wheel does to its body
@@ -216,13 +216,14 @@ impl<T: Real> Together<T> {
             loud && self.newest_ratio[i].is_finite() && block.hop[(4 + i, 4 + i)] > T::zero()
         };
         let words = self.odd.iter().chain(&self.pairs).chain(&self.reversed).chain(&self.corners);
-        let said = words.chain(&self.body_gains).filter_map(Word::fault).chain(self.wheel_gains.faults());
-        let said = said.fold(Wheels::NONE, |all, fault| all | fault.malfunction.wheels());
-        let explained = Corner::ALL.map(|corner| said.contains(corner));
+        let active =
+            words.chain(&self.body_gains).filter_map(FaultLatch::fault).chain(self.wheel_gains.faults());
+        let active = active.fold(Wheels::NONE, |all, fault| all | fault.malfunction.wheels());
+        let explained = Corner::ALL.map(|corner| active.contains(corner));
         if [0, 1, 2, 3].into_iter().all(heard) {
             let hop = |i: usize| {
-                let moved = (block.hop[(4 + i, 4 + i)] / block.hop[(i, i)]).ln();
-                Hop { moved, quick: self.newest_ratio[i] - moved }
+                let transmissibility = (block.hop[(4 + i, 4 + i)] / block.hop[(i, i)]).ln();
+                Hop { transmissibility, hop_frequency: self.newest_ratio[i] - transmissibility }
             };
             jumps(&mut self.jumps, at, &[0, 1, 2, 3].map(hop), explained);
             // What a swapped sensor reads is so much more than its own that averages would be long in forgetting it.
@@ -234,7 +235,7 @@ impl<T: Real> Together<T> {
 
     fn judge_pairs(&mut self, at: [f64; 2], following: Option<&Following<T>>, plane: Option<&Plane<T>>) {
         for (k, [i, j]) in PAIRS.into_iter().enumerate() {
-            let evidence = following.map_or(Evidence::Nothing, |following| {
+            let evidence = following.map_or(Evidence::NoData, |following| {
                 let own = &following.own_over_other;
                 let least = own.iter().fold(own[k], |least, other| least.min(*other));
                 evidence(own[k] < T::lit(OTHER) && own[k] <= least, own[k] > T::lit(OWN))
@@ -250,7 +251,7 @@ impl<T: Real> Together<T> {
         let own = |f: &Following<T>| f.own_over_other.iter().all(|log| *log > T::lit(OWN));
         let follows = following.is_some_and(own);
         for (word, changed) in self.corners.iter_mut().zip([Changed::Sides, Changed::Axles]) {
-            let evidence = plane.map_or(Evidence::Nothing, |plane| {
+            let evidence = plane.map_or(Evidence::NoData, |plane| {
                 evidence(follows && plane.changed_places() == Some(changed), plane.warp < T::lit(FLAT))
             });
             word.update(at, evidence, SWAP, || match changed {
@@ -264,7 +265,7 @@ impl<T: Real> Together<T> {
     fn judge_direction(&mut self, at: [f64; 2], following: Option<&Following<T>>, plane: Option<&Plane<T>>) {
         let flat = plane.is_some_and(|plane| plane.warp < T::lit(BENT));
         for i in 0..4 {
-            let evidence = following.filter(|_| flat).map_or(Evidence::Nothing, |following| {
+            let evidence = following.filter(|_| flat).map_or(Evidence::NoData, |following| {
                 evidence(following.own[i] < T::zero(), following.own[i] > T::zero())
             });
             let sensor = Sensor { corner: Corner::ALL[i], place: Place::Wheel };
@@ -276,7 +277,7 @@ impl<T: Real> Together<T> {
     fn judge_body_gains(&mut self, at: [f64; 2], plane: Option<&Plane<T>>) {
         for i in 0..4 {
             let mut gain = T::one();
-            let evidence = plane.map_or(Evidence::Nothing, |plane| {
+            let evidence = plane.map_or(Evidence::NoData, |plane| {
                 gain = plane.gain;
                 let wrong = !(gain > T::zero() && gain.ln().abs() < T::lit(BODY_GAIN));
                 let his = plane.wrong_gain() == Some(i);
@@ -298,7 +299,8 @@ impl<T: Real> Together<T> {
         let odd = if crossed.is_some() { &self.odd[..0] } else { &self.odd[..] };
         let words = odd.iter().chain(&self.pairs).chain(&self.reversed);
         let words = words.chain(&self.corners).chain(&self.body_gains);
-        let all = crossed.into_iter().chain(words.filter_map(Word::fault)).chain(self.wheel_gains.faults());
+        let all =
+            crossed.into_iter().chain(words.filter_map(FaultLatch::fault)).chain(self.wheel_gains.faults());
         for fault in all {
             if let Some(corner) = fault.malfunction.wheels().iter().next() {
                 faults[corner.index()].get_or_insert(fault);
@@ -309,19 +311,20 @@ impl<T: Real> Together<T> {
 
     /// A body that is a wheel at one corner and a wheel that is a body at another: these two are swapped.
     fn crossed(&self) -> Option<Fault<T>> {
-        let only = |looks: Looks| {
-            let mut those = (0..4).filter(|&i| self.odd[i].latch.is_said() && self.looks[i] == looks);
+        let only = |patterns: SwapPattern| {
+            let mut those =
+                (0..4).filter(|&i| self.odd[i].debouncer.is_active() && self.patterns[i] == patterns);
             those.next().filter(|_| those.next().is_none())
         };
-        let (body, wheel) = (only(Looks::BodyIsWheel)?, only(Looks::WheelIsBody)?);
+        let (body, wheel) = (only(SwapPattern::BodyIsWheel)?, only(SwapPattern::WheelIsBody)?);
         let sensor = |i: usize, place| Sensor { corner: Corner::ALL[i], place };
         let swapped = Malfunction::Swapped(sensor(body, Place::Body), sensor(wheel, Place::Wheel));
-        Some(Fault::said_by(&self.odd[body].latch, swapped))
+        Some(Fault::from_debouncer(&self.odd[body].debouncer, swapped))
     }
 
     /// The corners whose gain may be about to be suspected.
-    pub(crate) fn strange(&self, now_s: f64) -> Wheels {
-        Corner::ALL.into_iter().filter(|corner| self.shifts.is_strange(corner.index(), now_s)).collect()
+    pub(crate) fn pending_fault(&self, now_s: f64) -> Wheels {
+        Corner::ALL.into_iter().filter(|corner| self.shifts.is_pending_fault(corner.index(), now_s)).collect()
     }
 
     /// The corners whose sensors may be swapped, or whose gain may have changed. That a gain was wrong all the time is
@@ -329,13 +332,13 @@ impl<T: Real> Together<T> {
     pub(crate) fn suspects(&self) -> Wheels {
         // A body that moves like its wheel is suspect at once.
         let odd = |corner: &Corner| self.newest_ratio[corner.index()] < T::lit(ODD);
-        self.belated() | Corner::ALL.into_iter().filter(odd).collect()
+        self.late_detection() | Corner::ALL.into_iter().filter(odd).collect()
     }
 
     /// Those among them of which it took seconds to find out.
-    pub(crate) fn belated(&self) -> Wheels {
+    pub(crate) fn late_detection(&self) -> Wheels {
         let words = self.odd.iter().chain(&self.pairs).chain(&self.reversed).chain(&self.corners);
-        let suspected = words.filter(|word| word.latch.is_suspected());
+        let suspected = words.filter(|word| word.debouncer.is_suspected());
         let jumped = |corner: &Corner| {
             self.jumps[corner.index()].is_suspected() || self.shifts.is_suspected(corner.index())
         };

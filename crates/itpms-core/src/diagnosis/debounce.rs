@@ -2,9 +2,9 @@
 
 /// How long a condition has to hold, in s.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Patience {
+pub(crate) struct DebounceTimes {
     /// Before the word is said.
-    pub(crate) raise_s: f64,
+    pub(crate) set_s: f64,
     /// Before it is taken back.
     pub(crate) clear_s: f64,
 }
@@ -13,31 +13,31 @@ pub(crate) struct Patience {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Evidence {
     /// It holds.
-    For,
+    Prefailed,
     /// It is over.
-    Against,
+    Prepassed,
     /// Neither: whatever was said stays said, and nothing new is.
-    Neither,
+    Undecided,
     /// Nothing was seen: time stands still.
-    Nothing,
+    NoData,
 }
 
 /// A word with its memory.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Latch {
-    said: bool,
+pub(crate) struct Debouncer {
+    active: bool,
     /// Seconds of evidence for and against in a row.
-    for_s: f64,
-    against_s: f64,
+    prefailed_s: f64,
+    prepassed_s: f64,
     /// When the evidence for it began, and when it was said.
     since_s: f64,
-    said_s: f64,
+    reported_s: f64,
 }
 
-impl Latch {
+impl Debouncer {
     pub(crate) fn new() -> Self {
-        Self { said: false, for_s: 0.0, against_s: 0.0, since_s: f64::NAN, said_s: f64::NAN }
+        Self { active: false, prefailed_s: 0.0, prepassed_s: 0.0, since_s: f64::NAN, reported_s: f64::NAN }
     }
 
     /// Takes what the last `step_s` seconds until `time_s` spoke for; true while the word stands.
@@ -46,42 +46,42 @@ impl Latch {
         time_s: f64,
         step_s: f64,
         evidence: Evidence,
-        patience: Patience,
+        patience: DebounceTimes,
     ) -> bool {
         match evidence {
-            Evidence::For => {
-                if self.for_s <= 0.0 && !self.said {
+            Evidence::Prefailed => {
+                if self.prefailed_s <= 0.0 && !self.active {
                     self.since_s = time_s - step_s;
                 }
-                self.for_s += step_s;
-                self.against_s = 0.0;
+                self.prefailed_s += step_s;
+                self.prepassed_s = 0.0;
             }
-            Evidence::Against => {
-                self.against_s += step_s;
-                self.for_s = 0.0;
+            Evidence::Prepassed => {
+                self.prepassed_s += step_s;
+                self.prefailed_s = 0.0;
             }
-            Evidence::Neither => (self.for_s, self.against_s) = (0.0, 0.0),
-            Evidence::Nothing => {}
+            Evidence::Undecided => (self.prefailed_s, self.prepassed_s) = (0.0, 0.0),
+            Evidence::NoData => {}
         }
         // Steps add up with rounding.
         const SLACK_S: f64 = 1e-6;
-        if !self.said && self.for_s > 0.0 && self.for_s + SLACK_S >= patience.raise_s {
-            self.said = true;
-            self.said_s = time_s;
-        } else if self.said && self.against_s > 0.0 && self.against_s + SLACK_S >= patience.clear_s {
-            self.said = false;
+        if !self.active && self.prefailed_s > 0.0 && self.prefailed_s + SLACK_S >= patience.set_s {
+            self.active = true;
+            self.reported_s = time_s;
+        } else if self.active && self.prepassed_s > 0.0 && self.prepassed_s + SLACK_S >= patience.clear_s {
+            self.active = false;
         }
-        self.said
+        self.active
     }
 
     /// Whether the word stands.
-    pub(crate) fn is_said(&self) -> bool {
-        self.said
+    pub(crate) fn is_active(&self) -> bool {
+        self.active
     }
 
     /// Whether anything speaks for it, said or not.
     pub(crate) fn is_suspected(&self) -> bool {
-        self.said || self.for_s > 0.0
+        self.active || self.prefailed_s > 0.0
     }
 
     /// When the evidence began, in s; means something only while the word stands.
@@ -90,8 +90,8 @@ impl Latch {
     }
 
     /// When it was said, in s; means something only while the word stands.
-    pub(crate) fn said_s(&self) -> f64 {
-        self.said_s
+    pub(crate) fn reported_s(&self) -> f64 {
+        self.reported_s
     }
 }
 
@@ -99,29 +99,29 @@ impl Latch {
 mod tests {
     use super::*;
 
-    const PATIENCE: Patience = Patience { raise_s: 2.0, clear_s: 3.0 };
+    const PATIENCE: DebounceTimes = DebounceTimes { set_s: 2.0, clear_s: 3.0 };
 
-    fn run(latch: &mut Latch, from_s: f64, to_s: f64, evidence: Evidence) -> bool {
+    fn run(debouncer: &mut Debouncer, from_s: f64, to_s: f64, evidence: Evidence) -> bool {
         let steps = ((to_s - from_s) / 0.5).round() as u32;
-        let mut said = false;
+        let mut active = false;
         for i in 1..=steps {
-            said = latch.update(from_s + 0.5 * f64::from(i), 0.5, evidence, PATIENCE);
+            active = debouncer.update(from_s + 0.5 * f64::from(i), 0.5, evidence, PATIENCE);
         }
-        said
+        active
     }
 
     #[test]
     fn a_word_needs_its_time_and_keeps_through_doubt() {
-        let mut latch = Latch::new();
-        assert!(!run(&mut latch, 0.0, 1.5, Evidence::For));
-        assert!(!run(&mut latch, 1.5, 2.0, Evidence::Neither));
-        assert!(!run(&mut latch, 2.0, 3.5, Evidence::For));
-        assert!(!run(&mut latch, 3.5, 9.0, Evidence::Nothing));
-        assert!(run(&mut latch, 9.0, 9.5, Evidence::For));
-        assert_eq!((latch.since_s(), latch.said_s()), (2.0, 9.5));
-        assert!(run(&mut latch, 9.5, 12.0, Evidence::Against));
-        assert!(run(&mut latch, 12.0, 12.5, Evidence::Neither));
-        assert!(run(&mut latch, 12.5, 15.0, Evidence::Against));
-        assert!(!run(&mut latch, 15.0, 15.5, Evidence::Against));
+        let mut debouncer = Debouncer::new();
+        assert!(!run(&mut debouncer, 0.0, 1.5, Evidence::Prefailed));
+        assert!(!run(&mut debouncer, 1.5, 2.0, Evidence::Undecided));
+        assert!(!run(&mut debouncer, 2.0, 3.5, Evidence::Prefailed));
+        assert!(!run(&mut debouncer, 3.5, 9.0, Evidence::NoData));
+        assert!(run(&mut debouncer, 9.0, 9.5, Evidence::Prefailed));
+        assert_eq!((debouncer.since_s(), debouncer.reported_s()), (2.0, 9.5));
+        assert!(run(&mut debouncer, 9.5, 12.0, Evidence::Prepassed));
+        assert!(run(&mut debouncer, 12.0, 12.5, Evidence::Undecided));
+        assert!(run(&mut debouncer, 12.5, 15.0, Evidence::Prepassed));
+        assert!(!run(&mut debouncer, 15.0, 15.5, Evidence::Prepassed));
     }
 }

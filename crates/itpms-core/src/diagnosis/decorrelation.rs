@@ -13,11 +13,11 @@ const USUAL_S: f64 = 20.0;
 /// What the incoherence of a side usually is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Parting<T> {
+pub(crate) struct DecorrelationDetector<T> {
     usual: Option<T>,
 }
 
-impl<T: Real> Parting<T> {
+impl<T: Real> DecorrelationDetector<T> {
     pub(crate) fn new() -> Self {
         Self { usual: None }
     }
@@ -39,17 +39,17 @@ impl<T: Real> Parting<T> {
 mod tests {
     use super::*;
 
-    fn run(parting: &mut Parting<f64>, seconds: f64, incoherence: f64) -> usize {
+    fn run(parting: &mut DecorrelationDetector<f64>, seconds: f64, incoherence: f64) -> usize {
         (0..(seconds * 10.0) as usize).filter(|_| parting.update(0.1, incoherence)).count()
     }
 
     #[test]
     fn tracks_part_for_some_seconds_and_then_that_is_usual() {
-        let mut parting = Parting::new();
+        let mut parting = DecorrelationDetector::new();
         assert_eq!(run(&mut parting, 30.0, 0.004), 0);
         // Usual is 1 - 0.996 exp(-t / 20 s), a fifth after 4.4 s.
         assert!((40..50).contains(&run(&mut parting, 30.0, 1.0)));
-        // Together again, and apart again.
+        // CrossSensorPlausibility again, and apart again.
         assert_eq!(run(&mut parting, 1.0, 0.004), 0);
         assert!((40..50).contains(&run(&mut parting, 30.0, 1.0)));
     }
@@ -58,7 +58,7 @@ mod tests {
     fn what_a_puncture_does_is_no_parting() {
         // Largest rises seen at punctures: from 0.001 to 0.01 on a shared road, from 0.034 to 0.13 where wheels leave the ground.
         for (before, after) in [(0.001, 0.01), (0.034, 0.13), (0.05, 0.08)] {
-            let mut parting = Parting::new();
+            let mut parting = DecorrelationDetector::new();
             run(&mut parting, 30.0, before);
             assert_eq!(run(&mut parting, 10.0, after), 0);
         }
@@ -66,7 +66,7 @@ mod tests {
 
     #[test]
     fn a_road_that_is_not_shared_or_not_known_is_no_parting() {
-        let mut parting = Parting::new();
+        let mut parting = DecorrelationDetector::new();
         assert_eq!(run(&mut parting, 10.0, f64::NAN), 0);
         // The first thing seen is what is usual.
         assert_eq!(run(&mut parting, 10.0, 1.0), 0);

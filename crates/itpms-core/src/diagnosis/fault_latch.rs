@@ -1,13 +1,13 @@
 //! A word about several sensors, what would be said, and how a corner looks in the hop band.
 
-use crate::diagnosis::debounce::{Evidence, Latch, Patience};
+use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
 use crate::diagnosis::{Fault, Malfunction};
 use crate::real::Real;
 
 /// What the sensors of a corner look like in the hop band.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) enum Looks {
+pub(crate) enum SwapPattern {
     Right,
     /// The body moves as a wheel does.
     BodyIsWheel,
@@ -20,14 +20,14 @@ pub(crate) enum Looks {
 /// A latch and what it would say.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Word<T> {
-    pub(crate) latch: Latch,
+pub(crate) struct FaultLatch<T> {
+    pub(crate) debouncer: Debouncer,
     pub(crate) malfunction: Option<Malfunction<T>>,
 }
 
-impl<T: Real> Word<T> {
+impl<T: Real> FaultLatch<T> {
     pub(crate) fn new() -> Self {
-        Self { latch: Latch::new(), malfunction: None }
+        Self { debouncer: Debouncer::new(), malfunction: None }
     }
 
     /// Takes evidence for this malfunction. Once said, it stays what it was called.
@@ -35,25 +35,25 @@ impl<T: Real> Word<T> {
         &mut self,
         [time_s, step_s]: [f64; 2],
         evidence: Evidence,
-        patience: Patience,
+        patience: DebounceTimes,
         malfunction: impl FnOnce() -> Malfunction<T>,
     ) {
-        if !self.latch.is_said() && evidence == Evidence::For {
+        if !self.debouncer.is_active() && evidence == Evidence::Prefailed {
             self.malfunction = Some(malfunction());
         }
-        self.latch.update(time_s, step_s, evidence, patience);
+        self.debouncer.update(time_s, step_s, evidence, patience);
     }
 
     /// Forgets what speaks for it, if that is not enough to say it.
     pub(crate) fn drop_suspicion(&mut self) {
-        if !self.latch.is_said() {
-            self.latch = Latch::new();
+        if !self.debouncer.is_active() {
+            self.debouncer = Debouncer::new();
         }
     }
 
     /// What is said, while it is.
     pub(crate) fn fault(&self) -> Option<Fault<T>> {
-        let malfunction = self.malfunction.filter(|_| self.latch.is_said())?;
-        Some(Fault::said_by(&self.latch, malfunction))
+        let malfunction = self.malfunction.filter(|_| self.debouncer.is_active())?;
+        Some(Fault::from_debouncer(&self.debouncer, malfunction))
     }
 }

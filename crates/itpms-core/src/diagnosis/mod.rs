@@ -29,12 +29,12 @@ pub(crate) mod standstill;
 mod wheel_gain;
 
 pub use self::malfunction::{Malfunction, Place, Sensor};
-use crate::diagnosis::cross_sensor::Together;
-use crate::diagnosis::debounce::Latch;
+use crate::diagnosis::cross_sensor::CrossSensorPlausibility;
+use crate::diagnosis::debounce::Debouncer;
 use crate::diagnosis::matching::{median, over_others};
 use crate::diagnosis::sensor_statistics::SensorBlock;
 use crate::diagnosis::signals::{Block, HOP_WIDTH_HZ, Signals};
-use crate::diagnosis::single_sensor::Alone;
+use crate::diagnosis::single_sensor::SingleSensorMonitor;
 use crate::model::{CarConfig, CarSample, Corner, CornerConfig, Wheels};
 use crate::real::Real;
 
@@ -63,12 +63,12 @@ const LEFT_BLOCKS: u32 = 20;
 pub(crate) struct Fault<T> {
     pub(crate) malfunction: Malfunction<T>,
     pub(crate) since_s: f64,
-    pub(crate) said_s: f64,
+    pub(crate) reported_s: f64,
 }
 
 impl<T> Fault<T> {
-    fn said_by(latch: &Latch, malfunction: Malfunction<T>) -> Self {
-        Self { malfunction, since_s: latch.since_s(), said_s: latch.said_s() }
+    fn from_debouncer(debouncer: &Debouncer, malfunction: Malfunction<T>) -> Self {
+        Self { malfunction, since_s: debouncer.since_s(), reported_s: debouncer.reported_s() }
     }
 }
 
@@ -89,13 +89,13 @@ enum Motion {
         deserialize = "T: Real + serde::Deserialize<'de>"
     ))
 )]
-pub(crate) struct Health<T: Real> {
+pub(crate) struct Diagnosis<T: Real> {
     period_s: f64,
     noise_power: [T; 4],
     present: [bool; 4],
-    sensors: [Alone<T>; 8],
+    sensors: [SingleSensorMonitor<T>; 8],
     signals: Signals<T>,
-    together: Together<T>,
+    cross_sensor: CrossSensorPlausibility<T>,
     slowest_m_s: T,
     last_s: f64,
     block_from_s: f64,
@@ -107,7 +107,7 @@ pub(crate) struct Health<T: Real> {
     news: bool,
 }
 
-impl<T: Real> Health<T> {
+impl<T: Real> Diagnosis<T> {
     pub(crate) fn new(car: &CarConfig<T>, rate_hz: f64) -> Self {
         let noise = |corner: &Option<CornerConfig<T>>| {
             let noise = corner.as_ref().map_or(T::zero(), CornerConfig::accel_noise_or_usual_m_s2);
@@ -118,9 +118,9 @@ impl<T: Real> Health<T> {
             period_s: 1.0 / rate_hz,
             noise_power,
             present: car.corners.each_ref().map(Option::is_some),
-            sensors: [Alone::new(1.0 / rate_hz); 8],
+            sensors: [SingleSensorMonitor::new(1.0 / rate_hz); 8],
             signals: Signals::new(car, rate_hz),
-            together: Together::new(noise_power, rate_hz),
+            cross_sensor: CrossSensorPlausibility::new(noise_power, rate_hz),
             slowest_m_s: T::lit(f64::NAN),
             last_s: f64::NEG_INFINITY,
             block_from_s: f64::NAN,
@@ -143,7 +143,7 @@ impl<T: Real> Health<T> {
             self.slowest_m_s = sample.speed_m_s;
         }
         if step_s > LONGEST_STEP * self.period_s {
-            self.sensors.iter_mut().for_each(Alone::interrupted);
+            self.sensors.iter_mut().for_each(SingleSensorMonitor::interrupted);
         }
         let nothing = [T::lit(f64::NAN); 2];
         let mut values = [T::zero(); 8];
@@ -182,13 +182,13 @@ impl<T: Real> Health<T> {
         // An unknown speed passes: there is power in the bands, or nothing is concluded.
         let driving = !(self.slowest_m_s < T::lit(DRIVING_M_S));
         let alive = if driving { alive } else { [false; 4] };
-        self.together.compare_wheel_and_body([time_s, step_s], &block, alive);
+        self.cross_sensor.compare_wheel_and_body([time_s, step_s], &block, alive);
         self.judge_noise([time_s, step_s], &blocks, &block);
         let few = |block: &Option<SensorBlock<T>>| block.is_none_or(|b| b.missing < T::lit(FEW_MISSING));
         let calm = (0..8).all(|i| self.present[i % 4] && !self.sensors[i].is_suspected());
         let calm = calm && blocks.iter().all(few);
         if calm {
-            self.together.look_for_jumps([time_s, step_s], &block);
+            self.cross_sensor.look_for_jumps([time_s, step_s], &block);
         }
         if calm {
             (self.calm_blocks, self.rough_blocks) = ((self.calm_blocks + 1).min(FORGETTING_BLOCKS + 1), 0);
@@ -196,10 +196,10 @@ impl<T: Real> Health<T> {
             (self.calm_blocks, self.rough_blocks) = (0, self.rough_blocks.saturating_add(1));
         }
         if self.rough_blocks == LEFT_BLOCKS {
-            self.together.drop_suspicions();
+            self.cross_sensor.drop_suspicions();
         }
         if driving && self.calm_blocks > FORGETTING_BLOCKS {
-            self.together.take([time_s, step_s], &block);
+            self.cross_sensor.take([time_s, step_s], &block);
         }
     }
 
@@ -232,7 +232,7 @@ impl<T: Real> Health<T> {
                 |own: T| !(hop[i % 4] < own * T::lit(WHITE_AT_MOST * HOP_WIDTH_HZ * 2.0 * self.period_s));
             let powers = self.noise_powers(blocks, i).and_then(|[own, alike]| match hops(own) {
                 false => Some([own, alike]),
-                true if self.together.is_odd(i % 4) => None,
+                true if self.cross_sensor.is_odd(i % 4) => None,
                 true => Some([own, alike * over_others(hop, i % 4).max(T::one())]),
             });
             self.sensors[i].compare_noise(time_s, step_s, powers);
@@ -255,17 +255,17 @@ impl<T: Real> Health<T> {
 
     /// What is wrong, by the corner it is told at: the worst of each.
     pub(crate) fn faults(&self) -> [Option<Fault<T>>; 4] {
-        let together = self.together.faults();
+        let cross_sensor = self.cross_sensor.faults();
         core::array::from_fn(|i| {
             let sensor = |place| Sensor { corner: Corner::ALL[i], place };
             let wheel = self.sensors[4 + i].fault(sensor(Place::Wheel));
-            wheel.or_else(|| self.sensors[i].fault(sensor(Place::Body))).or(together[i])
+            wheel.or_else(|| self.sensors[i].fault(sensor(Place::Body))).or(cross_sensor[i])
         })
     }
 
     /// The corners among them that were learned from for seconds before that showed.
-    pub(crate) fn belated(&self) -> Wheels {
-        self.together.belated()
+    pub(crate) fn late_detection(&self) -> Wheels {
+        self.cross_sensor.late_detection()
     }
 
     /// The corners not to be learned from now.
@@ -274,11 +274,11 @@ impl<T: Real> Health<T> {
             let i = corner.index();
             self.present[i] && (self.sensors[i].is_suspected() || self.sensors[4 + i].is_suspected())
         });
-        alone.collect::<Wheels>() | self.together.suspects()
+        alone.collect::<Wheels>() | self.cross_sensor.suspects()
     }
 
     /// The corners that may be among these in a moment.
-    pub(crate) fn strange(&self) -> Wheels {
-        self.together.strange(self.last_s)
+    pub(crate) fn pending_fault(&self) -> Wheels {
+        self.cross_sensor.pending_fault(self.last_s)
     }
 }

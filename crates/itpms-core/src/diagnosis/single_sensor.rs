@@ -1,6 +1,6 @@
 //! What is wrong with one sensor, as far as it can be told from itself and from its like on the other corners.
 
-use crate::diagnosis::debounce::{Evidence, Latch, Patience};
+use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
 use crate::diagnosis::sensor_statistics::{SensorBlock, SensorWatch};
 use crate::diagnosis::{Fault, Malfunction, Motion, Sensor};
 use crate::real::Real;
@@ -8,30 +8,30 @@ use crate::real::Real;
 /// Seconds without a change after which a sensor of a moving car is stuck; and of the doubt before.
 const STUCK_S: f64 = 0.5;
 const STUCK_DOUBT_S: f64 = 0.2;
-const STUCK: Patience = Patience { raise_s: 0.0, clear_s: 1.5 };
+const STUCK: DebounceTimes = DebounceTimes { set_s: 0.0, clear_s: 1.5 };
 /// Share of missing values that is too much, and that is fine again.
 const TOO_MANY_MISSING: f64 = 0.4;
 const FEW_MISSING: f64 = 0.1;
-const DROPOUT: Patience = Patience { raise_s: 1.0, clear_s: 2.0 };
+const DROPOUT: DebounceTimes = DebounceTimes { set_s: 1.0, clear_s: 2.0 };
 /// Spikes that are too many within the time constant in s of their count; seconds of doubt after each of them.
 const TOO_MANY_SPIKES: f64 = 2.2;
 const SPIKES_S: f64 = 10.0;
 const SPIKE_DOUBT_S: f64 = 2.0;
-const SPIKES: Patience = Patience { raise_s: 0.0, clear_s: 15.0 };
+const SPIKES: DebounceTimes = DebounceTimes { set_s: 0.0, clear_s: 15.0 };
 /// Noise power over that of its like that is too much, and that is fine again.
 const TOO_NOISY: f64 = 6.0;
 const NOT_NOISY: f64 = 3.0;
-const NOISE: Patience = Patience { raise_s: 3.0, clear_s: 5.0 };
+const NOISE: DebounceTimes = DebounceTimes { set_s: 3.0, clear_s: 5.0 };
 
 /// A sensor under watch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Alone<T> {
+pub(crate) struct SingleSensorMonitor<T> {
     watch: SensorWatch<T>,
-    stuck: Latch,
-    dropout: Latch,
-    spikes: Latch,
-    noise: Latch,
+    stuck: Debouncer,
+    dropout: Debouncer,
+    spikes: Debouncer,
+    noise: Debouncer,
     spike_count: f64,
     spike_s: f64,
     doubtful: Doubtful,
@@ -45,14 +45,14 @@ enum Doubtful {
     Yes,
 }
 
-impl<T: Real> Alone<T> {
+impl<T: Real> SingleSensorMonitor<T> {
     pub(crate) fn new(period_s: f64) -> Self {
         Self {
             watch: SensorWatch::new(period_s),
-            stuck: Latch::new(),
-            dropout: Latch::new(),
-            spikes: Latch::new(),
-            noise: Latch::new(),
+            stuck: Debouncer::new(),
+            dropout: Debouncer::new(),
+            spikes: Debouncer::new(),
+            noise: Debouncer::new(),
             spike_count: 0.0,
             spike_s: f64::NEG_INFINITY,
             doubtful: Doubtful::No,
@@ -79,10 +79,10 @@ impl<T: Real> Alone<T> {
         let block = self.watch.end_block(time_s);
         let unchanged_s = if block.complete { block.unchanged_s } else { 0.0 };
         let stuck = match motion {
-            _ if !block.complete => Evidence::Nothing,
-            Motion::Moving if unchanged_s > STUCK_S => Evidence::For,
-            _ if unchanged_s < STUCK_DOUBT_S => Evidence::Against,
-            _ => Evidence::Nothing,
+            _ if !block.complete => Evidence::NoData,
+            Motion::Moving if unchanged_s > STUCK_S => Evidence::Prefailed,
+            _ if unchanged_s < STUCK_DOUBT_S => Evidence::Prepassed,
+            _ => Evidence::NoData,
         };
         self.stuck.update(time_s, step_s, stuck, STUCK);
         let missing = block.missing.to_f64();
@@ -104,7 +104,7 @@ impl<T: Real> Alone<T> {
 
     /// Judges its noise against that of its like, both as powers; `None`: cannot be compared now.
     pub(crate) fn compare_noise(&mut self, time_s: f64, step_s: f64, powers: Option<[T; 2]>) {
-        let noise = powers.map_or(Evidence::Nothing, |[own, alike]| {
+        let noise = powers.map_or(Evidence::NoData, |[own, alike]| {
             evidence(own > T::lit(TOO_NOISY) * alike, own < T::lit(NOT_NOISY) * alike)
         });
         self.noise.update(time_s, step_s, noise, NOISE);
@@ -118,28 +118,28 @@ impl<T: Real> Alone<T> {
             (&self.spikes, Malfunction::Spikes(sensor)),
             (&self.noise, Malfunction::Noise(sensor)),
         ];
-        let said = latches.into_iter().find(|(latch, _)| latch.is_said());
-        said.map(|(latch, malfunction)| Fault::said_by(latch, malfunction))
+        let active = latches.into_iter().find(|(debouncer, _)| debouncer.is_active());
+        active.map(|(debouncer, malfunction)| Fault::from_debouncer(debouncer, malfunction))
     }
 
     /// Whether it can be held against other sensors: it moves and its values come.
     pub(crate) fn is_alive(&self) -> bool {
         let latches = [&self.stuck, &self.dropout, &self.spikes];
-        self.doubtful == Doubtful::No && !latches.iter().any(|latch| latch.is_suspected())
+        self.doubtful == Doubtful::No && !latches.iter().any(|debouncer| debouncer.is_suspected())
     }
 
     /// Whether its values may not be learned from, said or not.
     pub(crate) fn is_suspected(&self) -> bool {
         let latches = [&self.stuck, &self.dropout, &self.spikes, &self.noise];
-        self.doubtful == Doubtful::Yes || latches.iter().any(|latch| latch.is_suspected())
+        self.doubtful == Doubtful::Yes || latches.iter().any(|debouncer| debouncer.is_suspected())
     }
 }
 
 /// What two conditions that exclude each other speak for.
 pub(crate) fn evidence(for_it: bool, against_it: bool) -> Evidence {
     match (for_it, against_it) {
-        (true, _) => Evidence::For,
-        (false, true) => Evidence::Against,
-        (false, false) => Evidence::Neither,
+        (true, _) => Evidence::Prefailed,
+        (false, true) => Evidence::Prepassed,
+        (false, false) => Evidence::Undecided,
     }
 }

@@ -7,9 +7,9 @@ use crate::published::{
     ParameterForgetting, StepRecord,
 };
 use crate::real::Real;
-use crate::single_wheel::{Informed, RESET_SD, RoadRepetition, StiffnessWord};
+use crate::single_wheel::{CALIBRATION_SD, Informed, RoadRepetition, StiffnessPseudoMeasurement};
 
-use crate::estimator::{CarWord, EstimatorKind};
+use crate::estimator::{EstimatorKind, FusedStiffness};
 
 /// Seconds of full information before an estimate counts.
 const STARTING_S: f64 = 2.0;
@@ -133,7 +133,7 @@ impl<T: Real> Engine<T> {
                 let mut record = filter.step(self.grid_period_s, &corner);
                 if likelihood.push(sample) {
                     self.read_s = sample.time_s;
-                    if let Some(word) = likelihood.take_word() {
+                    if let Some(word) = likelihood.take_pseudo_measurement() {
                         filter.measure_stiffness(word.stiffness_n_per_m, word.sd_n_per_m);
                         record = filter.record(record.status);
                     }
@@ -147,17 +147,17 @@ impl<T: Real> Engine<T> {
     }
 
     /// Tells that the tire has its placard pressure now. The published filters have no ear for it.
-    pub(crate) fn pin_to_placard(&mut self) {
+    pub(crate) fn set_to_placard(&mut self) {
         match &mut self.method {
             Method::Informed(informed) => {
-                informed.pin_to_placard();
+                informed.set_to_placard();
                 self.reading = belief_reading(&self.config, informed);
             }
             Method::AekfUiInformed { likelihood, filter } => {
-                likelihood.pin_to_placard();
+                likelihood.set_to_placard();
                 let tire = &self.config.tire;
                 let placard = self.config.placard_kpa;
-                let sd = T::lit(RESET_SD) * placard * tire.stiffness_per_kpa();
+                let sd = T::lit(CALIBRATION_SD) * placard * tire.stiffness_per_kpa();
                 filter.measure_stiffness(tire.stiffness_n_per_m(placard), sd);
             }
             Method::Published(_) => {}
@@ -173,18 +173,21 @@ impl<T: Real> Engine<T> {
     }
 
     /// What the last frames said to a belief outside.
-    pub(crate) fn take_word_for(&mut self, believed: impl FnOnce() -> (T, T)) -> Option<StiffnessWord<T>> {
+    pub(crate) fn pseudo_measurement(
+        &mut self,
+        believed: impl FnOnce() -> (T, T),
+    ) -> Option<StiffnessPseudoMeasurement<T>> {
         match &mut self.method {
-            Method::Informed(informed) => informed.take_word_for(believed),
+            Method::Informed(informed) => informed.pseudo_measurement(believed),
             _ => None,
         }
     }
 
     /// Puts what the whole car says in the place of what the corner says.
-    pub(crate) fn overrule(&self, reading: &mut Reading<T>, word: &CarWord<T>) {
+    pub(crate) fn apply_fused(&self, reading: &mut Reading<T>, word: &FusedStiffness<T>) {
         reading.stiffness_n_per_m = word.stiffness_n_per_m;
         reading.stiffness_sd_n_per_m = word.stiffness_sd_n_per_m;
-        reading.change_probability = word.moving;
+        reading.change_probability = word.changing;
         if !word.hears {
             reading.gate = T::zero();
         } else if word.learning {

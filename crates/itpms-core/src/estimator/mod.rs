@@ -1,14 +1,14 @@
 //! One small interface before all estimators of a corner: samples in, [`CornerEstimate`]s out, whichever
 //! [`EstimatorKind`] computes them.
 //!
-//! Called by the binary, the studies and controllers. Every sample passes the [`Intake`], so no estimator behind it
+//! Called by the binary, the studies and controllers. Every sample passes the [`Resampler`], so no estimator behind it
 //! ever sees a missing or absurd value.
 
 mod engine;
 
 use crate::conditioning::clock::SteadyClock;
 use crate::conditioning::wheel_lift::ContactWatch;
-use crate::conditioning::{GridSample, Intake, SampleCounts, SpeedHold};
+use crate::conditioning::{GridSample, Resampler, SampleCounts, SpeedHold};
 use crate::estimator::engine::{Engine, Reading};
 use crate::model::{
     CornerConfig, CornerEstimate, CornerSample, Diagnostics, ParameterError, QuarterCar, Validity, Warning,
@@ -16,7 +16,7 @@ use crate::model::{
 };
 use crate::real::Real;
 use crate::road::{RoadConfig, RoadFilter};
-use crate::single_wheel::StiffnessWord;
+use crate::single_wheel::StiffnessPseudoMeasurement;
 pub use crate::single_wheel::{RoadPeriod, RoadRepetition};
 use crate::warning::single_wheel::LowPressureWatch;
 
@@ -79,31 +79,31 @@ pub struct Estimator<T: Real> {
     sample_rate_hz: f64,
     clock: SteadyClock,
     speed: SpeedHold<T>,
-    intake: Intake<T>,
+    intake: Resampler<T>,
     engine: Engine<T>,
     /// The road for the default estimator; the filters bring their own. `None`: nobody wants to know it.
     road: Option<RoadFilter<T>>,
     road_told_s: f64,
     watch: LowPressureWatch,
     /// Length in s of the reset drive at the start, and when it ends once that is known.
-    reset_drive_s: f64,
-    reset_ends_s: Option<f64>,
+    calibration_s: f64,
+    calibration_ends_s: Option<f64>,
     pinned_s: f64,
-    resets: u32,
+    restarts: u32,
     repetition: RoadRepetition,
     /// What the whole car says of this corner, while it says anything.
-    car_belief: Option<CarWord<T>>,
+    fused: Option<FusedStiffness<T>>,
     contact: ContactWatch<T>,
 }
 
 /// What the whole car knows of a corner that the corner by itself does not.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct CarWord<T> {
+pub(crate) struct FusedStiffness<T> {
     pub(crate) stiffness_n_per_m: T,
     pub(crate) stiffness_sd_n_per_m: T,
     /// Probability that the pressure is changing.
-    pub(crate) moving: T,
+    pub(crate) changing: T,
     /// Seconds of full information that it rests on.
     pub(crate) learned_s: T,
     /// Whether the road that its axles share is being learned from.
@@ -124,7 +124,7 @@ impl<T: Real> Estimator<T> {
     ) -> Result<Self, ParameterError> {
         let sample_rate_hz = positive("sample_rate_hz", sample_rate_hz)?;
         let frames = matches!(kind, EstimatorKind::Informed | EstimatorKind::AekfUiInformed);
-        let intake = Intake::new(sample_rate_hz, if frames { FRAME_GRID_HZ } else { sample_rate_hz });
+        let intake = Resampler::new(sample_rate_hz, if frames { FRAME_GRID_HZ } else { sample_rate_hz });
         let engine = Engine::new(kind, config, sample_rate_hz, intake.grid_period_s())?;
         let noise = config.accel_noise_or_usual_m_s2();
         let road = RoadConfig::new(config.quarter_car, config.initial_stiffness_n_per_m(), noise)?;
@@ -139,12 +139,12 @@ impl<T: Real> Estimator<T> {
             road: Some(RoadFilter::new(&road)),
             road_told_s: f64::NEG_INFINITY,
             watch: LowPressureWatch::new(),
-            reset_drive_s: 0.0,
-            reset_ends_s: None,
+            calibration_s: 0.0,
+            calibration_ends_s: None,
             pinned_s: f64::NEG_INFINITY,
-            resets: 0,
+            restarts: 0,
             repetition: RoadRepetition::Detect,
-            car_belief: None,
+            fused: None,
             contact: ContactWatch::new(&config.quarter_car),
         })
     }
@@ -154,8 +154,8 @@ impl<T: Real> Estimator<T> {
     ///
     /// # Errors
     /// The length must be positive and finite.
-    pub fn with_reset_drive(mut self, seconds: f64) -> Result<Self, ParameterError> {
-        self.begin_reset(seconds)?;
+    pub fn with_calibration_drive(mut self, seconds: f64) -> Result<Self, ParameterError> {
+        self.begin_calibration(seconds)?;
         Ok(self)
     }
 
@@ -163,9 +163,9 @@ impl<T: Real> Estimator<T> {
     ///
     /// # Errors
     /// The length must be positive and finite.
-    pub fn begin_reset(&mut self, seconds: f64) -> Result<(), ParameterError> {
-        self.reset_drive_s = positive("calibrate_s", seconds)?;
-        self.reset_ends_s = None;
+    pub fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
+        self.calibration_s = positive("calibrate_s", seconds)?;
+        self.calibration_ends_s = None;
         Ok(())
     }
 
@@ -185,7 +185,7 @@ impl<T: Real> Estimator<T> {
     }
 
     /// Probability that the pressure moves, as the corner by itself sees it.
-    pub(crate) fn moving(&self) -> T {
+    pub(crate) fn change_probability(&self) -> T {
         self.engine.reading().change_probability
     }
 
@@ -240,21 +240,24 @@ impl<T: Real> Estimator<T> {
         self.intake.push(time_s, speed_m_s, body, wheel, |sample| {
             let contact = contact.look(&sample);
             let sample = GridSample { unloaded: contact.unloaded, ..sample };
-            engine.step(&GridSample { spoiled: sample.spoiled || contact.hopping, ..sample });
+            engine.step(&GridSample { invalid: sample.invalid || contact.hopping, ..sample });
             tap(&sample);
         });
-        self.hold_reset(time_s);
+        self.hold_calibration(time_s);
     }
 
     /// What the last frames said of the stiffness to somebody who believed in this one with that sd, in N/m, when there is
     /// something new.
-    pub(crate) fn take_word_for(&mut self, believed: impl FnOnce() -> (T, T)) -> Option<StiffnessWord<T>> {
-        self.engine.take_word_for(believed)
+    pub(crate) fn pseudo_measurement(
+        &mut self,
+        believed: impl FnOnce() -> (T, T),
+    ) -> Option<StiffnessPseudoMeasurement<T>> {
+        self.engine.pseudo_measurement(believed)
     }
 
     /// Tells what the whole car says of this corner; `None`: nothing now.
-    pub(crate) fn believe(&mut self, word: Option<CarWord<T>>) {
-        self.car_belief = word;
+    pub(crate) fn set_fused(&mut self, word: Option<FusedStiffness<T>>) {
+        self.fused = word;
     }
 
     /// Time between grid steps in s.
@@ -268,10 +271,10 @@ impl<T: Real> Estimator<T> {
         if !(reading.stiffness_n_per_m.is_finite() && reading.stiffness_sd_n_per_m.is_finite())
             && self.kind == EstimatorKind::Informed
         {
-            self.reset();
+            self.restart();
         }
-        if let Some(word) = &self.car_belief {
-            self.engine.overrule(&mut reading, word);
+        if let Some(word) = &self.fused {
+            self.engine.apply_fused(&mut reading, word);
         }
         if self.kind == EstimatorKind::Informed {
             (reading.road_m, reading.road_sd_m) = self.follow_road(time_s, corner, &reading);
@@ -280,14 +283,14 @@ impl<T: Real> Estimator<T> {
     }
 
     /// While the reset drive lasts, says so to the estimator ten times a second.
-    fn hold_reset(&mut self, time_s: f64) {
-        if !(self.reset_drive_s > 0.0 && time_s.is_finite()) {
+    fn hold_calibration(&mut self, time_s: f64) {
+        if !(self.calibration_s > 0.0 && time_s.is_finite()) {
             return;
         }
-        let ends_s = *self.reset_ends_s.get_or_insert(time_s + self.reset_drive_s);
+        let ends_s = *self.calibration_ends_s.get_or_insert(time_s + self.calibration_s);
         if time_s < ends_s && !(time_s - self.pinned_s < TELL_ROAD_S) {
             self.pinned_s = time_s;
-            self.engine.pin_to_placard();
+            self.engine.set_to_placard();
         }
     }
 
@@ -306,10 +309,10 @@ impl<T: Real> Estimator<T> {
     }
 
     /// Starts again from the corner's initial pressure, as after a tire change. Counted.
-    pub fn reset(&mut self) {
+    pub fn restart(&mut self) {
         self.engine.restart(self.kind, self.repetition);
         self.watch = LowPressureWatch::new();
-        self.resets = self.resets.saturating_add(1);
+        self.restarts = self.restarts.saturating_add(1);
     }
 
     /// Which estimator this is.
@@ -323,8 +326,8 @@ impl<T: Real> Estimator<T> {
     }
 
     /// How often the estimator started again.
-    pub fn resets(&self) -> u32 {
-        self.resets
+    pub fn restarts(&self) -> u32 {
+        self.restarts
     }
 
     fn estimate(&mut self, time_s: f64, reading: &Reading<T>) -> CornerEstimate<T> {

@@ -25,27 +25,27 @@
 //! | `reset` | tires that somebody has just set |
 //! | `keepsake` | what was believed before a sensor lied |
 //! | `lesson` | what that taught |
-//! | `elsewhere`, `speed_lag` | a speed whose scale has changed, or that comes late: the axles meet elsewhere |
+//! | `elsewhere`, `speed_latency` | a speed whose scale has changed, or that comes late: the axles meet elsewhere |
 
 pub(crate) mod alignment;
 pub(crate) mod residual;
 #[cfg(test)]
 mod tests;
 
-use crate::belief::checkpoint::{Disputed, Keepsake};
-use crate::belief::hypothesis_bank::Modes;
-use crate::belief::single_wheel_estimate::Alone;
+use crate::belief::checkpoint::{Checkpoint, PreFaultEstimate};
+use crate::belief::hypothesis_bank::HypothesisBank;
+use crate::belief::single_wheel_estimate::SingleWheelEstimate;
 use crate::belief::state::{DAMPING, SKEW, SKEW_UNIT_S, State, TIRE, WHEELBASE};
-use crate::belief::stored_calibration::Lesson;
-use crate::belief::tire_scale::Scale;
+use crate::belief::stored_calibration::CalibrationResult;
+use crate::belief::tire_scale::TireScale;
 use crate::conditioning::GridSample;
-use crate::inter_axle::alignment::axle_pair::{Beside, Meeting, SLOWEST_M_S, Track};
+use crate::inter_axle::alignment::axle_pair::{AxlePair, OppositeSide, PairingContext, SLOWEST_M_S};
 use crate::inter_axle::alignment::channel::{Channel, Entry, RELATIVE};
-use crate::inter_axle::alignment::realign::Elsewhere;
-use crate::inter_axle::alignment::speed_latency::SpeedLag;
-use crate::inter_axle::residual::model::{BOTH, TrackFrame, Wheel};
+use crate::inter_axle::alignment::realign::DelayDetection;
+use crate::inter_axle::alignment::speed_latency::SpeedLatency;
+use crate::inter_axle::residual::model::{AxleFrame, BOTH, Wheel};
 use crate::inter_axle::residual::noise::within;
-use crate::model::{CarConfig, CornerConfig, LearnedReference, QuarterCar};
+use crate::model::{CarConfig, CornerConfig, QuarterCar, VehicleCalibration};
 use crate::real::Real;
 use crate::spectrum::transfer::Body;
 
@@ -107,46 +107,46 @@ pub(crate) const UNWATCHED_SD: f64 = 0.05;
 pub(crate) struct SharedRoad<T: Real> {
     pub(crate) wheelbase_m: T,
     pub(crate) wheels: [Option<Wheel<T>>; 4],
-    pub(crate) scale: Scale<T>,
+    pub(crate) scale: TireScale<T>,
     pub(crate) channels: [Channel<T>; 4],
-    pub(crate) tracks: [Track<T>; 2],
+    pub(crate) pairs: [AxlePair<T>; 2],
     /// The newest two entries of the rear corners, newest first.
     pub(crate) rear: [[Option<Entry<T>>; 2]; 2],
-    pub(crate) modes: Modes<T>,
+    pub(crate) bank: HypothesisBank<T>,
     /// The tires' compliances at the start, and what an earlier reset had taught.
     pub(crate) start: [T; 4],
-    pub(crate) recalled: Option<LearnedReference<T>>,
+    pub(crate) loaded: Option<VehicleCalibration<T>>,
     /// Seconds from front to rear wheel, left and right.
     pub(crate) delay_s: [T; 2],
     /// Seconds by which filters make the signals late, and by which the speed was found to be.
-    pub(crate) late_s: f64,
-    pub(crate) speed_late_s: f64,
+    pub(crate) filter_delay_s: f64,
+    pub(crate) speed_latency_s: f64,
     /// Time to which the belief was moved on.
     pub(crate) believed_s: f64,
     pub(crate) newest_s: f64,
-    pub(crate) way_m: f64,
+    pub(crate) distance_m: f64,
     pub(crate) speed_m_s: T,
     /// The same, averaged over some time.
-    pub(crate) late_speed_m_s: T,
+    pub(crate) mean_speed_m_s: T,
     /// Seconds of shared road learned from.
     pub(crate) learned_s: f64,
     /// Seconds driven since a shared road was last learned from; all of them while nobody knows the speed.
-    pub(crate) waited_s: f64,
-    pub(crate) held: bool,
+    pub(crate) unshared_s: f64,
+    pub(crate) calibrating: bool,
     /// Whether somebody ever said, on this drive or before it, what the tires have.
-    pub(crate) told: bool,
+    pub(crate) calibrated: bool,
     /// What each corner finds by itself, and when it last said a word.
-    pub(crate) alone: [Alone<T>; 4],
+    pub(crate) alone: [SingleWheelEstimate<T>; 4],
     pub(crate) word_s: [f64; 4],
     /// Seconds of shared road learned from when the reset began, and what it taught.
-    pub(crate) held_from_s: f64,
-    pub(crate) lesson: Option<Lesson<T>>,
+    pub(crate) calibrating_from_s: f64,
+    pub(crate) calibration_result: Option<CalibrationResult<T>>,
     /// What was believed of late, the newest first; and what of tires whose sensors were then suspected.
-    pub(crate) kept: [Option<Keepsake<T>>; 2],
-    pub(crate) disputed: [Option<Disputed<T>>; 4],
+    pub(crate) kept: [Option<Checkpoint<T>>; 2],
+    pub(crate) pre_fault: [Option<PreFaultEstimate<T>>; 4],
     /// Where each side last found the other axle's road, when it looked for it anew.
-    pub(crate) elsewhere: [Option<Elsewhere<T>>; 2],
-    pub(crate) speed_lag: SpeedLag<T>,
+    pub(crate) delay_detections: [Option<DelayDetection<T>>; 2],
+    pub(crate) speed_latency: SpeedLatency<T>,
 }
 
 impl<T: Real> SharedRoad<T> {
@@ -179,7 +179,8 @@ impl<T: Real> SharedRoad<T> {
             let sd = config.corners[i].as_ref().map_or(T::zero(), |c| c.accel_noise_or_usual_m_s2());
             sd * sd * T::lit(2.0 / sample_rate_hz)
         };
-        let tracks = core::array::from_fn(|side| Track::new(side, period_s, [noise(side), noise(side + 2)]));
+        let pairs =
+            core::array::from_fn(|side| AxlePair::new(side, period_s, [noise(side), noise(side + 2)]));
         let start = core::array::from_fn(|i| {
             let softer = |c: &CornerConfig<T>| {
                 c.tire.stiffness_n_per_m(c.placard_kpa) / c.initial_stiffness_n_per_m() - T::one()
@@ -189,37 +190,37 @@ impl<T: Real> SharedRoad<T> {
         Some(Self {
             wheelbase_m,
             wheels,
-            scale: Scale {
+            scale: TireScale {
                 slope: of(&|c| c.tire.stiffness_per_kpa()),
                 placard_n_per_m: of(&|c| c.tire.stiffness_n_per_m(c.placard_kpa)),
                 placard_kpa: of(&|c| c.placard_kpa),
             },
-            tracks,
+            pairs,
             rear: [[None; 2]; 2],
-            modes: Modes::new(&start),
+            bank: HypothesisBank::new(&start),
             start,
-            recalled: None,
+            loaded: None,
             delay_s: [T::zero(); 2],
-            late_s: channels[0].late_s() + SENSOR_LATE_PERIODS / sample_rate_hz,
+            filter_delay_s: channels[0].filter_delay_s() + SENSOR_LATE_PERIODS / sample_rate_hz,
             channels,
-            speed_late_s: 0.0,
+            speed_latency_s: 0.0,
             believed_s: f64::NAN,
             newest_s: f64::NAN,
-            way_m: 0.0,
+            distance_m: 0.0,
             speed_m_s: T::lit(f64::NAN),
-            late_speed_m_s: T::zero(),
+            mean_speed_m_s: T::zero(),
             learned_s: 0.0,
-            waited_s: 0.0,
-            held: false,
-            told: false,
-            alone: [Alone::silent(); 4],
+            unshared_s: 0.0,
+            calibrating: false,
+            calibrated: false,
+            alone: [SingleWheelEstimate::silent(); 4],
             word_s: [f64::NEG_INFINITY; 4],
-            held_from_s: 0.0,
-            lesson: None,
+            calibrating_from_s: 0.0,
+            calibration_result: None,
             kept: [None, None],
-            disputed: [None; 4],
-            elsewhere: [None; 2],
-            speed_lag: SpeedLag::new(),
+            pre_fault: [None; 4],
+            delay_detections: [None; 2],
+            speed_latency: SpeedLatency::new(),
         })
     }
 
@@ -233,13 +234,13 @@ impl<T: Real> SharedRoad<T> {
             } else {
                 self.speed_m_s
             };
-            self.way_m += mean.to_f64() * seconds;
-            self.late_speed_m_s += (mean - self.late_speed_m_s) * T::lit((seconds / SPEED_S).min(1.0));
+            self.distance_m += mean.to_f64() * seconds;
+            self.mean_speed_m_s += (mean - self.mean_speed_m_s) * T::lit((seconds / SPEED_S).min(1.0));
             if mean > T::lit(SLOWEST_M_S) {
-                self.waited_s += seconds;
+                self.unshared_s += seconds;
             }
         } else if follows {
-            self.waited_s += seconds;
+            self.unshared_s += seconds;
         }
         if time_s.is_finite() {
             self.newest_s = time_s;
@@ -249,17 +250,17 @@ impl<T: Real> SharedRoad<T> {
 
     /// Takes a grid step of a corner.
     pub(crate) fn push(&mut self, corner: usize, sample: &GridSample<T>) {
-        let way_m = if self.speed_m_s.is_finite() {
+        let distance_m = if self.speed_m_s.is_finite() {
             // The road that the signals tell lies as far back as filters delay them: at another speed, another way.
-            let late_s = self.late_s - self.speed_late_s;
-            self.way_m - self.speed_m_s.to_f64() * (self.newest_s - sample.time_s + late_s)
+            let filter_delay_s = self.filter_delay_s - self.speed_latency_s;
+            self.distance_m - self.speed_m_s.to_f64() * (self.newest_s - sample.time_s + filter_delay_s)
         } else {
             f64::NAN
         };
-        let Some(entry) = self.channels[corner].push(sample, way_m) else { return };
+        let Some(entry) = self.channels[corner].push(sample, distance_m) else { return };
         let side = corner % 2;
         if corner < 2 {
-            self.tracks[side].front(&entry);
+            self.pairs[side].front(&entry);
             return;
         }
         // One entry late, so that the other side's of the same time is there, too.
@@ -274,18 +275,18 @@ impl<T: Real> SharedRoad<T> {
     pub(crate) fn roll(&mut self, side: usize, entry: &Entry<T>) {
         let (Some(front), Some(rear)) = (self.wheels[side], self.wheels[side + 2]) else { return };
         let beside = self.beside(side, entry);
-        let (wheelbase, skew) = (self.modes.quantity(WHEELBASE).0, self.modes.quantity(SKEW + side).0);
-        let road = Meeting {
+        let (wheelbase, skew) = (self.bank.quantity(WHEELBASE).0, self.bank.quantity(SKEW + side).0);
+        let road = PairingContext {
             wheelbase_m: self.wheelbase_m,
             wheels: [front, rear],
             wheelbase,
             skew,
-            state: &self.modes.modes[self.modes.most_likely()].mean,
+            state: &self.bank.bank[self.bank.most_likely()].mean,
         };
-        if !self.tracks[side].is_aligned() {
-            if let Some(found) = self.tracks[side].search(entry, &road) {
+        if !self.pairs[side].is_aligned() {
+            if let Some(found) = self.pairs[side].search(entry, &road) {
                 let (unit, [wheelbase, skew]) = (T::lit(SKEW_UNIT_S), found.used);
-                self.modes.measure(T::lit(FOUND_SD_S * FOUND_SD_S), |state| {
+                self.bank.update(T::lit(FOUND_SD_S * FOUND_SD_S), |state| {
                     let mut slope = State::zeros();
                     slope[WHEELBASE] = found.delay_s;
                     slope[SKEW + side] = unit;
@@ -296,60 +297,61 @@ impl<T: Real> SharedRoad<T> {
             }
             return;
         }
-        let [left, right] = &mut self.tracks;
+        let [left, right] = &mut self.pairs;
         let (own, other) = if side == 0 { (left, right) } else { (right, left) };
-        let taken = own.meet(entry, beside, other, &road);
+        let taken = own.pair(entry, beside, other, &road);
         let found = own.search_again(entry, &road);
         if let Some(taken) = taken {
             self.learn(side, &[front, rear], &taken);
         }
         if let Some(found) = found {
-            self.look_elsewhere(side, found, entry.time_s);
+            self.realign(side, found, entry.time_s);
         }
     }
 
     /// How the suspension of the other rear corner moves at the same time.
-    pub(crate) fn beside(&self, side: usize, entry: &Entry<T>) -> Beside<T> {
+    pub(crate) fn beside(&self, side: usize, entry: &Entry<T>) -> OppositeSide<T> {
         let near_s = NEAR_PERIODS * self.channels[0].period_s();
         let apart_s = |other: &&Entry<T>| (other.time_s - entry.time_s).abs();
         let others = || self.rear[1 - side].iter().flatten();
-        match others().find(|other| apart_s(other) < near_s && !other.spoiled) {
-            Some(other) => Beside::Known(other.signals[RELATIVE]),
-            None if others().all(|other| apart_s(&other) > SILENT_S) => Beside::Silent,
-            None => Beside::Missed,
+        match others().find(|other| apart_s(other) < near_s && !other.invalid) {
+            Some(other) => OppositeSide::Known(other.signals[RELATIVE]),
+            None if others().all(|other| apart_s(&other) > SILENT_S) => OppositeSide::Silent,
+            None => OppositeSide::Missed,
         }
     }
 
-    pub(crate) fn learn(&mut self, side: usize, wheels: &[Wheel<T>; 2], taken: &TrackFrame<T>) {
+    pub(crate) fn learn(&mut self, side: usize, wheels: &[Wheel<T>; 2], taken: &AxleFrame<T>) {
         self.predict_to(taken.middle_s);
         self.keep();
         for corner in [side, side + 2] {
-            self.disputed[corner].take_if(|tire| tire.is_settled(taken.middle_s));
+            self.pre_fault[corner].take_if(|tire| tire.is_settled(taken.middle_s));
         }
         self.delay_s[side] = taken.delay_s;
-        let beside = self.tracks[1 - side].is_parting();
-        let meanwhile = self.tracks[side].found_meanwhile(&self.tracks[1 - side], taken.middle_s);
-        if self.tracks[side].weigh(&mut self.modes, wheels, taken, self.told, beside, meanwhile) {
+        let beside = self.pairs[1 - side].is_parting();
+        let meanwhile = self.pairs[side].found_meanwhile(&self.pairs[1 - side], taken.middle_s);
+        if self.pairs[side].update_residual(&mut self.bank, wheels, taken, self.calibrated, beside, meanwhile)
+        {
             self.learned_s += 0.5 * HOP_S;
-            self.waited_s = 0.0;
+            self.unshared_s = 0.0;
         }
         let softest = self.scale.softest();
-        self.modes.drop_impossible(&softest);
-        if !self.modes.is_sound(&softest) {
+        self.bank.drop_impossible(&softest);
+        if !self.bank.is_sound(&softest) {
             self.begin_again();
         }
     }
 
     /// The belief has become impossible, or rests on something that was wrong: begins again with what resets taught.
     pub(crate) fn begin_again(&mut self) {
-        self.modes.begin_again(&self.start);
+        self.bank.begin_again(&self.start);
         self.learned_s = 0.0;
         self.kept = [None, None];
-        if let Some(reference) = self.learned().or(self.recalled) {
+        if let Some(reference) = self.learned().or(self.loaded) {
             // It was learned for this car, or accepted before.
-            let _ = self.recall(&reference);
+            let _ = self.load_calibration(&reference);
         }
-        if self.held {
+        if self.calibrating {
             self.set_tires();
         }
     }
@@ -363,26 +365,27 @@ impl<T: Real> SharedRoad<T> {
             return;
         }
         self.believed_s = time_s;
-        if seconds > if self.is_left() { LONGEST_SILENCE_S } else { LONGEST_STEP_S } {
+        if seconds > if self.spectral_only() { LONGEST_SILENCE_S } else { LONGEST_STEP_S } {
             // Nobody watched: what moved then is over, and a tire may have been filled.
             self.kept = [None, None];
-            self.modes.wake(T::lit(seconds.min(LONGEST_PAUSE_S)), seconds > FILLING_S && !self.held);
-            if seconds > LONGEST_PAUSE_S && !self.held {
+            self.bank
+                .predict_gap(T::lit(seconds.min(LONGEST_PAUSE_S)), seconds > FILLING_S && !self.calibrating);
+            if seconds > LONGEST_PAUSE_S && !self.calibrating {
                 let sd = T::lit(PARKED_SD) * (T::one() - T::lit(-seconds / PARKED_S).exp());
-                self.modes.change_temperature(&core::array::from_fn(|corner| sd * self.scale.share(corner)));
+                self.bank.change_temperature(&core::array::from_fn(|corner| sd * self.scale.share(corner)));
             }
             return;
         }
-        let known = self.is_known();
-        let liveliness = if known { [T::one(), self.quietness()] } else { [T::zero(); 2] };
-        let suspicion = |i: usize| self.alone[i].suspicion(self.tracks[i % 2].lasting_incoherence());
-        let suspected = core::array::from_fn(|i| if known { suspicion(i) } else { T::zero() });
-        self.modes.predict(T::lit(seconds), liveliness, &suspected);
+        let known = self.is_learned();
+        let onset_scale = if known { [T::one(), self.several_onset_scale()] } else { [T::zero(); 2] };
+        let onset_rate = |i: usize| self.alone[i].onset_rate(self.pairs[i % 2].lasting_incoherence());
+        let onset_rates = core::array::from_fn(|i| if known { onset_rate(i) } else { T::zero() });
+        self.bank.predict(T::lit(seconds), onset_scale, &onset_rates);
     }
 
     /// Takes over the quarter car that a corner seems to be.
     pub(crate) fn look_at(&mut self, corner: usize, car: &QuarterCar<T>) {
-        let state = &self.modes.modes[self.modes.most_likely()].mean;
+        let state = &self.bank.bank[self.bank.most_likely()].mean;
         let Some(wheel) = &mut self.wheels[corner] else { return };
         // How the body answers its wheel depends on damping over mass.
         let damping = wheel.body.damping_n_s_per_m * (T::one() + state[DAMPING + corner]);
@@ -390,28 +393,28 @@ impl<T: Real> SharedRoad<T> {
     }
 
     /// Takes over what a corner's own spectrum tells it now.
-    pub(crate) fn watch(&mut self, corner: usize, alone: Alone<T>) {
+    pub(crate) fn watch(&mut self, corner: usize, alone: SingleWheelEstimate<T>) {
         self.alone[corner] = alone;
     }
 
     /// How far a surprise may be taken for a movement of several wheels: hardly, where front and rear meet different roads.
-    pub(crate) fn quietness(&self) -> T {
-        within(self.tracks[0].incoherence().max(self.tracks[1].incoherence()), RESTLESS)
+    pub(crate) fn several_onset_scale(&self) -> T {
+        within(self.pairs[0].incoherence().max(self.pairs[1].incoherence()), RESTLESS)
     }
 
     /// A corner's sensors were out of order: its tire may have changed meanwhile, and before it was noticed only seemed to.
     /// During a reset it is what somebody has set.
     pub(crate) fn restart(&mut self, corner: usize) {
         self.kept = [None, None];
-        let disputed = self.disputed[corner].take();
-        if self.held {
+        let pre_fault = self.pre_fault[corner].take();
+        if self.calibrating {
             self.set_tire(corner);
             return;
         }
-        if let Some(tire) = disputed {
-            self.modes.begin_with(TIRE + corner, &tire.before, T::zero(), T::one());
+        if let Some(tire) = pre_fault {
+            self.bank.begin_with(TIRE + corner, &tire.before, T::zero(), T::one());
         }
-        self.modes.forget_tire(corner, T::lit(UNWATCHED_SD));
+        self.bank.forget_tire(corner, T::lit(UNWATCHED_SD));
     }
 
     /// Whether a corner has a partner on its side.
@@ -420,13 +423,13 @@ impl<T: Real> SharedRoad<T> {
     }
 
     /// Whether no side gives frames and words are all there is.
-    pub(crate) fn is_left(&self) -> bool {
-        (0..2).all(|side| !self.has_partner(side) || self.tracks[side].is_left())
+    pub(crate) fn spectral_only(&self) -> bool {
+        (0..2).all(|side| !self.has_partner(side) || self.pairs[side].spectral_only())
     }
 
     /// Whether its belief is the better one: while the shared road may still be found, and from then on.
     pub(crate) fn is_trusted(&self) -> bool {
-        self.seconds_learned() >= ENOUGH_S || self.waited_s < PATIENCE_S
+        self.seconds_learned() >= ENOUGH_S || self.unshared_s < PATIENCE_S
     }
 
     /// Seconds of shared road that the belief rests on; half a frame more, so that rounding does not decide when it is enough.
@@ -436,6 +439,6 @@ impl<T: Real> SharedRoad<T> {
 
     /// Whether a side's road is being learned from, and its incoherence.
     pub(crate) fn side(&self, side: usize) -> (bool, T) {
-        self.tracks[side].state(self.newest_s)
+        self.pairs[side].state(self.newest_s)
     }
 }

@@ -19,7 +19,7 @@ pub struct Learned<T> {
 /// What was learned of one corner. Masses, damper and spring as relative deviations from the vehicle file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct LearnedCorner<T> {
+pub struct CornerCalibration<T> {
     /// Pressure in kPa gauge that the tire was known to have.
     pub placard_kpa: T,
     /// Unsprung mass, relative deviation.
@@ -34,9 +34,9 @@ pub struct LearnedCorner<T> {
     pub shared_road_bias: Learned<T>,
 }
 
-impl<T: Real> LearnedCorner<T> {
+impl<T: Real> CornerCalibration<T> {
     /// What is believed of [`shared_road_bias`](Self::shared_road_bias) before any reset has taught it.
-    pub fn untaught_road_bias() -> Learned<T> {
+    pub fn unlearned_residual_bias() -> Learned<T> {
         Learned { value: T::zero(), sd: T::lit(ROAD_BIAS_SD[0]) }
     }
 }
@@ -44,9 +44,9 @@ impl<T: Real> LearnedCorner<T> {
 /// What was learned of the whole car.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct LearnedReference<T> {
+pub struct VehicleCalibration<T> {
     /// The corners, in the order of [`Corner::ALL`](crate::model::Corner::ALL).
-    pub corners: [Option<LearnedCorner<T>>; 4],
+    pub corners: [Option<CornerCalibration<T>>; 4],
     /// Stiffness of the front and the rear anti-roll bar at a wheel, over its spring's in the vehicle file.
     pub bar: [Learned<T>; 2],
     /// Gain of the front wheel's sensor over the rear one's, left and right, less one.
@@ -61,7 +61,7 @@ pub struct LearnedReference<T> {
 
 /// What a stored reference cannot be.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum ReferenceError {
+pub enum CalibrationError {
     /// A value is not finite, or an sd not positive and finite.
     NotANumber(&'static str),
     /// A value lies further out than any car could be.
@@ -70,7 +70,7 @@ pub enum ReferenceError {
     OtherCar,
 }
 
-impl core::fmt::Display for ReferenceError {
+impl core::fmt::Display for CalibrationError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::NotANumber(what) => write!(f, "{what} is not a finite number with a positive sd"),
@@ -80,22 +80,22 @@ impl core::fmt::Display for ReferenceError {
     }
 }
 
-impl core::error::Error for ReferenceError {}
+impl core::error::Error for CalibrationError {}
 
 /// Largest plausible values: relative unsprung mass, damping, spring, anti-roll bar, gain, wheelbase; the spectrum's bias as a share
 /// of the placard pressure; skew in s; the shared road's bias.
 const FURTHEST: [f64; 9] = [0.2, 0.7, 0.7, 2.0, 0.1, 0.05, 0.25, 0.02, 0.25];
 
-impl<T: Real> LearnedReference<T> {
+impl<T: Real> VehicleCalibration<T> {
     /// Checks every number: finite, with a positive sd, and no further out than a car can be.
     ///
     /// # Errors
     /// The first quantity that fails.
-    pub fn check(&self) -> Result<(), ReferenceError> {
+    pub fn check(&self) -> Result<(), CalibrationError> {
         let [mass, damping, spring, bar, gain, wheelbase, bias, skew, road_bias] = FURTHEST.map(T::lit);
         for corner in self.corners.iter().flatten() {
             if !(corner.placard_kpa > T::zero() && corner.placard_kpa.is_finite()) {
-                return Err(ReferenceError::NotANumber("placard_kpa"));
+                return Err(CalibrationError::NotANumber("placard_kpa"));
             }
             plausible("unsprung_mass", &corner.unsprung_mass, mass)?;
             plausible("damping", &corner.damping, damping)?;
@@ -108,18 +108,18 @@ impl<T: Real> LearnedReference<T> {
         plausible("wheelbase", &self.wheelbase, wheelbase)?;
         self.skew_s.iter().try_for_each(|learned| plausible("skew_s", learned, skew))?;
         if !(self.learned_s > T::zero() && self.learned_s.is_finite()) {
-            return Err(ReferenceError::NotANumber("learned_s"));
+            return Err(CalibrationError::NotANumber("learned_s"));
         }
         Ok(())
     }
 }
 
-fn plausible<T: Real>(what: &'static str, learned: &Learned<T>, furthest: T) -> Result<(), ReferenceError> {
+fn plausible<T: Real>(what: &'static str, learned: &Learned<T>, furthest: T) -> Result<(), CalibrationError> {
     if !(learned.value.is_finite() && learned.sd > T::zero() && learned.sd.is_finite()) {
-        return Err(ReferenceError::NotANumber(what));
+        return Err(CalibrationError::NotANumber(what));
     }
     if !(learned.value.abs() <= furthest) {
-        return Err(ReferenceError::Implausible(what));
+        return Err(CalibrationError::Implausible(what));
     }
     Ok(())
 }

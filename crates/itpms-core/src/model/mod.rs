@@ -8,7 +8,7 @@ mod sample;
 mod tire;
 mod wheels;
 
-pub use self::calibration::{Learned, LearnedCorner, LearnedReference, ReferenceError};
+pub use self::calibration::{CalibrationError, CornerCalibration, Learned, VehicleCalibration};
 pub use self::car::CarConfig;
 pub use self::estimate::{CornerConfig, CornerEstimate, Diagnostics, Validity, Warning};
 pub(crate) use self::quarter_car::positive;

@@ -23,10 +23,10 @@ pub use self::monitored::MonitoredCar;
 use crate::car::CarEstimate;
 use crate::conditioning::SpeedHold;
 use crate::conditioning::clock::SteadyClock;
-use crate::diagnosis::debounce::Latch;
-use crate::diagnosis::decorrelation::Parting;
+use crate::diagnosis::debounce::Debouncer;
+use crate::diagnosis::decorrelation::DecorrelationDetector;
 use crate::diagnosis::standstill::Standstill;
-use crate::diagnosis::{Fault, Health};
+use crate::diagnosis::{Diagnosis, Fault};
 use crate::model::{
     CarSample, Corner, CornerEstimate, CornerSample, ParameterError, Validity, Warning, Wheels, positive,
 };
@@ -34,19 +34,19 @@ use crate::real::Real;
 use crate::warning::all_low::AllLow;
 use crate::warning::leak::LeakWatch;
 use crate::warning::low::{Around, WheelWatch, is_learning, reading};
-use crate::warning::reference_pressure::WarmReference;
+use crate::warning::reference_pressure::ReferencePressure;
 use crate::warning::report::{ALL_LOW_SLOT, Slot};
 use crate::warning::{Alert, Cause, Doubt, MonitorConfig, MonitorReport, WheelReport, WheelState};
 
 /// Seconds between two decisions on pressures.
 const DECIDE_S: f64 = 0.1;
 /// Seconds for which a corner that was regretted is not regretted again.
-const REGRETTED_S: f64 = 60.0;
+const ROLLBACK_HOLDOFF_S: f64 = 60.0;
 /// Longest time in s that counts between two decisions: a hole in the record is no evidence.
 const LONGEST_STEP_S: f64 = 0.5;
 
 /// A running monitor. A value: clone it, save it, go on. Per sample: [`screen`](Self::screen) what the sensors say, ask whether
-/// the estimator is to unlearn anything ([`take_regret`](Self::take_regret)), give it what `screen` returns, and let
+/// the estimator is to unlearn anything ([`take_rollback_request`](Self::take_rollback_request)), give it what `screen` returns, and let
 /// [`judge`](Self::judge) look at what comes out; [`MonitoredCar`] does so.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -60,20 +60,20 @@ const LONGEST_STEP_S: f64 = 0.5;
 pub struct Monitor<T: Real> {
     config: MonitorConfig<T>,
     told_kpa: [T; 4],
-    warm: WarmReference<T>,
+    reference: ReferencePressure<T>,
     /// What each tire should have now.
     reference_kpa: [T; 4],
-    health: Health<T>,
+    diagnosis: Diagnosis<T>,
     faults: [Option<Fault<T>>; 4],
     suspects: Wheels,
     /// When each corner was last found to have told wrong for seconds, and those of which it was found just now.
-    belated_s: [f64; 4],
-    regretted: Wheels,
+    late_detection_s: [f64; 4],
+    rollback_requested: Wheels,
     /// Corners that have had a fault since their estimator last started.
-    spoiled: Wheels,
+    faulted: Wheels,
     wheels: [WheelWatch; 4],
     /// Left and right.
-    partings: [Parting<T>; 2],
+    decorrelation: [DecorrelationDetector<T>; 2],
     leaks: LeakWatch<T>,
     all_low: AllLow<T>,
     clock: SteadyClock,
@@ -101,16 +101,16 @@ impl<T: Real> Monitor<T> {
         Ok(Self {
             config: *config,
             told_kpa,
-            warm: WarmReference::new(),
+            reference: ReferencePressure::new(),
             reference_kpa: told_kpa,
-            health: Health::new(&config.car, sample_rate_hz),
+            diagnosis: Diagnosis::new(&config.car, sample_rate_hz),
             faults: [None; 4],
             suspects: Wheels::NONE,
-            belated_s: [f64::NEG_INFINITY; 4],
-            regretted: Wheels::NONE,
-            spoiled: Wheels::NONE,
+            late_detection_s: [f64::NEG_INFINITY; 4],
+            rollback_requested: Wheels::NONE,
+            faulted: Wheels::NONE,
             wheels: [WheelWatch::new(); 4],
-            partings: [Parting::new(); 2],
+            decorrelation: [DecorrelationDetector::new(); 2],
             leaks: LeakWatch::new(),
             all_low: AllLow::new(),
             clock: SteadyClock::new(sample_rate_hz),
@@ -129,8 +129,8 @@ impl<T: Real> Monitor<T> {
     ///
     /// # Errors
     /// The length must be positive and finite.
-    pub fn begin_reset(&mut self, seconds: f64) -> Result<(), ParameterError> {
-        self.warm.begin_reset(seconds)?;
+    pub fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
+        self.reference.begin_calibration(seconds)?;
         // Other tires, or the same ones filled: that they read less than before is no leak.
         (0..4).for_each(|wheel| self.leaks.forget(wheel));
         Ok(())
@@ -141,21 +141,21 @@ impl<T: Real> Monitor<T> {
         self.standstill.is_denied()
     }
 
-    /// Looks at a sample; gives it back without the values that are not to be learned from.
+    /// SwapPattern at a sample; gives it back without the values that are not to be learned from.
     pub fn screen(&mut self, sample: &CarSample<T>) -> CarSample<T> {
         (self.stamp_s, self.sampled_s) = (sample.time_s, self.clock.take(sample.time_s));
         if let Some(time_s) = self.sampled_s {
             let told_m_s = self.speed.take(time_s, sample.speed_m_s);
             self.speed_m_s = self.standstill.take(time_s, told_m_s, sample);
-            self.health.push(&CarSample { time_s, speed_m_s: self.speed_m_s, ..*sample });
+            self.diagnosis.push(&CarSample { time_s, speed_m_s: self.speed_m_s, ..*sample });
         }
-        if self.health.take_news() {
-            self.faults = self.health.faults();
+        if self.diagnosis.take_news() {
+            self.faults = self.diagnosis.faults();
             let faulty = self.faults.iter().flatten().map(|fault| fault.malfunction.wheels());
             let faulty = faulty.fold(Wheels::NONE, |all, wheels| all | wheels);
-            self.suspects = self.health.suspects() | faulty;
-            self.regret(self.clock.now_s());
-            self.spoiled = self.spoiled | faulty;
+            self.suspects = self.diagnosis.suspects() | faulty;
+            self.request_rollback(self.clock.now_s());
+            self.faulted = self.faulted | faulty;
         }
         let mut screened = *sample;
         if self.standstill.is_denied() {
@@ -174,27 +174,27 @@ impl<T: Real> Monitor<T> {
     }
 
     /// Notes the corners that have told wrong for seconds before it showed. One that comes and goes is regretted once.
-    fn regret(&mut self, time_s: f64) {
-        let belated = self.health.belated();
-        let fresh = |corner: &Corner| !(time_s - self.belated_s[corner.index()] < REGRETTED_S);
-        self.regretted = self.regretted | belated.iter().filter(fresh).collect();
-        belated.iter().for_each(|corner| self.belated_s[corner.index()] = time_s);
+    fn request_rollback(&mut self, time_s: f64) {
+        let late_detection = self.diagnosis.late_detection();
+        let fresh = |corner: &Corner| !(time_s - self.late_detection_s[corner.index()] < ROLLBACK_HOLDOFF_S);
+        self.rollback_requested = self.rollback_requested | late_detection.iter().filter(fresh).collect();
+        late_detection.iter().for_each(|corner| self.late_detection_s[corner.index()] = time_s);
     }
 
     /// The corners of which it has just turned out that they may have told wrong for some seconds; once. What was learned in
     /// them is to be unlearned ([`CarEstimator::unlearn`](crate::car::CarEstimator::unlearn)).
-    pub fn take_regret(&mut self) -> Wheels {
-        core::mem::replace(&mut self.regretted, Wheels::NONE)
+    pub fn take_rollback_request(&mut self) -> Wheels {
+        core::mem::replace(&mut self.rollback_requested, Wheels::NONE)
     }
 
     /// Takes what was estimated after the sample; gives the wheels whose estimator should start again, because their
     /// sensors have come back. The estimate leaves with the monitor's validity and warnings.
     pub fn judge(&mut self, estimate: &mut CarEstimate<T>) -> Wheels {
-        let back: Wheels = self.spoiled.iter().filter(|corner| !self.suspects.contains(*corner)).collect();
+        let back: Wheels = self.faulted.iter().filter(|corner| !self.suspects.contains(*corner)).collect();
         for corner in back.iter() {
             self.leaks.forget(corner.index());
         }
-        self.spoiled = self.spoiled.iter().filter(|corner| !back.contains(*corner)).collect();
+        self.faulted = self.faulted.iter().filter(|corner| !back.contains(*corner)).collect();
         for corner in Corner::ALL {
             if let Some(estimate) = &mut estimate.corners[corner.index()] {
                 if self.suspects.contains(corner) {
@@ -233,12 +233,13 @@ impl<T: Real> Monitor<T> {
     /// Weighs the pressures of the last `step_s` seconds and writes the report.
     fn decide(&mut self, estimate: &CarEstimate<T>, step_s: f64) {
         let limits = self.config.limits;
-        self.reference_kpa = self.warm.update(estimate, self.speed_m_s, self.told_kpa, limits.reference_span);
-        let strange = self.health.strange();
+        self.reference_kpa =
+            self.reference.update(estimate, self.speed_m_s, self.told_kpa, limits.reference_span);
+        let pending_fault = self.diagnosis.pending_fault();
         let mut doubted = [false; 2];
-        for (side, (watch, track)) in self.partings.iter_mut().zip(&estimate.tracks).enumerate() {
+        for (side, (watch, track)) in self.decorrelation.iter_mut().zip(&estimate.tracks).enumerate() {
             let parting = watch.update(step_s, track.incoherence);
-            doubted[side] = parting || strange.iter().any(|corner| corner.index() % 2 == side);
+            doubted[side] = parting || pending_fault.iter().any(|corner| corner.index() % 2 == side);
         }
         for (i, corner) in estimate.corners.iter().enumerate() {
             if let Some(corner) = corner {
@@ -267,7 +268,7 @@ impl<T: Real> Monitor<T> {
 
     fn write(&mut self, estimate: &CarEstimate<T>) {
         self.report.begin(estimate.time_s, self.clock.ahead_s());
-        let all_low = self.all_low.cause().map(|cause| alert(self.all_low.latch(), self.all(), cause));
+        let all_low = self.all_low.cause().map(|cause| alert(self.all_low.debouncer(), self.all(), cause));
         self.report.put(ALL_LOW_SLOT, all_low);
         for (corner, estimate) in Corner::ALL.into_iter().zip(&estimate.corners) {
             if let Some(estimate) = estimate {
@@ -290,8 +291,9 @@ impl<T: Real> Monitor<T> {
         let (watch, reference) = (&self.wheels[i], self.reference_kpa[i]);
         let (leak, rate_kpa_per_min) = self.leaks.of(i);
         let against = |share: T| reading(estimate, share, reference);
-        let named =
-            |latch: &Latch, cause: Cause<T>| latch.is_said().then(|| alert(latch, corner.into(), cause));
+        let named = |debouncer: &Debouncer, cause: Cause<T>| {
+            debouncer.is_active().then(|| alert(debouncer, corner.into(), cause))
+        };
         let low = named(&watch.low, Cause::UnderInflated(against(limits.low_share)));
         let over = named(&watch.over, Cause::OverInflated(against(limits.over_share)));
         let leaking = Cause::FastLeak { reading: against(limits.low_share), rate_kpa_per_min };
@@ -301,7 +303,7 @@ impl<T: Real> Monitor<T> {
         let broken = self.faults[i].map(|fault| Alert {
             wheels: fault.malfunction.wheels(),
             since_s: fault.since_s,
-            said_s: fault.said_s,
+            reported_s: fault.reported_s,
             cause: Cause::Malfunction(fault.malfunction),
         });
         let alerts = [
@@ -381,6 +383,6 @@ fn above_others<T: Real>(estimate: &CarEstimate<T>, corner: usize, reference_kpa
     Some([above, variance.max(T::zero()).sqrt()])
 }
 
-fn alert<T>(latch: &Latch, wheels: Wheels, cause: Cause<T>) -> Alert<T> {
-    Alert { wheels, since_s: latch.since_s(), said_s: latch.said_s(), cause }
+fn alert<T>(debouncer: &Debouncer, wheels: Wheels, cause: Cause<T>) -> Alert<T> {
+    Alert { wheels, since_s: debouncer.since_s(), reported_s: debouncer.reported_s(), cause }
 }

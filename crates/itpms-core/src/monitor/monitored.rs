@@ -36,9 +36,9 @@ impl<T: Real> MonitoredCar<T> {
             return self.estimator.update(sample);
         }
         let screened = self.monitor.screen(sample);
-        let regretted = self.monitor.take_regret();
-        if !regretted.is_empty() {
-            self.estimator.unlearn(Corner::ALL.map(|corner| regretted.contains(corner)));
+        let rollback_requested = self.monitor.take_rollback_request();
+        if !rollback_requested.is_empty() {
+            self.estimator.rollback(Corner::ALL.map(|corner| rollback_requested.contains(corner)));
         }
         let mut estimate = self.estimator.update(&screened);
         for corner in self.monitor.judge(&mut estimate).iter() {
@@ -68,8 +68,8 @@ impl<T: Real> MonitoredCar<T> {
     ///
     /// # Errors
     /// The length must be positive and finite.
-    pub fn begin_reset(&mut self, seconds: f64) -> Result<(), ParameterError> {
-        self.estimator.begin_reset(seconds)?;
-        self.monitor.begin_reset(seconds)
+    pub fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
+        self.estimator.begin_calibration(seconds)?;
+        self.monitor.begin_calibration(seconds)
     }
 }

@@ -252,7 +252,7 @@ impl<T: Real> Posterior<T> {
 
     /// What the frames since the last word said by themselves: the mean cell and the variance in cells² of a Gaussian
     /// that turns the uniform belief into theirs. `None` until there are enough frames, or if they said nothing.
-    pub(crate) fn take_word(&mut self) -> Option<(T, T)> {
+    pub(crate) fn take_pseudo_measurement(&mut self) -> Option<(T, T)> {
         if self.told_frames < FRAMES_PER_WORD {
             return None;
         }
@@ -277,7 +277,7 @@ impl<T: Real> Posterior<T> {
     /// What the frames since the last word said to somebody who believed in `cell` with `sd_cells`: the mean and variance
     /// in cells² of a Gaussian that turns that belief into theirs. The likelihood is skewed, so this is better than a
     /// Gaussian for everybody. The variance is large, never negative, where they said nothing.
-    pub(crate) fn take_word_for(&mut self, cell: T, sd_cells: T) -> Option<(T, T)> {
+    pub(crate) fn pseudo_measurement(&mut self, cell: T, sd_cells: T) -> Option<(T, T)> {
         if !self.has_word() {
             return None;
         }

@@ -30,7 +30,7 @@ use crate::real::Real;
 use crate::single_wheel::gate::{Gate, SpeedKnowledge};
 use crate::single_wheel::grid_posterior::Posterior;
 use crate::single_wheel::load::BodyIdentification;
-use crate::single_wheel::periodic_road::{Corner, Held, RepeatWord, RepeatedRoad, Step};
+use crate::single_wheel::periodic_road::{Corner, Held, PeriodicEstimate, RepeatedRoad, Step};
 pub use crate::single_wheel::periodic_road::{RoadPeriod, RoadRepetition};
 use crate::single_wheel::road_model::Evidence;
 use crate::single_wheel::tables::{Grid, Tables};
@@ -65,7 +65,7 @@ const STOP_S: f64 = 3.0;
 /// more of a drop without covering too much elsewhere.
 const MOVING_SD: f64 = 0.7;
 /// How well a reset sets the pressure, as a share of the placard pressure: 3 kPa at 241.3 kPa.
-pub(crate) const RESET_SD: f64 = 0.0125;
+pub(crate) const CALIBRATION_SD: f64 = 0.0125;
 /// A repeated road is found in its third period or so: until then its spectrum has been counted that often.
 const OVERCOUNTED: f64 = 3.0;
 /// The words of a repeated road are its belief, and so not independent: how much wider they are given to a filter
@@ -99,13 +99,13 @@ pub struct Informed<T: Real> {
     variance_growth: T,
     learned_s: T,
     last_speed_m_s: T,
-    spoiled: bool,
+    invalid: bool,
     /// Seconds for which the car stands by now.
     stopped_s: T,
     repeat: RepeatedRoad<T>,
     /// What the repeated road last said, while there is one.
-    repeat_word: Option<RepeatWord<T>>,
-    repeat_word_s: f64,
+    periodic_estimate: Option<PeriodicEstimate<T>>,
+    periodic_estimate_s: f64,
     held_frames: u32,
     last_time_s: f64,
 }
@@ -146,11 +146,11 @@ impl<T: Real> Informed<T> {
             variance_growth: T::one(),
             learned_s: T::zero(),
             last_speed_m_s: T::lit(f64::NAN),
-            spoiled: false,
+            invalid: false,
             stopped_s: T::zero(),
             repeat: RepeatedRoad::new(RoadRepetition::Detect, sample_rate_hz, grid_period_s),
-            repeat_word: None,
-            repeat_word_s: f64::NAN,
+            periodic_estimate: None,
+            periodic_estimate_s: f64::NAN,
             held_frames: 0,
             last_time_s: f64::NAN,
         }
@@ -175,7 +175,7 @@ impl<T: Real> Informed<T> {
             self.repeat.interrupted(T::lit(sample.time_s - self.last_time_s));
         }
         self.last_time_s = sample.time_s;
-        self.spoiled |= sample.spoiled;
+        self.invalid |= sample.invalid;
         let signals = self.reconstruction.push(sample.body_accel_m_s2, sample.wheel_accel_m_s2);
         let told = self.meet_again(&signals, sample);
         match self.clock.push(&signals) {
@@ -195,14 +195,14 @@ impl<T: Real> Informed<T> {
             force: body.unsprung_mass_kg * signals[WHEEL_JERK]
                 + body.damping_n_s_per_m * signals[RELATIVE_ACCELERATION]
                 + body.spring_n_per_m * signals[RELATIVE_VELOCITY],
-            spoiled: sample.spoiled,
+            invalid: sample.invalid,
         };
         let corner = Corner { body, noise_density: self.noise_density };
         let held = if self.held_frames > 0 { Held::Yes } else { Held::No };
         let (config, grid, posterior) = (&self.config, &self.grid, &self.posterior);
         let word = self.repeat.push(&step, &corner, || {
             let (pressure, sd) = match held {
-                Held::Yes => (config.placard_kpa, T::lit(RESET_SD) * config.placard_kpa),
+                Held::Yes => (config.placard_kpa, T::lit(CALIBRATION_SD) * config.placard_kpa),
                 Held::No => {
                     let summary = posterior.summary();
                     let sd_cells = (summary.variance_cells2 * T::lit(OVERCOUNTED)).sqrt();
@@ -223,19 +223,19 @@ impl<T: Real> Informed<T> {
             let cell = (pressure - grid.pressure_kpa(0)) / grid.step_kpa();
             self.posterior.pin(cell, (sd / grid.step_kpa()).max(T::lit(LEAST_PIN_CELLS)));
             self.learned_s += word.seconds;
-            self.repeat_word = Some(*word);
-            self.repeat_word_s = sample.time_s;
+            self.periodic_estimate = Some(*word);
+            self.periodic_estimate_s = sample.time_s;
         }
         if !self.repeat.is_following() {
-            self.repeat_word = None;
+            self.periodic_estimate = None;
         }
         word.is_some()
     }
 
     /// Tells that the tire has its placard pressure now, as during a reset.
-    pub fn pin_to_placard(&mut self) {
+    pub fn set_to_placard(&mut self) {
         let cell = (self.config.placard_kpa - self.grid.pressure_kpa(0)) / self.grid.step_kpa();
-        self.posterior.pin(cell, T::lit(RESET_SD) * self.config.placard_kpa / self.grid.step_kpa());
+        self.posterior.pin(cell, T::lit(CALIBRATION_SD) * self.config.placard_kpa / self.grid.step_kpa());
         self.held_frames = HELD_FRAMES;
     }
 
@@ -245,10 +245,10 @@ impl<T: Real> Informed<T> {
         let mut evidence = self.evidence(frame, speed_m_s, road.longest_envelope_m());
         let speed = if speed_m_s.is_finite() { SpeedKnowledge::Known } else { SpeedKnowledge::Unknown };
         self.gate.look(&evidence, &self.tables, cell, &road, speed);
-        if self.spoiled || speed_m_s < T::lit(STANDING_M_S) {
+        if self.invalid || speed_m_s < T::lit(STANDING_M_S) {
             self.gate.close();
         }
-        self.spoiled = false;
+        self.invalid = false;
         self.notice_stop(speed_m_s);
         evidence.weight *= self.gate.open();
         let ratio = speed_m_s / self.last_speed_m_s;
@@ -344,25 +344,25 @@ impl<T: Real> Informed<T> {
 
     /// What the frames since the last word say by themselves, whatever was believed before: a stiffness measurement for
     /// a filter outside. `None` until there are enough of them. Frames are tempered, so words may be added up.
-    pub fn take_word(&mut self) -> Option<StiffnessWord<T>> {
-        if let Some(word) = &mut self.repeat_word {
+    pub fn take_pseudo_measurement(&mut self) -> Option<StiffnessPseudoMeasurement<T>> {
+        if let Some(word) = &mut self.periodic_estimate {
             let stiffness = T::one() / word.theta;
             let sd_n_per_m = word.relative_sd * stiffness * T::lit(REPEATED_WORD_SD);
             return core::mem::take(&mut word.whole_period)
-                .then_some(StiffnessWord { stiffness_n_per_m: stiffness, sd_n_per_m });
+                .then_some(StiffnessPseudoMeasurement { stiffness_n_per_m: stiffness, sd_n_per_m });
         }
-        let (cell, variance) = self.posterior.take_word()?;
+        let (cell, variance) = self.posterior.take_pseudo_measurement()?;
         let pressure_kpa = self.grid.pressure_kpa(0) + cell * self.grid.step_kpa();
         let per_cell = self.grid.step_kpa() * self.config.tire.stiffness_per_kpa();
-        Some(StiffnessWord {
+        Some(StiffnessPseudoMeasurement {
             stiffness_n_per_m: self.config.tire.stiffness_n_per_m(pressure_kpa),
             sd_n_per_m: variance.sqrt() * per_cell,
         })
     }
 
     /// The belief on a road that repeats.
-    fn repeated_belief(&self, word: &RepeatWord<T>) -> Belief<T> {
-        let age_s = T::lit((self.last_time_s - self.repeat_word_s).clamp(0.0, OLDEST_WORD_S));
+    fn repeated_belief(&self, word: &PeriodicEstimate<T>) -> Belief<T> {
+        let age_s = T::lit((self.last_time_s - self.periodic_estimate_s).clamp(0.0, OLDEST_WORD_S));
         let stiffness = (T::one() - word.rate_per_s * age_s) / word.theta;
         Belief {
             pressure_kpa: self.config.tire.pressure_kpa(stiffness),
@@ -376,9 +376,12 @@ impl<T: Real> Informed<T> {
     }
 
     /// The same for somebody who believes in a stiffness with an sd, in N/m, and is asked only if there is a word.
-    pub fn take_word_for(&mut self, believed: impl FnOnce() -> (T, T)) -> Option<StiffnessWord<T>> {
-        if self.repeat_word.is_some() {
-            return self.take_word();
+    pub fn pseudo_measurement(
+        &mut self,
+        believed: impl FnOnce() -> (T, T),
+    ) -> Option<StiffnessPseudoMeasurement<T>> {
+        if self.periodic_estimate.is_some() {
+            return self.take_pseudo_measurement();
         }
         if !self.posterior.has_word() {
             return None;
@@ -388,9 +391,9 @@ impl<T: Real> Informed<T> {
         let tire = &self.config.tire;
         let cell = (tire.pressure_kpa(stiffness_n_per_m) - self.grid.pressure_kpa(0)) / step;
         let sd_cells = sd_n_per_m / tire.stiffness_per_kpa() / step;
-        let (cell, variance) = self.posterior.take_word_for(cell, sd_cells)?;
+        let (cell, variance) = self.posterior.pseudo_measurement(cell, sd_cells)?;
         let pressure_kpa = self.grid.pressure_kpa(0) + cell * step;
-        Some(StiffnessWord {
+        Some(StiffnessPseudoMeasurement {
             stiffness_n_per_m: tire.stiffness_n_per_m(pressure_kpa),
             sd_n_per_m: variance.sqrt() * step * tire.stiffness_per_kpa(),
         })
@@ -398,7 +401,7 @@ impl<T: Real> Informed<T> {
 
     /// What is believed now.
     pub fn belief(&self) -> Belief<T> {
-        if let Some(word) = &self.repeat_word {
+        if let Some(word) = &self.periodic_estimate {
             return self.repeated_belief(word);
         }
         let summary = self.posterior.summary();
@@ -440,7 +443,7 @@ pub struct Belief<T> {
 
 /// A measurement of the stiffness, by a few frames.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StiffnessWord<T> {
+pub struct StiffnessPseudoMeasurement<T> {
     /// Stiffness in N/m; may lie outside what is possible when it says little.
     pub stiffness_n_per_m: T,
     /// Its standard deviation in N/m.

@@ -218,11 +218,11 @@ mod tests {
     fn what_does_not_count_leaves_no_trace() {
         let counts = |step: usize| step % 30 >= 11;
         let (mut clean, mut step) = (noise(), 0);
-        let spoiled = move || {
+        let invalid = move || {
             step += 1;
             let x = clean();
             if counts(step - 1) { x } else { f64::NAN }
         };
-        assert_eq!(frames(500, noise(), counts), frames(500, spoiled, counts));
+        assert_eq!(frames(500, noise(), counts), frames(500, invalid, counts));
     }
 }

@@ -18,7 +18,7 @@ pub struct Alert<T> {
     /// Since when it has been so, in s, as far as can be told.
     pub since_s: f64,
     /// When it was first said, in s.
-    pub said_s: f64,
+    pub reported_s: f64,
     /// Why.
     pub cause: Cause<T>,
 }
@@ -90,7 +90,9 @@ impl<T> Alert<T> {
             (Cause::Malfunction(a), Cause::Malfunction(b)) => a.is_same_as(b),
             (a, b) => a.label() == b.label(),
         };
-        same_fault && self.wheels == other.wheels && (self.said_s - set_back_s - other.said_s).abs() < SAME_S
+        same_fault
+            && self.wheels == other.wheels
+            && (self.reported_s - set_back_s - other.reported_s).abs() < SAME_S
     }
 }
 
@@ -121,6 +123,6 @@ impl<T: Real> fmt::Display for Alert<T> {
                 write!(f, "{}: nothing learned in {:.0} min of driving", self.wheels, driven_s / 60.0)?;
             }
         }
-        write!(f, "; since {:.1} s, said at {:.1} s", self.since_s, self.said_s)
+        write!(f, "; since {:.1} s, said at {:.1} s", self.since_s, self.reported_s)
     }
 }

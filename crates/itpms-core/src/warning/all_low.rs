@@ -1,7 +1,7 @@
 //! All wheels together: a slow loss of all four is more certain in their mean than in any one of them.
 
 use crate::car::CarEstimate;
-use crate::diagnosis::debounce::{Evidence, Latch, Patience};
+use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
 use crate::real::Real;
 use crate::warning::low::is_learning;
 use crate::warning::{Cause, Limits};
@@ -14,30 +14,30 @@ const NONE_ABOVE: f64 = 0.95;
 const FINE_ABOVE: f64 = 0.03;
 /// Minutes, not seconds: the level of all four is what an estimator is most easily wrong in, and nobody loses four tires at
 /// once.
-const ALL_LOW: Patience = Patience { raise_s: 150.0, clear_s: 20.0 };
+const ALL_LOW: DebounceTimes = DebounceTimes { set_s: 150.0, clear_s: 20.0 };
 
 /// Remembers since when all wheels are low.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct AllLow<T> {
-    latch: Latch,
+    debouncer: Debouncer,
     mean_share: T,
     sd_share: T,
 }
 
 impl<T: Real> AllLow<T> {
     pub(crate) fn new() -> Self {
-        Self { latch: Latch::new(), mean_share: T::one(), sd_share: T::zero() }
+        Self { debouncer: Debouncer::new(), mean_share: T::one(), sd_share: T::zero() }
     }
 
-    pub(crate) fn latch(&self) -> &Latch {
-        &self.latch
+    pub(crate) fn debouncer(&self) -> &Debouncer {
+        &self.debouncer
     }
 
     /// Why it is said, while it is.
     pub(crate) fn cause(&self) -> Option<Cause<T>> {
         let (mean_share, sd_share) = (self.mean_share, self.sd_share);
-        self.latch.is_said().then_some(Cause::AllLow { mean_share, sd_share })
+        self.debouncer.is_active().then_some(Cause::AllLow { mean_share, sd_share })
     }
 
     /// Takes what was estimated over the last `step_s` seconds. It takes all four wheels and something learned of each to say it;
@@ -53,20 +53,20 @@ impl<T: Real> AllLow<T> {
         let fine = shares.mean > limits.all_low_share + T::lit(FINE_ABOVE);
         if !shares.complete {
             if fine {
-                self.latch.update(estimate.time_s, step_s, Evidence::Against, ALL_LOW);
+                self.debouncer.update(estimate.time_s, step_s, Evidence::Prepassed, ALL_LOW);
             }
             return;
         }
         (self.mean_share, self.sd_share) = (shares.mean, shares.sd);
         let low = shares.mean + T::lit(CERTAIN) * shares.sd < limits.all_low_share;
         let evidence = if low && shares.highest < T::lit(NONE_ABOVE) {
-            Evidence::For
+            Evidence::Prefailed
         } else if fine {
-            Evidence::Against
+            Evidence::Prepassed
         } else {
-            Evidence::Neither
+            Evidence::Undecided
         };
-        self.latch.update(estimate.time_s, step_s, evidence, ALL_LOW);
+        self.debouncer.update(estimate.time_s, step_s, evidence, ALL_LOW);
     }
 }
 

@@ -1,6 +1,6 @@
 //! How fast a tire loses pressure against the others: what road, temperature and load do to all of them cancels.
 
-use crate::diagnosis::debounce::{Evidence, Latch, Patience};
+use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
 use crate::real::Real;
 
 /// Seconds between two pressures that are kept, and how many are: the last two minutes.
@@ -13,7 +13,7 @@ const LONGEST_S: f64 = (KEPT + 1) as f64 * KEPT_EVERY_S;
 /// reference.
 const CERTAIN: f64 = 4.0;
 const LEAST_FALL: f64 = 0.06;
-const LEAK: Patience = Patience { raise_s: 10.0, clear_s: 60.0 };
+const LEAK: DebounceTimes = DebounceTimes { set_s: 10.0, clear_s: 60.0 };
 
 /// A pressure and its variance.
 type Kept<T> = Option<[T; 2]>;
@@ -24,7 +24,7 @@ type Kept<T> = Option<[T; 2]>;
 pub(crate) struct LeakWatch<T> {
     kept: [[Kept<T>; 4]; KEPT],
     kept_s: [f64; KEPT],
-    leaks: [Latch; 4],
+    leaks: [Debouncer; 4],
     rate_kpa_per_min: [T; 4],
 }
 
@@ -33,14 +33,14 @@ impl<T: Real> LeakWatch<T> {
         Self {
             kept: [[None; 4]; KEPT],
             kept_s: [f64::NEG_INFINITY; KEPT],
-            leaks: [Latch::new(); 4],
+            leaks: [Debouncer::new(); 4],
             rate_kpa_per_min: [T::zero(); 4],
         }
     }
 
     /// The latch of a wheel, and the highest rate in kPa per minute since the first evidence of this leak: a fall that is
     /// over looks slower the longer ago it was.
-    pub(crate) fn of(&self, wheel: usize) -> (&Latch, T) {
+    pub(crate) fn of(&self, wheel: usize) -> (&Debouncer, T) {
         (&self.leaks[wheel], self.rate_kpa_per_min[wheel])
     }
 
@@ -70,9 +70,9 @@ impl<T: Real> LeakWatch<T> {
                     let leak = &self.leaks[wheel];
                     let before = if leak.is_suspected() { self.rate_kpa_per_min[wheel] } else { T::zero() };
                     self.rate_kpa_per_min[wheel] = before.max(rate);
-                    if doubted[wheel % 2] { Evidence::Nothing } else { Evidence::For }
+                    if doubted[wheel % 2] { Evidence::NoData } else { Evidence::Prefailed }
                 }
-                _ => Evidence::Against,
+                _ => Evidence::Prepassed,
             };
             self.leaks[wheel].update(time_s, step_s, evidence, LEAK);
         }
@@ -137,15 +137,15 @@ mod tests {
     }
 
     /// Seconds until wheel 0 is said to leak and the rate said, while it falls at `kpa_per_min` and the others at `all`.
-    fn said(kpa_per_min: f64, all: f64, sd: f64) -> Option<(f64, f64)> {
+    fn active(kpa_per_min: f64, all: f64, sd: f64) -> Option<(f64, f64)> {
         let mut watch = LeakWatch::<f64>::new();
         for i in 0..6000 {
             let time_s = f64::from(i) * 0.1;
             let other = Some([240.0 - all / 60.0 * time_s, sd * sd]);
             let now = [Some([240.0 - kpa_per_min / 60.0 * time_s, sd * sd]), other, other, other];
             watch.update(time_s, 0.1, now, [240.0; 4], 3.0, [false; 2]);
-            assert!(!watch.of(1).0.is_said());
-            if watch.of(0).0.is_said() {
+            assert!(!watch.of(1).0.is_active());
+            if watch.of(0).0.is_active() {
                 return Some((time_s, watch.of(0).1));
             }
         }
@@ -155,22 +155,22 @@ mod tests {
     #[test]
     fn a_fall_is_said_when_it_is_certain_and_with_its_rate() {
         // sd 2: the difference's is 2.8, so 14.4 kPa (6 %) decide; 60 kPa/min falls that in 14.4 s, then 10 s of waiting.
-        let (at_s, rate) = said(60.0, 0.0, 2.0).unwrap();
+        let (at_s, rate) = active(60.0, 0.0, 2.0).unwrap();
         assert!((24.0..26.5).contains(&at_s) && (rate - 60.0).abs() < 1.0, "{at_s} {rate}");
         // sd 8: 45 kPa are certain; two minutes at 12 kPa/min are not enough.
-        assert_eq!(said(12.0, 0.0, 8.0), None);
+        assert_eq!(active(12.0, 0.0, 8.0), None);
     }
 
     #[test]
     fn seconds_in_which_the_side_is_doubted_do_not_count() {
-        for (doubted_s, said) in [(0.0, true), (9.0, false)] {
+        for (doubted_s, active) in [(0.0, true), (9.0, false)] {
             let mut watch = LeakWatch::<f64>::new();
             // One kPa in a second: 14.4 kPa, then ten seconds.
             for i in 0..300 {
                 let time_s = f64::from(i) * 0.1;
                 take(&mut watch, time_s, 240.0 - time_s, time_s > 30.0 - doubted_s);
             }
-            assert_eq!(watch.of(0).0.is_said(), said);
+            assert_eq!(watch.of(0).0.is_active(), active);
         }
     }
 
@@ -185,7 +185,7 @@ mod tests {
         // 100 kPa within the shortest time that is looked at: 10 s, up to 15 as pressures are kept every 5. Over the minute
         // since then it would be 100 kPa/min.
         let (leak, rate) = watch.of(0);
-        assert!(leak.is_said() && (399.0..=601.0).contains(&rate), "{rate}");
+        assert!(leak.is_active() && (399.0..=601.0).contains(&rate), "{rate}");
     }
 
     #[test]
@@ -206,14 +206,14 @@ mod tests {
             let kpa = 180.0 - 0.1 * f64::from(i - 1200);
             take(&mut watch, 3e4 + 0.1 * f64::from(i), kpa, false);
         }
-        assert!(watch.of(0).0.is_said());
+        assert!(watch.of(0).0.is_active());
     }
 
     #[test]
     fn what_all_do_is_no_leak() {
-        assert_eq!(said(60.0, 60.0, 2.0), None);
-        assert!(said(60.0, 20.0, 2.0).is_some());
+        assert_eq!(active(60.0, 60.0, 2.0), None);
+        assert!(active(60.0, 20.0, 2.0).is_some());
         // Two minutes at 2 kPa a minute are below the least rate and the least fall.
-        assert_eq!(said(2.0, 0.0, 0.5), None);
+        assert_eq!(active(2.0, 0.0, 0.5), None);
     }
 }

@@ -1,6 +1,6 @@
 //! One wheel's pressure against its limits, and how long ago something was learned of it.
 
-use crate::diagnosis::debounce::{Evidence, Latch, Patience};
+use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
 use crate::model::{CornerEstimate, Validity};
 use crate::real::Real;
 use crate::warning::report::{Doubt, WheelState};
@@ -11,14 +11,14 @@ const CERTAIN: f64 = 1.64;
 /// So many sds count double: a pressure that is far past its limit need not be waited for as long.
 const VERY_CERTAIN: f64 = 3.0;
 /// Seconds in which something was learned, for and against.
-const LOW: Patience = Patience { raise_s: 2.0, clear_s: 10.0 };
-const OVER: Patience = Patience { raise_s: 60.0, clear_s: 10.0 };
+const LOW: DebounceTimes = DebounceTimes { set_s: 2.0, clear_s: 10.0 };
+const OVER: DebounceTimes = DebounceTimes { set_s: 60.0, clear_s: 10.0 };
 /// A tire that is lower than the other one of its side by less than this share of the reference goes with it, and then a
 /// second counts for that much less: two tires hardly lose pressure alike within minutes, but the level of a side is what
 /// an estimator is most easily wrong in.
 const ALONE: f64 = 0.06;
 const TOGETHER: f64 = 75.0;
-const UNINFORMED: Patience = Patience { raise_s: 0.0, clear_s: 1.0 };
+const UNINFORMED: DebounceTimes = DebounceTimes { set_s: 0.0, clear_s: 1.0 };
 /// Information gate above which something is being learned.
 const LEARNING: f64 = 0.1;
 /// Speed in m/s above which a car should learn something: 20 km/h.
@@ -42,9 +42,9 @@ pub(crate) struct Around<T> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct WheelWatch {
-    pub(crate) low: Latch,
-    pub(crate) over: Latch,
-    pub(crate) uninformed: Latch,
+    pub(crate) low: Debouncer,
+    pub(crate) over: Debouncer,
+    pub(crate) uninformed: Debouncer,
     pub(crate) informed_s: f64,
     /// Seconds in which something was learned since all that had been known was forgotten.
     anew_s: f64,
@@ -55,9 +55,9 @@ pub(crate) struct WheelWatch {
 impl WheelWatch {
     pub(crate) fn new() -> Self {
         Self {
-            low: Latch::new(),
-            over: Latch::new(),
-            uninformed: Latch::new(),
+            low: Debouncer::new(),
+            over: Debouncer::new(),
+            uninformed: Debouncer::new(),
             informed_s: f64::NEG_INFINITY,
             anew_s: 0.0,
             driven_s: 0.0,
@@ -86,7 +86,7 @@ impl WheelWatch {
             self.driven_s += step_s;
         }
         let silent = self.driven_s >= limits.no_information_s;
-        let uninformed = if silent { Evidence::For } else { Evidence::Against };
+        let uninformed = if silent { Evidence::Prefailed } else { Evidence::Prepassed };
         self.uninformed.update(time_s, step_s, uninformed, UNINFORMED);
         if !learning {
             return;
@@ -101,26 +101,26 @@ impl WheelWatch {
         };
         let below = |sds: f64| p + T::lit(sds) * sd < low_kpa || lower(sds);
         let low = if below(CERTAIN) {
-            if around.doubted { Evidence::Nothing } else { Evidence::For }
+            if around.doubted { Evidence::NoData } else { Evidence::Prefailed }
         } else if p - T::lit(CERTAIN) * sd > low_kpa || p > limits.low_over_share * reference_kpa {
-            Evidence::Against
+            Evidence::Prepassed
         } else {
-            Evidence::Neither
+            Evidence::Undecided
         };
         let alone = around.other_share.is_none_or(|other| other - p / reference_kpa > T::lit(ALONE));
         let certainty = if below(VERY_CERTAIN) { 2.0 } else { 1.0 };
         let weight = match low {
-            Evidence::For if alone => certainty,
-            Evidence::For => certainty / TOGETHER,
+            Evidence::Prefailed if alone => certainty,
+            Evidence::Prefailed => certainty / TOGETHER,
             _ => 1.0,
         };
         self.low.update(time_s, weight * step_s, low, LOW);
         let over = if p - T::lit(CERTAIN) * sd > limits.over_share * reference_kpa {
-            Evidence::For
+            Evidence::Prefailed
         } else if p < limits.over_over_share * reference_kpa {
-            Evidence::Against
+            Evidence::Prepassed
         } else {
-            Evidence::Neither
+            Evidence::Undecided
         };
         self.over.update(time_s, step_s, over, OVER);
     }

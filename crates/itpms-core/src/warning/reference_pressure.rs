@@ -37,11 +37,11 @@ struct Taken<T> {
 /// What all tires should have.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct WarmReference<T> {
+pub(crate) struct ReferencePressure<T> {
     /// 0 for cold tires, 1 for those as warm as driving makes them.
     warmth: T,
     /// Length of a reset that is to begin with the next sample.
-    reset_s: Option<f64>,
+    calibration_s: Option<f64>,
     /// From when on pressures are taken, and when the reset ends.
     takes_from_s: f64,
     ends_s: f64,
@@ -49,12 +49,12 @@ pub(crate) struct WarmReference<T> {
     time_s: f64,
 }
 
-impl<T: Real> WarmReference<T> {
+impl<T: Real> ReferencePressure<T> {
     /// Cold tires, never reset.
     pub(crate) fn new() -> Self {
         Self {
             warmth: T::zero(),
-            reset_s: None,
+            calibration_s: None,
             takes_from_s: f64::NEG_INFINITY,
             ends_s: f64::NEG_INFINITY,
             taken: [Taken::nothing(); 4],
@@ -63,8 +63,8 @@ impl<T: Real> WarmReference<T> {
     }
 
     /// A reset of so many s begins with the next sample; what an earlier one left is forgotten.
-    pub(crate) fn begin_reset(&mut self, seconds: f64) -> Result<(), ParameterError> {
-        self.reset_s = Some(positive("calibrate_s", seconds)?);
+    pub(crate) fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
+        self.calibration_s = Some(positive("calibrate_s", seconds)?);
         self.taken = [Taken::nothing(); 4];
         Ok(())
     }
@@ -82,9 +82,9 @@ impl<T: Real> WarmReference<T> {
         let step_s = time_s - self.time_s;
         self.time_s = time_s;
         if step_s > 0.0 {
-            self.warm(step_s, speed_m_s);
+            self.reference(step_s, speed_m_s);
         }
-        if let Some(seconds) = self.reset_s.take() {
+        if let Some(seconds) = self.calibration_s.take() {
             self.ends_s = time_s + seconds;
             self.takes_from_s = self.ends_s - (TAKEN_SHARE * seconds).min(TAKEN_S);
         }
@@ -98,7 +98,7 @@ impl<T: Real> WarmReference<T> {
     }
 
     /// The tires warm up or cool down for a while. To first order in the step, which errs towards cold in a long one.
-    fn warm(&mut self, step_s: f64, speed_m_s: T) {
+    fn reference(&mut self, step_s: f64, speed_m_s: T) {
         let driven = speed_m_s > T::zero() && step_s <= LONGEST_STEP_S;
         let goal = if driven { (speed_m_s / T::lit(WARM_M_S)).min(T::one()) } else { T::zero() };
         let in_s = if goal > self.warmth { WARMS_IN_S } else { COOLS_IN_S };

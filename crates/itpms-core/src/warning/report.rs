@@ -121,7 +121,7 @@ impl<T: Real> MonitorReport<T> {
         let set_back_s = self.set_back_s;
         self.slots[slot] = alert.map(|alert| Alert {
             since_s: alert.since_s - set_back_s,
-            said_s: alert.said_s - set_back_s,
+            reported_s: alert.reported_s - set_back_s,
             ..alert
         });
     }

@@ -61,13 +61,13 @@ impl LowPressureWatch {
     }
 }
 
-/// True once `condition` has held for `for_s`.
-fn held(since_s: &mut Option<f64>, condition: bool, time_s: f64, for_s: f64) -> bool {
+/// True once `condition` has held for `prefailed_s`.
+fn held(since_s: &mut Option<f64>, condition: bool, time_s: f64, prefailed_s: f64) -> bool {
     if !condition {
         *since_s = None;
         return false;
     }
-    time_s - *since_s.get_or_insert(time_s) >= for_s
+    time_s - *since_s.get_or_insert(time_s) >= prefailed_s
 }
 
 #[cfg(test)]

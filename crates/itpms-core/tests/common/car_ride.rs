@@ -46,9 +46,9 @@ impl CarRide {
         let h = 1.0 / PLANT_HZ;
         let steps = ((self.seconds + WARM_UP_S) * PLANT_HZ) as usize;
         let speed = |i: usize| (self.speed_m_s)((i as f64 * h - WARM_UP_S).max(0.0));
-        let mut way_m = vec![5.0];
-        (0..steps).for_each(|i| way_m.push(way_m[i] + h * speed(i)));
-        let accelerations: Vec<_> = (0..4).map(|corner| self.corner(corner, &way_m)).collect();
+        let mut distance_m = vec![5.0];
+        (0..steps).for_each(|i| distance_m.push(distance_m[i] + h * speed(i)));
+        let accelerations: Vec<_> = (0..4).map(|corner| self.corner(corner, &distance_m)).collect();
         let mut noise = Random::new(self.seed ^ 0x5EED);
         let every = (PLANT_HZ / RATE_HZ) as usize;
         ((WARM_UP_S * PLANT_HZ) as usize..steps)
@@ -68,18 +68,18 @@ impl CarRide {
     }
 
     /// Accelerations of a corner's body and wheel at the plant's rate.
-    fn corner(&self, corner: usize, way_m: &[f64]) -> Vec<(f64, f64)> {
+    fn corner(&self, corner: usize, distance_m: &[f64]) -> Vec<(f64, f64)> {
         let mut random = Random::new(self.seed ^ (1 + corner as u64 % 2));
         // Height as a random walk over distance: Gd(n) = roughness (n0/n)² is white in slope, with a variance of
         // (2 pi n0)² Gd / 2 per meter.
         let step = ((core::f64::consts::TAU * 0.1).powi(2) * self.roughness_m3 / 2.0 / PER_M).sqrt();
         let mut heights = vec![0.0];
-        for i in 0..(way_m[way_m.len() - 1] * PER_M) as usize + 2 {
+        for i in 0..(distance_m[distance_m.len() - 1] * PER_M) as usize + 2 {
             heights.push(heights[i] + step * random.normal());
         }
         let behind_m = if corner < 2 { 0.0 } else { WHEELBASE_M };
-        let road = |way_m: f64| {
-            let at = (way_m - behind_m) * PER_M;
+        let road = |distance_m: f64| {
+            let at = (distance_m - behind_m) * PER_M;
             let (i, share) = (at as usize, at.fract());
             heights[i] + share * (heights[i + 1] - heights[i])
         };
@@ -90,10 +90,10 @@ impl CarRide {
             let suspension = KS * (x[2] - x[0]) + damping * (x[3] - x[1]);
             [x[1], suspension / sprung, x[3], (k_t * (road - x[2]) - suspension) / unsprung]
         };
-        let start = road(way_m[0]);
+        let start = road(distance_m[0]);
         let mut x = [start, 0.0, start, 0.0];
         let mut filters = [low_pass(0.3 * RATE_HZ), low_pass(0.3 * RATE_HZ)];
-        way_m
+        distance_m
             .windows(2)
             .enumerate()
             .map(|(step, way)| {

@@ -23,7 +23,7 @@ pub fn transition_object(time_s: f64, change: &Change<f64>) -> Map<String, Value
     line
 }
 
-/// An alert: `kind`, `wheels`, `since_s`, `said_s`, numbers that depend on the kind, and `text` for a person.
+/// An alert: `kind`, `wheels`, `since_s`, `reported_s`, numbers that depend on the kind, and `text` for a person.
 #[must_use]
 pub fn alert_object(alert: &Alert<f64>) -> Map<String, Value> {
     let mut object = Map::new();
@@ -33,7 +33,7 @@ pub fn alert_object(alert: &Alert<f64>) -> Map<String, Value> {
     put("kind", json!(alert.cause.label()));
     put("wheels", wheels(alert.wheels));
     put("since_s", json!(alert.since_s));
-    put("said_s", json!(alert.said_s));
+    put("said_s", json!(alert.reported_s));
     match &alert.cause {
         Cause::UnderInflated(reading) | Cause::OverInflated(reading) => put_reading(&mut put, reading),
         Cause::FastLeak { reading, rate_kpa_per_min } => {

@@ -31,7 +31,7 @@ use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::Path;
 
-use itpms_core::model::{LearnedReference, ReferenceError};
+use itpms_core::model::{CalibrationError, VehicleCalibration};
 use thiserror::Error;
 
 use crate::error::{DataError, Problem};
@@ -82,7 +82,7 @@ pub enum ReferenceProblem {
     },
     /// A value that no car has.
     #[error("the learned reference is not plausible: {0}")]
-    Implausible(ReferenceError),
+    Implausible(CalibrationError),
     /// Whole, but without something that belongs there.
     #[error("the learned reference does not have {0}")]
     Lacks(&'static str),
@@ -96,7 +96,7 @@ pub struct StoredReference {
     /// When the reset was over, in s since 1970-01-01 UTC, as the caller's clock had it.
     pub learned_unix_s: u64,
     /// What was learned.
-    pub reference: LearnedReference<f64>,
+    pub reference: VehicleCalibration<f64>,
 }
 
 impl StoredReference {
@@ -106,7 +106,7 @@ impl StoredReference {
     /// The reference is not plausible, or of no corner: a bad one is never stored.
     pub fn new(
         vehicle: &Vehicle,
-        reference: LearnedReference<f64>,
+        reference: VehicleCalibration<f64>,
         learned_unix_s: u64,
     ) -> Result<Self, Problem> {
         reference.check().map_err(ReferenceProblem::Implausible)?;
@@ -120,7 +120,7 @@ impl StoredReference {
     ///
     /// # Errors
     /// Another name, another id, or other parameters: deviations from one set of parameters say nothing of another.
-    pub fn for_vehicle(&self, vehicle: &Vehicle) -> Result<&LearnedReference<f64>, Problem> {
+    pub fn for_vehicle(&self, vehicle: &Vehicle) -> Result<&VehicleCalibration<f64>, Problem> {
         self.vehicle.expect(&VehicleIdentity::of(vehicle))?;
         Ok(&self.reference)
     }

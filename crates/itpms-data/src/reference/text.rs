@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use itpms_core::model::{Corner, Learned, LearnedCorner, LearnedReference};
+use itpms_core::model::{Corner, CornerCalibration, Learned, VehicleCalibration};
 use toml::de::DeTable;
 
 use super::checksum::crc64;
@@ -117,7 +117,7 @@ fn read_body(text: &str, format: u32) -> Result<StoredReference, Problem> {
     let learned_unix_s = unix_s.parse().map_err(|_| ReferenceProblem::Lacks("a time in whole seconds"))?;
     let [[left_gain, left_skew], [right_gain, right_skew]] =
         [read_side(&learned, SIDES[0])?, read_side(&learned, SIDES[1])?];
-    let reference = LearnedReference {
+    let reference = VehicleCalibration {
         corners: read_corners(&needed_table(&root, "corner")?, format)?,
         bar: [
             read_learned(&learned, "front_bar", "front_bar_sd")?,
@@ -131,20 +131,20 @@ fn read_body(text: &str, format: u32) -> Result<StoredReference, Problem> {
     Ok(StoredReference { vehicle, learned_unix_s, reference })
 }
 
-fn read_corners(corners: &Table<'_>, format: u32) -> Result<[Option<LearnedCorner<f64>>; 4], Problem> {
+fn read_corners(corners: &Table<'_>, format: u32) -> Result<[Option<CornerCalibration<f64>>; 4], Problem> {
     corners.check_keys(&Corner::ALL.map(Corner::label))?;
     let mut read = [None; 4];
     for corner in Corner::ALL {
         let Some(table) = corners.table(corner.label())? else { continue };
         let [mass, damping, spring, bias, road_bias] = CORNER_QUANTITIES;
-        read[corner.index()] = Some(LearnedCorner {
+        read[corner.index()] = Some(CornerCalibration {
             placard_kpa: needed_number(&table, "placard_kpa")?,
             unsprung_mass: read_learned(&table, mass, "unsprung_mass_sd")?,
             damping: read_learned(&table, damping, "damping_sd")?,
             spring: read_learned(&table, spring, "spring_sd")?,
             spectrum_bias_kpa: read_learned(&table, bias, "spectrum_bias_kpa_sd")?,
             shared_road_bias: if format == WITHOUT_ROAD_BIAS {
-                LearnedCorner::untaught_road_bias()
+                CornerCalibration::unlearned_residual_bias()
             } else {
                 read_learned(&table, road_bias, "shared_road_bias_sd")?
             },

@@ -2,13 +2,13 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 #![allow(dead_code, reason = "every test file uses its own part")]
 
-use itpms_core::model::{Learned, LearnedCorner, LearnedReference};
+use itpms_core::model::{CornerCalibration, Learned, VehicleCalibration};
 use itpms_data::Vehicle;
 use itpms_data::reference::StoredReference;
 
-pub(crate) fn learned(scale: f64) -> LearnedReference<f64> {
+pub(crate) fn learned(scale: f64) -> VehicleCalibration<f64> {
     let pair = |value: f64, sd: f64| Learned { value: scale * value, sd: scale * sd };
-    let corner = |i: f64| LearnedCorner {
+    let corner = |i: f64| CornerCalibration {
         placard_kpa: 241.3,
         unsprung_mass: pair(0.01 * i, 0.004),
         damping: pair(-0.1 * i, 0.03),
@@ -16,7 +16,7 @@ pub(crate) fn learned(scale: f64) -> LearnedReference<f64> {
         spectrum_bias_kpa: pair(4.2 - i, 1.5),
         shared_road_bias: pair(0.01 * i, 0.011),
     };
-    LearnedReference {
+    VehicleCalibration {
         corners: [Some(corner(1.0)), Some(corner(2.0)), Some(corner(3.0)), Some(corner(4.0))],
         bar: [Learned { value: 0.25, sd: 0.02 }, Learned { value: 0.1, sd: 0.02 }],
         gain: [pair(0.011, 0.002), pair(-0.007, 0.002)],

@@ -88,7 +88,7 @@ impl<'a> Run<'a> {
         let told = MonitorConfig::new(&config).with_limits(procedure.rule.limits());
         let monitor = Monitor::new(&told, scenario.rate_hz)?;
         let mut car = Box::new(MonitoredCar::new(estimator, monitor));
-        car.begin_reset(course.learning_s)?;
+        car.begin_calibration(course.learning_s)?;
         let low = !matches!(procedure.test, Test::Malfunction(_));
         Ok(Self {
             course,
@@ -198,7 +198,7 @@ impl<'a> Run<'a> {
         let offset_s = self.time_s + PARKED_S;
         let quiet_s = if self.low { NEW_RESET_S } else { 0.0 };
         if self.low {
-            self.car.begin_reset(NEW_RESET_S)?;
+            self.car.begin_calibration(NEW_RESET_S)?;
         }
         let mut out_since_s = None;
         self.trace.push(TracePoint::nothing(offset_s));

@@ -29,7 +29,7 @@ mod tests;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use itpms_core::model::{ParameterError, ReferenceError};
+use itpms_core::model::{CalibrationError, ParameterError};
 use itpms_sim::error::ScenarioError;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -92,7 +92,7 @@ pub enum CertifyError {
     Parameter(#[from] ParameterError),
     /// A reference that the estimator refuses.
     #[error(transparent)]
-    Reference(#[from] ReferenceError),
+    Reference(#[from] CalibrationError),
     /// No threads.
     #[error("cannot start threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),

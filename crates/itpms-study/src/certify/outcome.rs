@@ -286,7 +286,7 @@ mod tests {
         let low = |corner: Corner| Alert {
             wheels: corner.into(),
             since_s: 0.0,
-            said_s: 0.0,
+            reported_s: 0.0,
             cause: Cause::UnderInflated(reading),
         };
         let mut findings = good();

@@ -184,7 +184,7 @@ mod tests {
         let alert = Alert {
             wheels: Corner::RearRight.into(),
             since_s: 0.0,
-            said_s: 0.0,
+            reported_s: 0.0,
             cause: Cause::UnderInflated(reading),
         };
         let mut findings = Findings::default();

@@ -82,7 +82,7 @@ mod tests {
         let reading = Reading { pressure_kpa: 190.0, sd_kpa: 4.0, limit_kpa: 212.0, reference_kpa: 241.0 };
         let stuck = Malfunction::Stuck(Sensor { corner: fl, place: Place::Wheel });
         let says = |lamp, concerned, cause, wheels: Wheels| {
-            wrong(lamp, concerned, &Alert { wheels, since_s: 0.0, said_s: 0.0, cause })
+            wrong(lamp, concerned, &Alert { wheels, since_s: 0.0, reported_s: 0.0, cause })
         };
         // Front left is let down.
         let low = |cause, wheels| says(Lamp::Low, one, cause, wheels);

@@ -247,7 +247,7 @@ mod tests {
     }
 
     fn alert(cause: Cause<f64>, wheels: impl Into<Wheels>) -> Alert<f64> {
-        Alert { wheels: wheels.into(), since_s: 0.0, said_s: 1.0, cause }
+        Alert { wheels: wheels.into(), since_s: 0.0, reported_s: 1.0, cause }
     }
 
     fn broken(malfunction: Malfunction<f64>) -> Alert<f64> {

@@ -98,7 +98,7 @@ impl Runner {
             kind => {
                 let estimator = Estimator::new(kind, corner, rate_hz)?;
                 return Ok(Self::Estimator(match contestant.reset_s {
-                    seconds if seconds > 0.0 => estimator.with_reset_drive(seconds)?,
+                    seconds if seconds > 0.0 => estimator.with_calibration_drive(seconds)?,
                     _ => estimator,
                 }));
             }

@@ -17,7 +17,7 @@ struct Line {
     what: &'static str,
     why: String,
     since_s: f64,
-    said_s: f64,
+    reported_s: f64,
     ended_s: Option<f64>,
 }
 
@@ -45,7 +45,7 @@ pub(super) fn table(data: &ReportData) -> String {
             line.class,
             line.what,
             escape(&line.why),
-            clock(line.said_s),
+            clock(line.reported_s),
             clock(line.since_s),
         );
     }
@@ -75,7 +75,7 @@ fn line(span: &AlertSpan) -> Line {
             ("unknown", "No information", format!("nothing learned in {:.0} min of driving", driven_s / 60.0))
         }
     };
-    Line { class, wheels, what, why, since_s: alert.since_s, said_s: alert.said_s, ended_s: *ended_s }
+    Line { class, wheels, what, why, since_s: alert.since_s, reported_s: alert.reported_s, ended_s: *ended_s }
 }
 
 fn at(r: &Reading<f64>) -> String {
@@ -98,12 +98,12 @@ fn from_warnings(data: &ReportData) -> Vec<Line> {
                 what,
                 why: String::new(),
                 since_s: from,
-                said_s: from,
+                reported_s: from,
                 ended_s: (!last).then_some(to),
             });
         }
     }
-    lines.sort_by(|a, b| a.said_s.total_cmp(&b.said_s));
+    lines.sort_by(|a, b| a.reported_s.total_cmp(&b.reported_s));
     lines.truncate(MOST_LINES);
     lines
 }

@@ -190,7 +190,7 @@ pub(super) fn curves(data: &ReportData) -> io::Result<String> {
 fn alert(span: &AlertSpan) -> AlertJson {
     AlertJson {
         wheels: span.alert.wheels.iter().map(Corner::label).collect(),
-        said: Number(span.alert.said_s, AXIS_DIGITS),
+        said: Number(span.alert.reported_s, AXIS_DIGITS),
         kind: span.alert.cause.label(),
     }
 }

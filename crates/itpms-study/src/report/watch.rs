@@ -81,7 +81,7 @@ impl WatchCollector {
         let same = |span: &&mut AlertSpan| {
             let alert = &span.alert;
             let alike = alert.wheels == ended.wheels && alert.cause.label() == ended.cause.label();
-            span.ended_s.is_none() && alike && alert.said_s == ended.said_s
+            span.ended_s.is_none() && alike && alert.reported_s == ended.reported_s
         };
         if let Some(span) = self.report.alerts.iter_mut().rev().find(same) {
             span.ended_s = Some(time_s);
@@ -98,7 +98,7 @@ impl WatchCollector {
         }
         for span in &mut self.report.alerts {
             span.alert.since_s -= origin_s;
-            span.alert.said_s -= origin_s;
+            span.alert.reported_s -= origin_s;
             span.ended_s = span.ended_s.map(|ended_s| ended_s - origin_s);
         }
         Some(self.report)

@@ -142,7 +142,7 @@ impl Case {
     ) -> Result<(), ScoreError> {
         let mut estimator = Estimator::new(self.kind, &self.corner()?, self.scenario.rate_hz)?;
         if let Some(seconds) = self.reset_s {
-            estimator = estimator.with_reset_drive(seconds)?;
+            estimator = estimator.with_calibration_drive(seconds)?;
         }
         for row in Simulation::new(&self.scenario, seed)? {
             let Some(corner) = row.corners[CORNER.index()] else { continue };

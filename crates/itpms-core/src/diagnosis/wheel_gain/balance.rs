@@ -3,8 +3,8 @@
 //! one axle differ by shows at the other one, too, where it is the road's
 //! (docs/math/monitor.md, section 3, "Gain of a wheel").
 
-use crate::diagnosis::debounce::{Evidence, Patience};
-use crate::diagnosis::fault_latch::Word;
+use crate::diagnosis::debounce::{DebounceTimes, Evidence};
+use crate::diagnosis::fault_latch::FaultLatch;
 use crate::diagnosis::matching::{median, over_others};
 use crate::diagnosis::signals::Block;
 use crate::diagnosis::single_sensor::evidence;
@@ -27,7 +27,7 @@ const FINE: f64 = 0.11;
 /// hop does: averages of so much take long to be forgotten.
 const LESS: f64 = 0.4;
 const LARGE: f64 = 0.31;
-const PATIENCE: Patience = Patience { raise_s: 5.0, clear_s: 10.0 };
+const PATIENCE: DebounceTimes = DebounceTimes { set_s: 5.0, clear_s: 10.0 };
 /// Mean log of hop power over that of the other wheels that a wrong gain must have, in the direction of the gain. It alone is no
 /// sign of one: a tire with little air hops less, too.
 const HOP_AGREES: f64 = 0.15;
@@ -35,7 +35,7 @@ const HOP_AGREES: f64 = 0.15;
 /// What the wheels of a car say of each other's gain.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct WheelGains<T> {
+pub(crate) struct WheelGainBalance<T> {
     /// Logs of wheel over body, less the median of the four and less that of the axle's other corner.
     over_median: [T; 4],
     over_partner: [T; 4],
@@ -45,11 +45,11 @@ pub(crate) struct WheelGains<T> {
     /// Logs of the wheels' hop power over that of the others.
     hop: [T; 4],
     /// The most that a gain has been off since it is said.
-    most_off: [T; 4],
-    words: [Word<T>; 4],
+    largest_deviation: [T; 4],
+    words: [FaultLatch<T>; 4],
 }
 
-impl<T: Real> WheelGains<T> {
+impl<T: Real> WheelGainBalance<T> {
     pub(crate) fn new() -> Self {
         let nothing = [T::zero(); 4];
         Self {
@@ -58,8 +58,8 @@ impl<T: Real> WheelGains<T> {
             told: nothing,
             filled: T::zero(),
             hop: nothing,
-            most_off: nothing,
-            words: [Word::new(); 4],
+            largest_deviation: nothing,
+            words: [FaultLatch::new(); 4],
         }
     }
 
@@ -80,11 +80,11 @@ impl<T: Real> WheelGains<T> {
         if !heard || logs.iter().any(|log| !log.is_finite()) {
             return;
         }
-        let usual = median(&mut logs.clone());
+        let baseline = median(&mut logs.clone());
         for i in 0..4 {
-            follow(&mut self.over_median[i], logs[i] - usual, MOST);
+            follow(&mut self.over_median[i], logs[i] - baseline, MOST);
             follow(&mut self.over_partner[i], logs[i] - logs[i ^ 1], MOST);
-            follow(&mut self.told[i], logs[i] - usual, MOST_TOLD);
+            follow(&mut self.told[i], logs[i] - baseline, MOST_TOLD);
         }
         self.filled += share * (T::one() - self.filled);
     }
@@ -96,19 +96,20 @@ impl<T: Real> WheelGains<T> {
             // A smooth road under one side, which rolls with the other, is one of both axles.
             let other_axle = self.over_partner[i ^ 2];
             let over_all = lesser(self.over_median[i], self.over_partner[i]);
-            let off = counts.then(|| lesser(over_all, self.over_partner[i] - other_axle) / self.filled);
-            let agrees = off.is_some_and(|off| off.signum() * self.hop[i] > T::lit(HOP_AGREES));
-            let most = &mut self.most_off[i];
-            *most = if self.words[i].latch.is_said() {
-                off.map_or(*most, |off| most.max(off.abs()))
+            let deviation = counts.then(|| lesser(over_all, self.over_partner[i] - other_axle) / self.filled);
+            let agrees =
+                deviation.is_some_and(|deviation| deviation.signum() * self.hop[i] > T::lit(HOP_AGREES));
+            let most = &mut self.largest_deviation[i];
+            *most = if self.words[i].debouncer.is_active() {
+                deviation.map_or(*most, |deviation| most.max(deviation.abs()))
             } else {
                 T::zero()
             };
             let fine = T::lit(FINE).max(T::lit(LESS) * *most);
             let past = !agrees || *most > T::lit(LARGE);
             let wrong = T::lit(WRONG).max(fine);
-            let evidence = off.map_or(Evidence::Nothing, |off| {
-                evidence(agrees && off.abs() > wrong, past && off.abs() < fine)
+            let evidence = deviation.map_or(Evidence::NoData, |deviation| {
+                evidence(agrees && deviation.abs() > wrong, past && deviation.abs() < fine)
             });
             let sensor = Sensor { corner: Corner::ALL[i], place: Place::Wheel };
             let gain = (self.told[i] / self.filled.max(T::lit(FILLED))).exp();
@@ -118,7 +119,7 @@ impl<T: Real> WheelGains<T> {
 
     /// What is said, of any wheel.
     pub(crate) fn faults(&self) -> impl Iterator<Item = Fault<T>> {
-        self.words.iter().filter_map(Word::fault)
+        self.words.iter().filter_map(FaultLatch::fault)
     }
 }
 
@@ -140,13 +141,13 @@ mod tests {
     const BLOCK_S: f64 = 0.5;
 
     struct Drive {
-        gains: WheelGains<f64>,
+        gains: WheelGainBalance<f64>,
         time_s: f64,
     }
 
     impl Drive {
         fn new() -> Self {
-            Self { gains: WheelGains::new(), time_s: 0.0 }
+            Self { gains: WheelGainBalance::new(), time_s: 0.0 }
         }
 
         /// Drives on with these logs of every wheel's reading over what is usual, in the slow band and in its hop's; gives when
@@ -160,19 +161,19 @@ mod tests {
                 bounce: SMatrix::zeros(),
                 slow: [1.0, 1.0, 1.0, 1.0, a, b, c, d],
             };
-            let mut said_s = None;
+            let mut reported_s = None;
             for _ in 0..(seconds / BLOCK_S) as u32 {
                 self.time_s += BLOCK_S;
                 self.gains.average(&block, true);
                 self.gains.judge([self.time_s, BLOCK_S], true);
                 if self.gains.faults().next().is_some() {
-                    said_s.get_or_insert(self.time_s);
+                    reported_s.get_or_insert(self.time_s);
                 }
             }
-            said_s
+            reported_s
         }
 
-        fn said(&self) -> Option<Malfunction<f64>> {
+        fn active(&self) -> Option<Malfunction<f64>> {
             self.gains.faults().next().map(|fault| fault.malfunction)
         }
     }
@@ -186,16 +187,16 @@ mod tests {
     fn a_gain_by_a_quarter_is_said_and_taken_back() {
         let mut drive = Drive::new();
         assert_eq!(drive.on(60.0, [0.0; 4], [0.0; 4]), None);
-        let off = 0.75_f64.ln();
-        let said_s = drive.on(60.0, front_right(off), front_right(off)).unwrap() - 60.0;
+        let deviation = 0.75_f64.ln();
+        let reported_s = drive.on(60.0, front_right(deviation), front_right(deviation)).unwrap() - 60.0;
         // On its way from 0 to 0.288 with 10 s an average is 0.14 after 6.7 s, and 0.15 of the hop after 7.4 s; 5 s more.
-        let closed_form = -10.0 * (1.0 - HOP_AGREES.max(WRONG) / off.abs()).ln() + 5.0;
-        assert!((said_s - closed_form).abs() < 1.5, "{said_s} s, {closed_form} s");
+        let closed_form = -10.0 * (1.0 - HOP_AGREES.max(WRONG) / deviation.abs()).ln() + 5.0;
+        assert!((reported_s - closed_form).abs() < 1.5, "{reported_s} s, {closed_form} s");
         let sensor = Sensor { corner: Corner::FrontRight, place: Place::Wheel };
-        let Some(Malfunction::Gain { sensor: told, gain }) = drive.said() else { unreachable!() };
+        let Some(Malfunction::Gain { sensor: told, gain }) = drive.active() else { unreachable!() };
         assert!(told == sensor && (0.75..0.9).contains(&gain), "{told:?} {gain}");
         drive.on(40.0, [0.0; 4], [0.0; 4]);
-        assert_eq!(drive.said(), None);
+        assert_eq!(drive.active(), None);
     }
 
     #[test]
@@ -225,7 +226,7 @@ mod tests {
 
     #[test]
     fn nothing_is_judged_while_the_band_is_not_heard_or_a_body_reads_wrong() {
-        let mut gains = WheelGains::new();
+        let mut gains = WheelGainBalance::new();
         let loud = Block {
             hop: SMatrix::zeros(),
             wheel_hop: [0.25, 1.0, 1.0, 1.0],

@@ -5,7 +5,7 @@
 //! say; until then the corner is kept from the estimator. A tire that loses its air moves the hop to where the other wheels
 //! shake the body, too: the wheel's sensor by itself tells that, whatever its gain, as the hop is slower.
 
-use crate::diagnosis::debounce::{Latch, Patience};
+use crate::diagnosis::debounce::{DebounceTimes, Debouncer};
 use crate::diagnosis::matching::median;
 use crate::diagnosis::single_sensor::evidence;
 use crate::real::Real;
@@ -22,7 +22,7 @@ const JUMPED: f64 = 0.75;
 /// The same while another corner's hop is another one: a wheel on a flat tire shakes the other bodies, too.
 const JUMPED_BESIDE: f64 = 1.1;
 const AS_EVER: f64 = 0.5;
-const JUMP: Patience = Patience { raise_s: 0.0, clear_s: 1.0 };
+const JUMP: DebounceTimes = DebounceTimes { set_s: 0.0, clear_s: 1.0 };
 /// The same of the hop's log of frequencies squared from which on it is the tire that has changed. One that loses 100 kPa
 /// makes 0.3, two hours of everyday driving no more than 0.25.
 const SLOWER: f64 = 0.2;
@@ -37,44 +37,44 @@ pub(crate) const LONGEST_S: f64 = 120.0;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Hop<T> {
     /// What the strut makes of the wheel's motion, over the body's acceleration.
-    pub(crate) moved: T,
+    pub(crate) transmissibility: T,
     /// The wheel's acceleration over what the strut makes of its motion: nearly the square of a frequency.
-    pub(crate) quick: T,
+    pub(crate) hop_frequency: T,
 }
 
 /// A running quantity of a corner: what is usual of it, and by how much the newest blocks were off; newest last.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-struct Usual<T> {
+struct Baseline<T> {
     mean: T,
-    off: [T; NEWEST],
+    deviation: [T; NEWEST],
 }
 
 /// A corner's usual hop, and whether it has left it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Jump<T> {
-    moved: Usual<T>,
-    quick: Usual<T>,
+pub(crate) struct WheelGainJump<T> {
+    transmissibility: Baseline<T>,
+    hop_frequency: Baseline<T>,
     /// Blocks that the means are of.
     blocks: u32,
-    latch: Latch,
+    debouncer: Debouncer,
     /// Whether the hop is slower or quicker than usual.
-    retuned: bool,
+    hop_shifted: bool,
     /// Seconds for which it has been suspected, or the hop another one.
     lasted_s: f64,
 }
 
-impl<T: Real> Usual<T> {
+impl<T: Real> Baseline<T> {
     fn new() -> Self {
-        Self { mean: T::zero(), off: [T::zero(); NEWEST] }
+        Self { mean: T::zero(), deviation: [T::zero(); NEWEST] }
     }
 
     /// Takes a block; the middle one of the newest.
-    fn off(&mut self, log: T) -> T {
-        self.off.rotate_left(1);
-        self.off[NEWEST - 1] = log - self.mean;
-        median(&mut self.off.clone())
+    fn deviation(&mut self, log: T) -> T {
+        self.deviation.rotate_left(1);
+        self.deviation[NEWEST - 1] = log - self.mean;
+        median(&mut self.deviation.clone())
     }
 
     fn learn(&mut self, log: T, blocks: u32) {
@@ -83,39 +83,40 @@ impl<T: Real> Usual<T> {
     }
 }
 
-impl<T: Real> Jump<T> {
+impl<T: Real> WheelGainJump<T> {
     pub(crate) fn new() -> Self {
         Self {
-            moved: Usual::new(),
-            quick: Usual::new(),
+            transmissibility: Baseline::new(),
+            hop_frequency: Baseline::new(),
             blocks: 0,
-            latch: Latch::new(),
-            retuned: false,
+            debouncer: Debouncer::new(),
+            hop_shifted: false,
             lasted_s: 0.0,
         }
     }
 
     /// Whether its corner is not to be learned from.
     pub(crate) fn is_suspected(&self) -> bool {
-        self.latch.is_said()
+        self.debouncer.is_active()
     }
 
     fn learn(&mut self, hop: Hop<T>) {
         self.blocks = (self.blocks + 1).min(USUAL_BLOCKS);
-        self.moved.learn(hop.moved, self.blocks);
-        self.quick.learn(hop.quick, self.blocks);
+        self.transmissibility.learn(hop.transmissibility, self.blocks);
+        self.hop_frequency.learn(hop.hop_frequency, self.blocks);
     }
 
-    fn tune(&mut self, quick: T) {
-        self.retuned = quick > T::lit(if self.retuned { 0.5 * SLOWER } else { SLOWER });
+    fn tune(&mut self, hop_frequency: T) {
+        self.hop_shifted = hop_frequency > T::lit(if self.hop_shifted { 0.5 * SLOWER } else { SLOWER });
     }
 
     /// `beside`: the hop of another corner is another one.
-    fn judge(&mut self, [time_s, step_s]: [f64; 2], moved: T, explained: bool, beside: bool) {
-        let jumped = moved > T::lit(if beside { JUMPED_BESIDE } else { JUMPED }) && !self.retuned;
-        let evidence = evidence(jumped, self.retuned || moved < T::lit(AS_EVER));
-        let suspected = self.latch.update(time_s, step_s, evidence, JUMP);
-        if (suspected || self.retuned) && !explained {
+    fn judge(&mut self, [time_s, step_s]: [f64; 2], transmissibility: T, explained: bool, beside: bool) {
+        let jumped =
+            transmissibility > T::lit(if beside { JUMPED_BESIDE } else { JUMPED }) && !self.hop_shifted;
+        let evidence = evidence(jumped, self.hop_shifted || transmissibility < T::lit(AS_EVER));
+        let suspected = self.debouncer.update(time_s, step_s, evidence, JUMP);
+        if (suspected || self.hop_shifted) && !explained {
             self.lasted_s += step_s;
         } else {
             self.lasted_s = 0.0;
@@ -128,36 +129,37 @@ impl<T: Real> Jump<T> {
 
 /// By how much a corner is off from all others and from the other one of its side, whichever is less: where one side is
 /// rough and the other smooth, both bodies of the smooth one move with the rough one's wheels.
-fn apart<T: Real>(off: &[T; 4], i: usize) -> T {
-    let mut others = [1, 2, 3].map(|step| off[(i + step) % 4]);
-    let (all, side) = (off[i] - median(&mut others), off[i] - off[(i + 2) % 4]);
+fn apart<T: Real>(deviation: &[T; 4], i: usize) -> T {
+    let mut others = [1, 2, 3].map(|step| deviation[(i + step) % 4]);
+    let (all, side) = (deviation[i] - median(&mut others), deviation[i] - deviation[(i + 2) % 4]);
     if all * side > T::zero() { all.abs().min(side.abs()) } else { T::zero() }
 }
 
 /// Takes a block in which all four corners are heard, and the corners of which it is said already what is wrong.
 pub(crate) fn jumps<T: Real>(
-    corners: &mut [Jump<T>; 4],
+    corners: &mut [WheelGainJump<T>; 4],
     at: [f64; 2],
     hops: &[Hop<T>; 4],
     explained: [bool; 4],
 ) {
     if corners.iter().all(|corner| corner.blocks >= KNOWN_BLOCKS) {
-        let moved = [0, 1, 2, 3].map(|i| corners[i].moved.off(hops[i].moved));
-        let quick = [0, 1, 2, 3].map(|i| corners[i].quick.off(hops[i].quick));
+        let transmissibility =
+            [0, 1, 2, 3].map(|i| corners[i].transmissibility.deviation(hops[i].transmissibility));
+        let hop_frequency = [0, 1, 2, 3].map(|i| corners[i].hop_frequency.deviation(hops[i].hop_frequency));
         for (i, corner) in corners.iter_mut().enumerate() {
-            corner.tune(apart(&quick, i));
+            corner.tune(apart(&hop_frequency, i));
         }
-        let retuned = corners.each_ref().map(|corner| corner.retuned);
+        let hop_shifted = corners.each_ref().map(|corner| corner.hop_shifted);
         for (i, corner) in corners.iter_mut().enumerate() {
-            let beside = (0..4).any(|other| other != i && retuned[other]);
-            corner.judge(at, apart(&moved, i), explained[i], beside);
+            let beside = (0..4).any(|other| other != i && hop_shifted[other]);
+            corner.judge(at, apart(&transmissibility, i), explained[i], beside);
         }
     }
     for (i, corner) in corners.iter_mut().enumerate() {
-        match (corner.is_suspected() || corner.retuned, explained[i]) {
+        match (corner.is_suspected() || corner.hop_shifted, explained[i]) {
             (true, _) => {}
             // It was wrong before its usual was known: what was learned is not.
-            (false, true) => *corner = Jump::new(),
+            (false, true) => *corner = WheelGainJump::new(),
             (false, false) => corner.learn(hops[i]),
         }
     }
@@ -171,15 +173,15 @@ mod tests {
 
     /// Four corners that have driven a minute: body and wheel as 4.5 in a log, a little more or less by corner and block.
     struct Car {
-        corners: [Jump<f64>; 4],
+        corners: [WheelGainJump<f64>; 4],
         blocks: u32,
         /// By how much the hops are quicker than before.
-        quicker: [f64; 4],
+        hop_shift: [f64; 4],
     }
 
     impl Car {
         fn that_has_driven(blocks: u32) -> Self {
-            let mut car = Self { corners: [Jump::new(); 4], blocks: 0, quicker: [0.0; 4] };
+            let mut car = Self { corners: [WheelGainJump::new(); 4], blocks: 0, hop_shift: [0.0; 4] };
             for _ in 0..blocks {
                 car.block([0.0; 4], false);
                 assert_eq!(car.suspects(), [false; 4]);
@@ -189,14 +191,17 @@ mod tests {
 
         fn block(&mut self, more: [f64; 4], explained: bool) {
             self.blocks += 1;
-            let usual = |i: usize| 4.5 + 0.2 * (f64::from(self.blocks) * (1.0 + 0.7 * i as f64)).sin();
-            let hops = [0, 1, 2, 3].map(|i| Hop { moved: usual(i) + more[i], quick: 8.0 + self.quicker[i] });
+            let baseline = |i: usize| 4.5 + 0.2 * (f64::from(self.blocks) * (1.0 + 0.7 * i as f64)).sin();
+            let hops = [0, 1, 2, 3].map(|i| Hop {
+                transmissibility: baseline(i) + more[i],
+                hop_frequency: 8.0 + self.hop_shift[i],
+            });
             let at = [BLOCK_S * f64::from(self.blocks), BLOCK_S];
             jumps(&mut self.corners, at, &hops, [explained, false, false, false]);
         }
 
         fn suspects(&self) -> [bool; 4] {
-            self.corners.each_ref().map(Jump::is_suspected)
+            self.corners.each_ref().map(WheelGainJump::is_suspected)
         }
 
         /// Seconds until the first corner's suspicion is `wanted`.
@@ -261,7 +266,7 @@ mod tests {
     #[test]
     fn a_hop_that_is_slower_is_another_tire_and_no_gain() {
         let mut car = Car::that_has_driven(120);
-        car.quicker[0] = -0.3;
+        car.hop_shift[0] = -0.3;
         for _ in 0..300 {
             car.block([-1.4, 0.0, 0.0, 0.0], false);
             assert_eq!(car.suspects(), [false; 4]);
@@ -272,7 +277,7 @@ mod tests {
 
     #[test]
     fn a_body_that_a_flat_tire_shakes_is_no_gain_and_one_of_a_half_is() {
-        let beside_a_flat_tire = || Car { quicker: [0.0, 0.0, -0.3, 0.0], ..Car::that_has_driven(120) };
+        let beside_a_flat_tire = || Car { hop_shift: [0.0, 0.0, -0.3, 0.0], ..Car::that_has_driven(120) };
         let mut car = beside_a_flat_tire();
         for _ in 0..20 {
             car.block([-0.95, 0.0, 0.0, 0.0], false);
@@ -286,9 +291,9 @@ mod tests {
     #[test]
     fn what_was_wrong_from_the_start_is_not_the_usual() {
         let mut car = Car::that_has_driven(0);
-        for said in [false, true] {
+        for active in [false, true] {
             for _ in 0..60 {
-                car.block([1.4, 0.0, 0.0, 0.0], said);
+                car.block([1.4, 0.0, 0.0, 0.0], active);
                 assert_eq!(car.suspects(), [false; 4]);
             }
         }

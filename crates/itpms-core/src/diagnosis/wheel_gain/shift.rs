@@ -3,7 +3,7 @@
 //!
 //! Like [`crate::diagnosis::wheel_gain::jump`], but of powers that are averaged over seconds, and counting what the other wheels do to a body.
 
-use crate::diagnosis::debounce::{Latch, Patience};
+use crate::diagnosis::debounce::{DebounceTimes, Debouncer};
 use crate::diagnosis::matching::median;
 use crate::diagnosis::signals::Block;
 use crate::diagnosis::single_sensor::evidence;
@@ -28,7 +28,7 @@ const AS_EVER: f64 = 0.22;
 const UNUSUAL: f64 = 0.2;
 /// Seconds for which what is unusual, and no tire makes, is a reason to wait with a tire of its side that looks low.
 const WAIT_S: f64 = 15.0;
-const SHIFT: Patience = Patience { raise_s: 0.0, clear_s: 1.0 };
+const SHIFT: DebounceTimes = DebounceTimes { set_s: 0.0, clear_s: 1.0 };
 /// The same of the hop's log of frequencies squared from which on it is the tire that has changed; and what a tire that changes by less
 /// may make of the other log, over that.
 const SLOWER: f64 = 0.14;
@@ -37,7 +37,7 @@ const BY_TIRE: f64 = 2.0;
 /// What every wheel does to its body, and whether that has shifted.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Shifts<T> {
+pub(crate) struct WheelGainShift<T> {
     /// Averaged shares of the power in the hop band: accelerations of the bodies, what the struts make of the wheels' motion, and
     /// accelerations of the wheels.
     bodies: [T; 4],
@@ -51,67 +51,77 @@ pub(crate) struct Shifts<T> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Shift<T> {
-    usual: Hop<T>,
+    baseline: Hop<T>,
     /// Averages that the usual one is the mean of.
     blocks: u32,
-    latch: Latch,
+    debouncer: Debouncer,
     /// Whether the hop is slower or quicker than usual.
-    retuned: bool,
+    hop_shifted: bool,
     /// Seconds for which it has not been as usual.
     lasted_s: f64,
     /// Since when no tire makes it what it is; NaN: one might.
-    strange_since_s: f64,
+    pending_since_s: f64,
 }
 
 impl<T: Real> Shift<T> {
     fn new() -> Self {
-        let usual = Hop { moved: T::zero(), quick: T::zero() };
+        let baseline = Hop { transmissibility: T::zero(), hop_frequency: T::zero() };
         Self {
-            usual,
+            baseline,
             blocks: 0,
-            latch: Latch::new(),
-            retuned: false,
+            debouncer: Debouncer::new(),
+            hop_shifted: false,
             lasted_s: 0.0,
-            strange_since_s: f64::NAN,
+            pending_since_s: f64::NAN,
         }
     }
 
     fn learn(&mut self, hop: Hop<T>) {
         self.blocks = (self.blocks + 1).min(USUAL_BLOCKS);
         let share = T::lit(1.0 / f64::from(self.blocks));
-        self.usual.moved += share * (hop.moved - self.usual.moved);
-        self.usual.quick += share * (hop.quick - self.usual.quick);
+        self.baseline.transmissibility += share * (hop.transmissibility - self.baseline.transmissibility);
+        self.baseline.hop_frequency += share * (hop.hop_frequency - self.baseline.hop_frequency);
     }
 
-    fn tune(&mut self, quick: T) {
-        self.retuned = quick > T::lit(if self.retuned { 0.5 * SLOWER } else { SLOWER });
+    fn tune(&mut self, hop_frequency: T) {
+        self.hop_shifted = hop_frequency > T::lit(if self.hop_shifted { 0.5 * SLOWER } else { SLOWER });
     }
 
     /// Takes the newest average, off by `off`. `beside`: the hop of another corner is another one.
-    fn judge(&mut self, [time_s, step_s]: [f64; 2], hop: Hop<T>, off: Hop<T>, explained: bool, beside: bool) {
-        let moved = off.moved;
-        let by_tire = T::lit(BY_TIRE) * off.quick;
+    fn judge(
+        &mut self,
+        [time_s, step_s]: [f64; 2],
+        hop: Hop<T>,
+        deviation: Hop<T>,
+        explained: bool,
+        beside: bool,
+    ) {
+        let transmissibility = deviation.transmissibility;
+        let by_tire = T::lit(BY_TIRE) * deviation.hop_frequency;
         let limit = T::lit(if beside { SHIFTED_BESIDE } else { SHIFTED }) + by_tire;
-        let strange = moved > T::lit(UNUSUAL) + by_tire && !self.retuned;
-        if !strange {
-            self.strange_since_s = f64::NAN;
-        } else if self.strange_since_s.is_nan() {
-            self.strange_since_s = time_s;
+        let pending_fault = transmissibility > T::lit(UNUSUAL) + by_tire && !self.hop_shifted;
+        if !pending_fault {
+            self.pending_since_s = f64::NAN;
+        } else if self.pending_since_s.is_nan() {
+            self.pending_since_s = time_s;
         }
-        let evidence = evidence(moved > limit && !self.retuned, self.retuned || moved < T::lit(AS_EVER));
-        let suspected = self.latch.update(time_s, step_s, evidence, SHIFT);
-        let usual = !suspected && !self.retuned && moved < T::lit(UNUSUAL);
-        self.lasted_s = if usual || explained { 0.0 } else { self.lasted_s + step_s };
+        let evidence = evidence(
+            transmissibility > limit && !self.hop_shifted,
+            self.hop_shifted || transmissibility < T::lit(AS_EVER),
+        );
+        let suspected = self.debouncer.update(time_s, step_s, evidence, SHIFT);
+        let baseline = !suspected && !self.hop_shifted && transmissibility < T::lit(UNUSUAL);
+        self.lasted_s = if baseline || explained { 0.0 } else { self.lasted_s + step_s };
         if self.lasted_s > LONGEST_S || (explained && !suspected) {
             // Another car; or it was wrong before its usual was known, and what was learned is not usual.
             *self = Self::new();
-        } else if usual {
+        } else if baseline {
             self.learn(hop);
         }
     }
 }
 
-impl<T: Real> Shifts<T> {
+impl<T: Real> WheelGainShift<T> {
     pub(crate) fn new() -> Self {
         let nothing = [T::zero(); 4];
         Self {
@@ -125,17 +135,17 @@ impl<T: Real> Shifts<T> {
 
     /// Whether a corner is not to be learned from.
     pub(crate) fn is_suspected(&self, corner: usize) -> bool {
-        self.corners[corner].latch.is_said()
+        self.corners[corner].debouncer.is_active()
     }
 
     /// Whether a corner may be about to be suspected: what its tire seems to be may be its sensor's.
-    pub(crate) fn is_strange(&self, corner: usize, now_s: f64) -> bool {
-        now_s - self.corners[corner].strange_since_s < WAIT_S
+    pub(crate) fn is_pending_fault(&self, corner: usize, now_s: f64) -> bool {
+        now_s - self.corners[corner].pending_since_s < WAIT_S
     }
 
     /// Lets go of what is suspected.
     pub(crate) fn drop_suspicions(&mut self) {
-        for corner in self.corners.iter_mut().filter(|corner| corner.latch.is_said()) {
+        for corner in self.corners.iter_mut().filter(|corner| corner.debouncer.is_active()) {
             *corner = Shift::new();
         }
     }
@@ -148,19 +158,22 @@ impl<T: Real> Shifts<T> {
         }
         let hops = self.hops();
         let blocks = self.corners.iter().fold(USUAL_BLOCKS, |least, corner| least.min(corner.blocks));
-        let off = |of: fn(&Hop<T>) -> T, known: u32| {
-            let off = [0, 1, 2, 3].map(|i| of(&hops[i]) - of(&self.corners[i].usual));
-            [0, 1, 2, 3].map(|i| if blocks < known { T::zero() } else { apart(&off, i) })
+        let deviation = |of: fn(&Hop<T>) -> T, known: u32| {
+            let deviation = [0, 1, 2, 3].map(|i| of(&hops[i]) - of(&self.corners[i].baseline));
+            [0, 1, 2, 3].map(|i| if blocks < known { T::zero() } else { apart(&deviation, i) })
         };
-        let (quick, moved) = (off(|hop| hop.quick, TUNED_BLOCKS), off(|hop| hop.moved, KNOWN_BLOCKS));
-        for (corner, quick) in self.corners.iter_mut().zip(quick) {
-            corner.tune(quick);
+        let (hop_frequency, transmissibility) = (
+            deviation(|hop| hop.hop_frequency, TUNED_BLOCKS),
+            deviation(|hop| hop.transmissibility, KNOWN_BLOCKS),
+        );
+        for (corner, hop_frequency) in self.corners.iter_mut().zip(hop_frequency) {
+            corner.tune(hop_frequency);
         }
-        let retuned = self.corners.each_ref().map(|corner| corner.retuned);
+        let hop_shifted = self.corners.each_ref().map(|corner| corner.hop_shifted);
         for (i, corner) in self.corners.iter_mut().enumerate() {
-            let beside = (0..4).any(|other| other != i && retuned[other]);
-            let off = Hop { moved: moved[i], quick: quick[i] };
-            corner.judge(at, hops[i], off, explained[i], beside);
+            let beside = (0..4).any(|other| other != i && hop_shifted[other]);
+            let deviation = Hop { transmissibility: transmissibility[i], hop_frequency: hop_frequency[i] };
+            corner.judge(at, hops[i], deviation, explained[i], beside);
         }
     }
 
@@ -183,17 +196,20 @@ impl<T: Real> Shifts<T> {
         [0, 1, 2, 3].map(|i| {
             let own = self.struts[i];
             let given = own + T::lit(TO_OTHERS) * (all - own);
-            Hop { moved: (given / self.bodies[i]).ln(), quick: (self.wheels[i] / own).ln() }
+            Hop {
+                transmissibility: (given / self.bodies[i]).ln(),
+                hop_frequency: (self.wheels[i] / own).ln(),
+            }
         })
     }
 }
 
 /// By how much a corner is off from all others, from the other one of its side and from that of its axle, whichever is least; nothing if
 /// they differ in sign. A load is one of an axle, a rough road one of a side.
-fn apart<T: Real>(off: &[T; 4], i: usize) -> T {
-    let mut others = [1, 2, 3].map(|step| off[(i + step) % 4]);
+fn apart<T: Real>(deviation: &[T; 4], i: usize) -> T {
+    let mut others = [1, 2, 3].map(|step| deviation[(i + step) % 4]);
     // Front left, front right, rear left, rear right.
-    let apart = [median(&mut others), off[i ^ 2], off[i ^ 1]].map(|other| off[i] - other);
+    let apart = [median(&mut others), deviation[i ^ 2], deviation[i ^ 1]].map(|other| deviation[i] - other);
     let alike = apart.iter().all(|apart| *apart > T::zero()) || apart.iter().all(|apart| *apart < T::zero());
     if alike {
         apart.iter().fold(T::lit(f64::INFINITY), |least, apart| least.min(apart.abs()))
@@ -215,22 +231,23 @@ mod tests {
         rough: [f64; 4],
         masses: [f64; 4],
         gains: [f64; 4],
-        quicker: [f64; 4],
+        hop_shift: [f64; 4],
     }
 
     impl Drive {
-        const USUAL: Self = Self { rough: [1.0; 4], masses: [1.0; 4], gains: [1.0; 4], quicker: [0.0; 4] };
+        const BASELINE: Self =
+            Self { rough: [1.0; 4], masses: [1.0; 4], gains: [1.0; 4], hop_shift: [0.0; 4] };
     }
 
     /// A car whose bodies get what their own wheels and the others give them.
     struct Car {
-        shifts: Shifts<f64>,
+        shifts: WheelGainShift<f64>,
         blocks: u32,
     }
 
     impl Car {
         fn that_has_driven(blocks: u32) -> Self {
-            let mut car = Self { shifts: Shifts::new(), blocks: 0 };
+            let mut car = Self { shifts: WheelGainShift::new(), blocks: 0 };
             for _ in 0..blocks {
                 car.read([1.0; 4], [false; 4]);
                 assert_eq!(car.suspects(), [false; 4]);
@@ -240,11 +257,11 @@ mod tests {
 
         /// With the wheels' gains.
         fn read(&mut self, gains: [f64; 4], explained: [bool; 4]) {
-            self.block(&Drive { gains, ..Drive::USUAL }, explained);
+            self.block(&Drive { gains, ..Drive::BASELINE }, explained);
         }
 
         fn block(&mut self, drive: &Drive, explained: [bool; 4]) {
-            let Drive { rough, masses, gains, quicker } = drive;
+            let Drive { rough, masses, gains, hop_shift } = drive;
             self.blocks += 1;
             let phase = |i: usize| f64::from(self.blocks) * (1.0 + 0.7 * i as f64);
             let moves = [0, 1, 2, 3].map(|i| (rough[i] * (0.3 * phase(i).sin()).exp()).powi(2));
@@ -254,7 +271,7 @@ mod tests {
                 hop[(i, i)] = given / masses[i].powi(2);
                 hop[(4 + i, 4 + i)] = moves[i] * gains[i].powi(2);
             }
-            let wheel_hop = [0, 1, 2, 3].map(|i| hop[(4 + i, 4 + i)] * quicker[i].exp());
+            let wheel_hop = [0, 1, 2, 3].map(|i| hop[(4 + i, 4 + i)] * hop_shift[i].exp());
             let block = Block { hop, wheel_hop, bounce: SMatrix::zeros(), slow: [1.0; 8] };
             self.shifts.take([BLOCK_S * f64::from(self.blocks), BLOCK_S], &block, explained);
         }
@@ -263,8 +280,8 @@ mod tests {
             [0, 1, 2, 3].map(|i| self.shifts.is_suspected(i))
         }
 
-        fn strange(&self) -> [bool; 4] {
-            [0, 1, 2, 3].map(|i| self.shifts.is_strange(i, BLOCK_S * f64::from(self.blocks)))
+        fn pending_fault(&self) -> [bool; 4] {
+            [0, 1, 2, 3].map(|i| self.shifts.is_pending_fault(i, BLOCK_S * f64::from(self.blocks)))
         }
 
         /// Seconds until the suspicion of the front left wheel is `wanted`, with this gain.
@@ -302,38 +319,38 @@ mod tests {
         let mut strange_s = 0.0;
         while !car.suspects()[0] {
             car.read([0.75, 1.0, 1.0, 1.0], [false; 4]);
-            let strange = car.strange();
-            assert_eq!(strange[1..], [false; 3]);
-            strange_s += if strange[0] { BLOCK_S } else { 0.0 };
+            let pending_fault = car.pending_fault();
+            assert_eq!(pending_fault[1..], [false; 3]);
+            strange_s += if pending_fault[0] { BLOCK_S } else { 0.0 };
         }
         assert!((2.0..9.0).contains(&strange_s), "{strange_s} s");
         // A gain of 0.82 makes 0.34, too little for a suspicion. What lasts is no reason to wait any more.
         let mut car = Car::that_has_driven(120);
-        let strange = (0..120).filter(|_| {
+        let pending_fault = (0..120).filter(|_| {
             car.read([0.82, 1.0, 1.0, 1.0], [false; 4]);
-            car.strange()[0]
+            car.pending_fault()[0]
         });
-        let strange_s = BLOCK_S * strange.count() as f64;
+        let strange_s = BLOCK_S * pending_fault.count() as f64;
         assert!((0.6 * WAIT_S..=1.5 * WAIT_S).contains(&strange_s), "{strange_s} s");
         assert_eq!(car.suspects(), [false; 4]);
         // Nor is what a tire that falls makes.
         let mut car = Car::that_has_driven(120);
-        let (masses, quicker) = ([1.25, 1.0, 1.0, 1.0], [-0.25, 0.0, 0.0, 0.0]);
+        let (masses, hop_shift) = ([1.25, 1.0, 1.0, 1.0], [-0.25, 0.0, 0.0, 0.0]);
         for _ in 0..120 {
-            car.block(&Drive { masses, quicker, ..Drive::USUAL }, [false; 4]);
-            assert_eq!(car.strange(), [false; 4]);
+            car.block(&Drive { masses, hop_shift, ..Drive::BASELINE }, [false; 4]);
+            assert_eq!(car.pending_fault(), [false; 4]);
         }
     }
 
     #[test]
     fn what_is_strange_passes_though_nobody_looks() {
         let mut car = Car::that_has_driven(120);
-        while !car.strange()[0] {
+        while !car.pending_fault()[0] {
             car.read([0.75, 1.0, 1.0, 1.0], [false; 4]);
         }
         let now_s = BLOCK_S * f64::from(car.blocks);
-        assert!(car.shifts.is_strange(0, now_s + 0.9 * WAIT_S));
-        assert!(!car.shifts.is_strange(0, now_s + WAIT_S));
+        assert!(car.shifts.is_pending_fault(0, now_s + 0.9 * WAIT_S));
+        assert!(!car.shifts.is_pending_fault(0, now_s + WAIT_S));
     }
 
     #[test]
@@ -361,26 +378,26 @@ mod tests {
             }
         };
         // The left side is ten times as rough; a hole under one wheel after the other.
-        drive(&|_| Drive { rough: [10.0, 1.0, 10.0, 1.0], ..Drive::USUAL });
+        drive(&|_| Drive { rough: [10.0, 1.0, 10.0, 1.0], ..Drive::BASELINE });
         let hole = |i: u32, wheel: u32| if i.is_multiple_of(6) && i / 6 % 4 == wheel { 8.0 } else { 1.0 };
-        drive(&|i| Drive { rough: [0, 1, 2, 3].map(|wheel| hole(i, wheel)), ..Drive::USUAL });
+        drive(&|i| Drive { rough: [0, 1, 2, 3].map(|wheel| hole(i, wheel)), ..Drive::BASELINE });
         // A third more over the rear axle.
-        drive(&|_| Drive { masses: [1.0, 1.0, 1.33, 1.33], ..Drive::USUAL });
+        drive(&|_| Drive { masses: [1.0, 1.0, 1.33, 1.33], ..Drive::BASELINE });
         // The same over one wheel would be a shift, were its hop not slower than before.
         let masses = [1.25, 1.0, 1.0, 1.0];
-        drive(&|_| Drive { masses, quicker: [-0.4, 0.0, 0.0, 0.0], ..Drive::USUAL });
+        drive(&|_| Drive { masses, hop_shift: [-0.4, 0.0, 0.0, 0.0], ..Drive::BASELINE });
         // Or over another one than that with a flat tire.
-        drive(&|_| Drive { masses, quicker: [0.0, 0.0, -0.4, 0.0], ..Drive::USUAL });
+        drive(&|_| Drive { masses, hop_shift: [0.0, 0.0, -0.4, 0.0], ..Drive::BASELINE });
     }
 
     #[test]
     fn a_tire_that_goes_flat_before_the_usual_is_known_is_no_shift() {
         // What a tire that falls from 250 to 190 kPa makes: less than what its wheel's power would tell, and a slower hop.
-        let (masses, quicker) = ([1.25, 1.0, 1.0, 1.0], [-0.25, 0.0, 0.0, 0.0]);
+        let (masses, hop_shift) = ([1.25, 1.0, 1.0, 1.0], [-0.25, 0.0, 0.0, 0.0]);
         for blocks in [20, 30, 40, KNOWN_BLOCKS] {
             let mut car = Car::that_has_driven(blocks);
             for i in 0..300 {
-                car.block(&Drive { masses, quicker, ..Drive::USUAL }, [false; 4]);
+                car.block(&Drive { masses, hop_shift, ..Drive::BASELINE }, [false; 4]);
                 assert_eq!(car.suspects(), [false; 4], "after {blocks} blocks and {i}");
             }
         }
@@ -394,10 +411,10 @@ mod tests {
             assert_eq!(car.suspects(), [false; 4]);
         }
         // One that is wrong from the start, and then said, is not the usual.
-        let mut car = Car { shifts: Shifts::new(), blocks: 0 };
-        for said in [false, true] {
+        let mut car = Car { shifts: WheelGainShift::new(), blocks: 0 };
+        for active in [false, true] {
             for _ in 0..60 {
-                let explained = [said, false, false, false];
+                let explained = [active, false, false, false];
                 car.read([0.75, 1.0, 1.0, 1.0], explained);
                 assert_eq!(car.suspects(), [false; 4]);
             }

@@ -2,16 +2,16 @@
 
 use nalgebra::SVector;
 
-use crate::belief::hypothesis_bank::Modes;
+use crate::belief::hypothesis_bank::HypothesisBank;
 use crate::belief::state::{GAIN, SKEW_UNIT_S, State, read_compliance};
 use crate::inter_axle::alignment::channel::{Entry, KEPT, RELATIVE};
-use crate::inter_axle::alignment::delay_line::{Memory, Read};
-use crate::inter_axle::alignment::delay_search::{AT_FIRST, Acquisition, Found, LATER};
-use crate::inter_axle::residual::correction::Answer;
+use crate::inter_axle::alignment::delay_line::{DelayLine, Read};
+use crate::inter_axle::alignment::delay_search::{AT_FIRST, DelaySearch, Found, LATER};
+use crate::inter_axle::residual::correction::FrfCorrection;
 use crate::inter_axle::residual::imbalance::Imbalance;
 use crate::inter_axle::residual::instrument::Instrument;
 use crate::inter_axle::residual::model::{
-    Axle, BOTH, Disagreement, SEEN, Signals, TrackFrame, Wheel, compare, expected_products,
+    Axle, AxleFrame, AxleResidual, BOTH, SEEN, Signals, Wheel, expected_products, linearize,
 };
 use crate::inter_axle::residual::noise::{Coherence, MOST_LASTING, fading};
 use crate::inter_axle::{BINS, HOP_S, SIGNALS, bin_hz};
@@ -39,16 +39,16 @@ const LEAST_SEEN: f64 = 0.15;
 /// Incoherence near wheel hop from which on a side counts as not shared.
 const APART: f64 = 0.5;
 /// And from which on it is looked whether the axles meet elsewhere.
-const ELSEWHERE: f64 = 0.04;
+const REALIGN_ABOVE: f64 = 0.04;
 /// Power near wheel hop over that of the sensors' noise there at which frames begin to count; at twice this they count
 /// fully. Two axles that hear themselves alone agree on a road, too. The smoothest road there is has some hundred.
-const HEARD: f64 = 25.0;
+const SNR_FULL: f64 = 25.0;
 /// Time constant in s of the logarithm of that ratio.
 const HEARD_S: f64 = 1.0;
 
 /// How the suspension of the other side's rear wheel moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Beside<T> {
+pub(crate) enum OppositeSide<T> {
     /// Its relative velocity in m/s.
     Known(T),
     /// Not known at this moment, as when its wheel has just left the road.
@@ -61,18 +61,18 @@ pub(crate) enum Beside<T> {
 /// nothing it moves as the other one did at that place, `ratio` times as fast at the rear: else the anti-roll bar makes of a
 /// hole under that side a road of this one's axle. Where neither tells anything they stand still, and the bar is one more
 /// spring: where a tire shows, each side's wheels move for themselves.
-fn of_other_side<T: Real>(ahead: Option<T>, beside: Beside<T>, ratio: T) -> [Option<T>; 2] {
+fn of_other_side<T: Real>(ahead: Option<T>, beside: OppositeSide<T>, ratio: T) -> [Option<T>; 2] {
     match (ahead, beside) {
-        (None, Beside::Known(behind)) => [Some(behind / ratio), Some(behind)],
-        (Some(ahead), Beside::Silent) => [Some(ahead), Some(ratio * ahead)],
-        (None, Beside::Silent) => [Some(T::zero()); 2],
-        (ahead, Beside::Known(behind)) => [ahead, Some(behind)],
-        (ahead, Beside::Missed) => [ahead, None],
+        (None, OppositeSide::Known(behind)) => [Some(behind / ratio), Some(behind)],
+        (Some(ahead), OppositeSide::Silent) => [Some(ahead), Some(ratio * ahead)],
+        (None, OppositeSide::Silent) => [Some(T::zero()); 2],
+        (ahead, OppositeSide::Known(behind)) => [ahead, Some(behind)],
+        (ahead, OppositeSide::Missed) => [ahead, None],
     }
 }
 
 /// What is believed of the car where the two axles meet.
-pub(crate) struct Meeting<'a, T: Real> {
+pub(crate) struct PairingContext<'a, T: Real> {
     pub(crate) wheelbase_m: T,
     pub(crate) wheels: [Wheel<T>; 2],
     pub(crate) wheelbase: T,
@@ -90,49 +90,49 @@ pub(crate) struct Meeting<'a, T: Real> {
         deserialize = "T: Real + serde::Deserialize<'de>"
     ))
 )]
-pub(crate) struct Track<T: Real> {
+pub(crate) struct AxlePair<T: Real> {
     side: usize,
     period_s: f64,
     noise_density: [T; 2],
-    memory: Memory<T>,
-    acquisition: Acquisition<T>,
+    delay_line: DelayLine<T>,
+    delay_search: DelaySearch<T>,
     aligned: bool,
     clock: FrameClock<T, BINS, SIGNALS>,
     instruments: [Instrument<T>; 2],
-    answer: Answer<T>,
+    frf_correction: FrfCorrection<T>,
     imbalance: Imbalance<T>,
     /// Way in m of the rear wheel at its last entry.
-    way_m: f64,
+    distance_m: f64,
     coherence: Coherence<T>,
     /// Logarithm of the power near wheel hop over that of the sensors' noise, of late; `None` before the first frame.
     loudness: Option<T>,
     /// Wheelbase and skew that the frame under way is aligned with, once there is one.
     used: Option<[T; 2]>,
     /// Hops to let pass because something spoiled the frames under way.
-    spoiled_hops: u32,
+    invalid_hops: u32,
     learned_until_s: f64,
     /// Words of both corners' spectra since the last frame.
     words: u32,
 }
 
-impl<T: Real> Track<T> {
+impl<T: Real> AxlePair<T> {
     pub(crate) fn new(side: usize, period_s: f64, noise_density: [T; 2]) -> Self {
         Self {
             side,
             period_s,
             noise_density,
-            memory: Memory::new(period_s),
-            acquisition: Acquisition::new(AT_FIRST),
+            delay_line: DelayLine::new(period_s),
+            delay_search: DelaySearch::new(AT_FIRST),
             aligned: false,
             clock: FrameClock::new(HOP_S, period_s),
             instruments: [Instrument::new(), Instrument::new()],
-            answer: Answer::new(),
+            frf_correction: FrfCorrection::new(),
             imbalance: Imbalance::new(),
-            way_m: f64::NAN,
+            distance_m: f64::NAN,
             coherence: Coherence::new(),
             loudness: None,
             used: None,
-            spoiled_hops: 0,
+            invalid_hops: 0,
             learned_until_s: f64::NEG_INFINITY,
             words: 0,
         }
@@ -144,87 +144,92 @@ impl<T: Real> Track<T> {
 
     /// Takes an entry of the front corner.
     pub(crate) fn front(&mut self, entry: &Entry<T>) {
-        if entry.way_m.is_finite() {
-            self.memory.push(entry);
+        if entry.distance_m.is_finite() {
+            self.delay_line.push(entry);
         } else {
-            self.memory.clear();
+            self.delay_line.clear();
         }
     }
 
     /// Looks for the first delay with an entry of the rear corner.
-    pub(crate) fn search(&mut self, entry: &Entry<T>, road: &Meeting<'_, T>) -> Option<Found<T>> {
+    pub(crate) fn search(&mut self, entry: &Entry<T>, road: &PairingContext<'_, T>) -> Option<Found<T>> {
         let found = self.look_for_delay(entry, road)?;
         self.aligned = true;
-        self.acquisition = Acquisition::new(LATER);
+        self.delay_search = DelaySearch::new(LATER);
         Some(found)
     }
 
     /// Looks for it anew, as long as front and rear are less alike than on a road they share: in a bend, beside each other's
     /// track, or as the speed is no longer what it was.
-    pub(crate) fn search_again(&mut self, entry: &Entry<T>, road: &Meeting<'_, T>) -> Option<Found<T>> {
-        if !(self.incoherence() > T::lit(ELSEWHERE)) {
-            self.acquisition.restart();
+    pub(crate) fn search_again(
+        &mut self,
+        entry: &Entry<T>,
+        road: &PairingContext<'_, T>,
+    ) -> Option<Found<T>> {
+        if !(self.incoherence() > T::lit(REALIGN_ABOVE)) {
+            self.delay_search.restart();
             return None;
         }
         self.look_for_delay(entry, road)
     }
 
-    fn look_for_delay(&mut self, entry: &Entry<T>, road: &Meeting<'_, T>) -> Option<Found<T>> {
-        if !(entry.speed_m_s > T::lit(SLOWEST_M_S)) || entry.after_gap || entry.spoiled || entry.unloaded {
+    fn look_for_delay(&mut self, entry: &Entry<T>, road: &PairingContext<'_, T>) -> Option<Found<T>> {
+        if !(entry.speed_m_s > T::lit(SLOWEST_M_S)) || entry.after_gap || entry.invalid || entry.unloaded {
             return None;
         }
-        let [wheelbase, skew] = self.acquisition.count_from([road.wheelbase, road.skew]);
-        let then_s = self.memory.time_at(entry.way_m - road.length_m(wheelbase))?;
+        let [wheelbase, skew] = self.delay_search.count_from([road.wheelbase, road.skew]);
+        let then_s = self.delay_line.time_at(entry.distance_m - road.length_m(wheelbase))?;
         let axles = road.axles();
         let rear = axles[1].road_velocity(&with_other(entry.signals, None));
         let delay_s = T::lit(entry.time_s - then_s);
-        let (memory, skew_s) = (&self.memory, T::lit(SKEW_UNIT_S) * skew);
-        let stretch = memory.read(then_s).map_or(T::zero(), |read| (entry.speed_m_s / read.speed_m_s).ln());
-        self.acquisition.push(rear, [delay_s, stretch], self.period_s, |later_s| {
-            let read = memory.read(then_s - (skew_s + later_s).to_f64())?;
+        let (delay_line, skew_s) = (&self.delay_line, T::lit(SKEW_UNIT_S) * skew);
+        let stretch =
+            delay_line.read(then_s).map_or(T::zero(), |read| (entry.speed_m_s / read.speed_m_s).ln());
+        self.delay_search.push(rear, [delay_s, stretch], self.period_s, |later_s| {
+            let read = delay_line.read(then_s - (skew_s + later_s).to_f64())?;
             Some(axles[0].road_velocity(&with_other(read.signals, None)))
         })
     }
 
     /// Ways are counted otherwise from here on: those of before do not go with them.
     pub(crate) fn forget_ways(&mut self) {
-        self.memory.clear();
-        self.begin_elsewhere();
+        self.delay_line.clear();
+        self.restart_alignment();
     }
 
     /// The axles meet elsewhere than they were thought to: what they share is seen anew.
-    pub(crate) fn begin_elsewhere(&mut self) {
+    pub(crate) fn restart_alignment(&mut self) {
         self.used = None;
         self.coherence.restart();
-        self.acquisition.restart();
+        self.delay_search.restart();
     }
 
     /// Meets the front's road with an entry of the rear corner; gives a frame when one is complete. The other side is
     /// asked for how its suspension moved: `beside` at the rear.
-    pub(crate) fn meet(
+    pub(crate) fn pair(
         &mut self,
         entry: &Entry<T>,
-        beside: Beside<T>,
+        beside: OppositeSide<T>,
         other: &Self,
-        road: &Meeting<'_, T>,
-    ) -> Option<TrackFrame<T>> {
-        let pair = self.pair(entry, road);
-        let Some((read, then_s, delay_s)) = pair else {
+        road: &PairingContext<'_, T>,
+    ) -> Option<AxleFrame<T>> {
+        let front = self.read_front(entry, road);
+        let Some((read, then_s, delay_s)) = front else {
             self.clock.restart();
             self.instruments.iter_mut().for_each(Instrument::restart);
             self.tune(road);
             // The first frames count all the same: while nothing is known yet, they bring more than they can spoil.
-            self.spoiled_hops = if self.used.is_some() { SETTLING_HOPS } else { 0 };
+            self.invalid_hops = if self.used.is_some() { SETTLING_HOPS } else { 0 };
             self.used = Some([road.wheelbase, road.skew]);
             return None;
         };
-        if entry.spoiled || read.spoiled {
-            self.spoiled_hops = self.spoiled_hops.max(2);
+        if entry.invalid || read.invalid {
+            self.invalid_hops = self.invalid_hops.max(2);
         }
         // The front met the same slope at another speed.
         let ratio = entry.speed_m_s / read.speed_m_s;
         let others =
-            of_other_side(other.memory.read(then_s).map(|read| read.signals[RELATIVE]), beside, ratio);
+            of_other_side(other.delay_line.read(then_s).map(|read| read.signals[RELATIVE]), beside, ratio);
         let mut both = [T::zero(); BOTH];
         both[..SEEN].copy_from_slice(&with_other(read.signals, others[0]).map(|signal| ratio * signal));
         both[SEEN..].copy_from_slice(&with_other(entry.signals, others[1]));
@@ -241,44 +246,44 @@ impl<T: Real> Track<T> {
         let frame = self.clock.push_if(!(entry.unloaded || read.unloaded), &signals)?;
         self.tune(road);
         let [used_wheelbase, used_skew] = self.used.replace([road.wheelbase, road.skew])?;
-        if self.spoiled_hops > 0 {
-            self.spoiled_hops -= 1;
+        if self.invalid_hops > 0 {
+            self.invalid_hops -= 1;
             return None;
         }
         if !(frame.seen > T::lit(LEAST_SEEN)) {
             return None;
         }
         let middle_s = entry.time_s - self.clock.hop_s();
-        Some(TrackFrame { frame, middle_s, delay_s, stretch: ratio.ln(), used_wheelbase, used_skew })
+        Some(AxleFrame { frame, middle_s, delay_s, stretch: ratio.ln(), used_wheelbase, used_skew })
     }
 
     /// Takes off what the wheels' imbalance makes of both axles' signals.
-    fn clear(&mut self, both: &mut [T; BOTH], entry: &Entry<T>, road: &Meeting<'_, T>) {
-        let way_m = T::lit(entry.way_m - self.way_m);
-        self.way_m = entry.way_m;
-        if way_m >= T::zero() && way_m < T::lit(LONGEST_WAY_M) {
+    fn clear(&mut self, both: &mut [T; BOTH], entry: &Entry<T>, road: &PairingContext<'_, T>) {
+        let distance_m = T::lit(entry.distance_m - self.distance_m);
+        self.distance_m = entry.distance_m;
+        if distance_m >= T::zero() && distance_m < T::lit(LONGEST_WAY_M) {
             let [ahead, behind] = road.velocities(both, self.side);
-            self.imbalance.look(ahead - behind, way_m, entry.speed_m_s);
-            self.imbalance.clear(both, way_m, entry.speed_m_s);
+            self.imbalance.look(ahead - behind, distance_m, entry.speed_m_s);
+            self.imbalance.clear(both, distance_m, entry.speed_m_s);
         }
     }
 
     /// Brings the instruments up to date with what is believed.
-    fn tune(&mut self, road: &Meeting<'_, T>) {
+    fn tune(&mut self, road: &PairingContext<'_, T>) {
         for ((instrument, axle), wheel) in self.instruments.iter_mut().zip(road.axles()).zip(&road.wheels) {
             instrument.tune(&axle, wheel.body.sprung_mass_kg, self.period_s);
         }
     }
 
     /// What the front said of the place where the rear is, and how long ago.
-    fn pair(&self, entry: &Entry<T>, road: &Meeting<'_, T>) -> Option<(Read<T>, f64, T)> {
+    fn read_front(&self, entry: &Entry<T>, road: &PairingContext<'_, T>) -> Option<(Read<T>, f64, T)> {
         if entry.after_gap || !(entry.speed_m_s > T::lit(SLOWEST_M_S)) {
             return None;
         }
         let [wheelbase, skew] = self.used?;
-        let then_s = self.memory.time_at(entry.way_m - road.length_m(wheelbase))?;
+        let then_s = self.delay_line.time_at(entry.distance_m - road.length_m(wheelbase))?;
         let read_s = then_s - SKEW_UNIT_S * skew.to_f64();
-        let read = self.memory.read(read_s)?;
+        let read = self.delay_line.read(read_s)?;
         (read.speed_m_s > T::lit(SLOWEST_M_S)).then(|| (read, read_s, T::lit(entry.time_s - then_s)))
     }
 
@@ -290,12 +295,12 @@ impl<T: Real> Track<T> {
 
     /// Weighs the belief with a frame; true if it was believed. `taught`: a reset has taught what the car is; `beside`: the
     /// other side's roads seem to part; `meanwhile`: what the other side found while there were no frames of this one.
-    pub(crate) fn weigh(
+    pub(crate) fn update_residual(
         &mut self,
-        modes: &mut Modes<T>,
+        bank: &mut HypothesisBank<T>,
         wheels: &[Wheel<T>; 2],
-        taken: &TrackFrame<T>,
-        taught: bool,
+        taken: &AxleFrame<T>,
+        calibrated: bool,
         beside: bool,
         meanwhile: Option<SVector<T, BINS>>,
     ) -> bool {
@@ -306,27 +311,28 @@ impl<T: Real> Track<T> {
             self.coherence.follow(&other);
         }
         self.words = 0;
-        let best = modes.most_likely();
-        let state = modes.modes[best].mean;
-        let look = |signals| compare(taken, signals, wheels, self.side, &state);
-        let Disagreement { common, road_power, .. } = look(Signals::Measured);
-        let ratios = self.answer.ratios();
-        let instrument = look(Signals::Common(&ratios)).slope;
+        let best = bank.most_likely();
+        let state = bank.bank[best].mean;
+        let look = |signals| linearize(taken, signals, wheels, self.side, &state);
+        let AxleResidual { common, road_power, .. } = look(Signals::Measured);
+        let frf_ratios = self.frf_correction.frf_ratios();
+        let instrument = look(Signals::Common(&frf_ratios)).slope;
         let noise = self.noise(wheels, &state);
         self.listen(&road_power, &noise);
-        if !(self.heard() > T::zero()) {
+        if !(self.snr_weight() > T::zero()) {
             return false;
         }
-        let products = expected_products(wheels, self.side, &state, taken.delay_s, &ratios);
+        let products = expected_products(wheels, self.side, &state, taken.delay_s, &frf_ratios);
         let expected = self.coherence.expect(&road_power, &noise, &products, taken.stretch);
         let incoherent_s = self.fading() * T::lit(HOP_S);
-        wheels.iter().for_each(|wheel| modes.doubt(wheel.corner, incoherent_s, taught));
-        let trust = self.coherence.trust() * taken.frame.seen * self.heard();
-        let Some((found, ratio)) = modes.weigh(taken, wheels, self.side, &expected, &instrument, trust)
+        wheels.iter().for_each(|wheel| bank.inflate(wheel.corner, incoherent_s, calibrated));
+        let weight = self.coherence.weight() * taken.frame.seen * self.snr_weight();
+        let Some((found, ratio)) =
+            bank.update_residual(taken, wheels, self.side, &expected, &instrument, weight)
         else {
             return false;
         };
-        self.answer.learn(&taken.frame, &common, trust);
+        self.frf_correction.learn(&taken.frame, &common, weight);
         self.coherence.learn(&expected, &found, &ratio, &noise, T::lit(HOP_S), beside);
         self.learned_until_s = taken.middle_s;
         self.coherence.near_wheel_hop() < T::lit(APART)
@@ -341,24 +347,24 @@ impl<T: Real> Track<T> {
     }
 
     /// How far the road is heard over the sensors' noise, 0 to 1; fully where no frame says so.
-    pub(crate) fn heard(&self) -> T {
-        let over = |loudness: T| (loudness.exp() / T::lit(HEARD) - T::one()).clamp(T::zero(), T::one());
-        self.loudness.filter(|_| !self.is_left()).map_or(T::one(), over)
+    pub(crate) fn snr_weight(&self) -> T {
+        let over = |loudness: T| (loudness.exp() / T::lit(SNR_FULL) - T::one()).clamp(T::zero(), T::one());
+        self.loudness.filter(|_| !self.spectral_only()).map_or(T::one(), over)
     }
 
     /// Takes note that a corner's spectrum has said a word.
-    pub(crate) fn hear(&mut self) {
+    pub(crate) fn update_reweighted(&mut self) {
         self.words = self.words.saturating_add(1);
     }
 
     /// Whether words come and frames do not, as without an axle's sensors, or the speed.
-    pub(crate) fn is_left(&self) -> bool {
+    pub(crate) fn spectral_only(&self) -> bool {
         self.words > LEFT_WORDS
     }
 
     /// How fast the belief fades; left to words, as where the axles share least for long.
     pub(crate) fn fading(&self) -> T {
-        if self.is_left() { fading(T::lit(MOST_LASTING)) } else { self.coherence.fading() }
+        if self.spectral_only() { fading(T::lit(MOST_LASTING)) } else { self.coherence.fading() }
     }
 
     /// Sensor noise in the axles' disagreement, per bin.
@@ -374,13 +380,13 @@ impl<T: Real> Track<T> {
     }
 
     /// How the axles answer the road.
-    pub(crate) fn answer(&self) -> &Answer<T> {
-        &self.answer
+    pub(crate) fn frf_correction(&self) -> &FrfCorrection<T> {
+        &self.frf_correction
     }
 
     /// Goes back to how they had answered it.
-    pub(crate) fn set_answer(&mut self, answer: &Answer<T>) {
-        self.answer = answer.clone();
+    pub(crate) fn set_frf_correction(&mut self, frf_correction: &FrfCorrection<T>) {
+        self.frf_correction = frf_correction.clone();
     }
 
     /// Whether the last frame showed roads that part.
@@ -395,7 +401,7 @@ impl<T: Real> Track<T> {
 
     /// The same as far as it has lasted; the most there is, where the side is left to words.
     pub(crate) fn lasting_incoherence(&self) -> T {
-        if self.is_left() { T::lit(MOST_LASTING) } else { self.coherence.lasting() }
+        if self.spectral_only() { T::lit(MOST_LASTING) } else { self.coherence.lasting() }
     }
 
     /// Whether the side's road is being learned from at this time, and its incoherence.
@@ -406,7 +412,7 @@ impl<T: Real> Track<T> {
     }
 }
 
-impl<T: Real> Meeting<'_, T> {
+impl<T: Real> PairingContext<'_, T> {
     /// Way in m from the rear wheel to the front one, with this relative deviation of wheelbase over speed.
     fn length_m(&self, wheelbase: T) -> f64 {
         self.wheelbase_m.to_f64() * (1.0 + wheelbase.to_f64())
@@ -427,8 +433,8 @@ impl<T: Real> Meeting<'_, T> {
 /// A corner's signals and its relative velocity less the other side's; none, as if both moved alike, if that is not known.
 fn with_other<T: Real>(signals: [T; KEPT], other: Option<T>) -> [T; SEEN] {
     let [wheel, jerk, acceleration, relative] = signals;
-    let apart = other.map_or(T::zero(), |other| relative - other);
-    [wheel, jerk, acceleration, relative, apart]
+    let residual = other.map_or(T::zero(), |other| relative - other);
+    [wheel, jerk, acceleration, relative, residual]
 }
 
 #[cfg(test)]
@@ -437,7 +443,8 @@ mod tests {
 
     #[test]
     fn the_other_side_counts_where_it_had_frames_and_this_one_had_none() {
-        let track = |learned_until_s: f64| Track { learned_until_s, ..Track::<f64>::new(0, 0.01, [0.0; 2]) };
+        let track =
+            |learned_until_s: f64| AxlePair { learned_until_s, ..AxlePair::<f64>::new(0, 0.01, [0.0; 2]) };
         let counts = |own_s: f64, other_s: f64| track(own_s).found_meanwhile(&track(other_s), 10.0).is_some();
         assert!(counts(8.7, 9.9) && counts(f64::NEG_INFINITY, 9.9));
         // It has just had frames itself; both were silent; the other one longer.
@@ -449,13 +456,13 @@ mod tests {
     fn a_silent_wheel_moves_as_the_other_one_of_its_side_did() {
         // At the rear half as fast again as at the front.
         let others = |ahead, beside| of_other_side(ahead, beside, 1.5);
-        assert_eq!(others(Some(2.0), Beside::Known(7.0)), [Some(2.0), Some(7.0)]);
-        assert_eq!(others(Some(2.0), Beside::Silent), [Some(2.0), Some(3.0)]);
-        assert_eq!(others(None, Beside::Known(3.0)), [Some(2.0), Some(3.0)]);
+        assert_eq!(others(Some(2.0), OppositeSide::Known(7.0)), [Some(2.0), Some(7.0)]);
+        assert_eq!(others(Some(2.0), OppositeSide::Silent), [Some(2.0), Some(3.0)]);
+        assert_eq!(others(None, OppositeSide::Known(3.0)), [Some(2.0), Some(3.0)]);
         // A wheel in the air moves as no other one.
-        assert_eq!(others(Some(2.0), Beside::Missed), [Some(2.0), None]);
-        assert_eq!(others(None, Beside::Missed), [None, None]);
+        assert_eq!(others(Some(2.0), OppositeSide::Missed), [Some(2.0), None]);
+        assert_eq!(others(None, OppositeSide::Missed), [None, None]);
         // Of a whole side that is silent it is known that it moves otherwise.
-        assert_eq!(others(None, Beside::Silent), [Some(0.0), Some(0.0)]);
+        assert_eq!(others(None, OppositeSide::Silent), [Some(0.0), Some(0.0)]);
     }
 }

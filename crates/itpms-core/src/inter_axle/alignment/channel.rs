@@ -34,13 +34,13 @@ pub(crate) struct Entry<T> {
     /// Time in s.
     pub(crate) time_s: f64,
     /// Way driven in m.
-    pub(crate) way_m: f64,
+    pub(crate) distance_m: f64,
     /// Speed in m/s.
     pub(crate) speed_m_s: T,
     /// The signals.
     pub(crate) signals: [T; KEPT],
     /// True if a sensor was at its limit since the last entry.
-    pub(crate) spoiled: bool,
+    pub(crate) invalid: bool,
     /// True if the wheel may have been in the air while the filters still heard of it.
     pub(crate) unloaded: bool,
     /// True if the signal was interrupted before this entry.
@@ -97,7 +97,7 @@ pub(crate) struct Channel<T> {
     grid_period_s: f64,
     every: u32,
     step: u32,
-    spoiled: bool,
+    invalid: bool,
     /// When the wheel may last have been in the air.
     unloaded_s: f64,
     after_gap: bool,
@@ -118,7 +118,7 @@ impl<T: Real> Channel<T> {
             grid_period_s,
             every: every(rate_hz),
             step: 0,
-            spoiled: false,
+            invalid: false,
             unloaded_s: f64::NEG_INFINITY,
             after_gap: true,
         }
@@ -130,22 +130,22 @@ impl<T: Real> Channel<T> {
     }
 
     /// Seconds by which the signals are late.
-    pub(crate) fn late_s(&self) -> f64 {
+    pub(crate) fn filter_delay_s(&self) -> f64 {
         // Group delay of the low-pass, the sum of 1 / (q ω), of the high-pass, and the reconstruction's steps.
         let smoothing =
             QUALITY.iter().fold(0.0, |sum, q| sum + 1.0 / q) / (core::f64::consts::TAU * SMOOTH_HZ);
         smoothing + high_pass_late_s() + LAG as f64 * self.grid_period_s
     }
 
-    /// Takes a grid step at `way_m`; gives an entry when one is due.
-    pub(crate) fn push(&mut self, sample: &GridSample<T>, way_m: f64) -> Option<Entry<T>> {
+    /// Takes a grid step at `distance_m`; gives an entry when one is due.
+    pub(crate) fn push(&mut self, sample: &GridSample<T>, distance_m: f64) -> Option<Entry<T>> {
         if sample.after_gap {
             self.reconstruction.restart();
             self.states = [[[T::zero(); 2]; 4]; KEPT];
             self.after_gap = true;
             self.step = 0;
         }
-        self.spoiled |= sample.spoiled;
+        self.invalid |= sample.invalid;
         if sample.unloaded {
             self.unloaded_s = sample.time_s;
         }
@@ -164,10 +164,10 @@ impl<T: Real> Channel<T> {
         self.step = 0;
         let entry = Entry {
             time_s: sample.time_s,
-            way_m,
+            distance_m,
             speed_m_s: sample.speed_m_s,
             signals,
-            spoiled: core::mem::take(&mut self.spoiled),
+            invalid: core::mem::take(&mut self.invalid),
             unloaded: sample.time_s - self.unloaded_s < ECHO_S,
             after_gap: core::mem::take(&mut self.after_gap),
         };
@@ -242,7 +242,7 @@ mod tests {
     fn a_wheel_in_the_air_is_heard_until_the_filters_have_forgotten() {
         // A wheel sensor that says 100 m/s² for 20 ms, and is believed to be in the air so long.
         let mut channel = Channel::<f64>::new(0.002);
-        let (mut heard, mut after) = (0.0f64, 0.0f64);
+        let (mut snr_weight, mut after) = (0.0f64, 0.0f64);
         for step in 0..200 {
             let pulse = (50..60).contains(&step);
             let entry = channel.push(
@@ -252,7 +252,7 @@ mod tests {
                     body_accel_m_s2: 0.0,
                     wheel_accel_m_s2: if pulse { 100.0 } else { 0.0 },
                     after_gap: step == 0,
-                    spoiled: false,
+                    invalid: false,
                     unloaded: pulse,
                 },
                 0.0,
@@ -262,11 +262,14 @@ mod tests {
             let jerk = entry.signals[1].abs();
             if entry.unloaded {
                 assert!((0.1..0.12 + ECHO_S).contains(&entry.time_s), "{entry:?}");
-                heard = heard.max(jerk);
+                snr_weight = snr_weight.max(jerk);
             } else {
                 after = after.max(jerk);
             }
         }
-        assert!(heard > 0.0 && after < 0.1 * heard, "{after} after, {heard} while it was in the air");
+        assert!(
+            snr_weight > 0.0 && after < 0.1 * snr_weight,
+            "{after} after, {snr_weight} while it was in the air"
+        );
     }
 }

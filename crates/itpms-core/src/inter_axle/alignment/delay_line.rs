@@ -20,12 +20,12 @@ const POINTS: usize = 6;
         deserialize = "T: Real + serde::Deserialize<'de>"
     ))
 )]
-pub(crate) struct Memory<T: Real> {
+pub(crate) struct DelayLine<T: Real> {
     time_s: SVector<f64, LENGTH>,
-    way_m: SVector<f64, LENGTH>,
+    distance_m: SVector<f64, LENGTH>,
     speed_m_s: SVector<T, LENGTH>,
     signals: SMatrix<T, KEPT, LENGTH>,
-    spoiled: SVector<bool, LENGTH>,
+    invalid: SVector<bool, LENGTH>,
     unloaded: SVector<bool, LENGTH>,
     /// Place of the newest entry, and how many there are.
     newest: usize,
@@ -38,18 +38,18 @@ pub(crate) struct Memory<T: Real> {
 pub(crate) struct Read<T> {
     pub(crate) signals: [T; KEPT],
     pub(crate) speed_m_s: T,
-    pub(crate) spoiled: bool,
+    pub(crate) invalid: bool,
     pub(crate) unloaded: bool,
 }
 
-impl<T: Real> Memory<T> {
+impl<T: Real> DelayLine<T> {
     pub(crate) fn new(period_s: f64) -> Self {
         Self {
             time_s: SVector::zeros(),
-            way_m: SVector::zeros(),
+            distance_m: SVector::zeros(),
             speed_m_s: SVector::zeros(),
             signals: SMatrix::zeros(),
-            spoiled: SVector::repeat(false),
+            invalid: SVector::repeat(false),
             unloaded: SVector::repeat(false),
             newest: 0,
             filled: 0,
@@ -63,10 +63,10 @@ impl<T: Real> Memory<T> {
         }
         self.newest = (self.newest + 1) % LENGTH;
         self.time_s[self.newest] = entry.time_s;
-        self.way_m[self.newest] = entry.way_m;
+        self.distance_m[self.newest] = entry.distance_m;
         self.speed_m_s[self.newest] = entry.speed_m_s;
         self.signals.set_column(self.newest, &SVector::from(entry.signals));
-        self.spoiled[self.newest] = entry.spoiled;
+        self.invalid[self.newest] = entry.invalid;
         self.unloaded[self.newest] = entry.unloaded;
         self.filled = (self.filled + 1).min(LENGTH);
     }
@@ -81,29 +81,30 @@ impl<T: Real> Memory<T> {
     }
 
     fn way_back_m(&self, back: usize) -> f64 {
-        self.way_m[self.place(back)]
+        self.distance_m[self.place(back)]
     }
 
-    /// The time at which the front wheel was at `way_m`; `None` if that is too long ago, or not yet.
-    pub(crate) fn time_at(&self, way_m: f64) -> Option<f64> {
+    /// The time at which the front wheel was at `distance_m`; `None` if that is too long ago, or not yet.
+    pub(crate) fn time_at(&self, distance_m: f64) -> Option<f64> {
         if self.filled < POINTS {
             return None;
         }
         // Ways never fall with time: halve the interval.
         let (mut near, mut far) = (0, self.filled - 1);
-        if !(self.way_back_m(near) > way_m && self.way_back_m(far) <= way_m) {
+        if !(self.way_back_m(near) > distance_m && self.way_back_m(far) <= distance_m) {
             return None;
         }
         while far - near > 1 {
             let middle = usize::midpoint(near, far);
-            if self.way_back_m(middle) > way_m {
+            if self.way_back_m(middle) > distance_m {
                 near = middle;
             } else {
                 far = middle;
             }
         }
         let (before, after) = (self.place(far), self.place(near));
-        let share = (way_m - self.way_m[before]) / (self.way_m[after] - self.way_m[before]);
+        let share =
+            (distance_m - self.distance_m[before]) / (self.distance_m[after] - self.distance_m[before]);
         Some(self.time_s[before] + share * (self.time_s[after] - self.time_s[before]))
     }
 
@@ -116,17 +117,17 @@ impl<T: Real> Memory<T> {
         let back = steps as usize;
         // From the entry just after the time: two on its young side, three on its old one.
         let offset = T::lit(steps - back as f64);
-        let (mut signals, mut spoiled) = ([T::zero(); KEPT], false);
+        let (mut signals, mut invalid) = ([T::zero(); KEPT], false);
         for (i, &weight) in lagrange(offset).iter().enumerate() {
             let place = self.place(back + i - 2);
-            spoiled |= self.spoiled[place];
+            invalid |= self.invalid[place];
             for (signal, &value) in signals.iter_mut().zip(&self.signals.column(place)) {
                 *signal += weight * value;
             }
         }
         // The points further off have little weight.
         let unloaded = [back, back + 1].map(|back| self.unloaded[self.place(back)]).contains(&true);
-        Some(Read { signals, speed_m_s: self.speed_m_s[self.place(back)], spoiled, unloaded })
+        Some(Read { signals, speed_m_s: self.speed_m_s[self.place(back)], invalid, unloaded })
     }
 }
 

@@ -30,7 +30,7 @@ const GIVE_UP_S: f64 = 6.0;
         deserialize = "T: Real + serde::Deserialize<'de>"
     ))
 )]
-pub(crate) struct Acquisition<T: Real> {
+pub(crate) struct DelaySearch<T: Real> {
     /// How far it looks, as a share of the delay.
     reach: f64,
     cross: SVector<T, SHIFTS>,
@@ -55,7 +55,7 @@ pub(crate) struct Found<T> {
     pub(crate) used: [T; 2],
 }
 
-impl<T: Real> Acquisition<T> {
+impl<T: Real> DelaySearch<T> {
     pub(crate) fn new(reach: f64) -> Self {
         Self {
             reach,

@@ -3,11 +3,11 @@
 //! minute. Both sides then look for it, and if they find it at the same place, what was believed before is believed again, with the new
 //! scale; and if it is elsewhere by more the faster the speed grows, it is the speed that is late (docs/math/shared-road.md, section 2).
 
-use crate::belief::gaussian::Mode;
+use crate::belief::gaussian::Hypothesis;
 use crate::belief::state::{SKEW, SKEW_UNIT_S, TIRE, WHEELBASE};
-use crate::inter_axle::alignment::axle_pair::Track;
+use crate::inter_axle::alignment::axle_pair::AxlePair;
 use crate::inter_axle::alignment::delay_search::Found;
-use crate::inter_axle::alignment::speed_latency::{Find, Lag, SpeedLag};
+use crate::inter_axle::alignment::speed_latency::{Find, Latency, SpeedLatency};
 use crate::inter_axle::{FOUND_SD_S, SharedRoad};
 use crate::model::Learned;
 use crate::real::Real;
@@ -25,14 +25,14 @@ const DOUBTED_SD: f64 = 0.05;
 /// Where a side found the other axle's road, and when.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Elsewhere<T> {
+pub(crate) struct DelayDetection<T> {
     time_s: f64,
     found: Found<T>,
 }
 
-impl<T: Real> Elsewhere<T> {
+impl<T: Real> DelayDetection<T> {
     /// Wheelbase over speed that goes with it, if the side's skew is what it was `before`.
-    fn rho(&self, side: usize, before: &Mode<T>) -> T {
+    fn rho(&self, side: usize, before: &Hypothesis<T>) -> T {
         let [wheelbase, skew] = self.found.used;
         let later_s = self.found.later_s - T::lit(SKEW_UNIT_S) * (before.mean[SKEW + side] - skew);
         wheelbase + later_s / self.found.delay_s
@@ -41,40 +41,42 @@ impl<T: Real> Elsewhere<T> {
 
 impl<T: Real> SharedRoad<T> {
     /// Seconds by which the speed was found to come late.
-    pub(crate) fn speed_late_s(&self) -> f64 {
-        self.speed_late_s
+    pub(crate) fn speed_latency_s(&self) -> f64 {
+        self.speed_latency_s
     }
 
     /// Takes note of where a side has found the other axle's road.
-    pub(crate) fn look_elsewhere(&mut self, side: usize, found: Found<T>, time_s: f64) {
-        self.elsewhere[side] = Some(Elsewhere { time_s, found });
-        let ([Some(left), Some(right)], Some(before)) = (self.elsewhere, self.before()) else { return };
+    pub(crate) fn realign(&mut self, side: usize, found: Found<T>, time_s: f64) {
+        self.delay_detections[side] = Some(DelayDetection { time_s, found });
+        let ([Some(left), Some(right)], Some(before)) = (self.delay_detections, self.before()) else {
+            return;
+        };
         let [by_left, by_right] = [left.rho(0, before), right.rho(1, before)];
         let apart_s = (left.time_s - right.time_s).abs();
         let Some(rho) = agreed([by_left, by_right], apart_s) else { return };
         let changed = (rho - before.mean[WHEELBASE]).abs() > T::lit(FAR);
         let together = apart_s < TOGETHER_S;
         if changed || together {
-            self.elsewhere = [None; 2];
+            self.delay_detections = [None; 2];
         }
         // Of the same moment, so at one acceleration.
-        let lag = if together { self.speed_lag.take(&both(&left.found, &right.found)) } else { None };
+        let lag = if together { self.speed_latency.take(&both(&left.found, &right.found)) } else { None };
         if let Some(lag) = lag {
             self.correct(&lag);
         } else if changed {
             let sd = T::lit(FOUND_SD_S) / left.found.delay_s.min(right.found.delay_s);
-            self.go_back();
-            self.modes.begin_with(WHEELBASE, &Learned { value: rho, sd }, T::zero(), T::one());
-            self.keep_anew();
-            self.tracks.iter_mut().for_each(Track::begin_elsewhere);
+            self.restore();
+            self.bank.begin_with(WHEELBASE, &Learned { value: rho, sd }, T::zero(), T::one());
+            self.save_anew();
+            self.pairs.iter_mut().for_each(AxlePair::restart_alignment);
         }
     }
 
     /// The speed comes late, and did so all the time: what was learned of the car meanwhile is worth little, and of the tires less than it
     /// seemed.
-    fn correct(&mut self, lag: &Lag<T>) {
-        self.speed_late_s += lag.seconds.to_f64();
-        self.speed_lag = SpeedLag::new();
+    fn correct(&mut self, lag: &Latency<T>) {
+        self.speed_latency_s += lag.seconds.to_f64();
+        self.speed_latency = SpeedLatency::new();
         let tires = self.before().map(|before| {
             let variance =
                 |i: usize| before.covariance[(TIRE + i, TIRE + i)] + T::lit(DOUBTED_SD * DOUBTED_SD);
@@ -85,15 +87,15 @@ impl<T: Real> SharedRoad<T> {
         });
         self.begin_again();
         // During a reset they are what they were set to.
-        for (i, tire) in tires.iter().flatten().enumerate().filter(|_| !self.held) {
-            self.modes.begin_with(TIRE + i, tire, T::zero(), T::one());
+        for (i, tire) in tires.iter().flatten().enumerate().filter(|_| !self.calibrating) {
+            self.bank.begin_with(TIRE + i, tire, T::zero(), T::one());
         }
         let learned = |[value, sd]: [T; 2]| Learned { value, sd };
-        self.modes.begin_with(WHEELBASE, &learned(lag.rho), T::zero(), T::one());
+        self.bank.begin_with(WHEELBASE, &learned(lag.rho), T::zero(), T::one());
         for side in 0..2 {
-            self.modes.begin_with(SKEW + side, &learned(lag.skew_s), T::zero(), T::lit(SKEW_UNIT_S));
+            self.bank.begin_with(SKEW + side, &learned(lag.skew_s), T::zero(), T::lit(SKEW_UNIT_S));
         }
-        self.tracks.iter_mut().for_each(Track::forget_ways);
+        self.pairs.iter_mut().for_each(AxlePair::forget_ways);
     }
 }
 

@@ -30,7 +30,7 @@ const EXPLAINED: f64 = 3.0;
         deserialize = "T: Real + serde::Deserialize<'de>"
     ))
 )]
-pub(crate) struct SpeedLag<T: Real> {
+pub(crate) struct SpeedLatency<T: Real> {
     count: T,
     information: Matrix3<T>,
     score: Vector3<T>,
@@ -49,19 +49,19 @@ pub(crate) struct Find<T> {
 
 /// A lag in s, with the wheelbase over speed and the rear's lateness in s that go with it, and their standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Lag<T> {
+pub(crate) struct Latency<T> {
     pub(crate) seconds: T,
     pub(crate) rho: [T; 2],
     pub(crate) skew_s: [T; 2],
 }
 
-impl<T: Real> SpeedLag<T> {
+impl<T: Real> SpeedLatency<T> {
     pub(crate) fn new() -> Self {
         Self { count: T::zero(), information: Matrix3::zeros(), score: Vector3::zeros(), square: T::zero() }
     }
 
     /// Takes what both sides found; gives the lag that explains all of it, if there is one.
-    pub(crate) fn take(&mut self, find: &Find<T>) -> Option<Lag<T>> {
+    pub(crate) fn take(&mut self, find: &Find<T>) -> Option<Latency<T>> {
         // A speed that is late by L while it grows by g per second reads less by g L, and the way comes out as much too short.
         let slope = Vector3::new(T::one(), T::one() / find.delay_s, -find.growth_per_s)
             .component_mul(&Vector3::from(PRIOR_SD.map(T::lit)));
@@ -83,7 +83,7 @@ impl<T: Real> SpeedLag<T> {
         self.explained()
     }
 
-    fn explained(&self) -> Option<Lag<T>> {
+    fn explained(&self) -> Option<Latency<T>> {
         let covariance = (self.information + Matrix3::identity()).try_inverse()?;
         let best = covariance * self.score;
         let of = |i: usize| {
@@ -96,7 +96,7 @@ impl<T: Real> SpeedLag<T> {
         let sure = self.count >= T::lit(LEAST) && size > T::lit(SURE) * sd;
         let explained = left < T::lit(EXPLAINED * EXPLAINED) * self.count;
         let worth_it = size > T::lit(SHORTEST_S) && size < T::lit(LONGEST_S);
-        (sure && explained && worth_it).then(|| Lag { seconds, rho: of(0), skew_s: of(1) })
+        (sure && explained && worth_it).then(|| Latency { seconds, rho: of(0), skew_s: of(1) })
     }
 }
 
@@ -108,8 +108,8 @@ mod tests {
     const MOMENTS: [[f64; 2]; 6] =
         [[0.2, 0.3], [-0.25, 0.25], [0.05, 0.15], [-0.1, 0.2], [0.3, 0.4], [0.0, 0.1]];
 
-    fn last(later: impl Fn(usize, f64, f64) -> f64) -> Option<Lag<f64>> {
-        let mut lag = SpeedLag::new();
+    fn last(later: impl Fn(usize, f64, f64) -> f64) -> Option<Latency<f64>> {
+        let mut lag = SpeedLatency::new();
         let mut said = None;
         for (i, [growth_per_s, delay_s]) in MOMENTS.into_iter().cycle().take(60).enumerate() {
             said = lag.take(&Find { later: later(i, growth_per_s, delay_s), delay_s, growth_per_s });
@@ -138,10 +138,10 @@ mod tests {
         assert_eq!(last(|_, _, _| f64::NAN), None);
         // At one acceleration it might be a scale as well.
         let find = |growth_per_s: f64, later: f64| Find { later, delay_s: 0.2, growth_per_s };
-        let mut same = SpeedLag::new();
+        let mut same = SpeedLatency::new();
         assert!((0..20).all(|_| same.take(&find(0.2, -0.03)).is_none()));
         // Two finds are none.
-        let mut few = SpeedLag::new();
+        let mut few = SpeedLatency::new();
         assert!(few.take(&find(0.2, -0.03)).is_none() && few.take(&find(-0.2, 0.03)).is_none());
     }
 }

@@ -16,7 +16,7 @@ const COUNTED: f64 = 5.0;
 const LARGEST: f64 = 0.5;
 
 /// What each signal of both axles is on the common road, over what the instruments make of it, bin by bin.
-pub(crate) type Ratios<T> = [[Complex<T>; BOTH]; BINS];
+pub(crate) type FrfRatios<T> = [[Complex<T>; BOTH]; BINS];
 
 /// Products of the common road with the signals of both axles, averaged.
 type Products<T> = Spectra<T, BINS, BOTH>;
@@ -31,7 +31,7 @@ type Products<T> = Spectra<T, BINS, BOTH>;
         deserialize = "T: Real + serde::Deserialize<'de>"
     ))
 )]
-pub(crate) struct Answer<T: Real> {
+pub(crate) struct FrfCorrection<T: Real> {
     /// With the signals as measured, and as the instruments have them.
     measured: Products<T>,
     foretold: Products<T>,
@@ -39,18 +39,18 @@ pub(crate) struct Answer<T: Real> {
     frames: T,
 }
 
-impl<T: Real> Answer<T> {
+impl<T: Real> FrfCorrection<T> {
     pub(crate) fn new() -> Self {
         Self { measured: Products::zero(), foretold: Products::zero(), frames: T::zero() }
     }
 
     /// How the axles answer, as far as was seen: one where nothing was.
-    pub(crate) fn ratios(&self) -> Ratios<T> {
+    pub(crate) fn frf_ratios(&self) -> FrfRatios<T> {
         let share = self.frames / (self.frames + T::lit(COUNTED));
         let one = Complex::new(T::one(), T::zero());
         let largest = T::lit(LARGEST);
         core::array::from_fn(|bin| {
-            let mut ratios = core::array::from_fn(|column| {
+            let mut frf_ratios = core::array::from_fn(|column| {
                 let (measured, foretold) = (self.measured.at(bin, column), self.foretold.at(bin, column));
                 let more = (measured / foretold - one) * share;
                 let size = more.norm_sqr().sqrt();
@@ -62,19 +62,19 @@ impl<T: Real> Answer<T> {
             });
             // What the other side of an axle does is its own.
             for axle in 0..2 {
-                ratios[axle * SEEN + SEEN - 1] = ratios[axle * SEEN + SEEN - 2];
+                frf_ratios[axle * SEEN + SEEN - 1] = frf_ratios[axle * SEEN + SEEN - 2];
             }
-            ratios
+            frf_ratios
         })
     }
 
     /// Learns from a frame, given the road that both axles agree on and how far the frame is trusted.
-    pub(crate) fn learn(&mut self, frame: &Frame<T>, common: &[Complex<T>; BINS], trust: T) {
+    pub(crate) fn learn(&mut self, frame: &Frame<T>, common: &[Complex<T>; BINS], weight: T) {
         let keep = T::one() - T::lit(1.0 / REMEMBERED);
-        self.frames = self.frames * keep + trust;
+        self.frames = self.frames * keep + weight;
         for (bin, road) in common.iter().enumerate() {
             // Every frame counts alike, however rough its road is.
-            let weight = trust / road.norm_sqr().max(T::lit(1e-20));
+            let weight = weight / road.norm_sqr().max(T::lit(1e-20));
             for column in 0..BOTH {
                 for (products, from) in [(&mut self.measured, column), (&mut self.foretold, BOTH + column)] {
                     let new = road.conj() * frame.at(bin, from) * weight;
@@ -95,8 +95,8 @@ mod tests {
 
     /// Frames on roads of any size whose signals, for all but the other side's, are `ratio` times what the instruments
     /// have, and on top of it what is not on the common road, now this way and now that.
-    fn answered(ratio: C, frames: usize) -> Ratios<f64> {
-        let mut answer = Answer::<f64>::new();
+    fn answered(ratio: C, frames: usize) -> FrfRatios<f64> {
+        let mut frf_correction = FrfCorrection::<f64>::new();
         for i in 0..frames {
             let road = C::new(0.3 + i as f64, 0.1);
             let mut frame = Frame::<f64>::zero();
@@ -110,9 +110,9 @@ mod tests {
                     (frame.re[(bin, at)], frame.im[(bin, at)]) = (foretold.re, foretold.im);
                 }
             }
-            answer.learn(&frame, &[road; BINS], 1.0);
+            frf_correction.learn(&frame, &[road; BINS], 1.0);
         }
-        answer.ratios()
+        frf_correction.frf_ratios()
     }
 
     #[test]

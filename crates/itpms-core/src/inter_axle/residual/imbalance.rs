@@ -65,10 +65,10 @@ impl<T: Real> Imbalance<T> {
         }
     }
 
-    /// Takes the line off both axles' signals, `way_m` after the last ones.
-    pub(crate) fn clear(&mut self, signals: &mut [T; BOTH], way_m: T, speed_m_s: T) {
+    /// Takes the line off both axles' signals, `distance_m` after the last ones.
+    pub(crate) fn clear(&mut self, signals: &mut [T; BOTH], distance_m: T, speed_m_s: T) {
         let Some(per_m) = self.per_m else { return };
-        let angle = way_m * per_m;
+        let angle = distance_m * per_m;
         self.turned += angle;
         if self.turned > T::two_pi() {
             self.turned -= T::two_pi();
@@ -85,14 +85,14 @@ impl<T: Real> Imbalance<T> {
         }
     }
 
-    /// Looks for a line in what the two roads disagree by, `way_m` after the last look.
-    pub(crate) fn look(&mut self, apart: T, way_m: T, speed_m_s: T) {
-        if !(speed_m_s > T::lit(SLOWEST_M_S)) || !apart.is_finite() {
+    /// Looks for a line in what the two roads disagree by, `distance_m` after the last look.
+    pub(crate) fn look(&mut self, residual: T, distance_m: T, speed_m_s: T) {
+        if !(speed_m_s > T::lit(SLOWEST_M_S)) || !residual.is_finite() {
             self.begin_look();
             return;
         }
-        self.looked_m += way_m;
-        let seen = (T::pi() * self.looked_m / T::lit(LOOK_M)).sin() * apart;
+        self.looked_m += distance_m;
+        let seen = (T::pi() * self.looked_m / T::lit(LOOK_M)).sin() * residual;
         let at = |per_m: f64| {
             let angle = self.looked_m * T::lit(per_m);
             Complex::new(angle.cos(), angle.sin())
@@ -189,15 +189,15 @@ mod tests {
     /// signal after a while, power of that without the line, and the rate that was found.
     fn drive(line: f64, per_m: f64) -> (f64, f64, Option<f64>) {
         let (mut imbalance, mut white) = (Imbalance::<f64>::new(), White(1));
-        let (mut way_m, mut left, mut plain) = (0.0, 0.0, 0.0);
+        let (mut distance_m, mut left, mut plain) = (0.0, 0.0, 0.0);
         for i in 0..24_000 {
             let time_s = f64::from(i) * PERIOD_S;
             let speed = 25.0 + 5.0 * (0.3 * time_s).sin();
-            way_m += speed * PERIOD_S;
+            distance_m += speed * PERIOD_S;
             let road = white.next();
-            let apart = road + line * (per_m * way_m + 1.0).cos();
-            imbalance.look(apart, speed * PERIOD_S, speed);
-            let mut signals = [apart; BOTH];
+            let residual = road + line * (per_m * distance_m + 1.0).cos();
+            imbalance.look(residual, speed * PERIOD_S, speed);
+            let mut signals = [residual; BOTH];
             imbalance.clear(&mut signals, speed * PERIOD_S, speed);
             if i > 12_000 {
                 left += (signals[0] - road) * (signals[0] - road);

@@ -8,7 +8,7 @@ use crate::belief::state::{
     BAR, DAMPING, GAIN, MASS, SKEW, SKEW_UNIT_S, SPRING, State, TIRE, WHEELBASE, read_compliance,
 };
 use crate::inter_axle::alignment::channel::{KEPT, high_pass_power};
-use crate::inter_axle::residual::correction::Ratios;
+use crate::inter_axle::residual::correction::FrfRatios;
 use crate::inter_axle::{BIN_SPACING_HZ, BINS, Frame, bin_hz};
 use crate::real::Real;
 use crate::spectrum::transfer::{Body, sine_window_power};
@@ -58,7 +58,7 @@ pub(crate) struct Wheel<T> {
 
 /// A complete frame of both axles, and where it was taken.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct TrackFrame<T: Real> {
+pub(crate) struct AxleFrame<T: Real> {
     /// Spectra of the front's and the rear's signals, then of what both would be on the common road.
     pub(crate) frame: Frame<T>,
     /// Time in s of its middle at the rear wheel.
@@ -78,7 +78,7 @@ pub(crate) enum Signals<'a, T: Real> {
     /// As measured.
     Measured,
     /// On the road that both axles agree on, as the instruments have them, times how the axles answer it.
-    Common(&'a Ratios<T>),
+    Common(&'a FrfRatios<T>),
 }
 
 /// Where a side's quantities stand in the state.
@@ -158,8 +158,8 @@ impl<T: Real> Axle<T> {
     }
 }
 
-/// Disagreement of a frame and its derivatives.
-pub(crate) struct Disagreement<T: Real> {
+/// AxleResidual of a frame and its derivatives.
+pub(crate) struct AxleResidual<T: Real> {
     pub(crate) rows: SVector<T, ROWS>,
     pub(crate) slope: Slope<T>,
     /// Road velocity of every bin that both axles agree on.
@@ -169,45 +169,45 @@ pub(crate) struct Disagreement<T: Real> {
 }
 
 /// Compares the axles of a side for a state.
-pub(crate) fn compare<T: Real>(
-    taken: &TrackFrame<T>,
+pub(crate) fn linearize<T: Real>(
+    taken: &AxleFrame<T>,
     signals: Signals<'_, T>,
     wheels: &[Wheel<T>; 2],
     side: usize,
     state: &State<T>,
-) -> Disagreement<T> {
+) -> AxleResidual<T> {
     let axles = [Axle::new(&wheels[0], state), Axle::new(&wheels[1], state)];
     let gain = T::one() + state[GAIN + side];
-    let late_s = taken.delay_s * (state[WHEELBASE] - taken.used_wheelbase)
+    let filter_delay_s = taken.delay_s * (state[WHEELBASE] - taken.used_wheelbase)
         + T::lit(SKEW_UNIT_S) * (state[SKEW + side] - taken.used_skew);
-    let mut out = Disagreement {
+    let mut out = AxleResidual {
         rows: SVector::zeros(),
         slope: SMatrix::zeros(),
         common: [Complex::new(T::zero(), T::zero()); BINS],
         road_power: [T::zero(); BINS],
     };
     for bin in 0..BINS {
-        out.fill(taken, signals, &axles, gain, late_s, bin);
+        out.fill(taken, signals, &axles, gain, filter_delay_s, bin);
     }
     out
 }
 
-impl<T: Real> Disagreement<T> {
+impl<T: Real> AxleResidual<T> {
     fn fill(
         &mut self,
-        taken: &TrackFrame<T>,
+        taken: &AxleFrame<T>,
         signals: Signals<'_, T>,
         axles: &[Axle<T>; 2],
         gain: T,
-        late_s: T,
+        filter_delay_s: T,
         bin: usize,
     ) {
         let delay_s = taken.delay_s;
         let of = |axle: usize| {
             core::array::from_fn(|i| match signals {
                 Signals::Measured => taken.frame.at(bin, axle * SEEN + i),
-                Signals::Common(ratios) => {
-                    taken.frame.at(bin, BOTH + axle * SEEN + i) * ratios[bin][axle * SEEN + i]
+                Signals::Common(frf_ratios) => {
+                    taken.frame.at(bin, BOTH + axle * SEEN + i) * frf_ratios[bin][axle * SEEN + i]
                 }
             })
         };
@@ -216,10 +216,10 @@ impl<T: Real> Disagreement<T> {
         let (ahead, behind) = (seen[0].0 * gain, seen[1].0);
         let common = (ahead + behind) * T::lit(0.5);
         let turn = Complex::new(T::zero(), T::two_pi() * bin_hz::<T>(bin)) * common;
-        let apart = ahead - behind - turn * late_s;
+        let residual = ahead - behind - turn * filter_delay_s;
         self.common[bin] = common;
-        self.rows[bin] = apart.re;
-        self.rows[BINS + bin] = apart.im;
+        self.rows[bin] = residual.re;
+        self.rows[BINS + bin] = residual.im;
         self.road_power[bin] = T::lit(0.5) * (ahead.norm_sqr() + behind.norm_sqr());
         for (column, value) in slope.iter().enumerate() {
             self.slope[(bin, column)] = value.re;
@@ -235,7 +235,7 @@ pub(crate) fn expected_products<T: Real>(
     side: usize,
     state: &State<T>,
     delay_s: T,
-    ratios: &Ratios<T>,
+    frf_ratios: &FrfRatios<T>,
 ) -> [Gram<T>; BINS] {
     let axles = [Axle::new(&wheels[0], state), Axle::new(&wheels[1], state)];
     let gain = T::one() + state[GAIN + side];
@@ -249,7 +249,7 @@ pub(crate) fn expected_products<T: Real>(
             let weight = sine_window_power(offset) * high_pass_power(frequency);
             let seen = |axle: usize| {
                 let foretold = axles[axle].over_unit_road(wheels[axle].body.sprung_mass_kg, frequency);
-                axles[axle].road(core::array::from_fn(|i| foretold[i] * ratios[bin][axle * SEEN + i]))
+                axles[axle].road(core::array::from_fn(|i| foretold[i] * frf_ratios[bin][axle * SEEN + i]))
             };
             // As a frame sees it: its turns are those of the middle of a bin.
             let slope = slopes(&[seen(0), seen(1)], gain, bin_hz(bin), delay_s);

@@ -3,7 +3,7 @@
 
 use nalgebra::SVector;
 
-use crate::inter_axle::residual::model::{Disagreement, Gram};
+use crate::inter_axle::residual::model::{AxleResidual, Gram};
 use crate::inter_axle::{BINS, OVERLAP};
 use crate::real::Real;
 
@@ -128,7 +128,7 @@ impl<T: Real> Coherence<T> {
     pub(crate) fn learn(
         &mut self,
         expected: &Expectation<T>,
-        found: &Disagreement<T>,
+        found: &AxleResidual<T>,
         ratio: &[T; BINS],
         noise: &[T; BINS],
         seconds: T,
@@ -163,7 +163,7 @@ impl<T: Real> Coherence<T> {
     }
 
     /// How far frames are believed: little, once front and rear hardly share a road.
-    pub(crate) fn trust(&self) -> T {
+    pub(crate) fn weight(&self) -> T {
         within(self.near_wheel_hop(), DOUBTED)
     }
 
@@ -208,7 +208,7 @@ mod tests {
 
     /// The same, the other side's roads parting or not.
     fn drive_beside(coherence: &mut Coherence<f64>, seconds: f64, share: f64, beside: bool) -> f64 {
-        let found = Disagreement {
+        let found = AxleResidual {
             rows: SVector::zeros(),
             slope: SMatrix::zeros(),
             common: [Complex::new(0.0, 0.0); BINS],
@@ -232,7 +232,7 @@ mod tests {
         // A step of 1 - exp(-0.1 s/0.3 s) towards thirty times as much and a hundredth.
         let closed_form = before + (1.0 - (-1.0 / 3.0_f64).exp()) * (29.0 * before + 0.01);
         assert!((pothole.near_wheel_hop() - closed_form).abs() < 1e-12);
-        assert!(pothole.trust() > 0.99);
+        assert!(pothole.weight() > 0.99);
         // What is on one side is a tire that falls, or one wheel's hole: seen with the usual 2 s.
         let mut one_side = coherence.clone();
         drive_beside(&mut one_side, 0.1, 1.0, false);
@@ -243,7 +243,7 @@ mod tests {
         drive(&mut coherence, 0.5, 1.0);
         assert!(coherence.near_wheel_hop() > 1.0 / PARTING, "{}", coherence.near_wheel_hop());
         drive(&mut coherence, 0.5, 1.0);
-        assert!(coherence.trust() < 0.5, "{}", coherence.near_wheel_hop());
+        assert!(coherence.weight() < 0.5, "{}", coherence.near_wheel_hop());
     }
 
     #[test]
@@ -266,7 +266,7 @@ mod tests {
         let mut informed = silent.clone();
         informed.follow(&other.incoherence());
         assert_eq!(informed.near_wheel_hop(), other.near_wheel_hop());
-        assert!(silent.trust() > 0.99 && informed.trust() < 0.5, "{}", informed.trust());
+        assert!(silent.weight() > 0.99 && informed.weight() < 0.5, "{}", informed.weight());
         // What it has found worse by itself stays.
         let lasting = other.lasting();
         other.follow(&silent.incoherence());
@@ -293,9 +293,9 @@ mod tests {
         assert!(coherence.near_wheel_hop() > 0.5 && bend > 0.02, "{bend}");
         assert!(bend < 0.2 - 0.198 * (-4.0_f64 / 20.0).exp() + 1e-9, "{bend}");
         assert!(drive(&mut coherence, 20.0, 0.002) < 0.01);
-        // Beside the track for good.
-        let apart = drive(&mut coherence, 20.0, 0.15);
+        // OppositeSide the track for good.
+        let residual = drive(&mut coherence, 20.0, 0.15);
         let closed_form = 0.15 * (1.0 - 20.0 / 18.0 * (-1.0_f64).exp());
-        assert!((apart - closed_form).abs() < 0.01, "{apart}, expected {closed_form}");
+        assert!((residual - closed_form).abs() < 0.01, "{residual}, expected {closed_form}");
     }
 }

@@ -9,9 +9,9 @@ use nalgebra::ComplexField;
 
 use crate::belief::state::{BAR, GAIN, SKEW, State, WHEELBASE};
 use crate::inter_axle::alignment::channel::high_pass_power;
-use crate::inter_axle::residual::correction::Ratios;
+use crate::inter_axle::residual::correction::FrfRatios;
 use crate::inter_axle::residual::model::{
-    BOTH, Gram, OWN, Score, Signals, Slope, TrackFrame, compare, expected_products, places,
+    AxleFrame, BOTH, Gram, OWN, Score, Signals, Slope, expected_products, linearize, places,
 };
 use crate::inter_axle::tests::{C, Moved, STILL, deviating, frame, signals, taken, unit_frames, wheels};
 use crate::inter_axle::{BINS, bin_hz};
@@ -21,13 +21,13 @@ const DELAY_S: f64 = 0.12;
 const ONE: C = C::new(1.0, 0.0);
 
 /// Axles that answer as their quarter cars do.
-fn same() -> Ratios<f64> {
+fn same() -> FrfRatios<f64> {
     [[ONE; BOTH]; BINS]
 }
 
 /// Adds frames with weights.
-fn sum<'a>(parts: impl Iterator<Item = (f64, &'a TrackFrame<f64>)>) -> TrackFrame<f64> {
-    let mut total: Option<TrackFrame<f64>> = None;
+fn sum<'a>(parts: impl Iterator<Item = (f64, &'a AxleFrame<f64>)>) -> AxleFrame<f64> {
+    let mut total: Option<AxleFrame<f64>> = None;
     for (weight, part) in parts {
         let total = total.get_or_insert_with(|| {
             let mut zero = part.frame.clone();
@@ -42,7 +42,7 @@ fn sum<'a>(parts: impl Iterator<Item = (f64, &'a TrackFrame<f64>)>) -> TrackFram
 }
 
 /// Some frequencies of both axles on one road, the other side moving anyhow.
-fn on_one_road(state: &State<f64>) -> TrackFrame<f64> {
+fn on_one_road(state: &State<f64>) -> AxleFrame<f64> {
     let frames: Vec<_> = [3.1, 6.0, 9.4, 12.7, 18.8, 24.0]
         .iter()
         .enumerate()
@@ -58,7 +58,7 @@ fn on_one_road(state: &State<f64>) -> TrackFrame<f64> {
 #[test]
 fn on_one_road_nothing_is_left() {
     let state = deviating();
-    let found = compare(&on_one_road(&state), Signals::Measured, &wheels(), 0, &state);
+    let found = linearize(&on_one_road(&state), Signals::Measured, &wheels(), 0, &state);
     for bin in 0..BINS {
         let left = found.rows[bin].hypot(found.rows[BINS + bin]);
         assert!(left < 1e-11 * found.road_power[bin].sqrt(), "bin {bin}: {left:e}");
@@ -67,7 +67,7 @@ fn on_one_road_nothing_is_left() {
     for place in places(0).into_iter().filter(|&place| place != WHEELBASE && place != SKEW) {
         let mut wrong = state;
         wrong[place] += 0.05;
-        let found = compare(&on_one_road(&state), Signals::Measured, &wheels(), 0, &wrong);
+        let found = linearize(&on_one_road(&state), Signals::Measured, &wheels(), 0, &wrong);
         assert!(found.rows.norm() > 1e-4 * found.road_power.iter().sum::<f64>().sqrt(), "{place}");
     }
 }
@@ -80,13 +80,13 @@ fn derivatives_match_finite_differences() {
     let mut state = deviating() * 0.4;
     state[WHEELBASE] = taken.used_wheelbase;
     state[SKEW] = taken.used_skew;
-    let slope = compare(&taken, Signals::Measured, &wheels(), 0, &state).slope;
+    let slope = linearize(&taken, Signals::Measured, &wheels(), 0, &state).slope;
     for (column, place) in places(0).into_iter().enumerate() {
         let step = 1e-4;
         let at = |by: f64| {
             let mut moved = state;
             moved[place] += by;
-            compare(&taken, Signals::Measured, &wheels(), 0, &moved).rows
+            linearize(&taken, Signals::Measured, &wheels(), 0, &moved).rows
         };
         // Linear in every quantity by itself, so rounding is all there is: 1e-16 over the step.
         let difference = (at(step) - at(-step)) / (2.0 * step);
@@ -114,7 +114,7 @@ fn expected_products_are_those_of_a_long_random_road() {
     let beside = |f: f64| relative(f).map(|other| Moved { road: C::new(0.0, 0.0), other: other * left(f) });
     let own = unit_frames(&state, |f| [Moved::by_road(left(f)); 2]);
     for taken in own.iter().chain(&unit_frames(&state, beside)) {
-        let found = compare(taken, Signals::Measured, &wheels(), 0, &state);
+        let found = linearize(taken, Signals::Measured, &wheels(), 0, &state);
         for bin in 0..BINS {
             for row in [bin, BINS + bin] {
                 let slope = found.slope.row(row);
@@ -161,8 +161,8 @@ fn roads_that_differ_do_not_pull_the_instruments() {
             parts.push((common + own * random.normal(), rear));
         }
         let taken = sum(parts.into_iter());
-        let measured = compare(&taken, Signals::Measured, &wheels(), 0, &state);
-        let instrument = compare(&taken, Signals::Common(&same()), &wheels(), 0, &state).slope;
+        let measured = linearize(&taken, Signals::Measured, &wheels(), 0, &state);
+        let instrument = linearize(&taken, Signals::Common(&same()), &wheels(), 0, &state).slope;
         for (sums, slope) in sums.iter_mut().zip([&measured.slope, &instrument]) {
             let pull = pull(&measured.rows, slope);
             sums[0] += pull;
@@ -186,7 +186,7 @@ fn plain_derivatives_are_pulled_by_half_the_incoherent_power() {
     let fronts = unit_frames(&state, |_| [Moved::by_road(ONE), STILL]);
     let (mut pull, mut power) = ([0.0; BINS], [0.0; BINS]);
     for taken in &fronts {
-        let found = compare(taken, Signals::Measured, &wheels(), 0, &state);
+        let found = linearize(taken, Signals::Measured, &wheels(), 0, &state);
         for bin in 0..BINS {
             pull[bin] += found.rows[bin] * found.slope[(bin, 0)]
                 + found.rows[BINS + bin] * found.slope[(BINS + bin, 0)];

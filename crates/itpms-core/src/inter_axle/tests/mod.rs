@@ -16,7 +16,7 @@ use nalgebra::ComplexField;
 
 use crate::belief::state::{BAR, DAMPING, GAIN, MASS, SPRING, State, TIRE};
 use crate::inter_axle::residual::instrument::Instrument;
-use crate::inter_axle::residual::model::{Axle, SEEN, TrackFrame, Wheel};
+use crate::inter_axle::residual::model::{Axle, AxleFrame, SEEN, Wheel};
 use crate::inter_axle::{Frame, HOP_S, SIGNALS};
 use crate::spectrum::FrameClock;
 use crate::spectrum::transfer::Body;
@@ -89,7 +89,7 @@ fn signals(wheel: &Wheel<f64>, state: &State<f64>, s: C, moved: Moved) -> [C; SE
 }
 
 /// A frame of both axles at `frequency_hz`, front and rear moved as said, times `amplitude`; the state is the truth.
-fn frame(frequency_hz: f64, moved: [Moved; 2], state: &State<f64>, amplitude: C) -> TrackFrame<f64> {
+fn frame(frequency_hz: f64, moved: [Moved; 2], state: &State<f64>, amplitude: C) -> AxleFrame<f64> {
     let wheels = wheels();
     let s = C::new(0.0, core::f64::consts::TAU * frequency_hz);
     let gain = 1.0 + state[GAIN];
@@ -130,12 +130,12 @@ fn frame(frequency_hz: f64, moved: [Moved; 2], state: &State<f64>, amplitude: C)
     unreachable!()
 }
 
-fn taken(frame: Frame<f64>) -> TrackFrame<f64> {
-    TrackFrame { frame, middle_s: 0.0, delay_s: 0.12, stretch: 0.0, used_wheelbase: 0.0, used_skew: 0.0 }
+fn taken(frame: Frame<f64>) -> AxleFrame<f64> {
+    AxleFrame { frame, middle_s: 0.0, delay_s: 0.12, stretch: 0.0, used_wheelbase: 0.0, used_skew: 0.0 }
 }
 
 /// Frames of unit cosines and sines at all frequencies that the bins see, half a hertz apart: a tenth of a bin.
-fn unit_frames(state: &State<f64>, moved: impl Fn(f64) -> [Moved; 2]) -> Vec<TrackFrame<f64>> {
+fn unit_frames(state: &State<f64>, moved: impl Fn(f64) -> [Moved; 2]) -> Vec<AxleFrame<f64>> {
     (1..=100)
         .map(|k| 0.5 * f64::from(k))
         .flat_map(|f| [C::new(1.0, 0.0), C::new(0.0, -1.0)].map(|a| frame(f, moved(f), state, a)))

@@ -3,7 +3,7 @@
 use core::f64::consts::TAU;
 
 use crate::belief::state::State;
-use crate::inter_axle::alignment::axle_pair::{Meeting, Track};
+use crate::inter_axle::alignment::axle_pair::{AxlePair, PairingContext};
 use crate::inter_axle::alignment::channel::Entry;
 use crate::inter_axle::alignment::delay_search::Found;
 use crate::inter_axle::tests::{PERIOD_S, wheels};
@@ -14,22 +14,24 @@ const SPEED_M_S: f64 = 9.0;
 const LONGER: f64 = 0.02;
 
 /// Vertical velocity of a wheel on a road of waves from 0.6 to 6 m, at this way.
-fn velocity(way_m: f64) -> f64 {
+fn velocity(distance_m: f64) -> f64 {
     (1..30)
-        .map(|k| (TAU * way_m * f64::from(k) / 9.0 * (1.0 + 0.01 * f64::from(k)) + f64::from(k * k)).sin())
+        .map(|k| {
+            (TAU * distance_m * f64::from(k) / 9.0 * (1.0 + 0.01 * f64::from(k)) + f64::from(k * k)).sin()
+        })
         .sum()
 }
 
 fn entry(step: u32, wheel_m: f64) -> Entry<f64> {
     let time_s = f64::from(step) * PERIOD_S;
-    let way_m = SPEED_M_S * time_s;
+    let distance_m = SPEED_M_S * time_s;
     Entry {
         time_s,
-        way_m,
+        distance_m,
         speed_m_s: SPEED_M_S,
         // A wheel that no force deforms runs on the road itself.
-        signals: [velocity(way_m + wheel_m), 0.0, 0.0, 0.0],
-        spoiled: false,
+        signals: [velocity(distance_m + wheel_m), 0.0, 0.0, 0.0],
+        invalid: false,
         unloaded: false,
         after_gap: false,
     }
@@ -37,10 +39,10 @@ fn entry(step: u32, wheel_m: f64) -> Entry<f64> {
 
 /// What a side finds whose car is believed to have this deviation of its wheelbase, by time.
 fn find(believed: impl Fn(f64) -> f64) -> Found<f64> {
-    let (mut track, state) = (Track::new(0, PERIOD_S, [0.0; 2]), State::zeros());
+    let (mut track, state) = (AxlePair::new(0, PERIOD_S, [0.0; 2]), State::zeros());
     for step in 0..1500 {
         let (front, rear) = (entry(step, WHEELBASE_M * (1.0 + LONGER)), entry(step, 0.0));
-        let road = Meeting {
+        let road = PairingContext {
             wheelbase_m: WHEELBASE_M,
             wheels: wheels(),
             wheelbase: believed(rear.time_s),

@@ -61,7 +61,7 @@ pub enum RoadRepetition {
 /// The compliance that a repeated road tells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct RepeatWord<T> {
+pub(crate) struct PeriodicEstimate<T> {
     /// Compliance in m/N.
     pub(crate) theta: T,
     /// Its relative standard deviation.
@@ -105,7 +105,7 @@ pub(crate) struct Step<T> {
     pub(crate) wheel: T,
     pub(crate) force: T,
     /// A sensor was at its limit.
-    pub(crate) spoiled: bool,
+    pub(crate) invalid: bool,
 }
 
 /// What is known of the car and its sensors.
@@ -192,7 +192,7 @@ impl<T: Real> RepeatedRoad<T> {
         step: &Step<T>,
         corner: &Corner<T>,
         belief: impl Fn() -> Belief<T>,
-    ) -> Option<RepeatWord<T>> {
+    ) -> Option<PeriodicEstimate<T>> {
         if self.repetition == RoadRepetition::Never {
             return None;
         }
@@ -203,7 +203,7 @@ impl<T: Real> RepeatedRoad<T> {
             }
             return None;
         };
-        if step.spoiled {
+        if step.invalid {
             lap.sound_parts = 0;
         }
         let pass = lap.clock.push(step.wheel, step.force)?;
@@ -218,7 +218,12 @@ impl<T: Real> RepeatedRoad<T> {
 
 impl<T: Real> Loop<T> {
     /// Takes the last period; gives a word if it was one more pass over a confirmed road.
-    fn take(&mut self, pass: &Pass<T>, corner: &Corner<T>, belief: &Belief<T>) -> Option<RepeatWord<T>> {
+    fn take(
+        &mut self,
+        pass: &Pass<T>,
+        corner: &Corner<T>,
+        belief: &Belief<T>,
+    ) -> Option<PeriodicEstimate<T>> {
         let parts_per_period = PARTS as u32;
         self.sound_parts = self.sound_parts.saturating_add(1);
         self.unused_parts = self.unused_parts.saturating_add(1);
@@ -257,7 +262,7 @@ impl<T: Real> Loop<T> {
         let (theta, relative_sd, rate_per_s) = follower.compliance(&self.clock);
         let (moving, surprise) = (follower.moving(), follower.excess());
         let whole_period = self.parts.is_multiple_of(parts_per_period);
-        self.confirmed.then_some(RepeatWord {
+        self.confirmed.then_some(PeriodicEstimate {
             theta,
             relative_sd,
             rate_per_s,

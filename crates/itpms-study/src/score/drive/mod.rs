@@ -187,7 +187,7 @@ impl Drive {
             let estimator = CarEstimator::new(self.kind, &config, rate_hz)?.without_road();
             let mut car = MonitoredCar::new(estimator.with_sources(setup.sources), monitor.clone());
             if let Some(seconds) = setup.reset_s {
-                car.begin_reset(seconds)?;
+                car.begin_calibration(seconds)?;
             }
             Ok(car)
         };

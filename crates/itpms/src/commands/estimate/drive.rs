@@ -2,7 +2,7 @@
 
 use itpms_core::car::{CarEstimate, CarEstimator};
 use itpms_core::conditioning::{SpeedHold, is_a_cars};
-use itpms_core::model::{Corner, CornerEstimate, LearnedReference, QuarterCar};
+use itpms_core::model::{Corner, CornerEstimate, QuarterCar, VehicleCalibration};
 use itpms_core::monitor::{Monitor, MonitoredCar};
 use itpms_core::warning::{MonitorConfig, MonitorReport};
 use itpms_data::{LogRow, Vehicle};
@@ -58,7 +58,7 @@ impl Drive {
         let monitor = Monitor::new(&told, sample_rate_hz).map_err(fail)?;
         let mut car = Box::new(MonitoredCar::new(car, monitor));
         if let Some(seconds) = args.calibrate_s {
-            car.begin_reset(seconds).map_err(fail)?;
+            car.begin_calibration(seconds).map_err(fail)?;
         }
         Ok(Self {
             car,
@@ -80,7 +80,7 @@ impl Drive {
     }
 
     /// What the reset taught, once it is over.
-    pub(super) fn learned(&self) -> Option<LearnedReference<f64>> {
+    pub(super) fn learned(&self) -> Option<VehicleCalibration<f64>> {
         self.car.estimator().learned()
     }
 
@@ -115,8 +115,8 @@ impl Drive {
     }
 
     /// Seconds by which the speed was found to come late, if it was.
-    pub(super) fn speed_late_s(&self) -> Option<f64> {
-        Some(self.car.estimator().speed_late_s()).filter(|seconds| *seconds != 0.0)
+    pub(super) fn speed_latency_s(&self) -> Option<f64> {
+        Some(self.car.estimator().speed_latency_s()).filter(|seconds| *seconds != 0.0)
     }
 
     /// Takes a row; a speed that its wheels deny is taken out of it.

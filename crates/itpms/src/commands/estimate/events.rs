@@ -56,7 +56,7 @@ impl Events {
                 let same = |listed: &&mut Listed| {
                     listed.ended_s.is_none()
                         && listed.alert.wheels == alert.wheels
-                        && listed.alert.said_s == alert.said_s
+                        && listed.alert.reported_s == alert.reported_s
                         && listed.alert.cause.label() == alert.cause.label()
                 };
                 if let Some(listed) = self.listed.iter_mut().rev().find(same) {
@@ -76,7 +76,7 @@ impl Events {
         for now in self.before.iter().flat_map(MonitorReport::alerts) {
             let standing = self.listed.iter_mut().rev().find(|listed| {
                 listed.ended_s.is_none()
-                    && listed.alert.said_s == now.said_s
+                    && listed.alert.reported_s == now.reported_s
                     && listed.alert.wheels == now.wheels
             });
             if let Some(listed) = standing.filter(|listed| listed.alert.cause.label() == now.cause.label()) {

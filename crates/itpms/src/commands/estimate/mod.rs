@@ -165,7 +165,7 @@ fn concerns(args: &EstimateArgs, log: &LogReader, vehicle: &Vehicle, drive: &Dri
             "a reset of {seconds} s teaches little of the car, expected {SHORTEST_RESET_S} s or more of driving"
         ));
     }
-    if let Some(seconds) = drive.speed_late_s() {
+    if let Some(seconds) = drive.speed_latency_s() {
         let way = if seconds > 0.0 { "late" } else { "early" };
         concerns.push(format!(
             "speed_m_s comes {:.2} s {way}: while the car brakes or speeds up front and rear meet the same road elsewhere than it says; allowed for since that was found",

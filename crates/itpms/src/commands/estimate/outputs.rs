@@ -1,7 +1,7 @@
 //! The files a drive leaves: pressures as they are known, road and report half a minute later, all of them renamed
 //! to their names at the very end or none.
 
-use itpms_core::model::{Corner, LearnedReference};
+use itpms_core::model::{Corner, VehicleCalibration};
 use itpms_core::warning::MonitorReport;
 use itpms_data::out::{AtomicFile, EstimateWriter, RateGate, RoadPoint, RoadWriter};
 use itpms_data::{LogReader, LogRow, Vehicle};
@@ -115,7 +115,7 @@ impl Outputs {
         args: &EstimateArgs,
         vehicle: &Vehicle,
         log: &LogReader,
-        learned: Option<LearnedReference<f64>>,
+        learned: Option<VehicleCalibration<f64>>,
     ) -> Result<(ReportData, Alerts), Failure> {
         if let Some(track) = &mut self.track {
             track.finish();

@@ -7,7 +7,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use itpms_core::car::CarEstimator;
 use itpms_core::estimator::EstimatorKind;
-use itpms_core::model::{LearnedReference, ReferenceError};
+use itpms_core::model::{CalibrationError, VehicleCalibration};
 use itpms_data::Vehicle;
 use itpms_data::out::AtomicFile;
 use itpms_data::reference::StoredReference;
@@ -26,7 +26,7 @@ pub(super) fn told(
     expect_informed(args, "--reference")?;
     let stored = StoredReference::read(path)?;
     let reference = stored.for_vehicle(vehicle).map_err(|problem| refused(path, problem))?;
-    car.with_reference(reference).map_err(|error: ReferenceError| {
+    car.with_calibration(reference).map_err(|error: CalibrationError| {
         refused(path, format!("the learned reference does not fit the drive: {error}"))
     })
 }
@@ -61,7 +61,7 @@ impl Saving {
     pub(super) fn complete(
         mut self,
         args: &EstimateArgs,
-        learned: Option<LearnedReference<f64>>,
+        learned: Option<VehicleCalibration<f64>>,
     ) -> Result<AtomicFile, Failure> {
         let target = self.file.target().to_owned();
         let Some(learned) = learned else {

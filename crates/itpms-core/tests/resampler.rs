@@ -2,7 +2,7 @@
 mod common;
 
 use common::quarter_plant::{Random, rms};
-use itpms_core::conditioning::{GridSample, Intake, SampleCounts};
+use itpms_core::conditioning::{GridSample, Resampler, SampleCounts};
 
 const RATE_HZ: f64 = 500.0;
 const PERIOD_S: f64 = 1.0 / RATE_HZ;
@@ -10,8 +10,8 @@ const PERIOD_S: f64 = 1.0 / RATE_HZ;
 /// Feeds (time, body, wheel) rows, gives the grid and the counts.
 fn regrid(
     rows: impl IntoIterator<Item = (f64, f64, f64)>,
-) -> (Vec<GridSample<f64>>, SampleCounts, Intake<f64>) {
-    let mut intake = Intake::new(RATE_HZ, 400.0);
+) -> (Vec<GridSample<f64>>, SampleCounts, Resampler<f64>) {
+    let mut intake = Resampler::new(RATE_HZ, 400.0);
     let mut grid = vec![];
     for (time_s, body, wheel) in rows {
         intake.push(time_s, 10.0, body, wheel, |sample| grid.push(sample));
@@ -43,7 +43,7 @@ fn a_clean_signal_passes_unchanged_four_samples_late() {
             (sample.body_accel_m_s2 - body).abs() < 1e-5 && (sample.wheel_accel_m_s2 - wheel).abs() < 1e-5
         );
         assert_eq!(sample.after_gap, i == 0);
-        assert!(!sample.spoiled);
+        assert!(!sample.invalid);
     }
 }
 
@@ -109,7 +109,7 @@ fn jittered_samples_are_interpolated() {
 
 #[test]
 fn slow_samples_come_on_a_finer_grid() {
-    let mut intake = Intake::new(100.0, 400.0);
+    let mut intake = Resampler::new(100.0, 400.0);
     assert_eq!(intake.grid_period_s(), 0.0025);
     let sine = |t: f64| (std::f64::consts::TAU * 12.0 * t).sin();
     let mut grid = vec![];
@@ -136,7 +136,7 @@ fn a_flat_top_at_the_limit_is_saturation_and_one_below_is_not() {
     let flat = 2000.0 * (1.0 - 2.0 / std::f64::consts::PI * 0.75f64.asin());
     let tops = 2000.0 * 0.05 / std::f64::consts::PI;
     assert!((counts.saturated as f64 - (flat - 2.0 * tops)).abs() < 2.0 * tops, "{}", counts.saturated);
-    assert!(grid.iter().any(|s| s.spoiled));
+    assert!(grid.iter().any(|s| s.invalid));
     // The same value three times in a row amid larger ones is chance.
     let (_, counts, _) = regrid((0..2000).map(|k| {
         (k as f64 * PERIOD_S, lively(k), if (50..53).contains(&(k % 100)) { 0.5 } else { lively(k) })
@@ -177,7 +177,7 @@ fn one_stamp_from_the_future_does_not_end_the_record() {
 
 #[test]
 fn samples_on_top_of_each_other_give_finite_steps() {
-    let mut intake = Intake::<f32>::new(RATE_HZ, 400.0);
+    let mut intake = Resampler::<f32>::new(RATE_HZ, 400.0);
     let mut finite = true;
     for k in 0..400 {
         let (t, body, wheel) = row(k);
