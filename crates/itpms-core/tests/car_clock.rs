@@ -40,7 +40,7 @@ impl Driven {
             (estimate, *car.report())
         });
         let said = said.collect();
-        Self { learned: car.estimator().learned().unwrap(), said }
+        Self { learned: car.estimator().calibration().unwrap(), said }
     }
 
     /// The sample after which the loss is warned of.

@@ -246,21 +246,21 @@ fn a_reset_may_begin_again() {
     };
     car.begin_calibration(8.0).unwrap();
     drive_to(&mut car, 0.0, 10.0);
-    assert!(car.learned().is_some());
+    assert!(car.calibration().is_some());
     car.begin_calibration(600.0).unwrap();
-    assert!(car.learned().is_none());
+    assert!(car.calibration().is_none());
     // The front left tire is 40 kPa softer than was said, which pulls however firmly it is held.
     let held = drive_to(&mut car, 10.0, 20.0);
     let drifted = worst(held.last().unwrap());
     car.begin_calibration(600.0).unwrap();
     let again = drive_to(&mut car, 20.0, 20.5);
     assert!(worst(&again[0]) < 0.1 && drifted > 0.5, "{} {drifted}", worst(&again[0]));
-    assert!(car.learned().is_none());
+    assert!(car.calibration().is_none());
     // A sample without a time loses no reset.
     car.begin_calibration(3.0).unwrap();
     car.update(&CarSample { time_s: f64::NAN, ..rows[0] });
     drive_to(&mut car, 20.5, 24.0);
-    assert!(car.learned().is_some());
+    assert!(car.calibration().is_some());
 }
 
 #[test]

@@ -1,39 +1,92 @@
-//! A reset: all tires have just been set to their placard pressures, and keep them for a while.
+//! Calibration: all tires have just been set to their placard pressures and keep them for a while. What it teaches of the
+//! car, on its way from the belief to a [`VehicleCalibration`] and back.
 
-use crate::belief::state::{State, TIRE};
-use crate::inter_axle::{ENOUGH_S, SharedRoad};
+use super::state::{
+    BAR, COMMON_BIAS, DAMPING, GAIN, MASS, OWN_BIAS, ROAD_BIAS, SKEW, SKEW_UNIT_S, SPRING, State, TIRE,
+    WHEELBASE,
+};
+use super::{Belief, ENOUGH_S};
+use crate::model::{CalibrationError, CornerCalibration, Learned, VehicleCalibration};
 use crate::real::Real;
 
 /// Sd of a tire's compliance, over that at placard pressure, when somebody may have set it anew.
 const SET_ANEW_SD: f64 = 0.2;
-/// Sd with which a reset sets a tire, as a share of the placard pressure.
-const RESET_SD: f64 = 0.004;
-/// Seconds of shared road learned from in a reset after which tires may move all the same.
-const HELD_ENOUGH_S: f64 = 6.0;
+/// Sd with which a calibration sets a tire, as a share of the placard pressure.
+const CALIBRATION_SD: f64 = 0.004;
+/// Seconds of shared road learned from in a calibration after which tires may change all the same.
+const CALIBRATING_ENOUGH_S: f64 = 6.0;
 
-impl<T: Real> SharedRoad<T> {
-    /// A reset begins: somebody has just set all tires to their placard pressures. What the one before has taught is what
-    /// an earlier reset has taught, from now on.
+/// Least sd that is loaded: unsprung mass (another rim), damping (warm oil), spring, bar, gain, wheelbase over speed
+/// (other tires), skew in s, the spectrum's bias as a share of the placard pressure, and the inter-axle residual's.
+const LEAST_SD: [f64; 9] = [0.003, 0.05, 0.02, 0.01, 0.003, 0.003, 5e-4, 0.02, 0.01];
+
+/// Where the car is with its calibration.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct CalibrationState<T> {
+    /// Whether one is under way, and the seconds of shared road learned from when it began.
+    pub(super) active: bool,
+    from_s: f64,
+    /// Whether one was ever begun or loaded.
+    pub(super) calibrated: bool,
+    /// What the last one on this drive taught.
+    stored: Option<VehicleCalibration<T>>,
+    /// What an earlier one had taught.
+    loaded: Option<VehicleCalibration<T>>,
+}
+
+impl<T: Real> CalibrationState<T> {
+    pub(super) fn new() -> Self {
+        Self { active: false, from_s: 0.0, calibrated: false, stored: None, loaded: None }
+    }
+}
+
+impl<T: Real> Belief<T> {
+    /// A calibration begins: somebody has just set all tires to their placard pressures. What the one before has taught is
+    /// what an earlier one has taught, from now on.
     pub(crate) fn begin_calibration(&mut self) {
-        self.loaded = self.learned().or(self.loaded);
-        self.calibration_result = None;
-        (self.calibrated, self.calibrating) = (true, true);
+        let calibration = &mut self.calibration;
+        calibration.loaded = calibration.stored.take().or(calibration.loaded);
+        (calibration.calibrated, calibration.active) = (true, true);
         self.set_tires();
+    }
+
+    /// Says that a calibration goes on, or that it is over or there was none.
+    pub(crate) fn set_calibrating(&mut self, active: bool) {
+        if self.calibration.active && !active {
+            self.store_calibration();
+        }
+        self.calibration.active = active;
+    }
+
+    /// Whether the tires are being calibrated.
+    pub(crate) fn is_calibrating(&self) -> bool {
+        self.calibration.active
+    }
+
+    /// What the last calibration taught.
+    pub(crate) fn calibration(&self) -> Option<&VehicleCalibration<T>> {
+        self.calibration.stored.as_ref()
+    }
+
+    /// What there is to begin with: the last calibration of this drive, or the loaded one.
+    pub(super) fn newest_calibration(&self) -> Option<VehicleCalibration<T>> {
+        self.calibration.stored.or(self.calibration.loaded)
     }
 
     /// The tires have their placard pressures now: what was believed of them before does not matter, nor of what goes with
     /// it.
-    pub(crate) fn set_tires(&mut self) {
-        self.calibrating_from_s = self.learned_s;
+    pub(super) fn set_tires(&mut self) {
+        self.calibration.from_s = self.learned_s;
         self.bank.collapse();
-        (self.kept, self.pre_fault) = ([None, None], [None; 4]);
+        (self.checkpoints, self.pre_fault) = ([None, None], [None; 4]);
         (0..4).for_each(|corner| self.set_tire(corner));
     }
 
     /// One of them.
-    pub(crate) fn set_tire(&mut self, corner: usize) {
-        self.bank.forget_tire(corner, T::lit(SET_ANEW_SD));
-        let sd = T::lit(RESET_SD) * self.scale.share(corner);
+    pub(super) fn set_tire(&mut self, corner: usize) {
+        self.bank.inflate_tire(corner, T::lit(SET_ANEW_SD));
+        let sd = T::lit(CALIBRATION_SD) * self.scale.share(corner);
         self.bank.update(sd * sd, |state| {
             let mut slope = State::zeros();
             slope[TIRE + corner] = T::one();
@@ -41,16 +94,87 @@ impl<T: Real> SharedRoad<T> {
         });
     }
 
-    /// Says that a reset goes on, or that it is over or there was none.
-    pub(crate) fn hold(&mut self, calibrating: bool) {
-        if self.calibrating && !calibrating {
-            self.store_calibration();
-        }
-        self.calibrating = calibrating;
+    /// Whether the car is known well enough for an unlikely residual to be a tire that changes; in a calibration, for one to
+    /// be punctured.
+    pub(super) fn expects_onsets(&self) -> bool {
+        let calibration = &self.calibration;
+        let enough_s = if calibration.active { calibration.from_s + CALIBRATING_ENOUGH_S } else { ENOUGH_S };
+        self.learned_s >= enough_s
     }
 
-    /// Whether the car is known well enough for a surprise to be a tire that moves; in a reset, for one to be punctured.
-    pub(crate) fn is_learned(&self) -> bool {
-        self.learned_s >= if self.calibrating { self.calibrating_from_s + HELD_ENOUGH_S } else { ENOUGH_S }
+    /// Keeps what is believed at the end of a calibration, if it saw enough.
+    fn store_calibration(&mut self) {
+        let seconds = self.learned_s - self.calibration.from_s;
+        if seconds >= ENOUGH_S {
+            self.calibration.stored = Some(self.to_calibration(T::lit(seconds)));
+        }
+    }
+
+    fn to_calibration(&self, learned_s: T) -> VehicleCalibration<T> {
+        let (mean, sd) = self.bank.constant();
+        let of = |at: usize, unit: T| Learned { value: mean[at] * unit, sd: sd[at] * unit };
+        let one = |at: usize| of(at, T::one());
+        let corner = |i: usize| {
+            self.present[i].then(|| {
+                let placard = self.scale.placard_kpa[i];
+                let (common, own) = (of(COMMON_BIAS, placard), of(OWN_BIAS + i, placard));
+                let bias_sd = (common.sd * common.sd + own.sd * own.sd).sqrt();
+                CornerCalibration {
+                    placard_kpa: placard,
+                    unsprung_mass: one(MASS + i),
+                    damping: one(DAMPING + i),
+                    spring: one(SPRING + i),
+                    spectrum_bias_kpa: Learned { value: common.value + own.value, sd: bias_sd },
+                    shared_road_bias: one(ROAD_BIAS + i),
+                }
+            })
+        };
+        VehicleCalibration {
+            corners: core::array::from_fn(corner),
+            bar: [one(BAR), one(BAR + 1)],
+            gain: [one(GAIN), one(GAIN + 1)],
+            wheelbase: one(WHEELBASE),
+            skew_s: [SKEW, SKEW + 1].map(|at| of(at, T::lit(SKEW_UNIT_S))),
+            learned_s,
+        }
+    }
+
+    /// Begins with what an earlier calibration taught.
+    ///
+    /// # Errors
+    /// A calibration of other corners or other placard pressures.
+    pub(crate) fn load_calibration(
+        &mut self,
+        calibration: &VehicleCalibration<T>,
+    ) -> Result<(), CalibrationError> {
+        let [mass, damping, spring, bar, gain, wheelbase, skew, bias, road_bias] = LEAST_SD.map(T::lit);
+        let bank = &mut self.bank;
+        for (i, learned) in calibration.corners.iter().enumerate() {
+            match (learned, self.present[i]) {
+                (Some(learned), true) => {
+                    let placard = self.scale.placard_kpa[i];
+                    // A tenth of a kPa is more than any file loses.
+                    if !((learned.placard_kpa - placard).abs() < T::lit(0.1)) {
+                        return Err(CalibrationError::OtherCar);
+                    }
+                    bank.set_quantity(MASS + i, &learned.unsprung_mass, mass, T::one());
+                    bank.set_quantity(DAMPING + i, &learned.damping, damping, T::one());
+                    bank.set_quantity(SPRING + i, &learned.spring, spring, T::one());
+                    bank.set_quantity(OWN_BIAS + i, &learned.spectrum_bias_kpa, bias * placard, placard);
+                    bank.set_quantity(ROAD_BIAS + i, &learned.shared_road_bias, road_bias, T::one());
+                }
+                (None, false) => {}
+                _ => return Err(CalibrationError::OtherCar),
+            }
+        }
+        for i in 0..2 {
+            bank.set_quantity(BAR + i, &calibration.bar[i], bar, T::one());
+            bank.set_quantity(GAIN + i, &calibration.gain[i], gain, T::one());
+            bank.set_quantity(SKEW + i, &calibration.skew_s[i], skew, T::lit(SKEW_UNIT_S));
+        }
+        bank.set_quantity(WHEELBASE, &calibration.wheelbase, wheelbase, T::one());
+        self.calibration.loaded = Some(*calibration);
+        self.calibration.calibrated = true;
+        Ok(())
     }
 }

@@ -1,9 +1,7 @@
 //! One Gaussian of the belief: what the car is if pressures change in one way. Knows how a movement begins and ends in it, how what
 //! is known wanders, and what no tire can be; nothing of the other ways.
 
-use crate::belief::state::{
-    Covariance, RATE, SIZE, State, TIRE, correlate_bars, prior_sd, return_rate, wander_sd,
-};
+use super::state::{Covariance, RATE, SIZE, State, TIRE, correlate_bars, prior_sd, return_rate, wander_sd};
 use crate::real::Real;
 
 /// Mean and sd in 1/s of the rate at which a compliance begins to grow: that of a tire which loses 40 kPa/s grows by 0.15/s.

@@ -1,7 +1,7 @@
 //! Gaussians added up to one with their mean and covariance. Used by the modes where ways of moving meet; knows nothing of them.
 
-use crate::belief::gaussian::Hypothesis;
-use crate::belief::state::{Covariance, SIZE, State};
+use super::gaussian::Hypothesis;
+use super::state::{Covariance, SIZE, State};
 use crate::real::Real;
 
 /// Gaussians added up to one.

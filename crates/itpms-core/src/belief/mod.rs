@@ -1,14 +1,259 @@
-//! The belief about the car.
+//! What is believed of the car: its tires' compliances and how masses, dampers, springs, sensors and wheelbase deviate from
+//! the vehicle file, as a bank of Gaussians, one for every way in which pressures may be changing
+//! (docs/math/shared-road.md, sections 3, 4 and 6).
+//!
+//! Entered by [`Belief::predict`], [`Belief::update`] and its scalar forms, [`Belief::checkpoint`] and [`Belief::restore`]; all
+//! state is private. Called by [`crate::car`]; knows no signals, no frames and no samples.
+//!
+//! | module | idea |
+//! |---|---|
+//! | `state` | the vector of unknown quantities, its prior and its process noise |
+//! | `measurement` | what a frame of one side looks like to the belief, and the record of an update |
+//! | `gaussian`, `mixture` | one Gaussian, and several merged into one |
+//! | `hypothesis_bank`, `transition` | nine of them, and how one hypothesis becomes another |
+//! | `update` | Bayes' rule for a frame with instruments |
+//! | `checkpoint` | going back to what was believed before a sensor failed |
+//! | `calibration` | tires set to their placard pressures, and what that teaches |
+//! | `tire_scale` | compliances, stiffnesses and pressures of the car's tires |
 
-pub(crate) mod calibration;
-pub(crate) mod checkpoint;
-pub(crate) mod gaussian;
-pub(crate) mod hypothesis_bank;
-pub(crate) mod mixture;
-pub(crate) mod output;
-pub(crate) mod pseudo_measurement;
-pub(crate) mod single_wheel_estimate;
+mod calibration;
+mod checkpoint;
+mod gaussian;
+mod hypothesis_bank;
+pub(crate) mod measurement;
+mod mixture;
 pub(crate) mod state;
-pub(crate) mod stored_calibration;
-pub(crate) mod tire_scale;
-pub(crate) mod update;
+#[cfg(test)]
+mod tests;
+mod tire_scale;
+mod transition;
+mod update;
+
+use nalgebra::{SMatrix, SVector};
+
+use self::calibration::CalibrationState;
+use self::checkpoint::{Checkpoint, PreFaultEstimate};
+pub(crate) use self::gaussian::Hypothesis;
+use self::hypothesis_bank::HypothesisBank;
+use self::measurement::{AxleResidual, SideMeasurement, UpdateRecord};
+use self::state::{State, TIRE};
+pub(crate) use self::tire_scale::{LEAST_COMPLIANCE, TireScale};
+use crate::model::{CarConfig, CornerConfig, Learned};
+use crate::real::Real;
+
+/// Longest time in s over which a change is followed without a frame, and between pseudo-measurements where there are no frames.
+pub(crate) const LONGEST_STEP_S: f64 = 1.0;
+pub(crate) const LONGEST_SILENCE_S: f64 = 3.0;
+/// Pauses count for so many seconds at most, and from [`FILLING_S`] on a tire may have been filled.
+const LONGEST_PAUSE_S: f64 = 600.0;
+const FILLING_S: f64 = 20.0;
+/// Sd of what a car that was parked for long has lost or won of all pressures alike, as a share of them, and the time in s in which
+/// tires become as cold as the air: 20 K are 23 kPa.
+const PARKED_SD: f64 = 0.06;
+const PARKED_S: f64 = 1800.0;
+/// Seconds of shared road after which the belief counts.
+pub(crate) const ENOUGH_S: f64 = 2.0;
+/// Sd of a tire's compliance, over that at placard pressure, when nobody watched.
+const UNWATCHED_SD: f64 = 0.05;
+
+/// How readily pressures are taken to begin to change.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Onset<T> {
+    /// Factor on the rate at which several tires begin together.
+    pub(crate) several_scale: T,
+    /// Rates per second at which each tire begins that its own spectrum suggests.
+    pub(crate) rates: [T; 4],
+    /// Longest time in s that is a step; more is a gap.
+    pub(crate) longest_step_s: f64,
+}
+
+/// See the [module](self).
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: Real + serde::Serialize",
+        deserialize = "T: Real + serde::Deserialize<'de>"
+    ))
+)]
+pub(crate) struct Belief<T: Real> {
+    bank: HypothesisBank<T>,
+    scale: TireScale<T>,
+    present: [bool; 4],
+    /// The tires' compliances at the start.
+    start: [T; 4],
+    /// Time to which the belief was predicted.
+    time_s: f64,
+    /// Seconds of shared road learned from.
+    learned_s: f64,
+    calibration: CalibrationState<T>,
+    /// The newest first.
+    checkpoints: [Option<Checkpoint<T>>; 2],
+    pre_fault: [Option<PreFaultEstimate<T>>; 4],
+}
+
+impl<T: Real> Belief<T> {
+    pub(crate) fn new(config: &CarConfig<T>) -> Self {
+        let softer = |c: &CornerConfig<T>| {
+            c.tire.stiffness_n_per_m(c.placard_kpa) / c.initial_stiffness_n_per_m() - T::one()
+        };
+        let start = core::array::from_fn(|i| config.corners[i].as_ref().map_or(T::zero(), softer));
+        Self {
+            bank: HypothesisBank::new(&start),
+            scale: TireScale::new(config),
+            present: config.corners.each_ref().map(Option::is_some),
+            start,
+            time_s: f64::NAN,
+            learned_s: 0.0,
+            calibration: CalibrationState::new(),
+            checkpoints: [None, None],
+            pre_fault: [None; 4],
+        }
+    }
+
+    /// Predicts to a time. A longer step than the onset's longest is a gap: what changed then is over, and a tire may have been
+    /// filled.
+    pub(crate) fn predict(&mut self, time_s: f64, onset: &Onset<T>) {
+        if !self.time_s.is_finite() {
+            self.time_s = time_s;
+        }
+        let seconds = time_s - self.time_s;
+        if !(seconds > 0.0) {
+            return;
+        }
+        self.time_s = time_s;
+        if seconds > onset.longest_step_s {
+            self.checkpoints = [None, None];
+            let filled = seconds > FILLING_S && !self.is_calibrating();
+            self.bank.predict_gap(T::lit(seconds.min(LONGEST_PAUSE_S)), filled);
+            if seconds > LONGEST_PAUSE_S && !self.is_calibrating() {
+                let sd = T::lit(PARKED_SD) * (T::one() - T::lit(-seconds / PARKED_S).exp());
+                self.bank.change_temperature(&core::array::from_fn(|corner| sd * self.scale.share(corner)));
+            }
+            return;
+        }
+        let (scale, rates) = if self.expects_onsets() {
+            ([T::one(), onset.several_scale], onset.rates)
+        } else {
+            ([T::zero(); 2], [T::zero(); 4])
+        };
+        self.bank.predict(T::lit(seconds), scale, &rates);
+    }
+
+    /// Updates with a frame of one side, which `linearize` linearizes at a state. [`settle`](Self::settle) has to follow.
+    pub(crate) fn update(
+        &mut self,
+        measurement: &SideMeasurement<T>,
+        linearize: impl Fn(&State<T>) -> AxleResidual<T>,
+    ) -> Option<UpdateRecord<T>> {
+        for corner in [measurement.side, measurement.side + 2] {
+            self.inflate_tire(corner, measurement.incoherent_s);
+        }
+        self.bank.update_residual(measurement, linearize)
+    }
+
+    /// Updates with one number of this variance: `linearize` gives, for a state, its derivatives and how much more it is than
+    /// expected. Tells nothing about which hypothesis holds.
+    pub(crate) fn update_scalar(&mut self, variance: T, linearize: impl Fn(&State<T>) -> (State<T>, T)) {
+        self.bank.update(variance, linearize);
+    }
+
+    /// The same with a number that also tells how likely each hypothesis is.
+    pub(crate) fn update_reweighted(&mut self, variance: T, linearize: impl Fn(&State<T>) -> (State<T>, T)) {
+        self.bank.update_reweighted(variance, linearize);
+    }
+
+    /// Ends an update: counts the seconds of shared road learned from, and drops what no tire can be.
+    pub(crate) fn settle(&mut self, learned_s: f64) {
+        self.learned_s += learned_s;
+        let softest = self.scale.softest();
+        self.bank.drop_impossible(&softest);
+        if !self.bank.is_sound(&softest) {
+            self.restart();
+        }
+    }
+
+    /// The belief has become impossible, or rests on something that was wrong: begins again with what calibrations taught.
+    pub(crate) fn restart(&mut self) {
+        self.bank.restart(&self.start);
+        self.learned_s = 0.0;
+        self.checkpoints = [None, None];
+        if let Some(calibration) = self.newest_calibration() {
+            // It was learned for this car, or accepted before.
+            let _ = self.load_calibration(&calibration);
+        }
+        if self.is_calibrating() {
+            self.set_tires();
+        }
+    }
+
+    /// The belief about a tire fades with seconds of incoherence.
+    pub(crate) fn inflate_tire(&mut self, corner: usize, incoherent_s: T) {
+        self.bank.inflate(corner, incoherent_s, self.calibration.calibrated);
+    }
+
+    /// Sets a quantity to a value with its sd; `unit` is the state's in that quantity.
+    pub(crate) fn set_quantity(&mut self, at: usize, learned: &Learned<T>, unit: T) {
+        self.bank.set_quantity(at, learned, T::zero(), unit);
+    }
+
+    /// A corner's sensors were out of order: its tire may have changed meanwhile, and before it was noticed only seemed to.
+    /// During a calibration it is what somebody has set.
+    pub(crate) fn restart_tire(&mut self, corner: usize) {
+        self.checkpoints = [None, None];
+        let pre_fault = self.pre_fault[corner].take();
+        if self.is_calibrating() {
+            self.set_tire(corner);
+            return;
+        }
+        if let Some(tire) = pre_fault {
+            self.set_quantity(TIRE + corner, &tire.compliance, T::one());
+        }
+        self.bank.inflate_tire(corner, T::lit(UNWATCHED_SD));
+    }
+
+    /// What a tire was before its sensors were suspected is of no use once later frames have told.
+    pub(crate) fn drop_settled(&mut self, corner: usize, time_s: f64) {
+        self.pre_fault[corner].take_if(|tire| tire.is_settled(time_s));
+    }
+
+    /// The state of the most likely hypothesis.
+    pub(crate) fn most_likely(&self) -> &Hypothesis<T> {
+        self.bank.best()
+    }
+
+    /// Mean of one quantity, and its variance, over all hypotheses.
+    pub(crate) fn quantity(&self, at: usize) -> (T, T) {
+        self.bank.quantity(at)
+    }
+
+    /// Mean and covariance of the tires' compliances, each so many seconds after what is believed of it, over all hypotheses.
+    pub(crate) fn tires(&self, age_s: &[T; 4]) -> (SVector<T, 4>, SMatrix<T, 4, 4>) {
+        self.bank.tires(age_s)
+    }
+
+    /// Probability that each tire changes, and that any does.
+    pub(crate) fn changing(&self) -> ([T; 4], T) {
+        (self.bank.changing_tires(), self.bank.changing())
+    }
+
+    /// Whether the tires' map is known from a calibration and not from the vehicle file alone.
+    pub(crate) fn is_calibrated(&self) -> bool {
+        self.calibration.calibrated
+    }
+
+    pub(crate) fn scale(&self) -> &TireScale<T> {
+        &self.scale
+    }
+
+    /// Time in s to which the belief was predicted.
+    pub(crate) fn time_s(&self) -> f64 {
+        self.time_s
+    }
+
+    /// Seconds of shared road learned from.
+    pub(crate) fn learned_s(&self) -> f64 {
+        self.learned_s
+    }
+}

@@ -29,6 +29,19 @@ pub(crate) const ROAD_BIAS: usize = 28;
 /// Rate of change in 1/s of the compliances that move.
 pub(crate) const RATE: usize = 32;
 
+/// Quantities that a side's residual depends on: front tire, mass, damping, spring, anti-roll bar, the same of the rear, gain,
+/// wheelbase, skew.
+pub(crate) const SIDE_SIZE: usize = 13;
+/// Where the rear's begin among them.
+pub(crate) const SIDE_REAR: usize = 5;
+/// The two tires.
+pub(crate) const SIDE_TIRES: [usize; 2] = [0, SIDE_REAR];
+/// The two anti-roll bars.
+pub(crate) const SIDE_BARS: [usize; 2] = [4, SIDE_REAR + 4];
+pub(crate) const SIDE_GAIN: usize = 10;
+pub(crate) const SIDE_WHEELBASE: usize = 11;
+pub(crate) const SIDE_SKEW: usize = 12;
+
 /// So that skews are of the size of the other quantities.
 pub(crate) const SKEW_UNIT_S: f64 = 0.1;
 
@@ -81,6 +94,26 @@ pub(crate) fn return_rate<T: Real>() -> State<T> {
             T::lit(0.5) * share * share
         }
     })
+}
+
+/// Where a side's quantities stand in the state.
+pub(crate) fn side_indices(side: usize) -> [usize; SIDE_SIZE] {
+    let (front, rear) = (side, side + 2);
+    [
+        TIRE + front,
+        MASS + front,
+        DAMPING + front,
+        SPRING + front,
+        BAR,
+        TIRE + rear,
+        MASS + rear,
+        DAMPING + rear,
+        SPRING + rear,
+        BAR + 1,
+        GAIN + side,
+        WHEELBASE,
+        SKEW + side,
+    ]
 }
 
 /// A tire's compliance as the shared road reads it, over that at placard pressure.

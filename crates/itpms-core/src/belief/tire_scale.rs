@@ -1,7 +1,8 @@
 //! The tires at their placard pressures: between compliances, stiffnesses and pressures, and what a corner's spectrum should
 //! say in a state (docs/math/shared-road.md, eq. 15). Knows nothing of beliefs.
 
-use crate::belief::state::{COMMON_BIAS, OWN_BIAS, State, TIRE};
+use super::state::{COMMON_BIAS, OWN_BIAS, State, TIRE};
+use crate::model::{CarConfig, CornerConfig};
 use crate::real::Real;
 
 /// Least compliance of a tire over that at placard pressure.
@@ -21,6 +22,17 @@ pub(crate) struct TireScale<T> {
 }
 
 impl<T: Real> TireScale<T> {
+    pub(super) fn new(config: &CarConfig<T>) -> Self {
+        let of = |value: &dyn Fn(&CornerConfig<T>) -> T| {
+            core::array::from_fn(|i| config.corners[i].as_ref().map_or(T::one(), value))
+        };
+        Self {
+            slope: of(&|c| c.tire.stiffness_per_kpa()),
+            placard_n_per_m: of(&|c| c.tire.stiffness_n_per_m(c.placard_kpa)),
+            placard_kpa: of(&|c| c.placard_kpa),
+        }
+    }
+
     /// The placard pressure's share in a corner's stiffness.
     pub(crate) fn share(&self, corner: usize) -> T {
         self.pressures_part_n_per_m(corner) / self.placard_n_per_m[corner]
@@ -41,9 +53,9 @@ impl<T: Real> TireScale<T> {
     }
 
     /// The stiffness in N/m that a corner's road spectrum should tell in a state, and its derivatives.
-    pub(crate) fn word(&self, corner: usize, state: &State<T>) -> (T, State<T>) {
+    pub(crate) fn spectral_stiffness(&self, corner: usize, state: &State<T>) -> (T, State<T>) {
         let placard = self.placard_n_per_m[corner];
-        // Biases are shares of the placard pressure; the word's own unit is N/m.
+        // Biases are shares of the placard pressure; the spectrum's own unit is N/m.
         let bias = self.pressures_part_n_per_m(corner);
         let factor = (T::one() + state[TIRE + corner]).max(T::lit(LEAST_COMPLIANCE));
         let mut slope = State::zeros();

@@ -3,11 +3,9 @@
 
 use nalgebra::SMatrix;
 
-use crate::belief::gaussian::Hypothesis;
-use crate::belief::state::{Covariance, ROAD_BIAS, SIZE, TIRE};
-use crate::inter_axle::residual::model::{AxleResidual, Gram, OWN, OWN_TIRES, ROWS, Score, Slope, places};
-use crate::inter_axle::residual::noise::Expectation;
-use crate::inter_axle::{BINS, OVERLAP};
+use super::gaussian::Hypothesis;
+use super::measurement::{AxleResidual, BINS, Expectation, Gram, OVERLAP, ROWS, Score, Slope};
+use super::state::{Covariance, ROAD_BIAS, SIDE_SIZE, SIDE_TIRES, SIZE, TIRE, side_indices};
 use crate::real::Real;
 
 /// Degrees of freedom of the disagreement's distribution: how heavy its tails are.
@@ -16,24 +14,24 @@ const TAILS: f64 = 8.0;
 /// The part of a belief that a side's disagreement depends on.
 pub(crate) struct OwnCovariance<T: Real> {
     /// Covariance of everything with the side's quantities, and of these among themselves.
-    all: SMatrix<T, SIZE, OWN>,
+    all: SMatrix<T, SIZE, SIDE_SIZE>,
     own: Gram<T>,
 }
 
 impl<T: Real> OwnCovariance<T> {
     pub(crate) fn new(covariance: &Covariance<T>, side: usize) -> Self {
-        let places = places(side);
-        let mut all = SMatrix::<T, SIZE, OWN>::zeros();
-        for (column, &place) in places.iter().enumerate() {
+        let indices = side_indices(side);
+        let mut all = SMatrix::<T, SIZE, SIDE_SIZE>::zeros();
+        for (column, &place) in indices.iter().enumerate() {
             all.set_column(column, &covariance.column(place));
         }
         // The road reads a tire and its bias as one.
-        let biased = OWN_TIRES.map(|own| (own, places[own] - TIRE + ROAD_BIAS));
+        let biased = SIDE_TIRES.map(|own| (own, indices[own] - TIRE + ROAD_BIAS));
         for (tire, bias) in biased {
             let mut column = all.column_mut(tire);
             column += covariance.column(bias);
         }
-        let mut own = Gram::from_fn(|row, column| all[(places[row], column)]);
+        let mut own = Gram::from_fn(|row, column| all[(indices[row], column)]);
         for (tire, bias) in biased {
             let mut row = own.row_mut(tire);
             row += all.row(bias);

@@ -4,12 +4,12 @@
 //! Called by the binary, the studies, the monitor and controllers. A corner without a partner on its side is estimated
 //! as by [`Estimator`]; nothing else here knows how many wheels a car has.
 
-use crate::belief::output::CarBelief;
-use crate::belief::single_wheel_estimate::SingleWheelEstimate;
+mod fusion;
+
+use self::fusion::{FusedEstimate, Fusion, SingleWheelEstimate};
 use crate::conditioning::SpeedHold;
 use crate::conditioning::clock::SteadyClock;
 use crate::estimator::{Estimator, EstimatorKind, FusedStiffness, RoadRepetition};
-use crate::inter_axle::SharedRoad;
 use crate::model::{
     CalibrationError, CarConfig, CarSample, Corner, CornerEstimate, ParameterError, QuarterCar,
     VehicleCalibration, positive,
@@ -77,10 +77,10 @@ pub struct CarEstimator<T: Real> {
     clock: SteadyClock,
     speed: SpeedHold<T>,
     corners: [Option<Estimator<T>>; 4],
-    shared_road: Option<SharedRoad<T>>,
+    fusion: Option<Fusion<T>>,
     /// When the reset that is under way ends, and how long it lasts if it has not begun.
     calibration_s: Option<f64>,
-    reset_ends_s: f64,
+    calibration_ends_s: f64,
 }
 
 impl<T: Real> CarEstimator<T> {
@@ -102,8 +102,8 @@ impl<T: Real> CarEstimator<T> {
             }
         }
         let grid_period_s = corners.iter().flatten().next().map_or(f64::NAN, Estimator::grid_period_s);
-        let shared_road = match kind {
-            EstimatorKind::Informed => SharedRoad::new(config, sample_rate_hz, grid_period_s),
+        let fusion = match kind {
+            EstimatorKind::Informed => Fusion::new(config, sample_rate_hz, grid_period_s),
             _ => None,
         };
         Ok(Self {
@@ -112,9 +112,9 @@ impl<T: Real> CarEstimator<T> {
             clock: SteadyClock::new(sample_rate_hz),
             speed: SpeedHold::new(),
             corners,
-            shared_road,
+            fusion,
             calibration_s: None,
-            reset_ends_s: f64::NEG_INFINITY,
+            calibration_ends_s: f64::NEG_INFINITY,
         })
     }
 
@@ -167,26 +167,25 @@ impl<T: Real> CarEstimator<T> {
         Ok(())
     }
 
-    /// Seconds by which the speed was found to come late against the accelerations, and which are allowed for since; below zero where it
-    /// comes early, zero as long as nothing was found.
+    /// Seconds by which the speed was found to be late against the accelerations, allowed for since then; below zero where it is
+    /// early, zero as long as nothing was found.
     pub fn speed_latency_s(&self) -> f64 {
-        self.shared_road.as_ref().map_or(0.0, SharedRoad::speed_latency_s)
+        self.fusion.as_ref().map_or(0.0, Fusion::speed_latency_s)
     }
 
-    /// What the last reset taught; `None` before it is over, or when it saw too little shared road.
-    pub fn learned(&self) -> Option<VehicleCalibration<T>> {
-        let shared = self.shared_road.as_ref().filter(|_| self.calibration_s.is_none())?;
-        shared.learned()
+    /// What the last calibration taught; `None` before it is over, or when it saw too little shared road.
+    pub fn calibration(&self) -> Option<VehicleCalibration<T>> {
+        self.fusion.as_ref().filter(|_| self.calibration_s.is_none())?.calibration()
     }
 
-    /// The same for a car that was reset on an earlier drive; before the first sample.
+    /// The same for a car that was calibrated on an earlier drive; before the first sample.
     ///
     /// # Errors
-    /// An implausible reference, or one learned for other corners or other placard pressures.
-    pub fn with_calibration(mut self, reference: &VehicleCalibration<T>) -> Result<Self, CalibrationError> {
-        reference.check()?;
-        if let Some(shared) = &mut self.shared_road {
-            shared.load_calibration(reference)?;
+    /// An implausible calibration, or one of other corners or other placard pressures.
+    pub fn with_calibration(mut self, calibration: &VehicleCalibration<T>) -> Result<Self, CalibrationError> {
+        calibration.check()?;
+        if let Some(fusion) = &mut self.fusion {
+            fusion.load_calibration(calibration)?;
         }
         Ok(self)
     }
@@ -196,17 +195,17 @@ impl<T: Real> CarEstimator<T> {
         if let Some(estimator) = &mut self.corners[corner.index()] {
             estimator.restart();
         }
-        if let Some(shared) = &mut self.shared_road {
-            shared.restart(corner.index());
+        if let Some(fusion) = &mut self.fusion {
+            fusion.restart(corner.index());
         }
     }
 
-    /// For some seconds sensors of the `suspected` corners (in the order of [`Corner::ALL`]) may have told wrong: that a gain
-    /// has changed, or that a sensor carries another one's name, shows only later. What the axles have taught in the last six
-    /// to twelve seconds is unlearned, if it contradicts what was known before of anything but those corners' own tires.
-    pub fn rollback(&mut self, onset_rates: [bool; 4]) {
-        if let Some(shared) = &mut self.shared_road {
-            shared.rollback(onset_rates);
+    /// For some seconds sensors of the `suspected` corners (in the order of [`Corner::ALL`]) may have been wrong: that a gain has
+    /// changed, or that a sensor carries another one's name, shows only later. What the axles have taught in the last six to
+    /// twelve seconds is taken back, if it contradicts what was known before of anything but those corners' own tires.
+    pub fn rollback(&mut self, suspected: [bool; 4]) {
+        if let Some(fusion) = &mut self.fusion {
+            fusion.rollback(suspected);
         }
     }
 
@@ -217,7 +216,7 @@ impl<T: Real> CarEstimator<T> {
             // Counted corner by corner.
             None => self.corners.iter_mut().flatten().for_each(Estimator::refuse),
         }
-        let belief = self.fuse(self.clock.now_s());
+        let fused = self.fuse(self.clock.now_s());
         let mut corners = [None; 4];
         for ((estimate, estimator), corner) in corners.iter_mut().zip(&mut self.corners).zip(&sample.corners)
         {
@@ -226,80 +225,74 @@ impl<T: Real> CarEstimator<T> {
                 *estimate = Some(CornerEstimate { time_s: sample.time_s, ..concluded });
             }
         }
-        let (correlation, tracks) = (correlation(belief.as_ref()), self.tracks());
+        let (correlation, tracks) = (correlation(fused.as_ref()), self.tracks());
         CarEstimate { time_s: sample.time_s, corners, correlation, tracks }
     }
 
     /// Gives a sample's values to the corners and to the road they share.
     fn take(&mut self, time_s: f64, sample: &CarSample<T>) {
         let speed = self.speed.take(time_s, sample.speed_m_s);
-        if let Some(shared) = &mut self.shared_road {
-            shared.drive(time_s, speed);
+        if let Some(fusion) = &mut self.fusion {
+            fusion.drive(time_s, speed);
         }
         let both = self.corners.iter_mut().zip(&sample.corners);
         for (i, (estimator, corner)) in both.enumerate() {
             let (Some(estimator), Some(corner)) = (estimator, corner) else { continue };
-            match &mut self.shared_road {
-                Some(shared) => estimator.take(time_s, speed, corner, |step| shared.push(i, step)),
+            match &mut self.fusion {
+                Some(fusion) => estimator.take(time_s, speed, corner, |step| fusion.push(i, step)),
                 None => estimator.take(time_s, speed, corner, |_| {}),
             }
         }
     }
 
-    /// Brings the corners' words and the shared road together; gives what the shared road believes, if that counts.
-    fn fuse(&mut self, time_s: f64) -> Option<CarBelief<T>> {
-        let shared = self.shared_road.as_mut()?;
+    /// Fuses what the corners find with the shared road; gives the fused estimate, if it counts.
+    fn fuse(&mut self, time_s: f64) -> Option<FusedEstimate<T>> {
+        let fusion = self.fusion.as_mut()?;
         if time_s.is_finite() {
             if let Some(seconds) = self.calibration_s.take() {
-                self.reset_ends_s = time_s + seconds;
-                shared.begin_calibration();
+                self.calibration_ends_s = time_s + seconds;
+                fusion.begin_calibration();
             }
-            shared.hold(time_s < self.reset_ends_s);
+            fusion.set_calibrating(time_s < self.calibration_ends_s);
         }
         for (i, estimator) in self.corners.iter().enumerate() {
             let Some(estimator) = estimator else { continue };
-            shared.look_at(i, &estimator.quarter_car());
+            fusion.set_load(i, &estimator.quarter_car());
         }
         if self.sources == Sources::SpectrumAndSharedRoad {
             for (i, estimator) in self.corners.iter_mut().enumerate() {
                 let Some(estimator) = estimator else { continue };
                 let (stiffness_n_per_m, sd_n_per_m) = estimator.own_stiffness();
-                shared.watch(
-                    i,
-                    SingleWheelEstimate {
-                        changing: estimator.change_probability(),
-                        stiffness_n_per_m,
-                        sd_n_per_m,
-                    },
-                );
-                if let Some(word) = estimator.pseudo_measurement(|| shared.expected_pseudo_measurement(i)) {
-                    shared.update_reweighted(i, time_s, word.stiffness_n_per_m, word.sd_n_per_m);
+                let changing = estimator.change_probability();
+                fusion.set_single_wheel(i, SingleWheelEstimate { changing, stiffness_n_per_m, sd_n_per_m });
+                if let Some(spectral) = estimator.pseudo_measurement(|| fusion.expected_spectral(i)) {
+                    fusion.update_spectral(i, time_s, spectral.stiffness_n_per_m, spectral.sd_n_per_m);
                 }
             }
         }
-        let trusted = self.sources != Sources::Spectrum && shared.is_trusted();
-        let belief = trusted.then(|| shared.belief());
+        let trusted = self.sources != Sources::Spectrum && fusion.is_trusted();
+        let fused = trusted.then(|| fusion.estimate());
         for (i, estimator) in self.corners.iter_mut().enumerate() {
             let Some(estimator) = estimator else { continue };
-            // A shared road that was given up must not leave its last word behind.
-            let belief = belief.as_ref().filter(|_| shared.has_partner(i));
-            let learning = shared.side(i % 2).0;
-            estimator.set_fused(belief.map(|belief| FusedStiffness {
-                stiffness_n_per_m: belief.stiffness_n_per_m[i],
-                stiffness_sd_n_per_m: belief.covariance[(i, i)].sqrt(),
-                changing: belief.changing,
-                learned_s: belief.learned_s,
+            // A shared road that was given up must not leave its last estimate behind.
+            let fused = fused.as_ref().filter(|_| fusion.has_partner(i));
+            let learning = fusion.side(i % 2).0;
+            estimator.set_fused(fused.map(|fused| FusedStiffness {
+                stiffness_n_per_m: fused.stiffness_n_per_m[i],
+                stiffness_sd_n_per_m: fused.covariance[(i, i)].sqrt(),
+                changing: fused.changing,
+                learned_s: fused.learned_s,
                 learning,
-                hears: shared.hears(i) && (learning || !shared.is_slow()),
+                has_signal: fusion.has_signal(i) && (learning || !fusion.is_slow()),
             }));
         }
-        belief
+        fused
     }
 
     fn tracks(&self) -> [TrackState<T>; 2] {
-        core::array::from_fn(|side| match &self.shared_road {
-            Some(road) => {
-                let (shared, incoherence) = road.side(side);
+        core::array::from_fn(|side| match &self.fusion {
+            Some(fusion) => {
+                let (shared, incoherence) = fusion.side(side);
                 TrackState { shared, incoherence }
             }
             None => TrackState::unknown(),
@@ -328,11 +321,11 @@ impl<T: Real> CarEstimator<T> {
 }
 
 /// Correlation coefficients of a belief's errors; corners alone have none.
-fn correlation<T: Real>(belief: Option<&CarBelief<T>>) -> [[T; 4]; 4] {
+fn correlation<T: Real>(fused: Option<&FusedEstimate<T>>) -> [[T; 4]; 4] {
     core::array::from_fn(|i| {
-        core::array::from_fn(|j| match belief {
+        core::array::from_fn(|j| match fused {
             _ if i == j => T::one(),
-            Some(CarBelief { covariance: p, .. }) if p[(i, i)] * p[(j, j)] > T::zero() => {
+            Some(FusedEstimate { covariance: p, .. }) if p[(i, i)] * p[(j, j)] > T::zero() => {
                 p[(i, j)] / (p[(i, i)] * p[(j, j)]).sqrt()
             }
             _ => T::zero(),

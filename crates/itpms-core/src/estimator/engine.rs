@@ -188,7 +188,7 @@ impl<T: Real> Engine<T> {
         reading.stiffness_n_per_m = word.stiffness_n_per_m;
         reading.stiffness_sd_n_per_m = word.stiffness_sd_n_per_m;
         reading.change_probability = word.changing;
-        if !word.hears {
+        if !word.has_signal {
             reading.gate = T::zero();
         } else if word.learning {
             reading.gate = T::one();

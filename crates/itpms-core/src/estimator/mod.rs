@@ -109,7 +109,7 @@ pub(crate) struct FusedStiffness<T> {
     /// Whether the road that its axles share is being learned from.
     pub(crate) learning: bool,
     /// Whether anything is heard at all: frames, or words of the corner's spectrum.
-    pub(crate) hears: bool,
+    pub(crate) has_signal: bool,
 }
 
 impl<T: Real> Estimator<T> {

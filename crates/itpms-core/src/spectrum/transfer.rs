@@ -3,6 +3,7 @@
 use nalgebra::Complex;
 
 use super::reconstruction::LEAK_RAD_S;
+use crate::model::QuarterCar;
 use crate::real::Real;
 
 /// What a corner is believed to be now; the unsprung mass is known and does not change.
@@ -13,6 +14,17 @@ pub(crate) struct Body<T> {
     pub(crate) unsprung_mass_kg: T,
     pub(crate) damping_n_s_per_m: T,
     pub(crate) spring_n_per_m: T,
+}
+
+impl<T: Real> From<&QuarterCar<T>> for Body<T> {
+    fn from(car: &QuarterCar<T>) -> Self {
+        Self {
+            sprung_mass_kg: car.sprung_mass_kg(),
+            unsprung_mass_kg: car.unsprung_mass_kg(),
+            damping_n_s_per_m: car.damping_n_s_per_m(),
+            spring_n_per_m: car.spring_n_per_m(),
+        }
+    }
 }
 
 /// Power of the sine window's spectrum `offset` bins from its centre, one at the centre.

@@ -1,8 +1,8 @@
 //! One side of the car: what the front met, read again where the rear is now, and cut into frames of both.
 
-use nalgebra::SVector;
+use nalgebra::{Complex, SVector};
 
-use crate::belief::hypothesis_bank::HypothesisBank;
+use crate::belief::measurement::{AxleResidual, BINS, SideMeasurement, UpdateRecord};
 use crate::belief::state::{GAIN, SKEW_UNIT_S, State, read_compliance};
 use crate::inter_axle::alignment::channel::{Entry, KEPT, RELATIVE};
 use crate::inter_axle::alignment::delay_line::{DelayLine, Read};
@@ -11,10 +11,10 @@ use crate::inter_axle::residual::correction::FrfCorrection;
 use crate::inter_axle::residual::imbalance::Imbalance;
 use crate::inter_axle::residual::instrument::Instrument;
 use crate::inter_axle::residual::model::{
-    Axle, AxleFrame, AxleResidual, BOTH, SEEN, Signals, Wheel, expected_products, linearize,
+    Axle, AxleFrame, BOTH, SEEN, Signals, Wheel, expected_products, linearize,
 };
 use crate::inter_axle::residual::noise::{Coherence, MOST_LASTING, fading};
-use crate::inter_axle::{BINS, HOP_S, SIGNALS, bin_hz};
+use crate::inter_axle::{HOP_S, SIGNALS, bin_hz};
 use crate::real::Real;
 use crate::spectrum::FrameClock;
 use crate::spectrum::transfer::response;
@@ -31,20 +31,20 @@ const MISSED_S: f64 = 0.5;
 const STALE_S: f64 = 1.0;
 /// Words of a side's spectra without a frame between them, after which the side is left to words: some five seconds of both
 /// corners, ten of one.
-const LEFT_WORDS: u32 = 12;
+const MOST_SPECTRAL_UPDATES: u32 = 12;
 /// Longest way in m between two entries that follow each other.
 const LONGEST_WAY_M: f64 = 1.0;
 /// Share of a frame in which both wheels touch the road, from which on it counts.
 const LEAST_SEEN: f64 = 0.15;
 /// Incoherence near wheel hop from which on a side counts as not shared.
-const APART: f64 = 0.5;
+const NOT_SHARED: f64 = 0.5;
 /// And from which on it is looked whether the axles meet elsewhere.
 const REALIGN_ABOVE: f64 = 0.04;
 /// Power near wheel hop over that of the sensors' noise there at which frames begin to count; at twice this they count
 /// fully. Two axles that hear themselves alone agree on a road, too. The smoothest road there is has some hundred.
 const SNR_FULL: f64 = 25.0;
 /// Time constant in s of the logarithm of that ratio.
-const HEARD_S: f64 = 1.0;
+const SNR_S: f64 = 1.0;
 
 /// How the suspension of the other side's rear wheel moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,6 +69,29 @@ fn of_other_side<T: Real>(ahead: Option<T>, beside: OppositeSide<T>, ratio: T) -
         (ahead, OppositeSide::Known(behind)) => [ahead, Some(behind)],
         (ahead, OppositeSide::Missed) => [ahead, None],
     }
+}
+
+/// A frame's measurement for the belief, and what the pair keeps of it.
+pub(crate) struct Measured<T: Real> {
+    pub(crate) measurement: SideMeasurement<T>,
+    common: [Complex<T>; BINS],
+    /// Sensor noise in the residual, per bin.
+    noise: [T; BINS],
+}
+
+/// A correction and the time it was saved at.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: Real + serde::Serialize",
+        deserialize = "T: Real + serde::Deserialize<'de>"
+    ))
+)]
+struct SavedCorrection<T: Real> {
+    time_s: f64,
+    frf_correction: FrfCorrection<T>,
 }
 
 /// What is believed of the car where the two axles meet.
@@ -100,19 +123,21 @@ pub(crate) struct AxlePair<T: Real> {
     clock: FrameClock<T, BINS, SIGNALS>,
     instruments: [Instrument<T>; 2],
     frf_correction: FrfCorrection<T>,
+    /// As it was at the belief's checkpoints, the newest first.
+    saved: [Option<SavedCorrection<T>>; 2],
     imbalance: Imbalance<T>,
     /// Way in m of the rear wheel at its last entry.
     distance_m: f64,
     coherence: Coherence<T>,
     /// Logarithm of the power near wheel hop over that of the sensors' noise, of late; `None` before the first frame.
-    loudness: Option<T>,
+    log_snr: Option<T>,
     /// Wheelbase and skew that the frame under way is aligned with, once there is one.
     used: Option<[T; 2]>,
     /// Hops to let pass because something spoiled the frames under way.
     invalid_hops: u32,
     learned_until_s: f64,
     /// Words of both corners' spectra since the last frame.
-    words: u32,
+    spectral_updates: u32,
 }
 
 impl<T: Real> AxlePair<T> {
@@ -127,14 +152,15 @@ impl<T: Real> AxlePair<T> {
             clock: FrameClock::new(HOP_S, period_s),
             instruments: [Instrument::new(), Instrument::new()],
             frf_correction: FrfCorrection::new(),
+            saved: [None, None],
             imbalance: Imbalance::new(),
             distance_m: f64::NAN,
             coherence: Coherence::new(),
-            loudness: None,
+            log_snr: None,
             used: None,
             invalid_hops: 0,
             learned_until_s: f64::NEG_INFINITY,
-            words: 0,
+            spectral_updates: 0,
         }
     }
 
@@ -293,73 +319,77 @@ impl<T: Real> AxlePair<T> {
         (missed && time_s - other.learned_until_s < MISSED_S).then(|| other.coherence.incoherence())
     }
 
-    /// Weighs the belief with a frame; true if it was believed. `taught`: a reset has taught what the car is; `beside`: the
-    /// other side's roads seem to part; `meanwhile`: what the other side found while there were no frames of this one.
-    pub(crate) fn update_residual(
+    /// What a frame is worth to a belief whose most likely state this is; `None` if the road is not heard over the sensors'
+    /// noise. `meanwhile`: the other side's incoherence, if only that side had frames of late.
+    pub(crate) fn measure(
         &mut self,
-        bank: &mut HypothesisBank<T>,
+        frame: &AxleFrame<T>,
         wheels: &[Wheel<T>; 2],
-        taken: &AxleFrame<T>,
-        calibrated: bool,
-        beside: bool,
+        state: &State<T>,
         meanwhile: Option<SVector<T, BINS>>,
-    ) -> bool {
-        if !(taken.middle_s - self.learned_until_s < FORGET_S) {
+    ) -> Option<Measured<T>> {
+        if !(frame.middle_s - self.learned_until_s < FORGET_S) {
             self.coherence.restart();
         }
         if let Some(other) = meanwhile {
             self.coherence.follow(&other);
         }
-        self.words = 0;
-        let best = bank.most_likely();
-        let state = bank.bank[best].mean;
-        let look = |signals| linearize(taken, signals, wheels, self.side, &state);
-        let AxleResidual { common, road_power, .. } = look(Signals::Measured);
+        self.spectral_updates = 0;
+        let at = |signals| linearize(frame, signals, wheels, self.side, state);
+        let AxleResidual { common, road_power, .. } = at(Signals::Measured);
         let frf_ratios = self.frf_correction.frf_ratios();
-        let instrument = look(Signals::Common(&frf_ratios)).slope;
-        let noise = self.noise(wheels, &state);
-        self.listen(&road_power, &noise);
+        let instrument = at(Signals::Common(&frf_ratios)).slope;
+        let noise = self.noise(wheels, state);
+        self.track_snr(&road_power, &noise);
         if !(self.snr_weight() > T::zero()) {
-            return false;
+            return None;
         }
-        let products = expected_products(wheels, self.side, &state, taken.delay_s, &frf_ratios);
-        let expected = self.coherence.expect(&road_power, &noise, &products, taken.stretch);
+        let products = expected_products(wheels, self.side, state, frame.delay_s, &frf_ratios);
+        let expected = self.coherence.expect(&road_power, &noise, &products, frame.stretch);
         let incoherent_s = self.fading() * T::lit(HOP_S);
-        wheels.iter().for_each(|wheel| bank.inflate(wheel.corner, incoherent_s, calibrated));
-        let weight = self.coherence.weight() * taken.frame.seen * self.snr_weight();
-        let Some((found, ratio)) =
-            bank.update_residual(taken, wheels, self.side, &expected, &instrument, weight)
-        else {
-            return false;
-        };
-        self.frf_correction.learn(&taken.frame, &common, weight);
-        self.coherence.learn(&expected, &found, &ratio, &noise, T::lit(HOP_S), beside);
-        self.learned_until_s = taken.middle_s;
-        self.coherence.near_wheel_hop() < T::lit(APART)
+        let weight = self.coherence.weight() * frame.frame.seen * self.snr_weight();
+        let measurement = SideMeasurement { side: self.side, expected, instrument, weight, incoherent_s };
+        Some(Measured { measurement, common, noise })
+    }
+
+    /// Learns from what the belief made of a frame; true if the road was shared. `opposite_parts`: the other side's roads seem
+    /// to part.
+    pub(crate) fn learn(
+        &mut self,
+        frame: &AxleFrame<T>,
+        measured: &Measured<T>,
+        record: &UpdateRecord<T>,
+        opposite_parts: bool,
+    ) -> bool {
+        self.frf_correction.learn(&frame.frame, &measured.common, record.weight);
+        let Measured { measurement, noise, .. } = measured;
+        self.coherence.learn(&measurement.expected, record, noise, T::lit(HOP_S), opposite_parts);
+        self.learned_until_s = frame.middle_s;
+        self.coherence.near_wheel_hop() < T::lit(NOT_SHARED)
     }
 
     /// Takes a frame's road power and the sensors' noise in the axles' disagreement, per bin.
-    fn listen(&mut self, road_power: &[T; BINS], noise: &[T; BINS]) {
+    fn track_snr(&mut self, road_power: &[T; BINS], noise: &[T; BINS]) {
         let ratio = (T::lit(0.5) * (road_power[1] / noise[1] + road_power[2] / noise[2])).ln();
-        let gain = T::one() - (T::lit(-HOP_S / HEARD_S)).exp();
-        let before = self.loudness.filter(|before| before.is_finite()).unwrap_or(ratio);
-        self.loudness = Some(before + gain * (ratio - before));
+        let gain = T::one() - (T::lit(-HOP_S / SNR_S)).exp();
+        let before = self.log_snr.filter(|before| before.is_finite()).unwrap_or(ratio);
+        self.log_snr = Some(before + gain * (ratio - before));
     }
 
     /// How far the road is heard over the sensors' noise, 0 to 1; fully where no frame says so.
     pub(crate) fn snr_weight(&self) -> T {
-        let over = |loudness: T| (loudness.exp() / T::lit(SNR_FULL) - T::one()).clamp(T::zero(), T::one());
-        self.loudness.filter(|_| !self.spectral_only()).map_or(T::one(), over)
+        let over = |log_snr: T| (log_snr.exp() / T::lit(SNR_FULL) - T::one()).clamp(T::zero(), T::one());
+        self.log_snr.filter(|_| !self.spectral_only()).map_or(T::one(), over)
     }
 
-    /// Takes note that a corner's spectrum has said a word.
-    pub(crate) fn update_reweighted(&mut self) {
-        self.words = self.words.saturating_add(1);
+    /// Notes a pseudo-measurement of a corner's spectrum.
+    pub(crate) fn note_spectral_update(&mut self) {
+        self.spectral_updates = self.spectral_updates.saturating_add(1);
     }
 
     /// Whether words come and frames do not, as without an axle's sensors, or the speed.
     pub(crate) fn spectral_only(&self) -> bool {
-        self.words > LEFT_WORDS
+        self.spectral_updates > MOST_SPECTRAL_UPDATES
     }
 
     /// How fast the belief fades; left to words, as where the axles share least for long.
@@ -379,14 +409,18 @@ impl<T: Real> AxlePair<T> {
         })
     }
 
-    /// How the axles answer the road.
-    pub(crate) fn frf_correction(&self) -> &FrfCorrection<T> {
-        &self.frf_correction
+    /// Saves the correction together with the belief's checkpoint of this time.
+    pub(crate) fn checkpoint(&mut self, time_s: f64) {
+        let saved = SavedCorrection { time_s, frf_correction: self.frf_correction.clone() };
+        let [newest, before] = &mut self.saved;
+        *before = newest.replace(saved);
     }
 
-    /// Goes back to how they had answered it.
-    pub(crate) fn set_frf_correction(&mut self, frf_correction: &FrfCorrection<T>) {
-        self.frf_correction = frf_correction.clone();
+    /// Restores the correction that was saved at this time.
+    pub(crate) fn restore(&mut self, time_s: f64) {
+        if let Some(saved) = self.saved.iter().flatten().find(|saved| saved.time_s == time_s) {
+            self.frf_correction = saved.frf_correction.clone();
+        }
     }
 
     /// Whether the last frame showed roads that part.
@@ -408,7 +442,7 @@ impl<T: Real> AxlePair<T> {
     pub(crate) fn state(&self, now_s: f64) -> (bool, T) {
         let incoherence = self.coherence.near_wheel_hop();
         let fresh = now_s - self.learned_until_s < STALE_S;
-        (fresh && incoherence < T::lit(APART), if fresh { incoherence } else { T::lit(f64::NAN) })
+        (fresh && incoherence < T::lit(NOT_SHARED), if fresh { incoherence } else { T::lit(f64::NAN) })
     }
 }
 

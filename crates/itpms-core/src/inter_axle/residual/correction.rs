@@ -4,8 +4,9 @@
 
 use nalgebra::Complex;
 
+use crate::belief::measurement::BINS;
+use crate::inter_axle::Frame;
 use crate::inter_axle::residual::model::{BOTH, SEEN};
-use crate::inter_axle::{BINS, Frame};
 use crate::real::Real;
 use crate::spectrum::Frame as Spectra;
 

@@ -4,29 +4,17 @@
 
 use nalgebra::{Complex, Matrix2, SMatrix, SVector};
 
+use crate::belief::measurement::{AxleResidual, BINS, Gram};
 use crate::belief::state::{
-    BAR, DAMPING, GAIN, MASS, SKEW, SKEW_UNIT_S, SPRING, State, TIRE, WHEELBASE, read_compliance,
+    BAR, DAMPING, GAIN, MASS, SIDE_BARS, SIDE_GAIN, SIDE_REAR, SIDE_SIZE, SIDE_SKEW, SIDE_WHEELBASE, SKEW,
+    SKEW_UNIT_S, SPRING, State, WHEELBASE, read_compliance,
 };
 use crate::inter_axle::alignment::channel::{KEPT, high_pass_power};
 use crate::inter_axle::residual::correction::FrfRatios;
-use crate::inter_axle::{BIN_SPACING_HZ, BINS, Frame, bin_hz};
+use crate::inter_axle::{BIN_SPACING_HZ, Frame, bin_hz};
 use crate::real::Real;
 use crate::spectrum::transfer::{Body, sine_window_power};
 
-/// Real numbers in a frame's disagreement: real and imaginary part of every bin.
-pub(crate) const ROWS: usize = 2 * BINS;
-/// Quantities that a side's disagreement depends on: front tire, mass, damping, spring, anti-roll bar, the same of the
-/// rear, gain, wheelbase, skew.
-pub(crate) const OWN: usize = 13;
-/// Places among them.
-const REAR: usize = 5;
-/// The two tires.
-pub(crate) const OWN_TIRES: [usize; 2] = [0, REAR];
-/// The two anti-roll bars.
-const OWN_BARS: [usize; 2] = [4, REAR + 4];
-const OWN_GAIN: usize = 10;
-const OWN_WHEELBASE: usize = 11;
-const OWN_SKEW: usize = 12;
 /// Signals of an axle's side: those kept of a corner, and its relative velocity less that of the other side.
 pub(crate) const SEEN: usize = KEPT + 1;
 /// Those of both axles.
@@ -37,12 +25,6 @@ const KERNEL_DENSITY: f64 = 4.0;
 const KERNEL_HALF: usize = 8;
 const KERNEL: usize = 2 * KERNEL_HALF + 1;
 const LOWEST_HZ: f64 = 0.5;
-
-/// Rows and columns over a side's quantities.
-pub(crate) type Gram<T> = SMatrix<T, OWN, OWN>;
-pub(crate) type Score<T> = SVector<T, OWN>;
-/// Derivatives of a disagreement by a side's quantities.
-pub(crate) type Slope<T> = SMatrix<T, ROWS, OWN>;
 
 /// What is known of one axle's corner.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -79,26 +61,6 @@ pub(crate) enum Signals<'a, T: Real> {
     Measured,
     /// On the road that both axles agree on, as the instruments have them, times how the axles answer it.
     Common(&'a FrfRatios<T>),
-}
-
-/// Where a side's quantities stand in the state.
-pub(crate) fn places(side: usize) -> [usize; OWN] {
-    let (front, rear) = (side, side + 2);
-    [
-        TIRE + front,
-        MASS + front,
-        DAMPING + front,
-        SPRING + front,
-        BAR,
-        TIRE + rear,
-        MASS + rear,
-        DAMPING + rear,
-        SPRING + rear,
-        BAR + 1,
-        GAIN + side,
-        WHEELBASE,
-        SKEW + side,
-    ]
 }
 
 /// One axle's parameters as a state has them.
@@ -146,9 +108,9 @@ impl<T: Real> Axle<T> {
     }
 
     /// Road and its derivatives by tire, mass, damping, spring, bar, from wheel velocity and the force signals.
-    fn road(&self, signals: [Complex<T>; SEEN]) -> (Complex<T>, [Complex<T>; REAR]) {
+    fn road(&self, signals: [Complex<T>; SEEN]) -> (Complex<T>, [Complex<T>; SIDE_REAR]) {
         let mut force = Complex::new(T::zero(), T::zero());
-        let mut slope = [force; REAR];
+        let mut slope = [force; SIDE_REAR];
         for i in 0..SEEN - 1 {
             force += signals[i + 1] * self.factors[i];
             slope[i + 1] = signals[i + 1] * (self.theta * self.nominal[i]);
@@ -156,16 +118,6 @@ impl<T: Real> Axle<T> {
         slope[0] = force * self.placard;
         (signals[0] + force * self.theta, slope)
     }
-}
-
-/// AxleResidual of a frame and its derivatives.
-pub(crate) struct AxleResidual<T: Real> {
-    pub(crate) rows: SVector<T, ROWS>,
-    pub(crate) slope: Slope<T>,
-    /// Road velocity of every bin that both axles agree on.
-    pub(crate) common: [Complex<T>; BINS],
-    /// Road power of every bin, mean of the axles.
-    pub(crate) road_power: [T; BINS],
 }
 
 /// Compares the axles of a side for a state.
@@ -241,7 +193,7 @@ pub(crate) fn expected_products<T: Real>(
     let gain = T::one() + state[GAIN + side];
     core::array::from_fn(|bin| {
         // Real and imaginary part at every frequency that the bin sees, times the root of what it sees of it.
-        let mut parts = SMatrix::<T, OWN, { 2 * KERNEL }>::zeros();
+        let mut parts = SMatrix::<T, SIDE_SIZE, { 2 * KERNEL }>::zeros();
         let (mut other_side, mut total) = (Matrix2::zeros(), T::zero());
         for point in 0..KERNEL {
             let offset = T::lit((point as f64 - KERNEL_HALF as f64) / KERNEL_DENSITY);
@@ -259,13 +211,13 @@ pub(crate) fn expected_products<T: Real>(
                 parts[(row, 2 * point + 1)] = of.im * root;
             }
             other_side +=
-                Matrix2::from_fn(|i, j| (slope[OWN_BARS[i]] * slope[OWN_BARS[j]].conj()).re * weight);
+                Matrix2::from_fn(|i, j| (slope[SIDE_BARS[i]] * slope[SIDE_BARS[j]].conj()).re * weight);
             total += weight;
         }
         let mut sum = parts * parts.transpose();
         // The other side moves as much, by itself, and alike under both axles.
         for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-            sum[(OWN_BARS[i], OWN_BARS[j])] += other_side[(i, j)];
+            sum[(SIDE_BARS[i], SIDE_BARS[j])] += other_side[(i, j)];
         }
         sum / total
     })
@@ -273,20 +225,20 @@ pub(crate) fn expected_products<T: Real>(
 
 /// Derivatives of a disagreement, from each axle's road and its derivatives.
 fn slopes<T: Real>(
-    seen: &[(Complex<T>, [Complex<T>; REAR]); 2],
+    seen: &[(Complex<T>, [Complex<T>; SIDE_REAR]); 2],
     gain: T,
     frequency_hz: T,
     delay_s: T,
-) -> [Complex<T>; OWN] {
+) -> [Complex<T>; SIDE_SIZE] {
     let [(front, front_slope), (rear, rear_slope)] = seen;
     let turn = Complex::new(T::zero(), T::two_pi() * frequency_hz) * (*front * gain + rear) * T::lit(0.5);
-    let mut slope = [Complex::new(T::zero(), T::zero()); OWN];
-    for i in 0..REAR {
+    let mut slope = [Complex::new(T::zero(), T::zero()); SIDE_SIZE];
+    for i in 0..SIDE_REAR {
         slope[i] = front_slope[i] * gain;
-        slope[REAR + i] = -rear_slope[i];
+        slope[SIDE_REAR + i] = -rear_slope[i];
     }
-    slope[OWN_GAIN] = *front;
-    slope[OWN_WHEELBASE] = -turn * delay_s;
-    slope[OWN_SKEW] = -turn * T::lit(SKEW_UNIT_S);
+    slope[SIDE_GAIN] = *front;
+    slope[SIDE_WHEELBASE] = -turn * delay_s;
+    slope[SIDE_SKEW] = -turn * T::lit(SKEW_UNIT_S);
     slope
 }

@@ -3,8 +3,7 @@
 
 use nalgebra::SVector;
 
-use crate::inter_axle::residual::model::{AxleResidual, Gram};
-use crate::inter_axle::{BINS, OVERLAP};
+use crate::belief::measurement::{BINS, Expectation, Gram, OVERLAP, UpdateRecord};
 use crate::real::Real;
 
 /// Incoherence assumed before anything was seen, and the least that is believed: a millisecond between a wheel's sensor and
@@ -54,15 +53,6 @@ pub(crate) struct Coherence<T: Real> {
     parting: bool,
     /// Incoherence near wheel hop that has lasted.
     lasting: T,
-}
-
-/// What is expected of a frame, and what it is worth.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Expectation<T: Real> {
-    /// Power of the disagreement, per bin.
-    pub(crate) power: [T; BINS],
-    /// Information about the side's quantities.
-    pub(crate) information: Gram<T>,
 }
 
 impl<T: Real> Coherence<T> {
@@ -128,12 +118,12 @@ impl<T: Real> Coherence<T> {
     pub(crate) fn learn(
         &mut self,
         expected: &Expectation<T>,
-        found: &AxleResidual<T>,
-        ratio: &[T; BINS],
+        record: &UpdateRecord<T>,
         noise: &[T; BINS],
         seconds: T,
         beside: bool,
     ) {
+        let UpdateRecord { prefit: found, power_ratio: ratio, .. } = record;
         let gain = |time_s: f64| T::one() - (-seconds / T::lit(time_s)).exp();
         self.frames = self.frames.saturating_add(1);
         let count = T::one() / T::lit(f64::from(self.frames) + COUNTED);
@@ -200,6 +190,7 @@ mod tests {
     use nalgebra::{Complex, SMatrix};
 
     use super::*;
+    use crate::belief::measurement::AxleResidual;
 
     /// Frames of `seconds` on a road of unit power of which this share is not common; gives what of it counts as lasting.
     fn drive(coherence: &mut Coherence<f64>, seconds: f64, share: f64) -> f64 {
@@ -216,7 +207,14 @@ mod tests {
         };
         for _ in 0..(10.0 * seconds) as u32 {
             let expected = Expectation { power: [1.0; BINS], information: Gram::zeros() };
-            coherence.learn(&expected, &found, &[share; BINS], &[0.0; BINS], 0.1, beside);
+            let record = UpdateRecord {
+                prefit: found.clone(),
+                power_ratio: [share; BINS],
+                mahalanobis_sq: 0.0,
+                variance_scale: 1.0,
+                weight: 1.0,
+            };
+            coherence.learn(&expected, &record, &[0.0; BINS], 0.1, beside);
         }
         coherence.lasting()
     }

@@ -3,8 +3,8 @@
 
 extern crate std;
 
-mod disagreement;
 mod pieces;
+mod residual;
 mod search;
 
 use std::vec::Vec;

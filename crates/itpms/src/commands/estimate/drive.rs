@@ -81,7 +81,7 @@ impl Drive {
 
     /// What the reset taught, once it is over.
     pub(super) fn learned(&self) -> Option<VehicleCalibration<f64>> {
-        self.car.estimator().learned()
+        self.car.estimator().calibration()
     }
 
     /// What the monitor says after the last row.

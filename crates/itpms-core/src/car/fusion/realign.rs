@@ -3,12 +3,12 @@
 //! minute. Both sides then look for it, and if they find it at the same place, what was believed before is believed again, with the new
 //! scale; and if it is elsewhere by more the faster the speed grows, it is the speed that is late (docs/math/shared-road.md, section 2).
 
-use crate::belief::gaussian::Hypothesis;
+use super::{FOUND_SD_S, Fusion};
+use crate::belief::Hypothesis;
 use crate::belief::state::{SKEW, SKEW_UNIT_S, TIRE, WHEELBASE};
 use crate::inter_axle::alignment::axle_pair::AxlePair;
 use crate::inter_axle::alignment::delay_search::Found;
 use crate::inter_axle::alignment::speed_latency::{Find, Latency, SpeedLatency};
-use crate::inter_axle::{FOUND_SD_S, SharedRoad};
 use crate::model::Learned;
 use crate::real::Real;
 
@@ -25,7 +25,7 @@ const DOUBTED_SD: f64 = 0.05;
 /// Where a side found the other axle's road, and when.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct DelayDetection<T> {
+pub(super) struct DelayDetection<T> {
     time_s: f64,
     found: Found<T>,
 }
@@ -39,16 +39,11 @@ impl<T: Real> DelayDetection<T> {
     }
 }
 
-impl<T: Real> SharedRoad<T> {
-    /// Seconds by which the speed was found to come late.
-    pub(crate) fn speed_latency_s(&self) -> f64 {
-        self.speed_latency_s
-    }
-
+impl<T: Real> Fusion<T> {
     /// Takes note of where a side has found the other axle's road.
-    pub(crate) fn realign(&mut self, side: usize, found: Found<T>, time_s: f64) {
-        self.delay_detections[side] = Some(DelayDetection { time_s, found });
-        let ([Some(left), Some(right)], Some(before)) = (self.delay_detections, self.before()) else {
+    pub(super) fn realign(&mut self, side: usize, found: Found<T>, time_s: f64) {
+        self.detections[side] = Some(DelayDetection { time_s, found });
+        let ([Some(left), Some(right)], Some(before)) = (self.detections, self.belief.restore_point()) else {
             return;
         };
         let [by_left, by_right] = [left.rho(0, before), right.rho(1, before)];
@@ -57,7 +52,7 @@ impl<T: Real> SharedRoad<T> {
         let changed = (rho - before.mean[WHEELBASE]).abs() > T::lit(FAR);
         let together = apart_s < TOGETHER_S;
         if changed || together {
-            self.delay_detections = [None; 2];
+            self.detections = [None; 2];
         }
         // Of the same moment, so at one acceleration.
         let lag = if together { self.speed_latency.take(&both(&left.found, &right.found)) } else { None };
@@ -66,18 +61,18 @@ impl<T: Real> SharedRoad<T> {
         } else if changed {
             let sd = T::lit(FOUND_SD_S) / left.found.delay_s.min(right.found.delay_s);
             self.restore();
-            self.bank.begin_with(WHEELBASE, &Learned { value: rho, sd }, T::zero(), T::one());
-            self.save_anew();
-            self.pairs.iter_mut().for_each(AxlePair::restart_alignment);
+            self.belief.set_quantity(WHEELBASE, &Learned { value: rho, sd }, T::one());
+            self.checkpoint_anew();
+            self.inter_axle.pairs_mut().iter_mut().for_each(AxlePair::restart_alignment);
         }
     }
 
     /// The speed comes late, and did so all the time: what was learned of the car meanwhile is worth little, and of the tires less than it
     /// seemed.
     fn correct(&mut self, lag: &Latency<T>) {
-        self.speed_latency_s += lag.seconds.to_f64();
+        self.inter_axle.add_speed_latency(lag.seconds.to_f64());
         self.speed_latency = SpeedLatency::new();
-        let tires = self.before().map(|before| {
+        let tires = self.belief.restore_point().map(|before| {
             let variance =
                 |i: usize| before.covariance[(TIRE + i, TIRE + i)] + T::lit(DOUBTED_SD * DOUBTED_SD);
             core::array::from_fn::<_, 4, _>(|i| Learned {
@@ -85,17 +80,18 @@ impl<T: Real> SharedRoad<T> {
                 sd: variance(i).sqrt(),
             })
         });
-        self.begin_again();
+        self.belief.restart();
         // During a reset they are what they were set to.
-        for (i, tire) in tires.iter().flatten().enumerate().filter(|_| !self.calibrating) {
-            self.bank.begin_with(TIRE + i, tire, T::zero(), T::one());
+        let calibrating = self.belief.is_calibrating();
+        for (i, tire) in tires.iter().flatten().enumerate().filter(|_| !calibrating) {
+            self.belief.set_quantity(TIRE + i, tire, T::one());
         }
         let learned = |[value, sd]: [T; 2]| Learned { value, sd };
-        self.bank.begin_with(WHEELBASE, &learned(lag.rho), T::zero(), T::one());
+        self.belief.set_quantity(WHEELBASE, &learned(lag.rho), T::one());
         for side in 0..2 {
-            self.bank.begin_with(SKEW + side, &learned(lag.skew_s), T::zero(), T::lit(SKEW_UNIT_S));
+            self.belief.set_quantity(SKEW + side, &learned(lag.skew_s), T::lit(SKEW_UNIT_S));
         }
-        self.pairs.iter_mut().for_each(AxlePair::forget_ways);
+        self.inter_axle.pairs_mut().iter_mut().for_each(AxlePair::forget_ways);
     }
 }
 

@@ -7,14 +7,13 @@ use nalgebra::Complex;
 #[allow(unused_imports)]
 use nalgebra::ComplexField;
 
-use crate::belief::state::{BAR, GAIN, SKEW, State, WHEELBASE};
+use crate::belief::measurement::{BINS, Gram, Score, Slope};
+use crate::belief::state::{BAR, GAIN, SIDE_SIZE, SKEW, State, WHEELBASE, side_indices};
 use crate::inter_axle::alignment::channel::high_pass_power;
+use crate::inter_axle::bin_hz;
 use crate::inter_axle::residual::correction::FrfRatios;
-use crate::inter_axle::residual::model::{
-    AxleFrame, BOTH, Gram, OWN, Score, Signals, Slope, expected_products, linearize, places,
-};
+use crate::inter_axle::residual::model::{AxleFrame, BOTH, Signals, expected_products, linearize};
 use crate::inter_axle::tests::{C, Moved, STILL, deviating, frame, signals, taken, unit_frames, wheels};
-use crate::inter_axle::{BINS, bin_hz};
 use crate::random::Random;
 
 const DELAY_S: f64 = 0.12;
@@ -64,7 +63,7 @@ fn on_one_road_nothing_is_left() {
         assert!(left < 1e-11 * found.road_power[bin].sqrt(), "bin {bin}: {left:e}");
     }
     // And with any one quantity wrong by 5 %, something is.
-    for place in places(0).into_iter().filter(|&place| place != WHEELBASE && place != SKEW) {
+    for place in side_indices(0).into_iter().filter(|&place| place != WHEELBASE && place != SKEW) {
         let mut wrong = state;
         wrong[place] += 0.05;
         let found = linearize(&on_one_road(&state), Signals::Measured, &wheels(), 0, &wrong);
@@ -81,7 +80,7 @@ fn derivatives_match_finite_differences() {
     state[WHEELBASE] = taken.used_wheelbase;
     state[SKEW] = taken.used_skew;
     let slope = linearize(&taken, Signals::Measured, &wheels(), 0, &state).slope;
-    for (column, place) in places(0).into_iter().enumerate() {
+    for (column, place) in side_indices(0).into_iter().enumerate() {
         let step = 1e-4;
         let at = |by: f64| {
             let mut moved = state;
@@ -125,7 +124,7 @@ fn expected_products_are_those_of_a_long_random_road() {
     }
     let expected = expected_products(&wheels(), 0, &state, DELAY_S, &same());
     for bin in 0..BINS {
-        for i in 0..OWN {
+        for i in 0..SIDE_SIZE {
             for j in 0..=i {
                 let found = products[bin][(i, j)] / power[bin];
                 let scale = (expected[bin][(i, i)] * expected[bin][(j, j)]).sqrt();

@@ -1,7 +1,7 @@
 //! What a corner finds by itself, from its own road's spectrum, and how far that counts where front and rear hardly share a
 //! road (docs/math/shared-road.md, section 6). Knows nothing of frames and modes.
 
-use crate::belief::output::CarBelief;
+use super::FusedEstimate;
 use crate::inter_axle::residual::noise::within;
 use crate::real::Real;
 
@@ -13,29 +13,29 @@ const BEGIN_SUSPECTED: f64 = 4.0;
 /// Lasting incoherence at which a corner that finds its pressure moving is believed as much as the shared road, and the chances of a
 /// movement from which on, and at which fully, it is heard.
 const LEFT: f64 = 0.06;
-const SNR_FULL: f64 = 0.1;
+const NOTICED: f64 = 0.1;
 const BELIEVED: f64 = 0.5;
 
 /// What one corner finds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct SingleWheelEstimate<T> {
+pub(in crate::car) struct SingleWheelEstimate<T> {
     /// Probability that its pressure is changing; no number where nobody looks for that.
-    pub(crate) changing: T,
-    pub(crate) stiffness_n_per_m: T,
-    pub(crate) sd_n_per_m: T,
+    pub(in crate::car) changing: T,
+    pub(in crate::car) stiffness_n_per_m: T,
+    pub(in crate::car) sd_n_per_m: T,
 }
 
 impl<T: Real> SingleWheelEstimate<T> {
     /// A corner that finds nothing.
-    pub(crate) fn silent() -> Self {
+    pub(in crate::car) fn silent() -> Self {
         Self { changing: T::zero(), stiffness_n_per_m: T::zero(), sd_n_per_m: T::zero() }
     }
 
     /// Chance per second that the pressure begins to move because the corner's own spectrum looks like it: where front and
     /// rear share the road, their frames tell sooner and surer, and where they part for seconds only, as in a bend, a hole that
     /// each of them meets by itself looks like a leak.
-    pub(crate) fn onset_rate(&self, incoherence: T) -> T {
+    pub(in crate::car) fn onset_rate(&self, incoherence: T) -> T {
         let surely = (self.changing - T::lit(USUALLY_SUSPECTED)).max(T::zero());
         // What is no number suspects nothing.
         (T::lit(BEGIN_SUSPECTED) * surely * (T::one() - within(incoherence, LOST))).max(T::zero())
@@ -43,7 +43,7 @@ impl<T: Real> SingleWheelEstimate<T> {
 
     /// How far the corner is to be believed instead of the shared road, 0 to 1, at an incoherence that has lasted.
     fn share(&self, incoherence: T) -> T {
-        let snr_weight = (self.changing - T::lit(SNR_FULL)) / T::lit(BELIEVED - SNR_FULL);
+        let snr_weight = (self.changing - T::lit(NOTICED)) / T::lit(BELIEVED - NOTICED);
         let share = snr_weight.max(T::zero()).min(T::one()) * (T::one() - within(incoherence, LEFT));
         if share.is_finite() && self.stiffness_n_per_m.is_finite() && self.sd_n_per_m.is_finite() {
             share
@@ -54,7 +54,13 @@ impl<T: Real> SingleWheelEstimate<T> {
 
     /// Mixes what the corner finds into a belief, less the bias of its spectrum in N/m, which is known up to a variance: both
     /// may be right, so the sd holds how far they are apart.
-    pub(crate) fn blend(&self, belief: &mut CarBelief<T>, corner: usize, incoherence: T, bias: (T, T)) {
+    pub(in crate::car) fn blend(
+        &self,
+        belief: &mut FusedEstimate<T>,
+        corner: usize,
+        incoherence: T,
+        bias: (T, T),
+    ) {
         let share = self.share(incoherence);
         if !(share > T::zero()) {
             return;
@@ -79,10 +85,15 @@ mod tests {
 
     use super::*;
 
-    fn belief() -> CarBelief<f64> {
+    fn belief() -> FusedEstimate<f64> {
         // Four tires known up to 2 kN/m, half of it common to all.
         let covariance = SMatrix::from_fn(|i, j| if i == j { 4e6 } else { 2e6 });
-        CarBelief { stiffness_n_per_m: SVector::repeat(230e3), covariance, changing: 0.2, learned_s: 60.0 }
+        FusedEstimate {
+            stiffness_n_per_m: SVector::repeat(230e3),
+            covariance,
+            changing: 0.2,
+            learned_s: 60.0,
+        }
     }
 
     fn low(changing: f64) -> SingleWheelEstimate<f64> {
@@ -115,7 +126,7 @@ mod tests {
         assert!((shared.stiffness_n_per_m[0] - 230e3).abs() < 12.0);
         for incoherence in [1e-3, 0.1, 2.0, f64::NAN] {
             let mut resting = belief();
-            low(SNR_FULL).blend(&mut resting, 0, incoherence, (0.0, 0.0));
+            low(NOTICED).blend(&mut resting, 0, incoherence, (0.0, 0.0));
             assert_eq!(resting, belief());
         }
     }

@@ -1,0 +1,70 @@
+//! What a measurement of one side looks like to the belief: the residual of a frame with its derivatives, what is expected of
+//! it, and the record of what an update made of it.
+
+use nalgebra::{Complex, SMatrix, SVector};
+
+use super::state::SIDE_SIZE;
+use crate::real::Real;
+
+/// Spectral bins of a frame.
+pub(crate) const BINS: usize = 5;
+/// Real numbers in a frame's residual: real and imaginary part of every bin.
+pub(crate) const ROWS: usize = 2 * BINS;
+/// Share of a frame's log-likelihood that counts: frames overlap by half.
+pub(crate) const OVERLAP: f64 = 0.5;
+
+/// Rows and columns over a side's quantities.
+pub(crate) type Gram<T> = SMatrix<T, SIDE_SIZE, SIDE_SIZE>;
+pub(crate) type Score<T> = SVector<T, SIDE_SIZE>;
+/// Derivatives of a residual by a side's quantities.
+pub(crate) type Slope<T> = SMatrix<T, ROWS, SIDE_SIZE>;
+
+/// Residual of a frame, linearized at a state: what front and rear reconstruct of one road, front less rear.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct AxleResidual<T: Real> {
+    /// Prefit residual in m/s: real parts of all bins, then imaginary parts.
+    pub(crate) rows: SVector<T, ROWS>,
+    pub(crate) slope: Slope<T>,
+    /// Road velocity of every bin, mean of the axles.
+    pub(crate) common: [Complex<T>; BINS],
+    /// Road power of every bin, mean of the axles.
+    pub(crate) road_power: [T; BINS],
+}
+
+/// What is expected of a frame, and what it is worth.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Expectation<T: Real> {
+    /// Power of the residual, per bin.
+    pub(crate) power: [T; BINS],
+    /// Information about the side's quantities.
+    pub(crate) information: Gram<T>,
+}
+
+/// A frame of one side as the belief takes it.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct SideMeasurement<T: Real> {
+    /// 0: left, 1: right.
+    pub(crate) side: usize,
+    pub(crate) expected: Expectation<T>,
+    /// Derivatives taken from the road that both axles agree on, free of what differs between them.
+    pub(crate) instrument: Slope<T>,
+    /// How much of the frame counts, 0 to 1.
+    pub(crate) weight: T,
+    /// Seconds of incoherence by which the belief about the side's tires fades before the update.
+    pub(crate) incoherent_s: T,
+}
+
+/// What an update with a frame made of it, for the most likely hypothesis.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct UpdateRecord<T: Real> {
+    /// Before the update.
+    pub(crate) prefit: AxleResidual<T>,
+    /// Power of what remains over what was expected, per bin.
+    pub(crate) power_ratio: [T; BINS],
+    /// Squared Mahalanobis distance of the residual, its variance enlarged by `variance_scale`.
+    pub(crate) mahalanobis_sq: T,
+    /// Factor by which the residual's variance is larger than expected, at least one.
+    pub(crate) variance_scale: T,
+    /// How much of the frame counted, 0 to 1.
+    pub(crate) weight: T,
+}

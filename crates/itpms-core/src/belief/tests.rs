@@ -1,0 +1,303 @@
+//! The belief against textbook formulas: Kalman filter, information filter, exact enumeration of what may have happened.
+
+extern crate std;
+
+use std::vec::Vec;
+
+use nalgebra::SMatrix;
+// Where another crate of the build brings `std`, numbers have these functions by themselves.
+#[allow(unused_imports)]
+use nalgebra::ComplexField;
+
+use super::hypothesis_bank::{CONSTANT, HYPOTHESES, HypothesisBank, RANDOM_WALK};
+use super::measurement::{BINS, Gram, Score};
+use super::state::{
+    BAR, Covariance, GAIN, MASS, RATE, ROAD_BIAS, SIDE_SIZE, SIDE_TIRES, SIZE, State, TIRE, prior_sd,
+    read_compliance, return_rate, side_indices, wander_sd,
+};
+use super::update::{Likelihood, OwnCovariance};
+
+/// A bank in which every hypothesis has a share, each with a mean of its own.
+fn spread_out() -> HypothesisBank<f64> {
+    let mut bank = HypothesisBank::<f64>::new(&[0.05, -0.02, 0.0, 0.1]);
+    let weights = [0.6, 0.1, 0.04, 0.08, 0.02, 1e-4, 6e-5, 0.0999, 0.05994];
+    for (i, (hypothesis, weight)) in bank.hypotheses.iter_mut().zip(weights).enumerate() {
+        hypothesis.weight = weight;
+        for q in 0..SIZE {
+            hypothesis.mean[q] += 0.01 * (((3 * i + 5 * q) % 7) as f64 - 3.0);
+        }
+        if i == CONSTANT || i == RANDOM_WALK {
+            hypothesis.mean[RATE] = 0.0;
+            hypothesis.covariance.row_mut(RATE).fill(0.0);
+            hypothesis.covariance.column_mut(RATE).fill(0.0);
+        }
+    }
+    bank
+}
+
+/// A scalar update is the textbook's: P' = (P^-1 + h h^T/r)^-1, m' = m + P' h (innovation / r), for each hypothesis by itself.
+#[test]
+fn a_scalar_update_is_the_information_filters() {
+    let mut bank = HypothesisBank::<f64>::new(&[0.0; 4]);
+    for hypothesis in &mut bank.hypotheses {
+        hypothesis.covariance = correlated();
+    }
+    let before = bank.clone();
+    let h = State::<f64>::from_fn(|i, _| ((5 * i) % 9) as f64 / 9.0 - 0.3);
+    let (variance, measured) = (2e-3, 0.4);
+    bank.update(variance, |state| (h, measured - h.dot(state)));
+    for (after, before) in bank.hypotheses.iter().zip(&before.hypotheses) {
+        let inverse = before.covariance.try_inverse().unwrap();
+        let covariance = (inverse + h * h.transpose() / variance).try_inverse().unwrap();
+        let mean = before.mean + covariance * h * ((measured - h.dot(&before.mean)) / variance);
+        assert!((after.covariance - covariance).amax() < 1e-12 * covariance.amax());
+        assert!((after.mean - mean).amax() < 1e-11);
+        assert_eq!(after.weight, before.weight, "tells nothing about which holds");
+    }
+}
+
+/// The same with weights: each goes with the density of Student's t of four degrees of freedom at its own innovation.
+#[test]
+fn weights_follow_bayes_rule() {
+    let mut bank = spread_out();
+    let before = bank.clone();
+    let h = State::<f64>::from_fn(|i, _| if i == TIRE { 1.0 } else { 0.0 });
+    let (variance, measured) = (1e-3, 0.12);
+    bank.update_reweighted(variance, |state| (h, measured - state[TIRE]));
+    let density = |hypothesis: &super::Hypothesis<f64>| {
+        let total = hypothesis.covariance[(TIRE, TIRE)] + variance;
+        let t2 = (measured - hypothesis.mean[TIRE]).powi(2) / total;
+        (1.0 + t2 / 4.0).powf(-2.5) / total.sqrt()
+    };
+    let joint: Vec<f64> = before.hypotheses.iter().map(|h| h.weight * density(h)).collect();
+    let sum: f64 = joint.iter().sum();
+    for (after, joint) in bank.hypotheses.iter().zip(joint) {
+        assert!((after.weight - joint / sum).abs() < 1e-12);
+    }
+}
+
+/// Prediction merges what it cannot keep apart, which leaves mean and covariance of the whole as an exact enumeration has them: of
+/// every way from one hypothesis to another, each moved on by its own rate.
+#[test]
+fn prediction_agrees_with_exact_enumeration() {
+    let mut bank = spread_out();
+    let before = bank.clone();
+    let seconds = 0.1;
+    let rates = [0.3, 0.0, 0.1, 0.0];
+    bank.predict(seconds, [1.0, 0.7], &rates);
+
+    // Rates per second of docs/math/shared-road.md, section 6.
+    let end = 1.0 - (-0.5 * seconds).exp();
+    let begin = |to: usize| match to {
+        1..=4 => 2e-4 * seconds + rates[to - 1] * seconds,
+        5..=7 => 1e-6 * seconds * 0.7,
+        _ => 1e-8 * seconds * 0.7,
+    };
+    let join = 1e-2 * seconds * 0.7;
+    let changes = |to: usize, i: usize| to == i + 1 || to == 5 + i % 2 || to == 7;
+    // (weight, mean, covariance) after each way.
+    let mut ways = Vec::new();
+    let still = |h: &super::Hypothesis<f64>| h.without_rate();
+    for (from, hypothesis) in before.hypotheses.iter().enumerate() {
+        let w = hypothesis.weight;
+        if from == CONSTANT {
+            let stay = 1.0 - (1..HYPOTHESES).map(begin).sum::<f64>();
+            ways.push((CONSTANT, w * stay, hypothesis.clone()));
+            for to in 1..HYPOTHESES {
+                ways.push((to, w * begin(to), hypothesis.with_onset(to != RANDOM_WALK)));
+            }
+        } else {
+            ways.push((CONSTANT, w * end, still(hypothesis)));
+            ways.push((from, w * (1.0 - end), hypothesis.clone()));
+        }
+    }
+    // A wheel by itself is joined by its side, in addition to going on.
+    for from in 1..=4 {
+        let joined = still(&before.hypotheses[from]).with_onset(true);
+        ways.push((5 + (from - 1) % 2, before.hypotheses[from].weight * join, joined));
+    }
+    let (wander, back) = (wander_sd::<f64>(), return_rate::<f64>());
+    let total: f64 = ways.iter().map(|way| way.1).sum();
+    let (mut mean, mut square) = (State::<f64>::zeros(), Covariance::<f64>::zeros());
+    for (to, weight, hypothesis) in &ways {
+        let has_rate = *to != CONSTANT && *to != RANDOM_WALK;
+        let mut transition = Covariance::<f64>::identity();
+        for i in 0..4 {
+            if has_rate && changes(*to, i) {
+                transition[(TIRE + i, RATE)] = seconds;
+            }
+        }
+        let decay = Covariance::from_diagonal(&back.map(|rate| (-rate * seconds).exp()));
+        let mut noise = wander.component_mul(&wander) * seconds;
+        if has_rate {
+            noise[RATE] += 0.01 * seconds;
+        }
+        if *to == RANDOM_WALK {
+            (0..4).for_each(|i| noise[TIRE + i] += 0.06 * 0.06 * seconds);
+        }
+        // What wanders does so before the rate moves the tires.
+        let m = transition * decay * hypothesis.mean;
+        let p = decay * hypothesis.covariance * decay.transpose() + Covariance::from_diagonal(&noise);
+        let p = transition * p * transition.transpose();
+        mean += m * *weight / total;
+        square += (p + m * m.transpose()) * *weight / total;
+    }
+    let covariance = square - mean * mean.transpose();
+    let weights: f64 = bank.hypotheses.iter().map(|h| h.weight).sum();
+    assert!((weights - total).abs() < 1e-12, "{weights} {total}");
+    for i in TIRE..TIRE + 4 {
+        let (m, v) = bank.quantity(i);
+        // `quantity` takes the weights as they are.
+        let (m, v) = (m / weights, (v + m * m) / weights - (m / weights).powi(2));
+        assert!((m - mean[i]).abs() < 1e-12, "{i}: {m} {}", mean[i]);
+        assert!((v - covariance[(i, i)]).abs() < 1e-12, "{i}: {v} {}", covariance[(i, i)]);
+    }
+}
+
+/// Any belief with correlations: a sum of squares.
+fn correlated() -> Covariance<f64> {
+    let mixing = Covariance::<f64>::from_fn(|i, j| ((7 * i + 3 * j) % 11) as f64 / 11.0 - 0.4);
+    mixing * mixing.transpose() * 1e-3 + Covariance::identity() * 1e-3
+}
+
+/// A frame tells the same of a tire and of the bias of reading it: the short update against the information of all quantities,
+/// inverted whole.
+#[test]
+fn a_frame_tells_the_sum_of_tire_and_bias() {
+    let side = 1;
+    let mut bank = HypothesisBank::<f64>::new(&[0.0; 4]);
+    let hypothesis = &mut bank.hypotheses[0];
+    hypothesis.covariance = correlated();
+    let root = Gram::<f64>::from_fn(|i, j| ((5 * i + 2 * j) % 13) as f64 / 13.0 - 0.5);
+    let information = root * root.transpose() * 300.0;
+    let score = Score::<f64>::from_fn(|i, _| 10.0 * (i as f64 - 6.0));
+    let before = hypothesis.clone();
+    OwnCovariance::new(&hypothesis.covariance, side).learn(
+        hypothesis,
+        &score,
+        &information,
+        &with_mahalanobis_sq(1e6),
+        1.0,
+    );
+
+    let mut reads = SMatrix::<f64, SIDE_SIZE, SIZE>::zeros();
+    for (own, place) in side_indices(side).into_iter().enumerate() {
+        reads[(own, place)] = 1.0;
+    }
+    for (own, corner) in SIDE_TIRES.into_iter().zip([side, side + 2]) {
+        reads[(own, ROAD_BIAS + corner)] = 1.0;
+    }
+    let inverse = before.covariance.try_inverse().unwrap();
+    let covariance = (inverse + reads.transpose() * information * reads).try_inverse().unwrap();
+    let mean = before.mean + covariance * reads.transpose() * score;
+    assert!((hypothesis.covariance - covariance).amax() < 1e-10 * covariance.amax());
+    assert!((hypothesis.mean - mean).amax() < 1e-9 * mean.amax());
+    // So does the axle.
+    let mut state = State::zeros();
+    state[TIRE + 3] = 0.1;
+    state[ROAD_BIAS + 3] = -0.02;
+    assert!((read_compliance(&state, 3) - 1.08f64).abs() < 1e-15);
+}
+
+/// A frame whose residual has this squared Mahalanobis distance.
+fn with_mahalanobis_sq(mahalanobis_sq: f64) -> Likelihood<f64> {
+    Likelihood { log: 0.0, mahalanobis_sq, scale: 1.0, ratio: [1.0; BINS] }
+}
+
+/// A score that asks for a longer step than the residual is, as of instruments that followed no road, moves the mean as far as
+/// the residual and no farther, in the same direction; one that asks for less is left alone.
+#[test]
+fn no_step_is_longer_than_the_residual() {
+    let side = 0;
+    let moved = |times: f64, mahalanobis_sq: f64| {
+        let mut bank = HypothesisBank::<f64>::new(&[0.0; 4]);
+        let hypothesis = &mut bank.hypotheses[0];
+        hypothesis.covariance = correlated();
+        let before = hypothesis.clone();
+        let information = Gram::<f64>::identity() * 100.0;
+        let score = Score::<f64>::from_fn(|i, _| times * (i as f64 - 6.0));
+        let own = OwnCovariance::new(&hypothesis.covariance, side);
+        own.learn(hypothesis, &score, &information, &with_mahalanobis_sq(mahalanobis_sq), 1.0);
+        let step = hypothesis.mean - before.mean;
+        (step, step.dot(&(before.covariance.try_inverse().unwrap() * step)))
+    };
+    let (small, length) = moved(1.0, 10.0);
+    assert!(length > 0.0 && length < 10.0, "{length}");
+    let (large, length) = moved(1000.0, 10.0);
+    assert!((length - 10.0).abs() < 1e-9, "{length}");
+    assert!((large.normalize() - small.normalize()).amax() < 1e-12);
+}
+
+/// However long nothing is learned of a car, it stays one that its file may describe.
+#[test]
+fn days_without_measurements_end_where_they_began() {
+    let mut bank = HypothesisBank::<f64>::new(&[0.0; 4]);
+    let before = prior_sd::<f64>();
+    let constant = |bank: &HypothesisBank<f64>, i: usize| bank.hypotheses[0].covariance[(i, i)].sqrt();
+    bank.hypotheses[0].mean = State::repeat(0.01);
+    // Days of tenths of a second would take long; the return is exact for any step, what is added nearly so.
+    for _ in 0..4 * 24 * 360 {
+        bank.hypotheses[0].wander(10.0);
+    }
+    for i in (MASS..RATE).filter(|i| *i != BAR + 1) {
+        let after = constant(&bank, i);
+        // The bias of reading is small at first.
+        let expected = if (ROAD_BIAS..ROAD_BIAS + 4).contains(&i) { 0.03 } else { before[i] };
+        assert!((after / expected - 1.0).abs() < 0.02, "{i}: {after} {expected}");
+        // Bars and gains take more than a day.
+        let most = if (BAR..GAIN + 2).contains(&i) { 0.3 } else { 0.02 };
+        assert!(bank.hypotheses[0].mean[i] < most * 0.01, "{i}");
+    }
+    assert!(constant(&bank, TIRE) > 0.3);
+}
+
+/// Where roads differ beliefs fade, those of a calibrated car a third as far, and only those of the side.
+#[test]
+fn a_calibrated_belief_fades_less() {
+    let grown = |calibrated| {
+        let mut bank = HypothesisBank::<f64>::new(&[0.0; 4]);
+        let before = bank.constant().1;
+        [0, 2].into_iter().for_each(|corner| bank.inflate(corner, 4.0, calibrated));
+        let after = bank.constant().1;
+        core::array::from_fn::<f64, 4, _>(|i| (after[TIRE + i].powi(2) - before[TIRE + i].powi(2)).sqrt())
+    };
+    for (calibrated, expected) in [(false, 0.06), (true, 0.02)] {
+        let [fl, fr, rl, rr] = grown(calibrated);
+        assert!((fl - expected).abs() < 1e-9 && (rl - expected).abs() < 1e-9, "{calibrated}: {fl} {rl}");
+        assert_eq!([fr, rr], [0.0; 2]);
+    }
+}
+
+/// A tire that seems softer than flat is flat, and the others are what they were; what is no number is not sound.
+#[test]
+fn no_tire_is_softer_than_flat() {
+    let softest = [3.0, 6.0, 3.0, 3.0];
+    let mut bank = HypothesisBank::<f64>::new(&[3.5, 5.0, 0.1, 0.0]);
+    let before = bank.hypotheses[0].clone();
+    bank.drop_impossible(&softest);
+    let constant = &bank.hypotheses[0];
+    assert_eq!(constant.mean.as_slice()[..4], [3.0, 5.0, 0.1, 0.0]);
+    assert!((constant.covariance[(0, 0)] - before.covariance[(0, 0)] - 0.25).abs() < 1e-12);
+    assert!(bank.is_sound(&softest));
+    bank.hypotheses[0].mean[1] = f64::NAN;
+    bank.drop_impossible(&softest);
+    assert!(!bank.is_sound(&softest));
+}
+
+/// Two of a side or all four may lose pressure together, but axles that leave each other's track must not look like filled tires.
+#[test]
+fn several_are_not_filled_while_they_roll() {
+    const SEVERAL: [usize; 3] = [5, 6, 7];
+    let cases = [(0.05, true), (-0.05, false), (f64::NAN, false)];
+    for (several, (rate, followed)) in
+        SEVERAL.into_iter().flat_map(|hypothesis| cases.map(|case| (hypothesis, case)))
+    {
+        let mut bank = HypothesisBank::<f64>::new(&[0.0; 4]);
+        bank.hypotheses[0].weight = 0.1;
+        bank.hypotheses[several].weight = 0.9;
+        bank.hypotheses[several].mean[RATE] = rate;
+        bank.drop_impossible(&[3.0; 4]);
+        let expected = if followed { [0.1, 0.9] } else { [1.0, 0.0] };
+        assert_eq!([bank.hypotheses[0].weight, bank.hypotheses[several].weight], expected, "{rate}");
+    }
+}

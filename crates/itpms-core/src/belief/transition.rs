@@ -1,0 +1,160 @@
+//! How one hypothesis becomes another as time goes by: changes of pressure begin, go on, are joined and end
+//! (docs/math/shared-road.md, section 6).
+
+use super::gaussian::Hypothesis;
+use super::hypothesis_bank::{CONSTANT, HYPOTHESES, HypothesisBank, RANDOM_WALK, SIDE, changing, has_rate};
+use super::mixture::Mixture;
+use super::state::{RATE, TIRE};
+use crate::real::Real;
+
+/// Chance per second that each begins.
+const BEGIN: [f64; HYPOTHESES] = [0.0, 2e-4, 2e-4, 2e-4, 2e-4, 1e-6, 1e-6, 1e-6, 1e-8];
+/// Chance per second that a wheel which loses pressure is joined by the other one of its side: a kerb meets both. Share of the
+/// side's own weight below which that is not looked at.
+const JOIN: f64 = 1e-2;
+const NOTICED: f64 = 1e-3;
+/// Chance per second that a movement ends.
+const END: f64 = 0.5;
+/// Growth of the rate's sd per square root of a second.
+const RATE_WANDER: f64 = 0.1;
+/// Growth per square root of a second of each compliance's sd while wheels wander.
+const LOOSE_SD: f64 = 0.06;
+/// Chance that a tire was filled or let down during a stop, and the sd of its compliance then.
+const FILLED: f64 = 1e-3;
+const FILLED_SD: f64 = 0.15;
+/// Weight below which a mode begins anew.
+const FORGOTTEN: f64 = 1e-20;
+/// Largest chance of a step that a suspected wheel begins to move.
+const LARGEST_CHANCE: f64 = 0.2;
+
+impl<T: Real> HypothesisBank<T> {
+    /// Moves on by `seconds`; `liveliness` multiplies the chances that one wheel, and that several, begin to move;
+    /// `suspected` are chances per second that each wheel does that somebody else has reason to believe in.
+    pub(super) fn predict(&mut self, seconds: T, onset_scale: [T; 2], onset_rates: &[T; 4]) {
+        self.mix(seconds, onset_scale, onset_rates);
+        for (index, hypothesis) in self.hypotheses.iter_mut().enumerate() {
+            hypothesis.wander(seconds);
+            if index == RANDOM_WALK {
+                for i in 0..4 {
+                    hypothesis.covariance[(TIRE + i, TIRE + i)] += T::lit(LOOSE_SD * LOOSE_SD) * seconds;
+                }
+            }
+            if !has_rate(index) {
+                continue;
+            }
+            hypothesis.covariance[(RATE, RATE)] += T::lit(RATE_WANDER * RATE_WANDER) * seconds;
+            let changing = changing::<T>(index);
+            for (i, &moved) in changing.iter().enumerate() {
+                let by = moved * seconds;
+                let change = by * hypothesis.mean[RATE];
+                hypothesis.mean[TIRE + i] += change;
+                let row = hypothesis.covariance.row(RATE) * by;
+                let mut target = hypothesis.covariance.row_mut(TIRE + i);
+                target += row;
+                let column = hypothesis.covariance.column(RATE) * by;
+                let mut target = hypothesis.covariance.column_mut(TIRE + i);
+                target += column;
+            }
+        }
+    }
+
+    fn mix(&mut self, seconds: T, onset_scale: [T; 2], onset_rates: &[T; 4]) {
+        let end = T::one() - (-T::lit(END) * seconds).exp();
+        let mut begin = [T::zero(); HYPOTHESES];
+        let mut stay = T::one();
+        for hypothesis in 1..HYPOTHESES {
+            begin[hypothesis] =
+                T::lit(BEGIN[hypothesis]) * seconds * onset_scale[usize::from(hypothesis >= SIDE)];
+            if hypothesis < SIDE {
+                begin[hypothesis] += (onset_rates[hypothesis - 1] * seconds).min(T::lit(LARGEST_CHANCE));
+            }
+            stay -= begin[hypothesis];
+        }
+        // In place: a copy of all modes is more than a controller's stack has room for. The quiet mode comes last, as every
+        // other begins from it, and single wheels after those that they join.
+        let still = self.still(stay, end);
+        for (hypothesis, &begin) in begin.iter().enumerate().skip(SIDE) {
+            self.go_on(hypothesis, end, begin);
+        }
+        let [_, several] = onset_scale;
+        for wheel in 0..4 {
+            self.merge(wheel, T::lit(JOIN) * seconds * several);
+        }
+        for (hypothesis, &begin) in begin.iter().enumerate().take(SIDE).skip(1) {
+            self.go_on(hypothesis, end, begin);
+        }
+        self.hypotheses[CONSTANT] = still;
+    }
+
+    /// What moves no more: what did not and of which this share stays so, and of what did the share that ends.
+    fn still(&self, stay: T, end: T) -> Hypothesis<T> {
+        let mut still = Mixture::new();
+        still.add(self.hypotheses[CONSTANT].weight * stay, &self.hypotheses[CONSTANT]);
+        for changing in &self.hypotheses[1..] {
+            if changing.weight > T::lit(FORGOTTEN) {
+                still.add(changing.weight * end, &changing.without_rate());
+            }
+        }
+        still.into_hypothesis()
+    }
+
+    /// A movement goes on but for the share that ends, and by this chance what moved not begins to.
+    fn go_on(&mut self, hypothesis: usize, end: T, begin: T) {
+        let (constant, changing) = (&self.hypotheses[CONSTANT], &self.hypotheses[hypothesis]);
+        let mut with_onset = constant.with_onset(has_rate(hypothesis));
+        let stays = changing.weight * (T::one() - end);
+        let begins = constant.weight * begin;
+        // What nobody believes in is not followed.
+        self.hypotheses[hypothesis] = if stays > T::lit(FORGOTTEN) {
+            let mut going = Mixture::new();
+            going.add(stays, changing);
+            going.add(begins, &with_onset);
+            going.into_hypothesis()
+        } else {
+            with_onset.weight = begins;
+            with_onset
+        };
+    }
+
+    /// A wheel that loses pressure by itself is joined, by this chance, by the other one of its side.
+    fn merge(&mut self, wheel: usize, chance: T) {
+        let hypothesis = SIDE + wheel % 2;
+        let (alone, both) = (&self.hypotheses[wheel + 1], &self.hypotheses[hypothesis]);
+        let joins = alone.weight * chance;
+        if joins > T::lit(NOTICED) * both.weight {
+            let mut going = Mixture::new();
+            going.add(both.weight, both);
+            going.add(joins, &alone.without_rate().with_onset(has_rate(hypothesis)));
+            self.hypotheses[hypothesis] = going.into_hypothesis();
+        }
+    }
+
+    /// All tires may have become warmer or colder together: their compliances have so much more sd in common.
+    pub(super) fn change_temperature(&mut self, sd: &[T; 4]) {
+        for hypothesis in &mut self.hypotheses {
+            for i in 0..4 {
+                for j in 0..4 {
+                    hypothesis.covariance[(TIRE + i, TIRE + j)] += sd[i] * sd[j];
+                }
+            }
+        }
+    }
+
+    /// Moves on by `seconds` in which nobody watched: nothing moves any more. `filled`: somebody may have changed a
+    /// pressure.
+    pub(super) fn predict_gap(&mut self, seconds: T, filled: bool) {
+        self.collapse();
+        let constant = &mut self.hypotheses[CONSTANT];
+        constant.wander(seconds);
+        if filled {
+            let chance = T::lit(FILLED);
+            let mut loose = constant.clone();
+            for i in TIRE..TIRE + 4 {
+                loose.covariance[(i, i)] += T::lit(FILLED_SD * FILLED_SD);
+            }
+            loose.weight = chance;
+            constant.weight = T::one() - chance;
+            self.hypotheses[RANDOM_WALK] = loose;
+        }
+    }
+}

@@ -1,0 +1,237 @@
+//! Puts the sources of information in order: front and rear over the same road, and each corner's road spectrum, fused into one
+//! belief about the car (docs/math/shared-road.md). Data goes one way: entry, alignment, residual, belief, fused estimate.
+//!
+//! | module | idea |
+//! |---|---|
+//! | `pseudo_measurement` | what a corner's road spectrum tells of its tire, as a measurement of the belief |
+//! | `realign` | a speed whose scale changes, or that is late: the axles meet elsewhere than believed |
+//! | `single_wheel_estimate` | what a corner finds by itself, where front and rear hardly share a road |
+//! | `output` | stiffnesses and their covariance, as they are now |
+
+mod output;
+mod pseudo_measurement;
+mod realign;
+mod single_wheel_estimate;
+
+pub(super) use self::output::FusedEstimate;
+use self::realign::DelayDetection;
+pub(super) use self::single_wheel_estimate::SingleWheelEstimate;
+use crate::belief::state::{SKEW, SKEW_UNIT_S, State, WHEELBASE};
+use crate::belief::{Belief, ENOUGH_S, LONGEST_SILENCE_S, LONGEST_STEP_S, Onset};
+use crate::conditioning::GridSample;
+use crate::inter_axle::alignment::delay_search::Found;
+use crate::inter_axle::alignment::speed_latency::SpeedLatency;
+use crate::inter_axle::residual::model::{AxleFrame, Signals, linearize};
+use crate::inter_axle::residual::noise::within;
+use crate::inter_axle::{Aligned, HOP_S, InterAxle};
+use crate::model::{CalibrationError, CarConfig, QuarterCar, VehicleCalibration};
+use crate::real::Real;
+
+/// Incoherence near wheel hop at which changes of several tires begin half as often.
+const INCOHERENT: f64 = 0.02;
+/// Seconds of driving after which the shared road is given up if it was not found.
+const PATIENCE_S: f64 = 6.0;
+/// Sd in s of the first delay that was found.
+const FOUND_SD_S: f64 = 1e-3;
+
+/// See the [module](self).
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: Real + serde::Serialize",
+        deserialize = "T: Real + serde::Deserialize<'de>"
+    ))
+)]
+pub(super) struct Fusion<T: Real> {
+    inter_axle: InterAxle<T>,
+    belief: Belief<T>,
+    /// What each corner finds by itself, and when its spectrum last gave a pseudo-measurement.
+    single_wheel: [SingleWheelEstimate<T>; 4],
+    pseudo_measured_s: [f64; 4],
+    /// Where each side last found the other axle's road, when it looked for it anew.
+    detections: [Option<DelayDetection<T>>; 2],
+    speed_latency: SpeedLatency<T>,
+}
+
+impl<T: Real> Fusion<T> {
+    /// For a car with both corners of a side and a wheelbase; else there is nothing to fuse.
+    pub(super) fn new(config: &CarConfig<T>, sample_rate_hz: f64, grid_period_s: f64) -> Option<Self> {
+        Some(Self {
+            inter_axle: InterAxle::new(config, sample_rate_hz, grid_period_s)?,
+            belief: Belief::new(config),
+            single_wheel: [SingleWheelEstimate::silent(); 4],
+            pseudo_measured_s: [f64::NEG_INFINITY; 4],
+            detections: [None; 2],
+            speed_latency: SpeedLatency::new(),
+        })
+    }
+
+    /// Takes the time and the speed of the samples that follow.
+    pub(super) fn drive(&mut self, time_s: f64, speed_m_s: T) {
+        self.inter_axle.drive(time_s, speed_m_s);
+    }
+
+    /// Takes a grid step of a corner.
+    pub(super) fn push(&mut self, corner: usize, sample: &GridSample<T>) {
+        let Some(entry) = self.inter_axle.take(corner, sample) else { return };
+        let side = corner % 2;
+        match self.inter_axle.align(side, &entry, &self.belief) {
+            None => {}
+            Some(Aligned::FirstDelay(found)) => self.update_delay(side, &found),
+            Some(Aligned::Frame(frame, found)) => {
+                if let Some(frame) = frame {
+                    self.learn(side, &frame);
+                }
+                if let Some(found) = found {
+                    self.realign(side, found, entry.time_s);
+                }
+            }
+        }
+    }
+
+    /// Updates wheelbase and skew with the delay that was found first.
+    fn update_delay(&mut self, side: usize, found: &Found<T>) {
+        let (unit, [wheelbase, skew]) = (T::lit(SKEW_UNIT_S), found.used);
+        self.belief.update_scalar(T::lit(FOUND_SD_S * FOUND_SD_S), |state| {
+            let mut slope = State::zeros();
+            slope[WHEELBASE] = found.delay_s;
+            slope[SKEW + side] = unit;
+            let expected =
+                found.delay_s * (state[WHEELBASE] - wheelbase) + unit * (state[SKEW + side] - skew);
+            (slope, found.later_s - expected)
+        });
+    }
+
+    /// Predicts the belief to a frame and updates it.
+    fn learn(&mut self, side: usize, frame: &AxleFrame<T>) {
+        let Some(wheels) = self.inter_axle.wheels(side) else { return };
+        self.predict(frame.middle_s);
+        if let Some(time_s) = self.belief.checkpoint() {
+            self.inter_axle.pairs_mut().iter_mut().for_each(|pair| pair.checkpoint(time_s));
+        }
+        for corner in [side, side + 2] {
+            self.belief.drop_settled(corner, frame.middle_s);
+        }
+        self.inter_axle.set_delay(side, frame.delay_s);
+        let opposite = self.inter_axle.pair(1 - side);
+        let opposite_parts = opposite.is_parting();
+        let meanwhile = self.inter_axle.pair(side).found_meanwhile(opposite, frame.middle_s);
+        let state = self.belief.most_likely().mean;
+        let mut learned_s = 0.0;
+        if let Some(measured) = self.inter_axle.pair_mut(side).measure(frame, &wheels, &state, meanwhile) {
+            let at = |state: &State<T>| linearize(frame, Signals::Measured, &wheels, side, state);
+            if let Some(record) = self.belief.update(&measured.measurement, at)
+                && self.inter_axle.pair_mut(side).learn(frame, &measured, &record, opposite_parts)
+            {
+                learned_s = 0.5 * HOP_S;
+                self.inter_axle.learned();
+            }
+        }
+        self.belief.settle(learned_s);
+    }
+
+    fn predict(&mut self, time_s: f64) {
+        let pair = |corner: usize| self.inter_axle.pair(corner % 2);
+        // Hardly, where front and rear meet different roads.
+        let incoherence = pair(0).incoherence().max(pair(1).incoherence());
+        let rate = |i: usize| self.single_wheel[i].onset_rate(pair(i).lasting_incoherence());
+        let onset = Onset {
+            several_scale: within(incoherence, INCOHERENT),
+            rates: core::array::from_fn(rate),
+            longest_step_s: if self.inter_axle.spectral_only() { LONGEST_SILENCE_S } else { LONGEST_STEP_S },
+        };
+        self.belief.predict(time_s, &onset);
+    }
+
+    /// Drops the checkpoints and saves what is believed now.
+    fn checkpoint_anew(&mut self) {
+        if let Some(time_s) = self.belief.checkpoint_anew() {
+            self.inter_axle.pairs_mut().iter_mut().for_each(|pair| pair.checkpoint(time_s));
+        }
+    }
+
+    /// Restores the older checkpoint.
+    fn restore(&mut self) {
+        if let Some(time_s) = self.belief.restore() {
+            self.inter_axle.pairs_mut().iter_mut().for_each(|pair| pair.restore(time_s));
+        }
+    }
+
+    /// For some seconds sensors of the `suspected` corners may have been wrong: what was learned meanwhile is taken back, if it
+    /// contradicts what was known before.
+    pub(super) fn rollback(&mut self, suspected: [bool; 4]) {
+        if let Some(time_s) = self.belief.rollback(suspected) {
+            self.inter_axle.pairs_mut().iter_mut().for_each(|pair| pair.restore(time_s));
+            self.checkpoint_anew();
+        }
+    }
+
+    /// A corner's sensors were out of order.
+    pub(super) fn restart(&mut self, corner: usize) {
+        self.belief.restart_tire(corner);
+    }
+
+    /// Takes over the quarter car that a corner seems to be.
+    pub(super) fn set_load(&mut self, corner: usize, car: &QuarterCar<T>) {
+        self.inter_axle.set_load(corner, car, &self.belief);
+    }
+
+    /// Takes over what a corner finds by itself.
+    pub(super) fn set_single_wheel(&mut self, corner: usize, estimate: SingleWheelEstimate<T>) {
+        self.single_wheel[corner] = estimate;
+    }
+
+    /// A calibration begins with the next frame.
+    pub(super) fn begin_calibration(&mut self) {
+        self.belief.begin_calibration();
+    }
+
+    /// Says that a calibration goes on, or that it is over or there was none.
+    pub(super) fn set_calibrating(&mut self, active: bool) {
+        self.belief.set_calibrating(active);
+    }
+
+    /// What the last calibration taught.
+    pub(super) fn calibration(&self) -> Option<VehicleCalibration<T>> {
+        self.belief.calibration().copied()
+    }
+
+    /// Begins with what an earlier calibration taught.
+    ///
+    /// # Errors
+    /// A calibration of other corners or other placard pressures.
+    pub(super) fn load_calibration(
+        &mut self,
+        calibration: &VehicleCalibration<T>,
+    ) -> Result<(), CalibrationError> {
+        self.belief.load_calibration(calibration)
+    }
+
+    /// Whether a corner has a partner on its side.
+    pub(super) fn has_partner(&self, corner: usize) -> bool {
+        self.inter_axle.has_partner(corner)
+    }
+
+    /// Whether the belief is better than what the corners find by themselves: while the shared road may still be found, and
+    /// from then on.
+    pub(super) fn is_trusted(&self) -> bool {
+        self.learned_s() >= ENOUGH_S || self.inter_axle.travel().unshared_s() < PATIENCE_S
+    }
+
+    /// Seconds of shared road that the belief rests on; half a frame more, so that rounding does not decide when it is enough.
+    fn learned_s(&self) -> f64 {
+        self.belief.learned_s() + 0.25 * HOP_S
+    }
+
+    /// Whether a side's road is being learned from, and its incoherence.
+    pub(super) fn side(&self, side: usize) -> (bool, T) {
+        self.inter_axle.pair(side).state(self.inter_axle.travel().time_s())
+    }
+
+    /// Seconds by which the speed was found to be late.
+    pub(super) fn speed_latency_s(&self) -> f64 {
+        self.inter_axle.speed_latency_s()
+    }
+}

@@ -1,0 +1,61 @@
+//! What the fused belief says of the tires now (docs/math/shared-road.md).
+
+use nalgebra::{SMatrix, SVector};
+
+use super::Fusion;
+use crate::belief::LEAST_COMPLIANCE;
+use crate::real::Real;
+
+/// Share by which a tire's sd grows while it surely changes: hypotheses are few, leaks are not.
+const CHANGING_SD: f64 = 0.5;
+/// Sd of the tires' stiffness in the vehicle file, of all alike and of each by itself, as a share: what nobody can learn before
+/// a calibration.
+const FILE_SD: [f64; 2] = [0.015, 0.005];
+
+/// Stiffnesses of the car's tires.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::car) struct FusedEstimate<T: Real> {
+    /// Stiffnesses in N/m, in the order of the corners.
+    pub(in crate::car) stiffness_n_per_m: SVector<T, 4>,
+    pub(in crate::car) covariance: SMatrix<T, 4, 4>,
+    /// Probability that a pressure is changing.
+    pub(in crate::car) changing: T,
+    /// Seconds of shared road that it rests on.
+    pub(in crate::car) learned_s: T,
+}
+
+impl<T: Real> Fusion<T> {
+    /// What is believed now.
+    pub(in crate::car) fn estimate(&self) -> FusedEstimate<T> {
+        let age_s = self.inter_axle.travel().time_s() - self.belief.time_s();
+        let age_s = if age_s > 0.0 { T::lit(age_s.min(1.0)) } else { T::zero() };
+        // What is believed of a front tire is as old as the road under the rear wheel.
+        let delay_s = self.inter_axle.delay_s();
+        let ages = [age_s + delay_s[0], age_s + delay_s[1], age_s, age_s];
+        let (mean, mut covariance) = self.belief.tires(&ages);
+        let [all, each] =
+            if self.belief.is_calibrated() { [T::zero(); 2] } else { FILE_SD.map(|sd| T::lit(sd * sd)) };
+        covariance += SMatrix::from_fn(|i, j| if i == j { all + each } else { all });
+        let floor = T::lit(LEAST_COMPLIANCE);
+        let placard_n_per_m = &self.belief.scale().placard_n_per_m;
+        let stiffness = SVector::<T, 4>::from_fn(|i, _| placard_n_per_m[i] / (T::one() + mean[i]).max(floor));
+        let (changing_tires, changing) = self.belief.changing();
+        let by = SVector::<T, 4>::from_fn(|i, _| {
+            (T::one() + T::lit(CHANGING_SD) * changing_tires[i]) * stiffness[i]
+                / (T::one() + mean[i]).max(floor)
+        });
+        let mut estimate = FusedEstimate {
+            stiffness_n_per_m: stiffness,
+            covariance: SMatrix::from_fn(|i, j| by[i] * by[j] * covariance[(i, j)]),
+            changing,
+            learned_s: T::lit(self.learned_s()),
+        };
+        for (i, single_wheel) in self.single_wheel.iter().enumerate() {
+            let (bias, variance) = self.spectral_bias(i);
+            let file = (all + each) * single_wheel.stiffness_n_per_m * single_wheel.stiffness_n_per_m;
+            let incoherence = self.inter_axle.pair(i % 2).lasting_incoherence();
+            single_wheel.blend(&mut estimate, i, incoherence, (bias, variance + file));
+        }
+        estimate
+    }
+}

@@ -1,0 +1,78 @@
+//! Pseudo-measurements: what the spectrum of the road under a corner tells of its tire's stiffness
+//! (docs/math/shared-road.md, section 6).
+
+use super::Fusion;
+use crate::belief::state::{COMMON_BIAS, OWN_BIAS};
+use crate::belief::{LONGEST_SILENCE_S, LONGEST_STEP_S};
+use crate::real::Real;
+
+/// Speed in m/s from which a spectrum counts.
+const SLOWEST_M_S: f64 = 4.0;
+/// Logarithm of the speed over its mean at which a pseudo-measurement counts half: a spectrum that changes while it is taken
+/// tells little.
+const CHANGING: f64 = 0.15;
+/// Front and rear of a side see the same road, so their spectra tell half of what they seem to.
+const SAME_ROAD: f64 = 2.0;
+
+impl<T: Real> Fusion<T> {
+    /// Whether the road under a corner is heard over its sensors' noise, as far as the axles tell.
+    pub(in crate::car) fn has_signal(&self, corner: usize) -> bool {
+        self.inter_axle.pair(corner % 2).snr_weight() > T::zero()
+    }
+
+    /// Whether the car is too slow for spectra; not where the speed is unknown.
+    pub(in crate::car) fn is_slow(&self) -> bool {
+        self.inter_axle.travel().speed_m_s() < T::lit(SLOWEST_M_S)
+    }
+
+    /// Updates with the stiffness and its sd in N/m that a corner's road spectrum tells at a time. Where the speed is unknown
+    /// the corner has seen to it that nothing changes.
+    pub(in crate::car) fn update_spectral(
+        &mut self,
+        corner: usize,
+        time_s: f64,
+        stiffness_n_per_m: T,
+        sd_n_per_m: T,
+    ) {
+        let travel = self.inter_axle.travel();
+        let speed = Some(travel.speed_m_s()).filter(|speed| speed.is_finite());
+        let changing =
+            speed.map_or(T::zero(), |speed| (speed / travel.mean_speed_m_s()).ln() / T::lit(CHANGING));
+        let variance = T::lit(SAME_ROAD) * sd_n_per_m * sd_n_per_m * (T::one() + changing * changing);
+        if !self.has_signal(corner) || self.is_slow() {
+            return;
+        }
+        self.inter_axle.pair_mut(corner % 2).note_spectral_update();
+        if self.inter_axle.spectral_only() || !(time_s - self.belief.time_s() < LONGEST_STEP_S) {
+            self.predict(time_s);
+        }
+        let since_s = (time_s - self.pseudo_measured_s[corner]).clamp(0.0, LONGEST_SILENCE_S);
+        self.pseudo_measured_s[corner] = time_s;
+        let pair = self.inter_axle.pair(corner % 2);
+        if pair.spectral_only() {
+            self.belief.inflate_tire(corner, pair.fading() * T::lit(since_s));
+        }
+        if !variance.is_finite() {
+            return;
+        }
+        let scale = self.belief.scale().clone();
+        self.belief.update_reweighted(variance, |state| {
+            let (expected, slope) = scale.spectral_stiffness(corner, state);
+            (slope, stiffness_n_per_m - expected)
+        });
+    }
+
+    /// How much too stiff a corner's road spectrum reads, in N/m, and the variance of that.
+    pub(super) fn spectral_bias(&self, corner: usize) -> (T, T) {
+        let unit = self.belief.scale().pressures_part_n_per_m(corner);
+        let (common, own) = (self.belief.quantity(COMMON_BIAS), self.belief.quantity(OWN_BIAS + corner));
+        (unit * (common.0 + own.0), unit * unit * (common.1 + own.1))
+    }
+
+    /// What a corner's road spectrum is expected to tell: stiffness and sd in N/m.
+    pub(in crate::car) fn expected_spectral(&self, corner: usize) -> (T, T) {
+        let hypothesis = self.belief.most_likely();
+        let (expected, slope) = self.belief.scale().spectral_stiffness(corner, &hypothesis.mean);
+        (expected, slope.dot(&(hypothesis.covariance * slope)).max(T::zero()).sqrt())
+    }
+}
