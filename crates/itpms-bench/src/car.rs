@@ -3,12 +3,11 @@
 
 use std::sync::Arc;
 
-use itpms_core::car::{CarEstimate, CarEstimator};
+use itpms_core::car::{CarEstimate, CarEstimator, EstimatorOptions, RoadHeights};
 use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::{CarConfig, CarSample, CornerConfig, CornerSample, QuarterCar};
-use itpms_core::monitor::{Monitor, MonitoredCar};
+use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::real::Real;
-use itpms_core::warning::MonitorConfig;
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::Simulation;
 
@@ -59,10 +58,7 @@ pub fn told<T: Real>() -> CarConfig<T> {
 /// The estimator and its monitor as they are shipped.
 #[must_use]
 pub fn shipped<T: Real>(rate_hz: f64) -> MonitoredCar<T> {
-    let config = told();
-    let estimator = CarEstimator::new(EstimatorKind::Informed, &config, rate_hz).expect("the drives' car");
-    let monitor = Monitor::new(&MonitorConfig::new(&config), rate_hz).expect("the drives' car");
-    MonitoredCar::new(estimator, monitor)
+    MonitoredCar::new(&MonitorConfig::new(&told()), rate_hz).expect("the drives' car")
 }
 
 /// A simulated sample as the estimator takes it.
@@ -98,17 +94,19 @@ impl<T: Real> RunningCar<T> {
         if extent == Extent::CornersAlone {
             config.wheelbase_m = None;
         }
-        let mut estimator =
-            CarEstimator::new(EstimatorKind::Informed, &config, rate_hz).expect("the drives' car");
-        if extent != Extent::Everything {
-            estimator = estimator.without_road();
-        }
+        let heights =
+            if extent == Extent::Everything { RoadHeights::Estimated } else { RoadHeights::LeftOut };
         let car = match extent {
             Extent::Everything | Extent::WithoutRoad => {
-                let monitor = Monitor::new(&MonitorConfig::new(&config), rate_hz).expect("the drives' car");
-                Car::Monitored(Box::new(MonitoredCar::new(estimator, monitor)))
+                let options = EstimatorOptions { road_heights: heights, ..EstimatorOptions::default() };
+                let config = MonitorConfig::new(&config).with_options(options);
+                Car::Monitored(Box::new(MonitoredCar::new(&config, rate_hz).expect("the drives' car")))
             }
-            Extent::WithoutRoadAndMonitor | Extent::CornersAlone => Car::Bare(Box::new(estimator)),
+            Extent::WithoutRoadAndMonitor | Extent::CornersAlone => {
+                let estimator =
+                    CarEstimator::new(EstimatorKind::Informed, &config, rate_hz).expect("the drives' car");
+                Car::Bare(Box::new(estimator.without_road()))
+            }
         };
         let samples = rows.map(|row| taken(&row.car_sample())).collect();
         let mut running = Self { car, samples, next: 0, rate_hz };

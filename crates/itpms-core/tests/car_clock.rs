@@ -5,11 +5,11 @@ mod common;
 
 use std::sync::LazyLock;
 
-use common::car_ride::{CarRide, RATE_HZ, car, config};
+use common::car_ride::{CarRide, RATE_HZ, config};
 use itpms_core::car::CarEstimate;
 use itpms_core::model::{CarSample, Corner, VehicleCalibration};
-use itpms_core::monitor::{Monitor, MonitoredCar};
-use itpms_core::warning::{MonitorConfig, MonitorReport};
+use itpms_core::monitor::{MonitorConfig, MonitoredCar};
+use itpms_core::warning::MonitorReport;
 
 /// A reset is begun with the first sample and lasts so long.
 const RESET_S: f64 = 12.0;
@@ -32,8 +32,7 @@ impl Driven {
     /// The drive with other stamps.
     fn with(stamp: impl Fn(usize, f64) -> f64) -> Self {
         let config = config::<f64>();
-        let monitor = Monitor::new(&MonitorConfig::new(&config), RATE_HZ).unwrap();
-        let mut car = Box::new(MonitoredCar::new(car(&config), monitor));
+        let mut car = Box::new(MonitoredCar::new(&MonitorConfig::new(&config), RATE_HZ).unwrap());
         car.begin_calibration(RESET_S).unwrap();
         let said = ROWS.iter().enumerate().map(|(k, row)| {
             let estimate = car.update(&CarSample { time_s: stamp(k, row.time_s), ..*row });

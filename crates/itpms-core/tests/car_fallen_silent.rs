@@ -9,8 +9,8 @@ use std::sync::LazyLock;
 use common::car_ride::{CarRide, RATE_HZ, car, config, drive};
 use itpms_core::car::CarEstimate;
 use itpms_core::model::{CarSample, Corner, CornerSample};
-use itpms_core::monitor::{Monitor, MonitoredCar};
-use itpms_core::warning::{MonitorConfig, WheelState};
+use itpms_core::monitor::{MonitorConfig, MonitoredCar};
+use itpms_core::warning::WheelState;
 
 /// The front left tire loses 90 kPa in two seconds.
 fn pressure_kpa(time_s: f64) -> [f64; 4] {
@@ -93,8 +93,7 @@ fn words_go_on_where_the_axles_no_longer_share_a_road() {
 }
 
 fn monitored() -> MonitoredCar<f64> {
-    let config = config::<f64>();
-    MonitoredCar::new(car(&config), Monitor::new(&MonitorConfig::new(&config), RATE_HZ).unwrap())
+    MonitoredCar::new(&MonitorConfig::new(&config()), RATE_HZ).unwrap()
 }
 
 /// What a car that was fine for 15 s says while `rows` follow.

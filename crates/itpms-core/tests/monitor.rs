@@ -2,13 +2,12 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use itpms_core::car::{CarEstimate, TrackState};
+use itpms_core::conditioning::SampleClock;
 use itpms_core::model::{
     CarConfig, CarSample, Corner, CornerConfig, CornerEstimate, CornerSample, Diagnostics, Validity, Warning,
 };
-use itpms_core::monitor::Monitor;
-use itpms_core::warning::{
-    Cause, Change, Doubt, Limits, MonitorConfig, MonitorReport, Regulation, WheelState,
-};
+use itpms_core::monitor::{Monitor, MonitorConfig};
+use itpms_core::warning::{Cause, Change, Doubt, Limits, MonitorReport, Regulation, WheelState};
 
 /// Steps per second of the made-up drives.
 const RATE_HZ: f64 = 20.0;
@@ -78,6 +77,7 @@ fn estimate(time_s: f64, said: &Said) -> CarEstimate<f64> {
 /// A drive of made-up estimates, with sensors that move (each by itself: nothing is concluded from them together).
 struct Drive {
     monitor: Monitor<f64>,
+    clock: SampleClock<f64>,
     step: u32,
 }
 
@@ -87,7 +87,11 @@ impl Drive {
     }
 
     fn with(config: MonitorConfig<f64>) -> Self {
-        Self { monitor: Monitor::new(&config, RATE_HZ).unwrap(), step: 0 }
+        Self {
+            monitor: Monitor::new(&config, RATE_HZ).unwrap(),
+            clock: SampleClock::new(RATE_HZ).unwrap(),
+            step: 0,
+        }
     }
 
     fn time_s(&self) -> f64 {
@@ -107,8 +111,9 @@ impl Drive {
             let corner = CornerSample { body_accel_m_s2: wiggle, wheel_accel_m_s2: 2.0 * wiggle };
             let corners = [Some(corner); 4];
             let time_s = self.time_s();
-            self.monitor.screen(&CarSample { time_s, speed_m_s: said.speed_m_s, corners });
-            assert!(self.monitor.judge(&mut estimate(time_s, said)).is_empty());
+            let at = self.clock.take(time_s, said.speed_m_s);
+            self.monitor.screen(&at, &CarSample { time_s, speed_m_s: said.speed_m_s, corners });
+            assert!(self.monitor.judge(&at, &mut estimate(time_s, said)).is_empty());
             if stop(self.monitor.report()) {
                 return Some(time_s);
             }
@@ -241,8 +246,9 @@ fn a_broken_clock_does_not_stop_the_monitor() {
         let corner = CornerSample { body_accel_m_s2: 0.1, wheel_accel_m_s2: 0.2 };
         let sample = CarSample { time_s: broken_s, speed_m_s: 20.0, corners: [Some(corner); 4] };
         drive.monitor.begin_calibration(10.0).unwrap();
-        drive.monitor.screen(&sample);
-        drive.monitor.judge(&mut estimate(broken_s, &low(190.0)));
+        let at = drive.clock.take(broken_s, 20.0);
+        drive.monitor.screen(&at, &sample);
+        drive.monitor.judge(&at, &mut estimate(broken_s, &low(190.0)));
         assert!(drive.monitor.report().alerts().next().is_none());
         let reported_s = drive.until(20.0, &low(190.0), |report| report.alerts().next().is_some());
         assert!(reported_s.is_some_and(|reported_s| reported_s < 10.0), "{broken_s}: {reported_s:?}");
@@ -253,14 +259,16 @@ fn a_broken_clock_does_not_stop_the_monitor() {
 fn without_a_speed_a_parked_car_is_not_stuck_and_one_sensor_of_a_driven_one_is() {
     let stuck = |changing: usize| {
         let mut monitor = Monitor::new(&MonitorConfig::new(&car()), RATE_HZ).unwrap();
+        let mut clock = SampleClock::new(RATE_HZ).unwrap();
         for step in 0..200 {
             let wiggle = 0.1 * f64::from(step % 7);
             let value = |sensor: usize| if sensor < changing { wiggle } else { 0.3 };
             let corner = |i| CornerSample { body_accel_m_s2: value(i), wheel_accel_m_s2: value(4 + i) };
             let corners = [0, 1, 2, 3].map(|i| Some(corner(i)));
             let time_s = f64::from(step) / RATE_HZ;
-            monitor.screen(&CarSample { time_s, speed_m_s: f64::NAN, corners });
-            monitor.judge(&mut estimate(time_s, &FINE));
+            let at = clock.take(time_s, f64::NAN);
+            monitor.screen(&at, &CarSample { time_s, speed_m_s: f64::NAN, corners });
+            monitor.judge(&at, &mut estimate(time_s, &FINE));
         }
         let report = monitor.report();
         report.alerts().filter(|alert| alert.to_string().contains("stuck")).count()
@@ -427,7 +435,8 @@ fn a_saved_monitor_goes_on_as_if_nothing_had_been() {
     drive.on(20.0, &low(205.0));
     drive.on(0.6, &low(185.0));
     let bytes = postcard::to_allocvec(&drive.monitor).unwrap();
-    let mut again = Drive { monitor: postcard::from_bytes(&bytes).unwrap(), step: drive.step };
+    let monitor = postcard::from_bytes(&bytes).unwrap();
+    let mut again = Drive { monitor, clock: drive.clock, step: drive.step };
     again.on(5.0, &low(185.0));
     drive.on(5.0, &low(185.0));
     // By their bytes: what is not known yet is NaN, and that is not equal to itself.

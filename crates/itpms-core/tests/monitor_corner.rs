@@ -4,20 +4,16 @@
 mod common;
 
 use common::ride::{Ride, Row};
-use itpms_core::car::CarEstimator;
 use itpms_core::diagnosis::Malfunction;
-use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::{CarConfig, CarSample, CornerConfig, CornerEstimate, CornerSample, Warning};
-use itpms_core::monitor::{Monitor, MonitoredCar};
-use itpms_core::warning::{Cause, MonitorConfig, MonitorReport};
+use itpms_core::monitor::{MonitorConfig, MonitoredCar};
+use itpms_core::warning::{Cause, MonitorReport};
 
 /// One corner under its monitor.
 fn watched(rows: &[Row], rate_hz: f64) -> Vec<(CornerEstimate<f64>, MonitorReport<f64>)> {
     let corners = [Some(CornerConfig::paper()), None, None, None];
     let config = CarConfig { corners, wheelbase_m: Some(2.7) };
-    let estimator = CarEstimator::new(EstimatorKind::Informed, &config, rate_hz).unwrap();
-    let monitor = Monitor::new(&MonitorConfig::new(&config), rate_hz).unwrap();
-    let mut car = MonitoredCar::new(estimator, monitor);
+    let mut car = MonitoredCar::new(&MonitorConfig::new(&config), rate_hz).unwrap();
     let feed = |row: &Row| {
         let corner = CornerSample { body_accel_m_s2: row.body, wheel_accel_m_s2: row.wheel };
         let corners = [Some(corner), None, None, None];

@@ -3,12 +3,12 @@
 //! Owned by the engine, which hands it row after row. Knows nothing of sources, threads and outputs: the same rows give the
 //! same estimates, here and in `itpms estimate`.
 
-use itpms_core::car::{CarEstimate, CarEstimator};
+use itpms_core::car::{CarEstimate, EstimatorOptions};
 use itpms_core::conditioning::Odometer;
 use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::{Corner, VehicleCalibration};
-use itpms_core::monitor::{Monitor, MonitoredCar};
-use itpms_core::warning::{Change, MonitorConfig, MonitorReport, Regulation};
+use itpms_core::monitor::{MonitorConfig, MonitoredCar};
+use itpms_core::warning::{Change, MonitorReport, Regulation};
 use itpms_data::log::UnitCheck;
 use itpms_data::out::RateGate;
 use itpms_data::{LogRow, Vehicle};
@@ -96,14 +96,14 @@ impl Drive {
     pub fn new(vehicle: &Vehicle, clock: Clock, options: &DriveOptions) -> Result<Self, LiveError> {
         let config = vehicle.car_config(&clock.corners);
         let refused = |error: &dyn std::fmt::Display| LiveError::Refused(error.to_string());
-        let mut car = CarEstimator::new(options.estimator, &config, clock.sample_rate_hz)
-            .map_err(|error| refused(&error))?;
-        if let Some(reference) = &options.reference {
-            car = car.with_calibration(reference).map_err(|error| refused(&error))?;
+        let config = MonitorConfig::new(&config)
+            .with_limits(options.regulation.into())
+            .with_options(EstimatorOptions { estimator: options.estimator, ..EstimatorOptions::default() });
+        let car = MonitoredCar::new(&config, clock.sample_rate_hz).map_err(|error| refused(&error))?;
+        let mut car = Box::new(car);
+        if let Some(calibration) = &options.reference {
+            car.load_calibration(calibration).map_err(|error| refused(&error))?;
         }
-        let told = MonitorConfig::new(&config).with_limits(options.regulation.into());
-        let monitor = Monitor::new(&told, clock.sample_rate_hz).map_err(|error| refused(&error))?;
-        let mut car = Box::new(MonitoredCar::new(car, monitor));
         if let Some(seconds) = options.calibrate_s {
             car.begin_calibration(seconds).map_err(|error| refused(&error))?;
         }

@@ -1,11 +1,9 @@
 //! Sensors that show gravity: a car on a road so rough that its wheels leave it is read as if they did not.
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
-use itpms_core::car::{CarEstimate, CarEstimator};
-use itpms_core::estimator::EstimatorKind;
+use itpms_core::car::CarEstimate;
 use itpms_core::model::CarConfig;
-use itpms_core::monitor::{Monitor, MonitoredCar};
-use itpms_core::warning::MonitorConfig;
+use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_sim::road::{RoadClass, RoadSpec};
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::Simulation;
@@ -20,9 +18,7 @@ fn shown(gravity_m_s2: f64) -> Vec<CarEstimate<f64>> {
     for (corner, _) in scenario.corner.iter() {
         config.corners[corner.index()] = Some(scenario.corner_config(corner).unwrap());
     }
-    let estimator = CarEstimator::new(EstimatorKind::Informed, &config, scenario.rate_hz).unwrap();
-    let monitor = Monitor::new(&MonitorConfig::new(&config), scenario.rate_hz).unwrap();
-    let mut car = Box::new(MonitoredCar::new(estimator, monitor));
+    let mut car = Box::new(MonitoredCar::new(&MonitorConfig::new(&config), scenario.rate_hz).unwrap());
     let mut seconds = vec![];
     for (i, row) in Simulation::new(&scenario, 1).unwrap().enumerate() {
         let mut sample = row.car_sample();

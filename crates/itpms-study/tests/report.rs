@@ -4,9 +4,10 @@
 mod synthetic;
 
 use itpms_core::car::{CarEstimate, TrackState};
+use itpms_core::conditioning::SampleClock;
 use itpms_core::model::{CarConfig, Corner, CornerConfig, CornerEstimate, Diagnostics, Validity, Warning};
-use itpms_core::monitor::Monitor;
-use itpms_core::warning::{MonitorConfig, WheelState};
+use itpms_core::monitor::{Monitor, MonitorConfig};
+use itpms_core::warning::WheelState;
 use itpms_study::report::{
     CornerRow, Provenance, ReportCollector, ReportData, ReportOptions, headline, render_report, write_report,
 };
@@ -195,6 +196,7 @@ fn monitored(origin_s: f64) -> ReportData {
     let corners = [Some(CornerConfig::paper()); 4];
     let car = CarConfig { corners, wheelbase_m: Some(2.7) };
     let mut monitor = Monitor::new(&MonitorConfig::new(&car), 100.0).unwrap();
+    let mut clock = SampleClock::new(100.0).unwrap();
     let mut collector = ReportCollector::new(&corners, ReportOptions::default());
     for k in 0..6000u32 {
         let time_s = origin_s + f64::from(k) * 0.01;
@@ -207,7 +209,7 @@ fn monitored(origin_s: f64) -> ReportData {
             correlation: [[0.0; 4]; 4],
             tracks: [TrackState { shared: false, incoherence: f64::NAN }; 2],
         };
-        monitor.judge(&mut estimate);
+        monitor.judge(&clock.take(time_s, f64::NAN), &mut estimate);
         collector.push_report(monitor.report());
         let row = |estimate| CornerRow { estimate, truth_kpa: f64::NAN, truth_road_m: f64::NAN };
         collector.push(time_s, 20.0, &estimate.corners.map(|corner| corner.map(row)));

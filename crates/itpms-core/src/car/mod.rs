@@ -2,17 +2,16 @@
 //! together on the road they share.
 //!
 //! Called by the binary, the studies, the monitor and controllers. A corner without a partner on its side is estimated
-//! as by [`Estimator`]; nothing else here knows how many wheels a car has.
+//! as by [`Estimator`](crate::estimator::Estimator); nothing else here knows how many wheels a car has.
 
 mod fusion;
 
 use self::fusion::{FusedEstimate, Fusion, SingleWheelEstimate};
-use crate::conditioning::SpeedHold;
-use crate::conditioning::clock::SteadyClock;
-use crate::estimator::{Estimator, EstimatorKind, FusedStiffness, RoadRepetition};
+use crate::conditioning::{Moment, SampleClock, SampleCounts};
+use crate::estimator::{CornerEstimator, EstimatorKind, FusedStiffness, RoadRepetition};
 use crate::model::{
     CalibrationError, CarConfig, CarSample, Corner, CornerEstimate, ParameterError, QuarterCar,
-    VehicleCalibration, positive,
+    VehicleCalibration,
 };
 use crate::real::Real;
 
@@ -27,6 +26,31 @@ pub enum Sources {
     Spectrum,
     /// From the shared road alone.
     SharedRoad,
+}
+
+/// Whether the height of the road under each wheel is estimated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum RoadHeights {
+    /// It is, with every sample.
+    #[default]
+    Estimated,
+    /// It is not, and its time is saved: see [`Estimator::without_road`](crate::estimator::Estimator::without_road).
+    LeftOut,
+}
+
+/// Which estimator a car uses, and how.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct EstimatorOptions {
+    /// Which estimator.
+    pub estimator: EstimatorKind,
+    /// From where the pressure may be learned.
+    pub sources: Sources,
+    /// What is known of the road repeating itself, as on a test bed.
+    pub road_repetition: RoadRepetition,
+    /// Whether road heights are estimated.
+    pub road_heights: RoadHeights,
 }
 
 /// What is known of the car after a sample.
@@ -74,9 +98,8 @@ impl<T: Real> TrackState<T> {
 pub struct CarEstimator<T: Real> {
     kind: EstimatorKind,
     sources: Sources,
-    clock: SteadyClock,
-    speed: SpeedHold<T>,
-    corners: [Option<Estimator<T>>; 4],
+    clock: SampleClock<T>,
+    corners: [Option<CornerEstimator<T>>; 4],
     fusion: Option<Fusion<T>>,
     /// When the reset that is under way ends, and how long it lasts if it has not begun.
     calibration_s: Option<f64>,
@@ -94,14 +117,13 @@ impl<T: Real> CarEstimator<T> {
         config: &CarConfig<T>,
         sample_rate_hz: f64,
     ) -> Result<Self, ParameterError> {
-        let sample_rate_hz = positive("sample_rate_hz", sample_rate_hz)?;
         let mut corners = [const { None }; 4];
         for (corner, config) in corners.iter_mut().zip(&config.corners) {
             if let Some(config) = config {
-                *corner = Some(Estimator::new(kind, config, sample_rate_hz)?);
+                *corner = Some(CornerEstimator::new(kind, config, sample_rate_hz)?);
             }
         }
-        let grid_period_s = corners.iter().flatten().next().map_or(f64::NAN, Estimator::grid_period_s);
+        let grid_period_s = corners.iter().flatten().next().map_or(f64::NAN, CornerEstimator::grid_period_s);
         let fusion = match kind {
             EstimatorKind::Informed => Fusion::new(config, sample_rate_hz, grid_period_s),
             _ => None,
@@ -109,8 +131,7 @@ impl<T: Real> CarEstimator<T> {
         Ok(Self {
             kind,
             sources: Sources::default(),
-            clock: SteadyClock::new(sample_rate_hz),
-            speed: SpeedHold::new(),
+            clock: SampleClock::new(sample_rate_hz)?,
             corners,
             fusion,
             calibration_s: None,
@@ -129,28 +150,21 @@ impl<T: Real> CarEstimator<T> {
     /// # Errors
     /// The length must be positive and finite.
     pub fn with_calibration_drive(mut self, seconds: f64) -> Result<Self, ParameterError> {
-        for corner in &mut self.corners {
-            *corner = corner.take().map(|estimator| estimator.with_calibration_drive(seconds)).transpose()?;
-        }
-        self.calibration_s = Some(seconds);
+        self.begin_calibration(seconds)?;
         Ok(self)
     }
 
     /// The same with what is known of the road repeating itself, as on a test bed.
     #[must_use]
     pub fn with_road_repetition(mut self, repetition: RoadRepetition) -> Self {
-        for corner in &mut self.corners {
-            *corner = corner.take().map(|estimator| estimator.with_road_repetition(repetition));
-        }
+        self.corners.iter_mut().flatten().for_each(|corner| corner.set_road_repetition(repetition));
         self
     }
 
-    /// The same for callers who do not read the roads: see [`Estimator::without_road`].
+    /// The same for callers who do not read the roads: see [`Estimator::without_road`](crate::estimator::Estimator::without_road).
     #[must_use]
     pub fn without_road(mut self) -> Self {
-        for corner in &mut self.corners {
-            *corner = corner.take().map(Estimator::without_road);
-        }
+        self.corners.iter_mut().flatten().for_each(CornerEstimator::leave_out_road);
         self
     }
 
@@ -183,11 +197,17 @@ impl<T: Real> CarEstimator<T> {
     /// # Errors
     /// An implausible calibration, or one of other corners or other placard pressures.
     pub fn with_calibration(mut self, calibration: &VehicleCalibration<T>) -> Result<Self, CalibrationError> {
-        calibration.check()?;
-        if let Some(fusion) = &mut self.fusion {
-            fusion.load_calibration(calibration)?;
-        }
+        self.load_calibration(calibration)?;
         Ok(self)
+    }
+
+    /// The same in place.
+    ///
+    /// # Errors
+    /// As for [`with_calibration`](Self::with_calibration).
+    pub fn load_calibration(&mut self, calibration: &VehicleCalibration<T>) -> Result<(), CalibrationError> {
+        calibration.check()?;
+        self.fusion.as_mut().map_or(Ok(()), |fusion| fusion.load_calibration(calibration))
     }
 
     /// Starts one corner again, as after its sensors were out of order; the others go on.
@@ -209,19 +229,30 @@ impl<T: Real> CarEstimator<T> {
         }
     }
 
-    /// Takes one sample, gives the estimate after it. A missing speed is the last one, for half a second ([`SpeedHold`]).
+    /// Takes one sample, gives the estimate after it. A missing speed is the last one, for half a second ([`SpeedHold`](crate::conditioning::SpeedHold)).
     pub fn update(&mut self, sample: &CarSample<T>) -> CarEstimate<T> {
-        match self.clock.take(sample.time_s) {
-            Some(time_s) => self.take(time_s, sample),
+        let at = self.clock.take(sample.time_s, sample.speed_m_s);
+        self.update_at(&at, sample)
+    }
+
+    /// The clock of the car, for whoever screens samples before they are taken.
+    pub(crate) fn clock(&mut self) -> &mut SampleClock<T> {
+        &mut self.clock
+    }
+
+    /// The same with time and speed as they were taken; the sample's own speed does not count.
+    pub(crate) fn update_at(&mut self, at: &Moment<T>, sample: &CarSample<T>) -> CarEstimate<T> {
+        match at.time_s {
+            Some(time_s) => self.take(time_s, at.speed_m_s, sample),
             // Counted corner by corner.
-            None => self.corners.iter_mut().flatten().for_each(Estimator::refuse),
+            None => self.corners.iter_mut().flatten().for_each(CornerEstimator::refuse),
         }
-        let fused = self.fuse(self.clock.now_s());
+        let fused = self.fuse(at.now_s);
         let mut corners = [None; 4];
         for ((estimate, estimator), corner) in corners.iter_mut().zip(&mut self.corners).zip(&sample.corners)
         {
             if let (Some(estimator), Some(corner)) = (estimator, corner) {
-                let concluded = estimator.conclude(self.clock.now_s(), corner);
+                let concluded = estimator.conclude(at.now_s, corner);
                 *estimate = Some(CornerEstimate { time_s: sample.time_s, ..concluded });
             }
         }
@@ -230,17 +261,16 @@ impl<T: Real> CarEstimator<T> {
     }
 
     /// Gives a sample's values to the corners and to the road they share.
-    fn take(&mut self, time_s: f64, sample: &CarSample<T>) {
-        let speed = self.speed.take(time_s, sample.speed_m_s);
+    fn take(&mut self, time_s: f64, speed_m_s: T, sample: &CarSample<T>) {
         if let Some(fusion) = &mut self.fusion {
-            fusion.drive(time_s, speed);
+            fusion.drive(time_s, speed_m_s);
         }
         let both = self.corners.iter_mut().zip(&sample.corners);
         for (i, (estimator, corner)) in both.enumerate() {
             let (Some(estimator), Some(corner)) = (estimator, corner) else { continue };
             match &mut self.fusion {
-                Some(fusion) => estimator.take(time_s, speed, corner, |step| fusion.push(i, step)),
-                None => estimator.take(time_s, speed, corner, |_| {}),
+                Some(fusion) => estimator.take(time_s, speed_m_s, corner, |step| fusion.push(i, step)),
+                None => estimator.take(time_s, speed_m_s, corner, |_| {}),
             }
         }
     }
@@ -309,14 +339,19 @@ impl<T: Real> CarEstimator<T> {
         self.sources
     }
 
-    /// The estimator of one corner, if the car has it.
-    pub fn corner(&self, corner: Corner) -> Option<&Estimator<T>> {
-        self.corners[corner.index()].as_ref()
+    /// What was found in the samples of a corner so far, if the car has it.
+    pub fn counts(&self, corner: Corner) -> Option<SampleCounts> {
+        self.corners[corner.index()].as_ref().map(CornerEstimator::counts)
+    }
+
+    /// How often the estimator of a corner started again, if the car has it.
+    pub fn restarts(&self, corner: Corner) -> Option<u32> {
+        self.corners[corner.index()].as_ref().map(CornerEstimator::restarts)
     }
 
     /// The cars as they seem to be now, in the order of [`Corner::ALL`].
     pub fn quarter_cars(&self) -> [Option<QuarterCar<T>>; 4] {
-        self.corners.each_ref().map(|estimator| estimator.as_ref().map(Estimator::quarter_car))
+        self.corners.each_ref().map(|estimator| estimator.as_ref().map(CornerEstimator::quarter_car))
     }
 }
 

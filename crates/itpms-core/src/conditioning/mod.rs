@@ -3,8 +3,10 @@
 
 pub(crate) mod clock;
 mod resampler;
+mod sample_clock;
 mod speed;
 pub(crate) mod wheel_lift;
 
 pub use self::resampler::{GridSample, Resampler, SampleCounts};
+pub use self::sample_clock::{Moment, SampleClock};
 pub use self::speed::{Odometer, SpeedHold, is_a_cars};

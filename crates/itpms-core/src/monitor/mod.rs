@@ -17,12 +17,13 @@
 //! | `alert`, `report`, `wheels` | what is said |
 //! | `monitored` | estimator and monitor as one |
 
+mod config;
 mod monitored;
 
+pub use self::config::MonitorConfig;
 pub use self::monitored::MonitoredCar;
 use crate::car::CarEstimate;
-use crate::conditioning::SpeedHold;
-use crate::conditioning::clock::SteadyClock;
+use crate::conditioning::Moment;
 use crate::diagnosis::debounce::Debouncer;
 use crate::diagnosis::decorrelation::DecorrelationDetector;
 use crate::diagnosis::standstill::Standstill;
@@ -36,7 +37,7 @@ use crate::warning::leak::LeakWatch;
 use crate::warning::low::{Around, WheelWatch, is_learning, reading};
 use crate::warning::reference_pressure::ReferencePressure;
 use crate::warning::report::{ALL_LOW_SLOT, Slot};
-use crate::warning::{Alert, Cause, Doubt, MonitorConfig, MonitorReport, WheelReport, WheelState};
+use crate::warning::{Alert, Cause, Doubt, MonitorReport, WheelReport, WheelState};
 
 /// Seconds between two decisions on pressures.
 const DECIDE_S: f64 = 0.1;
@@ -66,7 +67,7 @@ pub struct Monitor<T: Real> {
     diagnosis: Diagnosis<T>,
     faults: [Option<Fault<T>>; 4],
     suspects: Wheels,
-    /// When each corner was last found to have told wrong for seconds, and those of which it was found just now.
+    /// When each corner was last found to have been wrong for seconds, and those of which it was found just now.
     late_detection_s: [f64; 4],
     rollback_requested: Wheels,
     /// Corners that have had a fault since their estimator last started.
@@ -76,15 +77,12 @@ pub struct Monitor<T: Real> {
     decorrelation: [DecorrelationDetector<T>; 2],
     leaks: LeakWatch<T>,
     all_low: AllLow<T>,
-    clock: SteadyClock,
-    /// The last sample's stamp, and its steady time; `None`: it does not say.
-    stamp_s: f64,
-    sampled_s: Option<f64>,
-    speed: SpeedHold<T>,
     standstill: Standstill<T>,
     /// The speed to go by.
     speed_m_s: T,
     decided_s: f64,
+    /// What the steady time was ahead of the stamps when it decided.
+    ahead_s: f64,
     report: MonitorReport<T>,
 }
 
@@ -113,13 +111,10 @@ impl<T: Real> Monitor<T> {
             decorrelation: [DecorrelationDetector::new(); 2],
             leaks: LeakWatch::new(),
             all_low: AllLow::new(),
-            clock: SteadyClock::new(sample_rate_hz),
-            stamp_s: f64::NEG_INFINITY,
-            sampled_s: None,
-            speed: SpeedHold::new(),
             standstill: Standstill::new(),
             speed_m_s: T::lit(f64::NAN),
             decided_s: f64::NEG_INFINITY,
+            ahead_s: 0.0,
             report: MonitorReport::empty(),
         })
     }
@@ -141,12 +136,10 @@ impl<T: Real> Monitor<T> {
         self.standstill.is_denied()
     }
 
-    /// SwapPattern at a sample; gives it back without the values that are not to be learned from.
-    pub fn screen(&mut self, sample: &CarSample<T>) -> CarSample<T> {
-        (self.stamp_s, self.sampled_s) = (sample.time_s, self.clock.take(sample.time_s));
-        if let Some(time_s) = self.sampled_s {
-            let told_m_s = self.speed.take(time_s, sample.speed_m_s);
-            self.speed_m_s = self.standstill.take(time_s, told_m_s, sample);
+    /// Takes a sample and the moment it was taken at; gives both back without what is not to be learned from.
+    pub fn screen(&mut self, at: &Moment<T>, sample: &CarSample<T>) -> (Moment<T>, CarSample<T>) {
+        if let Some(time_s) = at.time_s {
+            self.speed_m_s = self.standstill.take(time_s, at.speed_m_s, sample);
             self.diagnosis.push(&CarSample { time_s, speed_m_s: self.speed_m_s, ..*sample });
         }
         if self.diagnosis.take_news() {
@@ -154,12 +147,12 @@ impl<T: Real> Monitor<T> {
             let faulty = self.faults.iter().flatten().map(|fault| fault.malfunction.wheels());
             let faulty = faulty.fold(Wheels::NONE, |all, wheels| all | wheels);
             self.suspects = self.diagnosis.suspects() | faulty;
-            self.request_rollback(self.clock.now_s());
+            self.request_rollback(at.now_s);
             self.faulted = self.faulted | faulty;
         }
-        let mut screened = *sample;
+        let (mut at, mut screened) = (*at, *sample);
         if self.standstill.is_denied() {
-            screened.speed_m_s = T::lit(f64::NAN);
+            (at.speed_m_s, screened.speed_m_s) = (T::lit(f64::NAN), T::lit(f64::NAN));
         }
         let lost = T::lit(f64::NAN);
         let lost = CornerSample { body_accel_m_s2: lost, wheel_accel_m_s2: lost };
@@ -170,10 +163,10 @@ impl<T: Real> Monitor<T> {
                 *values = lost;
             }
         }
-        screened
+        (at, screened)
     }
 
-    /// Notes the corners that have told wrong for seconds before it showed. One that comes and goes is regretted once.
+    /// Notes the corners whose sensors were wrong for seconds before it showed. One that comes and goes is noted once.
     fn request_rollback(&mut self, time_s: f64) {
         let late_detection = self.diagnosis.late_detection();
         let fresh = |corner: &Corner| !(time_s - self.late_detection_s[corner.index()] < ROLLBACK_HOLDOFF_S);
@@ -181,15 +174,15 @@ impl<T: Real> Monitor<T> {
         late_detection.iter().for_each(|corner| self.late_detection_s[corner.index()] = time_s);
     }
 
-    /// The corners of which it has just turned out that they may have told wrong for some seconds; once. What was learned in
-    /// them is to be unlearned ([`CarEstimator::unlearn`](crate::car::CarEstimator::unlearn)).
+    /// The corners whose sensors have just turned out to have been wrong for some seconds; once. What was learned in them is to
+    /// be taken back ([`CarEstimator::rollback`](crate::car::CarEstimator::rollback)).
     pub fn take_rollback_request(&mut self) -> Wheels {
         core::mem::replace(&mut self.rollback_requested, Wheels::NONE)
     }
 
     /// Takes what was estimated after the sample; gives the wheels whose estimator should start again, because their
     /// sensors have come back. The estimate leaves with the monitor's validity and warnings.
-    pub fn judge(&mut self, estimate: &mut CarEstimate<T>) -> Wheels {
+    pub fn judge(&mut self, at: &Moment<T>, estimate: &mut CarEstimate<T>) -> Wheels {
         let back: Wheels = self.faulted.iter().filter(|corner| !self.suspects.contains(*corner)).collect();
         for corner in back.iter() {
             self.leaks.forget(corner.index());
@@ -204,18 +197,15 @@ impl<T: Real> Monitor<T> {
                 }
             }
         }
-        if estimate.time_s != self.stamp_s {
-            // Nobody has screened its sample.
-            (self.stamp_s, self.sampled_s) = (estimate.time_s, self.clock.take(estimate.time_s));
-        }
-        let time_s = self.clock.now_s();
+        let time_s = at.now_s;
         let step_s = time_s - self.decided_s;
-        if self.sampled_s.is_some() && step_s >= DECIDE_S - 1e-9 {
+        if at.time_s.is_some() && step_s >= DECIDE_S - 1e-9 {
             self.decided_s = time_s;
+            self.ahead_s = at.ahead_s;
             self.decide(&steadied(estimate, time_s), step_s.min(LONGEST_STEP_S));
         }
         // Of a time that nobody can place, nobody can say how long ago something was learned.
-        let latest_s = self.clock.at_latest_s(self.stamp_s);
+        let latest_s = at.latest_s;
         for (i, (estimate, wheel)) in estimate.corners.iter_mut().zip(&mut self.report.wheels).enumerate() {
             let (Some(estimate), Some(wheel)) = (estimate, wheel) else { continue };
             estimate.warning = wheel.warning;
@@ -267,7 +257,7 @@ impl<T: Real> Monitor<T> {
     }
 
     fn write(&mut self, estimate: &CarEstimate<T>) {
-        self.report.begin(estimate.time_s, self.clock.ahead_s());
+        self.report.begin(estimate.time_s, self.ahead_s);
         let all_low = self.all_low.cause().map(|cause| alert(self.all_low.debouncer(), self.all(), cause));
         self.report.put(ALL_LOW_SLOT, all_low);
         for (corner, estimate) in Corner::ALL.into_iter().zip(&estimate.corners) {
@@ -343,7 +333,7 @@ impl<T: Real> Monitor<T> {
             pressure_kpa: estimate.pressure_kpa,
             pressure_sd_kpa: estimate.pressure_sd_kpa,
             reference_kpa: reference,
-            informed_s: watch.informed_s - self.clock.ahead_s(),
+            informed_s: watch.informed_s - self.ahead_s,
         }
     }
 

@@ -1,10 +1,10 @@
 //! An estimator under a monitor: bad sensors are kept from it, what it says is judged, and corners start again when
 //! their sensors are back.
 
-use crate::car::{CarEstimate, CarEstimator};
+use crate::car::{CarEstimate, CarEstimator, RoadHeights};
 use crate::estimator::EstimatorKind;
-use crate::model::{CarSample, Corner, ParameterError};
-use crate::monitor::Monitor;
+use crate::model::{CalibrationError, CarSample, Corner, ParameterError, VehicleCalibration};
+use crate::monitor::{Monitor, MonitorConfig};
 use crate::real::Real;
 use crate::warning::MonitorReport;
 
@@ -24,24 +24,45 @@ pub struct MonitoredCar<T: Real> {
 }
 
 impl<T: Real> MonitoredCar<T> {
-    /// Puts the two together, before the first sample.
-    pub fn new(estimator: CarEstimator<T>, monitor: Monitor<T>) -> Self {
-        Self { estimator, monitor }
+    /// A car for samples that come at about `sample_rate_hz`.
+    ///
+    /// # Errors
+    /// The rate must be positive and finite, limits and references numbers in order; parameters of a corner that the filters
+    /// refuse are named.
+    pub fn new(config: &MonitorConfig<T>, sample_rate_hz: f64) -> Result<Self, ParameterError> {
+        let options = &config.options;
+        let estimator = CarEstimator::new(options.estimator, &config.car, sample_rate_hz)?
+            .with_sources(options.sources)
+            .with_road_repetition(options.road_repetition);
+        let estimator = match options.road_heights {
+            RoadHeights::Estimated => estimator,
+            RoadHeights::LeftOut => estimator.without_road(),
+        };
+        Ok(Self { estimator, monitor: Monitor::new(config, sample_rate_hz)? })
+    }
+
+    /// Begins with what a calibration on an earlier drive taught; before the first sample.
+    ///
+    /// # Errors
+    /// An implausible calibration, or one of other corners or other placard pressures.
+    pub fn load_calibration(&mut self, calibration: &VehicleCalibration<T>) -> Result<(), CalibrationError> {
+        self.estimator.load_calibration(calibration)
     }
 
     /// Takes one sample; gives the estimate after it, its validity and warnings being the monitor's. A published filter's
     /// estimate, which is never valid, is passed on as it is.
     pub fn update(&mut self, sample: &CarSample<T>) -> CarEstimate<T> {
+        let at = self.estimator.clock().take(sample.time_s, sample.speed_m_s);
         if matches!(self.estimator.kind(), EstimatorKind::AekfUi | EstimatorKind::EkfUi) {
-            return self.estimator.update(sample);
+            return self.estimator.update_at(&at, sample);
         }
-        let screened = self.monitor.screen(sample);
-        let rollback_requested = self.monitor.take_rollback_request();
-        if !rollback_requested.is_empty() {
-            self.estimator.rollback(Corner::ALL.map(|corner| rollback_requested.contains(corner)));
+        let (at, screened) = self.monitor.screen(&at, sample);
+        let suspected = self.monitor.take_rollback_request();
+        if !suspected.is_empty() {
+            self.estimator.rollback(Corner::ALL.map(|corner| suspected.contains(corner)));
         }
-        let mut estimate = self.estimator.update(&screened);
-        for corner in self.monitor.judge(&mut estimate).iter() {
+        let mut estimate = self.estimator.update_at(&at, &screened);
+        for corner in self.monitor.judge(&at, &mut estimate).iter() {
             self.estimator.restart_corner(corner);
         }
         estimate

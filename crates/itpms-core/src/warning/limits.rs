@@ -1,6 +1,6 @@
-//! What the monitor is told: the car, and the limits that a regulation or an engineer sets.
+//! The limits that a regulation or an engineer sets.
 
-use crate::model::{CarConfig, ParameterError, positive};
+use crate::model::{ParameterError, positive};
 use crate::real::Real;
 
 /// A rule that names a loss of pressure.
@@ -80,7 +80,7 @@ impl<T: Real> Limits<T> {
     }
 
     /// A limit that is no number, or out of order, would silence the monitor.
-    fn check(&self) -> Result<(), ParameterError> {
+    pub(crate) fn check(&self) -> Result<(), ParameterError> {
         let [least, largest] = self.reference_span;
         let shares = [
             ("low_share", self.low_share, T::zero(), T::one()),
@@ -123,54 +123,6 @@ impl<T: Real> From<Regulation> for Limits<T> {
             Regulation::UnR141 => Self::scaled_to(T::lit(0.2), WARM_SPAN),
             Regulation::Fmvss138 => Self::scaled_to(T::lit(0.25), PLACARD_SPAN),
         }
-    }
-}
-
-/// What the monitor is told.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct MonitorConfig<T> {
-    /// The car, as its estimator knows it.
-    pub car: CarConfig<T>,
-    /// When to say what.
-    pub limits: Limits<T>,
-    /// What each pressure is held against, in kPa; `None`: the placard's. A warm reference goes here.
-    pub reference_kpa: [Option<T>; 4],
-}
-
-impl<T: Real> MonitorConfig<T> {
-    /// The car with the limits of UN R141, against its placard.
-    pub fn new(car: &CarConfig<T>) -> Self {
-        Self { car: *car, limits: Regulation::default().into(), reference_kpa: [None; 4] }
-    }
-
-    /// The same with other limits.
-    #[must_use]
-    pub fn with_limits(self, limits: Limits<T>) -> Self {
-        Self { limits, ..self }
-    }
-
-    /// The same with other references in kPa.
-    ///
-    /// # Errors
-    /// A reference must be positive and finite.
-    pub fn with_references(self, reference_kpa: [Option<T>; 4]) -> Result<Self, ParameterError> {
-        let config = Self { reference_kpa, ..self };
-        config.check_references()?;
-        Ok(config)
-    }
-
-    fn check_references(&self) -> Result<(), ParameterError> {
-        for reference in self.reference_kpa.into_iter().flatten() {
-            positive("reference_kpa", reference)?;
-        }
-        Ok(())
-    }
-
-    /// Whether a monitor can go by it.
-    pub(crate) fn check(&self) -> Result<(), ParameterError> {
-        self.limits.check()?;
-        self.check_references()
     }
 }
 

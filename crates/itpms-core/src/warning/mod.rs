@@ -10,5 +10,5 @@ pub(crate) mod report;
 pub(crate) mod single_wheel;
 
 pub use self::alert::{Alert, Cause, Reading};
-pub use self::limits::{Limits, MonitorConfig, Regulation};
+pub use self::limits::{Limits, Regulation};
 pub use self::report::{Change, Doubt, MonitorReport, WheelReport, WheelState};

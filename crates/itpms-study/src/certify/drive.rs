@@ -3,11 +3,9 @@
 //! Called for each procedure. The estimator and its monitor get samples and nothing else; what is known here of pressures
 //! and faults is held against what they say.
 
-use itpms_core::car::{CarEstimate, CarEstimator};
-use itpms_core::estimator::EstimatorKind;
+use itpms_core::car::CarEstimate;
 use itpms_core::model::{CarConfig, CarSample, Corner, CornerSample, Wheels};
-use itpms_core::monitor::{Monitor, MonitoredCar};
-use itpms_core::warning::MonitorConfig;
+use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_sim::fault::Faults;
 use itpms_sim::simulation::{SimRow, Simulation};
 use rand::RngExt;
@@ -84,10 +82,8 @@ impl<'a> Run<'a> {
         for corner in Corner::ALL {
             config.corners[corner.index()] = Some(scenario.corner_config(corner)?);
         }
-        let estimator = CarEstimator::new(EstimatorKind::Informed, &config, scenario.rate_hz)?;
-        let told = MonitorConfig::new(&config).with_limits(procedure.rule.limits());
-        let monitor = Monitor::new(&told, scenario.rate_hz)?;
-        let mut car = Box::new(MonitoredCar::new(estimator, monitor));
+        let config = MonitorConfig::new(&config).with_limits(procedure.rule.limits());
+        let mut car = Box::new(MonitoredCar::new(&config, scenario.rate_hz)?);
         car.begin_calibration(course.learning_s)?;
         let low = !matches!(procedure.test, Test::Malfunction(_));
         Ok(Self {

@@ -21,11 +21,8 @@ mod table;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use itpms_core::car::CarEstimator;
-use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::ParameterError;
-use itpms_core::monitor::{Monitor, MonitoredCar};
-use itpms_core::warning::MonitorConfig;
+use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_sim::error::ScenarioError;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -254,9 +251,7 @@ fn over_glass(kind: &Kind, seed: u64) -> Result<Outcome, MalfunctionError> {
 }
 
 fn monitored(drive: &Recorded) -> Result<Box<MonitoredCar<f64>>, MalfunctionError> {
-    let estimator = CarEstimator::new(EstimatorKind::Informed, &drive.car, drive.rate_hz)?;
-    let monitor = Monitor::new(&MonitorConfig::new(&drive.car), drive.rate_hz)?;
-    Ok(Box::new(MonitoredCar::new(estimator, monitor)))
+    Ok(Box::new(MonitoredCar::new(&MonitorConfig::new(&drive.car), drive.rate_hz)?))
 }
 
 /// Where a malfunction was not said, and could not have been because the car hardly drove, that is not held against anybody; what

@@ -3,11 +3,10 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use itpms_core::car::{CarEstimate, CarEstimator};
-use itpms_core::estimator::EstimatorKind;
+use itpms_core::car::{CarEstimate, EstimatorOptions, RoadHeights};
 use itpms_core::model::{CarConfig, Corner};
-use itpms_core::monitor::{Monitor, MonitoredCar};
-use itpms_core::warning::{Alert, Change, Limits, MonitorConfig, MonitorReport};
+use itpms_core::monitor::{MonitorConfig, MonitoredCar};
+use itpms_core::warning::{Alert, Change, Limits, MonitorReport};
 use itpms_sim::scenario::{Scenario, ToleranceSpec};
 use itpms_sim::simulation::{SimRow, Simulation};
 use rand::{RngExt, SeedableRng};
@@ -159,9 +158,9 @@ fn monitored(scenario: &Scenario) -> Result<Box<MonitoredCar<f64>>, SoakError> {
     for (corner, _) in scenario.corner.iter() {
         config.corners[corner.index()] = Some(scenario.corner_config(corner)?);
     }
-    let estimator = CarEstimator::new(EstimatorKind::default(), &config, scenario.rate_hz)?.without_road();
-    let monitor = Monitor::new(&MonitorConfig::new(&config), scenario.rate_hz)?;
-    Ok(Box::new(MonitoredCar::new(estimator, monitor)))
+    let options = EstimatorOptions { road_heights: RoadHeights::LeftOut, ..EstimatorOptions::default() };
+    let config = MonitorConfig::new(&config).with_options(options);
+    Ok(Box::new(MonitoredCar::new(&config, scenario.rate_hz)?))
 }
 
 /// Pressures in kPa below which a wheel is warned of.

@@ -18,11 +18,10 @@ mod errors;
 mod limit;
 mod puncture;
 
-use itpms_core::car::{CarEstimate, CarEstimator, Sources};
+use itpms_core::car::{CarEstimate, EstimatorOptions, RoadHeights, Sources};
 use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::{CarConfig, Corner};
-use itpms_core::monitor::{Monitor, MonitoredCar};
-use itpms_core::warning::MonitorConfig;
+use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_sim::scenario::{CornerSpec, Scenario};
 use itpms_sim::sensor::SensorSpec;
 use itpms_sim::simulation::{SimRow, Simulation};
@@ -182,10 +181,15 @@ impl Drive {
     /// An estimator for each setup, under its monitor as everywhere else: what is suspect is kept from it.
     fn cars(&self) -> Result<Vec<MonitoredCar<f64>>, ScoreError> {
         let (config, rate_hz) = (self.told()?, self.scenario.rate_hz);
-        let monitor = Monitor::new(&MonitorConfig::new(&config), rate_hz)?;
         let set_up = |setup: &Setup| {
-            let estimator = CarEstimator::new(self.kind, &config, rate_hz)?.without_road();
-            let mut car = MonitoredCar::new(estimator.with_sources(setup.sources), monitor.clone());
+            let options = EstimatorOptions {
+                estimator: self.kind,
+                sources: setup.sources,
+                road_heights: RoadHeights::LeftOut,
+                ..EstimatorOptions::default()
+            };
+            let config = MonitorConfig::new(&config).with_options(options);
+            let mut car = MonitoredCar::new(&config, rate_hz)?;
             if let Some(seconds) = setup.reset_s {
                 car.begin_calibration(seconds)?;
             }

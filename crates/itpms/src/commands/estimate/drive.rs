@@ -1,10 +1,10 @@
 //! The estimator of a drive's car, and what it says after a row.
 
-use itpms_core::car::{CarEstimate, CarEstimator};
+use itpms_core::car::{CarEstimate, EstimatorOptions};
 use itpms_core::conditioning::{SpeedHold, is_a_cars};
 use itpms_core::model::{Corner, CornerEstimate, QuarterCar, VehicleCalibration};
-use itpms_core::monitor::{Monitor, MonitoredCar};
-use itpms_core::warning::{MonitorConfig, MonitorReport};
+use itpms_core::monitor::{MonitorConfig, MonitoredCar};
+use itpms_core::warning::MonitorReport;
 use itpms_data::{LogRow, Vehicle};
 
 use super::reference;
@@ -51,12 +51,14 @@ impl Drive {
     ) -> Result<Self, Failure> {
         let config = vehicle.car_config(corners);
         let fail = |error| Failure::Usage(format!("{error}"));
-        let car = CarEstimator::new(args.estimator, &config, sample_rate_hz).map_err(fail)?;
-        let car = car.with_road_repetition(args.road_repeats);
-        let car = reference::told(args, vehicle, car)?;
-        let told = MonitorConfig::new(&config).with_limits(args.regulation.into());
-        let monitor = Monitor::new(&told, sample_rate_hz).map_err(fail)?;
-        let mut car = Box::new(MonitoredCar::new(car, monitor));
+        let options = EstimatorOptions {
+            estimator: args.estimator,
+            road_repetition: args.road_repeats,
+            ..EstimatorOptions::default()
+        };
+        let config = MonitorConfig::new(&config).with_limits(args.regulation.into()).with_options(options);
+        let mut car = Box::new(MonitoredCar::new(&config, sample_rate_hz).map_err(fail)?);
+        reference::load(args, vehicle, &mut car)?;
         if let Some(seconds) = args.calibrate_s {
             car.begin_calibration(seconds).map_err(fail)?;
         }

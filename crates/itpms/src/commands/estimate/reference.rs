@@ -5,9 +5,9 @@
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use itpms_core::car::CarEstimator;
 use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::{CalibrationError, VehicleCalibration};
+use itpms_core::monitor::MonitoredCar;
 use itpms_data::Vehicle;
 use itpms_data::out::AtomicFile;
 use itpms_data::reference::StoredReference;
@@ -16,17 +16,17 @@ use crate::args::EstimateArgs;
 use crate::exit::Failure;
 use crate::screen::Screen;
 
-/// The car told what it learned on an earlier drive, if `--reference` names a file.
-pub(super) fn told(
+/// Loads what the car learned on an earlier drive, if `--reference` names a file.
+pub(super) fn load(
     args: &EstimateArgs,
     vehicle: &Vehicle,
-    car: CarEstimator<f64>,
-) -> Result<CarEstimator<f64>, Failure> {
-    let Some(path) = &args.reference else { return Ok(car) };
+    car: &mut MonitoredCar<f64>,
+) -> Result<(), Failure> {
+    let Some(path) = &args.reference else { return Ok(()) };
     expect_informed(args, "--reference")?;
     let stored = StoredReference::read(path)?;
     let reference = stored.for_vehicle(vehicle).map_err(|problem| refused(path, problem))?;
-    car.with_calibration(reference).map_err(|error: CalibrationError| {
+    car.load_calibration(reference).map_err(|error: CalibrationError| {
         refused(path, format!("the learned reference does not fit the drive: {error}"))
     })
 }

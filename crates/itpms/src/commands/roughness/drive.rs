@@ -2,11 +2,8 @@
 
 use std::path::Path;
 
-use itpms_core::car::CarEstimator;
-use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::Corner;
-use itpms_core::monitor::{Monitor, MonitoredCar};
-use itpms_core::warning::MonitorConfig;
+use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_data::{LogReader, Vehicle};
 use itpms_study::roughness::{RoughnessTable, WheelSurvey};
 
@@ -80,9 +77,7 @@ pub(super) fn survey(
 fn estimator(vehicle: &Vehicle, corners: &[Corner], rate_hz: f64) -> Result<Box<MonitoredCar<f64>>, Failure> {
     let config = vehicle.car_config(corners);
     let fail = |error| Failure::Usage(format!("{error}"));
-    let car = CarEstimator::new(EstimatorKind::default(), &config, rate_hz).map_err(fail)?;
-    let monitor = Monitor::new(&MonitorConfig::new(&config), rate_hz).map_err(fail)?;
-    Ok(Box::new(MonitoredCar::new(car, monitor)))
+    Ok(Box::new(MonitoredCar::new(&MonitorConfig::new(&config), rate_hz).map_err(fail)?))
 }
 
 /// A survey per wheel.

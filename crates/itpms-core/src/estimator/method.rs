@@ -61,7 +61,7 @@ enum Method<T: Real> {
         deserialize = "T: Real + serde::Deserialize<'de>"
     ))
 )]
-pub(crate) struct Engine<T: Real> {
+pub(crate) struct RunningMethod<T: Real> {
     method: Method<T>,
     config: CornerConfig<T>,
     grid_period_s: T,
@@ -70,7 +70,7 @@ pub(crate) struct Engine<T: Real> {
     read_s: f64,
 }
 
-impl<T: Real> Engine<T> {
+impl<T: Real> RunningMethod<T> {
     pub(crate) fn new(
         kind: EstimatorKind,
         config: &CornerConfig<T>,

@@ -1,0 +1,52 @@
+//! The one clock and the one speed of whoever takes samples.
+
+use super::SpeedHold;
+use super::clock::SteadyClock;
+use crate::model::{ParameterError, positive};
+use crate::real::Real;
+
+/// Makes of the samples' stamps a time that only goes forward, and of their speeds one to go by.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct SampleClock<T> {
+    clock: SteadyClock,
+    speed: SpeedHold<T>,
+}
+
+/// Time and speed of a sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moment<T> {
+    /// Steady time in s; `None`: the stamp is one that nobody should go by.
+    pub time_s: Option<f64>,
+    /// Steady time in s of the last sample whose stamp was believed; minus infinity before the first.
+    pub now_s: f64,
+    /// The latest that the steady time may be, in s, whether the stamp was believed or not; infinite if nobody can say.
+    pub latest_s: f64,
+    /// What the steady time is ahead of the stamps, in s: zero until a clock was set back.
+    pub ahead_s: f64,
+    /// Speed to go by in m/s: a missing one is the last one, for half a second ([`SpeedHold`]); NaN: unknown.
+    pub speed_m_s: T,
+}
+
+impl<T: Real> SampleClock<T> {
+    /// A clock for samples that come at about `sample_rate_hz`.
+    ///
+    /// # Errors
+    /// The rate must be positive and finite.
+    pub fn new(sample_rate_hz: f64) -> Result<Self, ParameterError> {
+        let sample_rate_hz = positive("sample_rate_hz", sample_rate_hz)?;
+        Ok(Self { clock: SteadyClock::new(sample_rate_hz), speed: SpeedHold::new() })
+    }
+
+    /// Takes a sample's stamp in s and its speed in m/s, NaN when it has none.
+    pub fn take(&mut self, stamp_s: f64, speed_m_s: T) -> Moment<T> {
+        let time_s = self.clock.take(stamp_s);
+        Moment {
+            time_s,
+            now_s: self.clock.now_s(),
+            latest_s: self.clock.at_latest_s(stamp_s),
+            ahead_s: self.clock.ahead_s(),
+            speed_m_s: time_s.map_or(T::lit(f64::NAN), |time_s| self.speed.take(time_s, speed_m_s)),
+        }
+    }
+}

@@ -1,0 +1,282 @@
+//! The estimator of one corner, without a clock: whatever method computes it, samples in, [`CornerEstimate`]s out. Called by
+//! [`Estimator`](super::Estimator) and by the car. Every sample passes the [`Resampler`], so no method ever sees a missing or
+//! absurd value.
+
+use super::method::{Reading, RunningMethod};
+use super::{EstimatorKind, RoadRepetition};
+use crate::conditioning::wheel_lift::ContactWatch;
+use crate::conditioning::{GridSample, Resampler, SampleCounts};
+use crate::model::{
+    CornerConfig, CornerEstimate, CornerSample, Diagnostics, ParameterError, QuarterCar, Validity, Warning,
+    positive,
+};
+use crate::real::Real;
+use crate::road::{RoadConfig, RoadFilter};
+use crate::single_wheel::StiffnessPseudoMeasurement;
+use crate::warning::single_wheel::LowPressureWatch;
+
+/// Grid rate in Hz that the spectral frames need; slower samples are interpolated up to it.
+const FRAME_GRID_HZ: f64 = 400.0;
+
+/// Seconds between two updates of the road filter with the car, and of the method with a calibration.
+const TELL_S: f64 = 0.1;
+
+/// The estimator of one corner, without a clock: its owner tells time and speed.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: Real + serde::Serialize",
+        deserialize = "T: Real + serde::Deserialize<'de>"
+    ))
+)]
+pub(crate) struct CornerEstimator<T: Real> {
+    kind: EstimatorKind,
+    config: CornerConfig<T>,
+    resampler: Resampler<T>,
+    method: RunningMethod<T>,
+    /// The road for the default estimator; the filters bring their own. `None`: nobody wants to know it.
+    road: Option<RoadFilter<T>>,
+    road_told_s: f64,
+    watch: LowPressureWatch,
+    /// Length in s of the reset drive at the start, and when it ends once that is known.
+    calibration_s: f64,
+    calibration_ends_s: Option<f64>,
+    pinned_s: f64,
+    restarts: u32,
+    repetition: RoadRepetition,
+    /// What the whole car says of this corner, while it says anything.
+    fused: Option<FusedStiffness<T>>,
+    contact: ContactWatch<T>,
+}
+
+/// What the whole car knows of a corner that the corner by itself does not.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct FusedStiffness<T> {
+    pub(crate) stiffness_n_per_m: T,
+    pub(crate) stiffness_sd_n_per_m: T,
+    /// Probability that the pressure is changing.
+    pub(crate) changing: T,
+    /// Seconds of full information that it rests on.
+    pub(crate) learned_s: T,
+    /// Whether the road that its axles share is being learned from.
+    pub(crate) learning: bool,
+    /// Whether anything is heard at all: frames, or words of the corner's spectrum.
+    pub(crate) has_signal: bool,
+}
+
+impl<T: Real> CornerEstimator<T> {
+    /// An estimator of `kind` for a corner whose samples come at about `sample_rate_hz`.
+    ///
+    /// # Errors
+    /// The rate must be positive and finite; parameters of the corner that the filters refuse are named.
+    pub(crate) fn new(
+        kind: EstimatorKind,
+        config: &CornerConfig<T>,
+        sample_rate_hz: f64,
+    ) -> Result<Self, ParameterError> {
+        let sample_rate_hz = positive("sample_rate_hz", sample_rate_hz)?;
+        let frames = matches!(kind, EstimatorKind::Informed | EstimatorKind::AekfUiInformed);
+        let resampler = Resampler::new(sample_rate_hz, if frames { FRAME_GRID_HZ } else { sample_rate_hz });
+        let method = RunningMethod::new(kind, config, sample_rate_hz, resampler.grid_period_s())?;
+        let noise = config.accel_noise_or_usual_m_s2();
+        let road = RoadConfig::new(config.quarter_car, config.initial_stiffness_n_per_m(), noise)?;
+        Ok(Self {
+            kind,
+            config: *config,
+            resampler,
+            method,
+            road: Some(RoadFilter::new(&road)),
+            road_told_s: f64::NEG_INFINITY,
+            watch: LowPressureWatch::new(),
+            calibration_s: 0.0,
+            calibration_ends_s: None,
+            pinned_s: f64::NEG_INFINITY,
+            restarts: 0,
+            repetition: RoadRepetition::Detect,
+            fused: None,
+            contact: ContactWatch::new(&config.quarter_car),
+        })
+    }
+
+    /// Says that the tire has its placard pressure from the next sample on, for `seconds`: the driver's reset.
+    ///
+    /// # Errors
+    /// The length must be positive and finite.
+    pub(crate) fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
+        self.calibration_s = positive("calibrate_s", seconds)?;
+        self.calibration_ends_s = None;
+        Ok(())
+    }
+
+    /// Tells what is known of the road repeating itself; before the first sample.
+    pub(crate) fn set_road_repetition(&mut self, repetition: RoadRepetition) {
+        self.repetition = repetition;
+        self.method.set_repetition(repetition);
+    }
+
+    /// Leaves out the road's heights where they come from a filter of their own.
+    pub(crate) fn leave_out_road(&mut self) {
+        self.road = None;
+    }
+
+    /// Probability that the pressure moves, as the corner by itself sees it.
+    pub(crate) fn change_probability(&self) -> T {
+        self.method.reading().change_probability
+    }
+
+    /// Stiffness and its sd in N/m, as the corner by itself sees them.
+    pub(crate) fn own_stiffness(&self) -> (T, T) {
+        let reading = self.method.reading();
+        (reading.stiffness_n_per_m, reading.stiffness_sd_n_per_m)
+    }
+
+    /// The car as it seems to be now: sprung mass and damping as identified on the way, where the estimator does.
+    pub(crate) fn quarter_car(&self) -> QuarterCar<T> {
+        self.method.quarter_car()
+    }
+
+    /// Counts a sample whose time nobody should go by.
+    pub(crate) fn refuse(&mut self) {
+        let lost = T::lit(f64::NAN);
+        self.resampler.push(f64::NAN, lost, lost, lost, |_| {});
+    }
+
+    /// The first half of [`Estimator::update`]: takes the sample with the speed to go by, and shows every grid step to `tap`.
+    pub(crate) fn take(
+        &mut self,
+        time_s: f64,
+        speed_m_s: T,
+        corner: &CornerSample<T>,
+        mut tap: impl FnMut(&GridSample<T>),
+    ) {
+        let (method, contact) = (&mut self.method, &mut self.contact);
+        let (body, wheel) = (corner.body_accel_m_s2, corner.wheel_accel_m_s2);
+        self.resampler.push(time_s, speed_m_s, body, wheel, |sample| {
+            let contact = contact.look(&sample);
+            let sample = GridSample { unloaded: contact.unloaded, ..sample };
+            method.step(&GridSample { invalid: sample.invalid || contact.hopping, ..sample });
+            tap(&sample);
+        });
+        self.hold_calibration(time_s);
+    }
+
+    /// What the last frames said of the stiffness to somebody who believed in this one with that sd, in N/m, when there is
+    /// something new.
+    pub(crate) fn pseudo_measurement(
+        &mut self,
+        believed: impl FnOnce() -> (T, T),
+    ) -> Option<StiffnessPseudoMeasurement<T>> {
+        self.method.pseudo_measurement(believed)
+    }
+
+    /// Tells what the whole car says of this corner; `None`: nothing now.
+    pub(crate) fn set_fused(&mut self, word: Option<FusedStiffness<T>>) {
+        self.fused = word;
+    }
+
+    /// Time between grid steps in s.
+    pub(crate) fn grid_period_s(&self) -> f64 {
+        self.resampler.grid_period_s()
+    }
+
+    /// The second half of [`Estimator::update`]: what is known after the sample.
+    pub(crate) fn conclude(&mut self, time_s: f64, corner: &CornerSample<T>) -> CornerEstimate<T> {
+        let mut reading = self.method.reading_at(time_s);
+        if !(reading.stiffness_n_per_m.is_finite() && reading.stiffness_sd_n_per_m.is_finite())
+            && self.kind == EstimatorKind::Informed
+        {
+            self.restart();
+        }
+        if let Some(word) = &self.fused {
+            self.method.apply_fused(&mut reading, word);
+        }
+        if self.kind == EstimatorKind::Informed {
+            (reading.road_m, reading.road_sd_m) = self.follow_road(time_s, corner, &reading);
+        }
+        self.estimate(time_s, &reading)
+    }
+
+    /// While the reset drive lasts, says so to the estimator ten times a second.
+    fn hold_calibration(&mut self, time_s: f64) {
+        if !(self.calibration_s > 0.0 && time_s.is_finite()) {
+            return;
+        }
+        let ends_s = *self.calibration_ends_s.get_or_insert(time_s + self.calibration_s);
+        if time_s < ends_s && !(time_s - self.pinned_s < TELL_S) {
+            self.pinned_s = time_s;
+            self.method.set_to_placard();
+        }
+    }
+
+    /// Causal road height in m and its sd, for the stiffness believed now.
+    fn follow_road(&mut self, time_s: f64, corner: &CornerSample<T>, reading: &Reading<T>) -> (T, T) {
+        let unknown = (T::lit(f64::NAN), T::lit(f64::NAN));
+        let Some(filter) = &mut self.road else { return unknown };
+        if !(time_s - self.road_told_s < TELL_S) {
+            self.road_told_s = time_s;
+            // Refused only outside its range, and then the road keeps what it was told before.
+            let _ = filter.set_stiffness(reading.stiffness_n_per_m, reading.stiffness_sd_n_per_m);
+            filter.set_quarter_car(self.method.quarter_car());
+        }
+        let road = filter.update(time_s, corner);
+        if road.validity.is_valid() { (road.road_m, road.road_sd_m) } else { unknown }
+    }
+
+    /// Starts again from the corner's initial pressure, as after a tire change. Counted.
+    pub(crate) fn restart(&mut self) {
+        self.method.restart(self.kind, self.repetition);
+        self.watch = LowPressureWatch::new();
+        self.restarts = self.restarts.saturating_add(1);
+    }
+
+    /// Which estimator this is.
+    pub(crate) fn kind(&self) -> EstimatorKind {
+        self.kind
+    }
+
+    /// What was found in the samples so far.
+    pub(crate) fn counts(&self) -> SampleCounts {
+        self.resampler.counts()
+    }
+
+    /// How often the estimator started again.
+    pub(crate) fn restarts(&self) -> u32 {
+        self.restarts
+    }
+
+    fn estimate(&mut self, time_s: f64, reading: &Reading<T>) -> CornerEstimate<T> {
+        let tire = &self.config.tire;
+        let pressure_kpa = tire.pressure_kpa(reading.stiffness_n_per_m);
+        let pressure_sd_kpa = tire.pressure_sd_kpa(pressure_kpa, reading.stiffness_sd_n_per_m);
+        let validity = if self.resampler.is_bad() { Validity::BadSignal } else { reading.validity };
+        let placard = self.config.placard_kpa;
+        let warning = match self.kind {
+            // A filter that cannot find the stiffness has nothing to warn of.
+            EstimatorKind::AekfUi | EstimatorKind::EkfUi => Warning::None,
+            _ => self.watch.update(time_s, validity, pressure_kpa, pressure_sd_kpa, placard),
+        };
+        let slope = tire.stiffness_per_kpa();
+        let reading_sd = reading.stiffness_sd_n_per_m / slope;
+        CornerEstimate {
+            time_s,
+            stiffness_n_per_m: reading.stiffness_n_per_m,
+            stiffness_sd_n_per_m: reading.stiffness_sd_n_per_m,
+            pressure_kpa,
+            pressure_sd_kpa,
+            road_m: reading.road_m,
+            road_sd_m: reading.road_sd_m,
+            validity,
+            warning,
+            diagnostics: Diagnostics {
+                forgetting: reading.forgetting,
+                nis: reading.nis,
+                gate: reading.gate,
+                change_probability: reading.change_probability,
+                pressure_variance_kpa2: reading_sd * reading_sd,
+            },
+        }
+    }
+}

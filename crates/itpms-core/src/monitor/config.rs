@@ -1,0 +1,67 @@
+//! What a monitored car is told: the car, which estimator it uses, and the limits of its warnings.
+
+use crate::car::EstimatorOptions;
+use crate::model::{CarConfig, ParameterError, positive};
+use crate::real::Real;
+use crate::warning::{Limits, Regulation};
+
+/// What the monitor is told.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct MonitorConfig<T> {
+    /// The car, as its estimator knows it.
+    pub car: CarConfig<T>,
+    /// When to say what.
+    pub limits: Limits<T>,
+    /// What each pressure is held against, in kPa; `None`: the placard's. A warm reference goes here.
+    pub reference_kpa: [Option<T>; 4],
+    /// Which estimator the car uses, and how.
+    pub options: EstimatorOptions,
+}
+
+impl<T: Real> MonitorConfig<T> {
+    /// The car with the limits of UN R141, against its placard.
+    pub fn new(car: &CarConfig<T>) -> Self {
+        Self {
+            car: *car,
+            limits: Regulation::default().into(),
+            reference_kpa: [None; 4],
+            options: EstimatorOptions::default(),
+        }
+    }
+
+    /// The same with other limits.
+    #[must_use]
+    pub fn with_limits(self, limits: Limits<T>) -> Self {
+        Self { limits, ..self }
+    }
+
+    /// The same with another estimator, or used otherwise.
+    #[must_use]
+    pub fn with_options(self, options: EstimatorOptions) -> Self {
+        Self { options, ..self }
+    }
+
+    /// The same with other references in kPa.
+    ///
+    /// # Errors
+    /// A reference must be positive and finite.
+    pub fn with_references(self, reference_kpa: [Option<T>; 4]) -> Result<Self, ParameterError> {
+        let config = Self { reference_kpa, ..self };
+        config.check_references()?;
+        Ok(config)
+    }
+
+    fn check_references(&self) -> Result<(), ParameterError> {
+        for reference in self.reference_kpa.into_iter().flatten() {
+            positive("reference_kpa", reference)?;
+        }
+        Ok(())
+    }
+
+    /// Whether a monitor can go by it.
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
+        self.limits.check()?;
+        self.check_references()
+    }
+}
