@@ -6,7 +6,7 @@ default:
 # All tests of all crates, and saving and restoring an estimator.
 test:
     cargo test --workspace --locked
-    cargo test -p itpms-core --features serde --locked
+    cargo test -p itpms-core --features serde,paper,test-bench --locked
 
 # What a change must not break: format, warnings, dead links in the documentation.
 lint:

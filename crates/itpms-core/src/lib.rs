@@ -1,23 +1,88 @@
 //! Indirect tire pressure monitoring from the accelerations of a car's body and wheels.
 //!
 //! This crate is what a controller ships: no heap, no clock, no files, no `unsafe`, generic over `f32` and `f64`.
-//! Time comes with every sample, an estimator is a value, and bad input is flagged, never believed.
+//! Time comes with every sample, an estimator is a value that can be cloned, saved and resumed, and bad input is flagged,
+//! never believed.
 //!
-//! | room | idea |
+//! # One wheel
+//!
+//! Body and wheel acceleration of one corner give its tire's pressure with a standard deviation, and the road under it.
+//!
+//! ```
+//! use itpms_core::{CornerConfig, Estimator, EstimatorKind, Validity};
+//!
+//! # fn main() -> Result<(), itpms_core::ParameterError> {
+//! // Masses, damper, spring and tire of the corner: here the paper's.
+//! let corner = CornerConfig::<f64>::paper();
+//! let mut estimator = Estimator::new(EstimatorKind::Informed, &corner, 500.0)?;
+//! for k in 0..1000 {
+//!     let time_s = f64::from(k) / 500.0;
+//!     // From the sensors, in m/s²; NaN: the sample is missing.
+//!     let (body_accel, wheel_accel) = (0.3 * (9.0 * time_s).sin(), 4.0 * (70.0 * time_s).sin());
+//!     let estimate = estimator.update(time_s, 22.0, body_accel, wheel_accel);
+//!     if estimate.validity == Validity::Valid {
+//!         println!("{} ± {} kPa", estimate.pressure_kpa, estimate.pressure_sd_kpa);
+//!     }
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # A car under its monitor
+//!
+//! Four corners, front and rear over the same road, sensors watched, warnings given: what a controller runs.
+//!
+//! ```
+//! use itpms_core::{CarConfig, CarSample, CornerConfig, CornerSample, MonitorConfig, MonitoredCar};
+//!
+//! # fn main() -> Result<(), itpms_core::ParameterError> {
+//! let corner = CornerConfig::<f32>::paper();
+//! let car = CarConfig { corners: [Some(corner); 4], wheelbase_m: Some(2.7) };
+//! let mut car = MonitoredCar::new(&MonitorConfig::new(&car), 200.0)?;
+//! // All tires have just been set to their placard pressures: the next ten minutes teach the car.
+//! car.begin_calibration(600.0)?;
+//! # let read_sensors = || CornerSample { body_accel_m_s2: 0.1, wheel_accel_m_s2: 0.5 };
+//! for k in 0..400 {
+//!     let corners = [Some(read_sensors()); 4]; // front left, front right, rear left, rear right
+//!     let sample = CarSample { time_s: f64::from(k) / 200.0, speed_m_s: 22.0, corners };
+//!     let estimate = car.update(&sample);
+//!     assert_eq!(estimate.time_s, sample.time_s);
+//!     for alert in car.report().alerts() {
+//!         // `Alert` prints as a sentence: which wheels, why, the numbers that decided, since when.
+//!         println!("{alert}");
+//!     }
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # The way of a sample
+//!
+//! Data goes one way: sample, conditioned sample, spectral frames, residual, belief, estimate, diagnosis and warning.
+//!
+//! | module | idea |
 //! |---|---|
-//! | [`quarter_car`] | parameters, dynamics, outputs, Jacobians (paper eq. 1-4) |
-//! | [`pressure`] | stiffness and pressure of a tire (paper eq. 5) |
-//! | [`sample`] | what comes in: one time, up to four corners |
-//! | [`speed`] | speed and way, where not every sample tells them |
-//! | [`estimate`] | what goes out: pressure, stiffness, their sd, validity, warning |
-//! | `clock` | a time that only goes forwards |
-//! | [`intake`] | bad values refused and counted, jitter regridded |
-//! | [`estimator`] | one interface before all estimators of a corner |
-//! | [`car`] | the estimator of a whole car |
-//! | [`monitor`] | what is wrong with tires and sensors, since when and why |
-//! | [`informed`] | the default estimator: a Bayes filter that knows that a road looks like a road |
-//! | [`filter`] | the paper's filters to the letter, which cannot find the stiffness, and mended |
-//! | [`road`] | the road under a wheel, for a known stiffness: causal, and smoothed for a record |
+//! | [`model`] | the car and its signals: parameters, samples, estimates, calibration |
+//! | [`conditioning`] | one clock and one speed, values checked and resampled, wheels that have left the road |
+//! | `spectrum` | short spectral frames, reconstructed signals, transfer functions |
+//! | [`single_wheel`] | one corner: a Bayes filter on a grid of pressures that knows that a road looks like a road |
+//! | `inter_axle` | front and rear over the same road: alignment and residual |
+//! | `belief` | what is believed of the car: a bank of Gaussian hypotheses |
+//! | [`estimator`] | the estimator of one corner |
+//! | [`car`] | the estimator of a car: puts the above in order |
+//! | [`diagnosis`] | what is wrong with a sensor |
+//! | [`warning`] | when to warn of what |
+//! | [`monitor`] | a car's estimator under its monitor |
+//! | [`road`] | the road under a wheel of known stiffness: causal, and smoothed for a record |
+//! | `published` | the paper's filters to the letter, with feature `paper` |
+//!
+//! # Features
+//!
+//! | feature | what it adds |
+//! |---|---|
+//! | `serde` | saving and restoring of a running estimator |
+//! | `paper` | the paper's filters, which cannot find the stiffness, and one mended |
+//! | `test-bench` | a road that repeats itself, as on a test bed or a drum |
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -29,6 +94,7 @@ pub mod estimator;
 mod inter_axle;
 pub mod model;
 pub mod monitor;
+#[cfg(feature = "paper")]
 pub mod published;
 #[cfg(test)]
 mod random;
@@ -37,3 +103,21 @@ pub mod road;
 pub mod single_wheel;
 mod spectrum;
 pub mod warning;
+
+#[doc(inline)]
+pub use self::car::{CarEstimate, CarEstimator, EstimatorOptions};
+#[doc(inline)]
+pub use self::diagnosis::{Malfunction, Sensor};
+#[doc(inline)]
+pub use self::estimator::{Estimator, EstimatorKind};
+#[doc(inline)]
+pub use self::model::{
+    CarConfig, CarSample, Corner, CornerConfig, CornerEstimate, CornerSample, ParameterError, PressureMap,
+    QuarterCar, Validity, VehicleCalibration, Warning,
+};
+#[doc(inline)]
+pub use self::monitor::{MonitorConfig, MonitoredCar};
+#[doc(inline)]
+pub use self::real::Real;
+#[doc(inline)]
+pub use self::warning::{Alert, Cause, Limits, MonitorReport, Regulation, WheelState};

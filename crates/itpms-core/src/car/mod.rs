@@ -126,6 +126,7 @@ impl<T: Real> CarEstimator<T> {
         let grid_period_s = corners.iter().flatten().next().map_or(f64::NAN, CornerEstimator::grid_period_s);
         let fusion = match kind {
             EstimatorKind::Informed => Fusion::new(config, sample_rate_hz, grid_period_s),
+            #[cfg(feature = "paper")]
             _ => None,
         };
         Ok(Self {

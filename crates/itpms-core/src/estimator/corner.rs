@@ -78,7 +78,7 @@ impl<T: Real> CornerEstimator<T> {
         sample_rate_hz: f64,
     ) -> Result<Self, ParameterError> {
         let sample_rate_hz = positive("sample_rate_hz", sample_rate_hz)?;
-        let frames = matches!(kind, EstimatorKind::Informed | EstimatorKind::AekfUiInformed);
+        let frames = !kind.is_as_published();
         let resampler = Resampler::new(sample_rate_hz, if frames { FRAME_GRID_HZ } else { sample_rate_hz });
         let method = RunningMethod::new(kind, config, sample_rate_hz, resampler.grid_period_s())?;
         let noise = config.accel_noise_or_usual_m_s2();
@@ -95,7 +95,7 @@ impl<T: Real> CornerEstimator<T> {
             calibration_ends_s: None,
             pinned_s: f64::NEG_INFINITY,
             restarts: 0,
-            repetition: RoadRepetition::Detect,
+            repetition: RoadRepetition::default(),
             fused: None,
             contact: ContactWatch::new(&config.quarter_car),
         })
@@ -253,10 +253,10 @@ impl<T: Real> CornerEstimator<T> {
         let pressure_sd_kpa = tire.pressure_sd_kpa(pressure_kpa, reading.stiffness_sd_n_per_m);
         let validity = if self.resampler.is_bad() { Validity::BadSignal } else { reading.validity };
         let placard = self.config.placard_kpa;
-        let warning = match self.kind {
-            // A filter that cannot find the stiffness has nothing to warn of.
-            EstimatorKind::AekfUi | EstimatorKind::EkfUi => Warning::None,
-            _ => self.watch.update(time_s, validity, pressure_kpa, pressure_sd_kpa, placard),
+        let warning = if self.kind.is_as_published() {
+            Warning::None
+        } else {
+            self.watch.update(time_s, validity, pressure_kpa, pressure_sd_kpa, placard)
         };
         let slope = tire.stiffness_per_kpa();
         let reading_sd = reading.stiffness_sd_n_per_m / slope;

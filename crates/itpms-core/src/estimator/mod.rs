@@ -3,12 +3,16 @@
 
 mod corner;
 mod method;
+#[cfg(feature = "paper")]
+mod published_method;
 
 pub(crate) use self::corner::{CornerEstimator, FusedStiffness};
 use crate::conditioning::{SampleClock, SampleCounts};
 use crate::model::{CornerConfig, CornerEstimate, CornerSample, ParameterError, QuarterCar};
 use crate::real::Real;
-pub use crate::single_wheel::{RoadPeriod, RoadRepetition};
+#[cfg(feature = "test-bench")]
+pub use crate::single_wheel::RoadPeriod;
+pub use crate::single_wheel::RoadRepetition;
 
 /// The estimators to choose from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -18,24 +22,46 @@ pub enum EstimatorKind {
     #[default]
     Informed,
     /// The paper's recursion, mended and told the stiffness likelihood of the same frames.
+    #[cfg(feature = "paper")]
     AekfUiInformed,
     /// As published, with the one-step forgetting factor. Cannot find the stiffness.
+    #[cfg(feature = "paper")]
     AekfUi,
     /// As published, without forgetting. Cannot find the stiffness.
+    #[cfg(feature = "paper")]
     EkfUi,
 }
 
 impl EstimatorKind {
     /// All kinds, the default first.
+    #[cfg(feature = "paper")]
     pub const ALL: [Self; 4] = [Self::Informed, Self::AekfUiInformed, Self::AekfUi, Self::EkfUi];
+    /// All kinds: without feature `paper` there is one.
+    #[cfg(not(feature = "paper"))]
+    pub const ALL: [Self; 1] = [Self::Informed];
+
+    /// Whether it is a filter as published, which cannot find the stiffness: it is never valid and never warns.
+    #[must_use]
+    pub fn is_as_published(self) -> bool {
+        match self {
+            Self::Informed => false,
+            #[cfg(feature = "paper")]
+            Self::AekfUiInformed => false,
+            #[cfg(feature = "paper")]
+            Self::AekfUi | Self::EkfUi => true,
+        }
+    }
 
     /// The name on the command line.
     #[must_use]
     pub fn label(self) -> &'static str {
         match self {
             Self::Informed => "informed",
+            #[cfg(feature = "paper")]
             Self::AekfUiInformed => "aekf-ui-informed",
+            #[cfg(feature = "paper")]
             Self::AekfUi => "aekf-ui",
+            #[cfg(feature = "paper")]
             Self::EkfUi => "ekf-ui",
         }
     }

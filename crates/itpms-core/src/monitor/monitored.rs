@@ -2,7 +2,6 @@
 //! their sensors are back.
 
 use crate::car::{CarEstimate, CarEstimator, RoadHeights};
-use crate::estimator::EstimatorKind;
 use crate::model::{CalibrationError, CarSample, Corner, ParameterError, VehicleCalibration};
 use crate::monitor::{Monitor, MonitorConfig};
 use crate::real::Real;
@@ -53,7 +52,7 @@ impl<T: Real> MonitoredCar<T> {
     /// estimate, which is never valid, is passed on as it is.
     pub fn update(&mut self, sample: &CarSample<T>) -> CarEstimate<T> {
         let at = self.estimator.clock().take(sample.time_s, sample.speed_m_s);
-        if matches!(self.estimator.kind(), EstimatorKind::AekfUi | EstimatorKind::EkfUi) {
+        if self.estimator.kind().is_as_published() {
             return self.estimator.update_at(&at, sample);
         }
         let (at, screened) = self.monitor.screen(&at, sample);

@@ -20,6 +20,10 @@ mod dynamics;
 mod gate;
 mod grid_posterior;
 mod load;
+#[cfg(feature = "test-bench")]
+mod periodic_road;
+#[cfg(not(feature = "test-bench"))]
+#[path = "no_periodic_road.rs"]
 mod periodic_road;
 mod road_model;
 mod tables;
@@ -30,8 +34,10 @@ use crate::real::Real;
 use crate::single_wheel::gate::{Gate, SpeedKnowledge};
 use crate::single_wheel::grid_posterior::Posterior;
 use crate::single_wheel::load::BodyIdentification;
+#[cfg(feature = "test-bench")]
+pub use crate::single_wheel::periodic_road::RoadPeriod;
+pub use crate::single_wheel::periodic_road::RoadRepetition;
 use crate::single_wheel::periodic_road::{Corner, Held, PeriodicEstimate, RepeatedRoad, Step};
-pub use crate::single_wheel::periodic_road::{RoadPeriod, RoadRepetition};
 use crate::single_wheel::road_model::Evidence;
 use crate::single_wheel::tables::{Grid, Tables};
 use crate::spectrum::FrameClock;
@@ -148,7 +154,7 @@ impl<T: Real> Informed<T> {
             last_speed_m_s: T::lit(f64::NAN),
             invalid: false,
             stopped_s: T::zero(),
-            repeat: RepeatedRoad::new(RoadRepetition::Detect, sample_rate_hz, grid_period_s),
+            repeat: RepeatedRoad::new(RoadRepetition::default(), sample_rate_hz, grid_period_s),
             periodic_estimate: None,
             periodic_estimate_s: f64::NAN,
             held_frames: 0,

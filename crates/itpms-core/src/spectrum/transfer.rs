@@ -48,6 +48,7 @@ fn transfer<T: Real>(body: &Body<T>, theta: T, frequency_hz: T) -> (Complex<T>, 
 }
 
 /// `H = x_w / x_r` at one frequency in Hz: what the wheel makes of the road.
+#[cfg(feature = "test-bench")]
 pub(crate) fn wheel_over_road<T: Real>(body: &Body<T>, theta: T, frequency_hz: T) -> Complex<T> {
     transfer(body, theta, frequency_hz).1
 }
