@@ -1,7 +1,7 @@
 //! Measurements in and results out: vehicle files, drive logs, estimates and roads, each read or written as a
 //! stream, so that the length of a drive never decides whether it can be processed.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
 //! | [`vehicle`] | the vehicle file (TOML) and the corners it describes |
 //! | [`log`] | drive logs in: CSV and Parquet behind one reader that repairs, counts and refuses |

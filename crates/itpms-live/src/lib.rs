@@ -1,6 +1,6 @@
 //! The live monitor: rows from a bus, a broker or a replayed log in; estimates and warnings out, as they come.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
 //! | [`source`] | where rows and frames come from |
 //! | [`input`], [`queue`] | what a source tells, and the bounded way it goes |

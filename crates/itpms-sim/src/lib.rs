@@ -4,7 +4,7 @@
 //! or estimators; a [`SimRow`](simulation::SimRow) carries what a log would hold and the truth beside it.
 //! The mathematics is in `docs/math/simulation.md`.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
 //! | [`road`] | ISO 8608 roads, measured profiles, potholes, repeated segments, the tire's contact length |
 //! | [`time_profile`] | piecewise linear histories: the car's speed, a tire's pressure |

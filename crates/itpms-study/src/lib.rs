@@ -1,7 +1,7 @@
 //! What needs the truth, or looks at a drive from outside: how good an estimate can be and is, how rough the road
 //! was, and the page that shows it.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
 //! | [`bound`] | Cramer-Rao bound on a pressure from one corner, or from front and rear of a side |
 //! | [`certify`] | the test procedures of UN R141 and FMVSS 138, driven |

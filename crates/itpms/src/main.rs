@@ -1,6 +1,6 @@
 //! The `itpms` command: arguments in, files and a few lines of text out. No mathematics.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
 //! | `args` | what can be typed |
 //! | `commands` | one file per command |

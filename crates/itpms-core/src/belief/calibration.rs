@@ -16,6 +16,12 @@ const CALIBRATION_SD: f64 = 0.004;
 /// Seconds of shared road learned from in a calibration after which tires may change all the same.
 const CALIBRATING_ENOUGH_S: f64 = 6.0;
 
+/// How far below what a calibration set a tire's compliance may be read, over that at placard pressure; and the share by which
+/// pressures may rise as the tires warm up, with its time constant in s: 9 % are 25 K, and tires warm up in some ten minutes.
+const FLOOR_MARGIN: f64 = 0.02;
+const WARMING: f64 = 0.09;
+const WARMING_S: f64 = 300.0;
+
 /// Least sd that is loaded: unsprung mass (another rim), damping (warm oil), spring, bar, gain, wheelbase over speed
 /// (other tires), skew in s, the spectrum's bias as a share of the placard pressure, and the inter-axle residual's.
 const LEAST_SD: [f64; 9] = [0.003, 0.05, 0.02, 0.01, 0.003, 0.003, 5e-4, 0.02, 0.01];
@@ -33,11 +39,13 @@ pub(super) struct CalibrationState<T> {
     stored: Option<VehicleCalibration<T>>,
     /// What an earlier one had taught.
     loaded: Option<VehicleCalibration<T>>,
+    /// When the last one of this drive ended, as long as no tire is taken to have been filled since.
+    ended_s: Option<f64>,
 }
 
 impl<T: Real> CalibrationState<T> {
     pub(super) fn new() -> Self {
-        Self { active: false, from_s: 0.0, calibrated: false, stored: None, loaded: None }
+        Self { active: false, from_s: 0.0, calibrated: false, stored: None, loaded: None, ended_s: None }
     }
 }
 
@@ -47,7 +55,7 @@ impl<T: Real> Belief<T> {
     pub(crate) fn begin_calibration(&mut self) {
         let calibration = &mut self.calibration;
         calibration.loaded = calibration.stored.take().or(calibration.loaded);
-        (calibration.calibrated, calibration.active) = (true, true);
+        (calibration.calibrated, calibration.active, calibration.ended_s) = (true, true, None);
         self.set_tires();
     }
 
@@ -107,7 +115,21 @@ impl<T: Real> Belief<T> {
         let seconds = self.learned_s - self.calibration.from_s;
         if seconds >= ENOUGH_S {
             self.calibration.stored = Some(self.to_calibration(T::lit(seconds)));
+            self.calibration.ended_s = Some(self.time_s);
         }
+    }
+
+    /// Tires only lose air while they roll: the least that each compliance can be, over that at placard pressure, less one, as
+    /// long as that is known from a calibration on this drive. They may all warm up (docs/math/shared-road.md, section 6).
+    pub(super) fn least_compliance(&self) -> Option<[T; 4]> {
+        let since_s = self.time_s - self.calibration.ended_s?;
+        let warmer = T::lit(WARMING) * (T::one() - T::lit(-since_s / WARMING_S).exp());
+        Some(core::array::from_fn(|corner| -T::lit(FLOOR_MARGIN) - warmer * self.scale.share(corner)))
+    }
+
+    /// A tire may have been filled: what the last calibration set is no bound any more.
+    pub(super) fn drop_floor(&mut self) {
+        self.calibration.ended_s = None;
     }
 
     fn to_calibration(&self, learned_s: T) -> VehicleCalibration<T> {

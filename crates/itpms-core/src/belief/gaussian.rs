@@ -1,4 +1,4 @@
-//! One Gaussian of the belief: what the car is if pressures change in one way. Knows how a movement begins and ends in it, how what
+//! One Gaussian of the belief: what the car is if pressures change in one way. Knows how a change begins and ends in it, how what
 //! is known wanders, and what no tire can be; nothing of the other ways.
 
 use super::state::{Covariance, RATE, SIZE, State, TIRE, correlate_bars, prior_sd, return_rate, wander_sd};
@@ -37,7 +37,7 @@ impl<T: Real> Hypothesis<T> {
         Self { mean, covariance, weight: T::one() }
     }
 
-    /// A quiet one as it is when a movement begins, `at_a_rate` or any way.
+    /// A constant one as it is when a change begins, `at_a_rate` or any way.
     pub(crate) fn with_onset(&self, at_a_rate: bool) -> Self {
         let mut with_onset = self.clone();
         if at_a_rate {
@@ -60,7 +60,7 @@ impl<T: Real> Hypothesis<T> {
         }
     }
 
-    /// The same when its movement is over.
+    /// The same when its change is over.
     pub(crate) fn without_rate(&self) -> Self {
         let mut without_rate = self.clone();
         without_rate.mean[RATE] = T::zero();

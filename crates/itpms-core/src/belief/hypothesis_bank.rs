@@ -18,13 +18,13 @@ pub(super) const CONSTANT: usize = 0;
 pub(super) const SIDE: usize = 5;
 pub(super) const ALL: usize = 7;
 pub(super) const RANDOM_WALK: usize = 8;
-/// Log-likelihood of a mode that cannot say how likely a frame is.
+/// Log-likelihood of a hypothesis that cannot say how likely a frame is.
 const IMPOSSIBLE: f64 = -1e6;
 /// Growth of a compliance's sd per square root of a second of incoherence, as far as it is believed: as long as the car is known
-/// from its file only, and once a reset has taught what it is.
+/// from its file only, and once a calibration has taught what it is.
 const FADING: f64 = 0.03;
 const FADING_TAUGHT: f64 = 0.01;
-/// Degrees of freedom of a word's distribution: how heavy its tails are.
+/// Degrees of freedom of a pseudo-measurement's distribution: how heavy its tails are.
 const WORD_TAILS: f64 = 4.0;
 /// See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
@@ -40,12 +40,12 @@ pub(super) struct HypothesisBank<T: Real> {
     pub(super) hypotheses: [Hypothesis<T>; HYPOTHESES],
 }
 
-/// Whether compliances follow the rate in a mode.
+/// Whether compliances follow the rate in a hypothesis.
 pub(super) fn has_rate(hypothesis: usize) -> bool {
     hypothesis != CONSTANT && hypothesis != RANDOM_WALK
 }
 
-/// How the compliances follow the rate in a mode.
+/// How the compliances follow the rate in a hypothesis.
 pub(super) fn changing<T: Real>(hypothesis: usize) -> [T; 4] {
     let changing = |i: usize| hypothesis == i + 1 || hypothesis == SIDE + i % 2 || hypothesis == ALL;
     core::array::from_fn(|i| if changing(i) { T::one() } else { T::zero() })
@@ -120,7 +120,7 @@ impl<T: Real> HypothesisBank<T> {
         }
     }
 
-    /// The same of a number that also says how likely each mode is.
+    /// The same of a number that also says how likely each hypothesis is.
     pub(super) fn update_reweighted(&mut self, variance: T, linearise: impl Fn(&State<T>) -> (State<T>, T)) {
         let mut log_weight = [T::zero(); HYPOTHESES];
         for (hypothesis, log) in self.hypotheses.iter().zip(&mut log_weight) {
@@ -163,7 +163,7 @@ impl<T: Real> HypothesisBank<T> {
         })
     }
 
-    /// The belief about a tire fades with seconds of incoherence; less so if a reset has `taught` what the car is.
+    /// The belief about a tire fades with seconds of incoherence; less so if a calibration has `taught` what the car is.
     pub(super) fn inflate(&mut self, corner: usize, incoherent_s: T, calibrated: bool) {
         let sd = if calibrated { FADING_TAUGHT } else { FADING };
         for hypothesis in &mut self.hypotheses {
@@ -195,7 +195,7 @@ impl<T: Real> HypothesisBank<T> {
         }
     }
 
-    /// All modes as one Gaussian, in which nothing moves.
+    /// All hypotheses as one Gaussian, in which nothing moves.
     pub(super) fn as_one(&self) -> Hypothesis<T> {
         let mut one = Mixture::new();
         for hypothesis in &self.hypotheses {
@@ -210,7 +210,7 @@ impl<T: Real> HypothesisBank<T> {
         self.collapse();
     }
 
-    /// HypothesisBank in which a tire is what no tire can be are not followed. A tire of the quiet one is never softer than flat; what
+    /// Hypotheses in which a tire is what no tire can be are not followed. A tire of the constant one is never softer than flat; what
     /// else is wrong with that one is left for [`HypothesisBank::is_sound`]. `softest`: each tire's compliance when flat.
     pub(super) fn drop_impossible(&mut self, softest: &[T; 4]) {
         self.hypotheses[CONSTANT].stop_at(softest);
@@ -228,7 +228,28 @@ impl<T: Real> HypothesisBank<T> {
         }
     }
 
-    /// Only the quiet mode is left: somebody knows that nothing moves.
+    /// Whether the likeliest is that tires wander either way, as after they were filled.
+    pub(super) fn is_random_walk(&self) -> bool {
+        self.most_likely() == RANDOM_WALK
+    }
+
+    /// Projects the mean of every hypothesis that lies below `least` of a tire's compliance onto it, weighted by its own
+    /// covariance: the likeliest state that the bound allows. The covariance stays, so that a bound which is met again and again
+    /// makes nobody surer. Wandering tires may have been filled and have no bound.
+    pub(super) fn hold_above(&mut self, least: &[T; 4]) {
+        for hypothesis in &mut self.hypotheses[..RANDOM_WALK] {
+            for (i, &least) in least.iter().enumerate() {
+                let (below, variance) =
+                    (least - hypothesis.mean[TIRE + i], hypothesis.covariance[(TIRE + i, TIRE + i)]);
+                if below > T::zero() && variance > T::zero() {
+                    let step = hypothesis.covariance.column(TIRE + i) * (below / variance);
+                    hypothesis.mean += step;
+                }
+            }
+        }
+    }
+
+    /// Only the constant hypothesis is left: somebody knows that nothing moves.
     pub(super) fn collapse(&mut self) {
         for hypothesis in &mut self.hypotheses[1..] {
             hypothesis.weight = T::zero();
@@ -236,7 +257,7 @@ impl<T: Real> HypothesisBank<T> {
         self.hypotheses[CONSTANT].weight = T::one();
     }
 
-    /// Mean and covariance of the tires' compliances, each so many seconds after what is believed of it, all modes together.
+    /// Mean and covariance of the tires' compliances, each so many seconds after what is believed of it, over all hypotheses.
     pub(super) fn tires(&self, age_s: &[T; 4]) -> (SVector<T, 4>, SMatrix<T, 4, 4>) {
         let mut mean = SVector::<T, 4>::zeros();
         let mut square = SMatrix::<T, 4, 4>::zeros();
@@ -258,7 +279,7 @@ impl<T: Real> HypothesisBank<T> {
         (mean, square - mean * mean.transpose())
     }
 
-    /// Mean and variance of one quantity, all modes together.
+    /// Mean and variance of one quantity, over all hypotheses.
     pub(super) fn quantity(&self, at: usize) -> (T, T) {
         let (mut mean, mut square) = (T::zero(), T::zero());
         for hypothesis in &self.hypotheses {

@@ -1,4 +1,4 @@
-//! Gaussians added up to one with their mean and covariance. Used by the modes where ways of moving meet; knows nothing of them.
+//! Gaussians added up to one with their mean and covariance. Used by the hypotheses where ways of moving meet; knows nothing of them.
 
 use super::gaussian::Hypothesis;
 use super::state::{Covariance, SIZE, State};

@@ -38,7 +38,7 @@ use self::hypothesis_bank::HypothesisBank;
 use self::measurement::{AxleResidual, SideMeasurement, UpdateRecord};
 use self::state::{State, TIRE};
 pub(crate) use self::tire_scale::{LEAST_COMPLIANCE, TireScale};
-use crate::model::{CarConfig, CornerConfig, Learned};
+use crate::model::{CarConfig, CornerConfig, Inflation, Learned};
 use crate::real::Real;
 
 /// Longest time in s over which a change is followed without a frame, and between pseudo-measurements where there are no frames.
@@ -91,6 +91,7 @@ pub(crate) struct Belief<T: Real> {
     /// The newest first.
     checkpoints: [Option<Checkpoint<T>>; 2],
     pre_fault: [Option<PreFaultEstimate<T>>; 4],
+    inflation: Inflation,
 }
 
 impl<T: Real> Belief<T> {
@@ -109,6 +110,7 @@ impl<T: Real> Belief<T> {
             calibration: CalibrationState::new(),
             checkpoints: [None, None],
             pre_fault: [None; 4],
+            inflation: Inflation::AtStops,
         }
     }
 
@@ -167,11 +169,29 @@ impl<T: Real> Belief<T> {
     /// Ends an update: counts the seconds of shared road learned from, and drops what no tire can be.
     pub(crate) fn settle(&mut self, learned_s: f64) {
         self.learned_s += learned_s;
+        self.hold_above_floor();
         let softest = self.scale.softest();
         self.bank.drop_impossible(&softest);
         if !self.bank.is_sound(&softest) {
             self.restart();
         }
+    }
+
+    /// Tires only lose air while they roll, unless somebody fills them at a stop or a pump does so on the way.
+    fn hold_above_floor(&mut self) {
+        if self.bank.is_random_walk() {
+            self.drop_floor();
+        }
+        if self.inflation == Inflation::AtStops
+            && let Some(least) = self.least_compliance()
+        {
+            self.bank.hold_above(&least);
+        }
+    }
+
+    /// Whether tires may gain air while they roll.
+    pub(crate) fn set_inflation(&mut self, inflation: Inflation) {
+        self.inflation = inflation;
     }
 
     /// The belief has become impossible, or rests on something that was wrong: begins again with what calibrations taught.

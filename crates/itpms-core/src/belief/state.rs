@@ -58,7 +58,7 @@ const ROAD_BIAS_S: f64 = 36_000.0;
 pub(crate) type State<T> = SVector<T, SIZE>;
 pub(crate) type Covariance<T> = SMatrix<T, SIZE, SIZE>;
 
-/// Standard deviations before anything is learned; the rate's is that of a mode that moves.
+/// Standard deviations before anything is learned; the rate's is that of a hypothesis that moves.
 pub(crate) fn prior_sd<T: Real>() -> State<T> {
     filled([0.11, 0.01, 0.15, 0.1, 0.3, 0.012, 0.01, 0.02, 0.04, 0.03, ROAD_BIAS_SD[0], 0.0])
 }

@@ -301,3 +301,32 @@ fn several_are_not_filled_while_they_roll() {
         assert_eq!([bank.hypotheses[0].weight, bank.hypotheses[several].weight], expected, "{rate}");
     }
 }
+
+/// The bound on a tire's compliance is met by the likeliest state that it allows: the gradient of the squared distance from the
+/// mean has, at the projection, no part but along the bound. The covariance stays, and so does a hypothesis that meets it.
+#[test]
+fn a_bound_is_met_by_the_likeliest_state() {
+    let mut bank = HypothesisBank::<f64>::new(&[-0.2, 0.1, 0.0, 0.0]);
+    for hypothesis in &mut bank.hypotheses {
+        hypothesis.covariance = correlated();
+    }
+    let before = bank.clone();
+    bank.hold_above(&[-0.05, -0.05, f64::NEG_INFINITY, f64::NEG_INFINITY]);
+    for (index, (after, before)) in bank.hypotheses.iter().zip(&before.hypotheses).enumerate() {
+        assert_eq!(after.covariance, before.covariance);
+        if index == RANDOM_WALK {
+            assert_eq!(after.mean, before.mean, "may have been filled");
+            continue;
+        }
+        assert!((after.mean[TIRE] + 0.05).abs() < 1e-15);
+        let gradient = before.covariance.try_inverse().unwrap() * (after.mean - before.mean);
+        let along = gradient[TIRE];
+        assert!(along > 0.0);
+        for i in (0..SIZE).filter(|&i| i != TIRE) {
+            assert!(gradient[i].abs() < 1e-9 * along, "{i}: {} of {along}", gradient[i]);
+        }
+    }
+    let held = bank.clone();
+    bank.hold_above(&[-0.05, f64::NEG_INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY]);
+    assert_eq!(bank, held);
+}

@@ -13,7 +13,7 @@ const BEGIN: [f64; HYPOTHESES] = [0.0, 2e-4, 2e-4, 2e-4, 2e-4, 1e-6, 1e-6, 1e-6,
 /// side's own weight below which that is not looked at.
 const JOIN: f64 = 1e-2;
 const NOTICED: f64 = 1e-3;
-/// Chance per second that a movement ends.
+/// Chance per second that a change ends.
 const END: f64 = 0.5;
 /// Growth of the rate's sd per square root of a second.
 const RATE_WANDER: f64 = 0.1;
@@ -22,14 +22,14 @@ const LOOSE_SD: f64 = 0.06;
 /// Chance that a tire was filled or let down during a stop, and the sd of its compliance then.
 const FILLED: f64 = 1e-3;
 const FILLED_SD: f64 = 0.15;
-/// Weight below which a mode begins anew.
+/// Weight below which a hypothesis begins anew.
 const FORGOTTEN: f64 = 1e-20;
 /// Largest chance of a step that a suspected wheel begins to move.
 const LARGEST_CHANCE: f64 = 0.2;
 
 impl<T: Real> HypothesisBank<T> {
-    /// Moves on by `seconds`; `liveliness` multiplies the chances that one wheel, and that several, begin to move;
-    /// `suspected` are chances per second that each wheel does that somebody else has reason to believe in.
+    /// Moves on by `seconds`; `onset_scale` multiplies the chances that one wheel, and that several, begin to move;
+    /// `onset_rates` are chances per second that each wheel does that somebody else has reason to believe in.
     pub(super) fn predict(&mut self, seconds: T, onset_scale: [T; 2], onset_rates: &[T; 4]) {
         self.mix(seconds, onset_scale, onset_rates);
         for (index, hypothesis) in self.hypotheses.iter_mut().enumerate() {
@@ -70,7 +70,7 @@ impl<T: Real> HypothesisBank<T> {
             }
             stay -= begin[hypothesis];
         }
-        // In place: a copy of all modes is more than a controller's stack has room for. The quiet mode comes last, as every
+        // In place: a copy of all hypotheses is more than a controller's stack has room for. The constant one comes last, as every
         // other begins from it, and single wheels after those that they join.
         let still = self.still(stay, end);
         for (hypothesis, &begin) in begin.iter().enumerate().skip(SIDE) {
@@ -98,7 +98,7 @@ impl<T: Real> HypothesisBank<T> {
         still.into_hypothesis()
     }
 
-    /// A movement goes on but for the share that ends, and by this chance what moved not begins to.
+    /// A change goes on but for the share that ends, and by this chance what did not change begins to.
     fn go_on(&mut self, hypothesis: usize, end: T, begin: T) {
         let (constant, changing) = (&self.hypotheses[CONSTANT], &self.hypotheses[hypothesis]);
         let mut with_onset = constant.with_onset(has_rate(hypothesis));

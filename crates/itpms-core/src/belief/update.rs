@@ -1,5 +1,5 @@
 //! What a frame says to one Gaussian of the belief: how likely it was, and where its quantities should go (docs/math/shared-road.md,
-//! eq. 11-13). Used by every mode in turn; knows nothing of the others.
+//! eq. 11-13). Used by every hypothesis in turn; knows nothing of the others.
 
 use nalgebra::SMatrix;
 
@@ -8,10 +8,10 @@ use super::measurement::{AxleResidual, BINS, Expectation, Gram, OVERLAP, ROWS, S
 use super::state::{Covariance, ROAD_BIAS, SIDE_SIZE, SIDE_TIRES, SIZE, TIRE, side_indices};
 use crate::real::Real;
 
-/// Degrees of freedom of the disagreement's distribution: how heavy its tails are.
+/// Degrees of freedom of the residual's distribution: how heavy its tails are.
 const TAILS: f64 = 8.0;
 
-/// The part of a belief that a side's disagreement depends on.
+/// The part of a belief that a side's residual depends on.
 pub(crate) struct OwnCovariance<T: Real> {
     /// Covariance of everything with the side's quantities, and of these among themselves.
     all: SMatrix<T, SIZE, SIDE_SIZE>,
@@ -39,7 +39,7 @@ impl<T: Real> OwnCovariance<T> {
         Self { all, own }
     }
 
-    /// Adds a frame's information with its score, counting `trust` of them. The mean moves by no more than the frame surprises,
+    /// Adds a frame's information with its score, counting `trust` of them. The mean moves by no more than the residual,
     /// both in standard deviations: no update by Bayes' rule would, but the score is taken with instruments, and what these
     /// heard need not have been the road, as when a wheel comes down.
     pub(crate) fn learn(
@@ -66,12 +66,12 @@ impl<T: Real> OwnCovariance<T> {
     }
 }
 
-/// How well a mode foretold a frame.
+/// How well a hypothesis foretold a frame.
 pub(crate) struct Likelihood<T: Real> {
     pub(crate) log: T,
-    /// Square of the disagreement over its standard deviations, these so enlarged.
+    /// Square of the residual over its standard deviations, these so enlarged.
     pub(crate) mahalanobis_sq: T,
-    /// Factor by which the disagreement's variance is larger than expected, at least one.
+    /// Factor by which the residual's variance is larger than expected, at least one.
     pub(crate) scale: T,
     /// Power of what remains over what was expected, per bin.
     pub(crate) ratio: [T; BINS],
@@ -93,7 +93,7 @@ impl<T: Real> Likelihood<T> {
         };
         let plain = total(T::one()).cholesky()?;
         let mahalanobis_sq = found.rows.dot(&plain.solve(&found.rows));
-        // A disagreement far larger than expected says little: Student's t with few degrees of freedom.
+        // A residual far larger than expected says little: Student's t with few degrees of freedom.
         let (tails, rows) = (T::lit(TAILS), T::lit(ROWS as f64));
         let scale = ((tails + mahalanobis_sq) / (tails + rows)).max(T::one());
         let inverse = total(scale).cholesky()?.inverse();

@@ -10,7 +10,7 @@ use self::fusion::{FusedEstimate, Fusion, SingleWheelEstimate};
 use crate::conditioning::{Moment, SampleClock, SampleCounts};
 use crate::estimator::{CornerEstimator, EstimatorKind, FusedStiffness, RoadRepetition};
 use crate::model::{
-    CalibrationError, CarConfig, CarSample, Corner, CornerEstimate, ParameterError, QuarterCar,
+    CalibrationError, CarConfig, CarSample, Corner, CornerEstimate, Inflation, ParameterError, QuarterCar,
     VehicleCalibration,
 };
 use crate::real::Real;
@@ -51,6 +51,8 @@ pub struct EstimatorOptions {
     pub road_repetition: RoadRepetition,
     /// Whether road heights are estimated.
     pub road_heights: RoadHeights,
+    /// When tires may gain air.
+    pub inflation: Inflation,
 }
 
 /// What is known of the car after a sample.
@@ -101,7 +103,7 @@ pub struct CarEstimator<T: Real> {
     clock: SampleClock<T>,
     corners: [Option<CornerEstimator<T>>; 4],
     fusion: Option<Fusion<T>>,
-    /// When the reset that is under way ends, and how long it lasts if it has not begun.
+    /// When the calibration that is under way ends, and how long it lasts if it has not begun.
     calibration_s: Option<f64>,
     calibration_ends_s: f64,
 }
@@ -146,7 +148,16 @@ impl<T: Real> CarEstimator<T> {
         Self { sources, ..self }
     }
 
-    /// The same for a drive whose first seconds are known to be at placard pressure: a reset.
+    /// The same for a car whose tires may gain air at other times; before the first sample.
+    #[must_use]
+    pub fn with_inflation(mut self, inflation: Inflation) -> Self {
+        if let Some(fusion) = &mut self.fusion {
+            fusion.set_inflation(inflation);
+        }
+        self
+    }
+
+    /// The same for a drive whose first seconds are known to be at placard pressure: a calibration.
     ///
     /// # Errors
     /// The length must be positive and finite.
@@ -170,7 +181,7 @@ impl<T: Real> CarEstimator<T> {
     }
 
     /// Says that all tires have their placard pressures from the next sample on, for `seconds`, in which the car should be
-    /// driven: the driver's reset. Whatever an earlier one had set is set anew, also while that lasts.
+    /// driven: the driver's calibration. Whatever an earlier one had set is set anew, also while that lasts.
     ///
     /// # Errors
     /// The length must be positive and finite.

@@ -1,7 +1,7 @@
 //! A clock that only goes forwards, whatever the stamps of the samples do.
 //!
 //! Stands before the estimators and the monitor, so that a clock that is set, or one stray stamp, is a pause to them and
-//! nothing else: resets end, warm references and beliefs go on. Called by them; knows nothing of what is sampled.
+//! nothing else: calibrations end, warm references and beliefs go on. Called by them; knows nothing of what is sampled.
 
 /// Least distance of two stamps, in sampling periods: closer ones are the same.
 pub(crate) const CLOSEST: f64 = 0.05;

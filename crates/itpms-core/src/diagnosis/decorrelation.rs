@@ -49,7 +49,7 @@ mod tests {
         assert_eq!(run(&mut parting, 30.0, 0.004), 0);
         // Usual is 1 - 0.996 exp(-t / 20 s), a fifth after 4.4 s.
         assert!((40..50).contains(&run(&mut parting, 30.0, 1.0)));
-        // CrossSensorPlausibility again, and apart again.
+        // Together again, and apart again.
         assert_eq!(run(&mut parting, 1.0, 0.004), 0);
         assert!((40..50).contains(&run(&mut parting, 30.0, 1.0)));
     }

@@ -3,16 +3,18 @@
 //! Called by the monitor with every sample, before the estimator. Knows nothing of pressures. What can be told, how soon
 //! and what cannot: docs/math/monitor.md, sections 2 to 4.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
-//! | `sensor` | running figures of one sensor |
-//! | `alone` | stuck, losing samples, spiking, noisy |
+//! | `malfunction` | what can be wrong |
+//! | `sensor_statistics` | running figures of one sensor |
+//! | `single_sensor` | stuck, losing samples, spiking, noisy |
 //! | `filters`, `signals`, `moments` | bands and their second moments |
-//! | `matching` | who follows whom; whether the bodies are one plane |
-//! | `together`, `word` | swapped, a body's wrong gain |
-//! | `wheel_gain` | a wheel's wrong gain |
-//! | `jump` | a gain that changes at once |
-//! | `shift` | one that changes by less |
+//! | `matching` | which sensors follow which; whether the bodies are one plane |
+//! | `cross_sensor`, `fault_latch` | swapped sensors, a body sensor's wrong gain |
+//! | `wheel_gain` | a wheel sensor's wrong gain |
+//! | `standstill` | a speed of zero while wheels roll |
+//! | `decorrelation` | roads that front and rear have just stopped sharing |
+//! | `debounce` | debouncing and hysteresis |
 
 pub(crate) mod cross_sensor;
 pub(crate) mod debounce;

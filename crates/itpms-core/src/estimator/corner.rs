@@ -40,7 +40,7 @@ pub(crate) struct CornerEstimator<T: Real> {
     road: Option<RoadFilter<T>>,
     road_told_s: f64,
     watch: LowPressureWatch,
-    /// Length in s of the reset drive at the start, and when it ends once that is known.
+    /// Length in s of the calibration drive at the start, and when it ends once that is known.
     calibration_s: f64,
     calibration_ends_s: Option<f64>,
     pinned_s: f64,
@@ -101,7 +101,7 @@ impl<T: Real> CornerEstimator<T> {
         })
     }
 
-    /// Says that the tire has its placard pressure from the next sample on, for `seconds`: the driver's reset.
+    /// Says that the tire has its placard pressure from the next sample on, for `seconds`: the driver's calibration.
     ///
     /// # Errors
     /// The length must be positive and finite.
@@ -199,7 +199,7 @@ impl<T: Real> CornerEstimator<T> {
         self.estimate(time_s, &reading)
     }
 
-    /// While the reset drive lasts, says so to the estimator ten times a second.
+    /// While the calibration drive lasts, says so to the estimator ten times a second.
     fn hold_calibration(&mut self, time_s: f64) {
         if !(self.calibration_s > 0.0 && time_s.is_finite()) {
             return;

@@ -1,6 +1,6 @@
-//! What a reset teaches about the car: how it differs from its vehicle file while all tires are known to be right.
+//! What a calibration teaches about the car: how it differs from its vehicle file while all tires are known to be right.
 //!
-//! Made by [`CarEstimator::learned`](crate::car::CarEstimator::learned) when a reset is over, given to the next drive's
+//! Made by [`CarEstimator::calibration`](crate::car::CarEstimator::calibration) when a calibration is over, given to the next drive's
 //! estimator. Knows nothing of files: whoever stores it checks that it belongs to the car.
 
 use crate::belief::state::ROAD_BIAS_SD;
@@ -35,7 +35,7 @@ pub struct CornerCalibration<T> {
 }
 
 impl<T: Real> CornerCalibration<T> {
-    /// What is believed of [`shared_road_bias`](Self::shared_road_bias) before any reset has taught it.
+    /// What is believed of [`shared_road_bias`](Self::shared_road_bias) before any calibration has taught it.
     pub fn unlearned_residual_bias() -> Learned<T> {
         Learned { value: T::zero(), sd: T::lit(ROAD_BIAS_SD[0]) }
     }

@@ -11,3 +11,15 @@ pub struct CarConfig<T> {
     /// Distance between the axles in m; `None`: the shared road is not used.
     pub wheelbase_m: Option<T>,
 }
+
+/// When tires may gain air.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Inflation {
+    /// At stops only: while they roll, tires hold their air or lose it. So after a calibration none is believed to have more
+    /// than it was set to, but for warming up.
+    #[default]
+    AtStops,
+    /// On the way, too: a car with pumps.
+    WhileRolling,
+}

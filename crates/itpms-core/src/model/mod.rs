@@ -9,7 +9,7 @@ mod tire;
 mod wheels;
 
 pub use self::calibration::{CalibrationError, CornerCalibration, Learned, VehicleCalibration};
-pub use self::car::CarConfig;
+pub use self::car::{CarConfig, Inflation};
 pub use self::estimate::{CornerConfig, CornerEstimate, Diagnostics, Validity, Warning};
 pub(crate) use self::quarter_car::positive;
 pub use self::quarter_car::{ParameterError, QuarterCar};

@@ -5,17 +5,12 @@
 //! correlations, and whether front and rear share a road; never the truth. Thresholds, times and
 //! their reasons are in docs/math/monitor.md.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
-//! | `config` | limits of the regulations |
-//! | `health` | the sensors, from their raw values |
-//! | `wheel`, `leak`, `all_low` | pressures against limits, against each other, and all together |
-//! | `standstill` | a speed of zero while wheels roll |
-//! | `parting` | roads that front and rear have just stopped sharing |
-//! | `warm` | what a tire should have, warm as it is after so much driving |
-//! | `latch` | debouncing and hysteresis |
-//! | `alert`, `report`, `wheels` | what is said |
+//! | `config` | what a monitored car is told |
 //! | `monitored` | estimator and monitor as one |
+//!
+//! What can be wrong with sensors is in [`crate::diagnosis`], when to warn of what in [`crate::warning`].
 
 mod config;
 mod monitored;
@@ -119,7 +114,7 @@ impl<T: Real> Monitor<T> {
         })
     }
 
-    /// Says that a reset begins with the next sample and takes `seconds`: what is estimated at its end is from then on what
+    /// Says that a calibration begins with the next sample and takes `seconds`: what is estimated at its end is from then on what
     /// the tires should have, within [`Limits::reference_span`].
     ///
     /// # Errors

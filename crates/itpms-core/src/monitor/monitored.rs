@@ -32,7 +32,8 @@ impl<T: Real> MonitoredCar<T> {
         let options = &config.options;
         let estimator = CarEstimator::new(options.estimator, &config.car, sample_rate_hz)?
             .with_sources(options.sources)
-            .with_road_repetition(options.road_repetition);
+            .with_road_repetition(options.road_repetition)
+            .with_inflation(options.inflation);
         let estimator = match options.road_heights {
             RoadHeights::Estimated => estimator,
             RoadHeights::LeftOut => estimator.without_road(),
@@ -82,7 +83,7 @@ impl<T: Real> MonitoredCar<T> {
         &self.estimator
     }
 
-    /// The driver's reset: all tires have their placard pressures from the next sample on. The estimator learns the car for
+    /// The driver's calibration: all tires have their placard pressures from the next sample on. The estimator learns the car for
     /// `seconds`; the monitor then takes what the warm tires are read to have for what they should have. Before the first
     /// sample, too.
     ///

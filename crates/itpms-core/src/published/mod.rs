@@ -3,7 +3,7 @@
 //! Called by whoever turns a drive into estimates or draws the paper's figures; knows nothing of pressure, files,
 //! clocks or what a warning is. Derivations: `docs/math/ekf-ui.md` and `docs/math/forgetting.md`.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
 //! | [`config`] | what a published filter is told: start, covariances, the readings of the ambiguous equations |
 //! | [`ekf_ui`] | the recursion with unknown input, one function a stage (eq. 6-17) |

@@ -5,16 +5,15 @@
 //! notch near 10-14 Hz; how unlikely that is, for every stiffness of a grid, is the information. Short spectral frames
 //! feed it some seventeen times a second; leak modes and road-level modes say how fast belief may change.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
-//! | `reconstruct` | per sample: the signals that the road velocity is made of |
 //! | `gate` | how much of a frame to believe |
-//! | `body` | load and damping identified on the way |
-//! | `model` | what they should look like for every stiffness |
+//! | `load` | load and damping identified on the way |
+//! | `tables` | what frames should look like for every stiffness of the grid |
 //! | `dynamics` | how pressure and road may change |
-//! | `road_belief` | level, slope and enveloping of the road under one hypothesis |
-//! | `repeat` | a road that repeats itself: the same road again, seen through another stiffness |
-//! | `posterior` | the belief, moved on and weighed |
+//! | `road_model` | level, slope and enveloping of the road under one hypothesis |
+//! | `grid_posterior` | the posterior over the grid, predicted and updated |
+//! | `periodic_road` | a road that repeats itself: the same road again, seen through another stiffness |
 
 mod dynamics;
 mod gate;
@@ -70,7 +69,7 @@ const STOP_S: f64 = 3.0;
 /// Share by which the sd grows while the pressure surely moves fast: found on seeds of its own so that intervals cover
 /// more of a drop without covering too much elsewhere.
 const MOVING_SD: f64 = 0.7;
-/// How well a reset sets the pressure, as a share of the placard pressure: 3 kPa at 241.3 kPa.
+/// How well a calibration sets the pressure, as a share of the placard pressure: 3 kPa at 241.3 kPa.
 pub(crate) const CALIBRATION_SD: f64 = 0.0125;
 /// A repeated road is found in its third period or so: until then its spectrum has been counted that often.
 const OVERCOUNTED: f64 = 3.0;
@@ -81,7 +80,7 @@ const REPEATED_WORD_SD: f64 = 2.0;
 const OLDEST_WORD_S: f64 = 0.3;
 /// Least sd in cells with which the repeated road's word is put on the grid.
 const LEAST_PIN_CELLS: f64 = 0.4;
-/// Frames for which a reset that was told holds: it is told ten times a second.
+/// Frames for which a calibration that was told holds: it is told ten times a second.
 const HELD_FRAMES: u32 = 4;
 /// Standard deviation in kPa of the pressure to start from.
 const INITIAL_SD_KPA: f64 = 30.0;
@@ -238,7 +237,7 @@ impl<T: Real> Informed<T> {
         word.is_some()
     }
 
-    /// Tells that the tire has its placard pressure now, as during a reset.
+    /// Tells that the tire has its placard pressure now, as during a calibration.
     pub fn set_to_placard(&mut self) {
         let cell = (self.config.placard_kpa - self.grid.pressure_kpa(0)) / self.grid.step_kpa();
         self.posterior.pin(cell, T::lit(CALIBRATION_SD) * self.config.placard_kpa / self.grid.step_kpa());

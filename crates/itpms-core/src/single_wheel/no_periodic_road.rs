@@ -39,7 +39,7 @@ pub(crate) struct Belief<T> {
     pub(crate) theta: T,
     /// Its relative standard deviation.
     pub(crate) relative_sd: T,
-    /// True while it is known to be constant, as during a reset.
+    /// True while it is known to be constant, as during a calibration.
     pub(crate) held: Held,
 }
 
@@ -47,7 +47,7 @@ pub(crate) struct Belief<T> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum Held {
-    /// During a reset drive.
+    /// During a calibration drive.
     Yes,
     /// Else.
     No,

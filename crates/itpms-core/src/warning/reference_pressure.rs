@@ -1,4 +1,4 @@
-//! What a tire should have now: the pressure that was told, and what a warm tire had more at the end of the last reset,
+//! What a tire should have now: the pressure that was told, and what a warm tire had more at the end of the last calibration,
 //! for as long as it can be taken to be as warm again.
 //!
 //! Called by the monitor. Knows no temperature, only for how long the car has been driven and has stood; wherever it
@@ -18,13 +18,13 @@ const COOLS_IN_S: f64 = 900.0;
 const WARM_M_S: f64 = 20.0;
 /// Without a sample for so many s the car is taken to have stood.
 const LONGEST_STEP_S: f64 = 2.0;
-/// Share of a reset at its end from which pressures are taken, how long that is at the most, and how many s of it must
+/// Share of a calibration at its end from which pressures are taken, how long that is at the most, and how many s of it must
 /// have been learned from, all in s.
 const TAKEN_SHARE: f64 = 0.25;
 const TAKEN_S: f64 = 300.0;
 const LEAST_S: f64 = 30.0;
 
-/// What one tire had at the end of a reset.
+/// What one tire had at the end of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Taken<T> {
@@ -40,9 +40,9 @@ struct Taken<T> {
 pub(crate) struct ReferencePressure<T> {
     /// 0 for cold tires, 1 for those as warm as driving makes them.
     warmth: T,
-    /// Length of a reset that is to begin with the next sample.
+    /// Length of a calibration that is to begin with the next sample.
     calibration_s: Option<f64>,
-    /// From when on pressures are taken, and when the reset ends.
+    /// From when on pressures are taken, and when the calibration ends.
     takes_from_s: f64,
     ends_s: f64,
     taken: [Taken<T>; 4],
@@ -62,7 +62,7 @@ impl<T: Real> ReferencePressure<T> {
         }
     }
 
-    /// A reset of so many s begins with the next sample; what an earlier one left is forgotten.
+    /// A calibration of so many s begins with the next sample; what an earlier one left is forgotten.
     pub(crate) fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
         self.calibration_s = Some(positive("calibrate_s", seconds)?);
         self.taken = [Taken::nothing(); 4];
@@ -70,7 +70,7 @@ impl<T: Real> ReferencePressure<T> {
     }
 
     /// Takes what was estimated; gives what the tires should have, in kPa, from what was told of each and the least and
-    /// largest share of it that a reset may make of it.
+    /// largest share of it that a calibration may make of it.
     pub(crate) fn update(
         &mut self,
         estimate: &CarEstimate<T>,
@@ -125,7 +125,7 @@ impl<T: Real> Taken<T> {
         Self { seconds: 0.0, pressure_kpa: T::zero(), warmth: T::zero() }
     }
 
-    /// What the tire should have at a warmth. What it had more at the reset is scaled down while it is colder than then
+    /// What the tire should have at a warmth. What it had more at the calibration is scaled down while it is colder than then
     /// and not scaled up when it is warmer; what it had less is no matter of warmth.
     fn reference(&self, told_kpa: T, warmth: T, span: [T; 2]) -> T {
         if !(self.seconds >= LEAST_S) {

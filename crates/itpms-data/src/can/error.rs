@@ -1,7 +1,7 @@
 //! What can be wrong with a CAN log as a whole: where, what was found, what was expected. What is wrong with a part of
 //! it is a repair, see [`FrameRepairs`](super::FrameRepairs).
 //!
-//! Made by the rooms beside it; read by people as part of a [`Problem`](crate::error::Problem).
+//! Made by the modules beside it; read by people as part of a [`Problem`](crate::error::Problem).
 
 use thiserror::Error;
 

@@ -1,6 +1,6 @@
 //! CAN logs: candump's lines, Vector's ASC and BLF, behind one reader and one writer of frames.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
 //! | [`CanFrame`], [`CanId`] | a frame, a value without heap |
 //! | [`candump`] | lines of can-utils' candump, also one by one from a pipe |

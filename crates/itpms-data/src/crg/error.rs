@@ -1,6 +1,6 @@
 //! What can be wrong with an OpenCRG file: the line or row, the column, what was found, what was expected.
 //!
-//! Made by the rooms beside it; read by people as part of a [`Problem`](crate::error::Problem).
+//! Made by the modules beside it; read by people as part of a [`Problem`](crate::error::Problem).
 
 use thiserror::Error;
 

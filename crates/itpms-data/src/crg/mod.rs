@@ -4,7 +4,7 @@
 //! `$KD_DEFINITION`, `$ROAD_CRG_MODS` and the data in all eight formats (`LRFI` to `KDBI`). What changes the surface is
 //! applied or refused; where the road goes in the plane is passed over. Knows nothing of wheels or of roughness.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
 //! | `header` | the clear-text header: sections, names, values |
 //! | `channels` | what the columns mean, where the long sections lie |

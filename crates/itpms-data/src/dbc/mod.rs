@@ -4,7 +4,7 @@
 //! from many programs and are seldom flawless: what cannot be used is named with its line ([`Dbc::problems`]) and left
 //! out, the rest is read. The public crates for the format read a file as a whole or not at all.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
 //! | `text`, `cursor` | characters, words |
 //! | `statement` | how statements are written |

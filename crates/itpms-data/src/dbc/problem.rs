@@ -1,6 +1,6 @@
 //! What is wrong in a DBC file. Most of it costs one signal or one remark; only a file without any message is refused.
 //!
-//! Made by the rooms beside it; read by people.
+//! Made by the modules beside it; read by people.
 
 use std::fmt;
 

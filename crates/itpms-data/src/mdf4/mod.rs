@@ -2,7 +2,7 @@
 //!
 //! Called by the drive-log reader and by whoever converts logs; knows nothing of what a channel means.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
 //! | `identification`, `block`, `text` | the frame of a file and of its blocks, held against the file's length |
 //! | `structure`, `channel_list`, `conversion`, `field` | the tree of groups and channels, compiled to what reads a number |

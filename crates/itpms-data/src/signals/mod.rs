@@ -1,7 +1,7 @@
 //! What comes signal by signal instead of row by row: bus logs and measurement files whose signals have their own
 //! clocks.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
 //! | `map` | which signal is which column, as a person writes it (`map.toml`) |
 //! | `resolve` | the same found by names where nobody wrote it |

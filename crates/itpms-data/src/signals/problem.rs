@@ -1,6 +1,6 @@
 //! What can be wrong with a map of signals, or between a map and a log.
 //!
-//! Made by the rooms beside it; read by people as part of a [`Problem`](crate::error::Problem).
+//! Made by the modules beside it; read by people as part of a [`Problem`](crate::error::Problem).
 
 use thiserror::Error;
 

@@ -1,6 +1,6 @@
 //! Where estimates and warnings go, each output behind a queue and a thread of its own, so that none can stall the estimate.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
 //! | `json` | a line of JSON per estimate and per warning |
 //! | [`can`] | frames of our own DBC |

@@ -1,6 +1,6 @@
 //! Where rows and frames come from, each source on a thread of its own that does nothing but read and hand on.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
 //! | [`replay`] | a log at the speed it was recorded, or faster |
 //! | [`socketcan`] | a bus |

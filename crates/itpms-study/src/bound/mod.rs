@@ -4,7 +4,7 @@
 //! Called by the score and the report, which show it beside their results. It must never be fed to an estimator: it
 //! needs the true pressure.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
 //! | `fisher` | information per second of stationary signals |
 //! | `history` | pressures that change |

@@ -4,7 +4,7 @@
 //! faults are set here and compared with what the tell-tale did, and with what was said beside it. A simulation is no type
 //! approval; docs/certify.md says which clauses are driven and which are not.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
 //! | `rules` | what the two regulations ask for: speeds, pressures, times |
 //! | `procedure` | the list of tests |

@@ -1,7 +1,7 @@
 //! What a bench says about a spring, a damper and a tire: the numbers of a vehicle file with their standard errors
 //! (paper, Sec. 5.1, eq. 5, Table 1; docs/math/identification.md).
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
 //! | `spring` | stiffness from load and displacement |
 //! | `damper`, `motion`, `sine`, `doubts` | damping from sinusoidal excitation: the fit, the rows made ready for it, frequencies, concerns |

@@ -4,7 +4,7 @@
 //! Called by the binary's `malfunctions`. Deterministic: the same request gives the same figures on any number of
 //! processors.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
 //! | `drive` | the drives |
 //! | `clean` | what is said when nothing is wrong |

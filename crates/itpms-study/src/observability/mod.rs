@@ -3,7 +3,7 @@
 //! Called by `itpms observability` and by the page about the paper. Needs no drive: masses, springs and dampers are
 //! enough. It must never be asked for an estimate; it says what any estimator could know.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
 //! | `twin` | two tires, two roads, one measurement: the proof, driven |
 //! | `rank`, `motion`, `dual` | the observability matrix with the road as unknown input |

@@ -4,7 +4,7 @@
 //! Called by the binary's `reproduce`, which writes the [`File`]s. Deterministic: the same [`Request`] gives the same
 //! bytes on any number of processors. Nothing here looks at a clock, a path or the network.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
 //! | `published`, `assumed` | the paper's numbers; what it does not say |
 //! | `case`, `contestant`, `drive`, `plan`, `outcome` | the drives, who takes part, what became of it |

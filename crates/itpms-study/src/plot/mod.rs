@@ -4,7 +4,7 @@
 //! the same bytes. A picture scales to any width, loads nothing, and says its title and what it shows to a screen
 //! reader.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
 //! | `figure` | panels side by side with one legend; as one SVG, or as HTML whose panels stack on a phone |
 //! | `panel` | one pair of axes and what is drawn within |

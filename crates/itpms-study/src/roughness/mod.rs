@@ -3,7 +3,7 @@
 //!
 //! Called by the roughness command, the report, the score and the road export.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
 //! | `golden_car` | the standard's quarter car, and the roughness of whole profiles |
 //! | `cells` | even means of samples at any distance |

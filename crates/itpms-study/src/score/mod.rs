@@ -4,7 +4,7 @@
 //! Called by the binary's `score`. Deterministic: the same request gives the same figures on any number of
 //! processors.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
 //! | `case` | the drives |
 //! | `track` | following a drop: the paper's scenarios, a wrong mass, the grid of roads; coverage |

@@ -4,7 +4,7 @@
 //! another car, within tolerances of bodies, tires and sensors that the estimator is not told of. Nothing here knows of
 //! files: what is done is handed over drive by drive, and what was done before is told.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
 //! | [`hour`] | one drive, and what is kept of it |
 //! | [`summary`] | many drives added up |

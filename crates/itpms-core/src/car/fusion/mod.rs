@@ -4,7 +4,7 @@
 //! | module | idea |
 //! |---|---|
 //! | `pseudo_measurement` | what a corner's road spectrum tells of its tire, as a measurement of the belief |
-//! | `realign` | a speed whose scale changes, or that is late: the axles meet elsewhere than believed |
+//! | `realign` | a speed whose scale changes, or that is late: the axles meet at another delay than believed |
 //! | `single_wheel_estimate` | what a corner finds by itself, where front and rear hardly share a road |
 //! | `output` | stiffnesses and their covariance, as they are now |
 
@@ -24,7 +24,7 @@ use crate::inter_axle::alignment::speed_latency::SpeedLatency;
 use crate::inter_axle::residual::model::{AxleFrame, Signals, linearize};
 use crate::inter_axle::residual::noise::within;
 use crate::inter_axle::{Aligned, HOP_S, InterAxle};
-use crate::model::{CalibrationError, CarConfig, QuarterCar, VehicleCalibration};
+use crate::model::{CalibrationError, CarConfig, Inflation, QuarterCar, VehicleCalibration};
 use crate::real::Real;
 
 /// Incoherence near wheel hop at which changes of several tires begin half as often.
@@ -181,6 +181,11 @@ impl<T: Real> Fusion<T> {
     /// Takes over what a corner finds by itself.
     pub(super) fn set_single_wheel(&mut self, corner: usize, estimate: SingleWheelEstimate<T>) {
         self.single_wheel[corner] = estimate;
+    }
+
+    /// When tires may gain air.
+    pub(super) fn set_inflation(&mut self, inflation: Inflation) {
+        self.belief.set_inflation(inflation);
     }
 
     /// A calibration begins with the next frame.

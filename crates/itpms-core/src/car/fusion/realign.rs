@@ -81,7 +81,7 @@ impl<T: Real> Fusion<T> {
             })
         });
         self.belief.restart();
-        // During a reset they are what they were set to.
+        // During a calibration they are what they were set to.
         let calibrating = self.belief.is_calibrating();
         for (i, tire) in tires.iter().flatten().enumerate().filter(|_| !calibrating) {
             self.belief.set_quantity(TIRE + i, tire, T::one());

@@ -1,5 +1,5 @@
 //! What a corner finds by itself, from its own road's spectrum, and how far that counts where front and rear hardly share a
-//! road (docs/math/shared-road.md, section 6). Knows nothing of frames and modes.
+//! road (docs/math/shared-road.md, section 6). Knows nothing of frames and hypotheses.
 
 use super::FusedEstimate;
 use crate::inter_axle::residual::noise::within;
@@ -11,7 +11,7 @@ const LOST: f64 = 0.1;
 const USUALLY_SUSPECTED: f64 = 0.3;
 const BEGIN_SUSPECTED: f64 = 4.0;
 /// Lasting incoherence at which a corner that finds its pressure moving is believed as much as the shared road, and the chances of a
-/// movement from which on, and at which fully, it is heard.
+/// change from which on, and at which fully, it is heard.
 const LEFT: f64 = 0.06;
 const NOTICED: f64 = 0.1;
 const BELIEVED: f64 = 0.5;

@@ -29,16 +29,16 @@ const SETTLING_HOPS: u32 = 5;
 const MISSED_S: f64 = 0.5;
 /// Seconds without a frame after which a side counts as not shared.
 const STALE_S: f64 = 1.0;
-/// Words of a side's spectra without a frame between them, after which the side is left to words: some five seconds of both
+/// Pseudo-measurements of a side's spectra without a frame between them, after which the side is left to pseudo-measurements: some five seconds of both
 /// corners, ten of one.
 const MOST_SPECTRAL_UPDATES: u32 = 12;
-/// Longest way in m between two entries that follow each other.
+/// Longest distance in m between two entries that follow each other.
 const LONGEST_WAY_M: f64 = 1.0;
 /// Share of a frame in which both wheels touch the road, from which on it counts.
 const LEAST_SEEN: f64 = 0.15;
 /// Incoherence near wheel hop from which on a side counts as not shared.
 const NOT_SHARED: f64 = 0.5;
-/// And from which on it is looked whether the axles meet elsewhere.
+/// And from which on it is looked whether the axles meet at another delay.
 const REALIGN_ABOVE: f64 = 0.04;
 /// Power near wheel hop over that of the sensors' noise there at which frames begin to count; at twice this they count
 /// fully. Two axles that hear themselves alone agree on a road, too. The smoothest road there is has some hundred.
@@ -126,17 +126,17 @@ pub(crate) struct AxlePair<T: Real> {
     /// As it was at the belief's checkpoints, the newest first.
     saved: [Option<SavedCorrection<T>>; 2],
     imbalance: Imbalance<T>,
-    /// Way in m of the rear wheel at its last entry.
+    /// Distance in m of the rear wheel at its last entry.
     distance_m: f64,
     coherence: Coherence<T>,
     /// Logarithm of the power near wheel hop over that of the sensors' noise, of late; `None` before the first frame.
     log_snr: Option<T>,
     /// Wheelbase and skew that the frame under way is aligned with, once there is one.
     used: Option<[T; 2]>,
-    /// Hops to let pass because something spoiled the frames under way.
+    /// Hops to let pass because something was wrong with the frames under way.
     invalid_hops: u32,
     learned_until_s: f64,
-    /// Words of both corners' spectra since the last frame.
+    /// Pseudo-measurements of both corners' spectra since the last frame.
     spectral_updates: u32,
 }
 
@@ -223,7 +223,7 @@ impl<T: Real> AxlePair<T> {
         self.restart_alignment();
     }
 
-    /// The axles meet elsewhere than they were thought to: what they share is seen anew.
+    /// The axles meet at another delay than they were thought to: what they share is seen anew.
     pub(crate) fn restart_alignment(&mut self) {
         self.used = None;
         self.coherence.restart();
@@ -368,7 +368,7 @@ impl<T: Real> AxlePair<T> {
         self.coherence.near_wheel_hop() < T::lit(NOT_SHARED)
     }
 
-    /// Takes a frame's road power and the sensors' noise in the axles' disagreement, per bin.
+    /// Takes a frame's road power and the sensors' noise in the axles' residual, per bin.
     fn track_snr(&mut self, road_power: &[T; BINS], noise: &[T; BINS]) {
         let ratio = (T::lit(0.5) * (road_power[1] / noise[1] + road_power[2] / noise[2])).ln();
         let gain = T::one() - (T::lit(-HOP_S / SNR_S)).exp();
@@ -387,17 +387,17 @@ impl<T: Real> AxlePair<T> {
         self.spectral_updates = self.spectral_updates.saturating_add(1);
     }
 
-    /// Whether words come and frames do not, as without an axle's sensors, or the speed.
+    /// Whether pseudo-measurements come and frames do not, as without an axle's sensors, or the speed.
     pub(crate) fn spectral_only(&self) -> bool {
         self.spectral_updates > MOST_SPECTRAL_UPDATES
     }
 
-    /// How fast the belief fades; left to words, as where the axles share least for long.
+    /// How fast the belief fades; left to pseudo-measurements, as where the axles share least for long.
     pub(crate) fn fading(&self) -> T {
         if self.spectral_only() { fading(T::lit(MOST_LASTING)) } else { self.coherence.fading() }
     }
 
-    /// Sensor noise in the axles' disagreement, per bin.
+    /// Sensor noise in the axles' residual, per bin.
     fn noise(&self, wheels: &[Wheel<T>; 2], state: &State<T>) -> [T; BINS] {
         core::array::from_fn(|bin| {
             let mut sum = T::zero();
@@ -433,7 +433,7 @@ impl<T: Real> AxlePair<T> {
         self.coherence.near_wheel_hop()
     }
 
-    /// The same as far as it has lasted; the most there is, where the side is left to words.
+    /// The same as far as it has lasted; the most there is, where the side is left to pseudo-measurements.
     pub(crate) fn lasting_incoherence(&self) -> T {
         if self.spectral_only() { T::lit(MOST_LASTING) } else { self.coherence.lasting() }
     }
@@ -447,7 +447,7 @@ impl<T: Real> AxlePair<T> {
 }
 
 impl<T: Real> PairingContext<'_, T> {
-    /// Way in m from the rear wheel to the front one, with this relative deviation of wheelbase over speed.
+    /// Distance in m from the rear wheel to the front one, with this relative deviation of wheelbase over speed.
     fn length_m(&self, wheelbase: T) -> f64 {
         self.wheelbase_m.to_f64() * (1.0 + wheelbase.to_f64())
     }

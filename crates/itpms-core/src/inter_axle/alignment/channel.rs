@@ -33,7 +33,7 @@ pub(crate) const RELATIVE: usize = 3;
 pub(crate) struct Entry<T> {
     /// Time in s.
     pub(crate) time_s: f64,
-    /// Way driven in m.
+    /// Distance driven in m.
     pub(crate) distance_m: f64,
     /// Speed in m/s.
     pub(crate) speed_m_s: T,

@@ -11,7 +11,7 @@ use crate::real::Real;
 const FEWEST_PER_M: f64 = 2.2;
 const SPACING_PER_M: f64 = 0.04;
 const RATES: usize = 60;
-/// Way in m over which they are looked at together.
+/// Distance in m over which they are looked at together.
 const LOOK_M: f64 = 80.0;
 /// Speed in m/s from which on an imbalance matters.
 const SLOWEST_M_S: f64 = 10.0;

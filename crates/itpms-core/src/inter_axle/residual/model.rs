@@ -1,5 +1,5 @@
 //! What front and rear of one side should agree on: the road velocity, from each axle's signals (docs/math/shared-road.md,
-//! eq. 1-7). Gives the disagreement of a frame, bin by bin, and how it changes with every unknown quantity. Knows nothing
+//! eq. 1-7). Gives the residual of a frame, bin by bin, and how it changes with every unknown quantity. Knows nothing
 //! of beliefs.
 
 use nalgebra::{Complex, Matrix2, SMatrix, SVector};
@@ -223,7 +223,7 @@ pub(crate) fn expected_products<T: Real>(
     })
 }
 
-/// Derivatives of a disagreement, from each axle's road and its derivatives.
+/// Derivatives of a residual, from each axle's road and its derivatives.
 fn slopes<T: Real>(
     seen: &[(Complex<T>, [Complex<T>; SIDE_REAR]); 2],
     gain: T,

@@ -1,5 +1,5 @@
 //! Whether front and rear really share a road now, frequency by frequency, and what that is worth: how far a frame's
-//! disagreement can be believed, and the information in it (docs/math/shared-road.md, section 5).
+//! residual can be believed, and the information in it (docs/math/shared-road.md, section 5).
 
 use nalgebra::SVector;
 
@@ -94,7 +94,7 @@ impl<T: Real> Coherence<T> {
         core::array::from_fn(|bin| T::lit(0.5) * (usual[bin] + now[bin]))
     }
 
-    /// What to expect of a frame with this road power, given the sensors' noise in the disagreement, the derivatives'
+    /// What to expect of a frame with this road power, given the sensors' noise in the residual, the derivatives'
     /// products on a road of unit power, and the logarithm of the rear's speed over the front's.
     pub(crate) fn expect(
         &self,
@@ -291,7 +291,7 @@ mod tests {
         assert!(coherence.near_wheel_hop() > 0.5 && bend > 0.02, "{bend}");
         assert!(bend < 0.2 - 0.198 * (-4.0_f64 / 20.0).exp() + 1e-9, "{bend}");
         assert!(drive(&mut coherence, 20.0, 0.002) < 0.01);
-        // OppositeSide the track for good.
+        // Beside the track for good.
         let residual = drive(&mut coherence, 20.0, 0.15);
         let closed_form = 0.15 * (1.0 - 20.0 / 18.0 * (-1.0_f64).exp());
         assert!((residual - closed_form).abs() < 0.01, "{residual}, expected {closed_form}");

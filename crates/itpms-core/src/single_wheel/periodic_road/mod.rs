@@ -85,7 +85,7 @@ pub(crate) struct Belief<T> {
     pub(crate) theta: T,
     /// Its relative standard deviation.
     pub(crate) relative_sd: T,
-    /// True while it is known to be constant, as during a reset.
+    /// True while it is known to be constant, as during a calibration.
     pub(crate) held: Held,
 }
 
@@ -93,7 +93,7 @@ pub(crate) struct Belief<T> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum Held {
-    /// During a reset drive.
+    /// During a calibration drive.
     Yes,
     /// Else.
     No,

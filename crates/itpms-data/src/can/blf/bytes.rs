@@ -1,4 +1,4 @@
-//! Little-endian numbers at a place that may lie beyond the end. Called by the rooms beside it.
+//! Little-endian numbers at a place that may lie beyond the end. Called by the modules beside it.
 
 /// `N` bytes from `at`.
 pub(super) fn array<const N: usize>(data: &[u8], at: usize) -> Option<[u8; N]> {

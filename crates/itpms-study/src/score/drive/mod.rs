@@ -4,7 +4,7 @@
 //! rolls, and four quarter cars that know nothing of each other, whose rear wheels meet the front wheels' road a
 //! wheelbase later. An estimator that needs one of the two would be an estimator of a simulator.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
 //! | `errors` | errors of four wheels over a drive's windows, as cells |
 //! | `puncture` | a puncture at two speeds; the sources of information one by one |

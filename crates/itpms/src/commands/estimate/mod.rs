@@ -1,6 +1,6 @@
 //! `itpms estimate`: a drive log and a vehicle in, pressures, road and report out.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
 //! | `drive` | the estimator of the car under its monitor |
 //! | `events` | what the monitor said and took back |

@@ -1,6 +1,6 @@
 //! `itpms monitor`: a source, an estimating thread and outputs put together; what they have to say goes to the screen.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
 //! | `sources` | the source that was asked for |
 //! | `outputs` | the outputs that were asked for |

@@ -1,6 +1,6 @@
 //! `itpms roughness`: a profile or a drive in, roughness per track and segment out.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
 //! | `profile` | tracks from OpenCRG, text and Parquet |
 //! | `drive` | tracks from a drive log, the road estimated first |

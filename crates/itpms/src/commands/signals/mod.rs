@@ -1,6 +1,6 @@
 //! `itpms signals`: a log in; out come its signals with rates and ranges, and which column each would be.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
 //! | `table` | all of this as a table for a person |
 //! | `json` | the same for a script |
