@@ -90,3 +90,39 @@ fn what_makes_no_car_is_refused_and_leaves_nothing() {
     assert_eq!(text, "error: no/car.toml: cannot be written: the directory no does not exist\n");
     assert_eq!(refused("vehicle show nowhere.toml"), "error: nowhere.toml: no such file\n");
 }
+
+#[test]
+fn check_finds_the_damper_that_is_not_the_files() {
+    let bench = Bench::new();
+    bench.run(&format!("{INIT} -o car.toml")).success();
+    bench.run("simulate drive-puncture --seed 1 -o drive.csv --vehicle car.toml").success();
+    let report = |line: &str| -> serde_json::Value {
+        serde_json::from_str(bench.run(&format!("vehicle check drive.csv {line} --json")).success()).unwrap()
+    };
+    let told = report("--vehicle car.toml --report check.html");
+    for corner in ["fl", "fr", "rl", "rr"] {
+        let check = &told["corners"][corner];
+        assert_eq!(check["asks_for_change"], false, "{check}");
+        let ratio = check["damping_over_file"].as_f64().unwrap();
+        assert!((ratio - 1.0).abs() < 0.1, "{check}");
+    }
+    let page = bench.read("check.html");
+    assert!(
+        page.starts_with("<!doctype html>") && !page.contains("NaN") && !page.contains("http://localhost")
+    );
+    assert_eq!(page.matches("<h3>").count(), 4);
+    // A file that says half of the damping the car has, and is sure of it.
+    let text = bench.read("car.toml");
+    let damping = text.lines().find(|line| line.starts_with("damping_n_s_per_m")).unwrap();
+    let value: f64 = damping.split([' ', '#']).nth(2).unwrap().parse().unwrap();
+    let half = damping.replacen(&format!("{value:.1}"), &format!("{:.1}", 0.5 * value), 1);
+    bench.write(
+        "half.toml",
+        text.replacen(damping, &half, 1).replace("damping_relative_sd = 0.30", "damping_relative_sd = 0.05"),
+    );
+    let wrong = report("--vehicle half.toml");
+    let check = &wrong["corners"]["fl"];
+    assert!((check["damping_over_file"].as_f64().unwrap() - 2.0).abs() < 0.2, "{check}");
+    assert!(check["sentence"].as_str().unwrap().contains("set damping_n_s_per_m to"), "{check}");
+    assert_eq!(wrong["corners"]["rl"]["asks_for_change"], false, "{wrong}");
+}

@@ -6,13 +6,14 @@ use clap::Subcommand;
 use clap::builder::{PossibleValuesParser, TypedValueParser as _};
 use itpms_data::vehicle::typical::{CarClass, TireSize};
 
-use super::positive;
+use super::{LogArgs, positive};
 
-/// The parameters of one's own car: a file of typical values, and what a file says.
+/// The parameters of one's own car: a file of typical values, what a file says, and whether a drive agrees.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   itpms vehicle init --mass 1500 --front-share 0.55 --tire 205/55R16 -o car.toml
-  itpms vehicle show car.toml")]
+  itpms vehicle show car.toml
+  itpms vehicle check drive.csv --vehicle car.toml --report check.html")]
 pub(crate) struct VehicleArgs {
     #[command(subcommand)]
     pub(crate) part: VehiclePart,
@@ -22,6 +23,7 @@ pub(crate) struct VehicleArgs {
 pub(crate) enum VehiclePart {
     Init(InitArgs),
     Show(ShowArgs),
+    Check(CheckArgs),
 }
 
 /// Write a vehicle file of typical values, each with its standard deviation and its source.
@@ -75,6 +77,28 @@ pub(crate) struct ShowArgs {
     /// The vehicle file.
     #[arg(value_name = "V.toml")]
     pub(crate) file: PathBuf,
+    /// Print JSON.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Compare how the body answers each wheel in a drive with what the vehicle file says of spring and damper.
+///
+/// A sentence per corner: what fits, what does not, and what to change. Needs half a minute of rough enough road; neither
+/// road nor tire nor unsprung mass enter.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example: itpms vehicle check drive.csv --vehicle car.toml --report check.html")]
+pub(crate) struct CheckArgs {
+    /// The drive log: .csv, .parquet, .mf4, or a CAN log (.log, .candump, .asc, .blf) with --dbc.
+    pub(crate) log: PathBuf,
+    /// Masses, springs, dampers and tires of the corners.
+    #[arg(long, value_name = "V.toml")]
+    pub(crate) vehicle: PathBuf,
+    /// Where a page with a picture per corner goes: .html, complete in itself.
+    #[arg(long, value_name = "HTML")]
+    pub(crate) report: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) reading: LogArgs,
     /// Print JSON.
     #[arg(long)]
     pub(crate) json: bool,

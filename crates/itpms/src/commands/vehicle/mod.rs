@@ -1,5 +1,6 @@
-//! `itpms vehicle`: a vehicle file of typical values, and what a file says.
+//! `itpms vehicle`: a vehicle file of typical values, what a file says, and whether a drive agrees.
 
+mod check;
 mod show;
 
 use itpms_data::out::AtomicFile;
@@ -7,12 +8,14 @@ use itpms_data::vehicle::typical::TypicalCar;
 
 use crate::args::{InitArgs, VehiclePart};
 use crate::exit::Failure;
+use crate::interrupt::Interrupt;
 use crate::screen::Screen;
 
-pub(crate) fn run(part: &VehiclePart, screen: &Screen) -> Result<(), Failure> {
+pub(crate) fn run(part: &VehiclePart, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
     match part {
         VehiclePart::Init(args) => init(args, screen),
         VehiclePart::Show(args) => show::run(args, screen),
+        VehiclePart::Check(args) => check::run(args, screen, interrupt),
     }
 }
 
