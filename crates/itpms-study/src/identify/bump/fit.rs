@@ -9,6 +9,8 @@ use super::super::estimate::Estimate;
 
 /// Into how many blocks the motion is cut; the covariance is the mean over these, for where a cut falls is chance.
 const PARTITIONS: std::ops::RangeInclusive<usize> = 6..=10;
+/// Relative error beside the data's: central differences, and friction that turns round otherwise than it is taken to.
+const METHOD: f64 = 0.01;
 /// Rounds in which the weights settle.
 const ROUNDS: usize = 6;
 
@@ -69,7 +71,8 @@ impl Fit {
     /// By the cut whose blocks share more evenly what is known of these coefficients, which no residual decides.
     fn of_factors(&self, factors: &[(usize, f64)]) -> Estimate {
         let [by_time, by_way] = self.cut.each_ref().map(|fit| Estimate::of(fit, factors));
-        if by_way.degrees_of_freedom > by_time.degrees_of_freedom { by_way } else { by_time }
+        let chosen = if by_way.degrees_of_freedom > by_time.degrees_of_freedom { by_way } else { by_time };
+        Estimate { standard_error: chosen.standard_error.hypot(METHOD * chosen.value), ..chosen }
     }
 
     /// What the fit makes of a band's regressors.
