@@ -1,11 +1,6 @@
 //! What a vehicle file says beyond what an estimator is told today: how far its values are to be trusted, friction,
 //! tracks, and what the wheel-speed methods need. Read by `read_details`, written by `write`; knows no TOML.
 
-use itpms_core::sample::Corner;
-
-use super::Vehicle;
-use super::uncertainty::ParameterUncertainty;
-
 /// Where the parameters of a vehicle come from, and so how far to trust them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Confidence {
@@ -70,7 +65,7 @@ pub struct VehicleDetails {
     pub track_rear_m: Option<f64>,
     /// Which wheels are driven.
     pub driven: Option<Driven>,
-    /// By corner, in the order of [`Corner::ALL`]; empty for a corner that the vehicle does not have.
+    /// By corner, in the order of [`Corner::ALL`](itpms_core::sample::Corner::ALL); empty for a corner that the vehicle does not have.
     pub corners: [CornerDetails; 4],
 }
 
@@ -113,29 +108,4 @@ pub struct TireDetails {
     pub torsion_hz_per_kpa: Option<f64>,
     /// Teeth of the wheel-speed sensor's ring.
     pub teeth: Option<u32>,
-}
-
-impl Vehicle {
-    /// How well the parameters of this corner are known: the file's own figures, for what it leaves out those of its
-    /// [`Confidence`].
-    #[must_use]
-    pub fn uncertainty(&self, corner: Corner) -> ParameterUncertainty {
-        let told = &self.details.corners[corner.index()];
-        let usual = ParameterUncertainty::of(self.details.confidence);
-        ParameterUncertainty {
-            sprung_mass_relative_sd: told.sprung_mass_relative_sd.unwrap_or(usual.sprung_mass_relative_sd),
-            unsprung_mass_relative_sd: told
-                .unsprung_mass_relative_sd
-                .unwrap_or(usual.unsprung_mass_relative_sd),
-            spring_relative_sd: told.spring_relative_sd.unwrap_or(usual.spring_relative_sd),
-            damping_relative_sd: told.damping_relative_sd.unwrap_or(usual.damping_relative_sd),
-            stiffness_relative_sd: told.tire.stiffness_relative_sd.unwrap_or(usual.stiffness_relative_sd),
-            friction_n: told.friction_n.unwrap_or(usual.friction_n),
-            friction_sd_n: told.friction_sd_n.unwrap_or(usual.friction_sd_n),
-            tire_damping_n_s_per_m: told.tire_damping_n_s_per_m.unwrap_or(usual.tire_damping_n_s_per_m),
-            tire_damping_sd_n_s_per_m: told
-                .tire_damping_sd_n_s_per_m
-                .unwrap_or(usual.tire_damping_sd_n_s_per_m),
-        }
-    }
 }

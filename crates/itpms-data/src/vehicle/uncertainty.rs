@@ -1,5 +1,8 @@
 //! How well a corner's parameters are known (docs/vehicle.md, section 3). Asked for by whoever weighs them; knows no file.
 
+use itpms_core::sample::Corner;
+
+use super::Vehicle;
 use super::details::Confidence;
 
 /// Of the variance of an unsprung mass, the share that all four wheels of a car have in common and the share in which
@@ -81,5 +84,30 @@ impl ParameterUncertainty {
     #[must_use]
     pub fn tire_relative_sd(&self) -> f64 {
         self.unsprung_mass_relative_sd.hypot(self.stiffness_relative_sd)
+    }
+}
+
+impl Vehicle {
+    /// How well the parameters of this corner are known: the file's own figures, for what it leaves out those of its
+    /// [`Confidence`].
+    #[must_use]
+    pub fn uncertainty(&self, corner: Corner) -> ParameterUncertainty {
+        let told = &self.details.corners[corner.index()];
+        let usual = ParameterUncertainty::of(self.details.confidence);
+        ParameterUncertainty {
+            sprung_mass_relative_sd: told.sprung_mass_relative_sd.unwrap_or(usual.sprung_mass_relative_sd),
+            unsprung_mass_relative_sd: told
+                .unsprung_mass_relative_sd
+                .unwrap_or(usual.unsprung_mass_relative_sd),
+            spring_relative_sd: told.spring_relative_sd.unwrap_or(usual.spring_relative_sd),
+            damping_relative_sd: told.damping_relative_sd.unwrap_or(usual.damping_relative_sd),
+            stiffness_relative_sd: told.tire.stiffness_relative_sd.unwrap_or(usual.stiffness_relative_sd),
+            friction_n: told.friction_n.unwrap_or(usual.friction_n),
+            friction_sd_n: told.friction_sd_n.unwrap_or(usual.friction_sd_n),
+            tire_damping_n_s_per_m: told.tire_damping_n_s_per_m.unwrap_or(usual.tire_damping_n_s_per_m),
+            tire_damping_sd_n_s_per_m: told
+                .tire_damping_sd_n_s_per_m
+                .unwrap_or(usual.tire_damping_sd_n_s_per_m),
+        }
     }
 }
