@@ -146,7 +146,7 @@ impl CornerCheck {
             }
         };
         let damping =
-            part("damping", "damping_n_s_per_m", s.damping_n_s_per_m, s.damping_relative_sd, damping);
+            part("Damping", "damping_n_s_per_m", s.damping_n_s_per_m, s.damping_relative_sd, damping);
         let spring = part("spring", "spring_n_per_m", s.spring_n_per_m, s.spring_relative_sd, spring);
         format!("{damping}; {spring}")
     }
