@@ -1,4 +1,4 @@
-//! Small tables of measurements: named columns of numbers from a CSV file, every row complete.
+//! Small tables of measurements: named columns of numbers from a CSV or Parquet file, every row complete.
 //!
 //! Called by the commands that identify a part on a bench. Unlike a drive log, such a table is short, is read as a
 //! whole, and has no missing values: a cell that is no finite number is refused with its line and column. Knows
@@ -8,8 +8,12 @@ use std::path::Path;
 
 use crate::error::{DataError, Place, Problem};
 use crate::input;
+#[cfg(feature = "parquet")]
+use crate::log::Format;
 use crate::log::{Lines, cells, number, separator, shortened};
 use crate::nearest::nearest;
+#[cfg(feature = "parquet")]
+use crate::parquet_columns::ParquetColumns;
 
 /// Columns of equal length.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,7 +47,7 @@ impl Columns {
         self.get(name).unwrap_or_default()
     }
 
-    /// Line of the file that holds each row.
+    /// Line of the file that holds each row; of a Parquet file the row, from one.
     #[must_use]
     pub fn lines(&self) -> &[u64] {
         &self.lines
@@ -51,6 +55,10 @@ impl Columns {
 }
 
 fn read(path: &Path, needed: &[&str], optional: &[&str]) -> Result<Columns, Problem> {
+    #[cfg(feature = "parquet")]
+    if Format::of(path).is_ok_and(|format| format == Format::Parquet) {
+        return read_parquet(path, needed, optional);
+    }
     let mut lines = Lines::new(input::open(path)?.0);
     if !lines.advance()? {
         return Err(Problem::NoHeader(needed.join(",")));
@@ -79,6 +87,33 @@ fn read(path: &Path, needed: &[&str], optional: &[&str]) -> Result<Columns, Prob
         return Err(Problem::HeaderOnly);
     }
     Ok(Columns { names, values, lines: places })
+}
+
+#[cfg(feature = "parquet")]
+fn read_parquet(path: &Path, needed: &[&str], optional: &[&str]) -> Result<Columns, Problem> {
+    let mut table = ParquetColumns::open(input::open(path)?.0)?;
+    let names = chosen(table.names(), needed, optional)?;
+    for name in &names {
+        if let Some(leaf) = table.names().iter().position(|known| known == name) {
+            table.choose(leaf)?;
+        }
+    }
+    let mut values = vec![Vec::new(); names.len()];
+    let mut lines = Vec::new();
+    while let Some(place) = table.advance()? {
+        for ((value, column), name) in table.values().zip(&mut values).zip(&names) {
+            if !value.is_finite() {
+                let found = "nothing finite".to_owned();
+                return Err(Problem::NotFinite { place, column: name.clone(), found });
+            }
+            column.push(value);
+        }
+        lines.push(lines.len() as u64 + 1);
+    }
+    if lines.is_empty() {
+        return Err(Problem::HeaderOnly);
+    }
+    Ok(Columns { names, values, lines })
 }
 
 fn finite(cell: &[u8], place: Place, column: &str) -> Result<f64, Problem> {

@@ -131,6 +131,12 @@ impl<'a> Table<'a> {
         Problem::MissingKey { line: self.line, table: self.path.clone(), key }
     }
 
+    /// A text that is none of those that mean something here.
+    pub(crate) fn wrong_word(&self, key: &str, text: &str, expected: &'static str) -> Problem {
+        let (line, found) = (self.line_of_key(key), format!("the text {text:?}"));
+        Problem::ValueType { line, table: self.path.clone(), key: key.to_owned(), found, expected }
+    }
+
     /// Byte offset of the key, and its value.
     fn entry(&self, key: &str) -> Option<(usize, &'a DeValue<'a>)> {
         let (name, value) = self.entries.iter().find(|(name, _)| name.get_ref() == key)?;

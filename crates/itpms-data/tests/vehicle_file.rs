@@ -56,7 +56,8 @@ fn unknown_keys_are_named_with_their_line_and_the_nearest_known_one() {
         edited("sprung_mass_kg", "sprung_mas_kg"),
         "line 8: unknown key sprung_mas_kg in [corner.fl] (did you mean sprung_mass_kg?), expected one of: \
          sprung_mass_kg, unsprung_mass_kg, damping_n_s_per_m, spring_n_per_m, placard_kpa, accel_noise_m_s2, \
-         initial_kpa, tire"
+         initial_kpa, tire, sprung_mass_relative_sd, unsprung_mass_relative_sd, spring_relative_sd, \
+         damping_relative_sd, friction_n, friction_sd_n, tire_damping_n_s_per_m, tire_damping_sd_n_s_per_m"
     );
     assert!(edited("[corner.fl]", "[corner.lf]").starts_with("line 7: unknown key lf in [corner]"));
     assert!(

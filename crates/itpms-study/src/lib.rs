@@ -29,3 +29,4 @@ pub mod roughness;
 pub mod score;
 pub mod soak;
 pub mod spectrum;
+pub mod transfer;

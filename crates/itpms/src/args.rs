@@ -11,6 +11,7 @@ mod reproduce;
 mod roughness;
 mod signals;
 mod soak;
+mod vehicle;
 
 use std::path::PathBuf;
 
@@ -22,7 +23,9 @@ use itpms_core::model::Corner;
 use itpms_core::warning::Regulation;
 use itpms_study::score::Part;
 
-pub(crate) use bench::{BenchOutput, CalibrateArgs, DamperArgs, IdentifyArgs, IdentifyPart, SpringArgs};
+pub(crate) use bench::{
+    BenchOutput, BumpArgs, CalibrateArgs, DamperArgs, IdentifyArgs, IdentifyPart, SpringArgs,
+};
 pub(crate) use certify::CertifyArgs;
 pub(crate) use convert::ConvertArgs;
 pub(crate) use log::LogArgs;
@@ -33,6 +36,7 @@ pub(crate) use reproduce::ReproduceArgs;
 pub(crate) use roughness::RoughnessArgs;
 pub(crate) use signals::SignalsArgs;
 pub(crate) use soak::SoakArgs;
+pub(crate) use vehicle::{CheckArgs, InitArgs, ShowArgs, VehicleArgs, VehiclePart};
 
 /// Indirect tire pressure monitoring: tire pressure and road from the accelerations of a car's body and wheels.
 #[derive(Debug, Parser)]
@@ -72,6 +76,7 @@ pub(crate) enum Command {
     Roughness(RoughnessArgs),
     Signals(SignalsArgs),
     Convert(ConvertArgs),
+    Vehicle(VehicleArgs),
     Completions(CompletionsArgs),
 }
 

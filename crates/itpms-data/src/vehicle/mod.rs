@@ -23,7 +23,47 @@
 //! accel_noise_m_s2 = 0.05        # optional: rms per sample, both sensors
 //! initial_kpa = 241.3            # optional: where the estimate starts; the placard's unless given
 //! ```
+//!
+//! Optional keys beyond these ([`VehicleDetails`], docs/vehicle.md): how far the values are to be trusted, friction and
+//! tire damping, tracks, and what the wheel-speed methods need. Estimators are not told of them today.
+//!
+//! ```toml
+//! [vehicle]
+//! confidence = "typical"         # or "measured", "rough": standard deviations of what has none of its own
+//! track_front_m = 1.55
+//! track_rear_m = 1.55
+//! driven = "front"               # or "rear", "all"
+//! [tire]
+//! stiffness_relative_sd = 0.03   # of the line as a whole
+//! rolling_radius_m = 0.31
+//! radius_per_ln_pressure = 0.005 # d ln R / d ln p
+//! torsion_hz = 45.0
+//! torsion_hz_per_kpa = 0.045
+//! teeth = 48
+//! [corner.fl]
+//! sprung_mass_relative_sd = 0.08
+//! unsprung_mass_relative_sd = 0.05
+//! spring_relative_sd = 0.15
+//! damping_relative_sd = 0.15
+//! friction_n = 30.0
+//! friction_sd_n = 20.0
+//! tire_damping_n_s_per_m = 50.0
+//! tire_damping_sd_n_s_per_m = 30.0
+//! ```
+//!
+//! | module | idea |
+//! |---|---|
+//! | `details`, `read_details` | the optional keys; from their tables, checked |
+//! | `uncertainty` | how well parameters are known, by where they come from |
+//! | [`typical`] | a whole file from what an owner knows: mass, tire size, class |
+//! | `derived` | frequencies and damping ratios of a corner |
+//! | `write` | the way back |
 
+mod derived;
+mod details;
+mod read_details;
+pub mod typical;
+mod uncertainty;
 mod write;
 
 use std::path::Path;
@@ -37,6 +77,10 @@ use crate::error::{DataError, Problem};
 use crate::out::AtomicFile;
 use crate::toml_table::{Table, syntax_problem};
 
+pub use derived::CornerFigures;
+pub use details::{Confidence, CornerDetails, Driven, TireDetails, VehicleDetails};
+pub use uncertainty::ParameterUncertainty;
+
 /// A vehicle as its file describes it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Vehicle {
@@ -48,12 +92,18 @@ pub struct Vehicle {
     pub wheelbase_m: Option<f64>,
     /// The corners, in the order of [`Corner::ALL`].
     pub corners: [Option<CornerConfig<f64>>; 4],
+    /// What the file says beyond that.
+    pub details: VehicleDetails,
 }
 
 /// What no car exceeds in the unit of the key. A value outside was most likely given in another unit: tons, N/mm,
 /// bar or psi, mm, mm/s². Wide enough for a kart and for a 40-ton truck.
-const PLAUSIBLE: [(&str, f64, f64); 10] = [
+const PLAUSIBLE: [(&str, f64, f64); 14] = [
     ("wheelbase_m", 0.5, 20.0),
+    ("track_front_m", 0.3, 4.0),
+    ("track_rear_m", 0.3, 4.0),
+    ("rolling_radius_m", 0.1, 1.5),
+    ("torsion_hz", 10.0, 150.0),
     ("stiffness_per_kpa", 20.0, 20_000.0),
     ("stiffness_at_zero", 1_000.0, 10_000_000.0),
     ("sprung_mass_kg", 10.0, 10_000.0),
@@ -65,15 +115,21 @@ const PLAUSIBLE: [(&str, f64, f64); 10] = [
     ("initial_kpa", 20.0, 1_500.0),
 ];
 
-const TIRE_KEYS: [&str; 5] = [
+const TIRE_KEYS: [&str; 11] = [
     "stiffness_per_kpa",
     "stiffness_at_zero",
     "stiffness_per_kpa_sd",
     "stiffness_at_zero_sd",
     "stiffness_correlation",
+    "stiffness_relative_sd",
+    "rolling_radius_m",
+    "radius_per_ln_pressure",
+    "torsion_hz",
+    "torsion_hz_per_kpa",
+    "teeth",
 ];
 
-const CORNER_KEYS: [&str; 8] = [
+const CORNER_KEYS: [&str; 16] = [
     "sprung_mass_kg",
     "unsprung_mass_kg",
     "damping_n_s_per_m",
@@ -82,6 +138,14 @@ const CORNER_KEYS: [&str; 8] = [
     "accel_noise_m_s2",
     "initial_kpa",
     "tire",
+    "sprung_mass_relative_sd",
+    "unsprung_mass_relative_sd",
+    "spring_relative_sd",
+    "damping_relative_sd",
+    "friction_n",
+    "friction_sd_n",
+    "tire_damping_n_s_per_m",
+    "tire_damping_sd_n_s_per_m",
 ];
 
 /// The `[tire]` table of a vehicle file for this map, with the uncertainty of its coefficients where it has one.
@@ -99,6 +163,7 @@ impl Vehicle {
             id: None,
             wheelbase_m: Some(2.7),
             corners: [Some(CornerConfig::paper()); 4],
+            details: VehicleDetails::default(),
         }
     }
 
@@ -141,11 +206,13 @@ impl Vehicle {
         root.check_keys(&["vehicle", "tire", "corner"])?;
 
         let (mut name, mut id, mut wheelbase_m) = ("unnamed vehicle".to_owned(), None, None);
+        let mut details = VehicleDetails::default();
         if let Some(vehicle) = root.table("vehicle")? {
-            vehicle.check_keys(&["name", "id", "wheelbase_m"])?;
+            vehicle.check_keys(&read_details::VEHICLE_KEYS)?;
             name = vehicle.text("name")?.unwrap_or(name);
             id = vehicle.text("id")?;
             wheelbase_m = checked(&vehicle, "wheelbase_m")?;
+            details = read_details::vehicle(&vehicle)?;
         }
         let tire = root.table("tire")?.map(|table| read_tire(&table)).transpose()?;
 
@@ -154,13 +221,15 @@ impl Vehicle {
         let mut corners = [None; 4];
         for corner in Corner::ALL {
             if let Some(table) = corner_tables.table(corner.label())? {
-                corners[corner.index()] = Some(read_corner(&table, tire)?);
+                let (config, beyond) = read_corner(&table, tire)?;
+                corners[corner.index()] = Some(config);
+                details.corners[corner.index()] = beyond;
             }
         }
         if corners.iter().all(Option::is_none) {
             return Err(Problem::NoCorner);
         }
-        Ok(Self { name, id, wheelbase_m, corners })
+        Ok(Self { name, id, wheelbase_m, corners, details })
     }
 
     /// The text of a vehicle file that reads back as this vehicle.
@@ -212,7 +281,7 @@ fn required(table: &Table<'_>, key: &'static str) -> Result<f64, Problem> {
     checked(table, key)?.ok_or_else(|| table.lacks(key))
 }
 
-fn read_tire(table: &Table<'_>) -> Result<PressureMap<f64>, Problem> {
+fn read_tire(table: &Table<'_>) -> Result<(PressureMap<f64>, TireDetails), Problem> {
     table.check_keys(&TIRE_KEYS)?;
     let per_kpa = required(table, "stiffness_per_kpa")?;
     let at_zero = table.number("stiffness_at_zero")?.ok_or_else(|| table.lacks("stiffness_at_zero"))?;
@@ -223,17 +292,18 @@ fn read_tire(table: &Table<'_>) -> Result<PressureMap<f64>, Problem> {
     let per_kpa_sd = or_zero("stiffness_per_kpa_sd")?;
     let at_zero_sd = or_zero("stiffness_at_zero_sd")?;
     let correlation = or_zero("stiffness_correlation")?;
-    PressureMap::new(per_kpa, at_zero)
+    let map = PressureMap::new(per_kpa, at_zero)
         .and_then(|map| map.with_uncertainty(per_kpa_sd, at_zero_sd, correlation))
-        .map_err(|error| table.refuse(error))
+        .map_err(|error| table.refuse(error))?;
+    Ok((map, read_details::tire(table)?))
 }
 
 fn read_corner(
     table: &Table<'_>,
-    common_tire: Option<PressureMap<f64>>,
-) -> Result<CornerConfig<f64>, Problem> {
+    common_tire: Option<(PressureMap<f64>, TireDetails)>,
+) -> Result<(CornerConfig<f64>, CornerDetails), Problem> {
     table.check_keys(&CORNER_KEYS)?;
-    let tire = match table.table("tire")? {
+    let (tire, tire_details) = match table.table("tire")? {
         Some(own) => read_tire(&own)?,
         None => common_tire.ok_or_else(|| Problem::MissingKey {
             line: table.line(),
@@ -255,9 +325,10 @@ fn read_corner(
     let quarter_car = QuarterCar::new(sprung_kg, unsprung_kg, damping, spring);
     let placard_kpa = required(table, "placard_kpa")?;
     let (noise, initial) = (checked(table, "accel_noise_m_s2")?, checked(table, "initial_kpa")?);
-    quarter_car
+    let config = quarter_car
         .and_then(|quarter_car| CornerConfig::new(quarter_car, tire, placard_kpa))
         .and_then(|config| noise.map_or(Ok(config), |noise| config.with_accel_noise(noise)))
         .and_then(|config| initial.map_or(Ok(config), |initial| config.with_initial_pressure(initial)))
-        .map_err(|error| table.refuse(error))
+        .map_err(|error| table.refuse(error))?;
+    Ok((config, read_details::corner(table, tire_details)?))
 }

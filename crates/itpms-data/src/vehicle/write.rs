@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use itpms_core::model::{Corner, CornerConfig, PressureMap};
 
 use super::Vehicle;
+use super::details::{Confidence, CornerDetails, TireDetails};
 use crate::toml_table::escaped;
 
 pub(super) fn vehicle(vehicle: &Vehicle) -> String {
@@ -16,19 +17,30 @@ pub(super) fn vehicle(vehicle: &Vehicle) -> String {
     if let Some(wheelbase_m) = vehicle.wheelbase_m {
         number(&mut out, "wheelbase_m", wheelbase_m);
     }
+    let details = &vehicle.details;
+    if details.confidence != Confidence::default() {
+        let _ = writeln!(out, "confidence = \"{}\"", details.confidence.label());
+    }
+    numbers(&mut out, [("track_front_m", details.track_front_m), ("track_rear_m", details.track_rear_m)]);
+    if let Some(driven) = details.driven {
+        let _ = writeln!(out, "driven = \"{}\"", driven.label());
+    }
     let corners = || Corner::ALL.into_iter().filter_map(|c| vehicle.corner(c).map(|config| (c, config)));
-    let common = corners().next().map(|(_, config)| config.tire);
-    let same_tire = corners().all(|(_, config)| Some(config.tire) == common);
-    if let (true, Some(map)) = (same_tire, common) {
+    let beyond = |corner: Corner| &details.corners[corner.index()];
+    let tires = || corners().map(|(corner, config)| (config.tire, beyond(corner).tire));
+    let common = tires().next();
+    let same_tire = tires().all(|tire| Some(tire) == common);
+    if let (true, Some((map, rest))) = (same_tire, common) {
         out.push_str("\n[tire]\n");
-        tire(&mut out, &map);
+        tire(&mut out, &map, &rest);
     }
     for (corner, config) in corners() {
         let _ = writeln!(out, "\n[corner.{}]", corner.label());
         corner_keys(&mut out, config);
+        corner_details(&mut out, beyond(corner));
         if !same_tire {
             let _ = writeln!(out, "\n[corner.{}.tire]", corner.label());
-            tire(&mut out, &config.tire);
+            tire(&mut out, &config.tire, &beyond(corner).tire);
         }
     }
     out
@@ -49,6 +61,22 @@ fn corner_keys(out: &mut String, config: &CornerConfig<f64>) {
     }
 }
 
+fn corner_details(out: &mut String, details: &CornerDetails) {
+    numbers(
+        out,
+        [
+            ("sprung_mass_relative_sd", details.sprung_mass_relative_sd),
+            ("unsprung_mass_relative_sd", details.unsprung_mass_relative_sd),
+            ("spring_relative_sd", details.spring_relative_sd),
+            ("damping_relative_sd", details.damping_relative_sd),
+            ("friction_n", details.friction_n),
+            ("friction_sd_n", details.friction_sd_n),
+            ("tire_damping_n_s_per_m", details.tire_damping_n_s_per_m),
+            ("tire_damping_sd_n_s_per_m", details.tire_damping_sd_n_s_per_m),
+        ],
+    );
+}
+
 /// The `[tire]` table of a vehicle file, coefficients to nine digits.
 pub(super) fn tire_table(map: &PressureMap<f64>) -> String {
     let mut out = String::from("[tire]\n");
@@ -57,10 +85,23 @@ pub(super) fn tire_table(map: &PressureMap<f64>) -> String {
     out
 }
 
-/// The line and, where it has one, its uncertainty.
-fn tire(out: &mut String, map: &PressureMap<f64>) {
+/// The line and, where it has one, its uncertainty; then the optional keys.
+fn tire(out: &mut String, map: &PressureMap<f64>, details: &TireDetails) {
     coefficients(out, map.stiffness_per_kpa(), map.stiffness_at_zero());
     uncertainty(out, map);
+    numbers(
+        out,
+        [
+            ("stiffness_relative_sd", details.stiffness_relative_sd),
+            ("rolling_radius_m", details.rolling_radius_m),
+            ("radius_per_ln_pressure", details.radius_per_ln_pressure),
+            ("torsion_hz", details.torsion_hz),
+            ("torsion_hz_per_kpa", details.torsion_hz_per_kpa),
+        ],
+    );
+    if let Some(teeth) = details.teeth {
+        let _ = writeln!(out, "teeth = {teeth}");
+    }
 }
 
 fn coefficients(out: &mut String, stiffness_per_kpa: f64, stiffness_at_zero: f64) {
@@ -88,4 +129,13 @@ fn nine_digits(value: f64) -> f64 {
 fn number(out: &mut String, key: &str, value: f64) {
     // `{:?}` is the shortest form that reads back as the same number and always has a point or an exponent.
     let _ = writeln!(out, "{key} = {value:?}");
+}
+
+/// Those that are there.
+fn numbers<const N: usize>(out: &mut String, keys: [(&str, Option<f64>); N]) {
+    for (key, value) in keys {
+        if let Some(value) = value {
+            number(out, key, value);
+        }
+    }
 }

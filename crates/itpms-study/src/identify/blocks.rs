@@ -34,17 +34,45 @@ impl Block {
             for ((c, value), m) in centred.iter_mut().zip(x.as_ref()).zip(mean.iter()) {
                 *c = value - m;
             }
-            let e = y - target;
-            for i in 0..width {
-                for j in 0..=i {
-                    block.xx[(i, j)] += centred[i] * centred[j];
-                }
-                block.xy[i] += centred[i] * e;
-            }
-            block.yy += e * e;
+            block.add(&centred, y - target);
         }
         block.xx.fill_upper_triangle_with_lower_triangle();
         block
+    }
+
+    /// The same about zero: the regressors have an intercept among them, if any, that all blocks share.
+    pub(super) fn about_zero<R: AsRef<[f64]>>(width: usize, rows: &[(R, f64)]) -> Self {
+        let mut block = Self {
+            xx: DMatrix::zeros(width, width),
+            xy: DVector::zeros(width),
+            yy: 0.0,
+            rows: rows.len() as f64,
+        };
+        for (x, y) in rows {
+            block.add(x.as_ref(), *y);
+        }
+        block.xx.fill_upper_triangle_with_lower_triangle();
+        block
+    }
+
+    /// One more row, in the lower triangle.
+    fn add(&mut self, x: &[f64], y: f64) {
+        for i in 0..x.len() {
+            for j in 0..=i {
+                self.xx[(i, j)] += x[i] * x[j];
+            }
+            self.xy[i] += x[i] * y;
+        }
+        self.yy += y * y;
+    }
+
+    /// The sums of both.
+    pub(super) fn joined(mut self, other: &Self) -> Self {
+        self.xx += &other.xx;
+        self.xy += &other.xy;
+        self.yy += other.yy;
+        self.rows += other.rows;
+        self
     }
 
     /// The same block counted `weight` times.
@@ -70,14 +98,8 @@ pub(super) struct BlockFit {
 /// Sum of blocks without one of them.
 fn total(blocks: &[Block], without: Option<usize>) -> Option<Block> {
     let mut used = blocks.iter().enumerate().filter(|(i, _)| Some(*i) != without).map(|(_, block)| block);
-    let mut sum = used.next()?.clone();
-    for block in used {
-        sum.xx += &block.xx;
-        sum.xy += &block.xy;
-        sum.yy += block.yy;
-        sum.rows += block.rows;
-    }
-    Some(sum)
+    let first = used.next()?.clone();
+    Some(used.fold(first, Block::joined))
 }
 
 /// The coefficients alone, and the root mean squared residual; `None` where the regressors do not tell them apart.

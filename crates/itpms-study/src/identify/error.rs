@@ -91,6 +91,26 @@ pub enum IdentifyError {
         /// Time there in s.
         to_s: f64,
     },
+    /// Samples that do not come at one rate.
+    #[error(
+        "time_s steps by {step_s:.6} s at row {row}, expected {mean_s:.6} s as on average: one rate throughout"
+    )]
+    UnevenTime {
+        /// Row, from one.
+        row: usize,
+        /// Step there in s.
+        step_s: f64,
+        /// Mean step in s.
+        mean_s: f64,
+    },
+    /// Too few samples for a wheel's hop.
+    #[error("found {rate_hz:.1} rows per second, expected at least {expected_hz}")]
+    TooSlow {
+        /// Rate in Hz.
+        rate_hz: f64,
+        /// Rate needed in Hz.
+        expected_hz: f64,
+    },
     /// No frequency is held long enough.
     #[error(
         "the longest stretch of one steady sine has {found} periods, expected at least {expected} of the same frequency and amplitude"

@@ -5,6 +5,7 @@
 //! |---|---|
 //! | `spring` | stiffness from load and displacement |
 //! | `damper`, `motion`, `sine`, `doubts` | damping from sinusoidal excitation: the fit, the rows made ready for it, frequencies, concerns |
+//! | `bump` | spring, damper, friction, hop and tire from a drop or a bump |
 //! | `calibrate` | the pressure-stiffness line of a tire |
 //! | `blocks` | least squares whose covariance comes from the disagreement of blocks |
 //! | `strokes`, `loops` | where a displacement turns; what is left beside a line |
@@ -16,6 +17,7 @@
 //! (`concerns`); what makes a number meaningless is an error.
 
 mod blocks;
+mod bump;
 mod calibrate;
 mod damper;
 mod distribution;
@@ -31,6 +33,7 @@ mod spring;
 mod strokes;
 mod text;
 
+pub use bump::{BumpCorner, BumpFit, BumpMasses, BumpParts, BumpResult, BumpSignals, BumpWindow, bump};
 pub use calibrate::{Calibration, CalibrationRow, Coefficient, Test, calibrate};
 pub use damper::{Consistency, DamperResult, RunResult, SineRecord, damper};
 pub use error::IdentifyError;

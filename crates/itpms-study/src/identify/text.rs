@@ -19,23 +19,23 @@ fn decimals(standard_error: f64) -> usize {
     if digits > 0.0 { (digits as usize).min(6) } else { 0 }
 }
 
-fn shown(estimate: &Estimate) -> String {
+pub(super) fn shown(estimate: &Estimate) -> String {
     let digits = decimals(estimate.standard_error);
     format!("{:.digits$} ± {:.digits$}", estimate.value, estimate.standard_error)
 }
 
-fn interval((low, high): (f64, f64), standard_error: f64) -> String {
+pub(super) fn interval((low, high): (f64, f64), standard_error: f64) -> String {
     let digits = decimals(standard_error);
     format!("95 %: {low:.digits$} to {high:.digits$}")
 }
 
 /// A name, its value, and a remark.
-fn line(out: &mut String, name: &str, value: &str, remark: &str) {
+pub(super) fn line(out: &mut String, name: &str, value: &str, remark: &str) {
     let text = format!("{name:<24} {value:<28} {remark}");
     let _ = writeln!(out, "{}", text.trim_end());
 }
 
-fn ending(out: &mut String, concerns: &[String]) {
+pub(super) fn ending(out: &mut String, concerns: &[String]) {
     if concerns.is_empty() {
         line(out, "concerns", "none", "");
     }

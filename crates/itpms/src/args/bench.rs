@@ -6,11 +6,12 @@ use clap::Subcommand;
 
 use super::positive;
 
-/// Identify a spring or a damper from bench measurements, with standard errors.
+/// Identify a spring or a damper from bench measurements, or a whole corner from a drop, with standard errors.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   itpms identify spring load-displacement.csv --plot spring.svg
-  itpms identify damper sine.csv --plot damper.svg")]
+  itpms identify damper sine.csv --plot damper.svg
+  itpms identify bump drop.csv --sprung-mass-kg 366 --unsprung-mass-kg 47 --plot drop.svg")]
 pub(crate) struct IdentifyArgs {
     #[command(subcommand)]
     pub(crate) part: IdentifyPart,
@@ -20,7 +21,45 @@ pub(crate) struct IdentifyArgs {
 pub(crate) enum IdentifyPart {
     Spring(SpringArgs),
     Damper(DamperArgs),
+    Bump(BumpArgs),
 }
+
+/// Spring, damper, friction, wheel hop and tire of each corner from one drop or bump.
+///
+/// A car let down off a block, a body let go on its springs, a rig: body and wheel then swing freely over a road at rest.
+/// Columns time_s and per corner c of fl fr rl rr either heights {c}_body_m and {c}_wheel_m or accelerations
+/// {c}_body_accel_m_s2 and {c}_wheel_accel_m_s2, up positive, at one rate of 100 Hz or more.
+#[derive(Debug, clap::Args)]
+#[command(after_help = BUMP_EXAMPLES)]
+pub(crate) struct BumpArgs {
+    /// The record: .csv or .parquet.
+    #[arg(value_name = "LOG")]
+    pub(crate) log: PathBuf,
+    /// Sprung mass of one corner. Without the masses there are frequencies and damping ratios, but no spring and no tire.
+    #[arg(long, value_name = "KG", value_parser = positive, requires = "unsprung_mass_kg")]
+    pub(crate) sprung_mass_kg: Option<f64>,
+    /// Unsprung mass of one corner.
+    #[arg(long, value_name = "KG", value_parser = positive, requires = "sprung_mass_kg")]
+    pub(crate) unsprung_mass_kg: Option<f64>,
+    /// Use the motion from this time, where the beginning that is found is not the right one.
+    #[arg(long, value_name = "S")]
+    pub(crate) from_s: Option<f64>,
+    /// Use the motion until this time.
+    #[arg(long, value_name = "S")]
+    pub(crate) until_s: Option<f64>,
+    /// Where a figure of motion, fit and residuals goes: .svg.
+    #[arg(long, value_name = "SVG")]
+    pub(crate) plot: Option<PathBuf>,
+    /// Print JSON: corners and axles by label, each number with its standard error under the same key and _se.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+const BUMP_EXAMPLES: &str = "\
+Examples:
+  itpms identify bump drop.csv
+  itpms identify bump drop.parquet --sprung-mass-kg 366 --unsprung-mass-kg 47 --plot drop.svg
+  itpms identify bump drop.csv --sprung-mass-kg 366 --unsprung-mass-kg 47 --json";
 
 /// Stiffness ks from load and displacement, friction separated.
 ///

@@ -1,5 +1,7 @@
-//! `itpms identify spring|damper` and `itpms calibrate`: measurements of a bench in, the numbers of a vehicle file with
+//! `itpms identify spring|damper|bump` and `itpms calibrate`: measurements of a bench or a drop in, the numbers of a vehicle file with
 //! their standard errors out.
+
+mod bump;
 
 use std::path::Path;
 
@@ -22,6 +24,7 @@ pub(crate) fn run(part: &IdentifyPart, screen: &Screen) -> Result<(), Failure> {
     match part {
         IdentifyPart::Spring(args) => run_spring(args, screen),
         IdentifyPart::Damper(args) => run_damper(args, screen),
+        IdentifyPart::Bump(args) => bump::run(args, screen),
     }
 }
 

@@ -18,6 +18,7 @@ pub(crate) mod score;
 pub(crate) mod signals;
 pub(crate) mod simulate;
 pub(crate) mod soak;
+pub(crate) mod vehicle;
 
 /// Rows between two looks at the interrupt flag and the progress bar.
 const ROWS_PER_LOOK: u64 = 1024;

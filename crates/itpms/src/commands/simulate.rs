@@ -6,6 +6,7 @@ use itpms_core::model::Corner;
 use itpms_data::crg::CrgRoad;
 use itpms_data::log::{CornerColumns, LogColumns, LogCorner};
 use itpms_data::out::{AtomicFile, LogWriter};
+use itpms_data::vehicle::VehicleDetails;
 use itpms_data::{LogRow, Vehicle};
 use itpms_sim::road::Surface;
 use itpms_sim::scenario::Scenario;
@@ -169,6 +170,7 @@ fn vehicle_of(scenario: &Scenario) -> Result<Vehicle, Failure> {
         id: None,
         wheelbase_m: Some(scenario.wheelbase_m),
         corners,
+        details: VehicleDetails::default(),
     })
 }
 

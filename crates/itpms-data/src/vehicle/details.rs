@@ -1,0 +1,111 @@
+//! What a vehicle file says beyond what an estimator is told today: how far its values are to be trusted, friction,
+//! tracks, and what the wheel-speed methods need. Read by `read_details`, written by `write`; knows no TOML.
+
+/// Where the parameters of a vehicle come from, and so how far to trust them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Confidence {
+    /// Weighed and measured on this car.
+    Measured,
+    /// A manufacturer's figures, or a car of the same model that was measured.
+    #[default]
+    Typical,
+    /// Somebody's guess.
+    Rough,
+}
+
+impl Confidence {
+    /// All, from the most to the least trusted.
+    pub const ALL: [Self; 3] = [Self::Measured, Self::Typical, Self::Rough];
+
+    /// The word in the vehicle file.
+    #[must_use]
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Measured => "measured",
+            Self::Typical => "typical",
+            Self::Rough => "rough",
+        }
+    }
+}
+
+/// Which wheels are driven.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Driven {
+    /// The front wheels.
+    Front,
+    /// The rear wheels.
+    Rear,
+    /// All four.
+    All,
+}
+
+impl Driven {
+    /// All, as the file's message lists them.
+    pub const ALL: [Self; 3] = [Self::Front, Self::Rear, Self::All];
+
+    /// The word in the vehicle file.
+    #[must_use]
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Front => "front",
+            Self::Rear => "rear",
+            Self::All => "all",
+        }
+    }
+}
+
+/// The optional keys of a vehicle file, as far as they are there.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct VehicleDetails {
+    /// How far to trust what has no standard deviation of its own.
+    pub confidence: Confidence,
+    /// Distance between the front wheels' contact centers in m.
+    pub track_front_m: Option<f64>,
+    /// Distance between the rear wheels' contact centers in m.
+    pub track_rear_m: Option<f64>,
+    /// Which wheels are driven.
+    pub driven: Option<Driven>,
+    /// By corner, in the order of [`Corner::ALL`](itpms_core::sample::Corner::ALL); empty for a corner that the vehicle does not have.
+    pub corners: [CornerDetails; 4],
+}
+
+/// The optional keys of a corner and of its tire. All standard deviations are relative ones (0.05 is 5 %) unless
+/// their name has a unit.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct CornerDetails {
+    /// Of the sprung mass.
+    pub sprung_mass_relative_sd: Option<f64>,
+    /// Of the unsprung mass.
+    pub unsprung_mass_relative_sd: Option<f64>,
+    /// Of the suspension spring.
+    pub spring_relative_sd: Option<f64>,
+    /// Of the damping.
+    pub damping_relative_sd: Option<f64>,
+    /// Coulomb friction of the strut in N.
+    pub friction_n: Option<f64>,
+    /// Its standard deviation in N.
+    pub friction_sd_n: Option<f64>,
+    /// Vertical damping of the tire in N s/m.
+    pub tire_damping_n_s_per_m: Option<f64>,
+    /// Its standard deviation in N s/m.
+    pub tire_damping_sd_n_s_per_m: Option<f64>,
+    /// The tire's optional keys.
+    pub tire: TireDetails,
+}
+
+/// The optional keys of a tire: the scale of its stiffness, and what the wheel-speed methods need.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct TireDetails {
+    /// Relative standard deviation of the whole line of stiffness over pressure, up or down as one.
+    pub stiffness_relative_sd: Option<f64>,
+    /// Effective rolling radius in m at placard pressure.
+    pub rolling_radius_m: Option<f64>,
+    /// Relative change of the rolling radius per unit of ln(pressure): `d ln R / d ln p`.
+    pub radius_per_ln_pressure: Option<f64>,
+    /// Torsional resonance of belt against rim in Hz at placard pressure.
+    pub torsion_hz: Option<f64>,
+    /// Its change in Hz per kPa.
+    pub torsion_hz_per_kpa: Option<f64>,
+    /// Teeth of the wheel-speed sensor's ring.
+    pub teeth: Option<u32>,
+}

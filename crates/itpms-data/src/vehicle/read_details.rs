@@ -1,0 +1,113 @@
+//! The optional keys of a vehicle file, read and checked. Called by [`Vehicle::parse`](super::Vehicle::parse).
+
+use itpms_core::quarter_car::ParameterError;
+
+use super::checked;
+use super::details::{Confidence, CornerDetails, Driven, TireDetails, VehicleDetails};
+use crate::error::Problem;
+use crate::toml_table::Table;
+
+pub(super) const VEHICLE_KEYS: [&str; 7] =
+    ["name", "id", "wheelbase_m", "confidence", "track_front_m", "track_rear_m", "driven"];
+
+/// The largest relative standard deviation that says anything: beyond, a value is a guess of its own order.
+const LARGEST_RELATIVE_SD: f64 = 1.0;
+
+/// What `[vehicle]` says; the corners follow.
+pub(super) fn vehicle(table: &Table<'_>) -> Result<VehicleDetails, Problem> {
+    let confidence = word(table, "confidence", Confidence::ALL.map(|c| (c.label(), c)), CONFIDENCES)?;
+    Ok(VehicleDetails {
+        confidence: confidence.unwrap_or_default(),
+        track_front_m: checked(table, "track_front_m")?,
+        track_rear_m: checked(table, "track_rear_m")?,
+        driven: word(table, "driven", Driven::ALL.map(|d| (d.label(), d)), DRIVEN)?,
+        ..VehicleDetails::default()
+    })
+}
+
+const CONFIDENCES: &str = "\"measured\", \"typical\" or \"rough\"";
+const DRIVEN: &str = "\"front\", \"rear\" or \"all\"";
+
+/// What a table of a corner says, with the details of its tire.
+pub(super) fn corner(table: &Table<'_>, tire: TireDetails) -> Result<CornerDetails, Problem> {
+    Ok(CornerDetails {
+        sprung_mass_relative_sd: relative_sd(table, "sprung_mass_relative_sd")?,
+        unsprung_mass_relative_sd: relative_sd(table, "unsprung_mass_relative_sd")?,
+        spring_relative_sd: relative_sd(table, "spring_relative_sd")?,
+        damping_relative_sd: relative_sd(table, "damping_relative_sd")?,
+        friction_n: up_to(table, "friction_n", 5_000.0, "0 to 5000 N")?,
+        friction_sd_n: up_to(table, "friction_sd_n", 5_000.0, "0 to 5000 N")?,
+        tire_damping_n_s_per_m: up_to(table, "tire_damping_n_s_per_m", 20_000.0, "0 to 20000 N s/m")?,
+        tire_damping_sd_n_s_per_m: up_to(table, "tire_damping_sd_n_s_per_m", 20_000.0, "0 to 20000 N s/m")?,
+        tire,
+    })
+}
+
+/// What a table of a tire says beyond its stiffness.
+pub(super) fn tire(table: &Table<'_>) -> Result<TireDetails, Problem> {
+    Ok(TireDetails {
+        stiffness_relative_sd: relative_sd(table, "stiffness_relative_sd")?,
+        rolling_radius_m: checked(table, "rolling_radius_m")?,
+        radius_per_ln_pressure: between(
+            table,
+            "radius_per_ln_pressure",
+            -0.5,
+            0.5,
+            "a number from -0.5 to 0.5",
+        )?,
+        torsion_hz: checked(table, "torsion_hz")?,
+        torsion_hz_per_kpa: between(table, "torsion_hz_per_kpa", -1.0, 1.0, "-1 to 1 Hz per kPa")?,
+        teeth: teeth(table)?,
+    })
+}
+
+fn relative_sd(table: &Table<'_>, key: &'static str) -> Result<Option<f64>, Problem> {
+    up_to(table, key, LARGEST_RELATIVE_SD, "a relative standard deviation from 0 to 1 (0.05 is 5 %)")
+}
+
+fn up_to(
+    table: &Table<'_>,
+    key: &'static str,
+    largest: f64,
+    expected: &'static str,
+) -> Result<Option<f64>, Problem> {
+    between(table, key, 0.0, largest, expected)
+}
+
+fn between(
+    table: &Table<'_>,
+    key: &'static str,
+    lowest: f64,
+    largest: f64,
+    expected: &'static str,
+) -> Result<Option<f64>, Problem> {
+    match table.number(key)? {
+        Some(value) if !(lowest..=largest).contains(&value) => {
+            Err(table.refuse(ParameterError { name: key, value, expected }))
+        }
+        value => Ok(value),
+    }
+}
+
+fn teeth(table: &Table<'_>) -> Result<Option<u32>, Problem> {
+    let whole = between(table, "teeth", 2.0, 1_000.0, "a whole number from 2 to 1000")?;
+    match whole {
+        Some(value) if value.fract() != 0.0 => {
+            let expected = "a whole number from 2 to 1000";
+            Err(table.refuse(ParameterError { name: "teeth", value, expected }))
+        }
+        value => Ok(value.map(|value| value as u32)),
+    }
+}
+
+/// One of several words.
+fn word<T: Copy>(
+    table: &Table<'_>,
+    key: &'static str,
+    known: [(&str, T); 3],
+    expected: &'static str,
+) -> Result<Option<T>, Problem> {
+    let Some(text) = table.text(key)? else { return Ok(None) };
+    let found = known.iter().find(|(label, _)| *label == text).map(|(_, value)| *value);
+    found.map(Some).ok_or_else(|| table.wrong_word(key, &text, expected))
+}

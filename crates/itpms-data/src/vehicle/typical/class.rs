@@ -1,0 +1,65 @@
+//! What cars of a class have in common (docs/vehicle.md, table 1). A row per class; knows no particular car.
+
+/// A kind of car.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum CarClass {
+    /// Small and compact cars, hatchbacks.
+    Compact,
+    /// Sedans and station wagons.
+    #[default]
+    Sedan,
+    /// Sport utility vehicles and crossovers.
+    Suv,
+    /// Vans and minibuses.
+    Van,
+}
+
+/// Typical figures of a class, front then rear where there are two.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct ClassFigures {
+    /// Four unsprung masses over the car's mass.
+    pub(super) unsprung_share: f64,
+    /// Frequency of the body on its springs alone, in Hz.
+    pub(super) body_hz: [f64; 2],
+    /// Damping ratio of the body on its springs.
+    pub(super) damping_ratio: [f64; 2],
+    /// Wheelbase in m, where it is not told.
+    pub(super) wheelbase_m: f64,
+}
+
+impl CarClass {
+    /// All classes.
+    pub const ALL: [Self; 4] = [Self::Compact, Self::Sedan, Self::Suv, Self::Van];
+
+    /// The word on the command line.
+    #[must_use]
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Compact => "compact",
+            Self::Sedan => "sedan",
+            Self::Suv => "suv",
+            Self::Van => "van",
+        }
+    }
+
+    /// The class of this word.
+    #[must_use]
+    pub fn from_label(label: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|class| class.label() == label)
+    }
+
+    pub(super) fn figures(self) -> ClassFigures {
+        let row = |unsprung_share, body_hz, wheelbase_m| ClassFigures {
+            unsprung_share,
+            body_hz,
+            damping_ratio: [0.29, 0.33],
+            wheelbase_m,
+        };
+        match self {
+            Self::Compact => row(0.115, [1.35, 1.55], 2.6),
+            Self::Sedan => row(0.12, [1.30, 1.45], 2.8),
+            Self::Suv => row(0.125, [1.40, 1.55], 2.7),
+            Self::Van => row(0.12, [1.50, 1.70], 3.0),
+        }
+    }
+}

@@ -1,0 +1,187 @@
+//! The optional keys of the vehicle file: read, refused, written back, and resolved to standard deviations.
+#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
+
+use itpms_core::sample::Corner;
+use itpms_data::Vehicle;
+use itpms_data::vehicle::{Confidence, Driven, ParameterUncertainty, VehicleDetails};
+use proptest::prelude::*;
+
+const FULL: &str = r#"[vehicle]
+name = "everything"
+confidence = "measured"
+track_front_m = 1.55
+track_rear_m = 1.54
+driven = "rear"
+[tire]
+stiffness_per_kpa = 700.0
+stiffness_at_zero = 60000.0
+stiffness_relative_sd = 0.02
+rolling_radius_m = 0.31
+radius_per_ln_pressure = 0.005
+torsion_hz = 45.0
+torsion_hz_per_kpa = 0.045
+teeth = 48
+[corner.fl]
+sprung_mass_kg = 300.0
+unsprung_mass_kg = 40.0
+damping_n_s_per_m = 1500.0
+spring_n_per_m = 25000.0
+placard_kpa = 230.0
+sprung_mass_relative_sd = 0.01
+unsprung_mass_relative_sd = 0.012
+spring_relative_sd = 0.04
+damping_relative_sd = 0.06
+friction_n = 25.0
+friction_sd_n = 5.0
+tire_damping_n_s_per_m = 60.0
+tire_damping_sd_n_s_per_m = 15.0
+[corner.rl]
+sprung_mass_kg = 280.0
+unsprung_mass_kg = 38.0
+damping_n_s_per_m = 1400.0
+spring_n_per_m = 24000.0
+placard_kpa = 230.0
+"#;
+
+fn refusal(from: &str, to: &str) -> String {
+    assert!(FULL.contains(from), "{from}");
+    Vehicle::parse(&FULL.replacen(from, to, 1)).unwrap_err().to_string()
+}
+
+#[test]
+fn every_key_arrives_where_it_belongs() {
+    let vehicle = Vehicle::parse(FULL).unwrap();
+    let details = &vehicle.details;
+    assert_eq!(details.confidence, Confidence::Measured);
+    assert_eq!((details.track_front_m, details.track_rear_m), (Some(1.55), Some(1.54)));
+    assert_eq!(details.driven, Some(Driven::Rear));
+    let rear = &details.corners[Corner::RearLeft.index()];
+    assert_eq!((rear.tire.teeth, rear.tire.torsion_hz, rear.friction_n), (Some(48), Some(45.0), None));
+    let front = vehicle.uncertainty(Corner::FrontLeft);
+    assert_eq!(
+        front,
+        ParameterUncertainty {
+            sprung_mass_relative_sd: 0.01,
+            unsprung_mass_relative_sd: 0.012,
+            spring_relative_sd: 0.04,
+            damping_relative_sd: 0.06,
+            stiffness_relative_sd: 0.02,
+            friction_n: 25.0,
+            friction_sd_n: 5.0,
+            tire_damping_n_s_per_m: 60.0,
+            tire_damping_sd_n_s_per_m: 15.0,
+        }
+    );
+    // The rear corner says nothing: what is usual for measured parameters, but for the common tire.
+    let usual = ParameterUncertainty::of(Confidence::Measured);
+    let rear = vehicle.uncertainty(Corner::RearLeft);
+    assert_eq!(rear, ParameterUncertainty { stiffness_relative_sd: 0.02, ..usual });
+    assert_eq!(Vehicle::parse(&vehicle.to_toml()).unwrap(), vehicle);
+}
+
+#[test]
+fn old_files_are_typical() {
+    let vehicle = Vehicle::parse(&Vehicle::paper().to_toml()).unwrap();
+    assert_eq!(vehicle.details, VehicleDetails::default());
+    // 4 % that all wheels share and 3 % that tell the axles apart: 5 % together.
+    let typical = vehicle.uncertainty(Corner::FrontLeft);
+    assert!((typical.common_mass_relative_sd() - 0.04).abs() < 1e-12);
+    assert!((typical.axle_mass_relative_sd() - 0.03).abs() < 1e-12);
+    assert!((typical.common_mass_relative_sd().hypot(typical.axle_mass_relative_sd()) - 0.05).abs() < 1e-12);
+}
+
+#[test]
+fn less_confidence_is_a_larger_deviation_everywhere() {
+    let [measured, typical, rough] = Confidence::ALL.map(ParameterUncertainty::of);
+    for (better, worse) in [(measured, typical), (typical, rough)] {
+        assert!(better.sprung_mass_relative_sd < worse.sprung_mass_relative_sd);
+        assert!(better.unsprung_mass_relative_sd < worse.unsprung_mass_relative_sd);
+        assert!(better.spring_relative_sd < worse.spring_relative_sd);
+        assert!(better.damping_relative_sd < worse.damping_relative_sd);
+        assert!(better.stiffness_relative_sd < worse.stiffness_relative_sd);
+        assert!(better.friction_sd_n < worse.friction_sd_n);
+        assert!(better.tire_relative_sd() < worse.tire_relative_sd());
+    }
+}
+
+#[test]
+fn values_that_mean_nothing_are_refused_with_their_line() {
+    for (from, to, message) in [
+        (
+            "\"measured\"",
+            "\"sure\"",
+            "line 3: [vehicle] confidence is the text \"sure\", expected \"measured\", \"typical\" or \"rough\"",
+        ),
+        ("\"measured\"", "1", "line 3: [vehicle] confidence is of type integer, expected text in quotes"),
+        (
+            "\"rear\"",
+            "\"4wd\"",
+            "line 6: [vehicle] driven is the text \"4wd\", expected \"front\", \"rear\" or \"all\"",
+        ),
+        ("1.55", "1550", "line 4: [vehicle] track_front_m is 1550, expected 0.3 to 4 (another unit?)"),
+        ("1.54", "-1", "line 5: [vehicle] track_rear_m is -1, expected a positive, finite number"),
+        (
+            "relative_sd = 0.012",
+            "relative_sd = 1.2",
+            "line 23: [corner.fl] unsprung_mass_relative_sd is 1.2, expected a relative standard deviation from 0 to 1 (0.05 is 5 %)",
+        ),
+        (
+            "relative_sd = 0.04",
+            "relative_sd = nan",
+            "line 24: [corner.fl] spring_relative_sd is NaN, expected a relative standard deviation from 0 to 1 (0.05 is 5 %)",
+        ),
+        (
+            "friction_n = 25.0",
+            "friction_n = -1",
+            "line 26: [corner.fl] friction_n is -1, expected 0 to 5000 N",
+        ),
+        (
+            "tire_damping_n_s_per_m = 60.0",
+            "tire_damping_n_s_per_m = inf",
+            "line 28: [corner.fl] tire_damping_n_s_per_m is inf, expected 0 to 20000 N s/m",
+        ),
+        (
+            "teeth = 48",
+            "teeth = 48.5",
+            "line 15: [tire] teeth is 48.5, expected a whole number from 2 to 1000",
+        ),
+        ("teeth = 48", "teeth = 1", "line 15: [tire] teeth is 1, expected a whole number from 2 to 1000"),
+        ("0.31", "310", "line 11: [tire] rolling_radius_m is 310, expected 0.1 to 1.5 (another unit?)"),
+        (
+            "torsion_hz = 45.0",
+            "torsion_hz = 0",
+            "line 13: [tire] torsion_hz is 0, expected a positive, finite number",
+        ),
+        ("0.005", "3", "line 12: [tire] radius_per_ln_pressure is 3, expected a number from -0.5 to 0.5"),
+    ] {
+        assert_eq!(refusal(from, to), message);
+    }
+    let text = refusal("friction_sd_n", "friction_sd");
+    assert!(text.contains("unknown key friction_sd in [corner.fl] (did you mean friction_sd_n?)"), "{text}");
+}
+
+proptest! {
+    /// What is written reads back to the bit, whichever keys are there.
+    #[test]
+    fn details_read_back(
+        confidence in prop::sample::select(Confidence::ALL.to_vec()),
+        driven in proptest::option::of(prop::sample::select(Driven::ALL.to_vec())),
+        track in proptest::option::of(0.5..3.0f64),
+        sd in proptest::option::of(0.0..1.0f64),
+        newtons in proptest::option::of(0.0..500.0f64),
+        teeth in proptest::option::of(2u32..1000),
+        own in any::<bool>(),
+    ) {
+        let mut vehicle = Vehicle::paper();
+        let details = &mut vehicle.details;
+        (details.confidence, details.driven, details.track_rear_m) = (confidence, driven, track);
+        for corner in &mut details.corners {
+            (corner.damping_relative_sd, corner.friction_sd_n) = (sd, newtons);
+            (corner.tire.teeth, corner.tire.stiffness_relative_sd) = (teeth, sd);
+        }
+        if own {
+            details.corners[1].tire.teeth = Some(77);
+        }
+        prop_assert_eq!(Vehicle::parse(&vehicle.to_toml()).unwrap(), vehicle);
+    }
+}

@@ -1,0 +1,128 @@
+//! `itpms vehicle`: a file of typical values that every command takes, and what a file says.
+#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
+
+mod common;
+
+use common::Bench;
+
+const INIT: &str = "vehicle init --mass 1500 --front-share 0.55 --tire 205/55R16 --wheelbase-m 2.7";
+
+#[test]
+fn a_typical_file_is_complete_and_drives() {
+    let bench = Bench::new();
+    let made = bench.run(&format!("{INIT} -o car.toml"));
+    made.success();
+    assert!(!made.stderr.contains("warning"), "{made:?}");
+    let text = bench.read("car.toml");
+    for key in
+        ["stiffness_relative_sd", "unsprung_mass_relative_sd", "friction_n", "confidence = \"typical\""]
+    {
+        assert!(text.contains(key), "{text}");
+    }
+    // Printed, it is the same.
+    assert_eq!(bench.run(INIT).success(), text);
+    // Every other command takes it.
+    bench.run("simulate drive-puncture --seed 1 -o drive.csv --vehicle car.toml").success();
+    bench.run("estimate drive.csv --vehicle car.toml -o est.csv").success();
+}
+
+#[test]
+fn a_wheelbase_that_is_not_told_is_worth_a_warning() {
+    let bench = Bench::new();
+    let made = bench.run("vehicle init --mass 1500 --front-share 0.55 --tire 205/55R16 -o car.toml");
+    made.success();
+    assert!(made.stderr.contains("warning: the wheelbase is that of other cars"), "{made:?}");
+}
+
+#[test]
+fn show_gives_frequencies_and_what_a_per_cent_costs() {
+    let bench = Bench::new();
+    bench.run(&format!("{INIT} -o car.toml")).success();
+    let shown: serde_json::Value =
+        serde_json::from_str(bench.run("vehicle show car.toml --json").success()).unwrap();
+    let front = &shown["corners"]["fl"];
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    // The corners carry the car: half of 55 % of 1500 kg.
+    let masses = ["sprung_mass", "unsprung_mass"].map(|key| number(&front["parameters"][key]["value"]));
+    assert!((masses[0] + masses[1] - 412.5).abs() < 0.2, "{front}");
+    // 240 kPa and the 87 kPa that the structure is worth.
+    assert!((number(&front["derived"]["kpa_per_percent_of_mass"]) - 3.27).abs() < 0.005, "{front}");
+    assert!((10.0..15.0).contains(&number(&front["derived"]["hop_hz"])), "{front}");
+    // 15 and 8 per cent make 17: 56 kPa.
+    assert!((number(&front["derived"]["uncalibrated_pressure_sd_kpa"]) - 55.6).abs() < 0.2, "{front}");
+    let table = bench.run("vehicle show car.toml");
+    let table = table.success();
+    for word in
+        ["confidence", "typical", "wheel hop (Hz)", "unsprung mass (kg)", "kPa per 1 % of unsprung mass"]
+    {
+        assert!(table.contains(word), "{table}");
+    }
+}
+
+#[test]
+fn a_file_without_deviations_is_shown_with_the_usual_ones() {
+    let bench = Bench::new();
+    bench.run("simulate paper-drop --seed 1 -o drive.csv --vehicle-out car.toml").success();
+    let table = bench.run("vehicle show car.toml");
+    // 5 % of 56.9 kg, marked as not the file's own.
+    assert!(table.success().contains("56.9 ± 2.8*"), "{table:?}");
+}
+
+#[test]
+fn what_makes_no_car_is_refused_and_leaves_nothing() {
+    let bench = Bench::new();
+    let refused = |line: &str| {
+        let outcome = bench.run(line);
+        assert_eq!((outcome.code, bench.names().len()), (Some(2), 0), "{outcome:?}");
+        outcome.stderr
+    };
+    let text = refused("vehicle init --mass 1.5 --front-share 0.55 --tire 205/55R16 -o car.toml");
+    assert_eq!(text, "error: the mass is 1.5 kg, expected 300 to 20000 kg\n");
+    let text = refused("vehicle init --mass 1500 --front-share 55 --tire 205/55R16 -o car.toml");
+    assert_eq!(text, "error: the front share is 55, expected 0.3 to 0.75\n");
+    let text = refused("vehicle init --mass 1500 --front-share 0.5 --tire 16inch -o car.toml");
+    assert!(text.contains("found \"16inch\", expected a tire size such as 205/55R16"), "{text}");
+    assert!(
+        refused("vehicle init --mass 1500 --front-share 0.5 --tire 205/55R16 --class boat")
+            .contains("compact")
+    );
+    let text = refused("vehicle init --mass 1500 --front-share 0.5 --tire 205/55R16 -o no/car.toml");
+    assert_eq!(text, "error: no/car.toml: cannot be written: the directory no does not exist\n");
+    assert_eq!(refused("vehicle show nowhere.toml"), "error: nowhere.toml: no such file\n");
+}
+
+#[test]
+fn check_finds_the_damper_that_is_not_the_files() {
+    let bench = Bench::new();
+    bench.run(&format!("{INIT} -o car.toml")).success();
+    bench.run("simulate drive-puncture --seed 1 -o drive.csv --vehicle car.toml").success();
+    let report = |line: &str| -> serde_json::Value {
+        serde_json::from_str(bench.run(&format!("vehicle check drive.csv {line} --json")).success()).unwrap()
+    };
+    let told = report("--vehicle car.toml --report check.html");
+    for corner in ["fl", "fr", "rl", "rr"] {
+        let check = &told["corners"][corner];
+        assert_eq!(check["asks_for_change"], false, "{check}");
+        let ratio = check["damping_over_file"].as_f64().unwrap();
+        assert!((ratio - 1.0).abs() < 0.1, "{check}");
+    }
+    let page = bench.read("check.html");
+    assert!(
+        page.starts_with("<!doctype html>") && !page.contains("NaN") && !page.contains("http://localhost")
+    );
+    assert_eq!(page.matches("<h3>").count(), 4);
+    // A file that says half of the damping the car has, and is sure of it.
+    let text = bench.read("car.toml");
+    let damping = text.lines().find(|line| line.starts_with("damping_n_s_per_m")).unwrap();
+    let value: f64 = damping.split([' ', '#']).nth(2).unwrap().parse().unwrap();
+    let half = damping.replacen(&format!("{value:.1}"), &format!("{:.1}", 0.5 * value), 1);
+    bench.write(
+        "half.toml",
+        text.replacen(damping, &half, 1).replace("damping_relative_sd = 0.30", "damping_relative_sd = 0.05"),
+    );
+    let wrong = report("--vehicle half.toml");
+    let check = &wrong["corners"]["fl"];
+    assert!((check["damping_over_file"].as_f64().unwrap() - 2.0).abs() < 0.2, "{check}");
+    assert!(check["sentence"].as_str().unwrap().contains("set damping_n_s_per_m to"), "{check}");
+    assert_eq!(wrong["corners"]["rl"]["asks_for_change"], false, "{wrong}");
+}
