@@ -1,7 +1,7 @@
 //! What follows from a corner's parameters: frequencies, damping ratios, and how a wrong mass reads as a pressure. Shown
 //! by `itpms vehicle show`; the tests hold typical cars against it.
 
-use itpms_core::estimate::CornerConfig;
+use itpms_core::model::CornerConfig;
 
 /// Figures of one corner as a quarter car on a tire at placard pressure.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,8 +76,8 @@ mod tests {
     #[test]
     fn a_stiff_tire_leaves_two_simple_oscillators() {
         // Where the tire is a thousand times the spring, the body swings on its spring and the wheel on its tire.
-        let tire = itpms_core::pressure::PressureMap::new(100_000.0, 0.0).unwrap();
-        let car = itpms_core::quarter_car::QuarterCar::new(300.0, 40.0, 100.0, 20_000.0).unwrap();
+        let tire = itpms_core::model::PressureMap::new(100_000.0, 0.0).unwrap();
+        let car = itpms_core::model::QuarterCar::new(300.0, 40.0, 100.0, 20_000.0).unwrap();
         let figures = CornerFigures::of(&CornerConfig::new(car, tire, 200.0).unwrap(), 0.0);
         let hz = |k: f64, m: f64| (k / m).sqrt() / std::f64::consts::TAU;
         assert!((figures.body_hz / hz(20_000.0, 300.0) - 1.0).abs() < 2e-3);

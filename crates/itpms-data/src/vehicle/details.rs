@@ -65,7 +65,7 @@ pub struct VehicleDetails {
     pub track_rear_m: Option<f64>,
     /// Which wheels are driven.
     pub driven: Option<Driven>,
-    /// By corner, in the order of [`Corner::ALL`](itpms_core::sample::Corner::ALL); empty for a corner that the vehicle does not have.
+    /// By corner, in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL); empty for a corner that the vehicle does not have.
     pub corners: [CornerDetails; 4],
 }
 

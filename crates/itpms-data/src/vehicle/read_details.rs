@@ -1,6 +1,6 @@
 //! The optional keys of a vehicle file, read and checked. Called by [`Vehicle::parse`](super::Vehicle::parse).
 
-use itpms_core::quarter_car::ParameterError;
+use itpms_core::model::ParameterError;
 
 use super::checked;
 use super::details::{Confidence, CornerDetails, Driven, TireDetails, VehicleDetails};

@@ -1,6 +1,6 @@
 //! How well a corner's parameters are known (docs/vehicle.md, section 3). Asked for by whoever weighs them; knows no file.
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 
 use super::Vehicle;
 use super::details::Confidence;

@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 
 use super::{
     Axle, DAMPING_SD, FRICTION_N, SPRING_SD, SPRUNG_MASS_SD, STIFFNESS_SD, TIRE_DAMPING_N_S_PER_M,

@@ -1,6 +1,6 @@
 //! `itpms identify bump`: a record of a drop in, the parts of each corner out.
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use itpms_data::columns::Columns;
 use itpms_study::identify::{BumpCorner, BumpMasses, BumpSignals, BumpWindow, bump};
 

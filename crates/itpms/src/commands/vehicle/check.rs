@@ -1,6 +1,6 @@
 //! `itpms vehicle check`: a drive and a vehicle file in; whether the suspension in the drive is the file's.
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use itpms_data::out::AtomicFile;
 use itpms_data::{LogReader, Vehicle};
 use itpms_study::transfer::{CornerCheck, CrossSpectra, Suspension, Verdict, page};

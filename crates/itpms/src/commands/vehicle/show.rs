@@ -1,6 +1,6 @@
 //! `itpms vehicle show`: a vehicle file as a table, or as JSON.
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use itpms_data::Vehicle;
 use itpms_data::vehicle::{CornerFigures, ParameterUncertainty};
 use serde_json::{Value, json};
