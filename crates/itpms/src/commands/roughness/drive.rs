@@ -7,12 +7,12 @@ use itpms_core::estimator::EstimatorKind;
 use itpms_core::monitor::{Monitor, MonitorConfig, MonitoredCar};
 use itpms_core::sample::Corner;
 use itpms_data::{LogReader, Vehicle};
+use itpms_drive::{RoadTrack, common_corners};
 use itpms_study::roughness::{RoughnessTable, WheelSurvey};
 
 use super::Found;
 use crate::args::RoughnessArgs;
 use crate::commands::ROWS_PER_LOOK;
-use crate::commands::estimate::{RoadTrack, common_corners};
 use crate::exit::Failure;
 use crate::interrupt::Interrupt;
 use crate::screen::Screen;
