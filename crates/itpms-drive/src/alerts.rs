@@ -18,6 +18,9 @@ pub struct Listed {
     pub ended_s: Option<f64>,
 }
 
+/// Who is told of a transition, with its time in s.
+pub type Note<'a> = &'a mut dyn FnMut(f64, &Change<f64>) -> Result<(), DriveError>;
+
 /// The transitions of a drive.
 #[derive(Debug, Default)]
 pub struct Events {
@@ -31,11 +34,7 @@ impl Events {
     ///
     /// # Errors
     /// Those of `note`.
-    pub fn take(
-        &mut self,
-        report: &MonitorReport<f64>,
-        note: &mut dyn FnMut(f64, &Change<f64>) -> Result<(), DriveError>,
-    ) -> Result<(), DriveError> {
+    pub fn take(&mut self, report: &MonitorReport<f64>, note: Note<'_>) -> Result<(), DriveError> {
         let unchanged = self.before.as_ref().is_some_and(|before| before.time_s == report.time_s);
         if unchanged {
             return Ok(());
@@ -48,12 +47,7 @@ impl Events {
         report.changes_since(&before).try_for_each(|change| self.note(report.time_s, change, note))
     }
 
-    fn note(
-        &mut self,
-        time_s: f64,
-        change: Change<f64>,
-        note: &mut dyn FnMut(f64, &Change<f64>) -> Result<(), DriveError>,
-    ) -> Result<(), DriveError> {
+    fn note(&mut self, time_s: f64, change: Change<f64>, note: Note<'_>) -> Result<(), DriveError> {
         note(time_s, &change)?;
         match change {
             Change::Begun(_) if self.listed.len() >= LISTED => self.unlisted += 1,

@@ -26,7 +26,8 @@ const MEETING_S: f64 = 60.0;
 const UNKNOWN_SHARE: f64 = 0.1;
 
 /// The running estimator under its monitor.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Drive {
     car: Box<MonitoredCar<f64>>,
     /// Time of the first and of the last row, and seconds driven until front and rear of any side were found to meet the same road.

@@ -4,6 +4,7 @@ use std::io;
 
 use itpms_core::quarter_car::ParameterError;
 use itpms_data::DataError;
+use itpms_sim::error::ScenarioError;
 use thiserror::Error;
 
 /// Why a drive was not estimated. Its message is complete.
@@ -16,6 +17,9 @@ pub enum DriveError {
     /// A parameter that the estimator or its monitor refuses.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
+    /// A scenario.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
     /// Settings and inputs that do not go together.
     #[error("{0}")]
     Mismatch(String),

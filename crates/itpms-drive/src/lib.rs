@@ -9,8 +9,10 @@
 //! | [`run`] | a log, row by row, through all of these into a [`Sink`] |
 //! | [`concerns`] | what should be known before believing the result |
 //! | [`reference`](mod@reference) | what a calibration drive taught, from and for other drives |
+//! | [`summary`] | what is known at the end, as JSON |
 //! | [`files`] | the sink of the command line: files, complete or not there |
 //! | [`fleet`] | many drives of many cars |
+//! | [`simulated`] | simulated drives as logs hold them |
 //! | [`error`] | why there is no result |
 //!
 //! Called by the binary and by the Python package. Knows no terminal, no exit codes and no mathematics.
@@ -21,11 +23,13 @@ pub mod concerns;
 pub mod drive;
 pub mod error;
 pub mod files;
-//pub mod fleet;
+pub mod fleet;
 pub mod reference;
 pub mod road;
 pub mod run;
 pub mod settings;
+pub mod simulated;
+pub mod summary;
 
 pub use alerts::Alerts;
 pub use concerns::common_corners;
@@ -35,3 +39,4 @@ pub use files::{FilePaths, Files};
 pub use road::{LateRow, RoadTrack};
 pub use run::{Done, Job, Sink, Watch, estimate};
 pub use settings::Settings;
+pub use summary::summary_json;

@@ -53,6 +53,7 @@ impl From<DriveError> for Failure {
     fn from(error: DriveError) -> Self {
         match error {
             DriveError::Data(error) => Failure::Data(error),
+            DriveError::Scenario(error) => Failure::Scenario(error),
             DriveError::Report(error) => Failure::Report(error),
             DriveError::Stopped => Failure::Interrupted,
             other => Failure::Usage(other.to_string()),

@@ -23,6 +23,7 @@ mod format;
 mod header;
 #[cfg(feature = "mdf4")]
 mod mdf4_feed;
+mod memory_source;
 mod options;
 mod order;
 #[cfg(feature = "parquet")]

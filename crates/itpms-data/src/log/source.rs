@@ -6,6 +6,7 @@ use std::path::Path;
 use super::csv_source::CsvSource;
 use super::format::{Format, LogFormat};
 use super::header::Header;
+use super::memory_source::MemorySource;
 use super::options::LogOptions;
 #[cfg(feature = "parquet")]
 use super::parquet_source::ParquetSource;
@@ -20,6 +21,7 @@ use crate::signals::align::AlignmentReport;
 #[derive(Debug)]
 pub(super) enum Source {
     Csv(CsvSource),
+    Memory(MemorySource),
     #[cfg(feature = "parquet")]
     Parquet(Box<ParquetSource>),
     #[cfg(any(feature = "can", feature = "mdf4"))]
@@ -57,6 +59,7 @@ impl Source {
     pub(super) fn header(&self) -> &Header {
         match self {
             Source::Csv(source) => source.header(),
+            Source::Memory(source) => source.header(),
             #[cfg(feature = "parquet")]
             Source::Parquet(source) => source.header(),
             #[cfg(any(feature = "can", feature = "mdf4"))]
@@ -68,6 +71,7 @@ impl Source {
     pub(super) fn next_row(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {
         match self {
             Source::Csv(source) => source.next_row(row),
+            Source::Memory(source) => Ok(source.next_row(row)),
             #[cfg(feature = "parquet")]
             Source::Parquet(source) => source.next_row(row),
             #[cfg(any(feature = "can", feature = "mdf4"))]
@@ -79,6 +83,7 @@ impl Source {
     pub(super) fn progress(&self) -> f64 {
         match self {
             Source::Csv(source) => source.progress(),
+            Source::Memory(source) => source.progress(),
             #[cfg(feature = "parquet")]
             Source::Parquet(source) => source.progress(),
             #[cfg(any(feature = "can", feature = "mdf4"))]
@@ -90,6 +95,7 @@ impl Source {
     pub(super) fn cut_off(&self) -> bool {
         match self {
             Source::Csv(source) => source.cut_off(),
+            Source::Memory(_) => false,
             #[cfg(feature = "parquet")]
             Source::Parquet(_) => false,
             #[cfg(any(feature = "can", feature = "mdf4"))]

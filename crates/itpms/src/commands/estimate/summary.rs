@@ -1,7 +1,7 @@
 //! What is said at the end: a line for the drive, one per corner and one per alert, or the same as JSON.
 
 use itpms_core::estimate::Warning;
-use itpms_drive::Done;
+use itpms_drive::summary_json;
 use itpms_study::report::{CornerReport, Reading};
 use serde_json::{Value, json};
 
@@ -76,54 +76,19 @@ fn corner_line(corner: &CornerReport, end_s: f64) -> String {
 }
 
 fn as_json(args: &EstimateArgs, estimated: &Estimated) -> Value {
-    let Estimated { log, done: Done { data, alerts, concerns, .. } } = estimated;
+    let Estimated { log, done } = estimated;
     let path = |path: &std::path::PathBuf| path.display().to_string();
-    let corners: serde_json::Map<String, Value> =
-        data.corners.iter().map(|corner| (corner.corner.label().to_owned(), corner_json(corner))).collect();
-    json!({
-        "log": path(&args.log),
-        "vehicle": data.provenance.vehicle,
-        "estimator": args.estimator.label(),
-        "duration_s": data.drive.duration_s,
-        "rate_hz": data.drive.rate_hz,
-        "distance_m": data.drive.distance_m,
-        "corners": corners,
-        "alerts": alerts.json(),
-        "rows": log.repairs().rows_kept,
-        "warnings": concerns,
-        "outputs": {
+    let mut summary = summary_json(done, args.estimator, log.repairs().rows_kept);
+    summary.insert("log".to_owned(), json!(path(&args.log)));
+    summary.insert(
+        "outputs".to_owned(),
+        json!({
             "estimate": path(&args.output),
             "road": args.road_out.as_ref().map(path),
             "report": args.report.as_ref().map(path),
             "events": args.events.as_ref().map(path),
             "reference": args.save_reference.as_ref().map(path),
-        },
-    })
-}
-
-fn corner_json(corner: &CornerReport) -> Value {
-    let figures = &corner.figures;
-    let reading = |reading: Option<Reading>| {
-        reading.map(|r| json!({ "time_s": r.time_s, "pressure_kpa": r.pressure_kpa, "sd_kpa": r.sd_kpa }))
-    };
-    json!({
-        "placard_kpa": corner.placard_kpa,
-        "last": reading(figures.last),
-        "lowest": reading(figures.lowest),
-        "warning": figures.warning.label(),
-        "low_since_s": figures.low_since_s,
-        "malfunction_since_s": figures.malfunction_since_s,
-        "share_valid": figures.share_valid,
-        "truth": figures.truth.filter(|_| figures.last.is_some()).map(|t| json!({
-            "rmse_kpa": t.rmse_kpa,
-            "bias_kpa": t.bias_kpa,
-            "coverage": t.coverage,
-            "settle_s": t.settle_s,
-        })),
-        "road": corner.road.as_ref().map(|road| json!({
-            "iri_m_per_km": road.iri_m_per_km,
-            "truth_iri_m_per_km": road.truth_iri_m_per_km,
-            "relative_error": road.relative_error,
-        })),
-    })
+        }),
+    );
+    Value::Object(summary)
 }
