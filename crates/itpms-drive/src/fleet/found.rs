@@ -1,6 +1,8 @@
 //! Which files are meant, in which order.
 
 use std::cmp::Ordering;
+use std::collections::HashSet;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
@@ -41,6 +43,8 @@ impl Found {
 /// # Errors
 /// A pattern that is none, or that fits no file.
 pub fn files(patterns: &[String], out: &Path) -> Result<Vec<Found>, DriveError> {
+    let real = |path: &Path| fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let own = real(out);
     let mut paths: Vec<PathBuf> = Vec::new();
     for pattern in patterns {
         if Path::new(pattern).is_file() {
@@ -51,13 +55,14 @@ pub fn files(patterns: &[String], out: &Path) -> Result<Vec<Found>, DriveError> 
         let before = paths.len();
         // What cannot be looked into holds no files for us.
         let entries = glob::glob(pattern).map_err(no_pattern)?.flatten();
-        paths.extend(entries.filter(|path| path.is_file() && !path.starts_with(out)));
+        paths.extend(entries.filter(|path| path.is_file() && !real(path).starts_with(&own)));
         if paths.len() == before {
             return Err(DriveError::Mismatch(format!("{pattern}: no file fits, expected drive logs")));
         }
     }
     paths.sort_by(|a, b| natural(&a.to_string_lossy(), &b.to_string_lossy()));
-    paths.dedup();
+    let mut seen = HashSet::new();
+    paths.retain(|path| seen.insert(real(path)));
     Ok(paths.iter().map(|path| Found::of(path)).collect())
 }
 
@@ -111,7 +116,8 @@ mod tests {
         for name in ["a10.csv", "a9.csv", "out/fleet.csv", "b.txt"] {
             std::fs::write(at(name), "x").unwrap();
         }
-        let found = files(&[at("**/*.csv"), at("a9.csv")], Path::new(&at("out"))).unwrap();
+        let found =
+            files(&[at("**/*.csv"), at("a9.csv"), at("out/../a9.csv")], Path::new(&at("./out"))).unwrap();
         let names: Vec<String> = found.iter().map(Found::name).collect();
         assert_eq!(names, [at("a9.csv"), at("a10.csv")]);
         assert!(found.iter().all(|file| file.bytes == 1 && !file.modified.is_empty()));
