@@ -94,8 +94,9 @@ impl Options {
         })
     }
 
-    fn units(&self) -> UnitCheck {
-        if self.trust_units { UnitCheck::Trusting } else { UnitCheck::Suspicious }
+    fn reading(&self) -> LogOptions {
+        let units = if self.trust_units { UnitCheck::Trusting } else { UnitCheck::Suspicious };
+        LogOptions { units, dbc: self.dbc.clone(), signals: self.signals.clone() }
     }
 }
 
@@ -120,8 +121,7 @@ pub(crate) fn estimate_log(
     vehicle: &Vehicle,
     options: Options,
 ) -> PyResult<Estimated> {
-    let reading =
-        LogOptions { units: options.units(), dbc: options.dbc.clone(), signals: options.signals.clone() };
+    let reading = options.reading();
     run(py, vehicle, &options, || LogReader::open_with(&path, &reading))
 }
 
@@ -139,8 +139,8 @@ pub(crate) fn estimate_columns(
     };
     let columns = given.iter().map(column).collect::<PyResult<Columns>>()?;
     drop(given);
-    let units = options.units();
-    run(py, vehicle, &options, move || LogReader::from_columns(Path::new(name), columns, units))
+    let reading = options.reading();
+    run(py, vehicle, &options, move || LogReader::from_columns(Path::new(name), columns, &reading))
 }
 
 fn run(

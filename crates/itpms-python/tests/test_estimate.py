@@ -102,6 +102,21 @@ def test_times_may_be_times(drive, result):
     np.testing.assert_allclose(found.columns["fl_pressure_kpa"], expected["fl_pressure_kpa"], atol=0.5)
 
 
+def test_a_map_says_which_column_is_what(drive, result, tmp_path):
+    frame = pd.DataFrame({"Time": pd.to_timedelta(drive.columns["time_s"], unit="s"), "Note": "x"})
+    frame["v_kmh"] = 3.6 * drive.columns["speed_m_s"]
+    for corner in ("fl", "fr", "rl", "rr"):
+        frame[f"AccZ_Body_{corner.upper()} [g]"] = drive.columns[f"{corner}_body_accel_m_s2"] / 9.80665
+        frame[f"Hub {corner}"] = -1000 * drive.columns[f"{corner}_wheel_accel_m_s2"]
+    lines = [f'{c}_wheel_accel_m_s2 = {{ signal = "Hub {c}", factor = -0.001 }}' for c in ("fl", "fr", "rl", "rr")]
+    (tmp_path / "map.toml").write_text("\n".join(["[signals]", 'speed_m_s = "v_kmh"', *lines]))
+    for given in (frame, pl.from_pandas(frame)):
+        found = itpms.estimate(given, drive.vehicle, signals=tmp_path / "map.toml").columns
+        np.testing.assert_allclose(found["fl_pressure_kpa"], result.columns["fl_pressure_kpa"], atol=1e-3)
+    with pytest.raises(itpms.LogError, match="time_s is missing"):
+        itpms.estimate(frame, drive.vehicle)
+
+
 def test_missing_values_are_missing_however_they_are_written(drive):
     columns = {name: np.array(values) for name, values in drive.columns.items()}
     holes = np.zeros(len(columns["time_s"]), bool)

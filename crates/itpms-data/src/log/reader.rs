@@ -74,10 +74,10 @@ impl LogReader {
     pub fn from_columns(
         name: &Path,
         columns: Vec<(String, Vec<f64>)>,
-        units: UnitCheck,
+        options: &LogOptions,
     ) -> Result<Self, DataError> {
-        let source = MemorySource::new(columns).map_err(|problem| DataError::new(name, problem))?;
-        Self::of(name, Source::Memory(source), units)
+        let source = MemorySource::new(name, columns, options.any_map()?.as_ref())?;
+        Self::of(name, Source::Memory(source), options.units)
     }
 
     fn of(path: &Path, source: Source, units: UnitCheck) -> Result<Self, DataError> {
@@ -130,8 +130,8 @@ impl LogReader {
         &self.report
     }
 
-    /// Which signal of an MDF4 or CAN log was taken for which column where neither its name nor a map says so, and what was
-    /// doubtful about it; empty for tables.
+    /// Which signal was taken for which column where neither its name nor a map says so, and what was doubtful about it; empty
+    /// for tables without a map.
     #[must_use]
     pub fn mapping(&self) -> &[String] {
         self.source.mapping()

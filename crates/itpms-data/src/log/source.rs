@@ -15,6 +15,7 @@ use super::row::RawRow;
 use super::signal_source::SignalSource;
 use crate::error::{DataError, Place, Problem};
 use crate::input;
+use crate::signals::SignalMap;
 use crate::signals::align::AlignmentReport;
 
 /// An open drive log.
@@ -37,10 +38,10 @@ impl Source {
             return Err(fail(Problem::Empty));
         }
         match format {
-            LogFormat::Table(format) => options
-                .refuse_for_tables()
-                .and_then(|()| Self::table(format, file, metadata.len()))
-                .map_err(fail),
+            LogFormat::Table(format) => {
+                options.refuse_for_tables().map_err(fail)?;
+                Self::table(format, path, file, metadata.len(), options.any_map()?.as_ref())
+            }
             #[cfg(feature = "mdf4")]
             LogFormat::Mdf4 => Ok(Source::Signals(Box::new(SignalSource::mdf4(path, options)?))),
             #[cfg(feature = "can")]
@@ -48,11 +49,19 @@ impl Source {
         }
     }
 
-    fn table(format: Format, file: File, bytes: u64) -> Result<Self, Problem> {
+    fn table(
+        format: Format,
+        path: &Path,
+        file: File,
+        bytes: u64,
+        map: Option<&SignalMap>,
+    ) -> Result<Self, DataError> {
         match format {
-            Format::Csv => CsvSource::new(file, bytes).map(Source::Csv),
+            Format::Csv => CsvSource::new(path, file, bytes, map).map(Source::Csv),
             #[cfg(feature = "parquet")]
-            Format::Parquet => ParquetSource::new(file).map(|source| Source::Parquet(Box::new(source))),
+            Format::Parquet => {
+                ParquetSource::new(path, file, map).map(|source| Source::Parquet(Box::new(source)))
+            }
         }
     }
 
@@ -112,13 +121,9 @@ impl Source {
         }
     }
 
-    /// Which signal became which column; empty for tables.
+    /// Which signal became which column; empty for tables with our names.
     pub(super) fn mapping(&self) -> &[String] {
-        match self {
-            #[cfg(any(feature = "can", feature = "mdf4"))]
-            Source::Signals(source) => source.mapping(),
-            _ => &[],
-        }
+        &self.header().mapping
     }
 
     /// How signals were put into rows; `None` for tables.

@@ -6,11 +6,11 @@
 //! | [`found`] | which files are meant, in which order |
 //! | [`cars`] | whose drive a file is |
 //! | [`record`] | what is kept of a drive, and the file that keeps it |
-//! | [`one`] | one drive |
-//! | [`crew`] | several at a time |
-//! | [`tables`] | `fleet.csv`, `fleet.parquet`, `failed.csv` |
+//! | `one` | one drive |
+//! | `crew` | several at a time |
+//! | `tables` | `fleet.csv`, `fleet.parquet`, `failed.csv` |
 //! | [`standing`] | how each car stands after its last drive |
-//! | [`page`] | `index.html` |
+//! | `page` | `index.html` |
 //!
 //! Calibration drives come first, because they need no others; what each taught of its car is stored, and every later
 //! drive of that car starts with it. So all drives of a stage are independent of each other. The same files give the same

@@ -63,7 +63,7 @@ def estimate(
         road_repeats: Whether the road repeats itself, as on a test bed: seconds, ``never`` or ``auto``.
         trust_units: Take accelerations as m/s² and the speed as m/s even if they do not look like it.
         dbc: For a CAN log: what the frames mean.
-        signals: For MDF4 and CAN logs: which signal is which column.
+        signals: Which signal, or column of a table, is which of our columns, and its unit: a map as ``itpms signals`` writes it.
 
     Raises:
         LogError: the drive cannot be used.
@@ -96,16 +96,22 @@ def estimate(
     car = vehicle_of(vehicle)._inner
     if columns is None:
         return Result(_itpms.estimate_log(drive, car, options), kind, None)
-    if dbc is not None or signals is not None:
-        raise SettingError("dbc and signals are for logs of frames and signals; this drive is a table")
-    given = [(name, _bytes(name, values)) for name, values in columns.items()]
+    if dbc is not None:
+        raise SettingError("dbc says what the frames of a CAN log mean; this drive is a table")
+    given = [(name, _bytes(name, values, signals is not None)) for name, values in columns.items()]
     return Result(_itpms.estimate_columns("the table", given, car, options), kind, columns)
 
 
-def _bytes(name: str, values: npt.NDArray[Any]) -> bytes:
+def _bytes(name: str, values: npt.NDArray[Any], mapped: bool) -> bytes:
     """A column for the extension. What means nothing needs no numbers, but a misspelled name should be seen."""
     if name in _MEANT:
         return numbers(name, values).tobytes()
+    if mapped:
+        # Whether it is meant, the map says; if it is, and no number, it will be missed there.
+        try:
+            return numbers(name, values).tobytes()
+        except LogError:
+            pass
     return np.full(len(values), np.nan).tobytes()
 
 
