@@ -10,7 +10,7 @@
 //! | `crew` | several at a time |
 //! | `tables` | `fleet.csv`, `fleet.parquet`, `failed.csv` |
 //! | [`standing`] | how each car stands after its last drive |
-//! | `page` | `index.html` |
+//! | `page`, `histogram` | `index.html` |
 //!
 //! Calibration drives come first, because they need no others; what each taught of its car is stored, and every later
 //! drive of that car starts with it. So all drives of a stage are independent of each other. The same files give the same
@@ -19,6 +19,7 @@
 pub mod cars;
 mod crew;
 pub mod found;
+mod histogram;
 mod one;
 mod page;
 pub mod record;
