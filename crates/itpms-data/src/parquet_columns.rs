@@ -5,7 +5,7 @@
 use std::fs::File;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use parquet::basic::{ConvertedType, LogicalType, Type as PhysicalType};
+use parquet::basic::{ConvertedType, LogicalType, TimeUnit, Type as PhysicalType};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::DataType;
 use parquet::errors::ParquetError;
@@ -84,6 +84,29 @@ impl ParquetColumns {
         check_type(&name, &metadata.schema_descr().columns()[leaf])?;
         self.columns.push(Column { name, leaf, reader: None, values: Vec::new(), levels: Vec::new() });
         Ok(())
+    }
+
+    /// Seconds per unit of a column of timestamps, if it is one.
+    pub(crate) fn clock_s(&self, leaf: usize) -> Option<f64> {
+        let column = &self.reader.metadata().file_metadata().schema_descr().columns()[leaf];
+        let flat = column.max_rep_level() == 0 && column.max_def_level() <= 1;
+        let seconds = match (column.logical_type_ref(), column.converted_type()) {
+            (Some(LogicalType::Timestamp(time)), _) => match time.unit {
+                TimeUnit::MILLIS => 1e-3,
+                TimeUnit::MICROS => 1e-6,
+                TimeUnit::NANOS => 1e-9,
+            },
+            (None, ConvertedType::TIMESTAMP_MILLIS) => 1e-3,
+            (None, ConvertedType::TIMESTAMP_MICROS) => 1e-6,
+            _ => return None,
+        };
+        (flat && column.physical_type() == PhysicalType::INT64).then_some(seconds)
+    }
+
+    /// Reads one more column, which [`ParquetColumns::clock_s`] knows, as its integers.
+    pub(crate) fn choose_clock(&mut self, leaf: usize) {
+        let name = self.names[leaf].clone();
+        self.columns.push(Column { name, leaf, reader: None, values: Vec::new(), levels: Vec::new() });
     }
 
     /// Share of the file that has been read, 0 to 1.

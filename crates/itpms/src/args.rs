@@ -3,6 +3,7 @@
 mod bench;
 mod certify;
 mod convert;
+mod fleet;
 mod log;
 mod malfunctions;
 #[cfg(feature = "live")]
@@ -28,6 +29,7 @@ pub(crate) use bench::{
 };
 pub(crate) use certify::CertifyArgs;
 pub(crate) use convert::ConvertArgs;
+pub(crate) use fleet::FleetArgs;
 pub(crate) use log::LogArgs;
 pub(crate) use malfunctions::MalfunctionsArgs;
 #[cfg(feature = "live")]
@@ -62,6 +64,7 @@ Outputs are written beside their target and renamed when complete: no partial fi
 pub(crate) enum Command {
     Demo(DemoArgs),
     Estimate(EstimateArgs),
+    Fleet(FleetArgs),
     Simulate(SimulateArgs),
     Score(ScoreArgs),
     Soak(SoakArgs),

@@ -11,6 +11,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use itpms_data::{DataError, Problem};
+use itpms_drive::DriveError;
 use itpms_sim::error::ScenarioError;
 use thiserror::Error;
 
@@ -45,6 +46,18 @@ fn remedy(error: &DataError) -> &'static str {
     match *error.problem {
         Problem::Units { .. } => "; if they are right: --trust-units",
         _ => "",
+    }
+}
+
+impl From<DriveError> for Failure {
+    fn from(error: DriveError) -> Self {
+        match error {
+            DriveError::Data(error) => Failure::Data(error),
+            DriveError::Scenario(error) => Failure::Scenario(error),
+            DriveError::Report(error) => Failure::Report(error),
+            DriveError::Stopped => Failure::Interrupted,
+            other => Failure::Usage(other.to_string()),
+        }
     }
 }
 

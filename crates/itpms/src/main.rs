@@ -31,6 +31,7 @@ fn main() -> ExitCode {
     let result = Interrupt::install().and_then(|interrupt| match &args.command {
         Command::Demo(args) => commands::demo::run(args, &screen, &interrupt),
         Command::Estimate(args) => commands::estimate::run(args, &screen, &interrupt),
+        Command::Fleet(args) => commands::fleet::run(args, &screen, &interrupt),
         Command::Simulate(args) => commands::simulate::run(args, &screen, &interrupt),
         Command::Certify(args) => commands::certify::run(args, &screen, &interrupt),
         Command::Malfunctions(args) => commands::malfunctions::run(args, &screen, &interrupt),

@@ -26,6 +26,11 @@ impl Progress {
         Self(ProgressBar::hidden())
     }
 
+    /// Other words beside the bar.
+    pub(crate) fn say(&self, label: &str) {
+        self.0.set_message(label.to_owned());
+    }
+
     /// The share that is done, 0 to 1.
     pub(crate) fn set(&self, share: f64) {
         self.0.set_position((share.clamp(0.0, 1.0) * STEPS as f64) as u64);

@@ -1,14 +1,18 @@
-//! Rows from CSV: commas, a header line, `#` comments, blank lines, quotes where somebody used them.
+//! Rows from CSV: commas (or semicolons, tabs, bars), a header line, `#` comments, blank lines, quotes where somebody used them.
 //!
 //! A line is a row, as everywhere with measurements; therefore lines are split here, and every message can name the
 //! line an editor shows. (General CSV readers count records, and lose count at comments and blank lines.)
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
+use std::path::Path;
 
+use super::clock_text;
 use super::header::{Header, shortened};
-use super::row::{RawRow, SLOTS};
-use crate::error::{Place, Problem};
+use super::mapped;
+use super::row::{RawRow, SLOTS, Slot};
+use crate::error::{DataError, Place, Problem};
+use crate::signals::SignalMap;
 
 /// No row of numbers is longer; what is, is no text.
 const LONGEST_LINE: u64 = 1 << 20;
@@ -17,21 +21,27 @@ const LONGEST_LINE: u64 = 1 << 20;
 pub(super) struct CsvSource {
     lines: Lines,
     header: Header,
+    dialect: Dialect,
     bytes: u64,
     cut_off: bool,
 }
 
 impl CsvSource {
     /// `bytes`: the file's length, for the progress.
-    pub(super) fn new(file: File, bytes: u64) -> Result<Self, Problem> {
+    pub(super) fn new(
+        path: &Path,
+        file: File,
+        bytes: u64,
+        map: Option<&SignalMap>,
+    ) -> Result<Self, DataError> {
+        let fail = |problem| DataError::new(path, problem);
         let mut lines = Lines::new(file);
-        if !lines.advance()? {
-            return Err(Problem::Empty);
+        if !lines.advance().map_err(fail)? {
+            return Err(fail(Problem::Empty));
         }
-        let names: Vec<String> =
-            cells(lines.text()).map(|name| String::from_utf8_lossy(name).into_owned()).collect();
-        let header = Header::from_names(&names)?;
-        Ok(Self { lines, header, bytes, cut_off: false })
+        let dialect = Dialect::of(lines.text());
+        let header = mapped::header(path, &dialect.names(lines.text()), map)?;
+        Ok(Self { lines, header, dialect, bytes, cut_off: false })
     }
 
     pub(super) fn header(&self) -> &Header {
@@ -56,9 +66,11 @@ impl CsvSource {
         let expected = self.header.slots.len();
         let mut found = 0;
         let mut bad_cell = None;
-        for cell in cells(self.lines.text()) {
+        for cell in self.dialect.cells(self.lines.text()) {
             if let Some(Some(slot)) = self.header.slots.get(found) {
-                match number(cell) {
+                let time = || clock_text::seconds(cell).filter(|_| *slot == Slot::Time);
+                let value = self.dialect.number(cell).map(|value| self.header.in_our_unit(found, value));
+                match value.or_else(time) {
                     Some(value) => row[slot.index()] = value,
                     None => bad_cell = bad_cell.or(Some((*slot, cell))),
                 }
@@ -80,6 +92,42 @@ impl CsvSource {
                 found: shortened(&String::from_utf8_lossy(cell)),
             }),
         }
+    }
+}
+
+/// How a file separates cells and decimals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Dialect {
+    separator: u8,
+}
+
+impl Dialect {
+    /// That of a file with this header: commas, or, where it has none between its names, `;`, tabs or `|`. Where commas
+    /// separate nothing, they may be decimal ones.
+    pub(crate) fn of(header: &[u8]) -> Self {
+        let one = cells_by(header, b',').nth(1).is_none();
+        let other = *b";\t|".iter().find(|separator| header.contains(separator)).unwrap_or(&b',');
+        Self { separator: if one { other } else { b',' } }
+    }
+
+    /// The names in the header.
+    pub(crate) fn names(self, header: &[u8]) -> Vec<String> {
+        self.cells(header).map(|name| String::from_utf8_lossy(name).into_owned()).collect()
+    }
+
+    /// The cells of a line.
+    pub(crate) fn cells(self, line: &[u8]) -> impl Iterator<Item = &[u8]> {
+        cells_by(line, self.separator)
+    }
+
+    /// The number in a cell, as [`number`] has it.
+    pub(crate) fn number(self, cell: &[u8]) -> Option<f64> {
+        let decimal = || {
+            let text = std::str::from_utf8(cell).ok()?;
+            let (whole, fraction) = text.split_once(',').filter(|_| self.separator != b',')?;
+            number(format!("{whole}.{fraction}").as_bytes())
+        };
+        number(cell).or_else(decimal)
     }
 }
 
@@ -148,10 +196,14 @@ impl Lines {
 
 /// The cells of a line, trimmed and out of their quotes. A comma inside quotes separates nothing.
 pub(crate) fn cells(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+    cells_by(line, b',')
+}
+
+fn cells_by(line: &[u8], separator: u8) -> impl Iterator<Item = &[u8]> {
     let mut quoted = false;
     line.split(move |byte| {
         quoted ^= *byte == b'"';
-        *byte == b',' && !quoted
+        *byte == separator && !quoted
     })
     .map(|cell| {
         let cell = cell.trim_ascii();
@@ -181,6 +233,24 @@ mod tests {
         for text in ["fast", "1,5", "0x10", "12 m", "--"] {
             assert!(number(text.as_bytes()).is_none(), "{text}");
         }
+    }
+
+    #[test]
+    fn where_commas_separate_nothing_they_are_decimal() {
+        let semicolons = Dialect::of(b"time_s;fl_body_accel_m_s2;v");
+        assert_eq!(semicolons.names(b"time_s; \"a;b\" ;v"), ["time_s", "a;b", "v"]);
+        assert_eq!(semicolons.cells(b"0,5;-1,25e1;").count(), 3);
+        for (text, value) in [("0,5", 0.5), ("-1,25e1", -12.5), ("1.5", 1.5), ("7", 7.0)] {
+            assert_eq!(semicolons.number(text.as_bytes()), Some(value), "{text}");
+        }
+        assert!(semicolons.number(b"").unwrap().is_nan());
+        for text in ["1.000,5", "1,000,5", ",", "a,b"] {
+            assert_eq!(semicolons.number(text.as_bytes()), None, "{text}");
+        }
+        let commas = Dialect::of(b"time_s,a;b");
+        assert_eq!((commas.cells(b"1,2;3").count(), commas.number(b"1,5")), (2, None));
+        assert_eq!(Dialect::of(b"time_s\tv").names(b"time_s\tv"), ["time_s", "v"]);
+        assert_eq!(Dialect::of(b"time_s").names(b"time_s"), ["time_s"]);
     }
 
     #[test]

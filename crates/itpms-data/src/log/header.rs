@@ -7,6 +7,7 @@ use itpms_core::model::Corner;
 use super::row::{CornerColumns, Field, LogColumns, Slot};
 use crate::error::Problem;
 use crate::nearest::nearest;
+use crate::signals::Conversion;
 use crate::signals::names::meaning;
 
 /// What a header says.
@@ -17,9 +18,19 @@ pub(super) struct Header {
     pub(super) slots: Vec<Option<Slot>>,
     /// Columns that are nothing to us but look like a misspelling of one that is not there: (found, meant).
     pub(super) suspicious: Vec<(String, String)>,
+    /// For each column of the file, how its values get our unit; `None`: they have it.
+    pub(super) conversions: Vec<Option<Conversion>>,
+    /// Which signal was taken for which column where neither its name nor a map says so, and what was doubtful.
+    pub(super) mapping: Vec<String>,
 }
 
 impl Header {
+    /// A value of a column of the file in our unit.
+    pub(super) fn in_our_unit(&self, column: usize, value: f64) -> f64 {
+        let conversion = self.conversions.get(column).copied().flatten();
+        conversion.map_or(value, |conversion| conversion.apply(value))
+    }
+
     /// Reads the names of a file's columns.
     pub(super) fn from_names(names: &[String]) -> Result<Self, Problem> {
         let known: Vec<(Slot, String)> = Slot::all().map(|slot| (slot, slot.name())).collect();
@@ -77,7 +88,8 @@ impl Header {
         let meant = |name: &str| nearly(name, &absent).or_else(|| speed(name, &absent));
         let suspicious =
             strangers.iter().filter_map(|name| Some((shortened(name), meant(name)?.to_owned()))).collect();
-        Ok(Self { columns, slots, suspicious })
+        let conversions = vec![None; slots.len()];
+        Ok(Self { columns, slots, suspicious, conversions, mapping: Vec::new() })
     }
 }
 

@@ -8,7 +8,7 @@
 //! | `{c}_body_accel_m_s2`, `{c}_wheel_accel_m_s2` | sprung and unsprung acceleration, up; `c` in `fl fr rl rr` |
 //! | `{c}_pressure_kpa`, `{c}_road_m` | truth, optional |
 //!
-//! In a table the columns have these names. The signals of MDF4 and CAN logs are found by their names or by a map, and
+//! In a table the columns have these names, or a map says which is which. The signals of MDF4 and CAN logs are found by their names or by a map, and
 //! put into rows by the [aligner](crate::signals::align).
 //!
 //! An empty cell, `NaN`, `null` or a null is a missing sample. Rows keep their own times: rates, jitter and gaps are
@@ -18,11 +18,14 @@
 
 #[cfg(feature = "can")]
 mod can_feed;
+mod clock_text;
 mod csv_source;
 mod format;
 mod header;
+mod mapped;
 #[cfg(feature = "mdf4")]
 mod mdf4_feed;
+mod memory_source;
 mod options;
 mod order;
 #[cfg(feature = "parquet")]
@@ -36,11 +39,10 @@ mod source;
 mod survey;
 mod units;
 
-pub(crate) use csv_source::{Lines, cells, number};
+pub(crate) use csv_source::{Dialect, Lines, cells, number};
 pub(crate) use format::{Format, LogFormat};
 pub(crate) use header::{separator, shortened};
 pub use options::LogOptions;
-pub(crate) use options::NO_MAP;
 pub use reader::{LogReader, SURVEY_ROWS};
 pub use repair::RepairReport;
 pub use row::{CornerColumns, Field, LogColumns, LogCorner, LogRow, SLOTS, Slot};

@@ -3,14 +3,8 @@
 use std::path::PathBuf;
 
 use super::units::UnitCheck;
-#[cfg(any(feature = "can", feature = "mdf4"))]
 use crate::error::{DataError, Problem};
-#[cfg(any(feature = "can", feature = "mdf4"))]
 use crate::signals::SignalMap;
-
-/// Why a table, whose columns carry our names already, takes no signal map.
-pub(crate) const NO_MAP: &str =
-    "a signal map is for MDF4 and CAN logs; the columns of a table need our names";
 
 /// How to read a drive log.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -19,25 +13,33 @@ pub struct LogOptions {
     pub units: UnitCheck,
     /// What the frames of a CAN log mean.
     pub dbc: Option<PathBuf>,
-    /// Which signal of an MDF4 or CAN log is which column; `None`: the names tell.
+    /// Which signal, or column of a table, is which of our columns; `None`: the names tell.
     pub signals: Option<PathBuf>,
 }
 
 impl LogOptions {
     /// The map, if there is one.
+    pub(crate) fn any_map(&self) -> Result<Option<SignalMap>, DataError> {
+        self.signals.as_deref().map(SignalMap::read).transpose()
+    }
+
+    /// The same for a log that has a clock of its own.
     #[cfg(any(feature = "can", feature = "mdf4"))]
     pub(crate) fn map(&self) -> Result<Option<SignalMap>, DataError> {
-        self.signals.as_deref().map(SignalMap::read).transpose()
+        let map = self.any_map()?;
+        match &map {
+            Some(map) if map.time().is_some() => Err(DataError::new(
+                map.path(),
+                Problem::NotApplicable("time_s is for tables: MDF4 and CAN logs have their own clock"),
+            )),
+            _ => Ok(map),
+        }
     }
 
     /// What only other logs have.
     pub(super) fn refuse_for_tables(&self) -> Result<(), Problem> {
-        let what = match (&self.dbc, &self.signals) {
-            (Some(_), _) => "a DBC file says what the frames of a CAN log mean; this is a table",
-            (None, Some(_)) => NO_MAP,
-            (None, None) => return Ok(()),
-        };
-        Err(Problem::NotApplicable(what))
+        let what = "a DBC file says what the frames of a CAN log mean; this is a table";
+        self.dbc.as_ref().map_or(Ok(()), |_| Err(Problem::NotApplicable(what)))
     }
 }
 

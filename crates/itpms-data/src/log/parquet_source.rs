@@ -1,30 +1,39 @@
 //! Rows of a drive log from Parquet.
 
 use std::fs::File;
+use std::path::Path;
 
 use super::header::Header;
+use super::mapped;
 use super::row::{RawRow, SLOTS, Slot};
-use crate::error::{Place, Problem};
+use crate::error::{DataError, Place, Problem};
 use crate::parquet_columns::ParquetColumns;
+use crate::signals::{Conversion, SignalMap};
 
 #[derive(Debug)]
 pub(super) struct ParquetSource {
     columns: ParquetColumns,
     header: Header,
-    /// What the chosen columns are.
-    slots: Vec<Slot>,
+    /// Places and meanings of the chosen columns.
+    slots: Vec<(usize, Slot)>,
 }
 
 impl ParquetSource {
-    pub(super) fn new(file: File) -> Result<Self, Problem> {
-        let mut columns = ParquetColumns::open(file)?;
-        let header = Header::from_names(columns.names())?;
+    pub(super) fn new(path: &Path, file: File, map: Option<&SignalMap>) -> Result<Self, DataError> {
+        let fail = |problem| DataError::new(path, problem);
+        let mut columns = ParquetColumns::open(file).map_err(fail)?;
+        let mut header = mapped::header(path, columns.names(), map)?;
         let mut slots = Vec::new();
-        for (leaf, slot) in header.slots.iter().enumerate() {
-            if let Some(slot) = *slot {
-                columns.choose(leaf)?;
-                slots.push(slot);
+        for (leaf, slot) in header.slots.clone().iter().enumerate() {
+            let Some(slot) = *slot else { continue };
+            match columns.clock_s(leaf).filter(|_| slot == Slot::Time) {
+                Some(factor) => {
+                    header.conversions[leaf] = Some(Conversion { factor, offset: 0.0 });
+                    columns.choose_clock(leaf);
+                }
+                None => columns.choose(leaf).map_err(fail)?,
             }
+            slots.push((leaf, slot));
         }
         Ok(Self { columns, header, slots })
     }
@@ -40,8 +49,8 @@ impl ParquetSource {
     pub(super) fn next_row(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {
         let Some(place) = self.columns.advance()? else { return Ok(None) };
         *row = [f64::NAN; SLOTS];
-        for (slot, value) in self.slots.iter().zip(self.columns.values()) {
-            row[slot.index()] = value;
+        for ((leaf, slot), value) in self.slots.iter().zip(self.columns.values()) {
+            row[slot.index()] = self.header.in_our_unit(*leaf, value);
         }
         Ok(Some(place))
     }

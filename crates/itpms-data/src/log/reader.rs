@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use itpms_core::model::Corner;
 
+use super::memory_source::MemorySource;
 use super::options::LogOptions;
 use super::order::{Stage, TimeOrder};
 use super::repair::RepairReport;
@@ -62,6 +63,24 @@ impl LogReader {
     /// As [`LogReader::open`].
     pub fn open_with(path: &Path, options: &LogOptions) -> Result<Self, DataError> {
         let source = Source::open(path, options)?;
+        Self::of(path, source, options.units)
+    }
+
+    /// A drive that another program has read already: columns with their names, NaN where a value is missing, in messages
+    /// called `name`. It is judged and repaired as a file is.
+    ///
+    /// # Errors
+    /// As [`LogReader::open`], and columns of different lengths.
+    pub fn from_columns(
+        name: &Path,
+        columns: Vec<(String, Vec<f64>)>,
+        options: &LogOptions,
+    ) -> Result<Self, DataError> {
+        let source = MemorySource::new(name, columns, options.any_map()?.as_ref())?;
+        Self::of(name, Source::Memory(source), options.units)
+    }
+
+    fn of(path: &Path, source: Source, units: UnitCheck) -> Result<Self, DataError> {
         let report = RepairReport {
             misspelled_columns: source.header().suspicious.clone(),
             ..RepairReport::default()
@@ -77,7 +96,7 @@ impl LogReader {
             last_time_s: None,
             seen: [false; SLOTS],
         };
-        reader.look_ahead(options.units).map_err(|problem| DataError::new(path, problem))?;
+        reader.look_ahead(units).map_err(|problem| DataError::new(path, problem))?;
         Ok(reader)
     }
 
@@ -111,8 +130,8 @@ impl LogReader {
         &self.report
     }
 
-    /// Which signal of an MDF4 or CAN log was taken for which column where neither its name nor a map says so, and what was
-    /// doubtful about it; empty for tables.
+    /// Which signal was taken for which column where neither its name nor a map says so, and what was doubtful about it; empty
+    /// for tables without a map.
     #[must_use]
     pub fn mapping(&self) -> &[String] {
         self.source.mapping()

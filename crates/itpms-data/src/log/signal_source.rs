@@ -14,7 +14,7 @@ use super::options::LogOptions;
 use super::row::RawRow;
 use crate::error::{DataError, Place, Problem};
 use crate::signals::align::AlignmentReport;
-use crate::signals::{Aligner, Reading, Resolved, Source};
+use crate::signals::{Aligner, Reading, Resolved};
 
 /// Where readings come from, nearly in the order of time.
 #[derive(Debug)]
@@ -62,8 +62,6 @@ pub(super) struct SignalSource {
     feed: Feed,
     aligner: Aligner,
     header: Header,
-    /// Which signal was taken for which column where neither its name nor a map says so, and what was doubtful.
-    mapping: Vec<String>,
     rows: u64,
     is_over: bool,
 }
@@ -95,18 +93,14 @@ impl SignalSource {
             return Err(DataError::new(path, Problem::UnusableSignals(why)));
         }
         let aligner = Aligner::new(&resolved.slots());
-        let header = Header { columns: *aligner.columns(), slots: Vec::new(), suspicious: Vec::new() };
-        let lines = resolved.iter().zip(resolved.lines());
-        let guessed = lines
-            .filter(|(chosen, _)| !matches!(chosen.source, Source::Name | Source::Map))
-            .map(|(_, line)| line);
-        let doubts = resolved.remarks().iter().map(ToString::to_string);
-        let lone = resolved
-            .lone()
-            .into_iter()
-            .map(|slot| format!("there is no signal for {}, so that corner is left out", slot.name()));
-        let mapping = guessed.chain(doubts).chain(lone).collect();
-        Ok(Self { feed, aligner, header, mapping, rows: 0, is_over: false })
+        let header = Header {
+            columns: *aligner.columns(),
+            slots: Vec::new(),
+            suspicious: Vec::new(),
+            conversions: Vec::new(),
+            mapping: resolved.said(),
+        };
+        Ok(Self { feed, aligner, header, rows: 0, is_over: false })
     }
 
     pub(super) fn header(&self) -> &Header {
@@ -119,10 +113,6 @@ impl SignalSource {
 
     pub(super) fn repairs(&self) -> Vec<String> {
         self.feed.repairs()
-    }
-
-    pub(super) fn mapping(&self) -> &[String] {
-        &self.mapping
     }
 
     pub(super) fn alignment(&self) -> Option<AlignmentReport> {

@@ -6,6 +6,7 @@ use std::path::Path;
 use super::csv_source::CsvSource;
 use super::format::{Format, LogFormat};
 use super::header::Header;
+use super::memory_source::MemorySource;
 use super::options::LogOptions;
 #[cfg(feature = "parquet")]
 use super::parquet_source::ParquetSource;
@@ -14,12 +15,14 @@ use super::row::RawRow;
 use super::signal_source::SignalSource;
 use crate::error::{DataError, Place, Problem};
 use crate::input;
+use crate::signals::SignalMap;
 use crate::signals::align::AlignmentReport;
 
 /// An open drive log.
 #[derive(Debug)]
 pub(super) enum Source {
     Csv(CsvSource),
+    Memory(MemorySource),
     #[cfg(feature = "parquet")]
     Parquet(Box<ParquetSource>),
     #[cfg(any(feature = "can", feature = "mdf4"))]
@@ -35,10 +38,10 @@ impl Source {
             return Err(fail(Problem::Empty));
         }
         match format {
-            LogFormat::Table(format) => options
-                .refuse_for_tables()
-                .and_then(|()| Self::table(format, file, metadata.len()))
-                .map_err(fail),
+            LogFormat::Table(format) => {
+                options.refuse_for_tables().map_err(fail)?;
+                Self::table(format, path, file, metadata.len(), options.any_map()?.as_ref())
+            }
             #[cfg(feature = "mdf4")]
             LogFormat::Mdf4 => Ok(Source::Signals(Box::new(SignalSource::mdf4(path, options)?))),
             #[cfg(feature = "can")]
@@ -46,17 +49,26 @@ impl Source {
         }
     }
 
-    fn table(format: Format, file: File, bytes: u64) -> Result<Self, Problem> {
+    fn table(
+        format: Format,
+        path: &Path,
+        file: File,
+        bytes: u64,
+        map: Option<&SignalMap>,
+    ) -> Result<Self, DataError> {
         match format {
-            Format::Csv => CsvSource::new(file, bytes).map(Source::Csv),
+            Format::Csv => CsvSource::new(path, file, bytes, map).map(Source::Csv),
             #[cfg(feature = "parquet")]
-            Format::Parquet => ParquetSource::new(file).map(|source| Source::Parquet(Box::new(source))),
+            Format::Parquet => {
+                ParquetSource::new(path, file, map).map(|source| Source::Parquet(Box::new(source)))
+            }
         }
     }
 
     pub(super) fn header(&self) -> &Header {
         match self {
             Source::Csv(source) => source.header(),
+            Source::Memory(source) => source.header(),
             #[cfg(feature = "parquet")]
             Source::Parquet(source) => source.header(),
             #[cfg(any(feature = "can", feature = "mdf4"))]
@@ -68,6 +80,7 @@ impl Source {
     pub(super) fn next_row(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {
         match self {
             Source::Csv(source) => source.next_row(row),
+            Source::Memory(source) => Ok(source.next_row(row)),
             #[cfg(feature = "parquet")]
             Source::Parquet(source) => source.next_row(row),
             #[cfg(any(feature = "can", feature = "mdf4"))]
@@ -79,6 +92,7 @@ impl Source {
     pub(super) fn progress(&self) -> f64 {
         match self {
             Source::Csv(source) => source.progress(),
+            Source::Memory(source) => source.progress(),
             #[cfg(feature = "parquet")]
             Source::Parquet(source) => source.progress(),
             #[cfg(any(feature = "can", feature = "mdf4"))]
@@ -90,6 +104,7 @@ impl Source {
     pub(super) fn cut_off(&self) -> bool {
         match self {
             Source::Csv(source) => source.cut_off(),
+            Source::Memory(_) => false,
             #[cfg(feature = "parquet")]
             Source::Parquet(_) => false,
             #[cfg(any(feature = "can", feature = "mdf4"))]
@@ -106,13 +121,9 @@ impl Source {
         }
     }
 
-    /// Which signal became which column; empty for tables.
+    /// Which signal became which column; empty for tables with our names.
     pub(super) fn mapping(&self) -> &[String] {
-        match self {
-            #[cfg(any(feature = "can", feature = "mdf4"))]
-            Source::Signals(source) => source.mapping(),
-            _ => &[],
-        }
+        &self.header().mapping
     }
 
     /// How signals were put into rows; `None` for tables.

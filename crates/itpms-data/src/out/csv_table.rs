@@ -1,6 +1,6 @@
 //! The table as CSV: commas, `\n`, numbers in the shortest form that reads back as the same bits.
 //!
-//! Our names and values contain neither commas nor quotes, so nothing is ever quoted.
+//! Our names contain neither commas nor quotes and are never quoted; text is where it has to be (RFC 4180).
 
 use std::io::Write as _;
 
@@ -22,7 +22,7 @@ impl CsvTable {
         Ok(Self { file, line: Vec::new() })
     }
 
-    pub(super) fn write(&mut self, cells: &[Cell]) -> Result<(), DataError> {
+    pub(super) fn write(&mut self, cells: &[Cell<'_>]) -> Result<(), DataError> {
         self.line.clear();
         for (i, cell) in cells.iter().enumerate() {
             if i > 0 {
@@ -33,7 +33,7 @@ impl CsvTable {
                     .map_err(|error| DataError::new(self.file.target(), Problem::Write(error)))?,
                 Cell::Flag(true) => self.line.extend_from_slice(b"true"),
                 Cell::Flag(false) => self.line.extend_from_slice(b"false"),
-                Cell::Label(label) => self.line.extend_from_slice(label.as_bytes()),
+                Cell::Label(text) => label(&mut self.line, text),
             }
         }
         self.line.push(b'\n');
@@ -43,6 +43,17 @@ impl CsvTable {
     pub(super) fn finish(mut self) -> Result<AtomicFile, DataError> {
         self.file.settle()?;
         Ok(self.file)
+    }
+}
+
+/// Text, in quotes where it would be read otherwise.
+fn label(out: &mut Vec<u8>, text: &str) {
+    if text.contains([',', '"', '\n', '\r']) {
+        out.push(b'"');
+        out.extend_from_slice(text.replace('"', "\"\"").as_bytes());
+        out.push(b'"');
+    } else {
+        out.extend_from_slice(text.as_bytes());
     }
 }
 
@@ -61,6 +72,19 @@ fn number(out: &mut Vec<u8>, value: f64) -> std::io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn text_is_quoted_where_it_has_to_be() {
+        let text = |value| {
+            let mut out = Vec::new();
+            label(&mut out, value);
+            String::from_utf8(out).unwrap()
+        };
+        assert_eq!(text("low"), "low");
+        assert_eq!(text("a, b"), "\"a, b\"");
+        assert_eq!(text("the \"sedan\""), "\"the \"\"sedan\"\"\"");
+        assert_eq!(text("two\nlines"), "\"two\nlines\"");
+    }
 
     #[test]
     fn numbers_read_back_as_the_same_bits() {

@@ -24,7 +24,7 @@ pub struct LogWriter {
 enum Sink {
     Table {
         table: Table,
-        cells: Vec<Cell>,
+        cells: Vec<Cell<'static>>,
     },
     #[cfg(feature = "can")]
     Frames(Box<LogFrames>),

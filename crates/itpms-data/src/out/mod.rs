@@ -24,3 +24,4 @@ pub use drive_log::{LogWriter, Packing};
 pub use ledger::Ledger;
 pub use rate::RateGate;
 pub use results::{EstimateWriter, RoadPoint, RoadWriter};
+pub use table::{Cell, Kind, Table};

@@ -37,7 +37,7 @@ impl Buffer {
         }
     }
 
-    fn push(&mut self, cell: Cell) {
+    fn push(&mut self, cell: Cell<'_>) {
         match (self, cell) {
             (Buffer::Numbers { present, values }, Cell::Number(value)) => {
                 present.push(i16::from(!value.is_nan()));
@@ -93,7 +93,7 @@ impl ParquetTable {
         Ok(Self { target, writer, buffers, rows: 0 })
     }
 
-    pub(super) fn write(&mut self, cells: &[Cell]) -> Result<(), DataError> {
+    pub(super) fn write(&mut self, cells: &[Cell<'_>]) -> Result<(), DataError> {
         debug_assert_eq!(cells.len(), self.buffers.len());
         for (buffer, cell) in self.buffers.iter_mut().zip(cells) {
             buffer.push(*cell);

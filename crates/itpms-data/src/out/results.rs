@@ -19,7 +19,7 @@ use crate::error::DataError;
 pub struct EstimateWriter {
     table: Table,
     corners: Vec<Corner>,
-    cells: Vec<Cell>,
+    cells: Vec<Cell<'static>>,
 }
 
 impl EstimateWriter {
@@ -98,7 +98,7 @@ pub struct RoadPoint {
 pub struct RoadWriter {
     table: Table,
     corners: Vec<Corner>,
-    cells: Vec<Cell>,
+    cells: Vec<Cell<'static>>,
 }
 
 impl RoadWriter {

@@ -1,6 +1,6 @@
 //! A table of named columns, row by row, in the format its file's extension asks for.
 //!
-//! Called by the three writers beside it; knows nothing of what the columns mean.
+//! Called by the writers beside it and by whoever has a table of results; knows nothing of what the columns mean.
 
 use std::path::Path;
 
@@ -13,23 +13,32 @@ use crate::log::Format;
 
 /// What a column holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub enum Kind {
+    /// A number that may be missing.
     Number,
+    /// True or false.
     Flag,
+    /// Text.
     Label,
 }
 
 /// One value. A number that is NaN is written as missing: an empty cell, a null.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Cell {
+pub enum Cell<'a> {
+    /// A number; NaN where missing.
     Number(f64),
+    /// True or false.
     Flag(bool),
-    Label(&'static str),
+    /// Text.
+    Label(&'a str),
 }
 
 /// A table that goes to a file.
 #[derive(Debug)]
-pub(super) enum Table {
+pub struct Table(Open);
+
+#[derive(Debug)]
+enum Open {
     Csv(CsvTable),
     #[cfg(feature = "parquet")]
     Parquet(Box<ParquetTable>),
@@ -37,35 +46,44 @@ pub(super) enum Table {
 
 impl Table {
     /// Starts the file and writes the header. A device or pipe without an extension receives CSV.
-    pub(super) fn create(path: &Path, columns: &[(String, Kind)]) -> Result<Self, DataError> {
+    ///
+    /// # Errors
+    /// The file cannot be created, or its extension is not known.
+    pub fn create(path: &Path, columns: &[(String, Kind)]) -> Result<Self, DataError> {
         let format = Format::of(path);
         let file = AtomicFile::create(path)?;
         let format = match format {
             Err(_) if file.is_device() && path.extension().is_none() => Format::Csv,
             other => other?,
         };
-        Ok(match format {
-            Format::Csv => Table::Csv(CsvTable::new(file, columns)?),
+        Ok(Self(match format {
+            Format::Csv => Open::Csv(CsvTable::new(file, columns)?),
             #[cfg(feature = "parquet")]
-            Format::Parquet => Table::Parquet(Box::new(ParquetTable::new(file, columns)?)),
-        })
+            Format::Parquet => Open::Parquet(Box::new(ParquetTable::new(file, columns)?)),
+        }))
     }
 
     /// Adds a row, its cells in the order of the columns.
-    pub(super) fn write(&mut self, cells: &[Cell]) -> Result<(), DataError> {
-        match self {
-            Table::Csv(table) => table.write(cells),
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write(&mut self, cells: &[Cell<'_>]) -> Result<(), DataError> {
+        match &mut self.0 {
+            Open::Csv(table) => table.write(cells),
             #[cfg(feature = "parquet")]
-            Table::Parquet(table) => table.write(cells),
+            Open::Parquet(table) => table.write(cells),
         }
     }
 
     /// Everything onto the disk; the file still needs its name.
-    pub(super) fn finish(self) -> Result<AtomicFile, DataError> {
-        match self {
-            Table::Csv(table) => table.finish(),
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn finish(self) -> Result<AtomicFile, DataError> {
+        match self.0 {
+            Open::Csv(table) => table.finish(),
             #[cfg(feature = "parquet")]
-            Table::Parquet(table) => table.finish(),
+            Open::Parquet(table) => table.finish(),
         }
     }
 }

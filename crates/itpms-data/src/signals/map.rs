@@ -1,7 +1,7 @@
 //! The map from a log's signals to the columns of a drive log, as a person writes it (`map.toml`).
 //!
-//! Read by the binary, used by the resolver. Every key is a column's name; `time_s` is not among them, for a log has
-//! its own clock. Checked as far as it can be without the log. Knows nothing of buses and formats.
+//! Read by the binary, used by the resolver. Every key is a column's name; `time_s` is for tables, for other logs have
+//! clocks of their own. Checked as far as it can be without the log. Knows nothing of buses and formats.
 //!
 //! ```toml
 //! [signals]
@@ -31,6 +31,8 @@ const LONGEST_BYTES: u64 = 1 << 20;
 pub struct SignalMap {
     pub(super) path: PathBuf,
     pub(super) entries: Vec<Entry>,
+    /// Which column of a table is the clock.
+    time: Option<Entry>,
 }
 
 /// One line of the map.
@@ -62,8 +64,8 @@ impl SignalMap {
     pub fn read(path: &Path) -> Result<Self, DataError> {
         let fail = |problem| DataError::new(path, problem);
         let text = read_text(path).map_err(fail)?;
-        let entries = parse(&text).map_err(fail)?;
-        Ok(Self { path: path.to_owned(), entries })
+        let (entries, time) = parse(&text).map_err(fail)?;
+        Ok(Self { path: path.to_owned(), entries, time })
     }
 
     /// The map in this text; `path` is what messages call it.
@@ -71,8 +73,23 @@ impl SignalMap {
     /// # Errors
     /// As [`SignalMap::read`].
     pub fn parse(text: &str, path: &Path) -> Result<Self, DataError> {
-        let entries = parse(text).map_err(|problem| DataError::new(path, problem))?;
-        Ok(Self { path: path.to_owned(), entries })
+        let (entries, time) = parse(text).map_err(|problem| DataError::new(path, problem))?;
+        Ok(Self { path: path.to_owned(), entries, time })
+    }
+
+    /// What messages call it.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The column of a table's time, the line that says so, and how it gets seconds where the map says that.
+    pub(crate) fn time(&self) -> Option<(&str, usize, Option<Conversion>)> {
+        let entry = self.time.as_ref()?;
+        let conversion = match &entry.scale {
+            Scale::AsStated => None,
+            Scale::Unit(_, conversion) | Scale::Numbers(conversion) => Some(*conversion),
+        };
+        Some((entry.signal.as_deref()?, entry.line, conversion))
     }
 }
 
@@ -82,13 +99,13 @@ fn read_text(path: &Path) -> Result<String, Problem> {
     String::from_utf8(bytes).map_err(|error| Problem::Read(io::Error::new(io::ErrorKind::InvalidData, error)))
 }
 
-fn parse(text: &str) -> Result<Vec<Entry>, Problem> {
+/// The columns, and the clock.
+fn parse(text: &str) -> Result<(Vec<Entry>, Option<Entry>), Problem> {
     let document = DeTable::parse(text).map_err(|error| syntax_problem(text, &error))?;
     let root = Table::root(text, document.get_ref());
     root.check_keys(&["signals"])?;
     let signals = root.table("signals")?.ok_or_else(|| root.lacks("table [signals]"))?;
-    let columns: Vec<(Slot, String)> =
-        Slot::all().filter(|slot| *slot != Slot::Time).map(|slot| (slot, slot.name())).collect();
+    let columns: Vec<(Slot, String)> = Slot::all().map(|slot| (slot, slot.name())).collect();
     signals.check_keys(&columns.iter().map(|(_, name)| name.as_str()).collect::<Vec<_>>())?;
     let mut entries = Vec::new();
     for (slot, column) in &columns {
@@ -97,7 +114,8 @@ fn parse(text: &str) -> Result<Vec<Entry>, Problem> {
         }
     }
     entries.sort_by_key(|entry| entry.line);
-    Ok(entries)
+    let time = entries.iter().position(|entry| entry.slot == Slot::Time).map(|place| entries.remove(place));
+    Ok((entries, time))
 }
 
 fn entry(signals: &Table<'_>, slot: Slot, column: &str) -> Result<Entry, Problem> {

@@ -6,6 +6,7 @@
 //! | `map` | which signal is which column, as a person writes it (`map.toml`) |
 //! | `resolve` | the same found by names where nobody wrote it |
 //! | `names` | what a name says in words |
+//! | `column_unit` | the unit in the name of a table's column |
 //! | `units` | from the log's unit to the column's |
 //! | `report` | all of this in words, and as a map to start from |
 //! | `problem` | what can be wrong |
@@ -15,6 +16,7 @@
 //! Called by the log reader and by whoever listens to a bus; knows nothing of estimators.
 
 pub mod align;
+pub(crate) mod column_unit;
 mod listing;
 mod map;
 pub(crate) mod names;

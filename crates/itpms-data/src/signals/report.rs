@@ -113,6 +113,22 @@ impl Resolved {
         self.iter().map(line).collect()
     }
 
+    /// What somebody should know who wrote no map of it: which signal was taken for which column where neither its name nor a
+    /// map says so, what was doubtful, and which corner is left out.
+    #[must_use]
+    pub fn said(&self) -> Vec<String> {
+        let lines = self.iter().zip(self.lines());
+        let guessed = lines
+            .filter(|(chosen, _)| !matches!(chosen.source, Source::Name | Source::Map))
+            .map(|(_, line)| line);
+        let doubts = self.remarks().iter().map(ToString::to_string);
+        let lone = self
+            .lone()
+            .into_iter()
+            .map(|slot| format!("there is no signal for {}, so that corner is left out", slot.name()));
+        guessed.chain(doubts).chain(lone).collect()
+    }
+
     /// The corners that have both accelerations, in the order of [`Corner::ALL`].
     #[must_use]
     pub fn corners(&self) -> Vec<Corner> {

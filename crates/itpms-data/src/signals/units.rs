@@ -61,7 +61,7 @@ impl Quantity {
             Quantity::Speed => "m/s, km/h, mph, kn, cm/s, mm/s or ft/s",
             Quantity::Pressure => "kPa, Pa, hPa, mbar, bar, MPa or psi",
             Quantity::Length => "m, mm, cm, um, in or ft",
-            Quantity::Time => "s, ms, us or min",
+            Quantity::Time => "s, ms, us, ns or min",
         }
     }
 }
@@ -84,6 +84,9 @@ impl Unit {
     /// The unit of this spelling, whatever its blanks, powers and case.
     pub(crate) fn of(text: &str) -> Self {
         let plain = plain(text);
+        // `Unit_KiloMeterPerHour`, as descriptions of buses have it.
+        let named = plain.strip_prefix("Unit").filter(|rest| rest.starts_with(char::is_uppercase));
+        let plain = named.unwrap_or(&plain).to_owned();
         if ["", "-", "--", "1", "none", "n/a", "unitless", "nounit"].contains(&plain.to_lowercase().as_str())
         {
             return Unit::Silent;
@@ -127,11 +130,12 @@ fn plain(text: &str) -> String {
 }
 
 #[rustfmt::skip]
-const UNITS: [(&str, Quantity, f64); 65] = {
+const UNITS: [(&str, Quantity, f64); 73] = {
     use Quantity::{Acceleration, Length, Pressure, Speed, Time};
     [
         ("m/s2", Acceleration, 1.0), ("m/s/s", Acceleration, 1.0), ("ms-2", Acceleration, 1.0), ("mps2", Acceleration, 1.0),
-        ("m/sec2", Acceleration, 1.0), ("m/ss", Acceleration, 1.0), ("mpss", Acceleration, 1.0),
+        ("m/sec2", Acceleration, 1.0), ("m/ss", Acceleration, 1.0), ("mpss", Acceleration, 1.0), ("ms2", Acceleration, 1.0),
+        ("MeterPerSecondSquared", Acceleration, 1.0), ("MeterPerSquareSecond", Acceleration, 1.0),
         ("g", Acceleration, STANDARD_GRAVITY_M_S2), ("gn", Acceleration, STANDARD_GRAVITY_M_S2),
         ("g0", Acceleration, STANDARD_GRAVITY_M_S2), ("mg", Acceleration, 1e-3 * STANDARD_GRAVITY_M_S2),
         ("ug", Acceleration, 1e-6 * STANDARD_GRAVITY_M_S2),
@@ -144,15 +148,16 @@ const UNITS: [(&str, Quantity, f64); 65] = {
         ("mph", Speed, 0.44704), ("mi/h", Speed, 0.44704), ("mile/h", Speed, 0.44704), ("miles/h", Speed, 0.44704),
         ("kn", Speed, 1852.0 / 3600.0), ("kt", Speed, 1852.0 / 3600.0), ("knot", Speed, 1852.0 / 3600.0),
         ("knots", Speed, 1852.0 / 3600.0), ("cm/s", Speed, 0.01), ("mm/s", Speed, 1e-3), ("ft/s", Speed, 0.3048),
+        ("KiloMeterPerHour", Speed, 1.0 / 3.6), ("MeterPerSecond", Speed, 1.0), ("MilePerHour", Speed, 0.44704),
 
-        ("kPa", Pressure, 1.0), ("Pa", Pressure, 1e-3), ("hPa", Pressure, 0.1), ("mbar", Pressure, 0.1),
+        ("kPa", Pressure, 1.0), ("KiloPascal", Pressure, 1.0), ("Pa", Pressure, 1e-3), ("hPa", Pressure, 0.1), ("mbar", Pressure, 0.1),
         ("bar", Pressure, 100.0), ("barg", Pressure, 100.0), ("MPa", Pressure, 1000.0),
         ("psi", Pressure, 6.894_757_293_168), ("psig", Pressure, 6.894_757_293_168), ("kgf/cm2", Pressure, 98.066_5),
 
         ("m", Length, 1.0), ("mm", Length, 1e-3), ("cm", Length, 0.01), ("dm", Length, 0.1), ("um", Length, 1e-6),
         ("meter", Length, 1.0), ("in", Length, 0.0254), ("inch", Length, 0.0254), ("ft", Length, 0.3048), ("km", Length, 1000.0),
 
-        ("s", Time, 1.0), ("sec", Time, 1.0), ("ms", Time, 1e-3), ("us", Time, 1e-6), ("min", Time, 60.0),
+        ("s", Time, 1.0), ("sec", Time, 1.0), ("ms", Time, 1e-3), ("us", Time, 1e-6), ("ns", Time, 1e-9), ("min", Time, 60.0),
     ]
 };
 

@@ -9,7 +9,7 @@ pub(crate) struct LogArgs {
     /// CAN logs (.log, .candump, .asc, .blf): what the frames mean.
     #[arg(long, value_name = "CAR.dbc")]
     pub(crate) dbc: Option<PathBuf>,
-    /// MDF4 and CAN logs: which signal is which column, where the names do not say it. `itpms signals` writes such a map.
+    /// Which signal, or column of a table with other names or units, is which of our columns. `itpms signals` writes such a map.
     #[arg(long, value_name = "MAP.toml")]
     pub(crate) signals: Option<PathBuf>,
     /// Take accelerations as m/s^2 and the speed as m/s even if they do not look like it.

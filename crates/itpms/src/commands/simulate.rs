@@ -1,17 +1,14 @@
 //! `itpms simulate`: a scenario and a seed in, a drive log out.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use itpms_core::model::Corner;
-use itpms_data::crg::CrgRoad;
-use itpms_data::log::{CornerColumns, LogColumns, LogCorner};
+use itpms_core::sample::Corner;
+use itpms_data::Vehicle;
+use itpms_data::log::{CornerColumns, LogColumns};
 use itpms_data::out::{AtomicFile, LogWriter};
-use itpms_data::vehicle::VehicleDetails;
-use itpms_data::{LogRow, Vehicle};
-use itpms_sim::road::Surface;
+use itpms_drive::simulated;
 use itpms_sim::scenario::Scenario;
-use itpms_sim::simulation::{SimRow, Simulation};
-use itpms_study::roughness::EvenProfile;
+use itpms_sim::simulation::Simulation;
 use serde_json::json;
 
 use super::{ROWS_PER_LOOK, names};
@@ -27,35 +24,13 @@ pub(crate) fn run(args: &SimulateArgs, screen: &Screen, interrupt: &Interrupt) -
     ];
     names::check(&inputs, &[Some(&args.output), args.vehicle_out.as_deref()])?;
     let mut scenario = Scenario::load(&args.scenario)?;
-    take_crg(&mut scenario)?;
+    simulated::take_crg(&mut scenario)?;
     if let Some(path) = &args.vehicle {
-        take_vehicle(&mut scenario, &Vehicle::read(path)?)?;
+        simulated::take_vehicle(&mut scenario, &Vehicle::read(path)?)?;
     }
     let columns = columns(&scenario, args.no_truth);
     write(&scenario, args.seed, columns, &args.output, args.vehicle_out.as_deref(), screen, interrupt)?;
     report(args, screen, &scenario);
-    Ok(())
-}
-
-/// Puts the points of an OpenCRG road in the place of its file: the simulation reads text only. The road is that along
-/// the reference line, holes up to 0.25 m bridged.
-fn take_crg(scenario: &mut Scenario) -> Result<(), Failure> {
-    let Surface::Profile(profile) = &mut scenario.road.surface else { return Ok(()) };
-    let is_crg =
-        |path: &PathBuf| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("crg"));
-    let Some(path) = profile.file.take_if(|path| is_crg(path)) else { return Ok(()) };
-    let road = CrgRoad::read(&path)?;
-    let refuse = |why: String| Failure::Usage(format!("{}: {why}", path.display()));
-    let line_m = road.line_m(0.0).map_err(|error| refuse(error.to_string()))?;
-    let even = EvenProfile::of_even(road.start_m(), road.increment_m(), line_m);
-    if even.heights_m.iter().any(|height_m| !height_m.is_finite()) {
-        return Err(refuse(
-            "the reference line has holes of more than 0.25 m, expected a height in every row".to_owned(),
-        ));
-    }
-    let station = |i: usize| even.start_m + i as f64 * even.spacing_m;
-    profile.points_m =
-        even.heights_m.iter().enumerate().map(|(i, height_m)| [station(i), *height_m]).collect();
     Ok(())
 }
 
@@ -91,16 +66,11 @@ fn write(
             interrupt.check()?;
             progress.set(count as f64 / rows as f64);
         }
-        log.write(&log_row(&row))?;
+        log.write(&simulated::log_row(&row))?;
     }
     drop(progress);
 
-    if let Some(time_s) = simulation.diverged_s() {
-        return Err(Failure::Usage(format!(
-            "{}: from {time_s:.3} s on the car's accelerations are no numbers, or absurd: expected masses, springs, dampers and tires of a car",
-            scenario.name
-        )));
-    }
+    simulated::check(scenario, &simulation)?;
     let log = log.finish()?;
     interrupt.check()?;
     for file in [Some(log), vehicle_file].into_iter().flatten() {
@@ -114,64 +84,12 @@ fn columns(scenario: &Scenario, no_truth: bool) -> LogColumns {
     LogColumns { speed: true, corners: Corner::ALL.map(|corner| scenario.corner.get(corner).map(|_| truth)) }
 }
 
-/// A simulated row as a log holds it: the pressure is the reference sensor's where the scenario has one, the road's
-/// truth the profile under the axle.
-fn log_row(row: &SimRow) -> LogRow {
-    LogRow {
-        time_s: row.time_s,
-        speed_m_s: row.speed_m_s,
-        corners: row.corners.map(|corner| {
-            corner.map(|c| LogCorner {
-                body_accel_m_s2: c.body_accel_m_s2,
-                wheel_accel_m_s2: c.wheel_accel_m_s2,
-                pressure_kpa: c.pressure_reading_kpa,
-                road_m: c.road_m,
-            })
-        }),
-    }
-}
-
-/// The scenario driven with another vehicle.
-fn take_vehicle(scenario: &mut Scenario, vehicle: &Vehicle) -> Result<(), Failure> {
-    for corner in Corner::ALL {
-        let Some(spec) = scenario.corner.get_mut(corner) else { continue };
-        let config = vehicle.corner(corner).ok_or_else(|| {
-            Failure::Usage(format!(
-                "the vehicle {:?} has no corner {}, which the scenario {} drives",
-                vehicle.name,
-                corner.label(),
-                scenario.name
-            ))
-        })?;
-        spec.set_vehicle(config);
-    }
-    if let Some(wheelbase_m) = vehicle.wheelbase_m {
-        scenario.wheelbase_m = wheelbase_m;
-    }
-    Ok(())
-}
-
 /// The vehicle file that belongs to the log, complete but for its name.
 fn written_vehicle(path: &Path, scenario: &Scenario) -> Result<AtomicFile, Failure> {
     let mut file = AtomicFile::create(path)?;
-    file.append(vehicle_of(scenario)?.to_toml().as_bytes())?;
+    file.append(simulated::vehicle_of(scenario)?.to_toml().as_bytes())?;
     file.settle()?;
     Ok(file)
-}
-
-/// What an estimator is to be told about the scenario's vehicle.
-fn vehicle_of(scenario: &Scenario) -> Result<Vehicle, Failure> {
-    let mut corners = [None; 4];
-    for (corner, _) in scenario.corner.iter() {
-        corners[corner.index()] = Some(scenario.corner_config(corner)?);
-    }
-    Ok(Vehicle {
-        name: format!("vehicle of {}", scenario.name),
-        id: None,
-        wheelbase_m: Some(scenario.wheelbase_m),
-        corners,
-        details: VehicleDetails::default(),
-    })
 }
 
 fn report(args: &SimulateArgs, screen: &Screen, scenario: &Scenario) {

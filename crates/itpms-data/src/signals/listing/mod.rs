@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 
 use super::Candidate;
 use crate::error::{DataError, Problem};
-use crate::log::NO_MAP;
+use crate::signals::column_unit;
 use statistics::{Clock, Range};
 
 /// A log that is being listed.
@@ -157,22 +157,6 @@ impl Lister {
         }
     }
 
-    /// Whether a [`SignalMap`](crate::signals::SignalMap) may say which of the log's signals are which columns.
-    ///
-    /// # Errors
-    /// The log is a table, whose columns need our names.
-    pub fn check_mappable(&self) -> Result<(), DataError> {
-        match &self.source {
-            Source::Table(_) => Err(DataError::new(&self.path, Problem::NotApplicable(NO_MAP))),
-            #[cfg(feature = "parquet")]
-            Source::Parquet(_) => Err(DataError::new(&self.path, Problem::NotApplicable(NO_MAP))),
-            #[cfg(feature = "can")]
-            Source::Frames(_) => Ok(()),
-            #[cfg(feature = "mdf4")]
-            Source::Mdf4(_) => Ok(()),
-        }
-    }
-
     /// What was found so far.
     #[must_use]
     pub fn finish(self) -> Listing {
@@ -232,8 +216,13 @@ impl Listing {
         kind: &'static str,
         notes: Vec<String>,
     ) -> Self {
-        let signals =
-            columns.into_iter().map(|(name, range)| ListedSignal::new(name, String::new(), &range)).collect();
+        let signals = columns
+            .into_iter()
+            .map(|(name, range)| {
+                let unit = column_unit::candidate(&name).unit;
+                ListedSignal::new(name, unit, &range)
+            })
+            .collect();
         let group = ListedGroup { signals, ..ListedGroup::new(String::new(), clock) };
         let (span_s, samples) = (clock.span_s(), clock.samples());
         Self { groups: vec![group], kind, span_s, samples, notes, absent: Vec::new() }
@@ -279,8 +268,10 @@ fn unknown(found: String) -> Problem {
     Problem::UnknownExtension { found, expected: expected.join(", ") }
 }
 
-/// Whether a column of this name is the clock: `time_s`, `Time`, `t [s]`, `timestamps`.
-fn is_clock(name: &str) -> bool {
-    let letters: String = name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect();
-    matches!(letters.as_str(), "times" | "time" | "t" | "ts" | "timestamp" | "timestamps" | "timesec")
+/// The column that is the clock, and seconds per its unit: `time_s`, or the first that is called like one.
+fn clock(names: &[String]) -> Option<(usize, f64)> {
+    let own = names.iter().position(|name| name == "time_s").map(|place| (place, 1.0));
+    let called =
+        || names.iter().enumerate().find_map(|(place, name)| Some((place, column_unit::clock(name)?)));
+    own.or_else(called)
 }

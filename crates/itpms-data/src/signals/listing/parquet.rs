@@ -7,8 +7,8 @@ use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::reader::RowIter;
 use parquet::record::{Field, Row};
 
+use super::Listing;
 use super::statistics::{Clock, Range};
-use super::{Listing, is_clock};
 use crate::error::Problem;
 use crate::input;
 
@@ -20,7 +20,7 @@ pub(super) struct ParquetLister {
     count: u64,
     names: Vec<String>,
     ranges: Vec<Range>,
-    time: Option<usize>,
+    time: Option<(usize, f64)>,
     clock: Clock,
 }
 
@@ -41,7 +41,7 @@ impl ParquetLister {
             // Top-level fields, as rows have them.
             let names: Vec<String> =
                 metadata.schema().get_fields().iter().map(|field| field.name().to_owned()).collect();
-            let time = names.iter().position(|name| is_clock(name));
+            let time = super::clock(&names);
             let ranges = vec![Range::default(); names.len()];
             let rows = RowIter::from_file_into(Box::new(reader));
             Ok(Self { rows, count, names, ranges, time, clock: Clock::default() })
@@ -66,8 +66,8 @@ impl ParquetLister {
             if let Some(range) = self.ranges.get_mut(place) {
                 range.add(value);
             }
-            if self.time == Some(place) {
-                time_s = value;
+            if let Some((_, seconds)) = self.time.filter(|(time, _)| *time == place) {
+                time_s = clock(field).unwrap_or(value * seconds);
             }
         }
         self.clock.tick(time_s);
@@ -79,8 +79,19 @@ impl ParquetLister {
 
     pub(super) fn finish(self) -> Listing {
         let columns = self.names.into_iter().zip(self.ranges).enumerate();
-        let columns = columns.filter(|(place, _)| self.time != Some(*place)).map(|(_, column)| column);
+        let columns = columns
+            .filter(|(place, _)| self.time.is_none_or(|(time, _)| time != *place))
+            .map(|(_, column)| column);
         Listing::of_one_table(columns.collect(), &self.clock, "table", Vec::new())
+    }
+}
+
+/// Seconds of a timestamp; what the library gives as integers is not among them.
+fn clock(field: &Field) -> Option<f64> {
+    match field {
+        Field::TimestampMillis(value) => Some(*value as f64 * 1e-3),
+        Field::TimestampMicros(value) => Some(*value as f64 * 1e-6),
+        _ => None,
     }
 }
 

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
+use super::Listing;
 use super::statistics::{Clock, Range};
-use super::{Listing, is_clock};
 use crate::error::Problem;
 use crate::input;
-use crate::log::{Lines, cells, number};
+use crate::log::{Dialect, Lines};
 
 /// Rows between two looks around.
 const ROWS_PER_STEP: usize = 1024;
@@ -14,10 +14,11 @@ const ROWS_PER_STEP: usize = 1024;
 #[derive(Debug)]
 pub(super) struct TableLister {
     lines: Lines,
+    dialect: Dialect,
     bytes: u64,
     names: Vec<String>,
     ranges: Vec<Range>,
-    time: Option<usize>,
+    time: Option<(usize, f64)>,
     clock: Clock,
     /// Rows with more or fewer cells than the header.
     uneven: u64,
@@ -30,11 +31,20 @@ impl TableLister {
         if !lines.advance()? {
             return Err(Problem::NoHeader("the names of the columns".to_owned()));
         }
-        let names: Vec<String> =
-            cells(lines.text()).map(|name| String::from_utf8_lossy(name).into_owned()).collect();
-        let time = names.iter().position(|name| is_clock(name));
+        let dialect = Dialect::of(lines.text());
+        let names = dialect.names(lines.text());
+        let time = super::clock(&names);
         let ranges = vec![Range::default(); names.len()];
-        Ok(Self { lines, bytes: about.len(), names, ranges, time, clock: Clock::default(), uneven: 0 })
+        Ok(Self {
+            lines,
+            dialect,
+            bytes: about.len(),
+            names,
+            ranges,
+            time,
+            clock: Clock::default(),
+            uneven: 0,
+        })
     }
 
     pub(super) fn step(&mut self) -> Result<bool, Problem> {
@@ -43,13 +53,13 @@ impl TableLister {
                 return Ok(false);
             }
             let (mut time_s, mut found) = (f64::NAN, 0);
-            for cell in cells(self.lines.text()) {
-                let value = number(cell).unwrap_or(f64::NAN);
+            for cell in self.dialect.cells(self.lines.text()) {
+                let value = self.dialect.number(cell).unwrap_or(f64::NAN);
                 if let Some(range) = self.ranges.get_mut(found) {
                     range.add(value);
                 }
-                if self.time == Some(found) {
-                    time_s = value;
+                if let Some((_, seconds)) = self.time.filter(|(place, _)| *place == found) {
+                    time_s = value * seconds;
                 }
                 found += 1;
             }
@@ -69,7 +79,9 @@ impl TableLister {
             notes.push(format!("{} rows have more or fewer cells than the header", self.uneven));
         }
         let columns = self.names.into_iter().zip(self.ranges).enumerate();
-        let columns = columns.filter(|(place, _)| self.time != Some(*place)).map(|(_, column)| column);
+        let columns = columns
+            .filter(|(place, _)| self.time.is_none_or(|(time, _)| time != *place))
+            .map(|(_, column)| column);
         Listing::of_one_table(columns.collect(), &self.clock, "table", notes)
     }
 }

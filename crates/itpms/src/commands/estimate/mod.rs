@@ -1,111 +1,92 @@
 //! `itpms estimate`: a drive log and a vehicle in, pressures, road and report out.
 //!
-//! | module | idea |
-//! |---|---|
-//! | `drive` | the estimator of the car under its monitor |
-//! | `events` | what the monitor said and took back |
-//! | `road` | the road record, late but smooth |
-//! | `reference` | what a reset taught, from and for other drives |
-//! | `outputs` | the files that are written |
-//! | `summary` | what is said at the end |
+//! The work is that of `itpms-drive`; here are its arguments, and in `summary` what is said at the end.
 
-mod drive;
-mod events;
-mod outputs;
-mod reference;
-mod road;
 mod summary;
 
-use itpms_core::estimator::EstimatorKind;
-use itpms_core::model::Corner;
 use itpms_data::{LogReader, Vehicle};
-use itpms_study::report::ReportData;
+use itpms_drive::{Done, FilePaths, Files, Job, Settings, common_corners};
 
-use super::ROWS_PER_LOOK;
+use super::names;
 use crate::args::EstimateArgs;
 use crate::exit::Failure;
 use crate::interrupt::Interrupt;
 use crate::screen::Screen;
-use drive::Drive;
-use events::Alerts;
-use outputs::Outputs;
-pub(super) use road::RoadTrack;
 pub(crate) use summary::print_corners;
 
-/// Rates in Hz for which the estimators are made.
-const USUAL_RATES_HZ: std::ops::RangeInclusive<f64> = 99.0..=2020.0;
-/// Seconds of driving that a reset should have.
-const SHORTEST_RESET_S: f64 = 10.0;
-
 pub(crate) fn run(args: &EstimateArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
-    let done = perform(args, screen, interrupt)?;
-    summary::print(args, screen, &done);
+    let estimated = perform(args, screen, interrupt)?;
+    summary::print(args, screen, &estimated);
     Ok(())
 }
 
 /// A drive that was estimated, its files in place.
-pub(crate) struct Done {
+pub(crate) struct Estimated {
     pub(crate) log: LogReader,
-    pub(crate) data: ReportData,
-    pub(crate) alerts: Alerts,
-    /// What should be known before believing it.
-    concerns: Vec<String>,
+    pub(crate) done: Done,
 }
 
 /// Everything but the summary.
-pub(crate) fn perform(args: &EstimateArgs, screen: &Screen, interrupt: &Interrupt) -> Result<Done, Failure> {
-    outputs::check_names(args)?;
+pub(crate) fn perform(
+    args: &EstimateArgs,
+    screen: &Screen,
+    interrupt: &Interrupt,
+) -> Result<Estimated, Failure> {
+    check_names(args)?;
     let vehicle = Vehicle::read(&args.vehicle)?;
     let mut log = LogReader::open_with(&args.log, &args.reading.options())?;
-    let corners = common_corners(&log, &vehicle)?;
-    let rate_hz = log.survey().sample_rate_hz;
-    let mut drive = Drive::new(args, &vehicle, &corners, rate_hz)?;
-    let mut outputs = Outputs::create(args, &vehicle, &corners, log.survey().sample_rate_hz)?;
-
+    let (corners, settings, paths) = (common_corners(&log, &vehicle)?, settings(args), paths(args));
+    let job = Job { vehicle: &vehicle, corners: &corners, settings: &settings, road: paths.want_road() };
+    let mut files = Files::create(&paths, &settings, &vehicle, &corners)?;
     let progress = screen.progress("estimating");
-    let mut count = 0u64;
-    while let Some(mut row) = log.next_row()? {
-        if count.is_multiple_of(ROWS_PER_LOOK) {
-            interrupt.check()?;
-            progress.set(log.progress());
-        }
-        count += 1;
-        let estimate = drive.update(&mut row);
-        outputs.take(&row, &estimate.corners, &drive.quarter_cars(), drive.report())?;
-    }
+    let done = itpms_drive::estimate(&mut log, &job, &mut files, &mut |share| {
+        progress.set(share);
+        interrupt.flow()
+    })?;
     drop(progress);
-    interrupt.check()?;
-
-    let (data, alerts) = outputs.complete(args, &vehicle, &log, drive.learned())?;
-    let concerns = concerns(args, &log, &vehicle, &drive);
-    remarks(screen, &log, &concerns);
-    reference::remark(args, screen);
-    Ok(Done { log, data, alerts, concerns })
+    files.complete(&done)?;
+    remarks(args, screen, &log, &done.concerns);
+    Ok(Estimated { log, done })
 }
 
-/// The corners that the log has measured and the vehicle file describes.
-pub(super) fn common_corners(log: &LogReader, vehicle: &Vehicle) -> Result<Vec<Corner>, Failure> {
-    let measured = log.columns().present();
-    let common: Vec<Corner> = measured.iter().copied().filter(|c| vehicle.corner(*c).is_some()).collect();
-    if common.is_empty() {
-        let described = Corner::ALL.into_iter().filter(|c| vehicle.corner(*c).is_some()).collect::<Vec<_>>();
-        return Err(Failure::Usage(format!(
-            "{} has the corners {}, but the vehicle {:?} describes {}",
-            log.path().display(),
-            labels(&measured),
-            vehicle.name,
-            labels(&described)
-        )));
+fn settings(args: &EstimateArgs) -> Settings {
+    Settings {
+        estimator: args.estimator,
+        regulation: args.regulation,
+        road_repeats: args.road_repeats,
+        calibrate_s: args.calibrate_s,
+        reference: args.reference.clone(),
+        rate_hz: args.rate,
     }
-    Ok(common)
 }
 
-fn labels(corners: &[Corner]) -> String {
-    corners.iter().map(|corner| corner.label()).collect::<Vec<_>>().join(" ")
+fn paths(args: &EstimateArgs) -> FilePaths {
+    FilePaths {
+        estimates: Some(args.output.clone()),
+        road: args.road_out.clone(),
+        report: args.report.clone(),
+        events: args.events.clone(),
+        reference: args.save_reference.clone(),
+    }
+}
+
+/// Refuses an output that is one of the inputs, or two outputs of one name.
+fn check_names(args: &EstimateArgs) -> Result<(), Failure> {
+    let [dbc, signals] = args.reading.inputs();
+    let inputs = [
+        (Some(args.log.as_path()), "the drive log"),
+        (Some(&args.vehicle), "the vehicle file"),
+        (args.reference.as_deref(), "the learned reference"),
+        dbc,
+        signals,
+    ];
+    let optional = [&args.road_out, &args.report, &args.save_reference, &args.events];
+    let [road, report, reference, events] = optional.map(|path| path.as_deref());
+    names::check(&inputs, &[Some(&args.output), road, report, reference, events])
 }
 
 /// What was repaired, and what a person should know before believing the result.
-fn remarks(screen: &Screen, log: &LogReader, concerns: &[String]) {
+fn remarks(args: &EstimateArgs, screen: &Screen, log: &LogReader, concerns: &[String]) {
     let path = log.path().display();
     let aligned = log.alignment().map(|report| report.remarks()).unwrap_or_default();
     for remark in log.mapping().iter().chain(&aligned) {
@@ -117,82 +98,10 @@ fn remarks(screen: &Screen, log: &LogReader, concerns: &[String]) {
     if !log.columns().speed {
         screen.remark(format!("{path}: no speed_m_s, so no distance and no roughness"));
     }
-}
-
-/// What a person, or a script, should know before believing the result.
-fn concerns(args: &EstimateArgs, log: &LogReader, vehicle: &Vehicle, drive: &Drive) -> Vec<String> {
-    let mut concerns = log.repairs().warnings();
-    let present = log.columns().present();
-    for corner in present.iter().filter(|corner| vehicle.corner(**corner).is_none()) {
-        concerns.push(format!("corner {} is not in the vehicle file and was not estimated", corner.label()));
-    }
-    let rate = log.survey().sample_rate_hz;
-    if !USUAL_RATES_HZ.contains(&rate) {
-        concerns.push(format!("sampled at {rate:.1} Hz, expected 100 Hz to 2 kHz: less accurate"));
-    }
-    let both =
-        |front, rear| [front, rear].iter().all(|c| present.contains(c) && vehicle.corner(*c).is_some());
-    let axles = both(Corner::FrontLeft, Corner::RearLeft) || both(Corner::FrontRight, Corner::RearRight);
-    if axles && args.estimator == EstimatorKind::Informed {
-        let alone =
-            "so front and rear cannot be held against each other: less accurate, every wheel is by itself";
-        if !log.columns().speed {
-            concerns.push(format!("no speed_m_s, {alone}"));
-        }
-        if vehicle.wheelbase_m.is_none() {
-            concerns.push(format!("the vehicle file has no wheelbase_m, {alone}"));
-        }
-        if let Some(share) = drive.speed_unknown().filter(|_| log.columns().speed) {
-            concerns.push(format!(
-                "speed_m_s is unknown for {:.0} % of the time (a value goes on for half a second), and for as long every wheel is by itself: less accurate",
-                100.0 * share
-            ));
-        } else if drive.never_met() && log.columns().speed && vehicle.wheelbase_m.is_some() {
-            concerns.push(
-                "front and rear were never found to meet the same road, so every wheel is by itself: speed_m_s in another unit, another wheelbase_m, wheels confused, or too many values missing?"
-                    .to_owned(),
-            );
-        }
-    }
-    if let Some(seconds) = args.calibrate_s.filter(|seconds| drive.length_s() < *seconds) {
-        concerns.push(format!(
-            "the reset of {seconds} s outlasts the drive of {:.1} s: every pressure is the placard's because that was said, not because it was found",
-            drive.length_s()
-        ));
-    }
-    if let Some(seconds) = args.calibrate_s.filter(|seconds| *seconds < SHORTEST_RESET_S) {
-        concerns.push(format!(
-            "a reset of {seconds} s teaches little of the car, expected {SHORTEST_RESET_S} s or more of driving"
-        ));
-    }
-    if let Some(seconds) = drive.speed_latency_s() {
-        let way = if seconds > 0.0 { "late" } else { "early" };
-        concerns.push(format!(
-            "speed_m_s comes {:.2} s {way}: while the car brakes or speeds up front and rear meet the same road elsewhere than it says; allowed for since that was found",
-            seconds.abs()
-        ));
-    }
-    if let Some((rows, first)) = drive.absurd_speeds() {
-        concerns.push(format!(
-            "{rows} rows have a speed_m_s that no car has, the first {first:e}; they count as rows without one"
-        ));
-    }
-    if let Some(seconds) = drive.denied_s() {
-        concerns.push(format!(
-            "for {seconds:.1} s speed_m_s says that the car stands while its wheels roll; it was taken as unknown, and for as long every wheel is by itself: less accurate. Has the signal failed?"
-        ));
-    }
-    if let Some(path) = args.reference.as_ref().filter(|_| !axles || vehicle.wheelbase_m.is_none()) {
-        concerns.push(format!(
-            "{}: without effect: what a reset teaches is of front and rear over the same road",
+    if let Some(path) = &args.save_reference {
+        screen.remark(format!(
+            "{}: holds what the reset taught of this car; valid until tires, springs, dampers or sensors are changed",
             path.display()
         ));
     }
-    if matches!(args.estimator, EstimatorKind::AekfUi | EstimatorKind::EkfUi) {
-        let label = args.estimator.label();
-        concerns.push(format!(
-            "{label} as published cannot find the stiffness: its pressure says nothing about the tire"
-        ));
-    }
-    concerns
 }

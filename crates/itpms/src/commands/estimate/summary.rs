@@ -1,22 +1,23 @@
 //! What is said at the end: a line for the drive, one per corner and one per alert, or the same as JSON.
 
-use itpms_core::model::Warning;
+use itpms_core::estimate::Warning;
+use itpms_drive::summary_json;
 use itpms_study::report::{CornerReport, Reading};
 use serde_json::{Value, json};
 
-use super::Done;
+use super::Estimated;
 use crate::args::EstimateArgs;
 use crate::screen::Screen;
 
 /// Seconds before the end for which a reading counts as the one at the end.
 const FRESH_S: f64 = 1.0;
 
-pub(super) fn print(args: &EstimateArgs, screen: &Screen, done: &Done) {
+pub(super) fn print(args: &EstimateArgs, screen: &Screen, estimated: &Estimated) {
     if args.json {
-        screen.print(as_json(args, done));
+        screen.print(as_json(args, estimated));
         return;
     }
-    let drive = &done.data.drive;
+    let drive = &estimated.done.data.drive;
     let distance =
         if drive.distance_m.is_finite() { format!(", {:.0} m", drive.distance_m) } else { String::new() };
     screen.print(format!(
@@ -26,12 +27,13 @@ pub(super) fn print(args: &EstimateArgs, screen: &Screen, done: &Done) {
         drive.rate_hz,
         args.estimator.label()
     ));
-    print_corners(screen, done);
+    print_corners(screen, estimated);
 }
 
 /// A line per corner, and one for each alert of the monitor.
-pub(crate) fn print_corners(screen: &Screen, done: &Done) {
-    let end_s = done.log.last_time_s().map_or(f64::NAN, |end_s| end_s - done.data.drive.origin_s);
+pub(crate) fn print_corners(screen: &Screen, estimated: &Estimated) {
+    let Estimated { log, done } = estimated;
+    let end_s = log.last_time_s().map_or(f64::NAN, |end_s| end_s - done.data.drive.origin_s);
     for corner in &done.data.corners {
         screen.print(corner_line(corner, end_s));
     }
@@ -73,55 +75,20 @@ fn corner_line(corner: &CornerReport, end_s: f64) -> String {
     line
 }
 
-fn as_json(args: &EstimateArgs, done: &Done) -> Value {
-    let Done { log, data, alerts, concerns } = done;
+fn as_json(args: &EstimateArgs, estimated: &Estimated) -> Value {
+    let Estimated { log, done } = estimated;
     let path = |path: &std::path::PathBuf| path.display().to_string();
-    let corners: serde_json::Map<String, Value> =
-        data.corners.iter().map(|corner| (corner.corner.label().to_owned(), corner_json(corner))).collect();
-    json!({
-        "log": path(&args.log),
-        "vehicle": data.provenance.vehicle,
-        "estimator": args.estimator.label(),
-        "duration_s": data.drive.duration_s,
-        "rate_hz": data.drive.rate_hz,
-        "distance_m": data.drive.distance_m,
-        "corners": corners,
-        "alerts": alerts.json(),
-        "rows": log.repairs().rows_kept,
-        "warnings": concerns,
-        "outputs": {
+    let mut summary = summary_json(done, args.estimator, log.repairs().rows_kept);
+    summary.insert("log".to_owned(), json!(path(&args.log)));
+    summary.insert(
+        "outputs".to_owned(),
+        json!({
             "estimate": path(&args.output),
             "road": args.road_out.as_ref().map(path),
             "report": args.report.as_ref().map(path),
             "events": args.events.as_ref().map(path),
             "reference": args.save_reference.as_ref().map(path),
-        },
-    })
-}
-
-fn corner_json(corner: &CornerReport) -> Value {
-    let figures = &corner.figures;
-    let reading = |reading: Option<Reading>| {
-        reading.map(|r| json!({ "time_s": r.time_s, "pressure_kpa": r.pressure_kpa, "sd_kpa": r.sd_kpa }))
-    };
-    json!({
-        "placard_kpa": corner.placard_kpa,
-        "last": reading(figures.last),
-        "lowest": reading(figures.lowest),
-        "warning": figures.warning.label(),
-        "low_since_s": figures.low_since_s,
-        "malfunction_since_s": figures.malfunction_since_s,
-        "share_valid": figures.share_valid,
-        "truth": figures.truth.filter(|_| figures.last.is_some()).map(|t| json!({
-            "rmse_kpa": t.rmse_kpa,
-            "bias_kpa": t.bias_kpa,
-            "coverage": t.coverage,
-            "settle_s": t.settle_s,
-        })),
-        "road": corner.road.as_ref().map(|road| json!({
-            "iri_m_per_km": road.iri_m_per_km,
-            "truth_iri_m_per_km": road.truth_iri_m_per_km,
-            "relative_error": road.relative_error,
-        })),
-    })
+        }),
+    );
+    Value::Object(summary)
 }

@@ -5,12 +5,12 @@ use std::path::Path;
 use itpms_core::model::Corner;
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_data::{LogReader, Vehicle};
+use itpms_drive::{RoadTrack, common_corners};
 use itpms_study::roughness::{RoughnessTable, WheelSurvey};
 
 use super::Found;
 use crate::args::RoughnessArgs;
 use crate::commands::ROWS_PER_LOOK;
-use crate::commands::estimate::{RoadTrack, common_corners};
 use crate::exit::Failure;
 use crate::interrupt::Interrupt;
 use crate::screen::Screen;

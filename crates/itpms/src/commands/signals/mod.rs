@@ -23,9 +23,6 @@ pub(crate) fn run(args: &SignalsArgs, screen: &Screen, interrupt: &Interrupt) ->
     let map = args.signals.as_deref().map(SignalMap::read).transpose()?;
     let written = args.write_map.as_deref().map(|path| output(path, args)).transpose()?;
     let mut lister = Lister::open(&args.log, args.dbc.as_deref())?;
-    if written.is_some() {
-        lister.check_mappable()?;
-    }
     let progress = screen.progress("reading");
     while lister.step()? {
         interrupt.check()?;

@@ -1,13 +1,13 @@
 //! The file of the hours that were driven: whose hours they are, and what may be added to them.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use itpms_data::out::Ledger;
 use itpms_study::soak::{Hour, Plan};
 use serde_json::{Value, json};
 
+use crate::commands::program::fingerprint;
 use crate::exit::Failure;
 
 /// Key of the lines that say by what program the hours after them were driven.
@@ -110,17 +110,4 @@ impl Record {
     pub(super) fn hours(&self) -> &BTreeMap<u64, Hour> {
         &self.hours
     }
-}
-
-/// FNV-1a (64 bit) of the running program's file: tells builds apart, which a version number does not.
-fn fingerprint() -> Result<String, Failure> {
-    let unreadable =
-        |error: std::io::Error| Failure::Usage(format!("the running program cannot be read: {error}"));
-    let path: PathBuf = std::env::current_exe().map_err(unreadable)?;
-    let bytes = fs::read(path).map_err(unreadable)?;
-    let mut hash = 0xcbf2_9ce4_8422_2325u64;
-    for byte in bytes {
-        hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-    }
-    Ok(format!("{hash:016x}"))
 }

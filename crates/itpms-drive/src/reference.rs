@@ -5,25 +5,23 @@
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::{CalibrationError, VehicleCalibration};
 use itpms_core::monitor::MonitoredCar;
 use itpms_data::Vehicle;
 use itpms_data::out::AtomicFile;
 use itpms_data::reference::StoredReference;
 
-use crate::args::EstimateArgs;
-use crate::exit::Failure;
-use crate::screen::Screen;
+use crate::error::DriveError;
+use crate::settings::Settings;
 
 /// Loads what the car learned on an earlier drive, if `--reference` names a file.
-pub(super) fn load(
-    args: &EstimateArgs,
+pub(crate) fn load(
+    settings: &Settings,
     vehicle: &Vehicle,
     car: &mut MonitoredCar<f64>,
-) -> Result<(), Failure> {
-    let Some(path) = &args.reference else { return Ok(()) };
-    expect_informed(args, "--reference")?;
+) -> Result<(), DriveError> {
+    let Some(path) = &settings.reference else { return Ok(()) };
+    settings.expect_learning("--reference")?;
     let stored = StoredReference::read(path)?;
     let reference = stored.for_vehicle(vehicle).map_err(|problem| refused(path, problem))?;
     car.load_calibration(reference).map_err(|error: CalibrationError| {
@@ -31,45 +29,43 @@ pub(super) fn load(
     })
 }
 
-fn refused(path: &Path, why: impl std::fmt::Display) -> Failure {
-    Failure::Usage(format!("{}: {why}", path.display()))
+fn refused(path: &Path, why: impl std::fmt::Display) -> DriveError {
+    DriveError::Mismatch(format!("{}: {why}", path.display()))
 }
 
-fn expect_informed(args: &EstimateArgs, option: &str) -> Result<(), Failure> {
-    if args.estimator == EstimatorKind::Informed {
-        return Ok(());
-    }
-    let (used, learns) = (args.estimator.label(), EstimatorKind::Informed.label());
-    Err(Failure::Usage(format!("{option} with --estimator {used}: only {learns} learns from a reset")))
-}
-
-/// The file of `--save-reference` in the making.
-pub(super) struct Saving {
+/// The file of what a calibration drive teaches, in the making.
+#[derive(Debug)]
+pub struct Saving {
     file: AtomicFile,
     vehicle: Vehicle,
 }
 
 impl Saving {
-    /// Starts the file, if it is wanted.
-    pub(super) fn create(args: &EstimateArgs, vehicle: &Vehicle) -> Result<Option<Self>, Failure> {
-        let Some(path) = &args.save_reference else { return Ok(None) };
-        expect_informed(args, "--save-reference")?;
-        Ok(Some(Self { file: AtomicFile::create(path)?, vehicle: vehicle.clone() }))
+    /// Starts the file.
+    ///
+    /// # Errors
+    /// It cannot be written, or the estimator does not learn.
+    pub fn create(path: &Path, settings: &Settings, vehicle: &Vehicle) -> Result<Self, DriveError> {
+        settings.expect_learning("--save-reference")?;
+        Ok(Self { file: AtomicFile::create(path)?, vehicle: vehicle.clone() })
     }
 
     /// The complete file, to be given its name together with the others.
-    pub(super) fn complete(
+    ///
+    /// # Errors
+    /// Nothing was learned, or what was learned is not plausible; the file cannot be written.
+    pub fn complete(
         mut self,
-        args: &EstimateArgs,
-        learned: Option<VehicleCalibration<f64>>,
-    ) -> Result<AtomicFile, Failure> {
+        calibrate_s: Option<f64>,
+        learned: Option<LearnedReference<f64>>,
+    ) -> Result<AtomicFile, DriveError> {
         let target = self.file.target().to_owned();
         let Some(learned) = learned else {
             return Err(refused(
                 &target,
                 format!(
                     "nothing was learned: expected a drive that goes on after the reset of {} s, and in it a road to learn from",
-                    args.calibrate_s.unwrap_or_default()
+                    calibrate_s.unwrap_or_default()
                 ),
             ));
         };
@@ -78,16 +74,6 @@ impl Saving {
         self.file.append(stored.to_text().as_bytes())?;
         self.file.settle()?;
         Ok(self.file)
-    }
-}
-
-/// What a person should know of the references of this drive.
-pub(super) fn remark(args: &EstimateArgs, screen: &Screen) {
-    if let Some(path) = &args.save_reference {
-        screen.remark(format!(
-            "{}: holds what the reset taught of this car; valid until tires, springs, dampers or sensors are changed",
-            path.display()
-        ));
     }
 }
 

@@ -9,8 +9,8 @@ use itpms_core::model::{Corner, ParameterError};
 use itpms_core::road::{RoadConfig, RoadPoint, RoadRecorder, RoadRow, Segment, window_for};
 use itpms_data::{LogRow, Vehicle};
 
-use super::drive::{Estimates, QuarterCars};
-use crate::exit::Failure;
+use crate::drive::{Estimates, QuarterCars};
+use crate::error::DriveError;
 
 /// How far the smoother looks ahead; more changes nothing worth having at any speed.
 const LOOKAHEAD_S: f64 = 30.0;
@@ -21,18 +21,19 @@ type Recorder = RoadRecorder<f64, Vec<RoadRow<f64>>, Vec<Segment<f64>>>;
 
 /// A row with everything that is known of it once its road is there.
 #[derive(Debug, Clone)]
-pub(in crate::commands) struct LateRow {
-    pub(in crate::commands) row: LogRow,
+pub struct LateRow {
+    /// The row itself.
+    pub row: LogRow,
     /// The speed in m/s to go by; NaN while it is unknown.
-    pub(in crate::commands) speed_m_s: f64,
+    pub speed_m_s: f64,
     /// The distance in m driven so far; NaN while the speed was never known.
-    pub(in crate::commands) distance_m: f64,
+    pub distance_m: f64,
     /// As they were at the row's time, but for the road.
-    pub(in crate::commands) estimates: Estimates,
+    pub estimates: Estimates,
 }
 
 /// The recorders of all corners, and the rows that wait for them.
-pub(in crate::commands) struct RoadTrack {
+pub struct RoadTrack {
     recorders: [Option<(Recorder, VecDeque<RoadPoint<f64>>)>; 4],
     waiting: VecDeque<LateRow>,
     odometer: Odometer,
@@ -40,29 +41,30 @@ pub(in crate::commands) struct RoadTrack {
 }
 
 impl RoadTrack {
-    pub(in crate::commands) fn new(
-        vehicle: &Vehicle,
-        corners: &[Corner],
-        rate_hz: f64,
-    ) -> Result<Self, Failure> {
+    /// Recorders of these corners for a log of this rate.
+    ///
+    /// # Errors
+    /// A corner's parameters are refused.
+    pub fn new(vehicle: &Vehicle, corners: &[Corner], rate_hz: f64) -> Result<Self, DriveError> {
         let (rows, segments) = window_for(rate_hz, LOOKAHEAD_S);
         let mut recorders = [const { None }; 4];
         for corner in corners {
             let Some(config) = vehicle.corner(*corner) else { continue };
-            let fail = |error: ParameterError| Failure::Usage(format!("corner {}: {error}", corner.label()));
+            let fail =
+                |error: ParameterError| DriveError::Mismatch(format!("corner {}: {error}", corner.label()));
             let noise = config.accel_noise_or_usual_m_s2();
             let road = RoadConfig::new(config.quarter_car, config.initial_stiffness_n_per_m(), noise)
                 .map_err(fail)?;
             let (rows, segments) = (vec![RoadRow::default(); rows], vec![Segment::default(); segments]);
             let recorder = RoadRecorder::new(&road, rows, segments)
-                .map_err(|error| Failure::Usage(error.to_string()))?;
+                .map_err(|error| DriveError::Mismatch(error.to_string()))?;
             recorders[corner.index()] = Some((recorder, VecDeque::new()));
         }
         Ok(Self { recorders, waiting: VecDeque::new(), odometer: Odometer::new(), told_s: f64::NEG_INFINITY })
     }
 
     /// Takes a row of the log and what was estimated after it.
-    pub(in crate::commands) fn push(&mut self, row: &LogRow, estimates: &Estimates, cars: &QuarterCars) {
+    pub fn push(&mut self, row: &LogRow, estimates: &Estimates, cars: &QuarterCars) {
         let speed_m_s = self.odometer.push(row.time_s, row.speed_m_s);
         let tell = row.time_s - self.told_s >= TELL_S;
         if tell {
@@ -89,14 +91,14 @@ impl RoadTrack {
     }
 
     /// The drive is over: nothing has to wait any more.
-    pub(in crate::commands) fn finish(&mut self) {
+    pub fn finish(&mut self) {
         for (recorder, points) in self.recorders.iter_mut().flatten() {
             recorder.finish(|point| points.push_back(point));
         }
     }
 
     /// The next row whose road is there at all corners.
-    pub(in crate::commands) fn pop(&mut self) -> Option<LateRow> {
+    pub fn pop(&mut self) -> Option<LateRow> {
         if self.recorders.iter().flatten().any(|(_, points)| points.is_empty()) {
             return None;
         }

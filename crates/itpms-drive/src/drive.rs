@@ -7,15 +7,15 @@ use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::warning::MonitorReport;
 use itpms_data::{LogRow, Vehicle};
 
-use super::reference;
-use crate::args::EstimateArgs;
-use crate::exit::Failure;
+use crate::error::DriveError;
+use crate::reference;
+use crate::settings::Settings;
 
 /// What is known of the corners after a row, in the order of [`Corner::ALL`].
-pub(super) type Estimates = [Option<CornerEstimate<f64>>; 4];
+pub type Estimates = [Option<CornerEstimate<f64>>; 4];
 
 /// Load and damping as identified, in the order of [`Corner::ALL`].
-pub(super) type QuarterCars = [Option<QuarterCar<f64>>; 4];
+pub type QuarterCars = [Option<QuarterCar<f64>>; 4];
 
 /// Speed in m/s above which front and rear should be found to meet the same road, and seconds of that after which they
 /// should have been: in everyday driving it takes two.
@@ -25,7 +25,9 @@ const MEETING_S: f64 = 60.0;
 const UNKNOWN_SHARE: f64 = 0.1;
 
 /// The running estimator under its monitor.
-pub(super) struct Drive {
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Drive {
     car: Box<MonitoredCar<f64>>,
     /// Time of the first and of the last row, and seconds driven until front and rear of any side were found to meet the same road.
     first_s: f64,
@@ -43,24 +45,28 @@ pub(super) struct Drive {
 }
 
 impl Drive {
-    pub(super) fn new(
-        args: &EstimateArgs,
+    /// The estimator of these corners at this rate.
+    ///
+    /// # Errors
+    /// A rate or a setting that the estimator refuses, or a stored reference that cannot be used.
+    pub fn new(
+        settings: &Settings,
         vehicle: &Vehicle,
         corners: &[Corner],
         sample_rate_hz: f64,
-    ) -> Result<Self, Failure> {
+    ) -> Result<Self, DriveError> {
         let config = vehicle.car_config(corners);
-        let fail = |error| Failure::Usage(format!("{error}"));
         let options = EstimatorOptions {
-            estimator: args.estimator,
-            road_repetition: args.road_repeats,
+            estimator: settings.estimator,
+            road_repetition: settings.road_repeats,
             ..EstimatorOptions::default()
         };
-        let config = MonitorConfig::new(&config).with_limits(args.regulation.into()).with_options(options);
-        let mut car = Box::new(MonitoredCar::new(&config, sample_rate_hz).map_err(fail)?);
-        reference::load(args, vehicle, &mut car)?;
-        if let Some(seconds) = args.calibrate_s {
-            car.begin_calibration(seconds).map_err(fail)?;
+        let config =
+            MonitorConfig::new(&config).with_limits(settings.regulation.into()).with_options(options);
+        let mut car = Box::new(MonitoredCar::new(&config, sample_rate_hz)?);
+        reference::load(settings, vehicle, &mut car)?;
+        if let Some(seconds) = settings.calibrate_s {
+            car.begin_calibration(seconds)?;
         }
         Ok(Self {
             car,
@@ -77,52 +83,61 @@ impl Drive {
     }
 
     /// The cars as they seem to be now, in the order of [`Corner::ALL`].
-    pub(super) fn quarter_cars(&self) -> QuarterCars {
+    #[must_use]
+    pub fn quarter_cars(&self) -> QuarterCars {
         self.car.estimator().quarter_cars()
     }
 
     /// What the reset taught, once it is over.
-    pub(super) fn learned(&self) -> Option<VehicleCalibration<f64>> {
-        self.car.estimator().calibration()
+    #[must_use]
+    pub fn learned(&self) -> Option<LearnedReference<f64>> {
+        self.car.estimator().learned()
     }
 
     /// What the monitor says after the last row.
-    pub(super) fn report(&self) -> &MonitorReport<f64> {
+    #[must_use]
+    pub fn report(&self) -> &MonitorReport<f64> {
         self.car.report()
     }
 
     /// Seconds from the first row to the last.
-    pub(super) fn length_s(&self) -> f64 {
+    #[must_use]
+    pub fn length_s(&self) -> f64 {
         self.time_s - self.first_s
     }
 
     /// Whether the car has been driven for long, and front and rear never met the same road.
-    pub(super) fn never_met(&self) -> bool {
+    #[must_use]
+    pub fn never_met(&self) -> bool {
         !self.met && self.apart_s > MEETING_S
     }
 
     /// The share of the time in which nobody knew the speed, if it is more than should be.
-    pub(super) fn speed_unknown(&self) -> Option<f64> {
+    #[must_use]
+    pub fn speed_unknown(&self) -> Option<f64> {
         Some(self.unknown_s / self.passed_s).filter(|share| *share > UNKNOWN_SHARE)
     }
 
     /// How many rows have a speed in m/s that no car has, and the first such speed, if there are any.
-    pub(super) fn absurd_speeds(&self) -> Option<(u64, f64)> {
+    #[must_use]
+    pub fn absurd_speeds(&self) -> Option<(u64, f64)> {
         self.absurd
     }
 
     /// Seconds for which the speed said that the car stands while its wheels rolled, if there were any.
-    pub(super) fn denied_s(&self) -> Option<f64> {
+    #[must_use]
+    pub fn denied_s(&self) -> Option<f64> {
         Some(self.denied_s).filter(|seconds| *seconds > 0.0)
     }
 
     /// Seconds by which the speed was found to come late, if it was.
-    pub(super) fn speed_latency_s(&self) -> Option<f64> {
-        Some(self.car.estimator().speed_latency_s()).filter(|seconds| *seconds != 0.0)
+    #[must_use]
+    pub fn speed_late_s(&self) -> Option<f64> {
+        Some(self.car.estimator().speed_late_s()).filter(|seconds| *seconds != 0.0)
     }
 
     /// Takes a row; a speed that its wheels deny is taken out of it.
-    pub(super) fn update(&mut self, row: &mut LogRow) -> CarEstimate<f64> {
+    pub fn update(&mut self, row: &mut LogRow) -> CarEstimate<f64> {
         if row.speed_m_s.is_finite() && !is_a_cars(row.speed_m_s) {
             self.absurd.get_or_insert((0, row.speed_m_s)).0 += 1;
         }

@@ -1,54 +1,54 @@
-//! What the monitor said and took back: a line of JSON for every transition, and a list for the summary.
+//! What the monitor said and took back: every transition as it happens, and a list for the summary.
 
-use std::path::Path;
-
-use itpms_core::warning::{Alert, Change, MonitorReport};
-use itpms_data::out::{AtomicFile, alert_object, transition_object};
+use itpms_core::monitor::{Alert, Change, MonitorReport};
+use itpms_data::out::alert_object;
 use serde_json::{Value, json};
 
-use crate::exit::Failure;
+use crate::error::DriveError;
 
 /// Alerts that the summary lists; more are counted.
 const LISTED: usize = 50;
 
 /// An alert and when it was taken back, if it was.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Listed {
-    pub(super) alert: Alert<f64>,
-    pub(super) ended_s: Option<f64>,
+pub struct Listed {
+    /// The alert with its newest numbers.
+    pub alert: Alert<f64>,
+    /// When it was taken back, in s; `None`: it stood at the end.
+    pub ended_s: Option<f64>,
 }
 
+/// Who is told of a transition, with its time in s.
+pub type Note<'a> = &'a mut dyn FnMut(f64, &Change<f64>) -> Result<(), DriveError>;
+
 /// The transitions of a drive.
-pub(super) struct Events {
-    file: Option<AtomicFile>,
+#[derive(Debug, Default)]
+pub struct Events {
     before: Option<MonitorReport<f64>>,
     listed: Vec<Listed>,
     unlisted: usize,
 }
 
 impl Events {
-    /// Starts the file, if it is wanted.
-    pub(super) fn create(path: Option<&Path>) -> Result<Self, Failure> {
-        let file = path.map(AtomicFile::create).transpose()?;
-        Ok(Self { file, before: None, listed: Vec::new(), unlisted: 0 })
-    }
-
-    /// Takes what the monitor says after a row.
-    pub(super) fn take(&mut self, report: &MonitorReport<f64>) -> Result<(), Failure> {
+    /// Takes what the monitor says after a row; hands over what changed, with its time in s.
+    ///
+    /// # Errors
+    /// Those of `note`.
+    pub fn take(&mut self, report: &MonitorReport<f64>, note: Note<'_>) -> Result<(), DriveError> {
         let unchanged = self.before.as_ref().is_some_and(|before| before.time_s == report.time_s);
         if unchanged {
             return Ok(());
         }
         let Some(before) = self.before.replace(*report) else {
-            return report.alerts().try_for_each(|alert| self.note(report.time_s, Change::Begun(*alert)));
+            return report
+                .alerts()
+                .try_for_each(|alert| self.note(report.time_s, Change::Begun(*alert), note));
         };
-        report.changes_since(&before).try_for_each(|change| self.note(report.time_s, change))
+        report.changes_since(&before).try_for_each(|change| self.note(report.time_s, change, note))
     }
 
-    fn note(&mut self, time_s: f64, change: Change<f64>) -> Result<(), Failure> {
-        if let Some(file) = &mut self.file {
-            file.append(format!("{}\n", Value::Object(transition_object(time_s, &change))).as_bytes())?;
-        }
+    fn note(&mut self, time_s: f64, change: Change<f64>, note: Note<'_>) -> Result<(), DriveError> {
+        note(time_s, &change)?;
         match change {
             Change::Begun(_) if self.listed.len() >= LISTED => self.unlisted += 1,
             Change::Begun(alert) => self.listed.push(Listed { alert, ended_s: None }),
@@ -67,12 +67,9 @@ impl Events {
         Ok(())
     }
 
-    /// The complete file, to be given its name together with the others; and what there is to list. Alerts that still
-    /// stand have their newest numbers.
-    pub(super) fn complete(mut self) -> Result<(Option<AtomicFile>, Alerts), Failure> {
-        if let Some(file) = &mut self.file {
-            file.settle()?;
-        }
+    /// What there is to list. Alerts that still stand have their newest numbers.
+    #[must_use]
+    pub fn complete(mut self) -> Alerts {
         for now in self.before.iter().flat_map(MonitorReport::alerts) {
             let standing = self.listed.iter_mut().rev().find(|listed| {
                 listed.ended_s.is_none()
@@ -83,20 +80,20 @@ impl Events {
                 listed.alert = *now;
             }
         }
-        Ok((self.file, Alerts { listed: self.listed, unlisted: self.unlisted }))
+        Alerts { listed: self.listed, unlisted: self.unlisted }
     }
 }
 
 /// What was said during a drive.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Alerts {
+pub struct Alerts {
     listed: Vec<Listed>,
     unlisted: usize,
 }
 
 impl Alerts {
     /// A sentence for every alert.
-    pub(super) fn sentences(&self) -> impl Iterator<Item = String> + '_ {
+    pub fn sentences(&self) -> impl Iterator<Item = String> + '_ {
         let sentences = self.listed.iter().map(|Listed { alert, ended_s }| match ended_s {
             Some(ended_s) => format!("{alert}; over at {ended_s:.1} s"),
             None => alert.to_string(),
@@ -105,8 +102,15 @@ impl Alerts {
         sentences.chain(rest)
     }
 
+    /// Those that are listed, in the order in which they were said.
+    #[must_use]
+    pub fn listed(&self) -> &[Listed] {
+        &self.listed
+    }
+
     /// The same as JSON.
-    pub(super) fn json(&self) -> Value {
+    #[must_use]
+    pub fn json(&self) -> Value {
         let one = |listed: &Listed| {
             let mut object = alert_object(&listed.alert);
             object.insert("ended_s".to_owned(), json!(listed.ended_s));

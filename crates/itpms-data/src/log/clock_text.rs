@@ -1,0 +1,92 @@
+//! Times that are written as dates, or as days and a clock: what pandas, polars and many loggers write into CSV.
+
+/// Seconds since 1970 of `2026-03-01 08:00:00.002`, with `T` or a blank, with `Z`, an offset or nothing (taken for UTC) after
+/// it; or the seconds of `0 days 00:00:01.5` and of `00:00:01.5`.
+pub(super) fn seconds(text: &[u8]) -> Option<f64> {
+    let text = std::str::from_utf8(text).ok()?.trim();
+    if let Some((days, clock)) = text.split_once(" days ") {
+        let (days, clock) = (days.parse::<i64>().ok()?, clock.trim_start_matches('+'));
+        return Some(days as f64 * 86_400.0 + clock_s(clock)?);
+    }
+    let Some((date, rest)) = text.split_once(['T', ' ']) else { return clock_s(text) };
+    let days = days_since_1970(date)?;
+    let (clock, offset_s) = match rest.find(['Z', '+', '-']) {
+        None => (rest, 0.0),
+        Some(place) if &rest[place..] == "Z" => (&rest[..place], 0.0),
+        Some(place) => {
+            let (sign, offset) = rest[place..].split_at(1);
+            let seconds = clock_s(&format!("{offset}:00"))?;
+            (&rest[..place], if sign == "-" { -seconds } else { seconds })
+        }
+    };
+    Some(days as f64 * 86_400.0 + clock_s(clock.trim_end())? - offset_s)
+}
+
+/// `08:00:00.002`.
+fn clock_s(text: &str) -> Option<f64> {
+    let mut parts = text.split(':');
+    let (hours, minutes, seconds) = (parts.next()?, parts.next()?, parts.next()?);
+    let whole = |part: &str, most: u32| part.parse::<u32>().ok().filter(|value| *value <= most);
+    let seconds: f64 = seconds.parse().ok().filter(|seconds| (0.0..61.0).contains(seconds))?;
+    let minutes = f64::from(60 * whole(hours, 23)? + whole(minutes, 59)?);
+    parts.next().is_none().then_some(60.0 * minutes + seconds)
+}
+
+/// Days from 1970-01-01 to `YYYY-MM-DD` in the Gregorian calendar.
+fn days_since_1970(date: &str) -> Option<i64> {
+    let mut parts = date.split('-');
+    let (year, month, day) = (parts.next()?, parts.next()?, parts.next()?);
+    let (year, month, day): (i64, i64, i64) = (year.parse().ok()?, month.parse().ok()?, day.parse().ok()?);
+    if parts.next().is_some() || !(1900..2500).contains(&year) || !(1..=12).contains(&month) {
+        return None;
+    }
+    let leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
+    let lengths = [31, if leap { 29 } else { 28 }, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
+    if !(1..=lengths[month as usize - 1]).contains(&day) {
+        return None;
+    }
+    let leap_days = |year: i64| year / 4 - year / 100 + year / 400;
+    let years = 365 * (year - 1970) + leap_days(year - 1) - leap_days(1969);
+    Some(years + lengths[..month as usize - 1].iter().sum::<i64>() + day - 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dates_as_unix_counts_them() {
+        // As `date -u -d ... +%s` has them.
+        for (text, expected) in [
+            ("1970-01-01T00:00:00Z", 0.0),
+            ("2000-02-29 12:00:00", 951_825_600.0),
+            ("2026-03-01 08:00:00.25", 1_772_352_000.25),
+            ("2026-03-01T09:00:00+01:00", 1_772_352_000.0),
+            ("2026-03-01T02:30:00-05:30", 1_772_352_000.0),
+            ("2100-03-01 00:00:00", 4_107_542_400.0),
+            ("0 days 00:00:01.500000", 1.5),
+            ("1 days 00:00:00", 86_400.0),
+            ("01:02:03.5", 3723.5),
+        ] {
+            assert_eq!(seconds(text.as_bytes()), Some(expected), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_time_is_none() {
+        for text in [
+            "",
+            "now",
+            "2026-03-01",
+            "2026-02-29 00:00:00",
+            "2026-13-01 00:00:00",
+            "25:00:00",
+            "1,5",
+            "12:30",
+            "1:2:3:4",
+            "NaN:0:0",
+        ] {
+            assert_eq!(seconds(text.as_bytes()), None, "{text}");
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! Tables with anybody's names: a map, and where it is silent the names, say which column is what.
+//!
+//! Called by the sources of tables with their column names. Without a map a table's columns need our names.
+
+use std::path::Path;
+
+use itpms_core::sample::Corner;
+
+use super::header::Header;
+use super::row::{CornerColumns, Field, LogColumns, Slot};
+use crate::error::{DataError, Problem};
+use crate::nearest::nearest;
+use crate::signals::column_unit;
+use crate::signals::{Conversion, Resolved, SignalMap, SignalProblem, resolve};
+
+/// How a table's header is read.
+pub(super) fn header(path: &Path, names: &[String], map: Option<&SignalMap>) -> Result<Header, DataError> {
+    match map {
+        None => Header::from_names(names).map_err(|problem| DataError::new(path, problem)),
+        Some(map) => mapped(path, names, map),
+    }
+}
+
+fn mapped(path: &Path, names: &[String], map: &SignalMap) -> Result<Header, DataError> {
+    let fail = |problem| DataError::new(path, problem);
+    let (time, conversion) = clock(path, names, map)?;
+    let others: Vec<usize> = (0..names.len()).filter(|place| *place != time).collect();
+    let candidates: Vec<_> = others.iter().map(|place| column_unit::candidate(&names[*place])).collect();
+    let resolved = resolve(&candidates, Some(map))?;
+    if let Some(why) = resolved.unusable() {
+        return Err(fail(Problem::UnusableSignals(why)));
+    }
+    let mut slots = vec![None; names.len()];
+    let mut conversions = vec![None; names.len()];
+    (slots[time], conversions[time]) = (Some(Slot::Time), Some(conversion));
+    let lone = |slot: Slot| matches!(slot, Slot::Corner(corner, _) if !resolved.corners().contains(&corner));
+    for chosen in resolved.iter().filter(|chosen| !lone(chosen.slot)) {
+        let place = others[chosen.candidate];
+        if let Some(other) = slots[place].replace(chosen.slot) {
+            let (signal, slot) = (&chosen.signal, chosen.slot.name());
+            let why =
+                format!("column {signal} is to be both {} and {slot}, expected one of them", other.name());
+            return Err(fail(Problem::UnusableSignals(why)));
+        }
+        conversions[place] = Some(chosen.conversion);
+    }
+    Ok(Header {
+        columns: columns(&resolved),
+        slots,
+        suspicious: Vec::new(),
+        conversions,
+        mapping: resolved.said(),
+    })
+}
+
+fn columns(resolved: &Resolved) -> LogColumns {
+    let complete = resolved.corners();
+    let has = |corner, field| resolved.get(Slot::Corner(corner, field)).is_some();
+    let corners = Corner::ALL.map(|corner| {
+        complete
+            .contains(&corner)
+            .then(|| CornerColumns { pressure: has(corner, Field::Pressure), road: has(corner, Field::Road) })
+    });
+    LogColumns { speed: resolved.get(Slot::Speed).is_some(), corners }
+}
+
+/// The column of the time: what the map says, else `time_s`, else the only one that is called like a clock.
+fn clock(path: &Path, names: &[String], map: &SignalMap) -> Result<(usize, Conversion), DataError> {
+    let seconds = |factor| Conversion { factor, offset: 0.0 };
+    if let Some((signal, line, conversion)) = map.time() {
+        let in_map = |problem| DataError::new(map.path(), Problem::Signals(problem));
+        let column = Slot::Time.name();
+        let Some(place) = names.iter().position(|name| name == signal) else {
+            let near = nearest(signal, names.iter().map(String::as_str)).map(str::to_owned);
+            let (signal, of) = (signal.to_owned(), names.len());
+            return Err(in_map(SignalProblem::NotThere { line, column, signal, of, nearest: near }));
+        };
+        let stated = || column_unit::seconds_in(signal).map(seconds);
+        return Ok((place, conversion.or_else(stated).unwrap_or(Conversion::IDENTITY)));
+    }
+    if let Some(place) = names.iter().position(|name| *name == Slot::Time.name()) {
+        return Ok((place, Conversion::IDENTITY));
+    }
+    let clocks: Vec<(usize, f64)> = names
+        .iter()
+        .enumerate()
+        .filter_map(|(place, name)| Some((place, column_unit::clock(name)?)))
+        .collect();
+    match clocks[..] {
+        [(place, factor)] => Ok((place, seconds(factor))),
+        [] => Err(DataError::new(path, Problem::MissingColumn { column: Slot::Time.name(), nearest: None })),
+        [(one, _), (other, _), ..] => {
+            let why = format!(
+                "time_s could be {} or {}: say which in the map, time_s = {:?}",
+                names[one], names[other], names[one]
+            );
+            Err(DataError::new(path, Problem::UnusableSignals(why)))
+        }
+    }
+}

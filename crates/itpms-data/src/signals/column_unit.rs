@@ -1,0 +1,117 @@
+//! The unit in the name of a table's column: `Speed [km/h]`, `AccZ_FL (g)`, `v_kmh`, `body_acc_fl_m_s2`; and whether a
+//! column is the clock.
+//!
+//! Called where a table's columns are taken for signals.
+
+use super::Candidate;
+use super::units::{Quantity, Unit};
+
+/// The column as a candidate: a signal of its own name and, if the name ends with one, of that unit.
+pub(crate) fn candidate(name: &str) -> Candidate {
+    let (_, unit) = split(name);
+    Candidate { group: String::new(), name: name.to_owned(), unit }
+}
+
+/// Seconds per unit of the column, if it is a clock: `time_s`, `Time`, `t [ms]`, `timestamps`. One that does not say its
+/// unit has seconds.
+pub(crate) fn clock(name: &str) -> Option<f64> {
+    let (bare, unit) = split(name);
+    let letters: String = bare.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect();
+    let is_clock = matches!(letters.as_str(), "time" | "times" | "t" | "ts" | "timestamp" | "timestamps");
+    match Unit::of(&unit) {
+        Unit::Known(Quantity::Time, seconds) if is_clock => Some(seconds),
+        Unit::Silent if is_clock => Some(1.0),
+        _ => None,
+    }
+}
+
+/// Seconds per unit of a column that is said to be the clock, if its name ends with a unit of time.
+pub(crate) fn seconds_in(name: &str) -> Option<f64> {
+    match Unit::of(&split(name).1) {
+        Unit::Known(Quantity::Time, seconds) => Some(seconds),
+        _ => None,
+    }
+}
+
+/// What stands before the unit, and the unit; empty where there is none.
+fn split(name: &str) -> (&str, String) {
+    let name = name.trim();
+    for (open, close) in [('[', ']'), ('(', ')')] {
+        let inside = name.strip_suffix(close).and_then(|rest| rest.rsplit_once(open));
+        // In round brackets stands many a thing, in square ones hardly anything but a unit.
+        if let Some((bare, unit)) = inside.filter(|(_, unit)| open == '[' || is_unit(unit)) {
+            return (bare.trim_end(), unit.to_owned());
+        }
+    }
+    let ends = |c: char| c == '_' || c == '.' || c.is_whitespace();
+    let seams: Vec<usize> = name.char_indices().filter(|(_, c)| ends(*c)).map(|(place, _)| place).collect();
+    // `m_s2` and `km_h` are quotients of two words (`m_s` is no millisecond); a unit that is the whole name is none.
+    for seam in seams.iter().rev().take(2).rev().filter(|seam| **seam > 0) {
+        let unit = name[*seam..].trim_start_matches(ends);
+        if let Some(unit) =
+            [unit.replacen(ends, "/", 1), unit.to_owned()].into_iter().find(|unit| is_unit(unit))
+        {
+            return (&name[..*seam], unit);
+        }
+    }
+    (name, String::new())
+}
+
+fn is_unit(text: &str) -> bool {
+    matches!(Unit::of(text), Unit::Known(..))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::{Field, Slot};
+    use itpms_core::sample::Corner;
+
+    #[test]
+    fn units_end_names() {
+        for (name, bare, unit) in [
+            ("Speed [km/h]", "Speed", "km/h"),
+            ("AccZ_FL (g)", "AccZ_FL", "g"),
+            ("AccZ (front left)", "AccZ (front left)", ""),
+            ("v_kmh", "v", "kmh"),
+            ("fl_body_acc_m_s2", "fl_body_acc", "m/s2"),
+            ("speed_m_s", "speed", "m/s"),
+            ("veh.speed.km.h", "veh.speed", "km/h"),
+            ("Raw [LSB]", "Raw", "LSB"),
+            ("VehicleSpeed", "VehicleSpeed", ""),
+            ("g", "g", ""),
+            ("fl_road_m", "fl_road", "m"),
+        ] {
+            assert_eq!(split(name), (bare, unit.to_owned()), "{name}");
+        }
+    }
+
+    #[test]
+    fn the_unit_counts_in_the_columns_own() {
+        let factor = |name: &str, slot| {
+            Unit::of(&candidate(name).unit).conversion_to(slot).map(|conversion| conversion.factor)
+        };
+        let body = Slot::Corner(Corner::FrontLeft, Field::BodyAccel);
+        assert_eq!(factor("acc_m_s2", body), Some(1.0));
+        assert_eq!(factor("acc_g", body), Some(9.806_65));
+        assert_eq!(factor("v_km_h", Slot::Speed), Some(1.0 / 3.6));
+        assert_eq!(factor("v [Unit_KiloMeterPerHour]", Slot::Speed), Some(1.0 / 3.6));
+        assert_eq!(factor("acc_g", Slot::Speed), None);
+    }
+
+    #[test]
+    fn clocks() {
+        for (name, seconds) in [
+            ("time_s", Some(1.0)),
+            ("Time", Some(1.0)),
+            ("t [ms]", Some(1e-3)),
+            ("timestamp_ns", Some(1e-9)),
+            ("Timestamps", Some(1.0)),
+            ("time of day", None),
+            ("lap_time_s", None),
+            ("time [LSB]", None),
+        ] {
+            assert_eq!(clock(name), seconds, "{name}");
+        }
+    }
+}

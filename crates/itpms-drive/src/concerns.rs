@@ -1,0 +1,117 @@
+//! What should be known before believing a result, said in sentences.
+
+use itpms_core::estimator::EstimatorKind;
+use itpms_core::sample::Corner;
+use itpms_data::{LogReader, Vehicle};
+
+use crate::drive::Drive;
+use crate::error::DriveError;
+use crate::run::Job;
+
+/// Rates in Hz for which the estimators are made.
+const USUAL_RATES_HZ: std::ops::RangeInclusive<f64> = 99.0..=2020.0;
+/// Seconds of driving that a reset should have.
+const SHORTEST_RESET_S: f64 = 10.0;
+
+/// The corners that the log has measured and the vehicle file describes.
+///
+/// # Errors
+/// There is none.
+pub fn common_corners(log: &LogReader, vehicle: &Vehicle) -> Result<Vec<Corner>, DriveError> {
+    let measured = log.columns().present();
+    let common: Vec<Corner> = measured.iter().copied().filter(|c| vehicle.corner(*c).is_some()).collect();
+    if common.is_empty() {
+        let described = Corner::ALL.into_iter().filter(|c| vehicle.corner(*c).is_some()).collect::<Vec<_>>();
+        return Err(DriveError::Mismatch(format!(
+            "{} has the corners {}, but the vehicle {:?} describes {}",
+            log.path().display(),
+            labels(&measured),
+            vehicle.name,
+            labels(&described)
+        )));
+    }
+    Ok(common)
+}
+
+fn labels(corners: &[Corner]) -> String {
+    corners.iter().map(|corner| corner.label()).collect::<Vec<_>>().join(" ")
+}
+
+/// What a person, or a script, should know before believing the result.
+pub(crate) fn of(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Vec<String> {
+    let (vehicle, settings) = (job.vehicle, job.settings);
+    let mut concerns = log.repairs().warnings();
+    let present = log.columns().present();
+    for corner in present.iter().filter(|corner| vehicle.corner(**corner).is_none()) {
+        concerns.push(format!("corner {} is not in the vehicle file and was not estimated", corner.label()));
+    }
+    let rate = log.survey().sample_rate_hz;
+    if !USUAL_RATES_HZ.contains(&rate) {
+        concerns.push(format!("sampled at {rate:.1} Hz, expected 100 Hz to 2 kHz: less accurate"));
+    }
+    let both =
+        |front, rear| [front, rear].iter().all(|c| present.contains(c) && vehicle.corner(*c).is_some());
+    let axles = both(Corner::FrontLeft, Corner::RearLeft) || both(Corner::FrontRight, Corner::RearRight);
+    if axles && settings.estimator == EstimatorKind::Informed {
+        let alone =
+            "so front and rear cannot be held against each other: less accurate, every wheel is by itself";
+        if !log.columns().speed {
+            concerns.push(format!("no speed_m_s, {alone}"));
+        }
+        if vehicle.wheelbase_m.is_none() {
+            concerns.push(format!("the vehicle file has no wheelbase_m, {alone}"));
+        }
+        if let Some(share) = drive.speed_unknown().filter(|_| log.columns().speed) {
+            concerns.push(format!(
+                "speed_m_s is unknown for {:.0} % of the time (a value goes on for half a second), and for as long every wheel is by itself: less accurate",
+                100.0 * share
+            ));
+        } else if drive.never_met() && log.columns().speed && vehicle.wheelbase_m.is_some() {
+            concerns.push(
+                "front and rear were never found to meet the same road, so every wheel is by itself: speed_m_s in another unit, another wheelbase_m, wheels confused, or too many values missing?"
+                    .to_owned(),
+            );
+        }
+    }
+    if let Some(seconds) = settings.calibrate_s.filter(|seconds| drive.length_s() < *seconds) {
+        concerns.push(format!(
+            "the reset of {seconds} s outlasts the drive of {:.1} s: every pressure is the placard's because that was said, not because it was found",
+            drive.length_s()
+        ));
+    }
+    if let Some(seconds) = settings.calibrate_s.filter(|seconds| *seconds < SHORTEST_RESET_S) {
+        concerns.push(format!(
+            "a reset of {seconds} s teaches little of the car, expected {SHORTEST_RESET_S} s or more of driving"
+        ));
+    }
+    if let Some(seconds) = drive.speed_late_s() {
+        let way = if seconds > 0.0 { "late" } else { "early" };
+        concerns.push(format!(
+            "speed_m_s comes {:.2} s {way}: while the car brakes or speeds up front and rear meet the same road elsewhere than it says; allowed for since that was found",
+            seconds.abs()
+        ));
+    }
+    if let Some((rows, first)) = drive.absurd_speeds() {
+        concerns.push(format!(
+            "{rows} rows have a speed_m_s that no car has, the first {first:e}; they count as rows without one"
+        ));
+    }
+    if let Some(seconds) = drive.denied_s() {
+        concerns.push(format!(
+            "for {seconds:.1} s speed_m_s says that the car stands while its wheels roll; it was taken as unknown, and for as long every wheel is by itself: less accurate. Has the signal failed?"
+        ));
+    }
+    if let Some(path) = settings.reference.as_ref().filter(|_| !axles || vehicle.wheelbase_m.is_none()) {
+        concerns.push(format!(
+            "{}: without effect: what a reset teaches is of front and rear over the same road",
+            path.display()
+        ));
+    }
+    if matches!(settings.estimator, EstimatorKind::AekfUi | EstimatorKind::EkfUi) {
+        let label = settings.estimator.label();
+        concerns.push(format!(
+            "{label} as published cannot find the stiffness: its pressure says nothing about the tire"
+        ));
+    }
+    concerns
+}

@@ -1,0 +1,32 @@
+//! Why there is no result.
+
+use std::io;
+
+use itpms_core::quarter_car::ParameterError;
+use itpms_data::DataError;
+use itpms_sim::error::ScenarioError;
+use thiserror::Error;
+
+/// Why a drive was not estimated. Its message is complete.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum DriveError {
+    /// A file in or out.
+    #[error(transparent)]
+    Data(#[from] DataError),
+    /// A parameter that the estimator or its monitor refuses.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// A scenario.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// Settings and inputs that do not go together.
+    #[error("{0}")]
+    Mismatch(String),
+    /// The page about the drive.
+    #[error("the report cannot be made: {0}")]
+    Report(io::Error),
+    /// Somebody said so.
+    #[error("interrupted")]
+    Stopped,
+}

@@ -1,0 +1,132 @@
+//! The files a drive leaves: pressures as they are known, road and report half a minute later, all of them renamed
+//! to their names at the very end or none.
+
+use std::path::PathBuf;
+
+use itpms_core::monitor::Change;
+use itpms_core::sample::Corner;
+use itpms_data::out::{AtomicFile, EstimateWriter, RateGate, RoadPoint, RoadWriter, transition_object};
+use itpms_data::{LogRow, Vehicle};
+use itpms_study::report;
+use serde_json::Value;
+
+use crate::drive::Estimates;
+use crate::error::DriveError;
+use crate::reference::Saving;
+use crate::road::LateRow;
+use crate::run::{Done, Sink};
+use crate::settings::Settings;
+
+/// Which files are wanted.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct FilePaths {
+    /// Pressures: .csv or .parquet.
+    pub estimates: Option<PathBuf>,
+    /// The road under each wheel: .csv or .parquet.
+    pub road: Option<PathBuf>,
+    /// The page about the drive.
+    pub report: Option<PathBuf>,
+    /// Warnings and malfunctions as they come and go.
+    pub events: Option<PathBuf>,
+    /// What the calibration drive taught.
+    pub reference: Option<PathBuf>,
+}
+
+impl FilePaths {
+    /// Whether any of them needs the smoothed road.
+    #[must_use]
+    pub fn want_road(&self) -> bool {
+        self.road.is_some() || self.report.is_some()
+    }
+}
+
+/// The files in the making.
+#[derive(Debug)]
+pub struct Files {
+    estimates: Option<EstimateWriter>,
+    gate: RateGate,
+    road: Option<RoadWriter>,
+    page: Option<AtomicFile>,
+    events: Option<AtomicFile>,
+    reference: Option<Saving>,
+    calibrate_s: Option<f64>,
+}
+
+impl Files {
+    /// Starts all files, so that one that cannot be written is known before the work begins.
+    ///
+    /// # Errors
+    /// A file cannot be created.
+    pub fn create(
+        paths: &FilePaths,
+        settings: &Settings,
+        vehicle: &Vehicle,
+        corners: &[Corner],
+    ) -> Result<Self, DriveError> {
+        let saving = |path: &PathBuf| Saving::create(path, settings, vehicle);
+        let estimates = paths.estimates.as_ref();
+        Ok(Self {
+            estimates: estimates.map(|path| EstimateWriter::create(path, corners)).transpose()?,
+            gate: RateGate::new(settings.rate_hz),
+            road: paths.road.as_ref().map(|path| RoadWriter::create(path, corners)).transpose()?,
+            page: paths.report.as_ref().map(|path| AtomicFile::create(path)).transpose()?,
+            events: paths.events.as_ref().map(|path| AtomicFile::create(path)).transpose()?,
+            reference: paths.reference.as_ref().map(saving).transpose()?,
+            calibrate_s: settings.calibrate_s,
+        })
+    }
+
+    /// Completes all files and gives them their names.
+    ///
+    /// # Errors
+    /// A file cannot be written; a calibration drive taught nothing.
+    pub fn complete(self, done: &Done) -> Result<(), DriveError> {
+        let mut files = Vec::new();
+        if let Some(estimates) = self.estimates {
+            files.push(estimates.finish()?);
+        }
+        if let Some(road) = self.road {
+            files.push(road.finish()?);
+        }
+        if let Some(mut page) = self.page {
+            page.append(report::render_report(&done.data).map_err(DriveError::Report)?.as_bytes())?;
+            page.settle()?;
+            files.push(page);
+        }
+        if let Some(reference) = self.reference {
+            files.push(reference.complete(self.calibrate_s, done.learned)?);
+        }
+        if let Some(mut events) = self.events {
+            events.settle()?;
+            files.push(events);
+        }
+        files.into_iter().try_for_each(|file| Ok(file.commit()?))
+    }
+}
+
+impl Sink for Files {
+    fn row(&mut self, row: &LogRow, estimates: &Estimates) -> Result<(), DriveError> {
+        if let Some(writer) = &mut self.estimates
+            && self.gate.lets_through(row.time_s)
+        {
+            writer.write(row.time_s, estimates)?;
+        }
+        Ok(())
+    }
+
+    fn road(&mut self, late: &LateRow) -> Result<(), DriveError> {
+        let Some(road) = &mut self.road else { return Ok(()) };
+        let point = |e: &itpms_core::estimate::CornerEstimate<f64>| RoadPoint {
+            road_m: e.road_m,
+            road_sd_m: e.road_sd_m,
+        };
+        let points = late.estimates.map(|estimate| estimate.as_ref().map(point));
+        Ok(road.write(late.row.time_s, late.distance_m, &points)?)
+    }
+
+    fn transition(&mut self, time_s: f64, change: &Change<f64>) -> Result<(), DriveError> {
+        let Some(file) = &mut self.events else { return Ok(()) };
+        let line = Value::Object(transition_object(time_s, change));
+        Ok(file.append(format!("{line}\n").as_bytes())?)
+    }
+}

@@ -1,0 +1,289 @@
+//! Many drives of many cars: each estimated as `itpms estimate` would, finished ones kept when the run is stopped, a
+//! table and a page about all of them at the end.
+//!
+//! | module | idea |
+//! |---|---|
+//! | [`found`] | which files are meant, in which order |
+//! | [`cars`] | whose drive a file is |
+//! | [`record`] | what is kept of a drive, and the file that keeps it |
+//! | `one` | one drive |
+//! | `crew` | several at a time |
+//! | `tables` | `fleet.csv`, `fleet.parquet`, `failed.csv` |
+//! | [`standing`] | how each car stands after its last drive |
+//! | `page`, `histogram` | `index.html` |
+//!
+//! Calibration drives come first, because they need no others; what each taught of its car is stored, and every later
+//! drive of that car starts with it. So all drives of a stage are independent of each other. The same files give the same
+//! results, whatever the number of threads and however often the run was stopped.
+
+pub mod cars;
+mod crew;
+pub mod found;
+mod histogram;
+mod one;
+mod page;
+pub mod record;
+pub mod standing;
+mod tables;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use itpms_data::log::LogOptions;
+use itpms_data::reference::crc64;
+use serde_json::{Value, json};
+
+pub use glob::{Pattern, PatternError};
+
+use crate::error::DriveError;
+use crate::settings::Settings;
+use cars::{Car, Cars};
+use crew::Progress;
+use found::Found;
+use one::Errand;
+use record::{DriveRecord, Inputs, Records};
+
+/// What a fleet's run is.
+#[derive(Debug)]
+pub struct Plan {
+    /// The drives.
+    pub files: Vec<Found>,
+    /// The cars.
+    pub cars: Cars,
+    /// How each drive is estimated; its calibration and its reference are set drive by drive.
+    pub settings: Settings,
+    /// Which drives are calibration drives; `None`: none is.
+    pub calibration: Option<Calibration>,
+    /// How logs are read.
+    pub options: LogOptions,
+    /// The folder of the results.
+    pub out: PathBuf,
+    /// Whether every drive leaves its report, and its estimates.
+    pub reports: bool,
+    /// Whether every drive leaves its estimates as CSV.
+    pub estimates: bool,
+    /// Drives at a time.
+    pub jobs: usize,
+    /// What tells this program from another that might compute otherwise.
+    pub program: String,
+}
+
+/// Which drives begin at placard pressure, and for how long.
+#[derive(Debug, Clone)]
+pub struct Calibration {
+    /// So many seconds.
+    pub seconds: f64,
+    /// Those whose path this fits; `None`: each car's first.
+    pub drives: Option<Pattern>,
+}
+
+/// How far a run is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Standing {
+    /// Share of the bytes, 0 to 1.
+    pub share: f64,
+    /// Drives that are done, those of earlier runs included.
+    pub done: usize,
+    /// All drives.
+    pub drives: usize,
+}
+
+/// Who is told how far it is, on any thread, and says whether to go on.
+pub type Watch<'a> = &'a (dyn Fn(Standing) -> ControlFlow<()> + Sync);
+
+/// A drive that could not be estimated.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Failed {
+    /// The file.
+    pub file: PathBuf,
+    /// The car, if it is known.
+    pub car: Option<String>,
+    /// Why, in a sentence.
+    pub why: String,
+}
+
+/// What a run found.
+#[derive(Debug, Default)]
+pub struct Outcome {
+    /// Every drive that was estimated, in the order of the files.
+    pub drives: Vec<DriveRecord>,
+    /// Every other one.
+    pub failed: Vec<Failed>,
+    /// How many of the drives an earlier run had done.
+    pub kept: usize,
+}
+
+/// A file with its car, and what it is in the car's history.
+struct Assigned<'a> {
+    number: usize,
+    file: &'a Found,
+    car: &'a Car,
+    calibrate: bool,
+}
+
+/// Estimates all drives that are not done, and writes the tables and the page.
+///
+/// # Errors
+/// The folder cannot be used, or [`DriveError::Stopped`]: what is finished is kept. A drive that fails is no error.
+pub fn survey(plan: &Plan, watch: Watch<'_>) -> Result<Outcome, DriveError> {
+    let mut records = Records::open(&plan.out.join("drives.jsonl"), heading(plan)?)?;
+    let mut failed = BTreeMap::new();
+    let assigned = assign(plan, &mut failed);
+    let progress = Progress::new(plan, watch);
+    let mut kept = 0;
+    for calibrating in [true, false] {
+        let mut errands = Vec::new();
+        for drive in assigned.iter().filter(|drive| drive.calibrate == calibrating) {
+            match errand(plan, drive, &assigned, &records) {
+                Ok(errand) if records.holds(&errand.name, &errand.inputs, &plan.out, plan) => {
+                    kept += 1;
+                    progress.finished(drive.file.bytes);
+                }
+                Ok(errand) => errands.push(errand),
+                Err(error) => {
+                    failed.insert(drive.number, failure(drive, error.to_string()));
+                    progress.finished(drive.file.bytes);
+                }
+            }
+        }
+        failed.extend(crew::run(plan, errands, &mut records, &progress)?);
+    }
+    let drives: Vec<DriveRecord> = assigned
+        .iter()
+        .filter(|drive| !failed.contains_key(&drive.number))
+        .filter_map(|drive| records.of(&drive.file.name()).cloned())
+        .collect();
+    let outcome = Outcome { drives: in_order(drives), failed: failed.into_values().collect(), kept };
+    tables::write(&plan.out, &outcome)?;
+    page::write(plan, &outcome)?;
+    Ok(outcome)
+}
+
+fn failure(drive: &Assigned<'_>, why: String) -> Failed {
+    Failed { file: drive.file.path.clone(), car: Some(drive.car.id.clone()), why }
+}
+
+/// Every file whose car is known; the others fail.
+fn assign<'a>(plan: &'a Plan, failed: &mut BTreeMap<usize, Failed>) -> Vec<Assigned<'a>> {
+    let mut assigned: Vec<Assigned<'a>> = Vec::new();
+    for (number, file) in plan.files.iter().enumerate() {
+        match plan.cars.of(&file.path) {
+            Ok(car) => {
+                let calibrate = match &plan.calibration {
+                    None => false,
+                    Some(Calibration { drives: Some(pattern), .. }) => pattern.matches_path(&file.path),
+                    Some(Calibration { drives: None, .. }) => {
+                        !assigned.iter().any(|earlier| std::ptr::eq(earlier.car, car))
+                    }
+                };
+                assigned.push(Assigned { number, file, car, calibrate });
+            }
+            Err(why) => {
+                failed.insert(number, Failed { file: file.path.clone(), car: None, why });
+            }
+        }
+    }
+    assigned
+}
+
+/// What is to be done for a drive, and from which inputs.
+fn errand<'a>(
+    plan: &'a Plan,
+    drive: &Assigned<'a>,
+    all: &[Assigned<'_>],
+    records: &Records,
+) -> Result<Errand<'a>, DriveError> {
+    let mut settings = plan.settings.clone();
+    if let Some(calibration) = plan.calibration.as_ref().filter(|_| drive.calibrate) {
+        settings.calibrate_s = Some(calibration.seconds);
+    } else {
+        settings.reference = carried(plan, drive, all, records).or_else(|| drive.car.reference.clone());
+    }
+    let inputs = Inputs {
+        bytes: drive.file.bytes,
+        modified: drive.file.modified.clone(),
+        vehicle: drive.car.fingerprint.clone(),
+        calibrate: drive.calibrate,
+        reference: settings.reference.as_deref().map(fingerprint).transpose()?,
+    };
+    let (name, bytes) = (drive.file.name(), drive.file.bytes);
+    Ok(Errand { number: drive.number, name, path: &drive.file.path, bytes, car: drive.car, settings, inputs })
+}
+
+/// What the last calibration drive of the car before this one taught, if one did.
+fn carried(plan: &Plan, drive: &Assigned<'_>, all: &[Assigned<'_>], records: &Records) -> Option<PathBuf> {
+    let taught = |earlier: &&Assigned<'_>| {
+        earlier.calibrate
+            && earlier.car.id == drive.car.id
+            && records.of(&earlier.file.name()).is_some_and(|record| record.taught)
+    };
+    let mut earlier = all.iter().filter(|earlier| earlier.number < drive.number);
+    let last = earlier.rfind(taught)?;
+    Some(reference_path(&plan.out, &last.file.path))
+}
+
+/// Where what a calibration drive taught is kept.
+fn reference_path(out: &Path, drive: &Path) -> PathBuf {
+    beneath(&out.join("references"), drive, "reference")
+}
+
+/// A place in `folder` that is the drive's alone: its path, its name with one more extension.
+fn beneath(folder: &Path, drive: &Path, extension: &str) -> PathBuf {
+    use std::path::Component;
+    let mut place = folder.to_owned();
+    for component in drive.components() {
+        match component {
+            Component::Normal(name) => place.push(name),
+            Component::ParentDir => place.push("__"),
+            Component::CurDir | Component::RootDir | Component::Prefix(_) => {}
+        }
+    }
+    place.as_mut_os_string().push(format!(".{extension}"));
+    place
+}
+
+/// A checksum of a file's contents.
+fn fingerprint(path: &Path) -> Result<String, DriveError> {
+    let unreadable = |error| DriveError::Mismatch(format!("{}: cannot be read: {error}", path.display()));
+    Ok(format!("{:016x}", crc64(&[&fs::read(path).map_err(unreadable)?])))
+}
+
+/// What the results depend on besides the inputs of each drive.
+fn heading(plan: &Plan) -> Result<Value, DriveError> {
+    let content = |path: &Option<PathBuf>| path.as_deref().map(fingerprint).transpose();
+    let Plan { settings, options, .. } = plan;
+    Ok(json!({
+        "itpms_fleet": 1,
+        "program": plan.program,
+        "estimator": settings.estimator.label(),
+        "regulation": settings.regulation.label(),
+        "road_repeats": format!("{:?}", settings.road_repeats),
+        "rate_hz": settings.rate_hz,
+        "calibrate_s": plan.calibration.as_ref().map(|calibration| calibration.seconds),
+        "units": format!("{:?}", options.units),
+        "dbc": content(&options.dbc)?,
+        "signals": content(&options.signals)?,
+    }))
+}
+
+/// Drives in the order of their cars; a drive that begins before the one before it, by a clock that counts from an epoch,
+/// says so.
+fn in_order(mut drives: Vec<DriveRecord>) -> Vec<DriveRecord> {
+    let mut last: BTreeMap<String, (f64, String)> = BTreeMap::new();
+    for drive in &mut drives {
+        if drive.origin_s == 0.0 {
+            continue;
+        }
+        if let Some((start_s, file)) = last.get(&drive.car)
+            && drive.start_s < *start_s
+        {
+            drive.concerns.push(format!(
+                "begins before {file}, whose name comes first: the drives of a car are taken in the order of their names"
+            ));
+        }
+        last.insert(drive.car.clone(), (drive.start_s, drive.file.clone()));
+    }
+    drives
+}

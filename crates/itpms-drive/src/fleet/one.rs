@@ -1,0 +1,166 @@
+//! One drive of the fleet, estimated as `itpms estimate` estimates it.
+
+use std::fs;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use itpms_core::estimate::Warning;
+use itpms_core::monitor::WheelState;
+use itpms_core::sample::Corner;
+use itpms_data::{LogReader, LogRow};
+use itpms_study::report::{CornerReport, Reading};
+
+use super::cars::Car;
+use super::record::{DriveRecord, Inputs, Pressure, WheelRecord};
+use super::{Plan, beneath, reference_path};
+use crate::concerns::common_corners;
+use crate::drive::Estimates;
+use crate::error::DriveError;
+use crate::files::{FilePaths, Files};
+use crate::reference::Saving;
+use crate::road::LateRow;
+use crate::run::{Done, Job, Sink, estimate};
+use crate::settings::Settings;
+
+/// A drive to be estimated.
+pub(super) struct Errand<'a> {
+    /// Its place among the files.
+    pub(super) number: usize,
+    pub(super) name: String,
+    pub(super) path: &'a Path,
+    pub(super) bytes: u64,
+    pub(super) car: &'a Car,
+    pub(super) settings: Settings,
+    pub(super) inputs: Inputs,
+}
+
+/// Does it. `watch` is told the share of the log that is done.
+pub(super) fn run(
+    plan: &Plan,
+    errand: &Errand<'_>,
+    watch: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Result<DriveRecord, DriveError> {
+    let vehicle = errand.car.vehicle.as_ref().map_err(|why| DriveError::Mismatch(why.clone()))?;
+    let mut log = LogReader::open_with(errand.path, &plan.options)?;
+    let corners = common_corners(&log, vehicle)?;
+    let settings = &errand.settings;
+    let paths = FilePaths {
+        estimates: plan.estimates.then(|| place(plan, "estimates", errand.path, "csv")).transpose()?,
+        report: plan.reports.then(|| place(plan, "reports", errand.path, "html")).transpose()?,
+        ..FilePaths::default()
+    };
+    let mut sink = Counting {
+        files: Files::create(&paths, settings, vehicle, &corners)?,
+        first_s: None,
+        before: [Warning::None; 4],
+        begun: [[0; 2]; 4],
+    };
+    // The road is smoothed as for a report: the same roughness with and without one.
+    let job = Job { vehicle, corners: &corners, settings, road: true };
+    let mut done = estimate(&mut log, &job, &mut sink, watch)?;
+    let taught = teach(plan, errand, &mut done)?;
+    sink.files.complete(&done)?;
+    let within = |path: &Option<PathBuf>| {
+        let path = path.as_ref()?.strip_prefix(&plan.out).ok()?;
+        Some(path.iter().map(|name| name.to_string_lossy()).collect::<Vec<_>>().join("/"))
+    };
+    let drive = &done.data.drive;
+    Ok(DriveRecord {
+        file: errand.name.clone(),
+        car: errand.car.id.clone(),
+        vehicle: vehicle.name.clone(),
+        inputs: errand.inputs.clone(),
+        taught,
+        start_s: sink.first_s.unwrap_or(0.0),
+        origin_s: drive.origin_s,
+        duration_s: drive.duration_s,
+        rate_hz: drive.rate_hz,
+        distance_m: Some(drive.distance_m).filter(|distance| distance.is_finite()),
+        wheels: done.data.corners.iter().map(|corner| wheel(corner, &sink.begun)).collect(),
+        alerts: done.alerts.sentences().collect(),
+        concerns: std::mem::take(&mut done.concerns),
+        report: within(&paths.report),
+        estimates: within(&paths.estimates),
+    })
+}
+
+/// The place of one of the drive's files, its folder made.
+fn place(plan: &Plan, kind: &str, drive: &Path, extension: &str) -> Result<PathBuf, DriveError> {
+    let place = beneath(&plan.out.join(kind), drive, extension);
+    make_folder_of(&place)?;
+    Ok(place)
+}
+
+fn make_folder_of(file: &Path) -> Result<(), DriveError> {
+    let Some(folder) = file.parent() else { return Ok(()) };
+    fs::create_dir_all(folder)
+        .map_err(|error| DriveError::Mismatch(format!("{}: cannot be made: {error}", folder.display())))
+}
+
+/// Stores what a calibration drive taught; whether it did. One that taught nothing is a drive all the same.
+fn teach(plan: &Plan, errand: &Errand<'_>, done: &mut Done) -> Result<bool, DriveError> {
+    let Some(seconds) = errand.settings.calibrate_s else { return Ok(false) };
+    if done.learned.is_none() {
+        done.concerns.push(format!(
+            "a calibration drive of {seconds} s that taught nothing of the car: later drives start without it"
+        ));
+        return Ok(false);
+    }
+    let path = reference_path(&plan.out, errand.path);
+    make_folder_of(&path)?;
+    let Ok(vehicle) = &errand.car.vehicle else { return Ok(false) };
+    Saving::create(&path, &errand.settings, vehicle)?.complete(Some(seconds), done.learned)?.commit()?;
+    Ok(true)
+}
+
+fn wheel(corner: &CornerReport, begun: &[[u32; 2]; 4]) -> WheelRecord {
+    let figures = &corner.figures;
+    let [warnings, malfunctions] = begun[corner.corner.index()];
+    let pressure = |r: Reading| Pressure { time_s: r.time_s, pressure_kpa: r.pressure_kpa, sd_kpa: r.sd_kpa };
+    WheelRecord {
+        wheel: corner.corner.label().to_owned(),
+        placard_kpa: corner.placard_kpa,
+        state: corner.state.map_or("unknown", WheelState::label).to_owned(),
+        warning: figures.warning.label().to_owned(),
+        last: figures.last.map(pressure),
+        lowest: figures.lowest.map(pressure),
+        share_valid: figures.share_valid,
+        warnings,
+        first_warning_s: figures.low_since_s,
+        malfunctions,
+        first_malfunction_s: figures.malfunction_since_s,
+        iri_m_per_km: corner.road.as_ref().and_then(|road| road.iri_m_per_km),
+    }
+}
+
+/// The drive's files, and how often each wheel's warnings began.
+struct Counting {
+    files: Files,
+    first_s: Option<f64>,
+    before: [Warning; 4],
+    /// Of each corner: low, malfunction.
+    begun: [[u32; 2]; 4],
+}
+
+impl Sink for Counting {
+    fn row(&mut self, row: &LogRow, estimates: &Estimates) -> Result<(), DriveError> {
+        self.first_s.get_or_insert(row.time_s);
+        for corner in Corner::ALL {
+            let i = corner.index();
+            let Some(now) = estimates[i].as_ref().map(|estimate| estimate.warning) else { continue };
+            if now != self.before[i] {
+                match now {
+                    Warning::None => {}
+                    Warning::Low => self.begun[i][0] += 1,
+                    Warning::Malfunction => self.begun[i][1] += 1,
+                }
+                self.before[i] = now;
+            }
+        }
+        self.files.row(row, estimates)
+    }
+
+    fn road(&mut self, late: &LateRow) -> Result<(), DriveError> {
+        self.files.road(late)
+    }
+}

@@ -1,0 +1,392 @@
+//! The page about the whole fleet: complete in itself, readable without a script and on a phone.
+//!
+//! Every text that comes from outside goes through [`escape`].
+
+use std::fmt::Write as _;
+
+use itpms_data::out::AtomicFile;
+use itpms_study::plot::{Figure, Ink, escape};
+use itpms_study::report::BASE_STYLE;
+
+use super::histogram::histogram;
+use super::record::{DriveRecord, WheelRecord};
+use super::standing::{CarStanding, State, lowest, share};
+use super::{Outcome, Plan};
+use crate::error::DriveError;
+
+const TEMPLATE: &str = include_str!("page.html");
+const STYLE: &str = include_str!("page.css");
+/// Cars, drives and failures that are listed; the tables have all.
+const LISTED: usize = 500;
+/// Points of a car's line over its drives.
+const LINE: usize = 60;
+
+/// Writes `index.html`.
+pub(super) fn write(plan: &Plan, outcome: &Outcome) -> Result<(), DriveError> {
+    let mut file = AtomicFile::create(&plan.out.join("index.html"))?;
+    file.append(page(plan, outcome).as_bytes())?;
+    Ok(file.commit()?)
+}
+
+fn page(plan: &Plan, outcome: &Outcome) -> String {
+    let cars = CarStanding::of_all(&outcome.drives);
+    let headline = escape(&headline(&cars));
+    let parts: [(&str, String); 9] = [
+        ("headline", headline),
+        ("base_style", BASE_STYLE.into()),
+        ("style", STYLE.into()),
+        ("subline", subline(outcome, &cars)),
+        ("cards", cards(&cars)),
+        ("cars", cars_table(&cars)),
+        ("figures", figures(&outcome.drives, &cars)),
+        ("drives", drives_table(&outcome.drives) + &failed_table(outcome)),
+        ("provenance", provenance(plan)),
+    ];
+    let (mut page, mut rest) = (String::new(), TEMPLATE);
+    while let Some((before, after)) = rest.split_once("{{") {
+        page.push_str(before);
+        let (name, after) = after.split_once("}}").unwrap_or(("", after));
+        page.extend(parts.iter().filter(|(key, _)| *key == name).map(|(_, text)| text.as_str()));
+        rest = after;
+    }
+    page + rest
+}
+
+/// `3 of 12 cars have a low tire`: the most urgent thing there is.
+pub(super) fn headline(cars: &[CarStanding<'_>]) -> String {
+    let all = match cars.len() {
+        0 => return "No drive could be estimated".to_owned(),
+        1 => "1 car".to_owned(),
+        n => format!("{n} cars"),
+    };
+    let count = |state| cars.iter().filter(|car| car.state == state).count();
+    let say = |n: usize, one: &str, more: &str| {
+        if cars.len() == 1 {
+            format!("The car {one}")
+        } else {
+            format!("{n} of {all} {}", if n == 1 { one } else { more })
+        }
+    };
+    match (count(State::Low), count(State::Malfunction), count(State::Over), count(State::Unknown)) {
+        (0, 0, 0, 0) => format!("No warning on {all}"),
+        (0, 0, 0, n) => say(n, "is not known well enough", "are not known well enough"),
+        (0, 0, n, _) => say(n, "has a tire with too much pressure", "have a tire with too much pressure"),
+        (0, n, ..) => say(n, "has a sensor fault", "have a sensor fault"),
+        (n, ..) => say(n, "has a low tire", "have a low tire"),
+    }
+}
+
+fn subline(outcome: &Outcome, cars: &[CarStanding<'_>]) -> String {
+    let drives = &outcome.drives;
+    let km = drives.iter().filter_map(|drive| drive.distance_m).sum::<f64>() / 1000.0;
+    let hours = drives.iter().map(|drive| drive.duration_s).sum::<f64>() / 3600.0;
+    let mut parts = vec![
+        counted(cars.len(), "car"),
+        counted(drives.len(), "drive"),
+        format!("{}\u{a0}km", few(km)),
+        duration(3600.0 * hours),
+    ];
+    if !outcome.failed.is_empty() {
+        parts.push(format!("<a href=\"#failed\">{} failed</a>", counted(outcome.failed.len(), "file")));
+    }
+    parts.join(" <span class=\"dot\">·</span> ")
+}
+
+fn counted(n: usize, what: &str) -> String {
+    format!("{n}\u{a0}{what}{}", if n == 1 { "" } else { "s" })
+}
+
+/// With a decimal where it is small.
+fn few(value: f64) -> String {
+    if value < 10.0 { format!("{value:.1}") } else { format!("{value:.0}") }
+}
+
+/// How many cars are in each state.
+fn cards(cars: &[CarStanding<'_>]) -> String {
+    let mut out = String::new();
+    for state in State::ALL {
+        let n = cars.iter().filter(|car| car.state == state).count();
+        let (class, share) = (state.label(), 100.0 * n as f64 / cars.len().max(1) as f64);
+        let _ = writeln!(
+            out,
+            "<div class=\"card {class}{none}\"><span class=\"badge {class}\">{word}</span><span class=\"card-number\">{n}</span>\
+             <span class=\"bar\"><i style=\"width:{share:.1}%\"></i></span><span class=\"card-foot\">{share:.0} % of the cars</span></div>",
+            none = if n == 0 { " none" } else { "" },
+            word = word(state),
+        );
+    }
+    out
+}
+
+fn word(state: State) -> &'static str {
+    match state {
+        State::Low => "Low",
+        State::Malfunction => "Malfunction",
+        State::Over => "Too high",
+        State::Unknown => "Not known",
+        State::Fine => "Fine",
+    }
+}
+
+fn badge(state: State) -> String {
+    format!("<span class=\"badge {}\">{}</span>", state.label(), word(state))
+}
+
+/// The cars, the worst first, each with its wheels at the end of its last drive.
+fn cars_table(cars: &[CarStanding<'_>]) -> String {
+    let mut out = String::from(
+        "<div class=\"scroll\"><table class=\"cars\"><thead><tr><th scope=\"col\">Car</th><th scope=\"col\">State</th>\
+         <th scope=\"col\">Front left</th><th scope=\"col\">Front right</th><th scope=\"col\">Rear left</th>\
+         <th scope=\"col\">Rear right</th><th scope=\"col\">Over its drives</th><th scope=\"col\">Last drive</th></tr></thead><tbody>\n",
+    );
+    for car in cars.iter().take(LISTED) {
+        let Some(last) = car.last() else { continue };
+        let wheels: String = ["fl", "fr", "rl", "rr"].map(|name| wheel_cell(last, name)).concat();
+        let _ = writeln!(
+            out,
+            "<tr><th scope=\"row\">{name}<small>{vehicle}</small></th><td>{badge}</td>{wheels}<td class=\"line\">{line}</td>\
+             <td class=\"last\">{link}<small>{count}</small></td></tr>",
+            name = escape(car.car),
+            vehicle = if last.vehicle == car.car { String::new() } else { escape(&last.vehicle) },
+            badge = badge(car.state),
+            line = line(&car.drives),
+            link = link(last),
+            count = counted(car.drives.len(), "drive"),
+        );
+    }
+    out.push_str("</tbody></table></div>");
+    rest(&mut out, cars.len(), "cars");
+    out
+}
+
+/// A wheel's last pressure, with a bar up to a quarter above the placard's.
+fn wheel_cell(drive: &DriveRecord, name: &str) -> String {
+    let short = name.to_uppercase();
+    let Some(wheel) = drive.wheels.iter().find(|wheel| wheel.wheel == name) else {
+        return format!("<td class=\"wheel absent\" data-label=\"{short}\">–</td>");
+    };
+    let class = State::of_wheel(wheel).label();
+    let Some(last) = wheel.last else {
+        return format!("<td class=\"wheel {class}\" data-label=\"{short}\">not known</td>");
+    };
+    let percent = 100.0 * last.pressure_kpa / wheel.placard_kpa;
+    format!(
+        "<td class=\"wheel {class}\" data-label=\"{short}\"><b>{:.0}</b> <small>± {:.0} kPa</small>\
+         <span class=\"gauge\" title=\"{percent:.0} % of the placard's {:.0} kPa\"><i style=\"width:{:.1}%\"></i></span></td>",
+        last.pressure_kpa,
+        last.sd_kpa,
+        wheel.placard_kpa,
+        (percent * 0.8).clamp(0.0, 100.0),
+    )
+}
+
+/// The lowest wheel's share of the placard's pressure, drive by drive.
+fn line(drives: &[&DriveRecord]) -> String {
+    let recent = &drives[drives.len().saturating_sub(LINE)..];
+    let shares: Vec<f64> = recent.iter().map(|drive| lowest(Some(drive))).collect();
+    let known = shares.iter().filter(|share| share.is_finite()).count();
+    if known < 2 {
+        return String::new();
+    }
+    let x = |i: usize| 4.0 + 112.0 * i as f64 / (shares.len() - 1) as f64;
+    let y = |share: f64| 30.0 - 26.0 * ((share - 0.5) / 0.6).clamp(0.0, 1.0);
+    let points: Vec<String> = (shares.iter().enumerate())
+        .filter(|(_, share)| share.is_finite())
+        .map(|(i, share)| format!("{:.1},{:.1}", x(i), y(*share)))
+        .collect();
+    let last = points.last().and_then(|point| point.split_once(',')).unwrap_or(("0", "0"));
+    format!(
+        "<svg viewBox=\"0 0 120 34\" role=\"img\" aria-label=\"Lowest tire over {n} drives, {from:.0} to {to:.0} % of the placard's\">\
+         <path class=\"placard\" d=\"M4 {placard:.1}H116\"/><polyline points=\"{points}\"/><circle cx=\"{cx}\" cy=\"{cy}\" r=\"2.6\"/></svg>",
+        n = recent.len(),
+        from = 100.0 * shares.iter().copied().find(|share| share.is_finite()).unwrap_or(f64::NAN),
+        to = 100.0 * shares.iter().rev().copied().find(|share| share.is_finite()).unwrap_or(f64::NAN),
+        placard = y(1.0),
+        points = points.join(" "),
+        cx = last.0,
+        cy = last.1,
+    )
+}
+
+/// The drive's name, leading to its report where there is one.
+fn link(drive: &DriveRecord) -> String {
+    let short = drive.file.rsplit(['/', '\\']).next().unwrap_or(&drive.file);
+    match &drive.report {
+        Some(report) => format!("<a href=\"{}\">{}</a>", address(report), escape(short)),
+        None => format!("<span title=\"{}\">{}</span>", escape(&drive.file), escape(short)),
+    }
+}
+
+/// A path as the address of a link.
+fn address(path: &str) -> String {
+    let mut out = String::with_capacity(path.len());
+    for byte in path.bytes() {
+        if byte.is_ascii_alphanumeric() || b"-_.~/".contains(&byte) {
+            out.push(char::from(byte));
+        } else {
+            let _ = write!(out, "%{byte:02X}");
+        }
+    }
+    out
+}
+
+/// The drives, the worst first.
+fn drives_table(drives: &[DriveRecord]) -> String {
+    let mut order: Vec<&DriveRecord> = drives.iter().collect();
+    order.sort_by(|a, b| {
+        let urgency = State::of_drive(a).cmp(&State::of_drive(b));
+        urgency.then(lowest(Some(a)).total_cmp(&lowest(Some(b))))
+    });
+    let mut out = String::from(
+        "<div class=\"scroll\"><table class=\"drives\"><thead><tr><th scope=\"col\">Drive</th><th scope=\"col\">Car</th>\
+         <th scope=\"col\">State</th><th scope=\"col\">Lowest tire at the end</th><th scope=\"col\">Known</th><th scope=\"col\">IRI, m/km</th>\
+         <th scope=\"col\">Distance</th><th scope=\"col\">Time</th></tr></thead><tbody>\n",
+    );
+    for drive in order.into_iter().take(LISTED) {
+        let said = if drive.alerts.is_empty() {
+            String::new()
+        } else {
+            format!("<small>{}</small>", escape(&drive.alerts.join("; ")))
+        };
+        let km = drive.distance_m.map_or("–".to_owned(), |m| format!("{}\u{a0}km", few(m / 1000.0)));
+        let _ = writeln!(
+            out,
+            "<tr><th scope=\"row\">{}{said}</th><td data-label=\"car\">{}</td><td>{}</td><td class=\"lowest\" data-label=\"lowest\">{}</td><td class=\"n\" data-label=\"known\">{:.0} %</td>\
+             <td class=\"n\" data-label=\"IRI\">{}</td><td class=\"n\">{km}</td><td class=\"n\">{}</td></tr>",
+            link(drive),
+            escape(&drive.car),
+            badge(State::of_drive(drive)),
+            lowest_words(drive),
+            100.0 * mean(drive.wheels.iter().map(|wheel| Some(wheel.share_valid))).unwrap_or(0.0),
+            mean(drive.wheels.iter().map(|wheel| wheel.iri_m_per_km))
+                .map_or("–".to_owned(), |iri| format!("{iri:.2}")),
+            duration(drive.duration_s),
+        );
+    }
+    out.push_str("</tbody></table></div>");
+    rest(&mut out, drives.len(), "drives");
+    out
+}
+
+/// `FL 139 of 241 kPa`.
+fn lowest_words(drive: &DriveRecord) -> String {
+    let known = drive.wheels.iter().filter_map(|wheel| Some((wheel, share(wheel)?, wheel.last?)));
+    match known.min_by(|a, b| a.1.total_cmp(&b.1)) {
+        Some((wheel, _, last)) => {
+            let (name, placard) = (wheel.wheel.to_uppercase(), wheel.placard_kpa);
+            format!("{name} {:.0} of {placard:.0}\u{a0}kPa", last.pressure_kpa)
+        }
+        None => "not known".to_owned(),
+    }
+}
+
+fn duration(seconds: f64) -> String {
+    let whole = seconds.round() as i64;
+    if whole < 3600 {
+        format!("{}:{:02}\u{a0}min", whole / 60, whole % 60)
+    } else {
+        format!("{}:{:02}\u{a0}h", whole / 3600, whole % 3600 / 60)
+    }
+}
+
+/// The mean of what is known.
+fn mean(values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for value in values.flatten() {
+        sum += value;
+        count += 1.0;
+    }
+    (count > 0.0).then(|| sum / count)
+}
+
+fn rest(out: &mut String, n: usize, what: &str) {
+    if n > LISTED {
+        let _ = write!(out, "<p class=\"note\">{} more {what} are in fleet.csv.</p>", n - LISTED);
+    }
+}
+
+fn failed_table(outcome: &Outcome) -> String {
+    if outcome.failed.is_empty() {
+        return String::new();
+    }
+    let mut out = String::from(
+        "<h2 id=\"failed\">Files that could not be estimated</h2><div class=\"scroll\"><table class=\"failed\"><tbody>\n",
+    );
+    for failed in outcome.failed.iter().take(LISTED) {
+        let file = failed.file.to_string_lossy();
+        let why = failed.why.strip_prefix(&format!("{file}: ")).unwrap_or(&failed.why);
+        let _ = writeln!(out, "<tr><th scope=\"row\">{}</th><td>{}</td></tr>", escape(&file), escape(why));
+    }
+    out.push_str("</tbody></table></div>");
+    if outcome.failed.len() > LISTED {
+        let _ =
+            write!(out, "<p class=\"note\">{} more are in failed.csv.</p>", outcome.failed.len() - LISTED);
+    }
+    out
+}
+
+/// Pressures and their standard deviations at the end of each car's last drive; shares known and roughness of all drives.
+fn figures(drives: &[DriveRecord], cars: &[CarStanding<'_>]) -> String {
+    let last: Vec<&WheelRecord> =
+        cars.iter().filter_map(CarStanding::last).flat_map(|drive| &drive.wheels).collect();
+    let all = || drives.iter().flat_map(|drive| &drive.wheels);
+    let percent: Vec<f64> = last.iter().filter_map(|wheel| Some(100.0 * share(wheel)?)).collect();
+    let sd: Vec<f64> = last.iter().filter_map(|wheel| Some(wheel.last?.sd_kpa)).collect();
+    let known: Vec<f64> = all().map(|wheel| 100.0 * wheel.share_valid).collect();
+    let iri: Vec<f64> = all().filter_map(|wheel| wheel.iri_m_per_km).collect();
+    if percent.is_empty() {
+        return String::new();
+    }
+    let pressure =
+        histogram("Last pressures", ("Share of the placard's", "%"), &percent, Ink::Default, "tires").moment(
+            Ink::Muted,
+            100.0,
+            "placard",
+        );
+    let figure = Figure::new("fleet", "The fleet in numbers")
+        .panel(pressure)
+        .panel(histogram("How sure they are", ("Standard deviation", "kPa"), &sd, Ink::Default, "tires"))
+        .panel(histogram("Share of a drive known", ("Valid", "%"), &known, Ink::Mended, "wheels"))
+        .panel(histogram("Roads", ("Roughness (IRI)", "m/km"), &iri, Ink::Mended, "wheels"));
+    figure.html()
+}
+
+fn provenance(plan: &Plan) -> String {
+    let settings = &plan.settings;
+    let mut rows = vec![
+        ("Program", format!("itpms {}", env!("CARGO_PKG_VERSION"))),
+        ("Estimator", settings.estimator.label().to_owned()),
+        ("Warned of", settings.regulation.label().to_owned()),
+    ];
+    if let Some(calibration) = &plan.calibration {
+        let drives = match &calibration.drives {
+            Some(pattern) => format!("drives that fit {pattern}"),
+            None => "each car's first drive".to_owned(),
+        };
+        rows.push(("Calibration", format!("the first {} s of {drives}", calibration.seconds)));
+    }
+    let row = |(what, how): &(&str, String)| {
+        format!("<tr><th scope=\"row\">{what}</th><td>{}</td></tr>", escape(how))
+    };
+    format!("<table class=\"provenance\"><tbody>{}</tbody></table>", rows.iter().map(row).collect::<String>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn addresses_lead_to_any_file_name() {
+        assert_eq!(address("reports/a b/100%#1.csv.html"), "reports/a%20b/100%25%231.csv.html");
+        assert_eq!(address("reports/ü.html"), "reports/%C3%BC.html");
+    }
+
+    #[test]
+    fn the_template_names_every_part() {
+        for name in
+            ["headline", "style", "base_style", "subline", "cards", "cars", "figures", "drives", "provenance"]
+        {
+            assert!(TEMPLATE.contains(&format!("{{{{{name}}}}}")), "{name}");
+        }
+    }
+}

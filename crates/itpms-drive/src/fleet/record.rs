@@ -1,0 +1,171 @@
+//! What is kept of a drive, and the file that keeps it: a line of JSON for every drive that is done, under a line that
+//! says by what program and with what settings.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use itpms_data::out::Ledger;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::Plan;
+use crate::error::DriveError;
+
+/// Key of the lines that say what the lines after them were computed with.
+const KEY: &str = "itpms_fleet";
+
+/// What a drive's results depend on; with the same inputs it is not estimated again.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Inputs {
+    /// Length of the log.
+    pub bytes: u64,
+    /// When it was last changed.
+    pub modified: String,
+    /// Checksum of the vehicle file.
+    pub vehicle: String,
+    /// Whether it is a calibration drive.
+    pub calibrate: bool,
+    /// Checksum of the stored reference it starts with, if it does.
+    pub reference: Option<String>,
+}
+
+/// A pressure at one time.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Pressure {
+    /// When, in s.
+    pub time_s: f64,
+    /// Pressure in kPa.
+    pub pressure_kpa: f64,
+    /// Its standard deviation in kPa.
+    pub sd_kpa: f64,
+}
+
+/// What a drive told of one wheel.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WheelRecord {
+    /// `fl`, `fr`, `rl` or `rr`.
+    pub wheel: String,
+    /// Pressure that the placard asks for, in kPa.
+    pub placard_kpa: f64,
+    /// The monitor's word at the end: `unknown`, `fine`, `low`, `over` or `malfunction`.
+    pub state: String,
+    /// The last row's warning: `none`, `low` or `malfunction`.
+    pub warning: String,
+    /// The last valid pressure.
+    pub last: Option<Pressure>,
+    /// The valid pressure with the lowest upper end of its 95 % interval.
+    pub lowest: Option<Pressure>,
+    /// Share of the rows in which the pressure was valid.
+    pub share_valid: f64,
+    /// How often `low` was begun to be warned of, and when first, in s.
+    pub warnings: u32,
+    /// When first, in s.
+    pub first_warning_s: Option<f64>,
+    /// How often `malfunction` was begun to be warned of.
+    pub malfunctions: u32,
+    /// When first, in s.
+    pub first_malfunction_s: Option<f64>,
+    /// Mean roughness of the road under it, in m/km.
+    pub iri_m_per_km: Option<f64>,
+}
+
+/// What is kept of a drive.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DriveRecord {
+    /// The log, as it was named.
+    pub file: String,
+    /// The car.
+    pub car: String,
+    /// The vehicle's name.
+    pub vehicle: String,
+    /// What it was computed from.
+    pub inputs: Inputs,
+    /// Whether it is a calibration drive that taught something, for later drives to start with.
+    pub taught: bool,
+    /// The log's time in s of the first row.
+    pub start_s: f64,
+    /// The log's time in s that all times count from: 0, or the first row's if that is more than a day.
+    pub origin_s: f64,
+    /// From the first row to the last, in s.
+    pub duration_s: f64,
+    /// Rows per second.
+    pub rate_hz: f64,
+    /// Distance in m; `None` where the speed was never known.
+    pub distance_m: Option<f64>,
+    /// The wheels that were estimated.
+    pub wheels: Vec<WheelRecord>,
+    /// What the monitor said, a sentence each.
+    pub alerts: Vec<String>,
+    /// What should be known before believing it, a sentence each.
+    pub concerns: Vec<String>,
+    /// Its report and its estimates, as paths within the folder of the results.
+    pub report: Option<String>,
+    /// Its estimates, likewise.
+    pub estimates: Option<String>,
+}
+
+impl DriveRecord {
+    /// What it has to do with calibration: `drive` (it taught the car), `carried` (it starts with what an earlier one taught)
+    /// or `none`.
+    #[must_use]
+    pub fn calibration(&self) -> &'static str {
+        match (self.taught, &self.inputs.reference) {
+            (true, _) => "drive",
+            (false, Some(_)) => "carried",
+            (false, None) => "none",
+        }
+    }
+}
+
+/// All that is kept.
+#[derive(Debug)]
+pub(super) struct Records {
+    ledger: Ledger,
+    drives: BTreeMap<String, DriveRecord>,
+}
+
+impl Records {
+    /// Opens or begins the file. What was computed with another program or other settings is not taken, and stays there.
+    pub(super) fn open(path: &Path, heading: Value) -> Result<Self, DriveError> {
+        let (ledger, lines) = Ledger::open(path)?;
+        let mut records = Self { ledger, drives: BTreeMap::new() };
+        let mut ours = false;
+        for line in &lines {
+            let found: Value = serde_json::from_str(line).unwrap_or(Value::Null);
+            if found.get(KEY).is_some() {
+                ours = found == heading;
+            } else if let (true, Ok(drive)) = (ours, serde_json::from_value::<DriveRecord>(found)) {
+                records.drives.insert(drive.file.clone(), drive);
+            }
+        }
+        if !ours {
+            records.ledger.append(&heading.to_string())?;
+        }
+        Ok(records)
+    }
+
+    /// Whether this drive is done, from these inputs, and its files are there where they are wanted.
+    pub(super) fn holds(&self, name: &str, inputs: &Inputs, out: &Path, plan: &Plan) -> bool {
+        let there = |file: &Option<String>| file.as_ref().is_some_and(|file| out.join(file).is_file());
+        self.of(name).is_some_and(|drive| {
+            drive.inputs == *inputs
+                && (!plan.reports || there(&drive.report))
+                && (!plan.estimates || there(&drive.estimates))
+                && (!drive.taught || super::reference_path(out, Path::new(name)).is_file())
+        })
+    }
+
+    /// What is kept of a drive.
+    pub(super) fn of(&self, name: &str) -> Option<&DriveRecord> {
+        self.drives.get(name)
+    }
+
+    /// Keeps a drive.
+    pub(super) fn add(&mut self, drive: DriveRecord) -> Result<(), DriveError> {
+        let text = serde_json::to_string(&drive);
+        let text = text.map_err(|error| DriveError::Mismatch(format!("{}: no JSON: {error}", drive.file)))?;
+        self.ledger.append(&text)?;
+        self.drives.insert(drive.file.clone(), drive);
+        Ok(())
+    }
+}

@@ -1,0 +1,42 @@
+//! Whole drives: a log and a vehicle in; pressures, road, alerts and a report's data out. One at a time or a fleet's.
+//!
+//! | module | idea |
+//! |---|---|
+//! | [`settings`] | what an estimate can be told besides its log and its vehicle |
+//! | [`drive`] | the estimator of a drive's car under its monitor |
+//! | [`alerts`] | what the monitor said and took back |
+//! | [`road`] | the road record, late but smooth |
+//! | [`run`] | a log, row by row, through all of these into a [`Sink`] |
+//! | [`concerns`] | what should be known before believing the result |
+//! | [`reference`](mod@reference) | what a calibration drive taught, from and for other drives |
+//! | [`summary`] | what is known at the end, as JSON |
+//! | [`files`] | the sink of the command line: files, complete or not there |
+//! | [`fleet`] | many drives of many cars |
+//! | [`simulated`] | simulated drives as logs hold them |
+//! | [`error`] | why there is no result |
+//!
+//! Called by the binary and by the Python package. Knows no terminal, no exit codes and no mathematics.
+#![forbid(unsafe_code)]
+
+pub mod alerts;
+pub mod concerns;
+pub mod drive;
+pub mod error;
+pub mod files;
+pub mod fleet;
+pub mod reference;
+pub mod road;
+pub mod run;
+pub mod settings;
+pub mod simulated;
+pub mod summary;
+
+pub use alerts::Alerts;
+pub use concerns::common_corners;
+pub use drive::{Drive, Estimates, QuarterCars};
+pub use error::DriveError;
+pub use files::{FilePaths, Files};
+pub use road::{LateRow, RoadTrack};
+pub use run::{Done, Job, Sink, Watch, estimate};
+pub use settings::Settings;
+pub use summary::summary_json;

@@ -1,0 +1,188 @@
+//! A log, row by row, through the estimator, the road recorders and the report's collector, into a sink.
+
+use std::ops::ControlFlow;
+
+use itpms_core::car::LearnedReference;
+use itpms_core::monitor::Change;
+use itpms_core::sample::Corner;
+use itpms_data::{LogReader, LogRow, Vehicle};
+use itpms_study::report::{CornerRow, Provenance, ReportCollector, ReportData, ReportOptions};
+
+use crate::alerts::{Alerts, Events};
+use crate::concerns;
+use crate::drive::{Drive, Estimates};
+use crate::error::DriveError;
+use crate::road::{LateRow, RoadTrack};
+use crate::settings::Settings;
+
+/// Rows between two looks at whoever may want to stop or to know how far it is.
+const ROWS_PER_LOOK: u64 = 1024;
+
+/// What is to be done with a log.
+#[derive(Debug, Clone, Copy)]
+pub struct Job<'a> {
+    /// The car.
+    pub vehicle: &'a Vehicle,
+    /// The corners to estimate: see [`crate::common_corners`].
+    pub corners: &'a [Corner],
+    /// How.
+    pub settings: &'a Settings,
+    /// Whether the road is smoothed, for a road record or a report.
+    pub road: bool,
+}
+
+/// Who gets the results of a drive as they come.
+pub trait Sink {
+    /// A row of the log and what was estimated after it.
+    ///
+    /// # Errors
+    /// The sink's own; they end the drive.
+    fn row(&mut self, row: &LogRow, estimates: &Estimates) -> Result<(), DriveError>;
+
+    /// The same half a minute later, when its road is there; only where the road is wanted.
+    ///
+    /// # Errors
+    /// The sink's own; they end the drive.
+    fn road(&mut self, _late: &LateRow) -> Result<(), DriveError> {
+        Ok(())
+    }
+
+    /// What the monitor said or took back, with its time in s.
+    ///
+    /// # Errors
+    /// The sink's own; they end the drive.
+    fn transition(&mut self, _time_s: f64, _change: &Change<f64>) -> Result<(), DriveError> {
+        Ok(())
+    }
+}
+
+/// Asked every thousand rows with the share of the log that is done; a break ends the drive.
+pub type Watch<'a> = &'a mut dyn FnMut(f64) -> ControlFlow<()>;
+
+/// A drive that was estimated.
+#[derive(Debug)]
+pub struct Done {
+    /// Figures and curves.
+    pub data: ReportData,
+    /// What the monitor said.
+    pub alerts: Alerts,
+    /// What should be known before believing it, a sentence each.
+    pub concerns: Vec<String>,
+    /// What a calibration drive taught, once it was over.
+    pub learned: Option<LearnedReference<f64>>,
+}
+
+/// Estimates a drive.
+///
+/// # Errors
+/// The log cannot be read on; a setting is refused; the sink's; [`DriveError::Stopped`].
+pub fn estimate(
+    log: &mut LogReader,
+    job: &Job<'_>,
+    sink: &mut dyn Sink,
+    watch: Watch<'_>,
+) -> Result<Done, DriveError> {
+    let rate_hz = log.survey().sample_rate_hz;
+    let mut drive = Drive::new(job.settings, job.vehicle, job.corners, rate_hz)?;
+    let track = job.road.then(|| RoadTrack::new(job.vehicle, job.corners, rate_hz)).transpose()?;
+    let mut record = Record { track, collector: collector(job), events: Events::default() };
+    let mut count = 0u64;
+    while let Some(mut row) = log.next_row()? {
+        if count.is_multiple_of(ROWS_PER_LOOK) && watch(log.progress()).is_break() {
+            return Err(DriveError::Stopped);
+        }
+        count += 1;
+        let estimate = drive.update(&mut row);
+        record.take(&row, &estimate.corners, &drive, sink)?;
+    }
+    if watch(1.0).is_break() {
+        return Err(DriveError::Stopped);
+    }
+    let provenance = provenance(job, log);
+    let (data, alerts) = record.complete(provenance, sink)?;
+    let concerns = concerns::of(job, log, &drive);
+    Ok(Done { data, alerts, concerns, learned: drive.learned() })
+}
+
+/// What becomes of the rows.
+struct Record {
+    track: Option<RoadTrack>,
+    collector: ReportCollector,
+    events: Events,
+}
+
+impl Record {
+    /// Takes a row of the log and what was estimated after it.
+    fn take(
+        &mut self,
+        row: &LogRow,
+        estimates: &Estimates,
+        drive: &Drive,
+        sink: &mut dyn Sink,
+    ) -> Result<(), DriveError> {
+        let report = drive.report();
+        self.events.take(report, &mut |time_s, change| sink.transition(time_s, change))?;
+        self.collector.push_report(report);
+        sink.row(row, estimates)?;
+        match &mut self.track {
+            None => self.collector.push(row.time_s, row.speed_m_s, &with_truth(row, estimates)),
+            Some(track) => {
+                track.push(row, estimates, &drive.quarter_cars());
+                self.take_late(sink)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn take_late(&mut self, sink: &mut dyn Sink) -> Result<(), DriveError> {
+        let Some(track) = &mut self.track else { return Ok(()) };
+        while let Some(late) = track.pop() {
+            sink.road(&late)?;
+            let rows = with_truth(&late.row, &late.estimates);
+            self.collector.push(late.row.time_s, late.row.speed_m_s, &rows);
+        }
+        Ok(())
+    }
+
+    fn complete(
+        mut self,
+        provenance: Provenance,
+        sink: &mut dyn Sink,
+    ) -> Result<(ReportData, Alerts), DriveError> {
+        if let Some(track) = &mut self.track {
+            track.finish();
+        }
+        self.take_late(sink)?;
+        Ok((self.collector.finish(provenance), self.events.complete()))
+    }
+}
+
+fn collector(job: &Job<'_>) -> ReportCollector {
+    let mut configs = job.vehicle.corners;
+    for corner in Corner::ALL {
+        if !job.corners.contains(&corner) {
+            configs[corner.index()] = None;
+        }
+    }
+    ReportCollector::new(&configs, ReportOptions::default())
+}
+
+fn with_truth(row: &LogRow, estimates: &Estimates) -> [Option<CornerRow>; 4] {
+    Corner::ALL.map(|corner| {
+        let (estimate, logged) = (estimates[corner.index()]?, row.corners[corner.index()]?);
+        Some(CornerRow { estimate, truth_kpa: logged.pressure_kpa, truth_road_m: logged.road_m })
+    })
+}
+
+fn provenance(job: &Job<'_>, log: &LogReader) -> Provenance {
+    Provenance {
+        program: format!("itpms {}", env!("CARGO_PKG_VERSION")),
+        source: log.path().file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        vehicle: job.vehicle.name.clone(),
+        estimator: job.settings.estimator.label().to_owned(),
+        // The same input gives the same page, byte by byte: no date.
+        created: String::new(),
+        options: vec![("rate".to_owned(), format!("{} Hz", job.settings.rate_hz))],
+        repairs: log.repairs().counts().into_iter().map(|(what, count)| (what.to_owned(), count)).collect(),
+    }
+}

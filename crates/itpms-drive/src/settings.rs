@@ -1,0 +1,56 @@
+//! What an estimate can be told besides its log and its vehicle.
+
+use std::path::PathBuf;
+
+use itpms_core::estimator::{EstimatorKind, RoadRepetition};
+use itpms_core::monitor::Regulation;
+
+use crate::error::DriveError;
+
+/// How a drive is to be estimated.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    /// Which estimator.
+    pub estimator: EstimatorKind,
+    /// Which loss is warned of.
+    pub regulation: Regulation,
+    /// Whether the road repeats itself.
+    pub road_repeats: RoadRepetition,
+    /// So many seconds at the start are driven at placard pressure: a calibration drive.
+    pub calibrate_s: Option<f64>,
+    /// A stored reference from an earlier calibration drive of this car; not together with `calibrate_s`.
+    pub reference: Option<PathBuf>,
+    /// Rows per second of the estimates.
+    pub rate_hz: f64,
+}
+
+impl Default for Settings {
+    /// Those of `itpms estimate`: the default estimator and regulation, 10 rows per second, no calibration.
+    fn default() -> Self {
+        Self {
+            estimator: EstimatorKind::default(),
+            regulation: Regulation::default(),
+            road_repeats: RoadRepetition::default(),
+            calibrate_s: None,
+            reference: None,
+            rate_hz: 10.0,
+        }
+    }
+}
+
+impl Settings {
+    /// Refuses what `option`, a calibration or its result, cannot do with this estimator.
+    ///
+    /// # Errors
+    /// Only the default estimator learns from a calibration drive.
+    pub(crate) fn expect_learning(&self, option: &str) -> Result<(), DriveError> {
+        let learns = EstimatorKind::default();
+        if self.estimator == learns {
+            return Ok(());
+        }
+        let (used, learns) = (self.estimator.label(), learns.label());
+        Err(DriveError::Mismatch(format!(
+            "{option} with --estimator {used}: only {learns} learns from a reset"
+        )))
+    }
+}

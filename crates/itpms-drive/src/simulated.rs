@@ -1,0 +1,113 @@
+//! Simulated drives as logs hold them, and what an estimator is to be told of the simulated car.
+//!
+//! Called by whoever simulates a drive to have it estimated; simulation and logs do not know each other.
+
+use std::path::PathBuf;
+
+use itpms_core::sample::Corner;
+use itpms_data::crg::CrgRoad;
+use itpms_data::log::LogCorner;
+use itpms_data::{LogRow, Vehicle};
+use itpms_sim::road::Surface;
+use itpms_sim::scenario::Scenario;
+use itpms_sim::simulation::{SimRow, Simulation};
+use itpms_study::roughness::EvenProfile;
+
+use crate::error::DriveError;
+
+/// Puts the points of an OpenCRG road in the place of its file: the simulation reads text only. The road is that along
+/// the reference line, holes up to 0.25 m bridged.
+///
+/// # Errors
+/// The road cannot be read, or has longer holes.
+pub fn take_crg(scenario: &mut Scenario) -> Result<(), DriveError> {
+    let Surface::Profile(profile) = &mut scenario.road.surface else { return Ok(()) };
+    let is_crg =
+        |path: &PathBuf| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("crg"));
+    let Some(path) = profile.file.take_if(|path| is_crg(path)) else { return Ok(()) };
+    let road = CrgRoad::read(&path)?;
+    let refuse = |why: String| DriveError::Mismatch(format!("{}: {why}", path.display()));
+    let line_m = road.line_m(0.0).map_err(|error| refuse(error.to_string()))?;
+    let even = EvenProfile::of_even(road.start_m(), road.increment_m(), line_m);
+    if even.heights_m.iter().any(|height_m| !height_m.is_finite()) {
+        return Err(refuse(
+            "the reference line has holes of more than 0.25 m, expected a height in every row".to_owned(),
+        ));
+    }
+    let station = |i: usize| even.start_m + i as f64 * even.spacing_m;
+    profile.points_m =
+        even.heights_m.iter().enumerate().map(|(i, height_m)| [station(i), *height_m]).collect();
+    Ok(())
+}
+
+/// A simulated row as a log holds it: the pressure is the reference sensor's where the scenario has one, the road's
+/// truth the profile under the axle.
+#[must_use]
+pub fn log_row(row: &SimRow) -> LogRow {
+    LogRow {
+        time_s: row.time_s,
+        speed_m_s: row.speed_m_s,
+        corners: row.corners.map(|corner| {
+            corner.map(|c| LogCorner {
+                body_accel_m_s2: c.body_accel_m_s2,
+                wheel_accel_m_s2: c.wheel_accel_m_s2,
+                pressure_kpa: c.pressure_reading_kpa,
+                road_m: c.road_m,
+            })
+        }),
+    }
+}
+
+/// The scenario driven with another vehicle.
+///
+/// # Errors
+/// The vehicle lacks a corner that the scenario drives.
+pub fn take_vehicle(scenario: &mut Scenario, vehicle: &Vehicle) -> Result<(), DriveError> {
+    for corner in Corner::ALL {
+        let Some(spec) = scenario.corner.get_mut(corner) else { continue };
+        let config = vehicle.corner(corner).ok_or_else(|| {
+            DriveError::Mismatch(format!(
+                "the vehicle {:?} has no corner {}, which the scenario {} drives",
+                vehicle.name,
+                corner.label(),
+                scenario.name
+            ))
+        })?;
+        spec.set_vehicle(config);
+    }
+    if let Some(wheelbase_m) = vehicle.wheelbase_m {
+        scenario.wheelbase_m = wheelbase_m;
+    }
+    Ok(())
+}
+
+/// What an estimator is to be told about the scenario's vehicle.
+///
+/// # Errors
+/// The scenario's corners are no car's.
+pub fn vehicle_of(scenario: &Scenario) -> Result<Vehicle, DriveError> {
+    let mut corners = [None; 4];
+    for (corner, _) in scenario.corner.iter() {
+        corners[corner.index()] = Some(scenario.corner_config(corner)?);
+    }
+    Ok(Vehicle {
+        name: format!("vehicle of {}", scenario.name),
+        id: None,
+        wheelbase_m: Some(scenario.wheelbase_m),
+        corners,
+    })
+}
+
+/// Refuses a drive that has diverged.
+///
+/// # Errors
+/// From when on its accelerations are no car's.
+pub fn check(scenario: &Scenario, simulation: &Simulation) -> Result<(), DriveError> {
+    if let Some(time_s) = simulation.diverged_s() {
+        return Err(DriveError::Mismatch(format!(
+            "{}: from {time_s:.3} s on the car's accelerations are no numbers, or absurd: expected masses, springs, dampers and tires of a car",
+            scenario.name
+        )));
+    }
+    Ok(())
+}

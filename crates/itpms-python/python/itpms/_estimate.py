@@ -1,0 +1,335 @@
+"""A whole drive, a running car, a made-up drive, a road: the package's functions."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from os import PathLike
+from pathlib import Path
+from typing import Any, overload
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _itpms
+from ._errors import LogError, OutputError, SettingError
+from ._result import Result
+from ._tables import Columns, Kind, columns_of, kind_of, numbers, table_of, unpacked, usual
+from ._vehicle import Vehicle, vehicle_of
+
+CORNERS = ("fl", "fr", "rl", "rr")
+_MEANT = {
+    "time_s",
+    "speed_m_s",
+    *(f"{c}_{what}" for c in CORNERS for what in ("body_accel_m_s2", "wheel_accel_m_s2", "pressure_kpa", "road_m")),
+}
+
+
+def estimate(
+    drive: Any,
+    vehicle: Vehicle | str | PathLike[str] | None = None,
+    *,
+    rate_hz: float = 10.0,
+    road: bool = False,
+    estimator: str = "informed",
+    regulation: str = "un-r141",
+    calibrate_s: float | None = None,
+    save_reference: str | PathLike[str] | None = None,
+    reference: str | PathLike[str] | None = None,
+    road_repeats: float | str = "auto",
+    trust_units: bool = False,
+    dbc: str | PathLike[str] | None = None,
+    signals: str | PathLike[str] | None = None,
+) -> Result:
+    """Estimates tire pressures, their standard deviations and the road from a drive.
+
+    Gives the same numbers as ``itpms estimate``. The interpreter's lock is free meanwhile; Ctrl-C ends it.
+
+    Args:
+        drive: A path in any format that the program reads (CSV, Parquet, MDF4, CAN logs), a pandas or polars data frame,
+            a pyarrow table, a dict of arrays of shape (rows,), or what :func:`simulate` gives. Columns: ``time_s`` (s, or
+            datetimes or timedeltas; in pandas the index will do), ``{c}_body_accel_m_s2`` and ``{c}_wheel_accel_m_s2``
+            (m/s², up) for each corner ``c`` of ``fl fr rl rr`` that was measured, and, worth having, ``speed_m_s``. A missing
+            sample is NaN, None or NA. ``{c}_pressure_kpa`` and ``{c}_road_m`` are taken for the truth, to be compared with.
+        vehicle: The car: a :class:`Vehicle` or the path of a vehicle file. A simulated drive has its own.
+        rate_hz: Rows per second of the result.
+        road: Keep the road under each wheel, at the log's rate.
+        estimator: ``informed``, ``aekf-ui-informed``, or as published ``aekf-ui``, ``ekf-ui``.
+        regulation: ``un-r141`` or ``fmvss-138``: which loss is warned of.
+        calibrate_s: The first so many seconds are driven at placard pressure.
+        save_reference: Where what that teaches of the car goes.
+        reference: What an earlier calibration drive taught of this car.
+        road_repeats: Whether the road repeats itself, as on a test bed: seconds, ``never`` or ``auto``.
+        trust_units: Take accelerations as m/s² and the speed as m/s even if they do not look like it.
+        dbc: For a CAN log: what the frames mean.
+        signals: Which signal, or column of a table, is which of our columns, and its unit: a map as ``itpms signals`` writes it.
+
+    Raises:
+        LogError: the drive cannot be used.
+        VehicleError: the vehicle file cannot be used.
+        SettingError: an argument is refused, or some do not go together.
+        OutputError: the reference cannot be written.
+    """
+    options = {
+        "rate_hz": rate_hz,
+        "road": road,
+        "estimator": estimator,
+        "regulation": regulation,
+        "calibrate_s": calibrate_s,
+        "save_reference": save_reference,
+        "reference": reference,
+        "road_repeats": road_repeats,
+        "trust_units": trust_units,
+        "dbc": dbc,
+        "signals": signals,
+    }
+    if isinstance(drive, Simulation):
+        vehicle = drive.vehicle if vehicle is None else vehicle
+        kind, columns = drive.kind, drive.columns
+    elif isinstance(drive, (str, PathLike)):
+        kind, columns = usual(), None
+    else:
+        kind, columns = kind_of(drive) or usual(), columns_of(drive)
+    if vehicle is None:
+        raise SettingError("vehicle is missing, expected a Vehicle or the path of a vehicle file")
+    car = vehicle_of(vehicle)._inner
+    if columns is None:
+        return Result(_itpms.estimate_log(drive, car, options), kind, None)
+    if dbc is not None:
+        raise SettingError("dbc says what the frames of a CAN log mean; this drive is a table")
+    given = [(name, _bytes(name, values, signals is not None)) for name, values in columns.items()]
+    return Result(_itpms.estimate_columns("the table", given, car, options), kind, columns)
+
+
+def _bytes(name: str, values: npt.NDArray[Any], mapped: bool) -> bytes:
+    """A column for the extension. What means nothing needs no numbers, but a misspelled name should be seen."""
+    if name in _MEANT:
+        return numbers(name, values).tobytes()
+    if mapped:
+        # Whether it is meant, the map says; if it is, and no number, it will be missed there.
+        try:
+            return numbers(name, values).tobytes()
+        except LogError:
+            pass
+    return np.full(len(values), np.nan).tobytes()
+
+
+class Simulation:
+    """A made-up drive with its truth. Made by :func:`simulate`; :func:`estimate` takes it as it is."""
+
+    def __init__(self, inner: _itpms.Simulated, kind: Kind) -> None:
+        self.name: str = inner.name
+        self.vehicle: Vehicle = Vehicle(inner.vehicle)
+        self.kind: Kind = kind
+        self.columns: Columns = unpacked(inner.columns())
+
+    def frame(self, kind: Kind | None = None) -> Any:
+        """The drive log as a table: ``time_s``, ``speed_m_s`` and per corner accelerations, pressure and road."""
+        return table_of(self.columns, kind or self.kind)
+
+    def __repr__(self) -> str:
+        time_s = self.columns["time_s"]
+        return f"<itpms.Simulation {self.name}, {len(time_s)} rows, {time_s[-1] - time_s[0]:.1f} s>"
+
+
+def simulate(
+    scenario: str | PathLike[str],
+    seed: int = 1,
+    *,
+    vehicle: Vehicle | str | PathLike[str] | None = None,
+    truth: bool = True,
+) -> Simulation:
+    """Drives a scenario. The same seed gives the same drive, that of ``itpms simulate``.
+
+    Args:
+        scenario: A built-in name (:func:`scenarios`) or the path of a scenario file (TOML).
+        seed: Of road, noise and losses; 0 or more.
+        vehicle: Drive this car instead of the scenario's own.
+        truth: Put the true pressure and road beside the measurements.
+
+    Raises:
+        ScenarioError: there is no such scenario, or it cannot be driven.
+    """
+    if not 0 <= seed < 2**64:
+        raise SettingError(f"seed is {seed}, expected 0 to 2**64 - 1")
+    car = None if vehicle is None else vehicle_of(vehicle)._inner
+    return Simulation(_itpms.simulate(os.fspath(scenario), seed, car, truth), usual())
+
+
+def scenarios() -> list[str]:
+    """The names of the built-in scenarios."""
+    return _itpms.scenarios()
+
+
+@overload
+def iri(profile: npt.ArrayLike, dx: float, *, segment_m: None = None, enveloped: bool = False) -> float: ...
+@overload
+def iri(profile: npt.ArrayLike, dx: float, *, segment_m: float, enveloped: bool = False) -> npt.NDArray[np.float64]: ...
+def iri(
+    profile: npt.ArrayLike, dx: float, *, segment_m: float | None = None, enveloped: bool = False
+) -> float | npt.NDArray[np.float64]:
+    """International Roughness Index (ASTM E1926) of a road profile, in m/km.
+
+    Args:
+        profile: Heights in m, of shape (points,), evenly spaced.
+        dx: Their spacing in m, more than 0 and at most 1.
+        segment_m: Give the IRI of each whole segment of this length, of shape (segments,), instead of one for all.
+        enveloped: The profile was seen through a tire already: no moving average over 250 mm.
+
+    Returns:
+        The IRI; NaN where a height is missing or the profile is too short.
+
+    Raises:
+        SettingError: the spacing is no spacing.
+    """
+    heights = numbers("profile", np.asarray(profile))
+    if segment_m is not None and not segment_m >= dx:
+        raise SettingError(f"segment_m is {segment_m}, expected at least the spacing of {dx} m")
+    found = np.frombuffer(_itpms.iri(heights.tobytes(), dx, segment_m, not enveloped), dtype="<f8")
+    return float(found[0]) if segment_m is None else found.copy()
+
+
+class Car:
+    """A running estimator under its monitor: takes samples as they come, can be saved and go on.
+
+    Not to be used by two threads at a time.
+    """
+
+    def __init__(
+        self,
+        vehicle: Vehicle | str | PathLike[str],
+        rate_hz: float,
+        *,
+        corners: tuple[str, ...] | None = None,
+        estimator: str = "informed",
+        regulation: str = "un-r141",
+        calibrate_s: float | None = None,
+        reference: str | PathLike[str] | None = None,
+        road_repeats: float | str = "auto",
+    ) -> None:
+        """An estimator that has seen nothing yet.
+
+        Args:
+            vehicle: The car, or the path of its file.
+            rate_hz: Samples per second, 100 Hz to 2 kHz.
+            corners: Those that are measured; all of the vehicle unless given.
+            estimator: As in :func:`estimate`.
+            regulation: As in :func:`estimate`.
+            calibrate_s: The first so many seconds are driven at placard pressure.
+            reference: What an earlier calibration drive taught of this car.
+            road_repeats: As in :func:`estimate`.
+
+        Raises:
+            VehicleError: the vehicle file cannot be used.
+            SettingError: an argument is refused.
+        """
+        car = vehicle_of(vehicle)
+        options = {
+            "rate_hz": 10.0,
+            "road": False,
+            "estimator": estimator,
+            "regulation": regulation,
+            "calibrate_s": calibrate_s,
+            "save_reference": None,
+            "reference": reference,
+            "road_repeats": road_repeats,
+            "trust_units": False,
+            "dbc": None,
+            "signals": None,
+        }
+        self._inner = _itpms.Car(car._inner, rate_hz, list(corners or car.corners), options)
+
+    def update(self, samples: Mapping[str, float] | Any) -> dict[str, Any]:
+        """Takes one sample or many, in the order of time.
+
+        Args:
+            samples: A dict of numbers, or a table or dict of arrays of shape (rows,), with the columns of :func:`estimate`.
+                ``time_s`` and the accelerations of all corners have to be there; what is missing is NaN.
+
+        Returns:
+            By the names of :meth:`Result.frame`: the estimate after the sample as numbers, or after every sample as arrays.
+
+        Raises:
+            SettingError: a column is missing, or they are not of one length.
+            KeyboardInterrupt: Ctrl-C; samples up to some point were taken.
+        """
+        single = isinstance(samples, Mapping) and np.isscalar(samples.get("time_s", 0.0))
+        columns = {n: np.atleast_1d(v) for n, v in samples.items()} if single else columns_of(samples)
+        given = [(name, numbers(name, values).tobytes()) for name, values in columns.items() if name in _MEANT]
+        found = unpacked(*self._inner.update(given))
+        return (
+            {name: values[0].item() if hasattr(values[0], "item") else values[0] for name, values in found.items()}
+            if single
+            else found
+        )
+
+    @property
+    def states(self) -> dict[str, str]:
+        """Each wheel's state after the last sample: ``unknown``, ``fine``, ``low``, ``over`` or ``malfunction``."""
+        found: dict[str, str] = json.loads(self._inner.status())["states"]
+        return found
+
+    @property
+    def alerts(self) -> list[dict[str, Any]]:
+        """The alerts that stand after the last sample."""
+        found: list[dict[str, Any]] = json.loads(self._inner.status())["alerts"]
+        return found
+
+    @property
+    def corners(self) -> list[str]:
+        """Labels of the corners that are estimated."""
+        return self._inner.corners()
+
+    @property
+    def rate_hz(self) -> float:
+        """Samples per second."""
+        return self._inner.rate_hz
+
+    @property
+    def vehicle(self) -> Vehicle:
+        """The car's parameters."""
+        return Vehicle(self._inner.vehicle)
+
+    def save_reference(self, path: str | PathLike[str]) -> None:
+        """Stores what the calibration drive taught of the car.
+
+        Raises:
+            SettingError: nothing was learned.
+            OutputError: the file cannot be written.
+        """
+        self._inner.save_reference(path)
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Saves the running estimator; :meth:`load` goes on from there to the same numbers, with the same version.
+
+        Raises:
+            OutputError: the file cannot be written.
+        """
+        target = Path(path)
+        beside = target.with_name(f".{target.name}.{os.getpid()}.tmp")
+        try:
+            beside.write_bytes(self._inner.state())
+            beside.replace(target)
+        except OSError as error:
+            beside.unlink(missing_ok=True)
+            raise OutputError(f"{target}: cannot be written: {error.strerror}") from None
+
+    @classmethod
+    def load(cls, path: str | PathLike[str]) -> Car:
+        """The estimator that was saved.
+
+        Raises:
+            LogError: the file cannot be read.
+            SettingError: it is no saved car, of another version, or damaged.
+        """
+        try:
+            state = Path(path).read_bytes()
+        except OSError as error:
+            raise LogError(f"{path}: cannot be read: {error.strerror}") from None
+        car = cls.__new__(cls)
+        car._inner = _itpms.Car.of_state(str(path), state)
+        return car
+
+    def __repr__(self) -> str:
+        return f"<itpms.Car {self.vehicle.name!r}, corners {' '.join(self.corners)}, {self.rate_hz:g} Hz>"

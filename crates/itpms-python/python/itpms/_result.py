@@ -1,0 +1,116 @@
+"""What was found in a drive."""
+
+from __future__ import annotations
+
+import json
+from os import PathLike
+from typing import TYPE_CHECKING, Any
+
+from . import _itpms
+from ._errors import SettingError
+from ._tables import Columns, Kind, table_of, unpacked
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+class Result:
+    """What was found in a drive. Made by :func:`itpms.estimate`.
+
+    Attributes:
+        corners: Labels of the corners that were estimated, of ``fl fr rl rr``.
+        summary: What ``itpms estimate --json`` prints: duration, distance, per corner the last and the lowest pressure,
+            warnings and roughness.
+    """
+
+    def __init__(self, inner: _itpms.Estimated, kind: Kind, source: Columns | None) -> None:
+        self._inner = inner
+        self._kind = kind
+        self._source = source
+        self._columns: Columns | None = None
+        self.corners: list[str] = inner.corners()
+        self.summary: dict[str, Any] = json.loads(inner.figures())
+
+    @property
+    def columns(self) -> Columns:
+        """The estimates as arrays of shape (rows,), by the columns' names: see :meth:`frame`."""
+        if self._columns is None:
+            self._columns = unpacked(self._inner.estimates(), self._inner.warnings())
+        return dict(self._columns)
+
+    def frame(self, kind: Kind | None = None) -> Any:
+        """The estimates as a table of the library that the drive came in, or of another.
+
+        Columns: ``time_s``, then per corner ``{c}_pressure_kpa``, ``{c}_pressure_sd_kpa`` (kPa),
+        ``{c}_stiffness_n_per_m`` (N/m), ``{c}_valid`` (bool), ``{c}_warning`` (``none``, ``low`` or ``malfunction``).
+        ``rate_hz`` rows per second; a row uses samples up to its time. The same numbers as in ``itpms estimate -o``.
+
+        Args:
+            kind: ``pandas``, ``polars``, ``pyarrow`` or ``numpy`` (a dict of arrays).
+
+        Raises:
+            SettingError: the library is not installed.
+        """
+        return table_of(self.columns, kind or self._kind)
+
+    @property
+    def road(self) -> Any:
+        """The road under each wheel at the log's rate, as a table like :meth:`frame`.
+
+        Columns: ``time_s``, ``distance_m``, then ``{c}_road_m`` and ``{c}_road_sd_m`` (m).
+
+        Raises:
+            SettingError: it was not asked for.
+        """
+        columns = self._inner.road()
+        if columns is None:
+            raise SettingError("the road was not kept, expected estimate(..., road=True)")
+        return table_of(unpacked(columns), self._kind)
+
+    @property
+    def events(self) -> list[dict[str, Any]]:
+        """Warnings and malfunctions as they came and went, in order: the objects of ``itpms estimate --events``."""
+        found: list[dict[str, Any]] = json.loads(self._inner.transitions())
+        return found
+
+    @property
+    def alerts(self) -> list[dict[str, Any]]:
+        """The alerts of the drive, each with the time at which it was taken back (``ended_s``), if it was."""
+        found: list[dict[str, Any]] = self.summary["alerts"]
+        return found
+
+    @property
+    def concerns(self) -> list[str]:
+        """What should be known before believing the result, a sentence each."""
+        found: list[str] = self.summary["warnings"]
+        return found
+
+    def report(self, path: str | PathLike[str]) -> None:
+        """Writes the page about the drive (HTML, complete in itself): that of ``itpms estimate --report``.
+
+        Raises:
+            OutputError: the file cannot be written.
+        """
+        self._inner.report(path)
+
+    def plot(self) -> Figure:
+        """The pressures over time with their 95 % bands, the placard's, and the truth where the drive has it.
+
+        Needs matplotlib (``pip install itpms[plot]``). Returns the figure; show or save it.
+
+        Raises:
+            SettingError: matplotlib is not installed.
+        """
+        from ._plot import pressures
+
+        return pressures(self, self._source)
+
+    def __repr__(self) -> str:
+        drive = self.summary
+        lines = [f"<itpms.Result {drive['duration_s']:.1f} s, {drive['estimator']}, {drive['vehicle']}"]
+        for name, corner in drive["corners"].items():
+            last = corner["last"]
+            known = f"{last['pressure_kpa']:.1f} kPa, sd {last['sd_kpa']:.1f}" if last else "no valid estimate"
+            low = f"; LOW since {corner['low_since_s']:.1f} s" if corner["low_since_s"] is not None else ""
+            lines.append(f"  {name}  {known} (placard {corner['placard_kpa']:g}){low}")
+        return "\n".join(lines) + ">"

@@ -1,0 +1,280 @@
+//! A whole drive: a log or columns in, what was found out.
+
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use itpms_core::estimator::{EstimatorKind, RoadPeriod, RoadRepetition};
+use itpms_core::monitor::{Change, Regulation};
+use itpms_core::sample::Corner;
+use itpms_data::log::{LogOptions, UnitCheck};
+use itpms_data::out::{AtomicFile, RateGate, transition_object};
+use itpms_data::{LogReader, LogRow};
+use itpms_drive::drive::Estimates;
+use itpms_drive::reference::Saving;
+use itpms_drive::{Done, DriveError, Job, LateRow, Settings, Sink, common_corners, summary_json};
+use itpms_study::report::render_report;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use serde_json::Value;
+
+use crate::car::Found;
+use crate::columns::{self, Columns, Packed, Words, numbers};
+use crate::errors::{self, Kind, raise};
+use crate::vehicle::Vehicle;
+use crate::work::{self, Stop};
+
+/// What the Python layer hands over besides the log and the vehicle, all by the names of the command's options.
+#[derive(FromPyObject)]
+pub(crate) struct Options {
+    #[pyo3(item)]
+    estimator: String,
+    #[pyo3(item)]
+    regulation: String,
+    #[pyo3(item)]
+    road_repeats: RoadRepeats,
+    #[pyo3(item)]
+    calibrate_s: Option<f64>,
+    #[pyo3(item)]
+    reference: Option<PathBuf>,
+    #[pyo3(item)]
+    save_reference: Option<PathBuf>,
+    #[pyo3(item)]
+    rate_hz: f64,
+    #[pyo3(item)]
+    road: bool,
+    #[pyo3(item)]
+    trust_units: bool,
+    #[pyo3(item)]
+    dbc: Option<PathBuf>,
+    #[pyo3(item)]
+    signals: Option<PathBuf>,
+}
+
+/// Seconds, or a word.
+#[derive(FromPyObject)]
+enum RoadRepeats {
+    Seconds(f64),
+    Word(String),
+}
+
+impl Options {
+    /// The same as settings of the program.
+    pub(crate) fn settings(&self, py: Python<'_>) -> PyResult<Settings> {
+        let refuse = |sentence: String| raise(py, Kind::Setting, sentence);
+        let known = |names: Vec<&str>, what: &str, found: &str| {
+            refuse(format!("{what} is {found:?}, expected one of: {}", names.join(", ")))
+        };
+        let positive = |name: &str, value: f64| {
+            let usable = value > 0.0 && value.is_finite();
+            if usable {
+                Ok(value)
+            } else {
+                Err(refuse(format!("{name} is {value}, expected a positive, finite number")))
+            }
+        };
+        let estimators = || EstimatorKind::ALL.map(EstimatorKind::label).to_vec();
+        let regulations = || Regulation::ALL.map(Regulation::label).to_vec();
+        if self.calibrate_s.is_some() && self.reference.is_some() {
+            return Err(refuse("both calibrate_s and reference are given, expected one of them".to_owned()));
+        }
+        if self.save_reference.is_some() && self.calibrate_s.is_none() {
+            return Err(refuse(
+                "save_reference is given without calibrate_s: nothing would be learned".to_owned(),
+            ));
+        }
+        Ok(Settings {
+            estimator: EstimatorKind::from_label(&self.estimator)
+                .ok_or_else(|| known(estimators(), "estimator", &self.estimator))?,
+            regulation: Regulation::from_label(&self.regulation)
+                .ok_or_else(|| known(regulations(), "regulation", &self.regulation))?,
+            road_repeats: self.road_repeats.settled().map_err(refuse)?,
+            calibrate_s: self.calibrate_s.map(|seconds| positive("calibrate_s", seconds)).transpose()?,
+            reference: self.reference.clone(),
+            rate_hz: positive("rate_hz", self.rate_hz)?,
+        })
+    }
+
+    fn reading(&self) -> LogOptions {
+        let units = if self.trust_units { UnitCheck::Trusting } else { UnitCheck::Suspicious };
+        LogOptions { units, dbc: self.dbc.clone(), signals: self.signals.clone() }
+    }
+}
+
+impl RoadRepeats {
+    fn settled(&self) -> Result<RoadRepetition, String> {
+        match self {
+            Self::Seconds(seconds) => {
+                RoadPeriod::new(*seconds).map(RoadRepetition::Every).map_err(|error| error.to_string())
+            }
+            Self::Word(word) if word == "auto" => Ok(RoadRepetition::Detect),
+            Self::Word(word) if word == "never" => Ok(RoadRepetition::Never),
+            Self::Word(word) => Err(format!("road_repeats is {word:?}, expected seconds, never or auto")),
+        }
+    }
+}
+
+/// Estimates the drive in a file.
+#[pyfunction]
+pub(crate) fn estimate_log(
+    py: Python<'_>,
+    path: PathBuf,
+    vehicle: &Vehicle,
+    options: Options,
+) -> PyResult<Estimated> {
+    let reading = options.reading();
+    run(py, vehicle, &options, || LogReader::open_with(&path, &reading))
+}
+
+/// Estimates a drive given as columns: names and bytes. `name` is what messages call it.
+#[pyfunction]
+pub(crate) fn estimate_columns(
+    py: Python<'_>,
+    name: &str,
+    given: Packed<'_>,
+    vehicle: &Vehicle,
+    options: Options,
+) -> PyResult<Estimated> {
+    let column = |(name, bytes): &(String, Bound<'_, PyBytes>)| {
+        Ok((name.clone(), numbers(py, name, bytes.as_bytes())?))
+    };
+    let columns = given.iter().map(column).collect::<PyResult<Columns>>()?;
+    drop(given);
+    let reading = options.reading();
+    run(py, vehicle, &options, move || LogReader::from_columns(Path::new(name), columns, &reading))
+}
+
+fn run(
+    py: Python<'_>,
+    vehicle: &Vehicle,
+    options: &Options,
+    open: impl FnOnce() -> Result<LogReader, itpms_data::DataError> + Send,
+) -> PyResult<Estimated> {
+    let settings = options.settings(py)?;
+    let (vehicle, keep_road, save) = (&vehicle.0, options.road, options.save_reference.as_deref());
+    let result = work::run(py, |stop: &Stop| -> Result<Estimated, DriveError> {
+        let mut log = open()?;
+        let corners = common_corners(&log, vehicle)?;
+        let saving = save.map(|path| Saving::create(path, &settings, vehicle)).transpose()?;
+        let mut kept = Kept::new(&corners, settings.rate_hz, keep_road);
+        // The road is smoothed as for a report: the same report, whatever was kept.
+        let job = Job { vehicle, corners: &corners, settings: &settings, road: true };
+        let watch =
+            &mut |_: f64| if stop.wanted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+        let done = itpms_drive::estimate(&mut log, &job, &mut kept, watch)?;
+        if let Some(saving) = saving {
+            saving.complete(settings.calibrate_s, done.learned)?.commit()?;
+        }
+        let rows = log.repairs().rows_kept;
+        Ok(Estimated { figures: Value::Object(summary_json(&done, settings.estimator, rows)), done, kept })
+    })?;
+    result.map_err(|error| errors::drive(py, &error))
+}
+
+/// What is kept of a drive while it is estimated: rows at the wanted rate, the road at the log's, transitions.
+struct Kept {
+    corners: Vec<Corner>,
+    gate: RateGate,
+    found: Found,
+    road: Option<Columns>,
+    transitions: Vec<Value>,
+}
+
+impl Kept {
+    fn new(corners: &[Corner], rate_hz: f64, road: bool) -> Self {
+        let named =
+            |names: Vec<String>| names.into_iter().map(|name| (name, Vec::new())).collect::<Columns>();
+        let of = |suffix: &str| {
+            corners.iter().map(|corner| format!("{}_{suffix}", corner.label())).collect::<Vec<_>>()
+        };
+        let first = vec!["time_s".to_owned(), "distance_m".to_owned()];
+        Self {
+            corners: corners.to_vec(),
+            gate: RateGate::new(rate_hz),
+            found: Found::new(corners, 0),
+            road: road.then(|| named([first, of("road_m"), of("road_sd_m")].concat())),
+            transitions: Vec::new(),
+        }
+    }
+}
+
+impl Sink for Kept {
+    fn row(&mut self, row: &LogRow, estimates: &Estimates) -> Result<(), DriveError> {
+        if self.gate.lets_through(row.time_s) {
+            self.found.push(row.time_s, estimates);
+        }
+        Ok(())
+    }
+
+    fn road(&mut self, late: &LateRow) -> Result<(), DriveError> {
+        let Some(road) = &mut self.road else { return Ok(()) };
+        let of = |field: fn(&itpms_core::estimate::CornerEstimate<f64>) -> f64| {
+            self.corners
+                .iter()
+                .map(move |corner| late.estimates[corner.index()].as_ref().map_or(f64::NAN, field))
+        };
+        let heights = of(|e| e.road_m).chain(of(|e| e.road_sd_m));
+        let values = [late.row.time_s, late.distance_m].into_iter().chain(heights);
+        for ((_, column), value) in road.iter_mut().zip(values) {
+            column.push(value);
+        }
+        Ok(())
+    }
+
+    fn transition(&mut self, time_s: f64, change: &Change<f64>) -> Result<(), DriveError> {
+        self.transitions.push(Value::Object(transition_object(time_s, change)));
+        Ok(())
+    }
+}
+
+/// What was found in a drive.
+#[pyclass(frozen, module = "itpms._itpms")]
+pub(crate) struct Estimated {
+    done: Done,
+    kept: Kept,
+    figures: Value,
+}
+
+#[pymethods]
+impl Estimated {
+    /// The numbers over time: names and bytes.
+    fn estimates<'py>(&self, py: Python<'py>) -> PyResult<Packed<'py>> {
+        columns::all(py, &self.kept.found.numbers)
+    }
+
+    /// The warnings over time: names and words.
+    fn warnings(&self) -> Words {
+        self.kept.found.words.clone()
+    }
+
+    /// The road: names and bytes, or `None` where it was not kept.
+    fn road<'py>(&self, py: Python<'py>) -> PyResult<Option<Packed<'py>>> {
+        self.kept.road.as_ref().map(|road| columns::all(py, road)).transpose()
+    }
+
+    /// What the monitor said and took back: a JSON list of what `itpms estimate --events` writes.
+    fn transitions(&self) -> String {
+        Value::Array(self.kept.transitions.clone()).to_string()
+    }
+
+    /// What is known at the end, as JSON.
+    fn figures(&self) -> String {
+        self.figures.to_string()
+    }
+
+    /// The labels of the corners.
+    fn corners(&self) -> Vec<&'static str> {
+        self.kept.corners.iter().map(|corner| corner.label()).collect()
+    }
+
+    /// Writes the page about the drive.
+    fn report(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let page = render_report(&self.done.data)
+            .map_err(|error| raise(py, Kind::Output, format!("the report cannot be made: {error}")))?;
+        let write = || -> Result<(), itpms_data::DataError> {
+            let mut file = AtomicFile::create(&path)?;
+            file.append(page.as_bytes())?;
+            file.commit()
+        };
+        py.detach(write).map_err(|error| errors::data(py, Kind::Output, &error))
+    }
+}

@@ -1,0 +1,39 @@
+//! The extension module `itpms._itpms`. Numbers go in and out as bytes of little-endian `f64`, everything else as text and
+//! JSON; the Python layer above makes arrays and frames of them. Nobody else calls it.
+//!
+//! | module | idea |
+//! |---|---|
+//! | `errors` | sentences as the package's exceptions |
+//! | `work` | long computations beside the interpreter, ended by Ctrl-C |
+//! | `columns` | numbers as bytes |
+//! | `estimate` | a whole drive |
+//! | `car` | an estimator, sample by sample |
+//! | `simulate` | made-up drives |
+//! | `vehicle` | a car's parameters |
+//! | `road` | roughness of a profile |
+
+mod car;
+mod columns;
+mod errors;
+mod estimate;
+mod road;
+mod simulate;
+mod vehicle;
+mod work;
+
+use pyo3::prelude::*;
+
+/// The extension module of the package itpms.
+#[pymodule]
+fn _itpms(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<estimate::Estimated>()?;
+    module.add_class::<car::Car>()?;
+    module.add_class::<simulate::Simulated>()?;
+    module.add_class::<vehicle::Vehicle>()?;
+    module.add_function(wrap_pyfunction!(estimate::estimate_log, module)?)?;
+    module.add_function(wrap_pyfunction!(estimate::estimate_columns, module)?)?;
+    module.add_function(wrap_pyfunction!(simulate::simulate, module)?)?;
+    module.add_function(wrap_pyfunction!(simulate::scenarios, module)?)?;
+    module.add_function(wrap_pyfunction!(road::iri, module)?)
+}

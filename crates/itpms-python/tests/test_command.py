@@ -1,0 +1,89 @@
+"""The same estimates as the command's, to the last digit."""
+
+import json
+
+import pandas as pd
+
+import itpms
+
+
+def read(path):
+    return pd.read_csv(path, float_precision="round_trip", keep_default_na=True)
+
+
+def test_a_drive_from_a_file_and_from_its_table(command, tmp_path):
+    log, car, est, road, page, events = (
+        tmp_path / name for name in ("drive.csv", "car.toml", "est.csv", "road.csv", "page.html", "events.jsonl")
+    )
+    command("simulate", "drive-puncture", "--seed", 7, "-o", log, "--vehicle-out", car)
+    summary = json.loads(
+        command(
+            "estimate",
+            log,
+            "--vehicle",
+            car,
+            "-o",
+            est,
+            "--road-out",
+            road,
+            "--report",
+            page,
+            "--events",
+            events,
+            "--json",
+        )
+    )
+    drive = itpms.simulate("drive-puncture", seed=7)
+    # The made-up drive is the command's, too.
+    pd.testing.assert_frame_equal(drive.frame("pandas"), read(log), check_exact=True)
+    assert drive.vehicle == itpms.Vehicle.read(car)
+    for given in (log, read(log), drive):
+        result = itpms.estimate(given, car, road=True)
+        pd.testing.assert_frame_equal(result.frame("pandas"), read(est), check_exact=True, check_dtype=False)
+        pd.testing.assert_frame_equal(pd.DataFrame(result.road), read(road), check_exact=True)
+        assert result.events == [json.loads(line) for line in events.read_text().splitlines()]
+        for key in ("corners", "duration_s", "distance_m", "alerts", "warnings", "rows"):
+            assert result.summary[key] == summary[key], key
+    own = tmp_path / "own.html"
+    itpms.estimate(log, car).report(own)
+    assert own.read_text() == page.read_text()
+
+
+def test_calibration_and_its_reference(command, tmp_path):
+    log, car = tmp_path / "drive.parquet", tmp_path / "car.toml"
+    command("simulate", "drive-puncture", "--seed", 3, "-o", log, "--vehicle-out", car)
+    command(
+        "estimate",
+        log,
+        "--vehicle",
+        car,
+        "-o",
+        tmp_path / "a.csv",
+        "--calibrate-s",
+        15,
+        "--save-reference",
+        tmp_path / "r1",
+    )
+    result = itpms.estimate(log, car, calibrate_s=15, save_reference=tmp_path / "r2")
+    pd.testing.assert_frame_equal(result.frame("pandas"), read(tmp_path / "a.csv"), check_exact=True, check_dtype=False)
+
+    # But for the second in which they were written.
+    def learned(name):
+        lines = (tmp_path / name).read_text().splitlines()[1:]
+        return [line for line in lines if not line.startswith("unix_s")]
+
+    assert learned("r1") == learned("r2")
+    command(
+        "estimate",
+        log,
+        "--vehicle",
+        car,
+        "-o",
+        tmp_path / "b.csv",
+        "--reference",
+        tmp_path / "r1",
+        "--estimator",
+        "informed",
+    )
+    result = itpms.estimate(log, car, reference=tmp_path / "r2")
+    pd.testing.assert_frame_equal(result.frame("pandas"), read(tmp_path / "b.csv"), check_exact=True, check_dtype=False)

@@ -1,0 +1,143 @@
+//! `itpms fleet`: many drives of many cars, kept drive by drive, going on where it was stopped.
+
+use std::fs;
+use std::thread;
+
+use itpms_drive::fleet::cars::Cars;
+use itpms_drive::fleet::standing::{CarStanding, State};
+use itpms_drive::fleet::{self, Calibration, Outcome, Plan, found};
+use itpms_drive::{DriveError, Settings};
+use serde_json::json;
+
+use super::program::fingerprint;
+use crate::args::FleetArgs;
+use crate::exit::Failure;
+use crate::interrupt::Interrupt;
+use crate::screen::Screen;
+
+/// Cars and failures that are said; the files have all.
+const SAID: usize = 10;
+
+pub(crate) fn run(args: &FleetArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
+    let cars = match (&args.vehicle, &args.vehicle_dir) {
+        (Some(file), _) => Cars::one(file)?,
+        (None, Some(folder)) => Cars::folder(folder)?,
+        (None, None) => return Err(Failure::Usage("expected --vehicle or --vehicle-dir".to_owned())),
+    };
+    let files = found::files(&args.drives, &args.out)?;
+    fs::create_dir_all(&args.out).map_err(|error| Failure::Directory(args.out.clone(), error))?;
+    let plan = Plan {
+        files,
+        cars,
+        settings: Settings { estimator: args.estimator, regulation: args.regulation, ..Settings::default() },
+        calibration: args
+            .calibrate_s
+            .map(|seconds| Calibration { seconds, drives: args.calibration_drives.clone() }),
+        options: args.reading.options(),
+        out: args.out.clone(),
+        reports: args.reports,
+        estimates: args.estimates,
+        jobs: args.jobs.map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from),
+        program: fingerprint()?,
+    };
+    let progress = screen.progress("estimating");
+    let outcome = fleet::survey(&plan, &|at| {
+        progress.say(&format!("{} of {} drives", at.done, at.drives));
+        progress.set(at.share);
+        interrupt.flow()
+    });
+    drop(progress);
+    let outcome = outcome.map_err(|error| match error {
+        DriveError::Stopped => Failure::Paused,
+        other => other.into(),
+    })?;
+    report(args, screen, &outcome)
+}
+
+/// What was found: the cars that want attention, what failed, and a line that counts.
+fn report(args: &FleetArgs, screen: &Screen, outcome: &Outcome) -> Result<(), Failure> {
+    let cars = CarStanding::of_all(&outcome.drives);
+    for failed in outcome.failed.iter().take(SAID) {
+        screen.warn(&failed.why);
+    }
+    let (drives, failed) = (outcome.drives.len(), outcome.failed.len());
+    let total = drives + failed;
+    if failed > SAID {
+        screen.warn(format!("and {} more drives failed: see {}", failed - SAID, at(args, "failed.csv")));
+    }
+    if drives == 0 {
+        let why = outcome.failed.first().map_or("", |failed| &failed.why);
+        return Err(Failure::Usage(format!("none of {total} drives could be estimated; the first: {why}")));
+    }
+    if args.json {
+        screen.print(as_json(args, outcome, &cars));
+    } else {
+        for car in cars.iter().filter(|car| car.state != State::Fine).take(SAID) {
+            screen.print(car_line(car));
+        }
+        screen.print(format!(
+            "See {} for the whole fleet, {} for the numbers.",
+            at(args, "index.html"),
+            at(args, "fleet.csv")
+        ));
+        let kept =
+            if outcome.kept > 0 { format!(" ({} of them before)", outcome.kept) } else { String::new() };
+        let failures = match failed {
+            0 => "none failed".to_owned(),
+            n => format!("{n} failed: {}", at(args, "failed.csv")),
+        };
+        screen.print(format!(
+            "{drives} of {total} drives of {} estimated{kept}; {failures}",
+            counted(cars.len(), "car")
+        ));
+    }
+    if args.strict && failed > 0 {
+        return Err(Failure::Usage(format!("{failed} of {total} drives failed, and --strict was given")));
+    }
+    Ok(())
+}
+
+fn counted(n: usize, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
+}
+
+fn at(args: &FleetArgs, name: &str) -> String {
+    args.out.join(name).display().to_string()
+}
+
+/// `car-7: low in logs/car-7/d3.csv: fl 138.2 of 241.3 kPa`.
+fn car_line(car: &CarStanding<'_>) -> String {
+    let Some(last) = car.last() else { return String::new() };
+    let wheels = last.wheels.iter().filter(|wheel| State::of_wheel(wheel) == car.state);
+    let words: Vec<String> = wheels
+        .map(|wheel| match wheel.last {
+            Some(at) => format!("{} {:.1} of {} kPa", wheel.wheel, at.pressure_kpa, wheel.placard_kpa),
+            None => format!("{} not known", wheel.wheel),
+        })
+        .collect();
+    format!("{}: {} in {}: {}", car.car, car.state.label(), last.file, words.join(", "))
+}
+
+fn as_json(args: &FleetArgs, outcome: &Outcome, cars: &[CarStanding<'_>]) -> serde_json::Value {
+    let states: serde_json::Map<String, serde_json::Value> = State::ALL
+        .into_iter()
+        .map(|state| (state.label().to_owned(), json!(cars.iter().filter(|car| car.state == state).count())))
+        .collect();
+    let failed: Vec<_> = outcome
+        .failed
+        .iter()
+        .map(|failed| json!({ "file": failed.file.display().to_string(), "car": failed.car, "error": failed.why }))
+        .collect();
+    json!({
+        "drives": outcome.drives.len(),
+        "kept": outcome.kept,
+        "cars": cars.len(),
+        "cars_by_state": states,
+        "failed": failed,
+        "outputs": {
+            "table": at(args, "fleet.csv"),
+            "failed": at(args, "failed.csv"),
+            "page": at(args, "index.html"),
+        },
+    })
+}

@@ -1,0 +1,231 @@
+//! `itpms fleet`: every drive as `itpms estimate` has it, failures listed, a killed run goes on, nothing is done twice.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
+
+mod common;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::process::Stdio;
+use std::time::Duration;
+
+use common::{Bench, table};
+use serde_json::Value;
+
+/// Twelve seconds of a whole car; the rear right tire at the pressure that is put in, from 6 s on.
+const DRIVE: &str = r#"
+name = "short"
+duration_s = 12.0
+rate_hz = 200.0
+settle_s = 5.0
+wheelbase_m = 2.7
+[speed]
+constant_km_h = 70.0
+[road.surface.iso8608]
+roughness = "B"
+slope = 2.0
+[sensor]
+noise_m_s2 = 0.05
+[car]
+[corner.fl]
+pressure.constant_kpa = 241.3
+[corner.fr]
+pressure.constant_kpa = 241.3
+[corner.rl]
+pressure.constant_kpa = 241.3
+[corner.rr]
+pressure.points_s_kpa = [[5.5, 241.3], [6.0, REAR]]
+"#;
+
+/// Nine drives of three cars (in folders, and by their names) and three files that are none.
+const DRIVES: [(&str, f64); 9] = [
+    ("logs/alpha/drive1.csv", 241.3),
+    ("logs/alpha/drive2.parquet", 241.3),
+    ("logs/alpha/drive10.csv", 140.0),
+    ("logs/bravo/2026/a.csv", 241.3),
+    ("logs/bravo/2026/b.csv", 235.0),
+    ("logs/bravo/2027/a.csv", 241.3),
+    ("logs/charlie_1.csv", 150.0),
+    ("logs/charlie_2.csv", 241.3),
+    ("logs/charlie-3.csv", 241.3),
+];
+const BROKEN: [&str; 3] = ["logs/alpha/drive11.parquet", "logs/bravo/2027/b.csv", "logs/stranger.csv"];
+const FLEET: &str = "--quiet fleet logs/**/*.csv logs/**/*.parquet --vehicle-dir cars --out out";
+
+fn bench() -> Bench {
+    let bench = Bench::new();
+    for folder in ["cars", "logs/alpha", "logs/bravo/2026", "logs/bravo/2027"] {
+        fs::create_dir_all(bench.path(folder)).unwrap();
+    }
+    for (seed, (name, rear_kpa)) in DRIVES.iter().enumerate() {
+        bench.write("drive.toml", DRIVE.replace("REAR", &rear_kpa.to_string()));
+        bench
+            .run(&format!(
+                "--quiet simulate drive.toml --seed {seed} -o {name} --vehicle-out cars/alpha.toml"
+            ))
+            .success();
+    }
+    for car in ["bravo", "charlie"] {
+        bench.write(&format!("cars/{car}.toml"), bench.read("cars/alpha.toml"));
+    }
+    let whole = fs::read(bench.path("logs/alpha/drive2.parquet")).unwrap();
+    bench.write(BROKEN[0], &whole[..whole.len() / 2]);
+    bench.write(BROKEN[1], "neither,a\ndrive,log\n");
+    bench.write(BROKEN[2], bench.read("logs/charlie_1.csv"));
+    bench
+}
+
+/// Rows of a table by the columns' names; no cell of these tests but the last column's and errors' has a comma in it.
+fn rows(bench: &Bench, name: &str) -> Vec<BTreeMap<String, String>> {
+    let (names, rows) = table(&bench.read(name));
+    rows.into_iter().map(|row| names.iter().cloned().zip(row).collect()).collect()
+}
+
+fn number(text: &str) -> Option<f64> {
+    (!text.is_empty()).then(|| text.parse().unwrap())
+}
+
+/// How often a wheel's warning began, and when first, by the estimates of every sample.
+fn warnings(bench: &Bench, estimates: &str, wheel: &str) -> (usize, Option<f64>) {
+    let rows = rows(bench, estimates);
+    let column = format!("{wheel}_warning");
+    let words: Vec<&str> =
+        std::iter::once("none").chain(rows.iter().map(|row| row[&column].as_str())).collect();
+    let begun: Vec<usize> = (0..rows.len()).filter(|i| words[*i] != "low" && words[i + 1] == "low").collect();
+    (begun.len(), begun.first().map(|i| rows[*i]["time_s"].parse().unwrap()))
+}
+
+#[test]
+fn a_dozen_drives_are_what_estimate_makes_of_each_and_three_fail() {
+    let bench = bench();
+    let outcome = bench.run(&format!("{FLEET} --calibrate-s 5 --reports --estimates --jobs 2"));
+    let said = outcome.success().trim_end().lines().last().unwrap().to_owned();
+    assert_eq!(said, "9 of 12 drives of 3 cars estimated; 3 failed: out/failed.csv");
+    let failed: Vec<String> = rows(&bench, "out/failed.csv").iter().map(|row| row["file"].clone()).collect();
+    assert_eq!(failed, BROKEN);
+    assert!(bench.read("out/failed.csv").contains("stranger.csv: no car's"));
+
+    let fleet = rows(&bench, "out/fleet.csv");
+    assert_eq!(fleet.len(), 9 * 4);
+    let first = ["logs/alpha/drive1.csv", "logs/bravo/2026/a.csv", "logs/charlie-3.csv"];
+    for (name, rear_kpa) in DRIVES {
+        let car = ["alpha", "bravo", "charlie"].into_iter().find(|car| name.contains(car)).unwrap();
+        let calibrated = first.into_iter().find(|drive| drive.contains(car)).unwrap();
+        let how = if name == calibrated {
+            "--calibrate-s 5".to_owned()
+        } else {
+            format!("--reference out/references/{calibrated}.reference")
+        };
+        let line = format!(
+            "estimate {name} --vehicle cars/{car}.toml {how} -o all.csv --rate 200 --report r.html --json"
+        );
+        let json: Value = serde_json::from_str(bench.run(&line).success()).unwrap();
+        bench.run(&format!("estimate {name} --vehicle cars/{car}.toml {how} -o est.csv")).success();
+        assert_eq!(bench.read(&format!("out/estimates/{name}.csv")), bench.read("est.csv"), "{name}");
+        for row in fleet.iter().filter(|row| row["file"] == name) {
+            let corner = &json["corners"][&row["wheel"]];
+            for (column, value) in [
+                ("pressure_kpa", &corner["last"]["pressure_kpa"]),
+                ("pressure_sd_kpa", &corner["last"]["sd_kpa"]),
+                ("lowest_kpa", &corner["lowest"]["pressure_kpa"]),
+                ("share_valid", &corner["share_valid"]),
+                ("iri_m_per_km", &corner["road"]["iri_m_per_km"]),
+                ("distance_m", &json["distance_m"]),
+                ("duration_s", &json["duration_s"]),
+            ] {
+                assert_eq!(number(&row[column]), value.as_f64(), "{name} {column} {row:?}");
+            }
+            assert_eq!(row["warning"], corner["warning"].as_str().unwrap());
+            assert_eq!(row["car"], car);
+            let (count, first_s) = warnings(&bench, "all.csv", &row["wheel"]);
+            assert_eq!(
+                (row["warnings"].parse::<usize>().unwrap(), number(&row["first_warning_s"])),
+                (count, first_s)
+            );
+            let low = rear_kpa < 160.0 && row["wheel"] == "rr";
+            assert_eq!(count > 0, low, "{name} {row:?}");
+            assert_eq!(row["calibration"], if name == calibrated { "drive" } else { "carried" });
+        }
+        assert!(bench.read(&format!("out/reports/{name}.html")).contains("</html>"));
+    }
+    let page = bench.read("out/index.html");
+    // The worst first; each with its report. charlie's low drive is not its last one.
+    assert!(page.contains("1 of 3 cars has a low tire"), "{}", &page[..600]);
+    assert!(page.contains("href=\"reports/logs/alpha/drive10.csv.html\""));
+    // Nothing is loaded from anywhere.
+    assert!(["src=", "href=\"http", "url(", "@import", "<link"].iter().all(|load| !page.contains(load)));
+}
+
+#[test]
+fn a_killed_run_goes_on_where_it_was_and_a_third_does_nothing() {
+    let bench = bench();
+    bench.run(&FLEET.replace("--out out", "--out whole")).success();
+    let mut command = bench.command(format!("{FLEET} --jobs 1").split_whitespace());
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let kept =
+        || fs::read_to_string(bench.path("out/drives.jsonl")).unwrap_or_default().matches("\"file\"").count();
+    for _ in 0..6000 {
+        if kept() >= 3 {
+            break;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    // SIGKILL: nothing can be tidied up.
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let before = kept();
+    assert!((3..9).contains(&before), "{before} drives were done when it was killed");
+    assert!(!bench.path("out/fleet.csv").exists());
+    // As if the power had failed in the middle of a line.
+    let torn = bench.read("out/drives.jsonl") + "{\"file\":\"logs/al";
+    bench.write("out/drives.jsonl", torn);
+    let last = |outcome: &common::Outcome| outcome.success().trim_end().lines().last().unwrap().to_owned();
+    let again = bench.run(FLEET);
+    assert!(last(&again).contains(&format!("({before} of them before)")), "{again:?}");
+    assert_eq!(bench.read("out/fleet.csv"), bench.read("whole/fleet.csv"));
+    let third = bench.run(FLEET);
+    assert!(last(&third).contains("(9 of them before)"), "{third:?}");
+    // A changed log, another setting, another vehicle file: only what they concern is done again.
+    bench.write("logs/charlie_2.csv", bench.read("logs/charlie_1.csv"));
+    assert!(last(&bench.run(FLEET)).contains("(8 of them before)"));
+    bench.write("cars/bravo.toml", bench.read("cars/bravo.toml") + "\n# checked\n");
+    assert!(last(&bench.run(FLEET)).contains("(6 of them before)"));
+    assert!(!last(&bench.run(&format!("{FLEET} --regulation fmvss-138"))).contains("before"));
+}
+
+#[test]
+fn what_makes_a_run_impossible_is_said_and_what_only_makes_drives_fail_is_not_fatal() {
+    let bench = Bench::with_drive();
+    fs::create_dir_all(bench.path("cars")).unwrap();
+    let refusal = |line: &str| bench.run(line).refusal().to_owned();
+    assert!(refusal("fleet *.mf4 --vehicle car.toml --out out").starts_with("*.mf4: no file fits"));
+    assert!(refusal("fleet *.csv --vehicle-dir cars --out out").starts_with("cars: holds no vehicle file"));
+    assert!(refusal("fleet *.csv --vehicle none.toml --out out").ends_with("none.toml: no such file"));
+    assert_eq!(bench.run("fleet *.csv --out out").code, Some(2));
+    assert!(!bench.path("out").exists());
+    // The car's file is unusable, so all its drives are: nothing could be estimated.
+    bench.write("cars/drive.toml", "[corner.fl]\n");
+    let outcome = bench.run("--quiet fleet *.csv --vehicle-dir cars --out out");
+    assert_eq!(outcome.code, Some(2), "{outcome:?}");
+    assert!(
+        outcome.stderr.contains("error: none of 1 drives could be estimated; the first: cars/drive.toml: "),
+        "{outcome:?}"
+    );
+    // One of two drives fails.
+    bench.write("bad.csv", "time_s\n");
+    let one = "--quiet fleet *.csv --vehicle car.toml --out out";
+    assert!(
+        bench
+            .run(one)
+            .success()
+            .trim_end()
+            .ends_with("1 of 2 drives of 1 car estimated; 1 failed: out/failed.csv")
+    );
+    let strict = bench.run(&format!("{one} --strict"));
+    assert_eq!(strict.code, Some(2));
+    assert!(strict.stderr.trim_end().ends_with("error: 1 of 2 drives failed, and --strict was given"));
+    let json: Value = serde_json::from_str(bench.run(&format!("{one} --json")).success()).unwrap();
+    assert_eq!(
+        (&json["drives"], &json["kept"], &json["cars_by_state"]["fine"]),
+        (&1.into(), &1.into(), &0.into())
+    );
+}
