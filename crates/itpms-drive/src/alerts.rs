@@ -1,6 +1,6 @@
 //! What the monitor said and took back: every transition as it happens, and a list for the summary.
 
-use itpms_core::monitor::{Alert, Change, MonitorReport};
+use itpms_core::warning::{Alert, Change, MonitorReport};
 use itpms_data::out::alert_object;
 use serde_json::{Value, json};
 

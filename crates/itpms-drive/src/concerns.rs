@@ -1,7 +1,7 @@
 //! What should be known before believing a result, said in sentences.
 
 use itpms_core::estimator::EstimatorKind;
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use itpms_data::{LogReader, Vehicle};
 
 use crate::drive::Drive;
@@ -84,7 +84,7 @@ pub(crate) fn of(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Vec<String> {
             "a reset of {seconds} s teaches little of the car, expected {SHORTEST_RESET_S} s or more of driving"
         ));
     }
-    if let Some(seconds) = drive.speed_late_s() {
+    if let Some(seconds) = drive.speed_latency_s() {
         let way = if seconds > 0.0 { "late" } else { "early" };
         concerns.push(format!(
             "speed_m_s comes {:.2} s {way}: while the car brakes or speeds up front and rear meet the same road elsewhere than it says; allowed for since that was found",

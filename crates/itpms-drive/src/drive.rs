@@ -90,8 +90,8 @@ impl Drive {
 
     /// What the reset taught, once it is over.
     #[must_use]
-    pub fn learned(&self) -> Option<LearnedReference<f64>> {
-        self.car.estimator().learned()
+    pub fn learned(&self) -> Option<VehicleCalibration<f64>> {
+        self.car.estimator().calibration()
     }
 
     /// What the monitor says after the last row.
@@ -132,8 +132,8 @@ impl Drive {
 
     /// Seconds by which the speed was found to come late, if it was.
     #[must_use]
-    pub fn speed_late_s(&self) -> Option<f64> {
-        Some(self.car.estimator().speed_late_s()).filter(|seconds| *seconds != 0.0)
+    pub fn speed_latency_s(&self) -> Option<f64> {
+        Some(self.car.estimator().speed_latency_s()).filter(|seconds| *seconds != 0.0)
     }
 
     /// Takes a row; a speed that its wheels deny is taken out of it.

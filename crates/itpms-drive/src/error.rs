@@ -2,7 +2,7 @@
 
 use std::io;
 
-use itpms_core::quarter_car::ParameterError;
+use itpms_core::model::ParameterError;
 use itpms_data::DataError;
 use itpms_sim::error::ScenarioError;
 use thiserror::Error;

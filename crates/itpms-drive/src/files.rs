@@ -3,8 +3,8 @@
 
 use std::path::PathBuf;
 
-use itpms_core::monitor::Change;
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
+use itpms_core::warning::Change;
 use itpms_data::out::{AtomicFile, EstimateWriter, RateGate, RoadPoint, RoadWriter, transition_object};
 use itpms_data::{LogRow, Vehicle};
 use itpms_study::report;
@@ -116,7 +116,7 @@ impl Sink for Files {
 
     fn road(&mut self, late: &LateRow) -> Result<(), DriveError> {
         let Some(road) = &mut self.road else { return Ok(()) };
-        let point = |e: &itpms_core::estimate::CornerEstimate<f64>| RoadPoint {
+        let point = |e: &itpms_core::model::CornerEstimate<f64>| RoadPoint {
             road_m: e.road_m,
             road_sd_m: e.road_sd_m,
         };

@@ -57,7 +57,7 @@ impl Saving {
     pub fn complete(
         mut self,
         calibrate_s: Option<f64>,
-        learned: Option<LearnedReference<f64>>,
+        learned: Option<VehicleCalibration<f64>>,
     ) -> Result<AtomicFile, DriveError> {
         let target = self.file.target().to_owned();
         let Some(learned) = learned else {

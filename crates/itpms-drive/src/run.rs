@@ -2,9 +2,8 @@
 
 use std::ops::ControlFlow;
 
-use itpms_core::car::LearnedReference;
-use itpms_core::monitor::Change;
-use itpms_core::sample::Corner;
+use itpms_core::model::{Corner, VehicleCalibration};
+use itpms_core::warning::Change;
 use itpms_data::{LogReader, LogRow, Vehicle};
 use itpms_study::report::{CornerRow, Provenance, ReportCollector, ReportData, ReportOptions};
 
@@ -69,7 +68,7 @@ pub struct Done {
     /// What should be known before believing it, a sentence each.
     pub concerns: Vec<String>,
     /// What a calibration drive taught, once it was over.
-    pub learned: Option<LearnedReference<f64>>,
+    pub learned: Option<VehicleCalibration<f64>>,
 }
 
 /// Estimates a drive.

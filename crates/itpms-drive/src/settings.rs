@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use itpms_core::estimator::{EstimatorKind, RoadRepetition};
-use itpms_core::monitor::Regulation;
+use itpms_core::warning::Regulation;
 
 use crate::error::DriveError;
 

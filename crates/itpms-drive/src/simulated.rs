@@ -4,9 +4,10 @@
 
 use std::path::PathBuf;
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use itpms_data::crg::CrgRoad;
 use itpms_data::log::LogCorner;
+use itpms_data::vehicle::VehicleDetails;
 use itpms_data::{LogRow, Vehicle};
 use itpms_sim::road::Surface;
 use itpms_sim::scenario::Scenario;
@@ -95,6 +96,7 @@ pub fn vehicle_of(scenario: &Scenario) -> Result<Vehicle, DriveError> {
         id: None,
         wheelbase_m: Some(scenario.wheelbase_m),
         corners,
+        details: VehicleDetails::default(),
     })
 }
 

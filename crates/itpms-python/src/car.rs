@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use itpms_data::log::{Field, LogCorner, SLOTS, Slot};
 use itpms_data::out::alert_object;
 use itpms_data::reference::crc64;

@@ -4,8 +4,8 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use itpms_core::estimator::{EstimatorKind, RoadPeriod, RoadRepetition};
-use itpms_core::monitor::{Change, Regulation};
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
+use itpms_core::warning::{Change, Regulation};
 use itpms_data::log::{LogOptions, UnitCheck};
 use itpms_data::out::{AtomicFile, RateGate, transition_object};
 use itpms_data::{LogReader, LogRow};
@@ -207,7 +207,7 @@ impl Sink for Kept {
 
     fn road(&mut self, late: &LateRow) -> Result<(), DriveError> {
         let Some(road) = &mut self.road else { return Ok(()) };
-        let of = |field: fn(&itpms_core::estimate::CornerEstimate<f64>) -> f64| {
+        let of = |field: fn(&itpms_core::model::CornerEstimate<f64>) -> f64| {
             self.corners
                 .iter()
                 .map(move |corner| late.estimates[corner.index()].as_ref().map_or(f64::NAN, field))

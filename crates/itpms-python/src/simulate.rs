@@ -1,6 +1,6 @@
 //! Made-up drives.
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use itpms_drive::{DriveError, simulated};
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::Simulation;

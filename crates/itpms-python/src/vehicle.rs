@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use pyo3::prelude::*;
 use serde_json::json;
 

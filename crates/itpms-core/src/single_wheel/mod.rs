@@ -33,10 +33,9 @@ use crate::real::Real;
 use crate::single_wheel::gate::{Gate, SpeedKnowledge};
 use crate::single_wheel::grid_posterior::Posterior;
 use crate::single_wheel::load::BodyIdentification;
-#[cfg(feature = "test-bench")]
-pub use crate::single_wheel::periodic_road::RoadPeriod;
-pub use crate::single_wheel::periodic_road::RoadRepetition;
 use crate::single_wheel::periodic_road::{Corner, Held, PeriodicEstimate, RepeatedRoad, Step};
+#[cfg(feature = "test-bench")]
+pub use crate::single_wheel::periodic_road::{RoadPeriod, RoadRepetition};
 use crate::single_wheel::road_model::Evidence;
 use crate::single_wheel::tables::{Grid, Tables};
 use crate::spectrum::FrameClock;

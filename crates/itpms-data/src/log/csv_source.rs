@@ -7,10 +7,9 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
-use super::clock_text;
 use super::header::{Header, shortened};
-use super::mapped;
 use super::row::{RawRow, SLOTS, Slot};
+use super::{clock_text, mapped};
 use crate::error::{DataError, Place, Problem};
 use crate::signals::SignalMap;
 

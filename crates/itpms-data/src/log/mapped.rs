@@ -4,14 +4,13 @@
 
 use std::path::Path;
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 
 use super::header::Header;
 use super::row::{CornerColumns, Field, LogColumns, Slot};
 use crate::error::{DataError, Problem};
 use crate::nearest::nearest;
-use crate::signals::column_unit;
-use crate::signals::{Conversion, Resolved, SignalMap, SignalProblem, resolve};
+use crate::signals::{Conversion, Resolved, SignalMap, SignalProblem, column_unit, resolve};
 
 /// How a table's header is read.
 pub(super) fn header(path: &Path, names: &[String], map: Option<&SignalMap>) -> Result<Header, DataError> {

@@ -65,7 +65,7 @@ fn is_unit(text: &str) -> bool {
 mod tests {
     use super::*;
     use crate::log::{Field, Slot};
-    use itpms_core::sample::Corner;
+    use itpms_core::model::Corner;
 
     #[test]
     fn units_end_names() {

@@ -4,9 +4,8 @@ use std::fs;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use itpms_core::estimate::Warning;
-use itpms_core::monitor::WheelState;
-use itpms_core::sample::Corner;
+use itpms_core::model::{Corner, Warning};
+use itpms_core::warning::WheelState;
 use itpms_data::{LogReader, LogRow};
 use itpms_study::report::{CornerReport, Reading};
 

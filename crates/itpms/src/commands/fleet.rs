@@ -1,7 +1,6 @@
 //! `itpms fleet`: many drives of many cars, kept drive by drive, going on where it was stopped.
 
-use std::fs;
-use std::thread;
+use std::{fs, thread};
 
 use itpms_drive::fleet::cars::Cars;
 use itpms_drive::fleet::standing::{CarStanding, State};

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use itpms_data::Vehicle;
 use itpms_data::log::{CornerColumns, LogColumns};
 use itpms_data::out::{AtomicFile, LogWriter};

@@ -1,8 +1,7 @@
 //! The measured motion of a corner made ready for a fit: heights, velocities, accelerations and the state of friction, by
 //! band, and where the motion is free. Called by `bump`.
 
-use super::super::IdentifyError;
-use super::super::guard;
+use super::super::{IdentifyError, guard};
 use super::smooth::{BANDS, bands, derivative, integral, low_pass};
 use super::{BumpCorner, BumpSignals, BumpWindow};
 

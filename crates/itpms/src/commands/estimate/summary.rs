@@ -1,6 +1,6 @@
 //! What is said at the end: a line for the drive, one per corner and one per alert, or the same as JSON.
 
-use itpms_core::estimate::Warning;
+use itpms_core::model::Warning;
 use itpms_drive::summary_json;
 use itpms_study::report::{CornerReport, Reading};
 use serde_json::{Value, json};
