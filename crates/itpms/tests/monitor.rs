@@ -276,6 +276,33 @@ fn a_polite_kill_saves_the_state_and_the_next_start_goes_on_to_the_same_bits() {
     assert!(!bench.names().iter().any(|name| name.ends_with(".tmp")));
 }
 
+#[cfg(unix)]
+#[test]
+fn one_monitor_per_state_and_a_killed_one_leaves_the_next_nothing_to_complain_of() {
+    let bench = puncture();
+    let line = "monitor --replay drive.csv --speed 1 --vehicle car.toml --state car.state --json";
+    let begin = |json: &str| {
+        let mut command = bench.command(line.split(' ').chain([json]));
+        let mut child = command.stderr(Stdio::piped()).spawn().unwrap();
+        wait_for_estimate(&bench, json, &mut child);
+        child
+    };
+    let mut first = begin("first.jsonl");
+    let second = bench.run(&format!("{line} second.jsonl"));
+    let by = format!("is used by another program (process {}), expected one at a time", first.id());
+    assert_eq!(second.refusal(), format!("car.state: {by}"));
+    first.kill().unwrap();
+    first.wait().unwrap();
+    // What it left beside the state, and somebody else's file of nearly the same name.
+    bench.write(&format!(".car.state.{}-3.tmp", first.id()), "half a state");
+    bench.write(".car.state.mine.tmp", "mine");
+    let third = begin("third.jsonl");
+    assert_eq!(interrupt(third, "TERM").code, Some(0));
+    let hidden: Vec<String> = bench.names().into_iter().filter(|name| name.starts_with('.')).collect();
+    assert_eq!(hidden, [".car.state.mine.tmp"]);
+    assert!(bench.names().contains(&"car.state".to_owned()));
+}
+
 #[test]
 fn a_damaged_state_is_refused_loudly_and_the_monitor_begins_afresh() {
     let bench = puncture();

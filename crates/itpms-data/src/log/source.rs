@@ -1,6 +1,5 @@
 //! Where rows come from, whatever the format: names first, then values, row by row. Called by the reader alone.
 
-use std::fs::File;
 use std::path::Path;
 
 use super::csv_source::CsvSource;
@@ -29,16 +28,16 @@ pub(super) enum Source {
 impl Source {
     pub(super) fn open(path: &Path, options: &LogOptions) -> Result<Self, DataError> {
         let fail = |problem| DataError::new(path, problem);
-        let (file, metadata) = input::open(path).map_err(fail)?;
+        // Whether it is there is said before what its name says.
+        let about = input::look(path).map_err(fail)?;
         let format = LogFormat::of(path)?;
-        if metadata.is_file() && metadata.len() == 0 {
+        if about.is_file() && about.len() == 0 {
             return Err(fail(Problem::Empty));
         }
         match format {
-            LogFormat::Table(format) => options
-                .refuse_for_tables()
-                .and_then(|()| Self::table(format, file, metadata.len()))
-                .map_err(fail),
+            LogFormat::Table(format) => {
+                options.refuse_for_tables().and_then(|()| Self::table(format, path)).map_err(fail)
+            }
             #[cfg(feature = "mdf4")]
             LogFormat::Mdf4 => Ok(Source::Signals(Box::new(SignalSource::mdf4(path, options)?))),
             #[cfg(feature = "can")]
@@ -46,11 +45,17 @@ impl Source {
         }
     }
 
-    fn table(format: Format, file: File, bytes: u64) -> Result<Self, Problem> {
+    fn table(format: Format, path: &Path) -> Result<Self, Problem> {
         match format {
-            Format::Csv => CsvSource::new(file, bytes).map(Source::Csv),
+            Format::Csv => {
+                let (file, about) = input::open(path)?;
+                CsvSource::new(file, about.len()).map(Source::Csv)
+            }
             #[cfg(feature = "parquet")]
-            Format::Parquet => ParquetSource::new(file).map(|source| Source::Parquet(Box::new(source))),
+            Format::Parquet => {
+                let (file, _) = input::open_regular(path, "Parquet")?;
+                ParquetSource::new(file).map(|source| Source::Parquet(Box::new(source)))
+            }
         }
     }
 

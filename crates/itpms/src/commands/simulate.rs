@@ -175,7 +175,7 @@ fn vehicle_of(scenario: &Scenario) -> Result<Vehicle, Failure> {
 fn report(args: &SimulateArgs, screen: &Screen, scenario: &Scenario) {
     let corners: Vec<&str> = scenario.corner.iter().map(|(corner, _)| corner.label()).collect();
     if args.json {
-        screen.print(json!({
+        screen.print_lines(json!({
             "scenario": scenario.name,
             "seed": args.seed,
             "log": args.output.display().to_string(),

@@ -13,7 +13,7 @@ const FRESH_S: f64 = 1.0;
 
 pub(super) fn print(args: &EstimateArgs, screen: &Screen, done: &Done) {
     if args.json {
-        screen.print(as_json(args, done));
+        screen.print_lines(as_json(args, done));
         return;
     }
     let drive = &done.data.drive;

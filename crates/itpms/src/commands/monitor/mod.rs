@@ -17,7 +17,7 @@ use std::time::Duration;
 
 use itpms_core::estimator::EstimatorKind;
 use itpms_data::Vehicle;
-use itpms_data::out::AtomicFile;
+use itpms_data::out::{AtomicFile, NameLock};
 use itpms_data::reference::StoredReference;
 use itpms_live::LiveError;
 use itpms_live::drive::DriveOptions;
@@ -42,7 +42,7 @@ const SET_ASIDE: u32 = 9;
 
 pub(crate) fn run(args: &MonitorArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
     if args.print_dbc {
-        screen.print(can::DBC.trim_end());
+        screen.print_lines(can::DBC.trim_end());
         return Ok(());
     }
     let Some(vehicle) = &args.vehicle else {
@@ -57,9 +57,12 @@ pub(crate) fn run(args: &MonitorArgs, screen: &Screen, interrupt: &Interrupt) ->
     let inputs = Arc::new(Queue::new(WAITING));
     let mut source = sources::open(args, screen)?;
     let feed = source.feed.take();
+    let mut _lock = None;
     if let Some(state) = &args.state {
         // That it cannot be written is better known now than at the end.
         drop(AtomicFile::create(state)?);
+        // Two monitors would take turns in writing over what the other one has learned.
+        _lock = NameLock::take(state)?;
     }
     let saved = saved(args, &vehicle, &options, screen)?;
     let outputs = outputs::open(args, source.can_wait(), &say)?;

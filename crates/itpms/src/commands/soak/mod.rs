@@ -96,9 +96,9 @@ fn finish(args: &SoakArgs, summary: &Summary, hours: &Path, screen: &Screen) -> 
     file.append(format!("{json}\n").as_bytes())?;
     file.commit()?;
     if args.json {
-        screen.print(json);
+        screen.print_lines(json);
     } else {
-        screen.print(summary.text().trim_end());
+        screen.print_lines(summary.text().trim_end());
         screen.print(format!("See {} for every hour.", hours.display()));
     }
     Ok(())
