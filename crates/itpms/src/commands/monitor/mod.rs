@@ -2,9 +2,11 @@
 //!
 //! | room | idea |
 //! |---|---|
+//! | `access` | how brokers are reached |
 //! | `sources` | the source that was asked for |
 //! | `outputs` | the outputs that were asked for |
 
+mod access;
 mod outputs;
 mod sources;
 
@@ -65,7 +67,7 @@ pub(crate) fn run(args: &MonitorArgs, screen: &Screen, interrupt: &Interrupt) ->
         _lock = NameLock::take(state)?;
     }
     let saved = saved(args, &vehicle, &options, screen)?;
-    let outputs = outputs::open(args, source.can_wait(), &say)?;
+    let outputs = outputs::open(args, source.can_wait(), &say, screen)?;
     let server = outputs::serve(args, &hub, screen)?;
 
     let engine = Engine::new(vehicle, options, source.name(), saved, Arc::clone(&say));
@@ -133,6 +135,8 @@ fn check_names(args: &MonitorArgs) -> Result<(), Failure> {
         (args.replay.as_deref(), "the log"),
         (args.vehicle.as_deref(), "the vehicle file"),
         (args.reference.as_deref(), "the learned reference"),
+        (args.mqtt_password_file.as_deref(), "the password"),
+        (args.mqtt_ca.as_deref(), "the certificates"),
         dbc,
         signals,
     ];
