@@ -3,6 +3,9 @@
 mod bench;
 mod certify;
 mod convert;
+#[cfg(feature = "live")]
+mod faults;
+mod lab;
 mod log;
 mod malfunctions;
 #[cfg(feature = "live")]
@@ -15,7 +18,7 @@ mod soak;
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser as _};
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use clap_complete::Shell;
 use itpms_core::estimator::{EstimatorKind, RoadPeriod, RoadRepetition};
 use itpms_core::monitor::Regulation;
@@ -25,6 +28,9 @@ use itpms_study::score::Part;
 pub(crate) use bench::{BenchOutput, CalibrateArgs, DamperArgs, IdentifyArgs, IdentifyPart, SpringArgs};
 pub(crate) use certify::CertifyArgs;
 pub(crate) use convert::ConvertArgs;
+#[cfg(feature = "live")]
+pub(crate) use faults::FaultsArgs;
+pub(crate) use lab::{Lab, LabArgs, Study};
 pub(crate) use log::LogArgs;
 pub(crate) use malfunctions::MalfunctionsArgs;
 #[cfg(feature = "live")]
@@ -51,6 +57,8 @@ Examples:
   itpms simulate paper-drop --seed 1 -o drive.csv --vehicle-out car.toml
   itpms estimate drive.csv --vehicle car.toml -o est.csv --report report.html
 
+Studies and their tools: itpms lab --help.
+
 Exit codes: 0 complete; 2 an input, option or output is unusable (one message says why); 130 interrupted.
 Outputs are written beside their target and renamed when complete: no partial file is ever left.";
 
@@ -58,21 +66,28 @@ Outputs are written beside their target and renamed when complete: no partial fi
 pub(crate) enum Command {
     Demo(DemoArgs),
     Estimate(EstimateArgs),
-    Simulate(SimulateArgs),
-    Score(ScoreArgs),
-    Soak(SoakArgs),
-    Certify(CertifyArgs),
-    Malfunctions(MalfunctionsArgs),
     #[cfg(feature = "live")]
     Monitor(MonitorArgs),
-    Identify(IdentifyArgs),
-    Calibrate(CalibrateArgs),
-    Observability(ObservabilityArgs),
-    Reproduce(ReproduceArgs),
     Roughness(RoughnessArgs),
     Signals(SignalsArgs),
     Convert(ConvertArgs),
+    Lab(LabArgs),
+    #[command(flatten)]
+    Study(Study),
     Completions(CompletionsArgs),
+}
+
+impl Args {
+    /// What was typed, or the end of the program with a word about it.
+    pub(crate) fn read() -> Self {
+        let matches = Self::shown().get_matches();
+        Self::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
+    }
+
+    /// All commands, with those in the list that most people need.
+    pub(crate) fn shown() -> clap::Command {
+        lab::without_studies(Self::command())
+    }
 }
 
 /// Simulate a drive with a puncture, estimate it, and write the report: the quickest way to see what this is.

@@ -63,7 +63,11 @@ impl Screen {
 
     /// A result of several lines, such as a table or JSON.
     pub(crate) fn print_lines(&self, text: impl Display) {
-        note(writeln!(io::stdout(), "{}", escaped(&text.to_string(), |c| c != '\n' && is_obeyed(c))));
+        note(writeln!(
+            io::stdout(),
+            "{}",
+            escaped(&text.to_string(), |c| !matches!(c, '\n' | '\t') && is_obeyed(c))
+        ));
     }
 
     /// Bytes of the result, as they are.
