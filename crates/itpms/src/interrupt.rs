@@ -14,6 +14,8 @@ use crate::exit::Failure;
 
 /// Time for a run to notice that it is to end. Whoever computes looks several times a second; who does not look waits.
 const NOTICE: Duration = Duration::from_millis(700);
+/// Time for the end of a run that has noticed: the monitor waits three seconds for the last acknowledgements of its broker.
+const ENDING: Duration = Duration::from_secs(4);
 /// Time for the last word: standard error may be a pipe that is full.
 const LAST_WORD: Duration = Duration::from_millis(50);
 
@@ -41,9 +43,10 @@ impl Interrupt {
             let seen = Arc::clone(&seen);
             thread::spawn(move || {
                 thread::sleep(NOTICE);
-                if !seen.noticed.load(Ordering::Relaxed) {
-                    end();
+                if seen.noticed.load(Ordering::Relaxed) {
+                    thread::sleep(ENDING);
                 }
+                end();
             });
         })
         .map_err(|error| Failure::Usage(format!("cannot listen for Ctrl-C: {error}")))?;

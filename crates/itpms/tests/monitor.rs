@@ -278,6 +278,22 @@ fn a_polite_kill_saves_the_state_and_the_next_start_goes_on_to_the_same_bits() {
 
 #[cfg(unix)]
 #[test]
+fn a_reader_that_reads_nothing_does_not_keep_it_from_ending() {
+    let bench = puncture();
+    let mut command = bench.command("monitor --replay drive.csv --speed max --vehicle car.toml".split(' '));
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let unread = child.stdout.take();
+    // The pipe is full by then, or the log is at its end.
+    std::thread::sleep(Duration::from_secs(4));
+    assert!(child.try_wait().unwrap().is_none(), "it waits for its reader");
+    let asked = Instant::now();
+    interrupt(child, "TERM");
+    assert!(asked.elapsed() < Duration::from_secs(6), "{:?}", asked.elapsed());
+    drop(unread);
+}
+
+#[cfg(unix)]
+#[test]
 fn one_monitor_per_state_and_a_killed_one_leaves_the_next_nothing_to_complain_of() {
     let bench = puncture();
     let line = "monitor --replay drive.csv --speed 1 --vehicle car.toml --state car.state --json";
