@@ -24,7 +24,7 @@ const JUMPS: [(&str, Jump); 10] = [
     ("set ahead by a second", |t, _| t + 1.0),
     ("set back by a second", |t, _| t - 1.0),
     ("set to 1970", |t, _| t - 1.8e9),
-    ("set ahead by 56 years", |t, _| t + 1.8e9),
+    ("set ahead by 57 years", |t, _| t + 1.8e9),
     ("one stamp of another day", |t, row| if row == 0 { t + 86_400.0 } else { t }),
     ("one stamp of the day before", |t, row| if row == 0 { t - 86_400.0 } else { t }),
     ("no stamp for half a second", |t, row| if row < 100 { f64::NAN } else { t }),
