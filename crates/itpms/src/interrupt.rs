@@ -28,6 +28,25 @@ struct Flags {
     wanted: AtomicBool,
     /// Somebody has looked since.
     noticed: AtomicBool,
+    /// What is finished is kept, and the same command goes on from there.
+    resumes: AtomicBool,
+}
+
+impl Flags {
+    /// Ends the program from outside of the thread that waits.
+    fn end(&self) -> ! {
+        abandon_all();
+        let word = if self.resumes.load(Ordering::Relaxed) {
+            Failure::Paused.to_string()
+        } else {
+            "interrupted".to_owned()
+        };
+        thread::spawn(move || {
+            let _ = writeln!(io::stderr(), "error: {word}");
+        });
+        thread::sleep(LAST_WORD);
+        process::exit(130)
+    }
 }
 
 impl Interrupt {
@@ -38,7 +57,7 @@ impl Interrupt {
         ctrlc::set_handler(move || {
             if seen.wanted.swap(true, Ordering::Relaxed) {
                 // Asked twice: it is to end now, whatever it does.
-                end();
+                seen.end();
             }
             let seen = Arc::clone(&seen);
             thread::spawn(move || {
@@ -46,11 +65,16 @@ impl Interrupt {
                 if seen.noticed.load(Ordering::Relaxed) {
                     thread::sleep(ENDING);
                 }
-                end();
+                seen.end();
             });
         })
         .map_err(|error| Failure::Usage(format!("cannot listen for Ctrl-C: {error}")))?;
         Ok(Self(flags))
+    }
+
+    /// Tells that this run keeps what is finished and can go on from there, however it ends.
+    pub(crate) fn resumes(&self) {
+        self.0.resumes.store(true, Ordering::Relaxed);
     }
 
     /// To be asked every few thousand rows.
@@ -70,14 +94,4 @@ impl Interrupt {
         }
         wanted
     }
-}
-
-/// Ends the program from outside of the thread that waits.
-fn end() -> ! {
-    abandon_all();
-    thread::spawn(|| {
-        let _ = writeln!(io::stderr(), "error: interrupted");
-    });
-    thread::sleep(LAST_WORD);
-    process::exit(130)
 }

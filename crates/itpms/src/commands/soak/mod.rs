@@ -28,6 +28,7 @@ pub(crate) fn run(args: &SoakArgs, screen: &Screen, interrupt: &Interrupt) -> Re
     let plan = Plan { rate_hz: args.rate, drive_s: args.drive_s, car: args.car };
     let drives = drives(args)?;
     fs::create_dir_all(&args.out).map_err(|error| Failure::Directory(args.out.clone(), error))?;
+    interrupt.resumes();
     let mut record = Record::open(args.out.join("hours.jsonl"), &plan)?;
     let seeds = (0..drives).map(|i| args.first_seed.wrapping_add(i));
     let todo: Vec<u64> = seeds.clone().filter(|seed| !record.hours().contains_key(seed)).collect();
