@@ -62,9 +62,38 @@ pub enum Problem {
     /// The operating system refused to write.
     #[error("cannot be written: {0}")]
     Write(io::Error),
+    /// A file that one program at a time may use.
+    #[error("is used by another program{}, expected one at a time", by(.process))]
+    InUse {
+        /// Which one, if it says so.
+        process: Option<u32>,
+    },
     /// The directory to write into is missing.
     #[error("cannot be written: the directory {} does not exist", .0.display())]
     NoDirectory(PathBuf),
+    /// More than is read into memory.
+    #[error("has {}{found} bytes, expected {expected} of at most {most}", if *.is_all { "" } else { "more than " })]
+    TooLarge {
+        /// Its size, or how much of it was read.
+        found: u64,
+        /// Whether that is all of it.
+        is_all: bool,
+        /// What it should be.
+        expected: &'static str,
+        /// The limit.
+        most: u64,
+    },
+    /// A line without an end.
+    #[error("line {line} is longer than {most} bytes, expected lines of text")]
+    LongLine {
+        /// Where.
+        line: u64,
+        /// The limit.
+        most: u64,
+    },
+    /// A pipe or device where a file is read in several places.
+    #[error("is a pipe or a device, expected a regular file: {0} is read in several places")]
+    NotRegular(&'static str),
     /// The format is chosen by the file's extension.
     #[error("{found}, expected {expected}")]
     UnknownExtension {
@@ -401,6 +430,10 @@ pub enum Problem {
 
 fn hint(nearest: &Option<String>) -> String {
     nearest.as_ref().map(|name| format!("; the nearest name there is {name}")).unwrap_or_default()
+}
+
+fn by(process: &Option<u32>) -> String {
+    process.map(|process| format!(" (process {process})")).unwrap_or_default()
 }
 
 fn hint_key(nearest: &Option<String>) -> String {

@@ -137,7 +137,7 @@ impl RoadProfile {
 
 #[cfg(feature = "parquet")]
 fn read_parquet(path: &Path) -> Result<RoadProfile, Problem> {
-    let mut columns = ParquetColumns::open(input::open(path)?.0)?;
+    let mut columns = ParquetColumns::open(input::open_regular(path, "Parquet")?.0)?;
     let (slots, names) = by_name(columns.names())?;
     let mut chosen = Vec::new();
     for (leaf, slot) in slots.into_iter().enumerate() {

@@ -157,13 +157,27 @@ fn a_row_of_another_length_is_an_error_unless_the_file_was_cut_off_there() {
         }
     }));
     assert!(text.starts_with("drive.csv: line 5: found 1 cells"), "{text}");
+}
 
+#[test]
+fn a_last_line_without_its_end_is_left_out_and_counted_wherever_it_was_cut() {
     let bench = Bench::new();
     let whole = drive(10, |_, _| {});
-    let path = bench.csv(&whole[..whole.len() - 25]);
-    let mut log = LogReader::open(&path).unwrap();
-    assert_eq!(log.by_ref().count(), 9);
-    assert_eq!(log.repairs().warnings(), ["1 line at the end is cut off and was left out"]);
+    let last = whole.lines().last().unwrap().len();
+    // From the line end alone, which leaves a number that looks whole, to all but the first digit.
+    for missing in 1..=last {
+        let path = bench.csv(&whole[..whole.len() - missing]);
+        let mut log = LogReader::open(&path).unwrap();
+        assert_eq!(log.by_ref().count(), 9, "{missing} bytes are missing");
+        assert_eq!(log.repairs().cut_off_lines, 1, "{missing} bytes are missing");
+        assert_eq!(
+            log.repairs().warnings(),
+            ["1 line at the end is cut off (it has no line end) and was left out"]
+        );
+    }
+    let mut log = LogReader::open(&bench.csv(&whole)).unwrap();
+    assert_eq!(log.by_ref().count(), 10);
+    assert!(log.repairs().is_clean());
 }
 
 #[test]

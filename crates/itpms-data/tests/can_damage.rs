@@ -163,3 +163,23 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn two_hundred_thousand_containers_with_nothing_in_them_take_no_time() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("empty.blf");
+    let original = original("python_can.blf");
+    let (header, objects) = original.split_at(144);
+    // RFC 1950 and 1951: a stream of zlib with one final block of nothing, and the Adler-32 of nothing.
+    let nothing = [0x78, 0x9c, 0x03, 0x00, 0x00, 0x00, 0x00, 0x01];
+    let mut container = b"LOBJ\x10\0\x01\0\x28\0\0\0\x0a\0\0\0\x02\0".to_vec();
+    container.resize(32, 0);
+    container.extend_from_slice(&nothing);
+    put(&path, &[header, &container.repeat(200_000), objects].concat());
+    let whole = dir.path().join("python_can.blf");
+    put(&whole, &original);
+    let (frames, is_clean) = read(&whole);
+    let begun = std::time::Instant::now();
+    assert_eq!(read(&path), (frames, is_clean));
+    assert!(frames > 0 && begun.elapsed() < std::time::Duration::from_secs(3), "{:?}", begun.elapsed());
+}

@@ -45,6 +45,9 @@ pub(crate) fn of(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Vec<String> {
     for corner in present.iter().filter(|corner| vehicle.corner(**corner).is_none()) {
         concerns.push(format!("corner {} is not in the vehicle file and was not estimated", corner.label()));
     }
+    for corner in Corner::ALL.iter().filter(|c| vehicle.corner(**c).is_some() && !present.contains(c)) {
+        concerns.push(format!("corner {} of the vehicle file is not in the log", corner.label()));
+    }
     let rate = log.survey().sample_rate_hz;
     if !USUAL_RATES_HZ.contains(&rate) {
         concerns.push(format!("sampled at {rate:.1} Hz, expected 100 Hz to 2 kHz: less accurate"));

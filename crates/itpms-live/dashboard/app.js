@@ -9,7 +9,7 @@ import { Past } from "./past.js";
 import { Roads } from "./roads.js";
 import { Status } from "./status.js";
 import { drawWheels } from "./wheels.js";
-import { CORNERS, NAMES, STATES, attribute, digits, element, lower, moment, put, span, speedDoubt, verdict } from "./words.js";
+import { CORNERS, NAMES, STATES, attribute, digits, element, lower, moment, plain, put, span, speedDoubt, verdict } from "./words.js";
 
 const calm = matchMedia("(prefers-reduced-motion: reduce)");
 const by = (id) => document.getElementById(id);
@@ -102,7 +102,7 @@ function subline(snapshot) {
   const speed = snapshot.speed_m_s == null ? speedDoubt(snapshot) : `${digits(3.6 * snapshot.speed_m_s, 0)} km/h`;
   const far = snapshot.distance_m == null ? null : snapshot.distance_m < 10000 ? `${digits(snapshot.distance_m / 1000, 2)} km` : `${digits(snapshot.distance_m / 1000, 0)} km`;
   const when = snapshot.time_s == null ? null : snapshot.time_s > 1e8 ? moment(snapshot.time_s, snapshot) : `clock ${span(snapshot.time_s)}`;
-  return [snapshot.vehicle, snapshot.source.name, speed, far, when].filter(Boolean).join(" · ");
+  return [plain(snapshot.vehicle), plain(snapshot.source.name), speed, far, when].filter(Boolean).join(" · ");
 }
 
 function drawCharts() {

@@ -1,6 +1,6 @@
 // What the estimates rest on: how much is being learned, the accelerometers, the source, and how late all of it is.
 
-import { NAMES, attribute, count, digits, element, put, span } from "./words.js";
+import { NAMES, attribute, count, digits, element, plain, put, span } from "./words.js";
 
 const gates = document.getElementById("gates");
 const sensors = document.getElementById("sensors");
@@ -63,7 +63,7 @@ export function drawHealth(snapshot, state) {
   }
   const { source, latency_ms: late } = snapshot;
   const set = (name, text) => put(made_of("facts", name, fact), text);
-  set("Source", `${source.name} (${KIND[source.kind] ?? source.kind})`);
+  set("Source", `${plain(source.name)} (${KIND[source.kind] ?? source.kind})`);
   set("Rows estimated", count(source.rows));
   set("Frames received", count(source.frames));
   set("Frames lost", count(source.dropped));

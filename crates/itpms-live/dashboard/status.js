@@ -1,6 +1,6 @@
 // Whether what is shown is now. Says so in words, and greys what is not.
 
-import { put, span, timeOfDay } from "./words.js";
+import { plain, put, span, timeOfDay } from "./words.js";
 
 export class Status {
   constructor() {
@@ -56,7 +56,7 @@ export class Status {
   }
   draw(connection) {
     const state = this.judge(connection);
-    const name = this.source ? this.source.name : "the source";
+    const name = this.source ? plain(this.source.name) : "the source";
     const age = span((Date.now() - this.data_ms) / 1000);
     const words = {
       live: ["Live", `Data from ${name} is coming in.`],

@@ -37,12 +37,16 @@ export const reading = (wheel) => `${pressure(wheel)} ${spread(wheel)}`;
 export const digits = (value, n) => (value == null || Number.isNaN(value) ? "–" : value.toFixed(n));
 export const count = (value) => (value == null ? "–" : value.toLocaleString("en-US").replaceAll(",", "\u202f"));
 
+// A name that somebody else chose, without what would turn the line around or is no letter.
+export const plain = (name) => String(name ?? "").replace(/[\u0000-\u001f\u007f-\u009f\u200e\u200f\u2028-\u202e\u2066-\u2069]/g, "\ufffd");
+
 const two = (n) => String(n).padStart(2, "0");
 
 // Time of day of some milliseconds since 1970, here.
 export function timeOfDay(ms) {
   if (!Number.isFinite(ms)) return "an unknown time";
   const d = new Date(ms);
+  if (Number.isNaN(d.getTime())) return "an unknown time";
   return `${two(d.getHours())}:${two(d.getMinutes())}:${two(d.getSeconds())}`;
 }
 

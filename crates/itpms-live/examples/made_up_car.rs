@@ -2,7 +2,8 @@
 //!
 //! `cargo run -p itpms-live --example made_up_car -- 127.0.0.1:8080 [SPEED]`, then lines on standard input:
 //! `low fl`, `over rr`, `malfunction rl`, `unknown fr`, `fine fl` (a wheel's state), `stale`, `end`, `live` (the source),
-//! `freeze` (the monitor itself hangs), `quit`. SPEED is how much faster the car's clock runs than ours. Nothing here is an estimate.
+//! `freeze` (the monitor itself hangs), `back S` (the source's clock is set back by S seconds), `hostile` (names that somebody with bad
+//! intentions chose), `quit`. SPEED is how much faster the car's clock runs than ours. Nothing here is an estimate.
 
 use std::error::Error;
 use std::io::BufRead as _;
@@ -16,6 +17,9 @@ use serde_json::{Map, Value, json};
 
 const CORNERS: [&str; 4] = ["fl", "fr", "rl", "rr"];
 const STATES: [&str; 5] = ["unknown", "fine", "low", "over", "malfunction"];
+/// Markup, a line break, a terminal's escape, a change of direction, and more letters than a line has.
+const HOSTILE: &str = "<img src=x onerror=window.taken=1><script>window.taken=1</script>\n\u{1b}[2J\u{202e}egnar-\u{9b}31m-\
+    aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa";
 const SPEED_M_S: f64 = 22.2;
 /// Between two snapshots, on our clock.
 const PACE: Duration = Duration::from_millis(10);
@@ -38,6 +42,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             match line.split_whitespace().collect::<Vec<_>>()[..] {
                 ["quit"] => return Ok(()),
                 ["freeze"] => car.frozen = true,
+                ["hostile"] => car.name = HOSTILE,
+                ["back", seconds] => car.back_s += seconds.parse::<f64>().unwrap_or(0.0),
                 ["live"] => (car.frozen, car.source) = (false, SourceState::Live),
                 ["stale"] => car.source = SourceState::Stale,
                 ["end"] => car.source = SourceState::Ended,
@@ -46,7 +52,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             }
         }
         if !car.frozen {
-            car.advance(begun.elapsed().as_secs_f64() * speed);
+            car.advance(begun.elapsed().as_secs_f64() * speed - car.back_s);
             hub.publish(Arc::new(car.snapshot()));
         }
         std::thread::sleep(PACE);
@@ -54,6 +60,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 struct Car {
+    name: &'static str,
+    back_s: f64,
     seq: u64,
     transitions: u64,
     time_s: f64,
@@ -67,6 +75,8 @@ struct Car {
 impl Car {
     fn new() -> Self {
         Self {
+            name: "made-up",
+            back_s: 0.0,
             seq: 0,
             transitions: 0,
             time_s: 0.0,
@@ -139,7 +149,7 @@ impl Car {
             time_s: self.time_s,
             unix_s: unix_s(),
             source: Source {
-                name: "made-up".to_owned(),
+                name: self.name.to_owned(),
                 kind: "replay",
                 state: self.source,
                 rows: (self.time_s * 200.0) as u64,
@@ -150,7 +160,7 @@ impl Car {
                 reconnects: 0,
                 rate_hz: 200.0,
             },
-            vehicle: "made-up car".to_owned(),
+            vehicle: format!("{} car", self.name),
             speed_m_s: SPEED_M_S,
             speed_doubt: None,
             distance_m: SPEED_M_S * self.time_s,

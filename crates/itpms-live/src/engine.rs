@@ -223,6 +223,13 @@ impl Engine {
                 "{name}: corner {label} is not in the vehicle file and is not estimated"
             )));
         }
+        for corner in Corner::ALL.iter().filter(|corner| described(corner) && !corners.contains(corner)) {
+            let label = corner.label();
+            let name = &self.source.name;
+            (self.say)(Note::Warning(format!(
+                "{name}: corner {label} of the vehicle file is not among the signals"
+            )));
+        }
         Ok(Clock { sample_rate_hz, corners: common })
     }
 

@@ -28,10 +28,25 @@ pub enum LiveError {
         described: String,
     },
     /// An address of a broker.
-    #[error("{found:?} is no address of an MQTT broker, expected mqtt://HOST[:PORT]/TOPIC")]
+    #[error(
+        "{found:?} is no address of an MQTT broker, expected mqtt://[USER@]HOST[:PORT]/TOPIC, or mqtts://"
+    )]
     BrokerAddress {
         /// What was given.
         found: String,
+    },
+    /// A password where every program of the machine can read it.
+    #[error(
+        "a password in the address is seen by everyone on this machine, expected it in the file of --mqtt-password-file, or in ITPMS_MQTT_PASSWORD"
+    )]
+    PasswordInAddress,
+    /// Certificates of an encrypted connection.
+    #[error("{name}: {error}")]
+    Certificates {
+        /// Their file, or the system's store.
+        name: String,
+        /// What is wrong.
+        error: io::Error,
     },
     /// A bus interface.
     #[error("{interface}: {error}")]

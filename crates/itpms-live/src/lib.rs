@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`source`] | where rows and frames come from |
 //! | [`input`], [`queue`] | what a source tells, and the bounded way it goes |
-//! | [`broker`] | where an MQTT broker is |
+//! | [`broker`], `tls` | where an MQTT broker is, and whom to believe that it is this one |
 //! | [`feed`] | frames to rows |
 //! | [`drive`] | the running estimate |
 //! | `past`, `units` | rows that are late, clocks that are set back; numbers in another unit |
@@ -40,6 +40,7 @@ pub mod snapshot;
 pub mod source;
 pub mod speed;
 pub mod state;
+mod tls;
 mod units;
 
 pub use error::LiveError;

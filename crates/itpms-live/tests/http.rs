@@ -399,8 +399,8 @@ fn streams_and_connections_are_limited_and_come_free_again() {
     assert!(refused.status == 503 && refused.head.contains("retry-after"), "{}", refused.head);
     // Who asks for health gets an answer all the same.
     assert!(get(&server, "/metrics").body.contains("itpms_http_streams 32"));
-    // 96 connections; 32 are streams.
-    let idle: Vec<TcpStream> = (0..64).map(|_| connect(server.address())).collect();
+    // 72 connections of one address; 32 are streams.
+    let idle: Vec<TcpStream> = (0..40).map(|_| connect(server.address())).collect();
     std::thread::sleep(Duration::from_millis(200));
     assert_eq!(raw(server.address(), "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n").status, 503);
     let mut full = connect(server.address());
@@ -411,6 +411,48 @@ fn streams_and_connections_are_limited_and_come_free_again() {
     // A stream whose client is gone is noticed with the next sign of life.
     wait_for(&server, "/metrics", |answer| answer.body.contains("itpms_http_streams 0"));
     assert_eq!(Events::open(&server, "").next().0, "hello");
+}
+
+/// A connection from another address of this machine.
+#[cfg(target_os = "linux")]
+fn connect_from(address: SocketAddr, from: [u8; 4]) -> TcpStream {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+    let stream = runtime.block_on(async {
+        let socket = tokio::net::TcpSocket::new_v4().unwrap();
+        socket.bind(SocketAddr::from((from, 0))).unwrap();
+        socket.connect(address).await.unwrap().into_std().unwrap()
+    });
+    stream.set_nonblocking(false).unwrap();
+    stream.set_read_timeout(Some(Duration::from_secs(5))).unwrap();
+    stream
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn held_connections_keep_nobody_out() {
+    let (server, _hub) = server();
+    let answer = |mut stream: TcpStream| {
+        stream.write_all(b"GET /metrics HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n").unwrap();
+        let mut said = String::new();
+        let _ = stream.read_to_string(&mut said);
+        said.split(' ').nth(1).unwrap_or_default().to_owned()
+    };
+    // As many as there are seats, each with half a request, from one address.
+    let held: Vec<TcpStream> = (0..96)
+        .map(|_| {
+            let mut stream = connect(server.address());
+            let _ = stream.write_all(b"GET / HTTP/1.1\r\nHost: loc");
+            stream
+        })
+        .collect();
+    // From another address there is room at once; from the same one as soon as they have been silent.
+    assert_eq!(answer(connect_from(server.address(), [127, 0, 0, 2])), "200");
+    let begun = Instant::now();
+    while answer(connect(server.address())) != "200" {
+        assert!(begun.elapsed() < Duration::from_secs(3), "still shut out after {:?}", begun.elapsed());
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    drop(held);
 }
 
 #[test]

@@ -13,7 +13,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use common::{say, snapshot, transition};
-use itpms_live::broker::BrokerAddress;
+use itpms_live::broker::{BrokerAddress, Password};
 use itpms_live::engine::Published;
 use itpms_live::input::Input;
 use itpms_live::output::Mqtt;
@@ -34,6 +34,11 @@ struct Broker {
 impl Broker {
     /// `None`, said loudly, where there is no Mosquitto.
     fn start() -> Option<Self> {
+        Self::with(|_, port| format!("listener {port} 127.0.0.1\nallow_anonymous true\n"))
+    }
+
+    /// `listener`: what its configuration says of who may come and how, made in a folder and for a port.
+    fn with(listener: impl Fn(&Path, u16) -> String) -> Option<Self> {
         let found =
             ["/usr/sbin/mosquitto", "/usr/local/sbin/mosquitto"].iter().any(|path| Path::new(path).exists());
         if !found {
@@ -46,8 +51,9 @@ impl Broker {
         let store = dir.path().display();
         // A store, so that the broker keeps what it has acknowledged: what we test is not the broker.
         let config = format!(
-            "listener {port} 127.0.0.1\nallow_anonymous true\npersistence true\npersistence_location {store}/\n\
+            "{}persistence true\npersistence_location {store}/\n\
              max_queued_messages 0\nmax_inflight_messages 100\n{}",
+            listener(dir.path(), port),
             // Started as root, it would become another user, who may not write here.
             if running_as_root() { "user root\n" } else { "" }
         );
@@ -218,4 +224,75 @@ fn lines_that_come_as_messages_are_frames_and_a_restart_is_told() {
     wait("the return", |input| matches!(input, Input::Reconnected));
     println!("connected again {:.2} s after the broker was gone", gone.elapsed().as_secs_f64());
     stop.store(true, Ordering::Relaxed);
+}
+
+/// An authority, a broker's certificate of it for `localhost`, and a password of `car7`.
+fn with_secrets(dir: &Path, port: u16) -> String {
+    let run = |program: &str, line: &str| {
+        let words = line.split(' ').map(|word| word.replace("DIR", &dir.display().to_string()));
+        let done = Command::new(program).args(words).stdout(Stdio::null()).stderr(Stdio::null()).status();
+        assert!(done.unwrap().success(), "{program} {line}");
+    };
+    for name in ["ca", "stranger"] {
+        let files = format!("-keyout DIR/{name}.key -out DIR/{name}.pem");
+        run("openssl", &format!("req -x509 -newkey rsa:2048 -nodes -days 2 -subj /CN={name} {files}"));
+    }
+    std::fs::write(dir.join("names"), "subjectAltName=DNS:localhost\n").unwrap();
+    run(
+        "openssl",
+        "req -newkey rsa:2048 -nodes -subj /CN=localhost -keyout DIR/broker.key -out DIR/broker.csr",
+    );
+    let signed = "-CA DIR/ca.pem -CAkey DIR/ca.key -CAcreateserial -extfile DIR/names -days 2";
+    run("openssl", &format!("x509 -req -in DIR/broker.csr {signed} -out DIR/broker.pem"));
+    run("mosquitto_passwd", "-c -b DIR/passwords car7 secret");
+    let file = |name: &str| dir.join(name).display().to_string();
+    format!(
+        "listener {port} 127.0.0.1\nallow_anonymous false\npassword_file {}\ncertfile {}\nkeyfile {}\n",
+        file("passwords"),
+        file("broker.pem"),
+        file("broker.key")
+    )
+}
+
+#[test]
+fn who_has_the_password_and_believes_the_authority_is_let_in_and_nobody_else() {
+    if Command::new("openssl").arg("version").output().is_err() {
+        stderr().write_all(b"skipped: no openssl here (apt-get install openssl)\n").unwrap();
+        return;
+    }
+    let Some(broker) = Broker::with(with_secrets) else { return };
+    let first = |address: &str, password: Option<&str>, ca: Option<&str>| {
+        let address = BrokerAddress::parse(&address.replace("PORT", &broker.port.to_string())).unwrap();
+        let ca = ca.map(|ca| broker.dir.path().join(ca));
+        let password = password.map(|text| Password::new(text.to_owned()));
+        let address = address.with_access(password, ca.as_deref()).unwrap();
+        let (said, heard) = mpsc::channel();
+        let say: itpms_live::input::Say = Arc::new(move |note| {
+            let (itpms_live::input::Note::Remark(text) | itpms_live::input::Note::Warning(text)) = note;
+            drop(said.send(text));
+        });
+        let output = Mqtt::open(address, &say).unwrap().start();
+        output.publish(&Published::Warning(transition(7)));
+        let first = heard.recv_timeout(Duration::from_secs(2)).unwrap_or_default();
+        output.finish().unwrap();
+        (first, heard.try_iter().any(|text| text.contains("were never acknowledged")))
+    };
+    let right = "mqtts://car7@localhost:PORT/car7";
+    let (said, lost) = first(right, Some("secret"), Some("ca.pem"));
+    assert!(said.is_empty() && !lost, "{said}");
+    for (address, password, ca) in [
+        (right, Some("wrong"), Some("ca.pem")),
+        (right, None, Some("ca.pem")),
+        (right, Some("secret"), Some("stranger.pem")),
+        // Whom the system believes has not signed it.
+        (right, Some("secret"), None),
+        // Another name than that of the certificate.
+        ("mqtts://car7@127.0.0.1:PORT/car7", Some("secret"), Some("ca.pem")),
+        ("mqtt://car7@localhost:PORT/car7", Some("secret"), None),
+    ] {
+        let (said, lost) = first(address, password, ca);
+        assert!(said.contains("trying again") && lost, "{address} {password:?} {ca:?}: {said}");
+        assert!(!said.contains("secret"), "{said}");
+        println!("{said}");
+    }
 }

@@ -40,4 +40,5 @@ pub mod scenario;
 pub mod sensor;
 pub mod simulation;
 mod streams;
+mod text_file;
 pub mod time_profile;

@@ -3,7 +3,10 @@
 mod bench;
 mod certify;
 mod convert;
+#[cfg(feature = "live")]
+mod faults;
 mod fleet;
+mod lab;
 mod log;
 mod malfunctions;
 #[cfg(feature = "live")]
@@ -17,7 +20,7 @@ mod vehicle;
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser as _};
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use clap_complete::Shell;
 use itpms_core::estimator::{EstimatorKind, RoadPeriod, RoadRepetition};
 use itpms_core::model::Corner;
@@ -30,6 +33,9 @@ pub(crate) use bench::{
 pub(crate) use certify::CertifyArgs;
 pub(crate) use convert::ConvertArgs;
 pub(crate) use fleet::FleetArgs;
+#[cfg(feature = "live")]
+pub(crate) use faults::FaultsArgs;
+pub(crate) use lab::{Lab, LabArgs, Study};
 pub(crate) use log::LogArgs;
 pub(crate) use malfunctions::MalfunctionsArgs;
 #[cfg(feature = "live")]
@@ -57,6 +63,8 @@ Examples:
   itpms simulate paper-drop --seed 1 -o drive.csv --vehicle-out car.toml
   itpms estimate drive.csv --vehicle car.toml -o est.csv --report report.html
 
+Studies and their tools: itpms lab --help.
+
 Exit codes: 0 complete; 2 an input, option or output is unusable (one message says why); 130 interrupted.
 Outputs are written beside their target and renamed when complete: no partial file is ever left.";
 
@@ -65,22 +73,29 @@ pub(crate) enum Command {
     Demo(DemoArgs),
     Estimate(EstimateArgs),
     Fleet(FleetArgs),
-    Simulate(SimulateArgs),
-    Score(ScoreArgs),
-    Soak(SoakArgs),
-    Certify(CertifyArgs),
-    Malfunctions(MalfunctionsArgs),
     #[cfg(feature = "live")]
     Monitor(MonitorArgs),
-    Identify(IdentifyArgs),
-    Calibrate(CalibrateArgs),
-    Observability(ObservabilityArgs),
-    Reproduce(ReproduceArgs),
     Roughness(RoughnessArgs),
     Signals(SignalsArgs),
     Convert(ConvertArgs),
     Vehicle(VehicleArgs),
+    Lab(LabArgs),
+    #[command(flatten)]
+    Study(Study),
     Completions(CompletionsArgs),
+}
+
+impl Args {
+    /// What was typed, or the end of the program with a word about it.
+    pub(crate) fn read() -> Self {
+        let matches = Self::shown().get_matches();
+        Self::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
+    }
+
+    /// All commands, with those in the list that most people need.
+    pub(crate) fn shown() -> clap::Command {
+        lab::without_studies(Self::command())
+    }
 }
 
 /// Simulate a drive with a puncture, estimate it, and write the report: the quickest way to see what this is.

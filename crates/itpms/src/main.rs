@@ -19,35 +19,31 @@ mod screen;
 
 use std::process::ExitCode;
 
-use clap::Parser;
-
-use args::{Args, Command};
+use args::{Args, Command, Lab, Study};
+use exit::Failure;
 use interrupt::Interrupt;
 use screen::Screen;
 
 fn main() -> ExitCode {
-    let args = Args::parse();
+    let args = Args::read();
     let screen = Screen::new(args.quiet);
     let result = Interrupt::install().and_then(|interrupt| match &args.command {
         Command::Demo(args) => commands::demo::run(args, &screen, &interrupt),
         Command::Estimate(args) => commands::estimate::run(args, &screen, &interrupt),
         Command::Fleet(args) => commands::fleet::run(args, &screen, &interrupt),
-        Command::Simulate(args) => commands::simulate::run(args, &screen, &interrupt),
-        Command::Certify(args) => commands::certify::run(args, &screen, &interrupt),
-        Command::Malfunctions(args) => commands::malfunctions::run(args, &screen, &interrupt),
         #[cfg(feature = "live")]
         Command::Monitor(args) => commands::monitor::run(args, &screen, &interrupt),
-        Command::Score(args) => commands::score::run(args, &screen, &interrupt),
-        Command::Soak(args) => commands::soak::run(args, &screen, &interrupt),
-        Command::Identify(args) => commands::identify::run(&args.part, &screen),
-        Command::Calibrate(args) => commands::identify::run_calibrate(args, &screen),
-        Command::Observability(args) => commands::observability::run(args, &screen, &interrupt),
-        Command::Reproduce(args) => commands::reproduce::run(args, &screen, &interrupt),
         Command::Roughness(args) => commands::roughness::run(args, &screen, &interrupt),
         Command::Convert(args) => commands::convert::run(args, &screen, &interrupt),
         Command::Signals(args) => commands::signals::run(args, &screen, &interrupt),
         Command::Vehicle(args) => commands::vehicle::run(&args.part, &screen, &interrupt),
         Command::Completions(args) => commands::completions::run(args, &screen),
+        Command::Study(study) => run_study(study, &screen, &interrupt),
+        Command::Lab(lab) => match &lab.tool {
+            Lab::Study(study) => run_study(study, &screen, &interrupt),
+            #[cfg(feature = "live")]
+            Lab::Faults(args) => commands::lab::faults::run(args, &screen, &interrupt),
+        },
     });
     match result.and_then(|()| screen.check()) {
         Ok(()) => ExitCode::SUCCESS,
@@ -55,5 +51,19 @@ fn main() -> ExitCode {
             screen.error(&failure);
             failure.code()
         }
+    }
+}
+
+fn run_study(study: &Study, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
+    match study {
+        Study::Simulate(args) => commands::simulate::run(args, screen, interrupt),
+        Study::Score(args) => commands::score::run(args, screen, interrupt),
+        Study::Soak(args) => commands::soak::run(args, screen, interrupt),
+        Study::Certify(args) => commands::certify::run(args, screen, interrupt),
+        Study::Malfunctions(args) => commands::malfunctions::run(args, screen, interrupt),
+        Study::Identify(args) => commands::identify::run(&args.part, screen),
+        Study::Calibrate(args) => commands::identify::run_calibrate(args, screen),
+        Study::Observability(args) => commands::observability::run(args, screen, interrupt),
+        Study::Reproduce(args) => commands::reproduce::run(args, screen, interrupt),
     }
 }

@@ -1,6 +1,7 @@
 //! What a person or a script gets to read: results on standard output, remarks on standard error.
 
-use std::fmt::Display;
+use std::borrow::Cow;
+use std::fmt::{Display, Write as _};
 use std::io::{self, ErrorKind, Write as _};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -14,6 +15,32 @@ fn note(written: io::Result<()>) {
     if written.is_err_and(|error| error.kind() != ErrorKind::BrokenPipe) {
         LOST.store(true, Ordering::Relaxed);
     }
+}
+
+/// A text on one line, without anything that a terminal would obey: names of files, cars and signals are somebody else's.
+/// Such a character is written as JSON writes it, so that JSON stays JSON.
+fn plain(text: &str) -> Cow<'_, str> {
+    escaped(text, is_obeyed)
+}
+
+fn escaped(text: &str, bad: impl Fn(char) -> bool) -> Cow<'_, str> {
+    if !text.contains(&bad) {
+        return Cow::Borrowed(text);
+    }
+    let mut out = String::with_capacity(text.len() + 16);
+    for c in text.chars() {
+        if bad(c) {
+            let _ = write!(out, "\\u{:04x}", u32::from(c));
+        } else {
+            out.push(c);
+        }
+    }
+    Cow::Owned(out)
+}
+
+/// Control characters, and those that turn the direction of writing.
+fn is_obeyed(c: char) -> bool {
+    c.is_control() || matches!(c, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
 /// Where a command speaks.
@@ -31,7 +58,16 @@ impl Screen {
     /// A line of the result. A reader that has gone away (`| head`) is no reason to complain; one that cannot take it is, at
     /// the end ([`Screen::check`]).
     pub(crate) fn print(&self, line: impl Display) {
-        note(writeln!(io::stdout(), "{line}"));
+        note(writeln!(io::stdout(), "{}", plain(&line.to_string())));
+    }
+
+    /// A result of several lines, such as a table or JSON.
+    pub(crate) fn print_lines(&self, text: impl Display) {
+        note(writeln!(
+            io::stdout(),
+            "{}",
+            escaped(&text.to_string(), |c| !matches!(c, '\n' | '\t') && is_obeyed(c))
+        ));
     }
 
     /// Bytes of the result, as they are.
@@ -51,18 +87,18 @@ impl Screen {
     /// What happened besides the result.
     pub(crate) fn remark(&self, line: impl Display) {
         if !self.quiet {
-            let _ = writeln!(io::stderr(), "{line}");
+            let _ = writeln!(io::stderr(), "{}", plain(&line.to_string()));
         }
     }
 
     /// What was repaired or looks odd, but did not stop us.
     pub(crate) fn warn(&self, line: impl Display) {
-        let _ = writeln!(io::stderr(), "warning: {line}");
+        let _ = writeln!(io::stderr(), "warning: {}", plain(&line.to_string()));
     }
 
     /// The one message a failed command ends with.
     pub(crate) fn error(&self, line: impl Display) {
-        let _ = writeln!(io::stderr(), "error: {line}");
+        let _ = writeln!(io::stderr(), "error: {}", plain(&line.to_string()));
     }
 
     /// A progress bar, unless it is to be quiet.

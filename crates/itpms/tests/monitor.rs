@@ -276,6 +276,49 @@ fn a_polite_kill_saves_the_state_and_the_next_start_goes_on_to_the_same_bits() {
     assert!(!bench.names().iter().any(|name| name.ends_with(".tmp")));
 }
 
+#[cfg(unix)]
+#[test]
+fn a_reader_that_reads_nothing_does_not_keep_it_from_ending() {
+    let bench = puncture();
+    let mut command = bench.command("monitor --replay drive.csv --speed max --vehicle car.toml".split(' '));
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let unread = child.stdout.take();
+    // The pipe is full by then, or the log is at its end.
+    std::thread::sleep(Duration::from_secs(4));
+    assert!(child.try_wait().unwrap().is_none(), "it waits for its reader");
+    let asked = Instant::now();
+    interrupt(child, "TERM");
+    assert!(asked.elapsed() < Duration::from_secs(6), "{:?}", asked.elapsed());
+    drop(unread);
+}
+
+#[cfg(unix)]
+#[test]
+fn one_monitor_per_state_and_a_killed_one_leaves_the_next_nothing_to_complain_of() {
+    let bench = puncture();
+    let line = "monitor --replay drive.csv --speed 1 --vehicle car.toml --state car.state --json";
+    let begin = |json: &str| {
+        let mut command = bench.command(line.split(' ').chain([json]));
+        let mut child = command.stderr(Stdio::piped()).spawn().unwrap();
+        wait_for_estimate(&bench, json, &mut child);
+        child
+    };
+    let mut first = begin("first.jsonl");
+    let second = bench.run(&format!("{line} second.jsonl"));
+    let by = format!("is used by another program (process {}), expected one at a time", first.id());
+    assert_eq!(second.refusal(), format!("car.state: {by}"));
+    first.kill().unwrap();
+    first.wait().unwrap();
+    // What it left beside the state, and somebody else's file of nearly the same name.
+    bench.write(&format!(".car.state.{}-3.tmp", first.id()), "half a state");
+    bench.write(".car.state.mine.tmp", "mine");
+    let third = begin("third.jsonl");
+    assert_eq!(interrupt(third, "TERM").code, Some(0));
+    let hidden: Vec<String> = bench.names().into_iter().filter(|name| name.starts_with('.')).collect();
+    assert_eq!(hidden, [".car.state.mine.tmp"]);
+    assert!(bench.names().contains(&"car.state".to_owned()));
+}
+
 #[test]
 fn a_damaged_state_is_refused_loudly_and_the_monitor_begins_afresh() {
     let bench = puncture();

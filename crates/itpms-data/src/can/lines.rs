@@ -2,11 +2,16 @@
 //! of frames.
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader, Read};
+
+use crate::error::Problem;
 
 /// Bytes of a line that are kept. The longest line a logger writes has less than 500; of a longer one the rest is
 /// passed over.
-const LONGEST_LINE: u64 = 4096;
+const KEPT: u64 = 4096;
+/// Bytes of a line that are passed over, at most. A power cut may leave zeros in a log by the megabyte; what goes on for longer
+/// has no lines.
+const LONGEST: u64 = 1 << 26;
 
 /// Lines of a file, as bytes: logs are not always UTF-8.
 #[derive(Debug)]
@@ -26,16 +31,17 @@ impl TextLines {
     }
 
     /// Goes to the next line; false at the end.
-    pub(super) fn advance(&mut self) -> io::Result<bool> {
+    pub(super) fn advance(&mut self) -> Result<bool, Problem> {
         self.line.clear();
-        let length = (&mut self.input).take(LONGEST_LINE).read_until(b'\n', &mut self.line)? as u64;
+        let mut kept = (&mut self.input).take(KEPT);
+        let length = kept.read_until(b'\n', &mut self.line).map_err(Problem::Read)? as u64;
         if length == 0 {
             return Ok(false);
         }
         self.number += 1;
         self.position += length;
         self.is_terminated = self.line.ends_with(b"\n");
-        if !self.is_terminated && length == LONGEST_LINE {
+        if !self.is_terminated && length == KEPT {
             self.skip_rest()?;
         }
         if self.number == 1 && self.line.starts_with(b"\xef\xbb\xbf") {
@@ -46,9 +52,13 @@ impl TextLines {
     }
 
     /// Passes over what a long line has left.
-    fn skip_rest(&mut self) -> io::Result<()> {
+    fn skip_rest(&mut self) -> Result<(), Problem> {
+        let most = self.position + LONGEST;
         loop {
-            let ahead = self.input.fill_buf()?;
+            if self.position > most {
+                return Err(Problem::LongLine { line: self.number, most: LONGEST });
+            }
+            let ahead = self.input.fill_buf().map_err(Problem::Read)?;
             if ahead.is_empty() {
                 return Ok(());
             }

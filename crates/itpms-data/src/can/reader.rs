@@ -35,7 +35,11 @@ impl FrameReader {
     pub fn open(path: &Path) -> Result<Self, DataError> {
         let format = LogFormat::of(path)?;
         let fail = |problem| DataError::new(path, problem);
-        let (file, metadata) = input::open(path).map_err(fail)?;
+        let opened = match format {
+            LogFormat::Blf => input::open_regular(path, "BLF"),
+            LogFormat::Candump | LogFormat::Asc => input::open(path),
+        };
+        let (file, metadata) = opened.map_err(fail)?;
         let source = match format {
             LogFormat::Candump => Source::Candump(CandumpReader::new(file, metadata.len())),
             LogFormat::Asc => Source::Asc(AscReader::new(file, metadata.len())),

@@ -10,14 +10,6 @@ use crate::error::Place;
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum CrgProblem {
-    /// Larger than is read into memory.
-    #[error("the file has {found} bytes, expected at most {most}")]
-    TooLarge {
-        /// Its size.
-        found: u64,
-        /// The limit.
-        most: u64,
-    },
     /// No line of `$$$$` that ends the header.
     #[error("the header does not end: expected a line that begins with $$$$ before the data")]
     NoData,

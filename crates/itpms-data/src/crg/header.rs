@@ -193,6 +193,11 @@ impl Header {
         Err(CrgProblem::NoData)
     }
 
+    /// Whether the line that ends a header is among these bytes, which may begin a file.
+    pub(super) fn ends_in(beginning: &[u8]) -> bool {
+        beginning.starts_with(b"$$") || beginning.windows(3).any(|three| three == b"\n$$")
+    }
+
     fn complete(self, seen: &[(Section, u64)]) -> Result<Self, CrgProblem> {
         for section in [Section::Road, Section::Definition] {
             if !seen.iter().any(|(other, _)| *other == section) {

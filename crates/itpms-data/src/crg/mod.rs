@@ -61,8 +61,12 @@ impl CrgRoad {
     /// # Errors
     /// The file cannot be read, is larger than 1 GiB, or is no complete OpenCRG file; the message names the line or row.
     pub fn read(path: &Path) -> Result<Self, DataError> {
-        let too_large = |found| Problem::Crg(CrgProblem::TooLarge { found, most: LARGEST });
-        let bytes = input::read(path, LARGEST, too_large).map_err(|problem| DataError::new(path, problem))?;
+        let check = |beginning: &[u8]| match Header::ends_in(beginning) {
+            true => Ok(()),
+            false => Err(Problem::Crg(CrgProblem::NoData)),
+        };
+        let bytes = input::read_after(path, LARGEST, "an OpenCRG file", check)
+            .map_err(|problem| DataError::new(path, problem))?;
         Self::from_bytes(&bytes).map_err(|problem| DataError::new(path, Problem::Crg(problem)))
     }
 

@@ -58,8 +58,8 @@ impl Dbc {
     /// # Errors
     /// The file cannot be read, is larger than 64 MiB, or has no message with a usable signal.
     pub fn read(path: &Path) -> Result<Self, DataError> {
-        let too_large = |found| Problem::Dbc(DbcError::TooLarge { found, most: LARGEST });
-        let bytes = input::read(path, LARGEST, too_large).map_err(|problem| DataError::new(path, problem))?;
+        let bytes =
+            input::read(path, LARGEST, "a DBC file").map_err(|problem| DataError::new(path, problem))?;
         Self::from_bytes(&bytes).map_err(|error| DataError::new(path, Problem::Dbc(error)))
     }
 

@@ -4,17 +4,15 @@
 //! line an editor shows. (General CSV readers count records, and lose count at comments and blank lines.)
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 use super::header::{Header, shortened};
 use super::row::{RawRow, SLOTS, Slot};
 use super::{clock_text, mapped};
 use crate::error::{DataError, Place, Problem};
+use crate::input::MOST_OF_A_LINE;
 use crate::signals::SignalMap;
-
-/// No row of numbers is longer; what is, is no text.
-const LONGEST_LINE: u64 = 1 << 20;
 
 #[derive(Debug)]
 pub(super) struct CsvSource {
@@ -47,7 +45,7 @@ impl CsvSource {
         &self.header
     }
 
-    /// Whether the last line ended before its last cell and without a line end: the logger lost its power.
+    /// Whether the last line has no line end: the logger lost its power, and the last number may be another one.
     pub(super) fn cut_off(&self) -> bool {
         self.cut_off
     }
@@ -76,7 +74,7 @@ impl CsvSource {
             }
             found += 1;
         }
-        if found < expected && !self.lines.is_terminated() {
+        if found <= expected && !self.lines.is_terminated() {
             self.cut_off = true;
             return Ok(None);
         }
@@ -159,16 +157,15 @@ impl Lines {
     pub(crate) fn advance(&mut self) -> Result<bool, Problem> {
         loop {
             self.line.clear();
-            let mut limited = (&mut self.input).take(LONGEST_LINE);
+            let mut limited = (&mut self.input).take(MOST_OF_A_LINE);
             let length = limited.read_until(b'\n', &mut self.line).map_err(Problem::Read)? as u64;
             if length == 0 {
                 return Ok(false);
             }
             self.number += 1;
             self.position += length;
-            if length == LONGEST_LINE {
-                let text = format!("line {} is longer than 1 MiB, expected text", self.number);
-                return Err(Problem::Read(io::Error::new(io::ErrorKind::InvalidData, text)));
+            if length == MOST_OF_A_LINE {
+                return Err(Problem::LongLine { line: self.number, most: MOST_OF_A_LINE });
             }
             if self.number == 1 && self.line.starts_with(b"\xef\xbb\xbf") {
                 // The byte order mark with which some programs begin a text file.

@@ -79,7 +79,7 @@ impl RepairReport {
             "row repeats the time of the row before and was left out",
             "rows repeat the time of the row before and were left out",
         );
-        say(self.cut_off_lines, "line at the end is cut off and was left out", "");
+        say(self.cut_off_lines, "line at the end is cut off (it has no line end) and was left out", "");
         if let Some((length_s, begin_s)) = self.longest_gap {
             let gaps = if self.gaps == 1 { "gap" } else { "gaps" };
             out.push(format!(

@@ -1,6 +1,5 @@
 //! Where rows come from, whatever the format: names first, then values, row by row. Called by the reader alone.
 
-use std::fs::File;
 use std::path::Path;
 
 use super::csv_source::CsvSource;
@@ -32,15 +31,16 @@ pub(super) enum Source {
 impl Source {
     pub(super) fn open(path: &Path, options: &LogOptions) -> Result<Self, DataError> {
         let fail = |problem| DataError::new(path, problem);
-        let (file, metadata) = input::open(path).map_err(fail)?;
+        // Whether it is there is said before what its name says.
+        let about = input::look(path).map_err(fail)?;
         let format = LogFormat::of(path)?;
-        if metadata.is_file() && metadata.len() == 0 {
+        if about.is_file() && about.len() == 0 {
             return Err(fail(Problem::Empty));
         }
         match format {
             LogFormat::Table(format) => {
                 options.refuse_for_tables().map_err(fail)?;
-                Self::table(format, path, file, metadata.len(), options.any_map()?.as_ref())
+                Self::table(format, path, options.any_map()?.as_ref())
             }
             #[cfg(feature = "mdf4")]
             LogFormat::Mdf4 => Ok(Source::Signals(Box::new(SignalSource::mdf4(path, options)?))),
@@ -49,17 +49,16 @@ impl Source {
         }
     }
 
-    fn table(
-        format: Format,
-        path: &Path,
-        file: File,
-        bytes: u64,
-        map: Option<&SignalMap>,
-    ) -> Result<Self, DataError> {
+    fn table(format: Format, path: &Path, map: Option<&SignalMap>) -> Result<Self, DataError> {
+        let fail = |problem| DataError::new(path, problem);
         match format {
-            Format::Csv => CsvSource::new(path, file, bytes, map).map(Source::Csv),
+            Format::Csv => {
+                let (file, about) = input::open(path).map_err(fail)?;
+                CsvSource::new(path, file, about.len(), map).map(Source::Csv)
+            }
             #[cfg(feature = "parquet")]
             Format::Parquet => {
+                let (file, _) = input::open_regular(path, "Parquet").map_err(fail)?;
                 ParquetSource::new(path, file, map).map(|source| Source::Parquet(Box::new(source)))
             }
         }

@@ -169,7 +169,7 @@ impl Mdf4Reader {
 
 /// Opens a file for reading.
 fn open(path: &Path) -> Result<BlockFile, Problem> {
-    BlockFile::new(input::open(path)?.0).map_err(Problem::Read)
+    BlockFile::new(input::open_regular(path, "MDF4")?.0).map_err(Problem::Read)
 }
 
 /// Programs that were killed leave data behind whose samples nobody counted, not always with a word of it in the

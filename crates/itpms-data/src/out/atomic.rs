@@ -11,6 +11,7 @@ use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::process;
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::leftovers;
 use crate::error::{DataError, Problem};
@@ -38,6 +39,31 @@ impl Drop for Temporary {
     fn drop(&mut self) {
         // After a successful rename there is nothing under this name, which is as good as removed.
         let _ = fs::remove_file(&self.path);
+        forget_living(&self.path);
+    }
+}
+
+/// What goes with this process: its temporaries and locks.
+fn living() -> MutexGuard<'static, Vec<PathBuf>> {
+    static LIVING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+    LIVING.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Adds to what goes with this process.
+pub(super) fn note_living(path: &Path) {
+    living().push(path.to_owned());
+}
+
+/// Takes it out again.
+pub(super) fn forget_living(path: &Path) {
+    living().retain(|living| living != path);
+}
+
+/// Removes every unfinished file of this process. For a program that is about to end while another of its threads waits for
+/// something that may never come, and can no longer drop what it holds.
+pub fn abandon_all() {
+    for path in living().drain(..) {
+        let _ = fs::remove_file(path);
     }
 }
 
@@ -70,6 +96,7 @@ impl AtomicFile {
         let (path, file) = create_beside(directory, name).map_err(|error| fail(Problem::Write(error)))?;
         leftovers::remove(directory, name, &path);
         // From here on the temporary removes itself.
+        note_living(&path);
         let temporary = Temporary { path, destination };
         if let Ok(existing) = fs::metadata(&temporary.destination) {
             // The new content keeps the old file's mode; failing to is no reason not to write.
@@ -182,7 +209,7 @@ fn sync_directory(_file: &Path) -> io::Result<()> {
     Ok(())
 }
 
-fn directory_of(file: &Path) -> &Path {
+pub(super) fn directory_of(file: &Path) -> &Path {
     match file.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),

@@ -10,6 +10,7 @@ mod csv_table;
 mod drive_log;
 mod ledger;
 mod leftovers;
+mod lock;
 #[cfg(feature = "can")]
 mod log_frames;
 #[cfg(feature = "parquet")]
@@ -19,9 +20,10 @@ mod results;
 mod table;
 
 pub use alerts::{alert_object, transition_object};
-pub use atomic::AtomicFile;
+pub use atomic::{AtomicFile, abandon_all};
 pub use drive_log::{LogWriter, Packing};
 pub use ledger::Ledger;
+pub use lock::NameLock;
 pub use rate::RateGate;
 pub use results::{EstimateWriter, RoadPoint, RoadWriter};
 pub use table::{Cell, Kind, Table};

@@ -11,7 +11,6 @@
 //! fr_pressure_kpa = ""                   # none, even if a name matches
 //! ```
 
-use std::io;
 use std::path::{Path, PathBuf};
 
 use toml::de::DeTable;
@@ -22,9 +21,6 @@ use crate::error::{DataError, Problem};
 use crate::input;
 use crate::log::Slot;
 use crate::toml_table::{Table, syntax_problem};
-
-/// A map of twenty columns; what is longer is something else.
-const LONGEST_BYTES: u64 = 1 << 20;
 
 /// Which signal goes into which column.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,7 +59,7 @@ impl SignalMap {
     /// The file cannot be read, is not TOML, has an unknown key, or a unit that is not one of what the column measures.
     pub fn read(path: &Path) -> Result<Self, DataError> {
         let fail = |problem| DataError::new(path, problem);
-        let text = read_text(path).map_err(fail)?;
+        let text = input::read_text(path, "a map of signals (TOML)").map_err(fail)?;
         let (entries, time) = parse(&text).map_err(fail)?;
         Ok(Self { path: path.to_owned(), entries, time })
     }
@@ -91,12 +87,6 @@ impl SignalMap {
         };
         Some((entry.signal.as_deref()?, entry.line, conversion))
     }
-}
-
-fn read_text(path: &Path) -> Result<String, Problem> {
-    let too_long = |_| SignalProblem::MapTooLong { most: LONGEST_BYTES }.into();
-    let bytes = input::read(path, LONGEST_BYTES, too_long)?;
-    String::from_utf8(bytes).map_err(|error| Problem::Read(io::Error::new(io::ErrorKind::InvalidData, error)))
 }
 
 /// The columns, and the clock.

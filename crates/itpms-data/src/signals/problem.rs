@@ -12,12 +12,6 @@ use crate::log::Slot;
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SignalProblem {
-    /// A file that is no map.
-    #[error("is longer than {most} bytes, expected a map of signals (TOML)")]
-    MapTooLong {
-        /// The limit.
-        most: u64,
-    },
     /// A unit nobody knows, or one of something else.
     #[error(
         "line {line}: {column} has unit {unit:?}, expected {} (or factor and offset instead)",

@@ -74,6 +74,7 @@ use itpms_core::model::{CarConfig, Corner, CornerConfig, PressureMap};
 use toml::de::DeTable;
 
 use crate::error::{DataError, Problem};
+use crate::input;
 use crate::out::AtomicFile;
 use crate::toml_table::{Table, syntax_problem};
 
@@ -185,15 +186,8 @@ impl Vehicle {
     /// # Errors
     /// The file cannot be read, is not TOML, has an unknown or lacks a needed key, or a value is out of its range.
     pub fn read(path: &Path) -> Result<Self, DataError> {
-        let text = fs::read_to_string(path).map_err(|error| {
-            let problem = match error.kind() {
-                io::ErrorKind::NotFound => Problem::NotFound,
-                _ if path.is_dir() => Problem::IsDirectory,
-                _ => Problem::Read(error),
-            };
-            DataError::new(path, problem)
-        })?;
-        Self::parse(&text).map_err(|problem| DataError::new(path, problem))
+        let read = || Self::parse(&input::read_text(path, "a vehicle file (TOML)")?);
+        read().map_err(|problem| DataError::new(path, problem))
     }
 
     /// The vehicle described by the text of a vehicle file.

@@ -196,3 +196,58 @@ test("who wants no motion gets none", async (t) => {
   await isLive(page);
   assert.equal(await page.evaluate(() => document.getAnimations().length), 0);
 });
+
+for (const [name, options] of [
+  ["desktop", {}],
+  ["phone", { viewport: { width: 360, height: 740 }, isMobile: true, hasTouch: true }],
+]) {
+  test(`${name}: names of somebody else are text, of one direction, and stay in their place`, async (t) => {
+    const { page, car, complaints, asked } = await watch(t, options);
+    await isKnown(page);
+    car.type("hostile");
+    await until("name", text(page, "#subline"), (words) => words.includes("<img src=x"));
+    for (const line of ["stale", "live", "low fl"]) {
+      car.type(line);
+      await sleep(700);
+      const { made, taken, wide, room, shown } = await page.evaluate(() => ({
+        made: document.querySelectorAll("body img, body script").length,
+        taken: window.taken,
+        wide: document.documentElement.scrollWidth,
+        room: innerWidth,
+        shown: document.body.innerText,
+      }));
+      assert.equal(made, 0, line);
+      assert.equal(taken, undefined, line);
+      assert.ok(wide <= room, `${line}: ${wide} pixels in ${room}`);
+      assert.doesNotMatch(shown, /[\u0000-\u0008\u000b-\u001f\u007f-\u009f\u202a-\u202e]/, line);
+    }
+    assert.deepEqual(complaints, []);
+    const home = new URL(page.url()).origin;
+    assert.deepEqual(asked.filter((address) => !address.startsWith(home)), []);
+  });
+}
+
+test("a clock that is set back begins anew, and nothing is shown twice or out of order", async (t) => {
+  const { page, car, complaints } = await watch(t);
+  await isKnown(page);
+  car.type("low fl");
+  await until("low", () => state(page, "fl"), (is) => is === "tire low");
+  await sleep(4000);
+  const seconds = async () => Number(/clock ([0-9.]+) s/.exec(await text(page, "#subline")())?.[1]);
+  const before = await seconds();
+  car.type("back 6");
+  await until("clock", seconds, (now) => now < before - 3);
+  await isLive(page);
+  assert.equal(await state(page, "fl"), "tire low");
+  await sleep(2500);
+  await page.locator("summary").click();
+  const rows = await until("table", () => page.locator("#table-body th").allInnerTexts(), (rows) => rows.length > 0);
+  assert.equal(rows.filter((row) => row === "newest").length, 1, String(rows));
+  assert.equal(await page.locator("#alert-rows tr").count(), 1);
+  // Set back beyond its own beginning.
+  car.type("back 100000");
+  await until("before the beginning", text(page, "#subline"), (words) => words.includes("−"));
+  await isLive(page);
+  assert.doesNotMatch(await text(page, "body")(), /NaN|undefined|null/);
+  assert.deepEqual(complaints, []);
+});

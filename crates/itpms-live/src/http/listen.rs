@@ -1,4 +1,4 @@
-//! The socket: how many connections at once, and how long each may take over what.
+//! The socket: how long each connection may take over what. How many there are at once is the seats' business.
 //!
 //! Called by [`Server::start`](super::Server::start). Knows nothing of what is asked for.
 
@@ -12,16 +12,15 @@ use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::net::{TcpListener, TcpSocket, TcpStream};
-use tokio::sync::{Semaphore, oneshot};
+use tokio::sync::oneshot;
 
 use super::patient::Patient;
+use super::seats::{Seat, Seats};
 use super::{Options, pump, routes};
 use crate::hub::Hub;
 
-/// Connections at once; more are told to come back.
-pub(super) const CONNECTIONS: usize = 96;
 /// Time for a request to be complete, and for a connection to stay without one.
-const REQUEST: Duration = Duration::from_secs(10);
+const REQUEST: Duration = Duration::from_secs(5);
 /// Time for a client to take something of what it asked for.
 const PATIENCE: Duration = Duration::from_secs(10);
 /// Bytes that wait in the system for one client; it doubles them. About five seconds of snapshots.
@@ -52,42 +51,39 @@ pub(super) async fn serve(
         let newest = pump::start(&hub);
         routes::router(options, hub, newest)
     };
-    let seats = Arc::new(Semaphore::new(CONNECTIONS));
+    let seats = Seats::new();
     loop {
         let accepted = tokio::select! {
             _ = &mut stopped => return,
             accepted = listener.accept() => accepted,
         };
-        let Ok((stream, _)) = accepted else {
+        let Ok((stream, peer)) = accepted else {
             // Out of file handles, or the client is gone again: neither is helped by hurry.
             tokio::time::sleep(Duration::from_millis(100)).await;
             continue;
         };
-        match Arc::clone(&seats).try_acquire_owned() {
-            Ok(seat) => {
-                let router = router.clone();
-                tokio::spawn(async move {
-                    converse(stream, router).await;
-                    drop(seat);
-                });
-            }
-            Err(_) => refuse(stream),
+        match seats.take(peer.ip()) {
+            Some(seat) => drop(tokio::spawn(converse(stream, router.clone(), Arc::new(seat)))),
+            None => refuse(stream),
         }
     }
 }
 
 /// One connection from its first request to its end. Whatever ends it is the client's business.
-async fn converse(stream: TcpStream, router: Router) {
+async fn converse(stream: TcpStream, router: Router, seat: Arc<Seat>) {
     // Snapshots are small and wanted at once.
     let _ = stream.set_nodelay(true);
-    let stream = TokioIo::new(Patient::new(stream, PATIENCE));
-    let _ = http1::Builder::new()
+    let stream = TokioIo::new(Patient::new(stream, PATIENCE, Arc::clone(&seat)));
+    let served = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(REQUEST)
         .max_headers(64)
         .max_buf_size(REQUEST_BYTES)
-        .serve_connection(stream, TowerToHyperService::new(router))
-        .await;
+        .serve_connection(stream, TowerToHyperService::new(router));
+    tokio::select! {
+        _ = served => {}
+        () = seat.wanted() => {}
+    }
 }
 
 /// Says that there is no room, as far as that can be done without waiting.

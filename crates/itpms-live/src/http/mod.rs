@@ -23,6 +23,7 @@ mod metrics;
 mod patient;
 mod pump;
 mod routes;
+mod seats;
 
 use std::io;
 use std::net::SocketAddr;

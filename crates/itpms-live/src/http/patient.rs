@@ -6,28 +6,34 @@
 use std::future::Future;
 use std::io;
 use std::pin::Pin;
+use std::sync::Arc;
 use std::task::{Context, Poll, ready};
 use std::time::Duration;
 
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::time::{Sleep, sleep};
 
+use super::seats::Seat;
+
 /// A stream with a deadline for writes.
 pub(super) struct Patient<S> {
     stream: S,
     patience: Duration,
+    /// Told of every byte.
+    seat: Arc<Seat>,
     /// Runs while a write is stuck.
     stuck: Option<Pin<Box<Sleep>>>,
 }
 
 impl<S> Patient<S> {
-    pub(super) fn new(stream: S, patience: Duration) -> Self {
-        Self { stream, patience, stuck: None }
+    pub(super) fn new(stream: S, patience: Duration, seat: Arc<Seat>) -> Self {
+        Self { stream, patience, seat, stuck: None }
     }
 
     fn judge<T>(&mut self, context: &mut Context<'_>, written: Poll<io::Result<T>>) -> Poll<io::Result<T>> {
         if written.is_ready() {
             self.stuck = None;
+            self.seat.heard();
             return written;
         }
         let patience = self.patience;
@@ -43,7 +49,11 @@ impl<S: AsyncRead + Unpin> AsyncRead for Patient<S> {
         context: &mut Context<'_>,
         buffer: &mut ReadBuf<'_>,
     ) -> Poll<io::Result<()>> {
-        Pin::new(&mut self.stream).poll_read(context, buffer)
+        let read = Pin::new(&mut self.stream).poll_read(context, buffer);
+        if read.is_ready() {
+            self.seat.heard();
+        }
+        read
     }
 }
 
@@ -88,6 +98,11 @@ mod tests {
     use tokio::net::{TcpListener, TcpStream};
 
     use super::*;
+    use crate::http::seats::Seats;
+
+    fn seat() -> Arc<Seat> {
+        Arc::new(Seats::new().take([127, 0, 0, 1].into()).unwrap())
+    }
 
     #[test]
     fn a_client_that_takes_nothing_is_given_up_and_one_that_takes_a_little_is_not() {
@@ -96,7 +111,7 @@ mod tests {
             let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
             let reader = TcpStream::connect(listener.local_addr().unwrap()).await.unwrap();
             let (writer, _) = listener.accept().await.unwrap();
-            let mut patient = Patient::new(writer, Duration::from_secs(1));
+            let mut patient = Patient::new(writer, Duration::from_secs(1), seat());
             // Everything that has come, five times a second, for longer than the patience: that is slow, not gone.
             let reading = tokio::spawn(async move {
                 let mut bytes = vec![0; 1 << 16];

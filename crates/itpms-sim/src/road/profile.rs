@@ -9,6 +9,10 @@ use serde::{Deserialize, Serialize};
 
 use super::spline::Spline;
 use crate::error::ProfileError;
+use crate::text_file::read_text;
+
+/// Bytes of a profile, at most: 1000 km, surveyed every 2 cm, have less.
+const LARGEST: u64 = 1 << 30;
 
 /// How a profile goes on beyond its ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -153,8 +157,8 @@ fn least_squares(x: &[f64], y: &[f64]) -> (f64, f64) {
 }
 
 fn read_points(path: &Path) -> Result<Vec<[f64; 2]>, ProfileError> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|source| ProfileError::Read { path: path.to_path_buf(), source })?;
+    let text =
+        read_text(path, LARGEST).map_err(|source| ProfileError::Read { path: path.to_path_buf(), source })?;
     let mut points = Vec::new();
     let mut heading_allowed = true;
     for (i, line) in text.lines().enumerate() {

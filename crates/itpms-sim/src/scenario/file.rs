@@ -5,6 +5,7 @@ use std::path::Path;
 use super::Scenario;
 use crate::error::ScenarioError;
 use crate::road::Surface;
+use crate::text_file::read_text;
 
 /// The scenarios that come with the program, by name.
 const BUILT_IN: [(&str, &str); 10] = [
@@ -19,6 +20,9 @@ const BUILT_IN: [(&str, &str); 10] = [
     ("drive-diffusion", include_str!("../../scenarios/drive-diffusion.toml")),
     ("drive-normal", include_str!("../../scenarios/drive-normal.toml")),
 ];
+
+/// Bytes of a scenario file, at most: a person writes it.
+const LARGEST: u64 = 1 << 20;
 
 /// How alike two names must be (Jaro-Winkler, 0 to 1) for one to be suggested for the other.
 const ALIKE: f64 = 0.7;
@@ -60,7 +64,7 @@ impl Scenario {
     /// # Errors
     /// The file cannot be read; or line, column and reason of the first thing that is no scenario.
     pub fn from_file(path: &Path) -> Result<Self, ScenarioError> {
-        let text = std::fs::read_to_string(path)
+        let text = read_text(path, LARGEST)
             .map_err(|source| ScenarioError::Read { path: path.to_path_buf(), source })?;
         let mut scenario = Self::from_toml(&text, &path.display().to_string())?;
         if let Surface::Profile(profile) = &mut scenario.road.surface

@@ -30,7 +30,7 @@ pub(crate) struct MonitorArgs {
     #[arg(long, value_name = "N|max", default_value = "1", value_parser = speed, requires = "replay")]
     pub(crate) speed: Speed,
     /// Lines of candump -L as messages of an MQTT broker.
-    #[arg(long, value_name = "mqtt://HOST:PORT/TOPIC")]
+    #[arg(long, value_name = "mqtt[s]://[USER@]HOST[:PORT]/TOPIC")]
     pub(crate) mqtt_in: Option<String>,
     #[command(flatten)]
     pub(crate) reading: LogArgs,
@@ -42,8 +42,14 @@ pub(crate) struct MonitorArgs {
     #[arg(long, value_name = "IFACE|FILE")]
     pub(crate) can_out: Option<String>,
     /// Where PREFIX/estimate, PREFIX/warning and PREFIX/status go.
-    #[arg(long, value_name = "mqtt://HOST:PORT/PREFIX")]
+    #[arg(long, value_name = "mqtt[s]://[USER@]HOST[:PORT]/PREFIX")]
     pub(crate) mqtt: Option<String>,
+    /// The password of the broker's user, the first line of a file; without it, the variable ITPMS_MQTT_PASSWORD is asked.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) mqtt_password_file: Option<PathBuf>,
+    /// Whom to believe that it is the broker, certificates in PEM; those whom the system believes unless given.
+    #[arg(long, value_name = "CA.pem")]
+    pub(crate) mqtt_ca: Option<PathBuf>,
     /// Where the page is served, such as 127.0.0.1:8080; a port alone is one of this machine only.
     #[arg(long, value_name = "ADDR", value_parser = address)]
     pub(crate) http: Option<SocketAddr>,
@@ -82,6 +88,7 @@ Examples:
   candump -L can0 | itpms monitor - --vehicle car.toml --dbc car.dbc
   itpms monitor --replay drive.csv --speed 10 --vehicle car.toml --json live.jsonl
   itpms monitor can0 --vehicle car.toml --dbc car.dbc --mqtt mqtt://127.0.0.1:1883/car7 --state car7.state
+  itpms monitor can0 --vehicle car.toml --dbc car.dbc --mqtt mqtts://car7@broker.example.com/fleet/car7
   itpms monitor --print-dbc > itpms.dbc";
 
 fn speed(text: &str) -> Result<Speed, String> {

@@ -14,7 +14,7 @@ pub(crate) fn run(args: &CertifyArgs, screen: &Screen, interrupt: &Interrupt) ->
     let request = Request { extent, only: args.only.clone(), seed: args.seed };
     let tests = procedures(&request).map_err(failure)?;
     if args.list {
-        screen.print(list(&tests).trim_end());
+        screen.print_lines(list(&tests).trim_end());
         return Ok(());
     }
     let page = args.report.as_ref().map(|path| AtomicFile::create(path)).transpose()?;
@@ -36,7 +36,7 @@ pub(crate) fn run(args: &CertifyArgs, screen: &Screen, interrupt: &Interrupt) ->
         page.append(certificate.page().as_bytes())?;
         page.commit()?;
     }
-    screen.print(if args.json { json } else { certificate.table().trim_end().to_owned() });
+    screen.print_lines(if args.json { json } else { certificate.table().trim_end().to_owned() });
     Ok(())
 }
 

@@ -1,14 +1,12 @@
 //! `itpms completions`: tab completion for shells.
 
-use clap::CommandFactory as _;
-
 use crate::args::{Args, CompletionsArgs};
 use crate::exit::Failure;
 use crate::screen::Screen;
 
 pub(crate) fn run(args: &CompletionsArgs, screen: &Screen) -> Result<(), Failure> {
     let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut Args::command(), "itpms", &mut script);
+    clap_complete::generate(args.shell, &mut Args::shown(), "itpms", &mut script);
     screen.write(&script);
     Ok(())
 }

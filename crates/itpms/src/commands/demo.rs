@@ -44,7 +44,7 @@ pub(crate) fn run(args: &DemoArgs, screen: &Screen, interrupt: &Interrupt) -> Re
     let done = estimate::perform(&estimate_args, screen, interrupt)?;
     workshop.hand_over()?;
 
-    screen.print(&scenario.description);
+    screen.print_lines(&scenario.description);
     estimate::print_corners(screen, &done);
     screen.print(format!("See {} for the whole story.", args.out.join("report.html").display()));
     Ok(())

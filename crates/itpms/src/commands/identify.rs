@@ -150,6 +150,6 @@ fn finish(
     for file in files {
         file.commit()?;
     }
-    screen.print(if output.json { &json } else { text.trim_end() });
+    screen.print_lines(if output.json { &json } else { text.trim_end() });
     Ok(())
 }

@@ -24,9 +24,9 @@ pub(crate) fn run(args: &MalfunctionsArgs, screen: &Screen, interrupt: &Interrup
     })?;
     if args.json {
         let json = serde_json::to_string_pretty(&study);
-        screen.print(json.map_err(|error| Failure::Usage(format!("the study is no JSON: {error}")))?);
+        screen.print_lines(json.map_err(|error| Failure::Usage(format!("the study is no JSON: {error}")))?);
     } else {
-        screen.print(study.table().trim_end());
+        screen.print_lines(study.table().trim_end());
     }
     Ok(())
 }

@@ -8,6 +8,7 @@ pub(crate) mod estimate;
 pub(crate) mod fleet;
 pub(crate) mod folder;
 pub(crate) mod identify;
+pub(crate) mod lab;
 pub(crate) mod malfunctions;
 #[cfg(feature = "live")]
 pub(crate) mod monitor;

@@ -25,9 +25,9 @@ pub(crate) fn run(args: &ObservabilityArgs, screen: &Screen, interrupt: &Interru
         write(folder, &result, &json)?;
     }
     if args.json {
-        screen.print(json);
+        screen.print_lines(json);
     } else {
-        screen.print(result.summary().trim_end());
+        screen.print_lines(result.summary().trim_end());
         if let Some(folder) = &folder {
             screen.print(format!("See {} for the figures.", folder.at("observability.html").display()));
         }

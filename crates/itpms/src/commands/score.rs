@@ -28,9 +28,9 @@ pub(crate) fn run(args: &ScoreArgs, screen: &Screen, interrupt: &Interrupt) -> R
     })?;
     if args.json {
         let json = serde_json::to_string_pretty(&score);
-        screen.print(json.map_err(|error| Failure::Usage(format!("the score is no JSON: {error}")))?);
+        screen.print_lines(json.map_err(|error| Failure::Usage(format!("the score is no JSON: {error}")))?);
     } else {
-        screen.print(score.table().trim_end());
+        screen.print_lines(score.table().trim_end());
     }
     if args.row.is_none() {
         screen.remark(

@@ -95,7 +95,7 @@ fn written_vehicle(path: &Path, scenario: &Scenario) -> Result<AtomicFile, Failu
 fn report(args: &SimulateArgs, screen: &Screen, scenario: &Scenario) {
     let corners: Vec<&str> = scenario.corner.iter().map(|(corner, _)| corner.label()).collect();
     if args.json {
-        screen.print(json!({
+        screen.print_lines(json!({
             "scenario": scenario.name,
             "seed": args.seed,
             "log": args.output.display().to_string(),

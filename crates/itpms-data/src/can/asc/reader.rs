@@ -53,7 +53,7 @@ impl AscReader {
         &mut self,
         repairs: &mut FrameRepairs,
     ) -> Result<Option<CanFrame>, Problem> {
-        while self.lines.advance().map_err(Problem::Read)? {
+        while self.lines.advance()? {
             match parse(self.lines.text(), self.base) {
                 // The last number of a frame that is cut off is another number.
                 Ok(AscLine::Frame(_)) if !self.lines.is_terminated() => {

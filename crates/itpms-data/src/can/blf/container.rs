@@ -45,6 +45,8 @@ pub(super) struct Containers {
     /// Something is missing since the last piece.
     gap: bool,
     compressed: Vec<u8>,
+    /// Kept from container to container: making one costs more than a small container.
+    inflater: Decompress,
 }
 
 impl Containers {
@@ -56,6 +58,7 @@ impl Containers {
             bytes,
             gap: false,
             compressed: Vec::new(),
+            inflater: Decompress::new(true),
         }
     }
 
@@ -191,7 +194,8 @@ impl Containers {
                 out.extend_from_slice(&compressed);
                 Ended { used: compressed.len(), is_whole: !is_cut }
             }
-            ZLIB => inflate(&compressed, whole, out),
+            ZLIB if is_nothing(&compressed) => Ended { used: compressed.len(), is_whole: !is_cut },
+            ZLIB => inflate(&mut self.inflater, &compressed, whole, out),
             _ => {
                 let found = format!("a container compressed with method {method}");
                 self.strange(at, found, "0 (not) or 2 (zlib)", repairs);
@@ -253,6 +257,12 @@ impl Containers {
     }
 }
 
+/// Whether a stream of zlib is the shortest that holds nothing, of deflate's fixed or stored kind: inflating it takes longer than
+/// a small container does.
+fn is_nothing(stream: &[u8]) -> bool {
+    matches!(stream.get(2..), Some([0x03, 0x00, 0, 0, 0, 1] | [0x01, 0x00, 0x00, 0xff, 0xff, 0, 0, 0, 1]))
+}
+
 /// How a container's data ended.
 #[derive(Debug, Clone, Copy)]
 struct Ended {
@@ -263,9 +273,9 @@ struct Ended {
 }
 
 /// Inflates as far as it goes, up to [`MOST_BYTES`]. `whole` is what the container says it has.
-fn inflate(input: &[u8], whole: usize, out: &mut Vec<u8>) -> Ended {
+fn inflate(state: &mut Decompress, input: &[u8], whole: usize, out: &mut Vec<u8>) -> Ended {
     const STEP: usize = 1 << 16;
-    let mut state = Decompress::new(true);
+    state.reset(true);
     loop {
         if out.len() == out.capacity() {
             // What the container says is believed as far as deflate can reach: 1032 bytes from one.
@@ -307,11 +317,22 @@ mod tests {
         assert!(bomb.len() < 64 << 10);
         for claimed in [0, 1000, 3 * MOST_BYTES, u32::MAX as usize] {
             let mut out = Vec::new();
-            let ended = inflate(&bomb, claimed, &mut out);
+            let ended = inflate(&mut Decompress::new(true), &bomb, claimed, &mut out);
             assert!(!ended.is_whole);
             assert_eq!(out.len(), MOST_BYTES);
             assert!(out.capacity() <= MOST_BYTES);
         }
+    }
+
+    #[test]
+    fn a_stream_of_nothing_is_known() {
+        use flate2::Compression;
+        for level in [0, 1, 6, 9] {
+            let mut encoder = ZlibEncoder::new(Vec::new(), Compression::new(level));
+            encoder.write_all(&[]).unwrap();
+            assert!(is_nothing(&encoder.finish().unwrap()), "level {level}");
+        }
+        assert!(!is_nothing(&deflated(&[0])) && !is_nothing(&[]));
     }
 
     #[test]
@@ -324,13 +345,13 @@ mod tests {
         let data: Vec<u8> = std::iter::repeat_n((), 100_000).scan(1, |state, ()| step(state)).collect();
         let whole = deflated(&data);
         let mut out = Vec::new();
-        let ended = inflate(&whole, data.len(), &mut out);
+        let ended = inflate(&mut Decompress::new(true), &whole, data.len(), &mut out);
         assert!(ended.is_whole && ended.used == whole.len());
         assert_eq!(out, data);
         let mut half = Vec::new();
-        let ended = inflate(&whole[..whole.len() / 2], data.len(), &mut half);
+        let ended = inflate(&mut Decompress::new(true), &whole[..whole.len() / 2], data.len(), &mut half);
         assert!(!ended.is_whole);
         assert!(half.len() > data.len() / 3 && data.starts_with(&half));
-        assert!(!inflate(&[], 10, &mut Vec::new()).is_whole);
+        assert!(!inflate(&mut Decompress::new(true), &[], 10, &mut Vec::new()).is_whole);
     }
 }

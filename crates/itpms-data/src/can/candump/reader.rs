@@ -102,7 +102,7 @@ impl CandumpReader {
 
     /// The frame of the next line that has one, with the stamp as it stands.
     fn next_line(&mut self, repairs: &mut FrameRepairs) -> Result<Option<(CanFrame, Clock)>, Problem> {
-        while self.lines.advance().map_err(Problem::Read)? {
+        while self.lines.advance()? {
             let place = FramePlace::Line(self.lines.number());
             match parse(self.lines.text()) {
                 Ok(_) if self.frames > 0 && !self.lines.is_terminated() && !is_whole(self.lines.text()) => {

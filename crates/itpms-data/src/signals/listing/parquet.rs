@@ -32,7 +32,7 @@ impl std::fmt::Debug for ParquetLister {
 
 impl ParquetLister {
     pub(super) fn open(path: &Path) -> Result<Self, Problem> {
-        let (file, _) = input::open(path)?;
+        let (file, _) = input::open_regular(path, "Parquet")?;
         guarded(|| {
             let reader =
                 SerializedFileReader::new(file).map_err(|error| Problem::Parquet(error.to_string()))?;

@@ -42,7 +42,7 @@ async fn converse(address: &BrokerAddress, shared: &Shared, say: &Say) {
 
 /// Keeps the connection and takes acknowledgements; never ends.
 async fn listen(events: &mut EventLoop, address: &BrokerAddress, shared: &Shared, say: &Say) {
-    let place = format!("mqtt://{}:{}", address.host, address.port);
+    let place = address.place();
     let mut backoff = Backoff::default();
     let mut gone: Option<Instant> = None;
     loop {

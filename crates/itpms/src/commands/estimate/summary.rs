@@ -14,7 +14,7 @@ const FRESH_S: f64 = 1.0;
 
 pub(super) fn print(args: &EstimateArgs, screen: &Screen, estimated: &Estimated) {
     if args.json {
-        screen.print(as_json(args, estimated));
+        screen.print_lines(as_json(args, estimated));
         return;
     }
     let drive = &estimated.done.data.drive;

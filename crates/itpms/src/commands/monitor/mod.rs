@@ -2,9 +2,11 @@
 //!
 //! | module | idea |
 //! |---|---|
+//! | `access` | how brokers are reached |
 //! | `sources` | the source that was asked for |
 //! | `outputs` | the outputs that were asked for |
 
+mod access;
 mod outputs;
 mod sources;
 
@@ -16,7 +18,7 @@ use std::{fs, thread};
 
 use itpms_core::estimator::EstimatorKind;
 use itpms_data::Vehicle;
-use itpms_data::out::AtomicFile;
+use itpms_data::out::{AtomicFile, NameLock};
 use itpms_data::reference::StoredReference;
 use itpms_live::LiveError;
 use itpms_live::drive::DriveOptions;
@@ -41,7 +43,7 @@ const SET_ASIDE: u32 = 9;
 
 pub(crate) fn run(args: &MonitorArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
     if args.print_dbc {
-        screen.print(can::DBC.trim_end());
+        screen.print_lines(can::DBC.trim_end());
         return Ok(());
     }
     let Some(vehicle) = &args.vehicle else {
@@ -56,12 +58,15 @@ pub(crate) fn run(args: &MonitorArgs, screen: &Screen, interrupt: &Interrupt) ->
     let inputs = Arc::new(Queue::new(WAITING));
     let mut source = sources::open(args, screen)?;
     let feed = source.feed.take();
+    let mut _lock = None;
     if let Some(state) = &args.state {
         // That it cannot be written is better known now than at the end.
         drop(AtomicFile::create(state)?);
+        // Two monitors would take turns in writing over what the other one has learned.
+        _lock = NameLock::take(state)?;
     }
     let saved = saved(args, &vehicle, &options, screen)?;
-    let outputs = outputs::open(args, source.can_wait(), &say)?;
+    let outputs = outputs::open(args, source.can_wait(), &say, screen)?;
     let server = outputs::serve(args, &hub, screen)?;
 
     let engine = Engine::new(vehicle, options, source.name(), saved, Arc::clone(&say));
@@ -129,6 +134,8 @@ fn check_names(args: &MonitorArgs) -> Result<(), Failure> {
         (args.replay.as_deref(), "the log"),
         (args.vehicle.as_deref(), "the vehicle file"),
         (args.reference.as_deref(), "the learned reference"),
+        (args.mqtt_password_file.as_deref(), "the password"),
+        (args.mqtt_ca.as_deref(), "the certificates"),
         dbc,
         signals,
     ];

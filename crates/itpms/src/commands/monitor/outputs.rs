@@ -3,21 +3,25 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use itpms_live::broker::BrokerAddress;
 use itpms_live::http::{self, Server};
 use itpms_live::hub::Hub;
 use itpms_live::input::Say;
 use itpms_live::output::can::CanOut;
 use itpms_live::output::{JsonLines, Mqtt, Output, WhenSlow};
 
-use super::failure;
+use super::{access, failure};
 use crate::args::MonitorArgs;
 use crate::exit::Failure;
 use crate::screen::Screen;
 
 /// Starts everything that takes estimates, but for the page. `source_waits`: a source that waits may be held up by a slow
 /// pipe; a bus may not.
-pub(super) fn open(args: &MonitorArgs, source_waits: bool, say: &Say) -> Result<Vec<Output>, Failure> {
+pub(super) fn open(
+    args: &MonitorArgs,
+    source_waits: bool,
+    say: &Say,
+    screen: &Screen,
+) -> Result<Vec<Output>, Failure> {
     let mut outputs = Vec::new();
     let none = args.can_out.is_none() && args.mqtt.is_none() && args.http.is_none();
     let standard = none.then(|| Path::new("-"));
@@ -30,7 +34,7 @@ pub(super) fn open(args: &MonitorArgs, source_waits: bool, say: &Say) -> Result<
         outputs.push(CanOut::open(target, say).map_err(failure)?.start());
     }
     if let Some(address) = &args.mqtt {
-        let address = BrokerAddress::parse(address).map_err(failure)?;
+        let address = access::broker(args, address, screen)?;
         outputs.push(Mqtt::open(address, say).map_err(failure)?.start());
     }
     Ok(outputs)

@@ -15,7 +15,7 @@ use itpms_live::output::can;
 use itpms_live::queue::Queue;
 use itpms_live::source::{Speed, broker, replay, stdin};
 
-use super::failure;
+use super::{access, failure};
 use crate::args::MonitorArgs;
 use crate::exit::Failure;
 use crate::screen::Screen;
@@ -59,7 +59,7 @@ pub(super) fn open(args: &MonitorArgs, screen: &Screen) -> Result<Source, Failur
     }
     let feed = Some(feed(args, screen)?);
     let kind = match (&args.mqtt_in, args.interface.as_deref()) {
-        (Some(address), _) => Kind::Broker(BrokerAddress::parse(address).map_err(failure)?),
+        (Some(address), _) => Kind::Broker(access::broker(args, address, screen)?),
         (None, Some("-")) => Kind::Lines,
         (None, Some(interface)) => bus(interface)?,
         (None, None) => {

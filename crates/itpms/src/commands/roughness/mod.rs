@@ -57,7 +57,7 @@ pub(crate) fn run(args: &RoughnessArgs, screen: &Screen, interrupt: &Interrupt) 
         value["input"] = json!(args.input.display().to_string());
         value["warnings"] = json!(found.warnings);
         value["output"] = json!(args.output.as_ref().map(|path| path.display().to_string()));
-        screen.print(format!("{value:#}"));
+        screen.print_lines(format!("{value:#}"));
         return Ok(());
     }
     screen.print(format!("{}: {}", args.input.display(), found.about));

@@ -38,7 +38,7 @@ pub(crate) fn run(args: &SignalsArgs, screen: &Screen, interrupt: &Interrupt) ->
     }
     let columns = Columns::new(&listing, &resolved);
     if args.json {
-        screen.print(format!("{:#}", json::value(&args.log, &listing, &resolved, &columns)));
+        screen.print_lines(format!("{:#}", json::value(&args.log, &listing, &resolved, &columns)));
     } else {
         table::print(args, &listing, &resolved, &columns, screen);
     }

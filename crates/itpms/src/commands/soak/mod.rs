@@ -27,6 +27,7 @@ pub(crate) fn run(args: &SoakArgs, screen: &Screen, interrupt: &Interrupt) -> Re
     let plan = Plan { rate_hz: args.rate, drive_s: args.drive_s, car: args.car };
     let drives = drives(args)?;
     fs::create_dir_all(&args.out).map_err(|error| Failure::Directory(args.out.clone(), error))?;
+    interrupt.resumes();
     let mut record = Record::open(args.out.join("hours.jsonl"), &plan)?;
     let seeds = (0..drives).map(|i| args.first_seed.wrapping_add(i));
     let todo: Vec<u64> = seeds.clone().filter(|seed| !record.hours().contains_key(seed)).collect();
@@ -95,9 +96,9 @@ fn finish(args: &SoakArgs, summary: &Summary, hours: &Path, screen: &Screen) -> 
     file.append(format!("{json}\n").as_bytes())?;
     file.commit()?;
     if args.json {
-        screen.print(json);
+        screen.print_lines(json);
     } else {
-        screen.print(summary.text().trim_end());
+        screen.print_lines(summary.text().trim_end());
         screen.print(format!("See {} for every hour.", hours.display()));
     }
     Ok(())

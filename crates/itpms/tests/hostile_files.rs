@@ -1,0 +1,227 @@
+//! Files that never end, that never begin, or whose names are not for a terminal.
+#![cfg(unix)]
+#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
+
+mod common;
+
+use std::fs::{self, File};
+use std::io::Write as _;
+use std::os::unix::fs::symlink;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use common::{Bench, Outcome, interrupt};
+
+/// What a person takes for "at once".
+const AT_ONCE: Duration = Duration::from_secs(1);
+
+fn pipe(bench: &Bench, name: &str) {
+    assert!(Command::new("mkfifo").arg(bench.path(name)).status().unwrap().success());
+}
+
+fn started(bench: &Bench, line: &str) -> Child {
+    let mut command = bench.command(line.split_whitespace());
+    let child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    sleep(Duration::from_millis(500));
+    child
+}
+
+/// Asks once for the end and expects it within a second.
+fn ended(child: Child, signal: &str) -> Outcome {
+    let asked = Instant::now();
+    let outcome = interrupt(child, signal);
+    assert!(asked.elapsed() < AT_ONCE + Duration::from_millis(200), "{:?}: {outcome:?}", asked.elapsed());
+    assert_eq!(outcome.code, Some(130), "{outcome:?}");
+    outcome
+}
+
+/// The example car's bus.
+fn with_dbc(bench: &Bench) {
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/can");
+    for name in ["car.dbc", "map.toml"] {
+        fs::copy(examples.join(name), bench.path(name)).unwrap();
+    }
+}
+
+#[test]
+fn a_pipe_without_a_writer_ends_at_the_first_signal() {
+    let bench = Bench::with_drive();
+    with_dbc(&bench);
+    for (name, more, signal) in [
+        ("wait.csv", "", "TERM"),
+        ("wait.log", "--dbc car.dbc --signals map.toml", "INT"),
+        ("wait.asc", "--dbc car.dbc --signals map.toml", "HUP"),
+    ] {
+        pipe(&bench, name);
+        let before = bench.names();
+        let child = started(&bench, &format!("estimate {name} --vehicle car.toml -o est.csv {more}"));
+        assert_eq!(ended(child, signal).stderr, "error: interrupted\n");
+        assert_eq!(bench.names(), before);
+    }
+    pipe(&bench, "wait.toml");
+    let child = started(&bench, "estimate drive.csv --vehicle wait.toml -o est.csv");
+    ended(child, "TERM");
+}
+
+#[test]
+fn a_pipe_whose_writer_stops_in_the_middle_ends_at_the_first_signal_and_leaves_nothing() {
+    let bench = Bench::with_drive();
+    pipe(&bench, "wait.csv");
+    let before = bench.names();
+    let line = "estimate wait.csv --vehicle car.toml -o est.csv --road-out road.csv";
+    let mut command = bench.command(line.split_whitespace());
+    let child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut writer = File::options().write(true).open(bench.path("wait.csv")).unwrap();
+    let drive = fs::read(bench.path("drive.csv")).unwrap();
+    writer.write_all(&drive[..drive.len() / 2]).unwrap();
+    let begun = |name: &String| name.starts_with(".est.csv.");
+    let asked = Instant::now();
+    while !bench.names().iter().any(begun) {
+        assert!(asked.elapsed() < Duration::from_secs(30));
+        sleep(Duration::from_millis(10));
+    }
+    sleep(Duration::from_millis(300));
+    ended(child, "TERM");
+    assert_eq!(bench.names(), before);
+    drop(writer);
+}
+
+#[test]
+fn a_drive_through_a_pipe_is_the_same_drive() {
+    let bench = Bench::with_drive();
+    bench.run("estimate drive.csv --vehicle car.toml -o est.csv").success();
+    pipe(&bench, "through.csv");
+    let line = "estimate through.csv --vehicle car.toml -o through-est.csv";
+    let mut child = bench.command(line.split_whitespace()).stdout(Stdio::null()).spawn().unwrap();
+    fs::copy(bench.path("drive.csv"), bench.path("copy.csv")).unwrap();
+    let mut writer = File::options().write(true).open(bench.path("through.csv")).unwrap();
+    writer.write_all(&fs::read(bench.path("copy.csv")).unwrap()).unwrap();
+    drop(writer);
+    assert!(child.wait().unwrap().success());
+    assert_eq!(bench.read("est.csv"), bench.read("through-est.csv"));
+}
+
+#[test]
+fn a_pipe_is_refused_where_a_file_is_read_in_several_places() {
+    let bench = Bench::with_drive();
+    with_dbc(&bench);
+    for (name, more, format) in [
+        ("p.blf", "--dbc car.dbc --signals map.toml", "BLF"),
+        ("p.mf4", "", "MDF4"),
+        ("p.parquet", "", "Parquet"),
+    ] {
+        pipe(&bench, name);
+        let outcome = bench.run(&format!("estimate {name} --vehicle car.toml -o est.csv {more}"));
+        let expected = format!(
+            "{name}: is a pipe or a device, expected a regular file: {format} is read in several places"
+        );
+        assert_eq!(outcome.refusal(), expected);
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn what_has_no_end_is_refused_with_the_limit() {
+    let bench = Bench::with_drive();
+    with_dbc(&bench);
+    for name in ["zero.csv", "zero.log", "zero.asc", "zero.toml", "zero.crg", "zero.dbc"] {
+        symlink("/dev/zero", bench.path(name)).unwrap();
+    }
+    let estimate = |log: &str, more: &str| {
+        bench.run(&format!("estimate {log} --vehicle car.toml -o est.csv {more}")).refusal().to_owned()
+    };
+    assert_eq!(
+        estimate("zero.csv", ""),
+        "zero.csv: line 1 is longer than 1048576 bytes, expected lines of text"
+    );
+    for name in ["zero.log", "zero.asc"] {
+        assert_eq!(
+            estimate(name, "--dbc car.dbc --signals map.toml"),
+            format!("{name}: line 1 is longer than 67108864 bytes, expected lines of text")
+        );
+    }
+    let toml =
+        |what: &str| format!("zero.toml: has more than 1048576 bytes, expected {what} of at most 1048576");
+    let text = bench.run("estimate drive.csv --vehicle zero.toml -o est.csv").refusal().to_owned();
+    assert_eq!(text, toml("a vehicle file (TOML)"));
+    with_log(&bench);
+    assert_eq!(estimate("bus.log", "--dbc car.dbc --signals zero.toml"), toml("a map of signals (TOML)"));
+    let text = bench.run("simulate zero.toml -o out.csv").refusal().to_owned();
+    assert_eq!(text, "zero.toml: has more than 1048576 bytes, expected at most 1048576");
+    let text = bench.run("roughness zero.crg").refusal().to_owned();
+    assert_eq!(
+        text,
+        "zero.crg: the header does not end: expected a line that begins with $$$$ before the data"
+    );
+    // A hole of 3 GiB, which takes no room on the disk.
+    for name in ["hole.toml", "hole.crg"] {
+        File::create(bench.path(name)).unwrap().set_len(3 << 30).unwrap();
+    }
+    let text = bench.run("estimate drive.csv --vehicle hole.toml -o est.csv").refusal().to_owned();
+    assert_eq!(text, "hole.toml: has 3221225472 bytes, expected a vehicle file (TOML) of at most 1048576");
+    let text = bench.run("roughness hole.crg").refusal().to_owned();
+    assert_eq!(text, "hole.crg: has 3221225472 bytes, expected an OpenCRG file of at most 1073741824");
+}
+
+/// A log with one frame.
+fn with_log(bench: &Bench) {
+    bench.write("bus.log", "(1.0) can0 123#00\n");
+}
+
+/// Whether a terminal would obey something of this.
+fn is_plain(text: &str) -> bool {
+    text.chars().all(|c| c == '\n' || !(c.is_control() || c == '\u{202e}'))
+}
+
+#[test]
+fn names_are_cleaned_before_they_reach_the_terminal() {
+    let bench = Bench::with_drive();
+    let name = "a\u{1b}[2J\nb\u{9b}31m\u{202e}.csv";
+    let shown = "a\\u001b[2J\\u000ab\\u009b31m\\u202e.csv";
+    fs::rename(bench.path("drive.csv"), bench.path(name)).unwrap();
+    let run = |arguments: &[&str]| {
+        let output = bench.command(arguments).output().unwrap();
+        let [stdout, stderr] = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
+        assert!(is_plain(&stdout) && is_plain(&stderr), "{arguments:?}: {stdout:?} {stderr:?}");
+        (output.status.code(), stdout, stderr)
+    };
+    // A result, a remark, a warning and an error.
+    let (code, stdout, _) = run(&["estimate", name, "--vehicle", "car.toml", "-o", "est.csv"]);
+    assert_eq!(code, Some(0));
+    assert!(stdout.starts_with(shown), "{stdout}");
+    assert_eq!(stdout.lines().count(), 3, "{stdout}");
+    let (code, _, stderr) =
+        run(&["estimate", &format!("no{name}"), "--vehicle", "car.toml", "-o", "est.csv"]);
+    assert_eq!(code, Some(2));
+    assert_eq!(stderr, format!("error: no{shown}: no such file\n"));
+    // JSON stays JSON and keeps the name.
+    let (_, stdout, _) = run(&["signals", name, "--json"]);
+    let value: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    assert!(value.to_string().contains("\\u001b[2J"), "{value}");
+    // A column's name and a vehicle's.
+    let hostile = bench.read(name).replacen("speed_m_s", "spe\u{1b}]0;x\u{7}ed", 1);
+    bench.write("hostile.csv", hostile);
+    let (_, stdout, _) = run(&["signals", "hostile.csv"]);
+    assert!(stdout.contains("spe\\u001b]0;x\\u0007ed"), "{stdout}");
+    let other = bench.read("car.toml").replace("[corner.fl]", "[corner.rr]");
+    bench.write("other.toml", format!("{other}\n").replacen("name = \"", "name = \"\\u001b[1m", 1));
+    let (code, _, stderr) = run(&["estimate", "hostile.csv", "--vehicle", "other.toml", "-o", "est.csv"]);
+    assert_eq!(code, Some(2), "{stderr}");
+}
+
+#[test]
+fn a_corner_of_the_vehicle_that_the_log_lacks_is_said() {
+    let bench = Bench::with_drive();
+    let corner = bench.read("car.toml");
+    let corner = corner.split_once("[corner.fl]").unwrap().1.to_owned();
+    bench.write("car.toml", bench.read("car.toml") + "\n[corner.rr]" + &corner);
+    let outcome = bench.run("estimate drive.csv --vehicle car.toml -o est.csv");
+    outcome.success();
+    assert!(
+        outcome.stderr.contains("warning: drive.csv: corner rr of the vehicle file is not in the log\n"),
+        "{outcome:?}"
+    );
+    assert!(!outcome.stderr.contains("corner fl"), "{outcome:?}");
+}
