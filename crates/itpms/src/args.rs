@@ -32,9 +32,9 @@ pub(crate) use bench::{
 };
 pub(crate) use certify::CertifyArgs;
 pub(crate) use convert::ConvertArgs;
-pub(crate) use fleet::FleetArgs;
 #[cfg(feature = "live")]
 pub(crate) use faults::FaultsArgs;
+pub(crate) use fleet::FleetArgs;
 pub(crate) use lab::{Lab, LabArgs, Study};
 pub(crate) use log::LogArgs;
 pub(crate) use malfunctions::MalfunctionsArgs;

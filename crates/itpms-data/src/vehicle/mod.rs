@@ -67,7 +67,6 @@ mod uncertainty;
 mod write;
 
 use std::path::Path;
-use std::{fs, io};
 
 use itpms_core::model::quarter_car::{ParameterError, QuarterCar};
 use itpms_core::model::{CarConfig, Corner, CornerConfig, PressureMap};

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread::{self, sleep};
 use std::time::{Duration, Instant};
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use itpms_live::broker::BrokerAddress;
 use itpms_live::engine::Published;
 use itpms_live::hub::Hub;

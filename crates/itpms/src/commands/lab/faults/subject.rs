@@ -1,12 +1,11 @@
 //! The car, its rows, and the files of which nothing may be lost: made once for all faults, in a folder that is gone afterwards.
 
-use std::env;
-use std::fs;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::sync::Arc;
+use std::{env, fs};
 
-use itpms_core::sample::Corner;
+use itpms_core::model::Corner;
 use itpms_data::{LogReader, LogRow, Vehicle};
 use itpms_live::drive::DriveOptions;
 use itpms_live::engine::Engine;
