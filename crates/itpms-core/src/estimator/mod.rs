@@ -11,7 +11,8 @@ use crate::conditioning::{SampleClock, SampleCounts};
 use crate::model::{CornerConfig, CornerEstimate, CornerSample, ParameterError, QuarterCar};
 use crate::real::Real;
 #[cfg(feature = "test-bench")]
-pub use crate::single_wheel::{RoadPeriod, RoadRepetition};
+pub use crate::single_wheel::RoadPeriod;
+pub use crate::single_wheel::RoadRepetition;
 
 /// The estimators to choose from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]

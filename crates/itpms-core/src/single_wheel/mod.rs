@@ -33,9 +33,10 @@ use crate::real::Real;
 use crate::single_wheel::gate::{Gate, SpeedKnowledge};
 use crate::single_wheel::grid_posterior::Posterior;
 use crate::single_wheel::load::BodyIdentification;
-use crate::single_wheel::periodic_road::{Corner, Held, PeriodicEstimate, RepeatedRoad, Step};
 #[cfg(feature = "test-bench")]
-pub use crate::single_wheel::periodic_road::{RoadPeriod, RoadRepetition};
+pub use crate::single_wheel::periodic_road::RoadPeriod;
+pub use crate::single_wheel::periodic_road::RoadRepetition;
+use crate::single_wheel::periodic_road::{Corner, Held, PeriodicEstimate, RepeatedRoad, Step};
 use crate::single_wheel::road_model::Evidence;
 use crate::single_wheel::tables::{Grid, Tables};
 use crate::spectrum::FrameClock;
