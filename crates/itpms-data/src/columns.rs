@@ -9,7 +9,8 @@ use std::path::Path;
 use crate::error::{DataError, Place, Problem};
 use crate::input;
 #[cfg(feature = "parquet")]
-use crate::log::{Format, Lines, cells, number, separator, shortened};
+use crate::log::Format;
+use crate::log::{Lines, cells, number, separator, shortened};
 use crate::nearest::nearest;
 #[cfg(feature = "parquet")]
 use crate::parquet_columns::ParquetColumns;

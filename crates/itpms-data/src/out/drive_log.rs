@@ -9,7 +9,8 @@ use super::log_frames::LogFrames;
 use super::table::{Cell, Kind, Table};
 use crate::error::DataError;
 #[cfg(feature = "mdf4")]
-use crate::log::{LogColumns, LogFormat, LogOptions, LogRow, Slot};
+use crate::log::Slot;
+use crate::log::{LogColumns, LogFormat, LogOptions, LogRow};
 #[cfg(feature = "mdf4")]
 use crate::mdf4::{ChannelSpec, Compression, GroupSpec, Mdf4Writer, SampleFormat};
 

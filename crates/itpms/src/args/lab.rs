@@ -3,9 +3,10 @@
 use clap::Subcommand;
 
 #[cfg(feature = "live")]
+use super::FaultsArgs;
 use super::{
-    CalibrateArgs, CertifyArgs, FaultsArgs, IdentifyArgs, MalfunctionsArgs, ObservabilityArgs, ReproduceArgs,
-    ScoreArgs, SimulateArgs, SoakArgs,
+    CalibrateArgs, CertifyArgs, IdentifyArgs, MalfunctionsArgs, ObservabilityArgs, ReproduceArgs, ScoreArgs,
+    SimulateArgs, SoakArgs,
 };
 
 /// Study tools: simulations, the accuracy table, test procedures, faults.
