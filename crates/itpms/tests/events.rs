@@ -66,7 +66,7 @@ fn remarks_on_speeds(speeds: impl Fn(usize, f64) -> String) -> String {
         }
         cells.join(",")
     };
-    bench.write("other.csv", log.lines().enumerate().map(other).collect::<Vec<_>>().join("\n"));
+    bench.write("other.csv", log.lines().enumerate().map(other).map(|line| line + "\n").collect::<String>());
     bench.run("estimate other.csv --vehicle car.toml -o est.csv").stderr
 }
 

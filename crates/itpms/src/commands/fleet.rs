@@ -69,7 +69,7 @@ fn report(args: &FleetArgs, screen: &Screen, outcome: &Outcome) -> Result<(), Fa
         return Err(Failure::Usage(format!("none of {total} drives could be estimated; the first: {why}")));
     }
     if args.json {
-        screen.print(as_json(args, outcome, &cars));
+        screen.print_lines(as_json(args, outcome, &cars));
     } else {
         for car in cars.iter().filter(|car| car.state != State::Fine).take(SAID) {
             screen.print(car_line(car));

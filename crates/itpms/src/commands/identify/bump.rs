@@ -38,7 +38,7 @@ pub(super) fn run(args: &BumpArgs, screen: &Screen) -> Result<(), Failure> {
         written(path, &result.figure().svg())?.commit()?;
     }
     let text = result.table();
-    screen.print(if args.json { &json } else { text.trim_end() });
+    screen.print_lines(if args.json { &json } else { text.trim_end() });
     Ok(())
 }
 

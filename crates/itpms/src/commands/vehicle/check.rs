@@ -55,7 +55,7 @@ pub(super) fn run(args: &CheckArgs, screen: &Screen, interrupt: &Interrupt) -> R
     if args.json {
         let text = serde_json::to_string_pretty(&document(&checks))
             .map_err(|error| Failure::Usage(format!("the result is no JSON: {error}")))?;
-        screen.print(text);
+        screen.print_lines(text);
     } else {
         for check in &checks {
             screen.print(format!("{}: {}", check.label, check.sentence()));

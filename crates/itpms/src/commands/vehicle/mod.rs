@@ -31,7 +31,7 @@ fn init(args: &InitArgs, screen: &Screen) -> Result<(), Failure> {
     };
     let (text, _) = car.vehicle_file().map_err(|error| Failure::Usage(error.to_string()))?;
     let Some(path) = &args.output else {
-        screen.print(text.trim_end());
+        screen.print_lines(text.trim_end());
         return Ok(());
     };
     let mut file = AtomicFile::create(path)?;

@@ -18,9 +18,9 @@ pub(super) fn run(args: &ShowArgs, screen: &Screen) -> Result<(), Failure> {
     if args.json {
         let text = serde_json::to_string_pretty(&document(&vehicle))
             .map_err(|error| Failure::Usage(format!("the result is no JSON: {error}")))?;
-        screen.print(text);
+        screen.print_lines(text);
     } else {
-        screen.print(table(&vehicle));
+        screen.print_lines(table(&vehicle));
     }
     Ok(())
 }
