@@ -96,7 +96,7 @@ pub(super) fn cases(front: &CornerConfig<f64>, rear: &CornerConfig<f64>) -> Vec<
         ("the rear wheel another one", &unlike, Known::Nothing),
         ("repeated road, same pressure in both passes", &alike, Known::Nothing),
         ("the same, pressure lost between", &after_loss, Known::Nothing),
-        ("the same, first pressure known (reset)", &after_loss, Known::FirstStiffness),
+        ("the same, first pressure known (calibration)", &after_loss, Known::FirstStiffness),
     ]
     .into_iter()
     .map(|(label, wheels, known)| case(label, wheels, known))
