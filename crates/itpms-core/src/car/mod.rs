@@ -13,6 +13,7 @@ use crate::model::{
     CalibrationError, CarConfig, CarSample, Corner, CornerEstimate, Inflation, ParameterError, QuarterCar,
     VehicleCalibration,
 };
+pub use crate::model::{CarEstimate, TrackState};
 use crate::real::Real;
 
 /// From where the pressure may be learned.
@@ -53,38 +54,6 @@ pub struct EstimatorOptions {
     pub road_heights: RoadHeights,
     /// When tires may gain air.
     pub inflation: Inflation,
-}
-
-/// What is known of the car after a sample.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct CarEstimate<T> {
-    /// Time of the sample in s.
-    pub time_s: f64,
-    /// The corners, in the order of [`Corner::ALL`].
-    pub corners: [Option<CornerEstimate<T>>; 4],
-    /// Correlation coefficients of the pressures' errors, in the order of [`Corner::ALL`].
-    pub correlation: [[T; 4]; 4],
-    /// Left and right track: how the rear wheels follow the front ones.
-    pub tracks: [TrackState<T>; 2],
-}
-
-/// How far front and rear of one side share a road now.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct TrackState<T> {
-    /// Whether the shared road is being learned from.
-    pub shared: bool,
-    /// Share of the road's power near wheel hop that front and rear do not have in common, 0.001 to 2 (what two
-    /// roads that have nothing in common differ by has twice the power of one); NaN when unknown.
-    pub incoherence: T,
-}
-
-impl<T: Real> TrackState<T> {
-    /// Nothing is shared, nothing is known.
-    pub(crate) fn unknown() -> Self {
-        Self { shared: false, incoherence: T::lit(f64::NAN) }
-    }
 }
 
 /// A running estimator of a car. A value: clone it, save it, go on.

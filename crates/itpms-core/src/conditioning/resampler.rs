@@ -107,7 +107,7 @@ impl<T: Real> FlatWatch<T> {
     }
 }
 
-/// Checks and regrids the samples of one corner. See the [module](self).
+/// Checks and regrids the samples of one corner.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Resampler<T> {

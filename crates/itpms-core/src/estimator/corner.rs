@@ -2,7 +2,8 @@
 //! [`Estimator`](super::Estimator) and by the car. Every sample passes the [`Resampler`], so no method ever sees a missing or
 //! absurd value.
 
-use super::method::{Reading, RunningMethod};
+use super::method::RunningMethod;
+use super::reading::Reading;
 use super::{EstimatorKind, RoadRepetition};
 use crate::conditioning::wheel_lift::ContactWatch;
 use crate::conditioning::{GridSample, Resampler, SampleCounts};

@@ -2,34 +2,15 @@
 
 #[cfg(feature = "paper")]
 use super::published_method::PublishedMethod;
+use super::reading::{Reading, validity};
 use super::{EstimatorKind, FusedStiffness};
 use crate::conditioning::GridSample;
-use crate::model::{CornerConfig, ParameterError, QuarterCar, Validity};
+use crate::model::{CornerConfig, ParameterError, QuarterCar};
 use crate::real::Real;
 use crate::single_wheel::{Informed, RoadRepetition, StiffnessPseudoMeasurement};
 
-/// Seconds of full information before an estimate counts.
-const STARTING_S: f64 = 2.0;
 /// Seconds without a frame after which nothing is being learned.
 const STALE_S: f64 = 1.0;
-/// Standard deviation, as a share of the placard pressure, beyond which an estimate says nothing.
-const WORTHLESS: f64 = 0.25;
-
-/// What every estimator can say after a step.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Reading<T> {
-    pub(super) stiffness_n_per_m: T,
-    pub(super) stiffness_sd_n_per_m: T,
-    pub(super) road_m: T,
-    pub(super) road_sd_m: T,
-    pub(super) validity: Validity,
-    pub(super) forgetting: T,
-    pub(super) nis: T,
-    pub(super) gate: T,
-    pub(super) change_probability: T,
-}
-
 /// The default method, or one of the paper's.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -216,17 +197,6 @@ impl<T: Real> Method<T> {
             #[cfg(feature = "paper")]
             Self::Published(published) => published.is_as_published(),
         }
-    }
-}
-
-/// Whether a stiffness of this sd may be believed, given how much was learned.
-pub(super) fn validity<T: Real>(config: &CornerConfig<T>, learned_s: T, pressure_sd_kpa: T) -> Validity {
-    if !(learned_s >= T::lit(STARTING_S)) {
-        Validity::Starting
-    } else if !(pressure_sd_kpa <= T::lit(WORTHLESS) * config.placard_kpa) {
-        Validity::NoInformation
-    } else {
-        Validity::Valid
     }
 }
 

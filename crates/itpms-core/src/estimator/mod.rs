@@ -5,6 +5,7 @@ mod corner;
 mod method;
 #[cfg(feature = "paper")]
 mod published_method;
+mod reading;
 
 pub(crate) use self::corner::{CornerEstimator, FusedStiffness};
 use crate::conditioning::{SampleClock, SampleCounts};

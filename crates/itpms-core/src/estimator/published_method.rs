@@ -1,7 +1,7 @@
 //! The paper's filters, and the paper's filter mended, brought to the same reading. Compiled with feature `paper` only.
 
 use super::EstimatorKind;
-use super::method::{Reading, validity};
+use super::reading::{Reading, validity};
 use crate::conditioning::GridSample;
 use crate::model::{CornerConfig, CornerSample, ParameterError, Validity};
 use crate::published::{

@@ -3,8 +3,11 @@
 //! Made by [`CarEstimator::calibration`](crate::car::CarEstimator::calibration) when a calibration is over, given to the next drive's
 //! estimator. Knows nothing of files: whoever stores it checks that it belongs to the car.
 
-use crate::belief::state::ROAD_BIAS_SD;
 use crate::real::Real;
+
+/// Standard deviation of what the inter-axle residual reads too much of a tire's compliance, as a share of that at placard pressure,
+/// before any calibration.
+pub(crate) const UNLEARNED_BIAS_SD: f64 = 0.015;
 
 /// A learned quantity and its standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,7 +40,7 @@ pub struct CornerCalibration<T> {
 impl<T: Real> CornerCalibration<T> {
     /// What is believed of [`shared_road_bias`](Self::shared_road_bias) before any calibration has taught it.
     pub fn unlearned_residual_bias() -> Learned<T> {
-        Learned { value: T::zero(), sd: T::lit(ROAD_BIAS_SD[0]) }
+        Learned { value: T::zero(), sd: T::lit(UNLEARNED_BIAS_SD) }
     }
 }
 

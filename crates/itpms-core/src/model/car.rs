@@ -6,7 +6,7 @@ use super::estimate::CornerConfig;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CarConfig<T> {
-    /// The corners, in the order of [`Corner::ALL`]; those that are measured.
+    /// The corners, in the order of [`Corner::ALL`](crate::model::Corner::ALL); those that are measured.
     pub corners: [Option<CornerConfig<T>>; 4],
     /// Distance between the axles in m; `None`: the shared road is not used.
     pub wheelbase_m: Option<T>,

@@ -2,14 +2,17 @@
 
 mod calibration;
 mod car;
+mod car_estimate;
 mod estimate;
 pub mod quarter_car;
 mod sample;
 mod tire;
 mod wheels;
 
+pub(crate) use self::calibration::UNLEARNED_BIAS_SD;
 pub use self::calibration::{CalibrationError, CornerCalibration, Learned, VehicleCalibration};
 pub use self::car::{CarConfig, Inflation};
+pub use self::car_estimate::{CarEstimate, TrackState};
 pub use self::estimate::{CornerConfig, CornerEstimate, Diagnostics, Validity, Warning};
 pub(crate) use self::quarter_car::positive;
 pub use self::quarter_car::{ParameterError, QuarterCar};

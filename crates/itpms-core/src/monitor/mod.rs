@@ -17,12 +17,12 @@ mod monitored;
 
 pub use self::config::MonitorConfig;
 pub use self::monitored::MonitoredCar;
-use crate::car::CarEstimate;
 use crate::conditioning::Moment;
 use crate::diagnosis::debounce::Debouncer;
 use crate::diagnosis::decorrelation::DecorrelationDetector;
 use crate::diagnosis::standstill::Standstill;
 use crate::diagnosis::{Diagnosis, Fault};
+use crate::model::CarEstimate;
 use crate::model::{
     CarSample, Corner, CornerEstimate, CornerSample, ParameterError, Validity, Warning, Wheels, positive,
 };
@@ -115,7 +115,7 @@ impl<T: Real> Monitor<T> {
     }
 
     /// Says that a calibration begins with the next sample and takes `seconds`: what is estimated at its end is from then on what
-    /// the tires should have, within [`Limits::reference_span`].
+    /// the tires should have, within [`Limits::reference_span`](crate::warning::Limits::reference_span).
     ///
     /// # Errors
     /// The length must be positive and finite.

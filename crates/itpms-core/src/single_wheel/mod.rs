@@ -24,6 +24,7 @@ mod periodic_road;
 #[cfg(not(feature = "test-bench"))]
 #[path = "no_periodic_road.rs"]
 mod periodic_road;
+mod repetition;
 mod road_model;
 mod tables;
 

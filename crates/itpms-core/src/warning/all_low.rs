@@ -1,7 +1,7 @@
 //! All wheels together: a slow loss of all four is more certain in their mean than in any one of them.
 
-use crate::car::CarEstimate;
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
+use crate::model::CarEstimate;
 use crate::real::Real;
 use crate::warning::low::is_learning;
 use crate::warning::{Cause, Limits};

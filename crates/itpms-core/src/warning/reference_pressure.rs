@@ -5,7 +5,7 @@
 //! has to guess, it takes the tire to be cold, because a reference that is too low warns later and never wrongly.
 //! Derivation and limits: docs/math/monitor.md, section 1; docs/reset.md.
 
-use crate::car::CarEstimate;
+use crate::model::CarEstimate;
 use crate::model::{ParameterError, positive};
 use crate::real::Real;
 use crate::warning::low::is_learning;

@@ -4,15 +4,14 @@ use nalgebra::{Complex, SVector};
 
 use crate::belief::measurement::{AxleResidual, BINS, SideMeasurement, UpdateRecord};
 use crate::belief::state::{GAIN, SKEW_UNIT_S, State, read_compliance};
+use crate::inter_axle::alignment::channel::{BOTH, SEEN};
 use crate::inter_axle::alignment::channel::{Entry, KEPT, RELATIVE};
 use crate::inter_axle::alignment::delay_line::{DelayLine, Read};
 use crate::inter_axle::alignment::delay_search::{AT_FIRST, DelaySearch, Found, LATER};
 use crate::inter_axle::residual::correction::FrfCorrection;
 use crate::inter_axle::residual::imbalance::Imbalance;
 use crate::inter_axle::residual::instrument::Instrument;
-use crate::inter_axle::residual::model::{
-    Axle, AxleFrame, BOTH, SEEN, Signals, Wheel, expected_products, linearize,
-};
+use crate::inter_axle::residual::model::{Axle, AxleFrame, Signals, Wheel, expected_products, linearize};
 use crate::inter_axle::residual::noise::{Coherence, MOST_LASTING, fading};
 use crate::inter_axle::{HOP_S, SIGNALS, bin_hz};
 use crate::real::Real;

@@ -9,6 +9,10 @@ use crate::spectrum::reconstruction::{
 
 /// Signals kept of a corner: wheel velocity, wheel jerk, relative acceleration, relative velocity.
 pub(crate) const KEPT: usize = 4;
+/// Signals of an axle's side: those kept of a corner, and its relative velocity less that of the other side.
+pub(crate) const SEEN: usize = KEPT + 1;
+/// Those of both axles.
+pub(crate) const BOTH: usize = 2 * SEEN;
 /// Corner of the smoothing filter in Hz, well above the bins used.
 const SMOOTH_HZ: f64 = 35.0;
 /// Corner in Hz of the filter that keeps out what the sensors' noise becomes when it is integrated, and the body's own

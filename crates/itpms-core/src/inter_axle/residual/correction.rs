@@ -6,7 +6,7 @@ use nalgebra::Complex;
 
 use crate::belief::measurement::BINS;
 use crate::inter_axle::Frame;
-use crate::inter_axle::residual::model::{BOTH, SEEN};
+use crate::inter_axle::alignment::channel::{BOTH, SEEN};
 use crate::real::Real;
 use crate::spectrum::Frame as Spectra;
 

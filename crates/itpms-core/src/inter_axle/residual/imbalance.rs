@@ -4,7 +4,7 @@
 
 use nalgebra::{Complex, SVector};
 
-use crate::inter_axle::residual::model::BOTH;
+use crate::inter_axle::alignment::channel::BOTH;
 use crate::real::Real;
 
 /// Turning rates tried, in radians per meter: of rolling radii from 0.45 to 0.22 m.

@@ -9,16 +9,11 @@ use crate::belief::state::{
     BAR, DAMPING, GAIN, MASS, SIDE_BARS, SIDE_GAIN, SIDE_REAR, SIDE_SIZE, SIDE_SKEW, SIDE_WHEELBASE, SKEW,
     SKEW_UNIT_S, SPRING, State, WHEELBASE, read_compliance,
 };
-use crate::inter_axle::alignment::channel::{KEPT, high_pass_power};
+use crate::inter_axle::alignment::channel::{BOTH, SEEN, high_pass_power};
 use crate::inter_axle::residual::correction::FrfRatios;
 use crate::inter_axle::{BIN_SPACING_HZ, Frame, bin_hz};
 use crate::real::Real;
 use crate::spectrum::transfer::{Body, sine_window_power};
-
-/// Signals of an axle's side: those kept of a corner, and its relative velocity less that of the other side.
-pub(crate) const SEEN: usize = KEPT + 1;
-/// Those of both axles.
-pub(crate) const BOTH: usize = 2 * SEEN;
 
 /// Points per bin, on each side, and in all, at which the window's spectrum is averaged, and the lowest frequency in Hz of that.
 const KERNEL_DENSITY: f64 = 4.0;

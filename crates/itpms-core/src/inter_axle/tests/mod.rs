@@ -15,8 +15,9 @@ use nalgebra::Complex;
 use nalgebra::ComplexField;
 
 use crate::belief::state::{BAR, DAMPING, GAIN, MASS, SPRING, State, TIRE};
+use crate::inter_axle::alignment::channel::SEEN;
 use crate::inter_axle::residual::instrument::Instrument;
-use crate::inter_axle::residual::model::{Axle, AxleFrame, SEEN, Wheel};
+use crate::inter_axle::residual::model::{Axle, AxleFrame, Wheel};
 use crate::inter_axle::{Frame, HOP_S, SIGNALS};
 use crate::spectrum::FrameClock;
 use crate::spectrum::transfer::Body;

@@ -9,10 +9,11 @@ use nalgebra::ComplexField;
 
 use crate::belief::measurement::{BINS, Gram, Score, Slope};
 use crate::belief::state::{BAR, GAIN, SIDE_SIZE, SKEW, State, WHEELBASE, side_indices};
+use crate::inter_axle::alignment::channel::BOTH;
 use crate::inter_axle::alignment::channel::high_pass_power;
 use crate::inter_axle::bin_hz;
 use crate::inter_axle::residual::correction::FrfRatios;
-use crate::inter_axle::residual::model::{AxleFrame, BOTH, Signals, expected_products, linearize};
+use crate::inter_axle::residual::model::{AxleFrame, Signals, expected_products, linearize};
 use crate::inter_axle::tests::{C, Moved, STILL, deviating, frame, signals, taken, unit_frames, wheels};
 use crate::random::Random;
 
