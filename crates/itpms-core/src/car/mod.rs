@@ -111,6 +111,20 @@ impl<T: Real> CarEstimator<T> {
         })
     }
 
+    /// Uses the estimator otherwise; before the first sample. In place: a car by value on the stack is as large as a car.
+    pub(crate) fn set_options(&mut self, options: &EstimatorOptions) {
+        self.sources = options.sources;
+        for corner in self.corners.iter_mut().flatten() {
+            corner.set_road_repetition(options.road_repetition);
+            if options.road_heights == RoadHeights::LeftOut {
+                corner.leave_out_road();
+            }
+        }
+        if let Some(fusion) = &mut self.fusion {
+            fusion.set_inflation(options.inflation);
+        }
+    }
+
     /// The same with other sources of information; before the first sample.
     #[must_use]
     pub fn with_sources(self, sources: Sources) -> Self {

@@ -1,7 +1,7 @@
 //! An estimator under a monitor: bad sensors are kept from it, what it says is judged, and corners start again when
 //! their sensors are back.
 
-use crate::car::{CarEstimate, CarEstimator, RoadHeights};
+use crate::car::{CarEstimate, CarEstimator};
 use crate::model::{CalibrationError, CarSample, Corner, ParameterError, VehicleCalibration};
 use crate::monitor::{Monitor, MonitorConfig};
 use crate::real::Real;
@@ -29,16 +29,10 @@ impl<T: Real> MonitoredCar<T> {
     /// The rate must be positive and finite, limits and references numbers in order; parameters of a corner that the filters
     /// refuse are named.
     pub fn new(config: &MonitorConfig<T>, sample_rate_hz: f64) -> Result<Self, ParameterError> {
-        let options = &config.options;
-        let estimator = CarEstimator::new(options.estimator, &config.car, sample_rate_hz)?
-            .with_sources(options.sources)
-            .with_road_repetition(options.road_repetition)
-            .with_inflation(options.inflation);
-        let estimator = match options.road_heights {
-            RoadHeights::Estimated => estimator,
-            RoadHeights::LeftOut => estimator.without_road(),
-        };
-        Ok(Self { estimator, monitor: Monitor::new(config, sample_rate_hz)? })
+        let estimator = CarEstimator::new(config.options.estimator, &config.car, sample_rate_hz)?;
+        let mut car = Self { estimator, monitor: Monitor::new(config, sample_rate_hz)? };
+        car.estimator.set_options(&config.options);
+        Ok(car)
     }
 
     /// Begins with what a calibration on an earlier drive taught; before the first sample.
