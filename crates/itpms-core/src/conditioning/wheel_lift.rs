@@ -21,7 +21,7 @@ const OFFSET_S: f64 = 5.0;
 const LONGEST_STEP_S: f64 = 0.1;
 const LEAST_S: f64 = 1.0;
 const OFFSET_M_S2: f64 = 4.0;
-/// Seconds for which a spectrum is spoiled: frames between two jumps are those in which the wheel happens to hop little.
+/// Seconds for which a spectrum is invalid: frames between two jumps are those in which the wheel happens to hop little.
 const LANDING_S: f64 = 0.5;
 
 /// What a grid step shows of the wheel's hold on the road.

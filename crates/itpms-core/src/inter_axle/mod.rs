@@ -53,7 +53,7 @@ const SILENT_S: f64 = 1.0;
 pub(crate) enum Aligned<T: Real> {
     /// The delay was found for the first time.
     FirstDelay(Found<T>),
-    /// A frame of both axles is complete, or the delay was found elsewhere than it was believed to be, or both.
+    /// A frame of both axles is complete, or another delay was found than believed, or both.
     Frame(Option<AxleFrame<T>>, Option<Found<T>>),
 }
 

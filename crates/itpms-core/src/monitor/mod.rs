@@ -36,13 +36,13 @@ use crate::warning::{Alert, Cause, Doubt, MonitorReport, WheelReport, WheelState
 
 /// Seconds between two decisions on pressures.
 const DECIDE_S: f64 = 0.1;
-/// Seconds for which a corner that was regretted is not regretted again.
+/// Seconds after a rollback request of a corner in which it makes none again.
 const ROLLBACK_HOLDOFF_S: f64 = 60.0;
 /// Longest time in s that counts between two decisions: a hole in the record is no evidence.
 const LONGEST_STEP_S: f64 = 0.5;
 
 /// A running monitor. A value: clone it, save it, go on. Per sample: [`screen`](Self::screen) what the sensors say, ask whether
-/// the estimator is to unlearn anything ([`take_rollback_request`](Self::take_rollback_request)), give it what `screen` returns, and let
+/// the estimator is to take anything back ([`take_rollback_request`](Self::take_rollback_request)), give it what `screen` returns, and let
 /// [`judge`](Self::judge) look at what comes out; [`MonitoredCar`] does so.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

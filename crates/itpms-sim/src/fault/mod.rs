@@ -110,7 +110,7 @@ mod tests {
         }
     }
 
-    /// Readings of the spoiled sensor over 102 s at 100 Hz; all others are checked to be as they were.
+    /// Readings of the faulty sensor over 102 s at 100 Hz; all others are checked to be as they were.
     fn run(kind: FaultKind) -> Vec<f64> {
         let mut faults = Faults::new(&[fault(kind)], 7);
         let spoil = |i: u32| {

@@ -126,7 +126,7 @@ pub(super) fn run(kind: &Kind, drive: &Recorded, mut car: Box<MonitoredCar<f64>>
         if phase != Phase::Over && drive.ends.is_some_and(|end| i >= end) {
             (phase, since_s) = (Phase::Over, 0.0);
         }
-        let sample = if phase == Phase::Over { *row } else { spoiled(row, &mut faults) };
+        let sample = if phase == Phase::Over { *row } else { with_faults(row, &mut faults) };
         let estimate = car.update(&sample);
         let report = car.report();
         if report.time_s != before.time_s {
@@ -206,7 +206,7 @@ fn from_the_start(kind: &Kind) -> Vec<FaultSpec> {
     kind.faults.iter().map(|fault| FaultSpec { from_s: -1e6, ..*fault }).collect()
 }
 
-fn spoiled(row: &CarSample<f64>, faults: &mut Faults) -> CarSample<f64> {
+fn with_faults(row: &CarSample<f64>, faults: &mut Faults) -> CarSample<f64> {
     let nothing = [f64::NAN; 2];
     let mut readings = row.corners.map(|c| c.map_or(nothing, |c| [c.body_accel_m_s2, c.wheel_accel_m_s2]));
     faults.spoil(row.time_s, &mut readings);

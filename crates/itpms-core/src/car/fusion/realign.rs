@@ -1,7 +1,7 @@
-//! A speed signal whose scale changes on the way, as when a bus changes from one source to another: the rear axle meets the
-//! front's road elsewhere than it was believed to, farther off than the constraint is linear, and no frame would find it back for a
-//! minute. Both sides then look for it, and if they find it at the same place, what was believed before is believed again, with the new
-//! scale; and if it is elsewhere by more the faster the speed grows, it is the speed that is late (docs/math/shared-road.md, section 2).
+//! Realignment: a speed signal whose scale changes on the way, as when a bus changes from one source to another, makes the rear axle
+//! meet the front's road at another delay than believed, farther off than the residual is linear, and no frame would find it again for a
+//! minute. Both sides then search for the delay. If they find the same deviation, the belief is restored from before the change, with
+//! the new scale; if it grows with the acceleration, the speed is late (docs/math/shared-road.md, section 2).
 
 use super::{FOUND_SD_S, Fusion};
 use crate::belief::Hypothesis;

@@ -65,7 +65,7 @@ struct Loop<T: Real> {
     clock: PassClock<T>,
     follower: Option<Follower<T>>,
     held: Held,
-    /// Parts of a period since the road was met, and since a pass was last spoiled or strange.
+    /// Parts of a period since the road was met, and since a pass was last invalid or strange.
     parts: u32,
     sound_parts: u32,
     strange_parts: u32,
