@@ -133,6 +133,7 @@ fn estimate(pressure_kpa: f64, validity: Validity, warning: Warning) -> CornerEs
         stiffness_sd_n_per_m: 1000.0,
         pressure_kpa,
         pressure_sd_kpa: 1.4,
+        change_sd_kpa: 1.1,
         road_m: 0.001,
         road_sd_m: 0.0001,
         validity,

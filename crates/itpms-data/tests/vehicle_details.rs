@@ -92,7 +92,7 @@ fn old_files_are_typical() {
 
 #[test]
 fn less_confidence_is_a_larger_deviation_everywhere() {
-    let [measured, typical, rough] = Confidence::ALL.map(ParameterUncertainty::of);
+    let [measured, typical, rough] = Confidence::ALL.map(ParameterUncertainty::<f64>::of);
     for (better, worse) in [(measured, typical), (typical, rough)] {
         assert!(better.sprung_mass_relative_sd < worse.sprung_mass_relative_sd);
         assert!(better.unsprung_mass_relative_sd < worse.unsprung_mass_relative_sd);

@@ -260,6 +260,7 @@ fn steady_estimate(time_s: f64, pressure_kpa: f64, validity: Validity) -> Corner
         stiffness_sd_n_per_m: 3_000.0,
         pressure_kpa,
         pressure_sd_kpa: 4.0,
+        change_sd_kpa: 4.0,
         road_m: 0.01 * (time_s * 9.0).sin(),
         road_sd_m: 5e-4,
         validity,

@@ -4,8 +4,12 @@
 //! Called by the binary, the studies, the monitor and controllers. A corner without a partner on its side is estimated
 //! as by [`Estimator`](crate::estimator::Estimator); nothing else here knows how many wheels a car has.
 
+mod considered;
 mod fusion;
 
+use nalgebra::{SMatrix, SVector};
+
+use self::considered::Considered;
 use self::fusion::{FusedEstimate, Fusion, SingleWheelEstimate};
 use crate::conditioning::{Moment, SampleClock, SampleCounts};
 use crate::estimator::{CornerEstimator, EstimatorKind, FusedStiffness, RoadRepetition};
@@ -72,6 +76,7 @@ pub struct CarEstimator<T: Real> {
     clock: SampleClock<T>,
     corners: [Option<CornerEstimator<T>>; 4],
     fusion: Option<Fusion<T>>,
+    considered: Considered<T>,
     /// When the calibration that is under way ends, and how long it lasts if it has not begun.
     calibration_s: Option<f64>,
     calibration_ends_s: f64,
@@ -106,6 +111,7 @@ impl<T: Real> CarEstimator<T> {
             clock: SampleClock::new(sample_rate_hz)?,
             corners,
             fusion,
+            considered: Considered::new(config),
             calibration_s: None,
             calibration_ends_s: f64::NEG_INFINITY,
         })
@@ -251,7 +257,7 @@ impl<T: Real> CarEstimator<T> {
                 *estimate = Some(CornerEstimate { time_s: sample.time_s, ..concluded });
             }
         }
-        let (correlation, tracks) = (correlation(fused.as_ref()), self.tracks());
+        let (correlation, tracks) = (self.correlation(&corners, fused.as_ref()), self.tracks());
         CarEstimate { time_s: sample.time_s, corners, correlation, tracks }
     }
 
@@ -297,14 +303,19 @@ impl<T: Real> CarEstimator<T> {
         }
         let trusted = self.sources != Sources::Spectrum && fusion.is_trusted();
         let fused = trusted.then(|| fusion.estimate());
+        let considered = fused.as_ref().map(|fused| match fusion.is_calibrated() {
+            true => self.considered.calibrated(&fused.stiffness_n_per_m),
+            false => self.considered.uncalibrated(&fused.stiffness_n_per_m),
+        });
         for (i, estimator) in self.corners.iter_mut().enumerate() {
             let Some(estimator) = estimator else { continue };
             // A shared road that was given up must not leave its last estimate behind.
-            let fused = fused.as_ref().filter(|_| fusion.has_partner(i));
+            let fused = fused.as_ref().zip(considered.as_ref()).filter(|_| fusion.has_partner(i));
             let learning = fusion.side(i % 2).0;
-            estimator.set_fused(fused.map(|fused| FusedStiffness {
+            estimator.set_fused(fused.map(|(fused, considered)| FusedStiffness {
                 stiffness_n_per_m: fused.stiffness_n_per_m[i],
                 stiffness_sd_n_per_m: fused.covariance[(i, i)].sqrt(),
+                considered_sd_n_per_m: considered[(i, i)].sqrt(),
                 changing: fused.changing,
                 learned_s: fused.learned_s,
                 learning,
@@ -312,6 +323,33 @@ impl<T: Real> CarEstimator<T> {
             }));
         }
         fused
+            .zip(considered)
+            .map(|(fused, considered)| FusedEstimate { covariance: fused.covariance + considered, ..fused })
+    }
+
+    /// Correlation coefficients of the pressures' errors: of the fused estimate, or of what the corners have in common by the
+    /// vehicle file.
+    fn correlation(
+        &self,
+        corners: &[Option<CornerEstimate<T>>; 4],
+        fused: Option<&FusedEstimate<T>>,
+    ) -> [[T; 4]; 4] {
+        let of = |value: fn(&CornerEstimate<T>) -> T| {
+            SVector::<T, 4>::from_fn(|i, _| corners[i].as_ref().map_or(T::zero(), value))
+        };
+        let covariance = match fused {
+            Some(fused) => fused.covariance,
+            None => {
+                let sd = of(|corner| corner.stiffness_sd_n_per_m);
+                let mut covariance = match self.kind.is_as_published() {
+                    true => SMatrix::zeros(),
+                    false => self.considered.uncalibrated(&of(|corner| corner.stiffness_n_per_m)),
+                };
+                covariance.set_diagonal(&sd.component_mul(&sd));
+                covariance
+            }
+        };
+        coefficients(&covariance)
     }
 
     fn tracks(&self) -> [TrackState<T>; 2] {
@@ -350,15 +388,16 @@ impl<T: Real> CarEstimator<T> {
     }
 }
 
-/// Correlation coefficients of a belief's errors; corners alone have none.
-fn correlation<T: Real>(fused: Option<&FusedEstimate<T>>) -> [[T; 4]; 4] {
+/// Correlation coefficients of errors with this covariance.
+fn coefficients<T: Real>(covariance: &SMatrix<T, 4, 4>) -> [[T; 4]; 4] {
     core::array::from_fn(|i| {
-        core::array::from_fn(|j| match fused {
-            _ if i == j => T::one(),
-            Some(FusedEstimate { covariance: p, .. }) if p[(i, i)] * p[(j, j)] > T::zero() => {
-                p[(i, j)] / (p[(i, i)] * p[(j, j)]).sqrt()
+        core::array::from_fn(|j| {
+            let variances = covariance[(i, i)] * covariance[(j, j)];
+            match i == j {
+                true => T::one(),
+                false if variances > T::zero() => covariance[(i, j)] / variances.sqrt(),
+                false => T::zero(),
             }
-            _ => T::zero(),
         })
     })
 }

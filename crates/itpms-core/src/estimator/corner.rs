@@ -3,7 +3,7 @@
 //! absurd value.
 
 use super::method::RunningMethod;
-use super::reading::Reading;
+use super::reading::{Reading, is_known};
 use super::{EstimatorKind, RoadRepetition};
 use crate::conditioning::wheel_lift::ContactWatch;
 use crate::conditioning::{GridSample, Resampler, SampleCounts};
@@ -57,7 +57,9 @@ pub(crate) struct CornerEstimator<T: Real> {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct FusedStiffness<T> {
     pub(crate) stiffness_n_per_m: T,
+    /// Its standard deviation as far as the signals tell, and what the vehicle file leaves open.
     pub(crate) stiffness_sd_n_per_m: T,
+    pub(crate) considered_sd_n_per_m: T,
     /// Probability that the pressure is changing.
     pub(crate) changing: T,
     /// Seconds of full information that it rests on.
@@ -194,10 +196,14 @@ impl<T: Real> CornerEstimator<T> {
         if let Some(word) = &self.fused {
             self.method.apply_fused(&mut reading, word);
         }
+        let considered = self.considered_sd_n_per_m(time_s, &reading);
         if self.kind == EstimatorKind::Informed {
-            (reading.road_m, reading.road_sd_m) = self.follow_road(time_s, corner, &reading);
+            let sd = reading.stiffness_sd_n_per_m;
+            let told =
+                Reading { stiffness_sd_n_per_m: (sd * sd + considered * considered).sqrt(), ..reading };
+            (reading.road_m, reading.road_sd_m) = self.follow_road(time_s, corner, &told);
         }
-        self.estimate(time_s, &reading)
+        self.estimate(time_s, &reading, considered)
     }
 
     /// While the calibration drive lasts, says so to the estimator ten times a second.
@@ -248,11 +254,33 @@ impl<T: Real> CornerEstimator<T> {
         self.restarts
     }
 
-    fn estimate(&mut self, time_s: f64, reading: &Reading<T>) -> CornerEstimate<T> {
+    /// Standard deviation in N/m of what the vehicle file leaves open: masses and stiffnesses of a wheel times one factor look the
+    /// same. The published filters take their parameters for exact.
+    fn considered_sd_n_per_m(&self, time_s: f64, reading: &Reading<T>) -> T {
+        if self.kind.is_as_published() {
+            return T::zero();
+        }
+        let calibrating = self.calibration_ends_s.is_some_and(|ends_s| time_s < ends_s);
+        match &self.fused {
+            Some(fused) => fused.considered_sd_n_per_m,
+            None if calibrating => T::zero(),
+            None => self.config.uncertainty.tire_relative_sd() * reading.stiffness_n_per_m,
+        }
+    }
+
+    fn estimate(&mut self, time_s: f64, reading: &Reading<T>, considered_sd_n_per_m: T) -> CornerEstimate<T> {
         let tire = &self.config.tire;
         let pressure_kpa = tire.pressure_kpa(reading.stiffness_n_per_m);
-        let pressure_sd_kpa = tire.pressure_sd_kpa(pressure_kpa, reading.stiffness_sd_n_per_m);
-        let validity = if self.resampler.is_bad() { Validity::BadSignal } else { reading.validity };
+        let change_sd_n_per_m = reading.stiffness_sd_n_per_m;
+        let stiffness_sd_n_per_m =
+            (change_sd_n_per_m * change_sd_n_per_m + considered_sd_n_per_m * considered_sd_n_per_m).sqrt();
+        let pressure_sd_kpa = tire.pressure_sd_kpa(pressure_kpa, stiffness_sd_n_per_m);
+        let sd_kpa = stiffness_sd_n_per_m / tire.stiffness_per_kpa();
+        let validity = match reading.validity {
+            _ if self.resampler.is_bad() => Validity::BadSignal,
+            Validity::Valid if !is_known(&self.config, sd_kpa) => Validity::NoInformation,
+            validity => validity,
+        };
         let placard = self.config.placard_kpa;
         let warning = if self.kind.is_as_published() {
             Warning::None
@@ -260,13 +288,14 @@ impl<T: Real> CornerEstimator<T> {
             self.watch.update(time_s, validity, pressure_kpa, pressure_sd_kpa, placard)
         };
         let slope = tire.stiffness_per_kpa();
-        let reading_sd = reading.stiffness_sd_n_per_m / slope;
+        let change_sd_kpa = change_sd_n_per_m / slope;
         CornerEstimate {
             time_s,
             stiffness_n_per_m: reading.stiffness_n_per_m,
-            stiffness_sd_n_per_m: reading.stiffness_sd_n_per_m,
+            stiffness_sd_n_per_m,
             pressure_kpa,
             pressure_sd_kpa,
+            change_sd_kpa,
             road_m: reading.road_m,
             road_sd_m: reading.road_sd_m,
             validity,
@@ -276,7 +305,7 @@ impl<T: Real> CornerEstimator<T> {
                 nis: reading.nis,
                 gate: reading.gate,
                 change_probability: reading.change_probability,
-                pressure_variance_kpa2: reading_sd * reading_sd,
+                pressure_variance_kpa2: change_sd_kpa * change_sd_kpa,
             },
         }
     }

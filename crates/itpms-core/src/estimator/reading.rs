@@ -27,9 +27,14 @@ pub(super) struct Reading<T> {
 pub(super) fn validity<T: Real>(config: &CornerConfig<T>, learned_s: T, pressure_sd_kpa: T) -> Validity {
     if !(learned_s >= T::lit(STARTING_S)) {
         Validity::Starting
-    } else if !(pressure_sd_kpa <= T::lit(WORTHLESS) * config.placard_kpa) {
+    } else if !is_known(config, pressure_sd_kpa) {
         Validity::NoInformation
     } else {
         Validity::Valid
     }
+}
+
+/// Whether a pressure of this sd says anything.
+pub(super) fn is_known<T: Real>(config: &CornerConfig<T>, pressure_sd_kpa: T) -> bool {
+    pressure_sd_kpa <= T::lit(WORTHLESS) * config.placard_kpa
 }

@@ -1,7 +1,7 @@
 //! What goes out, for every estimator alike: pressure and stiffness with their standard deviations, whether to
 //! believe them, and a warning.
 
-use crate::model::{ParameterError, PressureMap, QuarterCar, positive};
+use crate::model::{Confidence, ParameterError, ParameterUncertainty, PressureMap, QuarterCar, positive};
 use crate::real::Real;
 
 /// What an estimator is told about its corner.
@@ -18,10 +18,13 @@ pub struct CornerConfig<T> {
     pub accel_noise_m_s2: Option<T>,
     /// Pressure to start from, in kPa gauge; `None`: the placard's.
     pub initial_kpa: Option<T>,
+    /// How well all of this is known.
+    pub uncertainty: ParameterUncertainty<T>,
 }
 
 impl<T: Real> CornerConfig<T> {
-    /// A corner with the placard's pressure as its start and unknown sensor noise.
+    /// A corner with the placard's pressure as its start and unknown sensor noise, its parameters as well known as
+    /// [typical](Confidence::Typical) ones.
     ///
     /// # Errors
     /// The placard pressure must be positive and finite.
@@ -31,7 +34,8 @@ impl<T: Real> CornerConfig<T> {
         placard_kpa: T,
     ) -> Result<Self, ParameterError> {
         let placard_kpa = positive("placard_kpa", placard_kpa)?;
-        Ok(Self { quarter_car, tire, placard_kpa, accel_noise_m_s2: None, initial_kpa: None })
+        let uncertainty = ParameterUncertainty::of(Confidence::Typical);
+        Ok(Self { quarter_car, tire, placard_kpa, accel_noise_m_s2: None, initial_kpa: None, uncertainty })
     }
 
     /// The same with a known accelerometer noise in m/s² rms per sample.
@@ -50,7 +54,13 @@ impl<T: Real> CornerConfig<T> {
         Ok(Self { initial_kpa: Some(positive("initial_kpa", initial_kpa)?), ..self })
     }
 
-    /// The paper's simulated corner: Table 2, eq. (5), placard 241.3 kPa (35 psi), noise 0.05 m/s².
+    /// The same with parameters that are known otherwise.
+    #[must_use]
+    pub fn with_uncertainty(self, uncertainty: ParameterUncertainty<T>) -> Self {
+        Self { uncertainty, ..self }
+    }
+
+    /// The paper's simulated corner: Table 2, eq. (5), placard 241.3 kPa (35 psi), noise 0.05 m/s²; measured.
     #[must_use]
     pub fn paper() -> Self {
         Self {
@@ -59,6 +69,7 @@ impl<T: Real> CornerConfig<T> {
             placard_kpa: T::lit(241.3),
             accel_noise_m_s2: Some(T::lit(0.05)),
             initial_kpa: None,
+            uncertainty: ParameterUncertainty::of(Confidence::Measured),
         }
     }
 
@@ -129,12 +140,14 @@ pub struct CornerEstimate<T> {
     pub time_s: f64,
     /// Tire stiffness in N/m.
     pub stiffness_n_per_m: T,
-    /// Its standard deviation in N/m.
+    /// Its standard deviation in N/m, that of the vehicle file included.
     pub stiffness_sd_n_per_m: T,
     /// Gauge pressure in kPa.
     pub pressure_kpa: T,
-    /// Its standard deviation in kPa, the map's own uncertainty included.
+    /// Its standard deviation in kPa, that of the vehicle file and the map included.
     pub pressure_sd_kpa: T,
+    /// The same without what the vehicle file leaves open: how well a change within minutes is known, in kPa.
+    pub change_sd_kpa: T,
     /// Road height under the wheel in m, causal and without drift.
     pub road_m: T,
     /// Its standard deviation in m.

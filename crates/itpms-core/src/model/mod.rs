@@ -7,6 +7,7 @@ mod estimate;
 pub mod quarter_car;
 mod sample;
 mod tire;
+mod uncertainty;
 mod wheels;
 
 pub(crate) use self::calibration::UNLEARNED_BIAS_SD;
@@ -18,4 +19,5 @@ pub(crate) use self::quarter_car::positive;
 pub use self::quarter_car::{ParameterError, QuarterCar};
 pub use self::sample::{CarSample, Corner, CornerSample, Sample};
 pub use self::tire::{PressureMap, RegressionError};
+pub use self::uncertainty::{Confidence, ParameterUncertainty};
 pub use self::wheels::Wheels;

@@ -242,7 +242,7 @@ impl<T: Real> Monitor<T> {
         }
         let learned = |corner: &Option<CornerEstimate<T>>| {
             let corner = corner.as_ref().filter(|corner| is_learning(corner))?;
-            Some([corner.pressure_kpa, corner.pressure_sd_kpa * corner.pressure_sd_kpa])
+            Some([corner.pressure_kpa, corner.change_sd_kpa * corner.change_sd_kpa])
         };
         let now = estimate.corners.each_ref().map(learned);
         let least = limits.fast_leak_kpa_per_min;

@@ -1,32 +1,7 @@
 //! What a vehicle file says beyond what an estimator is told today: how far its values are to be trusted, friction,
 //! tracks, and what the wheel-speed methods need. Read by `read_details`, written by `write`; knows no TOML.
 
-/// Where the parameters of a vehicle come from, and so how far to trust them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Confidence {
-    /// Weighed and measured on this car.
-    Measured,
-    /// A manufacturer's figures, or a car of the same model that was measured.
-    #[default]
-    Typical,
-    /// Somebody's guess.
-    Rough,
-}
-
-impl Confidence {
-    /// All, from the most to the least trusted.
-    pub const ALL: [Self; 3] = [Self::Measured, Self::Typical, Self::Rough];
-
-    /// The word in the vehicle file.
-    #[must_use]
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Measured => "measured",
-            Self::Typical => "typical",
-            Self::Rough => "rough",
-        }
-    }
-}
+use itpms_core::model::Confidence;
 
 /// Which wheels are driven.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

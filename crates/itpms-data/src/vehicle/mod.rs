@@ -25,7 +25,7 @@
 //! ```
 //!
 //! Optional keys beyond these ([`VehicleDetails`], docs/vehicle.md): how far the values are to be trusted, friction and
-//! tire damping, tracks, and what the wheel-speed methods need. Estimators are not told of them today.
+//! tire damping, tracks, and what the wheel-speed methods need.
 //!
 //! ```toml
 //! [vehicle]
@@ -78,8 +78,8 @@ use crate::out::AtomicFile;
 use crate::toml_table::{Table, syntax_problem};
 
 pub use derived::CornerFigures;
-pub use details::{Confidence, CornerDetails, Driven, TireDetails, VehicleDetails};
-pub use uncertainty::ParameterUncertainty;
+pub use details::{CornerDetails, Driven, TireDetails, VehicleDetails};
+pub use itpms_core::model::{Confidence, ParameterUncertainty};
 
 /// A vehicle as its file describes it.
 #[derive(Debug, Clone, PartialEq)]
@@ -163,7 +163,7 @@ impl Vehicle {
             id: None,
             wheelbase_m: Some(2.7),
             corners: [Some(CornerConfig::paper()); 4],
-            details: VehicleDetails::default(),
+            details: VehicleDetails { confidence: Confidence::Measured, ..VehicleDetails::default() },
         }
     }
 
@@ -178,6 +178,25 @@ impl Vehicle {
     pub fn car_config(&self, corners: &[Corner]) -> CarConfig<f64> {
         let told = |corner: Corner| self.corner(corner).copied().filter(|_| corners.contains(&corner));
         CarConfig { corners: Corner::ALL.map(told), wheelbase_m: self.wheelbase_m }
+    }
+
+    /// The same with other details, and with what they say of how well its parameters are known.
+    #[must_use]
+    pub fn with_details(mut self, details: VehicleDetails) -> Self {
+        self.details = details;
+        for (corner, told) in self.corners.iter_mut().zip(&details.corners) {
+            if let Some(corner) = corner {
+                corner.uncertainty = uncertainty::uncertainty(told, details.confidence);
+            }
+        }
+        self
+    }
+
+    /// How well the parameters of this corner are known; those of the file's confidence for a corner that it does not have.
+    #[must_use]
+    pub fn uncertainty(&self, corner: Corner) -> ParameterUncertainty<f64> {
+        let usual = || ParameterUncertainty::of(self.details.confidence);
+        self.corner(corner).map_or_else(usual, |corner| corner.uncertainty)
     }
 
     /// Reads a vehicle file.
@@ -222,7 +241,7 @@ impl Vehicle {
         if corners.iter().all(Option::is_none) {
             return Err(Problem::NoCorner);
         }
-        Ok(Self { name, id, wheelbase_m, corners, details })
+        Ok(Self { name, id, wheelbase_m, corners, details }.with_details(details))
     }
 
     /// The text of a vehicle file that reads back as this vehicle.

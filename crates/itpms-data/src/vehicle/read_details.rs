@@ -1,9 +1,9 @@
 //! The optional keys of a vehicle file, read and checked. Called by [`Vehicle::parse`](super::Vehicle::parse).
 
-use itpms_core::model::ParameterError;
+use itpms_core::model::{Confidence, ParameterError};
 
 use super::checked;
-use super::details::{Confidence, CornerDetails, Driven, TireDetails, VehicleDetails};
+use super::details::{CornerDetails, Driven, TireDetails, VehicleDetails};
 use crate::error::Problem;
 use crate::toml_table::Table;
 

@@ -2,10 +2,10 @@
 
 use std::fmt::Write as _;
 
-use itpms_core::model::{Corner, CornerConfig, PressureMap};
+use itpms_core::model::{Confidence, Corner, CornerConfig, PressureMap};
 
 use super::Vehicle;
-use super::details::{Confidence, CornerDetails, TireDetails};
+use super::details::{CornerDetails, TireDetails};
 use crate::toml_table::escaped;
 
 pub(super) fn vehicle(vehicle: &Vehicle) -> String {

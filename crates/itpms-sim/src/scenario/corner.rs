@@ -1,6 +1,6 @@
 //! One corner of a scenario: what its estimator is told, how the true one differs, and its pressure.
 
-use itpms_core::model::{Corner, CornerConfig, PressureMap, QuarterCar};
+use itpms_core::model::{Confidence, Corner, CornerConfig, ParameterUncertainty, PressureMap, QuarterCar};
 use serde::{Deserialize, Serialize};
 
 use crate::error::InvalidValue;
@@ -163,7 +163,10 @@ impl CornerSpec {
 
     pub(crate) fn told(&self, usual: &SensorSpec) -> Result<CornerConfig<f64>, InvalidValue> {
         let map = self.tire.map()?;
-        let mut told = CornerConfig::new(self.quarter_car()?, map, self.placard_kpa)?;
+        // Whoever writes a scenario knows its car.
+        let measured = ParameterUncertainty::of(Confidence::Measured);
+        let mut told =
+            CornerConfig::new(self.quarter_car()?, map, self.placard_kpa)?.with_uncertainty(measured);
         let noise = self.accel_noise_m_s2.unwrap_or(self.wheel_sensor.unwrap_or(*usual).noise_m_s2);
         if noise > 0.0 {
             told = told.with_accel_noise(noise)?;

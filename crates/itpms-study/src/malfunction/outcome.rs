@@ -266,6 +266,7 @@ mod tests {
             stiffness_sd_n_per_m: 5e3,
             pressure_kpa,
             pressure_sd_kpa,
+            change_sd_kpa: pressure_sd_kpa,
             road_m: 0.0,
             road_sd_m: 0.01,
             validity,

@@ -74,6 +74,7 @@ impl Tire {
             stiffness_sd_n_per_m: 713.91 * sd,
             pressure_kpa,
             pressure_sd_kpa: sd,
+            change_sd_kpa: sd,
             road_m: 0.0,
             road_sd_m: 4e-4,
             validity: match (t < 1.5, driving) {

@@ -214,6 +214,11 @@ impl<T: Real> Fusion<T> {
         self.belief.load_calibration(calibration)
     }
 
+    /// Whether the tires' level is known from a calibration and not from the vehicle file alone.
+    pub(super) fn is_calibrated(&self) -> bool {
+        self.belief.is_calibrated()
+    }
+
     /// Whether a corner has a partner on its side.
     pub(super) fn has_partner(&self, corner: usize) -> bool {
         self.inter_axle.has_partner(corner)

@@ -8,15 +8,12 @@ use crate::real::Real;
 
 /// Share by which a tire's sd grows while it surely changes: hypotheses are few, leaks are not.
 const CHANGING_SD: f64 = 0.5;
-/// Sd of the tires' stiffness in the vehicle file, of all alike and of each by itself, as a share: what nobody can learn before
-/// a calibration.
-const FILE_SD: [f64; 2] = [0.015, 0.005];
-
 /// Stiffnesses of the car's tires.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::car) struct FusedEstimate<T: Real> {
     /// Stiffnesses in N/m, in the order of the corners.
     pub(in crate::car) stiffness_n_per_m: SVector<T, 4>,
+    /// Their covariance in (N/m)², as far as the signals tell; what the vehicle file leaves open is not in it.
     pub(in crate::car) covariance: SMatrix<T, 4, 4>,
     /// Probability that a pressure is changing.
     pub(in crate::car) changing: T,
@@ -32,10 +29,7 @@ impl<T: Real> Fusion<T> {
         // What is believed of a front tire is as old as the road under the rear wheel.
         let delay_s = self.inter_axle.delay_s();
         let ages = [age_s + delay_s[0], age_s + delay_s[1], age_s, age_s];
-        let (mean, mut covariance) = self.belief.tires(&ages);
-        let [all, each] =
-            if self.belief.is_calibrated() { [T::zero(); 2] } else { FILE_SD.map(|sd| T::lit(sd * sd)) };
-        covariance += SMatrix::from_fn(|i, j| if i == j { all + each } else { all });
+        let (mean, covariance) = self.belief.tires(&ages);
         let floor = T::lit(LEAST_COMPLIANCE);
         let placard_n_per_m = &self.belief.scale().placard_n_per_m;
         let stiffness = SVector::<T, 4>::from_fn(|i, _| placard_n_per_m[i] / (T::one() + mean[i]).max(floor));
@@ -52,9 +46,8 @@ impl<T: Real> Fusion<T> {
         };
         for (i, single_wheel) in self.single_wheel.iter().enumerate() {
             let (bias, variance) = self.spectral_bias(i);
-            let file = (all + each) * single_wheel.stiffness_n_per_m * single_wheel.stiffness_n_per_m;
             let incoherence = self.inter_axle.pair(i % 2).lasting_incoherence();
-            single_wheel.blend(&mut estimate, i, incoherence, (bias, variance + file));
+            single_wheel.blend(&mut estimate, i, incoherence, (bias, variance));
         }
         estimate
     }

@@ -94,7 +94,7 @@ fn parameters(vehicle: &Vehicle, corner: Corner) -> Vec<Parameter> {
     ]
 }
 
-fn figures(vehicle: &Vehicle, corner: Corner) -> Option<(CornerFigures, ParameterUncertainty)> {
+fn figures(vehicle: &Vehicle, corner: Corner) -> Option<(CornerFigures, ParameterUncertainty<f64>)> {
     let sd = vehicle.uncertainty(corner);
     vehicle.corner(corner).map(|config| (CornerFigures::of(config, sd.tire_damping_n_s_per_m), sd))
 }

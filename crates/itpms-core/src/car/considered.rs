@@ -1,0 +1,108 @@
+//! What of the tires' stiffnesses rests on the vehicle file, whatever the signals say (docs/math/considered.md): all masses, forces and
+//! stiffnesses of a wheel times one factor give the same accelerations over the same road. So that factor is never learned; its
+//! uncertainty is carried along (a Schmidt-Kalman filter's *considered* parameter).
+
+use nalgebra::{SMatrix, SVector};
+
+use crate::model::CarConfig;
+use crate::real::Real;
+
+/// What a calibration leaves of a tire's level, as a share of its stiffness: tires are set to 3 kPa, and a car that differs from its
+/// file in more than this factor reads one road otherwise than another.
+const CALIBRATED_SD: f64 = 0.012;
+
+/// Covariance of the factors of the four corners, and the stiffnesses at placard pressure. See the [module](self).
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: Real + serde::Serialize",
+        deserialize = "T: Real + serde::Deserialize<'de>"
+    ))
+)]
+pub(super) struct Considered<T: Real> {
+    relative: SMatrix<T, 4, 4>,
+    placard_n_per_m: SVector<T, 4>,
+}
+
+impl<T: Real> Considered<T> {
+    pub(super) fn new(config: &CarConfig<T>) -> Self {
+        let corner = |i: usize| config.corners[i].as_ref();
+        let relative = SMatrix::from_fn(|i, j| {
+            let (Some(a), Some(b)) = (corner(i), corner(j)) else { return T::zero() };
+            let (a, b) = (&a.uncertainty, &b.uncertainty);
+            let common = a.common_mass_relative_sd() * b.common_mass_relative_sd()
+                + a.common_tire_relative_sd() * b.common_tire_relative_sd();
+            // Front and rear of the order of corners.
+            let axle = if i / 2 == j / 2 {
+                a.axle_mass_relative_sd() * b.axle_mass_relative_sd()
+            } else {
+                T::zero()
+            };
+            let own = if i == j { a.own_tire_relative_sd() * b.own_tire_relative_sd() } else { T::zero() };
+            common + axle + own
+        });
+        let placard = |i: usize| corner(i).map_or(T::one(), |c| c.tire.stiffness_n_per_m(c.placard_kpa));
+        Self { relative, placard_n_per_m: SVector::from_fn(|i, _| placard(i)) }
+    }
+
+    /// Covariance in (N/m)² of stiffnesses of which only the vehicle file is known.
+    pub(super) fn uncalibrated(&self, stiffness_n_per_m: &SVector<T, 4>) -> SMatrix<T, 4, 4> {
+        let k = stiffness_n_per_m;
+        SMatrix::from_fn(|i, j| self.relative[(i, j)] * k[i] * k[j])
+    }
+
+    /// The same once a calibration has set them: a factor is an error of the change since then, not of the level.
+    pub(super) fn calibrated(&self, stiffness_n_per_m: &SVector<T, 4>) -> SMatrix<T, 4, 4> {
+        let change = stiffness_n_per_m - self.placard_n_per_m;
+        let left = stiffness_n_per_m * T::lit(CALIBRATED_SD);
+        SMatrix::from_fn(|i, j| {
+            let own = if i == j { left[i] * left[i] } else { T::zero() };
+            self.relative[(i, j)] * change[i] * change[j] + own
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Confidence, CornerConfig, ParameterUncertainty};
+
+    fn typical() -> Considered<f64> {
+        let corner =
+            CornerConfig::<f64>::paper().with_uncertainty(ParameterUncertainty::of(Confidence::Typical));
+        Considered::new(&CarConfig { corners: [Some(corner); 4], wheelbase_m: Some(2.7) })
+    }
+
+    #[test]
+    fn a_percent_of_unsprung_mass_is_327_kpa_per_percent() {
+        // Mass 5 %, tire 3 %: 5.83 % of 241.3 kPa + 60880/713.91 kPa = 326.6 kPa.
+        let stiffness = SVector::repeat(713.91 * 241.3 + 60_880.0);
+        let covariance = typical().uncalibrated(&stiffness);
+        let sd_kpa = covariance[(0, 0)].sqrt() / 713.91;
+        assert!((sd_kpa - 326.6 * (0.05f64.powi(2) + 0.03f64.powi(2)).sqrt()).abs() < 0.1, "{sd_kpa}");
+        // Left and right of an axle differ by their tires alone: 0.6 of 3 % each.
+        let difference = covariance[(0, 0)] + covariance[(1, 1)] - 2.0 * covariance[(0, 1)];
+        assert!((difference.sqrt() / 713.91 - 326.6 * 0.018 * 2f64.sqrt()).abs() < 0.1);
+        // Front and rear by their masses, too: 0.6 of 5 % each.
+        let axles = covariance[(0, 0)] + covariance[(2, 2)] - 2.0 * covariance[(0, 2)];
+        assert!(
+            (axles.sqrt() / 713.91 - 326.6 * (2.0 * (0.03f64.powi(2) + 0.018f64.powi(2))).sqrt()).abs() < 0.1
+        );
+        assert!(covariance.cholesky().is_some());
+    }
+
+    #[test]
+    fn a_calibrated_change_is_wrong_by_the_factor_alone() {
+        let placard = 713.91 * 241.3 + 60_880.0;
+        let mut stiffness = SVector::repeat(placard);
+        let considered = typical();
+        let level = considered.calibrated(&stiffness)[(1, 1)].sqrt();
+        assert!((level / placard - CALIBRATED_SD).abs() < 1e-12);
+        // 48 kPa down: 5.83 % of them.
+        stiffness[1] -= 48.0 * 713.91;
+        let lost = considered.calibrated(&stiffness)[(1, 1)] - (CALIBRATED_SD * stiffness[1]).powi(2);
+        assert!((lost.sqrt() / 713.91 - 48.0 * 0.058_31).abs() < 0.01);
+    }
+}

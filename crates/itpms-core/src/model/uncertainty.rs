@@ -1,0 +1,131 @@
+//! How well a corner's parameters are known, by where they come from (docs/vehicle.md, section 3). Asked for by whoever weighs
+//! them; knows no file.
+
+use crate::real::Real;
+
+/// Where the parameters of a vehicle come from, and so how far to trust them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Confidence {
+    /// Weighed and measured on this car.
+    Measured,
+    /// A manufacturer's figures, or a car of the same model that was measured.
+    #[default]
+    Typical,
+    /// Somebody's guess.
+    Rough,
+}
+
+impl Confidence {
+    /// All, from the most to the least trusted.
+    pub const ALL: [Self; 3] = [Self::Measured, Self::Typical, Self::Rough];
+
+    /// The word in the vehicle file.
+    #[must_use]
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Measured => "measured",
+            Self::Typical => "typical",
+            Self::Rough => "rough",
+        }
+    }
+}
+
+/// Of the variance of an unsprung mass, the share that all four wheels of a car have in common and the share in which
+/// front and rear differ: what is guessed wrongly of one wheel is guessed wrongly of all (sizes, alloys, brakes of the
+/// model), then of an axle (its kind, its drive). 0.8² + 0.6² = 1: left and right are alike.
+const COMMON_MASS: f64 = 0.8;
+const AXLE_MASS: f64 = 0.6;
+/// The same of a tire's stiffness: what all four have in common (size, make, temperature), and each by itself (wear, age).
+const COMMON_TIRE: f64 = 0.8;
+const OWN_TIRE: f64 = 0.6;
+
+/// Standard deviations of one corner's parameters, relative (0.05 is 5 %) unless the name has a unit, with two
+/// parameters that the quarter car does not have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct ParameterUncertainty<T> {
+    /// Of the sprung mass: which load the value is for. Estimators identify the load on the way.
+    pub sprung_mass_relative_sd: T,
+    /// Of the unsprung mass.
+    pub unsprung_mass_relative_sd: T,
+    /// Of the suspension spring.
+    pub spring_relative_sd: T,
+    /// Of the damping.
+    pub damping_relative_sd: T,
+    /// Of the tire's line of stiffness over pressure, as one scale.
+    pub stiffness_relative_sd: T,
+    /// Coulomb friction of the strut in N.
+    pub friction_n: T,
+    /// Its standard deviation in N.
+    pub friction_sd_n: T,
+    /// Vertical damping of the tire in N s/m.
+    pub tire_damping_n_s_per_m: T,
+    /// Its standard deviation in N s/m.
+    pub tire_damping_sd_n_s_per_m: T,
+}
+
+impl<T: Real> ParameterUncertainty<T> {
+    /// What is usual for parameters of this origin.
+    ///
+    /// | | measured | typical | rough |
+    /// |---|---|---|---|
+    /// | sprung mass | 2 %: a scale, and the fuel since | 8 %: driver, passengers, luggage | 15 % |
+    /// | unsprung mass | 1.5 %: parts on a scale; how much of a link moves with the wheel is a convention | 5 %: 4 % in common, 3 % by axle | 10 % |
+    /// | spring | 3 %: a slow load and unload, bushings included | 15 %: rate at the wheel, not at the coil | 30 % |
+    /// | damping | 5 %: linear part of a curved, warm damper | 15 % | 30 % |
+    /// | tire stiffness | 1 %: a test bench on the tire fitted | 3 %: same size and maker; wear, temperature, speed | 8 %: from the size alone |
+    /// | friction | 20 ± 10 N | 30 ± 20 N | 40 ± 40 N |
+    /// | tire damping | 50 ± 20 N s/m | 50 ± 30 N s/m | 50 ± 50 N s/m |
+    #[must_use]
+    pub fn of(confidence: Confidence) -> Self {
+        let table =
+            |masses: [f64; 2], strut: [f64; 2], tire: f64, friction: [f64; 2], tire_damping_sd: f64| Self {
+                sprung_mass_relative_sd: T::lit(masses[0]),
+                unsprung_mass_relative_sd: T::lit(masses[1]),
+                spring_relative_sd: T::lit(strut[0]),
+                damping_relative_sd: T::lit(strut[1]),
+                stiffness_relative_sd: T::lit(tire),
+                friction_n: T::lit(friction[0]),
+                friction_sd_n: T::lit(friction[1]),
+                tire_damping_n_s_per_m: T::lit(50.0),
+                tire_damping_sd_n_s_per_m: T::lit(tire_damping_sd),
+            };
+        match confidence {
+            Confidence::Measured => table([0.02, 0.015], [0.03, 0.05], 0.01, [20.0, 10.0], 20.0),
+            Confidence::Typical => table([0.08, 0.05], [0.15, 0.15], 0.03, [30.0, 20.0], 30.0),
+            Confidence::Rough => table([0.15, 0.10], [0.30, 0.30], 0.08, [40.0, 40.0], 50.0),
+        }
+    }
+
+    /// The part of the unsprung mass's standard deviation that all wheels of the car share.
+    #[must_use]
+    pub fn common_mass_relative_sd(&self) -> T {
+        T::lit(COMMON_MASS) * self.unsprung_mass_relative_sd
+    }
+
+    /// The part by which the two axles' unsprung masses are wrong each for itself.
+    #[must_use]
+    pub fn axle_mass_relative_sd(&self) -> T {
+        T::lit(AXLE_MASS) * self.unsprung_mass_relative_sd
+    }
+
+    /// The part of the tire stiffness's standard deviation that all tires of the car share.
+    #[must_use]
+    pub fn common_tire_relative_sd(&self) -> T {
+        T::lit(COMMON_TIRE) * self.stiffness_relative_sd
+    }
+
+    /// The part by which each tire's stiffness is wrong for itself.
+    #[must_use]
+    pub fn own_tire_relative_sd(&self) -> T {
+        T::lit(OWN_TIRE) * self.stiffness_relative_sd
+    }
+
+    /// Relative standard deviation of stiffness over unsprung mass, which is what a wheel's hop shows of the tire.
+    #[must_use]
+    pub fn tire_relative_sd(&self) -> T {
+        let (mass, tire) = (self.unsprung_mass_relative_sd, self.stiffness_relative_sd);
+        (mass * mass + tire * tire).sqrt()
+    }
+}
