@@ -102,6 +102,7 @@ pub mod real;
 pub mod road;
 pub mod single_wheel;
 mod spectrum;
+mod suspension;
 pub mod warning;
 
 #[doc(inline)]

@@ -49,6 +49,7 @@ fn estimate(time_s: f64, said: &Said) -> CarEstimate<f64> {
         stiffness_sd_n_per_m: 6000.0,
         pressure_kpa,
         pressure_sd_kpa: said.sd,
+        change_sd_kpa: said.sd,
         road_m: 0.0,
         road_sd_m: 0.01,
         validity: said.validity,

@@ -16,6 +16,7 @@ const DOUBTS = {
   starting: ["Still learning", "learning"],
   "no-information": ["No information", "no info"],
   uncertain: ["Uncertain", "unsure"],
+  misfit: ["Car does not fit", "misfit"],
   suspicion: ["Sensor in doubt", "in doubt"],
 };
 

@@ -49,6 +49,7 @@ fn doubt_label(doubt: Doubt) -> &'static str {
         Doubt::NoInformation => "no-information",
         Doubt::Uncertain => "uncertain",
         Doubt::Suspicion => "suspicion",
+        Doubt::Misfit => "misfit",
     }
 }
 

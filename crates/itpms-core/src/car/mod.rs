@@ -14,11 +14,12 @@ use self::fusion::{FusedEstimate, Fusion, SingleWheelEstimate};
 use crate::conditioning::{Moment, SampleClock, SampleCounts};
 use crate::estimator::{CornerEstimator, EstimatorKind, FusedStiffness, RoadRepetition};
 use crate::model::{
-    CalibrationError, CarConfig, CarSample, Corner, CornerEstimate, Inflation, ParameterError, QuarterCar,
-    VehicleCalibration,
+    BodyFit, CalibrationError, CarConfig, CarSample, Corner, CornerEstimate, Inflation, Misfit,
+    ParameterError, QuarterCar, VehicleCalibration,
 };
 pub use crate::model::{CarEstimate, TrackState};
 use crate::real::Real;
+use crate::suspension::BodyEquation;
 
 /// From where the pressure may be learned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -77,6 +78,8 @@ pub struct CarEstimator<T: Real> {
     corners: [Option<CornerEstimator<T>>; 4],
     fusion: Option<Fusion<T>>,
     considered: Considered<T>,
+    /// The body that all corners carry.
+    body_equation: BodyEquation<T>,
     /// When the calibration that is under way ends, and how long it lasts if it has not begun.
     calibration_s: Option<f64>,
     calibration_ends_s: f64,
@@ -112,6 +115,7 @@ impl<T: Real> CarEstimator<T> {
             corners,
             fusion,
             considered: Considered::new(config),
+            body_equation: BodyEquation::new(&config.corners, sample_rate_hz),
             calibration_s: None,
             calibration_ends_s: f64::NEG_INFINITY,
         })
@@ -248,6 +252,7 @@ impl<T: Real> CarEstimator<T> {
             // Counted corner by corner.
             None => self.corners.iter_mut().flatten().for_each(CornerEstimator::refuse),
         }
+        self.identify();
         let fused = self.fuse(at.now_s);
         let mut corners = [None; 4];
         for ((estimate, estimator), corner) in corners.iter_mut().zip(&mut self.corners).zip(&sample.corners)
@@ -273,6 +278,18 @@ impl<T: Real> CarEstimator<T> {
                 Some(fusion) => estimator.take(time_s, speed_m_s, corner, |step| fusion.push(i, step)),
                 None => estimator.take(time_s, speed_m_s, corner, |_| {}),
             }
+        }
+    }
+
+    /// Learns the struts' friction from the body that they carry.
+    fn identify(&mut self) {
+        let frames = self.corners.each_ref().map(|corner| corner.as_ref()?.strut_frame());
+        if !self.body_equation.learn(frames) {
+            return;
+        }
+        for (i, estimator) in self.corners.iter_mut().enumerate() {
+            let Some(estimator) = estimator else { continue };
+            estimator.set_strut(&self.body_equation, i);
         }
     }
 
@@ -360,6 +377,11 @@ impl<T: Real> CarEstimator<T> {
             }
             None => TrackState::unknown(),
         })
+    }
+
+    /// How well body and wheel of a corner go together, and what does not, if the car has that corner.
+    pub fn fit(&self, corner: Corner) -> Option<(BodyFit<T>, Option<Misfit>)> {
+        self.corners[corner.index()].as_ref().map(CornerEstimator::fit)
     }
 
     /// Which estimator this is.

@@ -57,6 +57,8 @@ pub struct GridSample<T> {
     pub invalid: bool,
     /// True if the wheel may have been in the air just then.
     pub unloaded: bool,
+    /// Friction by which the strut holds the wheel back, over the unsprung mass, in m/s²; zero as long as none was identified.
+    pub strut_friction_m_s2: T,
 }
 
 /// What a sensor's last values look like, the worst last.
@@ -291,6 +293,7 @@ impl<T: Real> Resampler<T> {
                 after_gap: self.after_gap,
                 invalid: saturated,
                 unloaded: false,
+                strut_friction_m_s2: T::zero(),
             });
             self.after_gap = false;
             self.next_grid_s += self.grid_period_s;

@@ -8,12 +8,13 @@ use super::{EstimatorKind, RoadRepetition};
 use crate::conditioning::wheel_lift::ContactWatch;
 use crate::conditioning::{GridSample, Resampler, SampleCounts};
 use crate::model::{
-    CornerConfig, CornerEstimate, CornerSample, Diagnostics, ParameterError, QuarterCar, Validity, Warning,
-    positive,
+    BodyFit, CornerConfig, CornerEstimate, CornerSample, Diagnostics, Misfit, ParameterError, QuarterCar,
+    Validity, Warning, positive,
 };
 use crate::real::Real;
 use crate::road::{RoadConfig, RoadFilter};
 use crate::single_wheel::StiffnessPseudoMeasurement;
+use crate::suspension::{BodyEquation, Strut, StrutFrame};
 use crate::warning::single_wheel::LowPressureWatch;
 
 /// Grid rate in Hz that the spectral frames need; slower samples are interpolated up to it.
@@ -50,6 +51,9 @@ pub(crate) struct CornerEstimator<T: Real> {
     /// What the whole car says of this corner, while it says anything.
     fused: Option<FusedStiffness<T>>,
     contact: ContactWatch<T>,
+    strut: Strut<T>,
+    fit: BodyFit<T>,
+    misfit: Option<Misfit>,
 }
 
 /// What the whole car knows of a corner that the corner by itself does not.
@@ -83,7 +87,8 @@ impl<T: Real> CornerEstimator<T> {
         let sample_rate_hz = positive("sample_rate_hz", sample_rate_hz)?;
         let frames = !kind.is_as_published();
         let resampler = Resampler::new(sample_rate_hz, if frames { FRAME_GRID_HZ } else { sample_rate_hz });
-        let method = RunningMethod::new(kind, config, sample_rate_hz, resampler.grid_period_s())?;
+        let grid_period_s = resampler.grid_period_s();
+        let method = RunningMethod::new(kind, config, sample_rate_hz, grid_period_s)?;
         let noise = config.accel_noise_or_usual_m_s2();
         let road = RoadConfig::new(config.quarter_car, config.initial_stiffness_n_per_m(), noise)?;
         Ok(Self {
@@ -101,6 +106,9 @@ impl<T: Real> CornerEstimator<T> {
             repetition: RoadRepetition::default(),
             fused: None,
             contact: ContactWatch::new(&config.quarter_car),
+            strut: Strut::new(grid_period_s, T::lit(2.0 / sample_rate_hz) * noise * noise),
+            fit: BodyFit::unknown(),
+            misfit: None,
         })
     }
 
@@ -155,11 +163,16 @@ impl<T: Real> CornerEstimator<T> {
         corner: &CornerSample<T>,
         mut tap: impl FnMut(&GridSample<T>),
     ) {
-        let (method, contact) = (&mut self.method, &mut self.contact);
+        let (method, contact, strut) = (&mut self.method, &mut self.contact, &mut self.strut);
+        let (identified, unsprung_kg) =
+            (!self.kind.is_as_published(), self.config.quarter_car.unsprung_mass_kg());
         let (body, wheel) = (corner.body_accel_m_s2, corner.wheel_accel_m_s2);
         self.resampler.push(time_s, speed_m_s, body, wheel, |sample| {
             let contact = contact.look(&sample);
-            let sample = GridSample { unloaded: contact.unloaded, ..sample };
+            let mut sample = GridSample { unloaded: contact.unloaded, ..sample };
+            if identified {
+                sample.strut_friction_m_s2 = strut.push(&sample) / unsprung_kg;
+            }
             method.step(&GridSample { invalid: sample.invalid || contact.hopping, ..sample });
             tap(&sample);
         });
@@ -173,6 +186,25 @@ impl<T: Real> CornerEstimator<T> {
         believed: impl FnOnce() -> (T, T),
     ) -> Option<StiffnessPseudoMeasurement<T>> {
         self.method.pseudo_measurement(believed)
+    }
+
+    /// The newest frame of what moves the body here.
+    pub(crate) fn strut_frame(&self) -> Option<&StrutFrame<T>> {
+        self.strut.frame()
+    }
+
+    /// Takes over what the body's equation of motion tells of the strut.
+    pub(crate) fn set_strut(&mut self, equation: &BodyEquation<T>, corner: usize) {
+        let slip_forces_n = equation.slip_forces_n(corner);
+        self.strut.set_slip_forces(slip_forces_n);
+        self.method.set_friction(&equation.describing_function(corner));
+        self.fit.unexplained = equation.unexplained(corner);
+        self.fit.friction_n = slip_forces_n.into_iter().fold(T::zero(), |sum, force| sum + force);
+    }
+
+    /// How well body and wheel go together, and what does not.
+    pub(crate) fn fit(&self) -> (BodyFit<T>, Option<Misfit>) {
+        (self.fit, self.misfit)
     }
 
     /// Tells what the whole car says of this corner; `None`: nothing now.
@@ -276,8 +308,16 @@ impl<T: Real> CornerEstimator<T> {
             (change_sd_n_per_m * change_sd_n_per_m + considered_sd_n_per_m * considered_sd_n_per_m).sqrt();
         let pressure_sd_kpa = tire.pressure_sd_kpa(pressure_kpa, stiffness_sd_n_per_m);
         let sd_kpa = stiffness_sd_n_per_m / tire.stiffness_per_kpa();
+        if !self.kind.is_as_published() {
+            self.fit.incoherence = self.strut.incoherence();
+            self.misfit = self.fit.misfit(self.misfit);
+        }
         let validity = match reading.validity {
             _ if self.resampler.is_bad() => Validity::BadSignal,
+            Validity::Valid if self.misfit.is_some() => Validity::Misfit,
+            Validity::Valid if self.fit.incoherence.is_none() && !self.kind.is_as_published() => {
+                Validity::Starting
+            }
             Validity::Valid if !is_known(&self.config, sd_kpa) => Validity::NoInformation,
             validity => validity,
         };

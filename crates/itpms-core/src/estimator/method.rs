@@ -8,6 +8,7 @@ use crate::conditioning::GridSample;
 use crate::model::{CornerConfig, ParameterError, QuarterCar};
 use crate::real::Real;
 use crate::single_wheel::{Informed, RoadRepetition, StiffnessPseudoMeasurement};
+use crate::spectrum::transfer::DescribingFunction;
 
 /// Seconds without a frame after which nothing is being learned.
 const STALE_S: f64 = 1.0;
@@ -116,6 +117,15 @@ impl<T: Real> RunningMethod<T> {
                     self.read_s = sample.time_s;
                 }
             }
+        }
+    }
+
+    /// Takes over what the strut's friction makes of its motion.
+    pub(super) fn set_friction(&mut self, friction: &DescribingFunction<T>) {
+        match &mut self.method {
+            Method::Informed(informed) => informed.set_friction(friction),
+            #[cfg(feature = "paper")]
+            Method::Published(_) => {}
         }
     }
 

@@ -9,11 +9,12 @@ mod reading;
 
 pub(crate) use self::corner::{CornerEstimator, FusedStiffness};
 use crate::conditioning::{SampleClock, SampleCounts};
-use crate::model::{CornerConfig, CornerEstimate, CornerSample, ParameterError, QuarterCar};
+use crate::model::{BodyFit, CornerConfig, CornerEstimate, CornerSample, Misfit, ParameterError, QuarterCar};
 use crate::real::Real;
 #[cfg(feature = "test-bench")]
 pub use crate::single_wheel::RoadPeriod;
 pub use crate::single_wheel::RoadRepetition;
+use crate::suspension::BodyEquation;
 
 /// The estimators to choose from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -87,6 +88,7 @@ impl EstimatorKind {
 pub struct Estimator<T: Real> {
     clock: SampleClock<T>,
     corner: CornerEstimator<T>,
+    body_equation: BodyEquation<T>,
 }
 
 impl<T: Real> Estimator<T> {
@@ -102,6 +104,7 @@ impl<T: Real> Estimator<T> {
         Ok(Self {
             clock: SampleClock::new(sample_rate_hz)?,
             corner: CornerEstimator::new(kind, config, sample_rate_hz)?,
+            body_equation: BodyEquation::new(&[Some(*config), None, None, None], sample_rate_hz),
         })
     }
 
@@ -154,6 +157,9 @@ impl<T: Real> Estimator<T> {
             Some(steady_s) => self.corner.take(steady_s, at.speed_m_s, &corner, |_| {}),
             None => self.corner.refuse(),
         }
+        if self.body_equation.learn([self.corner.strut_frame(), None, None, None]) {
+            self.corner.set_strut(&self.body_equation, 0);
+        }
         CornerEstimate { time_s, ..self.corner.conclude(at.now_s, &corner) }
     }
 
@@ -165,6 +171,11 @@ impl<T: Real> Estimator<T> {
     /// The car as it seems to be now: sprung mass and damping as identified on the way, where the estimator does.
     pub fn quarter_car(&self) -> QuarterCar<T> {
         self.corner.quarter_car()
+    }
+
+    /// How well body and wheel go together, and what does not.
+    pub fn fit(&self) -> (BodyFit<T>, Option<Misfit>) {
+        self.corner.fit()
     }
 
     /// Which estimator this is.

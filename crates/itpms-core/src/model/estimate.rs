@@ -98,6 +98,8 @@ pub enum Validity {
     BadSignal,
     /// The computation left its range (a published filter diverged).
     Diverged,
+    /// Body and wheel do not move as the vehicle file says: what is read from them is no tire.
+    Misfit,
 }
 
 impl Validity {

@@ -1,5 +1,6 @@
 //! The car and its signals: parameters, samples, estimates, calibration. Knows no estimator.
 
+mod body_fit;
 mod calibration;
 mod car;
 mod car_estimate;
@@ -10,6 +11,7 @@ mod tire;
 mod uncertainty;
 mod wheels;
 
+pub use self::body_fit::{BodyFit, Misfit};
 pub(crate) use self::calibration::UNLEARNED_BIAS_SD;
 pub use self::calibration::{CalibrationError, CornerCalibration, Learned, VehicleCalibration};
 pub use self::car::{CarConfig, Inflation};

@@ -44,7 +44,7 @@ use crate::spectrum::FrameClock;
 use crate::spectrum::reconstruction::{
     RELATIVE_ACCELERATION, RELATIVE_VELOCITY, Reconstruction, SIGNALS, WHEEL_JERK, WHEEL_VELOCITY,
 };
-use crate::spectrum::transfer::Body;
+use crate::spectrum::transfer::{Body, DescribingFunction};
 
 /// Spectral bins of a frame: 8.3, 16.7, ... 100 Hz.
 const BINS: usize = 12;
@@ -94,6 +94,8 @@ pub struct Informed<T: Real> {
     grid: Grid<T>,
     body: BodyIdentification<T>,
     tables: Tables<T>,
+    /// What the strut's friction makes of its motion.
+    friction: DescribingFunction<T>,
     reconstruction: Reconstruction<T>,
     clock: FrameClock<T, BINS, SIGNALS>,
     posterior: Posterior<T>,
@@ -141,7 +143,8 @@ impl<T: Real> Informed<T> {
             grid,
             body: BodyIdentification::new(body),
             tables,
-            reconstruction: Reconstruction::new(grid_period_s),
+            friction: DescribingFunction::none(),
+            reconstruction: Reconstruction::new(grid_period_s, car.unsprung_mass_kg() / car.sprung_mass_kg()),
             clock,
             posterior,
             sample_rate_hz,
@@ -182,7 +185,7 @@ impl<T: Real> Informed<T> {
         }
         self.last_time_s = sample.time_s;
         self.invalid |= sample.invalid;
-        let signals = self.reconstruction.push(sample.body_accel_m_s2, sample.wheel_accel_m_s2);
+        let signals = self.reconstruction.push(sample);
         let told = self.meet_again(&signals, sample);
         match self.clock.push(&signals) {
             Some(frame) => {
@@ -238,6 +241,11 @@ impl<T: Real> Informed<T> {
         word.is_some()
     }
 
+    /// Takes over what the strut's friction makes of its motion.
+    pub(crate) fn set_friction(&mut self, friction: &DescribingFunction<T>) {
+        self.friction = *friction;
+    }
+
     /// Tells that the tire has its placard pressure now, as during a calibration.
     pub fn set_to_placard(&mut self) {
         let cell = (self.config.placard_kpa - self.grid.pressure_kpa(0)) / self.grid.step_kpa();
@@ -269,7 +277,7 @@ impl<T: Real> Informed<T> {
             let spacing = T::lit(self.clock.bin_spacing_hz());
             self.body.learn(frame, spacing, self.noise_density, evidence.weight, seconds);
         }
-        self.tables.refresh_next(&self.body.body());
+        self.tables.refresh_next(&self.body.body(), &self.friction);
     }
 
     fn notice_stop(&mut self, speed_m_s: T) {

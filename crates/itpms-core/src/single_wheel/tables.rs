@@ -9,7 +9,7 @@ use crate::model::PressureMap;
 use crate::real::Real;
 use crate::single_wheel::BINS;
 use crate::spectrum::reconstruction::LEAK_RAD_S;
-use crate::spectrum::transfer::{Body, response, sine_window_power};
+use crate::spectrum::transfer::{Body, DescribingFunction, response, sine_window_power};
 
 /// Cells of the pressure grid.
 pub(crate) const CELLS: usize = 36;
@@ -100,14 +100,14 @@ impl<T: Real> Tables<T> {
             next_cell: 0,
         };
         for cell in 0..CELLS {
-            tables.fill_cell(cell, body);
+            tables.fill_cell(cell, body, &DescribingFunction::none());
         }
         tables
     }
 
-    /// Brings one more cell up to date with the body.
-    pub(crate) fn refresh_next(&mut self, body: &Body<T>) {
-        self.fill_cell(self.next_cell, body);
+    /// Brings one more cell up to date with the body and the friction of its strut.
+    pub(crate) fn refresh_next(&mut self, body: &Body<T>, friction: &DescribingFunction<T>) {
+        self.fill_cell(self.next_cell, body, friction);
         self.next_cell = (self.next_cell + 1) % CELLS;
     }
 
@@ -122,11 +122,12 @@ impl<T: Real> Tables<T> {
         self.log_gain[(bin, cell)] + exponent * self.log_gain_by_exponent[(bin, cell)]
     }
 
-    fn fill_cell(&mut self, cell: usize, body: &Body<T>) {
+    fn fill_cell(&mut self, cell: usize, body: &Body<T>, friction: &DescribingFunction<T>) {
         let (theta, middle) = (self.theta[cell], self.theta[CELLS / 2]);
         let window = window_powers::<T>();
-        let points: [Point<T>; POINTS] =
-            core::array::from_fn(|i| Point::new(point_hz(self.bin_spacing_hz, i), body, theta, middle));
+        let points: [Point<T>; POINTS] = core::array::from_fn(|i| {
+            Point::new(point_hz(self.bin_spacing_hz, i), body, friction, theta, middle)
+        });
         for bin in 0..BINS {
             let mut noise = (T::zero(), T::zero());
             // Sums of ln|H|² and of the weights for an exponent below and above zero.
@@ -166,10 +167,10 @@ struct Point<T> {
 }
 
 impl<T: Real> Point<T> {
-    fn new(frequency: T, body: &Body<T>, theta: T, middle: T) -> Self {
+    fn new(frequency: T, body: &Body<T>, friction: &DescribingFunction<T>, theta: T, middle: T) -> Self {
         let leak_hz = T::lit(LEAK_RAD_S) / T::two_pi();
-        let (gain_here, noise) = response(body, theta, frequency);
-        let (gain_middle, middle_noise) = response(body, middle, frequency);
+        let (gain_here, noise) = response(body, friction, theta, frequency);
+        let (gain_middle, middle_noise) = response(body, friction, middle, frequency);
         Self {
             log_gain: (gain_here / gain_middle).ln(),
             noise,
@@ -264,7 +265,7 @@ mod tests {
                 k + k_t - m_w * w * w,
             );
             let x = a.lu().solve(&nalgebra::Vector4::new(0.0, 0.0, k_t, 0.0)).unwrap();
-            let (gain, _) = response(&body(), 1.0 / k_t, f);
+            let (gain, _) = response(&body(), &DescribingFunction::none(), 1.0 / k_t, f);
             assert!((gain - (x[2] * x[2] + x[3] * x[3])).abs() < 1e-10 * gain);
         }
     }
@@ -286,7 +287,7 @@ mod tests {
         let spacing = 1.0 / 0.12;
         let mut tables = Tables::new(spacing, 500.0, &grid, &tire, &body());
         let moved = Body { sprung_mass_kg: 260.0, damping_n_s_per_m: 1000.0, ..body() };
-        tables.refresh_next(&moved);
+        tables.refresh_next(&moved, &DescribingFunction::none());
         let (theta, middle) = (tables.theta[0], tables.theta[CELLS / 2]);
         let leak_hz = LEAK_RAD_S / std_tau();
         for bin in 0..BINS {
@@ -297,12 +298,14 @@ mod tests {
             };
             let road =
                 |f: f64, exponent: f64| f * f / (f * f + leak_hz * leak_hz) * (f / 10.0).powf(exponent);
-            let gain = |f: f64| (response(&moved, theta, f).0 / response(&moved, middle, f).0).ln();
+            let none = DescribingFunction::none();
+            let gain =
+                |f: f64| (response(&moved, &none, theta, f).0 / response(&moved, &none, middle, f).0).ln();
             for exponent in [-SHAPE_REACH, SHAPE_REACH] {
                 let mean = sum(&|f| road(f, exponent) * gain(f)) / sum(&|f| road(f, exponent));
                 assert!((tables.log_gain(bin, 0, exponent) - mean).abs() < 1e-12);
             }
-            let noise = sum(&|f| response(&moved, theta, f).1) / sum(&|_| 1.0);
+            let noise = sum(&|f| response(&moved, &none, theta, f).1) / sum(&|_| 1.0);
             assert!((tables.noise[(bin, 0)] / noise - 1.0).abs() < 1e-12);
         }
     }

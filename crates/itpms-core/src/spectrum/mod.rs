@@ -1,5 +1,6 @@
 //! Short spectral frames, the signals they are made of, and what a quarter car makes of a road.
 
+pub(crate) mod butterworth;
 mod frame;
 pub(crate) mod reconstruction;
 pub(crate) mod transfer;

@@ -1,10 +1,12 @@
 //! Per sample: from the two accelerations to the signals that the road velocity is a linear combination of
-//! (docs/math/informed.md, eq. 1-4). Called on every grid step; knows nothing of stiffness or statistics.
+//! (docs/math/informed.md, eq. 1-4; docs/math/friction.md, eq. 2). Called on every grid step; knows nothing of stiffness or
+//! statistics.
 //!
 //! With `L = s/(s + ω_l)` the leak that keeps integrals from drifting, `L v_r = u_1 + θ u_2`, where
 //! `u_1 = L v_w` and `u_2 = m_w L ȧ_w + c_s L (a_w - a_b) + k_s L (v_w - v_b)`: the force through the suspension, so the
 //! sprung mass and the body sensor's noise stay out of it.
 
+use crate::conditioning::GridSample;
 use crate::real::Real;
 
 /// Leak of the integrators in rad/s: low enough to leave the first bin alone, high enough to keep the slow road,
@@ -21,19 +23,19 @@ pub(crate) const LAG: usize = 3;
 pub(crate) const SIGNALS: usize = 5;
 /// `L v_w`: wheel velocity.
 pub(crate) const WHEEL_VELOCITY: usize = 0;
-/// `L ȧ_w`: wheel jerk.
+/// `L (ȧ_w + Ḟ/m_w)`: wheel jerk, and the rate of the strut's friction over the unsprung mass.
 pub(crate) const WHEEL_JERK: usize = 1;
 /// `L (a_w - a_b)`: relative acceleration.
 pub(crate) const RELATIVE_ACCELERATION: usize = 2;
 /// `L (v_w - v_b)`: relative velocity.
 pub(crate) const RELATIVE_VELOCITY: usize = 3;
-/// `L ȧ_b`: body jerk.
+/// `L (ȧ_b - Ḟ/m_b)`: body jerk without what the strut's friction makes of it.
 pub(crate) const BODY_JERK: usize = 4;
 
-/// One sensor: offset, leaky integral, derivative.
+/// One signal: offset, leaky integral, derivative.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-struct Channel<T> {
+pub(crate) struct Channel<T> {
     offset: T,
     /// The last seven accelerations, newest first.
     acceleration: [T; 2 * LAG + 1],
@@ -42,13 +44,21 @@ struct Channel<T> {
 }
 
 impl<T: Real> Channel<T> {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self { offset: T::zero(), acceleration: [T::zero(); 2 * LAG + 1], integral: [T::zero(); 2] }
     }
 
     /// Forgets the signal, keeps the offset.
-    fn restart(&mut self) {
+    pub(crate) fn restart(&mut self) {
         *self = Self { offset: self.offset, ..Self::new() };
+    }
+
+    /// Takes the value of step number `steps`; gives its leaky integral, itself and its derivative, [`LAG`] steps earlier.
+    pub(crate) fn step(&mut self, raw: T, steps: u32, dt: T) -> (T, T, T) {
+        // The mean of all samples so far, then of the last ten seconds or so.
+        let gain = (dt / T::lit(OFFSET_S)).max(T::one() / T::lit(f64::from(steps)));
+        self.push(raw, gain, dt);
+        self.read(dt)
     }
 
     fn push(&mut self, raw: T, offset_gain: T, dt: T) {
@@ -86,34 +96,39 @@ pub(crate) struct Reconstruction<T> {
     steps: u32,
     body: Channel<T>,
     wheel: Channel<T>,
+    friction: Channel<T>,
+    /// Unsprung over sprung mass.
+    mass_ratio: T,
 }
 
 impl<T: Real> Reconstruction<T> {
-    pub(crate) fn new(grid_period_s: f64) -> Self {
-        Self { dt: T::lit(grid_period_s), steps: 0, body: Channel::new(), wheel: Channel::new() }
+    /// For steps of this period; `mass_ratio` is the unsprung mass over the sprung one.
+    pub(crate) fn new(grid_period_s: f64, mass_ratio: T) -> Self {
+        let [body, wheel, friction] = [Channel::new(); 3];
+        Self { dt: T::lit(grid_period_s), steps: 0, body, wheel, friction, mass_ratio }
     }
 
     /// The signal was interrupted: start again, keep the sensors' offsets.
     pub(crate) fn restart(&mut self) {
         self.body.restart();
         self.wheel.restart();
+        self.friction.restart();
     }
 
     /// Takes one grid step, gives all signals three steps earlier.
-    pub(crate) fn push(&mut self, body_accel_m_s2: T, wheel_accel_m_s2: T) -> [T; SIGNALS] {
-        // The mean of all samples so far, then of the last ten seconds or so.
+    pub(crate) fn push(&mut self, sample: &GridSample<T>) -> [T; SIGNALS] {
         self.steps = self.steps.saturating_add(1);
-        let gain = (self.dt / T::lit(OFFSET_S)).max(T::one() / T::lit(f64::from(self.steps)));
-        self.body.push(body_accel_m_s2, gain, self.dt);
-        self.wheel.push(wheel_accel_m_s2, gain, self.dt);
-        let (body_velocity, body_acceleration, body_jerk) = self.body.read(self.dt);
-        let (wheel_velocity, wheel_acceleration, wheel_jerk) = self.wheel.read(self.dt);
+        let (steps, dt) = (self.steps, self.dt);
+        let (body_velocity, body_acceleration, body_jerk) = self.body.step(sample.body_accel_m_s2, steps, dt);
+        let (wheel_velocity, wheel_acceleration, wheel_jerk) =
+            self.wheel.step(sample.wheel_accel_m_s2, steps, dt);
+        let (_, _, friction_jerk) = self.friction.step(sample.strut_friction_m_s2, steps, dt);
         let mut signals = [T::zero(); SIGNALS];
         signals[WHEEL_VELOCITY] = wheel_velocity;
-        signals[WHEEL_JERK] = wheel_jerk;
+        signals[WHEEL_JERK] = wheel_jerk + friction_jerk;
         signals[RELATIVE_ACCELERATION] = wheel_acceleration - body_acceleration;
         signals[RELATIVE_VELOCITY] = wheel_velocity - body_velocity;
-        signals[BODY_JERK] = body_jerk;
+        signals[BODY_JERK] = body_jerk - friction_jerk * self.mass_ratio;
         signals
     }
 }

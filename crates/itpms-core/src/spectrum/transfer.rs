@@ -27,6 +27,36 @@ impl<T: Real> From<&QuarterCar<T>> for Body<T> {
     }
 }
 
+/// Bins of a describing function, and their distance in Hz: 2.5, 5, ... 25 Hz.
+pub(crate) const FRICTION_BINS: usize = 10;
+pub(crate) const FRICTION_SPACING_HZ: f64 = 2.5;
+
+/// What the friction of a strut makes of its motion on average, as a spring and a damper: the part of the friction force that goes with
+/// the deflection, in N/m, by frequency (docs/math/friction.md, eq. 4).
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct DescribingFunction<T> {
+    /// Real and imaginary part per bin.
+    pub(crate) n_per_m: [[T; 2]; FRICTION_BINS],
+}
+
+impl<T: Real> DescribingFunction<T> {
+    /// No friction.
+    pub(crate) fn none() -> Self {
+        Self { n_per_m: [[T::zero(); 2]; FRICTION_BINS] }
+    }
+
+    /// Its value at a frequency in Hz: between bins on a line, beyond them as in the outermost.
+    fn at(&self, frequency_hz: T) -> Complex<T> {
+        let place = frequency_hz / T::lit(FRICTION_SPACING_HZ) - T::one();
+        let place = place.clamp(T::zero(), T::lit((FRICTION_BINS - 1) as f64));
+        let below = (place.to_f64() as usize).min(FRICTION_BINS - 2);
+        let share = place - T::lit(below as f64);
+        let [from, to] = [self.n_per_m[below], self.n_per_m[below + 1]];
+        Complex::new(from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1]))
+    }
+}
+
 /// Power of the sine window's spectrum `offset` bins from its centre, one at the centre.
 pub(crate) fn sine_window_power<T: Real>(offset: T) -> T {
     let pole = T::one() - T::lit(4.0) * offset * offset;
@@ -34,31 +64,42 @@ pub(crate) fn sine_window_power<T: Real>(offset: T) -> T {
     amplitude * amplitude
 }
 
-/// `Z = c_s s + k_s` and `H = x_w / x_r` at one frequency in Hz.
-fn transfer<T: Real>(body: &Body<T>, theta: T, frequency_hz: T) -> (Complex<T>, Complex<T>) {
+/// `Z = c_s s + k_s`, and `H = x_w / x_r` with friction, at one frequency in Hz.
+fn transfer<T: Real>(
+    body: &Body<T>,
+    friction: &DescribingFunction<T>,
+    theta: T,
+    frequency_hz: T,
+) -> (Complex<T>, Complex<T>) {
     let omega = T::two_pi() * frequency_hz;
     let (zero, one) = (T::zero(), Complex::new(T::one(), T::zero()));
     let s2 = -omega * omega;
-    let z = Complex::new(body.spring_n_per_m, body.damping_n_s_per_m * omega);
+    let linear = Complex::new(body.spring_n_per_m, body.damping_n_s_per_m * omega);
+    let z = linear + friction.at(frequency_hz);
     // B = Z / (m_b s² + Z)
     let b = z / (z + Complex::new(body.sprung_mass_kg * s2, zero));
     // D = m_w s² + Z (1 - B), H = k_t / (D + k_t)
     let d = z * (one - b) + Complex::new(body.unsprung_mass_kg * s2, zero);
-    (z, one / (d * theta + one))
+    (linear, one / (d * theta + one))
 }
 
 /// `H = x_w / x_r` at one frequency in Hz: what the wheel makes of the road.
 #[cfg(feature = "test-bench")]
 pub(crate) fn wheel_over_road<T: Real>(body: &Body<T>, theta: T, frequency_hz: T) -> Complex<T> {
-    transfer(body, theta, frequency_hz).1
+    transfer(body, &DescribingFunction::none(), theta, frequency_hz).1
 }
 
-/// `|H|²` from road to wheel, and the noise power of the leaky road velocity for unit noise density of both
+/// `|H|²` from road to wheel with the strut's friction, and the noise power of the leaky road velocity for unit noise density of both
 /// accelerometers, at one frequency in Hz.
-pub(crate) fn response<T: Real>(body: &Body<T>, theta: T, frequency_hz: T) -> (T, T) {
+pub(crate) fn response<T: Real>(
+    body: &Body<T>,
+    friction: &DescribingFunction<T>,
+    theta: T,
+    frequency_hz: T,
+) -> (T, T) {
     let omega = T::two_pi() * frequency_hz;
     let s = Complex::new(T::zero(), omega);
-    let (z, h) = transfer(body, theta, frequency_hz);
+    let (z, h) = transfer(body, friction, theta, frequency_hz);
     // L v_r = L [1/s + θ (m_w s + Z/s)] a_w - L θ Z/s a_b
     let leak_rad_s = T::lit(LEAK_RAD_S);
     let leak = omega * omega / (omega * omega + leak_rad_s * leak_rad_s);

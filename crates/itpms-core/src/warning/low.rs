@@ -143,6 +143,7 @@ impl WheelWatch {
             Validity::Starting => WheelState::Unknown(Doubt::Starting),
             Validity::NoInformation => WheelState::Unknown(Doubt::NoInformation),
             Validity::BadSignal | Validity::Diverged => WheelState::Unknown(Doubt::Suspicion),
+            Validity::Misfit => WheelState::Unknown(Doubt::Misfit),
             Validity::Valid
                 if self.is_forgotten(estimate.time_s, limits) || self.informed_s == f64::NEG_INFINITY =>
             {

@@ -56,6 +56,8 @@ pub enum Doubt {
     Uncertain,
     /// A sensor looks wrong; not for long enough to say so.
     Suspicion,
+    /// The car does not move as its vehicle file says.
+    Misfit,
 }
 
 impl WheelState {

@@ -269,6 +269,7 @@ fn fill(values: &mut [f64], row: &CornerRow) {
             Validity::NoInformation => 2.0,
             Validity::BadSignal => 3.0,
             Validity::Diverged => 4.0,
+            Validity::Misfit => 5.0,
         },
         match e.warning {
             Warning::None => 0.0,

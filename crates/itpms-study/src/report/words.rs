@@ -87,6 +87,7 @@ fn doubt(corner: &CornerReport) -> (&'static str, &'static str) {
         Some(WheelState::Unknown(Doubt::Uncertain)) => ("Uncertain", "unsure"),
         Some(WheelState::Unknown(Doubt::Starting)) => ("Still learning", "learning"),
         Some(WheelState::Unknown(Doubt::Suspicion)) => ("Sensor in doubt", "in doubt"),
+        Some(WheelState::Unknown(Doubt::Misfit)) => ("Car does not fit", "misfit"),
         Some(WheelState::Unknown(Doubt::NoInformation)) => ("No information", "no info"),
         _ => ("Not enough seen", "not seen"),
     }

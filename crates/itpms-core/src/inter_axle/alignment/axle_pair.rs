@@ -16,7 +16,7 @@ use crate::inter_axle::residual::noise::{Coherence, MOST_LASTING, fading};
 use crate::inter_axle::{HOP_S, SIGNALS, bin_hz};
 use crate::real::Real;
 use crate::spectrum::FrameClock;
-use crate::spectrum::transfer::response;
+use crate::spectrum::transfer::{DescribingFunction, response};
 
 /// Slowest speed in m/s at which a road is shared.
 pub(crate) const SLOWEST_M_S: f64 = 2.8;
@@ -402,7 +402,7 @@ impl<T: Real> AxlePair<T> {
             let mut sum = T::zero();
             for (wheel, &density) in wheels.iter().zip(&self.noise_density) {
                 let theta = wheel.theta * read_compliance(state, wheel.corner);
-                sum += density * response(&wheel.body, theta, bin_hz(bin)).1;
+                sum += density * response(&wheel.body, &DescribingFunction::none(), theta, bin_hz(bin)).1;
             }
             sum
         })

@@ -3,6 +3,7 @@
 
 use crate::conditioning::GridSample;
 use crate::real::Real;
+use crate::spectrum::butterworth::{QUALITY, Section};
 use crate::spectrum::reconstruction::{
     LAG, RELATIVE_ACCELERATION, RELATIVE_VELOCITY, Reconstruction, WHEEL_JERK, WHEEL_VELOCITY,
 };
@@ -25,9 +26,6 @@ const WHEEL_HOP_HZ: f64 = 12.0;
 const ECHO_S: f64 = 0.05;
 /// Thinned signals come at this rate in Hz at least.
 const LEAST_RATE_HZ: f64 = 200.0;
-/// Quality factors of the two sections of a Butterworth filter of order four, as both filters are.
-const QUALITY: [f64; 2] = [0.541_196_1, 1.306_563];
-
 /// Place of the relative velocity among them.
 pub(crate) const RELATIVE: usize = 3;
 
@@ -51,46 +49,6 @@ pub(crate) struct Entry<T> {
     pub(crate) after_gap: bool,
 }
 
-/// A section of either filter, transposed direct form II.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-struct Section<T> {
-    gain: T,
-    /// The numerator's middle coefficient over the others: two for a low-pass, minus two for a high-pass.
-    middle: T,
-    feedback: [T; 2],
-}
-
-impl<T: Real> Section<T> {
-    fn low_pass(rate_hz: f64, quality: f64) -> Self {
-        let k = T::lit(core::f64::consts::PI * SMOOTH_HZ / rate_hz).tan();
-        Self::new(k, T::lit(quality), k * k, T::lit(2.0))
-    }
-
-    fn high_pass(rate_hz: f64, quality: f64) -> Self {
-        let k = T::lit(core::f64::consts::PI * LOWEST_HZ / rate_hz).tan();
-        Self::new(k, T::lit(quality), T::one(), T::lit(-2.0))
-    }
-
-    fn new(k: T, quality: T, gain: T, middle: T) -> Self {
-        let damped = k / quality;
-        let norm = T::one() / (T::one() + damped + k * k);
-        Self {
-            gain: gain * norm,
-            middle,
-            feedback: [T::lit(2.0) * (k * k - T::one()) * norm, (T::one() - damped + k * k) * norm],
-        }
-    }
-
-    fn push(&self, state: &mut [T; 2], input: T) -> T {
-        let scaled = self.gain * input;
-        let output = scaled + state[0];
-        state[0] = self.middle * scaled - self.feedback[0] * output + state[1];
-        state[1] = scaled - self.feedback[1] * output;
-        output
-    }
-}
-
 /// See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -111,12 +69,12 @@ impl<T: Real> Channel<T> {
     pub(crate) fn new(grid_period_s: f64) -> Self {
         let rate_hz = 1.0 / grid_period_s;
         Self {
-            reconstruction: Reconstruction::new(grid_period_s),
+            reconstruction: Reconstruction::new(grid_period_s, T::zero()),
             sections: [
-                Section::low_pass(rate_hz, QUALITY[0]),
-                Section::low_pass(rate_hz, QUALITY[1]),
-                Section::high_pass(rate_hz, QUALITY[0]),
-                Section::high_pass(rate_hz, QUALITY[1]),
+                Section::low_pass(SMOOTH_HZ, rate_hz, QUALITY[0]),
+                Section::low_pass(SMOOTH_HZ, rate_hz, QUALITY[1]),
+                Section::high_pass(LOWEST_HZ, rate_hz, QUALITY[0]),
+                Section::high_pass(LOWEST_HZ, rate_hz, QUALITY[1]),
             ],
             states: [[[T::zero(); 2]; 4]; KEPT],
             grid_period_s,
@@ -153,7 +111,7 @@ impl<T: Real> Channel<T> {
         if sample.unloaded {
             self.unloaded_s = sample.time_s;
         }
-        let all = self.reconstruction.push(sample.body_accel_m_s2, sample.wheel_accel_m_s2);
+        let all = self.reconstruction.push(sample);
         let mut signals =
             [all[WHEEL_VELOCITY], all[WHEEL_JERK], all[RELATIVE_ACCELERATION], all[RELATIVE_VELOCITY]];
         for (signal, states) in signals.iter_mut().zip(&mut self.states) {
@@ -208,7 +166,7 @@ mod tests {
 
     /// What a settled filter of both sections makes of a sine: gain and lateness in s.
     fn response(frequency_hz: f64, rate_hz: f64) -> (f64, f64) {
-        let sections = QUALITY.map(|quality| Section::high_pass(rate_hz, quality));
+        let sections = QUALITY.map(|quality| Section::high_pass(LOWEST_HZ, rate_hz, quality));
         let mut states = [[0.0; 2]; 2];
         let omega = core::f64::consts::TAU * frequency_hz;
         let (mut sine, mut cosine) = (0.0, 0.0);
@@ -258,6 +216,7 @@ mod tests {
                     after_gap: step == 0,
                     invalid: false,
                     unloaded: pulse,
+                    strut_friction_m_s2: 0.0,
                 },
                 0.0,
             );

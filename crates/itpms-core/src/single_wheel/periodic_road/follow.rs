@@ -12,7 +12,7 @@ use crate::real::Real;
 use crate::single_wheel::periodic_road::motion::{Gaussian, Motion, NOW, RATE, SLIP, STATES, Said, THEN};
 use crate::single_wheel::periodic_road::pass::{HARMONICS, Harmonics, Pass, PassClock};
 use crate::single_wheel::periodic_road::{Belief, Corner, Held};
-use crate::spectrum::transfer::{response, wheel_over_road};
+use crate::spectrum::transfer::{DescribingFunction, response, wheel_over_road};
 
 /// Share of itself by which the road may change, per √s.
 const ROAD_WALK: f64 = 0.001;
@@ -157,7 +157,8 @@ impl<T: Real> Follower<T> {
 
     /// Noise power of the reconstructed road in a pass.
     fn noise(&self, clock: &PassClock<T>, corner: &Corner<T>, harmonic: usize) -> T {
-        let (_, noise) = response(&corner.body, self.reference, clock.frequency_hz(harmonic));
+        let (_, noise) =
+            response(&corner.body, &DescribingFunction::none(), self.reference, clock.frequency_hz(harmonic));
         noise * corner.noise_density / clock.period_s()
     }
 

@@ -1,0 +1,82 @@
+//! Whether a corner's body moves as the vehicle file says, and what was found of it on the way (docs/math/misfit.md).
+
+use crate::real::Real;
+
+/// Share of the body's motion, 5 to 16 Hz, that does not go with the wheel's, from which on nothing is believed, and below which it is
+/// again. Cars that fit have 0.26 to 0.36 on any road, of which pitch and roll are the most; real sensors in wrong places 0.5 to 1.
+const MOST_INCOHERENT: [f64; 2] = [0.45, 0.42];
+/// The same of what the equation of motion of the body over four corners leaves unexplained, 5 to 20 Hz: 0.03 at most where it fits.
+const MOST_UNEXPLAINED: [f64; 2] = [0.15, 0.13];
+
+/// How well body and wheel of a corner go together.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct BodyFit<T> {
+    /// Share of the body's acceleration, 5 to 16 Hz, that does not go with the wheel's: one less their coherence; `None` as long as
+    /// too little was seen.
+    pub incoherence: Option<T>,
+    /// Share of the body's acceleration, 5 to 20 Hz, that springs, dampers, anti-roll bars and friction of all four corners leave
+    /// unexplained; `None` as long as too little was seen, and where corners are missing.
+    pub unexplained: Option<T>,
+    /// Friction of the strut in N, as the body's motion tells it.
+    pub friction_n: T,
+}
+
+/// What does not fit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Misfit {
+    /// Body and wheel of the corner move each for itself.
+    Incoherent,
+    /// The four struts' forces do not accelerate the body as it moves.
+    Unexplained,
+}
+
+impl core::fmt::Display for Misfit {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::Incoherent => {
+                "body and wheel move each for itself: look where both sensors sit, which way they point and whether their clocks agree"
+            }
+            Self::Unexplained => {
+                "the struts' forces do not explain how the body moves: look at the body sensors' places and mounts, and at the masses in the vehicle file"
+            }
+        })
+    }
+}
+
+impl<T: Real> BodyFit<T> {
+    /// Nothing was seen yet.
+    pub(crate) fn unknown() -> Self {
+        Self { incoherence: None, unexplained: None, friction_n: T::zero() }
+    }
+
+    /// What does not fit, given what did not `before`.
+    pub(crate) fn misfit(&self, before: Option<Misfit>) -> Option<Misfit> {
+        let over = |value: Option<T>, [most, again]: [f64; 2], misfit: Misfit| {
+            let limit = if before == Some(misfit) { again } else { most };
+            // What is no number fits nothing.
+            value.is_some_and(|value| !(value < T::lit(limit))).then_some(misfit)
+        };
+        over(self.incoherence, MOST_INCOHERENT, Misfit::Incoherent)
+            .or_else(|| over(self.unexplained, MOST_UNEXPLAINED, Misfit::Unexplained))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_does_not_fit_is_told_until_it_clearly_does() {
+        let fit = |incoherence: f64| BodyFit { incoherence: Some(incoherence), ..BodyFit::unknown() };
+        assert_eq!(fit(0.36).misfit(None), None);
+        assert_eq!(fit(0.5).misfit(None), Some(Misfit::Incoherent));
+        assert_eq!(fit(0.43).misfit(None), None);
+        assert_eq!(fit(0.43).misfit(Some(Misfit::Incoherent)), Some(Misfit::Incoherent));
+        assert_eq!(fit(f64::NAN).misfit(None), Some(Misfit::Incoherent));
+        let body = BodyFit { unexplained: Some(0.4), ..fit(0.3) };
+        assert_eq!(body.misfit(None), Some(Misfit::Unexplained));
+        assert_eq!(BodyFit::<f64>::unknown().misfit(None), None);
+    }
+}

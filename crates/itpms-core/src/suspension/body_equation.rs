@@ -1,0 +1,474 @@
+//! The body's equation of motion, all corners together, fitted to the spectra of their frames (docs/math/friction.md, section 2): mass and
+//! inertias, spring, damper and anti-roll bar, friction of every strut. Gauss-Newton steps on an information matrix that forgets;
+//! friction is never negative.
+
+use nalgebra::{Complex, SMatrix, SVector};
+
+use super::coherence::geometric_mean;
+use super::maxwell_slip::ELEMENTS;
+use super::rigid_body::RigidBody;
+use super::strut::{ACCELERATION, BIN_SPACING_HZ, BINS, BODY, FRICTION, StrutFrame, VELOCITY};
+use crate::model::CornerConfig;
+use crate::real::Real;
+use crate::spectrum::transfer::DescribingFunction;
+
+/// Unknown quantities: logarithmic deviations of mass, pitch and roll inertia, of dampers and springs; stiffness of the two anti-roll bars
+/// over the springs'; slip forces, element by element, in units of [`FORCE_N`].
+const SIZE: usize = 13 + 4 * ELEMENTS;
+const INERTIA: usize = 0;
+const DAMPER: usize = 3;
+const SPRING: usize = 7;
+const BAR: usize = 11;
+const SLIP: usize = 13;
+const FORCE_N: f64 = 60.0;
+/// What they are at first, and with which sd: loads change by persons, inertias are guessed, a strut has up to some 150 N of friction.
+const INERTIA_SD: [f64; 3] = [0.15, 0.2, 0.2];
+const DAMPER_SD: f64 = 0.2;
+const SPRING_SD: f64 = 0.05;
+const BAR_FIRST: f64 = 0.3;
+const BAR_SD: f64 = 0.4;
+const SLIP_SD: f64 = 1.0;
+/// Largest step of a fit, and the furthest that is believed.
+const LARGEST_STEP: f64 = 0.3;
+const FURTHEST: f64 = 1.0;
+/// Error of the equation as a share of the body's motion: no damper is linear.
+const MODEL_ERROR: f64 = 0.03;
+/// Memory in s of what was seen, and of the powers.
+const MEMORY_S: f64 = 60.0;
+const POWER_S: f64 = 20.0;
+/// Share of a frame that is new: frames overlap by half.
+const OVERLAP: f64 = 0.5;
+/// Seconds within which frames of two corners are of the same time.
+const SAME_S: f64 = 0.006;
+/// Seconds of frames before friction is told.
+const ENOUGH_S: f64 = 4.0;
+/// Bins over which misfit is averaged: 5 to 20 Hz.
+const MISFIT_BINS: core::ops::Range<usize> = 1..8;
+
+type Parameters<T> = SVector<T, SIZE>;
+
+/// Running powers of a corner, per bin.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: Real + serde::Serialize",
+        deserialize = "T: Real + serde::Deserialize<'de>"
+    ))
+)]
+struct Powers<T: Real> {
+    body: SVector<T, BINS>,
+    /// Of what the equation leaves unexplained, and the sensors' noise in it.
+    residual: SVector<T, BINS>,
+    noise: SVector<T, BINS>,
+    /// Of the deflection's rate, and its cross power with the rate of each element's force.
+    velocity: SVector<T, BINS>,
+    elements: SMatrix<T, BINS, { 2 * ELEMENTS }>,
+}
+
+impl<T: Real> Powers<T> {
+    fn new() -> Self {
+        let zero = SVector::zeros();
+        Self { body: zero, residual: zero, noise: zero, velocity: zero, elements: SMatrix::zeros() }
+    }
+}
+
+/// See the [module](self).
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: Real + serde::Serialize",
+        deserialize = "T: Real + serde::Deserialize<'de>"
+    ))
+)]
+pub(crate) struct BodyEquation<T: Real> {
+    body: RigidBody<T>,
+    damping: [T; 4],
+    spring: [T; 4],
+    noise_density: [T; 4],
+    parameters: Parameters<T>,
+    information: SMatrix<T, SIZE, SIZE>,
+    score: Parameters<T>,
+    powers: [Powers<T>; 4],
+    learned_s: T,
+    time_s: f64,
+}
+
+impl<T: Real> BodyEquation<T> {
+    pub(crate) fn new(corners: &[Option<CornerConfig<T>>; 4], sample_rate_hz: f64) -> Self {
+        let of = |value: &dyn Fn(&CornerConfig<T>) -> T| {
+            corners.each_ref().map(|corner| corner.as_ref().map_or(T::zero(), value))
+        };
+        let per_hz = T::lit(2.0 / sample_rate_hz);
+        Self {
+            body: RigidBody::new(
+                corners.each_ref().map(|c| c.as_ref().map(|c| c.quarter_car.sprung_mass_kg())),
+            ),
+            damping: of(&|c| c.quarter_car.damping_n_s_per_m()),
+            spring: of(&|c| c.quarter_car.spring_n_per_m()),
+            noise_density: of(&|c| per_hz * c.accel_noise_or_usual_m_s2() * c.accel_noise_or_usual_m_s2()),
+            parameters: first(),
+            information: SMatrix::zeros(),
+            score: Parameters::zeros(),
+            powers: core::array::from_fn(|_| Powers::new()),
+            learned_s: T::zero(),
+            time_s: f64::NEG_INFINITY,
+        }
+    }
+
+    /// Learns from the newest frames, if all corners that there are have one of the same time and not been learned from; true if so.
+    pub(crate) fn learn(&mut self, frames: [Option<&StrutFrame<T>>; 4]) -> bool {
+        let (mut earliest_s, mut latest_s) = (f64::INFINITY, f64::NEG_INFINITY);
+        for corner in (0..4).filter(|&corner| self.body.has(corner)) {
+            let Some(frame) = frames[corner] else { return false };
+            (earliest_s, latest_s) = (earliest_s.min(frame.time_s), latest_s.max(frame.time_s));
+        }
+        if !(latest_s - earliest_s < SAME_S && earliest_s > self.time_s) {
+            return false;
+        }
+        self.time_s = latest_s;
+        let seconds = T::lit(0.5 / BIN_SPACING_HZ);
+        self.learned_s += seconds;
+        let keep = (-seconds / T::lit(MEMORY_S).min(self.learned_s.max(T::lit(1.0)))).exp();
+        self.information *= keep;
+        self.score *= keep;
+        self.accumulate(&frames, seconds);
+        self.fit();
+        true
+    }
+
+    /// Slip forces in N of a corner's elements, once enough was seen.
+    pub(crate) fn slip_forces_n(&self, corner: usize) -> [T; ELEMENTS] {
+        if !(self.learned_s >= T::lit(ENOUGH_S)) {
+            return [T::zero(); ELEMENTS];
+        }
+        core::array::from_fn(|element| T::lit(FORCE_N) * self.parameters[SLIP + 4 * element + corner])
+    }
+
+    /// What a corner's friction makes of its motion.
+    pub(crate) fn describing_function(&self, corner: usize) -> DescribingFunction<T> {
+        let (powers, slip_n) = (&self.powers[corner], self.slip_forces_n(corner));
+        let mut function = DescribingFunction::none();
+        for (bin, n_per_m) in function.n_per_m.iter_mut().enumerate() {
+            let velocity = powers.velocity[bin].max(T::lit(1e-15));
+            for (element, slip_n) in slip_n.into_iter().enumerate() {
+                n_per_m[0] += slip_n * powers.elements[(bin, 2 * element)] / velocity;
+                n_per_m[1] += slip_n * powers.elements[(bin, 2 * element + 1)] / velocity;
+            }
+        }
+        function
+    }
+
+    /// Share of a corner's body motion that the equation leaves unexplained, 5 to 20 Hz, the sensors' noise taken off: the geometric
+    /// mean over the bins. `None` as long as too little was seen, and where corners are missing: what moves the body there is not known.
+    pub(crate) fn unexplained(&self, corner: usize) -> Option<T> {
+        if !(self.body.is_whole() && self.learned_s >= T::lit(ENOUGH_S)) {
+            return None;
+        }
+        let powers = &self.powers[corner];
+        Some(geometric_mean(MISFIT_BINS.map(|bin| {
+            let left = (powers.residual[bin] - powers.noise[bin]).max(T::zero());
+            left / powers.body[bin].max(T::lit(1e-12))
+        })))
+    }
+
+    /// `g` at the present parameters, and its parts.
+    fn compliance(&self) -> ([SMatrix<T, 4, 4>; 3], SMatrix<T, 4, 4>) {
+        let mut parts = self.body.parts();
+        for (part, &deviation) in parts.iter_mut().zip(self.parameters.iter()) {
+            *part *= (-deviation).exp();
+        }
+        let whole = parts[0] + parts[1] + parts[2];
+        (parts, whole)
+    }
+
+    fn accumulate(&mut self, frames: &[Option<&StrutFrame<T>>; 4], seconds: T) {
+        let (parts, whole) = self.compliance();
+        let x = self.parameters;
+        let gain = T::one() - (-seconds / T::lit(POWER_S).min(self.learned_s)).exp();
+        for bin in 0..BINS {
+            let forces = self.forces(frames, bin);
+            let omega = T::two_pi() * T::lit((bin + 1) as f64 * BIN_SPACING_HZ);
+            for row in (0..4).filter(|&row| self.body.has(row)) {
+                let Some(frame) = frames[row] else { continue };
+                let body = frame.spectra.at(bin, BODY);
+                let mut slope = SVector::<Complex<T>, SIZE>::zeros();
+                let (mut residual, mut noise) = (body, omega * omega * self.noise_density[row]);
+                for (column, force) in forces.iter().enumerate() {
+                    let g = whole[(row, column)];
+                    residual -= force.total * g;
+                    for (inertia, part) in parts.iter().enumerate() {
+                        slope[INERTIA + inertia] += force.total * part[(row, column)];
+                    }
+                    slope[DAMPER + column] = -force.damper * g;
+                    slope[SPRING + column] = -force.spring * g;
+                    slope[BAR + column / 2] -= force.bar * g;
+                    for (element, rate) in force.elements.iter().enumerate() {
+                        slope[SLIP + 4 * element + column] = -*rate * g;
+                    }
+                    noise += g * g * force.noise;
+                }
+                let powers = &mut self.powers[row];
+                let follow = |of: &mut T, now: T| *of += gain * (now - *of);
+                follow(&mut powers.body[bin], body.norm_sqr());
+                let velocity = frame.spectra.at(bin, VELOCITY);
+                follow(&mut powers.velocity[bin], velocity.norm_sqr());
+                for element in 0..ELEMENTS {
+                    let cross = frame.spectra.at(bin, FRICTION + element) * velocity.conj();
+                    follow(&mut powers.elements[(bin, 2 * element)], cross.re);
+                    follow(&mut powers.elements[(bin, 2 * element + 1)], cross.im);
+                }
+                follow(&mut powers.residual[bin], residual.norm_sqr());
+                follow(&mut powers.noise[bin], noise);
+                // A loud frame, as over a hole, counts no more than a usual one.
+                let loud = (body.norm_sqr() / powers.body[bin].max(T::lit(1e-12))).max(T::one());
+                let error = T::lit(MODEL_ERROR * MODEL_ERROR) * powers.body[bin];
+                let weight =
+                    T::lit(2.0 * OVERLAP) / ((powers.residual[bin] + error).max(T::lit(1e-12)) * loud);
+                // Towards the parameters at which the linearised residual vanishes.
+                let [re, im] = [slope.map(|s| s.re), slope.map(|s| s.im)];
+                let target = [re.dot(&x) - residual.re, im.dot(&x) - residual.im];
+                for (slope, target) in [re, im].iter().zip(target) {
+                    self.information.ger(weight, slope, slope, T::one());
+                    self.score.axpy(weight * target, slope, T::one());
+                }
+            }
+        }
+    }
+
+    /// Rates of the struts' forces in a bin, by their parts.
+    fn forces(&self, frames: &[Option<&StrutFrame<T>>; 4], bin: usize) -> [Force<T>; 4] {
+        let x = &self.parameters;
+        let at = |corner: usize, signal: usize| {
+            frames[corner].map_or(Complex::new(T::zero(), T::zero()), |frame| frame.spectra.at(bin, signal))
+        };
+        let omega = T::two_pi() * T::lit((bin + 1) as f64 * BIN_SPACING_HZ);
+        core::array::from_fn(|corner| {
+            if !self.body.has(corner) {
+                return Force::nothing();
+            }
+            let (damping, stiffness) = (
+                self.damping[corner] * x[DAMPER + corner].exp(),
+                self.spring[corner] * x[SPRING + corner].exp(),
+            );
+            let velocity = at(corner, VELOCITY);
+            let damper = at(corner, ACCELERATION) * damping;
+            let spring = velocity * stiffness;
+            let bar = if self.body.is_whole() {
+                (velocity - at(corner ^ 1, VELOCITY)) * stiffness
+            } else {
+                Complex::new(T::zero(), T::zero())
+            };
+            let elements = core::array::from_fn(|element| at(corner, FRICTION + element) * T::lit(FORCE_N));
+            let mut total = damper + spring + bar * x[BAR + corner / 2];
+            for (element, rate) in elements.iter().enumerate() {
+                total += *rate * x[SLIP + 4 * element + corner];
+            }
+            // Of both sensors, in acceleration and velocity.
+            let noise = T::lit(2.0)
+                * self.noise_density[corner]
+                * (damping * damping + stiffness * stiffness / (omega * omega));
+            Force { damper, spring: spring + bar * x[BAR + corner / 2], bar, elements, total, noise }
+        })
+    }
+
+    /// Goes towards the parameters that fit best; slip forces stay where they are not negative.
+    fn fit(&mut self) {
+        let (first, prior) = (first::<T>(), prior_information::<T>(&self.body));
+        let information = self.information + SMatrix::from_diagonal(&prior);
+        let score = self.score + prior.component_mul(&first);
+        let mut held = [false; SIZE];
+        // Each pass holds at zero what the one before made negative.
+        for _ in 0..4 {
+            let (mut free, mut right) = (information, score);
+            for i in (SLIP..SIZE).filter(|&i| held[i]) {
+                free.row_mut(i).fill(T::zero());
+                free.column_mut(i).fill(T::zero());
+                free[(i, i)] = T::one();
+                right[i] = T::zero();
+            }
+            let Some(cholesky) = free.cholesky() else { return };
+            let best = cholesky.solve(&right);
+            let negative = |i: usize| !held[i] && best[i] < T::zero();
+            let newly: [bool; SIZE] = core::array::from_fn(|i| i >= SLIP && negative(i));
+            if newly.contains(&true) {
+                held.iter_mut().zip(newly).for_each(|(held, newly)| *held |= newly);
+                continue;
+            }
+            self.move_to(&best);
+            return;
+        }
+        // Friction that fits nothing: all that is left is what was.
+    }
+
+    fn move_to(&mut self, best: &Parameters<T>) {
+        let (largest, furthest) = (T::lit(LARGEST_STEP), T::lit(FURTHEST));
+        let step = (best - self.parameters).map(|step| step.clamp(-largest, largest));
+        if !step.iter().all(|step| step.is_finite()) {
+            return;
+        }
+        self.parameters += step;
+        for (i, value) in self.parameters.iter_mut().enumerate() {
+            *value = if i < SLIP { value.clamp(-furthest, furthest) } else { value.max(T::zero()) };
+        }
+    }
+}
+
+/// The rate of a strut's force and its parts: derivatives by the logarithms of damping and spring, by the bar and by the slip forces.
+struct Force<T> {
+    damper: Complex<T>,
+    spring: Complex<T>,
+    bar: Complex<T>,
+    elements: [Complex<T>; ELEMENTS],
+    total: Complex<T>,
+    /// Power density of the sensors' noise in it.
+    noise: T,
+}
+
+impl<T: Real> Force<T> {
+    fn nothing() -> Self {
+        let zero = Complex::new(T::zero(), T::zero());
+        Self {
+            damper: zero,
+            spring: zero,
+            bar: zero,
+            elements: [zero; ELEMENTS],
+            total: zero,
+            noise: T::zero(),
+        }
+    }
+}
+
+fn first<T: Real>() -> Parameters<T> {
+    let mut first = Parameters::zeros();
+    first.fixed_rows_mut::<2>(BAR).fill(T::lit(BAR_FIRST));
+    first
+}
+
+/// What is known beforehand; what does not exist is held.
+fn prior_information<T: Real>(body: &RigidBody<T>) -> Parameters<T> {
+    let of = |sd: f64| T::lit(1.0 / (sd * sd));
+    let whole = |sd: f64| if body.is_whole() { of(sd) } else { T::lit(1e6) };
+    Parameters::from_fn(|i, _| match i {
+        INERTIA => of(INERTIA_SD[0]),
+        1 | 2 => whole(INERTIA_SD[i]),
+        DAMPER..SPRING => of(DAMPER_SD),
+        SPRING..BAR => of(SPRING_SD),
+        BAR..SLIP => whole(BAR_SD),
+        _ => of(SLIP_SD),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    // Where another crate of the build brings `std`, numbers have these functions by themselves.
+    #[allow(unused_imports)]
+    use nalgebra::ComplexField;
+
+    use super::*;
+    use crate::random::Random;
+    use crate::spectrum::Frame;
+
+    const SPRUNG_KG: f64 = 240.8;
+    const DAMPING: f64 = 925.8;
+    const STIFFNESS: f64 = 29_114.0;
+
+    fn equation(corners: usize) -> BodyEquation<f64> {
+        let corner = CornerConfig::paper().with_accel_noise(1e-3).unwrap();
+        BodyEquation::new(&core::array::from_fn(|i| (i < corners).then_some(corner)), 500.0)
+    }
+
+    fn complex(random: &mut Random) -> Complex<f64> {
+        Complex::new(random.normal(), random.normal())
+    }
+
+    /// Frames in which every strut moves by itself and the body of mass 4 m as `g` and the struts' forces say: dampers 10 % harder than
+    /// the file, bars of 0.3 and 0.12 springs, slip forces as given, and as much noise of the body as `noise` says of its own motion.
+    fn learn(equation: &mut BodyEquation<f64>, g: SMatrix<f64, 4, 4>, slip_n: [f64; ELEMENTS], noise: f64) {
+        let mut random = Random(5);
+        let corners = (0..4).filter(|&i| equation.body.has(i)).count();
+        for step in 1..=300 {
+            let mut frames: [StrutFrame<f64>; 4] = core::array::from_fn(|_| StrutFrame {
+                time_s: 0.2 * f64::from(step),
+                spectra: Frame::zero(),
+            });
+            for bin in 0..BINS {
+                let s = Complex::new(0.0, core::f64::consts::TAU * (bin + 1) as f64 * BIN_SPACING_HZ);
+                let velocity: [_; 4] = core::array::from_fn(|_| complex(&mut random) * 0.05);
+                // Elements that follow the motion, and as much that does not.
+                let elements: [[_; ELEMENTS]; 4] = core::array::from_fn(|i| {
+                    core::array::from_fn(|_| velocity[i] * 60.0 + complex(&mut random) * 3.0)
+                });
+                let force = |i: usize| {
+                    let bar = if corners == 4 { [0.3, 0.12][i / 2] } else { 0.0 };
+                    let friction = elements[i].iter().zip(slip_n).fold(s * 0.0, |sum, (&e, f)| sum + e * f);
+                    s * velocity[i] * (1.1 * DAMPING)
+                        + velocity[i] * STIFFNESS
+                        + (velocity[i] - velocity[i ^ 1]) * (STIFFNESS * bar)
+                        + friction
+                };
+                let forces: [_; 4] = core::array::from_fn(force);
+                for row in 0..4 {
+                    let body = (0..4).fold(s * 0.0, |sum, j| sum + forces[j] * g[(row, j)]);
+                    let body = body + complex(&mut random) * (noise * body.norm_sqr().sqrt() / 2f64.sqrt());
+                    let all = [(BODY, body), (ACCELERATION, s * velocity[row]), (VELOCITY, velocity[row])];
+                    let set = |(signal, value): (usize, Complex<f64>)| {
+                        frames[row].spectra.re[(bin, signal)] = value.re;
+                        frames[row].spectra.im[(bin, signal)] = value.im;
+                    };
+                    let elements = elements[row].iter().enumerate().map(|(e, &value)| (FRICTION + e, value));
+                    all.into_iter().chain(elements).for_each(set);
+                }
+            }
+            assert!(equation.learn(frames.each_ref().map(Some)));
+            assert!(!equation.learn(frames.each_ref().map(Some)), "the same frames again");
+        }
+    }
+
+    #[test]
+    fn four_struts_under_one_body_are_told_apart() {
+        let mut equation = equation(4);
+        let [mass, pitch, roll] = equation.body.parts();
+        // Another pitch inertia than the guessed one, and forces of three elements.
+        let slip_n = [20.0, 0.0, 45.0];
+        learn(&mut equation, mass + pitch * 1.15 + roll * 0.9, slip_n, 0.0);
+        for corner in 0..4 {
+            for (found, slip_n) in equation.slip_forces_n(corner).into_iter().zip(slip_n) {
+                assert!((found - slip_n).abs() < 1.5, "{corner}: {found} {slip_n}");
+            }
+            assert!((equation.parameters[DAMPER + corner].exp() - 1.1).abs() < 0.02);
+            assert!(equation.unexplained(corner).unwrap() < 1e-3);
+        }
+        assert!(
+            (equation.parameters[BAR] - 0.3).abs() < 0.02
+                && (equation.parameters[BAR + 1] - 0.12).abs() < 0.02
+        );
+    }
+
+    #[test]
+    fn what_the_struts_do_not_explain_is_told() {
+        let mut equation = equation(4);
+        let [mass, pitch, roll] = equation.body.parts();
+        // Of a motion n times its own amplitude off, n²/(1 + n²) is not explained.
+        learn(&mut equation, mass + pitch + roll, [0.0; ELEMENTS], 0.7);
+        for corner in 0..4 {
+            let unexplained = equation.unexplained(corner).unwrap();
+            assert!((unexplained - 0.49 / 1.49).abs() < 0.06, "{unexplained}");
+        }
+    }
+
+    #[test]
+    fn a_corner_alone_has_its_own_friction_and_no_verdict_on_the_body() {
+        let mut equation = equation(1);
+        let g = equation.body.parts()[0];
+        learn(&mut equation, g, [30.0, 0.0, 0.0], 0.0);
+        let [found, ..] = equation.slip_forces_n(0);
+        assert!((found - 30.0).abs() < 1.5, "{found}");
+        assert_eq!(equation.unexplained(0), None);
+        assert_eq!(equation.slip_forces_n(2), [0.0; ELEMENTS]);
+        assert!((SPRUNG_KG * g[(0, 0)] - 1.0).abs() < 1e-12);
+    }
+}

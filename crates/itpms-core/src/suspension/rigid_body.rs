@@ -1,0 +1,105 @@
+//! How a force at one corner accelerates the body at another: a rigid body heaves, pitches and rolls (docs/math/friction.md, eq. 3).
+
+use nalgebra::SMatrix;
+
+use crate::real::Real;
+
+/// Radii of gyration squared, over the product of the distances to the axles, and over half of the track squared: what is usual for
+/// cars (Genta, Morello: The Automotive Chassis, 2009).
+const PITCH: f64 = 0.95;
+const ROLL: f64 = 0.65;
+
+/// Acceleration of every corner in m/s² for a newton at every other, at nominal masses: mean motion, pitch and roll.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: Real + serde::Serialize",
+        deserialize = "T: Real + serde::Deserialize<'de>"
+    ))
+)]
+pub(super) struct RigidBody<T: Real> {
+    /// Sprung masses in kg, and which there are.
+    mass_kg: [T; 4],
+    present: [bool; 4],
+}
+
+impl<T: Real> RigidBody<T> {
+    pub(super) fn new(mass_kg: [Option<T>; 4]) -> Self {
+        Self {
+            mass_kg: mass_kg.map(|mass| mass.unwrap_or(T::one())),
+            present: mass_kg.map(|mass| mass.is_some()),
+        }
+    }
+
+    /// Whether the corner is there.
+    pub(super) fn has(&self, corner: usize) -> bool {
+        self.present[corner]
+    }
+
+    /// Whether all four corners carry one body: fewer are taken each for itself.
+    pub(super) fn is_whole(&self) -> bool {
+        self.present == [true; 4]
+    }
+
+    /// The parts of `g` in 1/kg that go with mass, pitch and roll inertia.
+    pub(super) fn parts(&self) -> [SMatrix<T, 4, 4>; 3] {
+        let m = &self.mass_kg;
+        if !self.is_whole() {
+            let own = |i: usize| if self.present[i] { T::one() / m[i] } else { T::zero() };
+            let own = SMatrix::from_fn(|i, j| if i == j { own(i) } else { T::zero() });
+            return [own, SMatrix::zeros(), SMatrix::zeros()];
+        }
+        let (front, rear) = (m[0] + m[1], m[2] + m[3]);
+        let total = front + rear;
+        // Distances of the axles from the center of gravity, over the wheelbase.
+        let x = [rear / total, rear / total, -front / total, -front / total];
+        let side = |i: usize| if i % 2 == 0 { T::one() } else { -T::one() };
+        let pitch = front * rear / total * T::lit(PITCH);
+        let roll = total * T::lit(ROLL);
+        [
+            SMatrix::repeat(T::one() / total),
+            SMatrix::from_fn(|i, j| x[i] * x[j] / pitch),
+            SMatrix::from_fn(|i, j| side(i) * side(j) / roll),
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn forces_in_proportion_to_the_masses_lift_the_body_without_turning_it() {
+        let body = RigidBody::new([Some(240.0), Some(240.0), Some(200.0), Some(200.0)]);
+        let [mass, pitch, roll] = body.parts();
+        let force = nalgebra::SVector::<f64, 4>::new(240.0, 240.0, 200.0, 200.0);
+        // One m/s² at every corner.
+        let lifted = (mass + pitch + roll) * force;
+        assert!(lifted.iter().all(|a| (a - 1.0).abs() < 1e-12), "{lifted}");
+    }
+
+    #[test]
+    fn with_the_inertias_of_four_separate_masses_a_corner_moves_alone() {
+        // Radii of gyration for which pitch and roll of the body are those of four masses at the corners: 1 and 1.
+        let body = RigidBody::new([Some(220.0); 4]);
+        let [mass, pitch, roll] = body.parts();
+        let g = mass + pitch * PITCH + roll * ROLL;
+        // What is left is warp, which a rigid body does not do: a quarter of it is missing everywhere.
+        let warp = |i: usize| if i == 0 || i == 3 { 1.0 } else { -1.0 };
+        for i in 0..4 {
+            for j in 0..4 {
+                let own = if i == j { 1.0 / 220.0 } else { 0.0 };
+                assert!((g[(i, j)] + warp(i) * warp(j) / 880.0 - own).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn a_corner_by_itself_is_a_mass() {
+        let [own, pitch, roll] = RigidBody::new([Some(250.0), None, None, None]).parts();
+        assert!((own[(0, 0)] - 0.004f64).abs() < 1e-12 && own[(1, 1)] == 0.0);
+        assert_eq!([pitch, roll], [SMatrix::<f64, 4, 4>::zeros(); 2]);
+    }
+}

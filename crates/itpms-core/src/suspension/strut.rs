@@ -1,0 +1,190 @@
+//! One corner's strut: its friction force, sample by sample, and short spectra of all that appears in the body's equation of motion.
+
+use super::coherence::Coherence;
+use super::maxwell_slip::{ELEMENTS, MaxwellSlip};
+use crate::conditioning::GridSample;
+use crate::real::Real;
+use crate::spectrum::butterworth::{QUALITY, Section};
+use crate::spectrum::reconstruction::Channel;
+use crate::spectrum::transfer::{FRICTION_BINS, FRICTION_SPACING_HZ};
+use crate::spectrum::{Frame, FrameClock};
+
+/// Bins of a frame: 2.5, 5, ... 25 Hz; nominal time between frames in s.
+pub(super) const BINS: usize = FRICTION_BINS;
+pub(super) const BIN_SPACING_HZ: f64 = FRICTION_SPACING_HZ;
+const HOP_S: f64 = 0.5 / BIN_SPACING_HZ;
+/// Corners in Hz of the filters before thinning, and the rate to which signals are thinned at least.
+const SMOOTH_HZ: f64 = 35.0;
+const LOWEST_HZ: f64 = 2.0;
+const LEAST_RATE_HZ: f64 = 100.0;
+/// Hops until the filters have forgotten that they began at rest.
+const SETTLING_HOPS: u32 = 5;
+/// Speed in m/s below which nothing is learned.
+const STANDING_M_S: f64 = 2.5;
+
+/// Seconds of frames before the coherence is told.
+const ENOUGH_S: f64 = 4.0;
+
+/// Signals of a frame: jerk of the body, relative acceleration and velocity, rates of the elements' forces, jerk of the wheel.
+pub(super) const BODY: usize = 0;
+pub(super) const ACCELERATION: usize = 1;
+pub(super) const VELOCITY: usize = 2;
+pub(super) const FRICTION: usize = 3;
+pub(super) const WHEEL: usize = FRICTION + ELEMENTS;
+const SIGNALS: usize = WHEEL + 1;
+
+/// A frame of one corner.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: Real + serde::Serialize",
+        deserialize = "T: Real + serde::Deserialize<'de>"
+    ))
+)]
+pub(crate) struct StrutFrame<T: Real> {
+    /// Time in s of its end.
+    pub(crate) time_s: f64,
+    pub(super) spectra: Frame<T, BINS, SIGNALS>,
+}
+
+/// See the [module](self).
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: Real + serde::Serialize",
+        deserialize = "T: Real + serde::Deserialize<'de>"
+    ))
+)]
+pub(crate) struct Strut<T: Real> {
+    /// Slip forces in N of the elements, as identified.
+    slip_force_n: [T; ELEMENTS],
+    slip: MaxwellSlip<T>,
+    /// Body, wheel, elements.
+    channels: [Channel<T>; 2 + ELEMENTS],
+    dt: T,
+    steps: u32,
+    filters: [Section<T>; 4],
+    states: [[[T; 2]; 4]; SIGNALS],
+    every: u32,
+    step: u32,
+    clock: FrameClock<T, BINS, SIGNALS>,
+    /// False until a step at which frames of all corners may begin.
+    begun: bool,
+    invalid_hops: u32,
+    frame: Option<StrutFrame<T>>,
+    noise_density: T,
+    coherence: Coherence<T>,
+}
+
+impl<T: Real> Strut<T> {
+    /// For grid steps of this period and sensors of this noise density in (m/s²)²/Hz.
+    pub(crate) fn new(grid_period_s: f64, noise_density: T) -> Self {
+        let rate_hz = 1.0 / grid_period_s;
+        let every = ((rate_hz / LEAST_RATE_HZ + 1e-9) as u32).max(1);
+        Self {
+            slip_force_n: [T::zero(); ELEMENTS],
+            slip: MaxwellSlip::new(),
+            channels: [Channel::new(); 2 + ELEMENTS],
+            dt: T::lit(grid_period_s),
+            steps: 0,
+            filters: [
+                Section::low_pass(SMOOTH_HZ, rate_hz, QUALITY[0]),
+                Section::low_pass(SMOOTH_HZ, rate_hz, QUALITY[1]),
+                Section::high_pass(LOWEST_HZ, rate_hz, QUALITY[0]),
+                Section::high_pass(LOWEST_HZ, rate_hz, QUALITY[1]),
+            ],
+            states: [[[T::zero(); 2]; 4]; SIGNALS],
+            every,
+            step: 0,
+            clock: FrameClock::new(HOP_S, grid_period_s * f64::from(every)),
+            begun: false,
+            invalid_hops: SETTLING_HOPS,
+            frame: None,
+            noise_density,
+            coherence: Coherence::new(),
+        }
+    }
+
+    /// Takes over the slip forces in N that were identified.
+    pub(crate) fn set_slip_forces(&mut self, slip_force_n: [T; ELEMENTS]) {
+        self.slip_force_n = slip_force_n;
+    }
+
+    /// Takes a grid step; gives the friction force in N, by which the wheel is held back.
+    pub(crate) fn push(&mut self, sample: &GridSample<T>) -> T {
+        if sample.after_gap {
+            self.slip.restart();
+            self.channels.iter_mut().for_each(Channel::restart);
+            self.states = [[[T::zero(); 2]; 4]; SIGNALS];
+            self.clock.restart();
+            (self.begun, self.step, self.invalid_hops) = (false, 0, SETTLING_HOPS);
+        }
+        let (body, wheel) = (sample.body_accel_m_s2, sample.wheel_accel_m_s2);
+        let unit = self.slip.push(wheel - body, self.dt);
+        self.spectra(sample, [body, wheel], unit);
+        unit.iter().zip(&self.slip_force_n).fold(T::zero(), |sum, (&unit, &force)| sum + unit * force)
+    }
+
+    fn spectra(&mut self, sample: &GridSample<T>, [body, wheel]: [T; 2], unit: [T; ELEMENTS]) {
+        self.steps = self.steps.saturating_add(1);
+        let [body_channel, wheel_channel, elements @ ..] = &mut self.channels;
+        let (dt, steps) = (self.dt, self.steps);
+        let (body_velocity, body_acceleration, body_jerk) = body_channel.step(body, steps, dt);
+        let (wheel_velocity, wheel_acceleration, wheel_jerk) = wheel_channel.step(wheel, steps, dt);
+        let mut signals = [T::zero(); SIGNALS];
+        signals[BODY] = body_jerk;
+        signals[ACCELERATION] = wheel_acceleration - body_acceleration;
+        signals[VELOCITY] = wheel_velocity - body_velocity;
+        signals[WHEEL] = wheel_jerk;
+        for ((signal, channel), unit) in signals[FRICTION..].iter_mut().zip(elements).zip(unit) {
+            *signal = channel.step(unit, steps, dt).2;
+        }
+        for (signal, states) in signals.iter_mut().zip(&mut self.states) {
+            for (section, state) in self.filters.iter().zip(states) {
+                *signal = section.push(state, *signal);
+            }
+        }
+        if sample.invalid || sample.unloaded || sample.speed_m_s <= T::lit(STANDING_M_S) {
+            self.invalid_hops = self.invalid_hops.max(2);
+        }
+        self.step += 1;
+        if self.step < self.every {
+            return;
+        }
+        self.step = 0;
+        // Frames of all corners begin at multiples of the hop, whenever each of them last began.
+        let thinned_s = self.dt.to_f64() * f64::from(self.every);
+        let hops = sample.time_s / HOP_S;
+        self.begun |= (hops - (hops as i64) as f64) * HOP_S < thinned_s;
+        if !self.begun {
+            return;
+        }
+        if let Some(spectra) = self.clock.push(&signals) {
+            if self.invalid_hops > 0 {
+                self.invalid_hops -= 1;
+            } else {
+                let both = core::array::from_fn(|bin| [BODY, WHEEL].map(|signal| spectra.at(bin, signal)));
+                let noise = core::array::from_fn(|bin| {
+                    let omega = T::two_pi() * T::lit((bin + 1) as f64 * BIN_SPACING_HZ);
+                    omega * omega * self.noise_density
+                });
+                self.coherence.learn(&both, &noise, T::lit(HOP_S));
+                self.frame = Some(StrutFrame { time_s: sample.time_s, spectra });
+            }
+        }
+    }
+
+    /// The newest frame, while there is one.
+    pub(crate) fn frame(&self) -> Option<&StrutFrame<T>> {
+        self.frame.as_ref()
+    }
+
+    /// Share of the body's motion that does not go with the wheel's, once enough was seen.
+    pub(crate) fn incoherence(&self) -> Option<T> {
+        (self.coherence.learned_s() >= T::lit(ENOUGH_S)).then(|| self.coherence.incoherence())
+    }
+}
