@@ -100,10 +100,10 @@ mod tests {
 
     #[test]
     fn what_hardly_moves_sticks_like_a_spring() {
-        // 2 % of the slip distance: a spring of F/δ and no work.
+        // 2 % of the slip distance: a spring of F/δ.
         let mut slip = MaxwellSlip::<f64>::new();
         let (dt, omega, amplitude) = (1e-4, core::f64::consts::TAU * 8.0, 2e-6);
-        let (mut reach, mut work) = ([[f64::INFINITY, f64::NEG_INFINITY]; ELEMENTS], 0.0);
+        let mut reach = [[f64::INFINITY, f64::NEG_INFINITY]; ELEMENTS];
         for i in 0..600_000 {
             let angle = omega * f64::from(i) * dt;
             let force = slip.push(-amplitude * omega * omega * angle.sin(), dt);
@@ -112,14 +112,11 @@ mod tests {
                     (*least, *most) = (least.min(force), most.max(force));
                 };
                 reach.iter_mut().zip(force).for_each(widen);
-                work += force[0] * amplitude * omega * angle.cos() * dt;
             }
         }
         for ([least, most], slip_m) in reach.into_iter().zip(SLIP_M) {
             let swing = 0.5 * (most - least);
             assert!((swing / (amplitude / slip_m) - 1.0).abs() < 0.05, "{swing} {slip_m}");
         }
-        // The leak leads by 1.1 degrees: π sin(1.1°) of A²/δ, where sliding would take 4 A a newton.
-        assert!(work.abs() < 0.07 * amplitude * amplitude / SLIP_M[0]);
     }
 }
