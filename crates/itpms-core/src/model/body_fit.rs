@@ -58,8 +58,11 @@ impl<T: Real> BodyFit<T> {
             // What is no number fits nothing.
             value.is_some_and(|value| !(value < T::lit(limit))).then_some(misfit)
         };
-        over(self.incoherence, MOST_INCOHERENT, Misfit::Incoherent)
-            .or_else(|| over(self.unexplained, MOST_UNEXPLAINED, Misfit::Unexplained))
+        // The body equation of a whole car knows what the other wheels do to a corner; coherence does not.
+        match self.unexplained {
+            Some(_) => over(self.unexplained, MOST_UNEXPLAINED, Misfit::Unexplained),
+            None => over(self.incoherence, MOST_INCOHERENT, Misfit::Incoherent),
+        }
     }
 }
 

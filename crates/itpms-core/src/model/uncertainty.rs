@@ -37,8 +37,8 @@ impl Confidence {
 const COMMON_MASS: f64 = 0.8;
 const AXLE_MASS: f64 = 0.6;
 /// The same of a tire's stiffness: what all four have in common (size, make, temperature), and each by itself (wear, age).
-const COMMON_TIRE: f64 = 0.8;
-const OWN_TIRE: f64 = 0.6;
+const COMMON_TIRE: f64 = 0.6;
+const OWN_TIRE: f64 = 0.8;
 
 /// Standard deviations of one corner's parameters, relative (0.05 is 5 %) unless the name has a unit, with two
 /// parameters that the quarter car does not have.

@@ -282,7 +282,7 @@ impl<T: Real> BodyEquation<T> {
         let score = self.score + prior.component_mul(&first);
         let mut held = [false; SIZE];
         // Each pass holds at zero what the one before made negative.
-        for _ in 0..4 {
+        for _ in 0..=SIZE - SLIP {
             let (mut free, mut right) = (information, score);
             for i in (SLIP..SIZE).filter(|&i| held[i]) {
                 free.row_mut(i).fill(T::zero());

@@ -121,12 +121,20 @@ impl<T: Real> Strut<T> {
             self.channels.iter_mut().for_each(Channel::restart);
             self.states = [[[T::zero(); 2]; 4]; SIGNALS];
             self.clock.restart();
-            (self.begun, self.step, self.invalid_hops) = (false, 0, SETTLING_HOPS);
+            (self.begun, self.invalid_hops) = (false, SETTLING_HOPS);
+            self.step = self.step_of(sample.time_s);
         }
         let (body, wheel) = (sample.body_accel_m_s2, sample.wheel_accel_m_s2);
         let unit = self.slip.push(wheel - body, self.dt);
         self.spectra(sample, [body, wheel], unit);
         unit.iter().zip(&self.slip_force_n).fold(T::zero(), |sum, (&unit, &force)| sum + unit * force)
+    }
+
+    /// Steps since the last multiple of the thinned period: all corners are thinned at the same times.
+    fn step_of(&self, time_s: f64) -> u32 {
+        let dt = self.dt.to_f64();
+        let steps = remainder(time_s + 0.5 * dt, dt * f64::from(self.every)) / dt;
+        (steps as u32).min(self.every - 1)
     }
 
     fn spectra(&mut self, sample: &GridSample<T>, [body, wheel]: [T; 2], unit: [T; ELEMENTS]) {
@@ -158,8 +166,7 @@ impl<T: Real> Strut<T> {
         self.step = 0;
         // Frames of all corners begin at multiples of the hop, whenever each of them last began.
         let thinned_s = self.dt.to_f64() * f64::from(self.every);
-        let hops = sample.time_s / HOP_S;
-        self.begun |= (hops - (hops as i64) as f64) * HOP_S < thinned_s;
+        self.begun |= remainder(sample.time_s + 0.5 * thinned_s, HOP_S) < thinned_s;
         if !self.begun {
             return;
         }
@@ -187,4 +194,10 @@ impl<T: Real> Strut<T> {
     pub(crate) fn incoherence(&self) -> Option<T> {
         (self.coherence.learned_s() >= T::lit(ENOUGH_S)).then(|| self.coherence.incoherence())
     }
+}
+
+/// What of a time is left after whole periods.
+fn remainder(time_s: f64, period_s: f64) -> f64 {
+    let periods = time_s / period_s;
+    (periods - (periods as i64) as f64) * period_s
 }
