@@ -4,7 +4,8 @@
 use itpms_core::car::{CarEstimate, TrackState};
 use itpms_core::conditioning::SampleClock;
 use itpms_core::model::{
-    CarConfig, CarSample, Corner, CornerConfig, CornerEstimate, CornerSample, Diagnostics, Validity, Warning,
+    CarConfig, CarSample, Corner, CornerConfig, CornerEstimate, CornerSample, Diagnostics, Level, Validity,
+    Warning,
 };
 use itpms_core::monitor::{Monitor, MonitorConfig};
 use itpms_core::warning::{Cause, Change, Doubt, Limits, MonitorReport, Regulation, WheelState};
@@ -50,6 +51,7 @@ fn estimate(time_s: f64, said: &Said) -> CarEstimate<f64> {
         pressure_kpa,
         pressure_sd_kpa: said.sd,
         change_sd_kpa: said.sd,
+        level: Level::Calibration,
         road_m: 0.0,
         road_sd_m: 0.01,
         validity: said.validity,

@@ -5,7 +5,7 @@
 use std::fs;
 use std::path::Path;
 
-use itpms_core::model::{Corner, CornerEstimate, Diagnostics, Validity, Warning};
+use itpms_core::model::{Corner, CornerEstimate, Diagnostics, Level, Validity, Warning};
 use itpms_data::log::{CornerColumns, LogColumns, LogCorner, UnitCheck};
 use itpms_data::out::{EstimateWriter, LogWriter, RoadPoint, RoadWriter};
 use itpms_data::{LogReader, LogRow};
@@ -134,6 +134,7 @@ fn estimate(pressure_kpa: f64, validity: Validity, warning: Warning) -> CornerEs
         pressure_kpa,
         pressure_sd_kpa: 1.4,
         change_sd_kpa: 1.1,
+        level: Level::Calibration,
         road_m: 0.001,
         road_sd_m: 0.0001,
         validity,
@@ -162,10 +163,10 @@ fn estimates_have_the_promised_columns_and_words() {
     file.commit().unwrap();
     assert_eq!(
         fs::read_to_string(&path).unwrap(),
-        "time_s,fl_pressure_kpa,fl_pressure_sd_kpa,fl_stiffness_n_per_m,fl_valid,fl_warning,\
-         rr_pressure_kpa,rr_pressure_sd_kpa,rr_stiffness_n_per_m,rr_valid,rr_warning\n\
-         0.1,180.5,1.4,220000,true,low,,,,false,none\n\
-         0.2,180.5,1.4,220000,true,low,,1.4,220000,false,malfunction\n"
+        "time_s,fl_pressure_kpa,fl_pressure_sd_kpa,fl_stiffness_n_per_m,fl_valid,fl_warning,fl_change_sd_kpa,fl_level,\
+         rr_pressure_kpa,rr_pressure_sd_kpa,rr_stiffness_n_per_m,rr_valid,rr_warning,rr_change_sd_kpa,rr_level\n\
+         0.1,180.5,1.4,220000,true,low,1.1,calibration,,,,false,none,,file\n\
+         0.2,180.5,1.4,220000,true,low,1.1,calibration,,1.4,220000,false,malfunction,1.1,calibration\n"
     );
 }
 

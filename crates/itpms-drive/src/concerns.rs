@@ -87,6 +87,9 @@ pub(crate) fn of(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Vec<String> {
             "a reset of {seconds} s teaches little of the car, expected {SHORTEST_RESET_S} s or more of driving"
         ));
     }
+    for (corner, misfit) in drive.misfits() {
+        concerns.push(format!("corner {}: {misfit}; its pressure is not valid", corner.label()));
+    }
     if let Some(seconds) = drive.speed_latency_s() {
         let way = if seconds > 0.0 { "late" } else { "early" };
         concerns.push(format!(

@@ -2,7 +2,7 @@
 
 use itpms_core::car::{CarEstimate, EstimatorOptions};
 use itpms_core::conditioning::{SpeedHold, is_a_cars};
-use itpms_core::model::{Corner, CornerEstimate, QuarterCar, VehicleCalibration};
+use itpms_core::model::{BodyFit, Corner, CornerEstimate, Misfit, QuarterCar, VehicleCalibration};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::warning::MonitorReport;
 use itpms_data::{LogRow, Vehicle};
@@ -128,6 +128,17 @@ impl Drive {
     #[must_use]
     pub fn denied_s(&self) -> Option<f64> {
         Some(self.denied_s).filter(|seconds| *seconds > 0.0)
+    }
+
+    /// Corners whose body and wheel do not move as the vehicle file says, and what does not fit.
+    pub fn misfits(&self) -> impl Iterator<Item = (Corner, Misfit)> + '_ {
+        Corner::ALL.into_iter().filter_map(|corner| Some((corner, self.fit(corner)?.1?)))
+    }
+
+    /// How well body and wheel of a corner go together, and what does not, if the car has that corner.
+    #[must_use]
+    pub fn fit(&self, corner: Corner) -> Option<(BodyFit<f64>, Option<Misfit>)> {
+        self.car.estimator().fit(corner)
     }
 
     /// Seconds by which the speed was found to come late, if it was.

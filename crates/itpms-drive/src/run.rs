@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use itpms_core::model::{Corner, VehicleCalibration};
+use itpms_core::model::{BodyFit, Corner, Misfit, VehicleCalibration};
 use itpms_core::warning::Change;
 use itpms_data::{LogReader, LogRow, Vehicle};
 use itpms_study::report::{CornerRow, Provenance, ReportCollector, ReportData, ReportOptions};
@@ -58,6 +58,9 @@ pub trait Sink {
 /// Asked every thousand rows with the share of the log that is done; a break ends the drive.
 pub type Watch<'a> = &'a mut dyn FnMut(f64) -> ControlFlow<()>;
 
+/// How well body and wheel of a corner go together, and what does not.
+pub type Fit = (BodyFit<f64>, Option<Misfit>);
+
 /// A drive that was estimated.
 #[derive(Debug)]
 pub struct Done {
@@ -67,6 +70,8 @@ pub struct Done {
     pub alerts: Alerts,
     /// What should be known before believing it, a sentence each.
     pub concerns: Vec<String>,
+    /// How well body and wheel of every corner go together, in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL).
+    pub fits: [Option<Fit>; 4],
     /// What a calibration drive taught, once it was over.
     pub learned: Option<VehicleCalibration<f64>>,
 }
@@ -100,7 +105,8 @@ pub fn estimate(
     let provenance = provenance(job, log);
     let (data, alerts) = record.complete(provenance, sink)?;
     let concerns = concerns::of(job, log, &drive);
-    Ok(Done { data, alerts, concerns, learned: drive.learned() })
+    let fits = Corner::ALL.map(|corner| drive.fit(corner));
+    Ok(Done { data, alerts, concerns, fits, learned: drive.learned() })
 }
 
 /// What becomes of the rows.

@@ -4,13 +4,16 @@ use itpms_core::estimator::EstimatorKind;
 use itpms_study::report::{CornerReport, Reading};
 use serde_json::{Map, Value, json};
 
-use crate::run::Done;
+use crate::run::{Done, Fit};
 
 /// The drive, its corners and what was said: what `itpms estimate --json` prints, but for the names of its files.
 #[must_use]
 pub fn summary_json(done: &Done, estimator: EstimatorKind, rows: u64) -> Map<String, Value> {
     let Done { data, alerts, concerns, .. } = done;
-    let corner = |corner: &CornerReport| (corner.corner.label().to_owned(), corner_json(corner));
+    let corner = |corner: &CornerReport| {
+        let fit = done.fits[corner.corner.index()].as_ref();
+        (corner.corner.label().to_owned(), corner_json(corner, fit))
+    };
     let corners: Map<String, Value> = data.corners.iter().map(corner).collect();
     [
         ("vehicle", json!(data.provenance.vehicle)),
@@ -28,7 +31,7 @@ pub fn summary_json(done: &Done, estimator: EstimatorKind, rows: u64) -> Map<Str
     .collect()
 }
 
-fn corner_json(corner: &CornerReport) -> Value {
+fn corner_json(corner: &CornerReport, fit: Option<&Fit>) -> Value {
     let figures = &corner.figures;
     let reading = |reading: Option<Reading>| {
         reading.map(|r| json!({ "time_s": r.time_s, "pressure_kpa": r.pressure_kpa, "sd_kpa": r.sd_kpa }))
@@ -46,6 +49,12 @@ fn corner_json(corner: &CornerReport) -> Value {
             "bias_kpa": t.bias_kpa,
             "coverage": t.coverage,
             "settle_s": t.settle_s,
+        })),
+        "fit": fit.map(|(fit, misfit)| json!({
+            "incoherence": fit.incoherence,
+            "unexplained": fit.unexplained,
+            "friction_n": fit.friction_n,
+            "misfit": misfit.map(|misfit| misfit.to_string()),
         })),
         "road": corner.road.as_ref().map(|road| json!({
             "iri_m_per_km": road.iri_m_per_km,

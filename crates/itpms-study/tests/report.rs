@@ -5,7 +5,9 @@ mod synthetic;
 
 use itpms_core::car::{CarEstimate, TrackState};
 use itpms_core::conditioning::SampleClock;
-use itpms_core::model::{CarConfig, Corner, CornerConfig, CornerEstimate, Diagnostics, Validity, Warning};
+use itpms_core::model::{
+    CarConfig, Corner, CornerConfig, CornerEstimate, Diagnostics, Level, Validity, Warning,
+};
 use itpms_core::monitor::{Monitor, MonitorConfig};
 use itpms_core::warning::WheelState;
 use itpms_study::report::{
@@ -261,6 +263,7 @@ fn steady_estimate(time_s: f64, pressure_kpa: f64, validity: Validity) -> Corner
         pressure_kpa,
         pressure_sd_kpa: 4.0,
         change_sd_kpa: 4.0,
+        level: Level::Calibration,
         road_m: 0.01 * (time_s * 9.0).sin(),
         road_sd_m: 5e-4,
         validity,

@@ -14,7 +14,7 @@ use self::fusion::{FusedEstimate, Fusion, SingleWheelEstimate};
 use crate::conditioning::{Moment, SampleClock, SampleCounts};
 use crate::estimator::{CornerEstimator, EstimatorKind, FusedStiffness, RoadRepetition};
 use crate::model::{
-    BodyFit, CalibrationError, CarConfig, CarSample, Corner, CornerEstimate, Inflation, Misfit,
+    BodyFit, CalibrationError, CarConfig, CarSample, Corner, CornerEstimate, Inflation, Level, Misfit,
     ParameterError, QuarterCar, VehicleCalibration,
 };
 pub use crate::model::{CarEstimate, TrackState};
@@ -320,9 +320,10 @@ impl<T: Real> CarEstimator<T> {
         }
         let trusted = self.sources != Sources::Spectrum && fusion.is_trusted();
         let fused = trusted.then(|| fusion.estimate());
-        let considered = fused.as_ref().map(|fused| match fusion.is_calibrated() {
-            true => self.considered.calibrated(&fused.stiffness_n_per_m),
-            false => self.considered.uncalibrated(&fused.stiffness_n_per_m),
+        let level = if fusion.is_calibrated() { Level::Calibration } else { Level::VehicleFile };
+        let considered = fused.as_ref().map(|fused| match level {
+            Level::Calibration => self.considered.calibrated(&fused.stiffness_n_per_m),
+            Level::VehicleFile => self.considered.uncalibrated(&fused.stiffness_n_per_m),
         });
         for (i, estimator) in self.corners.iter_mut().enumerate() {
             let Some(estimator) = estimator else { continue };
@@ -333,6 +334,7 @@ impl<T: Real> CarEstimator<T> {
                 stiffness_n_per_m: fused.stiffness_n_per_m[i],
                 stiffness_sd_n_per_m: fused.covariance[(i, i)].sqrt(),
                 considered_sd_n_per_m: considered[(i, i)].sqrt(),
+                level,
                 changing: fused.changing,
                 learned_s: fused.learned_s,
                 learning,

@@ -8,8 +8,8 @@ use super::{EstimatorKind, RoadRepetition};
 use crate::conditioning::wheel_lift::ContactWatch;
 use crate::conditioning::{GridSample, Resampler, SampleCounts};
 use crate::model::{
-    BodyFit, CornerConfig, CornerEstimate, CornerSample, Diagnostics, Misfit, ParameterError, QuarterCar,
-    Validity, Warning, positive,
+    BodyFit, CornerConfig, CornerEstimate, CornerSample, Diagnostics, Level, Misfit, ParameterError,
+    QuarterCar, Validity, Warning, positive,
 };
 use crate::real::Real;
 use crate::road::{RoadConfig, RoadFilter};
@@ -64,6 +64,8 @@ pub(crate) struct FusedStiffness<T> {
     /// Its standard deviation as far as the signals tell, and what the vehicle file leaves open.
     pub(crate) stiffness_sd_n_per_m: T,
     pub(crate) considered_sd_n_per_m: T,
+    /// What the level rests on.
+    pub(crate) level: Level,
     /// Probability that the pressure is changing.
     pub(crate) changing: T,
     /// Seconds of full information that it rests on.
@@ -228,14 +230,14 @@ impl<T: Real> CornerEstimator<T> {
         if let Some(word) = &self.fused {
             self.method.apply_fused(&mut reading, word);
         }
-        let considered = self.considered_sd_n_per_m(time_s, &reading);
+        let (considered, level) = self.considered(time_s, &reading);
         if self.kind == EstimatorKind::Informed {
             let sd = reading.stiffness_sd_n_per_m;
             let told =
                 Reading { stiffness_sd_n_per_m: (sd * sd + considered * considered).sqrt(), ..reading };
             (reading.road_m, reading.road_sd_m) = self.follow_road(time_s, corner, &told);
         }
-        self.estimate(time_s, &reading, considered)
+        self.estimate(time_s, &reading, considered, level)
     }
 
     /// While the calibration drive lasts, says so to the estimator ten times a second.
@@ -288,19 +290,28 @@ impl<T: Real> CornerEstimator<T> {
 
     /// Standard deviation in N/m of what the vehicle file leaves open: masses and stiffnesses of a wheel times one factor look the
     /// same. The published filters take their parameters for exact.
-    fn considered_sd_n_per_m(&self, time_s: f64, reading: &Reading<T>) -> T {
+    fn considered(&self, time_s: f64, reading: &Reading<T>) -> (T, Level) {
         if self.kind.is_as_published() {
-            return T::zero();
+            return (T::zero(), Level::VehicleFile);
         }
         let calibrating = self.calibration_ends_s.is_some_and(|ends_s| time_s < ends_s);
         match &self.fused {
-            Some(fused) => fused.considered_sd_n_per_m,
-            None if calibrating => T::zero(),
-            None => self.config.uncertainty.tire_relative_sd() * reading.stiffness_n_per_m,
+            Some(fused) => (fused.considered_sd_n_per_m, fused.level),
+            None if calibrating => (T::zero(), Level::Calibration),
+            None => {
+                let sd = self.config.uncertainty.tire_relative_sd() * reading.stiffness_n_per_m;
+                (sd, Level::VehicleFile)
+            }
         }
     }
 
-    fn estimate(&mut self, time_s: f64, reading: &Reading<T>, considered_sd_n_per_m: T) -> CornerEstimate<T> {
+    fn estimate(
+        &mut self,
+        time_s: f64,
+        reading: &Reading<T>,
+        considered_sd_n_per_m: T,
+        level: Level,
+    ) -> CornerEstimate<T> {
         let tire = &self.config.tire;
         let pressure_kpa = tire.pressure_kpa(reading.stiffness_n_per_m);
         let change_sd_n_per_m = reading.stiffness_sd_n_per_m;
@@ -336,6 +347,7 @@ impl<T: Real> CornerEstimator<T> {
             pressure_kpa,
             pressure_sd_kpa,
             change_sd_kpa,
+            level,
             road_m: reading.road_m,
             road_sd_m: reading.road_sd_m,
             validity,

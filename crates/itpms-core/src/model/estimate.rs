@@ -110,6 +110,27 @@ impl Validity {
     }
 }
 
+/// What the level of a pressure rests on; changes show by themselves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Level {
+    /// On masses and the tire's stiffness in the vehicle file.
+    VehicleFile,
+    /// On a calibration, which set it.
+    Calibration,
+}
+
+impl Level {
+    /// The word in files: `file` or `calibration`.
+    #[must_use]
+    pub fn label(self) -> &'static str {
+        match self {
+            Level::VehicleFile => "file",
+            Level::Calibration => "calibration",
+        }
+    }
+}
+
 /// What the driver should know about one tire.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -150,6 +171,8 @@ pub struct CornerEstimate<T> {
     pub pressure_sd_kpa: T,
     /// The same without what the vehicle file leaves open: how well a change within minutes is known, in kPa.
     pub change_sd_kpa: T,
+    /// What its level rests on.
+    pub level: Level,
     /// Road height under the wheel in m, causal and without drift.
     pub road_m: T,
     /// Its standard deviation in m.

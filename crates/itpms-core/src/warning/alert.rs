@@ -3,7 +3,7 @@
 use core::fmt;
 
 use crate::diagnosis::Malfunction;
-use crate::model::Wheels;
+use crate::model::{Level, Wheels};
 use crate::real::Real;
 
 /// Alerts that were said less than so many seconds apart are one: decisions are further apart, and rounding is nearer.
@@ -66,6 +66,51 @@ pub struct Reading<T> {
     pub limit_kpa: T,
     /// What the pressure should be, in kPa.
     pub reference_kpa: T,
+    /// What it was held against.
+    pub basis: Basis,
+}
+
+/// What a pressure was held against.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Basis {
+    /// Against what a calibration has set.
+    Calibration,
+    /// Against its level as the vehicle file has it.
+    VehicleFile,
+    /// Against the other tires: its level is not known that well, but it is surely lower than they are.
+    OtherTires,
+}
+
+impl Basis {
+    /// The word in files: `calibration`, `file` or `other-tires`.
+    #[must_use]
+    pub fn label(self) -> &'static str {
+        match self {
+            Basis::Calibration => "calibration",
+            Basis::VehicleFile => "file",
+            Basis::OtherTires => "other-tires",
+        }
+    }
+
+    /// The same for a person.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Basis::Calibration => "against the calibration",
+            Basis::VehicleFile => "by the vehicle file",
+            Basis::OtherTires => "against the other tires",
+        }
+    }
+}
+
+impl From<Level> for Basis {
+    fn from(level: Level) -> Self {
+        match level {
+            Level::Calibration => Basis::Calibration,
+            Level::VehicleFile => Basis::VehicleFile,
+        }
+    }
 }
 
 impl<T> Cause<T> {
@@ -100,7 +145,8 @@ impl<T: Real> fmt::Display for Reading<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [pressure, sd, limit, reference] =
             [self.pressure_kpa, self.sd_kpa, self.limit_kpa, self.reference_kpa].map(Real::to_f64);
-        write!(f, "{pressure:.0} kPa (sd {sd:.0}), limit {limit:.0} of {reference:.0}")
+        let basis = self.basis.words();
+        write!(f, "{pressure:.0} kPa (sd {sd:.0}), limit {limit:.0} of {reference:.0}, {basis}")
     }
 }
 

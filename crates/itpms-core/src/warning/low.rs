@@ -4,7 +4,7 @@ use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
 use crate::model::{CornerEstimate, Validity};
 use crate::real::Real;
 use crate::warning::report::{Doubt, WheelState};
-use crate::warning::{Limits, Reading};
+use crate::warning::{Basis, Limits, Reading};
 
 /// One-sided 95 % quantile of a normal distribution: a pressure counts as past a limit when this many sds still are.
 const CERTAIN: f64 = 1.64;
@@ -162,10 +162,14 @@ pub(crate) fn is_learning<T: Real>(estimate: &CornerEstimate<T>) -> bool {
 
 /// The estimate against a limit.
 pub(crate) fn reading<T: Real>(estimate: &CornerEstimate<T>, limit_share: T, reference_kpa: T) -> Reading<T> {
+    let limit_kpa = limit_share * reference_kpa;
+    // Where its own level does not say so, it was the others that did.
+    let far = (estimate.pressure_kpa - limit_kpa).abs() > T::lit(CERTAIN) * estimate.pressure_sd_kpa;
     Reading {
         pressure_kpa: estimate.pressure_kpa,
         sd_kpa: estimate.pressure_sd_kpa,
-        limit_kpa: limit_share * reference_kpa,
+        limit_kpa,
         reference_kpa,
+        basis: if far { estimate.level.into() } else { Basis::OtherTires },
     }
 }

@@ -9,6 +9,6 @@ pub(crate) mod reference_pressure;
 pub(crate) mod report;
 pub(crate) mod single_wheel;
 
-pub use self::alert::{Alert, Cause, Reading};
+pub use self::alert::{Alert, Basis, Cause, Reading};
 pub use self::limits::{Limits, Regulation};
 pub use self::report::{Change, Doubt, MonitorReport, WheelReport, WheelState};

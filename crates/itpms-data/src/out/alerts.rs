@@ -56,6 +56,7 @@ fn put_reading(put: &mut impl FnMut(&str, Value), reading: &Reading<f64>) {
     put("sd_kpa", json!(reading.sd_kpa));
     put("limit_kpa", json!(reading.limit_kpa));
     put("reference_kpa", json!(reading.reference_kpa));
+    put("basis", json!(reading.basis.label()));
 }
 
 fn put_malfunction(put: &mut impl FnMut(&str, Value), malfunction: &Malfunction<f64>) {

@@ -4,16 +4,17 @@
 
 use std::path::Path;
 
-use itpms_core::model::{Corner, CornerEstimate, Warning};
+use itpms_core::model::{Corner, CornerEstimate, Level, Warning};
 
 use super::AtomicFile;
 use super::table::{Cell, Kind, Table};
 use crate::error::DataError;
 
 /// Writes `time_s`, then per corner `{c}_pressure_kpa, {c}_pressure_sd_kpa, {c}_stiffness_n_per_m, {c}_valid,
-/// {c}_warning`.
+/// {c}_warning, {c}_change_sd_kpa, {c}_level`.
 ///
-/// `valid` is `true` or `false`, `warning` one of `none`, `low`, `malfunction`. A row says what was known at its
+/// `pressure_sd_kpa` is that of the pressure, what the vehicle file leaves open included; `change_sd_kpa` that of what has changed of
+/// late. `level` is what the pressure's level rests on: `file` or `calibration`. `valid` is `true` or `false`, `warning` one of `none`, `low`, `malfunction`. A row says what was known at its
 /// time from samples up to it.
 #[derive(Debug)]
 pub struct EstimateWriter {
@@ -36,6 +37,8 @@ impl EstimateWriter {
                 ("stiffness_n_per_m", Kind::Number),
                 ("valid", Kind::Flag),
                 ("warning", Kind::Label),
+                ("change_sd_kpa", Kind::Number),
+                ("level", Kind::Label),
             ] {
                 columns.push((format!("{}_{suffix}", corner.label()), kind));
             }
@@ -65,6 +68,8 @@ impl EstimateWriter {
                 number(|e| e.stiffness_n_per_m),
                 Cell::Flag(estimate.is_some_and(|e| e.validity.is_valid())),
                 Cell::Label(estimate.map_or(Warning::None, |e| e.warning).label()),
+                number(|e| e.change_sd_kpa),
+                Cell::Label(estimate.map_or(Level::VehicleFile, |e| e.level).label()),
             ]);
         }
         self.table.write(&self.cells)

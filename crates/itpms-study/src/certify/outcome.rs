@@ -255,7 +255,7 @@ impl TracePoint {
 mod tests {
     use super::*;
     use itpms_core::model::Corner;
-    use itpms_core::warning::{Cause, Reading};
+    use itpms_core::warning::{Basis, Cause, Reading};
 
     fn good() -> Findings {
         Findings {
@@ -282,7 +282,13 @@ mod tests {
     #[test]
     fn another_lamp_or_wheel_fails_a_test_and_is_kept_once() {
         let [fl, fr, ..] = Corner::ALL;
-        let reading = Reading { pressure_kpa: 190.0, sd_kpa: 4.0, limit_kpa: 212.0, reference_kpa: 241.0 };
+        let reading = Reading {
+            pressure_kpa: 190.0,
+            sd_kpa: 4.0,
+            limit_kpa: 212.0,
+            reference_kpa: 241.0,
+            basis: Basis::Calibration,
+        };
         let low = |corner: Corner| Alert {
             wheels: corner.into(),
             since_s: 0.0,

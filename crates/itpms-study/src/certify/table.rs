@@ -154,7 +154,7 @@ mod tests {
     use super::super::rules::Rule;
     use super::super::telltale::Wrong;
     use super::*;
-    use itpms_core::warning::{Alert, Cause, Reading};
+    use itpms_core::warning::{Alert, Basis, Cause, Reading};
 
     #[test]
     fn what_else_was_said_is_in_the_table_and_on_the_page() {
@@ -180,7 +180,13 @@ mod tests {
             driven_s: 2000.0,
             trace: vec![],
         };
-        let reading = Reading { pressure_kpa: 190.0, sd_kpa: 4.0, limit_kpa: 212.0, reference_kpa: 241.0 };
+        let reading = Reading {
+            pressure_kpa: 190.0,
+            sd_kpa: 4.0,
+            limit_kpa: 212.0,
+            reference_kpa: 241.0,
+            basis: Basis::Calibration,
+        };
         let alert = Alert {
             wheels: Corner::RearRight.into(),
             since_s: 0.0,

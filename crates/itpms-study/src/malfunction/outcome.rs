@@ -237,9 +237,11 @@ fn shown_wrong(
 #[cfg(test)]
 mod tests {
     use super::super::kinds;
+    use itpms_core::warning::Basis;
+
     use super::*;
     use itpms_core::diagnosis::{Malfunction, Place, Sensor};
-    use itpms_core::model::{Diagnostics, Validity, Warning};
+    use itpms_core::model::{Diagnostics, Level, Validity, Warning};
     use itpms_core::warning::Reading;
 
     fn stuck() -> Kind {
@@ -255,7 +257,13 @@ mod tests {
     }
 
     fn low(corner: Corner) -> Alert<f64> {
-        let reading = Reading { pressure_kpa: 190.0, sd_kpa: 4.0, limit_kpa: 212.0, reference_kpa: 241.0 };
+        let reading = Reading {
+            pressure_kpa: 190.0,
+            sd_kpa: 4.0,
+            limit_kpa: 212.0,
+            reference_kpa: 241.0,
+            basis: Basis::Calibration,
+        };
         alert(Cause::UnderInflated(reading), corner)
     }
 
@@ -267,6 +275,7 @@ mod tests {
             pressure_kpa,
             pressure_sd_kpa,
             change_sd_kpa: pressure_sd_kpa,
+            level: Level::Calibration,
             road_m: 0.0,
             road_sd_m: 0.01,
             validity,

@@ -79,9 +79,10 @@ fn line(span: &AlertSpan) -> Line {
 }
 
 fn at(r: &Reading<f64>) -> String {
-    let Reading { pressure_kpa, sd_kpa, limit_kpa, reference_kpa } = r;
+    let Reading { pressure_kpa, sd_kpa, limit_kpa, reference_kpa, basis } = r;
     format!(
-        "{pressure_kpa:.0} ± {sd_kpa:.0} kPa when said, limit {limit_kpa:.0}, should be {reference_kpa:.0}"
+        "{pressure_kpa:.0} ± {sd_kpa:.0} kPa when said, limit {limit_kpa:.0}, should be {reference_kpa:.0}, {}",
+        basis.words()
     )
 }
 

@@ -1,7 +1,7 @@
 //! A drive as an estimator might have told it: no physics, only curves of the right shape, so that the report can be
 //! tested and looked at without one.
 
-use itpms_core::model::{CornerConfig, CornerEstimate, Diagnostics, Validity, Warning};
+use itpms_core::model::{CornerConfig, CornerEstimate, Diagnostics, Level, Validity, Warning};
 use itpms_study::report::{CornerRow, Provenance, ReportCollector, ReportData, ReportOptions};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -75,6 +75,7 @@ impl Tire {
             pressure_kpa,
             pressure_sd_kpa: sd,
             change_sd_kpa: sd,
+            level: Level::Calibration,
             road_m: 0.0,
             road_sd_m: 4e-4,
             validity: match (t < 1.5, driving) {
