@@ -29,8 +29,16 @@ pub struct Deviations {
     pub damper_digression_s_per_m: f64,
     /// How fast the spring hardens in compression (and softens in extension), in 1/m: its slope is `k exp(p x)`.
     pub spring_progression_per_m: f64,
-    /// Dry friction in the strut in N.
+    /// Dry friction in the strut in N, when it slides.
     pub friction_n: f64,
+    /// Ways in m over which the friction's three elements begin to slide.
+    pub friction_presliding_m: [f64; 3],
+    /// Parts of the friction that the elements have, in any unit: only their ratios count.
+    pub friction_shares: [f64; 3],
+    /// Friction at standstill over friction when sliding.
+    pub friction_breakaway_factor: f64,
+    /// Speed in m/s over which friction falls from the one to the other.
+    pub friction_stribeck_m_s: f64,
     /// Mass times radius of the wheel's imbalance in kg m. Only the full car has turning wheels.
     pub imbalance_kg_m: f64,
     /// Distance in m per radian that the wheel turns.
@@ -50,6 +58,10 @@ impl Default for Deviations {
             damper_digression_s_per_m: 0.0,
             spring_progression_per_m: 0.0,
             friction_n: 0.0,
+            friction_presliding_m: [1e-4, 3e-4, 1e-3],
+            friction_shares: [1.0; 3],
+            friction_breakaway_factor: 1.0,
+            friction_stribeck_m_s: 0.01,
             imbalance_kg_m: 0.0,
             rolling_radius_m: 0.31,
         }
@@ -77,9 +89,25 @@ impl Deviations {
         within("damper_asymmetry", self.damper_asymmetry, -1.0, 1.0, "a share from -1 to 1")?;
         within("damper_digression_s_per_m", self.damper_digression_s_per_m, 0.0, 50.0, "from 0 to 50 s/m")?;
         within("spring_progression_per_m", self.spring_progression_per_m, 0.0, 20.0, "from 0 to 20 per m")?;
-        not_negative("friction_n", self.friction_n)?;
+        self.validate_friction()?;
         within("imbalance_kg_m", self.imbalance_kg_m, 0.0, 1.0, "from 0 to 1 kg m")?;
         within("rolling_radius_m", self.rolling_radius_m, 0.1, 1.0, "a radius from 0.1 to 1 m")
+    }
+
+    fn validate_friction(&self) -> Result<(), InvalidValue> {
+        not_negative("friction_n", self.friction_n)?;
+        for way_m in self.friction_presliding_m {
+            within("friction_presliding_m", way_m, 1e-5, 0.05, "ways from 0.00001 to 0.05 m")?;
+        }
+        for share in self.friction_shares {
+            within("friction_shares", share, 0.0, 1e6, "parts from 0 to 1000000")?;
+        }
+        if !(self.friction_shares.iter().sum::<f64>() > 0.0) {
+            return Err(InvalidValue::new("friction_shares", "0 throughout", "at least one part above 0"));
+        }
+        let factor = "a factor from 1 to 5";
+        within("friction_breakaway_factor", self.friction_breakaway_factor, 1.0, 5.0, factor)?;
+        within("friction_stribeck_m_s", self.friction_stribeck_m_s, 1e-3, 1.0, "a speed from 0.001 to 1 m/s")
     }
 
     /// The told quarter car as it really is.

@@ -122,6 +122,7 @@ impl FullCar {
         car.place[3..].copy_from_slice(&road_m);
         let plane = car.plane_through(road_m);
         car.place[..3].copy_from_slice(&plane);
+        car.stand();
         Ok(car)
     }
 
@@ -167,6 +168,19 @@ impl FullCar {
         }
         self.rate = [0.0; FREEDOMS];
         self.carries_over = false;
+        self.stand();
+    }
+
+    /// Takes the struts for ones that have always been as long as they are now.
+    fn stand(&mut self) {
+        for i in 0..4 {
+            let compression_m = self.compression_m(i);
+            self.struts[i].place(compression_m);
+        }
+    }
+
+    fn compression_m(&self, i: usize) -> f64 {
+        self.place[3 + i] - self.corner(&self.place, i)
     }
 
     /// Heave in m at the body's center of gravity, pitch and roll in rad: nose down and left side up are positive.
@@ -208,6 +222,10 @@ impl FullCar {
             self.rate[i] = u0[i] + h / 6.0 * (a0[i] + 2.0 * (a1[i] + a2[i]) + a3[i]);
         }
         self.acceleration = self.accelerations(&self.place, &self.rate, end);
+        for i in 0..4 {
+            let compression_m = self.compression_m(i);
+            self.struts[i].advance(compression_m);
+        }
         self.carries_over = self.tire_n_s_per_m == [0.0; 4];
     }
 

@@ -5,6 +5,7 @@
 //! harder one way, dry friction, a body that pitches and rolls. They know nothing of pressure, roads or sensors.
 
 mod deviations;
+mod friction;
 mod full_car;
 mod quarter;
 mod suspension;

@@ -5,10 +5,7 @@
 use itpms_core::model::QuarterCar;
 
 use super::Deviations;
-
-/// Speed in m/s at which dry friction has reached 76 % of its full force: below any motion that matters, above what
-/// the integration step can resolve.
-const FRICTION_ONSET_M_S: f64 = 0.01;
+use super::friction::Friction;
 
 /// A strut.
 #[derive(Debug, Clone)]
@@ -18,7 +15,7 @@ pub(crate) struct Strut {
     rebound_n_s_per_m: f64,
     bump_n_s_per_m: f64,
     digression_s_per_m: f64,
-    friction_n: f64,
+    friction: Option<Friction>,
 }
 
 impl Strut {
@@ -30,7 +27,7 @@ impl Strut {
             rebound_n_s_per_m: car.damping_n_s_per_m() * (1.0 + truth.damper_asymmetry),
             bump_n_s_per_m: car.damping_n_s_per_m() * (1.0 - truth.damper_asymmetry),
             digression_s_per_m: truth.damper_digression_s_per_m,
-            friction_n: truth.friction_n,
+            friction: Friction::new(truth),
         }
     }
 
@@ -55,33 +52,31 @@ impl Strut {
             damper /= 1.0 + self.digression_s_per_m * extension_m_s.abs();
         }
         let mut force = spring - damper;
-        if self.friction_n > 0.0 {
-            force -= self.friction_n * onset(extension_m_s / FRICTION_ONSET_M_S);
+        if let Some(friction) = &self.friction {
+            force -= friction.force_n(-compression_m, extension_m_s);
         }
         force
     }
-}
 
-/// `tanh(x)` with one exponential, to 1e-15: it is asked for five times a step at every corner.
-#[inline]
-fn onset(x: f64) -> f64 {
-    /// Where `1 - tanh(x)` is lost in rounding.
-    const FULL: f64 = 19.1;
-    if x.abs() > FULL { 1f64.copysign(x) } else { 1.0 - 2.0 / ((2.0 * x).exp() + 1.0) }
+    /// Goes on to the compression in m at the end of a step.
+    #[inline]
+    pub(crate) fn advance(&mut self, compression_m: f64) {
+        if let Some(friction) = &mut self.friction {
+            friction.advance(-compression_m);
+        }
+    }
+
+    /// Stands at a compression in m, as if it had always stood there.
+    pub(crate) fn place(&mut self, compression_m: f64) {
+        if let Some(friction) = &mut self.friction {
+            friction.place(-compression_m);
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn friction_comes_on_like_a_hyperbolic_tangent() {
-        for i in -3000..=3000 {
-            let x = 0.01 * f64::from(i);
-            assert!((onset(x) - x.tanh()).abs() < 1e-15, "{x}");
-        }
-        assert!(onset(f64::NAN).is_nan());
-    }
 
     fn strut(truth: Deviations) -> Strut {
         Strut::new(&QuarterCar::paper_table_2(), &truth)
