@@ -272,3 +272,113 @@ fn loss_cells(found: &[Found]) -> Vec<Cell> {
     ]);
     cells
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::runner::STACK_BYTES;
+    use super::*;
+
+    fn subject(name: &str) -> Subject {
+        let deviation = LIST.iter().find(|deviation| deviation.name == name).unwrap();
+        Subject { kind: EstimatorKind::Informed, deviation }
+    }
+
+    #[test]
+    fn cars_can_be_driven_differ_and_are_told_as_their_file() {
+        let turn = Turn { index: 0, seed: 2 };
+        let file = composed(&subject("as its file"), turn, &[UNKNOWN]).unwrap();
+        for deviation in LIST {
+            let of = Subject { kind: EstimatorKind::Informed, deviation };
+            let drive = composed(&of, turn, &[UNKNOWN]).unwrap();
+            drive.scenario.validate().unwrap();
+            assert_eq!(drive.told().unwrap(), file.told().unwrap(), "{}", deviation.name);
+            assert_eq!(
+                drive.scenario == file.scenario,
+                deviation.name == "as its file",
+                "{}",
+                deviation.name
+            );
+            // And what is simulated differs, too.
+            let row = |drive: &Drive| Simulation::new(&drive.scenario, 2).unwrap().nth(100).unwrap().corners;
+            assert_eq!(row(&drive) == row(&file), deviation.name == "as its file", "{}", deviation.name);
+        }
+        let drawn =
+            |seed| composed(&subject("drawn as typical"), Turn { index: 0, seed }, &[UNKNOWN]).unwrap();
+        assert_ne!(drawn(1).scenario.corner, drawn(2).scenario.corner);
+    }
+
+    #[test]
+    fn tires_and_classes_take_turns() {
+        // Losses: each of four tires on each of three classes within twelve drives.
+        let mut pairs: Vec<(usize, usize)> = (0..12).map(|i| (i % 4, (i / 4 + i) % CLASSES.len())).collect();
+        pairs.sort_unstable();
+        pairs.dedup();
+        assert_eq!(pairs.len(), 12);
+    }
+
+    #[test]
+    fn figures_are_means_over_valid_time() {
+        let wheel = |error: f64, sd: f64, valid: u64, rows: u64| {
+            let mut errors = ErrorSum::default();
+            (0..valid).for_each(|_| errors.push(error, sd));
+            Wheel { errors, sds: sd * valid as f64, valid, rows }
+        };
+        let wheels = [
+            wheel(10.0, 4.0, 30, 40),
+            wheel(-2.0, 4.0, 10, 40),
+            wheel(0.0, 4.0, 0, 40),
+            wheel(6.0, 8.0, 20, 40),
+        ];
+        let level = Level { wheels, false_low: 2, sensors: 1 };
+        let cells = level_cells(subject("as its file").deviation, &[level]);
+        let value = |name: &str| cells.iter().find(|cell| cell.column.name == name).unwrap().value;
+        // 60 valid rows of 160: (300 - 20 + 120)/60, (40 4 + 20 8)/60, (3000 + 40 + 720)/60; 10 kPa is beyond 1.96 4.
+        assert!(
+            (value("bias_kpa") - 400.0 / 60.0).abs() < 1e-12
+                && (value("sd_kpa") - 320.0 / 60.0).abs() < 1e-12
+        );
+        assert!((value("rms_kpa") - (3760.0f64 / 60.0).sqrt()).abs() < 1e-12);
+        assert!((value("coverage") - 0.5).abs() < 1e-12 && (value("valid") - 0.375).abs() < 1e-12);
+        assert_eq!(
+            (value("worst_bias_kpa"), value("false_warnings"), value("sensor_warnings")),
+            (10.0, 2.0, 1.0)
+        );
+        // What lies on its rim has no pressure to be right about.
+        let flat = level_cells(subject("fl flat on its rim").deviation, &[level]);
+        assert_eq!(flat.iter().find(|cell| cell.column.name == "worst_bias_kpa").unwrap().value, 6.0);
+    }
+
+    #[test]
+    fn losses_are_counted_by_tire() {
+        let one = Found { struck: Corner::FrontLeft, after_s: 2.0, wrong: false, early: false };
+        let found = [
+            one,
+            Found { after_s: 4.0, wrong: true, ..one },
+            Found { struck: Corner::RearRight, after_s: f64::INFINITY, early: true, ..one },
+        ];
+        let cells = loss_cells(&found);
+        let value = |name: &str| cells.iter().find(|cell| cell.column.name == name).unwrap().value;
+        assert_eq!((value("fl_after_median_s"), value("after_worst_s")), (3.0, 4.0));
+        assert!(value("rr_after_median_s").is_infinite() && value("fr_after_median_s").is_nan());
+        assert_eq!((value("missed"), value("wrong_wheels"), value("early")), (1.0, 1.0, 1.0));
+    }
+
+    /// A car as its file is read right after a calibration, and its loss is warned of.
+    #[test]
+    fn a_car_as_its_file_is_read_and_warned_of() {
+        let thread = std::thread::Builder::new().stack_size(STACK_BYTES);
+        let judged = || {
+            let turn = Turn { index: 0, seed: 5 };
+            let levels = levels(&subject("as its file"), turn).unwrap();
+            for level in &levels {
+                assert!(
+                    level.wheels.iter().all(|wheel| wheel.errors.bias().abs() < 20.0 && wheel.rows == 24_000)
+                );
+                assert_eq!((level.false_low, level.sensors), (0, 0));
+            }
+            let loss = loss(&subject("as its file"), turn).unwrap();
+            assert!(loss.after_s < 10.0 && !loss.wrong && !loss.early, "{loss:?}");
+        };
+        thread.spawn(judged).unwrap().join().unwrap();
+    }
+}
