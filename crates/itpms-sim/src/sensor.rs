@@ -29,6 +29,10 @@ pub struct SensorSpec {
     pub dropout_fraction: f64,
     /// Mean number of samples lost in a row.
     pub dropout_burst_samples: f64,
+    /// Angle in degrees by which it leans forward: it reads `a_z cos + a_x sin`.
+    pub tilt_deg: f64,
+    /// Share of the fore-aft acceleration that it reads beside the vertical one, tilted or not.
+    pub fore_aft_share: f64,
     /// Time in ms by which its readings are late, beyond the anti-alias filter.
     pub delay_ms: f64,
 }
@@ -43,6 +47,8 @@ impl Default for SensorSpec {
             range_m_s2: None,
             dropout_fraction: 0.0,
             dropout_burst_samples: 1.0,
+            tilt_deg: 0.0,
+            fore_aft_share: 0.0,
             delay_ms: 0.0,
         }
     }
@@ -65,7 +71,17 @@ impl SensorSpec {
         }
         within("dropout_fraction", self.dropout_fraction, 0.0, 0.9, "a share from 0 to 0.9")?;
         within("dropout_burst_samples", self.dropout_burst_samples, 1.0, 1e6, "1 or more")?;
+        within("tilt_deg", self.tilt_deg, -90.0, 90.0, "an angle from -90 to 90 degrees")?;
+        within("fore_aft_share", self.fore_aft_share, -2.0, 2.0, "a share from -2 to 2")?;
         within("delay_ms", self.delay_ms, 0.0, 200.0, "a delay from 0 to 200 ms")
+    }
+}
+
+impl SensorSpec {
+    /// What it reads of a vertical and of a fore-aft acceleration.
+    pub(crate) fn directions(&self) -> [f64; 2] {
+        let (sin, cos) = self.tilt_deg.to_radians().sin_cos();
+        [cos, sin + self.fore_aft_share]
     }
 }
 

@@ -25,6 +25,7 @@ fn body() -> Body {
         height_m: 0.55,
         struts_m: [[1.277, 0.78], [1.277, -0.76], [-1.423, 0.77], [-1.423, -0.77]],
         antiroll_n_m_per_rad: [20_000.0, 8_000.0],
+        bending: None,
     }
 }
 
@@ -215,6 +216,7 @@ fn with_a_dynamic_index_of_one_the_corners_part_into_quarter_cars() {
         height_m: 0.5,
         struts_m: [[a, half], [a, -half], [-a, half], [-a, -half]],
         antiroll_n_m_per_rad: [0.0; 2],
+        bending: None,
     };
     let told = QuarterCar::paper_table_2();
     let mut car = FullCar::new(&body, &[(told, Deviations::default()); 4], [0.0; 4]).unwrap();
@@ -444,6 +446,7 @@ fn an_imbalance_shakes_the_logged_wheel_as_the_closed_form_says() {
         height_m: 0.55,
         struts_m: [[front, 0.775], [front, -0.775], [front - 2.7, 0.775], [front - 2.7, -0.775]],
         antiroll_n_m_per_rad: [20_000.0, 8000.0],
+        bending: None,
     };
     let corner = |m_w| (QuarterCar::new(1.0, m_w, 925.8, 29_114.0).unwrap(), Deviations::default());
     let cars = [corner(56.9), corner(56.9), corner(50.0), corner(50.0)];

@@ -243,6 +243,9 @@ pub(crate) struct ScoreArgs {
     /// Drives per row.
     #[arg(long, value_name = "N", default_value_t = 40, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) seeds: u32,
+    /// Three drives per row: minutes in place of hours.
+    #[arg(long, conflicts_with = "seeds")]
+    pub(crate) quick: bool,
     /// Seed of the first drive; the others follow.
     #[arg(long, value_name = "K", default_value_t = 1)]
     pub(crate) first_seed: u64,
@@ -265,6 +268,7 @@ const SCORE_EXAMPLES: &str = "\
 Examples:
   itpms score
   itpms score --row paper-drop --seeds 100 --first-seed 1000 --json
+  itpms score --row car --quick
   itpms score --estimator all";
 
 /// Whom to score.

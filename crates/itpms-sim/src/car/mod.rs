@@ -9,7 +9,7 @@ pub(crate) mod motion;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{InvalidValue, within};
-use crate::plant::{Body, Load};
+use crate::plant::{Bending, Body, Load};
 use crate::time_profile::TimeProfile;
 
 /// The car of a scenario. Without one its corners are quarter cars on their own.
@@ -41,6 +41,9 @@ pub struct CarSpec {
     /// Lateral acceleration over time, points `[time in s, m/s²]`, to the left; straight ahead, if not given.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub lateral_points_s_m_s2: Vec<[f64; 2]>,
+    /// How its body bends; not at all, if not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bending: Option<Bending>,
     /// What it carries beyond what the corners' sprung masses say.
     pub payload: Vec<PayloadSpec>,
 }
@@ -72,6 +75,7 @@ impl Default for CarSpec {
             tightest_radius_m: 6.0,
             rise_s: 0.3,
             lateral_points_s_m_s2: Vec::new(),
+            bending: None,
             payload: Vec::new(),
         }
     }
@@ -105,6 +109,7 @@ impl CarSpec {
         within("tightest_radius_m", self.tightest_radius_m, 3.0, 100.0, "a radius from 3 to 100 m")?;
         within("rise_s", self.rise_s, 0.01, 5.0, "a time from 0.01 to 5 s")?;
         self.lateral_m_s2().map_err(|e| e.within("lateral_points_s_m_s2"))?;
+        self.bending.map_or(Ok(()), |bending| bending.validate().map_err(|e| e.within("bending")))?;
         self.payload.iter().try_for_each(|p| p.validate().map_err(|e| e.within("payload")))
     }
 
@@ -140,6 +145,7 @@ impl CarSpec {
                 strut(rear, -half_rear),
             ],
             antiroll_n_m_per_rad: [self.antiroll_front_n_m_per_rad, self.antiroll_rear_n_m_per_rad],
+            bending: self.bending,
         }
     }
 

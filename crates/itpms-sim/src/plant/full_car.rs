@@ -1,4 +1,5 @@
-//! A whole car with seven degrees of freedom: heave, pitch and roll of one rigid body, and four wheels.
+//! A whole car with seven degrees of freedom: heave, pitch and roll of one body, and four wheels; with five more where
+//! the body bends or wheels have hop dampers.
 //!
 //! Called by the simulation where a scenario has a `[car]`. Axes as in ISO 8855 (x forward, y left, z up), angles small;
 //! a point of the body at `(x, y)` is at height `z - x pitch + y roll`. Everything is a deviation from the unloaded car
@@ -6,13 +7,17 @@
 
 use itpms_core::model::quarter_car::{ParameterError, QuarterCar};
 
-use super::{Deviations, Strut};
-
-/// Standard gravity in m/s².
-const GRAVITY_M_S2: f64 = 9.806_65;
+use super::matrix::{inverse, times};
+use super::oscillator::Oscillator;
+use super::{Bending, Deviations, GRAVITY_M_S2, Strut, Tire};
 
 /// Heave, pitch, roll, then the four wheels.
-const FREEDOMS: usize = 7;
+const RIGID: usize = 7;
+/// Where the body's bending stands, and the first of four hop dampers.
+const BENDING: usize = RIGID;
+const HOP: usize = BENDING + 1;
+/// Freedoms of a car that has them.
+const FREEDOMS: usize = HOP + 4;
 
 /// The rigid body without its load, and what ties its corners together. Places are in m from its center of gravity.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,6 +34,8 @@ pub struct Body {
     pub struts_m: [[f64; 2]; 4],
     /// Anti-roll bars front and rear in N m per rad of roll between body and axle.
     pub antiroll_n_m_per_rad: [f64; 2],
+    /// How it bends, if it does.
+    pub bending: Option<Bending>,
 }
 
 /// What the car carries at one place, in m forward and to the left of the body's center of gravity.
@@ -63,6 +70,8 @@ struct Instant {
     wheel_force_n: [f64; 4],
     /// On the body, from gravity on the load and from the car's acceleration: force, pitch and roll moment.
     body: [f64; 3],
+    /// Time since the step's start.
+    since_s: f64,
 }
 
 type Freedoms = [f64; FREEDOMS];
@@ -73,9 +82,13 @@ pub struct FullCar {
     body: Body,
     struts: [Strut; 4],
     per_wheel_kg: [f64; 4],
-    tire_n_s_per_m: [f64; 4],
-    /// What each tire carries of the unloaded car at rest.
-    static_n: [f64; 4],
+    tires: [Tire; 4],
+    hop_dampers: [Oscillator; 4],
+    bending: Oscillator,
+    /// What the struts' tops have of the bending.
+    bends: [f64; 4],
+    /// Whether anything bends or is damped at wheel hop.
+    is_rigid: bool,
     /// Inverse of the loaded body's mass matrix.
     compliance: [[f64; 3]; 3],
     loaded_kg: f64,
@@ -104,12 +117,28 @@ impl FullCar {
         let true_car = |i: usize| corners[i].1.applied_to(&corners[i].0);
         let cars = [true_car(0)?, true_car(1)?, true_car(2)?, true_car(3)?];
         let all = [0, 1, 2, 3];
+        let hop_dampers = all.map(|i| {
+            let truth = &corners[i].1;
+            match truth.hop_damper_kg > 0.0 {
+                true => Oscillator::new(truth.hop_damper_kg, truth.hop_damper_hz, truth.hop_damper_ratio),
+                false => Oscillator::default(),
+            }
+        });
+        let static_n = |i: usize| {
+            let mass_kg = cars[i].sprung_mass_kg() + cars[i].unsprung_mass_kg() + hop_dampers[i].mass_kg;
+            GRAVITY_M_S2 * mass_kg
+        };
         let mut car = Self {
             body: *body,
             struts: all.map(|i| Strut::new(&cars[i], &corners[i].1)),
             per_wheel_kg: cars.map(|car| car.unsprung_mass_kg().recip()),
-            tire_n_s_per_m: all.map(|i| corners[i].1.tire_damping_n_s_per_m),
-            static_n: cars.map(|car| GRAVITY_M_S2 * (car.sprung_mass_kg() + car.unsprung_mass_kg())),
+            tires: all.map(|i| Tire::new(&corners[i].1, static_n(i))),
+            is_rigid: body.bending.is_none() && hop_dampers.iter().all(|damper| damper.mass_kg == 0.0),
+            hop_dampers,
+            bending: body.bending.map_or_else(Oscillator::default, |mode| {
+                Oscillator::new(mode.modal_mass_kg, mode.frequency_hz, mode.damping_ratio)
+            }),
+            bends: body.bending.map_or([0.0; 4], |mode| mode.participation),
             compliance: [[0.0; 3]; 3],
             loaded_kg: body.mass_kg,
             weight: [0.0; 3],
@@ -119,9 +148,10 @@ impl FullCar {
             carries_over: false,
         };
         car.load(&[]);
-        car.place[3..].copy_from_slice(&road_m);
+        car.place[3..RIGID].copy_from_slice(&road_m);
         let plane = car.plane_through(road_m);
         car.place[..3].copy_from_slice(&plane);
+        car.stand();
         Ok(car)
     }
 
@@ -167,6 +197,20 @@ impl FullCar {
         }
         self.rate = [0.0; FREEDOMS];
         self.carries_over = false;
+        self.stand();
+    }
+
+    /// Takes the struts for ones that have always been as long as they are now; the body is straight.
+    fn stand(&mut self) {
+        self.place.copy_within(3..RIGID, HOP);
+        for i in 0..4 {
+            let compression_m = self.compression_m(i);
+            self.struts[i].place(compression_m);
+        }
+    }
+
+    fn compression_m(&self, i: usize) -> f64 {
+        self.place[3 + i] - self.corner(&self.place, i)
     }
 
     /// Heave in m at the body's center of gravity, pitch and roll in rad: nose down and left side up are positive.
@@ -187,13 +231,31 @@ impl FullCar {
         [0, 1, 2, 3].map(|i| [self.corner(&self.acceleration, i), self.acceleration[3 + i]])
     }
 
+    /// What each tire carries in N, its static load included, on roads of these heights in m with these stiffnesses in N/m.
+    pub(crate) fn tires_n(&self, road_m: [f64; 4], stiffness_n_per_m: [f64; 4]) -> [f64; 4] {
+        [0, 1, 2, 3].map(|i| {
+            let tire = &self.tires[i];
+            let force_n = tire.force_n(stiffness_n_per_m[i], road_m[i] - self.place[3 + i], 0.0);
+            tire.static_n + force_n.max(-tire.static_n)
+        })
+    }
+
     /// One classical Runge-Kutta step of `h` seconds; for damped tires see [`Plant::step`](super::Plant::step).
     pub fn step(&mut self, h: f64, input: &CarInput) {
+        if self.is_rigid {
+            self.step_of::<RIGID>(h, input);
+        } else {
+            self.step_of::<FREEDOMS>(h, input);
+        }
+    }
+
+    /// The same with the first so many freedoms; the others stay where they are.
+    fn step_of<const N: usize>(&mut self, h: f64, input: &CarInput) {
         let (middle, end) = (&self.instant(1, h, input), &self.instant(2, h, input));
         let half = 0.5 * h;
-        let (q0, u0) = (self.place, self.rate);
+        let (q0, u0) = (first::<N>(&self.place), first::<N>(&self.rate));
         let a0 = if self.carries_over {
-            self.acceleration
+            first::<N>(&self.acceleration)
         } else {
             self.accelerations(&q0, &u0, &self.instant(0, h, input))
         };
@@ -203,12 +265,18 @@ impl FullCar {
         let a2 = self.accelerations(&q2, &u2, middle);
         let (q3, u3) = (moved(&q0, h, &u2), moved(&u0, h, &a2));
         let a3 = self.accelerations(&q3, &u3, end);
-        for i in 0..FREEDOMS {
+        for i in 0..N {
             self.place[i] = q0[i] + h / 6.0 * (u0[i] + 2.0 * (u1[i] + u2[i]) + u3[i]);
             self.rate[i] = u0[i] + h / 6.0 * (a0[i] + 2.0 * (a1[i] + a2[i]) + a3[i]);
         }
-        self.acceleration = self.accelerations(&self.place, &self.rate, end);
-        self.carries_over = self.tire_n_s_per_m == [0.0; 4];
+        let (q4, u4) = (first::<N>(&self.place), first::<N>(&self.rate));
+        let a4 = self.accelerations(&q4, &u4, end);
+        self.acceleration[..N].copy_from_slice(&a4);
+        for i in 0..4 {
+            let compression_m = self.compression_m(i);
+            self.struts[i].advance(compression_m, h);
+        }
+        self.carries_over = self.tires.iter().all(|tire| tire.damping_n_s_per_m == 0.0);
     }
 
     /// What acts at the start (0), the middle (1) or the end (2) of a step.
@@ -223,6 +291,7 @@ impl FullCar {
             stiffness_n_per_m: [0.0; 4],
             wheel_force_n: [0.0; 4],
             body: [self.weight[0], self.weight[1] - moment * forward, self.weight[2] + moment * left],
+            since_s: 0.5 * at as f64 * h,
         };
         for i in 0..4 {
             let ([r0, r1, r2], [k0, k2]) = (input.road_m[i], input.stiffness_n_per_m[i]);
@@ -238,21 +307,34 @@ impl FullCar {
         now
     }
 
-    /// Newton's and Euler's laws for the body, Newton's for the wheels.
-    fn accelerations(&self, q: &Freedoms, u: &Freedoms, now: &Instant) -> Freedoms {
+    /// Newton's and Euler's laws for the body, Newton's for the wheels and what hangs on them.
+    fn accelerations<const N: usize>(&self, q: &[f64; N], u: &[f64; N], now: &Instant) -> [f64; N] {
         let bars = self.antiroll_n(q);
-        let mut acceleration = [0.0; FREEDOMS];
+        let mut acceleration = [0.0; N];
         let mut body = now.body;
+        let mut bending_n = 0.0;
         for i in 0..4 {
             let (wheel, wheel_rate) = (q[3 + i], u[3 + i]);
             let extension_m_s = self.corner(u, i) - wheel_rate;
-            let strut = self.struts[i].force_n(wheel - self.corner(q, i), extension_m_s) + bars[i];
-            let tire = now.stiffness_n_per_m[i] * (now.road_m[i] - wheel)
-                + self.tire_n_s_per_m[i] * (now.road_m_s[i] - wheel_rate);
+            let compression_m = wheel - self.corner(q, i);
+            let strut = self.struts[i].force_n(compression_m, extension_m_s, now.since_s) + bars[i];
+            let (deflection_m, rate_m_s) = (now.road_m[i] - wheel, now.road_m_s[i] - wheel_rate);
+            let tire = self.tires[i].force_n(now.stiffness_n_per_m[i], deflection_m, rate_m_s);
             // A tire pushes and does not pull: beyond its static load the wheel is in the air.
-            let tire = tire.max(-self.static_n[i]);
-            acceleration[3 + i] = (tire + now.wheel_force_n[i] - strut) * self.per_wheel_kg[i];
+            let mut force = tire.max(-self.tires[i].static_n) + now.wheel_force_n[i] - strut;
+            if N > RIGID {
+                let damper = &self.hop_dampers[i];
+                let pull = damper.pull_m_s2(q[HOP + i] - wheel, u[HOP + i] - wheel_rate);
+                acceleration[HOP + i] = pull;
+                force -= damper.mass_kg * pull;
+                bending_n += self.bends[i] * strut;
+            }
+            acceleration[3 + i] = force * self.per_wheel_kg[i];
             body.iter_mut().zip(lever(self.body.struts_m[i])).for_each(|(f, a)| *f += a * strut);
+        }
+        if N > RIGID && self.bending.mass_kg > 0.0 {
+            let pull = self.bending.pull_m_s2(q[BENDING], u[BENDING]);
+            acceleration[BENDING] = bending_n / self.bending.mass_kg + pull;
         }
         let body = times(&self.compliance, body);
         acceleration[..3].copy_from_slice(&body);
@@ -260,7 +342,7 @@ impl FullCar {
     }
 
     /// Forces in N of the anti-roll bars on the body's corners.
-    fn antiroll_n(&self, q: &Freedoms) -> [f64; 4] {
+    fn antiroll_n<const N: usize>(&self, q: &[f64; N]) -> [f64; 4] {
         let mut forces = [0.0; 4];
         for (axle, bar) in self.body.antiroll_n_m_per_rad.into_iter().enumerate() {
             let (left, right) = (2 * axle, 2 * axle + 1);
@@ -275,9 +357,10 @@ impl FullCar {
 
     /// What a strut's top has of the body's motion.
     #[inline]
-    fn corner(&self, freedoms: &Freedoms, i: usize) -> f64 {
+    fn corner<const N: usize>(&self, freedoms: &[f64; N], i: usize) -> f64 {
         let [x, y] = self.body.struts_m[i];
-        freedoms[0] - x * freedoms[1] + y * freedoms[2]
+        let rigid = freedoms[0] - x * freedoms[1] + y * freedoms[2];
+        if N > RIGID { rigid + self.bends[i] * freedoms[BENDING] } else { rigid }
     }
 
     /// Heave, pitch and roll of the plane that lies best on four heights.
@@ -301,23 +384,13 @@ fn lever([x, y]: [f64; 2]) -> [f64; 3] {
 }
 
 #[inline]
-fn moved(from: &Freedoms, h: f64, rate: &Freedoms) -> Freedoms {
-    let mut to = *from;
-    to.iter_mut().zip(rate).for_each(|(x, r)| *x += h * r);
-    to
+fn first<const N: usize>(of: &Freedoms) -> [f64; N] {
+    std::array::from_fn(|i| of[i])
 }
 
 #[inline]
-fn times(m: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
-    m.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
-}
-
-/// Inverse of a positive definite matrix by its cofactors.
-fn inverse(m: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
-    let cofactor = |i: usize, j: usize| {
-        let (a, b, c, d) = ((i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3);
-        m[a][c] * m[b][d] - m[a][d] * m[b][c]
-    };
-    let determinant: f64 = (0..3).map(|j| m[0][j] * cofactor(0, j)).sum();
-    [0, 1, 2].map(|i| [0, 1, 2].map(|j| cofactor(j, i) / determinant))
+fn moved<const N: usize>(from: &[f64; N], h: f64, rate: &[f64; N]) -> [f64; N] {
+    let mut to = *from;
+    to.iter_mut().zip(rate).for_each(|(x, r)| *x += h * r);
+    to
 }

@@ -1,14 +1,12 @@
-//! The force in a strut: spring, damper and dry friction, each as crooked as the scenario wants it.
+//! The force in a strut: spring, damper on its mount and dry friction, each as crooked as the scenario wants it.
 //!
 //! Called by both plants, several times a step; without crookedness it is the linear law of eq. (1).
 
 use itpms_core::model::QuarterCar;
 
 use super::Deviations;
-
-/// Speed in m/s at which dry friction has reached 76 % of its full force: below any motion that matters, above what
-/// the integration step can resolve.
-const FRICTION_ONSET_M_S: f64 = 0.01;
+use super::friction::Friction;
+use super::mount::Mount;
 
 /// A strut.
 #[derive(Debug, Clone)]
@@ -18,7 +16,8 @@ pub(crate) struct Strut {
     rebound_n_s_per_m: f64,
     bump_n_s_per_m: f64,
     digression_s_per_m: f64,
-    friction_n: f64,
+    friction: Option<Friction>,
+    mount: Option<Mount>,
 }
 
 impl Strut {
@@ -30,7 +29,8 @@ impl Strut {
             rebound_n_s_per_m: car.damping_n_s_per_m() * (1.0 + truth.damper_asymmetry),
             bump_n_s_per_m: car.damping_n_s_per_m() * (1.0 - truth.damper_asymmetry),
             digression_s_per_m: truth.damper_digression_s_per_m,
-            friction_n: truth.friction_n,
+            friction: Friction::new(truth),
+            mount: Mount::new(truth.damper_mount_n_per_m),
         }
     }
 
@@ -40,48 +40,63 @@ impl Strut {
     }
 
     /// Force in N that lifts the body, beyond its static share, at a compression in m and a rate of extension in m/s
-    /// (positive when the strut gets longer: rebound).
+    /// (positive when the strut gets longer: rebound), `since_s` after the last step's end.
     #[inline]
-    pub(crate) fn force_n(&self, compression_m: f64, extension_m_s: f64) -> f64 {
-        let damping = if extension_m_s > 0.0 { self.rebound_n_s_per_m } else { self.bump_n_s_per_m };
+    pub(crate) fn force_n(&self, compression_m: f64, extension_m_s: f64, since_s: f64) -> f64 {
         let spring = if self.progression_per_m > 0.0 {
             let p = self.progression_per_m;
             self.spring_n_per_m * (p * compression_m).exp_m1() / p
         } else {
             self.spring_n_per_m * compression_m
         };
-        let mut damper = damping * extension_m_s;
-        if self.digression_s_per_m > 0.0 {
-            damper /= 1.0 + self.digression_s_per_m * extension_m_s.abs();
-        }
+        let damper = match &self.mount {
+            None => self.damper_n_s_per_m(extension_m_s) * extension_m_s,
+            Some(mount) => mount.force_n(-compression_m, since_s, |m_s| self.damper_n_s_per_m(m_s)),
+        };
         let mut force = spring - damper;
-        if self.friction_n > 0.0 {
-            force -= self.friction_n * onset(extension_m_s / FRICTION_ONSET_M_S);
+        if let Some(friction) = &self.friction {
+            force -= friction.force_n(-compression_m, extension_m_s);
         }
         force
     }
-}
 
-/// `tanh(x)` with one exponential, to 1e-15: it is asked for five times a step at every corner.
-#[inline]
-fn onset(x: f64) -> f64 {
-    /// Where `1 - tanh(x)` is lost in rounding.
-    const FULL: f64 = 19.1;
-    if x.abs() > FULL { 1f64.copysign(x) } else { 1.0 - 2.0 / ((2.0 * x).exp() + 1.0) }
+    /// The damper's force over its speed of extension in m/s.
+    #[inline]
+    fn damper_n_s_per_m(&self, extension_m_s: f64) -> f64 {
+        let damping = if extension_m_s > 0.0 { self.rebound_n_s_per_m } else { self.bump_n_s_per_m };
+        if self.digression_s_per_m > 0.0 {
+            damping / (1.0 + self.digression_s_per_m * extension_m_s.abs())
+        } else {
+            damping
+        }
+    }
+
+    /// Goes on to the compression in m at the end of a step of `step_s`.
+    #[inline]
+    pub(crate) fn advance(&mut self, compression_m: f64, step_s: f64) {
+        if let Some(friction) = &mut self.friction {
+            friction.advance(-compression_m);
+        }
+        if let Some(mut mount) = self.mount {
+            mount.advance(-compression_m, step_s, |m_s| self.damper_n_s_per_m(m_s));
+            self.mount = Some(mount);
+        }
+    }
+
+    /// Stands at a compression in m, as if it had always stood there.
+    pub(crate) fn place(&mut self, compression_m: f64) {
+        if let Some(friction) = &mut self.friction {
+            friction.place(-compression_m);
+        }
+        if let Some(mount) = &mut self.mount {
+            mount.place(-compression_m);
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn friction_comes_on_like_a_hyperbolic_tangent() {
-        for i in -3000..=3000 {
-            let x = 0.01 * f64::from(i);
-            assert!((onset(x) - x.tanh()).abs() < 1e-15, "{x}");
-        }
-        assert!(onset(f64::NAN).is_nan());
-    }
 
     fn strut(truth: Deviations) -> Strut {
         Strut::new(&QuarterCar::paper_table_2(), &truth)
@@ -90,9 +105,9 @@ mod tests {
     #[test]
     fn a_progressive_spring_has_the_slope_it_says() {
         let s = strut(Deviations { spring_progression_per_m: 4.0, ..Deviations::default() });
-        assert_eq!(s.force_n(0.0, 0.0), 0.0);
+        assert_eq!(s.force_n(0.0, 0.0, 0.0), 0.0);
         for x in [-0.06f64, 0.0, 0.05] {
-            let slope = (s.force_n(x + 1e-5, 0.0) - s.force_n(x - 1e-5, 0.0)) / 2e-5;
+            let slope = (s.force_n(x + 1e-5, 0.0, 0.0) - s.force_n(x - 1e-5, 0.0, 0.0)) / 2e-5;
             // A central difference over 1e-5 m is off by (4e-5)²/6.
             assert!((slope / (29_114.0 * (4.0 * x).exp()) - 1.0).abs() < 1e-8, "{x}");
         }
@@ -106,7 +121,7 @@ mod tests {
             ..Deviations::default()
         });
         // At 0.5 m/s the denominator is 2.
-        assert!((s.force_n(0.0, 0.5) + 925.8 * 1.3 * 0.25).abs() < 1e-9);
-        assert!((s.force_n(0.0, -0.5) - 925.8 * 0.7 * 0.25).abs() < 1e-9);
+        assert!((s.force_n(0.0, 0.5, 0.0) + 925.8 * 1.3 * 0.25).abs() < 1e-9);
+        assert!((s.force_n(0.0, -0.5, 0.0) - 925.8 * 0.7 * 0.25).abs() < 1e-9);
     }
 }

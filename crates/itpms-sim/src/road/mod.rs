@@ -16,6 +16,7 @@ mod lateral;
 mod obstacle;
 mod periodic;
 mod profile;
+mod recurring;
 mod segments;
 mod spectral;
 mod spline;
@@ -31,6 +32,7 @@ pub(crate) use lane::{Following, Lane};
 pub use lateral::{Line, coherence};
 pub use obstacle::{Pothole, Step, Tracks};
 pub use profile::{Extension, MeasuredProfile, ProfileSpec, Trend};
+pub use recurring::{Sleepers, Washboard};
 pub use segments::{AfterLast, Segment, Segments};
 
 use crate::error::{InvalidValue, ProfileError, positive, within};
@@ -85,6 +87,15 @@ pub struct RoadSpec {
     pub pothole: Vec<Pothole>,
     /// Steps up or down.
     pub step: Vec<Step>,
+    /// Waves of one length.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub washboard: Vec<Washboard>,
+    /// Bumps or gaps at even distances.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sleepers: Vec<Sleepers>,
+    /// Stiffness in N/m of soft ground under each tire; hard, if not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ground_n_per_m: Option<f64>,
 }
 
 impl RoadSpec {
@@ -113,7 +124,15 @@ impl RoadSpec {
         for s in &self.step {
             s.validate().map_err(|e| e.within("step"))?;
         }
-        Ok(())
+        for w in &self.washboard {
+            w.validate().map_err(|e| e.within("washboard"))?;
+        }
+        for s in &self.sleepers {
+            s.validate().map_err(|e| e.within("sleepers"))?;
+        }
+        self.ground_n_per_m.map_or(Ok(()), |ground| {
+            within("ground_n_per_m", ground, 1e4, 1e9, "a stiffness from 10000 to 1000000000 N/m")
+        })
     }
 }
 
@@ -137,6 +156,8 @@ pub struct Road {
     surface: SurfaceRun,
     potholes: Vec<Pothole>,
     steps: Vec<Step>,
+    washboards: Vec<Washboard>,
+    sleepers: Vec<Sleepers>,
     contact_length_m: f64,
     nodes_per_m: f64,
     /// Index of the chunk at the front of the queue.
@@ -198,6 +219,8 @@ impl Road {
             surface,
             potholes: spec.pothole.iter().filter(|p| p.tracks.include(line.side())).cloned().collect(),
             steps: spec.step.iter().filter(|s| s.tracks.include(line.side())).cloned().collect(),
+            washboards: spec.washboard.iter().filter(|w| w.tracks.include(line.side())).cloned().collect(),
+            sleepers: spec.sleepers.iter().filter(|s| s.tracks.include(line.side())).cloned().collect(),
             contact_length_m: spec.contact_length_m,
             nodes_per_m,
             first_chunk: 0,
@@ -256,11 +279,17 @@ impl Road {
         let half_contact = 0.5 * self.contact_length_m * self.nodes_per_m;
         let (first_node, mut heights) = Chunk::empty(index, half_contact);
         self.surface.fill(first_node, &mut heights);
-        if !(self.potholes.is_empty() && self.steps.is_empty()) {
+        let is_bare = self.potholes.is_empty()
+            && self.steps.is_empty()
+            && self.washboards.is_empty()
+            && self.sleepers.is_empty();
+        if !is_bare {
             for (i, height) in heights.iter_mut().enumerate() {
                 let x = (first_node + i as i64) as f64 / self.nodes_per_m;
                 *height += self.potholes.iter().map(|p| p.height_m(x)).sum::<f64>();
                 *height += self.steps.iter().map(|s| s.height_m(x)).sum::<f64>();
+                *height += self.washboards.iter().map(|w| w.height_m(x)).sum::<f64>();
+                *height += self.sleepers.iter().map(|s| s.height_m(x)).sum::<f64>();
             }
         }
         Chunk::new(heights, half_contact)

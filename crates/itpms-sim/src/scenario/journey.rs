@@ -8,6 +8,7 @@ use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
 use super::ToleranceSpec;
+use super::tolerance::named_or_table;
 use crate::car::PayloadSpec;
 use crate::error::{InvalidValue, within};
 use crate::road::{AfterLast, Amplitude, RoadClass, Segment, Segments};
@@ -29,7 +30,7 @@ pub struct JourneySpec {
     /// Largest mass in kg at each of the four places that are loaded.
     pub load_kg: f64,
     /// How far each seed's car may differ from what its estimator is told; not at all, if not given.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "named_or_table")]
     pub tolerances: Option<ToleranceSpec>,
 }
 

@@ -17,7 +17,7 @@ use itpms_core::model::{Corner, CornerConfig};
 
 pub use corner::{CornerSpec, Corners, TireSpec};
 pub use journey::JourneySpec;
-pub use tolerance::ToleranceSpec;
+pub use tolerance::{Draw, ToleranceSpec};
 
 use crate::antialias::AntiAliasSpec;
 use crate::car::CarSpec;
@@ -182,9 +182,11 @@ impl Scenario {
         }
         for (corner, spec) in self.corner.iter() {
             spec.validate().map_err(|e| e.within(corner.label()).within("corner"))?;
-            if self.car.is_none() && spec.truth.imbalance_kg_m > 0.0 {
-                let field = format!("corner.{}.truth.imbalance_kg_m", corner.label());
-                return Err(InvalidValue::new(field, spec.truth.imbalance_kg_m, "a [car], or 0 without one"));
+            let of_a_car =
+                [("imbalance_kg_m", spec.truth.imbalance_kg_m), ("hop_damper_kg", spec.truth.hop_damper_kg)];
+            if let Some((name, found)) = of_a_car.into_iter().find(|(_, v)| self.car.is_none() && *v > 0.0) {
+                let field = format!("corner.{}.truth.{name}", corner.label());
+                return Err(InvalidValue::new(field, found, "a [car], or 0 without one"));
             }
         }
         for fault in &self.fault {

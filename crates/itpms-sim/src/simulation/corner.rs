@@ -4,6 +4,7 @@
 
 use itpms_core::model::{Corner, PressureMap};
 
+use super::fore_aft::ForeAft;
 use super::history::History;
 use super::row::CornerRow;
 use crate::antialias::LowPass;
@@ -14,6 +15,9 @@ use crate::road::{Lane, Side};
 use crate::scenario::{CornerSpec, Scenario};
 use crate::sensor::Sensor;
 use crate::time_profile::TimeProfile;
+
+/// Way in m within half a step below which a car stands.
+const STANDING_M: f64 = 1e-6;
 
 /// A corner in motion.
 #[derive(Debug, Clone)]
@@ -27,6 +31,13 @@ pub(crate) struct CornerRun {
     pressure_kpa: TimeProfile,
     map: PressureMap<f64>,
     stiffness_factor: f64,
+    ground_n_per_m: f64,
+    /// What body and wheel sensor read of vertical and of fore-aft accelerations.
+    directions: [[f64; 2]; 2],
+    /// The wheel's fore-aft motion, where a sensor reads of it.
+    fore_aft: Option<ForeAft>,
+    /// Of the road, over the step reached.
+    slope: f64,
     filters: [LowPass; 2],
     /// Filtered body and wheel acceleration.
     filtered: [History; 2],
@@ -58,6 +69,11 @@ impl CornerRun {
             pressure_kpa: spec.pressure.profile_kpa()?,
             map: spec.tire.map()?,
             stiffness_factor: spec.truth.tire_stiffness_factor,
+            ground_n_per_m: scenario.road.ground_n_per_m.unwrap_or(f64::INFINITY),
+            directions: [body.directions(), wheel.directions()],
+            fore_aft: (wheel.directions()[1] != 0.0)
+                .then(|| ForeAft::new(spec.unsprung_mass_kg * spec.truth.unsprung_mass_factor)),
+            slope: 0.0,
             filters: [filter.clone(), filter],
             filtered: [body, wheel].map(|sensor| History::new(1e-3 * sensor.delay_ms * fine_hz)),
             sensors: [Sensor::new(&body, seed, number), Sensor::new(&wheel, seed, number + 1)],
@@ -73,8 +89,14 @@ impl CornerRun {
     pub(crate) fn place(&mut self, time_s: f64, front_m: f64, lane: Option<&mut Lane>) -> [f64; 2] {
         let distance_m = front_m - self.behind_m;
         self.road_m = lane.map_or(0.0, |lane| lane.contact_height_m(distance_m, self.beside_m));
-        self.stiffness_n_per_m = self.true_stiffness_n_per_m(self.pressure_kpa.value(time_s));
+        self.stiffness_n_per_m = self.contact_stiffness_n_per_m(time_s);
         [self.road_m, self.stiffness_n_per_m]
+    }
+
+    /// Of the tire on the ground at a time: where that is soft, both give way.
+    fn contact_stiffness_n_per_m(&self, time_s: f64) -> f64 {
+        let tire = self.true_stiffness_n_per_m(self.pressure_kpa.value(time_s));
+        if self.ground_n_per_m.is_finite() { 1.0 / (1.0 / tire + 1.0 / self.ground_n_per_m) } else { tire }
     }
 
     fn true_stiffness_n_per_m(&self, pressure_kpa: f64) -> f64 {
@@ -93,7 +115,11 @@ impl CornerRun {
         let halfway_m = 0.5 * (self.beside_m + beside_m);
         let middle = lane.contact_height_m(middle_m - self.behind_m, halfway_m);
         let end = lane.contact_height_m(end_m - self.behind_m, beside_m);
-        let stiffness = self.true_stiffness_n_per_m(self.pressure_kpa.value(end_s));
+        let stiffness = self.contact_stiffness_n_per_m(end_s);
+        if self.fore_aft.is_some() {
+            let way_m = end_m - middle_m;
+            self.slope = if way_m > STANDING_M { (end - middle) / way_m } else { 0.0 };
+        }
         let input = StepInput {
             road_m: [self.road_m, middle, end],
             stiffness_n_per_m: [self.stiffness_n_per_m, stiffness],
@@ -104,12 +130,29 @@ impl CornerRun {
         input
     }
 
+    /// Whether a sensor reads of fore-aft accelerations.
+    pub(crate) fn leans(&self) -> bool {
+        self.directions.iter().any(|[_, fore_aft]| *fore_aft != 0.0)
+    }
+
     /// Takes in the true accelerations of body and wheel at the step's end.
     pub(crate) fn sense(&mut self, accelerations_m_s2: [f64; 2]) {
         let filters = self.filters.iter_mut().zip(&mut self.filtered);
         for ((filter, filtered), acceleration) in filters.zip(accelerations_m_s2) {
             filtered.push(filter.process(acceleration));
         }
+    }
+
+    /// The same where a sensor leans: the car's acceleration forward and what the tire carries in N go in.
+    pub(crate) fn sense_leaning(&mut self, vertical_m_s2: [f64; 2], step_s: f64, car_m_s2: f64, tire_n: f64) {
+        let slope = self.slope;
+        let wheel_m_s2 = self.fore_aft.as_mut().map_or(0.0, |wheel| wheel.step(step_s, slope, tire_n));
+        let forward_m_s2 = [car_m_s2, car_m_s2 + wheel_m_s2];
+        let read = |i: usize| {
+            let [vertical, fore_aft] = self.directions[i];
+            vertical * vertical_m_s2[i] + fore_aft * forward_m_s2[i]
+        };
+        self.sense([read(0), read(1)]);
     }
 
     /// The log's row at a time, `fraction` of a fine-grid step after the second of the last four.

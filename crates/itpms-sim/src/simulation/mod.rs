@@ -7,6 +7,7 @@
 //! cubic through the four fine-grid values around it.
 
 mod corner;
+mod fore_aft;
 mod history;
 mod ride;
 mod row;
@@ -53,6 +54,8 @@ pub struct Simulation {
     speed_m_s: TimeProfile,
     lanes: Lanes,
     corners: Vec<CornerRun>,
+    /// Whether a sensor reads of fore-aft accelerations.
+    leans: bool,
     ride: Ride,
     faults: Faults,
     /// Fine-grid step reached.
@@ -115,6 +118,7 @@ impl Simulation {
             clock: generator(seed, Purpose::Clock, [0, 0]),
             speed_m_s,
             lanes,
+            leans: corners.iter().any(CornerRun::leans),
             corners,
             ride,
             faults: Faults::new(&scenario.fault, seed),
@@ -174,8 +178,16 @@ impl Simulation {
         if !accelerations.iter().flatten().all(|acceleration| acceleration.abs() < ABSURD_M_S2) {
             self.diverged_s.get_or_insert(times[2]);
         }
+        let tires_n = self.leans.then(|| self.ride.tires_n(&inputs));
         for run in &mut self.corners {
-            run.sense(accelerations[run.corner.index()]);
+            let i = run.corner.index();
+            match tires_n {
+                None => run.sense(accelerations[i]),
+                Some(tires_n) => {
+                    let car_m_s2 = self.ride.forward_m_s2();
+                    run.sense_leaning(accelerations[i], step.step_s, car_m_s2, tires_n[i]);
+                }
+            }
         }
     }
 }

@@ -64,6 +64,26 @@ impl Ride {
         }
     }
 
+    /// What each tire carries in N at the end of a step with these inputs.
+    pub(crate) fn tires_n(&self, inputs: &[StepInput; 4]) -> [f64; 4] {
+        let road_m = inputs.map(|input| input.road_m[2]);
+        let stiffness_n_per_m = inputs.map(|input| input.stiffness_n_per_m[1]);
+        match self {
+            Ride::Quarters { plants, .. } => [0, 1, 2, 3].map(|i| {
+                plants[i].as_ref().map_or(0.0, |plant| plant.tire_n(road_m[i], stiffness_n_per_m[i]))
+            }),
+            Ride::Car(ride) => ride.car.tires_n(road_m, stiffness_n_per_m),
+        }
+    }
+
+    /// Acceleration of the car in m/s² forward at the end of the last step; quarter cars have none.
+    pub(crate) fn forward_m_s2(&self) -> f64 {
+        match self {
+            Ride::Quarters { .. } => 0.0,
+            Ride::Car(ride) => ride.reached.car_m_s2[0],
+        }
+    }
+
     /// Moves the masses by a step; accelerations in m/s² of body and wheel at each corner at its end.
     pub(crate) fn step(&mut self, step: &Step, inputs: &[StepInput; 4]) -> [[f64; 2]; 4] {
         match self {

@@ -7,7 +7,7 @@ use itpms_core::car::{CarEstimate, EstimatorOptions, RoadHeights};
 use itpms_core::model::{CarConfig, Corner};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::warning::{Alert, Change, Limits, MonitorReport};
-use itpms_sim::scenario::{Scenario, ToleranceSpec};
+use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::{SimRow, Simulation};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -130,8 +130,8 @@ fn scenario(plan: &Plan) -> Result<Scenario, SoakError> {
     let mut scenario = Scenario::builtin("drive-normal")?;
     scenario.rate_hz = plan.rate_hz;
     scenario.duration_s = plan.drive_s;
-    if let (Some(journey), Car::Varied | Car::Quarters) = (&mut scenario.journey, plan.car) {
-        journey.tolerances = Some(ToleranceSpec::default());
+    if let (Some(journey), Car::Nominal) = (&mut scenario.journey, plan.car) {
+        journey.tolerances = None;
     }
     scenario.validate()?;
     Ok(scenario)

@@ -11,12 +11,15 @@
 //! | `detect` | how soon a loss is warned of, on which wheel |
 //! | `disturb` | the same while something is not as the estimator is told |
 //! | `limit` | what nobody could do better |
+//! | `real`, `real_list` | cars that are not their files: level, honesty and warnings with each deviation |
 
 mod detect;
 mod disturb;
 mod errors;
 mod limit;
 mod puncture;
+mod real;
+mod real_list;
 
 use itpms_core::car::{CarEstimate, EstimatorOptions, RoadHeights, Sources};
 use itpms_core::estimator::EstimatorKind;
@@ -220,6 +223,7 @@ impl Drive {
 pub(super) struct Plan {
     errors: errors::Plan,
     detection: detect::Plan,
+    real: real::Plan,
 }
 
 impl Plan {
@@ -245,17 +249,22 @@ impl Plan {
             true => detect::Plan::new(kind, seeds, only),
             false => detect::Plan::default(),
         };
-        Ok(Self { errors, detection })
+        let real = match wanted(Part::Car) {
+            true => real::Plan::new(kind, seeds, only),
+            false => real::Plan::default(),
+        };
+        Ok(Self { errors, detection, real })
     }
 
     /// Drives in all.
     pub(super) fn drives(&self) -> u64 {
-        self.errors.drives() + self.detection.drives()
+        self.errors.drives() + self.detection.drives() + self.real.drives()
     }
 
     pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, ScoreError> {
         let mut rows = self.errors.rows(runner)?;
         rows.extend(self.detection.rows(runner)?);
+        rows.extend(self.real.rows(runner)?);
         Ok(rows)
     }
 }
