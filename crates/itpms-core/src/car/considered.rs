@@ -1,4 +1,4 @@
-//! What of the tires' stiffnesses rests on the vehicle file, whatever the signals say (docs/math/considered.md): all masses, forces and
+//! What of the tires' stiffnesses rests on the vehicle file, whatever the signals say (docs/math/unknown-car.md, section 4): all masses, forces and
 //! stiffnesses of a wheel times one factor give the same accelerations over the same road. So that factor is never learned; its
 //! uncertainty is carried along (a Schmidt-Kalman filter's *considered* parameter).
 

@@ -1,4 +1,4 @@
-//! Whether a corner's body moves as the vehicle file says, and what was found of it on the way (docs/math/misfit.md).
+//! Whether a corner's body moves as the vehicle file says, and what was found of it on the way (docs/math/unknown-car.md, section 3).
 
 use crate::real::Real;
 

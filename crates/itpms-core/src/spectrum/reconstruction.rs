@@ -1,5 +1,5 @@
 //! Per sample: from the two accelerations to the signals that the road velocity is a linear combination of
-//! (docs/math/informed.md, eq. 1-4; docs/math/friction.md, eq. 2). Called on every grid step; knows nothing of stiffness or
+//! (docs/math/informed.md, eq. 1-4; docs/math/unknown-car.md, eq. 2). Called on every grid step; knows nothing of stiffness or
 //! statistics.
 //!
 //! With `L = s/(s + ω_l)` the leak that keeps integrals from drifting, `L v_r = u_1 + θ u_2`, where

@@ -1,4 +1,4 @@
-//! The body's equation of motion, all corners together, fitted to the spectra of their frames (docs/math/friction.md, section 2): mass and
+//! The body's equation of motion, all corners together, fitted to the spectra of their frames (docs/math/unknown-car.md, section 2): mass and
 //! inertias, spring, damper and anti-roll bar, friction of every strut. Gauss-Newton steps on an information matrix that forgets;
 //! friction is never negative.
 

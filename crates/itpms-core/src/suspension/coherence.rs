@@ -1,4 +1,4 @@
-//! How far a corner's body goes with its wheel: the coherence of the two sensors' accelerations (docs/math/misfit.md, section 1). Where
+//! How far a corner's body goes with its wheel: the coherence of the two sensors' accelerations (docs/math/unknown-car.md, section 3). Where
 //! they have little to do with each other, no quarter car describes them, and what it makes of them is no tire.
 
 use nalgebra::{Complex, SMatrix, SVector};

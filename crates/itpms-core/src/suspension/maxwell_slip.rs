@@ -1,5 +1,5 @@
 //! Friction of a strut as elements in parallel that each stick like a spring until they slip (Maxwell-slip model: Lampaert, Al-Bender and
-//! Swevers 2003), every one smooth as in Dahl's model (1968): docs/math/friction.md, eq. 1.
+//! Swevers 2003), every one smooth as in Dahl's model (1968): docs/math/unknown-car.md, eq. 1.
 
 use crate::real::Real;
 

@@ -1,5 +1,5 @@
 //! The force in the struts: spring, damper, anti-roll bar and friction, identified from the body's own equation of motion, in which
-//! neither roads nor tires appear (docs/math/friction.md). What the roads tell never comes back here.
+//! neither roads nor tires appear (docs/math/unknown-car.md). What the roads tell never comes back here.
 //!
 //! Entered corner by corner with grid samples ([`Strut`]) and, whenever all corners have a frame, with those frames
 //! ([`BodyEquation`]). Knows nothing of tires, pressures and beliefs.

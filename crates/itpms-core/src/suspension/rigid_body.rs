@@ -1,4 +1,4 @@
-//! How a force at one corner accelerates the body at another: a rigid body heaves, pitches and rolls (docs/math/friction.md, eq. 3).
+//! How a force at one corner accelerates the body at another: a rigid body heaves, pitches and rolls (docs/math/unknown-car.md, eq. 3).
 
 use nalgebra::SMatrix;
 
