@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use itpms_core::model::Corner;
 use itpms_data::crg::CrgRoad;
 use itpms_data::log::LogCorner;
-use itpms_data::vehicle::{Confidence, VehicleDetails};
+use itpms_data::vehicle::VehicleDetails;
 use itpms_data::{LogRow, Vehicle};
 use itpms_sim::road::Surface;
 use itpms_sim::scenario::Scenario;
@@ -91,7 +91,7 @@ pub fn vehicle_of(scenario: &Scenario) -> Result<Vehicle, DriveError> {
     for (corner, _) in scenario.corner.iter() {
         corners[corner.index()] = Some(scenario.corner_config(corner)?);
     }
-    let details = VehicleDetails { confidence: Confidence::Measured, ..VehicleDetails::default() };
+    let details = VehicleDetails { confidence: scenario.confidence, ..VehicleDetails::default() };
     Ok(Vehicle {
         name: format!("vehicle of {}", scenario.name),
         id: None,

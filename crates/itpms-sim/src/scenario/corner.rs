@@ -161,12 +161,14 @@ impl CornerSpec {
         )?)
     }
 
-    pub(crate) fn told(&self, usual: &SensorSpec) -> Result<CornerConfig<f64>, InvalidValue> {
+    pub(crate) fn told(
+        &self,
+        usual: &SensorSpec,
+        confidence: Confidence,
+    ) -> Result<CornerConfig<f64>, InvalidValue> {
         let map = self.tire.map()?;
-        // Whoever writes a scenario knows its car.
-        let measured = ParameterUncertainty::of(Confidence::Measured);
-        let mut told =
-            CornerConfig::new(self.quarter_car()?, map, self.placard_kpa)?.with_uncertainty(measured);
+        let known = ParameterUncertainty::of(confidence);
+        let mut told = CornerConfig::new(self.quarter_car()?, map, self.placard_kpa)?.with_uncertainty(known);
         let noise = self.accel_noise_m_s2.unwrap_or(self.wheel_sensor.unwrap_or(*usual).noise_m_s2);
         if noise > 0.0 {
             told = told.with_accel_noise(noise)?;
@@ -178,7 +180,7 @@ impl CornerSpec {
     }
 
     pub(crate) fn validate(&self) -> Result<(), InvalidValue> {
-        self.told(&SensorSpec::default())?;
+        self.told(&SensorSpec::default(), Confidence::default())?;
         self.pressure.profile_kpa().map_err(|e| e.within("pressure"))?;
         self.truth.validate().map_err(|e| e.within("truth"))?;
         for (name, sensor) in [("body_sensor", &self.body_sensor), ("wheel_sensor", &self.wheel_sensor)] {

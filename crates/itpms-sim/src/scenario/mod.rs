@@ -6,6 +6,7 @@
 //!
 //! The built-in scenarios are the TOML files in `scenarios/`, which also serve as examples.
 
+mod confidence;
 mod corner;
 mod file;
 mod journey;
@@ -13,7 +14,7 @@ mod tolerance;
 
 use serde::{Deserialize, Serialize};
 
-use itpms_core::model::{Corner, CornerConfig};
+use itpms_core::model::{Confidence, Corner, CornerConfig};
 
 pub use corner::{CornerSpec, Corners, TireSpec};
 pub use journey::JourneySpec;
@@ -58,6 +59,9 @@ pub struct Scenario {
     /// How far beside the front wheels' track the rear ones run in m, without a [`CarSpec`] (which has its own).
     #[serde(default, skip_serializing_if = "is_zero")]
     pub rear_offset_m: f64,
+    /// How well the vehicle file knows the car: `measured`, `typical` or `rough`.
+    #[serde(default = "measured", with = "confidence")]
+    pub confidence: Confidence,
     /// Speed over time.
     pub speed: Speed,
     /// The road.
@@ -89,6 +93,11 @@ pub struct Scenario {
 /// Sprung mass motions of a passenger car decay like exp(-2 t): what is left after this is below the noise.
 fn usual_settling_s() -> f64 {
     4.0
+}
+
+/// Whoever writes a scenario knows its car.
+fn measured() -> Confidence {
+    Confidence::Measured
 }
 
 fn usual_wheelbase_m() -> f64 {
@@ -224,7 +233,9 @@ impl Scenario {
     /// The scenario has no such corner, or one of the values is out of range.
     pub fn corner_config(&self, corner: Corner) -> Result<CornerConfig<f64>, ScenarioError> {
         let told = match self.corner.get(corner) {
-            Some(spec) => spec.told(&self.sensor).map_err(|e| e.within(corner.label()).within("corner")),
+            Some(spec) => spec
+                .told(&self.sensor, self.confidence)
+                .map_err(|e| e.within(corner.label()).within("corner")),
             None => Err(InvalidValue::new(format!("corner.{}", corner.label()), "missing", "a corner")),
         };
         told.map_err(|source| ScenarioError::Invalid { scenario: self.name.clone(), source })
