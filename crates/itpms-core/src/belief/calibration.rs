@@ -6,6 +6,7 @@ use super::state::{
     WHEELBASE,
 };
 use super::{Belief, ENOUGH_S};
+use crate::memory::blank;
 use crate::model::{CalibrationError, CornerCalibration, Learned, VehicleCalibration};
 use crate::real::Real;
 
@@ -42,6 +43,8 @@ pub(super) struct CalibrationState<T> {
     /// When the last one of this drive ended, as long as no tire is taken to have been filled since.
     ended_s: Option<f64>,
 }
+
+blank!(CalibrationState<T> { active, from_s, calibrated, stored, loaded, ended_s });
 
 impl<T: Real> CalibrationState<T> {
     pub(super) fn new() -> Self {
@@ -87,7 +90,8 @@ impl<T: Real> Belief<T> {
     pub(super) fn set_tires(&mut self) {
         self.calibration.from_s = self.learned_s;
         self.bank.collapse();
-        (self.checkpoints, self.pre_fault) = ([None, None], [None; 4]);
+        self.drop_checkpoints();
+        self.pre_fault = [None; 4];
         (0..4).for_each(|corner| self.set_tire(corner));
     }
 

@@ -2,6 +2,7 @@
 
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
 use crate::diagnosis::{Fault, Malfunction};
+use crate::memory::blank;
 use crate::real::Real;
 
 /// What the sensors of a corner look like in the hop band.
@@ -17,6 +18,8 @@ pub(crate) enum SwapPattern {
     Crossed,
 }
 
+blank!(SwapPattern::Right);
+
 /// A latch and what it would say.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -24,6 +27,8 @@ pub(crate) struct FaultLatch<T> {
     pub(crate) debouncer: Debouncer,
     pub(crate) malfunction: Option<Malfunction<T>>,
 }
+
+blank!(FaultLatch<T> { debouncer, malfunction });
 
 impl<T: Real> FaultLatch<T> {
     pub(crate) fn new() -> Self {

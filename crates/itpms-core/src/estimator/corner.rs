@@ -7,6 +7,7 @@ use super::reading::Reading;
 use super::{EstimatorKind, RoadRepetition};
 use crate::conditioning::wheel_lift::ContactWatch;
 use crate::conditioning::{GridSample, Resampler, SampleCounts};
+use crate::memory::blank;
 use crate::model::{
     CornerConfig, CornerEstimate, CornerSample, Diagnostics, ParameterError, QuarterCar, Validity, Warning,
     positive,
@@ -52,6 +53,11 @@ pub(crate) struct CornerEstimator<T: Real> {
     contact: ContactWatch<T>,
 }
 
+blank!(CornerEstimator<T> {
+    kind, config, resampler, method, road, road_told_s, watch, calibration_s, calibration_ends_s,
+    pinned_s, restarts, repetition, fused, contact,
+});
+
 /// What the whole car knows of a corner that the corner by itself does not.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -73,33 +79,38 @@ impl<T: Real> CornerEstimator<T> {
     ///
     /// # Errors
     /// The rate must be positive and finite; parameters of the corner that the filters refuse are named.
-    pub(crate) fn new(
+    pub(crate) fn configure(
+        &mut self,
         kind: EstimatorKind,
         config: &CornerConfig<T>,
         sample_rate_hz: f64,
-    ) -> Result<Self, ParameterError> {
+    ) -> Result<(), ParameterError> {
         let sample_rate_hz = positive("sample_rate_hz", sample_rate_hz)?;
         let frames = !kind.is_as_published();
-        let resampler = Resampler::new(sample_rate_hz, if frames { FRAME_GRID_HZ } else { sample_rate_hz });
-        let method = RunningMethod::new(kind, config, sample_rate_hz, resampler.grid_period_s())?;
+        (self.kind, self.config) = (kind, *config);
+        self.resampler = Resampler::new(sample_rate_hz, if frames { FRAME_GRID_HZ } else { sample_rate_hz });
+        self.method.configure(kind, config, sample_rate_hz, self.resampler.grid_period_s())?;
+        self.begin_road()?;
+        self.road_told_s = f64::NEG_INFINITY;
+        self.watch = LowPressureWatch::new();
+        self.calibration_s = 0.0;
+        self.calibration_ends_s = None;
+        self.pinned_s = f64::NEG_INFINITY;
+        self.restarts = 0;
+        self.repetition = RoadRepetition::default();
+        self.fused = None;
+        self.contact = ContactWatch::new(&config.quarter_car);
+        Ok(())
+    }
+
+    /// The road's filter, by way of the stack: it is small.
+    #[inline(never)]
+    fn begin_road(&mut self) -> Result<(), ParameterError> {
+        let config = &self.config;
         let noise = config.accel_noise_or_usual_m_s2();
         let road = RoadConfig::new(config.quarter_car, config.initial_stiffness_n_per_m(), noise)?;
-        Ok(Self {
-            kind,
-            config: *config,
-            resampler,
-            method,
-            road: Some(RoadFilter::new(&road)),
-            road_told_s: f64::NEG_INFINITY,
-            watch: LowPressureWatch::new(),
-            calibration_s: 0.0,
-            calibration_ends_s: None,
-            pinned_s: f64::NEG_INFINITY,
-            restarts: 0,
-            repetition: RoadRepetition::default(),
-            fused: None,
-            contact: ContactWatch::new(&config.quarter_car),
-        })
+        self.road = Some(RoadFilter::new(&road));
+        Ok(())
     }
 
     /// Says that the tire has its placard pressure from the next sample on, for `seconds`: the driver's calibration.

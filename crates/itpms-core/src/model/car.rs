@@ -1,6 +1,7 @@
 //! What an estimator is told about the car.
 
 use super::estimate::CornerConfig;
+use crate::memory::blank;
 
 /// What an estimator is told about the car.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -11,6 +12,8 @@ pub struct CarConfig<T> {
     /// Distance between the axles in m; `None`: the shared road is not used.
     pub wheelbase_m: Option<T>,
 }
+
+blank!(CarConfig<T> { corners, wheelbase_m });
 
 /// When tires may gain air.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -23,3 +26,5 @@ pub enum Inflation {
     /// On the way, too: a car with pumps.
     WhileRolling,
 }
+
+blank!(Inflation::AtStops);

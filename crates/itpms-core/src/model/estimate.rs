@@ -1,6 +1,7 @@
 //! What goes out, for every estimator alike: pressure and stiffness with their standard deviations, whether to
 //! believe them, and a warning.
 
+use crate::memory::blank;
 use crate::model::{ParameterError, PressureMap, QuarterCar, positive};
 use crate::real::Real;
 
@@ -19,6 +20,8 @@ pub struct CornerConfig<T> {
     /// Pressure to start from, in kPa gauge; `None`: the placard's.
     pub initial_kpa: Option<T>,
 }
+
+blank!(CornerConfig<T> { quarter_car, tire, placard_kpa, accel_noise_m_s2, initial_kpa });
 
 impl<T: Real> CornerConfig<T> {
     /// A corner with the placard's pressure as its start and unknown sensor noise.
@@ -88,6 +91,8 @@ pub enum Validity {
     /// The computation left its range (a published filter diverged).
     Diverged,
 }
+
+blank!(Validity::Starting);
 
 impl Validity {
     /// True for [`Validity::Valid`] alone.

@@ -22,6 +22,7 @@ use crate::diagnosis::debounce::Debouncer;
 use crate::diagnosis::decorrelation::DecorrelationDetector;
 use crate::diagnosis::standstill::Standstill;
 use crate::diagnosis::{Diagnosis, Fault};
+use crate::memory::{Blank, blank};
 use crate::model::CarEstimate;
 use crate::model::{
     CarSample, Corner, CornerEstimate, CornerSample, ParameterError, Validity, Warning, Wheels, positive,
@@ -81,37 +82,54 @@ pub struct Monitor<T: Real> {
     report: MonitorReport<T>,
 }
 
+blank!(Monitor<T> {
+    config, told_kpa, reference, reference_kpa, diagnosis, faults, suspects, late_detection_s,
+    rollback_requested, faulted, wheels, decorrelation, leaks, all_low, standstill, speed_m_s,
+    decided_s, ahead_s, report,
+});
+
 impl<T: Real> Monitor<T> {
     /// A monitor for samples that come at about `sample_rate_hz`.
     ///
     /// # Errors
     /// The rate must be positive and finite, limits and references numbers in order.
     pub fn new(config: &MonitorConfig<T>, sample_rate_hz: f64) -> Result<Self, ParameterError> {
+        let mut monitor = Self::BLANK;
+        monitor.configure(config, sample_rate_hz)?;
+        Ok(monitor)
+    }
+
+    /// The same where it lies.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new).
+    pub(crate) fn configure(
+        &mut self,
+        config: &MonitorConfig<T>,
+        sample_rate_hz: f64,
+    ) -> Result<(), ParameterError> {
         let sample_rate_hz = positive("sample_rate_hz", sample_rate_hz)?;
         config.check()?;
         let placard = |i: usize| config.car.corners[i].as_ref().map_or(T::one(), |corner| corner.placard_kpa);
-        let told_kpa = [0, 1, 2, 3].map(|i| config.reference_kpa[i].unwrap_or(placard(i)));
-        Ok(Self {
-            config: *config,
-            told_kpa,
-            reference: ReferencePressure::new(),
-            reference_kpa: told_kpa,
-            diagnosis: Diagnosis::new(&config.car, sample_rate_hz),
-            faults: [None; 4],
-            suspects: Wheels::NONE,
-            late_detection_s: [f64::NEG_INFINITY; 4],
-            rollback_requested: Wheels::NONE,
-            faulted: Wheels::NONE,
-            wheels: [WheelWatch::new(); 4],
-            decorrelation: [DecorrelationDetector::new(); 2],
-            leaks: LeakWatch::new(),
-            all_low: AllLow::new(),
-            standstill: Standstill::new(),
-            speed_m_s: T::lit(f64::NAN),
-            decided_s: f64::NEG_INFINITY,
-            ahead_s: 0.0,
-            report: MonitorReport::empty(),
-        })
+        self.config = *config;
+        self.told_kpa = [0, 1, 2, 3].map(|i| config.reference_kpa[i].unwrap_or(placard(i)));
+        self.reference = ReferencePressure::new();
+        self.reference_kpa = self.told_kpa;
+        self.diagnosis.configure(&config.car, sample_rate_hz);
+        self.faults = [None; 4];
+        self.suspects = Wheels::NONE;
+        self.late_detection_s = [f64::NEG_INFINITY; 4];
+        self.rollback_requested = Wheels::NONE;
+        self.faulted = Wheels::NONE;
+        self.wheels = [WheelWatch::new(); 4];
+        self.decorrelation = [DecorrelationDetector::new(); 2];
+        self.leaks = LeakWatch::new();
+        self.all_low = AllLow::new();
+        self.standstill = Standstill::new();
+        self.speed_m_s = T::lit(f64::NAN);
+        (self.decided_s, self.ahead_s) = (f64::NEG_INFINITY, 0.0);
+        self.report = MonitorReport::empty();
+        Ok(())
     }
 
     /// Says that a calibration begins with the next sample and takes `seconds`: what is estimated at its end is from then on what

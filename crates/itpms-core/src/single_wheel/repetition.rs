@@ -1,5 +1,6 @@
 //! What a corner and its repeated road tell each other.
 
+use crate::memory::blank;
 use crate::spectrum::transfer::Body;
 
 /// The compliance that a repeated road tells.
@@ -42,6 +43,8 @@ pub(crate) enum Held {
     /// Else.
     No,
 }
+
+blank!(Held::No);
 
 /// One grid step of what the road velocity is made of: `wheel + θ force`.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,6 +5,7 @@
 //! `u_1 = L v_w` and `u_2 = m_w L ȧ_w + c_s L (a_w - a_b) + k_s L (v_w - v_b)`: the force through the suspension, so the
 //! sprung mass and the body sensor's noise stay out of it.
 
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Leak of the integrators in rad/s: low enough to leave the first bin alone, high enough to keep the slow road,
@@ -40,6 +41,8 @@ struct Channel<T> {
     /// The leaky integrals three and two samples ago, older first: it needs one sample of the future.
     integral: [T; 2],
 }
+
+blank!(Channel<T> { offset, acceleration, integral });
 
 impl<T: Real> Channel<T> {
     fn new() -> Self {
@@ -87,6 +90,8 @@ pub(crate) struct Reconstruction<T> {
     body: Channel<T>,
     wheel: Channel<T>,
 }
+
+blank!(Reconstruction<T> { dt, steps, body, wheel });
 
 impl<T: Real> Reconstruction<T> {
     pub(crate) fn new(grid_period_s: f64) -> Self {

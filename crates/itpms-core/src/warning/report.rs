@@ -2,6 +2,7 @@
 //!
 //! Made by the monitor; read by displays, files and studies. Holds no logic beyond reading it.
 
+use crate::memory::blank;
 use crate::model::{Corner, Validity, Warning, Wheels};
 use crate::real::Real;
 use crate::warning::{Alert, Cause};
@@ -104,6 +105,8 @@ pub struct MonitorReport<T> {
     /// By how much that clock was set back so far, in s.
     set_back_s: f64,
 }
+
+blank!(MonitorReport<T> { time_s, wheels, slots, set_back_s });
 
 impl<T: Real> MonitorReport<T> {
     pub(crate) fn empty() -> Self {

@@ -9,6 +9,7 @@ use crate::diagnosis::matching::{median, over_others};
 use crate::diagnosis::signals::Block;
 use crate::diagnosis::single_sensor::evidence;
 use crate::diagnosis::{Fault, Malfunction, Place, Sensor};
+use crate::memory::blank;
 use crate::model::Corner;
 use crate::real::Real;
 
@@ -48,6 +49,8 @@ pub(crate) struct WheelGainBalance<T> {
     largest_deviation: [T; 4],
     words: [FaultLatch<T>; 4],
 }
+
+blank!(WheelGainBalance<T> { over_median, over_partner, told, filled, hop, largest_deviation, words });
 
 impl<T: Real> WheelGainBalance<T> {
     pub(crate) fn new() -> Self {

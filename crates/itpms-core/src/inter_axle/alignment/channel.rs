@@ -2,6 +2,7 @@
 //! at which each was taken. Fed with grid samples; knows nothing of the other corners.
 
 use crate::conditioning::GridSample;
+use crate::memory::blank;
 use crate::real::Real;
 use crate::spectrum::reconstruction::{
     LAG, RELATIVE_ACCELERATION, RELATIVE_VELOCITY, Reconstruction, WHEEL_JERK, WHEEL_VELOCITY,
@@ -61,6 +62,8 @@ struct Section<T> {
     feedback: [T; 2],
 }
 
+blank!(Section<T> { gain, middle, feedback });
+
 impl<T: Real> Section<T> {
     fn low_pass(rate_hz: f64, quality: f64) -> Self {
         let k = T::lit(core::f64::consts::PI * SMOOTH_HZ / rate_hz).tan();
@@ -106,6 +109,10 @@ pub(crate) struct Channel<T> {
     unloaded_s: f64,
     after_gap: bool,
 }
+
+blank!(Channel<T> {
+    reconstruction, sections, states, grid_period_s, every, step, invalid, unloaded_s, after_gap,
+});
 
 impl<T: Real> Channel<T> {
     pub(crate) fn new(grid_period_s: f64) -> Self {
