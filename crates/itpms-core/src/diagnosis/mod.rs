@@ -69,6 +69,8 @@ pub(crate) struct Fault<T> {
     pub(crate) reported_s: f64,
 }
 
+blank!(Fault<T> { malfunction, since_s, reported_s });
+
 impl<T> Fault<T> {
     fn from_debouncer(debouncer: &Debouncer, malfunction: Malfunction<T>) -> Self {
         Self { malfunction, since_s: debouncer.since_s(), reported_s: debouncer.reported_s() }

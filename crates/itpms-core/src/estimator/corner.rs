@@ -7,7 +7,7 @@ use super::reading::Reading;
 use super::{EstimatorKind, RoadRepetition};
 use crate::conditioning::wheel_lift::ContactWatch;
 use crate::conditioning::{GridSample, Resampler, SampleCounts};
-use crate::memory::blank;
+use crate::memory::{Placed, blank};
 use crate::model::{
     CornerConfig, CornerEstimate, CornerSample, Diagnostics, ParameterError, QuarterCar, Validity, Warning,
     positive,
@@ -38,8 +38,8 @@ pub(crate) struct CornerEstimator<T: Real> {
     config: CornerConfig<T>,
     resampler: Resampler<T>,
     method: RunningMethod<T>,
-    /// The road for the default estimator; the filters bring their own. `None`: nobody wants to know it.
-    road: Option<RoadFilter<T>>,
+    /// The road for the default estimator; the filters bring their own. Absent: nobody wants to know it.
+    road: Placed<RoadFilter<T>>,
     road_told_s: f64,
     watch: LowPressureWatch,
     /// Length in s of the calibration drive at the start, and when it ends once that is known.
@@ -49,7 +49,7 @@ pub(crate) struct CornerEstimator<T: Real> {
     restarts: u32,
     repetition: RoadRepetition,
     /// What the whole car says of this corner, while it says anything.
-    fused: Option<FusedStiffness<T>>,
+    fused: Placed<FusedStiffness<T>>,
     contact: ContactWatch<T>,
 }
 
@@ -73,6 +73,10 @@ pub(crate) struct FusedStiffness<T> {
     /// Whether anything is heard at all: frames, or words of the corner's spectrum.
     pub(crate) has_signal: bool,
 }
+
+blank!(FusedStiffness<T> {
+    stiffness_n_per_m, stiffness_sd_n_per_m, changing, learned_s, learning, has_signal,
+});
 
 impl<T: Real> CornerEstimator<T> {
     /// An estimator of `kind` for a corner whose samples come at about `sample_rate_hz`.
@@ -98,7 +102,7 @@ impl<T: Real> CornerEstimator<T> {
         self.pinned_s = f64::NEG_INFINITY;
         self.restarts = 0;
         self.repetition = RoadRepetition::default();
-        self.fused = None;
+        self.fused.clear();
         self.contact = ContactWatch::new(&config.quarter_car);
         Ok(())
     }
@@ -109,7 +113,7 @@ impl<T: Real> CornerEstimator<T> {
         let config = &self.config;
         let noise = config.accel_noise_or_usual_m_s2();
         let road = RoadConfig::new(config.quarter_car, config.initial_stiffness_n_per_m(), noise)?;
-        self.road = Some(RoadFilter::new(&road));
+        self.road.place(|filter| *filter = RoadFilter::new(&road));
         Ok(())
     }
 
@@ -131,7 +135,7 @@ impl<T: Real> CornerEstimator<T> {
 
     /// Leaves out the road's heights where they come from a filter of their own.
     pub(crate) fn leave_out_road(&mut self) {
-        self.road = None;
+        self.road.clear();
     }
 
     /// Probability that the pressure moves, as the corner by itself sees it.
@@ -186,7 +190,7 @@ impl<T: Real> CornerEstimator<T> {
 
     /// Tells what the whole car says of this corner; `None`: nothing now.
     pub(crate) fn set_fused(&mut self, word: Option<FusedStiffness<T>>) {
-        self.fused = word;
+        self.fused.set(word);
     }
 
     /// Time between grid steps in s.
@@ -202,7 +206,7 @@ impl<T: Real> CornerEstimator<T> {
         {
             self.restart();
         }
-        if let Some(word) = &self.fused {
+        if let Some(word) = self.fused.as_ref() {
             self.method.apply_fused(&mut reading, word);
         }
         if self.kind == EstimatorKind::Informed {
@@ -226,7 +230,7 @@ impl<T: Real> CornerEstimator<T> {
     /// Causal road height in m and its sd, for the stiffness believed now.
     fn follow_road(&mut self, time_s: f64, corner: &CornerSample<T>, reading: &Reading<T>) -> (T, T) {
         let unknown = (T::lit(f64::NAN), T::lit(f64::NAN));
-        let Some(filter) = &mut self.road else { return unknown };
+        let Some(filter) = self.road.as_mut() else { return unknown };
         if !(time_s - self.road_told_s < TELL_S) {
             self.road_told_s = time_s;
             // Refused only outside its range, and then the road keeps what it was told before.

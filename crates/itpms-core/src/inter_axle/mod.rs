@@ -25,7 +25,7 @@ use crate::belief::measurement::BINS;
 use crate::belief::state::{DAMPING, SKEW, WHEELBASE};
 use crate::conditioning::GridSample;
 use crate::inter_axle::alignment::channel::BOTH;
-use crate::memory::blank;
+use crate::memory::{Placed, blank};
 use crate::model::{CarConfig, QuarterCar};
 use crate::real::Real;
 use crate::spectrum::transfer::Body;
@@ -74,7 +74,7 @@ pub(crate) struct InterAxle<T: Real> {
     channels: [Channel<T>; 4],
     pairs: [AxlePair<T>; 2],
     /// The newest two entries of the rear corners, newest first.
-    rear: [[Option<Entry<T>>; 2]; 2],
+    rear: [[Placed<Entry<T>>; 2]; 2],
     /// Seconds from front to rear wheel, left and right.
     delay_s: [T; 2],
     /// Seconds by which filters delay the signals, and by which the speed was found to be late.
@@ -121,7 +121,7 @@ impl<T: Real> InterAxle<T> {
         for (side, pair) in self.pairs.iter_mut().enumerate() {
             pair.configure(side, period_s, [noise(side), noise(side + 2)]);
         }
-        self.rear = [[None; 2]; 2];
+        self.rear.iter_mut().flatten().for_each(Placed::clear);
         self.delay_s = [T::zero(); 2];
         self.filter_delay_s = self.channels[0].filter_delay_s() + SENSOR_DELAY_PERIODS / sample_rate_hz;
         self.speed_latency_s = 0.0;
@@ -145,9 +145,10 @@ impl<T: Real> InterAxle<T> {
             return None;
         }
         // One entry late, so that the other side's of the same time is there, too.
-        let [newest, _] = self.rear[side];
-        self.rear[side] = [Some(entry), newest];
-        newest
+        let [newest, before] = &mut self.rear[side];
+        *before = *newest;
+        newest.set(Some(entry));
+        before.get()
     }
 
     /// Aligns an entry of a rear corner with the road that the front met.

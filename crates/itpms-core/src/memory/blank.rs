@@ -42,6 +42,10 @@ impl Blank for bool {
     const BLANK: Self = false;
 }
 
+impl Blank for u8 {
+    const BLANK: Self = 0;
+}
+
 impl Blank for u32 {
     const BLANK: Self = 0;
 }

@@ -5,7 +5,7 @@ use core::fmt;
 use super::Blank;
 
 /// See the [module](self).
-#[derive(Clone)]
+#[derive(Clone, Copy)]
 pub(crate) struct Placed<X> {
     present: bool,
     value: X,
@@ -41,6 +41,20 @@ impl<X> Placed<X> {
         configure(&mut self.value)?;
         self.present = true;
         Ok(())
+    }
+}
+
+impl<X: Copy> Placed<X> {
+    pub(crate) fn get(&self) -> Option<X> {
+        self.as_ref().copied()
+    }
+
+    /// Present or absent as this is.
+    pub(crate) fn set(&mut self, value: Option<X>) {
+        match value {
+            Some(value) => self.place(|place| *place = value),
+            None => self.clear(),
+        }
     }
 }
 

@@ -1,7 +1,8 @@
 //! What an estimator is told about the car.
 
 use super::estimate::CornerConfig;
-use crate::memory::blank;
+use crate::memory::{Blank, blank};
+use crate::real::Real;
 
 /// What an estimator is told about the car.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,7 +14,10 @@ pub struct CarConfig<T> {
     pub wheelbase_m: Option<T>,
 }
 
-blank!(CarConfig<T> { corners, wheelbase_m });
+impl<T: Real> Blank for CarConfig<T> {
+    /// Corners of zeros: that there is none is no zero.
+    const BLANK: Self = Self { corners: [Some(CornerConfig::BLANK); 4], wheelbase_m: None };
+}
 
 /// When tires may gain air.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]

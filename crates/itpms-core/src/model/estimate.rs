@@ -79,17 +79,18 @@ impl<T: Real> CornerConfig<T> {
 /// Whether, and if not why not, an estimate may be believed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+// `Starting` is zero, as is all memory that is not configured.
 pub enum Validity {
     /// The data says this.
-    Valid,
+    Valid = 1,
     /// Not enough has been seen since the start.
-    Starting,
+    Starting = 0,
     /// Nothing to learn from for a while: standing still, too smooth, hidden in noise.
-    NoInformation,
+    NoInformation = 2,
     /// Samples are missing, stuck or absurd.
-    BadSignal,
+    BadSignal = 3,
     /// The computation left its range (a published filter diverged).
-    Diverged,
+    Diverged = 4,
 }
 
 blank!(Validity::Starting);
@@ -105,9 +106,10 @@ impl Validity {
 /// What the driver should know about one tire.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+// Begins at one, so that `None` of a wheel's report is zero, as is all memory that is not configured.
 pub enum Warning {
     /// Nothing to say. Not a promise that all is well: see [`Validity`].
-    None,
+    None = 1,
     /// Under-inflated.
     Low,
     /// The sensors do not allow a statement.

@@ -22,7 +22,7 @@ use crate::diagnosis::debounce::Debouncer;
 use crate::diagnosis::decorrelation::DecorrelationDetector;
 use crate::diagnosis::standstill::Standstill;
 use crate::diagnosis::{Diagnosis, Fault};
-use crate::memory::{Blank, blank};
+use crate::memory::{Blank, Placed, blank};
 use crate::model::CarEstimate;
 use crate::model::{
     CarSample, Corner, CornerEstimate, CornerSample, ParameterError, Validity, Warning, Wheels, positive,
@@ -61,7 +61,7 @@ pub struct Monitor<T: Real> {
     /// What each tire should have now.
     reference_kpa: [T; 4],
     diagnosis: Diagnosis<T>,
-    faults: [Option<Fault<T>>; 4],
+    faults: [Placed<Fault<T>>; 4],
     suspects: Wheels,
     /// When each corner was last found to have been wrong for seconds, and those of which it was found just now.
     late_detection_s: [f64; 4],
@@ -116,7 +116,7 @@ impl<T: Real> Monitor<T> {
         self.reference = ReferencePressure::new();
         self.reference_kpa = self.told_kpa;
         self.diagnosis.configure(&config.car, sample_rate_hz);
-        self.faults = [None; 4];
+        self.faults.iter_mut().for_each(Placed::clear);
         self.suspects = Wheels::NONE;
         self.late_detection_s = [f64::NEG_INFINITY; 4];
         self.rollback_requested = Wheels::NONE;
@@ -156,7 +156,9 @@ impl<T: Real> Monitor<T> {
             self.diagnosis.push(&CarSample { time_s, speed_m_s: self.speed_m_s, ..*sample });
         }
         if self.diagnosis.take_news() {
-            self.faults = self.diagnosis.faults();
+            for (fault, found) in self.faults.iter_mut().zip(self.diagnosis.faults()) {
+                fault.set(found);
+            }
             let faulty = self.faults.iter().flatten().map(|fault| fault.malfunction.wheels());
             let faulty = faulty.fold(Wheels::NONE, |all, wheels| all | wheels);
             self.suspects = self.diagnosis.suspects() | faulty;
@@ -303,7 +305,7 @@ impl<T: Real> Monitor<T> {
         let leaking = named(leak, leaking);
         let silent = Cause::NoInformation { driven_s: watch.driven_s };
         let silent = named(&watch.uninformed, silent);
-        let broken = self.faults[i].map(|fault| Alert {
+        let broken = self.faults[i].get().map(|fault| Alert {
             wheels: fault.malfunction.wheels(),
             since_s: fault.since_s,
             reported_s: fault.reported_s,

@@ -29,7 +29,7 @@ mod road_model;
 mod tables;
 
 use crate::conditioning::GridSample;
-use crate::memory::{Blank, blank};
+use crate::memory::{Blank, Placed, blank};
 use crate::model::{CornerConfig, QuarterCar};
 use crate::real::Real;
 use crate::single_wheel::gate::{Gate, SpeedKnowledge};
@@ -111,7 +111,7 @@ pub struct Informed<T: Real> {
     stopped_s: T,
     repeat: RepeatedRoad<T>,
     /// What the repeated road last said, while there is one.
-    periodic_estimate: Option<PeriodicEstimate<T>>,
+    periodic_estimate: Placed<PeriodicEstimate<T>>,
     periodic_estimate_s: f64,
     held_frames: u32,
     last_time_s: f64,
@@ -168,7 +168,7 @@ impl<T: Real> Informed<T> {
         self.last_speed_m_s = T::lit(f64::NAN);
         self.invalid = false;
         self.set_repetition(repetition);
-        self.periodic_estimate = None;
+        self.periodic_estimate.clear();
         (self.periodic_estimate_s, self.last_time_s) = (f64::NAN, f64::NAN);
         self.held_frames = 0;
     }
@@ -240,11 +240,11 @@ impl<T: Real> Informed<T> {
             let cell = (pressure - grid.pressure_kpa(0)) / grid.step_kpa();
             self.posterior.pin(cell, (sd / grid.step_kpa()).max(T::lit(LEAST_PIN_CELLS)));
             self.learned_s += word.seconds;
-            self.periodic_estimate = Some(*word);
+            self.periodic_estimate.set(Some(*word));
             self.periodic_estimate_s = sample.time_s;
         }
         if !self.repeat.is_following() {
-            self.periodic_estimate = None;
+            self.periodic_estimate.clear();
         }
         word.is_some()
     }
@@ -362,7 +362,7 @@ impl<T: Real> Informed<T> {
     /// What the frames since the last word say by themselves, whatever was believed before: a stiffness measurement for
     /// a filter outside. `None` until there are enough of them. Frames are tempered, so words may be added up.
     pub fn take_pseudo_measurement(&mut self) -> Option<StiffnessPseudoMeasurement<T>> {
-        if let Some(word) = &mut self.periodic_estimate {
+        if let Some(word) = self.periodic_estimate.as_mut() {
             let stiffness = T::one() / word.theta;
             let sd_n_per_m = word.relative_sd * stiffness * T::lit(REPEATED_WORD_SD);
             return core::mem::take(&mut word.whole_period)
@@ -397,7 +397,7 @@ impl<T: Real> Informed<T> {
         &mut self,
         believed: impl FnOnce() -> (T, T),
     ) -> Option<StiffnessPseudoMeasurement<T>> {
-        if self.periodic_estimate.is_some() {
+        if self.periodic_estimate.as_ref().is_some() {
             return self.take_pseudo_measurement();
         }
         if !self.posterior.has_word() {
@@ -418,7 +418,7 @@ impl<T: Real> Informed<T> {
 
     /// What is believed now.
     pub fn belief(&self) -> Belief<T> {
-        if let Some(word) = &self.periodic_estimate {
+        if let Some(word) = self.periodic_estimate.as_ref() {
             return self.repeated_belief(word);
         }
         let summary = self.posterior.summary();

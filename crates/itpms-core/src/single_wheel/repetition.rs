@@ -23,6 +23,8 @@ pub(crate) struct PeriodicEstimate<T> {
     pub(crate) whole_period: bool,
 }
 
+blank!(PeriodicEstimate<T> { theta, relative_sd, rate_per_s, moving, surprise, seconds, whole_period });
+
 /// What is believed of the compliance from elsewhere when the road is met.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Belief<T> {

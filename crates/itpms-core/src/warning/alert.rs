@@ -3,6 +3,7 @@
 use core::fmt;
 
 use crate::diagnosis::Malfunction;
+use crate::memory::{Blank, blank};
 use crate::model::Wheels;
 use crate::real::Real;
 
@@ -22,6 +23,8 @@ pub struct Alert<T> {
     /// Why.
     pub cause: Cause<T>,
 }
+
+blank!(Alert<T> { wheels, since_s, reported_s, cause });
 
 /// Why an alert stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,6 +57,10 @@ pub enum Cause<T> {
     },
 }
 
+impl<T: Real> Blank for Cause<T> {
+    const BLANK: Self = Self::UnderInflated(Reading::BLANK);
+}
+
 /// The pressure that decided.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -67,6 +74,8 @@ pub struct Reading<T> {
     /// What the pressure should be, in kPa.
     pub reference_kpa: T,
 }
+
+blank!(Reading<T> { pressure_kpa, sd_kpa, limit_kpa, reference_kpa });
 
 impl<T> Cause<T> {
     /// One word: `under-inflated`, `fast-leak`, `all-low`, `over-inflated`, `malfunction` or `no-information`.

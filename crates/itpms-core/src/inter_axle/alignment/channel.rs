@@ -52,6 +52,8 @@ pub(crate) struct Entry<T> {
     pub(crate) after_gap: bool,
 }
 
+blank!(Entry<T> { time_s, distance_m, speed_m_s, signals, invalid, unloaded, after_gap });
+
 /// A section of either filter, transposed direct form II.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
