@@ -92,6 +92,7 @@ pub mod conditioning;
 pub mod diagnosis;
 pub mod estimator;
 mod inter_axle;
+mod memory;
 pub mod model;
 pub mod monitor;
 #[cfg(feature = "paper")]

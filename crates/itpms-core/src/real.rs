@@ -4,6 +4,8 @@ use nalgebra::RealField;
 
 /// A real scalar. Everything mathematical comes from [`RealField`]; this adds constants and the way back.
 pub trait Real: RealField + Copy {
+    /// Zero, where it has to be a constant.
+    const ZERO: Self;
     /// The constant `value`, rounded to this type.
     fn lit(value: f64) -> Self;
     /// This value, widened (or kept) to `f64`.
@@ -13,6 +15,7 @@ pub trait Real: RealField + Copy {
 }
 
 impl Real for f32 {
+    const ZERO: Self = 0.0;
     fn lit(value: f64) -> Self {
         value as f32
     }
@@ -25,6 +28,7 @@ impl Real for f32 {
 }
 
 impl Real for f64 {
+    const ZERO: Self = 0.0;
     fn lit(value: f64) -> Self {
         value
     }

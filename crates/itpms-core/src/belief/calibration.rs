@@ -6,6 +6,7 @@ use super::state::{
     WHEELBASE,
 };
 use super::{Belief, ENOUGH_S};
+use crate::memory::{Blank, Placed, blank};
 use crate::model::{CalibrationError, CornerCalibration, Learned, VehicleCalibration};
 use crate::real::Real;
 
@@ -29,6 +30,13 @@ const LEAST_SD: [f64; 9] = [0.003, 0.05, 0.02, 0.01, 0.003, 0.003, 5e-4, 0.02, 0
 /// Where the car is with its calibration.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: Real + serde::Serialize",
+        deserialize = "T: Real + serde::Deserialize<'de>"
+    ))
+)]
 pub(super) struct CalibrationState<T> {
     /// Whether one is under way, and the seconds of shared road learned from when it began.
     pub(super) active: bool,
@@ -36,16 +44,25 @@ pub(super) struct CalibrationState<T> {
     /// Whether one was ever begun or loaded.
     pub(super) calibrated: bool,
     /// What the last one on this drive taught.
-    stored: Option<VehicleCalibration<T>>,
+    stored: Placed<VehicleCalibration<T>>,
     /// What an earlier one had taught.
-    loaded: Option<VehicleCalibration<T>>,
+    loaded: Placed<VehicleCalibration<T>>,
     /// When the last one of this drive ended, as long as no tire is taken to have been filled since.
     ended_s: Option<f64>,
 }
 
+blank!(CalibrationState<T> { active, from_s, calibrated, stored, loaded, ended_s });
+
 impl<T: Real> CalibrationState<T> {
     pub(super) fn new() -> Self {
-        Self { active: false, from_s: 0.0, calibrated: false, stored: None, loaded: None, ended_s: None }
+        Self {
+            active: false,
+            from_s: 0.0,
+            calibrated: false,
+            stored: Placed::BLANK,
+            loaded: Placed::BLANK,
+            ended_s: None,
+        }
     }
 }
 
@@ -54,7 +71,10 @@ impl<T: Real> Belief<T> {
     /// what an earlier one has taught, from now on.
     pub(crate) fn begin_calibration(&mut self) {
         let calibration = &mut self.calibration;
-        calibration.loaded = calibration.stored.take().or(calibration.loaded);
+        if calibration.stored.as_ref().is_some() {
+            calibration.loaded = calibration.stored;
+            calibration.stored.clear();
+        }
         (calibration.calibrated, calibration.active, calibration.ended_s) = (true, true, None);
         self.set_tires();
     }
@@ -79,7 +99,7 @@ impl<T: Real> Belief<T> {
 
     /// What there is to begin with: the last calibration of this drive, or the loaded one.
     pub(super) fn newest_calibration(&self) -> Option<VehicleCalibration<T>> {
-        self.calibration.stored.or(self.calibration.loaded)
+        self.calibration.stored.get().or(self.calibration.loaded.get())
     }
 
     /// The tires have their placard pressures now: what was believed of them before does not matter, nor of what goes with
@@ -87,7 +107,8 @@ impl<T: Real> Belief<T> {
     pub(super) fn set_tires(&mut self) {
         self.calibration.from_s = self.learned_s;
         self.bank.collapse();
-        (self.checkpoints, self.pre_fault) = ([None, None], [None; 4]);
+        self.drop_checkpoints();
+        self.pre_fault = [None; 4];
         (0..4).for_each(|corner| self.set_tire(corner));
     }
 
@@ -114,7 +135,8 @@ impl<T: Real> Belief<T> {
     fn store_calibration(&mut self) {
         let seconds = self.learned_s - self.calibration.from_s;
         if seconds >= ENOUGH_S {
-            self.calibration.stored = Some(self.to_calibration(T::lit(seconds)));
+            let learned = self.to_calibration(T::lit(seconds));
+            self.calibration.stored.set(Some(learned));
             self.calibration.ended_s = Some(self.time_s);
         }
     }
@@ -195,7 +217,7 @@ impl<T: Real> Belief<T> {
             bank.set_quantity(SKEW + i, &calibration.skew_s[i], skew, T::lit(SKEW_UNIT_S));
         }
         bank.set_quantity(WHEELBASE, &calibration.wheelbase, wheelbase, T::one());
-        self.calibration.loaded = Some(*calibration);
+        self.calibration.loaded.set(Some(*calibration));
         self.calibration.calibrated = true;
         Ok(())
     }

@@ -4,6 +4,7 @@
 use super::gaussian::Hypothesis;
 use super::state::{RATE, SIZE, TIRE};
 use super::{Belief, LONGEST_PAUSE_S};
+use crate::memory::{Blank, Placed, blank};
 use crate::model::Learned;
 use crate::real::Real;
 
@@ -31,6 +32,8 @@ pub(super) struct Checkpoint<T: Real> {
     belief: Hypothesis<T>,
     learned_s: f64,
 }
+
+blank!(Checkpoint<T> { time_s, belief, learned_s });
 
 /// A tire's compliance before its own sensors were suspected.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,14 +75,24 @@ impl<T: Real> Checkpoint<T> {
 impl<T: Real> Belief<T> {
     /// Saves what is believed now, if that was not done within [`INTERVAL_S`]; gives the time of a new checkpoint.
     pub(crate) fn checkpoint(&mut self) -> Option<f64> {
-        let [newest, before] = &mut self.checkpoints;
+        let [newest, _] = &self.checkpoints;
         let newest_s = newest.as_ref().map_or(f64::NEG_INFINITY, |saved| saved.time_s);
         if self.time_s - newest_s < INTERVAL_S {
             return None;
         }
-        let now = Checkpoint { time_s: self.time_s, belief: self.bank.as_one(), learned_s: self.learned_s };
-        *before = newest.replace(now);
+        // The older one's place is the new one's.
+        self.checkpoints.swap(0, 1);
+        let [newest, _] = &mut self.checkpoints;
+        newest.place(|now| {
+            (now.time_s, now.learned_s) = (self.time_s, self.learned_s);
+            self.bank.as_one(&mut now.belief);
+        });
         Some(self.time_s)
+    }
+
+    /// Nothing is to be restored.
+    pub(super) fn drop_checkpoints(&mut self) {
+        self.checkpoints.iter_mut().for_each(Placed::clear);
     }
 
     /// The belief that would be restored.
@@ -99,7 +112,7 @@ impl<T: Real> Belief<T> {
 
     /// Drops the checkpoints and saves what is believed now: nothing is restored twice. Gives the time of the new one.
     pub(crate) fn checkpoint_anew(&mut self) -> Option<f64> {
-        self.checkpoints = [None, None];
+        self.drop_checkpoints();
         self.checkpoint()
     }
 
@@ -107,7 +120,8 @@ impl<T: Real> Belief<T> {
     /// believed now contradicts it. Gives its time if it did.
     pub(crate) fn rollback(&mut self, suspected: [bool; 4]) -> Option<f64> {
         let saved = older(&self.checkpoints)?;
-        let now = self.bank.as_one();
+        let mut now = Hypothesis::BLANK;
+        self.bank.as_one(&mut now);
         if !saved.is_contradicted_by(&now, suspected) {
             // A suspected corner's own tire may be what it was or what it seems to be now. If its sensors turn out to be
             // faulty, what it was counts, however little of the error had been learned by now.
@@ -140,6 +154,6 @@ impl<T: Real> Belief<T> {
 }
 
 /// The one to restore, of the newest and the one before it.
-fn older<T: Real>([newest, before]: &[Option<Checkpoint<T>>; 2]) -> Option<&Checkpoint<T>> {
+fn older<T: Real>([newest, before]: &[Placed<Checkpoint<T>>; 2]) -> Option<&Checkpoint<T>> {
     before.as_ref().or(newest.as_ref())
 }

@@ -2,6 +2,7 @@
 //! is known wanders, and what no tire can be; nothing of the other ways.
 
 use super::state::{Covariance, RATE, SIZE, State, TIRE, correlate_bars, prior_sd, return_rate, wander_sd};
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Mean and sd in 1/s of the rate at which a compliance begins to grow: that of a tire which loses 40 kPa/s grows by 0.15/s.
@@ -26,25 +27,78 @@ pub(crate) struct Hypothesis<T: Real> {
     pub(crate) weight: T,
 }
 
-impl<T: Real> Hypothesis<T> {
-    /// A car as its file has it, the tires' compliances around these.
-    pub(crate) fn at_start(tires: &[T; 4]) -> Self {
-        let sd = prior_sd::<T>();
-        let mut covariance = Covariance::from_diagonal(&sd.component_mul(&sd));
-        correlate_bars(&mut covariance);
-        let mut mean = State::zeros();
-        mean.fixed_rows_mut::<4>(TIRE).copy_from_slice(tires);
-        Self { mean, covariance, weight: T::one() }
+blank!(Hypothesis<T> { mean, covariance, weight });
+
+/// A Gaussian as it is added to others: itself, but for its rate of change. A copy of a covariance is more than a controller's
+/// stack has room for.
+pub(crate) struct Part<'a, T: Real> {
+    pub(super) mean: State<T>,
+    covariance: &'a Covariance<T>,
+    /// Whether the rate's covariances with all else are the Gaussian's, or none.
+    rate_is_free: bool,
+    rate_variance: T,
+}
+
+impl<T: Real> Part<'_, T> {
+    /// A constant one as it is when a change begins, `at_a_rate` or any way.
+    pub(crate) fn with_onset(mut self, at_a_rate: bool) -> Self {
+        if at_a_rate {
+            self.mean[RATE] = T::lit(RATE_MEAN);
+            self.rate_variance = T::lit(RATE_SD * RATE_SD);
+        }
+        self
     }
 
-    /// A constant one as it is when a change begins, `at_a_rate` or any way.
-    pub(crate) fn with_onset(&self, at_a_rate: bool) -> Self {
-        let mut with_onset = self.clone();
-        if at_a_rate {
-            with_onset.mean[RATE] = T::lit(RATE_MEAN);
-            with_onset.covariance[(RATE, RATE)] = T::lit(RATE_SD * RATE_SD);
+    /// The same when its change is over.
+    pub(crate) fn without_rate(mut self) -> Self {
+        self.mean[RATE] = T::zero();
+        (self.rate_is_free, self.rate_variance) = (false, T::zero());
+        self
+    }
+
+    /// An entry of its covariance.
+    pub(super) fn covariance(&self, i: usize, j: usize) -> T {
+        match (i == RATE, j == RATE) {
+            (true, true) => self.rate_variance,
+            (true, false) | (false, true) if !self.rate_is_free => T::zero(),
+            _ => self.covariance[(i, j)],
         }
-        with_onset
+    }
+
+    /// Writes it where a Gaussian is to be.
+    pub(crate) fn write(&self, weight: T, into: &mut Hypothesis<T>) {
+        for j in 0..SIZE {
+            for i in 0..SIZE {
+                into.covariance[(i, j)] = self.covariance(i, j);
+            }
+        }
+        (into.mean, into.weight) = (self.mean, weight);
+    }
+}
+
+impl<T: Real> Hypothesis<T> {
+    /// A car as its file has it, the tires' compliances around these.
+    pub(crate) fn start(&mut self, tires: &[T; 4]) {
+        let sd = prior_sd::<T>();
+        self.covariance.fill(T::zero());
+        self.covariance.set_diagonal(&sd.component_mul(&sd));
+        correlate_bars(&mut self.covariance);
+        self.mean.fill(T::zero());
+        self.mean.fixed_rows_mut::<4>(TIRE).copy_from_slice(tires);
+        self.weight = T::one();
+    }
+
+    /// What another one is, in the place of what this was.
+    pub(crate) fn take_over(&mut self, other: &Self) {
+        self.mean.copy_from(&other.mean);
+        self.covariance.copy_from(&other.covariance);
+        self.weight = other.weight;
+    }
+
+    /// As it is added to others.
+    pub(crate) fn part(&self) -> Part<'_, T> {
+        let (mean, rate_variance) = (self.mean, self.covariance[(RATE, RATE)]);
+        Part { mean, covariance: &self.covariance, rate_is_free: true, rate_variance }
     }
 
     /// What changes by itself does so for `seconds`: about the vehicle file, and never further than a car may be from it.
@@ -58,15 +112,6 @@ impl<T: Real> Hypothesis<T> {
             }
             self.covariance[(i, i)] += sd[i] * sd[i] * seconds;
         }
-    }
-
-    /// The same when its change is over.
-    pub(crate) fn without_rate(&self) -> Self {
-        let mut without_rate = self.clone();
-        without_rate.mean[RATE] = T::zero();
-        without_rate.covariance.row_mut(RATE).fill(T::zero());
-        without_rate.covariance.column_mut(RATE).fill(T::zero());
-        without_rate
     }
 
     pub(crate) fn is_possible(&self, softest: &[T; 4]) -> bool {

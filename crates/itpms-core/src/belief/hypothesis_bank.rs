@@ -6,8 +6,9 @@ use nalgebra::{SMatrix, SVector};
 use super::gaussian::Hypothesis;
 use super::measurement::{AxleResidual, SideMeasurement, UpdateRecord};
 use super::mixture::Mixture;
-use super::state::{RATE, State, TIRE};
+use super::state::{RATE, SIZE, State, TIRE};
 use super::update::{Likelihood, OwnCovariance, score};
+use crate::memory::blank;
 use crate::model::Learned;
 use crate::real::Real;
 
@@ -40,6 +41,8 @@ pub(super) struct HypothesisBank<T: Real> {
     pub(super) hypotheses: [Hypothesis<T>; HYPOTHESES],
 }
 
+blank!(HypothesisBank<T> { hypotheses });
+
 /// Whether compliances follow the rate in a hypothesis.
 pub(super) fn has_rate(hypothesis: usize) -> bool {
     hypothesis != CONSTANT && hypothesis != RANDOM_WALK
@@ -53,19 +56,11 @@ pub(super) fn changing<T: Real>(hypothesis: usize) -> [T; 4] {
 
 impl<T: Real> HypothesisBank<T> {
     /// What is believed at the start, the tires' compliances around `tires`.
-    pub(super) fn new(tires: &[T; 4]) -> Self {
-        let start = Hypothesis::at_start(tires);
-        let mut bank =
-            Self { hypotheses: core::array::from_fn(|hypothesis| start.with_onset(has_rate(hypothesis))) };
-        bank.collapse();
-        bank
-    }
-
-    /// The same in the place of what was believed.
-    pub(super) fn restart(&mut self, tires: &[T; 4]) {
-        let start = Hypothesis::at_start(tires);
-        for (index, hypothesis) in self.hypotheses.iter_mut().enumerate() {
-            *hypothesis = start.with_onset(has_rate(index));
+    pub(super) fn start(&mut self, tires: &[T; 4]) {
+        let [constant, others @ ..] = &mut self.hypotheses;
+        constant.start(tires);
+        for (index, hypothesis) in (1..).zip(others) {
+            constant.part().with_onset(has_rate(index)).write(constant.weight, hypothesis);
         }
         self.collapse();
     }
@@ -109,13 +104,18 @@ impl<T: Real> HypothesisBank<T> {
     pub(super) fn update(&mut self, variance: T, linearise: impl Fn(&State<T>) -> (State<T>, T)) {
         for hypothesis in &mut self.hypotheses {
             let (slope, innovation) = linearise(&hypothesis.mean);
-            let spread = hypothesis.covariance * slope;
+            let spread = &hypothesis.covariance * slope;
             let total = slope.dot(&spread) + variance;
             if !(total > T::zero()) {
                 continue;
             }
             hypothesis.mean += spread * (innovation / total);
-            hypothesis.covariance -= spread * spread.transpose() / total;
+            // Entry by entry, as matrices in between would be the largest things on the stack.
+            for j in 0..SIZE {
+                for i in 0..SIZE {
+                    hypothesis.covariance[(i, j)] -= spread[i] * spread[j] / total;
+                }
+            }
             hypothesis.symmetrize();
         }
     }
@@ -125,7 +125,7 @@ impl<T: Real> HypothesisBank<T> {
         let mut log_weight = [T::zero(); HYPOTHESES];
         for (hypothesis, log) in self.hypotheses.iter().zip(&mut log_weight) {
             let (slope, innovation) = linearise(&hypothesis.mean);
-            let total = slope.dot(&(hypothesis.covariance * slope)) + variance;
+            let total = slope.dot(&(&hypothesis.covariance * slope)) + variance;
             let tails = T::lit(WORD_TAILS);
             let mahalanobis_sq = innovation * innovation / total;
             *log =
@@ -196,17 +196,17 @@ impl<T: Real> HypothesisBank<T> {
     }
 
     /// All hypotheses as one Gaussian, in which nothing moves.
-    pub(super) fn as_one(&self) -> Hypothesis<T> {
-        let mut one = Mixture::new();
+    pub(super) fn as_one(&self, into: &mut Hypothesis<T>) {
+        let mut one = Mixture::new(into);
         for hypothesis in &self.hypotheses {
-            one.add(hypothesis.weight, &hypothesis.without_rate());
+            one.add(hypothesis.weight, &hypothesis.part().without_rate());
         }
-        one.into_hypothesis()
+        one.finish();
     }
 
     /// Believes this and nothing else.
     pub(super) fn set(&mut self, belief: &Hypothesis<T>) {
-        self.hypotheses[CONSTANT] = belief.clone();
+        self.hypotheses[CONSTANT].take_over(belief);
         self.collapse();
     }
 

@@ -1,48 +1,70 @@
-//! Gaussians added up to one with their mean and covariance. Used by the hypotheses where ways of moving meet; knows nothing of them.
+//! Gaussians added up to one with their mean and covariance, in the place of that one. Used by the hypotheses where ways of moving
+//! meet; knows nothing of them.
 
-use super::gaussian::Hypothesis;
-use super::state::{Covariance, SIZE, State};
+use super::gaussian::{Hypothesis, Part};
+use super::state::{SIZE, State};
 use crate::real::Real;
 
+/// Least weight of a Gaussian that is added.
+const LEAST: f64 = 1e-30;
+
 /// Gaussians added up to one.
-pub(crate) struct Mixture<T: Real> {
+pub(crate) struct Mixture<'a, T: Real> {
+    /// Holds the sum of squares meanwhile.
+    into: &'a mut Hypothesis<T>,
     weight: T,
     sum: State<T>,
-    square: Covariance<T>,
     /// The first one's mean, around which squares are taken.
     around: Option<State<T>>,
 }
 
-impl<T: Real> Mixture<T> {
-    pub(crate) fn new() -> Self {
-        Self { weight: T::zero(), sum: State::zeros(), square: Covariance::zeros(), around: None }
+impl<'a, T: Real> Mixture<'a, T> {
+    /// Of nothing yet; what is in the place is lost.
+    pub(crate) fn new(into: &'a mut Hypothesis<T>) -> Self {
+        into.covariance.fill(T::zero());
+        Self { into, weight: T::zero(), sum: State::zeros(), around: None }
+    }
+
+    /// Of what is in the place, with this weight.
+    pub(crate) fn around(into: &'a mut Hypothesis<T>, weight: T) -> Self {
+        let around = into.mean;
+        let (weight, off) = (weight.max(T::lit(LEAST)), around - around);
+        for j in 0..SIZE {
+            for i in 0..SIZE {
+                let covariance = &mut into.covariance[(i, j)];
+                *covariance = T::zero() + (*covariance + off[i] * off[j]) * weight;
+            }
+        }
+        Self { into, weight, sum: State::zeros() + off * weight, around: Some(around) }
     }
 
     /// Adds a Gaussian with this weight, whatever its own.
-    pub(crate) fn add(&mut self, weight: T, hypothesis: &Hypothesis<T>) {
-        let around = *self.around.get_or_insert(hypothesis.mean);
-        let off = hypothesis.mean - around;
+    pub(crate) fn add(&mut self, weight: T, part: &Part<'_, T>) {
+        let around = *self.around.get_or_insert(part.mean);
+        let off = part.mean - around;
         // A weight of nothing still leaves a usable Gaussian.
-        let weight = weight.max(T::lit(1e-30));
+        let weight = weight.max(T::lit(LEAST));
         self.weight += weight;
         self.sum += off * weight;
         // Entry by entry, as matrices in between would be the largest things on the stack.
         for j in 0..SIZE {
             for i in 0..SIZE {
-                self.square[(i, j)] += (hypothesis.covariance[(i, j)] + off[i] * off[j]) * weight;
+                self.into.covariance[(i, j)] += (part.covariance(i, j) + off[i] * off[j]) * weight;
             }
         }
     }
 
-    pub(crate) fn into_hypothesis(self) -> Hypothesis<T> {
+    /// The one Gaussian is in its place from here on.
+    pub(crate) fn finish(self) {
         let off = self.sum / self.weight;
         let around = self.around.unwrap_or_else(State::zeros);
-        let mut hypothesis = Hypothesis { mean: around + off, covariance: self.square, weight: self.weight };
         for j in 0..SIZE {
             for i in 0..SIZE {
-                hypothesis.covariance[(i, j)] = hypothesis.covariance[(i, j)] / self.weight - off[i] * off[j];
+                let covariance = &mut self.into.covariance[(i, j)];
+                *covariance = *covariance / self.weight - off[i] * off[j];
             }
         }
-        hypothesis
+        self.into.mean = around + off;
+        self.into.weight = self.weight;
     }
 }

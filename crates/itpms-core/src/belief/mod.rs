@@ -38,6 +38,7 @@ use self::hypothesis_bank::HypothesisBank;
 use self::measurement::{AxleResidual, SideMeasurement, UpdateRecord};
 use self::state::{State, TIRE};
 pub(crate) use self::tire_scale::{LEAST_COMPLIANCE, TireScale};
+use crate::memory::{Placed, blank};
 use crate::model::{CarConfig, CornerConfig, Inflation, Learned};
 use crate::real::Real;
 
@@ -89,29 +90,29 @@ pub(crate) struct Belief<T: Real> {
     learned_s: f64,
     calibration: CalibrationState<T>,
     /// The newest first.
-    checkpoints: [Option<Checkpoint<T>>; 2],
+    checkpoints: [Placed<Checkpoint<T>>; 2],
     pre_fault: [Option<PreFaultEstimate<T>>; 4],
     inflation: Inflation,
 }
 
+blank!(Belief<T> {
+    bank, scale, present, start, time_s, learned_s, calibration, checkpoints, pre_fault, inflation,
+});
+
 impl<T: Real> Belief<T> {
-    pub(crate) fn new(config: &CarConfig<T>) -> Self {
+    pub(crate) fn configure(&mut self, config: &CarConfig<T>) {
         let softer = |c: &CornerConfig<T>| {
             c.tire.stiffness_n_per_m(c.placard_kpa) / c.initial_stiffness_n_per_m() - T::one()
         };
-        let start = core::array::from_fn(|i| config.corners[i].as_ref().map_or(T::zero(), softer));
-        Self {
-            bank: HypothesisBank::new(&start),
-            scale: TireScale::new(config),
-            present: config.corners.each_ref().map(Option::is_some),
-            start,
-            time_s: f64::NAN,
-            learned_s: 0.0,
-            calibration: CalibrationState::new(),
-            checkpoints: [None, None],
-            pre_fault: [None; 4],
-            inflation: Inflation::AtStops,
-        }
+        self.start = core::array::from_fn(|i| config.corners[i].as_ref().map_or(T::zero(), softer));
+        self.bank.start(&self.start);
+        self.scale = TireScale::new(config);
+        self.present = config.corners.each_ref().map(Option::is_some);
+        (self.time_s, self.learned_s) = (f64::NAN, 0.0);
+        self.calibration = CalibrationState::new();
+        self.drop_checkpoints();
+        self.pre_fault = [None; 4];
+        self.inflation = Inflation::AtStops;
     }
 
     /// Predicts to a time. A longer step than the onset's longest is a gap: what changed then is over, and a tire may have been
@@ -126,7 +127,7 @@ impl<T: Real> Belief<T> {
         }
         self.time_s = time_s;
         if seconds > onset.longest_step_s {
-            self.checkpoints = [None, None];
+            self.drop_checkpoints();
             let filled = seconds > FILLING_S && !self.is_calibrating();
             self.bank.predict_gap(T::lit(seconds.min(LONGEST_PAUSE_S)), filled);
             if seconds > LONGEST_PAUSE_S && !self.is_calibrating() {
@@ -196,9 +197,9 @@ impl<T: Real> Belief<T> {
 
     /// The belief has become impossible, or rests on something that was wrong: begins again with what calibrations taught.
     pub(crate) fn restart(&mut self) {
-        self.bank.restart(&self.start);
+        self.bank.start(&self.start);
         self.learned_s = 0.0;
-        self.checkpoints = [None, None];
+        self.drop_checkpoints();
         if let Some(calibration) = self.newest_calibration() {
             // It was learned for this car, or accepted before.
             let _ = self.load_calibration(&calibration);
@@ -221,7 +222,7 @@ impl<T: Real> Belief<T> {
     /// A corner's sensors were out of order: its tire may have changed meanwhile, and before it was noticed only seemed to.
     /// During a calibration it is what somebody has set.
     pub(crate) fn restart_tire(&mut self, corner: usize) {
-        self.checkpoints = [None, None];
+        self.drop_checkpoints();
         let pre_fault = self.pre_fault[corner].take();
         if self.is_calibrating() {
             self.set_tire(corner);

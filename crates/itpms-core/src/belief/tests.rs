@@ -16,10 +16,16 @@ use super::state::{
     read_compliance, return_rate, side_indices, wander_sd,
 };
 use super::update::{Likelihood, OwnCovariance};
+use crate::memory::configured;
+
+/// A bank at its start, the tires' compliances around `tires`.
+fn bank(tires: &[f64; 4]) -> HypothesisBank<f64> {
+    configured(|bank: &mut HypothesisBank<f64>| bank.start(tires))
+}
 
 /// A bank in which every hypothesis has a share, each with a mean of its own.
 fn spread_out() -> HypothesisBank<f64> {
-    let mut bank = HypothesisBank::<f64>::new(&[0.05, -0.02, 0.0, 0.1]);
+    let mut bank = bank(&[0.05, -0.02, 0.0, 0.1]);
     let weights = [0.6, 0.1, 0.04, 0.08, 0.02, 1e-4, 6e-5, 0.0999, 0.05994];
     for (i, (hypothesis, weight)) in bank.hypotheses.iter_mut().zip(weights).enumerate() {
         hypothesis.weight = weight;
@@ -38,7 +44,7 @@ fn spread_out() -> HypothesisBank<f64> {
 /// A scalar update is the textbook's: P' = (P^-1 + h h^T/r)^-1, m' = m + P' h (innovation / r), for each hypothesis by itself.
 #[test]
 fn a_scalar_update_is_the_information_filters() {
-    let mut bank = HypothesisBank::<f64>::new(&[0.0; 4]);
+    let mut bank = bank(&[0.0; 4]);
     for hypothesis in &mut bank.hypotheses {
         hypothesis.covariance = correlated();
     }
@@ -97,23 +103,25 @@ fn prediction_agrees_with_exact_enumeration() {
     let changes = |to: usize, i: usize| to == i + 1 || to == 5 + i % 2 || to == 7;
     // (weight, mean, covariance) after each way.
     let mut ways = Vec::new();
-    let still = |h: &super::Hypothesis<f64>| h.without_rate();
+    let written = |part: super::gaussian::Part<'_, f64>| {
+        configured(|hypothesis: &mut super::Hypothesis<f64>| part.write(1.0, hypothesis))
+    };
     for (from, hypothesis) in before.hypotheses.iter().enumerate() {
         let w = hypothesis.weight;
         if from == CONSTANT {
             let stay = 1.0 - (1..HYPOTHESES).map(begin).sum::<f64>();
             ways.push((CONSTANT, w * stay, hypothesis.clone()));
             for to in 1..HYPOTHESES {
-                ways.push((to, w * begin(to), hypothesis.with_onset(to != RANDOM_WALK)));
+                ways.push((to, w * begin(to), written(hypothesis.part().with_onset(to != RANDOM_WALK))));
             }
         } else {
-            ways.push((CONSTANT, w * end, still(hypothesis)));
+            ways.push((CONSTANT, w * end, written(hypothesis.part().without_rate())));
             ways.push((from, w * (1.0 - end), hypothesis.clone()));
         }
     }
     // A wheel by itself is joined by its side, in addition to going on.
     for from in 1..=4 {
-        let joined = still(&before.hypotheses[from]).with_onset(true);
+        let joined = written(before.hypotheses[from].part().without_rate().with_onset(true));
         ways.push((5 + (from - 1) % 2, before.hypotheses[from].weight * join, joined));
     }
     let (wander, back) = (wander_sd::<f64>(), return_rate::<f64>());
@@ -165,7 +173,7 @@ fn correlated() -> Covariance<f64> {
 #[test]
 fn a_frame_tells_the_sum_of_tire_and_bias() {
     let side = 1;
-    let mut bank = HypothesisBank::<f64>::new(&[0.0; 4]);
+    let mut bank = bank(&[0.0; 4]);
     let hypothesis = &mut bank.hypotheses[0];
     hypothesis.covariance = correlated();
     let root = Gram::<f64>::from_fn(|i, j| ((5 * i + 2 * j) % 13) as f64 / 13.0 - 0.5);
@@ -210,7 +218,7 @@ fn with_mahalanobis_sq(mahalanobis_sq: f64) -> Likelihood<f64> {
 fn no_step_is_longer_than_the_residual() {
     let side = 0;
     let moved = |times: f64, mahalanobis_sq: f64| {
-        let mut bank = HypothesisBank::<f64>::new(&[0.0; 4]);
+        let mut bank = bank(&[0.0; 4]);
         let hypothesis = &mut bank.hypotheses[0];
         hypothesis.covariance = correlated();
         let before = hypothesis.clone();
@@ -231,7 +239,7 @@ fn no_step_is_longer_than_the_residual() {
 /// However long nothing is learned of a car, it stays one that its file may describe.
 #[test]
 fn days_without_measurements_end_where_they_began() {
-    let mut bank = HypothesisBank::<f64>::new(&[0.0; 4]);
+    let mut bank = bank(&[0.0; 4]);
     let before = prior_sd::<f64>();
     let constant = |bank: &HypothesisBank<f64>, i: usize| bank.hypotheses[0].covariance[(i, i)].sqrt();
     bank.hypotheses[0].mean = State::repeat(0.01);
@@ -255,7 +263,7 @@ fn days_without_measurements_end_where_they_began() {
 #[test]
 fn a_calibrated_belief_fades_less() {
     let grown = |calibrated| {
-        let mut bank = HypothesisBank::<f64>::new(&[0.0; 4]);
+        let mut bank = bank(&[0.0; 4]);
         let before = bank.constant().1;
         [0, 2].into_iter().for_each(|corner| bank.inflate(corner, 4.0, calibrated));
         let after = bank.constant().1;
@@ -272,7 +280,7 @@ fn a_calibrated_belief_fades_less() {
 #[test]
 fn no_tire_is_softer_than_flat() {
     let softest = [3.0, 6.0, 3.0, 3.0];
-    let mut bank = HypothesisBank::<f64>::new(&[3.5, 5.0, 0.1, 0.0]);
+    let mut bank = bank(&[3.5, 5.0, 0.1, 0.0]);
     let before = bank.hypotheses[0].clone();
     bank.drop_impossible(&softest);
     let constant = &bank.hypotheses[0];
@@ -292,7 +300,7 @@ fn several_are_not_filled_while_they_roll() {
     for (several, (rate, followed)) in
         SEVERAL.into_iter().flat_map(|hypothesis| cases.map(|case| (hypothesis, case)))
     {
-        let mut bank = HypothesisBank::<f64>::new(&[0.0; 4]);
+        let mut bank = bank(&[0.0; 4]);
         bank.hypotheses[0].weight = 0.1;
         bank.hypotheses[several].weight = 0.9;
         bank.hypotheses[several].mean[RATE] = rate;
@@ -306,7 +314,7 @@ fn several_are_not_filled_while_they_roll() {
 /// mean has, at the projection, no part but along the bound. The covariance stays, and so does a hypothesis that meets it.
 #[test]
 fn a_bound_is_met_by_the_likeliest_state() {
-    let mut bank = HypothesisBank::<f64>::new(&[-0.2, 0.1, 0.0, 0.0]);
+    let mut bank = bank(&[-0.2, 0.1, 0.0, 0.0]);
     for hypothesis in &mut bank.hypotheses {
         hypothesis.covariance = correlated();
     }

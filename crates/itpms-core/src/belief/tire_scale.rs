@@ -2,6 +2,7 @@
 //! say in a state (docs/math/shared-road.md, eq. 15). Knows nothing of beliefs.
 
 use super::state::{COMMON_BIAS, OWN_BIAS, State, TIRE};
+use crate::memory::blank;
 use crate::model::{CarConfig, CornerConfig};
 use crate::real::Real;
 
@@ -20,6 +21,8 @@ pub(crate) struct TireScale<T> {
     pub(crate) placard_n_per_m: [T; 4],
     pub(crate) placard_kpa: [T; 4],
 }
+
+blank!(TireScale<T> { slope, placard_n_per_m, placard_kpa });
 
 impl<T: Real> TireScale<T> {
     pub(super) fn new(config: &CarConfig<T>) -> Self {

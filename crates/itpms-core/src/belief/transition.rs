@@ -5,6 +5,7 @@ use super::gaussian::Hypothesis;
 use super::hypothesis_bank::{CONSTANT, HYPOTHESES, HypothesisBank, RANDOM_WALK, SIDE, changing, has_rate};
 use super::mixture::Mixture;
 use super::state::{RATE, TIRE};
+use crate::memory::Blank;
 use crate::real::Real;
 
 /// Chance per second that each begins.
@@ -72,7 +73,8 @@ impl<T: Real> HypothesisBank<T> {
         }
         // In place: a copy of all hypotheses is more than a controller's stack has room for. The constant one comes last, as every
         // other begins from it, and single wheels after those that they join.
-        let still = self.still(stay, end);
+        let mut still = Hypothesis::BLANK;
+        self.still(stay, end, &mut still);
         for (hypothesis, &begin) in begin.iter().enumerate().skip(SIDE) {
             self.go_on(hypothesis, end, begin);
         }
@@ -83,49 +85,49 @@ impl<T: Real> HypothesisBank<T> {
         for (hypothesis, &begin) in begin.iter().enumerate().take(SIDE).skip(1) {
             self.go_on(hypothesis, end, begin);
         }
-        self.hypotheses[CONSTANT] = still;
+        self.hypotheses[CONSTANT].take_over(&still);
     }
 
     /// What moves no more: what did not and of which this share stays so, and of what did the share that ends.
-    fn still(&self, stay: T, end: T) -> Hypothesis<T> {
-        let mut still = Mixture::new();
-        still.add(self.hypotheses[CONSTANT].weight * stay, &self.hypotheses[CONSTANT]);
+    fn still(&self, stay: T, end: T, into: &mut Hypothesis<T>) {
+        let mut still = Mixture::new(into);
+        still.add(self.hypotheses[CONSTANT].weight * stay, &self.hypotheses[CONSTANT].part());
         for changing in &self.hypotheses[1..] {
             if changing.weight > T::lit(FORGOTTEN) {
-                still.add(changing.weight * end, &changing.without_rate());
+                still.add(changing.weight * end, &changing.part().without_rate());
             }
         }
-        still.into_hypothesis()
+        still.finish();
     }
 
     /// A change goes on but for the share that ends, and by this chance what did not change begins to.
     fn go_on(&mut self, hypothesis: usize, end: T, begin: T) {
-        let (constant, changing) = (&self.hypotheses[CONSTANT], &self.hypotheses[hypothesis]);
-        let mut with_onset = constant.with_onset(has_rate(hypothesis));
+        let [constant, others @ ..] = &mut self.hypotheses;
+        let changing = &mut others[hypothesis - 1];
+        let with_onset = constant.part().with_onset(has_rate(hypothesis));
         let stays = changing.weight * (T::one() - end);
         let begins = constant.weight * begin;
         // What nobody believes in is not followed.
-        self.hypotheses[hypothesis] = if stays > T::lit(FORGOTTEN) {
-            let mut going = Mixture::new();
-            going.add(stays, changing);
+        if stays > T::lit(FORGOTTEN) {
+            let mut going = Mixture::around(changing, stays);
             going.add(begins, &with_onset);
-            going.into_hypothesis()
+            going.finish();
         } else {
-            with_onset.weight = begins;
-            with_onset
-        };
+            with_onset.write(begins, changing);
+        }
     }
 
     /// A wheel that loses pressure by itself is joined, by this chance, by the other one of its side.
     fn merge(&mut self, wheel: usize, chance: T) {
         let hypothesis = SIDE + wheel % 2;
-        let (alone, both) = (&self.hypotheses[wheel + 1], &self.hypotheses[hypothesis]);
+        let (single, several) = self.hypotheses.split_at_mut(SIDE);
+        let (alone, both) = (&single[wheel + 1], &mut several[hypothesis - SIDE]);
         let joins = alone.weight * chance;
         if joins > T::lit(NOTICED) * both.weight {
-            let mut going = Mixture::new();
-            going.add(both.weight, both);
-            going.add(joins, &alone.without_rate().with_onset(has_rate(hypothesis)));
-            self.hypotheses[hypothesis] = going.into_hypothesis();
+            let weight = both.weight;
+            let mut going = Mixture::around(both, weight);
+            going.add(joins, &alone.part().without_rate().with_onset(has_rate(hypothesis)));
+            going.finish();
         }
     }
 
@@ -144,17 +146,16 @@ impl<T: Real> HypothesisBank<T> {
     /// pressure.
     pub(super) fn predict_gap(&mut self, seconds: T, filled: bool) {
         self.collapse();
-        let constant = &mut self.hypotheses[CONSTANT];
+        let [constant, .., loose] = &mut self.hypotheses;
         constant.wander(seconds);
         if filled {
             let chance = T::lit(FILLED);
-            let mut loose = constant.clone();
+            loose.take_over(constant);
             for i in TIRE..TIRE + 4 {
                 loose.covariance[(i, i)] += T::lit(FILLED_SD * FILLED_SD);
             }
             loose.weight = chance;
             constant.weight = T::one() - chance;
-            self.hypotheses[RANDOM_WALK] = loose;
         }
     }
 }

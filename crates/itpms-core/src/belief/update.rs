@@ -21,7 +21,8 @@ pub(crate) struct OwnCovariance<T: Real> {
 impl<T: Real> OwnCovariance<T> {
     pub(crate) fn new(covariance: &Covariance<T>, side: usize) -> Self {
         let indices = side_indices(side);
-        let mut all = SMatrix::<T, SIZE, SIDE_SIZE>::zeros();
+        let mut part = Self { all: SMatrix::zeros(), own: Gram::zeros() };
+        let Self { all, own } = &mut part;
         for (column, &place) in indices.iter().enumerate() {
             all.set_column(column, &covariance.column(place));
         }
@@ -31,17 +32,20 @@ impl<T: Real> OwnCovariance<T> {
             let mut column = all.column_mut(tire);
             column += covariance.column(bias);
         }
-        let mut own = Gram::from_fn(|row, column| all[(indices[row], column)]);
+        for (row, &place) in indices.iter().enumerate() {
+            own.set_row(row, &all.row(place));
+        }
         for (tire, bias) in biased {
             let mut row = own.row_mut(tire);
             row += all.row(bias);
         }
-        Self { all, own }
+        part
     }
 
     /// Adds a frame's information with its score, counting `trust` of them. The mean moves by no more than the residual,
     /// both in standard deviations: no update by Bayes' rule would, but the score is taken with instruments, and what these
     /// heard need not have been the road, as when a wheel comes down.
+    #[inline(never)]
     pub(crate) fn learn(
         &self,
         hypothesis: &mut Hypothesis<T>,
@@ -54,10 +58,18 @@ impl<T: Real> OwnCovariance<T> {
         let information = information / scale;
         // P' = P - P_o (I + Ω P_oo)^-1 Ω P_o^T, and with it the mean: m' = m + P'_o score.
         let Some(inverse) = (Gram::identity() + information * self.own).try_inverse() else { return };
-        let gain = self.all * inverse;
-        hypothesis.covariance -= gain * information * self.all.transpose();
+        // Into their places: a product that is handed on is copied on its way.
+        let (mut gain, mut taken) = (SMatrix::<T, SIZE, SIDE_SIZE>::zeros(), SMatrix::zeros());
+        self.all.mul_to(&inverse, &mut gain);
+        gain.mul_to(&information, &mut taken);
+        // Column by column, as the whole of it would be the largest thing on the stack.
+        for column in 0..SIZE {
+            let by = &taken * self.all.row(column).transpose();
+            let mut of = hypothesis.covariance.column_mut(column);
+            of -= by;
+        }
         hypothesis.symmetrize();
-        let step = gain * (score / scale);
+        let step = &gain * (score / scale);
         // step^T P^-1 step, as step = P_o by.
         let by = inverse * (score / scale);
         let length = by.dot(&(self.own * by));
@@ -78,6 +90,7 @@ pub(crate) struct Likelihood<T: Real> {
 }
 
 impl<T: Real> Likelihood<T> {
+    #[inline(never)]
     pub(crate) fn new(
         own: &OwnCovariance<T>,
         found: &AxleResidual<T>,

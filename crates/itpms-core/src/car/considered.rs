@@ -4,6 +4,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
+use crate::memory::blank;
 use crate::model::CarConfig;
 use crate::real::Real;
 
@@ -25,6 +26,8 @@ pub(super) struct Considered<T: Real> {
     relative: SMatrix<T, 4, 4>,
     placard_n_per_m: SVector<T, 4>,
 }
+
+blank!(Considered<T> { relative, placard_n_per_m });
 
 impl<T: Real> Considered<T> {
     pub(super) fn new(config: &CarConfig<T>) -> Self {

@@ -13,6 +13,7 @@ use self::considered::Considered;
 use self::fusion::{FusedEstimate, Fusion, SingleWheelEstimate};
 use crate::conditioning::{Moment, SampleClock, SampleCounts};
 use crate::estimator::{CornerEstimator, EstimatorKind, FusedStiffness, RoadRepetition};
+use crate::memory::{Blank, Placed, blank};
 use crate::model::{
     BodyFit, CalibrationError, CarConfig, CarSample, Corner, CornerEstimate, Inflation, Level, Misfit,
     ParameterError, QuarterCar, VehicleCalibration,
@@ -34,6 +35,8 @@ pub enum Sources {
     SharedRoad,
 }
 
+blank!(Sources::SpectrumAndSharedRoad);
+
 /// Whether the height of the road under each wheel is estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -44,6 +47,8 @@ pub enum RoadHeights {
     /// It is not, and its time is saved: see [`Estimator::without_road`](crate::estimator::Estimator::without_road).
     LeftOut,
 }
+
+blank!(RoadHeights::Estimated);
 
 /// Which estimator a car uses, and how.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -61,6 +66,8 @@ pub struct EstimatorOptions {
     pub inflation: Inflation,
 }
 
+blank!(EstimatorOptions { estimator, sources, road_repetition, road_heights, inflation });
+
 /// A running estimator of a car. A value: clone it, save it, go on.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -75,8 +82,8 @@ pub struct CarEstimator<T: Real> {
     kind: EstimatorKind,
     sources: Sources,
     clock: SampleClock<T>,
-    corners: [Option<CornerEstimator<T>>; 4],
-    fusion: Option<Fusion<T>>,
+    corners: [Placed<CornerEstimator<T>>; 4],
+    fusion: Placed<Fusion<T>>,
     considered: Considered<T>,
     /// The body that all corners carry.
     body_equation: BodyEquation<T>,
@@ -84,6 +91,18 @@ pub struct CarEstimator<T: Real> {
     calibration_s: Option<f64>,
     calibration_ends_s: f64,
 }
+
+blank!(CarEstimator<T> {
+    kind,
+    sources,
+    clock,
+    corners,
+    fusion,
+    considered,
+    body_equation,
+    calibration_s,
+    calibration_ends_s,
+});
 
 impl<T: Real> CarEstimator<T> {
     /// An estimator of `kind` for samples that come at about `sample_rate_hz`. Only [`EstimatorKind::Informed`] uses the
@@ -96,29 +115,72 @@ impl<T: Real> CarEstimator<T> {
         config: &CarConfig<T>,
         sample_rate_hz: f64,
     ) -> Result<Self, ParameterError> {
-        let mut corners = [const { None }; 4];
-        for (corner, config) in corners.iter_mut().zip(&config.corners) {
-            if let Some(config) = config {
-                *corner = Some(CornerEstimator::new(kind, config, sample_rate_hz)?);
-            }
+        let mut estimator = Self::unconfigured();
+        estimator.configure(kind, config, sample_rate_hz)?;
+        Ok(estimator)
+    }
+
+    /// Memory for a car's estimator, as a constant: for a `static`, to be [configured](Self::configure) where it lies. Until then
+    /// it is one of a car without corners.
+    #[must_use]
+    pub const fn unconfigured() -> Self {
+        Self::BLANK
+    }
+
+    /// What [`new`](Self::new) does, where the estimator lies: it takes little stack. Whatever was there is forgotten.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new); the estimator is unconfigured then.
+    pub fn configure(
+        &mut self,
+        kind: EstimatorKind,
+        config: &CarConfig<T>,
+        sample_rate_hz: f64,
+    ) -> Result<(), ParameterError> {
+        let configured = self.configure_corners(kind, config, sample_rate_hz);
+        if configured.is_err() {
+            self.clear();
+            return configured;
         }
-        let grid_period_s = corners.iter().flatten().next().map_or(f64::NAN, CornerEstimator::grid_period_s);
-        let fusion = match kind {
-            EstimatorKind::Informed => Fusion::new(config, sample_rate_hz, grid_period_s),
+        let grid_period_s =
+            self.corners.iter().flatten().next().map_or(f64::NAN, CornerEstimator::grid_period_s);
+        let wheelbase_m = match kind {
+            EstimatorKind::Informed => Fusion::wheelbase_m(config),
             #[cfg(feature = "paper")]
             _ => None,
         };
-        Ok(Self {
-            kind,
-            sources: Sources::default(),
-            clock: SampleClock::new(sample_rate_hz)?,
-            corners,
-            fusion,
-            considered: Considered::new(config),
-            body_equation: BodyEquation::new(&config.corners, sample_rate_hz),
-            calibration_s: None,
-            calibration_ends_s: f64::NEG_INFINITY,
-        })
+        self.fusion.clear();
+        if let Some(wheelbase_m) = wheelbase_m {
+            self.fusion.place(|fusion| fusion.configure(config, wheelbase_m, sample_rate_hz, grid_period_s));
+        }
+        self.considered = Considered::new(config);
+        self.body_equation.configure(&config.corners, sample_rate_hz);
+        (self.kind, self.sources) = (kind, Sources::default());
+        (self.calibration_s, self.calibration_ends_s) = (None, f64::NEG_INFINITY);
+        Ok(())
+    }
+
+    fn configure_corners(
+        &mut self,
+        kind: EstimatorKind,
+        config: &CarConfig<T>,
+        sample_rate_hz: f64,
+    ) -> Result<(), ParameterError> {
+        for (corner, config) in self.corners.iter_mut().zip(&config.corners) {
+            corner.clear();
+            if let Some(config) = config {
+                corner.try_place(|corner| corner.configure(kind, config, sample_rate_hz))?;
+            }
+        }
+        self.clock = SampleClock::new(sample_rate_hz)?;
+        Ok(())
+    }
+
+    /// A car without corners, as before it was configured.
+    pub(crate) fn clear(&mut self) {
+        self.clock = SampleClock::BLANK;
+        self.corners.iter_mut().for_each(Placed::clear);
+        self.fusion.clear();
     }
 
     /// Uses the estimator otherwise; before the first sample. In place: a car by value on the stack is as large as a car.
@@ -130,7 +192,7 @@ impl<T: Real> CarEstimator<T> {
                 corner.leave_out_road();
             }
         }
-        if let Some(fusion) = &mut self.fusion {
+        if let Some(fusion) = self.fusion.as_mut() {
             fusion.set_inflation(options.inflation);
         }
     }
@@ -144,7 +206,7 @@ impl<T: Real> CarEstimator<T> {
     /// The same for a car whose tires may gain air at other times; before the first sample.
     #[must_use]
     pub fn with_inflation(mut self, inflation: Inflation) -> Self {
-        if let Some(fusion) = &mut self.fusion {
+        if let Some(fusion) = self.fusion.as_mut() {
             fusion.set_inflation(inflation);
         }
         self
@@ -217,10 +279,10 @@ impl<T: Real> CarEstimator<T> {
 
     /// Starts one corner again, as after its sensors were out of order; the others go on.
     pub fn restart_corner(&mut self, corner: Corner) {
-        if let Some(estimator) = &mut self.corners[corner.index()] {
+        if let Some(estimator) = self.corners[corner.index()].as_mut() {
             estimator.restart();
         }
-        if let Some(fusion) = &mut self.fusion {
+        if let Some(fusion) = self.fusion.as_mut() {
             fusion.restart(corner.index());
         }
     }
@@ -229,7 +291,7 @@ impl<T: Real> CarEstimator<T> {
     /// changed, or that a sensor carries another one's name, shows only later. What the axles have taught in the last six to
     /// twelve seconds is taken back, if it contradicts what was known before of anything but those corners' own tires.
     pub fn rollback(&mut self, suspected: [bool; 4]) {
-        if let Some(fusion) = &mut self.fusion {
+        if let Some(fusion) = self.fusion.as_mut() {
             fusion.rollback(suspected);
         }
     }
@@ -257,7 +319,7 @@ impl<T: Real> CarEstimator<T> {
         let mut corners = [None; 4];
         for ((estimate, estimator), corner) in corners.iter_mut().zip(&mut self.corners).zip(&sample.corners)
         {
-            if let (Some(estimator), Some(corner)) = (estimator, corner) {
+            if let (Some(estimator), Some(corner)) = (estimator.as_mut(), corner) {
                 let concluded = estimator.conclude(at.now_s, corner);
                 *estimate = Some(CornerEstimate { time_s: sample.time_s, ..concluded });
             }
@@ -268,13 +330,13 @@ impl<T: Real> CarEstimator<T> {
 
     /// Gives a sample's values to the corners and to the road they share.
     fn take(&mut self, time_s: f64, speed_m_s: T, sample: &CarSample<T>) {
-        if let Some(fusion) = &mut self.fusion {
+        if let Some(fusion) = self.fusion.as_mut() {
             fusion.drive(time_s, speed_m_s);
         }
         let both = self.corners.iter_mut().zip(&sample.corners);
         for (i, (estimator, corner)) in both.enumerate() {
-            let (Some(estimator), Some(corner)) = (estimator, corner) else { continue };
-            match &mut self.fusion {
+            let (Some(estimator), Some(corner)) = (estimator.as_mut(), corner) else { continue };
+            match self.fusion.as_mut() {
                 Some(fusion) => estimator.take(time_s, speed_m_s, corner, |step| fusion.push(i, step)),
                 None => estimator.take(time_s, speed_m_s, corner, |_| {}),
             }
@@ -288,7 +350,7 @@ impl<T: Real> CarEstimator<T> {
             return;
         }
         for (i, estimator) in self.corners.iter_mut().enumerate() {
-            let Some(estimator) = estimator else { continue };
+            let Some(estimator) = estimator.as_mut() else { continue };
             estimator.set_strut(&self.body_equation, i);
         }
     }
@@ -304,12 +366,12 @@ impl<T: Real> CarEstimator<T> {
             fusion.set_calibrating(time_s < self.calibration_ends_s);
         }
         for (i, estimator) in self.corners.iter().enumerate() {
-            let Some(estimator) = estimator else { continue };
+            let Some(estimator) = estimator.as_ref() else { continue };
             fusion.set_load(i, &estimator.quarter_car());
         }
         if self.sources == Sources::SpectrumAndSharedRoad {
             for (i, estimator) in self.corners.iter_mut().enumerate() {
-                let Some(estimator) = estimator else { continue };
+                let Some(estimator) = estimator.as_mut() else { continue };
                 let (stiffness_n_per_m, sd_n_per_m) = estimator.own_stiffness();
                 let changing = estimator.change_probability();
                 fusion.set_single_wheel(i, SingleWheelEstimate { changing, stiffness_n_per_m, sd_n_per_m });
@@ -326,7 +388,7 @@ impl<T: Real> CarEstimator<T> {
             Level::VehicleFile => self.considered.uncalibrated(&fused.stiffness_n_per_m),
         });
         for (i, estimator) in self.corners.iter_mut().enumerate() {
-            let Some(estimator) = estimator else { continue };
+            let Some(estimator) = estimator.as_mut() else { continue };
             // A shared road that was given up must not leave its last estimate behind.
             let fused = fused.as_ref().zip(considered.as_ref()).filter(|_| fusion.has_partner(i));
             let learning = fusion.side(i % 2).0;
@@ -372,7 +434,7 @@ impl<T: Real> CarEstimator<T> {
     }
 
     fn tracks(&self) -> [TrackState<T>; 2] {
-        core::array::from_fn(|side| match &self.fusion {
+        core::array::from_fn(|side| match self.fusion.as_ref() {
             Some(fusion) => {
                 let (shared, incoherence) = fusion.side(side);
                 TrackState { shared, incoherence }

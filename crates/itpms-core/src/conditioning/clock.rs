@@ -3,6 +3,8 @@
 //! Stands before the estimators and the monitor, so that a clock that is set, or one stray stamp, is a pause to them and
 //! nothing else: calibrations end, warm references and beliefs go on. Called by them; knows nothing of what is sampled.
 
+use crate::memory::blank;
+
 /// Least distance of two stamps, in sampling periods: closer ones are the same.
 pub(crate) const CLOSEST: f64 = 0.05;
 /// Longest distance of stamps that follow one another, in periods: two samples in a row may be missing.
@@ -28,6 +30,8 @@ pub(crate) struct Stray {
     /// How many steps one after the other.
     pub(crate) steps: u32,
 }
+
+blank!(Stray { first_s, last_s, steps });
 
 impl Stray {
     /// None yet.
@@ -60,6 +64,8 @@ pub(crate) struct SteadyClock {
     ahead_s: f64,
     stray: Stray,
 }
+
+blank!(SteadyClock { period_s, stamp_s, ahead_s, stray });
 
 impl SteadyClock {
     /// A clock for samples that come at about `sample_rate_hz`.

@@ -5,6 +5,7 @@
 //! beyond the size an acceleration can have.
 
 use crate::conditioning::clock::{CLOSEST, LONGEST_BRIDGE, SET_BACK, Stray, is_resolved};
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Points of the Lagrange interpolation. Eight keep the error below 8 % at 0.3 of the sampling rate and below
@@ -38,6 +39,8 @@ pub struct SampleCounts {
     /// Samples of a sensor that has stopped moving for half a second; not used.
     pub stuck: u64,
 }
+
+blank!(SampleCounts { accepted, missing, absurd, out_of_order, gaps, saturated, stuck });
 
 /// One step of the uniform grid.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -79,6 +82,8 @@ struct FlatWatch<T> {
     equal_since_s: f64,
     largest: T,
 }
+
+blank!(FlatWatch<T> { last, equal, equal_since_s, largest });
 
 impl<T: Real> FlatWatch<T> {
     fn new() -> Self {
@@ -133,6 +138,11 @@ pub struct Resampler<T> {
     stuck_now: bool,
     counts: SampleCounts,
 }
+
+blank!(Resampler<T> {
+    sample_period_s, grid_period_s, time_s, body, wheel, saturated, filled, next_grid_s, after_gap,
+    body_watch, wheel_watch, last_raw_s, last_accepted_s, refused, stray, stuck_now, counts,
+});
 
 impl<T: Real> Resampler<T> {
     /// An intake for samples that come at about `sample_rate_hz`; its grid runs at the smallest multiple of that rate

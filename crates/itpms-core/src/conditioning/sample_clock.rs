@@ -2,6 +2,7 @@
 
 use super::SpeedHold;
 use super::clock::SteadyClock;
+use crate::memory::blank;
 use crate::model::{ParameterError, positive};
 use crate::real::Real;
 
@@ -12,6 +13,8 @@ pub struct SampleClock<T> {
     clock: SteadyClock,
     speed: SpeedHold<T>,
 }
+
+blank!(SampleClock<T> { clock, speed });
 
 /// Time and speed of a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,6 +2,7 @@
 //!
 //! Called by the estimators, the monitor and everybody who counts the way.
 
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Longest time in s for which a speed is taken to go on: a car that brakes hard is 4 m/s slower by then.
@@ -25,6 +26,8 @@ pub struct SpeedHold<T> {
     known_s: f64,
     speed_m_s: T,
 }
+
+blank!(SpeedHold<T> { known_s, speed_m_s });
 
 impl<T: Real> SpeedHold<T> {
     /// Nothing is known yet.

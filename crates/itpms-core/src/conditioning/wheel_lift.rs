@@ -2,6 +2,7 @@
 //! corner's weight has anything to do with its stiffness (docs/math/informed.md, section 5).
 
 use crate::conditioning::GridSample;
+use crate::memory::blank;
 use crate::model::QuarterCar;
 use crate::real::Real;
 
@@ -48,6 +49,10 @@ pub(crate) struct ContactWatch<T> {
     airborne_s: f64,
     pulling_s: f64,
 }
+
+blank!(ContactWatch<T> {
+    sprung_mass_kg, unsprung_mass_kg, means, watched_s, last_s, offsets, airborne_s, pulling_s,
+});
 
 impl<T: Real> ContactWatch<T> {
     pub(crate) fn new(car: &QuarterCar<T>) -> Self {

@@ -10,6 +10,7 @@ use crate::diagnosis::wheel_gain::balance::WheelGainBalance;
 use crate::diagnosis::wheel_gain::jump::{Hop, WheelGainJump, jumps};
 use crate::diagnosis::wheel_gain::shift::WheelGainShift;
 use crate::diagnosis::{Fault, Malfunction, Place, Sensor};
+use crate::memory::blank;
 use crate::model::{Corner, Wheels};
 use crate::real::Real;
 
@@ -87,24 +88,26 @@ pub(crate) struct CrossSensorPlausibility<T: Real> {
     shifts: WheelGainShift<T>,
 }
 
+blank!(CrossSensorPlausibility<T> {
+    noise_density, hop, bounce, ratio, newest_ratio, patterns, odd, pairs, corners, body_gains,
+    wheel_gains, reversed, jumps, shifts,
+});
+
 impl<T: Real> CrossSensorPlausibility<T> {
-    pub(crate) fn new(noise_power: [T; 4], rate_hz: f64) -> Self {
-        Self {
-            noise_density: noise_power.map(|power| power * T::lit(2.0 / rate_hz)),
-            hop: Moments::new(),
-            bounce: Moments::new(),
-            ratio: [T::lit(f64::NAN); 4],
-            newest_ratio: [T::lit(f64::NAN); 4],
-            patterns: [SwapPattern::Right; 4],
-            odd: [FaultLatch::new(); 4],
-            pairs: [FaultLatch::new(); 6],
-            corners: [FaultLatch::new(); 2],
-            body_gains: [FaultLatch::new(); 4],
-            wheel_gains: WheelGainBalance::new(),
-            reversed: [FaultLatch::new(); 4],
-            jumps: [WheelGainJump::new(); 4],
-            shifts: WheelGainShift::new(),
-        }
+    pub(crate) fn configure(&mut self, noise_power: [T; 4], rate_hz: f64) {
+        self.noise_density = noise_power.map(|power| power * T::lit(2.0 / rate_hz));
+        self.hop = Moments::new();
+        self.bounce = Moments::new();
+        (self.ratio, self.newest_ratio) = ([T::lit(f64::NAN); 4], [T::lit(f64::NAN); 4]);
+        self.patterns = [SwapPattern::Right; 4];
+        self.odd.fill(FaultLatch::new());
+        self.pairs.fill(FaultLatch::new());
+        self.corners.fill(FaultLatch::new());
+        self.body_gains.fill(FaultLatch::new());
+        self.wheel_gains = WheelGainBalance::new();
+        self.reversed.fill(FaultLatch::new());
+        self.jumps.fill(WheelGainJump::new());
+        self.shifts = WheelGainShift::new();
     }
 
     /// Lets go of what is only suspected, and of what jumped: nobody can look whether it still holds.

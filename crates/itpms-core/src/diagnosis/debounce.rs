@@ -1,5 +1,7 @@
 //! Debouncing: a word that is said when a condition has held for a while, and taken back when another one has.
 
+use crate::memory::blank;
+
 /// How long a condition has to hold, in s.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct DebounceTimes {
@@ -34,6 +36,8 @@ pub(crate) struct Debouncer {
     since_s: f64,
     reported_s: f64,
 }
+
+blank!(Debouncer { active, prefailed_s, prepassed_s, since_s, reported_s });
 
 impl Debouncer {
     pub(crate) fn new() -> Self {

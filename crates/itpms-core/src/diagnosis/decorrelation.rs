@@ -1,6 +1,7 @@
 //! Whether the axles have just stopped sharing a road: in a bend the rear wheels leave the front ones' track within a second,
 //! and until the estimator has noticed, what they disagree by looks like a leak.
 
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Incoherence near wheel hop above which tracks may be parting, and how many times what it was before. No puncture on a shared
@@ -16,6 +17,8 @@ const USUAL_S: f64 = 20.0;
 pub(crate) struct DecorrelationDetector<T> {
     usual: Option<T>,
 }
+
+blank!(DecorrelationDetector<T> { usual });
 
 impl<T: Real> DecorrelationDetector<T> {
     pub(crate) fn new() -> Self {

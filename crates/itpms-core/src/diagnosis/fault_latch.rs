@@ -2,6 +2,7 @@
 
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
 use crate::diagnosis::{Fault, Malfunction};
+use crate::memory::{Blank, Placed, blank};
 use crate::real::Real;
 
 /// What the sensors of a corner look like in the hop band.
@@ -17,17 +18,28 @@ pub(crate) enum SwapPattern {
     Crossed,
 }
 
+blank!(SwapPattern::Right);
+
 /// A latch and what it would say.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: Real + serde::Serialize",
+        deserialize = "T: Real + serde::Deserialize<'de>"
+    ))
+)]
 pub(crate) struct FaultLatch<T> {
     pub(crate) debouncer: Debouncer,
-    pub(crate) malfunction: Option<Malfunction<T>>,
+    pub(crate) malfunction: Placed<Malfunction<T>>,
 }
+
+blank!(FaultLatch<T> { debouncer, malfunction });
 
 impl<T: Real> FaultLatch<T> {
     pub(crate) fn new() -> Self {
-        Self { debouncer: Debouncer::new(), malfunction: None }
+        Self { debouncer: Debouncer::new(), malfunction: Placed::BLANK }
     }
 
     /// Takes evidence for this malfunction. Once said, it stays what it was called.
@@ -39,7 +51,7 @@ impl<T: Real> FaultLatch<T> {
         malfunction: impl FnOnce() -> Malfunction<T>,
     ) {
         if !self.debouncer.is_active() && evidence == Evidence::Prefailed {
-            self.malfunction = Some(malfunction());
+            self.malfunction.set(Some(malfunction()));
         }
         self.debouncer.update(time_s, step_s, evidence, patience);
     }
@@ -53,7 +65,7 @@ impl<T: Real> FaultLatch<T> {
 
     /// What is said, while it is.
     pub(crate) fn fault(&self) -> Option<Fault<T>> {
-        let malfunction = self.malfunction.filter(|_| self.debouncer.is_active())?;
+        let malfunction = self.malfunction.get().filter(|_| self.debouncer.is_active())?;
         Some(Fault::from_debouncer(&self.debouncer, malfunction))
     }
 }

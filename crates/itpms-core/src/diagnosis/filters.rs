@@ -1,5 +1,6 @@
 //! Second-order sections, and averaging down to a lower rate.
 
+use crate::memory::blank;
 use crate::real::Real;
 
 /// A second-order section (transposed direct form II).
@@ -10,6 +11,8 @@ struct Section<T> {
     a: [T; 2],
     state: [T; 2],
 }
+
+blank!(Section<T> { b, a, state });
 
 /// Which side of its frequency a section lets through.
 #[derive(Debug, Clone, Copy)]
@@ -54,6 +57,8 @@ pub(crate) struct Band<T> {
     sections: [Section<T>; 4],
 }
 
+blank!(Band<T> { sections });
+
 impl<T: Real> Band<T> {
     pub(crate) fn new([low_hz, high_hz]: [f64; 2], rate_hz: f64) -> Self {
         let [broad, sharp] = BUTTERWORTH_4;
@@ -80,6 +85,8 @@ pub(crate) struct Averager<T> {
     count: u32,
     sums: [T; 8],
 }
+
+blank!(Averager<T> { of, count, sums });
 
 impl<T: Real> Averager<T> {
     pub(crate) fn new(of: u32) -> Self {
@@ -115,6 +122,8 @@ pub(crate) struct Triangle<T> {
     /// The rising half of the stretch before.
     risen: [T; 8],
 }
+
+blank!(Triangle<T> { of, count, rising, falling, risen });
 
 impl<T: Real> Triangle<T> {
     pub(crate) fn new(of: u32) -> Self {

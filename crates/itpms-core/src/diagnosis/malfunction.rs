@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use crate::memory::Blank;
 use crate::model::{Corner, Wheels};
 use crate::real::Real;
 
@@ -52,6 +53,10 @@ pub enum Malfunction<T> {
     SwappedAxles,
     /// The corner's signals do not fit each other or the rest of the car, and which is wrong cannot be told.
     Inconsistent(Corner),
+}
+
+impl<T: Real> Blank for Malfunction<T> {
+    const BLANK: Self = Self::Stuck(Sensor { corner: Corner::FrontLeft, place: Place::Body });
 }
 
 impl<T> Malfunction<T> {

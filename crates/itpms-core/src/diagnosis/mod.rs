@@ -37,6 +37,7 @@ use crate::diagnosis::matching::{median, over_others};
 use crate::diagnosis::sensor_statistics::SensorBlock;
 use crate::diagnosis::signals::{Block, HOP_WIDTH_HZ, Signals};
 use crate::diagnosis::single_sensor::SingleSensorMonitor;
+use crate::memory::blank;
 use crate::model::{CarConfig, CarSample, Corner, CornerConfig, Wheels};
 use crate::real::Real;
 
@@ -67,6 +68,8 @@ pub(crate) struct Fault<T> {
     pub(crate) since_s: f64,
     pub(crate) reported_s: f64,
 }
+
+blank!(Fault<T> { malfunction, since_s, reported_s });
 
 impl<T> Fault<T> {
     fn from_debouncer(debouncer: &Debouncer, malfunction: Malfunction<T>) -> Self {
@@ -109,27 +112,27 @@ pub(crate) struct Diagnosis<T: Real> {
     news: bool,
 }
 
+blank!(Diagnosis<T> {
+    period_s, noise_power, present, sensors, signals, cross_sensor, slowest_m_s, last_s, block_from_s,
+    calm_blocks, rough_blocks, news,
+});
+
 impl<T: Real> Diagnosis<T> {
-    pub(crate) fn new(car: &CarConfig<T>, rate_hz: f64) -> Self {
+    pub(crate) fn configure(&mut self, car: &CarConfig<T>, rate_hz: f64) {
         let noise = |corner: &Option<CornerConfig<T>>| {
             let noise = corner.as_ref().map_or(T::zero(), CornerConfig::accel_noise_or_usual_m_s2);
             noise * noise
         };
         let noise_power = car.corners.each_ref().map(noise);
-        Self {
-            period_s: 1.0 / rate_hz,
-            noise_power,
-            present: car.corners.each_ref().map(Option::is_some),
-            sensors: [SingleSensorMonitor::new(1.0 / rate_hz); 8],
-            signals: Signals::new(car, rate_hz),
-            cross_sensor: CrossSensorPlausibility::new(noise_power, rate_hz),
-            slowest_m_s: T::lit(f64::NAN),
-            last_s: f64::NEG_INFINITY,
-            block_from_s: f64::NAN,
-            calm_blocks: 0,
-            rough_blocks: 0,
-            news: false,
-        }
+        (self.period_s, self.noise_power) = (1.0 / rate_hz, noise_power);
+        self.present = car.corners.each_ref().map(Option::is_some);
+        self.sensors.fill(SingleSensorMonitor::new(1.0 / rate_hz));
+        self.signals.configure(car, rate_hz);
+        self.cross_sensor.configure(noise_power, rate_hz);
+        self.slowest_m_s = T::lit(f64::NAN);
+        (self.last_s, self.block_from_s) = (f64::NEG_INFINITY, f64::NAN);
+        (self.calm_blocks, self.rough_blocks) = (0, 0);
+        self.news = false;
     }
 
     /// Takes a sample of a clock that does not go back.

@@ -3,6 +3,7 @@
 
 use nalgebra::SMatrix;
 
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Second moments of `N` signals over the last few blocks.
@@ -22,6 +23,8 @@ pub(crate) struct Moments<T: Real, const N: usize> {
     /// Share of the mean that has been filled, 0 to 1.
     filled: T,
 }
+
+blank!(Moments<T, N> { block, count, mean, filled });
 
 impl<T: Real, const N: usize> Moments<T, N> {
     pub(crate) fn new() -> Self {

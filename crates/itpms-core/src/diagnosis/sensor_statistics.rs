@@ -1,5 +1,6 @@
 //! One accelerometer by itself: does it move, does it come, does it jump, how loud is it between the road's waves.
 
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Beyond this nothing on a car moves; such a value counts as missing, in m/s².
@@ -58,6 +59,10 @@ pub(crate) struct SensorWatch<T> {
     part_of: u32,
     floor: Option<T>,
 }
+
+blank!(SensorWatch<T> {
+    window, whole, usual, deviations, missing, changed_s, spikes, lost, part, in_part, part_of, floor,
+});
 
 impl<T: Real> SensorWatch<T> {
     pub(crate) fn new(period_s: f64) -> Self {

@@ -11,6 +11,7 @@ use nalgebra::SMatrix;
 
 use crate::diagnosis::filters::{Averager, Band, Triangle};
 use crate::diagnosis::moments::Moments;
+use crate::memory::blank;
 use crate::model::CarConfig;
 use crate::real::Real;
 
@@ -48,6 +49,8 @@ struct Strut<T> {
     displacement: T,
 }
 
+blank!(Strut<T> { damping_per_s, spring_per_s2, velocity, displacement });
+
 /// Filters of eight sensors and the block that runs.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -76,8 +79,13 @@ pub(crate) struct Signals<T: Real> {
     slow_steps: u32,
 }
 
+blank!(Signals<T> {
+    to_quick, to_slow, to_slow_band, quick_step_s, hop, bounce, slow, struts, hop_moments,
+    bounce_moments, wheel_hop, slow_power, quick_steps, slow_steps,
+});
+
 impl<T: Real> Signals<T> {
-    pub(crate) fn new(car: &CarConfig<T>, rate_hz: f64) -> Self {
+    pub(crate) fn configure(&mut self, car: &CarConfig<T>, rate_hz: f64) {
         let by = (rate_hz / QUICK_RATE_HZ).clamp(1.0, 1e6) as u32;
         let quick_hz = rate_hz / f64::from(by);
         let slow_by = (quick_hz / SLOW_RATE_HZ).clamp(1.0, 1e6) as u32;
@@ -91,22 +99,18 @@ impl<T: Real> Signals<T> {
             });
             Strut { damping_per_s, spring_per_s2, velocity: zero, displacement: zero }
         };
-        Self {
-            to_quick: Averager::new(by),
-            to_slow: Averager::new(slow_by),
-            to_slow_band: Triangle::new(slow_by),
-            quick_step_s: T::lit(1.0 / quick_hz),
-            hop: [Band::new(HOP_HZ, quick_hz); 8],
-            bounce: [Band::new(BOUNCE_HZ, slow_hz); 4],
-            slow: [Band::new(SLOW_HZ, slow_hz); 8],
-            struts: car.corners.each_ref().map(strut),
-            hop_moments: Moments::new(),
-            bounce_moments: Moments::new(),
-            wheel_hop: [zero; 4],
-            slow_power: [zero; 8],
-            quick_steps: 0,
-            slow_steps: 0,
-        }
+        self.to_quick = Averager::new(by);
+        self.to_slow = Averager::new(slow_by);
+        self.to_slow_band = Triangle::new(slow_by);
+        self.quick_step_s = T::lit(1.0 / quick_hz);
+        self.hop.fill(Band::new(HOP_HZ, quick_hz));
+        self.bounce.fill(Band::new(BOUNCE_HZ, slow_hz));
+        self.slow.fill(Band::new(SLOW_HZ, slow_hz));
+        self.struts = car.corners.each_ref().map(strut);
+        self.hop_moments = Moments::new();
+        self.bounce_moments = Moments::new();
+        (self.wheel_hop, self.slow_power) = ([zero; 4], [zero; 8]);
+        (self.quick_steps, self.slow_steps) = (0, 0);
     }
 
     /// Takes a sample of every sensor, bodies first.

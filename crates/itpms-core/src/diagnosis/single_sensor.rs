@@ -3,6 +3,7 @@
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
 use crate::diagnosis::sensor_statistics::{SensorBlock, SensorWatch};
 use crate::diagnosis::{Fault, Malfunction, Motion, Sensor};
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Seconds without a change after which a sensor of a moving car is stuck; and of the doubt before.
@@ -37,6 +38,8 @@ pub(crate) struct SingleSensorMonitor<T> {
     doubtful: Doubtful,
 }
 
+blank!(SingleSensorMonitor<T> { watch, stuck, dropout, spikes, noise, spike_count, spike_s, doubtful });
+
 /// Whether the last block left a doubt that is not said.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -44,6 +47,8 @@ enum Doubtful {
     No,
     Yes,
 }
+
+blank!(Doubtful::No);
 
 impl<T: Real> SingleSensorMonitor<T> {
     pub(crate) fn new(period_s: f64) -> Self {

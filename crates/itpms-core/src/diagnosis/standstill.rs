@@ -3,6 +3,7 @@
 //! Called by the monitor with every sample. A speed that is not to be believed is unknown: then every wheel goes by its own
 //! road, which is less but not wrong. Thresholds: docs/math/monitor.md, section 2.
 
+use crate::memory::blank;
 use crate::model::CarSample;
 use crate::real::Real;
 
@@ -24,6 +25,8 @@ struct Spread<T> {
     mean: T,
     squares: T,
 }
+
+blank!(Spread<T> { count, mean, squares });
 
 impl<T: Real> Spread<T> {
     fn new() -> Self {
@@ -56,6 +59,8 @@ pub(crate) struct Standstill<T> {
     rolled: bool,
     denied: bool,
 }
+
+blank!(Standstill<T> { from_s, wheels, rolled, denied });
 
 impl<T: Real> Standstill<T> {
     pub(crate) fn new() -> Self {

@@ -7,6 +7,7 @@ use super::reading::{Reading, is_known};
 use super::{EstimatorKind, RoadRepetition};
 use crate::conditioning::wheel_lift::ContactWatch;
 use crate::conditioning::{GridSample, Resampler, SampleCounts};
+use crate::memory::{Placed, blank};
 use crate::model::{
     BodyFit, CornerConfig, CornerEstimate, CornerSample, Diagnostics, Level, Misfit, ParameterError,
     QuarterCar, Validity, Warning, positive,
@@ -38,8 +39,8 @@ pub(crate) struct CornerEstimator<T: Real> {
     config: CornerConfig<T>,
     resampler: Resampler<T>,
     method: RunningMethod<T>,
-    /// The road for the default estimator; the filters bring their own. `None`: nobody wants to know it.
-    road: Option<RoadFilter<T>>,
+    /// The road for the default estimator; the filters bring their own. Absent: nobody wants to know it.
+    road: Placed<RoadFilter<T>>,
     road_told_s: f64,
     watch: LowPressureWatch,
     /// Length in s of the calibration drive at the start, and when it ends once that is known.
@@ -49,12 +50,17 @@ pub(crate) struct CornerEstimator<T: Real> {
     restarts: u32,
     repetition: RoadRepetition,
     /// What the whole car says of this corner, while it says anything.
-    fused: Option<FusedStiffness<T>>,
+    fused: Placed<FusedStiffness<T>>,
     contact: ContactWatch<T>,
     strut: Strut<T>,
     fit: BodyFit<T>,
     misfit: Option<Misfit>,
 }
+
+blank!(CornerEstimator<T> {
+    kind, config, resampler, method, road, road_told_s, watch, calibration_s, calibration_ends_s,
+    pinned_s, restarts, repetition, fused, contact, strut, fit, misfit,
+});
 
 /// What the whole car knows of a corner that the corner by itself does not.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,42 +82,52 @@ pub(crate) struct FusedStiffness<T> {
     pub(crate) has_signal: bool,
 }
 
+blank!(FusedStiffness<T> {
+    stiffness_n_per_m, stiffness_sd_n_per_m, considered_sd_n_per_m, level, changing, learned_s, learning,
+    has_signal,
+});
+
 impl<T: Real> CornerEstimator<T> {
     /// An estimator of `kind` for a corner whose samples come at about `sample_rate_hz`.
     ///
     /// # Errors
     /// The rate must be positive and finite; parameters of the corner that the filters refuse are named.
-    pub(crate) fn new(
+    pub(crate) fn configure(
+        &mut self,
         kind: EstimatorKind,
         config: &CornerConfig<T>,
         sample_rate_hz: f64,
-    ) -> Result<Self, ParameterError> {
+    ) -> Result<(), ParameterError> {
         let sample_rate_hz = positive("sample_rate_hz", sample_rate_hz)?;
         let frames = !kind.is_as_published();
-        let resampler = Resampler::new(sample_rate_hz, if frames { FRAME_GRID_HZ } else { sample_rate_hz });
-        let grid_period_s = resampler.grid_period_s();
-        let method = RunningMethod::new(kind, config, sample_rate_hz, grid_period_s)?;
+        (self.kind, self.config) = (kind, *config);
+        self.resampler = Resampler::new(sample_rate_hz, if frames { FRAME_GRID_HZ } else { sample_rate_hz });
+        self.method.configure(kind, config, sample_rate_hz, self.resampler.grid_period_s())?;
+        self.begin_road()?;
+        self.road_told_s = f64::NEG_INFINITY;
+        self.watch = LowPressureWatch::new();
+        self.calibration_s = 0.0;
+        self.calibration_ends_s = None;
+        self.pinned_s = f64::NEG_INFINITY;
+        self.restarts = 0;
+        self.repetition = RoadRepetition::default();
+        self.fused.clear();
+        self.contact = ContactWatch::new(&config.quarter_car);
+        let noise = config.accel_noise_or_usual_m_s2();
+        let noise_density = T::lit(2.0 / sample_rate_hz) * noise * noise;
+        self.strut.configure(self.resampler.grid_period_s(), noise_density);
+        (self.fit, self.misfit) = (BodyFit::unknown(), None);
+        Ok(())
+    }
+
+    /// The road's filter, by way of the stack: it is small.
+    #[inline(never)]
+    fn begin_road(&mut self) -> Result<(), ParameterError> {
+        let config = &self.config;
         let noise = config.accel_noise_or_usual_m_s2();
         let road = RoadConfig::new(config.quarter_car, config.initial_stiffness_n_per_m(), noise)?;
-        Ok(Self {
-            kind,
-            config: *config,
-            resampler,
-            method,
-            road: Some(RoadFilter::new(&road)),
-            road_told_s: f64::NEG_INFINITY,
-            watch: LowPressureWatch::new(),
-            calibration_s: 0.0,
-            calibration_ends_s: None,
-            pinned_s: f64::NEG_INFINITY,
-            restarts: 0,
-            repetition: RoadRepetition::default(),
-            fused: None,
-            contact: ContactWatch::new(&config.quarter_car),
-            strut: Strut::new(grid_period_s, T::lit(2.0 / sample_rate_hz) * noise * noise),
-            fit: BodyFit::unknown(),
-            misfit: None,
-        })
+        self.road.place(|filter| *filter = RoadFilter::new(&road));
+        Ok(())
     }
 
     /// Says that the tire has its placard pressure from the next sample on, for `seconds`: the driver's calibration.
@@ -132,7 +148,7 @@ impl<T: Real> CornerEstimator<T> {
 
     /// Leaves out the road's heights where they come from a filter of their own.
     pub(crate) fn leave_out_road(&mut self) {
-        self.road = None;
+        self.road.clear();
     }
 
     /// Probability that the pressure moves, as the corner by itself sees it.
@@ -211,7 +227,7 @@ impl<T: Real> CornerEstimator<T> {
 
     /// Tells what the whole car says of this corner; `None`: nothing now.
     pub(crate) fn set_fused(&mut self, word: Option<FusedStiffness<T>>) {
-        self.fused = word;
+        self.fused.set(word);
     }
 
     /// Time between grid steps in s.
@@ -227,7 +243,7 @@ impl<T: Real> CornerEstimator<T> {
         {
             self.restart();
         }
-        if let Some(word) = &self.fused {
+        if let Some(word) = self.fused.as_ref() {
             self.method.apply_fused(&mut reading, word);
         }
         let (considered, level) = self.considered(time_s, &reading);
@@ -255,7 +271,7 @@ impl<T: Real> CornerEstimator<T> {
     /// Causal road height in m and its sd, for the stiffness believed now.
     fn follow_road(&mut self, time_s: f64, corner: &CornerSample<T>, reading: &Reading<T>) -> (T, T) {
         let unknown = (T::lit(f64::NAN), T::lit(f64::NAN));
-        let Some(filter) = &mut self.road else { return unknown };
+        let Some(filter) = self.road.as_mut() else { return unknown };
         if !(time_s - self.road_told_s < TELL_S) {
             self.road_told_s = time_s;
             // Refused only outside its range, and then the road keeps what it was told before.
@@ -295,7 +311,7 @@ impl<T: Real> CornerEstimator<T> {
             return (T::zero(), Level::VehicleFile);
         }
         let calibrating = self.calibration_ends_s.is_some_and(|ends_s| time_s < ends_s);
-        match &self.fused {
+        match self.fused.as_ref() {
             Some(fused) => (fused.considered_sd_n_per_m, fused.level),
             None if calibrating => (T::zero(), Level::Calibration),
             None => {

@@ -5,6 +5,7 @@ use super::published_method::PublishedMethod;
 use super::reading::{Reading, validity};
 use super::{EstimatorKind, FusedStiffness};
 use crate::conditioning::GridSample;
+use crate::memory::Blank;
 use crate::model::{CornerConfig, ParameterError, QuarterCar};
 use crate::real::Real;
 use crate::single_wheel::{Informed, RoadRepetition, StiffnessPseudoMeasurement};
@@ -50,29 +51,40 @@ pub(super) struct RunningMethod<T: Real> {
     read_s: f64,
 }
 
+impl<T: Real> Blank for RunningMethod<T> {
+    const BLANK: Self = Self {
+        method: Blank::BLANK,
+        config: Blank::BLANK,
+        #[cfg(feature = "paper")]
+        grid_period_s: Blank::BLANK,
+        reading: Blank::BLANK,
+        read_s: Blank::BLANK,
+    };
+}
+
 impl<T: Real> RunningMethod<T> {
     /// # Errors
     /// Parameters of the corner that a filter refuses are named.
-    pub(super) fn new(
+    pub(super) fn configure(
+        &mut self,
         kind: EstimatorKind,
         config: &CornerConfig<T>,
         sample_rate_hz: f64,
         grid_period_s: f64,
-    ) -> Result<Self, ParameterError> {
-        let method = match kind {
-            EstimatorKind::Informed => Method::Informed(Informed::new(config, sample_rate_hz, grid_period_s)),
+    ) -> Result<(), ParameterError> {
+        match kind {
+            EstimatorKind::Informed => self.method.inform(config, sample_rate_hz, grid_period_s),
             #[cfg(feature = "paper")]
-            _ => Method::Published(PublishedMethod::new(kind, config, sample_rate_hz, grid_period_s)?),
-        };
-        let reading = method.first_reading(config);
-        Ok(Self {
-            method,
-            config: *config,
-            #[cfg(feature = "paper")]
-            grid_period_s: T::lit(grid_period_s),
-            reading,
-            read_s: f64::NEG_INFINITY,
-        })
+            _ => self.method.publish(kind, config, sample_rate_hz, grid_period_s)?,
+        }
+        self.config = *config;
+        #[cfg(feature = "paper")]
+        {
+            self.grid_period_s = T::lit(grid_period_s);
+        }
+        self.reading = self.method.first_reading(config);
+        self.read_s = f64::NEG_INFINITY;
+        Ok(())
     }
 
     /// Starts again, in place: another method beside this one is more than a controller's stack has room for.
@@ -190,7 +202,40 @@ impl<T: Real> RunningMethod<T> {
     }
 }
 
+impl<T: Real> Blank for Method<T> {
+    const BLANK: Self = Self::Informed(Informed::BLANK);
+}
+
 impl<T: Real> Method<T> {
+    /// Becomes the default method.
+    fn inform(&mut self, config: &CornerConfig<T>, sample_rate_hz: f64, grid_period_s: f64) {
+        #[cfg(feature = "paper")]
+        if matches!(self, Self::Published(_)) {
+            *self = Self::BLANK;
+        }
+        match self {
+            Self::Informed(informed) => {
+                informed.configure(config, sample_rate_hz, grid_period_s, RoadRepetition::default());
+            }
+            #[cfg(feature = "paper")]
+            Self::Published(_) => {}
+        }
+    }
+
+    /// Becomes one of the paper's; by way of the stack, which controllers have no use for.
+    #[cfg(feature = "paper")]
+    #[inline(never)]
+    fn publish(
+        &mut self,
+        kind: EstimatorKind,
+        config: &CornerConfig<T>,
+        sample_rate_hz: f64,
+        grid_period_s: f64,
+    ) -> Result<(), ParameterError> {
+        *self = Self::Published(PublishedMethod::new(kind, config, sample_rate_hz, grid_period_s)?);
+        Ok(())
+    }
+
     /// What is known before the first sample.
     fn first_reading(&self, config: &CornerConfig<T>) -> Reading<T> {
         match self {

@@ -9,6 +9,7 @@ mod reading;
 
 pub(crate) use self::corner::{CornerEstimator, FusedStiffness};
 use crate::conditioning::{SampleClock, SampleCounts};
+use crate::memory::{Blank, blank};
 use crate::model::{BodyFit, CornerConfig, CornerEstimate, CornerSample, Misfit, ParameterError, QuarterCar};
 use crate::real::Real;
 #[cfg(feature = "test-bench")]
@@ -33,6 +34,8 @@ pub enum EstimatorKind {
     #[cfg(feature = "paper")]
     EkfUi,
 }
+
+blank!(EstimatorKind::Informed);
 
 impl EstimatorKind {
     /// All kinds, the default first.
@@ -91,6 +94,8 @@ pub struct Estimator<T: Real> {
     body_equation: BodyEquation<T>,
 }
 
+blank!(Estimator<T> { clock, corner, body_equation });
+
 impl<T: Real> Estimator<T> {
     /// An estimator of `kind` for a corner whose samples come at about `sample_rate_hz`.
     ///
@@ -101,11 +106,34 @@ impl<T: Real> Estimator<T> {
         config: &CornerConfig<T>,
         sample_rate_hz: f64,
     ) -> Result<Self, ParameterError> {
-        Ok(Self {
-            clock: SampleClock::new(sample_rate_hz)?,
-            corner: CornerEstimator::new(kind, config, sample_rate_hz)?,
-            body_equation: BodyEquation::new(&[Some(*config), None, None, None], sample_rate_hz),
-        })
+        let mut estimator = Self::unconfigured();
+        estimator.configure(kind, config, sample_rate_hz)?;
+        Ok(estimator)
+    }
+
+    /// Memory for an estimator, as a constant: for a `static`, to be [configured](Self::configure) where it lies. Until then every
+    /// sample is refused.
+    #[must_use]
+    pub const fn unconfigured() -> Self {
+        Self::BLANK
+    }
+
+    /// What [`new`](Self::new) does, where the estimator lies: it takes little stack. Whatever was there is forgotten.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new); the estimator is unconfigured then.
+    pub fn configure(
+        &mut self,
+        kind: EstimatorKind,
+        config: &CornerConfig<T>,
+        sample_rate_hz: f64,
+    ) -> Result<(), ParameterError> {
+        self.clock = SampleClock::BLANK;
+        let clock = SampleClock::new(sample_rate_hz)?;
+        self.corner.configure(kind, config, sample_rate_hz)?;
+        self.body_equation.configure(&[Some(*config), None, None, None], sample_rate_hz);
+        self.clock = clock;
+        Ok(())
     }
 
     /// The same for a drive whose first seconds are known to be at placard pressure: a calibration. While it lasts the estimate

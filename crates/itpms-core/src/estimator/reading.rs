@@ -1,5 +1,6 @@
 //! What every method tells after a step, and whether that may be believed.
 
+use crate::memory::blank;
 use crate::model::{CornerConfig, Validity};
 use crate::real::Real;
 
@@ -22,6 +23,11 @@ pub(super) struct Reading<T> {
     pub(super) gate: T,
     pub(super) change_probability: T,
 }
+
+blank!(Reading<T> {
+    stiffness_n_per_m, stiffness_sd_n_per_m, road_m, road_sd_m, validity, forgetting, nis, gate,
+    change_probability,
+});
 
 /// Whether a stiffness of this sd may be believed, given how much was learned.
 pub(super) fn validity<T: Real>(config: &CornerConfig<T>, learned_s: T, pressure_sd_kpa: T) -> Validity {

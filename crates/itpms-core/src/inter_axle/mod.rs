@@ -25,6 +25,7 @@ use crate::belief::measurement::BINS;
 use crate::belief::state::{DAMPING, SKEW, WHEELBASE};
 use crate::conditioning::GridSample;
 use crate::inter_axle::alignment::channel::BOTH;
+use crate::memory::{Placed, blank};
 use crate::model::{CarConfig, QuarterCar};
 use crate::real::Real;
 use crate::spectrum::transfer::Body;
@@ -73,7 +74,7 @@ pub(crate) struct InterAxle<T: Real> {
     channels: [Channel<T>; 4],
     pairs: [AxlePair<T>; 2],
     /// The newest two entries of the rear corners, newest first.
-    rear: [[Option<Entry<T>>; 2]; 2],
+    rear: [[Placed<Entry<T>>; 2]; 2],
     /// Seconds from front to rear wheel, left and right.
     delay_s: [T; 2],
     /// Seconds by which filters delay the signals, and by which the speed was found to be late.
@@ -82,39 +83,49 @@ pub(crate) struct InterAxle<T: Real> {
     travel: Travel<T>,
 }
 
+blank!(InterAxle<T> {
+    wheelbase_m, wheels, channels, pairs, rear, delay_s, filter_delay_s, speed_latency_s, travel,
+});
+
 impl<T: Real> InterAxle<T> {
-    /// For the sides that have both corners; `None` if there is none, or no wheelbase.
-    pub(crate) fn new(config: &CarConfig<T>, sample_rate_hz: f64, grid_period_s: f64) -> Option<Self> {
-        let wheelbase_m = config.wheelbase_m?;
+    /// The wheelbase in m of a car that has both corners of a side; `None`: nothing is to be aligned.
+    pub(crate) fn wheelbase_m(config: &CarConfig<T>) -> Option<T> {
+        let there = config.corners.each_ref().map(Option::is_some);
+        config.wheelbase_m.filter(|_| there[0] && there[2] || there[1] && there[3])
+    }
+
+    /// For the sides that have both corners.
+    pub(crate) fn configure(
+        &mut self,
+        config: &CarConfig<T>,
+        wheelbase_m: T,
+        sample_rate_hz: f64,
+        grid_period_s: f64,
+    ) {
         let wheel = |corner: usize| {
             config.corners[corner].as_ref().map(|c| {
                 let theta = T::one() / c.tire.stiffness_n_per_m(c.placard_kpa);
                 Wheel { body: Body::from(&c.quarter_car), theta, corner }
             })
         };
-        let wheels: [Option<Wheel<T>>; 4] = core::array::from_fn(wheel);
-        if !(wheels[0].is_some() && wheels[2].is_some() || wheels[1].is_some() && wheels[3].is_some()) {
-            return None;
+        self.wheelbase_m = wheelbase_m;
+        self.wheels = core::array::from_fn(wheel);
+        for channel in &mut self.channels {
+            *channel = Channel::new(grid_period_s);
         }
-        let channels: [Channel<T>; 4] = core::array::from_fn(|_| Channel::new(grid_period_s));
-        let period_s = channels[0].period_s();
+        let period_s = self.channels[0].period_s();
         let noise = |i: usize| {
             let sd = config.corners[i].as_ref().map_or(T::zero(), |c| c.accel_noise_or_usual_m_s2());
             sd * sd * T::lit(2.0 / sample_rate_hz)
         };
-        let pairs =
-            core::array::from_fn(|side| AxlePair::new(side, period_s, [noise(side), noise(side + 2)]));
-        Some(Self {
-            wheelbase_m,
-            wheels,
-            pairs,
-            rear: [[None; 2]; 2],
-            delay_s: [T::zero(); 2],
-            filter_delay_s: channels[0].filter_delay_s() + SENSOR_DELAY_PERIODS / sample_rate_hz,
-            channels,
-            speed_latency_s: 0.0,
-            travel: Travel::new(),
-        })
+        for (side, pair) in self.pairs.iter_mut().enumerate() {
+            pair.configure(side, period_s, [noise(side), noise(side + 2)]);
+        }
+        self.rear.iter_mut().flatten().for_each(Placed::clear);
+        self.delay_s = [T::zero(); 2];
+        self.filter_delay_s = self.channels[0].filter_delay_s() + SENSOR_DELAY_PERIODS / sample_rate_hz;
+        self.speed_latency_s = 0.0;
+        self.travel = Travel::new();
     }
 
     /// Takes the time and the speed of the samples that follow.
@@ -134,9 +145,10 @@ impl<T: Real> InterAxle<T> {
             return None;
         }
         // One entry late, so that the other side's of the same time is there, too.
-        let [newest, _] = self.rear[side];
-        self.rear[side] = [Some(entry), newest];
-        newest
+        let [newest, before] = &mut self.rear[side];
+        *before = *newest;
+        newest.set(Some(entry));
+        before.get()
     }
 
     /// Aligns an entry of a rear corner with the road that the front met.

@@ -1,5 +1,6 @@
 //! Whether a corner's body moves as the vehicle file says, and what was found of it on the way (docs/math/unknown-car.md, section 3).
 
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Share of the body's motion, 5 to 16 Hz, that does not go with the wheel's, from which on nothing is believed, and below which it is
@@ -44,6 +45,8 @@ impl core::fmt::Display for Misfit {
         })
     }
 }
+
+blank!(BodyFit<T> { incoherence, unexplained, friction_n });
 
 impl<T: Real> BodyFit<T> {
     /// Nothing was seen yet.

@@ -3,6 +3,7 @@
 //! Made by [`CarEstimator::calibration`](crate::car::CarEstimator::calibration) when a calibration is over, given to the next drive's
 //! estimator. Knows nothing of files: whoever stores it checks that it belongs to the car.
 
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Standard deviation of what the inter-axle residual reads too much of a tire's compliance, as a share of that at placard pressure,
@@ -18,6 +19,8 @@ pub struct Learned<T> {
     /// Its standard deviation.
     pub sd: T,
 }
+
+blank!(Learned<T> { value, sd });
 
 /// What was learned of one corner. Masses, damper and spring as relative deviations from the vehicle file.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,6 +64,8 @@ pub struct VehicleCalibration<T> {
     /// Seconds of useful driving it was learned from.
     pub learned_s: T,
 }
+
+blank!(VehicleCalibration<T> { corners, bar, gain, wheelbase, skew_s, learned_s });
 
 /// What a stored reference cannot be.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,6 +1,8 @@
 //! What an estimator is told about the car.
 
 use super::estimate::CornerConfig;
+use crate::memory::{Blank, blank};
+use crate::real::Real;
 
 /// What an estimator is told about the car.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -10,6 +12,11 @@ pub struct CarConfig<T> {
     pub corners: [Option<CornerConfig<T>>; 4],
     /// Distance between the axles in m; `None`: the shared road is not used.
     pub wheelbase_m: Option<T>,
+}
+
+impl<T: Real> Blank for CarConfig<T> {
+    /// Corners of zeros: that there is none is no zero.
+    const BLANK: Self = Self { corners: [Some(CornerConfig::BLANK); 4], wheelbase_m: None };
 }
 
 /// When tires may gain air.
@@ -23,3 +30,5 @@ pub enum Inflation {
     /// On the way, too: a car with pumps.
     WhileRolling,
 }
+
+blank!(Inflation::AtStops);

@@ -1,6 +1,7 @@
 //! What goes out, for every estimator alike: pressure and stiffness with their standard deviations, whether to
 //! believe them, and a warning.
 
+use crate::memory::blank;
 use crate::model::{Confidence, ParameterError, ParameterUncertainty, PressureMap, QuarterCar, positive};
 use crate::real::Real;
 
@@ -21,6 +22,8 @@ pub struct CornerConfig<T> {
     /// How well all of this is known.
     pub uncertainty: ParameterUncertainty<T>,
 }
+
+blank!(CornerConfig<T> { quarter_car, tire, placard_kpa, accel_noise_m_s2, initial_kpa, uncertainty });
 
 impl<T: Real> CornerConfig<T> {
     /// A corner with the placard's pressure as its start and unknown sensor noise, its parameters as well known as
@@ -87,20 +90,23 @@ impl<T: Real> CornerConfig<T> {
 /// Whether, and if not why not, an estimate may be believed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+// `Starting` is zero, as is all memory that is not configured.
 pub enum Validity {
     /// The data says this.
-    Valid,
+    Valid = 1,
     /// Not enough has been seen since the start.
-    Starting,
+    Starting = 0,
     /// Nothing to learn from for a while: standing still, too smooth, hidden in noise.
-    NoInformation,
+    NoInformation = 2,
     /// Samples are missing, stuck or absurd.
-    BadSignal,
+    BadSignal = 3,
     /// The computation left its range (a published filter diverged).
-    Diverged,
+    Diverged = 4,
     /// Body and wheel do not move as the vehicle file says: what is read from them is no tire.
-    Misfit,
+    Misfit = 5,
 }
+
+blank!(Validity::Starting);
 
 impl Validity {
     /// True for [`Validity::Valid`] alone.
@@ -120,6 +126,8 @@ pub enum Level {
     Calibration,
 }
 
+blank!(Level::VehicleFile);
+
 impl Level {
     /// The word in files: `file` or `calibration`.
     #[must_use]
@@ -134,9 +142,10 @@ impl Level {
 /// What the driver should know about one tire.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+// Begins at one, so that `None` of a wheel's report is zero, as is all memory that is not configured.
 pub enum Warning {
     /// Nothing to say. Not a promise that all is well: see [`Validity`].
-    None,
+    None = 1,
     /// Under-inflated.
     Low,
     /// The sensors do not allow a statement.

@@ -6,6 +6,7 @@
 use nalgebra::{Matrix2x5, Matrix5, Vector2, Vector5};
 use thiserror::Error;
 
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Names of the state's components (eq. 2), used instead of bare indices.
@@ -60,6 +61,8 @@ pub struct QuarterCar<T> {
     damping_n_s_per_m: T,
     spring_n_per_m: T,
 }
+
+blank!(QuarterCar<T> { sprung_mass_kg, unsprung_mass_kg, damping_n_s_per_m, spring_n_per_m });
 
 impl<T: Real> QuarterCar<T> {
     /// A quarter car of sprung mass `m_b`, unsprung mass `m_w` (kg), damping `c_s` (N s/m) and suspension spring

@@ -5,6 +5,7 @@
 
 use thiserror::Error;
 
+use crate::memory::blank;
 use crate::model::{ParameterError, positive};
 use crate::real::Real;
 
@@ -43,6 +44,8 @@ pub struct PressureMap<T> {
     variance_intercept: T,
     covariance: T,
 }
+
+blank!(PressureMap<T> { stiffness_per_kpa, stiffness_at_zero, variance_slope, variance_intercept, covariance });
 
 impl<T: Real> PressureMap<T> {
     /// An exactly known line: `stiffness_per_kpa` in N/m per kPa, `stiffness_at_zero` in N/m.

@@ -1,6 +1,7 @@
 //! How well a corner's parameters are known, by where they come from (docs/vehicle.md, section 3). Asked for by whoever weighs
 //! them; knows no file.
 
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Where the parameters of a vehicle come from, and so how far to trust them.
@@ -64,6 +65,18 @@ pub struct ParameterUncertainty<T> {
     /// Its standard deviation in N s/m.
     pub tire_damping_sd_n_s_per_m: T,
 }
+
+blank!(ParameterUncertainty<T> {
+    sprung_mass_relative_sd,
+    unsprung_mass_relative_sd,
+    spring_relative_sd,
+    damping_relative_sd,
+    stiffness_relative_sd,
+    friction_n,
+    friction_sd_n,
+    tire_damping_n_s_per_m,
+    tire_damping_sd_n_s_per_m,
+});
 
 impl<T: Real> ParameterUncertainty<T> {
     /// What is usual for parameters of this origin.

@@ -3,12 +3,15 @@
 use core::fmt;
 use core::ops::BitOr;
 
+use crate::memory::blank;
 use crate::model::Corner;
 
 /// Some of the four wheels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Wheels(u8);
+
+blank!(Wheels::NONE);
 
 impl Wheels {
     /// No wheel.

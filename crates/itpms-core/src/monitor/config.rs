@@ -1,6 +1,7 @@
 //! What a monitored car is told: the car, which estimator it uses, and the limits of its warnings.
 
 use crate::car::EstimatorOptions;
+use crate::memory::blank;
 use crate::model::{CarConfig, ParameterError, positive};
 use crate::real::Real;
 use crate::warning::{Limits, Regulation};
@@ -18,6 +19,8 @@ pub struct MonitorConfig<T> {
     /// Which estimator the car uses, and how.
     pub options: EstimatorOptions,
 }
+
+blank!(MonitorConfig<T> { car, limits, reference_kpa, options });
 
 impl<T: Real> MonitorConfig<T> {
     /// The car with the limits of UN R141, against its placard.

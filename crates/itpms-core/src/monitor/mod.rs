@@ -22,6 +22,7 @@ use crate::diagnosis::debounce::Debouncer;
 use crate::diagnosis::decorrelation::DecorrelationDetector;
 use crate::diagnosis::standstill::Standstill;
 use crate::diagnosis::{Diagnosis, Fault};
+use crate::memory::{Blank, Placed, blank};
 use crate::model::CarEstimate;
 use crate::model::{
     CarSample, Corner, CornerEstimate, CornerSample, ParameterError, Validity, Warning, Wheels, positive,
@@ -60,7 +61,7 @@ pub struct Monitor<T: Real> {
     /// What each tire should have now.
     reference_kpa: [T; 4],
     diagnosis: Diagnosis<T>,
-    faults: [Option<Fault<T>>; 4],
+    faults: [Placed<Fault<T>>; 4],
     suspects: Wheels,
     /// When each corner was last found to have been wrong for seconds, and those of which it was found just now.
     late_detection_s: [f64; 4],
@@ -81,37 +82,54 @@ pub struct Monitor<T: Real> {
     report: MonitorReport<T>,
 }
 
+blank!(Monitor<T> {
+    config, told_kpa, reference, reference_kpa, diagnosis, faults, suspects, late_detection_s,
+    rollback_requested, faulted, wheels, decorrelation, leaks, all_low, standstill, speed_m_s,
+    decided_s, ahead_s, report,
+});
+
 impl<T: Real> Monitor<T> {
     /// A monitor for samples that come at about `sample_rate_hz`.
     ///
     /// # Errors
     /// The rate must be positive and finite, limits and references numbers in order.
     pub fn new(config: &MonitorConfig<T>, sample_rate_hz: f64) -> Result<Self, ParameterError> {
+        let mut monitor = Self::BLANK;
+        monitor.configure(config, sample_rate_hz)?;
+        Ok(monitor)
+    }
+
+    /// The same where it lies.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new).
+    pub(crate) fn configure(
+        &mut self,
+        config: &MonitorConfig<T>,
+        sample_rate_hz: f64,
+    ) -> Result<(), ParameterError> {
         let sample_rate_hz = positive("sample_rate_hz", sample_rate_hz)?;
         config.check()?;
         let placard = |i: usize| config.car.corners[i].as_ref().map_or(T::one(), |corner| corner.placard_kpa);
-        let told_kpa = [0, 1, 2, 3].map(|i| config.reference_kpa[i].unwrap_or(placard(i)));
-        Ok(Self {
-            config: *config,
-            told_kpa,
-            reference: ReferencePressure::new(),
-            reference_kpa: told_kpa,
-            diagnosis: Diagnosis::new(&config.car, sample_rate_hz),
-            faults: [None; 4],
-            suspects: Wheels::NONE,
-            late_detection_s: [f64::NEG_INFINITY; 4],
-            rollback_requested: Wheels::NONE,
-            faulted: Wheels::NONE,
-            wheels: [WheelWatch::new(); 4],
-            decorrelation: [DecorrelationDetector::new(); 2],
-            leaks: LeakWatch::new(),
-            all_low: AllLow::new(),
-            standstill: Standstill::new(),
-            speed_m_s: T::lit(f64::NAN),
-            decided_s: f64::NEG_INFINITY,
-            ahead_s: 0.0,
-            report: MonitorReport::empty(),
-        })
+        self.config = *config;
+        self.told_kpa = [0, 1, 2, 3].map(|i| config.reference_kpa[i].unwrap_or(placard(i)));
+        self.reference = ReferencePressure::new();
+        self.reference_kpa = self.told_kpa;
+        self.diagnosis.configure(&config.car, sample_rate_hz);
+        self.faults.iter_mut().for_each(Placed::clear);
+        self.suspects = Wheels::NONE;
+        self.late_detection_s = [f64::NEG_INFINITY; 4];
+        self.rollback_requested = Wheels::NONE;
+        self.faulted = Wheels::NONE;
+        self.wheels = [WheelWatch::new(); 4];
+        self.decorrelation = [DecorrelationDetector::new(); 2];
+        self.leaks = LeakWatch::new();
+        self.all_low = AllLow::new();
+        self.standstill = Standstill::new();
+        self.speed_m_s = T::lit(f64::NAN);
+        (self.decided_s, self.ahead_s) = (f64::NEG_INFINITY, 0.0);
+        self.report = MonitorReport::empty();
+        Ok(())
     }
 
     /// Says that a calibration begins with the next sample and takes `seconds`: what is estimated at its end is from then on what
@@ -138,7 +156,9 @@ impl<T: Real> Monitor<T> {
             self.diagnosis.push(&CarSample { time_s, speed_m_s: self.speed_m_s, ..*sample });
         }
         if self.diagnosis.take_news() {
-            self.faults = self.diagnosis.faults();
+            for (fault, found) in self.faults.iter_mut().zip(self.diagnosis.faults()) {
+                fault.set(found);
+            }
             let faulty = self.faults.iter().flatten().map(|fault| fault.malfunction.wheels());
             let faulty = faulty.fold(Wheels::NONE, |all, wheels| all | wheels);
             self.suspects = self.diagnosis.suspects() | faulty;
@@ -285,7 +305,7 @@ impl<T: Real> Monitor<T> {
         let leaking = named(leak, leaking);
         let silent = Cause::NoInformation { driven_s: watch.driven_s };
         let silent = named(&watch.uninformed, silent);
-        let broken = self.faults[i].map(|fault| Alert {
+        let broken = self.faults[i].get().map(|fault| Alert {
             wheels: fault.malfunction.wheels(),
             since_s: fault.since_s,
             reported_s: fault.reported_s,

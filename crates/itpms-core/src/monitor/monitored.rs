@@ -2,6 +2,7 @@
 //! their sensors are back.
 
 use crate::car::{CarEstimate, CarEstimator};
+use crate::memory::{Blank, blank};
 use crate::model::{CalibrationError, CarSample, Corner, ParameterError, VehicleCalibration};
 use crate::monitor::{Monitor, MonitorConfig};
 use crate::real::Real;
@@ -22,6 +23,8 @@ pub struct MonitoredCar<T: Real> {
     monitor: Monitor<T>,
 }
 
+blank!(MonitoredCar<T> { estimator, monitor });
+
 impl<T: Real> MonitoredCar<T> {
     /// A car for samples that come at about `sample_rate_hz`.
     ///
@@ -29,10 +32,30 @@ impl<T: Real> MonitoredCar<T> {
     /// The rate must be positive and finite, limits and references numbers in order; parameters of a corner that the filters
     /// refuse are named.
     pub fn new(config: &MonitorConfig<T>, sample_rate_hz: f64) -> Result<Self, ParameterError> {
-        let estimator = CarEstimator::new(config.options.estimator, &config.car, sample_rate_hz)?;
-        let mut car = Self { estimator, monitor: Monitor::new(config, sample_rate_hz)? };
-        car.estimator.set_options(&config.options);
+        let mut car = Self::unconfigured();
+        car.configure(config, sample_rate_hz)?;
         Ok(car)
+    }
+
+    /// Memory for a car, as a constant: for a `static`, to be [configured](Self::configure) where it lies. Until then it is a car
+    /// without corners, of which nothing is estimated.
+    #[must_use]
+    pub const fn unconfigured() -> Self {
+        Self::BLANK
+    }
+
+    /// What [`new`](Self::new) does, where the car lies: it takes little stack. Whatever was there is forgotten.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new); the car is unconfigured then.
+    pub fn configure(
+        &mut self,
+        config: &MonitorConfig<T>,
+        sample_rate_hz: f64,
+    ) -> Result<(), ParameterError> {
+        self.estimator.configure(config.options.estimator, &config.car, sample_rate_hz)?;
+        self.estimator.set_options(&config.options);
+        self.monitor.configure(config, sample_rate_hz).inspect_err(|_| self.estimator.clear())
     }
 
     /// Begins with what a calibration on an earlier drive taught; before the first sample.

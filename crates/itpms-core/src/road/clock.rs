@@ -2,6 +2,7 @@
 //!
 //! Called by [`crate::road::filter`]; knows no state and no sensor.
 
+use crate::memory::blank;
 use crate::real::Real;
 
 /// A step in s no log has: its rows count as one.
@@ -32,6 +33,8 @@ pub(crate) struct Clock<T> {
     interval_s: T,
     ignored: u8,
 }
+
+blank!(Clock<T> { time_s, interval_s, ignored });
 
 impl<T: Real> Clock<T> {
     pub(crate) fn new() -> Self {

@@ -2,6 +2,7 @@
 //!
 //! Made by whoever owns an estimator; read by [`crate::road::RoadFilter`] and [`crate::road::RoadRecorder`].
 
+use crate::memory::{Blank, blank};
 use crate::model::{ParameterError, QuarterCar, positive};
 use crate::real::Real;
 
@@ -17,6 +18,10 @@ pub enum RoadLevel<T> {
     Adaptive,
     /// Given, and kept until the caller gives another.
     Fixed(T),
+}
+
+impl<T: Real> Blank for RoadLevel<T> {
+    const BLANK: Self = Self::Adaptive;
 }
 
 impl<T: Real> RoadLevel<T> {
@@ -41,6 +46,10 @@ pub enum SensorDelay<T> {
     },
     /// A known delay in s; 0 for a chain without one (a zero-phase filter in a simulation).
     Seconds(T),
+}
+
+impl<T: Real> Blank for SensorDelay<T> {
+    const BLANK: Self = Self::AntiAlias { cutoff_per_rate: T::ZERO };
 }
 
 impl<T: Real> SensorDelay<T> {
@@ -76,6 +85,11 @@ pub struct RoadConfig<T> {
     pub(crate) bias_sd_m_s2: T,
     pub(crate) bias_walk_m_s2: T,
 }
+
+blank!(RoadConfig<T> {
+    quarter_car, stiffness_n_per_m, accel_noise_m_s2, level, sensor_delay, body_mismatch,
+    low_cut_rad_per_s, bias_sd_m_s2, bias_walk_m_s2,
+});
 
 impl<T: Real> RoadConfig<T> {
     /// A corner, its tire's stiffness in N/m to start from, and the noise of both accelerometers in m/s² rms per

@@ -4,6 +4,7 @@
 //! Called with every sample of a corner, by an estimator that knows the tire's stiffness or by
 //! [`crate::road::RoadRecorder`]. Knows nothing of pressure, speed or other corners.
 
+use crate::memory::blank;
 use crate::model::{CornerSample, ParameterError, QuarterCar, Validity, positive};
 use crate::real::Real;
 use crate::road::clock::{Arrival, Clock};
@@ -82,6 +83,11 @@ pub struct RoadFilter<T: Real> {
     nis: Option<T>,
     restarts: u32,
 }
+
+blank!(RoadFilter<T> {
+    config, model, stiffness_sd, recursion, clock, level, unfollowed_s, running_s, blind_s,
+    body_accel_m_s2, nis, restarts,
+});
 
 impl<T: Real> RoadFilter<T> {
     /// A filter that knows nothing yet.

@@ -4,6 +4,7 @@
 //! Called by [`crate::road::filter`] with every wheel acceleration and height. The first part does not depend on the
 //! filter's own estimate, and the second only ever raises the level, so that a level too low cannot confirm itself.
 
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Memory of the power in s: long enough for 20 % in the level, short enough for a change of surface.
@@ -40,6 +41,8 @@ pub(crate) struct LevelTracker<T> {
     slow: SlowPower<T>,
 }
 
+blank!(LevelTracker<T> { mean, power, weight, seen_s, log_level, slow });
+
 /// Power of the height above [`SLOW_HIGH_PASS_HZ`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -48,6 +51,8 @@ struct SlowPower<T> {
     power: T,
     weight: T,
 }
+
+blank!(SlowPower<T> { mean, power, weight });
 
 impl<T: Real> LevelTracker<T> {
     pub(crate) fn new(log_level: T) -> Self {

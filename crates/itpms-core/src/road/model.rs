@@ -5,6 +5,7 @@
 
 use nalgebra::{Matrix2, SMatrix, SVector};
 
+use crate::memory::blank;
 use crate::model::QuarterCar;
 use crate::real::Real;
 use crate::road::config::RoadConfig;
@@ -70,6 +71,11 @@ pub(crate) struct Model<T> {
     /// How far the body is from a mass on this spring and damper, relative.
     pub(crate) body_mismatch: T,
 }
+
+blank!(Model<T> {
+    car, stiffness_n_per_m, noise_variance, road_intensity, road_bandwidth_rad_per_s,
+    low_cut_rad_per_s, bias_intensity, body_mismatch,
+});
 
 impl<T: Real> Model<T> {
     /// The model of a configuration for a road level.

@@ -5,6 +5,7 @@
 
 use nalgebra::{Matrix2, Vector2};
 
+use crate::memory::blank;
 use crate::real::Real;
 use crate::road::model::{CORE, CoreState, Matrix, Model, State, Transition, state, symmetrise};
 
@@ -35,6 +36,8 @@ struct HeightTwin<T: Real> {
     /// Covariance of that difference: the output's covariance less the expectation's.
     covariance: Matrix2<T>,
 }
+
+blank!(HeightTwin<T> { mean, covariance });
 
 impl<T: Real> HeightTwin<T> {
     fn same() -> Self {
@@ -71,6 +74,8 @@ pub(crate) struct Recursion<T: Real> {
     aided: Option<Transition<T>>,
     free: Option<Transition<T>>,
 }
+
+blank!(Recursion<T> { x, p, twin, aided, free });
 
 impl<T: Real> Recursion<T> {
     /// Nothing known but what kind of road and how large the sensors' offsets may be.

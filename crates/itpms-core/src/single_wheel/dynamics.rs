@@ -3,6 +3,7 @@
 
 use nalgebra::SMatrix;
 
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Leak modes.
@@ -78,6 +79,10 @@ pub(crate) struct Dynamics<T: Real> {
     /// Variance of the envelope parameter per step.
     pub(crate) envelope_variance: T,
 }
+
+blank!(Dynamics<T> {
+    leak, level, kernel, hold_kernel, level_variance, slope_keep, slope_variance, envelope_variance,
+});
 
 impl<T: Real> Dynamics<T> {
     pub(crate) fn new(hop_s: f64) -> Self {

@@ -1,6 +1,7 @@
 //! How much of a frame to believe: nothing while the road is hidden in sensor noise, less when a frame is an event
 //! such as a pothole that no stationary road explains (docs/math/informed.md, section 5).
 
+use crate::memory::blank;
 use crate::real::Real;
 use crate::single_wheel::road_model::{Evidence, Road};
 use crate::single_wheel::tables::Tables;
@@ -43,6 +44,8 @@ pub(crate) struct Gate<T> {
     surprise: T,
     open: T,
 }
+
+blank!(Gate<T> { signal_to_noise, quick_log_power, slow_log_power, running, surprise, open });
 
 impl<T: Real> Gate<T> {
     pub(crate) fn new() -> Self {

@@ -5,6 +5,7 @@
 
 use nalgebra::SVector;
 
+use crate::memory::blank;
 use crate::real::Real;
 use crate::single_wheel::dynamics::{
     CALM, Dynamics, FALL, JUMP, JUMP_VARIANCE, LEAK_MODES, LEVEL_MODES, QUIET, REACH, RISE, SLOPE_MEAN, TAPS,
@@ -51,9 +52,11 @@ pub(crate) struct Posterior<T: Real> {
     road_known: bool,
 }
 
+blank!(Posterior<T> { weight, road, dynamics, told_log_likelihood, told_frames, settling_frames, road_known });
+
 impl<T: Real> Posterior<T> {
     /// Nine tenths around `initial_cell` with sd `initial_sd_cells`, one tenth anywhere; quiet, road unknown.
-    pub(crate) fn new(hop_s: f64, initial_cell: T, initial_sd_cells: T) -> Self {
+    pub(crate) fn configure(&mut self, hop_s: f64, initial_cell: T, initial_sd_cells: T) {
         let mut bell = Cells::from_fn(|cell, _| {
             let z = (T::lit(cell as f64) - initial_cell) / initial_sd_cells;
             (T::lit(-0.5) * z * z).exp()
@@ -63,19 +66,16 @@ impl<T: Real> Posterior<T> {
             bell *= T::lit(0.9) / mass;
         }
         let start = bell.map(|p| p + T::lit(0.1 / CELLS as f64));
-        let mut weight = [[Cells::zeros(); LEAK_MODES]; LEVEL_MODES];
         let share = start.sum();
-        weight[CALM][QUIET] = start / share;
-        let road = RoadBelief::repeat(&Road::unknown(T::zero()));
-        Self {
-            weight,
-            road: [road.clone(), road.clone(), road],
-            dynamics: Dynamics::new(hop_s),
-            told_log_likelihood: Cells::zeros(),
-            told_frames: 0,
-            settling_frames: SETTLING_FRAMES,
-            road_known: false,
-        }
+        self.weight.iter_mut().flatten().for_each(|cells| cells.fill(T::zero()));
+        self.weight[CALM][QUIET] = start / share;
+        let road = Road::unknown(T::zero());
+        self.road.iter_mut().for_each(|roads| roads.fill(&road));
+        self.dynamics = Dynamics::new(hop_s);
+        self.told_log_likelihood.fill(T::zero());
+        self.told_frames = 0;
+        self.settling_frames = SETTLING_FRAMES;
+        self.road_known = false;
     }
 
     /// Moves on by one frame. `speed_ratio` is the speed over that of the last step (one if unknown): a faster car
@@ -162,11 +162,10 @@ impl<T: Real> Posterior<T> {
 
     fn mix_level_modes(&mut self) {
         let rates = self.dynamics.level;
-        let old_roads = self.road.clone();
         for cell in 0..CELLS {
             let mass: [T; LEVEL_MODES] =
                 core::array::from_fn(|l| self.weight[l].iter().fold(T::zero(), |sum, mode| sum + mode[cell]));
-            let roads: [Road<T>; LEVEL_MODES] = core::array::from_fn(|l| old_roads[l].get(cell));
+            let roads: [Road<T>; LEVEL_MODES] = core::array::from_fn(|l| self.road[l].get(cell));
             for to in 0..LEVEL_MODES {
                 let mut matched = MomentMatch::around(roads[to]);
                 for from in 0..LEVEL_MODES {
@@ -175,12 +174,13 @@ impl<T: Real> Posterior<T> {
                 self.road[to].set(cell, &matched.finish());
             }
         }
-        let old = self.weight;
-        for (to, level) in self.weight.iter_mut().enumerate() {
-            for (mode, cells) in level.iter_mut().enumerate() {
+        for mode in 0..LEAK_MODES {
+            let old = self.weight.each_ref().map(|level| level[mode]);
+            for (to, level) in self.weight.iter_mut().enumerate() {
+                let cells = &mut level[mode];
                 *cells = Cells::zeros();
                 for (from, row) in rates.iter().enumerate() {
-                    *cells += old[from][mode] * row[to];
+                    *cells += old[from] * row[to];
                 }
             }
         }

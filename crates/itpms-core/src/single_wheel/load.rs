@@ -6,6 +6,7 @@
 
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
 
+use crate::memory::blank;
 use crate::real::Real;
 use crate::single_wheel::{BINS, Frame};
 use crate::spectrum::reconstruction::{BODY_JERK, LEAK_RAD_S, RELATIVE_ACCELERATION, RELATIVE_VELOCITY};
@@ -36,6 +37,8 @@ pub(crate) struct BodyIdentification<T: Real> {
     regressors: Matrix2<T>,
     response: Vector2<T>,
 }
+
+blank!(BodyIdentification<T> { nominal, body, deviation, regressors, response });
 
 impl<T: Real> BodyIdentification<T> {
     pub(crate) fn new(nominal: Body<T>) -> Self {

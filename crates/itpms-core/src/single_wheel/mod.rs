@@ -29,6 +29,7 @@ mod road_model;
 mod tables;
 
 use crate::conditioning::GridSample;
+use crate::memory::{Blank, Placed, blank};
 use crate::model::{CornerConfig, QuarterCar};
 use crate::real::Real;
 use crate::single_wheel::gate::{Gate, SpeedKnowledge};
@@ -112,17 +113,37 @@ pub struct Informed<T: Real> {
     stopped_s: T,
     repeat: RepeatedRoad<T>,
     /// What the repeated road last said, while there is one.
-    periodic_estimate: Option<PeriodicEstimate<T>>,
+    periodic_estimate: Placed<PeriodicEstimate<T>>,
     periodic_estimate_s: f64,
     held_frames: u32,
     last_time_s: f64,
 }
 
+blank!(Informed<T> {
+    config, grid, body, tables, friction, reconstruction, clock, posterior, sample_rate_hz, grid_period_s,
+    noise_density, bins, gate, variance_growth, learned_s, last_speed_m_s, invalid, stopped_s, repeat,
+    periodic_estimate, periodic_estimate_s, held_frames, last_time_s,
+});
+
 impl<T: Real> Informed<T> {
     /// An estimator for samples that were taken at `sample_rate_hz` and come on a grid of `grid_period_s`.
     pub fn new(config: &CornerConfig<T>, sample_rate_hz: f64, grid_period_s: f64) -> Self {
-        let clock = FrameClock::new(HOP_S, grid_period_s);
-        let grid = Grid::new(config.placard_kpa);
+        let mut estimator = Self::BLANK;
+        estimator.configure(config, sample_rate_hz, grid_period_s, RoadRepetition::default());
+        estimator
+    }
+
+    /// The same where it lies, with what is known of the road repeating itself.
+    pub(crate) fn configure(
+        &mut self,
+        config: &CornerConfig<T>,
+        sample_rate_hz: f64,
+        grid_period_s: f64,
+        repetition: RoadRepetition,
+    ) {
+        self.clock.configure(HOP_S, grid_period_s);
+        self.config = *config;
+        self.grid = Grid::new(config.placard_kpa);
         let car = &config.quarter_car;
         let body = Body {
             sprung_mass_kg: car.sprung_mass_kg(),
@@ -130,50 +151,41 @@ impl<T: Real> Informed<T> {
             damping_n_s_per_m: car.damping_n_s_per_m(),
             spring_n_per_m: car.spring_n_per_m(),
         };
-        let tables = Tables::new(clock.bin_spacing_hz(), sample_rate_hz, &grid, &config.tire, &body);
+        let spacing_hz = self.clock.bin_spacing_hz();
+        self.tables.configure(spacing_hz, sample_rate_hz, &self.grid, &config.tire, &body);
         let noise = config.accel_noise_or_usual_m_s2();
         let initial = config.initial_kpa.unwrap_or(config.placard_kpa);
-        let initial_cell = (initial - grid.pressure_kpa(0)) / grid.step_kpa();
+        let initial_cell = (initial - self.grid.pressure_kpa(0)) / self.grid.step_kpa();
         let scale = config.placard_kpa / T::lit(dynamics::REFERENCE_KPA);
-        let posterior =
-            Posterior::new(clock.hop_s(), initial_cell, T::lit(INITIAL_SD_KPA) * scale / grid.step_kpa());
-        let highest = (BAND * sample_rate_hz / clock.bin_spacing_hz()).clamp(1.0, BINS as f64);
-        Self {
-            config: *config,
-            grid,
-            body: BodyIdentification::new(body),
-            tables,
-            friction: DescribingFunction::none(),
-            reconstruction: Reconstruction::new(grid_period_s, car.unsprung_mass_kg() / car.sprung_mass_kg()),
-            clock,
-            posterior,
-            sample_rate_hz,
-            grid_period_s,
-            noise_density: T::lit(2.0 / sample_rate_hz) * noise * noise,
-            bins: highest as usize,
-            gate: Gate::new(),
-            variance_growth: T::one(),
-            learned_s: T::zero(),
-            last_speed_m_s: T::lit(f64::NAN),
-            invalid: false,
-            stopped_s: T::zero(),
-            repeat: RepeatedRoad::new(RoadRepetition::default(), sample_rate_hz, grid_period_s),
-            periodic_estimate: None,
-            periodic_estimate_s: f64::NAN,
-            held_frames: 0,
-            last_time_s: f64::NAN,
-        }
+        let sd_cells = T::lit(INITIAL_SD_KPA) * scale / self.grid.step_kpa();
+        self.posterior.configure(self.clock.hop_s(), initial_cell, sd_cells);
+        let highest = (BAND * sample_rate_hz / spacing_hz).clamp(1.0, BINS as f64);
+        self.body = BodyIdentification::new(body);
+        self.friction = DescribingFunction::none();
+        let mass_ratio = car.unsprung_mass_kg() / car.sprung_mass_kg();
+        self.reconstruction = Reconstruction::new(grid_period_s, mass_ratio);
+        (self.sample_rate_hz, self.grid_period_s) = (sample_rate_hz, grid_period_s);
+        self.noise_density = T::lit(2.0 / sample_rate_hz) * noise * noise;
+        self.bins = highest as usize;
+        self.gate = Gate::new();
+        (self.variance_growth, self.learned_s, self.stopped_s) = (T::one(), T::zero(), T::zero());
+        self.last_speed_m_s = T::lit(f64::NAN);
+        self.invalid = false;
+        self.set_repetition(repetition);
+        self.periodic_estimate.clear();
+        (self.periodic_estimate_s, self.last_time_s) = (f64::NAN, f64::NAN);
+        self.held_frames = 0;
     }
 
     /// Tells what is known of the road repeating itself; to be said before the first sample.
     pub fn set_repetition(&mut self, repetition: RoadRepetition) {
-        self.repeat = RepeatedRoad::new(repetition, self.sample_rate_hz, self.grid_period_s);
+        self.repeat.configure(repetition, self.sample_rate_hz, self.grid_period_s);
     }
 
     /// Forgets everything, as before the first sample; the road may repeat itself as it was told at first.
     pub fn restart(&mut self, repetition: RoadRepetition) {
-        *self = Self::new(&self.config, self.sample_rate_hz, self.grid_period_s);
-        self.set_repetition(repetition);
+        let config = self.config;
+        self.configure(&config, self.sample_rate_hz, self.grid_period_s, repetition);
     }
 
     /// Takes one grid sample; true when a frame was completed and the belief has moved.
@@ -232,11 +244,11 @@ impl<T: Real> Informed<T> {
             let cell = (pressure - grid.pressure_kpa(0)) / grid.step_kpa();
             self.posterior.pin(cell, (sd / grid.step_kpa()).max(T::lit(LEAST_PIN_CELLS)));
             self.learned_s += word.seconds;
-            self.periodic_estimate = Some(*word);
+            self.periodic_estimate.set(Some(*word));
             self.periodic_estimate_s = sample.time_s;
         }
         if !self.repeat.is_following() {
-            self.periodic_estimate = None;
+            self.periodic_estimate.clear();
         }
         word.is_some()
     }
@@ -359,7 +371,7 @@ impl<T: Real> Informed<T> {
     /// What the frames since the last word say by themselves, whatever was believed before: a stiffness measurement for
     /// a filter outside. `None` until there are enough of them. Frames are tempered, so words may be added up.
     pub fn take_pseudo_measurement(&mut self) -> Option<StiffnessPseudoMeasurement<T>> {
-        if let Some(word) = &mut self.periodic_estimate {
+        if let Some(word) = self.periodic_estimate.as_mut() {
             let stiffness = T::one() / word.theta;
             let sd_n_per_m = word.relative_sd * stiffness * T::lit(REPEATED_WORD_SD);
             return core::mem::take(&mut word.whole_period)
@@ -394,7 +406,7 @@ impl<T: Real> Informed<T> {
         &mut self,
         believed: impl FnOnce() -> (T, T),
     ) -> Option<StiffnessPseudoMeasurement<T>> {
-        if self.periodic_estimate.is_some() {
+        if self.periodic_estimate.as_ref().is_some() {
             return self.take_pseudo_measurement();
         }
         if !self.posterior.has_word() {
@@ -415,7 +427,7 @@ impl<T: Real> Informed<T> {
 
     /// What is believed now.
     pub fn belief(&self) -> Belief<T> {
-        if let Some(word) = &self.periodic_estimate {
+        if let Some(word) = self.periodic_estimate.as_ref() {
             return self.repeated_belief(word);
         }
         let summary = self.posterior.summary();

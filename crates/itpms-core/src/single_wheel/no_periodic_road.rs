@@ -1,5 +1,6 @@
 //! In the place of the periodic road without feature `test-bench`: no road is taken to repeat itself.
 
+use crate::memory::{Blank, blank};
 use crate::real::Real;
 pub(crate) use crate::single_wheel::repetition::{Belief, Corner, Held, PeriodicEstimate, Step};
 
@@ -12,15 +13,19 @@ pub enum RoadRepetition {
     Never,
 }
 
+blank!(RoadRepetition::Never);
+
 /// A road that never repeats itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct RepeatedRoad<T>(core::marker::PhantomData<T>);
 
+impl<T: Real> Blank for RepeatedRoad<T> {
+    const BLANK: Self = Self(core::marker::PhantomData);
+}
+
 impl<T: Real> RepeatedRoad<T> {
-    pub(crate) fn new(_: RoadRepetition, _: f64, _: f64) -> Self {
-        Self(core::marker::PhantomData)
-    }
+    pub(crate) fn configure(&mut self, _: RoadRepetition, _: f64, _: f64) {}
 
     pub(crate) fn interrupted(&mut self, _: T) {}
 

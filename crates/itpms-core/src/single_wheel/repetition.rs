@@ -1,5 +1,6 @@
 //! What a corner and its repeated road tell each other.
 
+use crate::memory::blank;
 use crate::spectrum::transfer::Body;
 
 /// The compliance that a repeated road tells.
@@ -22,6 +23,8 @@ pub(crate) struct PeriodicEstimate<T> {
     pub(crate) whole_period: bool,
 }
 
+blank!(PeriodicEstimate<T> { theta, relative_sd, rate_per_s, moving, surprise, seconds, whole_period });
+
 /// What is believed of the compliance from elsewhere when the road is met.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Belief<T> {
@@ -42,6 +45,8 @@ pub(crate) enum Held {
     /// Else.
     No,
 }
+
+blank!(Held::No);
 
 /// One grid step of what the road velocity is made of: `wheel + θ force`.
 #[derive(Debug, Clone, Copy, PartialEq)]

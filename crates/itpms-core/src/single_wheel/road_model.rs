@@ -5,6 +5,7 @@
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
+use crate::memory::blank;
 use crate::real::Real;
 use crate::single_wheel::BINS;
 use crate::single_wheel::dynamics::{ENVELOPE_SD, SLOPE_MEAN, SLOPE_SD};
@@ -216,14 +217,14 @@ pub(crate) struct RoadBelief<T: Real> {
     covariance: SMatrix<T, { PARAMETERS * PARAMETERS }, CELLS>,
 }
 
+blank!(RoadBelief<T> { mean, covariance });
+
 impl<T: Real> RoadBelief<T> {
     /// The same belief everywhere.
-    pub(crate) fn repeat(road: &Road<T>) -> Self {
-        let mut belief = Self { mean: SMatrix::zeros(), covariance: SMatrix::zeros() };
+    pub(crate) fn fill(&mut self, road: &Road<T>) {
         for cell in 0..CELLS {
-            belief.set(cell, road);
+            self.set(cell, road);
         }
-        belief
     }
 
     pub(crate) fn get(&self, cell: usize) -> Road<T> {

@@ -5,6 +5,7 @@
 
 use nalgebra::{ComplexField, SMatrix, SVector};
 
+use crate::memory::blank;
 use crate::model::PressureMap;
 use crate::real::Real;
 use crate::single_wheel::BINS;
@@ -36,6 +37,8 @@ pub(crate) struct Grid<T> {
     lowest_kpa: T,
     step_kpa: T,
 }
+
+blank!(Grid<T> { lowest_kpa, step_kpa });
 
 impl<T: Real> Grid<T> {
     pub(crate) fn new(placard_kpa: T) -> Self {
@@ -77,32 +80,31 @@ pub(crate) struct Tables<T: Real> {
     next_cell: usize,
 }
 
+blank!(Tables<T> {
+    log_gain, log_gain_by_exponent, noise, determinant_noise, theta, log_frequency, window,
+    frequency_squared, bin_spacing_hz, next_cell,
+});
+
 impl<T: Real> Tables<T> {
-    pub(crate) fn new(
+    pub(crate) fn configure(
+        &mut self,
         bin_spacing_hz: f64,
         sample_rate_hz: f64,
         grid: &Grid<T>,
         tire: &PressureMap<T>,
         body: &Body<T>,
-    ) -> Self {
+    ) {
         let frequency = |bin: usize| bin_spacing_hz * (bin as f64 + 1.0);
         let per_bin = |f: &dyn Fn(f64) -> T| SVector::from_fn(|bin, _| f(frequency(bin)));
-        let mut tables = Self {
-            log_gain: SMatrix::zeros(),
-            log_gain_by_exponent: SMatrix::zeros(),
-            noise: SMatrix::zeros(),
-            determinant_noise: SMatrix::zeros(),
-            theta: SVector::from_fn(|cell, _| T::one() / tire.stiffness_n_per_m(grid.pressure_kpa(cell))),
-            log_frequency: per_bin(&|f| T::lit(f / 10.0).ln()),
-            window: window_parabolas(bin_spacing_hz, sample_rate_hz),
-            frequency_squared: per_bin(&|f| T::lit(f * f)),
-            bin_spacing_hz: T::lit(bin_spacing_hz),
-            next_cell: 0,
-        };
+        self.theta = SVector::from_fn(|cell, _| T::one() / tire.stiffness_n_per_m(grid.pressure_kpa(cell)));
+        self.log_frequency = per_bin(&|f| T::lit(f / 10.0).ln());
+        self.window = window_parabolas(bin_spacing_hz, sample_rate_hz);
+        self.frequency_squared = per_bin(&|f| T::lit(f * f));
+        self.bin_spacing_hz = T::lit(bin_spacing_hz);
+        self.next_cell = 0;
         for cell in 0..CELLS {
-            tables.fill_cell(cell, body, &DescribingFunction::none());
+            self.fill_cell(cell, body, &DescribingFunction::none());
         }
-        tables
     }
 
     /// Brings one more cell up to date with the body and the friction of its strut.
@@ -230,6 +232,7 @@ fn window_parabolas<T: Real>(bin_spacing_hz: f64, sample_rate_hz: f64) -> SMatri
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::memory::configured;
 
     fn body() -> Body<f64> {
         Body {
@@ -285,7 +288,8 @@ mod tests {
         let tire = PressureMap::new(860.0, 25_500.0).unwrap();
         let grid = Grid::new(241.3);
         let spacing = 1.0 / 0.12;
-        let mut tables = Tables::new(spacing, 500.0, &grid, &tire, &body());
+        let mut tables =
+            configured(|tables: &mut Tables<f64>| tables.configure(spacing, 500.0, &grid, &tire, &body()));
         let moved = Body { sprung_mass_kg: 260.0, damping_n_s_per_m: 1000.0, ..body() };
         tables.refresh_next(&moved, &DescribingFunction::none());
         let (theta, middle) = (tables.theta[0], tables.theta[CELLS / 2]);

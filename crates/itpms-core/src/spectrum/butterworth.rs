@@ -1,5 +1,6 @@
 //! Butterworth filters in sections of order two.
 
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Quality factors of the two sections of a Butterworth filter of order four.
@@ -14,6 +15,8 @@ pub(crate) struct Section<T> {
     middle: T,
     feedback: [T; 2],
 }
+
+blank!(Section<T> { gain, middle, feedback });
 
 impl<T: Real> Section<T> {
     pub(crate) fn low_pass(corner_hz: f64, rate_hz: f64, quality: f64) -> Self {

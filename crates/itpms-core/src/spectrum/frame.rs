@@ -5,6 +5,7 @@
 
 use nalgebra::{Complex, SMatrix};
 
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Share of a frame below which it is not scaled up any further.
@@ -19,6 +20,8 @@ pub(crate) struct Frame<T: Real, const BINS: usize, const SIGNALS: usize> {
     /// Share of the window's energy that fell on steps that count.
     pub(crate) seen: T,
 }
+
+blank!(Frame<T, BINS, SIGNALS> { re, im, seen });
 
 impl<T: Real, const BINS: usize, const SIGNALS: usize> Frame<T, BINS, SIGNALS> {
     pub(crate) fn zero() -> Self {
@@ -53,21 +56,16 @@ pub(crate) struct FrameClock<T: Real, const BINS: usize, const SIGNALS: usize> {
     younger: Frame<T, BINS, SIGNALS>,
 }
 
+blank!(FrameClock<T, BINS, SIGNALS> { hop, grid_period_s, step, complete_hops, phase, turn, older, younger });
+
 impl<T: Real, const BINS: usize, const SIGNALS: usize> FrameClock<T, BINS, SIGNALS> {
     /// Frames of twice `hop_s`, one every `hop_s`, rounded to whole steps of the grid, at least one.
-    pub(crate) fn new(hop_s: f64, grid_period_s: f64) -> Self {
+    pub(crate) fn configure(&mut self, hop_s: f64, grid_period_s: f64) {
         let hop = (hop_s / grid_period_s + 0.5).max(1.0) as u32;
         let angle = T::lit(core::f64::consts::PI / f64::from(hop));
-        Self {
-            hop,
-            grid_period_s,
-            step: 0,
-            complete_hops: 0,
-            phase: [T::one(), T::zero()],
-            turn: [angle.cos(), -angle.sin()],
-            older: Frame::zero(),
-            younger: Frame::zero(),
-        }
+        (self.hop, self.grid_period_s) = (hop, grid_period_s);
+        self.turn = [angle.cos(), -angle.sin()];
+        self.restart();
     }
 
     /// Time between frames in s.
@@ -167,6 +165,7 @@ mod tests {
     use std::vec::Vec;
 
     use super::*;
+    use crate::memory::configured;
     use crate::random::Random;
 
     const PERIOD_S: f64 = 0.004;
@@ -178,7 +177,8 @@ mod tests {
         mut signal: impl FnMut() -> f64,
         counts: impl Fn(usize) -> bool,
     ) -> Vec<Frame<f64, BINS, 1>> {
-        let mut clock = FrameClock::<f64, BINS, 1>::new(0.1, PERIOD_S);
+        let mut clock: FrameClock<f64, BINS, 1> =
+            configured(|clock: &mut FrameClock<f64, BINS, 1>| clock.configure(0.1, PERIOD_S));
         (0..steps).filter_map(|step| clock.push_if(counts(step), &[signal()])).collect()
     }
 

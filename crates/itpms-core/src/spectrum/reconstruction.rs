@@ -7,6 +7,7 @@
 //! sprung mass and the body sensor's noise stay out of it.
 
 use crate::conditioning::GridSample;
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Leak of the integrators in rad/s: low enough to leave the first bin alone, high enough to keep the slow road,
@@ -42,6 +43,8 @@ pub(crate) struct Channel<T> {
     /// The leaky integrals three and two samples ago, older first: it needs one sample of the future.
     integral: [T; 2],
 }
+
+blank!(Channel<T> { offset, acceleration, integral });
 
 impl<T: Real> Channel<T> {
     pub(crate) fn new() -> Self {
@@ -100,6 +103,8 @@ pub(crate) struct Reconstruction<T> {
     /// Unsprung over sprung mass.
     mass_ratio: T,
 }
+
+blank!(Reconstruction<T> { dt, steps, body, wheel, friction, mass_ratio });
 
 impl<T: Real> Reconstruction<T> {
     /// For steps of this period; `mass_ratio` is the unsprung mass over the sprung one.

@@ -3,6 +3,7 @@
 use nalgebra::Complex;
 
 use super::reconstruction::LEAK_RAD_S;
+use crate::memory::blank;
 use crate::model::QuarterCar;
 use crate::real::Real;
 
@@ -15,6 +16,8 @@ pub(crate) struct Body<T> {
     pub(crate) damping_n_s_per_m: T,
     pub(crate) spring_n_per_m: T,
 }
+
+blank!(Body<T> { sprung_mass_kg, unsprung_mass_kg, damping_n_s_per_m, spring_n_per_m });
 
 impl<T: Real> From<&QuarterCar<T>> for Body<T> {
     fn from(car: &QuarterCar<T>) -> Self {
@@ -39,6 +42,8 @@ pub(crate) struct DescribingFunction<T> {
     /// Real and imaginary part per bin.
     pub(crate) n_per_m: [[T; 2]; FRICTION_BINS],
 }
+
+blank!(DescribingFunction<T> { n_per_m });
 
 impl<T: Real> DescribingFunction<T> {
     /// No friction.

@@ -8,6 +8,7 @@ use super::coherence::geometric_mean;
 use super::maxwell_slip::ELEMENTS;
 use super::rigid_body::RigidBody;
 use super::strut::{ACCELERATION, BIN_SPACING_HZ, BINS, BODY, FRICTION, StrutFrame, VELOCITY};
+use crate::memory::blank;
 use crate::model::CornerConfig;
 use crate::real::Real;
 use crate::spectrum::transfer::DescribingFunction;
@@ -67,10 +68,14 @@ struct Powers<T: Real> {
     elements: SMatrix<T, BINS, { 2 * ELEMENTS }>,
 }
 
+blank!(Powers<T> { body, residual, noise, velocity, elements });
+
 impl<T: Real> Powers<T> {
-    fn new() -> Self {
-        let zero = SVector::zeros();
-        Self { body: zero, residual: zero, noise: zero, velocity: zero, elements: SMatrix::zeros() }
+    fn clear(&mut self) {
+        for power in [&mut self.body, &mut self.residual, &mut self.noise, &mut self.velocity] {
+            power.fill(T::zero());
+        }
+        self.elements.fill(T::zero());
     }
 }
 
@@ -97,26 +102,28 @@ pub(crate) struct BodyEquation<T: Real> {
     time_s: f64,
 }
 
+blank!(BodyEquation<T> {
+    body, damping, spring, noise_density, parameters, information, score, powers, learned_s, time_s,
+});
+
 impl<T: Real> BodyEquation<T> {
-    pub(crate) fn new(corners: &[Option<CornerConfig<T>>; 4], sample_rate_hz: f64) -> Self {
+    /// For these corners, as the vehicle file has them; whatever was there is forgotten.
+    pub(crate) fn configure(&mut self, corners: &[Option<CornerConfig<T>>; 4], sample_rate_hz: f64) {
         let of = |value: &dyn Fn(&CornerConfig<T>) -> T| {
             corners.each_ref().map(|corner| corner.as_ref().map_or(T::zero(), value))
         };
         let per_hz = T::lit(2.0 / sample_rate_hz);
-        Self {
-            body: RigidBody::new(
-                corners.each_ref().map(|c| c.as_ref().map(|c| c.quarter_car.sprung_mass_kg())),
-            ),
-            damping: of(&|c| c.quarter_car.damping_n_s_per_m()),
-            spring: of(&|c| c.quarter_car.spring_n_per_m()),
-            noise_density: of(&|c| per_hz * c.accel_noise_or_usual_m_s2() * c.accel_noise_or_usual_m_s2()),
-            parameters: first(),
-            information: SMatrix::zeros(),
-            score: Parameters::zeros(),
-            powers: core::array::from_fn(|_| Powers::new()),
-            learned_s: T::zero(),
-            time_s: f64::NEG_INFINITY,
-        }
+        let mass_kg =
+            corners.each_ref().map(|corner| corner.as_ref().map(|c| c.quarter_car.sprung_mass_kg()));
+        self.body = RigidBody::new(mass_kg);
+        self.damping = of(&|c| c.quarter_car.damping_n_s_per_m());
+        self.spring = of(&|c| c.quarter_car.spring_n_per_m());
+        self.noise_density = of(&|c| per_hz * c.accel_noise_or_usual_m_s2() * c.accel_noise_or_usual_m_s2());
+        self.parameters = first();
+        self.information.fill(T::zero());
+        self.score.fill(T::zero());
+        self.powers.iter_mut().for_each(Powers::clear);
+        (self.learned_s, self.time_s) = (T::zero(), f64::NEG_INFINITY);
     }
 
     /// Learns from the newest frames, if all corners that there are have one of the same time and not been learned from; true if so.
@@ -369,6 +376,7 @@ mod tests {
     use nalgebra::ComplexField;
 
     use super::*;
+    use crate::memory::configured;
     use crate::random::Random;
     use crate::spectrum::Frame;
 
@@ -378,7 +386,8 @@ mod tests {
 
     fn equation(corners: usize) -> BodyEquation<f64> {
         let corner = CornerConfig::paper().with_accel_noise(1e-3).unwrap();
-        BodyEquation::new(&core::array::from_fn(|i| (i < corners).then_some(corner)), 500.0)
+        let corners = core::array::from_fn(|i| (i < corners).then_some(corner));
+        configured(|equation: &mut BodyEquation<f64>| equation.configure(&corners, 500.0))
     }
 
     fn complex(random: &mut Random) -> Complex<f64> {

@@ -3,6 +3,7 @@
 
 use nalgebra::{Complex, SMatrix, SVector};
 
+use crate::memory::blank;
 use crate::real::Real;
 use crate::spectrum::transfer::FRICTION_BINS as BINS;
 
@@ -29,6 +30,8 @@ pub(super) struct Coherence<T: Real> {
     cross: SMatrix<T, BINS, 2>,
     learned_s: T,
 }
+
+blank!(Coherence<T> { body, wheel, cross, learned_s });
 
 impl<T: Real> Coherence<T> {
     pub(super) fn new() -> Self {

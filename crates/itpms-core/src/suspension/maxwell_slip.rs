@@ -1,6 +1,7 @@
 //! Friction of a strut as elements in parallel that each stick like a spring until they slip (Maxwell-slip model: Lampaert, Al-Bender and
 //! Swevers 2003), every one smooth as in Dahl's model (1968): docs/math/unknown-car.md, eq. 1.
 
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Elements in parallel, and how far in m each is moved before it slips.
@@ -24,6 +25,8 @@ pub(crate) struct MaxwellSlip<T> {
     velocity: T,
     force: [T; ELEMENTS],
 }
+
+blank!(MaxwellSlip<T> { offset, steps, last_accel, velocity, force });
 
 impl<T: Real> MaxwellSlip<T> {
     pub(crate) fn new() -> Self {

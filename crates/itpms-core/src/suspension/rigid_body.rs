@@ -2,6 +2,7 @@
 
 use nalgebra::SMatrix;
 
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Radii of gyration squared, over the product of the distances to the axles, and over half of the track squared: what is usual for
@@ -24,6 +25,8 @@ pub(super) struct RigidBody<T: Real> {
     mass_kg: [T; 4],
     present: [bool; 4],
 }
+
+blank!(RigidBody<T> { mass_kg, present });
 
 impl<T: Real> RigidBody<T> {
     pub(super) fn new(mass_kg: [Option<T>; 4]) -> Self {

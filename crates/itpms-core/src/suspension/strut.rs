@@ -3,6 +3,7 @@
 use super::coherence::Coherence;
 use super::maxwell_slip::{ELEMENTS, MaxwellSlip};
 use crate::conditioning::GridSample;
+use crate::memory::{Placed, blank};
 use crate::real::Real;
 use crate::spectrum::butterworth::{QUALITY, Section};
 use crate::spectrum::reconstruction::Channel;
@@ -75,38 +76,39 @@ pub(crate) struct Strut<T: Real> {
     /// False until a step at which frames of all corners may begin.
     begun: bool,
     invalid_hops: u32,
-    frame: Option<StrutFrame<T>>,
+    frame: Placed<StrutFrame<T>>,
     noise_density: T,
     coherence: Coherence<T>,
 }
 
+blank!(StrutFrame<T> { time_s, spectra });
+blank!(Strut<T> {
+    slip_force_n, slip, channels, dt, steps, filters, states, every, step, clock, begun, invalid_hops, frame,
+    noise_density, coherence,
+});
+
 impl<T: Real> Strut<T> {
-    /// For grid steps of this period and sensors of this noise density in (m/s²)²/Hz.
-    pub(crate) fn new(grid_period_s: f64, noise_density: T) -> Self {
+    /// For grid steps of this period and sensors of this noise density in (m/s²)²/Hz; whatever was there is forgotten.
+    pub(crate) fn configure(&mut self, grid_period_s: f64, noise_density: T) {
         let rate_hz = 1.0 / grid_period_s;
         let every = ((rate_hz / LEAST_RATE_HZ + 1e-9) as u32).max(1);
-        Self {
-            slip_force_n: [T::zero(); ELEMENTS],
-            slip: MaxwellSlip::new(),
-            channels: [Channel::new(); 2 + ELEMENTS],
-            dt: T::lit(grid_period_s),
-            steps: 0,
-            filters: [
-                Section::low_pass(SMOOTH_HZ, rate_hz, QUALITY[0]),
-                Section::low_pass(SMOOTH_HZ, rate_hz, QUALITY[1]),
-                Section::high_pass(LOWEST_HZ, rate_hz, QUALITY[0]),
-                Section::high_pass(LOWEST_HZ, rate_hz, QUALITY[1]),
-            ],
-            states: [[[T::zero(); 2]; 4]; SIGNALS],
-            every,
-            step: 0,
-            clock: FrameClock::new(HOP_S, grid_period_s * f64::from(every)),
-            begun: false,
-            invalid_hops: SETTLING_HOPS,
-            frame: None,
-            noise_density,
-            coherence: Coherence::new(),
-        }
+        self.slip_force_n = [T::zero(); ELEMENTS];
+        self.slip = MaxwellSlip::new();
+        self.channels = [Channel::new(); 2 + ELEMENTS];
+        self.dt = T::lit(grid_period_s);
+        self.filters = [
+            Section::low_pass(SMOOTH_HZ, rate_hz, QUALITY[0]),
+            Section::low_pass(SMOOTH_HZ, rate_hz, QUALITY[1]),
+            Section::high_pass(LOWEST_HZ, rate_hz, QUALITY[0]),
+            Section::high_pass(LOWEST_HZ, rate_hz, QUALITY[1]),
+        ];
+        self.states = [[[T::zero(); 2]; 4]; SIGNALS];
+        (self.every, self.steps, self.step) = (every, 0, 0);
+        self.clock.configure(HOP_S, grid_period_s * f64::from(every));
+        (self.begun, self.invalid_hops) = (false, SETTLING_HOPS);
+        self.frame.clear();
+        self.noise_density = noise_density;
+        self.coherence = Coherence::new();
     }
 
     /// Takes over the slip forces in N that were identified.
@@ -180,7 +182,7 @@ impl<T: Real> Strut<T> {
                     omega * omega * self.noise_density
                 });
                 self.coherence.learn(&both, &noise, T::lit(HOP_S));
-                self.frame = Some(StrutFrame { time_s: sample.time_s, spectra });
+                self.frame.place(|frame| *frame = StrutFrame { time_s: sample.time_s, spectra });
             }
         }
     }

@@ -3,6 +3,7 @@
 use core::fmt;
 
 use crate::diagnosis::Malfunction;
+use crate::memory::{Blank, blank};
 use crate::model::{Level, Wheels};
 use crate::real::Real;
 
@@ -22,6 +23,8 @@ pub struct Alert<T> {
     /// Why.
     pub cause: Cause<T>,
 }
+
+blank!(Alert<T> { wheels, since_s, reported_s, cause });
 
 /// Why an alert stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,6 +57,10 @@ pub enum Cause<T> {
     },
 }
 
+impl<T: Real> Blank for Cause<T> {
+    const BLANK: Self = Self::UnderInflated(Reading::BLANK);
+}
+
 /// The pressure that decided.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -81,6 +88,8 @@ pub enum Basis {
     /// Against the other tires: its level is not known that well, but it is surely lower than they are.
     OtherTires,
 }
+
+blank!(Basis::VehicleFile);
 
 impl Basis {
     /// The word in files: `calibration`, `file` or `other-tires`.
@@ -112,6 +121,8 @@ impl From<Level> for Basis {
         }
     }
 }
+
+blank!(Reading<T> { pressure_kpa, sd_kpa, limit_kpa, reference_kpa, basis });
 
 impl<T> Cause<T> {
     /// One word: `under-inflated`, `fast-leak`, `all-low`, `over-inflated`, `malfunction` or `no-information`.

@@ -1,6 +1,7 @@
 //! All wheels together: a slow loss of all four is more certain in their mean than in any one of them.
 
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
+use crate::memory::blank;
 use crate::model::CarEstimate;
 use crate::real::Real;
 use crate::warning::low::is_learning;
@@ -24,6 +25,8 @@ pub(crate) struct AllLow<T> {
     mean_share: T,
     sd_share: T,
 }
+
+blank!(AllLow<T> { debouncer, mean_share, sd_share });
 
 impl<T: Real> AllLow<T> {
     pub(crate) fn new() -> Self {

@@ -1,6 +1,7 @@
 //! How fast a tire loses pressure against the others: what road, temperature and load do to all of them cancels.
 
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Seconds between two pressures that are kept, and how many are: the last two minutes.
@@ -27,6 +28,8 @@ pub(crate) struct LeakWatch<T> {
     leaks: [Debouncer; 4],
     rate_kpa_per_min: [T; 4],
 }
+
+blank!(LeakWatch<T> { kept, kept_s, leaks, rate_kpa_per_min });
 
 impl<T: Real> LeakWatch<T> {
     pub(crate) fn new() -> Self {

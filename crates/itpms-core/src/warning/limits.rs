@@ -1,5 +1,6 @@
 //! The limits that a regulation or an engineer sets.
 
+use crate::memory::blank;
 use crate::model::{ParameterError, positive};
 use crate::real::Real;
 
@@ -61,6 +62,11 @@ pub struct Limits<T> {
     /// Seconds of driving without information that are said.
     pub no_information_s: f64,
 }
+
+blank!(Limits<T> {
+    low_share, low_over_share, all_low_share, over_share, over_over_share, fast_leak_kpa_per_min,
+    reference_span, no_information_s,
+});
 
 impl<T: Real> Limits<T> {
     /// Limits for a loss (a share of the warm reference) that must be warned of.

@@ -1,6 +1,7 @@
 //! One wheel's pressure against its limits, and how long ago something was learned of it.
 
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
+use crate::memory::blank;
 use crate::model::{CornerEstimate, Validity};
 use crate::real::Real;
 use crate::warning::report::{Doubt, WheelState};
@@ -51,6 +52,8 @@ pub(crate) struct WheelWatch {
     /// Seconds of driving since something was last learned.
     pub(crate) driven_s: f64,
 }
+
+blank!(WheelWatch { low, over, uninformed, informed_s, anew_s, driven_s });
 
 impl WheelWatch {
     pub(crate) fn new() -> Self {

@@ -5,6 +5,7 @@
 //! has to guess, it takes the tire to be cold, because a reference that is too low warns later and never wrongly.
 //! Derivation and limits: docs/math/monitor.md, section 1; docs/reset.md.
 
+use crate::memory::blank;
 use crate::model::CarEstimate;
 use crate::model::{ParameterError, positive};
 use crate::real::Real;
@@ -34,6 +35,8 @@ struct Taken<T> {
     warmth: T,
 }
 
+blank!(Taken<T> { seconds, pressure_kpa, warmth });
+
 /// What all tires should have.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -48,6 +51,8 @@ pub(crate) struct ReferencePressure<T> {
     taken: [Taken<T>; 4],
     time_s: f64,
 }
+
+blank!(ReferencePressure<T> { warmth, calibration_s, takes_from_s, ends_s, taken, time_s });
 
 impl<T: Real> ReferencePressure<T> {
     /// Cold tires, never reset.

@@ -2,6 +2,7 @@
 //!
 //! Made by the monitor; read by displays, files and studies. Holds no logic beyond reading it.
 
+use crate::memory::{Blank, Placed, blank};
 use crate::model::{Corner, Validity, Warning, Wheels};
 use crate::real::Real;
 use crate::warning::{Alert, Cause};
@@ -97,19 +98,28 @@ pub struct WheelReport<T> {
 /// Everything the monitor has to say after a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: Real + serde::Serialize",
+        deserialize = "T: Real + serde::Deserialize<'de>"
+    ))
+)]
 pub struct MonitorReport<T> {
     /// Time in s; like all times here, by the samples' clock as it is now.
     pub time_s: f64,
     /// The wheels, in the order of [`Corner::ALL`]; those that are monitored.
     pub wheels: [Option<WheelReport<T>>; 4],
-    slots: [Option<Alert<T>>; SLOTS],
+    slots: [Placed<Alert<T>>; SLOTS],
     /// By how much that clock was set back so far, in s.
     set_back_s: f64,
 }
 
+blank!(MonitorReport<T> { time_s, wheels, slots, set_back_s });
+
 impl<T: Real> MonitorReport<T> {
     pub(crate) fn empty() -> Self {
-        Self { time_s: f64::NEG_INFINITY, wheels: [None; 4], slots: [None; SLOTS], set_back_s: 0.0 }
+        Self { time_s: f64::NEG_INFINITY, wheels: [None; 4], slots: [Placed::BLANK; SLOTS], set_back_s: 0.0 }
     }
 
     /// Begins to write anew: at a steady time, of a clock that was set back by so many seconds.
@@ -121,11 +131,11 @@ impl<T: Real> MonitorReport<T> {
     /// Writes an alert, its times being steady ones.
     pub(crate) fn put(&mut self, slot: usize, alert: Option<Alert<T>>) {
         let set_back_s = self.set_back_s;
-        self.slots[slot] = alert.map(|alert| Alert {
+        self.slots[slot].set(alert.map(|alert| Alert {
             since_s: alert.since_s - set_back_s,
             reported_s: alert.reported_s - set_back_s,
             ..alert
-        });
+        }));
     }
 
     /// The alerts that stand, wheel by wheel.
@@ -155,8 +165,8 @@ impl<T: Real> MonitorReport<T> {
         let pairs = before.slots.iter().zip(&self.slots);
         let set_back_s = self.set_back_s - before.set_back_s;
         pairs.flat_map(move |(before, now)| {
-            let (ended, begun) = match (before, now) {
-                (Some(old), Some(new)) if old.is_same_as(new, set_back_s) => (None, None),
+            let (ended, begun) = match (before.get(), now.get()) {
+                (Some(old), Some(new)) if old.is_same_as(&new, set_back_s) => (None, None),
                 (old, new) => (old.map(Change::Ended), new.map(Change::Begun)),
             };
             ended.into_iter().chain(begun)

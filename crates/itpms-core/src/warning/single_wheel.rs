@@ -1,6 +1,7 @@
 //! When to tell the driver: a low tire, said only when it is certain and has been for a while, taken back only when
 //! it is clearly over; and sensors that allow no statement.
 
+use crate::memory::blank;
 use crate::model::{Validity, Warning};
 use crate::real::Real;
 
@@ -25,6 +26,8 @@ pub(crate) struct LowPressureWatch {
     fine_since_s: Option<f64>,
     bad_since_s: Option<f64>,
 }
+
+blank!(LowPressureWatch { low, low_since_s, fine_since_s, bad_since_s });
 
 impl LowPressureWatch {
     pub(crate) fn new() -> Self {

@@ -24,6 +24,7 @@ use crate::inter_axle::alignment::speed_latency::SpeedLatency;
 use crate::inter_axle::residual::model::{AxleFrame, Signals, linearize};
 use crate::inter_axle::residual::noise::within;
 use crate::inter_axle::{Aligned, HOP_S, InterAxle};
+use crate::memory::blank;
 use crate::model::{CalibrationError, CarConfig, Inflation, QuarterCar, VehicleCalibration};
 use crate::real::Real;
 
@@ -55,17 +56,28 @@ pub(super) struct Fusion<T: Real> {
     speed_latency: SpeedLatency<T>,
 }
 
+blank!(Fusion<T> { inter_axle, belief, single_wheel, pseudo_measured_s, detections, speed_latency });
+
 impl<T: Real> Fusion<T> {
-    /// For a car with both corners of a side and a wheelbase; else there is nothing to fuse.
-    pub(super) fn new(config: &CarConfig<T>, sample_rate_hz: f64, grid_period_s: f64) -> Option<Self> {
-        Some(Self {
-            inter_axle: InterAxle::new(config, sample_rate_hz, grid_period_s)?,
-            belief: Belief::new(config),
-            single_wheel: [SingleWheelEstimate::silent(); 4],
-            pseudo_measured_s: [f64::NEG_INFINITY; 4],
-            detections: [None; 2],
-            speed_latency: SpeedLatency::new(),
-        })
+    /// The wheelbase in m of a car with both corners of a side; `None`: there is nothing to fuse.
+    pub(super) fn wheelbase_m(config: &CarConfig<T>) -> Option<T> {
+        InterAxle::wheelbase_m(config)
+    }
+
+    /// For a car of that wheelbase.
+    pub(super) fn configure(
+        &mut self,
+        config: &CarConfig<T>,
+        wheelbase_m: T,
+        sample_rate_hz: f64,
+        grid_period_s: f64,
+    ) {
+        self.inter_axle.configure(config, wheelbase_m, sample_rate_hz, grid_period_s);
+        self.belief.configure(config);
+        self.single_wheel = [SingleWheelEstimate::silent(); 4];
+        self.pseudo_measured_s = [f64::NEG_INFINITY; 4];
+        self.detections = [None; 2];
+        self.speed_latency = SpeedLatency::new();
     }
 
     /// Takes the time and the speed of the samples that follow.
@@ -92,6 +104,7 @@ impl<T: Real> Fusion<T> {
     }
 
     /// Updates wheelbase and skew with the delay that was found first.
+    #[inline(never)]
     fn update_delay(&mut self, side: usize, found: &Found<T>) {
         let (unit, [wheelbase, skew]) = (T::lit(SKEW_UNIT_S), found.used);
         self.belief.update_scalar(T::lit(FOUND_SD_S * FOUND_SD_S), |state| {
@@ -105,6 +118,7 @@ impl<T: Real> Fusion<T> {
     }
 
     /// Predicts the belief to a frame and updates it.
+    #[inline(never)]
     fn learn(&mut self, side: usize, frame: &AxleFrame<T>) {
         let Some(wheels) = self.inter_axle.wheels(side) else { return };
         self.predict(frame.middle_s);
@@ -120,10 +134,13 @@ impl<T: Real> Fusion<T> {
         let meanwhile = self.inter_axle.pair(side).found_meanwhile(opposite, frame.middle_s);
         let state = self.belief.most_likely().mean;
         let mut learned_s = 0.0;
-        if let Some(measured) = self.inter_axle.pair_mut(side).measure(frame, &wheels, &state, meanwhile) {
+        // By reference: what is handed on is copied on its way.
+        let measured = self.inter_axle.pair_mut(side).measure(frame, &wheels, &state, meanwhile);
+        if let Some(measured) = &measured {
             let at = |state: &State<T>| linearize(frame, Signals::Measured, &wheels, side, state);
-            if let Some(record) = self.belief.update(&measured.measurement, at)
-                && self.inter_axle.pair_mut(side).learn(frame, &measured, &record, opposite_parts)
+            let record = self.belief.update(&measured.measurement, at);
+            if let Some(record) = &record
+                && self.inter_axle.pair_mut(side).learn(frame, measured, record, opposite_parts)
             {
                 learned_s = 0.5 * HOP_S;
                 self.inter_axle.learned();

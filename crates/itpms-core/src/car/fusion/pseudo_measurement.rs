@@ -73,6 +73,6 @@ impl<T: Real> Fusion<T> {
     pub(in crate::car) fn expected_spectral(&self, corner: usize) -> (T, T) {
         let hypothesis = self.belief.most_likely();
         let (expected, slope) = self.belief.scale().spectral_stiffness(corner, &hypothesis.mean);
-        (expected, slope.dot(&(hypothesis.covariance * slope)).max(T::zero()).sqrt())
+        (expected, slope.dot(&(&hypothesis.covariance * slope)).max(T::zero()).sqrt())
     }
 }

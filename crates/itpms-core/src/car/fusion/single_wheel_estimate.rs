@@ -3,6 +3,7 @@
 
 use super::FusedEstimate;
 use crate::inter_axle::residual::noise::within;
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Lasting incoherence at which a corner's own suspicion counts half, how much of it is usual, and the chance per second that
@@ -25,6 +26,8 @@ pub(in crate::car) struct SingleWheelEstimate<T> {
     pub(in crate::car) stiffness_n_per_m: T,
     pub(in crate::car) sd_n_per_m: T,
 }
+
+blank!(SingleWheelEstimate<T> { changing, stiffness_n_per_m, sd_n_per_m });
 
 impl<T: Real> SingleWheelEstimate<T> {
     /// A corner that finds nothing.

@@ -9,6 +9,7 @@ use crate::diagnosis::matching::{median, over_others};
 use crate::diagnosis::signals::Block;
 use crate::diagnosis::single_sensor::evidence;
 use crate::diagnosis::{Fault, Malfunction, Place, Sensor};
+use crate::memory::blank;
 use crate::model::Corner;
 use crate::real::Real;
 
@@ -35,6 +36,13 @@ const HOP_AGREES: f64 = 0.15;
 /// What the wheels of a car say of each other's gain.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: Real + serde::Serialize",
+        deserialize = "T: Real + serde::Deserialize<'de>"
+    ))
+)]
 pub(crate) struct WheelGainBalance<T> {
     /// Logs of wheel over body, less the median of the four and less that of the axle's other corner.
     over_median: [T; 4],
@@ -48,6 +56,8 @@ pub(crate) struct WheelGainBalance<T> {
     largest_deviation: [T; 4],
     words: [FaultLatch<T>; 4],
 }
+
+blank!(WheelGainBalance<T> { over_median, over_partner, told, filled, hop, largest_deviation, words });
 
 impl<T: Real> WheelGainBalance<T> {
     pub(crate) fn new() -> Self {

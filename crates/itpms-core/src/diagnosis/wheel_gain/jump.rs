@@ -8,6 +8,7 @@
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer};
 use crate::diagnosis::matching::median;
 use crate::diagnosis::single_sensor::evidence;
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Blocks over which the usual ratio is averaged, and after which it is known.
@@ -42,6 +43,8 @@ pub(crate) struct Hop<T> {
     pub(crate) hop_frequency: T,
 }
 
+blank!(Hop<T> { transmissibility, hop_frequency });
+
 /// A running quantity of a corner: what is usual of it, and by how much the newest blocks were off; newest last.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -49,6 +52,8 @@ struct Baseline<T> {
     mean: T,
     deviation: [T; NEWEST],
 }
+
+blank!(Baseline<T> { mean, deviation });
 
 /// A corner's usual hop, and whether it has left it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,6 +69,8 @@ pub(crate) struct WheelGainJump<T> {
     /// Seconds for which it has been suspected, or the hop another one.
     lasted_s: f64,
 }
+
+blank!(WheelGainJump<T> { transmissibility, hop_frequency, blocks, debouncer, hop_shifted, lasted_s });
 
 impl<T: Real> Baseline<T> {
     fn new() -> Self {

@@ -8,6 +8,7 @@ use crate::diagnosis::matching::median;
 use crate::diagnosis::signals::Block;
 use crate::diagnosis::single_sensor::evidence;
 use crate::diagnosis::wheel_gain::jump::{Hop, LONGEST_S};
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Blocks over which powers are averaged, and the share of an average that must be filled before it counts.
@@ -47,6 +48,8 @@ pub(crate) struct WheelGainShift<T> {
     corners: [Shift<T>; 4],
 }
 
+blank!(WheelGainShift<T> { bodies, struts, wheels, filled, corners });
+
 /// A corner's usual hop, and whether it has left it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -62,6 +65,8 @@ struct Shift<T> {
     /// Since when no tire makes it what it is; NaN: one might.
     pending_since_s: f64,
 }
+
+blank!(Shift<T> { baseline, blocks, debouncer, hop_shifted, lasted_s, pending_since_s });
 
 impl<T: Real> Shift<T> {
     fn new() -> Self {

@@ -11,9 +11,10 @@ use crate::inter_axle::alignment::delay_search::{AT_FIRST, DelaySearch, Found, L
 use crate::inter_axle::residual::correction::FrfCorrection;
 use crate::inter_axle::residual::imbalance::Imbalance;
 use crate::inter_axle::residual::instrument::Instrument;
-use crate::inter_axle::residual::model::{Axle, AxleFrame, Signals, Wheel, expected_products, linearize};
+use crate::inter_axle::residual::model::{Axle, AxleFrame, Signals, UnitRoad, Wheel, linearize};
 use crate::inter_axle::residual::noise::{Coherence, MOST_LASTING, fading};
 use crate::inter_axle::{HOP_S, SIGNALS, bin_hz};
+use crate::memory::{Placed, blank};
 use crate::real::Real;
 use crate::spectrum::FrameClock;
 use crate::spectrum::transfer::{DescribingFunction, response};
@@ -93,6 +94,8 @@ struct SavedCorrection<T: Real> {
     frf_correction: FrfCorrection<T>,
 }
 
+blank!(SavedCorrection<T> { time_s, frf_correction });
+
 /// What is believed of the car where the two axles meet.
 pub(crate) struct PairingContext<'a, T: Real> {
     pub(crate) wheelbase_m: T,
@@ -123,7 +126,7 @@ pub(crate) struct AxlePair<T: Real> {
     instruments: [Instrument<T>; 2],
     frf_correction: FrfCorrection<T>,
     /// As it was at the belief's checkpoints, the newest first.
-    saved: [Option<SavedCorrection<T>>; 2],
+    saved: [Placed<SavedCorrection<T>>; 2],
     imbalance: Imbalance<T>,
     /// Distance in m of the rear wheel at its last entry.
     distance_m: f64,
@@ -139,28 +142,28 @@ pub(crate) struct AxlePair<T: Real> {
     spectral_updates: u32,
 }
 
+blank!(AxlePair<T> {
+    side, period_s, noise_density, delay_line, delay_search, aligned, clock, instruments,
+    frf_correction, saved, imbalance, distance_m, coherence, log_snr, used, invalid_hops,
+    learned_until_s, spectral_updates,
+});
+
 impl<T: Real> AxlePair<T> {
-    pub(crate) fn new(side: usize, period_s: f64, noise_density: [T; 2]) -> Self {
-        Self {
-            side,
-            period_s,
-            noise_density,
-            delay_line: DelayLine::new(period_s),
-            delay_search: DelaySearch::new(AT_FIRST),
-            aligned: false,
-            clock: FrameClock::new(HOP_S, period_s),
-            instruments: [Instrument::new(), Instrument::new()],
-            frf_correction: FrfCorrection::new(),
-            saved: [None, None],
-            imbalance: Imbalance::new(),
-            distance_m: f64::NAN,
-            coherence: Coherence::new(),
-            log_snr: None,
-            used: None,
-            invalid_hops: 0,
-            learned_until_s: f64::NEG_INFINITY,
-            spectral_updates: 0,
-        }
+    pub(crate) fn configure(&mut self, side: usize, period_s: f64, noise_density: [T; 2]) {
+        (self.side, self.period_s, self.noise_density) = (side, period_s, noise_density);
+        self.delay_line.configure(period_s);
+        self.delay_search = DelaySearch::new(AT_FIRST);
+        self.aligned = false;
+        self.clock.configure(HOP_S, period_s);
+        self.instruments = [Instrument::new(), Instrument::new()];
+        self.frf_correction = FrfCorrection::new();
+        self.saved.iter_mut().for_each(Placed::clear);
+        self.imbalance = Imbalance::new();
+        self.distance_m = f64::NAN;
+        self.coherence = Coherence::new();
+        (self.log_snr, self.used) = (None, None);
+        (self.invalid_hops, self.spectral_updates) = (0, 0);
+        self.learned_until_s = f64::NEG_INFINITY;
     }
 
     pub(crate) fn is_aligned(&self) -> bool {
@@ -343,8 +346,9 @@ impl<T: Real> AxlePair<T> {
         if !(self.snr_weight() > T::zero()) {
             return None;
         }
-        let products = expected_products(wheels, self.side, state, frame.delay_s, &frf_ratios);
-        let expected = self.coherence.expect(&road_power, &noise, &products, frame.stretch);
+        let road = UnitRoad::new(wheels, self.side, state, frame.delay_s, &frf_ratios);
+        let products = |bin| road.expected_products(bin);
+        let expected = self.coherence.expect(&road_power, &noise, products, frame.stretch);
         let incoherent_s = self.fading() * T::lit(HOP_S);
         let weight = self.coherence.weight() * frame.frame.seen * self.snr_weight();
         let measurement = SideMeasurement { side: self.side, expected, instrument, weight, incoherent_s };
@@ -410,15 +414,19 @@ impl<T: Real> AxlePair<T> {
 
     /// Saves the correction together with the belief's checkpoint of this time.
     pub(crate) fn checkpoint(&mut self, time_s: f64) {
-        let saved = SavedCorrection { time_s, frf_correction: self.frf_correction.clone() };
-        let [newest, before] = &mut self.saved;
-        *before = newest.replace(saved);
+        // The older one's place is the new one's.
+        self.saved.swap(0, 1);
+        let [newest, _] = &mut self.saved;
+        newest.place(|saved| {
+            saved.time_s = time_s;
+            saved.frf_correction.clone_from(&self.frf_correction);
+        });
     }
 
     /// Restores the correction that was saved at this time.
     pub(crate) fn restore(&mut self, time_s: f64) {
         if let Some(saved) = self.saved.iter().flatten().find(|saved| saved.time_s == time_s) {
-            self.frf_correction = saved.frf_correction.clone();
+            self.frf_correction.clone_from(&saved.frf_correction);
         }
     }
 
@@ -473,11 +481,16 @@ fn with_other<T: Real>(signals: [T; KEPT], other: Option<T>) -> [T; SEEN] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::memory::configured;
 
     #[test]
     fn the_other_side_counts_where_it_had_frames_and_this_one_had_none() {
-        let track =
-            |learned_until_s: f64| AxlePair { learned_until_s, ..AxlePair::<f64>::new(0, 0.01, [0.0; 2]) };
+        let track = |learned_until_s: f64| {
+            configured(|pair: &mut AxlePair<f64>| {
+                pair.configure(0, 0.01, [0.0; 2]);
+                pair.learned_until_s = learned_until_s;
+            })
+        };
         let counts = |own_s: f64, other_s: f64| track(own_s).found_meanwhile(&track(other_s), 10.0).is_some();
         assert!(counts(8.7, 9.9) && counts(f64::NEG_INFINITY, 9.9));
         // It has just had frames itself; both were silent; the other one longer.

@@ -2,6 +2,7 @@
 //! at which each was taken. Fed with grid samples; knows nothing of the other corners.
 
 use crate::conditioning::GridSample;
+use crate::memory::blank;
 use crate::real::Real;
 use crate::spectrum::butterworth::{QUALITY, Section};
 use crate::spectrum::reconstruction::{
@@ -49,6 +50,8 @@ pub(crate) struct Entry<T> {
     pub(crate) after_gap: bool,
 }
 
+blank!(Entry<T> { time_s, distance_m, speed_m_s, signals, invalid, unloaded, after_gap });
+
 /// See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -64,6 +67,10 @@ pub(crate) struct Channel<T> {
     unloaded_s: f64,
     after_gap: bool,
 }
+
+blank!(Channel<T> {
+    reconstruction, sections, states, grid_period_s, every, step, invalid, unloaded_s, after_gap,
+});
 
 impl<T: Real> Channel<T> {
     pub(crate) fn new(grid_period_s: f64) -> Self {

@@ -3,6 +3,7 @@
 use nalgebra::{SMatrix, SVector};
 
 use crate::inter_axle::alignment::channel::{Entry, KEPT};
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Entries kept: a second at 250 Hz.
@@ -33,6 +34,8 @@ pub(crate) struct DelayLine<T: Real> {
     period_s: f64,
 }
 
+blank!(DelayLine<T> { time_s, distance_m, speed_m_s, signals, invalid, unloaded, newest, filled, period_s });
+
 /// What was read back.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Read<T> {
@@ -43,18 +46,14 @@ pub(crate) struct Read<T> {
 }
 
 impl<T: Real> DelayLine<T> {
-    pub(crate) fn new(period_s: f64) -> Self {
-        Self {
-            time_s: SVector::zeros(),
-            distance_m: SVector::zeros(),
-            speed_m_s: SVector::zeros(),
-            signals: SMatrix::zeros(),
-            invalid: SVector::repeat(false),
-            unloaded: SVector::repeat(false),
-            newest: 0,
-            filled: 0,
-            period_s,
-        }
+    pub(crate) fn configure(&mut self, period_s: f64) {
+        self.time_s.fill(0.0);
+        self.distance_m.fill(0.0);
+        self.speed_m_s.fill(T::zero());
+        self.signals.fill(T::zero());
+        self.invalid.fill(false);
+        self.unloaded.fill(false);
+        (self.newest, self.filled, self.period_s) = (0, 0, period_s);
     }
 
     pub(crate) fn push(&mut self, entry: &Entry<T>) {

@@ -3,6 +3,7 @@
 
 use nalgebra::SVector;
 
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Shifts tried.
@@ -43,6 +44,8 @@ pub(crate) struct DelaySearch<T: Real> {
     /// Wheelbase and skew that were believed when the search began, which its shifts are counted from.
     used: Option<[T; 2]>,
 }
+
+blank!(DelaySearch<T> { reach, cross, front, rear, seconds, delay_sum_s, stretch_sum, count, used });
 
 /// A delay that was found: seconds more than expected with this wheelbase and skew, at a mean expected delay and a mean logarithm of
 /// the rear's speed over the front's.

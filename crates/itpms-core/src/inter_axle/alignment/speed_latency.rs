@@ -4,6 +4,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Sd of what is not known before: wheelbase over speed, the rear's lateness in s, the speed's in s; and of a find, as a share of the
@@ -36,6 +37,8 @@ pub(crate) struct SpeedLatency<T: Real> {
     score: Vector3<T>,
     square: T,
 }
+
+blank!(SpeedLatency<T> { count, information, score, square });
 
 /// Where both sides found the other axle's road.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,6 +1,7 @@
 //! Distance travelled and speed, on the samples' clock.
 
 use super::axle_pair::SLOWEST_M_S;
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Time in s over which the speed is averaged.
@@ -19,6 +20,8 @@ pub(crate) struct Travel<T> {
     /// Seconds driven since a shared road was last learned from; all of them while the speed is unknown.
     unshared_s: f64,
 }
+
+blank!(Travel<T> { time_s, distance_m, speed_m_s, mean_speed_m_s, unshared_s });
 
 impl<T: Real> Travel<T> {
     pub(crate) fn new() -> Self {

@@ -7,6 +7,7 @@ use nalgebra::Complex;
 use crate::belief::measurement::BINS;
 use crate::inter_axle::Frame;
 use crate::inter_axle::alignment::channel::{BOTH, SEEN};
+use crate::memory::blank;
 use crate::real::Real;
 use crate::spectrum::Frame as Spectra;
 
@@ -39,6 +40,8 @@ pub(crate) struct FrfCorrection<T: Real> {
     /// Frames seen, those long ago counting less.
     frames: T,
 }
+
+blank!(FrfCorrection<T> { measured, foretold, frames });
 
 impl<T: Real> FrfCorrection<T> {
     pub(crate) fn new() -> Self {

@@ -5,6 +5,7 @@
 use nalgebra::{Complex, SVector};
 
 use crate::inter_axle::alignment::channel::BOTH;
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Turning rates tried, in radians per meter: of rolling radii from 0.45 to 0.22 m.
@@ -50,6 +51,8 @@ pub(crate) struct Imbalance<T: Real> {
     /// The line in each signal: amplitudes with the turn's cosine and sine.
     lines: [[T; 2]; BOTH],
 }
+
+blank!(Imbalance<T> { cosine, sine, looked_m, power, looks, per_m, turned, lines });
 
 impl<T: Real> Imbalance<T> {
     pub(crate) fn new() -> Self {

@@ -6,6 +6,7 @@ use nalgebra::{SMatrix, SVector};
 
 use crate::inter_axle::alignment::channel::KEPT;
 use crate::inter_axle::residual::model::Axle;
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Wheel velocity, body velocity, deflection of the spring, force of the tire.
@@ -29,6 +30,8 @@ pub(crate) struct Instrument<T: Real> {
     /// Unsprung mass, sprung mass, damping, spring, tire.
     car: [T; 5],
 }
+
+blank!(Instrument<T> { transition, input, state, last_road, car });
 
 impl<T: Real> Instrument<T> {
     pub(crate) fn new() -> Self {

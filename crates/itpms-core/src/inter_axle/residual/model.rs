@@ -175,47 +175,63 @@ impl<T: Real> AxleResidual<T> {
     }
 }
 
-/// Products of the derivatives with each other that a road of unit power makes, per bin: `Re⟨C* C⟩`, if the axles answer
-/// it as `ratios` say.
-pub(crate) fn expected_products<T: Real>(
-    wheels: &[Wheel<T>; 2],
-    side: usize,
-    state: &State<T>,
+/// What the derivatives' products on a road of unit power depend on.
+pub(crate) struct UnitRoad<'a, T: Real> {
+    wheels: &'a [Wheel<T>; 2],
+    axles: [Axle<T>; 2],
+    gain: T,
     delay_s: T,
-    frf_ratios: &FrfRatios<T>,
-) -> [Gram<T>; BINS] {
-    let axles = [Axle::new(&wheels[0], state), Axle::new(&wheels[1], state)];
-    let gain = T::one() + state[GAIN + side];
-    core::array::from_fn(|bin| {
-        // Real and imaginary part at every frequency that the bin sees, times the root of what it sees of it.
-        let mut parts = SMatrix::<T, SIDE_SIZE, { 2 * KERNEL }>::zeros();
+    frf_ratios: &'a FrfRatios<T>,
+}
+
+impl<'a, T: Real> UnitRoad<'a, T> {
+    /// For a state, if the axles answer the road as the ratios say.
+    pub(crate) fn new(
+        wheels: &'a [Wheel<T>; 2],
+        side: usize,
+        state: &State<T>,
+        delay_s: T,
+        frf_ratios: &'a FrfRatios<T>,
+    ) -> Self {
+        let axles = [Axle::new(&wheels[0], state), Axle::new(&wheels[1], state)];
+        Self { wheels, axles, gain: T::one() + state[GAIN + side], delay_s, frf_ratios }
+    }
+
+    /// Products of the derivatives with each other that a road of unit power makes in a bin: `Re⟨C* C⟩`.
+    pub(crate) fn expected_products(&self, bin: usize) -> Gram<T> {
+        let mut sum = Gram::zeros();
         let (mut other_side, mut total) = (Matrix2::zeros(), T::zero());
         for point in 0..KERNEL {
             let offset = T::lit((point as f64 - KERNEL_HALF as f64) / KERNEL_DENSITY);
             let frequency = (bin_hz::<T>(bin) + T::lit(BIN_SPACING_HZ) * offset).abs().max(T::lit(LOWEST_HZ));
             let weight = sine_window_power(offset) * high_pass_power(frequency);
             let seen = |axle: usize| {
-                let foretold = axles[axle].over_unit_road(wheels[axle].body.sprung_mass_kg, frequency);
-                axles[axle].road(core::array::from_fn(|i| foretold[i] * frf_ratios[bin][axle * SEEN + i]))
+                let foretold =
+                    self.axles[axle].over_unit_road(self.wheels[axle].body.sprung_mass_kg, frequency);
+                let ratios = &self.frf_ratios[bin];
+                self.axles[axle].road(core::array::from_fn(|i| foretold[i] * ratios[axle * SEEN + i]))
             };
             // As a frame sees it: its turns are those of the middle of a bin.
-            let slope = slopes(&[seen(0), seen(1)], gain, bin_hz(bin), delay_s);
+            let slope = slopes(&[seen(0), seen(1)], self.gain, bin_hz(bin), self.delay_s);
+            // Real and imaginary part, times the root of what the bin sees of the frequency.
             let root = weight.sqrt();
-            for (row, &of) in slope.iter().enumerate() {
-                parts[(row, 2 * point)] = of.re * root;
-                parts[(row, 2 * point + 1)] = of.im * root;
+            for part in [slope.map(|of| of.re * root), slope.map(|of| of.im * root)] {
+                for column in 0..SIDE_SIZE {
+                    for row in 0..SIDE_SIZE {
+                        sum[(row, column)] += part[row] * part[column];
+                    }
+                }
             }
             other_side +=
                 Matrix2::from_fn(|i, j| (slope[SIDE_BARS[i]] * slope[SIDE_BARS[j]].conj()).re * weight);
             total += weight;
         }
-        let mut sum = parts * parts.transpose();
         // The other side moves as much, by itself, and alike under both axles.
         for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
             sum[(SIDE_BARS[i], SIDE_BARS[j])] += other_side[(i, j)];
         }
         sum / total
-    })
+    }
 }
 
 /// Derivatives of a residual, from each axle's road and its derivatives.

@@ -4,6 +4,7 @@
 use nalgebra::SVector;
 
 use crate::belief::measurement::{BINS, Expectation, Gram, OVERLAP, UpdateRecord};
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Incoherence assumed before anything was seen, and the least that is believed: a millisecond between a wheel's sensor and
@@ -55,6 +56,8 @@ pub(crate) struct Coherence<T: Real> {
     lasting: T,
 }
 
+blank!(Coherence<T> { incoherence, power, frames, parting, lasting });
+
 impl<T: Real> Coherence<T> {
     pub(crate) fn new() -> Self {
         Self {
@@ -100,7 +103,7 @@ impl<T: Real> Coherence<T> {
         &self,
         road_power: &[T; BINS],
         noise: &[T; BINS],
-        products: &[Gram<T>; BINS],
+        products: impl Fn(usize) -> Gram<T>,
         stretch: T,
     ) -> Expectation<T> {
         let stretched = T::lit(STRETCHED) * stretch * stretch;
@@ -108,7 +111,7 @@ impl<T: Real> Coherence<T> {
         let mut information = Gram::zeros();
         for (bin, road) in self.road(road_power).into_iter().enumerate() {
             power[bin] = (self.incoherence[bin] + stretched) * road + noise[bin] + T::lit(1e-12);
-            information += products[bin] * (T::lit(2.0 * OVERLAP) * road / power[bin]);
+            information += products(bin) * (T::lit(2.0 * OVERLAP) * road / power[bin]);
         }
         Expectation { power, information }
     }
@@ -248,8 +251,7 @@ mod tests {
     fn a_first_frame_that_hardly_hears_a_frequency_is_not_believed_more_there() {
         let mut road = [1.0; BINS];
         road[1] = 1e-6;
-        let products = core::array::from_fn(|_| Gram::identity());
-        let expected = Coherence::<f64>::new().expect(&road, &[0.0; BINS], &products, 0.0);
+        let expected = Coherence::<f64>::new().expect(&road, &[0.0; BINS], |_| Gram::identity(), 0.0);
         // Half the mean of all five, of which a fifth need not be common: not a millionth of what the others have.
         assert!((expected.power[1] - START * 0.5 * 0.8).abs() < 1e-6, "{}", expected.power[1]);
         assert!((expected.power[0] - START * 0.5 * 1.8).abs() < 1e-6, "{}", expected.power[0]);

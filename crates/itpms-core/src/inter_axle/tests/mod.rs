@@ -14,11 +14,13 @@ use nalgebra::Complex;
 #[allow(unused_imports)]
 use nalgebra::ComplexField;
 
+use crate::belief::measurement::BINS;
 use crate::belief::state::{BAR, DAMPING, GAIN, MASS, SPRING, State, TIRE};
 use crate::inter_axle::alignment::channel::SEEN;
 use crate::inter_axle::residual::instrument::Instrument;
 use crate::inter_axle::residual::model::{Axle, AxleFrame, Wheel};
 use crate::inter_axle::{Frame, HOP_S, SIGNALS};
+use crate::memory::configured;
 use crate::spectrum::FrameClock;
 use crate::spectrum::transfer::Body;
 
@@ -104,7 +106,7 @@ fn frame(frequency_hz: f64, moved: [Moved; 2], state: &State<f64>, amplitude: C)
     for ((instrument, axle), wheel) in instruments.iter_mut().zip(&axles).zip(&wheels) {
         instrument.tune(axle, wheel.body.sprung_mass_kg, PERIOD_S);
     }
-    let mut clock = FrameClock::new(HOP_S, PERIOD_S);
+    let mut clock = configured(|clock: &mut FrameClock<_, BINS, SIGNALS>| clock.configure(HOP_S, PERIOD_S));
     for step in -SETTLED.. {
         let turn = (s * (f64::from(step) * PERIOD_S)).exp();
         let now = seen.map(|seen| seen.map(|x| (x * turn).re));

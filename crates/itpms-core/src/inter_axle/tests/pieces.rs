@@ -10,6 +10,7 @@ use crate::inter_axle::alignment::delay_line::DelayLine;
 use crate::inter_axle::residual::instrument::Instrument;
 use crate::inter_axle::residual::model::Axle;
 use crate::inter_axle::tests::{C, Moved, PERIOD_S, SETTLED, deviating, signals, wheels};
+use crate::memory::configured;
 
 /// A car that gains 3 m/s², as far as it came and as fast as it is.
 fn distance_m(time_s: f64) -> f64 {
@@ -17,7 +18,7 @@ fn distance_m(time_s: f64) -> f64 {
 }
 
 fn remembered(signal: impl Fn(f64) -> f64) -> DelayLine<f64> {
-    let mut delay_line = DelayLine::new(PERIOD_S);
+    let mut delay_line = configured(|line: &mut DelayLine<f64>| line.configure(PERIOD_S));
     for k in 0..400 {
         let time_s = f64::from(k) * PERIOD_S;
         delay_line.push(&Entry {

@@ -13,7 +13,7 @@ use crate::inter_axle::alignment::channel::BOTH;
 use crate::inter_axle::alignment::channel::high_pass_power;
 use crate::inter_axle::bin_hz;
 use crate::inter_axle::residual::correction::FrfRatios;
-use crate::inter_axle::residual::model::{AxleFrame, Signals, expected_products, linearize};
+use crate::inter_axle::residual::model::{AxleFrame, Signals, UnitRoad, linearize};
 use crate::inter_axle::tests::{C, Moved, STILL, deviating, frame, signals, taken, unit_frames, wheels};
 use crate::random::Random;
 
@@ -123,7 +123,9 @@ fn expected_products_are_those_of_a_long_random_road() {
             power[bin] += found.road_power[bin];
         }
     }
-    let expected = expected_products(&wheels(), 0, &state, DELAY_S, &same());
+    let (wheels, ratios) = (wheels(), same());
+    let road = UnitRoad::new(&wheels, 0, &state, DELAY_S, &ratios);
+    let expected: [Gram<f64>; BINS] = core::array::from_fn(|bin| road.expected_products(bin));
     for bin in 0..BINS {
         for i in 0..SIDE_SIZE {
             for j in 0..=i {

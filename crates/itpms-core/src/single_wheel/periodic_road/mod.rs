@@ -10,6 +10,7 @@ mod motion;
 mod pass;
 mod search;
 
+use crate::memory::{Placed, blank};
 use crate::model::ParameterError;
 use crate::real::Real;
 use crate::single_wheel::periodic_road::follow::{Follower, Verdict};
@@ -58,6 +59,8 @@ pub enum RoadRepetition {
     Never,
 }
 
+blank!(RoadRepetition::Detect);
+
 /// A road under observation.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -74,6 +77,8 @@ struct Loop<T: Real> {
     confirmed: bool,
 }
 
+blank!(Loop<T> { clock, follower, held, parts, sound_parts, strange_parts, unused_parts, confirmed });
+
 /// See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -82,28 +87,23 @@ pub(crate) struct RepeatedRoad<T: Real> {
     sample_rate_hz: f64,
     grid_period_s: f64,
     search: PeriodSearch<T>,
-    lap: Option<Loop<T>>,
+    lap: Placed<Loop<T>>,
 }
 
+blank!(RepeatedRoad<T> { repetition, sample_rate_hz, grid_period_s, search, lap });
+
 impl<T: Real> RepeatedRoad<T> {
-    pub(crate) fn new(repetition: RoadRepetition, sample_rate_hz: f64, grid_period_s: f64) -> Self {
-        let search = PeriodSearch::new(grid_period_s);
-        let mut road = Self { repetition, sample_rate_hz, grid_period_s, search, lap: None };
-        road.start_if_told();
-        road
+    pub(crate) fn configure(&mut self, repetition: RoadRepetition, sample_rate_hz: f64, grid_period_s: f64) {
+        self.repetition = repetition;
+        (self.sample_rate_hz, self.grid_period_s) = (sample_rate_hz, grid_period_s);
+        self.search.configure(grid_period_s);
+        self.lap.clear();
+        self.start_if_told();
     }
 
-    fn start(&self, period_s: T) -> Loop<T> {
-        Loop {
-            clock: PassClock::new(self.sample_rate_hz, T::lit(self.grid_period_s), period_s),
-            follower: None,
-            held: Held::No,
-            parts: 0,
-            sound_parts: 0,
-            strange_parts: 0,
-            unused_parts: 0,
-            confirmed: false,
-        }
+    fn start(&mut self, period_s: T) {
+        let (sample_rate_hz, grid_period_s) = (self.sample_rate_hz, T::lit(self.grid_period_s));
+        self.lap.place(|lap| lap.configure(sample_rate_hz, grid_period_s, period_s));
     }
 
     /// True while the stiffness is followed on a road that repeats: then its spectrum says nothing new.
@@ -114,16 +114,16 @@ impl<T: Real> RepeatedRoad<T> {
     /// The signal was interrupted for this long.
     pub(crate) fn interrupted(&mut self, seconds: T) {
         self.search.restart();
-        match &mut self.lap {
+        match self.lap.as_mut() {
             Some(lap) if lap.confirmed && seconds >= T::zero() => lap.interrupted(seconds),
-            lap => *lap = None,
+            _ => self.lap.clear(),
         }
         self.start_if_told();
     }
 
     fn start_if_told(&mut self) {
-        if let (None, RoadRepetition::Every(RoadPeriod(period_s))) = (&self.lap, self.repetition) {
-            self.lap = Some(self.start(T::lit(period_s)));
+        if let (None, RoadRepetition::Every(RoadPeriod(period_s))) = (self.lap.as_ref(), self.repetition) {
+            self.start(T::lit(period_s));
         }
     }
 
@@ -138,10 +138,10 @@ impl<T: Real> RepeatedRoad<T> {
         if self.repetition == RoadRepetition::Never {
             return None;
         }
-        let Some(lap) = &mut self.lap else {
+        let Some(lap) = self.lap.as_mut() else {
             if let Some(period_s) = self.search.push(step.wheel, step.force, || belief().theta) {
                 self.search.restart();
-                self.lap = Some(self.start(period_s));
+                self.start(period_s);
             }
             return None;
         };
@@ -151,7 +151,7 @@ impl<T: Real> RepeatedRoad<T> {
         let pass = lap.clock.push(step.wheel, step.force)?;
         let word = lap.take(&pass, corner, &belief());
         if lap.is_over() {
-            self.lap = None;
+            self.lap.clear();
             self.start_if_told();
         }
         word
@@ -159,6 +159,12 @@ impl<T: Real> RepeatedRoad<T> {
 }
 
 impl<T: Real> Loop<T> {
+    fn configure(&mut self, sample_rate_hz: f64, grid_period_s: T, period_s: T) {
+        self.clock.configure(sample_rate_hz, grid_period_s, period_s);
+        (self.follower, self.held, self.confirmed) = (None, Held::No, false);
+        (self.parts, self.sound_parts, self.strange_parts, self.unused_parts) = (0, 0, 0, 0);
+    }
+
     /// Takes the last period; gives a word if it was one more pass over a confirmed road.
     fn take(
         &mut self,
