@@ -53,6 +53,7 @@ fn corner_json(corner: &CornerReport, fit: Option<&Fit>) -> Value {
         "fit": fit.map(|(fit, misfit)| json!({
             "incoherence": fit.incoherence,
             "unexplained": fit.unexplained,
+            "hop_excess": fit.hop_excess,
             "friction_n": fit.friction_n,
             "misfit": misfit.map(|misfit| misfit.to_string()),
         })),

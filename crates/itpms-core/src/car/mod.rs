@@ -391,6 +391,7 @@ impl<T: Real> CarEstimator<T> {
             let Some(estimator) = estimator.as_mut() else { continue };
             // A shared road that was given up must not leave its last estimate behind.
             let fused = fused.as_ref().zip(considered.as_ref()).filter(|_| fusion.has_partner(i));
+            estimator.set_hop_excess(fusion.hop_excess(i % 2));
             let learning = fusion.side(i % 2).0;
             estimator.set_fused(fused.map(|(fused, considered)| FusedStiffness {
                 stiffness_n_per_m: fused.stiffness_n_per_m[i],

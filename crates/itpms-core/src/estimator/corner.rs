@@ -220,6 +220,11 @@ impl<T: Real> CornerEstimator<T> {
         self.fit.friction_n = slip_forces_n.into_iter().fold(T::zero(), |sum, force| sum + force);
     }
 
+    /// Takes over how much more front and rear disagree near wheel hop than beside it.
+    pub(crate) fn set_hop_excess(&mut self, excess: Option<T>) {
+        self.fit.hop_excess = excess;
+    }
+
     /// How well body and wheel go together, and what does not.
     pub(crate) fn fit(&self) -> (BodyFit<T>, Option<Misfit>) {
         (self.fit, self.misfit)

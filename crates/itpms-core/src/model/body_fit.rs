@@ -6,8 +6,12 @@ use crate::real::Real;
 /// Share of the body's motion, 5 to 16 Hz, that does not go with the wheel's, from which on nothing is believed, and below which it is
 /// again. Cars that fit have 0.26 to 0.36 on any road, of which pitch and roll are the most; real sensors in wrong places 0.5 to 1.
 const MOST_INCOHERENT: [f64; 2] = [0.45, 0.42];
-/// The same of what the equation of motion of the body over four corners leaves unexplained, 5 to 20 Hz: 0.03 at most where it fits.
-const MOST_UNEXPLAINED: [f64; 2] = [0.15, 0.13];
+/// The same of what the equation of motion of the body over four corners leaves unexplained, 5 to 20 Hz: 0.03 at most where it fits,
+/// 0.18 where a body that twists at 22 Hz does and the tires are read well, 0.7 and more where one sensor stands for all corners.
+const MOST_UNEXPLAINED: [f64; 2] = [0.25, 0.22];
+/// The same of the axles' disagreement near wheel hop over that beside it: 2.5 at most where wheels are masses on tires, 10 where one
+/// axle has tuned dampers.
+const MOST_HOP_EXCESS: [f64; 2] = [5.0, 4.0];
 
 /// How well body and wheel of a corner go together.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,6 +23,8 @@ pub struct BodyFit<T> {
     /// Share of the body's acceleration, 5 to 20 Hz, that springs, dampers, anti-roll bars and friction of all four corners leave
     /// unexplained; `None` as long as too little was seen, and where corners are missing.
     pub unexplained: Option<T>,
+    /// How much more front and rear disagree about their road near wheel hop than beside it; `None` as long as too little was shared.
+    pub hop_excess: Option<T>,
     /// Friction of the strut in N, as the body's motion tells it.
     pub friction_n: T,
 }
@@ -31,6 +37,8 @@ pub enum Misfit {
     Incoherent,
     /// The four struts' forces do not accelerate the body as it moves.
     Unexplained,
+    /// Front and rear answer the road differently near wheel hop.
+    Hop,
 }
 
 impl core::fmt::Display for Misfit {
@@ -39,6 +47,9 @@ impl core::fmt::Display for Misfit {
             Self::Incoherent => {
                 "body and wheel move each for itself: look where both sensors sit, which way they point and whether their clocks agree"
             }
+            Self::Hop => {
+                "front and rear wheels answer the road otherwise near their hop than masses on tires: look for tuned dampers, loose parts and the unsprung masses in the vehicle file"
+            }
             Self::Unexplained => {
                 "the struts' forces do not explain how the body moves: look at the body sensors' places and mounts, and at the masses in the vehicle file"
             }
@@ -46,12 +57,12 @@ impl core::fmt::Display for Misfit {
     }
 }
 
-blank!(BodyFit<T> { incoherence, unexplained, friction_n });
+blank!(BodyFit<T> { incoherence, unexplained, hop_excess, friction_n });
 
 impl<T: Real> BodyFit<T> {
     /// Nothing was seen yet.
     pub(crate) fn unknown() -> Self {
-        Self { incoherence: None, unexplained: None, friction_n: T::zero() }
+        Self { incoherence: None, unexplained: None, hop_excess: None, friction_n: T::zero() }
     }
 
     /// What does not fit, given what did not `before`.
@@ -66,6 +77,7 @@ impl<T: Real> BodyFit<T> {
             Some(_) => over(self.unexplained, MOST_UNEXPLAINED, Misfit::Unexplained),
             None => over(self.incoherence, MOST_INCOHERENT, Misfit::Incoherent),
         }
+        .or_else(|| over(self.hop_excess, MOST_HOP_EXCESS, Misfit::Hop))
     }
 }
 
@@ -83,6 +95,8 @@ mod tests {
         assert_eq!(fit(f64::NAN).misfit(None), Some(Misfit::Incoherent));
         let body = BodyFit { unexplained: Some(0.4), ..fit(0.3) };
         assert_eq!(body.misfit(None), Some(Misfit::Unexplained));
+        let hop = BodyFit { hop_excess: Some(9.0), ..fit(0.3) };
+        assert_eq!(hop.misfit(None), Some(Misfit::Hop));
         assert_eq!(BodyFit::<f64>::unknown().misfit(None), None);
     }
 }

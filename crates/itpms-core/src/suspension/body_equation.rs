@@ -6,7 +6,7 @@ use nalgebra::{Complex, SMatrix, SVector};
 
 use super::coherence::geometric_mean;
 use super::maxwell_slip::ELEMENTS;
-use super::rigid_body::RigidBody;
+use super::rigid_body::{MODES, RigidBody};
 use super::strut::{ACCELERATION, BIN_SPACING_HZ, BINS, BODY, FRICTION, StrutFrame, VELOCITY};
 use crate::memory::blank;
 use crate::model::CornerConfig;
@@ -14,20 +14,25 @@ use crate::real::Real;
 use crate::spectrum::transfer::DescribingFunction;
 
 /// Unknown quantities: logarithmic deviations of mass, pitch and roll inertia, of dampers and springs; stiffness of the two anti-roll bars
-/// over the springs'; slip forces, element by element, in units of [`FORCE_N`].
-const SIZE: usize = 13 + 4 * ELEMENTS;
+/// over the springs'; how freely the body warps, from zero for a rigid one to one; slip forces, element by element, in units of [`FORCE_N`].
+const SIZE: usize = 14 + 4 * ELEMENTS;
 const INERTIA: usize = 0;
 const DAMPER: usize = 3;
 const SPRING: usize = 7;
 const BAR: usize = 11;
-const SLIP: usize = 13;
+const WARP: usize = 13;
+const SLIP: usize = 14;
 const FORCE_N: f64 = 60.0;
+/// Place of the warp among the body's modes.
+const WARP_MODE: usize = 3;
 /// What they are at first, and with which sd: loads change by persons, inertias are guessed, a strut has up to some 150 N of friction.
 const INERTIA_SD: [f64; 3] = [0.15, 0.2, 0.2];
 const DAMPER_SD: f64 = 0.2;
 const SPRING_SD: f64 = 0.05;
 const BAR_FIRST: f64 = 0.3;
 const BAR_SD: f64 = 0.4;
+const WARP_SD: f64 = 0.5;
+const MOST_WARP: f64 = 1.5;
 const SLIP_SD: f64 = 1.0;
 /// Largest step of a fit, and the furthest that is believed.
 const LARGEST_STEP: f64 = 0.3;
@@ -37,6 +42,8 @@ const MODEL_ERROR: f64 = 0.03;
 /// Memory in s of what was seen, and of the powers.
 const MEMORY_S: f64 = 60.0;
 const POWER_S: f64 = 20.0;
+/// Seconds in which the fit finds its way, and which nothing is judged by.
+const SETTLING_S: f64 = 2.0;
 /// Share of a frame that is new: frames overlap by half.
 const OVERLAP: f64 = 0.5;
 /// Seconds within which frames of two corners are of the same time.
@@ -183,19 +190,20 @@ impl<T: Real> BodyEquation<T> {
     }
 
     /// `g` at the present parameters, and its parts.
-    fn compliance(&self) -> ([SMatrix<T, 4, 4>; 3], SMatrix<T, 4, 4>) {
+    fn compliance(&self) -> ([SMatrix<T, 4, 4>; MODES], SMatrix<T, 4, 4>) {
         let mut parts = self.body.parts();
-        for (part, &deviation) in parts.iter_mut().zip(self.parameters.iter()) {
+        for (part, &deviation) in parts[..WARP_MODE].iter_mut().zip(self.parameters.iter()) {
             *part *= (-deviation).exp();
         }
-        let whole = parts[0] + parts[1] + parts[2];
+        let whole = parts[0] + parts[1] + parts[2] + parts[WARP_MODE] * self.parameters[WARP];
         (parts, whole)
     }
 
     fn accumulate(&mut self, frames: &[Option<&StrutFrame<T>>; 4], seconds: T) {
         let (parts, whole) = self.compliance();
         let x = self.parameters;
-        let gain = T::one() - (-seconds / T::lit(POWER_S).min(self.learned_s)).exp();
+        let settled_s = (self.learned_s - T::lit(SETTLING_S)).max(seconds);
+        let gain = T::one() - (-seconds / T::lit(POWER_S).min(settled_s)).exp();
         for bin in 0..BINS {
             let forces = self.forces(frames, bin);
             let omega = T::two_pi() * T::lit((bin + 1) as f64 * BIN_SPACING_HZ);
@@ -207,9 +215,10 @@ impl<T: Real> BodyEquation<T> {
                 for (column, force) in forces.iter().enumerate() {
                     let g = whole[(row, column)];
                     residual -= force.total * g;
-                    for (inertia, part) in parts.iter().enumerate() {
+                    for (inertia, part) in parts[..WARP_MODE].iter().enumerate() {
                         slope[INERTIA + inertia] += force.total * part[(row, column)];
                     }
+                    slope[WARP] -= force.total * parts[WARP_MODE][(row, column)];
                     slope[DAMPER + column] = -force.damper * g;
                     slope[SPRING + column] = -force.spring * g;
                     slope[BAR + column / 2] -= force.bar * g;
@@ -319,7 +328,11 @@ impl<T: Real> BodyEquation<T> {
         }
         self.parameters += step;
         for (i, value) in self.parameters.iter_mut().enumerate() {
-            *value = if i < SLIP { value.clamp(-furthest, furthest) } else { value.max(T::zero()) };
+            *value = match i {
+                WARP => value.clamp(T::zero(), T::lit(MOST_WARP)),
+                SLIP.. => value.max(T::zero()),
+                _ => value.clamp(-furthest, furthest),
+            };
         }
     }
 }
@@ -364,7 +377,8 @@ fn prior_information<T: Real>(body: &RigidBody<T>) -> Parameters<T> {
         1 | 2 => whole(INERTIA_SD[i]),
         DAMPER..SPRING => of(DAMPER_SD),
         SPRING..BAR => of(SPRING_SD),
-        BAR..SLIP => whole(BAR_SD),
+        BAR..WARP => whole(BAR_SD),
+        WARP => whole(WARP_SD),
         _ => of(SLIP_SD),
     })
 }
@@ -440,7 +454,7 @@ mod tests {
     #[test]
     fn four_struts_under_one_body_are_told_apart() {
         let mut equation = equation(4);
-        let [mass, pitch, roll] = equation.body.parts();
+        let [mass, pitch, roll, _] = equation.body.parts();
         // Another pitch inertia than the guessed one, and forces of three elements.
         let slip_n = [20.0, 0.0, 45.0];
         learn(&mut equation, mass + pitch * 1.15 + roll * 0.9, slip_n, 0.0);
@@ -458,9 +472,21 @@ mod tests {
     }
 
     #[test]
+    fn four_corners_that_move_each_for_itself_are_a_body_that_warps() {
+        let mut equation = equation(4);
+        let own = SMatrix::from_diagonal_element(1.0 / SPRUNG_KG);
+        learn(&mut equation, own, [0.0, 40.0, 0.0], 0.0);
+        for corner in 0..4 {
+            assert!(equation.unexplained(corner).unwrap() < 5e-3);
+            let friction_n: f64 = equation.slip_forces_n(corner).iter().sum();
+            assert!((friction_n - 40.0).abs() < 3.0, "{friction_n}");
+        }
+    }
+
+    #[test]
     fn what_the_struts_do_not_explain_is_told() {
         let mut equation = equation(4);
-        let [mass, pitch, roll] = equation.body.parts();
+        let [mass, pitch, roll, _] = equation.body.parts();
         // Of a motion n times its own amplitude off, n²/(1 + n²) is not explained.
         learn(&mut equation, mass + pitch + roll, [0.0; ELEMENTS], 0.7);
         for corner in 0..4 {

@@ -1,4 +1,5 @@
-//! How a force at one corner accelerates the body at another: a rigid body heaves, pitches and rolls (docs/math/unknown-car.md, eq. 3).
+//! How a force at one corner accelerates the body at another: a rigid body heaves, pitches and rolls; one that twists, up to four corners
+//! that move each for itself, warps, too (docs/math/unknown-car.md, eq. 3).
 
 use nalgebra::SMatrix;
 
@@ -10,7 +11,10 @@ use crate::real::Real;
 const PITCH: f64 = 0.95;
 const ROLL: f64 = 0.65;
 
-/// Acceleration of every corner in m/s² for a newton at every other, at nominal masses: mean motion, pitch and roll.
+/// Ways in which the body moves: heave, pitch, roll, warp.
+pub(super) const MODES: usize = 4;
+
+/// Acceleration of every corner in m/s² for a newton at every other, at nominal masses.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -46,13 +50,14 @@ impl<T: Real> RigidBody<T> {
         self.present == [true; 4]
     }
 
-    /// The parts of `g` in 1/kg that go with mass, pitch and roll inertia.
-    pub(super) fn parts(&self) -> [SMatrix<T, 4, 4>; 3] {
+    /// The parts of `g` in 1/kg that go with mass, pitch and roll inertia, and that of the warp, by which a body that twists freely
+    /// would have four corners of their own.
+    pub(super) fn parts(&self) -> [SMatrix<T, 4, 4>; MODES] {
         let m = &self.mass_kg;
         if !self.is_whole() {
             let own = |i: usize| if self.present[i] { T::one() / m[i] } else { T::zero() };
             let own = SMatrix::from_fn(|i, j| if i == j { own(i) } else { T::zero() });
-            return [own, SMatrix::zeros(), SMatrix::zeros()];
+            return [own, SMatrix::zeros(), SMatrix::zeros(), SMatrix::zeros()];
         }
         let (front, rear) = (m[0] + m[1], m[2] + m[3]);
         let total = front + rear;
@@ -65,6 +70,9 @@ impl<T: Real> RigidBody<T> {
             SMatrix::repeat(T::one() / total),
             SMatrix::from_fn(|i, j| x[i] * x[j] / pitch),
             SMatrix::from_fn(|i, j| side(i) * side(j) / roll),
+            SMatrix::from_fn(
+                |i, j| if (i == j) || (i + j == 3) { T::one() / total } else { -T::one() / total },
+            ),
         ]
     }
 }
@@ -76,7 +84,7 @@ mod tests {
     #[test]
     fn forces_in_proportion_to_the_masses_lift_the_body_without_turning_it() {
         let body = RigidBody::new([Some(240.0), Some(240.0), Some(200.0), Some(200.0)]);
-        let [mass, pitch, roll] = body.parts();
+        let [mass, pitch, roll, _] = body.parts();
         let force = nalgebra::SVector::<f64, 4>::new(240.0, 240.0, 200.0, 200.0);
         // One m/s² at every corner.
         let lifted = (mass + pitch + roll) * force;
@@ -87,22 +95,20 @@ mod tests {
     fn with_the_inertias_of_four_separate_masses_a_corner_moves_alone() {
         // Radii of gyration for which pitch and roll of the body are those of four masses at the corners: 1 and 1.
         let body = RigidBody::new([Some(220.0); 4]);
-        let [mass, pitch, roll] = body.parts();
-        let g = mass + pitch * PITCH + roll * ROLL;
-        // What is left is warp, which a rigid body does not do: a quarter of it is missing everywhere.
-        let warp = |i: usize| if i == 0 || i == 3 { 1.0 } else { -1.0 };
+        let [mass, pitch, roll, warp] = body.parts();
+        let g = mass + pitch * PITCH + roll * ROLL + warp;
         for i in 0..4 {
             for j in 0..4 {
                 let own = if i == j { 1.0 / 220.0 } else { 0.0 };
-                assert!((g[(i, j)] + warp(i) * warp(j) / 880.0 - own).abs() < 1e-12);
+                assert!((g[(i, j)] - own).abs() < 1e-12);
             }
         }
     }
 
     #[test]
     fn a_corner_by_itself_is_a_mass() {
-        let [own, pitch, roll] = RigidBody::new([Some(250.0), None, None, None]).parts();
+        let [own, pitch, roll, warp] = RigidBody::new([Some(250.0), None, None, None]).parts();
         assert!((own[(0, 0)] - 0.004f64).abs() < 1e-12 && own[(1, 1)] == 0.0);
-        assert_eq!([pitch, roll], [SMatrix::<f64, 4, 4>::zeros(); 2]);
+        assert_eq!([pitch, roll, warp], [SMatrix::<f64, 4, 4>::zeros(); 3]);
     }
 }

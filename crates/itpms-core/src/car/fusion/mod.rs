@@ -236,6 +236,11 @@ impl<T: Real> Fusion<T> {
         self.belief.is_calibrated()
     }
 
+    /// How much more the axles of a side disagree near wheel hop than beside it, once enough was seen.
+    pub(super) fn hop_excess(&self, side: usize) -> Option<T> {
+        self.inter_axle.pair(side).hop_excess()
+    }
+
     /// Whether a corner has a partner on its side.
     pub(super) fn has_partner(&self, corner: usize) -> bool {
         self.inter_axle.has_partner(corner)

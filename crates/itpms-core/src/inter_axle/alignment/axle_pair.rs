@@ -9,6 +9,7 @@ use crate::inter_axle::alignment::channel::{Entry, KEPT, RELATIVE};
 use crate::inter_axle::alignment::delay_line::{DelayLine, Read};
 use crate::inter_axle::alignment::delay_search::{AT_FIRST, DelaySearch, Found, LATER};
 use crate::inter_axle::residual::correction::FrfCorrection;
+use crate::inter_axle::residual::hop_excess::HopExcess;
 use crate::inter_axle::residual::imbalance::Imbalance;
 use crate::inter_axle::residual::instrument::Instrument;
 use crate::inter_axle::residual::model::{Axle, AxleFrame, Signals, UnitRoad, Wheel, linearize};
@@ -131,6 +132,7 @@ pub(crate) struct AxlePair<T: Real> {
     /// Distance in m of the rear wheel at its last entry.
     distance_m: f64,
     coherence: Coherence<T>,
+    hop_excess: HopExcess<T>,
     /// Logarithm of the power near wheel hop over that of the sensors' noise, of late; `None` before the first frame.
     log_snr: Option<T>,
     /// Wheelbase and skew that the frame under way is aligned with, once there is one.
@@ -144,7 +146,7 @@ pub(crate) struct AxlePair<T: Real> {
 
 blank!(AxlePair<T> {
     side, period_s, noise_density, delay_line, delay_search, aligned, clock, instruments,
-    frf_correction, saved, imbalance, distance_m, coherence, log_snr, used, invalid_hops,
+    frf_correction, saved, imbalance, distance_m, coherence, hop_excess, log_snr, used, invalid_hops,
     learned_until_s, spectral_updates,
 });
 
@@ -161,6 +163,7 @@ impl<T: Real> AxlePair<T> {
         self.imbalance = Imbalance::new();
         self.distance_m = f64::NAN;
         self.coherence = Coherence::new();
+        self.hop_excess = HopExcess::new();
         (self.log_snr, self.used) = (None, None);
         (self.invalid_hops, self.spectral_updates) = (0, 0);
         self.learned_until_s = f64::NEG_INFINITY;
@@ -367,6 +370,7 @@ impl<T: Real> AxlePair<T> {
         self.frf_correction.learn(&frame.frame, &measured.common, record.weight);
         let Measured { measurement, noise, .. } = measured;
         self.coherence.learn(&measurement.expected, record, noise, T::lit(HOP_S), opposite_parts);
+        self.hop_excess.take(&self.coherence.incoherence(), T::lit(HOP_S));
         self.learned_until_s = frame.middle_s;
         self.coherence.near_wheel_hop() < T::lit(NOT_SHARED)
     }
@@ -433,6 +437,11 @@ impl<T: Real> AxlePair<T> {
     /// Whether the last frame showed roads that part.
     pub(crate) fn is_parting(&self) -> bool {
         self.coherence.is_parting()
+    }
+
+    /// How much more front and rear disagree near wheel hop than beside it, once enough was seen.
+    pub(crate) fn hop_excess(&self) -> Option<T> {
+        self.hop_excess.value()
     }
 
     /// Incoherence near wheel hop.
