@@ -56,6 +56,29 @@
 //! # }
 //! ```
 //!
+//! # On a controller
+//!
+//! A car of four corners is 200 KB in `f32`. It has its memory first, as a constant of zeros, and is configured where it lies; that
+//! takes less than 8 KiB of stack, and samples less than 24 KiB.
+//!
+//! ```
+//! use std::sync::{Mutex, PoisonError}; // Or whatever guards a static on the controller.
+//!
+//! use itpms_core::{CarConfig, CornerConfig, MonitorConfig, MonitoredCar, ParameterError};
+//!
+//! static CAR: Mutex<MonitoredCar<f32>> = Mutex::new(MonitoredCar::unconfigured());
+//!
+//! # fn main() -> Result<(), ParameterError> {
+//! let corner = CornerConfig::<f32>::paper();
+//! let config = CarConfig { corners: [Some(corner); 4], wheelbase_m: Some(2.7) };
+//! let mut car = CAR.lock().unwrap_or_else(PoisonError::into_inner);
+//! car.configure(&MonitorConfig::new(&config), 200.0)?;
+//! // From here on as above.
+//! car.begin_calibration(600.0)?;
+//! # Ok(())
+//! # }
+//! ```
+//!
 //! # The way of a sample
 //!
 //! Data goes one way: sample, conditioned sample, spectral frames, residual, belief, estimate, diagnosis and warning.

@@ -106,7 +106,7 @@ blank!(CarEstimator<T> {
 
 impl<T: Real> CarEstimator<T> {
     /// An estimator of `kind` for samples that come at about `sample_rate_hz`. Only [`EstimatorKind::Informed`] uses the
-    /// shared road.
+    /// shared road. A large value: a controller [configures](Self::configure) it in a `static`.
     ///
     /// # Errors
     /// The rate must be positive and finite; parameters of a corner that the filters refuse are named.

@@ -97,7 +97,8 @@ pub struct Estimator<T: Real> {
 blank!(Estimator<T> { clock, corner, body_equation });
 
 impl<T: Real> Estimator<T> {
-    /// An estimator of `kind` for a corner whose samples come at about `sample_rate_hz`.
+    /// An estimator of `kind` for a corner whose samples come at about `sample_rate_hz`, by value: some 20 KB in `f32`. A
+    /// controller [configures](Self::configure) it in a `static`.
     ///
     /// # Errors
     /// The rate must be positive and finite; parameters of the corner that the filters refuse are named.

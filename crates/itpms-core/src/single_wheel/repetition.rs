@@ -41,9 +41,9 @@ pub(crate) struct Belief<T> {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum Held {
     /// During a calibration drive.
-    Yes,
+    Yes = 1,
     /// Else.
-    No,
+    No = 0,
 }
 
 blank!(Held::No);
