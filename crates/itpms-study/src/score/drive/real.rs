@@ -372,7 +372,7 @@ mod tests {
             let levels = levels(&subject("as its file"), turn).unwrap();
             for level in &levels {
                 assert!(
-                    level.wheels.iter().all(|wheel| wheel.errors.bias().abs() < 20.0 && wheel.rows == 24_000)
+                    level.wheels.iter().all(|wheel| wheel.errors.bias().abs() < 20.0 && wheel.rows == 23_999)
                 );
                 assert_eq!((level.false_low, level.sensors), (0, 0));
             }
