@@ -12,6 +12,10 @@ use crate::run::Job;
 const USUAL_RATES_HZ: std::ops::RangeInclusive<f64> = 99.0..=2020.0;
 /// Seconds of driving that a reset should have.
 const SHORTEST_RESET_S: f64 = 10.0;
+/// Standard deviations by which the spectra have to contradict a calibration.
+const CONTRADICTION_SDS: f64 = 2.5;
+/// Standard deviation in kPa of the level from which on a calibration is asked for: a fifth of a tire is some 50.
+const ASK_KPA: f64 = 10.0;
 
 /// The corners that the log has measured and the vehicle file describes.
 ///
@@ -85,6 +89,22 @@ pub(crate) fn of(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Vec<String> {
     if let Some(seconds) = settings.calibrate_s.filter(|seconds| *seconds < SHORTEST_RESET_S) {
         concerns.push(format!(
             "a reset of {seconds} s teaches little of the car, expected {SHORTEST_RESET_S} s or more of driving"
+        ));
+    }
+    if let Some([excess_kpa, sd_kpa]) = drive.calibration_excess_kpa()
+        && excess_kpa.abs() > CONTRADICTION_SDS * sd_kpa
+    {
+        let way = if excess_kpa > 0.0 { "more" } else { "less" };
+        concerns.push(format!(
+            "during the calibration the road's spectra read {:.0} kPa {way} than the placard's pressures (sd {sd_kpa:.0}): were the tires set to them? All pressures since rest on that",
+            excess_kpa.abs()
+        ));
+    }
+    let level_sd_kpa = vehicle.level_sd_kpa(job.corners);
+    let calibrated = settings.calibrate_s.is_some() || settings.reference.is_some();
+    if settings.estimator == EstimatorKind::Informed && !calibrated && level_sd_kpa > ASK_KPA {
+        concerns.push(format!(
+            "never calibrated: the level of all pressures rests on the vehicle file and is known to {level_sd_kpa:.0} kPa; calibrate the car with its tires at placard pressure to know it better"
         ));
     }
     for (corner, misfit) in drive.misfits() {

@@ -141,6 +141,12 @@ impl Drive {
         self.car.estimator().fit(corner)
     }
 
+    /// By how much the spectra read more than the placard's pressures in the calibration, with its sd, in kPa.
+    #[must_use]
+    pub fn calibration_excess_kpa(&self) -> Option<[f64; 2]> {
+        self.car.estimator().calibration_excess_kpa()
+    }
+
     /// Seconds by which the speed was found to come late, if it was.
     #[must_use]
     pub fn speed_latency_s(&self) -> Option<f64> {

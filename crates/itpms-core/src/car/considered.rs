@@ -5,7 +5,7 @@
 use nalgebra::{SMatrix, SVector};
 
 use crate::memory::blank;
-use crate::model::CarConfig;
+use crate::model::{CarConfig, CornerConfig};
 use crate::real::Real;
 
 /// What a calibration leaves of a tire's level, as a share of its stiffness: tires are set to 3 kPa, and a car that differs from its
@@ -25,9 +25,12 @@ const CALIBRATED_SD: f64 = 0.012;
 pub(super) struct Considered<T: Real> {
     relative: SMatrix<T, 4, 4>,
     placard_n_per_m: SVector<T, 4>,
+    /// Stiffness per pressure in N/m per kPa, and the placard pressures in kPa; zero for corners that are not there.
+    per_kpa: SVector<T, 4>,
+    placard_kpa: SVector<T, 4>,
 }
 
-blank!(Considered<T> { relative, placard_n_per_m });
+blank!(Considered<T> { relative, placard_n_per_m, per_kpa, placard_kpa });
 
 impl<T: Real> Considered<T> {
     pub(super) fn new(config: &CarConfig<T>) -> Self {
@@ -47,7 +50,34 @@ impl<T: Real> Considered<T> {
             common + axle + own
         });
         let placard = |i: usize| corner(i).map_or(T::one(), |c| c.tire.stiffness_n_per_m(c.placard_kpa));
-        Self { relative, placard_n_per_m: SVector::from_fn(|i, _| placard(i)) }
+        let of = |value: &dyn Fn(&CornerConfig<T>) -> T| {
+            SVector::from_fn(|i, _| corner(i).map_or(T::zero(), value))
+        };
+        Self {
+            relative,
+            placard_n_per_m: SVector::from_fn(|i, _| placard(i)),
+            per_kpa: of(&|c| c.tire.stiffness_per_kpa()),
+            placard_kpa: of(&|c| c.placard_kpa),
+        }
+    }
+
+    /// Standard deviation in kPa of the mean of all tires at placard pressure.
+    pub(super) fn mean_sd_kpa(&self) -> T {
+        let covariance = self.uncalibrated(&self.placard_n_per_m);
+        let (mut sum, mut count) = (T::zero(), T::zero());
+        for i in (0..4).filter(|&i| self.per_kpa[i] > T::zero()) {
+            count += T::one();
+            for j in (0..4).filter(|&j| self.per_kpa[j] > T::zero()) {
+                sum += covariance[(i, j)] / (self.per_kpa[i] * self.per_kpa[j]);
+            }
+        }
+        sum.max(T::zero()).sqrt() / count.max(T::one())
+    }
+
+    /// Mean placard pressure in kPa of the corners that are there.
+    pub(super) fn mean_placard_kpa(&self) -> T {
+        let count = self.placard_kpa.iter().filter(|&&kpa| kpa > T::zero()).count();
+        self.placard_kpa.sum() / T::lit(count.max(1) as f64)
     }
 
     /// Covariance in (N/m)² of stiffnesses of which only the vehicle file is known.
@@ -70,7 +100,7 @@ impl<T: Real> Considered<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{Confidence, CornerConfig, ParameterUncertainty};
+    use crate::model::{Confidence, ParameterUncertainty};
 
     fn typical() -> Considered<f64> {
         let corner =
@@ -94,6 +124,10 @@ mod tests {
             (axles.sqrt() / 713.91 - 326.6 * (2.0 * (0.03f64.powi(2) + 0.024f64.powi(2))).sqrt()).abs() < 0.1
         );
         assert!(covariance.cholesky().is_some());
+        // The mean of all four: 4 % and half of 3 % of mass twice, 1.8 % and a quarter of 2.4 % of tires four times.
+        let mean =
+            (0.04f64.powi(2) + 0.03f64.powi(2) / 2.0 + 0.018f64.powi(2) + 0.024f64.powi(2) / 4.0).sqrt();
+        assert!((typical().mean_sd_kpa() - 326.6 * mean).abs() < 0.1);
     }
 
     #[test]

@@ -22,6 +22,9 @@ pub use crate::model::{CarEstimate, TrackState};
 use crate::real::Real;
 use crate::suspension::BodyEquation;
 
+/// What the road's spectra read too much or too little on one road, as a share of the placard pressure.
+const SPECTRUM_BIAS: f64 = 0.04;
+
 /// From where the pressure may be learned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -252,6 +255,15 @@ impl<T: Real> CarEstimator<T> {
     /// early, zero as long as nothing was found.
     pub fn speed_latency_s(&self) -> f64 {
         self.fusion.as_ref().map_or(0.0, Fusion::speed_latency_s)
+    }
+
+    /// By how much the road's spectra alone read more than the placard's pressures in the last calibration on this drive, the mean over the
+    /// wheels, and its standard deviation with what the vehicle file leaves open, in kPa. Far from zero, the tires were not set.
+    pub fn calibration_excess_kpa(&self) -> Option<[T; 2]> {
+        let (excess, sd) = self.fusion.as_ref()?.calibration_excess_kpa()?;
+        let considered = self.considered.mean_sd_kpa();
+        let bias = T::lit(SPECTRUM_BIAS) * self.considered.mean_placard_kpa();
+        Some([excess, (sd * sd + considered * considered + bias * bias).sqrt()])
     }
 
     /// What the last calibration taught; `None` before it is over, or when it saw too little shared road.

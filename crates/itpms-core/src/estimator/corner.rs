@@ -24,6 +24,9 @@ const FRAME_GRID_HZ: f64 = 400.0;
 /// Seconds between two updates of the road filter with the car, and of the method with a calibration.
 const TELL_S: f64 = 0.1;
 
+/// Longest time in s that an estimate waits for the verdict on body and wheel.
+const UNJUDGED_S: f64 = 20.0;
+
 /// The estimator of one corner, without a clock: its owner tells time and speed.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -55,11 +58,13 @@ pub(crate) struct CornerEstimator<T: Real> {
     strut: Strut<T>,
     fit: BodyFit<T>,
     misfit: Option<Misfit>,
+    /// Since when there is something to believe, but for the verdict on body and wheel.
+    judged_from_s: Option<f64>,
 }
 
 blank!(CornerEstimator<T> {
     kind, config, resampler, method, road, road_told_s, watch, calibration_s, calibration_ends_s,
-    pinned_s, restarts, repetition, fused, contact, strut, fit, misfit,
+    pinned_s, restarts, repetition, fused, contact, strut, fit, misfit, judged_from_s,
 });
 
 /// What the whole car knows of a corner that the corner by itself does not.
@@ -116,7 +121,7 @@ impl<T: Real> CornerEstimator<T> {
         let noise = config.accel_noise_or_usual_m_s2();
         let noise_density = T::lit(2.0 / sample_rate_hz) * noise * noise;
         self.strut.configure(self.resampler.grid_period_s(), noise_density);
-        (self.fit, self.misfit) = (BodyFit::unknown(), None);
+        (self.fit, self.misfit, self.judged_from_s) = (BodyFit::unknown(), None, None);
         Ok(())
     }
 
@@ -326,6 +331,15 @@ impl<T: Real> CornerEstimator<T> {
         }
     }
 
+    /// Whether body and wheel have still to be looked at; a log of nothing but pieces is believed without in the end.
+    fn is_unjudged(&mut self, time_s: f64) -> bool {
+        if self.fit.incoherence.is_some() || self.kind.is_as_published() {
+            return false;
+        }
+        let from_s = *self.judged_from_s.get_or_insert(time_s);
+        !(time_s - from_s >= UNJUDGED_S)
+    }
+
     fn estimate(
         &mut self,
         time_s: f64,
@@ -344,12 +358,12 @@ impl<T: Real> CornerEstimator<T> {
             self.fit.incoherence = self.strut.incoherence();
             self.misfit = self.fit.misfit(self.misfit);
         }
+        let unjudged = reading.validity.is_valid() && self.is_unjudged(time_s);
+        let tire = &self.config.tire;
         let validity = match reading.validity {
             _ if self.resampler.is_bad() => Validity::BadSignal,
             Validity::Valid if self.misfit.is_some() => Validity::Misfit,
-            Validity::Valid if self.fit.incoherence.is_none() && !self.kind.is_as_published() => {
-                Validity::Starting
-            }
+            Validity::Valid if unjudged => Validity::Starting,
             Validity::Valid if !is_known(&self.config, sd_kpa) => Validity::NoInformation,
             validity => validity,
         };

@@ -19,7 +19,7 @@ const SMOOTH_HZ: f64 = 35.0;
 const LOWEST_HZ: f64 = 2.0;
 const LEAST_RATE_HZ: f64 = 100.0;
 /// Hops until the filters have forgotten that they began at rest.
-const SETTLING_HOPS: u32 = 5;
+const SETTLING_HOPS: u32 = 2;
 /// Speed in m/s below which nothing is learned.
 const STANDING_M_S: f64 = 2.5;
 

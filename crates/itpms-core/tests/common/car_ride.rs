@@ -3,7 +3,10 @@
 
 use itpms_core::car::{CarEstimate, CarEstimator};
 use itpms_core::estimator::EstimatorKind;
-use itpms_core::model::{CarConfig, CarSample, CornerConfig, CornerSample, PressureMap, QuarterCar};
+use itpms_core::model::{
+    CarConfig, CarSample, Confidence, CornerConfig, CornerSample, ParameterUncertainty, PressureMap,
+    QuarterCar,
+};
 use itpms_core::real::Real;
 
 use super::quarter_plant::{KS, Random, runge_kutta, stiffness};
@@ -117,7 +120,9 @@ pub fn config<T: Real>() -> CarConfig<T> {
         let [sprung, unsprung, damping] = AXLES[axle].map(T::lit);
         let car = QuarterCar::new(sprung, unsprung, damping, T::lit(KS)).unwrap();
         let placard = T::lit(PLACARD_KPA);
-        CornerConfig::new(car, PressureMap::paper_eq_5(), placard).unwrap().with_accel_noise(T::lit(0.05))
+        let measured = ParameterUncertainty::of(Confidence::Measured);
+        let corner = CornerConfig::new(car, PressureMap::paper_eq_5(), placard).unwrap();
+        corner.with_uncertainty(measured).with_accel_noise(T::lit(0.05))
     };
     let corners = [0, 0, 1, 1].map(|axle| Some(corner(axle).unwrap()));
     CarConfig { corners, wheelbase_m: Some(T::lit(WHEELBASE_M)) }

@@ -199,6 +199,16 @@ impl Vehicle {
         self.corner(corner).map_or_else(usual, |corner| corner.uncertainty)
     }
 
+    /// Standard deviation in kPa that the file leaves in the level of a pressure before a calibration, the largest of these corners.
+    #[must_use]
+    pub fn level_sd_kpa(&self, corners: &[Corner]) -> f64 {
+        let of = |config: &CornerConfig<f64>| {
+            let stiffness = config.tire.stiffness_n_per_m(config.placard_kpa);
+            config.uncertainty.tire_relative_sd() * stiffness / config.tire.stiffness_per_kpa()
+        };
+        corners.iter().filter_map(|corner| self.corner(*corner)).map(of).fold(0.0, f64::max)
+    }
+
     /// Reads a vehicle file.
     ///
     /// # Errors

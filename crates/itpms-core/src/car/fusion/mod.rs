@@ -6,13 +6,16 @@
 //! | `pseudo_measurement` | what a corner's road spectrum tells of its tire, as a measurement of the belief |
 //! | `realign` | a speed whose scale changes, or that is late: the axles meet at another delay than believed |
 //! | `single_wheel_estimate` | what a corner finds by itself, where front and rear hardly share a road |
+//! | `calibration_reading` | what the spectra read while a calibration says what is true |
 //! | `output` | stiffnesses and their covariance, as they are now |
 
+mod calibration_reading;
 mod output;
 mod pseudo_measurement;
 mod realign;
 mod single_wheel_estimate;
 
+use self::calibration_reading::CalibrationReading;
 pub(super) use self::output::FusedEstimate;
 use self::realign::DelayDetection;
 pub(super) use self::single_wheel_estimate::SingleWheelEstimate;
@@ -54,9 +57,10 @@ pub(super) struct Fusion<T: Real> {
     /// Where each side last found the other axle's road, when it looked for it anew.
     detections: [Option<DelayDetection<T>>; 2],
     speed_latency: SpeedLatency<T>,
+    calibration_reading: CalibrationReading<T>,
 }
 
-blank!(Fusion<T> { inter_axle, belief, single_wheel, pseudo_measured_s, detections, speed_latency });
+blank!(Fusion<T> { inter_axle, belief, single_wheel, pseudo_measured_s, detections, speed_latency, calibration_reading });
 
 impl<T: Real> Fusion<T> {
     /// The wheelbase in m of a car with both corners of a side; `None`: there is nothing to fuse.
@@ -208,6 +212,13 @@ impl<T: Real> Fusion<T> {
     /// A calibration begins with the next frame.
     pub(super) fn begin_calibration(&mut self) {
         self.belief.begin_calibration();
+        self.calibration_reading = CalibrationReading::new();
+    }
+
+    /// By how much the spectra read more than the placard's pressures in the last calibration, the mean over the corners, and its sd as
+    /// far as they tell, in kPa.
+    pub(super) fn calibration_excess_kpa(&self) -> Option<(T, T)> {
+        self.calibration_reading.mean_kpa()
     }
 
     /// Says that a calibration goes on, or that it is over or there was none.

@@ -43,6 +43,12 @@ impl<T: Real> Fusion<T> {
             return;
         }
         self.inter_axle.pair_mut(corner % 2).note_spectral_update();
+        if self.belief.is_calibrating() {
+            let scale = self.belief.scale();
+            let per_kpa = T::one() / scale.slope[corner];
+            let excess_kpa = (stiffness_n_per_m - scale.placard_n_per_m[corner]) * per_kpa;
+            self.calibration_reading.take(corner, excess_kpa, variance * per_kpa * per_kpa);
+        }
         if self.inter_axle.spectral_only() || !(time_s - self.belief.time_s() < LONGEST_STEP_S) {
             self.predict(time_s);
         }
