@@ -25,7 +25,7 @@ fn main() -> Result<(), ScenarioError> {
 }
 
 fn report<T: Real>(scalar: &str, rate_hz: f64, rows: &[CarSample<f64>]) {
-    let mut car = Box::new(shipped::<T>(rate_hz));
+    let mut car = shipped::<T>(rate_hz);
     let (wall, processor) = (Instant::now(), processor_s());
     for row in rows {
         black_box(car.update(&taken(row)));

@@ -32,7 +32,7 @@ impl Checksum {
 }
 
 fn four_wheels<T: Real>(rows: &[CarSample<f64>], rate_hz: f64) -> u64 {
-    let (mut car, mut sum) = (Box::new(shipped::<T>(rate_hz)), Checksum(0xcbf2_9ce4_8422_2325));
+    let (mut car, mut sum) = (shipped::<T>(rate_hz), Checksum(0xcbf2_9ce4_8422_2325));
     for row in rows {
         let estimate = car.update(&taken(row));
         estimate.corners.iter().flatten().for_each(|corner| sum.take_corner(corner));

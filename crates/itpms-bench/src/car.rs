@@ -57,8 +57,14 @@ pub fn told<T: Real>() -> CarConfig<T> {
 
 /// The estimator and its monitor as they are shipped.
 #[must_use]
-pub fn shipped<T: Real>(rate_hz: f64) -> MonitoredCar<T> {
-    MonitoredCar::new(&MonitorConfig::new(&told()), rate_hz).expect("the drives' car")
+pub fn shipped<T: Real>(rate_hz: f64) -> Box<MonitoredCar<T>> {
+    monitored(&MonitorConfig::new(&told()), rate_hz)
+}
+
+fn monitored<T: Real>(config: &MonitorConfig<T>, rate_hz: f64) -> Box<MonitoredCar<T>> {
+    let mut car = Box::new(MonitoredCar::unconfigured());
+    car.configure(config, rate_hz).expect("the drives' car");
+    car
 }
 
 /// A simulated sample as the estimator takes it.
@@ -100,7 +106,7 @@ impl<T: Real> RunningCar<T> {
             Extent::Everything | Extent::WithoutRoad => {
                 let options = EstimatorOptions { road_heights: heights, ..EstimatorOptions::default() };
                 let config = MonitorConfig::new(&config).with_options(options);
-                Car::Monitored(Box::new(MonitoredCar::new(&config, rate_hz).expect("the drives' car")))
+                Car::Monitored(monitored(&config, rate_hz))
             }
             Extent::WithoutRoadAndMonitor | Extent::CornersAlone => {
                 let estimator =

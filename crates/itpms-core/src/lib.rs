@@ -108,6 +108,7 @@
 //! | `test-bench` | a road that repeats itself, as on a test bed or a drum |
 #![no_std]
 #![forbid(unsafe_code)]
+#![allow(clippy::op_ref)] // A matrix that is multiplied by value is copied on the stack first.
 
 mod belief;
 pub mod car;

@@ -63,7 +63,9 @@ impl Drive {
         };
         let config =
             MonitorConfig::new(&config).with_limits(settings.regulation.into()).with_options(options);
-        let mut car = Box::new(MonitoredCar::new(&config, sample_rate_hz)?);
+        // Built in its box: by value it would cross the stack, and whose that is the caller alone knows.
+        let mut car = Box::new(MonitoredCar::unconfigured());
+        car.configure(&config, sample_rate_hz)?;
         reference::load(settings, vehicle, &mut car)?;
         if let Some(seconds) = settings.calibrate_s {
             car.begin_calibration(seconds)?;

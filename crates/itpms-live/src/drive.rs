@@ -99,8 +99,8 @@ impl Drive {
         let config = MonitorConfig::new(&config)
             .with_limits(options.regulation.into())
             .with_options(EstimatorOptions { estimator: options.estimator, ..EstimatorOptions::default() });
-        let car = MonitoredCar::new(&config, clock.sample_rate_hz).map_err(|error| refused(&error))?;
-        let mut car = Box::new(car);
+        let mut car = Box::new(MonitoredCar::unconfigured());
+        car.configure(&config, clock.sample_rate_hz).map_err(|error| refused(&error))?;
         if let Some(calibration) = &options.reference {
             car.load_calibration(calibration).map_err(|error| refused(&error))?;
         }

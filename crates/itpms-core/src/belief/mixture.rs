@@ -28,7 +28,7 @@ impl<'a, T: Real> Mixture<'a, T> {
     /// Of what is in the place, with this weight.
     pub(crate) fn around(into: &'a mut Hypothesis<T>, weight: T) -> Self {
         let around = into.mean;
-        let (weight, off) = (weight.max(T::lit(LEAST)), around - around);
+        let (weight, off) = (weight.max(T::lit(LEAST)), into.mean - around);
         for j in 0..SIZE {
             for i in 0..SIZE {
                 let covariance = &mut into.covariance[(i, j)];
