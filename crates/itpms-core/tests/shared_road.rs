@@ -42,16 +42,17 @@ fn a_shared_road_tells_all_four_pressures() {
         assert!(last.tracks.iter().all(|track| track.shared && track.incoherence < 0.05), "{last:?}");
         for corner in last.corners {
             let corner = corner.unwrap();
-            // What no drive tells before a reset: the file's 1.5 % and 0.5 % of the stiffness, and 1.5 % that the shared road
-            // may read too much. Beside it the start knows 36 kPa.
-            let untold = 0.015f64.hypot(0.005).hypot(0.015) * corner.stiffness_n_per_m / 713.91;
+            // What no drive tells before a reset: the measured car's 1.5 % of unsprung mass and 1 % of the tire, and 1.5 % that the
+            // shared road may read too much. Beside it the start knows 36 kPa.
+            let untold = 0.015f64.hypot(0.01).hypot(0.015) * corner.stiffness_n_per_m / 713.91;
             let learned = (corner.pressure_sd_kpa.powi(2) - untold.powi(2)).sqrt();
             assert!(learned < 5.0, "{sources:?}: {learned} {corner:?}");
         }
     }
 }
 
-/// What the vehicle file says of the tires is good to 1.5 % all together and half a per cent each: 1.6 % of 233 kN/m are 5 kPa.
+/// What a measured car's file says is good to 1.5 % of unsprung mass and 1 % of each tire: 1.8 % of 233 kN/m are 6 kPa. A reset
+/// leaves 1.2 %.
 #[test]
 fn no_sd_is_below_the_vehicle_file_s_own_before_a_reset() {
     let least = |car: CarEstimator<f64>| {
@@ -60,14 +61,15 @@ fn no_sd_is_below_the_vehicle_file_s_own_before_a_reset() {
         let sds = estimates.iter().flat_map(|e| e.corners.map(|corner| corner.unwrap().pressure_sd_kpa));
         sds.fold(f64::INFINITY, f64::min)
     };
-    let of_file = |k_n_per_m: f64| 0.015f64.hypot(0.005) * k_n_per_m / 713.91;
+    let of_file = |k_n_per_m: f64| 0.015f64.hypot(0.01) * k_n_per_m / 713.91;
     // The softest of these tires has 180 kPa.
     assert!(least(car(&config())) > 0.98 * of_file(713.91 * 180.0 + 60_880.0));
-    assert!(least(car(&config()).with_calibration_drive(5.0).unwrap()) < 2.0);
+    let reset = least(car(&config()).with_calibration_drive(5.0).unwrap());
+    assert!((0.012..0.015).contains(&(reset * 713.91 / 233e3)), "{reset}");
 }
 
-/// The file's 1.5 % is wrong by the same in all tires, so any two of them are wrong together by that much at least; a reset
-/// takes it away, and a corner by itself knows nothing of the others.
+/// Of the file's uncertainty, 0.8 of the masses' and 0.6 of the tires' are the same for all, so any two of them are wrong together by
+/// that much at least, also where corners are by themselves; a reset takes it away.
 #[test]
 fn what_all_tires_are_wrong_by_alike_is_in_their_correlations() {
     let ends_with = |mut car: CarEstimator<f64>| {
@@ -77,7 +79,8 @@ fn what_all_tires_are_wrong_by_alike_is_in_their_correlations() {
         pairs
             .map(|(i, j)| {
                 let [a, b] = [&corners[i], &corners[j]];
-                let common = 0.015f64.powi(2) * a.stiffness_n_per_m * b.stiffness_n_per_m;
+                let alike = (0.8f64 * 0.015).powi(2) + (0.6f64 * 0.01).powi(2);
+                let common = alike * a.stiffness_n_per_m * b.stiffness_n_per_m;
                 last.correlation[i][j] * a.stiffness_sd_n_per_m * b.stiffness_sd_n_per_m / common
             })
             .collect::<Vec<_>>()
@@ -87,7 +90,7 @@ fn what_all_tires_are_wrong_by_alike_is_in_their_correlations() {
     let reset = ends_with(car(&config()).with_calibration_drive(5.0).unwrap());
     assert!(reset.iter().all(|share| share.abs() < 0.2), "{reset:?}");
     let alone = ends_with(car(&CarConfig { wheelbase_m: None, ..config() }));
-    assert!(alone.iter().all(|share| *share == 0.0), "{alone:?}");
+    assert!(alone.iter().all(|share| *share > 0.9), "{alone:?}");
 }
 
 /// A tire loses a fifth within two seconds and is filled again within four: both are read, and the others hold.
@@ -294,8 +297,10 @@ fn without_a_wheelbase_the_corners_are_alone() {
             let CornerSample { body_accel_m_s2, wheel_accel_m_s2 } = row.corners[i].unwrap();
             let expected = corner.update(row.time_s, row.speed_m_s, body_accel_m_s2, wheel_accel_m_s2);
             let found = estimate.corners[i].unwrap();
-            assert_eq!(found.pressure_kpa.to_bits(), expected.pressure_kpa.to_bits());
-            assert_eq!(found.pressure_sd_kpa.to_bits(), expected.pressure_sd_kpa.to_bits());
+            // But for the friction of its strut, which the body tells that all of them carry: there is none.
+            let off_kpa = (found.pressure_kpa - expected.pressure_kpa).abs();
+            assert!(off_kpa < 0.05 * expected.pressure_sd_kpa, "{found:?} {expected:?}");
+            assert!((found.pressure_sd_kpa / expected.pressure_sd_kpa - 1.0).abs() < 0.05);
         }
     }
 }
