@@ -256,6 +256,10 @@ impl<T: Real> CornerEstimator<T> {
         if let Some(word) = self.fused.as_ref() {
             self.method.apply_fused(&mut reading, word);
         }
+        if !self.kind.is_as_published() {
+            self.fit.incoherence = self.strut.incoherence();
+            self.misfit = self.fit.misfit(self.misfit);
+        }
         let (considered, level) = self.considered(time_s, &reading);
         if self.kind == EstimatorKind::Informed {
             let sd = reading.stiffness_sd_n_per_m;
@@ -321,14 +325,17 @@ impl<T: Real> CornerEstimator<T> {
             return (T::zero(), Level::VehicleFile);
         }
         let calibrating = self.calibration_ends_s.is_some_and(|ends_s| time_s < ends_s);
-        match self.fused.as_ref() {
+        let (sd, level) = match self.fused.as_ref() {
             Some(fused) => (fused.considered_sd_n_per_m, fused.level),
             None if calibrating => (T::zero(), Level::Calibration),
             None => {
                 let sd = self.config.uncertainty.tire_relative_sd() * reading.stiffness_n_per_m;
                 (sd, Level::VehicleFile)
             }
-        }
+        };
+        let doubt = self.misfit.and_then(|misfit| misfit.doubt(level)).map_or(T::zero(), T::lit);
+        let doubt = doubt * reading.stiffness_n_per_m;
+        ((sd * sd + doubt * doubt).sqrt(), level)
     }
 
     /// Whether body and wheel have still to be looked at; a log of nothing but pieces is believed without in the end.
@@ -354,15 +361,13 @@ impl<T: Real> CornerEstimator<T> {
             (change_sd_n_per_m * change_sd_n_per_m + considered_sd_n_per_m * considered_sd_n_per_m).sqrt();
         let pressure_sd_kpa = tire.pressure_sd_kpa(pressure_kpa, stiffness_sd_n_per_m);
         let sd_kpa = stiffness_sd_n_per_m / tire.stiffness_per_kpa();
-        if !self.kind.is_as_published() {
-            self.fit.incoherence = self.strut.incoherence();
-            self.misfit = self.fit.misfit(self.misfit);
-        }
         let unjudged = reading.validity.is_valid() && self.is_unjudged(time_s);
         let tire = &self.config.tire;
         let validity = match reading.validity {
             _ if self.resampler.is_bad() => Validity::BadSignal,
-            Validity::Valid if self.misfit.is_some() => Validity::Misfit,
+            Validity::Valid if self.misfit.is_some_and(|misfit| misfit.doubt(level).is_none()) => {
+                Validity::Misfit
+            }
             Validity::Valid if unjudged => Validity::Starting,
             Validity::Valid if !is_known(&self.config, sd_kpa) => Validity::NoInformation,
             validity => validity,

@@ -1,14 +1,17 @@
 //! Whether a corner's body moves as the vehicle file says, and what was found of it on the way (docs/math/unknown-car.md, section 3).
 
 use crate::memory::blank;
+use crate::model::Level;
 use crate::real::Real;
 
 /// Share of the body's motion, 5 to 16 Hz, that does not go with the wheel's, from which on nothing is believed, and below which it is
 /// again. Cars that fit have 0.26 to 0.36 on any road, of which pitch and roll are the most; real sensors in wrong places 0.5 to 1.
 const MOST_INCOHERENT: [f64; 2] = [0.45, 0.42];
 /// The same of what the equation of motion of the body over four corners leaves unexplained, 5 to 20 Hz: 0.03 at most where it fits,
-/// 0.18 where a body that twists at 22 Hz does and the tires are read well, 0.7 and more where one sensor stands for all corners.
-const MOST_UNEXPLAINED: [f64; 2] = [0.25, 0.22];
+/// 0.18 to 0.3 where a body that twists at 22 Hz does and the tires are read well, 0.7 and more where one sensor stands for all
+/// corners. From the first on there is more doubt, from the second on nothing is believed.
+const PARTLY_UNEXPLAINED: [f64; 2] = [0.25, 0.22];
+const MOST_UNEXPLAINED: [f64; 2] = [0.6, 0.55];
 /// The same of the axles' disagreement near wheel hop over that beside it: 2.5 at most where wheels are masses on tires, 10 where one
 /// axle has tuned dampers.
 const MOST_HOP_EXCESS: [f64; 2] = [5.0, 4.0];
@@ -39,6 +42,20 @@ pub enum Misfit {
     Unexplained,
     /// Front and rear answer the road differently near wheel hop.
     Hop,
+    /// The four struts' forces explain most of how the body moves, not all.
+    PartlyUnexplained,
+}
+
+impl Misfit {
+    /// Whether nothing is to be believed, or how much more doubt there is: a relative standard deviation of the stiffness. A calibration
+    /// has set the level whatever the car is; what is left are 5 to 8 kPa of it and 10 to 20 of a change by a fifth.
+    pub(crate) fn doubt(self, level: Level) -> Option<f64> {
+        match (self, level) {
+            (Self::Incoherent | Self::Unexplained, _) | (Self::Hop, Level::VehicleFile) => None,
+            (Self::PartlyUnexplained, Level::VehicleFile) => Some(0.08),
+            (Self::Hop | Self::PartlyUnexplained, Level::Calibration) => Some(0.035),
+        }
+    }
 }
 
 impl core::fmt::Display for Misfit {
@@ -49,6 +66,9 @@ impl core::fmt::Display for Misfit {
             }
             Self::Hop => {
                 "front and rear wheels answer the road otherwise near their hop than masses on tires: look for tuned dampers, loose parts and the unsprung masses in the vehicle file"
+            }
+            Self::PartlyUnexplained => {
+                "the struts' forces do not explain all of how the body moves: a body that bends, sensors on soft mounts, or masses in the vehicle file that are far off"
             }
             Self::Unexplained => {
                 "the struts' forces do not explain how the body moves: look at the body sensors' places and mounts, and at the masses in the vehicle file"
@@ -78,6 +98,7 @@ impl<T: Real> BodyFit<T> {
             None => over(self.incoherence, MOST_INCOHERENT, Misfit::Incoherent),
         }
         .or_else(|| over(self.hop_excess, MOST_HOP_EXCESS, Misfit::Hop))
+        .or_else(|| over(self.unexplained, PARTLY_UNEXPLAINED, Misfit::PartlyUnexplained))
     }
 }
 
@@ -93,8 +114,11 @@ mod tests {
         assert_eq!(fit(0.43).misfit(None), None);
         assert_eq!(fit(0.43).misfit(Some(Misfit::Incoherent)), Some(Misfit::Incoherent));
         assert_eq!(fit(f64::NAN).misfit(None), Some(Misfit::Incoherent));
-        let body = BodyFit { unexplained: Some(0.4), ..fit(0.3) };
-        assert_eq!(body.misfit(None), Some(Misfit::Unexplained));
+        let body = |share: f64| BodyFit { unexplained: Some(share), ..fit(0.5) };
+        assert_eq!(body(0.8).misfit(None), Some(Misfit::Unexplained));
+        assert_eq!(body(0.4).misfit(None), Some(Misfit::PartlyUnexplained));
+        // Where the whole body is explained, what the other wheels do to a corner is no misfit.
+        assert_eq!(body(0.02).misfit(None), None);
         let hop = BodyFit { hop_excess: Some(9.0), ..fit(0.3) };
         assert_eq!(hop.misfit(None), Some(Misfit::Hop));
         assert_eq!(BodyFit::<f64>::unknown().misfit(None), None);

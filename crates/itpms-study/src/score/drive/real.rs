@@ -6,7 +6,7 @@
 
 use itpms_core::car::CarEstimate;
 use itpms_core::estimator::EstimatorKind;
-use itpms_core::model::Corner;
+use itpms_core::model::{Confidence, Corner};
 use itpms_core::warning::{Alert, Cause, Change, MonitorReport};
 use itpms_sim::road::{RoadClass, RoadSpec};
 use itpms_sim::simulation::{SimRow, Simulation};
@@ -123,6 +123,8 @@ impl Plan {
 fn composed(subject: &Subject, turn: Turn, setups: &[Setup]) -> Result<Drive, ScoreError> {
     let mut drive = Drive::puncture(Plant::Car, KM_H, subject.kind)?.with_setups(setups);
     let class = CLASSES[turn.index % CLASSES.len()];
+    // Deviations are those of a car that is known as most are.
+    drive.scenario.confidence = Confidence::Typical;
     drive.scenario.rate_hz = RATE_HZ;
     drive.scenario.duration_s = END_S;
     drive.scenario.road = RoadSpec { contact_length_m: 0.1, ..RoadSpec::iso8608(class, 2.0) };
