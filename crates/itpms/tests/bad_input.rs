@@ -197,7 +197,7 @@ fn a_vehicle_file_with_an_unknown_key_a_negative_mass_or_the_wrong_corner() {
     let text = refusal(&bench);
     assert!(
         text.starts_with(
-            "car.toml: line 11: unknown key unsprung_mas_kg in [corner.fl] (did you mean unsprung_mass_kg?)"
+            "car.toml: line 12: unknown key unsprung_mas_kg in [corner.fl] (did you mean unsprung_mass_kg?)"
         ),
         "{text}"
     );

@@ -173,7 +173,7 @@ fn up_to_four_corners_run_side_by_side() {
     bench.run("estimate drive.csv --vehicle car.toml -o est.csv --road-out road.csv").success();
     let text = bench.read("est.csv");
     let (names, rows) = table(&text);
-    assert_eq!((names.len(), rows.len()), (21, 200));
+    assert_eq!((names.len(), rows.len()), (29, 200));
     assert_eq!(table(&bench.read("road.csv")).0.len(), 10);
     // After 20 s a constant pressure is known to some 8 kPa (docs/math/bound.md); 70 kPa apart is far more.
     let last = |corner: &str| *column(&text, &format!("{corner}_pressure_kpa")).last().unwrap();
