@@ -81,7 +81,8 @@ fn every_key_arrives_where_it_belongs() {
 
 #[test]
 fn old_files_are_typical() {
-    let vehicle = Vehicle::parse(&Vehicle::paper().to_toml()).unwrap();
+    let text = Vehicle::paper().to_toml().replace("confidence = \"measured\"\n", "");
+    let vehicle = Vehicle::parse(&text).unwrap();
     assert_eq!(vehicle.details, VehicleDetails::default());
     // 4 % that all wheels share and 3 % that tell the axles apart: 5 % together.
     let typical = vehicle.uncertainty(Corner::FrontLeft);
@@ -173,7 +174,7 @@ proptest! {
         own in any::<bool>(),
     ) {
         let mut vehicle = Vehicle::paper();
-        let details = &mut vehicle.details;
+        let mut details = vehicle.details;
         (details.confidence, details.driven, details.track_rear_m) = (confidence, driven, track);
         for corner in &mut details.corners {
             (corner.damping_relative_sd, corner.friction_sd_n) = (sd, newtons);
@@ -182,6 +183,7 @@ proptest! {
         if own {
             details.corners[1].tire.teeth = Some(77);
         }
+        vehicle = vehicle.with_details(details);
         prop_assert_eq!(Vehicle::parse(&vehicle.to_toml()).unwrap(), vehicle);
     }
 }

@@ -1,7 +1,7 @@
 //! The vehicle file: what it says, what it may not say, and the way back.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-use itpms_core::model::{Corner, CornerConfig, PressureMap};
+use itpms_core::model::{Confidence, Corner, CornerConfig, ParameterUncertainty, PressureMap};
 use itpms_data::Vehicle;
 use proptest::prelude::*;
 
@@ -34,7 +34,9 @@ fn edited(from: &str, to: &str) -> String {
 fn the_documented_file_is_the_papers_corner() {
     let vehicle = Vehicle::parse(SEDAN).unwrap();
     assert_eq!((vehicle.name.as_str(), vehicle.wheelbase_m), ("mid-size sedan", Some(2.7)));
-    assert_eq!(vehicle.corner(Corner::FrontLeft), Some(&CornerConfig::paper()));
+    // What it does not say is how well it is known.
+    let typical = ParameterUncertainty::of(Confidence::Typical);
+    assert_eq!(vehicle.corner(Corner::FrontLeft), Some(&CornerConfig::paper().with_uncertainty(typical)));
     assert_eq!(vehicle.corner(Corner::RearRight), None);
 }
 

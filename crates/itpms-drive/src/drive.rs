@@ -23,6 +23,8 @@ const MEETING_M_S: f64 = 5.0;
 const MEETING_S: f64 = 60.0;
 /// Share of the time for which a speed may be unknown before that is said.
 const UNKNOWN_SHARE: f64 = 0.1;
+/// Seconds that a log may be shorter than the calibration that it is.
+const LOG_END_S: f64 = 1.0;
 
 /// The running estimator under its monitor.
 #[derive(Debug, Clone)]
@@ -88,6 +90,13 @@ impl Drive {
     #[must_use]
     pub fn quarter_cars(&self) -> QuarterCars {
         self.car.estimator().quarter_cars()
+    }
+
+    /// The log is over. A calibration of so many seconds that lasts as long as it does, give or take one, is over, too.
+    pub fn finish(&mut self, calibrate_s: Option<f64>) {
+        if calibrate_s.is_some_and(|seconds| self.length_s() + LOG_END_S >= seconds) {
+            self.car.end_calibration();
+        }
     }
 
     /// What the reset taught, once it is over.

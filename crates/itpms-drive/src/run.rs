@@ -102,6 +102,7 @@ pub fn estimate(
     if watch(1.0).is_break() {
         return Err(DriveError::Stopped);
     }
+    drive.finish(job.settings.calibrate_s);
     let provenance = provenance(job, log);
     let (data, alerts) = record.complete(provenance, sink)?;
     let concerns = concerns::of(job, log, &drive);

@@ -84,6 +84,15 @@ fn options_that_do_not_go_together_are_refused() {
 }
 
 #[test]
+fn a_log_that_is_a_reset_from_end_to_end_teaches_what_it_holds() {
+    let (bench, stored) = bench();
+    // The drive lasts 40 s.
+    bench.run(&format!("{ESTIMATE} --calibrate-s 40 --save-reference whole.reference")).success();
+    let whole = StoredReference::read(&bench.path("whole.reference")).unwrap();
+    assert_ne!(whole, stored);
+}
+
+#[test]
 fn a_reset_that_was_not_over_saves_nothing_and_keeps_the_older_reference() {
     let (bench, stored) = bench();
     // The drive lasts 40 s.

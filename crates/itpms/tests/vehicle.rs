@@ -64,8 +64,8 @@ fn a_file_without_deviations_is_shown_with_the_usual_ones() {
     let bench = Bench::new();
     bench.run("simulate paper-drop --seed 1 -o drive.csv --vehicle-out car.toml").success();
     let table = bench.run("vehicle show car.toml");
-    // 5 % of 56.9 kg, marked as not the file's own.
-    assert!(table.success().contains("56.9 ± 2.8*"), "{table:?}");
+    // Whoever simulates knows the car: 1.5 % of 56.9 kg, marked as not the file's own.
+    assert!(table.success().contains("56.9 ± 0.9*"), "{table:?}");
 }
 
 #[test]

@@ -257,6 +257,14 @@ impl<T: Real> CarEstimator<T> {
         self.fusion.as_ref().map_or(0.0, Fusion::speed_latency_s)
     }
 
+    /// Ends the calibration that is under way, as where a log ends with it; what it taught is there then.
+    pub fn end_calibration(&mut self) {
+        self.calibration_ends_s = f64::NEG_INFINITY;
+        if let Some(fusion) = self.fusion.as_mut() {
+            fusion.set_calibrating(false);
+        }
+    }
+
     /// By how much the road's spectra alone read more than the placard's pressures in the last calibration on this drive, the mean over the
     /// wheels, and its standard deviation with what the vehicle file leaves open, in kPa. Far from zero, the tires were not set.
     pub fn calibration_excess_kpa(&self) -> Option<[T; 2]> {

@@ -96,6 +96,11 @@ impl<T: Real> MonitoredCar<T> {
         self.monitor.denies_standstill()
     }
 
+    /// Ends the calibration that is under way: see [`CarEstimator::end_calibration`].
+    pub fn end_calibration(&mut self) {
+        self.estimator.end_calibration();
+    }
+
     /// The estimator.
     pub fn estimator(&self) -> &CarEstimator<T> {
         &self.estimator

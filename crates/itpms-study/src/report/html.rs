@@ -223,9 +223,11 @@ const FIGURES: [Row; 18] = [
     ("Bound at the end", "Cramer-Rao bound of one corner as a standard deviation", |c| {
         some(c.curves.bound_sd_kpa.last().copied(), |v| format!("{v:.1} kPa"))
     }),
-    ("Innovations", "mean normalised innovation squared; 1 is consistent", |c| {
-        some(Some(c.figures.mean_nis), |v| format!("{v:.2}"))
-    }),
+    (
+        "Innovations",
+        "mean normalised innovation squared; about 1 if the noise is as assumed, which says nothing of masses and tire stiffness",
+        |c| some(Some(c.figures.mean_nis), |v| format!("{v:.2}")),
+    ),
     ("Innovations in band", "share of the averaged innovations inside their 95 % band", |c| {
         some(c.curves.nis_check.map(|check| check.share_inside), percent)
     }),
