@@ -158,7 +158,8 @@ impl<T: Real> Strut<T> {
                 *signal = section.push(state, *signal);
             }
         }
-        if sample.invalid || sample.unloaded || sample.speed_m_s <= T::lit(STANDING_M_S) {
+        // A wheel in the air still moves its body as the strut says.
+        if sample.invalid || sample.speed_m_s <= T::lit(STANDING_M_S) {
             self.invalid_hops = self.invalid_hops.max(2);
         }
         self.step += 1;
