@@ -204,7 +204,7 @@ fn a_vehicle_file_with_an_unknown_key_a_negative_mass_or_the_wrong_corner() {
     bench.write("car.toml", car.replace("240.8", "-240"));
     assert_eq!(
         refusal(&bench),
-        "car.toml: line 10: [corner.fl] sprung_mass_kg is -240, expected a positive, finite number"
+        "car.toml: line 11: [corner.fl] sprung_mass_kg is -240, expected a positive, finite number"
     );
     bench.write("car.toml", car.replace("corner.fl", "corner.rr"));
     assert_eq!(

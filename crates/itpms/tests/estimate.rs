@@ -185,7 +185,7 @@ fn up_to_four_corners_run_side_by_side() {
     bench.write("car.toml", &car[..car.find("[corner.fr]").unwrap()]);
     let outcome = bench.run("estimate drive.csv --vehicle car.toml -o est.csv");
     outcome.success();
-    assert_eq!(table(&bench.read("est.csv")).0.len(), 6);
+    assert_eq!(table(&bench.read("est.csv")).0.len(), 8);
     assert!(
         outcome.stderr.contains("corner rr is not in the vehicle file and was not estimated"),
         "{outcome:?}"

@@ -93,9 +93,12 @@ impl<T: Real> BodyFit<T> {
             value.is_some_and(|value| !(value < T::lit(limit))).then_some(misfit)
         };
         // The body equation of a whole car knows what the other wheels do to a corner; coherence does not.
+        // A body that bends is hardly explained either, but its corners go with their wheels.
+        let incoherent = || over(self.incoherence, MOST_INCOHERENT, Misfit::Incoherent);
         match self.unexplained {
-            Some(_) => over(self.unexplained, MOST_UNEXPLAINED, Misfit::Unexplained),
-            None => over(self.incoherence, MOST_INCOHERENT, Misfit::Incoherent),
+            Some(_) => over(self.unexplained, MOST_UNEXPLAINED, Misfit::Unexplained)
+                .filter(|_| incoherent().is_some()),
+            None => incoherent(),
         }
         .or_else(|| over(self.hop_excess, MOST_HOP_EXCESS, Misfit::Hop))
         .or_else(|| over(self.unexplained, PARTLY_UNEXPLAINED, Misfit::PartlyUnexplained))
