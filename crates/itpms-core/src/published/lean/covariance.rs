@@ -41,7 +41,8 @@ impl<T: Real> Covariance<T> {
     /// True if no element is NaN or infinite. A sum beyond the largest number counts as infinite.
     #[inline(always)]
     pub fn is_finite(&self) -> bool {
-        self.0.iter().fold(T::zero(), |sum, value| sum + value.abs()).is_finite()
+        // Opposite infinities add up to NaN.
+        self.0.iter().fold(T::zero(), |sum, value| sum + *value).is_finite()
     }
 
     #[inline(always)]
@@ -60,9 +61,17 @@ impl<T: Real> Covariance<T> {
     #[inline(always)]
     pub fn propagated(&self, rows: &AccelerationRows<T>, dt_s: T) -> Self {
         // (56)  column j of AP is A times column j of P, row i of (AP)Aᵀ is A times row i of AP
-        let [c_0, c_1, c_2, c_3, c_4] = self.rows().map(|column| rows.step(&column, dt_s));
-        let row = |i: usize| rows.step(&[c_0[i], c_1[i], c_2[i], c_3[i], c_4[i]], dt_s);
-        let (f_0, f_1, f_2, f_3, f_4) = (row(0), row(1), row(2), row(3), c_4[4]);
+        let [p_0, p_1, p_2, p_3, p_4] = self.rows();
+        let c_0 = rows.step(&p_0, dt_s);
+        let c_1 = rows.step(&p_1, dt_s);
+        let c_2 = rows.step(&p_2, dt_s);
+        let c_3 = rows.step(&p_3, dt_s);
+        let c_4 = rows.step(&p_4, dt_s);
+        let f_0 = rows.step(&[c_0[0], c_1[0], c_2[0], c_3[0], c_4[0]], dt_s);
+        let f_1 = rows.step(&[c_0[1], c_1[1], c_2[1], c_3[1], c_4[1]], dt_s);
+        let f_2 = rows.step(&[c_0[2], c_1[2], c_2[2], c_3[2], c_4[2]], dt_s);
+        let f_3 = rows.step(&[c_0[3], c_1[3], c_2[3], c_3[3], c_4[3]], dt_s);
+        let f_4 = c_4[4];
         Self([
             f_0[0], f_0[1], f_0[2], f_0[3], f_0[4], f_1[1], f_1[2], f_1[3], f_1[4], f_2[2], f_2[3], f_2[4],
             f_3[3], f_3[4], f_4,
@@ -76,24 +85,44 @@ impl<T: Real> Covariance<T> {
         [products.map(|[body, _]| body), products.map(|[_, wheel]| wheel)]
     }
 
-    /// `λ F + Q` for the diagonal of `Q`.
-    #[inline(always)]
-    pub fn forgotten(&self, lambda: T, process_variance: &StateVector<T>) -> Self {
-        let mut packed = self.0.map(|value| lambda * value);
+    /// `F + Q` for the diagonal of `Q`.
+    pub fn plus_diagonal(mut self, process_variance: &StateVector<T>) -> Self {
         for (place, value) in DIAGONAL.into_iter().zip(process_variance) {
-            packed[place] += *value;
-        }
-        Self(packed)
-    }
-
-    /// `P - k vᵀ` for a gain `k = v/c`: symmetric, so the upper triangle is all of it.
-    #[inline(always)]
-    pub fn reduced(mut self, k: &StateVector<T>, v: &StateVector<T>) -> Self {
-        let upper = k.iter().enumerate().flat_map(|(i, k)| v.iter().skip(i).map(move |v| *k * *v));
-        for (value, product) in self.0.iter_mut().zip(upper) {
-            *value -= product;
+            self.0[place] += *value;
         }
         self
+    }
+
+    /// `λ F + Q - k vᵀ` for a gain `k = v/c`, which makes it symmetric: prior and correction in one.
+    #[inline(always)]
+    pub fn updated(
+        &self,
+        lambda: T,
+        process_variance: &StateVector<T>,
+        k: &StateVector<T>,
+        v: &StateVector<T>,
+    ) -> Self {
+        let (f, q) = (&self.0, process_variance);
+        // (18)  P⁻ = λF + Q,  (61)  P⁺ = P⁻ - k vᵀ
+        let of = |place: usize, i: usize, j: usize| lambda * f[place] - k[i] * v[j];
+        let variance = |place: usize, i: usize| lambda * f[place] + q[i] - k[i] * v[i];
+        Self([
+            variance(0, 0),
+            of(1, 0, 1),
+            of(2, 0, 2),
+            of(3, 0, 3),
+            of(4, 0, 4),
+            variance(5, 1),
+            of(6, 1, 2),
+            of(7, 1, 3),
+            of(8, 1, 4),
+            variance(9, 2),
+            of(10, 2, 3),
+            of(11, 2, 4),
+            variance(12, 3),
+            of(13, 3, 4),
+            variance(14, 4),
+        ])
     }
 }
 
@@ -149,8 +178,9 @@ mod tests {
         let prior = full * 1.7 + Matrix5::from_diagonal(&Vector5::from(q));
         let k = f_0.map(|value| value / 11.0);
         let reduced = prior - seen.column(0) * seen.column(0).transpose() / 11.0;
-        let found = found.forgotten(1.7, &q).reduced(&k, &f_0).to_matrix();
-        assert!((found - reduced).amax() < 1e-12 * reduced.amax());
+        assert!((found.updated(1.7, &q, &k, &f_0).to_matrix() - reduced).amax() < 1e-12 * reduced.amax());
+        let predicted = full + Matrix5::from_diagonal(&Vector5::from(q));
+        assert!((found.plus_diagonal(&q).to_matrix() - predicted).amax() < 1e-13 * predicted.amax());
     }
 
     #[test]

@@ -131,21 +131,26 @@ impl<T: Real> AekfUiLean<T> {
         }
         let prediction = self.predict(dt_s);
         let y = [sample.body_accel_m_s2, sample.wheel_accel_m_s2];
-        let stepped = if y[0].is_finite() && y[1].is_finite() {
-            self.measured(&prediction, y)
-        } else {
-            Ok(self.unmeasured(&prediction))
-        };
-        match stepped.and_then(|(believed, record)| check(&believed).map(|()| (believed, record))) {
-            Ok((believed, record)) => {
-                self.believed = believed;
-                record
-            }
-            Err(cause) => {
-                self.diverged = Some(cause);
-                self.held(StepStatus::Diverged(cause))
-            }
+        if !(y[0].is_finite() && y[1].is_finite()) {
+            return self.unmeasured(&prediction);
         }
+        self.measured(&prediction, y)
+    }
+
+    /// Takes over what a step found, if it still describes a car.
+    #[inline(always)]
+    fn take_over(&mut self, found: Belief<T>, record: LeanRecord<T>) -> LeanRecord<T> {
+        if !is_car(&found) {
+            return self.diverge(cause(&found));
+        }
+        self.believed = found;
+        record
+    }
+
+    #[cold]
+    fn diverge(&mut self, cause: Divergence) -> LeanRecord<T> {
+        self.diverged = Some(cause);
+        self.held(StepStatus::Diverged(cause))
     }
 
     #[inline(always)]
@@ -164,11 +169,7 @@ impl<T: Real> AekfUiLean<T> {
     /// The stages of Fig. 4 after the prediction.
     #[inline(always)]
     #[allow(non_snake_case)]
-    fn measured(
-        &self,
-        prediction: &Prediction<T>,
-        y: [T; 2],
-    ) -> Result<(Belief<T>, LeanRecord<T>), Divergence> {
+    fn measured(&mut self, prediction: &Prediction<T>, y: [T; 2]) -> LeanRecord<T> {
         let Prediction { x, F } = prediction;
         let (before, corner) = (&self.believed, &self.corner);
         let rows = corner.acceleration_rows(x, before.u, T::one());
@@ -207,7 +208,7 @@ impl<T: Real> AekfUiLean<T> {
         let per_d = corner.m_w / x[TIRE_STIFFNESS];
         let S = (c_11 - along * c_01) * per_d * per_d;
         if !(S > T::zero() && S.is_finite()) {
-            return Err(Divergence::InputNotDetermined);
+            return self.diverge(Divergence::InputNotDetermined);
         }
         let u = before.u + (z[1] - along * z[0]) * per_d;
 
@@ -215,7 +216,7 @@ impl<T: Real> AekfUiLean<T> {
         let v: StateVector<T> = core::array::from_fn(|i| applied * f_0[i] + Qh_0[i]);
         let k = v.map(|value| value * per_c_00);
         let x = core::array::from_fn(|i| x[i] + k[i] * z[0]);
-        let P = F.forgotten(applied, &self.Q).reduced(&k, &v);
+        let P = F.updated(applied, &self.Q, &k, &v);
         let believed = Belief { x, P, u, S, lambda, trace_C_0, G_2 };
         let record = LeanRecord {
             residual_m_s2: z.into(),
@@ -223,7 +224,7 @@ impl<T: Real> AekfUiLean<T> {
             measured_trace: trace_C_0,
             ..believed.record(StepStatus::Updated)
         };
-        Ok((believed, record))
+        self.take_over(believed, record)
     }
 
     /// `Q h_0` and the upper triangle of `H Q Hᵀ`.
@@ -247,12 +248,14 @@ impl<T: Real> AekfUiLean<T> {
 
     /// A step without measurement: prediction (eq. 14) with the input held. The paper does not treat this case.
     #[allow(non_snake_case)]
-    fn unmeasured(&self, prediction: &Prediction<T>) -> (Belief<T>, LeanRecord<T>) {
-        let P = prediction.F.forgotten(T::one(), &self.Q);
+    #[cold]
+    fn unmeasured(&mut self, prediction: &Prediction<T>) -> LeanRecord<T> {
+        let P = prediction.F.plus_diagonal(&self.Q);
         let believed = Belief { x: prediction.x, P, ..self.believed };
-        (believed, believed.record(StepStatus::PredictedOnly))
+        self.take_over(believed, believed.record(StepStatus::PredictedOnly))
     }
 
+    #[cold]
     fn held(&self, status: StepStatus) -> LeanRecord<T> {
         self.believed.record(status)
     }
@@ -277,22 +280,32 @@ impl<T: Real> Belief<T> {
     }
 }
 
-/// Whether it still describes a car; the limits are the dense filter's.
+/// Whether it still describes a car; the limits are the dense filter's. NaN fails every comparison.
 #[inline(always)]
-fn check<T: Real>(believed: &Belief<T>) -> Result<(), Divergence> {
+fn is_car<T: Real>(believed: &Belief<T>) -> bool {
     let Belief { x, P, u, lambda, .. } = believed;
-    if !(x.iter().all(|value| value.is_finite()) && P.is_finite() && u.is_finite() && lambda.is_finite()) {
-        return Err(Divergence::NotFinite);
-    }
-    if !(x[TIRE_STIFFNESS] > T::zero() && x[TIRE_STIFFNESS] < T::lit(MAX_STIFFNESS_N_PER_M)) {
-        return Err(Divergence::StiffnessOutOfRange);
-    }
     let limit = T::lit(MAX_MOTION);
-    if !(x[..TIRE_STIFFNESS].iter().all(|value| value.abs() < limit) && u.abs() < limit) {
-        return Err(Divergence::MotionOutOfRange);
+    x[TIRE_STIFFNESS] > T::zero()
+        && x[TIRE_STIFFNESS] < T::lit(MAX_STIFFNESS_N_PER_M)
+        && x[..TIRE_STIFFNESS].iter().all(|value| value.abs() < limit)
+        && u.abs() < limit
+        && P.diagonal().iter().all(|variance| *variance >= T::zero())
+        && P.is_finite()
+        && lambda.is_finite()
+}
+
+/// What keeps it from describing a car. Inlined, or else every belief would have to be put into memory for it.
+#[inline(always)]
+fn cause<T: Real>(believed: &Belief<T>) -> Divergence {
+    let Belief { x, P, u, lambda, .. } = believed;
+    let limit = T::lit(MAX_MOTION);
+    if !(x.iter().all(|value| value.is_finite()) && P.is_finite() && u.is_finite() && lambda.is_finite()) {
+        Divergence::NotFinite
+    } else if !(x[TIRE_STIFFNESS] > T::zero() && x[TIRE_STIFFNESS] < T::lit(MAX_STIFFNESS_N_PER_M)) {
+        Divergence::StiffnessOutOfRange
+    } else if !(x[..TIRE_STIFFNESS].iter().all(|value| value.abs() < limit) && u.abs() < limit) {
+        Divergence::MotionOutOfRange
+    } else {
+        Divergence::NegativeVariance
     }
-    if P.diagonal().iter().any(|variance| *variance < T::zero()) {
-        return Err(Divergence::NegativeVariance);
-    }
-    Ok(())
 }
