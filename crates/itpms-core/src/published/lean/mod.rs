@@ -1,6 +1,6 @@
 //! The published AEKF-UI in closed form: state and covariance are a scalar Kalman update by the body's acceleration, and
-//! the wheel's acceleration gives the road and nothing else. The same numbers as [`crate::published::AekfUi`] at a tenth of
-//! the cost or less, also in `f32`. Derivation: `docs/math/lean-aekf-ui.md`; equations (53)-(67) are its own.
+//! the wheel's acceleration gives the road and nothing else. The same numbers as [`crate::published::AekfUi`] in less than a
+//! quarter of the instructions, also in `f32`. Derivation: `docs/math/lean-aekf-ui.md`; equations (53)-(67) are its own.
 //!
 //! Called by whoever runs the published filter on a controller. Knows nothing of pressure. May diverge, as published,
 //! and says so instead of panicking or returning nonsense.
