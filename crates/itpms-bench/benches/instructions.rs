@@ -6,10 +6,10 @@ use std::hint::black_box;
 
 use gungraun::{library_benchmark, library_benchmark_group, main};
 use itpms_bench::car::{Extent, RunningCar};
-use itpms_bench::{HOP, RATE_HZ, Running, WARM_UP, published, road};
+use itpms_bench::{HOP, RATE_HZ, Running, WARM_UP, lean, published, road};
 use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::CornerSample;
-use itpms_core::published::AekfUi;
+use itpms_core::published::{AekfUi, AekfUiLean};
 use itpms_core::real::Real;
 use itpms_core::road::RoadFilter;
 
@@ -21,6 +21,10 @@ const PROBE_F32: CornerSample<f32> = CornerSample { body_accel_m_s2: 0.4, wheel_
 
 fn boxed_published() -> Box<AekfUi<f64>> {
     Box::new(published())
+}
+
+fn boxed_lean<T: Real>() -> Box<AekfUiLean<T>> {
+    Box::new(lean())
 }
 
 fn boxed_road<T: Real>() -> Box<RoadFilter<T>> {
@@ -38,6 +42,20 @@ fn informed<T: Real>(ahead: usize) -> Box<Running<T>> {
 #[bench::step(setup = boxed_published)]
 fn published_f64(mut filter: Box<AekfUi<f64>>) -> Box<AekfUi<f64>> {
     black_box(filter.step(black_box(1.0 / RATE_HZ), &black_box(PROBE_F64)));
+    filter
+}
+
+#[library_benchmark]
+#[bench::step(setup = boxed_lean::<f64>)]
+fn lean_f64(mut filter: Box<AekfUiLean<f64>>) -> Box<AekfUiLean<f64>> {
+    black_box(filter.step(black_box(1.0 / RATE_HZ), &black_box(PROBE_F64)));
+    filter
+}
+
+#[library_benchmark]
+#[bench::step(setup = boxed_lean::<f32>)]
+fn lean_f32(mut filter: Box<AekfUiLean<f32>>) -> Box<AekfUiLean<f32>> {
+    black_box(filter.step(black_box(1.0 / RATE_HZ as f32), &black_box(PROBE_F32)));
     filter
 }
 
@@ -147,6 +165,8 @@ library_benchmark_group!(
     name = per_sample,
     benchmarks = [
         published_f64,
+        lean_f64,
+        lean_f32,
         road_f64,
         road_f32,
         informed_sample_f64,

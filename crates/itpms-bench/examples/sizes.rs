@@ -4,7 +4,7 @@ use itpms_core::car::CarEstimator;
 use itpms_core::conditioning::Resampler;
 use itpms_core::estimator::Estimator;
 use itpms_core::monitor::{Monitor, MonitoredCar};
-use itpms_core::published::{AekfUi, AekfUiInformed};
+use itpms_core::published::{AekfUi, AekfUiInformed, AekfUiLean};
 use itpms_core::real::Real;
 use itpms_core::road::RoadFilter;
 use itpms_core::single_wheel::Informed;
@@ -20,6 +20,7 @@ fn report<T: Real>(scalar: &str) {
         ("RoadFilter", size_of::<RoadFilter<T>>()),
         ("AekfUiInformed", size_of::<AekfUiInformed<T>>()),
         ("AekfUi", size_of::<AekfUi<T>>()),
+        ("AekfUiLean", size_of::<AekfUiLean<T>>()),
     ];
     for (name, bytes) in sizes {
         println!("{name}<{scalar}>: {bytes} bytes");

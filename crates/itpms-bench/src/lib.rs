@@ -6,7 +6,7 @@ pub mod car;
 
 use itpms_core::estimator::{Estimator, EstimatorKind};
 use itpms_core::model::{CornerConfig, CornerEstimate, CornerSample, QuarterCar};
-use itpms_core::published::{AekfUi, FilterConfig, Forgetting};
+use itpms_core::published::{AekfUi, AekfUiLean, FilterConfig, Forgetting};
 use itpms_core::real::Real;
 use itpms_core::road::{RoadConfig, RoadFilter};
 
@@ -85,6 +85,18 @@ pub fn published() -> AekfUi<f64> {
     let mut filter = AekfUi::new(QuarterCar::paper_table_2(), config).expect("the paper's parameters");
     for k in 0..PUBLISHED_WARM_UP {
         let record = filter.step(1.0 / RATE_HZ, &sample(k));
+        assert!(!record.is_diverged(), "nothing to measure: diverged at step {k}");
+    }
+    filter
+}
+
+/// The same filter in closed form, warmed up by the same samples.
+#[must_use]
+pub fn lean<T: Real>() -> AekfUiLean<T> {
+    let config = FilterConfig::paper_simulation().with_forgetting(Forgetting::OneStep);
+    let mut filter = AekfUiLean::new(QuarterCar::paper_table_2(), config).expect("the paper's parameters");
+    for k in 0..PUBLISHED_WARM_UP {
+        let record = filter.step(T::lit(1.0 / RATE_HZ), &sample(k));
         assert!(!record.is_diverged(), "nothing to measure: diverged at step {k}");
     }
     filter

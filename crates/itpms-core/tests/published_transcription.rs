@@ -1,12 +1,12 @@
 //! The published filters against the paper's equations transcribed a second time, in numpy
 //! (`tests/data/published_filters/generate.py`, which says how and under which conditions): 2000 steps, both readings
-//! of (17) and (18), without forgetting and with both factors.
+//! of (17) and (18), without forgetting and with both factors. The closed form is held against it where it exists.
 // Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
 #![allow(clippy::unwrap_used)]
 
 use itpms_core::model::{CornerSample, QuarterCar};
 use itpms_core::published::{
-    AekfUi, CorrectionInput, FactorTiming, FilterConfig, Forgetting, GradientDescent, StepStatus,
+    AekfUi, AekfUiLean, CorrectionInput, FactorTiming, FilterConfig, Forgetting, GradientDescent, StepStatus,
 };
 use nalgebra::{Vector2, Vector5};
 
@@ -29,22 +29,19 @@ fn tame() -> FilterConfig<f64> {
     }
 }
 
+/// A filter under test: takes a sample, gives what [`COLUMNS`] name after the step's number.
+type Step<'a> = &'a mut dyn FnMut(&CornerSample<f64>) -> (StepStatus, [f64; 9]);
+
 /// Largest difference of each column, relative to the column's largest value.
-fn differences(car: QuarterCar<f64>, config: FilterConfig<f64>, dt_s: f64, expected: &str) -> [f64; 10] {
+fn differences(step: Step<'_>, expected: &str) -> [f64; 10] {
     assert_eq!(expected.lines().next().unwrap(), COLUMNS.join(","));
-    let mut filter = AekfUi::new(car, config).unwrap();
     let mut expected = numbers(expected).peekable();
     let (mut worst, mut size) = ([0.0f64; 10], [f64::MIN_POSITIVE; 10]);
     for (k, y) in (1..).zip(numbers(ACCELERATIONS)) {
-        let record = filter.step(dt_s, &CornerSample { body_accel_m_s2: y[0], wheel_accel_m_s2: y[1] });
-        assert_eq!(record.status, StepStatus::Updated, "step {k}");
+        let (status, found) = step(&CornerSample { body_accel_m_s2: y[0], wheel_accel_m_s2: y[1] });
+        assert_eq!(status, StepStatus::Updated, "step {k}");
         if let Some(row) = expected.next_if(|row| row[0] == f64::from(k)) {
-            let x = record.state;
-            let found = [
-                [row[0], x[0], x[1], x[2], x[3], x[4]].as_slice(),
-                &[record.covariance[(4, 4)], record.forgetting, record.road_m, record.road_variance_m2],
-            ]
-            .concat();
+            let found = [row[0]].into_iter().chain(found);
             for (((worst, size), found), expected) in worst.iter_mut().zip(&mut size).zip(found).zip(row) {
                 *worst = worst.max((found - expected).abs());
                 *size = size.max(expected.abs());
@@ -64,7 +61,27 @@ fn agrees(
     expected: &str,
     tolerance: f64,
 ) {
-    let differences = differences(car, config, dt_s, expected);
+    let mut dense = AekfUi::new(car, config).unwrap();
+    one_agrees(name, expected, tolerance, &mut |sample| {
+        let r = dense.step(dt_s, sample);
+        let (x, p_55) = (r.state, r.covariance[(4, 4)]);
+        (r.status, [x[0], x[1], x[2], x[3], x[4], p_55, r.forgetting, r.road_m, r.road_variance_m2])
+    });
+    let closed_form = config.correction_input == CorrectionInput::Current
+        && !matches!(config.forgetting, Forgetting::Iterative(_));
+    let lean = AekfUiLean::new(car, config);
+    assert_eq!(lean.is_ok(), closed_form, "{name}");
+    if let Ok(mut lean) = lean {
+        one_agrees(&format!("{name}, closed form"), expected, tolerance, &mut |sample| {
+            let r = lean.step(dt_s, sample);
+            let (x, p_55) = (lean.state(), r.stiffness_variance_n2_per_m2);
+            (r.status, [x[0], x[1], x[2], x[3], x[4], p_55, r.forgetting, r.road_m, r.road_variance_m2])
+        });
+    }
+}
+
+fn one_agrees(name: &str, expected: &str, tolerance: f64, step: Step<'_>) {
+    let differences = differences(step, expected);
     let listed: Vec<String> = COLUMNS
         .iter()
         .zip(differences)

@@ -7,7 +7,7 @@ mod common;
 use common::quarter_plant::{drive, fig_6_kpa};
 use itpms_core::model::{CornerConfig, QuarterCar};
 use itpms_core::published::{
-    AekfUi, AekfUiInformed, FilterConfig, Forgetting, GradientDescent, InformedConfig,
+    AekfUi, AekfUiInformed, AekfUiLean, FilterConfig, Forgetting, GradientDescent, InformedConfig,
 };
 
 #[test]
@@ -28,6 +28,23 @@ fn the_published_filter_resumes_bit_identically() {
             // As bytes, so that equal NaN count as equal and unequal zeros do not.
             assert_eq!(postcard::to_allocvec(&a).unwrap(), postcard::to_allocvec(&b).unwrap());
         }
+    }
+}
+
+#[test]
+fn the_lean_filter_resumes_bit_identically() {
+    let drive = drive(11, 4.0, 1000.0, 0.3, fig_6_kpa);
+    let mut original =
+        AekfUiLean::<f64>::new(QuarterCar::paper_table_2(), FilterConfig::paper_bench()).unwrap();
+    for sample in &drive.samples[..2000] {
+        original.step(drive.dt_s, sample);
+    }
+    let saved = postcard::to_allocvec(&original).unwrap();
+    let mut restored: AekfUiLean<f64> = postcard::from_bytes(&saved).unwrap();
+    assert_eq!(restored, original);
+    for sample in &drive.samples[2000..] {
+        assert_eq!(original.step(drive.dt_s, sample), restored.step(drive.dt_s, sample));
+        assert_eq!(postcard::to_allocvec(&original).unwrap(), postcard::to_allocvec(&restored).unwrap());
     }
 }
 

@@ -15,10 +15,10 @@ use crate::published::record::{Divergence, StepRecord, StepStatus};
 use crate::real::Real;
 
 /// Stiffest spring still taken for a tire, in N/m: some thirty times a truck's.
-const MAX_STIFFNESS_N_PER_M: f64 = 3e7;
+pub(super) const MAX_STIFFNESS_N_PER_M: f64 = 3e7;
 /// Largest displacement or road height in m, and velocity in m/s. Drift alone reaches metres within a minute, so
 /// this is far out: what is beyond it is no longer drift.
-const MAX_MOTION: f64 = 1e3;
+pub(super) const MAX_MOTION: f64 = 1e3;
 
 /// EKF-UI and AEKF-UI as published. A value: clone it, save it (feature `serde`), resume it bit-identically.
 #[derive(Debug, Clone, Copy, PartialEq)]

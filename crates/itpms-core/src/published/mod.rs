@@ -1,7 +1,7 @@
 //! The paper's filters, and the paper's filter mended.
 //!
 //! Called by whoever turns a drive into estimates or draws the paper's figures; knows nothing of pressure, files,
-//! clocks or what a warning is. Derivations: `docs/math/ekf-ui.md` and `docs/math/forgetting.md`.
+//! clocks or what a warning is. Derivations: `docs/math/ekf-ui.md`, `docs/math/forgetting.md` and `docs/math/lean-aekf-ui.md`.
 //!
 //! | module | idea |
 //! |---|---|
@@ -10,6 +10,7 @@
 //! | [`forgetting`] | the residual's covariance and the factor drawn from it (eq. 18-37) |
 //! | [`aekf_ui`] | both put together: [`AekfUi`], which is the EKF-UI when told not to forget |
 //! | [`record`] | what one step says about itself |
+//! | [`lean`] | the same filter in closed form: [`AekfUiLean`], for controllers and `f32` |
 //! | [`informed_config`], [`informed_record`] | the same for the mended filter |
 //! | [`motion`] | body and wheel under the tire's force: linear, third order, without drift |
 //! | [`parameter`] | forgetting on one scalar parameter |
@@ -26,6 +27,7 @@ pub mod ekf_ui;
 pub mod forgetting;
 pub mod informed_config;
 pub mod informed_record;
+pub mod lean;
 pub mod motion;
 pub mod parameter;
 pub mod record;
@@ -35,5 +37,6 @@ pub use aekf_ui_informed::AekfUiInformed;
 pub use config::{CorrectionInput, FactorTiming, FilterConfig, Forgetting, GradientDescent};
 pub use informed_config::InformedConfig;
 pub use informed_record::{InformedRecord, InformedStatus, StiffnessUpdate};
+pub use lean::{AekfUiLean, LeanError, LeanRecord};
 pub use parameter::ParameterForgetting;
 pub use record::{Divergence, StepRecord, StepStatus};
