@@ -63,7 +63,7 @@ impl<T: Real> RigidBody<T> {
         let total = front + rear;
         // Distances of the axles from the center of gravity, over the wheelbase.
         let x = [rear / total, rear / total, -front / total, -front / total];
-        let side = |i: usize| if i % 2 == 0 { T::one() } else { -T::one() };
+        let side = |i: usize| if i.is_multiple_of(2) { T::one() } else { -T::one() };
         let pitch = front * rear / total * T::lit(PITCH);
         let roll = total * T::lit(ROLL);
         [
