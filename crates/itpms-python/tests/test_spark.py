@@ -168,6 +168,22 @@ def test_a_stored_reference_is_what_a_drive_starts_with(spark, cars, drives, tmp
             assert rows.loc[(car, wheel), "pressure_kpa"] == pytest.approx(corner["last"]["pressure_kpa"], abs=0.5)
 
 
+def test_a_map_says_what_the_columns_are(spark, cars, drives, tmp_path):
+    frame = drives["alpha", 2].rename(columns={"fl_wheel_accel_m_s2": "Hub", "time_s": "Stamp"})
+    frame["v"] = 3.6 * frame.pop("speed_m_s")
+    lines = ['time_s = "Stamp"', 'speed_m_s = { signal = "v", unit = "km/h" }']
+    lines += ['fl_wheel_accel_m_s2 = { signal = "Hub", unit = "m/s^2" }']
+    (tmp_path / "map.toml").write_text("\n".join(["[signals]", *lines]))
+    samples = spark.createDataFrame(shuffled({("alpha", 2): frame}))
+    found = itpms.spark.estimate(samples, cars, time="Stamp", signals=tmp_path / "map.toml").collect()
+    one = itpms.estimate(drives["alpha", 2], cars / "alpha.toml").summary
+    assert [row["error"] for row in found] == 4 * [None]
+    for row in found:
+        # A speed in km/h has been rounded once more.
+        assert row["pressure_kpa"] == pytest.approx(one["corners"][row["wheel"]]["last"]["pressure_kpa"], abs=0.01)
+        assert row["distance_m"] == pytest.approx(one["distance_m"])
+
+
 def test_a_drive_that_fails_is_a_row_and_ends_nothing(spark, cars, drives):
     given = dict(drives)
     given["stranger", 1] = given["bravo", 1]

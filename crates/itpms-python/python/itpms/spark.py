@@ -96,13 +96,14 @@ def estimate(
             workers.
         car: The column with the car's name; None where there is one vehicle and no such column.
         drive: The column, or columns, that tell the drives of a car apart.
-        time: The column with the time: s as a number, or a timestamp.
+        time: The column with the time: s as a number, or a timestamp. With ``signals`` the rows are sorted by it, and the map says
+            what it is.
         references: By the car's name, the path of what an earlier calibration drive taught of it.
         estimator: As in :func:`itpms.estimate`, like the following.
         regulation: Which loss is warned of.
         road_repeats: Whether the road repeats itself: seconds, ``never`` or ``auto``.
         trust_units: Do not doubt the units.
-        signals: A map of the columns' names and units, as ``itpms signals`` writes it. The time is named by ``time`` all the same.
+        signals: A map of the columns' names and units, as ``itpms signals`` writes it.
         partitions: Into how many tasks the drives are dealt; ``spark.sql.shuffle.partitions`` unless given. A drive is estimated by
             one task, so fewer drives than cores leave some idle.
 
@@ -140,11 +141,12 @@ def estimate(
     # A column that means nothing is only looked at for its name, which may be a misspelled one.
     job.others = [] if signals is not None else [name for name in df.columns if name not in {*keys, time, *MEANT}]
     wanted = [name for name in df.columns if name in {*keys, *MEANT} or signals is not None]
-    samples = [functions.col(f"`{name}`") for name in wanted if name not in (time, "time_s")]
-    chosen = df.select(*samples, functions.col(f"`{time}`").alias("time_s"))
+    clock = "time_s" if signals is None else time
+    samples = [functions.col(f"`{name}`") for name in wanted if name not in (time, clock)]
+    chosen = df.select(*samples, functions.col(f"`{time}`").alias(clock))
     parts = partitions or int(df.sparkSession.conf.get("spark.sql.shuffle.partitions") or 200)
     columns = [f"`{name}`" for name in keys]
-    sorted_drives = chosen.repartition(parts, *columns).sortWithinPartitions(*columns, "time_s")
+    sorted_drives = chosen.repartition(parts, *columns).sortWithinPartitions(*columns, f"`{clock}`")
     types = [f"`{name}` {df.schema[name].dataType.simpleString()}" for name in keys]
     schema = ", ".join(types + [f"{name} {kind}" for name, kind in COLUMNS])
     return sorted_drives.mapInArrow(job.run, schema)
