@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use itpms_core::model::Corner;
+use itpms_core::model::{Corner, Level, Warning};
 use itpms_data::log::{Field, LogCorner, SLOTS, Slot};
 use itpms_data::out::alert_object;
 use itpms_data::reference::crc64;
@@ -204,6 +204,10 @@ impl Samples {
     }
 }
 
+/// What is known of a corner in numbers, and in words: the columns of `itpms estimate -o`.
+const NUMBERS: [&str; 5] = ["pressure_kpa", "pressure_sd_kpa", "stiffness_n_per_m", "valid", "change_sd_kpa"];
+const WORDS: [&str; 2] = ["warning", "level"];
+
 /// Estimates over time: numbers, and the words beside them.
 pub(crate) struct Found {
     corners: Vec<Corner>,
@@ -214,31 +218,37 @@ pub(crate) struct Found {
 impl Found {
     pub(crate) fn new(corners: &[Corner], rows: usize) -> Self {
         let of = |corner: &Corner| {
-            ["pressure_kpa", "pressure_sd_kpa", "stiffness_n_per_m", "valid"]
-                .map(|suffix| (format!("{}_{suffix}", corner.label()), Vec::with_capacity(rows)))
+            NUMBERS.map(|suffix| (format!("{}_{suffix}", corner.label()), Vec::with_capacity(rows)))
         };
         let mut numbers = vec![("time_s".to_owned(), Vec::with_capacity(rows))];
         numbers.extend(corners.iter().flat_map(of));
-        let words =
-            corners.iter().map(|corner| (format!("{}_warning", corner.label()), Vec::with_capacity(rows)));
+        let word = |corner: &Corner| {
+            WORDS.map(|suffix| (format!("{}_{suffix}", corner.label()), Vec::with_capacity(rows)))
+        };
+        let words = corners.iter().flat_map(word);
         Self { corners: corners.to_vec(), numbers, words: words.collect() }
     }
 
     pub(crate) fn push(&mut self, time_s: f64, estimates: &itpms_drive::Estimates) {
         let (time, corners) = self.numbers.split_at_mut(1);
         time[0].1.push(time_s);
-        for ((corner, (_, words)), numbers) in
-            self.corners.iter().zip(&mut self.words).zip(corners.chunks_exact_mut(4))
+        for ((corner, words), numbers) in self
+            .corners
+            .iter()
+            .zip(self.words.chunks_exact_mut(WORDS.len()))
+            .zip(corners.chunks_exact_mut(NUMBERS.len()))
         {
             let estimate = estimates[corner.index()].as_ref();
-            let values = estimate.map_or([f64::NAN, f64::NAN, f64::NAN, 0.0], |e| {
+            let nothing = [f64::NAN, f64::NAN, f64::NAN, 0.0, f64::NAN];
+            let values = estimate.map_or(nothing, |e| {
                 let valid = if e.validity.is_valid() { 1.0 } else { 0.0 };
-                [e.pressure_kpa, e.pressure_sd_kpa, e.stiffness_n_per_m, valid]
+                [e.pressure_kpa, e.pressure_sd_kpa, e.stiffness_n_per_m, valid, e.change_sd_kpa]
             });
             for ((_, column), value) in numbers.iter_mut().zip(values) {
                 column.push(value);
             }
-            words.push(estimate.map_or("none", |estimate| estimate.warning.label()));
+            words[0].1.push(estimate.map_or(Warning::None, |e| e.warning).label());
+            words[1].1.push(estimate.map_or(Level::VehicleFile, |e| e.level).label());
         }
     }
 }

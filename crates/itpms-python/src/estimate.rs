@@ -2,20 +2,22 @@
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
 
 use itpms_core::estimator::{EstimatorKind, RoadPeriod, RoadRepetition};
 use itpms_core::model::Corner;
 use itpms_core::warning::{Change, Regulation};
 use itpms_data::log::{LogOptions, UnitCheck};
 use itpms_data::out::{AtomicFile, RateGate, transition_object};
-use itpms_data::{LogReader, LogRow};
+use itpms_data::{LogReader, LogRow, Problem};
 use itpms_drive::drive::Estimates;
+use itpms_drive::fleet::wheels::{Begun, wheels};
 use itpms_drive::reference::Saving;
 use itpms_drive::{Done, DriveError, Job, LateRow, Settings, Sink, common_corners, summary_json};
 use itpms_study::report::render_report;
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
-use serde_json::Value;
+use pyo3::types::{PyBytes, PyIterator};
+use serde_json::{Value, json};
 
 use crate::car::Found;
 use crate::columns::{self, Columns, Packed, Words, numbers};
@@ -143,6 +145,54 @@ pub(crate) fn estimate_columns(
     run(py, vehicle, &options, move || LogReader::from_columns(Path::new(name), columns, &reading))
 }
 
+/// Estimates a drive given piece by piece: an iterator over the columns' bytes, in the order of their names, that is asked for
+/// the next piece when the last one is used up.
+#[pyfunction]
+pub(crate) fn estimate_pieces(
+    py: Python<'_>,
+    name: &str,
+    names: Vec<String>,
+    pieces: Bound<'_, PyIterator>,
+    vehicle: &Vehicle,
+    options: Options,
+) -> PyResult<Estimated> {
+    let (reading, raised) = (options.reading(), Raised::default());
+    let more = piece_by_piece(names.clone(), pieces.unbind(), raised.clone());
+    let result = run(py, vehicle, &options, move || {
+        LogReader::from_pieces(Path::new(name), names, Box::new(more), &reading)
+    });
+    // What the iterator raised says more than that there was no further piece.
+    let raised = raised.lock().ok().and_then(|mut raised| raised.take());
+    raised.map_or(result, Err)
+}
+
+/// What an iterator raised.
+type Raised = Arc<Mutex<Option<PyErr>>>;
+
+fn piece_by_piece(
+    names: Vec<String>,
+    pieces: Py<PyIterator>,
+    raised: Raised,
+) -> impl FnMut() -> Result<Option<Vec<Vec<f64>>>, Problem> + Send {
+    let next = move |py: Python<'_>| -> PyResult<Option<Vec<Vec<f64>>>> {
+        let Some(piece) = pieces.bind(py).clone().next().transpose()? else { return Ok(None) };
+        let piece = piece.extract::<Vec<Bound<'_, PyBytes>>>()?;
+        let column = |(name, bytes): (&String, &Bound<'_, PyBytes>)| numbers(py, name, bytes.as_bytes());
+        names.iter().zip(&piece).map(column).collect::<PyResult<Vec<_>>>().map(Some)
+    };
+    move || {
+        Python::attach(|py| {
+            next(py).map_err(|error| {
+                let sentence = error.to_string();
+                if let Ok(mut raised) = raised.lock() {
+                    *raised = Some(error);
+                }
+                Problem::UnusableSignals(sentence)
+            })
+        })
+    }
+}
+
 fn run(
     py: Python<'_>,
     vehicle: &Vehicle,
@@ -177,6 +227,8 @@ struct Kept {
     found: Found,
     road: Option<Columns>,
     transitions: Vec<Value>,
+    begun: Begun,
+    first_s: Option<f64>,
 }
 
 impl Kept {
@@ -193,12 +245,16 @@ impl Kept {
             found: Found::new(corners, 0),
             road: road.then(|| named([first, of("road_m"), of("road_sd_m")].concat())),
             transitions: Vec::new(),
+            begun: Begun::default(),
+            first_s: None,
         }
     }
 }
 
 impl Sink for Kept {
     fn row(&mut self, row: &LogRow, estimates: &Estimates) -> Result<(), DriveError> {
+        self.first_s.get_or_insert(row.time_s);
+        self.begun.take(estimates);
         if self.gate.lets_through(row.time_s) {
             self.found.push(row.time_s, estimates);
         }
@@ -259,6 +315,16 @@ impl Estimated {
     /// What is known at the end, as JSON.
     fn figures(&self) -> String {
         self.figures.to_string()
+    }
+
+    /// A JSON list of what a fleet's table has of each wheel.
+    fn wheels(&self) -> String {
+        json!(wheels(&self.done, &self.kept.begun)).to_string()
+    }
+
+    /// The log's time of its first row, in s.
+    fn start_s(&self) -> f64 {
+        self.kept.first_s.unwrap_or(0.0)
     }
 
     /// The labels of the corners.

@@ -33,6 +33,7 @@ fn _itpms(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<vehicle::Vehicle>()?;
     module.add_function(wrap_pyfunction!(estimate::estimate_log, module)?)?;
     module.add_function(wrap_pyfunction!(estimate::estimate_columns, module)?)?;
+    module.add_function(wrap_pyfunction!(estimate::estimate_pieces, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::simulate, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::scenarios, module)?)?;
     module.add_function(wrap_pyfunction!(road::iri, module)?)

@@ -51,7 +51,16 @@ def test_one_corner_alone(drive):
     car = itpms.Car(drive.vehicle, 500, corners=("rl",))
     found = car.update({name: drive.columns[name] for name in ("time_s", "rl_body_accel_m_s2", "rl_wheel_accel_m_s2")})
     assert set(found) == {"time_s"} | {
-        f"rl_{what}" for what in ("pressure_kpa", "pressure_sd_kpa", "stiffness_n_per_m", "valid", "warning")
+        f"rl_{what}"
+        for what in (
+            "pressure_kpa",
+            "pressure_sd_kpa",
+            "stiffness_n_per_m",
+            "valid",
+            "warning",
+            "change_sd_kpa",
+            "level",
+        )
     }
     assert abs(found["rl_pressure_kpa"][-1] - 241.3) < 4 * found["rl_pressure_sd_kpa"][-1]
 

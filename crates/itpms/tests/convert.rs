@@ -69,6 +69,45 @@ fn tables_and_mdf4_keep_every_bit() {
 }
 
 #[test]
+fn a_map_says_what_the_columns_of_a_table_are() {
+    let bench = bench();
+    let other: String = bench
+        .read("drive.csv")
+        .lines()
+        .filter(|line| !line.starts_with('#'))
+        .map(|line| match line.split(',').collect::<Vec<_>>()[..] {
+            ["time_s", ..] => "Stamp,Speed,A,B,P\n".to_owned(),
+            // Half the speed; all else as it is.
+            [time_s, _, ref rest @ ..] => format!("{time_s},10.25,{}\n", rest.join(",")),
+            _ => String::new(),
+        })
+        .collect();
+    bench.write("other.csv", other);
+    bench.write(
+        "columns.toml",
+        r#"[signals]
+time_s = "Stamp"
+speed_m_s = { signal = "Speed", factor = 2.0 }
+fl_body_accel_m_s2 = { signal = "A", unit = "m/s^2" }
+fl_wheel_accel_m_s2 = { signal = "B", unit = "m/s^2" }
+fl_pressure_kpa = { signal = "P", unit = "kPa" }
+"#,
+    );
+    bench.run("convert drive.csv plain.csv").success();
+    bench.run("convert other.csv a.parquet --signals columns.toml").success();
+    bench.run("convert other.csv b.mf4 --signals columns.toml").success();
+    for mapped in ["a.parquet", "b.mf4"] {
+        bench.run(&format!("convert {mapped} back.csv")).success();
+        assert_eq!(bench.read("back.csv"), bench.read("plain.csv"), "{mapped}");
+    }
+    // A table has no frames, and without the map nobody knows what its columns are.
+    assert!(bench.run("convert other.csv c.csv").refusal().contains("time_s is missing"));
+    bench.write("columns.toml", "[signals]\ntime_s = \"Stemp\"\n");
+    let outcome = bench.run("convert other.csv c.csv --signals columns.toml");
+    assert!(outcome.refusal().contains("Stemp"), "{outcome:?}");
+}
+
+#[test]
 fn frames_keep_their_bytes_and_signals_their_units() {
     let bench = bench();
     bench.run(&format!("convert drive.csv a.log {BUS}")).success();

@@ -129,12 +129,17 @@ fn a_dozen_drives_are_what_estimate_makes_of_each_and_three_fail() {
                 ("lowest_kpa", &corner["lowest"]["pressure_kpa"]),
                 ("share_valid", &corner["share_valid"]),
                 ("iri_m_per_km", &corner["road"]["iri_m_per_km"]),
+                ("incoherence", &corner["fit"]["incoherence"]),
+                ("unexplained", &corner["fit"]["unexplained"]),
+                ("hop_excess", &corner["fit"]["hop_excess"]),
+                ("friction_n", &corner["fit"]["friction_n"]),
                 ("distance_m", &json["distance_m"]),
                 ("duration_s", &json["duration_s"]),
             ] {
                 assert_eq!(number(&row[column]), value.as_f64(), "{name} {column} {row:?}");
             }
             assert_eq!(row["warning"], corner["warning"].as_str().unwrap());
+            assert_eq!(row["misfit"].is_empty(), corner["fit"]["misfit"].is_null(), "{name} {row:?}");
             assert_eq!(row["car"], car);
             let (count, first_s) = warnings(&bench, "all.csv", &row["wheel"]);
             assert_eq!(

@@ -28,7 +28,9 @@ pub(super) fn convert(request: &Request<'_>, look: Look<'_>) -> Result<Option<Co
 fn for_reading(request: &Request<'_>) -> Result<LogOptions, DataError> {
     let mut options = request.options.clone();
     match LogFormat::of(request.input)? {
-        LogFormat::Table(_) => (options.dbc, options.signals) = (None, None),
+        // For a CAN log the map says which columns go into which of the DBC file's signals.
+        LogFormat::Table(_) if options.dbc.is_some() => (options.dbc, options.signals) = (None, None),
+        LogFormat::Table(_) => {}
         #[cfg(feature = "mdf4")]
         LogFormat::Mdf4 if options.dbc.is_some() => (options.dbc, options.signals) = (None, None),
         #[cfg(feature = "mdf4")]

@@ -42,6 +42,7 @@ mod units;
 pub(crate) use csv_source::{Dialect, Lines, cells, number};
 pub(crate) use format::{Format, LogFormat};
 pub(crate) use header::{separator, shortened};
+pub use memory_source::Pieces;
 pub use options::LogOptions;
 pub use reader::{LogReader, SURVEY_ROWS};
 pub use repair::RepairReport;

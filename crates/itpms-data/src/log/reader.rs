@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use itpms_core::model::Corner;
 
-use super::memory_source::MemorySource;
+use super::memory_source::{MemorySource, Pieces};
 use super::options::LogOptions;
 use super::order::{Stage, TimeOrder};
 use super::repair::RepairReport;
@@ -77,6 +77,20 @@ impl LogReader {
         options: &LogOptions,
     ) -> Result<Self, DataError> {
         let source = MemorySource::new(name, columns, options.any_map()?.as_ref())?;
+        Self::of(name, Source::Memory(source), options.units)
+    }
+
+    /// The same in pieces of which one is held at a time: a drive that does not fit into memory. `names` are the columns'.
+    ///
+    /// # Errors
+    /// As [`LogReader::from_columns`], and what `pieces` gives.
+    pub fn from_pieces(
+        name: &Path,
+        names: Vec<String>,
+        pieces: Pieces,
+        options: &LogOptions,
+    ) -> Result<Self, DataError> {
+        let source = MemorySource::pieces(name, names, pieces, options.any_map()?.as_ref())?;
         Self::of(name, Source::Memory(source), options.units)
     }
 

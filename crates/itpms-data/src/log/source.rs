@@ -79,7 +79,7 @@ impl Source {
     pub(super) fn next_row(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {
         match self {
             Source::Csv(source) => source.next_row(row),
-            Source::Memory(source) => Ok(source.next_row(row)),
+            Source::Memory(source) => source.next_row(row),
             #[cfg(feature = "parquet")]
             Source::Parquet(source) => source.next_row(row),
             #[cfg(any(feature = "can", feature = "mdf4"))]

@@ -10,6 +10,7 @@
 //! | `crew` | several at a time |
 //! | `tables` | `fleet.csv`, `fleet.parquet`, `failed.csv` |
 //! | [`standing`] | how each car stands after its last drive |
+//! | [`wheels`] | what a drive told of each wheel |
 //! | `page`, `histogram` | `index.html` |
 //!
 //! Calibration drives come first, because they need no others; what each taught of its car is stored, and every later
@@ -25,6 +26,7 @@ mod page;
 pub mod record;
 pub mod standing;
 mod tables;
+pub mod wheels;
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -4,13 +4,11 @@ use std::fs;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use itpms_core::model::{Corner, Warning};
-use itpms_core::warning::WheelState;
 use itpms_data::{LogReader, LogRow};
-use itpms_study::report::{CornerReport, Reading};
 
 use super::cars::Car;
-use super::record::{DriveRecord, Inputs, Pressure, WheelRecord};
+use super::record::{DriveRecord, Inputs};
+use super::wheels::{Begun, wheels};
 use super::{Plan, beneath, reference_path};
 use crate::concerns::common_corners;
 use crate::drive::Estimates;
@@ -51,8 +49,7 @@ pub(super) fn run(
     let mut sink = Counting {
         files: Files::create(&paths, settings, vehicle, &corners)?,
         first_s: None,
-        before: [Warning::None; 4],
-        begun: [[0; 2]; 4],
+        begun: Begun::default(),
     };
     // The road is smoothed as for a report: the same roughness with and without one.
     let job = Job { vehicle, corners: &corners, settings, road: true };
@@ -75,7 +72,7 @@ pub(super) fn run(
         duration_s: drive.duration_s,
         rate_hz: drive.rate_hz,
         distance_m: Some(drive.distance_m).filter(|distance| distance.is_finite()),
-        wheels: done.data.corners.iter().map(|corner| wheel(corner, &sink.begun)).collect(),
+        wheels: wheels(&done, &sink.begun),
         alerts: done.alerts.sentences().collect(),
         concerns: std::mem::take(&mut done.concerns),
         report: within(&paths.report),
@@ -112,50 +109,17 @@ fn teach(plan: &Plan, errand: &Errand<'_>, done: &mut Done) -> Result<bool, Driv
     Ok(true)
 }
 
-fn wheel(corner: &CornerReport, begun: &[[u32; 2]; 4]) -> WheelRecord {
-    let figures = &corner.figures;
-    let [warnings, malfunctions] = begun[corner.corner.index()];
-    let pressure = |r: Reading| Pressure { time_s: r.time_s, pressure_kpa: r.pressure_kpa, sd_kpa: r.sd_kpa };
-    WheelRecord {
-        wheel: corner.corner.label().to_owned(),
-        placard_kpa: corner.placard_kpa,
-        state: corner.state.map_or("unknown", WheelState::label).to_owned(),
-        warning: figures.warning.label().to_owned(),
-        last: figures.last.map(pressure),
-        lowest: figures.lowest.map(pressure),
-        share_valid: figures.share_valid,
-        warnings,
-        first_warning_s: figures.low_since_s,
-        malfunctions,
-        first_malfunction_s: figures.malfunction_since_s,
-        iri_m_per_km: corner.road.as_ref().and_then(|road| road.iri_m_per_km),
-    }
-}
-
 /// The drive's files, and how often each wheel's warnings began.
 struct Counting {
     files: Files,
     first_s: Option<f64>,
-    before: [Warning; 4],
-    /// Of each corner: low, malfunction.
-    begun: [[u32; 2]; 4],
+    begun: Begun,
 }
 
 impl Sink for Counting {
     fn row(&mut self, row: &LogRow, estimates: &Estimates) -> Result<(), DriveError> {
         self.first_s.get_or_insert(row.time_s);
-        for corner in Corner::ALL {
-            let i = corner.index();
-            let Some(now) = estimates[i].as_ref().map(|estimate| estimate.warning) else { continue };
-            if now != self.before[i] {
-                match now {
-                    Warning::None => {}
-                    Warning::Low => self.begun[i][0] += 1,
-                    Warning::Malfunction => self.begun[i][1] += 1,
-                }
-                self.before[i] = now;
-            }
-        }
+        self.begun.take(estimates);
         self.files.row(row, estimates)
     }
 

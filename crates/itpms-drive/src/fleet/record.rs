@@ -67,6 +67,23 @@ pub struct WheelRecord {
     pub first_malfunction_s: Option<f64>,
     /// Mean roughness of the road under it, in m/km.
     pub iri_m_per_km: Option<f64>,
+    /// How well body and wheel go together.
+    pub fit: Option<FitRecord>,
+}
+
+/// How well body and wheel of a corner go together; what was not seen long enough is `None`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FitRecord {
+    /// Share of the body's acceleration, 5 to 16 Hz, that does not go with the wheel's.
+    pub incoherence: Option<f64>,
+    /// Share of the body's acceleration, 5 to 20 Hz, that the forces of all four corners leave unexplained.
+    pub unexplained: Option<f64>,
+    /// How much more front and rear disagree about their road near wheel hop than beside it.
+    pub hop_excess: Option<f64>,
+    /// Friction of the strut in N.
+    pub friction_n: f64,
+    /// What does not fit: `incoherent`, `unexplained` or `hop`.
+    pub misfit: Option<String>,
 }
 
 /// What is kept of a drive.

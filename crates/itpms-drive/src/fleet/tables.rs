@@ -8,7 +8,7 @@ use super::Outcome;
 use super::record::{DriveRecord, Pressure, WheelRecord};
 use crate::error::DriveError;
 
-const COLUMNS: [(&str, Kind); 25] = [
+const COLUMNS: [(&str, Kind); 30] = [
     ("file", Kind::Label),
     ("car", Kind::Label),
     ("vehicle", Kind::Label),
@@ -28,6 +28,11 @@ const COLUMNS: [(&str, Kind); 25] = [
     ("first_malfunction_s", Kind::Number),
     ("share_valid", Kind::Number),
     ("iri_m_per_km", Kind::Number),
+    ("incoherence", Kind::Number),
+    ("unexplained", Kind::Number),
+    ("hop_excess", Kind::Number),
+    ("friction_n", Kind::Number),
+    ("misfit", Kind::Label),
     ("distance_m", Kind::Number),
     ("duration_s", Kind::Number),
     ("rate_hz", Kind::Number),
@@ -62,13 +67,14 @@ pub(super) fn write(out: &Path, outcome: &Outcome) -> Result<(), DriveError> {
     Ok(table.finish()?.commit()?)
 }
 
-fn cells<'a>(drive: &'a DriveRecord, wheel: &'a WheelRecord, concerns: &'a str) -> [Cell<'a>; 25] {
+fn cells<'a>(drive: &'a DriveRecord, wheel: &'a WheelRecord, concerns: &'a str) -> [Cell<'a>; 30] {
     let number = |value: Option<f64>| Cell::Number(value.unwrap_or(f64::NAN));
     let of = |pressure: Option<Pressure>| match pressure {
         Some(p) => [p.pressure_kpa, p.sd_kpa, p.time_s].map(Cell::Number),
         None => [Cell::Number(f64::NAN); 3],
     };
     let ([last, last_sd, last_s], [lowest, lowest_sd, lowest_s]) = (of(wheel.last), of(wheel.lowest));
+    let fit = wheel.fit.as_ref();
     [
         Cell::Label(&drive.file),
         Cell::Label(&drive.car),
@@ -89,6 +95,11 @@ fn cells<'a>(drive: &'a DriveRecord, wheel: &'a WheelRecord, concerns: &'a str) 
         number(wheel.first_malfunction_s),
         Cell::Number(wheel.share_valid),
         number(wheel.iri_m_per_km),
+        number(fit.and_then(|fit| fit.incoherence)),
+        number(fit.and_then(|fit| fit.unexplained)),
+        number(fit.and_then(|fit| fit.hop_excess)),
+        number(fit.map(|fit| fit.friction_n)),
+        Cell::Label(fit.and_then(|fit| fit.misfit.as_deref()).unwrap_or("")),
         number(drive.distance_m),
         Cell::Number(drive.duration_s),
         Cell::Number(drive.rate_hz),

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from itertools import chain
 from os import PathLike
 from pathlib import Path
 from typing import Any, overload
@@ -19,7 +20,7 @@ from ._tables import Columns, Kind, columns_of, kind_of, numbers, table_of, unpa
 from ._vehicle import Vehicle, vehicle_of
 
 CORNERS = ("fl", "fr", "rl", "rr")
-_MEANT = {
+MEANT = {
     "time_s",
     "speed_m_s",
     *(f"{c}_{what}" for c in CORNERS for what in ("body_accel_m_s2", "wheel_accel_m_s2", "pressure_kpa", "road_m")),
@@ -48,7 +49,8 @@ def estimate(
 
     Args:
         drive: A path in any format that the program reads (CSV, Parquet, MDF4, CAN logs), a pandas or polars data frame,
-            a pyarrow table, a dict of arrays of shape (rows,), or what :func:`simulate` gives. Columns: ``time_s`` (s, or
+            a pyarrow table, a dict of arrays of shape (rows,), an iterator over such tables (pieces of a drive in the order of
+            time, one at a time in memory), or what :func:`simulate` gives. Columns: ``time_s`` (s, or
             datetimes or timedeltas; in pandas the index will do), ``{c}_body_accel_m_s2`` and ``{c}_wheel_accel_m_s2``
             (m/s², up) for each corner ``c`` of ``fl fr rl rr`` that was measured, and, worth having, ``speed_m_s``. A missing
             sample is NaN, None or NA. ``{c}_pressure_kpa`` and ``{c}_road_m`` are taken for the truth, to be compared with.
@@ -87,13 +89,15 @@ def estimate(
     if isinstance(drive, Simulation):
         vehicle = drive.vehicle if vehicle is None else vehicle
         kind, columns = drive.kind, drive.columns
-    elif isinstance(drive, (str, PathLike)):
+    elif isinstance(drive, (str, PathLike, Iterator)):
         kind, columns = usual(), None
     else:
         kind, columns = kind_of(drive) or usual(), columns_of(drive)
     if vehicle is None:
         raise SettingError("vehicle is missing, expected a Vehicle or the path of a vehicle file")
     car = vehicle_of(vehicle)._inner
+    if isinstance(drive, Iterator):
+        return Result(estimate_pieces("the table", drive, car, options), kind, None)
     if columns is None:
         return Result(_itpms.estimate_log(drive, car, options), kind, None)
     if dbc is not None:
@@ -102,9 +106,29 @@ def estimate(
     return Result(_itpms.estimate_columns("the table", given, car, options), kind, columns)
 
 
+def estimate_pieces(name: str, tables: Iterator[Any], car: _itpms.Vehicle, options: dict[str, Any]) -> _itpms.Estimated:
+    """A drive in pieces, each a table with the same columns; ``name`` is what messages call it."""
+    first = next(tables, None)
+    if first is None:
+        raise LogError(f"{name}: there is no piece of a drive, expected one at least")
+    names, mapped = list(columns_of(first)), options["signals"] is not None
+
+    def pieces() -> Iterator[list[bytes]]:
+        for number, table in enumerate(chain([first], tables), 1):
+            columns = columns_of(table)
+            if columns.keys() != set(names):
+                odd = sorted(columns.keys() ^ set(names))
+                raise LogError(
+                    f"{name}: piece {number} differs in the column {odd[0]}, expected the columns of the first"
+                )
+            yield [_bytes(column, columns[column], mapped) for column in names]
+
+    return _itpms.estimate_pieces(name, names, pieces(), car, options)
+
+
 def _bytes(name: str, values: npt.NDArray[Any], mapped: bool) -> bytes:
     """A column for the extension. What means nothing needs no numbers, but a misspelled name should be seen."""
-    if name in _MEANT:
+    if name in MEANT:
         return numbers(name, values).tobytes()
     if mapped:
         # Whether it is meant, the map says; if it is, and no number, it will be missed there.
@@ -256,7 +280,7 @@ class Car:
         """
         single = isinstance(samples, Mapping) and np.isscalar(samples.get("time_s", 0.0))
         columns = {n: np.atleast_1d(v) for n, v in samples.items()} if single else columns_of(samples)
-        given = [(name, numbers(name, values).tobytes()) for name, values in columns.items() if name in _MEANT]
+        given = [(name, numbers(name, values).tobytes()) for name, values in columns.items() if name in MEANT]
         found = unpacked(*self._inner.update(given))
         return (
             {name: values[0].item() if hasattr(values[0], "item") else values[0] for name, values in found.items()}

@@ -19,7 +19,11 @@ Columns = dict[str, Array]
 def kind_of(table: object) -> Kind | None:
     """Which of the libraries a table is of; None if it is no table."""
     # A library that was never imported has made no table.
-    for name, classes in (("pandas", ("DataFrame",)), ("polars", ("DataFrame", "LazyFrame")), ("pyarrow", ("Table",))):
+    for name, classes in (
+        ("pandas", ("DataFrame",)),
+        ("polars", ("DataFrame", "LazyFrame")),
+        ("pyarrow", ("Table", "RecordBatch")),
+    ):
         module = sys.modules.get(name)
         if module is not None and any(isinstance(table, getattr(module, each)) for each in classes):
             return name  # type: ignore[return-value]
@@ -35,8 +39,9 @@ def columns_of(table: Any) -> Columns:
         frame = table.collect() if type(table).__name__ == "LazyFrame" else table
         return {str(name): frame.get_column(name).to_numpy() for name in frame.columns}
     if kind == "pyarrow":
-        columns = {str(name): table.column(name) for name in table.column_names}
-        return {name: column.to_numpy() for name, column in columns.items()}
+        # A batch's columns, unlike a table's, are copied only where one says so.
+        options = {} if hasattr(table, "combine_chunks") else {"zero_copy_only": False}
+        return {str(name): table.column(name).to_numpy(**options) for name in table.schema.names}
     if kind == "numpy":
         return {str(name): np.asarray(values) for name, values in table.items()}
     found = type(table).__name__
@@ -100,9 +105,10 @@ def unpacked(columns: Sequence[tuple[str, bytes]], words: Sequence[tuple[str, li
     labels = dict(words)
     for name, values in arrays.items():
         ordered[name] = values
-        if name.endswith("_valid"):
-            warning = name.removesuffix("_valid") + "_warning"
-            ordered[warning] = np.array(labels[warning], dtype=object)
+        for number, word in (("_valid", "_warning"), ("_change_sd_kpa", "_level")):
+            if name.endswith(number):
+                label = name.removesuffix(number) + word
+                ordered[label] = np.array(labels[label], dtype=object)
     return ordered
 
 

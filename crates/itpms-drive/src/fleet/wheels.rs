@@ -1,0 +1,85 @@
+//! What a drive told of each wheel. Called by the fleet for its tables, and by the Python package for the same rows.
+
+use itpms_core::model::{Corner, Misfit, Warning};
+use itpms_core::warning::WheelState;
+use itpms_study::report::{CornerReport, Reading};
+
+use super::record::{FitRecord, Pressure, WheelRecord};
+use crate::drive::Estimates;
+use crate::run::{Done, Fit};
+
+/// How often each wheel's warnings began, counted row by row.
+#[derive(Debug, Clone)]
+pub struct Begun {
+    before: [Warning; 4],
+    /// Of each corner: low, malfunction.
+    begun: [[u32; 2]; 4],
+}
+
+impl Default for Begun {
+    fn default() -> Self {
+        Self { before: [Warning::None; 4], begun: [[0; 2]; 4] }
+    }
+}
+
+impl Begun {
+    /// Takes what was estimated after a row of the log.
+    pub fn take(&mut self, estimates: &Estimates) {
+        for i in Corner::ALL.map(Corner::index) {
+            let Some(now) = estimates[i].as_ref().map(|estimate| estimate.warning) else { continue };
+            if now != self.before[i] {
+                match now {
+                    Warning::None => {}
+                    Warning::Low => self.begun[i][0] += 1,
+                    Warning::Malfunction => self.begun[i][1] += 1,
+                }
+                self.before[i] = now;
+            }
+        }
+    }
+}
+
+/// A record of each wheel that was estimated.
+#[must_use]
+pub fn wheels(done: &Done, begun: &Begun) -> Vec<WheelRecord> {
+    let of = |corner: &CornerReport| {
+        let i = corner.corner.index();
+        wheel(corner, begun.begun[i], done.fits[i].as_ref())
+    };
+    done.data.corners.iter().map(of).collect()
+}
+
+fn wheel(corner: &CornerReport, [warnings, malfunctions]: [u32; 2], fit: Option<&Fit>) -> WheelRecord {
+    let figures = &corner.figures;
+    let pressure = |r: Reading| Pressure { time_s: r.time_s, pressure_kpa: r.pressure_kpa, sd_kpa: r.sd_kpa };
+    WheelRecord {
+        wheel: corner.corner.label().to_owned(),
+        placard_kpa: corner.placard_kpa,
+        state: corner.state.map_or("unknown", WheelState::label).to_owned(),
+        warning: figures.warning.label().to_owned(),
+        last: figures.last.map(pressure),
+        lowest: figures.lowest.map(pressure),
+        share_valid: figures.share_valid,
+        warnings,
+        first_warning_s: figures.low_since_s,
+        malfunctions,
+        first_malfunction_s: figures.malfunction_since_s,
+        iri_m_per_km: corner.road.as_ref().and_then(|road| road.iri_m_per_km),
+        fit: fit.map(fitted),
+    }
+}
+
+fn fitted((fit, misfit): &Fit) -> FitRecord {
+    let word = |misfit: Misfit| match misfit {
+        Misfit::Incoherent => "incoherent",
+        Misfit::Unexplained => "unexplained",
+        Misfit::Hop => "hop",
+    };
+    FitRecord {
+        incoherence: fit.incoherence,
+        unexplained: fit.unexplained,
+        hop_excess: fit.hop_excess,
+        friction_n: fit.friction_n,
+        misfit: misfit.map(|misfit| word(misfit).to_owned()),
+    }
+}
