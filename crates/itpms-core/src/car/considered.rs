@@ -33,9 +33,11 @@ pub(super) struct Considered<T: Real> {
 blank!(Considered<T> { relative, placard_n_per_m, per_kpa, placard_kpa });
 
 impl<T: Real> Considered<T> {
-    pub(super) fn new(config: &CarConfig<T>) -> Self {
+    /// In place; whatever was there is forgotten.
+    #[inline(never)]
+    pub(super) fn configure(&mut self, config: &CarConfig<T>) {
         let corner = |i: usize| config.corners[i].as_ref();
-        let relative = SMatrix::from_fn(|i, j| {
+        self.relative = SMatrix::from_fn(|i, j| {
             let (Some(a), Some(b)) = (corner(i), corner(j)) else { return T::zero() };
             let (a, b) = (&a.uncertainty, &b.uncertainty);
             let common = a.common_mass_relative_sd() * b.common_mass_relative_sd()
@@ -53,12 +55,9 @@ impl<T: Real> Considered<T> {
         let of = |value: &dyn Fn(&CornerConfig<T>) -> T| {
             SVector::from_fn(|i, _| corner(i).map_or(T::zero(), value))
         };
-        Self {
-            relative,
-            placard_n_per_m: SVector::from_fn(|i, _| placard(i)),
-            per_kpa: of(&|c| c.tire.stiffness_per_kpa()),
-            placard_kpa: of(&|c| c.placard_kpa),
-        }
+        self.placard_n_per_m = SVector::from_fn(|i, _| placard(i));
+        self.per_kpa = of(&|c| c.tire.stiffness_per_kpa());
+        self.placard_kpa = of(&|c| c.placard_kpa);
     }
 
     /// Standard deviation in kPa of the mean of all tires at placard pressure.
@@ -100,12 +99,14 @@ impl<T: Real> Considered<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::memory::configured;
     use crate::model::{Confidence, ParameterUncertainty};
 
     fn typical() -> Considered<f64> {
         let corner =
             CornerConfig::<f64>::paper().with_uncertainty(ParameterUncertainty::of(Confidence::Typical));
-        Considered::new(&CarConfig { corners: [Some(corner); 4], wheelbase_m: Some(2.7) })
+        let config = CarConfig { corners: [Some(corner); 4], wheelbase_m: Some(2.7) };
+        configured(|considered: &mut Considered<f64>| considered.configure(&config))
     }
 
     #[test]

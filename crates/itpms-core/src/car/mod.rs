@@ -156,7 +156,7 @@ impl<T: Real> CarEstimator<T> {
         if let Some(wheelbase_m) = wheelbase_m {
             self.fusion.place(|fusion| fusion.configure(config, wheelbase_m, sample_rate_hz, grid_period_s));
         }
-        self.considered = Considered::new(config);
+        self.considered.configure(config);
         self.body_equation.configure(&config.corners, sample_rate_hz);
         (self.kind, self.sources) = (kind, Sources::default());
         (self.calibration_s, self.calibration_ends_s) = (None, f64::NEG_INFINITY);

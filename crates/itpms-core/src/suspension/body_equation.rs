@@ -115,6 +115,7 @@ blank!(BodyEquation<T> {
 
 impl<T: Real> BodyEquation<T> {
     /// For these corners, as the vehicle file has them; whatever was there is forgotten.
+    #[inline(never)]
     pub(crate) fn configure(&mut self, corners: &[Option<CornerConfig<T>>; 4], sample_rate_hz: f64) {
         let of = |value: &dyn Fn(&CornerConfig<T>) -> T| {
             corners.each_ref().map(|corner| corner.as_ref().map_or(T::zero(), value))

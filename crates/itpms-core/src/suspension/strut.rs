@@ -89,6 +89,7 @@ blank!(Strut<T> {
 
 impl<T: Real> Strut<T> {
     /// For grid steps of this period and sensors of this noise density in (m/s²)²/Hz; whatever was there is forgotten.
+    #[inline(never)]
     pub(crate) fn configure(&mut self, grid_period_s: f64, noise_density: T) {
         let rate_hz = 1.0 / grid_period_s;
         let every = ((rate_hz / LEAST_RATE_HZ + 1e-9) as u32).max(1);

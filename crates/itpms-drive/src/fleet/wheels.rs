@@ -73,6 +73,7 @@ fn fitted((fit, misfit): &Fit) -> FitRecord {
     let word = |misfit: Misfit| match misfit {
         Misfit::Incoherent => "incoherent",
         Misfit::Unexplained => "unexplained",
+        Misfit::PartlyUnexplained => "partly-unexplained",
         Misfit::Hop => "hop",
     };
     FitRecord {
