@@ -302,6 +302,7 @@ impl<T: Real> CarEstimator<T> {
         if let Some(estimator) = self.corners[corner.index()].as_mut() {
             estimator.restart();
         }
+        self.body_equation.restart();
         if let Some(fusion) = self.fusion.as_mut() {
             fusion.restart(corner.index());
         }

@@ -298,6 +298,8 @@ impl<T: Real> CornerEstimator<T> {
 
     /// Starts again from the corner's initial pressure, as after a tire change. Counted.
     pub(crate) fn restart(&mut self) {
+        self.strut.restart();
+        (self.fit, self.misfit, self.judged_from_s) = (BodyFit::unknown(), None, None);
         self.method.restart(self.kind, self.repetition);
         self.watch = LowPressureWatch::new();
         self.restarts = self.restarts.saturating_add(1);

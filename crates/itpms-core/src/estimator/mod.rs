@@ -194,6 +194,7 @@ impl<T: Real> Estimator<T> {
 
     /// Starts again from the corner's initial pressure, as after a tire change. Counted.
     pub fn restart(&mut self) {
+        self.body_equation.restart();
         self.corner.restart();
     }
 

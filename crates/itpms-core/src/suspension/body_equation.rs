@@ -106,11 +106,13 @@ pub(crate) struct BodyEquation<T: Real> {
     score: Parameters<T>,
     powers: [Powers<T>; 4],
     learned_s: T,
+    /// Whether enough was ever seen for the slip forces to be told.
+    known: bool,
     time_s: f64,
 }
 
 blank!(BodyEquation<T> {
-    body, damping, spring, noise_density, parameters, information, score, powers, learned_s, time_s,
+    body, damping, spring, noise_density, parameters, information, score, powers, learned_s, known, time_s,
 });
 
 impl<T: Real> BodyEquation<T> {
@@ -131,7 +133,15 @@ impl<T: Real> BodyEquation<T> {
         self.information.fill(T::zero());
         self.score.fill(T::zero());
         self.powers.iter_mut().for_each(Powers::clear);
-        (self.learned_s, self.time_s) = (T::zero(), f64::NEG_INFINITY);
+        (self.learned_s, self.known, self.time_s) = (T::zero(), false, f64::NEG_INFINITY);
+    }
+
+    /// Sensors of a corner were out of order: what was seen is forgotten, what it has taught is where the next fit begins.
+    pub(crate) fn restart(&mut self) {
+        self.information.fill(T::zero());
+        self.score.fill(T::zero());
+        self.powers.iter_mut().for_each(Powers::clear);
+        self.learned_s = T::zero();
     }
 
     /// Learns from the newest frames, if all corners that there are have one of the same time and not been learned from; true if so.
@@ -147,6 +157,7 @@ impl<T: Real> BodyEquation<T> {
         self.time_s = latest_s;
         let seconds = T::lit(0.5 / BIN_SPACING_HZ);
         self.learned_s += seconds;
+        self.known |= self.learned_s >= T::lit(ENOUGH_S);
         let keep = (-seconds / T::lit(MEMORY_S).min(self.learned_s.max(T::lit(1.0)))).exp();
         self.information *= keep;
         self.score *= keep;
@@ -157,7 +168,7 @@ impl<T: Real> BodyEquation<T> {
 
     /// Slip forces in N of a corner's elements, once enough was seen.
     pub(crate) fn slip_forces_n(&self, corner: usize) -> [T; ELEMENTS] {
-        if !(self.learned_s >= T::lit(ENOUGH_S)) {
+        if !self.known {
             return [T::zero(); ELEMENTS];
         }
         core::array::from_fn(|element| T::lit(FORCE_N) * self.parameters[SLIP + 4 * element + corner])

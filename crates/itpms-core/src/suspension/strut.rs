@@ -194,6 +194,12 @@ impl<T: Real> Strut<T> {
         self.frame.as_ref()
     }
 
+    /// The sensors were out of order: what they have shown of late is forgotten.
+    pub(crate) fn restart(&mut self) {
+        self.coherence = Coherence::new();
+        self.frame.clear();
+    }
+
     /// Share of the body's motion that does not go with the wheel's, once enough was seen.
     pub(crate) fn incoherence(&self) -> Option<T> {
         (self.coherence.learned_s() >= T::lit(ENOUGH_S)).then(|| self.coherence.incoherence())
