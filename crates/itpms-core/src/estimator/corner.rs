@@ -57,7 +57,7 @@ pub(crate) struct CornerEstimator<T: Real> {
     contact: ContactWatch<T>,
     strut: Strut<T>,
     fit: BodyFit<T>,
-    misfit: Option<Misfit>,
+    misfit: Placed<Misfit>,
     /// Since when there is something to believe, but for the verdict on body and wheel.
     judged_from_s: Option<f64>,
 }
@@ -121,7 +121,8 @@ impl<T: Real> CornerEstimator<T> {
         let noise = config.accel_noise_or_usual_m_s2();
         let noise_density = T::lit(2.0 / sample_rate_hz) * noise * noise;
         self.strut.configure(self.resampler.grid_period_s(), noise_density);
-        (self.fit, self.misfit, self.judged_from_s) = (BodyFit::unknown(), None, None);
+        (self.fit, self.judged_from_s) = (BodyFit::unknown(), None);
+        self.misfit.clear();
         Ok(())
     }
 
@@ -232,7 +233,7 @@ impl<T: Real> CornerEstimator<T> {
 
     /// How well body and wheel go together, and what does not.
     pub(crate) fn fit(&self) -> (BodyFit<T>, Option<Misfit>) {
-        (self.fit, self.misfit)
+        (self.fit, self.misfit.get())
     }
 
     /// Tells what the whole car says of this corner; `None`: nothing now.
@@ -258,7 +259,7 @@ impl<T: Real> CornerEstimator<T> {
         }
         if !self.kind.is_as_published() {
             self.fit.incoherence = self.strut.incoherence();
-            self.misfit = self.fit.misfit(self.misfit);
+            self.misfit.set(self.fit.misfit(self.misfit.get()));
         }
         let (considered, level) = self.considered(time_s, &reading);
         if self.kind == EstimatorKind::Informed {
@@ -299,7 +300,8 @@ impl<T: Real> CornerEstimator<T> {
     /// Starts again from the corner's initial pressure, as after a tire change. Counted.
     pub(crate) fn restart(&mut self) {
         self.strut.restart();
-        (self.fit, self.misfit, self.judged_from_s) = (BodyFit::unknown(), None, None);
+        (self.fit, self.judged_from_s) = (BodyFit::unknown(), None);
+        self.misfit.clear();
         self.method.restart(self.kind, self.repetition);
         self.watch = LowPressureWatch::new();
         self.restarts = self.restarts.saturating_add(1);
@@ -335,7 +337,7 @@ impl<T: Real> CornerEstimator<T> {
                 (sd, Level::VehicleFile)
             }
         };
-        let doubt = self.misfit.and_then(|misfit| misfit.doubt(level)).map_or(T::zero(), T::lit);
+        let doubt = self.misfit.get().and_then(|misfit| misfit.doubt(level)).map_or(T::zero(), T::lit);
         let doubt = doubt * reading.stiffness_n_per_m;
         ((sd * sd + doubt * doubt).sqrt(), level)
     }
@@ -367,7 +369,7 @@ impl<T: Real> CornerEstimator<T> {
         let tire = &self.config.tire;
         let validity = match reading.validity {
             _ if self.resampler.is_bad() => Validity::BadSignal,
-            Validity::Valid if self.misfit.is_some_and(|misfit| misfit.doubt(level).is_none()) => {
+            Validity::Valid if self.misfit.get().is_some_and(|misfit| misfit.doubt(level).is_none()) => {
                 Validity::Misfit
             }
             Validity::Valid if unjudged => Validity::Starting,

@@ -46,6 +46,8 @@ pub enum Misfit {
     PartlyUnexplained,
 }
 
+blank!(Misfit::Incoherent);
+
 impl Misfit {
     /// Whether nothing is to be believed, or how much more doubt there is: a relative standard deviation of the stiffness. A calibration
     /// has set the level whatever the car is; what is left are 5 to 8 kPa of it and 10 to 20 of a change by a fifth.

@@ -27,6 +27,8 @@ pub struct Alert<T> {
 blank!(Alert<T> { wheels, since_s, reported_s, cause });
 
 /// Why an alert stands.
+// With a tag of its own, so that the first variant of zeros is all zeros.
+#[repr(u8)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Cause<T> {
@@ -81,10 +83,10 @@ pub struct Reading<T> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Basis {
-    /// Against what a calibration has set.
-    Calibration,
     /// Against its level as the vehicle file has it.
     VehicleFile,
+    /// Against what a calibration has set.
+    Calibration,
     /// Against the other tires: its level is not known that well, but it is surely lower than they are.
     OtherTires,
 }
