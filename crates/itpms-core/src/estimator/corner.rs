@@ -132,7 +132,7 @@ impl<T: Real> CornerEstimator<T> {
         let config = &self.config;
         let noise = config.accel_noise_or_usual_m_s2();
         let road = RoadConfig::new(config.quarter_car, config.initial_stiffness_n_per_m(), noise)?;
-        self.road.place(|filter| *filter = RoadFilter::new(&road));
+        self.road.place(|filter| filter.configure(&road));
         Ok(())
     }
 

@@ -4,7 +4,7 @@
 //! Called with every sample of a corner, by an estimator that knows the tire's stiffness or by
 //! [`crate::road::RoadRecorder`]. Knows nothing of pressure, speed or other corners.
 
-use crate::memory::blank;
+use crate::memory::{Blank, blank};
 use crate::model::{CornerSample, ParameterError, QuarterCar, Validity, positive};
 use crate::real::Real;
 use crate::road::clock::{Arrival, Clock};
@@ -93,25 +93,26 @@ impl<T: Real> RoadFilter<T> {
     /// A filter that knows nothing yet.
     #[must_use]
     pub fn new(config: &RoadConfig<T>) -> Self {
+        let mut filter = Self::BLANK;
+        filter.configure(config);
+        filter
+    }
+
+    /// The same where it lies, whatever was there.
+    pub(crate) fn configure(&mut self, config: &RoadConfig<T>) {
         let log_level = match config.level {
             RoadLevel::Fixed(log_level) => log_level,
             RoadLevel::Adaptive => T::lit(FIRST_LOG_LEVEL),
         };
-        let model = Model::of(config, log_level);
-        Self {
-            config: *config,
-            model,
-            stiffness_sd: T::zero(),
-            recursion: Recursion::new(&model, config.bias_sd_m_s2),
-            clock: Clock::new(),
-            level: LevelTracker::new(log_level),
-            unfollowed_s: T::zero(),
-            running_s: T::zero(),
-            blind_s: T::zero(),
-            body_accel_m_s2: None,
-            nis: None,
-            restarts: 0,
-        }
+        self.config = *config;
+        self.model = Model::of(config, log_level);
+        self.stiffness_sd = T::zero();
+        self.recursion.configure(&self.model, config.bias_sd_m_s2);
+        self.clock = Clock::new();
+        self.level = LevelTracker::new(log_level);
+        (self.unfollowed_s, self.running_s, self.blind_s) = (T::zero(), T::zero(), T::zero());
+        (self.body_accel_m_s2, self.nis) = (None, None);
+        self.restarts = 0;
     }
 
     /// Take the tire's stiffness and its standard deviation, both in N/m. The deviation goes into the road's; another
@@ -306,7 +307,7 @@ impl<T: Real> RoadFilter<T> {
 
     /// Begin anew, keeping time, level and parameters.
     fn restart(&mut self) {
-        self.recursion = Recursion::new(&self.model, self.config.bias_sd_m_s2);
+        self.recursion.configure(&self.model, self.config.bias_sd_m_s2);
         self.level.forget_slow();
         self.running_s = T::zero();
         self.body_accel_m_s2 = None;

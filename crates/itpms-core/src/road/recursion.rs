@@ -79,9 +79,11 @@ blank!(Recursion<T> { x, p, twin, aided, free });
 
 impl<T: Real> Recursion<T> {
     /// Nothing known but what kind of road and how large the sensors' offsets may be.
-    pub(crate) fn new(model: &Model<T>, bias_sd_m_s2: T) -> Self {
-        let p = prior(model, bias_sd_m_s2);
-        Self { x: State::zeros(), p, twin: HeightTwin::same(), aided: None, free: None }
+    pub(crate) fn configure(&mut self, model: &Model<T>, bias_sd_m_s2: T) {
+        self.x = State::zeros();
+        self.p = prior(model, bias_sd_m_s2);
+        self.twin = HeightTwin::same();
+        self.forget_transitions();
     }
 
     /// The model has changed: the next prediction discretises it anew.
@@ -188,6 +190,7 @@ fn recall<T: Real>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::memory::Blank;
     use crate::model::QuarterCar;
     use crate::road::RoadConfig;
     use proptest::prelude::*;
@@ -197,7 +200,8 @@ mod tests {
         let config =
             RoadConfig::<T>::new(QuarterCar::paper_table_2(), T::lit(stiffness), T::lit(0.05)).unwrap();
         let model = Model::of(&config, T::lit(log_level));
-        let mut recursion = Recursion::new(&model, T::lit(10.0));
+        let mut recursion = Recursion::BLANK;
+        recursion.configure(&model, T::lit(10.0));
         let (mut smallest, mut asymmetry) = (f64::MAX, 0.0_f64);
         for &(kind, body, wheel) in steps.iter().cycle().take(steps.len() * 40) {
             let (body, wheel) = (T::lit(f64::from(body) * 1e-2), T::lit(f64::from(wheel) * 1e-2));
