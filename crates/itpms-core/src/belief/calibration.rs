@@ -30,14 +30,7 @@ const LEAST_SD: [f64; 9] = [0.003, 0.05, 0.02, 0.01, 0.003, 0.003, 5e-4, 0.02, 0
 /// Where the car is with its calibration.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
-pub(super) struct CalibrationState<T> {
+pub(super) struct CalibrationState<T: Real> {
     /// Whether one is under way, and the seconds of shared road learned from when it began.
     pub(super) active: bool,
     from_s: f64,

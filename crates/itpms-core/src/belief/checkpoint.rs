@@ -20,13 +20,6 @@ const SETTLING_S: f64 = 1.0;
 /// The belief at a time, as one Gaussian.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub(super) struct Checkpoint<T: Real> {
     time_s: f64,
     belief: Hypothesis<T>,

@@ -14,13 +14,6 @@ const HARDEST: f64 = -0.5;
 /// See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub(crate) struct Hypothesis<T: Real> {
     pub(crate) mean: State<T>,
     pub(crate) covariance: Covariance<T>,

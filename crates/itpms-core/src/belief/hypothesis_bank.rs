@@ -30,13 +30,6 @@ const WORD_TAILS: f64 = 4.0;
 /// See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub(super) struct HypothesisBank<T: Real> {
     pub(super) hypotheses: [Hypothesis<T>; HYPOTHESES],
 }

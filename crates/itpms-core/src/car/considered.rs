@@ -15,13 +15,6 @@ const CALIBRATED_SD: f64 = 0.012;
 /// Covariance of the factors of the four corners, and the stiffnesses at placard pressure. See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub(super) struct Considered<T: Real> {
     relative: SMatrix<T, 4, 4>,
     placard_n_per_m: SVector<T, 4>,

@@ -74,13 +74,6 @@ blank!(EstimatorOptions { estimator, sources, road_repetition, road_heights, inf
 /// A running estimator of a car. A value: clone it, save it, go on.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub struct CarEstimator<T: Real> {
     kind: EstimatorKind,
     sources: Sources,

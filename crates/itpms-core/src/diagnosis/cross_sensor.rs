@@ -56,13 +56,6 @@ const GAIN: DebounceTimes = DebounceTimes { set_s: 5.0, clear_s: 5.0 };
 /// The car's sensors against each other.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub(crate) struct CrossSensorPlausibility<T: Real> {
     /// Power density in (m/s²)²/Hz of each corner's sensors' noise.
     noise_density: [T; 4],

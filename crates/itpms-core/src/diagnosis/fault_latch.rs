@@ -23,14 +23,7 @@ blank!(SwapPattern::Right);
 /// A latch and what it would say.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
-pub(crate) struct FaultLatch<T> {
+pub(crate) struct FaultLatch<T: Real> {
     pub(crate) debouncer: Debouncer,
     pub(crate) malfunction: Placed<Malfunction<T>>,
 }

@@ -87,13 +87,6 @@ enum Motion {
 /// The sensors of a car under watch.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub(crate) struct Diagnosis<T: Real> {
     period_s: f64,
     noise_power: [T; 4],

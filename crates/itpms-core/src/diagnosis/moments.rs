@@ -9,13 +9,6 @@ use crate::real::Real;
 /// Second moments of `N` signals over the last few blocks.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub(crate) struct Moments<T: Real, const N: usize> {
     block: SMatrix<T, N, N>,
     count: u32,

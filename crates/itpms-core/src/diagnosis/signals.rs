@@ -54,13 +54,6 @@ blank!(Strut<T> { damping_per_s, spring_per_s2, velocity, displacement });
 /// Filters of eight sensors and the block that runs.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub(crate) struct Signals<T: Real> {
     to_quick: Averager<T>,
     to_slow: Averager<T>,

@@ -30,13 +30,6 @@ const UNJUDGED_S: f64 = 20.0;
 /// The estimator of one corner, without a clock: its owner tells time and speed.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub(crate) struct CornerEstimator<T: Real> {
     kind: EstimatorKind,
     config: CornerConfig<T>,

@@ -16,13 +16,6 @@ const STALE_S: f64 = 1.0;
 /// The default method, or one of the paper's.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 // An estimator lives where its owner puts it; there is no heap to box the larger ones in.
 #[allow(clippy::large_enum_variant)]
 enum Method<T: Real> {
@@ -34,13 +27,6 @@ enum Method<T: Real> {
 /// See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub(super) struct RunningMethod<T: Real> {
     method: Method<T>,
     config: CornerConfig<T>,

@@ -81,13 +81,6 @@ impl EstimatorKind {
 /// A running estimator of one corner. A value: clone it, save it, go on.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub struct Estimator<T: Real> {
     clock: SampleClock<T>,
     corner: CornerEstimator<T>,

@@ -14,13 +14,6 @@ use crate::single_wheel::{CALIBRATION_SD, Informed, RoadRepetition};
 /// One of the paper's filters.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 // An estimator lives where its owner puts it; there is no heap to box the larger ones in.
 #[allow(clippy::large_enum_variant)]
 pub(super) enum PublishedMethod<T: Real> {

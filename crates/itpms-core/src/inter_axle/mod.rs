@@ -61,13 +61,6 @@ pub(crate) enum Aligned<T: Real> {
 /// See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub(crate) struct InterAxle<T: Real> {
     wheelbase_m: T,
     wheels: [Option<Wheel<T>>; 4],

@@ -47,13 +47,6 @@ const LONGEST_STEP_S: f64 = 0.5;
 /// [`judge`](Self::judge) look at what comes out; [`MonitoredCar`] does so.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub struct Monitor<T: Real> {
     config: MonitorConfig<T>,
     told_kpa: [T; 4],

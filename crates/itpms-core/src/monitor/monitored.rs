@@ -11,13 +11,6 @@ use crate::warning::MonitorReport;
 /// A running estimator and its monitor. A value: clone it, save it, go on.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub struct MonitoredCar<T: Real> {
     estimator: CarEstimator<T>,
     monitor: Monitor<T>,

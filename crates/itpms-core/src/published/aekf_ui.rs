@@ -23,13 +23,6 @@ pub(super) const MAX_MOTION: f64 = 1e3;
 /// EKF-UI and AEKF-UI as published. A value: clone it, save it (feature `serde`), resume it bit-identically.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 #[allow(non_snake_case)]
 pub struct AekfUi<T: Real> {
     car: QuarterCar<T>,

@@ -38,13 +38,6 @@ const FURTHEST_SD: f64 = 10.0;
 /// The mended filter. A value: clone it, save it (feature `serde`), resume it bit-identically.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 #[allow(non_snake_case)]
 pub struct AekfUiInformed<T: Real> {
     car: QuarterCar<T>,

@@ -66,13 +66,6 @@ impl<T: Real> Default for GradientDescent<T> {
 /// Everything a published filter needs besides the quarter car. All covariances are diagonal in the paper and here.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub struct FilterConfig<T: Real> {
     /// `x_0` in the order and units of [`state`].
     pub initial_state: Vector5<T>,

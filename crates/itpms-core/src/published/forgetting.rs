@@ -12,13 +12,6 @@ use crate::real::Real;
 /// Fading sums of the residual's outer products (eq. 31-33).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 #[allow(non_snake_case)]
 pub struct ResidualMemory<T: Real> {
     G_1: Matrix2<T>,

@@ -24,13 +24,6 @@ pub enum InformedStatus {
 /// One step seen from outside. After any status but [`InformedStatus::Updated`] residual and NIS are NaN.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub struct InformedRecord<T: Real> {
     /// What happened.
     pub status: InformedStatus,

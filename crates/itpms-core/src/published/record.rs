@@ -41,13 +41,6 @@ pub enum StepStatus {
 /// fields of the measurement are NaN and the rest is what the filter holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub struct StepRecord<T: Real> {
     /// What happened.
     pub status: StepStatus,

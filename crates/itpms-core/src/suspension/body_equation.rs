@@ -58,13 +58,6 @@ type Parameters<T> = SVector<T, SIZE>;
 /// Running powers of a corner, per bin.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 struct Powers<T: Real> {
     body: SVector<T, BINS>,
     /// Of what the equation leaves unexplained, and the sensors' noise in it.
@@ -89,13 +82,6 @@ impl<T: Real> Powers<T> {
 /// See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub(crate) struct BodyEquation<T: Real> {
     body: RigidBody<T>,
     damping: [T; 4],

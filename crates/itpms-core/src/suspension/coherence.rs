@@ -17,13 +17,6 @@ const HEARD: f64 = 4.0;
 /// Running powers of body and wheel, the sensors' noise taken off, and their cross power.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub(super) struct Coherence<T: Real> {
     body: SVector<T, BINS>,
     wheel: SVector<T, BINS>,

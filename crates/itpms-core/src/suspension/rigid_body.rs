@@ -17,13 +17,6 @@ pub(super) const MODES: usize = 4;
 /// Acceleration of every corner in m/s² for a newton at every other, at nominal masses.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub(super) struct RigidBody<T: Real> {
     /// Sprung masses in kg, and which there are.
     mass_kg: [T; 4],

@@ -37,13 +37,6 @@ const SIGNALS: usize = WHEEL + 1;
 /// A frame of one corner.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub(crate) struct StrutFrame<T: Real> {
     /// Time in s of its end.
     pub(crate) time_s: f64,
@@ -53,13 +46,6 @@ pub(crate) struct StrutFrame<T: Real> {
 /// See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub(crate) struct Strut<T: Real> {
     /// Slip forces in N of the elements, as identified.
     slip_force_n: [T; ELEMENTS],

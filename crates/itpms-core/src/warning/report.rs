@@ -98,14 +98,7 @@ pub struct WheelReport<T> {
 /// Everything the monitor has to say after a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
-pub struct MonitorReport<T> {
+pub struct MonitorReport<T: Real> {
     /// Time in s; like all times here, by the samples' clock as it is now.
     pub time_s: f64,
     /// The wheels, in the order of [`Corner::ALL`]; those that are monitored.

@@ -41,13 +41,6 @@ const FOUND_SD_S: f64 = 1e-3;
 /// See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub(super) struct Fusion<T: Real> {
     inter_axle: InterAxle<T>,
     belief: Belief<T>,

@@ -36,14 +36,7 @@ const HOP_AGREES: f64 = 0.15;
 /// What the wheels of a car say of each other's gain.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
-pub(crate) struct WheelGainBalance<T> {
+pub(crate) struct WheelGainBalance<T: Real> {
     /// Logs of wheel over body, less the median of the four and less that of the axle's other corner.
     over_median: [T; 4],
     over_partner: [T; 4],

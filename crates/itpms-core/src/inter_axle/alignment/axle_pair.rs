@@ -83,13 +83,6 @@ pub(crate) struct Measured<T: Real> {
 /// A correction and the time it was saved at.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 struct SavedCorrection<T: Real> {
     time_s: f64,
     frf_correction: FrfCorrection<T>,
@@ -109,13 +102,6 @@ pub(crate) struct PairingContext<'a, T: Real> {
 /// See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub(crate) struct AxlePair<T: Real> {
     side: usize,
     period_s: f64,

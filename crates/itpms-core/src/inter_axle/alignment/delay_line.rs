@@ -14,13 +14,6 @@ const POINTS: usize = 6;
 /// A ring of the newest entries.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub(crate) struct DelayLine<T: Real> {
     time_s: SVector<f64, LENGTH>,
     distance_m: SVector<f64, LENGTH>,

@@ -24,13 +24,6 @@ const GIVE_UP_S: f64 = 6.0;
 /// Running sums of the search on one side.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub(crate) struct DelaySearch<T: Real> {
     /// How far it looks, as a share of the delay.
     reach: f64,

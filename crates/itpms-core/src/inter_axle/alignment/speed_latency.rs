@@ -24,13 +24,6 @@ const EXPLAINED: f64 = 3.0;
 /// The least squares of what was found, in units of [`PRIOR_SD`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub(crate) struct SpeedLatency<T: Real> {
     count: T,
     information: Matrix3<T>,

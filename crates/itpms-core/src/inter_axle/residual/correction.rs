@@ -26,13 +26,6 @@ type Products<T> = Spectra<T, BINS, BOTH>;
 /// Running averages of one side.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub(crate) struct FrfCorrection<T: Real> {
     /// With the signals as measured, and as the instruments have them.
     measured: Products<T>,

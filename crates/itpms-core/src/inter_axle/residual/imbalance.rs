@@ -30,13 +30,6 @@ const WIDTH: f64 = 0.06;
 /// See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub(crate) struct Imbalance<T: Real> {
     /// Cosine and sine sums of the look under way, and the way it has come in m.
     cosine: SVector<T, RATES>,

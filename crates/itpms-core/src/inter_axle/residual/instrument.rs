@@ -15,13 +15,6 @@ const STATES: usize = 4;
 /// A quarter car on a road of given velocity, by the bilinear rule.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub(crate) struct Instrument<T: Real> {
     transition: SMatrix<T, STATES, STATES>,
     input: SVector<T, STATES>,

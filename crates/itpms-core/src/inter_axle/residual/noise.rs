@@ -37,13 +37,6 @@ pub(crate) const MOST_LASTING: f64 = 0.2;
 /// Running averages of one side.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "T: Real + serde::Serialize",
-        deserialize = "T: Real + serde::Deserialize<'de>"
-    ))
-)]
 pub(crate) struct Coherence<T: Real> {
     /// Share of the power that is not common, per bin.
     incoherence: SVector<T, BINS>,
