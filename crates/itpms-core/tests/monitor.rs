@@ -361,6 +361,27 @@ fn limits_are_those_of_the_rule_and_overfull_is_said() {
     assert!(Drive::with(warm).on(30.0, &Said { sd: 3.0, ..low(225.0) }).alerts().next().is_some());
 }
 
+#[test]
+fn a_tire_as_hard_as_a_rim_is_flat() {
+    let hard = |kpa: f64| Said { sd: 15.0, ..low(kpa) };
+    let flat = |report: &MonitorReport<f64>| report.alerts().any(|a| matches!(a.cause, Cause::Flat(_)));
+    let mut drive = Drive::new();
+    assert!(!flat(drive.on(4.0, &hard(380.0))));
+    let report = *drive.on(4.0, &hard(380.0));
+    assert!(flat(&report));
+    assert_eq!(state(&report, Corner::RearLeft), WheelState::Low);
+    // It is one thing that is said of it, and a rim has no pressure.
+    let report = *drive.on(80.0, &hard(380.0));
+    assert_eq!(report.alerts().count(), 1);
+    assert_eq!(report.wheels[Corner::RearLeft.index()].unwrap().validity, Validity::Misfit);
+    // Overfull on both sides, or less than a rim: inflated.
+    let both = Said { sd: 15.0, kpa: [241.3, 241.3, 380.0, 380.0], ..FINE };
+    assert!(!flat(Drive::new().on(90.0, &both)));
+    assert!(!flat(Drive::new().on(90.0, &hard(315.0))));
+    // A soft tire makes the other of its axle no rim.
+    assert!(!flat(Drive::new().on(90.0, &hard(120.0))));
+}
+
 /// What the rear left tire should have.
 fn reference_kpa(report: &MonitorReport<f64>) -> f64 {
     report.wheels[Corner::RearLeft.index()].unwrap().reference_kpa

@@ -8,6 +8,7 @@ const KINDS = {
   "fast-leak": ["low", "Fast leak"],
   "all-low": ["low", "All low"],
   "over-inflated": ["over", "Too high"],
+  flat: ["low", "Flat, on its rim"],
   malfunction: ["malfunction", "Malfunction"],
   "no-information": ["unknown", "No information"],
 };
@@ -34,6 +35,8 @@ function reason(alert) {
     case "under-inflated":
     case "over-inflated":
       return at;
+    case "flat":
+      return `as hard as ${at}`;
     case "fast-leak":
       return `lost up to ${n(alert.rate_kpa_per_min)} kPa per minute; ${at}`;
     case "all-low":

@@ -221,6 +221,10 @@ impl<T: Real> Monitor<T> {
             if estimate.validity.is_valid() && forgotten {
                 estimate.validity = Validity::NoInformation;
             }
+            // A rim has no pressure.
+            if estimate.validity.is_valid() && self.wheels[i].flat.is_active() {
+                (estimate.validity, wheel.validity) = (Validity::Misfit, Validity::Misfit);
+            }
             if wheel.state == WheelState::Fine && forgotten {
                 wheel.state = WheelState::Unknown(Doubt::NoInformation);
             }
@@ -239,18 +243,13 @@ impl<T: Real> Monitor<T> {
             let parting = watch.update(step_s, track.incoherence);
             doubted[side] = parting || pending_fault.iter().any(|corner| corner.index() % 2 == side);
         }
+        let mut around: [Around<T>; 4] = core::array::from_fn(|i| self.around(estimate, i, doubted[i % 2]));
+        // A tire as hard as a rim makes another one of the car look soft at first.
+        let hard: [bool; 4] = core::array::from_fn(|i| around[i].is_hard(&limits));
         for (i, corner) in estimate.corners.iter().enumerate() {
             if let Some(corner) = corner {
-                // Front and rear of a side are two places apart.
-                let other = (i + 2) % 4;
-                let valid = estimate.corners[other].as_ref().filter(|corner| corner.validity.is_valid());
-                let around = Around {
-                    speed_m_s: self.speed_m_s,
-                    other_share: valid.map(|corner| corner.pressure_kpa / self.reference_kpa[other]),
-                    above_others: above_others(estimate, i, self.reference_kpa),
-                    doubted: doubted[i % 2],
-                };
-                self.wheels[i].update(step_s, corner, self.reference_kpa[i], &around, &limits);
+                around[i].doubted |= hard.iter().enumerate().any(|(other, &hard)| hard && other != i);
+                self.wheels[i].update(step_s, corner, self.reference_kpa[i], &around[i], &limits);
             }
         }
         let learned = |corner: &Option<CornerEstimate<T>>| {
@@ -262,6 +261,26 @@ impl<T: Real> Monitor<T> {
         self.leaks.update(estimate.time_s, step_s, now, self.reference_kpa, least, doubted);
         self.all_low.update(step_s, estimate, self.reference_kpa, &limits);
         self.write(estimate);
+    }
+
+    /// What else is known when a wheel is looked at.
+    fn around(&self, estimate: &CarEstimate<T>, corner: usize, doubted: bool) -> Around<T> {
+        // Front and rear of a side are two places apart, left and right of an axle one.
+        let (rear, partner) = ((corner + 2) % 4, corner ^ 1);
+        let own = estimate.corners[corner].as_ref();
+        let valid = estimate.corners[rear].as_ref().filter(|corner| corner.validity.is_valid());
+        let third = T::lit(1.0 / 3.0);
+        let others = core::array::from_fn(|i| if i == corner { T::one() } else { -third });
+        let mut axle = [T::zero(); 4];
+        (axle[corner], axle[partner]) = (T::one(), -T::one());
+        Around {
+            speed_m_s: self.speed_m_s,
+            share: own.map_or(T::lit(f64::NAN), |own| own.pressure_kpa / self.reference_kpa[corner]),
+            other_share: valid.map(|corner| corner.pressure_kpa / self.reference_kpa[rear]),
+            above_others: weighted(estimate, others, self.reference_kpa),
+            above_partner: weighted(estimate, axle, self.reference_kpa),
+            doubted,
+        }
     }
 
     fn write(&mut self, estimate: &CarEstimate<T>) {
@@ -294,6 +313,8 @@ impl<T: Real> Monitor<T> {
         };
         let low = named(&watch.low, Cause::UnderInflated(against(limits.low_share)));
         let over = named(&watch.over, Cause::OverInflated(against(limits.over_share)));
+        let over = over.filter(|_| !watch.flat.is_active());
+        let flat = named(&watch.flat, Cause::Flat(against(limits.over_share)));
         let leaking = Cause::FastLeak { reading: against(limits.low_share), rate_kpa_per_min };
         let leaking = named(leak, leaking);
         let silent = Cause::NoInformation { driven_s: watch.driven_s };
@@ -308,6 +329,7 @@ impl<T: Real> Monitor<T> {
             (Slot::Low, low),
             (Slot::Leak, leaking),
             (Slot::Over, over),
+            (Slot::Flat, flat),
             (Slot::Malfunction, broken),
             (Slot::NoInformation, silent),
         ];
@@ -362,15 +384,16 @@ fn steadied<T: Real>(estimate: &CarEstimate<T>, time_s: f64) -> CarEstimate<T> {
     CarEstimate { time_s, corners, ..*estimate }
 }
 
-/// By how much a tire's share of its reference is above the mean of the others', and the sd of that: what all are wrong by
-/// alike is not in it.
-fn above_others<T: Real>(estimate: &CarEstimate<T>, corner: usize, reference_kpa: [T; 4]) -> Option<[T; 2]> {
-    let weight = |i: usize| if i == corner { T::one() } else { T::lit(-1.0 / 3.0) };
-    let (mut above, mut sds) = (T::zero(), [T::zero(); 4]);
-    for (i, sd) in sds.iter_mut().enumerate() {
+/// A weighted sum of the tires' shares of their references, and its sd; weights that sum to zero leave out what all are wrong by
+/// alike. `None` where one that has a weight is not known.
+fn weighted<T: Real>(estimate: &CarEstimate<T>, weights: [T; 4], reference_kpa: [T; 4]) -> Option<[T; 2]> {
+    let (mut sum, mut sds) = (T::zero(), [T::zero(); 4]);
+    for (i, (&weight, sd)) in
+        weights.iter().zip(&mut sds).enumerate().filter(|(_, (weight, _))| **weight != T::zero())
+    {
         let tire = estimate.corners[i].as_ref().filter(|tire| tire.validity.is_valid())?;
-        above += weight(i) * tire.pressure_kpa / reference_kpa[i];
-        *sd = weight(i) * tire.pressure_sd_kpa / reference_kpa[i];
+        sum += weight * tire.pressure_kpa / reference_kpa[i];
+        *sd = weight * tire.pressure_sd_kpa / reference_kpa[i];
     }
     let mut variance = T::zero();
     for (row, &first) in estimate.correlation.iter().zip(&sds) {
@@ -378,7 +401,7 @@ fn above_others<T: Real>(estimate: &CarEstimate<T>, corner: usize, reference_kpa
             variance += correlation * first * second;
         }
     }
-    Some([above, variance.max(T::zero()).sqrt()])
+    Some([sum, variance.max(T::zero()).sqrt()])
 }
 
 fn alert<T>(debouncer: &Debouncer, wheels: Wheels, cause: Cause<T>) -> Alert<T> {

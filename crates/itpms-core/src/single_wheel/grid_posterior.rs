@@ -358,6 +358,12 @@ impl<T: Real> Posterior<T> {
         mass
     }
 
+    /// Probability of the stiffest two cells: of more, for all the grid knows.
+    pub(crate) fn stiff_edge(&self) -> T {
+        let cells = self.cells();
+        cells[CELLS - 2] + cells[CELLS - 1]
+    }
+
     pub(crate) fn summary(&self) -> Summary<T> {
         let (mean, square) = moments(&self.cells());
         let mut falling_or_rising = T::zero();

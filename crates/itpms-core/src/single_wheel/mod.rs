@@ -86,6 +86,8 @@ const LEAST_PIN_CELLS: f64 = 0.4;
 const HELD_FRAMES: u32 = 4;
 /// Standard deviation in kPa of the pressure to start from.
 const INITIAL_SD_KPA: f64 = 30.0;
+/// Probability of the stiffest cells from which on the grid ends too soon: what it says is no measurement then, but a bound.
+const MOST_AT_EDGE: f64 = 0.1;
 
 /// The default one-corner estimator's core, fed with grid samples. See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
@@ -415,9 +417,10 @@ impl<T: Real> Informed<T> {
         let (stiffness_n_per_m, sd_n_per_m) = believed();
         let step = self.grid.step_kpa();
         let tire = &self.config.tire;
+        let beyond = self.posterior.stiff_edge() > T::lit(MOST_AT_EDGE);
         let cell = (tire.pressure_kpa(stiffness_n_per_m) - self.grid.pressure_kpa(0)) / step;
         let sd_cells = sd_n_per_m / tire.stiffness_per_kpa() / step;
-        let (cell, variance) = self.posterior.pseudo_measurement(cell, sd_cells)?;
+        let (cell, variance) = self.posterior.pseudo_measurement(cell, sd_cells).filter(|_| !beyond)?;
         let pressure_kpa = self.grid.pressure_kpa(0) + cell * step;
         Some(StiffnessPseudoMeasurement {
             stiffness_n_per_m: tire.stiffness_n_per_m(pressure_kpa),

@@ -50,6 +50,8 @@ pub enum Cause<T> {
     },
     /// The pressure is certainly above the limit.
     OverInflated(Reading<T>),
+    /// Far harder than the other tire of its axle, more than anybody inflates one: flat, on its rim.
+    Flat(Reading<T>),
     /// A sensor or its wiring.
     Malfunction(Malfunction<T>),
     /// Nothing could be learned for too long a time of driving.
@@ -127,7 +129,16 @@ impl From<Level> for Basis {
 blank!(Reading<T> { pressure_kpa, sd_kpa, limit_kpa, reference_kpa, basis });
 
 impl<T> Cause<T> {
-    /// One word: `under-inflated`, `fast-leak`, `all-low`, `over-inflated`, `malfunction` or `no-information`.
+    /// Whether it says that a tire has too little air.
+    #[must_use]
+    pub fn is_low(&self) -> bool {
+        matches!(
+            self,
+            Cause::UnderInflated(_) | Cause::FastLeak { .. } | Cause::AllLow { .. } | Cause::Flat(_)
+        )
+    }
+
+    /// One word: `under-inflated`, `fast-leak`, `all-low`, `over-inflated`, `flat`, `malfunction` or `no-information`.
     #[must_use]
     pub fn label(&self) -> &'static str {
         match self {
@@ -135,6 +146,7 @@ impl<T> Cause<T> {
             Cause::FastLeak { .. } => "fast-leak",
             Cause::AllLow { .. } => "all-low",
             Cause::OverInflated(_) => "over-inflated",
+            Cause::Flat(_) => "flat",
             Cause::Malfunction(_) => "malfunction",
             Cause::NoInformation { .. } => "no-information",
         }
@@ -177,6 +189,14 @@ impl<T: Real> fmt::Display for Alert<T> {
                 write!(f, "all wheels low: at {mean:.0} % (sd {sd:.0}) of their reference")?;
             }
             Cause::OverInflated(reading) => write!(f, "{} over-inflated: {reading}", self.wheels)?,
+            Cause::Flat(reading) => {
+                let share = (reading.pressure_kpa / reading.reference_kpa).to_f64();
+                write!(
+                    f,
+                    "{} flat: on its rim, or else inflated to {share:.1} times what it should have; stop and look",
+                    self.wheels
+                )?;
+            }
             Cause::Malfunction(malfunction) => write!(f, "malfunction: {malfunction}")?,
             Cause::NoInformation { driven_s } => {
                 write!(f, "{}: nothing learned in {:.0} min of driving", self.wheels, driven_s / 60.0)?;

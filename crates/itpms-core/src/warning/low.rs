@@ -14,6 +14,9 @@ const VERY_CERTAIN: f64 = 3.0;
 /// Seconds in which something was learned, for and against.
 const LOW: DebounceTimes = DebounceTimes { set_s: 2.0, clear_s: 10.0 };
 const OVER: DebounceTimes = DebounceTimes { set_s: 60.0, clear_s: 10.0 };
+const FLAT: DebounceTimes = DebounceTimes { set_s: 5.0, clear_s: 10.0 };
+/// Nobody inflates one tire of an axle by so much of its reference more than the other; a tire on its rim is harder than that.
+const NOBODY_INFLATES: f64 = 0.35;
 /// A tire that is lower than the other one of its side by less than this share of the reference goes with it, and then a
 /// second counts for that much less: two tires hardly lose pressure alike within minutes, but the level of a side is what
 /// an estimator is most easily wrong in.
@@ -31,12 +34,26 @@ const ANEW_S: f64 = 2.0;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Around<T> {
     pub(crate) speed_m_s: T,
+    /// Pressure over its reference.
+    pub(crate) share: T,
     /// Pressure of the side's other tire over its reference, if there is one.
     pub(crate) other_share: Option<T>,
     /// By how much the tire's share of its reference is above the mean of the others', and the sd of that, if all are known.
     pub(crate) above_others: Option<[T; 2]>,
+    /// The same above the other tire of its axle.
+    pub(crate) above_partner: Option<[T; 2]>,
     /// Whether what front and rear of the side disagree by may be the road's or a sensor's.
     pub(crate) doubted: bool,
+}
+
+impl<T: Real> Around<T> {
+    /// Whether the tire is harder than an inflated one can be: overfull, and surely so seen from the other one of its axle.
+    pub(crate) fn is_hard(&self, limits: &Limits<T>) -> bool {
+        let over = self.share > limits.over_share;
+        over && self.above_partner.is_some_and(|[above, sd]| {
+            above > T::lit(NOBODY_INFLATES) && above - T::lit(CERTAIN) * sd > limits.over_share - T::one()
+        })
+    }
 }
 
 /// What is remembered of a wheel.
@@ -45,6 +62,7 @@ pub(crate) struct Around<T> {
 pub(crate) struct WheelWatch {
     pub(crate) low: Debouncer,
     pub(crate) over: Debouncer,
+    pub(crate) flat: Debouncer,
     pub(crate) uninformed: Debouncer,
     pub(crate) informed_s: f64,
     /// Seconds in which something was learned since all that had been known was forgotten.
@@ -53,13 +71,14 @@ pub(crate) struct WheelWatch {
     pub(crate) driven_s: f64,
 }
 
-blank!(WheelWatch { low, over, uninformed, informed_s, anew_s, driven_s });
+blank!(WheelWatch { low, over, flat, uninformed, informed_s, anew_s, driven_s });
 
 impl WheelWatch {
     pub(crate) fn new() -> Self {
         Self {
             low: Debouncer::new(),
             over: Debouncer::new(),
+            flat: Debouncer::new(),
             uninformed: Debouncer::new(),
             informed_s: f64::NEG_INFINITY,
             anew_s: 0.0,
@@ -126,6 +145,12 @@ impl WheelWatch {
             Evidence::Undecided
         };
         self.over.update(time_s, step_s, over, OVER);
+        let flat = match around.above_partner {
+            Some(_) if around.is_hard(limits) => Evidence::Prefailed,
+            Some([above, _]) if above < limits.over_over_share - T::one() => Evidence::Prepassed,
+            _ => Evidence::Undecided,
+        };
+        self.flat.update(time_s, step_s, flat, FLAT);
     }
 
     /// Whether what was learned of the wheel is too long ago to be shown.

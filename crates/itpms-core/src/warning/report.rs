@@ -7,10 +7,12 @@ use crate::model::{Corner, Validity, Warning, Wheels};
 use crate::real::Real;
 use crate::warning::{Alert, Cause};
 
-/// The place of the alert for all wheels together, after five for each.
-pub(crate) const ALL_LOW_SLOT: usize = 20;
+/// Places of a wheel's alerts.
+const OF_A_WHEEL: usize = Slot::NoInformation as usize + 1;
+/// The place of the alert for all wheels together, after those of each.
+pub(crate) const ALL_LOW_SLOT: usize = 4 * OF_A_WHEEL;
 /// Alerts that can stand at once.
-const SLOTS: usize = 21;
+const SLOTS: usize = ALL_LOW_SLOT + 1;
 
 /// The places of a wheel's alerts.
 #[derive(Debug, Clone, Copy)]
@@ -18,6 +20,7 @@ pub(crate) enum Slot {
     Low,
     Leak,
     Over,
+    Flat,
     Malfunction,
     NoInformation,
 }
@@ -25,7 +28,7 @@ pub(crate) enum Slot {
 impl Slot {
     /// The place of a wheel.
     pub(crate) fn of(self, corner: Corner) -> usize {
-        5 * corner.index() + self as usize
+        OF_A_WHEEL * corner.index() + self as usize
     }
 }
 
@@ -37,7 +40,7 @@ pub enum WheelState {
     Unknown(Doubt),
     /// Known to be neither low nor overfull.
     Fine,
-    /// Under-inflated, leaking fast, or falling with all the others.
+    /// Under-inflated, leaking fast, falling with all the others, or flat on its rim.
     Low,
     /// Over-inflated.
     Over,

@@ -35,7 +35,9 @@ pub fn alert_object(alert: &Alert<f64>) -> Map<String, Value> {
     put("since_s", json!(alert.since_s));
     put("said_s", json!(alert.reported_s));
     match &alert.cause {
-        Cause::UnderInflated(reading) | Cause::OverInflated(reading) => put_reading(&mut put, reading),
+        Cause::UnderInflated(reading) | Cause::OverInflated(reading) | Cause::Flat(reading) => {
+            put_reading(&mut put, reading)
+        }
         Cause::FastLeak { reading, rate_kpa_per_min } => {
             put_reading(&mut put, reading);
             put("rate_kpa_per_min", json!(rate_kpa_per_min));

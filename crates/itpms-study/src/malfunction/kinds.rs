@@ -64,9 +64,11 @@ pub(super) fn malfunction_label(cause: &Cause<f64>) -> Option<&'static str> {
     match cause {
         Cause::Malfunction(malfunction) => Some(malfunction.label()),
         Cause::NoInformation { .. } => Some(cause.label()),
-        Cause::UnderInflated(_) | Cause::FastLeak { .. } | Cause::AllLow { .. } | Cause::OverInflated(_) => {
-            None
-        }
+        Cause::UnderInflated(_)
+        | Cause::FastLeak { .. }
+        | Cause::AllLow { .. }
+        | Cause::OverInflated(_)
+        | Cause::Flat(_) => None,
     }
 }
 

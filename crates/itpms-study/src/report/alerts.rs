@@ -70,6 +70,7 @@ fn line(span: &AlertSpan) -> Line {
             ("low", "All low", format!("at {mean:.0} ± {sd:.0} % of their reference on average"))
         }
         Cause::OverInflated(r) => ("over", "Too high", at(r)),
+        Cause::Flat(r) => ("low", "Flat, on its rim", format!("as hard as {}", at(r))),
         Cause::Malfunction(malfunction) => ("malfunction", "Malfunction", malfunction.to_string()),
         Cause::NoInformation { driven_s } => {
             ("unknown", "No information", format!("nothing learned in {:.0} min of driving", driven_s / 60.0))

@@ -5,7 +5,6 @@
 
 use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::Corner;
-use itpms_core::warning::{Alert, Cause};
 use itpms_sim::road::{RoadClass, RoadSpec};
 use itpms_sim::time_profile::{Pressure, Speed};
 use rand::{RngExt, SeedableRng};
@@ -212,7 +211,7 @@ fn drive(kind: EstimatorKind, loss: &Loss, setup: &Setup, turn: Turn) -> Result<
         car.update(&row.car_sample());
         for alert in car.report().alerts() {
             found.early |= row.time_s < loss.begins_s;
-            if is_low(alert) {
+            if alert.cause.is_low() {
                 let right = loss.all || alert.wheels.contains(drive.struck);
                 // "All four" names the right one among others.
                 found.wrong |= !loss.all && alert.wheels != drive.struck.into();
@@ -226,10 +225,6 @@ fn drive(kind: EstimatorKind, loss: &Loss, setup: &Setup, turn: Turn) -> Result<
         }
     }
     Ok(found)
-}
-
-fn is_low(alert: &Alert<f64>) -> bool {
-    matches!(alert.cause, Cause::UnderInflated(_) | Cause::FastLeak { .. } | Cause::AllLow { .. })
 }
 
 #[cfg(test)]

@@ -171,7 +171,7 @@ impl Level {
     }
 
     fn hear(&mut self, alert: &Alert<f64>, flat: Option<Corner>) {
-        if is_low(alert) {
+        if alert.cause.is_low() {
             self.false_low += u32::from(flat.is_none_or(|flat| alert.wheels != flat.into()));
         } else {
             self.sensors += u32::from(matches!(alert.cause, Cause::Malfunction(_)));
@@ -198,7 +198,7 @@ fn loss(subject: &Subject, turn: Turn) -> Result<Found, ScoreError> {
     let Some(mut car) = drive.cars()?.pop() else { return Ok(found) };
     for row in Simulation::new(&drive.scenario, turn.seed)? {
         car.update(&row.car_sample());
-        for alert in car.report().alerts().filter(|alert| is_low(alert)) {
+        for alert in car.report().alerts().filter(|alert| alert.cause.is_low()) {
             found.early |= flat.is_none() && row.time_s < begins_s;
             if alert.wheels.contains(struck) && row.time_s >= begins_s.min(complete_s) {
                 found.after_s = found.after_s.min(row.time_s - complete_s);
@@ -207,10 +207,6 @@ fn loss(subject: &Subject, turn: Turn) -> Result<Found, ScoreError> {
         }
     }
     Ok(found)
-}
-
-fn is_low(alert: &Alert<f64>) -> bool {
-    matches!(alert.cause, Cause::UnderInflated(_) | Cause::FastLeak { .. } | Cause::AllLow { .. })
 }
 
 fn level_cells(deviation: &Deviation, levels: &[Level]) -> Vec<Cell> {
