@@ -244,8 +244,9 @@ impl<T: Real> Monitor<T> {
             doubted[side] = parting || pending_fault.iter().any(|corner| corner.index() % 2 == side);
         }
         let mut around: [Around<T>; 4] = core::array::from_fn(|i| self.around(estimate, i, doubted[i % 2]));
-        // A tire as hard as a rim makes another one of the car look soft at first.
-        let hard: [bool; 4] = core::array::from_fn(|i| around[i].is_hard(&limits));
+        // Beside a tire that is as hard as a rim another one of the car may look soft.
+        let hard: [bool; 4] =
+            core::array::from_fn(|i| around[i].is_hard(&limits) || self.wheels[i].flat.is_active());
         for (i, corner) in estimate.corners.iter().enumerate() {
             if let Some(corner) = corner {
                 around[i].doubted |= hard.iter().enumerate().any(|(other, &hard)| hard && other != i);

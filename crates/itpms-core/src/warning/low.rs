@@ -16,7 +16,7 @@ const LOW: DebounceTimes = DebounceTimes { set_s: 2.0, clear_s: 10.0 };
 const OVER: DebounceTimes = DebounceTimes { set_s: 60.0, clear_s: 10.0 };
 const FLAT: DebounceTimes = DebounceTimes { set_s: 5.0, clear_s: 10.0 };
 /// Nobody inflates one tire of an axle by so much of its reference more than the other; a tire on its rim is harder than that.
-const NOBODY_INFLATES: f64 = 0.35;
+const NOBODY_INFLATES: f64 = 0.5;
 /// A tire that is lower than the other one of its side by less than this share of the reference goes with it, and then a
 /// second counts for that much less: two tires hardly lose pressure alike within minutes, but the level of a side is what
 /// an estimator is most easily wrong in.
