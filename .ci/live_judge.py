@@ -18,7 +18,7 @@ except ImportError as error:
     print(f"skipped: {error}")
     sys.exit(77)
 
-WORDS = {"wheels": {"state": "State", "warning": "Warning"}}
+WORDS = {"wheels": {"state": "State", "warning": "Warning", "level": "Level"}}
 # Half a step of each signal and a little for the rounding of sums.
 NUMBERS = {"pressure_kpa": ("Pressure", 0.005), "pressure_sd_kpa": ("PressureSd", 0.05), "reference_kpa": ("Reference", 0.005), "gate": ("Gate", 0.0025)}
 
@@ -57,6 +57,15 @@ def compare(snapshot: dict, frames: list[tuple[str, dict]]) -> int:
         for key, signal in WORDS["wheels"].items():
             found = str(values[f"ITPMS_{signal}_{corner}"])
             expect(found == wheel[key], f"{signal} {corner}: {found} instead of {wheel[key]}")
+            compared += 1
+        deviations = dict(frames)["ITPMS_Deviations"]
+        axle = {"F": "ITPMS_AxleDifferenceSd_F", "R": "ITPMS_AxleDifferenceSd_R"}[corner[0]]
+        for key, signal in {"change_sd_kpa": f"ITPMS_ChangeSd_{corner}", "axle_difference_sd_kpa": axle}.items():
+            found, told = deviations[signal], wheel[key]
+            if told is None:
+                expect(str(found) == "SNA", f"{signal}: {found} instead of SNA")
+            else:
+                expect(abs(float(found) - min(told, 102.2)) <= 0.05 * 1.001, f"{signal}: {found} instead of {told}")
             compared += 1
         expect(number(values[f"ITPMS_Valid_{corner}"]) == int(wheel["valid"]), f"Valid {corner}")
     status = dict(frames)["ITPMS_Status"]

@@ -51,6 +51,7 @@ fn estimate(time_s: f64, said: &Said) -> CarEstimate<f64> {
         pressure_kpa,
         pressure_sd_kpa: said.sd,
         change_sd_kpa: said.sd,
+        axle_difference_sd_kpa: None,
         level: Level::Calibration,
         road_m: 0.0,
         road_sd_m: 0.01,

@@ -134,6 +134,7 @@ fn estimate(pressure_kpa: f64, validity: Validity, warning: Warning) -> CornerEs
         pressure_kpa,
         pressure_sd_kpa: 1.4,
         change_sd_kpa: 1.1,
+        axle_difference_sd_kpa: Some(3.25),
         level: Level::Calibration,
         road_m: 0.001,
         road_sd_m: 0.0001,
@@ -163,10 +164,10 @@ fn estimates_have_the_promised_columns_and_words() {
     file.commit().unwrap();
     assert_eq!(
         fs::read_to_string(&path).unwrap(),
-        "time_s,fl_pressure_kpa,fl_pressure_sd_kpa,fl_stiffness_n_per_m,fl_valid,fl_warning,fl_change_sd_kpa,fl_level,\
-         rr_pressure_kpa,rr_pressure_sd_kpa,rr_stiffness_n_per_m,rr_valid,rr_warning,rr_change_sd_kpa,rr_level\n\
-         0.1,180.5,1.4,220000,true,low,1.1,calibration,,,,false,none,,file\n\
-         0.2,180.5,1.4,220000,true,low,1.1,calibration,,1.4,220000,false,malfunction,1.1,calibration\n"
+        "time_s,fl_pressure_kpa,fl_pressure_sd_kpa,fl_stiffness_n_per_m,fl_valid,fl_warning,fl_change_sd_kpa,fl_level,fl_axle_difference_sd_kpa,\
+         rr_pressure_kpa,rr_pressure_sd_kpa,rr_stiffness_n_per_m,rr_valid,rr_warning,rr_change_sd_kpa,rr_level,rr_axle_difference_sd_kpa\n\
+         0.1,180.5,1.4,220000,true,low,1.1,calibration,3.25,,,,false,none,,file,\n\
+         0.2,180.5,1.4,220000,true,low,1.1,calibration,3.25,,1.4,220000,false,malfunction,1.1,calibration,3.25\n"
     );
 }
 

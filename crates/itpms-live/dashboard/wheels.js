@@ -1,6 +1,6 @@
 // A card per wheel: state, pressure with its standard deviation, what it should be, and how much is being learned.
 
-import { NAMES, attribute, badge, digits, element, isShown, kind, pressure, put, span, spread, STATES } from "./words.js";
+import { NAMES, attribute, badge, digits, element, isShown, kind, pressure, put, span, spread, LEVELS, STATES } from "./words.js";
 
 const host = document.getElementById("cards");
 const cards = new Map();
@@ -16,11 +16,11 @@ function card(corner) {
   const fill = element("i", "gauge-fill"), band = element("i", "gauge-band"), aim = element("i", "gauge-mark");
   gauge.setAttribute("aria-hidden", "true");
   gauge.append(fill, band, aim);
-  const should = element("span"), learned = element("span");
-  foot.append(should, learned);
+  const should = element("span"), learned = element("span"), rests = element("span");
+  foot.append(should, learned, rests);
   article.append(name, mark, number, gauge, foot);
   host.append(article);
-  return { article, mark, value, sd, fill, band, should, learned };
+  return { article, mark, value, sd, fill, band, should, learned, rests };
 }
 
 const percent = (share) => (100 * Math.min(1, Math.max(0, share))).toFixed(1) + "%";
@@ -44,5 +44,7 @@ export function drawWheels(snapshot, state) {
     const same = Math.abs(wheel.reference_kpa - wheel.placard_kpa) < 0.5;
     put(c.should, same || wheel.reference_kpa == null ? `placard ${digits(wheel.placard_kpa, 0)} kPa` : `reference ${digits(wheel.reference_kpa, 0)} kPa`);
     put(c.learned, old ? "" : wheel.informed_age_s == null ? "nothing learned yet" : wheel.informed_age_s < 5 ? "learning" : `learned ${span(wheel.informed_age_s)} ago`);
+    // The level may be no better than the vehicle file while a change is known well.
+    put(c.rests, shown && LEVELS[wheel.level] ? `${LEVELS[wheel.level]}; changes ± ${digits(wheel.change_sd_kpa, 1)} kPa` : "");
   }
 }

@@ -12,6 +12,9 @@ export const STATES = {
   fine: { word: "Fine", short: "ok", was: "was ok" },
 };
 
+// What the level of a pressure rests on.
+export const LEVELS = { file: "level from the vehicle file", calibration: "level from a calibration" };
+
 const DOUBTS = {
   starting: ["Still learning", "learning"],
   "no-information": ["No information", "no info"],

@@ -101,6 +101,12 @@ pub struct Wheel {
     pub pressure_kpa: f64,
     /// Its standard deviation in kPa.
     pub pressure_sd_kpa: f64,
+    /// Standard deviation in kPa of what it has changed by within minutes: without what the vehicle file leaves open.
+    pub change_sd_kpa: f64,
+    /// Standard deviation in kPa of what it differs by from the axle's other tire; `null` without one.
+    pub axle_difference_sd_kpa: Option<f64>,
+    /// What its level rests on: `file` or `calibration`.
+    pub level: &'static str,
     /// Tire stiffness in N/m.
     pub stiffness_n_per_m: f64,
     /// What the pressure is held against, in kPa.

@@ -205,7 +205,14 @@ impl Samples {
 }
 
 /// What is known of a corner in numbers, and in words: the columns of `itpms estimate -o`.
-const NUMBERS: [&str; 5] = ["pressure_kpa", "pressure_sd_kpa", "stiffness_n_per_m", "valid", "change_sd_kpa"];
+const NUMBERS: [&str; 6] = [
+    "pressure_kpa",
+    "pressure_sd_kpa",
+    "stiffness_n_per_m",
+    "valid",
+    "change_sd_kpa",
+    "axle_difference_sd_kpa",
+];
 const WORDS: [&str; 2] = ["warning", "level"];
 
 /// Estimates over time: numbers, and the words beside them.
@@ -239,10 +246,11 @@ impl Found {
             .zip(corners.chunks_exact_mut(NUMBERS.len()))
         {
             let estimate = estimates[corner.index()].as_ref();
-            let nothing = [f64::NAN, f64::NAN, f64::NAN, 0.0, f64::NAN];
+            let nothing = [f64::NAN, f64::NAN, f64::NAN, 0.0, f64::NAN, f64::NAN];
             let values = estimate.map_or(nothing, |e| {
                 let valid = if e.validity.is_valid() { 1.0 } else { 0.0 };
-                [e.pressure_kpa, e.pressure_sd_kpa, e.stiffness_n_per_m, valid, e.change_sd_kpa]
+                let difference = e.axle_difference_sd_kpa.unwrap_or(f64::NAN);
+                [e.pressure_kpa, e.pressure_sd_kpa, e.stiffness_n_per_m, valid, e.change_sd_kpa, difference]
             });
             for ((_, column), value) in numbers.iter_mut().zip(values) {
                 column.push(value);

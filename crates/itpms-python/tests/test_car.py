@@ -60,6 +60,7 @@ def test_one_corner_alone(drive):
             "warning",
             "change_sd_kpa",
             "level",
+            "axle_difference_sd_kpa",
         )
     }
     assert abs(found["rl_pressure_kpa"][-1] - 241.3) < 4 * found["rl_pressure_sd_kpa"][-1]

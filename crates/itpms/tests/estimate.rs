@@ -21,7 +21,7 @@ fn pressures_come_at_ten_hertz_in_the_promised_columns_and_follow_the_drop() {
     let (names, rows) = table(&text);
     assert_eq!(
         names.join(" "),
-        "time_s fl_pressure_kpa fl_pressure_sd_kpa fl_stiffness_n_per_m fl_valid fl_warning fl_change_sd_kpa fl_level"
+        "time_s fl_pressure_kpa fl_pressure_sd_kpa fl_stiffness_n_per_m fl_valid fl_warning fl_change_sd_kpa fl_level fl_axle_difference_sd_kpa"
     );
     assert_eq!(rows.len(), 400);
     for row in &rows {

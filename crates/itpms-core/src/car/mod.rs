@@ -339,6 +339,14 @@ impl<T: Real> CarEstimator<T> {
             }
         }
         let (correlation, tracks) = (self.correlation(&corners, fused.as_ref()), self.tracks());
+        let [fl, fr, rl, rr] = &mut corners;
+        for (left, right, correlation) in [(fl, fr, correlation[0][1]), (rl, rr, correlation[2][3])] {
+            let (Some(left), Some(right)) = (left, right) else { continue };
+            let (a, b) = (left.pressure_sd_kpa, right.pressure_sd_kpa);
+            let variance = a * a + b * b - T::lit(2.0) * correlation * a * b;
+            let sd_kpa = Some(variance.max(T::zero()).sqrt());
+            (left.axle_difference_sd_kpa, right.axle_difference_sd_kpa) = (sd_kpa, sd_kpa);
+        }
         CarEstimate { time_s: sample.time_s, corners, correlation, tracks }
     }
 

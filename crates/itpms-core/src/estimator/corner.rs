@@ -385,6 +385,7 @@ impl<T: Real> CornerEstimator<T> {
             pressure_sd_kpa,
             change_sd_kpa,
             level,
+            axle_difference_sd_kpa: None,
             road_m: reading.road_m,
             road_sd_m: reading.road_sd_m,
             validity,

@@ -182,6 +182,9 @@ pub struct CornerEstimate<T> {
     pub change_sd_kpa: T,
     /// What its level rests on.
     pub level: Level,
+    /// Standard deviation in kPa of what it differs by from the pressure of its axle's other tire: errors of the level are common to
+    /// both. `None` without another one.
+    pub axle_difference_sd_kpa: Option<T>,
     /// Road height under the wheel in m, causal and without drift.
     pub road_m: T,
     /// Its standard deviation in m.

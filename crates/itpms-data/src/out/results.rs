@@ -11,10 +11,10 @@ use super::table::{Cell, Kind, Table};
 use crate::error::DataError;
 
 /// Writes `time_s`, then per corner `{c}_pressure_kpa, {c}_pressure_sd_kpa, {c}_stiffness_n_per_m, {c}_valid,
-/// {c}_warning, {c}_change_sd_kpa, {c}_level`.
+/// {c}_warning, {c}_change_sd_kpa, {c}_level, {c}_axle_difference_sd_kpa`.
 ///
 /// `pressure_sd_kpa` is that of the pressure, what the vehicle file leaves open included; `change_sd_kpa` that of what has changed of
-/// late. `level` is what the pressure's level rests on: `file` or `calibration`. `valid` is `true` or `false`, `warning` one of `none`, `low`, `malfunction`. A row says what was known at its
+/// late; `axle_difference_sd_kpa` that of what the pressure differs by from the other tire's of its axle. `level` is what the pressure's level rests on: `file` or `calibration`. `valid` is `true` or `false`, `warning` one of `none`, `low`, `malfunction`. A row says what was known at its
 /// time from samples up to it.
 #[derive(Debug)]
 pub struct EstimateWriter {
@@ -39,6 +39,7 @@ impl EstimateWriter {
                 ("warning", Kind::Label),
                 ("change_sd_kpa", Kind::Number),
                 ("level", Kind::Label),
+                ("axle_difference_sd_kpa", Kind::Number),
             ] {
                 columns.push((format!("{}_{suffix}", corner.label()), kind));
             }
@@ -70,6 +71,7 @@ impl EstimateWriter {
                 Cell::Label(estimate.map_or(Warning::None, |e| e.warning).label()),
                 number(|e| e.change_sd_kpa),
                 Cell::Label(estimate.map_or(Level::VehicleFile, |e| e.level).label()),
+                number(|e| e.axle_difference_sd_kpa.unwrap_or(f64::NAN)),
             ]);
         }
         self.table.write(&self.cells)

@@ -58,11 +58,19 @@ fn source(out: &mut Page, snapshot: &Snapshot) {
 
 fn wheels(out: &mut Page, snapshot: &Snapshot) {
     type Number = fn(&Wheel) -> f64;
-    let families: [(&str, &str, Number); 8] = [
+    let families: [(&str, &str, Number); 10] = [
         ("itpms_tire_pressure_kpa", "Gauge pressure; NaN while it may not be shown.", |w| {
             shown(w, w.pressure_kpa)
         }),
         ("itpms_tire_pressure_sd_kpa", "Its standard deviation.", |w| shown(w, w.pressure_sd_kpa)),
+        ("itpms_tire_change_sd_kpa", "The same of what has changed within minutes.", |w| {
+            shown(w, w.change_sd_kpa)
+        }),
+        (
+            "itpms_tire_axle_difference_sd_kpa",
+            "The same of the difference from the axle's other tire.",
+            |w| shown(w, w.axle_difference_sd_kpa.unwrap_or(f64::NAN)),
+        ),
         ("itpms_tire_reference_kpa", "What the pressure is held against.", |w| w.reference_kpa),
         ("itpms_tire_stiffness_newtons_per_meter", "Tire stiffness.", |w| w.stiffness_n_per_m),
         ("itpms_tire_valid", "1 while the pressure may be shown.", |w| f64::from(u8::from(w.valid))),

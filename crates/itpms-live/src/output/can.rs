@@ -1,4 +1,5 @@
-//! Estimates as CAN frames of our own DBC: a frame per wheel and one of status with every estimate.
+//! Estimates as CAN frames of our own DBC: a frame per wheel, one of further standard deviations and one of status with every
+//! estimate.
 //!
 //! The frames are made from the very text that `itpms monitor --print-dbc` prints: what it says of bits, factors and
 //! labels is what is sent.
@@ -21,8 +22,10 @@ use crate::snapshot::{Snapshot, SourceState, Wheel};
 pub const DBC: &str = include_str!("itpms.dbc");
 
 const STATUS: &str = "ITPMS_Status";
+const DEVIATIONS: &str = "ITPMS_Deviations";
 const STATES: [&str; 5] = ["unknown", "fine", "low", "over", "malfunction"];
 const WARNINGS: [&str; 3] = ["none", "low", "malfunction"];
+const LEVELS: [&str; 2] = ["file", "calibration"];
 const CORNERS: [&str; 4] = ["fl", "fr", "rl", "rr"];
 
 /// Identifiers of our frames.
@@ -58,10 +61,15 @@ impl Frames {
         let sets = self.sets;
         self.sets += 1;
         let time_s = snapshot.unix_s;
-        let mut frames = Vec::with_capacity(5);
+        let mut frames = Vec::with_capacity(6);
         for message in self.dbc.messages() {
             let frame = if message.name == STATUS {
                 frame(message, time_s, |signal| status_value(snapshot, sets, signal))
+            } else if message.name == DEVIATIONS {
+                // Without wheels there is nothing to say.
+                let any = !snapshot.wheels.is_empty();
+                any.then(|| frame(message, time_s, |signal| deviation_value(snapshot, sets, signal)))
+                    .flatten()
             } else {
                 let wheel = snapshot.wheels.iter().find(|wheel| message.name.ends_with(&upper(wheel.corner)));
                 wheel.and_then(|wheel| frame(message, time_s, |signal| wheel_value(wheel, sets, signal)))
@@ -114,6 +122,20 @@ fn status_value(snapshot: &Snapshot, sets: u64, signal: &str) -> f64 {
     }
 }
 
+fn deviation_value(snapshot: &Snapshot, sets: u64, signal: &str) -> f64 {
+    let Some((what, whose)) = signal.rsplit_once('_') else { return f64::NAN };
+    let found = |corner: &str| snapshot.wheels.iter().find(|wheel| wheel.corner.eq_ignore_ascii_case(corner));
+    let left_of = |axle: &str| found(if axle == "F" { "fl" } else { "rl" });
+    match what {
+        "ITPMS_ChangeSd" => found(whose).map_or(f64::NAN, |wheel| wheel.change_sd_kpa),
+        "ITPMS_AxleDifferenceSd" => {
+            left_of(whose).and_then(|wheel| wheel.axle_difference_sd_kpa).unwrap_or(f64::NAN)
+        }
+        "ITPMS_Counter" => (sets % 16) as f64,
+        _ => f64::NAN,
+    }
+}
+
 fn wheel_value(wheel: &Wheel, sets: u64, signal: &str) -> f64 {
     let place =
         |words: &[&str], word: &str| words.iter().position(|w| *w == word).map_or(f64::NAN, |p| p as f64);
@@ -125,6 +147,7 @@ fn wheel_value(wheel: &Wheel, sets: u64, signal: &str) -> f64 {
         "ITPMS_Valid" => f64::from(u8::from(wheel.valid)),
         "ITPMS_Reference" => wheel.reference_kpa,
         "ITPMS_Warning" => place(&WARNINGS, wheel.warning),
+        "ITPMS_Level" => place(&LEVELS, wheel.level),
         "ITPMS_Counter" => (sets % 16) as f64,
         "ITPMS_Gate" => wheel.gate,
         _ => f64::NAN,

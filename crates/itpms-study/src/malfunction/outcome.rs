@@ -275,6 +275,7 @@ mod tests {
             pressure_kpa,
             pressure_sd_kpa,
             change_sd_kpa: pressure_sd_kpa,
+            axle_difference_sd_kpa: None,
             level: Level::Calibration,
             road_m: 0.0,
             road_sd_m: 0.01,

@@ -2,7 +2,7 @@
 //!
 //! Called by the report's collector. Exact: nothing here is decimated.
 
-use itpms_core::model::{CornerEstimate, Warning};
+use itpms_core::model::{CornerEstimate, Level, Warning};
 
 use super::Z_95;
 
@@ -32,6 +32,17 @@ pub struct Reading {
     pub sd_kpa: f64,
 }
 
+/// What the last valid reading rests on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grounds {
+    /// What the pressure's level rests on.
+    pub level: Level,
+    /// Sd in kPa of what the pressure has changed by within minutes.
+    pub change_sd_kpa: f64,
+    /// Sd in kPa of what it differs by from the other tire's of its axle.
+    pub axle_difference_sd_kpa: Option<f64>,
+}
+
 /// How far the estimate was from the truth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TruthFigures {
@@ -54,6 +65,8 @@ pub struct CornerFigures {
     pub first: Option<Reading>,
     /// The last valid reading.
     pub last: Option<Reading>,
+    /// And what it rests on.
+    pub grounds: Option<Grounds>,
     /// The valid reading with the lowest upper end of its 95 % interval: the lowest that is sure.
     pub lowest: Option<Reading>,
     /// When `low` was first warned of, in s.
@@ -92,6 +105,7 @@ impl FigureSums {
         let figures = CornerFigures {
             first: None,
             last: None,
+            grounds: None,
             lowest: None,
             low_since_s: None,
             low_until_s: None,
@@ -127,6 +141,11 @@ impl FigureSums {
         if estimate.validity.is_valid() && known {
             self.valid += 1;
             self.take_valid(reading, settled);
+            self.figures.grounds = Some(Grounds {
+                level: estimate.level,
+                change_sd_kpa: estimate.change_sd_kpa,
+                axle_difference_sd_kpa: estimate.axle_difference_sd_kpa,
+            });
         }
         self.take_warning(time_s, estimate.warning);
         if estimate.diagnostics.nis.is_finite() {

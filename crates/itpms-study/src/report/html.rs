@@ -6,7 +6,7 @@
 use std::fmt::Write as _;
 use std::io;
 
-use itpms_core::model::Warning;
+use itpms_core::model::{Level, Warning};
 
 use super::words::{Status, clock, corner_name, level, reading, sentence, title};
 use super::{CornerReport, ReportData, alerts, car, json, roads};
@@ -190,9 +190,21 @@ fn some(value: Option<f64>, text: impl Fn(f64) -> String) -> String {
     value.filter(|v| v.is_finite()).map_or(String::new(), text)
 }
 
-const FIGURES: [Row; 18] = [
+const FIGURES: [Row; 21] = [
     ("Pressure at the end", "last valid estimate, ± one standard deviation", |c| {
         c.figures.last.as_ref().map_or(String::new(), reading)
+    }),
+    ("Level from", "what the pressure's level rests on", |c| {
+        c.figures.grounds.map_or(String::new(), |g| match g.level {
+            Level::VehicleFile => "vehicle file".into(),
+            Level::Calibration => "calibration".into(),
+        })
+    }),
+    ("Change known to", "standard deviation of what it has changed by within minutes", |c| {
+        some(c.figures.grounds.map(|g| g.change_sd_kpa), |v| format!("± {v:.1} kPa"))
+    }),
+    ("Against its axle", "standard deviation of the difference from the other tire of the axle", |c| {
+        some(c.figures.grounds.and_then(|g| g.axle_difference_sd_kpa), |v| format!("± {v:.1} kPa"))
     }),
     ("Lowest pressure", "where the upper end of the 95 % interval is lowest", |c| {
         c.figures.lowest.as_ref().map_or(String::new(), |r| format!("{} at {}", reading(r), clock(r.time_s)))

@@ -75,6 +75,7 @@ impl Tire {
             pressure_kpa,
             pressure_sd_kpa: sd,
             change_sd_kpa: sd,
+            axle_difference_sd_kpa: None,
             level: Level::Calibration,
             road_m: 0.0,
             road_sd_m: 4e-4,
