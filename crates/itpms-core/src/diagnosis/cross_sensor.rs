@@ -107,6 +107,10 @@ impl<T: Real> CrossSensorPlausibility<T> {
     pub(crate) fn drop_suspicions(&mut self) {
         let words = self.pairs.iter_mut().chain(&mut self.corners).chain(&mut self.reversed);
         words.for_each(FaultLatch::drop_suspicion);
+        self.drop_gain_suspicions();
+    }
+
+    fn drop_gain_suspicions(&mut self) {
         for jump in self.jumps.iter_mut().filter(|jump| jump.is_suspected()) {
             *jump = WheelGainJump::new();
         }
@@ -207,6 +211,11 @@ impl<T: Real> CrossSensorPlausibility<T> {
     /// Takes the block that was just compared, of a car none of whose sensors is odd by itself: has what a wheel does to its body
     /// changed at once?
     pub(crate) fn look_for_jumps(&mut self, at: [f64; 2], block: &Block<T>) {
+        // What a wheel does to a body is the corner's own only while all bodies are one.
+        if self.plane().is_some_and(|plane| plane.warp > T::lit(BENT)) {
+            self.drop_gain_suspicions();
+            return;
+        }
         let heard = |i: usize| {
             let loud = block.hop[(i, i)] > T::lit(HEARD / OVER_NOISE) * self.noise(i, HOP_WIDTH_HZ);
             loud && self.newest_ratio[i].is_finite() && block.hop[(4 + i, 4 + i)] > T::zero()
@@ -230,13 +239,16 @@ impl<T: Real> CrossSensorPlausibility<T> {
     }
 
     fn judge_pairs(&mut self, at: [f64; 2], following: Option<&Following<T>>, plane: Option<&Plane<T>>) {
+        let bent = plane.filter(|plane| plane.warp > T::lit(BENT));
         for (k, [i, j]) in PAIRS.into_iter().enumerate() {
-            let evidence = following.map_or(Evidence::NoData, |following| {
+            // Bodies that are no plane, and none if two of them change places, are not one rigid body: each follows other wheels, too.
+            let rigid = bent.is_none_or(|plane| plane.is_put_back_by(k));
+            let evidence = following.filter(|_| rigid).map_or(Evidence::NoData, |following| {
                 let own = &following.own_over_other;
                 let least = own.iter().fold(own[k], |least, other| least.min(*other));
                 evidence(own[k] < T::lit(OTHER) && own[k] <= least, own[k] > T::lit(OWN))
             });
-            let place = if bodies_swapped(plane, k) { Place::Body } else { Place::Wheel };
+            let place = if bent.is_some() { Place::Body } else { Place::Wheel };
             let sensor = |i: usize| Sensor { corner: Corner::ALL[i], place };
             self.pairs[k].update(at, evidence, SWAP, || Malfunction::Swapped(sensor(i), sensor(j)));
         }
@@ -343,10 +355,4 @@ impl<T: Real> CrossSensorPlausibility<T> {
             .filter_map(|word| word.malfunction.as_ref())
             .fold(jumped, |all: Wheels, malfunction| all | malfunction.wheels())
     }
-}
-
-/// Whether it is the bodies of this pair that are swapped and not the wheels: then they are no plane as they are.
-fn bodies_swapped<T: Real>(plane: Option<&Plane<T>>, pair: usize) -> bool {
-    // Bodies of a diagonal stay in the plane: that it is not their wheels cannot be told.
-    plane.is_some_and(|plane| matches!(pair, 0 | 1 | 4 | 5) && plane.warp > T::lit(BENT))
 }

@@ -97,6 +97,18 @@ impl<T: Real> Plane<T> {
         (self.explained > T::lit(EXPLAINED) && left < T::lit(LEFT)).then_some(self.culprit)
     }
 
+    /// Whether the bodies would be one plane if those of this pair changed places.
+    pub(crate) fn is_put_back_by(&self, pair: usize) -> bool {
+        let [i, j] = PAIRS[pair];
+        let left = match i ^ j {
+            1 => self.warp_sides,
+            2 => self.warp_axles,
+            // A diagonal that changes places leaves the warp as it is.
+            _ => self.warp,
+        };
+        left < T::lit(LEFT)
+    }
+
     /// The corners that, back in their places, would make the bodies one plane again, if no others would.
     pub(crate) fn changed_places(&self) -> Option<Changed> {
         let left = T::lit(LEFT).min(T::lit(PUT_BACK) * self.warp);
@@ -136,6 +148,9 @@ pub(crate) fn median<T: Real>(values: &mut [T]) -> T {
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
+    use std::vec::Vec;
+
     use nalgebra::Vector4;
 
     use super::*;
@@ -193,6 +208,30 @@ mod tests {
             });
             assert_eq!(axles.changed_places(), Some(Changed::Axles), "{axles:?}");
             assert_eq!(plane(&mut random, |random| rigid(random, 0, 1.0)).changed_places(), None);
+        }
+    }
+
+    #[test]
+    fn only_bodies_that_are_swapped_are_put_back() {
+        let mut random = Random(8);
+        for _ in 0..200 {
+            for (pair, [i, j]) in PAIRS.into_iter().enumerate().filter(|(_, [i, j])| i + j != 3) {
+                let swapped = plane(&mut random, |random| {
+                    let mut bodies = rigid(random, 0, 1.0);
+                    bodies.swap_rows(i, j);
+                    bodies
+                });
+                let back: Vec<bool> = (0..6).map(|pair| swapped.is_put_back_by(pair)).collect();
+                // Which of an axle's or a side's two pairs it is the plane cannot tell.
+                assert!(back[pair] && back[5 - pair], "{back:?}");
+                assert_eq!(back.iter().filter(|back| **back).count(), 2, "{back:?}");
+            }
+            // Half of the power is the body's own twist.
+            let twisting = plane(&mut random, |random| {
+                let twist = 2.0 * random.normal();
+                rigid(random, 0, 1.0) + Vector4::new(twist, -twist, -twist, twist)
+            });
+            assert!((0..6).all(|pair| !twisting.is_put_back_by(pair)), "{twisting:?}");
         }
     }
 
