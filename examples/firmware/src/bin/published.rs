@@ -1,21 +1,18 @@
-//! Instructions a step of the published filters on a Cortex-M4F: `cd bare-metal && cargo run --release`, under QEMU with
-//! one instruction every 64 ns (`.cargo/config.toml`). Instructions, not cycles: a division is one of either.
+//! Instructions a step of the published filters on a Cortex-M4F: `cd examples/firmware && cargo run --features paper --bin published`,
+//! under QEMU with one instruction every 64 ns (`.cargo/config.toml`). Instructions, not cycles: a division is one of either.
 #![no_std]
 #![no_main]
 
 use core::hint::black_box;
 
-use cortex_m::peripheral::SYST;
-use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
 use itpms_core::model::{CornerSample, QuarterCar};
 use itpms_core::published::{AekfUi, AekfUiLean, FilterConfig, LeanRecord, StepRecord, StepStatus};
 use itpms_core::real::Real;
+use itpms_firmware::{Counter, instructions};
 use panic_semihosting as _;
 
-/// 40 ns of SysTick over 64 ns of an instruction.
-const INSTRUCTIONS_PER_TICK: f64 = 40.0 / 64.0;
 const STEPS: u32 = 300;
 
 /// A body at 1.4 Hz and a wheel at 11 Hz, by recursion, so that no library's sine is needed.
@@ -39,23 +36,14 @@ impl Signal {
     }
 }
 
-/// Ticks that `action` takes, less than 2^24.
-fn ticks(clock: &mut SYST, action: impl FnOnce()) -> u32 {
-    clock.clear_current();
-    let before = SYST::get_current();
-    action();
-    before.wrapping_sub(SYST::get_current()) & 0x00ff_ffff
-}
-
 /// Prints mean and largest number of instructions of a step, until the filter diverges.
-fn report<T: Real>(clock: &mut SYST, name: &str, mut step: impl FnMut(&CornerSample<T>) -> StepStatus) {
-    let overhead = ticks(clock, || ());
+fn report<T: Real>(counter: &mut Counter, name: &str, mut step: impl FnMut(&CornerSample<T>) -> StepStatus) {
     let (mut sum, mut largest, mut counted) = (0u64, 0, 0u32);
     let mut signal = Signal::new();
     for _ in 0..STEPS {
         let sample = black_box(signal.next::<T>());
         let mut status = StepStatus::Ignored;
-        let taken = ticks(clock, || status = step(&sample)).saturating_sub(overhead);
+        let taken = counter.ticks(|| status = step(&sample));
         if status != StepStatus::Updated {
             break;
         }
@@ -67,7 +55,6 @@ fn report<T: Real>(clock: &mut SYST, name: &str, mut step: impl FnMut(&CornerSam
         hprintln!("{}: diverges at its first step", name);
         return;
     }
-    let instructions = |ticks: f64| (ticks * INSTRUCTIONS_PER_TICK + 0.5) as u32;
     let mean = instructions(sum as f64 / f64::from(counted));
     let largest = instructions(f64::from(largest));
     hprintln!("{}: mean {}, largest {}, over {} steps", name, mean, largest, counted);
@@ -85,32 +72,31 @@ fn step_dense<T: Real>(filter: &mut AekfUi<T>, dt_s: T, sample: &CornerSample<T>
     filter.step(dt_s, sample)
 }
 
-fn lean<T: Real>(clock: &mut SYST, name: &str, config: FilterConfig<T>) {
+fn lean<T: Real>(counter: &mut Counter, name: &str, config: FilterConfig<T>) {
     let Ok(mut filter) = AekfUiLean::new(QuarterCar::paper_table_2(), config) else { return };
-    report(clock, name, |sample| step_lean(black_box(&mut filter), black_box(T::lit(2e-3)), sample).status);
+    report(counter, name, |sample| step_lean(black_box(&mut filter), black_box(T::lit(2e-3)), sample).status);
 }
 
-fn dense<T: Real>(clock: &mut SYST, name: &str, config: FilterConfig<T>) {
+fn dense<T: Real>(counter: &mut Counter, name: &str, config: FilterConfig<T>) {
     let Ok(mut filter) = AekfUi::new(QuarterCar::paper_table_2(), config) else { return };
-    report(clock, name, |sample| step_dense(black_box(&mut filter), black_box(T::lit(2e-3)), sample).status);
+    report(counter, name, |sample| {
+        step_dense(black_box(&mut filter), black_box(T::lit(2e-3)), sample).status
+    });
 }
 
 #[entry]
 fn main() -> ! {
     if let Some(peripherals) = cortex_m::Peripherals::take() {
-        let mut clock = peripherals.SYST;
-        clock.set_clock_source(SystClkSource::Core);
-        clock.set_reload(0x00ff_ffff);
-        clock.enable_counter();
+        let mut counter = Counter::new(peripherals.SYST);
         // What a known number of instructions is counted as: 1000 times nop and the loop's own.
-        let nops = ticks(&mut clock, || (0..1000).for_each(|_| cortex_m::asm::nop()));
-        hprintln!("1000 nops in a loop: {}", (f64::from(nops) * INSTRUCTIONS_PER_TICK) as u32);
-        lean(&mut clock, "closed form f32, simulation", FilterConfig::<f32>::paper_simulation());
-        lean(&mut clock, "closed form f32, test bed", FilterConfig::<f32>::paper_bench());
-        lean(&mut clock, "closed form f64, simulation", FilterConfig::<f64>::paper_simulation());
-        dense(&mut clock, "dense f32, simulation", FilterConfig::<f32>::paper_simulation());
-        dense(&mut clock, "dense f32, test bed", FilterConfig::<f32>::paper_bench());
-        dense(&mut clock, "dense f64, simulation", FilterConfig::<f64>::paper_simulation());
+        let nops = counter.ticks(|| (0..1000).for_each(|_| cortex_m::asm::nop()));
+        hprintln!("1000 nops in a loop: {}", instructions(f64::from(nops)));
+        lean(&mut counter, "closed form f32, simulation", FilterConfig::<f32>::paper_simulation());
+        lean(&mut counter, "closed form f32, test bed", FilterConfig::<f32>::paper_bench());
+        lean(&mut counter, "closed form f64, simulation", FilterConfig::<f64>::paper_simulation());
+        dense(&mut counter, "dense f32, simulation", FilterConfig::<f32>::paper_simulation());
+        dense(&mut counter, "dense f32, test bed", FilterConfig::<f32>::paper_bench());
+        dense(&mut counter, "dense f64, simulation", FilterConfig::<f64>::paper_simulation());
     }
     debug::exit(debug::EXIT_SUCCESS);
     loop {

@@ -1,0 +1,57 @@
+//! Simulates the drive that `car` is fed with, as a logger would store it: 16 bits a value. Lets the linker find `memory.x`.
+
+use std::error::Error;
+use std::ops::Range;
+use std::path::Path;
+use std::{env, fs};
+
+use itpms_sim::scenario::Scenario;
+use itpms_sim::simulation::Simulation;
+
+/// `drive-puncture`: front left goes down from 20 s on.
+const DRIVE_S: f64 = 30.0;
+/// When the wire of the front right wheel's sensor is off.
+const LOST_S: Range<f64> = 10.0..14.0;
+/// What a bit is: accelerations, in 1/m/s², and the speed, in 1/m/s.
+const PER_M_S2: f64 = 128.0;
+const PER_M_S: f64 = 256.0;
+/// What stands for a missing value.
+const MISSING: i16 = i16::MIN;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    println!("cargo::rustc-link-search={}", env::var("CARGO_MANIFEST_DIR")?);
+    println!("cargo::rerun-if-changed=memory.x");
+    println!("cargo::rerun-if-changed=build.rs");
+    let scenario = Scenario { duration_s: DRIVE_S, ..Scenario::builtin("drive-puncture")? };
+    let mut bytes = Vec::new();
+    let mut samples = 0;
+    for row in Simulation::new(&scenario, 1)? {
+        let sample = row.car_sample();
+        let mut put = |value: f64, per_unit: f64| {
+            let value = match value.is_nan() {
+                true => MISSING,
+                false => (value * per_unit).round().clamp(-32_767.0, 32_767.0) as i16,
+            };
+            bytes.extend(value.to_le_bytes());
+        };
+        put(sample.speed_m_s, PER_M_S);
+        for (i, corner) in sample.corners.iter().enumerate() {
+            let corner = corner.ok_or("the drive has four wheels")?;
+            let lost = i == 1 && LOST_S.contains(&sample.time_s);
+            put(corner.body_accel_m_s2, PER_M_S2);
+            put(if lost { f64::NAN } else { corner.wheel_accel_m_s2 }, PER_M_S2);
+        }
+        samples += 1;
+    }
+    let out = env::var("OUT_DIR")?;
+    fs::write(Path::new(&out).join("drive.bin"), &bytes)?;
+    let constants = format!(
+        "const RATE_HZ: f64 = {:?};\nconst SAMPLES: usize = {samples};\nconst PER_M_S2: f32 = {PER_M_S2:?};\n\
+         const PER_M_S: f32 = {PER_M_S:?};\nconst MISSING: i16 = {MISSING};\n\
+         static DRIVE: [u8; {}] = *include_bytes!(\"drive.bin\");\n",
+        scenario.rate_hz,
+        bytes.len()
+    );
+    fs::write(Path::new(&out).join("drive.rs"), constants)?;
+    Ok(())
+}

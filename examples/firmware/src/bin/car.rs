@@ -1,0 +1,153 @@
+//! A whole car under its monitor on a Cortex-M4F: `cd examples/firmware && cargo run`, under QEMU. Four wheels at 500 Hz in `f32`,
+//! fed by a drive that is compiled in: a calibration, a sensor that is lost and comes back, a nail. Prints warnings as they
+//! come, and what all of it took.
+#![no_std]
+#![no_main]
+
+use core::hint::black_box;
+
+use cortex_m_rt::entry;
+use cortex_m_semihosting::{debug, hprintln};
+use itpms_core::model::{CarConfig, CarSample, Corner, CornerConfig, CornerSample, QuarterCar};
+use itpms_core::monitor::{MonitorConfig, MonitoredCar};
+use itpms_core::warning::Change;
+use itpms_firmware::memory::{self, Sizes};
+use itpms_firmware::{Counter, instructions};
+use panic_semihosting as _;
+
+include!(concat!(env!("OUT_DIR"), "/drive.rs"));
+
+/// Bytes of a sample: speed, and body and wheel of four corners.
+const SAMPLE: usize = 18;
+/// When somebody presses the button, and for how long the car then learns.
+const CALIBRATION_S: [f64; 2] = [4.0, 5.0];
+/// How often pressures are printed.
+const EVERY_S: f64 = 5.0;
+
+/// What the estimator is told: the car of `drive-puncture`.
+fn config() -> Option<MonitorConfig<f32>> {
+    let front = CornerConfig::<f32>::paper();
+    let car = &front.quarter_car;
+    let rear = QuarterCar::new(216.0, 50.0, car.damping_n_s_per_m(), car.spring_n_per_m()).ok()?;
+    let rear = CornerConfig { quarter_car: rear, ..front };
+    let corners = [Some(front), Some(front), Some(rear), Some(rear)];
+    Some(MonitorConfig::new(&CarConfig { corners, wheelbase_m: Some(2.7) }))
+}
+
+/// The sample `index` of the drive, as an interrupt would hand it on.
+fn sample(index: usize) -> CarSample<f32> {
+    let bytes = &DRIVE[SAMPLE * index..SAMPLE * (index + 1)];
+    let value = |i: usize, per_unit: f32| match i16::from_le_bytes([bytes[2 * i], bytes[2 * i + 1]]) {
+        MISSING => f32::NAN,
+        value => f32::from(value) / per_unit,
+    };
+    let corners = core::array::from_fn(|i| {
+        Some(CornerSample {
+            body_accel_m_s2: value(1 + 2 * i, PER_M_S2),
+            wheel_accel_m_s2: value(2 + 2 * i, PER_M_S2),
+        })
+    });
+    CarSample { time_s: index as f64 / RATE_HZ, speed_m_s: value(0, PER_M_S), corners }
+}
+
+fn run(car: &mut MonitoredCar<f32>, counter: &mut Counter) -> Option<()> {
+    let config = config()?;
+    memory::paint_stack();
+    let mut built = Ok(());
+    let ticks = counter.ticks(|| built = car.configure(black_box(&config), RATE_HZ));
+    if let Err(error) = built {
+        hprintln!("the car cannot be built: {}", error);
+        return None;
+    }
+    let to_build = memory::stack_high_water()?;
+    hprintln!("built with {} instructions", instructions(f64::from(ticks)));
+
+    memory::paint_stack();
+    let (mut sum, mut worst, mut worst_s, mut quietest) = (0u64, 0u32, 0.0, u32::MAX);
+    let mut to_run = 0;
+    let mut before = car.report().clone();
+    for index in 0..SAMPLES {
+        let sample = black_box(sample(index));
+        if sample.time_s == CALIBRATION_S[0] {
+            hprintln!("{:5.1} s  calibration: all tires have what the placard says", sample.time_s);
+            car.begin_calibration(CALIBRATION_S[1]).ok()?;
+        }
+        let taken = counter.ticks(|| {
+            black_box(car.update(&sample));
+        });
+        sum += u64::from(taken);
+        quietest = quietest.min(taken);
+        if taken > worst {
+            (worst, worst_s) = (taken, sample.time_s);
+        }
+        let report = car.report();
+        let changed = report.changes_since(&before).next().is_some();
+        if changed || index % (EVERY_S * RATE_HZ) as usize == 0 {
+            // What is printed is not the car's stack.
+            to_run = to_run.max(memory::stack_high_water()?);
+            for change in report.changes_since(&before) {
+                match change {
+                    Change::Begun(alert) => hprintln!("{:5.1} s  WARNING: {}", sample.time_s, alert),
+                    Change::Ended(alert) => hprintln!("{:5.1} s  over: {}", sample.time_s, alert),
+                }
+            }
+            if index % (EVERY_S * RATE_HZ) as usize == 0 {
+                print_pressures(car, sample.time_s);
+            }
+            before = car.report().clone();
+            memory::paint_stack();
+        }
+    }
+    to_run = to_run.max(memory::stack_high_water()?);
+    print_pressures(car, SAMPLES as f64 / RATE_HZ);
+
+    let mean = instructions(sum as f64 / SAMPLES as f64);
+    let sizes = Sizes::of_program();
+    hprintln!();
+    hprintln!("instructions_mean {}", mean);
+    hprintln!("instructions_worst {}", instructions(f64::from(worst)));
+    hprintln!("instructions_least {}", instructions(f64::from(quietest)));
+    hprintln!("stack_to_build_bytes {}", to_build);
+    hprintln!("stack_to_run_bytes {}", to_run);
+    hprintln!("car_bytes {}", size_of::<MonitoredCar<f32>>());
+    hprintln!("flash_bytes {}", sizes.text + sizes.rodata + sizes.data - DRIVE.len());
+    hprintln!("text_bytes {}", sizes.text);
+    hprintln!("ram_bytes {}", sizes.data + sizes.bss);
+    hprintln!();
+    hprintln!(
+        "{} samples at {} Hz: {} instructions a second; the worst sample at {:.3} s; {} kB of drive left out",
+        SAMPLES,
+        RATE_HZ,
+        f64::from(mean) * RATE_HZ,
+        worst_s,
+        DRIVE.len() / 1000
+    );
+    Some(())
+}
+
+fn print_pressures(car: &MonitoredCar<f32>, time_s: f64) {
+    let wheels = car.report().wheels;
+    for (corner, wheel) in Corner::ALL.into_iter().zip(&wheels) {
+        let Some(wheel) = wheel else { continue };
+        hprintln!(
+            "{:5.1} s  {} {:5.1} kPa, sd {:4.1}: {}",
+            time_s,
+            corner.label(),
+            wheel.pressure_kpa,
+            wheel.pressure_sd_kpa,
+            wheel.state.label()
+        );
+    }
+}
+
+#[entry]
+fn main() -> ! {
+    // Zeros until it is configured, so it lies in `.bss`.
+    static mut CAR: MonitoredCar<f32> = MonitoredCar::unconfigured();
+    let done =
+        cortex_m::Peripherals::take().and_then(|peripherals| run(CAR, &mut Counter::new(peripherals.SYST)));
+    debug::exit(if done.is_some() { debug::EXIT_SUCCESS } else { debug::EXIT_FAILURE });
+    loop {
+        cortex_m::asm::wfi();
+    }
+}
