@@ -42,7 +42,7 @@ impl<T: Real> Considered<T> {
                 T::zero()
             };
             let own = if i == j { a.own_tire_relative_sd() * b.own_tire_relative_sd() } else { T::zero() };
-            common + axle + own
+            (common + axle + own) * a.tire_relative_sd_factor() * b.tire_relative_sd_factor()
         });
         let placard = |i: usize| corner(i).map_or(T::one(), |c| c.tire.stiffness_n_per_m(c.placard_kpa));
         let of = |value: &dyn Fn(&CornerConfig<T>) -> T| {
@@ -122,6 +122,23 @@ mod tests {
         let mean =
             (0.04f64.powi(2) + 0.03f64.powi(2) / 2.0 + 0.018f64.powi(2) + 0.024f64.powi(2) / 4.0).sqrt();
         assert!((typical().mean_sd_kpa() - 326.6 * mean).abs() < 0.1);
+    }
+
+    #[test]
+    fn a_ratio_that_is_known_counts_for_mass_and_tire() {
+        let stiffness = SVector::repeat(713.91 * 241.3 + 60_880.0);
+        let rough = ParameterUncertainty {
+            stiffness_over_mass_relative_sd: Some(0.02),
+            ..ParameterUncertainty::of(Confidence::Rough)
+        };
+        let corner = CornerConfig::<f64>::paper().with_uncertainty(rough);
+        let config = CarConfig { corners: [Some(corner); 4], wheelbase_m: Some(2.7) };
+        let considered = configured(|considered: &mut Considered<f64>| considered.configure(&config));
+        let covariance = considered.uncalibrated(&stiffness);
+        // 2 % of 326.6 kPa, whatever mass and tire are known to; what the wheels have in common stays.
+        assert!((covariance[(0, 0)].sqrt() / 713.91 - 6.532).abs() < 1e-3);
+        let common = (0.8f64.powi(2) * 0.01 + 0.6f64.powi(2) * 0.0064) / (0.01 + 0.0064);
+        assert!((covariance[(0, 3)] / covariance[(0, 0)] - common).abs() < 1e-9);
     }
 
     #[test]

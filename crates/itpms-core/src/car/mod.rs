@@ -16,7 +16,7 @@ use crate::estimator::{CornerEstimator, EstimatorKind, FusedStiffness, RoadRepet
 use crate::memory::{Blank, Placed, blank};
 use crate::model::{
     BodyFit, CalibrationError, CarConfig, CarSample, Corner, CornerEstimate, Inflation, Level, Misfit,
-    ParameterError, QuarterCar, VehicleCalibration,
+    ParameterError, QuarterCar, StrutReading, VehicleCalibration,
 };
 pub use crate::model::{CarEstimate, TrackState};
 use crate::real::Real;
@@ -489,6 +489,11 @@ impl<T: Real> CarEstimator<T> {
     /// How often the estimator of a corner started again, if the car has it.
     pub fn restarts(&self, corner: Corner) -> Option<u32> {
         self.corners[corner.index()].as_ref().map(CornerEstimator::restarts)
+    }
+
+    /// What the last minute has shown of each strut, in the order of [`Corner::ALL`]; `None` where too little was seen. Computed when asked.
+    pub fn strut_readings(&self) -> [Option<StrutReading<T>>; 4] {
+        core::array::from_fn(|corner| self.body_equation.reading(corner))
     }
 
     /// The cars as they seem to be now, in the order of [`Corner::ALL`].

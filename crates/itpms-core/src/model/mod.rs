@@ -7,6 +7,7 @@ mod car_estimate;
 mod estimate;
 pub mod quarter_car;
 mod sample;
+mod strut_reading;
 mod tire;
 mod uncertainty;
 mod wheels;
@@ -20,6 +21,7 @@ pub use self::estimate::{CornerConfig, CornerEstimate, Diagnostics, Level, Valid
 pub(crate) use self::quarter_car::positive;
 pub use self::quarter_car::{ParameterError, QuarterCar};
 pub use self::sample::{CarSample, Corner, CornerSample, Sample};
+pub use self::strut_reading::StrutReading;
 pub use self::tire::{PressureMap, RegressionError};
 pub use self::uncertainty::{Confidence, ParameterUncertainty};
 pub use self::wheels::Wheels;

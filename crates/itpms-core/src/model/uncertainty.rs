@@ -56,6 +56,8 @@ pub struct ParameterUncertainty<T> {
     pub damping_relative_sd: T,
     /// Of the tire's line of stiffness over pressure, as one scale.
     pub stiffness_relative_sd: T,
+    /// Of the tire's stiffness over the unsprung mass, where that is known better than the two: a drive at known pressures tells it.
+    pub stiffness_over_mass_relative_sd: Option<T>,
     /// Coulomb friction of the strut in N.
     pub friction_n: T,
     /// Its standard deviation in N.
@@ -72,6 +74,7 @@ blank!(ParameterUncertainty<T> {
     spring_relative_sd,
     damping_relative_sd,
     stiffness_relative_sd,
+    stiffness_over_mass_relative_sd,
     friction_n,
     friction_sd_n,
     tire_damping_n_s_per_m,
@@ -99,6 +102,7 @@ impl<T: Real> ParameterUncertainty<T> {
                 spring_relative_sd: T::lit(strut[0]),
                 damping_relative_sd: T::lit(strut[1]),
                 stiffness_relative_sd: T::lit(tire),
+                stiffness_over_mass_relative_sd: None,
                 friction_n: T::lit(friction[0]),
                 friction_sd_n: T::lit(friction[1]),
                 tire_damping_n_s_per_m: T::lit(50.0),
@@ -138,6 +142,19 @@ impl<T: Real> ParameterUncertainty<T> {
     /// Relative standard deviation of stiffness over unsprung mass, which is what a wheel's hop shows of the tire.
     #[must_use]
     pub fn tire_relative_sd(&self) -> T {
+        self.stiffness_over_mass_relative_sd.unwrap_or_else(|| self.independent_tire_relative_sd())
+    }
+
+    /// What [`tire_relative_sd`](Self::tire_relative_sd) is over what it would be if mass and tire were known each by itself.
+    pub(crate) fn tire_relative_sd_factor(&self) -> T {
+        let independent = self.independent_tire_relative_sd();
+        match self.stiffness_over_mass_relative_sd {
+            Some(told) if independent > T::zero() => told / independent,
+            _ => T::one(),
+        }
+    }
+
+    fn independent_tire_relative_sd(&self) -> T {
         let (mass, tire) = (self.unsprung_mass_relative_sd, self.stiffness_relative_sd);
         (mass * mass + tire * tire).sqrt()
     }

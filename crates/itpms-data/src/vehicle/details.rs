@@ -73,6 +73,8 @@ pub struct CornerDetails {
 pub struct TireDetails {
     /// Relative standard deviation of the whole line of stiffness over pressure, up or down as one.
     pub stiffness_relative_sd: Option<f64>,
+    /// Relative standard deviation of the tire's stiffness over the unsprung mass, where that is known better than the two.
+    pub stiffness_over_mass_relative_sd: Option<f64>,
     /// Effective rolling radius in m at placard pressure.
     pub rolling_radius_m: Option<f64>,
     /// Relative change of the rolling radius per unit of ln(pressure): `d ln R / d ln p`.

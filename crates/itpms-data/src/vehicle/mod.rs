@@ -35,6 +35,7 @@
 //! driven = "front"               # or "rear", "all"
 //! [tire]
 //! stiffness_relative_sd = 0.03   # of the line as a whole
+//! stiffness_over_mass_relative_sd = 0.02 # of stiffness over unsprung mass, where a drive has told it
 //! rolling_radius_m = 0.31
 //! radius_per_ln_pressure = 0.005 # d ln R / d ln p
 //! torsion_hz = 45.0
@@ -115,13 +116,14 @@ const PLAUSIBLE: [(&str, f64, f64); 14] = [
     ("initial_kpa", 20.0, 1_500.0),
 ];
 
-const TIRE_KEYS: [&str; 11] = [
+const TIRE_KEYS: [&str; 12] = [
     "stiffness_per_kpa",
     "stiffness_at_zero",
     "stiffness_per_kpa_sd",
     "stiffness_at_zero_sd",
     "stiffness_correlation",
     "stiffness_relative_sd",
+    "stiffness_over_mass_relative_sd",
     "rolling_radius_m",
     "radius_per_ln_pressure",
     "torsion_hz",

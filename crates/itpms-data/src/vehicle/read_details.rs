@@ -47,6 +47,7 @@ pub(super) fn corner(table: &Table<'_>, tire: TireDetails) -> Result<CornerDetai
 pub(super) fn tire(table: &Table<'_>) -> Result<TireDetails, Problem> {
     Ok(TireDetails {
         stiffness_relative_sd: relative_sd(table, "stiffness_relative_sd")?,
+        stiffness_over_mass_relative_sd: relative_sd(table, "stiffness_over_mass_relative_sd")?,
         rolling_radius_m: checked(table, "rolling_radius_m")?,
         radius_per_ln_pressure: between(
             table,

@@ -13,6 +13,7 @@ pub(super) fn uncertainty(told: &CornerDetails, confidence: Confidence) -> Param
         spring_relative_sd: told.spring_relative_sd.unwrap_or(usual.spring_relative_sd),
         damping_relative_sd: told.damping_relative_sd.unwrap_or(usual.damping_relative_sd),
         stiffness_relative_sd: told.tire.stiffness_relative_sd.unwrap_or(usual.stiffness_relative_sd),
+        stiffness_over_mass_relative_sd: told.tire.stiffness_over_mass_relative_sd,
         friction_n: told.friction_n.unwrap_or(usual.friction_n),
         friction_sd_n: told.friction_sd_n.unwrap_or(usual.friction_sd_n),
         tire_damping_n_s_per_m: told.tire_damping_n_s_per_m.unwrap_or(usual.tire_damping_n_s_per_m),

@@ -93,6 +93,7 @@ fn tire(out: &mut String, map: &PressureMap<f64>, details: &TireDetails) {
         out,
         [
             ("stiffness_relative_sd", details.stiffness_relative_sd),
+            ("stiffness_over_mass_relative_sd", details.stiffness_over_mass_relative_sd),
             ("rolling_radius_m", details.rolling_radius_m),
             ("radius_per_ln_pressure", details.radius_per_ln_pressure),
             ("torsion_hz", details.torsion_hz),

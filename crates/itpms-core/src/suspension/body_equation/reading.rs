@@ -1,0 +1,43 @@
+//! What the fit has found of the struts, for whoever writes it down (docs/math/learn.md, section 2). Called between samples, not with each.
+
+use nalgebra::SMatrix;
+
+use super::{BodyEquation, DAMPER, ELEMENTS, FORCE_N, INERTIA, SLIP, SPRING, prior_information};
+use crate::model::StrutReading;
+use crate::real::Real;
+
+impl<T: Real> BodyEquation<T> {
+    /// What a corner's strut seems to be; `None` as long as too little was seen, and for a corner that is not there.
+    pub(crate) fn reading(&self, corner: usize) -> Option<StrutReading<T>> {
+        if !(self.known && self.body.has(corner)) {
+            return None;
+        }
+        let prior = prior_information::<T>(&self.body);
+        let covariance = (self.information + SMatrix::from_diagonal(&prior)).cholesky()?.inverse();
+        // Of the difference of two logarithms: to the body's mass, which is told by nothing but the file.
+        let over_mass_sd = |i: usize| {
+            let variance =
+                covariance[(i, i)] + covariance[(INERTIA, INERTIA)] - T::lit(2.0) * covariance[(i, INERTIA)];
+            variance.max(T::zero()).sqrt()
+        };
+        let over_mass = |i: usize| self.parameters[i] - self.parameters[INERTIA];
+        let per_mass = (-self.parameters[INERTIA]).exp();
+        let slips = |e: usize| SLIP + 4 * e + corner;
+        let (mut friction_n, mut variance) = (T::zero(), T::zero());
+        for i in (0..ELEMENTS).map(slips) {
+            friction_n += T::lit(FORCE_N) * self.parameters[i];
+            for j in (0..ELEMENTS).map(slips) {
+                variance += T::lit(FORCE_N * FORCE_N) * covariance[(i, j)];
+            }
+        }
+        Some(StrutReading {
+            ln_damping: over_mass(DAMPER + corner),
+            ln_damping_sd: over_mass_sd(DAMPER + corner),
+            ln_spring: over_mass(SPRING + corner),
+            ln_spring_sd: over_mass_sd(SPRING + corner),
+            friction_n: friction_n * per_mass,
+            friction_sd_n: variance.max(T::zero()).sqrt() * per_mass,
+            ln_sprung_mass: self.parameters[INERTIA],
+        })
+    }
+}

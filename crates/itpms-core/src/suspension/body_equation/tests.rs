@@ -1,0 +1,135 @@
+// Where another crate of the build brings `std`, numbers have these functions by themselves.
+#[allow(unused_imports)]
+use nalgebra::ComplexField;
+
+use super::*;
+use crate::memory::configured;
+use crate::random::Random;
+use crate::spectrum::Frame;
+
+const SPRUNG_KG: f64 = 240.8;
+const DAMPING: f64 = 925.8;
+const STIFFNESS: f64 = 29_114.0;
+
+fn equation(corners: usize) -> BodyEquation<f64> {
+    let corner = CornerConfig::paper().with_accel_noise(1e-3).unwrap();
+    let corners = core::array::from_fn(|i| (i < corners).then_some(corner));
+    configured(|equation: &mut BodyEquation<f64>| equation.configure(&corners, 500.0))
+}
+
+fn complex(random: &mut Random) -> Complex<f64> {
+    Complex::new(random.normal(), random.normal())
+}
+
+/// Frames in which every strut moves by itself and the body of mass 4 m as `g` and the struts' forces say: dampers 10 % harder than
+/// the file, bars of 0.3 and 0.12 springs, slip forces as given, and as much noise of the body as `noise` says of its own motion.
+fn learn(equation: &mut BodyEquation<f64>, g: SMatrix<f64, 4, 4>, slip_n: [f64; ELEMENTS], noise: f64) {
+    let mut random = Random(5);
+    let corners = (0..4).filter(|&i| equation.body.has(i)).count();
+    for step in 1..=300 {
+        let mut frames: [StrutFrame<f64>; 4] =
+            core::array::from_fn(|_| StrutFrame { time_s: 0.2 * f64::from(step), spectra: Frame::zero() });
+        for bin in 0..BINS {
+            let s = Complex::new(0.0, core::f64::consts::TAU * (bin + 1) as f64 * BIN_SPACING_HZ);
+            let velocity: [_; 4] = core::array::from_fn(|_| complex(&mut random) * 0.05);
+            // Elements that follow the motion, and as much that does not.
+            let elements: [[_; ELEMENTS]; 4] = core::array::from_fn(|i| {
+                core::array::from_fn(|_| velocity[i] * 60.0 + complex(&mut random) * 3.0)
+            });
+            let force = |i: usize| {
+                let bar = if corners == 4 { [0.3, 0.12][i / 2] } else { 0.0 };
+                let friction = elements[i].iter().zip(slip_n).fold(s * 0.0, |sum, (&e, f)| sum + e * f);
+                s * velocity[i] * (1.1 * DAMPING)
+                    + velocity[i] * STIFFNESS
+                    + (velocity[i] - velocity[i ^ 1]) * (STIFFNESS * bar)
+                    + friction
+            };
+            let forces: [_; 4] = core::array::from_fn(force);
+            for row in 0..4 {
+                let body = (0..4).fold(s * 0.0, |sum, j| sum + forces[j] * g[(row, j)]);
+                let body = body + complex(&mut random) * (noise * body.norm_sqr().sqrt() / 2f64.sqrt());
+                let all = [(BODY, body), (ACCELERATION, s * velocity[row]), (VELOCITY, velocity[row])];
+                let set = |(signal, value): (usize, Complex<f64>)| {
+                    frames[row].spectra.re[(bin, signal)] = value.re;
+                    frames[row].spectra.im[(bin, signal)] = value.im;
+                };
+                let elements = elements[row].iter().enumerate().map(|(e, &value)| (FRICTION + e, value));
+                all.into_iter().chain(elements).for_each(set);
+            }
+        }
+        assert!(equation.learn(frames.each_ref().map(Some)));
+        assert!(!equation.learn(frames.each_ref().map(Some)), "the same frames again");
+    }
+}
+
+#[test]
+fn four_struts_under_one_body_are_told_apart() {
+    let mut equation = equation(4);
+    let [mass, pitch, roll, _] = equation.body.parts();
+    // Another pitch inertia than the guessed one, and forces of three elements.
+    let slip_n = [20.0, 0.0, 45.0];
+    learn(&mut equation, mass + pitch * 1.15 + roll * 0.9, slip_n, 0.0);
+    for corner in 0..4 {
+        for (found, slip_n) in equation.slip_forces_n(corner).into_iter().zip(slip_n) {
+            assert!((found - slip_n).abs() < 1.5, "{corner}: {found} {slip_n}");
+        }
+        assert!((equation.parameters[DAMPER + corner].exp() - 1.1).abs() < 0.02);
+        assert!(equation.unexplained(corner).unwrap() < 1e-3);
+    }
+    assert!(
+        (equation.parameters[BAR] - 0.3).abs() < 0.02 && (equation.parameters[BAR + 1] - 0.12).abs() < 0.02
+    );
+}
+
+#[test]
+fn four_corners_that_move_each_for_itself_are_a_body_that_warps() {
+    let mut equation = equation(4);
+    let own = SMatrix::from_diagonal_element(1.0 / SPRUNG_KG);
+    learn(&mut equation, own, [0.0, 40.0, 0.0], 0.0);
+    for corner in 0..4 {
+        assert!(equation.unexplained(corner).unwrap() < 5e-3);
+        let friction_n: f64 = equation.slip_forces_n(corner).iter().sum();
+        assert!((friction_n - 40.0).abs() < 3.0, "{friction_n}");
+    }
+}
+
+#[test]
+fn what_the_struts_do_not_explain_is_told() {
+    let mut equation = equation(4);
+    let [mass, pitch, roll, _] = equation.body.parts();
+    // Of a motion n times its own amplitude off, n²/(1 + n²) is not explained.
+    learn(&mut equation, mass + pitch + roll, [0.0; ELEMENTS], 0.7);
+    for corner in 0..4 {
+        let unexplained = equation.unexplained(corner).unwrap();
+        assert!((unexplained - 0.49 / 1.49).abs() < 0.06, "{unexplained}");
+    }
+}
+
+#[test]
+fn a_corner_alone_has_its_own_friction_and_no_verdict_on_the_body() {
+    let mut equation = equation(1);
+    let g = equation.body.parts()[0];
+    learn(&mut equation, g, [30.0, 0.0, 0.0], 0.0);
+    let [found, ..] = equation.slip_forces_n(0);
+    assert!((found - 30.0).abs() < 1.5, "{found}");
+    assert_eq!(equation.unexplained(0), None);
+    assert_eq!(equation.slip_forces_n(2), [0.0; ELEMENTS]);
+    assert!((SPRUNG_KG * g[(0, 0)] - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn what_is_read_of_a_strut_belongs_to_the_files_mass() {
+    let mut equation = equation(4);
+    assert!(equation.reading(0).is_none());
+    let [mass, pitch, roll, _] = equation.body.parts();
+    // A body a quarter heavier than the file: of all forces and the mass only the ratios are in the signals.
+    learn(&mut equation, (mass + pitch * 1.15 + roll * 0.9) / 1.25, [20.0, 0.0, 45.0], 0.0);
+    for corner in 0..4 {
+        let reading = equation.reading(corner).unwrap();
+        assert!((reading.ln_damping - (1.1f64 / 1.25).ln()).abs() < 0.02, "{reading:?}");
+        assert!((reading.ln_spring + 1.25f64.ln()).abs() < 0.03, "{reading:?}");
+        assert!((reading.friction_n - 65.0 / 1.25).abs() < 2.0, "{reading:?}");
+        let sds = [reading.ln_damping_sd, reading.ln_spring_sd, reading.friction_sd_n / 65.0];
+        assert!(sds.iter().all(|sd| *sd > 0.0 && *sd < 0.05), "{reading:?}");
+    }
+}
