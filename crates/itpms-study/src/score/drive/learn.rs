@@ -2,9 +2,11 @@
 //!
 //! Called by the plan of the four-wheel parts.
 
+use itpms_core::car::CarEstimate;
 use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::{CarConfig, Corner, VehicleCalibration};
-use itpms_sim::simulation::Simulation;
+use itpms_core::warning::MonitorReport;
+use itpms_sim::simulation::{SimRow, Simulation};
 use itpms_sim::time_profile::Pressure;
 
 use super::super::ScoreError;
@@ -139,58 +141,78 @@ fn car(subject: &Subject, turn: Turn) -> Result<Found, ScoreError> {
         })
         .collect();
     let slope = corners().next().map_or(f64::NAN, |(truth, _)| truth.slope);
-    let later = vec![
-        Some(later(&car, turn, subject.kind, &car.file, None)?),
-        Some(later(&car, turn, subject.kind, &learned.car, None)?),
-        calibration
-            .map(|calibration| later(&car, turn, subject.kind, &learned.car, Some(&calibration)))
-            .transpose()?,
+    let told = [
+        Some((&car.file, None)),
+        Some((&learned.car, None)),
+        calibration.as_ref().map(|calibration| (&learned.car, Some(calibration))),
     ];
+    let later = later(&car, turn, subject.kind, &told)?;
     Ok(Found { parameters, slope: Learnt { truth: slope, parameter: learned.slope }, later })
 }
 
-/// A later drive on which one tire after the other, from car to car, loses a fifth.
+/// What an estimator of the later drive is told: a car, and what an earlier calibration of exactly that car taught.
+type Told<'a> = (&'a CarConfig<f64>, Option<&'a VehicleCalibration<f64>>);
+
+/// A later drive on which one tire after the other, from car to car, loses a fifth; estimated by all at once.
 fn later(
     car: &DrawnCar,
     turn: Turn,
     kind: EstimatorKind,
-    config: &CarConfig<f64>,
-    calibration: Option<&VehicleCalibration<f64>>,
-) -> Result<Later, ScoreError> {
+    told: &[Option<Told<'_>>],
+) -> Result<Vec<Option<Later>>, ScoreError> {
     let [begins_s, takes_s, wait_s] = LOSS_S;
     let struck = Corner::ALL[turn.index % 4];
     let (mut scenario, seed) = car.later(turn.index + turn.index / 4, begins_s + takes_s + wait_s);
     if let Some(spec) = scenario.corner.get_mut(struck) {
         spec.pressure = Pressure::ramp(PLACARD_KPA, LEFT * PLACARD_KPA, begins_s, takes_s);
     }
-    let mut estimator = estimator(config, kind)?;
-    if let Some(calibration) = calibration {
-        estimator.load_calibration(calibration)?;
+    let mut estimators = vec![];
+    for told in told {
+        estimators.push(match told {
+            Some((config, calibration)) => {
+                let mut estimator = estimator(config, kind)?;
+                calibration.map_or(Ok(()), |calibration| estimator.load_calibration(calibration))?;
+                Some((estimator, Later::default()))
+            }
+            None => None,
+        });
     }
-    let mut found = Later::default();
     for row in Simulation::new(&scenario, seed)? {
-        let estimate = estimator.update(&row.car_sample());
-        for alert in estimator.report().alerts().filter(|alert| alert.cause.is_low()) {
-            if row.time_s < begins_s || alert.wheels != struck.into() {
-                found.wrong = true;
-            } else if found.after_s.is_none() {
-                found.after_s = Some(row.time_s - begins_s - takes_s);
+        for (estimator, found) in estimators.iter_mut().flatten() {
+            let estimate = estimator.update(&row.car_sample());
+            found.hear(row.time_s, struck, estimator.report());
+            found.see(&row, &estimate);
+        }
+    }
+    Ok(estimators.into_iter().map(|one| one.map(|(_, found)| found)).collect())
+}
+
+impl Later {
+    fn hear(&mut self, time_s: f64, struck: Corner, report: &MonitorReport<f64>) {
+        let [begins_s, takes_s, _] = LOSS_S;
+        for alert in report.alerts().filter(|alert| alert.cause.is_low()) {
+            if time_s < begins_s || alert.wheels != struck.into() {
+                self.wrong = true;
+            } else if self.after_s.is_none() {
+                self.after_s = Some(time_s - begins_s - takes_s);
             }
         }
-        if !(row.time_s > SETTLED_S && row.time_s < begins_s) {
-            continue;
+    }
+
+    fn see(&mut self, row: &SimRow, estimate: &CarEstimate<f64>) {
+        if !(row.time_s > SETTLED_S && row.time_s < LOSS_S[0]) {
+            return;
         }
         for (truth, estimate) in row.corners.iter().zip(&estimate.corners) {
             let (Some(truth), Some(estimate)) = (truth, estimate) else { continue };
-            found.rows += 1;
+            self.rows += 1;
             if estimate.validity.is_valid() {
-                found.valid += 1;
-                found.sds += estimate.pressure_sd_kpa;
-                found.errors.push(estimate.pressure_kpa - truth.pressure_kpa, estimate.pressure_sd_kpa);
+                self.valid += 1;
+                self.sds += estimate.pressure_sd_kpa;
+                self.errors.push(estimate.pressure_kpa - truth.pressure_kpa, estimate.pressure_sd_kpa);
             }
         }
     }
-    Ok(found)
 }
 
 /// Percents of the value that is believed, but friction in N.
