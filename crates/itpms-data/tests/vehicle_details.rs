@@ -66,6 +66,7 @@ fn every_key_arrives_where_it_belongs() {
             spring_relative_sd: 0.04,
             damping_relative_sd: 0.06,
             stiffness_relative_sd: 0.02,
+            stiffness_over_mass_relative_sd: None,
             friction_n: 25.0,
             friction_sd_n: 5.0,
             tire_damping_n_s_per_m: 60.0,
@@ -76,6 +77,20 @@ fn every_key_arrives_where_it_belongs() {
     let usual = ParameterUncertainty::of(Confidence::Measured);
     let rear = vehicle.uncertainty(Corner::RearLeft);
     assert_eq!(rear, ParameterUncertainty { stiffness_relative_sd: 0.02, ..usual });
+    assert_eq!(Vehicle::parse(&vehicle.to_toml()).unwrap(), vehicle);
+}
+
+#[test]
+fn a_tire_over_its_mass_may_be_known_better_than_both() {
+    let text = FULL.replacen("teeth = 48", "teeth = 48\nstiffness_over_mass_relative_sd = 0.015", 1);
+    let vehicle = Vehicle::parse(&text).unwrap();
+    let front = vehicle.uncertainty(Corner::FrontLeft);
+    assert_eq!((front.stiffness_over_mass_relative_sd, front.tire_relative_sd()), (Some(0.015), 0.015));
+    // 1.5 % of 230 kPa and of 60000 / 700 kPa.
+    assert!((vehicle.level_sd_kpa(&Corner::ALL) - 0.015 * (230.0 + 600.0 / 7.0)).abs() < 1e-9);
+    // Without the key 1.2 and 2 % make 2.3.
+    let without = Vehicle::parse(FULL).unwrap().uncertainty(Corner::FrontLeft);
+    assert!((without.tire_relative_sd() - 0.012f64.hypot(0.02)).abs() < 1e-12);
     assert_eq!(Vehicle::parse(&vehicle.to_toml()).unwrap(), vehicle);
 }
 

@@ -173,7 +173,8 @@ proptest! {
         if let Some((a, b, c)) = sds {
             tire = tire.with_uncertainty(a, b, c).unwrap();
         }
-        let mut vehicle = Vehicle { name, id, wheelbase_m: wheelbase, ..Vehicle::paper() };
+        let learned = id.clone();
+        let mut vehicle = Vehicle { name, id, learned, wheelbase_m: wheelbase, ..Vehicle::paper() };
         vehicle.corners[2] = None;
         for corner in vehicle.corners.iter_mut().flatten() {
             *corner = CornerConfig { tire, initial_kpa: initial, ..*corner };
@@ -184,7 +185,12 @@ proptest! {
         let path = dir.path().join("vehicle.toml");
         vehicle.write(&path).unwrap();
         let again = Vehicle::read(&path).unwrap();
-        prop_assert_eq!((&again.name, &again.id), (&vehicle.name, &vehicle.id));
+        prop_assert_eq!(
+            (&again.name, &again.id, &again.learned),
+            (&vehicle.name, &vehicle.id, &vehicle.learned)
+        );
+        let commented = vehicle.to_commented_toml(&["of\na".to_owned()], &|_, key| Some(format!("{key}\n= 1")));
+        prop_assert_eq!(&Vehicle::parse(&commented).unwrap(), &again);
         prop_assert_eq!(again.wheelbase_m, vehicle.wheelbase_m);
         for (a, b) in again.corners.iter().zip(&vehicle.corners) {
             let (Some(a), Some(b)) = (a, b) else { prop_assert!(a.is_none() && b.is_none()); continue };

@@ -20,6 +20,9 @@ pub enum DriveError {
     /// A scenario.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
+    /// Nothing can be learned of these drives.
+    #[error(transparent)]
+    Learn(#[from] itpms_study::learn::LearnError),
     /// Settings and inputs that do not go together.
     #[error("{0}")]
     Mismatch(String),

@@ -9,6 +9,7 @@
 //! | [`run`] | a log, row by row, through all of these into a [`Sink`] |
 //! | [`concerns`] | what should be known before believing the result |
 //! | [`reference`](mod@reference) | what a calibration drive taught, from and for other drives |
+//! | [`learn`](mod@learn) | a vehicle file from drives at known pressures |
 //! | [`summary`] | what is known at the end, as JSON |
 //! | [`files`] | the sink of the command line: files, complete or not there |
 //! | [`fleet`] | many drives of many cars |
@@ -24,6 +25,7 @@ pub mod drive;
 pub mod error;
 pub mod files;
 pub mod fleet;
+pub mod learn;
 pub mod reference;
 pub mod road;
 pub mod run;
@@ -36,6 +38,7 @@ pub use concerns::common_corners;
 pub use drive::{Drive, Estimates, QuarterCars};
 pub use error::DriveError;
 pub use files::{FilePaths, Files};
+pub use learn::{KnownDrive, LearnedVehicle, learn};
 pub use road::{LateRow, RoadTrack};
 pub use run::{Done, Job, Sink, Watch, estimate};
 pub use settings::Settings;

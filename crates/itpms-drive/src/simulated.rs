@@ -95,6 +95,7 @@ pub fn vehicle_of(scenario: &Scenario) -> Result<Vehicle, DriveError> {
     Ok(Vehicle {
         name: format!("vehicle of {}", scenario.name),
         id: None,
+        learned: None,
         wheelbase_m: Some(scenario.wheelbase_m),
         corners,
         details,

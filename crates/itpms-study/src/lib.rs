@@ -6,6 +6,7 @@
 //! | [`bound`] | Cramer-Rao bound on a pressure from one corner, or from front and rear of a side |
 //! | [`certify`] | the test procedures of UN R141 and FMVSS 138, driven |
 //! | [`identify`] | spring, damper and tire from bench tests, with standard errors |
+//! | [`learn`] | parameters of a car from drives at known pressures |
 //! | [`malfunction`] | sensors that go wrong, and what the monitor says of it |
 //! | [`observability`] | why two accelerations leave the stiffness free, and what each source of information fixes |
 //! | [`spectrum`] | Welch's power spectral density; level, slope and ISO 8608 class of a road |
@@ -20,6 +21,7 @@
 pub mod bound;
 pub mod certify;
 pub mod identify;
+pub mod learn;
 pub mod malfunction;
 pub mod observability;
 pub mod paper;

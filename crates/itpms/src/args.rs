@@ -44,7 +44,7 @@ pub(crate) use reproduce::ReproduceArgs;
 pub(crate) use roughness::RoughnessArgs;
 pub(crate) use signals::SignalsArgs;
 pub(crate) use soak::SoakArgs;
-pub(crate) use vehicle::{CheckArgs, InitArgs, ShowArgs, VehicleArgs, VehiclePart};
+pub(crate) use vehicle::{CheckArgs, InitArgs, LearnArgs, ShowArgs, VehicleArgs, VehiclePart};
 
 /// Indirect tire pressure monitoring: tire pressure and road from the accelerations of a car's body and wheels.
 #[derive(Debug, Parser)]

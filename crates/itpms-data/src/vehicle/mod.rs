@@ -7,6 +7,7 @@
 //! [vehicle]
 //! name = "mid-size sedan"
 //! id = "WXY00000000000001"       # optional: tells cars of one model apart, for a learned reference
+//! learned = "drive.csv at 240 kPa" # optional: the drives its values come from (itpms vehicle learn)
 //! wheelbase_m = 2.7              # optional; needed for the shared road
 //! [tire]                         # eq. (5); may be given per corner as [corner.fl.tire]
 //! stiffness_per_kpa = 713.91     # N/m per kPa
@@ -89,6 +90,8 @@ pub struct Vehicle {
     pub name: String,
     /// Which of the cars of that name it is, where that matters: a VIN, a fleet number.
     pub id: Option<String>,
+    /// Which drives its values were learned from; `None`: from none.
+    pub learned: Option<String>,
     /// Distance between the axles in m.
     pub wheelbase_m: Option<f64>,
     /// The corners, in the order of [`Corner::ALL`].
@@ -163,6 +166,7 @@ impl Vehicle {
         Self {
             name: "paper, Table 2".to_owned(),
             id: None,
+            learned: None,
             wheelbase_m: Some(2.7),
             corners: [Some(CornerConfig::paper()); 4],
             details: VehicleDetails { confidence: Confidence::Measured, ..VehicleDetails::default() },
@@ -229,12 +233,14 @@ impl Vehicle {
         let root = Table::root(text, document.get_ref());
         root.check_keys(&["vehicle", "tire", "corner"])?;
 
-        let (mut name, mut id, mut wheelbase_m) = ("unnamed vehicle".to_owned(), None, None);
+        let (mut name, mut id, mut learned, mut wheelbase_m) =
+            ("unnamed vehicle".to_owned(), None, None, None);
         let mut details = VehicleDetails::default();
         if let Some(vehicle) = root.table("vehicle")? {
             vehicle.check_keys(&read_details::VEHICLE_KEYS)?;
             name = vehicle.text("name")?.unwrap_or(name);
             id = vehicle.text("id")?;
+            learned = vehicle.text("learned")?;
             wheelbase_m = checked(&vehicle, "wheelbase_m")?;
             details = read_details::vehicle(&vehicle)?;
         }
@@ -253,13 +259,23 @@ impl Vehicle {
         if corners.iter().all(Option::is_none) {
             return Err(Problem::NoCorner);
         }
-        Ok(Self { name, id, wheelbase_m, corners, details }.with_details(details))
+        Ok(Self { name, id, learned, wheelbase_m, corners, details }.with_details(details))
     }
 
     /// The text of a vehicle file that reads back as this vehicle.
     #[must_use]
     pub fn to_toml(&self) -> String {
         write::vehicle(self)
+    }
+
+    /// The same with these lines of comment at its head, and beside each value what `comment` says of it by its table and key.
+    #[must_use]
+    pub fn to_commented_toml(
+        &self,
+        head: &[String],
+        comment: &dyn Fn(&str, &str) -> Option<String>,
+    ) -> String {
+        write::commented(&write::vehicle(self), head, comment)
     }
 
     /// Writes a vehicle file, completely or not at all.

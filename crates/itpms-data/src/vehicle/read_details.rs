@@ -7,8 +7,8 @@ use super::details::{CornerDetails, Driven, TireDetails, VehicleDetails};
 use crate::error::Problem;
 use crate::toml_table::Table;
 
-pub(super) const VEHICLE_KEYS: [&str; 7] =
-    ["name", "id", "wheelbase_m", "confidence", "track_front_m", "track_rear_m", "driven"];
+pub(super) const VEHICLE_KEYS: [&str; 8] =
+    ["name", "id", "learned", "wheelbase_m", "confidence", "track_front_m", "track_rear_m", "driven"];
 
 /// The largest relative standard deviation that says anything: beyond, a value is a guess of its own order.
 const LARGEST_RELATIVE_SD: f64 = 1.0;

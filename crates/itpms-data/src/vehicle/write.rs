@@ -14,6 +14,9 @@ pub(super) fn vehicle(vehicle: &Vehicle) -> String {
     if let Some(id) = &vehicle.id {
         let _ = writeln!(out, "id = \"{}\"", escaped(id));
     }
+    if let Some(learned) = &vehicle.learned {
+        let _ = writeln!(out, "learned = \"{}\"", escaped(learned));
+    }
     if let Some(wheelbase_m) = vehicle.wheelbase_m {
         number(&mut out, "wheelbase_m", wheelbase_m);
     }
@@ -42,6 +45,32 @@ pub(super) fn vehicle(vehicle: &Vehicle) -> String {
             let _ = writeln!(out, "\n[corner.{}.tire]", corner.label());
             tire(&mut out, &config.tire, &beyond(corner).tire);
         }
+    }
+    out
+}
+
+/// Width of `key = value` before its comment.
+const COLUMN: usize = 40;
+
+/// The text of a vehicle file with comments. What is in them cannot end a line.
+pub(super) fn commented(
+    text: &str,
+    head: &[String],
+    comment: &dyn Fn(&str, &str) -> Option<String>,
+) -> String {
+    let one_line = |text: &str| text.replace(|c: char| c.is_control(), " ");
+    let mut out: String = head.iter().map(|line| format!("# {}\n", one_line(line))).collect();
+    out.push_str(if head.is_empty() { "" } else { "\n" });
+    let mut table = "";
+    for line in text.lines() {
+        if let Some(name) = line.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')) {
+            table = name;
+        }
+        let key = line.split_once(" = ").map(|(key, _)| key);
+        let _ = match key.and_then(|key| comment(table, key)) {
+            Some(comment) => writeln!(out, "{line:<COLUMN$} # {}", one_line(&comment)),
+            None => writeln!(out, "{line}"),
+        };
     }
     out
 }

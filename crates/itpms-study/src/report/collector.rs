@@ -4,7 +4,7 @@
 //! drive lasts a minute or a day.
 
 use itpms_core::conditioning::Odometer;
-use itpms_core::model::{Corner, CornerConfig, CornerEstimate, Validity, Warning};
+use itpms_core::model::{Corner, CornerConfig, CornerEstimate, Level, Validity, Warning};
 use itpms_core::warning::MonitorReport;
 
 use super::figures::{DriveFigures, FigureSums};
@@ -95,6 +95,7 @@ struct CornerCollector {
     config: CornerConfig<f64>,
     figures: FigureSums,
     road: Option<RoadCollector>,
+    level: Option<Level>,
 }
 
 /// Collects a drive's estimates, sample by sample.
@@ -125,6 +126,7 @@ impl ReportCollector {
                     config: (*config)?,
                     figures: FigureSums::new(options.settle_s),
                     road: RoadCollector::new(options.road_wavelengths_m),
+                    level: None,
                 })
             })
             .collect();
@@ -166,6 +168,7 @@ impl ReportCollector {
         {
             let row = rows[corner.corner.index()].as_ref();
             if let Some(row) = row {
+                corner.level = Some(row.estimate.level);
                 corner.figures.push(time_s, &row.estimate, row.truth_kpa);
                 fill(values, row);
             }
@@ -230,6 +233,8 @@ impl ReportCollector {
                 CornerReport {
                     corner: collector.corner,
                     placard_kpa: collector.config.placard_kpa,
+                    config: collector.config,
+                    level: collector.level,
                     state: state(collector.corner),
                     figures: collector.figures.finish(),
                     curves,

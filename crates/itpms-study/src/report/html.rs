@@ -9,7 +9,7 @@ use std::io;
 use itpms_core::model::{Level, Warning};
 
 use super::words::{Status, clock, corner_name, level, reading, sentence, title};
-use super::{CornerReport, ReportData, alerts, car, json, roads};
+use super::{CornerReport, ReportData, alerts, car, json, parameters, roads};
 use crate::plot::escape;
 
 const TEMPLATE: &str = include_str!("../../assets/report.html");
@@ -29,7 +29,7 @@ pub const PLOT_SCRIPT: &str = include_str!("../../assets/uplot/uPlot.iife.min.js
 pub(super) fn page(data: &ReportData) -> io::Result<String> {
     let headline = escape(&title(data));
     let curves = json::curves(data)?;
-    let parts: [(&str, String); 18] = [
+    let parts: [(&str, String); 19] = [
         ("title", headline.clone()),
         ("plot_style", PLOT_STYLE.into()),
         ("base_style", BASE_STYLE.into()),
@@ -42,6 +42,7 @@ pub(super) fn page(data: &ReportData) -> io::Result<String> {
         ("roads", roads_section(data)),
         ("figures", figures(data)),
         ("corners", sections(data)),
+        ("parameters", parameters::section(data)),
         ("provenance", provenance(data)),
         ("data", curves),
         ("plot_license", PLOT_LICENSE.into()),
@@ -361,9 +362,18 @@ mod tests {
 
     #[test]
     fn the_template_names_every_part_once() {
-        for name in
-            ["title", "style", "headline", "subline", "cards", "alerts", "roads", "figures", "corners"]
-        {
+        for name in [
+            "title",
+            "style",
+            "headline",
+            "subline",
+            "cards",
+            "alerts",
+            "roads",
+            "figures",
+            "corners",
+            "parameters",
+        ] {
             assert_eq!(TEMPLATE.matches(&format!("{{{{{name}}}}}")).count(), 1, "{name}");
         }
         assert!(!PLOT_LICENSE.contains("*/"));

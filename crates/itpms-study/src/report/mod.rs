@@ -10,6 +10,7 @@ mod collector;
 mod figures;
 mod html;
 mod json;
+mod parameters;
 mod road;
 mod roads;
 mod track;
@@ -19,12 +20,13 @@ mod words;
 pub use collector::{CornerRow, ReportCollector, ReportOptions};
 pub use figures::{CornerFigures, DriveFigures, Reading, TruthFigures};
 pub use html::{BASE_STYLE, PLOT_LICENSE, PLOT_SCRIPT, PLOT_STYLE};
+pub use parameters::Parameter;
 pub use track::{Keep, Track};
 pub use watch::{AlertSpan, WatchReport};
 
 use std::io;
 
-use itpms_core::model::Corner;
+use itpms_core::model::{Corner, CornerConfig, Level};
 use itpms_core::warning::WheelState;
 
 use crate::spectrum::RoadFit;
@@ -47,6 +49,8 @@ pub struct Provenance {
     pub created: String,
     /// Names and values of the options in force.
     pub options: Vec<(String, String)>,
+    /// Where the vehicle's parameters come from, in words.
+    pub sources: Vec<(Parameter, String)>,
     /// What was repaired in the log, with counts.
     pub repairs: Vec<(String, u64)>,
 }
@@ -75,6 +79,10 @@ pub struct CornerReport {
     pub corner: Corner,
     /// Pressure the placard asks for, in kPa.
     pub placard_kpa: f64,
+    /// What the estimate was told of the corner.
+    pub config: CornerConfig<f64>,
+    /// What the level of the pressures rested on in the end; `None` where nothing was estimated.
+    pub level: Option<Level>,
     /// The wheel's state at the end, if a monitor told it.
     pub state: Option<WheelState>,
     /// Headline figures.

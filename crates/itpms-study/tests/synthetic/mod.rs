@@ -2,7 +2,7 @@
 //! tested and looked at without one.
 
 use itpms_core::model::{CornerConfig, CornerEstimate, Diagnostics, Level, Validity, Warning};
-use itpms_study::report::{CornerRow, Provenance, ReportCollector, ReportData, ReportOptions};
+use itpms_study::report::{CornerRow, Parameter, Provenance, ReportCollector, ReportData, ReportOptions};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -135,6 +135,7 @@ pub(crate) fn report(drive: &Drive, name: &str) -> ReportData {
         estimator: "informed".into(),
         created: String::new(),
         options: vec![("calibrate-s".into(), "0".into()), ("seed".into(), "11".into())],
+        sources: vec![(Parameter::UnsprungMass, "<the file>".into())],
         repairs: vec![("missing samples".into(), 12), ("rows out of order".into(), 1)],
     })
 }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Subcommand;
 use clap::builder::{PossibleValuesParser, TypedValueParser as _};
+use itpms_core::model::Corner;
 use itpms_data::vehicle::typical::{CarClass, TireSize};
 
 use super::{LogArgs, positive};
@@ -13,6 +14,7 @@ use super::{LogArgs, positive};
 #[command(after_help = "Examples:
   itpms vehicle init --mass 1500 --front-share 0.55 --tire 205/55R16 -o car.toml
   itpms vehicle show car.toml
+  itpms vehicle learn calibration.csv --pressure-kpa 240 --from car.toml -o learned.toml
   itpms vehicle check drive.csv --vehicle car.toml --report check.html")]
 pub(crate) struct VehicleArgs {
     #[command(subcommand)]
@@ -23,6 +25,7 @@ pub(crate) struct VehicleArgs {
 pub(crate) enum VehiclePart {
     Init(InitArgs),
     Show(ShowArgs),
+    Learn(LearnArgs),
     Check(CheckArgs),
 }
 
@@ -80,6 +83,63 @@ pub(crate) struct ShowArgs {
     /// Print JSON.
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// Learn a vehicle file's parameters from drives whose pressures are known.
+///
+/// Ten minutes at an even pace teach unsprung mass against tire, dampers, springs and friction; a second drive with the same tires at another pressure (180
+/// and 240 kPa) how stiffness goes with pressure. Every value is weighed against the file's own standard deviation; what no drive
+/// can tell stays the file's and is named (docs/vehicle.md).
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  itpms vehicle learn calibration.csv --pressure-kpa 240 --from car.toml -o learned.toml
+  itpms vehicle learn soft.csv hard.csv --pressure-kpa 180 --pressure-kpa 240 --from car.toml -o learned.toml
+  itpms vehicle learn drive.csv --pressure-kpa fl=240,fr=240,rl=220,rr=220 --from car.toml -o learned.toml")]
+pub(crate) struct LearnArgs {
+    /// Drive logs, each at pressures that were measured: as for estimate.
+    #[arg(required = true, value_name = "LOG")]
+    pub(crate) logs: Vec<PathBuf>,
+    /// Pressure of the tires while driving, gauge: one for all wheels or one for each; once, or once per log.
+    #[arg(long, required = true, value_name = "KPA|fl=KPA,...")]
+    pub(crate) pressure_kpa: Vec<KnownPressures>,
+    /// The vehicle file to begin with; that of --output unless given.
+    #[arg(long, value_name = "V.toml")]
+    pub(crate) from: Option<PathBuf>,
+    /// Where the learned vehicle file goes.
+    #[arg(short, long, value_name = "V.toml")]
+    pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) reading: LogArgs,
+    /// Print JSON.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Pressures of a drive in kPa, in the order of the corners; as far as they were given.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct KnownPressures(pub(crate) [Option<f64>; 4]);
+
+impl std::str::FromStr for KnownPressures {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let expected = || format!("found {text:?}, expected kPa such as 240 or fl=240,fr=240,rl=220,rr=220");
+        let kpa = |text: &str| match positive(text) {
+            Ok(kpa) if (60.0..=1500.0).contains(&kpa) => Ok(kpa),
+            Ok(kpa) => Err(format!("{kpa} kPa is no tire's pressure, expected 60 to 1500 (another unit?)")),
+            Err(_) => Err(expected()),
+        };
+        if !text.contains('=') {
+            return Ok(Self([Some(kpa(text)?); 4]));
+        }
+        let mut pressures = [None; 4];
+        for part in text.split(',') {
+            let (label, value) = part.split_once('=').ok_or_else(expected)?;
+            let corner = Corner::ALL.into_iter().find(|c| c.label() == label.trim()).ok_or_else(expected)?;
+            pressures[corner.index()] = Some(kpa(value.trim())?);
+        }
+        Ok(Self(pressures))
+    }
 }
 
 /// Compare how the body answers each wheel in a drive with what the vehicle file says of spring and damper.

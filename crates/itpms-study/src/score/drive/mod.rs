@@ -11,11 +11,14 @@
 //! | `detect` | how soon a loss is warned of, on which wheel |
 //! | `disturb` | the same while something is not as the estimator is told |
 //! | `limit` | what nobody could do better |
+//! | `learn`, `learned_car` | what ten minutes at known pressures teach of a car, and what that is worth later |
 //! | `real`, `real_list` | cars that are not their files: level, honesty and warnings with each deviation |
 
 mod detect;
 mod disturb;
 mod errors;
+mod learn;
+mod learned_car;
 mod limit;
 mod puncture;
 mod real;
@@ -224,6 +227,7 @@ pub(super) struct Plan {
     errors: errors::Plan,
     detection: detect::Plan,
     real: real::Plan,
+    learn: learn::Plan,
 }
 
 impl Plan {
@@ -253,18 +257,23 @@ impl Plan {
             true => real::Plan::new(kind, seeds, only),
             false => real::Plan::default(),
         };
-        Ok(Self { errors, detection, real })
+        let learn = match wanted(Part::Learn) {
+            true => learn::Plan::new(kind, seeds, only),
+            false => learn::Plan::default(),
+        };
+        Ok(Self { errors, detection, real, learn })
     }
 
     /// Drives in all.
     pub(super) fn drives(&self) -> u64 {
-        self.errors.drives() + self.detection.drives() + self.real.drives()
+        self.errors.drives() + self.detection.drives() + self.real.drives() + self.learn.drives()
     }
 
     pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, ScoreError> {
         let mut rows = self.errors.rows(runner)?;
         rows.extend(self.detection.rows(runner)?);
         rows.extend(self.real.rows(runner)?);
+        rows.extend(self.learn.rows(runner)?);
         Ok(rows)
     }
 }

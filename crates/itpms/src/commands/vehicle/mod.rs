@@ -1,6 +1,7 @@
 //! `itpms vehicle`: a vehicle file of typical values, what a file says, and whether a drive agrees.
 
 mod check;
+mod learn;
 mod show;
 
 use itpms_data::out::AtomicFile;
@@ -14,6 +15,7 @@ use crate::screen::Screen;
 pub(crate) fn run(part: &VehiclePart, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
     match part {
         VehiclePart::Init(args) => init(args, screen),
+        VehiclePart::Learn(args) => learn::run(args, screen, interrupt),
         VehiclePart::Show(args) => show::run(args, screen),
         VehiclePart::Check(args) => check::run(args, screen, interrupt),
     }

@@ -1,0 +1,295 @@
+//! A vehicle file from drives at known pressures: each log twice through `itpms_study`'s learner, and what comes out beside what the file
+//! said (docs/math/learn.md).
+
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use itpms_core::model::Corner;
+use itpms_data::log::LogOptions;
+use itpms_data::vehicle::VehicleDetails;
+use itpms_data::{LogReader, Vehicle};
+use itpms_study::learn::{DriveReading, Learned, LearnedCorner, Listener, PASSES, Parameter};
+
+use crate::concerns::common_corners;
+use crate::error::DriveError;
+
+/// Rows between two looks at whoever may want to stop.
+const ROWS_PER_LOOK: u64 = 1024;
+/// Significant digits of a learned value: its standard deviation has no more to say.
+const DIGITS: usize = 5;
+/// Seconds of reading below which a drive teaches little.
+const SHORT_S: f64 = 300.0;
+
+/// A drive, and the pressures in kPa gauge that its tires had on it, in the order of [`Corner::ALL`]; of corners that the log does not have
+/// they do not count.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KnownDrive {
+    /// The log.
+    pub log: PathBuf,
+    /// How it is read.
+    pub options: LogOptions,
+    /// The pressures.
+    pub pressures_kpa: [f64; 4],
+}
+
+/// What came out.
+#[derive(Debug, Clone)]
+pub struct LearnedVehicle {
+    /// The vehicle to go on with.
+    pub vehicle: Vehicle,
+    /// Parameter by parameter.
+    pub learned: Learned,
+    /// What each drive has shown.
+    pub readings: Vec<DriveReading>,
+    /// What should be known before believing it, a sentence each.
+    pub concerns: Vec<String>,
+}
+
+/// Learns what `file` says from these drives. `watch` is told the share that is done.
+///
+/// # Errors
+/// A log that cannot be read, has none of the vehicle's corners or teaches nothing; a pressure that no tire has; [`DriveError::Stopped`].
+pub fn learn(
+    file: &Vehicle,
+    drives: &[KnownDrive],
+    watch: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Result<LearnedVehicle, DriveError> {
+    let told = file.car_config(&Corner::ALL);
+    let mut now = file.clone();
+    let mut concerns = vec![];
+    let total = (PASSES * drives.len().max(1)) as f64;
+    let mut done = 0.0;
+    let mut result = None;
+    for pass in 0..PASSES {
+        let mut readings = vec![];
+        for drive in drives {
+            let mut share = |share: f64| watch((done + share) / total);
+            let mut log = LogReader::open_with(&drive.log, &drive.options)?;
+            readings.push(listen(&now, &mut log, drive, &mut share)?);
+            if pass == 0 {
+                let path = drive.log.display();
+                concerns.extend(log.repairs().warnings().into_iter().map(|text| format!("{path}: {text}")));
+            }
+            done += 1.0;
+        }
+        let learned = itpms_study::learn::learn(&told, &readings)?;
+        now = vehicle(file, drives, &learned);
+        result = Some((learned, readings));
+    }
+    let (learned, readings) = result.ok_or(itpms_study::learn::LearnError::NoDrive)?;
+    concerns.extend(doubts(file, drives, &readings));
+    Ok(LearnedVehicle { vehicle: now, learned, readings, concerns })
+}
+
+fn listen(
+    vehicle: &Vehicle,
+    log: &mut LogReader,
+    drive: &KnownDrive,
+    watch: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Result<DriveReading, DriveError> {
+    let config = vehicle.car_config(&common_corners(log, vehicle)?);
+    let mut listener = Listener::new(&config, drive.pressures_kpa, log.survey().sample_rate_hz)?;
+    let mut count = 0u64;
+    while let Some(row) = log.next_row()? {
+        if count.is_multiple_of(ROWS_PER_LOOK) && watch(log.progress()).is_break() {
+            return Err(DriveError::Stopped);
+        }
+        count += 1;
+        listener.take(&row.sample());
+    }
+    Ok(listener.finish())
+}
+
+fn doubts(file: &Vehicle, drives: &[KnownDrive], readings: &[DriveReading]) -> Vec<String> {
+    let mut doubts = vec![];
+    for (drive, reading) in drives.iter().zip(readings) {
+        let path = drive.log.display();
+        let name = name(&drive.log);
+        if file.learned.as_ref().is_some_and(|learned| learned.contains(&name)) {
+            doubts.push(format!(
+                "{path}: the file was learned from {name} already; a drive that counts twice makes it look better known than it is. Start from the file it began with, and give all drives at once"
+            ));
+        }
+        for corner in Corner::ALL.into_iter().filter(|corner| file.corner(*corner).is_some()) {
+            let seconds = reading.wheels[corner.index()].map_or(0.0, |wheel| wheel.seconds);
+            if seconds < SHORT_S {
+                doubts.push(format!(
+                    "{path}: the tire {} was read for {seconds:.0} s, expected {SHORT_S:.0} s or more: ten minutes at an even pace teach most",
+                    corner.label()
+                ));
+            }
+        }
+    }
+    doubts
+}
+
+fn name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
+
+/// The drives and their pressures in words.
+fn described(drives: &[KnownDrive]) -> String {
+    let each = drives.iter().map(|drive| {
+        let [first, rest @ ..] = drive.pressures_kpa;
+        let kpa = match rest.iter().all(|kpa| *kpa == first) {
+            true => format!("{first}"),
+            false => drive.pressures_kpa.map(|kpa| kpa.to_string()).join(", "),
+        };
+        format!("{} at {kpa} kPa", name(&drive.log))
+    });
+    each.collect::<Vec<_>>().join("; ")
+}
+
+/// The vehicle with what was learned in the place of what the file said, to a few digits.
+fn vehicle(file: &Vehicle, drives: &[KnownDrive], learned: &Learned) -> Vehicle {
+    let mut details: VehicleDetails = file.details;
+    let mut corners = file.corners;
+    for (i, corner) in learned.car.corners.iter().enumerate() {
+        let Some(corner) = corner else { continue };
+        let mut corner = *corner;
+        let car = &corner.quarter_car;
+        let digits = [car.unsprung_mass_kg(), car.damping_n_s_per_m(), car.spring_n_per_m()].map(rounded);
+        let tire = &corner.tire;
+        let line = [tire.stiffness_per_kpa(), tire.stiffness_at_zero(), tire.stiffness_per_kpa_sd()];
+        let [per_kpa, at_zero, per_kpa_sd] = line.map(rounded);
+        // Five digits of what is positive are positive: neither is refused.
+        if let Ok(car) = itpms_core::model::quarter_car::QuarterCar::new(
+            car.sprung_mass_kg(),
+            digits[0],
+            digits[1],
+            digits[2],
+        ) {
+            corner.quarter_car = car;
+        }
+        if let Ok(tire) = itpms_core::model::PressureMap::new(per_kpa, at_zero)
+            .and_then(|map| map.with_uncertainty(per_kpa_sd, per_kpa_sd * corner.placard_kpa, -1.0))
+        {
+            corner.tire = tire;
+        }
+        let (known, told) = (&corner.uncertainty, &mut details.corners[i]);
+        let sd = |value: f64| Some((value * 1e4).round() / 1e4);
+        told.sprung_mass_relative_sd = sd(known.sprung_mass_relative_sd);
+        told.unsprung_mass_relative_sd = sd(known.unsprung_mass_relative_sd);
+        told.spring_relative_sd = sd(known.spring_relative_sd);
+        told.damping_relative_sd = sd(known.damping_relative_sd);
+        told.friction_n = Some((known.friction_n * 10.0).round() / 10.0);
+        told.friction_sd_n = Some((known.friction_sd_n * 10.0).round() / 10.0);
+        told.tire.stiffness_relative_sd = sd(known.stiffness_relative_sd);
+        told.tire.stiffness_over_mass_relative_sd = known.stiffness_over_mass_relative_sd.and_then(sd);
+        corners[i] = Some(corner);
+    }
+    let learned = Some(described(drives));
+    Vehicle { learned, corners, ..file.clone() }.with_details(details)
+}
+
+fn rounded(value: f64) -> f64 {
+    format!("{value:.*e}", DIGITS - 1).parse().unwrap_or(value)
+}
+
+/// Parameters of a corner by the key of their value and of their standard deviation.
+fn parameters(corner: &LearnedCorner) -> [(&'static str, &'static str, Parameter); 4] {
+    [
+        ("unsprung_mass_kg", "unsprung_mass_relative_sd", corner.unsprung_mass_kg),
+        ("damping_n_s_per_m", "damping_relative_sd", corner.damping_n_s_per_m),
+        ("spring_n_per_m", "spring_relative_sd", corner.spring_n_per_m),
+        ("friction_n", "friction_sd_n", corner.friction_n),
+    ]
+}
+
+impl LearnedVehicle {
+    /// What no drive has told, and what no drive can tell, a sentence each.
+    #[must_use]
+    pub fn unknown(&self) -> Vec<String> {
+        let mut unknown = vec![
+            "all unsprung masses, tires, springs, dampers and friction times one factor move alike: that factor rests on the file's sprung masses, unsprung masses and tires".to_owned(),
+            "sprung masses are the file's; an estimate finds the load anew on every drive".to_owned(),
+        ];
+        let slope = &self.learned.slope;
+        if !slope.is_learned() {
+            unknown.push(format!(
+                "how much stiffer the tires are per kPa is known to {:.0} %: a drive at a pressure a quarter lower, with the same tires, tells it better",
+                100.0 * slope.after_sd / slope.after
+            ));
+        }
+        for corner in Corner::ALL {
+            let Some(learned) = &self.learned.corners[corner.index()] else { continue };
+            let tire = ("the tire's stiffness by itself", learned.tire_n_per_m);
+            let all =
+                parameters(learned).map(|(key, _, parameter)| (key, parameter)).into_iter().chain([tire]);
+            let left: Vec<&str> =
+                all.filter(|(_, parameter)| !parameter.is_learned()).map(|(key, _)| key).collect();
+            if !left.is_empty() {
+                unknown.push(format!(
+                    "{}: hardly better known than before: {}",
+                    corner.label(),
+                    left.join(", ")
+                ));
+            }
+        }
+        unknown
+    }
+
+    /// The vehicle file, with a comment on where each value comes from.
+    #[must_use]
+    pub fn to_toml(&self, from: &str) -> String {
+        let mut head = vec![
+            format!(
+                "Learned by itpms vehicle learn; {from} is what it began with, and what has no comment is as there."
+            ),
+            "Unknown as before:".to_owned(),
+        ];
+        head.extend(self.unknown().into_iter().map(|text| format!("- {text}")));
+        self.vehicle.to_commented_toml(&head, &|table, key| self.comment(table, key))
+    }
+
+    fn comment(&self, table: &str, key: &str) -> Option<String> {
+        let of = |label: &str| {
+            let corner = Corner::ALL.into_iter().find(|corner| corner.label() == label)?;
+            self.learned.corners[corner.index()].as_ref()
+        };
+        if table == "vehicle" && key == "learned" {
+            return Some("which drives".to_owned());
+        }
+        if table == "tire" || table.ends_with(".tire") {
+            let label =
+                table.strip_prefix("corner.").and_then(|rest| rest.strip_suffix(".tire")).unwrap_or("fl");
+            let (tire, slope) = (&of(label)?.tire_n_per_m, &self.learned.slope);
+            return Some(match key {
+                "stiffness_per_kpa" => format!(
+                    "N/m per kPa: {}, slope {:.3} of the file's",
+                    changed(tire, "N/m at placard pressure"),
+                    slope.after
+                ),
+                "stiffness_at_zero" => {
+                    "N/m: the line goes through the stiffness at placard pressure".to_owned()
+                }
+                "stiffness_per_kpa_sd" => {
+                    "of the slope; with the next two the line is exact at placard pressure".to_owned()
+                }
+                "stiffness_relative_sd" => "of the tire by itself".to_owned(),
+                "stiffness_over_mass_relative_sd" => {
+                    "of stiffness over unsprung mass: the level of a pressure rests on it".to_owned()
+                }
+                _ => return None,
+            });
+        }
+        let corner = of(table.strip_prefix("corner.")?)?;
+
+        parameters(corner).into_iter().find_map(|(name, sd_name, parameter)| {
+            if key == name {
+                Some(changed(&parameter, ""))
+            } else {
+                (key == sd_name && !parameter.is_learned())
+                    .then(|| "hardly better than the file's".to_owned())
+            }
+        })
+    }
+}
+
+/// What a parameter was, and what drives have made of it.
+fn changed(parameter: &Parameter, unit: &str) -> String {
+    let digits = |value: f64| if value < 1_000.0 { format!("{value:.1}") } else { format!("{value:.0}") };
+    let word = if parameter.is_learned() { "learned" } else { "file and drives" };
+    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    format!("{word}: {} ± {}{unit} before", digits(parameter.before), digits(parameter.before_sd))
+}

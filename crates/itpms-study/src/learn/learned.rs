@@ -1,0 +1,141 @@
+//! The car that comes out, parameter by parameter: what the file said, what is believed now.
+
+use itpms_core::model::{CarConfig, CornerConfig, PressureMap, QuarterCar};
+
+use super::weigh::Belief;
+use super::{DriveReading, LearnError, strut};
+
+/// Of a standard deviation, what has to be left for a parameter to count as unlearned.
+const UNLEARNED: f64 = 0.8;
+
+/// A parameter before and after, with its standard deviations in its own unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameter {
+    /// What the file says.
+    pub before: f64,
+    /// And how well it says that is known.
+    pub before_sd: f64,
+    /// What is believed now.
+    pub after: f64,
+    /// And how well that is known.
+    pub after_sd: f64,
+}
+
+impl Parameter {
+    /// Of a positive value that is `exp` of a normal deviation, told as mean and standard deviation.
+    pub(super) fn share(before: f64, before_relative_sd: f64, [deviation, sd]: [f64; 2]) -> Self {
+        let after = before * deviation.exp();
+        Self { before, before_sd: before * before_relative_sd, after, after_sd: after * sd }
+    }
+
+    /// Whether the drives have told it, and not the file alone.
+    #[must_use]
+    pub fn is_learned(&self) -> bool {
+        self.after_sd / self.after < UNLEARNED * self.before_sd / self.before
+    }
+}
+
+/// A corner's parameters.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LearnedCorner {
+    /// Unsprung mass in kg.
+    pub unsprung_mass_kg: Parameter,
+    /// Stiffness of the tire at placard pressure in N/m.
+    pub tire_n_per_m: Parameter,
+    /// Stiffness over unsprung mass in 1/s², the level of every uncalibrated pressure.
+    pub stiffness_over_mass: Parameter,
+    /// Damping in N s/m.
+    pub damping_n_s_per_m: Parameter,
+    /// Spring in N/m.
+    pub spring_n_per_m: Parameter,
+    /// Friction in N.
+    pub friction_n: Parameter,
+}
+
+/// What the drives have taught.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Learned {
+    /// By corner, as far as the file has them.
+    pub corners: [Option<LearnedCorner>; 4],
+    /// Slope of stiffness over pressure over the file's, of all tires alike.
+    pub slope: Parameter,
+    /// The car to go on with.
+    pub car: CarConfig<f64>,
+}
+
+pub(super) fn learned(
+    file: &CarConfig<f64>,
+    belief: &Belief,
+    drives: &[DriveReading],
+) -> Result<Learned, LearnError> {
+    let [u, u_sd] = belief.slope();
+    let file_slope_sd = |c: &CornerConfig<f64>| c.tire.stiffness_per_kpa_sd() / c.tire.stiffness_per_kpa();
+    let before_sd = file.corners.iter().flatten().map(file_slope_sd).fold(0.0, f64::max);
+    let slope = Parameter {
+        before: 1.0,
+        before_sd: if before_sd > 0.0 { before_sd } else { super::weigh::SLOPE_SD },
+        after: 1.0 + u,
+        after_sd: u_sd,
+    };
+    let (mut corners, mut car) = ([None; 4], *file);
+    for i in 0..4 {
+        let Some(told) = &file.corners[i] else { continue };
+        let corner = corner(told, i, belief, drives);
+        car.corners[i] = Some(config(told, &corner, &slope)?);
+        corners[i] = Some(corner);
+    }
+    Ok(Learned { corners, slope, car })
+}
+
+fn corner(told: &CornerConfig<f64>, i: usize, belief: &Belief, drives: &[DriveReading]) -> LearnedCorner {
+    let (mass_kg, known) = (told.quarter_car.unsprung_mass_kg(), &told.uncertainty);
+    let tire_n_per_m = told.tire.stiffness_n_per_m(told.placard_kpa);
+    let [mass, tire] = [belief.mass(i), belief.tire(i)];
+    let [damping_n_s_per_m, spring_n_per_m, friction_n] = strut::strut(told, i, drives);
+    LearnedCorner {
+        unsprung_mass_kg: Parameter::share(mass_kg, known.unsprung_mass_relative_sd, mass),
+        tire_n_per_m: Parameter::share(tire_n_per_m, known.stiffness_relative_sd, tire),
+        stiffness_over_mass: Parameter::share(
+            tire_n_per_m / mass_kg,
+            known.tire_relative_sd(),
+            [tire[0] - mass[0], belief.ratio_sd(i)],
+        ),
+        damping_n_s_per_m,
+        spring_n_per_m,
+        friction_n,
+    }
+}
+
+/// What an estimator is told of it.
+fn config(
+    told: &CornerConfig<f64>,
+    corner: &LearnedCorner,
+    slope: &Parameter,
+) -> Result<CornerConfig<f64>, LearnError> {
+    let relative = |parameter: &Parameter| parameter.after_sd / parameter.after;
+    let quarter_car = QuarterCar::new(
+        told.quarter_car.sprung_mass_kg(),
+        corner.unsprung_mass_kg.after,
+        corner.damping_n_s_per_m.after,
+        corner.spring_n_per_m.after,
+    )?;
+    // The line turns about its point at placard pressure, where stiffness over mass was read.
+    let scale = corner.tire_n_per_m.after / corner.tire_n_per_m.before;
+    let per_kpa = scale * slope.after * told.tire.stiffness_per_kpa();
+    let at_zero = corner.tire_n_per_m.after - per_kpa * told.placard_kpa;
+    let per_kpa_sd = per_kpa * slope.after_sd / slope.after;
+    let tire = PressureMap::new(per_kpa, at_zero.max(0.0))?.with_uncertainty(
+        per_kpa_sd,
+        per_kpa_sd * told.placard_kpa,
+        -1.0,
+    )?;
+    let mut uncertainty = told.uncertainty;
+    uncertainty.unsprung_mass_relative_sd = relative(&corner.unsprung_mass_kg);
+    uncertainty.stiffness_relative_sd = relative(&corner.tire_n_per_m);
+    uncertainty.stiffness_over_mass_relative_sd = Some(relative(&corner.stiffness_over_mass));
+    uncertainty.damping_relative_sd = relative(&corner.damping_n_s_per_m);
+    uncertainty.spring_relative_sd = relative(&corner.spring_n_per_m);
+    (uncertainty.friction_n, uncertainty.friction_sd_n) =
+        (corner.friction_n.after, corner.friction_n.after_sd);
+    Ok(CornerConfig { quarter_car, tire, uncertainty, ..*told })
+}

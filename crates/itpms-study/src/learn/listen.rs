@@ -1,0 +1,184 @@
+//! One drive at known pressures: what each tire reads on an average, and what each strut showed minute by minute.
+
+use itpms_core::car::{EstimatorOptions, RoadHeights};
+use itpms_core::model::{CarConfig, CarSample, ParameterError};
+use itpms_core::monitor::{MonitorConfig, MonitoredCar};
+
+/// Seconds at the start of a drive that do not count, time between two looks at a tire, and valid time of a block of looks.
+const START_S: f64 = 30.0;
+const LOOK_S: f64 = 0.1;
+const BLOCK_S: f64 = 30.0;
+/// Blocks that a mean needs.
+const FEWEST_BLOCKS: usize = 2;
+/// Time between two looks at the struts, which forget with as much.
+const STRUTS_S: f64 = 60.0;
+
+/// A tire's stiffness over its unsprung mass, averaged over a drive.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WheelReading {
+    /// Geometric mean in 1/s².
+    pub stiffness_over_mass: f64,
+    /// Its relative standard deviation, by how its half minutes scatter.
+    pub relative_sd: f64,
+    /// Valid time in s that it rests on.
+    pub seconds: f64,
+}
+
+/// A strut averaged over a drive, for the file's sprung mass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StrutMean {
+    /// Damping in N s/m.
+    pub damping_n_s_per_m: f64,
+    /// Spring in N/m.
+    pub spring_n_per_m: f64,
+    /// Friction in N.
+    pub friction_n: f64,
+}
+
+/// What a drive has shown. The same whatever unsprung masses, dampers, springs and tires its [`Listener`] was told.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DriveReading {
+    /// The known pressures in kPa gauge.
+    pub pressures_kpa: [f64; 4],
+    /// By corner; `None` where too little was valid.
+    pub wheels: [Option<WheelReading>; 4],
+    /// By corner; `None` where nothing was seen.
+    pub struts: [Option<StrutMean>; 4],
+}
+
+/// Estimates a drive as one whose pressures nobody knows, and keeps what the tires and struts read.
+#[derive(Debug)]
+pub struct Listener {
+    car: Box<MonitoredCar<f64>>,
+    config: CarConfig<f64>,
+    pressures_kpa: [f64; 4],
+    first_s: f64,
+    look_s: f64,
+    struts_s: f64,
+    wheels: [Blocks; 4],
+    struts: [StrutSum; 4],
+}
+
+/// Logarithms of stiffness over mass, in blocks.
+#[derive(Debug, Clone, Default)]
+struct Blocks {
+    sum: f64,
+    count: u32,
+    means: Vec<f64>,
+}
+
+/// Sums of logarithms, of damping and spring over the file's; of friction in N.
+#[derive(Debug, Clone, Copy, Default)]
+struct StrutSum {
+    sums: [f64; 3],
+    count: u32,
+}
+
+impl Listener {
+    /// For a drive of this car at these pressures in kPa gauge, by corner.
+    ///
+    /// # Errors
+    /// A rate or parameters that the estimator refuses; a pressure that is not positive and finite.
+    pub fn new(
+        config: &CarConfig<f64>,
+        pressures_kpa: [f64; 4],
+        sample_rate_hz: f64,
+    ) -> Result<Self, ParameterError> {
+        let mut config = *config;
+        for (corner, kpa) in config.corners.iter_mut().zip(pressures_kpa) {
+            let Some(corner) = corner.as_mut() else { continue };
+            // The estimate begins where the tires are. Stiffness over mass is what is asked for: that it is not known makes no reading
+            // worthless.
+            *corner = corner.with_initial_pressure(kpa)?;
+            corner.placard_kpa = kpa;
+            corner.uncertainty.stiffness_over_mass_relative_sd = Some(0.0);
+        }
+        let options = EstimatorOptions { road_heights: RoadHeights::LeftOut, ..EstimatorOptions::default() };
+        let mut car = Box::new(MonitoredCar::unconfigured());
+        car.configure(&MonitorConfig::new(&config).with_options(options), sample_rate_hz)?;
+        Ok(Self {
+            car,
+            config,
+            pressures_kpa,
+            first_s: f64::NAN,
+            look_s: f64::NEG_INFINITY,
+            struts_s: STRUTS_S,
+            wheels: Default::default(),
+            struts: Default::default(),
+        })
+    }
+
+    /// Takes a sample.
+    pub fn take(&mut self, sample: &CarSample<f64>) {
+        let estimate = self.car.update(sample);
+        if self.first_s.is_nan() {
+            self.first_s = sample.time_s;
+        }
+        let driven_s = sample.time_s - self.first_s;
+        if !(driven_s >= START_S && driven_s >= self.look_s) {
+            return;
+        }
+        self.look_s = driven_s + LOOK_S;
+        for (i, blocks) in self.wheels.iter_mut().enumerate() {
+            let (Some(read), Some(told)) = (&estimate.corners[i], &self.config.corners[i]) else { continue };
+            if read.validity.is_valid() && read.stiffness_n_per_m > 0.0 {
+                blocks.push((read.stiffness_n_per_m / told.quarter_car.unsprung_mass_kg()).ln());
+            }
+        }
+        if driven_s >= self.struts_s {
+            self.struts_s = driven_s + STRUTS_S;
+            let readings = self.car.estimator().strut_readings();
+            for (sum, reading) in self.struts.iter_mut().zip(readings) {
+                let Some(reading) = reading else { continue };
+                let values = [reading.ln_damping, reading.ln_spring, reading.friction_n];
+                sum.sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+                sum.count += 1;
+            }
+        }
+    }
+
+    /// What the drive has shown.
+    #[must_use]
+    pub fn finish(self) -> DriveReading {
+        let strut = |i: usize| {
+            let (sum, told) = (&self.struts[i], self.config.corners[i].as_ref()?.quarter_car);
+            let mean = |value: usize| sum.sums[value] / f64::from(sum.count);
+            (sum.count > 0).then(|| StrutMean {
+                damping_n_s_per_m: told.damping_n_s_per_m() * mean(0).exp(),
+                spring_n_per_m: told.spring_n_per_m() * mean(1).exp(),
+                friction_n: mean(2),
+            })
+        };
+        DriveReading {
+            pressures_kpa: self.pressures_kpa,
+            wheels: self.wheels.each_ref().map(Blocks::reading),
+            struts: std::array::from_fn(strut),
+        }
+    }
+}
+
+impl Blocks {
+    fn push(&mut self, value: f64) {
+        self.sum += value;
+        self.count += 1;
+        if f64::from(self.count) * LOOK_S >= BLOCK_S {
+            self.means.push(self.sum / f64::from(self.count));
+            (self.sum, self.count) = (0.0, 0);
+        }
+    }
+
+    fn reading(&self) -> Option<WheelReading> {
+        let count = self.means.len();
+        if count < FEWEST_BLOCKS {
+            return None;
+        }
+        let n = count as f64;
+        let mean = self.means.iter().sum::<f64>() / n;
+        let squares: f64 = self.means.iter().map(|value| (value - mean).powi(2)).sum();
+        Some(WheelReading {
+            stiffness_over_mass: mean.exp(),
+            relative_sd: (squares / (n - 1.0) / n).sqrt(),
+            seconds: n * BLOCK_S,
+        })
+    }
+}

@@ -1,0 +1,178 @@
+//! `itpms vehicle learn`: drives at known pressures and a vehicle file in, a vehicle file out. The work is that of `itpms-drive`.
+
+use std::path::Path;
+
+use itpms_core::model::Corner;
+use itpms_data::Vehicle;
+use itpms_data::out::AtomicFile;
+use itpms_drive::{KnownDrive, LearnedVehicle, learn};
+use itpms_study::learn::{LearnedCorner, Parameter};
+use serde_json::{Map, Value, json};
+
+use crate::args::LearnArgs;
+use crate::commands::names;
+use crate::exit::Failure;
+use crate::interrupt::Interrupt;
+use crate::screen::Screen;
+
+/// Width of the first column, and of a value with its deviation.
+const NAME: usize = 34;
+const CELL: usize = 20;
+
+pub(super) fn run(args: &LearnArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
+    let [dbc, signals] = args.reading.inputs();
+    let mut inputs = vec![dbc, signals];
+    inputs.extend(args.logs.iter().map(|log| (Some(log.as_path()), "a drive log")));
+    names::check(&inputs, &[Some(&args.output)])?;
+    let from = args.from.as_deref().unwrap_or(&args.output);
+    if args.from.is_none() && !from.exists() {
+        return Err(Failure::Usage(format!(
+            "{}: is not there to begin with; give a vehicle file with --from, such as one by itpms vehicle init",
+            from.display()
+        )));
+    }
+    let vehicle = Vehicle::read(from)?;
+    let drives = drives(args, &vehicle)?;
+    let progress = screen.progress("learning");
+    let learned = learn(&vehicle, &drives, &mut |share| {
+        progress.set(share);
+        interrupt.flow()
+    })?;
+    drop(progress);
+    let name = from.file_name().unwrap_or(from.as_os_str()).to_string_lossy().into_owned();
+    write(&args.output, &learned.to_toml(&name))?;
+    for concern in &learned.concerns {
+        screen.warn(concern);
+    }
+    if args.json {
+        let text = serde_json::to_string_pretty(&document(&learned))
+            .map_err(|error| Failure::Usage(format!("the result is no JSON: {error}")))?;
+        screen.print_lines(text);
+    } else {
+        screen.print_lines(table(&vehicle, &learned));
+    }
+    screen.remark(format!(
+        "{}: the car as these drives show it; a reference of another file does not fit it: calibrate anew",
+        args.output.display()
+    ));
+    Ok(())
+}
+
+fn write(path: &Path, text: &str) -> Result<(), Failure> {
+    let mut file = AtomicFile::create(path)?;
+    file.append(text.as_bytes())?;
+    file.commit()?;
+    Ok(())
+}
+
+/// A pressure for every wheel of every drive.
+fn drives(args: &LearnArgs, vehicle: &Vehicle) -> Result<Vec<KnownDrive>, Failure> {
+    let (logs, told) = (args.logs.len(), args.pressure_kpa.len());
+    if told != 1 && told != logs {
+        return Err(Failure::Usage(format!(
+            "{told} times --pressure-kpa for {logs} logs, expected one for all or one for each, in the same order"
+        )));
+    }
+    let mut drives = vec![];
+    for (i, log) in args.logs.iter().enumerate() {
+        let known = args.pressure_kpa[if told == 1 { 0 } else { i }].0;
+        let mut pressures_kpa = [f64::NAN; 4];
+        for corner in Corner::ALL {
+            pressures_kpa[corner.index()] = match (known[corner.index()], vehicle.corner(corner)) {
+                (Some(kpa), _) => kpa,
+                (None, None) => continue,
+                (None, Some(_)) => {
+                    let (log, label) = (log.display(), corner.label());
+                    return Err(Failure::Usage(format!(
+                        "{log}: --pressure-kpa says nothing of {label}, expected a pressure for every wheel"
+                    )));
+                }
+            };
+        }
+        drives.push(KnownDrive { log: log.clone(), options: args.reading.options(), pressures_kpa });
+    }
+    Ok(drives)
+}
+
+type Line = (&'static str, fn(&LearnedCorner) -> Parameter);
+
+const LINES: [Line; 6] = [
+    ("unsprung mass (kg)", |corner| corner.unsprung_mass_kg),
+    ("tire stiffness at placard (N/m)", |corner| corner.tire_n_per_m),
+    ("tire over unsprung mass (1/s2)", |corner| corner.stiffness_over_mass),
+    ("damping (N s/m)", |corner| corner.damping_n_s_per_m),
+    ("spring (N/m)", |corner| corner.spring_n_per_m),
+    ("friction (N)", |corner| corner.friction_n),
+];
+
+fn table(file: &Vehicle, learned: &LearnedVehicle) -> String {
+    let corners: Vec<(Corner, &LearnedCorner)> = Corner::ALL
+        .into_iter()
+        .filter_map(|corner| Some((corner, learned.learned.corners[corner.index()].as_ref()?)))
+        .collect();
+    let row = |name: &str, cells: &mut dyn Iterator<Item = String>| {
+        let cells: String = cells.map(|cell| format!("{cell:>CELL$}")).collect();
+        format!("{name:<NAME$}{cells}").trim_end().to_owned()
+    };
+    let mut out = vec![row("", &mut corners.iter().map(|(corner, _)| corner.label().to_owned()))];
+    for (name, of) in LINES {
+        let all = || corners.iter().map(|(_, corner)| of(corner));
+        out.push(row(name, &mut all().map(|p| shown(p.before, p.before_sd, ' '))));
+        let mark = |p: &Parameter| if p.is_learned() { '*' } else { ' ' };
+        out.push(row("  learned", &mut all().map(|p| shown(p.after, p.after_sd, mark(&p)))));
+    }
+    let kpa = |vehicle: &Vehicle| {
+        let vehicle = vehicle.clone();
+        corners.iter().map(move |(corner, _)| format!("{:.0} ", vehicle.level_sd_kpa(&[*corner])))
+    };
+    out.push(row("pressure, uncalibrated (sd, kPa)", &mut kpa(file)));
+    out.push(row("  learned", &mut kpa(&learned.vehicle)));
+    let slope = &learned.learned.slope;
+    out.push(String::new());
+    out.push(format!(
+        "slope of stiffness over pressure: {:.3} ± {:.3} of the file's",
+        slope.after, slope.after_sd
+    ));
+    out.push("* told by the drives; the others are hardly better known than before".to_owned());
+    out.push(String::new());
+    out.push("unknown as before:".to_owned());
+    out.extend(learned.unknown().into_iter().map(|text| format!("- {text}")));
+    out.join("\n")
+}
+
+fn shown(value: f64, sd: f64, mark: char) -> String {
+    let decimals = usize::from(value < 1_000.0);
+    format!("{value:.decimals$} ± {sd:.decimals$}{mark}")
+}
+
+fn document(learned: &LearnedVehicle) -> Value {
+    let parameter = |p: Parameter| {
+        json!({
+            "before": p.before, "before_sd": p.before_sd,
+            "after": p.after, "after_sd": p.after_sd,
+            "learned": p.is_learned(),
+        })
+    };
+    let corners: Map<String, Value> = Corner::ALL
+        .into_iter()
+        .filter_map(|corner| {
+            let of = learned.learned.corners[corner.index()].as_ref()?;
+            let value = json!({
+                "unsprung_mass_kg": parameter(of.unsprung_mass_kg),
+                "tire_n_per_m": parameter(of.tire_n_per_m),
+                "stiffness_over_mass_per_s2": parameter(of.stiffness_over_mass),
+                "damping_n_s_per_m": parameter(of.damping_n_s_per_m),
+                "spring_n_per_m": parameter(of.spring_n_per_m),
+                "friction_n": parameter(of.friction_n),
+                "uncalibrated_pressure_sd_kpa": learned.vehicle.level_sd_kpa(&[corner]),
+            });
+            Some((corner.label().to_owned(), value))
+        })
+        .collect();
+    json!({
+        "corners": corners,
+        "slope_over_file": parameter(learned.learned.slope),
+        "unknown": learned.unknown(),
+        "concerns": learned.concerns,
+    })
+}
