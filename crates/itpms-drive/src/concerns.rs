@@ -4,7 +4,7 @@ use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::Corner;
 use itpms_data::{LogReader, Vehicle};
 
-use crate::drive::Drive;
+use crate::drive::{Drive, LOG_END_S};
 use crate::error::DriveError;
 use crate::run::Job;
 
@@ -80,7 +80,8 @@ pub(crate) fn of(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Vec<String> {
             );
         }
     }
-    if let Some(seconds) = settings.calibrate_s.filter(|seconds| drive.length_s() < *seconds) {
+    // A log that ends with its calibration is what a calibration is.
+    if let Some(seconds) = settings.calibrate_s.filter(|seconds| drive.length_s() + LOG_END_S < *seconds) {
         concerns.push(format!(
             "the reset of {seconds} s outlasts the drive of {:.1} s: every pressure is the placard's because that was said, not because it was found",
             drive.length_s()

@@ -24,7 +24,7 @@ const MEETING_S: f64 = 60.0;
 /// Share of the time for which a speed may be unknown before that is said.
 const UNKNOWN_SHARE: f64 = 0.1;
 /// Seconds that a log may be shorter than the calibration that it is.
-const LOG_END_S: f64 = 1.0;
+pub(crate) const LOG_END_S: f64 = 1.0;
 
 /// The running estimator under its monitor.
 #[derive(Debug, Clone)]

@@ -78,8 +78,8 @@ pub(super) fn learned(
         after_sd: u_sd,
     };
     let (mut corners, mut car) = ([None; 4], *file);
-    for i in 0..4 {
-        let Some(told) = &file.corners[i] else { continue };
+    for (i, told) in file.corners.iter().enumerate() {
+        let Some(told) = told else { continue };
         let corner = corner(told, i, belief, drives);
         car.corners[i] = Some(config(told, &corner, &slope)?);
         corners[i] = Some(corner);

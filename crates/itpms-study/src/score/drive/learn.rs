@@ -26,7 +26,9 @@ const LEFT: f64 = 0.8;
 /// Of a share of 0.95 that is right, what is asked for.
 const HONEST: Goal = Goal::Between(0.93, 0.97);
 
-const PARAMETERS: [(&str, fn(&LearnedCorner) -> Parameter); 6] = [
+type Named = (&'static str, fn(&LearnedCorner) -> Parameter);
+
+const PARAMETERS: [Named; 6] = [
     ("unsprung mass", |corner| corner.unsprung_mass_kg),
     ("tire", |corner| corner.tire_n_per_m),
     ("tire over unsprung mass", |corner| corner.stiffness_over_mass),
