@@ -271,11 +271,12 @@ impl<T: Real> Resampler<T> {
             self.saturated.rotate_left(1);
             self.filled -= 1;
         }
-        self.time_s[self.filled] = time_s;
-        self.body[self.filled] = body;
-        self.wheel[self.filled] = wheel;
-        self.saturated[self.filled] = saturated;
-        self.filled += 1;
+        let at = self.filled.min(POINTS - 1);
+        self.time_s[at] = time_s;
+        self.body[at] = body;
+        self.wheel[at] = wheel;
+        self.saturated[at] = saturated;
+        self.filled = at + 1;
     }
 
     fn emit(&mut self, speed_m_s: T, sink: &mut impl FnMut(GridSample<T>)) {

@@ -128,10 +128,20 @@ pub(crate) fn over_others<T: Real>(powers: &[T; 4], i: usize) -> T {
 pub(crate) fn median<T: Real>(values: &mut [T]) -> T {
     values.sort_unstable_by(|a, b| a.partial_cmp(b).unwrap_or(core::cmp::Ordering::Equal));
     let n = values.len();
-    match n {
-        0 => T::lit(f64::NAN),
-        _ => T::lit(0.5) * (values[(n - 1) / 2] + values[n / 2]),
+    match (values.get(n.saturating_sub(1) / 2), values.get(n / 2)) {
+        (Some(&below), Some(&above)) => T::lit(0.5) * (below + above),
+        _ => T::lit(f64::NAN),
     }
+}
+
+/// Values in their places, as many as there are or have room.
+pub(crate) fn gathered<T: Real>(values: impl Iterator<Item = T>, places: &mut [T]) -> &mut [T] {
+    let mut count = 0;
+    for (place, value) in places.iter_mut().zip(values) {
+        *place = value;
+        count += 1;
+    }
+    places.get_mut(..count).unwrap_or_default()
 }
 
 #[cfg(test)]
