@@ -10,9 +10,8 @@ type Row = (f64, f64, f64);
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Excerpt {
     running: Vec<Row>,
-    power: f64,
     best: Vec<Row>,
-    best_power: f64,
+    best_variance: f64,
 }
 
 impl Excerpt {
@@ -23,27 +22,30 @@ impl Excerpt {
             self.close();
         }
         self.running.push((time_s, body_m_s2, wheel_m_s2));
-        if wheel_m_s2.is_finite() {
-            self.power += wheel_m_s2 * wheel_m_s2;
-        }
     }
 
     fn close(&mut self) {
-        if self.best.is_empty() || self.power > self.best_power {
+        let variance = variance(&self.running);
+        if self.best.is_empty() || variance > self.best_variance {
             std::mem::swap(&mut self.best, &mut self.running);
-            self.best_power = self.power;
+            self.best_variance = variance;
         }
         self.running.clear();
-        self.power = 0.0;
     }
 
     /// The rows; a log shorter than the window gives what it has.
     pub(super) fn finish(mut self) -> Vec<Row> {
-        if self.best.is_empty() || self.power > self.best_power {
-            self.close();
-        }
+        self.close();
         self.best
     }
+}
+
+/// Variance of the wheel's values.
+fn variance(rows: &[Row]) -> f64 {
+    let values = || rows.iter().map(|row| row.2).filter(|value| value.is_finite());
+    let count = values().count().max(1) as f64;
+    let mean = values().sum::<f64>() / count;
+    values().map(|value| (value - mean).powi(2)).sum::<f64>() / count
 }
 
 #[cfg(test)]
@@ -55,8 +57,9 @@ mod tests {
         let mut excerpt = Excerpt::default();
         for i in 0..10_000 {
             let time_s = f64::from(i) * 0.01;
-            let loud = if (40.0..44.0).contains(&time_s) { 3.0 } else { 1.0 };
-            excerpt.push(time_s, 0.0, loud * f64::from(i % 2));
+            // An offset before it is no motion.
+            let (loud, offset) = if (40.0..44.0).contains(&time_s) { (3.0, 0.0) } else { (1.0, 8.0) };
+            excerpt.push(time_s, 0.0, offset + loud * f64::from(i % 2));
         }
         let rows = excerpt.finish();
         assert_eq!(rows.len(), 200);

@@ -140,8 +140,8 @@ impl FoundCorner {
             .band("body, lowest to highest", Ink::Adaptive, t.body.clone())
             .line("wheel", Ink::Default, Stroke::Solid, vec![])
             .line("body", Ink::Adaptive, Stroke::Solid, vec![])
-            .line("wheel, rms", Ink::Default, Stroke::Bold, t.wheel_rms.clone())
-            .line("body, rms", Ink::Adaptive, Stroke::Bold, t.body_rms.clone())
+            .line("wheel, rms about its mean", Ink::Default, Stroke::Bold, t.wheel_rms.clone())
+            .line("body, rms about its mean", Ink::Adaptive, Stroke::Bold, t.body_rms.clone())
     }
 
     fn liveliest(&self) -> Panel {

@@ -41,9 +41,11 @@ impl Stretch {
         self.sum / self.count as f64
     }
 
-    /// Root mean square, NaN without a value.
-    pub(super) fn rms(&self) -> f64 {
-        (self.squares / self.count as f64).sqrt()
+    /// Root mean square of the deviation from `center`, NaN without a value.
+    pub(super) fn rms_about(&self, center: f64) -> f64 {
+        let mean = self.mean();
+        let about_mean = (self.squares / self.count as f64 - mean * mean).max(0.0);
+        (about_mean + (mean - center).powi(2)).sqrt()
     }
 }
 
@@ -198,7 +200,7 @@ mod tests {
         assert_eq!(top.high, 50.0);
         // Values 0 to 4 in turn: mean 2, rms of 0, 1, 2, 3, 4.
         let (_, first) = trace.course().next().unwrap();
-        assert!((first.mean() - 2.0).abs() < 0.01 && (first.rms() - 6f64.sqrt()).abs() < 0.01);
+        assert!((first.mean() - 2.0).abs() < 0.01 && (first.rms_about(0.0) - 6f64.sqrt()).abs() < 0.01);
         assert_eq!(trace.course().map(|(_, stretch)| stretch.count).sum::<u64>(), 1_000_000);
     }
 

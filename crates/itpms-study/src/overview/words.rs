@@ -108,7 +108,7 @@ fn signal(name: &str, s: &Statistics) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::minute;
+    use super::super::tests::{minute, noise};
 
     #[test]
     fn nothing_is_wrong_with_a_body_that_follows_its_wheel() {
@@ -158,17 +158,14 @@ mod tests {
 
     #[test]
     fn a_body_of_another_wheel_is_named() {
-        let mut state = 7u64;
-        let found = {
-            let noise = std::cell::RefCell::new(move || {
-                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                (state >> 33) as f64 / f64::from(1u32 << 30) - 1.0
-            });
-            minute(0.0, |_, signals| {
-                signals.body_accel_m_s2 = 0.3 * (noise.borrow_mut())();
-                signals.wheel_accel_m_s2 += (noise.borrow_mut())();
-            })
+        let state = std::cell::Cell::new(7);
+        let random = || {
+            let mut now = state.get();
+            let value = noise(&mut now);
+            state.set(now);
+            value
         };
+        let found = minute(0.0, |_, signals| signals.body_accel_m_s2 = random());
         let doubts = found.doubts();
         assert!(doubts.len() == 1 && doubts[0].contains("the body does not follow this wheel"), "{doubts:?}");
     }
