@@ -144,15 +144,17 @@ mod tests {
         );
         said(
             minute(0.2, |i, signals| {
-                if i % 20 == 0 {
+                if (3_000..3_600).contains(&i) {
                     signals.wheel_accel_m_s2 = f64::NAN;
                 }
             }),
             "fr, wheel: 5 % of its values are missing",
         );
         said(
-            minute(0.2, |_, signals| signals.body_accel_m_s2 = (signals.body_accel_m_s2 / 0.3).round() * 0.3),
-            "moves in steps of 0.3",
+            minute(0.2, |_, signals| {
+                signals.body_accel_m_s2 = (signals.body_accel_m_s2 / 0.16).round() * 0.16
+            }),
+            "moves in steps of 0.16",
         );
     }
 
