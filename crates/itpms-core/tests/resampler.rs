@@ -190,3 +190,25 @@ fn samples_on_top_of_each_other_give_finite_steps() {
     assert!(finite);
     assert_eq!(intake.counts().accepted, 400);
 }
+
+#[test]
+fn stamps_since_1970_give_the_grid_of_stamps_since_the_start() {
+    const START_S: f64 = 1_772_366_400.0;
+    // Twenty minutes at 500 Hz: a grid whose steps were rounded to quarters of a microsecond would be 57 ms off.
+    let rows = |start_s: f64| (0..600_000).map(move |k| (start_s + k as f64 * 0.002, lively(k), -lively(k)));
+    let ((plain, ..), (dated, counts, _)) = (regrid(rows(0.0)), regrid(rows(START_S)));
+    assert!(dated.len().abs_diff(plain.len()) <= 1 && counts.gaps == 0, "{} {}", dated.len(), plain.len());
+    for (plain, dated) in plain.iter().zip(&dated) {
+        // What is left: steps summed up twelve days after an epoch, where a time has a tenth of a nanosecond, half of that wrong at most.
+        let off_s = dated.time_s - START_S - plain.time_s;
+        assert!(off_s.abs() < 600_000.0 * 0.6e-10 + 5e-7, "{} {}", dated.time_s, plain.time_s);
+        // The signal changes by less than 2500 in a second.
+        assert!((dated.wheel_accel_m_s2 - plain.wheel_accel_m_s2).abs() < 2_500.0 * 4e-5);
+    }
+    // Across the seam between two epochs, 1690 times 2^20 s after 1970, one step at most is another.
+    let seam_s = 1690.0 * f64::from(1 << 20);
+    let (dated, counts, _) =
+        regrid((0..4_000).map(|k| (seam_s - 4.0 + k as f64 * 0.002, lively(k), lively(k))));
+    assert!(dated.len().abs_diff(3_994) <= 1 && counts.gaps == 0, "{}", dated.len());
+    assert!(dated.windows(2).all(|pair| (pair[1].time_s - pair[0].time_s - 0.002).abs() < 2.1e-3));
+}

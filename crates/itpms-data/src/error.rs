@@ -262,7 +262,7 @@ pub enum Problem {
     /// No wheel can be seen at this rate.
     #[error(
         "the sample period is {period_s} s ({rate_hz:.3} Hz), expected 100 Hz to 2 kHz with time_s in seconds{}",
-        milliseconds(*.period_s)
+        other_unit(*.period_s)
     )]
     SamplePeriod {
         /// Median period in s.
@@ -448,7 +448,16 @@ fn because(repairs: &[String]) -> String {
     if repairs.is_empty() { String::new() } else { format!(" ({})", repairs.join("; ")) }
 }
 
-fn milliseconds(period_s: f64) -> &'static str {
-    // 0.5 to 10 would be 2 kHz to 100 Hz in milliseconds.
-    if (0.4..=12.0).contains(&period_s) { " (it looks like milliseconds)" } else { "" }
+/// The unit in which the period would be that of 80 Hz to 2.5 kHz.
+fn other_unit(period_s: f64) -> &'static str {
+    let per_s = |factor: f64| (0.4e-3..=12e-3).contains(&(period_s / factor));
+    if per_s(1e3) {
+        " (it looks like milliseconds)"
+    } else if per_s(1e6) {
+        " (it looks like microseconds)"
+    } else if per_s(1e9) {
+        " (it looks like nanoseconds, as durations are stored; a map states it: time_s = { signal = \"...\", unit = \"ns\" })"
+    } else {
+        ""
+    }
 }

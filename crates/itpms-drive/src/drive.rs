@@ -20,7 +20,7 @@ pub type QuarterCars = [Option<QuarterCar<f64>>; 4];
 /// Speed in m/s above which front and rear should be found to meet the same road, and seconds of that after which they
 /// should have been: in everyday driving it takes two.
 const MEETING_M_S: f64 = 5.0;
-const MEETING_S: f64 = 60.0;
+const MEETING_S: f64 = 15.0;
 /// Share of the time for which a speed may be unknown before that is said.
 const UNKNOWN_SHARE: f64 = 0.1;
 /// Seconds that a log may be shorter than the calibration that it is.

@@ -9,6 +9,7 @@
 //! | [`learn`] | parameters of a car from drives at known pressures |
 //! | [`malfunction`] | sensors that go wrong, and what the monitor says of it |
 //! | [`observability`] | why two accelerations leave the stiffness free, and what each source of information fixes |
+//! | [`overview`] | a log before any vehicle is known: signals, spectra, coherence, on one page |
 //! | [`spectrum`] | Welch's power spectral density; level, slope and ISO 8608 class of a road |
 //! | [`paper`] | the paper's study, made again |
 //! | [`plot`] | figures as SVG |
@@ -16,6 +17,7 @@
 //! | [`roughness`] | International Roughness Index, ISO 8608 level and slope, per track and segment |
 //! | [`score`] | the accuracy table, recomputed over many simulated drives |
 //! | [`soak`] | false warnings over many simulated hours |
+//! | [`transfer`] | how a corner's body answers its wheel, and whether that is its vehicle file's suspension |
 #![forbid(unsafe_code)]
 
 pub mod bound;
@@ -24,6 +26,7 @@ pub mod identify;
 pub mod learn;
 pub mod malfunction;
 pub mod observability;
+pub mod overview;
 pub mod paper;
 pub mod plot;
 pub mod report;

@@ -11,6 +11,7 @@ mod log;
 mod malfunctions;
 #[cfg(feature = "live")]
 mod monitor;
+mod plot;
 mod reproduce;
 mod roughness;
 mod signals;
@@ -40,6 +41,7 @@ pub(crate) use log::LogArgs;
 pub(crate) use malfunctions::MalfunctionsArgs;
 #[cfg(feature = "live")]
 pub(crate) use monitor::MonitorArgs;
+pub(crate) use plot::PlotArgs;
 pub(crate) use reproduce::ReproduceArgs;
 pub(crate) use roughness::RoughnessArgs;
 pub(crate) use signals::SignalsArgs;
@@ -77,6 +79,7 @@ pub(crate) enum Command {
     Monitor(MonitorArgs),
     Roughness(RoughnessArgs),
     Signals(SignalsArgs),
+    Plot(PlotArgs),
     Convert(ConvertArgs),
     Vehicle(VehicleArgs),
     Lab(LabArgs),

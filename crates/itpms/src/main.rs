@@ -36,6 +36,7 @@ fn main() -> ExitCode {
         Command::Roughness(args) => commands::roughness::run(args, &screen, &interrupt),
         Command::Convert(args) => commands::convert::run(args, &screen, &interrupt),
         Command::Signals(args) => commands::signals::run(args, &screen, &interrupt),
+        Command::Plot(args) => commands::plot::run(args, &screen, &interrupt),
         Command::Vehicle(args) => commands::vehicle::run(&args.part, &screen, &interrupt),
         Command::Completions(args) => commands::completions::run(args, &screen),
         Command::Study(study) => run_study(study, &screen, &interrupt),

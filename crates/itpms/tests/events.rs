@@ -53,10 +53,10 @@ fn a_puncture_is_said_once_for_the_right_wheel_and_in_both_files() {
     }
 }
 
-/// What a drive of more than a minute says of its speeds once they are made others: the number of the row and m/s give a cell.
+/// What a drive of 25 s says of its speeds once they are made others: the number of the row and m/s give a cell.
 fn remarks_on_speeds(speeds: impl Fn(usize, f64) -> String) -> String {
     let bench = Bench::new();
-    estimated(&bench, &puncture().replace("duration_s = 40.0", "duration_s = 70.0"), "");
+    estimated(&bench, &puncture().replace("duration_s = 40.0", "duration_s = 25.0"), "");
     let log = bench.read("drive.csv");
     let place = log.lines().next().unwrap().split(',').position(|name| name == "speed_m_s").unwrap();
     let other = |(row, line): (usize, &str)| {

@@ -58,6 +58,30 @@ fn semicolons_decimal_commas_milliseconds_and_g() {
     same_pressures(&bench, 1e-3);
 }
 
+/// As pandas writes a frame with a datetime index: `frame.to_csv(sep=";", decimal=",")`.
+#[test]
+fn a_german_table_with_dates_comes_out_as_the_plain_one() {
+    let bench = bench();
+    let comma = |value: f64| value.to_string().replace('.', ",");
+    rewrite(&bench, "Zeit;v_Fahrzeug [km/h];Aufbau_az_VL [g];Rad_az_VL [g]", |[t, v, body, wheel]| {
+        let (minutes, seconds) = ((t / 60.0).floor(), t % 60.0);
+        let values = [3.6 * v, body / G, wheel / G].map(comma);
+        format!("2026-03-01 08:{minutes:02.0}:{seconds:06.3};{}", values.join(";"))
+    });
+    bench.run("signals other.csv --write-map map.toml").success();
+    let map = bench.read("map.toml");
+    for line in [
+        "speed_m_s = \"v_Fahrzeug [km/h]\"",
+        "fl_body_accel_m_s2 = \"Aufbau_az_VL [g]\"",
+        "fl_wheel_accel_m_s2 = \"Rad_az_VL [g]\"",
+    ] {
+        assert!(map.contains(line), "{map}");
+    }
+    bench.run(&format!("{ESTIMATE} --signals map.toml")).success();
+    // What the clock's quarters of a microsecond since 1970 cost.
+    same_pressures(&bench, 0.05);
+}
+
 #[test]
 fn dates_for_a_clock_and_a_map_by_hand() {
     let bench = bench();

@@ -159,6 +159,7 @@ impl<T: Real> HypothesisBank<T> {
     /// The belief about a tire fades with seconds of incoherence; less so if a calibration has `taught` what the car is.
     pub(super) fn inflate(&mut self, corner: usize, incoherent_s: T, calibrated: bool) {
         let sd = if calibrated { FADING_TAUGHT } else { FADING };
+        let corner = corner.min(3);
         for hypothesis in &mut self.hypotheses {
             hypothesis.covariance[(TIRE + corner, TIRE + corner)] += T::lit(sd * sd) * incoherent_s;
         }
@@ -172,7 +173,7 @@ impl<T: Real> HypothesisBank<T> {
 
     /// Begins with a quantity as it was learned before, its sd at least `least`; `unit` is the state's in that quantity.
     pub(super) fn set_quantity(&mut self, at: usize, learned: &Learned<T>, least: T, unit: T) {
-        let sd = learned.sd.max(least) / unit;
+        let (at, sd) = (at.min(SIZE - 1), learned.sd.max(least) / unit);
         for hypothesis in &mut self.hypotheses {
             hypothesis.mean[at] = learned.value / unit;
             hypothesis.covariance.row_mut(at).fill(T::zero());
@@ -235,8 +236,12 @@ impl<T: Real> HypothesisBank<T> {
                 let (below, variance) =
                     (least - hypothesis.mean[TIRE + i], hypothesis.covariance[(TIRE + i, TIRE + i)]);
                 if below > T::zero() && variance > T::zero() {
-                    let step = hypothesis.covariance.column(TIRE + i) * (below / variance);
-                    hypothesis.mean += step;
+                    let by = below / variance;
+                    for (mean, &covariance) in
+                        hypothesis.mean.iter_mut().zip(&hypothesis.covariance.column(TIRE + i))
+                    {
+                        *mean += covariance * by;
+                    }
                 }
             }
         }
@@ -274,6 +279,7 @@ impl<T: Real> HypothesisBank<T> {
 
     /// Mean and variance of one quantity, over all hypotheses.
     pub(super) fn quantity(&self, at: usize) -> (T, T) {
+        let at = at.min(SIZE - 1);
         let (mut mean, mut square) = (T::zero(), T::zero());
         for hypothesis in &self.hypotheses {
             mean += hypothesis.weight * hypothesis.mean[at];

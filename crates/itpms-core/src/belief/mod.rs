@@ -20,6 +20,7 @@ mod calibration;
 mod checkpoint;
 mod gaussian;
 mod hypothesis_bank;
+mod inverse;
 pub(crate) mod measurement;
 mod mixture;
 pub(crate) mod state;

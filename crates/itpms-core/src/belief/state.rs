@@ -99,6 +99,7 @@ pub(crate) fn return_rate<T: Real>() -> State<T> {
 
 /// Where a side's quantities stand in the state.
 pub(crate) fn side_indices(side: usize) -> [usize; SIDE_SIZE] {
+    let side = side.min(1);
     let (front, rear) = (side, side + 2);
     [
         TIRE + front,
@@ -119,6 +120,7 @@ pub(crate) fn side_indices(side: usize) -> [usize; SIDE_SIZE] {
 
 /// A tire's compliance as the shared road reads it, over that at placard pressure.
 pub(crate) fn read_compliance<T: Real>(state: &State<T>, corner: usize) -> T {
+    let corner = corner.min(3);
     T::one() + state[TIRE + corner] + state[ROAD_BIAS + corner]
 }
 
@@ -140,10 +142,8 @@ fn filled<T: Real>(kinds: [f64; 12]) -> State<T> {
         SIZE,
     ];
     let mut all = State::zeros();
-    for (kind, value) in kinds.into_iter().enumerate() {
-        for i in starts[kind]..starts[kind + 1] {
-            all[i] = T::lit(value);
-        }
+    for ((from, to), value) in starts.iter().zip(&starts[1..]).zip(kinds) {
+        all.iter_mut().take(*to).skip(*from).for_each(|of| *of = T::lit(value));
     }
     all
 }

@@ -1,10 +1,12 @@
 //! How one hypothesis becomes another as time goes by: changes of pressure begin, go on, are joined and end
 //! (docs/math/shared-road.md, section 6).
 
+use nalgebra::RowSVector;
+
 use super::gaussian::Hypothesis;
 use super::hypothesis_bank::{CONSTANT, HYPOTHESES, HypothesisBank, RANDOM_WALK, SIDE, changing, has_rate};
 use super::mixture::Mixture;
-use super::state::{RATE, TIRE};
+use super::state::{RATE, State, TIRE};
 use crate::memory::Blank;
 use crate::real::Real;
 
@@ -49,10 +51,10 @@ impl<T: Real> HypothesisBank<T> {
                 let by = moved * seconds;
                 let change = by * hypothesis.mean[RATE];
                 hypothesis.mean[TIRE + i] += change;
-                let row = hypothesis.covariance.row(RATE) * by;
+                let row = RowSVector::from_fn(|_, j| hypothesis.covariance[(RATE, j)] * by);
                 let mut target = hypothesis.covariance.row_mut(TIRE + i);
                 target += row;
-                let column = hypothesis.covariance.column(RATE) * by;
+                let column = State::from_fn(|i, _| hypothesis.covariance[(i, RATE)] * by);
                 let mut target = hypothesis.covariance.column_mut(TIRE + i);
                 target += column;
             }
@@ -103,7 +105,7 @@ impl<T: Real> HypothesisBank<T> {
     /// A change goes on but for the share that ends, and by this chance what did not change begins to.
     fn go_on(&mut self, hypothesis: usize, end: T, begin: T) {
         let [constant, others @ ..] = &mut self.hypotheses;
-        let changing = &mut others[hypothesis - 1];
+        let Some(changing) = others.get_mut(hypothesis - 1) else { return };
         let with_onset = constant.part().with_onset(has_rate(hypothesis));
         let stays = changing.weight * (T::one() - end);
         let begins = constant.weight * begin;

@@ -4,6 +4,7 @@
 use nalgebra::SMatrix;
 
 use super::gaussian::Hypothesis;
+use super::inverse::inverse;
 use super::measurement::{AxleResidual, BINS, Expectation, Gram, OVERLAP, ROWS, Score, Slope};
 use super::state::{Covariance, ROAD_BIAS, SIDE_SIZE, SIDE_TIRES, SIZE, TIRE, side_indices};
 use crate::real::Real;
@@ -24,7 +25,7 @@ impl<T: Real> OwnCovariance<T> {
         let mut part = Self { all: SMatrix::zeros(), own: Gram::zeros() };
         let Self { all, own } = &mut part;
         for (column, &place) in indices.iter().enumerate() {
-            all.set_column(column, &covariance.column(place));
+            all.set_column(column, &covariance.column(place.min(SIZE - 1)));
         }
         // The road reads a tire and its bias as one.
         let biased = SIDE_TIRES.map(|own| (own, indices[own] - TIRE + ROAD_BIAS));
@@ -33,7 +34,7 @@ impl<T: Real> OwnCovariance<T> {
             column += covariance.column(bias);
         }
         for (row, &place) in indices.iter().enumerate() {
-            own.set_row(row, &all.row(place));
+            own.set_row(row, &all.row(place.min(SIZE - 1)));
         }
         for (tire, bias) in biased {
             let mut row = own.row_mut(tire);
@@ -57,7 +58,7 @@ impl<T: Real> OwnCovariance<T> {
         let scale = likelihood.scale / weight;
         let information = information / scale;
         // P' = P - P_o (I + Ω P_oo)^-1 Ω P_o^T, and with it the mean: m' = m + P'_o score.
-        let Some(inverse) = (Gram::identity() + information * self.own).try_inverse() else { return };
+        let Some(inverse) = inverse(Gram::identity() + information * self.own) else { return };
         // Into their places: a product that is handed on is copied on its way.
         let (mut gain, mut taken) = (SMatrix::<T, SIZE, SIDE_SIZE>::zeros(), SMatrix::zeros());
         self.all.mul_to(&inverse, &mut gain);

@@ -114,6 +114,13 @@ impl<T: Real> FlatWatch<T> {
     }
 }
 
+/// The latest of times twelve days apart, counted from zero. A stamp since 1970 has quarters of a microsecond: summed up in it, steps of
+/// 2 ms would be 47 millionths too long.
+fn epoch_s(time_s: f64) -> f64 {
+    const SPAN_S: f64 = (1 << 20) as f64;
+    nalgebra::ComplexField::trunc(time_s / SPAN_S) * SPAN_S
+}
+
 /// Checks and regrids the samples of one corner.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -126,6 +133,7 @@ pub struct Resampler<T> {
     wheel: [T; POINTS],
     saturated: [bool; POINTS],
     filled: usize,
+    /// Since [`epoch_s`].
     next_grid_s: f64,
     after_gap: bool,
     body_watch: FlatWatch<T>,
@@ -271,11 +279,12 @@ impl<T: Real> Resampler<T> {
             self.saturated.rotate_left(1);
             self.filled -= 1;
         }
-        self.time_s[self.filled] = time_s;
-        self.body[self.filled] = body;
-        self.wheel[self.filled] = wheel;
-        self.saturated[self.filled] = saturated;
-        self.filled += 1;
+        let at = self.filled.min(POINTS - 1);
+        self.time_s[at] = time_s;
+        self.body[at] = body;
+        self.wheel[at] = wheel;
+        self.saturated[at] = saturated;
+        self.filled = at + 1;
     }
 
     fn emit(&mut self, speed_m_s: T, sink: &mut impl FnMut(GridSample<T>)) {
@@ -283,12 +292,15 @@ impl<T: Real> Resampler<T> {
             return;
         }
         // Interpolate between the two middle points only, where the error is smallest.
-        let (from_s, to_s) = (self.time_s[POINTS / 2 - 1], self.time_s[POINTS / 2]);
-        if !(self.next_grid_s >= from_s - self.grid_period_s) {
+        let epoch_s = epoch_s(self.time_s[POINTS / 2 - 1]);
+        let [from_s, to_s] =
+            [self.time_s[POINTS / 2 - 1], self.time_s[POINTS / 2]].map(|time_s| time_s - epoch_s);
+        let follows = from_s - self.grid_period_s..to_s + 2.0 * self.grid_period_s;
+        if !follows.contains(&self.next_grid_s) {
             self.next_grid_s = from_s;
         }
         while self.next_grid_s < to_s {
-            let weights = self.lagrange_weights(self.next_grid_s);
+            let weights = self.lagrange_weights(epoch_s, self.next_grid_s);
             let (mut body, mut wheel, mut saturated) = (T::zero(), T::zero(), false);
             for (i, &weight) in weights.iter().enumerate() {
                 body += weight * self.body[i];
@@ -296,7 +308,7 @@ impl<T: Real> Resampler<T> {
                 saturated |= self.saturated[i];
             }
             sink(GridSample {
-                time_s: self.next_grid_s,
+                time_s: epoch_s + self.next_grid_s,
                 speed_m_s,
                 body_accel_m_s2: body,
                 wheel_accel_m_s2: wheel,
@@ -310,11 +322,12 @@ impl<T: Real> Resampler<T> {
         }
     }
 
-    /// Weights of the polynomial through all points, at `at_s`.
-    fn lagrange_weights(&self, at_s: f64) -> [T; POINTS] {
+    /// Weights of the polynomial through all points, at `at_s` since `epoch_s`.
+    fn lagrange_weights(&self, epoch_s: f64, at_s: f64) -> [T; POINTS] {
         // Distances in sampling periods, so that f32 keeps its digits.
         let scale = 1.0 / self.sample_period_s;
-        let distance: [T; POINTS] = core::array::from_fn(|i| T::lit((at_s - self.time_s[i]) * scale));
+        let distance: [T; POINTS] =
+            core::array::from_fn(|i| T::lit((at_s - (self.time_s[i] - epoch_s)) * scale));
         core::array::from_fn(|i| {
             let mut weight = T::one();
             for j in 0..POINTS {

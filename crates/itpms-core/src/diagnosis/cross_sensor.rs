@@ -2,7 +2,7 @@
 
 use crate::diagnosis::debounce::{DebounceTimes, Evidence};
 use crate::diagnosis::fault_latch::{FaultLatch, SwapPattern};
-use crate::diagnosis::matching::{Changed, Following, PAIRS, Plane, following, median};
+use crate::diagnosis::matching::{Changed, Following, PAIRS, Plane, following, gathered, median};
 use crate::diagnosis::moments::Moments;
 use crate::diagnosis::signals::{Block, HOP_WIDTH_HZ};
 use crate::diagnosis::single_sensor::evidence;
@@ -163,12 +163,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
         let body = |i: usize| block.hop[(i, i)];
         let others = |power: &dyn Fn(usize) -> T, i: usize| {
             let mut alike = [T::zero(); 4];
-            let mut count = 0;
-            for j in (0..4).filter(|j| *j != i && alive[*j]) {
-                alike[count] = power(j);
-                count += 1;
-            }
-            median(&mut alike[..count])
+            median(gathered((0..4).filter(|j| *j != i && alive[*j]).map(power), &mut alike))
         };
         for i in (0..4).filter(|i| alive[*i]) {
             let (b, w) = (body(i), block.wheel_hop[i]);
@@ -185,7 +180,8 @@ impl<T: Real> CrossSensorPlausibility<T> {
             let sensor = |place| Sensor { corner, place };
             // A wheel that reads little, or a body that reads much, is not a swap: then one of the two is like its like.
             let body_is_wheel = !((b / others(&body, i)).ln() < T::lit(LIKE_A_WHEEL));
-            let wheel_is_body = !((others(&|j| block.wheel_hop[j], i) / w).ln() < T::lit(LIKE_A_WHEEL));
+            let wheel_is_body =
+                !((others(&|j| block.wheel_hop[j.min(3)], i) / w).ln() < T::lit(LIKE_A_WHEEL));
             self.patterns[i] = match (ratio < T::lit(ODD), body_is_wheel, wheel_is_body) {
                 (true, true, true) if ratio < T::lit(CROSSED) => SwapPattern::Crossed,
                 (true, true, false) => SwapPattern::BodyIsWheel,
@@ -242,14 +238,14 @@ impl<T: Real> CrossSensorPlausibility<T> {
         let bent = plane.filter(|plane| plane.warp > T::lit(BENT));
         for (k, [i, j]) in PAIRS.into_iter().enumerate() {
             // Bodies that are no plane, and none if two of them change places, are not one rigid body: each follows other wheels, too.
-            let rigid = bent.is_none_or(|plane| plane.is_put_back_by(k));
+            let rigid = bent.is_none_or(|plane| plane.is_put_back_by([i, j]));
             let evidence = following.filter(|_| rigid).map_or(Evidence::NoData, |following| {
                 let own = &following.own_over_other;
                 let least = own.iter().fold(own[k], |least, other| least.min(*other));
                 evidence(own[k] < T::lit(OTHER) && own[k] <= least, own[k] > T::lit(OWN))
             });
             let place = if bent.is_some() { Place::Body } else { Place::Wheel };
-            let sensor = |i: usize| Sensor { corner: Corner::ALL[i], place };
+            let sensor = |i: usize| Sensor { corner: Corner::ALL[i.min(3)], place };
             self.pairs[k].update(at, evidence, SWAP, || Malfunction::Swapped(sensor(i), sensor(j)));
         }
     }

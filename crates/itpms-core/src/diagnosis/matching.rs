@@ -98,8 +98,7 @@ impl<T: Real> Plane<T> {
     }
 
     /// Whether the bodies would be one plane if those of this pair changed places.
-    pub(crate) fn is_put_back_by(&self, pair: usize) -> bool {
-        let [i, j] = PAIRS[pair];
+    pub(crate) fn is_put_back_by(&self, [i, j]: [usize; 2]) -> bool {
         let left = match i ^ j {
             1 => self.warp_sides,
             2 => self.warp_axles,
@@ -140,10 +139,20 @@ pub(crate) fn over_others<T: Real>(powers: &[T; 4], i: usize) -> T {
 pub(crate) fn median<T: Real>(values: &mut [T]) -> T {
     values.sort_unstable_by(|a, b| a.partial_cmp(b).unwrap_or(core::cmp::Ordering::Equal));
     let n = values.len();
-    match n {
-        0 => T::lit(f64::NAN),
-        _ => T::lit(0.5) * (values[(n - 1) / 2] + values[n / 2]),
+    match (values.get(n.saturating_sub(1) / 2), values.get(n / 2)) {
+        (Some(&below), Some(&above)) => T::lit(0.5) * (below + above),
+        _ => T::lit(f64::NAN),
     }
+}
+
+/// Values in their places, as many as there are or have room.
+pub(crate) fn gathered<T: Real>(values: impl Iterator<Item = T>, places: &mut [T]) -> &mut [T] {
+    let mut count = 0;
+    for (place, value) in places.iter_mut().zip(values) {
+        *place = value;
+        count += 1;
+    }
+    places.get_mut(..count).unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -221,7 +230,7 @@ mod tests {
                     bodies.swap_rows(i, j);
                     bodies
                 });
-                let back: Vec<bool> = (0..6).map(|pair| swapped.is_put_back_by(pair)).collect();
+                let back: Vec<bool> = PAIRS.into_iter().map(|pair| swapped.is_put_back_by(pair)).collect();
                 // Which of an axle's or a side's two pairs it is the plane cannot tell.
                 assert!(back[pair] && back[5 - pair], "{back:?}");
                 assert_eq!(back.iter().filter(|back| **back).count(), 2, "{back:?}");
@@ -231,7 +240,7 @@ mod tests {
                 let twist = 2.0 * random.normal();
                 rigid(random, 0, 1.0) + Vector4::new(twist, -twist, -twist, twist)
             });
-            assert!((0..6).all(|pair| !twisting.is_put_back_by(pair)), "{twisting:?}");
+            assert!(PAIRS.into_iter().all(|pair| !twisting.is_put_back_by(pair)), "{twisting:?}");
         }
     }
 

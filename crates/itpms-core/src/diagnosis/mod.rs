@@ -33,7 +33,7 @@ mod wheel_gain;
 pub use self::malfunction::{Malfunction, Place, Sensor};
 use crate::diagnosis::cross_sensor::CrossSensorPlausibility;
 use crate::diagnosis::debounce::Debouncer;
-use crate::diagnosis::matching::{median, over_others};
+use crate::diagnosis::matching::{gathered, median, over_others};
 use crate::diagnosis::sensor_statistics::SensorBlock;
 use crate::diagnosis::signals::{Block, HOP_WIDTH_HZ, Signals};
 use crate::diagnosis::single_sensor::SingleSensorMonitor;
@@ -171,8 +171,9 @@ impl<T: Real> Diagnosis<T> {
         self.news = true;
         let motion = self.motion(time_s);
         let mut blocks = [None; 8];
-        for (i, block) in blocks.iter_mut().enumerate().filter(|(i, _)| self.present[i % 4]) {
-            *block = Some(self.sensors[i].end_block(time_s, step_s, motion));
+        let sensors = blocks.iter_mut().zip(&mut self.sensors).enumerate();
+        for (_, (block, sensor)) in sensors.filter(|(i, _)| self.present[i % 4]) {
+            *block = Some(sensor.end_block(time_s, step_s, motion));
         }
         let Some(block) = self.signals.end_block() else { return };
         let alive = [0, 1, 2, 3]
@@ -239,16 +240,12 @@ impl<T: Real> Diagnosis<T> {
 
     /// A sensor's noise power and that of its like on other corners, with what any of them may have.
     fn noise_powers(&self, blocks: &[Option<SensorBlock<T>>; 8], i: usize) -> Option<[T; 2]> {
-        let own = blocks[i]?.floor?;
+        let own = blocks.get(i).copied().flatten()?.floor?;
+        let floor = |j: usize| blocks.get(j).copied().flatten().and_then(|block| block.floor);
+        let others = (0..4).map(|corner| corner + (i & 4)).filter(|j| *j != i);
         let mut alike = [T::zero(); 4];
-        let mut count = 0;
-        for j in (0..4).map(|corner| corner + (i & 4)).filter(|j| *j != i) {
-            if let Some(floor) = blocks[j].and_then(|block| block.floor) {
-                alike[count] = floor;
-                count += 1;
-            }
-        }
-        (count >= 2).then(|| [own, median(&mut alike[..count]) + self.noise_power[i % 4]])
+        let alike = gathered(others.filter_map(floor), &mut alike);
+        (alike.len() >= 2).then(|| [own, median(alike) + self.noise_power[i % 4]])
     }
 
     /// What is wrong, by the corner it is told at: the worst of each.

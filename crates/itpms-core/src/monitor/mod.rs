@@ -389,12 +389,13 @@ fn steadied<T: Real>(estimate: &CarEstimate<T>, time_s: f64) -> CarEstimate<T> {
 /// alike. `None` where one that has a weight is not known.
 fn weighted<T: Real>(estimate: &CarEstimate<T>, weights: [T; 4], reference_kpa: [T; 4]) -> Option<[T; 2]> {
     let (mut sum, mut sds) = (T::zero(), [T::zero(); 4]);
-    for (i, (&weight, sd)) in
-        weights.iter().zip(&mut sds).enumerate().filter(|(_, (weight, _))| **weight != T::zero())
+    let tires = estimate.corners.iter().zip(reference_kpa);
+    for ((tire, reference_kpa), (weight, sd)) in
+        tires.zip(weights.into_iter().zip(&mut sds)).filter(|(_, (weight, _))| *weight != T::zero())
     {
-        let tire = estimate.corners[i].as_ref().filter(|tire| tire.validity.is_valid())?;
-        sum += weight * tire.pressure_kpa / reference_kpa[i];
-        *sd = weight * tire.pressure_sd_kpa / reference_kpa[i];
+        let tire = tire.as_ref().filter(|tire| tire.validity.is_valid())?;
+        sum += weight * tire.pressure_kpa / reference_kpa;
+        *sd = weight * tire.pressure_sd_kpa / reference_kpa;
     }
     let mut variance = T::zero();
     for (row, &first) in estimate.correlation.iter().zip(&sds) {

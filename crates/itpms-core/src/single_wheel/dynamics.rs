@@ -134,8 +134,10 @@ fn kernel(shift_kpa: f64, variance_kpa2: f64, step_kpa: f64) -> [f64; TAPS] {
     let mut taps = [0.0; TAPS];
     let mut add = |cell: f64, weight: f64| {
         let index = cell + REACH as f64;
-        if (0.0..TAPS as f64).contains(&index) {
-            taps[index as usize] += weight;
+        if index >= 0.0
+            && let Some(tap) = taps.get_mut(index as usize)
+        {
+            *tap += weight;
         }
     };
     for (cell, weight) in [(whole, 1.0 - part), (whole + 1.0, part)] {

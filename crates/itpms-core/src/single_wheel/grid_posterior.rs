@@ -7,6 +7,7 @@ use nalgebra::SVector;
 
 use crate::memory::blank;
 use crate::real::Real;
+use crate::single_wheel::BINS;
 use crate::single_wheel::dynamics::{
     CALM, Dynamics, FALL, JUMP, JUMP_VARIANCE, LEAK_MODES, LEVEL_MODES, QUIET, REACH, RISE, SLOPE_MEAN, TAPS,
 };
@@ -305,7 +306,7 @@ impl<T: Real> Posterior<T> {
         let typical = Road::unknown(T::zero()).powers(frame, tables);
         for cell in 0..CELLS {
             let power = frame.read(tables, cell).power;
-            let sum = (0..frame.bins).fold(T::zero(), |sum, bin| sum + power[bin] / typical[bin]);
+            let sum = (0..frame.bins.min(BINS)).fold(T::zero(), |sum, bin| sum + power[bin] / typical[bin]);
             let road = Road::unknown((sum / T::lit(frame.bins as f64)).ln());
             for roads in &mut self.road {
                 roads.set(cell, &road);
@@ -332,19 +333,19 @@ impl<T: Real> Posterior<T> {
 
     /// The most likely (level mode, cell), and the road believed there.
     pub(crate) fn most_likely(&self) -> (usize, Road<T>) {
-        let (mut best, mut at) = (T::lit(-1.0), (0, 0));
-        for (level, modes) in self.weight.iter().enumerate() {
+        let (mut best, mut at) = (T::lit(-1.0), (&self.road[0], 0));
+        for (road, modes) in self.road.iter().zip(&self.weight) {
             let mut mass = Cells::zeros();
             for cells in modes {
                 mass += cells;
             }
-            let cell = mass.imax();
+            let cell = mass.imax().min(CELLS - 1);
             if mass[cell] > best {
                 best = mass[cell];
-                at = (level, cell);
+                at = (road, cell);
             }
         }
-        (at.1, self.road[at.0].get(at.1))
+        (at.1, at.0.get(at.1))
     }
 
     /// Probability per cell.

@@ -53,6 +53,7 @@ impl<T: Real> Evidence<T> {
 
     /// The frame as the stiffness of a cell reads it.
     pub(crate) fn read(&self, tables: &Tables<T>, cell: usize) -> Reading<T> {
+        let cell = cell.min(CELLS - 1);
         let theta = tables.theta[cell];
         Reading {
             cell,
@@ -228,8 +229,9 @@ impl<T: Real> RoadBelief<T> {
     }
 
     pub(crate) fn get(&self, cell: usize) -> Road<T> {
+        let cell = cell.min(CELLS - 1);
         Road {
-            mean: self.mean.column(cell).into_owned(),
+            mean: Vector3::from_fn(|i, _| self.mean[(i, cell)]),
             covariance: Matrix3::from_column_slice(self.covariance.column(cell).as_slice()),
         }
     }

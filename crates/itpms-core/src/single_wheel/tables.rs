@@ -121,10 +121,12 @@ impl<T: Real> Tables<T> {
 
     /// `ln |H|²` of a cell in a bin relative to the middle cell's, as a road of `exponent = 2 - w` weighs it.
     pub(crate) fn log_gain(&self, bin: usize, cell: usize, exponent: T) -> T {
+        let (bin, cell) = (bin.min(BINS - 1), cell.min(CELLS - 1));
         self.log_gain[(bin, cell)] + exponent * self.log_gain_by_exponent[(bin, cell)]
     }
 
     fn fill_cell(&mut self, cell: usize, body: &Body<T>, friction: &DescribingFunction<T>) {
+        let cell = cell.min(CELLS - 1);
         let (theta, middle) = (self.theta[cell], self.theta[CELLS / 2]);
         let window = window_powers::<T>();
         let points: [Point<T>; POINTS] = core::array::from_fn(|i| {
@@ -136,7 +138,7 @@ impl<T: Real> Tables<T> {
             let mut gain = [(T::zero(), T::zero()); 2];
             let mut middle_noise = T::zero();
             for (i, &weight) in window_points(bin).zip(&window) {
-                let point = &points[i];
+                let Some(point) = points.get(i) else { continue };
                 noise = (noise.0 + weight * point.noise, noise.1 + weight);
                 middle_noise += weight * point.middle_noise;
                 let roads = [weight * point.leak / point.tilt, weight * point.leak * point.tilt];

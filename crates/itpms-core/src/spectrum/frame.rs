@@ -30,7 +30,8 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> Frame<T, BINS, SIGNALS> {
 
     /// A signal in a bin.
     pub(crate) fn at(&self, bin: usize, signal: usize) -> Complex<T> {
-        Complex::new(self.re[(bin, signal)], self.im[(bin, signal)])
+        let of = |part: &SMatrix<T, BINS, SIGNALS>| part.get((bin, signal)).copied().unwrap_or(T::ZERO);
+        Complex::new(of(&self.re), of(&self.im))
     }
 
     /// `Re(X_i X_j*)` of two signals in a bin.

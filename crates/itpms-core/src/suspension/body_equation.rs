@@ -135,8 +135,8 @@ impl<T: Real> BodyEquation<T> {
     /// Learns from the newest frames, if all corners that there are have one of the same time and not been learned from; true if so.
     pub(crate) fn learn(&mut self, frames: [Option<&StrutFrame<T>>; 4]) -> bool {
         let (mut earliest_s, mut latest_s) = (f64::INFINITY, f64::NEG_INFINITY);
-        for corner in (0..4).filter(|&corner| self.body.has(corner)) {
-            let Some(frame) = frames[corner] else { return false };
+        for (_, frame) in frames.iter().enumerate().filter(|(corner, _)| self.body.has(*corner)) {
+            let Some(frame) = frame else { return false };
             (earliest_s, latest_s) = (earliest_s.min(frame.time_s), latest_s.max(frame.time_s));
         }
         if !(latest_s - earliest_s < SAME_S && earliest_s > self.time_s) {
@@ -208,11 +208,13 @@ impl<T: Real> BodyEquation<T> {
             let forces = self.forces(frames, bin);
             let omega = T::two_pi() * T::lit((bin + 1) as f64 * BIN_SPACING_HZ);
             for row in (0..4).filter(|&row| self.body.has(row)) {
+                let row = row.min(3);
                 let Some(frame) = frames[row] else { continue };
                 let body = frame.spectra.at(bin, BODY);
                 let mut slope = SVector::<Complex<T>, SIZE>::zeros();
                 let (mut residual, mut noise) = (body, omega * omega * self.noise_density[row]);
                 for (column, force) in forces.iter().enumerate() {
+                    let (row, column) = (row.min(3), column.min(3));
                     let g = whole[(row, column)];
                     residual -= force.total * g;
                     for (inertia, part) in parts[..WARP_MODE].iter().enumerate() {

@@ -35,7 +35,7 @@ impl<T: Real> RigidBody<T> {
 
     /// Whether the corner is there.
     pub(super) fn has(&self, corner: usize) -> bool {
-        self.present[corner]
+        self.present.get(corner) == Some(&true)
     }
 
     /// Whether all four corners carry one body: fewer are taken each for itself.

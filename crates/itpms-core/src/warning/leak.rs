@@ -119,9 +119,9 @@ impl<T: Real> LeakWatch<T> {
 /// Mean fall of the other wheels, in kPa.
 fn others_fall<T: Real>(kept: &[Kept<T>; 4], now: &[Kept<T>; 4], wheel: usize) -> T {
     let (mut sum, mut count) = (T::zero(), T::zero());
-    for other in (0..4).filter(|other| *other != wheel) {
-        if let (Some([before, _]), Some([after, _])) = (kept[other], now[other]) {
-            sum += before - after;
+    for (_, pair) in kept.iter().zip(now).enumerate().filter(|(other, _)| *other != wheel) {
+        if let (Some([before, _]), Some([after, _])) = pair {
+            sum += *before - *after;
             count += T::one();
         }
     }

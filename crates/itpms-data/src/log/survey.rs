@@ -83,5 +83,8 @@ mod tests {
         assert!(matches!(survey([3.0]), Err(Problem::TooFewSamples(1))));
         let text = survey((0..100).map(|i| f64::from(i) * 2.0)).unwrap_err().to_string();
         assert!(text.contains("0.5") && text.contains("looks like milliseconds"), "{text}");
+        // A duration of pandas or polars, which Parquet holds as an integer.
+        let text = survey((0..100).map(|i| f64::from(i) * 2e6)).unwrap_err().to_string();
+        assert!(text.contains("looks like nanoseconds"), "{text}");
     }
 }

@@ -17,7 +17,10 @@ pub(crate) fn candidate(name: &str) -> Candidate {
 pub(crate) fn clock(name: &str) -> Option<f64> {
     let (bare, unit) = split(name);
     let letters: String = bare.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect();
-    let is_clock = matches!(letters.as_str(), "time" | "times" | "t" | "ts" | "timestamp" | "timestamps");
+    let is_clock = matches!(
+        letters.as_str(),
+        "time" | "times" | "t" | "ts" | "timestamp" | "timestamps" | "zeit" | "zeitstempel"
+    );
     match Unit::of(&unit) {
         Unit::Known(Quantity::Time, seconds) if is_clock => Some(seconds),
         Unit::Silent if is_clock => Some(1.0),
@@ -107,6 +110,7 @@ mod tests {
             ("t [ms]", Some(1e-3)),
             ("timestamp_ns", Some(1e-9)),
             ("Timestamps", Some(1.0)),
+            ("Zeit [ms]", Some(1e-3)),
             ("time of day", None),
             ("lap_time_s", None),
             ("time [LSB]", None),

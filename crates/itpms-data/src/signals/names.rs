@@ -45,7 +45,7 @@ enum Word {
 }
 
 #[rustfmt::skip]
-const WORDS: [(&str, Word); 143] = [
+const WORDS: [(&str, Word); 152] = [
     ("fl", Word::Corner(Corner::FrontLeft)), ("lf", Word::Corner(Corner::FrontLeft)), ("vl", Word::Corner(Corner::FrontLeft)),
     ("fr", Word::Corner(Corner::FrontRight)), ("rf", Word::Corner(Corner::FrontRight)), ("vr", Word::Corner(Corner::FrontRight)),
     ("rl", Word::Corner(Corner::RearLeft)), ("lr", Word::Corner(Corner::RearLeft)), ("hl", Word::Corner(Corner::RearLeft)),
@@ -59,6 +59,10 @@ const WORDS: [(&str, Word); 143] = [
     ("z", Word::Vertical), ("vert", Word::Vertical), ("vertical", Word::Vertical), ("vrt", Word::Vertical),
     ("vehicle", Word::Vehicle), ("veh", Word::Vehicle), ("vhcl", Word::Vehicle), ("car", Word::Vehicle), ("ego", Word::Vehicle),
     ("speed", Word::Speed), ("spd", Word::Speed), ("velocity", Word::Speed), ("vel", Word::Speed), ("v", Word::Speed),
+    // German.
+    ("aufbau", Word::Body), ("karosserie", Word::Body), ("rad", Word::Wheel), ("beschl", Word::Acceleration),
+    ("beschleunigung", Word::Acceleration), ("vertikal", Word::Vertical), ("fahrzeug", Word::Vehicle), ("fzg", Word::Vehicle),
+    ("geschwindigkeit", Word::Speed),
     ("tire", Word::Tire), ("tyre", Word::Tire), ("tpms", Word::Tire),
     ("pressure", Word::Pressure), ("press", Word::Pressure), ("prs", Word::Pressure),
     ("road", Word::Road), ("height", Word::Height), ("elevation", Word::Height), ("profile", Word::Height),

@@ -5,18 +5,13 @@ use std::f64::consts::TAU;
 
 use realfft::num_complex::Complex;
 
-use super::cross::{Bin, CrossSpectra};
+use super::cross::{Bin, CrossSpectra, FEWEST_SEGMENTS, INCOHERENT};
 
 /// Where a suspension shows in Hz: below, the body moves as the wheel does; above, it bends.
 const LOW_HZ: f64 = 2.0;
 const HIGH_HZ: f64 = 25.0;
-/// Where damper and spring are looked at in Hz, and whose coherence counts.
+/// Where damper and spring are looked at in Hz.
 const FIT_HZ: (f64, f64) = (2.0, 16.0);
-const COHERENCE_HZ: (f64, f64) = (4.0, 16.0);
-/// Mean coherence below which the body does not follow this wheel.
-const INCOHERENT: f64 = 0.5;
-/// Segments needed: half a minute.
-const FEWEST_SEGMENTS: usize = 30;
 /// Relative error of a comparison beside its noise: the four corners of a car share a body, which a quarter car leaves out. A
 /// simulated whole car reads its own damping within this.
 const COUPLING: f64 = 0.1;
@@ -95,8 +90,7 @@ impl CornerCheck {
     #[must_use]
     pub fn of(label: &str, spectra: &CrossSpectra, suspension: Suspension) -> Self {
         let bins = spectra.response(LOW_HZ, HIGH_HZ);
-        let heard: Vec<f64> = within(&bins, COHERENCE_HZ).map(|bin| bin.coherence).collect();
-        let coherence = heard.iter().sum::<f64>() / heard.len().max(1) as f64;
+        let coherence = spectra.coherence();
         let verdict = if spectra.segments() < FEWEST_SEGMENTS {
             Verdict::TooShort
         } else if !(coherence > INCOHERENT) {

@@ -9,6 +9,12 @@ use realfft::{RealFftPlanner, RealToComplex};
 
 /// Length in s of a segment: bins of half a Hertz tell a hop from its neighbors, and a minute has a hundred segments.
 const SEGMENT_S: f64 = 2.0;
+/// Whose coherence counts, in Hz.
+const COHERENCE_HZ: (f64, f64) = (4.0, 16.0);
+/// Mean coherence below which the body does not follow this wheel.
+pub const INCOHERENT: f64 = 0.5;
+/// Segments needed before anything is said: half a minute.
+pub const FEWEST_SEGMENTS: usize = 30;
 
 /// Sums over segments, bin by bin.
 pub struct CrossSpectra {
@@ -33,6 +39,19 @@ pub(super) struct Bin {
     pub(super) coherence: f64,
     /// Standard error of the response over its size.
     pub(super) relative_error: f64,
+}
+
+/// One frequency of the spectra of both signals.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Density {
+    /// Frequency in Hz.
+    pub hz: f64,
+    /// One-sided power spectral density of the wheel's acceleration in (m/s²)²/Hz.
+    pub wheel: f64,
+    /// The same of the body's.
+    pub body: f64,
+    /// Share of the body's power that the wheel explains, 0 to 1; NaN where one of them has no power.
+    pub coherence: f64,
 }
 
 impl fmt::Debug for CrossSpectra {
@@ -108,6 +127,37 @@ impl CrossSpectra {
         Some(spectrum)
     }
 
+    /// Spectra of both signals, from the first bin to half the sampling rate; empty before the first segment.
+    #[must_use]
+    pub fn densities(&self) -> Vec<Density> {
+        if self.segments == 0 {
+            return Vec::new();
+        }
+        let window: f64 = self.window.iter().map(|w| w * w).sum();
+        // Twice for the negative frequencies; the last bin, half the sampling rate, has none and is left out.
+        let scale = 2.0 * self.step_s / (window * self.segments as f64);
+        let resolution = 1.0 / (self.window.len() as f64 * self.step_s);
+        (1..self.cross.len() - 1)
+            .map(|i| {
+                let (wheel, body) = (self.wheel_power[i], self.body_power[i]);
+                let coherence = self.cross[i].norm_sqr() / (wheel * body);
+                Density {
+                    hz: i as f64 * resolution,
+                    wheel: scale * wheel,
+                    body: scale * body,
+                    coherence: if wheel > 0.0 && body > 0.0 { coherence } else { f64::NAN },
+                }
+            })
+            .collect()
+    }
+
+    /// Mean coherence where the body answers the wheel, 4 to 16 Hz; 0 before the first segment.
+    #[must_use]
+    pub fn coherence(&self) -> f64 {
+        let bins = self.response(COHERENCE_HZ.0, COHERENCE_HZ.1);
+        bins.iter().map(|bin| bin.coherence).sum::<f64>() / bins.len().max(1) as f64
+    }
+
     /// The response of the body to the wheel between two frequencies.
     pub(super) fn response(&self, low_hz: f64, high_hz: f64) -> Vec<Bin> {
         let resolution = 1.0 / (self.window.len() as f64 * self.step_s);
@@ -123,5 +173,46 @@ impl CrossSpectra {
                 Bin { hz, response: self.cross[i] / self.wheel_power[i], coherence, relative_error }
             })
             .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn densities_are_those_of_the_signals() {
+        // A wheel of amplitude 2 at 12 Hz, its body a quarter of it.
+        let mut spectra = CrossSpectra::new(0.005);
+        for i in 0..8_000 {
+            let wheel = 2.0 * (TAU * 12.0 * f64::from(i) * 0.005).sin();
+            spectra.push(wheel, 0.25 * wheel);
+        }
+        let lines = spectra.densities();
+        let peak = lines.iter().max_by(|a, b| a.wheel.total_cmp(&b.wheel)).unwrap();
+        assert_eq!(peak.hz, 12.0);
+        assert!((peak.coherence - 1.0).abs() < 1e-9);
+        // The density's integral is the variance: 2²/2 and a sixteenth of it.
+        let variance = |of: fn(&Density) -> f64| lines.iter().map(of).sum::<f64>() * 0.5;
+        assert!((variance(|line| line.wheel) - 2.0).abs() < 1e-3, "{}", variance(|line| line.wheel));
+        assert!((variance(|line| line.body) - 0.125).abs() < 1e-4);
+    }
+
+    #[test]
+    fn signals_that_have_nothing_to_do_with_each_other_are_incoherent() {
+        let mut state = 1u64;
+        let mut random = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as f64 / f64::from(1u32 << 30) - 1.0
+        };
+        let mut spectra = CrossSpectra::new(0.005);
+        assert_eq!(spectra.coherence(), 0.0);
+        assert!(spectra.densities().is_empty());
+        for _ in 0..24_000 {
+            spectra.push(random(), random());
+        }
+        // Of n independent segments 1/n is left; some 73 are in 119 halves.
+        assert!(spectra.coherence() < 0.03, "{}", spectra.coherence());
     }
 }

@@ -1,7 +1,7 @@
 //! How a corner's body answers its wheel in a drive, and whether that is what its vehicle file says: the transfer
 //! function from wheel to body acceleration, its coherence, and the damper and spring that it shows.
 //!
-//! Called by `itpms vehicle check` with samples and parameters; knows no files. Road, tire and unsprung mass do not enter: the
+//! Called by `itpms vehicle check` and by `overview` with samples and parameters; knows no files. Road, tire and unsprung mass do not enter: the
 //! suspension alone stands between the two sensors, `H(s) = (c s + k) / (m s² + c s + k)`.
 //!
 //! | module | idea |
@@ -15,5 +15,6 @@ mod cross;
 mod page;
 
 pub use corner::{CornerCheck, Suspension, Verdict};
-pub use cross::CrossSpectra;
+pub use cross::{CrossSpectra, Density, FEWEST_SEGMENTS, INCOHERENT};
+pub(crate) use page::named;
 pub use page::page;

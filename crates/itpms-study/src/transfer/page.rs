@@ -33,7 +33,7 @@ pub fn page(vehicle: &str, log: &str, corners: &[CornerCheck]) -> String {
 }
 
 /// A corner in words.
-fn named(label: &str) -> String {
+pub(crate) fn named(label: &str) -> String {
     let words = match label {
         "fl" => "Front left",
         "fr" => "Front right",

@@ -14,6 +14,7 @@ pub(crate) mod malfunctions;
 pub(crate) mod monitor;
 pub(crate) mod names;
 pub(crate) mod observability;
+pub(crate) mod plot;
 pub(crate) mod program;
 pub(crate) mod reproduce;
 pub(crate) mod roughness;

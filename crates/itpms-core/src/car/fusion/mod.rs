@@ -117,6 +117,7 @@ impl<T: Real> Fusion<T> {
     /// Predicts the belief to a frame and updates it.
     #[inline(never)]
     fn learn(&mut self, side: usize, frame: &AxleFrame<T>) {
+        let side = side.min(1);
         let Some(wheels) = self.inter_axle.wheels(side) else { return };
         self.predict(frame.middle_s);
         if let Some(time_s) = self.belief.checkpoint() {

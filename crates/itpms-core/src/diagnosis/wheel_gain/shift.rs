@@ -214,7 +214,8 @@ impl<T: Real> WheelGainShift<T> {
 fn apart<T: Real>(deviation: &[T; 4], i: usize) -> T {
     let mut others = [1, 2, 3].map(|step| deviation[(i + step) % 4]);
     // Front left, front right, rear left, rear right.
-    let apart = [median(&mut others), deviation[i ^ 2], deviation[i ^ 1]].map(|other| deviation[i] - other);
+    let apart = [median(&mut others), deviation[(i ^ 2) % 4], deviation[(i ^ 1) % 4]]
+        .map(|other| deviation[i % 4] - other);
     let alike = apart.iter().all(|apart| *apart > T::zero()) || apart.iter().all(|apart| *apart < T::zero());
     if alike {
         apart.iter().fold(T::lit(f64::INFINITY), |least, apart| least.min(apart.abs()))

@@ -462,7 +462,7 @@ impl<T: Real> PairingContext<'_, T> {
     fn velocities(&self, both: &[T; BOTH], side: usize) -> [T; 2] {
         let axles = self.axles();
         let of = |axle: usize| axles[axle].road_velocity(&core::array::from_fn(|i| both[axle * SEEN + i]));
-        [(T::one() + self.state[GAIN + side]) * of(0), of(1)]
+        [(T::one() + self.state[GAIN + side.min(1)]) * of(0), of(1)]
     }
 }
 

@@ -102,7 +102,7 @@ impl<T: Real> DelayLine<T> {
 
     /// The signals at a time, through six points.
     pub(crate) fn read(&self, time_s: f64) -> Option<Read<T>> {
-        let steps = (self.time_s[self.newest] - time_s) / self.period_s;
+        let steps = (self.time_s[self.place(0)] - time_s) / self.period_s;
         if !(steps >= 2.0 && steps < self.filled as f64 - 3.0) {
             return None;
         }

@@ -114,7 +114,7 @@ impl<T: Real> DelaySearch<T> {
         });
         let at = height.imax();
         // At the edge the true maximum may lie outside.
-        if !(height[at] > T::lit(ENOUGH)) || at == 0 || at == SHIFTS - 1 {
+        if at == 0 || at >= SHIFTS - 1 || !(height[at] > T::lit(ENOUGH)) {
             return None;
         }
         let (before, here, after) = (height[at - 1], height[at], height[at + 1]);

@@ -123,7 +123,8 @@ impl<T: Real> Imbalance<T> {
             return;
         }
         let at = self.power.imax();
-        let over = self.power[at] / self.beside(at);
+        let Some(&highest) = self.power.get(at) else { return };
+        let over = highest / self.beside(at);
         if over > T::lit(FOUND) {
             self.per_m = Some(T::lit(FEWEST_PER_M) + T::lit(SPACING_PER_M) * self.top(at));
         } else if !(over > T::lit(LOST)) {

@@ -70,18 +70,14 @@ pub(crate) struct Axle<T> {
 
 impl<T: Real> Axle<T> {
     pub(crate) fn new(wheel: &Wheel<T>, state: &State<T>) -> Self {
-        let at = |kind: usize| T::one() + state[kind + wheel.corner];
+        let corner = wheel.corner.min(3);
+        let at = |kind: usize| T::one() + state[kind + corner];
         let body = &wheel.body;
         let spring = body.spring_n_per_m;
         let nominal = [body.unsprung_mass_kg, body.damping_n_s_per_m, spring, spring];
-        let bar = spring * state[BAR + wheel.corner / 2];
+        let bar = spring * state[BAR + corner / 2];
         let factors = [nominal[0] * at(MASS), nominal[1] * at(DAMPING), spring * at(SPRING), bar];
-        Self {
-            theta: wheel.theta * read_compliance(state, wheel.corner),
-            placard: wheel.theta,
-            factors,
-            nominal,
-        }
+        Self { theta: wheel.theta * read_compliance(state, corner), placard: wheel.theta, factors, nominal }
     }
 
     /// The road velocity that the signals of an entry tell.
@@ -123,6 +119,7 @@ pub(crate) fn linearize<T: Real>(
     side: usize,
     state: &State<T>,
 ) -> AxleResidual<T> {
+    let side = side.min(1);
     let axles = [Axle::new(&wheels[0], state), Axle::new(&wheels[1], state)];
     let gain = T::one() + state[GAIN + side];
     let filter_delay_s = taken.delay_s * (state[WHEELBASE] - taken.used_wheelbase)
@@ -149,12 +146,16 @@ impl<T: Real> AxleResidual<T> {
         filter_delay_s: T,
         bin: usize,
     ) {
-        let delay_s = taken.delay_s;
+        let (delay_s, bin) = (taken.delay_s, bin.min(BINS - 1));
         let of = |axle: usize| {
+            let ratio = |frf_ratios: &FrfRatios<T>, i: usize| {
+                let ratios = frf_ratios.get(bin).and_then(|ratios| ratios.get(axle * SEEN + i));
+                ratios.copied().unwrap_or(Complex::new(T::zero(), T::zero()))
+            };
             core::array::from_fn(|i| match signals {
                 Signals::Measured => taken.frame.at(bin, axle * SEEN + i),
                 Signals::Common(frf_ratios) => {
-                    taken.frame.at(bin, BOTH + axle * SEEN + i) * frf_ratios[bin][axle * SEEN + i]
+                    taken.frame.at(bin, BOTH + axle * SEEN + i) * ratio(frf_ratios, i)
                 }
             })
         };
@@ -194,7 +195,7 @@ impl<'a, T: Real> UnitRoad<'a, T> {
         frf_ratios: &'a FrfRatios<T>,
     ) -> Self {
         let axles = [Axle::new(&wheels[0], state), Axle::new(&wheels[1], state)];
-        Self { wheels, axles, gain: T::one() + state[GAIN + side], delay_s, frf_ratios }
+        Self { wheels, axles, gain: T::one() + state[GAIN + side.min(1)], delay_s, frf_ratios }
     }
 
     /// Products of the derivatives with each other that a road of unit power makes in a bin: `Re⟨C* C⟩`.
@@ -208,7 +209,7 @@ impl<'a, T: Real> UnitRoad<'a, T> {
             let seen = |axle: usize| {
                 let foretold =
                     self.axles[axle].over_unit_road(self.wheels[axle].body.sprung_mass_kg, frequency);
-                let ratios = &self.frf_ratios[bin];
+                let ratios = &self.frf_ratios[bin.min(BINS - 1)];
                 self.axles[axle].road(core::array::from_fn(|i| foretold[i] * ratios[axle * SEEN + i]))
             };
             // As a frame sees it: its turns are those of the middle of a bin.

@@ -1,0 +1,85 @@
+//! The inverse of a small matrix, with the operations of `nalgebra`'s in their order and so its bits, but without its
+//! checks of indices, which end in a panic as far as a compiler can see.
+
+use nalgebra::SMatrix;
+
+use crate::real::Real;
+
+/// By LU with partial pivoting; `None` for a singular matrix.
+pub(super) fn inverse<T: Real, const N: usize>(mut lu: SMatrix<T, N, N>) -> Option<SMatrix<T, N, N>> {
+    let mut out = SMatrix::<T, N, N>::identity();
+    for i in 0..N {
+        let (mut pivot, mut largest) = (i, lu[(i, i)].abs());
+        for row in i + 1..N {
+            let size = lu[(row, i)].abs();
+            if size > largest {
+                (pivot, largest) = (row, size);
+            }
+        }
+        let pivot = pivot.min(N - 1);
+        if lu[(pivot, i)].is_zero() {
+            return None;
+        }
+        if pivot != i {
+            for column in 0..N {
+                (lu[(i, column)], lu[(pivot, column)]) = (lu[(pivot, column)], lu[(i, column)]);
+                (out[(i, column)], out[(pivot, column)]) = (out[(pivot, column)], out[(i, column)]);
+            }
+        }
+        let over = T::one() / lu[(i, i)];
+        (i + 1..N).for_each(|row| lu[(row, i)] *= over);
+        for column in i + 1..N {
+            let by = -lu[(i, column)];
+            (i + 1..N).for_each(|row| lu[(row, column)] = by * lu[(row, i)] + lu[(row, column)]);
+        }
+    }
+    for column in 0..N {
+        for i in 0..N {
+            let by = -out[(i, column)];
+            (i + 1..N).for_each(|row| out[(row, column)] = by * lu[(row, i)] + out[(row, column)]);
+        }
+        for i in (0..N).rev() {
+            if lu[(i, i)].is_zero() {
+                return None;
+            }
+            let value = out[(i, column)] / lu[(i, i)];
+            out[(i, column)] = value;
+            (0..i).for_each(|row| out[(row, column)] = -value * lu[(row, i)] + out[(row, column)]);
+        }
+    }
+    Some(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    fn compared<const N: usize>(random: &mut Random) {
+        // Rows of very different size, so that pivots change places.
+        let matrix =
+            SMatrix::<f64, N, N>::from_fn(|row, _| random.normal() * 10f64.powi((row * 7 % 5) as i32));
+        assert_eq!(inverse(matrix), matrix.try_inverse());
+        let single = matrix.map(|value| value as f32);
+        assert_eq!(inverse(single), single.try_inverse());
+        let product = matrix * inverse(matrix).unwrap();
+        assert!((product - SMatrix::identity()).amax() < 1e-8, "{product}");
+    }
+
+    #[test]
+    fn it_has_the_bits_of_nalgebras() {
+        let mut random = Random(1);
+        for _ in 0..200 {
+            compared::<13>(&mut random);
+            compared::<6>(&mut random);
+        }
+    }
+
+    #[test]
+    fn what_has_no_inverse_gets_none() {
+        assert_eq!(inverse(SMatrix::<f64, 6, 6>::zeros()), None);
+        let mut twice = SMatrix::<f64, 6, 6>::identity();
+        twice[(3, 3)] = 0.0;
+        assert_eq!(inverse(twice), None);
+    }
+}

@@ -1,0 +1,174 @@
+//! What looks wrong in a log, a sentence each. Plain text; escaping is the page's business.
+
+use super::{Found, FoundCorner, HOP_HZ, Statistics};
+use crate::transfer::{Density, FEWEST_SEGMENTS, INCOHERENT};
+
+/// Mean acceleration in m/s² from which gravity must be in it: half of it.
+const GRAVITY: f64 = 4.9;
+/// Values that follow another one at the limit, and are no accident: an acceleration of a driving car does not stand still.
+const AT_LIMIT: u64 = 8;
+/// Share of missing values worth a word.
+const MISSING: f64 = 0.01;
+/// Steps of a coarse sensor per standard deviation.
+const STEPS_PER_SD: f64 = 3.0;
+/// Coherence of signals that are one and the same.
+const SAME: f64 = 0.9999;
+
+impl Found {
+    /// What looks wrong, corner by corner; empty where nothing does.
+    #[must_use]
+    pub fn doubts(&self) -> Vec<String> {
+        let mut out = Vec::new();
+        if self.speed.is_none() {
+            out.push("No speed: neither the axles' common road nor the roughness can be used".to_owned());
+        }
+        for corner in &self.corners {
+            out.extend(corner.doubts());
+        }
+        out
+    }
+}
+
+impl FoundCorner {
+    fn doubts(&self) -> Vec<String> {
+        let mut out: Vec<String> = [("body", &self.body), ("wheel", &self.wheel)]
+            .into_iter()
+            .flat_map(|(name, statistics)| signal(&format!("{}, {name}", self.label), statistics))
+            .collect();
+        out.extend(self.pair().map(|text| format!("{}: {text}", self.label)));
+        out
+    }
+
+    /// Of body and wheel together.
+    fn pair(&self) -> Option<String> {
+        if self.body.sd == 0.0 || self.wheel.sd == 0.0 || self.body.samples == 0 || self.wheel.samples == 0 {
+            return None;
+        }
+        if self.segments < FEWEST_SEGMENTS {
+            return Some(
+                "less than half a minute without a gap: too short to judge body and wheel".to_owned(),
+            );
+        }
+        let (wheel, body) = self.hop_power();
+        if self.coherence > SAME && (wheel / body - 1.0).abs() < 0.01 {
+            return Some("body and wheel are one and the same signal".to_owned());
+        }
+        if body > wheel {
+            return Some(format!(
+                "the body moves more than the wheel where wheels hop ({:.0} to {:.0} Hz): check whether the two are exchanged",
+                HOP_HZ.0, HOP_HZ.1
+            ));
+        }
+        (self.coherence < INCOHERENT).then(|| {
+            format!(
+                "the body does not follow this wheel (coherence {:.2} between 4 and 16 Hz, expected {INCOHERENT} or more): check that its body sensor sits above this wheel and that the columns are those of this corner",
+                self.coherence
+            )
+        })
+    }
+
+    /// Mean density of wheel and body where wheels hop.
+    fn hop_power(&self) -> (f64, f64) {
+        let within = |line: &&Density| (HOP_HZ.0..=HOP_HZ.1).contains(&line.hz);
+        let sum = |of: fn(&Density) -> f64| self.lines.iter().filter(within).map(of).sum::<f64>();
+        (sum(|line| line.wheel), sum(|line| line.body))
+    }
+}
+
+/// Of one acceleration.
+fn signal(name: &str, s: &Statistics) -> Vec<String> {
+    if s.samples == 0 {
+        return vec![format!("{name}: never has a value")];
+    }
+    if s.sd == 0.0 {
+        return vec![format!("{name}: always {}", s.mean)];
+    }
+    let mut out = Vec::new();
+    let missing = s.missing as f64 / (s.missing + s.samples) as f64;
+    if missing > MISSING {
+        out.push(format!("{name}: {:.0} % of its values are missing", 100.0 * missing));
+    }
+    if s.mean.abs() > GRAVITY {
+        out.push(format!("{name}: its mean is {:.1} m/s², so gravity is in it", s.mean));
+    }
+    // A coarse signal stays at its limit without being cut off there.
+    if s.smallest_step * STEPS_PER_SD > s.sd {
+        out.push(format!(
+            "{name}: moves in steps of {:.3} m/s², coarse for a standard deviation of {:.3} m/s²",
+            s.smallest_step, s.sd
+        ));
+    } else if s.repeated_at_limit >= AT_LIMIT {
+        out.push(format!(
+            "{name}: stays at its limits ({:.4} and {:.4} m/s²) for {} values: its range is too small, or it stood still",
+            s.low, s.high, s.repeated_at_limit
+        ));
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{minute, noise};
+
+    #[test]
+    fn nothing_is_wrong_with_a_body_that_follows_its_wheel() {
+        assert_eq!(minute(0.2, |_, _| {}).doubts(), Vec::<String>::new());
+    }
+
+    #[test]
+    fn what_is_wrong_is_said() {
+        let said = |found: super::Found, words: &str| {
+            let doubts = found.doubts();
+            assert!(doubts.iter().any(|doubt| doubt.contains(words)), "{words}: {doubts:?}");
+            assert_eq!(doubts.len(), 1, "{doubts:?}");
+        };
+        said(
+            minute(0.2, |_, signals| {
+                std::mem::swap(&mut signals.body_accel_m_s2, &mut signals.wheel_accel_m_s2)
+            }),
+            "fr: the body moves more than the wheel where wheels hop (8 to 20 Hz)",
+        );
+        said(
+            minute(0.2, |_, signals| signals.body_accel_m_s2 = signals.wheel_accel_m_s2),
+            "one and the same signal",
+        );
+        said(
+            minute(0.2, |_, signals| signals.body_accel_m_s2 += 9.81),
+            "fr, body: its mean is 9.8 m/s², so gravity is in it",
+        );
+        said(minute(0.2, |_, signals| signals.body_accel_m_s2 = 1.5), "fr, body: always 1.5");
+        said(minute(0.2, |_, signals| signals.wheel_accel_m_s2 = f64::NAN), "fr, wheel: never has a value");
+        said(
+            minute(0.2, |_, signals| signals.wheel_accel_m_s2 = signals.wheel_accel_m_s2.clamp(-3.5, 3.5)),
+            "fr, wheel: stays at its limits (-3.5000 and 3.5000 m/s²) for",
+        );
+        said(
+            minute(0.2, |i, signals| {
+                if (3_000..3_600).contains(&i) {
+                    signals.wheel_accel_m_s2 = f64::NAN;
+                }
+            }),
+            "fr, wheel: 5 % of its values are missing",
+        );
+        said(
+            minute(0.2, |_, signals| {
+                signals.body_accel_m_s2 = (signals.body_accel_m_s2 / 0.16).round() * 0.16
+            }),
+            "moves in steps of 0.16",
+        );
+    }
+
+    #[test]
+    fn a_body_of_another_wheel_is_named() {
+        let state = std::cell::Cell::new(7);
+        let random = || {
+            let mut now = state.get();
+            let value = noise(&mut now);
+            state.set(now);
+            value
+        };
+        let found = minute(0.0, |_, signals| signals.body_accel_m_s2 = random());
+        let doubts = found.doubts();
+        assert!(doubts.len() == 1 && doubts[0].contains("the body does not follow this wheel"), "{doubts:?}");
+    }
+}

@@ -1,0 +1,51 @@
+//! Links only if nothing in a car's life can panic: `cd no-panic && cargo build --release`.
+//!
+//! The panic handler calls a function that does not exist. Where the compiler can prove that no panic is ever reached, the
+//! handler is left out and with it the call; where one is left, the linker says so. Nothing is run.
+//! `--features left` puts one in: then it must not link. `--features count` has a handler that links, so that
+//! `.ci/no_panic.py` can say where panics are left.
+#![no_std]
+#![no_main]
+
+use core::panic::PanicInfo;
+
+use itpms_core::model::VehicleCalibration;
+use itpms_core::{CarSample, MonitorConfig, MonitoredCar};
+
+/// What a controller calls: the car configured where it lies, its stored calibration, a calibration drive, its samples, what it
+/// says. Returns how many of the wheels are reported on.
+#[unsafe(no_mangle)]
+extern "C" fn car(
+    car: &mut MonitoredCar<f32>,
+    config: &MonitorConfig<f32>,
+    calibration: &VehicleCalibration<f32>,
+    sample: &CarSample<f32>,
+    rate_hz: f64,
+) -> usize {
+    if car.configure(config, rate_hz).is_err() || car.load_calibration(calibration).is_err() {
+        return 0;
+    }
+    let estimate = car.update(sample);
+    if car.begin_calibration(sample.time_s).is_ok() {
+        car.end_calibration();
+    }
+    #[cfg(feature = "left")]
+    core::hint::black_box([0u8; 4][sample.time_s as usize]);
+    estimate.corners.iter().flatten().count() + car.report().wheels.iter().flatten().count()
+}
+
+#[cfg(not(feature = "count"))]
+#[panic_handler]
+fn panic(_: &PanicInfo<'_>) -> ! {
+    unsafe extern "C" {
+        fn a_panic_is_left() -> !;
+    }
+    // SAFETY: never called, as a program with this call does not link.
+    unsafe { a_panic_is_left() }
+}
+
+#[cfg(feature = "count")]
+#[panic_handler]
+fn panic(_: &PanicInfo<'_>) -> ! {
+    loop {}
+}
