@@ -57,7 +57,7 @@ fn a_drive_at_a_known_pressure_teaches_the_file() {
     assert!(told["unknown"][0].as_str().unwrap().contains("times one factor"), "{told}");
     assert_eq!(told["slope_over_file"]["learned"], false);
     // Short drives are warned of.
-    assert!(learned.stderr.contains("the tire fl was read for 120 s, expected 300 s or more"), "{learned:?}");
+    assert!(learned.stderr.contains("expected 300 s or more: ten minutes"), "{learned:?}");
     // The file says where it comes from, reads back, and leaves less to every pressure.
     let text = bench.read("learned.toml");
     for part in
