@@ -97,7 +97,7 @@ impl<T: Real> Hypothesis<T> {
     /// What changes by itself does so for `seconds`: about the vehicle file, and never further than a car may be from it.
     pub(crate) fn wander(&mut self, seconds: T) {
         let sd = wander_sd::<T>();
-        let stays = return_rate::<T>().map(|rate| (-rate * seconds).exp());
+        let stays = return_rate::<T>().map(|rate| (-rate * seconds).exp_fast());
         self.mean.component_mul_assign(&stays);
         for i in 0..SIZE {
             for j in 0..SIZE {

@@ -121,8 +121,8 @@ impl<T: Real> HypothesisBank<T> {
             let total = slope.dot(&(&hypothesis.covariance * slope)) + variance;
             let tails = T::lit(WORD_TAILS);
             let mahalanobis_sq = innovation * innovation / total;
-            *log =
-                T::lit(-0.5) * (total.ln() + (tails + T::one()) * (T::one() + mahalanobis_sq / tails).ln());
+            *log = T::lit(-0.5)
+                * (total.ln_fast() + (tails + T::one()) * (T::one() + mahalanobis_sq / tails).ln_fast());
         }
         self.update(variance, linearise);
         self.reweigh(&log_weight);
@@ -137,7 +137,7 @@ impl<T: Real> HypothesisBank<T> {
         }
         let mut total = T::zero();
         for (hypothesis, &log) in self.hypotheses.iter_mut().zip(log_weight) {
-            hypothesis.weight *= (log - largest).exp();
+            hypothesis.weight *= (log - largest).exp_fast();
             total += hypothesis.weight;
         }
         if total > T::zero() && total.is_finite() {
@@ -306,7 +306,7 @@ impl<T: Real> HypothesisBank<T> {
         let finite = |hypothesis: &Hypothesis<T>| {
             hypothesis.weight >= T::zero()
                 && hypothesis.mean.iter().all(|x| x.is_finite())
-                && hypothesis.covariance.iter().all(|x| x.is_finite())
+                && hypothesis.covariance.diagonal().iter().all(|x| x.is_finite())
         };
         self.hypotheses.iter().all(finite) && self.hypotheses[CONSTANT].is_possible(softest)
     }

@@ -21,7 +21,7 @@ pub(crate) struct Mixture<'a, T: Real> {
 impl<'a, T: Real> Mixture<'a, T> {
     /// Of nothing yet; what is in the place is lost.
     pub(crate) fn new(into: &'a mut Hypothesis<T>) -> Self {
-        into.covariance.fill(T::zero());
+        into.covariance.as_mut_slice().fill(T::zero());
         Self { into, weight: T::zero(), sum: State::zeros(), around: None }
     }
 

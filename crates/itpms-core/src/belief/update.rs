@@ -14,8 +14,8 @@ const TAILS: f64 = 8.0;
 
 /// The part of a belief that a side's residual depends on.
 pub(crate) struct OwnCovariance<T: Real> {
-    /// Covariance of everything with the side's quantities, and of these among themselves.
-    all: SMatrix<T, SIZE, SIDE_SIZE>,
+    /// Covariance of the side's quantities with everything, a column each, and among themselves.
+    all: SMatrix<T, SIDE_SIZE, SIZE>,
     own: Gram<T>,
 }
 
@@ -25,20 +25,20 @@ impl<T: Real> OwnCovariance<T> {
         let mut part = Self { all: SMatrix::zeros(), own: Gram::zeros() };
         let Self { all, own } = &mut part;
         for (column, &place) in indices.iter().enumerate() {
-            all.set_column(column, &covariance.column(place.min(SIZE - 1)));
+            all.set_row(column, &covariance.row(place.min(SIZE - 1)));
         }
         // The road reads a tire and its bias as one.
         let biased = SIDE_TIRES.map(|own| (own, indices[own] - TIRE + ROAD_BIAS));
         for (tire, bias) in biased {
-            let mut column = all.column_mut(tire);
-            column += covariance.column(bias);
+            let mut row = all.row_mut(tire);
+            row += covariance.row(bias);
         }
         for (row, &place) in indices.iter().enumerate() {
-            own.set_row(row, &all.row(place.min(SIZE - 1)));
+            own.set_column(row, &all.column(place.min(SIZE - 1)));
         }
         for (tire, bias) in biased {
-            let mut row = own.row_mut(tire);
-            row += all.row(bias);
+            let mut column = own.column_mut(tire);
+            column += all.column(bias);
         }
         part
     }
@@ -59,24 +59,31 @@ impl<T: Real> OwnCovariance<T> {
         let information = information / scale;
         // P' = P - P_o (I + Ω P_oo)^-1 Ω P_o^T, and with it the mean: m' = m + P'_o score.
         let Some(inverse) = inverse(Gram::identity() + information * self.own) else { return };
-        // Into their places: a product that is handed on is copied on its way.
-        let (mut gain, mut taken) = (SMatrix::<T, SIZE, SIDE_SIZE>::zeros(), SMatrix::zeros());
-        self.all.mul_to(&inverse, &mut gain);
-        gain.mul_to(&information, &mut taken);
-        // Column by column, as the whole of it would be the largest thing on the stack.
-        for column in 0..SIZE {
-            let by = &taken * self.all.row(column).transpose();
-            let mut of = hypothesis.covariance.column_mut(column);
-            of -= by;
+        let middle = inverse * information;
+        // A row at a time and on one side of the diagonal, which makes it symmetric.
+        for i in 0..SIZE {
+            let row = self.all.column(i);
+            let taken: [T; SIDE_SIZE] =
+                core::array::from_fn(|k| product(row.as_slice(), middle.column(k).as_slice()));
+            for j in 0..=i {
+                let covariance =
+                    hypothesis.covariance[(i, j)] - product(&taken, self.all.column(j).as_slice());
+                hypothesis.covariance[(i, j)] = covariance;
+                hypothesis.covariance[(j, i)] = covariance;
+            }
+            hypothesis.covariance[(i, i)] = hypothesis.covariance[(i, i)].max(T::zero());
         }
-        hypothesis.symmetrize();
-        let step = &gain * (score / scale);
         // step^T P^-1 step, as step = P_o by.
         let by = inverse * (score / scale);
+        let step = self.all.tr_mul(&by);
         let length = by.dot(&(self.own * by));
         let beyond = length > likelihood.mahalanobis_sq;
         hypothesis.mean += if beyond { step * (likelihood.mahalanobis_sq / length).sqrt() } else { step };
     }
+}
+
+fn product<T: Real>(a: &[T], b: &[T]) -> T {
+    a.iter().zip(b).fold(T::zero(), |sum, (&a, &b)| sum + a * b)
 }
 
 /// How well a hypothesis foretold a frame.
@@ -119,9 +126,9 @@ impl<T: Real> Likelihood<T> {
             }
         }
         let diagonal = plain.l_dirty().diagonal();
-        let log_determinant = diagonal.iter().fold(T::zero(), |sum, x| sum + T::lit(2.0) * x.ln());
+        let log_determinant = diagonal.iter().fold(T::zero(), |sum, x| sum + T::lit(2.0) * x.ln_fast());
         let log =
-            T::lit(-0.5) * (log_determinant + (tails + rows) * (T::one() + mahalanobis_sq / tails).ln());
+            T::lit(-0.5) * (log_determinant + (tails + rows) * (T::one() + mahalanobis_sq / tails).ln_fast());
         Some(Self { log, mahalanobis_sq: found.rows.dot(&weighted), scale, ratio })
     }
 }

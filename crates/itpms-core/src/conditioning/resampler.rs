@@ -11,6 +11,8 @@ use crate::real::Real;
 /// Points of the Lagrange interpolation. Eight keep the error below 8 % at 0.3 of the sampling rate and below
 /// 0.1 % at 0.15 of it, in the middle between samples.
 const POINTS: usize = 8;
+/// Sampling periods that are no distance.
+const ON_SAMPLE: f64 = 1e-6;
 /// A wheel on a kerb reaches some 500 m/s²; twice that is no car any more.
 const ABSURD_M_S2: f64 = 1000.0;
 /// Equal values in a row, at the largest magnitude seen, that count as saturation.
@@ -324,10 +326,18 @@ impl<T: Real> Resampler<T> {
 
     /// Weights of the polynomial through all points, at `at_s` since `epoch_s`.
     fn lagrange_weights(&self, epoch_s: f64, at_s: f64) -> [T; POINTS] {
-        // Distances in sampling periods, so that f32 keeps its digits.
         let scale = 1.0 / self.sample_period_s;
-        let distance: [T; POINTS] =
-            core::array::from_fn(|i| T::lit((at_s - (self.time_s[i] - epoch_s)) * scale));
+        let distance = |i: usize| (at_s - (self.time_s[i] - epoch_s)) * scale;
+        // A point of the grid that is a sample is that sample.
+        for middle in [POINTS / 2 - 1, POINTS / 2] {
+            if distance(middle).abs() < ON_SAMPLE {
+                let mut weights = [T::zero(); POINTS];
+                weights[middle] = T::one();
+                return weights;
+            }
+        }
+        // Distances in sampling periods, so that f32 keeps its digits.
+        let distance: [T; POINTS] = core::array::from_fn(|i| T::lit(distance(i)));
         core::array::from_fn(|i| {
             let mut weight = T::one();
             for j in 0..POINTS {

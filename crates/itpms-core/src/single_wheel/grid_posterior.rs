@@ -11,7 +11,9 @@ use crate::single_wheel::BINS;
 use crate::single_wheel::dynamics::{
     CALM, Dynamics, FALL, JUMP, JUMP_VARIANCE, LEAK_MODES, LEVEL_MODES, QUIET, REACH, RISE, SLOPE_MEAN, TAPS,
 };
-use crate::single_wheel::road_model::{ENVELOPE, Evidence, LEVEL, MomentMatch, Road, RoadBelief, SLOPE};
+use crate::single_wheel::road_model::{
+    ENVELOPE, Evidence, LEVEL, MeanMatch, Road, RoadBelief, RoadPrior, SLOPE, matched_covariance,
+};
 use crate::single_wheel::tables::{CELLS, Tables};
 
 /// Frames after the start in which no leak begins: some two seconds.
@@ -24,10 +26,18 @@ const FRAMES_PER_WORD: u32 = 12;
 const NARROWEST_CELLS: f64 = 1.2;
 const LEAST_SAID: f64 = 1e-3;
 
+/// Every so many cells one is fitted, whatever its probability: the frame's evidence is smooth in between.
+const NODES_APART: usize = 5;
+/// Probability from which on a cell is fitted for itself.
+const MATTERS: f64 = 1e-4;
+/// Mean power of a frame over what was expected from which on the level may have jumped.
+const SURPRISING: f64 = 2.0;
+
 type Cells<T> = SVector<T, CELLS>;
 
 /// The mean and spread of the pressure, and what the modes say.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Summary<T> {
     /// Mean cell, fractional.
     pub(crate) mean_cell: T,
@@ -36,6 +46,8 @@ pub(crate) struct Summary<T> {
     /// Probability that the pressure is falling or rising fast.
     pub(crate) moving: T,
 }
+
+blank!(Summary<T> { mean_cell, variance_cells2, moving });
 
 /// The whole belief. See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
@@ -51,9 +63,13 @@ pub(crate) struct Posterior<T: Real> {
     settling_frames: u32,
     /// False until the first frame has set the road's level.
     road_known: bool,
+    /// What all of it says of the pressure.
+    summary: Summary<T>,
 }
 
-blank!(Posterior<T> { weight, road, dynamics, told_log_likelihood, told_frames, settling_frames, road_known });
+blank!(Posterior<T> {
+    weight, road, dynamics, told_log_likelihood, told_frames, settling_frames, road_known, summary,
+});
 
 impl<T: Real> Posterior<T> {
     /// Nine tenths around `initial_cell` with sd `initial_sd_cells`, one tenth anywhere; quiet, road unknown.
@@ -77,6 +93,7 @@ impl<T: Real> Posterior<T> {
         self.told_frames = 0;
         self.settling_frames = SETTLING_FRAMES;
         self.road_known = false;
+        self.summarise();
     }
 
     /// Moves on by one frame. `speed_ratio` is the speed over that of the last step (one if unknown): a faster car
@@ -140,21 +157,25 @@ impl<T: Real> Posterior<T> {
     fn move_cells(&mut self, level: usize) {
         let kernels = &self.dynamics.kernel;
         let old = &self.weight[level];
-        let roads = self.road[level].clone();
+        // Mass that leaves a cell by a tap, whatever the leak mode.
+        let mut leaving = [Cells::zeros(); TAPS];
+        for (cells, kernel) in old.iter().zip(kernels) {
+            for (leaving, &weight) in
+                leaving.iter_mut().zip(kernel).filter(|(_, weight)| **weight > T::zero())
+            {
+                *leaving += cells * weight;
+            }
+        }
+        let roads = &mut self.road[level];
+        let means = roads.mean;
         for to in 0..CELLS {
-            let mut matched = MomentMatch::around(roads.get(to));
-            for tap in 0..TAPS {
+            let mut matched = MeanMatch::around(roads.mean(to));
+            for (tap, leaving) in leaving.iter().enumerate() {
                 // Mass that arrives at `to` from `from = to - (tap - REACH)`.
                 let Some(from) = (to + REACH).checked_sub(tap).filter(|&from| from < CELLS) else { continue };
-                let mut mass = T::zero();
-                for (mode, kernel) in kernels.iter().enumerate() {
-                    mass += kernel[tap] * old[mode][from];
-                }
-                if mass > T::zero() {
-                    matched.add(mass, &roads.get(from));
-                }
+                matched.add(leaving[from], &means.column(from).into_owned());
             }
-            self.road[level].set(to, &matched.finish());
+            roads.set_mean(to, &matched.finish());
         }
         for (mode, kernel) in kernels.iter().enumerate() {
             self.weight[level][mode] = shifted(&self.weight[level][mode], kernel);
@@ -163,16 +184,24 @@ impl<T: Real> Posterior<T> {
 
     fn mix_level_modes(&mut self) {
         let rates = self.dynamics.level;
+        let (best, _) = self.most_likely();
+        let covariances = self.road.each_ref().map(|roads| roads.covariance);
         for cell in 0..CELLS {
             let mass: [T; LEVEL_MODES] =
                 core::array::from_fn(|l| self.weight[l].iter().fold(T::zero(), |sum, mode| sum + mode[cell]));
-            let roads: [Road<T>; LEVEL_MODES] = core::array::from_fn(|l| self.road[l].get(cell));
+            let roads: [Road<T>; LEVEL_MODES] =
+                core::array::from_fn(|l| Road { mean: self.road[l].mean(cell), covariance: covariances[l] });
             for to in 0..LEVEL_MODES {
-                let mut matched = MomentMatch::around(roads[to]);
+                let mut matched = MeanMatch::around(roads[to].mean);
                 for from in 0..LEVEL_MODES {
-                    matched.add(rates[from][to] * mass[from], &roads[from]);
+                    matched.add(rates[from][to] * mass[from], &roads[from].mean);
                 }
-                self.road[to].set(cell, &matched.finish());
+                self.road[to].set_mean(cell, &matched.finish());
+                if cell == best {
+                    let mixture: [_; LEVEL_MODES] =
+                        core::array::from_fn(|from| (rates[from][to] * mass[from], roads[from]));
+                    self.road[to].covariance = matched_covariance(&mixture).unwrap_or(roads[to].covariance);
+                }
             }
         }
         for mode in 0..LEAK_MODES {
@@ -191,62 +220,99 @@ impl<T: Real> Posterior<T> {
         let d = &self.dynamics;
         for (mode, roads) in self.road.iter_mut().enumerate() {
             let jump = if mode == JUMP { JUMP_VARIANCE.map(T::lit) } else { [T::zero(); 2] };
+            let mut road = roads.get(0);
+            road.covariance.row_mut(SLOPE).scale_mut(d.slope_keep);
+            road.covariance.column_mut(SLOPE).scale_mut(d.slope_keep);
+            road.covariance[(LEVEL, LEVEL)] += d.level_variance[mode] + jump[0];
+            road.covariance[(SLOPE, SLOPE)] += d.slope_variance + jump[1];
+            road.covariance[(ENVELOPE, ENVELOPE)] += d.envelope_variance;
+            road.cap_variance();
+            roads.covariance = road.covariance;
+            let typical = T::lit(SLOPE_MEAN);
             for cell in 0..CELLS {
-                let mut road = roads.get(cell);
-                let slope = road.mean[SLOPE];
-                road.mean[LEVEL] += (slope - T::one()) * log_speed_ratio;
-                let typical = T::lit(SLOPE_MEAN);
-                road.mean[SLOPE] = typical + d.slope_keep * (slope - typical);
-                road.covariance.row_mut(SLOPE).scale_mut(d.slope_keep);
-                road.covariance.column_mut(SLOPE).scale_mut(d.slope_keep);
-                road.covariance[(LEVEL, LEVEL)] += d.level_variance[mode] + jump[0];
-                road.covariance[(SLOPE, SLOPE)] += d.slope_variance + jump[1];
-                road.covariance[(ENVELOPE, ENVELOPE)] += d.envelope_variance;
-                road.cap();
-                roads.set(cell, &road);
+                let mut mean = roads.mean(cell);
+                let slope = mean[SLOPE];
+                mean[LEVEL] += (slope - T::one()) * log_speed_ratio;
+                mean[SLOPE] = typical + d.slope_keep * (slope - typical);
+                let mut road = Road { mean, covariance: road.covariance };
+                road.clamp();
+                roads.set_mean(cell, &road.mean);
             }
         }
     }
 
-    /// Weighs the belief with a frame.
-    pub(crate) fn update(&mut self, frame: &Evidence<T>, tables: &Tables<T>) {
+    /// Weighs the belief with a frame; `surprise` is its mean power over what the most likely road had expected.
+    pub(crate) fn update(&mut self, frame: &Evidence<T>, tables: &Tables<T>, surprise: T) {
         if !self.road_known {
             self.meet_road(frame, tables);
         }
-        let mut log_evidence = [Cells::zeros(); LEVEL_MODES];
-        let mut largest = T::lit(f64::NEG_INFINITY);
-        for cell in 0..CELLS {
-            let reading = frame.read(tables, cell);
-            for (roads, log_evidence) in self.road.iter_mut().zip(&mut log_evidence) {
-                let (fitted, evidence) = roads.get(cell).weigh(frame, &reading, tables);
-                roads.set(cell, &fitted);
-                log_evidence[cell] = evidence;
-                largest = largest.max(evidence);
-            }
-        }
-        self.remember_frame(&log_evidence, largest);
-        for (modes, log_evidence) in self.weight.iter_mut().zip(&log_evidence) {
-            let factor = log_evidence.map(|e| (e - largest).exp());
+        let log_evidence = self.fit_roads(frame, tables, surprise);
+        let largest =
+            log_evidence.iter().fold(T::lit(f64::NEG_INFINITY), |largest, cells| largest.max(cells.max()));
+        let likelihood = log_evidence.map(|cells| cells.map(|e| (e - largest).exp_fast()));
+        self.remember_frame(&likelihood);
+        for (modes, factor) in self.weight.iter_mut().zip(&likelihood) {
             for cells in modes {
-                cells.component_mul_assign(&factor);
+                cells.component_mul_assign(factor);
             }
         }
         self.normalise();
     }
 
-    /// Adds what this frame said of each cell, whatever was believed of the cells before: the level modes' evidence,
+    /// Fits the roads of those cells that matter, and of nodes between which the others are interpolated; gives the frame's log
+    /// evidence for every level mode and cell (docs/math/informed.md, section 4).
+    fn fit_roads(&mut self, frame: &Evidence<T>, tables: &Tables<T>, surprise: T) -> [Cells<T>; LEVEL_MODES] {
+        let mut log_evidence = [Cells::zeros(); LEVEL_MODES];
+        let (best, _) = self.most_likely();
+        let mass = self.cells();
+        let is_fitted =
+            |cell: usize| cell.is_multiple_of(NODES_APART) || cell == best || mass[cell] > T::lit(MATTERS);
+        let priors = self.road.each_ref().map(|roads| RoadPrior::new(&roads.covariance));
+        let expected = surprise < T::lit(SURPRISING);
+        let mut fitted_covariance = self.road.each_ref().map(|roads| roads.covariance);
+        for cell in (0..CELLS).filter(|&cell| is_fitted(cell)) {
+            let reading = frame.read(tables, cell);
+            for (level, prior) in priors.iter().enumerate() {
+                let Some(prior) = prior.as_ref().filter(|_| !(expected && level == JUMP)) else { continue };
+                let fitted = prior.fit(&self.road[level].get(cell), frame, &reading, tables);
+                self.road[level].set_mean(cell, &fitted.road.mean);
+                log_evidence[level][cell] = fitted.log_evidence;
+                if cell == best {
+                    fitted_covariance[level] = fitted.road.covariance;
+                }
+            }
+        }
+        for (roads, log_evidence) in self.road.iter_mut().zip(&mut log_evidence) {
+            for cell in (0..CELLS).filter(|&cell| !is_fitted(cell)) {
+                interpolate(cell, roads, log_evidence);
+            }
+        }
+        if let (true, [Some(calm), _, Some(jump)]) = (expected, &priors)
+            && let Some((covariance, less)) = jump.as_expected(calm, &fitted_covariance[CALM])
+        {
+            self.road[JUMP].mean = self.road[CALM].mean;
+            fitted_covariance[JUMP] = covariance;
+            log_evidence[JUMP] = log_evidence[CALM].add_scalar(less);
+        }
+        for (roads, covariance) in self.road.iter_mut().zip(fitted_covariance) {
+            roads.covariance = covariance;
+        }
+        log_evidence
+    }
+
+    /// Adds what this frame said of each cell, whatever was believed of the cells before: the level modes' likelihood,
     /// averaged with their shares there.
-    fn remember_frame(&mut self, log_evidence: &[Cells<T>; LEVEL_MODES], largest: T) {
+    fn remember_frame(&mut self, likelihood: &[Cells<T>; LEVEL_MODES]) {
         // Where all mass is gone the modes count alike.
         let floor = T::lit(1e-30);
         for cell in 0..CELLS {
             let (mut said, mut total) = (T::zero(), T::zero());
-            for (modes, evidence) in self.weight.iter().zip(log_evidence) {
+            for (modes, likelihood) in self.weight.iter().zip(likelihood) {
                 let share = modes.iter().fold(floor, |sum, cells| sum + cells[cell]);
-                said += share * (evidence[cell] - largest).exp();
+                said += share * likelihood[cell];
                 total += share;
             }
-            self.told_log_likelihood[cell] += (said / total).max(floor).ln();
+            self.told_log_likelihood[cell] += (said / total).max(floor).ln_fast();
         }
         self.told_frames += 1;
     }
@@ -309,26 +375,27 @@ impl<T: Real> Posterior<T> {
             let sum = (0..frame.bins.min(BINS)).fold(T::zero(), |sum, bin| sum + power[bin] / typical[bin]);
             let road = Road::unknown((sum / T::lit(frame.bins as f64)).ln());
             for roads in &mut self.road {
-                roads.set(cell, &road);
+                roads.set_mean(cell, &road.mean);
+                roads.covariance = road.covariance;
             }
         }
         self.road_known = true;
     }
 
     fn normalise(&mut self) {
-        let mut total = T::zero();
-        for level in &self.weight {
-            for cells in level {
-                total += cells.sum();
-            }
-        }
+        let total = self.weight.iter().flatten().fold(T::zero(), |sum, cells| sum + cells.sum());
         if total > T::zero() && total.is_finite() {
-            for level in &mut self.weight {
-                for cells in level {
-                    *cells /= total;
-                }
-            }
+            let by = T::one() / total;
+            self.weight.iter_mut().flatten().for_each(|cells| *cells *= by);
         }
+        self.summarise();
+    }
+
+    fn summarise(&mut self) {
+        let (mean_cell, variance_cells2) = moments(&self.cells());
+        let moving =
+            self.weight.iter().fold(T::zero(), |sum, level| sum + level[FALL].sum() + level[RISE].sum());
+        self.summary = Summary { mean_cell, variance_cells2, moving: moving.min(T::one()) };
     }
 
     /// The most likely (level mode, cell), and the road believed there.
@@ -366,24 +433,40 @@ impl<T: Real> Posterior<T> {
     }
 
     pub(crate) fn summary(&self) -> Summary<T> {
-        let (mean, square) = moments(&self.cells());
-        let mut falling_or_rising = T::zero();
-        for level in &self.weight {
-            falling_or_rising += level[FALL].sum() + level[RISE].sum();
-        }
-        Summary { mean_cell: mean, variance_cells2: square, moving: falling_or_rising.min(T::one()) }
+        self.summary
     }
+}
+
+/// Evidence and road of a cell that was not fitted: a cubic through the evidence of four nodes around it, a line through the roads
+/// of two.
+fn interpolate<T: Real>(cell: usize, roads: &mut RoadBelief<T>, log_evidence: &mut Cells<T>) {
+    let nodes = CELLS.div_ceil(NODES_APART);
+    let below = cell / NODES_APART;
+    let first = below.saturating_sub(1).min(nodes - 4);
+    // Lagrange's polynomials at the nodes 0, 1, 2, 3.
+    let x = T::lit(1.0 / NODES_APART as f64) * T::lit((cell - first * NODES_APART) as f64);
+    let [one, two, three] = [1.0, 2.0, 3.0].map(|node| x - T::lit(node));
+    let (sixth, half) = (T::lit(1.0 / 6.0), T::lit(0.5));
+    let weights =
+        [-one * two * three * sixth, x * two * three * half, -x * one * three * half, x * one * two * sixth];
+    log_evidence[cell] =
+        (0..4).fold(T::zero(), |sum, i| sum + weights[i] * log_evidence[(first + i) * NODES_APART]);
+    let share = T::lit(1.0 / NODES_APART as f64) * T::lit((cell % NODES_APART) as f64);
+    let [low, high] = [below, below + 1].map(|node| roads.mean(node * NODES_APART));
+    roads.set_mean(cell, &(low + (high - low) * share));
 }
 
 /// Mean and variance of a probability over cells.
 fn moments<T: Real>(mass: &Cells<T>) -> (T, T) {
-    let (mut mean, mut square) = (T::zero(), T::zero());
-    for (cell, &p) in mass.iter().enumerate() {
-        mean += p * T::lit(cell as f64);
+    let (mut mean, mut at) = (T::zero(), T::zero());
+    for &p in mass.iter() {
+        mean += p * at;
+        at += T::one();
     }
-    for (cell, &p) in mass.iter().enumerate() {
-        let d = T::lit(cell as f64) - mean;
+    let (mut square, mut d) = (T::zero(), -mean);
+    for &p in mass.iter() {
         square += p * d * d;
+        d += T::one();
     }
     (mean, square)
 }
@@ -391,14 +474,10 @@ fn moments<T: Real>(mass: &Cells<T>) -> (T, T) {
 /// Mass moved by a kernel; what leaves the grid is lost.
 fn shifted<T: Real>(cells: &Cells<T>, kernel: &[T; TAPS]) -> Cells<T> {
     let mut moved = Cells::zeros();
-    for (tap, &weight) in kernel.iter().enumerate() {
-        if !(weight > T::zero()) {
-            continue;
-        }
-        for to in 0..CELLS {
-            if let Some(from) = (to + REACH).checked_sub(tap).filter(|&from| from < CELLS) {
-                moved[to] += weight * cells[from];
-            }
+    for (tap, &weight) in kernel.iter().enumerate().filter(|(_, weight)| **weight > T::zero()) {
+        let (to, from) = (tap.saturating_sub(REACH), REACH.saturating_sub(tap));
+        for (sum, &mass) in moved.as_mut_slice()[to..].iter_mut().zip(&cells.as_slice()[from..]) {
+            *sum += weight * mass;
         }
     }
     moved

@@ -84,6 +84,8 @@ const OLDEST_WORD_S: f64 = 0.3;
 const LEAST_PIN_CELLS: f64 = 0.4;
 /// Frames for which a calibration that was told holds: it is told ten times a second.
 const HELD_FRAMES: u32 = 4;
+/// Frames after which another cell of the tables is brought up to date: the car changes over minutes, all cells within nine seconds.
+const FRAMES_PER_CELL: u32 = 4;
 /// Standard deviation in kPa of the pressure to start from.
 const INITIAL_SD_KPA: f64 = 30.0;
 /// Probability of the stiffest cells from which on the grid ends too soon: what it says is no measurement then, but a bound.
@@ -118,13 +120,15 @@ pub struct Informed<T: Real> {
     periodic_estimate: Placed<PeriodicEstimate<T>>,
     periodic_estimate_s: f64,
     held_frames: u32,
+    /// Frames seen.
+    frames: u32,
     last_time_s: f64,
 }
 
 blank!(Informed<T> {
     config, grid, body, tables, friction, reconstruction, clock, posterior, sample_rate_hz, grid_period_s,
     noise_density, bins, gate, variance_growth, learned_s, last_speed_m_s, invalid, stopped_s, repeat,
-    periodic_estimate, periodic_estimate_s, held_frames, last_time_s,
+    periodic_estimate, periodic_estimate_s, held_frames, frames, last_time_s,
 });
 
 impl<T: Real> Informed<T> {
@@ -144,17 +148,25 @@ impl<T: Real> Informed<T> {
         repetition: RoadRepetition,
     ) {
         self.clock.configure(HOP_S, grid_period_s);
-        self.config = *config;
         self.grid = Grid::new(config.placard_kpa);
+        let body = Body::from(&config.quarter_car);
+        self.tables.configure(self.clock.bin_spacing_hz(), sample_rate_hz, &self.grid, &config.tire, &body);
+        self.begin(config, sample_rate_hz, grid_period_s, repetition);
+    }
+
+    /// What [`configure`](Self::configure) does, but for grid and tables.
+    fn begin(
+        &mut self,
+        config: &CornerConfig<T>,
+        sample_rate_hz: f64,
+        grid_period_s: f64,
+        repetition: RoadRepetition,
+    ) {
+        self.clock.configure(HOP_S, grid_period_s);
+        self.config = *config;
         let car = &config.quarter_car;
-        let body = Body {
-            sprung_mass_kg: car.sprung_mass_kg(),
-            unsprung_mass_kg: car.unsprung_mass_kg(),
-            damping_n_s_per_m: car.damping_n_s_per_m(),
-            spring_n_per_m: car.spring_n_per_m(),
-        };
+        let body = Body::from(car);
         let spacing_hz = self.clock.bin_spacing_hz();
-        self.tables.configure(spacing_hz, sample_rate_hz, &self.grid, &config.tire, &body);
         let noise = config.accel_noise_or_usual_m_s2();
         let initial = config.initial_kpa.unwrap_or(config.placard_kpa);
         let initial_cell = (initial - self.grid.pressure_kpa(0)) / self.grid.step_kpa();
@@ -176,7 +188,7 @@ impl<T: Real> Informed<T> {
         self.set_repetition(repetition);
         self.periodic_estimate.clear();
         (self.periodic_estimate_s, self.last_time_s) = (f64::NAN, f64::NAN);
-        self.held_frames = 0;
+        (self.held_frames, self.frames) = (0, 0);
     }
 
     /// Tells what is known of the road repeating itself; to be said before the first sample.
@@ -184,10 +196,11 @@ impl<T: Real> Informed<T> {
         self.repeat.configure(repetition, self.sample_rate_hz, self.grid_period_s);
     }
 
-    /// Forgets everything, as before the first sample; the road may repeat itself as it was told at first.
+    /// Forgets everything, as before the first sample; the road may repeat itself as it was told at first. The tables come back to
+    /// the car as configured cell by cell: all of them at once are the work of a hundred samples.
     pub fn restart(&mut self, repetition: RoadRepetition) {
         let config = self.config;
-        self.configure(&config, self.sample_rate_hz, self.grid_period_s, repetition);
+        self.begin(&config, self.sample_rate_hz, self.grid_period_s, repetition);
     }
 
     /// Takes one grid sample; true when a frame was completed and the belief has moved.
@@ -291,7 +304,10 @@ impl<T: Real> Informed<T> {
             let spacing = T::lit(self.clock.bin_spacing_hz());
             self.body.learn(frame, spacing, self.noise_density, evidence.weight, seconds);
         }
-        self.tables.refresh_next(&self.body.body(), &self.friction);
+        self.frames = self.frames.wrapping_add(1);
+        if self.frames.is_multiple_of(FRAMES_PER_CELL) {
+            self.tables.refresh_next(&self.body.body(), &self.friction);
+        }
     }
 
     fn notice_stop(&mut self, speed_m_s: T) {
@@ -319,7 +335,7 @@ impl<T: Real> Informed<T> {
         let after = self.posterior.summary().variance_cells2;
         self.variance_growth = (after / before.max(T::lit(1e-3))).max(T::one());
         if evidence.weight > T::zero() {
-            self.posterior.update(evidence, &self.tables);
+            self.posterior.update(evidence, &self.tables, self.gate.surprise());
         }
     }
 
@@ -327,7 +343,7 @@ impl<T: Real> Informed<T> {
     fn evidence(&self, frame: &Frame<T>, speed_m_s: T, envelope_m: T) -> Evidence<T> {
         let speed = if speed_m_s > T::lit(STANDING_M_S) { speed_m_s } else { T::lit(15.0) };
         let reach = T::lit(ENVELOPE_REACH) * speed / (T::lit(self.clock.bin_spacing_hz()) * envelope_m);
-        let bins = (reach.to_f64() as usize).max(LEAST_BINS).min(self.bins);
+        let bins = (reach.to_whole().max(0) as usize).max(LEAST_BINS).min(self.bins);
         let body = self.body.body();
         let parts = [
             (WHEEL_JERK, body.unsprung_mass_kg),

@@ -25,6 +25,8 @@ const LOWEST: [f64; PARAMETERS] = [-19.0, 1.0, -1.0];
 const HIGHEST: [f64; PARAMETERS] = [20.0, 3.4, 20.0];
 const LARGEST_VARIANCE: [f64; PARAMETERS] = [9.0, 0.25, 16.0];
 const LARGEST_STEP: f64 = 1.0;
+/// Least determinant of a covariance: nearer to zero single precision ends.
+const SMALLEST_DETERMINANT: f64 = 1e-30;
 /// Steepest fall of the velocity power, as an exponent of frequency, that the window's tables are made for.
 const STEEPEST: f64 = -3.0;
 
@@ -113,7 +115,7 @@ impl<T: Real> Road<T> {
     }
 
     /// Keeps the mean inside its bounds; what is moved takes the others along as their covariance says.
-    fn clamp(&mut self) {
+    pub(crate) fn clamp(&mut self) {
         for i in 0..PARAMETERS {
             let excess = self.mean[i].clamp(T::lit(LOWEST[i]), T::lit(HIGHEST[i])) - self.mean[i];
             if excess != T::zero() {
@@ -122,9 +124,8 @@ impl<T: Real> Road<T> {
         }
     }
 
-    /// Keeps the belief inside its bounds; shrinks rows and columns alike, so that the covariance stays positive.
-    pub(crate) fn cap(&mut self) {
-        self.clamp();
+    /// Keeps the variances inside their bounds; shrinks rows and columns alike, so that the covariance stays positive.
+    pub(crate) fn cap_variance(&mut self) {
         for (i, largest) in LARGEST_VARIANCE.map(T::lit).into_iter().enumerate() {
             let variance = self.covariance[(i, i)];
             if variance > largest {
@@ -135,38 +136,12 @@ impl<T: Real> Road<T> {
         }
     }
 
-    /// Fits the road to a frame under one cell's stiffness (two Gauss-Newton passes); gives the fitted belief and the
-    /// frame's log evidence.
-    pub(crate) fn weigh(&self, frame: &Evidence<T>, reading: &Reading<T>, tables: &Tables<T>) -> (Self, T) {
-        let Some(prior_information) = self.covariance.try_inverse() else {
-            return (*self, T::zero());
-        };
-        let mut fit = *self;
-        for _ in 0..2 {
-            let (score, information) = fit.score(frame, reading, tables);
-            let slope = score * frame.weight + prior_information * (self.mean - fit.mean);
-            let Some(covariance) = (information * frame.weight + prior_information).try_inverse() else {
-                return (*self, T::zero());
-            };
-            let largest = T::lit(LARGEST_STEP);
-            fit.mean += (covariance * slope).map(|step| step.clamp(-largest, largest));
-            fit.covariance = covariance;
-            fit.clamp();
-        }
-        let d = fit.mean - self.mean;
-        let distance = d.dot(&(prior_information * d));
-        // ln det(P / P_post)
-        let occam = -(prior_information.determinant() * fit.covariance.determinant()).max(T::lit(1e-30)).ln();
-        let misfit = fit.misfit(frame, reading, tables, self);
-        (fit, -frame.weight * misfit - T::lit(0.5) * (distance + occam))
-    }
-
     /// The road's power density in every bin in use, as the sensors see it.
     pub(crate) fn powers(&self, frame: &Evidence<T>, tables: &Tables<T>) -> [T; BINS] {
         let log: [T; BINS] = core::array::from_fn(|bin| self.log_power(tables, frame, bin));
         let mut powers = [T::zero(); BINS];
         for (power, log) in powers.iter_mut().zip(log).take(frame.bins) {
-            *power = log.exp();
+            *power = log.exp_fast();
         }
         powers
     }
@@ -179,17 +154,19 @@ impl<T: Real> Road<T> {
         tables: &Tables<T>,
     ) -> (Vector3<T>, Matrix3<T>) {
         let signal = self.powers(frame, tables);
-        let (mut score, mut information) = (Vector3::zeros(), Matrix3::zeros());
+        let (zero, mut score) = (T::zero(), Vector3::zeros());
+        let [mut cc, mut cw, mut cq, mut ww, mut wq, mut qq] = [zero; 6];
         for (bin, &signal) in signal.iter().enumerate().take(frame.bins) {
             let share = T::one() / (signal + reading.noise[bin]);
             let excess = reading.power[bin] * share - T::one();
             // ∂ ln M / ∂(c, w, q) = S/M (1, -ln(f/10), -envelope); what the window adds hardly changes.
-            let direction = Vector3::new(T::one(), -tables.log_frequency[bin], -frame.envelope[bin]);
-            let gradient = direction * (signal * share);
-            score += gradient * excess;
-            information += gradient * gradient.transpose();
+            let level = signal * share;
+            let (slope, envelope) = (-level * tables.log_frequency[bin], -level * frame.envelope[bin]);
+            score += Vector3::new(level, slope, envelope) * excess;
+            (cc, cw, cq) = (cc + level * level, cw + level * slope, cq + level * envelope);
+            (ww, wq, qq) = (ww + slope * slope, wq + slope * envelope, qq + envelope * envelope);
         }
-        (score, information)
+        (score, Matrix3::new(cc, cw, cq, cw, ww, wq, cq, wq, qq))
     }
 
     /// `Σ ln(S + N_d) + |V|²/M + ln|H|²`: the frame's negative log-likelihood.
@@ -202,7 +179,7 @@ impl<T: Real> Road<T> {
             // One logarithm for two bins; more would leave the range of f32.
             pair *= signal + reading.determinant_noise[bin];
             if bin % 2 == 1 || bin + 1 == frame.bins {
-                misfit += pair.max(T::lit(1e-37)).ln();
+                misfit += pair.max(T::lit(1e-37)).ln_fast();
                 pair = T::one();
             }
         }
@@ -210,12 +187,74 @@ impl<T: Real> Road<T> {
     }
 }
 
-/// A road belief for every cell, column by column.
+/// What the cells of a level mode believe of the road before a frame, but for the mean: one covariance, and what is made of it.
+pub(crate) struct RoadPrior<T: Real> {
+    information: Matrix3<T>,
+    log_determinant: T,
+}
+
+/// A road fitted to a frame.
+pub(crate) struct Fitted<T: Real> {
+    pub(crate) road: Road<T>,
+    /// The frame's log evidence.
+    pub(crate) log_evidence: T,
+}
+
+impl<T: Real> RoadPrior<T> {
+    /// `None` where the covariance has lost its rank.
+    pub(crate) fn new(covariance: &Matrix3<T>) -> Option<Self> {
+        let log_determinant = covariance.determinant().max(T::lit(SMALLEST_DETERMINANT)).ln_fast();
+        covariance.try_inverse().map(|information| Self { information, log_determinant })
+    }
+
+    /// Fits the road to a frame under one cell's stiffness (two Gauss-Newton passes).
+    pub(crate) fn fit(
+        &self,
+        prior: &Road<T>,
+        frame: &Evidence<T>,
+        reading: &Reading<T>,
+        tables: &Tables<T>,
+    ) -> Fitted<T> {
+        let mut road = *prior;
+        for _ in 0..2 {
+            let (score, information) = road.score(frame, reading, tables);
+            let slope = score * frame.weight + self.information * (prior.mean - road.mean);
+            let Some(covariance) = (information * frame.weight + self.information).try_inverse() else {
+                return Fitted { road: *prior, log_evidence: T::zero() };
+            };
+            let largest = T::lit(LARGEST_STEP);
+            road.mean += (covariance * slope).map(|step| step.clamp(-largest, largest));
+            road.covariance = covariance;
+            road.clamp();
+        }
+        let d = road.mean - prior.mean;
+        let distance = d.dot(&(self.information * d));
+        let misfit = road.misfit(frame, reading, tables, prior);
+        let log_evidence = -frame.weight * misfit - T::lit(0.5) * (distance + self.occam(&road.covariance));
+        Fitted { road, log_evidence }
+    }
+
+    /// `ln det(P / P_post)`: what a frame's fit costs for having been free.
+    fn occam(&self, fitted: &Matrix3<T>) -> T {
+        self.log_determinant - fitted.determinant().max(T::lit(SMALLEST_DETERMINANT)).ln_fast()
+    }
+
+    /// The belief and the evidence that this wider prior comes to by a frame that is as `other` had expected it, given the other's fit:
+    /// both have the same likelihood then, and the wider one pays for its freedom.
+    pub(crate) fn as_expected(&self, other: &Self, fitted: &Matrix3<T>) -> Option<(Matrix3<T>, T)> {
+        let likelihood = fitted.try_inverse()? - other.information;
+        let covariance = (likelihood + self.information).try_inverse()?;
+        let log_evidence = T::lit(0.5) * (other.occam(fitted) - self.occam(&covariance));
+        Some((covariance, log_evidence))
+    }
+}
+
+/// The roads of all cells of a level mode: a mean for every cell, and one covariance, that of the most likely cell.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct RoadBelief<T: Real> {
-    mean: SMatrix<T, PARAMETERS, CELLS>,
-    covariance: SMatrix<T, { PARAMETERS * PARAMETERS }, CELLS>,
+    pub(crate) mean: SMatrix<T, PARAMETERS, CELLS>,
+    pub(crate) covariance: Matrix3<T>,
 }
 
 blank!(RoadBelief<T> { mean, covariance });
@@ -223,51 +262,61 @@ blank!(RoadBelief<T> { mean, covariance });
 impl<T: Real> RoadBelief<T> {
     /// The same belief everywhere.
     pub(crate) fn fill(&mut self, road: &Road<T>) {
-        for cell in 0..CELLS {
-            self.set(cell, road);
-        }
+        self.mean.column_iter_mut().for_each(|mut mean| mean.copy_from(&road.mean));
+        self.covariance = road.covariance;
     }
 
     pub(crate) fn get(&self, cell: usize) -> Road<T> {
         let cell = cell.min(CELLS - 1);
-        Road {
-            mean: Vector3::from_fn(|i, _| self.mean[(i, cell)]),
-            covariance: Matrix3::from_column_slice(self.covariance.column(cell).as_slice()),
-        }
+        Road { mean: self.mean(cell), covariance: self.covariance }
     }
 
-    pub(crate) fn set(&mut self, cell: usize, road: &Road<T>) {
-        self.mean.set_column(cell, &road.mean);
-        self.covariance.column_mut(cell).copy_from_slice(road.covariance.as_slice());
+    pub(crate) fn mean(&self, cell: usize) -> Vector3<T> {
+        Vector3::from_fn(|i, _| self.mean[(i, cell)])
+    }
+
+    pub(crate) fn set_mean(&mut self, cell: usize, mean: &Vector3<T>) {
+        self.mean.set_column(cell, mean);
     }
 }
 
-/// Collects weighted Gaussians and gives the one with the same mean and covariance.
-pub(crate) struct MomentMatch<T: Real> {
-    reference: Road<T>,
+/// Collects weighted means and gives their mean.
+pub(crate) struct MeanMatch<T: Real> {
+    reference: Vector3<T>,
     weight: T,
     first: Vector3<T>,
-    second: Matrix3<T>,
 }
 
-impl<T: Real> MomentMatch<T> {
+impl<T: Real> MeanMatch<T> {
     /// Sums are kept relative to `reference`, so that f32 keeps its digits.
-    pub(crate) fn around(reference: Road<T>) -> Self {
-        Self { reference, weight: T::zero(), first: Vector3::zeros(), second: Matrix3::zeros() }
+    pub(crate) fn around(reference: Vector3<T>) -> Self {
+        Self { reference, weight: T::zero(), first: Vector3::zeros() }
     }
 
-    pub(crate) fn add(&mut self, weight: T, road: &Road<T>) {
-        let d = road.mean - self.reference.mean;
+    pub(crate) fn add(&mut self, weight: T, mean: &Vector3<T>) {
         self.weight += weight;
-        self.first += d * weight;
-        self.second += (road.covariance + d * d.transpose()) * weight;
+        self.first += (mean - self.reference) * weight;
     }
 
-    pub(crate) fn finish(&self) -> Road<T> {
-        if !(self.weight > T::zero()) {
-            return self.reference;
+    /// The reference where there is no weight.
+    pub(crate) fn finish(&self) -> Vector3<T> {
+        match self.weight > T::zero() {
+            true => self.reference + self.first * (T::one() / self.weight),
+            false => self.reference,
         }
-        let d = self.first / self.weight;
-        Road { mean: self.reference.mean + d, covariance: self.second / self.weight - d * d.transpose() }
     }
+}
+
+/// The covariance of a mixture of Gaussians with these weights.
+pub(crate) fn matched_covariance<T: Real>(mixture: &[(T, Road<T>)]) -> Option<Matrix3<T>> {
+    let reference = mixture.first()?.1.mean;
+    let (mut weight, mut first, mut second) = (T::zero(), Vector3::zeros(), Matrix3::zeros());
+    for (share, road) in mixture {
+        let d = road.mean - reference;
+        weight += *share;
+        first += d * *share;
+        second += (road.covariance + d * d.transpose()) * *share;
+    }
+    let mean = first / weight;
+    (weight > T::zero()).then(|| second / weight - mean * mean.transpose())
 }

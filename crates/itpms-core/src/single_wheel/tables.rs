@@ -76,13 +76,15 @@ pub(crate) struct Tables<T: Real> {
     window: SMatrix<T, 3, BINS>,
     /// Squared frequency in Hz² per bin.
     pub(crate) frequency_squared: SVector<T, BINS>,
+    /// How much power the window lets through at each point around a bin.
+    window_power: SVector<T, WINDOW>,
     bin_spacing_hz: T,
     next_cell: usize,
 }
 
 blank!(Tables<T> {
     log_gain, log_gain_by_exponent, noise, determinant_noise, theta, log_frequency, window,
-    frequency_squared, bin_spacing_hz, next_cell,
+    frequency_squared, window_power, bin_spacing_hz, next_cell,
 });
 
 impl<T: Real> Tables<T> {
@@ -100,6 +102,7 @@ impl<T: Real> Tables<T> {
         self.log_frequency = per_bin(&|f| T::lit(f / 10.0).ln());
         self.window = window_parabolas(bin_spacing_hz, sample_rate_hz);
         self.frequency_squared = per_bin(&|f| T::lit(f * f));
+        self.window_power = window_powers::<T>();
         self.bin_spacing_hz = T::lit(bin_spacing_hz);
         self.next_cell = 0;
         for cell in 0..CELLS {
@@ -128,7 +131,6 @@ impl<T: Real> Tables<T> {
     fn fill_cell(&mut self, cell: usize, body: &Body<T>, friction: &DescribingFunction<T>) {
         let cell = cell.min(CELLS - 1);
         let (theta, middle) = (self.theta[cell], self.theta[CELLS / 2]);
-        let window = window_powers::<T>();
         let points: [Point<T>; POINTS] = core::array::from_fn(|i| {
             Point::new(point_hz(self.bin_spacing_hz, i), body, friction, theta, middle)
         });
@@ -137,7 +139,7 @@ impl<T: Real> Tables<T> {
             // Sums of ln|H|² and of the weights for an exponent below and above zero.
             let mut gain = [(T::zero(), T::zero()); 2];
             let mut middle_noise = T::zero();
-            for (i, &weight) in window_points(bin).zip(&window) {
+            for (i, &weight) in window_points(bin).zip(&self.window_power) {
                 let Some(point) = points.get(i) else { continue };
                 noise = (noise.0 + weight * point.noise, noise.1 + weight);
                 middle_noise += weight * point.middle_noise;
@@ -150,7 +152,7 @@ impl<T: Real> Tables<T> {
             self.log_gain[(bin, cell)] = T::lit(0.5) * (above + below);
             self.log_gain_by_exponent[(bin, cell)] = (above - below) / T::lit(2.0 * SHAPE_REACH);
             self.noise[(bin, cell)] = noise.0 / noise.1;
-            let moved = (-self.log_gain[(bin, cell)]).exp();
+            let moved = (-self.log_gain[(bin, cell)]).exp_fast();
             self.determinant_noise[(bin, cell)] = middle_noise / noise.1 * moved;
         }
     }
@@ -176,18 +178,18 @@ impl<T: Real> Point<T> {
         let (gain_here, noise) = response(body, friction, theta, frequency);
         let (gain_middle, middle_noise) = response(body, friction, middle, frequency);
         Self {
-            log_gain: (gain_here / gain_middle).ln(),
+            log_gain: (gain_here / gain_middle).ln_fast(),
             noise,
             middle_noise,
             leak: frequency * frequency / (frequency * frequency + leak_hz * leak_hz),
-            tilt: (T::lit(SHAPE_REACH) * (frequency / T::lit(10.0)).ln()).exp(),
+            tilt: (T::lit(SHAPE_REACH) * (frequency * T::lit(0.1)).ln_fast()).exp_fast(),
         }
     }
 }
 
 /// Frequency in Hz of point `i`; the first lies at zero, where [`LOWEST_HZ`] takes its place.
 fn point_hz<T: Real>(bin_spacing_hz: T, i: usize) -> T {
-    (bin_spacing_hz * T::lit(i as f64 / f64::from(KERNEL_DENSITY))).max(T::lit(LOWEST_HZ))
+    (bin_spacing_hz * T::whole(i as u32) * T::lit(1.0 / f64::from(KERNEL_DENSITY))).max(T::lit(LOWEST_HZ))
 }
 
 /// The points around a bin, from below to above it; those of negative frequencies mirrored.
@@ -197,8 +199,8 @@ fn window_points(bin: usize) -> impl Iterator<Item = usize> {
 }
 
 /// How much power the window lets through at each point around a bin.
-fn window_powers<T: Real>() -> [T; WINDOW] {
-    core::array::from_fn(|i| {
+fn window_powers<T: Real>() -> SVector<T, WINDOW> {
+    SVector::from_fn(|i, _| {
         sine_window_power(T::lit(f64::from(i as i32 - KERNEL_HALF) / f64::from(KERNEL_DENSITY)))
     })
 }

@@ -53,11 +53,17 @@ pub(crate) struct FrameClock<T: Real, const BINS: usize, const SIGNALS: usize> {
     /// `e^{-jφ}`, `φ = 2π step / (2 hop)`, and its increment.
     phase: [T; 2],
     turn: [T; 2],
+    /// The sine window now, of the younger frame and of the older one; at the first step; and how far it turns in a step.
+    window: [T; 2],
+    first_window: [T; 2],
+    window_turn: [T; 2],
     older: Frame<T, BINS, SIGNALS>,
     younger: Frame<T, BINS, SIGNALS>,
 }
 
-blank!(FrameClock<T, BINS, SIGNALS> { hop, grid_period_s, step, complete_hops, phase, turn, older, younger });
+blank!(FrameClock<T, BINS, SIGNALS> {
+    hop, grid_period_s, step, complete_hops, phase, turn, window, first_window, window_turn, older, younger,
+});
 
 impl<T: Real, const BINS: usize, const SIGNALS: usize> FrameClock<T, BINS, SIGNALS> {
     /// Frames of twice `hop_s`, one every `hop_s`, rounded to whole steps of the grid, at least one.
@@ -66,6 +72,10 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> FrameClock<T, BINS, SIGNA
         let angle = T::lit(core::f64::consts::PI / f64::from(hop));
         (self.hop, self.grid_period_s) = (hop, grid_period_s);
         self.turn = [angle.cos(), -angle.sin()];
+        // sin(π (i + ½) / n) over the n steps of two hops, and the same a hop later.
+        let (half, quarter) = (T::lit(0.5) * angle, T::lit(0.25) * angle);
+        self.first_window = [quarter.sin(), quarter.cos()];
+        self.window_turn = [half.sin(), half.cos()];
         self.restart();
     }
 
@@ -84,6 +94,7 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> FrameClock<T, BINS, SIGNA
         self.step = 0;
         self.complete_hops = 0;
         self.phase = [T::one(), T::zero()];
+        self.window = self.first_window;
         self.older = Frame::zero();
         self.younger = Frame::zero();
     }
@@ -99,14 +110,15 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> FrameClock<T, BINS, SIGNA
         counts: bool,
         signals: &[T; SIGNALS],
     ) -> Option<Frame<T, BINS, SIGNALS>> {
-        // Sine window over two hops: sin(π (i + ½) / n). The younger frame sees its first half, the older its second.
-        let angle = T::lit(core::f64::consts::FRAC_PI_2 * (f64::from(self.step) + 0.5) / f64::from(self.hop));
-        let (rising, falling) = (angle.sin(), angle.cos());
+        // Sine window over two hops. The younger frame sees its first half, the older its second.
+        let [rising, falling] = self.window;
+        let [sine, cosine] = self.window_turn;
+        self.window = [rising * cosine + falling * sine, falling * cosine - rising * sine];
         if counts {
             self.add(rising, falling, signals);
         } else {
             // Σ window² of a whole frame is its hop.
-            let hop = T::lit(f64::from(self.hop));
+            let hop = T::whole(self.hop);
             self.younger.seen -= rising * rising / hop;
             self.older.seen -= falling * falling / hop;
         }
@@ -136,6 +148,7 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> FrameClock<T, BINS, SIGNA
 
     fn finish_hop(&mut self) -> Option<Frame<T, BINS, SIGNALS>> {
         self.step = 0;
+        self.window = self.first_window;
         self.complete_hops = (self.complete_hops + 1).min(2);
         // Bin k turns by kπ in a hop; the sign is the same for all signals of a bin and drops out of every product, so
         // the phase may start again at zero if the odd bins of the frame under way change sign.

@@ -59,7 +59,7 @@ impl<T: Real> Channel<T> {
     /// Takes the value of step number `steps`; gives its leaky integral, itself and its derivative, [`LAG`] steps earlier.
     pub(crate) fn step(&mut self, raw: T, steps: u32, dt: T) -> (T, T, T) {
         // The mean of all samples so far, then of the last ten seconds or so.
-        let gain = (dt / T::lit(OFFSET_S)).max(T::one() / T::lit(f64::from(steps)));
+        let gain = (dt / T::lit(OFFSET_S)).max(T::one() / T::whole(steps));
         self.push(raw, gain, dt);
         self.read(dt)
     }
@@ -67,8 +67,8 @@ impl<T: Real> Channel<T> {
     fn push(&mut self, raw: T, offset_gain: T, dt: T) {
         let limit = T::lit(LARGEST_OFFSET_M_S2);
         self.offset += offset_gain * (raw.clamp(-limit, limit) - self.offset);
-        self.acceleration.rotate_right(1);
-        self.acceleration[0] = raw - self.offset;
+        let [a, b, c, d, e, f, _] = self.acceleration;
+        self.acceleration = [raw - self.offset, a, b, c, d, e, f];
         // ∫a over a step through the cubic of the four points around it, 1/24 (-1, 13, 13, -1): right to 4 % at a fifth
         // of the sampling rate, where the trapezoidal rule is 14 % off. The leak enters bilinearly.
         let a = &self.acceleration;

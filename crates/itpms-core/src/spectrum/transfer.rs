@@ -55,8 +55,8 @@ impl<T: Real> DescribingFunction<T> {
     fn at(&self, frequency_hz: T) -> Complex<T> {
         let place = frequency_hz / T::lit(FRICTION_SPACING_HZ) - T::one();
         let place = place.clamp(T::zero(), T::lit((FRICTION_BINS - 1) as f64));
-        let below = (place.to_f64() as usize).min(FRICTION_BINS - 2);
-        let share = place - T::lit(below as f64);
+        let below = (place.to_whole() as usize).min(FRICTION_BINS - 2);
+        let share = place - T::whole(below as u32);
         let [from, to] = [self.n_per_m[below], self.n_per_m[below + 1]];
         Complex::new(from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1]))
     }
@@ -65,7 +65,8 @@ impl<T: Real> DescribingFunction<T> {
 /// Power of the sine window's spectrum `offset` bins from its centre, one at the centre.
 pub(crate) fn sine_window_power<T: Real>(offset: T) -> T {
     let pole = T::one() - T::lit(4.0) * offset * offset;
-    let amplitude = if pole.abs() < T::lit(1e-3) { T::frac_pi_4() } else { (T::pi() * offset).cos() / pole };
+    let amplitude =
+        if pole.abs() < T::lit(1e-3) { T::frac_pi_4() } else { (T::pi() * offset).sin_cos_fast().1 / pole };
     amplitude * amplitude
 }
 

@@ -52,7 +52,7 @@ impl<T: Real> MaxwellSlip<T> {
         self.last_accel = accel;
         let (way, towards) = (self.velocity.abs() * dt, self.velocity.signum());
         for (force, slip_m) in self.force.iter_mut().zip(SLIP_M) {
-            *force = towards + (*force - towards) * (-way / T::lit(slip_m)).exp();
+            *force = towards + (*force - towards) * (-way / T::lit(slip_m)).exp_fast();
         }
         self.force
     }

@@ -371,7 +371,7 @@ impl<T: Real> AxlePair<T> {
 
     /// How far the road is heard over the sensors' noise, 0 to 1; fully where no frame says so.
     pub(crate) fn snr_weight(&self) -> T {
-        let over = |log_snr: T| (log_snr.exp() / T::lit(SNR_FULL) - T::one()).clamp(T::zero(), T::one());
+        let over = |log_snr: T| (log_snr.exp_fast() / T::lit(SNR_FULL) - T::one()).clamp(T::zero(), T::one());
         self.log_snr.filter(|_| !self.spectral_only()).map_or(T::one(), over)
     }
 

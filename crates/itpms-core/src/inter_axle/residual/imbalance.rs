@@ -72,7 +72,8 @@ impl<T: Real> Imbalance<T> {
         if !(speed_m_s > T::lit(SLOWEST_M_S)) {
             return;
         }
-        let turn = [self.turned.cos(), self.turned.sin()];
+        let (sine, cosine) = self.turned.sin_cos_fast();
+        let turn = [cosine, sine];
         let step = T::lit(WIDTH) * angle;
         for ([cosine, sine], signal) in self.lines.iter_mut().zip(signals) {
             *signal -= *cosine * turn[0] + *sine * turn[1];
@@ -88,10 +89,11 @@ impl<T: Real> Imbalance<T> {
             return;
         }
         self.looked_m += distance_m;
-        let seen = (T::pi() * self.looked_m / T::lit(LOOK_M)).sin() * residual;
+        let seen = (T::pi() * self.looked_m / T::lit(LOOK_M)).sin_cos_fast().0 * residual;
         let at = |per_m: f64| {
             let angle = self.looked_m * T::lit(per_m);
-            Complex::new(angle.cos(), angle.sin())
+            let (sine, cosine) = angle.sin_cos_fast();
+            Complex::new(cosine, sine)
         };
         let (mut turn, next) = (at(FEWEST_PER_M) * seen, at(SPACING_PER_M));
         for (cosine, sine) in self.cosine.iter_mut().zip(self.sine.iter_mut()) {
