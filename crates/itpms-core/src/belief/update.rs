@@ -30,15 +30,15 @@ impl<T: Real> OwnCovariance<T> {
         // The road reads a tire and its bias as one.
         let biased = SIDE_TIRES.map(|own| (own, indices[own] - TIRE + ROAD_BIAS));
         for (tire, bias) in biased {
-            let mut row = all.row_mut(tire);
-            row += covariance.row(bias);
+            let mut row = all.row_mut(tire.min(SIDE_SIZE - 1));
+            row += covariance.row(bias.min(SIZE - 1));
         }
         for (row, &place) in indices.iter().enumerate() {
             own.set_column(row, &all.column(place.min(SIZE - 1)));
         }
         for (tire, bias) in biased {
-            let mut column = own.column_mut(tire);
-            column += all.column(bias);
+            let mut column = own.column_mut(tire.min(SIDE_SIZE - 1));
+            column += all.column(bias.min(SIZE - 1));
         }
         part
     }

@@ -265,8 +265,8 @@ impl<T: Real> Posterior<T> {
         let mut log_evidence = [Cells::zeros(); LEVEL_MODES];
         let (best, _) = self.most_likely();
         let mass = self.cells();
-        let is_fitted =
-            |cell: usize| cell.is_multiple_of(NODES_APART) || cell == best || mass[cell] > T::lit(MATTERS);
+        let matters = |cell: usize| mass.get(cell).is_some_and(|mass| *mass > T::lit(MATTERS));
+        let is_fitted = |cell: usize| cell.is_multiple_of(NODES_APART) || cell == best || matters(cell);
         let priors = self.road.each_ref().map(|roads| RoadPrior::new(&roads.covariance));
         let expected = surprise < T::lit(SURPRISING);
         let mut fitted_covariance = self.road.each_ref().map(|roads| roads.covariance);
@@ -276,7 +276,9 @@ impl<T: Real> Posterior<T> {
                 let Some(prior) = prior.as_ref().filter(|_| !(expected && level == JUMP)) else { continue };
                 let fitted = prior.fit(&self.road[level].get(cell), frame, &reading, tables);
                 self.road[level].set_mean(cell, &fitted.road.mean);
-                log_evidence[level][cell] = fitted.log_evidence;
+                if let Some(log_evidence) = log_evidence[level].get_mut(cell) {
+                    *log_evidence = fitted.log_evidence;
+                }
                 if cell == best {
                     fitted_covariance[level] = fitted.road.covariance;
                 }
@@ -449,8 +451,11 @@ fn interpolate<T: Real>(cell: usize, roads: &mut RoadBelief<T>, log_evidence: &m
     let (sixth, half) = (T::lit(1.0 / 6.0), T::lit(0.5));
     let weights =
         [-one * two * three * sixth, x * two * three * half, -x * one * three * half, x * one * two * sixth];
-    log_evidence[cell] =
-        (0..4).fold(T::zero(), |sum, i| sum + weights[i] * log_evidence[(first + i) * NODES_APART]);
+    let node = |i: usize| log_evidence.get((first + i) * NODES_APART).copied().unwrap_or(T::zero());
+    let between = weights.iter().enumerate().fold(T::zero(), |sum, (i, &weight)| sum + weight * node(i));
+    if let Some(log_evidence) = log_evidence.get_mut(cell) {
+        *log_evidence = between;
+    }
     let share = T::lit(1.0 / NODES_APART as f64) * T::lit((cell % NODES_APART) as f64);
     let [low, high] = [below, below + 1].map(|node| roads.mean(node * NODES_APART));
     roads.set_mean(cell, &(low + (high - low) * share));

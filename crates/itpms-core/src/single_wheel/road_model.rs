@@ -267,16 +267,16 @@ impl<T: Real> RoadBelief<T> {
     }
 
     pub(crate) fn get(&self, cell: usize) -> Road<T> {
-        let cell = cell.min(CELLS - 1);
         Road { mean: self.mean(cell), covariance: self.covariance }
     }
 
     pub(crate) fn mean(&self, cell: usize) -> Vector3<T> {
-        Vector3::from_fn(|i, _| self.mean[(i, cell)])
+        let cell = cell.min(CELLS - 1);
+        Vector3::from_fn(|i, _| self.mean[(i.min(2), cell)])
     }
 
     pub(crate) fn set_mean(&mut self, cell: usize, mean: &Vector3<T>) {
-        self.mean.set_column(cell, mean);
+        self.mean.set_column(cell.min(CELLS - 1), mean);
     }
 }
 
