@@ -12,6 +12,7 @@ import sys
 # Bytes before a call in which its arguments are loaded; a branch to there is one that leads to it.
 ARGUMENTS = 24
 DEEPEST = 9
+PANICS = re.compile(r"panicking|slice_index_fail|unwrap_failed|expect_failed|rust_begin_unwind")
 
 
 def said(*command: str) -> list[str]:
@@ -33,7 +34,7 @@ def main() -> int:
             inside = name.group(1)
         elif step := re.match(r"^\s*([0-9a-f]+):\s+(\S+)\s.*?0x([0-9a-f]+) <([^>+]*)", line):
             address, operation, target, name = step.groups()
-            if operation in ("b", "b.w", "bl") and "panicking" in name and "panicking" not in inside:
+            if operation in ("b", "b.w", "bl") and PANICS.search(name) and not PANICS.search(inside):
                 calls.append(int(address, 16))
             elif operation != "bl":
                 branches.append((int(address, 16), int(target, 16)))

@@ -59,6 +59,7 @@ impl<T: Real> HypothesisBank<T> {
     }
 
     /// Updates with a frame of one side, which `linearize` linearizes at a state; gives the record of the most likely hypothesis.
+    #[inline(never)]
     pub(super) fn update_residual(
         &mut self,
         measurement: &SideMeasurement<T>,

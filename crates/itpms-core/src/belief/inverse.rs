@@ -5,9 +5,9 @@ use nalgebra::SMatrix;
 
 use crate::real::Real;
 
-/// By LU with partial pivoting; `None` for a singular matrix.
-pub(super) fn inverse<T: Real, const N: usize>(mut lu: SMatrix<T, N, N>) -> Option<SMatrix<T, N, N>> {
-    let mut out = SMatrix::<T, N, N>::identity();
+/// By LU with partial pivoting, where the matrix lies; `out` is the identity before. False for a singular matrix.
+#[must_use]
+pub(super) fn invert<T: Real, const N: usize>(lu: &mut SMatrix<T, N, N>, out: &mut SMatrix<T, N, N>) -> bool {
     for i in 0..N {
         let (mut pivot, mut largest) = (i, lu[(i, i)].abs());
         for row in i + 1..N {
@@ -18,7 +18,7 @@ pub(super) fn inverse<T: Real, const N: usize>(mut lu: SMatrix<T, N, N>) -> Opti
         }
         let pivot = pivot.min(N - 1);
         if lu[(pivot, i)].is_zero() {
-            return None;
+            return false;
         }
         if pivot != i {
             for column in 0..N {
@@ -40,20 +40,25 @@ pub(super) fn inverse<T: Real, const N: usize>(mut lu: SMatrix<T, N, N>) -> Opti
         }
         for i in (0..N).rev() {
             if lu[(i, i)].is_zero() {
-                return None;
+                return false;
             }
             let value = out[(i, column)] / lu[(i, i)];
             out[(i, column)] = value;
             (0..i).for_each(|row| out[(row, column)] = -value * lu[(row, i)] + out[(row, column)]);
         }
     }
-    Some(out)
+    true
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::random::Random;
+
+    fn inverse<T: Real, const N: usize>(mut matrix: SMatrix<T, N, N>) -> Option<SMatrix<T, N, N>> {
+        let mut out = SMatrix::identity();
+        invert(&mut matrix, &mut out).then_some(out)
+    }
 
     fn compared<const N: usize>(random: &mut Random) {
         // Rows of very different size, so that pivots change places.

@@ -4,7 +4,7 @@
 use nalgebra::SMatrix;
 
 use super::gaussian::Hypothesis;
-use super::inverse::inverse;
+use super::inverse::invert;
 use super::measurement::{AxleResidual, BINS, Expectation, Gram, OVERLAP, ROWS, Score, Slope};
 use super::state::{Covariance, ROAD_BIAS, SIDE_SIZE, SIDE_TIRES, SIZE, TIRE, side_indices};
 use crate::real::Real;
@@ -43,6 +43,15 @@ impl<T: Real> OwnCovariance<T> {
         part
     }
 
+    /// Covariance of a residual that is due to what is not known of the side.
+    #[inline(never)]
+    fn spread(&self, found: &AxleResidual<T>) -> SMatrix<T, ROWS, ROWS> {
+        let mut by = Slope::zeros();
+        found.slope.mul_to(&self.own, &mut by);
+        let sum = |i, j| (0..SIDE_SIZE).fold(T::zero(), |sum, k| sum + by[(i, k)] * found.slope[(j, k)]);
+        SMatrix::from_fn(sum)
+    }
+
     /// Adds a frame's information with its score, counting `trust` of them. The mean moves by no more than the residual,
     /// both in standard deviations: no update by Bayes' rule would, but the score is taken with instruments, and what these
     /// heard need not have been the road, as when a wheel comes down.
@@ -56,10 +65,17 @@ impl<T: Real> OwnCovariance<T> {
         weight: T,
     ) {
         let scale = likelihood.scale / weight;
-        let information = information / scale;
-        // P' = P - P_o (I + Ω P_oo)^-1 Ω P_o^T, and with it the mean: m' = m + P'_o score.
-        let Some(inverse) = inverse(Gram::identity() + information * self.own) else { return };
-        let middle = inverse * information;
+        // P' = P - P_o (I + Ω P_oo)^-1 Ω P_o^T, and with it the mean: m' = m + P'_o score. Two matrices for all of it: they are
+        // the largest things on the stack.
+        let (mut middle, mut inverse) = (Gram::zeros(), Gram::identity());
+        information.mul_to(&self.own, &mut middle);
+        middle /= scale;
+        (0..SIDE_SIZE).for_each(|i| middle[(i, i)] += T::one());
+        if !invert(&mut middle, &mut inverse) {
+            return;
+        }
+        inverse.mul_to(information, &mut middle);
+        middle /= scale;
         // A row at a time and on one side of the diagonal, which makes it symmetric.
         for i in 0..SIZE {
             let row = self.all.column(i);
@@ -104,7 +120,7 @@ impl<T: Real> Likelihood<T> {
         found: &AxleResidual<T>,
         expected: &Expectation<T>,
     ) -> Option<Self> {
-        let known = found.slope * own.own * found.slope.transpose();
+        let known = own.spread(found);
         // Half of a bin's power in each of its two numbers; frames that overlap say half of everything twice.
         let share = T::lit(0.5 / OVERLAP);
         let total = |scale: T| {
@@ -112,8 +128,12 @@ impl<T: Real> Likelihood<T> {
             (0..ROWS).for_each(|row| total[(row, row)] += expected.power[row % BINS] * share * scale);
             total
         };
-        let plain = total(T::one()).cholesky()?;
-        let mahalanobis_sq = found.rows.dot(&plain.solve(&found.rows));
+        let (mahalanobis_sq, log_determinant) = {
+            let plain = total(T::one()).cholesky()?;
+            let diagonal = plain.l_dirty().diagonal();
+            let log_determinant = diagonal.iter().fold(T::zero(), |sum, x| sum + T::lit(2.0) * x.ln_fast());
+            (found.rows.dot(&plain.solve(&found.rows)), log_determinant)
+        };
         // A residual far larger than expected says little: Student's t with few degrees of freedom.
         let (tails, rows) = (T::lit(TAILS), T::lit(ROWS as f64));
         let scale = ((tails + mahalanobis_sq) / (tails + rows)).max(T::one());
@@ -125,8 +145,6 @@ impl<T: Real> Likelihood<T> {
                 *ratio += share * scale * weighted[row] * weighted[row] / inverse[(row, row)];
             }
         }
-        let diagonal = plain.l_dirty().diagonal();
-        let log_determinant = diagonal.iter().fold(T::zero(), |sum, x| sum + T::lit(2.0) * x.ln_fast());
         let log =
             T::lit(-0.5) * (log_determinant + (tails + rows) * (T::one() + mahalanobis_sq / tails).ln_fast());
         Some(Self { log, mahalanobis_sq: found.rows.dot(&weighted), scale, ratio })

@@ -202,11 +202,11 @@ impl<T: Real> InterAxle<T> {
     }
 
     pub(crate) fn pair(&self, side: usize) -> &AxlePair<T> {
-        &self.pairs[side]
+        &self.pairs[side.min(1)]
     }
 
     pub(crate) fn pair_mut(&mut self, side: usize) -> &mut AxlePair<T> {
-        &mut self.pairs[side]
+        &mut self.pairs[side.min(1)]
     }
 
     pub(crate) fn pairs_mut(&mut self) -> &mut [AxlePair<T>; 2] {

@@ -481,7 +481,7 @@ fn shifted<T: Real>(cells: &Cells<T>, kernel: &[T; TAPS]) -> Cells<T> {
     let mut moved = Cells::zeros();
     for (tap, &weight) in kernel.iter().enumerate().filter(|(_, weight)| **weight > T::zero()) {
         let (to, from) = (tap.saturating_sub(REACH), REACH.saturating_sub(tap));
-        for (sum, &mass) in moved.as_mut_slice()[to..].iter_mut().zip(&cells.as_slice()[from..]) {
+        for (sum, &mass) in moved.iter_mut().skip(to).zip(cells.iter().skip(from)) {
             *sum += weight * mass;
         }
     }

@@ -312,6 +312,7 @@ impl<T: Real> AxlePair<T> {
 
     /// What a frame is worth to a belief whose most likely state this is; `None` if the road is not heard over the sensors'
     /// noise. `meanwhile`: the other side's incoherence, if only that side had frames of late.
+    #[inline(never)]
     pub(crate) fn measure(
         &mut self,
         frame: &AxleFrame<T>,
