@@ -1,20 +1,20 @@
 //! The belief about the car: a mixture of nine Gaussians, one for every way in which pressures may be changing now
 //! (docs/math/shared-road.md, section 6). Moves on with time, is weighed by the constraint and by what others say.
 
-use nalgebra::{SMatrix, SVector};
-
 use super::gaussian::Hypothesis;
 use super::measurement::{AxleResidual, SideMeasurement, UpdateRecord};
 use super::mixture::Mixture;
 use super::state::{RATE, SIZE, State, TIRE};
+use super::tires::Tires;
+use super::transition::Transition;
 use super::update::{Likelihood, OwnCovariance, score};
-use crate::memory::blank;
+use crate::memory::{Blank, Placed, blank};
 use crate::model::Learned;
 use crate::real::Real;
 
 /// Nothing moves; each wheel loses pressure by itself; both of the left alike, or of the right; all four alike; any wheel wanders
 /// either way.
-pub(super) const HYPOTHESES: usize = 9;
+pub(crate) const HYPOTHESES: usize = 9;
 pub(super) const CONSTANT: usize = 0;
 pub(super) const SIDE: usize = 5;
 pub(super) const ALL: usize = 7;
@@ -32,9 +32,24 @@ const WORD_TAILS: f64 = 4.0;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct HypothesisBank<T: Real> {
     pub(super) hypotheses: [Hypothesis<T>; HYPOTHESES],
+    /// What is under way between the parts of a prediction, and between those of an update.
+    pub(super) transition: Transition<T>,
+    update: FrameUpdate<T>,
 }
 
-blank!(HypothesisBank<T> { hypotheses });
+blank!(HypothesisBank<T> { hypotheses, transition, update });
+
+/// What the hypotheses that were updated with a frame said of it.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct FrameUpdate<T: Real> {
+    log_weight: [T; HYPOTHESES],
+    /// Of the most likely one, before the frame.
+    record: Placed<UpdateRecord<T>>,
+    best: usize,
+}
+
+blank!(FrameUpdate<T> { log_weight, record, best });
 
 /// Whether compliances follow the rate in a hypothesis.
 pub(super) fn has_rate(hypothesis: usize) -> bool {
@@ -58,45 +73,56 @@ impl<T: Real> HypothesisBank<T> {
         self.collapse();
     }
 
-    /// Updates with a frame of one side, which `linearize` linearizes at a state; gives the record of the most likely hypothesis.
+    /// Begins to update with a frame.
+    pub(super) fn begin_update(&mut self) {
+        self.update.best = self.most_likely();
+        self.update.record.clear();
+    }
+
+    /// Updates one hypothesis with a frame of one side, which `linearize` linearizes at a state.
     #[inline(never)]
-    pub(super) fn update_residual(
+    pub(super) fn update_hypothesis(
         &mut self,
+        index: usize,
         measurement: &SideMeasurement<T>,
         linearize: impl Fn(&State<T>) -> AxleResidual<T>,
-    ) -> Option<UpdateRecord<T>> {
+    ) {
         let SideMeasurement { side, expected, instrument, weight, .. } = measurement;
-        let best = self.most_likely();
-        let mut record = None;
-        let mut log_weight = [T::zero(); HYPOTHESES];
-        for (index, hypothesis) in self.hypotheses.iter_mut().enumerate() {
-            let prefit = linearize(&hypothesis.mean);
-            let own = OwnCovariance::new(&hypothesis.covariance, *side);
-            let Some(likelihood) = Likelihood::new(&own, &prefit, expected) else {
-                log_weight[index] = T::lit(IMPOSSIBLE);
-                continue;
-            };
-            log_weight[index] = *weight * likelihood.log;
-            let score = score(&prefit, instrument, expected);
-            own.learn(hypothesis, &score, &expected.information, &likelihood, *weight);
-            if index == best {
-                record = Some(UpdateRecord {
-                    prefit,
-                    power_ratio: likelihood.ratio,
-                    mahalanobis_sq: likelihood.mahalanobis_sq,
-                    variance_scale: likelihood.scale,
-                    weight: *weight,
-                });
-            }
+        let FrameUpdate { log_weight, record, best } = &mut self.update;
+        let hypothesis = self.hypotheses.get_mut(index).zip(log_weight.get_mut(index));
+        let Some((hypothesis, log_weight)) = hypothesis else { return };
+        let prefit = linearize(&hypothesis.mean);
+        let own = OwnCovariance::new(&hypothesis.covariance, *side);
+        let Some(likelihood) = Likelihood::new(&own, &prefit, expected) else {
+            *log_weight = T::lit(IMPOSSIBLE);
+            return;
+        };
+        *log_weight = *weight * likelihood.log;
+        let score = score(&prefit, instrument, expected);
+        own.learn(hypothesis, &score, &expected.information, &likelihood, *weight);
+        if index == *best {
+            record.place(|record| {
+                record.prefit = prefit;
+                record.power_ratio = likelihood.ratio;
+                record.mahalanobis_sq = likelihood.mahalanobis_sq;
+                record.variance_scale = likelihood.scale;
+                record.weight = *weight;
+            });
         }
+    }
+
+    /// With all of them updated, weighs them; gives the record of the one that was the most likely before.
+    pub(super) fn finish_update(&mut self) -> Option<&UpdateRecord<T>> {
+        let log_weight = self.update.log_weight;
         self.reweigh(&log_weight);
-        record
+        self.update.record.as_ref()
     }
 
     /// A measured number with its variance: `linearise` gives, for a state, its derivatives and how much more it is than
     /// expected. Says nothing about which mode holds.
     pub(super) fn update(&mut self, variance: T, linearise: impl Fn(&State<T>) -> (State<T>, T)) {
-        for hypothesis in &mut self.hypotheses {
+        // What nobody believes in begins anew with the next prediction.
+        for hypothesis in self.hypotheses.iter_mut().filter(|hypothesis| hypothesis.weight > T::zero()) {
             let (slope, innovation) = linearise(&hypothesis.mean);
             let spread = &hypothesis.covariance * slope;
             let total = slope.dot(&spread) + variance;
@@ -256,37 +282,30 @@ impl<T: Real> HypothesisBank<T> {
         self.hypotheses[CONSTANT].weight = T::one();
     }
 
-    /// Mean and covariance of the tires' compliances, each so many seconds after what is believed of it, over all hypotheses.
-    pub(super) fn tires(&self, age_s: &[T; 4]) -> (SVector<T, 4>, SMatrix<T, 4, 4>) {
-        let mut mean = SVector::<T, 4>::zeros();
-        let mut square = SMatrix::<T, 4, 4>::zeros();
+    /// What is believed of the tires, over all hypotheses.
+    pub(super) fn tires(&self) -> Tires<T> {
+        let total = self.hypotheses.iter().fold(T::zero(), |sum, hypothesis| sum + hypothesis.weight);
+        let mut tires = Tires::BLANK;
         for (index, hypothesis) in self.hypotheses.iter().enumerate() {
-            let changing = changing::<T>(index);
-            let by: [T; 4] = core::array::from_fn(|i| changing[i] * age_s[i]);
-            let z =
-                SVector::<T, 4>::from_fn(|i, _| hypothesis.mean[TIRE + i] + by[i] * hypothesis.mean[RATE]);
-            let p = SMatrix::<T, 4, 4>::from_fn(|i, j| {
-                let c = |a: usize, b: usize| hypothesis.covariance[(a, b)];
-                c(TIRE + i, TIRE + j)
-                    + by[i] * c(RATE, TIRE + j)
-                    + by[j] * c(RATE, TIRE + i)
-                    + by[i] * by[j] * c(RATE, RATE)
-            });
-            mean += z * hypothesis.weight;
-            square += (p + z * z.transpose()) * hypothesis.weight;
+            tires.add(hypothesis, hypothesis.weight / total, &changing(index));
         }
-        (mean, square - mean * mean.transpose())
+        tires.changing = self.changing_tires();
+        tires.any_changes = self.changing();
+        tires
     }
 
     /// Mean and variance of one quantity, over all hypotheses.
     pub(super) fn quantity(&self, at: usize) -> (T, T) {
         let at = at.min(SIZE - 1);
-        let (mut mean, mut square) = (T::zero(), T::zero());
+        // Between the parts of a prediction weights do not add up to one.
+        let (mut mean, mut square, mut total) = (T::zero(), T::zero(), T::zero());
         for hypothesis in &self.hypotheses {
+            total += hypothesis.weight;
             mean += hypothesis.weight * hypothesis.mean[at];
             square += hypothesis.weight
                 * (hypothesis.covariance[(at, at)] + hypothesis.mean[at] * hypothesis.mean[at]);
         }
+        let (mean, square) = (mean / total, square / total);
         (mean, square - mean * mean)
     }
 

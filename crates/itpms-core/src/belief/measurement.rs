@@ -4,6 +4,7 @@
 use nalgebra::{Complex, SMatrix, SVector};
 
 use super::state::SIDE_SIZE;
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Spectral bins of a frame.
@@ -21,6 +22,7 @@ pub(crate) type Slope<T> = SMatrix<T, ROWS, SIDE_SIZE>;
 
 /// Residual of a frame, linearized at a state: what front and rear reconstruct of one road, front less rear.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct AxleResidual<T: Real> {
     /// Prefit residual in m/s: real parts of all bins, then imaginary parts.
     pub(crate) rows: SVector<T, ROWS>,
@@ -33,6 +35,7 @@ pub(crate) struct AxleResidual<T: Real> {
 
 /// What is expected of a frame, and what it is worth.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Expectation<T: Real> {
     /// Power of the residual, per bin.
     pub(crate) power: [T; BINS],
@@ -42,6 +45,7 @@ pub(crate) struct Expectation<T: Real> {
 
 /// A frame of one side as the belief takes it.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct SideMeasurement<T: Real> {
     /// 0: left, 1: right.
     pub(crate) side: usize,
@@ -56,6 +60,7 @@ pub(crate) struct SideMeasurement<T: Real> {
 
 /// What an update with a frame made of it, for the most likely hypothesis.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct UpdateRecord<T: Real> {
     /// Before the update.
     pub(crate) prefit: AxleResidual<T>,
@@ -68,3 +73,8 @@ pub(crate) struct UpdateRecord<T: Real> {
     /// How much of the frame counted, 0 to 1.
     pub(crate) weight: T,
 }
+
+blank!(AxleResidual<T> { rows, slope, common, road_power });
+blank!(Expectation<T> { power, information });
+blank!(SideMeasurement<T> { side, expected, instrument, weight, incoherent_s });
+blank!(UpdateRecord<T> { prefit, power_ratio, mahalanobis_sq, variance_scale, weight });

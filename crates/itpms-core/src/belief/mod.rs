@@ -15,6 +15,7 @@
 //! | `checkpoint` | going back to what was believed before a sensor failed |
 //! | `calibration` | tires set to their placard pressures, and what that teaches |
 //! | `tire_scale` | compliances, stiffnesses and pressures of the car's tires |
+//! | `tires` | what is believed of the tires, for the moments after |
 
 mod calibration;
 mod checkpoint;
@@ -27,18 +28,20 @@ pub(crate) mod state;
 #[cfg(test)]
 mod tests;
 mod tire_scale;
+mod tires;
 mod transition;
 mod update;
-
-use nalgebra::{SMatrix, SVector};
 
 use self::calibration::CalibrationState;
 use self::checkpoint::{Checkpoint, PreFaultEstimate};
 pub(crate) use self::gaussian::Hypothesis;
+pub(crate) use self::hypothesis_bank::HYPOTHESES;
 use self::hypothesis_bank::HypothesisBank;
 use self::measurement::{AxleResidual, SideMeasurement, UpdateRecord};
 use self::state::{State, TIRE};
 pub(crate) use self::tire_scale::{LEAST_COMPLIANCE, TireScale};
+pub(crate) use self::tires::Tires;
+pub(crate) use self::transition::PARTS as PREDICTION_PARTS;
 use crate::memory::{Placed, blank};
 use crate::model::{CarConfig, CornerConfig, Inflation, Learned};
 use crate::real::Real;
@@ -112,6 +115,13 @@ impl<T: Real> Belief<T> {
     /// Predicts to a time. A longer step than the onset's longest is a gap: what changed then is over, and a tire may have been
     /// filled.
     pub(crate) fn predict(&mut self, time_s: f64, onset: &Onset<T>) {
+        self.begin_prediction(time_s, onset);
+        (0..PREDICTION_PARTS).for_each(|part| self.predict_part(part));
+    }
+
+    /// The same in parts: [`predict_part`](Self::predict_part) has to follow for each of [`PREDICTION_PARTS`].
+    pub(crate) fn begin_prediction(&mut self, time_s: f64, onset: &Onset<T>) {
+        self.bank.end_prediction();
         if !self.time_s.is_finite() {
             self.time_s = time_s;
         }
@@ -135,19 +145,36 @@ impl<T: Real> Belief<T> {
         } else {
             ([T::zero(); 2], [T::zero(); 4])
         };
-        self.bank.predict(T::lit(seconds), scale, &rates);
+        self.bank.begin_prediction(T::lit(seconds), scale, &rates);
     }
 
-    /// Updates with a frame of one side, which `linearize` linearizes at a state. [`settle`](Self::settle) has to follow.
-    pub(crate) fn update(
-        &mut self,
-        measurement: &SideMeasurement<T>,
-        linearize: impl Fn(&State<T>) -> AxleResidual<T>,
-    ) -> Option<UpdateRecord<T>> {
+    /// Does one part of a prediction.
+    pub(crate) fn predict_part(&mut self, part: usize) {
+        self.bank.predict_part(part);
+    }
+
+    /// Begins to update with a frame of one side. [`update_hypothesis`](Self::update_hypothesis) has to follow for each of
+    /// [`HYPOTHESES`], then [`finish_update`](Self::finish_update) and [`settle`](Self::settle).
+    pub(crate) fn begin_update(&mut self, measurement: &SideMeasurement<T>) {
         for corner in [measurement.side, measurement.side + 2] {
             self.inflate_tire(corner, measurement.incoherent_s);
         }
-        self.bank.update_residual(measurement, linearize)
+        self.bank.begin_update();
+    }
+
+    /// Updates one hypothesis with the frame, which `linearize` linearizes at a state.
+    pub(crate) fn update_hypothesis(
+        &mut self,
+        index: usize,
+        measurement: &SideMeasurement<T>,
+        linearize: impl Fn(&State<T>) -> AxleResidual<T>,
+    ) {
+        self.bank.update_hypothesis(index, measurement, linearize);
+    }
+
+    /// Weighs the hypotheses; gives the record of the most likely one.
+    pub(crate) fn finish_update(&mut self) -> Option<&UpdateRecord<T>> {
+        self.bank.finish_update()
     }
 
     /// Updates with one number of this variance: `linearize` gives, for a state, its derivatives and how much more it is than
@@ -243,14 +270,11 @@ impl<T: Real> Belief<T> {
         self.bank.quantity(at)
     }
 
-    /// Mean and covariance of the tires' compliances, each so many seconds after what is believed of it, over all hypotheses.
-    pub(crate) fn tires(&self, age_s: &[T; 4]) -> (SVector<T, 4>, SMatrix<T, 4, 4>) {
-        self.bank.tires(age_s)
-    }
-
-    /// Probability that each tire changes, and that any does.
-    pub(crate) fn changing(&self) -> ([T; 4], T) {
-        (self.bank.changing_tires(), self.bank.changing())
+    /// What is believed of the tires, over all hypotheses.
+    pub(crate) fn tires(&self) -> Tires<T> {
+        let mut tires = self.bank.tires();
+        tires.time_s = self.time_s;
+        tires
     }
 
     /// Whether the tires' map is known from a calibration and not from the vehicle file alone.

@@ -1,13 +1,15 @@
 //! How one hypothesis becomes another as time goes by: changes of pressure begin, go on, are joined and end
 //! (docs/math/shared-road.md, section 6).
 
+use core::ops::Range;
+
 use nalgebra::RowSVector;
 
 use super::gaussian::Hypothesis;
 use super::hypothesis_bank::{CONSTANT, HYPOTHESES, HypothesisBank, RANDOM_WALK, SIDE, changing, has_rate};
 use super::mixture::Mixture;
 use super::state::{RATE, State, TIRE};
-use crate::memory::Blank;
+use crate::memory::blank;
 use crate::real::Real;
 
 /// Chance per second that each begins.
@@ -30,12 +32,82 @@ const FORGOTTEN: f64 = 1e-20;
 /// Largest chance of a step that a suspected wheel begins to move.
 const LARGEST_CHANCE: f64 = 0.2;
 
+/// Parts of a prediction, in this order: what stays and ends; several wheels, and single ones, begin or go on; then time passes for
+/// these hypotheses, and for the others.
+pub(crate) const PARTS: usize = 5;
+/// Hypotheses for which time passes in the fourth part.
+const FIRST_HALF: usize = 5;
+
+/// A prediction that is under way, as a whole of [`PARTS`].
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Transition<T: Real> {
+    seconds: T,
+    /// Chances of this step: that a change ends, that none begins, that each does, that a wheel is joined.
+    end: T,
+    stay: T,
+    begin: [T; HYPOTHESES],
+    join: T,
+    /// What nothing moves any more in; takes the constant one's place once everything else has begun from that.
+    still: Hypothesis<T>,
+}
+
+blank!(Transition<T> { seconds, end, stay, begin, join, still });
+
 impl<T: Real> HypothesisBank<T> {
-    /// Moves on by `seconds`; `onset_scale` multiplies the chances that one wheel, and that several, begin to move;
+    /// Begins to move on by `seconds`; `onset_scale` multiplies the chances that one wheel, and that several, begin to move;
     /// `onset_rates` are chances per second that each wheel does that somebody else has reason to believe in.
-    pub(super) fn predict(&mut self, seconds: T, onset_scale: [T; 2], onset_rates: &[T; 4]) {
-        self.mix(seconds, onset_scale, onset_rates);
-        for (index, hypothesis) in self.hypotheses.iter_mut().enumerate() {
+    pub(super) fn begin_prediction(&mut self, seconds: T, onset_scale: [T; 2], onset_rates: &[T; 4]) {
+        let [_, several] = onset_scale;
+        let transition = &mut self.transition;
+        transition.seconds = seconds;
+        transition.end = T::one() - (-T::lit(END) * seconds).exp();
+        transition.join = T::lit(JOIN) * seconds * several;
+        transition.stay = T::one();
+        for (hypothesis, begin) in transition.begin.iter_mut().enumerate().skip(1) {
+            *begin = T::lit(BEGIN[hypothesis]) * seconds * onset_scale[usize::from(hypothesis >= SIDE)];
+            if let Some(&rate) = onset_rates.get(hypothesis - 1) {
+                *begin += (rate * seconds).min(T::lit(LARGEST_CHANCE));
+            }
+            transition.stay -= *begin;
+        }
+    }
+
+    /// Nothing is left to be done of a prediction.
+    pub(super) fn end_prediction(&mut self) {
+        self.transition.seconds = T::zero();
+    }
+
+    /// Does one of its parts.
+    pub(super) fn predict_part(&mut self, part: usize) {
+        if !(self.transition.seconds > T::zero()) {
+            return;
+        }
+        let Transition { seconds, end, begin, join, .. } = self.transition;
+        // In place: a copy of all hypotheses is more than a controller has room for. Single wheels come after those that they join.
+        match part {
+            0 => self.stay_or_end(),
+            1 => {
+                for (hypothesis, &begin) in begin.iter().enumerate().skip(SIDE) {
+                    self.go_on(hypothesis, end, begin);
+                }
+                (0..4).for_each(|wheel| self.merge(wheel, join));
+            }
+            2 => {
+                for (hypothesis, &begin) in begin.iter().enumerate().take(SIDE).skip(1) {
+                    self.go_on(hypothesis, end, begin);
+                }
+                self.hypotheses[CONSTANT].take_over(&self.transition.still);
+            }
+            3 => self.pass(0..FIRST_HALF, seconds),
+            _ => self.pass(FIRST_HALF..HYPOTHESES, seconds),
+        }
+    }
+
+    /// Time passes for some of the hypotheses.
+    fn pass(&mut self, some: Range<usize>, seconds: T) {
+        let all = self.hypotheses.iter_mut().enumerate();
+        for (index, hypothesis) in all.filter(|(index, _)| some.contains(index)) {
             hypothesis.wander(seconds);
             if index == RANDOM_WALK {
                 for i in 0..4 {
@@ -47,7 +119,7 @@ impl<T: Real> HypothesisBank<T> {
             }
             hypothesis.covariance[(RATE, RATE)] += T::lit(RATE_WANDER * RATE_WANDER) * seconds;
             let changing = changing::<T>(index);
-            for (i, &moved) in changing.iter().enumerate() {
+            for (i, &moved) in changing.iter().enumerate().filter(|(_, moved)| **moved > T::zero()) {
                 let by = moved * seconds;
                 let change = by * hypothesis.mean[RATE];
                 hypothesis.mean[TIRE + i] += change;
@@ -61,40 +133,13 @@ impl<T: Real> HypothesisBank<T> {
         }
     }
 
-    fn mix(&mut self, seconds: T, onset_scale: [T; 2], onset_rates: &[T; 4]) {
-        let end = T::one() - (-T::lit(END) * seconds).exp();
-        let mut begin = [T::zero(); HYPOTHESES];
-        let mut stay = T::one();
-        for hypothesis in 1..HYPOTHESES {
-            begin[hypothesis] =
-                T::lit(BEGIN[hypothesis]) * seconds * onset_scale[usize::from(hypothesis >= SIDE)];
-            if hypothesis < SIDE {
-                begin[hypothesis] += (onset_rates[hypothesis - 1] * seconds).min(T::lit(LARGEST_CHANCE));
-            }
-            stay -= begin[hypothesis];
-        }
-        // In place: a copy of all hypotheses is more than a controller's stack has room for. The constant one comes last, as every
-        // other begins from it, and single wheels after those that they join.
-        let mut still = Hypothesis::BLANK;
-        self.still(stay, end, &mut still);
-        for (hypothesis, &begin) in begin.iter().enumerate().skip(SIDE) {
-            self.go_on(hypothesis, end, begin);
-        }
-        let [_, several] = onset_scale;
-        for wheel in 0..4 {
-            self.merge(wheel, T::lit(JOIN) * seconds * several);
-        }
-        for (hypothesis, &begin) in begin.iter().enumerate().take(SIDE).skip(1) {
-            self.go_on(hypothesis, end, begin);
-        }
-        self.hypotheses[CONSTANT].take_over(&still);
-    }
-
     /// What moves no more: what did not and of which this share stays so, and of what did the share that ends.
-    fn still(&self, stay: T, end: T, into: &mut Hypothesis<T>) {
-        let mut still = Mixture::new(into);
-        still.add(self.hypotheses[CONSTANT].weight * stay, &self.hypotheses[CONSTANT].part());
-        for changing in &self.hypotheses[1..] {
+    fn stay_or_end(&mut self) {
+        let Self { hypotheses: [constant, others @ ..], transition, .. } = self;
+        let (stay, end) = (transition.stay, transition.end);
+        let mut still = Mixture::new(&mut transition.still);
+        still.add(constant.weight * stay, &constant.part());
+        for changing in others {
             if changing.weight > T::lit(FORGOTTEN) {
                 still.add(changing.weight * end, &changing.part().without_rate());
             }

@@ -392,16 +392,22 @@ impl<T: Real> CarEstimator<T> {
             fusion.set_load(i, &estimator.quarter_car());
         }
         if self.sources == Sources::SpectrumAndSharedRoad {
+            let mut at_rest = fusion.is_at_rest();
             for (i, estimator) in self.corners.iter_mut().enumerate() {
                 let Some(estimator) = estimator.as_mut() else { continue };
                 let (stiffness_n_per_m, sd_n_per_m) = estimator.own_stiffness();
                 let changing = estimator.change_probability();
                 fusion.set_single_wheel(i, SingleWheelEstimate { changing, stiffness_n_per_m, sd_n_per_m });
-                if let Some(spectral) = estimator.pseudo_measurement(|| fusion.expected_spectral(i)) {
+                // Between frames, and one corner a sample: all of them at once are much work.
+                if at_rest
+                    && let Some(spectral) = estimator.pseudo_measurement(|| fusion.expected_spectral(i))
+                {
                     fusion.update_spectral(i, time_s, spectral.stiffness_n_per_m, spectral.sd_n_per_m);
+                    at_rest = false;
                 }
             }
         }
+        fusion.work_on(time_s);
         let trusted = self.sources != Sources::Spectrum && fusion.is_trusted();
         let fused = trusted.then(|| fusion.estimate());
         let level = if fusion.is_calibrated() { Level::Calibration } else { Level::VehicleFile };

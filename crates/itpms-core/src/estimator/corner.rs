@@ -14,12 +14,9 @@ use crate::model::{
 };
 use crate::real::Real;
 use crate::road::{RoadConfig, RoadFilter};
-use crate::single_wheel::StiffnessPseudoMeasurement;
+use crate::single_wheel::{LEAST_GRID_HZ, StiffnessPseudoMeasurement};
 use crate::suspension::{BodyEquation, Strut, StrutFrame};
 use crate::warning::single_wheel::LowPressureWatch;
-
-/// Grid rate in Hz that the spectral frames need; slower samples are interpolated up to it.
-const FRAME_GRID_HZ: f64 = 400.0;
 
 /// Seconds between two updates of the road filter with the car, and of the method with a calibration.
 const TELL_S: f64 = 0.1;
@@ -99,7 +96,7 @@ impl<T: Real> CornerEstimator<T> {
         let sample_rate_hz = positive("sample_rate_hz", sample_rate_hz)?;
         let frames = !kind.is_as_published();
         (self.kind, self.config) = (kind, *config);
-        self.resampler = Resampler::new(sample_rate_hz, if frames { FRAME_GRID_HZ } else { sample_rate_hz });
+        self.resampler = Resampler::new(sample_rate_hz, if frames { LEAST_GRID_HZ } else { sample_rate_hz });
         self.method.configure(kind, config, sample_rate_hz, self.resampler.grid_period_s())?;
         self.begin_road()?;
         self.road_told_s = f64::NEG_INFINITY;

@@ -1,7 +1,7 @@
 //! The belief: a probability for every (road level mode, leak mode, pressure cell), and for every (level mode, cell) a
 //! Gaussian over the road's log level, slope and enveloping (docs/math/informed.md, sections 2-4).
 //!
-//! `predict` moves the belief on by one frame, `update` weighs it with one. Knows nothing of samples or gates.
+//! Moved on by one frame in four parts, then weighed with one. Knows nothing of samples or gates.
 
 use nalgebra::SVector;
 
@@ -12,7 +12,7 @@ use crate::single_wheel::dynamics::{
     CALM, Dynamics, FALL, JUMP, JUMP_VARIANCE, LEAK_MODES, LEVEL_MODES, QUIET, REACH, RISE, SLOPE_MEAN, TAPS,
 };
 use crate::single_wheel::road_model::{
-    ENVELOPE, Evidence, LEVEL, MeanMatch, Road, RoadBelief, RoadPrior, SLOPE, matched_covariance,
+    ENVELOPE, Evidence, LEVEL, MeanMatch, Road, RoadBelief, SLOPE, matched_covariance,
 };
 use crate::single_wheel::tables::{CELLS, Tables};
 
@@ -26,14 +26,7 @@ const FRAMES_PER_WORD: u32 = 12;
 const NARROWEST_CELLS: f64 = 1.2;
 const LEAST_SAID: f64 = 1e-3;
 
-/// Every so many cells one is fitted, whatever its probability: the frame's evidence is smooth in between.
-const NODES_APART: usize = 5;
-/// Probability from which on a cell is fitted for itself.
-const MATTERS: f64 = 1e-4;
-/// Mean power of a frame over what was expected from which on the level may have jumped.
-const SURPRISING: f64 = 2.0;
-
-type Cells<T> = SVector<T, CELLS>;
+pub(crate) type Cells<T> = SVector<T, CELLS>;
 
 /// The mean and spread of the pressure, and what the modes say.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,7 +47,7 @@ blank!(Summary<T> { mean_cell, variance_cells2, moving });
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Posterior<T: Real> {
     weight: [[Cells<T>; LEAK_MODES]; LEVEL_MODES],
-    road: [RoadBelief<T>; LEVEL_MODES],
+    pub(super) road: [RoadBelief<T>; LEVEL_MODES],
     dynamics: Dynamics<T>,
     /// Sum of what the frames since the last word said of each cell, and their number.
     told_log_likelihood: Cells<T>,
@@ -96,20 +89,14 @@ impl<T: Real> Posterior<T> {
         self.summarise();
     }
 
-    /// Moves on by one frame. `speed_ratio` is the speed over that of the last step (one if unknown): a faster car
-    /// meets the same road with more power.
-    pub(crate) fn predict(&mut self, log_speed_ratio: T) {
+    /// Leaks begin and end: the first part of moving on by one frame. [`move_cells`](Self::move_cells) for every level mode,
+    /// [`mix_level_modes`](Self::mix_level_modes) and [`diffuse_roads`](Self::diffuse_roads) follow.
+    pub(crate) fn begin_or_end_leaks(&mut self) {
         if self.settling_frames > 0 {
             self.settling_frames -= 1;
         } else {
             self.mix_leak_modes();
         }
-        for level in 0..LEVEL_MODES {
-            self.move_cells(level);
-        }
-        self.mix_level_modes();
-        self.diffuse_roads(log_speed_ratio);
-        self.normalise();
     }
 
     /// Somebody knows the pressure now: a cell and its sd in cells. The roads learned under it stay.
@@ -154,7 +141,8 @@ impl<T: Real> Posterior<T> {
     }
 
     /// Shifts and spreads every leak mode of a level mode; the road beliefs go along with the mass.
-    fn move_cells(&mut self, level: usize) {
+    pub(crate) fn move_cells(&mut self, level: usize) {
+        let level = level.min(LEVEL_MODES - 1);
         let kernels = &self.dynamics.kernel;
         let old = &self.weight[level];
         // Mass that leaves a cell by a tap, whatever the leak mode.
@@ -182,7 +170,8 @@ impl<T: Real> Posterior<T> {
         }
     }
 
-    fn mix_level_modes(&mut self) {
+    /// Roads become smoother or rougher.
+    pub(crate) fn mix_level_modes(&mut self) {
         let rates = self.dynamics.level;
         let (best, _) = self.most_likely();
         let covariances = self.road.each_ref().map(|roads| roads.covariance);
@@ -216,7 +205,9 @@ impl<T: Real> Posterior<T> {
         }
     }
 
-    fn diffuse_roads(&mut self, log_speed_ratio: T) {
+    /// Roads wander: the last part of moving on. `log_speed_ratio` is the logarithm of the speed over that of the last step (zero if
+    /// unknown): a faster car meets the same road with more power.
+    pub(crate) fn diffuse_roads(&mut self, log_speed_ratio: T) {
         let d = &self.dynamics;
         for (mode, roads) in self.road.iter_mut().enumerate() {
             let jump = if mode == JUMP { JUMP_VARIANCE.map(T::lit) } else { [T::zero(); 2] };
@@ -239,17 +230,15 @@ impl<T: Real> Posterior<T> {
                 roads.set_mean(cell, &road.mean);
             }
         }
+        self.normalise();
     }
 
-    /// Weighs the belief with a frame; `surprise` is its mean power over what the most likely road had expected.
-    pub(crate) fn update(&mut self, frame: &Evidence<T>, tables: &Tables<T>, surprise: T) {
-        if !self.road_known {
-            self.meet_road(frame, tables);
-        }
-        let log_evidence = self.fit_roads(frame, tables, surprise);
+    /// Weighs the belief with a frame's log evidence for every level mode and cell.
+    pub(crate) fn weigh(&mut self, log_evidence: &[Cells<T>; LEVEL_MODES]) {
         let largest =
             log_evidence.iter().fold(T::lit(f64::NEG_INFINITY), |largest, cells| largest.max(cells.max()));
-        let likelihood = log_evidence.map(|cells| cells.map(|e| (e - largest).exp_fast()));
+        let likelihood =
+            log_evidence.each_ref().map(|cells| cells.map(|evidence| (evidence - largest).exp_fast()));
         self.remember_frame(&likelihood);
         for (modes, factor) in self.weight.iter_mut().zip(&likelihood) {
             for cells in modes {
@@ -257,49 +246,6 @@ impl<T: Real> Posterior<T> {
             }
         }
         self.normalise();
-    }
-
-    /// Fits the roads of those cells that matter, and of nodes between which the others are interpolated; gives the frame's log
-    /// evidence for every level mode and cell (docs/math/informed.md, section 4).
-    fn fit_roads(&mut self, frame: &Evidence<T>, tables: &Tables<T>, surprise: T) -> [Cells<T>; LEVEL_MODES] {
-        let mut log_evidence = [Cells::zeros(); LEVEL_MODES];
-        let (best, _) = self.most_likely();
-        let mass = self.cells();
-        let matters = |cell: usize| mass.get(cell).is_some_and(|mass| *mass > T::lit(MATTERS));
-        let is_fitted = |cell: usize| cell.is_multiple_of(NODES_APART) || cell == best || matters(cell);
-        let priors = self.road.each_ref().map(|roads| RoadPrior::new(&roads.covariance));
-        let expected = surprise < T::lit(SURPRISING);
-        let mut fitted_covariance = self.road.each_ref().map(|roads| roads.covariance);
-        for cell in (0..CELLS).filter(|&cell| is_fitted(cell)) {
-            let reading = frame.read(tables, cell);
-            for (level, prior) in priors.iter().enumerate() {
-                let Some(prior) = prior.as_ref().filter(|_| !(expected && level == JUMP)) else { continue };
-                let fitted = prior.fit(&self.road[level].get(cell), frame, &reading, tables);
-                self.road[level].set_mean(cell, &fitted.road.mean);
-                if let Some(log_evidence) = log_evidence[level].get_mut(cell) {
-                    *log_evidence = fitted.log_evidence;
-                }
-                if cell == best {
-                    fitted_covariance[level] = fitted.road.covariance;
-                }
-            }
-        }
-        for (roads, log_evidence) in self.road.iter_mut().zip(&mut log_evidence) {
-            for cell in (0..CELLS).filter(|&cell| !is_fitted(cell)) {
-                interpolate(cell, roads, log_evidence);
-            }
-        }
-        if let (true, [Some(calm), _, Some(jump)]) = (expected, &priors)
-            && let Some((covariance, less)) = jump.as_expected(calm, &fitted_covariance[CALM])
-        {
-            self.road[JUMP].mean = self.road[CALM].mean;
-            fitted_covariance[JUMP] = covariance;
-            log_evidence[JUMP] = log_evidence[CALM].add_scalar(less);
-        }
-        for (roads, covariance) in self.road.iter_mut().zip(fitted_covariance) {
-            roads.covariance = covariance;
-        }
-        log_evidence
     }
 
     /// Adds what this frame said of each cell, whatever was believed of the cells before: the level modes' likelihood,
@@ -370,7 +316,10 @@ impl<T: Real> Posterior<T> {
     }
 
     /// The first frame sets the level that the road is searched around.
-    fn meet_road(&mut self, frame: &Evidence<T>, tables: &Tables<T>) {
+    pub(super) fn meet_road(&mut self, frame: &Evidence<T>, tables: &Tables<T>) {
+        if self.road_known {
+            return;
+        }
         let typical = Road::unknown(T::zero()).powers(frame, tables);
         for cell in 0..CELLS {
             let power = frame.read(tables, cell).power;
@@ -437,28 +386,6 @@ impl<T: Real> Posterior<T> {
     pub(crate) fn summary(&self) -> Summary<T> {
         self.summary
     }
-}
-
-/// Evidence and road of a cell that was not fitted: a cubic through the evidence of four nodes around it, a line through the roads
-/// of two.
-fn interpolate<T: Real>(cell: usize, roads: &mut RoadBelief<T>, log_evidence: &mut Cells<T>) {
-    let nodes = CELLS.div_ceil(NODES_APART);
-    let below = cell / NODES_APART;
-    let first = below.saturating_sub(1).min(nodes - 4);
-    // Lagrange's polynomials at the nodes 0, 1, 2, 3.
-    let x = T::lit(1.0 / NODES_APART as f64) * T::lit((cell - first * NODES_APART) as f64);
-    let [one, two, three] = [1.0, 2.0, 3.0].map(|node| x - T::lit(node));
-    let (sixth, half) = (T::lit(1.0 / 6.0), T::lit(0.5));
-    let weights =
-        [-one * two * three * sixth, x * two * three * half, -x * one * three * half, x * one * two * sixth];
-    let node = |i: usize| log_evidence.get((first + i) * NODES_APART).copied().unwrap_or(T::zero());
-    let between = weights.iter().enumerate().fold(T::zero(), |sum, (i, &weight)| sum + weight * node(i));
-    if let Some(log_evidence) = log_evidence.get_mut(cell) {
-        *log_evidence = between;
-    }
-    let share = T::lit(1.0 / NODES_APART as f64) * T::lit((cell % NODES_APART) as f64);
-    let [low, high] = [below, below + 1].map(|node| roads.mean(node * NODES_APART));
-    roads.set_mean(cell, &(low + (high - low) * share));
 }
 
 /// Mean and variance of a probability over cells.

@@ -13,9 +13,12 @@
 //! | `dynamics` | how pressure and road may change |
 //! | `road_model` | level, slope and enveloping of the road under one hypothesis |
 //! | `grid_posterior` | the posterior over the grid, predicted and updated |
+//! | `road_fits` | a frame's evidence for every cell and level mode |
+//! | `frame_units` | in which order all of that is done, in units of which one falls on every grid step |
 //! | `periodic_road` | a road that repeats itself: the same road again, seen through another stiffness |
 
 mod dynamics;
+mod frame_units;
 mod gate;
 mod grid_posterior;
 mod load;
@@ -25,6 +28,7 @@ mod periodic_road;
 #[path = "no_periodic_road.rs"]
 mod periodic_road;
 mod repetition;
+mod road_fits;
 mod road_model;
 mod tables;
 
@@ -32,7 +36,8 @@ use crate::conditioning::GridSample;
 use crate::memory::{Blank, Placed, blank};
 use crate::model::{CornerConfig, QuarterCar};
 use crate::real::Real;
-use crate::single_wheel::gate::{Gate, SpeedKnowledge};
+use crate::single_wheel::frame_units::FrameWork;
+use crate::single_wheel::gate::Gate;
 use crate::single_wheel::grid_posterior::Posterior;
 use crate::single_wheel::load::BodyIdentification;
 #[cfg(feature = "test-bench")]
@@ -51,6 +56,8 @@ use crate::spectrum::transfer::{Body, DescribingFunction};
 const BINS: usize = 12;
 /// Nominal time between frames in s; a frame lasts twice as long.
 const HOP_S: f64 = 0.06;
+/// Least rate in Hz of the grid.
+pub(crate) const LEAST_GRID_HZ: f64 = 400.0;
 /// A frame of all reconstructed signals.
 type Frame<T> = crate::spectrum::Frame<T, BINS, SIGNALS>;
 
@@ -84,8 +91,6 @@ const OLDEST_WORD_S: f64 = 0.3;
 const LEAST_PIN_CELLS: f64 = 0.4;
 /// Frames for which a calibration that was told holds: it is told ten times a second.
 const HELD_FRAMES: u32 = 4;
-/// Frames after which another cell of the tables is brought up to date: the car changes over minutes, all cells within nine seconds.
-const FRAMES_PER_CELL: u32 = 4;
 /// Standard deviation in kPa of the pressure to start from.
 const INITIAL_SD_KPA: f64 = 30.0;
 /// Probability of the stiffest cells from which on the grid ends too soon: what it says is no measurement then, but a bound.
@@ -120,15 +125,15 @@ pub struct Informed<T: Real> {
     periodic_estimate: Placed<PeriodicEstimate<T>>,
     periodic_estimate_s: f64,
     held_frames: u32,
-    /// Frames seen.
-    frames: u32,
     last_time_s: f64,
+    /// What is left to do with the newest frame.
+    work: FrameWork<T>,
 }
 
 blank!(Informed<T> {
     config, grid, body, tables, friction, reconstruction, clock, posterior, sample_rate_hz, grid_period_s,
     noise_density, bins, gate, variance_growth, learned_s, last_speed_m_s, invalid, stopped_s, repeat,
-    periodic_estimate, periodic_estimate_s, held_frames, frames, last_time_s,
+    periodic_estimate, periodic_estimate_s, held_frames, last_time_s, work,
 });
 
 impl<T: Real> Informed<T> {
@@ -188,7 +193,8 @@ impl<T: Real> Informed<T> {
         self.set_repetition(repetition);
         self.periodic_estimate.clear();
         (self.periodic_estimate_s, self.last_time_s) = (f64::NAN, f64::NAN);
-        (self.held_frames, self.frames) = (0, 0);
+        self.held_frames = 0;
+        self.work.clear();
     }
 
     /// Tells what is known of the road repeating itself; to be said before the first sample.
@@ -203,7 +209,7 @@ impl<T: Real> Informed<T> {
         self.begin(&config, self.sample_rate_hz, self.grid_period_s, repetition);
     }
 
-    /// Takes one grid sample; true when a frame was completed and the belief has moved.
+    /// Takes one grid sample; true when the belief has moved: the work of a frame is done by then.
     pub fn push(&mut self, sample: &GridSample<T>) -> bool {
         if sample.after_gap {
             self.reconstruction.restart();
@@ -214,13 +220,11 @@ impl<T: Real> Informed<T> {
         self.invalid |= sample.invalid;
         let signals = self.reconstruction.push(sample);
         let told = self.meet_again(&signals, sample);
-        match self.clock.push(&signals) {
-            Some(frame) => {
-                self.learn(&frame, sample.speed_m_s);
-                true
-            }
-            None => told,
+        let learned = self.work_on();
+        if let Some(frame) = self.clock.push(&signals) {
+            self.begin_frame(&frame, sample.speed_m_s);
         }
+        learned || told
     }
 
     /// Asks the repeated road, if there is one; true if it had something to say.
@@ -280,36 +284,6 @@ impl<T: Real> Informed<T> {
         self.held_frames = HELD_FRAMES;
     }
 
-    fn learn(&mut self, frame: &Frame<T>, speed_m_s: T) {
-        self.held_frames = self.held_frames.saturating_sub(1);
-        let (cell, road) = self.posterior.most_likely();
-        let mut evidence = self.evidence(frame, speed_m_s, road.longest_envelope_m());
-        let speed = if speed_m_s.is_finite() { SpeedKnowledge::Known } else { SpeedKnowledge::Unknown };
-        self.gate.look(&evidence, &self.tables, cell, &road, speed);
-        if self.invalid || speed_m_s < T::lit(STANDING_M_S) {
-            self.gate.close();
-        }
-        self.invalid = false;
-        self.notice_stop(speed_m_s);
-        evidence.weight *= self.gate.open();
-        let ratio = speed_m_s / self.last_speed_m_s;
-        self.last_speed_m_s = speed_m_s;
-        let seconds = self.gate.open() * T::lit(self.clock.hop_s());
-        // The same road again has the same spectrum again: it says nothing new of the tire.
-        if !self.repeat.is_following() {
-            self.weigh(&evidence, ratio);
-            self.learned_s += seconds;
-        }
-        if evidence.weight > T::zero() {
-            let spacing = T::lit(self.clock.bin_spacing_hz());
-            self.body.learn(frame, spacing, self.noise_density, evidence.weight, seconds);
-        }
-        self.frames = self.frames.wrapping_add(1);
-        if self.frames.is_multiple_of(FRAMES_PER_CELL) {
-            self.tables.refresh_next(&self.body.body(), &self.friction);
-        }
-    }
-
     fn notice_stop(&mut self, speed_m_s: T) {
         if !(speed_m_s < T::lit(STOPPED_M_S)) {
             self.stopped_s = T::zero();
@@ -320,22 +294,6 @@ impl<T: Real> Informed<T> {
         let long_s = T::lit(STOP_S);
         if before_s < long_s && self.stopped_s >= long_s {
             self.body.doubt();
-        }
-    }
-
-    /// Moves the belief on by a frame and weighs it, if the frame counts; `speed_ratio` is the speed over the last one.
-    fn weigh(&mut self, evidence: &Evidence<T>, speed_ratio: T) {
-        let before = self.posterior.summary().variance_cells2;
-        if evidence.weight > T::zero() {
-            let known = speed_ratio > T::zero() && speed_ratio.is_finite();
-            self.posterior.predict(if known { speed_ratio.ln() } else { T::zero() });
-        } else {
-            self.posterior.hold();
-        }
-        let after = self.posterior.summary().variance_cells2;
-        self.variance_growth = (after / before.max(T::lit(1e-3))).max(T::one());
-        if evidence.weight > T::zero() {
-            self.posterior.update(evidence, &self.tables, self.gate.surprise());
         }
     }
 

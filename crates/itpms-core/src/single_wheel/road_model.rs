@@ -32,6 +32,7 @@ const STEEPEST: f64 = -3.0;
 
 /// One frame, ready to be weighed: the road velocity reconstructed with `θ` has the power `a + 2 θ b + θ² c` per bin.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Evidence<T> {
     pub(crate) a: [T; BINS],
     pub(crate) b: [T; BINS],
@@ -45,6 +46,8 @@ pub(crate) struct Evidence<T> {
     /// Exponent of the likelihood: overlap of the frames times the gates.
     pub(crate) weight: T,
 }
+
+blank!(Evidence<T> { a, b, c, envelope, bins, noise_density, weight });
 
 impl<T: Real> Evidence<T> {
     /// Power density of the road velocity reconstructed with `theta`.
@@ -188,10 +191,14 @@ impl<T: Real> Road<T> {
 }
 
 /// What the cells of a level mode believe of the road before a frame, but for the mean: one covariance, and what is made of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct RoadPrior<T: Real> {
     information: Matrix3<T>,
     log_determinant: T,
 }
+
+blank!(RoadPrior<T> { information, log_determinant });
 
 /// A road fitted to a frame.
 pub(crate) struct Fitted<T: Real> {

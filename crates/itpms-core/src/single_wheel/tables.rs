@@ -1,7 +1,7 @@
 //! What the frames should look like for every stiffness of the grid: tables of the transfer function and of the
 //! sensor noise per bin and cell (docs/math/informed.md, eq. 8-12), averaged over the window's own spectrum.
 //!
-//! Built a cell at a time, so that following slow changes of the car costs the same every frame.
+//! Built two bins of a cell at a time, so that following slow changes of the car costs the same every frame: all cells within 13 s.
 
 use nalgebra::{ComplexField, SMatrix, SVector};
 
@@ -22,9 +22,11 @@ const ANTI_ALIAS: f64 = 0.3;
 /// Points per bin, and on each side, at which the window's spectrum is averaged.
 const KERNEL_DENSITY: i32 = 8;
 const KERNEL_HALF: i32 = 20;
-/// Points of one bin's window, and of all together from zero on.
+/// Bins that are filled at once.
+const AT_ONCE: usize = 2;
+/// Points of one bin's window, and of those that are filled at once.
 const WINDOW: usize = 2 * KERNEL_HALF as usize + 1;
-const POINTS: usize = BINS * KERNEL_DENSITY as usize + KERNEL_HALF as usize + 1;
+const POINTS: usize = WINDOW + (AT_ONCE - 1) * KERNEL_DENSITY as usize;
 /// Lowest frequency in Hz of these averages.
 const LOWEST_HZ: f64 = 0.1;
 /// Exponents on each side of zero through which the power law's parabola is drawn.
@@ -79,12 +81,14 @@ pub(crate) struct Tables<T: Real> {
     /// How much power the window lets through at each point around a bin.
     window_power: SVector<T, WINDOW>,
     bin_spacing_hz: T,
+    /// Where they are next brought up to date.
     next_cell: usize,
+    next_bin: usize,
 }
 
 blank!(Tables<T> {
     log_gain, log_gain_by_exponent, noise, determinant_noise, theta, log_frequency, window,
-    frequency_squared, window_power, bin_spacing_hz, next_cell,
+    frequency_squared, window_power, bin_spacing_hz, next_cell, next_bin,
 });
 
 impl<T: Real> Tables<T> {
@@ -104,16 +108,22 @@ impl<T: Real> Tables<T> {
         self.frequency_squared = per_bin(&|f| T::lit(f * f));
         self.window_power = window_powers::<T>();
         self.bin_spacing_hz = T::lit(bin_spacing_hz);
-        self.next_cell = 0;
+        (self.next_cell, self.next_bin) = (0, 0);
         for cell in 0..CELLS {
-            self.fill_cell(cell, body, &DescribingFunction::none());
+            for bin in (0..BINS).step_by(AT_ONCE) {
+                self.fill(cell, bin, body, &DescribingFunction::none());
+            }
         }
     }
 
-    /// Brings one more cell up to date with the body and the friction of its strut.
+    /// Brings two more bins of a cell up to date with the body and the friction of its strut.
     pub(crate) fn refresh_next(&mut self, body: &Body<T>, friction: &DescribingFunction<T>) {
-        self.fill_cell(self.next_cell, body, friction);
-        self.next_cell = (self.next_cell + 1) % CELLS;
+        self.fill(self.next_cell, self.next_bin, body, friction);
+        self.next_bin += AT_ONCE;
+        if self.next_bin >= BINS {
+            self.next_bin = 0;
+            self.next_cell = (self.next_cell + 1) % CELLS;
+        }
     }
 
     /// Log of what leak, anti-alias filter and window make of a power law of this exponent in a bin.
@@ -128,19 +138,22 @@ impl<T: Real> Tables<T> {
         self.log_gain[(bin, cell)] + exponent * self.log_gain_by_exponent[(bin, cell)]
     }
 
-    fn fill_cell(&mut self, cell: usize, body: &Body<T>, friction: &DescribingFunction<T>) {
+    /// Bins from `first` on, whose windows share most of their frequencies, of a cell.
+    fn fill(&mut self, cell: usize, first: usize, body: &Body<T>, friction: &DescribingFunction<T>) {
         let cell = cell.min(CELLS - 1);
         let (theta, middle) = (self.theta[cell], self.theta[CELLS / 2]);
+        // Of negative frequencies there are none.
+        let lowest = window_points(first).min().unwrap_or(0);
         let points: [Point<T>; POINTS] = core::array::from_fn(|i| {
-            Point::new(point_hz(self.bin_spacing_hz, i), body, friction, theta, middle)
+            Point::new(point_hz(self.bin_spacing_hz, lowest + i), body, friction, theta, middle)
         });
-        for bin in 0..BINS {
+        for bin in (first..BINS).take(AT_ONCE) {
             let mut noise = (T::zero(), T::zero());
             // Sums of ln|H|² and of the weights for an exponent below and above zero.
             let mut gain = [(T::zero(), T::zero()); 2];
             let mut middle_noise = T::zero();
             for (i, &weight) in window_points(bin).zip(&self.window_power) {
-                let Some(point) = points.get(i) else { continue };
+                let Some(point) = points.get(i - lowest.min(i)) else { continue };
                 noise = (noise.0 + weight * point.noise, noise.1 + weight);
                 middle_noise += weight * point.middle_noise;
                 let roads = [weight * point.leak / point.tilt, weight * point.leak * point.tilt];
@@ -295,7 +308,7 @@ mod tests {
         let mut tables =
             configured(|tables: &mut Tables<f64>| tables.configure(spacing, 500.0, &grid, &tire, &body()));
         let moved = Body { sprung_mass_kg: 260.0, damping_n_s_per_m: 1000.0, ..body() };
-        tables.refresh_next(&moved, &DescribingFunction::none());
+        (0..BINS / AT_ONCE).for_each(|_| tables.refresh_next(&moved, &DescribingFunction::none()));
         let (theta, middle) = (tables.theta[0], tables.theta[CELLS / 2]);
         let leak_hz = LEAK_RAD_S / std_tau();
         for bin in 0..BINS {

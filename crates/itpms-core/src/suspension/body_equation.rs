@@ -48,6 +48,8 @@ const POWER_S: f64 = 20.0;
 const SETTLING_S: f64 = 2.0;
 /// Share of a frame that is new: frames overlap by half.
 const OVERLAP: f64 = 0.5;
+/// Seconds that a frame adds.
+const SECONDS: f64 = 0.5 / BIN_SPACING_HZ;
 /// Seconds within which frames of two corners are of the same time.
 const SAME_S: f64 = 0.006;
 /// Seconds of frames before friction is told.
@@ -97,10 +99,13 @@ pub(crate) struct BodyEquation<T: Real> {
     /// Whether enough was ever seen for the slip forces to be told.
     known: bool,
     time_s: f64,
+    /// Units of the newest frames' work that are left, one a sample: every bin, then the fit.
+    units_left: usize,
 }
 
 blank!(BodyEquation<T> {
     body, damping, spring, noise_density, parameters, information, score, powers, learned_s, known, time_s,
+    units_left,
 });
 
 impl<T: Real> BodyEquation<T> {
@@ -122,6 +127,7 @@ impl<T: Real> BodyEquation<T> {
         self.score.fill(T::zero());
         self.powers.iter_mut().for_each(Powers::clear);
         (self.learned_s, self.known, self.time_s) = (T::zero(), false, f64::NEG_INFINITY);
+        self.units_left = 0;
     }
 
     /// Sensors of a corner were out of order: what was seen is forgotten, what it has taught is where the next fit begins.
@@ -130,28 +136,46 @@ impl<T: Real> BodyEquation<T> {
         self.score.fill(T::zero());
         self.powers.iter_mut().for_each(Powers::clear);
         self.learned_s = T::zero();
+        self.units_left = 0;
     }
 
-    /// Learns from the newest frames, if all corners that there are have one of the same time and not been learned from; true if so.
+    /// Learns from the newest frames, if all corners that there are have one of the same time: a bin with every call, so that no sample
+    /// is much more work than another. True once all of them are learned from.
     pub(crate) fn learn(&mut self, frames: [Option<&StrutFrame<T>>; 4]) -> bool {
-        let (mut earliest_s, mut latest_s) = (f64::INFINITY, f64::NEG_INFINITY);
-        for (_, frame) in frames.iter().enumerate().filter(|(corner, _)| self.body.has(*corner)) {
-            let Some(frame) = frame else { return false };
-            (earliest_s, latest_s) = (earliest_s.min(frame.time_s), latest_s.max(frame.time_s));
+        let Some([earliest_s, latest_s]) = self.times(&frames) else { return false };
+        if latest_s - earliest_s < SAME_S && earliest_s > self.time_s {
+            self.time_s = latest_s;
+            self.begin_learning();
         }
-        if !(latest_s - earliest_s < SAME_S && earliest_s > self.time_s) {
+        if self.units_left == 0 {
             return false;
         }
-        self.time_s = latest_s;
-        let seconds = T::lit(0.5 / BIN_SPACING_HZ);
+        self.units_left -= 1;
+        match self.units_left {
+            0 => self.fit(),
+            left => self.accumulate(&frames, BINS - left.min(BINS)),
+        }
+        self.units_left == 0
+    }
+
+    /// Times in s of the earliest and the latest frame of the corners that there are.
+    fn times(&self, frames: &[Option<&StrutFrame<T>>; 4]) -> Option<[f64; 2]> {
+        let (mut earliest_s, mut latest_s) = (f64::INFINITY, f64::NEG_INFINITY);
+        for (_, frame) in frames.iter().enumerate().filter(|(corner, _)| self.body.has(*corner)) {
+            let time_s = frame.as_ref()?.time_s;
+            (earliest_s, latest_s) = (earliest_s.min(time_s), latest_s.max(time_s));
+        }
+        Some([earliest_s, latest_s])
+    }
+
+    fn begin_learning(&mut self) {
+        let seconds = T::lit(SECONDS);
         self.learned_s += seconds;
         self.known |= self.learned_s >= T::lit(ENOUGH_S);
         let keep = (-seconds / T::lit(MEMORY_S).min(self.learned_s.max(T::lit(1.0)))).exp();
         self.information *= keep;
         self.score *= keep;
-        self.accumulate(&frames, seconds);
-        self.fit();
-        true
+        self.units_left = BINS + 1;
     }
 
     /// Slip forces in N of a corner's elements, once enough was seen.
@@ -199,60 +223,60 @@ impl<T: Real> BodyEquation<T> {
         (parts, whole)
     }
 
-    fn accumulate(&mut self, frames: &[Option<&StrutFrame<T>>; 4], seconds: T) {
+    /// Learns from a bin of the frames.
+    #[inline(never)]
+    fn accumulate(&mut self, frames: &[Option<&StrutFrame<T>>; 4], bin: usize) {
+        let (bin, seconds) = (bin.min(BINS - 1), T::lit(SECONDS));
         let (parts, whole) = self.compliance();
         let x = self.parameters;
         let settled_s = (self.learned_s - T::lit(SETTLING_S)).max(seconds);
         let gain = T::one() - (-seconds / T::lit(POWER_S).min(settled_s)).exp();
-        for bin in 0..BINS {
-            let forces = self.forces(frames, bin);
-            let omega = T::two_pi() * T::lit((bin + 1) as f64 * BIN_SPACING_HZ);
-            for row in (0..4).filter(|&row| self.body.has(row)) {
-                let row = row.min(3);
-                let Some(frame) = frames[row] else { continue };
-                let body = frame.spectra.at(bin, BODY);
-                let mut slope = SVector::<Complex<T>, SIZE>::zeros();
-                let (mut residual, mut noise) = (body, omega * omega * self.noise_density[row]);
-                for (column, force) in forces.iter().enumerate() {
-                    let (row, column) = (row.min(3), column.min(3));
-                    let g = whole[(row, column)];
-                    residual -= force.total * g;
-                    for (inertia, part) in parts[..WARP_MODE].iter().enumerate() {
-                        slope[INERTIA + inertia] += force.total * part[(row, column)];
-                    }
-                    slope[WARP] -= force.total * parts[WARP_MODE][(row, column)];
-                    slope[DAMPER + column] = -force.damper * g;
-                    slope[SPRING + column] = -force.spring * g;
-                    slope[BAR + column / 2] -= force.bar * g;
-                    for (element, rate) in force.elements.iter().enumerate() {
-                        slope[SLIP + 4 * element + column] = -*rate * g;
-                    }
-                    noise += g * g * force.noise;
+        let forces = self.forces(frames, bin);
+        let omega = T::two_pi() * T::lit((bin + 1) as f64 * BIN_SPACING_HZ);
+        for row in (0..4).filter(|&row| self.body.has(row)) {
+            let row = row.min(3);
+            let Some(frame) = frames[row] else { continue };
+            let body = frame.spectra.at(bin, BODY);
+            let mut slope = SVector::<Complex<T>, SIZE>::zeros();
+            let (mut residual, mut noise) = (body, omega * omega * self.noise_density[row]);
+            for (column, force) in forces.iter().enumerate() {
+                let (row, column) = (row.min(3), column.min(3));
+                let g = whole[(row, column)];
+                residual -= force.total * g;
+                for (inertia, part) in parts[..WARP_MODE].iter().enumerate() {
+                    slope[INERTIA + inertia] += force.total * part[(row, column)];
                 }
-                let powers = &mut self.powers[row];
-                let follow = |of: &mut T, now: T| *of += gain * (now - *of);
-                follow(&mut powers.body[bin], body.norm_sqr());
-                let velocity = frame.spectra.at(bin, VELOCITY);
-                follow(&mut powers.velocity[bin], velocity.norm_sqr());
-                for element in 0..ELEMENTS {
-                    let cross = frame.spectra.at(bin, FRICTION + element) * velocity.conj();
-                    follow(&mut powers.elements[(bin, 2 * element)], cross.re);
-                    follow(&mut powers.elements[(bin, 2 * element + 1)], cross.im);
+                slope[WARP] -= force.total * parts[WARP_MODE][(row, column)];
+                slope[DAMPER + column] = -force.damper * g;
+                slope[SPRING + column] = -force.spring * g;
+                slope[BAR + column / 2] -= force.bar * g;
+                for (element, rate) in force.elements.iter().enumerate() {
+                    slope[SLIP + 4 * element + column] = -*rate * g;
                 }
-                follow(&mut powers.residual[bin], residual.norm_sqr());
-                follow(&mut powers.noise[bin], noise);
-                // A loud frame, as over a hole, counts no more than a usual one.
-                let loud = (body.norm_sqr() / powers.body[bin].max(T::lit(1e-12))).max(T::one());
-                let error = T::lit(MODEL_ERROR * MODEL_ERROR) * powers.body[bin];
-                let weight =
-                    T::lit(2.0 * OVERLAP) / ((powers.residual[bin] + error).max(T::lit(1e-12)) * loud);
-                // Towards the parameters at which the linearised residual vanishes.
-                let [re, im] = [slope.map(|s| s.re), slope.map(|s| s.im)];
-                let target = [re.dot(&x) - residual.re, im.dot(&x) - residual.im];
-                for (slope, target) in [re, im].iter().zip(target) {
-                    self.information.ger(weight, slope, slope, T::one());
-                    self.score.axpy(weight * target, slope, T::one());
-                }
+                noise += g * g * force.noise;
+            }
+            let powers = &mut self.powers[row];
+            let follow = |of: &mut T, now: T| *of += gain * (now - *of);
+            follow(&mut powers.body[bin], body.norm_sqr());
+            let velocity = frame.spectra.at(bin, VELOCITY);
+            follow(&mut powers.velocity[bin], velocity.norm_sqr());
+            for element in 0..ELEMENTS {
+                let cross = frame.spectra.at(bin, FRICTION + element) * velocity.conj();
+                follow(&mut powers.elements[(bin, 2 * element)], cross.re);
+                follow(&mut powers.elements[(bin, 2 * element + 1)], cross.im);
+            }
+            follow(&mut powers.residual[bin], residual.norm_sqr());
+            follow(&mut powers.noise[bin], noise);
+            // A loud frame, as over a hole, counts no more than a usual one.
+            let loud = (body.norm_sqr() / powers.body[bin].max(T::lit(1e-12))).max(T::one());
+            let error = T::lit(MODEL_ERROR * MODEL_ERROR) * powers.body[bin];
+            let weight = T::lit(2.0 * OVERLAP) / ((powers.residual[bin] + error).max(T::lit(1e-12)) * loud);
+            // Towards the parameters at which the linearised residual vanishes.
+            let [re, im] = [slope.map(|s| s.re), slope.map(|s| s.im)];
+            let target = [re.dot(&x) - residual.re, im.dot(&x) - residual.im];
+            for (slope, target) in [re, im].iter().zip(target) {
+                self.information.ger(weight, slope, slope, T::one());
+                self.score.axpy(weight * target, slope, T::one());
             }
         }
     }

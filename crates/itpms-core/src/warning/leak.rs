@@ -65,9 +65,10 @@ impl<T: Real> LeakWatch<T> {
         least_kpa_per_min: T,
         doubted: [bool; 2],
     ) {
+        let lasted_s = self.kept_s.map(|kept_s| T::lit(time_s - kept_s));
         for wheel in 0..4 {
             let Some(pressure) = now[wheel] else { continue };
-            let fall = self.steepest_fall(time_s, wheel, pressure, &now, reference_kpa[wheel]);
+            let fall = self.steepest_fall(&lasted_s, wheel, pressure, &now, reference_kpa[wheel]);
             let evidence = match fall {
                 Some(rate) if rate >= least_kpa_per_min => {
                     let leak = &self.leaks[wheel];
@@ -91,24 +92,23 @@ impl<T: Real> LeakWatch<T> {
     /// The highest rate of a fall that is certain, in kPa per minute.
     fn steepest_fall(
         &self,
-        time_s: f64,
+        lasted_s: &[T; KEPT],
         wheel: usize,
         [pressure, variance]: [T; 2],
         now: &[Kept<T>; 4],
         reference_kpa: T,
     ) -> Option<T> {
         let mut steepest = None;
-        for (kept, kept_s) in self.kept.iter().zip(self.kept_s) {
-            let lasted_s = time_s - kept_s;
+        for (kept, lasted_s) in self.kept.iter().zip(lasted_s) {
             let Some([before, variance_before]) = kept[wheel] else { continue };
-            if !(SHORTEST_S..LONGEST_S).contains(&lasted_s) {
+            if !(*lasted_s >= T::lit(SHORTEST_S) && *lasted_s < T::lit(LONGEST_S)) {
                 continue;
             }
             // If the others fell, too, only what this one fell more counts; if they rose, that is no fall.
             let fall = before - pressure - others_fall(kept, now, wheel).max(T::zero());
-            let sd = (variance + variance_before).sqrt();
-            if fall > T::lit(CERTAIN) * sd && fall > T::lit(LEAST_FALL) * reference_kpa {
-                let rate = fall * T::lit(60.0 / lasted_s);
+            let certain = T::lit(CERTAIN * CERTAIN) * (variance + variance_before);
+            if fall > T::lit(LEAST_FALL) * reference_kpa && fall * fall > certain {
+                let rate = fall * T::lit(60.0) / *lasted_s;
                 steepest = Some(steepest.map_or(rate, |steepest: T| steepest.max(rate)));
             }
         }

@@ -3,6 +3,7 @@
 //!
 //! | module | idea |
 //! |---|---|
+//! | `frame_units` | in which order a frame of both axles is learned from, unit by unit |
 //! | `pseudo_measurement` | what a corner's road spectrum tells of its tire, as a measurement of the belief |
 //! | `realign` | a speed whose scale changes, or that is late: the axles meet at another delay than believed |
 //! | `single_wheel_estimate` | what a corner finds by itself, where front and rear hardly share a road |
@@ -10,21 +11,22 @@
 //! | `output` | stiffnesses and their covariance, as they are now |
 
 mod calibration_reading;
+mod frame_units;
 mod output;
 mod pseudo_measurement;
 mod realign;
 mod single_wheel_estimate;
 
 use self::calibration_reading::CalibrationReading;
+use self::frame_units::FrameQueue;
 pub(super) use self::output::FusedEstimate;
 use self::realign::DelayDetection;
 pub(super) use self::single_wheel_estimate::SingleWheelEstimate;
 use crate::belief::state::{SKEW, SKEW_UNIT_S, State, WHEELBASE};
-use crate::belief::{Belief, ENOUGH_S, LONGEST_SILENCE_S, LONGEST_STEP_S, Onset};
+use crate::belief::{Belief, ENOUGH_S, LONGEST_SILENCE_S, LONGEST_STEP_S, Onset, Tires};
 use crate::conditioning::GridSample;
 use crate::inter_axle::alignment::delay_search::Found;
 use crate::inter_axle::alignment::speed_latency::SpeedLatency;
-use crate::inter_axle::residual::model::{AxleFrame, Signals, linearize};
 use crate::inter_axle::residual::noise::within;
 use crate::inter_axle::{Aligned, HOP_S, InterAxle};
 use crate::memory::blank;
@@ -51,9 +53,15 @@ pub(super) struct Fusion<T: Real> {
     detections: [Option<DelayDetection<T>>; 2],
     speed_latency: SpeedLatency<T>,
     calibration_reading: CalibrationReading<T>,
+    queue: FrameQueue<T>,
+    /// What is believed of the tires, as of the last frame that was learned from.
+    tires: Tires<T>,
 }
 
-blank!(Fusion<T> { inter_axle, belief, single_wheel, pseudo_measured_s, detections, speed_latency, calibration_reading });
+blank!(Fusion<T> {
+    inter_axle, belief, single_wheel, pseudo_measured_s, detections, speed_latency, calibration_reading,
+    queue, tires,
+});
 
 impl<T: Real> Fusion<T> {
     /// The wheelbase in m of a car with both corners of a side; `None`: there is nothing to fuse.
@@ -75,6 +83,8 @@ impl<T: Real> Fusion<T> {
         self.pseudo_measured_s = [f64::NEG_INFINITY; 4];
         self.detections = [None; 2];
         self.speed_latency = SpeedLatency::new();
+        self.queue.clear();
+        self.tires = self.belief.tires();
     }
 
     /// Takes the time and the speed of the samples that follow.
@@ -91,7 +101,7 @@ impl<T: Real> Fusion<T> {
             Some(Aligned::FirstDelay(found)) => self.update_delay(side, &found),
             Some(Aligned::Frame(frame, found)) => {
                 if let Some(frame) = frame {
-                    self.learn(side, &frame);
+                    self.enqueue(side, frame, entry.time_s);
                 }
                 if let Some(found) = found {
                     self.realign(side, found, entry.time_s);
@@ -114,50 +124,16 @@ impl<T: Real> Fusion<T> {
         });
     }
 
-    /// Predicts the belief to a frame and updates it.
-    #[inline(never)]
-    fn learn(&mut self, side: usize, frame: &AxleFrame<T>) {
-        let side = side.min(1);
-        let Some(wheels) = self.inter_axle.wheels(side) else { return };
-        self.predict(frame.middle_s);
-        if let Some(time_s) = self.belief.checkpoint() {
-            self.inter_axle.pairs_mut().iter_mut().for_each(|pair| pair.checkpoint(time_s));
-        }
-        for corner in [side, side + 2] {
-            self.belief.drop_settled(corner, frame.middle_s);
-        }
-        self.inter_axle.set_delay(side, frame.delay_s);
-        let opposite = self.inter_axle.pair(1 - side);
-        let opposite_parts = opposite.is_parting();
-        let meanwhile = self.inter_axle.pair(side).found_meanwhile(opposite, frame.middle_s);
-        let state = self.belief.most_likely().mean;
-        let mut learned_s = 0.0;
-        // By reference: what is handed on is copied on its way.
-        let measured = self.inter_axle.pair_mut(side).measure(frame, &wheels, &state, meanwhile);
-        if let Some(measured) = &measured {
-            let at = |state: &State<T>| linearize(frame, Signals::Measured, &wheels, side, state);
-            let record = self.belief.update(&measured.measurement, at);
-            if let Some(record) = &record
-                && self.inter_axle.pair_mut(side).learn(frame, measured, record, opposite_parts)
-            {
-                learned_s = 0.5 * HOP_S;
-                self.inter_axle.learned();
-            }
-        }
-        self.belief.settle(learned_s);
-    }
-
-    fn predict(&mut self, time_s: f64) {
+    fn onset(&self) -> Onset<T> {
         let pair = |corner: usize| self.inter_axle.pair(corner % 2);
         // Hardly, where front and rear meet different roads.
         let incoherence = pair(0).incoherence().max(pair(1).incoherence());
         let rate = |i: usize| self.single_wheel[i].onset_rate(pair(i).lasting_incoherence());
-        let onset = Onset {
+        Onset {
             several_scale: within(incoherence, INCOHERENT),
             rates: core::array::from_fn(rate),
             longest_step_s: if self.inter_axle.spectral_only() { LONGEST_SILENCE_S } else { LONGEST_STEP_S },
-        };
-        self.belief.predict(time_s, &onset);
+        }
     }
 
     /// Drops the checkpoints and saves what is believed now.
@@ -177,6 +153,7 @@ impl<T: Real> Fusion<T> {
     /// For some seconds sensors of the `suspected` corners may have been wrong: what was learned meanwhile is taken back, if it
     /// contradicts what was known before.
     pub(super) fn rollback(&mut self, suspected: [bool; 4]) {
+        self.queue.clear();
         if let Some(time_s) = self.belief.rollback(suspected) {
             self.inter_axle.pairs_mut().iter_mut().for_each(|pair| pair.restore(time_s));
             self.checkpoint_anew();
@@ -185,6 +162,7 @@ impl<T: Real> Fusion<T> {
 
     /// A corner's sensors were out of order.
     pub(super) fn restart(&mut self, corner: usize) {
+        self.queue.clear();
         self.belief.restart_tire(corner);
     }
 
@@ -205,6 +183,7 @@ impl<T: Real> Fusion<T> {
 
     /// A calibration begins with the next frame.
     pub(super) fn begin_calibration(&mut self) {
+        self.queue.clear();
         self.belief.begin_calibration();
         self.calibration_reading = CalibrationReading::new();
     }

@@ -22,18 +22,21 @@ pub(in crate::car) struct FusedEstimate<T: Real> {
 }
 
 impl<T: Real> Fusion<T> {
-    /// What is believed now.
-    pub(in crate::car) fn estimate(&self) -> FusedEstimate<T> {
-        let age_s = self.inter_axle.travel().time_s() - self.belief.time_s();
+    /// What is believed now; in the middle of a frame, what was before it.
+    pub(in crate::car) fn estimate(&mut self) -> FusedEstimate<T> {
+        if self.is_at_rest() {
+            self.tires = self.belief.tires();
+        }
+        let age_s = self.inter_axle.travel().time_s() - self.tires.time_s();
         let age_s = if age_s > 0.0 { T::lit(age_s.min(1.0)) } else { T::zero() };
         // What is believed of a front tire is as old as the road under the rear wheel.
         let delay_s = self.inter_axle.delay_s();
         let ages = [age_s + delay_s[0], age_s + delay_s[1], age_s, age_s];
-        let (mean, covariance) = self.belief.tires(&ages);
+        let (mean, covariance) = self.tires.after(&ages);
         let floor = T::lit(LEAST_COMPLIANCE);
         let placard_n_per_m = &self.belief.scale().placard_n_per_m;
         let stiffness = SVector::<T, 4>::from_fn(|i, _| placard_n_per_m[i] / (T::one() + mean[i]).max(floor));
-        let (changing_tires, changing) = self.belief.changing();
+        let (changing_tires, changing) = (self.tires.changing, self.tires.any_changes);
         let by = SVector::<T, 4>::from_fn(|i, _| {
             (T::one() + T::lit(CHANGING_SD) * changing_tires[i]) * stiffness[i]
                 / (T::one() + mean[i]).max(floor)

@@ -50,7 +50,8 @@ impl<T: Real> Fusion<T> {
             self.calibration_reading.take(corner, excess_kpa, variance * per_kpa * per_kpa);
         }
         if self.inter_axle.spectral_only() || !(time_s - self.belief.time_s() < LONGEST_STEP_S) {
-            self.predict(time_s);
+            let onset = self.onset();
+            self.belief.predict(time_s, &onset);
         }
         let since_s = (time_s - self.pseudo_measured_s[corner]).clamp(0.0, LONGEST_SILENCE_S);
         self.pseudo_measured_s[corner] = time_s;

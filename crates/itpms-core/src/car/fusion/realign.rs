@@ -60,6 +60,7 @@ impl<T: Real> Fusion<T> {
         if let Some(lag) = lag {
             self.correct(&lag);
         } else if changed {
+            self.queue.clear();
             let sd = T::lit(FOUND_SD_S) / left.found.delay_s.min(right.found.delay_s);
             self.restore();
             self.belief.set_quantity(WHEELBASE, &Learned { value: rho, sd }, T::one());
@@ -71,6 +72,7 @@ impl<T: Real> Fusion<T> {
     /// The speed comes late, and did so all the time: what was learned of the car meanwhile is worth little, and of the tires less than it
     /// seemed.
     fn correct(&mut self, lag: &Latency<T>) {
+        self.queue.clear();
         self.inter_axle.add_speed_latency(lag.seconds.to_f64());
         self.speed_latency = SpeedLatency::new();
         let tires = self.belief.restore_point().map(|before| {

@@ -73,12 +73,16 @@ fn of_other_side<T: Real>(ahead: Option<T>, beside: OppositeSide<T>, ratio: T) -
 }
 
 /// A frame's measurement for the belief, and what the pair keeps of it.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Measured<T: Real> {
     pub(crate) measurement: SideMeasurement<T>,
     common: [Complex<T>; BINS],
     /// Sensor noise in the residual, per bin.
     noise: [T; BINS],
 }
+
+blank!(Measured<T> { measurement, common, noise });
 
 /// A correction and the time it was saved at.
 #[derive(Debug, Clone, PartialEq)]

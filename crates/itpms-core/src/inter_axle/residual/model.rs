@@ -12,6 +12,7 @@ use crate::belief::state::{
 use crate::inter_axle::alignment::channel::{BOTH, SEEN, high_pass_power};
 use crate::inter_axle::residual::correction::FrfRatios;
 use crate::inter_axle::{BIN_SPACING_HZ, Frame, bin_hz};
+use crate::memory::blank;
 use crate::real::Real;
 use crate::spectrum::transfer::{Body, sine_window_power};
 
@@ -35,6 +36,7 @@ pub(crate) struct Wheel<T> {
 
 /// A complete frame of both axles, and where it was taken.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct AxleFrame<T: Real> {
     /// Spectra of the front's and the rear's signals, then of what both would be on the common road.
     pub(crate) frame: Frame<T>,
@@ -48,6 +50,8 @@ pub(crate) struct AxleFrame<T: Real> {
     pub(crate) used_wheelbase: T,
     pub(crate) used_skew: T,
 }
+
+blank!(AxleFrame<T> { frame, middle_s, delay_s, stretch, used_wheelbase, used_skew });
 
 /// Whose signals of a frame.
 #[derive(Debug, Clone, Copy)]
@@ -218,7 +222,7 @@ impl<'a, T: Real> UnitRoad<'a, T> {
             let root = weight.sqrt();
             for part in [slope.map(|of| of.re * root), slope.map(|of| of.im * root)] {
                 for column in 0..SIDE_SIZE {
-                    for row in 0..SIDE_SIZE {
+                    for row in column..SIDE_SIZE {
                         sum[(row, column)] += part[row] * part[column];
                     }
                 }
@@ -227,6 +231,7 @@ impl<'a, T: Real> UnitRoad<'a, T> {
                 Matrix2::from_fn(|i, j| (slope[SIDE_BARS[i]] * slope[SIDE_BARS[j]].conj()).re * weight);
             total += weight;
         }
+        sum.fill_upper_triangle_with_lower_triangle();
         // The other side moves as much, by itself, and alike under both axles.
         for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
             sum[(SIDE_BARS[i], SIDE_BARS[j])] += other_side[(i, j)];

@@ -1,0 +1,69 @@
+//! What is believed of the tires at a moment, over all hypotheses: enough to say it for any moment after, in which those that change
+//! go on at their rates.
+
+use nalgebra::{SMatrix, SVector};
+
+use super::gaussian::Hypothesis;
+use super::state::{RATE, TIRE};
+use crate::memory::blank;
+use crate::real::Real;
+
+/// See the [module](self).
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Tires<T: Real> {
+    /// Time in s of it.
+    pub(super) time_s: f64,
+    /// Means of the compliances, and of their rates; the products of both.
+    mean: SVector<T, 4>,
+    rate: SVector<T, 4>,
+    square: SMatrix<T, 4, 4>,
+    rate_by_mean: SMatrix<T, 4, 4>,
+    rate_square: SMatrix<T, 4, 4>,
+    /// Probability that each tire changes, and that any does.
+    pub(crate) changing: [T; 4],
+    pub(crate) any_changes: T,
+}
+
+blank!(Tires<T> { time_s, mean, rate, square, rate_by_mean, rate_square, changing, any_changes });
+
+impl<T: Real> Tires<T> {
+    /// Adds a hypothesis of this weight in which those compliances follow the rate that are `changing`.
+    pub(super) fn add(&mut self, hypothesis: &Hypothesis<T>, weight: T, changing: &[T; 4]) {
+        let Hypothesis { mean, covariance, .. } = hypothesis;
+        let rate = mean[RATE];
+        for i in 0..4 {
+            let tire = mean[TIRE + i];
+            self.mean[i] += weight * tire;
+            self.rate[i] += weight * changing[i] * rate;
+            for j in 0..4 {
+                self.square[(i, j)] += weight * (covariance[(TIRE + i, TIRE + j)] + tire * mean[TIRE + j]);
+                if changing[i] > T::zero() {
+                    self.rate_by_mean[(i, j)] +=
+                        weight * (covariance[(RATE, TIRE + j)] + rate * mean[TIRE + j]);
+                    self.rate_square[(i, j)] +=
+                        weight * changing[j] * (covariance[(RATE, RATE)] + rate * rate);
+                }
+            }
+        }
+    }
+
+    /// Mean and covariance of the compliances, each so many seconds later.
+    pub(crate) fn after(&self, seconds: &[T; 4]) -> (SVector<T, 4>, SMatrix<T, 4, 4>) {
+        let mean = SVector::<T, 4>::from_fn(|i, _| self.mean[i] + seconds[i] * self.rate[i]);
+        let covariance = SMatrix::from_fn(|i, j| {
+            let (by_i, by_j) = (seconds[i], seconds[j]);
+            self.square[(i, j)]
+                + by_i * self.rate_by_mean[(i, j)]
+                + by_j * self.rate_by_mean[(j, i)]
+                + by_i * by_j * self.rate_square[(i, j)]
+                - mean[i] * mean[j]
+        });
+        (mean, covariance)
+    }
+
+    /// Time in s of it.
+    pub(crate) fn time_s(&self) -> f64 {
+        self.time_s
+    }
+}

@@ -1,0 +1,195 @@
+//! The work of a frame of both axles, in units of which one is due every [`UNIT_S`] seconds: no sample costs much more than another. Frames of both sides are done with before the next ones are complete, and what they say is published then.
+
+use super::Fusion;
+use crate::belief::state::State;
+use crate::belief::{HYPOTHESES, PREDICTION_PARTS};
+use crate::inter_axle::HOP_S;
+use crate::inter_axle::alignment::axle_pair::Measured;
+use crate::inter_axle::residual::model::{AxleFrame, Signals, linearize};
+use crate::memory::{Placed, blank};
+use crate::real::Real;
+
+/// Time in s between two units.
+const UNIT_S: f64 = 0.002;
+/// Longest time in s of which the units are done at once, as after a gap in the samples.
+const MOST_S: f64 = 0.02;
+
+/// A piece of a frame's work.
+#[derive(Clone, Copy)]
+enum Unit {
+    /// A part of the belief's prediction to the frame.
+    Predict(usize),
+    /// A checkpoint of the belief, when one is due.
+    Checkpoint,
+    /// What the frame measures, and what that is worth.
+    Measure,
+    /// One hypothesis is updated.
+    Update(usize),
+    /// Hypotheses are weighed, and what is known of the side learns from it.
+    Conclude,
+}
+
+/// All units, in the order in which they are done.
+const ORDER: [Unit; UNITS] = {
+    let mut order = [Unit::Conclude; UNITS];
+    let mut part = 0;
+    while part < PREDICTION_PARTS {
+        order[part] = Unit::Predict(part);
+        part += 1;
+    }
+    order[PREDICTION_PARTS] = Unit::Checkpoint;
+    order[PREDICTION_PARTS + 1] = Unit::Measure;
+    let mut hypothesis = 0;
+    while hypothesis < HYPOTHESES {
+        order[PREDICTION_PARTS + 2 + hypothesis] = Unit::Update(hypothesis);
+        hypothesis += 1;
+    }
+    order
+};
+const UNITS: usize = PREDICTION_PARTS + HYPOTHESES + 3;
+/// Both sides' units have to fit into a hop, with what falls due between two samples at 50 Hz.
+const _: () = assert!(2.0 * UNITS as f64 * UNIT_S < HOP_S - MOST_S);
+
+/// Frames that are to be learned from. See the [module](self).
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct FrameQueue<T: Real> {
+    /// The sides' frames; that of which side is done first.
+    frames: [Placed<AxleFrame<T>>; 2],
+    first: usize,
+    /// Units of the first one that are done.
+    done: usize,
+    /// When the next one is due, in s.
+    due_s: f64,
+    /// What the first one measures, once that is known.
+    measured: Placed<Measured<T>>,
+}
+
+blank!(FrameQueue<T> { frames, first, done, due_s, measured });
+
+impl<T: Real> FrameQueue<T> {
+    /// Forgets its frames.
+    pub(super) fn clear(&mut self) {
+        self.frames.iter_mut().for_each(Placed::clear);
+        self.measured.clear();
+        self.done = 0;
+    }
+
+    fn is_empty(&self) -> bool {
+        self.frames.iter().all(|frame| frame.as_ref().is_none())
+    }
+
+    /// Whether a unit is due; counts it.
+    fn is_due(&mut self, time_s: f64) -> bool {
+        let due = !self.is_empty() && self.due_s <= time_s;
+        if due {
+            self.due_s = (self.due_s + UNIT_S).max(time_s - MOST_S);
+        }
+        due
+    }
+}
+
+impl<T: Real> Fusion<T> {
+    /// Takes a complete frame of a side.
+    pub(super) fn enqueue(&mut self, side: usize, frame: AxleFrame<T>, time_s: f64) {
+        let side = side.min(1);
+        // Only where samples come less often than they should.
+        while self.queue.frames[side].as_ref().is_some() {
+            self.do_unit();
+        }
+        if self.queue.is_empty() {
+            (self.queue.first, self.queue.done, self.queue.due_s) = (side, 0, time_s + UNIT_S);
+        }
+        self.queue.frames[side].place(|place| *place = frame);
+    }
+
+    /// Does the units that are due.
+    pub(in crate::car) fn work_on(&mut self, time_s: f64) {
+        while self.queue.is_due(time_s) {
+            self.do_unit();
+        }
+    }
+
+    /// Whether the belief is at rest, and not in the middle of a frame.
+    pub(in crate::car) fn is_at_rest(&self) -> bool {
+        self.queue.is_empty()
+    }
+
+    /// Does the next unit.
+    #[inline(never)]
+    fn do_unit(&mut self) {
+        let side = self.queue.first.min(1);
+        let unit = ORDER.get(self.queue.done).copied().unwrap_or(Unit::Conclude);
+        self.queue.done += 1;
+        match unit {
+            Unit::Predict(part) => self.predict_to_frame(side, part),
+            Unit::Checkpoint => {
+                if let Some(time_s) = self.belief.checkpoint() {
+                    self.inter_axle.pairs_mut().iter_mut().for_each(|pair| pair.checkpoint(time_s));
+                }
+            }
+            Unit::Measure => self.measure(side),
+            Unit::Update(hypothesis) => self.update_hypothesis(side, hypothesis),
+            Unit::Conclude => {
+                self.conclude(side);
+                self.queue.measured.clear();
+                self.queue.frames[side].clear();
+                (self.queue.first, self.queue.done) = (1 - side, 0);
+                self.tires = self.belief.tires();
+            }
+        }
+    }
+
+    fn predict_to_frame(&mut self, side: usize, part: usize) {
+        if part == 0
+            && let Some(frame) = self.queue.frames[side].as_ref()
+        {
+            let (time_s, delay_s) = (frame.middle_s, frame.delay_s);
+            let onset = self.onset();
+            self.belief.begin_prediction(time_s, &onset);
+            self.inter_axle.set_delay(side, delay_s);
+        }
+        self.belief.predict_part(part);
+    }
+
+    #[inline(never)]
+    fn measure(&mut self, side: usize) {
+        let (Some(frame), Some(wheels)) = (self.queue.frames[side].as_ref(), self.inter_axle.wheels(side))
+        else {
+            return;
+        };
+        for corner in [side, side + 2] {
+            self.belief.drop_settled(corner, frame.middle_s);
+        }
+        let opposite = self.inter_axle.pair(1 - side);
+        let meanwhile = self.inter_axle.pair(side).found_meanwhile(opposite, frame.middle_s);
+        let state = &self.belief.most_likely().mean;
+        let measured = self.inter_axle.pair_mut(side).measure(frame, &wheels, state, meanwhile);
+        if let Some(measured) = measured {
+            self.belief.begin_update(&measured.measurement);
+            self.queue.measured.place(|place| *place = measured);
+        }
+    }
+
+    #[inline(never)]
+    fn update_hypothesis(&mut self, side: usize, hypothesis: usize) {
+        let frame = self.queue.frames[side].as_ref().zip(self.queue.measured.as_ref());
+        let (Some((frame, measured)), Some(wheels)) = (frame, self.inter_axle.wheels(side)) else { return };
+        let at = |state: &State<T>| linearize(frame, Signals::Measured, &wheels, side, state);
+        self.belief.update_hypothesis(hypothesis, &measured.measurement, at);
+    }
+
+    #[inline(never)]
+    fn conclude(&mut self, side: usize) {
+        let opposite_parts = self.inter_axle.pair(1 - side).is_parting();
+        let mut learned_s = 0.0;
+        if let Some((frame, measured)) = self.queue.frames[side].as_ref().zip(self.queue.measured.as_ref())
+            && let Some(record) = self.belief.finish_update()
+            && self.inter_axle.pair_mut(side).learn(frame, measured, record, opposite_parts)
+        {
+            learned_s = 0.5 * HOP_S;
+            self.inter_axle.learned();
+        }
+        self.belief.settle(learned_s);
+    }
+}

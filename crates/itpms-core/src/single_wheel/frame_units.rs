@@ -1,0 +1,146 @@
+//! The work of a frame, in units of which every grid step does one: no sample costs much more than another. What a frame says is
+//! known [`ORDER`]'s length of steps later, and always before the next frame is complete.
+
+use super::dynamics::LEVEL_MODES;
+use super::gate::SpeedKnowledge;
+use super::road_fits::RoadFits;
+use super::road_model::Evidence;
+use super::{Frame, HOP_S, Informed, LEAST_GRID_HZ, OVERLAP, STANDING_M_S};
+use crate::memory::blank;
+use crate::real::Real;
+
+/// A piece of a frame's work.
+#[derive(Clone, Copy)]
+enum Unit {
+    /// The pressure begins to leak, or ends it; or nothing is known but that it may have wandered.
+    Leaks,
+    /// It moves, in one level mode.
+    Move(usize),
+    /// The road becomes smoother or rougher.
+    Levels,
+    /// It wanders in every cell.
+    Roads,
+    /// Roads are fitted to the frame in some of the cells.
+    Fit,
+    /// What was fitted is interpolated between them, and every cell weighed.
+    Weigh,
+    /// The tables follow the car, by two bins of a cell.
+    Tables,
+}
+
+/// Units in which cells are fitted.
+const FITS: u32 = 13;
+/// All units, in the order in which they are done. None counts for more than some hundredth of a frame's work.
+const ORDER: [Unit; 21] = {
+    let mut order = [Unit::Fit; 21];
+    [order[0], order[1], order[2], order[3]] = [Unit::Leaks, Unit::Move(0), Unit::Move(1), Unit::Move(2)];
+    [order[4], order[5], order[19], order[20]] = [Unit::Levels, Unit::Roads, Unit::Weigh, Unit::Tables];
+    order
+};
+const _: () = assert!(LEVEL_MODES == 3 && ORDER.len() == 8 + FITS as usize);
+/// A frame's units have to fit into its hop.
+const _: () = assert!(ORDER.len() < (HOP_S * LEAST_GRID_HZ) as usize);
+
+/// What is left to do with a frame.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct FrameWork<T: Real> {
+    /// Whether there is any, and how many units are done.
+    under_way: bool,
+    done: usize,
+    /// Whether the pressure is to be moved on, and not on a road that repeats itself.
+    moves: bool,
+    evidence: Evidence<T>,
+    log_speed_ratio: T,
+    /// Variance of the pressure in cells² before it moved.
+    before_cells2: T,
+    fits: RoadFits<T>,
+}
+
+blank!(FrameWork<T> { under_way, done, moves, evidence, log_speed_ratio, before_cells2, fits });
+
+impl<T: Real> FrameWork<T> {
+    /// There is nothing to do.
+    pub(super) fn clear(&mut self) {
+        self.under_way = false;
+    }
+}
+
+impl<T: Real> Informed<T> {
+    /// Takes a complete frame: what it is worth, what it says of the body, and what is to be done with it.
+    pub(super) fn begin_frame(&mut self, frame: &Frame<T>, speed_m_s: T) {
+        self.held_frames = self.held_frames.saturating_sub(1);
+        let (cell, road) = self.posterior.most_likely();
+        let mut evidence = self.evidence(frame, speed_m_s, road.longest_envelope_m());
+        let speed = if speed_m_s.is_finite() { SpeedKnowledge::Known } else { SpeedKnowledge::Unknown };
+        self.gate.look(&evidence, &self.tables, cell, &road, speed);
+        if self.invalid || speed_m_s < T::lit(STANDING_M_S) {
+            self.gate.close();
+        }
+        self.invalid = false;
+        self.notice_stop(speed_m_s);
+        evidence.weight = T::lit(OVERLAP) * self.gate.open();
+        let ratio = speed_m_s / self.last_speed_m_s;
+        self.last_speed_m_s = speed_m_s;
+        let seconds = self.gate.open() * T::lit(self.clock.hop_s());
+        // The same road again has the same spectrum again: it says nothing new of the tire.
+        let moves = !self.repeat.is_following();
+        if moves {
+            self.learned_s += seconds;
+        }
+        if evidence.weight > T::zero() {
+            let spacing = T::lit(self.clock.bin_spacing_hz());
+            self.body.learn(frame, spacing, self.noise_density, evidence.weight, seconds);
+        }
+        let known = ratio > T::zero() && ratio.is_finite();
+        let work = &mut self.work;
+        (work.under_way, work.done, work.moves, work.evidence) = (true, 0, moves, evidence);
+        work.log_speed_ratio = if known { ratio.ln() } else { T::zero() };
+        work.before_cells2 = self.posterior.summary().variance_cells2;
+    }
+
+    /// Does one unit of the newest frame's work; true if that was the last one.
+    pub(super) fn work_on(&mut self) -> bool {
+        if !self.work.under_way {
+            return false;
+        }
+        let unit = ORDER.get(self.work.done).copied().unwrap_or(Unit::Tables);
+        self.work.done += 1;
+        self.work.under_way = self.work.done < ORDER.len();
+        self.do_unit(unit);
+        !self.work.under_way
+    }
+
+    fn do_unit(&mut self, unit: Unit) {
+        let Self { posterior, tables, work, .. } = self;
+        let counts = work.moves && work.evidence.weight > T::zero();
+        match unit {
+            Unit::Leaks if counts => posterior.begin_or_end_leaks(),
+            Unit::Leaks if work.moves => {
+                posterior.hold();
+                self.note_growth();
+            }
+            Unit::Move(level) if counts => posterior.move_cells(level),
+            Unit::Levels if counts => posterior.mix_level_modes(),
+            Unit::Roads if counts => {
+                posterior.diffuse_roads(work.log_speed_ratio);
+                posterior.meet_road(&work.evidence, tables);
+                work.fits.begin(posterior, self.gate.surprise(), FITS);
+                self.note_growth();
+            }
+            Unit::Fit if counts => work.fits.fit_some(posterior, &work.evidence, tables),
+            Unit::Weigh if counts => {
+                let log_evidence = work.fits.finish(posterior);
+                posterior.weigh(log_evidence);
+            }
+            Unit::Tables => tables.refresh_next(&self.body.body(), &self.friction),
+            _ => {}
+        }
+    }
+
+    /// Notes by how much the pressure's variance grew as it moved on.
+    fn note_growth(&mut self) {
+        let after = self.posterior.summary().variance_cells2;
+        self.variance_growth = (after / self.work.before_cells2.max(T::lit(1e-3))).max(T::one());
+    }
+}
