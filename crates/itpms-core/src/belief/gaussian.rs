@@ -126,15 +126,31 @@ impl<T: Real> Hypothesis<T> {
         }
     }
 
-    /// Rounding leaves a covariance neither symmetric nor quite positive.
-    pub(crate) fn symmetrize(&mut self) {
-        for i in 0..SIZE {
-            for j in 0..i {
-                let mean = T::lit(0.5) * (self.covariance[(i, j)] + self.covariance[(j, i)]);
-                self.covariance[(i, j)] = mean;
-                self.covariance[(j, i)] = mean;
-            }
-            self.covariance[(i, i)] = self.covariance[(i, i)].max(T::zero());
+    /// Updates with a number of this variance and these derivatives that is by the innovation more than expected; gives the
+    /// innovation's variance.
+    pub(crate) fn update(&mut self, slope: &State<T>, innovation: T, variance: T) -> T {
+        // Most numbers depend on few quantities.
+        let mut spread = State::zeros();
+        for (column, &by) in self.covariance.column_iter().zip(slope).filter(|(_, by)| **by != T::zero()) {
+            spread.axpy(by, &column, T::one());
         }
+        let total = slope.dot(&spread) + variance;
+        if !(total > T::zero()) {
+            return total;
+        }
+        let share = T::one() / total;
+        self.mean.axpy(innovation * share, &spread, T::one());
+        // On one side of the diagonal, which keeps it symmetric, and entry by entry: a matrix in between would be the largest thing on
+        // the stack.
+        for i in 0..SIZE {
+            let by = spread[i] * share;
+            for j in 0..i {
+                let covariance = self.covariance[(i, j)] - by * spread[j];
+                self.covariance[(i, j)] = covariance;
+                self.covariance[(j, i)] = covariance;
+            }
+            self.covariance[(i, i)] = (self.covariance[(i, i)] - by * spread[i]).max(T::zero());
+        }
+        total
     }
 }

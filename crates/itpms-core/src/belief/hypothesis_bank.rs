@@ -124,34 +124,21 @@ impl<T: Real> HypothesisBank<T> {
         // What nobody believes in begins anew with the next prediction.
         for hypothesis in self.hypotheses.iter_mut().filter(|hypothesis| hypothesis.weight > T::zero()) {
             let (slope, innovation) = linearise(&hypothesis.mean);
-            let spread = &hypothesis.covariance * slope;
-            let total = slope.dot(&spread) + variance;
-            if !(total > T::zero()) {
-                continue;
-            }
-            hypothesis.mean += spread * (innovation / total);
-            // Entry by entry, as matrices in between would be the largest things on the stack.
-            for j in 0..SIZE {
-                for i in 0..SIZE {
-                    hypothesis.covariance[(i, j)] -= spread[i] * spread[j] / total;
-                }
-            }
-            hypothesis.symmetrize();
+            hypothesis.update(&slope, innovation, variance);
         }
     }
 
     /// The same of a number that also says how likely each hypothesis is.
     pub(super) fn update_reweighted(&mut self, variance: T, linearise: impl Fn(&State<T>) -> (State<T>, T)) {
         let mut log_weight = [T::zero(); HYPOTHESES];
-        for (hypothesis, log) in self.hypotheses.iter().zip(&mut log_weight) {
+        for (hypothesis, log) in self.hypotheses.iter_mut().zip(&mut log_weight) {
             let (slope, innovation) = linearise(&hypothesis.mean);
-            let total = slope.dot(&(&hypothesis.covariance * slope)) + variance;
+            let total = hypothesis.update(&slope, innovation, variance);
             let tails = T::lit(WORD_TAILS);
             let mahalanobis_sq = innovation * innovation / total;
             *log = T::lit(-0.5)
                 * (total.ln_fast() + (tails + T::one()) * (T::one() + mahalanobis_sq / tails).ln_fast());
         }
-        self.update(variance, linearise);
         self.reweigh(&log_weight);
     }
 

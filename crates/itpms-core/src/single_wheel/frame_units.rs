@@ -20,6 +20,8 @@ enum Unit {
     Levels,
     /// It wanders in every cell.
     Roads,
+    /// It is decided in which cells roads are fitted.
+    Choose,
     /// Roads are fitted to the frame in some of the cells.
     Fit,
     /// What was fitted is interpolated between them, and every cell weighed.
@@ -31,13 +33,14 @@ enum Unit {
 /// Units in which cells are fitted.
 const FITS: u32 = 13;
 /// All units, in the order in which they are done. None counts for more than some hundredth of a frame's work.
-const ORDER: [Unit; 21] = {
-    let mut order = [Unit::Fit; 21];
+const ORDER: [Unit; 22] = {
+    let mut order = [Unit::Fit; 22];
     [order[0], order[1], order[2], order[3]] = [Unit::Leaks, Unit::Move(0), Unit::Move(1), Unit::Move(2)];
-    [order[4], order[5], order[19], order[20]] = [Unit::Levels, Unit::Roads, Unit::Weigh, Unit::Tables];
+    [order[4], order[5], order[6]] = [Unit::Levels, Unit::Roads, Unit::Choose];
+    [order[20], order[21]] = [Unit::Weigh, Unit::Tables];
     order
 };
-const _: () = assert!(LEVEL_MODES == 3 && ORDER.len() == 8 + FITS as usize);
+const _: () = assert!(LEVEL_MODES == 3 && ORDER.len() == 9 + FITS as usize);
 /// A frame's units have to fit into its hop.
 const _: () = assert!(ORDER.len() < (HOP_S * LEAST_GRID_HZ) as usize);
 
@@ -122,8 +125,9 @@ impl<T: Real> Informed<T> {
             }
             Unit::Move(level) if counts => posterior.move_cells(level),
             Unit::Levels if counts => posterior.mix_level_modes(),
-            Unit::Roads if counts => {
-                posterior.diffuse_roads(work.log_speed_ratio);
+            Unit::Roads if counts => posterior.diffuse_roads(work.log_speed_ratio),
+            Unit::Choose if counts => {
+                posterior.normalise();
                 posterior.meet_road(&work.evidence, tables);
                 work.fits.begin(posterior, self.gate.surprise(), FITS);
                 self.note_growth();

@@ -205,7 +205,7 @@ impl<T: Real> Posterior<T> {
         }
     }
 
-    /// Roads wander: the last part of moving on. `log_speed_ratio` is the logarithm of the speed over that of the last step (zero if
+    /// Roads wander: the last part of moving on, but for [`normalise`](Self::normalise). `log_speed_ratio` is the logarithm of the speed over that of the last step (zero if
     /// unknown): a faster car meets the same road with more power.
     pub(crate) fn diffuse_roads(&mut self, log_speed_ratio: T) {
         let d = &self.dynamics;
@@ -230,7 +230,6 @@ impl<T: Real> Posterior<T> {
                 roads.set_mean(cell, &road.mean);
             }
         }
-        self.normalise();
     }
 
     /// Weighs the belief with a frame's log evidence for every level mode and cell.
@@ -333,8 +332,9 @@ impl<T: Real> Posterior<T> {
         self.road_known = true;
     }
 
-    fn normalise(&mut self) {
-        let total = self.weight.iter().flatten().fold(T::zero(), |sum, cells| sum + cells.sum());
+    /// Makes the weights probabilities, and sums up what they say.
+    pub(crate) fn normalise(&mut self) {
+        let total = self.cells().sum();
         if total > T::zero() && total.is_finite() {
             let by = T::one() / total;
             self.weight.iter_mut().flatten().for_each(|cells| *cells *= by);
@@ -344,8 +344,8 @@ impl<T: Real> Posterior<T> {
 
     fn summarise(&mut self) {
         let (mean_cell, variance_cells2) = moments(&self.cells());
-        let moving =
-            self.weight.iter().fold(T::zero(), |sum, level| sum + level[FALL].sum() + level[RISE].sum());
+        let moving = self.weight.iter().flat_map(|level| level[FALL].iter().chain(&level[RISE]));
+        let moving = moving.fold(T::zero(), |sum, &weight| sum + weight);
         self.summary = Summary { mean_cell, variance_cells2, moving: moving.min(T::one()) };
     }
 

@@ -91,14 +91,15 @@ impl<T: Real> FrameQueue<T> {
 
 impl<T: Real> Fusion<T> {
     /// Takes a complete frame of a side.
-    pub(super) fn enqueue(&mut self, side: usize, frame: AxleFrame<T>, time_s: f64) {
+    pub(super) fn enqueue(&mut self, side: usize, frame: AxleFrame<T>) {
         let side = side.min(1);
         // Only where samples come less often than they should.
         while self.queue.frames[side].as_ref().is_some() {
             self.do_unit();
         }
         if self.queue.is_empty() {
-            (self.queue.first, self.queue.done, self.queue.due_s) = (side, 0, time_s + UNIT_S);
+            let now_s = self.inter_axle.travel().time_s();
+            (self.queue.first, self.queue.done, self.queue.due_s) = (side, 0, now_s + UNIT_S);
         }
         self.queue.frames[side].place(|place| *place = frame);
     }

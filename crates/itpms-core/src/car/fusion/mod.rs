@@ -101,7 +101,7 @@ impl<T: Real> Fusion<T> {
             Some(Aligned::FirstDelay(found)) => self.update_delay(side, &found),
             Some(Aligned::Frame(frame, found)) => {
                 if let Some(frame) = frame {
-                    self.enqueue(side, frame, entry.time_s);
+                    self.enqueue(side, frame);
                 }
                 if let Some(found) = found {
                     self.realign(side, found, entry.time_s);

@@ -206,8 +206,9 @@ impl<T: Real> AxlePair<T> {
         let (delay_line, skew_s) = (&self.delay_line, T::lit(SKEW_UNIT_S) * skew);
         let stretch =
             delay_line.read(then_s).map_or(T::zero(), |read| (entry.speed_m_s / read.speed_m_s).ln());
+        let (steps, per_second) = (delay_line.steps_back(then_s), T::lit(1.0 / self.period_s));
         self.delay_search.push(rear, [delay_s, stretch], self.period_s, |later_s| {
-            let read = delay_line.read(then_s - (skew_s + later_s).to_f64())?;
+            let read = delay_line.read_back(steps + (skew_s + later_s) * per_second)?;
             Some(axles[0].road_velocity(&with_other(read.signals, None)))
         })
     }

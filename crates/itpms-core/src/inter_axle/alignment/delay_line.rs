@@ -102,13 +102,22 @@ impl<T: Real> DelayLine<T> {
 
     /// The signals at a time, through six points.
     pub(crate) fn read(&self, time_s: f64) -> Option<Read<T>> {
-        let steps = (self.time_s[self.place(0)] - time_s) / self.period_s;
-        if !(steps >= 2.0 && steps < self.filled as f64 - 3.0) {
+        self.read_back(self.steps_back(time_s))
+    }
+
+    /// Steps from a time to the newest entry.
+    pub(crate) fn steps_back(&self, time_s: f64) -> T {
+        T::lit((self.time_s[self.place(0)] - time_s) / self.period_s)
+    }
+
+    /// The signals so many steps before the newest entry.
+    pub(crate) fn read_back(&self, steps: T) -> Option<Read<T>> {
+        if !(steps >= T::lit(2.0) && steps < T::whole(self.filled as u32) - T::lit(3.0)) {
             return None;
         }
-        let back = steps as usize;
+        let back = steps.to_whole().unsigned_abs();
         // From the entry just after the time: two on its young side, three on its old one.
-        let offset = T::lit(steps - back as f64);
+        let (offset, back) = (steps - T::whole(back), back as usize);
         let (mut signals, mut invalid) = ([T::zero(); KEPT], false);
         for (i, &weight) in lagrange(offset).iter().enumerate() {
             let place = self.place(back + i - 2);

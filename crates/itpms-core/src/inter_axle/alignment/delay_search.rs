@@ -87,8 +87,10 @@ impl<T: Real> DelaySearch<T> {
         period_s: f64,
         front: impl Fn(T) -> Option<T>,
     ) -> Option<Found<T>> {
+        let (first_s, step_s) =
+            (self.shift_s(0, delay_s), self.shift_s(1, delay_s) - self.shift_s(0, delay_s));
         for i in 0..SHIFTS {
-            if let Some(front) = front(self.shift_s(i, delay_s)) {
+            if let Some(front) = front(first_s + step_s * T::whole(i as u32)) {
                 self.cross[i] += front * rear;
                 self.front[i] += front * front;
                 self.rear[i] += rear * rear;
@@ -129,6 +131,6 @@ impl<T: Real> DelaySearch<T> {
     /// Seconds of the `i`-th shift.
     fn shift_s(&self, i: usize, delay_s: T) -> T {
         let reach = T::lit(self.reach) * delay_s + T::lit(SECONDS);
-        reach * (T::lit(2.0 * i as f64 / (SHIFTS - 1) as f64) - T::one())
+        reach * (T::lit(2.0 / (SHIFTS - 1) as f64) * T::whole(i as u32) - T::one())
     }
 }
