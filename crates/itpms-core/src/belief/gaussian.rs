@@ -69,6 +69,20 @@ impl<T: Real> Part<'_, T> {
     }
 }
 
+/// How the quantities change by themselves over a time: by which share each stays, and the variance it gains.
+pub(crate) struct Wandering<T: Real> {
+    stays: State<T>,
+    variance: State<T>,
+}
+
+impl<T: Real> Wandering<T> {
+    pub(crate) fn over(seconds: T) -> Self {
+        let sd = wander_sd::<T>();
+        let stays = return_rate::<T>().map(|rate| (-rate * seconds).exp_fast());
+        Self { stays, variance: sd.component_mul(&sd) * seconds }
+    }
+}
+
 impl<T: Real> Hypothesis<T> {
     /// A car as its file has it, the tires' compliances around these.
     pub(crate) fn start(&mut self, tires: &[T; 4]) {
@@ -94,16 +108,15 @@ impl<T: Real> Hypothesis<T> {
         Part { mean, covariance: &self.covariance, rate_is_free: true, rate_variance }
     }
 
-    /// What changes by itself does so for `seconds`: about the vehicle file, and never further than a car may be from it.
-    pub(crate) fn wander(&mut self, seconds: T) {
-        let sd = wander_sd::<T>();
-        let stays = return_rate::<T>().map(|rate| (-rate * seconds).exp_fast());
-        self.mean.component_mul_assign(&stays);
-        for i in 0..SIZE {
-            for j in 0..SIZE {
+    /// What changes by itself does so: about the vehicle file, and never further than a car may be from it.
+    pub(crate) fn wander(&mut self, wandering: &Wandering<T>) {
+        let Wandering { stays, variance } = wandering;
+        self.mean.component_mul_assign(stays);
+        for j in 0..SIZE {
+            for i in 0..SIZE {
                 self.covariance[(i, j)] *= stays[i] * stays[j];
             }
-            self.covariance[(i, i)] += sd[i] * sd[i] * seconds;
+            self.covariance[(j, j)] += variance[j];
         }
     }
 

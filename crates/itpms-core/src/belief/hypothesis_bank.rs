@@ -25,6 +25,9 @@ const IMPOSSIBLE: f64 = -1e6;
 /// from its file only, and once a calibration has taught what it is.
 const FADING: f64 = 0.03;
 const FADING_TAUGHT: f64 = 0.01;
+/// Weight below which a change of several wheels is followed in every so many frames only: an odd number, as the sides take turns.
+const RARE: f64 = 1e-5;
+const RARE_FRAMES: usize = 3;
 /// Degrees of freedom of a pseudo-measurement's distribution: how heavy its tails are.
 const WORD_TAILS: f64 = 4.0;
 /// See the [module](self).
@@ -47,9 +50,11 @@ struct FrameUpdate<T: Real> {
     /// Of the most likely one, before the frame.
     record: Placed<UpdateRecord<T>>,
     best: usize,
+    /// Frames so far.
+    frames: u32,
 }
 
-blank!(FrameUpdate<T> { log_weight, record, best });
+blank!(FrameUpdate<T> { log_weight, record, best, frames });
 
 /// Whether compliances follow the rate in a hypothesis.
 pub(super) fn has_rate(hypothesis: usize) -> bool {
@@ -77,25 +82,34 @@ impl<T: Real> HypothesisBank<T> {
     pub(super) fn begin_update(&mut self) {
         self.update.best = self.most_likely();
         self.update.record.clear();
+        self.update.frames = self.update.frames.wrapping_add(1);
     }
 
-    /// Updates one hypothesis with a frame of one side, which `linearize` linearizes at a state.
+    /// Updates one hypothesis with a frame of one side, which `linearize` linearizes at a state; false if it is left out: what nobody
+    /// believes in, and where several wheels change that are hardly believed to, but for every third frame, and so of either side.
     #[inline(never)]
     pub(super) fn update_hypothesis(
         &mut self,
         index: usize,
         measurement: &SideMeasurement<T>,
         linearize: impl Fn(&State<T>) -> AxleResidual<T>,
-    ) {
+    ) -> bool {
         let SideMeasurement { side, expected, instrument, weight, .. } = measurement;
-        let FrameUpdate { log_weight, record, best } = &mut self.update;
+        let FrameUpdate { log_weight, record, best, frames } = &mut self.update;
+        let usual = log_weight[CONSTANT];
         let hypothesis = self.hypotheses.get_mut(index).zip(log_weight.get_mut(index));
-        let Some((hypothesis, log_weight)) = hypothesis else { return };
+        let Some((hypothesis, log_weight)) = hypothesis else { return false };
+        let turn = (*frames as usize + index).is_multiple_of(RARE_FRAMES);
+        let rare = index >= SIDE && hypothesis.weight < T::lit(RARE) && !turn;
+        if rare || !(hypothesis.weight > T::zero()) {
+            *log_weight = usual;
+            return false;
+        }
         let prefit = linearize(&hypothesis.mean);
         let own = OwnCovariance::new(&hypothesis.covariance, *side);
         let Some(likelihood) = Likelihood::new(&own, &prefit, expected) else {
             *log_weight = T::lit(IMPOSSIBLE);
-            return;
+            return true;
         };
         *log_weight = *weight * likelihood.log;
         let score = score(&prefit, instrument, expected);
@@ -109,6 +123,7 @@ impl<T: Real> HypothesisBank<T> {
                 record.weight = *weight;
             });
         }
+        true
     }
 
     /// With all of them updated, weighs them; gives the record of the one that was the most likely before.

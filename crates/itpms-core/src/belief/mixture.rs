@@ -28,14 +28,13 @@ impl<'a, T: Real> Mixture<'a, T> {
     /// Of what is in the place, with this weight.
     pub(crate) fn around(into: &'a mut Hypothesis<T>, weight: T) -> Self {
         let around = into.mean;
-        let (weight, off) = (weight.max(T::lit(LEAST)), into.mean - around);
+        let weight = weight.max(T::lit(LEAST));
         for j in 0..SIZE {
-            for i in 0..SIZE {
-                let covariance = &mut into.covariance[(i, j)];
-                *covariance = T::zero() + (*covariance + off[i] * off[j]) * weight;
+            for i in j..SIZE {
+                into.covariance[(i, j)] *= weight;
             }
         }
-        Self { into, weight, sum: State::zeros() + off * weight, around: Some(around) }
+        Self { into, weight, sum: State::zeros(), around: Some(around) }
     }
 
     /// Adds a Gaussian with this weight, whatever its own.
@@ -46,9 +45,9 @@ impl<'a, T: Real> Mixture<'a, T> {
         let weight = weight.max(T::lit(LEAST));
         self.weight += weight;
         self.sum += off * weight;
-        // Entry by entry, as matrices in between would be the largest things on the stack.
+        // Entry by entry, as matrices in between would be the largest things on the stack; below the diagonal.
         for j in 0..SIZE {
-            for i in 0..SIZE {
+            for i in j..SIZE {
                 self.into.covariance[(i, j)] += (part.covariance(i, j) + off[i] * off[j]) * weight;
             }
         }
@@ -56,12 +55,14 @@ impl<'a, T: Real> Mixture<'a, T> {
 
     /// The one Gaussian is in its place from here on.
     pub(crate) fn finish(self) {
-        let off = self.sum / self.weight;
+        let share = T::one() / self.weight;
+        let off = self.sum * share;
         let around = self.around.unwrap_or_else(State::zeros);
         for j in 0..SIZE {
-            for i in 0..SIZE {
-                let covariance = &mut self.into.covariance[(i, j)];
-                *covariance = *covariance / self.weight - off[i] * off[j];
+            for i in j..SIZE {
+                let covariance = self.into.covariance[(i, j)] * share - off[i] * off[j];
+                self.into.covariance[(i, j)] = covariance;
+                self.into.covariance[(j, i)] = covariance;
             }
         }
         self.into.mean = around + off;

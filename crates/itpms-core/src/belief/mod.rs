@@ -162,14 +162,14 @@ impl<T: Real> Belief<T> {
         self.bank.begin_update();
     }
 
-    /// Updates one hypothesis with the frame, which `linearize` linearizes at a state.
+    /// Updates one hypothesis with the frame, which `linearize` linearizes at a state; false if that one is left out.
     pub(crate) fn update_hypothesis(
         &mut self,
         index: usize,
         measurement: &SideMeasurement<T>,
         linearize: impl Fn(&State<T>) -> AxleResidual<T>,
-    ) {
-        self.bank.update_hypothesis(index, measurement, linearize);
+    ) -> bool {
+        self.bank.update_hypothesis(index, measurement, linearize)
     }
 
     /// Weighs the hypotheses; gives the record of the most likely one.

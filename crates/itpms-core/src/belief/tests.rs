@@ -245,7 +245,7 @@ fn days_without_measurements_end_where_they_began() {
     bank.hypotheses[0].mean = State::repeat(0.01);
     // Days of tenths of a second would take long; the return is exact for any step, what is added nearly so.
     for _ in 0..4 * 24 * 360 {
-        bank.hypotheses[0].wander(10.0);
+        bank.hypotheses[0].wander(&super::gaussian::Wandering::over(10.0));
     }
     for i in (MASS..RATE).filter(|i| *i != BAR + 1) {
         let after = constant(&bank, i);

@@ -1,11 +1,9 @@
 //! How one hypothesis becomes another as time goes by: changes of pressure begin, go on, are joined and end
 //! (docs/math/shared-road.md, section 6).
 
-use core::ops::Range;
-
 use nalgebra::RowSVector;
 
-use super::gaussian::Hypothesis;
+use super::gaussian::{Hypothesis, Wandering};
 use super::hypothesis_bank::{CONSTANT, HYPOTHESES, HypothesisBank, RANDOM_WALK, SIDE, changing, has_rate};
 use super::mixture::Mixture;
 use super::state::{RATE, State, TIRE};
@@ -32,11 +30,8 @@ const FORGOTTEN: f64 = 1e-20;
 /// Largest chance of a step that a suspected wheel begins to move.
 const LARGEST_CHANCE: f64 = 0.2;
 
-/// Parts of a prediction, in this order: what stays and ends; several wheels, and single ones, begin or go on; then time passes for
-/// these hypotheses, and for the others.
-pub(crate) const PARTS: usize = 5;
-/// Hypotheses for which time passes in the fourth part.
-const FIRST_HALF: usize = 5;
+/// Parts of a prediction: changes begin, go on and end; then time passes.
+pub(crate) const PARTS: usize = 2;
 
 /// A prediction that is under way, as a whole of [`PARTS`].
 #[derive(Debug, Clone, PartialEq)]
@@ -83,32 +78,32 @@ impl<T: Real> HypothesisBank<T> {
         if !(self.transition.seconds > T::zero()) {
             return;
         }
-        let Transition { seconds, end, begin, join, .. } = self.transition;
-        // In place: a copy of all hypotheses is more than a controller has room for. Single wheels come after those that they join.
         match part {
-            0 => self.stay_or_end(),
-            1 => {
-                for (hypothesis, &begin) in begin.iter().enumerate().skip(SIDE) {
-                    self.go_on(hypothesis, end, begin);
-                }
-                (0..4).for_each(|wheel| self.merge(wheel, join));
-            }
-            2 => {
-                for (hypothesis, &begin) in begin.iter().enumerate().take(SIDE).skip(1) {
-                    self.go_on(hypothesis, end, begin);
-                }
-                self.hypotheses[CONSTANT].take_over(&self.transition.still);
-            }
-            3 => self.pass(0..FIRST_HALF, seconds),
-            _ => self.pass(FIRST_HALF..HYPOTHESES, seconds),
+            0 => self.mix(),
+            _ => self.pass(),
         }
     }
 
-    /// Time passes for some of the hypotheses.
-    fn pass(&mut self, some: Range<usize>, seconds: T) {
-        let all = self.hypotheses.iter_mut().enumerate();
-        for (index, hypothesis) in all.filter(|(index, _)| some.contains(index)) {
-            hypothesis.wander(seconds);
+    /// In place: a copy of all hypotheses is more than a controller has room for. Single wheels come after those that they join.
+    fn mix(&mut self) {
+        let Transition { end, begin, join, .. } = self.transition;
+        self.stay_or_end();
+        for (hypothesis, &begin) in begin.iter().enumerate().skip(SIDE) {
+            self.go_on(hypothesis, end, begin);
+        }
+        (0..4).for_each(|wheel| self.merge(wheel, join));
+        for (hypothesis, &begin) in begin.iter().enumerate().take(SIDE).skip(1) {
+            self.go_on(hypothesis, end, begin);
+        }
+        self.hypotheses[CONSTANT].take_over(&self.transition.still);
+    }
+
+    /// Time passes.
+    fn pass(&mut self) {
+        let seconds = self.transition.seconds;
+        let wandering = Wandering::over(seconds);
+        for (index, hypothesis) in self.hypotheses.iter_mut().enumerate() {
+            hypothesis.wander(&wandering);
             if index == RANDOM_WALK {
                 for i in 0..4 {
                     hypothesis.covariance[(TIRE + i, TIRE + i)] += T::lit(LOOSE_SD * LOOSE_SD) * seconds;
@@ -194,7 +189,7 @@ impl<T: Real> HypothesisBank<T> {
     pub(super) fn predict_gap(&mut self, seconds: T, filled: bool) {
         self.collapse();
         let [constant, .., loose] = &mut self.hypotheses;
-        constant.wander(seconds);
+        constant.wander(&Wandering::over(seconds));
         if filled {
             let chance = T::lit(FILLED);
             loose.take_over(constant);

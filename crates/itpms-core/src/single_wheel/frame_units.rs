@@ -12,35 +12,39 @@ use crate::real::Real;
 /// A piece of a frame's work.
 #[derive(Clone, Copy)]
 enum Unit {
+    /// The road wanders, and is faster or slower met, in every cell.
+    Roads,
+    /// It is decided in which cells roads are fitted.
+    Choose,
+    /// Roads are fitted to the frame in some of them.
+    Fit,
+    /// What was fitted is interpolated between them.
+    Interpolate,
+    /// Every cell is weighed.
+    Weigh,
     /// The pressure begins to leak, or ends it; or nothing is known but that it may have wandered.
     Leaks,
     /// It moves, in one level mode.
     Move(usize),
     /// The road becomes smoother or rougher.
     Levels,
-    /// It wanders in every cell.
-    Roads,
-    /// It is decided in which cells roads are fitted.
-    Choose,
-    /// Roads are fitted to the frame in some of the cells.
-    Fit,
-    /// What was fitted is interpolated between them, and every cell weighed.
-    Weigh,
     /// The tables follow the car, by two bins of a cell.
     Tables,
 }
 
 /// Units in which cells are fitted.
 const FITS: u32 = 13;
-/// All units, in the order in which they are done. None counts for more than some hundredth of a frame's work.
-const ORDER: [Unit; 22] = {
-    let mut order = [Unit::Fit; 22];
-    [order[0], order[1], order[2], order[3]] = [Unit::Leaks, Unit::Move(0), Unit::Move(1), Unit::Move(2)];
-    [order[4], order[5], order[6]] = [Unit::Levels, Unit::Roads, Unit::Choose];
-    [order[20], order[21]] = [Unit::Weigh, Unit::Tables];
+/// All units, in the order in which they are done. The prediction to the next frame comes before that is there: what is published with
+/// it is heard for a hop that has the next frame in its middle.
+const ORDER: [Unit; 23] = {
+    let mut order = [Unit::Fit; 23];
+    [order[0], order[1]] = [Unit::Roads, Unit::Choose];
+    [order[15], order[16], order[17]] = [Unit::Interpolate, Unit::Weigh, Unit::Leaks];
+    [order[18], order[19], order[20]] = [Unit::Move(0), Unit::Move(1), Unit::Move(2)];
+    [order[21], order[22]] = [Unit::Levels, Unit::Tables];
     order
 };
-const _: () = assert!(LEVEL_MODES == 3 && ORDER.len() == 9 + FITS as usize);
+const _: () = assert!(LEVEL_MODES == 3 && ORDER.len() == 10 + FITS as usize);
 /// A frame's units have to fit into its hop.
 const _: () = assert!(ORDER.len() < (HOP_S * LEAST_GRID_HZ) as usize);
 
@@ -99,10 +103,9 @@ impl<T: Real> Informed<T> {
         let work = &mut self.work;
         (work.under_way, work.done, work.moves, work.evidence) = (true, 0, moves, evidence);
         work.log_speed_ratio = if known { ratio.ln() } else { T::zero() };
-        work.before_cells2 = self.posterior.summary().variance_cells2;
     }
 
-    /// Does one unit of the newest frame's work; true if that was the last one.
+    /// Does one unit of the newest frame's work; true if there is something new to say after it.
     pub(super) fn work_on(&mut self) -> bool {
         if !self.work.under_way {
             return false;
@@ -111,33 +114,40 @@ impl<T: Real> Informed<T> {
         self.work.done += 1;
         self.work.under_way = self.work.done < ORDER.len();
         self.do_unit(unit);
-        !self.work.under_way
+        matches!(unit, Unit::Weigh | Unit::Tables)
     }
 
     fn do_unit(&mut self, unit: Unit) {
         let Self { posterior, tables, work, .. } = self;
         let counts = work.moves && work.evidence.weight > T::zero();
         match unit {
-            Unit::Leaks if counts => posterior.begin_or_end_leaks(),
-            Unit::Leaks if work.moves => {
-                posterior.hold();
-                self.note_growth();
+            Unit::Roads if counts => posterior.diffuse_roads(work.log_speed_ratio),
+            Unit::Choose if counts => {
+                posterior.meet_road(&work.evidence, tables);
+                work.fits.begin(posterior, self.gate.surprise(), FITS);
+            }
+            Unit::Fit if counts => work.fits.fit_some(posterior, &work.evidence, tables),
+            Unit::Interpolate if counts => work.fits.finish(posterior),
+            Unit::Weigh if counts => posterior.weigh(work.fits.log_evidence()),
+            Unit::Leaks => {
+                work.before_cells2 = posterior.summary().variance_cells2;
+                match work.moves {
+                    true if counts => posterior.begin_or_end_leaks(),
+                    true => posterior.hold(),
+                    false => {}
+                }
             }
             Unit::Move(level) if counts => posterior.move_cells(level),
             Unit::Levels if counts => posterior.mix_level_modes(),
-            Unit::Roads if counts => posterior.diffuse_roads(work.log_speed_ratio),
-            Unit::Choose if counts => {
-                posterior.normalise();
-                posterior.meet_road(&work.evidence, tables);
-                work.fits.begin(posterior, self.gate.surprise(), FITS);
-                self.note_growth();
+            Unit::Tables => {
+                if counts {
+                    posterior.normalise();
+                }
+                tables.refresh_next(&self.body.body(), &self.friction);
+                if work.moves {
+                    self.note_growth();
+                }
             }
-            Unit::Fit if counts => work.fits.fit_some(posterior, &work.evidence, tables),
-            Unit::Weigh if counts => {
-                let log_evidence = work.fits.finish(posterior);
-                posterior.weigh(log_evidence);
-            }
-            Unit::Tables => tables.refresh_next(&self.body.body(), &self.friction),
             _ => {}
         }
     }

@@ -90,7 +90,7 @@ impl<T: Real> Posterior<T> {
     }
 
     /// Leaks begin and end: the first part of moving on by one frame. [`move_cells`](Self::move_cells) for every level mode,
-    /// [`mix_level_modes`](Self::mix_level_modes) and [`diffuse_roads`](Self::diffuse_roads) follow.
+    /// [`mix_level_modes`](Self::mix_level_modes), [`normalise`](Self::normalise) and [`diffuse_roads`](Self::diffuse_roads) follow.
     pub(crate) fn begin_or_end_leaks(&mut self) {
         if self.settling_frames > 0 {
             self.settling_frames -= 1;
@@ -205,7 +205,7 @@ impl<T: Real> Posterior<T> {
         }
     }
 
-    /// Roads wander: the last part of moving on, but for [`normalise`](Self::normalise). `log_speed_ratio` is the logarithm of the speed over that of the last step (zero if
+    /// Roads wander: the last part of moving on. `log_speed_ratio` is the logarithm of the speed over that of the last step (zero if
     /// unknown): a faster car meets the same road with more power.
     pub(crate) fn diffuse_roads(&mut self, log_speed_ratio: T) {
         let d = &self.dynamics;
@@ -344,8 +344,8 @@ impl<T: Real> Posterior<T> {
 
     fn summarise(&mut self) {
         let (mean_cell, variance_cells2) = moments(&self.cells());
-        let moving = self.weight.iter().flat_map(|level| level[FALL].iter().chain(&level[RISE]));
-        let moving = moving.fold(T::zero(), |sum, &weight| sum + weight);
+        let moving = self.weight.iter().map(|level| level[FALL].sum() + level[RISE].sum());
+        let moving = moving.fold(T::zero(), |sum, weight| sum + weight);
         self.summary = Summary { mean_cell, variance_cells2, moving: moving.min(T::one()) };
     }
 
@@ -369,9 +369,9 @@ impl<T: Real> Posterior<T> {
     /// Probability per cell.
     pub(crate) fn cells(&self) -> Cells<T> {
         let mut mass = Cells::zeros();
-        for level in &self.weight {
-            for cells in level {
-                mass += cells;
+        for cells in self.weight.iter().flatten() {
+            for (mass, &weight) in mass.as_mut_slice().iter_mut().zip(cells.as_slice()) {
+                *mass += weight;
             }
         }
         mass
@@ -391,12 +391,12 @@ impl<T: Real> Posterior<T> {
 /// Mean and variance of a probability over cells.
 fn moments<T: Real>(mass: &Cells<T>) -> (T, T) {
     let (mut mean, mut at) = (T::zero(), T::zero());
-    for &p in mass.iter() {
+    for &p in mass.as_slice() {
         mean += p * at;
         at += T::one();
     }
     let (mut square, mut d) = (T::zero(), -mean);
-    for &p in mass.iter() {
+    for &p in mass.as_slice() {
         square += p * d * d;
         d += T::one();
     }
@@ -408,7 +408,7 @@ fn shifted<T: Real>(cells: &Cells<T>, kernel: &[T; TAPS]) -> Cells<T> {
     let mut moved = Cells::zeros();
     for (tap, &weight) in kernel.iter().enumerate().filter(|(_, weight)| **weight > T::zero()) {
         let (to, from) = (tap.saturating_sub(REACH), REACH.saturating_sub(tap));
-        for (sum, &mass) in moved.iter_mut().skip(to).zip(cells.iter().skip(from)) {
+        for (sum, &mass) in moved.as_mut_slice().iter_mut().skip(to).zip(cells.as_slice().iter().skip(from)) {
             *sum += weight * mass;
         }
     }

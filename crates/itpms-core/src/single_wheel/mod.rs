@@ -209,7 +209,7 @@ impl<T: Real> Informed<T> {
         self.begin(&config, self.sample_rate_hz, self.grid_period_s, repetition);
     }
 
-    /// Takes one grid sample; true when the belief has moved: the work of a frame is done by then.
+    /// Takes one grid sample; true when the belief has moved.
     pub fn push(&mut self, sample: &GridSample<T>) -> bool {
         if sample.after_gap {
             self.reconstruction.restart();

@@ -80,8 +80,8 @@ impl<T: Real> RoadFits<T> {
         self.fitted >> cell & 1 == 1
     }
 
-    /// With all fits done, gives the evidence of all cells, and the posterior the roads.
-    pub(crate) fn finish(&mut self, posterior: &mut Posterior<T>) -> &[Cells<T>; LEVEL_MODES] {
+    /// With all fits done, completes the evidence, and gives the posterior the roads.
+    pub(crate) fn finish(&mut self, posterior: &mut Posterior<T>) {
         for (roads, log_evidence) in posterior.road.iter_mut().zip(&mut self.log_evidence) {
             for cell in (0..CELLS).filter(|cell| self.fitted >> cell & 1 == 0) {
                 interpolate(cell, roads, log_evidence);
@@ -98,6 +98,10 @@ impl<T: Real> RoadFits<T> {
         for (roads, covariance) in posterior.road.iter_mut().zip(self.covariance) {
             roads.covariance = covariance;
         }
+    }
+
+    /// The evidence of all cells, once it is complete.
+    pub(crate) fn log_evidence(&self) -> &[Cells<T>; LEVEL_MODES] {
         &self.log_evidence
     }
 }

@@ -1,4 +1,5 @@
-//! The work of a frame of both axles, in units of which one is due every [`UNIT_S`] seconds: no sample costs much more than another. Frames of both sides are done with before the next ones are complete, and what they say is published then.
+//! The work of a frame of both axles, in units of which one is due every [`UNIT_S`] seconds: no sample costs much more than another.
+//! Frames of both sides are done with before the next ones are complete; what they say is published when they are.
 
 use super::Fusion;
 use crate::belief::state::State;
@@ -10,7 +11,7 @@ use crate::memory::{Placed, blank};
 use crate::real::Real;
 
 /// Time in s between two units.
-const UNIT_S: f64 = 0.002;
+const UNIT_S: f64 = 0.001;
 /// Longest time in s of which the units are done at once, as after a gap in the samples.
 const MOST_S: f64 = 0.02;
 
@@ -116,29 +117,38 @@ impl<T: Real> Fusion<T> {
         self.queue.is_empty()
     }
 
-    /// Does the next unit.
+    /// Does the next unit in which there is something to do.
     #[inline(never)]
     fn do_unit(&mut self) {
         let side = self.queue.first.min(1);
-        let unit = ORDER.get(self.queue.done).copied().unwrap_or(Unit::Conclude);
-        self.queue.done += 1;
-        match unit {
-            Unit::Predict(part) => self.predict_to_frame(side, part),
-            Unit::Checkpoint => {
-                if let Some(time_s) = self.belief.checkpoint() {
-                    self.inter_axle.pairs_mut().iter_mut().for_each(|pair| pair.checkpoint(time_s));
+        loop {
+            let unit = ORDER.get(self.queue.done).copied().unwrap_or(Unit::Conclude);
+            self.queue.done += 1;
+            let done = match unit {
+                Unit::Predict(part) => {
+                    self.predict_to_frame(side, part);
+                    true
                 }
-            }
-            Unit::Measure => self.measure(side),
-            Unit::Update(hypothesis) => self.update_hypothesis(side, hypothesis),
-            Unit::Conclude => {
-                self.conclude(side);
-                self.queue.measured.clear();
-                self.queue.frames[side].clear();
-                (self.queue.first, self.queue.done) = (1 - side, 0);
-                self.tires = self.belief.tires();
+                Unit::Checkpoint => self.checkpoint(),
+                Unit::Measure => self.measure(side),
+                Unit::Update(hypothesis) => self.update_hypothesis(side, hypothesis),
+                Unit::Conclude => {
+                    self.conclude(side);
+                    true
+                }
+            };
+            if done {
+                return;
             }
         }
+    }
+
+    fn checkpoint(&mut self) -> bool {
+        let saved = self.belief.checkpoint();
+        if let Some(time_s) = saved {
+            self.inter_axle.pairs_mut().iter_mut().for_each(|pair| pair.checkpoint(time_s));
+        }
+        saved.is_some()
     }
 
     fn predict_to_frame(&mut self, side: usize, part: usize) {
@@ -154,11 +164,9 @@ impl<T: Real> Fusion<T> {
     }
 
     #[inline(never)]
-    fn measure(&mut self, side: usize) {
-        let (Some(frame), Some(wheels)) = (self.queue.frames[side].as_ref(), self.inter_axle.wheels(side))
-        else {
-            return;
-        };
+    fn measure(&mut self, side: usize) -> bool {
+        let frame = self.queue.frames[side].as_ref();
+        let (Some(frame), Some(wheels)) = (frame, self.inter_axle.wheels(side)) else { return false };
         for corner in [side, side + 2] {
             self.belief.drop_settled(corner, frame.middle_s);
         }
@@ -170,14 +178,17 @@ impl<T: Real> Fusion<T> {
             self.belief.begin_update(&measured.measurement);
             self.queue.measured.place(|place| *place = measured);
         }
+        true
     }
 
     #[inline(never)]
-    fn update_hypothesis(&mut self, side: usize, hypothesis: usize) {
+    fn update_hypothesis(&mut self, side: usize, hypothesis: usize) -> bool {
         let frame = self.queue.frames[side].as_ref().zip(self.queue.measured.as_ref());
-        let (Some((frame, measured)), Some(wheels)) = (frame, self.inter_axle.wheels(side)) else { return };
+        let (Some((frame, measured)), Some(wheels)) = (frame, self.inter_axle.wheels(side)) else {
+            return false;
+        };
         let at = |state: &State<T>| linearize(frame, Signals::Measured, &wheels, side, state);
-        self.belief.update_hypothesis(hypothesis, &measured.measurement, at);
+        self.belief.update_hypothesis(hypothesis, &measured.measurement, at)
     }
 
     #[inline(never)]
@@ -192,5 +203,9 @@ impl<T: Real> Fusion<T> {
             self.inter_axle.learned();
         }
         self.belief.settle(learned_s);
+        self.queue.measured.clear();
+        self.queue.frames[side].clear();
+        (self.queue.first, self.queue.done) = (1 - side, 0);
+        self.tires = self.belief.tires();
     }
 }
