@@ -58,6 +58,11 @@ impl<T: Real> Part<'_, T> {
         }
     }
 
+    /// The columns of its covariance, right but for the rate's entries.
+    pub(super) fn columns(&self) -> impl Iterator<Item = &[T]> {
+        self.covariance.as_slice().chunks_exact(SIZE)
+    }
+
     /// Writes it where a Gaussian is to be.
     pub(crate) fn write(&self, weight: T, into: &mut Hypothesis<T>) {
         for j in 0..SIZE {

@@ -2,7 +2,7 @@
 //! meet; knows nothing of them.
 
 use super::gaussian::{Hypothesis, Part};
-use super::state::{SIZE, State};
+use super::state::{RATE, SIZE, State};
 use crate::real::Real;
 
 /// Least weight of a Gaussian that is added.
@@ -45,11 +45,18 @@ impl<'a, T: Real> Mixture<'a, T> {
         let weight = weight.max(T::lit(LEAST));
         self.weight += weight;
         self.sum += off * weight;
-        // Entry by entry, as matrices in between would be the largest things on the stack; below the diagonal.
-        for j in 0..SIZE {
-            for i in j..SIZE {
-                self.into.covariance[(i, j)] += (part.covariance(i, j) + off[i] * off[j]) * weight;
+        // Entry by entry, as matrices in between would be the largest things on the stack; on and below the diagonal. The rate, which
+        // comes last, has covariances of its own.
+        let columns = part.columns().zip(self.into.covariance.as_mut_slice().chunks_exact_mut(SIZE));
+        for ((j, (from, into)), &off_j) in columns.enumerate().zip(off.as_slice()).take(RATE) {
+            let (Some(into), Some(from)) = (into.get_mut(j..RATE), from.get(j..RATE)) else { continue };
+            let Some(below) = off.as_slice().get(j..RATE) else { continue };
+            for ((into, &covariance), &off_i) in into.iter_mut().zip(from).zip(below) {
+                *into += (covariance + off_i * off_j) * weight;
             }
+        }
+        for j in 0..SIZE {
+            self.into.covariance[(RATE, j)] += (part.covariance(RATE, j) + off[RATE] * off[j]) * weight;
         }
     }
 

@@ -30,6 +30,8 @@ pub(crate) const ROAD_BIAS: usize = 28;
 /// Rate of change in 1/s of the compliances that move.
 pub(crate) const RATE: usize = 32;
 
+const _: () = assert!(RATE == SIZE - 1);
+
 /// Quantities that a side's residual depends on: front tire, mass, damping, spring, anti-roll bar, the same of the rear, gain,
 /// wheelbase, skew.
 pub(crate) const SIDE_SIZE: usize = 13;
