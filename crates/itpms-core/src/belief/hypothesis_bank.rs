@@ -70,6 +70,8 @@ pub(super) fn changing<T: Real>(hypothesis: usize) -> [T; 4] {
 impl<T: Real> HypothesisBank<T> {
     /// What is believed at the start, the tires' compliances around `tires`.
     pub(super) fn start(&mut self, tires: &[T; 4]) {
+        self.transition.clear();
+        self.update = FrameUpdate::BLANK;
         let [constant, others @ ..] = &mut self.hypotheses;
         constant.start(tires);
         for (index, hypothesis) in (1..).zip(others) {

@@ -49,6 +49,17 @@ pub(super) struct Transition<T: Real> {
 
 blank!(Transition<T> { seconds, end, stay, begin, join, still });
 
+impl<T: Real> Transition<T> {
+    /// None is under way.
+    pub(super) fn clear(&mut self) {
+        (self.seconds, self.end, self.stay, self.join) = (T::zero(), T::zero(), T::zero(), T::zero());
+        self.begin.fill(T::zero());
+        self.still.mean.fill(T::zero());
+        self.still.covariance.fill(T::zero());
+        self.still.weight = T::zero();
+    }
+}
+
 impl<T: Real> HypothesisBank<T> {
     /// Begins to move on by `seconds`; `onset_scale` multiplies the chances that one wheel, and that several, begin to move;
     /// `onset_rates` are chances per second that each wheel does that somebody else has reason to believe in.

@@ -329,6 +329,9 @@ impl<T: Real> CarEstimator<T> {
             None => self.corners.iter_mut().flatten().for_each(CornerEstimator::refuse),
         }
         self.identify();
+        if let Some(fusion) = self.fusion.as_mut() {
+            fusion.work_on(at.now_s);
+        }
         let fused = self.fuse(at.now_s);
         let mut corners = [None; 4];
         for ((estimate, estimator), corner) in corners.iter_mut().zip(&mut self.corners).zip(&sample.corners)
@@ -351,6 +354,7 @@ impl<T: Real> CarEstimator<T> {
     }
 
     /// Gives a sample's values to the corners and to the road they share.
+    #[inline(never)]
     fn take(&mut self, time_s: f64, speed_m_s: T, sample: &CarSample<T>) {
         if let Some(fusion) = self.fusion.as_mut() {
             fusion.drive(time_s, speed_m_s);
@@ -366,6 +370,7 @@ impl<T: Real> CarEstimator<T> {
     }
 
     /// Learns the struts' friction from the body that they carry.
+    #[inline(never)]
     fn identify(&mut self) {
         let frames = self.corners.each_ref().map(|corner| corner.as_ref()?.strut_frame());
         if !self.body_equation.learn(frames) {
@@ -378,6 +383,7 @@ impl<T: Real> CarEstimator<T> {
     }
 
     /// Fuses what the corners find with the shared road; gives the fused estimate, if it counts.
+    #[inline(never)]
     fn fuse(&mut self, time_s: f64) -> Option<FusedEstimate<T>> {
         let fusion = self.fusion.as_mut()?;
         if time_s.is_finite() {
@@ -407,7 +413,6 @@ impl<T: Real> CarEstimator<T> {
                 }
             }
         }
-        fusion.work_on(time_s);
         let trusted = self.sources != Sources::Spectrum && fusion.is_trusted();
         let fused = trusted.then(|| fusion.estimate());
         let level = if fusion.is_calibrated() { Level::Calibration } else { Level::VehicleFile };

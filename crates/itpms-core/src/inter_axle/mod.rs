@@ -131,7 +131,7 @@ impl<T: Real> InterAxle<T> {
         // The road that the signals tell lies as far back as filters delay them: at another speed, another distance.
         let delay_s = self.filter_delay_s - self.speed_latency_s;
         let distance_m = self.travel.distance_before_m(sample.time_s, delay_s);
-        let entry = self.channels[corner].push(sample, distance_m)?;
+        let entry = self.channels[corner.min(3)].push(sample, distance_m)?;
         let side = corner % 2;
         if corner < 2 {
             self.pairs[side].front(&entry);

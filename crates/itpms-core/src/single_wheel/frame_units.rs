@@ -6,7 +6,7 @@ use super::gate::SpeedKnowledge;
 use super::road_fits::RoadFits;
 use super::road_model::Evidence;
 use super::{Frame, HOP_S, Informed, LEAST_GRID_HZ, OVERLAP, STANDING_M_S};
-use crate::memory::blank;
+use crate::memory::{Blank, blank};
 use crate::real::Real;
 
 /// A piece of a frame's work.
@@ -69,7 +69,7 @@ blank!(FrameWork<T> { under_way, done, moves, evidence, log_speed_ratio, before_
 impl<T: Real> FrameWork<T> {
     /// There is nothing to do.
     pub(super) fn clear(&mut self) {
-        self.under_way = false;
+        *self = Self::BLANK;
     }
 }
 

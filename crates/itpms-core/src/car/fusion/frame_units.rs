@@ -12,9 +12,6 @@ use crate::real::Real;
 
 /// Time in s between two units.
 const UNIT_S: f64 = 0.001;
-/// Longest time in s of which the units are done at once, as after a gap in the samples.
-const MOST_S: f64 = 0.02;
-
 /// A piece of a frame's work.
 #[derive(Clone, Copy)]
 enum Unit {
@@ -48,8 +45,8 @@ const ORDER: [Unit; UNITS] = {
     order
 };
 const UNITS: usize = PREDICTION_PARTS + HYPOTHESES + 3;
-/// Both sides' units have to fit into a hop, with what falls due between two samples at 50 Hz.
-const _: () = assert!(2.0 * UNITS as f64 * UNIT_S < HOP_S - MOST_S);
+/// Both sides' units have to fit into a hop, with what falls due between two samples at 20 Hz.
+const _: () = assert!(2.0 * UNITS as f64 * UNIT_S < 0.5 * HOP_S);
 
 /// Frames that are to be learned from. See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
@@ -73,7 +70,7 @@ impl<T: Real> FrameQueue<T> {
     pub(super) fn clear(&mut self) {
         self.frames.iter_mut().for_each(Placed::clear);
         self.measured.clear();
-        self.done = 0;
+        (self.first, self.done, self.due_s) = (0, 0, 0.0);
     }
 
     fn is_empty(&self) -> bool {
@@ -84,28 +81,29 @@ impl<T: Real> FrameQueue<T> {
     fn is_due(&mut self, time_s: f64) -> bool {
         let due = !self.is_empty() && self.due_s <= time_s;
         if due {
-            self.due_s = (self.due_s + UNIT_S).max(time_s - MOST_S);
+            self.due_s += UNIT_S;
         }
         due
     }
 }
 
 impl<T: Real> Fusion<T> {
-    /// Takes a complete frame of a side.
+    /// Takes a complete frame of a side, in the place of the one before, if that is still there: more than a hop lies between two
+    /// samples then.
     pub(super) fn enqueue(&mut self, side: usize, frame: AxleFrame<T>) {
         let side = side.min(1);
-        // Only where samples come less often than they should.
-        while self.queue.frames[side].as_ref().is_some() {
-            self.do_unit();
-        }
         if self.queue.is_empty() {
             let now_s = self.inter_axle.travel().time_s();
             (self.queue.first, self.queue.done, self.queue.due_s) = (side, 0, now_s + UNIT_S);
+        }
+        if self.queue.first == side {
+            self.queue.done = 0;
         }
         self.queue.frames[side].place(|place| *place = frame);
     }
 
     /// Does the units that are due.
+    #[inline(never)]
     pub(in crate::car) fn work_on(&mut self, time_s: f64) {
         while self.queue.is_due(time_s) {
             self.do_unit();
@@ -143,6 +141,7 @@ impl<T: Real> Fusion<T> {
         }
     }
 
+    #[inline(never)]
     fn checkpoint(&mut self) -> bool {
         let saved = self.belief.checkpoint();
         if let Some(time_s) = saved {
@@ -151,7 +150,9 @@ impl<T: Real> Fusion<T> {
         saved.is_some()
     }
 
+    #[inline(never)]
     fn predict_to_frame(&mut self, side: usize, part: usize) {
+        let side = side.min(1);
         if part == 0
             && let Some(frame) = self.queue.frames[side].as_ref()
         {
@@ -165,6 +166,7 @@ impl<T: Real> Fusion<T> {
 
     #[inline(never)]
     fn measure(&mut self, side: usize) -> bool {
+        let side = side.min(1);
         let frame = self.queue.frames[side].as_ref();
         let (Some(frame), Some(wheels)) = (frame, self.inter_axle.wheels(side)) else { return false };
         for corner in [side, side + 2] {
@@ -183,6 +185,7 @@ impl<T: Real> Fusion<T> {
 
     #[inline(never)]
     fn update_hypothesis(&mut self, side: usize, hypothesis: usize) -> bool {
+        let side = side.min(1);
         let frame = self.queue.frames[side].as_ref().zip(self.queue.measured.as_ref());
         let (Some((frame, measured)), Some(wheels)) = (frame, self.inter_axle.wheels(side)) else {
             return false;
@@ -193,6 +196,7 @@ impl<T: Real> Fusion<T> {
 
     #[inline(never)]
     fn conclude(&mut self, side: usize) {
+        let side = side.min(1);
         let opposite_parts = self.inter_axle.pair(1 - side).is_parting();
         let mut learned_s = 0.0;
         if let Some((frame, measured)) = self.queue.frames[side].as_ref().zip(self.queue.measured.as_ref())

@@ -173,7 +173,7 @@ impl<T: Real> Fusion<T> {
 
     /// Takes over what a corner finds by itself.
     pub(super) fn set_single_wheel(&mut self, corner: usize, estimate: SingleWheelEstimate<T>) {
-        self.single_wheel[corner] = estimate;
+        self.single_wheel[corner.min(3)] = estimate;
     }
 
     /// When tires may gain air.

@@ -27,6 +27,7 @@ impl<T: Real> Fusion<T> {
 
     /// Updates with the stiffness and its sd in N/m that a corner's road spectrum tells at a time. Where the speed is unknown
     /// the corner has seen to it that nothing changes.
+    #[inline(never)]
     pub(in crate::car) fn update_spectral(
         &mut self,
         corner: usize,
@@ -34,6 +35,7 @@ impl<T: Real> Fusion<T> {
         stiffness_n_per_m: T,
         sd_n_per_m: T,
     ) {
+        let corner = corner.min(3);
         let travel = self.inter_axle.travel();
         let speed = Some(travel.speed_m_s()).filter(|speed| speed.is_finite());
         let changing =
@@ -71,6 +73,7 @@ impl<T: Real> Fusion<T> {
 
     /// How much too stiff a corner's road spectrum reads, in N/m, and the variance of that.
     pub(super) fn spectral_bias(&self, corner: usize) -> (T, T) {
+        let corner = corner.min(3);
         let unit = self.belief.scale().pressures_part_n_per_m(corner);
         let (common, own) = (self.belief.quantity(COMMON_BIAS), self.belief.quantity(OWN_BIAS + corner));
         (unit * (common.0 + own.0), unit * unit * (common.1 + own.1))
@@ -78,6 +81,7 @@ impl<T: Real> Fusion<T> {
 
     /// What a corner's road spectrum is expected to tell: stiffness and sd in N/m.
     pub(in crate::car) fn expected_spectral(&self, corner: usize) -> (T, T) {
+        let corner = corner.min(3);
         let hypothesis = self.belief.most_likely();
         let (expected, slope) = self.belief.scale().spectral_stiffness(corner, &hypothesis.mean);
         (expected, slope.dot(&(&hypothesis.covariance * slope)).max(T::zero()).sqrt())
