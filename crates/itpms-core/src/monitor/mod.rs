@@ -222,7 +222,8 @@ impl<T: Real> Monitor<T> {
                 estimate.validity = Validity::NoInformation;
             }
             // A rim has no pressure.
-            if estimate.validity.is_valid() && self.wheels[i].flat.is_active() {
+            let watch = &self.wheels[i];
+            if estimate.validity.is_valid() && (watch.flat.is_active() || watch.side_is_off) {
                 (estimate.validity, wheel.validity) = (Validity::Misfit, Validity::Misfit);
             }
             if wheel.state == WheelState::Fine && forgotten {
@@ -272,14 +273,18 @@ impl<T: Real> Monitor<T> {
         let valid = estimate.corners[rear].as_ref().filter(|corner| corner.validity.is_valid());
         let third = T::lit(1.0 / 3.0);
         let others = core::array::from_fn(|i| if i == corner { T::one() } else { -third });
-        let mut axle = [T::zero(); 4];
-        (axle[corner], axle[partner]) = (T::one(), -T::one());
+        let less = |other: usize| {
+            let mut weights = [T::zero(); 4];
+            (weights[corner], weights[other]) = (T::one(), -T::one());
+            weighted(estimate, weights, self.reference_kpa)
+        };
         Around {
             speed_m_s: self.speed_m_s,
             share: own.map_or(T::lit(f64::NAN), |own| own.pressure_kpa / self.reference_kpa[corner]),
             other_share: valid.map(|corner| corner.pressure_kpa / self.reference_kpa[rear]),
             above_others: weighted(estimate, others, self.reference_kpa),
-            above_partner: weighted(estimate, axle, self.reference_kpa),
+            above_side: less(rear),
+            above_partner: less(partner),
             doubted,
         }
     }

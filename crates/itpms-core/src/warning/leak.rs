@@ -69,8 +69,10 @@ impl<T: Real> LeakWatch<T> {
         for wheel in 0..4 {
             let Some(pressure) = now[wheel] else { continue };
             let fall = self.steepest_fall(&lasted_s, wheel, pressure, &now, reference_kpa[wheel]);
+            // What comes down to where it should be was read too high.
+            let short = pressure[0] < reference_kpa[wheel];
             let evidence = match fall {
-                Some(rate) if rate >= least_kpa_per_min => {
+                Some(rate) if short && rate >= least_kpa_per_min => {
                     let leak = &self.leaks[wheel];
                     let before = if leak.is_suspected() { self.rate_kpa_per_min[wheel] } else { T::zero() };
                     self.rate_kpa_per_min[wheel] = before.max(rate);

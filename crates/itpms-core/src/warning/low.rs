@@ -19,7 +19,7 @@ const FLAT: DebounceTimes = DebounceTimes { set_s: 5.0, clear_s: 10.0 };
 const NOBODY_INFLATES: f64 = 0.5;
 /// A tire that is lower than the other one of its side by less than this share of the reference goes with it, and then a
 /// second counts for that much less: two tires hardly lose pressure alike within minutes, but the level of a side is what
-/// an estimator is most easily wrong in.
+/// an estimator is most easily wrong in. The same of two that seem hard as rims.
 const ALONE: f64 = 0.06;
 const TOGETHER: f64 = 75.0;
 const UNINFORMED: DebounceTimes = DebounceTimes { set_s: 0.0, clear_s: 1.0 };
@@ -38,6 +38,8 @@ pub(crate) struct Around<T> {
     pub(crate) share: T,
     /// Pressure of the side's other tire over its reference, if there is one.
     pub(crate) other_share: Option<T>,
+    /// By how much the tire's share of its reference is above that of the side's other tire, and the sd of that, if both are known.
+    pub(crate) above_side: Option<[T; 2]>,
     /// By how much the tire's share of its reference is above the mean of the others', and the sd of that, if all are known.
     pub(crate) above_others: Option<[T; 2]>,
     /// The same above the other tire of its axle.
@@ -54,6 +56,17 @@ impl<T: Real> Around<T> {
             above > T::lit(NOBODY_INFLATES) && above - T::lit(CERTAIN) * sd > limits.over_share - T::one()
         })
     }
+
+    /// Whether the tire is surely lower than the other one of its side, or has none.
+    fn is_low_alone(&self) -> bool {
+        self.other_share.is_none_or(|other| other - self.share > T::lit(ALONE))
+            && self.above_side.is_none_or(|[above, sd]| above + T::lit(CERTAIN) * sd < T::zero())
+    }
+
+    /// Whether the side's other tire reads as overfull, too: its level is off and not two rims are on the road.
+    pub(crate) fn is_side_over(&self, limits: &Limits<T>) -> bool {
+        self.other_share.is_some_and(|other| other > limits.over_share)
+    }
 }
 
 /// What is remembered of a wheel.
@@ -69,9 +82,11 @@ pub(crate) struct WheelWatch {
     anew_s: f64,
     /// Seconds of driving since something was last learned.
     pub(crate) driven_s: f64,
+    /// Whether both tires of the side seem hard as rims, which is no pressure of either.
+    pub(crate) side_is_off: bool,
 }
 
-blank!(WheelWatch { low, over, flat, uninformed, informed_s, anew_s, driven_s });
+blank!(WheelWatch { low, over, flat, uninformed, informed_s, anew_s, driven_s, side_is_off });
 
 impl WheelWatch {
     pub(crate) fn new() -> Self {
@@ -83,6 +98,7 @@ impl WheelWatch {
             informed_s: f64::NEG_INFINITY,
             anew_s: 0.0,
             driven_s: 0.0,
+            side_is_off: false,
         }
     }
 
@@ -115,11 +131,11 @@ impl WheelWatch {
         }
         let (p, sd) = (estimate.pressure_kpa, estimate.pressure_sd_kpa);
         let low_kpa = limits.low_share * reference_kpa;
-        // Where the level of all is not known well, one can still be surely lower than the others.
+        let alone = around.is_low_alone();
+        // Where the level of all is not known well, one can still be surely lower than the others; not so a side of which both are.
         let lower = |sds: f64| {
-            around.above_others.is_some_and(|[above, sd]| {
-                p < low_kpa && T::one() + above + T::lit(sds) * sd < limits.low_share
-            })
+            let others = around.above_others.filter(|_| alone && p < low_kpa);
+            others.is_some_and(|[above, sd]| T::one() + above + T::lit(sds) * sd < limits.low_share)
         };
         let below = |sds: f64| p + T::lit(sds) * sd < low_kpa || lower(sds);
         let low = if below(CERTAIN) {
@@ -129,7 +145,6 @@ impl WheelWatch {
         } else {
             Evidence::Undecided
         };
-        let alone = around.other_share.is_none_or(|other| other - p / reference_kpa > T::lit(ALONE));
         let certainty = if below(VERY_CERTAIN) { 2.0 } else { 1.0 };
         let weight = match low {
             Evidence::Prefailed if alone => certainty,
@@ -150,7 +165,9 @@ impl WheelWatch {
             Some([above, _]) if above < limits.over_over_share - T::one() => Evidence::Prepassed,
             _ => Evidence::Undecided,
         };
-        self.flat.update(time_s, step_s, flat, FLAT);
+        self.side_is_off = around.is_hard(limits) && around.is_side_over(limits);
+        let weight = if self.side_is_off { 1.0 / TOGETHER } else { 1.0 };
+        self.flat.update(time_s, weight * step_s, flat, FLAT);
     }
 
     /// Whether what was learned of the wheel is too long ago to be shown.
