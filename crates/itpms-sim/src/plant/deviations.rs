@@ -128,8 +128,8 @@ impl Deviations {
 
     fn validate_friction(&self) -> Result<(), InvalidValue> {
         not_negative("friction_n", self.friction_n)?;
-        for way_m in self.friction_presliding_m {
-            within("friction_presliding_m", way_m, 1e-5, 0.05, "ways from 0.00001 to 0.05 m")?;
+        for distance_m in self.friction_presliding_m {
+            within("friction_presliding_m", distance_m, 1e-5, 0.05, "distances from 0.00001 to 0.05 m")?;
         }
         for share in self.friction_shares {
             within("friction_shares", share, 0.0, 1e6, "parts from 0 to 1000000")?;

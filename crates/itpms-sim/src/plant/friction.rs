@@ -41,10 +41,10 @@ impl Friction {
     /// rate of extension in m/s.
     #[inline]
     pub(crate) fn force_n(&self, extension_m: f64, extension_m_s: f64) -> f64 {
-        let way_m = extension_m - self.extension_m;
+        let displacement_m = extension_m - self.extension_m;
         let mut force = 0.0;
         for i in 0..ELEMENTS {
-            force += self.sliding_n[i] * self.share_after(i, way_m);
+            force += self.sliding_n[i] * self.share_after(i, displacement_m);
         }
         if self.surplus > 0.0 {
             let speed = extension_m_s * self.per_stribeck_m_s;
@@ -55,8 +55,8 @@ impl Friction {
 
     /// Goes on to an extension in m.
     pub(crate) fn advance(&mut self, extension_m: f64) {
-        let way_m = extension_m - self.extension_m;
-        self.share = std::array::from_fn(|i| self.share_after(i, way_m));
+        let displacement_m = extension_m - self.extension_m;
+        self.share = std::array::from_fn(|i| self.share_after(i, displacement_m));
         self.extension_m = extension_m;
     }
 
@@ -67,9 +67,9 @@ impl Friction {
 
     /// The equation's solution along a way in one direction: stable and between -1 and 1 for any step.
     #[inline]
-    fn share_after(&self, i: usize, way_m: f64) -> f64 {
-        let (share, slid) = (self.share[i], -(-way_m.abs() * self.per_presliding_m[i]).exp_m1());
-        share + (1f64.copysign(way_m) - share) * slid
+    fn share_after(&self, i: usize, displacement_m: f64) -> f64 {
+        let (share, slid) = (self.share[i], -(-displacement_m.abs() * self.per_presliding_m[i]).exp_m1());
+        share + (1f64.copysign(displacement_m) - share) * slid
     }
 }
 

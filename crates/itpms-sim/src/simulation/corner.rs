@@ -112,13 +112,13 @@ impl CornerRun {
         end_s: f64,
         lane: &mut Lane,
     ) -> StepInput {
-        let halfway_m = 0.5 * (self.beside_m + beside_m);
-        let middle = lane.contact_height_m(middle_m - self.behind_m, halfway_m);
+        let halftraveled_m = 0.5 * (self.beside_m + beside_m);
+        let middle = lane.contact_height_m(middle_m - self.behind_m, halftraveled_m);
         let end = lane.contact_height_m(end_m - self.behind_m, beside_m);
         let stiffness = self.contact_stiffness_n_per_m(end_s);
         if self.fore_aft.is_some() {
-            let way_m = end_m - middle_m;
-            self.slope = if way_m > STANDING_M { (end - middle) / way_m } else { 0.0 };
+            let traveled_m = end_m - middle_m;
+            self.slope = if traveled_m > STANDING_M { (end - middle) / traveled_m } else { 0.0 };
         }
         let input = StepInput {
             road_m: [self.road_m, middle, end],
