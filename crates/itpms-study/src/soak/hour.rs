@@ -94,6 +94,9 @@ pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) 
     let begun = Instant::now();
     let scenario = scenario(plan)?;
     let mut car = monitored(&scenario)?;
+    if let Some(seconds) = plan.calibrate_s {
+        car.begin_calibration(seconds)?;
+    }
     let speed_factor = match plan.car {
         Car::Nominal => 1.0,
         Car::Varied | Car::Quarters => {

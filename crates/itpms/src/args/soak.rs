@@ -37,6 +37,9 @@ pub(crate) struct SoakArgs {
     /// joins.
     #[arg(long, value_name = "CAR", default_value = Car::Varied.label(), value_parser = car_names())]
     pub(crate) car: Car,
+    /// Calibrate for so long at the beginning of every drive; never unless said.
+    #[arg(long, value_name = "S", value_parser = positive)]
+    pub(crate) calibrate_s: Option<f64>,
     /// Print the sums as JSON.
     #[arg(long)]
     pub(crate) json: bool,
