@@ -344,7 +344,10 @@ fn values_that_make_no_sense_are_named() {
     };
     for (message, expected) in [
         (with(&|t| t.friction_shares = [0.0; 3]), "corner.fl.truth.friction_shares is 0 throughout"),
-        (with(&|t| t.friction_presliding_m[1] = f64::NAN), "friction_presliding_m is NaN, expected distances"),
+        (
+            with(&|t| t.friction_presliding_m[1] = f64::NAN),
+            "friction_presliding_m is NaN, expected distances",
+        ),
         (with(&|t| t.hop_damper_kg = 60.0), "hop_damper_kg is 60, expected a mass from 0 to 50 kg"),
         (with(&|t| t.damper_mount_n_per_m = -1.0), "damper_mount_n_per_m is -1, expected 0, or from"),
         (with(&|t| t.rim_deflection_m = f64::NAN), "rim_deflection_m is NaN"),
