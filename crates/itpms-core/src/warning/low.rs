@@ -82,7 +82,7 @@ pub(crate) struct WheelWatch {
     anew_s: f64,
     /// Seconds of driving since something was last learned.
     pub(crate) driven_s: f64,
-    /// Whether both tires of the side seem hard as rims, which is no pressure of either.
+    /// Whether the tire seems hard as a rim and the other one of its side overfull, which is no pressure.
     pub(crate) side_is_off: bool,
 }
 
