@@ -1,9 +1,12 @@
 //! One Gaussian of the belief: what the car is if pressures change in one way. Knows how a change begins and ends in it, how what
 //! is known wanders, and what no tire can be; nothing of the other ways.
 
-use super::state::{Covariance, RATE, SIZE, State, TIRE, correlate_bars, prior_sd, return_rate, wander_sd};
+use super::state::{
+    Covariance, DAMPING, RATE, SIZE, SPRING, State, TIRE, correlate_bars, prior_sd, return_rate, wander_sd,
+};
 use crate::memory::blank;
 use crate::real::Real;
+use crate::suspension::MEMORY_S;
 
 /// Mean and sd in 1/s of the rate at which a compliance begins to grow: that of a tire which loses 40 kPa/s grows by 0.15/s.
 const RATE_MEAN: f64 = 0.08;
@@ -81,10 +84,19 @@ pub(crate) struct Wandering<T: Real> {
 }
 
 impl<T: Real> Wandering<T> {
-    pub(crate) fn over(seconds: T) -> Self {
-        let sd = wander_sd::<T>();
-        let stays = return_rate::<T>().map(|rate| (-rate * seconds).exp_fast());
-        Self { stays, variance: sd.component_mul(&sd) * seconds }
+    /// Dampings and springs may besides be others by `strut_variance`, and become so within [`MEMORY_S`]: friction does that.
+    pub(crate) fn over(seconds: T, strut_variance: &[[T; 2]; 4]) -> Self {
+        let (sd, prior_sd) = (wander_sd::<T>(), prior_sd::<T>());
+        let (mut gained, mut rate) = (sd.component_mul(&sd), return_rate::<T>());
+        let starts = [DAMPING, SPRING];
+        for (at, besides) in (0..)
+            .zip(strut_variance)
+            .flat_map(|(i, both)| starts.map(|start| start + i).into_iter().zip(*both))
+        {
+            gained[at] += besides * T::lit(2.0 / MEMORY_S);
+            rate[at] = T::lit(0.5) * gained[at] / (prior_sd[at] * prior_sd[at] + besides);
+        }
+        Self { stays: rate.map(|rate| (-rate * seconds).exp_fast()), variance: gained * seconds }
     }
 }
 

@@ -37,10 +37,12 @@ pub(super) struct HypothesisBank<T: Real> {
     pub(super) hypotheses: [Hypothesis<T>; HYPOTHESES],
     /// What is under way between the parts of a prediction, and between those of an update.
     pub(super) transition: Transition<T>,
+    /// By which variance each damping and spring may be another one, over its file's.
+    pub(super) strut_variance: [[T; 2]; 4],
     update: FrameUpdate<T>,
 }
 
-blank!(HypothesisBank<T> { hypotheses, transition, update });
+blank!(HypothesisBank<T> { hypotheses, transition, strut_variance, update });
 
 /// What the hypotheses that were updated with a frame said of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,12 +74,18 @@ impl<T: Real> HypothesisBank<T> {
     pub(super) fn start(&mut self, tires: &[T; 4]) {
         self.transition.clear();
         self.update = FrameUpdate::BLANK;
+        self.strut_variance = [[T::zero(); 2]; 4];
         let [constant, others @ ..] = &mut self.hypotheses;
         constant.start(tires);
         for (index, hypothesis) in (1..).zip(others) {
             constant.part().with_onset(has_rate(index)).write(constant.weight, hypothesis);
         }
         self.collapse();
+    }
+
+    /// See [`Belief::set_strut_variance`](super::Belief::set_strut_variance).
+    pub(super) fn set_strut_variance(&mut self, corner: usize, relative: [T; 2]) {
+        self.strut_variance[corner.min(3)] = relative;
     }
 
     /// Begins to update with a frame.

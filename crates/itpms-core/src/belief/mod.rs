@@ -211,6 +211,12 @@ impl<T: Real> Belief<T> {
         }
     }
 
+    /// By which variance, over its file's, a corner's damping and spring may be others on the present road: friction that is not known
+    /// exactly looks like that.
+    pub(crate) fn set_strut_variance(&mut self, corner: usize, relative: [T; 2]) {
+        self.bank.set_strut_variance(corner, relative);
+    }
+
     /// Whether tires may gain air while they roll.
     pub(crate) fn set_inflation(&mut self, inflation: Inflation) {
         self.inflation = inflation;

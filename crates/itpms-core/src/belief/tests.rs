@@ -12,8 +12,8 @@ use nalgebra::ComplexField;
 use super::hypothesis_bank::{CONSTANT, HYPOTHESES, HypothesisBank, RANDOM_WALK};
 use super::measurement::{BINS, Gram, Score};
 use super::state::{
-    BAR, Covariance, GAIN, MASS, RATE, ROAD_BIAS, SIDE_SIZE, SIDE_TIRES, SIZE, State, TIRE, prior_sd,
-    read_compliance, return_rate, side_indices, wander_sd,
+    BAR, Covariance, DAMPING, GAIN, MASS, RATE, ROAD_BIAS, SIDE_SIZE, SIDE_TIRES, SIZE, SPRING, State, TIRE,
+    prior_sd, read_compliance, return_rate, side_indices, wander_sd,
 };
 use super::update::{Likelihood, OwnCovariance};
 use crate::memory::configured;
@@ -245,7 +245,7 @@ fn days_without_measurements_end_where_they_began() {
     bank.hypotheses[0].mean = State::repeat(0.01);
     // Days of tenths of a second would take long; the return is exact for any step, what is added nearly so.
     for _ in 0..4 * 24 * 360 {
-        bank.hypotheses[0].wander(&super::gaussian::Wandering::over(10.0));
+        bank.hypotheses[0].wander(&super::gaussian::Wandering::over(10.0, &[[0.0; 2]; 4]));
     }
     for i in (MASS..RATE).filter(|i| *i != BAR + 1) {
         let after = constant(&bank, i);
@@ -257,6 +257,35 @@ fn days_without_measurements_end_where_they_began() {
         assert!(bank.hypotheses[0].mean[i] < most * 0.01, "{i}");
     }
     assert!(constant(&bank, TIRE) > 0.3);
+}
+
+/// Friction that is not known is another damping and another spring within a minute, and no more than what it is said to be.
+#[test]
+fn struts_that_stick_become_unknown_within_a_minute() {
+    let mut bank = bank(&[0.0; 4]);
+    let before = bank.hypotheses[0].covariance;
+    // Damping and spring of the front right corner to 0.4 and 0.3 besides what the file leaves.
+    let mut besides = [[0.0; 2]; 4];
+    besides[1] = [0.16, 0.09];
+    let variance =
+        |bank: &HypothesisBank<f64>, i: usize| bank.hypotheses[0].covariance[(i, i)] - before[(i, i)];
+    let wander = |bank: &mut HypothesisBank<f64>, seconds: usize| {
+        (0..10 * seconds)
+            .for_each(|_| bank.hypotheses[0].wander(&super::gaussian::Wandering::over(0.1, &besides)));
+    };
+    wander(&mut bank, 60);
+    for (at, besides) in [(DAMPING + 1, 0.16), (SPRING + 1, 0.09)] {
+        let share = variance(&bank, at) / besides;
+        assert!((0.5..1.0).contains(&share), "{at}: {share}");
+    }
+    wander(&mut bank, 1000);
+    for (at, besides) in [(DAMPING + 1, 0.16), (SPRING + 1, 0.09)] {
+        assert!((variance(&bank, at) / besides - 1.0).abs() < 0.01, "{at}");
+    }
+    // The others wander as ever: not by a hundredth of their own variance in eighteen minutes.
+    for at in [DAMPING, DAMPING + 2, SPRING, SPRING + 3] {
+        assert!(variance(&bank, at).abs() < 0.01 * before[(at, at)], "{at}");
+    }
 }
 
 /// Where roads differ beliefs fade, those of a calibrated car a third as far, and only those of the side.

@@ -112,7 +112,7 @@ impl<T: Real> HypothesisBank<T> {
     /// Time passes.
     fn pass(&mut self) {
         let seconds = self.transition.seconds;
-        let wandering = Wandering::over(seconds);
+        let wandering = Wandering::over(seconds, &self.strut_variance);
         for (index, hypothesis) in self.hypotheses.iter_mut().enumerate() {
             hypothesis.wander(&wandering);
             if index == RANDOM_WALK {
@@ -200,7 +200,7 @@ impl<T: Real> HypothesisBank<T> {
     pub(super) fn predict_gap(&mut self, seconds: T, filled: bool) {
         self.collapse();
         let [constant, .., loose] = &mut self.hypotheses;
-        constant.wander(&Wandering::over(seconds));
+        constant.wander(&Wandering::over(seconds, &self.strut_variance));
         if filled {
             let chance = T::lit(FILLED);
             loose.take_over(constant);

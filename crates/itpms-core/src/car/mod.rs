@@ -379,6 +379,9 @@ impl<T: Real> CarEstimator<T> {
         for (i, estimator) in self.corners.iter_mut().enumerate() {
             let Some(estimator) = estimator.as_mut() else { continue };
             estimator.set_strut(&self.body_equation, i);
+            if let Some(fusion) = self.fusion.as_mut() {
+                fusion.set_friction_error(i, &self.body_equation);
+            }
         }
     }
 

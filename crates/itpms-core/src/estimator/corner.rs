@@ -46,6 +46,8 @@ pub(crate) struct CornerEstimator<T: Real> {
     fused: Placed<FusedStiffness<T>>,
     contact: ContactWatch<T>,
     strut: Strut<T>,
+    /// Variance in (N/m)² of what the strut's friction, as far as it is not known, makes of the tire.
+    friction_variance: T,
     fit: BodyFit<T>,
     misfit: Placed<Misfit>,
     /// Since when there is something to believe, but for the verdict on body and wheel.
@@ -54,7 +56,8 @@ pub(crate) struct CornerEstimator<T: Real> {
 
 blank!(CornerEstimator<T> {
     kind, config, resampler, method, road, road_told_s, watch, calibration_s, calibration_ends_s,
-    pinned_s, restarts, repetition, fused, contact, strut, fit, misfit, judged_from_s,
+    pinned_s, restarts, repetition, fused, contact, strut, friction_variance,
+    fit, misfit, judged_from_s,
 });
 
 /// What the whole car knows of a corner that the corner by itself does not.
@@ -112,6 +115,7 @@ impl<T: Real> CornerEstimator<T> {
         let noise_density = T::lit(2.0 / sample_rate_hz) * noise * noise;
         self.strut.configure(self.resampler.grid_period_s(), noise_density);
         (self.fit, self.judged_from_s) = (BodyFit::unknown(), None);
+        self.friction_variance = T::zero();
         self.misfit.clear();
         Ok(())
     }
@@ -155,7 +159,12 @@ impl<T: Real> CornerEstimator<T> {
     /// Stiffness and its sd in N/m, as the corner by itself sees them.
     pub(crate) fn own_stiffness(&self) -> (T, T) {
         let reading = self.method.reading();
-        (reading.stiffness_n_per_m, reading.stiffness_sd_n_per_m)
+        (reading.stiffness_n_per_m, self.with_friction(reading.stiffness_sd_n_per_m))
+    }
+
+    /// A standard deviation in N/m with what friction that is not known adds to it.
+    fn with_friction(&self, sd_n_per_m: T) -> T {
+        (sd_n_per_m * sd_n_per_m + self.friction_variance).sqrt()
     }
 
     /// The car as it seems to be now: sprung mass and damping as identified on the way, where the estimator does.
@@ -212,6 +221,7 @@ impl<T: Real> CornerEstimator<T> {
         let slip_forces_n = equation.slip_forces_n(corner);
         self.strut.set_slip_forces(slip_forces_n);
         self.method.set_friction(&equation.describing_function(corner));
+        self.friction_variance = equation.stiffness_variance(corner);
         self.fit.unexplained = equation.unexplained(corner);
         self.fit.friction_n = slip_forces_n.into_iter().fold(T::zero(), |sum, force| sum + force);
     }
@@ -244,8 +254,9 @@ impl<T: Real> CornerEstimator<T> {
         {
             self.restart();
         }
-        if let Some(word) = self.fused.as_ref() {
-            self.method.apply_fused(&mut reading, word);
+        match self.fused.as_ref() {
+            Some(word) => self.method.apply_fused(&mut reading, word),
+            None => reading.stiffness_sd_n_per_m = self.with_friction(reading.stiffness_sd_n_per_m),
         }
         if !self.kind.is_as_published() {
             self.fit.incoherence = self.strut.incoherence();

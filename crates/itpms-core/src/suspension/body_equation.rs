@@ -3,27 +3,31 @@
 //! friction is never negative.
 
 mod reading;
+mod stiffness_error;
 
 use nalgebra::{Complex, SMatrix, SVector};
 
 use super::coherence::geometric_mean;
 use super::maxwell_slip::ELEMENTS;
 use super::rigid_body::{MODES, RigidBody};
-use super::strut::{ACCELERATION, BIN_SPACING_HZ, BINS, BODY, FRICTION, StrutFrame, VELOCITY};
+use super::strut::{ACCELERATION, BIN_SPACING_HZ, BINS, BODY, FRICTION, StrutFrame, VELOCITY, WHEEL};
 use crate::memory::blank;
 use crate::model::CornerConfig;
 use crate::real::Real;
 use crate::spectrum::transfer::DescribingFunction;
 
 /// Unknown quantities: logarithmic deviations of mass, pitch and roll inertia, of dampers and springs; stiffness of the two anti-roll bars
-/// over the springs'; how freely the body warps, from zero for a rigid one to one; slip forces, element by element, in units of [`FORCE_N`].
-const SIZE: usize = 14 + 4 * ELEMENTS;
+/// over the springs'; how freely the body warps, from zero for a rigid one to one; by how much each wheel's sensor is late, in units of
+/// [`DELAY_S`]; slip forces, element by element, in units of [`FORCE_N`].
+const SIZE: usize = 18 + 4 * ELEMENTS;
 const INERTIA: usize = 0;
 const DAMPER: usize = 3;
 const SPRING: usize = 7;
 const BAR: usize = 11;
 const WARP: usize = 13;
-const SLIP: usize = 14;
+const DELAY: usize = 14;
+const SLIP: usize = 18;
+const DELAY_S: f64 = 1e-3;
 const FORCE_N: f64 = 60.0;
 /// Place of the warp among the body's modes.
 const WARP_MODE: usize = 3;
@@ -35,6 +39,8 @@ const BAR_FIRST: f64 = 0.3;
 const BAR_SD: f64 = 0.4;
 const WARP_SD: f64 = 0.5;
 const MOST_WARP: f64 = 1.5;
+const DELAY_SD: f64 = 1.0;
+const MOST_DELAY: f64 = 5.0;
 const SLIP_SD: f64 = 1.0;
 /// Largest step of a fit, and the furthest that is believed.
 const LARGEST_STEP: f64 = 0.3;
@@ -42,7 +48,7 @@ const FURTHEST: f64 = 1.0;
 /// Error of the equation as a share of the body's motion: no damper is linear.
 const MODEL_ERROR: f64 = 0.03;
 /// Memory in s of what was seen, and of the powers.
-const MEMORY_S: f64 = 60.0;
+pub(crate) const MEMORY_S: f64 = 60.0;
 const POWER_S: f64 = 20.0;
 /// Seconds in which the fit finds its way, and which nothing is judged by.
 const SETTLING_S: f64 = 2.0;
@@ -95,6 +101,10 @@ pub(crate) struct BodyEquation<T: Real> {
     information: SMatrix<T, SIZE, SIZE>,
     score: Parameters<T>,
     powers: [Powers<T>; 4],
+    /// Bin nearest to each wheel's hop, and what friction that is not known makes of stiffness and damping there: see
+    /// [`stiffness_error`].
+    hop_bin: [usize; 4],
+    impedance_variance: [[T; 2]; 4],
     learned_s: T,
     /// Whether enough was ever seen for the slip forces to be told.
     known: bool,
@@ -104,8 +114,8 @@ pub(crate) struct BodyEquation<T: Real> {
 }
 
 blank!(BodyEquation<T> {
-    body, damping, spring, noise_density, parameters, information, score, powers, learned_s, known, time_s,
-    units_left,
+    body, damping, spring, noise_density, parameters, information, score, powers, hop_bin, impedance_variance,
+    learned_s, known, time_s, units_left,
 });
 
 impl<T: Real> BodyEquation<T> {
@@ -126,6 +136,8 @@ impl<T: Real> BodyEquation<T> {
         self.information.fill(T::zero());
         self.score.fill(T::zero());
         self.powers.iter_mut().for_each(Powers::clear);
+        self.hop_bin = corners.each_ref().map(|corner| corner.as_ref().map_or(0, stiffness_error::hop_bin));
+        self.impedance_variance = [[T::zero(); 2]; 4];
         (self.learned_s, self.known, self.time_s) = (T::zero(), false, f64::NEG_INFINITY);
         self.units_left = 0;
     }
@@ -250,6 +262,7 @@ impl<T: Real> BodyEquation<T> {
                 slope[DAMPER + column] = -force.damper * g;
                 slope[SPRING + column] = -force.spring * g;
                 slope[BAR + column / 2] -= force.bar * g;
+                slope[DELAY + column] = -force.advance * g;
                 for (element, rate) in force.elements.iter().enumerate() {
                     slope[SLIP + 4 * element + column] = -*rate * g;
                 }
@@ -258,10 +271,13 @@ impl<T: Real> BodyEquation<T> {
             let powers = &mut self.powers[row];
             let follow = |of: &mut T, now: T| *of += gain * (now - *of);
             follow(&mut powers.body[bin], body.norm_sqr());
+            // Every frame counts alike, as in the spectrum's likelihood: what was loud a minute ago says nothing of how much a strut
+            // sticks now.
             let velocity = frame.spectra.at(bin, VELOCITY);
-            follow(&mut powers.velocity[bin], velocity.norm_sqr());
+            let loudness = frame.deflection_power().max(T::lit(1e-12));
+            follow(&mut powers.velocity[bin], velocity.norm_sqr() / loudness);
             for element in 0..ELEMENTS {
-                let cross = frame.spectra.at(bin, FRICTION + element) * velocity.conj();
+                let cross = frame.spectra.at(bin, FRICTION + element) * velocity.conj() / loudness;
                 follow(&mut powers.elements[(bin, 2 * element)], cross.re);
                 follow(&mut powers.elements[(bin, 2 * element + 1)], cross.im);
             }
@@ -296,24 +312,35 @@ impl<T: Real> BodyEquation<T> {
                 self.damping[corner] * x[DAMPER + corner].exp(),
                 self.spring[corner] * x[SPRING + corner].exp(),
             );
-            let velocity = at(corner, VELOCITY);
-            let damper = at(corner, ACCELERATION) * damping;
+            // What the wheel's sensor tells late is advanced, to first order.
+            let (late, s) = (x[DELAY + corner] * T::lit(DELAY_S), Complex::new(T::zero(), omega));
+            let wheel_jerk = at(corner, WHEEL);
+            let wheel_acceleration = wheel_jerk / s;
+            let velocity = at(corner, VELOCITY) + wheel_acceleration * late;
+            let damper = (at(corner, ACCELERATION) + wheel_jerk * late) * damping;
             let spring = velocity * stiffness;
             let bar = if self.body.is_whole() {
                 (velocity - at(corner ^ 1, VELOCITY)) * stiffness
             } else {
                 Complex::new(T::zero(), T::zero())
             };
-            let elements = core::array::from_fn(|element| at(corner, FRICTION + element) * T::lit(FORCE_N));
-            let mut total = damper + spring + bar * x[BAR + corner / 2];
+            let sticking = (Complex::new(T::one(), T::zero()) + s * late) * T::lit(FORCE_N);
+            let elements = core::array::from_fn(|element| at(corner, FRICTION + element) * sticking);
+            let mut friction = Complex::new(T::zero(), T::zero());
             for (element, rate) in elements.iter().enumerate() {
-                total += *rate * x[SLIP + 4 * element + corner];
+                friction += *rate * x[SLIP + 4 * element + corner];
             }
+            let bar_share = x[BAR + corner / 2];
+            let total = damper + spring + bar * bar_share + friction;
+            let advance = (wheel_jerk * damping
+                + wheel_acceleration * (stiffness * (T::one() + bar_share))
+                + s * friction)
+                * T::lit(DELAY_S);
             // Of both sensors, in acceleration and velocity.
             let noise = T::lit(2.0)
                 * self.noise_density[corner]
                 * (damping * damping + stiffness * stiffness / (omega * omega));
-            Force { damper, spring: spring + bar * x[BAR + corner / 2], bar, elements, total, noise }
+            Force { damper, spring: spring + bar * bar_share, bar, elements, advance, total, noise }
         })
     }
 
@@ -333,6 +360,9 @@ impl<T: Real> BodyEquation<T> {
                 right[i] = T::zero();
             }
             let Some(cholesky) = free.cholesky() else { return };
+            if !held.contains(&true) {
+                self.note_impedance_error(&cholesky);
+            }
             let best = cholesky.solve(&right);
             let negative = |i: usize| !held[i] && best[i] < T::zero();
             let newly: [bool; SIZE] = core::array::from_fn(|i| i >= SLIP && negative(i));
@@ -356,6 +386,7 @@ impl<T: Real> BodyEquation<T> {
         for (i, value) in self.parameters.iter_mut().enumerate() {
             *value = match i {
                 WARP => value.clamp(T::zero(), T::lit(MOST_WARP)),
+                DELAY..SLIP => value.clamp(T::lit(-MOST_DELAY), T::lit(MOST_DELAY)),
                 SLIP.. => value.max(T::zero()),
                 _ => value.clamp(-furthest, furthest),
             };
@@ -363,12 +394,14 @@ impl<T: Real> BodyEquation<T> {
     }
 }
 
-/// The rate of a strut's force and its parts: derivatives by the logarithms of damping and spring, by the bar and by the slip forces.
+/// The rate of a strut's force and its parts: derivatives by the logarithms of damping and spring, by the bar, by the slip forces and by
+/// the time by which the wheel's sensor is late.
 struct Force<T> {
     damper: Complex<T>,
     spring: Complex<T>,
     bar: Complex<T>,
     elements: [Complex<T>; ELEMENTS],
+    advance: Complex<T>,
     total: Complex<T>,
     /// Power density of the sensors' noise in it.
     noise: T,
@@ -382,6 +415,7 @@ impl<T: Real> Force<T> {
             spring: zero,
             bar: zero,
             elements: [zero; ELEMENTS],
+            advance: zero,
             total: zero,
             noise: T::zero(),
         }
@@ -405,6 +439,7 @@ fn prior_information<T: Real>(body: &RigidBody<T>) -> Parameters<T> {
         SPRING..BAR => of(SPRING_SD),
         BAR..WARP => whole(BAR_SD),
         WARP => whole(WARP_SD),
+        DELAY..SLIP => of(DELAY_SD),
         _ => of(SLIP_SD),
     })
 }

@@ -10,7 +10,7 @@
 //! | `strut` | one corner: its friction force, and the spectra of what moves its body |
 //! | `coherence` | how far a corner's body goes with its wheel |
 //! | `rigid_body` | how a force at one corner accelerates the body at another |
-//! | `body_equation` | the fit of all corners together, and how much of the body's motion it leaves unexplained |
+//! | `body_equation` | the fit of all corners together, how much of the body's motion it leaves unexplained, and what that makes of the tires |
 
 mod body_equation;
 mod coherence;
@@ -18,5 +18,5 @@ mod maxwell_slip;
 mod rigid_body;
 mod strut;
 
-pub(crate) use self::body_equation::BodyEquation;
+pub(crate) use self::body_equation::{BodyEquation, MEMORY_S};
 pub(crate) use self::strut::{Strut, StrutFrame};

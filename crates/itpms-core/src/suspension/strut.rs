@@ -43,6 +43,13 @@ pub(crate) struct StrutFrame<T: Real> {
     pub(super) spectra: Frame<T, BINS, SIGNALS>,
 }
 
+impl<T: Real> StrutFrame<T> {
+    /// Power of the deflection's rate, all bins together.
+    pub(super) fn deflection_power(&self) -> T {
+        (0..BINS).fold(T::zero(), |sum, bin| sum + self.spectra.at(bin, VELOCITY).norm_sqr())
+    }
+}
+
 /// See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

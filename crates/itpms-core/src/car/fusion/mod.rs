@@ -32,6 +32,7 @@ use crate::inter_axle::{Aligned, HOP_S, InterAxle};
 use crate::memory::blank;
 use crate::model::{CalibrationError, CarConfig, Inflation, QuarterCar, VehicleCalibration};
 use crate::real::Real;
+use crate::suspension::BodyEquation;
 
 /// Incoherence near wheel hop at which changes of several tires begin half as often.
 const INCOHERENT: f64 = 0.02;
@@ -53,6 +54,8 @@ pub(super) struct Fusion<T: Real> {
     detections: [Option<DelayDetection<T>>; 2],
     speed_latency: SpeedLatency<T>,
     calibration_reading: CalibrationReading<T>,
+    /// Variance in (N/m)² of what friction that is not known makes of each corner's stiffness at wheel hop.
+    friction_variance: [T; 4],
     queue: FrameQueue<T>,
     /// What is believed of the tires, as of the last frame that was learned from.
     tires: Tires<T>,
@@ -60,7 +63,7 @@ pub(super) struct Fusion<T: Real> {
 
 blank!(Fusion<T> {
     inter_axle, belief, single_wheel, pseudo_measured_s, detections, speed_latency, calibration_reading,
-    queue, tires,
+    friction_variance, queue, tires,
 });
 
 impl<T: Real> Fusion<T> {
@@ -83,6 +86,7 @@ impl<T: Real> Fusion<T> {
         self.pseudo_measured_s = [f64::NEG_INFINITY; 4];
         self.detections = [None; 2];
         self.speed_latency = SpeedLatency::new();
+        self.friction_variance = [T::zero(); 4];
         self.queue.clear();
         self.tires = self.belief.tires();
     }
@@ -169,6 +173,13 @@ impl<T: Real> Fusion<T> {
     /// Takes over the quarter car that a corner seems to be.
     pub(super) fn set_load(&mut self, corner: usize, car: &QuarterCar<T>) {
         self.inter_axle.set_load(corner, car, &self.belief);
+    }
+
+    /// Takes over how well a corner's friction is known.
+    pub(super) fn set_friction_error(&mut self, corner: usize, equation: &BodyEquation<T>) {
+        let corner = corner.min(3);
+        self.friction_variance[corner] = equation.stiffness_variance(corner);
+        self.belief.set_strut_variance(corner, equation.strut_variance(corner));
     }
 
     /// Takes over what a corner finds by itself.

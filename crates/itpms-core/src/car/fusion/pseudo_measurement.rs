@@ -5,12 +5,15 @@ use super::Fusion;
 use crate::belief::state::{COMMON_BIAS, OWN_BIAS};
 use crate::belief::{LONGEST_SILENCE_S, LONGEST_STEP_S};
 use crate::real::Real;
+use crate::suspension::MEMORY_S;
 
 /// Speed in m/s from which a spectrum counts.
 const SLOWEST_M_S: f64 = 4.0;
 /// Logarithm of the speed over its mean at which a pseudo-measurement counts half: a spectrum that changes while it is taken
 /// tells little.
 const CHANGING: f64 = 0.15;
+/// Seconds between two pseudo-measurements of a corner.
+const EVERY_S: f64 = 0.72;
 /// Front and rear of a side see the same road, so their spectra tell half of what they seem to.
 const SAME_ROAD: f64 = 2.0;
 
@@ -40,7 +43,9 @@ impl<T: Real> Fusion<T> {
         let speed = Some(travel.speed_m_s()).filter(|speed| speed.is_finite());
         let changing =
             speed.map_or(T::zero(), |speed| (speed / travel.mean_speed_m_s()).ln() / T::lit(CHANGING));
-        let variance = T::lit(SAME_ROAD) * sd_n_per_m * sd_n_per_m * (T::one() + changing * changing);
+        // Friction is wrong alike for as long as it is remembered: all pseudo-measurements of that time together tell no more than that.
+        let alike = T::lit(MEMORY_S / EVERY_S) * self.friction_variance[corner];
+        let variance = T::lit(SAME_ROAD) * sd_n_per_m * sd_n_per_m * (T::one() + changing * changing) + alike;
         if !self.has_signal(corner) || self.is_slow() {
             return;
         }

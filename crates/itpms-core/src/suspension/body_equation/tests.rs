@@ -24,6 +24,17 @@ fn complex(random: &mut Random) -> Complex<f64> {
 /// Frames in which every strut moves by itself and the body of mass 4 m as `g` and the struts' forces say: dampers 10 % harder than
 /// the file, bars of 0.3 and 0.12 springs, slip forces as given, and as much noise of the body as `noise` says of its own motion.
 fn learn(equation: &mut BodyEquation<f64>, g: SMatrix<f64, 4, 4>, slip_n: [f64; ELEMENTS], noise: f64) {
+    learn_late(equation, g, slip_n, noise, [0.0; 4]);
+}
+
+/// The same with wheels' sensors that are late, in s, and bodies that move by a tenth of what their wheels do.
+fn learn_late(
+    equation: &mut BodyEquation<f64>,
+    g: SMatrix<f64, 4, 4>,
+    slip_n: [f64; ELEMENTS],
+    noise: f64,
+    late_s: [f64; 4],
+) {
     let mut random = Random(5);
     let corners = (0..4).filter(|&i| equation.body.has(i)).count();
     for step in 1..=300 {
@@ -48,12 +59,22 @@ fn learn(equation: &mut BodyEquation<f64>, g: SMatrix<f64, 4, 4>, slip_n: [f64; 
             for row in 0..4 {
                 let body = (0..4).fold(s * 0.0, |sum, j| sum + forces[j] * g[(row, j)]);
                 let body = body + complex(&mut random) * (noise * body.norm_sqr().sqrt() / 2f64.sqrt());
-                let all = [(BODY, body), (ACCELERATION, s * velocity[row]), (VELOCITY, velocity[row])];
+                // What is late is so by exp(-s τ), exactly; the wheel moves as the strut and a tenth more.
+                let late = (s * -late_s[row]).exp();
+                let wheel = s * s * velocity[row] * 1.1;
+                let lag = wheel * (late - 1.0);
+                let all = [
+                    (BODY, body),
+                    (ACCELERATION, s * velocity[row] + lag / s),
+                    (VELOCITY, velocity[row] + lag / (s * s)),
+                    (WHEEL, wheel * late),
+                ];
                 let set = |(signal, value): (usize, Complex<f64>)| {
                     frames[row].spectra.re[(bin, signal)] = value.re;
                     frames[row].spectra.im[(bin, signal)] = value.im;
                 };
-                let elements = elements[row].iter().enumerate().map(|(e, &value)| (FRICTION + e, value));
+                let elements =
+                    elements[row].iter().enumerate().map(|(e, &value)| (FRICTION + e, value * late));
                 all.into_iter().chain(elements).for_each(set);
             }
         }
@@ -117,6 +138,50 @@ fn a_corner_alone_has_its_own_friction_and_no_verdict_on_the_body() {
     assert_eq!(equation.unexplained(0), None);
     assert_eq!(equation.slip_forces_n(2), [0.0; ELEMENTS]);
     assert!((SPRUNG_KG * g[(0, 0)] - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_wheel_that_is_told_late_is_no_friction() {
+    let mut equation = equation(4);
+    let [mass, pitch, roll, _] = equation.body.parts();
+    let (slip_n, late_s) = ([20.0, 0.0, 45.0], [1.5e-3, 0.0, -1e-3, 0.5e-3]);
+    learn_late(&mut equation, mass + pitch + roll, slip_n, 0.0, late_s);
+    for (corner, late_s) in late_s.into_iter().enumerate() {
+        let found_s = DELAY_S * equation.parameters[DELAY + corner];
+        assert!((found_s - late_s).abs() < 1e-4, "{corner}: {found_s} {late_s}");
+        let friction_n: f64 = equation.slip_forces_n(corner).iter().sum();
+        assert!((friction_n - 65.0).abs() < 3.0, "{corner}: {friction_n}");
+    }
+}
+
+#[test]
+fn friction_that_is_known_leaves_the_models_error_of_its_stiffness() {
+    let mut equation = equation(4);
+    let [mass, pitch, roll, _] = equation.body.parts();
+    assert_eq!(equation.stiffness_variance(0), 0.0);
+    let slip_n = [20.0, 0.0, 45.0];
+    learn(&mut equation, mass + pitch + roll, slip_n, 0.0);
+    for corner in 0..4 {
+        // Elements of 60 N/m per newton each, in phase with the deflection; a fifth of what they make.
+        let expected = 0.2 * 60.0 * slip_n.iter().sum::<f64>();
+        let sd = equation.stiffness_variance(corner).sqrt();
+        assert!((sd / expected - 1.0).abs() < 0.1, "{sd} {expected}");
+        let [damping, spring] = equation.strut_variance(corner);
+        assert!((spring.sqrt() * STIFFNESS / sd - 1.0).abs() < 1e-9);
+        // Nothing of it damps.
+        assert!(damping.sqrt() < 0.02, "{damping}");
+    }
+}
+
+#[test]
+fn friction_of_which_little_was_seen_leaves_the_stiffness_open() {
+    let mut equation = equation(1);
+    let g = equation.body.parts()[0];
+    // Half of the body's motion is something else.
+    learn(&mut equation, g, [30.0, 0.0, 0.0], 1.0);
+    let model = 0.2 * 60.0 * equation.slip_forces_n(0).iter().sum::<f64>();
+    assert!(equation.stiffness_variance(0).sqrt() > 1.2 * model);
+    assert_eq!(equation.stiffness_variance(2), 0.0);
 }
 
 #[test]

@@ -1,0 +1,70 @@
+//! What friction that is not known exactly makes of the tires' stiffnesses (docs/math/unknown-car.md, section 5): at wheel hop a strut that
+//! sticks is a spring beside the tire, so a newton of slip force too much is so much stiffness too little.
+
+use nalgebra::{Cholesky, Const};
+
+// Where another crate of the build brings `std`, numbers have this function by themselves.
+#[allow(unused_imports)]
+use nalgebra::ComplexField;
+
+use super::{BINS, BodyEquation, ELEMENTS, FORCE_N, Parameters, SIZE, SLIP};
+use crate::model::CornerConfig;
+use crate::real::Real;
+use crate::spectrum::transfer::FRICTION_SPACING_HZ;
+
+/// How far the friction of a strut is from that of the model, as a share of its stiffness at wheel hop: which way a strut slips is decided
+/// by slow motions, too, which accelerometers hardly tell.
+const MODEL_ERROR: f64 = 0.2;
+
+/// The bin nearest to a corner's wheel hop at placard pressure.
+pub(super) fn hop_bin<T: Real>(corner: &CornerConfig<T>) -> usize {
+    let car = &corner.quarter_car;
+    let stiffness = corner.tire.stiffness_n_per_m(corner.placard_kpa) + car.spring_n_per_m();
+    let hop_hz = (stiffness / car.unsprung_mass_kg()).sqrt() / T::two_pi();
+    let place = (hop_hz / T::lit(FRICTION_SPACING_HZ) - T::lit(0.5)).to_whole().max(0);
+    (place as usize).min(BINS - 1)
+}
+
+impl<T: Real> BodyEquation<T> {
+    /// Variance in (N/m)² of the stiffness beside a corner's tire at wheel hop that is due to friction on the present road.
+    pub(crate) fn stiffness_variance(&self, corner: usize) -> T {
+        let [stiffness, _] = self.impedance_variance[corner.min(3)];
+        stiffness
+    }
+
+    /// What friction that is not known makes of a corner's damping and spring near wheel hop: variances over the squares of the file's.
+    pub(crate) fn strut_variance(&self, corner: usize) -> [T; 2] {
+        let corner = corner.min(3);
+        let omega = T::two_pi() * T::lit((self.hop_bin[corner] + 1) as f64 * FRICTION_SPACING_HZ);
+        let [stiffness, damping] = self.impedance_variance[corner];
+        let over = |variance: T, of: T| if of > T::zero() { variance / (of * of) } else { T::zero() };
+        [over(damping, self.damping[corner] * omega), over(stiffness, self.spring[corner])]
+    }
+
+    /// From the covariance of all parameters, given by its inverse's factor.
+    #[inline(never)]
+    pub(super) fn note_impedance_error(&mut self, information: &Cholesky<T, Const<SIZE>>) {
+        for corner in (0..4).filter(|&corner| self.body.has(corner)) {
+            let corner = corner.min(3);
+            for part in 0..2 {
+                let (mut slope, mut sticking) = (Parameters::zeros(), T::zero());
+                for (element, slip_n) in self.slip_forces_n(corner).into_iter().enumerate() {
+                    let per_newton = self.per_newton(corner, element, part);
+                    slope[SLIP + 4 * element + corner] = per_newton * T::lit(FORCE_N);
+                    sticking += per_newton * slip_n;
+                }
+                let mut by = slope;
+                information.solve_mut(&mut by);
+                let model = T::lit(MODEL_ERROR) * sticking;
+                self.impedance_variance[corner][part.min(1)] = slope.dot(&by).max(T::zero()) + model * model;
+            }
+        }
+    }
+
+    /// Stiffness in N/m at wheel hop of an element of one newton, or what it damps: real or imaginary part of its describing function.
+    fn per_newton(&self, corner: usize, element: usize, part: usize) -> T {
+        let (powers, bin) = (&self.powers[corner], self.hop_bin[corner].min(BINS - 1));
+        let at = 2 * element.min(ELEMENTS - 1) + part.min(1);
+        powers.elements[(bin, at)] / powers.velocity[bin].max(T::lit(1e-15))
+    }
+}
