@@ -13,7 +13,7 @@ mod uncertainty;
 mod wheels;
 
 pub use self::body_fit::{BodyFit, Misfit};
-pub(crate) use self::calibration::UNLEARNED_BIAS_SD;
+pub(crate) use self::calibration::UNCALIBRATED_BIAS_SD;
 pub use self::calibration::{CalibrationError, CornerCalibration, Learned, VehicleCalibration};
 pub use self::car::{CarConfig, Inflation};
 pub use self::car_estimate::{CarEstimate, TrackState};

@@ -76,7 +76,7 @@ const STANDING_M_S: f64 = 2.5;
 const STOPPED_M_S: f64 = 0.3;
 const STOP_S: f64 = 3.0;
 /// Share by which the sd grows while the pressure surely moves fast: found on seeds of its own so that intervals cover
-/// more of a drop without covering too much elsewhere.
+/// more of a drop without covering too much at other times.
 const MOVING_SD: f64 = 0.7;
 /// How well a calibration sets the pressure, as a share of the placard pressure: 3 kPa at 241.3 kPa.
 pub(crate) const CALIBRATION_SD: f64 = 0.0125;

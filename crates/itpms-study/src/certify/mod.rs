@@ -35,7 +35,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use thiserror::Error;
 
-pub use outcome::{Elsewhere, Outcome, Phase, TracePoint, Verdict};
+pub use outcome::{FalseAlert, Outcome, Phase, TracePoint, Verdict};
 pub use procedure::{Extent, Failure, Procedure, Test};
 pub use rules::Rule;
 pub use table::list;

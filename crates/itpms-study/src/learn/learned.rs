@@ -5,8 +5,8 @@ use itpms_core::model::{CarConfig, CornerConfig, PressureMap, QuarterCar};
 use super::weigh::Belief;
 use super::{DriveReading, LearnError, strut};
 
-/// Of a standard deviation, what has to be left for a parameter to count as unlearned.
-const UNLEARNED: f64 = 0.8;
+/// Of a standard deviation, what has to be left for a parameter still to count as the file's alone.
+const NOT_LEARNED_SD: f64 = 0.8;
 
 /// A parameter before and after, with its standard deviations in its own unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,7 +31,7 @@ impl Parameter {
     /// Whether the drives have told it, and not the file alone.
     #[must_use]
     pub fn is_learned(&self) -> bool {
-        self.after_sd / self.after < UNLEARNED * self.before_sd / self.before
+        self.after_sd / self.after < NOT_LEARNED_SD * self.before_sd / self.before
     }
 }
 
