@@ -6,7 +6,7 @@ use itpms_data::{LogReader, Vehicle};
 
 use crate::drive::{Drive, LOG_END_S};
 use crate::error::DriveError;
-use crate::run::Job;
+use crate::job::Job;
 
 /// Rates in Hz for which the estimators are made.
 const USUAL_RATES_HZ: std::ops::RangeInclusive<f64> = 99.0..=2020.0;

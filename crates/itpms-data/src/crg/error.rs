@@ -4,7 +4,7 @@
 
 use thiserror::Error;
 
-use crate::error::Place;
+use crate::place::Place;
 
 /// One kind of problem with an OpenCRG file.
 #[derive(Debug, Clone, PartialEq, Error)]

@@ -9,7 +9,7 @@
 use super::channels::{Channel, Layout};
 use super::error::CrgProblem;
 use super::header::{Header, Numbers};
-use crate::error::Place;
+use crate::place::Place;
 
 /// What becomes of a missing height (`grid_nan_mode`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

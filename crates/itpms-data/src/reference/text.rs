@@ -44,7 +44,7 @@ pub(super) fn opened(bytes: &[u8]) -> Result<StoredReference, Problem> {
     }
     let format = match format.parse() {
         Ok(known @ WITHOUT_ROAD_BIAS..=FORMAT) => known,
-        Ok(other) => return Err(ReferenceProblem::Newer { found: other }.into()),
+        Ok(other) => return Err(ReferenceProblem::Newer { found: other, newest: FORMAT }.into()),
         Err(_) => return Err(ReferenceProblem::Lacks("a number of its format").into()),
     };
     let body = str::from_utf8(body).map_err(|_| ReferenceProblem::Lacks("readable text"))?;

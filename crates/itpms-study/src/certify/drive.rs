@@ -14,8 +14,9 @@ use rand_pcg::Pcg64;
 
 use super::course::{Course, RECOVERY_S};
 use super::outcome::{Findings, Outcome, Phase, TracePoint};
-use super::procedure::{Procedure, Test};
+use super::procedure::Procedure;
 use super::telltale::{Lamp, Wrong, lit, wrong};
+use super::test_case::Test;
 use super::{CertifyError, Odometer};
 
 /// After the tell-tale has come on the drive goes on so many s: it has to stay lit.

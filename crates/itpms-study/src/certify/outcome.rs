@@ -7,9 +7,10 @@ use itpms_sim::simulation::SimRow;
 use serde::Serialize;
 
 use super::course::Course;
-use super::procedure::{Procedure, Test};
+use super::procedure::Procedure;
 use super::rules::Rule;
 use super::telltale::Wrong;
+use super::test_case::Test;
 
 /// What was seen in a test. Times in s.
 #[derive(Debug, Clone, PartialEq, Default)]
