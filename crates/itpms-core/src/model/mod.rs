@@ -20,6 +20,7 @@ pub use self::car_estimate::{CarEstimate, TrackState};
 pub use self::estimate::{CornerConfig, CornerEstimate, Diagnostics, Level, Validity, Warning};
 pub(crate) use self::quarter_car::positive;
 pub use self::quarter_car::{ParameterError, QuarterCar};
+pub(crate) use self::sample::ABSURD_M_S2;
 pub use self::sample::{CarSample, Corner, CornerSample, Sample};
 pub use self::strut_reading::StrutReading;
 pub use self::tire::{PressureMap, RegressionError};

@@ -32,7 +32,7 @@ mod road_fits;
 mod road_model;
 mod tables;
 
-use crate::conditioning::GridSample;
+use crate::conditioning::{GridSample, STANDING_M_S};
 use crate::memory::{Blank, Placed, blank};
 use crate::model::{CornerConfig, QuarterCar};
 use crate::real::Real;
@@ -70,8 +70,6 @@ const BAND: f64 = 0.25;
 const ENVELOPE_REACH: f64 = 0.75;
 /// Bins used however long the enveloping may be: up to 40 Hz, so that wheel hop has neighbours on both sides.
 const LEAST_BINS: usize = 5;
-/// Speed in m/s below which nothing is learned.
-const STANDING_M_S: f64 = 2.5;
 /// Speed in m/s below which a car stands, and seconds of it in which somebody can get in or out.
 const STOPPED_M_S: f64 = 0.3;
 const STOP_S: f64 = 3.0;
