@@ -190,9 +190,9 @@ def restart(first, second, marks):
     driven_m = [line["distance_m"] - before["distance_m"] for line in told[1:]]
     passed_s = [line["time_s"] - before["time_s"] for line in told[1:]]
     check(passed_s[0] < 10.0 and passed_s[1] - passed_s[0] > 5.0
-          and all(abs(way_m - SPEED_M_S * time_s) < 0.02 * SPEED_M_S * time_s for way_m, time_s in zip(driven_m, passed_s)),
+          and all(abs(distance_m - SPEED_M_S * time_s) < 0.02 * SPEED_M_S * time_s for distance_m, time_s in zip(driven_m, passed_s)),
           "driven since the last start: "
-          + ", then ".join(f"{way_m:.1f} m in {time_s:.2f} s" for way_m, time_s in zip(driven_m, passed_s)))
+          + ", then ".join(f"{distance_m:.1f} m in {time_s:.2f} s" for distance_m, time_s in zip(driven_m, passed_s)))
     check(not second.begun("under-inflated"), "what was said before the restart is not said again")
 
 

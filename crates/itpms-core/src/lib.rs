@@ -4,6 +4,10 @@
 //! Time comes with every sample, an estimator is a value that can be cloned, saved and resumed, and bad input is flagged,
 //! never believed.
 //!
+//! It starts from parameters of the car (masses, springs, dampers, the tire's stiffness over pressure), takes vertical accelerations of
+//! body and wheel at 100 Hz to 2 kHz and the speed, and learns while the road moves the wheels. Accelerations are in m/s², positive
+//! upward, with or without gravity; pressures are gauge pressures in kPa. Names end in their unit.
+//!
 //! # One wheel
 //!
 //! Body and wheel acceleration of one corner give its tire's pressure with a standard deviation, and the road under it.
@@ -14,12 +18,15 @@
 //! # fn main() -> Result<(), itpms_core::ParameterError> {
 //! // Masses, damper, spring and tire of the corner: here the paper's.
 //! let corner = CornerConfig::<f64>::paper();
-//! let mut estimator = Estimator::new(EstimatorKind::Informed, &corner, 500.0)?;
+//! let sample_rate_hz = 500.0;
+//! let mut estimator = Estimator::new(EstimatorKind::default(), &corner, sample_rate_hz)?;
 //! for k in 0..1000 {
-//!     let time_s = f64::from(k) / 500.0;
-//!     // From the sensors, in m/s²; NaN: the sample is missing.
-//!     let (body_accel, wheel_accel) = (0.3 * (9.0 * time_s).sin(), 4.0 * (70.0 * time_s).sin());
-//!     let estimate = estimator.update(time_s, 22.0, body_accel, wheel_accel);
+//!     let time_s = f64::from(k) / sample_rate_hz;
+//!     // From the sensors; NaN: the value is missing.
+//!     let speed_m_s = 22.0;
+//!     let (body_accel_m_s2, wheel_accel_m_s2) = (0.3 * (9.0 * time_s).sin(), 4.0 * (70.0 * time_s).sin());
+//!     let estimate = estimator.update(time_s, speed_m_s, body_accel_m_s2, wheel_accel_m_s2);
+//!     // Valid after some seconds on a road; before that `validity` says what is missing.
 //!     if estimate.validity == Validity::Valid {
 //!         println!("{} ± {} kPa", estimate.pressure_kpa, estimate.pressure_sd_kpa);
 //!     }
@@ -30,7 +37,9 @@
 //!
 //! # A car under its monitor
 //!
-//! Four corners, front and rear over the same road, sensors watched, warnings given: what a controller runs.
+//! Four corners, front and rear over the same road, sensors watched, warnings given: what a controller runs. A calibration teaches it how
+//! the car differs from its parameters; [`CarEstimator::calibration`] is what to store, [`MonitoredCar::load_calibration`] begins a
+//! later drive with it.
 //!
 //! ```
 //! use itpms_core::{CarConfig, CarSample, CornerConfig, CornerSample, MonitorConfig, MonitoredCar};
@@ -38,8 +47,9 @@
 //! # fn main() -> Result<(), itpms_core::ParameterError> {
 //! let corner = CornerConfig::<f32>::paper();
 //! let car = CarConfig { corners: [Some(corner); 4], wheelbase_m: Some(2.7) };
-//! let mut car = MonitoredCar::new(&MonitorConfig::new(&car), 200.0)?;
-//! // All tires have just been set to their placard pressures: the next ten minutes teach the car.
+//! let sample_rate_hz = 200.0;
+//! let mut car = MonitoredCar::new(&MonitorConfig::new(&car), sample_rate_hz)?;
+//! // All tires have just been set to their placard pressures: the next ten minutes (600 s) teach the car.
 //! car.begin_calibration(600.0)?;
 //! # let read_sensors = || CornerSample { body_accel_m_s2: 0.1, wheel_accel_m_s2: 0.5 };
 //! for k in 0..400 {
@@ -58,7 +68,7 @@
 //!
 //! # On a controller
 //!
-//! A car of four corners is 200 KB in `f32`. It has its memory first, as a constant of zeros, and is configured where it lies; that
+//! A car of four corners is 186 kB in `f32`. It has its memory first, as a constant of zeros, and is configured where it lies; that
 //! takes less than 8 KiB of stack, and samples less than 24 KiB.
 //!
 //! ```
@@ -88,6 +98,7 @@
 //! | [`model`] | the car and its signals: parameters, samples, estimates, calibration |
 //! | [`conditioning`] | one clock and one speed, values checked and resampled, wheels that have left the road |
 //! | `spectrum` | short spectral frames, reconstructed signals, transfer functions |
+//! | `suspension` | the force in the struts, friction included, from the body's equation of motion |
 //! | [`single_wheel`] | one corner: a Bayes filter on a grid of pressures that knows that a road looks like a road |
 //! | `inter_axle` | front and rear over the same road: alignment and residual |
 //! | `belief` | what is believed of the car: a bank of Gaussian hypotheses |
@@ -97,6 +108,7 @@
 //! | [`warning`] | when to warn of what |
 //! | [`monitor`] | a car's estimator under its monitor |
 //! | [`road`] | the road under a wheel of known stiffness: causal, and smoothed for a record |
+//! | [`real`] | `f32` or `f64` |
 //! | `published` | the paper's filters to the letter, with feature `paper` |
 //!
 //! # Features

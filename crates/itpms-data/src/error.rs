@@ -2,12 +2,13 @@
 //!
 //! Every public function of this crate returns [`DataError`]. Its message is complete; callers print it as it is.
 
+use std::io;
 use std::path::{Path, PathBuf};
-use std::{fmt, io};
 
 use itpms_core::model::ParameterError;
 use thiserror::Error;
 
+pub use crate::place::Place;
 use crate::reference::ReferenceProblem;
 use crate::signals::SignalProblem;
 
@@ -24,24 +25,6 @@ pub struct DataError {
 impl DataError {
     pub(crate) fn new(path: &Path, problem: Problem) -> Self {
         Self { path: path.to_owned(), problem: Box::new(problem) }
-    }
-}
-
-/// Where in a file: text has lines, a table has rows. Both count from one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Place {
-    /// Line of a text file, the header being line 1.
-    Line(u64),
-    /// Row of a table without lines.
-    Row(u64),
-}
-
-impl fmt::Display for Place {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Place::Line(line) => write!(f, "line {line}"),
-            Place::Row(row) => write!(f, "row {row}"),
-        }
     }
 }
 

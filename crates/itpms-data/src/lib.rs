@@ -36,6 +36,7 @@ mod nearest;
 pub mod out;
 #[cfg(feature = "parquet")]
 mod parquet_columns;
+mod place;
 pub mod profile;
 pub mod reference;
 pub mod signals;

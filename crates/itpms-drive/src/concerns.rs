@@ -6,7 +6,7 @@ use itpms_data::{LogReader, Vehicle};
 
 use crate::drive::{Drive, LOG_END_S};
 use crate::error::DriveError;
-use crate::run::Job;
+use crate::job::Job;
 
 /// Rates in Hz for which the estimators are made.
 const USUAL_RATES_HZ: std::ops::RangeInclusive<f64> = 99.0..=2020.0;
@@ -114,7 +114,7 @@ pub(crate) fn of(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Vec<String> {
     if let Some(seconds) = drive.speed_latency_s() {
         let way = if seconds > 0.0 { "late" } else { "early" };
         concerns.push(format!(
-            "speed_m_s comes {:.2} s {way}: while the car brakes or speeds up front and rear meet the same road elsewhere than it says; allowed for since that was found",
+            "speed_m_s comes {:.2} s {way}: while the car brakes or speeds up front and rear do not meet the same road where it says; allowed for since that was found",
             seconds.abs()
         ));
     }

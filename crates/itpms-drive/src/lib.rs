@@ -25,6 +25,7 @@ pub mod drive;
 pub mod error;
 pub mod files;
 pub mod fleet;
+mod job;
 pub mod learn;
 pub mod reference;
 pub mod road;

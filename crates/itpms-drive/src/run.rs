@@ -11,24 +11,11 @@ use crate::alerts::{Alerts, Events};
 use crate::concerns;
 use crate::drive::{Drive, Estimates};
 use crate::error::DriveError;
+pub use crate::job::Job;
 use crate::road::{LateRow, RoadTrack};
-use crate::settings::Settings;
 
 /// Rows between two looks at whoever may want to stop or to know how far it is.
 const ROWS_PER_LOOK: u64 = 1024;
-
-/// What is to be done with a log.
-#[derive(Debug, Clone, Copy)]
-pub struct Job<'a> {
-    /// The car.
-    pub vehicle: &'a Vehicle,
-    /// The corners to estimate: see [`crate::common_corners`].
-    pub corners: &'a [Corner],
-    /// How.
-    pub settings: &'a Settings,
-    /// Whether the road is smoothed, for a road record or a report.
-    pub road: bool,
-}
 
 /// Who gets the results of a drive as they come.
 pub trait Sink {

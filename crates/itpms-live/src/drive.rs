@@ -6,13 +6,14 @@
 use itpms_core::car::{CarEstimate, EstimatorOptions};
 use itpms_core::conditioning::Odometer;
 use itpms_core::estimator::EstimatorKind;
-use itpms_core::model::{Corner, VehicleCalibration};
+use itpms_core::model::VehicleCalibration;
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::warning::{Change, MonitorReport, Regulation};
 use itpms_data::log::UnitCheck;
 use itpms_data::out::RateGate;
 use itpms_data::{LogRow, Vehicle};
 
+pub use crate::clock::Clock;
 use crate::error::LiveError;
 use crate::roughness::Roughness;
 use crate::speed::SpeedDoubt;
@@ -44,25 +45,6 @@ impl Default for DriveOptions {
             rate_hz: 10.0,
             units: UnitCheck::default(),
         }
-    }
-}
-
-/// What rows come: known before the first is estimated.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Clock {
-    /// Rows per second.
-    pub sample_rate_hz: f64,
-    /// The corners that are measured and that the vehicle has.
-    pub corners: Vec<Corner>,
-}
-
-impl Clock {
-    /// Whether front and rear of a side are measured: where the speed is known they are held against each other.
-    #[must_use]
-    pub fn has_side(&self) -> bool {
-        [[Corner::FrontLeft, Corner::RearLeft], [Corner::FrontRight, Corner::RearRight]]
-            .iter()
-            .any(|side| side.iter().all(|corner| self.corners.contains(corner)))
     }
 }
 

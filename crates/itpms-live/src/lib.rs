@@ -22,6 +22,7 @@
 #![forbid(unsafe_code)]
 
 pub mod broker;
+mod clock;
 mod describe;
 pub mod drive;
 pub mod engine;

@@ -6,7 +6,7 @@ use itpms_core::car::CarEstimate;
 use itpms_core::model::Corner;
 use itpms_study::roughness::WheelSurvey;
 
-use crate::drive::Clock;
+use crate::clock::Clock;
 use crate::error::LiveError;
 
 /// Length of a segment in m.

@@ -5,7 +5,7 @@
 //! | `args` | what can be typed |
 //! | `commands` | one file per command |
 //! | `interrupt` | Ctrl-C and a polite kill end a run between two rows |
-//! | `progress` | a bar on a terminal, nothing elsewhere |
+//! | `progress` | a bar on a terminal, nothing in a file or pipe |
 //! | `screen` | results on standard output, remarks on standard error |
 //! | `exit` | why a command ends, and the code for it |
 #![forbid(unsafe_code)]

@@ -1,5 +1,5 @@
 //! `itpms identify bump` on drops from a small simulator of its own, on a real rig where its data are there, and on
-//! spoiled records.
+//! damaged records.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 mod common;

@@ -1,7 +1,8 @@
 //! The belief about the car: a mixture of nine Gaussians, one for every way in which pressures may be changing now
 //! (docs/math/shared-road.md, section 6). Moves on with time, is weighed by the constraint and by what others say.
 
-use super::gaussian::Hypothesis;
+use super::gaussian::{Hypothesis, Wandering};
+use super::hypotheses::{ALL, CONSTANT, HYPOTHESES, Hypotheses, RANDOM_WALK, SIDE, changing, has_rate};
 use super::measurement::{AxleResidual, SideMeasurement, UpdateRecord};
 use super::mixture::Mixture;
 use super::state::{RATE, SIZE, State, TIRE};
@@ -12,13 +13,6 @@ use crate::memory::{Blank, Placed, blank};
 use crate::model::Learned;
 use crate::real::Real;
 
-/// Nothing moves; each wheel loses pressure by itself; both of the left alike, or of the right; all four alike; any wheel wanders
-/// either way.
-pub(crate) const HYPOTHESES: usize = 9;
-pub(super) const CONSTANT: usize = 0;
-pub(super) const SIDE: usize = 5;
-pub(super) const ALL: usize = 7;
-pub(super) const RANDOM_WALK: usize = 8;
 /// Log-likelihood of a hypothesis that cannot say how likely a frame is.
 const IMPOSSIBLE: f64 = -1e6;
 /// Growth of a compliance's sd per square root of a second of incoherence, as far as it is believed: as long as the car is known
@@ -30,15 +24,18 @@ const RARE: f64 = 1e-5;
 const RARE_FRAMES: usize = 3;
 /// Degrees of freedom of a pseudo-measurement's distribution: how heavy its tails are.
 const WORD_TAILS: f64 = 4.0;
+/// Chance that a tire was filled or let down during a stop, and the sd of its compliance then.
+const FILLED: f64 = 1e-3;
+const FILLED_SD: f64 = 0.15;
 /// See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct HypothesisBank<T: Real> {
-    pub(super) hypotheses: [Hypothesis<T>; HYPOTHESES],
+    pub(super) hypotheses: Hypotheses<T>,
     /// What is under way between the parts of a prediction, and between those of an update.
     pub(super) transition: Transition<T>,
     /// By which variance each damping and spring may be another one, over its file's.
-    pub(super) strut_variance: [[T; 2]; 4],
+    strut_variance: [[T; 2]; 4],
     update: FrameUpdate<T>,
 }
 
@@ -58,17 +55,6 @@ struct FrameUpdate<T: Real> {
 
 blank!(FrameUpdate<T> { log_weight, record, best, frames });
 
-/// Whether compliances follow the rate in a hypothesis.
-pub(super) fn has_rate(hypothesis: usize) -> bool {
-    hypothesis != CONSTANT && hypothesis != RANDOM_WALK
-}
-
-/// How the compliances follow the rate in a hypothesis.
-pub(super) fn changing<T: Real>(hypothesis: usize) -> [T; 4] {
-    let changing = |i: usize| hypothesis == i + 1 || hypothesis == SIDE + i % 2 || hypothesis == ALL;
-    core::array::from_fn(|i| if changing(i) { T::one() } else { T::zero() })
-}
-
 impl<T: Real> HypothesisBank<T> {
     /// What is believed at the start, the tires' compliances around `tires`.
     pub(super) fn start(&mut self, tires: &[T; 4]) {
@@ -86,6 +72,49 @@ impl<T: Real> HypothesisBank<T> {
     /// See [`Belief::set_strut_variance`](super::Belief::set_strut_variance).
     pub(super) fn set_strut_variance(&mut self, corner: usize, relative: [T; 2]) {
         self.strut_variance[corner.min(3)] = relative;
+    }
+
+    /// Begins to move on by `seconds`; see [`Transition::begin`].
+    pub(super) fn begin_prediction(&mut self, seconds: T, onset_scale: [T; 2], onset_rates: &[T; 4]) {
+        self.transition.begin(seconds, onset_scale, onset_rates);
+    }
+
+    /// Does a part of the prediction.
+    pub(super) fn predict_part(&mut self, part: usize) {
+        self.transition.apply(part, &mut self.hypotheses, &self.strut_variance);
+    }
+
+    /// Nothing is left to be done of a prediction.
+    pub(super) fn end_prediction(&mut self) {
+        self.transition.end();
+    }
+
+    /// All tires may have become warmer or colder together: their compliances have so much more sd in common.
+    pub(super) fn change_temperature(&mut self, sd: &[T; 4]) {
+        for hypothesis in &mut self.hypotheses {
+            for i in 0..4 {
+                for j in 0..4 {
+                    hypothesis.covariance[(TIRE + i, TIRE + j)] += sd[i] * sd[j];
+                }
+            }
+        }
+    }
+
+    /// Moves on by `seconds` in which nobody watched: nothing moves any more. `filled`: somebody may have changed a
+    /// pressure.
+    pub(super) fn predict_gap(&mut self, seconds: T, filled: bool) {
+        self.collapse();
+        let [constant, .., loose] = &mut self.hypotheses;
+        constant.wander(&Wandering::over(seconds, &self.strut_variance));
+        if filled {
+            let chance = T::lit(FILLED);
+            loose.take_over(constant);
+            for i in TIRE..TIRE + 4 {
+                loose.covariance[(i, i)] += T::lit(FILLED_SD * FILLED_SD);
+            }
+            loose.weight = chance;
+            constant.weight = T::one() - chance;
+        }
     }
 
     /// Begins to update with a frame.

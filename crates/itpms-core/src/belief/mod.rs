@@ -20,6 +20,7 @@
 mod calibration;
 mod checkpoint;
 mod gaussian;
+mod hypotheses;
 mod hypothesis_bank;
 mod inverse;
 pub(crate) mod measurement;
@@ -35,7 +36,7 @@ mod update;
 use self::calibration::CalibrationState;
 use self::checkpoint::{Checkpoint, PreFaultEstimate};
 pub(crate) use self::gaussian::Hypothesis;
-pub(crate) use self::hypothesis_bank::HYPOTHESES;
+pub(crate) use self::hypotheses::HYPOTHESES;
 use self::hypothesis_bank::HypothesisBank;
 use self::measurement::{AxleResidual, SideMeasurement, UpdateRecord};
 use self::state::{State, TIRE};

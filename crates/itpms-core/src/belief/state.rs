@@ -3,7 +3,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use crate::model::UNLEARNED_BIAS_SD;
+use crate::model::UNCALIBRATED_BIAS_SD;
 use crate::real::Real;
 
 /// Quantities.
@@ -55,7 +55,7 @@ const BAR_SPREAD: f64 = 0.06;
 /// Standard deviation of [`ROAD_BIAS`] at the start and in the end, and the time in s between: what the model leaves out (a
 /// sensor late by a millisecond, corners that one body ties together) is taken for tires only slowly. It grows nearly four times more
 /// slowly than a tire's own compliance may, or it would take a loss of all four for its own.
-const ROAD_BIAS_SD: [f64; 2] = [UNLEARNED_BIAS_SD, 0.03];
+const ROAD_BIAS_SD: [f64; 2] = [UNCALIBRATED_BIAS_SD, 0.03];
 const ROAD_BIAS_S: f64 = 36_000.0;
 
 pub(crate) type State<T> = SVector<T, SIZE>;

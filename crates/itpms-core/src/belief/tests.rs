@@ -9,7 +9,8 @@ use nalgebra::SMatrix;
 #[allow(unused_imports)]
 use nalgebra::ComplexField;
 
-use super::hypothesis_bank::{CONSTANT, HYPOTHESES, HypothesisBank, RANDOM_WALK};
+use super::hypotheses::{CONSTANT, HYPOTHESES, RANDOM_WALK};
+use super::hypothesis_bank::HypothesisBank;
 use super::measurement::{BINS, Gram, Score};
 use super::state::{
     BAR, Covariance, DAMPING, GAIN, MASS, RATE, ROAD_BIAS, SIDE_SIZE, SIDE_TIRES, SIZE, SPRING, State, TIRE,

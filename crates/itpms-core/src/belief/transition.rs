@@ -4,7 +4,7 @@
 use nalgebra::RowSVector;
 
 use super::gaussian::{Hypothesis, Wandering};
-use super::hypothesis_bank::{CONSTANT, HYPOTHESES, HypothesisBank, RANDOM_WALK, SIDE, changing, has_rate};
+use super::hypotheses::{CONSTANT, HYPOTHESES, Hypotheses, RANDOM_WALK, SIDE, changing, has_rate};
 use super::mixture::Mixture;
 use super::state::{RATE, State, TIRE};
 use crate::memory::blank;
@@ -22,9 +22,6 @@ const END: f64 = 0.5;
 const RATE_WANDER: f64 = 0.1;
 /// Growth per square root of a second of each compliance's sd while wheels wander.
 const LOOSE_SD: f64 = 0.06;
-/// Chance that a tire was filled or let down during a stop, and the sd of its compliance then.
-const FILLED: f64 = 1e-3;
-const FILLED_SD: f64 = 0.15;
 /// Weight below which a hypothesis begins anew.
 const FORGOTTEN: f64 = 1e-20;
 /// Largest chance of a step that a suspected wheel begins to move.
@@ -58,62 +55,64 @@ impl<T: Real> Transition<T> {
         self.still.covariance.fill(T::zero());
         self.still.weight = T::zero();
     }
-}
 
-impl<T: Real> HypothesisBank<T> {
     /// Begins to move on by `seconds`; `onset_scale` multiplies the chances that one wheel, and that several, begin to move;
     /// `onset_rates` are chances per second that each wheel does that somebody else has reason to believe in.
-    pub(super) fn begin_prediction(&mut self, seconds: T, onset_scale: [T; 2], onset_rates: &[T; 4]) {
+    pub(super) fn begin(&mut self, seconds: T, onset_scale: [T; 2], onset_rates: &[T; 4]) {
         let [_, several] = onset_scale;
-        let transition = &mut self.transition;
-        transition.seconds = seconds;
-        transition.end = T::one() - (-T::lit(END) * seconds).exp();
-        transition.join = T::lit(JOIN) * seconds * several;
-        transition.stay = T::one();
-        for (hypothesis, begin) in transition.begin.iter_mut().enumerate().skip(1) {
+        self.seconds = seconds;
+        self.end = T::one() - (-T::lit(END) * seconds).exp();
+        self.join = T::lit(JOIN) * seconds * several;
+        self.stay = T::one();
+        for (hypothesis, begin) in self.begin.iter_mut().enumerate().skip(1) {
             *begin = T::lit(BEGIN[hypothesis]) * seconds * onset_scale[usize::from(hypothesis >= SIDE)];
             if let Some(&rate) = onset_rates.get(hypothesis - 1) {
                 *begin += (rate * seconds).min(T::lit(LARGEST_CHANCE));
             }
-            transition.stay -= *begin;
+            self.stay -= *begin;
         }
     }
 
     /// Nothing is left to be done of a prediction.
-    pub(super) fn end_prediction(&mut self) {
-        self.transition.seconds = T::zero();
+    pub(super) fn end(&mut self) {
+        self.seconds = T::zero();
     }
 
-    /// Does one of its parts.
-    pub(super) fn predict_part(&mut self, part: usize) {
-        if !(self.transition.seconds > T::zero()) {
+    /// Does one of its parts; see [`Wandering::over`] for `strut_variance`.
+    pub(super) fn apply(
+        &mut self,
+        part: usize,
+        hypotheses: &mut Hypotheses<T>,
+        strut_variance: &[[T; 2]; 4],
+    ) {
+        if !(self.seconds > T::zero()) {
             return;
         }
         match part {
-            0 => self.mix(),
-            _ => self.pass(),
+            0 => self.mix(hypotheses),
+            _ => self.pass(hypotheses, strut_variance),
         }
     }
 
     /// In place: a copy of all hypotheses is more than a controller has room for. Single wheels come after those that they join.
-    fn mix(&mut self) {
-        let Transition { end, begin, join, .. } = self.transition;
-        self.stay_or_end();
+    fn mix(&mut self, hypotheses: &mut Hypotheses<T>) {
+        let Self { end, begin, join, .. } = *self;
+        self.stay_or_end(hypotheses);
         for (hypothesis, &begin) in begin.iter().enumerate().skip(SIDE) {
-            self.go_on(hypothesis, end, begin);
+            go_on(hypotheses, hypothesis, end, begin);
         }
-        (0..4).for_each(|wheel| self.merge(wheel, join));
+        (0..4).for_each(|wheel| merge(hypotheses, wheel, join));
         for (hypothesis, &begin) in begin.iter().enumerate().take(SIDE).skip(1) {
-            self.go_on(hypothesis, end, begin);
+            go_on(hypotheses, hypothesis, end, begin);
         }
-        self.hypotheses[CONSTANT].take_over(&self.transition.still);
+        hypotheses[CONSTANT].take_over(&self.still);
     }
 
     /// Time passes.
-    fn pass(&mut self) {
-        let seconds = self.transition.seconds;
-        let wandering = Wandering::over(seconds, &self.strut_variance);
-        for (index, hypothesis) in self.hypotheses.iter_mut().enumerate() {
+    fn pass(&self, hypotheses: &mut Hypotheses<T>, strut_variance: &[[T; 2]; 4]) {
+        let seconds = self.seconds;
+        let wandering = Wandering::over(seconds, strut_variance);
+        for (index, hypothesis) in hypotheses.iter_mut().enumerate() {
             hypothesis.wander(&wandering);
             if index == RANDOM_WALK {
                 for i in 0..4 {
@@ -140,10 +139,9 @@ impl<T: Real> HypothesisBank<T> {
     }
 
     /// What moves no more: what did not and of which this share stays so, and of what did the share that ends.
-    fn stay_or_end(&mut self) {
-        let Self { hypotheses: [constant, others @ ..], transition, .. } = self;
-        let (stay, end) = (transition.stay, transition.end);
-        let mut still = Mixture::new(&mut transition.still);
+    fn stay_or_end(&mut self, [constant, others @ ..]: &Hypotheses<T>) {
+        let (stay, end) = (self.stay, self.end);
+        let mut still = Mixture::new(&mut self.still);
         still.add(constant.weight * stay, &constant.part());
         for changing in others {
             if changing.weight > T::lit(FORGOTTEN) {
@@ -152,63 +150,35 @@ impl<T: Real> HypothesisBank<T> {
         }
         still.finish();
     }
+}
 
-    /// A change goes on but for the share that ends, and by this chance what did not change begins to.
-    fn go_on(&mut self, hypothesis: usize, end: T, begin: T) {
-        let [constant, others @ ..] = &mut self.hypotheses;
-        let Some(changing) = others.get_mut(hypothesis - 1) else { return };
-        let with_onset = constant.part().with_onset(has_rate(hypothesis));
-        let stays = changing.weight * (T::one() - end);
-        let begins = constant.weight * begin;
-        // What nobody believes in is not followed.
-        if stays > T::lit(FORGOTTEN) {
-            let mut going = Mixture::around(changing, stays);
-            going.add(begins, &with_onset);
-            going.finish();
-        } else {
-            with_onset.write(begins, changing);
-        }
+/// A change goes on but for the share that ends, and by this chance what did not change begins to.
+fn go_on<T: Real>(hypotheses: &mut Hypotheses<T>, hypothesis: usize, end: T, begin: T) {
+    let [constant, others @ ..] = hypotheses;
+    let Some(changing) = others.get_mut(hypothesis - 1) else { return };
+    let with_onset = constant.part().with_onset(has_rate(hypothesis));
+    let stays = changing.weight * (T::one() - end);
+    let begins = constant.weight * begin;
+    // What nobody believes in is not followed.
+    if stays > T::lit(FORGOTTEN) {
+        let mut going = Mixture::around(changing, stays);
+        going.add(begins, &with_onset);
+        going.finish();
+    } else {
+        with_onset.write(begins, changing);
     }
+}
 
-    /// A wheel that loses pressure by itself is joined, by this chance, by the other one of its side.
-    fn merge(&mut self, wheel: usize, chance: T) {
-        let hypothesis = SIDE + wheel % 2;
-        let (single, several) = self.hypotheses.split_at_mut(SIDE);
-        let (alone, both) = (&single[wheel + 1], &mut several[hypothesis - SIDE]);
-        let joins = alone.weight * chance;
-        if joins > T::lit(NOTICED) * both.weight {
-            let weight = both.weight;
-            let mut going = Mixture::around(both, weight);
-            going.add(joins, &alone.part().without_rate().with_onset(has_rate(hypothesis)));
-            going.finish();
-        }
-    }
-
-    /// All tires may have become warmer or colder together: their compliances have so much more sd in common.
-    pub(super) fn change_temperature(&mut self, sd: &[T; 4]) {
-        for hypothesis in &mut self.hypotheses {
-            for i in 0..4 {
-                for j in 0..4 {
-                    hypothesis.covariance[(TIRE + i, TIRE + j)] += sd[i] * sd[j];
-                }
-            }
-        }
-    }
-
-    /// Moves on by `seconds` in which nobody watched: nothing moves any more. `filled`: somebody may have changed a
-    /// pressure.
-    pub(super) fn predict_gap(&mut self, seconds: T, filled: bool) {
-        self.collapse();
-        let [constant, .., loose] = &mut self.hypotheses;
-        constant.wander(&Wandering::over(seconds, &self.strut_variance));
-        if filled {
-            let chance = T::lit(FILLED);
-            loose.take_over(constant);
-            for i in TIRE..TIRE + 4 {
-                loose.covariance[(i, i)] += T::lit(FILLED_SD * FILLED_SD);
-            }
-            loose.weight = chance;
-            constant.weight = T::one() - chance;
-        }
+/// A wheel that loses pressure by itself is joined, by this chance, by the other one of its side.
+fn merge<T: Real>(hypotheses: &mut Hypotheses<T>, wheel: usize, chance: T) {
+    let hypothesis = SIDE + wheel % 2;
+    let (single, several) = hypotheses.split_at_mut(SIDE);
+    let (alone, both) = (&single[wheel + 1], &mut several[hypothesis - SIDE]);
+    let joins = alone.weight * chance;
+    if joins > T::lit(NOTICED) * both.weight {
+        let weight = both.weight;
+        let mut going = Mixture::around(both, weight);
+        going.add(joins, &alone.part().without_rate().with_onset(has_rate(hypothesis)));
+        going.finish();
     }
 }

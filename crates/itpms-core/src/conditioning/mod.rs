@@ -9,4 +9,5 @@ pub(crate) mod wheel_lift;
 
 pub use self::resampler::{GridSample, Resampler, SampleCounts};
 pub use self::sample_clock::{Moment, SampleClock};
+pub(crate) use self::speed::STANDING_M_S;
 pub use self::speed::{Odometer, SpeedHold, is_a_cars};

@@ -6,6 +6,7 @@
 
 use crate::conditioning::clock::{CLOSEST, LONGEST_BRIDGE, SET_BACK, Stray, is_resolved};
 use crate::memory::blank;
+use crate::model::ABSURD_M_S2;
 use crate::real::Real;
 
 /// Points of the Lagrange interpolation. Eight keep the error below 8 % at 0.3 of the sampling rate and below
@@ -13,8 +14,6 @@ use crate::real::Real;
 const POINTS: usize = 8;
 /// Sampling periods that are no distance.
 const ON_SAMPLE: f64 = 1e-6;
-/// A wheel on a kerb reaches some 500 m/s²; twice that is no car any more.
-const ABSURD_M_S2: f64 = 1000.0;
 /// Equal values in a row, at the largest magnitude seen, that count as saturation.
 const FLAT_TOP: u32 = 3;
 /// Equal values in a row, at any magnitude, that are no signal: their steps are marked like saturated ones.

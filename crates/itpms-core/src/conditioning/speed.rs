@@ -5,6 +5,8 @@
 use crate::memory::blank;
 use crate::real::Real;
 
+/// Speed in m/s below which no frame of a wheel or a strut is learned from.
+pub(crate) const STANDING_M_S: f64 = 2.5;
 /// Longest time in s for which a speed is taken to go on: a car that brakes hard is 4 m/s slower by then.
 const HOLD_S: f64 = 0.5;
 

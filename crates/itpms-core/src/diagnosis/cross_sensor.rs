@@ -19,8 +19,6 @@ const HOP_BLOCKS: f64 = 12.0;
 const BOUNCE_BLOCKS: f64 = 5.0;
 /// Blocks over which the ratio of a corner's wheel to its body is averaged.
 const RATIO_BLOCKS: f64 = 4.0;
-/// Share of an average that must be filled before it counts.
-const FILLED: f64 = 0.4;
 /// Power over the sensors' noise in a band from which it counts.
 const OVER_NOISE: f64 = 10.0;
 /// Bandwidths in Hz of the other bands, for that noise.
@@ -124,7 +122,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
         }
         self.average(block);
         let plane = self.plane();
-        let following = self.hop.mean(FILLED).and_then(|hop| following(&hop));
+        let following = self.hop.mean().and_then(|hop| following(&hop));
         self.judge_pairs(at, following.as_ref(), plane.as_ref());
         self.judge_corners(at, following.as_ref(), plane.as_ref());
         self.judge_direction(at, following.as_ref(), plane.as_ref());
@@ -153,7 +151,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
     }
 
     fn plane(&self) -> Option<Plane<T>> {
-        Plane::of(&self.bounce.mean(FILLED)?, T::zero())
+        Plane::of(&self.bounce.mean()?, T::zero())
     }
 
     /// Takes a block of a car that drives: does each wheel hop, and each body not? `alive`: the corners whose sensors move

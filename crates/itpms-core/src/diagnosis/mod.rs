@@ -50,7 +50,7 @@ const LONGEST_STEP: f64 = 1.75;
 /// Speed in m/s above which a car moves, and above which its sensors are held against each other.
 const MOVING_M_S: f64 = 1.5;
 const DRIVING_M_S: f64 = 3.0;
-/// Share of missing values up to which a sensor is held against others.
+/// Share of missing values up to which a sensor is fine and held against others.
 const FEW_MISSING: f64 = 0.1;
 /// Power of white noise in the hop band, at most, over what its quietest part says: of five parts of a tenth of a second
 /// the quietest has half of it, and half a second of the band is few swings. One block in a hundred has more.

@@ -6,6 +6,9 @@ use nalgebra::SMatrix;
 use crate::memory::blank;
 use crate::real::Real;
 
+/// Share of an average that must be filled before it counts.
+pub(crate) const FILLED: f64 = 0.4;
+
 /// Second moments of `N` signals over the last few blocks.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -55,8 +58,8 @@ impl<T: Real, const N: usize> Moments<T, N> {
         self.filled += (T::one() - self.filled) * share;
     }
 
-    /// The mean, as far as it is filled; `None` before `least` of it is.
-    pub(crate) fn mean(&self, least: f64) -> Option<SMatrix<T, N, N>> {
-        (self.filled >= T::lit(least)).then(|| self.mean / self.filled)
+    /// The mean, as far as it is filled; `None` before [`FILLED`] of it is.
+    pub(crate) fn mean(&self) -> Option<SMatrix<T, N, N>> {
+        (self.filled >= T::lit(FILLED)).then(|| self.mean / self.filled)
     }
 }

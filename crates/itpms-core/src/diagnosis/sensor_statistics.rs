@@ -1,10 +1,9 @@
 //! One accelerometer by itself: does it move, does it come, does it jump, how loud is it between the road's waves.
 
 use crate::memory::blank;
+use crate::model::ABSURD_M_S2;
 use crate::real::Real;
 
-/// Beyond this nothing on a car moves; such a value counts as missing, in m/s².
-const ABSURD_M_S2: f64 = 1000.0;
 /// Values around a spike that are looked at; the one in the middle is judged.
 const WINDOW: usize = 9;
 const MIDDLE: usize = WINDOW / 2;

@@ -2,7 +2,7 @@
 
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
 use crate::diagnosis::sensor_statistics::{SensorBlock, SensorWatch};
-use crate::diagnosis::{Fault, Malfunction, Motion, Sensor};
+use crate::diagnosis::{FEW_MISSING, Fault, Malfunction, Motion, Sensor};
 use crate::memory::blank;
 use crate::real::Real;
 
@@ -10,9 +10,8 @@ use crate::real::Real;
 const STUCK_S: f64 = 0.5;
 const STUCK_DOUBT_S: f64 = 0.2;
 const STUCK: DebounceTimes = DebounceTimes { set_s: 0.0, clear_s: 1.5 };
-/// Share of missing values that is too much, and that is fine again.
+/// Share of missing values that is too much; it is fine again once there are [`FEW_MISSING`].
 const TOO_MANY_MISSING: f64 = 0.4;
-const FEW_MISSING: f64 = 0.1;
 const DROPOUT: DebounceTimes = DebounceTimes { set_s: 1.0, clear_s: 2.0 };
 /// Spikes that are too many within the time constant in s of their count; seconds of doubt after each of them.
 const TOO_MANY_SPIKES: f64 = 2.2;

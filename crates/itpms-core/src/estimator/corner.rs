@@ -2,6 +2,7 @@
 //! [`Estimator`](super::Estimator) and by the car. Every sample passes the [`Resampler`], so no method ever sees a missing or
 //! absurd value.
 
+use super::fused_stiffness::FusedStiffness;
 use super::method::RunningMethod;
 use super::reading::{Reading, is_known};
 use super::{EstimatorKind, RoadRepetition};
@@ -58,31 +59,6 @@ blank!(CornerEstimator<T> {
     kind, config, resampler, method, road, road_told_s, watch, calibration_s, calibration_ends_s,
     pinned_s, restarts, repetition, fused, contact, strut, friction_variance,
     fit, misfit, judged_from_s,
-});
-
-/// What the whole car knows of a corner that the corner by itself does not.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct FusedStiffness<T> {
-    pub(crate) stiffness_n_per_m: T,
-    /// Its standard deviation as far as the signals tell, and what the vehicle file leaves open.
-    pub(crate) stiffness_sd_n_per_m: T,
-    pub(crate) considered_sd_n_per_m: T,
-    /// What the level rests on.
-    pub(crate) level: Level,
-    /// Probability that the pressure is changing.
-    pub(crate) changing: T,
-    /// Seconds of full information that it rests on.
-    pub(crate) learned_s: T,
-    /// Whether the road that its axles share is being learned from.
-    pub(crate) learning: bool,
-    /// Whether anything is heard at all: frames, or words of the corner's spectrum.
-    pub(crate) has_signal: bool,
-}
-
-blank!(FusedStiffness<T> {
-    stiffness_n_per_m, stiffness_sd_n_per_m, considered_sd_n_per_m, level, changing, learned_s, learning,
-    has_signal,
 });
 
 impl<T: Real> CornerEstimator<T> {

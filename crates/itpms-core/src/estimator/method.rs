@@ -1,9 +1,10 @@
 //! The method behind an estimator, and its last reading.
 
+use super::EstimatorKind;
+use super::fused_stiffness::FusedStiffness;
 #[cfg(feature = "paper")]
 use super::published_method::PublishedMethod;
 use super::reading::{Reading, validity};
-use super::{EstimatorKind, FusedStiffness};
 use crate::conditioning::GridSample;
 use crate::memory::Blank;
 use crate::model::{CornerConfig, ParameterError, QuarterCar};

@@ -2,12 +2,14 @@
 //! them.
 
 mod corner;
+mod fused_stiffness;
 mod method;
 #[cfg(feature = "paper")]
 mod published_method;
 mod reading;
 
-pub(crate) use self::corner::{CornerEstimator, FusedStiffness};
+pub(crate) use self::corner::CornerEstimator;
+pub(crate) use self::fused_stiffness::FusedStiffness;
 use crate::conditioning::{SampleClock, SampleCounts};
 use crate::memory::{Blank, blank};
 use crate::model::{BodyFit, CornerConfig, CornerEstimate, CornerSample, Misfit, ParameterError, QuarterCar};

@@ -15,9 +15,10 @@ pub(crate) mod residual;
 #[cfg(test)]
 mod tests;
 
-use self::alignment::axle_pair::{AxlePair, OppositeSide, PairingContext};
+use self::alignment::axle_pair::{AxlePair, PairingContext};
 use self::alignment::channel::{Channel, Entry, RELATIVE};
 use self::alignment::delay_search::Found;
+use self::alignment::opposite_side::OppositeSide;
 use self::alignment::travel::Travel;
 use self::residual::model::{AxleFrame, Wheel};
 use crate::belief::Belief;

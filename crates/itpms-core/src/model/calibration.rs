@@ -8,7 +8,7 @@ use crate::real::Real;
 
 /// Standard deviation of what the inter-axle residual reads too much of a tire's compliance, as a share of that at placard pressure,
 /// before any calibration.
-pub(crate) const UNLEARNED_BIAS_SD: f64 = 0.015;
+pub(crate) const UNCALIBRATED_BIAS_SD: f64 = 0.015;
 
 /// A learned quantity and its standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,8 +42,8 @@ pub struct CornerCalibration<T> {
 
 impl<T: Real> CornerCalibration<T> {
     /// What is believed of [`shared_road_bias`](Self::shared_road_bias) before any calibration has taught it.
-    pub fn unlearned_residual_bias() -> Learned<T> {
-        Learned { value: T::zero(), sd: T::lit(UNLEARNED_BIAS_SD) }
+    pub fn uncalibrated_residual_bias() -> Learned<T> {
+        Learned { value: T::zero(), sd: T::lit(UNCALIBRATED_BIAS_SD) }
     }
 }
 

@@ -13,13 +13,14 @@ mod uncertainty;
 mod wheels;
 
 pub use self::body_fit::{BodyFit, Misfit};
-pub(crate) use self::calibration::UNLEARNED_BIAS_SD;
+pub(crate) use self::calibration::UNCALIBRATED_BIAS_SD;
 pub use self::calibration::{CalibrationError, CornerCalibration, Learned, VehicleCalibration};
 pub use self::car::{CarConfig, Inflation};
 pub use self::car_estimate::{CarEstimate, TrackState};
 pub use self::estimate::{CornerConfig, CornerEstimate, Diagnostics, Level, Validity, Warning};
 pub(crate) use self::quarter_car::positive;
 pub use self::quarter_car::{ParameterError, QuarterCar};
+pub(crate) use self::sample::ABSURD_M_S2;
 pub use self::sample::{CarSample, Corner, CornerSample, Sample};
 pub use self::strut_reading::StrutReading;
 pub use self::tire::{PressureMap, RegressionError};

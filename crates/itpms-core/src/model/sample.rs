@@ -1,5 +1,8 @@
 //! What comes in: one time, one speed, up to four corners. A missing value is NaN, as in the drive log.
 
+/// An acceleration in m/s² that is none: a wheel on a kerb reaches some 500 m/s²; twice that is no car any more.
+pub(crate) const ABSURD_M_S2: f64 = 1000.0;
+
 /// A corner of the car.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -1,5 +1,5 @@
-//! The road under a wheel from the accelerations of body and wheel, for a tire stiffness known from elsewhere
-//! (docs/math/road.md).
+//! The road under a wheel from the accelerations of body and wheel, for a tire stiffness that another estimator
+//! knows (docs/math/road.md).
 //!
 //! An estimator that knows the stiffness feeds [`RoadFilter`] for the causal height; whoever writes a road record
 //! feeds [`RoadRecorder`] for the smoothed one, with memory of its own; [`RoadLimits`] says which wavelengths

@@ -5,7 +5,8 @@ use super::dynamics::LEVEL_MODES;
 use super::gate::SpeedKnowledge;
 use super::road_fits::RoadFits;
 use super::road_model::Evidence;
-use super::{Frame, HOP_S, Informed, LEAST_GRID_HZ, OVERLAP, STANDING_M_S};
+use super::{Frame, HOP_S, Informed, LEAST_GRID_HZ, OVERLAP};
+use crate::conditioning::STANDING_M_S;
 use crate::memory::{Blank, blank};
 use crate::real::Real;
 

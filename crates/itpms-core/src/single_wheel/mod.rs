@@ -32,7 +32,7 @@ mod road_fits;
 mod road_model;
 mod tables;
 
-use crate::conditioning::GridSample;
+use crate::conditioning::{GridSample, STANDING_M_S};
 use crate::memory::{Blank, Placed, blank};
 use crate::model::{CornerConfig, QuarterCar};
 use crate::real::Real;
@@ -70,13 +70,11 @@ const BAND: f64 = 0.25;
 const ENVELOPE_REACH: f64 = 0.75;
 /// Bins used however long the enveloping may be: up to 40 Hz, so that wheel hop has neighbours on both sides.
 const LEAST_BINS: usize = 5;
-/// Speed in m/s below which nothing is learned.
-const STANDING_M_S: f64 = 2.5;
 /// Speed in m/s below which a car stands, and seconds of it in which somebody can get in or out.
 const STOPPED_M_S: f64 = 0.3;
 const STOP_S: f64 = 3.0;
 /// Share by which the sd grows while the pressure surely moves fast: found on seeds of its own so that intervals cover
-/// more of a drop without covering too much elsewhere.
+/// more of a drop without covering too much at other times.
 const MOVING_SD: f64 = 0.7;
 /// How well a calibration sets the pressure, as a share of the placard pressure: 3 kPa at 241.3 kPa.
 pub(crate) const CALIBRATION_SD: f64 = 0.0125;
@@ -152,49 +150,16 @@ impl<T: Real> Informed<T> {
         grid_period_s: f64,
         repetition: RoadRepetition,
     ) {
+        (self.config, self.sample_rate_hz, self.grid_period_s) = (*config, sample_rate_hz, grid_period_s);
         self.clock.configure(HOP_S, grid_period_s);
+        let spacing_hz = self.clock.bin_spacing_hz();
+        self.bins = (BAND * sample_rate_hz / spacing_hz).clamp(1.0, BINS as f64) as usize;
+        let noise = config.accel_noise_or_usual_m_s2();
+        self.noise_density = T::lit(2.0 / sample_rate_hz) * noise * noise;
         self.grid = Grid::new(config.placard_kpa);
         let body = Body::from(&config.quarter_car);
-        self.tables.configure(self.clock.bin_spacing_hz(), sample_rate_hz, &self.grid, &config.tire, &body);
-        self.begin(config, sample_rate_hz, grid_period_s, repetition);
-    }
-
-    /// What [`configure`](Self::configure) does, but for grid and tables.
-    fn begin(
-        &mut self,
-        config: &CornerConfig<T>,
-        sample_rate_hz: f64,
-        grid_period_s: f64,
-        repetition: RoadRepetition,
-    ) {
-        self.clock.configure(HOP_S, grid_period_s);
-        self.config = *config;
-        let car = &config.quarter_car;
-        let body = Body::from(car);
-        let spacing_hz = self.clock.bin_spacing_hz();
-        let noise = config.accel_noise_or_usual_m_s2();
-        let initial = config.initial_kpa.unwrap_or(config.placard_kpa);
-        let initial_cell = (initial - self.grid.pressure_kpa(0)) / self.grid.step_kpa();
-        let scale = config.placard_kpa / T::lit(dynamics::REFERENCE_KPA);
-        let sd_cells = T::lit(INITIAL_SD_KPA) * scale / self.grid.step_kpa();
-        self.posterior.configure(self.clock.hop_s(), initial_cell, sd_cells);
-        let highest = (BAND * sample_rate_hz / spacing_hz).clamp(1.0, BINS as f64);
-        self.body = BodyIdentification::new(body);
-        self.friction = DescribingFunction::none();
-        let mass_ratio = car.unsprung_mass_kg() / car.sprung_mass_kg();
-        self.reconstruction = Reconstruction::new(grid_period_s, mass_ratio);
-        (self.sample_rate_hz, self.grid_period_s) = (sample_rate_hz, grid_period_s);
-        self.noise_density = T::lit(2.0 / sample_rate_hz) * noise * noise;
-        self.bins = highest as usize;
-        self.gate = Gate::new();
-        (self.variance_growth, self.learned_s, self.stopped_s) = (T::one(), T::zero(), T::zero());
-        self.last_speed_m_s = T::lit(f64::NAN);
-        self.invalid = false;
-        self.set_repetition(repetition);
-        self.periodic_estimate.clear();
-        (self.periodic_estimate_s, self.last_time_s) = (f64::NAN, f64::NAN);
-        self.held_frames = 0;
-        self.work.clear();
+        self.tables.configure(spacing_hz, sample_rate_hz, &self.grid, &config.tire, &body);
+        self.restart(repetition);
     }
 
     /// Tells what is known of the road repeating itself; to be said before the first sample.
@@ -205,8 +170,27 @@ impl<T: Real> Informed<T> {
     /// Forgets everything, as before the first sample; the road may repeat itself as it was told at first. The tables come back to
     /// the car as configured cell by cell: all of them at once are the work of a hundred samples.
     pub fn restart(&mut self, repetition: RoadRepetition) {
-        let config = self.config;
-        self.begin(&config, self.sample_rate_hz, self.grid_period_s, repetition);
+        self.clock.restart();
+        let config = &self.config;
+        let initial = config.initial_kpa.unwrap_or(config.placard_kpa);
+        let initial_cell = (initial - self.grid.pressure_kpa(0)) / self.grid.step_kpa();
+        let scale = config.placard_kpa / T::lit(dynamics::REFERENCE_KPA);
+        let sd_cells = T::lit(INITIAL_SD_KPA) * scale / self.grid.step_kpa();
+        self.posterior.configure(self.clock.hop_s(), initial_cell, sd_cells);
+        let car = &config.quarter_car;
+        self.body = BodyIdentification::new(Body::from(car));
+        self.friction = DescribingFunction::none();
+        let mass_ratio = car.unsprung_mass_kg() / car.sprung_mass_kg();
+        self.reconstruction = Reconstruction::new(self.grid_period_s, mass_ratio);
+        self.gate = Gate::new();
+        (self.variance_growth, self.learned_s, self.stopped_s) = (T::one(), T::zero(), T::zero());
+        self.last_speed_m_s = T::lit(f64::NAN);
+        self.invalid = false;
+        self.set_repetition(repetition);
+        self.periodic_estimate.clear();
+        (self.periodic_estimate_s, self.last_time_s) = (f64::NAN, f64::NAN);
+        self.held_frames = 0;
+        self.work.clear();
     }
 
     /// Takes one grid sample; true when the belief has moved.

@@ -25,7 +25,7 @@ pub(crate) struct PeriodicEstimate<T> {
 
 blank!(PeriodicEstimate<T> { theta, relative_sd, rate_per_s, moving, surprise, seconds, whole_period });
 
-/// What is believed of the compliance from elsewhere when the road is met.
+/// What is believed of the compliance by others when the road is met.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Belief<T> {
     /// Compliance in m/N.

@@ -2,7 +2,7 @@
 
 use super::coherence::Coherence;
 use super::maxwell_slip::{ELEMENTS, MaxwellSlip};
-use crate::conditioning::GridSample;
+use crate::conditioning::{GridSample, STANDING_M_S};
 use crate::memory::{Placed, blank};
 use crate::real::Real;
 use crate::spectrum::butterworth::{QUALITY, Section};
@@ -20,8 +20,6 @@ const LOWEST_HZ: f64 = 2.0;
 const LEAST_RATE_HZ: f64 = 100.0;
 /// Hops until the filters have forgotten that they began at rest.
 const SETTLING_HOPS: u32 = 2;
-/// Speed in m/s below which nothing is learned.
-const STANDING_M_S: f64 = 2.5;
 
 /// Seconds of frames before the coherence is told.
 const ENOUGH_S: f64 = 4.0;

@@ -5,10 +5,8 @@ use crate::memory::blank;
 use crate::model::CarEstimate;
 use crate::real::Real;
 use crate::warning::low::is_learning;
-use crate::warning::{Cause, Limits};
+use crate::warning::{Cause, Limits, ONE_SIDED_95};
 
-/// One-sided 95 % quantile of a normal distribution.
-const CERTAIN: f64 = 1.64;
 /// No wheel may be above this share: else it is not all of them.
 const NONE_ABOVE: f64 = 0.95;
 /// The mean is fine again this much above its limit.
@@ -61,7 +59,7 @@ impl<T: Real> AllLow<T> {
             return;
         }
         (self.mean_share, self.sd_share) = (shares.mean, shares.sd);
-        let low = shares.mean + T::lit(CERTAIN) * shares.sd < limits.all_low_share;
+        let low = shares.mean + T::lit(ONE_SIDED_95) * shares.sd < limits.all_low_share;
         let evidence = if low && shares.highest < T::lit(NONE_ABOVE) {
             Evidence::Prefailed
         } else if fine {

@@ -5,10 +5,8 @@ use crate::memory::blank;
 use crate::model::{CornerEstimate, Validity};
 use crate::real::Real;
 use crate::warning::report::{Doubt, WheelState};
-use crate::warning::{Basis, Limits, Reading};
+use crate::warning::{Basis, Limits, ONE_SIDED_95, Reading};
 
-/// One-sided 95 % quantile of a normal distribution: a pressure counts as past a limit when this many sds still are.
-const CERTAIN: f64 = 1.64;
 /// So many sds count double: a pressure that is far past its limit need not be waited for as long.
 const VERY_CERTAIN: f64 = 3.0;
 /// Seconds in which something was learned, for and against.
@@ -53,14 +51,15 @@ impl<T: Real> Around<T> {
     pub(crate) fn is_hard(&self, limits: &Limits<T>) -> bool {
         let over = self.share > limits.over_share;
         over && self.above_partner.is_some_and(|[above, sd]| {
-            above > T::lit(NOBODY_INFLATES) && above - T::lit(CERTAIN) * sd > limits.over_share - T::one()
+            above > T::lit(NOBODY_INFLATES)
+                && above - T::lit(ONE_SIDED_95) * sd > limits.over_share - T::one()
         })
     }
 
     /// Whether the tire is surely lower than the other one of its side, or has none.
     fn is_low_alone(&self) -> bool {
         self.other_share.is_none_or(|other| other - self.share > T::lit(ALONE))
-            && self.above_side.is_none_or(|[above, sd]| above + T::lit(CERTAIN) * sd < T::zero())
+            && self.above_side.is_none_or(|[above, sd]| above + T::lit(ONE_SIDED_95) * sd < T::zero())
     }
 
     /// Whether the side's other tire reads as overfull, too: its level is off and not two rims are on the road.
@@ -138,9 +137,9 @@ impl WheelWatch {
             others.is_some_and(|[above, sd]| T::one() + above + T::lit(sds) * sd < limits.low_share)
         };
         let below = |sds: f64| p + T::lit(sds) * sd < low_kpa || lower(sds);
-        let low = if below(CERTAIN) {
+        let low = if below(ONE_SIDED_95) {
             if around.doubted { Evidence::NoData } else { Evidence::Prefailed }
-        } else if p - T::lit(CERTAIN) * sd > low_kpa || p > limits.low_over_share * reference_kpa {
+        } else if p - T::lit(ONE_SIDED_95) * sd > low_kpa || p > limits.low_over_share * reference_kpa {
             Evidence::Prepassed
         } else {
             Evidence::Undecided
@@ -152,7 +151,7 @@ impl WheelWatch {
             _ => 1.0,
         };
         self.low.update(time_s, weight * step_s, low, LOW);
-        let over = if p - T::lit(CERTAIN) * sd > limits.over_share * reference_kpa {
+        let over = if p - T::lit(ONE_SIDED_95) * sd > limits.over_share * reference_kpa {
             Evidence::Prefailed
         } else if p < limits.over_over_share * reference_kpa {
             Evidence::Prepassed
@@ -183,7 +182,7 @@ impl WheelWatch {
         reference_kpa: T,
         limits: &Limits<T>,
     ) -> WheelState {
-        let reaches = estimate.pressure_kpa - T::lit(CERTAIN) * estimate.pressure_sd_kpa;
+        let reaches = estimate.pressure_kpa - T::lit(ONE_SIDED_95) * estimate.pressure_sd_kpa;
         match estimate.validity {
             Validity::Starting => WheelState::Unknown(Doubt::Starting),
             Validity::NoInformation => WheelState::Unknown(Doubt::NoInformation),
@@ -209,7 +208,7 @@ pub(crate) fn is_learning<T: Real>(estimate: &CornerEstimate<T>) -> bool {
 pub(crate) fn reading<T: Real>(estimate: &CornerEstimate<T>, limit_share: T, reference_kpa: T) -> Reading<T> {
     let limit_kpa = limit_share * reference_kpa;
     // Where its own level does not say so, it was the others that did.
-    let far = (estimate.pressure_kpa - limit_kpa).abs() > T::lit(CERTAIN) * estimate.pressure_sd_kpa;
+    let far = (estimate.pressure_kpa - limit_kpa).abs() > T::lit(ONE_SIDED_95) * estimate.pressure_sd_kpa;
     Reading {
         pressure_kpa: estimate.pressure_kpa,
         sd_kpa: estimate.pressure_sd_kpa,

@@ -12,3 +12,6 @@ pub(crate) mod single_wheel;
 pub use self::alert::{Alert, Basis, Cause, Reading};
 pub use self::limits::{Limits, Regulation};
 pub use self::report::{Change, Doubt, MonitorReport, WheelReport, WheelState};
+
+/// One-sided 95 % quantile of a normal distribution: a pressure counts as past a limit when this many sds still are.
+pub(crate) const ONE_SIDED_95: f64 = 1.64;

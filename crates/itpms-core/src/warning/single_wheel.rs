@@ -4,13 +4,12 @@
 use crate::memory::blank;
 use crate::model::{Validity, Warning};
 use crate::real::Real;
+use crate::warning::ONE_SIDED_95;
 
 /// A tire is low below this share of the placard pressure, six tenths of the way to the 20 % loss that UN R141 asks for.
 const LOW: f64 = 0.88;
 /// It is fine again above this share.
 const FINE: f64 = 0.92;
-/// One-sided 95 % quantile of a normal distribution.
-const ONE_SIDED_95: f64 = 1.64;
 /// Seconds that a tire must be low before it is said, and fine before it is taken back.
 const LOW_FOR_S: f64 = 2.0;
 const FINE_FOR_S: f64 = 10.0;

@@ -4,7 +4,7 @@
 
 use thiserror::Error;
 
-use crate::error::Place;
+use crate::place::Place;
 
 /// One kind of problem with an OpenCRG file.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -84,7 +84,7 @@ pub enum CrgProblem {
     },
     /// The surface is in another file.
     #[error("line {line}: the road is in another file ({file}), expected the road itself: give that file")]
-    Elsewhere {
+    OtherFile {
         /// Where.
         line: u64,
         /// The file's name as written.

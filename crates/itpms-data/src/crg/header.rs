@@ -242,7 +242,7 @@ impl Header {
                 self.definitions.push(Definition { line: number, text: said.trim_start().to_owned() });
                 Ok(())
             }
-            Section::File => Err(CrgProblem::Elsewhere { line: number, file: shortened(said.trim()) }),
+            Section::File => Err(CrgProblem::OtherFile { line: number, file: shortened(said.trim()) }),
         }
     }
 }

@@ -6,8 +6,8 @@
 use super::channels::{Layout, Notation, Packing};
 use super::error::CrgProblem;
 use super::header::{Header, number};
-use crate::error::Place;
 use crate::log::shortened;
+use crate::place::Place;
 
 /// Length of a record in bytes, or of a line in characters.
 const RECORD: usize = 80;

@@ -3,13 +3,13 @@
 //!
 //! Called by the reader last. The height at `u` along and `v` beside the reference line (left is positive) is
 //! `z(u, v) = z_ref(u) + banking(u) v + grid(u, v)`, where `z_ref` rises by `slope(u_i)` times the increment from the row
-//! before to row `i`. Where the line goes in the plane, and modifiers that put the road elsewhere (`refline_*`,
+//! before to row `i`. Where the line goes in the plane, and modifiers that move the road in the plane (`refline_*`,
 //! `refpoint_*`, `scale_curvature`), change no height along it and are not used.
 
 use super::channels::{Channel, Layout};
 use super::error::CrgProblem;
 use super::header::{Header, Numbers};
-use crate::error::Place;
+use crate::place::Place;
 
 /// What becomes of a missing height (`grid_nan_mode`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

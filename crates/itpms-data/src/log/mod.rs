@@ -30,6 +30,7 @@ mod options;
 mod order;
 #[cfg(feature = "parquet")]
 mod parquet_source;
+mod quantity;
 mod reader;
 mod repair;
 mod row;
@@ -44,6 +45,7 @@ pub(crate) use format::{Format, LogFormat};
 pub(crate) use header::{separator, shortened};
 pub use memory_source::Pieces;
 pub use options::LogOptions;
+pub(crate) use quantity::Quantity;
 pub use reader::{LogReader, SURVEY_ROWS};
 pub use repair::RepairReport;
 pub use row::{CornerColumns, Field, LogColumns, LogCorner, LogRow, SLOTS, Slot};

@@ -1,6 +1,5 @@
 //! A row of a drive log and the columns it can have. Names live here and nowhere else.
 
-use crate::signals::Quantity;
 use itpms_core::model::{CarSample, Corner, CornerSample, Sample};
 
 /// One quantity of one corner.
@@ -62,12 +61,6 @@ impl Slot {
             Slot::Speed => 1,
             Slot::Corner(corner, field) => 2 + 4 * corner.index() + field as usize,
         }
-    }
-
-    /// The unit its name stands for.
-    #[must_use]
-    pub fn unit(self) -> &'static str {
-        Quantity::of(self).unit()
     }
 
     /// The column's name.

@@ -203,7 +203,7 @@ fn sync_directory(file: &Path) -> io::Result<()> {
     }
 }
 
-/// Elsewhere a directory cannot be opened as a file; the system's journal has to do.
+/// Other systems: a directory cannot be opened as a file; the system's journal has to do.
 #[cfg(not(unix))]
 fn sync_directory(_file: &Path) -> io::Result<()> {
     Ok(())

@@ -5,7 +5,7 @@
 use std::io::Write as _;
 
 use super::AtomicFile;
-use super::table::{Cell, Kind};
+use super::cell::{Cell, Kind};
 use crate::error::{DataError, Problem};
 
 #[derive(Debug)]

@@ -4,9 +4,10 @@
 use std::path::Path;
 
 use super::AtomicFile;
+use super::cell::{Cell, Kind};
 #[cfg(feature = "can")]
 use super::log_frames::LogFrames;
-use super::table::{Cell, Kind, Table};
+use super::table::Table;
 use crate::error::DataError;
 #[cfg(feature = "mdf4")]
 use crate::log::Slot;

@@ -75,7 +75,7 @@ fn is_named(file: &File, path: &Path) -> bool {
     matches!((&file.metadata(), &fs::metadata(path)), (Ok(a), Ok(b)) if same(a, b))
 }
 
-/// Elsewhere a file that is open keeps its name.
+/// Other systems: a file that is open keeps its name.
 #[cfg(not(unix))]
 fn is_named(_file: &File, path: &Path) -> bool {
     path.exists()

@@ -6,6 +6,7 @@
 
 mod alerts;
 mod atomic;
+mod cell;
 mod csv_table;
 mod drive_log;
 mod ledger;
@@ -21,9 +22,10 @@ mod table;
 
 pub use alerts::{alert_object, transition_object};
 pub use atomic::{AtomicFile, abandon_all};
+pub use cell::{Cell, Kind};
 pub use drive_log::{LogWriter, Packing};
 pub use ledger::Ledger;
 pub use lock::NameLock;
 pub use rate::RateGate;
 pub use results::{EstimateWriter, RoadPoint, RoadWriter};
-pub use table::{Cell, Kind, Table};
+pub use table::Table;

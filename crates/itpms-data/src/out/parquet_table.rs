@@ -10,7 +10,7 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
 use super::AtomicFile;
-use super::table::{Cell, Kind};
+use super::cell::{Cell, Kind};
 use crate::error::{DataError, Problem};
 
 /// Rows held in memory until they are written: 18 columns of them are 9 MB.

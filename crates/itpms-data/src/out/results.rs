@@ -7,7 +7,8 @@ use std::path::Path;
 use itpms_core::model::{Corner, CornerEstimate, Level, Warning};
 
 use super::AtomicFile;
-use super::table::{Cell, Kind, Table};
+use super::cell::{Cell, Kind};
+use super::table::Table;
 use crate::error::DataError;
 
 /// Writes `time_s`, then per corner `{c}_pressure_kpa, {c}_pressure_sd_kpa, {c}_stiffness_n_per_m, {c}_valid,

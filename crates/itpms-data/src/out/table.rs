@@ -5,33 +5,12 @@
 use std::path::Path;
 
 use super::AtomicFile;
+use super::cell::{Cell, Kind};
 use super::csv_table::CsvTable;
 #[cfg(feature = "parquet")]
 use super::parquet_table::ParquetTable;
 use crate::error::DataError;
 use crate::log::Format;
-
-/// What a column holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// A number that may be missing.
-    Number,
-    /// True or false.
-    Flag,
-    /// Text.
-    Label,
-}
-
-/// One value. A number that is NaN is written as missing: an empty cell, a null.
-#[derive(Debug, Clone, Copy)]
-pub enum Cell<'a> {
-    /// A number; NaN where missing.
-    Number(f64),
-    /// True or false.
-    Flag(bool),
-    /// Text.
-    Label(&'a str),
-}
 
 /// A table that goes to a file.
 #[derive(Debug)]

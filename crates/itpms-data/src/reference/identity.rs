@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 
 use itpms_core::model::Corner;
 
-use super::ReferenceProblem;
 use super::checksum::crc64;
+use super::problem::ReferenceProblem;
 use crate::vehicle::Vehicle;
 
 /// What tells one car from another.

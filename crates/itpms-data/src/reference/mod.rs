@@ -25,68 +25,27 @@
 
 mod checksum;
 mod identity;
+mod problem;
 mod text;
 
 use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::Path;
 
-use itpms_core::model::{CalibrationError, VehicleCalibration};
-use thiserror::Error;
+use itpms_core::model::VehicleCalibration;
 
 use crate::error::{DataError, Problem};
 use crate::out::AtomicFile;
 use crate::vehicle::Vehicle;
 pub use checksum::crc64;
 pub use identity::VehicleIdentity;
+pub use problem::ReferenceProblem;
 
 /// The format that is written, and the newest that is read.
 pub const FORMAT: u32 = 2;
 
 /// A file longer than this is not read to its end: it is something else.
 const LONGEST_BYTES: u64 = 64 * 1024;
-
-/// Why a reference is not used.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[non_exhaustive]
-pub enum ReferenceProblem {
-    /// Some other file.
-    #[error("is no learned reference: its beginning is {found:?}, expected \"itpms-reference\"")]
-    Foreign {
-        /// Its beginning.
-        found: String,
-    },
-    /// Cut short, or changed since it was written.
-    #[error("the learned reference is damaged: its checksum says {found}, expected {expected}")]
-    Damaged {
-        /// What its first line says.
-        found: String,
-        /// What its contents give.
-        expected: String,
-    },
-    /// From a program of the future.
-    #[error("the learned reference has format {found}, expected at most {FORMAT}: a newer itpms wrote it")]
-    Newer {
-        /// Its format.
-        found: u32,
-    },
-    /// Learned on another car.
-    #[error("the reference was learned on a vehicle whose {what} is {found}, expected {expected}")]
-    OtherVehicle {
-        /// Name, id or parameters.
-        what: &'static str,
-        /// As stored.
-        found: String,
-        /// As the vehicle file has it.
-        expected: String,
-    },
-    /// A value that no car has.
-    #[error("the learned reference is not plausible: {0}")]
-    Implausible(CalibrationError),
-    /// Whole, but without something that belongs there.
-    #[error("the learned reference does not have {0}")]
-    Lacks(&'static str),
-}
 
 /// A learned reference with its car and its date.
 #[derive(Debug, Clone, PartialEq)]

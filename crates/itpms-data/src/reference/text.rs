@@ -44,7 +44,7 @@ pub(super) fn opened(bytes: &[u8]) -> Result<StoredReference, Problem> {
     }
     let format = match format.parse() {
         Ok(known @ WITHOUT_ROAD_BIAS..=FORMAT) => known,
-        Ok(other) => return Err(ReferenceProblem::Newer { found: other }.into()),
+        Ok(other) => return Err(ReferenceProblem::Newer { found: other, newest: FORMAT }.into()),
         Err(_) => return Err(ReferenceProblem::Lacks("a number of its format").into()),
     };
     let body = str::from_utf8(body).map_err(|_| ReferenceProblem::Lacks("readable text"))?;
@@ -144,7 +144,7 @@ fn read_corners(corners: &Table<'_>, format: u32) -> Result<[Option<CornerCalibr
             spring: read_learned(&table, spring, "spring_sd")?,
             spectrum_bias_kpa: read_learned(&table, bias, "spectrum_bias_kpa_sd")?,
             shared_road_bias: if format == WITHOUT_ROAD_BIAS {
-                CornerCalibration::unlearned_residual_bias()
+                CornerCalibration::uncalibrated_residual_bias()
             } else {
                 read_learned(&table, road_bias, "shared_road_bias_sd")?
             },

@@ -4,7 +4,8 @@
 //! Called where a table's columns are taken for signals.
 
 use super::Candidate;
-use super::units::{Quantity, Unit};
+use super::units::Unit;
+use crate::log::Quantity;
 
 /// The column as a candidate: a signal of its own name and, if the name ends with one, of that unit.
 pub(crate) fn candidate(name: &str) -> Candidate {

@@ -8,6 +8,7 @@
 //! | `names` | what a name says in words |
 //! | `column_unit` | the unit in the name of a table's column |
 //! | `units` | from the log's unit to the column's |
+//! | `remark` | who said that a signal is a column, and what is doubtful |
 //! | `report` | all of this in words, and as a map to start from |
 //! | `problem` | what can be wrong |
 //! | `listing` | what is in a log: every signal with its rate and range |
@@ -21,6 +22,7 @@ mod listing;
 mod map;
 pub(crate) mod names;
 mod problem;
+mod remark;
 mod report;
 mod resolve;
 mod units;
@@ -31,9 +33,8 @@ pub use listing::{ListedGroup, ListedSignal, Lister, Listing};
 pub use map::SignalMap;
 use map::{Entry, Scale};
 pub use problem::SignalProblem;
-pub use report::{Remark, Source};
+pub use remark::{Remark, Source};
 pub use resolve::{Chosen, Resolved, resolve};
-pub(crate) use units::Quantity;
 
 /// One value of one signal at its own time.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -110,8 +110,8 @@ pub(crate) fn meaning(group: &str, name: &str) -> Option<(Slot, Fit)> {
         };
         return field.map(|(field, fit)| (Slot::Corner(corner, field), fit));
     }
-    let elsewhere = says(Word::Wheel) || names_corner(&own);
-    if has(Word::Speed) && !elsewhere && !has(Word::Vertical) {
+    let of_a_wheel = says(Word::Wheel) || names_corner(&own);
+    if has(Word::Speed) && !of_a_wheel && !has(Word::Vertical) {
         return Some((Slot::Speed, fit(says(Word::Vehicle))));
     }
     None

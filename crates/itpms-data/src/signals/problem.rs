@@ -5,7 +5,7 @@
 use thiserror::Error;
 
 use super::Conversion;
-use super::units::Quantity;
+use crate::log::Quantity;
 use crate::log::Slot;
 
 /// One kind of problem with signals.

@@ -2,99 +2,14 @@
 //!
 //! Called by the commands, which print it as it is. Knows the resolver's result and nothing of logs.
 
-use std::fmt::{self, Write as _};
+use std::fmt::Write as _;
 
 use itpms_core::model::Corner;
 
-use super::problem::stated;
-use super::units::Quantity;
+use super::remark::{Remark, Source};
 use super::{Conversion, Resolved};
-use crate::log::{Field, Slot};
+use crate::log::{Field, Quantity, Slot};
 use crate::toml_table::escaped;
-
-/// Who said that a signal is a column.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Source {
-    /// The map.
-    Map,
-    /// The signal has the column's name.
-    Name,
-    /// The signal has the column's name in other letters.
-    Letters,
-    /// All words of its name say so.
-    Words,
-    /// Some words of its name say so.
-    SomeWords,
-}
-
-impl fmt::Display for Source {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Source::Map => "by the map",
-            Source::Name => "by its name",
-            Source::Letters => "by its name but for case and punctuation",
-            Source::Words => "by the words of its name",
-            Source::SomeWords => "by some words of its name",
-        })
-    }
-}
-
-/// What is doubtful about a column's signal.
-#[derive(Debug, Clone, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Remark {
-    /// Several signals could be it; none is taken.
-    Ambiguous {
-        /// The column.
-        slot: Slot,
-        /// Some of the signals.
-        signals: String,
-        /// The first of them.
-        first: String,
-    },
-    /// A signal could be it, but its unit is not stated or not known; it is not taken.
-    Unit {
-        /// The column.
-        slot: Slot,
-        /// The signal.
-        signal: String,
-        /// Its unit as stated.
-        unit: String,
-    },
-    /// The map has one signal for two columns.
-    UsedTwice {
-        /// The signal.
-        signal: String,
-        /// The columns.
-        slots: [Slot; 2],
-    },
-}
-
-impl fmt::Display for Remark {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Remark::Ambiguous { slot, signals, first } => {
-                let column = slot.name();
-                write!(
-                    f,
-                    "{column} could be any of {signals}: not taken; say which in a map, {column} = \"{first}\""
-                )
-            }
-            Remark::Unit { slot, signal, unit } => {
-                let (column, expected) = (slot.name(), Quantity::of(*slot).unit());
-                let stated = stated(unit);
-                write!(
-                    f,
-                    "{column} could be {signal}, whose unit {stated}: not taken; say it in a map, \
-                     {column} = {{ signal = \"{signal}\", unit = \"{expected}\" }}"
-                )
-            }
-            Remark::UsedTwice { signal, slots: [first, second] } => {
-                write!(f, "{signal} is both {} and {}", first.name(), second.name())
-            }
-        }
-    }
-}
 
 impl Resolved {
     /// What is doubtful, in the order of the columns.

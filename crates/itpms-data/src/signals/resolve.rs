@@ -6,7 +6,7 @@
 //! takes it: of two nobody knows which is meant, so both are named and neither is taken. Knows nothing of formats.
 
 use super::names::{self, Fit};
-use super::report::{Remark, Source};
+use super::remark::{Remark, Source};
 use super::units::Unit;
 use super::{Candidate, Conversion, Entry, Scale, SignalMap, SignalProblem};
 use crate::error::{DataError, Problem};

@@ -20,7 +20,7 @@ use tokio::time::{Interval, MissedTickBehavior, interval_at};
 
 use super::history::Columns;
 use super::pump::{Newest, json};
-use super::routes::{Shared, unix_s};
+use super::shared::{Shared, unix_s};
 use crate::snapshot::{Snapshot, Transition};
 
 /// Streams at once. Fewer than connections, so that there is always room for who asks for health.

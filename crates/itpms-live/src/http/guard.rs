@@ -43,7 +43,7 @@ impl Guard {
         Self { hosts: tidy(hosts), origins: tidy(origins) }
     }
 
-    /// Whether this machine may be called so. Addresses cannot be made to point elsewhere; names without a dot and
+    /// Whether this machine may be called so. Addresses cannot be made to point to another machine; names without a dot and
     /// `.local` ones are not for sale.
     fn knows_host(&self, authority: &str) -> bool {
         let authority = authority.to_ascii_lowercase();
@@ -148,7 +148,7 @@ impl Guard {
             let text = "This machine does not go by that name here; see --http-allow-host.\n";
             return Err(Refusal(StatusCode::FORBIDDEN, text));
         }
-        // A link from elsewhere to the page itself is all right.
+        // A link from another site to the page itself is all right.
         let landing = request.uri().path() == "/" && request.headers().get(ORIGIN).is_none();
         match self.caller(request.headers(), host) {
             Caller::Stranger if !landing => {

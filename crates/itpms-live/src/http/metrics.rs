@@ -5,7 +5,7 @@
 use std::fmt::{Display, Write as _};
 use std::sync::atomic::Ordering::Relaxed;
 
-use super::routes::Shared;
+use super::shared::Shared;
 use crate::snapshot::{Snapshot, Wheel};
 
 /// The words of [`Wheel::state`].

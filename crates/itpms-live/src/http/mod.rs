@@ -24,6 +24,7 @@ mod patient;
 mod pump;
 mod routes;
 mod seats;
+mod shared;
 
 use std::io;
 use std::net::SocketAddr;

@@ -4,7 +4,6 @@
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
-use std::time::{SystemTime, UNIX_EPOCH};
 
 use axum::Router;
 use axum::body::Bytes;
@@ -17,33 +16,11 @@ use axum::routing::get;
 use serde_json::json;
 
 use super::guard::{Guard, watch};
-use super::health::Health;
 use super::history::Columns;
 use super::pump::{Newest, json};
+use super::shared::{Shared, unix_s};
 use super::{Options, assets, events, metrics};
 use crate::hub::Hub;
-
-/// What the handlers share.
-#[derive(Debug)]
-pub(super) struct Shared {
-    pub(super) hub: Arc<Hub>,
-    pub(super) newest: Newest,
-    /// Tells this run of the monitor from the next one, whose counters start again.
-    pub(super) run: String,
-    /// Streams that are open.
-    pub(super) streams: AtomicUsize,
-}
-
-impl Shared {
-    pub(super) fn health(&self) -> Health {
-        Health::of(self.newest.borrow().as_deref())
-    }
-}
-
-/// Seconds since 1970-01-01 UTC.
-pub(super) fn unix_s() -> f64 {
-    SystemTime::now().duration_since(UNIX_EPOCH).map_or(f64::NAN, |since| since.as_secs_f64())
-}
 
 /// Every address there is.
 pub(super) fn router(options: Options, hub: Arc<Hub>, newest: Newest) -> Router {

@@ -8,7 +8,8 @@ use itpms_sim::error::ScenarioError;
 use itpms_sim::scenario::Scenario;
 use itpms_sim::time_profile::{Pressure, Speed};
 
-use super::procedure::{Procedure, Test};
+use super::procedure::Procedure;
+use super::test_case::Test;
 
 const COURSE: &str = include_str!("course.toml");
 

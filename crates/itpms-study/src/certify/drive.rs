@@ -14,8 +14,9 @@ use rand_pcg::Pcg64;
 
 use super::course::{Course, RECOVERY_S};
 use super::outcome::{Findings, Outcome, Phase, TracePoint};
-use super::procedure::{Procedure, Test};
+use super::procedure::Procedure;
 use super::telltale::{Lamp, Wrong, lit, wrong};
+use super::test_case::Test;
 use super::{CertifyError, Odometer};
 
 /// After the tell-tale has come on the drive goes on so many s: it has to stay lit.
@@ -119,7 +120,7 @@ impl<'a> Run<'a> {
                 self.look_for_false_alarms(row.time_s);
                 continue;
             }
-            self.look_elsewhere(Phase::Detection);
+            self.keep_false_alerts(Phase::Detection);
             if row.time_s > course.wrong_at_s && course.counts(row.speed_m_s) {
                 counted_s += step_s;
             }
@@ -152,15 +153,15 @@ impl<'a> Run<'a> {
     fn look_for_false_alarms(&mut self, time_s: f64) {
         for alert in self.car.report().alerts() {
             self.findings.false_alarm_s.get_or_insert(time_s);
-            self.findings.keep_elsewhere(time_s, Phase::Learning, Wrong::Lamp, alert);
+            self.findings.keep_false_alert(time_s, Phase::Learning, Wrong::Lamp, alert);
         }
     }
 
     /// Whether something is said that what is wrong does not explain; before the tell-tale, beside it and after it.
-    fn look_elsewhere(&mut self, phase: Phase) {
+    fn keep_false_alerts(&mut self, phase: Phase) {
         for alert in self.car.report().alerts() {
             if let Some(wrong) = wrong(self.lamp, self.concerned, alert) {
-                self.findings.keep_elsewhere(self.time_s, phase, wrong, alert);
+                self.findings.keep_false_alert(self.time_s, phase, wrong, alert);
             }
         }
     }
@@ -183,7 +184,7 @@ impl<'a> Run<'a> {
             let sample = readings
                 .map(|[body, wheel]| Some(CornerSample { body_accel_m_s2: body, wheel_accel_m_s2: wheel }));
             self.take(&CarSample { time_s, speed_m_s: 0.0, corners: sample });
-            self.look_elsewhere(Phase::KeyIn);
+            self.keep_false_alerts(Phase::KeyIn);
             relit &= since_s < LAMP_CHECK_S || !self.lit(self.lamp).is_empty();
         }
         self.findings.relit = Some(relit);
@@ -201,7 +202,7 @@ impl<'a> Run<'a> {
         for row in Simulation::new(&self.course.recovery, self.seed.wrapping_add(500))? {
             self.take(&CarSample { time_s: offset_s + row.time_s, ..row.car_sample() });
             self.keep(&row, offset_s)?;
-            self.look_elsewhere(Phase::Recovery);
+            self.keep_false_alerts(Phase::Recovery);
             if !self.lit(self.lamp).is_empty() {
                 out_since_s = None;
                 continue;

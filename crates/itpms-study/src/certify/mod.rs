@@ -8,6 +8,7 @@
 //! |---|---|
 //! | `rules` | what the two regulations ask for: speeds, pressures, times |
 //! | `procedure` | the list of tests |
+//! | `test_case` | what a test does to the car |
 //! | `course` | a test as a scenario: learning, standstill, detection |
 //! | `telltale` | what the driver would see |
 //! | `drive` | one test from the reset to the tell-tale's end |
@@ -23,6 +24,7 @@ mod procedure;
 mod rules;
 mod table;
 mod telltale;
+mod test_case;
 #[cfg(test)]
 mod tests;
 
@@ -35,10 +37,11 @@ use rayon::prelude::*;
 use serde::Serialize;
 use thiserror::Error;
 
-pub use outcome::{Elsewhere, Outcome, Phase, TracePoint, Verdict};
-pub use procedure::{Extent, Failure, Procedure, Test};
+pub use outcome::{FalseAlert, Outcome, Phase, TracePoint, Verdict};
+pub use procedure::{Extent, Procedure};
 pub use rules::Rule;
 pub use table::list;
+pub use test_case::{Failure, Test};
 
 /// Stack of a thread in bytes: an estimator of a whole car is a value of some hundred kilobytes, and is handed about by
 /// value while it is set up.

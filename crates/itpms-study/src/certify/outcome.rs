@@ -7,9 +7,10 @@ use itpms_sim::simulation::SimRow;
 use serde::Serialize;
 
 use super::course::Course;
-use super::procedure::{Procedure, Test};
+use super::procedure::Procedure;
 use super::rules::Rule;
 use super::telltale::Wrong;
+use super::test_case::Test;
 
 /// What was seen in a test. Times in s.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -24,7 +25,7 @@ pub(super) struct Findings {
     /// Those named of which nothing is wrong.
     pub(super) wrong: Wheels,
     /// Everything that was said though nothing of the kind was wrong then.
-    pub(super) elsewhere: Vec<Elsewhere>,
+    pub(super) false_alerts: Vec<FalseAlert>,
     /// It went out by itself within a minute.
     pub(super) went_out: bool,
     /// Whether it was lit again after the key was out.
@@ -35,7 +36,7 @@ pub(super) struct Findings {
 
 /// Something that was said of which nothing is true.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Elsewhere {
+pub struct FalseAlert {
     /// When it was first said, in s from the start of the learning phase, the key-out included.
     pub time_s: f64,
     /// What the car did.
@@ -66,11 +67,11 @@ pub enum Phase {
 
 impl Findings {
     /// Keeps an alert that nothing explains; one of a cause and wheels once.
-    pub(super) fn keep_elsewhere(&mut self, time_s: f64, phase: Phase, wrong: Wrong, alert: &Alert<f64>) {
+    pub(super) fn keep_false_alert(&mut self, time_s: f64, phase: Phase, wrong: Wrong, alert: &Alert<f64>) {
         let (cause, wheels) = (alert.cause.label(), alert.wheels.to_string());
-        if self.elsewhere.iter().all(|known| known.cause != cause || known.wheels != wheels) {
+        if self.false_alerts.iter().all(|known| known.cause != cause || known.wheels != wheels) {
             let text = alert.to_string();
-            self.elsewhere.push(Elsewhere { time_s, phase, cause, wheels, text, wrong });
+            self.false_alerts.push(FalseAlert { time_s, phase, cause, wheels, text, wrong });
         }
     }
 }
@@ -110,9 +111,9 @@ impl Verdict {
             Self::NotRelit
         } else if findings.out_after_s.is_none() {
             Self::NotOut
-        } else if findings.elsewhere.iter().any(|elsewhere| elsewhere.wrong == Wrong::Lamp) {
+        } else if findings.false_alerts.iter().any(|alert| alert.wrong == Wrong::Lamp) {
             Self::OtherLamp
-        } else if !findings.elsewhere.is_empty() || !findings.wrong.is_empty() {
+        } else if !findings.false_alerts.is_empty() || !findings.wrong.is_empty() {
             Self::WrongWheel
         } else {
             Self::Pass
@@ -157,7 +158,7 @@ pub struct Outcome {
     /// Those of them of which nothing was wrong. The regulations do not ask; we do.
     pub named_wrongly: String,
     /// Everything that was said though nothing of the kind was wrong then, from the first sample to the last.
-    pub elsewhere: Vec<Elsewhere>,
+    pub false_alerts: Vec<FalseAlert>,
     /// A lamp lit while all was well.
     pub false_alarm_s: Option<f64>,
     /// Lit again after five minutes without the key; `None`: it never was lit.
@@ -199,7 +200,7 @@ impl Outcome {
             limit_s: course.limit_s,
             named: findings.named.to_string(),
             named_wrongly: findings.wrong.to_string(),
-            elsewhere: findings.elsewhere,
+            false_alerts: findings.false_alerts,
             false_alarm_s: findings.false_alarm_s,
             relit: findings.relit,
             out_after_s: findings.out_after_s,
@@ -296,16 +297,16 @@ mod tests {
             cause: Cause::UnderInflated(reading),
         };
         let mut findings = good();
-        findings.keep_elsewhere(1500.0, Phase::Detection, Wrong::Wheel, &low(fr));
-        findings.keep_elsewhere(1600.0, Phase::Recovery, Wrong::Wheel, &low(fr));
+        findings.keep_false_alert(1500.0, Phase::Detection, Wrong::Wheel, &low(fr));
+        findings.keep_false_alert(1600.0, Phase::Recovery, Wrong::Wheel, &low(fr));
         assert_eq!(Verdict::of(&findings, 600.0), Verdict::WrongWheel);
         // While parked the other lamp, too; that is the graver one.
-        findings.keep_elsewhere(1900.0, Phase::KeyIn, Wrong::Lamp, &low(fl));
+        findings.keep_false_alert(1900.0, Phase::KeyIn, Wrong::Lamp, &low(fl));
         assert_eq!(Verdict::of(&findings, 600.0), Verdict::OtherLamp);
         let kept: Vec<(f64, &str)> =
-            findings.elsewhere.iter().map(|e| (e.time_s, e.wheels.as_str())).collect();
+            findings.false_alerts.iter().map(|e| (e.time_s, e.wheels.as_str())).collect();
         assert_eq!(kept, [(1500.0, "fr"), (1900.0, "fl")]);
-        assert!(findings.elsewhere[0].text.starts_with("fr under-inflated: 190 kPa"));
+        assert!(findings.false_alerts[0].text.starts_with("fr under-inflated: 190 kPa"));
         // What the regulation asks for comes first.
         let out = Findings { went_out: true, ..findings };
         assert_eq!(Verdict::of(&out, 600.0), Verdict::WentOut);

@@ -1,6 +1,6 @@
 //! The result as one HTML page: a table, and a figure per test. Nothing is loaded from anywhere.
 
-use super::table::{clock, elsewhere, named, pressures, relit};
+use super::table::{clock, false_alerts, named, pressures, relit};
 use super::{Certificate, Outcome, Verdict};
 use crate::plot::escape;
 
@@ -32,12 +32,12 @@ impl Certificate {
 
 fn row(outcome: &Outcome) -> String {
     let class = if outcome.verdict == Verdict::Pass { "pass" } else { "fail" };
-    let texts = [pressures(outcome), named(outcome), elsewhere(outcome)];
+    let texts = [pressures(outcome), named(outcome), false_alerts(outcome)];
     let [rule, clause, what] = [outcome.rule.label(), outcome.clause, &outcome.what].map(escape);
-    let [kpa, wheels, elsewhere] = texts.map(|text| escape(&text));
+    let [kpa, wheels, false_alerts] = texts.map(|text| escape(&text));
     format!(
         "<tr><td>{rule}</td><td>{clause}</td><td><a href=\"#{name}\">{what}</a></td><td class=\"n\">{kpa}</td><td class=\"n\">{warned}</td>\
-         <td class=\"n\">{limit}</td><td>{wheels}</td><td>{relit}</td><td class=\"n\">{out}</td><td>{elsewhere}</td>\
+         <td class=\"n\">{limit}</td><td>{wheels}</td><td>{relit}</td><td class=\"n\">{out}</td><td>{false_alerts}</td>\
          <td class=\"{class}\">{verdict}</td></tr>\n",
         name = escape(&outcome.name),
         warned = clock(outcome.warned_after_s),

@@ -1,9 +1,10 @@
 //! The list of tests: which regulation, which wheels or which fault.
 
 use itpms_core::model::{Corner, Wheels};
-use itpms_sim::fault::{FaultKind, FaultPlace, FaultSpec, SensorName};
+use itpms_sim::fault::FaultPlace;
 
 use super::rules::Rule;
+use super::test_case::{Failure, Test};
 
 /// How much of the list is driven.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -12,28 +13,6 @@ pub enum Extent {
     Full,
     /// One test of each kind.
     Quick,
-}
-
-/// What is wrong with the car.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Test {
-    /// These tires are let down.
-    Low(Wheels),
-    /// All four are let down.
-    LowAll,
-    /// A sensor fails.
-    Malfunction(Failure),
-}
-
-/// A sensor's failure: what a person with pliers can do.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Failure {
-    /// Its plug is pulled: no sample any more.
-    Unplugged(Corner, FaultPlace),
-    /// It repeats its last value.
-    Stuck(Corner, FaultPlace),
-    /// The plugs of two wheel sensors are exchanged.
-    Exchanged(Corner, Corner),
 }
 
 /// A test of a regulation.
@@ -144,45 +123,6 @@ fn combinations() -> Vec<Wheels> {
     sets.sort_by_key(|bits| (bits.count_ones(), *bits));
     let wheels = |bits: u8| Corner::ALL.into_iter().filter(move |corner| bits & (1 << corner.index()) != 0);
     sets.into_iter().map(|bits| wheels(bits).collect()).collect()
-}
-
-impl Failure {
-    fn name(self) -> String {
-        let place = |place| if place == FaultPlace::Wheel { "wheel" } else { "body" };
-        match self {
-            Self::Unplugged(corner, at) => format!("unplugged-{}-{}", corner.label(), place(at)),
-            Self::Stuck(corner, at) => format!("stuck-{}-{}", corner.label(), place(at)),
-            Self::Exchanged(a, b) => format!("exchanged-{}-{}", a.label(), b.label()),
-        }
-    }
-
-    fn words(self) -> String {
-        let place = |place| if place == FaultPlace::Wheel { "wheel" } else { "body" };
-        match self {
-            Self::Unplugged(corner, at) => format!("{} {} sensor unplugged", corner.label(), place(at)),
-            Self::Stuck(corner, at) => format!("{} {} sensor stuck", corner.label(), place(at)),
-            Self::Exchanged(a, b) => format!("wheel sensors of {} and {} exchanged", a.label(), b.label()),
-        }
-    }
-
-    /// As a scenario has it, for good.
-    pub(super) fn spec(self, from_s: f64) -> FaultSpec {
-        let fault = |corner: Corner, sensor, kind| FaultSpec {
-            corner: corner.into(),
-            sensor,
-            from_s,
-            to_s: None,
-            kind,
-        };
-        match self {
-            Self::Unplugged(corner, place) => fault(corner, place, FaultKind::Dropout { share: 1.0 }),
-            Self::Stuck(corner, place) => fault(corner, place, FaultKind::Stuck),
-            Self::Exchanged(a, b) => {
-                let with = SensorName::new(b, FaultPlace::Wheel);
-                fault(a, FaultPlace::Wheel, FaultKind::Swap { with })
-            }
-        }
-    }
 }
 
 #[cfg(test)]

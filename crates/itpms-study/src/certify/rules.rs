@@ -5,7 +5,7 @@
 use itpms_core::warning::{Limits, Regulation};
 use serde::Serialize;
 
-use super::procedure::Test;
+use super::test_case::Test;
 
 /// A regulation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]

@@ -29,10 +29,10 @@ pub(super) fn pressures(outcome: &Outcome) -> String {
 }
 
 /// What was said of which nothing is true, each with when it was first.
-pub(super) fn elsewhere(outcome: &Outcome) -> String {
+pub(super) fn false_alerts(outcome: &Outcome) -> String {
     let said =
-        |said: &super::Elsewhere| format!("{} {} {}", said.cause, said.wheels, clock(Some(said.time_s)));
-    let all = outcome.elsewhere.iter().map(said).collect::<Vec<_>>().join(", ");
+        |said: &super::FalseAlert| format!("{} {} {}", said.cause, said.wheels, clock(Some(said.time_s)));
+    let all = outcome.false_alerts.iter().map(said).collect::<Vec<_>>().join(", ");
     if all.is_empty() { "-".to_owned() } else { all }
 }
 
@@ -73,7 +73,7 @@ impl Certificate {
                 named(outcome),
                 relit(outcome).to_owned(),
                 clock(outcome.out_after_s),
-                elsewhere(outcome),
+                false_alerts(outcome),
                 outcome.verdict.label().to_owned(),
             ]
         });
@@ -86,9 +86,9 @@ impl Certificate {
     pub fn summary(&self) -> String {
         let passed = self.outcomes.iter().filter(|outcome| outcome.verdict == Verdict::Pass).count();
         let wrong = self.outcomes.iter().filter(|outcome| !outcome.named_wrongly.is_empty()).count();
-        let elsewhere = self.outcomes.iter().filter(|outcome| !outcome.elsewhere.is_empty()).count();
+        let false_alerts = self.outcomes.iter().filter(|outcome| !outcome.false_alerts.is_empty()).count();
         format!(
-            "{passed} of {} tests passed, {wrong} with a wrong wheel named, {elsewhere} with something said that was not so; {:.1} simulated hours, seed {}. A simulation is no type approval.\n",
+            "{passed} of {} tests passed, {wrong} with a wrong wheel named, {false_alerts} with something said that was not so; {:.1} simulated hours, seed {}. A simulation is no type approval.\n",
             self.outcomes.len(),
             self.driven_s / 3600.0,
             self.seed
@@ -158,7 +158,7 @@ mod tests {
 
     #[test]
     fn what_else_was_said_is_in_the_table_and_on_the_page() {
-        let outcome = |elsewhere, verdict| Outcome {
+        let outcome = |false_alerts, verdict| Outcome {
             name: "a".to_owned(),
             rule: Rule::UnR141,
             clause: "5.2",
@@ -168,7 +168,7 @@ mod tests {
             limit_s: 600.0,
             named: "fl".to_owned(),
             named_wrongly: String::new(),
-            elsewhere,
+            false_alerts,
             false_alarm_s: None,
             relit: Some(true),
             out_after_s: Some(60.0),
@@ -194,13 +194,16 @@ mod tests {
             cause: Cause::UnderInflated(reading),
         };
         let mut findings = Findings::default();
-        findings.keep_elsewhere(1507.0, Phase::Detection, Wrong::Wheel, &alert);
+        findings.keep_false_alert(1507.0, Phase::Detection, Wrong::Wheel, &alert);
         let certificate = Certificate {
             version: "0",
             seed: 1,
             passed: false,
             driven_s: 4000.0,
-            outcomes: vec![outcome(vec![], Verdict::Pass), outcome(findings.elsewhere, Verdict::WrongWheel)],
+            outcomes: vec![
+                outcome(vec![], Verdict::Pass),
+                outcome(findings.false_alerts, Verdict::WrongWheel),
+            ],
         };
         let table = certificate.table();
         let lines: Vec<&str> = table.lines().collect();
@@ -210,7 +213,7 @@ mod tests {
         assert!(lines[3].contains("1 with something said that was not so"), "{table}");
         assert!(certificate.page().contains(said));
         let json = serde_json::to_value(&certificate).unwrap();
-        let kept = &json["outcomes"][1]["elsewhere"][0];
+        let kept = &json["outcomes"][1]["false_alerts"][0];
         assert_eq!((&kept["cause"], &kept["phase"]), (&"under-inflated".into(), &"detection".into()));
     }
 

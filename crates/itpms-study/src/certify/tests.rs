@@ -44,7 +44,7 @@ fn what_is_said_of_another_wheel_beside_the_lamp_or_after_it_fails_a_test() {
     let procedure = unplugged();
     let seen = |course: &Course| {
         let outcome = driven(&procedure, course);
-        let said = outcome.elsewhere.iter().map(|said| (said.phase, said.cause, said.wheels.clone()));
+        let said = outcome.false_alerts.iter().map(|said| (said.phase, said.cause, said.wheels.clone()));
         (outcome.verdict, said.collect::<Vec<_>>())
     };
     assert_eq!(seen(&short(&procedure)), (Verdict::Pass, vec![]));

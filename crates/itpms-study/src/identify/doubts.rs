@@ -1,6 +1,6 @@
 //! What a careful reader should know about a damper before using its number. Called by the damper's identification.
 
-use super::damper::{Consistency, DamperResult};
+use super::damper_result::{Consistency, DamperResult};
 
 /// Probability below which runs are said to disagree.
 const SUSPICIOUS: f64 = 0.01;

@@ -1,7 +1,7 @@
 //! Figures of an identification: the data with what was fitted, and what is left. Called by the binary.
 
 use super::calibrate::Calibration;
-use super::damper::DamperResult;
+use super::damper_result::DamperResult;
 use super::estimate::NORMAL_95;
 use super::spring::SpringResult;
 use crate::plot::{Axis, Figure, Ink, Panel, Stroke};

@@ -4,7 +4,7 @@
 //! | module | idea |
 //! |---|---|
 //! | `spring` | stiffness from load and displacement |
-//! | `damper`, `motion`, `sine`, `doubts` | damping from sinusoidal excitation: the fit, the rows made ready for it, frequencies, concerns |
+//! | `damper`, `damper_result`, `motion`, `sine`, `doubts` | damping from sinusoidal excitation: the fit, the rows made ready for it, frequencies, concerns |
 //! | `bump` | spring, damper, friction, hop and tire from a drop or a bump |
 //! | `calibrate` | the pressure-stiffness line of a tire |
 //! | `blocks` | least squares whose covariance comes from the disagreement of blocks |
@@ -20,6 +20,7 @@ mod blocks;
 mod bump;
 mod calibrate;
 mod damper;
+mod damper_result;
 mod distribution;
 mod doubts;
 mod error;
@@ -35,8 +36,10 @@ mod text;
 
 pub use bump::{BumpCorner, BumpFit, BumpMasses, BumpParts, BumpResult, BumpSignals, BumpWindow, bump};
 pub use calibrate::{Calibration, CalibrationRow, Coefficient, Test, calibrate};
-pub use damper::{Consistency, DamperResult, RunResult, SineRecord, damper};
+pub use damper::damper;
+pub use damper_result::{Consistency, DamperResult, RunResult};
 pub use error::IdentifyError;
 pub use estimate::{ErrorBasis, Estimate};
 pub use guard::Units;
+pub use motion::SineRecord;
 pub use spring::{Nonlinearity, SpringResult, spring};

@@ -5,7 +5,6 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 
 use super::IdentifyError;
-use super::damper::SineRecord;
 use super::guard::{self, Units, plain};
 use super::sine::{self, Sine};
 
@@ -16,6 +15,19 @@ const MOST_BLOCKS: usize = 12;
 /// Largest amplitude of a damper in m, lowest frequency in Hz of a test.
 const LARGEST_M: f64 = 0.5;
 const SLOWEST_HZ: f64 = 0.02;
+
+/// One continuous record of imposed motion.
+#[derive(Debug, Clone, Copy)]
+pub struct SineRecord<'a> {
+    /// What messages call it.
+    pub name: &'a str,
+    /// Time in s, strictly increasing.
+    pub time_s: &'a [f64],
+    /// Displacement in m.
+    pub displacement_m: &'a [f64],
+    /// Force in N.
+    pub force_n: &'a [f64],
+}
 
 /// A row that is used: displacement about its mean in m, velocity in m/s, force in N.
 #[derive(Debug, Clone, Copy)]

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::calibrate::Calibration;
-use super::damper::DamperResult;
+use super::damper_result::DamperResult;
 use super::estimate::Estimate;
 use super::spring::SpringResult;
 

@@ -13,6 +13,7 @@
 
 mod learned;
 mod listen;
+mod parameter;
 mod strut;
 #[cfg(test)]
 mod tests;
@@ -21,8 +22,9 @@ mod weigh;
 use itpms_core::model::{CarConfig, ParameterError};
 use thiserror::Error;
 
-pub use learned::{Learned, LearnedCorner, Parameter};
+pub use learned::{Learned, LearnedCorner};
 pub use listen::{DriveReading, Listener, StrutMean, WheelReading};
+pub use parameter::Parameter;
 
 /// How often drives should be gone through, the second time with the car that the first has taught: where dampers are far from the
 /// file's, the tires are read better with better ones.

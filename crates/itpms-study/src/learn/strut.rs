@@ -2,7 +2,7 @@
 
 use itpms_core::model::CornerConfig;
 
-use super::learned::Parameter;
+use super::parameter::Parameter;
 use super::{DriveReading, StrutMean};
 
 /// What the fit of the body's motion is wrong by on cars that are not their file: damper and spring as shares, friction in N.

@@ -336,12 +336,12 @@ mod tests {
             let mut outcome = Outcome { driven_s: 3.0, ..Outcome::default() };
             outcome.is_said(&kind, alerts).then_some((outcome.label, outcome.exactly))
         };
-        let (right, elsewhere) =
+        let (right, other_wheel) =
             (broken(Malfunction::Stuck(wheel(fl))), broken(Malfunction::Stuck(wheel(fr))));
         assert_eq!(said(&[low(fl)]), None);
-        assert_eq!(said(&[elsewhere]), None);
+        assert_eq!(said(&[other_wheel]), None);
         assert_eq!(said(&[low(fl), right]), Some(("stuck", true)));
-        assert_eq!(said(&[right, elsewhere]), Some(("stuck", false)));
+        assert_eq!(said(&[right, other_wheel]), Some(("stuck", false)));
         assert_eq!(said(&[broken(Malfunction::Inconsistent(fl))]), Some(("inconsistent", false)));
     }
 }

@@ -119,7 +119,7 @@ pub fn soak(
                 stopped.store(true, Ordering::Relaxed);
             }
             let hour = hour?;
-            // Poisoned only by a panic elsewhere, which ends the program anyway.
+            // Poisoned only by a panic in another thread, which ends the program anyway.
             let mut done = done.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
             if done(hour).is_break() {
                 stopped.store(true, Ordering::Relaxed);

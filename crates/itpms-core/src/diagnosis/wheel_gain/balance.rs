@@ -6,6 +6,7 @@
 use crate::diagnosis::debounce::{DebounceTimes, Evidence};
 use crate::diagnosis::fault_latch::FaultLatch;
 use crate::diagnosis::matching::{median, over_others};
+use crate::diagnosis::moments::FILLED;
 use crate::diagnosis::signals::Block;
 use crate::diagnosis::single_sensor::evidence;
 use crate::diagnosis::{Fault, Malfunction, Place, Sensor};
@@ -13,9 +14,8 @@ use crate::memory::blank;
 use crate::model::Corner;
 use crate::real::Real;
 
-/// Blocks over which ratios and hop are averaged, and the share of an average that must be filled before it counts.
+/// Blocks over which ratios and hop are averaged.
 const BLOCKS: f64 = 20.0;
-const FILLED: f64 = 0.4;
 /// The most that a block counts of a ratio's logarithm, where it is judged: a hole under one wheel makes two of a single block. And where
 /// it is told, and of the hop's.
 const MOST: f64 = 0.35;

@@ -4,10 +4,10 @@ use nalgebra::{Complex, SVector};
 
 use crate::belief::measurement::{AxleResidual, BINS, SideMeasurement, UpdateRecord};
 use crate::belief::state::{GAIN, SKEW_UNIT_S, State, read_compliance};
-use crate::inter_axle::alignment::channel::{BOTH, SEEN};
-use crate::inter_axle::alignment::channel::{Entry, KEPT, RELATIVE};
+use crate::inter_axle::alignment::channel::{BOTH, Entry, RELATIVE, SEEN};
 use crate::inter_axle::alignment::delay_line::{DelayLine, Read};
 use crate::inter_axle::alignment::delay_search::{AT_FIRST, DelaySearch, Found, LATER};
+use crate::inter_axle::alignment::opposite_side::{OppositeSide, of_other_side, with_other};
 use crate::inter_axle::residual::correction::FrfCorrection;
 use crate::inter_axle::residual::hop_excess::HopExcess;
 use crate::inter_axle::residual::imbalance::Imbalance;
@@ -46,31 +46,6 @@ const REALIGN_ABOVE: f64 = 0.04;
 const SNR_FULL: f64 = 25.0;
 /// Time constant in s of the logarithm of that ratio.
 const SNR_S: f64 = 1.0;
-
-/// How the suspension of the other side's rear wheel moves.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum OppositeSide<T> {
-    /// Its relative velocity in m/s.
-    Known(T),
-    /// Not known at this moment, as when its wheel has just left the road.
-    Missed,
-    /// It has told nothing for a while.
-    Silent,
-}
-
-/// How the other side's suspensions moved: at the front when it was where the rear is now, and at the rear. Where one tells
-/// nothing it moves as the other one did at that place, `ratio` times as fast at the rear: else the anti-roll bar makes of a
-/// hole under that side a road of this one's axle. Where neither tells anything they stand still, and the bar is one more
-/// spring: where a tire shows, each side's wheels move for themselves.
-fn of_other_side<T: Real>(ahead: Option<T>, beside: OppositeSide<T>, ratio: T) -> [Option<T>; 2] {
-    match (ahead, beside) {
-        (None, OppositeSide::Known(behind)) => [Some(behind / ratio), Some(behind)],
-        (Some(ahead), OppositeSide::Silent) => [Some(ahead), Some(ratio * ahead)],
-        (None, OppositeSide::Silent) => [Some(T::zero()); 2],
-        (ahead, OppositeSide::Known(behind)) => [ahead, Some(behind)],
-        (ahead, OppositeSide::Missed) => [ahead, None],
-    }
-}
 
 /// A frame's measurement for the belief, and what the pair keeps of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -472,13 +447,6 @@ impl<T: Real> PairingContext<'_, T> {
     }
 }
 
-/// A corner's signals and its relative velocity less the other side's; none, as if both moved alike, if that is not known.
-fn with_other<T: Real>(signals: [T; KEPT], other: Option<T>) -> [T; SEEN] {
-    let [wheel, jerk, acceleration, relative] = signals;
-    let residual = other.map_or(T::zero(), |other| relative - other);
-    [wheel, jerk, acceleration, relative, residual]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -497,19 +465,5 @@ mod tests {
         // It has just had frames itself; both were silent; the other one longer.
         assert!(!counts(9.8, 9.9) && !counts(3.0, 4.0) && !counts(9.8, 8.0));
         assert!(!counts(f64::NEG_INFINITY, f64::NEG_INFINITY));
-    }
-
-    #[test]
-    fn a_silent_wheel_moves_as_the_other_one_of_its_side_did() {
-        // At the rear half as fast again as at the front.
-        let others = |ahead, beside| of_other_side(ahead, beside, 1.5);
-        assert_eq!(others(Some(2.0), OppositeSide::Known(7.0)), [Some(2.0), Some(7.0)]);
-        assert_eq!(others(Some(2.0), OppositeSide::Silent), [Some(2.0), Some(3.0)]);
-        assert_eq!(others(None, OppositeSide::Known(3.0)), [Some(2.0), Some(3.0)]);
-        // A wheel in the air moves as no other one.
-        assert_eq!(others(Some(2.0), OppositeSide::Missed), [Some(2.0), None]);
-        assert_eq!(others(None, OppositeSide::Missed), [None, None]);
-        // Of a whole side that is silent it is known that it moves otherwise.
-        assert_eq!(others(None, OppositeSide::Silent), [Some(0.0), Some(0.0)]);
     }
 }

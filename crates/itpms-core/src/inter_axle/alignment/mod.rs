@@ -4,5 +4,6 @@ pub(crate) mod axle_pair;
 pub(crate) mod channel;
 pub(crate) mod delay_line;
 pub(crate) mod delay_search;
+pub(crate) mod opposite_side;
 pub(crate) mod speed_latency;
 pub(crate) mod travel;

@@ -27,7 +27,7 @@
 //!    that moves bodies by less, and by more than 0.8 of their rms, is not seen: class A at 20 km/h.)
 //! 5. **Wilder than roads are.** On class D at 80 km/h body and wheel show 4 and 42 m/s² rms, on class F, which nobody drives at
 //!    that speed, 17 and 170. More than 25 or 200 are thousandths of g, cm/s², mm/s² or counts. The loudest hundredth is left
-//!    out: single values may be garbage, and are repaired elsewhere.
+//!    out: single values may be garbage, and are repaired later, row by row.
 //! 6. **Gravity in two units.** The body of a corner has a mean of some 9.81 in size, its wheel one of some 1.
 //!
 //! Simulated drives of the paper's car (classes A-C, 15 to 120 km/h, w 1.8 to 2.6, noise 0 to 0.3 m/s², four seeds): of

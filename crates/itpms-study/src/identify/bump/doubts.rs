@@ -50,7 +50,7 @@ fn jump(fit: &BumpFit) -> Option<String> {
     let (_, usual, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
     (left(worst) > JUMP * *usual).then(|| {
         format!(
-            "at {:.2} s the body's signal jumps by {:.0} times what is left elsewhere: a sensor's step, or a stop that is hit; --from-s and --until-s leave it out",
+            "at {:.2} s the body's signal jumps by {:.0} times what is left at other times: a sensor's step, or a stop that is hit; --from-s and --until-s leave it out",
             worst.0,
             left(worst) / *usual
         )

@@ -1,4 +1,4 @@
-//! What the shared road was taught by a sensor that told wrong is unlearned, and nothing else for long.
+//! What the belief was taught by a sensor that told wrong is rolled back, and nothing else for long.
 // Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
 #![allow(clippy::unwrap_used)]
 mod common;
@@ -32,10 +32,13 @@ fn what_a_sensor_taught_that_lied_is_unlearned() {
     let before = front_right(&mut car, 0.0, 24.0);
     let misled = front_right(&mut car, 24.0, 28.0);
     assert!(misled < before - 40.0, "{misled} kPa, {before} before");
-    let mut unlearned = car.clone();
-    unlearned.rollback([false, false, false, true]);
-    let [misled, unlearned] = [&mut car, &mut unlearned].map(|car| front_right(car, 28.0, 34.0));
-    assert!(misled < before - 20.0 && (unlearned - before).abs() < 3.0, "{misled} {unlearned} {before} kPa");
+    let mut rolled_back = car.clone();
+    rolled_back.rollback([false, false, false, true]);
+    let [misled, rolled_back] = [&mut car, &mut rolled_back].map(|car| front_right(car, 28.0, 34.0));
+    assert!(
+        misled < before - 20.0 && (rolled_back - before).abs() < 3.0,
+        "{misled} {rolled_back} {before} kPa"
+    );
 }
 
 /// Nothing contradicts what was known at the start, and a driver's word is no contradiction: the tire that has 200 kPa has its
@@ -52,14 +55,14 @@ fn only_what_contradicts_is_unlearned() {
             car.begin_calibration(seconds).unwrap();
         }
         drive(&mut car, &before[before.len() - 5..]);
-        let mut unlearned = car.clone();
-        unlearned.rollback([false; 4]);
-        let [kept, unlearned] = [&mut car, &mut unlearned].map(|car| {
+        let mut rolled_back = car.clone();
+        rolled_back.rollback([false; 4]);
+        let [kept, rolled_back] = [&mut car, &mut rolled_back].map(|car| {
             let corners = drive(car, &after[..5])[4].corners;
             corners.map(|corner| [corner.unwrap().pressure_kpa, corner.unwrap().pressure_sd_kpa])
         });
-        assert_eq!(kept, unlearned);
-        let off_kpa = unlearned[0][0] - PLACARD_KPA;
+        assert_eq!(kept, rolled_back);
+        let off_kpa = rolled_back[0][0] - PLACARD_KPA;
         assert!((off_kpa.abs() < 1.0) == reset_s.is_some(), "{reset_s:?}: {off_kpa} kPa");
     }
 }
@@ -78,7 +81,7 @@ fn with_a_loss() -> (Box<CarEstimator<f64>>, Vec<CarSample<f64>>) {
     (car, after)
 }
 
-/// A tire has just lost a fifth when sensors of the other corners are suspected for nothing: the loss is unlearned, and found
+/// A tire has just lost a fifth when sensors of the other corners are suspected for nothing: the loss is rolled back, and found
 /// again. Where its own are, it stays lost: lying they would have made another tire look so.
 #[test]
 fn a_loss_that_was_unlearned_is_found_again() {

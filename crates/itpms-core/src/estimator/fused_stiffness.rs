@@ -1,0 +1,30 @@
+//! The tire's stiffness as the whole car knows it, as a corner's estimator is told: made by [`CarEstimator`](crate::car::CarEstimator)
+//! of the fused belief, applied by the running method.
+
+use crate::memory::blank;
+use crate::model::Level;
+
+/// What the whole car knows of a corner that the corner by itself does not.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct FusedStiffness<T> {
+    pub(crate) stiffness_n_per_m: T,
+    /// Its standard deviation as far as the signals tell, and what the vehicle file leaves open.
+    pub(crate) stiffness_sd_n_per_m: T,
+    pub(crate) considered_sd_n_per_m: T,
+    /// What the level rests on.
+    pub(crate) level: Level,
+    /// Probability that the pressure is changing.
+    pub(crate) changing: T,
+    /// Seconds of full information that it rests on.
+    pub(crate) learned_s: T,
+    /// Whether the road that its axles share is being learned from.
+    pub(crate) learning: bool,
+    /// Whether anything is heard at all: frames, or words of the corner's spectrum.
+    pub(crate) has_signal: bool,
+}
+
+blank!(FusedStiffness<T> {
+    stiffness_n_per_m, stiffness_sd_n_per_m, considered_sd_n_per_m, level, changing, learned_s, learning,
+    has_signal,
+});

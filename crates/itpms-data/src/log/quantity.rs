@@ -1,0 +1,71 @@
+//! What a column of a drive log measures, and in which unit.
+
+use super::row::{Field, Slot};
+
+/// What a column measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Quantity {
+    /// In m/s².
+    Acceleration,
+    /// In m/s.
+    Speed,
+    /// In kPa.
+    Pressure,
+    /// In m.
+    Length,
+    /// In s.
+    Time,
+}
+
+impl Quantity {
+    pub(crate) fn of(slot: Slot) -> Self {
+        match slot {
+            Slot::Time => Quantity::Time,
+            Slot::Speed => Quantity::Speed,
+            Slot::Corner(_, Field::BodyAccel | Field::WheelAccel) => Quantity::Acceleration,
+            Slot::Corner(_, Field::Pressure) => Quantity::Pressure,
+            Slot::Corner(_, Field::Road) => Quantity::Length,
+        }
+    }
+
+    /// The unit a column has it in.
+    pub(crate) fn unit(self) -> &'static str {
+        match self {
+            Quantity::Acceleration => "m/s^2",
+            Quantity::Speed => "m/s",
+            Quantity::Pressure => "kPa",
+            Quantity::Length => "m",
+            Quantity::Time => "s",
+        }
+    }
+
+    /// With its article, for a message.
+    pub(crate) fn words(self) -> &'static str {
+        match self {
+            Quantity::Acceleration => "an acceleration",
+            Quantity::Speed => "a speed",
+            Quantity::Pressure => "a pressure",
+            Quantity::Length => "a length",
+            Quantity::Time => "a time",
+        }
+    }
+
+    /// Spellings a person may want to use, for a message.
+    pub(crate) fn known_units(self) -> &'static str {
+        match self {
+            Quantity::Acceleration => "m/s^2, g, mg, cm/s^2, mm/s^2 or ft/s^2",
+            Quantity::Speed => "m/s, km/h, mph, kn, cm/s, mm/s or ft/s",
+            Quantity::Pressure => "kPa, Pa, hPa, mbar, bar, MPa or psi",
+            Quantity::Length => "m, mm, cm, um, in or ft",
+            Quantity::Time => "s, ms, us, ns or min",
+        }
+    }
+}
+
+impl Slot {
+    /// The unit its name stands for.
+    #[must_use]
+    pub fn unit(self) -> &'static str {
+        Quantity::of(self).unit()
+    }
+}

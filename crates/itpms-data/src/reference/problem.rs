@@ -1,0 +1,48 @@
+//! What can be wrong with a stored reference; read by people as part of a [`Problem`](crate::error::Problem).
+
+use itpms_core::model::CalibrationError;
+use thiserror::Error;
+
+/// Why a reference is not used.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ReferenceProblem {
+    /// Some other file.
+    #[error("is no learned reference: its beginning is {found:?}, expected \"itpms-reference\"")]
+    Foreign {
+        /// Its beginning.
+        found: String,
+    },
+    /// Cut short, or changed since it was written.
+    #[error("the learned reference is damaged: its checksum says {found}, expected {expected}")]
+    Damaged {
+        /// What its first line says.
+        found: String,
+        /// What its contents give.
+        expected: String,
+    },
+    /// From a program of the future.
+    #[error("the learned reference has format {found}, expected at most {newest}: a newer itpms wrote it")]
+    Newer {
+        /// Its format.
+        found: u32,
+        /// The newest that this program reads.
+        newest: u32,
+    },
+    /// Learned on another car.
+    #[error("the reference was learned on a vehicle whose {what} is {found}, expected {expected}")]
+    OtherVehicle {
+        /// Name, id or parameters.
+        what: &'static str,
+        /// As stored.
+        found: String,
+        /// As the vehicle file has it.
+        expected: String,
+    },
+    /// A value that no car has.
+    #[error("the learned reference is not plausible: {0}")]
+    Implausible(CalibrationError),
+    /// Whole, but without something that belongs there.
+    #[error("the learned reference does not have {0}")]
+    Lacks(&'static str),
+}

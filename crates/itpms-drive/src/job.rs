@@ -1,0 +1,19 @@
+//! What is to be done with a log: told before the first row, known to all that work on a drive.
+
+use itpms_core::model::Corner;
+use itpms_data::Vehicle;
+
+use crate::settings::Settings;
+
+/// What is to be done with a log.
+#[derive(Debug, Clone, Copy)]
+pub struct Job<'a> {
+    /// The car.
+    pub vehicle: &'a Vehicle,
+    /// The corners to estimate: see [`crate::common_corners`].
+    pub corners: &'a [Corner],
+    /// How.
+    pub settings: &'a Settings,
+    /// Whether the road is smoothed, for a road record or a report.
+    pub road: bool,
+}

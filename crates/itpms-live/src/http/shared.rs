@@ -1,0 +1,31 @@
+//! What all handlers see: the hub, the newest snapshot, which run this is.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicUsize;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use super::health::Health;
+use super::pump::Newest;
+use crate::hub::Hub;
+
+/// What the handlers share.
+#[derive(Debug)]
+pub(super) struct Shared {
+    pub(super) hub: Arc<Hub>,
+    pub(super) newest: Newest,
+    /// Tells this run of the monitor from the next one, whose counters start again.
+    pub(super) run: String,
+    /// Streams that are open.
+    pub(super) streams: AtomicUsize,
+}
+
+impl Shared {
+    pub(super) fn health(&self) -> Health {
+        Health::of(self.newest.borrow().as_deref())
+    }
+}
+
+/// Seconds since 1970-01-01 UTC.
+pub(super) fn unix_s() -> f64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).map_or(f64::NAN, |since| since.as_secs_f64())
+}
