@@ -78,6 +78,7 @@ impl<T: Real> Belief<T> {
             self.store_calibration();
         }
         self.calibration.active = active;
+        self.bank.circumstances.tires_set = active;
     }
 
     /// Whether the tires are being calibrated.

@@ -77,6 +77,27 @@ impl<T: Real> Part<'_, T> {
     }
 }
 
+/// What is known of the car, the present road and the driver's doings, on which it depends how far and how fast quantities wander.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Circumstances<T> {
+    /// How well the vehicle file knows the unsprung masses, each axle's for itself, as a share of them.
+    pub(crate) mass_sd: [T; 4],
+    /// By which variance each damping and spring may be another one, over its file's.
+    pub(crate) strut_variance: [[T; 2]; 4],
+    /// Somebody says that the tires have their placard pressures all the while.
+    pub(crate) tires_set: bool,
+}
+
+blank!(Circumstances<T> { mass_sd, strut_variance, tires_set });
+
+impl<T: Real> Circumstances<T> {
+    /// Nothing is known of the road yet.
+    pub(crate) fn of_a_car(mass_sd: [T; 4]) -> Self {
+        Self { mass_sd, strut_variance: [[T::zero(); 2]; 4], tires_set: false }
+    }
+}
+
 /// How the quantities change by themselves over a time: by which share each stays, and the variance it gains.
 pub(crate) struct Wandering<T: Real> {
     stays: State<T>,
@@ -84,17 +105,18 @@ pub(crate) struct Wandering<T: Real> {
 }
 
 impl<T: Real> Wandering<T> {
-    /// Dampings and springs may besides be others by `strut_variance`, and become so within [`MEMORY_S`]: friction does that.
-    pub(crate) fn over(seconds: T, strut_variance: &[[T; 2]; 4]) -> Self {
-        let (sd, prior_sd) = (wander_sd::<T>(), prior_sd::<T>());
-        let (mut gained, mut rate) = (sd.component_mul(&sd), return_rate::<T>());
-        let starts = [DAMPING, SPRING];
-        for (at, besides) in (0..)
-            .zip(strut_variance)
-            .flat_map(|(i, both)| starts.map(|start| start + i).into_iter().zip(*both))
-        {
-            gained[at] += besides * T::lit(2.0 / MEMORY_S);
-            rate[at] = T::lit(0.5) * gained[at] / (prior_sd[at] * prior_sd[at] + besides);
+    /// Dampings and springs may besides be others by the circumstances' variance, and become so within [`MEMORY_S`]: friction does that.
+    pub(crate) fn over(seconds: T, circumstances: &Circumstances<T>) -> Self {
+        let (sd, prior_sd) = (wander_sd::<T>(), prior_sd(&circumstances.mass_sd));
+        let (mut gained, mut rate) = (sd.component_mul(&sd), return_rate(&prior_sd));
+        for (i, strut) in circumstances.strut_variance.into_iter().enumerate() {
+            for (at, besides) in [DAMPING + i, SPRING + i].into_iter().zip(strut) {
+                gained[at] += besides * T::lit(2.0 / MEMORY_S);
+                rate[at] = T::lit(0.5) * gained[at] / (prior_sd[at] * prior_sd[at] + besides);
+            }
+        }
+        if circumstances.tires_set {
+            gained.fixed_rows_mut::<4>(TIRE).fill(T::zero());
         }
         Self { stays: rate.map(|rate| (-rate * seconds).exp_fast()), variance: gained * seconds }
     }
@@ -102,8 +124,8 @@ impl<T: Real> Wandering<T> {
 
 impl<T: Real> Hypothesis<T> {
     /// A car as its file has it, the tires' compliances around these.
-    pub(crate) fn start(&mut self, tires: &[T; 4]) {
-        let sd = prior_sd::<T>();
+    pub(crate) fn start(&mut self, tires: &[T; 4], mass_sd: &[T; 4]) {
+        let sd = prior_sd(mass_sd);
         self.covariance.fill(T::zero());
         self.covariance.set_diagonal(&sd.component_mul(&sd));
         correlate_bars(&mut self.covariance);

@@ -1,7 +1,7 @@
 //! The belief about the car: a mixture of nine Gaussians, one for every way in which pressures may be changing now
 //! (docs/math/shared-road.md, section 6). Moves on with time, is weighed by the constraint and by what others say.
 
-use super::gaussian::{Hypothesis, Wandering};
+use super::gaussian::{Circumstances, Hypothesis, Wandering};
 use super::hypotheses::{ALL, CONSTANT, HYPOTHESES, Hypotheses, RANDOM_WALK, SIDE, changing, has_rate};
 use super::measurement::{AxleResidual, SideMeasurement, UpdateRecord};
 use super::mixture::Mixture;
@@ -34,12 +34,11 @@ pub(super) struct HypothesisBank<T: Real> {
     pub(super) hypotheses: Hypotheses<T>,
     /// What is under way between the parts of a prediction, and between those of an update.
     pub(super) transition: Transition<T>,
-    /// By which variance each damping and spring may be another one, over its file's.
-    strut_variance: [[T; 2]; 4],
+    pub(super) circumstances: Circumstances<T>,
     update: FrameUpdate<T>,
 }
 
-blank!(HypothesisBank<T> { hypotheses, transition, strut_variance, update });
+blank!(HypothesisBank<T> { hypotheses, transition, circumstances, update });
 
 /// What the hypotheses that were updated with a frame said of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,18 +59,12 @@ impl<T: Real> HypothesisBank<T> {
     pub(super) fn start(&mut self, tires: &[T; 4]) {
         self.transition.clear();
         self.update = FrameUpdate::BLANK;
-        self.strut_variance = [[T::zero(); 2]; 4];
         let [constant, others @ ..] = &mut self.hypotheses;
-        constant.start(tires);
+        constant.start(tires, &self.circumstances.mass_sd);
         for (index, hypothesis) in (1..).zip(others) {
             constant.part().with_onset(has_rate(index)).write(constant.weight, hypothesis);
         }
         self.collapse();
-    }
-
-    /// See [`Belief::set_strut_variance`](super::Belief::set_strut_variance).
-    pub(super) fn set_strut_variance(&mut self, corner: usize, relative: [T; 2]) {
-        self.strut_variance[corner.min(3)] = relative;
     }
 
     /// Begins to move on by `seconds`; see [`Transition::begin`].
@@ -81,7 +74,7 @@ impl<T: Real> HypothesisBank<T> {
 
     /// Does a part of the prediction.
     pub(super) fn predict_part(&mut self, part: usize) {
-        self.transition.apply(part, &mut self.hypotheses, &self.strut_variance);
+        self.transition.apply(part, &mut self.hypotheses, &self.circumstances);
     }
 
     /// Nothing is left to be done of a prediction.
@@ -105,7 +98,7 @@ impl<T: Real> HypothesisBank<T> {
     pub(super) fn predict_gap(&mut self, seconds: T, filled: bool) {
         self.collapse();
         let [constant, .., loose] = &mut self.hypotheses;
-        constant.wander(&Wandering::over(seconds, &self.strut_variance));
+        constant.wander(&Wandering::over(seconds, &self.circumstances));
         if filled {
             let chance = T::lit(FILLED);
             loose.take_over(constant);
@@ -226,6 +219,9 @@ impl<T: Real> HypothesisBank<T> {
 
     /// The belief about a tire fades with seconds of incoherence; less so if a calibration has `taught` what the car is.
     pub(super) fn inflate(&mut self, corner: usize, incoherent_s: T, calibrated: bool) {
+        if self.circumstances.tires_set {
+            return;
+        }
         let sd = if calibrated { FADING_TAUGHT } else { FADING };
         let corner = corner.min(3);
         for hypothesis in &mut self.hypotheses {

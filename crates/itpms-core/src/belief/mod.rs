@@ -35,6 +35,7 @@ mod update;
 
 use self::calibration::CalibrationState;
 use self::checkpoint::{Checkpoint, PreFaultEstimate};
+use self::gaussian::Circumstances;
 pub(crate) use self::gaussian::Hypothesis;
 pub(crate) use self::hypotheses::HYPOTHESES;
 use self::hypothesis_bank::HypothesisBank;
@@ -59,6 +60,8 @@ const PARKED_SD: f64 = 0.06;
 const PARKED_S: f64 = 1800.0;
 /// Seconds of shared road after which the belief counts.
 pub(crate) const ENOUGH_S: f64 = 2.0;
+/// Sd to which an unsprung mass is known at best, as a share of it.
+const LEAST_MASS_SD: f64 = 0.005;
 /// Sd of a tire's compliance, over that at placard pressure, when nobody watched.
 const UNWATCHED_SD: f64 = 0.05;
 
@@ -103,6 +106,10 @@ impl<T: Real> Belief<T> {
             c.tire.stiffness_n_per_m(c.placard_kpa) / c.initial_stiffness_n_per_m() - T::one()
         };
         self.start = core::array::from_fn(|i| config.corners[i].as_ref().map_or(T::zero(), softer));
+        let mass_sd = |c: &CornerConfig<T>| c.uncertainty.axle_mass_relative_sd().max(T::lit(LEAST_MASS_SD));
+        let mass_sd =
+            core::array::from_fn(|i| config.corners[i].as_ref().map_or(T::lit(LEAST_MASS_SD), mass_sd));
+        self.bank.circumstances = Circumstances::of_a_car(mass_sd);
         self.bank.start(&self.start);
         self.scale = TireScale::new(config);
         self.present = config.corners.each_ref().map(Option::is_some);
@@ -215,7 +222,7 @@ impl<T: Real> Belief<T> {
     /// By which variance, over its file's, a corner's damping and spring may be others on the present road: friction that is not known
     /// exactly looks like that.
     pub(crate) fn set_strut_variance(&mut self, corner: usize, relative: [T; 2]) {
-        self.bank.set_strut_variance(corner, relative);
+        self.bank.circumstances.strut_variance[corner.min(3)] = relative;
     }
 
     /// Whether tires may gain air while they roll.

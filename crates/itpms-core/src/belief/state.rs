@@ -61,9 +61,12 @@ const ROAD_BIAS_S: f64 = 36_000.0;
 pub(crate) type State<T> = SVector<T, SIZE>;
 pub(crate) type Covariance<T> = SMatrix<T, SIZE, SIZE>;
 
-/// Standard deviations before anything is learned; the rate's is that of a hypothesis that moves.
-pub(crate) fn prior_sd<T: Real>() -> State<T> {
-    filled([0.11, 0.01, 0.15, 0.1, 0.3, 0.012, 0.01, 0.02, 0.04, 0.03, ROAD_BIAS_SD[0], 0.0])
+/// Standard deviations before anything is learned, unsprung masses known as the vehicle file says; the rate's is that of a hypothesis
+/// that moves.
+pub(crate) fn prior_sd<T: Real>(mass_sd: &[T; 4]) -> State<T> {
+    let mut prior = filled([0.11, 0.0, 0.15, 0.1, 0.3, 0.012, 0.01, 0.02, 0.04, 0.03, ROAD_BIAS_SD[0], 0.0]);
+    prior.fixed_rows_mut::<4>(MASS).copy_from_slice(mass_sd);
+    prior
 }
 
 /// The rear bar's stiffness is a share of the front one's, give or take: only their difference shows in the roads.
@@ -85,8 +88,8 @@ pub(crate) fn wander_sd<T: Real>() -> State<T> {
 
 /// How fast, in 1/s, a quantity that nothing is learned of returns to what the vehicle file says: so that its wandering
 /// ends where it began, at the prior's standard deviation, or at the larger one of [`ROAD_BIAS`]. Tires have no such place.
-pub(crate) fn return_rate<T: Real>() -> State<T> {
-    let (prior, wander) = (prior_sd::<T>(), wander_sd::<T>());
+pub(crate) fn return_rate<T: Real>(prior: &State<T>) -> State<T> {
+    let wander = wander_sd::<T>();
     State::from_fn(|i, _| {
         if (TIRE..TIRE + 4).contains(&i) || i == RATE {
             T::zero()

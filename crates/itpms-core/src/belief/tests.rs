@@ -9,6 +9,7 @@ use nalgebra::SMatrix;
 #[allow(unused_imports)]
 use nalgebra::ComplexField;
 
+use super::gaussian;
 use super::hypotheses::{CONSTANT, HYPOTHESES, RANDOM_WALK};
 use super::hypothesis_bank::HypothesisBank;
 use super::measurement::{BINS, Gram, Score};
@@ -19,9 +20,15 @@ use super::state::{
 use super::update::{Likelihood, OwnCovariance};
 use crate::memory::configured;
 
+/// Unsprung masses as a measured car's, axle by axle.
+const MASS_SD: [f64; 4] = [0.01; 4];
+
 /// A bank at its start, the tires' compliances around `tires`.
 fn bank(tires: &[f64; 4]) -> HypothesisBank<f64> {
-    configured(|bank: &mut HypothesisBank<f64>| bank.start(tires))
+    configured(|bank: &mut HypothesisBank<f64>| {
+        bank.circumstances = gaussian::Circumstances::of_a_car(MASS_SD);
+        bank.start(tires);
+    })
 }
 
 /// A bank in which every hypothesis has a share, each with a mean of its own.
@@ -106,7 +113,7 @@ fn prediction_agrees_with_exact_enumeration() {
     let changes = |to: usize, i: usize| to == i + 1 || to == 5 + i % 2 || to == 7;
     // (weight, mean, covariance) after each way.
     let mut ways = Vec::new();
-    let written = |part: super::gaussian::Part<'_, f64>| {
+    let written = |part: gaussian::Part<'_, f64>| {
         configured(|hypothesis: &mut super::Hypothesis<f64>| part.write(1.0, hypothesis))
     };
     for (from, hypothesis) in before.hypotheses.iter().enumerate() {
@@ -127,7 +134,7 @@ fn prediction_agrees_with_exact_enumeration() {
         let joined = written(before.hypotheses[from].part().without_rate().with_onset(true));
         ways.push((5 + (from - 1) % 2, before.hypotheses[from].weight * join, joined));
     }
-    let (wander, back) = (wander_sd::<f64>(), return_rate::<f64>());
+    let (wander, back) = (wander_sd::<f64>(), return_rate(&prior_sd(&MASS_SD)));
     let total: f64 = ways.iter().map(|way| way.1).sum();
     let (mut mean, mut square) = (State::<f64>::zeros(), Covariance::<f64>::zeros());
     for (to, weight, hypothesis) in &ways {
@@ -241,12 +248,13 @@ fn no_step_is_longer_than_the_residual() {
 #[test]
 fn days_without_measurements_end_where_they_began() {
     let mut bank = bank(&[0.0; 4]);
-    let before = prior_sd::<f64>();
+    let before = prior_sd(&MASS_SD);
     let constant = |bank: &HypothesisBank<f64>, i: usize| bank.hypotheses[0].covariance[(i, i)].sqrt();
     bank.hypotheses[0].mean = State::repeat(0.01);
     // Days of tenths of a second would take long; the return is exact for any step, what is added nearly so.
     for _ in 0..4 * 24 * 360 {
-        bank.hypotheses[0].wander(&super::gaussian::Wandering::over(10.0, &[[0.0; 2]; 4]));
+        bank.hypotheses[0]
+            .wander(&gaussian::Wandering::over(10.0, &gaussian::Circumstances::of_a_car(MASS_SD)));
     }
     for i in (MASS..RATE).filter(|i| *i != BAR + 1) {
         let after = constant(&bank, i);
@@ -266,13 +274,13 @@ fn struts_that_stick_become_unknown_within_a_minute() {
     let mut bank = bank(&[0.0; 4]);
     let before = bank.hypotheses[0].covariance;
     // Damping and spring of the front right corner to 0.4 and 0.3 besides what the file leaves.
-    let mut besides = [[0.0; 2]; 4];
-    besides[1] = [0.16, 0.09];
+    let mut circumstances = gaussian::Circumstances::of_a_car(MASS_SD);
+    circumstances.strut_variance[1] = [0.16, 0.09];
     let variance =
         |bank: &HypothesisBank<f64>, i: usize| bank.hypotheses[0].covariance[(i, i)] - before[(i, i)];
     let wander = |bank: &mut HypothesisBank<f64>, seconds: usize| {
         (0..10 * seconds)
-            .for_each(|_| bank.hypotheses[0].wander(&super::gaussian::Wandering::over(0.1, &besides)));
+            .for_each(|_| bank.hypotheses[0].wander(&gaussian::Wandering::over(0.1, &circumstances)));
     };
     wander(&mut bank, 60);
     for (at, besides) in [(DAMPING + 1, 0.16), (SPRING + 1, 0.09)] {

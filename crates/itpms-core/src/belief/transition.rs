@@ -3,7 +3,7 @@
 
 use nalgebra::RowSVector;
 
-use super::gaussian::{Hypothesis, Wandering};
+use super::gaussian::{Circumstances, Hypothesis, Wandering};
 use super::hypotheses::{CONSTANT, HYPOTHESES, Hypotheses, RANDOM_WALK, SIDE, changing, has_rate};
 use super::mixture::Mixture;
 use super::state::{RATE, State, TIRE};
@@ -78,19 +78,19 @@ impl<T: Real> Transition<T> {
         self.seconds = T::zero();
     }
 
-    /// Does one of its parts; see [`Wandering::over`] for `strut_variance`.
+    /// Does one of its parts; see [`Wandering::over`] for the circumstances.
     pub(super) fn apply(
         &mut self,
         part: usize,
         hypotheses: &mut Hypotheses<T>,
-        strut_variance: &[[T; 2]; 4],
+        circumstances: &Circumstances<T>,
     ) {
         if !(self.seconds > T::zero()) {
             return;
         }
         match part {
             0 => self.mix(hypotheses),
-            _ => self.pass(hypotheses, strut_variance),
+            _ => self.pass(hypotheses, circumstances),
         }
     }
 
@@ -109,9 +109,9 @@ impl<T: Real> Transition<T> {
     }
 
     /// Time passes.
-    fn pass(&self, hypotheses: &mut Hypotheses<T>, strut_variance: &[[T; 2]; 4]) {
+    fn pass(&self, hypotheses: &mut Hypotheses<T>, circumstances: &Circumstances<T>) {
         let seconds = self.seconds;
-        let wandering = Wandering::over(seconds, strut_variance);
+        let wandering = Wandering::over(seconds, circumstances);
         for (index, hypothesis) in hypotheses.iter_mut().enumerate() {
             hypothesis.wander(&wandering);
             if index == RANDOM_WALK {
