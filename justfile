@@ -3,16 +3,15 @@
 default:
     @just --list
 
-# All tests of all crates, and saving and restoring an estimator.
+# All tests of all crates.
 test:
     cargo test --workspace --locked
-    cargo test -p itpms-core --features serde,paper,test-bench --locked
 
 # What a change must not break: format, warnings, dead links in the documentation.
 lint:
     cargo fmt --all --check
     cargo clippy --workspace --all-targets --all-features --locked -- -D warnings
-    RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
+    RUSTDOCFLAGS="-D warnings" cargo doc --workspace --all-features --no-deps --locked
 
 # Format all code.
 fmt:

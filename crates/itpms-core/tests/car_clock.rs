@@ -1,7 +1,7 @@
 //! A car whose clock is set, or stamps a sample wrong: what was learned, a reset and what was said go on as if it had not.
 // Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
 #![allow(clippy::unwrap_used)]
-mod common;
+use crate::common;
 
 use std::sync::LazyLock;
 

@@ -1,7 +1,7 @@
 //! The estimator of a whole car survives any bits in its samples, and is sound again behind them.
 // Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
 #![allow(clippy::unwrap_used)]
-mod common;
+use crate::common;
 
 use std::sync::LazyLock;
 

@@ -1,7 +1,7 @@
 //! The default estimator on rides as they happen: standing, stop and go, a pothole, any sampling rate, either scalar.
 // Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
 #![allow(clippy::unwrap_used)]
-mod common;
+use crate::common;
 
 use common::ride::{Ride, Row, estimator, feed, informed, normalised};
 use itpms_core::estimator::EstimatorKind;

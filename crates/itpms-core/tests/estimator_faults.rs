@@ -1,7 +1,7 @@
 //! Sensors that fail, in every way a sensor fails: what the default estimator says while it lasts and afterwards.
 // Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
 #![allow(clippy::unwrap_used)]
-mod common;
+use crate::common;
 
 use common::ride::{Ride, Row, informed, normalised};
 use itpms_core::model::{CornerEstimate, Validity, Warning};

@@ -1,7 +1,7 @@
 //! A road that repeats itself: the wheel meets its own past, and the estimator uses it.
 // Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
 #![allow(clippy::unwrap_used)]
-mod common;
+use crate::common;
 
 use common::ride::{Ride, Row, estimator, feed, normalised};
 use itpms_core::estimator::{Estimator, EstimatorKind, RoadPeriod, RoadRepetition};

@@ -1,7 +1,7 @@
 //! A reset: the first seconds of a drive are known to be at placard pressure.
 // Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
 #![allow(clippy::unwrap_used)]
-mod common;
+use crate::common;
 
 use common::car_ride::{CarRide, RATE_HZ, car, config, drive};
 use common::ride::{Ride, estimator, feed};

@@ -2,7 +2,7 @@
 #![cfg(feature = "serde")]
 // Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
 #![allow(clippy::unwrap_used)]
-mod common;
+use crate::common;
 
 use common::quarter_plant::Random;
 use common::ride::{Ride, estimator, feed};

@@ -1,7 +1,7 @@
 //! Estimators that are configured where they lie: the same as those that are handed on by value, whatever was there before.
 // Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
 #![allow(clippy::unwrap_used)]
-mod common;
+use crate::common;
 
 use std::sync::{LazyLock, Mutex};
 

@@ -1,7 +1,7 @@
 //! The mended filter in the Fig. 7 scenario, told about the stiffness every 0.1 s by a measurement of sd 40 kPa.
 // Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
 #![allow(clippy::unwrap_used)]
-mod common;
+use crate::common;
 
 use common::band::band_pass;
 use common::quarter_plant::{Drive, Random, SLOPE, drive, fig_6_kpa, pressure, quantiles, rms, stiffness};

@@ -2,7 +2,7 @@
 //! corners are missing, and where the car stops.
 // Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
 #![allow(clippy::unwrap_used)]
-mod common;
+use crate::common;
 
 use std::sync::LazyLock;
 

@@ -1,7 +1,7 @@
 //! The shared road where the speed is not what it should be: of another scale, or late.
 // Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
 #![allow(clippy::unwrap_used)]
-mod common;
+use crate::common;
 
 use common::car_ride::{CarRide, PLACARD_KPA, car, config, drive};
 use itpms_core::model::CarSample;

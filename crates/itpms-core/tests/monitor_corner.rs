@@ -1,7 +1,7 @@
 //! The monitor of a single corner, in front of a real estimator: sensors that go wrong and come back.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-mod common;
+use crate::common;
 
 use common::ride::{Ride, Row};
 use itpms_core::diagnosis::Malfunction;

@@ -2,7 +2,7 @@
 //! not its stiffness. See `docs/math/ekf-ui.md`, section 4.
 // Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
 #![allow(clippy::unwrap_used)]
-mod common;
+use crate::common;
 
 use common::quarter_plant::{MB, MW, Random, drive, fig_6_kpa, pressure, rms, stiffness};
 use itpms_core::model::CornerSample;

@@ -3,7 +3,7 @@
 //! `tests/published_transcription.rs`.
 // Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
 #![allow(clippy::unwrap_used)]
-mod common;
+use crate::common;
 
 use common::quarter_plant::{Drive, Random, drive, fig_6_kpa};
 use itpms_core::model::{CornerSample, ParameterError, QuarterCar};

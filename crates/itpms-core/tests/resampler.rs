@@ -1,5 +1,5 @@
 //! What stands before every estimator: each kind of bad sample counted once and kept out, the rest on equal steps.
-mod common;
+use crate::common;
 
 use common::quarter_plant::{Random, rms};
 use itpms_core::conditioning::{GridSample, Resampler, SampleCounts};

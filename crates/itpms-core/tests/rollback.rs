@@ -1,7 +1,7 @@
 //! What the belief was taught by a sensor that told wrong is rolled back, and nothing else for long.
 // Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
 #![allow(clippy::unwrap_used)]
-mod common;
+use crate::common;
 
 use common::car_ride::{CarRide, PLACARD_KPA, RATE_HZ, car, config, drive};
 use itpms_core::car::{CarEstimate, CarEstimator};

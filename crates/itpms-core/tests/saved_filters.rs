@@ -2,7 +2,7 @@
 // Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
 #![allow(clippy::unwrap_used)]
 #![cfg(feature = "serde")]
-mod common;
+use crate::common;
 
 use common::quarter_plant::{drive, fig_6_kpa};
 use itpms_core::model::{CornerConfig, QuarterCar};

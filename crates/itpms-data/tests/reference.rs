@@ -1,7 +1,7 @@
 //! A stored reference: what goes in comes out, and nothing else ever does.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-mod stored;
+use crate::stored;
 
 use std::fs;
 

@@ -6,7 +6,7 @@
 //! files at every byte).
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-mod stored;
+use crate::stored;
 
 use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -41,7 +41,7 @@ fn the_child() {
 
 fn start(path: &Path) -> Child {
     let mut child = Command::new(env::current_exe().unwrap())
-        .args(["--exact", "the_child", "--ignored", "--nocapture", "--quiet"])
+        .args(["--exact", "reference_killed::the_child", "--ignored", "--nocapture", "--quiet"])
         .env(WHERE, path)
         .stdout(Stdio::null())
         .stderr(Stdio::piped())

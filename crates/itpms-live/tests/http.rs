@@ -1,8 +1,8 @@
 //! The web server from outside: plain requests over a socket, as a browser, a scraper or somebody with bad intentions sends them.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail like tests")]
 
-mod http_client;
-mod made_up;
+use crate::http_client;
+use crate::made_up;
 
 use std::io::{Read as _, Write as _};
 use std::net::{SocketAddr, TcpStream};

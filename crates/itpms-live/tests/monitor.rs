@@ -1,7 +1,7 @@
 //! The estimating thread: it says when nothing comes, goes on bit by bit from a saved state, and waits for no output.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail like tests")]
 
-mod common;
+use crate::common;
 
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,7 +1,7 @@
 //! A real broker that is stopped and started again in the middle: every warning arrives.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail like tests")]
 
-mod common;
+use crate::common;
 
 use std::collections::BTreeSet;
 use std::io::{Write as _, stderr};

@@ -5,7 +5,7 @@
 //! an honest standard error fails here less than once in a thousand seeds' sets, and one that is 15 % too small is caught.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-mod part_bench;
+use crate::part_bench;
 
 use itpms_study::identify::{Estimate, SineRecord, Units, damper, spring};
 use part_bench::{COLORED, DAMPING_N_S_PER_M, DamperTest, Noise, SPRING_N_PER_M, SpringTest, WHITE};

@@ -1,7 +1,7 @@
 //! Identification of springs, dampers and tires: known answers, what is reported beside them, what is refused.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-mod part_bench;
+use crate::part_bench;
 
 use std::fmt::Write as _;
 
@@ -384,7 +384,7 @@ fn tables_that_give_no_line_are_refused_with_the_reason() {
 // --- examples ---
 
 /// Writes the measurements under `examples/identify/`, from which the binary's tests and the documentation start:
-/// `cargo test -p itpms-study --test identify_parts -- --ignored`.
+/// `cargo test -p itpms-study --test all identify_parts -- --ignored`.
 #[test]
 #[ignore = "writes files"]
 fn write_examples() {

@@ -1,7 +1,7 @@
 //! The report as a reader's browser gets it.
 #![allow(clippy::unwrap_used, reason = "what a test calls may fail like the test")]
 
-mod synthetic;
+use crate::synthetic;
 
 use itpms_core::car::{CarEstimate, TrackState};
 use itpms_core::conditioning::SampleClock;

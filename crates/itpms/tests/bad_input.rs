@@ -1,7 +1,7 @@
 //! Every unusable input of `itpms estimate`: exit code 2, one message, and not a file more than before.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-mod common;
+use crate::common;
 
 use std::fs;
 

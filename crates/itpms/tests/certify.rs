@@ -2,7 +2,7 @@
 //! around them.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-mod common;
+use crate::common;
 
 use std::process::Stdio;
 use std::time::Duration;

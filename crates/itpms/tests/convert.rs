@@ -2,7 +2,7 @@
 #![cfg(all(feature = "can", feature = "mdf4", feature = "parquet"))]
 #![allow(clippy::unwrap_used, reason = "a test ends where something is wrong")]
 
-mod common;
+use crate::common;
 
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 //! `itpms demo` from outside.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-mod common;
+use crate::common;
 
 use common::{Bench, interrupt};
 

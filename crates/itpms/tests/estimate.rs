@@ -1,7 +1,7 @@
 //! `itpms estimate` from outside, on drives whose truth is known.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-mod common;
+use crate::common;
 
 use common::{Bench, table};
 

@@ -1,7 +1,7 @@
 //! `itpms estimate --events`: what the monitor says of a drive, line by line, and that `est.csv` says the same.
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
-mod common;
+use crate::common;
 
 use common::Bench;
 use serde_json::Value;

@@ -1,7 +1,7 @@
 //! `itpms fleet`: every drive as `itpms estimate` has it, failures listed, a killed run goes on, nothing is done twice.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
 
-mod common;
+use crate::common;
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -1,7 +1,7 @@
 //! `itpms identify` and `itpms calibrate` on the measurements under `examples/identify/`, and on damaged ones.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-mod common;
+use crate::common;
 
 use std::fs;
 use std::path::Path;

@@ -2,7 +2,7 @@
 //! damaged records.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-mod common;
+use crate::common;
 
 use std::fmt::Write as _;
 use std::io::{Write as _, stderr};

@@ -1,7 +1,7 @@
 //! `itpms lab`: the studies under it and without it, and the faults that take nothing.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-mod common;
+use crate::common;
 
 use common::Bench;
 

@@ -3,7 +3,7 @@
 #![cfg(all(feature = "live", feature = "can"))]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail like tests")]
 
-mod common;
+use crate::common;
 
 use std::fs::File;
 use std::path::Path;

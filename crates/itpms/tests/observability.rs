@@ -1,6 +1,6 @@
 //! `itpms observability`: a page of text, JSON, and a directory of files.
 
-mod common;
+use crate::common;
 
 use common::Bench;
 use serde_json::Value;

@@ -1,7 +1,7 @@
 //! `itpms plot`: a log looked at without a vehicle file.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-mod common;
+use crate::common;
 
 use std::fmt::Write as _;
 

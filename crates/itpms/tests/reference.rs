@@ -1,7 +1,7 @@
 //! `--save-reference` and `--reference`: what a reset taught goes from one drive to the next, or the command says why not.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-mod common;
+use crate::common;
 
 use common::Bench;
 use itpms_core::model::{CornerCalibration, Learned, VehicleCalibration};

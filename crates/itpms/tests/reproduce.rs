@@ -1,6 +1,6 @@
 //! `itpms reproduce`: a page that needs nothing, figures and data beside it, the same each time.
 
-mod common;
+use crate::common;
 
 use std::fs;
 

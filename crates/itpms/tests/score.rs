@@ -1,6 +1,6 @@
 //! `itpms score`: a table for people, JSON for scripts.
 
-mod common;
+use crate::common;
 
 use common::Bench;
 use serde_json::Value;

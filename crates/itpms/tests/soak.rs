@@ -1,7 +1,7 @@
 //! `itpms soak`: hours are kept one by one, and a run goes on where it was stopped, however it was stopped.
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
-mod common;
+use crate::common;
 
 use std::process::Stdio;
 use std::thread::sleep;

@@ -5,7 +5,7 @@
 //! than any real one. That is a hard case: an estimator that reads stiffness from roughness sees it as another spectrum.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-mod common;
+use crate::common;
 
 use std::fmt;
 use std::io::{Write as _, stderr};

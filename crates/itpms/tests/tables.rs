@@ -1,7 +1,7 @@
 //! Tables with other names, units and separators: a map makes them the drive that they are.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-mod common;
+use crate::common;
 
 use common::{Bench, table};
 

@@ -1,7 +1,7 @@
 //! `itpms vehicle`: a file of typical values that every command takes, and what a file says.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-mod common;
+use crate::common;
 
 use common::Bench;
 

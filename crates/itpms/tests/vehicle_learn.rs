@@ -1,7 +1,7 @@
 //! `itpms vehicle learn`: a file that is better for a drive whose pressures are known.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
-mod common;
+use crate::common;
 
 use common::Bench;
 use serde_json::Value;

@@ -23,7 +23,7 @@ const FADING_TAUGHT: f64 = 0.01;
 const RARE: f64 = 1e-5;
 const RARE_FRAMES: usize = 3;
 /// Degrees of freedom of a pseudo-measurement's distribution: how heavy its tails are.
-const WORD_TAILS: f64 = 4.0;
+const PSEUDO_MEASUREMENT_TAILS: f64 = 4.0;
 /// Chance that a tire was filled or let down during a stop, and the sd of its compliance then.
 const FILLED: f64 = 1e-3;
 const FILLED_SD: f64 = 0.15;
@@ -181,7 +181,7 @@ impl<T: Real> HypothesisBank<T> {
         for (hypothesis, log) in self.hypotheses.iter_mut().zip(&mut log_weight) {
             let (slope, innovation) = linearise(&hypothesis.mean);
             let total = hypothesis.update(&slope, innovation, variance);
-            let tails = T::lit(WORD_TAILS);
+            let tails = T::lit(PSEUDO_MEASUREMENT_TAILS);
             let mahalanobis_sq = innovation * innovation / total;
             *log = T::lit(-0.5)
                 * (total.ln_fast() + (tails + T::one()) * (T::one() + mahalanobis_sq / tails).ln_fast());

@@ -213,8 +213,8 @@ impl<T: Real> CornerEstimator<T> {
     }
 
     /// Tells what the whole car says of this corner; `None`: nothing now.
-    pub(crate) fn set_fused(&mut self, word: Option<FusedStiffness<T>>) {
-        self.fused.set(word);
+    pub(crate) fn set_fused(&mut self, fused: Option<FusedStiffness<T>>) {
+        self.fused.set(fused);
     }
 
     /// Time between grid steps in s.
@@ -231,7 +231,7 @@ impl<T: Real> CornerEstimator<T> {
             self.restart();
         }
         match self.fused.as_ref() {
-            Some(word) => self.method.apply_fused(&mut reading, word),
+            Some(fused) => self.method.apply_fused(&mut reading, fused),
             None => reading.stiffness_sd_n_per_m = self.with_friction(reading.stiffness_sd_n_per_m),
         }
         if !self.kind.is_as_published() {

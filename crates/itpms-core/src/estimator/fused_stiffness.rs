@@ -20,7 +20,7 @@ pub(crate) struct FusedStiffness<T> {
     pub(crate) learned_s: T,
     /// Whether the road that its axles share is being learned from.
     pub(crate) learning: bool,
-    /// Whether anything is heard at all: frames, or words of the corner's spectrum.
+    /// Whether anything is heard at all: frames, or pseudo-measurements of the corner's spectrum.
     pub(crate) has_signal: bool,
 }
 

@@ -162,17 +162,17 @@ impl<T: Real> RunningMethod<T> {
     }
 
     /// Puts what the whole car says in the place of what the corner says.
-    pub(super) fn apply_fused(&self, reading: &mut Reading<T>, word: &FusedStiffness<T>) {
-        reading.stiffness_n_per_m = word.stiffness_n_per_m;
-        reading.stiffness_sd_n_per_m = word.stiffness_sd_n_per_m;
-        reading.change_probability = word.changing;
-        if !word.has_signal {
+    pub(super) fn apply_fused(&self, reading: &mut Reading<T>, fused: &FusedStiffness<T>) {
+        reading.stiffness_n_per_m = fused.stiffness_n_per_m;
+        reading.stiffness_sd_n_per_m = fused.stiffness_sd_n_per_m;
+        reading.change_probability = fused.changing;
+        if !fused.has_signal {
             reading.gate = T::zero();
-        } else if word.learning {
+        } else if fused.learning {
             reading.gate = T::one();
         }
-        let sd_kpa = word.stiffness_sd_n_per_m / self.config.tire.stiffness_per_kpa();
-        reading.validity = validity(&self.config, word.learned_s, sd_kpa);
+        let sd_kpa = fused.stiffness_sd_n_per_m / self.config.tire.stiffness_per_kpa();
+        reading.validity = validity(&self.config, fused.learned_s, sd_kpa);
     }
 
     pub(super) fn reading(&self) -> Reading<T> {
@@ -251,7 +251,7 @@ fn belief_reading<T: Real>(config: &CornerConfig<T>, informed: &Informed<T>) -> 
         road_sd_m: T::lit(f64::NAN),
         validity: validity(config, belief.learned_s, belief.pressure_sd_kpa),
         forgetting: belief.variance_growth,
-        nis: belief.surprise,
+        nis: belief.nis,
         gate: belief.gate,
         change_probability: belief.moving,
     }

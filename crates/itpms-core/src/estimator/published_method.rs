@@ -126,7 +126,7 @@ fn mended<T: Real>(config: &CornerConfig<T>) -> Result<AekfUiInformed<T>, Parame
     AekfUiInformed::new(config.quarter_car, filter_config(config))
 }
 
-/// Settings of the mended filter for words that come every 0.7 s: a short memory of few, weighty innovations.
+/// Settings of the mended filter for pseudo-measurements that come every 0.7 s: a short memory of few, weighty innovations.
 fn filter_config<T: Real>(config: &CornerConfig<T>) -> InformedConfig<T> {
     let forgetting = ParameterForgetting::Adaptive { memory: T::lit(5.0), significance: T::lit(0.2) };
     InformedConfig { forgetting, ..InformedConfig::for_corner(config) }

@@ -125,7 +125,7 @@ impl<T: Real> Informed<T> {
             Unit::Roads if counts => posterior.diffuse_roads(work.log_speed_ratio),
             Unit::Choose if counts => {
                 posterior.meet_road(&work.evidence, tables);
-                work.fits.begin(posterior, self.gate.surprise(), FITS);
+                work.fits.begin(posterior, self.gate.nis(), FITS);
             }
             Unit::Fit if counts => work.fits.fit_some(posterior, &work.evidence, tables),
             Unit::Interpolate if counts => work.fits.finish(posterior),

@@ -41,11 +41,11 @@ pub(crate) struct Gate<T> {
     slow_log_power: T,
     /// False until the first frame.
     running: bool,
-    surprise: T,
+    nis: T,
     open: T,
 }
 
-blank!(Gate<T> { signal_to_noise, quick_log_power, slow_log_power, running, surprise, open });
+blank!(Gate<T> { signal_to_noise, quick_log_power, slow_log_power, running, nis, open });
 
 impl<T: Real> Gate<T> {
     pub(crate) fn new() -> Self {
@@ -55,7 +55,7 @@ impl<T: Real> Gate<T> {
             quick_log_power: zero,
             slow_log_power: zero,
             running: false,
-            surprise: one,
+            nis: one,
             open: zero,
         }
     }
@@ -71,7 +71,7 @@ impl<T: Real> Gate<T> {
     ) {
         let (reading, expected) = (frame.read(tables, cell), road.powers(frame, tables));
         let (mut ratio, mut hop_bins) = (T::zero(), T::zero());
-        let (mut surprise, mut largest) = (T::zero(), T::zero());
+        let (mut nis, mut largest) = (T::zero(), T::zero());
         for (bin, &road) in expected.iter().enumerate().take(frame.bins) {
             let (power, noise) = (reading.power[bin], reading.noise[bin]);
             largest = largest.max(power);
@@ -79,9 +79,9 @@ impl<T: Real> Gate<T> {
                 ratio += power / noise;
                 hop_bins += T::one();
             }
-            surprise += power / (road + noise);
+            nis += power / (road + noise);
         }
-        self.surprise = surprise / T::lit(frame.bins as f64);
+        self.nis = nis / T::lit(frame.bins as f64);
         self.signal_to_noise += T::lit(SMOOTHING) * (ratio / hop_bins - self.signal_to_noise);
         let needed = match speed {
             SpeedKnowledge::Known => SIGNAL_TO_NOISE,
@@ -92,11 +92,11 @@ impl<T: Real> Gate<T> {
         if !(largest < T::lit(NO_ROAD)) || (speed == SpeedKnowledge::Unknown && !steady) {
             self.open = T::zero();
         }
-        if self.surprise > T::lit(EVENT) {
-            let share = T::lit(EVENT) / self.surprise;
+        if self.nis > T::lit(EVENT) {
+            let share = T::lit(EVENT) / self.nis;
             self.open *= share * share;
         }
-        if !(self.open.is_finite() && self.surprise.is_finite()) {
+        if !(self.open.is_finite() && self.nis.is_finite()) {
             *self = Self::new();
         }
     }
@@ -124,7 +124,7 @@ impl<T: Real> Gate<T> {
     }
 
     /// Mean power over expected power of the last frame.
-    pub(crate) fn surprise(&self) -> T {
-        self.surprise
+    pub(crate) fn nis(&self) -> T {
+        self.nis
     }
 }

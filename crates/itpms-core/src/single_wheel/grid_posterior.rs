@@ -18,11 +18,11 @@ use crate::single_wheel::tables::{CELLS, Tables};
 
 /// Frames after the start in which no leak begins: some two seconds.
 const SETTLING_FRAMES: u32 = 33;
-/// Frames whose likelihoods are added up to one word for a filter outside: some 0.7 s. One frame alone says too little
-/// for its surprise to show.
-const FRAMES_PER_WORD: u32 = 12;
+/// Frames whose likelihoods are added up to one pseudo-measurement for a filter outside: some 0.7 s. One frame alone says too little
+/// for its innovation to show.
+const FRAMES_PER_MEASUREMENT: u32 = 12;
 
-/// Narrowest belief in cells that a word is meant for, and the least that a word says, over what was believed before.
+/// Narrowest belief in cells that a pseudo-measurement is meant for, and the least that one says, over what was believed before.
 const NARROWEST_CELLS: f64 = 1.2;
 const LEAST_SAID: f64 = 1e-3;
 
@@ -49,7 +49,7 @@ pub(crate) struct Posterior<T: Real> {
     weight: [[Cells<T>; LEAK_MODES]; LEVEL_MODES],
     pub(super) road: [RoadBelief<T>; LEVEL_MODES],
     dynamics: Dynamics<T>,
-    /// Sum of what the frames since the last word said of each cell, and their number.
+    /// Sum of what the frames since the last pseudo-measurement said of each cell, and their number.
     told_log_likelihood: Cells<T>,
     told_frames: u32,
     /// Frames until a leak is believed possible: while the road is unknown everything looks like one.
@@ -264,10 +264,10 @@ impl<T: Real> Posterior<T> {
         self.told_frames += 1;
     }
 
-    /// What the frames since the last word said by themselves: the mean cell and the variance in cells² of a Gaussian
+    /// What the frames since the last pseudo-measurement said by themselves: the mean cell and the variance in cells² of a Gaussian
     /// that turns the uniform belief into theirs. `None` until there are enough frames, or if they said nothing.
     pub(crate) fn take_pseudo_measurement(&mut self) -> Option<(T, T)> {
-        if self.told_frames < FRAMES_PER_WORD {
+        if self.told_frames < FRAMES_PER_MEASUREMENT {
             return None;
         }
         let largest = self.told_log_likelihood.max();
@@ -283,12 +283,12 @@ impl<T: Real> Posterior<T> {
         (information > T::lit(1e-6)).then(|| (weighted / information, T::one() / information))
     }
 
-    /// Whether enough frames were seen for a word.
+    /// Whether enough frames were seen for a pseudo-measurement.
     pub(crate) fn has_word(&self) -> bool {
-        self.told_frames >= FRAMES_PER_WORD
+        self.told_frames >= FRAMES_PER_MEASUREMENT
     }
 
-    /// What the frames since the last word said to somebody who believed in `cell` with `sd_cells`: the mean and variance
+    /// What the frames since the last pseudo-measurement said to somebody who believed in `cell` with `sd_cells`: the mean and variance
     /// in cells² of a Gaussian that turns that belief into theirs. The likelihood is skewed, so this is better than a
     /// Gaussian for everybody. The variance is large, never negative, where they said nothing.
     pub(crate) fn pseudo_measurement(&mut self, cell: T, sd_cells: T) -> Option<(T, T)> {
@@ -310,8 +310,8 @@ impl<T: Real> Posterior<T> {
         let least = T::lit(LEAST_SAID) / before_variance;
         let information = (T::one() / variance - T::one() / before_variance).max(least);
         let pull = (mean - before) / variance;
-        let word = (before + pull / information, T::one() / information);
-        (word.0.is_finite() && word.1.is_finite()).then_some(word)
+        let told = (before + pull / information, T::one() / information);
+        (told.0.is_finite() && told.1.is_finite()).then_some(told)
     }
 
     /// The first frame sets the level that the road is searched around.

@@ -80,12 +80,12 @@ const MOVING_SD: f64 = 0.7;
 pub(crate) const CALIBRATION_SD: f64 = 0.0125;
 /// A repeated road is found in its third period or so: until then its spectrum has been counted that often.
 const OVERCOUNTED: f64 = 3.0;
-/// The words of a repeated road are its belief, and so not independent: how much wider they are given to a filter
+/// What a repeated road says is its belief, and so not independent: how much wider it is given to a filter
 /// outside, one per period.
-const REPEATED_WORD_SD: f64 = 2.0;
-/// Seconds for which a change is taken to go on after a word of the repeated road.
-const OLDEST_WORD_S: f64 = 0.3;
-/// Least sd in cells with which the repeated road's word is put on the grid.
+const PERIODIC_SD: f64 = 2.0;
+/// Seconds for which a change is taken to go on after the repeated road was last passed.
+const OLDEST_PERIODIC_S: f64 = 0.3;
+/// Least sd in cells with which what the repeated road says is put on the grid.
 const LEAST_PIN_CELLS: f64 = 0.4;
 /// Frames for which a calibration that was told holds: it is told ten times a second.
 const HELD_FRAMES: u32 = 4;
@@ -224,7 +224,7 @@ impl<T: Real> Informed<T> {
         let corner = Corner { body, noise_density: self.noise_density };
         let held = if self.held_frames > 0 { Held::Yes } else { Held::No };
         let (config, grid, posterior) = (&self.config, &self.grid, &self.posterior);
-        let word = self.repeat.push(&step, &corner, || {
+        let periodic = self.repeat.push(&step, &corner, || {
             let (pressure, sd) = match held {
                 Held::Yes => (config.placard_kpa, T::lit(CALIBRATION_SD) * config.placard_kpa),
                 Held::No => {
@@ -241,19 +241,19 @@ impl<T: Real> Informed<T> {
                 held,
             }
         });
-        if let Some(word) = &word {
-            let pressure = config.tire.pressure_kpa(T::one() / word.theta);
-            let sd = word.relative_sd / word.theta / config.tire.stiffness_per_kpa();
+        if let Some(periodic) = &periodic {
+            let pressure = config.tire.pressure_kpa(T::one() / periodic.theta);
+            let sd = periodic.relative_sd / periodic.theta / config.tire.stiffness_per_kpa();
             let cell = (pressure - grid.pressure_kpa(0)) / grid.step_kpa();
             self.posterior.pin(cell, (sd / grid.step_kpa()).max(T::lit(LEAST_PIN_CELLS)));
-            self.learned_s += word.seconds;
-            self.periodic_estimate.set(Some(*word));
+            self.learned_s += periodic.seconds;
+            self.periodic_estimate.set(Some(*periodic));
             self.periodic_estimate_s = sample.time_s;
         }
         if !self.repeat.is_following() {
             self.periodic_estimate.clear();
         }
-        word.is_some()
+        periodic.is_some()
     }
 
     /// Takes over what the strut's friction makes of its motion.
@@ -328,13 +328,13 @@ impl<T: Real> Informed<T> {
         .unwrap_or(self.config.quarter_car)
     }
 
-    /// What the frames since the last word say by themselves, whatever was believed before: a stiffness measurement for
-    /// a filter outside. `None` until there are enough of them. Frames are tempered, so words may be added up.
+    /// What the frames since the last pseudo-measurement say by themselves, whatever was believed before: a stiffness measurement for
+    /// a filter outside. `None` until there are enough of them. Frames are tempered, so pseudo-measurements may be added up.
     pub fn take_pseudo_measurement(&mut self) -> Option<StiffnessPseudoMeasurement<T>> {
-        if let Some(word) = self.periodic_estimate.as_mut() {
-            let stiffness = T::one() / word.theta;
-            let sd_n_per_m = word.relative_sd * stiffness * T::lit(REPEATED_WORD_SD);
-            return core::mem::take(&mut word.whole_period)
+        if let Some(periodic) = self.periodic_estimate.as_mut() {
+            let stiffness = T::one() / periodic.theta;
+            let sd_n_per_m = periodic.relative_sd * stiffness * T::lit(PERIODIC_SD);
+            return core::mem::take(&mut periodic.whole_period)
                 .then_some(StiffnessPseudoMeasurement { stiffness_n_per_m: stiffness, sd_n_per_m });
         }
         let (cell, variance) = self.posterior.take_pseudo_measurement()?;
@@ -347,21 +347,21 @@ impl<T: Real> Informed<T> {
     }
 
     /// The belief on a road that repeats.
-    fn repeated_belief(&self, word: &PeriodicEstimate<T>) -> Belief<T> {
-        let age_s = T::lit((self.last_time_s - self.periodic_estimate_s).clamp(0.0, OLDEST_WORD_S));
-        let stiffness = (T::one() - word.rate_per_s * age_s) / word.theta;
+    fn repeated_belief(&self, periodic: &PeriodicEstimate<T>) -> Belief<T> {
+        let age_s = T::lit((self.last_time_s - self.periodic_estimate_s).clamp(0.0, OLDEST_PERIODIC_S));
+        let stiffness = (T::one() - periodic.rate_per_s * age_s) / periodic.theta;
         Belief {
             pressure_kpa: self.config.tire.pressure_kpa(stiffness),
-            pressure_sd_kpa: word.relative_sd * stiffness / self.config.tire.stiffness_per_kpa(),
-            moving: word.moving,
-            surprise: word.surprise,
+            pressure_sd_kpa: periodic.relative_sd * stiffness / self.config.tire.stiffness_per_kpa(),
+            moving: periodic.moving,
+            nis: periodic.nis,
             gate: T::one(),
             variance_growth: T::one(),
             learned_s: self.learned_s,
         }
     }
 
-    /// The same for somebody who believes in a stiffness with an sd, in N/m, and is asked only if there is a word.
+    /// The same for somebody who believes in a stiffness with an sd, in N/m, and is asked only if there is a periodic.
     pub fn pseudo_measurement(
         &mut self,
         believed: impl FnOnce() -> (T, T),
@@ -388,8 +388,8 @@ impl<T: Real> Informed<T> {
 
     /// What is believed now.
     pub fn belief(&self) -> Belief<T> {
-        if let Some(word) = self.periodic_estimate.as_ref() {
-            return self.repeated_belief(word);
+        if let Some(periodic) = self.periodic_estimate.as_ref() {
+            return self.repeated_belief(periodic);
         }
         let summary = self.posterior.summary();
         let step = self.grid.step_kpa();
@@ -401,7 +401,7 @@ impl<T: Real> Informed<T> {
             pressure_kpa: self.grid.pressure_kpa(0) + summary.mean_cell * step,
             pressure_sd_kpa: variance.sqrt() * lag,
             moving: summary.moving,
-            surprise: self.gate.surprise(),
+            nis: self.gate.nis(),
             gate: self.gate.open(),
             variance_growth: self.variance_growth,
             learned_s: self.learned_s,
@@ -419,7 +419,7 @@ pub struct Belief<T> {
     /// Probability that the pressure is changing.
     pub moving: T,
     /// Power of the last frame over its expectation: about 1 when the model holds.
-    pub surprise: T,
+    pub nis: T,
     /// Share of the last frame that was used, 0 to 1.
     pub gate: T,
     /// Factor by which the variance grew in the last prediction.

@@ -16,14 +16,14 @@ pub(crate) struct PeriodicEstimate<T> {
     /// Probability that it changes.
     pub(crate) moving: T,
     /// Residual power over expected power: about 1 when the model holds.
-    pub(crate) surprise: T,
-    /// Seconds since the last word.
+    pub(crate) nis: T,
+    /// Seconds since the last estimate.
     pub(crate) seconds: T,
     /// True once per period.
     pub(crate) whole_period: bool,
 }
 
-blank!(PeriodicEstimate<T> { theta, relative_sd, rate_per_s, moving, surprise, seconds, whole_period });
+blank!(PeriodicEstimate<T> { theta, relative_sd, rate_per_s, moving, nis, seconds, whole_period });
 
 /// What is believed of the compliance by others when the road is met.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -15,7 +15,7 @@ const NODES_APART: usize = 5;
 /// Probability from which on a cell is fitted for itself.
 const MATTERS: f64 = 1e-4;
 /// Mean power of a frame over what was expected from which on the level may have jumped.
-const SURPRISING: f64 = 2.0;
+const NOT_EXPECTED: f64 = 2.0;
 
 /// The fits of one frame, as far as they are. See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
@@ -37,9 +37,9 @@ pub(crate) struct RoadFits<T: Real> {
 blank!(RoadFits<T> { fitted, next, at_a_time, priors, best, expected, log_evidence, covariance });
 
 impl<T: Real> RoadFits<T> {
-    /// Before the first fit, of which there are `times`; `surprise` is the frame's mean power over what the most likely road had
+    /// Before the first fit, of which there are `times`; `nis` is the frame's mean power over what the most likely road had
     /// expected.
-    pub(crate) fn begin(&mut self, posterior: &Posterior<T>, surprise: T, times: u32) {
+    pub(crate) fn begin(&mut self, posterior: &Posterior<T>, nis: T, times: u32) {
         (self.best, _) = posterior.most_likely();
         let (mass, best) = (posterior.cells(), self.best);
         let matters = |cell: usize| mass.get(cell).is_some_and(|mass| *mass > T::lit(MATTERS));
@@ -49,7 +49,7 @@ impl<T: Real> RoadFits<T> {
         for (prior, roads) in self.priors.iter_mut().zip(&posterior.road) {
             prior.set(RoadPrior::new(&roads.covariance));
         }
-        self.expected = surprise < T::lit(SURPRISING);
+        self.expected = nis < T::lit(NOT_EXPECTED);
         self.log_evidence.iter_mut().for_each(|cells| cells.fill(T::zero()));
         self.covariance = posterior.road.each_ref().map(|roads| roads.covariance);
     }

@@ -1,8 +1,8 @@
 //! Error of the record in wavelengths 0.5-10 m and of its IRI.
 
-use crate::compare::{band_error, iri};
-use crate::plant::{CLASS_A, CLASS_B, CLASS_C, Drive, Log, drive};
-use crate::{causal, config, heights, record};
+use super::compare::{band_error, iri};
+use super::plant::{CLASS_A, CLASS_B, CLASS_C, Drive, Log, drive};
+use super::{causal, config, heights, record};
 use itpms_core::road::{RoadConfig, SensorDelay};
 
 /// What one run gives, in percent.

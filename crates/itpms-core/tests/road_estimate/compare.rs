@@ -1,7 +1,7 @@
 //! How a recorded road is held against the truth: error in a band of wavelengths, and the International Roughness
 //! Index by an implementation of its own.
 
-use crate::plant::Biquad;
+use super::plant::Biquad;
 
 /// Seconds left out at both ends: the band-pass and the estimate have to settle.
 const MARGIN_S: f64 = 6.0;

@@ -1,8 +1,8 @@
 //! Whether the estimate's own statements about itself hold: sd, level, limits, innovations.
 
-use crate::compare::{band, rms};
-use crate::plant::{CLASS_A, CLASS_B, CLASS_C, Drive, drive};
-use crate::{causal, config, heights, record};
+use super::compare::{band, rms};
+use super::plant::{CLASS_A, CLASS_B, CLASS_C, Drive, drive};
+use super::{causal, config, heights, record};
 use itpms_core::road::{RoadFilter, RoadLimits};
 use std::f64::consts::{PI, SQRT_2};
 

@@ -1,8 +1,8 @@
 //! Offsets, gaps, jitter, hostile bits, single precision, bounded memory, save and restore.
 
-use crate::compare::{band, band_error, rms};
-use crate::plant::{CLASS_A, CLASS_B, CLASS_C, Drive, Log, Random, STIFFNESS, drive};
-use crate::{config, heights, record, recorder};
+use super::compare::{band, band_error, rms};
+use super::plant::{CLASS_A, CLASS_B, CLASS_C, Drive, Log, Random, STIFFNESS, drive};
+use super::{config, heights, record, recorder};
 use itpms_core::model::{CornerSample, QuarterCar, Validity};
 use itpms_core::road::{
     RoadConfig, RoadFilter, RoadLevel, RoadPoint, RoadRecorder, RoadRow, Segment, SensorDelay, window_for,

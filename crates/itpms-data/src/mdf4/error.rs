@@ -1,6 +1,6 @@
 //! What can be wrong with an MDF4 file: named where it was found, or repaired and said.
 //!
-//! Made by every part of this room; [`Damage`] becomes an error or a repair only where it is known whether the rest of
+//! Made by every part of this module; [`Damage`] becomes an error or a repair only where it is known whether the rest of
 //! the file can be read without it.
 
 use std::fmt;

@@ -127,7 +127,7 @@ impl<T: Real> RepeatedRoad<T> {
         }
     }
 
-    /// Takes one grid step; gives a word when a part of a period on a confirmed road is complete. `belief` is asked for
+    /// Takes one grid step; gives an estimate when a part of a period on a confirmed road is complete. `belief` is asked for
     /// when a road is met.
     pub(crate) fn push(
         &mut self,
@@ -149,12 +149,12 @@ impl<T: Real> RepeatedRoad<T> {
             lap.sound_parts = 0;
         }
         let pass = lap.clock.push(step.wheel, step.force)?;
-        let word = lap.take(&pass, corner, &belief());
+        let estimate = lap.take(&pass, corner, &belief());
         if lap.is_over() {
             self.lap.clear();
             self.start_if_told();
         }
-        word
+        estimate
     }
 }
 
@@ -165,7 +165,7 @@ impl<T: Real> Loop<T> {
         (self.parts, self.sound_parts, self.strange_parts, self.unused_parts) = (0, 0, 0, 0);
     }
 
-    /// Takes the last period; gives a word if it was one more pass over a confirmed road.
+    /// Takes the last period; gives an estimate if it was one more pass over a confirmed road.
     fn take(
         &mut self,
         pass: &Pass<T>,
@@ -208,14 +208,14 @@ impl<T: Real> Loop<T> {
             }
         }
         let (theta, relative_sd, rate_per_s) = follower.compliance(&self.clock);
-        let (moving, surprise) = (follower.moving(), follower.excess());
+        let (moving, nis) = (follower.moving(), follower.excess());
         let whole_period = self.parts.is_multiple_of(parts_per_period);
         self.confirmed.then_some(PeriodicEstimate {
             theta,
             relative_sd,
             rate_per_s,
             moving,
-            surprise,
+            nis,
             seconds,
             whole_period,
         })

@@ -1,6 +1,6 @@
 //! `itpms lab faults`: things go wrong around a monitor and a calibration, on purpose and often, and what is lost is counted.
 //!
-//! | room | idea |
+//! | module | idea |
 //! |---|---|
 //! | `subject` | the car, its rows and the files of which nothing may be lost |
 //! | `saving` | programs killed while they save, full disks, files with a byte changed |

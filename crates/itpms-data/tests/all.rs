@@ -1,0 +1,24 @@
+//! Files through the crate's public face.
+//!
+//! One program: the estimators are generic, and every program that uses them compiles them anew.
+
+mod bad_logs;
+mod can_damage;
+mod can_logs;
+mod crg;
+mod dbc;
+mod dbc_any;
+mod drive_frames;
+mod foreign_parquet;
+mod listing;
+mod mdf4_damage;
+mod mdf4_foreign;
+mod mdf4_round_trip;
+mod reference;
+mod reference_killed;
+mod round_trip;
+mod signals;
+mod stored;
+mod typical_cars;
+mod vehicle_details;
+mod vehicle_file;

@@ -1,0 +1,10 @@
+//! The live monitor from outside.
+//!
+//! One program: the estimators are generic, and every program that uses them compiles them anew.
+
+mod common;
+mod http;
+mod http_client;
+mod made_up;
+mod monitor;
+mod mqtt;

@@ -1,0 +1,11 @@
+//! The simulated world through the crate's public face.
+//!
+//! One program: the estimators are generic, and every program that uses them compiles them anew.
+
+mod bench;
+mod drive;
+mod full_car;
+mod real_car;
+mod road;
+mod scenario;
+mod simulation;

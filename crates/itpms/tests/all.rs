@@ -1,0 +1,30 @@
+//! The command from outside: arguments in, files, text and exit codes out.
+//!
+//! One program: the estimators are generic, and every program that uses them compiles them anew.
+
+mod bad_input;
+mod certify;
+mod common;
+mod convert;
+mod demo;
+mod estimate;
+mod events;
+mod fleet;
+mod hostile_files;
+mod identify;
+mod identify_bump;
+mod lab;
+mod monitor;
+mod observability;
+mod plot;
+mod reference;
+mod reproduce;
+mod roughness;
+mod score;
+mod signals;
+mod simulate;
+mod soak;
+mod surveyed_road;
+mod tables;
+mod vehicle;
+mod vehicle_learn;
