@@ -9,8 +9,8 @@ use itpms_core::model::ParameterError;
 use thiserror::Error;
 
 pub use crate::place::Place;
-use crate::reference::ReferenceProblem;
-use crate::signals::SignalProblem;
+use crate::reference::problem::ReferenceProblem;
+use crate::signals::problem::SignalProblem;
 
 /// A file that could not be used, and why.
 #[derive(Debug, Error)]
@@ -376,7 +376,7 @@ pub enum Problem {
     NoRoad,
     /// An OpenCRG file that cannot be used.
     #[error("{0}")]
-    Crg(crate::crg::CrgProblem),
+    Crg(crate::crg::error::CrgProblem),
 
     /// A CAN log that cannot be used.
     #[cfg(feature = "can")]
@@ -403,7 +403,7 @@ pub enum Problem {
     /// No DBC file that could be used.
     #[cfg(feature = "can")]
     #[error(transparent)]
-    Dbc(#[from] crate::dbc::DbcError),
+    Dbc(#[from] crate::dbc::problem::DbcError),
 
     // --- signals ---
     /// A map of signals, or a map and a log, that do not fit.

@@ -13,7 +13,7 @@
 //! | `error` | what can be wrong |
 
 mod channels;
-mod error;
+pub(crate) mod error;
 mod header;
 mod payload;
 mod surface;

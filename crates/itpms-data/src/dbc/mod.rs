@@ -22,7 +22,7 @@ mod decoder;
 mod draft;
 mod encoder;
 mod message;
-mod problem;
+pub(crate) mod problem;
 mod statement;
 mod text;
 

@@ -25,7 +25,7 @@
 
 mod checksum;
 mod identity;
-mod problem;
+pub(crate) mod problem;
 mod text;
 
 use std::fs::File;

@@ -21,7 +21,7 @@ pub(crate) mod column_unit;
 mod listing;
 mod map;
 pub(crate) mod names;
-mod problem;
+pub(crate) mod problem;
 mod remark;
 mod report;
 mod resolve;
