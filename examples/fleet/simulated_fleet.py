@@ -16,7 +16,7 @@ import numpy as np
 import itpms
 
 CORNERS = ("fl", "fr", "rl", "rr")
-PLACARD_KPA = 240.0
+PLACARD_KPA = 241.3
 # Sprung and unsprung mass in kg, damper in N s/m, spring in N/m: front, rear; wheelbase in m.
 CLASSES = {
     "compact": ((310.0, 36.0, 1500.0, 21e3), (240.0, 33.0, 1350.0, 20e3), 2.62),
@@ -34,7 +34,7 @@ def corner(values, pressures):
             f"unsprung_mass_kg = {unsprung:.3f}",
             f"damping_n_s_per_m = {damping:.3f}",
             f"spring_n_per_m = {spring:.3f}",
-            f"pressure.points_s_kpa = {[[round(s, 3), round(kpa, 3)] for s, kpa in pressures]}",
+            f"pressure.points_s_kpa = {[[round(float(s), 3), round(float(kpa), 3)] for s, kpa in pressures]}",
         ]
     )
 

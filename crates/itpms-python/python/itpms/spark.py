@@ -340,10 +340,11 @@ class _Job:
         tables = (self._table(piece) for piece in chain([first], rest))
         done = estimate_pieces(name, tables, vehicle._inner, options)
         drive = json.loads(done.figures())
-        concerns = drive["warnings"]
+        concerns, taught = drive["warnings"], False
         if seconds is not None:
             why = done.teach(stored)
-            history.taught = history.taught if why is not None else Path(stored).read_bytes()
+            taught = why is None
+            history.taught = Path(stored).read_bytes() if taught else history.taught
             concerns = concerns if why is None else [*concerns, why]
         same = {
             "vehicle": vehicle.name,
@@ -351,7 +352,7 @@ class _Job:
             "duration_s": drive["duration_s"],
             "rate_hz": drive["rate_hz"],
             "start_s": done.start_s(),
-            "calibration": "drive" if seconds is not None else "none" if reference is None else "carried",
+            "calibration": "drive" if taught else "none" if reference is None else "carried",
             "concerns": "; ".join(concerns),
         }
         return [same | _flat(wheel) for wheel in json.loads(done.wheels())]
