@@ -110,10 +110,10 @@ def trial(folder, out, first_s, jobs):
     driven_s = sum(float(row["duration_s"]) for row in rows) / 4
     done_s = driven_s * (drives - kept) / drives
     print(f"went on to the end in {took_s:.1f} s (exit code {code}): {drives - kept} drives, {(drives - kept) / took_s:.1f} drives and {done_s / took_s:.0f} s of driving per second, {jobs} at a time")
-    lines = [line.split(b'"file":"')[1].split(b'"')[0] for line in (out / "drives.jsonl").read_bytes().splitlines()[1:]]
+    lines = [line.split(b'"file":"')[1].split(b'"')[0].decode() for line in (out / "drives.jsonl").read_bytes().splitlines()[1:]]
     print(f"{len(lines)} records of {len(set(lines))} drives; {len(failed)} failed:")
     for path, why in failed.items():
-        print(f"  {Path(path).parent.name}/{Path(path).name}: {why.removeprefix(path)}")
+        print(f"  {Path(path).parent.name}/{Path(path).name}: {why.removeprefix(f'{path}: ')}")
     for part, label in ((0.1, "a tenth"), (0.5, "half"), (1.0, "all")):
         upto = kept + part * (drives - kept)
         print(f"memory at most with {label} of these drives done: {max(mb for done, mb in second.held if done <= upto):.0f} MB")

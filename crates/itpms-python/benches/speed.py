@@ -3,11 +3,12 @@
 
     speed.py [--minutes 10] [--repeat 3] [--only NAME ...] [--filterpy-s 20]
 
-Every case runs in a process of its own. `command` and `command --report` are the program ITPMS, or the one on the path, on the Parquet
-file that the case `path` reads, too. Memory is what the operating system counts (Linux): `holds` before the estimate, with interpreter
-and table, and how much `more` it took at most while estimating. `filterpy` is the published EKF-UI of all four wheels on filterpy's
-ExtendedKalmanFilter (needs pip install filterpy), on the first seconds of the drive, held to the numbers of `itpms` with the same filter;
-a `sample` is one of the whole car everywhere. `path, ekf-ui` is `itpms` with that filter."""
+Every case runs in a process of its own; seconds are the processor's, so that other programs on the machine matter little. `command` and
+`command --report` are the program ITPMS, or the one on the path, on the Parquet file that the case `path` reads, too. Memory is what the
+operating system counts (Linux): `holds` before the estimate, with interpreter and table, and how much `more` it took at most while
+estimating. `filterpy` is the published EKF-UI of all four wheels on filterpy's ExtendedKalmanFilter (needs pip install filterpy), on the
+first seconds of the drive, held to the numbers of `itpms` with the same filter; `path, ekf-ui` is `itpms` with it. A `sample` is one of
+the whole car everywhere."""
 
 import argparse
 import json
@@ -108,9 +109,9 @@ def python_case(case, folder, repeat):
     seconds = []
     held, _ = memory_mb()
     for _ in range(repeat):
-        begun = time.monotonic()
+        begun = time.process_time()
         result = itpms.estimate(drive, car, estimator="ekf-ui" if case.endswith("ekf-ui") else "informed")
-        seconds.append(time.monotonic() - begun)
+        seconds.append(time.process_time() - begun)
         if case == "batches":
             drive = load(case, folder / "drive.parquet")
     _, most = memory_mb()
@@ -123,9 +124,9 @@ def filterpy_case(folder, seconds):
     table = pq.read_table(folder / "drive.parquet").slice(0, round(RATE_HZ * seconds))
     columns = {name: table.column(name).to_numpy() for name in table.column_names}
     car = itpms.Vehicle.read(folder / "car.toml")
-    begun = time.monotonic()
+    begun = time.process_time()
     stiffness = {corner: published.run(columns, corner, car.corners[corner], 1 / RATE_HZ) for corner in car.corners}
-    took = time.monotonic() - begun
+    took = time.process_time() - begun
     ours = itpms.Car(car, RATE_HZ, estimator="ekf-ui").update(columns)
     for corner, found in stiffness.items():
         apart = np.nanmax(np.abs(found / ours[f"{corner}_stiffness_n_per_m"] - 1))
@@ -138,10 +139,9 @@ def command_case(program, folder, repeat, report):
     arguments += ["-o", folder / "est.csv"] + (["--report", folder / "page.html"] if report else [])
     seconds, most = [], 0.0
     for _ in range(repeat):
-        begun = time.monotonic()
         running = subprocess.Popen(list(map(str, arguments)), stdout=subprocess.DEVNULL)
         _, status, used = os.wait4(running.pid, 0)
-        seconds.append(time.monotonic() - begun)
+        seconds.append(used.ru_utime + used.ru_stime)
         assert status == 0
         most = max(most, used.ru_maxrss / 1024)
     rows = pq.ParquetFile(folder / "drive.parquet").metadata.num_rows
