@@ -7,7 +7,7 @@ Every case runs in a process of its own; seconds are the processor's, so that ot
 `command --report` are the program ITPMS, or the one on the path, on the Parquet file that the case `path` reads, too. Memory is what the
 operating system counts (Linux): `holds` before the estimate, with interpreter and table, and how much `more` it took at most while
 estimating. `filterpy` is the published EKF-UI of all four wheels on filterpy's ExtendedKalmanFilter (needs pip install filterpy), on the
-first seconds of the drive, held to the numbers of `itpms` with the same filter; `path, ekf-ui` is `itpms` with it. A `sample` is one of
+first seconds of the drive, held to the numbers of `itpms` with the same filter; `path, ekf-ui` is `itpms` with it. Like `command`, `path, no report` smooths no road. A `sample` is one of
 the whole car everywhere."""
 
 import argparse
@@ -93,7 +93,17 @@ def _columns(path):
     return table.column_names, table.columns
 
 
-CASES = ("path", "path, ekf-ui", "pandas", "pandas, datetime index", "polars", "pyarrow", "numpy", "batches")
+CASES = (
+    "path",
+    "path, no report",
+    "path, ekf-ui",
+    "pandas",
+    "pandas, datetime index",
+    "polars",
+    "pyarrow",
+    "numpy",
+    "batches",
+)
 
 
 def memory_mb():
@@ -110,7 +120,8 @@ def python_case(case, folder, repeat):
     held, _ = memory_mb()
     for _ in range(repeat):
         begun = time.process_time()
-        result = itpms.estimate(drive, car, estimator="ekf-ui" if case.endswith("ekf-ui") else "informed")
+        estimator = "ekf-ui" if case.endswith("ekf-ui") else "informed"
+        result = itpms.estimate(drive, car, estimator=estimator, report=not case.endswith("no report"))
         seconds.append(time.process_time() - begun)
         if case == "batches":
             drive = load(case, folder / "drive.parquet")
@@ -140,10 +151,14 @@ def command_case(program, folder, repeat, report):
     seconds, most = [], 0.0
     for _ in range(repeat):
         running = subprocess.Popen(list(map(str, arguments)), stdout=subprocess.DEVNULL)
-        _, status, used = os.wait4(running.pid, 0)
-        seconds.append(used.ru_utime + used.ru_stime)
+        # Not what wait4 tells of memory: that begins with what this process held.
+        while not (ended := os.wait4(running.pid, os.WNOHANG))[0]:
+            lines = Path(f"/proc/{running.pid}/status").read_text().splitlines()
+            most = max([most, *(int(line.split()[1]) / 1024 for line in lines if line.startswith("VmHWM"))])
+            time.sleep(0.05)
+        _, status, used = ended
         assert status == 0
-        most = max(most, used.ru_maxrss / 1024)
+        seconds.append(used.ru_utime + used.ru_stime)
     rows = pq.ParquetFile(folder / "drive.parquet").metadata.num_rows
     return {"samples": rows, "seconds": seconds, "holds": 0.0, "more": most}
 

@@ -45,6 +45,8 @@ pub(crate) struct Options {
     #[pyo3(item)]
     road: bool,
     #[pyo3(item)]
+    report: bool,
+    #[pyo3(item)]
     trust_units: bool,
     #[pyo3(item)]
     dbc: Option<PathBuf>,
@@ -151,13 +153,14 @@ fn run(
 ) -> PyResult<Estimated> {
     let settings = options.settings(py)?;
     let (vehicle, keep_road, save) = (&vehicle.0, options.road, options.save_reference.as_deref());
+    // For a report the road is smoothed; the same report, whatever else was kept.
+    let (report, smooth) = (options.report, options.report || keep_road);
     let result = work::run(py, |stop: &Stop| -> Result<Estimated, DriveError> {
         let mut log = open()?;
         let corners = common_corners(&log, vehicle)?;
         let saving = save.map(|path| Saving::create(path, &settings, vehicle)).transpose()?;
         let mut kept = Kept::new(&corners, settings.rate_hz, keep_road);
-        // The road is smoothed as for a report: the same report, whatever was kept.
-        let job = Job { vehicle, corners: &corners, settings: &settings, road: true };
+        let job = Job { vehicle, corners: &corners, settings: &settings, road: smooth };
         let watch =
             &mut |_: f64| if stop.wanted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
         let done = itpms_drive::estimate(&mut log, &job, &mut kept, watch)?;
@@ -166,7 +169,7 @@ fn run(
         }
         let rows = log.repairs().rows_kept;
         let figures = Value::Object(summary_json(&done, settings.estimator, rows));
-        Ok(Estimated { done, kept, figures, settings: settings.clone(), vehicle: vehicle.clone() })
+        Ok(Estimated { done, kept, figures, report, settings: settings.clone(), vehicle: vehicle.clone() })
     })?;
     result.map_err(|error| errors::drive(py, &error))
 }
@@ -239,6 +242,7 @@ pub(crate) struct Estimated {
     done: Done,
     kept: Kept,
     figures: Value,
+    report: bool,
     settings: Settings,
     vehicle: itpms_data::Vehicle,
 }
@@ -294,6 +298,10 @@ impl Estimated {
 
     /// Writes the page about the drive.
     fn report(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        if !self.report {
+            let sentence = "the report was not kept, expected estimate(..., report=True)";
+            return Err(raise(py, Kind::Setting, sentence));
+        }
         let page = render_report(&self.done.data)
             .map_err(|error| raise(py, Kind::Output, format!("the report cannot be made: {error}")))?;
         let write = || -> Result<(), itpms_data::DataError> {

@@ -27,6 +27,7 @@ def estimate(
     *,
     rate_hz: float = 10.0,
     road: bool = False,
+    report: bool = True,
     estimator: str = "informed",
     regulation: str = "un-r141",
     calibrate_s: float | None = None,
@@ -51,6 +52,8 @@ def estimate(
         vehicle: The car: a :class:`Vehicle` or the path of a vehicle file. A simulated drive has its own.
         rate_hz: Rows per second of the result.
         road: Keep the road under each wheel, at the log's rate.
+        report: Keep what :meth:`Result.report` shows, and tell the roughness of the road. Without it the road is not smoothed, which
+            is a quarter of the work.
         estimator: ``informed``, ``aekf-ui-informed``, or as published ``aekf-ui``, ``ekf-ui``.
         regulation: ``un-r141`` or ``fmvss-138``: which loss is warned of.
         calibrate_s: The first so many seconds are driven at placard pressure.
@@ -70,6 +73,7 @@ def estimate(
     options = {
         "rate_hz": rate_hz,
         "road": road,
+        "report": report,
         "estimator": estimator,
         "regulation": regulation,
         "calibrate_s": calibrate_s,
@@ -210,6 +214,7 @@ class Car:
         options = {
             "rate_hz": 10.0,
             "road": False,
+            "report": False,
             "estimator": estimator,
             "regulation": regulation,
             "calibrate_s": calibrate_s,

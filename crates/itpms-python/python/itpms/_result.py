@@ -92,6 +92,7 @@ class Result:
         """Writes the page about the drive (HTML, complete in itself): that of ``itpms estimate --report``.
 
         Raises:
+            SettingError: it was not kept: ``estimate(..., report=False)``.
             OutputError: the file cannot be written.
         """
         self._inner.report(path)

@@ -137,6 +137,7 @@ def estimate(
     options = {
         "rate_hz": _RATE_HZ,
         "road": False,
+        "report": True,
         "estimator": estimator,
         "regulation": regulation,
         "calibrate_s": calibrate_s,
