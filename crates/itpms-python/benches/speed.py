@@ -7,7 +7,7 @@ Every case runs in a process of its own; seconds are the processor's, so that ot
 `command --report` are the program ITPMS, or the one on the path, on the Parquet file that the case `path` reads, too. Memory is what the
 operating system counts (Linux): `holds` before the estimate, with interpreter and table, and how much `more` it took at most while
 estimating. `filterpy` is the published EKF-UI of all four wheels on filterpy's ExtendedKalmanFilter (needs pip install filterpy), on the
-first seconds of the drive, held to the numbers of `itpms` with the same filter; `path, ekf-ui` is `itpms` with it. Like `command`, `path, no report` smooths no road. A `sample` is one of
+first seconds of the drive, held to the numbers of `itpms` with the same filter; `path, ekf-ui, no report` is `itpms` with it. Like `command`, `path, no report` smooths no road. A `sample` is one of
 the whole car everywhere."""
 
 import argparse
@@ -120,7 +120,7 @@ def python_case(case, folder, repeat):
     held, _ = memory_mb()
     for _ in range(repeat):
         begun = time.process_time()
-        estimator = "ekf-ui" if case.endswith("ekf-ui") else "informed"
+        estimator = "ekf-ui" if "ekf-ui" in case else "informed"
         result = itpms.estimate(drive, car, estimator=estimator, report=not case.endswith("no report"))
         seconds.append(time.process_time() - begun)
         if case == "batches":
