@@ -1,12 +1,18 @@
 #!/usr/bin/env python3
-"""A fleet's drives on Apache Spark, with a simulated fleet in place of one's own.
+"""A simulated fleet's drives on Apache Spark, held row by row against `itpms fleet`.
 
-    fleet.py [--cars 4] [--drives 4] [--workers 2] [--repeat 1]
+    fleet.py [--folder FOLDER] [--cars 6] [--drives 3] [--seconds 40] [--first-s 40] [--workers 2] [--repeat 1] [--compare]
 
-Needs Java 17 and `pip install 'itpms[spark,pandas]'`. Prints the wheels that are low and how long the estimates took."""
+Needs Java 17 and `pip install 'itpms[spark,pandas]'`. Cars differ from their vehicle files (../fleet/simulated_fleet.py); each one's first
+drive calibrates it. A FOLDER that holds a fleet already is used as it is. Prints the wheels that are low, and how long the estimates took;
+with --compare also how long `itpms fleet` (ITPMS, or the one on the path) took with as many drives at a time, and every cell in which the
+two differ, and ends with 1 if there is one."""
 
 import argparse
+import csv
 import os
+import shutil
+import subprocess
 import sys
 import tempfile
 import time
@@ -17,55 +23,81 @@ from pyspark.sql import SparkSession
 import itpms
 import itpms.spark
 
+sys.path.insert(0, str(Path(__file__).parent.parent / "fleet"))
+from simulated_fleet import make_fleet
 
-def simulate_fleet(folder, cars, drives):
-    """Forty seconds per drive; in each car's last one the front left tire is punctured."""
-    (folder / "cars").mkdir()
-    for car in range(cars):
-        for drive in range(drives):
-            last = drive == drives - 1
-            made_up = itpms.simulate("drive-puncture", seed=100 * car + drive, truth=False)
-            samples = made_up.frame("pandas")
-            if not last:
-                # Before the puncture at 20 s nothing is wrong.
-                samples = samples[samples["time_s"] < 20]
-            # One Parquet data set, by car and drive: a folder each.
-            place = folder / "logs" / f"car=car-{car}" / f"drive={drive}"
-            place.mkdir(parents=True)
-            samples.to_parquet(place / "samples.parquet", index=False)
-        made_up.vehicle.write(folder / "cars" / f"car-{car}.toml")
+
+def estimate(folder, workers, first_s, repeat):
+    """The fleet's rows by car, drive and wheel."""
+    # The workers are to have the packages of this interpreter.
+    os.environ["PYSPARK_PYTHON"] = sys.executable
+    spark = SparkSession.builder.master(f"local[{workers}]").config("spark.ui.enabled", False).getOrCreate()
+    spark.sparkContext.setLogLevel("ERROR")
+    samples = spark.read.option("recursiveFileLookup", True).parquet(str(folder / "logs"))
+    # A car is one task's work: no more tasks than cars.
+    tasks = min(200, sum(1 for _ in (folder / "cars").glob("*.toml")))
+    wheels = itpms.spark.estimate(samples, folder / "cars", calibrate_s=first_s, partitions=tasks)
+    for _ in range(repeat):
+        begun = time.monotonic()
+        rows = wheels.collect()
+        print(f"Spark, {workers} at a time: {len(rows)} wheels in {time.monotonic() - begun:.1f} s", flush=True)
+    spark.stop()
+    return {(row["car"], row["drive"], row["wheel"]): row.asDict() for row in rows}
+
+
+def fleet(folder, workers, first_s):
+    """The same of the command."""
+    program = os.environ.get("ITPMS") or shutil.which("itpms")
+    if program is None:
+        sys.exit("no command itpms; build it and set ITPMS")
+    with tempfile.TemporaryDirectory() as out:
+        told = ["--vehicle-dir", folder / "cars", "--calibrate-s", first_s, "--jobs", workers, "--out", f"{out}/fleet"]
+        begun = time.monotonic()
+        subprocess.run([program, "--quiet", "fleet", f"{folder}/logs/**/*.parquet", *map(str, told)], check=True)
+        print(f"itpms fleet, {workers} at a time: {time.monotonic() - begun:.1f} s", flush=True)
+        with open(f"{out}/fleet/fleet.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+    return {(row["car"], int(row.pop("file").rsplit("-", 1)[1].split(".")[0]), row["wheel"]): row for row in rows}
+
+
+def differences(found, expected):
+    """Cells that are not the same, to the last digit."""
+    if found.keys() != expected.keys():
+        yield f"{len(found)} rows, expected {len(expected)}"
+    for key in found.keys() & expected.keys():
+        for name, cell in expected[key].items():
+            value = found[key][name]
+            same = value in (None, "") if cell == "" else float(cell) == value if isinstance(value, (int, float)) else cell == value
+            if not same:
+                yield f"{key} {name}: {value}, expected {cell}"
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--cars", type=int, default=4)
-    parser.add_argument("--drives", type=int, default=4, help="per car")
-    parser.add_argument("--workers", type=int, default=2, help="local ones: drives at a time")
+    parser.add_argument("--folder", type=Path)
+    parser.add_argument("--cars", type=int, default=6)
+    parser.add_argument("--drives", type=int, default=3, help="per car")
+    parser.add_argument("--seconds", type=float, default=40.0, help="of a drive")
+    parser.add_argument("--first-s", type=float, default=40.0, help="of each car's first drive, in which it is calibrated")
+    parser.add_argument("--workers", type=int, default=2, help="local ones")
     parser.add_argument("--repeat", type=int, default=1, help="estimate the fleet so many times, to see how long it takes")
+    parser.add_argument("--compare", action="store_true")
     arguments = parser.parse_args()
-
-    # The workers are to have the packages of this interpreter.
-    os.environ["PYSPARK_PYTHON"] = sys.executable
-    spark = SparkSession.builder.master(f"local[{arguments.workers}]").config("spark.ui.enabled", False).getOrCreate()
-    spark.sparkContext.setLogLevel("ERROR")
     with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        simulate_fleet(folder, arguments.cars, arguments.drives)
-        samples = spark.read.parquet(str(folder / "logs"))
-        # A few drives only: few tasks, so that each has something to do.
-        tasks = min(200, arguments.cars * arguments.drives)
-        wheels = itpms.spark.estimate(samples, folder / "cars", partitions=tasks)
-        for _ in range(arguments.repeat):
-            started = time.monotonic()
-            rows = wheels.collect()
-            took_s = time.monotonic() - started
-            print(f"{len(rows)} wheels of {arguments.cars * arguments.drives} drives in {took_s:.1f} s")
-    spark.stop()
-    for row in sorted(rows, key=lambda row: (row["car"], row["drive"], row["wheel"] or "")):
+        folder = arguments.folder or Path(name)
+        if not (folder / "cars").exists():
+            make_fleet(folder, arguments.cars, arguments.drives, seconds=arguments.seconds, first_s=arguments.first_s)
+        rows = estimate(folder, arguments.workers, arguments.first_s, arguments.repeat)
+        expected = fleet(folder, arguments.workers, arguments.first_s) if arguments.compare else rows
+    for (car, drive, wheel), row in sorted(rows.items(), key=lambda item: tuple(map(str, item[0]))):
         if row["error"] is not None:
-            print(f"{row['car']} drive {row['drive']}: {row['error']}")
+            print(f"{car} drive {drive}: {row['error']}")
         elif row["warning"] == "low":
-            print(f"{row['car']} drive {row['drive']} {row['wheel']}: low, {row['pressure_kpa']:.0f} kPa, sd {row['pressure_sd_kpa']:.0f}")
+            print(f"{car} drive {drive} {wheel}: low, {row['pressure_kpa']:.0f} kPa, sd {row['pressure_sd_kpa']:.0f}")
+    if arguments.compare:
+        odd = list(differences(rows, expected))
+        print(*odd[:20], f"{len(rows)} rows, {len(odd)} cells differ", sep="\n")
+        sys.exit(bool(odd))
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use itpms_core::model::Corner;
 use itpms_data::log::{Field, Slot};
-use itpms_data::signals::{Candidate, Resolved, SignalMap, Source, resolve};
+use itpms_data::signals::{Candidate, Lister, Resolved, SignalMap, Source, resolve};
 
 const FL_BODY: Slot = Slot::Corner(Corner::FrontLeft, Field::BodyAccel);
 const FL_WHEEL: Slot = Slot::Corner(Corner::FrontLeft, Field::WheelAccel);
@@ -116,7 +116,8 @@ fn a_unit_that_says_nothing_is_asked_for() {
     assert_eq!(
         resolved.remarks()[0].to_string(),
         "speed_m_s could be A.VehicleSpeed, whose unit is not stated: not taken; say it in a map, \
-         speed_m_s = { signal = \"A.VehicleSpeed\", unit = \"m/s\" }"
+         speed_m_s = { signal = \"A.VehicleSpeed\", unit = \"m/s\" } (or m/s, km/h, mph, kn, cm/s, mm/s or ft/s), or \
+         factor = ..., offset = ..."
     );
     let text = resolved.unusable().unwrap();
     assert!(text.starts_with("none of 2 signals is known to be an acceleration"), "{text}");
@@ -127,8 +128,8 @@ fn a_unit_that_says_nothing_is_asked_for() {
     assert_eq!(
         by_map(&list, "[signals]\nfl_body_accel_m_s2 = \"A.FL_BodyAccZ\"").unwrap_err(),
         "map.toml: line 2: fl_body_accel_m_s2 is to be \"A.FL_BodyAccZ\", whose unit is stated as \"LSB\", expected \
-         an acceleration: give it in the map, fl_body_accel_m_s2 = { signal = \"A.FL_BodyAccZ\", unit = \"m/s^2\" } \
-         or factor = ... and offset = ..."
+         an acceleration: give it in the map, fl_body_accel_m_s2 = { signal = \"A.FL_BodyAccZ\", factor = ..., offset = ... }, \
+         which make m/s^2 of it"
     );
 }
 
@@ -229,4 +230,90 @@ fn the_map_that_was_found_reads_back_as_the_same() {
     };
     assert_eq!(summary(&first), summary(&second));
     assert!(first.to_toml().contains("# fr_body_accel_m_s2 could be any of A.FR_BodyAccZ, B.BodyAccZ_FR"));
+}
+
+/// Headers of tables: clock, speed, body and wheel of the front left corner as loggers name them, and what makes m/s and m/s² of the last
+/// three (NIST SP 811, appendix B.8).
+const TABLES: [(&str, [f64; 3]); 8] = [
+    ("time_s,speed_m_s,fl_body_accel_m_s2,fl_wheel_accel_m_s2", [1.0, 1.0, 1.0]),
+    ("Zeit;v_Fahrzeug [km/h];Aufbau_az_VL [g];Rad_az_VL [g]", [1.0 / 3.6, 9.806_65, 9.806_65]),
+    (
+        "timestamp;VehicleSpeed [Unit_KiloMeterPerHour];FL_BodyAccZ (mg);FL_WheelAccZ [Unit_MeterPerSecondSquared]",
+        [1.0 / 3.6, 9.806_65e-3, 1.0],
+    ),
+    ("t [ms],v_veh_mph,body_acc_z_fl_m_s2,wheel_acc_z_fl_g", [0.447_04, 1.0, 9.806_65]),
+    ("Time,VehSpd (kn),BodyAccZ_FL [ft/s^2],WheelAccZ_FL [cm/s²]", [1852.0 / 3600.0, 0.3048, 0.01]),
+    ("Time;veh.speed.km.h;FL_BodyAccZ [mm/s^2];FL_HubAccZ [Gal]", [1.0 / 3.6, 1e-3, 0.01]),
+    ("Timestamp,VehicleSpeed_kmh,AccZ_Body_FL_g,AccZ_Hub_FL_mg", [1.0 / 3.6, 9.806_65, 9.806_65e-3]),
+    ("t,VehicleSpeed [m/s],sprungAccZ_FL [m·s⁻²],unsprungAccZ_FL [m/s**2]", [1.0, 1.0, 1.0]),
+];
+
+/// The table of this header; with `;` it has dates for a clock and decimal commas.
+fn listed(header: &str) -> Vec<Candidate> {
+    let german = header.contains(';');
+    let rows = (0..500).map(|row| {
+        let value = 0.01 * f64::from(row);
+        let line = format!("{value},{value},{value},{value}");
+        match german {
+            true => format!("2026-03-01 08:00:0{value:.2};1,5;{0};{0}", value.to_string().replace('.', ",")),
+            false => line,
+        }
+    });
+    let text = std::iter::once(header.to_owned()).chain(rows).collect::<Vec<_>>().join("\n");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("table.csv");
+    std::fs::write(&path, text).unwrap();
+    let mut lister = Lister::open(&path, None).unwrap();
+    while lister.step().unwrap() {}
+    lister.finish().candidates()
+}
+
+#[test]
+fn the_map_that_is_written_says_what_the_header_states() {
+    for (header, factors) in TABLES {
+        let candidates = listed(header);
+        let resolved = resolve(&candidates, None).unwrap();
+        assert_eq!(resolved.slots(), [Slot::Speed, FL_BODY, FL_WHEEL], "{header}");
+        assert_eq!(resolved.remarks(), [], "{header}");
+        let text = resolved.to_toml();
+        // No unit beside that of the name, which could contradict it.
+        let said = text.lines().filter(|line| !line.starts_with('#') && line.contains(" = "));
+        assert!(
+            said.clone().count() >= 3 && said.clone().all(|line| !line.contains("unit")),
+            "{header}: {text}"
+        );
+        let again = resolve(&candidates, Some(&map(&text).unwrap())).unwrap();
+        for resolved in [&resolved, &again] {
+            for (slot, factor) in [Slot::Speed, FL_BODY, FL_WHEEL].into_iter().zip(factors) {
+                let found = resolved.get(slot).unwrap().conversion;
+                assert!(
+                    (found.factor / factor - 1.0).abs() < 1e-12 && found.offset == 0.0,
+                    "{header}: {found:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_unit_that_is_stated_is_not_contradicted() {
+    let columns = ["Time", "FL_BodyAccZ [m/s^2]", "FL_WheelAccZ [m/s^2]"];
+    // Stated, and none of a speed's or of no quantity at all.
+    for unit in ["rpm", "LSB", "Unit_Furlong", "bar", "km", "%", "m/s^2"] {
+        let header = format!("{},VehicleSpeed [{unit}]", columns.join(","));
+        let candidates = listed(&header);
+        let resolved = resolve(&candidates, None).unwrap();
+        assert_eq!(resolved.slots(), [FL_BODY, FL_WHEEL], "{unit}");
+        let text =
+            "[signals]\ntime_s = \"Time\"\nspeed_m_s = \"VehicleSpeed [UNIT]\"\n".replace("UNIT", unit);
+        let refused = resolve(&candidates, Some(&map(&text).unwrap())).unwrap_err().to_string();
+        assert!(refused.contains(&format!("is stated as {unit:?}")), "{refused}");
+        for said in resolved.said().into_iter().chain([resolved.to_toml(), refused]) {
+            assert!(!said.contains("unit = "), "{unit}: {said}");
+        }
+    }
+    // Not stated: asked for, with a column's own unit and the others that it may have.
+    let candidates = listed("Time,FL_BodyAccZ [g],FL_WheelAccZ [g],VehicleSpeed");
+    let said = resolve(&candidates, None).unwrap().said().join("\n");
+    assert!(said.contains("unit = \"m/s\" } (or m/s, km/h"), "{said}");
 }

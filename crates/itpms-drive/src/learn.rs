@@ -9,6 +9,7 @@ use itpms_data::log::LogOptions;
 use itpms_data::vehicle::VehicleDetails;
 use itpms_data::{LogReader, Vehicle};
 use itpms_study::learn::{DriveReading, Learned, LearnedCorner, Listener, PASSES, Parameter};
+use serde_json::{Map, Value, json};
 
 use crate::concerns::common_corners;
 use crate::error::DriveError;
@@ -19,6 +20,18 @@ const ROWS_PER_LOOK: u64 = 1024;
 const DIGITS: usize = 5;
 /// Seconds of reading below which a drive teaches little.
 const SHORT_S: f64 = 300.0;
+
+/// Pressures in kPa gauge that a car's tire may have; what lies outside was meant in another unit.
+pub const KNOWN_KPA: std::ops::RangeInclusive<f64> = 60.0..=1500.0;
+
+/// Why a pressure in kPa is no tire's, in words.
+#[must_use]
+pub fn no_pressure(kpa: f64) -> Option<String> {
+    let usable = KNOWN_KPA.contains(&kpa);
+    let (from, to) = KNOWN_KPA.into_inner();
+    (!usable)
+        .then(|| format!("{kpa} kPa is no tire's pressure, expected {from:.0} to {to:.0} (another unit?)"))
+}
 
 /// A drive, and the pressures in kPa gauge that its tires had on it, in the order of [`Corner::ALL`]; of corners that the log does not have
 /// they do not count.
@@ -54,6 +67,23 @@ pub fn learn(
     drives: &[KnownDrive],
     watch: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<LearnedVehicle, DriveError> {
+    let open = &mut |number: usize| {
+        let KnownDrive { log, options, .. } = &drives[number];
+        Ok(LogReader::open_with(log, options)?)
+    };
+    learn_with(file, drives, open, watch)
+}
+
+/// The same where `open` gives the log of a drive by its number among the `drives`, anew for every pass over it.
+///
+/// # Errors
+/// As [`learn`], and those of `open`.
+pub fn learn_with(
+    file: &Vehicle,
+    drives: &[KnownDrive],
+    open: &mut dyn FnMut(usize) -> Result<LogReader, DriveError>,
+    watch: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Result<LearnedVehicle, DriveError> {
     let told = file.car_config(&Corner::ALL);
     let mut now = file.clone();
     let mut concerns = vec![];
@@ -62,9 +92,9 @@ pub fn learn(
     let mut result = None;
     for pass in 0..PASSES {
         let mut readings = vec![];
-        for drive in drives {
+        for (number, drive) in drives.iter().enumerate() {
             let mut share = |share: f64| watch((done + share) / total);
-            let mut log = LogReader::open_with(&drive.log, &drive.options)?;
+            let mut log = open(number)?;
             readings.push(listen(&now, &mut log, drive, &mut share)?);
             if pass == 0 {
                 let path = drive.log.display();
@@ -87,7 +117,18 @@ fn listen(
     drive: &KnownDrive,
     watch: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<DriveReading, DriveError> {
-    let config = vehicle.car_config(&common_corners(log, vehicle)?);
+    let corners = common_corners(log, vehicle)?;
+    for corner in &corners {
+        let (path, label, kpa) = (drive.log.display(), corner.label(), drive.pressures_kpa[corner.index()]);
+        if kpa.is_nan() {
+            let why = format!("{path}: no pressure is given of {label}, expected one for every wheel");
+            return Err(DriveError::Mismatch(why));
+        }
+        if let Some(why) = no_pressure(kpa) {
+            return Err(DriveError::Mismatch(format!("{path}: {label}: {why}")));
+        }
+    }
+    let config = vehicle.car_config(&corners);
     let mut listener = Listener::new(&config, drive.pressures_kpa, log.survey().sample_rate_hz)?;
     let mut count = 0u64;
     while let Some(row) = log.next_row()? {
@@ -227,6 +268,40 @@ impl LearnedVehicle {
             }
         }
         unknown
+    }
+
+    /// Parameters before and after by corner, what stays unknown and what should be known: what `itpms vehicle learn --json` prints.
+    #[must_use]
+    pub fn document(&self) -> Value {
+        let parameter = |p: Parameter| {
+            json!({
+                "before": p.before, "before_sd": p.before_sd,
+                "after": p.after, "after_sd": p.after_sd,
+                "learned": p.is_learned(),
+            })
+        };
+        let corners: Map<String, Value> = Corner::ALL
+            .into_iter()
+            .filter_map(|corner| {
+                let of = self.learned.corners[corner.index()].as_ref()?;
+                let value = json!({
+                    "unsprung_mass_kg": parameter(of.unsprung_mass_kg),
+                    "tire_n_per_m": parameter(of.tire_n_per_m),
+                    "stiffness_over_mass_per_s2": parameter(of.stiffness_over_mass),
+                    "damping_n_s_per_m": parameter(of.damping_n_s_per_m),
+                    "spring_n_per_m": parameter(of.spring_n_per_m),
+                    "friction_n": parameter(of.friction_n),
+                    "uncalibrated_pressure_sd_kpa": self.vehicle.level_sd_kpa(&[corner]),
+                });
+                Some((corner.label().to_owned(), value))
+            })
+            .collect();
+        json!({
+            "corners": corners,
+            "slope_over_file": parameter(self.learned.slope),
+            "unknown": self.unknown(),
+            "concerns": self.concerns,
+        })
     }
 
     /// The vehicle file, with a comment on where each value comes from.

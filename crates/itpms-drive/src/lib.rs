@@ -39,7 +39,7 @@ pub use concerns::common_corners;
 pub use drive::{Drive, Estimates, QuarterCars};
 pub use error::DriveError;
 pub use files::{FilePaths, Files};
-pub use learn::{KnownDrive, LearnedVehicle, learn};
+pub use learn::{KnownDrive, LearnedVehicle, learn, learn_with};
 pub use road::{LateRow, RoadTrack};
 pub use run::{Done, Job, Sink, Watch, estimate};
 pub use settings::Settings;

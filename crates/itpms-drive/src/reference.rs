@@ -12,6 +12,7 @@ use itpms_data::out::AtomicFile;
 use itpms_data::reference::StoredReference;
 
 use crate::error::DriveError;
+use crate::run::Done;
 use crate::settings::Settings;
 
 /// Loads what the car learned on an earlier drive, if `--reference` names a file.
@@ -75,6 +76,26 @@ impl Saving {
         self.file.settle()?;
         Ok(self.file)
     }
+}
+
+/// Stores what a fleet's calibration drive taught, or says why it taught nothing: it is a drive all the same.
+///
+/// # Errors
+/// The file cannot be written, or what was learned is not plausible.
+pub fn teach(
+    path: &Path,
+    settings: &Settings,
+    vehicle: &Vehicle,
+    done: &Done,
+) -> Result<Option<String>, DriveError> {
+    if done.learned.is_none() {
+        let seconds = settings.calibrate_s.unwrap_or_default();
+        return Ok(Some(format!(
+            "a calibration drive of {seconds} s that taught nothing of the car: later drives start without it"
+        )));
+    }
+    Saving::create(path, settings, vehicle)?.complete(settings.calibrate_s, done.learned)?.commit()?;
+    Ok(None)
 }
 
 /// The only clock of the program. One that is wrong, before 1970 even, makes a reference with a wrong date, not a wrong

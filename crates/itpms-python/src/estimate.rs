@@ -2,26 +2,26 @@
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex};
 
 use itpms_core::estimator::{EstimatorKind, RoadPeriod, RoadRepetition};
 use itpms_core::model::Corner;
 use itpms_core::warning::{Change, Regulation};
-use itpms_data::log::{LogOptions, UnitCheck};
+use itpms_data::log::LogOptions;
 use itpms_data::out::{AtomicFile, RateGate, transition_object};
-use itpms_data::{LogReader, LogRow, Problem};
+use itpms_data::{LogReader, LogRow};
 use itpms_drive::drive::Estimates;
 use itpms_drive::fleet::wheels::{Begun, wheels};
 use itpms_drive::reference::Saving;
 use itpms_drive::{Done, DriveError, Job, LateRow, Settings, Sink, common_corners, summary_json};
 use itpms_study::report::render_report;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyIterator};
+use pyo3::types::PyIterator;
 use serde_json::{Value, json};
 
 use crate::car::Found;
-use crate::columns::{self, Columns, Packed, Words, numbers};
+use crate::columns::{self, Columns, Packed, Words};
 use crate::errors::{self, Kind, raise};
+use crate::pieces::{self, Pieces};
 use crate::vehicle::Vehicle;
 use crate::work::{self, Stop};
 
@@ -44,6 +44,8 @@ pub(crate) struct Options {
     rate_hz: f64,
     #[pyo3(item)]
     road: bool,
+    #[pyo3(item)]
+    report: bool,
     #[pyo3(item)]
     trust_units: bool,
     #[pyo3(item)]
@@ -97,8 +99,7 @@ impl Options {
     }
 
     fn reading(&self) -> LogOptions {
-        let units = if self.trust_units { UnitCheck::Trusting } else { UnitCheck::Suspicious };
-        LogOptions { units, dbc: self.dbc.clone(), signals: self.signals.clone() }
+        pieces::reading(self.trust_units, self.dbc.clone(), self.signals.clone())
     }
 }
 
@@ -127,26 +128,7 @@ pub(crate) fn estimate_log(
     run(py, vehicle, &options, || LogReader::open_with(&path, &reading))
 }
 
-/// Estimates a drive given as columns: names and bytes. `name` is what messages call it.
-#[pyfunction]
-pub(crate) fn estimate_columns(
-    py: Python<'_>,
-    name: &str,
-    given: Packed<'_>,
-    vehicle: &Vehicle,
-    options: Options,
-) -> PyResult<Estimated> {
-    let column = |(name, bytes): &(String, Bound<'_, PyBytes>)| {
-        Ok((name.clone(), numbers(py, name, bytes.as_bytes())?))
-    };
-    let columns = given.iter().map(column).collect::<PyResult<Columns>>()?;
-    drop(given);
-    let reading = options.reading();
-    run(py, vehicle, &options, move || LogReader::from_columns(Path::new(name), columns, &reading))
-}
-
-/// Estimates a drive given piece by piece: an iterator over the columns' bytes, in the order of their names, that is asked for
-/// the next piece when the last one is used up.
+/// Estimates a drive given piece by piece, as [`Pieces`] takes them. `name` is what messages call the drive.
 #[pyfunction]
 pub(crate) fn estimate_pieces(
     py: Python<'_>,
@@ -156,41 +138,11 @@ pub(crate) fn estimate_pieces(
     vehicle: &Vehicle,
     options: Options,
 ) -> PyResult<Estimated> {
-    let (reading, raised) = (options.reading(), Raised::default());
-    let more = piece_by_piece(names.clone(), pieces.unbind(), raised.clone());
-    let result = run(py, vehicle, &options, move || {
-        LogReader::from_pieces(Path::new(name), names, Box::new(more), &reading)
-    });
-    // What the iterator raised says more than that there was no further piece.
-    let raised = raised.lock().ok().and_then(|mut raised| raised.take());
-    raised.map_or(result, Err)
-}
-
-/// What an iterator raised.
-type Raised = Arc<Mutex<Option<PyErr>>>;
-
-fn piece_by_piece(
-    names: Vec<String>,
-    pieces: Py<PyIterator>,
-    raised: Raised,
-) -> impl FnMut() -> Result<Option<Vec<Vec<f64>>>, Problem> + Send {
-    let next = move |py: Python<'_>| -> PyResult<Option<Vec<Vec<f64>>>> {
-        let Some(piece) = pieces.bind(py).clone().next().transpose()? else { return Ok(None) };
-        let piece = piece.extract::<Vec<Bound<'_, PyBytes>>>()?;
-        let column = |(name, bytes): (&String, &Bound<'_, PyBytes>)| numbers(py, name, bytes.as_bytes());
-        names.iter().zip(&piece).map(column).collect::<PyResult<Vec<_>>>().map(Some)
-    };
-    move || {
-        Python::attach(|py| {
-            next(py).map_err(|error| {
-                let sentence = error.to_string();
-                if let Ok(mut raised) = raised.lock() {
-                    *raised = Some(error);
-                }
-                Problem::UnusableSignals(sentence)
-            })
-        })
-    }
+    let reading = options.reading();
+    let pieces = Pieces::new(names, pieces.unbind());
+    let raised = pieces.raised();
+    let result = run(py, vehicle, &options, move || pieces.open(Path::new(name), &reading));
+    raised.or(result)
 }
 
 fn run(
@@ -201,13 +153,14 @@ fn run(
 ) -> PyResult<Estimated> {
     let settings = options.settings(py)?;
     let (vehicle, keep_road, save) = (&vehicle.0, options.road, options.save_reference.as_deref());
+    // For a report the road is smoothed; the same report, whatever else was kept.
+    let (report, smooth) = (options.report, options.report || keep_road);
     let result = work::run(py, |stop: &Stop| -> Result<Estimated, DriveError> {
         let mut log = open()?;
         let corners = common_corners(&log, vehicle)?;
         let saving = save.map(|path| Saving::create(path, &settings, vehicle)).transpose()?;
         let mut kept = Kept::new(&corners, settings.rate_hz, keep_road);
-        // The road is smoothed as for a report: the same report, whatever was kept.
-        let job = Job { vehicle, corners: &corners, settings: &settings, road: true };
+        let job = Job { vehicle, corners: &corners, settings: &settings, road: smooth };
         let watch =
             &mut |_: f64| if stop.wanted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
         let done = itpms_drive::estimate(&mut log, &job, &mut kept, watch)?;
@@ -215,7 +168,8 @@ fn run(
             saving.complete(settings.calibrate_s, done.learned)?.commit()?;
         }
         let rows = log.repairs().rows_kept;
-        Ok(Estimated { figures: Value::Object(summary_json(&done, settings.estimator, rows)), done, kept })
+        let figures = Value::Object(summary_json(&done, settings.estimator, rows));
+        Ok(Estimated { done, kept, figures, report, settings: settings.clone(), vehicle: vehicle.clone() })
     })?;
     result.map_err(|error| errors::drive(py, &error))
 }
@@ -288,6 +242,9 @@ pub(crate) struct Estimated {
     done: Done,
     kept: Kept,
     figures: Value,
+    report: bool,
+    settings: Settings,
+    vehicle: itpms_data::Vehicle,
 }
 
 #[pymethods]
@@ -327,6 +284,13 @@ impl Estimated {
         self.kept.first_s.unwrap_or(0.0)
     }
 
+    /// Stores what a calibration drive taught, or says why it taught nothing.
+    fn teach(&self, py: Python<'_>, path: PathBuf) -> PyResult<Option<String>> {
+        let Self { done, settings, vehicle, .. } = self;
+        itpms_drive::reference::teach(&path, settings, vehicle, done)
+            .map_err(|error| errors::drive(py, &error))
+    }
+
     /// The labels of the corners.
     fn corners(&self) -> Vec<&'static str> {
         self.kept.corners.iter().map(|corner| corner.label()).collect()
@@ -334,6 +298,10 @@ impl Estimated {
 
     /// Writes the page about the drive.
     fn report(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        if !self.report {
+            let sentence = "the report was not kept, expected estimate(..., report=True)";
+            return Err(raise(py, Kind::Setting, sentence));
+        }
         let page = render_report(&self.done.data)
             .map_err(|error| raise(py, Kind::Output, format!("the report cannot be made: {error}")))?;
         let write = || -> Result<(), itpms_data::DataError> {

@@ -6,16 +6,20 @@
 //! | `errors` | sentences as the package's exceptions |
 //! | `work` | long computations beside the interpreter, ended by Ctrl-C |
 //! | `columns` | numbers as bytes |
+//! | `pieces` | a drive that Python hands over piece by piece |
 //! | `estimate` | a whole drive |
 //! | `car` | an estimator, sample by sample |
 //! | `simulate` | made-up drives |
 //! | `vehicle` | a car's parameters |
+//! | `learn` | a car's parameters from drives at known pressures |
 //! | `road` | roughness of a profile |
 
 mod car;
 mod columns;
 mod errors;
 mod estimate;
+mod learn;
+mod pieces;
 mod road;
 mod simulate;
 mod vehicle;
@@ -31,9 +35,10 @@ fn _itpms(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<car::Car>()?;
     module.add_class::<simulate::Simulated>()?;
     module.add_class::<vehicle::Vehicle>()?;
+    module.add_class::<learn::Learned>()?;
     module.add_function(wrap_pyfunction!(estimate::estimate_log, module)?)?;
-    module.add_function(wrap_pyfunction!(estimate::estimate_columns, module)?)?;
     module.add_function(wrap_pyfunction!(estimate::estimate_pieces, module)?)?;
+    module.add_function(wrap_pyfunction!(learn::learn, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::simulate, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::scenarios, module)?)?;
     module.add_function(wrap_pyfunction!(road::iri, module)?)

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use itpms_core::model::Corner;
+use itpms_data::vehicle::typical::{CarClass, TireSize, TypicalCar};
 use pyo3::prelude::*;
 use serde_json::json;
 
@@ -32,6 +33,28 @@ impl Vehicle {
     #[staticmethod]
     fn paper() -> Self {
         Self(itpms_data::Vehicle::paper())
+    }
+
+    /// A car of typical values.
+    #[staticmethod]
+    fn typical(
+        py: Python<'_>,
+        mass_kg: f64,
+        front_share: f64,
+        tire: &str,
+        car_class: &str,
+        placard_kpa: f64,
+        wheelbase_m: Option<f64>,
+        name: Option<String>,
+    ) -> PyResult<Self> {
+        let refuse = |sentence: String| raise(py, Kind::Setting, sentence);
+        let class = CarClass::from_label(car_class).ok_or_else(|| {
+            let known = CarClass::ALL.map(CarClass::label).join(", ");
+            refuse(format!("car_class is {car_class:?}, expected one of: {known}"))
+        })?;
+        let tire = tire.parse::<TireSize>().map_err(|error| refuse(format!("tire: {error}")))?;
+        let car = TypicalCar { name, mass_kg, front_share, tire, class, placard_kpa, wheelbase_m };
+        car.vehicle_file().map(|(_, vehicle)| Self(vehicle)).map_err(|error| refuse(error.to_string()))
     }
 
     fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {

@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import pandas as pd
 
 import itpms
@@ -87,3 +88,30 @@ def test_calibration_and_its_reference(command, tmp_path):
     )
     result = itpms.estimate(log, car, reference=tmp_path / "r2")
     pd.testing.assert_frame_equal(result.frame("pandas"), read(tmp_path / "b.csv"), check_exact=True, check_dtype=False)
+
+
+def test_a_table_that_pandas_wrote_with_dates_and_decimal_commas(command, tmp_path):
+    drive = itpms.simulate("drive-puncture", seed=2, truth=False)
+    plain = drive.frame("pandas")
+    # A clock that counts from 1970 has quarters of a microsecond: the plain table has it, too.
+    plain["time_s"] = 1_772_352_000 + plain["time_s"].round(3)
+    stamps = pd.DatetimeIndex(pd.to_datetime((1000 * plain["time_s"]).round().astype("int64"), unit="ms"), name="Zeit")
+    odd = pd.DataFrame({"v_Fahrzeug [km/h]": 3.6 * plain["speed_m_s"].to_numpy()}, index=stamps)
+    for ours, theirs in {"fl": "VL", "fr": "VR", "rl": "HL", "rr": "HR"}.items():
+        odd[f"Aufbau_az_{theirs} [g]"] = plain[f"{ours}_body_accel_m_s2"].to_numpy() / 9.80665
+        odd[f"Rad_az_{theirs} [g]"] = plain[f"{ours}_wheel_accel_m_s2"].to_numpy() / 9.80665
+    odd.to_csv(tmp_path / "odd.csv", sep=";", decimal=",")
+    odd.to_parquet(tmp_path / "odd.parquet")
+    expected = itpms.estimate(plain, drive.vehicle)
+    for name in ("odd.csv", "odd.parquet"):
+        map_ = tmp_path / f"{name}.toml"
+        command("signals", tmp_path / name, "--write-map", map_)
+        assert "unit" not in "".join(line for line in map_.read_text().splitlines() if not line.startswith("#"))
+        found = itpms.estimate(tmp_path / name, drive.vehicle, signals=map_)
+        for column, values in expected.columns.items():
+            if column.endswith("pressure_kpa"):
+                # Two ways to add up a time may end in neighboring numbers.
+                np.testing.assert_allclose(found.columns[column], values, atol=0.1, err_msg=f"{name} {column}")
+    # The frame itself: its index is the clock.
+    found = itpms.estimate(odd, drive.vehicle, signals=tmp_path / "odd.csv.toml")
+    np.testing.assert_allclose(found.columns["fl_pressure_kpa"], expected.columns["fl_pressure_kpa"], atol=0.1)

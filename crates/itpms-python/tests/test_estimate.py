@@ -81,6 +81,14 @@ def test_the_road_is_only_there_when_asked_for(drive):
         _ = without.road
 
 
+def test_without_a_report_the_pressures_are_the_same(drive, result, tmp_path):
+    without = itpms.estimate(drive, report=False)
+    same(without.columns, result.columns)
+    assert without.alerts == result.alerts
+    with pytest.raises(itpms.SettingError, match=r"report=True"):
+        without.report(tmp_path / "page.html")
+
+
 def test_times_may_be_times(drive, result):
     columns = dict(drive.columns)
     seconds = columns.pop("time_s")

@@ -108,12 +108,28 @@ def same_as(found, expected):
     return float(expected) == found if isinstance(found, (int, float)) else expected == found
 
 
-def test_the_rows_are_the_fleets(spark, command, cars, drives, tmp_path, monkeypatch):
+# What `fleet` is told, and the same in Spark's words.
+CALIBRATIONS = {
+    "none": ((), {}),
+    "each car's first": (("--calibrate-s", 10), {"calibrate_s": 10}),
+    "named drives": (
+        ("--calibrate-s", 10, "--calibration-drives", "**/bravo/1.parquet"),
+        {"calibrate_s": 10, "calibration": "reset"},
+    ),
+    "too short": (("--calibrate-s", 60), {"calibrate_s": 60}),
+}
+
+
+@pytest.mark.parametrize("calibration", CALIBRATIONS)
+def test_the_rows_are_the_fleets(spark, command, cars, drives, tmp_path, monkeypatch, calibration):
+    from pyspark.sql import functions
+
     monkeypatch.chdir(tmp_path)
     for (car, drive), frame in drives.items():
         (tmp_path / "logs" / car).mkdir(parents=True, exist_ok=True)
         frame.to_parquet(tmp_path / "logs" / car / f"{drive}.parquet")
-    command("--quiet", "fleet", "logs/**/*.parquet", "--vehicle-dir", cars, "--out", "out")
+    told, arguments = CALIBRATIONS[calibration]
+    command("--quiet", "fleet", "logs/**/*.parquet", "--vehicle-dir", cars, "--out", "out", *told)
     with open("out/fleet.csv", newline="") as file:
         expected = {
             (row["car"], int(row["file"].split("/")[-1].split(".")[0]), row["wheel"]): row
@@ -121,7 +137,10 @@ def test_the_rows_are_the_fleets(spark, command, cars, drives, tmp_path, monkeyp
         }
     assert len(expected) == 4 * len(DRIVES)
 
-    found = itpms.spark.estimate(spark.createDataFrame(shuffled(drives)), cars)
+    samples = spark.createDataFrame(shuffled(drives))
+    if "calibration" in arguments:
+        samples = samples.withColumn("reset", (functions.col("car") == "bravo") & (functions.col("drive") == 1))
+    found = itpms.spark.estimate(samples, cars, **arguments)
     assert found.columns == ["car", "drive", *(name for name, _ in itpms.spark.COLUMNS)]
     rows = {(row["car"], row["drive"], row["wheel"]): row.asDict() for row in found.collect()}
     assert rows.keys() == expected.keys()
@@ -132,8 +151,18 @@ def test_the_rows_are_the_fleets(spark, command, cars, drives, tmp_path, monkeyp
             assert same_as(value, expected[key][name]), (key, name, value, expected[key][name])
     # The columns of fleet.csv are all there.
     assert set(next(iter(expected.values()))) - {"file"} == set(row)
-    low = {key for key, row in rows.items() if row["warnings"] > 0}
-    assert low == {("alpha", 2, "rr"), ("charlie", 7, "rr")}
+    begun = {key[:2]: row["calibration"] for key, row in rows.items()}
+    taught, carried = {
+        "none": (set(), set()),
+        "each car's first": ({("alpha", 1), ("bravo", 1), ("charlie", 7)}, {("alpha", 2), ("bravo", 2)}),
+        "named drives": ({("bravo", 1)}, {("bravo", 2)}),
+        "too short": (set(), set()),
+    }[calibration]
+    assert begun == {key: "drive" if key in taught else "carried" if key in carried else "none" for key in DRIVES}
+    assert any("taught nothing" in row["concerns"] for row in rows.values()) == (calibration == "too short")
+    if calibration == "none":
+        low = {key for key, row in rows.items() if row["warnings"] > 0}
+        assert low == {("alpha", 2, "rr"), ("charlie", 7, "rr")}
 
 
 def test_a_stored_reference_is_what_a_drive_starts_with(spark, cars, drives, tmp_path):
@@ -214,6 +243,9 @@ def test_what_is_refused_before_anything_is_computed(spark, cars, drives, tmp_pa
         (cars, {"estimator": "best"}, itpms.SettingError, "expected one of: informed"),
         (cars, {"partitions": 0}, itpms.SettingError, "partitions is 0"),
         (cars, {"references": {"zulu": "x"}}, itpms.SettingError, "references has 'zulu'"),
+        (cars, {"calibration": "wheel"}, itpms.SettingError, "without calibrate_s"),
+        (cars, {"calibration": "reset", "calibrate_s": 9}, itpms.SettingError, "column reset is not in the data frame"),
+        (cars, {"calibrate_s": -9}, itpms.SettingError, "calibrate_s is -9"),
         (cars, {"signals": "none.toml"}, itpms.SettingError, "cannot be read"),
         ({}, {}, itpms.SettingError, "holds no car"),
         (tmp_path, {}, itpms.VehicleError, "unknown key mass"),

@@ -1,4 +1,4 @@
-//! Rows of a drive log from columns in memory: what another program has read already, whole or in pieces.
+//! Rows of a drive log from columns in memory: what another program has read already, in pieces.
 
 use std::fmt;
 use std::path::Path;
@@ -9,17 +9,22 @@ use super::row::{RawRow, SLOTS, Slot};
 use crate::error::{DataError, Place, Problem};
 use crate::signals::{Conversion, SignalMap};
 
-/// Gives the next piece of a drive: its columns in the order of their names, as long as each other; `None` at the end.
-pub type Pieces = Box<dyn FnMut() -> Result<Option<Vec<Vec<f64>>>, Problem> + Send>;
+/// A piece of a drive: its columns in the order of their names, as long as each other, or why one holds no numbers, which matters only
+/// where the column means something.
+pub type Piece = Vec<Result<Vec<f64>, String>>;
+
+/// Gives the next piece of a drive, `None` at the end.
+pub type Pieces = Box<dyn FnMut() -> Result<Option<Piece>, Problem> + Send>;
 
 pub(super) struct MemorySource {
     header: Header,
-    /// The columns that mean something, as long as each other.
-    columns: Vec<(Slot, Option<Conversion>, Vec<f64>)>,
+    /// The columns that mean something: their places in a piece, and the numbers of this piece, as long as each other.
+    columns: Vec<(usize, Slot, Option<Conversion>, Vec<f64>)>,
     rows: usize,
     next: usize,
     /// Rows of the pieces before this one.
     before: usize,
+    /// What gives the next piece, until there is none.
     more: Option<Pieces>,
 }
 
@@ -33,36 +38,19 @@ impl fmt::Debug for MemorySource {
 }
 
 impl MemorySource {
-    /// Columns with their names; those that mean nothing to us are left out.
+    /// Pieces with columns of these names, of which one piece at a time is held; columns that mean nothing to us are left out.
     pub(super) fn new(
         path: &Path,
-        columns: Vec<(String, Vec<f64>)>,
-        map: Option<&SignalMap>,
-    ) -> Result<Self, DataError> {
-        let rows = columns.first().map_or(0, |(_, values)| values.len());
-        if let Some((name, values)) = columns.iter().find(|(_, values)| values.len() != rows) {
-            let first = &columns[0].0;
-            let why = format!("column {name} has {} values, expected {rows} as in {first}", values.len());
-            return Err(DataError::new(path, Problem::UnusableSignals(why)));
-        }
-        let names: Vec<String> = columns.iter().map(|(name, _)| name.clone()).collect();
-        let header = mapped::header(path, &names, map)?;
-        let known = header.slots.iter().zip(&header.conversions).zip(columns);
-        let columns =
-            known.filter_map(|((slot, conversion), (_, values))| Some(((*slot)?, *conversion, values)));
-        let columns = columns.collect();
-        Ok(Self { header, columns, rows, next: 0, before: 0, more: None })
-    }
-
-    /// The same in pieces, of which one at a time is held.
-    pub(super) fn pieces(
-        path: &Path,
-        names: Vec<String>,
+        names: &[String],
         more: Pieces,
         map: Option<&SignalMap>,
     ) -> Result<Self, DataError> {
-        let nothing = names.into_iter().map(|name| (name, Vec::new())).collect();
-        Ok(Self { more: Some(more), ..Self::new(path, nothing, map)? })
+        let header = mapped::header(path, names, map)?;
+        let known = header.slots.iter().zip(&header.conversions).enumerate();
+        let columns = known
+            .filter_map(|(place, (slot, conversion))| Some((place, (*slot)?, *conversion, Vec::new())))
+            .collect();
+        Ok(Self { header, columns, rows: 0, next: 0, before: 0, more: Some(more) })
     }
 
     pub(super) fn header(&self) -> &Header {
@@ -80,7 +68,7 @@ impl MemorySource {
             }
         }
         *row = [f64::NAN; SLOTS];
-        for (slot, conversion, values) in &self.columns {
+        for (_, slot, conversion, values) in &self.columns {
             let value = values[self.next];
             row[slot.index()] = conversion.map_or(value, |conversion| conversion.apply(value));
         }
@@ -95,18 +83,29 @@ impl MemorySource {
             self.more = None;
             return Ok(false);
         };
-        let (rows, expected) = (piece.first().map_or(0, Vec::len), self.header.slots.len());
-        if piece.len() != expected || piece.iter().any(|values| values.len() != rows) {
-            let why =
-                format!("a piece of the drive has columns of different lengths, or not {expected} of them");
-            return Err(Problem::UnusableSignals(why));
+        let expected = self.header.slots.len();
+        let unusable = |why: String| Err(Problem::UnusableSignals(why));
+        if piece.len() != expected {
+            return unusable(format!(
+                "a piece of the drive has {} columns, expected {expected}",
+                piece.len()
+            ));
         }
-        let known = self.header.slots.iter().zip(&mut piece).filter(|(slot, _)| slot.is_some());
-        for ((_, _, values), (_, new)) in self.columns.iter_mut().zip(known) {
-            *values = std::mem::take(new);
+        let mut rows = None;
+        for (place, slot, _, values) in &mut self.columns {
+            match std::mem::replace(&mut piece[*place], Ok(Vec::new())) {
+                Ok(new) if *rows.get_or_insert(new.len()) == new.len() => *values = new,
+                Ok(new) => {
+                    let (name, found, rows) = (slot.name(), new.len(), rows.unwrap_or_default());
+                    return unusable(format!(
+                        "column {name} has {found} values, expected {rows} as in the others"
+                    ));
+                }
+                Err(why) => return unusable(why),
+            }
         }
         self.before += self.rows;
-        (self.rows, self.next) = (rows, 0);
+        (self.rows, self.next) = (rows.unwrap_or_default(), 0);
         Ok(true)
     }
 }

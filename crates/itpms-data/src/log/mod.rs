@@ -43,7 +43,7 @@ mod units;
 pub(crate) use csv_source::{Dialect, Lines, cells, number};
 pub(crate) use format::{Format, LogFormat};
 pub(crate) use header::{separator, shortened};
-pub use memory_source::Pieces;
+pub use memory_source::{Piece, Pieces};
 pub use options::LogOptions;
 pub(crate) use quantity::Quantity;
 pub use reader::{LogReader, SURVEY_ROWS};

@@ -66,31 +66,18 @@ impl LogReader {
         Self::of(path, source, options.units)
     }
 
-    /// A drive that another program has read already: columns with their names, NaN where a value is missing, in messages
-    /// called `name`. It is judged and repaired as a file is.
+    /// A drive that another program has read already, in pieces of which one is held at a time: columns of these names, NaN where a
+    /// value is missing, in messages called `name`. It is judged and repaired as a file is.
     ///
     /// # Errors
-    /// As [`LogReader::open`], and columns of different lengths.
-    pub fn from_columns(
-        name: &Path,
-        columns: Vec<(String, Vec<f64>)>,
-        options: &LogOptions,
-    ) -> Result<Self, DataError> {
-        let source = MemorySource::new(name, columns, options.any_map()?.as_ref())?;
-        Self::of(name, Source::Memory(source), options.units)
-    }
-
-    /// The same in pieces of which one is held at a time: a drive that does not fit into memory. `names` are the columns'.
-    ///
-    /// # Errors
-    /// As [`LogReader::from_columns`], and what `pieces` gives.
+    /// As [`LogReader::open`], columns of different lengths, and what `pieces` gives.
     pub fn from_pieces(
         name: &Path,
-        names: Vec<String>,
+        names: &[String],
         pieces: Pieces,
         options: &LogOptions,
     ) -> Result<Self, DataError> {
-        let source = MemorySource::pieces(name, names, pieces, options.any_map()?.as_ref())?;
+        let source = MemorySource::new(name, names, pieces, options.any_map()?.as_ref())?;
         Self::of(name, Source::Memory(source), options.units)
     }
 

@@ -5,6 +5,7 @@
 use thiserror::Error;
 
 use super::Conversion;
+use super::units::Unit;
 use crate::log::Quantity;
 use crate::log::Slot;
 
@@ -76,9 +77,8 @@ pub enum SignalProblem {
     },
     /// The log's unit says nothing, and the map does not say it either.
     #[error(
-        "line {line}: {column} is to be {signal:?}, whose unit {}, expected {}: \
-         give it in the map, {column} = {{ signal = \"{signal}\", unit = \"{}\" }} or factor = ... and offset = ...",
-        stated(.unit), Quantity::of(*.slot).words(), Quantity::of(*.slot).unit()
+        "line {line}: {column} is to be {signal:?}, whose unit {}, expected {}: give it in the map, {}",
+        stated(.unit), Quantity::of(*.slot).words(), suggested(*.slot, signal, unit)
     )]
     Unit {
         /// Line of the map.
@@ -97,6 +97,25 @@ pub enum SignalProblem {
 /// What to say of a unit that is of no use.
 pub(super) fn stated(unit: &str) -> String {
     if unit.is_empty() { "is not stated".to_owned() } else { format!("is stated as {unit:?}") }
+}
+
+/// How a map would say what the unit does not. A unit is suggested only where none is stated: one that is stated and of no use is not
+/// contradicted, but converted.
+pub(super) fn suggested(slot: Slot, signal: &str, unit: &str) -> String {
+    let (column, quantity) = (slot.name(), Quantity::of(slot));
+    let numbers = "factor = ..., offset = ...";
+    match Unit::of(unit) {
+        Unit::Silent => {
+            let known = quantity.known_units();
+            format!(
+                "{column} = {{ signal = \"{signal}\", unit = \"{}\" }} (or {known}), or {numbers}",
+                quantity.unit()
+            )
+        }
+        _ => {
+            format!("{column} = {{ signal = \"{signal}\", {numbers} }}, which make {} of it", quantity.unit())
+        }
+    }
 }
 
 fn nothing_like_it(of: usize, nearest: &Option<String>) -> String {

@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use super::problem::stated;
-use crate::log::{Quantity, Slot};
+use super::problem::{stated, suggested};
+use crate::log::Slot;
 
 /// Who said that a signal is a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -74,12 +74,11 @@ impl fmt::Display for Remark {
                 )
             }
             Remark::Unit { slot, signal, unit } => {
-                let (column, expected) = (slot.name(), Quantity::of(*slot).unit());
-                let stated = stated(unit);
+                let (column, stated) = (slot.name(), stated(unit));
+                let suggested = suggested(*slot, signal, unit);
                 write!(
                     f,
-                    "{column} could be {signal}, whose unit {stated}: not taken; say it in a map, \
-                     {column} = {{ signal = \"{signal}\", unit = \"{expected}\" }}"
+                    "{column} could be {signal}, whose unit {stated}: not taken; say it in a map, {suggested}"
                 )
             }
             Remark::UsedTwice { signal, slots: [first, second] } => {

@@ -14,7 +14,7 @@ use crate::concerns::common_corners;
 use crate::drive::Estimates;
 use crate::error::DriveError;
 use crate::files::{FilePaths, Files};
-use crate::reference::Saving;
+use crate::reference;
 use crate::road::LateRow;
 use crate::run::{Done, Job, Sink, estimate};
 use crate::settings::Settings;
@@ -95,18 +95,16 @@ fn make_folder_of(file: &Path) -> Result<(), DriveError> {
 
 /// Stores what a calibration drive taught; whether it did. One that taught nothing is a drive all the same.
 fn teach(plan: &Plan, errand: &Errand<'_>, done: &mut Done) -> Result<bool, DriveError> {
-    let Some(seconds) = errand.settings.calibrate_s else { return Ok(false) };
-    if done.learned.is_none() {
-        done.concerns.push(format!(
-            "a calibration drive of {seconds} s that taught nothing of the car: later drives start without it"
-        ));
+    if errand.settings.calibrate_s.is_none() {
         return Ok(false);
     }
     let path = reference_path(&plan.out, errand.path);
     make_folder_of(&path)?;
     let Ok(vehicle) = &errand.car.vehicle else { return Ok(false) };
-    Saving::create(&path, &errand.settings, vehicle)?.complete(Some(seconds), done.learned)?.commit()?;
-    Ok(true)
+    let nothing = reference::teach(&path, &errand.settings, vehicle, done)?;
+    let taught = nothing.is_none();
+    done.concerns.extend(nothing);
+    Ok(taught)
 }
 
 /// The drive's files, and how often each wheel's warnings began.

@@ -10,12 +10,14 @@
 from ._errors import ItpmsError, LogError, OutputError, ScenarioError, SettingError, VehicleError
 from ._estimate import Car, Simulation, estimate, iri, scenarios, simulate
 from ._itpms import __version__
+from ._learn import Learned
 from ._result import Result
 from ._vehicle import Vehicle
 
 __all__ = [
     "Car",
     "ItpmsError",
+    "Learned",
     "LogError",
     "OutputError",
     "Result",

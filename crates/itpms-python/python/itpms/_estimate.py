@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterator, Mapping
-from itertools import chain
 from os import PathLike
 from pathlib import Path
 from typing import Any, overload
@@ -14,17 +13,12 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _itpms
-from ._errors import LogError, OutputError, SettingError
+from ._errors import LogError, SettingError
+from ._files import write
+from ._pieces import MEANT, TABLE, estimate_pieces, pieces_of
 from ._result import Result
-from ._tables import Columns, Kind, columns_of, kind_of, numbers, table_of, unpacked, usual
+from ._tables import Columns, Kind, collected, columns_of, kind_of, numbers, table_of, unpacked, usual
 from ._vehicle import Vehicle, vehicle_of
-
-CORNERS = ("fl", "fr", "rl", "rr")
-MEANT = {
-    "time_s",
-    "speed_m_s",
-    *(f"{c}_{what}" for c in CORNERS for what in ("body_accel_m_s2", "wheel_accel_m_s2", "pressure_kpa", "road_m")),
-}
 
 
 def estimate(
@@ -33,6 +27,7 @@ def estimate(
     *,
     rate_hz: float = 10.0,
     road: bool = False,
+    report: bool = True,
     estimator: str = "informed",
     regulation: str = "un-r141",
     calibrate_s: float | None = None,
@@ -57,6 +52,8 @@ def estimate(
         vehicle: The car: a :class:`Vehicle` or the path of a vehicle file. A simulated drive has its own.
         rate_hz: Rows per second of the result.
         road: Keep the road under each wheel, at the log's rate.
+        report: Keep what :meth:`Result.report` shows, and tell the roughness of the road. Without it the road is not smoothed, which
+            is a quarter of the work.
         estimator: ``informed``, ``aekf-ui-informed``, or as published ``aekf-ui``, ``ekf-ui``.
         regulation: ``un-r141`` or ``fmvss-138``: which loss is warned of.
         calibrate_s: The first so many seconds are driven at placard pressure.
@@ -76,6 +73,7 @@ def estimate(
     options = {
         "rate_hz": rate_hz,
         "road": road,
+        "report": report,
         "estimator": estimator,
         "regulation": regulation,
         "calibrate_s": calibrate_s,
@@ -88,55 +86,19 @@ def estimate(
     }
     if isinstance(drive, Simulation):
         vehicle = drive.vehicle if vehicle is None else vehicle
-        kind, columns = drive.kind, drive.columns
-    elif isinstance(drive, (str, PathLike, Iterator)):
-        kind, columns = usual(), None
-    else:
-        kind, columns = kind_of(drive) or usual(), columns_of(drive)
     if vehicle is None:
         raise SettingError("vehicle is missing, expected a Vehicle or the path of a vehicle file")
     car = vehicle_of(vehicle)._inner
-    if isinstance(drive, Iterator):
-        return Result(estimate_pieces("the table", drive, car, options), kind, None)
-    if columns is None:
-        return Result(_itpms.estimate_log(drive, car, options), kind, None)
+    if isinstance(drive, (str, PathLike)):
+        return Result(_itpms.estimate_log(drive, car, options), usual(), None)
     if dbc is not None:
         raise SettingError("dbc says what the frames of a CAN log mean; this drive is a table")
-    given = [(name, _bytes(name, values, signals is not None)) for name, values in columns.items()]
-    return Result(_itpms.estimate_columns("the table", given, car, options), kind, columns)
-
-
-def estimate_pieces(name: str, tables: Iterator[Any], car: _itpms.Vehicle, options: dict[str, Any]) -> _itpms.Estimated:
-    """A drive in pieces, each a table with the same columns; ``name`` is what messages call it."""
-    first = next(tables, None)
-    if first is None:
-        raise LogError(f"{name}: there is no piece of a drive, expected one at least")
-    names, mapped = list(columns_of(first)), options["signals"] is not None
-
-    def pieces() -> Iterator[list[bytes]]:
-        for number, table in enumerate(chain([first], tables), 1):
-            columns = columns_of(table)
-            if columns.keys() != set(names):
-                odd = sorted(columns.keys() ^ set(names))
-                raise LogError(
-                    f"{name}: piece {number} differs in the column {odd[0]}, expected the columns of the first"
-                )
-            yield [_bytes(column, columns[column], mapped) for column in names]
-
-    return _itpms.estimate_pieces(name, names, pieces(), car, options)
-
-
-def _bytes(name: str, values: npt.NDArray[Any], mapped: bool) -> bytes:
-    """A column for the extension. What means nothing needs no numbers, but a misspelled name should be seen."""
-    if name in MEANT:
-        return numbers(name, values).tobytes()
-    if mapped:
-        # Whether it is meant, the map says; if it is, and no number, it will be missed there.
-        try:
-            return numbers(name, values).tobytes()
-        except LogError:
-            pass
-    return np.full(len(values), np.nan).tobytes()
+    if isinstance(drive, Iterator):
+        return Result(estimate_pieces(TABLE, drive, car, options), usual(), None)
+    kind, table = (
+        (drive.kind, drive.columns) if isinstance(drive, Simulation) else (kind_of(drive) or usual(), collected(drive))
+    )
+    return Result(estimate_pieces(TABLE, pieces_of(TABLE, table), car, options), kind, table)
 
 
 class Simulation:
@@ -252,6 +214,7 @@ class Car:
         options = {
             "rate_hz": 10.0,
             "road": False,
+            "report": False,
             "estimator": estimator,
             "regulation": regulation,
             "calibrate_s": calibrate_s,
@@ -330,14 +293,7 @@ class Car:
         Raises:
             OutputError: the file cannot be written.
         """
-        target = Path(path)
-        beside = target.with_name(f".{target.name}.{os.getpid()}.tmp")
-        try:
-            beside.write_bytes(self._inner.state())
-            beside.replace(target)
-        except OSError as error:
-            beside.unlink(missing_ok=True)
-            raise OutputError(f"{target}: cannot be written: {error.strerror}") from None
+        write(path, self._inner.state())
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Car:

@@ -60,7 +60,7 @@ def pressures(result: Result, source: Columns | None) -> Figure:
                 time_s, 0, 1, where=low, color=LOW, alpha=0.12, lw=0, transform=panel.get_xaxis_transform(), label="low"
             )
         truth = f"{corner}_pressure_kpa"
-        if source is not None and truth in source:
+        if source is not None and {truth, "time_s"} <= source.keys():
             panel.plot(
                 numbers("time_s", source["time_s"]) - origin_s,
                 numbers(truth, source[truth]),

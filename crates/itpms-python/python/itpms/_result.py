@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from . import _itpms
 from ._errors import SettingError
-from ._tables import Columns, Kind, table_of, unpacked
+from ._tables import Columns, Kind, columns_of, table_of, unpacked
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -23,7 +23,7 @@ class Result:
             warnings and roughness.
     """
 
-    def __init__(self, inner: _itpms.Estimated, kind: Kind, source: Columns | None) -> None:
+    def __init__(self, inner: _itpms.Estimated, kind: Kind, source: Any) -> None:
         self._inner = inner
         self._kind = kind
         self._source = source
@@ -92,6 +92,7 @@ class Result:
         """Writes the page about the drive (HTML, complete in itself): that of ``itpms estimate --report``.
 
         Raises:
+            SettingError: it was not kept: ``estimate(..., report=False)``.
             OutputError: the file cannot be written.
         """
         self._inner.report(path)
@@ -106,7 +107,7 @@ class Result:
         """
         from ._plot import pressures
 
-        return pressures(self, self._source)
+        return pressures(self, None if self._source is None else columns_of(self._source))
 
     def __repr__(self) -> str:
         drive = self.summary

@@ -30,13 +30,18 @@ def kind_of(table: object) -> Kind | None:
     return "numpy" if isinstance(table, Mapping) else None
 
 
+def collected(table: Any) -> Any:
+    """A lazy frame of polars as the frame that it stands for; any other table as it is."""
+    return table.collect() if kind_of(table) == "polars" and hasattr(table, "collect") else table
+
+
 def columns_of(table: Any) -> Columns:
     """The columns of a table as arrays, by name, where they are numbers or times."""
     kind = kind_of(table)
     if kind == "pandas":
         return _of_pandas(table)
     if kind == "polars":
-        frame = table.collect() if type(table).__name__ == "LazyFrame" else table
+        frame = collected(table)
         return {str(name): frame.get_column(name).to_numpy() for name in frame.columns}
     if kind == "pyarrow":
         # A batch's columns, unlike a table's, are copied only where one says so.
@@ -58,13 +63,14 @@ def _of_pandas(frame: Any) -> Columns:
     return columns
 
 
-def numbers(name: str, values: Array) -> Array:
+def numbers(name: str, values: Array, before: int = 0) -> Array:
     """A column as float64; missing values are NaN, times are seconds.
 
-    A datetime counts from 1970-01-01 UTC (without a time zone it is taken to be UTC), a timedelta from nothing.
+    A datetime counts from 1970-01-01 UTC (without a time zone it is taken to be UTC), a timedelta from nothing. In messages the first
+    row is the one after ``before``.
     """
     if values.ndim != 1:
-        raise LogError(f"column {name}: found an array of shape {values.shape}, expected one value per row")
+        raise shapeless(name, values)
     if values.dtype.kind in "mM":
         missing = np.isnat(values)
         unit = "datetime64[ns]" if values.dtype.kind == "M" else "timedelta64[ns]"
@@ -76,7 +82,12 @@ def numbers(name: str, values: Array) -> Array:
     except (TypeError, ValueError):
         # Objects: a None, or an NA of pandas, is a missing value.
         pass
-    return np.array([_number(name, row, value) for row, value in enumerate(values, 1)], dtype="<f8")
+    return np.array([_number(name, row, value) for row, value in enumerate(values, before + 1)], dtype="<f8")
+
+
+def shapeless(name: str, values: Array) -> LogError:
+    """What is said of a column that is none."""
+    return LogError(f"column {name}: found an array of shape {values.shape}, expected one value per row")
 
 
 def _number(name: str, row: int, value: Any) -> float:

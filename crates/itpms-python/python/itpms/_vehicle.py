@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from os import PathLike
 from typing import Any
 
 from . import _itpms
+from ._learn import Learned, Pressures, learn
 
 
 class Vehicle:
     """A car as its vehicle file (TOML) describes it: checked, usable as it stands, unchanging.
 
-    Made by :meth:`read`, :meth:`parse` or :meth:`paper`.
+    Made by :meth:`read`, :meth:`parse`, :meth:`typical` or :meth:`paper`.
     """
 
     __slots__ = ("_about", "_inner")
@@ -44,6 +46,34 @@ class Vehicle:
         """The paper's simulated car (Table 2) at all four corners."""
         return cls(_itpms.Vehicle.paper())
 
+    @classmethod
+    def typical(
+        cls,
+        mass_kg: float,
+        front_share: float,
+        tire: str,
+        *,
+        car_class: str = "compact",
+        placard_kpa: float = 240.0,
+        wheelbase_m: float | None = None,
+        name: str | None = None,
+    ) -> Vehicle:
+        """A car of typical values, each with its standard deviation: that of ``itpms vehicle init``.
+
+        Args:
+            mass_kg: Ready to drive, from the registration papers.
+            front_share: Share of it that rests on the front axle.
+            tire: Size as on the sidewall, such as ``205/55R16``.
+            car_class: ``compact``, ``sedan``, ``suv`` or ``van``.
+            placard_kpa: Pressure on the placard, gauge.
+            wheelbase_m: Distance between the axles; that of other cars of the class unless given.
+            name: What the car is called.
+
+        Raises:
+            SettingError: no car has such values.
+        """
+        return cls(_itpms.Vehicle.typical(mass_kg, front_share, tire, car_class, placard_kpa, wheelbase_m, name))
+
     @property
     def name(self) -> str:
         """What people call it."""
@@ -65,6 +95,36 @@ class Vehicle:
     def corners(self) -> dict[str, dict[str, float]]:
         """Parameters by corner (``fl``, ``fr``, ``rl``, ``rr``) and name, with the units of the vehicle file."""
         return {corner: dict(values) for corner, values in self._about["corners"].items()}
+
+    def learn(
+        self,
+        drives: Any,
+        pressure_kpa: Pressures | Sequence[Pressures],
+        *,
+        trust_units: bool = False,
+        dbc: str | PathLike[str] | None = None,
+        signals: str | PathLike[str] | None = None,
+    ) -> Learned:
+        """Learns what drives at known pressures tell of the car, as ``itpms vehicle learn`` does; the car itself stays as it is.
+
+        Every parameter is weighed against the standard deviation that the vehicle file gives it. Ten minutes at an even pace teach
+        most; a second drive with the same tires a quarter lower teaches how stiffness goes with pressure. Each drive is gone through
+        twice. The interpreter's lock is free meanwhile; Ctrl-C ends it.
+
+        Args:
+            drives: A drive or a list of them, each a path or a table as for :func:`itpms.estimate`.
+            pressure_kpa: What the tires had while driving, kPa gauge: a number for all, or a dict by corner
+                (``fl``, ``fr``, ``rl``, ``rr``); with several drives one for all, or a list of one for each.
+            trust_units: As in :func:`itpms.estimate`, like the following.
+            dbc: For CAN logs: what the frames mean.
+            signals: A map of names and units.
+
+        Raises:
+            LogError: a drive cannot be used.
+            SettingError: a pressure is missing or no tire's, or a drive taught nothing.
+        """
+        inner = learn(self._inner, drives, pressure_kpa, trust_units, dbc, signals)
+        return Learned(inner, Vehicle(inner.vehicle))
 
     def to_toml(self) -> str:
         """The text of a vehicle file that reads back as this car."""

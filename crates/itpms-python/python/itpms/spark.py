@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 
 from . import _itpms
 from ._errors import ItpmsError, LogError, SettingError
-from ._estimate import MEANT, estimate_pieces
+from ._pieces import MEANT, estimate_pieces
 from ._tables import columns_of
 from ._vehicle import Vehicle, vehicle_of
 
@@ -76,6 +76,8 @@ def estimate(
     drive: str | Sequence[str] = "drive",
     time: str = "time_s",
     references: Mapping[str, str | PathLike[str]] | None = None,
+    calibrate_s: float | None = None,
+    calibration: str | None = None,
     estimator: str = "informed",
     regulation: str = "un-r141",
     road_repeats: float | str = "auto",
@@ -86,7 +88,9 @@ def estimate(
     """Estimates every drive of a fleet: the rows of ``itpms fleet``, to the last digit.
 
     The samples are shuffled by car and drive and sorted by time; each drive is then estimated batch by batch, so that a worker's
-    memory does not grow with the length of a drive. Nothing is computed before Spark is asked for a result.
+    memory does not grow with the length of a drive. Nothing is computed before Spark is asked for a result. With ``calibrate_s`` what
+    a calibration drive teaches is carried to the car's later drives: then all drives of a car are one task's, in the order of
+    ``drive``.
 
     Args:
         df: A sample per row. Columns: those of :func:`itpms.estimate` (``{c}_body_accel_m_s2``, ``{c}_wheel_accel_m_s2``
@@ -99,6 +103,8 @@ def estimate(
         time: The column with the time: s as a number, or a timestamp. With ``signals`` the rows are sorted by it, and the map says
             what it is.
         references: By the car's name, the path of what an earlier calibration drive taught of it.
+        calibrate_s: The first so many seconds of a calibration drive are driven at placard pressure.
+        calibration: The column that says, true or false, whether it is a calibration drive; each car's first drive unless given.
         estimator: As in :func:`itpms.estimate`, like the following.
         regulation: Which loss is warned of.
         road_repeats: Whether the road repeats itself: seconds, ``never`` or ``auto``.
@@ -119,14 +125,22 @@ def estimate(
     functions = _pyspark()
     keys = ([] if car is None else [car]) + ([drive] if isinstance(drive, str) else list(drive))
     _check_columns(df.columns, keys, time)
+    if calibration is not None:
+        if calibration not in df.columns:
+            raise SettingError(
+                f"column {calibration} is not in the data frame, expected one of: {', '.join(df.columns)}"
+            )
+        if calibrate_s is None:
+            raise SettingError("calibration is given without calibrate_s: how long is it at placard pressure?")
     if partitions is not None and not partitions >= 1:
         raise SettingError(f"partitions is {partitions}, expected 1 or more")
     options = {
         "rate_hz": _RATE_HZ,
         "road": False,
+        "report": True,
         "estimator": estimator,
         "regulation": regulation,
-        "calibrate_s": None,
+        "calibrate_s": calibrate_s,
         "save_reference": None,
         "reference": None,
         "road_repeats": road_repeats,
@@ -134,19 +148,25 @@ def estimate(
         "dbc": None,
         "signals": None,
     }
-    job = _Job(keys, car is not None, options, None if signals is None else _content(signals))
+    job = _Job(keys, car is not None, calibration, options, None if signals is None else _content(signals))
     job.take_cars(vehicles, references or {})
     job.check()
 
     # A column that means nothing is only looked at for its name, which may be a misspelled one.
-    job.others = [] if signals is not None else [name for name in df.columns if name not in {*keys, time, *MEANT}]
-    wanted = [name for name in df.columns if name in {*keys, *MEANT} or signals is not None]
+    ours = {*keys, *([] if calibration is None else [calibration])}
+    job.others = [] if signals is not None else [name for name in df.columns if name not in {*ours, time, *MEANT}]
+    wanted = [name for name in df.columns if name in {*ours, *MEANT} or signals is not None]
     clock = "time_s" if signals is None else time
     samples = [functions.col(f"`{name}`") for name in wanted if name not in (time, clock)]
     chosen = df.select(*samples, functions.col(f"`{time}`").alias(clock))
     parts = partitions or int(df.sparkSession.conf.get("spark.sql.shuffle.partitions") or 200)
     columns = [f"`{name}`" for name in keys]
-    sorted_drives = chosen.repartition(parts, *columns).sortWithinPartitions(*columns, f"`{clock}`")
+    if calibrate_s is None:
+        dealt = chosen.repartition(parts, *columns)
+    else:
+        # A car's drives follow each other.
+        dealt = chosen.repartition(1) if car is None else chosen.repartition(parts, columns[0])
+    sorted_drives = dealt.sortWithinPartitions(*columns, f"`{clock}`")
     types = [f"`{name}` {df.schema[name].dataType.simpleString()}" for name in keys]
     schema = ", ".join(types + [f"{name} {kind}" for name, kind in COLUMNS])
     return sorted_drives.mapInArrow(job.run, schema)
@@ -188,6 +208,7 @@ class _Job:
 
     keys: list[str]
     has_car: bool
+    calibration: str | None
     options: dict[str, Any]
     signals: bytes | None
     # Vehicle files and stored references by the car's name; under None those of all.
@@ -232,9 +253,10 @@ class _Job:
             options = self.options if self.signals is None else self.options | {"signals": f"{folder}/map.toml"}
             if self.signals is not None:
                 Path(options["signals"]).write_bytes(self.signals)
+            history = _History()
             for _, numbered in groupby(self._pieces(batches), key=lambda piece: piece[0]):
                 pieces = (piece for _, piece in numbered)
-                yield self._drive(next(pieces), pieces, options, folder)
+                yield self._drive(next(pieces), pieces, options, folder, history)
 
     def _pieces(self, batches: Iterator[Any]) -> Iterator[tuple[int, Any]]:
         """Each batch cut where a drive ends; with the drive's number in this partition."""
@@ -267,13 +289,13 @@ class _Job:
         found: list[int] = (np.flatnonzero(changed) + 1).tolist()
         return found
 
-    def _drive(self, first: Any, rest: Iterator[Any], options: dict[str, Any], folder: str) -> Any:
+    def _drive(self, first: Any, rest: Iterator[Any], options: dict[str, Any], folder: str, history: _History) -> Any:
         """The rows of a drive that comes in pieces."""
         import pyarrow as pa
 
         key = [first.column(name)[0].as_py() for name in self.keys]
         try:
-            rows = self._wheels(key, first, rest, options, folder)
+            rows = self._wheels(key, first, rest, options, folder, history)
         except ItpmsError as error:
             rows = [{"error": str(error)}]
         except RuntimeError as error:
@@ -290,7 +312,13 @@ class _Job:
         return pa.RecordBatch.from_pydict(same | found)
 
     def _wheels(
-        self, key: list[Any], first: Any, rest: Iterator[Any], options: dict[str, Any], folder: str
+        self,
+        key: list[Any],
+        first: Any,
+        rest: Iterator[Any],
+        options: dict[str, Any],
+        folder: str,
+        history: _History,
     ) -> list[dict[str, Any]]:
         name = "/".join(map(str, key))
         missing = next((column for column, value in zip(self.keys, key, strict=True) if value is None), None)
@@ -300,22 +328,33 @@ class _Job:
         text = self.cars.get(id, self.cars.get(None))
         if text is None:
             raise LogError(f"{name}: no car's, expected {id!r} to be one of the {len(self.cars)} vehicles")
-        reference = self.references.get(id)
+        seconds = options["calibrate_s"]
+        if seconds is not None:
+            told = None if self.calibration is None else bool(first.column(self.calibration)[0].as_py())
+            seconds = seconds if history.begins(id, told) else None
+        reference = None if seconds is not None else history.taught or self.references.get(id)
+        stored = f"{folder}/car.reference"
         if reference is not None:
-            options = options | {"reference": f"{folder}/car.reference"}
-            Path(options["reference"]).write_bytes(reference)
+            Path(stored).write_bytes(reference)
+        options = options | {"calibrate_s": seconds, "reference": None if reference is None else stored}
         vehicle = _vehicle(text)
         tables = (self._table(piece) for piece in chain([first], rest))
         done = estimate_pieces(name, tables, vehicle._inner, options)
         drive = json.loads(done.figures())
+        concerns, taught = drive["warnings"], False
+        if seconds is not None:
+            why = done.teach(stored)
+            taught = why is None
+            history.taught = Path(stored).read_bytes() if taught else history.taught
+            concerns = concerns if why is None else [*concerns, why]
         same = {
             "vehicle": vehicle.name,
             "distance_m": drive["distance_m"],
             "duration_s": drive["duration_s"],
             "rate_hz": drive["rate_hz"],
             "start_s": done.start_s(),
-            "calibration": "none" if reference is None else "carried",
-            "concerns": "; ".join(drive["warnings"]),
+            "calibration": "drive" if taught else "none" if reference is None else "carried",
+            "concerns": "; ".join(concerns),
         }
         return [same | _flat(wheel) for wheel in json.loads(done.wheels())]
 
@@ -323,10 +362,26 @@ class _Job:
         import numpy as np
 
         columns = columns_of(piece)
-        for name in self.keys:
+        for name in self.keys if self.calibration is None else [*self.keys, self.calibration]:
             del columns[name]
         nothing = np.full(piece.num_rows, np.nan)
         return columns | dict.fromkeys(self.others, nothing)
+
+
+@dataclass
+class _History:
+    """The drives of a car that came before, in the order of a partition."""
+
+    car: str | None = None
+    begun: bool = False
+    taught: bytes | None = None
+
+    def begins(self, car: str | None, told: bool | None) -> bool:
+        """A drive of this car begins; whether it is a calibration drive, which is told, or else is each car's first."""
+        if not self.begun or car != self.car:
+            self.car, self.begun, self.taught = car, True, None
+            return True if told is None else told
+        return bool(told)
 
 
 @lru_cache(maxsize=64)

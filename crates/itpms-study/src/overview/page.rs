@@ -11,6 +11,9 @@ const STYLE: &str = include_str!("../observability/page.css");
 /// Where spectra are shown, in Hz: below, drifts of the sensors; above, no suspension.
 const SHOWN_HZ: (f64, f64) = (0.5, 100.0);
 
+/// How far the axis of the spectra goes beyond the highest of them, as a factor.
+const ROOM: f64 = 8.0;
+
 impl Found {
     /// The page about the log of this name.
     #[must_use]
@@ -73,7 +76,7 @@ impl Found {
             }
         }
         format!(
-            "<div class=\"scroll\"><table class=\"numbers\"><thead><tr><th>signal</th><th>unit</th><th>values</th><th>missing</th>\
+            "<div class=\"scroll\"><table class=\"numbers\"><thead><tr><th class=\"words\">signal</th><th class=\"words\">unit</th><th>values</th><th>missing</th>\
              <th>mean</th><th>standard deviation</th><th>lowest</th><th>highest</th><th>smallest step</th></tr></thead>\
              <tbody>{rows}</tbody></table></div>\n"
         )
@@ -159,7 +162,9 @@ impl FoundCorner {
     }
 
     fn densities(&self, step_s: f64) -> Panel {
-        let density = Axis::logarithmic("Power spectral density", "m²/s⁴/Hz");
+        // Room above the highest for the word at the wheel's hop.
+        let top = self.lines.iter().map(|line| line.wheel).fold(0.0, f64::max);
+        let density = Axis::logarithmic("Power spectral density", "m²/s⁴/Hz").holding(ROOM * top);
         let side = |pick: fn(&Density) -> f64| {
             self.lines.iter().map(|line| (line.hz, pick(line))).collect::<Vec<_>>()
         };
@@ -193,7 +198,7 @@ fn cells(unit: &str, s: &Statistics) -> String {
     let numbers = [s.mean, s.sd, s.low, s.high, s.smallest_step].map(|value| {
         if value.is_finite() { format!("<td>{}</td>", figures(value)) } else { "<td>–</td>".to_owned() }
     });
-    format!("<td>{unit}</td><td>{}</td><td>{}</td>{}", s.samples, s.missing, numbers.concat())
+    format!("<td class=\"words\">{unit}</td><td>{}</td><td>{}</td>{}", s.samples, s.missing, numbers.concat())
 }
 
 /// Four significant figures.

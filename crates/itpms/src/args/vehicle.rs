@@ -125,8 +125,7 @@ impl std::str::FromStr for KnownPressures {
     fn from_str(text: &str) -> Result<Self, String> {
         let expected = || format!("found {text:?}, expected kPa such as 240 or fl=240,fr=240,rl=220,rr=220");
         let kpa = |text: &str| match positive(text) {
-            Ok(kpa) if (60.0..=1500.0).contains(&kpa) => Ok(kpa),
-            Ok(kpa) => Err(format!("{kpa} kPa is no tire's pressure, expected 60 to 1500 (another unit?)")),
+            Ok(kpa) => itpms_drive::learn::no_pressure(kpa).map_or(Ok(kpa), Err),
             Err(_) => Err(expected()),
         };
         if !text.contains('=') {

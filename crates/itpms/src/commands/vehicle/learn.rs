@@ -7,7 +7,6 @@ use itpms_data::Vehicle;
 use itpms_data::out::AtomicFile;
 use itpms_drive::{KnownDrive, LearnedVehicle, learn};
 use itpms_study::learn::{LearnedCorner, Parameter};
-use serde_json::{Map, Value, json};
 
 use crate::args::LearnArgs;
 use crate::commands::names;
@@ -45,7 +44,7 @@ pub(super) fn run(args: &LearnArgs, screen: &Screen, interrupt: &Interrupt) -> R
         screen.warn(concern);
     }
     if args.json {
-        let text = serde_json::to_string_pretty(&document(&learned))
+        let text = serde_json::to_string_pretty(&learned.document())
             .map_err(|error| Failure::Usage(format!("the result is no JSON: {error}")))?;
         screen.print_lines(text);
     } else {
@@ -143,36 +142,4 @@ fn table(file: &Vehicle, learned: &LearnedVehicle) -> String {
 fn shown(value: f64, sd: f64, mark: char) -> String {
     let decimals = usize::from(value < 1_000.0);
     format!("{value:.decimals$} ± {sd:.decimals$}{mark}")
-}
-
-fn document(learned: &LearnedVehicle) -> Value {
-    let parameter = |p: Parameter| {
-        json!({
-            "before": p.before, "before_sd": p.before_sd,
-            "after": p.after, "after_sd": p.after_sd,
-            "learned": p.is_learned(),
-        })
-    };
-    let corners: Map<String, Value> = Corner::ALL
-        .into_iter()
-        .filter_map(|corner| {
-            let of = learned.learned.corners[corner.index()].as_ref()?;
-            let value = json!({
-                "unsprung_mass_kg": parameter(of.unsprung_mass_kg),
-                "tire_n_per_m": parameter(of.tire_n_per_m),
-                "stiffness_over_mass_per_s2": parameter(of.stiffness_over_mass),
-                "damping_n_s_per_m": parameter(of.damping_n_s_per_m),
-                "spring_n_per_m": parameter(of.spring_n_per_m),
-                "friction_n": parameter(of.friction_n),
-                "uncalibrated_pressure_sd_kpa": learned.vehicle.level_sd_kpa(&[corner]),
-            });
-            Some((corner.label().to_owned(), value))
-        })
-        .collect();
-    json!({
-        "corners": corners,
-        "slope_over_file": parameter(learned.learned.slope),
-        "unknown": learned.unknown(),
-        "concerns": learned.concerns,
-    })
 }

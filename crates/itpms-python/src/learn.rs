@@ -1,0 +1,95 @@
+//! A vehicle's parameters from drives at known pressures.
+
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+
+use itpms_core::model::Corner;
+use itpms_data::LogReader;
+use itpms_drive::{DriveError, KnownDrive, LearnedVehicle, learn_with};
+use pyo3::prelude::*;
+use pyo3::types::PyIterator;
+
+use crate::errors;
+use crate::pieces::{self, Pieces, Raised};
+use crate::vehicle::Vehicle;
+use crate::work::{self, Stop};
+
+/// A drive: a path, or a name and what gives its pieces anew for every pass; and the pressures in kPa of the corners that were told.
+#[derive(FromPyObject)]
+pub(crate) struct Given {
+    #[pyo3(item)]
+    log: PathBuf,
+    #[pyo3(item)]
+    table: Option<(Vec<String>, Py<PyAny>)>,
+    #[pyo3(item)]
+    pressures_kpa: std::collections::HashMap<String, f64>,
+}
+
+/// Learns what drives at known pressures tell of a car.
+#[pyfunction]
+pub(crate) fn learn(
+    py: Python<'_>,
+    vehicle: &Vehicle,
+    drives: Vec<Given>,
+    trust_units: bool,
+    dbc: Option<PathBuf>,
+    signals: Option<PathBuf>,
+) -> PyResult<Learned> {
+    let options = pieces::reading(trust_units, dbc, signals);
+    let known: Vec<KnownDrive> = drives
+        .iter()
+        .map(|given| KnownDrive {
+            log: given.log.clone(),
+            options: options.clone(),
+            pressures_kpa: Corner::ALL
+                .map(|corner| given.pressures_kpa.get(corner.label()).copied().unwrap_or(f64::NAN)),
+        })
+        .collect();
+    let mut raised = Raised::default();
+    let result = work::run(py, |stop: &Stop| {
+        let watch =
+            &mut |_: f64| if stop.wanted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+        let open = &mut |number: usize| -> Result<LogReader, DriveError> {
+            let (given, drive) = (&drives[number], &known[number]);
+            let Some((names, pieces)) = &given.table else {
+                return Ok(LogReader::open_with(&drive.log, &drive.options)?);
+            };
+            let again = Python::attach(|py| -> PyResult<Py<PyIterator>> {
+                Ok(pieces.bind(py).call0()?.cast_into::<PyIterator>()?.unbind())
+            });
+            let pieces = again.map(|pieces| Pieces::new(names.clone(), pieces));
+            let pieces = pieces.map_err(|error| {
+                let sentence = error.to_string();
+                raised.keep(error);
+                DriveError::Mismatch(sentence)
+            })?;
+            raised = pieces.raised();
+            Ok(pieces.open(&drive.log, &drive.options)?)
+        };
+        learn_with(&vehicle.0, &known, open, watch)
+    })?;
+    raised.or(result.map(Learned).map_err(|error| errors::drive(py, &error)))
+}
+
+/// What was learned.
+#[pyclass(frozen, module = "itpms._itpms")]
+pub(crate) struct Learned(LearnedVehicle);
+
+#[pymethods]
+impl Learned {
+    /// The vehicle to go on with.
+    #[getter]
+    fn vehicle(&self) -> Vehicle {
+        Vehicle(self.0.vehicle.clone())
+    }
+
+    /// What `itpms vehicle learn --json` prints.
+    fn document(&self) -> String {
+        self.0.document().to_string()
+    }
+
+    /// The vehicle file with its comments; `began_with` is what it calls the one before.
+    fn to_toml(&self, began_with: &str) -> String {
+        self.0.to_toml(began_with)
+    }
+}

@@ -1,0 +1,87 @@
+//! A drive that Python hands over piece by piece.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+
+use itpms_data::log::{LogOptions, Piece, UnitCheck};
+use itpms_data::{DataError, LogReader, Problem};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyIterator};
+
+use crate::columns::numbers;
+
+/// How a log is read.
+pub(crate) fn reading(trust_units: bool, dbc: Option<PathBuf>, signals: Option<PathBuf>) -> LogOptions {
+    let units = if trust_units { UnitCheck::Trusting } else { UnitCheck::Suspicious };
+    LogOptions { units, dbc, signals }
+}
+
+/// An iterator over the columns, in the order of their names, that is asked for the next piece when the last one is used up. A column
+/// is bytes, or a sentence on why it holds no numbers.
+pub(crate) struct Pieces {
+    names: Vec<String>,
+    pieces: Py<PyIterator>,
+    raised: Raised,
+}
+
+/// What an iterator raised, if it did.
+#[derive(Clone, Default)]
+pub(crate) struct Raised(Arc<Mutex<Option<PyErr>>>);
+
+impl Raised {
+    /// This, or else the result: what an iterator raised says more than that there was no further piece.
+    pub(crate) fn or<T>(&self, result: PyResult<T>) -> PyResult<T> {
+        let raised = self.0.lock().ok().and_then(|mut raised| raised.take());
+        raised.map_or(result, Err)
+    }
+
+    /// Keeps it.
+    pub(crate) fn keep(&self, error: PyErr) {
+        if let Ok(mut raised) = self.0.lock() {
+            *raised = Some(error);
+        }
+    }
+}
+
+/// A column of a piece.
+#[derive(FromPyObject)]
+enum Column<'py> {
+    Numbers(Bound<'py, PyBytes>),
+    Words(String),
+}
+
+impl Pieces {
+    pub(crate) fn new(names: Vec<String>, pieces: Py<PyIterator>) -> Self {
+        Self { names, pieces, raised: Raised::default() }
+    }
+
+    /// What the iterator will have raised.
+    pub(crate) fn raised(&self) -> Raised {
+        self.raised.clone()
+    }
+
+    /// The drive, called `name` in messages. To be read without the interpreter's lock.
+    pub(crate) fn open(self, name: &Path, options: &LogOptions) -> Result<LogReader, DataError> {
+        let names = self.names.clone();
+        let more = move || {
+            Python::attach(|py| {
+                self.next(py).map_err(|error| {
+                    let sentence = error.to_string();
+                    self.raised.keep(error);
+                    Problem::UnusableSignals(sentence)
+                })
+            })
+        };
+        LogReader::from_pieces(name, &names, Box::new(more), options)
+    }
+
+    fn next(&self, py: Python<'_>) -> PyResult<Option<Piece>> {
+        let Some(piece) = self.pieces.bind(py).clone().next().transpose()? else { return Ok(None) };
+        let piece = piece.extract::<Vec<Column<'_>>>()?;
+        let column = |(name, column): (&String, &Column<'_>)| match column {
+            Column::Numbers(bytes) => numbers(py, name, bytes.as_bytes()).map(Ok),
+            Column::Words(why) => Ok(Err(why.clone())),
+        };
+        self.names.iter().zip(&piece).map(column).collect::<PyResult<Piece>>().map(Some)
+    }
+}
