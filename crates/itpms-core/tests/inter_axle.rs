@@ -297,10 +297,12 @@ fn without_a_wheelbase_the_corners_are_alone() {
             let CornerSample { body_accel_m_s2, wheel_accel_m_s2 } = row.corners[i].unwrap();
             let expected = corner.update(row.time_s, row.speed_m_s, body_accel_m_s2, wheel_accel_m_s2);
             let found = estimate.corners[i].unwrap();
-            // But for the friction of its strut, which the body tells that all of them carry: there is none.
+            // But for the friction of its strut, which the body tells that all of them carry: there is none, and within
+            // some seconds all corners together know that as well as one by itself, or better.
             let off_kpa = (found.pressure_kpa - expected.pressure_kpa).abs();
             assert!(off_kpa < 0.05 * expected.pressure_sd_kpa, "{found:?} {expected:?}");
-            assert!((found.pressure_sd_kpa / expected.pressure_sd_kpa - 1.0).abs() < 0.05);
+            let ratio = found.pressure_sd_kpa / expected.pressure_sd_kpa;
+            assert!(row.time_s < 4.0 || (0.8..1.02).contains(&ratio), "{i} {}: {ratio}", row.time_s);
         }
     }
 }

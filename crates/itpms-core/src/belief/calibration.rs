@@ -69,6 +69,7 @@ impl<T: Real> Belief<T> {
             calibration.stored.clear();
         }
         (calibration.calibrated, calibration.active, calibration.ended_s) = (true, true, None);
+        self.bank.free_masses(&self.mass_sd);
         self.set_tires();
     }
 
@@ -187,6 +188,7 @@ impl<T: Real> Belief<T> {
     ) -> Result<(), CalibrationError> {
         let [mass, damping, spring, bar, gain, wheelbase, skew, bias, road_bias] = LEAST_SD.map(T::lit);
         let bank = &mut self.bank;
+        bank.free_masses(&self.mass_sd);
         for (i, learned) in calibration.corners.iter().enumerate() {
             match (learned, self.present[i]) {
                 (Some(learned), true) => {

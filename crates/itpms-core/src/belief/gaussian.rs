@@ -81,7 +81,7 @@ impl<T: Real> Part<'_, T> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Circumstances<T> {
-    /// How well the vehicle file knows the unsprung masses, each axle's for itself, as a share of them.
+    /// How far the unsprung masses may be from the vehicle file's, as a share of them.
     pub(crate) mass_sd: [T; 4],
     /// By which variance each damping and spring may be another one, over its file's.
     pub(crate) strut_variance: [[T; 2]; 4],

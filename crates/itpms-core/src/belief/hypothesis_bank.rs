@@ -5,7 +5,7 @@ use super::gaussian::{Circumstances, Hypothesis, Wandering};
 use super::hypotheses::{ALL, CONSTANT, HYPOTHESES, Hypotheses, RANDOM_WALK, SIDE, changing, has_rate};
 use super::measurement::{AxleResidual, SideMeasurement, UpdateRecord};
 use super::mixture::Mixture;
-use super::state::{RATE, SIZE, State, TIRE};
+use super::state::{MASS, RATE, SIZE, State, TIRE};
 use super::tires::Tires;
 use super::transition::Transition;
 use super::update::{Likelihood, OwnCovariance, score};
@@ -65,6 +65,16 @@ impl<T: Real> HypothesisBank<T> {
             constant.part().with_onset(has_rate(index)).write(constant.weight, hypothesis);
         }
         self.collapse();
+    }
+
+    /// Unsprung masses may be this far from the vehicle file's from now on.
+    pub(super) fn free_masses(&mut self, mass_sd: &[T; 4]) {
+        for (i, (held, &free)) in self.circumstances.mass_sd.iter_mut().zip(mass_sd).enumerate() {
+            for hypothesis in &mut self.hypotheses {
+                hypothesis.covariance[(MASS + i, MASS + i)] += (free * free - *held * *held).max(T::zero());
+            }
+            *held = free;
+        }
     }
 
     /// Begins to move on by `seconds`; see [`Transition::begin`].

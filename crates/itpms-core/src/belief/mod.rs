@@ -60,8 +60,9 @@ const PARKED_SD: f64 = 0.06;
 const PARKED_S: f64 = 1800.0;
 /// Seconds of shared road after which the belief counts.
 pub(crate) const ENOUGH_S: f64 = 2.0;
-/// Sd to which an unsprung mass is known at best, as a share of it.
-const LEAST_MASS_SD: f64 = 0.005;
+/// Sd to which unsprung masses are held until a calibration teaches them, as a share of them: mass and stiffness of a wheel are not told
+/// apart, and what the vehicle file leaves open of both is considered outside.
+const HELD_MASS_SD: f64 = 0.01;
 /// Sd of a tire's compliance, over that at placard pressure, when nobody watched.
 const UNWATCHED_SD: f64 = 0.05;
 
@@ -85,6 +86,8 @@ pub(crate) struct Belief<T: Real> {
     present: [bool; 4],
     /// The tires' compliances at the start.
     start: [T; 4],
+    /// How well the vehicle file knows the unsprung masses, each axle's for itself, as a share of them.
+    mass_sd: [T; 4],
     /// Time to which the belief was predicted.
     time_s: f64,
     /// Seconds of shared road learned from.
@@ -97,7 +100,7 @@ pub(crate) struct Belief<T: Real> {
 }
 
 blank!(Belief<T> {
-    bank, scale, present, start, time_s, learned_s, calibration, checkpoints, pre_fault, inflation,
+    bank, scale, present, start, mass_sd, time_s, learned_s, calibration, checkpoints, pre_fault, inflation,
 });
 
 impl<T: Real> Belief<T> {
@@ -106,10 +109,10 @@ impl<T: Real> Belief<T> {
             c.tire.stiffness_n_per_m(c.placard_kpa) / c.initial_stiffness_n_per_m() - T::one()
         };
         self.start = core::array::from_fn(|i| config.corners[i].as_ref().map_or(T::zero(), softer));
-        let mass_sd = |c: &CornerConfig<T>| c.uncertainty.axle_mass_relative_sd().max(T::lit(LEAST_MASS_SD));
-        let mass_sd =
-            core::array::from_fn(|i| config.corners[i].as_ref().map_or(T::lit(LEAST_MASS_SD), mass_sd));
-        self.bank.circumstances = Circumstances::of_a_car(mass_sd);
+        let held = T::lit(HELD_MASS_SD);
+        let mass_sd = |c: &CornerConfig<T>| c.uncertainty.axle_mass_relative_sd().max(held);
+        self.mass_sd = core::array::from_fn(|i| config.corners[i].as_ref().map_or(held, mass_sd));
+        self.bank.circumstances = Circumstances::of_a_car([held; 4]);
         self.bank.start(&self.start);
         self.scale = TireScale::new(config);
         self.present = config.corners.each_ref().map(Option::is_some);
