@@ -54,6 +54,9 @@ const POWER_S: f64 = 20.0;
 const SETTLING_S: f64 = 2.0;
 /// Share of a frame that is new: frames overlap by half.
 const OVERLAP: f64 = 0.5;
+/// Passes of a fit at most. With the bins and the rest they have to fit into a hop at 100 Hz.
+const PASSES: usize = 6;
+const _: () = assert!(BINS + 1 + PASSES <= 20);
 /// Seconds that a frame adds.
 const SECONDS: f64 = 0.5 / BIN_SPACING_HZ;
 /// Seconds within which frames of two corners are of the same time.
@@ -100,6 +103,8 @@ pub(crate) struct BodyEquation<T: Real> {
     parameters: Parameters<T>,
     information: SMatrix<T, SIZE, SIZE>,
     score: Parameters<T>,
+    /// Slip forces that the present fit holds at zero.
+    held: [bool; SIZE],
     powers: [Powers<T>; 4],
     /// Bin nearest to each wheel's hop, and what friction that is not known makes of stiffness and damping there: see
     /// [`stiffness_error`].
@@ -109,12 +114,12 @@ pub(crate) struct BodyEquation<T: Real> {
     /// Whether enough was ever seen for the slip forces to be told.
     known: bool,
     time_s: f64,
-    /// Units of the newest frames' work that are left, one a sample: every bin, then the fit.
+    /// Units of the newest frames' work that are left, one a sample: every bin, how well friction is known, then the fit.
     units_left: usize,
 }
 
 blank!(BodyEquation<T> {
-    body, damping, spring, noise_density, parameters, information, score, powers, hop_bin, impedance_variance,
+    body, damping, spring, noise_density, parameters, information, score, held, powers, hop_bin, impedance_variance,
     learned_s, known, time_s, units_left,
 });
 
@@ -139,6 +144,7 @@ impl<T: Real> BodyEquation<T> {
         self.hop_bin = corners.each_ref().map(|corner| corner.as_ref().map_or(0, stiffness_error::hop_bin));
         self.impedance_variance = [[T::zero(); 2]; 4];
         (self.learned_s, self.known, self.time_s) = (T::zero(), false, f64::NEG_INFINITY);
+        self.held = [false; SIZE];
         self.units_left = 0;
     }
 
@@ -164,8 +170,13 @@ impl<T: Real> BodyEquation<T> {
         }
         self.units_left -= 1;
         match self.units_left {
-            0 => self.fit(),
-            left => self.accumulate(&frames, BINS - left.min(BINS)),
+            PASSES => self.note_impedance_error(),
+            left if left < PASSES => {
+                if self.fit(left == 0) {
+                    self.units_left = 0;
+                }
+            }
+            left => self.accumulate(&frames, (BINS + PASSES).saturating_sub(left)),
         }
         self.units_left == 0
     }
@@ -187,7 +198,8 @@ impl<T: Real> BodyEquation<T> {
         let keep = (-seconds / T::lit(MEMORY_S).min(self.learned_s.max(T::lit(1.0)))).exp();
         self.information *= keep;
         self.score *= keep;
-        self.units_left = BINS + 1;
+        self.held = [false; SIZE];
+        self.units_left = BINS + 1 + PASSES;
     }
 
     /// Slip forces in N of a corner's elements, once enough was seen.
@@ -344,36 +356,39 @@ impl<T: Real> BodyEquation<T> {
         })
     }
 
-    /// Goes towards the parameters that fit best; slip forces stay where they are not negative.
-    fn fit(&mut self) {
-        let (first, prior) = (first::<T>(), prior_information::<T>(&self.body));
-        let information = self.information + SMatrix::from_diagonal(&prior);
-        let score = self.score + prior.component_mul(&first);
-        let mut held = [false; SIZE];
-        // Each pass holds at zero what the one before made negative.
-        for _ in 0..=SIZE - SLIP {
-            let (mut free, mut right) = (information, score);
-            for i in (SLIP..SIZE).filter(|&i| held[i]) {
-                free.row_mut(i).fill(T::zero());
-                free.column_mut(i).fill(T::zero());
-                free[(i, i)] = T::one();
-                right[i] = T::zero();
-            }
-            let Some(cholesky) = free.cholesky() else { return };
-            if !held.contains(&true) {
-                self.note_impedance_error(&cholesky);
-            }
-            let best = cholesky.solve(&right);
-            let negative = |i: usize| !held[i] && best[i] < T::zero();
-            let newly: [bool; SIZE] = core::array::from_fn(|i| i >= SLIP && negative(i));
-            if newly.contains(&true) {
-                held.iter_mut().zip(newly).for_each(|(held, newly)| *held |= newly);
-                continue;
-            }
-            self.move_to(&best);
-            return;
+    /// Goes towards the parameters that fit best; slip forces stay where they are not negative: one pass of that, which holds at zero
+    /// what those before made negative. True if there is no other to follow.
+    #[inline(never)]
+    fn fit(&mut self, is_last: bool) -> bool {
+        let mut best = self.score + prior_information::<T>(&self.body).component_mul(&first());
+        let mut free = self.with_prior();
+        for i in (SLIP..SIZE).filter(|&i| self.held[i]) {
+            free.row_mut(i).fill(T::zero());
+            free.column_mut(i).fill(T::zero());
+            free[(i, i)] = T::one();
+            best[i] = T::zero();
         }
-        // Friction that fits nothing: all that is left is what was.
+        let Some(cholesky) = free.cholesky() else { return true };
+        cholesky.solve_mut(&mut best);
+        let mut negative = false;
+        for i in SLIP..SIZE {
+            if best[i] < T::zero() && !self.held[i] {
+                (self.held[i], negative) = (true, true);
+            }
+        }
+        let found = is_last || !negative;
+        if found {
+            self.move_to(&best);
+        }
+        found
+    }
+
+    /// What the frames and the vehicle file together tell of the parameters.
+    #[inline(always)]
+    fn with_prior(&self) -> SMatrix<T, SIZE, SIZE> {
+        let (mut information, prior) = (self.information, prior_information::<T>(&self.body));
+        (0..SIZE).for_each(|i| information[(i, i)] += prior[i]);
+        information
     }
 
     fn move_to(&mut self, best: &Parameters<T>) {

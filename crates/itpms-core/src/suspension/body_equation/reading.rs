@@ -1,8 +1,6 @@
 //! What the fit has found of the struts, for whoever writes it down (docs/math/learn.md, section 2). Called between samples, not with each.
 
-use nalgebra::SMatrix;
-
-use super::{BodyEquation, DAMPER, ELEMENTS, FORCE_N, INERTIA, SLIP, SPRING, prior_information};
+use super::{BodyEquation, DAMPER, ELEMENTS, FORCE_N, INERTIA, SLIP, SPRING};
 use crate::model::StrutReading;
 use crate::real::Real;
 
@@ -12,8 +10,7 @@ impl<T: Real> BodyEquation<T> {
         if !(self.known && self.body.has(corner)) {
             return None;
         }
-        let prior = prior_information::<T>(&self.body);
-        let covariance = (self.information + SMatrix::from_diagonal(&prior)).cholesky()?.inverse();
+        let covariance = self.with_prior().cholesky()?.inverse();
         // Of the difference of two logarithms: to the body's mass, which is told by nothing but the file.
         let over_mass_sd = |i: usize| {
             let variance =

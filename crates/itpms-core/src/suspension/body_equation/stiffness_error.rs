@@ -1,13 +1,11 @@
 //! What friction that is not known exactly makes of the tires' stiffnesses (docs/math/unknown-car.md, section 5): at wheel hop a strut that
 //! sticks is a spring beside the tire, so a newton of slip force too much is so much stiffness too little.
 
-use nalgebra::{Cholesky, Const};
-
 // Where another crate of the build brings `std`, numbers have this function by themselves.
 #[allow(unused_imports)]
 use nalgebra::ComplexField;
 
-use super::{BINS, BodyEquation, ELEMENTS, FORCE_N, Parameters, SIZE, SLIP};
+use super::{BINS, BodyEquation, ELEMENTS, FORCE_N, Parameters, SLIP};
 use crate::model::CornerConfig;
 use crate::real::Real;
 use crate::spectrum::transfer::FRICTION_SPACING_HZ;
@@ -41,9 +39,10 @@ impl<T: Real> BodyEquation<T> {
         [over(damping, self.damping[corner] * omega), over(stiffness, self.spring[corner])]
     }
 
-    /// From the covariance of all parameters, given by its inverse's factor.
+    /// With the covariance `P` of all parameters, the inverse of `L L'`: `q' P q` is the square of `y` where `L y = q`.
     #[inline(never)]
-    pub(super) fn note_impedance_error(&mut self, information: &Cholesky<T, Const<SIZE>>) {
+    pub(super) fn note_impedance_error(&mut self) {
+        let Some(information) = self.with_prior().cholesky() else { return };
         for corner in (0..4).filter(|&corner| self.body.has(corner)) {
             let corner = corner.min(3);
             for part in 0..2 {
@@ -53,10 +52,11 @@ impl<T: Real> BodyEquation<T> {
                     slope[SLIP + 4 * element + corner] = per_newton * T::lit(FORCE_N);
                     sticking += per_newton * slip_n;
                 }
-                let mut by = slope;
-                information.solve_mut(&mut by);
+                if !information.l_dirty().solve_lower_triangular_mut(&mut slope) {
+                    return;
+                }
                 let model = T::lit(MODEL_ERROR) * sticking;
-                self.impedance_variance[corner][part.min(1)] = slope.dot(&by).max(T::zero()) + model * model;
+                self.impedance_variance[corner][part.min(1)] = slope.norm_squared() + model * model;
             }
         }
     }
