@@ -2,7 +2,8 @@
 //! is known wanders, and what no tire can be; nothing of the other ways.
 
 use super::state::{
-    Covariance, DAMPING, RATE, SIZE, SPRING, State, TIRE, correlate_bars, prior_sd, return_rate, wander_sd,
+    Covariance, DAMPING, RATE, ROAD_BIAS, SIZE, SPRING, State, TIRE, correlate_bars, end_sd, prior_sd,
+    return_rate, wander_sd,
 };
 use crate::memory::blank;
 use crate::real::Real;
@@ -11,6 +12,8 @@ use crate::suspension::MEMORY_S;
 /// Mean and sd in 1/s of the rate at which a compliance begins to grow: that of a tire which loses 40 kPa/s grows by 0.15/s.
 const RATE_MEAN: f64 = 0.08;
 const RATE_SD: f64 = 0.08;
+/// Seconds for which a car goes on over roads that are alike.
+const ROAD_S: f64 = 1800.0;
 /// The least that a tire's compliance can be, over that at placard pressure, less one: at more than twice that pressure.
 const HARDEST: f64 = -0.5;
 
@@ -83,18 +86,38 @@ impl<T: Real> Part<'_, T> {
 pub(crate) struct Circumstances<T> {
     /// How far the unsprung masses may be from the vehicle file's, as a share of them.
     pub(crate) mass_sd: [T; 4],
-    /// By which variance each damping and spring may be another one, over its file's.
-    pub(crate) strut_variance: [[T; 2]; 4],
+    /// What friction that is not known makes of each corner.
+    pub(crate) friction_error: [FrictionError<T>; 4],
     /// Somebody says that the tires have their placard pressures all the while.
     pub(crate) tires_set: bool,
 }
 
-blank!(Circumstances<T> { mass_sd, strut_variance, tires_set });
+blank!(Circumstances<T> { mass_sd, friction_error, tires_set });
+
+/// As what a corner's friction passes where it is not known exactly: variances relative to the vehicle file's values squared.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct FrictionError<T> {
+    /// Of damping and spring.
+    pub(crate) damping: T,
+    pub(crate) spring: T,
+    /// Of the tire's compliance as the shared road reads it.
+    pub(crate) compliance: T,
+}
+
+blank!(FrictionError<T> { damping, spring, compliance });
+
+impl<T: Real> FrictionError<T> {
+    /// No friction.
+    pub(crate) fn none() -> Self {
+        Self { damping: T::zero(), spring: T::zero(), compliance: T::zero() }
+    }
+}
 
 impl<T: Real> Circumstances<T> {
     /// Nothing is known of the road yet.
     pub(crate) fn of_a_car(mass_sd: [T; 4]) -> Self {
-        Self { mass_sd, strut_variance: [[T::zero(); 2]; 4], tires_set: false }
+        Self { mass_sd, friction_error: [FrictionError::none(); 4], tires_set: false }
     }
 }
 
@@ -105,14 +128,20 @@ pub(crate) struct Wandering<T: Real> {
 }
 
 impl<T: Real> Wandering<T> {
-    /// Dampings and springs may besides be others by the circumstances' variance, and become so within [`MEMORY_S`]: friction does that.
+    /// Dampings and springs may besides be others by what friction makes of them, and become so within [`MEMORY_S`]; what neither of
+    /// the two can stand for reads as a tire for as long as the road stays alike, [`ROAD_S`] (Ornstein-Uhlenbeck processes).
     pub(crate) fn over(seconds: T, circumstances: &Circumstances<T>) -> Self {
         let (sd, prior_sd) = (wander_sd::<T>(), prior_sd(&circumstances.mass_sd));
-        let (mut gained, mut rate) = (sd.component_mul(&sd), return_rate(&prior_sd));
-        for (i, strut) in circumstances.strut_variance.into_iter().enumerate() {
-            for (at, besides) in [DAMPING + i, SPRING + i].into_iter().zip(strut) {
-                gained[at] += besides * T::lit(2.0 / MEMORY_S);
-                rate[at] = T::lit(0.5) * gained[at] / (prior_sd[at] * prior_sd[at] + besides);
+        let (end_sd, mut rate) = (end_sd(&prior_sd), return_rate(&prior_sd));
+        let mut gained = sd.component_mul(&sd);
+        for (i, error) in circumstances.friction_error.iter().enumerate() {
+            for (at, besides, within_s) in [
+                (DAMPING + i, error.damping, MEMORY_S),
+                (SPRING + i, error.spring, MEMORY_S),
+                (ROAD_BIAS + i, error.compliance, ROAD_S),
+            ] {
+                gained[at] += besides * T::lit(2.0 / within_s);
+                rate[at] = T::lit(0.5) * gained[at] / (end_sd[at] * end_sd[at] + besides);
             }
         }
         if circumstances.tires_set {

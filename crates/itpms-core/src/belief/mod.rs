@@ -36,6 +36,7 @@ mod update;
 use self::calibration::CalibrationState;
 use self::checkpoint::{Checkpoint, PreFaultEstimate};
 use self::gaussian::Circumstances;
+pub(crate) use self::gaussian::FrictionError;
 pub(crate) use self::gaussian::Hypothesis;
 pub(crate) use self::hypotheses::HYPOTHESES;
 use self::hypothesis_bank::HypothesisBank;
@@ -222,10 +223,9 @@ impl<T: Real> Belief<T> {
         }
     }
 
-    /// By which variance, over its file's, a corner's damping and spring may be others on the present road: friction that is not known
-    /// exactly looks like that.
-    pub(crate) fn set_strut_variance(&mut self, corner: usize, relative: [T; 2]) {
-        self.bank.circumstances.strut_variance[corner.min(3)] = relative;
+    /// What friction that is not known exactly makes of a corner on the present road.
+    pub(crate) fn set_friction_error(&mut self, corner: usize, error: FrictionError<T>) {
+        self.bank.circumstances.friction_error[corner.min(3)] = error;
     }
 
     /// Whether tires may gain air while they roll.

@@ -86,17 +86,22 @@ pub(crate) fn wander_sd<T: Real>() -> State<T> {
     wander
 }
 
+/// Standard deviations to which quantities come that nothing is learned of: the prior's, and a larger one of [`ROAD_BIAS`].
+pub(crate) fn end_sd<T: Real>(prior: &State<T>) -> State<T> {
+    let mut end = *prior;
+    end.fixed_rows_mut::<4>(ROAD_BIAS).fill(T::lit(ROAD_BIAS_SD[1]));
+    end
+}
+
 /// How fast, in 1/s, a quantity that nothing is learned of returns to what the vehicle file says: so that its wandering
-/// ends where it began, at the prior's standard deviation, or at the larger one of [`ROAD_BIAS`]. Tires have no such place.
+/// comes to [`end_sd`]. Tires have no such place.
 pub(crate) fn return_rate<T: Real>(prior: &State<T>) -> State<T> {
-    let wander = wander_sd::<T>();
+    let (wander, end) = (wander_sd::<T>(), end_sd(prior));
     State::from_fn(|i, _| {
         if (TIRE..TIRE + 4).contains(&i) || i == RATE {
             T::zero()
-        } else if (ROAD_BIAS..ROAD_BIAS + 4).contains(&i) {
-            T::lit(1.0 / ROAD_BIAS_S)
         } else {
-            let share = wander[i] / prior[i];
+            let share = wander[i] / end[i];
             T::lit(0.5) * share * share
         }
     })

@@ -23,7 +23,7 @@ pub(super) use self::output::FusedEstimate;
 use self::realign::DelayDetection;
 pub(super) use self::single_wheel_estimate::SingleWheelEstimate;
 use crate::belief::state::{SKEW, SKEW_UNIT_S, State, WHEELBASE};
-use crate::belief::{Belief, ENOUGH_S, LONGEST_SILENCE_S, LONGEST_STEP_S, Onset, Tires};
+use crate::belief::{Belief, ENOUGH_S, FrictionError, LONGEST_SILENCE_S, LONGEST_STEP_S, Onset, Tires};
 use crate::conditioning::GridSample;
 use crate::inter_axle::alignment::delay_search::Found;
 use crate::inter_axle::alignment::speed_latency::SpeedLatency;
@@ -178,8 +178,12 @@ impl<T: Real> Fusion<T> {
     /// Takes over how well a corner's friction is known.
     pub(super) fn set_friction_error(&mut self, corner: usize, equation: &BodyEquation<T>) {
         let corner = corner.min(3);
-        self.friction_variance[corner] = equation.stiffness_variance(corner);
-        self.belief.set_strut_variance(corner, equation.strut_variance(corner));
+        let variance = equation.stiffness_variance(corner);
+        self.friction_variance[corner] = variance;
+        let [damping, spring] = equation.strut_variance(corner);
+        let placard_n_per_m = self.belief.scale().placard_n_per_m[corner];
+        let compliance = variance / (placard_n_per_m * placard_n_per_m);
+        self.belief.set_friction_error(corner, FrictionError { damping, spring, compliance });
     }
 
     /// Takes over what a corner finds by itself.
