@@ -19,9 +19,10 @@ pub fn page(vehicle: &str, log: &str, corners: &[CornerCheck]) -> String {
     for check in corners {
         let _ = write!(
             body,
-            "<h3>{}</h3>\n<p>{}.</p>\n<figure>{}</figure>\n",
+            "<h3>{}</h3>\n<p>{}.</p>\n{}<figure>{}</figure>\n",
             escape(&named(&check.label)),
             escape(&check.sentence()),
+            fit(check),
             figure(check).html()
         );
     }
@@ -30,6 +31,23 @@ pub fn page(vehicle: &str, log: &str, corners: &[CornerCheck]) -> String {
          <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\
          <title>{title}</title><style>{STYLE}</style></head>\n<body><main><h1>{title}</h1>\n{body}</main></body></html>\n"
     )
+}
+
+/// How well body and wheel go together, in words; what does not.
+fn fit(check: &CornerCheck) -> String {
+    let Some((fit, _)) = &check.fit else { return String::new() };
+    let share = |value: Option<f64>, of: &str| value.map(|value| format!("{:.0} % {of}", 100.0 * value));
+    let parts = [
+        share(fit.incoherence, "of the body's acceleration do not go with this wheel's (5 to 16 Hz)"),
+        share(fit.unexplained, "are left unexplained by the forces of all four struts (5 to 20 Hz)"),
+        fit.hop_excess.map(|times| {
+            format!("front and rear differ {times:.1} times as much near wheel hop as beside it")
+        }),
+    ];
+    let parts: Vec<String> = parts.into_iter().flatten().collect();
+    let figures = (!parts.is_empty()).then(|| format!("<p>At the end {}.</p>\n", escape(&parts.join("; "))));
+    let misfit = check.misfit().map(|misfit| format!("<p>What does not fit: {}.</p>\n", escape(&misfit)));
+    [figures, misfit].into_iter().flatten().collect()
 }
 
 /// A corner in words.
