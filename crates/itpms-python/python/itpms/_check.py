@@ -39,8 +39,8 @@ class Checked:
         """How the body answers the wheel of a corner, as arrays.
 
         Returns:
-            ``hz``, ``gain`` (acceleration of the body over the wheel's, as measured), ``gain_se`` (its standard error; 0 where that
-            is of the gain's own size) and ``coherence``, of shape (bins,); ``file_hz``, ``file_gain``, ``file_gain_low`` and
+            ``hz``, ``gain`` (acceleration of the body over the wheel's, as measured), ``gain_se`` (its standard error) and
+            ``coherence``, of shape (bins,); ``file_hz``, ``file_gain``, ``file_gain_low`` and
             ``file_gain_high`` (the vehicle file's, and within its standard deviations), of shape (points,).
 
         Raises:

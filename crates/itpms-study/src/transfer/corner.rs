@@ -158,16 +158,14 @@ impl CornerCheck {
         format!("{damping}; {spring}")
     }
 
-    /// (Hz, measured gain, its standard error; zero where that is of the gain's own order).
+    /// (Hz, measured gain, its standard error), bin by bin.
     #[must_use]
     pub fn measured(&self) -> Vec<(f64, f64, f64)> {
-        let error = |bin: &Bin| {
-            if bin.relative_error < 0.5 { bin.relative_error * bin.response.norm() } else { 0.0 }
-        };
-        self.bins.iter().map(|bin| (bin.hz, bin.response.norm(), error(bin))).collect()
+        let gain = |bin: &Bin| bin.response.norm();
+        self.bins.iter().map(|bin| (bin.hz, gain(bin), bin.relative_error * gain(bin))).collect()
     }
 
-    /// (Hz, coherence).
+    /// (Hz, coherence), bin by bin.
     #[must_use]
     pub fn coherences(&self) -> Vec<(f64, f64)> {
         self.bins.iter().map(|bin| (bin.hz, bin.coherence)).collect()
