@@ -58,7 +58,7 @@ sensor.noise_m_s2 = 0.05
 
 def vehicle_file(corners, tire):
     """The model's file, with the deviations that `itpms vehicle init` states."""
-    text = f'[vehicle]\nname = "model"\nwheelbase_m = 2.82\n'
+    text = '[vehicle]\nname = "model"\nwheelbase_m = 2.82\n'
     text += f"[tire]\nstiffness_per_kpa = {tire * PER_KPA:.3f}\nstiffness_at_zero = {tire * AT_ZERO:.1f}\nstiffness_relative_sd = {FILE_TIRE}\n"
     sds = ("sprung_mass_relative_sd", "unsprung_mass_relative_sd", "damping_relative_sd", "spring_relative_sd")
     keys = ("sprung_mass_kg", "unsprung_mass_kg", "damping_n_s_per_m", "spring_n_per_m")
