@@ -99,13 +99,18 @@ def make_fleet(folder, cars, drives, *, seconds=40.0, first_s=40.0, rate_hz=200.
         csv.writer(file).writerows([["car", "drive", "wheel", "pressure_kpa"], *truth])
 
 
+def add_arguments(parser, *, cars, drives, seconds=40.0, first_s=40.0):
+    """How large a fleet is, with what it is unless said otherwise."""
+    parser.add_argument("--cars", type=int, default=cars)
+    parser.add_argument("--drives", type=int, default=drives, help="of each car")
+    parser.add_argument("--seconds", type=float, default=seconds, help="of a drive")
+    parser.add_argument("--first-s", type=float, default=first_s, help="of each car's first drive, at placard pressure")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--cars", type=int, default=10)
-    parser.add_argument("--drives", type=int, default=5, help="of each car")
-    parser.add_argument("--seconds", type=float, default=40.0, help="of a drive")
-    parser.add_argument("--first-s", type=float, default=40.0, help="of each car's first drive")
+    add_arguments(parser, cars=10, drives=5)
     parser.add_argument("--rate-hz", type=float, default=200.0)
     parser.add_argument("--workers", type=int, default=2, help="cars that are made at a time")
     arguments = parser.parse_args()

@@ -21,7 +21,7 @@ import time
 from pathlib import Path
 
 import pandas as pd
-from simulated_fleet import PLACARD_KPA, make_fleet
+from simulated_fleet import PLACARD_KPA, add_arguments, make_fleet
 
 
 def break_some(logs):
@@ -74,10 +74,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--folder", type=Path)
     parser.add_argument("--out", type=Path)
-    parser.add_argument("--cars", type=int, default=100)
-    parser.add_argument("--drives", type=int, default=5)
-    parser.add_argument("--seconds", type=float, default=20.0)
-    parser.add_argument("--first-s", type=float, default=25.0)
+    add_arguments(parser, cars=100, drives=5, seconds=20.0, first_s=25.0)
     parser.add_argument("--jobs", type=int, default=2)
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:

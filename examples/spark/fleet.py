@@ -24,7 +24,7 @@ import itpms
 import itpms.spark
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "fleet"))
-from simulated_fleet import make_fleet
+from simulated_fleet import add_arguments, make_fleet
 
 
 def estimate(folder, workers, first_s, repeat):
@@ -75,10 +75,7 @@ def differences(found, expected):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--folder", type=Path)
-    parser.add_argument("--cars", type=int, default=6)
-    parser.add_argument("--drives", type=int, default=3, help="per car")
-    parser.add_argument("--seconds", type=float, default=40.0, help="of a drive")
-    parser.add_argument("--first-s", type=float, default=40.0, help="of each car's first drive, in which it is calibrated")
+    add_arguments(parser, cars=6, drives=3)
     parser.add_argument("--workers", type=int, default=2, help="local ones")
     parser.add_argument("--repeat", type=int, default=1, help="estimate the fleet so many times, to see how long it takes")
     parser.add_argument("--compare", action="store_true")

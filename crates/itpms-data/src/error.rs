@@ -103,6 +103,9 @@ pub enum Problem {
     /// Zero bytes or blank lines only.
     #[error("the file is empty, expected a header line with time_s and the accelerations of a corner")]
     Empty,
+    /// Zero bytes where a file of this kind was expected.
+    #[error("the file is empty, expected {0}")]
+    EmptyFile(&'static str),
     /// A header without data.
     #[error("there is a header but no row under it")]
     HeaderOnly,

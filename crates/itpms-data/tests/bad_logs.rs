@@ -77,6 +77,19 @@ fn empty_and_header_only() {
     for empty in ["", "\n", "\n\n  \n"] {
         assert!(csv_message(empty).starts_with("drive.csv: the file is empty, expected a header line"));
     }
+    let bench = Bench::new();
+    for (name, expected) in [
+        #[cfg(feature = "parquet")]
+        ("drive.parquet", "a Parquet file with time_s and the accelerations of a corner"),
+        #[cfg(feature = "mdf4")]
+        ("drive.mf4", "an MDF4 file"),
+        #[cfg(feature = "can")]
+        ("drive.asc", "CAN frames"),
+        ("drive.csv", "a header line with time_s and the accelerations of a corner"),
+    ] {
+        let found = message(&bench.file(name, ""));
+        assert_eq!(found, format!("{name}: the file is empty, expected {expected}"));
+    }
     let text = csv_message(&format!("{HEADER}\n"));
     assert_eq!(text, "drive.csv: there is a header but no row under it");
     assert_eq!(csv_message(HEADER), text);

@@ -131,7 +131,7 @@ fn whole_files_with_impossible_contents_are_refused_too() {
         refusal(sealed("2", &body.replacen(from, to, 1)).as_bytes())
     };
     assert!(
-        edited("unsprung_mass = 0.01", "unsprung_mass = 0.3").contains("not plausible: unsprung_mass lies")
+        edited("unsprung_mass = 0.01", "unsprung_mass = 0.6").contains("not plausible: unsprung_mass lies")
     );
     assert!(
         edited("wheelbase_sd = 0.0004", "wheelbase_sd = 0.0").contains("not plausible: wheelbase is not")

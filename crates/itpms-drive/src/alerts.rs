@@ -92,11 +92,15 @@ pub struct Alerts {
 }
 
 impl Alerts {
-    /// A sentence for every alert.
-    pub fn sentences(&self) -> impl Iterator<Item = String> + '_ {
-        let sentences = self.listed.iter().map(|Listed { alert, ended_s }| match ended_s {
-            Some(ended_s) => format!("{alert}; over at {ended_s:.1} s"),
-            None => alert.to_string(),
+    /// A sentence for every alert, with times from `origin_s` on: where a log counts from an epoch, its own tell nobody anything.
+    pub fn sentences(&self, origin_s: f64) -> impl Iterator<Item = String> + '_ {
+        let sentences = self.listed.iter().map(move |Listed { alert, ended_s }| {
+            let [since_s, reported_s] = [alert.since_s, alert.reported_s].map(|at_s| at_s - origin_s);
+            let alert = Alert { since_s, reported_s, ..*alert };
+            match ended_s {
+                Some(ended_s) => format!("{alert}; over at {:.1} s", ended_s - origin_s),
+                None => alert.to_string(),
+            }
         });
         let rest = (self.unlisted > 0).then(|| format!("and {} more", self.unlisted));
         sentences.chain(rest)
@@ -117,5 +121,28 @@ impl Alerts {
             Value::Object(object)
         };
         self.listed.iter().map(one).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use itpms_core::model::Corner;
+    use itpms_core::warning::Cause;
+
+    use super::*;
+
+    #[test]
+    fn times_count_from_the_origin() {
+        let alert = Alert {
+            wheels: Corner::FrontLeft.into(),
+            since_s: 1_772_359_221.25,
+            reported_s: 1_772_359_222.5,
+            cause: Cause::NoInformation { driven_s: 600.0 },
+        };
+        let listed = vec![Listed { alert, ended_s: Some(1_772_359_230.0) }];
+        let alerts = Alerts { listed, unlisted: 2 };
+        let sentences: Vec<String> = alerts.sentences(1_772_359_200.0).collect();
+        assert!(sentences[0].ends_with("since 21.2 s, said at 22.5 s; over at 30.0 s"), "{}", sentences[0]);
+        assert_eq!(sentences[1], "and 2 more");
     }
 }

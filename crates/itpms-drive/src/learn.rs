@@ -13,9 +13,8 @@ use serde_json::{Map, Value, json};
 
 use crate::concerns::common_corners;
 use crate::error::DriveError;
+use crate::run::ROWS_PER_LOOK;
 
-/// Rows between two looks at whoever may want to stop.
-const ROWS_PER_LOOK: u64 = 1024;
 /// Significant digits of a learned value: its standard deviation has no more to say.
 const DIGITS: usize = 5;
 /// Seconds of reading below which a drive teaches little.

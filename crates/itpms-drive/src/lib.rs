@@ -10,6 +10,7 @@
 //! | [`concerns`] | what should be known before believing the result |
 //! | [`reference`](mod@reference) | what a calibration drive taught, from and for other drives |
 //! | [`learn`](mod@learn) | a vehicle file from drives at known pressures |
+//! | [`check`](mod@check) | a vehicle file held against a drive |
 //! | [`summary`] | what is known at the end, as JSON |
 //! | [`files`] | the sink of the command line: files, complete or not there |
 //! | [`fleet`] | many drives of many cars |
@@ -20,6 +21,7 @@
 #![forbid(unsafe_code)]
 
 pub mod alerts;
+pub mod check;
 pub mod concerns;
 pub mod drive;
 pub mod error;
@@ -35,6 +37,7 @@ pub mod simulated;
 pub mod summary;
 
 pub use alerts::Alerts;
+pub use check::{CheckedVehicle, check};
 pub use concerns::common_corners;
 pub use drive::{Drive, Estimates, QuarterCars};
 pub use error::DriveError;

@@ -12,7 +12,6 @@ use itpms_data::out::AtomicFile;
 use itpms_data::reference::StoredReference;
 
 use crate::error::DriveError;
-use crate::run::Done;
 use crate::settings::Settings;
 
 /// Loads what the car learned on an earlier drive, if `--reference` names a file.
@@ -86,15 +85,15 @@ pub fn teach(
     path: &Path,
     settings: &Settings,
     vehicle: &Vehicle,
-    done: &Done,
+    learned: Option<VehicleCalibration<f64>>,
 ) -> Result<Option<String>, DriveError> {
-    if done.learned.is_none() {
+    if learned.is_none() {
         let seconds = settings.calibrate_s.unwrap_or_default();
         return Ok(Some(format!(
             "a calibration drive of {seconds} s that taught nothing of the car: later drives start without it"
         )));
     }
-    Saving::create(path, settings, vehicle)?.complete(settings.calibrate_s, done.learned)?.commit()?;
+    Saving::create(path, settings, vehicle)?.complete(settings.calibrate_s, learned)?.commit()?;
     Ok(None)
 }
 

@@ -15,7 +15,7 @@ pub use crate::job::Job;
 use crate::road::{LateRow, RoadTrack};
 
 /// Rows between two looks at whoever may want to stop or to know how far it is.
-const ROWS_PER_LOOK: u64 = 1024;
+pub(crate) const ROWS_PER_LOOK: u64 = 1024;
 
 /// Who gets the results of a drive as they come.
 pub trait Sink {

@@ -50,17 +50,22 @@ fn corner_json(corner: &CornerReport, fit: Option<&Fit>) -> Value {
             "coverage": t.coverage,
             "settle_s": t.settle_s,
         })),
-        "fit": fit.map(|(fit, misfit)| json!({
-            "incoherence": fit.incoherence,
-            "unexplained": fit.unexplained,
-            "hop_excess": fit.hop_excess,
-            "friction_n": fit.friction_n,
-            "misfit": misfit.map(|misfit| misfit.to_string()),
-        })),
+        "fit": fit.map(fit_json),
         "road": corner.road.as_ref().map(|road| json!({
             "iri_m_per_km": road.iri_m_per_km,
             "truth_iri_m_per_km": road.truth_iri_m_per_km,
             "relative_error": road.relative_error,
         })),
+    })
+}
+
+/// How well body and wheel go together, and what does not.
+pub(crate) fn fit_json((fit, misfit): &Fit) -> Value {
+    json!({
+        "incoherence": fit.incoherence,
+        "unexplained": fit.unexplained,
+        "hop_excess": fit.hop_excess,
+        "friction_n": fit.friction_n,
+        "misfit": misfit.map(|misfit| misfit.to_string()),
     })
 }

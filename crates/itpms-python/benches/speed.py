@@ -26,39 +26,18 @@ import pyarrow.parquet as pq
 
 import itpms
 
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+from even_drive import even_drive
+
 RATE_HZ = 500
-DRIVE = """
-name = "an even drive"
-duration_s = {seconds}
-rate_hz = {rate}
-settle_s = 8.0
-wheelbase_m = 2.7
-[speed]
-constant_km_h = 80.0
-[road.surface.iso8608]
-roughness = "B"
-slope = 2.1
-[sensor]
-noise_m_s2 = 0.05
-[car]
-[corner.fl.pressure]
-constant_kpa = 240.0
-[corner.fr.pressure]
-constant_kpa = 240.0
-[corner.rl]
-sprung_mass_kg = 216.0
-unsprung_mass_kg = 50.0
-pressure.constant_kpa = 240.0
-[corner.rr]
-sprung_mass_kg = 216.0
-unsprung_mass_kg = 50.0
-pressure.constant_kpa = 240.0
-"""
+FRONT = "pressure.constant_kpa = 240.0"
+REAR = f"sprung_mass_kg = 216.0\nunsprung_mass_kg = 50.0\n{FRONT}"
+CORNERS = {"fl": FRONT, "fr": FRONT, "rl": REAR, "rr": REAR}
 
 
 def simulate(folder, minutes):
     """The drive as a Parquet file, and its car."""
-    (folder / "drive.toml").write_text(DRIVE.format(seconds=60.0 * minutes, rate=RATE_HZ))
+    (folder / "drive.toml").write_text(even_drive(60.0 * minutes, RATE_HZ, CORNERS))
     made_up = itpms.simulate(folder / "drive.toml", seed=1, truth=False)
     made_up.vehicle.write(folder / "car.toml")
     pq.write_table(pa.table(made_up.columns), folder / "drive.parquet")
@@ -84,7 +63,8 @@ def load(case, path):
     if case == "numpy":
         return {name: column.to_numpy() for name, column in zip(*_columns(path), strict=True)}
     if case == "batches":
-        return pq.ParquetFile(path).iter_batches(8192)
+        # Otherwise pyarrow reads a whole group of rows ahead.
+        return pq.ParquetFile(path, pre_buffer=False, buffer_size=65536).iter_batches(8192)
     return path
 
 

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use itpms_core::model::{Corner, Level, Warning};
+use itpms_core::model::Corner;
 use itpms_data::log::{Field, LogCorner, SLOTS, Slot};
 use itpms_data::out::alert_object;
 use itpms_data::reference::crc64;
@@ -13,9 +13,10 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use serde_json::{Value, json};
 
-use crate::columns::{self, Columns, Packed, Words, numbers};
+use crate::columns::{self, Packed, Words, numbers};
 use crate::errors::{self, Kind, raise};
-use crate::estimate::Options;
+use crate::found::Found;
+use crate::options::Options;
 use crate::vehicle::Vehicle;
 use crate::work;
 
@@ -46,7 +47,8 @@ impl Car {
     ) -> PyResult<Self> {
         let (settings, vehicle) = (options.settings(py)?, vehicle.0.clone());
         let corners = corners.iter().map(|name| corner(py, &vehicle, name)).collect::<PyResult<Vec<_>>>()?;
-        let made = work::run(py, |_| Drive::new(&settings, &vehicle, &corners, rate_hz).map(Box::new))?;
+        let made =
+            work::run(py, &None, |_| Drive::new(&settings, &vehicle, &corners, rate_hz).map(Box::new))?;
         let drive = made.map_err(|error| errors::drive(py, &error))?;
         Ok(Self { drive, corners, rate_hz, vehicle, settings })
     }
@@ -118,7 +120,7 @@ impl Car {
             return Err(refuse("the saved car is damaged: its checksum does not fit".to_owned()));
         }
         type Saved = (Box<Drive>, Vec<String>, f64, Option<f64>, String);
-        let read = work::run(py, |_| postcard::from_bytes::<Saved>(body))?;
+        let read = work::run(py, &None, |_| postcard::from_bytes::<Saved>(body))?;
         let (drive, corners, rate_hz, calibrate_s, vehicle) =
             read.map_err(|error| refuse(format!("the saved car cannot be read: {error}")))?;
         let vehicle = CarFile::parse(&vehicle).map_err(|problem| refuse(problem.to_string()))?;
@@ -201,62 +203,5 @@ impl Samples {
             });
         }
         LogRow { time_s: value(Slot::Time), speed_m_s: value(Slot::Speed), corners }
-    }
-}
-
-/// What is known of a corner in numbers, and in words: the columns of `itpms estimate -o`.
-const NUMBERS: [&str; 6] = [
-    "pressure_kpa",
-    "pressure_sd_kpa",
-    "stiffness_n_per_m",
-    "valid",
-    "change_sd_kpa",
-    "axle_difference_sd_kpa",
-];
-const WORDS: [&str; 2] = ["warning", "level"];
-
-/// Estimates over time: numbers, and the words beside them.
-pub(crate) struct Found {
-    corners: Vec<Corner>,
-    pub(crate) numbers: Columns,
-    pub(crate) words: Words,
-}
-
-impl Found {
-    pub(crate) fn new(corners: &[Corner], rows: usize) -> Self {
-        let of = |corner: &Corner| {
-            NUMBERS.map(|suffix| (format!("{}_{suffix}", corner.label()), Vec::with_capacity(rows)))
-        };
-        let mut numbers = vec![("time_s".to_owned(), Vec::with_capacity(rows))];
-        numbers.extend(corners.iter().flat_map(of));
-        let word = |corner: &Corner| {
-            WORDS.map(|suffix| (format!("{}_{suffix}", corner.label()), Vec::with_capacity(rows)))
-        };
-        let words = corners.iter().flat_map(word);
-        Self { corners: corners.to_vec(), numbers, words: words.collect() }
-    }
-
-    pub(crate) fn push(&mut self, time_s: f64, estimates: &itpms_drive::Estimates) {
-        let (time, corners) = self.numbers.split_at_mut(1);
-        time[0].1.push(time_s);
-        for ((corner, words), numbers) in self
-            .corners
-            .iter()
-            .zip(self.words.chunks_exact_mut(WORDS.len()))
-            .zip(corners.chunks_exact_mut(NUMBERS.len()))
-        {
-            let estimate = estimates[corner.index()].as_ref();
-            let nothing = [f64::NAN, f64::NAN, f64::NAN, 0.0, f64::NAN, f64::NAN];
-            let values = estimate.map_or(nothing, |e| {
-                let valid = if e.validity.is_valid() { 1.0 } else { 0.0 };
-                let difference = e.axle_difference_sd_kpa.unwrap_or(f64::NAN);
-                [e.pressure_kpa, e.pressure_sd_kpa, e.stiffness_n_per_m, valid, e.change_sd_kpa, difference]
-            });
-            for ((_, column), value) in numbers.iter_mut().zip(values) {
-                column.push(value);
-            }
-            words[0].1.push(estimate.map_or(Warning::None, |e| e.warning).label());
-            words[1].1.push(estimate.map_or(Level::VehicleFile, |e| e.level).label());
-        }
     }
 }

@@ -1,13 +1,10 @@
 //! A whole drive: a log or columns in, what was found out.
 
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use itpms_core::estimator::{EstimatorKind, RoadPeriod, RoadRepetition};
 use itpms_core::model::Corner;
-use itpms_core::warning::{Change, Regulation};
-use itpms_data::log::LogOptions;
-use itpms_data::out::{AtomicFile, RateGate, transition_object};
+use itpms_core::warning::Change;
+use itpms_data::out::{RateGate, transition_object};
 use itpms_data::{LogReader, LogRow};
 use itpms_drive::drive::Estimates;
 use itpms_drive::fleet::wheels::{Begun, wheels};
@@ -18,103 +15,13 @@ use pyo3::prelude::*;
 use pyo3::types::PyIterator;
 use serde_json::{Value, json};
 
-use crate::car::Found;
 use crate::columns::{self, Columns, Packed, Words};
 use crate::errors::{self, Kind, raise};
-use crate::pieces::{self, Pieces};
+use crate::found::Found;
+use crate::options::Options;
+use crate::pieces::Pieces;
 use crate::vehicle::Vehicle;
-use crate::work::{self, Stop};
-
-/// What the Python layer hands over besides the log and the vehicle, all by the names of the command's options.
-#[derive(FromPyObject)]
-pub(crate) struct Options {
-    #[pyo3(item)]
-    estimator: String,
-    #[pyo3(item)]
-    regulation: String,
-    #[pyo3(item)]
-    road_repeats: RoadRepeats,
-    #[pyo3(item)]
-    calibrate_s: Option<f64>,
-    #[pyo3(item)]
-    reference: Option<PathBuf>,
-    #[pyo3(item)]
-    save_reference: Option<PathBuf>,
-    #[pyo3(item)]
-    rate_hz: f64,
-    #[pyo3(item)]
-    road: bool,
-    #[pyo3(item)]
-    report: bool,
-    #[pyo3(item)]
-    trust_units: bool,
-    #[pyo3(item)]
-    dbc: Option<PathBuf>,
-    #[pyo3(item)]
-    signals: Option<PathBuf>,
-}
-
-/// Seconds, or a word.
-#[derive(FromPyObject)]
-enum RoadRepeats {
-    Seconds(f64),
-    Word(String),
-}
-
-impl Options {
-    /// The same as settings of the program.
-    pub(crate) fn settings(&self, py: Python<'_>) -> PyResult<Settings> {
-        let refuse = |sentence: String| raise(py, Kind::Setting, sentence);
-        let known = |names: Vec<&str>, what: &str, found: &str| {
-            refuse(format!("{what} is {found:?}, expected one of: {}", names.join(", ")))
-        };
-        let positive = |name: &str, value: f64| {
-            let usable = value > 0.0 && value.is_finite();
-            if usable {
-                Ok(value)
-            } else {
-                Err(refuse(format!("{name} is {value}, expected a positive, finite number")))
-            }
-        };
-        let estimators = || EstimatorKind::ALL.map(EstimatorKind::label).to_vec();
-        let regulations = || Regulation::ALL.map(Regulation::label).to_vec();
-        if self.calibrate_s.is_some() && self.reference.is_some() {
-            return Err(refuse("both calibrate_s and reference are given, expected one of them".to_owned()));
-        }
-        if self.save_reference.is_some() && self.calibrate_s.is_none() {
-            return Err(refuse(
-                "save_reference is given without calibrate_s: nothing would be learned".to_owned(),
-            ));
-        }
-        Ok(Settings {
-            estimator: EstimatorKind::from_label(&self.estimator)
-                .ok_or_else(|| known(estimators(), "estimator", &self.estimator))?,
-            regulation: Regulation::from_label(&self.regulation)
-                .ok_or_else(|| known(regulations(), "regulation", &self.regulation))?,
-            road_repeats: self.road_repeats.settled().map_err(refuse)?,
-            calibrate_s: self.calibrate_s.map(|seconds| positive("calibrate_s", seconds)).transpose()?,
-            reference: self.reference.clone(),
-            rate_hz: positive("rate_hz", self.rate_hz)?,
-        })
-    }
-
-    fn reading(&self) -> LogOptions {
-        pieces::reading(self.trust_units, self.dbc.clone(), self.signals.clone())
-    }
-}
-
-impl RoadRepeats {
-    fn settled(&self) -> Result<RoadRepetition, String> {
-        match self {
-            Self::Seconds(seconds) => {
-                RoadPeriod::new(*seconds).map(RoadRepetition::Every).map_err(|error| error.to_string())
-            }
-            Self::Word(word) if word == "auto" => Ok(RoadRepetition::Detect),
-            Self::Word(word) if word == "never" => Ok(RoadRepetition::Never),
-            Self::Word(word) => Err(format!("road_repeats is {word:?}, expected seconds, never or auto")),
-        }
-    }
-}
+use crate::work::{self, Meanwhile, Told};
 
 /// Estimates the drive in a file.
 #[pyfunction]
@@ -123,9 +30,10 @@ pub(crate) fn estimate_log(
     path: PathBuf,
     vehicle: &Vehicle,
     options: Options,
+    told: Told,
 ) -> PyResult<Estimated> {
     let reading = options.reading();
-    run(py, vehicle, &options, || LogReader::open_with(&path, &reading))
+    run(py, vehicle, &options, &told, || LogReader::open_with(&path, &reading))
 }
 
 /// Estimates a drive given piece by piece, as [`Pieces`] takes them. `name` is what messages call the drive.
@@ -134,14 +42,16 @@ pub(crate) fn estimate_pieces(
     py: Python<'_>,
     name: &str,
     names: Vec<String>,
+    rows: Option<usize>,
     pieces: Bound<'_, PyIterator>,
     vehicle: &Vehicle,
     options: Options,
+    told: Told,
 ) -> PyResult<Estimated> {
     let reading = options.reading();
-    let pieces = Pieces::new(names, pieces.unbind());
+    let pieces = Pieces::new(names, rows, pieces.unbind());
     let raised = pieces.raised();
-    let result = run(py, vehicle, &options, move || pieces.open(Path::new(name), &reading));
+    let result = run(py, vehicle, &options, &told, move || pieces.open(Path::new(name), &reading));
     raised.or(result)
 }
 
@@ -149,21 +59,20 @@ fn run(
     py: Python<'_>,
     vehicle: &Vehicle,
     options: &Options,
+    told: &Told,
     open: impl FnOnce() -> Result<LogReader, itpms_data::DataError> + Send,
 ) -> PyResult<Estimated> {
     let settings = options.settings(py)?;
     let (vehicle, keep_road, save) = (&vehicle.0, options.road, options.save_reference.as_deref());
     // For a report the road is smoothed; the same report, whatever else was kept.
     let (report, smooth) = (options.report, options.report || keep_road);
-    let result = work::run(py, |stop: &Stop| -> Result<Estimated, DriveError> {
+    let result = work::run(py, told, |meanwhile: &Meanwhile| -> Result<Estimated, DriveError> {
         let mut log = open()?;
         let corners = common_corners(&log, vehicle)?;
         let saving = save.map(|path| Saving::create(path, &settings, vehicle)).transpose()?;
         let mut kept = Kept::new(&corners, settings.rate_hz, keep_road);
         let job = Job { vehicle, corners: &corners, settings: &settings, road: smooth };
-        let watch =
-            &mut |_: f64| if stop.wanted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-        let done = itpms_drive::estimate(&mut log, &job, &mut kept, watch)?;
+        let done = itpms_drive::estimate(&mut log, &job, &mut kept, &mut |share| meanwhile.done(share))?;
         if let Some(saving) = saving {
             saving.complete(settings.calibrate_s, done.learned)?.commit()?;
         }
@@ -287,7 +196,7 @@ impl Estimated {
     /// Stores what a calibration drive taught, or says why it taught nothing.
     fn teach(&self, py: Python<'_>, path: PathBuf) -> PyResult<Option<String>> {
         let Self { done, settings, vehicle, .. } = self;
-        itpms_drive::reference::teach(&path, settings, vehicle, done)
+        itpms_drive::reference::teach(&path, settings, vehicle, done.learned)
             .map_err(|error| errors::drive(py, &error))
     }
 
@@ -304,11 +213,6 @@ impl Estimated {
         }
         let page = render_report(&self.done.data)
             .map_err(|error| raise(py, Kind::Output, format!("the report cannot be made: {error}")))?;
-        let write = || -> Result<(), itpms_data::DataError> {
-            let mut file = AtomicFile::create(&path)?;
-            file.append(page.as_bytes())?;
-            file.commit()
-        };
-        py.detach(write).map_err(|error| errors::data(py, Kind::Output, &error))
+        errors::page(py, &path, &page)
     }
 }

@@ -1,6 +1,5 @@
 //! A vehicle's parameters from drives at known pressures.
 
-use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use itpms_core::model::Corner;
@@ -12,7 +11,7 @@ use pyo3::types::PyIterator;
 use crate::errors;
 use crate::pieces::{self, Pieces, Raised};
 use crate::vehicle::Vehicle;
-use crate::work::{self, Stop};
+use crate::work::{self, Meanwhile, Told};
 
 /// A drive: a path, or a name and what gives its pieces anew for every pass; and the pressures in kPa of the corners that were told.
 #[derive(FromPyObject)]
@@ -20,7 +19,7 @@ pub(crate) struct Given {
     #[pyo3(item)]
     log: PathBuf,
     #[pyo3(item)]
-    table: Option<(Vec<String>, Py<PyAny>)>,
+    table: Option<(Vec<String>, Option<usize>, Py<PyAny>)>,
     #[pyo3(item)]
     pressures_kpa: std::collections::HashMap<String, f64>,
 }
@@ -34,6 +33,7 @@ pub(crate) fn learn(
     trust_units: bool,
     dbc: Option<PathBuf>,
     signals: Option<PathBuf>,
+    told: Told,
 ) -> PyResult<Learned> {
     let options = pieces::reading(trust_units, dbc, signals);
     let known: Vec<KnownDrive> = drives
@@ -46,18 +46,16 @@ pub(crate) fn learn(
         })
         .collect();
     let mut raised = Raised::default();
-    let result = work::run(py, |stop: &Stop| {
-        let watch =
-            &mut |_: f64| if stop.wanted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    let result = work::run(py, &told, |meanwhile: &Meanwhile| {
         let open = &mut |number: usize| -> Result<LogReader, DriveError> {
             let (given, drive) = (&drives[number], &known[number]);
-            let Some((names, pieces)) = &given.table else {
+            let Some((names, rows, pieces)) = &given.table else {
                 return Ok(LogReader::open_with(&drive.log, &drive.options)?);
             };
             let again = Python::attach(|py| -> PyResult<Py<PyIterator>> {
                 Ok(pieces.bind(py).call0()?.cast_into::<PyIterator>()?.unbind())
             });
-            let pieces = again.map(|pieces| Pieces::new(names.clone(), pieces));
+            let pieces = again.map(|pieces| Pieces::new(names.clone(), *rows, pieces));
             let pieces = pieces.map_err(|error| {
                 let sentence = error.to_string();
                 raised.keep(error);
@@ -66,7 +64,7 @@ pub(crate) fn learn(
             raised = pieces.raised();
             Ok(pieces.open(&drive.log, &drive.options)?)
         };
-        learn_with(&vehicle.0, &known, open, watch)
+        learn_with(&vehicle.0, &known, open, &mut |share| meanwhile.done(share))
     })?;
     raised.or(result.map(Learned).map_err(|error| errors::drive(py, &error)))
 }

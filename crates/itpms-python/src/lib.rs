@@ -4,21 +4,27 @@
 //! | module | idea |
 //! |---|---|
 //! | `errors` | sentences as the package's exceptions |
-//! | `work` | long computations beside the interpreter, ended by Ctrl-C |
+//! | `work` | long computations beside the interpreter, ended by Ctrl-C, and how far they are |
 //! | `columns` | numbers as bytes |
 //! | `pieces` | a drive that Python hands over piece by piece |
+//! | `options` | settings of an estimate |
+//! | `found` | estimates over time |
 //! | `estimate` | a whole drive |
 //! | `car` | an estimator, sample by sample |
 //! | `simulate` | made-up drives |
 //! | `vehicle` | a car's parameters |
 //! | `learn` | a car's parameters from drives at known pressures |
+//! | `check` | a vehicle file held against a drive |
 //! | `road` | roughness of a profile |
 
 mod car;
+mod check;
 mod columns;
 mod errors;
 mod estimate;
+mod found;
 mod learn;
+mod options;
 mod pieces;
 mod road;
 mod simulate;
@@ -36,8 +42,11 @@ fn _itpms(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<simulate::Simulated>()?;
     module.add_class::<vehicle::Vehicle>()?;
     module.add_class::<learn::Learned>()?;
+    module.add_class::<check::Checked>()?;
     module.add_function(wrap_pyfunction!(estimate::estimate_log, module)?)?;
     module.add_function(wrap_pyfunction!(estimate::estimate_pieces, module)?)?;
+    module.add_function(wrap_pyfunction!(check::check_log, module)?)?;
+    module.add_function(wrap_pyfunction!(check::check_pieces, module)?)?;
     module.add_function(wrap_pyfunction!(learn::learn, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::simulate, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::scenarios, module)?)?;

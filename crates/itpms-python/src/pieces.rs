@@ -20,6 +20,8 @@ pub(crate) fn reading(trust_units: bool, dbc: Option<PathBuf>, signals: Option<P
 /// is bytes, or a sentence on why it holds no numbers.
 pub(crate) struct Pieces {
     names: Vec<String>,
+    /// How many there are in all, where that is known.
+    rows: Option<usize>,
     pieces: Py<PyIterator>,
     raised: Raised,
 }
@@ -51,8 +53,8 @@ enum Column<'py> {
 }
 
 impl Pieces {
-    pub(crate) fn new(names: Vec<String>, pieces: Py<PyIterator>) -> Self {
-        Self { names, pieces, raised: Raised::default() }
+    pub(crate) fn new(names: Vec<String>, rows: Option<usize>, pieces: Py<PyIterator>) -> Self {
+        Self { names, rows, pieces, raised: Raised::default() }
     }
 
     /// What the iterator will have raised.
@@ -62,7 +64,7 @@ impl Pieces {
 
     /// The drive, called `name` in messages. To be read without the interpreter's lock.
     pub(crate) fn open(self, name: &Path, options: &LogOptions) -> Result<LogReader, DataError> {
-        let names = self.names.clone();
+        let (names, rows) = (self.names.clone(), self.rows);
         let more = move || {
             Python::attach(|py| {
                 self.next(py).map_err(|error| {
@@ -72,7 +74,7 @@ impl Pieces {
                 })
             })
         };
-        LogReader::from_pieces(name, &names, Box::new(more), options)
+        LogReader::from_pieces(name, &names, rows, Box::new(more), options)
     }
 
     fn next(&self, py: Python<'_>) -> PyResult<Option<Piece>> {

@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use crate::columns::{self, Columns, Packed};
 use crate::errors;
 use crate::vehicle::Vehicle;
-use crate::work::{self, Stop};
+use crate::work::{self, Meanwhile, Told};
 
 /// A simulated drive with its truth.
 #[pyclass(frozen, module = "itpms._itpms")]
@@ -47,27 +47,32 @@ pub(crate) fn scenarios() -> Vec<&'static str> {
 
 /// Drives a scenario: a built-in name or a TOML file.
 #[pyfunction]
-#[pyo3(signature = (scenario, seed, vehicle=None, truth=true))]
 pub(crate) fn simulate(
     py: Python<'_>,
     scenario: &str,
     seed: u64,
     vehicle: Option<&Vehicle>,
     truth: bool,
+    told: Told,
 ) -> PyResult<Simulated> {
     let vehicle = vehicle.map(|vehicle| vehicle.0.clone());
-    let result = work::run(py, |stop: &Stop| -> Result<Simulated, DriveError> {
+    let result = work::run(py, &told, |meanwhile: &Meanwhile| -> Result<Simulated, DriveError> {
         let mut scenario = Scenario::load(scenario)?;
         simulated::take_crg(&mut scenario)?;
         if let Some(vehicle) = &vehicle {
             simulated::take_vehicle(&mut scenario, vehicle)?;
         }
-        drive(&scenario, seed, truth, stop)
+        drive(&scenario, seed, truth, meanwhile)
     })?;
     result.map_err(|error| errors::drive(py, &error))
 }
 
-fn drive(scenario: &Scenario, seed: u64, truth: bool, stop: &Stop) -> Result<Simulated, DriveError> {
+fn drive(
+    scenario: &Scenario,
+    seed: u64,
+    truth: bool,
+    meanwhile: &Meanwhile,
+) -> Result<Simulated, DriveError> {
     let corners: Vec<Corner> = scenario.corner.iter().map(|(corner, _)| corner).collect();
     let suffixes: &[&str] = if truth {
         &["body_accel_m_s2", "wheel_accel_m_s2", "pressure_kpa", "road_m"]
@@ -80,7 +85,7 @@ fn drive(scenario: &Scenario, seed: u64, truth: bool, stop: &Stop) -> Result<Sim
     }
     let mut simulation = Simulation::new(scenario, seed)?;
     for row in simulation.by_ref() {
-        if stop.wanted() {
+        if meanwhile.done(row.time_s / scenario.duration_s).is_break() {
             return Err(DriveError::Stopped);
         }
         let row = simulated::log_row(&row);

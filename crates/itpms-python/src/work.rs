@@ -1,9 +1,10 @@
-//! Long computations on a thread of their own, while the interpreter is free and looks for Ctrl-C.
+//! Long computations on a thread of their own, while the interpreter is free, looks for Ctrl-C and is told how far they are.
 //!
 //! Python tells signals to its main thread only, so that one must not compute; and an estimator of a whole car needs more
 //! stack than a Python thread may have.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
@@ -15,25 +16,47 @@ const STACK_BYTES: usize = 32 << 20;
 /// How soon Ctrl-C is seen.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Whether somebody wants a computation to end.
-#[derive(Debug, Default)]
-pub(crate) struct Stop(AtomicBool);
+/// Who is told the share that is done, 0 to 1, some twenty times a second, on the thread that called.
+pub(crate) type Told = Option<Py<PyAny>>;
 
-impl Stop {
-    pub(crate) fn wanted(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
+/// What a computation and the thread that waits for it tell each other.
+#[derive(Debug, Default)]
+pub(crate) struct Meanwhile {
+    stop: AtomicBool,
+    /// The share that is done, as the bits of an `f64`.
+    done: AtomicU64,
+}
+
+impl Meanwhile {
+    /// Says how far the computation is; a break where somebody wants it to end.
+    pub(crate) fn done(&self, share: f64) -> ControlFlow<()> {
+        self.done.store(share.to_bits(), Ordering::Relaxed);
+        if self.stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    /// Looks for a signal and tells how far it is.
+    fn look(&self, told: &Told) -> PyResult<()> {
+        Python::attach(|py| {
+            py.check_signals()?;
+            let Some(told) = told else { return Ok(()) };
+            told.call1(py, (f64::from_bits(self.done.load(Ordering::Relaxed)),)).map(drop)
+        })
     }
 }
 
-/// Runs `work` without the interpreter's lock; on Ctrl-C it is told to stop, and the interpreter's exception is raised.
-pub(crate) fn run<T: Send>(py: Python<'_>, work: impl FnOnce(&Stop) -> T + Send) -> PyResult<T> {
-    let stop = Stop::default();
+/// Runs `work` without the interpreter's lock; on Ctrl-C, or what `told` raises, it is asked to stop, and that exception is raised.
+pub(crate) fn run<T: Send>(
+    py: Python<'_>,
+    told: &Told,
+    work: impl FnOnce(&Meanwhile) -> T + Send,
+) -> PyResult<T> {
+    let meanwhile = Meanwhile::default();
     py.detach(|| {
         thread::scope(|scope| {
             let (done, wait) = channel();
-            let stop = &stop;
+            let meanwhile = &meanwhile;
             let spawned = thread::Builder::new().stack_size(STACK_BYTES).spawn_scoped(scope, move || {
-                let result = work(stop);
+                let result = work(meanwhile);
                 // Nobody waits any more only where the interpreter has raised something.
                 let _ = done.send(());
                 result
@@ -42,9 +65,9 @@ pub(crate) fn run<T: Send>(py: Python<'_>, work: impl FnOnce(&Stop) -> T + Send)
                 .map_err(|error| PyRuntimeError::new_err(format!("no thread to compute with: {error}")))?;
             let mut raised = Ok(());
             while let Err(RecvTimeoutError::Timeout) = wait.recv_timeout(LOOK) {
-                raised = Python::attach(|py| py.check_signals());
+                raised = meanwhile.look(told);
                 if raised.is_err() {
-                    stop.0.store(true, Ordering::Relaxed);
+                    meanwhile.stop.store(true, Ordering::Relaxed);
                     break;
                 }
             }

@@ -4,38 +4,19 @@ import json
 
 import pandas as pd
 import pytest
+from even_drive import even_drive
 
 import itpms
 
-# Two and a half minutes of an even drive, all tires at the placard's 240 kPa, on a car that is lighter below than its file says.
-DRIVE = """
-name = "calibration"
-duration_s = 150.0
-rate_hz = 200.0
-settle_s = 5.0
-wheelbase_m = 2.7
-[speed]
-constant_km_h = 80.0
-[road.surface.iso8608]
-roughness = "B"
-slope = 2.1
-[sensor]
-noise_m_s2 = 0.05
-[car]
-"""
-CORNER = """
-[corner.{corner}]
-sprung_mass_kg = 320.0
-unsprung_mass_kg = 36.0
-pressure.constant_kpa = 240.0
-"""
+# Two and a half minutes, all tires at the placard's 240 kPa, on a car that is lighter below than its file says.
+DRIVE = even_drive(150.0, 200.0, "sprung_mass_kg = 320.0\nunsprung_mass_kg = 36.0\npressure.constant_kpa = 240.0")
 
 
 @pytest.fixture(scope="module")
 def calibration(tmp_path_factory):
     """The drive as a table, and the typical car that it is held against."""
     path = tmp_path_factory.mktemp("learn") / "calibration.toml"
-    path.write_text(DRIVE + "".join(CORNER.format(corner=corner) for corner in ("fl", "fr", "rl", "rr")))
+    path.write_text(DRIVE)
     made_up = itpms.simulate(path, seed=3, truth=False)
     return made_up.frame("pandas"), itpms.Vehicle.typical(1450.0, 0.5, "205/55R16", wheelbase_m=2.7, name="ours")
 

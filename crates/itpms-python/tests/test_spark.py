@@ -10,34 +10,15 @@ import numpy as np
 import pandas as pd
 import pyarrow as pa
 import pytest
+from even_drive import even_drive
 
 import itpms
 import itpms.spark
 
 # Twelve seconds of a whole car; the rear right tire at another pressure from 6 s on.
-DRIVE = """
-name = "short"
-duration_s = 12.0
-rate_hz = 200.0
-settle_s = 5.0
-wheelbase_m = 2.7
-[speed]
-constant_km_h = 70.0
-[road.surface.iso8608]
-roughness = "B"
-slope = 2.0
-[sensor]
-noise_m_s2 = 0.05
-[car]
-[corner.fl]
-pressure.constant_kpa = 241.3
-[corner.fr]
-pressure.constant_kpa = 241.3
-[corner.rl]
-pressure.constant_kpa = 241.3
-[corner.rr]
-pressure.points_s_kpa = [[5.5, 241.3], [6.0, REAR]]
-"""
+PLACARD = "pressure.constant_kpa = 241.3"
+CORNERS = {"fl": PLACARD, "fr": PLACARD, "rl": PLACARD, "rr": "pressure.points_s_kpa = [[5.5, 241.3], [6.0, REAR]]"}
+DRIVE = even_drive(12.0, 200.0, CORNERS, km_h=70.0)
 DRIVES = {("alpha", 1): 241.3, ("alpha", 2): 150.0, ("bravo", 1): 241.3, ("bravo", 2): 235.0, ("charlie", 7): 140.0}
 
 

@@ -66,6 +66,23 @@ impl LogFormat {
     }
 }
 
+impl LogFormat {
+    /// What is wrong with a file of no bytes.
+    pub(crate) fn without_bytes(self) -> Problem {
+        match self {
+            LogFormat::Table(Format::Csv) => Problem::Empty,
+            #[cfg(feature = "parquet")]
+            LogFormat::Table(Format::Parquet) => {
+                Problem::EmptyFile("a Parquet file with time_s and the accelerations of a corner")
+            }
+            #[cfg(feature = "mdf4")]
+            LogFormat::Mdf4 => Problem::EmptyFile("an MDF4 file"),
+            #[cfg(feature = "can")]
+            LogFormat::Can => Problem::EmptyFile("CAN frames"),
+        }
+    }
+}
+
 /// The extensions of drive logs that this build reads.
 fn expected_log() -> String {
     let mut known = vec![".csv"];

@@ -24,6 +24,8 @@ pub(super) struct MemorySource {
     next: usize,
     /// Rows of the pieces before this one.
     before: usize,
+    /// Rows of all pieces, where that is known.
+    total: Option<usize>,
     /// What gives the next piece, until there is none.
     more: Option<Pieces>,
 }
@@ -42,6 +44,7 @@ impl MemorySource {
     pub(super) fn new(
         path: &Path,
         names: &[String],
+        total: Option<usize>,
         more: Pieces,
         map: Option<&SignalMap>,
     ) -> Result<Self, DataError> {
@@ -50,7 +53,7 @@ impl MemorySource {
         let columns = known
             .filter_map(|(place, (slot, conversion))| Some((place, (*slot)?, *conversion, Vec::new())))
             .collect();
-        Ok(Self { header, columns, rows: 0, next: 0, before: 0, more: Some(more) })
+        Ok(Self { header, columns, rows: 0, next: 0, before: 0, total, more: Some(more) })
     }
 
     pub(super) fn header(&self) -> &Header {
@@ -58,7 +61,8 @@ impl MemorySource {
     }
 
     pub(super) fn progress(&self) -> f64 {
-        self.next as f64 / self.rows.max(1) as f64
+        let passed = (self.before + self.next) as f64;
+        self.total.map_or(0.0, |total| (passed / total.max(1) as f64).min(1.0))
     }
 
     pub(super) fn next_row(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {

@@ -67,17 +67,18 @@ impl LogReader {
     }
 
     /// A drive that another program has read already, in pieces of which one is held at a time: columns of these names, NaN where a
-    /// value is missing, in messages called `name`. It is judged and repaired as a file is.
+    /// value is missing, `rows` in all where that is known, in messages called `name`. It is judged and repaired as a file is.
     ///
     /// # Errors
     /// As [`LogReader::open`], columns of different lengths, and what `pieces` gives.
     pub fn from_pieces(
         name: &Path,
         names: &[String],
+        rows: Option<usize>,
         pieces: Pieces,
         options: &LogOptions,
     ) -> Result<Self, DataError> {
-        let source = MemorySource::new(name, names, pieces, options.any_map()?.as_ref())?;
+        let source = MemorySource::new(name, names, rows, pieces, options.any_map()?.as_ref())?;
         Self::of(name, Source::Memory(source), options.units)
     }
 
@@ -144,7 +145,7 @@ impl LogReader {
         self.source.alignment()
     }
 
-    /// Share of the file that has been read, 0 to 1.
+    /// Share of the log that has been read, 0 to 1; of pieces whose number of rows nobody told, 0.
     #[must_use]
     pub fn progress(&self) -> f64 {
         self.source.progress()

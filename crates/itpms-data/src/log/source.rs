@@ -35,7 +35,7 @@ impl Source {
         let about = input::look(path).map_err(fail)?;
         let format = LogFormat::of(path)?;
         if about.is_file() && about.len() == 0 {
-            return Err(fail(Problem::Empty));
+            return Err(fail(format.without_bytes()));
         }
         match format {
             LogFormat::Table(format) => {

@@ -73,7 +73,7 @@ pub(super) fn run(
         rate_hz: drive.rate_hz,
         distance_m: Some(drive.distance_m).filter(|distance| distance.is_finite()),
         wheels: wheels(&done, &sink.begun),
-        alerts: done.alerts.sentences().collect(),
+        alerts: done.alerts.sentences(done.data.drive.origin_s).collect(),
         concerns: std::mem::take(&mut done.concerns),
         report: within(&paths.report),
         estimates: within(&paths.estimates),
@@ -101,7 +101,7 @@ fn teach(plan: &Plan, errand: &Errand<'_>, done: &mut Done) -> Result<bool, Driv
     let path = reference_path(&plan.out, errand.path);
     make_folder_of(&path)?;
     let Ok(vehicle) = &errand.car.vehicle else { return Ok(false) };
-    let nothing = reference::teach(&path, &errand.settings, vehicle, done)?;
+    let nothing = reference::teach(&path, &errand.settings, vehicle, done.learned)?;
     let taught = nothing.is_none();
     done.concerns.extend(nothing);
     Ok(taught)

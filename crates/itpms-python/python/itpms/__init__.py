@@ -7,15 +7,17 @@
 138
 """
 
+from . import vehicle
+from ._check import Checked
 from ._errors import ItpmsError, LogError, OutputError, ScenarioError, SettingError, VehicleError
 from ._estimate import Car, Simulation, estimate, iri, scenarios, simulate
 from ._itpms import __version__
-from ._learn import Learned
 from ._result import Result
-from ._vehicle import Vehicle
+from ._vehicle import Learned, Vehicle
 
 __all__ = [
     "Car",
+    "Checked",
     "ItpmsError",
     "Learned",
     "LogError",
@@ -31,4 +33,5 @@ __all__ = [
     "iri",
     "scenarios",
     "simulate",
+    "vehicle",
 ]

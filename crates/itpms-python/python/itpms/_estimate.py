@@ -15,7 +15,8 @@ import numpy.typing as npt
 from . import _itpms
 from ._errors import LogError, SettingError
 from ._files import write
-from ._pieces import MEANT, TABLE, estimate_pieces, pieces_of
+from ._pieces import MEANT, TABLE, taken
+from ._progress import progress_bar
 from ._result import Result
 from ._tables import Columns, Kind, collected, columns_of, kind_of, numbers, table_of, unpacked, usual
 from ._vehicle import Vehicle, vehicle_of
@@ -37,6 +38,7 @@ def estimate(
     trust_units: bool = False,
     dbc: str | PathLike[str] | None = None,
     signals: str | PathLike[str] | None = None,
+    progress: bool | None = None,
 ) -> Result:
     """Estimates tire pressures, their standard deviations and the road from a drive.
 
@@ -63,6 +65,7 @@ def estimate(
         trust_units: Take accelerations as m/s² and the speed as m/s even if they do not look like it.
         dbc: For a CAN log: what the frames mean.
         signals: Which signal, or column of a table, is which of our columns, and its unit: a map as ``itpms signals`` writes it.
+        progress: Show how far it is with tqdm (``pip install itpms[progress]``); unless given, in a notebook that has tqdm.
 
     Raises:
         LogError: the drive cannot be used.
@@ -89,16 +92,17 @@ def estimate(
     if vehicle is None:
         raise SettingError("vehicle is missing, expected a Vehicle or the path of a vehicle file")
     car = vehicle_of(vehicle)._inner
-    if isinstance(drive, (str, PathLike)):
-        return Result(_itpms.estimate_log(drive, car, options), usual(), None)
-    if dbc is not None:
-        raise SettingError("dbc says what the frames of a CAN log mean; this drive is a table")
-    if isinstance(drive, Iterator):
-        return Result(estimate_pieces(TABLE, drive, car, options), usual(), None)
-    kind, table = (
-        (drive.kind, drive.columns) if isinstance(drive, Simulation) else (kind_of(drive) or usual(), collected(drive))
-    )
-    return Result(estimate_pieces(TABLE, pieces_of(TABLE, table), car, options), kind, table)
+    with progress_bar(progress, "estimating") as told:
+        if isinstance(drive, (str, PathLike)):
+            return Result(_itpms.estimate_log(drive, car, options, told), usual(), None)
+        if dbc is not None:
+            raise SettingError("dbc says what the frames of a CAN log mean; this drive is a table")
+        kind, table = (
+            (drive.kind, drive.columns) if isinstance(drive, Simulation) else (kind_of(drive), collected(drive))
+        )
+        pieces, rows = taken(TABLE, table, mapped=signals is not None)
+        inner = _itpms.estimate_pieces(TABLE, pieces.names, rows, iter(pieces), car, options, told)
+    return Result(inner, kind or usual(), None if isinstance(drive, Iterator) else table)
 
 
 class Simulation:
@@ -125,6 +129,7 @@ def simulate(
     *,
     vehicle: Vehicle | str | PathLike[str] | None = None,
     truth: bool = True,
+    progress: bool | None = None,
 ) -> Simulation:
     """Drives a scenario. The same seed gives the same drive, that of ``itpms simulate``.
 
@@ -133,6 +138,7 @@ def simulate(
         seed: Of road, noise and losses; 0 or more.
         vehicle: Drive this car instead of the scenario's own.
         truth: Put the true pressure and road beside the measurements.
+        progress: As in :func:`estimate`.
 
     Raises:
         ScenarioError: there is no such scenario, or it cannot be driven.
@@ -140,7 +146,8 @@ def simulate(
     if not 0 <= seed < 2**64:
         raise SettingError(f"seed is {seed}, expected 0 to 2**64 - 1")
     car = None if vehicle is None else vehicle_of(vehicle)._inner
-    return Simulation(_itpms.simulate(os.fspath(scenario), seed, car, truth), usual())
+    with progress_bar(progress, "driving") as told:
+        return Simulation(_itpms.simulate(os.fspath(scenario), seed, car, truth, told), usual())
 
 
 def scenarios() -> list[str]:

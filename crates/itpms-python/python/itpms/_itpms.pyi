@@ -1,12 +1,13 @@
 """The extension module. Numbers are bytes of little-endian float64; use the package itpms instead."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from os import PathLike
 from typing import Any
 
 __version__: str
 
 _Columns = Sequence[tuple[str, bytes]]
+_Told = Callable[[float], None] | None
 _Words = list[tuple[str, list[str]]]
 
 class Vehicle:
@@ -35,6 +36,12 @@ class Learned:
     def vehicle(self) -> Vehicle: ...
     def document(self) -> str: ...
     def to_toml(self, began_with: str) -> str: ...
+
+class Checked:
+    def document(self) -> str: ...
+    def concerns(self) -> list[str]: ...
+    def curves(self, label: str) -> list[tuple[str, list[float]]]: ...
+    def report(self, path: str | PathLike[str]) -> None: ...
 
 class Estimated:
     def estimates(self) -> list[tuple[str, bytes]]: ...
@@ -69,21 +76,42 @@ class Simulated:
     @property
     def vehicle(self) -> Vehicle: ...
 
-def estimate_log(path: str | PathLike[str], vehicle: Vehicle, options: Mapping[str, Any]) -> Estimated: ...
+def estimate_log(path: str | PathLike[str], vehicle: Vehicle, options: Mapping[str, Any], told: _Told) -> Estimated: ...
 def estimate_pieces(
     name: str,
     names: Sequence[str],
+    rows: int | None,
     pieces: Iterator[Sequence[bytes | str]],
     vehicle: Vehicle,
     options: Mapping[str, Any],
+    told: _Told,
 ) -> Estimated: ...
+def check_log(
+    path: str | PathLike[str],
+    vehicle: Vehicle,
+    trust_units: bool,
+    dbc: str | PathLike[str] | None,
+    signals: str | PathLike[str] | None,
+    told: _Told,
+) -> Checked: ...
+def check_pieces(
+    name: str,
+    names: Sequence[str],
+    rows: int | None,
+    pieces: Iterator[Sequence[bytes | str]],
+    vehicle: Vehicle,
+    trust_units: bool,
+    signals: str | PathLike[str] | None,
+    told: _Told,
+) -> Checked: ...
 def learn(
     vehicle: Vehicle,
     drives: Sequence[Mapping[str, Any]],
     trust_units: bool,
     dbc: str | PathLike[str] | None,
     signals: str | PathLike[str] | None,
+    told: _Told,
 ) -> Learned: ...
-def simulate(scenario: str, seed: int, vehicle: Vehicle | None = None, truth: bool = True) -> Simulated: ...
+def simulate(scenario: str, seed: int, vehicle: Vehicle | None, truth: bool, told: _Told) -> Simulated: ...
 def scenarios() -> list[str]: ...
 def iri(heights: bytes, spacing_m: float, segment_m: float | None = None, enveloping: bool = True) -> bytes: ...

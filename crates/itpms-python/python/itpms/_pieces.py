@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy.typing as npt
 
-from . import _itpms
 from ._errors import LogError
-from ._tables import columns_of, kind_of, numbers, shapeless
+from ._tables import collected, columns_of, kind_of, numbers, shapeless
 
 CORNERS = ("fl", "fr", "rl", "rr")
 MEANT = {
@@ -50,6 +49,16 @@ def pieces_of(name: str, table: Any) -> Iterator[Any]:
     return _cut(rows or 0, lambda piece: {column: values[piece] for column, values in columns.items()})
 
 
+def rows_of(table: Any) -> int | None:
+    """How many rows a table has, where that is known."""
+    kind = kind_of(table)
+    if kind in ("pandas", "polars"):
+        return len(table)
+    if kind == "pyarrow":
+        return int(table.num_rows)
+    return len(table["time_s"]) if kind == "numpy" and "time_s" in table else None
+
+
 def _cut(rows: int, cut: Callable[[slice], Any]) -> Iterator[Any]:
     """The pieces of so many rows; one without rows where there are none, which has the columns' names."""
     return (cut(slice(start, start + PIECE_ROWS)) for start in range(0, max(rows, 1), PIECE_ROWS))
@@ -79,10 +88,12 @@ class Pieces:
             rows += len(columns[self.names[0]]) if self.names else 0
 
 
-def estimate_pieces(name: str, tables: Iterator[Any], car: _itpms.Vehicle, options: dict[str, Any]) -> _itpms.Estimated:
-    """Estimates a drive that comes in tables; ``name`` is what messages call it."""
-    pieces = Pieces(name, tables, mapped=options["signals"] is not None)
-    return _itpms.estimate_pieces(name, pieces.names, iter(pieces), car, options)
+def taken(name: str, drive: Any, *, mapped: bool) -> tuple[Pieces, int | None]:
+    """A drive from a table, or from an iterator over tables, and how many rows it has, where that is known."""
+    if isinstance(drive, Iterator):
+        return Pieces(name, drive, mapped=mapped), None
+    table = collected(drive)
+    return Pieces(name, pieces_of(name, table), mapped=mapped), rows_of(table)
 
 
 def _column(name: str, values: npt.NDArray[Any], before: int, mapped: bool) -> bytes | str:

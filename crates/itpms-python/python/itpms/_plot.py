@@ -1,9 +1,9 @@
-"""The pressures as a figure. Only here matplotlib is needed."""
+"""Figures. Only here matplotlib is needed."""
 
 from __future__ import annotations
 
 import io
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,8 +13,6 @@ from ._tables import Columns, numbers
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ._result import Result
-
 # A log that begins later than this counts from some epoch.
 DAY_S = 86_400.0
 NAMES = {"fl": "Front left", "fr": "Front right", "rl": "Rear left", "rr": "Rear right"}
@@ -22,8 +20,7 @@ NAMES = {"fl": "Front left", "fr": "Front right", "rl": "Rear left", "rr": "Rear
 ESTIMATE, TRUTH, LOW, PLACARD = "#0067a8", "#1b1b1b", "#d0560a", "#6b7280"
 
 
-def pressures(result: Result, source: Columns | None) -> Figure:
-    """A panel per corner, all with the same axes."""
+def _figure(width: float, height: float) -> Figure:
     try:
         from matplotlib.figure import Figure
     except ImportError:
@@ -37,10 +34,31 @@ def pressures(result: Result, source: Columns | None) -> Figure:
             self.savefig(shown, format="png", dpi=90)
             return shown.getvalue()
 
-    corners, columns = result.corners, result.columns
+    return Picture(figsize=(width, height), layout="constrained")
+
+
+def _legend(figure: Figure) -> None:
+    """One legend for all panels, above them."""
+    handles: dict[str, Any] = {}
+    for panel in figure.axes:
+        for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
+            handles.setdefault(label, handle)
+    figure.legend(
+        list(handles.values()),
+        list(handles),
+        loc="outside upper center",
+        ncols=len(handles),
+        frameon=False,
+        fontsize=9,
+    )
+
+
+def pressures(columns: Columns, placards_kpa: dict[str, float], source: Columns | None) -> Figure:
+    """A panel per corner, all with the same axes. ``columns`` are estimates; ``source`` is the drive, where it was a table."""
+    corners = list(placards_kpa)
     across = min(len(corners), 2)
     down = -(-len(corners) // across)
-    figure = Picture(figsize=(5.2 * across, 3.0 * down), layout="constrained")
+    figure = _figure(5.2 * across, 3.0 * down)
     panels = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False)
     # Seconds since 1970 tell a reader nothing.
     origin_s = columns["time_s"][0] if abs(columns["time_s"][0]) > DAY_S else 0.0
@@ -68,25 +86,56 @@ def pressures(result: Result, source: Columns | None) -> Figure:
                 lw=1,
                 label="truth",
             )
-        panel.axhline(result.summary["corners"][corner]["placard_kpa"], color=PLACARD, lw=0.8, ls="--", label="placard")
+        panel.axhline(placards_kpa[corner], color=PLACARD, lw=0.8, ls="--", label="placard")
         panel.set_title(NAMES[corner], loc="left", fontsize=10, fontweight="bold")
         panel.spines[["top", "right"]].set_visible(False)
     for panel in panels[-1]:
         panel.set_xlabel("Time since the start (s)" if origin_s else "Time (s)")
     for panel in panels[:, 0]:
         panel.set_ylabel("Pressure (kPa)")
-    handles, labels = {}, []
-    for panel in panels.flat:
-        for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
-            if label not in handles:
-                handles[label] = handle
-                labels.append(label)
-    figure.legend(
-        [handles[label] for label in labels],
-        labels,
-        loc="outside upper center",
-        ncols=len(labels),
-        frameon=False,
-        fontsize=9,
-    )
+    _legend(figure)
+    return figure
+
+
+def responses(curves: dict[str, Columns]) -> Figure:
+    """A column of two panels per corner: how the body answers the wheel, and how coherently."""
+    figure = _figure(3.6 * len(curves), 5.0)
+    panels = figure.subplots(2, len(curves), sharex=True, sharey="row", squeeze=False, height_ratios=(2, 1))
+    for (corner, of), (gain, coherence) in zip(curves.items(), panels.T, strict=True):
+        gain.fill_between(
+            of["file_hz"],
+            of["file_gain_low"],
+            of["file_gain_high"],
+            color=PLACARD,
+            alpha=0.25,
+            lw=0,
+            label="file, within a standard deviation",
+        )
+        gain.plot(of["file_hz"], of["file_gain"], color=TRUTH, lw=1.2, label="file")
+        # What is not known to half of itself would look like a value.
+        known = of["gain_se"] < 0.5 * of["gain"]
+        gain.errorbar(
+            of["hz"][known],
+            of["gain"][known],
+            of["gain_se"][known],
+            color=ESTIMATE,
+            fmt=".",
+            ms=4,
+            elinewidth=0.8,
+            label="measured",
+        )
+        gain.set(xscale="log", yscale="log")
+        gain.set_title(NAMES[corner], loc="left", fontsize=10, fontweight="bold")
+        coherence.plot(of["hz"], of["coherence"], color=ESTIMATE, lw=1.2)
+        coherence.axhline(0.5, color=PLACARD, lw=0.8, ls="--")
+        coherence.set_ylim(0.0, 1.0)
+        coherence.set_xlabel("Frequency (Hz)")
+        # A decade in 2 to 25 Hz has one power of ten.
+        coherence.set_xticks([2, 5, 10, 20], labels=["2", "5", "10", "20"])
+        coherence.set_xticks([], minor=True)
+        for panel in (gain, coherence):
+            panel.spines[["top", "right"]].set_visible(False)
+    panels[0, 0].set_ylabel("Body over wheel")
+    panels[1, 0].set_ylabel("Coherence")
+    _legend(figure)
     return figure

@@ -107,7 +107,8 @@ class Result:
         """
         from ._plot import pressures
 
-        return pressures(self, None if self._source is None else columns_of(self._source))
+        placards = {name: corner["placard_kpa"] for name, corner in self.summary["corners"].items()}
+        return pressures(self.columns, placards, None if self._source is None else columns_of(self._source))
 
     def __repr__(self) -> str:
         drive = self.summary

@@ -8,7 +8,9 @@ from os import PathLike
 from typing import Any
 
 from . import _itpms
-from ._learn import Learned, Pressures, learn
+from ._check import Checked, check
+from ._files import write
+from ._learn import Pressures, learn
 
 
 class Vehicle:
@@ -104,6 +106,7 @@ class Vehicle:
         trust_units: bool = False,
         dbc: str | PathLike[str] | None = None,
         signals: str | PathLike[str] | None = None,
+        progress: bool | None = None,
     ) -> Learned:
         """Learns what drives at known pressures tell of the car, as ``itpms vehicle learn`` does; the car itself stays as it is.
 
@@ -118,13 +121,41 @@ class Vehicle:
             trust_units: As in :func:`itpms.estimate`, like the following.
             dbc: For CAN logs: what the frames mean.
             signals: A map of names and units.
+            progress: As in :func:`itpms.estimate`.
 
         Raises:
             LogError: a drive cannot be used.
             SettingError: a pressure is missing or no tire's, or a drive taught nothing.
         """
-        inner = learn(self._inner, drives, pressure_kpa, trust_units, dbc, signals)
+        inner = learn(self._inner, drives, pressure_kpa, trust_units, dbc, signals, progress)
         return Learned(inner, Vehicle(inner.vehicle))
+
+    def check(
+        self,
+        drive: Any,
+        *,
+        trust_units: bool = False,
+        dbc: str | PathLike[str] | None = None,
+        signals: str | PathLike[str] | None = None,
+        progress: bool | None = None,
+    ) -> Checked:
+        """Holds the car's suspension against a drive, as ``itpms vehicle check`` does.
+
+        Compares how the body above each wheel answers it with what mass, spring and damper of the file say; road, tire and unsprung mass
+        do not enter. The interpreter's lock is free meanwhile; Ctrl-C ends it.
+
+        Args:
+            drive: A path or a table as for :func:`itpms.estimate`.
+            trust_units: As in :func:`itpms.estimate`, like the following.
+            dbc: For CAN logs: what the frames mean.
+            signals: A map of names and units.
+            progress: As in :func:`itpms.estimate`.
+
+        Raises:
+            LogError: the drive cannot be used.
+            SettingError: an argument is refused, or the drive has none of the car's corners.
+        """
+        return check(self._inner, drive, trust_units, dbc, signals, progress)
 
     def to_toml(self) -> str:
         """The text of a vehicle file that reads back as this car."""
@@ -146,6 +177,53 @@ class Vehicle:
 
     def __repr__(self) -> str:
         return f"<itpms.Vehicle {self.name!r}, corners {' '.join(self.corners)}>"
+
+
+class Learned:
+    """What drives have told of a car. Made by :meth:`itpms.Vehicle.learn`.
+
+    Attributes:
+        vehicle: The car with what was learned in the place of what was said of it: the one to go on with.
+        corners: By corner (``fl``, ``fr``, ``rl``, ``rr``) and parameter (``unsprung_mass_kg``, ``tire_n_per_m``,
+            ``stiffness_over_mass_per_s2``, ``damping_n_s_per_m``, ``spring_n_per_m``, ``friction_n``) what it was and is:
+            ``before``, ``before_sd``, ``after``, ``after_sd``, and whether the drives have told it (``learned``). Beside them
+            ``uncalibrated_pressure_sd_kpa``, the standard deviation of a pressure without a calibration.
+        slope_over_file: The same of how stiffness goes with pressure, over what was said of it.
+        unknown: What no drive has told, and what none can tell, a sentence each.
+        concerns: What should be known before believing it, a sentence each.
+    """
+
+    def __init__(self, inner: _itpms.Learned, vehicle: Vehicle) -> None:
+        self._inner = inner
+        document = json.loads(inner.document())
+        self.vehicle = vehicle
+        self.corners: dict[str, dict[str, Any]] = document["corners"]
+        self.slope_over_file: dict[str, Any] = document["slope_over_file"]
+        self.unknown: list[str] = document["unknown"]
+        self.concerns: list[str] = document["concerns"]
+
+    def to_toml(self, began_with: str | None = None) -> str:
+        """The vehicle file, with a comment on where each value comes from: that of ``itpms vehicle learn -o``.
+
+        Args:
+            began_with: What the comment calls the file that it began with; the car's name unless given.
+        """
+        return self._inner.to_toml(self.vehicle.name if began_with is None else began_with)
+
+    def write(self, path: str | PathLike[str], began_with: str | None = None) -> None:
+        """Writes that file, completely or not at all.
+
+        Raises:
+            OutputError: the file cannot be written.
+        """
+        write(path, self.to_toml(began_with).encode())
+
+    def __repr__(self) -> str:
+        lines = [f"<itpms.Learned {self.vehicle.name!r}"]
+        for name, corner in self.corners.items():
+            told = [key for key, value in corner.items() if isinstance(value, dict) and value["learned"]]
+            lines.append(f"  {name}  {', '.join(told) or 'nothing'}")
+        return "\n".join(lines) + ">"
 
 
 def vehicle_of(given: Vehicle | str | PathLike[str]) -> Vehicle:

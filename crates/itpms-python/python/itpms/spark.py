@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 
 from . import _itpms
 from ._errors import ItpmsError, LogError, SettingError
-from ._pieces import MEANT, estimate_pieces
+from ._pieces import MEANT, Pieces
 from ._tables import columns_of
 from ._vehicle import Vehicle, vehicle_of
 
@@ -339,7 +339,8 @@ class _Job:
         options = options | {"calibrate_s": seconds, "reference": None if reference is None else stored}
         vehicle = _vehicle(text)
         tables = (self._table(piece) for piece in chain([first], rest))
-        done = estimate_pieces(name, tables, vehicle._inner, options)
+        pieces = Pieces(name, tables, mapped=options["signals"] is not None)
+        done = _itpms.estimate_pieces(name, pieces.names, None, iter(pieces), vehicle._inner, options, None)
         drive = json.loads(done.figures())
         concerns, taught = drive["warnings"], False
         if seconds is not None:

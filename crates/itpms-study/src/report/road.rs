@@ -65,13 +65,78 @@ impl Roughness {
     }
 }
 
+/// The cells about one, and the sums of their estimates and true heights: in step with the window, so that a cell costs the same whatever
+/// the window's length.
+#[derive(Debug)]
+struct Window {
+    cells: VecDeque<Heights>,
+    sums: [Sum; 2],
+    /// Cells since the sums were made anew: what is added and taken away again leaves its rounding.
+    since: usize,
+}
+
+/// A sum of the values that are there.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sum {
+    of: f64,
+    missing: usize,
+}
+
+impl Sum {
+    fn add(&mut self, value: f64) {
+        if value.is_finite() { self.of += value } else { self.missing += 1 }
+    }
+
+    fn take_away(&mut self, value: f64) {
+        if value.is_finite() { self.of -= value } else { self.missing -= 1 }
+    }
+}
+
+impl Window {
+    const LENGTH: usize = 2 * HALF_WINDOW + 1;
+
+    fn new() -> Self {
+        Self { cells: VecDeque::with_capacity(Self::LENGTH), sums: [Sum::default(); 2], since: 0 }
+    }
+
+    fn clear(&mut self) {
+        self.cells.clear();
+        self.sums = [Sum::default(); 2];
+    }
+
+    /// Takes a cell. Once the window is full: the cell in its middle, and the means of estimate and truth over all; NaN where one is missing.
+    fn push(&mut self, cell: Heights) -> Option<(Heights, [f64; 2])> {
+        if self.cells.len() == Self::LENGTH
+            && let Some(oldest) = self.cells.pop_front()
+        {
+            self.sums[0].take_away(oldest[ESTIMATE]);
+            self.sums[1].take_away(oldest[TRUTH]);
+        }
+        self.cells.push_back(cell);
+        self.since += 1;
+        if self.since >= Self::LENGTH {
+            self.since = 0;
+            self.sums = [Sum::default(); 2];
+            for cell in &self.cells {
+                self.sums[0].add(cell[ESTIMATE]);
+                self.sums[1].add(cell[TRUTH]);
+            }
+        } else {
+            self.sums[0].add(cell[ESTIMATE]);
+            self.sums[1].add(cell[TRUTH]);
+        }
+        let mean = |sum: Sum| if sum.missing == 0 { sum.of / Self::LENGTH as f64 } else { f64::NAN };
+        (self.cells.len() == Self::LENGTH).then(|| (self.cells[HALF_WINDOW], self.sums.map(mean)))
+    }
+}
+
 /// Everything known of the road under one wheel so far.
 #[derive(Debug)]
 pub(super) struct RoadCollector {
     cells: Cells<3>,
     start_m: f64,
     done: u64,
-    window: VecDeque<Heights>,
+    window: Window,
     profile: Track,
     spectrum: [Welch; 3],
     roughness: [Roughness; 2],
@@ -87,7 +152,7 @@ impl RoadCollector {
             cells: Cells::new(CELL_M),
             start_m: 0.0,
             done: 0,
-            window: VecDeque::with_capacity(2 * HALF_WINDOW + 1),
+            window: Window::new(),
             profile: Track::new(4, CELL_M, PROFILE_BUCKETS),
             spectrum: [welch()?, welch()?, welch()?],
             // The tire and the estimate's band have smoothed the estimated road already; the true one is a profile as surveyed.
@@ -125,18 +190,11 @@ impl RoadCollector {
     fn take_cell(&mut self, cell: Heights) {
         self.feed_cell(cell);
         self.done += 1;
-        self.window.push_back(cell);
-        if self.window.len() <= 2 * HALF_WINDOW {
-            return;
-        }
-        let n = self.window.len() as f64;
-        let mean = |i: usize| self.window.iter().map(|c| c[i]).sum::<f64>() / n;
-        let here = self.window[HALF_WINDOW];
-        let (estimate, truth) = (here[ESTIMATE] - mean(ESTIMATE), here[TRUTH] - mean(TRUTH));
+        let Some((here, [mean_estimate, mean_truth])) = self.window.push(cell) else { return };
+        let (estimate, truth) = (here[ESTIMATE] - mean_estimate, here[TRUTH] - mean_truth);
         let at = self.start_m + (self.done as f64 - 0.5 - HALF_WINDOW as f64) * CELL_M;
         let half = super::Z_95 * here[SD];
         self.profile.push(at, &[estimate, estimate - half, estimate + half, truth]);
-        self.window.pop_front();
     }
 
     fn feed_cell(&mut self, cell: Heights) {
@@ -251,6 +309,30 @@ mod tests {
             let top = report.profile.height_m.iter().copied().fold(0.0, f64::max);
             assert!((0.0078..0.0102).contains(&top), "{top}");
             assert_eq!(report.roughness.distance_m.len(), report.roughness.truth_m_per_km.len());
+        }
+    }
+
+    #[test]
+    fn means_in_step_are_those_of_the_window() {
+        let (mut window, mut all) = (Window::new(), Vec::new());
+        for i in 0..2000 {
+            let height = 1e3 + (0.37 * f64::from(i)).sin();
+            // Some true heights are missing, and for longer than the window none is.
+            let truth = if i % 7 == 0 && i < 1000 { f64::NAN } else { -height };
+            let cell = [height, 0.1, truth];
+            all.push(cell);
+            let found = window.push(cell);
+            let Some(expected) = all.len().checked_sub(Window::LENGTH).map(|from| &all[from..]) else {
+                assert!(found.is_none());
+                continue;
+            };
+            let (here, means) = found.unwrap();
+            assert_eq!(here[ESTIMATE], expected[HALF_WINDOW][ESTIMATE]);
+            for (mean, place) in means.into_iter().zip([ESTIMATE, TRUTH]) {
+                let of = expected.iter().map(|cell| cell[place]).sum::<f64>() / Window::LENGTH as f64;
+                // Some hundred roundings of 2e5, spread over as many.
+                assert!((mean - of).abs() < 1e-9 || mean.is_nan() && of.is_nan(), "{i}: {mean} {of}");
+            }
         }
     }
 

@@ -3,6 +3,7 @@
 
 use std::f64::consts::TAU;
 
+use itpms_core::model::{BodyFit, Misfit};
 use realfft::num_complex::Complex;
 
 use super::cross::{Bin, CrossSpectra, FEWEST_SEGMENTS, INCOHERENT};
@@ -82,6 +83,8 @@ pub struct CornerCheck {
     pub verdict: Verdict,
     /// Mean coherence between 4 and 16 Hz.
     pub coherence: f64,
+    /// What the estimator says after the whole drive of how body and wheel go together, and what does not, where it ran.
+    pub fit: Option<(BodyFit<f64>, Option<Misfit>)>,
     bins: Vec<Bin>,
 }
 
@@ -98,7 +101,7 @@ impl CornerCheck {
         } else {
             compared(&bins, &suspension)
         };
-        Self { label: label.to_owned(), suspension, verdict, coherence, bins }
+        Self { label: label.to_owned(), suspension, verdict, coherence, fit: None, bins }
     }
 
     /// What was found and what to change, in a sentence.
@@ -115,14 +118,24 @@ impl CornerCheck {
         }
     }
 
-    /// Whether the file's damper or spring should be changed, or nothing can be said.
+    /// What does not fit beside damper and spring, in a sentence without its full stop. Where nothing can be said of these, the sentence
+    /// on them has named the reason.
+    #[must_use]
+    pub fn misfit(&self) -> Option<String> {
+        let misfit = self.fit.as_ref()?.1?;
+        matches!(self.verdict, Verdict::Compared { .. }).then(|| misfit.to_string())
+    }
+
+    /// Whether something in the file should be changed, or nothing can be said.
     #[must_use]
     pub fn asks_for_change(&self) -> bool {
         match &self.verdict {
             Verdict::TooShort | Verdict::Incoherent(_) => true,
             Verdict::Compared { damping, spring } => {
                 let s = &self.suspension;
-                apart(*damping, s.damping_relative_sd) || apart(*spring, s.spring_relative_sd)
+                apart(*damping, s.damping_relative_sd)
+                    || apart(*spring, s.spring_relative_sd)
+                    || self.misfit().is_some()
             }
         }
     }
@@ -145,21 +158,22 @@ impl CornerCheck {
         format!("{damping}; {spring}")
     }
 
-    /// (Hz, measured gain, its standard error; zero where that is of the gain's own order).
-    pub(super) fn measured(&self) -> Vec<(f64, f64, f64)> {
-        let error = |bin: &Bin| {
-            if bin.relative_error < 0.5 { bin.relative_error * bin.response.norm() } else { 0.0 }
-        };
-        self.bins.iter().map(|bin| (bin.hz, bin.response.norm(), error(bin))).collect()
+    /// (Hz, measured gain, its standard error), bin by bin.
+    #[must_use]
+    pub fn measured(&self) -> Vec<(f64, f64, f64)> {
+        let gain = |bin: &Bin| bin.response.norm();
+        self.bins.iter().map(|bin| (bin.hz, gain(bin), bin.relative_error * gain(bin))).collect()
     }
 
-    /// (Hz, coherence).
-    pub(super) fn coherences(&self) -> Vec<(f64, f64)> {
+    /// (Hz, coherence), bin by bin.
+    #[must_use]
+    pub fn coherences(&self) -> Vec<(f64, f64)> {
         self.bins.iter().map(|bin| (bin.hz, bin.coherence)).collect()
     }
 
     /// (Hz, the file's gain, least, most).
-    pub(super) fn told(&self) -> Vec<(f64, (f64, f64, f64))> {
+    #[must_use]
+    pub fn told(&self) -> Vec<(f64, (f64, f64, f64))> {
         let hz = |i: i32| LOW_HZ * (HIGH_HZ / LOW_HZ).powf(f64::from(i) / 100.0);
         (0..=100).map(hz).map(|hz| (hz, self.suspension.gain(hz))).collect()
     }

@@ -17,7 +17,7 @@ pub(crate) struct SignalsArgs {
     /// Which signal is which column, where the names do not say it.
     #[arg(long, value_name = "MAP.toml")]
     pub(crate) signals: Option<PathBuf>,
-    /// CAN logs and MDF4: where the mapping that was found goes, as a map to start from.
+    /// Where the mapping that was found goes, as a map to start from.
     #[arg(long, value_name = "MAP.toml")]
     pub(crate) write_map: Option<PathBuf>,
     /// Print JSON.

@@ -204,7 +204,8 @@ impl DrawnCar {
                 car.update(row);
             }
             car.end_calibration();
-            calibration = car.estimator().calibration();
+            // One that no program would load is none.
+            calibration = car.estimator().calibration().filter(|learned| learned.check().is_ok());
         }
         Ok((learned, calibration))
     }

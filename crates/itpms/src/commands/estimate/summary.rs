@@ -33,11 +33,12 @@ pub(super) fn print(args: &EstimateArgs, screen: &Screen, estimated: &Estimated)
 /// A line per corner, and one for each alert of the monitor.
 pub(crate) fn print_corners(screen: &Screen, estimated: &Estimated) {
     let Estimated { log, done } = estimated;
-    let end_s = log.last_time_s().map_or(f64::NAN, |end_s| end_s - done.data.drive.origin_s);
+    let origin_s = done.data.drive.origin_s;
+    let end_s = log.last_time_s().map_or(f64::NAN, |end_s| end_s - origin_s);
     for corner in &done.data.corners {
         screen.print(corner_line(corner, end_s));
     }
-    for sentence in done.alerts.sentences() {
+    for sentence in done.alerts.sentences(origin_s) {
         screen.print(sentence);
     }
 }

@@ -1,0 +1,98 @@
+//! A vehicle file held against a drive.
+
+use std::path::{Path, PathBuf};
+
+use itpms_data::{DataError, LogReader};
+use itpms_drive::{CheckedVehicle, DriveError, check};
+use pyo3::prelude::*;
+use pyo3::types::PyIterator;
+
+use crate::errors;
+use crate::pieces::{Pieces, reading};
+use crate::vehicle::Vehicle;
+use crate::work::{self, Meanwhile, Told};
+
+/// Holds a vehicle against the drive in a file.
+#[pyfunction]
+pub(crate) fn check_log(
+    py: Python<'_>,
+    path: PathBuf,
+    vehicle: &Vehicle,
+    trust_units: bool,
+    dbc: Option<PathBuf>,
+    signals: Option<PathBuf>,
+    told: Told,
+) -> PyResult<Checked> {
+    let options = reading(trust_units, dbc, signals);
+    run(py, vehicle, &told, || LogReader::open_with(&path, &options))
+}
+
+/// Holds a vehicle against a drive given piece by piece, as [`Pieces`] takes them. `name` is what messages call the drive.
+#[pyfunction]
+pub(crate) fn check_pieces(
+    py: Python<'_>,
+    name: &str,
+    names: Vec<String>,
+    rows: Option<usize>,
+    pieces: Bound<'_, PyIterator>,
+    vehicle: &Vehicle,
+    trust_units: bool,
+    signals: Option<PathBuf>,
+    told: Told,
+) -> PyResult<Checked> {
+    let options = reading(trust_units, None, signals);
+    let pieces = Pieces::new(names, rows, pieces.unbind());
+    let raised = pieces.raised();
+    raised.or(run(py, vehicle, &told, move || pieces.open(Path::new(name), &options)))
+}
+
+fn run(
+    py: Python<'_>,
+    vehicle: &Vehicle,
+    told: &Told,
+    open: impl FnOnce() -> Result<LogReader, DataError> + Send,
+) -> PyResult<Checked> {
+    let result = work::run(py, told, |meanwhile: &Meanwhile| -> Result<CheckedVehicle, DriveError> {
+        check(&vehicle.0, &mut open()?, &mut |share| meanwhile.done(share))
+    })?;
+    result.map(Checked).map_err(|error| errors::drive(py, &error))
+}
+
+/// What a drive says of a vehicle file.
+#[pyclass(frozen, module = "itpms._itpms")]
+pub(crate) struct Checked(CheckedVehicle);
+
+#[pymethods]
+impl Checked {
+    /// What `itpms vehicle check --json` prints.
+    fn document(&self) -> String {
+        self.0.document().to_string()
+    }
+
+    /// What should be known before believing it.
+    fn concerns(&self) -> Vec<String> {
+        self.0.concerns.clone()
+    }
+
+    /// The response of a corner by its label: names and numbers over frequency, as measured and as the file says.
+    fn curves(&self, label: &str) -> Vec<(String, Vec<f64>)> {
+        let Some(corner) = self.0.corners.iter().find(|corner| corner.label == label) else { return vec![] };
+        let (measured, coherences, told) = (corner.measured(), corner.coherences(), corner.told());
+        let columns: [(&str, Vec<f64>); 8] = [
+            ("hz", measured.iter().map(|(hz, ..)| *hz).collect()),
+            ("gain", measured.iter().map(|(_, gain, _)| *gain).collect()),
+            ("gain_se", measured.iter().map(|(.., error)| *error).collect()),
+            ("coherence", coherences.iter().map(|(_, coherence)| *coherence).collect()),
+            ("file_hz", told.iter().map(|(hz, _)| *hz).collect()),
+            ("file_gain", told.iter().map(|(_, (gain, ..))| *gain).collect()),
+            ("file_gain_low", told.iter().map(|(_, (_, low, _))| *low).collect()),
+            ("file_gain_high", told.iter().map(|(_, (.., high))| *high).collect()),
+        ];
+        columns.map(|(name, values)| (name.to_owned(), values)).into()
+    }
+
+    /// Writes the page with a picture of each corner.
+    fn report(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        errors::page(py, &path, &self.0.page())
+    }
+}

@@ -1,0 +1,63 @@
+//! Estimates over time, in the columns of `itpms estimate -o`.
+
+use itpms_core::model::{Corner, Level, Warning};
+use itpms_drive::Estimates;
+
+use crate::columns::{Columns, Words};
+
+/// What is known of a corner in numbers, and in words: the columns of `itpms estimate -o`.
+const NUMBERS: [&str; 6] = [
+    "pressure_kpa",
+    "pressure_sd_kpa",
+    "stiffness_n_per_m",
+    "valid",
+    "change_sd_kpa",
+    "axle_difference_sd_kpa",
+];
+const WORDS: [&str; 2] = ["warning", "level"];
+
+/// Estimates over time: numbers, and the words beside them.
+pub(crate) struct Found {
+    corners: Vec<Corner>,
+    pub(crate) numbers: Columns,
+    pub(crate) words: Words,
+}
+
+impl Found {
+    pub(crate) fn new(corners: &[Corner], rows: usize) -> Self {
+        let of = |corner: &Corner| {
+            NUMBERS.map(|suffix| (format!("{}_{suffix}", corner.label()), Vec::with_capacity(rows)))
+        };
+        let mut numbers = vec![("time_s".to_owned(), Vec::with_capacity(rows))];
+        numbers.extend(corners.iter().flat_map(of));
+        let word = |corner: &Corner| {
+            WORDS.map(|suffix| (format!("{}_{suffix}", corner.label()), Vec::with_capacity(rows)))
+        };
+        let words = corners.iter().flat_map(word);
+        Self { corners: corners.to_vec(), numbers, words: words.collect() }
+    }
+
+    pub(crate) fn push(&mut self, time_s: f64, estimates: &Estimates) {
+        let (time, corners) = self.numbers.split_at_mut(1);
+        time[0].1.push(time_s);
+        for ((corner, words), numbers) in self
+            .corners
+            .iter()
+            .zip(self.words.chunks_exact_mut(WORDS.len()))
+            .zip(corners.chunks_exact_mut(NUMBERS.len()))
+        {
+            let estimate = estimates[corner.index()].as_ref();
+            let nothing = [f64::NAN, f64::NAN, f64::NAN, 0.0, f64::NAN, f64::NAN];
+            let values = estimate.map_or(nothing, |e| {
+                let valid = if e.validity.is_valid() { 1.0 } else { 0.0 };
+                let difference = e.axle_difference_sd_kpa.unwrap_or(f64::NAN);
+                [e.pressure_kpa, e.pressure_sd_kpa, e.stiffness_n_per_m, valid, e.change_sd_kpa, difference]
+            });
+            for ((_, column), value) in numbers.iter_mut().zip(values) {
+                column.push(value);
+            }
+            words[0].1.push(estimate.map_or(Warning::None, |e| e.warning).label());
+            words[1].1.push(estimate.map_or(Level::VehicleFile, |e| e.level).label());
+        }
+    }
+}

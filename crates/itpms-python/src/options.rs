@@ -1,0 +1,104 @@
+//! What the Python layer hands over besides a drive and a vehicle, as the program's settings.
+
+use std::path::PathBuf;
+
+use itpms_core::estimator::{EstimatorKind, RoadPeriod, RoadRepetition};
+use itpms_core::warning::Regulation;
+use itpms_data::log::LogOptions;
+use itpms_drive::Settings;
+use pyo3::prelude::*;
+
+use crate::errors::{Kind, raise};
+use crate::pieces;
+
+/// What the Python layer hands over besides the log and the vehicle, all by the names of the command's options.
+#[derive(FromPyObject)]
+pub(crate) struct Options {
+    #[pyo3(item)]
+    estimator: String,
+    #[pyo3(item)]
+    regulation: String,
+    #[pyo3(item)]
+    road_repeats: RoadRepeats,
+    #[pyo3(item)]
+    calibrate_s: Option<f64>,
+    #[pyo3(item)]
+    reference: Option<PathBuf>,
+    #[pyo3(item)]
+    pub(crate) save_reference: Option<PathBuf>,
+    #[pyo3(item)]
+    pub(crate) rate_hz: f64,
+    #[pyo3(item)]
+    pub(crate) road: bool,
+    #[pyo3(item)]
+    pub(crate) report: bool,
+    #[pyo3(item)]
+    trust_units: bool,
+    #[pyo3(item)]
+    dbc: Option<PathBuf>,
+    #[pyo3(item)]
+    signals: Option<PathBuf>,
+}
+
+/// Seconds, or a word.
+#[derive(FromPyObject)]
+enum RoadRepeats {
+    Seconds(f64),
+    Word(String),
+}
+
+impl Options {
+    /// The same as settings of the program.
+    pub(crate) fn settings(&self, py: Python<'_>) -> PyResult<Settings> {
+        let refuse = |sentence: String| raise(py, Kind::Setting, sentence);
+        let known = |names: Vec<&str>, what: &str, found: &str| {
+            refuse(format!("{what} is {found:?}, expected one of: {}", names.join(", ")))
+        };
+        let positive = |name: &str, value: f64| {
+            let usable = value > 0.0 && value.is_finite();
+            if usable {
+                Ok(value)
+            } else {
+                Err(refuse(format!("{name} is {value}, expected a positive, finite number")))
+            }
+        };
+        let estimators = || EstimatorKind::ALL.map(EstimatorKind::label).to_vec();
+        let regulations = || Regulation::ALL.map(Regulation::label).to_vec();
+        if self.calibrate_s.is_some() && self.reference.is_some() {
+            return Err(refuse("both calibrate_s and reference are given, expected one of them".to_owned()));
+        }
+        if self.save_reference.is_some() && self.calibrate_s.is_none() {
+            return Err(refuse(
+                "save_reference is given without calibrate_s: nothing would be learned".to_owned(),
+            ));
+        }
+        Ok(Settings {
+            estimator: EstimatorKind::from_label(&self.estimator)
+                .ok_or_else(|| known(estimators(), "estimator", &self.estimator))?,
+            regulation: Regulation::from_label(&self.regulation)
+                .ok_or_else(|| known(regulations(), "regulation", &self.regulation))?,
+            road_repeats: self.road_repeats.settled().map_err(refuse)?,
+            calibrate_s: self.calibrate_s.map(|seconds| positive("calibrate_s", seconds)).transpose()?,
+            reference: self.reference.clone(),
+            rate_hz: positive("rate_hz", self.rate_hz)?,
+        })
+    }
+
+    /// How a log is read.
+    pub(crate) fn reading(&self) -> LogOptions {
+        pieces::reading(self.trust_units, self.dbc.clone(), self.signals.clone())
+    }
+}
+
+impl RoadRepeats {
+    fn settled(&self) -> Result<RoadRepetition, String> {
+        match self {
+            Self::Seconds(seconds) => {
+                RoadPeriod::new(*seconds).map(RoadRepetition::Every).map_err(|error| error.to_string())
+            }
+            Self::Word(word) if word == "auto" => Ok(RoadRepetition::Detect),
+            Self::Word(word) if word == "never" => Ok(RoadRepetition::Never),
+            Self::Word(word) => Err(format!("road_repeats is {word:?}, expected seconds, never or auto")),
+        }
+    }
+}
