@@ -16,6 +16,14 @@ pub trait Real: RealField + Copy {
     fn to_f64(self) -> f64;
     /// The largest relative spacing of this type around one.
     fn epsilon() -> Self;
+    /// The larger of this and `least`, which stands for NaN: what [`RealField::max`] gives, without a call.
+    fn at_least(self, least: Self) -> Self {
+        if self > least { self } else { least }
+    }
+    /// The smaller of this and `most`, which stands for NaN.
+    fn at_most(self, most: Self) -> Self {
+        if self < most { self } else { most }
+    }
     /// `e^x`; in `f32` by a polynomial, right to 3e-7 of it.
     fn exp_fast(self) -> Self;
     /// `ln x`; in `f32` by a polynomial, right to 2e-7 of the larger of itself and one.

@@ -11,7 +11,7 @@ use nalgebra::{SMatrix, SVector};
 
 use self::considered::Considered;
 use self::fusion::{FusedEstimate, Fusion, SingleWheelEstimate};
-use crate::conditioning::{Moment, SampleClock, SampleCounts};
+use crate::conditioning::{Cadence, Moment, SampleClock, SampleCounts};
 use crate::estimator::{CornerEstimator, EstimatorKind, FusedStiffness, RoadRepetition};
 use crate::memory::{Blank, Placed, blank};
 use crate::model::{
@@ -86,6 +86,8 @@ pub struct CarEstimator<T: Real> {
     /// When the calibration that is under way ends, and how long it lasts if it has not begun.
     calibration_s: Option<f64>,
     calibration_ends_s: f64,
+    cadence: Cadence,
+    concluded: Concluded<T>,
 }
 
 blank!(CarEstimator<T> {
@@ -98,7 +100,20 @@ blank!(CarEstimator<T> {
     body_equation,
     calibration_s,
     calibration_ends_s,
+    cadence,
+    concluded,
 });
+
+/// What corners have in common, as it was concluded last, and which corners the sample had.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Concluded<T> {
+    there: [bool; 4],
+    correlation: [[T; 4]; 4],
+    tracks: [TrackState<T>; 2],
+}
+
+blank!(Concluded<T> { there, correlation, tracks });
 
 impl<T: Real> CarEstimator<T> {
     /// An estimator of `kind` for samples that come at about `sample_rate_hz`. Only [`EstimatorKind::Informed`] uses the
@@ -153,6 +168,9 @@ impl<T: Real> CarEstimator<T> {
         self.body_equation.configure(&config.corners, sample_rate_hz);
         (self.kind, self.sources) = (kind, Sources::default());
         (self.calibration_s, self.calibration_ends_s) = (None, f64::NEG_INFINITY);
+        let first = self.corners.iter().flatten().next();
+        self.cadence = first.map_or(Cadence::always(), |corner| corner.cadence(sample_rate_hz));
+        self.concluded = Concluded::BLANK;
         Ok(())
     }
 
@@ -241,6 +259,7 @@ impl<T: Real> CarEstimator<T> {
             corner.begin_calibration(seconds)?;
         }
         self.calibration_s = Some(seconds);
+        self.cadence.restart();
         Ok(())
     }
 
@@ -253,6 +272,7 @@ impl<T: Real> CarEstimator<T> {
     /// Ends the calibration that is under way, as where a log ends with it; what it taught is there then.
     pub fn end_calibration(&mut self) {
         self.calibration_ends_s = f64::NEG_INFINITY;
+        self.cadence.restart();
         if let Some(fusion) = self.fusion.as_mut() {
             fusion.set_calibrating(false);
         }
@@ -296,6 +316,7 @@ impl<T: Real> CarEstimator<T> {
             estimator.restart();
         }
         self.body_equation.restart();
+        self.cadence.restart();
         if let Some(fusion) = self.fusion.as_mut() {
             fusion.restart(corner.index());
         }
@@ -305,6 +326,7 @@ impl<T: Real> CarEstimator<T> {
     /// changed, or that a sensor carries another one's name, shows only later. What the axles have taught in the last six to
     /// twelve seconds is taken back, if it contradicts what was known before of anything but those corners' own tires.
     pub fn rollback(&mut self, suspected: [bool; 4]) {
+        self.cadence.restart();
         if let Some(fusion) = self.fusion.as_mut() {
             fusion.rollback(suspected);
         }
@@ -332,25 +354,58 @@ impl<T: Real> CarEstimator<T> {
         if let Some(fusion) = self.fusion.as_mut() {
             fusion.work_on(at.now_s);
         }
-        let fused = self.fuse(at.now_s);
+        let both = || self.corners.iter().zip(&sample.corners);
+        let there = both().map(|(estimator, corner)| estimator.as_ref().is_some() && corner.is_some());
+        let as_before = there.eq(self.concluded.there.iter().copied());
+        let due = self.cadence.is_due(at.now_s) || !as_before;
+        let fused = if due { self.conclude(at.now_s, sample) } else { None };
         let mut corners = [None; 4];
         for ((estimate, estimator), corner) in corners.iter_mut().zip(&mut self.corners).zip(&sample.corners)
         {
             if let (Some(estimator), Some(corner)) = (estimator.as_mut(), corner) {
-                let concluded = estimator.conclude(at.now_s, corner);
-                *estimate = Some(CornerEstimate { time_s: sample.time_s, ..concluded });
+                *estimate = Some(estimator.estimate(at.now_s, sample.time_s, corner));
             }
         }
-        let (correlation, tracks) = (self.correlation(&corners, fused.as_ref()), self.tracks());
-        let [fl, fr, rl, rr] = &mut corners;
-        for (left, right, correlation) in [(fl, fr, correlation[0][1]), (rl, rr, correlation[2][3])] {
-            let (Some(left), Some(right)) = (left, right) else { continue };
-            let (a, b) = (left.pressure_sd_kpa, right.pressure_sd_kpa);
-            let variance = a * a + b * b - T::lit(2.0) * correlation * a * b;
-            let sd_kpa = Some(variance.max(T::zero()).sqrt());
-            (left.axle_difference_sd_kpa, right.axle_difference_sd_kpa) = (sd_kpa, sd_kpa);
+        if due {
+            self.compare(&mut corners, fused.as_ref());
         }
+        let Concluded { correlation, tracks, .. } = self.concluded;
         CarEstimate { time_s: sample.time_s, corners, correlation, tracks }
+    }
+
+    /// Concludes what is known of all corners that the sample has; gives the fused estimate, if it counts.
+    #[inline(never)]
+    fn conclude(&mut self, time_s: f64, sample: &CarSample<T>) -> Option<FusedEstimate<T>> {
+        let fused = self.fuse(time_s);
+        let both = self.corners.iter_mut().zip(&sample.corners);
+        for ((estimator, corner), there) in both.zip(&mut self.concluded.there) {
+            *there = estimator.as_ref().is_some() && corner.is_some();
+            if let (Some(estimator), true) = (estimator.as_mut(), *there) {
+                estimator.conclude(time_s);
+            }
+        }
+        fused
+    }
+
+    /// Concludes what corners have in common.
+    #[inline(never)]
+    fn compare(&mut self, corners: &mut [Option<CornerEstimate<T>>; 4], fused: Option<&FusedEstimate<T>>) {
+        let (correlation, tracks) = (self.correlation(corners, fused), self.tracks());
+        for [left, right] in [[0, 1], [2, 3]] {
+            let [Some(a), Some(b)] = [left, right].map(|i| corners[i].map(|corner| corner.pressure_sd_kpa))
+            else {
+                continue;
+            };
+            let variance = a * a + b * b - T::lit(2.0) * correlation[left][right] * a * b;
+            let sd_kpa = variance.max(T::zero()).sqrt();
+            for i in [left, right] {
+                if let (Some(corner), Some(estimator)) = (&mut corners[i], self.corners[i].as_mut()) {
+                    corner.axle_difference_sd_kpa = Some(sd_kpa);
+                    estimator.set_axle_difference(sd_kpa);
+                }
+            }
+        }
+        (self.concluded.correlation, self.concluded.tracks) = (correlation, tracks);
     }
 
     /// Gives a sample's values to the corners and to the road they share.

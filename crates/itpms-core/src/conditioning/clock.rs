@@ -16,9 +16,9 @@ const LEAPT: u32 = 1;
 /// A stamp that is so far ahead, in s, has to be followed by another one before it is believed.
 const LEAP_S: f64 = 1.0;
 
-/// Whether a stamp's own rounding is smaller than the least distance of two. Infinite and NaN ones are not.
-pub(crate) fn is_resolved(time_s: f64, period_s: f64) -> bool {
-    time_s.abs() * f64::EPSILON < CLOSEST * period_s
+/// The time in s before which a stamp's own rounding is smaller than the least distance of two; nor are infinite and NaN ones resolved.
+pub(crate) fn latest_resolved_s(period_s: f64) -> f64 {
+    CLOSEST / f64::EPSILON * period_s
 }
 
 /// Stamps that are out of line, and whether they follow one another.
@@ -58,6 +58,8 @@ impl Stray {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct SteadyClock {
     period_s: f64,
+    /// See [`latest_resolved_s`].
+    latest_s: f64,
     /// The last stamp that was believed; minus infinity before the first.
     stamp_s: f64,
     /// What the steady time is ahead of the stamps.
@@ -65,18 +67,25 @@ pub(crate) struct SteadyClock {
     stray: Stray,
 }
 
-blank!(SteadyClock { period_s, stamp_s, ahead_s, stray });
+blank!(SteadyClock { period_s, latest_s, stamp_s, ahead_s, stray });
 
 impl SteadyClock {
     /// A clock for samples that come at about `sample_rate_hz`.
     pub(crate) fn new(sample_rate_hz: f64) -> Self {
-        Self { period_s: 1.0 / sample_rate_hz, stamp_s: f64::NEG_INFINITY, ahead_s: 0.0, stray: Stray::NONE }
+        let period_s = 1.0 / sample_rate_hz;
+        Self {
+            period_s,
+            latest_s: latest_resolved_s(period_s),
+            stamp_s: f64::NEG_INFINITY,
+            ahead_s: 0.0,
+            stray: Stray::NONE,
+        }
     }
 
     /// Takes a sample's stamp in s; gives the steady time, or `None` for a stamp that nobody should go by: one that is not
     /// finite, too large to be resolved, or out of line with those around it.
     pub(crate) fn take(&mut self, time_s: f64) -> Option<f64> {
-        if !is_resolved(time_s, self.period_s) {
+        if !(time_s.abs() < self.latest_s) {
             return None;
         }
         let step_s = time_s - self.stamp_s;
@@ -106,7 +115,7 @@ impl SteadyClock {
 
     /// The steady time at a stamp that may not have been believed, if it is right; infinite if nobody can say.
     pub(crate) fn at_latest_s(&self, time_s: f64) -> f64 {
-        let ahead = is_resolved(time_s, self.period_s) && time_s >= self.stamp_s;
+        let ahead = time_s.abs() < self.latest_s && time_s >= self.stamp_s;
         if ahead { time_s + self.ahead_s } else { f64::INFINITY }
     }
 

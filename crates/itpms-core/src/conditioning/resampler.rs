@@ -4,7 +4,7 @@
 //! Stands before every estimator, so that none of them ever sees a missing or absurd value. Knows nothing of cars
 //! beyond the size an acceleration can have.
 
-use crate::conditioning::clock::{CLOSEST, LONGEST_BRIDGE, SET_BACK, Stray, is_resolved};
+use crate::conditioning::clock::{CLOSEST, LONGEST_BRIDGE, SET_BACK, Stray, latest_resolved_s};
 use crate::memory::blank;
 use crate::model::ABSURD_M_S2;
 use crate::real::Real;
@@ -102,7 +102,7 @@ impl<T: Real> FlatWatch<T> {
         }
         let magnitude = value.abs();
         let at_limit = magnitude >= self.largest && magnitude > T::zero();
-        self.largest = self.largest.max(magnitude);
+        self.largest = self.largest.at_least(magnitude);
         if self.equal > 1 && time_s - self.equal_since_s > STUCK_S {
             Flatness::Stuck
         } else if at_limit && self.equal >= FLAT_TOP {
@@ -122,19 +122,35 @@ fn epoch_s(time_s: f64) -> f64 {
     nalgebra::ComplexField::trunc(time_s / SPAN_S) * SPAN_S
 }
 
+/// Periods in s, and what follows from them: where double precision is software, what can be computed beforehand is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Periods {
+    sample_s: f64,
+    grid_s: f64,
+    /// Least and longest distance of two samples, the latest time that tells them apart, and distances that are none.
+    closest_s: f64,
+    longest_s: f64,
+    latest_s: f64,
+    on_sample_s: f64,
+}
+
+blank!(Periods { sample_s, grid_s, closest_s, longest_s, latest_s, on_sample_s });
+
 /// Checks and regrids the samples of one corner.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Resampler<T> {
-    sample_period_s: f64,
-    grid_period_s: f64,
-    /// Times, body and wheel accelerations of the newest samples, oldest first; `filled` of them count.
-    time_s: [f64; POINTS],
+    periods: Periods,
+    /// Times since [`epoch_s`], body and wheel accelerations of the newest samples, oldest first; `filled` of them count.
+    since_s: [f64; POINTS],
     body: [T; POINTS],
     wheel: [T; POINTS],
     saturated: [bool; POINTS],
     filled: usize,
-    /// Since [`epoch_s`].
+    /// That of the first sample after a gap.
+    epoch_s: f64,
+    /// Since the epoch.
     next_grid_s: f64,
     after_gap: bool,
     body_watch: FlatWatch<T>,
@@ -149,7 +165,7 @@ pub struct Resampler<T> {
 }
 
 blank!(Resampler<T> {
-    sample_period_s, grid_period_s, time_s, body, wheel, saturated, filled, next_grid_s, after_gap,
+    periods, since_s, body, wheel, saturated, filled, epoch_s, next_grid_s, after_gap,
     body_watch, wheel_watch, last_raw_s, last_accepted_s, refused, stray, stuck_now, counts,
 });
 
@@ -162,14 +178,22 @@ impl<T: Real> Resampler<T> {
         while multiple * sample_rate_hz < least_grid_rate_hz && multiple < 64.0 {
             multiple += 1.0;
         }
+        let sample_s = 1.0 / sample_rate_hz;
         Self {
-            sample_period_s: 1.0 / sample_rate_hz,
-            grid_period_s: 1.0 / (multiple * sample_rate_hz),
-            time_s: [0.0; POINTS],
+            periods: Periods {
+                sample_s,
+                grid_s: 1.0 / (multiple * sample_rate_hz),
+                closest_s: CLOSEST * sample_s,
+                longest_s: LONGEST_BRIDGE * sample_s,
+                latest_s: latest_resolved_s(sample_s),
+                on_sample_s: ON_SAMPLE * sample_s,
+            },
+            since_s: [0.0; POINTS],
             body: [T::zero(); POINTS],
             wheel: [T::zero(); POINTS],
             saturated: [false; POINTS],
             filled: 0,
+            epoch_s: 0.0,
             next_grid_s: f64::NAN,
             after_gap: true,
             body_watch: FlatWatch::new(),
@@ -186,7 +210,7 @@ impl<T: Real> Resampler<T> {
     /// Step of the grid in s.
     #[must_use]
     pub fn grid_period_s(&self) -> f64 {
-        self.grid_period_s
+        self.periods.grid_s
     }
 
     /// What was found so far.
@@ -198,7 +222,7 @@ impl<T: Real> Resampler<T> {
     /// True while the signal cannot be used: nothing accepted for half a second, or a sensor or the clock is stuck.
     #[must_use]
     pub fn is_bad(&self) -> bool {
-        let clock_stuck = f64::from(self.refused) * self.sample_period_s > STUCK_S;
+        let clock_stuck = self.refused > 0 && f64::from(self.refused) * self.periods.sample_s > STUCK_S;
         self.stuck_now || clock_stuck || !(self.last_raw_s - self.last_accepted_s <= STUCK_S)
     }
 
@@ -213,9 +237,8 @@ impl<T: Real> Resampler<T> {
         mut sink: impl FnMut(GridSample<T>),
     ) {
         // Closer ones blow up the interpolation.
-        let closest_s = CLOSEST * self.sample_period_s;
-        let resolved = is_resolved(time_s, self.sample_period_s);
-        if !(resolved && time_s >= self.last_raw_s + closest_s) {
+        let resolved = time_s.abs() < self.periods.latest_s;
+        if !(resolved && time_s >= self.last_raw_s + self.periods.closest_s) {
             self.counts.out_of_order += 1;
             if !(resolved && self.was_set_back(time_s)) {
                 return;
@@ -244,7 +267,7 @@ impl<T: Real> Resampler<T> {
         self.counts.saturated += u64::from(flatness == Flatness::AtLimit);
         self.counts.accepted += 1;
 
-        if self.filled > 0 && time_s - self.last_accepted_s > LONGEST_BRIDGE * self.sample_period_s {
+        if self.filled > 0 && time_s - self.last_accepted_s > self.periods.longest_s {
             self.counts.gaps += 1;
             self.filled = 0;
         }
@@ -257,7 +280,7 @@ impl<T: Real> Resampler<T> {
     /// clock must have been wrong before: then all that came until now is another record.
     fn was_set_back(&mut self, time_s: f64) -> bool {
         self.refused = self.refused.saturating_add(1);
-        self.stray.take(time_s, self.sample_period_s, LONGEST_BRIDGE * self.sample_period_s);
+        self.stray.take(time_s, self.periods.sample_s, self.periods.longest_s);
         if self.stray.steps < SET_BACK {
             return false;
         }
@@ -271,17 +294,18 @@ impl<T: Real> Resampler<T> {
     fn append(&mut self, time_s: f64, body: T, wheel: T, saturated: bool) {
         if self.filled == 0 {
             self.after_gap = true;
+            self.epoch_s = epoch_s(time_s);
             self.next_grid_s = f64::NAN;
         }
         if self.filled == POINTS {
-            self.time_s.rotate_left(1);
+            self.since_s.rotate_left(1);
             self.body.rotate_left(1);
             self.wheel.rotate_left(1);
             self.saturated.rotate_left(1);
             self.filled -= 1;
         }
         let at = self.filled.min(POINTS - 1);
-        self.time_s[at] = time_s;
+        self.since_s[at] = time_s - self.epoch_s;
         self.body[at] = body;
         self.wheel[at] = wheel;
         self.saturated[at] = saturated;
@@ -293,23 +317,17 @@ impl<T: Real> Resampler<T> {
             return;
         }
         // Interpolate between the two middle points only, where the error is smallest.
-        let epoch_s = epoch_s(self.time_s[POINTS / 2 - 1]);
-        let [from_s, to_s] =
-            [self.time_s[POINTS / 2 - 1], self.time_s[POINTS / 2]].map(|time_s| time_s - epoch_s);
-        let follows = from_s - self.grid_period_s..to_s + 2.0 * self.grid_period_s;
+        let [from_s, to_s] = [self.since_s[POINTS / 2 - 1], self.since_s[POINTS / 2]];
+        let grid_s = self.periods.grid_s;
+        let follows = from_s - grid_s..to_s + 2.0 * grid_s;
         if !follows.contains(&self.next_grid_s) {
             self.next_grid_s = from_s;
         }
+        let saturated = self.saturated.contains(&true);
         while self.next_grid_s < to_s {
-            let weights = self.lagrange_weights(epoch_s, self.next_grid_s);
-            let (mut body, mut wheel, mut saturated) = (T::zero(), T::zero(), false);
-            for (i, &weight) in weights.iter().enumerate() {
-                body += weight * self.body[i];
-                wheel += weight * self.wheel[i];
-                saturated |= self.saturated[i];
-            }
+            let (body, wheel) = self.at(self.next_grid_s);
             sink(GridSample {
-                time_s: epoch_s + self.next_grid_s,
+                time_s: self.epoch_s + self.next_grid_s,
                 speed_m_s,
                 body_accel_m_s2: body,
                 wheel_accel_m_s2: wheel,
@@ -319,22 +337,30 @@ impl<T: Real> Resampler<T> {
                 strut_friction_m_s2: T::zero(),
             });
             self.after_gap = false;
-            self.next_grid_s += self.grid_period_s;
+            self.next_grid_s += grid_s;
         }
     }
 
-    /// Weights of the polynomial through all points, at `at_s` since `epoch_s`.
-    fn lagrange_weights(&self, epoch_s: f64, at_s: f64) -> [T; POINTS] {
-        let scale = 1.0 / self.sample_period_s;
-        let distance = |i: usize| (at_s - (self.time_s[i] - epoch_s)) * scale;
+    /// Body and wheel at a time since the epoch.
+    fn at(&self, at_s: f64) -> (T, T) {
         // A point of the grid that is a sample is that sample.
         for middle in [POINTS / 2 - 1, POINTS / 2] {
-            if distance(middle).abs() < ON_SAMPLE {
-                let mut weights = [T::zero(); POINTS];
-                weights[middle] = T::one();
-                return weights;
+            if (at_s - self.since_s[middle]).abs() < self.periods.on_sample_s {
+                return (self.body[middle], self.wheel[middle]);
             }
         }
+        let (mut body, mut wheel) = (T::zero(), T::zero());
+        for (i, &weight) in self.lagrange_weights(at_s).iter().enumerate() {
+            body += weight * self.body[i];
+            wheel += weight * self.wheel[i];
+        }
+        (body, wheel)
+    }
+
+    /// Weights of the polynomial through all points, at a time since the epoch.
+    fn lagrange_weights(&self, at_s: f64) -> [T; POINTS] {
+        let scale = 1.0 / self.periods.sample_s;
+        let distance = |i: usize| (at_s - self.since_s[i]) * scale;
         // Distances in sampling periods, so that f32 keeps its digits.
         let distance: [T; POINTS] = core::array::from_fn(|i| T::lit(distance(i)));
         core::array::from_fn(|i| {

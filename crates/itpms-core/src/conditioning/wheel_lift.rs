@@ -40,18 +40,19 @@ pub(crate) struct Contact {
 pub(crate) struct ContactWatch<T> {
     sprung_mass_kg: T,
     unsprung_mass_kg: T,
-    /// Means of body and wheel in m/s², over how many seconds, and up to when.
+    /// Means of body and wheel in m/s², over how many seconds (up to [`OFFSET_S`]), and up to when.
     means: [T; 2],
-    watched_s: f64,
+    watched_s: T,
     last_s: f64,
     /// What of them is taken for an offset.
     offsets: [T; 2],
-    airborne_s: f64,
-    pulling_s: f64,
+    /// Until when the wheel counts as hopping, and the tire as one that pulls.
+    hopping_until_s: f64,
+    pulling_until_s: f64,
 }
 
 blank!(ContactWatch<T> {
-    sprung_mass_kg, unsprung_mass_kg, means, watched_s, last_s, offsets, airborne_s, pulling_s,
+    sprung_mass_kg, unsprung_mass_kg, means, watched_s, last_s, offsets, hopping_until_s, pulling_until_s,
 });
 
 impl<T: Real> ContactWatch<T> {
@@ -60,11 +61,11 @@ impl<T: Real> ContactWatch<T> {
             sprung_mass_kg: car.sprung_mass_kg(),
             unsprung_mass_kg: car.unsprung_mass_kg(),
             means: [T::zero(); 2],
-            watched_s: 0.0,
+            watched_s: T::zero(),
             last_s: f64::NAN,
             offsets: [T::zero(); 2],
-            airborne_s: f64::NEG_INFINITY,
-            pulling_s: f64::NEG_INFINITY,
+            hopping_until_s: f64::NEG_INFINITY,
+            pulling_until_s: f64::NEG_INFINITY,
         }
     }
 
@@ -74,42 +75,42 @@ impl<T: Real> ContactWatch<T> {
         let force_n = self.sprung_mass_kg * body + self.unsprung_mass_kg * wheel;
         let weight_n = (self.sprung_mass_kg + self.unsprung_mass_kg) * T::lit(GRAVITY_M_S2);
         if force_n < -weight_n * T::lit(PULLING) {
-            self.pulling_s = sample.time_s;
+            self.pulling_until_s = sample.time_s + PULLING_S;
         }
-        if sample.time_s - self.pulling_s < PULLING_S {
+        if sample.time_s < self.pulling_until_s {
             return Contact { unloaded: false, hopping: false };
         }
         if force_n < -weight_n * T::lit(LIFTED) {
-            self.airborne_s = sample.time_s;
+            self.hopping_until_s = sample.time_s + LANDING_S;
         }
         Contact {
             unloaded: force_n < -weight_n * T::lit(UNLOADED),
-            hopping: sample.time_s - self.airborne_s < LANDING_S,
+            hopping: sample.time_s < self.hopping_until_s,
         }
     }
 
     /// Both accelerations without what the sensors always show. Small means are left alone: they are the road's.
     fn without_offsets(&mut self, sample: &GridSample<T>) -> [T; 2] {
         let readings = [sample.body_accel_m_s2, sample.wheel_accel_m_s2];
-        let seconds = sample.time_s - self.last_s;
+        let seconds = T::lit(sample.time_s - self.last_s);
         self.last_s = sample.time_s;
-        if seconds > 0.0 {
-            let seconds = seconds.min(LONGEST_STEP_S);
-            self.watched_s += seconds;
-            let share = T::lit(seconds / self.watched_s.min(OFFSET_S));
+        if seconds > T::zero() {
+            let seconds = seconds.at_most(T::lit(LONGEST_STEP_S));
+            self.watched_s = (self.watched_s + seconds).at_most(T::lit(OFFSET_S));
+            let share = seconds / self.watched_s;
             for (mean, reading) in self.means.iter_mut().zip(readings) {
                 if reading.is_finite() {
                     *mean += (reading - *mean) * share;
                 }
             }
         }
-        if self.watched_s >= LEAST_S {
+        if self.watched_s >= T::lit(LEAST_S) {
             let offset = |mean: T| if mean.abs() > T::lit(OFFSET_M_S2) { mean } else { T::zero() };
             let before = core::mem::replace(&mut self.offsets, self.means.map(offset));
             let is_new = |(before, now): (&T, &T)| (*before == T::zero()) != (*now == T::zero());
             if before.iter().zip(&self.offsets).any(is_new) {
                 // What was made of the forces so far was made of wrong ones.
-                (self.pulling_s, self.airborne_s) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+                (self.pulling_until_s, self.hopping_until_s) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
             }
         }
         core::array::from_fn(|i| readings[i] - self.offsets[i])

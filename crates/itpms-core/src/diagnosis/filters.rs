@@ -102,7 +102,7 @@ impl<T: Real> Averager<T> {
         if self.count < self.of {
             return None;
         }
-        let scale = T::one() / T::lit(f64::from(self.of));
+        let scale = T::one() / T::whole(self.of);
         let means = self.sums.map(|sum| sum * scale);
         *self = Self::new(self.of);
         Some(means)
@@ -133,7 +133,7 @@ impl<T: Real> Triangle<T> {
 
     /// The means, with every `of`-th call.
     pub(crate) fn push(&mut self, values: &[T; 8]) -> Option<[T; 8]> {
-        let (up, down) = (T::lit(f64::from(self.count)), T::lit(f64::from(self.of - self.count)));
+        let (up, down) = (T::whole(self.count), T::whole(self.of - self.count));
         for (i, value) in values.iter().enumerate() {
             self.rising[i] += up * *value;
             self.falling[i] += down * *value;
@@ -142,7 +142,7 @@ impl<T: Real> Triangle<T> {
         if self.count < self.of {
             return None;
         }
-        let scale = T::one() / T::lit(f64::from(self.of) * f64::from(self.of));
+        let scale = T::one() / (T::whole(self.of) * T::whole(self.of));
         let means = core::array::from_fn(|i| (self.risen[i] + self.falling[i]) * scale);
         *self = Self { risen: self.rising, ..Self::new(self.of) };
         Some(means)

@@ -97,6 +97,8 @@ pub(crate) struct Diagnosis<T: Real> {
     slowest_m_s: T,
     last_s: f64,
     block_from_s: f64,
+    /// From when on a sample ends the block.
+    block_ends_s: f64,
     /// Blocks since something was wrong with a sensor by itself.
     calm_blocks: u32,
     /// Blocks of which something was wrong with a sensor by itself, in a row.
@@ -107,7 +109,7 @@ pub(crate) struct Diagnosis<T: Real> {
 
 blank!(Diagnosis<T> {
     period_s, noise_power, present, sensors, signals, cross_sensor, slowest_m_s, last_s, block_from_s,
-    calm_blocks, rough_blocks, news,
+    block_ends_s,     calm_blocks, rough_blocks, news,
 });
 
 impl<T: Real> Diagnosis<T> {
@@ -123,9 +125,14 @@ impl<T: Real> Diagnosis<T> {
         self.signals.configure(car, rate_hz);
         self.cross_sensor.configure(noise_power, rate_hz);
         self.slowest_m_s = T::lit(f64::NAN);
-        (self.last_s, self.block_from_s) = (f64::NEG_INFINITY, f64::NAN);
+        self.last_s = f64::NEG_INFINITY;
+        self.begin_block(f64::NAN);
         (self.calm_blocks, self.rough_blocks) = (0, 0);
         self.news = false;
+    }
+
+    fn begin_block(&mut self, time_s: f64) {
+        (self.block_from_s, self.block_ends_s) = (time_s, time_s + BLOCK_S - 0.5 * self.period_s);
     }
 
     /// Takes a sample of a clock that does not go back.
@@ -137,7 +144,8 @@ impl<T: Real> Diagnosis<T> {
         }
         self.last_s = time_s;
         if !(step_s < LONGEST_HOLE_S) {
-            (self.block_from_s, self.calm_blocks) = (time_s, 0);
+            self.begin_block(time_s);
+            self.calm_blocks = 0;
             self.slowest_m_s = sample.speed_m_s;
         }
         if step_s > LONGEST_STEP * self.period_s {
@@ -147,17 +155,16 @@ impl<T: Real> Diagnosis<T> {
         let mut values = [T::zero(); 8];
         for (i, corner) in sample.corners.iter().enumerate().filter(|(i, _)| self.present[*i]) {
             let [body, wheel] = corner.map_or(nothing, |c| [c.body_accel_m_s2, c.wheel_accel_m_s2]);
-            values[i] = self.sensors[i].push(time_s, self.period_s, body);
-            values[4 + i] = self.sensors[4 + i].push(time_s, self.period_s, wheel);
+            values[i] = self.sensors[i].push(time_s, body);
+            values[4 + i] = self.sensors[4 + i].push(time_s, wheel);
         }
         self.signals.push(&values);
         if !(self.slowest_m_s <= sample.speed_m_s) {
             self.slowest_m_s = sample.speed_m_s;
         }
-        let block_s = time_s - self.block_from_s;
-        if block_s >= BLOCK_S - 0.5 * self.period_s {
-            self.end_block(time_s, block_s);
-            self.block_from_s = time_s;
+        if time_s >= self.block_ends_s {
+            self.end_block(time_s, time_s - self.block_from_s);
+            self.begin_block(time_s);
             self.slowest_m_s = sample.speed_m_s;
         }
     }

@@ -57,10 +57,14 @@ pub(crate) struct SensorWatch<T> {
     in_part: u32,
     part_of: u32,
     floor: Option<T>,
+    /// What a value adds to what is usual, and to the share of missing ones.
+    usual_share: T,
+    missing_share: T,
 }
 
 blank!(SensorWatch<T> {
     window, whole, usual, deviations, missing, changed_s, spikes, lost, part, in_part, part_of, floor,
+    usual_share, missing_share,
 });
 
 impl<T: Real> SensorWatch<T> {
@@ -78,14 +82,16 @@ impl<T: Real> SensorWatch<T> {
             in_part: 0,
             part_of: ((PART_S / period_s) as u32).max(5),
             floor: None,
+            usual_share: T::lit((period_s / USUAL_S).min(1.0)),
+            missing_share: T::lit((period_s / MISSING_S).min(1.0)),
         }
     }
 
     /// Takes a value; gives it, or the last one in the place of a missing one.
-    pub(crate) fn push(&mut self, time_s: f64, period_s: f64, value: T) -> T {
+    pub(crate) fn push(&mut self, time_s: f64, value: T) -> T {
         let here = value.abs() < T::lit(ABSURD_M_S2);
         let lost = if here { T::zero() } else { T::one() };
-        self.missing += T::lit((period_s / MISSING_S).min(1.0)) * (lost - self.missing);
+        self.missing += self.missing_share * (lost - self.missing);
         if !here {
             self.lost += 1;
             self.whole = 0;
@@ -98,7 +104,7 @@ impl<T: Real> SensorWatch<T> {
         self.window[WINDOW - 1] = value;
         self.whole = (self.whole + 1).min(WINDOW as u32);
         if self.whole == WINDOW as u32 {
-            self.look_for_spike(period_s);
+            self.look_for_spike();
             self.listen();
         }
         value
@@ -110,13 +116,13 @@ impl<T: Real> SensorWatch<T> {
     }
 
     /// Interpolates the middle of the window from its neighbors, sixth order.
-    fn look_for_spike(&mut self, period_s: f64) {
+    fn look_for_spike(&mut self) {
         let w = &self.window;
         let m = MIDDLE;
         let near = T::lit(15.0) * (w[m - 1] + w[m + 1]) - T::lit(6.0) * (w[m - 2] + w[m + 2]);
         let expected = (near + w[m - 3] + w[m + 3]) / T::lit(20.0);
         let deviation = (w[m] - expected).abs();
-        let over = T::lit(LEAST_SPIKE_M_S2).max(T::lit(SPIKE_OVER_USUAL) * self.usual);
+        let over = (T::lit(SPIKE_OVER_USUAL) * self.usual).at_least(T::lit(LEAST_SPIKE_M_S2));
         if deviation > over {
             let mut without = self.window;
             without[m] = expected;
@@ -125,7 +131,7 @@ impl<T: Real> SensorWatch<T> {
                 self.spikes += 1;
             }
         }
-        self.usual += T::lit((period_s / USUAL_S).min(1.0)) * (self.deviations[0] - self.usual);
+        self.usual += self.usual_share * (self.deviations[0] - self.usual);
         self.deviations.rotate_left(1);
         self.deviations[MIDDLE] = deviation;
     }
@@ -136,7 +142,7 @@ impl<T: Real> SensorWatch<T> {
         self.part += fourth * fourth / T::lit(FOURTH_DIFFERENCE);
         self.in_part += 1;
         if self.in_part == self.part_of {
-            let power = self.part / T::lit(f64::from(self.part_of));
+            let power = self.part / T::whole(self.part_of);
             self.floor = Some(self.floor.map_or(power, |floor| floor.min(power)));
             (self.part, self.in_part) = (T::zero(), 0);
         }
@@ -191,7 +197,7 @@ mod tests {
         let mut time_s = 0.0;
         for value in values {
             time_s += PERIOD_S;
-            watch.push(time_s, PERIOD_S, value);
+            watch.push(time_s, value);
         }
         watch.end_block(time_s)
     }

@@ -64,8 +64,8 @@ impl<T: Real> SingleSensorMonitor<T> {
     }
 
     /// Takes a value; gives it, or the last one in the place of a missing one.
-    pub(crate) fn push(&mut self, time_s: f64, period_s: f64, value: T) -> T {
-        self.watch.push(time_s, period_s, value)
+    pub(crate) fn push(&mut self, time_s: f64, value: T) -> T {
+        self.watch.push(time_s, value)
     }
 
     /// Samples are not there: the next value does not follow the last one.

@@ -2,16 +2,17 @@
 //! [`Estimator`](super::Estimator) and by the car. Every sample passes the [`Resampler`], so no method ever sees a missing or
 //! absurd value.
 
+use super::concluded::Concluded;
 use super::fused_stiffness::FusedStiffness;
 use super::method::RunningMethod;
 use super::reading::{Reading, is_known};
 use super::{EstimatorKind, RoadRepetition};
 use crate::conditioning::wheel_lift::ContactWatch;
-use crate::conditioning::{GridSample, Resampler, SampleCounts};
+use crate::conditioning::{Cadence, GridSample, Resampler, SampleCounts};
 use crate::memory::{Placed, blank};
 use crate::model::{
-    BodyFit, CornerConfig, CornerEstimate, CornerSample, Diagnostics, Level, Misfit, ParameterError,
-    QuarterCar, Validity, Warning, positive,
+    BodyFit, CornerConfig, CornerEstimate, CornerSample, Level, Misfit, ParameterError, QuarterCar, Validity,
+    positive,
 };
 use crate::real::Real;
 use crate::road::{RoadConfig, RoadFilter};
@@ -53,12 +54,13 @@ pub(crate) struct CornerEstimator<T: Real> {
     misfit: Placed<Misfit>,
     /// Since when there is something to believe, but for the verdict on body and wheel.
     judged_from_s: Option<f64>,
+    concluded: Placed<Concluded<T>>,
 }
 
 blank!(CornerEstimator<T> {
     kind, config, resampler, method, road, road_told_s, watch, calibration_s, calibration_ends_s,
     pinned_s, restarts, repetition, fused, contact, strut, friction_variance,
-    fit, misfit, judged_from_s,
+    fit, misfit, judged_from_s, concluded,
 });
 
 impl<T: Real> CornerEstimator<T> {
@@ -93,6 +95,7 @@ impl<T: Real> CornerEstimator<T> {
         (self.fit, self.judged_from_s) = (BodyFit::unknown(), None);
         self.friction_variance = T::zero();
         self.misfit.clear();
+        self.concluded.clear();
         Ok(())
     }
 
@@ -222,8 +225,9 @@ impl<T: Real> CornerEstimator<T> {
         self.resampler.grid_period_s()
     }
 
-    /// The second half of [`Estimator::update`]: what is known after the sample.
-    pub(crate) fn conclude(&mut self, time_s: f64, corner: &CornerSample<T>) -> CornerEstimate<T> {
+    /// Concludes what is known now, but for the road's height where that comes from a filter of its own: the second part of
+    /// [`Estimator::update`], a [`cadence`](Self::cadence) apart.
+    pub(crate) fn conclude(&mut self, time_s: f64) {
         let mut reading = self.method.reading_at(time_s);
         if !(reading.stiffness_n_per_m.is_finite() && reading.stiffness_sd_n_per_m.is_finite())
             && self.kind == EstimatorKind::Informed
@@ -239,13 +243,30 @@ impl<T: Real> CornerEstimator<T> {
             self.misfit.set(self.fit.misfit(self.misfit.get()));
         }
         let (considered, level) = self.considered(time_s, &reading);
-        if self.kind == EstimatorKind::Informed {
-            let sd = reading.stiffness_sd_n_per_m;
-            let told =
-                Reading { stiffness_sd_n_per_m: (sd * sd + considered * considered).sqrt(), ..reading };
-            (reading.road_m, reading.road_sd_m) = self.follow_road(time_s, corner, &told);
+        let concluded = self.concluded(time_s, reading, considered, level);
+        self.concluded.place(|place| *place = concluded);
+    }
+
+    /// The third part: what was concluded, of a sample with this stamp, and the road below it.
+    pub(crate) fn estimate(
+        &mut self,
+        now_s: f64,
+        stamp_s: f64,
+        corner: &CornerSample<T>,
+    ) -> CornerEstimate<T> {
+        if self.concluded.as_ref().is_none() {
+            self.conclude(now_s);
         }
-        self.estimate(time_s, &reading, considered, level)
+        let mut estimate = self.concluded.value().at(stamp_s);
+        self.follow_road(now_s, corner, &mut estimate);
+        estimate
+    }
+
+    /// Tells how well the difference of the axle's tires is known, as long as nothing else is concluded.
+    pub(crate) fn set_axle_difference(&mut self, sd_kpa: T) {
+        if let Some(concluded) = self.concluded.as_mut() {
+            concluded.axle_difference_sd_kpa = Some(sd_kpa);
+        }
     }
 
     /// While the calibration drive lasts, says so to the estimator ten times a second.
@@ -260,18 +281,30 @@ impl<T: Real> CornerEstimator<T> {
         }
     }
 
-    /// Causal road height in m and its sd, for the stiffness believed now.
-    fn follow_road(&mut self, time_s: f64, corner: &CornerSample<T>, reading: &Reading<T>) -> (T, T) {
-        let unknown = (T::lit(f64::NAN), T::lit(f64::NAN));
-        let Some(filter) = self.road.as_mut() else { return unknown };
+    /// Puts the causal road height in m and its sd into the estimate, for the stiffness that it has.
+    fn follow_road(&mut self, time_s: f64, corner: &CornerSample<T>, estimate: &mut CornerEstimate<T>) {
+        let Some(filter) = self.road.as_mut().filter(|_| self.kind == EstimatorKind::Informed) else {
+            return;
+        };
         if !(time_s - self.road_told_s < TELL_S) {
             self.road_told_s = time_s;
             // Refused only outside its range, and then the road keeps what it was told before.
-            let _ = filter.set_stiffness(reading.stiffness_n_per_m, reading.stiffness_sd_n_per_m);
+            let _ = filter.set_stiffness(estimate.stiffness_n_per_m, estimate.stiffness_sd_n_per_m);
             filter.set_quarter_car(self.method.quarter_car());
         }
         let road = filter.update(time_s, corner);
-        if road.validity.is_valid() { (road.road_m, road.road_sd_m) } else { unknown }
+        let unknown = (T::lit(f64::NAN), T::lit(f64::NAN));
+        (estimate.road_m, estimate.road_sd_m) =
+            if road.validity.is_valid() { (road.road_m, road.road_sd_m) } else { unknown };
+    }
+
+    /// How often [`conclude`](Self::conclude) is to be asked at this rate: the filters tell something new with every sample.
+    pub(crate) fn cadence(&self, sample_rate_hz: f64) -> Cadence {
+        match self.kind {
+            EstimatorKind::Informed => Cadence::new(sample_rate_hz),
+            #[cfg(feature = "paper")]
+            _ => Cadence::always(),
+        }
     }
 
     /// Starts again from the corner's initial pressure, as after a tire change. Counted.
@@ -280,6 +313,7 @@ impl<T: Real> CornerEstimator<T> {
         (self.fit, self.judged_from_s) = (BodyFit::unknown(), None);
         self.misfit.clear();
         self.method.restart(self.kind, self.repetition);
+        self.concluded.clear();
         self.watch = LowPressureWatch::new();
         self.restarts = self.restarts.saturating_add(1);
     }
@@ -328,13 +362,13 @@ impl<T: Real> CornerEstimator<T> {
         !(time_s - from_s >= UNJUDGED_S)
     }
 
-    fn estimate(
+    fn concluded(
         &mut self,
         time_s: f64,
-        reading: &Reading<T>,
+        reading: Reading<T>,
         considered_sd_n_per_m: T,
         level: Level,
-    ) -> CornerEstimate<T> {
+    ) -> Concluded<T> {
         let tire = &self.config.tire;
         let pressure_kpa = tire.pressure_kpa(reading.stiffness_n_per_m);
         let change_sd_n_per_m = reading.stiffness_sd_n_per_m;
@@ -354,33 +388,21 @@ impl<T: Real> CornerEstimator<T> {
             validity => validity,
         };
         let placard = self.config.placard_kpa;
-        let warning = if self.kind.is_as_published() {
-            Warning::None
-        } else {
-            self.watch.update(time_s, validity, pressure_kpa, pressure_sd_kpa, placard)
-        };
-        let slope = tire.stiffness_per_kpa();
-        let change_sd_kpa = change_sd_n_per_m / slope;
-        CornerEstimate {
-            time_s,
-            stiffness_n_per_m: reading.stiffness_n_per_m,
+        let judged = !self.kind.is_as_published();
+        let warning =
+            judged.then(|| self.watch.update(time_s, validity, pressure_kpa, pressure_sd_kpa, placard));
+        let change_sd_kpa = change_sd_n_per_m / tire.stiffness_per_kpa();
+        let axle_difference_sd_kpa = None;
+        Concluded {
+            reading,
             stiffness_sd_n_per_m,
             pressure_kpa,
             pressure_sd_kpa,
             change_sd_kpa,
             level,
-            axle_difference_sd_kpa: None,
-            road_m: reading.road_m,
-            road_sd_m: reading.road_sd_m,
             validity,
             warning,
-            diagnostics: Diagnostics {
-                forgetting: reading.forgetting,
-                nis: reading.nis,
-                gate: reading.gate,
-                change_probability: reading.change_probability,
-                pressure_variance_kpa2: change_sd_kpa * change_sd_kpa,
-            },
+            axle_difference_sd_kpa,
         }
     }
 }

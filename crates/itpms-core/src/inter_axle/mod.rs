@@ -130,9 +130,9 @@ impl<T: Real> InterAxle<T> {
     /// Takes a grid step of a corner; gives an entry of a rear corner that is due to be aligned.
     pub(crate) fn take(&mut self, corner: usize, sample: &GridSample<T>) -> Option<Entry<T>> {
         // The road that the signals tell lies as far back as filters delay them: at another speed, another distance.
-        let delay_s = self.filter_delay_s - self.speed_latency_s;
-        let distance_m = self.travel.distance_before_m(sample.time_s, delay_s);
-        let entry = self.channels[corner.min(3)].push(sample, distance_m)?;
+        let (travel, delay_s) = (&self.travel, self.filter_delay_s - self.speed_latency_s);
+        let entry =
+            self.channels[corner.min(3)].push(sample, || travel.distance_before_m(sample.time_s, delay_s))?;
         let side = corner % 2;
         if corner < 2 {
             self.pairs[side].front(&entry);

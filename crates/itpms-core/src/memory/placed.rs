@@ -24,6 +24,11 @@ impl<X> Placed<X> {
         self.present.then_some(&mut self.value)
     }
 
+    /// What is in its place, present or not.
+    pub(crate) fn value(&self) -> &X {
+        &self.value
+    }
+
     /// Absent from here on.
     pub(crate) fn clear(&mut self) {
         self.present = false;

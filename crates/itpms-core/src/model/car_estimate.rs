@@ -1,6 +1,7 @@
 //! What is known of a car after a sample.
 
 use super::estimate::CornerEstimate;
+use crate::memory::blank;
 use crate::real::Real;
 
 /// What is known of the car after a sample.
@@ -27,6 +28,8 @@ pub struct TrackState<T> {
     /// roads that have nothing in common differ by has twice the power of one); NaN when unknown.
     pub incoherence: T,
 }
+
+blank!(TrackState<T> { shared, incoherence });
 
 impl<T: Real> TrackState<T> {
     /// Nothing is shared, nothing is known.

@@ -1,7 +1,7 @@
 //! A frame's log evidence for every (level mode, cell): roads are fitted in the cells that matter and in nodes between which the
 //! others are interpolated (docs/math/informed.md, section 4), a few cells at a time.
 
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
 
 use super::dynamics::{CALM, JUMP, LEVEL_MODES};
 use super::grid_posterior::{Cells, Posterior};
@@ -12,8 +12,11 @@ use crate::real::Real;
 
 /// Every so many cells one is fitted, whatever its probability: the frame's evidence is smooth in between.
 const NODES_APART: usize = 5;
-/// Probability from which on a cell is fitted for itself.
+/// Probability from which on a cell matters, and of such cells every so many are fitted, the most likely one among them.
 const MATTERS: f64 = 1e-4;
+const APART: usize = 2;
+/// Cells through which evidence is interpolated.
+const NEAREST: usize = 4;
 /// Mean power of a frame over what was expected from which on the level may have jumped.
 const NOT_EXPECTED: f64 = 2.0;
 
@@ -43,7 +46,9 @@ impl<T: Real> RoadFits<T> {
         (self.best, _) = posterior.most_likely();
         let (mass, best) = (posterior.cells(), self.best);
         let matters = |cell: usize| mass.get(cell).is_some_and(|mass| *mass > T::lit(MATTERS));
-        let is_fitted = |cell: usize| cell.is_multiple_of(NODES_APART) || cell == best || matters(cell);
+        let is_next = |cell: usize| cell.abs_diff(best).is_multiple_of(APART);
+        let is_fitted =
+            |cell: usize| cell.is_multiple_of(NODES_APART) || is_next(cell) && matters(cell) || cell == best;
         self.fitted = (0..CELLS).fold(0, |bits, cell| bits | u64::from(is_fitted(cell)) << cell);
         (self.next, self.at_a_time) = (0, self.fitted.count_ones().div_ceil(times.max(1)));
         for (prior, roads) in self.priors.iter_mut().zip(&posterior.road) {
@@ -82,9 +87,12 @@ impl<T: Real> RoadFits<T> {
 
     /// With all fits done, completes the evidence, and gives the posterior the roads.
     pub(crate) fn finish(&mut self, posterior: &mut Posterior<T>) {
-        for (roads, log_evidence) in posterior.road.iter_mut().zip(&mut self.log_evidence) {
-            for cell in (0..CELLS).filter(|cell| self.fitted >> cell & 1 == 0) {
-                interpolate(cell, roads, log_evidence);
+        let fitted = self.fitted;
+        let is_fitted = |cell: usize| fitted >> cell & 1 == 1;
+        for cell in (0..CELLS).filter(|&cell| !is_fitted(cell)) {
+            let between = Between::around(cell, is_fitted);
+            for (roads, log_evidence) in posterior.road.iter_mut().zip(&mut self.log_evidence) {
+                between.interpolate(cell, roads, log_evidence);
             }
         }
         let [calm, _, jump] = &self.priors;
@@ -106,24 +114,50 @@ impl<T: Real> RoadFits<T> {
     }
 }
 
-/// Evidence and road of a cell that was not fitted: a cubic through the evidence of four nodes around it, a line through the roads
-/// of two.
-fn interpolate<T: Real>(cell: usize, roads: &mut RoadBelief<T>, log_evidence: &mut Cells<T>) {
-    let nodes = CELLS.div_ceil(NODES_APART);
-    let below = cell / NODES_APART;
-    let first = below.saturating_sub(1).min(nodes - 4);
-    // Lagrange's polynomials at the nodes 0, 1, 2, 3.
-    let x = T::lit(1.0 / NODES_APART as f64) * T::lit((cell - first * NODES_APART) as f64);
-    let [one, two, three] = [1.0, 2.0, 3.0].map(|node| x - T::lit(node));
-    let (sixth, half) = (T::lit(1.0 / 6.0), T::lit(0.5));
-    let weights =
-        [-one * two * three * sixth, x * two * three * half, -x * one * three * half, x * one * two * sixth];
-    let node = |i: usize| log_evidence.get((first + i) * NODES_APART).copied().unwrap_or(T::zero());
-    let between = weights.iter().enumerate().fold(T::zero(), |sum, (i, &weight)| sum + weight * node(i));
-    if let Some(log_evidence) = log_evidence.get_mut(cell) {
-        *log_evidence = between;
+/// How a cell that was not fitted lies between those that were.
+struct Between<T> {
+    /// The nearest ones, two on each side where there are, and the weight of each in a cubic through all.
+    nearest: [usize; NEAREST],
+    weight: [T; NEAREST],
+}
+
+impl<T: Real> Between<T> {
+    fn around(cell: usize, is_fitted: impl Fn(usize) -> bool) -> Self {
+        let below = |from: usize| (0..from).rev().find(|&cell| is_fitted(cell));
+        let above = |from: usize| (from + 1..CELLS).find(|&cell| is_fitted(cell));
+        // The first and the last cell are nodes.
+        let next = [below(cell).unwrap_or(0), above(cell).unwrap_or(CELLS - 1)];
+        let mut nearest =
+            [below(next[0]).unwrap_or(0), next[0], next[1], above(next[1]).unwrap_or(CELLS - 1)];
+        if nearest[0] == next[0] {
+            nearest = [next[0], next[1], nearest[3], above(nearest[3]).unwrap_or(CELLS - 1)];
+        } else if nearest[3] == next[1] {
+            nearest = [below(nearest[0]).unwrap_or(0), nearest[0], next[0], next[1]];
+        }
+        let places = nearest.map(|cell| T::whole(cell as u32));
+        let at = T::whole(cell as u32);
+        let weight = core::array::from_fn(|i| {
+            let (mut over, mut under) = (T::one(), T::one());
+            for (j, &place) in places.iter().enumerate() {
+                if j != i {
+                    (over, under) = (over * (at - place), under * (places[i] - place));
+                }
+            }
+            over / under
+        });
+        Self { nearest, weight }
     }
-    let share = T::lit(1.0 / NODES_APART as f64) * T::lit((cell % NODES_APART) as f64);
-    let [low, high] = [below, below + 1].map(|node| roads.mean(node * NODES_APART));
-    roads.set_mean(cell, &(low + (high - low) * share));
+
+    /// Evidence and road of the cell, by cubics through those of four around it.
+    fn interpolate(&self, cell: usize, roads: &mut RoadBelief<T>, log_evidence: &mut Cells<T>) {
+        let at = |cell: &usize| log_evidence.get(*cell).copied().unwrap_or(T::zero());
+        let both = self.nearest.iter().zip(&self.weight);
+        let between = both.fold(T::zero(), |sum, (cell, &weight)| sum + weight * at(cell));
+        if let Some(log_evidence) = log_evidence.get_mut(cell) {
+            *log_evidence = between;
+        }
+        let both = self.nearest.iter().zip(&self.weight);
+        let mean = both.fold(Vector3::zeros(), |sum, (&cell, &weight)| sum + roads.mean(cell) * weight);
+        roads.set_mean(cell, &mean);
+    }
 }

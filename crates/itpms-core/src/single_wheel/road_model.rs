@@ -53,7 +53,7 @@ impl<T: Real> Evidence<T> {
     /// Power density of the road velocity reconstructed with `theta`.
     fn power(&self, bin: usize, theta: T) -> T {
         let power = self.a[bin] + theta * (T::lit(2.0) * self.b[bin] + theta * self.c[bin]);
-        power.max(T::lit(1e-24))
+        power.at_least(T::lit(1e-24))
     }
 
     /// The frame as the stiffness of a cell reads it.
@@ -101,7 +101,7 @@ impl<T: Real> Road<T> {
     /// Exponent of the velocity power around a bin: the power law's and what enveloping adds to it.
     fn exponent(&self, frame: &Evidence<T>, bin: usize) -> T {
         let local = T::lit(2.0) * (T::one() - self.mean[ENVELOPE] * frame.envelope[bin]) - self.mean[SLOPE];
-        local.max(T::lit(STEEPEST))
+        local.at_least(T::lit(STEEPEST))
     }
 
     /// Log of the road's power density in a bin, as the sensors see it.
@@ -182,7 +182,7 @@ impl<T: Real> Road<T> {
             // One logarithm for two bins; more would leave the range of f32.
             pair *= signal + reading.determinant_noise[bin];
             if bin % 2 == 1 || bin + 1 == frame.bins {
-                misfit += pair.max(T::lit(1e-37)).ln_fast();
+                misfit += pair.at_least(T::lit(1e-37)).ln_fast();
                 pair = T::one();
             }
         }
@@ -210,7 +210,7 @@ pub(crate) struct Fitted<T: Real> {
 impl<T: Real> RoadPrior<T> {
     /// `None` where the covariance has lost its rank.
     pub(crate) fn new(covariance: &Matrix3<T>) -> Option<Self> {
-        let log_determinant = covariance.determinant().max(T::lit(SMALLEST_DETERMINANT)).ln_fast();
+        let log_determinant = covariance.determinant().at_least(T::lit(SMALLEST_DETERMINANT)).ln_fast();
         covariance.try_inverse().map(|information| Self { information, log_determinant })
     }
 
@@ -243,7 +243,7 @@ impl<T: Real> RoadPrior<T> {
 
     /// `ln det(P / P_post)`: what a frame's fit costs for having been free.
     fn occam(&self, fitted: &Matrix3<T>) -> T {
-        self.log_determinant - fitted.determinant().max(T::lit(SMALLEST_DETERMINANT)).ln_fast()
+        self.log_determinant - fitted.determinant().at_least(T::lit(SMALLEST_DETERMINANT)).ln_fast()
     }
 
     /// The belief and the evidence that this wider prior comes to by a frame that is as `other` had expected it, given the other's fit:

@@ -59,7 +59,7 @@ impl<T: Real> Channel<T> {
     /// Takes the value of step number `steps`; gives its leaky integral, itself and its derivative, [`LAG`] steps earlier.
     pub(crate) fn step(&mut self, raw: T, steps: u32, dt: T) -> (T, T, T) {
         // The mean of all samples so far, then of the last ten seconds or so.
-        let gain = (dt / T::lit(OFFSET_S)).max(T::one() / T::whole(steps));
+        let gain = (dt * T::lit(1.0 / OFFSET_S)).at_least(T::one() / T::whole(steps));
         self.push(raw, gain, dt);
         self.read(dt)
     }

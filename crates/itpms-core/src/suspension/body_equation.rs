@@ -160,10 +160,20 @@ impl<T: Real> BodyEquation<T> {
     /// Learns from the newest frames, if all corners that there are have one of the same time: a bin with every call, so that no sample
     /// is much more work than another. True once all of them are learned from.
     pub(crate) fn learn(&mut self, frames: [Option<&StrutFrame<T>>; 4]) -> bool {
-        let Some([earliest_s, latest_s]) = self.times(&frames) else { return false };
-        if latest_s - earliest_s < SAME_S && earliest_s > self.time_s {
-            self.time_s = latest_s;
-            self.begin_learning();
+        let mut there = frames.iter().enumerate().filter(|(corner, _)| self.body.has(*corner));
+        let Some(first_s) = there.next().and_then(|(_, frame)| Some(frame.as_ref()?.time_s)) else {
+            return false;
+        };
+        if !there.all(|(_, frame)| frame.is_some()) {
+            return false;
+        }
+        // That of one corner tells of nearly every sample that nothing is new.
+        if first_s > self.time_s {
+            let [earliest_s, latest_s] = self.times(&frames);
+            if latest_s - earliest_s < SAME_S && earliest_s > self.time_s {
+                self.time_s = latest_s;
+                self.begin_learning();
+            }
         }
         if self.units_left == 0 {
             return false;
@@ -182,13 +192,14 @@ impl<T: Real> BodyEquation<T> {
     }
 
     /// Times in s of the earliest and the latest frame of the corners that there are.
-    fn times(&self, frames: &[Option<&StrutFrame<T>>; 4]) -> Option<[f64; 2]> {
+    fn times(&self, frames: &[Option<&StrutFrame<T>>; 4]) -> [f64; 2] {
         let (mut earliest_s, mut latest_s) = (f64::INFINITY, f64::NEG_INFINITY);
-        for (_, frame) in frames.iter().enumerate().filter(|(corner, _)| self.body.has(*corner)) {
-            let time_s = frame.as_ref()?.time_s;
-            (earliest_s, latest_s) = (earliest_s.min(time_s), latest_s.max(time_s));
+        for frame in
+            frames.iter().enumerate().filter_map(|(corner, frame)| frame.filter(|_| self.body.has(corner)))
+        {
+            (earliest_s, latest_s) = (earliest_s.min(frame.time_s), latest_s.max(frame.time_s));
         }
-        Some([earliest_s, latest_s])
+        [earliest_s, latest_s]
     }
 
     fn begin_learning(&mut self) {

@@ -22,9 +22,11 @@ pub(super) struct Coherence<T: Real> {
     wheel: SVector<T, BINS>,
     cross: SMatrix<T, BINS, 2>,
     learned_s: T,
+    /// See [`incoherence`](Self::incoherence): logarithms, which no sample should have to take.
+    incoherence: T,
 }
 
-blank!(Coherence<T> { body, wheel, cross, learned_s });
+blank!(Coherence<T> { body, wheel, cross, learned_s, incoherence });
 
 impl<T: Real> Coherence<T> {
     pub(super) fn new() -> Self {
@@ -33,6 +35,7 @@ impl<T: Real> Coherence<T> {
             wheel: SVector::zeros(),
             cross: SMatrix::zeros(),
             learned_s: T::zero(),
+            incoherence: T::one(),
         }
     }
 
@@ -57,6 +60,11 @@ impl<T: Real> Coherence<T> {
             follow(&mut self.cross[(bin, 0)], cross.re);
             follow(&mut self.cross[(bin, 1)], cross.im);
         }
+        self.incoherence = geometric_mean(USED.map(|bin| {
+            let (re, im) = (self.cross[(bin, 0)], self.cross[(bin, 1)]);
+            let powers = (self.body[bin] * self.wheel[bin]).max(T::lit(1e-15));
+            T::one() - (re * re + im * im) / powers
+        }));
     }
 
     /// Seconds of frames that counted.
@@ -66,11 +74,7 @@ impl<T: Real> Coherence<T> {
 
     /// One less the coherence: the geometric mean over the bins.
     pub(super) fn incoherence(&self) -> T {
-        geometric_mean(USED.map(|bin| {
-            let (re, im) = (self.cross[(bin, 0)], self.cross[(bin, 1)]);
-            let powers = (self.body[bin] * self.wheel[bin]).max(T::lit(1e-15));
-            T::one() - (re * re + im * im) / powers
-        }))
+        self.incoherence
     }
 }
 

@@ -42,7 +42,7 @@ impl<T: Real> MaxwellSlip<T> {
     /// Takes the acceleration of the wheel less that of the body; gives the force of each element, -1 to 1.
     pub(crate) fn push(&mut self, relative_accel_m_s2: T, dt: T) -> [T; ELEMENTS] {
         self.steps = self.steps.saturating_add(1);
-        let gain = (dt / T::lit(OFFSET_S)).max(T::one() / T::lit(f64::from(self.steps)));
+        let gain = (dt * T::lit(1.0 / OFFSET_S)).at_least(T::one() / T::whole(self.steps));
         let limit = T::lit(LARGEST_OFFSET_M_S2);
         self.offset += gain * (relative_accel_m_s2.clamp(-limit, limit) - self.offset);
         let accel = relative_accel_m_s2 - self.offset;

@@ -160,10 +160,12 @@ impl<T: Real> Strut<T> {
         }
         self.step = 0;
         // Frames of all corners begin at multiples of the hop, whenever each of them last began.
-        let thinned_s = self.dt.to_f64() * f64::from(self.every);
-        self.begun |= remainder(sample.time_s + 0.5 * thinned_s, HOP_S) < thinned_s;
         if !self.begun {
-            return;
+            let thinned_s = self.dt.to_f64() * f64::from(self.every);
+            self.begun = remainder(sample.time_s + 0.5 * thinned_s, HOP_S) < thinned_s;
+            if !self.begun {
+                return;
+            }
         }
         if let Some(spectra) = self.clock.push(&signals) {
             if self.invalid_hops > 0 {

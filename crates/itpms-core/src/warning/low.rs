@@ -172,7 +172,7 @@ impl WheelWatch {
     /// Whether what was learned of the wheel is too long ago to be shown.
     pub(crate) fn is_forgotten<T: Real>(&self, time_s: f64, limits: &Limits<T>) -> bool {
         let age_s = time_s - self.informed_s;
-        self.informed_s != f64::NEG_INFINITY && !(age_s < limits.no_information_s)
+        !(age_s < limits.no_information_s) && self.informed_s != f64::NEG_INFINITY
     }
 
     /// The wheel's state if nothing is to be said of it: fine, or why that is not known.

@@ -106,8 +106,12 @@ impl<T: Real> Channel<T> {
         smoothing + high_pass_late_s() + LAG as f64 * self.grid_period_s
     }
 
-    /// Takes a grid step at `distance_m`; gives an entry when one is due.
-    pub(crate) fn push(&mut self, sample: &GridSample<T>, distance_m: f64) -> Option<Entry<T>> {
+    /// Takes a grid step; gives an entry, at `distance_m`, when one is due.
+    pub(crate) fn push(
+        &mut self,
+        sample: &GridSample<T>,
+        distance_m: impl FnOnce() -> f64,
+    ) -> Option<Entry<T>> {
         if sample.after_gap {
             self.reconstruction.restart();
             self.states = [[[T::zero(); 2]; 4]; KEPT];
@@ -133,7 +137,7 @@ impl<T: Real> Channel<T> {
         self.step = 0;
         let entry = Entry {
             time_s: sample.time_s,
-            distance_m,
+            distance_m: distance_m(),
             speed_m_s: sample.speed_m_s,
             signals,
             invalid: core::mem::take(&mut self.invalid),
@@ -225,7 +229,7 @@ mod tests {
                     unloaded: pulse,
                     strut_friction_m_s2: 0.0,
                 },
-                0.0,
+                || 0.0,
             );
             let Some(entry) = entry else { continue };
             // The wheel's jerk is the pulse itself, differentiated: what integrates, the high-pass lets ring for longer.

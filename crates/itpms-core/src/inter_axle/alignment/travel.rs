@@ -45,7 +45,8 @@ impl<T: Real> Travel<T> {
                 self.speed_m_s
             };
             self.distance_m += mean.to_f64() * seconds;
-            self.mean_speed_m_s += (mean - self.mean_speed_m_s) * T::lit((seconds / SPEED_S).min(1.0));
+            let share = (T::lit(seconds) * T::lit(1.0 / SPEED_S)).min(T::one());
+            self.mean_speed_m_s += (mean - self.mean_speed_m_s) * share;
             if mean > T::lit(SLOWEST_M_S) {
                 self.unshared_s += seconds;
             }

@@ -1,0 +1,55 @@
+//! What was concluded of a corner, as it is kept until the next time: in memory that is zeros before it is configured.
+
+use super::reading::Reading;
+use crate::memory::blank;
+use crate::model::{CornerEstimate, Diagnostics, Level, Validity, Warning};
+use crate::real::Real;
+
+/// See the [module](self).
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Concluded<T: Real> {
+    pub(super) reading: Reading<T>,
+    pub(super) stiffness_sd_n_per_m: T,
+    pub(super) pressure_kpa: T,
+    pub(super) pressure_sd_kpa: T,
+    pub(super) change_sd_kpa: T,
+    pub(super) level: Level,
+    pub(super) validity: Validity,
+    /// None: nothing to say.
+    pub(super) warning: Option<Warning>,
+    pub(super) axle_difference_sd_kpa: Option<T>,
+}
+
+blank!(Concluded<T> {
+    reading, stiffness_sd_n_per_m, pressure_kpa, pressure_sd_kpa, change_sd_kpa, level, validity, warning,
+    axle_difference_sd_kpa,
+});
+
+impl<T: Real> Concluded<T> {
+    /// As the estimate of a sample of this time in s.
+    pub(super) fn at(&self, time_s: f64) -> CornerEstimate<T> {
+        let reading = &self.reading;
+        CornerEstimate {
+            time_s,
+            stiffness_n_per_m: reading.stiffness_n_per_m,
+            stiffness_sd_n_per_m: self.stiffness_sd_n_per_m,
+            pressure_kpa: self.pressure_kpa,
+            pressure_sd_kpa: self.pressure_sd_kpa,
+            change_sd_kpa: self.change_sd_kpa,
+            level: self.level,
+            axle_difference_sd_kpa: self.axle_difference_sd_kpa,
+            road_m: reading.road_m,
+            road_sd_m: reading.road_sd_m,
+            validity: self.validity,
+            warning: self.warning.unwrap_or(Warning::None),
+            diagnostics: Diagnostics {
+                forgetting: reading.forgetting,
+                nis: reading.nis,
+                gate: reading.gate,
+                change_probability: reading.change_probability,
+                pressure_variance_kpa2: self.change_sd_kpa * self.change_sd_kpa,
+            },
+        }
+    }
+}
