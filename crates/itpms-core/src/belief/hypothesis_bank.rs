@@ -19,8 +19,10 @@ const IMPOSSIBLE: f64 = -1e6;
 /// from its file only, and once a calibration has taught what it is.
 const FADING: f64 = 0.03;
 const FADING_TAUGHT: f64 = 0.01;
-/// Weight below which a change of several wheels is followed in every so many frames only: an odd number, as the sides take turns.
+/// Weight below which a change of several wheels, and one of a wheel of the other side, of which a frame tells hardly anything, is
+/// followed in every so many frames only: an odd number, as the sides take turns.
 const RARE: f64 = 1e-5;
+const RARE_ELSEWHERE: f64 = 1e-3;
 const RARE_FRAMES: usize = 3;
 /// Degrees of freedom of a pseudo-measurement's distribution: how heavy its tails are.
 const PSEUDO_MEASUREMENT_TAILS: f64 = 4.0;
@@ -142,7 +144,13 @@ impl<T: Real> HypothesisBank<T> {
         let hypothesis = self.hypotheses.get_mut(index).zip(log_weight.get_mut(index));
         let Some((hypothesis, log_weight)) = hypothesis else { return false };
         let turn = (*frames as usize + index).is_multiple_of(RARE_FRAMES);
-        let rare = index >= SIDE && hypothesis.weight < T::lit(RARE) && !turn;
+        let elsewhere = (1..SIDE).contains(&index) && (index - 1) % 2 != *side;
+        let followed = match index {
+            _ if elsewhere => RARE_ELSEWHERE,
+            SIDE.. => RARE,
+            _ => 0.0,
+        };
+        let rare = hypothesis.weight < T::lit(followed) && !turn;
         if rare || !(hypothesis.weight > T::zero()) {
             *log_weight = usual;
             return false;

@@ -350,9 +350,14 @@ impl<T: Real> CarEstimator<T> {
             // Counted corner by corner.
             None => self.corners.iter_mut().flatten().for_each(CornerEstimator::refuse),
         }
-        self.identify();
+        let mut at_rest = true;
         if let Some(fusion) = self.fusion.as_mut() {
             fusion.work_on(at.now_s);
+            at_rest = fusion.is_at_rest();
+        }
+        // No sample does both.
+        if at_rest {
+            self.identify();
         }
         let both = || self.corners.iter().zip(&sample.corners);
         let there = both().map(|(estimator, corner)| estimator.as_ref().is_some() && corner.is_some());

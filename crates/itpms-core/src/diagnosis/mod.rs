@@ -136,6 +136,7 @@ impl<T: Real> Diagnosis<T> {
     }
 
     /// Takes a sample of a clock that does not go back.
+    #[inline(never)]
     pub(crate) fn push(&mut self, sample: &CarSample<T>) {
         let time_s = sample.time_s;
         let step_s = time_s - self.last_s;

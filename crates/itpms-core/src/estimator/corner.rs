@@ -158,6 +158,7 @@ impl<T: Real> CornerEstimator<T> {
     }
 
     /// The first half of [`Estimator::update`]: takes the sample with the speed to go by, and shows every grid step to `tap`.
+    #[inline(never)]
     pub(crate) fn take(
         &mut self,
         time_s: f64,

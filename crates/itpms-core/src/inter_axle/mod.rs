@@ -55,8 +55,8 @@ const SILENT_S: f64 = 1.0;
 pub(crate) enum Aligned<T: Real> {
     /// The delay was found for the first time.
     FirstDelay(Found<T>),
-    /// A frame of both axles is complete, or another delay was found than believed, or both.
-    Frame(Option<AxleFrame<T>>, Option<Found<T>>),
+    /// Another delay was found than believed.
+    OtherDelay(Found<T>),
 }
 
 /// See the [module](self).
@@ -145,8 +145,14 @@ impl<T: Real> InterAxle<T> {
         before.get()
     }
 
-    /// Aligns an entry of a rear corner with the road that the front met.
-    pub(crate) fn align(&mut self, side: usize, entry: &Entry<T>, belief: &Belief<T>) -> Option<Aligned<T>> {
+    /// Aligns an entry of a rear corner with the road that the front met; gives `enqueue` a frame of both axles when one is complete.
+    pub(crate) fn align(
+        &mut self,
+        side: usize,
+        entry: &Entry<T>,
+        belief: &Belief<T>,
+        enqueue: impl FnOnce(AxleFrame<T>),
+    ) -> Option<Aligned<T>> {
         let (Some(front), Some(rear)) = (self.wheels[side], self.wheels[side + 2]) else { return None };
         let opposite = self.opposite(side, entry);
         let road = PairingContext {
@@ -161,9 +167,8 @@ impl<T: Real> InterAxle<T> {
         }
         let [left, right] = &mut self.pairs;
         let (own, other) = if side == 0 { (left, right) } else { (right, left) };
-        let frame = own.pair(entry, opposite, other, &road);
-        let found = own.search_again(entry, &road);
-        Some(Aligned::Frame(frame, found))
+        own.pair(entry, opposite, other, &road, enqueue);
+        own.search_again(entry, &road).map(Aligned::OtherDelay)
     }
 
     /// How the suspension of the other rear corner moves at the same time.

@@ -158,10 +158,11 @@ impl<T: Real> Posterior<T> {
         let means = roads.mean;
         for to in 0..CELLS {
             let mut matched = MeanMatch::around(roads.mean(to));
-            for (tap, leaving) in leaving.iter().enumerate() {
-                // Mass that arrives at `to` from `from = to - (tap - REACH)`.
-                let Some(from) = (to + REACH).checked_sub(tap).filter(|&from| from < CELLS) else { continue };
-                matched.add(leaving[from], &means.column(from).into_owned());
+            // Mass that arrives at `to` from `from = to - (tap - REACH)`.
+            let taps = (to + REACH + 1).saturating_sub(CELLS)..TAPS.min(to + REACH + 1);
+            for (tap, leaving) in leaving.iter().enumerate().take(taps.end).skip(taps.start) {
+                let from = (to + REACH - tap).min(CELLS - 1);
+                matched.add(leaving[from], &means.fixed_view::<3, 1>(0, from).into_owned());
             }
             roads.set_mean(to, &matched.finish());
         }
@@ -337,7 +338,11 @@ impl<T: Real> Posterior<T> {
         let total = self.cells().sum();
         if total > T::zero() && total.is_finite() {
             let by = T::one() / total;
-            self.weight.iter_mut().flatten().for_each(|cells| *cells *= by);
+            for modes in &mut self.weight {
+                for cells in modes {
+                    cells.as_mut_slice().iter_mut().for_each(|weight| *weight *= by);
+                }
+            }
         }
         self.summarise();
     }

@@ -90,6 +90,7 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> FrameClock<T, BINS, SIGNA
     }
 
     /// Drops the frames under way.
+    #[inline(never)]
     pub(crate) fn restart(&mut self) {
         self.step = 0;
         self.complete_hops = 0;
@@ -146,6 +147,8 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> FrameClock<T, BINS, SIGNA
         }
     }
 
+    /// Apart, or every step would move a frame's place about, whether there is one or not.
+    #[inline(never)]
     fn finish_hop(&mut self) -> Option<Frame<T, BINS, SIGNALS>> {
         self.step = 0;
         self.window = self.first_window;

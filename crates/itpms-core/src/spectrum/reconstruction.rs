@@ -113,7 +113,9 @@ impl<T: Real> Reconstruction<T> {
         Self { dt: T::lit(grid_period_s), steps: 0, body, wheel, friction, mass_ratio }
     }
 
-    /// The signal was interrupted: start again, keep the sensors' offsets.
+    /// The signal was interrupted: start again, keep the sensors' offsets. Apart, as all that is seldom done to what is large: with it in
+    /// its midst every step would load all of it and choose.
+    #[inline(never)]
     pub(crate) fn restart(&mut self) {
         self.body.restart();
         self.wheel.restart();

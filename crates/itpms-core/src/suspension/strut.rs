@@ -111,17 +111,22 @@ impl<T: Real> Strut<T> {
     /// Takes a grid step; gives the friction force in N, by which the wheel is held back.
     pub(crate) fn push(&mut self, sample: &GridSample<T>) -> T {
         if sample.after_gap {
-            self.slip.restart();
-            self.channels.iter_mut().for_each(Channel::restart);
-            self.states = [[[T::zero(); 2]; 4]; SIGNALS];
-            self.clock.restart();
-            (self.begun, self.invalid_hops) = (false, SETTLING_HOPS);
-            self.step = self.step_of(sample.time_s);
+            self.begin_again(sample.time_s);
         }
         let (body, wheel) = (sample.body_accel_m_s2, sample.wheel_accel_m_s2);
         let unit = self.slip.push(wheel - body, self.dt);
         self.spectra(sample, [body, wheel], unit);
         unit.iter().zip(&self.slip_force_n).fold(T::zero(), |sum, (&unit, &force)| sum + unit * force)
+    }
+
+    #[inline(never)]
+    fn begin_again(&mut self, time_s: f64) {
+        self.slip.restart();
+        self.channels.iter_mut().for_each(Channel::restart);
+        self.states = [[[T::zero(); 2]; 4]; SIGNALS];
+        self.clock.restart();
+        (self.begun, self.invalid_hops) = (false, SETTLING_HOPS);
+        self.step = self.step_of(time_s);
     }
 
     /// Steps since the last multiple of the thinned period: all corners are thinned at the same times.

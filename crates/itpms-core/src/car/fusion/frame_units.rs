@@ -1,4 +1,5 @@
-//! The work of a frame of both axles, in units of which one is due every [`UNIT_S`] seconds: no sample costs much more than another.
+//! The work of a frame of both axles, in units of which one is due every [`UNIT_S`] seconds, or with every sample where these come fast:
+//! no sample costs much more than another.
 //! Frames of both sides are done with before the next ones are complete; what they say is published when they are.
 
 use super::Fusion;
@@ -10,8 +11,11 @@ use crate::inter_axle::residual::model::{AxleFrame, Signals, linearize};
 use crate::memory::{Placed, blank};
 use crate::real::Real;
 
-/// Time in s between two units.
+/// Time in s between two units; where samples come at least this fast, in Hz, a little less than one of 500 Hz takes, so that none does
+/// two.
 const UNIT_S: f64 = 0.001;
+const FAST_HZ: f64 = 450.0;
+const FAST_UNIT_S: f64 = 0.001_95;
 /// A piece of a frame's work.
 #[derive(Clone, Copy)]
 enum Unit {
@@ -46,7 +50,8 @@ const ORDER: [Unit; UNITS] = {
 };
 const UNITS: usize = PREDICTION_PARTS + HYPOTHESES + 3;
 /// Both sides' units have to fit into a hop, with what falls due between two samples at 20 Hz.
-const _: () = assert!(2.0 * UNITS as f64 * UNIT_S < 0.5 * HOP_S);
+const _: () =
+    assert!(2.0 * UNITS as f64 * UNIT_S < 0.5 * HOP_S && 2.0 * UNITS as f64 * FAST_UNIT_S < 0.6 * HOP_S);
 
 /// Frames that are to be learned from. See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
@@ -57,20 +62,41 @@ pub(super) struct FrameQueue<T: Real> {
     first: usize,
     /// Units of the first one that are done.
     done: usize,
-    /// When the next one is due, in s.
+    /// When the next one is due, and the time between two, in s.
     due_s: f64,
+    unit_s: f64,
     /// What the first one measures, once that is known.
     measured: Placed<Measured<T>>,
 }
 
-blank!(FrameQueue<T> { frames, first, done, due_s, measured });
+blank!(FrameQueue<T> { frames, first, done, due_s, unit_s, measured });
 
 impl<T: Real> FrameQueue<T> {
+    /// For samples of this rate.
+    pub(super) fn configure(&mut self, sample_rate_hz: f64) {
+        self.clear();
+        self.unit_s = if sample_rate_hz > FAST_HZ { FAST_UNIT_S } else { UNIT_S };
+    }
+
     /// Forgets its frames.
     pub(super) fn clear(&mut self) {
         self.frames.iter_mut().for_each(Placed::clear);
         self.measured.clear();
         (self.first, self.done, self.due_s) = (0, 0, 0.0);
+    }
+
+    /// Takes a complete frame of a side, in the place of the one before, if that is still there: more than a hop lies between two
+    /// samples then.
+    #[inline(never)]
+    pub(super) fn enqueue(&mut self, side: usize, frame: AxleFrame<T>, now_s: f64) {
+        let side = side.min(1);
+        if self.is_empty() {
+            (self.first, self.done, self.due_s) = (side, 0, now_s + self.unit_s);
+        }
+        if self.first == side {
+            self.done = 0;
+        }
+        self.frames[side].place(|place| *place = frame);
     }
 
     fn is_empty(&self) -> bool {
@@ -81,27 +107,13 @@ impl<T: Real> FrameQueue<T> {
     fn is_due(&mut self, time_s: f64) -> bool {
         let due = !self.is_empty() && self.due_s <= time_s;
         if due {
-            self.due_s += UNIT_S;
+            self.due_s += self.unit_s;
         }
         due
     }
 }
 
 impl<T: Real> Fusion<T> {
-    /// Takes a complete frame of a side, in the place of the one before, if that is still there: more than a hop lies between two
-    /// samples then.
-    pub(super) fn enqueue(&mut self, side: usize, frame: AxleFrame<T>) {
-        let side = side.min(1);
-        if self.queue.is_empty() {
-            let now_s = self.inter_axle.travel().time_s();
-            (self.queue.first, self.queue.done, self.queue.due_s) = (side, 0, now_s + UNIT_S);
-        }
-        if self.queue.first == side {
-            self.queue.done = 0;
-        }
-        self.queue.frames[side].place(|place| *place = frame);
-    }
-
     /// Does the units that are due.
     #[inline(never)]
     pub(in crate::car) fn work_on(&mut self, time_s: f64) {

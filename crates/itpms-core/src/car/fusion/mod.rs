@@ -87,7 +87,7 @@ impl<T: Real> Fusion<T> {
         self.detections = [None; 2];
         self.speed_latency = SpeedLatency::new();
         self.friction_variance = [T::zero(); 4];
-        self.queue.clear();
+        self.queue.configure(sample_rate_hz);
         self.tires = self.belief.tires();
     }
 
@@ -96,21 +96,17 @@ impl<T: Real> Fusion<T> {
         self.inter_axle.drive(time_s, speed_m_s);
     }
 
-    /// Takes a grid step of a corner.
+    /// Takes a grid step of a corner. Apart, as the pairs' and the corners' parts are: where all of it is one, the addresses of hundreds of
+    /// fields are computed with every sample, whether they are needed or not.
+    #[inline(never)]
     pub(super) fn push(&mut self, corner: usize, sample: &GridSample<T>) {
         let Some(entry) = self.inter_axle.take(corner, sample) else { return };
         let side = corner % 2;
-        match self.inter_axle.align(side, &entry, &self.belief) {
+        let (queue, now_s) = (&mut self.queue, self.inter_axle.travel().time_s());
+        match self.inter_axle.align(side, &entry, &self.belief, |frame| queue.enqueue(side, frame, now_s)) {
             None => {}
             Some(Aligned::FirstDelay(found)) => self.update_delay(side, &found),
-            Some(Aligned::Frame(frame, found)) => {
-                if let Some(frame) = frame {
-                    self.enqueue(side, frame);
-                }
-                if let Some(found) = found {
-                    self.realign(side, found, entry.time_s);
-                }
-            }
+            Some(Aligned::OtherDelay(found)) => self.realign(side, found, entry.time_s),
         }
     }
 

@@ -169,6 +169,7 @@ impl<T: Real> AxlePair<T> {
         self.look_for_delay(entry, road)
     }
 
+    #[inline(never)]
     fn look_for_delay(&mut self, entry: &Entry<T>, road: &PairingContext<'_, T>) -> Option<Found<T>> {
         if !(entry.speed_m_s > T::lit(SLOWEST_M_S)) || entry.after_gap || entry.invalid || entry.unloaded {
             return None;
@@ -201,15 +202,17 @@ impl<T: Real> AxlePair<T> {
         self.delay_search.restart();
     }
 
-    /// Meets the front's road with an entry of the rear corner; gives a frame when one is complete. The other side is
-    /// asked for how its suspension moved: `beside` at the rear.
+    /// Meets the front's road with an entry of the rear corner; gives `enqueue` a frame when one is complete: returned, it would be moved
+    /// about with every entry. The other side is asked for how its suspension moved: `beside` at the rear.
+    #[inline(never)]
     pub(crate) fn pair(
         &mut self,
         entry: &Entry<T>,
         beside: OppositeSide<T>,
         other: &Self,
         road: &PairingContext<'_, T>,
-    ) -> Option<AxleFrame<T>> {
+        enqueue: impl FnOnce(AxleFrame<T>),
+    ) {
         let front = self.read_front(entry, road);
         let Some((read, then_s, delay_s)) = front else {
             self.clock.restart();
@@ -218,7 +221,7 @@ impl<T: Real> AxlePair<T> {
             // The first frames count all the same: while nothing is known yet, they bring more than they can spoil.
             self.invalid_hops = if self.used.is_some() { SETTLING_HOPS } else { 0 };
             self.used = Some([road.wheelbase, road.skew]);
-            return None;
+            return;
         };
         if entry.invalid || read.invalid {
             self.invalid_hops = self.invalid_hops.max(2);
@@ -240,18 +243,24 @@ impl<T: Real> AxlePair<T> {
             let there = with_other(instrument.push(common), others[axle].map(|other| scales[axle] * other));
             signals[(2 + axle) * SEEN..(3 + axle) * SEEN].copy_from_slice(&there);
         }
-        let frame = self.clock.push_if(!(entry.unloaded || read.unloaded), &signals)?;
-        self.tune(road);
-        let [used_wheelbase, used_skew] = self.used.replace([road.wheelbase, road.skew])?;
-        if self.invalid_hops > 0 {
-            self.invalid_hops -= 1;
-            return None;
+        if let Some(frame) = self.clock.push_if(!(entry.unloaded || read.unloaded), &signals) {
+            self.tune(road);
+            let used = self.used.replace([road.wheelbase, road.skew]);
+            if self.invalid_hops > 0 {
+                self.invalid_hops -= 1;
+            } else if let (Some([used_wheelbase, used_skew]), true) = (used, frame.seen > T::lit(LEAST_SEEN))
+            {
+                let middle_s = entry.time_s - self.clock.hop_s();
+                enqueue(AxleFrame {
+                    frame,
+                    middle_s,
+                    delay_s,
+                    stretch: ratio.ln(),
+                    used_wheelbase,
+                    used_skew,
+                });
+            }
         }
-        if !(frame.seen > T::lit(LEAST_SEEN)) {
-            return None;
-        }
-        let middle_s = entry.time_s - self.clock.hop_s();
-        Some(AxleFrame { frame, middle_s, delay_s, stretch: ratio.ln(), used_wheelbase, used_skew })
     }
 
     /// Takes off what the wheels' imbalance makes of both axles' signals.

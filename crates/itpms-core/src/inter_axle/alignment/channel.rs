@@ -106,6 +106,14 @@ impl<T: Real> Channel<T> {
         smoothing + high_pass_late_s() + LAG as f64 * self.grid_period_s
     }
 
+    #[inline(never)]
+    fn restart(&mut self) {
+        self.reconstruction.restart();
+        self.states = [[[T::zero(); 2]; 4]; KEPT];
+        self.after_gap = true;
+        self.step = 0;
+    }
+
     /// Takes a grid step; gives an entry, at `distance_m`, when one is due.
     pub(crate) fn push(
         &mut self,
@@ -113,10 +121,7 @@ impl<T: Real> Channel<T> {
         distance_m: impl FnOnce() -> f64,
     ) -> Option<Entry<T>> {
         if sample.after_gap {
-            self.reconstruction.restart();
-            self.states = [[[T::zero(); 2]; 4]; KEPT];
-            self.after_gap = true;
-            self.step = 0;
+            self.restart();
         }
         self.invalid |= sample.invalid;
         if sample.unloaded {

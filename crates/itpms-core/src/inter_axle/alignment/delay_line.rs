@@ -24,10 +24,11 @@ pub(crate) struct DelayLine<T: Real> {
     /// Place of the newest entry, and how many there are.
     newest: usize,
     filled: usize,
-    period_s: f64,
+    /// Entries in a second.
+    rate_hz: T,
 }
 
-blank!(DelayLine<T> { time_s, distance_m, speed_m_s, signals, invalid, unloaded, newest, filled, period_s });
+blank!(DelayLine<T> { time_s, distance_m, speed_m_s, signals, invalid, unloaded, newest, filled, rate_hz });
 
 /// What was read back.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,7 +47,7 @@ impl<T: Real> DelayLine<T> {
         self.signals.fill(T::zero());
         self.invalid.fill(false);
         self.unloaded.fill(false);
-        (self.newest, self.filled, self.period_s) = (0, 0, period_s);
+        (self.newest, self.filled, self.rate_hz) = (0, 0, T::lit(1.0 / period_s));
     }
 
     pub(crate) fn push(&mut self, entry: &Entry<T>) {
@@ -107,7 +108,7 @@ impl<T: Real> DelayLine<T> {
 
     /// Steps from a time to the newest entry.
     pub(crate) fn steps_back(&self, time_s: f64) -> T {
-        T::lit((self.time_s[self.place(0)] - time_s) / self.period_s)
+        T::lit(self.time_s[self.place(0)] - time_s) * self.rate_hz
     }
 
     /// The signals so many steps before the newest entry.
