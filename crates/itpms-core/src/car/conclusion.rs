@@ -1,0 +1,172 @@
+//! What is concluded of the car a hundred times a second: what the corners find and the road they share, fused into one estimate, and
+//! how its errors go together. Called by the car's estimator; takes no samples.
+
+use nalgebra::{SMatrix, SVector};
+
+use super::fusion::{FusedEstimate, SingleWheelEstimate};
+use super::{CarEstimator, Sources};
+use crate::estimator::FusedStiffness;
+use crate::memory::blank;
+use crate::model::{CarSample, CornerEstimate, Level, TrackState};
+use crate::real::Real;
+
+/// What corners have in common, as it was concluded last, and which corners the sample had.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Concluded<T> {
+    pub(super) there: [bool; 4],
+    pub(super) correlation: [[T; 4]; 4],
+    pub(super) tracks: [TrackState<T>; 2],
+}
+
+blank!(Concluded<T> { there, correlation, tracks });
+
+impl<T: Real> CarEstimator<T> {
+    /// Concludes what is known of all corners that the sample has; gives the fused estimate, if it counts.
+    #[inline(never)]
+    pub(super) fn conclude(&mut self, time_s: f64, sample: &CarSample<T>) -> Option<FusedEstimate<T>> {
+        let fused = self.fuse(time_s);
+        let both = self.corners.iter_mut().zip(&sample.corners);
+        for ((estimator, corner), there) in both.zip(&mut self.concluded.there) {
+            *there = estimator.as_ref().is_some() && corner.is_some();
+            if let (Some(estimator), true) = (estimator.as_mut(), *there) {
+                estimator.conclude(time_s);
+            }
+        }
+        fused
+    }
+
+    /// Concludes what corners have in common.
+    #[inline(never)]
+    pub(super) fn compare(
+        &mut self,
+        corners: &mut [Option<CornerEstimate<T>>; 4],
+        fused: Option<&FusedEstimate<T>>,
+    ) {
+        let (correlation, tracks) = (self.correlation(corners, fused), self.tracks());
+        for [left, right] in [[0, 1], [2, 3]] {
+            let [Some(a), Some(b)] = [left, right].map(|i| corners[i].map(|corner| corner.pressure_sd_kpa))
+            else {
+                continue;
+            };
+            let variance = a * a + b * b - T::lit(2.0) * correlation[left][right] * a * b;
+            let sd_kpa = variance.max(T::zero()).sqrt();
+            for i in [left, right] {
+                if let (Some(corner), Some(estimator)) = (&mut corners[i], self.corners[i].as_mut()) {
+                    corner.axle_difference_sd_kpa = Some(sd_kpa);
+                    estimator.set_axle_difference(sd_kpa);
+                }
+            }
+        }
+        (self.concluded.correlation, self.concluded.tracks) = (correlation, tracks);
+    }
+
+    /// Fuses what the corners find with the shared road; gives the fused estimate, if it counts.
+    #[inline(never)]
+    fn fuse(&mut self, time_s: f64) -> Option<FusedEstimate<T>> {
+        let fusion = self.fusion.as_mut()?;
+        if time_s.is_finite() {
+            if let Some(seconds) = self.calibration_s.take() {
+                self.calibration_ends_s = time_s + seconds;
+                fusion.begin_calibration();
+            }
+            fusion.set_calibrating(time_s < self.calibration_ends_s);
+        }
+        for (i, estimator) in self.corners.iter().enumerate() {
+            let Some(estimator) = estimator.as_ref() else { continue };
+            fusion.set_load(i, &estimator.quarter_car());
+        }
+        if self.sources == Sources::SpectrumAndSharedRoad {
+            let mut at_rest = fusion.is_at_rest();
+            for (i, estimator) in self.corners.iter_mut().enumerate() {
+                let Some(estimator) = estimator.as_mut() else { continue };
+                let (stiffness_n_per_m, sd_n_per_m) = estimator.own_stiffness();
+                let changing = estimator.change_probability();
+                fusion.set_single_wheel(i, SingleWheelEstimate { changing, stiffness_n_per_m, sd_n_per_m });
+                // Between frames, and one corner a sample: all of them at once are much work.
+                if at_rest
+                    && let Some(spectral) = estimator.pseudo_measurement(|| fusion.expected_spectral(i))
+                {
+                    fusion.update_spectral(i, time_s, spectral.stiffness_n_per_m, spectral.sd_n_per_m);
+                    at_rest = false;
+                }
+            }
+        }
+        let trusted = self.sources != Sources::Spectrum && fusion.is_trusted();
+        let fused = trusted.then(|| fusion.estimate());
+        let level = if fusion.is_calibrated() { Level::Calibration } else { Level::VehicleFile };
+        let considered = fused.as_ref().map(|fused| match level {
+            Level::Calibration => self.considered.calibrated(&fused.stiffness_n_per_m),
+            Level::VehicleFile => self.considered.uncalibrated(&fused.stiffness_n_per_m),
+        });
+        for (i, estimator) in self.corners.iter_mut().enumerate() {
+            let Some(estimator) = estimator.as_mut() else { continue };
+            // A shared road that was given up must not leave its last estimate behind.
+            let fused = fused.as_ref().zip(considered.as_ref()).filter(|_| fusion.has_partner(i));
+            estimator.set_hop_excess(fusion.hop_excess(i % 2));
+            let learning = fusion.side(i % 2).0;
+            estimator.set_fused(fused.map(|(fused, considered)| FusedStiffness {
+                stiffness_n_per_m: fused.stiffness_n_per_m[i],
+                stiffness_sd_n_per_m: fused.covariance[(i, i)].sqrt(),
+                considered_sd_n_per_m: considered[(i, i)].sqrt(),
+                level,
+                changing: fused.changing,
+                learned_s: fused.learned_s,
+                learning,
+                has_signal: fusion.has_signal(i) && (learning || !fusion.is_slow()),
+            }));
+        }
+        fused
+            .zip(considered)
+            .map(|(fused, considered)| FusedEstimate { covariance: fused.covariance + considered, ..fused })
+    }
+
+    /// Correlation coefficients of the pressures' errors: of the fused estimate, or of what the corners have in common by the
+    /// vehicle file.
+    fn correlation(
+        &self,
+        corners: &[Option<CornerEstimate<T>>; 4],
+        fused: Option<&FusedEstimate<T>>,
+    ) -> [[T; 4]; 4] {
+        let of = |value: fn(&CornerEstimate<T>) -> T| {
+            SVector::<T, 4>::from_fn(|i, _| corners[i].as_ref().map_or(T::zero(), value))
+        };
+        let covariance = match fused {
+            Some(fused) => fused.covariance,
+            None => {
+                let sd = of(|corner| corner.stiffness_sd_n_per_m);
+                let mut covariance = match self.kind.is_as_published() {
+                    true => SMatrix::zeros(),
+                    false => self.considered.uncalibrated(&of(|corner| corner.stiffness_n_per_m)),
+                };
+                covariance.set_diagonal(&sd.component_mul(&sd));
+                covariance
+            }
+        };
+        coefficients(&covariance)
+    }
+
+    fn tracks(&self) -> [TrackState<T>; 2] {
+        core::array::from_fn(|side| match self.fusion.as_ref() {
+            Some(fusion) => {
+                let (shared, incoherence) = fusion.side(side);
+                TrackState { shared, incoherence }
+            }
+            None => TrackState::unknown(),
+        })
+    }
+}
+
+/// Correlation coefficients of errors with this covariance.
+fn coefficients<T: Real>(covariance: &SMatrix<T, 4, 4>) -> [[T; 4]; 4] {
+    core::array::from_fn(|i| {
+        core::array::from_fn(|j| {
+            let variances = covariance[(i, i)] * covariance[(j, j)];
+            match i == j {
+                true => T::one(),
+                false if variances > T::zero() => covariance[(i, j)] / variances.sqrt(),
+                false => T::zero(),
+            }
+        })
+    })
+}
