@@ -46,9 +46,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let out = env::var("OUT_DIR")?;
     fs::write(Path::new(&out).join("drive.bin"), &bytes)?;
     let constants = format!(
-        "const RATE_HZ: f64 = {:?};\nconst SAMPLES: usize = {samples};\nconst PER_M_S2: f32 = {PER_M_S2:?};\n\
+        "/// Samples a second, and how many there are.\npub const RATE_HZ: f64 = {:?};\npub const SAMPLES: usize = {samples};\nconst PER_M_S2: f32 = {PER_M_S2:?};\n\
          const PER_M_S: f32 = {PER_M_S:?};\nconst MISSING: i16 = {MISSING};\n\
-         static DRIVE: [u8; {}] = *include_bytes!(\"drive.bin\");\n",
+         /// The samples.\n         pub static DRIVE: [u8; {}] = *include_bytes!(\"drive.bin\");\n",
         scenario.rate_hz,
         bytes.len()
     );

@@ -86,6 +86,11 @@ impl Drive {
         })
     }
 
+    /// Leaves out road heights from here on: where the road is smoothed afterwards nobody reads the causal ones.
+    pub fn leave_out_road(&mut self) {
+        self.car.leave_out_road();
+    }
+
     /// The cars as they seem to be now, in the order of [`Corner::ALL`].
     #[must_use]
     pub fn quarter_cars(&self) -> QuarterCars {

@@ -75,6 +75,9 @@ pub fn estimate(
 ) -> Result<Done, DriveError> {
     let rate_hz = log.survey().sample_rate_hz;
     let mut drive = Drive::new(job.settings, job.vehicle, job.corners, rate_hz)?;
+    if job.road {
+        drive.leave_out_road();
+    }
     let track = job.road.then(|| RoadTrack::new(job.vehicle, job.corners, rate_hz)).transpose()?;
     let mut record = Record { track, collector: collector(job), events: Events::default() };
     let mut count = 0u64;

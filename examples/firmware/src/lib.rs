@@ -1,6 +1,7 @@
 //! What a program costs on the board: instructions, stack, flash and memory.
 #![no_std]
 
+pub mod drive;
 pub mod memory;
 
 use core::sync::atomic::{AtomicU32, Ordering};

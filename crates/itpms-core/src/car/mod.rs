@@ -234,8 +234,13 @@ impl<T: Real> CarEstimator<T> {
     /// The same for callers who do not read the roads: see [`Estimator::without_road`](crate::estimator::Estimator::without_road).
     #[must_use]
     pub fn without_road(mut self) -> Self {
-        self.corners.iter_mut().flatten().for_each(CornerEstimator::leave_out_road);
+        self.leave_out_road();
         self
+    }
+
+    /// The same in place.
+    pub(crate) fn leave_out_road(&mut self) {
+        self.corners.iter_mut().flatten().for_each(CornerEstimator::leave_out_road);
     }
 
     /// Says that all tires have their placard pressures from the next sample on, for `seconds`, in which the car should be

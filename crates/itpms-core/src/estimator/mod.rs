@@ -165,8 +165,13 @@ impl<T: Real> Estimator<T> {
     /// own, and that filter's time is saved. The pressure is the same to the last digit.
     #[must_use]
     pub fn without_road(mut self) -> Self {
-        self.corner.leave_out_road();
+        self.leave_out_road();
         self
+    }
+
+    /// The same in place.
+    pub fn leave_out_road(&mut self) {
+        self.corner.leave_out_road();
     }
 
     /// Takes one sample: time in s, speed in m/s, body and wheel acceleration in m/s²; NaN is a missing value. Gives

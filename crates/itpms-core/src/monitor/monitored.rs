@@ -60,6 +60,11 @@ impl<T: Real> MonitoredCar<T> {
         self.estimator.load_calibration(calibration)
     }
 
+    /// Leaves out road heights from here on, for callers who do not read them: see [`CarEstimator::without_road`].
+    pub fn leave_out_road(&mut self) {
+        self.estimator.leave_out_road();
+    }
+
     /// Takes one sample; gives the estimate after it, its validity and warnings being the monitor's. A published filter's
     /// estimate, which is never valid, is passed on as it is.
     pub fn update(&mut self, sample: &CarSample<T>) -> CarEstimate<T> {

@@ -9,17 +9,14 @@ use core::hint::black_box;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
 use itpms_core::car::{EstimatorOptions, RoadHeights};
-use itpms_core::model::{CarConfig, CarSample, Corner, CornerConfig, CornerSample, QuarterCar};
+use itpms_core::model::{CarConfig, Corner, CornerConfig, QuarterCar};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::warning::Change;
+use itpms_firmware::drive::{DRIVE, RATE_HZ, SAMPLES, sample};
 use itpms_firmware::memory::{self, Sizes};
 use itpms_firmware::{Counter, instructions};
 use panic_semihosting as _;
 
-include!(concat!(env!("OUT_DIR"), "/drive.rs"));
-
-/// Bytes of a sample: speed, and body and wheel of four corners.
-const SAMPLE: usize = 18;
 /// When somebody presses the button, and for how long the car then learns.
 const CALIBRATION_S: [f64; 2] = [4.0, 5.0];
 /// How often pressures are printed.
@@ -35,22 +32,6 @@ fn config() -> Option<MonitorConfig<f32>> {
     // Nobody here reads the height of the road.
     let options = EstimatorOptions { road_heights: RoadHeights::LeftOut, ..EstimatorOptions::default() };
     Some(MonitorConfig::new(&CarConfig { corners, wheelbase_m: Some(2.7) }).with_options(options))
-}
-
-/// The sample `index` of the drive, as an interrupt would hand it on.
-fn sample(index: usize) -> CarSample<f32> {
-    let bytes = &DRIVE[SAMPLE * index..SAMPLE * (index + 1)];
-    let value = |i: usize, per_unit: f32| match i16::from_le_bytes([bytes[2 * i], bytes[2 * i + 1]]) {
-        MISSING => f32::NAN,
-        value => f32::from(value) / per_unit,
-    };
-    let corners = core::array::from_fn(|i| {
-        Some(CornerSample {
-            body_accel_m_s2: value(1 + 2 * i, PER_M_S2),
-            wheel_accel_m_s2: value(2 + 2 * i, PER_M_S2),
-        })
-    });
-    CarSample { time_s: index as f64 / RATE_HZ, speed_m_s: value(0, PER_M_S), corners }
 }
 
 fn run(car: &mut MonitoredCar<f32>, counter: &mut Counter) -> Option<()> {
