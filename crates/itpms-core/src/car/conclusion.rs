@@ -6,7 +6,7 @@ use nalgebra::{SMatrix, SVector};
 use super::fusion::{FusedEstimate, SingleWheelEstimate};
 use super::{CarEstimator, Sources};
 use crate::estimator::FusedStiffness;
-use crate::memory::blank;
+use crate::memory::{Placed, blank};
 use crate::model::{CarSample, CornerEstimate, Level, TrackState};
 use crate::real::Real;
 
@@ -44,18 +44,18 @@ impl<T: Real> CarEstimator<T> {
         fused: Option<&FusedEstimate<T>>,
     ) {
         let (correlation, tracks) = (self.correlation(corners, fused), self.tracks());
-        for [left, right] in [[0, 1], [2, 3]] {
-            let [Some(a), Some(b)] = [left, right].map(|i| corners[i].map(|corner| corner.pressure_sd_kpa))
-            else {
-                continue;
-            };
-            let variance = a * a + b * b - T::lit(2.0) * correlation[left][right] * a * b;
+        let [fl, fr, rl, rr] = corners;
+        let [first, second, third, fourth] = &mut self.corners;
+        let front = ([fl, fr], [first, second], correlation[0][1]);
+        let rear = ([rl, rr], [third, fourth], correlation[2][3]);
+        for (axle, estimators, correlation) in [front, rear] {
+            let [Some(left), Some(right)] = axle else { continue };
+            let (a, b) = (left.pressure_sd_kpa, right.pressure_sd_kpa);
+            let variance = a * a + b * b - T::lit(2.0) * correlation * a * b;
             let sd_kpa = variance.max(T::zero()).sqrt();
-            for i in [left, right] {
-                if let (Some(corner), Some(estimator)) = (&mut corners[i], self.corners[i].as_mut()) {
-                    corner.axle_difference_sd_kpa = Some(sd_kpa);
-                    estimator.set_axle_difference(sd_kpa);
-                }
+            (left.axle_difference_sd_kpa, right.axle_difference_sd_kpa) = (Some(sd_kpa), Some(sd_kpa));
+            for estimator in estimators.into_iter().filter_map(Placed::as_mut) {
+                estimator.set_axle_difference(sd_kpa);
             }
         }
         (self.concluded.correlation, self.concluded.tracks) = (correlation, tracks);

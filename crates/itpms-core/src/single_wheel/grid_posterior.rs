@@ -162,7 +162,7 @@ impl<T: Real> Posterior<T> {
             let taps = (to + REACH + 1).saturating_sub(CELLS)..TAPS.min(to + REACH + 1);
             for (tap, leaving) in leaving.iter().enumerate().take(taps.end).skip(taps.start) {
                 let from = (to + REACH - tap).min(CELLS - 1);
-                matched.add(leaving[from], &means.fixed_view::<3, 1>(0, from).into_owned());
+                matched.add(leaving[from], &means.column(from).into_owned());
             }
             roads.set_mean(to, &matched.finish());
         }

@@ -113,6 +113,7 @@ impl<T: Real> Fusion<T> {
     /// Updates wheelbase and skew with the delay that was found first.
     #[inline(never)]
     fn update_delay(&mut self, side: usize, found: &Found<T>) {
+        let side = side.min(1);
         let (unit, [wheelbase, skew]) = (T::lit(SKEW_UNIT_S), found.used);
         self.belief.update_scalar(T::lit(FOUND_SD_S * FOUND_SD_S), |state| {
             let mut slope = State::zeros();

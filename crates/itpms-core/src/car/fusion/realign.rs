@@ -43,7 +43,7 @@ impl<T: Real> Fusion<T> {
     /// Takes note of where a side has found the other axle's road.
     #[inline(never)]
     pub(super) fn realign(&mut self, side: usize, found: Found<T>, time_s: f64) {
-        self.detections[side] = Some(DelayDetection { time_s, found });
+        self.detections[side.min(1)] = Some(DelayDetection { time_s, found });
         let ([Some(left), Some(right)], Some(before)) = (self.detections, self.belief.restore_point()) else {
             return;
         };
