@@ -1,4 +1,4 @@
-//! What is concluded of the car a hundred times a second: what the corners find and the road they share, fused into one estimate, and
+//! What is concluded of the car with every sample: what the corners find and the road they share, fused into one estimate, and
 //! how its errors go together. Called by the car's estimator; takes no samples.
 
 use nalgebra::{SMatrix, SVector};
@@ -10,26 +10,23 @@ use crate::memory::{Placed, blank};
 use crate::model::{CarSample, CornerEstimate, Level, TrackState};
 use crate::real::Real;
 
-/// What corners have in common, as it was concluded last, and which corners the sample had.
+/// What corners have in common, as it was concluded last.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Concluded<T> {
-    pub(super) there: [bool; 4],
     pub(super) correlation: [[T; 4]; 4],
     pub(super) tracks: [TrackState<T>; 2],
 }
 
-blank!(Concluded<T> { there, correlation, tracks });
+blank!(Concluded<T> { correlation, tracks });
 
 impl<T: Real> CarEstimator<T> {
     /// Concludes what is known of all corners that the sample has; gives the fused estimate, if it counts.
     #[inline(never)]
     pub(super) fn conclude(&mut self, time_s: f64, sample: &CarSample<T>) -> Option<FusedEstimate<T>> {
         let fused = self.fuse(time_s);
-        let both = self.corners.iter_mut().zip(&sample.corners);
-        for ((estimator, corner), there) in both.zip(&mut self.concluded.there) {
-            *there = estimator.as_ref().is_some() && corner.is_some();
-            if let (Some(estimator), true) = (estimator.as_mut(), *there) {
+        for (estimator, corner) in self.corners.iter_mut().zip(&sample.corners) {
+            if let (Some(estimator), true) = (estimator.as_mut(), corner.is_some()) {
                 estimator.conclude(time_s);
             }
         }

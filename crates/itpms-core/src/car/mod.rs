@@ -11,7 +11,7 @@ mod fusion;
 use self::conclusion::Concluded;
 use self::considered::Considered;
 use self::fusion::Fusion;
-use crate::conditioning::{Cadence, Moment, SampleClock, SampleCounts};
+use crate::conditioning::{Moment, SampleClock, SampleCounts};
 use crate::estimator::{CornerEstimator, EstimatorKind, RoadRepetition};
 use crate::memory::{Blank, Placed, blank};
 use crate::model::{
@@ -86,7 +86,6 @@ pub struct CarEstimator<T: Real> {
     /// When the calibration that is under way ends, and how long it lasts if it has not begun.
     calibration_s: Option<f64>,
     calibration_ends_s: f64,
-    cadence: Cadence,
     concluded: Concluded<T>,
 }
 
@@ -100,7 +99,6 @@ blank!(CarEstimator<T> {
     body_equation,
     calibration_s,
     calibration_ends_s,
-    cadence,
     concluded,
 });
 
@@ -157,8 +155,6 @@ impl<T: Real> CarEstimator<T> {
         self.body_equation.configure(&config.corners, sample_rate_hz);
         (self.kind, self.sources) = (kind, Sources::default());
         (self.calibration_s, self.calibration_ends_s) = (None, f64::NEG_INFINITY);
-        let first = self.corners.iter().flatten().next();
-        self.cadence = first.map_or(Cadence::always(), |corner| corner.cadence(sample_rate_hz));
         self.concluded = Concluded::BLANK;
         Ok(())
     }
@@ -253,7 +249,6 @@ impl<T: Real> CarEstimator<T> {
             corner.begin_calibration(seconds)?;
         }
         self.calibration_s = Some(seconds);
-        self.cadence.restart();
         Ok(())
     }
 
@@ -266,7 +261,6 @@ impl<T: Real> CarEstimator<T> {
     /// Ends the calibration that is under way, as where a log ends with it; what it taught is there then.
     pub fn end_calibration(&mut self) {
         self.calibration_ends_s = f64::NEG_INFINITY;
-        self.cadence.restart();
         if let Some(fusion) = self.fusion.as_mut() {
             fusion.set_calibrating(false);
         }
@@ -310,7 +304,6 @@ impl<T: Real> CarEstimator<T> {
             estimator.restart();
         }
         self.body_equation.restart();
-        self.cadence.restart();
         if let Some(fusion) = self.fusion.as_mut() {
             fusion.restart(corner.index());
         }
@@ -352,11 +345,7 @@ impl<T: Real> CarEstimator<T> {
         if at_rest {
             self.identify();
         }
-        let both = || self.corners.iter().zip(&sample.corners);
-        let there = both().map(|(estimator, corner)| estimator.as_ref().is_some() && corner.is_some());
-        let as_before = there.eq(self.concluded.there.iter().copied());
-        let due = self.cadence.is_due(at.now_s) || !as_before;
-        let fused = if due { self.conclude(at.now_s, sample) } else { None };
+        let fused = self.conclude(at.now_s, sample);
         let mut corners = [None; 4];
         for ((estimate, estimator), corner) in corners.iter_mut().zip(&mut self.corners).zip(&sample.corners)
         {
@@ -364,9 +353,7 @@ impl<T: Real> CarEstimator<T> {
                 *estimate = Some(estimator.estimate(at.now_s, sample.time_s, corner));
             }
         }
-        if due {
-            self.compare(&mut corners, fused.as_ref());
-        }
+        self.compare(&mut corners, fused.as_ref());
         let Concluded { correlation, tracks, .. } = self.concluded;
         CarEstimate { time_s: sample.time_s, corners, correlation, tracks }
     }

@@ -1,14 +1,12 @@
 //! What makes samples fit to be used: one time that only goes forward, a speed where not every sample tells it, values
 //! checked and put on a uniform grid, wheels that have left the road.
 
-mod cadence;
 pub(crate) mod clock;
 mod resampler;
 mod sample_clock;
 mod speed;
 pub(crate) mod wheel_lift;
 
-pub(crate) use self::cadence::Cadence;
 pub use self::resampler::{GridSample, Resampler, SampleCounts};
 pub use self::sample_clock::{Moment, SampleClock};
 pub(crate) use self::speed::STANDING_M_S;

@@ -8,7 +8,7 @@ use super::method::RunningMethod;
 use super::reading::{Reading, is_known};
 use super::{EstimatorKind, RoadRepetition};
 use crate::conditioning::wheel_lift::ContactWatch;
-use crate::conditioning::{Cadence, GridSample, Resampler, SampleCounts};
+use crate::conditioning::{GridSample, Resampler, SampleCounts};
 use crate::memory::{Placed, blank};
 use crate::model::{
     BodyFit, CornerConfig, CornerEstimate, CornerSample, Level, Misfit, ParameterError, QuarterCar, Validity,
@@ -227,7 +227,7 @@ impl<T: Real> CornerEstimator<T> {
     }
 
     /// Concludes what is known now, but for the road's height where that comes from a filter of its own: the second part of
-    /// [`Estimator::update`], a [`cadence`](Self::cadence) apart.
+    /// [`Estimator::update`].
     pub(crate) fn conclude(&mut self, time_s: f64) {
         let mut reading = self.method.reading_at(time_s);
         if !(reading.stiffness_n_per_m.is_finite() && reading.stiffness_sd_n_per_m.is_finite())
@@ -297,15 +297,6 @@ impl<T: Real> CornerEstimator<T> {
         let unknown = (T::lit(f64::NAN), T::lit(f64::NAN));
         (estimate.road_m, estimate.road_sd_m) =
             if road.validity.is_valid() { (road.road_m, road.road_sd_m) } else { unknown };
-    }
-
-    /// How often [`conclude`](Self::conclude) is to be asked at this rate: the filters tell something new with every sample.
-    pub(crate) fn cadence(&self, sample_rate_hz: f64) -> Cadence {
-        match self.kind {
-            EstimatorKind::Informed => Cadence::new(sample_rate_hz),
-            #[cfg(feature = "paper")]
-            _ => Cadence::always(),
-        }
     }
 
     /// Starts again from the corner's initial pressure, as after a tire change. Counted.

@@ -11,7 +11,7 @@ mod reading;
 
 pub(crate) use self::corner::CornerEstimator;
 pub(crate) use self::fused_stiffness::FusedStiffness;
-use crate::conditioning::{Cadence, SampleClock, SampleCounts};
+use crate::conditioning::{SampleClock, SampleCounts};
 use crate::memory::{Blank, blank};
 use crate::model::{BodyFit, CornerConfig, CornerEstimate, CornerSample, Misfit, ParameterError, QuarterCar};
 use crate::real::Real;
@@ -88,10 +88,9 @@ pub struct Estimator<T: Real> {
     clock: SampleClock<T>,
     corner: CornerEstimator<T>,
     body_equation: BodyEquation<T>,
-    cadence: Cadence,
 }
 
-blank!(Estimator<T> { clock, corner, body_equation, cadence });
+blank!(Estimator<T> { clock, corner, body_equation });
 
 impl<T: Real> Estimator<T> {
     /// An estimator of `kind` for a corner whose samples come at about `sample_rate_hz`, by value: some 20 KB in `f32`. A
@@ -131,7 +130,6 @@ impl<T: Real> Estimator<T> {
         self.corner.configure(kind, config, sample_rate_hz)?;
         self.body_equation.configure(&[Some(*config), None, None, None], sample_rate_hz);
         self.clock = clock;
-        self.cadence = self.corner.cadence(sample_rate_hz);
         Ok(())
     }
 
@@ -150,7 +148,6 @@ impl<T: Real> Estimator<T> {
     /// # Errors
     /// The length must be positive and finite.
     pub fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
-        self.cadence.restart();
         self.corner.begin_calibration(seconds)
     }
 
@@ -193,9 +190,7 @@ impl<T: Real> Estimator<T> {
         if self.body_equation.learn([self.corner.strut_frame(), None, None, None]) {
             self.corner.set_strut(&self.body_equation, 0);
         }
-        if self.cadence.is_due(at.now_s) {
-            self.corner.conclude(at.now_s);
-        }
+        self.corner.conclude(at.now_s);
         self.corner.estimate(at.now_s, time_s, &corner)
     }
 
@@ -203,7 +198,6 @@ impl<T: Real> Estimator<T> {
     pub fn restart(&mut self) {
         self.body_equation.restart();
         self.corner.restart();
-        self.cadence.restart();
     }
 
     /// The car as it seems to be now: sprung mass and damping as identified on the way, where the estimator does.
