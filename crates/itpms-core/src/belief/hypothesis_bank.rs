@@ -22,7 +22,7 @@ const FADING_TAUGHT: f64 = 0.01;
 /// Weight below which a change of several wheels, and one of a wheel of the other side, of which a frame tells hardly anything, is
 /// followed in every so many frames only: an odd number, as the sides take turns.
 const RARE: f64 = 1e-5;
-const RARE_ELSEWHERE: f64 = 1e-3;
+const RARE_OPPOSITE: f64 = 1e-3;
 const RARE_FRAMES: usize = 3;
 /// Degrees of freedom of a pseudo-measurement's distribution: how heavy its tails are.
 const PSEUDO_MEASUREMENT_TAILS: f64 = 4.0;
@@ -144,9 +144,9 @@ impl<T: Real> HypothesisBank<T> {
         let hypothesis = self.hypotheses.get_mut(index).zip(log_weight.get_mut(index));
         let Some((hypothesis, log_weight)) = hypothesis else { return false };
         let turn = (*frames as usize + index).is_multiple_of(RARE_FRAMES);
-        let elsewhere = (1..SIDE).contains(&index) && (index - 1) % 2 != *side;
+        let is_opposite = (1..SIDE).contains(&index) && (index - 1) % 2 != *side;
         let followed = match index {
-            _ if elsewhere => RARE_ELSEWHERE,
+            _ if is_opposite => RARE_OPPOSITE,
             SIDE.. => RARE,
             _ => 0.0,
         };
