@@ -153,9 +153,11 @@ impl<T: Real> Belief<T> {
             return;
         }
         let (scale, rates) = if self.expects_onsets() {
-            ([T::one(), onset.several_scale], onset.rates)
+            // Tires that only lose air while they roll do not wander.
+            let wander = if self.has_floor() { T::zero() } else { onset.several_scale };
+            ([T::one(), onset.several_scale, wander], onset.rates)
         } else {
-            ([T::zero(); 2], [T::zero(); 4])
+            ([T::zero(); 3], [T::zero(); 4])
         };
         self.bank.begin_prediction(T::lit(seconds), scale, &rates);
     }
@@ -216,11 +218,16 @@ impl<T: Real> Belief<T> {
         if self.bank.is_random_walk() {
             self.drop_floor();
         }
-        if self.inflation == Inflation::AtStops
+        if self.has_floor()
             && let Some(least) = self.least_compliance()
         {
             self.bank.hold_above(&least);
         }
+    }
+
+    /// Whether what the last calibration set is a bound of what tires can have.
+    fn has_floor(&self) -> bool {
+        self.inflation == Inflation::AtStops && self.least_compliance().is_some()
     }
 
     /// What friction that is not known exactly makes of a corner on the present road.

@@ -18,7 +18,9 @@ use super::state::{
     prior_sd, read_compliance, return_rate, side_indices, wander_sd,
 };
 use super::update::{Likelihood, OwnCovariance};
+use super::{Belief, Onset};
 use crate::memory::configured;
+use crate::model::{CarConfig, CornerConfig, Inflation};
 
 /// Unsprung masses as a measured car's, axle by axle.
 const MASS_SD: [f64; 4] = [0.01; 4];
@@ -99,7 +101,7 @@ fn prediction_agrees_with_exact_enumeration() {
     let before = bank.clone();
     let seconds = 0.1;
     let rates = [0.3, 0.0, 0.1, 0.0];
-    bank.begin_prediction(seconds, [1.0, 0.7], &rates);
+    bank.begin_prediction(seconds, [1.0, 0.7, 0.4], &rates);
     (0..super::PREDICTION_PARTS).for_each(|part| bank.predict_part(part));
 
     // Rates per second of docs/math/shared-road.md, section 6.
@@ -107,7 +109,7 @@ fn prediction_agrees_with_exact_enumeration() {
     let begin = |to: usize| match to {
         1..=4 => 2e-4 * seconds + rates[to - 1] * seconds,
         5..=7 => 1e-6 * seconds * 0.7,
-        _ => 1e-8 * seconds * 0.7,
+        _ => 1e-8 * seconds * 0.4,
     };
     let join = 1e-2 * seconds * 0.7;
     let changes = |to: usize, i: usize| to == i + 1 || to == 5 + i % 2 || to == 7;
@@ -388,4 +390,28 @@ fn a_bound_is_met_by_the_likeliest_state() {
     let held = bank.clone();
     bank.hold_above(&[-0.05, f64::NEG_INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY]);
     assert_eq!(bank, held);
+}
+
+/// A car whose tires only lose air while they roll: after a calibration none is believed to wander, unless a pump may fill it.
+#[test]
+fn tires_do_not_wander_while_a_calibration_bounds_them() {
+    for (calibrated, inflation, wanders) in [
+        (false, Inflation::AtStops, true),
+        (true, Inflation::AtStops, false),
+        (true, Inflation::WhileRolling, true),
+    ] {
+        let config = CarConfig { corners: [Some(CornerConfig::paper()); 4], wheelbase_m: Some(2.7) };
+        let mut belief = configured(|belief: &mut Belief<f64>| belief.configure(&config));
+        belief.set_inflation(inflation);
+        let onset = Onset { several_scale: 1.0, rates: [0.0; 4], longest_step_s: 1.0 };
+        belief.predict(0.0, &onset);
+        if calibrated {
+            belief.begin_calibration();
+        }
+        belief.learned_s = 1e3;
+        belief.set_calibrating(false);
+        (1..50).for_each(|step| belief.predict(0.1 * f64::from(step), &onset));
+        assert_eq!(belief.bank.hypotheses[RANDOM_WALK].weight > 0.0, wanders, "{calibrated} {inflation:?}");
+        assert!(belief.bank.hypotheses[1].weight > 0.0);
+    }
 }

@@ -56,16 +56,22 @@ impl<T: Real> Transition<T> {
         self.still.weight = T::zero();
     }
 
-    /// Begins to move on by `seconds`; `onset_scale` multiplies the chances that one wheel, and that several, begin to move;
+    /// Begins to move on by `seconds`; `onset_scale` multiplies the chances that one wheel, that several begin to move, and that all begin to wander;
     /// `onset_rates` are chances per second that each wheel does that somebody else has reason to believe in.
-    pub(super) fn begin(&mut self, seconds: T, onset_scale: [T; 2], onset_rates: &[T; 4]) {
-        let [_, several] = onset_scale;
+    pub(super) fn begin(&mut self, seconds: T, onset_scale: [T; 3], onset_rates: &[T; 4]) {
+        let [one, several, wander] = onset_scale;
         self.seconds = seconds;
         self.end = T::one() - (-T::lit(END) * seconds).exp();
         self.join = T::lit(JOIN) * seconds * several;
         self.stay = T::one();
         for (hypothesis, begin) in self.begin.iter_mut().enumerate().skip(1) {
-            *begin = T::lit(BEGIN[hypothesis]) * seconds * onset_scale[usize::from(hypothesis >= SIDE)];
+            *begin = T::lit(BEGIN[hypothesis])
+                * seconds
+                * match hypothesis {
+                    RANDOM_WALK => wander,
+                    SIDE.. => several,
+                    _ => one,
+                };
             if let Some(&rate) = onset_rates.get(hypothesis - 1) {
                 *begin += (rate * seconds).min(T::lit(LARGEST_CHANCE));
             }

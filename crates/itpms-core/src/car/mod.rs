@@ -385,7 +385,7 @@ impl<T: Real> CarEstimator<T> {
             let Some(estimator) = estimator.as_mut() else { continue };
             estimator.set_strut(&self.body_equation, i);
             if let Some(fusion) = self.fusion.as_mut() {
-                fusion.set_friction_error(i, &self.body_equation);
+                fusion.set_friction(i, &self.body_equation);
             }
         }
     }

@@ -20,10 +20,10 @@ use self::alignment::channel::{Channel, Entry, RELATIVE};
 use self::alignment::delay_search::Found;
 use self::alignment::opposite_side::OppositeSide;
 use self::alignment::travel::Travel;
-use self::residual::model::{AxleFrame, Wheel};
+use self::residual::model::{Axle, AxleFrame, Wheel};
 use crate::belief::Belief;
 use crate::belief::measurement::BINS;
-use crate::belief::state::{DAMPING, SKEW, WHEELBASE};
+use crate::belief::state::{SKEW, WHEELBASE};
 use crate::conditioning::GridSample;
 use crate::inter_axle::alignment::channel::BOTH;
 use crate::memory::{Placed, blank};
@@ -99,7 +99,7 @@ impl<T: Real> InterAxle<T> {
         let wheel = |corner: usize| {
             config.corners[corner].as_ref().map(|c| {
                 let theta = T::one() / c.tire.stiffness_n_per_m(c.placard_kpa);
-                Wheel { body: Body::from(&c.quarter_car), theta, corner }
+                Wheel { body: Body::from(&c.quarter_car), friction_n_s_per_m: T::zero(), theta, corner }
             })
         };
         self.wheelbase_m = wheelbase_m;
@@ -187,9 +187,16 @@ impl<T: Real> InterAxle<T> {
     pub(crate) fn set_load(&mut self, corner: usize, car: &QuarterCar<T>, belief: &Belief<T>) {
         let Some(wheel) = &mut self.wheels[corner] else { return };
         // How the body follows its wheel depends on damping over mass.
-        let deviation = belief.most_likely().mean[DAMPING + corner];
-        let damping = wheel.body.damping_n_s_per_m * (T::one() + deviation);
-        wheel.body.sprung_mass_kg = car.sprung_mass_kg() * damping / car.damping_n_s_per_m();
+        let damping = Axle::new(wheel, &belief.most_likely().mean).whole_damping;
+        let of_file = car.damping_n_s_per_m() + wheel.friction_n_s_per_m;
+        wheel.body.sprung_mass_kg = car.sprung_mass_kg() * damping / of_file;
+    }
+
+    /// Takes over what the friction of a corner's strut damps near wheel hop.
+    pub(crate) fn set_friction(&mut self, corner: usize, friction_n_s_per_m: T) {
+        if let Some(wheel) = self.wheels.get_mut(corner).and_then(Option::as_mut) {
+            wheel.friction_n_s_per_m = friction_n_s_per_m;
+        }
     }
 
     /// Whether a corner has a partner on its side.

@@ -172,9 +172,10 @@ impl<T: Real> Fusion<T> {
         self.inter_axle.set_load(corner, car, &self.belief);
     }
 
-    /// Takes over how well a corner's friction is known.
-    pub(super) fn set_friction_error(&mut self, corner: usize, equation: &BodyEquation<T>) {
+    /// Takes over what a corner's friction is, and how well it is known.
+    pub(super) fn set_friction(&mut self, corner: usize, equation: &BodyEquation<T>) {
         let corner = corner.min(3);
+        self.inter_axle.set_friction(corner, equation.friction_damping(corner));
         let variance = equation.stiffness_variance(corner);
         self.friction_variance[corner] = variance;
         let [damping, spring] = equation.strut_variance(corner);

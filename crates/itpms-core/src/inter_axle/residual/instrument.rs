@@ -20,11 +20,13 @@ pub(crate) struct Instrument<T: Real> {
     input: SVector<T, STATES>,
     state: SVector<T, STATES>,
     last_road: T,
-    /// Unsprung mass, sprung mass, damping, spring, tire.
+    /// Unsprung mass, sprung mass, damping with friction's, spring, tire.
     car: [T; 5],
+    /// Damping without friction's.
+    damper: T,
 }
 
-blank!(Instrument<T> { transition, input, state, last_road, car });
+blank!(Instrument<T> { transition, input, state, last_road, car, damper });
 
 impl<T: Real> Instrument<T> {
     pub(crate) fn new() -> Self {
@@ -34,6 +36,7 @@ impl<T: Real> Instrument<T> {
             state: SVector::zeros(),
             last_road: T::zero(),
             car: [T::one(); 5],
+            damper: T::one(),
         }
     }
 
@@ -45,9 +48,10 @@ impl<T: Real> Instrument<T> {
 
     /// Takes over an axle's parameters, for steps of `period_s`.
     pub(crate) fn tune(&mut self, axle: &Axle<T>, sprung_mass_kg: T, period_s: f64) {
-        let [wheel, damping, spring, _] = axle.factors;
-        let tire = T::one() / axle.theta.max(T::lit(1e-8));
+        let [wheel, damper, spring, _] = axle.factors;
+        let (damping, tire) = (axle.whole_damping, T::one() / axle.theta.max(T::lit(1e-8)));
         self.car = [wheel, sprung_mass_kg, damping, spring, tire];
+        self.damper = damper;
         let (zero, one) = (T::zero(), T::one());
         #[rustfmt::skip]
         let rates = SMatrix::<T, STATES, STATES>::new(
@@ -62,7 +66,7 @@ impl<T: Real> Instrument<T> {
         self.input = inverse * SVector::<T, STATES>::new(zero, zero, zero, tire) * T::lit(0.5 * period_s);
     }
 
-    /// Takes the road's velocity; gives wheel velocity, wheel jerk, relative acceleration, relative velocity.
+    /// Takes the road's velocity; gives wheel velocity, wheel jerk with friction's part taken out, relative acceleration, relative velocity.
     pub(crate) fn push(&mut self, road: T) -> [T; KEPT] {
         self.state = self.transition * self.state + self.input * (road + self.last_road);
         self.last_road = road;
@@ -70,7 +74,8 @@ impl<T: Real> Instrument<T> {
         let (wheel, relative) = (self.state[0], self.state[0] - self.state[1]);
         let suspension = damping * relative + spring * self.state[2];
         let relative_acceleration = (self.state[3] - suspension) / wheel_kg - suspension / sprung_kg;
-        let jerk = (tire * (road - wheel) - damping * relative_acceleration - spring * relative) / wheel_kg;
+        let jerk =
+            (tire * (road - wheel) - self.damper * relative_acceleration - spring * relative) / wheel_kg;
         [wheel, jerk, relative_acceleration, relative]
     }
 }

@@ -21,6 +21,8 @@ const KERNEL_DENSITY: f64 = 4.0;
 const KERNEL_HALF: usize = 8;
 const KERNEL: usize = 2 * KERNEL_HALF + 1;
 const LOWEST_HZ: f64 = 0.5;
+/// The least that a strut damps, friction included, as a share of its damper in the vehicle file: it never drives its wheel.
+const LEAST_DAMPING: f64 = 0.1;
 
 /// What is known of one axle's corner.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,6 +30,8 @@ const LOWEST_HZ: f64 = 0.5;
 pub(crate) struct Wheel<T> {
     /// As in the vehicle file.
     pub(crate) body: Body<T>,
+    /// What the strut's friction damps near wheel hop on average, beside the damper.
+    pub(crate) friction_n_s_per_m: T,
     /// Compliance of the tire at placard pressure in m/N.
     pub(crate) theta: T,
     /// Place in the order of [`Corner::ALL`](crate::model::Corner::ALL).
@@ -70,6 +74,9 @@ pub(crate) struct Axle<T> {
     /// Unsprung mass, damping, spring, anti-roll bar: as they are, and as the vehicle file says; the bar's is the spring's.
     pub(crate) factors: [T; 4],
     nominal: [T; 4],
+    /// Damping with which the strut answers a road: that of the friction, which is taken out of the signals, included. What the belief
+    /// takes off a damper because too much friction was taken out is there again.
+    pub(crate) whole_damping: T,
 }
 
 impl<T: Real> Axle<T> {
@@ -81,7 +88,10 @@ impl<T: Real> Axle<T> {
         let nominal = [body.unsprung_mass_kg, body.damping_n_s_per_m, spring, spring];
         let bar = spring * state[BAR + corner / 2];
         let factors = [nominal[0] * at(MASS), nominal[1] * at(DAMPING), spring * at(SPRING), bar];
-        Self { theta: wheel.theta * read_compliance(state, corner), placard: wheel.theta, factors, nominal }
+        let least = T::lit(LEAST_DAMPING) * nominal[1];
+        let whole_damping = (factors[1] + wheel.friction_n_s_per_m).max(least);
+        let theta = wheel.theta * read_compliance(state, corner);
+        Self { theta, placard: wheel.theta, factors, nominal, whole_damping }
     }
 
     /// The road velocity that the signals of an entry tell.
@@ -94,12 +104,15 @@ impl<T: Real> Axle<T> {
     fn over_unit_road(&self, sprung_mass_kg: T, frequency_hz: T) -> [Complex<T>; SEEN] {
         let s = Complex::new(T::zero(), T::two_pi() * frequency_hz);
         let one = Complex::new(T::one(), T::zero());
-        let z = s * self.factors[1] + one * self.factors[2];
-        let sprung = s * s * sprung_mass_kg;
+        let z = s * self.whole_damping + one * self.factors[2];
+        let friction = s * (self.whole_damping - self.factors[1]);
+        let (sprung, unsprung) = (s * s * sprung_mass_kg, s * s * self.factors[0]);
         // v_w - v_b = Q v_w, and R = v_w (1 + θ (m s² + Z Q)).
         let relative = sprung / (sprung + z);
-        let wheel = one / (one + (s * s * self.factors[0] + z * relative) * self.theta);
-        [wheel, s * s * wheel, s * relative * wheel, relative * wheel, relative * wheel]
+        let wheel = one / (one + (unsprung + z * relative) * self.theta);
+        // The wheel's jerk is told with friction's part of it taken out.
+        let jerk = s * s + friction * relative / self.factors[0];
+        [wheel, jerk * wheel, s * relative * wheel, relative * wheel, relative * wheel]
     }
 
     /// Road and its derivatives by tire, mass, damping, spring, bar, from wheel velocity and the force signals.

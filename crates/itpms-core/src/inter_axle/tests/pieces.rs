@@ -4,11 +4,11 @@ use core::f64::consts::TAU;
 
 use nalgebra::ComplexField;
 
-use crate::belief::state::BAR;
+use crate::belief::state::{BAR, DAMPING, State};
 use crate::inter_axle::alignment::channel::Entry;
 use crate::inter_axle::alignment::delay_line::DelayLine;
 use crate::inter_axle::residual::instrument::Instrument;
-use crate::inter_axle::residual::model::Axle;
+use crate::inter_axle::residual::model::{Axle, Wheel};
 use crate::inter_axle::tests::{C, Moved, PERIOD_S, SETTLED, deviating, signals, wheels};
 use crate::memory::configured;
 
@@ -99,7 +99,13 @@ fn the_instrument_is_the_quarter_car() {
     let mut state = deviating();
     state[BAR] = 0.0;
     state[BAR + 1] = 0.0;
-    for wheel in wheels() {
+    let plain = wheels().map(|wheel| (wheel, state));
+    // So much was taken out for friction that a damper which drives its wheel stands for the rest.
+    let sticking = plain.map(|(wheel, mut state)| {
+        state[DAMPING + wheel.corner] = -1.3;
+        (Wheel { friction_n_s_per_m: 1.1 * wheel.body.damping_n_s_per_m, ..wheel }, state)
+    });
+    for (wheel, state) in plain.into_iter().chain(sticking) {
         for frequency_hz in [1.0, 5.0, 9.7, 12.0, 25.0] {
             let mut instrument = Instrument::new();
             instrument.tune(&Axle::new(&wheel, &state), wheel.body.sprung_mass_kg, PERIOD_S);
@@ -117,5 +123,27 @@ fn the_instrument_is_the_quarter_car() {
             // After 24 seconds e^{-31} of a body that swings 1.3 times a second into rest is left of how it began.
             assert!(worst < 1e-8, "{frequency_hz} Hz: {worst:e}");
         }
+    }
+}
+
+#[test]
+fn a_strut_never_drives_its_wheel() {
+    for damping in [-1.0, -1.4, -3.0] {
+        let mut state = State::zeros();
+        state[DAMPING] = damping;
+        let [wheel, _] = wheels();
+        let mut instrument = Instrument::new();
+        instrument.tune(&Axle::new(&wheel, &state), wheel.body.sprung_mass_kg, PERIOD_S);
+        let mut largest = [0.0f64; 4];
+        for signal in core::iter::once(1.0).chain([0.0; 250]).map(|road| instrument.push(road)) {
+            largest = core::array::from_fn(|i| largest[i].max(signal[i].abs()));
+        }
+        // On a tenth of its damper the body swings out with c/2m = 0.19/s: to 1e-5 in a minute.
+        (0..10 * SETTLED).for_each(|_| _ = instrument.push(0.0));
+        let last = instrument.push(0.0);
+        assert!(
+            last.iter().zip(largest).all(|(last, largest)| last.abs() < 1e-4 * largest),
+            "{damping}: {last:?}"
+        );
     }
 }

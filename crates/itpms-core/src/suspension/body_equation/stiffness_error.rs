@@ -24,6 +24,18 @@ pub(super) fn hop_bin<T: Real>(corner: &CornerConfig<T>) -> usize {
 }
 
 impl<T: Real> BodyEquation<T> {
+    /// What a corner's friction damps near wheel hop on the present road, in N s/m.
+    pub(crate) fn friction_damping(&self, corner: usize) -> T {
+        let slip_n = self.slip_forces_n(corner).into_iter().enumerate();
+        let damped = slip_n
+            .fold(T::zero(), |sum, (element, slip_n)| sum + self.per_newton(corner, element, 1) * slip_n);
+        damped / self.hop_rad_s(corner)
+    }
+
+    fn hop_rad_s(&self, corner: usize) -> T {
+        T::two_pi() * T::lit((self.hop_bin[corner.min(3)] + 1) as f64 * FRICTION_SPACING_HZ)
+    }
+
     /// Variance in (N/m)² of the stiffness beside a corner's tire at wheel hop that is due to friction on the present road.
     pub(crate) fn stiffness_variance(&self, corner: usize) -> T {
         let [stiffness, _] = self.impedance_variance[corner.min(3)];
@@ -33,7 +45,7 @@ impl<T: Real> BodyEquation<T> {
     /// What friction that is not known makes of a corner's damping and spring near wheel hop: variances over the squares of the file's.
     pub(crate) fn strut_variance(&self, corner: usize) -> [T; 2] {
         let corner = corner.min(3);
-        let omega = T::two_pi() * T::lit((self.hop_bin[corner] + 1) as f64 * FRICTION_SPACING_HZ);
+        let omega = self.hop_rad_s(corner);
         let [stiffness, damping] = self.impedance_variance[corner];
         let over = |variance: T, of: T| if of > T::zero() { variance / (of * of) } else { T::zero() };
         [over(damping, self.damping[corner] * omega), over(stiffness, self.spring[corner])]
@@ -63,6 +75,7 @@ impl<T: Real> BodyEquation<T> {
 
     /// Stiffness in N/m at wheel hop of an element of one newton, or what it damps: real or imaginary part of its describing function.
     fn per_newton(&self, corner: usize, element: usize, part: usize) -> T {
+        let corner = corner.min(3);
         let (powers, bin) = (&self.powers[corner], self.hop_bin[corner].min(BINS - 1));
         let at = 2 * element.min(ELEMENTS - 1) + part.min(1);
         powers.elements[(bin, at)] / powers.velocity[bin].max(T::lit(1e-15))

@@ -361,6 +361,21 @@ mod tests {
         assert_eq!((value("missed"), value("wrong_wheels"), value("early")), (1.0, 1.0, 1.0));
     }
 
+    /// On a smooth road struts of 96 N hardly slip: what too much friction taken out leaves to a damper is less than none.
+    #[test]
+    fn struts_that_stick_are_read_all_the_while() {
+        let thread = std::thread::Builder::new().stack_size(STACK_BYTES);
+        let judged = || {
+            let levels = levels(&subject("drawn as typical"), Turn { index: 45, seed: 46 }).unwrap();
+            for (level, most_kpa) in levels.iter().zip([45.0, 12.0]) {
+                assert!(level.wheels.iter().all(|wheel| wheel.valid == wheel.rows));
+                assert!(level.wheels.iter().all(|wheel| wheel.errors.bias().abs() < most_kpa), "{level:?}");
+                assert_eq!((level.false_low, level.sensors), (0, 0));
+            }
+        };
+        thread.spawn(judged).unwrap().join().unwrap();
+    }
+
     /// A car as its file is read right after a calibration, and its loss is warned of.
     #[test]
     fn a_car_as_its_file_is_read_and_warned_of() {
