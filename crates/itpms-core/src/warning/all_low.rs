@@ -5,7 +5,7 @@ use crate::memory::blank;
 use crate::model::CarEstimate;
 use crate::real::Real;
 use crate::warning::low::is_learning;
-use crate::warning::{Cause, Limits, ONE_SIDED_95};
+use crate::warning::{Cause, Limits, NOT_HEALTHY, ONE_SIDED_95};
 
 /// No wheel may be above this share: else it is not all of them.
 const NONE_ABOVE: f64 = 0.95;
@@ -59,7 +59,8 @@ impl<T: Real> AllLow<T> {
             return;
         }
         (self.mean_share, self.sd_share) = (shares.mean, shares.sd);
-        let low = shares.mean + T::lit(ONE_SIDED_95) * shares.sd < limits.all_low_share;
+        let low = shares.mean + T::lit(ONE_SIDED_95) * shares.sd < limits.all_low_share
+            && shares.mean + T::lit(NOT_HEALTHY) * shares.sd < T::one();
         let evidence = if low && shares.highest < T::lit(NONE_ABOVE) {
             Evidence::Prefailed
         } else if fine {
