@@ -7,6 +7,7 @@
 //! | [`alerts`] | what the monitor said and took back |
 //! | [`road`] | the road record, late but smooth |
 //! | [`run`] | a log, row by row, through all of these into a [`Sink`] |
+//! | [`pipeline`] | the same with reading and recording on threads of their own |
 //! | [`concerns`] | what should be known before believing the result |
 //! | [`reference`](mod@reference) | what a calibration drive taught, from and for other drives |
 //! | [`learn`](mod@learn) | a vehicle file from drives at known pressures |
@@ -29,6 +30,7 @@ pub mod files;
 pub mod fleet;
 mod job;
 pub mod learn;
+pub mod pipeline;
 pub mod reference;
 pub mod road;
 pub mod run;
@@ -43,6 +45,7 @@ pub use drive::{Drive, Estimates, QuarterCars};
 pub use error::DriveError;
 pub use files::{FilePaths, Files};
 pub use learn::{KnownDrive, LearnedVehicle, learn, learn_with};
+pub use pipeline::estimate_in_pipeline;
 pub use road::{LateRow, RoadTrack};
 pub use run::{Done, Job, Sink, Watch, estimate};
 pub use settings::Settings;

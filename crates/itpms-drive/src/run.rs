@@ -3,13 +3,13 @@
 use std::ops::ControlFlow;
 
 use itpms_core::model::{BodyFit, Corner, Misfit, VehicleCalibration};
-use itpms_core::warning::Change;
+use itpms_core::warning::{Change, MonitorReport};
 use itpms_data::{LogReader, LogRow, Vehicle};
 use itpms_study::report::{CornerRow, Parameter, Provenance, ReportCollector, ReportData, ReportOptions};
 
 use crate::alerts::{Alerts, Events};
 use crate::concerns;
-use crate::drive::{Drive, Estimates};
+use crate::drive::{Drive, Estimates, QuarterCars};
 use crate::error::DriveError;
 pub use crate::job::Job;
 use crate::road::{LateRow, RoadTrack};
@@ -73,13 +73,7 @@ pub fn estimate(
     sink: &mut dyn Sink,
     watch: Watch<'_>,
 ) -> Result<Done, DriveError> {
-    let rate_hz = log.survey().sample_rate_hz;
-    let mut drive = Drive::new(job.settings, job.vehicle, job.corners, rate_hz)?;
-    if job.road {
-        drive.leave_out_road();
-    }
-    let track = job.road.then(|| RoadTrack::new(job.vehicle, job.corners, rate_hz)).transpose()?;
-    let mut record = Record { track, collector: collector(job), events: Events::default() };
+    let (mut drive, mut record) = begin(log, job)?;
     let mut count = 0u64;
     while let Some(mut row) = log.next_row()? {
         if count.is_multiple_of(ROWS_PER_LOOK) && watch(log.progress()).is_break() {
@@ -87,8 +81,32 @@ pub fn estimate(
         }
         count += 1;
         let estimate = drive.update(&mut row);
-        record.take(&row, &estimate.corners, &drive, sink)?;
+        let cars = job.road.then(|| drive.quarter_cars());
+        record.take(&row, &estimate.corners, drive.report(), cars.as_ref(), sink)?;
     }
+    conclude(log, job, drive, record, sink, watch)
+}
+
+/// The estimator of a log, and what becomes of its rows.
+pub(crate) fn begin(log: &LogReader, job: &Job<'_>) -> Result<(Drive, Record), DriveError> {
+    let rate_hz = log.survey().sample_rate_hz;
+    let mut drive = Drive::new(job.settings, job.vehicle, job.corners, rate_hz)?;
+    if job.road {
+        drive.leave_out_road();
+    }
+    let track = job.road.then(|| RoadTrack::new(job.vehicle, job.corners, rate_hz)).transpose()?;
+    Ok((drive, Record { track, collector: collector(job), events: Events::default() }))
+}
+
+/// All rows are taken.
+pub(crate) fn conclude(
+    log: &LogReader,
+    job: &Job<'_>,
+    mut drive: Drive,
+    record: Record,
+    sink: &mut dyn Sink,
+    watch: Watch<'_>,
+) -> Result<Done, DriveError> {
     if watch(1.0).is_break() {
         return Err(DriveError::Stopped);
     }
@@ -101,31 +119,31 @@ pub fn estimate(
 }
 
 /// What becomes of the rows.
-struct Record {
+pub(crate) struct Record {
     track: Option<RoadTrack>,
     collector: ReportCollector,
     events: Events,
 }
 
 impl Record {
-    /// Takes a row of the log and what was estimated after it.
-    fn take(
+    /// Takes a row of the log, what was estimated after it and what the monitor said; the cars as they seem to be where the road is wanted.
+    pub(crate) fn take(
         &mut self,
         row: &LogRow,
         estimates: &Estimates,
-        drive: &Drive,
+        report: &MonitorReport<f64>,
+        cars: Option<&QuarterCars>,
         sink: &mut dyn Sink,
     ) -> Result<(), DriveError> {
-        let report = drive.report();
         self.events.take(report, &mut |time_s, change| sink.transition(time_s, change))?;
         self.collector.push_report(report);
         sink.row(row, estimates)?;
-        match &mut self.track {
-            None => self.collector.push(row.time_s, row.speed_m_s, &with_truth(row, estimates)),
-            Some(track) => {
-                track.push(row, estimates, &drive.quarter_cars());
+        match (&mut self.track, cars) {
+            (Some(track), Some(cars)) => {
+                track.push(row, estimates, cars);
                 self.take_late(sink)?;
             }
+            _ => self.collector.push(row.time_s, row.speed_m_s, &with_truth(row, estimates)),
         }
         Ok(())
     }

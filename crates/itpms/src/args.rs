@@ -6,6 +6,7 @@ mod convert;
 #[cfg(feature = "live")]
 mod faults;
 mod fleet;
+mod jobs;
 mod lab;
 mod log;
 mod malfunctions;
@@ -36,6 +37,7 @@ pub(crate) use convert::ConvertArgs;
 #[cfg(feature = "live")]
 pub(crate) use faults::FaultsArgs;
 pub(crate) use fleet::FleetArgs;
+pub(crate) use jobs::Jobs;
 pub(crate) use lab::{Lab, LabArgs, Study};
 pub(crate) use log::LogArgs;
 pub(crate) use malfunctions::MalfunctionsArgs;
@@ -160,6 +162,10 @@ pub(crate) struct EstimateArgs {
     /// Rows per second of the output.
     #[arg(long, value_name = "HZ", default_value_t = 10.0, value_parser = positive)]
     pub(crate) rate: f64,
+    /// Threads: with more than 1 the log is read ahead and files are written beside the estimating, on three at most. As many as
+    /// there are processors unless said; the result is the same.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) jobs: Option<u16>,
     #[command(flatten)]
     pub(crate) reading: LogArgs,
     /// Print the summary as JSON.
@@ -261,6 +267,8 @@ pub(crate) struct ScoreArgs {
     /// Of the four-wheel parts, only rows whose names contain TEXT, such as "quarters, 80".
     #[arg(long, value_name = "TEXT")]
     pub(crate) only: Option<String>,
+    #[command(flatten)]
+    pub(crate) jobs: Jobs,
     /// Print JSON: version, estimators, seeds, first_seed and rows of part, name, drives, cells (name, value, goal,
     /// verdict), verdict.
     #[arg(long)]
@@ -316,6 +324,8 @@ pub(crate) struct ObservabilityArgs {
     /// Where a page, figures (SVG), tables (CSV) and everything as JSON go.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) jobs: Jobs,
     /// Print JSON.
     #[arg(long)]
     pub(crate) json: bool,

@@ -7,6 +7,7 @@
 //! | `interrupt` | Ctrl-C and a polite kill end a run between two rows |
 //! | `progress` | a bar on a terminal, nothing in a file or pipe |
 //! | `screen` | results on standard output, remarks on standard error |
+//! | `threads` | on how many threads the work is done |
 //! | `exit` | why a command ends, and the code for it |
 #![forbid(unsafe_code)]
 
@@ -16,6 +17,7 @@ mod exit;
 mod interrupt;
 mod progress;
 mod screen;
+mod threads;
 
 use std::process::ExitCode;
 

@@ -247,3 +247,15 @@ fn results_go_to_standard_output_where_asked() {
     let outcome = bench.run("estimate drive.csv --vehicle car.toml -o /dev/stdout -q");
     assert!(outcome.success().starts_with("time_s,fl_pressure_kpa"), "{outcome:?}");
 }
+
+#[test]
+fn any_number_of_threads_writes_the_same_files() {
+    let bench = Bench::with_drive();
+    let line = "estimate drive.csv --vehicle car.toml -o est.csv --road-out road.csv --report page.html --events events.jsonl --json --jobs";
+    let files = || ["est.csv", "road.csv", "page.html", "events.jsonl"].map(|name| bench.read(name));
+    let alone = bench.run(&format!("{line} 1"));
+    let written = files();
+    let many = bench.run(&format!("{line} 3"));
+    assert_eq!(alone.success(), many.success());
+    assert!(files() == written, "three threads wrote something else");
+}

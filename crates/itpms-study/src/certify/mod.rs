@@ -128,7 +128,11 @@ pub fn certify(request: &Request, progress: Progress<'_>) -> Result<Certificate,
     let courses = procedures.iter().map(course::Course::new).collect::<Result<Vec<_>, _>>()?;
     let total_s = courses.iter().map(|course| course.longest_s() as u64).sum();
     let odometer = Odometer { done_s: AtomicU64::new(0), total_s, stopped: AtomicBool::new(false), progress };
-    let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK_BYTES).build()?;
+    // As many as the caller's pool, which has smaller stacks.
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(rayon::current_num_threads())
+        .stack_size(STACK_BYTES)
+        .build()?;
     // A test keeps its course whichever other tests are driven.
     let seed = |procedure: &Procedure| request.seed.wrapping_mul(1000).wrapping_add(procedure.number());
     let outcomes: Result<Vec<Outcome>, CertifyError> = pool.install(|| {

@@ -193,7 +193,11 @@ pub fn study(request: &Request, progress: Progress<'_>) -> Result<Study, Malfunc
     if progress(0, total).is_break() {
         return Err(MalfunctionError::Stopped);
     }
-    let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK_BYTES).build()?;
+    // As many as the caller's pool, which has smaller stacks.
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(rayon::current_num_threads())
+        .stack_size(STACK_BYTES)
+        .build()?;
     let seeds: Vec<u64> = (0..request.drives as u64).map(|i| request.first_seed.wrapping_add(i)).collect();
     let drives: Vec<OneDrive> =
         pool.install(|| seeds.par_iter().map(|&seed| one(seed, &wanted, &count)).collect::<Result<_, _>>())?;

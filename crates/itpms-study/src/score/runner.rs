@@ -48,7 +48,11 @@ impl<'a> Runner<'a> {
     ) -> Result<Vec<Vec<T>>, ScoreError> {
         let turns: Vec<(&C, usize)> =
             cases.iter().flat_map(|(case, drives)| (0..*drives).map(move |index| (case, index))).collect();
-        let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK_BYTES).build()?;
+        // As many as the caller's pool, which has smaller stacks.
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(rayon::current_num_threads())
+            .stack_size(STACK_BYTES)
+            .build()?;
         let flat = || turns.into_par_iter().map(|(case, index)| self.once(case, index, &drive)).collect();
         let results: Result<Vec<T>, ScoreError> = pool.install(flat);
         let mut results = results?.into_iter();

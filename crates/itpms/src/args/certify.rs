@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use super::Jobs;
+
 /// Drive the test procedures of UN R141 Annex 3 and FMVSS 138 S6 in simulation: pass or fail, with times against the limits.
 ///
 /// Every wheel, every combination of wheels that a regulation names, every sensor unplugged; with --quick one test of each
@@ -24,6 +26,8 @@ pub(crate) struct CertifyArgs {
     /// Where the page, its figures (SVG), the pressures over time (CSV) and everything as JSON go.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) jobs: Jobs,
     /// Print the tests with their names and limits, and drive nothing.
     #[arg(long, conflicts_with_all = ["json", "report", "out"])]
     pub(crate) list: bool,

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use super::Jobs;
+
 /// Make things go wrong around a monitor and a calibration, and count what is lost.
 ///
 /// Programs killed while they save, full disks, files with every byte changed, brokers that go and return, a silent bus, clocks
@@ -18,6 +20,8 @@ pub(crate) struct FaultsArgs {
     /// Only faults whose names contain TEXT.
     #[arg(long, value_name = "TEXT")]
     pub(crate) only: Option<String>,
+    #[command(flatten)]
+    pub(crate) jobs: Jobs,
     /// Print JSON: version, seed, faults of name, tried, lost, found.
     #[arg(long)]
     pub(crate) json: bool,

@@ -1,5 +1,7 @@
 //! What can be typed after `itpms malfunctions`.
 
+use super::Jobs;
+
 /// Put every malfunction of the sensors into many everyday drives: is it said in time, is no wrong pressure shown, does the
 /// monitor come back; and is nothing said on the same drives without.
 ///
@@ -16,6 +18,8 @@ pub(crate) struct MalfunctionsArgs {
     /// Only malfunctions whose names contain TEXT.
     #[arg(long, value_name = "TEXT")]
     pub(crate) only: Option<String>,
+    #[command(flatten)]
+    pub(crate) jobs: Jobs,
     /// Print JSON: version, drives, first_seed, rows and what was said without a malfunction.
     #[arg(long)]
     pub(crate) json: bool,

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::positive;
+use super::{Jobs, positive};
 
 /// Drives per case with `--quick`, and without.
 const QUICK: u32 = 8;
@@ -27,6 +27,8 @@ pub(crate) struct ReproduceArgs {
     /// Seed of the first drive, which is the one that is drawn; the others follow.
     #[arg(long, value_name = "K", default_value_t = 1)]
     pub(crate) first_seed: u64,
+    #[command(flatten)]
+    pub(crate) jobs: Jobs,
     /// Sampling rate of the simulation study. The paper does not say it, nor any of the following.
     #[arg(long, value_name = "HZ", default_value_t = 1000.0, value_parser = positive)]
     pub(crate) rate: f64,

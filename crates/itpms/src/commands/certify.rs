@@ -8,8 +8,10 @@ use crate::args::CertifyArgs;
 use crate::exit::Failure;
 use crate::interrupt::Interrupt;
 use crate::screen::Screen;
+use crate::threads;
 
 pub(crate) fn run(args: &CertifyArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
+    threads::set(args.jobs)?;
     let extent = if args.quick { Extent::Quick } else { Extent::Full };
     let request = Request { extent, only: args.only.clone(), seed: args.seed };
     let tests = procedures(&request).map_err(failure)?;

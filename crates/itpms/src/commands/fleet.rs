@@ -1,6 +1,6 @@
 //! `itpms fleet`: many drives of many cars, kept drive by drive, going on where it was stopped.
 
-use std::{fs, thread};
+use std::fs;
 
 use itpms_drive::fleet::cars::Cars;
 use itpms_drive::fleet::standing::{CarStanding, State};
@@ -13,6 +13,7 @@ use crate::args::FleetArgs;
 use crate::exit::Failure;
 use crate::interrupt::Interrupt;
 use crate::screen::Screen;
+use crate::threads;
 
 /// Cars and failures that are said; the files have all.
 const SAID: usize = 10;
@@ -36,7 +37,7 @@ pub(crate) fn run(args: &FleetArgs, screen: &Screen, interrupt: &Interrupt) -> R
         out: args.out.clone(),
         reports: args.reports,
         estimates: args.estimates,
-        jobs: args.jobs.map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from),
+        jobs: threads::at_a_time(args.jobs),
         program: fingerprint()?,
     };
     let progress = screen.progress("estimating");

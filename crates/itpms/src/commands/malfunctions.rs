@@ -6,8 +6,10 @@ use crate::args::MalfunctionsArgs;
 use crate::exit::Failure;
 use crate::interrupt::Interrupt;
 use crate::screen::Screen;
+use crate::threads;
 
 pub(crate) fn run(args: &MalfunctionsArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
+    threads::set(args.jobs)?;
     let request =
         Request { drives: args.drives as usize, first_seed: args.first_seed, only: args.only.clone() };
     let progress = screen.progress("driving");

@@ -9,8 +9,10 @@ use crate::args::ObservabilityArgs;
 use crate::exit::Failure;
 use crate::interrupt::Interrupt;
 use crate::screen::Screen;
+use crate::threads;
 
 pub(crate) fn run(args: &ObservabilityArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
+    threads::set(args.jobs)?;
     let vehicle = Vehicle::read(&args.vehicle)?;
     let subject = subject(&vehicle, args.corner)?;
     let folder = args.out.as_deref().map(Folder::open).transpose()?;

@@ -7,8 +7,10 @@ use crate::args::ReproduceArgs;
 use crate::exit::Failure;
 use crate::interrupt::Interrupt;
 use crate::screen::Screen;
+use crate::threads;
 
 pub(crate) fn run(args: &ReproduceArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
+    threads::set(args.jobs)?;
     let request = Request {
         seeds: args.drives(),
         first_seed: args.first_seed,

@@ -6,11 +6,13 @@ use crate::args::ScoreArgs;
 use crate::exit::Failure;
 use crate::interrupt::Interrupt;
 use crate::screen::Screen;
+use crate::threads;
 
 /// Drives per row of `--quick`.
 const QUICK_SEEDS: usize = 3;
 
 pub(crate) fn run(args: &ScoreArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
+    threads::set(args.jobs)?;
     let request = Request {
         seeds: if args.quick { QUICK_SEEDS } else { args.seeds as usize },
         first_seed: args.first_seed,

@@ -12,6 +12,7 @@ use crate::args::EstimateArgs;
 use crate::exit::Failure;
 use crate::interrupt::Interrupt;
 use crate::screen::Screen;
+use crate::threads;
 pub(crate) use summary::print_corners;
 
 pub(crate) fn run(args: &EstimateArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
@@ -39,10 +40,15 @@ pub(crate) fn perform(
     let job = Job { vehicle: &vehicle, corners: &corners, settings: &settings, road: paths.want_road() };
     let mut files = Files::create(&paths, &settings, &vehicle, &corners)?;
     let progress = screen.progress("estimating");
-    let done = itpms_drive::estimate(&mut log, &job, &mut files, &mut |share| {
+    let mut watch = |share| {
         progress.set(share);
         interrupt.flow()
-    })?;
+    };
+    let done = if threads::at_a_time(args.jobs) > 1 {
+        itpms_drive::estimate_in_pipeline(&mut log, &job, &mut files, &mut watch)?
+    } else {
+        itpms_drive::estimate(&mut log, &job, &mut files, &mut watch)?
+    };
     drop(progress);
     files.complete(&done)?;
     remarks(args, screen, &log, &done.concerns);

@@ -3,11 +3,11 @@
 mod record;
 
 use std::collections::BTreeMap;
+use std::fs;
 use std::io::{IsTerminal as _, stderr};
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::{Duration, Instant};
-use std::{fs, thread};
 
 use itpms_data::out::AtomicFile;
 use itpms_study::soak::{Hour, Plan, SoakError, Summary, soak};
@@ -17,6 +17,7 @@ use crate::args::SoakArgs;
 use crate::exit::Failure;
 use crate::interrupt::Interrupt;
 use crate::screen::Screen;
+use crate::threads;
 
 /// Seconds between two lines about the progress where there is no terminal for a bar.
 const WORD_S: u64 = 60;
@@ -32,7 +33,7 @@ pub(crate) fn run(args: &SoakArgs, screen: &Screen, interrupt: &Interrupt) -> Re
     let mut record = Record::open(args.out.join("hours.jsonl"), &plan)?;
     let seeds = (0..drives).map(|i| args.first_seed.wrapping_add(i));
     let todo: Vec<u64> = seeds.clone().filter(|seed| !record.hours().contains_key(seed)).collect();
-    let jobs = args.jobs.map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from);
+    let jobs = threads::at_a_time(args.jobs);
     let drive = |seeds: &[u64], done: &mut (dyn FnMut(Hour) -> ControlFlow<()> + Send)| {
         soak(&plan, seeds, jobs, done, &|| interrupt.flow()).map_err(|error| match error {
             SoakError::Stopped => Failure::Paused,

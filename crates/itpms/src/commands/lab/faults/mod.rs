@@ -20,6 +20,7 @@ use crate::args::FaultsArgs;
 use crate::exit::Failure;
 use crate::interrupt::Interrupt;
 use crate::screen::Screen;
+use crate::threads;
 use subject::Subject;
 
 /// What came of one kind of fault.
@@ -86,6 +87,7 @@ pub(crate) fn run(args: &FaultsArgs, screen: &Screen, interrupt: &Interrupt) -> 
     if let Some([kind, a, b, target]) = args.victim.as_deref() {
         return saving::save_forever(kind, [a, b], target);
     }
+    threads::set(args.jobs)?;
     let wanted = args.only.as_deref().unwrap_or_default();
     let faults: Vec<_> = FAULTS.iter().filter(|(name, ..)| name.contains(wanted)).collect();
     if faults.is_empty() {

@@ -179,8 +179,7 @@ fn changed(
     believed: impl Fn(&[u8], usize) -> bool + Sync,
 ) -> Result<Outcome, Failure> {
     let places: Vec<usize> = (0..bytes.len()).step_by(every).collect();
-    let jobs = thread::available_parallelism().map_or(1, usize::from);
-    let part = places.len().div_ceil(jobs).max(1);
+    let part = places.len().div_ceil(rayon::current_num_threads()).max(1);
     let lost: u64 = thread::scope(|scope| {
         let threads: Vec<_> = places
             .chunks(part)
