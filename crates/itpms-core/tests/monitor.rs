@@ -406,6 +406,15 @@ fn a_side_that_reads_low_is_not_held_against_the_other_side() {
     assert!(Drive::new().on(30.0, &said(241.0)).alerts().next().is_some());
 }
 
+/// A car that is known by its file alone, to 17 kPa: 182 is surely past the limit of 212, and what one healthy tire of three thousand reads.
+#[test]
+fn what_a_healthy_tire_may_read_is_not_said() {
+    let said = |rear_kpa: f64, sd: f64| Said { sd, correlation: 0.5, ..low(rear_kpa) };
+    assert!(Drive::new().on(600.0, &said(182.0, 17.0)).alerts().next().is_none());
+    assert!(Drive::new().on(10.0, &said(170.0, 17.0)).alerts().next().is_some());
+    assert!(Drive::new().on(10.0, &said(182.0, 12.0)).alerts().next().is_some());
+}
+
 /// What the rear left tire should have.
 fn reference_kpa(report: &MonitorReport<f64>) -> f64 {
     report.wheels[Corner::RearLeft.index()].unwrap().reference_kpa

@@ -103,14 +103,16 @@ pub(crate) struct FrictionError<T> {
     pub(crate) spring: T,
     /// Of the tire's compliance as the shared road reads it.
     pub(crate) compliance: T,
+    /// What friction damps, over the damper of the vehicle file: so much of it may have been taken out too much.
+    pub(crate) damped: T,
 }
 
-blank!(FrictionError<T> { damping, spring, compliance });
+blank!(FrictionError<T> { damping, spring, compliance, damped });
 
 impl<T: Real> FrictionError<T> {
     /// No friction.
     pub(crate) fn none() -> Self {
-        Self { damping: T::zero(), spring: T::zero(), compliance: T::zero() }
+        Self { damping: T::zero(), spring: T::zero(), compliance: T::zero(), damped: T::zero() }
     }
 }
 
@@ -204,6 +206,16 @@ impl<T: Real> Hypothesis<T> {
                 self.mean[at] = softest;
                 self.covariance[(at, at)] += more * more;
             }
+        }
+    }
+
+    /// Projects the mean, if it lies below `least` of a quantity, onto that bound, weighted by the covariance: the likeliest state that the
+    /// bound allows. The covariance stays, so that a bound which is met again and again makes nobody surer.
+    pub(crate) fn hold_above(&mut self, at: usize, least: T) {
+        let at = at.min(SIZE - 1);
+        let (below, variance) = (least - self.mean[at], self.covariance[(at, at)]);
+        if below > T::zero() && variance > T::zero() {
+            self.mean.axpy(below / variance, &self.covariance.column(at), T::one());
         }
     }
 

@@ -5,7 +5,7 @@ use super::gaussian::{Circumstances, Hypothesis, Wandering};
 use super::hypotheses::{ALL, CONSTANT, HYPOTHESES, Hypotheses, RANDOM_WALK, SIDE, changing, has_rate};
 use super::measurement::{AxleResidual, SideMeasurement, UpdateRecord};
 use super::mixture::Mixture;
-use super::state::{MASS, RATE, SIZE, State, TIRE};
+use super::state::{DAMPING, MASS, RATE, SIZE, State, TIRE};
 use super::tires::Tires;
 use super::transition::Transition;
 use super::update::{Likelihood, OwnCovariance, score};
@@ -309,23 +309,20 @@ impl<T: Real> HypothesisBank<T> {
         self.most_likely() == RANDOM_WALK
     }
 
-    /// Projects the mean of every hypothesis that lies below `least` of a tire's compliance onto it, weighted by its own
-    /// covariance: the likeliest state that the bound allows. The covariance stays, so that a bound which is met again and again
-    /// makes nobody surer. Wandering tires may have been filled and have no bound.
+    /// Holds every hypothesis above `least` of a tire's compliance. Wandering tires may have been filled and have no bound.
     pub(super) fn hold_above(&mut self, least: &[T; 4]) {
         for hypothesis in &mut self.hypotheses[..RANDOM_WALK] {
-            for (i, &least) in least.iter().enumerate() {
-                let (below, variance) =
-                    (least - hypothesis.mean[TIRE + i], hypothesis.covariance[(TIRE + i, TIRE + i)]);
-                if below > T::zero() && variance > T::zero() {
-                    let by = below / variance;
-                    for (mean, &covariance) in
-                        hypothesis.mean.iter_mut().zip(&hypothesis.covariance.column(TIRE + i))
-                    {
-                        *mean += covariance * by;
-                    }
-                }
-            }
+            (TIRE..).zip(least).for_each(|(at, &least)| hypothesis.hold_above(at, least));
+        }
+    }
+
+    /// No strut drives its wheel: damper and friction together damp a share `least` of the vehicle file's damper.
+    pub(super) fn hold_damped(&mut self, least: T) {
+        let damped = self.circumstances.friction_error.map(|error| error.damped);
+        for hypothesis in &mut self.hypotheses {
+            (DAMPING..)
+                .zip(damped)
+                .for_each(|(at, damped)| hypothesis.hold_above(at, least - T::one() - damped));
         }
     }
 

@@ -64,6 +64,8 @@ pub(crate) const ENOUGH_S: f64 = 2.0;
 /// Sd to which unsprung masses are held until a calibration teaches them, as a share of them: mass and stiffness of a wheel are not told
 /// apart, and what the vehicle file leaves open of both is considered outside.
 const HELD_MASS_SD: f64 = 0.01;
+/// The least that a strut damps, friction included, as a share of its damper in the vehicle file: it never drives its wheel.
+pub(crate) const LEAST_DAMPING: f64 = 0.1;
 /// Sd of a tire's compliance, over that at placard pressure, when nobody watched.
 const UNWATCHED_SD: f64 = 0.05;
 
@@ -206,6 +208,7 @@ impl<T: Real> Belief<T> {
     pub(crate) fn settle(&mut self, learned_s: f64) {
         self.learned_s += learned_s;
         self.hold_above_floor();
+        self.bank.hold_damped(T::lit(LEAST_DAMPING));
         let softest = self.scale.softest();
         self.bank.drop_impossible(&softest);
         if !self.bank.is_sound(&softest) {

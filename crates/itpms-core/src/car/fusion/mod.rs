@@ -175,13 +175,15 @@ impl<T: Real> Fusion<T> {
     /// Takes over what a corner's friction is, and how well it is known.
     pub(super) fn set_friction(&mut self, corner: usize, equation: &BodyEquation<T>) {
         let corner = corner.min(3);
-        self.inter_axle.set_friction(corner, equation.friction_damping(corner));
+        let damped_n_s_per_m = equation.friction_damping(corner);
+        self.inter_axle.set_friction(corner, damped_n_s_per_m);
         let variance = equation.stiffness_variance(corner);
         self.friction_variance[corner] = variance;
         let [damping, spring] = equation.strut_variance(corner);
         let placard_n_per_m = self.belief.scale().placard_n_per_m[corner];
+        let damped = damped_n_s_per_m / equation.damper_n_s_per_m(corner);
         let compliance = variance / (placard_n_per_m * placard_n_per_m);
-        self.belief.set_friction_error(corner, FrictionError { damping, spring, compliance });
+        self.belief.set_friction_error(corner, FrictionError { damping, spring, compliance, damped });
     }
 
     /// Takes over what a corner finds by itself.

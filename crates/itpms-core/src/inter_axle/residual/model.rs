@@ -4,6 +4,7 @@
 
 use nalgebra::{Complex, Matrix2, SMatrix, SVector};
 
+use crate::belief::LEAST_DAMPING;
 use crate::belief::measurement::{AxleResidual, BINS, Gram};
 use crate::belief::state::{
     BAR, DAMPING, GAIN, MASS, SIDE_BARS, SIDE_GAIN, SIDE_REAR, SIDE_SIZE, SIDE_SKEW, SIDE_WHEELBASE, SKEW,
@@ -21,8 +22,6 @@ const KERNEL_DENSITY: f64 = 4.0;
 const KERNEL_HALF: usize = 8;
 const KERNEL: usize = 2 * KERNEL_HALF + 1;
 const LOWEST_HZ: f64 = 0.5;
-/// The least that a strut damps, friction included, as a share of its damper in the vehicle file: it never drives its wheel.
-const LEAST_DAMPING: f64 = 0.1;
 
 /// What is known of one axle's corner.
 #[derive(Debug, Clone, Copy, PartialEq)]

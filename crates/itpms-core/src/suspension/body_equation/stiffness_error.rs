@@ -32,6 +32,11 @@ impl<T: Real> BodyEquation<T> {
         damped / self.hop_rad_s(corner)
     }
 
+    /// A corner's damper in N s/m, as the vehicle file has it.
+    pub(crate) fn damper_n_s_per_m(&self, corner: usize) -> T {
+        self.damping[corner.min(3)]
+    }
+
     fn hop_rad_s(&self, corner: usize) -> T {
         T::two_pi() * T::lit((self.hop_bin[corner.min(3)] + 1) as f64 * FRICTION_SPACING_HZ)
     }
