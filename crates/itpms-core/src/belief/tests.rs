@@ -279,7 +279,7 @@ fn friction_that_is_not_known_widens_struts_at_once_and_tires_slowly() {
     // The front right corner's damping, spring and compliance: 0.4, 0.3 and 0.05 besides what the file leaves.
     let mut circumstances = gaussian::Circumstances::of_a_car(MASS_SD);
     circumstances.friction_error[1] =
-        gaussian::FrictionError { damping: 0.16, spring: 0.09, compliance: 0.0025 };
+        gaussian::FrictionError { damping: 0.16, spring: 0.09, compliance: 0.0025, damped: 0.0 };
     let variance =
         |bank: &HypothesisBank<f64>, i: usize| bank.hypotheses[0].covariance[(i, i)] - before[(i, i)];
     let wander = |bank: &mut HypothesisBank<f64>, seconds: usize, steps: usize| {
