@@ -64,8 +64,9 @@ pub(crate) const ENOUGH_S: f64 = 2.0;
 /// Sd to which unsprung masses are held until a calibration teaches them, as a share of them: mass and stiffness of a wheel are not told
 /// apart, and what the vehicle file leaves open of both is considered outside.
 const HELD_MASS_SD: f64 = 0.01;
-/// The least that a strut damps, friction included, as a share of its damper in the vehicle file: it never drives its wheel.
-pub(crate) const LEAST_DAMPING: f64 = 0.1;
+/// The least that a strut damps, friction included, as a share of its damper in the vehicle file: dampers wear out, and none drives its
+/// wheel.
+pub(crate) const LEAST_DAMPING: f64 = 0.5;
 /// Sd of a tire's compliance, over that at placard pressure, when nobody watched.
 const UNWATCHED_SD: f64 = 0.05;
 

@@ -2,7 +2,7 @@
 
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
 use crate::memory::blank;
-use crate::model::CarEstimate;
+use crate::model::{CarEstimate, Level};
 use crate::real::Real;
 use crate::warning::low::is_learning;
 use crate::warning::{Cause, Limits, NOT_HEALTHY, ONE_SIDED_95};
@@ -60,7 +60,7 @@ impl<T: Real> AllLow<T> {
         }
         (self.mean_share, self.sd_share) = (shares.mean, shares.sd);
         let low = shares.mean + T::lit(ONE_SIDED_95) * shares.sd < limits.all_low_share
-            && shares.mean + T::lit(NOT_HEALTHY) * shares.sd < T::one();
+            && !(shares.by_file && !(shares.mean + T::lit(NOT_HEALTHY) * shares.sd < T::one()));
         let evidence = if low && shares.highest < T::lit(NONE_ABOVE) {
             Evidence::Prefailed
         } else if fine {
@@ -80,6 +80,8 @@ struct Shares<T> {
     highest: T,
     /// Whether these are all four.
     complete: bool,
+    /// Whether their level rests on the vehicle file alone.
+    by_file: bool,
 }
 
 impl<T: Real> Shares<T> {
@@ -105,6 +107,7 @@ impl<T: Real> Shares<T> {
             sd: variance.max(T::zero()).sqrt() / count,
             highest,
             complete: share.iter().all(Option::is_some),
+            by_file: (0..4).filter_map(learned).any(|corner| corner.level == Level::VehicleFile),
         })
     }
 }

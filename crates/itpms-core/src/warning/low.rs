@@ -2,7 +2,7 @@
 
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
 use crate::memory::blank;
-use crate::model::{CornerEstimate, Validity};
+use crate::model::{CornerEstimate, Level, Validity};
 use crate::real::Real;
 use crate::warning::report::{Doubt, WheelState};
 use crate::warning::{Basis, Limits, NOT_HEALTHY, ONE_SIDED_95, Reading};
@@ -136,8 +136,9 @@ impl WheelWatch {
             let others = around.above_others.filter(|_| alone && p < low_kpa);
             others.is_some_and(|[above, sd]| T::one() + above + T::lit(sds) * sd < limits.low_share)
         };
-        let is_healthy = !(p + T::lit(NOT_HEALTHY) * sd < reference_kpa);
-        let below = |sds: f64| p + T::lit(sds) * sd < low_kpa && !is_healthy || lower(sds);
+        let may_be_healthy =
+            estimate.level == Level::VehicleFile && !(p + T::lit(NOT_HEALTHY) * sd < reference_kpa);
+        let below = |sds: f64| p + T::lit(sds) * sd < low_kpa && !may_be_healthy || lower(sds);
         let low = if below(ONE_SIDED_95) {
             if around.doubted { Evidence::NoData } else { Evidence::Prefailed }
         } else if p - T::lit(ONE_SIDED_95) * sd > low_kpa || p > limits.low_over_share * reference_kpa {

@@ -138,7 +138,7 @@ fn a_strut_never_drives_its_wheel() {
         for signal in core::iter::once(1.0).chain([0.0; 250]).map(|road| instrument.push(road)) {
             largest = core::array::from_fn(|i| largest[i].max(signal[i].abs()));
         }
-        // On a tenth of its damper the body swings out with c/2m = 0.19/s: to 1e-5 in a minute.
+        // On half of its damper the body swings out with c/2m = 0.96/s.
         (0..10 * SETTLED).for_each(|_| _ = instrument.push(0.0));
         let last = instrument.push(0.0);
         assert!(
