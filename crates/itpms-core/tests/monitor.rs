@@ -26,6 +26,7 @@ struct Said {
     correlation: f64,
     /// A wheel of which nothing is learned.
     silent: Option<Corner>,
+    level: Level,
 }
 
 const FINE: Said = Said {
@@ -37,6 +38,7 @@ const FINE: Said = Said {
     incoherence: f64::NAN,
     correlation: 0.0,
     silent: None,
+    level: Level::Calibration,
 };
 
 fn car() -> CarConfig<f64> {
@@ -52,7 +54,7 @@ fn estimate(time_s: f64, said: &Said) -> CarEstimate<f64> {
         pressure_sd_kpa: said.sd,
         change_sd_kpa: said.sd,
         axle_difference_sd_kpa: None,
-        level: Level::Calibration,
+        level: said.level,
         road_m: 0.0,
         road_sd_m: 0.01,
         validity: said.validity,
@@ -409,10 +411,11 @@ fn a_side_that_reads_low_is_not_held_against_the_other_side() {
 /// A car that is known by its file alone, to 17 kPa: 182 is surely past the limit of 212, and what one healthy tire of three thousand reads.
 #[test]
 fn what_a_healthy_tire_may_read_is_not_said() {
-    let said = |rear_kpa: f64, sd: f64| Said { sd, correlation: 0.5, ..low(rear_kpa) };
-    assert!(Drive::new().on(600.0, &said(182.0, 17.0)).alerts().next().is_none());
-    assert!(Drive::new().on(10.0, &said(170.0, 17.0)).alerts().next().is_some());
-    assert!(Drive::new().on(10.0, &said(182.0, 12.0)).alerts().next().is_some());
+    let said = |rear_kpa: f64, sd: f64, level: Level| Said { sd, level, ..low(rear_kpa) };
+    assert!(Drive::new().on(600.0, &said(182.0, 17.0, Level::VehicleFile)).alerts().next().is_none());
+    assert!(Drive::new().on(10.0, &said(170.0, 17.0, Level::VehicleFile)).alerts().next().is_some());
+    assert!(Drive::new().on(10.0, &said(182.0, 12.0, Level::VehicleFile)).alerts().next().is_some());
+    assert!(Drive::new().on(10.0, &said(182.0, 17.0, Level::Calibration)).alerts().next().is_some());
 }
 
 /// What the rear left tire should have.
