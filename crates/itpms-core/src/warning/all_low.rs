@@ -60,7 +60,7 @@ impl<T: Real> AllLow<T> {
         }
         (self.mean_share, self.sd_share) = (shares.mean, shares.sd);
         let low = shares.mean + T::lit(ONE_SIDED_95) * shares.sd < limits.all_low_share
-            && !(shares.by_file && !(shares.mean + T::lit(NOT_HEALTHY) * shares.sd < T::one()));
+            && (!shares.by_file || shares.mean + T::lit(NOT_HEALTHY) * shares.sd < T::one());
         let evidence = if low && shares.highest < T::lit(NONE_ABOVE) {
             Evidence::Prefailed
         } else if fine {
