@@ -43,7 +43,33 @@ impl Drop for Temporary {
     }
 }
 
-/// What goes with this process: its temporaries and locks.
+/// A folder that was made for files to come: it goes again if it is dropped, or abandoned, before any is there.
+#[derive(Debug)]
+pub struct NewFolder {
+    path: PathBuf,
+}
+
+impl NewFolder {
+    /// Makes the folder, and those above it.
+    ///
+    /// # Errors
+    /// It cannot be made there.
+    pub fn create(path: &Path) -> io::Result<Self> {
+        fs::create_dir_all(path)?;
+        note_living(path);
+        Ok(Self { path: path.to_owned() })
+    }
+}
+
+impl Drop for NewFolder {
+    fn drop(&mut self) {
+        // Does nothing to a folder that holds something.
+        let _ = fs::remove_dir(&self.path);
+        forget_living(&self.path);
+    }
+}
+
+/// What goes with this process: its temporaries and locks, and folders that are empty without them.
 fn living() -> MutexGuard<'static, Vec<PathBuf>> {
     static LIVING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
     LIVING.lock().unwrap_or_else(PoisonError::into_inner)
@@ -59,11 +85,12 @@ pub(super) fn forget_living(path: &Path) {
     living().retain(|living| living != path);
 }
 
-/// Removes every unfinished file of this process. For a program that is about to end while another of its threads waits for
+/// Removes every unfinished file of this process, and the folders that it made and that hold nothing else. For a program that is about to end while another of its threads waits for
 /// something that may never come, and can no longer drop what it holds.
 pub fn abandon_all() {
-    for path in living().drain(..) {
-        let _ = fs::remove_file(path);
+    // The newest first: a folder after what was to be in it.
+    for path in living().drain(..).rev() {
+        let _ = if path.is_dir() { fs::remove_dir(path) } else { fs::remove_file(path) };
     }
 }
 

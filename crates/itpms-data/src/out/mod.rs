@@ -21,7 +21,7 @@ mod results;
 mod table;
 
 pub use alerts::{alert_object, transition_object};
-pub use atomic::{AtomicFile, abandon_all};
+pub use atomic::{AtomicFile, NewFolder, abandon_all};
 pub use cell::{Cell, Kind};
 pub use drive_log::{LogWriter, Packing};
 pub use ledger::Ledger;

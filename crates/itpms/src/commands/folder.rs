@@ -3,18 +3,18 @@
 //!
 //! Used by the commands that make a page with its data.
 
+use std::io;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 
-use itpms_data::out::AtomicFile;
+use itpms_data::out::{AtomicFile, NewFolder};
 
 use crate::exit::Failure;
 
 /// The folder of a command's results.
 pub(crate) struct Folder {
     path: PathBuf,
-    /// Whether it was made here, and goes again if nothing gets into it.
-    made: bool,
+    /// Where it was made here: goes again if nothing gets into it.
+    _made: Option<NewFolder>,
 }
 
 impl Folder {
@@ -25,9 +25,8 @@ impl Folder {
             let error = io::Error::new(io::ErrorKind::NotADirectory, "it is a file, expected a directory");
             return Err(fail(error));
         }
-        let made = !path.exists();
-        fs::create_dir_all(path).map_err(fail)?;
-        let folder = Self { path: path.to_owned(), made };
+        let made = (!path.exists()).then(|| NewFolder::create(path)).transpose().map_err(fail)?;
+        let folder = Self { path: path.to_owned(), _made: made };
         // Gone again at once.
         AtomicFile::create(&path.join("index.html"))?;
         Ok(folder)
@@ -51,14 +50,5 @@ impl Folder {
             file.commit()?;
         }
         Ok(())
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        if self.made {
-            // Does nothing to a folder that holds something.
-            let _ = fs::remove_dir(&self.path);
-        }
     }
 }
