@@ -56,8 +56,8 @@ impl<T: Real> Transition<T> {
         self.still.weight = T::zero();
     }
 
-    /// Begins to move on by `seconds`; `onset_scale` multiplies the chances that one wheel, that several begin to move, and that all begin to wander;
-    /// `onset_rates` are chances per second that each wheel does that somebody else has reason to believe in.
+    /// Begins to move on by `seconds`; `onset_scale` multiplies the chances that one wheel begins to move, that several do and that all
+    /// begin to wander; `onset_rates` are chances per second that each wheel does that somebody else has reason to believe in.
     pub(super) fn begin(&mut self, seconds: T, onset_scale: [T; 3], onset_rates: &[T; 4]) {
         let [one, several, wander] = onset_scale;
         self.seconds = seconds;
