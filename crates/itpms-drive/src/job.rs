@@ -16,4 +16,6 @@ pub struct Job<'a> {
     pub settings: &'a Settings,
     /// Whether the road is smoothed, for a road record or a report.
     pub road: bool,
+    /// Whether a report is drawn: what only a report shows is not computed without one.
+    pub report: bool,
 }

@@ -223,7 +223,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (mut log, vehicle) = drive(folder.path(), broken);
         let (corners, settings) = (common_corners(&log, &vehicle).unwrap(), Settings::default());
-        let job = Job { vehicle: &vehicle, corners: &corners, settings: &settings, road: true };
+        let job = Job { vehicle: &vehicle, corners: &corners, settings: &settings, road: true, report: true };
         let mut sink = Kept { refuses, ..Kept::default() };
         let mut looks = 0;
         let mut watch = |_share: f64| {

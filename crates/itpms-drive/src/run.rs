@@ -178,7 +178,11 @@ fn collector(job: &Job<'_>) -> ReportCollector {
             configs[corner.index()] = None;
         }
     }
-    ReportCollector::new(&configs, ReportOptions::default())
+    let mut options = ReportOptions::default();
+    if !job.report {
+        options.bound_band_hz = None;
+    }
+    ReportCollector::new(&configs, options)
 }
 
 fn with_truth(row: &LogRow, estimates: &Estimates) -> [Option<CornerRow>; 4] {

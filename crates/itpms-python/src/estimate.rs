@@ -71,7 +71,7 @@ fn run(
         let corners = common_corners(&log, vehicle)?;
         let saving = save.map(|path| Saving::create(path, &settings, vehicle)).transpose()?;
         let mut kept = Kept::new(&corners, settings.rate_hz, keep_road);
-        let job = Job { vehicle, corners: &corners, settings: &settings, road: smooth };
+        let job = Job { vehicle, corners: &corners, settings: &settings, road: smooth, report };
         let done = itpms_drive::estimate(&mut log, &job, &mut kept, &mut |share| meanwhile.done(share))?;
         if let Some(saving) = saving {
             saving.complete(settings.calibrate_s, done.learned)?.commit()?;

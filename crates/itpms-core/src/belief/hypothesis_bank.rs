@@ -292,7 +292,7 @@ impl<T: Real> HypothesisBank<T> {
         self.hypotheses[CONSTANT].stop_at(softest);
         let mut total = T::zero();
         for (index, hypothesis) in self.hypotheses.iter_mut().enumerate() {
-            // Tires do not fill themselves, and nobody else fills several at once while they roll.
+            // Nobody fills several at once while they roll.
             let filling = (SIDE..=ALL).contains(&index) && !(hypothesis.mean[RATE] >= T::zero());
             if filling || !hypothesis.is_possible(softest) {
                 hypothesis.weight = T::zero();
@@ -309,20 +309,29 @@ impl<T: Real> HypothesisBank<T> {
         self.most_likely() == RANDOM_WALK
     }
 
-    /// Holds every hypothesis above `least` of a tire's compliance. Wandering tires may have been filled and have no bound.
-    pub(super) fn hold_above(&mut self, least: &[T; 4]) {
-        for hypothesis in &mut self.hypotheses[..RANDOM_WALK] {
-            (TIRE..).zip(least).for_each(|(at, &least)| hypothesis.hold_above(at, least));
+    /// Holds every hypothesis above `least` of each tire's compliance, and no single tire gains air unless pumps are `filling` it. What lies
+    /// beyond a bound is not believed, so who believes in it loses weight. Wandering tires may have been filled and have no bound.
+    pub(super) fn hold_above(&mut self, least: Option<[T; 4]>, filling: bool) {
+        let mut log_weight = [T::zero(); HYPOTHESES];
+        let bounded = self.hypotheses[..RANDOM_WALK].iter_mut().zip(&mut log_weight);
+        for (index, (hypothesis, log)) in bounded.enumerate() {
+            if (1..SIDE).contains(&index) && !filling {
+                *log += hypothesis.hold_above(RATE, T::zero());
+            }
+            for (at, &least) in (TIRE..).zip(least.iter().flatten()) {
+                *log += hypothesis.hold_above(at, least);
+            }
         }
+        self.reweigh(&log_weight);
     }
 
     /// No strut drives its wheel: damper and friction together damp a share `least` of the vehicle file's damper.
     pub(super) fn hold_damped(&mut self, least: T) {
         let damped = self.circumstances.friction_error.map(|error| error.damped);
         for hypothesis in &mut self.hypotheses {
-            (DAMPING..)
-                .zip(damped)
-                .for_each(|(at, damped)| hypothesis.hold_above(at, least - T::one() - damped));
+            (DAMPING..).zip(damped).for_each(|(at, damped)| {
+                hypothesis.hold_above(at, least - T::one() - damped);
+            });
         }
     }
 

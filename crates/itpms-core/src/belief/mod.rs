@@ -222,11 +222,9 @@ impl<T: Real> Belief<T> {
         if self.bank.is_random_walk() {
             self.drop_floor();
         }
-        if self.has_floor()
-            && let Some(least) = self.least_compliance()
-        {
-            self.bank.hold_above(&least);
-        }
+        let filling = self.inflation == Inflation::WhileRolling;
+        let least = if filling { None } else { self.least_compliance() };
+        self.bank.hold_above(least, filling);
     }
 
     /// Whether what the last calibration set is a bound of what tires can have.

@@ -10,7 +10,7 @@ use nalgebra::SMatrix;
 use nalgebra::ComplexField;
 
 use super::gaussian;
-use super::hypotheses::{CONSTANT, HYPOTHESES, RANDOM_WALK};
+use super::hypotheses::{CONSTANT, HYPOTHESES, RANDOM_WALK, SIDE};
 use super::hypothesis_bank::HypothesisBank;
 use super::measurement::{BINS, Gram, Score};
 use super::state::{
@@ -372,7 +372,7 @@ fn a_bound_is_met_by_the_likeliest_state() {
         hypothesis.covariance = correlated();
     }
     let before = bank.clone();
-    bank.hold_above(&[-0.05, -0.05, f64::NEG_INFINITY, f64::NEG_INFINITY]);
+    bank.hold_above(Some([-0.05, -0.05, f64::NEG_INFINITY, f64::NEG_INFINITY]), false);
     for (index, (after, before)) in bank.hypotheses.iter().zip(&before.hypotheses).enumerate() {
         assert_eq!(after.covariance, before.covariance);
         if index == RANDOM_WALK {
@@ -388,8 +388,46 @@ fn a_bound_is_met_by_the_likeliest_state() {
         }
     }
     let held = bank.clone();
-    bank.hold_above(&[-0.05, f64::NEG_INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY]);
+    bank.hold_above(Some([-0.05, f64::NEG_INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY]), false);
     assert_eq!(bank, held);
+}
+
+/// What lies beyond a bound is not believed: a hypothesis that has its mean there, by so many standard deviations, loses weight as the
+/// tail of the normal distribution tells (values of its tables), against one that has it at the bound.
+#[test]
+fn belief_beyond_a_bound_is_lost() {
+    const TAILS: [(f64, f64); 4] =
+        [(0.0, 0.5), (1.0, 0.158_655_25), (2.0, 0.022_750_13), (4.0, 3.167_124e-5)];
+    for (deviations, tail) in TAILS {
+        // Nothing moves, and the tire stands at its bound; one wheel loses air, and is beyond; or it would gain air.
+        for (quantity, least) in [(TIRE + 1, Some([f64::NEG_INFINITY, -0.1, -0.9, -0.9])), (RATE, None)] {
+            let mut bank = bank(&[0.0, -0.1, 0.0, 0.0]);
+            (bank.hypotheses[CONSTANT].weight, bank.hypotheses[2].weight) = (0.4, 0.6);
+            let moving = &mut bank.hypotheses[2];
+            moving.mean[RATE] = 0.0;
+            moving.mean[quantity] -= deviations * moving.covariance[(quantity, quantity)].sqrt();
+            bank.hold_above(least, false);
+            let expected = 2.0 * tail * 0.6 / (0.4 + 2.0 * tail * 0.6);
+            let held = bank.hypotheses[2].weight;
+            assert!((held / expected - 1.0).abs() < 0.02, "{deviations}: {held} and {expected}");
+            assert!((bank.hypotheses[CONSTANT].weight + held - 1.0).abs() < 1e-12);
+        }
+    }
+}
+
+/// A pump fills a tire on the way.
+#[test]
+fn a_single_tire_gains_air_only_from_a_pump() {
+    for (filling, rate) in [(true, -0.05), (false, 0.0)] {
+        let mut bank = bank(&[0.0; 4]);
+        for hypothesis in &mut bank.hypotheses {
+            hypothesis.mean[RATE] = -0.05;
+        }
+        bank.hold_above(None, filling);
+        assert!(
+            bank.hypotheses[1..SIDE].iter().all(|hypothesis| (hypothesis.mean[RATE] - rate).abs() < 1e-15)
+        );
+    }
 }
 
 /// A car whose tires only lose air while they roll: after a calibration none is believed to wander, unless a pump may fill it.

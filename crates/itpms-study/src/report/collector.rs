@@ -60,8 +60,8 @@ pub struct ReportOptions {
     /// what overlaps. A filter with two outputs has `2 * rate`; 12 bins each 0.1 s from half-overlapping frames
     /// have 120.
     pub nis_dof_per_s: f64,
-    /// Band of the Cramer-Rao bound in Hz; cut at 0.4 of the rate.
-    pub bound_band_hz: (f64, f64),
+    /// Band of the Cramer-Rao bound in Hz; cut at 0.4 of the rate. `None` leaves the bound out, for callers who draw nothing.
+    pub bound_band_hz: Option<(f64, f64)>,
     /// The sd in kPa that the bound starts from.
     pub bound_prior_sd_kpa: f64,
 }
@@ -73,7 +73,7 @@ impl Default for ReportOptions {
             settle_s: 3.0,
             road_wavelengths_m: (0.5, 10.0),
             nis_dof_per_s: 120.0,
-            bound_band_hz: (3.0, 60.0),
+            bound_band_hz: Some((3.0, 60.0)),
             bound_prior_sd_kpa: 30.0,
         }
     }
@@ -357,6 +357,7 @@ fn bound_sd(
     rate_hz: f64,
     options: &ReportOptions,
 ) -> Vec<f64> {
+    let Some(band_hz) = options.bound_band_hz else { return Vec::new() };
     let speeds: Vec<f64> = track.means(channel::SPEED).map(|(_, v)| v).collect();
     let driven: Vec<f64> = speeds.iter().copied().filter(|v| *v > STANDING_M_S).collect();
     let paper = BoundSetting::paper();
@@ -370,7 +371,7 @@ fn bound_sd(
         },
         rate_hz,
         accel_noise_m_s2: config.accel_noise_m_s2.unwrap_or(ASSUMED_NOISE_M_S2),
-        band_hz: (options.bound_band_hz.0, options.bound_band_hz.1.min(0.4 * rate_hz)),
+        band_hz: (band_hz.0, band_hz.1.min(0.4 * rate_hz)),
         ..paper
     };
     let Ok(bound) = CornerBound::new(config, &setting) else { return Vec::new() };

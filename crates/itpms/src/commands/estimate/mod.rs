@@ -37,7 +37,8 @@ pub(crate) fn perform(
     let vehicle = Vehicle::read(&args.vehicle)?;
     let mut log = LogReader::open_with(&args.log, &args.reading.options())?;
     let (corners, settings, paths) = (common_corners(&log, &vehicle)?, settings(args), paths(args));
-    let job = Job { vehicle: &vehicle, corners: &corners, settings: &settings, road: paths.want_road() };
+    let (road, report) = (paths.want_road(), paths.report.is_some());
+    let job = Job { vehicle: &vehicle, corners: &corners, settings: &settings, road, report };
     let mut files = Files::create(&paths, &settings, &vehicle, &corners)?;
     let progress = screen.progress("estimating");
     let mut watch = |share| {
