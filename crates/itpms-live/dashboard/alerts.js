@@ -30,7 +30,8 @@ export function wheelsOf(alert) {
 // The numbers that decided, in words.
 function reason(alert) {
   const n = (value) => (value == null ? "–" : value.toFixed(0));
-  const at = `${n(alert.pressure_kpa)} ± ${n(alert.sd_kpa)} kPa when said, limit ${n(alert.limit_kpa)}, should be ${n(alert.reference_kpa)}`;
+  const [said, should] = [`${n(alert.pressure_kpa)} ± ${n(alert.sd_kpa)} kPa when said`, `should be ${n(alert.reference_kpa)}`];
+  const at = `${said}, limit ${n(alert.limit_kpa)}, ${should}`;
   switch (alert.kind) {
     case "under-inflated":
     case "over-inflated":
@@ -38,7 +39,7 @@ function reason(alert) {
     case "flat":
       return `as hard as ${at}`;
     case "fast-leak":
-      return `lost up to ${n(alert.rate_kpa_per_min)} kPa per minute; ${at}`;
+      return `lost up to ${n(alert.rate_kpa_per_min)} kPa per minute; ${said}, ${should}`;
     case "all-low":
       return `at ${n(100 * alert.mean_share)} ± ${n(100 * alert.sd_share)} % of their reference on average`;
     case "no-information":

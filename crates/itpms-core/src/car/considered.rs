@@ -137,7 +137,7 @@ mod tests {
         let covariance = considered.uncalibrated(&stiffness);
         // 2 % of 326.6 kPa, whatever mass and tire are known to; what the wheels have in common stays.
         assert!((covariance[(0, 0)].sqrt() / 713.91 - 6.532).abs() < 1e-3);
-        let common = (0.8f64.powi(2) * 0.01 + 0.6f64.powi(2) * 0.0064) / (0.01 + 0.0064);
+        let common = (0.8f64.powi(2) * 0.01 + 0.0064 - 0.024f64.powi(2)) / (0.01 + 0.0064);
         assert!((covariance[(0, 3)] / covariance[(0, 0)] - common).abs() < 1e-9);
     }
 

@@ -46,7 +46,7 @@ const BLOCK_S: f64 = 0.5;
 /// A hole in the record longer than this, in s, begins a new one.
 const LONGEST_HOLE_S: f64 = 1.0;
 /// Longest time between samples that follow one another, in periods.
-const LONGEST_STEP: f64 = 1.75;
+const LONGEST_STEP: f64 = 1.5;
 /// Speed in m/s above which a car moves, and above which its sensors are held against each other.
 const MOVING_M_S: f64 = 1.5;
 const DRIVING_M_S: f64 = 3.0;

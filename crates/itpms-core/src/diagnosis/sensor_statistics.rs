@@ -211,6 +211,27 @@ mod tests {
         assert_eq!(watch((0..4000).map(|i| ride(i) + if i > 2000 { 20.0 } else { 0.0 })).spikes, 0);
     }
 
+    /// A wheel that drops into a hole every two seconds, at 1 kHz, and the log has lost a sample of each flank; the next one is 0.4 ms late.
+    #[test]
+    fn a_flank_with_a_lost_sample_is_no_spike() {
+        let hole = |i: u32| {
+            let late = if i % 2000 == 1001 { 0.4 } else { 0.0 };
+            -60.0 / (1.0 + ((f64::from(i % 2000) + late - 1000.0) / 2.0).exp())
+        };
+        let spikes = |interrupted: bool| {
+            let mut watch = SensorWatch::new(1e-3);
+            for i in (0..20_000).filter(|i| i % 2000 != 1000) {
+                if interrupted && i % 2000 == 1001 {
+                    watch.interrupted();
+                }
+                watch.push(1e-3 * f64::from(i), hole(i) + 0.1 * ride(i));
+            }
+            watch.end_block(20.0).spikes
+        };
+        assert!(spikes(false) >= 10);
+        assert_eq!(spikes(true), 0);
+    }
+
     #[test]
     fn the_floor_is_the_noise_and_a_pothole_does_not_lift_it() {
         // Alternating 0.3 is a wave at half the rate: its fourth difference is 16 times as large, of power 256.

@@ -37,9 +37,10 @@ impl Confidence {
 /// model), then of an axle (its kind, its drive). 0.8² + 0.6² = 1: left and right are alike.
 const COMMON_MASS: f64 = 0.8;
 const AXLE_MASS: f64 = 0.6;
-/// The same of a tire's stiffness: what all four have in common (size, make, temperature), and each by itself (wear, age).
-const COMMON_TIRE: f64 = 0.6;
+/// The share of a tire's standard deviation by which each is wrong for itself (wear, age), and the most that this can be: what is known of
+/// the size or the make alone is wrong alike for all four tires of a car.
 const OWN_TIRE: f64 = 0.8;
+const MOST_OWN_TIRE: f64 = 0.024;
 
 /// Standard deviations of one corner's parameters, relative (0.05 is 5 %) unless the name has a unit, with two
 /// parameters that the quarter car does not have.
@@ -130,13 +131,14 @@ impl<T: Real> ParameterUncertainty<T> {
     /// The part of the tire stiffness's standard deviation that all tires of the car share.
     #[must_use]
     pub fn common_tire_relative_sd(&self) -> T {
-        T::lit(COMMON_TIRE) * self.stiffness_relative_sd
+        let (all, own) = (self.stiffness_relative_sd, self.own_tire_relative_sd());
+        (all * all - own * own).sqrt()
     }
 
-    /// The part by which each tire's stiffness is wrong for itself.
+    /// The part by which each tire's stiffness is wrong for itself: 2.4 % at most.
     #[must_use]
     pub fn own_tire_relative_sd(&self) -> T {
-        T::lit(OWN_TIRE) * self.stiffness_relative_sd
+        (T::lit(OWN_TIRE) * self.stiffness_relative_sd).min(T::lit(MOST_OWN_TIRE))
     }
 
     /// Relative standard deviation of stiffness over unsprung mass, which is what a wheel's hop shows of the tire.

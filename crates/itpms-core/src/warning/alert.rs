@@ -181,8 +181,12 @@ impl<T: Real> fmt::Display for Alert<T> {
         match &self.cause {
             Cause::UnderInflated(reading) => write!(f, "{} under-inflated: {reading}", self.wheels)?,
             Cause::FastLeak { reading, rate_kpa_per_min } => {
-                let rate = rate_kpa_per_min.to_f64();
-                write!(f, "{} lost up to {rate:.0} kPa per minute: {reading}", self.wheels)?;
+                let [rate, pressure, sd, reference] =
+                    [rate_kpa_per_min, &reading.pressure_kpa, &reading.sd_kpa, &reading.reference_kpa]
+                        .map(|number| number.to_f64());
+                // It is the loss that counts, whatever the level.
+                write!(f, "{} lost up to {rate:.0} kPa per minute, ", self.wheels)?;
+                write!(f, "now {pressure:.0} kPa (sd {sd:.0}) of {reference:.0}")?;
             }
             Cause::AllLow { mean_share, sd_share } => {
                 let [mean, sd] = [mean_share, sd_share].map(|share| 100.0 * share.to_f64());

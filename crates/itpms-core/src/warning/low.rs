@@ -131,10 +131,12 @@ impl WheelWatch {
         let (p, sd) = (estimate.pressure_kpa, estimate.pressure_sd_kpa);
         let low_kpa = limits.low_share * reference_kpa;
         let alone = around.is_low_alone();
-        // Where the level of all is not known well, one can still be surely lower than the others; not so a side of which both are.
+        // Where the level of all is not known well, one can still be surely lower than the others, or than its axle's other one, with which
+        // it has most in common; not so a side of which both are.
         let lower = |sds: f64| {
-            let others = around.above_others.filter(|_| alone && p < low_kpa);
-            others.is_some_and(|[above, sd]| T::one() + above + T::lit(sds) * sd < limits.low_share)
+            let others = [around.above_others, around.above_partner].into_iter().flatten();
+            let mut others = others.filter(|_| alone && p < low_kpa);
+            others.any(|[above, sd]| T::one() + above + T::lit(sds) * sd < limits.low_share)
         };
         let may_be_healthy =
             estimate.level == Level::VehicleFile && !(p + T::lit(NOT_HEALTHY) * sd < reference_kpa);

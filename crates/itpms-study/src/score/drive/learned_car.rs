@@ -27,6 +27,8 @@ const KM_H: [f64; 2] = [80.0, 60.0];
 const CLASSES: [RoadClass; 3] = [RoadClass::A, RoadClass::B, RoadClass::C];
 /// Standard deviations beyond which nothing is drawn.
 const FARTHEST: f64 = 2.5;
+/// By how much one tire of a car differs from the others, at most: wear, age and production, whatever is known of their make.
+const OWN_TIRE_SD: f64 = 0.024;
 /// Standard deviation of a slope that no file speaks of.
 const SLOPE_SD: f64 = 0.05;
 /// Seeds of the drives of one car.
@@ -115,7 +117,8 @@ impl DrawnCar {
         let slope = (SLOPE_SD * draw.normal()).exp();
         let sprung = draw.parts(known.sprung_mass_relative_sd, 0.8, 0.6, 0.0);
         let unsprung = draw.parts(known.unsprung_mass_relative_sd, 0.8, 0.6, 0.0);
-        let tire = draw.parts(known.stiffness_relative_sd, 0.6, 0.0, 0.8);
+        let own = (OWN_TIRE_SD / known.stiffness_relative_sd).min(0.8);
+        let tire = draw.parts(known.stiffness_relative_sd, (1.0 - own * own).sqrt(), 0.0, own);
         let spring = draw.parts(known.spring_relative_sd, 0.0, 1.0, 0.0);
         let damping = draw.parts(known.damping_relative_sd, 0.0, 0.8, 0.6);
         let mut drive = drive.each_corner(|corner, spec| {
