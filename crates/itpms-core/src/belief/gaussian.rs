@@ -222,14 +222,21 @@ impl<T: Real> Hypothesis<T> {
         log_twice_beyond(below / variance.sqrt())
     }
 
-    /// Updates with a number of this variance and these derivatives that is by the innovation more than expected; gives the
-    /// innovation's variance.
-    pub(crate) fn update(&mut self, slope: &State<T>, innovation: T, variance: T) -> T {
+    /// Covariances of everything with a number of these derivatives.
+    #[inline(never)]
+    pub(crate) fn spread(&self, slope: &State<T>) -> State<T> {
         // Most numbers depend on few quantities.
         let mut spread = State::zeros();
         for (column, &by) in self.covariance.column_iter().zip(slope).filter(|(_, by)| **by != T::zero()) {
             spread.axpy(by, &column, T::one());
         }
+        spread
+    }
+
+    /// Updates with a number of this variance and these derivatives that is by the innovation more than expected; gives the
+    /// innovation's variance.
+    pub(crate) fn update(&mut self, slope: &State<T>, innovation: T, variance: T) -> T {
+        let spread = self.spread(slope);
         let total = slope.dot(&spread) + variance;
         if !(total > T::zero()) {
             return total;
@@ -240,22 +247,25 @@ impl<T: Real> Hypothesis<T> {
         // the stack.
         for i in 0..SIZE {
             let by = spread[i] * share;
-            for j in 0..i {
-                let covariance = self.covariance[(i, j)] - by * spread[j];
-                self.covariance[(i, j)] = covariance;
-                self.covariance[(j, i)] = covariance;
+            let (before, rest) = self.covariance.data.0.split_at_mut(i);
+            let Some(column) = rest.first_mut() else { continue };
+            for ((column, row), &spread) in before.iter_mut().zip(&mut *column).zip(spread.as_slice()) {
+                let covariance = column[i] - by * spread;
+                (column[i], *row) = (covariance, covariance);
             }
-            self.covariance[(i, i)] = (self.covariance[(i, i)] - by * spread[i]).max(T::zero());
+            column[i] = (column[i] - by * spread[i]).max(T::zero());
         }
         total
     }
 }
 
+/// `√(2 π)`: without std, no number has its root.
+const ROOT_OF_TWO_PI: f64 = 2.506_628_274_631_000_2;
+
 /// Logarithm of twice the chance that a standard normal variable is more than this, which is not negative: Boyd's bound of Mills' ratio,
 /// at most 1.2 % too small.
 fn log_twice_beyond<T: Real>(deviations: T) -> T {
     let (pi, square) = (core::f64::consts::PI, deviations * deviations);
-    let ratio =
-        T::lit((2.0 * pi).sqrt()) / (T::lit(pi - 1.0) * deviations + (square + T::lit(2.0 * pi)).sqrt());
+    let ratio = T::lit(ROOT_OF_TWO_PI) / (T::lit(pi - 1.0) * deviations + (square + T::lit(2.0 * pi)).sqrt());
     ratio.ln_fast() - T::lit(0.5) * square
 }

@@ -1,6 +1,8 @@
 //! The inverse of a small matrix, with the operations of `nalgebra`'s in their order and so its bits, but without its
 //! checks of indices, which end in a panic as far as a compiler can see.
 
+use core::ops::Range;
+
 use nalgebra::SMatrix;
 
 use crate::real::Real;
@@ -30,13 +32,16 @@ pub(super) fn invert<T: Real, const N: usize>(lu: &mut SMatrix<T, N, N>, out: &m
         (i + 1..N).for_each(|row| lu[(row, i)] *= over);
         for column in i + 1..N {
             let by = -lu[(i, column)];
-            (i + 1..N).for_each(|row| lu[(row, column)] = by * lu[(row, i)] + lu[(row, column)]);
+            let (pivots, columns) = lu.data.0.split_at_mut(i + 1);
+            if let (Some(pivots), Some(columns)) = (pivots.last(), columns.get_mut(column - i - 1)) {
+                add_scaled(columns, pivots, by, i + 1..N);
+            }
         }
     }
     for column in 0..N {
         for i in 0..N {
             let by = -out[(i, column)];
-            (i + 1..N).for_each(|row| out[(row, column)] = by * lu[(row, i)] + out[(row, column)]);
+            add_scaled(&mut out.data.0[column], &lu.data.0[i], by, i + 1..N);
         }
         for i in (0..N).rev() {
             if lu[(i, i)].is_zero() {
@@ -44,10 +49,19 @@ pub(super) fn invert<T: Real, const N: usize>(lu: &mut SMatrix<T, N, N>, out: &m
             }
             let value = out[(i, column)] / lu[(i, i)];
             out[(i, column)] = value;
-            (0..i).for_each(|row| out[(row, column)] = -value * lu[(row, i)] + out[(row, column)]);
+            add_scaled(&mut out.data.0[column], &lu.data.0[i], -value, 0..i);
         }
     }
     true
+}
+
+/// `to += by * from` in these rows.
+#[inline(always)]
+fn add_scaled<T: Real, const N: usize>(to: &mut [T; N], from: &[T; N], by: T, rows: Range<usize>) {
+    let Some((to, from)) = to.get_mut(rows.clone()).zip(from.get(rows)) else { return };
+    for (to, &from) in to.iter_mut().zip(from) {
+        *to = by * from + *to;
+    }
 }
 
 #[cfg(test)]

@@ -68,22 +68,20 @@ impl<T: Real> OwnCovariance<T> {
         // P' = P - P_o (I + Ω P_oo)^-1 Ω P_o^T, and with it the mean: m' = m + P'_o score. Two matrices for all of it: they are
         // the largest things on the stack.
         let (mut middle, mut inverse) = (Gram::zeros(), Gram::identity());
-        information.mul_to(&self.own, &mut middle);
+        multiply(information, &self.own, &mut middle);
         middle /= scale;
         (0..SIDE_SIZE).for_each(|i| middle[(i, i)] += T::one());
         if !invert(&mut middle, &mut inverse) {
             return;
         }
-        inverse.mul_to(information, &mut middle);
+        multiply(&inverse, information, &mut middle);
         middle /= scale;
         // A row at a time and on one side of the diagonal, which makes it symmetric.
-        for i in 0..SIZE {
-            let row = self.all.column(i);
-            let taken: [T; SIDE_SIZE] =
-                core::array::from_fn(|k| product(row.as_slice(), middle.column(k).as_slice()));
-            for j in 0..=i {
-                let covariance =
-                    hypothesis.covariance[(i, j)] - product(&taken, self.all.column(j).as_slice());
+        let (all, middle) = (&self.all.data.0, &middle.data.0);
+        for (i, row) in all.iter().enumerate() {
+            let taken: [T; SIDE_SIZE] = core::array::from_fn(|k| product(row, &middle[k]));
+            for (j, column) in all.iter().enumerate().take(i + 1) {
+                let covariance = hypothesis.covariance[(i, j)] - product(&taken, column);
                 hypothesis.covariance[(i, j)] = covariance;
                 hypothesis.covariance[(j, i)] = covariance;
             }
@@ -98,7 +96,23 @@ impl<T: Real> OwnCovariance<T> {
     }
 }
 
-fn product<T: Real>(a: &[T], b: &[T]) -> T {
+/// `a b`, with the operations of `nalgebra`'s in their order, a column in registers.
+#[inline(never)]
+fn multiply<T: Real>(a: &Gram<T>, b: &Gram<T>, out: &mut Gram<T>) {
+    for (out, b) in out.data.0.iter_mut().zip(&b.data.0) {
+        let mut sum = [T::zero(); SIDE_SIZE];
+        for (a, &b) in a.data.0.iter().zip(b) {
+            for (sum, &a) in sum.iter_mut().zip(a) {
+                *sum += a * b;
+            }
+        }
+        *out = sum;
+    }
+}
+
+/// Of a length that the compiler knows: it keeps the first one in registers.
+#[inline(always)]
+fn product<T: Real>(a: &[T; SIDE_SIZE], b: &[T; SIDE_SIZE]) -> T {
     a.iter().zip(b).fold(T::zero(), |sum, (&a, &b)| sum + a * b)
 }
 

@@ -319,8 +319,8 @@ impl<T: Real> Resampler<T> {
         // Interpolate between the two middle points only, where the error is smallest.
         let [from_s, to_s] = [self.since_s[POINTS / 2 - 1], self.since_s[POINTS / 2]];
         let grid_s = self.periods.grid_s;
-        let follows = from_s - grid_s..to_s + 2.0 * grid_s;
-        if !follows.contains(&self.next_grid_s) {
+        // From then on it lies less than a step of the grid behind what was the later of the two with the last sample.
+        if self.next_grid_s.is_nan() {
             self.next_grid_s = from_s;
         }
         let saturated = self.saturated.contains(&true);

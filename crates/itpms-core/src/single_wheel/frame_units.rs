@@ -13,11 +13,9 @@ use crate::real::Real;
 /// A piece of a frame's work.
 #[derive(Clone, Copy)]
 enum Unit {
-    /// The road wanders, and is faster or slower met, in every cell.
+    /// The road wanders, and is faster or slower met, in every cell; it is decided in which of them roads are fitted.
     Roads,
-    /// It is decided in which cells roads are fitted.
-    Choose,
-    /// Roads are fitted to the frame in some of them.
+    /// Roads are fitted to the frame in some of these.
     Fit,
     /// What was fitted is interpolated between them.
     Interpolate,
@@ -27,8 +25,9 @@ enum Unit {
     Leaks,
     /// It moves, in one level mode.
     Move(usize),
-    /// The road becomes smoother or rougher.
-    Levels,
+    /// The road becomes smoother or rougher: what it is then in every cell, and how likely that is.
+    MixRoads,
+    MixLevels,
     /// The tables follow the car, by two bins of a cell.
     Tables,
 }
@@ -39,10 +38,10 @@ const FITS: u32 = 13;
 /// it is heard for a hop that has the next frame in its middle.
 const ORDER: [Unit; 23] = {
     let mut order = [Unit::Fit; 23];
-    [order[0], order[1]] = [Unit::Roads, Unit::Choose];
-    [order[15], order[16], order[17]] = [Unit::Interpolate, Unit::Weigh, Unit::Leaks];
-    [order[18], order[19], order[20]] = [Unit::Move(0), Unit::Move(1), Unit::Move(2)];
-    [order[21], order[22]] = [Unit::Levels, Unit::Tables];
+    order[0] = Unit::Roads;
+    [order[14], order[15], order[16]] = [Unit::Interpolate, Unit::Weigh, Unit::Leaks];
+    [order[17], order[18], order[19]] = [Unit::Move(0), Unit::Move(1), Unit::Move(2)];
+    [order[20], order[21], order[22]] = [Unit::MixRoads, Unit::MixLevels, Unit::Tables];
     order
 };
 const _: () = assert!(LEVEL_MODES == 3 && ORDER.len() == 10 + FITS as usize);
@@ -122,8 +121,8 @@ impl<T: Real> Informed<T> {
         let Self { posterior, tables, work, .. } = self;
         let counts = work.moves && work.evidence.weight > T::zero();
         match unit {
-            Unit::Roads if counts => posterior.diffuse_roads(work.log_speed_ratio),
-            Unit::Choose if counts => {
+            Unit::Roads if counts => {
+                posterior.diffuse_roads(work.log_speed_ratio);
                 posterior.meet_road(&work.evidence, tables);
                 work.fits.begin(posterior, self.gate.nis(), FITS);
             }
@@ -139,11 +138,9 @@ impl<T: Real> Informed<T> {
                 }
             }
             Unit::Move(level) if counts => posterior.move_cells(level),
-            Unit::Levels if counts => posterior.mix_level_modes(),
+            Unit::MixRoads if counts => posterior.mix_roads(),
+            Unit::MixLevels if counts => posterior.mix_level_modes(),
             Unit::Tables => {
-                if counts {
-                    posterior.normalise();
-                }
                 tables.refresh_next(&self.body.body(), &self.friction);
                 if work.moves {
                     self.note_growth();

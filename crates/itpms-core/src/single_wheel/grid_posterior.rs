@@ -3,11 +3,12 @@
 //!
 //! Moved on by one frame in four parts, then weighed with one. Knows nothing of samples or gates.
 
-use nalgebra::SVector;
+use nalgebra::Matrix3;
 
 use crate::memory::blank;
 use crate::real::Real;
 use crate::single_wheel::BINS;
+use crate::single_wheel::cells::{self, Cells, moments};
 use crate::single_wheel::dynamics::{
     CALM, Dynamics, FALL, JUMP, JUMP_VARIANCE, LEAK_MODES, LEVEL_MODES, QUIET, REACH, RISE, SLOPE_MEAN, TAPS,
 };
@@ -25,8 +26,6 @@ const FRAMES_PER_MEASUREMENT: u32 = 12;
 /// Narrowest belief in cells that a pseudo-measurement is meant for, and the least that one says, over what was believed before.
 const NARROWEST_CELLS: f64 = 1.2;
 const LEAST_SAID: f64 = 1e-3;
-
-pub(crate) type Cells<T> = SVector<T, CELLS>;
 
 /// The mean and spread of the pressure, and what the modes say.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,8 +64,14 @@ blank!(Posterior<T> {
 });
 
 impl<T: Real> Posterior<T> {
+    /// For frames that come every `hop_s`; [`restart`](Self::restart) has to follow.
+    #[inline(never)]
+    pub(crate) fn configure(&mut self, hop_s: f64) {
+        self.dynamics = Dynamics::new(hop_s);
+    }
+
     /// Nine tenths around `initial_cell` with sd `initial_sd_cells`, one tenth anywhere; quiet, road unknown.
-    pub(crate) fn configure(&mut self, hop_s: f64, initial_cell: T, initial_sd_cells: T) {
+    pub(crate) fn restart(&mut self, initial_cell: T, initial_sd_cells: T) {
         let mut bell = Cells::from_fn(|cell, _| {
             let z = (T::lit(cell as f64) - initial_cell) / initial_sd_cells;
             (T::lit(-0.5) * z * z).exp()
@@ -81,7 +86,6 @@ impl<T: Real> Posterior<T> {
         self.weight[CALM][QUIET] = start / share;
         let road = Road::unknown(T::zero());
         self.road.iter_mut().for_each(|roads| roads.fill(&road));
-        self.dynamics = Dynamics::new(hop_s);
         self.told_log_likelihood.fill(T::zero());
         self.told_frames = 0;
         self.settling_frames = SETTLING_FRAMES;
@@ -90,7 +94,7 @@ impl<T: Real> Posterior<T> {
     }
 
     /// Leaks begin and end: the first part of moving on by one frame. [`move_cells`](Self::move_cells) for every level mode,
-    /// [`mix_level_modes`](Self::mix_level_modes), [`normalise`](Self::normalise) and [`diffuse_roads`](Self::diffuse_roads) follow.
+    /// [`mix_roads`](Self::mix_roads), [`mix_level_modes`](Self::mix_level_modes) and [`diffuse_roads`](Self::diffuse_roads) follow.
     pub(crate) fn begin_or_end_leaks(&mut self) {
         if self.settling_frames > 0 {
             self.settling_frames -= 1;
@@ -118,10 +122,8 @@ impl<T: Real> Posterior<T> {
 
     /// Moves on by one frame in which nothing can be learned: the pressure may wander, all else stays.
     pub(crate) fn hold(&mut self) {
-        for level in 0..LEVEL_MODES {
-            for mode in 0..LEAK_MODES {
-                self.weight[level][mode] = shifted(&self.weight[level][mode], &self.dynamics.hold_kernel);
-            }
+        for cells in self.weight.as_flattened_mut() {
+            shift(cells, &self.dynamics.hold_kernel);
         }
         self.normalise();
     }
@@ -130,10 +132,8 @@ impl<T: Real> Posterior<T> {
         for level in &mut self.weight {
             let mut mixed = [Cells::zeros(); LEAK_MODES];
             for (from, row) in self.dynamics.leak.iter().enumerate() {
-                for (to, &rate) in row.iter().enumerate() {
-                    if rate > T::zero() {
-                        mixed[to] += level[from] * rate;
-                    }
+                for (to, &rate) in mixed.iter_mut().zip(row) {
+                    cells::add_scaled(to.as_mut_slice(), level[from].as_slice(), rate);
                 }
             }
             *level = mixed;
@@ -148,10 +148,8 @@ impl<T: Real> Posterior<T> {
         // Mass that leaves a cell by a tap, whatever the leak mode.
         let mut leaving = [Cells::zeros(); TAPS];
         for (cells, kernel) in old.iter().zip(kernels) {
-            for (leaving, &weight) in
-                leaving.iter_mut().zip(kernel).filter(|(_, weight)| **weight > T::zero())
-            {
-                *leaving += cells * weight;
+            for (leaving, &weight) in leaving.iter_mut().zip(kernel) {
+                cells::add_scaled(leaving.as_mut_slice(), cells.as_slice(), weight);
             }
         }
         let roads = &mut self.road[level];
@@ -166,44 +164,67 @@ impl<T: Real> Posterior<T> {
             }
             roads.set_mean(to, &matched.finish());
         }
-        for (mode, kernel) in kernels.iter().enumerate() {
-            self.weight[level][mode] = shifted(&self.weight[level][mode], kernel);
+        for (cells, kernel) in self.weight[level].iter_mut().zip(kernels) {
+            shift(cells, kernel);
         }
     }
 
-    /// Roads become smoother or rougher.
-    pub(crate) fn mix_level_modes(&mut self) {
+    /// Roads become smoother or rougher: what is believed of them goes along.
+    pub(crate) fn mix_roads(&mut self) {
         let rates = self.dynamics.level;
         let (best, _) = self.most_likely();
-        let covariances = self.road.each_ref().map(|roads| roads.covariance);
+        let mut mass = [Cells::zeros(); LEVEL_MODES];
+        for (mass, modes) in mass.iter_mut().zip(&self.weight) {
+            cells::add_all(mass, modes);
+        }
+        let weights = |cell: usize, to: usize| -> [T; LEVEL_MODES] {
+            core::array::from_fn(|from| rates[from][to] * mass[from].get(cell).copied().unwrap_or(T::zero()))
+        };
+        let covariances = self.mixed_covariances(best, |to| weights(best, to));
         for cell in 0..CELLS {
-            let mass: [T; LEVEL_MODES] =
-                core::array::from_fn(|l| self.weight[l].iter().fold(T::zero(), |sum, mode| sum + mode[cell]));
-            let roads: [Road<T>; LEVEL_MODES] =
-                core::array::from_fn(|l| Road { mean: self.road[l].mean(cell), covariance: covariances[l] });
-            for to in 0..LEVEL_MODES {
-                let mut matched = MeanMatch::around(roads[to].mean);
-                for from in 0..LEVEL_MODES {
-                    matched.add(rates[from][to] * mass[from], &roads[from].mean);
+            let means = self.road.each_ref().map(|roads| roads.mean(cell));
+            for (to, roads) in self.road.iter_mut().enumerate() {
+                let mut matched = MeanMatch::around(means[to]);
+                for (weight, mean) in weights(cell, to).into_iter().zip(&means) {
+                    matched.add(weight, mean);
                 }
-                self.road[to].set_mean(cell, &matched.finish());
-                if cell == best {
-                    let mixture: [_; LEVEL_MODES] =
-                        core::array::from_fn(|from| (rates[from][to] * mass[from], roads[from]));
-                    self.road[to].covariance = matched_covariance(&mixture).unwrap_or(roads[to].covariance);
-                }
+                roads.set_mean(cell, &matched.finish());
             }
         }
+        for (roads, covariance) in self.road.iter_mut().zip(covariances) {
+            roads.covariance = covariance;
+        }
+    }
+
+    /// Covariances of the level modes as roads of a cell are mixed, by the weights that each has in one.
+    #[inline(never)]
+    fn mixed_covariances(
+        &self,
+        cell: usize,
+        weights: impl Fn(usize) -> [T; LEVEL_MODES],
+    ) -> [Matrix3<T>; LEVEL_MODES] {
+        let roads = self.road.each_ref().map(|roads| roads.get(cell));
+        core::array::from_fn(|to| {
+            let weights = weights(to);
+            let mixture = core::array::from_fn::<_, LEVEL_MODES, _>(|from| (weights[from], roads[from]));
+            matched_covariance(&mixture).unwrap_or(roads[to].covariance)
+        })
+    }
+
+    /// Roads become smoother or rougher: the probabilities follow, and are [normalised](Self::normalise).
+    pub(crate) fn mix_level_modes(&mut self) {
+        let rates = self.dynamics.level;
         for mode in 0..LEAK_MODES {
             let old = self.weight.each_ref().map(|level| level[mode]);
             for (to, level) in self.weight.iter_mut().enumerate() {
                 let cells = &mut level[mode];
-                *cells = Cells::zeros();
-                for (from, row) in rates.iter().enumerate() {
-                    *cells += old[from] * row[to];
+                cells.fill(T::zero());
+                for (old, row) in old.iter().zip(&rates) {
+                    cells::add_scaled(cells.as_mut_slice(), old.as_slice(), row[to]);
                 }
             }
         }
+        self.normalise();
     }
 
     /// Roads wander: the last part of moving on. `log_speed_ratio` is the logarithm of the speed over that of the last step (zero if
@@ -235,15 +256,15 @@ impl<T: Real> Posterior<T> {
 
     /// Weighs the belief with a frame's log evidence for every level mode and cell.
     pub(crate) fn weigh(&mut self, log_evidence: &[Cells<T>; LEVEL_MODES]) {
-        let largest =
-            log_evidence.iter().fold(T::lit(f64::NEG_INFINITY), |largest, cells| largest.max(cells.max()));
-        let likelihood =
-            log_evidence.each_ref().map(|cells| cells.map(|evidence| (evidence - largest).exp_fast()));
+        let none = T::lit(f64::NEG_INFINITY);
+        let largest = log_evidence.iter().fold(none, |largest, cells| cells::largest(cells, largest));
+        let mut likelihood = [Cells::zeros(); LEVEL_MODES];
+        for (likelihood, evidence) in likelihood.iter_mut().zip(log_evidence) {
+            cells::exponentials(likelihood, evidence, largest);
+        }
         self.remember_frame(&likelihood);
         for (modes, factor) in self.weight.iter_mut().zip(&likelihood) {
-            for cells in modes {
-                cells.component_mul_assign(factor);
-            }
+            modes.iter_mut().for_each(|cells| cells::multiply(cells, factor));
         }
         self.normalise();
     }
@@ -253,14 +274,17 @@ impl<T: Real> Posterior<T> {
     fn remember_frame(&mut self, likelihood: &[Cells<T>; LEVEL_MODES]) {
         // Where all mass is gone the modes count alike.
         let floor = T::lit(1e-30);
-        for cell in 0..CELLS {
-            let (mut said, mut total) = (T::zero(), T::zero());
-            for (modes, likelihood) in self.weight.iter().zip(likelihood) {
-                let share = modes.iter().fold(floor, |sum, cells| sum + cells[cell]);
-                said += share * likelihood[cell];
-                total += share;
-            }
-            self.told_log_likelihood[cell] += (said / total).max(floor).ln_fast();
+        let (mut said, mut total) = (Cells::zeros(), Cells::zeros());
+        for (modes, likelihood) in self.weight.iter().zip(likelihood) {
+            let mut share = Cells::repeat(floor);
+            cells::add_all(&mut share, modes);
+            cells::add(&mut total, &share);
+            cells::multiply(&mut share, likelihood);
+            cells::add(&mut said, &share);
+        }
+        let both = said.as_slice().iter().zip(total.as_slice());
+        for (told, (&said, &total)) in self.told_log_likelihood.as_mut_slice().iter_mut().zip(both) {
+            *told += (said / total).at_least(floor).ln_fast();
         }
         self.told_frames += 1;
     }
@@ -335,21 +359,17 @@ impl<T: Real> Posterior<T> {
 
     /// Makes the weights probabilities, and sums up what they say.
     pub(crate) fn normalise(&mut self) {
-        let total = self.cells().sum();
+        let total = cells::sum(&self.cells());
         if total > T::zero() && total.is_finite() {
             let by = T::one() / total;
-            for modes in &mut self.weight {
-                for cells in modes {
-                    cells.as_mut_slice().iter_mut().for_each(|weight| *weight *= by);
-                }
-            }
+            self.weight.as_flattened_mut().iter_mut().for_each(|cells| cells::scale(cells, by));
         }
         self.summarise();
     }
 
     fn summarise(&mut self) {
         let (mean_cell, variance_cells2) = moments(&self.cells());
-        let moving = self.weight.iter().map(|level| level[FALL].sum() + level[RISE].sum());
+        let moving = self.weight.iter().map(|level| cells::sum(&level[FALL]) + cells::sum(&level[RISE]));
         let moving = moving.fold(T::zero(), |sum, weight| sum + weight);
         self.summary = Summary { mean_cell, variance_cells2, moving: moving.min(T::one()) };
     }
@@ -359,9 +379,7 @@ impl<T: Real> Posterior<T> {
         let (mut best, mut at) = (T::lit(-1.0), (&self.road[0], 0));
         for (road, modes) in self.road.iter().zip(&self.weight) {
             let mut mass = Cells::zeros();
-            for cells in modes {
-                mass += cells;
-            }
+            cells::add_all(&mut mass, modes);
             let cell = mass.imax().min(CELLS - 1);
             if mass[cell] > best {
                 best = mass[cell];
@@ -374,11 +392,7 @@ impl<T: Real> Posterior<T> {
     /// Probability per cell.
     pub(crate) fn cells(&self) -> Cells<T> {
         let mut mass = Cells::zeros();
-        for cells in self.weight.iter().flatten() {
-            for (mass, &weight) in mass.as_mut_slice().iter_mut().zip(cells.as_slice()) {
-                *mass += weight;
-            }
-        }
+        self.weight.iter().for_each(|modes| cells::add_all(&mut mass, modes));
         mass
     }
 
@@ -393,29 +407,15 @@ impl<T: Real> Posterior<T> {
     }
 }
 
-/// Mean and variance of a probability over cells.
-fn moments<T: Real>(mass: &Cells<T>) -> (T, T) {
-    let (mut mean, mut at) = (T::zero(), T::zero());
-    for &p in mass.as_slice() {
-        mean += p * at;
-        at += T::one();
-    }
-    let (mut square, mut d) = (T::zero(), -mean);
-    for &p in mass.as_slice() {
-        square += p * d * d;
-        d += T::one();
-    }
-    (mean, square)
-}
-
-/// Mass moved by a kernel; what leaves the grid is lost.
-fn shifted<T: Real>(cells: &Cells<T>, kernel: &[T; TAPS]) -> Cells<T> {
-    let mut moved = Cells::zeros();
-    for (tap, &weight) in kernel.iter().enumerate().filter(|(_, weight)| **weight > T::zero()) {
+/// Moves mass by a kernel; what leaves the grid is lost.
+fn shift<T: Real>(cells: &mut Cells<T>, kernel: &[T; TAPS]) {
+    let before = *cells;
+    cells.fill(T::zero());
+    for (tap, &weight) in kernel.iter().enumerate() {
         let (to, from) = (tap.saturating_sub(REACH), REACH.saturating_sub(tap));
-        for (sum, &mass) in moved.as_mut_slice().iter_mut().skip(to).zip(cells.as_slice().iter().skip(from)) {
-            *sum += weight * mass;
+        let moved = cells.as_mut_slice().get_mut(to..).zip(before.as_slice().get(from..));
+        if let Some((moved, before)) = moved {
+            cells::add_scaled(moved, before, weight);
         }
     }
-    moved
 }

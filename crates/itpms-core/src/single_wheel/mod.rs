@@ -12,11 +12,13 @@
 //! | `tables` | what frames should look like for every stiffness of the grid |
 //! | `dynamics` | how pressure and road may change |
 //! | `road_model` | level, slope and enveloping of the road under one hypothesis |
+//! | `cells` | loops over the grid |
 //! | `grid_posterior` | the posterior over the grid, predicted and updated |
 //! | `road_fits` | a frame's evidence for every cell and level mode |
 //! | `frame_units` | in which order all of that is done, in units of which one falls on every grid step |
 //! | `periodic_road` | a road that repeats itself: the same road again, seen through another stiffness |
 
+mod cells;
 mod dynamics;
 mod frame_units;
 mod gate;
@@ -158,6 +160,7 @@ impl<T: Real> Informed<T> {
         self.noise_density = T::lit(2.0 / sample_rate_hz) * noise * noise;
         self.grid = Grid::new(config.placard_kpa);
         let body = Body::from(&config.quarter_car);
+        self.posterior.configure(self.clock.hop_s());
         self.tables.configure(spacing_hz, sample_rate_hz, &self.grid, &config.tire, &body);
         self.restart(repetition);
     }
@@ -176,7 +179,7 @@ impl<T: Real> Informed<T> {
         let initial_cell = (initial - self.grid.pressure_kpa(0)) / self.grid.step_kpa();
         let scale = config.placard_kpa / T::lit(dynamics::REFERENCE_KPA);
         let sd_cells = T::lit(INITIAL_SD_KPA) * scale / self.grid.step_kpa();
-        self.posterior.configure(self.clock.hop_s(), initial_cell, sd_cells);
+        self.posterior.restart(initial_cell, sd_cells);
         let car = &config.quarter_car;
         self.body = BodyIdentification::new(Body::from(car));
         self.friction = DescribingFunction::none();

@@ -3,8 +3,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::cells::Cells;
 use super::dynamics::{CALM, JUMP, LEVEL_MODES};
-use super::grid_posterior::{Cells, Posterior};
+use super::grid_posterior::Posterior;
 use super::road_model::{Evidence, RoadBelief, RoadPrior};
 use super::tables::{CELLS, Tables};
 use crate::memory::{Placed, blank};
@@ -24,10 +25,12 @@ const NOT_EXPECTED: f64 = 2.0;
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct RoadFits<T: Real> {
-    /// Cells that are fitted, a bit each; the first of them that is still to be, and how many are at a time.
+    /// Cells that are fitted, a bit each; the first of them that is still to be.
     fitted: u64,
     next: usize,
-    at_a_time: u32,
+    /// How often some are fitted, and how many are owed of those, in parts of one.
+    times: u32,
+    owed: u32,
     priors: [Placed<RoadPrior<T>>; LEVEL_MODES],
     /// The most likely cell before the frame, whose covariances will be everybody's.
     best: usize,
@@ -37,7 +40,7 @@ pub(crate) struct RoadFits<T: Real> {
     covariance: [Matrix3<T>; LEVEL_MODES],
 }
 
-blank!(RoadFits<T> { fitted, next, at_a_time, priors, best, expected, log_evidence, covariance });
+blank!(RoadFits<T> { fitted, next, times, owed, priors, best, expected, log_evidence, covariance });
 
 impl<T: Real> RoadFits<T> {
     /// Before the first fit, of which there are `times`; `nis` is the frame's mean power over what the most likely road had
@@ -50,7 +53,7 @@ impl<T: Real> RoadFits<T> {
         let is_fitted =
             |cell: usize| cell.is_multiple_of(NODES_APART) || is_next(cell) && matters(cell) || cell == best;
         self.fitted = (0..CELLS).fold(0, |bits, cell| bits | u64::from(is_fitted(cell)) << cell);
-        (self.next, self.at_a_time) = (0, self.fitted.count_ones().div_ceil(times.max(1)));
+        (self.next, self.times, self.owed) = (0, times.max(1), 0);
         for (prior, roads) in self.priors.iter_mut().zip(&posterior.road) {
             prior.set(RoadPrior::new(&roads.covariance));
         }
@@ -59,10 +62,12 @@ impl<T: Real> RoadFits<T> {
         self.covariance = posterior.road.each_ref().map(|roads| roads.covariance);
     }
 
-    /// Fits the next cells.
+    /// Fits the next cells, as many each time.
     pub(crate) fn fit_some(&mut self, posterior: &mut Posterior<T>, frame: &Evidence<T>, tables: &Tables<T>) {
-        for _ in 0..self.at_a_time {
-            let Some(cell) = (self.next..CELLS).find(|&cell| self.is_fitted(cell)) else { return };
+        self.owed += self.fitted.count_ones();
+        while self.owed >= self.times {
+            self.owed -= self.times;
+            let Some(cell) = above(self.fitted, self.next) else { return };
             self.next = cell + 1;
             let reading = frame.read(tables, cell);
             for (level, prior) in self.priors.iter().enumerate() {
@@ -81,17 +86,15 @@ impl<T: Real> RoadFits<T> {
         }
     }
 
-    fn is_fitted(&self, cell: usize) -> bool {
-        self.fitted >> cell & 1 == 1
-    }
-
     /// With all fits done, completes the evidence, and gives the posterior the roads.
     pub(crate) fn finish(&mut self, posterior: &mut Posterior<T>) {
         let fitted = self.fitted;
         let is_fitted = |cell: usize| fitted >> cell & 1 == 1;
         for cell in (0..CELLS).filter(|&cell| !is_fitted(cell)) {
-            let between = Between::around(cell, is_fitted);
-            for (roads, log_evidence) in posterior.road.iter_mut().zip(&mut self.log_evidence) {
+            let between = Between::around(cell, fitted);
+            // A level that has not jumped is taken over from the calm one below.
+            let levels = if self.expected { JUMP } else { LEVEL_MODES };
+            for (roads, log_evidence) in posterior.road.iter_mut().zip(&mut self.log_evidence).take(levels) {
                 between.interpolate(cell, roads, log_evidence);
             }
         }
@@ -114,6 +117,17 @@ impl<T: Real> RoadFits<T> {
     }
 }
 
+/// The nearest cell below one that is among these, a bit each; and the nearest from one on.
+fn below(cells: u64, cell: usize) -> Option<usize> {
+    let below = cells & !(u64::MAX << (cell % 64));
+    below.checked_ilog2().map(|cell| cell as usize)
+}
+
+fn above(cells: u64, from: usize) -> Option<usize> {
+    let above = cells & (u64::MAX << (from % 64));
+    (above != 0).then(|| above.trailing_zeros() as usize)
+}
+
 /// How a cell that was not fitted lies between those that were.
 struct Between<T> {
     /// The nearest ones, two on each side where there are, and the weight of each in a cubic through all.
@@ -122,9 +136,8 @@ struct Between<T> {
 }
 
 impl<T: Real> Between<T> {
-    fn around(cell: usize, is_fitted: impl Fn(usize) -> bool) -> Self {
-        let below = |from: usize| (0..from).rev().find(|&cell| is_fitted(cell));
-        let above = |from: usize| (from + 1..CELLS).find(|&cell| is_fitted(cell));
+    fn around(cell: usize, fitted: u64) -> Self {
+        let (below, above) = (|from| below(fitted, from), |from| above(fitted, from + 1));
         // The first and the last cell are nodes.
         let next = [below(cell).unwrap_or(0), above(cell).unwrap_or(CELLS - 1)];
         let mut nearest =

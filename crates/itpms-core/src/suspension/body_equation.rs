@@ -2,11 +2,13 @@
 //! inertias, spring, damper and anti-roll bar, friction of every strut. Gauss-Newton steps on an information matrix that forgets;
 //! friction is never negative.
 
+mod fit;
 mod reading;
 mod stiffness_error;
 
 use nalgebra::{Complex, SMatrix, SVector};
 
+use self::fit::first;
 use super::coherence::geometric_mean;
 use super::maxwell_slip::ELEMENTS;
 use super::rigid_body::{MODES, RigidBody};
@@ -158,7 +160,8 @@ impl<T: Real> BodyEquation<T> {
     }
 
     /// Learns from the newest frames, if all corners that there are have one of the same time: a bin with every call, so that no sample
-    /// is much more work than another. True once all of them are learned from.
+    /// is much more work than another. True once all of them
+    /// are learned from.
     pub(crate) fn learn(&mut self, frames: [Option<&StrutFrame<T>>; 4]) -> bool {
         let mut there = frames.iter().enumerate().filter(|(corner, _)| self.body.has(*corner));
         let Some(first_s) = there.next().and_then(|(_, frame)| Some(frame.as_ref()?.time_s)) else {
@@ -366,58 +369,6 @@ impl<T: Real> BodyEquation<T> {
             Force { damper, spring: spring + bar * bar_share, bar, elements, advance, total, noise }
         })
     }
-
-    /// Goes towards the parameters that fit best; slip forces stay where they are not negative: one pass of that, which holds at zero
-    /// what those before made negative. True if there is no other to follow.
-    #[inline(never)]
-    fn fit(&mut self, is_last: bool) -> bool {
-        let mut best = self.score + prior_information::<T>(&self.body).component_mul(&first());
-        let mut free = self.with_prior();
-        for i in (SLIP..SIZE).filter(|&i| self.held[i]) {
-            free.row_mut(i).fill(T::zero());
-            free.column_mut(i).fill(T::zero());
-            free[(i, i)] = T::one();
-            best[i] = T::zero();
-        }
-        let Some(cholesky) = free.cholesky() else { return true };
-        cholesky.solve_mut(&mut best);
-        let mut negative = false;
-        for i in SLIP..SIZE {
-            if best[i] < T::zero() && !self.held[i] {
-                (self.held[i], negative) = (true, true);
-            }
-        }
-        let found = is_last || !negative;
-        if found {
-            self.move_to(&best);
-        }
-        found
-    }
-
-    /// What the frames and the vehicle file together tell of the parameters.
-    #[inline(always)]
-    fn with_prior(&self) -> SMatrix<T, SIZE, SIZE> {
-        let (mut information, prior) = (self.information, prior_information::<T>(&self.body));
-        (0..SIZE).for_each(|i| information[(i, i)] += prior[i]);
-        information
-    }
-
-    fn move_to(&mut self, best: &Parameters<T>) {
-        let (largest, furthest) = (T::lit(LARGEST_STEP), T::lit(FURTHEST));
-        let step = (best - self.parameters).map(|step| step.clamp(-largest, largest));
-        if !step.iter().all(|step| step.is_finite()) {
-            return;
-        }
-        self.parameters += step;
-        for (i, value) in self.parameters.iter_mut().enumerate() {
-            *value = match i {
-                WARP => value.clamp(T::zero(), T::lit(MOST_WARP)),
-                DELAY..SLIP => value.clamp(T::lit(-MOST_DELAY), T::lit(MOST_DELAY)),
-                SLIP.. => value.max(T::zero()),
-                _ => value.clamp(-furthest, furthest),
-            };
-        }
-    }
 }
 
 /// The rate of a strut's force and its parts: derivatives by the logarithms of damping and spring, by the bar, by the slip forces and by
@@ -446,28 +397,6 @@ impl<T: Real> Force<T> {
             noise: T::zero(),
         }
     }
-}
-
-fn first<T: Real>() -> Parameters<T> {
-    let mut first = Parameters::zeros();
-    first.fixed_rows_mut::<2>(BAR).fill(T::lit(BAR_FIRST));
-    first
-}
-
-/// What is known beforehand; what does not exist is held.
-fn prior_information<T: Real>(body: &RigidBody<T>) -> Parameters<T> {
-    let of = |sd: f64| T::lit(1.0 / (sd * sd));
-    let whole = |sd: f64| if body.is_whole() { of(sd) } else { T::lit(1e6) };
-    Parameters::from_fn(|i, _| match i {
-        INERTIA => of(INERTIA_SD[0]),
-        1 | 2 => whole(INERTIA_SD[i]),
-        DAMPER..SPRING => of(DAMPER_SD),
-        SPRING..BAR => of(SPRING_SD),
-        BAR..WARP => whole(BAR_SD),
-        WARP => whole(WARP_SD),
-        DELAY..SLIP => of(DELAY_SD),
-        _ => of(SLIP_SD),
-    })
 }
 
 #[cfg(test)]

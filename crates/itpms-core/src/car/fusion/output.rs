@@ -48,9 +48,8 @@ impl<T: Real> Fusion<T> {
             learned_s: T::lit(self.learned_s()),
         };
         for (i, single_wheel) in self.single_wheel.iter().enumerate() {
-            let (bias, variance) = self.spectral_bias(i);
             let incoherence = self.inter_axle.pair(i % 2).lasting_incoherence();
-            single_wheel.blend(&mut estimate, i, incoherence, (bias, variance));
+            single_wheel.blend(&mut estimate, i, incoherence, || self.spectral_bias(i));
         }
         estimate
     }

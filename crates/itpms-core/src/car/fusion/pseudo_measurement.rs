@@ -89,6 +89,6 @@ impl<T: Real> Fusion<T> {
         let corner = corner.min(3);
         let hypothesis = self.belief.most_likely();
         let (expected, slope) = self.belief.scale().spectral_stiffness(corner, &hypothesis.mean);
-        (expected, slope.dot(&(&hypothesis.covariance * slope)).max(T::zero()).sqrt())
+        (expected, slope.dot(&hypothesis.spread(&slope)).max(T::zero()).sqrt())
     }
 }

@@ -62,12 +62,13 @@ impl<T: Real> SingleWheelEstimate<T> {
         belief: &mut FusedEstimate<T>,
         corner: usize,
         incoherence: T,
-        bias: (T, T),
+        bias: impl FnOnce() -> (T, T),
     ) {
         let share = self.share(incoherence);
         if !(share > T::zero()) {
             return;
         }
+        let bias = bias();
         let (others, residual) =
             (T::one() - share, self.stiffness_n_per_m - bias.0 - belief.stiffness_n_per_m[corner]);
         let own_variance = self.sd_n_per_m * self.sd_n_per_m + bias.1;
@@ -107,7 +108,7 @@ mod tests {
     fn half_believed_is_the_mean_of_both_and_as_unsure_as_they_are_apart() {
         let mut mixed = belief();
         // A spectrum that reads 4 kN/m too much, up to 3 kN/m.
-        low(0.8).blend(&mut mixed, 1, LEFT, (4e3, 9e6));
+        low(0.8).blend(&mut mixed, 1, LEFT, || (4e3, 9e6));
         // Either of two Gaussians: 230 ± 2 and 186 ± √45 kN/m.
         let moments = |p: f64| (p * 230e3 + (1.0 - p) * 186e3, p * 4e6 + (1.0 - p) * 45e6);
         let (mean, within) = moments(0.5);
@@ -125,11 +126,11 @@ mod tests {
     fn on_one_road_and_at_rest_the_shared_road_is_believed() {
         // 40 kN/m apart, and hardly moved, however sure the corner is: (0.001/0.06)² of that.
         let mut shared = belief();
-        low(1.0).blend(&mut shared, 0, 1e-3, (0.0, 0.0));
+        low(1.0).blend(&mut shared, 0, 1e-3, || (0.0, 0.0));
         assert!((shared.stiffness_n_per_m[0] - 230e3).abs() < 12.0);
         for incoherence in [1e-3, 0.1, 2.0, f64::NAN] {
             let mut resting = belief();
-            low(NOTICED).blend(&mut resting, 0, incoherence, (0.0, 0.0));
+            low(NOTICED).blend(&mut resting, 0, incoherence, || (0.0, 0.0));
             assert_eq!(resting, belief());
         }
     }
@@ -154,7 +155,7 @@ mod tests {
         ];
         for alone in strange {
             let mut snr_weight = belief();
-            alone.blend(&mut snr_weight, 2, 0.2, (0.0, 0.0));
+            alone.blend(&mut snr_weight, 2, 0.2, || (0.0, 0.0));
             assert_eq!(snr_weight, belief());
             assert_eq!(alone.onset_rate(nan), 0.0);
         }

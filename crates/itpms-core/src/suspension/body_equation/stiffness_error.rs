@@ -9,6 +9,7 @@ use super::{BINS, BodyEquation, ELEMENTS, FORCE_N, Parameters, SLIP};
 use crate::model::CornerConfig;
 use crate::real::Real;
 use crate::spectrum::transfer::FRICTION_SPACING_HZ;
+use crate::suspension::cholesky;
 
 /// How far the friction of a strut is from that of the model, as a share of its stiffness at wheel hop: which way a strut slips is decided
 /// by slow motions, too, which accelerometers hardly tell.
@@ -59,7 +60,10 @@ impl<T: Real> BodyEquation<T> {
     /// With the covariance `P` of all parameters, the inverse of `L L'`: `q' P q` is the square of `y` where `L y = q`.
     #[inline(never)]
     pub(super) fn note_impedance_error(&mut self) {
-        let Some(information) = self.with_prior().cholesky() else { return };
+        let mut information = self.with_prior();
+        if !cholesky::decompose(&mut information) {
+            return;
+        }
         for corner in (0..4).filter(|&corner| self.body.has(corner)) {
             let corner = corner.min(3);
             for part in 0..2 {
@@ -69,7 +73,7 @@ impl<T: Real> BodyEquation<T> {
                     slope[SLIP + 4 * element + corner] = per_newton * T::lit(FORCE_N);
                     sticking += per_newton * slip_n;
                 }
-                if !information.l_dirty().solve_lower_triangular_mut(&mut slope) {
+                if !information.solve_lower_triangular_mut(&mut slope) {
                     return;
                 }
                 let model = T::lit(MODEL_ERROR) * sticking;

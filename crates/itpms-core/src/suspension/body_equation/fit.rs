@@ -1,0 +1,115 @@
+//! The fit of the body's equation: one pass of Gauss-Newton a call, with slip forces that are never negative.
+
+use nalgebra::SMatrix;
+
+use super::{
+    BAR, BAR_FIRST, BAR_SD, BodyEquation, DAMPER, DAMPER_SD, DELAY, DELAY_SD, FURTHEST, INERTIA, INERTIA_SD,
+    LARGEST_STEP, MOST_DELAY, MOST_WARP, Parameters, SIZE, SLIP, SLIP_SD, SPRING, SPRING_SD, WARP, WARP_SD,
+};
+use crate::real::Real;
+use crate::suspension::cholesky;
+use crate::suspension::rigid_body::RigidBody;
+
+impl<T: Real> BodyEquation<T> {
+    /// Goes towards the parameters that fit best; slip forces stay where they are not negative: one pass of that, which holds at zero
+    /// what those before made negative. True if there is no other to follow.
+    #[inline(never)]
+    pub(super) fn fit(&mut self, is_last: bool) -> bool {
+        let mut best = self.score + prior_information::<T>(&self.body).component_mul(&first());
+        let mut free = self.with_prior();
+        for (i, _) in self.held.iter().enumerate().skip(SLIP).filter(|(_, held)| **held) {
+            hold(&mut free, &mut best, i);
+        }
+        if !cholesky::decompose(&mut free) {
+            return true;
+        }
+        free.solve_lower_triangular_unchecked_mut(&mut best);
+        free.ad_solve_lower_triangular_unchecked_mut(&mut best);
+        let found = !hold_negative(&mut self.held, &best) || is_last;
+        if found {
+            self.move_to(&best);
+        }
+        found
+    }
+
+    /// What the frames and the vehicle file together tell of the parameters.
+    #[inline(always)]
+    pub(super) fn with_prior(&self) -> SMatrix<T, SIZE, SIZE> {
+        let (mut information, prior) = (self.information, prior_information::<T>(&self.body));
+        (0..SIZE).for_each(|i| information[(i, i)] += prior[i]);
+        information
+    }
+
+    #[inline(never)]
+    fn move_to(&mut self, best: &Parameters<T>) {
+        let largest = T::lit(LARGEST_STEP);
+        let step = (best - self.parameters).map(|step| step.clamp(-largest, largest));
+        if !step.iter().all(|step| step.is_finite()) {
+            return;
+        }
+        self.parameters += step;
+        for (i, value) in self.parameters.iter_mut().enumerate() {
+            let [least, most] = bounds(i);
+            *value = value.at_least(least).at_most(most);
+        }
+    }
+}
+
+// Functions of their own: for all parameters at once a compiler computes with every one of them the addresses of all.
+
+/// Between which a parameter is believed.
+#[inline(never)]
+fn bounds<T: Real>(i: usize) -> [T; 2] {
+    match i {
+        WARP => [0.0, MOST_WARP],
+        DELAY..SLIP => [-MOST_DELAY, MOST_DELAY],
+        SLIP.. => [0.0, f64::INFINITY],
+        _ => [-FURTHEST, FURTHEST],
+    }
+    .map(T::lit)
+}
+
+/// Makes of the equations such as leave a parameter at zero.
+#[inline(never)]
+fn hold<T: Real>(equations: &mut SMatrix<T, SIZE, SIZE>, target: &mut Parameters<T>, i: usize) {
+    let i = i.min(SIZE - 1);
+    for j in 0..SIZE {
+        (equations[(i, j)], equations[(j, i)]) = (T::zero(), T::zero());
+    }
+    (equations[(i, i)], target[i]) = (T::one(), T::zero());
+}
+
+/// Holds slip forces that came out negative; true if there are any.
+#[inline(never)]
+fn hold_negative<T: Real>(held: &mut [bool; SIZE], best: &Parameters<T>) -> bool {
+    let mut any = false;
+    for (held, &best) in held.iter_mut().zip(best.as_slice()).skip(SLIP) {
+        let negative = best < T::zero() && !*held;
+        *held |= negative;
+        any |= negative;
+    }
+    any
+}
+
+pub(super) fn first<T: Real>() -> Parameters<T> {
+    let mut first = Parameters::zeros();
+    first.fixed_rows_mut::<2>(BAR).fill(T::lit(BAR_FIRST));
+    first
+}
+
+/// What is known beforehand; what does not exist is held.
+#[inline(never)]
+fn prior_information<T: Real>(body: &RigidBody<T>) -> Parameters<T> {
+    let of = |sd: f64| T::lit(1.0 / (sd * sd));
+    let whole = |sd: f64| if body.is_whole() { of(sd) } else { T::lit(1e6) };
+    Parameters::from_fn(|i, _| match i {
+        INERTIA => of(INERTIA_SD[0]),
+        1 | 2 => whole(INERTIA_SD[i]),
+        DAMPER..SPRING => of(DAMPER_SD),
+        SPRING..BAR => of(SPRING_SD),
+        BAR..WARP => whole(BAR_SD),
+        WARP => whole(WARP_SD),
+        DELAY..SLIP => of(DELAY_SD),
+        _ => of(SLIP_SD),
+    })
+}
