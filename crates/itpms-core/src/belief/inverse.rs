@@ -19,7 +19,7 @@ pub(super) fn invert<T: Real, const N: usize>(lu: &mut SMatrix<T, N, N>, out: &m
             }
         }
         let pivot = pivot.min(N - 1);
-        if lu[(pivot, i)].is_zero() {
+        if lu.get((pivot, i)).is_none_or(T::is_zero) {
             return false;
         }
         if pivot != i {
