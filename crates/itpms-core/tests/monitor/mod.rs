@@ -1,6 +1,8 @@
 //! The monitor through its public face: what it says of estimates made up for it.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
+mod reset;
+
 use itpms_core::car::{CarEstimate, TrackState};
 use itpms_core::conditioning::SampleClock;
 use itpms_core::model::{
@@ -22,8 +24,9 @@ struct Said {
     validity: Validity,
     speed_m_s: f64,
     incoherence: f64,
-    /// How far the errors of all tires go together.
+    /// How far the errors of all tires go together, and at least those of an axle's two.
     correlation: f64,
+    axle_correlation: f64,
     /// A wheel of which nothing is learned.
     silent: Option<Corner>,
     level: Level,
@@ -37,6 +40,7 @@ const FINE: Said = Said {
     speed_m_s: 20.0,
     incoherence: f64::NAN,
     correlation: 0.0,
+    axle_correlation: 0.0,
     silent: None,
     level: Level::Calibration,
 };
@@ -71,7 +75,11 @@ fn estimate(time_s: f64, said: &Said) -> CarEstimate<f64> {
     if let Some(corner) = said.silent.and_then(|silent| corners[silent.index()].as_mut()) {
         (corner.validity, corner.diagnostics.gate) = (Validity::NoInformation, 0.0);
     }
-    let one = |i: usize, j: usize| if i == j { 1.0 } else { said.correlation };
+    let one = |i: usize, j: usize| match (i == j, i / 2 == j / 2) {
+        (true, _) => 1.0,
+        (_, true) => said.correlation.max(said.axle_correlation),
+        _ => said.correlation,
+    };
     CarEstimate {
         time_s,
         corners,
@@ -219,6 +227,15 @@ fn a_tire_surely_lower_than_the_others_is_low_however_little_is_known_of_their_l
             .next()
             .is_none()
     );
+}
+
+/// Axles of which little is known, each by itself: from the mean of the others the tire's difference has an sd of 20 kPa, from its
+/// axle's other one of 30 sqrt(2 (1 - 0.97)) = 7.
+#[test]
+fn a_tire_surely_lower_than_its_axles_other_one_is_low() {
+    let said = |axle_correlation| Said { sd: 30.0, correlation: 0.5, axle_correlation, ..low(180.0) };
+    assert!(Drive::new().on(60.0, &said(0.5)).alerts().next().is_none());
+    assert!(Drive::new().on(10.0, &said(0.97)).alerts().next().is_some());
 }
 
 #[test]
@@ -416,82 +433,6 @@ fn what_a_healthy_tire_may_read_is_not_said() {
     assert!(Drive::new().on(10.0, &said(170.0, 17.0, Level::VehicleFile)).alerts().next().is_some());
     assert!(Drive::new().on(10.0, &said(182.0, 12.0, Level::VehicleFile)).alerts().next().is_some());
     assert!(Drive::new().on(10.0, &said(182.0, 17.0, Level::Calibration)).alerts().next().is_some());
-}
-
-/// What the rear left tire should have.
-fn reference_kpa(report: &MonitorReport<f64>) -> f64 {
-    report.wheels[Corner::RearLeft.index()].unwrap().reference_kpa
-}
-
-#[test]
-fn after_a_reset_a_warm_tire_should_have_what_it_had() {
-    let mut drive = Drive::new();
-    drive.monitor.begin_calibration(1200.0).unwrap();
-    let warm = Said { kpa: [256.3; 4], ..FINE };
-    let stands = Said { gate: 0.0, speed_m_s: 0.0, ..warm };
-    // Until the reset is over the placard counts, then the mean of its last five minutes.
-    assert_eq!(reference_kpa(drive.on(1199.0, &warm)), 241.3);
-    assert!((reference_kpa(drive.on(2.0, &warm)) - 256.3).abs() < 1e-6);
-    // Cooling: warmth 1 - exp(-2) at the end, halved by 900 ln 2 s at a stop, over its mean from 900 to 1200 s. A tenth
-    // of a kPa for steps of a tenth of a second.
-    drive.on(900.0 * 2f64.ln(), &stands);
-    let mean = 1.0 - 2.0 * ((-1.5f64).exp() - (-2f64).exp());
-    let share = 0.5 * (1.0 - (-2f64).exp()) / mean;
-    let cooled = reference_kpa(drive.monitor.report());
-    assert!((cooled - (241.3 + 15.0 * share)).abs() < 0.1, "{cooled}");
-    // The key out for an hour: cold. Driven for an hour: warm again, and not more than at the reset.
-    drive.step += (3600.0 * RATE_HZ) as u32;
-    assert!((reference_kpa(drive.on(0.1, &FINE)) - 241.3).abs() < 0.1);
-    assert!((reference_kpa(drive.on(3600.0, &warm)) - 256.3).abs() < 1e-6);
-    // A fifth off the warm pressure is told of now, and was not against the placard.
-    let lost = Said { sd: 4.0, ..low(0.8 * 268.0) };
-    assert!(Drive::new().on(60.0, &lost).alerts().next().is_none());
-    assert!(drive.on(10.0, &lost).alerts().next().is_some());
-    // A new reset forgets the old one.
-    drive.monitor.begin_calibration(300.0).unwrap();
-    assert_eq!(reference_kpa(drive.on(1.0, &FINE)), 241.3);
-}
-
-#[test]
-fn a_reset_moves_the_reference_within_bounds_and_only_with_information() {
-    let after = |config: MonitorConfig<f64>, said: Said| {
-        let mut drive = Drive::with(config);
-        drive.monitor.begin_calibration(600.0).unwrap();
-        reference_kpa(drive.on(601.0, &said))
-    };
-    let r141 = || MonitorConfig::new(&car());
-    let at = |kpa: f64| Said { kpa: [kpa; 4], ..FINE };
-    assert!((after(r141(), at(290.0)) - 1.08 * 241.3).abs() < 1e-6);
-    assert!((after(r141(), at(200.0)) - 0.97 * 241.3).abs() < 1e-6);
-    assert_eq!(after(r141(), Said { gate: 0.0, ..at(260.0) }), 241.3);
-    assert_eq!(after(r141().with_limits(Limits::from(Regulation::Fmvss138)), at(260.0)), 241.3);
-    // Read with a speed that is not known, the tire is taken for a cold one: no more than the placard's.
-    assert_eq!(after(r141(), Said { speed_m_s: f64::NAN, ..at(260.0) }), 241.3);
-    for seconds in [0.0, -1.0, f64::NAN] {
-        assert_eq!(Drive::new().monitor.begin_calibration(seconds).unwrap_err().name, "calibrate_s");
-    }
-}
-
-#[test]
-fn what_a_reset_changes_is_no_leak() {
-    // A neighbor of a low tire, read too high until all are filled and a reset says so.
-    let before = Said { sd: 2.0, ..low(264.0) };
-    let after = Said { sd: 2.0, ..low(238.0) };
-    let mut drive = Drive::new();
-    drive.on(60.0, &before);
-    drive.monitor.begin_calibration(60.0).unwrap();
-    assert_eq!(drive.until(180.0, &after, |report| report.alerts().next().is_some()), None);
-    // Without a reset nobody says why it lost a tenth.
-    let mut drive = Drive::new();
-    drive.on(60.0, &before);
-    assert!(drive.until(60.0, &after, |report| report.alerts().next().is_some()).is_some());
-    // What comes down to what it should have was read too high.
-    let mut drive = Drive::new();
-    drive.on(60.0, &before);
-    assert_eq!(
-        drive.until(60.0, &Said { sd: 2.0, ..low(242.0) }, |report| report.alerts().next().is_some()),
-        None
-    );
 }
 
 #[cfg(feature = "serde")]
