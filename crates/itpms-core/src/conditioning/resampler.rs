@@ -12,8 +12,10 @@ use crate::real::Real;
 /// Points of the Lagrange interpolation. Eight keep the error below 8 % at 0.3 of the sampling rate and below
 /// 0.1 % at 0.15 of it, in the middle between samples.
 const POINTS: usize = 8;
-/// Sampling periods that are no distance.
+/// Sampling periods that are no distance; and by which a point of the grid may lie before a sample and still be taken for it, as stamps are
+/// rounded: else it would depend on their last digit with which of two samples a step of the grid comes.
 const ON_SAMPLE: f64 = 1e-6;
+const ROUNDED: f64 = 0.01;
 /// Equal values in a row, at the largest magnitude seen, that count as saturation.
 const FLAT_TOP: u32 = 3;
 /// Equal values in a row, at any magnitude, that are no signal: their steps are marked like saturated ones.
@@ -133,9 +135,10 @@ struct Periods {
     longest_s: f64,
     latest_s: f64,
     on_sample_s: f64,
+    rounded_s: f64,
 }
 
-blank!(Periods { sample_s, grid_s, closest_s, longest_s, latest_s, on_sample_s });
+blank!(Periods { sample_s, grid_s, closest_s, longest_s, latest_s, on_sample_s, rounded_s });
 
 /// Checks and regrids the samples of one corner.
 #[derive(Debug, Clone, PartialEq)]
@@ -187,6 +190,7 @@ impl<T: Real> Resampler<T> {
                 longest_s: LONGEST_BRIDGE * sample_s,
                 latest_s: latest_resolved_s(sample_s),
                 on_sample_s: ON_SAMPLE * sample_s,
+                rounded_s: ROUNDED * sample_s,
             },
             since_s: [0.0; POINTS],
             body: [T::zero(); POINTS],
@@ -319,12 +323,13 @@ impl<T: Real> Resampler<T> {
         // Interpolate between the two middle points only, where the error is smallest.
         let [from_s, to_s] = [self.since_s[POINTS / 2 - 1], self.since_s[POINTS / 2]];
         let grid_s = self.periods.grid_s;
-        // From then on it lies less than a step of the grid behind what was the later of the two with the last sample.
+        // From then on it lies less than a step of the grid after what was the later of the two with the last sample, or hardly before that.
         if self.next_grid_s.is_nan() {
             self.next_grid_s = from_s;
         }
         let saturated = self.saturated.contains(&true);
-        while self.next_grid_s < to_s {
+        let before_s = to_s - self.periods.rounded_s;
+        while self.next_grid_s < before_s {
             let (body, wheel) = self.at(self.next_grid_s);
             sink(GridSample {
                 time_s: self.epoch_s + self.next_grid_s,
