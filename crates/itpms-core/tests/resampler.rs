@@ -47,6 +47,25 @@ fn a_clean_signal_passes_unchanged_four_samples_late() {
     }
 }
 
+/// Seconds since 1970 have quarters of a microsecond, loggers round to microseconds: each step of the grid comes with the same sample.
+#[test]
+fn a_rounded_stamp_moves_no_step_to_another_sample() {
+    let steps = |stamp: fn(f64) -> f64| -> Vec<usize> {
+        let mut intake = Resampler::<f64>::new(RATE_HZ, 400.0);
+        let push = |k: usize| {
+            let (time_s, body, wheel) = row(k);
+            let mut steps = 0;
+            intake.push(stamp(time_s), 10.0, body, wheel, |_| steps += 1);
+            steps
+        };
+        (0..20_000).map(push).collect()
+    };
+    let plain = steps(|time_s| time_s);
+    assert_eq!(plain.iter().sum::<usize>(), 19_993);
+    assert_eq!(steps(|time_s| 1_772_352_000.0 + time_s), plain);
+    assert_eq!(steps(|time_s| (1e6 * (time_s + 0.000_123_4)).round() / 1e6), plain);
+}
+
 #[test]
 fn every_kind_of_bad_sample_is_counted_once() {
     let mut rows: Vec<_> = (0..200).map(row).collect();
