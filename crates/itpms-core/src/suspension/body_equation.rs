@@ -160,8 +160,7 @@ impl<T: Real> BodyEquation<T> {
     }
 
     /// Learns from the newest frames, if all corners that there are have one of the same time: a bin with every call, so that no sample
-    /// is much more work than another. True once all of them
-    /// are learned from.
+    /// is much more work than another. True once all of them are learned from.
     pub(crate) fn learn(&mut self, frames: [Option<&StrutFrame<T>>; 4]) -> bool {
         let mut there = frames.iter().enumerate().filter(|(corner, _)| self.body.has(*corner));
         let Some(first_s) = there.next().and_then(|(_, frame)| Some(frame.as_ref()?.time_s)) else {
