@@ -223,13 +223,15 @@ fn the_map_that_was_found_reads_back_as_the_same() {
     let text =
         "[signals]\nfl_wheel_accel_m_s2 = { signal = \"Hub \\\"FL\\\".AccZ\", factor = -2, offset = 1.5 }\n";
     let first = by_map(&list, text).unwrap();
-    let second = by_map(&list, &first.to_toml()).unwrap();
+    let second = by_map(&list, &first.to_toml(None)).unwrap();
     assert_eq!(first.slots(), [Slot::Speed, FL_BODY, FL_WHEEL]);
     let summary = |resolved: &Resolved| {
         resolved.iter().map(|chosen| (chosen.slot, chosen.candidate, chosen.conversion)).collect::<Vec<_>>()
     };
     assert_eq!(summary(&first), summary(&second));
-    assert!(first.to_toml().contains("# fr_body_accel_m_s2 could be any of A.FR_BodyAccZ, B.BodyAccZ_FR"));
+    assert!(
+        first.to_toml(None).contains("# fr_body_accel_m_s2 could be any of A.FR_BodyAccZ, B.BodyAccZ_FR")
+    );
 }
 
 /// Headers of tables: clock, speed, body and wheel of the front left corner as loggers name them, and what makes m/s and m/s² of the last
@@ -275,7 +277,8 @@ fn the_map_that_is_written_says_what_the_header_states() {
         let resolved = resolve(&candidates, None).unwrap();
         assert_eq!(resolved.slots(), [Slot::Speed, FL_BODY, FL_WHEEL], "{header}");
         assert_eq!(resolved.remarks(), [], "{header}");
-        let text = resolved.to_toml();
+        let text = resolved.to_toml(Some("Time [s]"));
+        assert!(text.contains("time_s = \"Time [s]\"\n"), "{text}");
         // No unit beside that of the name, which could contradict it.
         let said = text.lines().filter(|line| !line.starts_with('#') && line.contains(" = "));
         assert!(
@@ -308,7 +311,7 @@ fn a_unit_that_is_stated_is_not_contradicted() {
             "[signals]\ntime_s = \"Time\"\nspeed_m_s = \"VehicleSpeed [UNIT]\"\n".replace("UNIT", unit);
         let refused = resolve(&candidates, Some(&map(&text).unwrap())).unwrap_err().to_string();
         assert!(refused.contains(&format!("is stated as {unit:?}")), "{refused}");
-        for said in resolved.said().into_iter().chain([resolved.to_toml(), refused]) {
+        for said in resolved.said().into_iter().chain([resolved.to_toml(None), refused]) {
             assert!(!said.contains("unit = "), "{unit}: {said}");
         }
     }

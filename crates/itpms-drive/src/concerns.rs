@@ -10,8 +10,8 @@ use crate::job::Job;
 
 /// Rates in Hz for which the estimators are made.
 const USUAL_RATES_HZ: std::ops::RangeInclusive<f64> = 99.0..=2020.0;
-/// Seconds of driving that a reset should have.
-const SHORTEST_RESET_S: f64 = 10.0;
+/// Seconds of driving that a calibration should have.
+const SHORTEST_CALIBRATION_S: f64 = 10.0;
 /// Standard deviations by which the spectra have to contradict a calibration.
 const CONTRADICTION_SDS: f64 = 2.5;
 /// Standard deviation in kPa of the level from which on a calibration is asked for: a fifth of a tire is some 50.
@@ -83,13 +83,13 @@ pub(crate) fn of(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Vec<String> {
     // A log that ends with its calibration is what a calibration is.
     if let Some(seconds) = settings.calibrate_s.filter(|seconds| drive.length_s() + LOG_END_S < *seconds) {
         concerns.push(format!(
-            "the reset of {seconds} s outlasts the drive of {:.1} s: every pressure is the placard's because that was said, not because it was found",
+            "the calibration of {seconds} s outlasts the drive of {:.1} s: every pressure is the placard's because that was said, not because it was found",
             drive.length_s()
         ));
     }
-    if let Some(seconds) = settings.calibrate_s.filter(|seconds| *seconds < SHORTEST_RESET_S) {
+    if let Some(seconds) = settings.calibrate_s.filter(|seconds| *seconds < SHORTEST_CALIBRATION_S) {
         concerns.push(format!(
-            "a reset of {seconds} s teaches little of the car, expected {SHORTEST_RESET_S} s or more of driving"
+            "a calibration of {seconds} s teaches little of the car, expected {SHORTEST_CALIBRATION_S} s or more of driving"
         ));
     }
     if let Some([excess_kpa, sd_kpa]) = drive.calibration_excess_kpa()
@@ -130,7 +130,7 @@ pub(crate) fn of(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Vec<String> {
     }
     if let Some(path) = settings.reference.as_ref().filter(|_| !axles || vehicle.wheelbase_m.is_none()) {
         concerns.push(format!(
-            "{}: without effect: what a reset teaches is of front and rear over the same road",
+            "{}: without effect: what a calibration teaches is of front and rear over the same road",
             path.display()
         ));
     }

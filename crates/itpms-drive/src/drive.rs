@@ -104,7 +104,7 @@ impl Drive {
         }
     }
 
-    /// What the reset taught, once it is over.
+    /// What the calibration taught, once it is over.
     #[must_use]
     pub fn learned(&self) -> Option<VehicleCalibration<f64>> {
         self.car.estimator().calibration()

@@ -79,7 +79,7 @@ impl Files {
     /// Completes all files and gives them their names.
     ///
     /// # Errors
-    /// A file cannot be written; a calibration drive taught nothing.
+    /// A file cannot be written; a calibration drive taught nothing: then all files but the reference are there.
     pub fn complete(self, done: &Done) -> Result<(), DriveError> {
         let mut files = Vec::new();
         if let Some(estimates) = self.estimates {
@@ -93,14 +93,16 @@ impl Files {
             page.settle()?;
             files.push(page);
         }
-        if let Some(reference) = self.reference {
-            files.push(reference.complete(self.calibrate_s, done.learned)?);
-        }
         if let Some(mut events) = self.events {
             events.settle()?;
             files.push(events);
         }
-        files.into_iter().try_for_each(|file| Ok(file.commit()?))
+        files.into_iter().try_for_each(AtomicFile::commit)?;
+        let driven_s = done.data.drive.duration_s;
+        let reference =
+            self.reference.map(|saving| saving.complete(self.calibrate_s, driven_s, done.learned));
+        reference.transpose()?.map(AtomicFile::commit).transpose()?;
+        Ok(())
     }
 }
 

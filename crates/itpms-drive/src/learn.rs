@@ -308,7 +308,7 @@ impl LearnedVehicle {
     pub fn to_toml(&self, from: &str) -> String {
         let mut head = vec![
             format!(
-                "Learned by itpms vehicle learn; {from} is what it began with, and what has no comment is as there."
+                "Learned by itpms vehicle learn, beginning with {from}: values without a comment are as there; standard deviations of what was learned are new."
             ),
             "Unknown as before:".to_owned(),
         ];

@@ -1,4 +1,4 @@
-//! The learned reference of a car: told to the estimator before the drive, stored after a reset.
+//! The learned reference of a car: told to the estimator before the drive, stored after a calibration.
 //!
 //! A reference that was asked for and cannot be used ends the command: whoever names a file wants its contents to count.
 
@@ -11,6 +11,7 @@ use itpms_data::Vehicle;
 use itpms_data::out::AtomicFile;
 use itpms_data::reference::StoredReference;
 
+use crate::drive::LOG_END_S;
 use crate::error::DriveError;
 use crate::settings::Settings;
 
@@ -53,21 +54,25 @@ impl Saving {
     /// The complete file, to be given its name together with the others.
     ///
     /// # Errors
-    /// Nothing was learned, or what was learned is not plausible; the file cannot be written.
+    /// Nothing was learned in the drive of `driven_s`, or what was learned is not plausible; the file cannot be written.
     pub fn complete(
         mut self,
         calibrate_s: Option<f64>,
+        driven_s: f64,
         learned: Option<VehicleCalibration<f64>>,
     ) -> Result<AtomicFile, DriveError> {
         let target = self.file.target().to_owned();
         let Some(learned) = learned else {
-            return Err(refused(
-                &target,
+            let seconds = calibrate_s.unwrap_or_default();
+            let why = if driven_s + LOG_END_S < seconds {
                 format!(
-                    "nothing was learned: expected a drive that goes on after the reset of {} s, and in it a road to learn from",
-                    calibrate_s.unwrap_or_default()
-                ),
-            ));
+                    "the calibration of {seconds} s is longer than the drive of {driven_s:.1} s; expected --calibrate-s {} or a longer drive",
+                    driven_s.floor()
+                )
+            } else {
+                format!("expected a road to learn from during the calibration of {seconds} s")
+            };
+            return Err(refused(&target, format!("nothing was learned: {why}")));
         };
         let stored = StoredReference::new(&self.vehicle, learned, now_unix_s());
         let stored = stored.map_err(|problem| refused(&target, problem))?;
@@ -93,7 +98,9 @@ pub fn teach(
             "a calibration drive of {seconds} s that taught nothing of the car: later drives start without it"
         )));
     }
-    Saving::create(path, settings, vehicle)?.complete(settings.calibrate_s, learned)?.commit()?;
+    Saving::create(path, settings, vehicle)?
+        .complete(settings.calibrate_s, f64::INFINITY, learned)?
+        .commit()?;
     Ok(None)
 }
 

@@ -50,7 +50,7 @@ impl Settings {
         }
         let (used, learns) = (self.estimator.label(), learns.label());
         Err(DriveError::Mismatch(format!(
-            "{option} with --estimator {used}: only {learns} learns from a reset"
+            "{option} with --estimator {used}: only {learns} learns from a calibration"
         )))
     }
 }

@@ -39,7 +39,7 @@ function reason(alert) {
     case "flat":
       return `as hard as ${at}`;
     case "fast-leak":
-      return `lost up to ${n(alert.rate_kpa_per_min)} kPa per minute; ${said}, ${should}`;
+      return `lost ${n(alert.rate_kpa_per_min)} kPa per minute (mean of 10 s or more); ${said}, ${should}`;
     case "all-low":
       return `at ${n(100 * alert.mean_share)} ± ${n(100 * alert.sd_share)} % of their reference on average`;
     case "no-information":

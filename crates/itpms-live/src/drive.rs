@@ -25,9 +25,9 @@ pub struct DriveOptions {
     pub estimator: EstimatorKind,
     /// Which loss is warned of.
     pub regulation: Regulation,
-    /// Length in s of the reset that begins with the first row.
+    /// Length in s of the calibration that begins with the first row.
     pub calibrate_s: Option<f64>,
-    /// What an earlier reset taught of this car.
+    /// What an earlier calibration taught of this car.
     pub reference: Option<VehicleCalibration<f64>>,
     /// Estimates told per second.
     pub rate_hz: f64,

@@ -92,7 +92,9 @@ impl Car {
     fn save_reference(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let saving = Saving::create(&path, &self.settings, &self.vehicle);
         let stored = saving
-            .and_then(|saving| saving.complete(self.settings.calibrate_s, self.drive.learned()))
+            .and_then(|saving| {
+                saving.complete(self.settings.calibrate_s, self.drive.length_s(), self.drive.learned())
+            })
             .and_then(|file| Ok(file.commit()?));
         stored.map_err(|error| errors::drive(py, &error))
     }

@@ -74,7 +74,7 @@ fn run(
         let job = Job { vehicle, corners: &corners, settings: &settings, road: smooth, report };
         let done = itpms_drive::estimate(&mut log, &job, &mut kept, &mut |share| meanwhile.done(share))?;
         if let Some(saving) = saving {
-            saving.complete(settings.calibrate_s, done.learned)?.commit()?;
+            saving.complete(settings.calibrate_s, done.data.drive.duration_s, done.learned)?.commit()?;
         }
         let rows = log.repairs().rows_kept;
         let figures = Value::Object(summary_json(&done, settings.estimator, rows));

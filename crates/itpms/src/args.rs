@@ -139,17 +139,17 @@ pub(crate) struct EstimateArgs {
     /// Which estimator. The two as published are there to be looked at: they cannot find the stiffness.
     #[arg(long, value_name = "NAME", default_value = EstimatorKind::default().label(), value_parser = estimator_names())]
     pub(crate) estimator: EstimatorKind,
-    /// The first S seconds are driven at placard pressure (a reset).
+    /// The first S seconds are driven at placard pressure: a calibration.
     #[arg(long, value_name = "S", value_parser = positive)]
     pub(crate) calibrate_s: Option<f64>,
-    /// Where what the reset teaches of this car goes, for later drives.
+    /// Where what the calibration teaches of this car goes, for later drives.
     #[arg(long, value_name = "FILE", requires = "calibrate_s")]
     pub(crate) save_reference: Option<PathBuf>,
-    /// What a reset taught of this car on an earlier drive. A file that is damaged, of a newer format, of another car or
+    /// What a calibration taught of this car on an earlier drive. A file that is damaged, of a newer format, of another car or
     /// implausible is refused, with exit code 2.
     #[arg(long, value_name = "FILE", conflicts_with = "calibrate_s")]
     pub(crate) reference: Option<PathBuf>,
-    /// Which loss is warned of: un-r141 20 % of the pressure that a reset in this drive found warm, else of the placard's;
+    /// Which loss is warned of: un-r141 20 % of the pressure that a calibration in this drive found warm, else of the placard's;
     /// fmvss-138 25 % of the placard's.
     #[arg(long, value_name = "NAME", default_value = Regulation::default().label(), value_parser = regulation_names())]
     pub(crate) regulation: Regulation,
@@ -177,7 +177,7 @@ const ESTIMATE_EXAMPLES: &str = "\
 Examples:
   itpms estimate drive.csv --vehicle car.toml -o est.csv
   itpms estimate drive.parquet --vehicle car.toml -o est.parquet --road-out road.parquet --report report.html
-  itpms estimate reset.csv --vehicle car.toml -o est.csv --calibrate-s 600 --save-reference car.reference
+  itpms estimate first.csv --vehicle car.toml -o est.csv --calibrate-s 600 --save-reference car.reference
   itpms estimate drive.csv --vehicle car.toml -o est.csv --reference car.reference
   itpms estimate drive.csv --vehicle car.toml -o est.csv --events events.jsonl
   itpms estimate drive.csv --vehicle car.toml -o est.csv --estimator aekf-ui --rate 50 --json";

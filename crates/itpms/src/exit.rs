@@ -10,6 +10,7 @@ use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use itpms_data::log::Slot;
 use itpms_data::{DataError, Problem};
 use itpms_drive::DriveError;
 use itpms_sim::error::ScenarioError;
@@ -43,8 +44,12 @@ pub(crate) enum Failure {
 
 /// The option with which somebody who knows better goes on.
 fn remedy(error: &DataError) -> &'static str {
-    match *error.problem {
+    match &*error.problem {
         Problem::Units { .. } => "; if they are right: --trust-units",
+        // A table of somebody else's: it has a clock, but not under this name.
+        Problem::MissingColumn { column, .. } if *column == Slot::Time.name() => {
+            "; other names or units: itpms signals LOG --write-map map.toml, then --signals map.toml"
+        }
         _ => "",
     }
 }

@@ -221,7 +221,7 @@ fn a_speed_that_is_stuck_and_a_short_reset_are_said() {
     let bench = Bench::with_drive();
     let said = |bench: &Bench, line: &str| bench.run(&format!("estimate drive.csv {line}")).stderr;
     let text = said(&bench, "--vehicle car.toml -o est.csv --calibrate-s 5");
-    assert!(text.contains("a reset of 5 s teaches little") && !text.contains("stuck"), "{text}");
+    assert!(text.contains("a calibration of 5 s teaches little") && !text.contains("stuck"), "{text}");
     let (head, rows) =
         bench.read("drive.csv").split_once('\n').map(|(a, b)| (a.to_owned(), b.to_owned())).unwrap();
     assert!(head.starts_with("time_s,speed_m_s,"), "{head}");

@@ -111,6 +111,7 @@ impl<T: Real> Belief<T> {
 
     /// For some seconds a sensor of a `suspected` corner may have been wrong: restores the older checkpoint, if what is
     /// believed now contradicts it. Gives its time if it did.
+    #[inline(never)]
     pub(crate) fn rollback(&mut self, suspected: [bool; 4]) -> Option<f64> {
         let saved = older(&self.checkpoints)?;
         let mut now = Hypothesis::BLANK;

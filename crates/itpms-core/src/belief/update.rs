@@ -20,6 +20,7 @@ pub(crate) struct OwnCovariance<T: Real> {
 }
 
 impl<T: Real> OwnCovariance<T> {
+    #[inline(never)]
     pub(crate) fn new(covariance: &Covariance<T>, side: usize) -> Self {
         let indices = side_indices(side);
         let mut part = Self { all: SMatrix::zeros(), own: Gram::zeros() };

@@ -299,6 +299,7 @@ impl<T: Real> CarEstimator<T> {
     }
 
     /// Starts one corner again, as after its sensors were out of order; the others go on.
+    #[inline(never)]
     pub fn restart_corner(&mut self, corner: Corner) {
         if let Some(estimator) = self.corners[corner.index()].as_mut() {
             estimator.restart();
@@ -312,6 +313,7 @@ impl<T: Real> CarEstimator<T> {
     /// For some seconds sensors of the `suspected` corners (in the order of [`Corner::ALL`]) may have been wrong: that a gain has
     /// changed, or that a sensor carries another one's name, shows only later. What the axles have taught in the last six to
     /// twelve seconds is taken back, if it contradicts what was known before of anything but those corners' own tires.
+    #[inline(never)]
     pub fn rollback(&mut self, suspected: [bool; 4]) {
         if let Some(fusion) = self.fusion.as_mut() {
             fusion.rollback(suspected);

@@ -12,9 +12,10 @@ use crate::real::Real;
 /// Points of the Lagrange interpolation. Eight keep the error below 8 % at 0.3 of the sampling rate and below
 /// 0.1 % at 0.15 of it, in the middle between samples.
 const POINTS: usize = 8;
-/// Sampling periods that are no distance; and by which a point of the grid may lie before a sample and still be taken for it, as stamps are
-/// rounded: else it would depend on their last digit with which of two samples a step of the grid comes.
+/// Sampling periods that are no distance.
 const ON_SAMPLE: f64 = 1e-6;
+/// Sampling periods by which a point of the grid may lie before a sample and still be taken for it, as stamps are rounded: else it would depend on
+/// their last digit with which of two samples a step of the grid comes.
 const ROUNDED: f64 = 0.01;
 /// Equal values in a row, at the largest magnitude seen, that count as saturation.
 const FLAT_TOP: u32 = 3;
@@ -149,7 +150,7 @@ pub struct Resampler<T> {
     since_s: [f64; POINTS],
     body: [T; POINTS],
     wheel: [T; POINTS],
-    saturated: [bool; POINTS],
+    no_signal: [bool; POINTS],
     filled: usize,
     /// That of the first sample after a gap.
     epoch_s: f64,
@@ -168,13 +169,13 @@ pub struct Resampler<T> {
 }
 
 blank!(Resampler<T> {
-    periods, since_s, body, wheel, saturated, filled, epoch_s, next_grid_s, after_gap,
+    periods, since_s, body, wheel, no_signal, filled, epoch_s, next_grid_s, after_gap,
     body_watch, wheel_watch, last_raw_s, last_accepted_s, refused, stray, stuck_now, counts,
 });
 
 impl<T: Real> Resampler<T> {
-    /// An intake for samples that come at about `sample_rate_hz`; its grid runs at the smallest multiple of that rate
-    /// which reaches `least_grid_rate_hz`.
+    /// An intake for samples that come at about `sample_rate_hz`, which must be positive and finite (estimators check it); its grid runs at
+    /// the smallest multiple of that rate which reaches `least_grid_rate_hz`, but never at more than 64 times it.
     #[must_use]
     pub fn new(sample_rate_hz: f64, least_grid_rate_hz: f64) -> Self {
         let mut multiple = 1.0;
@@ -195,7 +196,7 @@ impl<T: Real> Resampler<T> {
             since_s: [0.0; POINTS],
             body: [T::zero(); POINTS],
             wheel: [T::zero(); POINTS],
-            saturated: [false; POINTS],
+            no_signal: [false; POINTS],
             filled: 0,
             epoch_s: 0.0,
             next_grid_s: f64::NAN,
@@ -295,7 +296,7 @@ impl<T: Real> Resampler<T> {
         true
     }
 
-    fn append(&mut self, time_s: f64, body: T, wheel: T, saturated: bool) {
+    fn append(&mut self, time_s: f64, body: T, wheel: T, no_signal: bool) {
         if self.filled == 0 {
             self.after_gap = true;
             self.epoch_s = epoch_s(time_s);
@@ -305,14 +306,14 @@ impl<T: Real> Resampler<T> {
             self.since_s.rotate_left(1);
             self.body.rotate_left(1);
             self.wheel.rotate_left(1);
-            self.saturated.rotate_left(1);
+            self.no_signal.rotate_left(1);
             self.filled -= 1;
         }
         let at = self.filled.min(POINTS - 1);
         self.since_s[at] = time_s - self.epoch_s;
         self.body[at] = body;
         self.wheel[at] = wheel;
-        self.saturated[at] = saturated;
+        self.no_signal[at] = no_signal;
         self.filled = at + 1;
     }
 
@@ -327,7 +328,7 @@ impl<T: Real> Resampler<T> {
         if self.next_grid_s.is_nan() {
             self.next_grid_s = from_s;
         }
-        let saturated = self.saturated.contains(&true);
+        let no_signal = self.no_signal.contains(&true);
         let before_s = to_s - self.periods.rounded_s;
         while self.next_grid_s < before_s {
             let (body, wheel) = self.at(self.next_grid_s);
@@ -337,7 +338,7 @@ impl<T: Real> Resampler<T> {
                 body_accel_m_s2: body,
                 wheel_accel_m_s2: wheel,
                 after_gap: self.after_gap,
-                invalid: saturated,
+                invalid: no_signal,
                 unloaded: false,
                 strut_friction_m_s2: T::zero(),
             });

@@ -190,6 +190,7 @@ impl<T: Real> Monitor<T> {
 
     /// Takes what was estimated after the sample; gives the wheels whose estimator should start again, because their
     /// sensors have come back. The estimate leaves with the monitor's validity and warnings.
+    #[inline(never)]
     pub fn judge(&mut self, at: &Moment<T>, estimate: &mut CarEstimate<T>) -> Wheels {
         let back: Wheels = self.faulted.iter().filter(|corner| !self.suspects.contains(*corner)).collect();
         for corner in back.iter() {
@@ -233,7 +234,8 @@ impl<T: Real> Monitor<T> {
         back
     }
 
-    /// Weighs the pressures of the last `step_s` seconds and writes the report.
+    /// Weighs the pressures of the last `step_s` seconds and writes the report. Its frame is not to lie under the estimator's.
+    #[inline(never)]
     fn decide(&mut self, estimate: &CarEstimate<T>, step_s: f64) {
         let limits = self.config.limits;
         self.reference_kpa =

@@ -25,7 +25,7 @@ const STRIDE_S: f64 = 0.01;
 /// Longest interval in s that is bridged; after a longer one the motion starts anew.
 const LONGEST_GAP_S: f64 = 0.5;
 /// Accelerations beyond this, in m/s², are no measurement.
-const ABSURD_M_S2: f64 = 1e4;
+const LARGEST_M_S2: f64 = 1e4;
 /// Displacements (m) and velocities (m/s) beyond this are no motion of a wheel.
 const ABSURD_MOTION: f64 = 100.0;
 /// A single stiffness measurement is not believed to be better than this part of the largest stiffness.
@@ -99,7 +99,7 @@ impl<T: Real> AekfUiInformed<T> {
         }
         let y = Vector2::new(sample.body_accel_m_s2, sample.wheel_accel_m_s2);
         // NaN is not within any bound either.
-        let record = if y.iter().all(|value| value.abs() <= T::lit(ABSURD_M_S2)) {
+        let record = if y.iter().all(|value| value.abs() <= T::lit(LARGEST_M_S2)) {
             self.at_start = false;
             self.update(&motion, rest, &y)
         } else {

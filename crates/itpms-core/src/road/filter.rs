@@ -14,7 +14,7 @@ use crate::road::model::{CoreState, FIRST_INTERVAL_S, Model, Transition, road_ba
 use crate::road::recursion::{Correction, Lean, Recursion};
 
 /// Accelerations beyond this, in m/s², are no road but a broken signal.
-const ABSURD_M_S2: f64 = 2_000.0;
+const LARGEST_M_S2: f64 = 2_000.0;
 /// How often level and rate may change the model, in s.
 const FOLLOW_PERIOD_S: f64 = 0.1;
 /// Smallest change of a logarithm that is worth a new discretisation.
@@ -367,7 +367,7 @@ impl<T: Real> RoadFilter<T> {
 
 /// A value that may be believed: finite and not absurd.
 pub(crate) fn believable<T: Real>(accel_m_s2: T) -> Option<T> {
-    (accel_m_s2.abs() < T::lit(ABSURD_M_S2)).then_some(accel_m_s2)
+    (accel_m_s2.abs() < T::lit(LARGEST_M_S2)).then_some(accel_m_s2)
 }
 
 fn mean_nis<T: Real>(corrections: &[Option<Correction<T>>; 2]) -> Option<T> {

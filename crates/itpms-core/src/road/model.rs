@@ -202,7 +202,6 @@ const DOUBLINGS: usize = 30;
 
 impl<T: Real> Transition<T> {
     fn new(model: &Model<T>, aid: T, step_s: T) -> Self {
-        let (a, q_c) = model.continuous(aid);
         let (m_b, m_w) = (model.car.sprung_mass_kg(), model.car.unsprung_mass_kg());
         let stiff = (model.stiffness_n_per_m + model.car.spring_n_per_m()) / m_w;
         let fastest = stiff.sqrt()
@@ -214,6 +213,15 @@ impl<T: Real> Transition<T> {
             h *= T::lit(0.5);
             doublings += 1;
         }
+        let mut step = Self::by_series(model, aid, h);
+        (0..doublings).for_each(|_| step.double());
+        step
+    }
+
+    /// A step short enough for the series. A function of its own, so that its matrices do not lie under what follows.
+    #[inline(never)]
+    fn by_series(model: &Model<T>, aid: T, h: T) -> Self {
+        let (a, q_c) = model.continuous(aid);
         // Phi = sum (A h)^n / n!,  Q = sum h^(n+1)/(n+1)! L_n  with  L_0 = Q_c, L_(n+1) = A L_n + L_n A^T
         let mut phi = Matrix::identity();
         let mut q = q_c * h;
@@ -225,12 +233,15 @@ impl<T: Real> Transition<T> {
             l = half + half.transpose();
             q += l;
         }
-        let mut step = Self { step_s, phi, q };
-        for _ in 0..doublings {
-            step.q = step.covariance(&step.q);
-            step.phi = step.apply(&step.phi);
-        }
-        step
+        Self { step_s: h, phi, q }
+    }
+
+    /// Twice as long a step.
+    #[inline(never)]
+    fn double(&mut self) {
+        self.q = self.covariance(&self.q);
+        self.phi = self.apply(&self.phi);
+        self.step_s *= T::lit(2.0);
     }
 
     /// `Phi m`; most of `Phi` is zero.

@@ -185,7 +185,7 @@ impl<T: Real> fmt::Display for Alert<T> {
                     [rate_kpa_per_min, &reading.pressure_kpa, &reading.sd_kpa, &reading.reference_kpa]
                         .map(|number| number.to_f64());
                 // It is the loss that counts, whatever the level.
-                write!(f, "{} lost up to {rate:.0} kPa per minute, ", self.wheels)?;
+                write!(f, "{} lost {rate:.0} kPa per minute (mean of 10 s or more), ", self.wheels)?;
                 write!(f, "now {pressure:.0} kPa (sd {sd:.0}) of {reference:.0}")?;
             }
             Cause::AllLow { mean_share, sd_share } => {

@@ -16,7 +16,7 @@ const CERTAIN: f64 = 4.0;
 const LEAST_FALL: f64 = 0.06;
 const LEAK: DebounceTimes = DebounceTimes { set_s: 10.0, clear_s: 60.0 };
 
-/// A pressure and its variance.
+/// A pressure in kPa and its variance in kPa².
 type Kept<T> = Option<[T; 2]>;
 
 /// Pressures of all wheels over the last minutes, and who leaks.
@@ -82,7 +82,7 @@ impl<T: Real> LeakWatch<T> {
             };
             self.leaks[wheel].update(time_s, step_s, evidence, LEAK);
         }
-        // Not so of a time that was ahead.
+        // Every `KEPT_EVERY_S`; at once where the clock was set back, as what was kept lies in the future then.
         if !(0.0..KEPT_EVERY_S).contains(&(time_s - self.kept_s[KEPT - 1])) {
             self.kept.rotate_left(1);
             self.kept_s.rotate_left(1);

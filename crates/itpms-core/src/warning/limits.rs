@@ -47,13 +47,13 @@ pub struct Limits<T> {
     /// Below this share a wheel is low: between the fine pressure and the loss that must be warned of.
     pub low_share: T,
     /// Above this share it is no longer.
-    pub low_over_share: T,
+    pub low_clears_share: T,
     /// Below this share the mean of all wheels is low.
     pub all_low_share: T,
     /// Above this share a wheel is overfull.
     pub over_share: T,
     /// Below this share it is no longer.
-    pub over_over_share: T,
+    pub over_clears_share: T,
     /// Rate in kPa per minute from which a fall is a fast leak.
     pub fast_leak_kpa_per_min: T,
     /// Least and largest share of the told reference that a calibration may make of it: a rule that counts from the warm pressure
@@ -64,7 +64,7 @@ pub struct Limits<T> {
 }
 
 blank!(Limits<T> {
-    low_share, low_over_share, all_low_share, over_share, over_over_share, fast_leak_kpa_per_min,
+    low_share, low_clears_share, all_low_share, over_share, over_clears_share, fast_leak_kpa_per_min,
     reference_span, no_information_s,
 });
 
@@ -91,9 +91,9 @@ impl<T: Real> Limits<T> {
         let shares = [
             ("low_share", self.low_share, T::zero(), T::one()),
             ("all_low_share", self.all_low_share, T::zero(), T::one()),
-            ("low_over_share", self.low_over_share, self.low_share, T::one()),
+            ("low_clears_share", self.low_clears_share, self.low_share, T::one()),
             ("over_share", self.over_share, T::one(), T::lit(10.0)),
-            ("over_over_share", self.over_over_share, self.low_over_share, self.over_share),
+            ("over_clears_share", self.over_clears_share, self.low_clears_share, self.over_share),
             ("reference_span's least share", least, T::zero(), largest),
             ("reference_span's largest share", largest, least, T::lit(10.0)),
         ];
@@ -112,10 +112,10 @@ impl<T: Real> Limits<T> {
     fn scaled_to(loss: T, [least, largest]: [f64; 2]) -> Self {
         Self {
             low_share: T::one() - T::lit(0.6) * loss,
-            low_over_share: T::one() - T::lit(0.4) * loss,
+            low_clears_share: T::one() - T::lit(0.4) * loss,
             all_low_share: T::one() - T::lit(0.6) * loss,
             over_share: T::lit(1.25),
-            over_over_share: T::lit(1.2),
+            over_clears_share: T::lit(1.2),
             fast_leak_kpa_per_min: T::lit(3.0),
             reference_span: [T::lit(least), T::lit(largest)],
             no_information_s: 600.0,
@@ -156,10 +156,10 @@ mod tests {
         assert_eq!(Limits::<f32>::for_loss(0.5).unwrap().check(), Ok(()));
         let changes: [fn(&mut Limits<f64>, f64); 9] = [
             |limits, value| limits.low_share = value,
-            |limits, value| limits.low_over_share = value,
+            |limits, value| limits.low_clears_share = value,
             |limits, value| limits.all_low_share = value,
             |limits, value| limits.over_share = value,
-            |limits, value| limits.over_over_share = value,
+            |limits, value| limits.over_clears_share = value,
             |limits, value| limits.fast_leak_kpa_per_min = value,
             |limits, value| limits.reference_span[0] = value,
             |limits, value| limits.reference_span[1] = value,
@@ -173,7 +173,7 @@ mod tests {
             }
         }
         // Hysteresis the wrong way round.
-        assert!(Limits { low_over_share: 0.8, ..good }.check().is_err());
-        assert!(Limits { over_over_share: 1.3, ..good }.check().is_err());
+        assert!(Limits { low_clears_share: 0.8, ..good }.check().is_err());
+        assert!(Limits { over_clears_share: 1.3, ..good }.check().is_err());
     }
 }

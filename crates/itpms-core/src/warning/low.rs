@@ -19,7 +19,9 @@ const NOBODY_INFLATES: f64 = 0.5;
 /// second counts for that much less: two tires hardly lose pressure alike within minutes, but the level of a side is what
 /// an estimator is most easily wrong in. The same of two that seem hard as rims.
 const ALONE: f64 = 0.06;
+/// By how much less a second counts then.
 const TOGETHER: f64 = 75.0;
+/// Said of a wheel of which nothing is known although the car drives.
 const UNINFORMED: DebounceTimes = DebounceTimes { set_s: 0.0, clear_s: 1.0 };
 /// Information gate above which something is being learned.
 const LEARNING: f64 = 0.1;
@@ -143,7 +145,7 @@ impl WheelWatch {
         let below = |sds: f64| p + T::lit(sds) * sd < low_kpa && !may_be_healthy || lower(sds);
         let low = if below(ONE_SIDED_95) {
             if around.doubted { Evidence::NoData } else { Evidence::Prefailed }
-        } else if p - T::lit(ONE_SIDED_95) * sd > low_kpa || p > limits.low_over_share * reference_kpa {
+        } else if p - T::lit(ONE_SIDED_95) * sd > low_kpa || p > limits.low_clears_share * reference_kpa {
             Evidence::Prepassed
         } else {
             Evidence::Undecided
@@ -157,7 +159,7 @@ impl WheelWatch {
         self.low.update(time_s, weight * step_s, low, LOW);
         let over = if p - T::lit(ONE_SIDED_95) * sd > limits.over_share * reference_kpa {
             Evidence::Prefailed
-        } else if p < limits.over_over_share * reference_kpa {
+        } else if p < limits.over_clears_share * reference_kpa {
             Evidence::Prepassed
         } else {
             Evidence::Undecided
@@ -165,7 +167,7 @@ impl WheelWatch {
         self.over.update(time_s, step_s, over, OVER);
         let flat = match around.above_partner {
             Some(_) if around.is_hard(limits) => Evidence::Prefailed,
-            Some([above, _]) if above < limits.over_over_share - T::one() => Evidence::Prepassed,
+            Some([above, _]) if above < limits.over_clears_share - T::one() => Evidence::Prepassed,
             _ => Evidence::Undecided,
         };
         self.side_is_off = around.is_hard(limits) && around.is_side_over(limits);

@@ -17,7 +17,7 @@ pub struct VehicleIdentity {
     /// Its id, where its file has one.
     pub id: Option<String>,
     /// Fingerprint of masses, dampers, springs, tires, placard pressures and wheelbase, as 16 hexadecimal digits. Sensor
-    /// noise and the pressure an estimate starts from may change without a new reset.
+    /// noise and the pressure an estimate starts from may change without a new calibration.
     pub parameters: String,
 }
 

@@ -1,4 +1,4 @@
-//! What a reset taught of a car, kept in a file from one drive to the next: which car, when, what, and a checksum.
+//! What a calibration taught of a car, kept in a file from one drive to the next: which car, when, what, and a checksum.
 //!
 //! Called by the binary, and by whoever stores references on a vehicle. Knows files and vehicles, nothing of how a
 //! reference is learned or used. What it hands out is whole, plausible and the very car's; anything else is refused with
@@ -52,7 +52,7 @@ const LONGEST_BYTES: u64 = 64 * 1024;
 pub struct StoredReference {
     /// The car it was learned on.
     pub vehicle: VehicleIdentity,
-    /// When the reset was over, in s since 1970-01-01 UTC, as the caller's clock had it.
+    /// When the calibration was over, in s since 1970-01-01 UTC, as the caller's clock had it.
     pub learned_unix_s: u64,
     /// What was learned.
     pub reference: VehicleCalibration<f64>,

@@ -91,10 +91,14 @@ impl Resolved {
         Corner::ALL.into_iter().map(pair).filter_map(lacking).collect()
     }
 
-    /// The text of a map that says all this, with what is doubtful or missing as comments.
+    /// The text of a map that says all this, with what is doubtful or missing as comments. `clock`: the column of a table that is
+    /// its clock.
     #[must_use]
-    pub fn to_toml(&self) -> String {
+    pub fn to_toml(&self, clock: Option<&str>) -> String {
         let mut out = String::from("[signals]\n");
+        if let Some(name) = clock {
+            let _ = writeln!(out, "{} = \"{}\"", Slot::Time.name(), escaped(name));
+        }
         for slot in Slot::all().filter(|slot| *slot != Slot::Time) {
             let column = slot.name();
             match self.get(slot) {

@@ -66,7 +66,11 @@ fn line(span: &AlertSpan) -> Line {
             // It is the loss that counts, whatever the level.
             let Reading { pressure_kpa, sd_kpa, reference_kpa, .. } = reading;
             let at = format!("{pressure_kpa:.0} ± {sd_kpa:.0} kPa when said, should be {reference_kpa:.0}");
-            ("low", "Fast leak", format!("lost up to {rate_kpa_per_min:.0} kPa per minute; {at}"))
+            (
+                "low",
+                "Fast leak",
+                format!("lost {rate_kpa_per_min:.0} kPa per minute (mean of 10 s or more); {at}"),
+            )
         }
         Cause::AllLow { mean_share, sd_share } => {
             let [mean, sd] = [mean_share, sd_share].map(|share| 100.0 * share);

@@ -66,7 +66,7 @@ const EXAMPLES: &str = "\
 Examples:
   itpms fleet 'logs/**/*.parquet' --vehicle-dir cars --out fleet --reports
   itpms fleet 'logs/*.csv' --vehicle car.toml --out fleet --calibrate-s 600
-  itpms fleet 'logs/**/*.csv' --vehicle-dir cars --out fleet --calibrate-s 600 --calibration-drives '**/*reset*'
+  itpms fleet 'logs/**/*.csv' --vehicle-dir cars --out fleet --calibrate-s 600 --calibration-drives '**/*first*'
 
 Exit codes: 0 all drives were looked at, those that failed are counted in the last line; 2 the run is impossible, or every
 drive failed, or one did and --strict was given; 130 interrupted, what is finished is kept.";

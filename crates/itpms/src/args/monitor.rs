@@ -65,10 +65,10 @@ pub(crate) struct MonitorArgs {
     /// Estimates per second.
     #[arg(long, value_name = "HZ", default_value_t = 10.0, value_parser = positive)]
     pub(crate) rate: f64,
-    /// The first S seconds are driven at placard pressure (a reset). Not where a saved state goes on.
+    /// The first S seconds are driven at placard pressure: a calibration. Not where a saved state goes on.
     #[arg(long, value_name = "S", value_parser = positive)]
     pub(crate) calibrate_s: Option<f64>,
-    /// What a reset taught of this car on an earlier drive.
+    /// What a calibration taught of this car on an earlier drive.
     #[arg(long, value_name = "FILE", conflicts_with = "calibrate_s")]
     pub(crate) reference: Option<PathBuf>,
     /// Which loss is warned of, as in `itpms estimate`.

@@ -12,7 +12,7 @@ use itpms_data::vehicle::tire_table;
 use itpms_study::identify::{IdentifyError, SineRecord, Units, calibrate, damper, spring};
 use itpms_study::plot::Figure;
 
-use super::names;
+use super::{former, names};
 use crate::args::{BenchOutput, CalibrateArgs, DamperArgs, IdentifyPart, SpringArgs};
 use crate::exit::Failure;
 use crate::screen::Screen;
@@ -118,6 +118,9 @@ pub(crate) fn run_calibrate(args: &CalibrateArgs, screen: &Screen) -> Result<(),
             .map_err(|error| refusal(&args.table, &error))?;
     let tire = tire_table(&result.map);
     let files = args.tire.iter().map(|path| written(path, &tire)).collect::<Result<_, DataError>>()?;
+    if let Some(path) = &args.tire {
+        former::keep(path, &tire, screen)?;
+    }
     let mut text = result.table();
     if args.tire.is_none() {
         text.push_str("\nfor the vehicle file:\n\n");

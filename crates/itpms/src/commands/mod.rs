@@ -7,6 +7,7 @@ pub(crate) mod demo;
 pub(crate) mod estimate;
 pub(crate) mod fleet;
 pub(crate) mod folder;
+pub(crate) mod former;
 pub(crate) mod identify;
 pub(crate) mod lab;
 pub(crate) mod malfunctions;

@@ -11,7 +11,7 @@ use cortex_m_semihosting::{debug, hprintln};
 use itpms_core::car::{EstimatorOptions, RoadHeights};
 use itpms_core::model::{CarConfig, Corner, CornerConfig, QuarterCar};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
-use itpms_core::warning::Change;
+use itpms_core::warning::{Change, MonitorReport};
 use itpms_firmware::drive::{DRIVE, RATE_HZ, SAMPLES, sample};
 use itpms_firmware::memory::{self, Sizes};
 use itpms_firmware::{Counter, instructions};
@@ -34,7 +34,9 @@ fn config() -> Option<MonitorConfig<f32>> {
     Some(MonitorConfig::new(&CarConfig { corners, wheelbase_m: Some(2.7) }).with_options(options))
 }
 
-fn run(car: &mut MonitoredCar<f32>, counter: &mut Counter) -> Option<()> {
+/// Builds the car where it lies; gives the stack that took.
+#[inline(never)]
+fn build(car: &mut MonitoredCar<f32>, counter: &mut Counter) -> Option<usize> {
     let config = config()?;
     memory::paint_stack();
     let mut built = Ok(());
@@ -43,13 +45,31 @@ fn run(car: &mut MonitoredCar<f32>, counter: &mut Counter) -> Option<()> {
         hprintln!("the car cannot be built: {}", error);
         return None;
     }
-    let to_build = memory::stack_high_water()?;
+    let stack = memory::stack_high_water()?;
     hprintln!("built with {} instructions", instructions(f64::from(ticks)));
+    Some(stack)
+}
 
+/// What the samples took.
+#[derive(Default)]
+struct Taken {
+    sum: u64,
+    worst: u32,
+    worst_s: f64,
+    least: u32,
+    stack: usize,
+}
+
+/// Takes all samples of the drive. `before`: memory for the report before the last one; on the stack it would count as the car's.
+#[inline(never)]
+fn drive(
+    car: &mut MonitoredCar<f32>,
+    before: &mut Option<MonitorReport<f32>>,
+    counter: &mut Counter,
+) -> Option<Taken> {
+    let mut all = Taken { least: u32::MAX, ..Taken::default() };
+    remember(before, car);
     memory::paint_stack();
-    let (mut sum, mut worst, mut worst_s, mut quietest) = (0u64, 0u32, 0.0, u32::MAX);
-    let mut to_run = 0;
-    let mut before = car.report().clone();
     for index in 0..SAMPLES {
         let sample = black_box(sample(index));
         if sample.time_s == CALIBRATION_S[0] {
@@ -59,40 +79,44 @@ fn run(car: &mut MonitoredCar<f32>, counter: &mut Counter) -> Option<()> {
         let taken = counter.ticks(|| {
             black_box(car.update(&sample));
         });
-        sum += u64::from(taken);
-        quietest = quietest.min(taken);
-        if taken > worst {
-            (worst, worst_s) = (taken, sample.time_s);
+        all.sum += u64::from(taken);
+        all.least = all.least.min(taken);
+        if taken > all.worst {
+            (all.worst, all.worst_s) = (taken, sample.time_s);
         }
-        let report = car.report();
-        let changed = report.changes_since(&before).next().is_some();
-        if changed || index % (EVERY_S * RATE_HZ) as usize == 0 {
+        let due = index % (EVERY_S * RATE_HZ) as usize == 0;
+        if due || has_changed(car, before) {
             // What is printed is not the car's stack.
-            to_run = to_run.max(memory::stack_high_water()?);
-            for change in report.changes_since(&before) {
-                match change {
-                    Change::Begun(alert) => hprintln!("{:5.1} s  WARNING: {}", sample.time_s, alert),
-                    Change::Ended(alert) => hprintln!("{:5.1} s  over: {}", sample.time_s, alert),
-                }
-            }
-            if index % (EVERY_S * RATE_HZ) as usize == 0 {
+            all.stack = all.stack.max(memory::stack_high_water()?);
+            print_changes(car, before, sample.time_s);
+            if due {
                 print_pressures(car, sample.time_s);
             }
-            before = car.report().clone();
+            remember(before, car);
             memory::paint_stack();
         }
     }
-    to_run = to_run.max(memory::stack_high_water()?);
+    all.stack = all.stack.max(memory::stack_high_water()?);
+    Some(all)
+}
+
+fn run(
+    car: &mut MonitoredCar<f32>,
+    before: &mut Option<MonitorReport<f32>>,
+    counter: &mut Counter,
+) -> Option<()> {
+    let to_build = build(car, counter)?;
+    let taken = drive(car, before, counter)?;
     print_pressures(car, SAMPLES as f64 / RATE_HZ);
 
-    let mean = instructions(sum as f64 / SAMPLES as f64);
+    let mean = instructions(taken.sum as f64 / SAMPLES as f64);
     let sizes = Sizes::of_program();
     hprintln!();
     hprintln!("instructions_mean {}", mean);
-    hprintln!("instructions_worst {}", instructions(f64::from(worst)));
-    hprintln!("instructions_least {}", instructions(f64::from(quietest)));
+    hprintln!("instructions_worst {}", instructions(f64::from(taken.worst)));
+    hprintln!("instructions_least {}", instructions(f64::from(taken.least)));
     hprintln!("stack_to_build_bytes {}", to_build);
-    hprintln!("stack_to_run_bytes {}", to_run);
+    hprintln!("stack_to_run_bytes {}", taken.stack);
     hprintln!("car_bytes {}", size_of::<MonitoredCar<f32>>());
     hprintln!("flash_bytes {}", sizes.text + sizes.rodata + sizes.data - DRIVE.len());
     hprintln!("text_bytes {}", sizes.text);
@@ -103,12 +127,34 @@ fn run(car: &mut MonitoredCar<f32>, counter: &mut Counter) -> Option<()> {
         SAMPLES,
         RATE_HZ,
         f64::from(mean) * RATE_HZ,
-        worst_s,
+        taken.worst_s,
         DRIVE.len() / 1000
     );
     Some(())
 }
 
+#[inline(never)]
+fn remember(before: &mut Option<MonitorReport<f32>>, car: &MonitoredCar<f32>) {
+    *before = Some(car.report().clone());
+}
+
+#[inline(never)]
+fn has_changed(car: &MonitoredCar<f32>, before: &Option<MonitorReport<f32>>) -> bool {
+    before.as_ref().is_some_and(|before| car.report().changes_since(before).next().is_some())
+}
+
+#[inline(never)]
+fn print_changes(car: &MonitoredCar<f32>, before: &Option<MonitorReport<f32>>, time_s: f64) {
+    let Some(before) = before else { return };
+    for change in car.report().changes_since(before) {
+        match change {
+            Change::Begun(alert) => hprintln!("{:5.1} s  WARNING: {}", time_s, alert),
+            Change::Ended(alert) => hprintln!("{:5.1} s  over: {}", time_s, alert),
+        }
+    }
+}
+
+#[inline(never)]
 fn print_pressures(car: &MonitoredCar<f32>, time_s: f64) {
     let wheels = car.report().wheels;
     for (corner, wheel) in Corner::ALL.into_iter().zip(&wheels) {
@@ -128,8 +174,9 @@ fn print_pressures(car: &MonitoredCar<f32>, time_s: f64) {
 fn main() -> ! {
     // Zeros until it is configured, so it lies in `.bss`.
     static mut CAR: MonitoredCar<f32> = MonitoredCar::unconfigured();
-    let done =
-        cortex_m::Peripherals::take().and_then(|peripherals| run(CAR, &mut Counter::new(peripherals.SYST)));
+    static mut BEFORE: Option<MonitorReport<f32>> = None;
+    let done = cortex_m::Peripherals::take()
+        .and_then(|peripherals| run(CAR, BEFORE, &mut Counter::new(peripherals.SYST)));
     debug::exit(if done.is_some() { debug::EXIT_SUCCESS } else { debug::EXIT_FAILURE });
     loop {
         cortex_m::asm::wfi();

@@ -187,10 +187,10 @@ impl<T: Real> Fusion<T> {
         let opposite = self.inter_axle.pair(1 - side);
         let meanwhile = self.inter_axle.pair(side).found_meanwhile(opposite, frame.middle_s);
         let state = &self.belief.most_likely().mean;
-        let measured = self.inter_axle.pair_mut(side).measure(frame, &wheels, state, meanwhile);
-        if let Some(measured) = measured {
-            self.belief.begin_update(&measured.measurement);
-            self.queue.measured.place(|place| *place = measured);
+        let pair = self.inter_axle.pair_mut(side);
+        let measure = |out: &mut Measured<T>| pair.measure(frame, &wheels, state, meanwhile, out).ok_or(());
+        if self.queue.measured.try_place(measure).is_ok() {
+            self.belief.begin_update(&self.queue.measured.value().measurement);
         }
         true
     }

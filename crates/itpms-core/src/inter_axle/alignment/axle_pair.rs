@@ -2,7 +2,7 @@
 
 use nalgebra::{Complex, SVector};
 
-use crate::belief::measurement::{AxleResidual, BINS, SideMeasurement, UpdateRecord};
+use crate::belief::measurement::{BINS, SideMeasurement, UpdateRecord};
 use crate::belief::state::{GAIN, SKEW_UNIT_S, State, read_compliance};
 use crate::inter_axle::alignment::channel::{BOTH, Entry, RELATIVE, SEEN};
 use crate::inter_axle::alignment::delay_line::{DelayLine, Read};
@@ -12,7 +12,7 @@ use crate::inter_axle::residual::correction::FrfCorrection;
 use crate::inter_axle::residual::hop_excess::HopExcess;
 use crate::inter_axle::residual::imbalance::Imbalance;
 use crate::inter_axle::residual::instrument::Instrument;
-use crate::inter_axle::residual::model::{Axle, AxleFrame, Signals, UnitRoad, Wheel, linearize};
+use crate::inter_axle::residual::model::{Axle, AxleFrame, UnitRoad, Wheel, common_road, instrument_slope};
 use crate::inter_axle::residual::noise::{Coherence, MOST_LASTING, fading};
 use crate::inter_axle::{HOP_S, SIGNALS, bin_hz};
 use crate::memory::{Placed, blank};
@@ -299,7 +299,7 @@ impl<T: Real> AxlePair<T> {
         (missed && time_s - other.learned_until_s < MISSED_S).then(|| other.coherence.incoherence())
     }
 
-    /// What a frame is worth to a belief whose most likely state this is; `None` if the road is not heard over the sensors'
+    /// What a frame is worth to a belief whose most likely state this is, into `out`; `None` if the road is not heard over the sensors'
     /// noise. `meanwhile`: the other side's incoherence, if only that side had frames of late.
     #[inline(never)]
     pub(crate) fn measure(
@@ -308,7 +308,8 @@ impl<T: Real> AxlePair<T> {
         wheels: &[Wheel<T>; 2],
         state: &State<T>,
         meanwhile: Option<SVector<T, BINS>>,
-    ) -> Option<Measured<T>> {
+        out: &mut Measured<T>,
+    ) -> Option<()> {
         if !(frame.middle_s - self.learned_until_s < FORGET_S) {
             self.coherence.restart();
         }
@@ -316,22 +317,24 @@ impl<T: Real> AxlePair<T> {
             self.coherence.follow(&other);
         }
         self.spectral_updates = 0;
-        let at = |signals| linearize(frame, signals, wheels, self.side, state);
-        let AxleResidual { common, road_power, .. } = at(Signals::Measured);
-        let frf_ratios = self.frf_correction.frf_ratios();
-        let instrument = at(Signals::Common(&frf_ratios)).slope;
+        let side = self.side;
+        let (common, road_power) = common_road(frame, wheels, side, state);
         let noise = self.noise(wheels, state);
         self.track_snr(&road_power, &noise);
         if !(self.snr_weight() > T::zero()) {
             return None;
         }
-        let road = UnitRoad::new(wheels, self.side, state, frame.delay_s, &frf_ratios);
-        let products = |bin| road.expected_products(bin);
-        let expected = self.coherence.expect(&road_power, &noise, products, frame.stretch);
-        let incoherent_s = self.fading() * T::lit(HOP_S);
-        let weight = self.coherence.weight() * frame.frame.seen * self.snr_weight();
-        let measurement = SideMeasurement { side: self.side, expected, instrument, weight, incoherent_s };
-        Some(Measured { measurement, common, noise })
+        let frf_ratios = self.frf_correction.frf_ratios();
+        let road = UnitRoad::new(wheels, side, state, frame.delay_s, &frf_ratios);
+        (out.common, out.noise) = (common, noise);
+        let SideMeasurement { side: of, expected, instrument, weight, incoherent_s } = &mut out.measurement;
+        *of = side;
+        *expected =
+            self.coherence.expect(&road_power, &noise, |bin| road.expected_products(bin), frame.stretch);
+        *instrument = instrument_slope(frame, &frf_ratios, wheels, side, state);
+        *weight = self.coherence.weight() * frame.frame.seen * self.snr_weight();
+        *incoherent_s = self.fading() * T::lit(HOP_S);
+        Some(())
     }
 
     /// Learns from what the belief made of a frame; true if the road was shared. `opposite_parts`: the other side's roads seem

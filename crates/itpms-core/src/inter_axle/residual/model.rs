@@ -5,7 +5,7 @@
 use nalgebra::{Complex, Matrix2, SMatrix, SVector};
 
 use crate::belief::LEAST_DAMPING;
-use crate::belief::measurement::{AxleResidual, BINS, Gram};
+use crate::belief::measurement::{AxleResidual, BINS, Gram, Slope};
 use crate::belief::state::{
     BAR, DAMPING, GAIN, MASS, SIDE_BARS, SIDE_GAIN, SIDE_REAR, SIDE_SIZE, SIDE_SKEW, SIDE_WHEELBASE, SKEW,
     SKEW_UNIT_S, SPRING, State, WHEELBASE, read_compliance,
@@ -152,6 +152,31 @@ pub(crate) fn linearize<T: Real>(
     out
 }
 
+/// Road velocity and power of every bin as the axles measured it, their mean. Here and below: functions of their own, so that
+/// not all of a frame's derivatives lie on the stack at once.
+#[inline(never)]
+pub(crate) fn common_road<T: Real>(
+    frame: &AxleFrame<T>,
+    wheels: &[Wheel<T>; 2],
+    side: usize,
+    state: &State<T>,
+) -> ([Complex<T>; BINS], [T; BINS]) {
+    let AxleResidual { common, road_power, .. } = linearize(frame, Signals::Measured, wheels, side, state);
+    (common, road_power)
+}
+
+/// Derivatives of the residual on the road that both axles agree on.
+#[inline(never)]
+pub(crate) fn instrument_slope<T: Real>(
+    frame: &AxleFrame<T>,
+    frf_ratios: &FrfRatios<T>,
+    wheels: &[Wheel<T>; 2],
+    side: usize,
+    state: &State<T>,
+) -> Slope<T> {
+    linearize(frame, Signals::Common(frf_ratios), wheels, side, state).slope
+}
+
 impl<T: Real> AxleResidual<T> {
     fn fill(
         &mut self,
@@ -215,6 +240,7 @@ impl<'a, T: Real> UnitRoad<'a, T> {
     }
 
     /// Products of the derivatives with each other that a road of unit power makes in a bin: `Re⟨C* C⟩`.
+    #[inline(never)]
     pub(crate) fn expected_products(&self, bin: usize) -> Gram<T> {
         let mut sum = Gram::zeros();
         let (mut other_side, mut total) = (Matrix2::zeros(), T::zero());
@@ -248,7 +274,8 @@ impl<'a, T: Real> UnitRoad<'a, T> {
         for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
             sum[(SIDE_BARS[i], SIDE_BARS[j])] += other_side[(i, j)];
         }
-        sum / total
+        sum /= total;
+        sum
     }
 }
 

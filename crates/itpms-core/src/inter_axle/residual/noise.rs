@@ -92,6 +92,7 @@ impl<T: Real> Coherence<T> {
 
     /// What to expect of a frame with this road power, given the sensors' noise in the residual, the derivatives'
     /// products on a road of unit power, and the logarithm of the rear's speed over the front's.
+    #[inline(never)]
     pub(crate) fn expect(
         &self,
         road_power: &[T; BINS],
@@ -104,7 +105,12 @@ impl<T: Real> Coherence<T> {
         let mut information = Gram::zeros();
         for (bin, road) in self.road(road_power).into_iter().enumerate() {
             power[bin] = (self.incoherence[bin] + stretched) * road + noise[bin] + T::lit(1e-12);
-            information += products(bin) * (T::lit(2.0 * OVERLAP) * road / power[bin]);
+            let (products, worth) = (products(bin), T::lit(2.0 * OVERLAP) * road / power[bin]);
+            // In place: matrices are the largest things on the stack.
+            let sums = information.data.0.as_flattened_mut();
+            for (sum, &product) in sums.iter_mut().zip(products.data.0.as_flattened()) {
+                *sum += product * worth;
+            }
         }
         Expectation { power, information }
     }

@@ -108,7 +108,7 @@ impl FrameLister {
         }
         let absent = self.dbc.as_ref().map(|dbc| absent(dbc, &self.messages)).unwrap_or_default();
         let span_s = self.whole.span_s().map(|(first, _)| (first, self.latest_s));
-        Listing { groups, kind: "message", span_s, samples: self.whole.samples(), notes, absent }
+        Listing { groups, kind: "message", span_s, samples: self.whole.samples(), clock: None, notes, absent }
     }
 }
 

@@ -105,6 +105,7 @@ impl Mdf4Lister {
             kind: "group",
             span_s,
             samples: self.samples,
+            clock: None,
             notes: self.notes,
             absent: Vec::new(),
         }

@@ -50,6 +50,8 @@ pub struct Listing {
     pub span_s: Option<(f64, f64)>,
     /// Samples, frames or rows.
     pub samples: u64,
+    /// The column of a table that is taken for its clock.
+    pub clock: Option<String>,
     /// What was repaired or left out, and what is wrong with the description of the bus.
     pub notes: Vec<String>,
     /// Signals that the description has but this log has not, in candidates' order after those of `groups`.
@@ -212,6 +214,7 @@ impl Listing {
 
     fn of_one_table(
         columns: Vec<(String, Range)>,
+        column: Option<String>,
         clock: &Clock,
         kind: &'static str,
         notes: Vec<String>,
@@ -225,7 +228,7 @@ impl Listing {
             .collect();
         let group = ListedGroup { signals, ..ListedGroup::new(String::new(), clock) };
         let (span_s, samples) = (clock.span_s(), clock.samples());
-        Self { groups: vec![group], kind, span_s, samples, notes, absent: Vec::new() }
+        Self { groups: vec![group], kind, span_s, samples, clock: column, notes, absent: Vec::new() }
     }
 }
 

@@ -78,11 +78,12 @@ impl ParquetLister {
     }
 
     pub(super) fn finish(self) -> Listing {
+        let clock = self.time.and_then(|(place, _)| self.names.get(place).cloned());
         let columns = self.names.into_iter().zip(self.ranges).enumerate();
         let columns = columns
             .filter(|(place, _)| self.time.is_none_or(|(time, _)| time != *place))
             .map(|(_, column)| column);
-        Listing::of_one_table(columns.collect(), &self.clock, "table", Vec::new())
+        Listing::of_one_table(columns.collect(), clock, &self.clock, "table", Vec::new())
     }
 }
 

@@ -78,10 +78,11 @@ impl TableLister {
         if self.uneven > 0 {
             notes.push(format!("{} rows have more or fewer cells than the header", self.uneven));
         }
+        let clock = self.time.and_then(|(place, _)| self.names.get(place).cloned());
         let columns = self.names.into_iter().zip(self.ranges).enumerate();
         let columns = columns
             .filter(|(place, _)| self.time.is_none_or(|(time, _)| time != *place))
             .map(|(_, column)| column);
-        Listing::of_one_table(columns.collect(), &self.clock, "table", notes)
+        Listing::of_one_table(columns.collect(), clock, &self.clock, "table", notes)
     }
 }

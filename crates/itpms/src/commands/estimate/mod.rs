@@ -51,8 +51,15 @@ pub(crate) fn perform(
         itpms_drive::estimate(&mut log, &job, &mut files, &mut watch)?
     };
     drop(progress);
-    files.complete(&done)?;
-    remarks(args, screen, &log, &done.concerns);
+    let completed = files.complete(&done);
+    remarks(screen, &log, &done.concerns);
+    completed?;
+    if let Some(path) = &args.save_reference {
+        screen.remark(format!(
+            "{}: holds what the calibration taught of this car; valid until tires, springs, dampers or sensors are changed",
+            path.display()
+        ));
+    }
     Ok(Estimated { log, done })
 }
 
@@ -93,7 +100,7 @@ fn check_names(args: &EstimateArgs) -> Result<(), Failure> {
 }
 
 /// What was repaired, and what a person should know before believing the result.
-fn remarks(args: &EstimateArgs, screen: &Screen, log: &LogReader, concerns: &[String]) {
+fn remarks(screen: &Screen, log: &LogReader, concerns: &[String]) {
     let path = log.path().display();
     let aligned = log.alignment().map(|report| report.remarks()).unwrap_or_default();
     for remark in log.mapping().iter().chain(&aligned) {
@@ -104,11 +111,5 @@ fn remarks(args: &EstimateArgs, screen: &Screen, log: &LogReader, concerns: &[St
     }
     if !log.columns().speed {
         screen.remark(format!("{path}: no speed_m_s, so no distance and no roughness"));
-    }
-    if let Some(path) = &args.save_reference {
-        screen.remark(format!(
-            "{}: holds what the reset taught of this car; valid until tires, springs, dampers or sensors are changed",
-            path.display()
-        ));
     }
 }

@@ -23,6 +23,7 @@ pub(super) fn value(log: &Path, listing: &Listing, resolved: &Resolved, columns:
         "log": log.display().to_string(),
         "kind": listing.kind,
         "samples": listing.samples,
+        "clock": listing.clock,
         "first_s": listing.span_s.map(|(first, _)| first),
         "last_s": listing.span_s.map(|(_, last)| last),
         "groups": groups.collect::<Vec<_>>(),

@@ -13,7 +13,7 @@ use std::path::Path;
 use itpms_data::out::AtomicFile;
 use itpms_data::signals::{Chosen, Lister, Listing, Resolved, SignalMap, resolve};
 
-use super::names;
+use super::{former, names};
 use crate::args::SignalsArgs;
 use crate::exit::Failure;
 use crate::interrupt::Interrupt;
@@ -32,7 +32,9 @@ pub(crate) fn run(args: &SignalsArgs, screen: &Screen, interrupt: &Interrupt) ->
     let listing = lister.finish();
     let resolved = resolve(&listing.candidates(), map.as_ref())?;
     if let Some(mut file) = written {
-        file.append(resolved.to_toml().as_bytes())?;
+        let text = resolved.to_toml(listing.clock.as_deref());
+        former::keep(file.target(), &text, screen)?;
+        file.append(text.as_bytes())?;
         file.settle()?;
         file.commit()?;
     }

@@ -111,7 +111,12 @@ fn summary(listing: &Listing) -> String {
     }
     let signals: usize = listing.groups.iter().map(|group| group.signals.len()).sum();
     match listing.kind {
-        "table" => text += &format!(", {signals} columns"),
+        "table" => {
+            text += &format!(", {signals} columns");
+            if let Some(clock) = &listing.clock {
+                text += &format!(" beside the clock, {clock}");
+            }
+        }
         kind => {
             let known = listing.groups.iter().filter(|group| group.is_known).count();
             text += &format!(", {known} {kind}s with {signals} signals");

@@ -9,7 +9,7 @@ use itpms_drive::{KnownDrive, LearnedVehicle, learn};
 use itpms_study::learn::{LearnedCorner, Parameter};
 
 use crate::args::LearnArgs;
-use crate::commands::names;
+use crate::commands::{former, names};
 use crate::exit::Failure;
 use crate::interrupt::Interrupt;
 use crate::screen::Screen;
@@ -39,7 +39,7 @@ pub(super) fn run(args: &LearnArgs, screen: &Screen, interrupt: &Interrupt) -> R
     })?;
     drop(progress);
     let name = from.file_name().unwrap_or(from.as_os_str()).to_string_lossy().into_owned();
-    write(&args.output, &learned.to_toml(&name))?;
+    write(&args.output, &learned.to_toml(&name), screen)?;
     for concern in &learned.concerns {
         screen.warn(concern);
     }
@@ -57,8 +57,9 @@ pub(super) fn run(args: &LearnArgs, screen: &Screen, interrupt: &Interrupt) -> R
     Ok(())
 }
 
-fn write(path: &Path, text: &str) -> Result<(), Failure> {
+fn write(path: &Path, text: &str, screen: &Screen) -> Result<(), Failure> {
     let mut file = AtomicFile::create(path)?;
+    former::keep(path, text, screen)?;
     file.append(text.as_bytes())?;
     file.commit()?;
     Ok(())

@@ -7,6 +7,7 @@ mod show;
 use itpms_data::out::AtomicFile;
 use itpms_data::vehicle::typical::TypicalCar;
 
+use super::former;
 use crate::args::{InitArgs, VehiclePart};
 use crate::exit::Failure;
 use crate::interrupt::Interrupt;
@@ -37,6 +38,7 @@ fn init(args: &InitArgs, screen: &Screen) -> Result<(), Failure> {
         return Ok(());
     };
     let mut file = AtomicFile::create(path)?;
+    former::keep(path, &text, screen)?;
     file.append(text.as_bytes())?;
     file.commit()?;
     screen.remark(format!("{}: typical values; look at them with itpms vehicle show", path.display()));
