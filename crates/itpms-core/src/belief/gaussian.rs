@@ -14,6 +14,9 @@ const RATE_MEAN: f64 = 0.08;
 const RATE_SD: f64 = 0.08;
 /// Seconds for which a car goes on over roads that are alike.
 const ROAD_S: f64 = 1800.0;
+/// Growth per square root of a second of the sd that all tires' compliances have in common: air warms up, cools down and seeps out of all of
+/// them alike. A fifth of the pressure in an hour is two sds.
+const IN_COMMON_SD: f64 = 1.2e-3;
 /// The least that a tire's compliance can be, over that at placard pressure, less one: at more than twice that pressure.
 const HARDEST: f64 = -0.5;
 
@@ -127,6 +130,8 @@ impl<T: Real> Circumstances<T> {
 pub(crate) struct Wandering<T: Real> {
     stays: State<T>,
     variance: State<T>,
+    /// Variance that all tires' compliances gain in common.
+    in_common: T,
 }
 
 impl<T: Real> Wandering<T> {
@@ -146,10 +151,16 @@ impl<T: Real> Wandering<T> {
                 rate[at] = T::lit(0.5) * gained[at] / (end_sd[at] * end_sd[at] + besides);
             }
         }
+        let mut in_common = T::lit(IN_COMMON_SD * IN_COMMON_SD);
         if circumstances.tires_set {
             gained.fixed_rows_mut::<4>(TIRE).fill(T::zero());
+            in_common = T::zero();
         }
-        Self { stays: rate.map(|rate| (-rate * seconds).exp_fast()), variance: gained * seconds }
+        Self {
+            stays: rate.map(|rate| (-rate * seconds).exp_fast()),
+            variance: gained * seconds,
+            in_common: in_common * seconds,
+        }
     }
 }
 
@@ -180,13 +191,18 @@ impl<T: Real> Hypothesis<T> {
 
     /// What changes by itself does so: about the vehicle file, and never further than a car may be from it.
     pub(crate) fn wander(&mut self, wandering: &Wandering<T>) {
-        let Wandering { stays, variance } = wandering;
+        let Wandering { stays, variance, in_common } = wandering;
         self.mean.component_mul_assign(stays);
         for j in 0..SIZE {
             for i in 0..SIZE {
                 self.covariance[(i, j)] *= stays[i] * stays[j];
             }
             self.covariance[(j, j)] += variance[j];
+        }
+        for j in TIRE..TIRE + 4 {
+            for i in TIRE..TIRE + 4 {
+                self.covariance[(i, j)] += *in_common;
+            }
         }
     }
 

@@ -4,7 +4,7 @@ extern crate std;
 
 use std::vec::Vec;
 
-use nalgebra::SMatrix;
+use nalgebra::{SMatrix, SVector};
 // Where another crate of the build brings `std`, numbers have these functions by themselves.
 #[allow(unused_imports)]
 use nalgebra::ComplexField;
@@ -157,7 +157,10 @@ fn prediction_agrees_with_exact_enumeration() {
         }
         // What wanders does so before the rate moves the tires.
         let m = transition * decay * hypothesis.mean;
-        let p = decay * hypothesis.covariance * decay.transpose() + Covariance::from_diagonal(&noise);
+        let mut p = decay * hypothesis.covariance * decay.transpose() + Covariance::from_diagonal(&noise);
+        for (i, j) in (TIRE..TIRE + 4).flat_map(|i| (TIRE..TIRE + 4).map(move |j| (i, j))) {
+            p[(i, j)] += 1.2e-3 * 1.2e-3 * seconds;
+        }
         let p = transition * p * transition.transpose();
         mean += m * *weight / total;
         square += (p + m * m.transpose()) * *weight / total;
@@ -268,6 +271,34 @@ fn days_without_measurements_end_where_they_began() {
         assert!(bank.hypotheses[0].mean[i] < most * 0.01, "{i}");
     }
     assert!(constant(&bank, TIRE) > 0.3);
+}
+
+/// A fifth of the pressure that all tires lose in an hour is two standard deviations; their differences stay known.
+#[test]
+fn tires_change_alike_further_than_each_by_itself() {
+    let mut bank = bank(&[0.0; 4]);
+    let before = bank.hypotheses[0].covariance;
+    let step = gaussian::Wandering::over(1.0, &gaussian::Circumstances::of_a_car(MASS_SD));
+    (0..3600).for_each(|_| bank.hypotheses[0].wander(&step));
+    let gained = bank.hypotheses[0].covariance - before;
+    let tires = gained.fixed_view::<4, 4>(TIRE, TIRE).into_owned();
+    let variance = |weights: [f64; 4]| {
+        let weights = SVector::from(weights);
+        (weights.transpose() * tires * weights)[(0, 0)]
+    };
+    // Their mean: 1.2e-3 in common, and half of each one's own 8e-4, times the root of 3600.
+    let mean = variance([0.25; 4]).sqrt();
+    assert!((mean / (60.0 * (1.2e-3f64.powi(2) + 4e-4f64.powi(2)).sqrt()) - 1.0).abs() < 1e-9, "{mean}");
+    // In pressure: over three quarters, its share of the stiffness.
+    assert!((0.09..0.11).contains(&(mean / 0.74)), "{mean}");
+    let difference = variance([1.0, 0.0, -1.0, 0.0]);
+    assert!((difference / (2.0 * 3600.0 * 8e-4f64.powi(2)) - 1.0).abs() < 1e-9, "{difference}");
+    // While somebody says what the tires have, nothing does.
+    let told = gaussian::Circumstances { tires_set: true, ..gaussian::Circumstances::of_a_car(MASS_SD) };
+    let held = bank.hypotheses[0].covariance;
+    bank.hypotheses[0].wander(&gaussian::Wandering::over(60.0, &told));
+    let tires = |p: &Covariance<f64>| p.fixed_view::<4, 4>(TIRE, TIRE).into_owned();
+    assert_eq!(tires(&bank.hypotheses[0].covariance), tires(&held));
 }
 
 /// Friction that is not known is another damping and another spring within a minute, another tire within half an hour, and no more than
