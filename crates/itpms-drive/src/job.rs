@@ -2,6 +2,7 @@
 
 use itpms_core::model::Corner;
 use itpms_data::Vehicle;
+use itpms_data::log::LogOptions;
 
 use crate::settings::Settings;
 
@@ -14,6 +15,8 @@ pub struct Job<'a> {
     pub corners: &'a [Corner],
     /// How.
     pub settings: &'a Settings,
+    /// How the log was opened.
+    pub reading: &'a LogOptions,
     /// Whether the road is smoothed, for a road record or a report.
     pub road: bool,
     /// Whether a report is drawn: what only a report shows is not computed without one.

@@ -31,6 +31,7 @@ pub mod fleet;
 mod job;
 pub mod learn;
 pub mod pipeline;
+mod provenance;
 pub mod reference;
 pub mod road;
 pub mod run;

@@ -147,6 +147,7 @@ mod tests {
 
     use super::*;
     use itpms_data::Vehicle;
+    use itpms_data::log::LogOptions;
 
     use crate::simulated::{log_row, vehicle_of};
     use crate::{LateRow, Settings, common_corners, estimate};
@@ -223,7 +224,15 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (mut log, vehicle) = drive(folder.path(), broken);
         let (corners, settings) = (common_corners(&log, &vehicle).unwrap(), Settings::default());
-        let job = Job { vehicle: &vehicle, corners: &corners, settings: &settings, road: true, report: true };
+        let reading = LogOptions::default();
+        let job = Job {
+            vehicle: &vehicle,
+            corners: &corners,
+            settings: &settings,
+            reading: &reading,
+            road: true,
+            report: true,
+        };
         let mut sink = Kept { refuses, ..Kept::default() };
         let mut looks = 0;
         let mut watch = |_share: f64| {

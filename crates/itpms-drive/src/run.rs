@@ -4,14 +4,15 @@ use std::ops::ControlFlow;
 
 use itpms_core::model::{BodyFit, Corner, Misfit, VehicleCalibration};
 use itpms_core::warning::{Change, MonitorReport};
-use itpms_data::{LogReader, LogRow, Vehicle};
-use itpms_study::report::{CornerRow, Parameter, Provenance, ReportCollector, ReportData, ReportOptions};
+use itpms_data::{LogReader, LogRow};
+use itpms_study::report::{CornerRow, Provenance, ReportCollector, ReportData, ReportOptions};
 
 use crate::alerts::{Alerts, Events};
 use crate::concerns;
 use crate::drive::{Drive, Estimates, QuarterCars};
 use crate::error::DriveError;
 pub use crate::job::Job;
+use crate::provenance::provenance;
 use crate::road::{LateRow, RoadTrack};
 
 /// Rows between two looks at whoever may want to stop or to know how far it is.
@@ -190,49 +191,4 @@ fn with_truth(row: &LogRow, estimates: &Estimates) -> [Option<CornerRow>; 4] {
         let (estimate, logged) = (estimates[corner.index()]?, row.corners[corner.index()]?);
         Some(CornerRow { estimate, truth_kpa: logged.pressure_kpa, truth_road_m: logged.road_m })
     })
-}
-
-/// Where the vehicle's parameters come from: drives, the file, or what is usual for its confidence.
-fn sources(vehicle: &Vehicle, corners: &[Corner]) -> Vec<(Parameter, String)> {
-    let Some(first) = corners.first() else { return vec![] };
-    let (told, tire) =
-        (&vehicle.details.corners[first.index()], &vehicle.details.corners[first.index()].tire);
-    let source = |parameter: Parameter| {
-        let (learned, sd_told) = match parameter {
-            Parameter::SprungMass => (false, told.sprung_mass_relative_sd.is_some()),
-            Parameter::UnsprungMass => (true, told.unsprung_mass_relative_sd.is_some()),
-            Parameter::Tire => (true, tire.stiffness_relative_sd.is_some()),
-            Parameter::TireOverMass => (
-                true,
-                tire.stiffness_over_mass_relative_sd.is_some()
-                    || told.unsprung_mass_relative_sd.is_some() && tire.stiffness_relative_sd.is_some(),
-            ),
-            // A line without a standard deviation is taken as exact, whatever the confidence.
-            Parameter::Slope => (true, true),
-            Parameter::Damping => (true, told.damping_relative_sd.is_some()),
-            Parameter::Spring => (true, told.spring_relative_sd.is_some()),
-            Parameter::Friction => (true, told.friction_sd_n.is_some()),
-            Parameter::TireDamping => (false, told.tire_damping_sd_n_s_per_m.is_some()),
-        };
-        match &vehicle.learned {
-            Some(drives) if learned => format!("learned: {drives}"),
-            _ if sd_told => "vehicle file".to_owned(),
-            _ => format!("vehicle file; ± as usual for {}", vehicle.details.confidence.label()),
-        }
-    };
-    Parameter::ALL.into_iter().map(|parameter| (parameter, source(parameter))).collect()
-}
-
-fn provenance(job: &Job<'_>, log: &LogReader) -> Provenance {
-    Provenance {
-        program: format!("itpms {}", env!("CARGO_PKG_VERSION")),
-        source: log.path().file_name().unwrap_or_default().to_string_lossy().into_owned(),
-        vehicle: job.vehicle.name.clone(),
-        estimator: job.settings.estimator.label().to_owned(),
-        sources: sources(job.vehicle, job.corners),
-        // The same input gives the same page, byte by byte: no date.
-        created: String::new(),
-        options: vec![("rate".to_owned(), format!("{} Hz", job.settings.rate_hz))],
-        repairs: log.repairs().counts().into_iter().map(|(what, count)| (what.to_owned(), count)).collect(),
-    }
 }

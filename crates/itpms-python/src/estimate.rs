@@ -62,7 +62,7 @@ fn run(
     told: &Told,
     open: impl FnOnce() -> Result<LogReader, itpms_data::DataError> + Send,
 ) -> PyResult<Estimated> {
-    let settings = options.settings(py)?;
+    let (settings, reading) = (options.settings(py)?, options.reading());
     let (vehicle, keep_road, save) = (&vehicle.0, options.road, options.save_reference.as_deref());
     // For a report the road is smoothed; the same report, whatever else was kept.
     let (report, smooth) = (options.report, options.report || keep_road);
@@ -71,7 +71,8 @@ fn run(
         let corners = common_corners(&log, vehicle)?;
         let saving = save.map(|path| Saving::create(path, &settings, vehicle)).transpose()?;
         let mut kept = Kept::new(&corners, settings.rate_hz, keep_road);
-        let job = Job { vehicle, corners: &corners, settings: &settings, road: smooth, report };
+        let job =
+            Job { vehicle, corners: &corners, settings: &settings, reading: &reading, road: smooth, report };
         let done = itpms_drive::estimate(&mut log, &job, &mut kept, &mut |share| meanwhile.done(share))?;
         if let Some(saving) = saving {
             saving.complete(settings.calibrate_s, done.data.drive.duration_s, done.learned)?.commit()?;

@@ -250,7 +250,7 @@ def test_the_figure_shows_every_corner(result):
 
 
 def test_a_result_says_what_it_found(result):
-    assert "fl  138." in repr(result) and "LOW since 22." in repr(result)
+    assert "fl  138." in repr(result) and "LOW, warned of at 22." in repr(result)
     assert result.concerns == []
     assert any(alert["wheels"] == ["fl"] for alert in result.alerts)
 

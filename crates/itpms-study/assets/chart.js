@@ -35,6 +35,13 @@ const Chart = (() => {
     const s = +t.toFixed(places), h = Math.floor(s / 3600), m = Math.floor((s % 3600) / 60);
     return (h ? h + ":" + pad(m, 0) : m) + ":" + pad(s % 60, places);
   }
+  // A length of time.
+  function lasting(s) {
+    if (s < 9.95) return +s.toFixed(1) + " s";
+    if (s < 119.5) return Math.round(s) + " s";
+    const whole = Math.round(s), h = Math.floor(whole / 3600), m = Math.floor((whole % 3600) / 60), pad = (n) => String(n).padStart(2, "0");
+    return h ? h + " h " + pad(m) + " min" : m + " min " + pad(whole % 60) + " s";
+  }
   const longest = data.t.length ? data.t[data.t.length - 1] : 0;
   // Round steps in decimals below a minute and in sixties above.
   const steps = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, ...(longest < 180 ? [50, 100] : [30]),
@@ -298,7 +305,7 @@ const Chart = (() => {
   // ---- validity and warning, by color, pattern and word -------------------------------------------------------
   const VALIDITY = [
     ["valid", "green", "plain"], ["starting", "quiet", "dots"], ["no information", "quiet", "lines"],
-    ["bad signal", "warn", "cross"], ["diverged", "low", "cross"],
+    ["bad signal", "warn", "cross"], ["diverged", "low", "cross"], ["car does not fit", "warn", "lines"],
   ];
   const WARNING = [["none", "grid", "plain"], ["malfunction", "warn", "cross"], ["low", "low", "lines"]];
   const STATE = [["fine", "fine", "plain"], ["not known", "quiet", "dots"], ["too high", "extra", "lines"], ["malfunction", "warn", "cross"], ["low", "low", "lines"]];
@@ -348,8 +355,13 @@ const Chart = (() => {
       legend.append(li);
       return output;
     });
-    const codes = (runs, table) => [...new Set(runs.map((r) => r[2]))].sort().map((c) => table[c][0]).join(", ") || "unknown";
-    const rest = () => rows.forEach(([, runs, table], k) => (now[k].textContent = codes(runs, table)));
+    // How long each lasted, all its stretches together, in the order in which they first came.
+    const durations = (runs, table) => {
+      const sums = new Map();
+      runs.forEach(([from, to, code]) => sums.set(code, (sums.get(code) || 0) + to - from));
+      return [...sums].map(([code, s]) => table[code][0] + " " + lasting(s)).join(", ") || "unknown";
+    };
+    const rest = () => rows.forEach(([, runs, table], k) => (now[k].textContent = durations(runs, table)));
     rest();
     figure.append(holder, legend);
     const plot = new uPlot({

@@ -44,8 +44,8 @@
     panel(host, timed({
       title: "Pressure", wide: true, height: 320, yLabel: "Pressure (kPa)",
       range: (u, lo, hi) => around(60, 0)(u, lo == null ? lo : Math.max(lo, span(corner).low), hi == null ? hi : Math.min(hi, span(corner).high)),
-      note: known ? "The estimate with its 95 % band, the truth, and the band no single-corner estimator can beat around it."
-        : "The estimate with its 95 % band, and the band no single-corner estimator can beat around it.",
+      note: "The estimate with its 95 % band" + (known ? ", the truth, and around it" : ", and around it")
+        + " the band that no estimator of one corner alone can beat; four wheels or a calibration can.",
       items: [
         { label: "95 % band", lo: c.lo, hi: c.hi, band: "band", text: (i) => digits(c.lo[i], 0) + " to " + digits(c.hi[i], 0) },
         { label: "Cramer-Rao bound, 95 %", lo: c.boundLo, hi: c.boundHi, dash: "dotted",
@@ -65,7 +65,7 @@
     const c = corner.time;
     panel(host, timed({
       title: "How sure", yLabel: "Std. deviation (kPa)", range: (u, lo, hi) => [0, lo == null ? 1 : 1.06 * Math.min(hi, 1.5 * span(corner).sd)],
-      note: "Stated standard deviation against the Cramer-Rao bound" + (has(c.error) ? " and the error actually made." : " for a steady pressure."),
+      note: "Stated standard deviation against the Cramer-Rao bound of one corner alone" + (has(c.error) ? " and the error actually made." : " for a steady pressure."),
       items: [
         { label: "Error", y: c.error, color: "quiet", width: 1, text: (i) => kpa(c.error[i]) },
         { label: "Bound", y: c.bound, color: "bound", dash: "dashed", text: (i) => kpa(c.bound[i]) },
@@ -112,16 +112,16 @@
     const along = (list) => (far ? list.map((v) => (v == null ? null : v / 1000)) : list);
     const x = along(r.x), xi = along(r.iri.x), unit = far ? "km" : "m";
     const mm = (list) => list.map((v) => (v == null ? null : v * 1000));
-    const z = mm(r.z), lo = mm(r.lo), hi = mm(r.hi), truth = mm(r.truth);
+    const z = mm(r.z), truth = mm(r.truth);
     const ends = [x, xi].filter(has).map((list) => [list[0], list[list.length - 1]]);
     const half = r.iri.segment / (far ? 2000 : 2);
     const full = [Math.max(0, Math.min(...ends.map((e) => e[0])) - half), Math.max(...ends.map((e) => e[1])) + half];
     const metres = (d) => "at " + digits(d, far ? 3 : 1) + " " + unit;
     panel(host, {
       title: "Road under this wheel", wide: true, height: 230, x, full, group: "road", xLabel: `Distance (${unit})`, yLabel: "Height (mm)", at: metres, range: around(2),
-      note: "Height with its 95 % band, freed of its moving average over 10 m" + (has(truth) ? ", as is the truth." : "."),
+      note: "Freed of its moving average over 10 m" + (has(truth) ? ", as is the truth" : "")
+        + ". Without a band: the standard deviation in a road record (road_sd_m) is mostly that of the slow drift, which is not drawn.",
       items: [
-        { label: "95 % band", lo, hi, band: "band" },
         { label: "Truth", y: truth, color: "truth", dash: "dashed", width: 1, text: (i) => digits(truth[i], 1) + " mm" },
         { label: "Estimate", y: z, color: "estimate", text: (i) => digits(z[i], 1) + " mm" },
       ],

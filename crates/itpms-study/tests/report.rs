@@ -9,7 +9,7 @@ use itpms_core::model::{
     CarConfig, Corner, CornerConfig, CornerEstimate, Diagnostics, Level, Validity, Warning,
 };
 use itpms_core::monitor::{Monitor, MonitorConfig};
-use itpms_core::warning::WheelState;
+use itpms_core::warning::{Doubt, WheelState};
 use itpms_study::report::{
     CornerRow, Provenance, ReportCollector, ReportData, ReportOptions, headline, render_report, write_report,
 };
@@ -57,7 +57,10 @@ fn says_in_words_what_was_found() {
     let data = report(&PAPER, "sedan");
     let page = render_report(&data).unwrap();
     let title = &page[page.find("<title>").unwrap() + 7..page.find("</title>").unwrap()];
-    assert!(title.starts_with("Front left fell to 1") && title.contains("kPa: low since 2"), "{title}");
+    assert!(
+        title.starts_with("Front left fell to 1") && title.contains("kPa: low, warned of at 2"),
+        "{title}"
+    );
     assert!(page.contains(&format!("<h1>{title}</h1>")) && headline(&data) == title);
     for word in
         ["RMSE", "Bias", "Coverage", "Road class", "Roughness (IRI)", "itpms 0.1.0", "missing samples"]
@@ -255,8 +258,16 @@ fn what_the_monitor_said_is_a_table_and_a_time_line() {
         assert!(low.alert.wheels.contains(Corner::FrontLeft) && low.ended_s.is_none());
         assert!((30.0..35.0).contains(&low.alert.reported_s), "{low:?}");
         let page = render_report(&data).unwrap();
-        assert!(page.contains("</span> 140 ± 4 kPa when said"), "the table says why");
+        assert!(page.contains("</span> 140 ± 4 kPa then"), "the table says why");
         assert!(page.contains("class=\"tire low\"") && page.matches("class=\"tire fine\"").count() == 3);
+        // One state, one word: on the card, its section and beside the tire.
+        assert_eq!(page.matches("\"badge fine\">Fine<").count(), 6);
+        assert_eq!(page.matches(">fine</text>").count(), 3);
+        // When it was said is the same moment wherever it stands; `since` is the table's alone.
+        let said = moment(low.alert.reported_s);
+        assert!(page.contains(&format!("low, warned of at {said}")), "{said}");
+        assert!(page.contains(&format!("<span>warned of at {said}</span>")), "{said}");
+        assert!(page.contains(&format!("data-label=\"warned of at\">{said}</td>")), "{said}");
         let json = embedded(&page);
         assert_eq!(json["alerts"][0]["wheels"][0], "fl");
         let states = json["corners"][0]["state"].as_array().unwrap();
@@ -264,6 +275,34 @@ fn what_the_monitor_said_is_a_table_and_a_time_line() {
         assert!(last[2] == 4 && (last[1].as_f64().unwrap() - 59.99).abs() < 0.2, "{states:?}");
         assert_balanced(&page);
     }
+}
+
+/// A time below 100 s as the page writes it.
+fn moment(time_s: f64) -> String {
+    format!("{time_s:.1}\u{a0}s").replace(".0\u{a0}", "\u{a0}")
+}
+
+/// Nobody can go by a pressure that could be low as well: no wheel of these is called fine.
+#[test]
+fn a_wheel_that_is_not_known_says_so_and_why() {
+    let mut data = monitored(0.0);
+    for (corner, doubt) in
+        data.corners[1..].iter_mut().zip([Doubt::Uncertain, Doubt::Misfit, Doubt::Starting])
+    {
+        corner.state = Some(WheelState::Unknown(doubt));
+    }
+    let why: Vec<_> = data.corners.iter().map(|corner| corner.doubt()).collect();
+    assert_eq!(why[0], None);
+    let page = render_report(&data).unwrap();
+    assert_eq!(page.matches("\"badge unknown\">Not known<").count(), 6);
+    assert_eq!(page.matches(">not known</text>").count(), 3);
+    for why in why.iter().flatten() {
+        assert!(page.contains(&format!("<span>{why}</span>")), "{why}");
+    }
+    assert!(page.contains(
+        "Front right is at 240\u{a0}±\u{a0}4\u{a0}kPa: not known, too uncertain to rule out a loss."
+    ));
+    assert_balanced(&page);
 }
 
 /// A corner that holds 230 kPa on a road that is one slow sine.
@@ -330,7 +369,7 @@ fn a_long_drive_makes_no_longer_page() {
     assert!(corner.curves.change_probability.is_empty());
     let page = render_report(&data).unwrap();
     assert!(page.len() < 600_000, "{} bytes", page.len());
-    assert!(page.contains("Front left held 230\u{a0}±\u{a0}4\u{a0}kPa: no warning"));
+    assert!(page.contains("Front left held 230\u{a0}±\u{a0}4\u{a0}kPa: fine"));
 }
 
 #[test]

@@ -12,7 +12,7 @@ fn the_demo_finds_the_punctured_tire_and_no_other() {
     let lines: Vec<&str> = outcome.success().lines().collect();
     let line = |corner: &str| lines.iter().find(|line| line.starts_with(corner)).unwrap();
     // The drop begins at 20 s and ends at 22.5 s.
-    assert!(line("fl").contains("LOW since 2"), "{outcome:?}");
+    assert!(line("fl").contains("LOW, warned of at 2"), "{outcome:?}");
     for other in ["fr", "rl", "rr"] {
         assert!(!line(other).contains("LOW"), "{outcome:?}");
     }

@@ -44,7 +44,7 @@ fn pressures_come_at_ten_hertz_in_the_promised_columns_and_follow_the_drop() {
 fn a_low_tire_is_warned_of_after_the_drop_and_not_before() {
     let bench = Bench::with_drive();
     let outcome = bench.run("estimate drive.csv --vehicle car.toml -o est.csv");
-    assert!(outcome.success().contains("LOW since 2"), "{outcome:?}");
+    assert!(outcome.success().contains("LOW, warned of at 2"), "{outcome:?}");
     let (_, rows) = table(&bench.read("est.csv"));
     for row in &rows {
         // 241.3 kPa until 20 s; 43 % too low from 22.5 s, and 5 s are plenty to say so.
@@ -237,7 +237,21 @@ fn a_speed_that_is_stuck_and_a_short_reset_are_said() {
         let outcome = bench.run("estimate drive.csv --vehicle car.toml -o est.csv");
         assert!(outcome.stderr.contains(found), "{speed}: {outcome:?}");
         // Without a speed the loss is read all the same.
-        assert!(outcome.success().contains("LOW since"), "{speed}: {outcome:?}");
+        assert!(outcome.success().contains("LOW, warned of at"), "{speed}: {outcome:?}");
+    }
+}
+
+/// A typical file knows a pressure to some 50 kPa, which rules out no loss; a calibrated car's to few.
+#[test]
+fn a_wheel_that_is_not_known_does_not_look_like_one_that_is_fine() {
+    let bench = Bench::new();
+    bench.run("simulate drive-puncture --seed 1 -o drive.csv --vehicle-out known.toml").success();
+    bench.run("vehicle init --mass 1160 --front-share 0.52 --tire 205/60R16 -o typical.toml").success();
+    let lines = |vehicle: &str| bench.run(&format!("estimate drive.csv --vehicle {vehicle} -o est.csv"));
+    for (vehicle, not_known) in [("known.toml", false), ("typical.toml", true)] {
+        let outcome = lines(vehicle);
+        let line = outcome.success().lines().find(|line| line.starts_with("fr ")).unwrap();
+        assert_eq!(line.contains("; not known: too uncertain to rule out a loss"), not_known, "{line}");
     }
 }
 

@@ -52,7 +52,8 @@ pub(super) fn run(
         begun: Begun::default(),
     };
     // The road is smoothed as for a report: the same roughness with and without one.
-    let job = Job { vehicle, corners: &corners, settings, road: true, report: plan.reports };
+    let reading = &plan.options;
+    let job = Job { vehicle, corners: &corners, settings, reading, road: true, report: plan.reports };
     let mut done = estimate(&mut log, &job, &mut sink, watch)?;
     let taught = teach(plan, errand, &mut done)?;
     sink.files.complete(&done)?;

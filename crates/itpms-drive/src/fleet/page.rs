@@ -8,10 +8,11 @@ use itpms_data::out::AtomicFile;
 use itpms_study::plot::{Figure, Ink, escape};
 use itpms_study::report::BASE_STYLE;
 
+use super::found::natural;
 use super::histogram::histogram;
 use super::record::{DriveRecord, WheelRecord};
 use super::standing::{CarStanding, State, lowest, share};
-use super::{Outcome, Plan};
+use super::{Failed, Outcome, Plan};
 use crate::error::DriveError;
 
 const TEMPLATE: &str = include_str!("page.html");
@@ -37,7 +38,7 @@ fn page(plan: &Plan, outcome: &Outcome) -> String {
         ("style", STYLE.into()),
         ("subline", subline(outcome, &cars)),
         ("cards", cards(&cars)),
-        ("cars", cars_table(&cars)),
+        ("cars", cars_table(&cars, &outcome.failed)),
         ("figures", figures(&outcome.drives, &cars)),
         ("drives", drives_table(&outcome.drives) + &failed_table(outcome)),
         ("provenance", provenance(plan)),
@@ -68,7 +69,10 @@ pub(super) fn headline(cars: &[CarStanding<'_>]) -> String {
         }
     };
     match (count(State::Low), count(State::Malfunction), count(State::Over), count(State::Unknown)) {
-        (0, 0, 0, 0) => format!("No warning on {all}"),
+        (0, 0, 0, 0) => match cars.len() {
+            1 => "The car is fine".to_owned(),
+            _ => format!("All {all} are fine"),
+        },
         (0, 0, 0, n) => say(n, "is not known well enough", "are not known well enough"),
         (0, 0, n, _) => say(n, "has a tire with too much pressure", "have a tire with too much pressure"),
         (0, n, ..) => say(n, "has a sensor fault", "have a sensor fault"),
@@ -132,8 +136,19 @@ fn badge(state: State) -> String {
     format!("<span class=\"badge {}\">{}</span>", state.label(), word(state))
 }
 
-/// The cars, the worst first, each with its wheels at the end of its last drive.
-fn cars_table(cars: &[CarStanding<'_>]) -> String {
+/// How many drives of the car that come after its last one could not be estimated, as a link to them: they might have changed its state.
+fn later_failures(car: &CarStanding<'_>, last: &DriveRecord, failed: &[Failed]) -> String {
+    let later = |failed: &&Failed| {
+        failed.car.as_deref() == Some(car.car) && natural(&failed.file.to_string_lossy(), &last.file).is_gt()
+    };
+    match failed.iter().filter(later).count() {
+        0 => String::new(),
+        n => format!("<small><a href=\"#failed\">{} failed</a></small>", counted(n, "later drive")),
+    }
+}
+
+/// The cars, the worst first, each with its wheels at the end of its last drive that could be estimated.
+fn cars_table(cars: &[CarStanding<'_>], failed: &[Failed]) -> String {
     let mut out = String::from(
         "<div class=\"scroll\"><table class=\"cars\"><thead><tr><th scope=\"col\">Car</th><th scope=\"col\">State</th>\
          <th scope=\"col\">Front left</th><th scope=\"col\">Front right</th><th scope=\"col\">Rear left</th>\
@@ -145,13 +160,14 @@ fn cars_table(cars: &[CarStanding<'_>]) -> String {
         let _ = writeln!(
             out,
             "<tr><th scope=\"row\">{name}<small>{vehicle}</small></th><td>{badge}</td>{wheels}<td class=\"line\">{line}</td>\
-             <td class=\"last\">{link}<small>{count}</small></td></tr>",
+             <td class=\"last\">{link}<small>{count}</small>{later}</td></tr>",
             name = escape(car.car),
             vehicle = if last.vehicle == car.car { String::new() } else { escape(&last.vehicle) },
             badge = badge(car.state),
             line = line(&car.drives),
             link = link(last),
             count = counted(car.drives.len(), "drive"),
+            later = later_failures(car, last, failed),
         );
     }
     out.push_str("</tbody></table></div>");
@@ -239,7 +255,7 @@ fn drives_table(drives: &[DriveRecord]) -> String {
     });
     let mut out = String::from(
         "<div class=\"scroll\"><table class=\"drives\"><thead><tr><th scope=\"col\">Drive</th><th scope=\"col\">Car</th>\
-         <th scope=\"col\">State</th><th scope=\"col\">Lowest tire at the end</th><th scope=\"col\">Known</th><th scope=\"col\">IRI, m/km</th>\
+         <th scope=\"col\">State</th><th scope=\"col\">Lowest tire at the end</th><th scope=\"col\">Valid</th><th scope=\"col\">IRI, m/km</th>\
          <th scope=\"col\">Distance</th><th scope=\"col\">Time</th></tr></thead><tbody>\n",
     );
     for drive in order.into_iter().take(LISTED) {
@@ -251,7 +267,7 @@ fn drives_table(drives: &[DriveRecord]) -> String {
         let km = drive.distance_m.map_or("–".to_owned(), |m| format!("{}\u{a0}km", few(m / 1000.0)));
         let _ = writeln!(
             out,
-            "<tr><th scope=\"row\">{}{said}</th><td data-label=\"car\">{}</td><td>{}</td><td class=\"lowest\" data-label=\"lowest\">{}</td><td class=\"n\" data-label=\"known\">{:.0} %</td>\
+            "<tr><th scope=\"row\">{}{said}</th><td data-label=\"car\">{}</td><td>{}</td><td class=\"lowest\" data-label=\"lowest\">{}</td><td class=\"n\" data-label=\"valid\">{:.0} %</td>\
              <td class=\"n\" data-label=\"IRI\">{}</td><td class=\"n\">{km}</td><td class=\"n\">{}</td></tr>",
             link(drive),
             escape(&drive.car),
@@ -325,14 +341,14 @@ fn failed_table(outcome: &Outcome) -> String {
     out
 }
 
-/// Pressures and their standard deviations at the end of each car's last drive; shares known and roughness of all drives.
+/// Pressures and their standard deviations at the end of each car's last drive; valid shares and roughness of all drives.
 fn figures(drives: &[DriveRecord], cars: &[CarStanding<'_>]) -> String {
     let last: Vec<&WheelRecord> =
         cars.iter().filter_map(CarStanding::last).flat_map(|drive| &drive.wheels).collect();
     let all = || drives.iter().flat_map(|drive| &drive.wheels);
     let percent: Vec<f64> = last.iter().filter_map(|wheel| Some(100.0 * share(wheel)?)).collect();
     let sd: Vec<f64> = last.iter().filter_map(|wheel| Some(wheel.last?.sd_kpa)).collect();
-    let known: Vec<f64> = all().map(|wheel| 100.0 * wheel.share_valid).collect();
+    let valid: Vec<f64> = all().map(|wheel| 100.0 * wheel.share_valid).collect();
     let iri: Vec<f64> = all().filter_map(|wheel| wheel.iri_m_per_km).collect();
     if percent.is_empty() {
         return String::new();
@@ -346,7 +362,7 @@ fn figures(drives: &[DriveRecord], cars: &[CarStanding<'_>]) -> String {
     let figure = Figure::new("fleet", "The fleet in numbers")
         .panel(pressure)
         .panel(histogram("How sure they are", ("Standard deviation", "kPa"), &sd, Ink::Default, "tires"))
-        .panel(histogram("Share of a drive known", ("Valid", "%"), &known, Ink::Mended, "wheels"))
+        .panel(histogram("Share of a drive that is valid", ("Valid", "%"), &valid, Ink::Mended, "wheels"))
         .panel(histogram("Roads", ("Roughness (IRI)", "m/km"), &iri, Ink::Mended, "wheels"));
     figure.html()
 }

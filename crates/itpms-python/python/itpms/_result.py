@@ -116,6 +116,7 @@ class Result:
         for name, corner in drive["corners"].items():
             last = corner["last"]
             known = f"{last['pressure_kpa']:.1f} kPa, sd {last['sd_kpa']:.1f}" if last else "no valid estimate"
-            low = f"; LOW since {corner['low_since_s']:.1f} s" if corner["low_since_s"] is not None else ""
+            said_s = corner["low_since_s"]
+            low = "" if said_s is None else f"; LOW, warned of at {said_s:.1f} s"
             lines.append(f"  {name}  {known} (placard {corner['placard_kpa']:g}){low}")
         return "\n".join(lines) + ">"

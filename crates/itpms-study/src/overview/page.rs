@@ -11,6 +11,9 @@ const STYLE: &str = include_str!("../observability/page.css");
 /// Where spectra are shown, in Hz: below, drifts of the sensors; above, no suspension.
 const SHOWN_HZ: (f64, f64) = (0.5, 100.0);
 
+/// From how many usual steps on a longest one makes the axis of the steps logarithmic.
+const FEW_STEPS: f64 = 5.0;
+
 /// How far the axis of the spectra goes beyond the highest of them, as a factor.
 const ROOM: f64 = 8.0;
 
@@ -90,13 +93,20 @@ impl Found {
             Stroke::Solid,
             self.speeds.clone(),
         );
-        let steps = Panel::new(
+        // Steps of one length are a line at that length; gaps are of any, and take decades.
+        let usual_ms = 1e3 * self.step_s;
+        let longest_ms = self.steps.iter().map(|step| step.1).fold(usual_ms, f64::max);
+        let step = if longest_ms < FEW_STEPS * usual_ms {
+            Axis::linear("Time step", "ms").holding(0.0).holding(1.2 * longest_ms)
+        } else {
+            Axis::logarithmic("Time step, logarithmic", "ms").holding(0.5 * usual_ms)
+        };
+        let steps = Panel::new("", "Time from row to row, longest of each stretch", time(), step).line(
             "",
-            "Time from row to row, longest of each stretch",
-            time(),
-            Axis::logarithmic("Time step", "ms").holding(500.0 * self.step_s),
-        )
-        .line("", Ink::Default, Stroke::Solid, self.steps.clone());
+            Ink::Default,
+            Stroke::Solid,
+            self.steps.clone(),
+        );
         let figure = Figure::new("log-drive", "Speed and rows").describe(self.summary());
         let figure = if self.speed.is_some() { figure.panel(speed) } else { figure };
         figure.panel(steps)
@@ -143,8 +153,8 @@ impl FoundCorner {
             .band("body, lowest to highest", Ink::Adaptive, t.body.clone())
             .line("wheel", Ink::Default, Stroke::Solid, vec![])
             .line("body", Ink::Adaptive, Stroke::Solid, vec![])
-            .line("wheel, rms about its mean", Ink::Default, Stroke::Bold, t.wheel_rms.clone())
-            .line("body, rms about its mean", Ink::Adaptive, Stroke::Bold, t.body_rms.clone())
+            .line("wheel, rms about its mean", Ink::Default, Stroke::Dashed, t.wheel_rms.clone())
+            .line("body, rms about its mean", Ink::Adaptive, Stroke::Dashed, t.body_rms.clone())
     }
 
     fn liveliest(&self) -> Panel {
@@ -181,11 +191,11 @@ impl FoundCorner {
         let coherence = self.lines.iter().map(|line| (line.hz, line.coherence)).collect();
         Panel::new(
             "",
-            "Coherence of body and wheel",
+            format!("Coherence of body and wheel, {INCOHERENT} or more expected"),
             frequency(step_s),
             Axis::linear("Coherence", "").within(0.0, 1.0),
         )
-        .level(Ink::Muted, INCOHERENT, "above: the body follows this wheel")
+        .level(Ink::Muted, INCOHERENT, "")
         .line("coherence", Ink::Mended, Stroke::Solid, coherence)
     }
 }

@@ -32,14 +32,14 @@ pub(super) fn table(data: &ReportData) -> String {
     }
     let mut out = String::from(
         "<div class=\"scroll\"><table class=\"alerts\"><thead><tr><th scope=\"col\">Wheel</th>\
-         <th scope=\"col\">Warning</th><th scope=\"col\">Said at</th><th scope=\"col\">Since</th>\
+         <th scope=\"col\">Warning</th><th scope=\"col\">Warned of at</th><th scope=\"col\">Since</th>\
          <th scope=\"col\">Until</th></tr></thead><tbody>\n",
     );
     for line in &lines {
         let until = line.ended_s.map_or("the end".to_owned(), clock);
         let _ = writeln!(
             out,
-            "<tr><th scope=\"row\">{}</th><td><span class=\"badge {}\">{}</span> {}</td><td data-label=\"said at\">{}</td>\
+            "<tr><th scope=\"row\">{}</th><td><span class=\"badge {}\">{}</span> {}</td><td data-label=\"warned of at\">{}</td>\
              <td data-label=\"since\">{}</td><td data-label=\"until\">{until}</td></tr>",
             escape(&line.wheels),
             line.class,
@@ -65,7 +65,7 @@ fn line(span: &AlertSpan) -> Line {
         Cause::FastLeak { reading, rate_kpa_per_min } => {
             // It is the loss that counts, whatever the level.
             let Reading { pressure_kpa, sd_kpa, reference_kpa, .. } = reading;
-            let at = format!("{pressure_kpa:.0} ± {sd_kpa:.0} kPa when said, should be {reference_kpa:.0}");
+            let at = format!("{pressure_kpa:.0} ± {sd_kpa:.0} kPa then, should be {reference_kpa:.0}");
             (
                 "low",
                 "Fast leak",
@@ -89,7 +89,7 @@ fn line(span: &AlertSpan) -> Line {
 fn at(r: &Reading<f64>) -> String {
     let Reading { pressure_kpa, sd_kpa, limit_kpa, reference_kpa, basis } = r;
     format!(
-        "{pressure_kpa:.0} ± {sd_kpa:.0} kPa when said, limit {limit_kpa:.0}, should be {reference_kpa:.0}, {}",
+        "{pressure_kpa:.0} ± {sd_kpa:.0} kPa then, limit {limit_kpa:.0}, should be {reference_kpa:.0}, {}",
         basis.words()
     )
 }

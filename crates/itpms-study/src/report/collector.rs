@@ -176,7 +176,7 @@ impl ReportCollector {
                 match row.filter(|row| driving && road_is_estimated(row.estimate.validity)) {
                     Some(row) => {
                         let e = &row.estimate;
-                        road.push(self.odometer.distance_m(), e.road_m, e.road_sd_m, row.truth_road_m);
+                        road.push(self.odometer.distance_m(), e.road_m, row.truth_road_m);
                     }
                     None => road.interrupt(),
                 }

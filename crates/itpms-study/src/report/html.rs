@@ -106,7 +106,7 @@ fn roads_section(data: &ReportData) -> String {
 }
 
 /// One corner at a glance: its last pressure against the placard's. Where the drive went on for more than a second without
-/// one, since when.
+/// one, when that was; when it was warned of; why it is not known.
 fn card(corner: &CornerReport, end_s: f64) -> String {
     let status = Status::of(corner);
     let f = &corner.figures;
@@ -119,10 +119,17 @@ fn card(corner: &CornerReport, end_s: f64) -> String {
         None => ("–".to_owned(), "kPa".to_owned(), String::new()),
     };
     let old_s = f.last.as_ref().map(|last| last.time_s).filter(|last_s| end_s - last_s > 1.0);
+    let doubt = corner.doubt();
     let foot = match (old_s, f.low_since_s) {
-        (Some(last_s), _) => format!("<span>last valid at {}</span>", clock(last_s)),
-        (None, Some(since)) => format!("<span>low since {}</span>", clock(since)),
-        (None, None) => format!("<span>valid for {:.0} % of the drive</span>", 100.0 * f.share_valid),
+        (Some(last_s), _) => {
+            let why = doubt.map_or(String::new(), |why| format!(": {why}"));
+            format!("<span>last valid at {}{why}</span>", clock(last_s))
+        }
+        (None, Some(said_s)) => format!("<span>warned of at {}</span>", clock(said_s)),
+        (None, None) => match doubt {
+            Some(why) => format!("<span>{why}</span>"),
+            None => format!("<span>valid for {:.0} % of the drive</span>", 100.0 * f.share_valid),
+        },
     };
     format!(
         "<a class=\"card {class} at-{id}\" href=\"#{id}\"><span class=\"card-name\">{name}</span>\
@@ -212,7 +219,7 @@ const FIGURES: [Row; 21] = [
     }),
     ("Placard pressure", "what the tire should have", |c| format!("{:.1} kPa", c.placard_kpa)),
     ("Warning", "at the end of the drive", |c| {
-        let since = some(c.figures.low_since_s, |t| format!(", first at {}", clock(t)));
+        let since = some(c.figures.low_since_s, |t| format!(", first warned of at {}", clock(t)));
         match c.figures.warning {
             Warning::Low => format!("low{since}"),
             Warning::Malfunction => "malfunction".into(),
@@ -358,6 +365,16 @@ mod tests {
         assert_eq!(count(7), "7");
         assert_eq!(count(20_000), "20\u{2009}000");
         assert_eq!(count(1_234_567), "1\u{2009}234\u{2009}567");
+    }
+
+    #[test]
+    fn the_strips_have_a_word_for_every_code() {
+        // As many as the collector's codes of validity and warning, and the watch's of states: one that is missing stops the script.
+        for (table, codes) in [("VALIDITY", 6), ("WARNING", 3), ("STATE", 5)] {
+            let (_, rest) = CHART_SCRIPT.split_once(&format!("const {table} = [")).unwrap();
+            let (entries, _) = rest.split_once("];\n").unwrap();
+            assert_eq!(entries.matches('[').count(), codes, "{table}");
+        }
     }
 
     #[test]

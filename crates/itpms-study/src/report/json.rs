@@ -139,8 +139,6 @@ struct NisJson {
 struct RoadJson<'a> {
     x: Digits<'a>,
     z: Digits<'a>,
-    lo: Digits<'a>,
-    hi: Digits<'a>,
     truth: Digits<'a>,
     psd: Option<PsdJson<'a>>,
     iri: IriJson<'a>,
@@ -254,8 +252,6 @@ fn road(road: &RoadReport) -> RoadJson<'_> {
     RoadJson {
         x: axis(&road.profile.distance_m),
         z: values(&road.profile.height_m),
-        lo: values(&road.profile.lower_m),
-        hi: values(&road.profile.upper_m),
         truth: values(&road.profile.truth_m),
         psd: road.spectrum.as_ref().map(|s| PsdJson {
             n: axis(&s.frequency_per_m),

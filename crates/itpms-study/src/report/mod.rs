@@ -124,7 +124,8 @@ pub struct TimeCurves {
     pub gate: Vec<f64>,
     /// Probability that the pressure is changing.
     pub change_probability: Vec<f64>,
-    /// Stretches `(from s, to s, code)`: 0 valid, 1 starting, 2 no information, 3 bad signal, 4 diverged.
+    /// Stretches `(from s, to s, code)`: 0 valid, 1 starting, 2 no information, 3 bad signal, 4 diverged,
+    /// 5 the car does not fit.
     pub validity: Vec<(f64, f64, f64)>,
     /// Stretches `(from s, to s, code)`: 0 none, 1 malfunction, 2 low.
     pub warning: Vec<(f64, f64, f64)>,
@@ -164,17 +165,14 @@ pub struct RoadReport {
     pub relative_error: Option<f64>,
 }
 
-/// Road height in m over distance in m, freed of its moving average over 10 m.
+/// Road height in m over distance in m, freed of its moving average over 10 m. Without a band: the estimate's standard deviation is that
+/// of the height with its slow drift, which is not in these curves (docs/math/road.md, section 3).
 #[derive(Debug, Clone, Default)]
 pub struct ProfileCurves {
     /// Distance driven in m.
     pub distance_m: Vec<f64>,
     /// Estimate.
     pub height_m: Vec<f64>,
-    /// Lower edge of its 95 % band.
-    pub lower_m: Vec<f64>,
-    /// Upper edge of its 95 % band.
-    pub upper_m: Vec<f64>,
     /// True height, likewise freed; empty when unknown.
     pub truth_m: Vec<f64>,
 }

@@ -24,11 +24,10 @@ const ROUGHNESS_M: f64 = 20.0;
 const PROFILE_BUCKETS: usize = 2000;
 const ROUGHNESS_BUCKETS: usize = 500;
 
-/// Estimate, its sd, truth: in m, NaN where missing.
-type Heights = [f64; 3];
+/// Estimate and truth: in m, NaN where missing.
+type Heights = [f64; 2];
 const ESTIMATE: usize = 0;
-const SD: usize = 1;
-const TRUTH: usize = 2;
+const TRUTH: usize = 1;
 
 /// Golden car, and where its next slope belongs.
 #[derive(Debug)]
@@ -133,7 +132,7 @@ impl Window {
 /// Everything known of the road under one wheel so far.
 #[derive(Debug)]
 pub(super) struct RoadCollector {
-    cells: Cells<3>,
+    cells: Cells<2>,
     start_m: f64,
     done: u64,
     window: Window,
@@ -153,7 +152,7 @@ impl RoadCollector {
             start_m: 0.0,
             done: 0,
             window: Window::new(),
-            profile: Track::new(4, CELL_M, PROFILE_BUCKETS),
+            profile: Track::new(2, CELL_M, PROFILE_BUCKETS),
             spectrum: [welch()?, welch()?, welch()?],
             // The tire and the estimate's band have smoothed the estimated road already; the true one is a profile as surveyed.
             roughness: [Roughness::new(Enveloping::Done)?, Roughness::new(Enveloping::MovingAverage)?],
@@ -162,8 +161,8 @@ impl RoadCollector {
         })
     }
 
-    /// The next sample: distance driven, estimate with its sd and true height, all in m.
-    pub(super) fn push(&mut self, distance_m: f64, estimate_m: f64, sd_m: f64, truth_m: f64) {
+    /// The next sample: distance driven, estimated and true height, all in m.
+    pub(super) fn push(&mut self, distance_m: f64, estimate_m: f64, truth_m: f64) {
         let step = self.cells.last_m().map_or(0.0, |last| distance_m - last);
         if !(estimate_m.is_finite() && distance_m.is_finite() && (0.0..=LONGEST_STEP_M).contains(&step)) {
             self.interrupt();
@@ -174,7 +173,7 @@ impl RoadCollector {
             self.done = 0;
         }
         let mut cells = std::mem::replace(&mut self.cells, Cells::new(CELL_M));
-        cells.push(distance_m, [estimate_m, sd_m, truth_m], |cell| self.take_cell(cell));
+        cells.push(distance_m, [estimate_m, truth_m], |cell| self.take_cell(cell));
         self.cells = cells;
     }
 
@@ -183,7 +182,7 @@ impl RoadCollector {
         if self.cells.last_m().is_some() {
             self.cells.restart();
             self.window.clear();
-            self.feed_cell([f64::NAN; 3]);
+            self.feed_cell([f64::NAN; 2]);
         }
     }
 
@@ -193,8 +192,7 @@ impl RoadCollector {
         let Some((here, [mean_estimate, mean_truth])) = self.window.push(cell) else { return };
         let (estimate, truth) = (here[ESTIMATE] - mean_estimate, here[TRUTH] - mean_truth);
         let at = self.start_m + (self.done as f64 - 0.5 - HALF_WINDOW as f64) * CELL_M;
-        let half = super::Z_95 * here[SD];
-        self.profile.push(at, &[estimate, estimate - half, estimate + half, truth]);
+        self.profile.push(at, &[estimate, truth]);
     }
 
     fn feed_cell(&mut self, cell: Heights) {
@@ -218,9 +216,7 @@ impl RoadCollector {
         let profile = ProfileCurves {
             distance_m: self.profile.x(),
             height_m: self.profile.curve(0, Keep::Extremes),
-            lower_m: self.profile.curve(1, Keep::Lowest),
-            upper_m: self.profile.curve(2, Keep::Highest),
-            truth_m: if self.seen_truth { self.profile.curve(3, Keep::Extremes) } else { Vec::new() },
+            truth_m: if self.seen_truth { self.profile.curve(1, Keep::Extremes) } else { Vec::new() },
         };
         let roughness = RoughnessCurves {
             distance_m: self.roughness[0].track.places(0).map(|(x, _)| x).collect(),
@@ -289,7 +285,7 @@ mod tests {
         for i in 0..(metres / step) as usize {
             let x = i as f64 * step;
             let truth = 0.01 * (std::f64::consts::TAU * x / 4.0).sin();
-            road.push(x, scale * truth, 0.001, truth);
+            road.push(x, scale * truth, truth);
         }
         road.finish().unwrap()
     }
@@ -319,7 +315,7 @@ mod tests {
             let height = 1e3 + (0.37 * f64::from(i)).sin();
             // Some true heights are missing, and for longer than the window none is.
             let truth = if i % 7 == 0 && i < 1000 { f64::NAN } else { -height };
-            let cell = [height, 0.1, truth];
+            let cell = [height, truth];
             all.push(cell);
             let found = window.push(cell);
             let Some(expected) = all.len().checked_sub(Window::LENGTH).map(|from| &all[from..]) else {
@@ -340,11 +336,11 @@ mod tests {
     fn a_stop_or_a_hole_does_not_become_a_bump() {
         let mut road = RoadCollector::new((0.5, 10.0)).unwrap();
         for i in 0..4000 {
-            road.push(f64::from(i) * 0.02, 0.0, 0.001, f64::NAN);
+            road.push(f64::from(i) * 0.02, 0.0, f64::NAN);
         }
         road.interrupt();
         for i in 0..4000 {
-            road.push(80.0 + f64::from(i) * 0.02, 0.5, 0.001, f64::NAN);
+            road.push(80.0 + f64::from(i) * 0.02, 0.5, f64::NAN);
         }
         // A hole of 20 m, and a missing estimate.
         for i in 0..4000 {
@@ -355,7 +351,7 @@ mod tests {
             } else {
                 -0.3
             };
-            road.push(180.0 + f64::from(i) * 0.02, height, 0.001, f64::NAN);
+            road.push(180.0 + f64::from(i) * 0.02, height, f64::NAN);
         }
         let report = road.finish().unwrap();
         assert!(report.iri_m_per_km.unwrap() < 1e-6);

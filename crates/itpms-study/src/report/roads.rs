@@ -41,11 +41,14 @@ pub(super) fn table(data: &ReportData) -> String {
     }
     let mean = |iri: fn(&RoadReport) -> Option<f64>| mean_of_sides(&roads, iri);
     if let Some(mri) = mean(|road| road.iri_m_per_km) {
-        let _ = write!(out, "<tr><th scope=\"row\">Both</th><td>mean (MRI)</td><td>{mri:.2}</td>");
+        let _ = write!(
+            out,
+            "<tr><th scope=\"row\">Both</th><td class=\"wheel\">mean (MRI)</td><td data-label=\"IRI m/km\">{mri:.2}</td>"
+        );
         if truth {
             let text =
                 mean(|road| road.truth_iri_m_per_km).map_or("–".to_owned(), |mri| format!("{mri:.2}"));
-            let _ = write!(out, "<td>{text}</td>");
+            let _ = write!(out, "<td data-label=\"true IRI\">{text}</td>");
         }
         out.push_str("<td></td><td></td><td></td></tr>\n");
     }
@@ -58,16 +61,22 @@ const SIDES: [(&str, [Corner; 2]); 2] =
 
 fn row(out: &mut String, corner: Corner, road: &RoadReport, truth: bool) {
     let number = |value: Option<f64>| value.map_or("–".to_owned(), |v| format!("{v:.2}"));
-    let _ = write!(out, "<td>{}</td><td>{}</td>", corner_name(corner), number(road.iri_m_per_km));
+    let _ = write!(
+        out,
+        "<td class=\"wheel\">{}</td><td data-label=\"IRI m/km\">{}</td>",
+        corner_name(corner),
+        number(road.iri_m_per_km)
+    );
     if truth {
-        let _ = write!(out, "<td>{}</td>", number(road.truth_iri_m_per_km));
+        let _ = write!(out, "<td data-label=\"true IRI\">{}</td>", number(road.truth_iri_m_per_km));
     }
     match &road.fit {
         Some(fit) => {
             let (low, high) = fit.band_per_m;
             let _ = writeln!(
                 out,
-                "<td>{} <small>{} ± {:.0} %</small></td><td>{:.2} ± {:.2}</td><td>{:.1} – {:.0} m</td></tr>",
+                "<td data-label=\"class\">{} <small>{} ± {:.0} %</small></td><td data-label=\"slope w\">{:.2} ± {:.2}</td>\
+                 <td data-label=\"waves\">{:.1} – {:.0} m</td></tr>",
                 fit.class.label(),
                 level(fit.law.gd_n0_m3),
                 100.0 * fit.level_sd_ln,
@@ -77,7 +86,7 @@ fn row(out: &mut String, corner: Corner, road: &RoadReport, truth: bool) {
                 1.0 / low
             );
         }
-        None => out.push_str("<td>–</td><td>–</td><td>less than 51 m of road</td></tr>\n"),
+        None => out.push_str("<td data-label=\"class\">–</td><td data-label=\"slope w\">–</td><td>less than 51 m of road</td></tr>\n"),
     }
 }
 

@@ -40,7 +40,7 @@ impl Status {
             Self::Malfunction => "Malfunction",
             Self::Over => "Too high",
             Self::Unknown => "Not known",
-            Self::Fine => "No warning",
+            Self::Fine => "Fine",
         }
     }
 
@@ -50,7 +50,6 @@ impl Status {
         match Self::of(corner) {
             Self::Low if now != Warning::Low => "Was low",
             Self::Malfunction if now != Warning::Malfunction => "Was faulty",
-            Self::Unknown => doubt(corner).0,
             status => status.label(),
         }
     }
@@ -75,21 +74,26 @@ impl Status {
             Self::Low => "LOW",
             Self::Malfunction => "FAULT",
             Self::Over => "HIGH",
-            Self::Unknown => doubt(corner).1,
-            Self::Fine => "ok",
+            Self::Unknown => "not known",
+            Self::Fine => "fine",
         }
     }
 }
 
-/// Why a corner is not known, for a badge and for where there is little room.
-fn doubt(corner: &CornerReport) -> (&'static str, &'static str) {
-    match corner.state {
-        Some(WheelState::Unknown(Doubt::Uncertain)) => ("Uncertain", "unsure"),
-        Some(WheelState::Unknown(Doubt::Starting)) => ("Still learning", "learning"),
-        Some(WheelState::Unknown(Doubt::Suspicion)) => ("Sensor in doubt", "in doubt"),
-        Some(WheelState::Unknown(Doubt::Misfit)) => ("Car does not fit", "misfit"),
-        Some(WheelState::Unknown(Doubt::NoInformation)) => ("No information", "no info"),
-        _ => ("Not enough seen", "not seen"),
+impl CornerReport {
+    /// Why the wheel was not known at the end, if the monitor said that it was not: words that follow on `not known: `.
+    #[must_use]
+    pub fn doubt(&self) -> Option<&'static str> {
+        match self.state? {
+            WheelState::Unknown(doubt) => Some(match doubt {
+                Doubt::Uncertain => "too uncertain to rule out a loss",
+                Doubt::Starting => "still learning",
+                Doubt::Suspicion => "a sensor is in doubt",
+                Doubt::Misfit => "the car does not fit its vehicle file",
+                Doubt::NoInformation => "nothing to learn from",
+            }),
+            WheelState::Fine | WheelState::Low | WheelState::Over | WheelState::Malfunction => None,
+        }
     }
 }
 
@@ -140,9 +144,9 @@ pub(super) fn sentence(corner: &CornerReport) -> String {
             // While it is low its present pressure is the news; the lowest of many readings is one of the worst.
             let (when, found) = match f.low_until_s {
                 Some(until) if f.warning != Warning::Low => {
-                    (format!("low from {} to {}", clock(since), clock(until)), &f.lowest)
+                    (format!("warned of as low from {} to {}", clock(since), clock(until)), &f.lowest)
                 }
-                _ => (format!("low since {}", clock(since)), &f.last),
+                _ => (format!("low, warned of at {}", clock(since)), &f.last),
             };
             match found {
                 Some(found) => {
@@ -156,30 +160,35 @@ pub(super) fn sentence(corner: &CornerReport) -> String {
             let since = clock(f.malfunction_since_s.unwrap_or(f64::NAN));
             match &f.last {
                 Some(last) if f.warning != Warning::Malfunction => {
-                    format!("{name} had a sensor fault from {since}, now over: {}", reading(last))
+                    format!("{name} had a sensor fault, warned of at {since}, now over: {}", reading(last))
                 }
-                _ => format!("{name}: the sensors allow no statement, from {since}"),
+                _ => format!("{name}: the sensors allow no statement, warned of at {since}"),
             }
         }
         Status::Over => match &f.last {
             Some(last) => format!("{name} is at {}: too high", reading(last)),
             None => format!("{name}: too high"),
         },
-        Status::Unknown => match &f.last {
-            Some(last) if matches!(corner.state, Some(WheelState::Unknown(Doubt::Uncertain))) => {
-                format!("{name} is at {}: too uncertain to rule out a loss", reading(last))
+        Status::Unknown => match (&f.last, corner.state, corner.doubt()) {
+            (Some(last), Some(WheelState::Unknown(Doubt::Uncertain)), Some(why)) => {
+                format!("{name} is at {}: not known, {why}", reading(last))
             }
-            Some(last) => {
-                format!("{name} is not known at the end; it was {} at {}", reading(last), clock(last.time_s))
+            (Some(last), _, why) => {
+                let why = why.map_or(String::new(), |why| format!(" ({why})"));
+                let at = clock(last.time_s);
+                format!("{name} is not known at the end{why}; it was {} at {at}", reading(last))
             }
-            None => format!("{name}: not enough was seen for a pressure"),
+            (None, Some(WheelState::Unknown(Doubt::Misfit | Doubt::Suspicion)), Some(why)) => {
+                format!("{name} is not known: {why}")
+            }
+            (None, ..) => format!("{name}: not enough was seen for a pressure"),
         },
         Status::Fine => match (&f.first, &f.last) {
             (Some(first), Some(last)) if fell(Some(first), last) => {
-                format!("{name} went from {:.0} to {}: no warning", first.pressure_kpa, reading(last))
+                format!("{name} went from {:.0} to {}: fine", first.pressure_kpa, reading(last))
             }
-            (_, Some(last)) => format!("{name} held {}: no warning", reading(last)),
-            _ => format!("{name}: no warning"),
+            (_, Some(last)) => format!("{name} held {}: fine", reading(last)),
+            _ => format!("{name}: fine"),
         },
     }
 }
@@ -206,9 +215,9 @@ pub(super) fn title(data: &ReportData) -> String {
                 .min_by(|a, b| a.1.pressure_kpa.total_cmp(&b.1.pressure_kpa));
             match lowest {
                 Some((name, last)) => {
-                    format!("No warning on any of {n} tires; lowest is {} at {}", lower(name), reading(&last))
+                    format!("All {n} tires are fine; lowest is {} at {}", lower(name), reading(&last))
                 }
-                None => format!("No warning on any of {n} tires"),
+                None => format!("All {n} tires are fine"),
             }
         }
         (Status::Low, n) if n == corners.len() => format!("All {n} tires are low: {}", sentence(first)),

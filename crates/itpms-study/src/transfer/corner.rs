@@ -149,7 +149,7 @@ impl CornerCheck {
                     ratio * value
                 )
             } else {
-                format!("{name} is as the file says ({ratio:.2} ± {error:.2} of it)")
+                format!("{name} reads {ratio:.2} ± {error:.2} of the file's, {}", allowed(ratio, sd))
             }
         };
         let damping =
@@ -186,6 +186,18 @@ fn within(bins: &[Bin], (low, high): (f64, f64)) -> impl Iterator<Item = &Bin> {
 /// Whether a ratio differs from one by more than its error and the file's deviation allow.
 fn apart((ratio, error): (f64, f64), sd: f64) -> bool {
     (ratio - 1.0).abs() > APART * error.hypot(sd)
+}
+
+/// What allows a ratio that is not apart: the deviation that the file states, in words.
+fn allowed(ratio: f64, sd: f64) -> String {
+    let (off, percent) = ((ratio - 1.0).abs(), 100.0 * sd);
+    if off <= sd {
+        format!("within its stated ±{percent:.0} %")
+    } else if off <= APART * sd {
+        format!("within twice its stated ±{percent:.0} %")
+    } else {
+        format!("within what this error and its stated ±{percent:.0} % allow")
+    }
 }
 
 /// The dynamic stiffness `Z = m s² H / (1 - H) = c s + k`: its imaginary part shows the damper, its real part the spring. Bins
@@ -283,11 +295,31 @@ mod tests {
         assert!(!check.asks_for_change(), "{}", check.sentence());
         let Verdict::Compared { damping, .. } = check.verdict else { panic!("{check:?}") };
         assert!((damping.0 - 1.0).abs() < 0.1, "{damping:?}");
+        // The file knows the damper to 10 %.
+        assert!(
+            check.sentence().contains("of the file's, within its stated ±10 %; spring reads"),
+            "{}",
+            check.sentence()
+        );
         let check = CornerCheck::of("fl", &spectra, suspension(1_000.0, 22_000.0));
         assert!(check.asks_for_change());
         let Verdict::Compared { damping, .. } = check.verdict else { panic!("{check:?}") };
         assert!((damping.0 - 1.5).abs() < 0.15, "{damping:?}");
         assert!(check.sentence().contains("set damping_n_s_per_m to 1"), "{}", check.sentence());
+    }
+
+    #[test]
+    fn what_hides_a_wrong_value_is_said() {
+        let spectra = driven(1_500.0, 22_000.0, 0.02);
+        let wide = |sd: f64, file: f64| Suspension { damping_relative_sd: sd, ..suspension(file, 22_000.0) };
+        // Dampers of three quarters of the file's, which knows them to 30 %; of two thirds, to 20 %.
+        for (sd, file, words) in
+            [(0.3, 2_000.0, "within its stated ±30 %"), (0.2, 2_250.0, "within twice its stated ±20 %")]
+        {
+            let check = CornerCheck::of("fl", &spectra, wide(sd, file));
+            assert!(!check.asks_for_change(), "{}", check.sentence());
+            assert!(check.sentence().contains(words), "{}", check.sentence());
+        }
     }
 
     #[test]

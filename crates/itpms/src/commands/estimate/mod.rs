@@ -35,10 +35,12 @@ pub(crate) fn perform(
 ) -> Result<Estimated, Failure> {
     check_names(args)?;
     let vehicle = Vehicle::read(&args.vehicle)?;
-    let mut log = LogReader::open_with(&args.log, &args.reading.options())?;
+    let reading = args.reading.options();
+    let mut log = LogReader::open_with(&args.log, &reading)?;
     let (corners, settings, paths) = (common_corners(&log, &vehicle)?, settings(args), paths(args));
     let (road, report) = (paths.want_road(), paths.report.is_some());
-    let job = Job { vehicle: &vehicle, corners: &corners, settings: &settings, road, report };
+    let job =
+        Job { vehicle: &vehicle, corners: &corners, settings: &settings, reading: &reading, road, report };
     let mut files = Files::create(&paths, &settings, &vehicle, &corners)?;
     let progress = screen.progress("estimating");
     let mut watch = |share| {

@@ -56,12 +56,16 @@ fn corner_line(corner: &CornerReport, end_s: f64) -> String {
         None => "no valid estimate".to_owned(),
     };
     line += &format!(" (placard {})", corner.placard_kpa);
-    if let Some(since_s) = figures.low_since_s {
+    if let Some(said_s) = figures.low_since_s {
         let now = if figures.warning == Warning::Low { "" } else { ", now over" };
-        line += &format!("; LOW since {since_s:.1} s{now}");
+        line += &format!("; LOW, warned of at {said_s:.1} s{now}");
     }
-    if let Some(since_s) = figures.malfunction_since_s {
-        line += &format!("; MALFUNCTION since {since_s:.1} s");
+    if let Some(said_s) = figures.malfunction_since_s {
+        line += &format!("; MALFUNCTION, warned of at {said_s:.1} s");
+    }
+    // A pressure alone looks as good as that of a wheel that is known to be fine.
+    if let Some(why) = corner.doubt() {
+        line += &format!("; not known: {why}");
     }
     // Before anything is known there is nothing to be right or wrong about.
     if let Some(truth) = figures.truth.as_ref().filter(|_| figures.last.is_some()) {

@@ -116,8 +116,8 @@ fn table(vehicle: &Vehicle) -> String {
     let derived: Vec<_> = corners.iter().filter_map(|corner| figures(vehicle, *corner)).collect();
     let line =
         |name: &str, cell: &dyn Fn(&CornerFigures) -> String| row(name, derived.iter().map(|(f, _)| cell(f)));
-    out.push(line("body (Hz)", &|f| format!("{:.2}", f.body_hz)));
-    out.push(line("body, damping ratio", &|f| format!("{:.2}", f.body_damping_ratio)));
+    out.push(line("body, tire included (Hz)", &|f| format!("{:.2}", f.body_hz)));
+    out.push(line("body, tire included, damping ratio", &|f| format!("{:.2}", f.body_damping_ratio)));
     out.push(line("wheel hop (Hz)", &|f| format!("{:.1}", f.hop_hz)));
     out.push(line("wheel hop, damping ratio", &|f| format!("{:.2}", f.hop_damping_ratio)));
     out.push(line("kPa per 1 % of unsprung mass", &|f| format!("{:.2}", f.kpa_per_percent_of_mass)));
@@ -128,9 +128,17 @@ fn table(vehicle: &Vehicle) -> String {
             .map(|(f, sd)| format!("{:.0}", 100.0 * sd.tire_relative_sd() * f.kpa_per_percent_of_mass)),
     ));
     out.push(String::new());
+    // A body on spring and tire swings slower, and less damped, than on its spring alone, which is what such a file's comments state.
     out.push(
-        "* no standard deviation in the file: what is usual for its confidence (docs/vehicle.md)".to_owned(),
+        "tire included: on spring and tire in series; comments by `vehicle init` are of the spring alone"
+            .to_owned(),
     );
+    if columns.iter().flatten().any(|parameter| !parameter.told) {
+        out.push(
+            "* no standard deviation in the file: what is usual for its confidence (docs/vehicle.md)"
+                .to_owned(),
+        );
+    }
     out.join("\n")
 }
 
