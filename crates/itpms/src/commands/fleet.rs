@@ -115,7 +115,8 @@ fn car_line(car: &CarStanding<'_>) -> String {
             None => format!("{} not known", wheel.wheel),
         })
         .collect();
-    format!("{}: {} in {}: {}", car.car, car.state.label(), last.file, words.join(", "))
+    let state = if car.state == State::Unknown { "not known" } else { car.state.label() };
+    format!("{}: {state} in {}: {}", car.car, last.file, words.join(", "))
 }
 
 fn as_json(args: &FleetArgs, outcome: &Outcome, cars: &[CarStanding<'_>]) -> serde_json::Value {
