@@ -128,7 +128,14 @@ pub(crate) fn of(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Vec<String> {
             "for {seconds:.1} s speed_m_s says that the car stands while its wheels roll; it was taken as unknown, and for as long every wheel is by itself: less accurate. Has the signal failed?"
         ));
     }
-    if let Some(path) = settings.reference.as_ref().filter(|_| !axles || vehicle.wheelbase_m.is_none()) {
+    let alone = !axles || vehicle.wheelbase_m.is_none();
+    if settings.calibrate_s.is_some() && settings.estimator == EstimatorKind::Informed && alone {
+        concerns.push(
+            "the calibration teaches nothing that lasts unless the road repeats itself: what it teaches is of front and rear over the same road"
+                .to_owned(),
+        );
+    }
+    if let Some(path) = settings.reference.as_ref().filter(|_| alone) {
         concerns.push(format!(
             "{}: without effect: what a calibration teaches is of front and rear over the same road",
             path.display()

@@ -332,3 +332,15 @@ fn options_that_make_no_sense_are_refused_by_the_parser() {
         assert_eq!(bench.names(), ["car.toml", "drive.csv"]);
     }
 }
+
+/// Somebody else's table is told how it is read.
+#[test]
+fn a_table_with_other_names_is_told_the_way() {
+    let bench = Bench::with_drive();
+    bench.write("own.csv", "Zeit [s];v [km/h];AccZ_FL [g]\n0,0;50;0,1\n");
+    let text = refusal_of(&bench, "estimate own.csv --vehicle car.toml -o est.csv");
+    assert_eq!(
+        text,
+        "own.csv: column time_s is missing; the nearest name there is Zeit [s]; other names or units: itpms signals LOG --write-map map.toml, then --signals map.toml"
+    );
+}

@@ -98,14 +98,23 @@ fn a_log_that_is_a_reset_from_end_to_end_teaches_what_it_holds() {
     StoredReference::read(&bench.path("whole.reference")).unwrap();
 }
 
+/// The pressures are not lost for it.
 #[test]
-fn a_reset_that_was_not_over_saves_nothing_and_keeps_the_older_reference() {
+fn a_calibration_that_was_not_over_saves_nothing_and_keeps_the_older_reference() {
     let (bench, stored) = bench();
     // The drive lasts 40 s.
     let outcome = bench.run(&format!("{ESTIMATE} --calibrate-s 60 --save-reference car.reference"));
-    assert!(outcome.refusal().starts_with("car.reference: nothing was learned"), "{outcome:?}");
+    assert_eq!(outcome.code, Some(2), "{outcome:?}");
+    let said = outcome.stderr.lines().last().unwrap_or_default();
+    assert!(
+        said.contains(
+            "car.reference: nothing was learned: the calibration of 60 s is longer than the drive of 40.0 s"
+        ),
+        "{outcome:?}"
+    );
     assert_eq!(StoredReference::read(&bench.path("car.reference")).unwrap(), stored);
-    assert_eq!(bench.names(), ["car.reference", "car.toml", "drive.csv"]);
+    assert_eq!(bench.names(), ["car.reference", "car.toml", "drive.csv", "est.csv"]);
+    assert!(bench.read("est.csv").lines().count() > 300);
 }
 
 /// Mean pressure and sd in kPa of each corner, 8 to 20 s into the drive.

@@ -126,3 +126,28 @@ fn check_finds_the_damper_that_is_not_the_files() {
     assert!(check["sentence"].as_str().unwrap().contains("set damping_n_s_per_m to"), "{check}");
     assert_eq!(wrong["corners"]["rl"]["asks_for_change"], false, "{wrong}");
 }
+
+/// A file that somebody has filled in is not lost when it is written anew.
+#[test]
+fn what_was_in_a_file_is_kept_beside_it() {
+    let bench = Bench::new();
+    let init = |mass: u32| {
+        format!(
+            "vehicle init --mass {mass} --front-share 0.55 --tire 205/55R16 --wheelbase-m 2.7 -o car.toml"
+        )
+    };
+    bench.run(&init(1500)).success();
+    let first = bench.read("car.toml");
+    // The same again is no loss.
+    bench.run(&init(1500)).success();
+    assert_eq!(bench.names(), ["car.toml"]);
+    let edited = first.replace("unsprung_mass_kg", "# weighed\nunsprung_mass_kg");
+    bench.write("car.toml", &edited);
+    let outcome = bench.run(&init(1600));
+    outcome.success();
+    assert!(outcome.stderr.contains("car.toml.before: what was in car.toml before"), "{outcome:?}");
+    assert_eq!(bench.read("car.toml.before"), edited);
+    let second = bench.read("car.toml");
+    bench.run(&init(1700)).success();
+    assert_eq!((bench.read("car.toml.before"), bench.read("car.toml.before2")), (edited, second));
+}
