@@ -93,7 +93,10 @@ fn a_missing_or_a_duplicate_column() {
             cells[0] = "Time [s]".to_owned();
         }
     });
-    assert_eq!(text, "drive.csv: column time_s is missing; the nearest name there is Time [s]; other names or units: itpms signals LOG --write-map map.toml, then --signals map.toml");
+    assert_eq!(
+        text,
+        "drive.csv: column time_s is missing; the nearest name there is Time [s]; other names or units: itpms signals LOG --write-map map.toml, then --signals map.toml"
+    );
     let text = edited(|line, cells| {
         if line == 1 {
             cells[WHEEL] = "fl_body_accel_m_s2".to_owned();
