@@ -4,9 +4,10 @@ use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::Corner;
 use itpms_data::{LogReader, Vehicle};
 
-use crate::drive::{Drive, LOG_END_S};
+use crate::drive::Drive;
 use crate::error::DriveError;
 use crate::job::Job;
+use crate::settings::LOG_END_S;
 
 /// Rates in Hz for which the estimators are made.
 const USUAL_RATES_HZ: std::ops::RangeInclusive<f64> = 99.0..=2020.0;

@@ -9,7 +9,7 @@ use itpms_data::{LogRow, Vehicle};
 
 use crate::error::DriveError;
 use crate::reference;
-use crate::settings::Settings;
+use crate::settings::{LOG_END_S, Settings};
 
 /// What is known of the corners after a row, in the order of [`Corner::ALL`].
 pub type Estimates = [Option<CornerEstimate<f64>>; 4];
@@ -23,8 +23,6 @@ const MEETING_M_S: f64 = 5.0;
 const MEETING_S: f64 = 15.0;
 /// Share of the time for which a speed may be unknown before that is said.
 const UNKNOWN_SHARE: f64 = 0.1;
-/// Seconds that a log may be shorter than the calibration that it is.
-pub(crate) const LOG_END_S: f64 = 1.0;
 
 /// The running estimator under its monitor.
 #[derive(Debug, Clone)]

@@ -11,9 +11,8 @@ use itpms_data::Vehicle;
 use itpms_data::out::AtomicFile;
 use itpms_data::reference::StoredReference;
 
-use crate::drive::LOG_END_S;
 use crate::error::DriveError;
-use crate::settings::Settings;
+use crate::settings::{LOG_END_S, Settings};
 
 /// Loads what the car learned on an earlier drive, if `--reference` names a file.
 pub(crate) fn load(

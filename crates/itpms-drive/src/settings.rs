@@ -7,6 +7,9 @@ use itpms_core::warning::Regulation;
 
 use crate::error::DriveError;
 
+/// Seconds that a log may be shorter than the calibration that it is.
+pub(crate) const LOG_END_S: f64 = 1.0;
+
 /// How a drive is to be estimated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
