@@ -1,6 +1,7 @@
 //! Calibration: all tires have just been set to their placard pressures and keep them for a while. What it teaches of the
 //! car, on its way from the belief to a [`VehicleCalibration`] and back.
 
+use super::floor::Floor;
 use super::state::{
     BAR, COMMON_BIAS, DAMPING, GAIN, MASS, OWN_BIAS, ROAD_BIAS, SKEW, SKEW_UNIT_S, SPRING, State, TIRE,
     WHEELBASE,
@@ -16,12 +17,6 @@ const SET_ANEW_SD: f64 = 0.2;
 const CALIBRATION_SD: f64 = 0.004;
 /// Seconds of shared road learned from in a calibration after which tires may change all the same.
 const CALIBRATING_ENOUGH_S: f64 = 6.0;
-
-/// How far below what a calibration set a tire's compliance may be read, over that at placard pressure; and the share by which
-/// pressures may rise as the tires warm up, with its time constant in s: 9 % are 25 K, and tires warm up in some ten minutes.
-const FLOOR_MARGIN: f64 = 0.02;
-const WARMING: f64 = 0.09;
-const WARMING_S: f64 = 300.0;
 
 /// Least sd that is loaded: unsprung mass (another rim), damping (warm oil), spring, bar, gain, wheelbase over speed
 /// (other tires), skew in s, the spectrum's bias as a share of the placard pressure, and the inter-axle residual's.
@@ -136,12 +131,11 @@ impl<T: Real> Belief<T> {
         }
     }
 
-    /// Tires only lose air while they roll: the least that each compliance can be, over that at placard pressure, less one, as
-    /// long as that is known from a calibration on this drive. They may all warm up (docs/math/shared-road.md, section 6).
-    pub(super) fn least_compliance(&self) -> Option<[T; 4]> {
+    /// The least that each tire's compliance can be, as long as that is known from a calibration on this drive.
+    pub(super) fn floor(&self) -> Option<Floor<T>> {
         let since_s = self.time_s - self.calibration.ended_s?;
-        let warmer = T::lit(WARMING) * (T::one() - T::lit(-since_s / WARMING_S).exp());
-        Some(core::array::from_fn(|corner| -T::lit(FLOOR_MARGIN) - warmer * self.scale.share(corner)))
+        let shares = core::array::from_fn(|corner| self.scale.share(corner));
+        Some(Floor::after(T::lit(since_s), shares, self.present == [true; 4]))
     }
 
     /// A tire may have been filled: what the last calibration set is no bound any more.

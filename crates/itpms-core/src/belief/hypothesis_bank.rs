@@ -1,6 +1,7 @@
 //! The belief about the car: a mixture of nine Gaussians, one for every way in which pressures may be changing now
 //! (docs/math/shared-road.md, section 6). Moves on with time, is weighed by the constraint and by what others say.
 
+use super::floor::Floor;
 use super::gaussian::{Circumstances, Hypothesis, Wandering};
 use super::hypotheses::{ALL, CONSTANT, HYPOTHESES, Hypotheses, RANDOM_WALK, SIDE, changing, has_rate};
 use super::measurement::{AxleResidual, SideMeasurement, UpdateRecord};
@@ -309,17 +310,19 @@ impl<T: Real> HypothesisBank<T> {
         self.most_likely() == RANDOM_WALK
     }
 
-    /// Holds every hypothesis above `least` of each tire's compliance, and no single tire gains air unless pumps are `filling` it. What lies
-    /// beyond a bound is not believed, so who believes in it loses weight. Wandering tires may have been filled and have no bound.
-    pub(super) fn hold_above(&mut self, least: Option<[T; 4]>, filling: bool) {
+    /// Holds every hypothesis above the `floor` of the tires' compliances, and no single tire gains air unless pumps are `filling` it. What
+    /// lies beyond a bound is not believed, so who believes in it loses weight. Wandering tires may have been filled and have no bound.
+    pub(super) fn hold_above(&mut self, floor: Option<&Floor<T>>, filling: bool) {
         let mut log_weight = [T::zero(); HYPOTHESES];
         let bounded = self.hypotheses[..RANDOM_WALK].iter_mut().zip(&mut log_weight);
         for (index, (hypothesis, log)) in bounded.enumerate() {
             if (1..SIDE).contains(&index) && !filling {
                 *log += hypothesis.hold_above(RATE, T::zero());
             }
-            for (at, &least) in (TIRE..).zip(least.iter().flatten()) {
-                *log += hypothesis.hold_above(at, least);
+            let Some(floor) = floor else { continue };
+            for tire in 0..4 {
+                let least = floor.of(tire, core::array::from_fn(|tire| hypothesis.mean[TIRE + tire]));
+                *log += hypothesis.hold_above(TIRE + tire, least);
             }
         }
         self.reweigh(&log_weight);

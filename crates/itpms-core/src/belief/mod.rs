@@ -19,6 +19,7 @@
 
 mod calibration;
 mod checkpoint;
+mod floor;
 mod gaussian;
 mod hypotheses;
 mod hypothesis_bank;
@@ -223,13 +224,13 @@ impl<T: Real> Belief<T> {
             self.drop_floor();
         }
         let filling = self.inflation == Inflation::WhileRolling;
-        let least = if filling { None } else { self.least_compliance() };
-        self.bank.hold_above(least, filling);
+        let floor = if filling { None } else { self.floor() };
+        self.bank.hold_above(floor.as_ref(), filling);
     }
 
     /// Whether what the last calibration set is a bound of what tires can have.
     fn has_floor(&self) -> bool {
-        self.inflation == Inflation::AtStops && self.least_compliance().is_some()
+        self.inflation == Inflation::AtStops && self.floor().is_some()
     }
 
     /// What friction that is not known exactly makes of a corner on the present road.

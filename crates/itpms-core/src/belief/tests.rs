@@ -9,6 +9,7 @@ use nalgebra::{SMatrix, SVector};
 #[allow(unused_imports)]
 use nalgebra::ComplexField;
 
+use super::floor::Floor;
 use super::gaussian;
 use super::hypotheses::{CONSTANT, HYPOTHESES, RANDOM_WALK, SIDE};
 use super::hypothesis_bank::HypothesisBank;
@@ -399,7 +400,7 @@ fn a_bound_is_met_by_the_likeliest_state() {
         hypothesis.covariance = correlated();
     }
     let before = bank.clone();
-    bank.hold_above(Some([-0.05, -0.05, f64::NEG_INFINITY, f64::NEG_INFINITY]), false);
+    bank.hold_above(Some(&Floor::alone([Some(-0.05), Some(-0.05), None, None])), false);
     for (index, (after, before)) in bank.hypotheses.iter().zip(&before.hypotheses).enumerate() {
         assert_eq!(after.covariance, before.covariance);
         if index == RANDOM_WALK {
@@ -415,7 +416,7 @@ fn a_bound_is_met_by_the_likeliest_state() {
         }
     }
     let held = bank.clone();
-    bank.hold_above(Some([-0.05, f64::NEG_INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY]), false);
+    bank.hold_above(Some(&Floor::alone([Some(-0.05), None, None, None])), false);
     assert_eq!(bank, held);
 }
 
@@ -427,13 +428,14 @@ fn belief_beyond_a_bound_is_lost() {
         [(0.0, 0.5), (1.0, 0.158_655_25), (2.0, 0.022_750_13), (4.0, 3.167_124e-5)];
     for (deviations, tail) in TAILS {
         // Nothing moves, and the tire stands at its bound; one wheel loses air, and is beyond; or it would gain air.
-        for (quantity, least) in [(TIRE + 1, Some([f64::NEG_INFINITY, -0.1, -0.9, -0.9])), (RATE, None)] {
+        let floor = Floor::alone([None, Some(-0.1), None, None]);
+        for (quantity, floor) in [(TIRE + 1, Some(&floor)), (RATE, None)] {
             let mut bank = bank(&[0.0, -0.1, 0.0, 0.0]);
             (bank.hypotheses[CONSTANT].weight, bank.hypotheses[2].weight) = (0.4, 0.6);
             let moving = &mut bank.hypotheses[2];
             moving.mean[RATE] = 0.0;
             moving.mean[quantity] -= deviations * moving.covariance[(quantity, quantity)].sqrt();
-            bank.hold_above(least, false);
+            bank.hold_above(floor, false);
             let expected = 2.0 * tail * 0.6 / (0.4 + 2.0 * tail * 0.6);
             let held = bank.hypotheses[2].weight;
             assert!((held / expected - 1.0).abs() < 0.02, "{deviations}: {held} and {expected}");
@@ -451,9 +453,7 @@ fn a_single_tire_gains_air_only_from_a_pump() {
             hypothesis.mean[RATE] = -0.05;
         }
         bank.hold_above(None, filling);
-        assert!(
-            bank.hypotheses[1..SIDE].iter().all(|hypothesis| (hypothesis.mean[RATE] - rate).abs() < 1e-15)
-        );
+        assert!(bank.hypotheses[1..SIDE].iter().all(|single| (single.mean[RATE] - rate).abs() < 1e-15));
     }
 }
 
