@@ -130,8 +130,8 @@ impl<T: Real> Circumstances<T> {
 pub(crate) struct Wandering<T: Real> {
     stays: State<T>,
     variance: State<T>,
-    /// Variance that all tires' compliances gain in common.
-    in_common: T,
+    /// Standard deviation that all tires' compliances gain in common.
+    in_common_sd: T,
 }
 
 impl<T: Real> Wandering<T> {
@@ -151,15 +151,15 @@ impl<T: Real> Wandering<T> {
                 rate[at] = T::lit(0.5) * gained[at] / (end_sd[at] * end_sd[at] + besides);
             }
         }
-        let mut in_common = T::lit(IN_COMMON_SD * IN_COMMON_SD);
+        let mut in_common_sd = T::lit(IN_COMMON_SD);
         if circumstances.tires_set {
             gained.fixed_rows_mut::<4>(TIRE).fill(T::zero());
-            in_common = T::zero();
+            in_common_sd = T::zero();
         }
         Self {
             stays: rate.map(|rate| (-rate * seconds).exp_fast()),
             variance: gained * seconds,
-            in_common: in_common * seconds,
+            in_common_sd: in_common_sd * seconds.sqrt(),
         }
     }
 }
@@ -191,7 +191,7 @@ impl<T: Real> Hypothesis<T> {
 
     /// What changes by itself does so: about the vehicle file, and never further than a car may be from it.
     pub(crate) fn wander(&mut self, wandering: &Wandering<T>) {
-        let Wandering { stays, variance, in_common } = wandering;
+        let Wandering { stays, variance, in_common_sd } = wandering;
         self.mean.component_mul_assign(stays);
         for j in 0..SIZE {
             for i in 0..SIZE {
@@ -199,9 +199,14 @@ impl<T: Real> Hypothesis<T> {
             }
             self.covariance[(j, j)] += variance[j];
         }
-        for j in TIRE..TIRE + 4 {
-            for i in TIRE..TIRE + 4 {
-                self.covariance[(i, j)] += *in_common;
+        self.change_alike(&[*in_common_sd; 4]);
+    }
+
+    /// All tires' compliances may have changed together, each by so much for one sd of all.
+    pub(crate) fn change_alike(&mut self, sd: &[T; 4]) {
+        for (j, &of_one) in sd.iter().enumerate() {
+            for (i, &of_other) in sd.iter().enumerate() {
+                self.covariance[(TIRE + i, TIRE + j)] += of_other * of_one;
             }
         }
     }

@@ -97,13 +97,7 @@ impl<T: Real> HypothesisBank<T> {
 
     /// All tires may have become warmer or colder together: their compliances have so much more sd in common.
     pub(super) fn change_temperature(&mut self, sd: &[T; 4]) {
-        for hypothesis in &mut self.hypotheses {
-            for i in 0..4 {
-                for j in 0..4 {
-                    hypothesis.covariance[(TIRE + i, TIRE + j)] += sd[i] * sd[j];
-                }
-            }
-        }
+        self.hypotheses.iter_mut().for_each(|hypothesis| hypothesis.change_alike(sd));
     }
 
     /// Moves on by `seconds` in which nobody watched: nothing moves any more. `filled`: somebody may have changed a
