@@ -64,7 +64,7 @@ pub(crate) struct Args {
 const EXAMPLES: &str = "\
 Examples:
   itpms demo
-  itpms simulate paper-drop --seed 1 -o drive.csv --vehicle-out car.toml
+  itpms lab simulate paper-drop --seed 1 -o drive.csv --vehicle-out car.toml
   itpms estimate drive.csv --vehicle car.toml -o est.csv --report report.html
 
 Studies and their tools: itpms lab --help.
@@ -239,9 +239,9 @@ pub(crate) struct SimulateArgs {
 
 const SIMULATE_EXAMPLES: &str = "\
 Examples:
-  itpms simulate paper-drop --seed 7 -o drive.csv
-  itpms simulate drive-puncture --seed 1 -o drive.parquet --vehicle-out car.toml
-  itpms simulate my-scenario.toml -o drive.csv --vehicle my-car.toml";
+  itpms lab simulate paper-drop --seed 7 -o drive.csv
+  itpms lab simulate drive-puncture --seed 1 -o drive.parquet --vehicle-out car.toml
+  itpms lab simulate my-scenario.toml -o drive.csv --vehicle my-car.toml";
 
 /// Recompute the accuracy table: the standard scenarios over many seeds, held against the goals.
 ///
@@ -277,10 +277,10 @@ pub(crate) struct ScoreArgs {
 
 const SCORE_EXAMPLES: &str = "\
 Examples:
-  itpms score
-  itpms score --row paper-drop --seeds 100 --first-seed 1000 --json
-  itpms score --row car --quick
-  itpms score --estimator all";
+  itpms lab score
+  itpms lab score --row paper-drop --seeds 100 --first-seed 1000 --json
+  itpms lab score --row car --quick
+  itpms lab score --estimator all";
 
 /// Whom to score.
 #[derive(Debug, Clone, Copy)]
@@ -333,8 +333,8 @@ pub(crate) struct ObservabilityArgs {
 
 const OBSERVABILITY_EXAMPLES: &str = "\
 Examples:
-  itpms observability --vehicle car.toml
-  itpms observability --vehicle car.toml --corner rl --out why";
+  itpms lab observability --vehicle car.toml
+  itpms lab observability --vehicle car.toml --corner rl --out why";
 
 fn corner_names() -> impl clap::builder::TypedValueParser<Value = Corner> {
     PossibleValuesParser::new(Corner::ALL.map(Corner::label)).try_map(|label| {

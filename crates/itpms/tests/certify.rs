@@ -1,4 +1,4 @@
-//! `itpms certify` from outside. What the tests themselves give is tested in `itpms-study`, shortened; here are the words
+//! `itpms lab certify` from outside. What the tests themselves give is tested in `itpms-study`, shortened; here are the words
 //! around them.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 

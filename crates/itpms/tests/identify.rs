@@ -1,4 +1,4 @@
-//! `itpms identify` and `itpms calibrate` on the measurements under `examples/identify/`, and on damaged ones.
+//! `itpms lab identify` and `itpms lab calibrate` on the measurements under `examples/identify/`, and on damaged ones.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use crate::common;

@@ -1,4 +1,4 @@
-//! `itpms observability`: a page of text, JSON, and a directory of files.
+//! `itpms lab observability`: a page of text, JSON, and a directory of files.
 
 use crate::common;
 

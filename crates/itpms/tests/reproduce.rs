@@ -1,4 +1,4 @@
-//! `itpms reproduce`: a page that needs nothing, figures and data beside it, the same each time.
+//! `itpms lab reproduce`: a page that needs nothing, figures and data beside it, the same each time.
 
 use crate::common;
 

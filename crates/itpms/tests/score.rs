@@ -1,4 +1,4 @@
-//! `itpms score`: a table for people, JSON for scripts.
+//! `itpms lab score`: a table for people, JSON for scripts.
 
 use crate::common;
 

@@ -1,4 +1,4 @@
-//! `itpms simulate` from outside.
+//! `itpms lab simulate` from outside.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use crate::common;
@@ -116,7 +116,7 @@ fn help_has_examples_and_exit_codes() {
     let bench = Bench::new();
     let help = bench.run("--help");
     assert!(help.success().contains("Examples:") && help.stdout.contains("Exit codes: 0"));
-    assert!(bench.run("simulate --help").success().contains("itpms simulate paper-drop"));
+    assert!(bench.run("simulate --help").success().contains("itpms lab simulate paper-drop"));
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! `itpms soak`: hours are kept one by one, and a run goes on where it was stopped, however it was stopped.
+//! `itpms lab soak`: hours are kept one by one, and a run goes on where it was stopped, however it was stopped.
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
 use crate::common;

@@ -131,7 +131,7 @@ def simulate(
     truth: bool = True,
     progress: bool | None = None,
 ) -> Simulation:
-    """Drives a scenario. The same seed gives the same drive, that of ``itpms simulate``.
+    """Drives a scenario. The same seed gives the same drive, that of ``itpms lab simulate``.
 
     Args:
         scenario: A built-in name (:func:`scenarios`) or the path of a scenario file (TOML).

@@ -1,6 +1,6 @@
 //! The test procedures of UN R141 Annex 3 and FMVSS 138 S6, driven in simulation and held against their limits.
 //!
-//! Called by the binary (`itpms certify`). What the estimator and its monitor see is what a car would give them; pressures and
+//! Called by the binary (`itpms lab certify`). What the estimator and its monitor see is what a car would give them; pressures and
 //! faults are set here and compared with what the tell-tale did, and with what was said beside it. A simulation is no type
 //! approval; docs/certify.md says which clauses are driven and which are not.
 //!

@@ -1,4 +1,4 @@
-//! Tests of whole runs, shortened: the regulations' own times are driven by `itpms certify`.
+//! Tests of whole runs, shortened: the regulations' own times are driven by `itpms lab certify`.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};

@@ -1,7 +1,7 @@
 //! The pressure-stiffness line of a tire from a table of tire tests (paper, eq. 5, Table 1, Fig. 3;
 //! docs/math/identification.md, section 3).
 //!
-//! Called by `itpms calibrate`. The regression itself is the core's; here it is held against its assumptions: is the line
+//! Called by `itpms lab calibrate`. The regression itself is the core's; here it is held against its assumptions: is the line
 //! straight, does a row stand out, do repeats scatter as the line says.
 
 use itpms_core::model::{PressureMap, RegressionError};

@@ -1,7 +1,7 @@
 //! Damping from sinusoidal excitation at one or several frequencies (paper, Sec. 5.1; docs/math/identification.md,
 //! section 2).
 //!
-//! Called by `itpms identify damper`. Force and displacement of a damper or of a whole strut under imposed motion, taken at
+//! Called by `itpms lab identify damper`. Force and displacement of a damper or of a whole strut under imposed motion, taken at
 //! the same instants; which way either of them counts does not matter. Friction is separated from damping by the
 //! shape of the loop and by how force grows from run to run.
 

@@ -1,7 +1,7 @@
 //! Spring stiffness from a load-displacement record, loaded and unloaded slowly (paper, Sec. 5.1;
 //! docs/math/identification.md, section 1).
 //!
-//! Called by `itpms identify spring`. Load may be a force or a weight in newtons; which way either of them counts does
+//! Called by `itpms lab identify spring`. Load may be a force or a weight in newtons; which way either of them counts does
 //! not matter. Friction shows as a loop and is separated, preload as an offset.
 
 use serde::Serialize;

@@ -1,6 +1,6 @@
 //! Why two accelerations leave the stiffness free, and what fixes it (`docs/math/identifiability.md`).
 //!
-//! Called by `itpms observability` and by the page about the paper. Needs no drive: masses, springs and dampers are
+//! Called by `itpms lab observability` and by the page about the paper. Needs no drive: masses, springs and dampers are
 //! enough. It must never be asked for an estimate; it says what any estimator could know.
 //!
 //! | module | idea |

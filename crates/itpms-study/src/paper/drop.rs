@@ -123,7 +123,7 @@ fn road(section: Section, drop: &Outcome, speed_m_s: f64) -> Section {
         table,
         "Rms of the error over rms of the road, by wavelength, without the first and last 4 s of the first seed. In the shortest waves, near the wheel hop, a \
          wrong stiffness shows. In the longest, a causal height pays for keeping its drift away; the default keeps away nearly all of it, the published filters \
-         nothing. The smoothed record of <code>itpms estimate --road-out</code> has no such price; <code>itpms score --row road</code> measures it.",
+         nothing. The smoothed record of <code>itpms estimate --road-out</code> has no such price; <code>itpms lab score --row road</code> measures it.",
     )
 }
 

@@ -9,9 +9,9 @@ use super::positive;
 /// Identify a spring or a damper from bench measurements, or a whole corner from a drop, with standard errors.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
-  itpms identify spring load-displacement.csv --plot spring.svg
-  itpms identify damper sine.csv --plot damper.svg
-  itpms identify bump drop.csv --sprung-mass-kg 366 --unsprung-mass-kg 47 --plot drop.svg")]
+  itpms lab identify spring load-displacement.csv --plot spring.svg
+  itpms lab identify damper sine.csv --plot damper.svg
+  itpms lab identify bump drop.csv --sprung-mass-kg 366 --unsprung-mass-kg 47 --plot drop.svg")]
 pub(crate) struct IdentifyArgs {
     #[command(subcommand)]
     pub(crate) part: IdentifyPart,
@@ -57,16 +57,16 @@ pub(crate) struct BumpArgs {
 
 const BUMP_EXAMPLES: &str = "\
 Examples:
-  itpms identify bump drop.csv
-  itpms identify bump drop.parquet --sprung-mass-kg 366 --unsprung-mass-kg 47 --plot drop.svg
-  itpms identify bump drop.csv --sprung-mass-kg 366 --unsprung-mass-kg 47 --json";
+  itpms lab identify bump drop.csv
+  itpms lab identify bump drop.parquet --sprung-mass-kg 366 --unsprung-mass-kg 47 --plot drop.svg
+  itpms lab identify bump drop.csv --sprung-mass-kg 366 --unsprung-mass-kg 47 --json";
 
 /// Stiffness ks from load and displacement, friction separated.
 ///
 /// Columns displacement_m and load_n, in the order in which they were measured; load and unload slowly, best four or more
 /// strokes. Which way either of them counts does not matter.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example: itpms identify spring load-displacement.csv --plot spring.svg")]
+#[command(after_help = "Example: itpms lab identify spring load-displacement.csv --plot spring.svg")]
 pub(crate) struct SpringArgs {
     /// The measurement: .csv.
     #[arg(value_name = "LOAD_DISPLACEMENT")]
@@ -81,9 +81,9 @@ pub(crate) struct SpringArgs {
 /// Several frequencies may follow each other in one file, be told apart by a column run, or come as several files.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
-  itpms identify damper sine.csv --plot damper.svg
-  itpms identify damper 1hz.csv 2hz.csv 4hz.csv --json
-  itpms identify damper strut.csv --spring 20663")]
+  itpms lab identify damper sine.csv --plot damper.svg
+  itpms lab identify damper 1hz.csv 2hz.csv 4hz.csv --json
+  itpms lab identify damper strut.csv --spring 20663")]
 pub(crate) struct DamperArgs {
     /// The measurements: .csv.
     #[arg(value_name = "SINE", required = true)]
@@ -99,7 +99,7 @@ pub(crate) struct DamperArgs {
 ///
 /// Columns pressure_kpa and stiffness_n_per_m; a pressure may be there several times.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example: itpms calibrate tire-tests.csv -o tire.toml --plot residuals.svg")]
+#[command(after_help = "Example: itpms lab calibrate tire-tests.csv -o tire.toml --plot residuals.svg")]
 pub(crate) struct CalibrateArgs {
     /// The tire tests: .csv.
     pub(crate) table: PathBuf,

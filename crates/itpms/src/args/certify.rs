@@ -1,4 +1,4 @@
-//! What can be typed after `itpms certify`.
+//! What can be typed after `itpms lab certify`.
 
 use std::path::PathBuf;
 
@@ -38,6 +38,6 @@ pub(crate) struct CertifyArgs {
 
 const EXAMPLES: &str = "\
 Examples:
-  itpms certify --quick
-  itpms certify --report certify.html
-  itpms certify --only un-r141-puncture --seed 7 --out punctures";
+  itpms lab certify --quick
+  itpms lab certify --report certify.html
+  itpms lab certify --only un-r141-puncture --seed 7 --out punctures";

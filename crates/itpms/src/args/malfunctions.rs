@@ -1,4 +1,4 @@
-//! What can be typed after `itpms malfunctions`.
+//! What can be typed after `itpms lab malfunctions`.
 
 use super::Jobs;
 
@@ -27,5 +27,5 @@ pub(crate) struct MalfunctionsArgs {
 
 const EXAMPLES: &str = "\
 Examples:
-  itpms malfunctions
-  itpms malfunctions --drives 5 --only swapped --json";
+  itpms lab malfunctions
+  itpms lab malfunctions --drives 5 --only swapped --json";

@@ -1,4 +1,4 @@
-//! What can be typed after `itpms reproduce`: how many drives, and what the paper leaves open.
+//! What can be typed after `itpms lab reproduce`: how many drives, and what the paper leaves open.
 
 use std::path::PathBuf;
 
@@ -58,6 +58,6 @@ impl ReproduceArgs {
 
 const EXAMPLES: &str = "\
 Examples:
-  itpms reproduce --out study
-  itpms reproduce --out study --quick --noise 0.3
-  itpms reproduce --out study --seeds 100 --first-seed 1000";
+  itpms lab reproduce --out study
+  itpms lab reproduce --out study --quick --noise 0.3
+  itpms lab reproduce --out study --seeds 100 --first-seed 1000";

@@ -1,4 +1,4 @@
-//! What can be typed after `itpms soak`: how many hours, of what, and where they are kept.
+//! What can be typed after `itpms lab soak`: how many hours, of what, and where they are kept.
 
 use std::path::PathBuf;
 
@@ -53,5 +53,5 @@ fn car_names() -> impl TypedValueParser<Value = Car> {
 
 const EXAMPLES: &str = "\
 Examples:
-  itpms soak --hours 1000 --out soak
-  itpms soak --hours 2 --out soak --first-seed 5000 --jobs 1";
+  itpms lab soak --hours 1000 --out soak
+  itpms lab soak --hours 2 --out soak --first-seed 5000 --jobs 1";

@@ -1,4 +1,4 @@
-//! `itpms certify`: the regulations' test procedures, driven and held against their limits.
+//! `itpms lab certify`: the regulations' test procedures, driven and held against their limits.
 
 use itpms_data::out::AtomicFile;
 use itpms_study::certify::{Certificate, CertifyError, Extent, Request, certify, list, procedures};

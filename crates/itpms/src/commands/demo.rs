@@ -1,6 +1,6 @@
 //! `itpms demo`: a drive with a puncture, simulated and estimated, so that a person sees in seconds what this is.
 //!
-//! Nothing of its own: the built-in `drive-puncture`, `itpms simulate` and `itpms estimate` one after the other, in a directory that gets its name
+//! Nothing of its own: the built-in `drive-puncture`, `itpms lab simulate` and `itpms estimate` one after the other, in a directory that gets its name
 //! when both are done.
 
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! `itpms identify spring|damper|bump` and `itpms calibrate`: measurements of a bench or a drop in, the numbers of a vehicle file with
+//! `itpms lab identify spring|damper|bump` and `itpms lab calibrate`: measurements of a bench or a drop in, the numbers of a vehicle file with
 //! their standard errors out.
 
 mod bump;

@@ -1,4 +1,4 @@
-//! `itpms malfunctions`: sensors that go wrong in many drives, and what the monitor says of it.
+//! `itpms lab malfunctions`: sensors that go wrong in many drives, and what the monitor says of it.
 
 use itpms_study::malfunction::{MalfunctionError, Request, study};
 

@@ -1,4 +1,4 @@
-//! `itpms observability`: what the accelerations of a vehicle's corner can tell of its tire, and what they cannot.
+//! `itpms lab observability`: what the accelerations of a vehicle's corner can tell of its tire, and what they cannot.
 
 use itpms_core::model::Corner;
 use itpms_data::Vehicle;

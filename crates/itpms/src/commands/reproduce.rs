@@ -1,4 +1,4 @@
-//! `itpms reproduce`: the paper's study made again, as a page and its files.
+//! `itpms lab reproduce`: the paper's study made again, as a page and its files.
 
 use itpms_study::paper::{PaperError, Request, reproduce};
 

@@ -1,4 +1,4 @@
-//! `itpms score`: how good an estimator is over many drives, held against the goals.
+//! `itpms lab score`: how good an estimator is over many drives, held against the goals.
 
 use itpms_study::score::{Request, ScoreError, score};
 
@@ -39,7 +39,7 @@ pub(crate) fn run(args: &ScoreArgs, screen: &Screen, interrupt: &Interrupt) -> R
     }
     if args.row.is_none() {
         screen.remark(
-            "by themselves: --row detection (how soon a loss is warned of), ablation and disturbances, car (cars that are not their files); false warnings: itpms soak",
+            "by themselves: --row detection (how soon a loss is warned of), ablation and disturbances, car (cars that are not their files); false warnings: itpms lab soak",
         );
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! `itpms simulate`: a scenario and a seed in, a drive log out.
+//! `itpms lab simulate`: a scenario and a seed in, a drive log out.
 
 use std::path::Path;
 

@@ -64,7 +64,7 @@ fn tire(out: &mut String, car: &TypicalCar) {
         "stiffness_relative_sd",
         STIFFNESS_SD,
         2,
-        "scatter of published tires about that; itpms calibrate, for a tire on a bench",
+        "scatter of published tires about that; itpms lab calibrate, for a tire on a bench",
     );
     line(out, "rolling_radius_m", size.rolling_radius_m(), 3, "3.05 diameters to a turn (ETRTO)");
 }
@@ -110,7 +110,7 @@ fn corner_table(out: &mut String, car: &TypicalCar, corner: Corner, axle: usize)
         0,
         &format!("body at {:.2} Hz ({class}; published cars 1.25-1.8 Hz)", figures.body_hz[axle]),
     );
-    line(out, "spring_relative_sd", SPRING_SD, 2, "scatter of those; itpms identify spring or bump");
+    line(out, "spring_relative_sd", SPRING_SD, 2, "scatter of those; itpms lab identify spring or bump");
     line(
         out,
         "damping_n_s_per_m",
@@ -118,8 +118,14 @@ fn corner_table(out: &mut String, car: &TypicalCar, corner: Corner, axle: usize)
         0,
         &format!("damping ratio {:.2} (published cars 0.18-0.40)", figures.damping_ratio[axle]),
     );
-    line(out, "damping_relative_sd", DAMPING_SD, 2, "scatter of those; itpms identify damper or bump");
-    line(out, "friction_n", FRICTION_N[0], 1, "struts have some 10 to 100 N (assumed; itpms identify bump)");
+    line(out, "damping_relative_sd", DAMPING_SD, 2, "scatter of those; itpms lab identify damper or bump");
+    line(
+        out,
+        "friction_n",
+        FRICTION_N[0],
+        1,
+        "struts have some 10 to 100 N (assumed; itpms lab identify bump)",
+    );
     line(out, "friction_sd_n", FRICTION_N[1], 1, "");
     line(
         out,

@@ -1,7 +1,7 @@
 //! Spring, damper, friction, wheel hop and tire of a corner from a drop or a bump: a body let fall on its suspension, a car
 //! off a block, a rig (docs/math/identification.md, section 6).
 //!
-//! Called by `itpms identify bump`. Body and wheel of a corner are measured, as heights or as accelerations, while they swing
+//! Called by `itpms lab identify bump`. Body and wheel of a corner are measured, as heights or as accelerations, while they swing
 //! freely over a road that stands still. Spring, damper and friction follow from the body's equation, the tire from the
 //! sum of both; each is fitted in bands of frequency that weigh by what the model leaves of them.
 //!

@@ -1,4 +1,4 @@
-//! `itpms identify bump`: a record of a drop in, the parts of each corner out.
+//! `itpms lab identify bump`: a record of a drop in, the parts of each corner out.
 
 use itpms_core::model::Corner;
 use itpms_data::columns::Columns;

@@ -1,4 +1,4 @@
-//! `itpms soak`: false warnings over many simulated hours, kept hour by hour, going on where it was stopped.
+//! `itpms lab soak`: false warnings over many simulated hours, kept hour by hour, going on where it was stopped.
 
 mod record;
 
