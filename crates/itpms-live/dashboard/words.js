@@ -9,7 +9,7 @@ export const STATES = {
   malfunction: { word: "Malfunction", short: "FAULT", was: "was faulty" },
   over: { word: "Too high", short: "HIGH", was: "was high" },
   unknown: { word: "Not known", short: "not known", was: "not known" },
-  fine: { word: "Fine", short: "ok", was: "was ok" },
+  fine: { word: "Fine", short: "fine", was: "was fine" },
 };
 
 // What the level of a pressure rests on.
@@ -18,7 +18,7 @@ export const LEVELS = { file: "level from the vehicle file", calibration: "level
 const DOUBTS = {
   starting: ["Still learning", "learning"],
   "no-information": ["No information", "no info"],
-  uncertain: ["Uncertain", "unsure"],
+  uncertain: ["Uncertain", "uncertain"],
   misfit: ["Car does not fit", "misfit"],
   suspicion: ["Sensor in doubt", "in doubt"],
 };

@@ -236,3 +236,17 @@ fn what_makes_a_run_impossible_is_said_and_what_only_makes_drives_fail_is_not_fa
         (&1.into(), &1.into(), &0.into())
     );
 }
+
+/// A car of which no drive could be estimated is not left out of the cars, let alone fine.
+#[test]
+fn a_car_none_of_whose_drives_could_be_estimated_is_unknown() {
+    let bench = bench();
+    bench.write("logs/charlie-3.csv", "time_s\n");
+    let said =
+        bench.run("--quiet fleet logs/alpha/drive1.csv logs/charlie-3.csv --vehicle-dir cars --out out");
+    let line = "charlie: not known, none of its 1 drive could be estimated";
+    assert!(said.success().lines().any(|said| said == line), "{said:?}");
+    let page = bench.read("out/index.html");
+    assert!(page.contains("<tr><th scope=\"row\">charlie</th>"));
+    assert!(page.contains("no drive could be estimated</td>"));
+}

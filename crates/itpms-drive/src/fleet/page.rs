@@ -30,7 +30,7 @@ pub(super) fn write(plan: &Plan, outcome: &Outcome) -> Result<(), DriveError> {
 }
 
 fn page(plan: &Plan, outcome: &Outcome) -> String {
-    let cars = CarStanding::of_all(&outcome.drives);
+    let cars = CarStanding::of_all(&outcome.drives, &outcome.failed);
     let headline = escape(&headline(&cars));
     let parts: [(&str, String); 9] = [
         ("headline", headline),
@@ -55,8 +55,10 @@ fn page(plan: &Plan, outcome: &Outcome) -> String {
 
 /// `3 of 12 cars have a low tire`: the most urgent thing there is.
 pub(super) fn headline(cars: &[CarStanding<'_>]) -> String {
+    if cars.iter().all(|car| car.drives.is_empty()) {
+        return "No drive could be estimated".to_owned();
+    }
     let all = match cars.len() {
-        0 => return "No drive could be estimated".to_owned(),
         1 => "1 car".to_owned(),
         n => format!("{n} cars"),
     };
@@ -155,7 +157,10 @@ fn cars_table(cars: &[CarStanding<'_>], failed: &[Failed]) -> String {
          <th scope=\"col\">Rear right</th><th scope=\"col\">Over its drives</th><th scope=\"col\">Last drive</th></tr></thead><tbody>\n",
     );
     for car in cars.iter().take(LISTED) {
-        let Some(last) = car.last() else { continue };
+        let Some(last) = car.last() else {
+            out.push_str(&unseen_row(car));
+            continue;
+        };
         let wheels: String = ["fl", "fr", "rl", "rr"].map(|name| wheel_cell(last, name)).concat();
         let _ = writeln!(
             out,
@@ -173,6 +178,17 @@ fn cars_table(cars: &[CarStanding<'_>], failed: &[Failed]) -> String {
     out.push_str("</tbody></table></div>");
     rest(&mut out, cars.len(), "cars");
     out
+}
+
+/// A car none of whose drives could be estimated.
+fn unseen_row(car: &CarStanding<'_>) -> String {
+    format!(
+        "<tr><th scope=\"row\">{}</th><td>{}</td><td class=\"unseen\" colspan=\"5\">no drive could be estimated</td>\
+         <td class=\"last\"><a href=\"#failed\">{} failed</a></td></tr>\n",
+        escape(car.car),
+        badge(car.state),
+        counted(car.failed, "drive"),
+    )
 }
 
 /// A wheel's last pressure, with a bar up to a quarter above the placard's.

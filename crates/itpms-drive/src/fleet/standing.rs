@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::Failed;
 use super::record::{DriveRecord, WheelRecord};
 
 /// How a wheel or a car fares, in the order of urgency.
@@ -63,32 +64,34 @@ impl State {
 pub struct CarStanding<'a> {
     /// The car.
     pub car: &'a str,
-    /// That of its last drive.
+    /// That of its last drive that could be estimated; unknown if none could.
     pub state: State,
-    /// Its drives in their order; at least one.
+    /// Its drives that could be estimated, in their order.
     pub drives: Vec<&'a DriveRecord>,
+    /// How many of its drives could not.
+    pub failed: usize,
 }
 
 impl<'a> CarStanding<'a> {
     /// All cars, the worst first: by state, then by the lowest share of the placard's pressure.
     #[must_use]
-    pub fn of_all(drives: &'a [DriveRecord]) -> Vec<Self> {
-        let mut cars: BTreeMap<&str, Vec<&DriveRecord>> = BTreeMap::new();
+    pub fn of_all(drives: &'a [DriveRecord], failed: &'a [Failed]) -> Vec<Self> {
+        let mut cars: BTreeMap<&str, Self> = BTreeMap::new();
+        let unseen = |car| Self { car, state: State::Unknown, drives: Vec::new(), failed: 0 };
         for drive in drives {
-            cars.entry(&drive.car).or_default().push(drive);
+            let car = cars.entry(&drive.car).or_insert_with_key(|car| unseen(car));
+            car.state = State::of_drive(drive);
+            car.drives.push(drive);
         }
-        let mut all: Vec<Self> = cars
-            .into_iter()
-            .filter_map(|(car, drives)| {
-                let state = State::of_drive(drives.last()?);
-                Some(Self { car, state, drives })
-            })
-            .collect();
+        for car in failed.iter().filter_map(|failed| failed.car.as_deref()) {
+            cars.entry(car).or_insert_with_key(|car| unseen(car)).failed += 1;
+        }
+        let mut all: Vec<Self> = cars.into_values().collect();
         all.sort_by(|a, b| a.state.cmp(&b.state).then(lowest(a.last()).total_cmp(&lowest(b.last()))));
         all
     }
 
-    /// Its last drive.
+    /// Its last drive that could be estimated.
     #[must_use]
     pub fn last(&self) -> Option<&'a DriveRecord> {
         self.drives.last().copied()

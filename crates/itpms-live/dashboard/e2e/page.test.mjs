@@ -94,7 +94,7 @@ for (const [line, means] of [["stale", /^Stale/], ["freeze", /^Stale/], ["end", 
     assert.match(await text(page, "#last-known")(), /^When last seen: all 4 tires were fine/);
     assert.equal(await text(page, "#tires-title")(), "Tires when last seen");
     assert.notEqual(await color(), live);
-    assert.equal(await page.locator("#tire-fl .tire-word").textContent(), "was ok");
+    assert.equal(await page.locator("#tire-fl .tire-word").textContent(), "was fine");
     assert.doesNotMatch(await text(page, "#no-alerts")(), /Nothing is being warned of/);
     car.type("live");
     await isLive(page);

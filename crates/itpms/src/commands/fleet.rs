@@ -56,7 +56,7 @@ pub(crate) fn run(args: &FleetArgs, screen: &Screen, interrupt: &Interrupt) -> R
 
 /// What was found: the cars that want attention, what failed, and a line that counts.
 fn report(args: &FleetArgs, screen: &Screen, outcome: &Outcome) -> Result<(), Failure> {
-    let cars = CarStanding::of_all(&outcome.drives);
+    let cars = CarStanding::of_all(&outcome.drives, &outcome.failed);
     for failed in outcome.failed.iter().take(SAID) {
         screen.warn(&failed.why);
     }
@@ -107,7 +107,13 @@ fn at(args: &FleetArgs, name: &str) -> String {
 
 /// `car-7: low in logs/car-7/d3.csv: fl 138.2 of 241.3 kPa`.
 fn car_line(car: &CarStanding<'_>) -> String {
-    let Some(last) = car.last() else { return String::new() };
+    let Some(last) = car.last() else {
+        return format!(
+            "{}: not known, none of its {} could be estimated",
+            car.car,
+            counted(car.failed, "drive")
+        );
+    };
     let wheels = last.wheels.iter().filter(|wheel| State::of_wheel(wheel) == car.state);
     let words: Vec<String> = wheels
         .map(|wheel| match wheel.last {
