@@ -14,6 +14,7 @@
 //! | `update` | Bayes' rule for a frame with instruments |
 //! | `checkpoint` | going back to what was believed before a sensor failed |
 //! | `calibration` | tires set to their placard pressures, and what that teaches |
+//! | `floor` | that tires only lose air while they roll |
 //! | `tire_scale` | compliances, stiffnesses and pressures of the car's tires |
 //! | `tires` | what is believed of the tires, for the moments after |
 
