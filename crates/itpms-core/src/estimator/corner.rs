@@ -135,6 +135,11 @@ impl<T: Real> CornerEstimator<T> {
         self.method.reading().change_probability
     }
 
+    /// Its sensors may have been wrong for some seconds: the stiffness in N/m is this one, give or take.
+    pub(crate) fn take_back(&mut self, stiffness_n_per_m: T, sd_n_per_m: T) {
+        self.method.take_back(stiffness_n_per_m, sd_n_per_m);
+    }
+
     /// Stiffness and its sd in N/m, as the corner by itself sees them.
     pub(crate) fn own_stiffness(&self) -> (T, T) {
         let reading = self.method.reading();
