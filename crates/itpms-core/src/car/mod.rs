@@ -312,16 +312,11 @@ impl<T: Real> CarEstimator<T> {
 
     /// For some seconds sensors of the `suspected` corners (in the order of [`Corner::ALL`]) may have been wrong: that a gain has
     /// changed, or that a sensor carries another one's name, shows only later. What the axles have taught in the last six to
-    /// twelve seconds is taken back, if it contradicts what was known before of anything but those corners' own tires. What those corners
-    /// found by themselves is taken back in any case.
+    /// twelve seconds is taken back, if it contradicts what was known before of anything but those corners' own tires.
     #[inline(never)]
     pub fn rollback(&mut self, suspected: [bool; 4]) {
-        let Some(fusion) = self.fusion.as_mut() else { return };
-        fusion.rollback(suspected);
-        for (i, estimator) in self.corners.iter_mut().enumerate().filter(|(i, _)| suspected[*i]) {
-            let Some(estimator) = estimator.as_mut() else { continue };
-            let (stiffness_n_per_m, sd_n_per_m) = fusion.expected_spectral(i);
-            estimator.take_back(stiffness_n_per_m, sd_n_per_m);
+        if let Some(fusion) = self.fusion.as_mut() {
+            fusion.rollback(suspected);
         }
     }
 

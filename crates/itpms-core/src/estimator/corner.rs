@@ -5,7 +5,7 @@
 use super::concluded::Concluded;
 use super::fused_stiffness::FusedStiffness;
 use super::method::RunningMethod;
-use super::reading::{Reading, is_known};
+use super::reading::{Reading, STARTING_S, is_known};
 use super::{EstimatorKind, RoadRepetition};
 use crate::conditioning::wheel_lift::ContactWatch;
 use crate::conditioning::{GridSample, Resampler, SampleCounts};
@@ -54,13 +54,15 @@ pub(crate) struct CornerEstimator<T: Real> {
     misfit: Placed<Misfit>,
     /// Since when there is something to believe, but for the verdict on body and wheel.
     judged_from_s: Option<f64>,
+    /// Seconds of information that the corner had when its sensors last told nothing.
+    learned_before_s: T,
     concluded: Placed<Concluded<T>>,
 }
 
 blank!(CornerEstimator<T> {
     kind, config, resampler, method, road, road_told_s, watch, calibration_s, calibration_ends_s,
     pinned_s, restarts, repetition, fused, contact, strut, friction_variance,
-    fit, misfit, judged_from_s, concluded,
+    fit, misfit, judged_from_s, learned_before_s, concluded,
 });
 
 impl<T: Real> CornerEstimator<T> {
@@ -93,7 +95,7 @@ impl<T: Real> CornerEstimator<T> {
         let noise_density = T::lit(2.0 / sample_rate_hz) * noise * noise;
         self.strut.configure(self.resampler.grid_period_s(), noise_density);
         (self.fit, self.judged_from_s) = (BodyFit::unknown(), None);
-        self.friction_variance = T::zero();
+        (self.friction_variance, self.learned_before_s) = (T::zero(), T::zero());
         self.misfit.clear();
         self.concluded.clear();
         Ok(())
@@ -130,14 +132,11 @@ impl<T: Real> CornerEstimator<T> {
         self.road.clear();
     }
 
-    /// Probability that the pressure moves, as the corner by itself sees it.
+    /// Probability that the pressure moves, as the corner by itself sees it. What it saw before its sensors told nothing does not count,
+    /// neither meanwhile nor until it has seen as much again as an estimate takes.
     pub(crate) fn change_probability(&self) -> T {
-        self.method.reading().change_probability
-    }
-
-    /// Its sensors may have been wrong for some seconds: the stiffness in N/m is this one, give or take.
-    pub(crate) fn take_back(&mut self, stiffness_n_per_m: T, sd_n_per_m: T) {
-        self.method.take_back(stiffness_n_per_m, sd_n_per_m);
+        let seen_s = self.method.learned_s() - self.learned_before_s;
+        if seen_s < T::lit(STARTING_S) { T::zero() } else { self.method.reading().change_probability }
     }
 
     /// Stiffness and its sd in N/m, as the corner by itself sees them.
@@ -310,6 +309,7 @@ impl<T: Real> CornerEstimator<T> {
         (self.fit, self.judged_from_s) = (BodyFit::unknown(), None);
         self.misfit.clear();
         self.method.restart(self.kind, self.repetition);
+        self.learned_before_s = T::zero();
         self.concluded.clear();
         self.watch = LowPressureWatch::new();
         self.restarts = self.restarts.saturating_add(1);
@@ -373,10 +373,14 @@ impl<T: Real> CornerEstimator<T> {
             (change_sd_n_per_m * change_sd_n_per_m + considered_sd_n_per_m * considered_sd_n_per_m).sqrt();
         let pressure_sd_kpa = tire.pressure_sd_kpa(pressure_kpa, stiffness_sd_n_per_m);
         let sd_kpa = stiffness_sd_n_per_m / tire.stiffness_per_kpa();
+        let bad = self.resampler.is_bad();
+        if bad {
+            self.learned_before_s = self.method.learned_s();
+        }
         let unjudged = reading.validity.is_valid() && self.is_unjudged(time_s);
         let tire = &self.config.tire;
         let validity = match reading.validity {
-            _ if self.resampler.is_bad() => Validity::BadSignal,
+            _ if bad => Validity::BadSignal,
             Validity::Valid if self.misfit.get().is_some_and(|misfit| misfit.doubt(level).is_none()) => {
                 Validity::Misfit
             }

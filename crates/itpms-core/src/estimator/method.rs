@@ -140,17 +140,12 @@ impl<T: Real> RunningMethod<T> {
         }
     }
 
-    /// What was learned of late is wrong; the stiffness in N/m is this one, give or take.
-    pub(super) fn take_back(&mut self, stiffness_n_per_m: T, sd_n_per_m: T) {
-        match &mut self.method {
-            Method::Informed(informed) => {
-                let tire = &self.config.tire;
-                let pressure_kpa = tire.pressure_kpa(stiffness_n_per_m);
-                informed.take_back(pressure_kpa, sd_n_per_m / tire.stiffness_per_kpa());
-                self.reading = belief_reading(&self.config, informed);
-            }
+    /// Seconds of full information that it has had; no number where it does not count them.
+    pub(super) fn learned_s(&self) -> T {
+        match &self.method {
+            Method::Informed(informed) => informed.learned_s(),
             #[cfg(feature = "paper")]
-            Method::Published(_) => {}
+            Method::Published(_) => T::lit(f64::NAN),
         }
     }
 

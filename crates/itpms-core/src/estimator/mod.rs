@@ -225,3 +225,40 @@ impl<T: Real> Estimator<T> {
         self.corner.restarts()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::reading::STARTING_S;
+    use super::*;
+
+    const RATE_HZ: f64 = 200.0;
+
+    /// Drives on for some seconds, the wheel's sensor reading `gain` of a random acceleration; the largest probability of a change.
+    fn drive(estimator: &mut Estimator<f64>, random: &mut u64, from_s: f64, to_s: f64, gain: f64) -> f64 {
+        let mut noise = || {
+            *random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (*random >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        let mut largest = 0.0_f64;
+        for i in (from_s * RATE_HZ) as usize..(to_s * RATE_HZ) as usize {
+            estimator.update(i as f64 / RATE_HZ, 20.0, noise(), 10.0 * gain * noise());
+            largest = largest.max(estimator.corner.change_probability());
+        }
+        largest
+    }
+
+    /// What a corner saw of a leak before its sensor fell silent is not kept for true as long as nothing can tell otherwise: it has no say
+    /// meanwhile, and none until it has seen anew for as long as an estimate takes.
+    #[test]
+    fn what_was_seen_before_a_silence_does_not_count() {
+        let mut estimator = Estimator::new(EstimatorKind::Informed, &CornerConfig::paper(), RATE_HZ).unwrap();
+        let mut random = 1;
+        let mut drive = |from_s, to_s, gain| drive(&mut estimator, &mut random, from_s, to_s, gain);
+        assert!(drive(0.0, 10.0, 1.0) > 0.01);
+        // Half a second until it is known that nothing comes.
+        assert!(drive(10.0, 11.0, f64::NAN) > 0.01);
+        assert_eq!(drive(11.0, 30.0, f64::NAN), 0.0);
+        assert_eq!(drive(30.0, 30.0 + STARTING_S, 1.0), 0.0);
+        assert!(drive(30.0 + STARTING_S, 36.0, 1.0) > 0.01);
+    }
+}

@@ -5,7 +5,7 @@ use crate::model::{CornerConfig, Validity};
 use crate::real::Real;
 
 /// Seconds of full information before an estimate counts.
-const STARTING_S: f64 = 2.0;
+pub(super) const STARTING_S: f64 = 2.0;
 /// Standard deviation, as a share of the placard pressure, beyond which an estimate says nothing.
 const WORTHLESS: f64 = 0.25;
 

@@ -105,7 +105,10 @@ impl<T: Real> Posterior<T> {
 
     /// Somebody knows the pressure now: a cell and its sd in cells. The roads learned under it stay.
     pub(crate) fn pin(&mut self, cell: T, sd_cells: T) {
-        let bell = bell(cell, sd_cells);
+        let bell = Cells::from_fn(|i, _| {
+            let z = (T::lit(i as f64) - cell) / sd_cells;
+            (T::lit(-0.5) * z * z).exp() + T::lit(1e-12)
+        });
         for modes in &mut self.weight {
             let mut all = Cells::zeros();
             for cells in modes.iter_mut() {
@@ -114,20 +117,6 @@ impl<T: Real> Posterior<T> {
             }
             modes[QUIET] = all.map(|p| p.max(T::lit(1e-12))).component_mul(&bell);
         }
-        self.normalise();
-    }
-
-    /// What was learned of the pressure of late is wrong: it is this cell, up to an sd in cells, and rests. Frames since the last
-    /// pseudo-measurement are forgotten; the roads stay.
-    pub(crate) fn take_back(&mut self, cell: T, sd_cells: T) {
-        let bell = bell(cell, sd_cells);
-        for modes in &mut self.weight {
-            let share = modes.iter().fold(T::zero(), |sum, cells| sum + cells::sum(cells));
-            modes.iter_mut().for_each(|cells| cells.fill(T::zero()));
-            modes[QUIET] = &bell * share;
-        }
-        self.told_log_likelihood.fill(T::zero());
-        self.told_frames = 0;
         self.normalise();
     }
 
@@ -418,14 +407,6 @@ impl<T: Real> Posterior<T> {
     }
 }
 
-/// A Gaussian's shape over the cells, nowhere nothing.
-fn bell<T: Real>(cell: T, sd_cells: T) -> Cells<T> {
-    Cells::from_fn(|i, _| {
-        let z = (T::lit(i as f64) - cell) / sd_cells;
-        (T::lit(-0.5) * z * z).exp() + T::lit(1e-12)
-    })
-}
-
 /// Moves mass by a kernel; what leaves the grid is lost.
 fn shift<T: Real>(cells: &mut Cells<T>, kernel: &[T; TAPS]) {
     let before = *cells;
@@ -436,35 +417,5 @@ fn shift<T: Real>(cells: &mut Cells<T>, kernel: &[T; TAPS]) {
         if let Some((moved, before)) = moved {
             cells::add_scaled(moved, before, weight);
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::memory::Blank;
-
-    /// Somebody knows better than frames that should not have been listened to: the pressure rests where it is told to be, and wanders on
-    /// from there as in a pause (a random walk of so much variance a frame); nothing is told of those frames.
-    #[test]
-    fn what_was_learned_from_wrong_frames_is_taken_back() {
-        let mut posterior = Posterior::<f64>::BLANK;
-        posterior.configure(0.06);
-        posterior.restart(8.0, 3.0);
-        posterior.weight[CALM].swap(QUIET, FALL);
-        posterior.told_log_likelihood[3] = 5.0;
-        posterior.told_frames = FRAMES_PER_MEASUREMENT;
-        posterior.summarise();
-        assert!(posterior.summary().moving > 0.99 && posterior.has_word());
-        posterior.take_back(25.0, 2.0);
-        let frames = 100;
-        (0..frames).for_each(|_| posterior.hold());
-        let kernel = posterior.dynamics.hold_kernel;
-        let walked: f64 = kernel.iter().enumerate().map(|(i, w)| w * (i as f64 - REACH as f64).powi(2)).sum();
-        let summary = posterior.summary();
-        assert!(summary.moving < 1e-6 && (summary.mean_cell - 25.0).abs() < 0.05, "{summary:?}");
-        let expected = 4.0 + f64::from(frames) * walked;
-        assert!((summary.variance_cells2 / expected - 1.0).abs() < 0.05, "{summary:?}, {expected}");
-        assert!(!posterior.has_word() && posterior.take_pseudo_measurement().is_none());
     }
 }

@@ -271,14 +271,9 @@ impl<T: Real> Informed<T> {
         self.held_frames = HELD_FRAMES;
     }
 
-    /// Tells that what was learned of late is wrong, and what the pressure is instead, give or take; newer frames are not believed.
-    pub(crate) fn take_back(&mut self, pressure_kpa: T, sd_kpa: T) {
-        let cell = (pressure_kpa - self.grid.pressure_kpa(0)) / self.grid.step_kpa();
-        if !(cell.is_finite() && sd_kpa.is_finite()) {
-            return;
-        }
-        self.posterior.take_back(cell, (sd_kpa / self.grid.step_kpa()).max(T::lit(LEAST_PIN_CELLS)));
-        self.work.clear();
+    /// Seconds of full information since the start.
+    pub(crate) fn learned_s(&self) -> T {
+        self.learned_s
     }
 
     fn notice_stop(&mut self, speed_m_s: T) {
