@@ -116,7 +116,7 @@
 //! | feature | what it adds |
 //! |---|---|
 //! | `serde` | saving and restoring of a running estimator |
-//! | `paper` | the paper's filters, which cannot find the stiffness, and one mended |
+//! | `paper` | the paper's filters, which cannot find the stiffness, and one corrected |
 //! | `test-bench` | a road that repeats itself, as on a test bed or a drum |
 #![no_std]
 #![forbid(unsafe_code)]

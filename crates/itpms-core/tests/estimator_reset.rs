@@ -6,7 +6,7 @@ use crate::common;
 use common::car_ride::{CarRide, RATE_HZ, car, config, drive};
 use common::ride::{Ride, estimator, feed};
 use itpms_core::estimator::EstimatorKind;
-use itpms_core::model::Corner;
+use itpms_core::model::{CalibrationError, Corner, CornerCalibration, Learned, VehicleCalibration};
 
 const PLACARD_KPA: f64 = 241.3;
 const RESET_S: f64 = 10.0;
@@ -32,6 +32,57 @@ fn a_reset_drive_stays_at_placard_and_lets_go_afterwards() {
         // Nobody vouches for the pressure any more: the sd is the estimator's own again.
         assert!(free_sd > 3.0, "{kind:?}: {free_sd}");
     }
+}
+
+/// Of a car like this one, whose corners should have these pressures.
+fn calibration(placard_kpa: [f64; 4]) -> VehicleCalibration<f64> {
+    let learned = Learned { value: 0.01, sd: 0.02 };
+    let corner = |placard_kpa| CornerCalibration {
+        placard_kpa,
+        unsprung_mass: learned,
+        damping: learned,
+        spring: learned,
+        spectrum_bias_kpa: learned,
+        shared_road_bias: learned,
+    };
+    VehicleCalibration {
+        corners: placard_kpa.map(|kpa| Some(corner(kpa))),
+        bar: [learned; 2],
+        gain: [learned; 2],
+        wheelbase: learned,
+        skew_s: [Learned { value: 0.0, sd: 1e-3 }; 2],
+        learned_s: 600.0,
+    }
+}
+
+#[test]
+fn what_was_learned_of_another_car_is_refused_and_changes_nothing() {
+    let mut car = car(&config::<f64>());
+    // What is not known yet is NaN, which equals nothing.
+    let before = format!("{car:?}");
+    // The last corner is the one that differs.
+    let other = calibration([PLACARD_KPA, PLACARD_KPA, PLACARD_KPA, 260.0]);
+    assert_eq!(car.load_calibration(&other), Err(CalibrationError::OtherCar));
+    assert!(format!("{car:?}") == before);
+    assert_eq!(car.load_calibration(&calibration([PLACARD_KPA; 4])), Ok(()));
+    assert!(format!("{car:?}") != before);
+}
+
+/// The corrected filter knows how long a hole was: the stiffness may have walked meanwhile.
+#[test]
+fn over_a_hole_the_corrected_filter_becomes_less_sure() {
+    let rows = Ride::new(7).rows();
+    let sd_n_per_m = |hole_s: f64| {
+        let mut tire = estimator::<f64>(EstimatorKind::AekfUiInformed, 500.0);
+        let mut last = None;
+        for (i, row) in rows.iter().take(10_100).enumerate() {
+            let time_s = row.time_s + if i < 10_000 { 0.0 } else { hole_s };
+            last = Some(feed(&mut tire, &common::ride::Row { time_s, ..*row }));
+        }
+        last.unwrap().stiffness_sd_n_per_m
+    };
+    let (short, long) = (sd_n_per_m(0.0), sd_n_per_m(600.0));
+    assert!(long > 1.2 * short, "{long} and {short} N/m");
 }
 
 #[test]

@@ -181,25 +181,27 @@ impl<T: Real> Belief<T> {
         calibration: &VehicleCalibration<T>,
     ) -> Result<(), CalibrationError> {
         let [mass, damping, spring, bar, gain, wheelbase, skew, bias, road_bias] = LEAST_SD.map(T::lit);
+        // A tenth of a kPa is more than any file loses.
+        let is_its = |(i, learned): (usize, &Option<CornerCalibration<T>>)| match learned {
+            Some(learned) => {
+                let apart_kpa = (learned.placard_kpa - self.scale.placard_kpa[i]).abs();
+                self.present[i] && apart_kpa < T::lit(0.1)
+            }
+            None => !self.present[i],
+        };
+        if !calibration.corners.iter().enumerate().all(is_its) {
+            return Err(CalibrationError::OtherCar);
+        }
         let bank = &mut self.bank;
         bank.free_masses(&self.mass_sd);
         for (i, learned) in calibration.corners.iter().enumerate() {
-            match (learned, self.present[i]) {
-                (Some(learned), true) => {
-                    let placard = self.scale.placard_kpa[i];
-                    // A tenth of a kPa is more than any file loses.
-                    if !((learned.placard_kpa - placard).abs() < T::lit(0.1)) {
-                        return Err(CalibrationError::OtherCar);
-                    }
-                    bank.set_quantity(MASS + i, &learned.unsprung_mass, mass, T::one());
-                    bank.set_quantity(DAMPING + i, &learned.damping, damping, T::one());
-                    bank.set_quantity(SPRING + i, &learned.spring, spring, T::one());
-                    bank.set_quantity(OWN_BIAS + i, &learned.spectrum_bias_kpa, bias * placard, placard);
-                    bank.set_quantity(ROAD_BIAS + i, &learned.shared_road_bias, road_bias, T::one());
-                }
-                (None, false) => {}
-                _ => return Err(CalibrationError::OtherCar),
-            }
+            let Some(learned) = learned else { continue };
+            let placard = self.scale.placard_kpa[i];
+            bank.set_quantity(MASS + i, &learned.unsprung_mass, mass, T::one());
+            bank.set_quantity(DAMPING + i, &learned.damping, damping, T::one());
+            bank.set_quantity(SPRING + i, &learned.spring, spring, T::one());
+            bank.set_quantity(OWN_BIAS + i, &learned.spectrum_bias_kpa, bias * placard, placard);
+            bank.set_quantity(ROAD_BIAS + i, &learned.shared_road_bias, road_bias, T::one());
         }
         for i in 0..2 {
             bank.set_quantity(BAR + i, &calibration.bar[i], bar, T::one());

@@ -9,7 +9,7 @@ use crate::memory::blank;
 use crate::real::Real;
 use crate::suspension::MEMORY_S;
 
-/// Mean and sd in 1/s of the rate at which a compliance begins to grow: that of a tire which loses 40 kPa/s grows by 0.15/s.
+/// Mean and sd in 1/s of the rate at which a compliance begins to grow: 0.08/s is a tire that loses some 26 kPa/s.
 const RATE_MEAN: f64 = 0.08;
 const RATE_SD: f64 = 0.08;
 /// Seconds for which a car goes on over roads that are alike.

@@ -1,5 +1,6 @@
 //! The belief about the car: a mixture of nine Gaussians, one for every way in which pressures may be changing now
-//! (docs/math/shared-road.md, section 6). Moves on with time, is weighed by the constraint and by what others say.
+//! (docs/math/shared-road.md, section 6). Predicted over time; weighed by the residual of front and rear and by
+//! pseudo-measurements of the corners' spectra.
 
 use super::floor::Floor;
 use super::gaussian::{Circumstances, Hypothesis, Wandering};
@@ -25,6 +26,8 @@ const FADING_TAUGHT: f64 = 0.01;
 const RARE: f64 = 1e-5;
 const RARE_OPPOSITE: f64 = 1e-3;
 const RARE_FRAMES: usize = 3;
+/// Least weight of the constant hypothesis.
+const SMALLEST_WEIGHT: f64 = 1e-30;
 /// Degrees of freedom of a pseudo-measurement's distribution: how heavy its tails are.
 const PSEUDO_MEASUREMENT_TAILS: f64 = 4.0;
 /// Chance that a tire was filled or let down during a stop, and the sd of its compliance then.
@@ -179,7 +182,7 @@ impl<T: Real> HypothesisBank<T> {
     }
 
     /// A measured number with its variance: `linearise` gives, for a state, its derivatives and how much more it is than
-    /// expected. Says nothing about which mode holds.
+    /// expected. The hypotheses' weights stay as they are.
     pub(super) fn update(&mut self, variance: T, linearise: impl Fn(&State<T>) -> (State<T>, T)) {
         // What nobody believes in begins anew with the next prediction.
         for hypothesis in self.hypotheses.iter_mut().filter(|hypothesis| hypothesis.weight > T::zero()) {
@@ -214,6 +217,9 @@ impl<T: Real> HypothesisBank<T> {
             hypothesis.weight *= (log - largest).exp_fast();
             total += hypothesis.weight;
         }
+        // The others are weighed against it while they are not followed.
+        let constant = &mut self.hypotheses[CONSTANT].weight;
+        *constant = constant.max(T::lit(SMALLEST_WEIGHT));
         if total > T::zero() && total.is_finite() {
             self.hypotheses.iter_mut().for_each(|hypothesis| hypothesis.weight /= total);
         }

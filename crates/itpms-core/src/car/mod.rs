@@ -258,9 +258,10 @@ impl<T: Real> CarEstimator<T> {
         self.fusion.as_ref().map_or(0.0, Fusion::speed_latency_s)
     }
 
-    /// Ends the calibration that is under way, as where a log ends with it; what it taught is there then.
+    /// Ends the calibration that is to begin or under way, as where a log ends with it; what it taught is there then.
     pub fn end_calibration(&mut self) {
-        self.calibration_ends_s = f64::NEG_INFINITY;
+        (self.calibration_s, self.calibration_ends_s) = (None, f64::NEG_INFINITY);
+        self.corners.iter_mut().flatten().for_each(CornerEstimator::end_calibration);
         if let Some(fusion) = self.fusion.as_mut() {
             fusion.set_calibrating(false);
         }

@@ -26,13 +26,14 @@ const BOUNCE_WIDTH_HZ: f64 = 5.0;
 const SLOW_WIDTH_HZ: f64 = 0.5;
 
 /// Log of wheel over body power in the hop band below which a body moves like a wheel or a wheel like a body; above
-/// which it does not; and below which both do. A healthy corner has 4 to 5.
+/// which it does not; and below which both do. A healthy corner has 4 to 6.
 const ODD: f64 = 0.7;
 const NOT_ODD: f64 = 1.7;
 const CROSSED: f64 = -1.5;
 /// Power of a body over its sensor's noise in the hop band from which it says what a wheel's hop does to it.
 const HEARD: f64 = 3.0;
-/// How much more than its like a body moves that is a wheel, as a log of powers.
+/// How much more than the other bodies a body moves that is a wheel, and how much less than the other wheels
+/// a wheel that is a body, as a log of powers.
 const LIKE_A_WHEEL: f64 = 2.0;
 const RATIO: DebounceTimes = DebounceTimes { set_s: 3.0, clear_s: 5.0 };
 
@@ -101,7 +102,8 @@ impl<T: Real> CrossSensorPlausibility<T> {
         self.shifts = WheelGainShift::new();
     }
 
-    /// Lets go of what is only suspected, and of what jumped: nobody can look whether it still holds.
+    /// Drops what is only suspected, and suspected changes of gain: with a sensor out of order it cannot be
+    /// checked whether they hold.
     pub(crate) fn drop_suspicions(&mut self) {
         let words = self.pairs.iter_mut().chain(&mut self.corners).chain(&mut self.reversed);
         words.for_each(FaultLatch::drop_suspicion);
@@ -147,7 +149,9 @@ impl<T: Real> CrossSensorPlausibility<T> {
             self.bounce.take(&block.bounce, block.bounce.trace(), BOUNCE_BLOCKS);
         }
         let slow = block.slow.iter().fold(T::zero(), |sum, power| sum + *power);
-        self.wheel_gains.average(block, slow > T::lit(8.0) * self.noise(0, SLOW_WIDTH_HZ));
+        // A body's sensor and a wheel's at each corner.
+        let noise = all(SLOW_WIDTH_HZ)(self).into_iter().fold(T::zero(), |sum, noise| sum + noise);
+        self.wheel_gains.average(block, slow > T::lit(2.0) * noise);
     }
 
     fn plane(&self) -> Option<Plane<T>> {
@@ -176,7 +180,8 @@ impl<T: Real> CrossSensorPlausibility<T> {
             let ratio = self.ratio[i];
             let corner = Corner::ALL[i];
             let sensor = |place| Sensor { corner, place };
-            // A wheel that reads little, or a body that reads much, is not a swap: then one of the two is like its like.
+            // A wheel that reads little, or a body that reads much, is not a swap: then only one of the two
+            // differs from the other corners.
             let body_is_wheel = !((b / others(&body, i)).ln() < T::lit(LIKE_A_WHEEL));
             let wheel_is_body =
                 !((others(&|j| block.wheel_hop[j.min(3)], i) / w).ln() < T::lit(LIKE_A_WHEEL));

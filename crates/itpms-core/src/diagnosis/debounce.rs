@@ -1,30 +1,30 @@
-//! Debouncing: a word that is said when a condition has held for a while, and taken back when another one has.
+//! Debouncing: a report that is set when a condition has held for a while, and cleared when another one has.
 
 use crate::memory::blank;
 
 /// How long a condition has to hold, in s.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct DebounceTimes {
-    /// Before the word is said.
+    /// Before the report is set.
     pub(crate) set_s: f64,
-    /// Before it is taken back.
+    /// Before it is cleared.
     pub(crate) clear_s: f64,
 }
 
-/// What speaks for or against the word now.
+/// What speaks for or against the report now.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Evidence {
-    /// It holds.
+    /// The condition to set it holds.
     Prefailed,
-    /// It is over.
+    /// The condition to clear it holds.
     Prepassed,
-    /// Neither: whatever was said stays said, and nothing new is.
+    /// Neither: the report stays as it is, and both times start anew.
     Undecided,
-    /// Nothing was seen: time stands still.
+    /// Nothing was seen: neither time runs on.
     NoData,
 }
 
-/// A word with its memory.
+/// A report with the evidence for and against it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Debouncer {
@@ -32,7 +32,7 @@ pub(crate) struct Debouncer {
     /// Seconds of evidence for and against in a row.
     prefailed_s: f64,
     prepassed_s: f64,
-    /// When the evidence for it began, and when it was said.
+    /// When the evidence for it began, and when it was set.
     since_s: f64,
     reported_s: f64,
 }
@@ -44,7 +44,7 @@ impl Debouncer {
         Self { active: false, prefailed_s: 0.0, prepassed_s: 0.0, since_s: f64::NAN, reported_s: f64::NAN }
     }
 
-    /// Takes what the last `step_s` seconds until `time_s` spoke for; true while the word stands.
+    /// Takes what the last `step_s` seconds until `time_s` spoke for; true while the report is set.
     pub(crate) fn update(
         &mut self,
         time_s: f64,
@@ -78,22 +78,22 @@ impl Debouncer {
         self.active
     }
 
-    /// Whether the word stands.
+    /// Whether the report is set.
     pub(crate) fn is_active(&self) -> bool {
         self.active
     }
 
-    /// Whether anything speaks for it, said or not.
+    /// Whether anything speaks for it, set or not.
     pub(crate) fn is_suspected(&self) -> bool {
         self.active || self.prefailed_s > 0.0
     }
 
-    /// When the evidence began, in s; means something only while the word stands.
+    /// When the evidence began, in s; means something only while the report is set.
     pub(crate) fn since_s(&self) -> f64 {
         self.since_s
     }
 
-    /// When it was said, in s; means something only while the word stands.
+    /// When it was set, in s; means something only while the report is set.
     pub(crate) fn reported_s(&self) -> f64 {
         self.reported_s
     }

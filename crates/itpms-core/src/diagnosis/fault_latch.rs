@@ -1,4 +1,5 @@
-//! A word about several sensors, what would be said, and how a corner looks in the hop band.
+//! A fault that it takes several sensors to tell, debounced, with what it would be called; and how a corner
+//! looks in the hop band.
 
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
 use crate::diagnosis::{Fault, Malfunction};
@@ -20,7 +21,7 @@ pub(crate) enum SwapPattern {
 
 blank!(SwapPattern::Right);
 
-/// A latch and what it would say.
+/// A debounced fault and what it is called.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct FaultLatch<T: Real> {

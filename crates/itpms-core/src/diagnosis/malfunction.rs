@@ -36,7 +36,7 @@ pub enum Malfunction<T> {
     Dropout(Sensor),
     /// Single samples far from their neighbors.
     Spikes(Sensor),
-    /// Noisier than before, or than its like.
+    /// Noisier than the same sensors at the other corners.
     Noise(Sensor),
     /// It reads too much or too little.
     Gain {

@@ -223,7 +223,8 @@ impl<T: Real> Diagnosis<T> {
         if moving { Motion::Moving } else { Motion::Standing }
     }
 
-    /// Noise against that of its like; not of a corner where body and wheel may be swapped: each would be unlike its like.
+    /// Noise against that of the same sensors at the other corners; not where body and wheel may be swapped,
+    /// as each would then be compared with sensors of the other kind.
     /// A sensor that reads more of everything has a wrong gain: noise is what is more than wheel hop is more. Where its
     /// noise is all there is in the hop band, as on a smooth road, that band says nothing of either.
     fn judge_noise(
@@ -246,7 +247,8 @@ impl<T: Real> Diagnosis<T> {
         }
     }
 
-    /// A sensor's noise power and that of its like on other corners, with what any of them may have.
+    /// A sensor's noise power, and the median of the same sensors at the other corners plus the noise of the
+    /// vehicle file.
     fn noise_powers(&self, blocks: &[Option<SensorBlock<T>>; 8], i: usize) -> Option<[T; 2]> {
         let own = blocks.get(i).copied().flatten()?.floor?;
         let floor = |j: usize| blocks.get(j).copied().flatten().and_then(|block| block.floor);

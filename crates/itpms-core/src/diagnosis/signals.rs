@@ -155,15 +155,11 @@ impl<T: Real> Signals<T> {
         let (hop, bounce) = (self.hop_moments.end_block(), self.bounce_moments.end_block());
         let per_quick = T::one() / T::lit(f64::from(self.quick_steps.max(1)));
         let per_slow = T::one() / T::lit(f64::from(self.slow_steps.max(1)));
-        let block = Block {
-            hop: hop?,
-            wheel_hop: self.wheel_hop.map(|power| power * per_quick),
-            bounce: bounce?,
-            slow: self.slow_power.map(|power| power * per_slow),
-        };
+        let wheel_hop = self.wheel_hop.map(|power| power * per_quick);
+        let slow = self.slow_power.map(|power| power * per_slow);
         (self.wheel_hop, self.slow_power) = ([T::zero(); 4], [T::zero(); 8]);
         (self.quick_steps, self.slow_steps) = (0, 0);
-        Some(block)
+        Some(Block { hop: hop?, wheel_hop, bounce: bounce?, slow })
     }
 }
 

@@ -1,4 +1,5 @@
-//! What is wrong with one sensor, as far as it can be told from itself and from its like on the other corners.
+//! What is wrong with one sensor, as far as it can be told from itself and from the same sensors at the other
+//! corners.
 
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
 use crate::diagnosis::sensor_statistics::{SensorBlock, SensorWatch};
@@ -18,7 +19,7 @@ const TOO_MANY_SPIKES: f64 = 2.2;
 const SPIKES_S: f64 = 10.0;
 const SPIKE_DOUBT_S: f64 = 2.0;
 const SPIKES: DebounceTimes = DebounceTimes { set_s: 0.0, clear_s: 15.0 };
-/// Noise power over that of its like that is too much, and that is fine again.
+/// Noise power over that of the same sensors at the other corners that is too much, and that is fine again.
 const TOO_NOISY: f64 = 6.0;
 const NOT_NOISY: f64 = 3.0;
 const NOISE: DebounceTimes = DebounceTimes { set_s: 3.0, clear_s: 5.0 };
@@ -106,7 +107,8 @@ impl<T: Real> SingleSensorMonitor<T> {
         block
     }
 
-    /// Judges its noise against that of its like, both as powers; `None`: cannot be compared now.
+    /// Judges its noise against that of the same sensors at the other corners, both as powers; `None`: cannot
+    /// be compared now.
     pub(crate) fn compare_noise(&mut self, time_s: f64, step_s: f64, powers: Option<[T; 2]>) {
         let noise = powers.map_or(Evidence::NoData, |[own, alike]| {
             evidence(own > T::lit(TOO_NOISY) * alike, own < T::lit(NOT_NOISY) * alike)

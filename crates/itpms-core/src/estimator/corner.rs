@@ -121,6 +121,11 @@ impl<T: Real> CornerEstimator<T> {
         Ok(())
     }
 
+    /// From the next sample on the tire's pressure is no longer known.
+    pub(crate) fn end_calibration(&mut self) {
+        (self.calibration_s, self.calibration_ends_s) = (0.0, None);
+    }
+
     /// Tells what is known of the road repeating itself; before the first sample.
     pub(crate) fn set_road_repetition(&mut self, repetition: RoadRepetition) {
         self.repetition = repetition;
@@ -238,6 +243,7 @@ impl<T: Real> CornerEstimator<T> {
             && self.kind == EstimatorKind::Informed
         {
             self.restart();
+            reading = self.method.reading_at(time_s);
         }
         match self.fused.as_ref() {
             Some(fused) => self.method.apply_fused(&mut reading, fused),

@@ -27,7 +27,7 @@ pub enum EstimatorKind {
     /// Bayes filter that knows that a road looks like a road: [`crate::single_wheel`].
     #[default]
     Informed,
-    /// The paper's recursion, mended and told the stiffness likelihood of the same frames.
+    /// The paper's recursion, corrected and told the stiffness likelihood of the same frames.
     #[cfg(feature = "paper")]
     AekfUiInformed,
     /// As published, with the one-step forgetting factor. Cannot find the stiffness.
@@ -245,6 +245,25 @@ mod tests {
             largest = largest.max(estimator.corner.change_probability());
         }
         largest
+    }
+
+    /// A calibration that somebody ends is over for the corner, too: nobody vouches for its pressure any more.
+    #[test]
+    fn a_calibration_that_is_ended_holds_nothing() {
+        let sd_n_per_m = |ends: bool| {
+            let mut estimator =
+                Estimator::new(EstimatorKind::Informed, &CornerConfig::paper(), RATE_HZ).unwrap();
+            let mut random = 1;
+            estimator.corner.begin_calibration(100.0).unwrap();
+            drive(&mut estimator, &mut random, 0.0, 10.0, 1.0);
+            if ends {
+                estimator.corner.end_calibration();
+            }
+            drive(&mut estimator, &mut random, 10.0, 20.0, 1.0);
+            estimator.corner.own_stiffness().1
+        };
+        let (held, free) = (sd_n_per_m(false), sd_n_per_m(true));
+        assert!(free > 1.5 * held, "{free} and {held} N/m");
     }
 
     /// What a corner saw of a leak before its sensor fell silent is not kept for true as long as nothing can tell otherwise: it has no say

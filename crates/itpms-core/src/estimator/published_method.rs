@@ -1,4 +1,4 @@
-//! The paper's filters, and the paper's filter mended, brought to the same reading. Compiled with feature `paper` only.
+//! The paper's filters, and the paper's filter corrected, brought to the same reading. Compiled with feature `paper` only.
 
 use super::EstimatorKind;
 use super::reading::{Reading, validity};
@@ -18,9 +18,11 @@ use crate::single_wheel::{CALIBRATION_SD, Informed, RoadRepetition};
 #[allow(clippy::large_enum_variant)]
 pub(super) enum PublishedMethod<T: Real> {
     /// Told the stiffness likelihood of the default estimator's frames.
-    Mended {
+    Corrected {
         likelihood: Informed<T>,
         filter: AekfUiInformed<T>,
+        /// Time in s of the last step, before the first minus infinity.
+        last_s: f64,
     },
     AsPublished(AekfUi<T>),
 }
@@ -34,7 +36,7 @@ impl<T: Real> PublishedMethod<T> {
     ) -> Result<Self, ParameterError> {
         Ok(if kind == EstimatorKind::AekfUiInformed {
             let likelihood = Informed::new(config, sample_rate_hz, grid_period_s);
-            Self::Mended { likelihood, filter: mended(config)? }
+            Self::Corrected { likelihood, filter: corrected(config)?, last_s: f64::NEG_INFINITY }
         } else {
             Self::AsPublished(published(kind, config)?)
         })
@@ -48,9 +50,9 @@ impl<T: Real> PublishedMethod<T> {
         repetition: RoadRepetition,
     ) {
         match self {
-            Self::Mended { likelihood, filter } => {
+            Self::Corrected { likelihood, filter, .. } => {
                 likelihood.restart(repetition);
-                *filter = mended(config).unwrap_or(*filter);
+                *filter = corrected(config).unwrap_or(*filter);
             }
             Self::AsPublished(filter) => *filter = published(kind, config).unwrap_or(*filter),
         }
@@ -58,7 +60,7 @@ impl<T: Real> PublishedMethod<T> {
 
     /// The filters as published have no use for it.
     pub(super) fn set_repetition(&mut self, repetition: RoadRepetition) {
-        if let Self::Mended { likelihood, .. } = self {
+        if let Self::Corrected { likelihood, .. } = self {
             likelihood.set_repetition(repetition);
         }
     }
@@ -75,8 +77,12 @@ impl<T: Real> PublishedMethod<T> {
             wheel_accel_m_s2: sample.wheel_accel_m_s2,
         };
         match self {
-            Self::Mended { likelihood, filter } => {
-                let mut record = filter.step(grid_period_s, &corner);
+            Self::Corrected { likelihood, filter, last_s } => {
+                // The motion and the stiffness know nothing of a hole but how long it was.
+                let hole_s = sample.time_s - core::mem::replace(last_s, sample.time_s);
+                let is_hole = sample.after_gap && hole_s.is_finite();
+                let dt_s = if is_hole { T::lit(hole_s) } else { grid_period_s };
+                let mut record = filter.step(dt_s, &corner);
                 let learned = likelihood.push(sample);
                 if learned && let Some(spectral) = likelihood.take_pseudo_measurement() {
                     filter.measure_stiffness(spectral.stiffness_n_per_m, spectral.sd_n_per_m);
@@ -90,7 +96,7 @@ impl<T: Real> PublishedMethod<T> {
 
     /// The tire has its placard pressure now. The filters as published cannot be told.
     pub(super) fn set_to_placard(&mut self, config: &CornerConfig<T>) {
-        if let Self::Mended { likelihood, filter } = self {
+        if let Self::Corrected { likelihood, filter, .. } = self {
             likelihood.set_to_placard();
             let tire = &config.tire;
             let sd = T::lit(CALIBRATION_SD) * config.placard_kpa * tire.stiffness_per_kpa();
@@ -101,7 +107,7 @@ impl<T: Real> PublishedMethod<T> {
     /// What is known before the first sample.
     pub(super) fn first_reading(&self, config: &CornerConfig<T>) -> Reading<T> {
         match self {
-            Self::Mended { likelihood, filter } => {
+            Self::Corrected { likelihood, filter, .. } => {
                 record_reading(config, likelihood, &filter.record(InformedStatus::PredictedOnly))
             }
             Self::AsPublished(_) => start_reading(config.initial_stiffness_n_per_m()),
@@ -122,11 +128,11 @@ fn published<T: Real>(kind: EstimatorKind, config: &CornerConfig<T>) -> Result<A
 }
 
 /// The filter that is told the stiffness.
-fn mended<T: Real>(config: &CornerConfig<T>) -> Result<AekfUiInformed<T>, ParameterError> {
+fn corrected<T: Real>(config: &CornerConfig<T>) -> Result<AekfUiInformed<T>, ParameterError> {
     AekfUiInformed::new(config.quarter_car, filter_config(config))
 }
 
-/// Settings of the mended filter for pseudo-measurements that come every 0.7 s: a short memory of few, weighty innovations.
+/// Settings of the corrected filter for pseudo-measurements that come every 0.7 s: a short memory of few, weighty innovations.
 fn filter_config<T: Real>(config: &CornerConfig<T>) -> InformedConfig<T> {
     let forgetting = ParameterForgetting::Adaptive { memory: T::lit(5.0), significance: T::lit(0.2) };
     InformedConfig { forgetting, ..InformedConfig::for_corner(config) }

@@ -71,8 +71,8 @@ impl<T: Real> PressureMap<T> {
         })
     }
 
-    /// The same line with the standard deviations of its coefficients (N/m per kPa, N/m) and their correlation
-    /// in (-1, 1).
+    /// The same line with the standard deviations of its coefficients (N/m per kPa, N/m) and their
+    /// correlation, from -1 to 1.
     ///
     /// # Errors
     /// Names the value that is negative, not finite or outside its range.

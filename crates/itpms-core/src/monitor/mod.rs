@@ -37,7 +37,8 @@ use crate::warning::{Alert, Cause, Doubt, MonitorReport, WheelReport, WheelState
 
 /// Seconds between two decisions on pressures.
 const DECIDE_S: f64 = 0.1;
-/// Seconds after a rollback request of a corner in which it makes none again.
+/// Seconds for which a corner must not have been found wrong after the fact before it requests a rollback
+/// again.
 const ROLLBACK_HOLDOFF_S: f64 = 60.0;
 /// Longest time in s that counts between two decisions: a hole in the record is no evidence.
 const LONGEST_STEP_S: f64 = 0.5;
@@ -137,6 +138,11 @@ impl<T: Real> Monitor<T> {
         Ok(())
     }
 
+    /// Ends the calibration that is under way.
+    pub fn end_calibration(&mut self) {
+        self.reference.end_calibration();
+    }
+
     /// Whether the speed says that the car stands while its wheels roll. It is taken as unknown for as long.
     pub fn denies_standstill(&self) -> bool {
         self.standstill.is_denied()
@@ -218,17 +224,25 @@ impl<T: Real> Monitor<T> {
         for (i, (estimate, wheel)) in estimate.corners.iter_mut().zip(&mut self.report.wheels).enumerate() {
             let (Some(estimate), Some(wheel)) = (estimate, wheel) else { continue };
             estimate.warning = wheel.warning;
-            let forgotten = self.wheels[i].is_forgotten(latest_s, &self.config.limits);
-            if estimate.validity.is_valid() && forgotten {
-                estimate.validity = Validity::NoInformation;
-            }
-            // A rim has no pressure.
             let watch = &self.wheels[i];
-            if estimate.validity.is_valid() && (watch.flat.is_active() || watch.side_is_off) {
-                (estimate.validity, wheel.validity) = (Validity::Misfit, Validity::Misfit);
+            // A rim has no pressure.
+            let rim = watch.flat.is_active() || watch.side_is_off;
+            let (validity, doubt) = if watch.is_forgotten(latest_s, &self.config.limits) {
+                (Validity::NoInformation, Doubt::NoInformation)
+            } else if rim {
+                (Validity::Misfit, Doubt::Misfit)
+            } else {
+                continue;
+            };
+            if estimate.validity.is_valid() {
+                estimate.validity = validity;
             }
-            if wheel.state == WheelState::Fine && forgotten {
-                wheel.state = WheelState::Unknown(Doubt::NoInformation);
+            if wheel.validity.is_valid() {
+                wheel.validity = validity;
+            }
+            // Nothing is fine whose pressure may not be shown.
+            if wheel.state == WheelState::Fine {
+                wheel.state = WheelState::Unknown(doubt);
             }
         }
         back
@@ -262,6 +276,7 @@ impl<T: Real> Monitor<T> {
         };
         let now = estimate.corners.each_ref().map(learned);
         let least = limits.fast_leak_kpa_per_min;
+        let doubted = around.map(|around| around.doubted);
         self.leaks.update(estimate.time_s, step_s, now, self.reference_kpa, least, doubted);
         self.all_low.update(step_s, estimate, self.reference_kpa, &limits);
         self.write(estimate);

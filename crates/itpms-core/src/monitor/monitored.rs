@@ -97,6 +97,7 @@ impl<T: Real> MonitoredCar<T> {
     /// Ends the calibration that is under way: see [`CarEstimator::end_calibration`].
     pub fn end_calibration(&mut self) {
         self.estimator.end_calibration();
+        self.monitor.end_calibration();
     }
 
     /// The estimator.

@@ -1,5 +1,6 @@
-//! `aekf-ui-informed`: the published recursion mended, and told about the stiffness from outside. What was changed
-//! and why: `docs/math/ekf-ui.md`, section 5, whose equations (39)-(50) continue the paper's numbering.
+//! `aekf-ui-informed`: the published recursion corrected, and told about the stiffness from outside. What was
+//! changed and why: `docs/math/ekf-ui.md`, section 5, whose equations (39)-(50) continue the paper's
+//! numbering.
 //!
 //! Called once a sample by an estimator that also brings measurements of the stiffness, from wherever it has them.
 //! Knows nothing of pressure, nor of where those measurements come from.
@@ -35,7 +36,7 @@ const WORST_SD_N_PER_M: f64 = 1e9;
 /// A measurement further out than this many of its own standard deviations is drawn in to there.
 const FURTHEST_SD: f64 = 10.0;
 
-/// The mended filter. A value: clone it, save it (feature `serde`), resume it bit-identically.
+/// The corrected filter. A value: clone it, save it (feature `serde`), resume it bit-identically.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[allow(non_snake_case)]

@@ -2,7 +2,7 @@
 //! optimal for it (eq. 23-24), and the factor that brings it there, in one step (eq. 28-30) or by descent
 //! (eq. 25-27). Derivation: `docs/math/forgetting.md`.
 //!
-//! Called by [`crate::published::aekf_ui`] and, for the residual's covariance, by nobody else; knows nothing of the state.
+//! Called by [`crate::published::aekf_ui`]; knows nothing of the state.
 
 use nalgebra::{Matrix2, Matrix2x5, Matrix5, Matrix5x2, Vector2, Vector5};
 

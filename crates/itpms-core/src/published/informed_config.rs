@@ -1,4 +1,4 @@
-//! What the mended filter is told before it starts.
+//! What the corrected filter is told before it starts.
 //!
 //! Used by [`crate::published::aekf_ui_informed`]; knows nothing of the recursion.
 
@@ -6,7 +6,7 @@ use crate::model::{CornerConfig, ParameterError, positive};
 use crate::published::parameter::ParameterForgetting;
 use crate::real::Real;
 
-/// Settings of the mended filter.
+/// Settings of the corrected filter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct InformedConfig<T> {
@@ -38,10 +38,10 @@ pub struct InformedConfig<T> {
 }
 
 impl<T: Real> InformedConfig<T> {
-    /// Defaults for a corner, scaled by its tire: initial sd 30 kPa, walk 10 kPa per sqrt(s), sd limit 40 kPa, range
-    /// from 0.9 of the stiffness at 0 kPa to twice the placard's, leak 2 pi 0.05 rad/s, sensor noise 0.05 m/s² where
-    /// the corner does not say. Walk, memory and significance were chosen so that the 95 % interval holds in the
-    /// scenarios of `docs/math/forgetting.md`, section 4.
+    /// Defaults for a corner, scaled by its tire: initial sd 30 kPa, walk 10 kPa per sqrt(s), sd limit 40 kPa,
+    /// range from 0.9 of the stiffness at 0 kPa (0.09 of the placard's at least) to twice the placard's, leak
+    /// 2 pi 0.05 rad/s, sensor noise 0.05 m/s² where the corner does not say. Walk, memory and significance were
+    /// chosen so that the 95 % interval holds in the scenarios of `docs/math/forgetting.md`, section 4.
     #[must_use]
     pub fn for_corner(corner: &CornerConfig<T>) -> Self {
         let per_kpa = corner.tire.stiffness_per_kpa();

@@ -1,4 +1,4 @@
-//! What a step of the mended filter, and a stiffness measurement to it, say about themselves.
+//! What a step of the corrected filter, and a stiffness measurement to it, say about themselves.
 //!
 //! Filled by [`crate::published::aekf_ui_informed`]; read by estimators, reports and tests.
 
@@ -78,6 +78,7 @@ pub enum StiffnessUpdate<T> {
         /// The factor it brought about.
         forgetting: T,
     },
-    /// It carried no information (not positive, or not finite) and was left out.
+    /// It carried no information and was left out: a value, score or information that is not finite, a standard
+    /// deviation or information that is not positive, or a standard deviation of 1e9 N/m and more.
     Ignored,
 }

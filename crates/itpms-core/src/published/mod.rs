@@ -1,4 +1,4 @@
-//! The paper's filters, and the paper's filter mended.
+//! The paper's filters, and the paper's filter corrected.
 //!
 //! Called by whoever turns a drive into estimates or draws the paper's figures; knows nothing of pressure, files,
 //! clocks or what a warning is. Derivations: `docs/math/ekf-ui.md`, `docs/math/forgetting.md` and `docs/math/lean-aekf-ui.md`.
@@ -11,10 +11,10 @@
 //! | [`aekf_ui`] | both put together: [`AekfUi`], which is the EKF-UI when told not to forget |
 //! | [`record`] | what one step says about itself |
 //! | [`lean`] | the same filter in closed form: [`AekfUiLean`], for controllers and `f32` |
-//! | [`informed_config`], [`informed_record`] | the same for the mended filter |
+//! | [`informed_config`], [`informed_record`] | the same for the corrected filter |
 //! | [`motion`] | body and wheel under the tire's force: linear, third order, without drift |
 //! | [`parameter`] | forgetting on one scalar parameter |
-//! | [`aekf_ui_informed`] | the mended filter: [`AekfUiInformed`], which needs to be told about the stiffness |
+//! | [`aekf_ui_informed`] | the corrected filter: [`AekfUiInformed`], which needs to be told about the stiffness |
 //!
 //! **The published filters do not find the tire stiffness.** Two accelerations and an arbitrary road fix the tire's
 //! force, not its stiffness; `k_t` stays where it started (shown in `docs/math/ekf-ui.md`, tested in

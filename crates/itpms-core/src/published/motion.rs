@@ -1,5 +1,5 @@
-//! Motion of body and wheel under the tire's force, for the mended filter: linear, without drift, stepped to third
-//! order. Derivation: `docs/math/ekf-ui.md`, section 5; its equations (39)-(42) continue the paper's numbering.
+//! Motion of body and wheel under the tire's force, for the corrected filter: linear, without drift, stepped to
+//! third order. Derivation: `docs/math/ekf-ui.md`, section 5; its equations (39)-(42) continue the paper's numbering.
 //!
 //! Called by [`crate::published::aekf_ui_informed`]; knows nothing of the stiffness, of covariances or of time beyond one step.
 

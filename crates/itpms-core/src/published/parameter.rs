@@ -79,6 +79,7 @@ impl<T: Real> ParameterMemory<T> {
         let ParameterForgetting::Adaptive { memory, significance } = *settings else {
             return T::one();
         };
+        // What is left of the sums: 1/λ of (51), less what a finite memory loses with each measurement.
         let keep = (T::one() - T::one() / memory) / self.lambda;
         let weight = T::one() / R;
         // (51)  G₁ = G₁/λ + w ν²,  w = 1/R

@@ -59,7 +59,7 @@ impl<T: Real> Clock<T> {
         let step_s = time_s - last;
         if (SHORTEST_STEP_S..=LONGEST_STEP_S).contains(&step_s) {
             Arrival::Next(T::lit(step_s))
-        } else if time_s.is_finite() && self.ignored >= PATIENCE {
+        } else if !is_repeated(step_s) && time_s.is_finite() && self.ignored >= PATIENCE {
             Arrival::Anew
         } else {
             Arrival::Ignored
@@ -70,7 +70,10 @@ impl<T: Real> Clock<T> {
     pub(crate) fn take(&mut self, time_s: f64) -> Arrival<T> {
         let arrival = self.arrival(time_s);
         if arrival == Arrival::Ignored {
-            self.ignored = self.ignored.saturating_add(1);
+            // The last stamp again says nothing of the clock.
+            if !self.time_s.is_some_and(|last| is_repeated(time_s - last)) {
+                self.ignored = self.ignored.saturating_add(1);
+            }
             return arrival;
         }
         self.ignored = 0;
@@ -96,9 +99,26 @@ impl<T: Real> Clock<T> {
     }
 }
 
+fn is_repeated(step_s: f64) -> bool {
+    step_s.abs() < SHORTEST_STEP_S
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_stamp_that_is_repeated_is_no_clock_that_was_set() {
+        let mut clock = Clock::<f64>::new();
+        for second in 0..5 {
+            let time = f64::from(second);
+            clock.take(time);
+            for _ in 0..9 {
+                assert_eq!(clock.take(time), Arrival::Ignored);
+            }
+        }
+        assert_eq!(clock.take(5.0), Arrival::Next(1.0));
+    }
 
     #[test]
     fn one_broken_stamp_is_left_out_and_a_set_clock_is_followed() {

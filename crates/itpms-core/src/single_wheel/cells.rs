@@ -28,7 +28,7 @@ pub(super) fn add_all<T: Real, const N: usize>(sum: &mut Cells<T>, all: &[Cells<
     }
 }
 
-/// `sum += cells * by`, of which nothing is left to be done where that is zero.
+/// `sum += cells * by`; nothing is done where `by` is zero.
 #[inline(never)]
 pub(super) fn add_scaled<T: Real>(sum: &mut [T], cells: &[T], by: T) {
     if by == T::zero() {
@@ -63,7 +63,7 @@ pub(super) fn sum<T: Real>(cells: &Cells<T>) -> T {
     sum
 }
 
-/// The largest of all and of `least`; what is no number is not.
+/// The largest of all and of `least`; NaN is passed over.
 #[inline(never)]
 pub(super) fn largest<T: Real>(cells: &Cells<T>, least: T) -> T {
     let mut largest = least;

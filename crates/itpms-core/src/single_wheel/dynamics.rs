@@ -124,7 +124,8 @@ fn leak_transitions(hop_s: f64) -> [[f64; LEAK_MODES]; LEAK_MODES] {
     core::array::from_fn(|from| core::array::from_fn(|to| sum[(from, to)]))
 }
 
-/// Weights on cells -2..=2 with the exact mean `shift_kpa` and, beyond what two points cost, the variance.
+/// Weights on cells -2 to 2 with the exact mean. Their variance is the one asked for and, where the shift is no whole
+/// number of cells, `part (1 - part)` cells² more for the two points that it takes.
 fn kernel(shift_kpa: f64, variance_kpa2: f64, step_kpa: f64) -> [f64; TAPS] {
     let shift = shift_kpa / step_kpa;
     let whole = nalgebra::ComplexField::floor(shift);

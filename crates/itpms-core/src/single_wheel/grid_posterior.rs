@@ -1,7 +1,7 @@
 //! The belief: a probability for every (road level mode, leak mode, pressure cell), and for every (level mode, cell) a
 //! Gaussian over the road's log level, slope and enveloping (docs/math/informed.md, sections 2-4).
 //!
-//! Moved on by one frame in four parts, then weighed with one. Knows nothing of samples or gates.
+//! Predicted over a frame's hop in parts, and weighed with a frame's evidence. Knows nothing of samples or gates.
 
 use nalgebra::Matrix3;
 

@@ -22,7 +22,8 @@ const HIGHEST_HZ: f64 = 30.0;
 const PRIOR_SD: [f64; 3] = [0.15, 0.2, 0.05];
 /// Largest logarithmic deviation believed.
 const FURTHEST: f64 = 0.6;
-/// Model error, as a share of the residual's noise, that is added to it: no damper is linear.
+/// Model error that is added to the residual's variance, as a share of the power of the body's jerk: no damper is
+/// linear.
 const MODEL_ERROR: f64 = 0.02;
 
 /// Running least squares over `s a_b = γ (a_w - a_b) + κ (v_w - v_b)`, sensor noise taken off the regressors.

@@ -354,7 +354,7 @@ impl<T: Real> Informed<T> {
         })
     }
 
-    /// The belief on a road that repeats.
+    /// The belief where the road repeats itself and its passes are compared.
     fn repeated_belief(&self, periodic: &PeriodicEstimate<T>) -> Belief<T> {
         let age_s = T::lit((self.last_time_s - self.periodic_estimate_s).clamp(0.0, OLDEST_PERIODIC_S));
         let stiffness = (T::one() - periodic.rate_per_s * age_s) / periodic.theta;
@@ -369,7 +369,8 @@ impl<T: Real> Informed<T> {
         }
     }
 
-    /// The same for somebody who believes in a stiffness with an sd, in N/m, and is asked only if there is a periodic.
+    /// As [`take_pseudo_measurement`](Self::take_pseudo_measurement), for a filter that believes in a stiffness
+    /// with an sd, both in N/m; `believed` is called only when a pseudo-measurement is due.
     pub fn pseudo_measurement(
         &mut self,
         believed: impl FnOnce() -> (T, T),

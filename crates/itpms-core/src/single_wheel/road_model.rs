@@ -1,7 +1,7 @@
 //! What is believed of the road under one hypothesis of the pressure: a Gaussian over its log level, its slope and
 //! the length over which the tire averages it, and how a frame changes that belief (docs/math/informed.md, eq. 13-19).
 //!
-//! Called by the posterior for every (level mode, cell); knows nothing of probabilities of pressures.
+//! Called by the road fits, the posterior and the gate; knows nothing of probabilities of pressures.
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
@@ -227,7 +227,8 @@ impl<T: Real> RoadPrior<T> {
             let (score, information) = road.score(frame, reading, tables);
             let slope = score * frame.weight + self.information * (prior.mean - road.mean);
             let Some(covariance) = (information * frame.weight + self.information).try_inverse() else {
-                return Fitted { road: *prior, log_evidence: T::zero() };
+                let misfit = prior.misfit(frame, reading, tables, prior);
+                return Fitted { road: *prior, log_evidence: -frame.weight * misfit };
             };
             let largest = T::lit(LARGEST_STEP);
             road.mean += (covariance * slope).map(|step| step.clamp(-largest, largest));

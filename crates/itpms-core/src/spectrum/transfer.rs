@@ -35,7 +35,7 @@ pub(crate) const FRICTION_BINS: usize = 10;
 pub(crate) const FRICTION_SPACING_HZ: f64 = 2.5;
 
 /// What the friction of a strut makes of its motion on average, as a spring and a damper: the part of the friction force that goes with
-/// the deflection, in N/m, by frequency (docs/math/unknown-car.md, eq. 4).
+/// the deflection, in N/m, by frequency (docs/math/unknown-car.md, eq. 5).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct DescribingFunction<T> {

@@ -54,8 +54,8 @@ impl<T: Real> LeakWatch<T> {
         }
     }
 
-    /// Takes pressures and variances; `None` for a wheel of which nothing is being learned. `doubted`: the sides, left and right, whose
-    /// tires may only seem to fall.
+    /// Takes pressures and variances; `None` for a wheel of which nothing is being learned. `doubted`: the wheels whose tires may only
+    /// seem to fall.
     pub(crate) fn update(
         &mut self,
         time_s: f64,
@@ -63,7 +63,7 @@ impl<T: Real> LeakWatch<T> {
         now: [Kept<T>; 4],
         reference_kpa: [T; 4],
         least_kpa_per_min: T,
-        doubted: [bool; 2],
+        doubted: [bool; 4],
     ) {
         let lasted_s = self.kept_s.map(|kept_s| T::lit(time_s - kept_s));
         for wheel in 0..4 {
@@ -76,7 +76,7 @@ impl<T: Real> LeakWatch<T> {
                     let leak = &self.leaks[wheel];
                     let before = if leak.is_suspected() { self.rate_kpa_per_min[wheel] } else { T::zero() };
                     self.rate_kpa_per_min[wheel] = before.max(rate);
-                    if doubted[wheel % 2] { Evidence::NoData } else { Evidence::Prefailed }
+                    if doubted[wheel] { Evidence::NoData } else { Evidence::Prefailed }
                 }
                 _ => Evidence::Prepassed,
             };
@@ -138,7 +138,7 @@ mod tests {
     fn take(watch: &mut LeakWatch<f64>, time_s: f64, kpa: f64, doubted: bool) {
         let other = Some([240.0, 4.0]);
         let now = [Some([kpa, 4.0]), other, other, other];
-        watch.update(time_s, 0.1, now, [240.0; 4], 3.0, [doubted, false]);
+        watch.update(time_s, 0.1, now, [240.0; 4], 3.0, [doubted, false, false, false]);
     }
 
     /// Seconds until wheel 0 is said to leak and the rate said, while it falls at `kpa_per_min` and the others at `all`.
@@ -148,7 +148,7 @@ mod tests {
             let time_s = f64::from(i) * 0.1;
             let other = Some([240.0 - all / 60.0 * time_s, sd * sd]);
             let now = [Some([240.0 - kpa_per_min / 60.0 * time_s, sd * sd]), other, other, other];
-            watch.update(time_s, 0.1, now, [240.0; 4], 3.0, [false; 2]);
+            watch.update(time_s, 0.1, now, [240.0; 4], 3.0, [false; 4]);
             assert!(!watch.of(1).0.is_active());
             if watch.of(0).0.is_active() {
                 return Some((time_s, watch.of(0).1));
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn seconds_in_which_the_side_is_doubted_do_not_count() {
+    fn seconds_in_which_the_tire_is_doubted_do_not_count() {
         for (doubted_s, active) in [(0.0, true), (9.0, false)] {
             let mut watch = LeakWatch::<f64>::new();
             // One kPa in a second: 14.4 kPa, then ten seconds.

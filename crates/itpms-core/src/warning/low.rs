@@ -140,8 +140,7 @@ impl WheelWatch {
             let mut others = others.filter(|_| alone && p < low_kpa);
             others.any(|[above, sd]| T::one() + above + T::lit(sds) * sd < limits.low_share)
         };
-        let may_be_healthy =
-            estimate.level == Level::VehicleFile && !(p + T::lit(NOT_HEALTHY) * sd < reference_kpa);
+        let may_be_healthy = may_be_healthy(estimate, reference_kpa);
         let below = |sds: f64| p + T::lit(sds) * sd < low_kpa && !may_be_healthy || lower(sds);
         let low = if below(ONE_SIDED_95) {
             if around.doubted { Evidence::NoData } else { Evidence::Prefailed }
@@ -210,11 +209,18 @@ pub(crate) fn is_learning<T: Real>(estimate: &CornerEstimate<T>) -> bool {
     estimate.validity.is_valid() && estimate.diagnostics.gate > T::lit(LEARNING)
 }
 
+/// Whether a level that rests on the vehicle file may be that of a healthy tire all the same.
+fn may_be_healthy<T: Real>(estimate: &CornerEstimate<T>, reference_kpa: T) -> bool {
+    let reaches_kpa = estimate.pressure_kpa + T::lit(NOT_HEALTHY) * estimate.pressure_sd_kpa;
+    estimate.level == Level::VehicleFile && !(reaches_kpa < reference_kpa)
+}
+
 /// The estimate against a limit.
 pub(crate) fn reading<T: Real>(estimate: &CornerEstimate<T>, limit_share: T, reference_kpa: T) -> Reading<T> {
     let limit_kpa = limit_share * reference_kpa;
     // Where its own level does not say so, it was the others that did.
     let far = (estimate.pressure_kpa - limit_kpa).abs() > T::lit(ONE_SIDED_95) * estimate.pressure_sd_kpa;
+    let far = far && !(estimate.pressure_kpa < limit_kpa && may_be_healthy(estimate, reference_kpa));
     Reading {
         pressure_kpa: estimate.pressure_kpa,
         sd_kpa: estimate.pressure_sd_kpa,

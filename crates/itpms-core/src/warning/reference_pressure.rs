@@ -74,6 +74,12 @@ impl<T: Real> ReferencePressure<T> {
         Ok(())
     }
 
+    /// The calibration that is to begin or under way is over; what was taken in it counts.
+    pub(crate) fn end_calibration(&mut self) {
+        self.calibration_s = None;
+        self.ends_s = self.ends_s.min(self.time_s);
+    }
+
     /// Takes what was estimated; gives what the tires should have, in kPa, from what was told of each and the least and
     /// largest share of it that a calibration may make of it.
     pub(crate) fn update(
@@ -87,7 +93,7 @@ impl<T: Real> ReferencePressure<T> {
         let step_s = time_s - self.time_s;
         self.time_s = time_s;
         if step_s > 0.0 {
-            self.reference(step_s, speed_m_s);
+            self.update_warmth(step_s, speed_m_s);
         }
         if let Some(seconds) = self.calibration_s.take() {
             self.ends_s = time_s + seconds;
@@ -103,7 +109,7 @@ impl<T: Real> ReferencePressure<T> {
     }
 
     /// The tires warm up or cool down for a while. To first order in the step, which errs towards cold in a long one.
-    fn reference(&mut self, step_s: f64, speed_m_s: T) {
+    fn update_warmth(&mut self, step_s: f64, speed_m_s: T) {
         let driven = speed_m_s > T::zero() && step_s <= LONGEST_STEP_S;
         let goal = if driven { (speed_m_s / T::lit(WARM_M_S)).min(T::one()) } else { T::zero() };
         let in_s = if goal > self.warmth { WARMS_IN_S } else { COOLS_IN_S };

@@ -10,7 +10,7 @@ use itpms_core::model::{
     Warning,
 };
 use itpms_core::monitor::{Monitor, MonitorConfig};
-use itpms_core::warning::{Cause, Change, Doubt, Limits, MonitorReport, Regulation, WheelState};
+use itpms_core::warning::{Basis, Cause, Change, Doubt, Limits, MonitorReport, Regulation, WheelState};
 
 /// Steps per second of the made-up drives.
 const RATE_HZ: f64 = 20.0;
@@ -403,12 +403,28 @@ fn a_tire_as_hard_as_a_rim_is_flat() {
 }
 
 #[test]
+fn a_tire_that_seems_to_leak_beside_a_rim_is_waited_for() {
+    let leaks =
+        |report: &MonitorReport<f64>| report.alerts().any(|a| matches!(a.cause, Cause::FastLeak { .. }));
+    let begin = || {
+        let mut drive = Drive::new();
+        drive.on(60.0, &Said { sd: 2.0, ..FINE });
+        drive
+    };
+    // A tenth less at the rear left, not low, the front right whole or on its rim.
+    let fallen = |right: f64| Said { sd: 2.0, kpa: [241.3, right, 217.0, 241.3], ..FINE };
+    assert!(leaks(begin().on(30.0, &fallen(241.3))));
+    assert!(!leaks(begin().on(30.0, &fallen(420.0))));
+}
+
+#[test]
 fn two_of_a_side_that_read_as_rims_are_a_level_that_is_off() {
     let side = Said { sd: 15.0, kpa: [400.0, 241.3, 420.0, 241.3], ..FINE };
     let report = *Drive::new().on(50.0, &side);
     assert!(report.alerts().next().is_none());
     for corner in [Corner::FrontLeft, Corner::RearLeft] {
         assert_eq!(report.wheels[corner.index()].unwrap().validity, Validity::Misfit);
+        assert_eq!(state(&report, corner), WheelState::Unknown(Doubt::Misfit));
     }
     // Coming back from there is no leak.
     let mut drive = Drive::new();
@@ -433,6 +449,11 @@ fn what_a_healthy_tire_may_read_is_not_said() {
     assert!(Drive::new().on(10.0, &said(170.0, 17.0, Level::VehicleFile)).alerts().next().is_some());
     assert!(Drive::new().on(10.0, &said(182.0, 12.0, Level::VehicleFile)).alerts().next().is_some());
     assert!(Drive::new().on(10.0, &said(182.0, 17.0, Level::Calibration)).alerts().next().is_some());
+    // Where the others say it, they are the reason, and not a level that may be that of a healthy tire.
+    let alike = Said { correlation: 0.94, ..said(182.0, 17.0, Level::VehicleFile) };
+    let report = *Drive::new().on(10.0, &alike);
+    let alert = report.alerts().next().unwrap();
+    assert!(matches!(alert.cause, Cause::UnderInflated(reading) if reading.basis == Basis::OtherTires));
 }
 
 #[cfg(feature = "serde")]

@@ -41,6 +41,21 @@ fn after_a_reset_a_warm_tire_should_have_what_it_had() {
 }
 
 #[test]
+fn a_reset_that_ends_early_counts_as_far_as_it_went() {
+    let warm = Said { kpa: [256.3; 4], ..FINE };
+    let after = |seconds: f64| {
+        let mut drive = Drive::new();
+        drive.monitor.begin_calibration(1200.0).unwrap();
+        drive.on(seconds, &warm);
+        drive.monitor.end_calibration();
+        reference_kpa(drive.on(1.0, &warm))
+    };
+    // Within its last quarter, and before that.
+    assert!((after(1000.0) - 256.3).abs() < 1e-6);
+    assert_eq!(after(800.0), 241.3);
+}
+
+#[test]
 fn a_reset_moves_the_reference_within_bounds_and_only_with_information() {
     let after = |config: MonitorConfig<f64>, said: Said| {
         let mut drive = Drive::with(config);

@@ -1,4 +1,4 @@
-//! One Gaussian over what four tires and their wheels' masses are, told by the file and by drives (docs/math/learn.md, section 1).
+//! One Gaussian over what four tires and their wheels' masses are, told by the file and by drives (docs/math/learn.md, section 2).
 
 use itpms_core::model::{CarConfig, CornerConfig};
 use nalgebra::{SMatrix, SVector};
@@ -84,7 +84,7 @@ pub(super) fn weigh(file: &CarConfig<f64>, drives: &[DriveReading]) -> Belief {
     belief
 }
 
-/// By the file's standard deviations; what wheels and tires have in common is as everywhere (docs/math/unknown-car.md, eq. 6).
+/// By the file's standard deviations; what wheels and tires have in common is as everywhere (docs/math/unknown-car.md, eq. 7).
 fn prior(file: &CarConfig<f64>) -> Belief {
     let mut covariance = Covariance::zeros();
     let both = |i: usize, j: usize| {

@@ -8,7 +8,7 @@ pub enum Ink {
     Truth,
     /// The default estimator.
     Default,
-    /// The published filter, mended and informed.
+    /// The published filter, corrected and informed.
     Mended,
     /// The published adaptive filter.
     Adaptive,

@@ -1,7 +1,7 @@
 //! The vehicle's parameters, how well each is known and from where, and what of the result rests on it.
 //!
 //! Called by the page's writer. A wheel shows stiffness over mass, so a per cent of either is `p + k(0)/slope` over a hundred
-//! (docs/math/unknown-car.md, eq. 5).
+//! (docs/math/unknown-car.md, eq. 6).
 
 use std::fmt::Write as _;
 

@@ -86,6 +86,7 @@ impl<T: Real> Fusion<T> {
         self.pseudo_measured_s = [f64::NEG_INFINITY; 4];
         self.detections = [None; 2];
         self.speed_latency = SpeedLatency::new();
+        self.calibration_reading = CalibrationReading::new();
         self.friction_variance = [T::zero(); 4];
         self.queue.configure(sample_rate_hz);
         self.tires = self.belief.tires();

@@ -20,7 +20,8 @@ const NEWEST: usize = 9;
 /// Log of powers by which a corner's ratio is off from its usual one, more than the others', from which it has jumped,
 /// and below which it has not. A gain of one half or two makes 1.39.
 const JUMPED: f64 = 0.75;
-/// The same while another corner's hop is another one: a wheel on a flat tire shakes the other bodies, too.
+/// The same while another corner's hop frequency has changed: a wheel on a flat tire shakes the other bodies,
+/// too.
 const JUMPED_BESIDE: f64 = 1.1;
 const AS_EVER: f64 = 0.5;
 const JUMP: DebounceTimes = DebounceTimes { set_s: 0.0, clear_s: 1.0 };
@@ -64,9 +65,9 @@ pub(crate) struct WheelGainJump<T> {
     /// Blocks that the means are of.
     blocks: u32,
     debouncer: Debouncer,
-    /// Whether the hop is slower or quicker than usual.
+    /// Whether the hop frequency is not the usual one: the tire has changed.
     hop_shifted: bool,
-    /// Seconds for which it has been suspected, or the hop another one.
+    /// Seconds for which it has been suspected, or the hop frequency not the usual one.
     lasted_s: f64,
 }
 
@@ -117,7 +118,7 @@ impl<T: Real> WheelGainJump<T> {
         self.hop_shifted = hop_frequency > T::lit(if self.hop_shifted { 0.5 * SLOWER } else { SLOWER });
     }
 
-    /// `beside`: the hop of another corner is another one.
+    /// `beside`: another corner's hop frequency has changed.
     fn judge(&mut self, [time_s, step_s]: [f64; 2], transmissibility: T, explained: bool, beside: bool) {
         let jumped =
             transmissibility > T::lit(if beside { JUMPED_BESIDE } else { JUMPED }) && !self.hop_shifted;
@@ -128,6 +129,19 @@ impl<T: Real> WheelGainJump<T> {
         } else {
             self.lasted_s = 0.0;
         }
+        self.give_up_in_time();
+    }
+
+    /// While one of the others is not known the corner cannot be held against them; what it is suspected of grows old.
+    fn wait(&mut self, step_s: f64) {
+        if self.is_suspected() {
+            self.lasted_s += step_s;
+            self.give_up_in_time();
+        }
+    }
+
+    /// What stays unexplained for so long is another car.
+    fn give_up_in_time(&mut self) {
         if self.lasted_s > LONGEST_S {
             *self = Self::new();
         }
@@ -160,6 +174,10 @@ pub(crate) fn jumps<T: Real>(
         for (i, corner) in corners.iter_mut().enumerate() {
             let beside = (0..4).any(|other| other != i && hop_shifted[other]);
             corner.judge(at, apart(&transmissibility, i), explained[i], beside);
+        }
+    } else {
+        for (corner, _) in corners.iter_mut().zip(explained).filter(|(_, explained)| !explained) {
+            corner.wait(at[1]);
         }
     }
     for (i, corner) in corners.iter_mut().enumerate() {
@@ -309,6 +327,25 @@ mod tests {
             assert_eq!(car.suspects(), [false; 4]);
         }
         assert!(car.until(true, 1.4, false) <= 3.0);
+    }
+
+    #[test]
+    fn a_suspicion_ends_while_another_corner_is_known_to_be_wrong() {
+        let mut car = Car::that_has_driven(120);
+        let block = |car: &mut Car, explained: [bool; 4]| {
+            let at = [0.0, BLOCK_S];
+            let hops =
+                [1.4, 0.0, 0.0, 0.0].map(|more| Hop { transmissibility: 4.5 + more, hop_frequency: 8.0 });
+            jumps(&mut car.corners, at, &hops, explained);
+        };
+        car.until(true, 1.4, false);
+        let mut lasted_s = 0.0;
+        while car.suspects()[0] {
+            block(&mut car, [false, true, false, false]);
+            lasted_s += BLOCK_S;
+            assert!(lasted_s < 2.0 * LONGEST_S, "never");
+        }
+        assert!((lasted_s - LONGEST_S).abs() < 5.0, "{lasted_s}");
     }
 
     #[test]

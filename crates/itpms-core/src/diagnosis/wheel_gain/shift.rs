@@ -16,7 +16,8 @@ const BLOCKS: f64 = 12.0;
 const FILLED: f64 = 0.6;
 /// What a wheel does to the body over another one, as a share of the power that it gives the one over itself.
 const TO_OTHERS: f64 = 0.05;
-/// Averages that the usual one is the mean of; after which its hop's quickness is known; and after which all of it is.
+/// Averages that the usual one is the mean of; after which the usual hop frequency is known; and after which
+/// all of it is.
 const USUAL_BLOCKS: u32 = 60;
 const TUNED_BLOCKS: u32 = 16;
 const KNOWN_BLOCKS: u32 = 48;
@@ -92,7 +93,8 @@ impl<T: Real> Shift<T> {
         self.hop_shifted = hop_frequency > T::lit(if self.hop_shifted { 0.5 * SLOWER } else { SLOWER });
     }
 
-    /// Takes the newest average, off by `off`. `beside`: the hop of another corner is another one.
+    /// Takes the newest average and its deviation from the usual one. `beside`: another corner's hop
+    /// frequency has changed.
     fn judge(
         &mut self,
         [time_s, step_s]: [f64; 2],
@@ -195,7 +197,7 @@ impl<T: Real> WheelGainShift<T> {
         self.filled += share * (T::one() - self.filled);
     }
 
-    /// What the struts of all wheels give a body over what it has; and the hop's quickness.
+    /// What the struts of all wheels give a body over what it has; and the hop frequency: logs of powers.
     fn hops(&self) -> [Hop<T>; 4] {
         let all = self.struts.iter().fold(T::zero(), |sum, strut| sum + *strut);
         [0, 1, 2, 3].map(|i| {
@@ -232,7 +234,8 @@ mod tests {
 
     const BLOCK_S: f64 = 0.5;
 
-    /// How rough each wheel's road is, the masses over the wheels, their sensors' gains and by how much their hop is quicker.
+    /// How rough each wheel's road is, the masses over the wheels, their sensors' gains and the change of
+    /// their hop frequency, as a log.
     struct Drive {
         rough: [f64; 4],
         masses: [f64; 4],

@@ -31,7 +31,7 @@ const MISSED_S: f64 = 0.5;
 /// Seconds without a frame after which a side counts as not shared.
 const STALE_S: f64 = 1.0;
 /// Pseudo-measurements of a side's spectra without a frame between them, after which the side is left to pseudo-measurements: some five seconds of both
-/// corners, ten of one.
+/// corners, nine of one.
 const MOST_SPECTRAL_UPDATES: u32 = 12;
 /// Longest distance in m between two entries that follow each other.
 const LONGEST_WAY_M: f64 = 1.0;

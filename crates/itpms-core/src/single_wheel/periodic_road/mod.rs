@@ -72,12 +72,13 @@ struct Loop<T: Real> {
     parts: u32,
     sound_parts: u32,
     strange_parts: u32,
-    /// Parts since a pass was last weighed.
+    /// Parts since a pass was last weighed, and the s of interruptions among them.
     unused_parts: u32,
+    hole_s: T,
     confirmed: bool,
 }
 
-blank!(Loop<T> { clock, follower, held, parts, sound_parts, strange_parts, unused_parts, confirmed });
+blank!(Loop<T> { clock, follower, held, parts, sound_parts, strange_parts, unused_parts, hole_s, confirmed });
 
 /// See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
@@ -163,6 +164,7 @@ impl<T: Real> Loop<T> {
         self.clock.configure(sample_rate_hz, grid_period_s, period_s);
         (self.follower, self.held, self.confirmed) = (None, Held::No, false);
         (self.parts, self.sound_parts, self.strange_parts, self.unused_parts) = (0, 0, 0, 0);
+        self.hole_s = T::zero();
     }
 
     /// Takes the last period; gives an estimate if it was one more pass over a confirmed road.
@@ -184,7 +186,7 @@ impl<T: Real> Loop<T> {
             Some(follower) if !newly_held => follower,
             empty => {
                 *empty = Some(Follower::meet(pass, &self.clock, corner, belief));
-                self.parts = 0;
+                (self.parts, self.unused_parts, self.hole_s) = (0, 0, T::zero());
                 return None;
             }
         };
@@ -195,8 +197,9 @@ impl<T: Real> Loop<T> {
         }
         let part_s = self.clock.period_s() * PassClock::<T>::share();
         let seconds = part_s * T::lit(f64::from(self.unused_parts));
-        self.unused_parts = 0;
-        match follower.follow(pass, &self.clock, corner, self.held, seconds) {
+        let passed_s = seconds + self.hole_s;
+        (self.unused_parts, self.hole_s) = (0, T::zero());
+        match follower.follow(pass, &self.clock, corner, self.held, passed_s) {
             // The belief has moved on without it, and grown wider.
             Verdict::Strange => self.strange_parts += 1,
             Verdict::Same => {
@@ -224,6 +227,7 @@ impl<T: Real> Loop<T> {
     /// The signal was interrupted for this long: the period under way is lost.
     fn interrupted(&mut self, seconds: T) {
         self.clock.skip(seconds);
+        self.hole_s += seconds;
         self.sound_parts = 0;
     }
 

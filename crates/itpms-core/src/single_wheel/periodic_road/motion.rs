@@ -151,9 +151,9 @@ impl<T: Real> Motion<T> {
         for (to, (mode, probability)) in self.modes.iter_mut().zip(&mut self.probability).enumerate() {
             let weights: [T; MODES] = core::array::from_fn(|from| {
                 let leaving = CHANGES[from].iter().sum::<f64>();
-                let rate = if from == to { -leaving } else { CHANGES[from][to] };
-                let kept = if from == to { T::one() } else { T::zero() };
-                (kept + T::lit(rate) * seconds) * old.probability[from]
+                let stays = (-T::lit(leaving) * seconds).exp();
+                let changes = (T::one() - stays) * T::lit(CHANGES[from][to] / leaving);
+                (if from == to { stays } else { changes }) * old.probability[from]
             });
             (*mode, *probability) = matched(&old.modes, &weights);
         }

@@ -12,7 +12,7 @@ use crate::real::Real;
 pub(crate) const HARMONICS: usize = 24;
 /// Parts that a period is summed up in; a pass is renewed with each.
 pub(crate) const PARTS: usize = 6;
-/// Share of a slip that is put down to the period's length.
+/// Share by which the period is corrected of the error that would explain a whole slip.
 const CLOCK_GAIN: f64 = 0.05;
 /// Lowest and highest frequency used in Hz: below, the tire hardly shows, above the noise grows.
 const LOWEST_HZ: f64 = 4.5;
@@ -89,7 +89,8 @@ impl<T: Real> PassClock<T> {
         self.used
     }
 
-    /// The road came round later than its clock said, by `slip` s in a part of a period: half of it is put down to the clock.
+    /// The road came round later than its clock said, by `slip_s` in a part of a period: a period that is longer by
+    /// [`PARTS`] times that would explain it, and is corrected by [`CLOCK_GAIN`] of that.
     pub(crate) fn follow_slip(&mut self, slip_s: T) {
         let gain = T::lit(CLOCK_GAIN * PARTS as f64);
         let limit = T::lit(0.05) * self.period_s;

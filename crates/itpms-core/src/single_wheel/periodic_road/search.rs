@@ -14,7 +14,7 @@ const RATE_HZ: f64 = 100.0;
 const SHORTEST: usize = 25;
 const LONGEST: usize = 180;
 const LAGS: usize = LONGEST - SHORTEST + 1;
-/// Band-pass before the comparison, 4 to 17 Hz at -6 dB: the road is loudest against the sensors' noise around wheel hop, and
+/// Band-pass before the comparison, 3 to 17 Hz at -6 dB: the road is loudest against the sensors' noise around wheel hop, and
 /// far below it wander offsets that have not settled yet.
 const BAND_PASS: [f64; 9] = [1.0, 2.0, 3.0, 2.0, 0.0, -2.0, -3.0, -2.0, -1.0];
 /// Memory of the correlation in s.
@@ -129,7 +129,7 @@ impl<T: Real> PeriodSearch<T> {
     }
 
     fn find(&self) -> Option<T> {
-        // A lag counts once it was looked at for a period and a second.
+        // A lag counts once it was looked at for a period of its own, and for LEAST_S at least.
         let usable = |lag: usize| {
             let looked_s = (f64::from(self.seen) - lag as f64) * self.step_s;
             looked_s >= LEAST_S && looked_s >= lag as f64 * self.step_s

@@ -1,4 +1,5 @@
-//! What the fit has found of the struts, for whoever writes it down (docs/math/learn.md, section 2). Called between samples, not with each.
+//! What the fit has found of the struts, for whoever writes it down (docs/math/learn.md, section 3). Called between
+//! samples, not with each.
 
 use super::{BodyEquation, DAMPER, ELEMENTS, FORCE_N, INERTIA, SLIP, SPRING};
 use crate::model::StrutReading;
