@@ -15,6 +15,7 @@ mod estimator_repeated_road;
 #[cfg(feature = "paper")]
 mod estimator_reset;
 mod estimator_saved;
+mod fall_interval;
 #[cfg(feature = "paper")]
 mod filter_properties;
 mod in_place;
