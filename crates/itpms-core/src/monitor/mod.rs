@@ -287,7 +287,11 @@ impl<T: Real> Monitor<T> {
         // Front and rear of a side are two places apart, left and right of an axle one.
         let (rear, partner) = ((corner + 2) % 4, corner ^ 1);
         let own = estimate.corners[corner].as_ref();
-        let valid = estimate.corners[rear].as_ref().filter(|corner| corner.validity.is_valid());
+        let other = estimate.corners[rear].as_ref();
+        let valid = other.filter(|corner| corner.validity.is_valid());
+        let silent = |corner: &CornerEstimate<T>| {
+            matches!(corner.validity, Validity::BadSignal | Validity::Diverged | Validity::Starting)
+        };
         let third = T::lit(1.0 / 3.0);
         let others = core::array::from_fn(|i| if i == corner { T::one() } else { -third });
         let less = |other: usize| {
@@ -299,6 +303,7 @@ impl<T: Real> Monitor<T> {
             speed_m_s: self.speed_m_s,
             share: own.map_or(T::lit(f64::NAN), |own| own.pressure_kpa / self.reference_kpa[corner]),
             other_share: valid.map(|corner| corner.pressure_kpa / self.reference_kpa[rear]),
+            other_is_silent: other.is_some_and(silent),
             above_others: weighted(estimate, others, self.reference_kpa),
             above_side: less(rear),
             above_partner: less(partner),

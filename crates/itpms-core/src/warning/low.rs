@@ -38,6 +38,8 @@ pub(crate) struct Around<T> {
     pub(crate) share: T,
     /// Pressure of the side's other tire over its reference, if there is one.
     pub(crate) other_share: Option<T>,
+    /// Whether there is another tire on the side whose sensors say nothing, so that nothing is held against this one.
+    pub(crate) other_is_silent: bool,
     /// By how much the tire's share of its reference is above that of the side's other tire, and the sd of that, if both are known.
     pub(crate) above_side: Option<[T; 2]>,
     /// By how much the tire's share of its reference is above the mean of the others', and the sd of that, if all are known.
@@ -60,7 +62,8 @@ impl<T: Real> Around<T> {
 
     /// Whether the tire is surely lower than the other one of its side, or has none.
     fn is_low_alone(&self) -> bool {
-        self.other_share.is_none_or(|other| other - self.share > T::lit(ALONE))
+        !self.other_is_silent
+            && self.other_share.is_none_or(|other| other - self.share > T::lit(ALONE))
             && self.above_side.is_none_or(|[above, sd]| above + T::lit(ONE_SIDED_95) * sd < T::zero())
     }
 

@@ -27,7 +27,7 @@ struct Said {
     /// How far the errors of all tires go together, and at least those of an axle's two.
     correlation: f64,
     axle_correlation: f64,
-    /// A wheel of which nothing is learned.
+    /// A wheel whose sensors say nothing.
     silent: Option<Corner>,
     level: Level,
 }
@@ -73,7 +73,7 @@ fn estimate(time_s: f64, said: &Said) -> CarEstimate<f64> {
     };
     let mut corners = said.kpa.map(|kpa| Some(corner(kpa)));
     if let Some(corner) = said.silent.and_then(|silent| corners[silent.index()].as_mut()) {
-        (corner.validity, corner.diagnostics.gate) = (Validity::NoInformation, 0.0);
+        (corner.validity, corner.diagnostics.gate) = (Validity::BadSignal, 0.0);
     }
     let one = |i: usize, j: usize| match (i == j, i / 2 == j / 2) {
         (true, _) => 1.0,
@@ -345,6 +345,28 @@ fn a_side_that_falls_alike_is_waited_for() {
     let one = Said { kpa: [185.0, 241.3, 160.0, 241.3], sd: 8.0, ..FINE };
     let reported_s = drive.until(200.0, &one, |report| report.alerts().next().is_some()).unwrap();
     assert!(reported_s < 31.3, "{reported_s}");
+}
+
+#[test]
+fn a_tire_that_looks_low_while_the_other_of_its_side_is_silent_is_waited_for() {
+    // Its own spectrum is all that tells of it: certain twice, so half of 150 s.
+    let low = Said { silent: Some(Corner::FrontLeft), ..low(150.0) };
+    let begin = || {
+        let mut drive = Drive::new();
+        drive.on(30.0, &FINE);
+        drive
+    };
+    let is_low =
+        |report: &MonitorReport<f64>| report.alerts().any(|a| matches!(a.cause, Cause::UnderInflated(_)));
+    let reported_s = begin().until(200.0, &low, is_low).unwrap();
+    assert!((104.8..105.3).contains(&reported_s), "{reported_s}");
+    // A fall of four standard deviations is one all the same.
+    let leaks =
+        |report: &MonitorReport<f64>| report.alerts().any(|a| matches!(a.cause, Cause::FastLeak { .. }));
+    assert!(begin().until(200.0, &low, leaks).unwrap() < 40.3);
+    // A wheel of the other side tells nothing of it.
+    let across = Said { silent: Some(Corner::FrontRight), ..low };
+    assert!(begin().until(200.0, &across, is_low).unwrap() < 31.3);
 }
 
 #[test]
