@@ -8,7 +8,9 @@ use itpms_core::model::Corner;
 use itpms_data::log::LogOptions;
 use itpms_data::vehicle::VehicleDetails;
 use itpms_data::{LogReader, Vehicle};
-use itpms_study::learn::{DriveReading, Learned, LearnedCorner, Listener, PASSES, Parameter};
+use itpms_study::learn::{
+    DriveReading, LearnError, Learned, LearnedCorner, Listener, PASSES, Parameter,
+};
 use serde_json::{Map, Value, json};
 
 use crate::concerns::common_corners;
@@ -101,13 +103,28 @@ pub fn learn_with(
             }
             done += 1.0;
         }
-        let learned = itpms_study::learn::learn(&told, &readings)?;
+        let learned = itpms_study::learn::learn(&told, &readings).map_err(|error| named(error, drives))?;
         now = vehicle(file, drives, &learned);
         result = Some((learned, readings));
     }
-    let (learned, readings) = result.ok_or(itpms_study::learn::LearnError::NoDrive)?;
+    let (learned, readings) = result.ok_or(LearnError::NoDrive)?;
     concerns.extend(doubts(file, drives, &readings));
     Ok(LearnedVehicle { vehicle: now, learned, readings, concerns })
+}
+
+/// A drive that teaches nothing is called by its log.
+fn named(error: LearnError, drives: &[KnownDrive]) -> DriveError {
+    let drive = match error {
+        LearnError::TooLittle(number) => number.checked_sub(1).and_then(|number| drives.get(number)),
+        _ => None,
+    };
+    match drive {
+        Some(drive) => DriveError::Mismatch(format!(
+            "{}: no tire was read for a minute after the first 30 s, expected some minutes of driving at more than walking pace",
+            drive.log.display()
+        )),
+        None => error.into(),
+    }
 }
 
 fn listen(

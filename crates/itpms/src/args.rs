@@ -99,8 +99,16 @@ impl Args {
 
     /// All commands, with those in the list that most people need.
     pub(crate) fn shown() -> clap::Command {
-        lab::without_studies(Self::command())
+        lab::without_studies(with_negative_numbers(Self::command()))
     }
+}
+
+/// A number below zero is no option that nobody knows: whoever takes the value says what is expected.
+fn with_negative_numbers(command: clap::Command) -> clap::Command {
+    let takes_value = |arg: &clap::Arg| arg.get_action().takes_values() && !arg.is_positional();
+    command
+        .mut_args(move |arg| if takes_value(&arg) { arg.allow_negative_numbers(true) } else { arg })
+        .mut_subcommands(with_negative_numbers)
 }
 
 /// Simulate a drive with a puncture, estimate it, and write the report: the quickest way to see what this is.

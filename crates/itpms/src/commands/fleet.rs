@@ -108,11 +108,9 @@ fn at(args: &FleetArgs, name: &str) -> String {
 /// `car-7: low in logs/car-7/d3.csv: fl 138.2 of 241.3 kPa`.
 fn car_line(car: &CarStanding<'_>) -> String {
     let Some(last) = car.last() else {
-        return format!(
-            "{}: not known, none of its {} could be estimated",
-            car.car,
-            counted(car.failed, "drive")
-        );
+        let drives = if car.failed == 1 { "its only drive" } else { "none of its drives" };
+        let could = if car.failed == 1 { "could not" } else { "could" };
+        return format!("{}: not known, {drives} {could} be estimated", car.car);
     };
     let wheels = last.wheels.iter().filter(|wheel| State::of_wheel(wheel) == car.state);
     let words: Vec<String> = wheels
