@@ -334,6 +334,9 @@ fn options_that_make_no_sense_are_refused_by_the_parser() {
         assert!(outcome.stderr.starts_with("error: "), "{option}: {outcome:?}");
         assert_eq!(bench.names(), ["car.toml", "drive.csv"]);
     }
+    // A number below zero is a value, and no option that nobody knows.
+    let outcome = bench.run("estimate drive.csv --vehicle car.toml -o est.csv --rate -5");
+    assert!(outcome.stderr.contains("invalid value '-5' for '--rate"), "{outcome:?}");
 }
 
 /// Somebody else's table is told how it is read.
