@@ -8,9 +8,7 @@ use itpms_core::model::Corner;
 use itpms_data::log::LogOptions;
 use itpms_data::vehicle::VehicleDetails;
 use itpms_data::{LogReader, Vehicle};
-use itpms_study::learn::{
-    DriveReading, LearnError, Learned, LearnedCorner, Listener, PASSES, Parameter,
-};
+use itpms_study::learn::{DriveReading, LearnError, Learned, LearnedCorner, Listener, PASSES, Parameter};
 use serde_json::{Map, Value, json};
 
 use crate::concerns::common_corners;
