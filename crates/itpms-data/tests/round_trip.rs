@@ -135,6 +135,7 @@ fn estimate(pressure_kpa: f64, validity: Validity, warning: Warning) -> CornerEs
         pressure_sd_kpa: 1.4,
         change_sd_kpa: 1.1,
         axle_difference_sd_kpa: Some(3.25),
+        loss: None,
         level: Level::Calibration,
         road_m: 0.001,
         road_sd_m: 0.0001,

@@ -7,6 +7,7 @@ const KINDS = {
   "under-inflated": ["low", "Low"],
   "fast-leak": ["low", "Fast leak"],
   "all-low": ["low", "All low"],
+  "common-shift": ["unknown", "All shifted"],
   "over-inflated": ["over", "Too high"],
   flat: ["low", "Flat, on its rim"],
   malfunction: ["malfunction", "Malfunction"],
@@ -42,6 +43,8 @@ function reason(alert) {
       return `lost ${n(alert.rate_kpa_per_min)} kPa per minute (mean of 10 s or more); ${said}, ${should}`;
     case "all-low":
       return `at ${n(100 * alert.mean_share)} ± ${n(100 * alert.sd_share)} % of their reference on average`;
+    case "common-shift":
+      return `at ${n(100 * alert.mean_share)} ± ${n(100 * alert.sd_share)} % of what the stored calibration expects: tires, wheels or dampers were changed, or all were filled otherwise`;
     case "no-information":
       return `nothing learned in ${n(alert.driven_s / 60)} min of driving`;
     default:

@@ -53,6 +53,7 @@ fn doubt_label(doubt: Doubt) -> &'static str {
         Doubt::Uncertain => "uncertain",
         Doubt::Suspicion => "suspicion",
         Doubt::Misfit => "misfit",
+        Doubt::Standing => "standing",
     }
 }
 

@@ -327,6 +327,7 @@ fn steady_estimate(time_s: f64, pressure_kpa: f64, validity: Validity) -> Corner
         pressure_sd_kpa: 4.0,
         change_sd_kpa: 4.0,
         axle_difference_sd_kpa: None,
+        loss: None,
         level: Level::Calibration,
         road_m: 0.01 * (time_s * 9.0).sin(),
         road_sd_m: 5e-4,

@@ -1,7 +1,6 @@
 //! Calibration: all tires have just been set to their placard pressures and keep them for a while. What it teaches of the
 //! car, on its way from the belief to a [`VehicleCalibration`] and back.
 
-use super::floor::Floor;
 use super::state::{
     BAR, COMMON_BIAS, DAMPING, GAIN, MASS, OWN_BIAS, ROAD_BIAS, SKEW, SKEW_UNIT_S, SPRING, State, TIRE,
     WHEELBASE,
@@ -35,11 +34,9 @@ pub(super) struct CalibrationState<T: Real> {
     stored: Placed<VehicleCalibration<T>>,
     /// What an earlier one had taught.
     loaded: Placed<VehicleCalibration<T>>,
-    /// When the last one of this drive ended, as long as no tire is taken to have been filled since.
-    ended_s: Option<f64>,
 }
 
-blank!(CalibrationState<T> { active, from_s, calibrated, stored, loaded, ended_s });
+blank!(CalibrationState<T> { active, from_s, calibrated, stored, loaded });
 
 impl<T: Real> CalibrationState<T> {
     pub(super) fn new() -> Self {
@@ -49,8 +46,12 @@ impl<T: Real> CalibrationState<T> {
             calibrated: false,
             stored: Placed::BLANK,
             loaded: Placed::BLANK,
-            ended_s: None,
         }
+    }
+
+    /// Whether the newest calibration is one of this drive, or under way.
+    pub(super) fn is_of_this_drive(&self) -> bool {
+        self.active || self.stored.as_ref().is_some()
     }
 }
 
@@ -63,7 +64,7 @@ impl<T: Real> Belief<T> {
             calibration.loaded = calibration.stored;
             calibration.stored.clear();
         }
-        (calibration.calibrated, calibration.active, calibration.ended_s) = (true, true, None);
+        (calibration.calibrated, calibration.active) = (true, true);
         self.bank.free_masses(&self.mass_sd);
         self.set_tires();
     }
@@ -96,6 +97,7 @@ impl<T: Real> Belief<T> {
     /// it.
     pub(super) fn set_tires(&mut self) {
         self.calibration.from_s = self.learned_s;
+        self.losses.end(self.learned_s);
         self.bank.collapse();
         self.drop_checkpoints();
         self.pre_fault = [None; 4];
@@ -127,20 +129,8 @@ impl<T: Real> Belief<T> {
         if seconds >= ENOUGH_S {
             let learned = self.to_calibration(T::lit(seconds));
             self.calibration.stored.set(Some(learned));
-            self.calibration.ended_s = Some(self.time_s);
+            self.losses.settle_soon(self.learned_s);
         }
-    }
-
-    /// The least that each tire's compliance can be, as long as that is known from a calibration on this drive.
-    pub(super) fn floor(&self) -> Option<Floor<T>> {
-        let since_s = self.time_s - self.calibration.ended_s?;
-        let shares = core::array::from_fn(|corner| self.scale.share(corner));
-        Some(Floor::after(T::lit(since_s), shares, self.present == [true; 4]))
-    }
-
-    /// A tire may have been filled: what the last calibration set is no bound any more.
-    pub(super) fn drop_floor(&mut self) {
-        self.calibration.ended_s = None;
     }
 
     fn to_calibration(&self, learned_s: T) -> VehicleCalibration<T> {

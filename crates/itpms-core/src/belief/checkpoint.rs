@@ -2,7 +2,7 @@
 //! another one's name, shows only after seconds, and for so long it was learned from.
 
 use super::gaussian::Hypothesis;
-use super::state::{RATE, SIZE, TIRE};
+use super::state::{LEVEL, TIRE};
 use super::{Belief, LONGEST_PAUSE_S};
 use crate::memory::{Blank, Placed, blank};
 use crate::model::Learned;
@@ -61,7 +61,7 @@ impl<T: Real> Checkpoint<T> {
     /// faulty sensor, and a faulty sensor makes the other tire of its side look so.
     fn is_contradicted_by(&self, now: &Hypothesis<T>, suspected: [bool; 4]) -> bool {
         let own = |i: usize| (TIRE..TIRE + 4).contains(&i) && suspected[i - TIRE];
-        (0..SIZE).filter(|&i| i != RATE && !own(i)).any(|i| self.contradicted(now, i).is_some())
+        (0..LEVEL).filter(|&i| !own(i)).any(|i| self.contradicted(now, i).is_some())
     }
 }
 

@@ -2,7 +2,7 @@
 //! is known wanders, and what no tire can be; nothing of the other ways.
 
 use super::state::{
-    Covariance, DAMPING, RATE, ROAD_BIAS, SIZE, SPRING, State, TIRE, correlate_bars, end_sd, prior_sd,
+    Covariance, DAMPING, LEVEL, RATE, ROAD_BIAS, SIZE, SPRING, State, TIRE, correlate_bars, end_sd, prior_sd,
     return_rate, wander_sd,
 };
 use crate::memory::blank;
@@ -17,6 +17,8 @@ const ROAD_S: f64 = 1800.0;
 /// Growth per square root of a second of the sd that all tires' compliances have in common: air warms up, cools down and seeps out of all of
 /// them alike. A fifth of the pressure in an hour is two sds.
 const IN_COMMON_SD: f64 = 1.2e-3;
+/// Variance of a loss below which it is known better than single precision can tell, and no bound moves anything.
+const LEAST_LOSS_VARIANCE: f64 = 1e-9;
 /// The least that a tire's compliance can be, over that at placard pressure, less one: at more than twice that pressure.
 const HARDEST: f64 = -0.5;
 
@@ -240,6 +242,41 @@ impl<T: Real> Hypothesis<T> {
             return T::zero();
         }
         self.mean.axpy(below / variance, &self.covariance.column(at), T::one());
+        log_twice_beyond(below / variance.sqrt())
+    }
+
+    /// The loss of a tire begins to be counted: what it is now is its level.
+    pub(crate) fn begin_loss(&mut self, tire: usize) {
+        let (tire, level) = (TIRE + tire.min(3), LEVEL + tire.min(3));
+        self.mean[level] = self.mean[tire];
+        for i in 0..SIZE {
+            let covariance = self.covariance[(i, tire)];
+            (self.covariance[(i, level)], self.covariance[(level, i)]) = (covariance, covariance);
+        }
+        self.covariance[(level, level)] = self.covariance[(tire, tire)];
+    }
+
+    /// What a tire has lost since then, as a compliance.
+    pub(crate) fn loss(&self, tire: usize) -> T {
+        let tire = tire.min(3);
+        self.mean[TIRE + tire] - self.mean[LEVEL + tire]
+    }
+
+    /// Covariance of two tires' losses.
+    pub(crate) fn loss_covariance(&self, a: usize, b: usize) -> T {
+        let (a, b, p) = (a.min(3), b.min(3), &self.covariance);
+        p[(TIRE + a, TIRE + b)] - p[(TIRE + a, LEVEL + b)] - p[(LEVEL + a, TIRE + b)] + p[(LEVEL + a, LEVEL + b)]
+    }
+
+    /// As [`hold_above`](Self::hold_above), of a tire's loss.
+    pub(crate) fn hold_loss_above(&mut self, tire: usize, least: T) -> T {
+        let (below, variance) = (least - self.loss(tire), self.loss_covariance(tire, tire));
+        if !(below > T::zero() && variance > T::lit(LEAST_LOSS_VARIANCE)) {
+            return T::zero();
+        }
+        let tire = tire.min(3);
+        let spread = self.covariance.column(TIRE + tire) - self.covariance.column(LEVEL + tire);
+        self.mean.axpy(below / variance, &spread, T::one());
         log_twice_beyond(below / variance.sqrt())
     }
 

@@ -310,7 +310,7 @@ impl<T: Real> HypothesisBank<T> {
         self.most_likely() == RANDOM_WALK
     }
 
-    /// Holds every hypothesis above the `floor` of the tires' compliances, and no single tire gains air unless pumps are `filling` it. What
+    /// Holds every hypothesis above the `floor` of the tires' losses, and no single tire gains air unless pumps are `filling` it. What
     /// lies beyond a bound is not believed, so who believes in it loses weight. Wandering tires may have been filled and have no bound.
     pub(super) fn hold_above(&mut self, floor: Option<&Floor<T>>, filling: bool) {
         let mut log_weight = [T::zero(); HYPOTHESES];
@@ -321,8 +321,8 @@ impl<T: Real> HypothesisBank<T> {
             }
             let Some(floor) = floor else { continue };
             for tire in 0..4 {
-                let least = floor.of(tire, core::array::from_fn(|tire| hypothesis.mean[TIRE + tire]));
-                *log += hypothesis.hold_above(TIRE + tire, least);
+                let least = floor.of(tire, core::array::from_fn(|tire| hypothesis.loss(tire)));
+                *log += hypothesis.hold_loss_above(tire, least);
             }
         }
         self.reweigh(&log_weight);
@@ -336,6 +336,22 @@ impl<T: Real> HypothesisBank<T> {
                 hypothesis.hold_above(at, least - T::one() - damped);
             });
         }
+    }
+
+    /// The losses of all tires begin to be counted, and nothing moves.
+    pub(super) fn begin_losses(&mut self) {
+        (0..4).for_each(|tire| self.hypotheses[CONSTANT].begin_loss(tire));
+        self.collapse();
+    }
+
+    /// That of one tire begins anew.
+    pub(super) fn begin_loss(&mut self, tire: usize) {
+        self.hypotheses.iter_mut().for_each(|hypothesis| hypothesis.begin_loss(tire));
+    }
+
+    /// Probability that nothing moves.
+    pub(super) fn constant_weight(&self) -> T {
+        self.hypotheses[CONSTANT].weight
     }
 
     /// Only the constant hypothesis is left: somebody knows that nothing moves.

@@ -14,6 +14,7 @@
 //! | `update` | Bayes' rule for a frame with instruments |
 //! | `checkpoint` | going back to what was believed before a sensor failed |
 //! | `calibration` | tires set to their placard pressures, and what that teaches |
+//! | `losses` | from when on the losses of this drive are counted |
 //! | `floor` | that tires only lose air while they roll |
 //! | `tire_scale` | compliances, stiffnesses and pressures of the car's tires |
 //! | `tires` | what is believed of the tires, for the moments after |
@@ -25,6 +26,7 @@ mod gaussian;
 mod hypotheses;
 mod hypothesis_bank;
 mod inverse;
+mod losses;
 pub(crate) mod measurement;
 mod mixture;
 pub(crate) mod state;
@@ -37,7 +39,9 @@ mod update;
 
 use self::calibration::CalibrationState;
 use self::checkpoint::{Checkpoint, PreFaultEstimate};
+use self::floor::Floor;
 use self::gaussian::Circumstances;
+use self::losses::Losses;
 pub(crate) use self::gaussian::FrictionError;
 pub(crate) use self::gaussian::Hypothesis;
 pub(crate) use self::hypotheses::HYPOTHESES;
@@ -48,7 +52,7 @@ pub(crate) use self::tire_scale::{LEAST_COMPLIANCE, TireScale};
 pub(crate) use self::tires::Tires;
 pub(crate) use self::transition::PARTS as PREDICTION_PARTS;
 use crate::memory::{Placed, blank};
-use crate::model::{CarConfig, CornerConfig, Inflation, Learned};
+use crate::model::{CarConfig, CornerConfig, Inflation, Learned, Level};
 use crate::real::Real;
 
 /// Longest time in s over which a change is followed without a frame, and between pseudo-measurements where there are no frames.
@@ -69,6 +73,8 @@ const HELD_MASS_SD: f64 = 0.01;
 /// The least that a strut damps, friction included, as a share of its damper in the vehicle file: dampers wear out, and none drives its
 /// wheel.
 pub(crate) const LEAST_DAMPING: f64 = 0.5;
+/// Probability that no tire moves from which on losses may begin to be counted.
+const SURELY_STILL: f64 = 0.9;
 /// Sd of a tire's compliance, over that at placard pressure, when nobody watched.
 const UNWATCHED_SD: f64 = 0.05;
 
@@ -103,10 +109,12 @@ pub(crate) struct Belief<T: Real> {
     checkpoints: [Placed<Checkpoint<T>>; 2],
     pre_fault: [Option<PreFaultEstimate<T>>; 4],
     inflation: Inflation,
+    losses: Losses,
 }
 
 blank!(Belief<T> {
     bank, scale, present, start, mass_sd, time_s, learned_s, calibration, checkpoints, pre_fault, inflation,
+    losses,
 });
 
 impl<T: Real> Belief<T> {
@@ -127,6 +135,7 @@ impl<T: Real> Belief<T> {
         self.drop_checkpoints();
         self.pre_fault = [None; 4];
         self.inflation = Inflation::AtStops;
+        self.losses = Losses::none();
     }
 
     /// Predicts to a time. A longer step than the onset's longest is a gap: what changed then is over, and a tire may have been
@@ -152,6 +161,7 @@ impl<T: Real> Belief<T> {
             let filled = seconds > FILLING_S && !self.is_calibrating();
             self.bank.predict_gap(T::lit(seconds.min(LONGEST_PAUSE_S)), filled);
             if seconds > LONGEST_PAUSE_S && !self.is_calibrating() {
+                self.losses.end(self.learned_s);
                 let sd = T::lit(PARKED_SD) * (T::one() - T::lit(-seconds / PARKED_S).exp());
                 self.bank.change_temperature(&core::array::from_fn(|corner| sd * self.scale.share(corner)));
             }
@@ -159,7 +169,7 @@ impl<T: Real> Belief<T> {
         }
         let (scale, rates) = if self.expects_onsets() {
             // Tires that only lose air while they roll do not wander.
-            let wander = if self.has_floor() { T::zero() } else { onset.several_scale };
+            let wander = if self.only_lose() { T::zero() } else { onset.several_scale };
             ([T::one(), onset.several_scale, wander], onset.rates)
         } else {
             ([T::zero(); 3], [T::zero(); 4])
@@ -210,6 +220,7 @@ impl<T: Real> Belief<T> {
     /// Ends an update: counts the seconds of shared road learned from, and drops what no tire can be.
     pub(crate) fn settle(&mut self, learned_s: f64) {
         self.learned_s += learned_s;
+        self.count_losses();
         self.hold_above_floor();
         self.bank.hold_damped(T::lit(LEAST_DAMPING));
         let softest = self.scale.softest();
@@ -219,19 +230,33 @@ impl<T: Real> Belief<T> {
         }
     }
 
+    /// Once tires have settled, what they are is their level, and what they lose from then on is counted.
+    fn count_losses(&mut self) {
+        let still = self.bank.constant_weight() > T::lit(SURELY_STILL);
+        if still && !self.is_calibrating() && self.losses.have_settled(self.learned_s) {
+            self.bank.begin_losses();
+            self.drop_checkpoints();
+            self.losses.begin(self.time_s);
+        }
+    }
+
     /// Tires only lose air while they roll, unless somebody fills them at a stop or a pump does so on the way.
     fn hold_above_floor(&mut self) {
         if self.bank.is_random_walk() {
-            self.drop_floor();
+            self.losses.end(self.learned_s);
         }
         let filling = self.inflation == Inflation::WhileRolling;
-        let floor = if filling { None } else { self.floor() };
+        let shares = core::array::from_fn(|corner| self.scale.share(corner));
+        let since_s = self.losses.since_s().filter(|_| !filling);
+        let floor = since_s.map(|since_s| {
+            Floor::after(T::lit(self.time_s - since_s), shares, self.present == [true; 4])
+        });
         self.bank.hold_above(floor.as_ref(), filling);
     }
 
-    /// Whether what the last calibration set is a bound of what tires can have.
-    fn has_floor(&self) -> bool {
-        self.inflation == Inflation::AtStops && self.floor().is_some()
+    /// Whether tires are known only to lose air from here on.
+    fn only_lose(&self) -> bool {
+        self.inflation == Inflation::AtStops && self.losses.since_s().is_some()
     }
 
     /// What friction that is not known exactly makes of a corner on the present road.
@@ -248,6 +273,7 @@ impl<T: Real> Belief<T> {
     pub(crate) fn restart(&mut self) {
         self.bank.start(&self.start);
         self.learned_s = 0.0;
+        self.losses.end(self.learned_s);
         self.drop_checkpoints();
         if let Some(calibration) = self.newest_calibration() {
             // It was learned for this car, or accepted before.
@@ -279,6 +305,7 @@ impl<T: Real> Belief<T> {
         }
         if let Some(tire) = pre_fault {
             self.set_quantity(TIRE + corner, &tire.compliance, T::one());
+            self.bank.begin_loss(corner);
         }
         self.bank.inflate_tire(corner, T::lit(UNWATCHED_SD));
     }
@@ -302,12 +329,17 @@ impl<T: Real> Belief<T> {
     pub(crate) fn tires(&self) -> Tires<T> {
         let mut tires = self.bank.tires();
         tires.time_s = self.time_s;
+        tires.count_losses = self.losses.since_s().is_some();
         tires
     }
 
-    /// Whether the tires' map is known from a calibration and not from the vehicle file alone.
-    pub(crate) fn is_calibrated(&self) -> bool {
-        self.calibration.calibrated
+    /// What the tires' level rests on.
+    pub(crate) fn level(&self) -> Level {
+        match &self.calibration {
+            state if !state.calibrated => Level::VehicleFile,
+            state if state.is_of_this_drive() => Level::Calibration,
+            _ => Level::StoredCalibration,
+        }
     }
 
     pub(crate) fn scale(&self) -> &TireScale<T> {

@@ -7,7 +7,7 @@ use crate::model::UNCALIBRATED_BIAS_SD;
 use crate::real::Real;
 
 /// Quantities.
-pub(crate) const SIZE: usize = 33;
+pub(crate) const SIZE: usize = 37;
 /// Compliance of each tire over the one at placard pressure, less one.
 pub(crate) const TIRE: usize = 0;
 /// Relative deviations of unsprung mass, damping and spring of each corner.
@@ -27,8 +27,11 @@ pub(crate) const COMMON_BIAS: usize = 23;
 pub(crate) const OWN_BIAS: usize = 24;
 /// What the shared road reads too much of each tire's compliance, as a share of that at placard pressure.
 pub(crate) const ROAD_BIAS: usize = 28;
+/// Level of each tire: its compliance, as [`TIRE`] is one, when its loss of this drive began to be counted. It is constant, and what it is
+/// wrong by cancels in the loss, which is [`TIRE`] less this.
+pub(crate) const LEVEL: usize = 32;
 /// Rate of change in 1/s of the compliances that move.
-pub(crate) const RATE: usize = 32;
+pub(crate) const RATE: usize = 36;
 
 const _: () = assert!(RATE == SIZE - 1);
 
@@ -64,7 +67,7 @@ pub(crate) type Covariance<T> = SMatrix<T, SIZE, SIZE>;
 /// Standard deviations before anything is learned, unsprung masses known as the vehicle file says; the rate's is that of a hypothesis
 /// that moves.
 pub(crate) fn prior_sd<T: Real>(mass_sd: &[T; 4]) -> State<T> {
-    let mut prior = filled([0.11, 0.0, 0.15, 0.1, 0.3, 0.012, 0.01, 0.02, 0.04, 0.03, ROAD_BIAS_SD[0], 0.0]);
+    let mut prior = filled([0.11, 0.0, 0.15, 0.1, 0.3, 0.012, 0.01, 0.02, 0.04, 0.03, ROAD_BIAS_SD[0], 0.0, 0.0]);
     prior.fixed_rows_mut::<4>(MASS).copy_from_slice(mass_sd);
     prior
 }
@@ -80,7 +83,7 @@ pub(crate) fn correlate_bars<T: Real>(prior: &mut Covariance<T>) {
 
 /// Growth of the standard deviations in a second, of those that change by themselves.
 pub(crate) fn wander_sd<T: Real>() -> State<T> {
-    let mut wander = filled([8e-4, 5e-5, 1e-3, 1e-3, 1e-3, 5e-5, 1e-4, 5e-4, 1e-3, 1e-3, 0.0, 0.0]);
+    let mut wander = filled([8e-4, 5e-5, 1e-3, 1e-3, 1e-3, 5e-5, 1e-4, 5e-4, 1e-3, 1e-3, 0.0, 0.0, 0.0]);
     let road_bias = T::lit(ROAD_BIAS_SD[1]) * T::lit(2.0 / ROAD_BIAS_S).sqrt();
     wander.fixed_rows_mut::<4>(ROAD_BIAS).fill(road_bias);
     wander
@@ -94,11 +97,11 @@ pub(crate) fn end_sd<T: Real>(prior: &State<T>) -> State<T> {
 }
 
 /// How fast, in 1/s, a quantity that nothing is learned of returns to what the vehicle file says: so that its wandering
-/// comes to [`end_sd`]. Tires have no such place.
+/// comes to [`end_sd`]. Tires and their levels have no such place.
 pub(crate) fn return_rate<T: Real>(prior: &State<T>) -> State<T> {
     let (wander, end) = (wander_sd::<T>(), end_sd(prior));
     State::from_fn(|i, _| {
-        if (TIRE..TIRE + 4).contains(&i) || i == RATE {
+        if (TIRE..TIRE + 4).contains(&i) || i >= LEVEL {
             T::zero()
         } else {
             let share = wander[i] / end[i];
@@ -135,7 +138,7 @@ pub(crate) fn read_compliance<T: Real>(state: &State<T>, corner: usize) -> T {
 }
 
 /// One value per kind of quantity, in the order above.
-fn filled<T: Real>(kinds: [f64; 12]) -> State<T> {
+fn filled<T: Real>(kinds: [f64; 13]) -> State<T> {
     let starts = [
         TIRE,
         MASS,
@@ -148,6 +151,7 @@ fn filled<T: Real>(kinds: [f64; 12]) -> State<T> {
         COMMON_BIAS,
         OWN_BIAS,
         ROAD_BIAS,
+        LEVEL,
         RATE,
         SIZE,
     ];

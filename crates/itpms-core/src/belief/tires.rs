@@ -20,12 +20,17 @@ pub(crate) struct Tires<T: Real> {
     square: SMatrix<T, 4, 4>,
     rate_by_mean: SMatrix<T, 4, 4>,
     rate_square: SMatrix<T, 4, 4>,
+    /// Means of the losses, and their products; whether they are counted.
+    loss: SVector<T, 4>,
+    loss_square: SMatrix<T, 4, 4>,
+    pub(super) count_losses: bool,
     /// Probability that each tire changes, and that any does.
     pub(crate) changing: [T; 4],
     pub(crate) any_changes: T,
 }
 
-blank!(Tires<T> { time_s, mean, rate, square, rate_by_mean, rate_square, changing, any_changes });
+blank!(Tires<T> { time_s, mean, rate, square, rate_by_mean, rate_square, loss, loss_square, count_losses,
+    changing, any_changes });
 
 impl<T: Real> Tires<T> {
     /// Adds a hypothesis of this weight in which those compliances follow the rate that are `changing`.
@@ -36,7 +41,11 @@ impl<T: Real> Tires<T> {
             let tire = mean[TIRE + i];
             self.mean[i] += weight * tire;
             self.rate[i] += weight * changing[i] * rate;
+            let loss = hypothesis.loss(i);
+            self.loss[i] += weight * loss;
             for j in 0..4 {
+                self.loss_square[(i, j)] +=
+                    weight * (hypothesis.loss_covariance(i, j) + loss * hypothesis.loss(j));
                 self.square[(i, j)] += weight * (covariance[(TIRE + i, TIRE + j)] + tire * mean[TIRE + j]);
                 if changing[i] > T::zero() {
                     self.rate_by_mean[(i, j)] +=
@@ -60,6 +69,15 @@ impl<T: Real> Tires<T> {
                 - mean[i] * mean[j]
         });
         (mean, covariance)
+    }
+
+    /// What each tire has lost in this drive, as a compliance, so many seconds later, and the covariance of that; `None` as long as losses
+    /// are not counted.
+    pub(crate) fn losses_after(&self, seconds: &[T; 4]) -> Option<(SVector<T, 4>, SMatrix<T, 4, 4>)> {
+        self.count_losses.then(|| {
+            let mean = SVector::from_fn(|i, _| self.loss[i] + seconds[i] * self.rate[i]);
+            (mean, self.loss_square - self.loss * self.loss.transpose())
+        })
     }
 
     /// Time in s of it.

@@ -6,7 +6,7 @@ use nalgebra::{SMatrix, SVector};
 use super::fusion::{FusedEstimate, SingleWheelEstimate};
 use super::{CarEstimator, Sources};
 use crate::estimator::FusedStiffness;
-use crate::memory::{Placed, blank};
+use crate::memory::blank;
 use crate::model::{CarSample, CornerEstimate, Level, TrackState};
 use crate::real::Real;
 
@@ -41,18 +41,18 @@ impl<T: Real> CarEstimator<T> {
         fused: Option<&FusedEstimate<T>>,
     ) {
         let (correlation, tracks) = (self.correlation(corners, fused), self.tracks());
-        let [fl, fr, rl, rr] = corners;
-        let [first, second, third, fourth] = &mut self.corners;
-        let front = ([fl, fr], [first, second], correlation[0][1]);
-        let rear = ([rl, rr], [third, fourth], correlation[2][3]);
-        for (axle, estimators, correlation) in [front, rear] {
-            let [Some(left), Some(right)] = axle else { continue };
-            let (a, b) = (left.pressure_sd_kpa, right.pressure_sd_kpa);
-            let variance = a * a + b * b - T::lit(2.0) * correlation * a * b;
-            let sd_kpa = variance.max(T::zero()).sqrt();
-            (left.axle_difference_sd_kpa, right.axle_difference_sd_kpa) = (Some(sd_kpa), Some(sd_kpa));
-            for estimator in estimators.into_iter().filter_map(Placed::as_mut) {
-                estimator.set_axle_difference(sd_kpa);
+        let losses = fused.and_then(|fused| Some(self.considered.losses(fused.losses.as_ref()?)));
+        let sds = corners.each_ref().map(|corner| Some(corner.as_ref()?.pressure_sd_kpa));
+        for (i, (corner, estimator)) in corners.iter_mut().zip(&mut self.corners).enumerate() {
+            let Some(corner) = corner else { continue };
+            let partner = i ^ 1;
+            corner.axle_difference_sd_kpa = sds[i].zip(sds[partner]).map(|(a, b)| {
+                let variance = a * a + b * b - T::lit(2.0) * correlation[i][partner] * a * b;
+                variance.max(T::zero()).sqrt()
+            });
+            corner.loss = losses.map(|losses| losses[i]);
+            if let Some(estimator) = estimator.as_mut() {
+                estimator.set_compared(corner.axle_difference_sd_kpa, corner.loss);
             }
         }
         (self.concluded.correlation, self.concluded.tracks) = (correlation, tracks);
@@ -91,9 +91,10 @@ impl<T: Real> CarEstimator<T> {
         }
         let trusted = self.sources != Sources::Spectrum && fusion.is_trusted();
         let fused = trusted.then(|| fusion.estimate());
-        let level = if fusion.is_calibrated() { Level::Calibration } else { Level::VehicleFile };
+        let level = fusion.level();
         let considered = fused.as_ref().map(|fused| match level {
             Level::Calibration => self.considered.calibrated(&fused.stiffness_n_per_m),
+            Level::StoredCalibration => self.considered.stored(&fused.stiffness_n_per_m),
             Level::VehicleFile => self.considered.uncalibrated(&fused.stiffness_n_per_m),
         });
         for (i, estimator) in self.corners.iter_mut().enumerate() {

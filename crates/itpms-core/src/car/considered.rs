@@ -10,17 +10,22 @@ use crate::real::Real;
 
 /// What a calibration leaves of a tire's level, as a share of its stiffness: tires are set to 3 kPa, and a car that differs from its
 /// file in more than this factor reads one road otherwise than another.
-const CALIBRATED_SD: f64 = 0.012;
+pub(super) const CALIBRATED_SD: f64 = 0.012;
+
+/// What a car may change between a calibration and a later day, as shares of a tire's stiffness: what all four wheels have in common
+/// (load, speed and road, warmth and wear of tires and dampers), and each on its own.
+const BETWEEN_DAYS_COMMON_SD: f64 = 0.045;
+const BETWEEN_DAYS_OWN_SD: f64 = 0.025;
 
 /// Covariance of the factors of the four corners, and the stiffnesses at placard pressure. See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Considered<T: Real> {
-    relative: SMatrix<T, 4, 4>,
-    placard_n_per_m: SVector<T, 4>,
+    pub(super) relative: SMatrix<T, 4, 4>,
+    pub(super) placard_n_per_m: SVector<T, 4>,
     /// Stiffness per pressure in N/m per kPa, and the placard pressures in kPa; zero for corners that are not there.
-    per_kpa: SVector<T, 4>,
-    placard_kpa: SVector<T, 4>,
+    pub(super) per_kpa: SVector<T, 4>,
+    pub(super) placard_kpa: SVector<T, 4>,
 }
 
 blank!(Considered<T> { relative, placard_n_per_m, per_kpa, placard_kpa });
@@ -85,6 +90,17 @@ impl<T: Real> Considered<T> {
         SMatrix::from_fn(|i, j| {
             let own = if i == j { left[i] * left[i] } else { T::zero() };
             self.relative[(i, j)] * change[i] * change[j] + own
+        })
+    }
+
+    /// The same where that was on an earlier day.
+    pub(super) fn stored(&self, stiffness_n_per_m: &SVector<T, 4>) -> SMatrix<T, 4, 4> {
+        let k = stiffness_n_per_m;
+        let [common, own] = [BETWEEN_DAYS_COMMON_SD, BETWEEN_DAYS_OWN_SD].map(|sd| T::lit(sd * sd));
+        let calibrated = self.calibrated(k);
+        SMatrix::from_fn(|i, j| {
+            let between = if i == j { common + own } else { common };
+            calibrated[(i, j)] + between * k[i] * k[j]
         })
     }
 }

@@ -7,6 +7,7 @@
 mod conclusion;
 mod considered;
 mod fusion;
+mod loss;
 
 use self::conclusion::Concluded;
 use self::considered::Considered;

@@ -2,7 +2,7 @@
 
 use super::reading::Reading;
 use crate::memory::blank;
-use crate::model::{CornerEstimate, Diagnostics, Level, Validity, Warning};
+use crate::model::{CornerEstimate, Diagnostics, Level, Loss, Validity, Warning};
 use crate::real::Real;
 
 /// See the [module](self).
@@ -19,11 +19,12 @@ pub(super) struct Concluded<T: Real> {
     /// None: nothing to say.
     pub(super) warning: Option<Warning>,
     pub(super) axle_difference_sd_kpa: Option<T>,
+    pub(super) loss: Option<Loss<T>>,
 }
 
 blank!(Concluded<T> {
     reading, stiffness_sd_n_per_m, pressure_kpa, pressure_sd_kpa, change_sd_kpa, level, validity, warning,
-    axle_difference_sd_kpa,
+    axle_difference_sd_kpa, loss,
 });
 
 impl<T: Real> Concluded<T> {
@@ -39,6 +40,7 @@ impl<T: Real> Concluded<T> {
             change_sd_kpa: self.change_sd_kpa,
             level: self.level,
             axle_difference_sd_kpa: self.axle_difference_sd_kpa,
+            loss: self.loss,
             road_m: reading.road_m,
             road_sd_m: reading.road_sd_m,
             validity: self.validity,

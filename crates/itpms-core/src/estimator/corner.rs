@@ -11,7 +11,7 @@ use crate::conditioning::wheel_lift::ContactWatch;
 use crate::conditioning::{GridSample, Resampler, SampleCounts};
 use crate::memory::{Placed, blank};
 use crate::model::{
-    BodyFit, CornerConfig, CornerEstimate, CornerSample, Level, Misfit, ParameterError, QuarterCar, Validity,
+    BodyFit, CornerConfig, CornerEstimate, CornerSample, Level, Loss, Misfit, ParameterError, QuarterCar, Validity,
     positive,
 };
 use crate::real::Real;
@@ -54,6 +54,8 @@ pub(crate) struct CornerEstimator<T: Real> {
     misfit: Placed<Misfit>,
     /// Since when there is something to believe, but for the verdict on body and wheel.
     judged_from_s: Option<f64>,
+    /// Whether they were found to fit.
+    has_fitted: bool,
     /// Seconds of information that the corner had when its sensors last told nothing.
     learned_before_s: T,
     concluded: Placed<Concluded<T>>,
@@ -62,7 +64,7 @@ pub(crate) struct CornerEstimator<T: Real> {
 blank!(CornerEstimator<T> {
     kind, config, resampler, method, road, road_told_s, watch, calibration_s, calibration_ends_s,
     pinned_s, restarts, repetition, fused, contact, strut, friction_variance,
-    fit, misfit, judged_from_s, learned_before_s, concluded,
+    fit, misfit, judged_from_s, has_fitted, learned_before_s, concluded,
 });
 
 impl<T: Real> CornerEstimator<T> {
@@ -94,7 +96,7 @@ impl<T: Real> CornerEstimator<T> {
         let noise = config.accel_noise_or_usual_m_s2();
         let noise_density = T::lit(2.0 / sample_rate_hz) * noise * noise;
         self.strut.configure(self.resampler.grid_period_s(), noise_density);
-        (self.fit, self.judged_from_s) = (BodyFit::unknown(), None);
+        (self.fit, self.judged_from_s, self.has_fitted) = (BodyFit::unknown(), None, false);
         (self.friction_variance, self.learned_before_s) = (T::zero(), T::zero());
         self.misfit.clear();
         self.concluded.clear();
@@ -250,7 +252,7 @@ impl<T: Real> CornerEstimator<T> {
             None => reading.stiffness_sd_n_per_m = self.with_friction(reading.stiffness_sd_n_per_m),
         }
         if !self.kind.is_as_published() {
-            self.fit.incoherence = self.strut.incoherence();
+            (self.fit.incoherence, self.fit.averages) = (self.strut.incoherence(), self.strut.averages());
             self.misfit.set(self.fit.misfit(self.misfit.get()));
         }
         let (considered, level) = self.considered(time_s, &reading);
@@ -273,10 +275,10 @@ impl<T: Real> CornerEstimator<T> {
         estimate
     }
 
-    /// Tells how well the difference of the axle's tires is known, as long as nothing else is concluded.
-    pub(crate) fn set_axle_difference(&mut self, sd_kpa: T) {
+    /// Takes over how well the difference of the axle's tires is known and what the tire has lost, as long as nothing else is concluded.
+    pub(crate) fn set_compared(&mut self, axle_difference_sd_kpa: Option<T>, loss: Option<Loss<T>>) {
         if let Some(concluded) = self.concluded.as_mut() {
-            concluded.axle_difference_sd_kpa = Some(sd_kpa);
+            (concluded.axle_difference_sd_kpa, concluded.loss) = (axle_difference_sd_kpa, loss);
         }
     }
 
@@ -312,7 +314,7 @@ impl<T: Real> CornerEstimator<T> {
     /// Starts again from the corner's initial pressure, as after a tire change. Counted.
     pub(crate) fn restart(&mut self) {
         self.strut.restart();
-        (self.fit, self.judged_from_s) = (BodyFit::unknown(), None);
+        (self.fit, self.judged_from_s, self.has_fitted) = (BodyFit::unknown(), None, false);
         self.misfit.clear();
         self.method.restart(self.kind, self.repetition);
         self.learned_before_s = T::zero();
@@ -356,10 +358,15 @@ impl<T: Real> CornerEstimator<T> {
         ((sd * sd + doubt * doubt).sqrt(), level)
     }
 
-    /// Whether body and wheel have still to be looked at; a log of nothing but pieces is believed without in the end.
-    fn is_unjudged(&mut self, time_s: f64) -> bool {
-        if self.fit.incoherence.is_some() || self.kind.is_as_published() {
+    /// Whether body and wheel have still to be found to go together; a log of nothing but pieces is believed without in the end. A car that
+    /// was calibrated has fitted before: that it seems to is enough.
+    fn is_unjudged(&mut self, time_s: f64, level: Level) -> bool {
+        if self.has_fitted || self.kind.is_as_published() {
             return false;
+        }
+        if self.fit.incoherence.is_some() {
+            self.has_fitted = level == Level::StoredCalibration || self.fit.surely_fits(level);
+            return !self.has_fitted;
         }
         let from_s = *self.judged_from_s.get_or_insert(time_s);
         !(time_s - from_s >= UNJUDGED_S)
@@ -378,28 +385,28 @@ impl<T: Real> CornerEstimator<T> {
         let stiffness_sd_n_per_m =
             (change_sd_n_per_m * change_sd_n_per_m + considered_sd_n_per_m * considered_sd_n_per_m).sqrt();
         let pressure_sd_kpa = tire.pressure_sd_kpa(pressure_kpa, stiffness_sd_n_per_m);
-        let sd_kpa = stiffness_sd_n_per_m / tire.stiffness_per_kpa();
+        let change_sd_kpa = change_sd_n_per_m / tire.stiffness_per_kpa();
         let bad = self.resampler.is_bad();
         if bad {
             self.learned_before_s = self.method.learned_s();
         }
-        let unjudged = reading.validity.is_valid() && self.is_unjudged(time_s);
+        let unjudged = reading.validity.is_valid() && self.is_unjudged(time_s, level);
         let tire = &self.config.tire;
         let validity = match reading.validity {
             _ if bad => Validity::BadSignal,
-            Validity::Valid if self.misfit.get().is_some_and(|misfit| misfit.doubt(level).is_none()) => {
+            Validity::Valid | Validity::NoInformation
+                if self.misfit.get().is_some_and(|misfit| misfit.doubt(level).is_none()) => {
                 Validity::Misfit
             }
             Validity::Valid if unjudged => Validity::Starting,
-            Validity::Valid if !is_known(&self.config, sd_kpa) => Validity::NoInformation,
+            // A level that is not known well is none the less one: only what the signals tell is asked for.
+            Validity::Valid if !is_known(&self.config, change_sd_kpa) => Validity::NoInformation,
             validity => validity,
         };
         let placard = self.config.placard_kpa;
         let judged = !self.kind.is_as_published();
         let warning =
             judged.then(|| self.watch.update(time_s, validity, pressure_kpa, pressure_sd_kpa, placard));
-        let change_sd_kpa = change_sd_n_per_m / tire.stiffness_per_kpa();
-        let axle_difference_sd_kpa = None;
         Concluded {
             reading,
             stiffness_sd_n_per_m,
@@ -409,7 +416,8 @@ impl<T: Real> CornerEstimator<T> {
             level,
             validity,
             warning,
-            axle_difference_sd_kpa,
+            axle_difference_sd_kpa: None,
+            loss: None,
         }
     }
 }

@@ -7,7 +7,7 @@ use super::published_method::PublishedMethod;
 use super::reading::{Reading, validity};
 use crate::conditioning::GridSample;
 use crate::memory::Blank;
-use crate::model::{CornerConfig, ParameterError, QuarterCar};
+use crate::model::{CornerConfig, ParameterError, QuarterCar, Validity};
 use crate::real::Real;
 use crate::single_wheel::{Informed, RoadRepetition, StiffnessPseudoMeasurement};
 use crate::spectrum::transfer::DescribingFunction;
@@ -258,7 +258,10 @@ fn belief_reading<T: Real>(config: &CornerConfig<T>, informed: &Informed<T>) -> 
         stiffness_sd_n_per_m: belief.pressure_sd_kpa * config.tire.stiffness_per_kpa(),
         road_m: T::lit(f64::NAN),
         road_sd_m: T::lit(f64::NAN),
-        validity: validity(config, belief.learned_s, belief.pressure_sd_kpa),
+        validity: match validity(config, belief.learned_s, belief.pressure_sd_kpa) {
+            Validity::Valid if !belief.is_in_range => Validity::NoInformation,
+            validity => validity,
+        },
         forgetting: belief.variance_growth,
         nis: belief.nis,
         gate: belief.gate,

@@ -16,6 +16,12 @@ const MOST_UNEXPLAINED: [f64; 2] = [0.6, 0.55];
 /// axle has tuned dampers.
 const MOST_HOP_EXCESS: [f64; 2] = [5.0, 4.0];
 
+/// Bins over which the two shares are averaged.
+const COHERENCE_BINS: f64 = 5.0;
+const UNEXPLAINED_BINS: f64 = 7.0;
+/// One-sided 95 % quantile of a normal distribution.
+const ONE_SIDED_95: f64 = 1.64;
+
 /// How well body and wheel of a corner go together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -28,6 +34,8 @@ pub struct BodyFit<T> {
     pub unexplained: Option<T>,
     /// How much more front and rear disagree about their road near wheel hop than beside it; `None` as long as too little was shared.
     pub hop_excess: Option<T>,
+    /// Number of independent averages behind both shares: by so much are they uncertain.
+    pub averages: T,
     /// Friction of the strut in N, as the body's motion tells it.
     pub friction_n: T,
 }
@@ -55,7 +63,7 @@ impl Misfit {
         match (self, level) {
             (Self::Incoherent | Self::Unexplained, _) | (Self::Hop, Level::VehicleFile) => None,
             (Self::PartlyUnexplained, Level::VehicleFile) => Some(0.08),
-            (Self::Hop | Self::PartlyUnexplained, Level::Calibration) => Some(0.035),
+            (Self::Hop | Self::PartlyUnexplained, Level::Calibration | Level::StoredCalibration) => Some(0.035),
         }
     }
 }
@@ -79,12 +87,38 @@ impl core::fmt::Display for Misfit {
     }
 }
 
-blank!(BodyFit<T> { incoherence, unexplained, hop_excess, friction_n });
+blank!(BodyFit<T> { incoherence, unexplained, hop_excess, averages, friction_n });
 
 impl<T: Real> BodyFit<T> {
     /// Nothing was seen yet.
     pub(crate) fn unknown() -> Self {
-        Self { incoherence: None, unexplained: None, hop_excess: None, friction_n: T::zero() }
+        Self {
+            incoherence: None,
+            unexplained: None,
+            hop_excess: None,
+            averages: T::zero(),
+            friction_n: T::zero(),
+        }
+    }
+
+    /// Whether body and wheel surely go together: also where the shares are as large as so few averages allow. Of `K` averages a coherence
+    /// `γ²` is estimated with a standard deviation of `(1 - γ²) √(2 γ² / K)`, a share of a power with `√(2 / K)` of it, both over the root of the
+    /// number of bins (Bendat and Piersol, *Random Data*, chapter 9).
+    pub(crate) fn surely_fits(&self, level: Level) -> bool {
+        if !(self.averages > T::zero()) {
+            return false;
+        }
+        let upper = |share: T, squared_spread: T, bins: f64| {
+            share * (T::one() + T::lit(ONE_SIDED_95) * (squared_spread / (self.averages * T::lit(bins))).sqrt())
+        };
+        let two = T::lit(2.0);
+        let incoherence = |share: T| upper(share, two * (T::one() - share).max(T::zero()), COHERENCE_BINS);
+        let largest = Self {
+            incoherence: self.incoherence.map(incoherence),
+            unexplained: self.unexplained.map(|share| upper(share, two, UNEXPLAINED_BINS)),
+            ..*self
+        };
+        largest.misfit(None).is_none_or(|misfit| misfit.doubt(level).is_some())
     }
 
     /// What does not fit, given what did not `before`.

@@ -122,19 +122,22 @@ impl Validity {
 pub enum Level {
     /// On masses and the tire's stiffness in the vehicle file.
     VehicleFile,
-    /// On a calibration, which set it.
+    /// On a calibration of this drive, which set it.
     Calibration,
+    /// On a calibration of an earlier drive: since then load, tires and whatever else may have changed.
+    StoredCalibration,
 }
 
 blank!(Level::VehicleFile);
 
 impl Level {
-    /// The word in files: `file` or `calibration`.
+    /// The word in files: `file`, `calibration` or `reference`.
     #[must_use]
     pub fn label(self) -> &'static str {
         match self {
             Level::VehicleFile => "file",
             Level::Calibration => "calibration",
+            Level::StoredCalibration => "reference",
         }
     }
 }
@@ -185,6 +188,8 @@ pub struct CornerEstimate<T> {
     /// Standard deviation in kPa of what it differs by from the pressure of its axle's other tire: errors of the level are common to
     /// both. `None` without another one.
     pub axle_difference_sd_kpa: Option<T>,
+    /// What the tire has lost in this drive; `None` as long as that is not counted.
+    pub loss: Option<Loss<T>>,
     /// Road height under the wheel in m, causal and without drift.
     pub road_m: T,
     /// Its standard deviation in m.
@@ -195,6 +200,23 @@ pub struct CornerEstimate<T> {
     pub warning: Warning,
     /// The estimator's inner life, for reports and consistency checks.
     pub diagnostics: Diagnostics<T>,
+}
+
+/// What a tire has lost in this drive, in kPa: its level is wrong by the same before and after, so a loss is known far better.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Loss<T> {
+    /// Pressure when the loss began to be counted.
+    pub level_kpa: T,
+    /// What was lost since then; below zero where the tire became warmer.
+    pub lost_kpa: T,
+    /// Its standard deviation.
+    pub lost_sd_kpa: T,
+    /// What was lost more than the other tires have lost on average, and its standard deviation: warmth and a change of the whole car
+    /// cancel.
+    pub excess_kpa: T,
+    /// See [`excess_kpa`](Self::excess_kpa).
+    pub excess_sd_kpa: T,
 }
 
 /// How an estimate came about.

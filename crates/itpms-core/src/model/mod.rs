@@ -17,7 +17,7 @@ pub(crate) use self::calibration::UNCALIBRATED_BIAS_SD;
 pub use self::calibration::{CalibrationError, CornerCalibration, Learned, VehicleCalibration};
 pub use self::car::{CarConfig, Inflation};
 pub use self::car_estimate::{CarEstimate, TrackState};
-pub use self::estimate::{CornerConfig, CornerEstimate, Diagnostics, Level, Validity, Warning};
+pub use self::estimate::{CornerConfig, CornerEstimate, Diagnostics, Level, Loss, Validity, Warning};
 pub(crate) use self::quarter_car::positive;
 pub use self::quarter_car::{ParameterError, QuarterCar};
 pub(crate) use self::sample::ABSURD_M_S2;

@@ -30,10 +30,10 @@ use crate::model::{
 use crate::real::Real;
 use crate::warning::all_low::AllLow;
 use crate::warning::leak::LeakWatch;
-use crate::warning::low::{Around, WheelWatch, is_learning, reading};
+use crate::warning::low::{ALONE, Around, WheelWatch, is_learning, reading};
 use crate::warning::reference_pressure::ReferencePressure;
-use crate::warning::report::{ALL_LOW_SLOT, Slot};
-use crate::warning::{Alert, Cause, Doubt, MonitorReport, WheelReport, WheelState};
+use crate::warning::report::{ALL_LOW_SLOT, COMMON_SHIFT_SLOT, Slot};
+use crate::warning::{Alert, Cause, Doubt, ONE_SIDED_95, MonitorReport, WheelReport, WheelState};
 
 /// Seconds between two decisions on pressures.
 const DECIDE_S: f64 = 0.1;
@@ -228,7 +228,7 @@ impl<T: Real> Monitor<T> {
             // A rim has no pressure.
             let rim = watch.flat.is_active() || watch.side_is_off;
             let (validity, doubt) = if watch.is_forgotten(latest_s, &self.config.limits) {
-                (Validity::NoInformation, Doubt::NoInformation)
+                (Validity::NoInformation, watch.forgotten())
             } else if rim {
                 (Validity::Misfit, Doubt::Misfit)
             } else {
@@ -272,12 +272,14 @@ impl<T: Real> Monitor<T> {
         }
         let learned = |corner: &Option<CornerEstimate<T>>| {
             let corner = corner.as_ref().filter(|corner| is_learning(corner))?;
-            Some([corner.pressure_kpa, corner.change_sd_kpa * corner.change_sd_kpa])
+            let sd = corner.loss.map_or(corner.change_sd_kpa, |loss| loss.lost_sd_kpa.min(corner.change_sd_kpa));
+            Some([corner.pressure_kpa, sd * sd])
         };
         let now = estimate.corners.each_ref().map(learned);
         let least = limits.fast_leak_kpa_per_min;
         let doubted = around.map(|around| around.doubted);
-        self.leaks.update(estimate.time_s, step_s, now, self.reference_kpa, least, doubted);
+        let lost = around.map(|around| around.lost.is_some_and(|[lost, _]| lost > T::one() - limits.low_share));
+        self.leaks.update(estimate.time_s, step_s, now, self.reference_kpa, least, doubted, lost);
         self.all_low.update(step_s, estimate, self.reference_kpa, &limits);
         self.write(estimate);
     }
@@ -292,6 +294,15 @@ impl<T: Real> Monitor<T> {
         let silent = |corner: &CornerEstimate<T>| {
             matches!(corner.validity, Validity::BadSignal | Validity::Diverged | Validity::Starting)
         };
+        let loss = |corner: &CornerEstimate<T>| {
+            let loss = corner.loss.filter(|_| corner.validity.is_valid())?;
+            Some([loss.excess_kpa / loss.level_kpa, loss.excess_sd_kpa / loss.level_kpa])
+        };
+        let lost = own.and_then(loss);
+        let lost_alone = lost.is_some_and(|[own, sd]| {
+            own - T::lit(ONE_SIDED_95) * sd > T::one() - self.config.limits.low_share
+                && other.and_then(loss).is_none_or(|[other, _]| own - other > T::lit(ALONE))
+        });
         let third = T::lit(1.0 / 3.0);
         let others = core::array::from_fn(|i| if i == corner { T::one() } else { -third });
         let less = |other: usize| {
@@ -307,6 +318,8 @@ impl<T: Real> Monitor<T> {
             above_others: weighted(estimate, others, self.reference_kpa),
             above_side: less(rear),
             above_partner: less(partner),
+            lost,
+            lost_alone,
             doubted,
         }
     }
@@ -315,6 +328,8 @@ impl<T: Real> Monitor<T> {
         self.report.begin(estimate.time_s, self.ahead_s);
         let all_low = self.all_low.cause().map(|cause| alert(self.all_low.debouncer(), self.all(), cause));
         self.report.put(ALL_LOW_SLOT, all_low);
+        let shift = self.all_low.shift_cause().map(|cause| alert(self.all_low.shift(), self.all(), cause));
+        self.report.put(COMMON_SHIFT_SLOT, shift);
         for (corner, estimate) in Corner::ALL.into_iter().zip(&estimate.corners) {
             if let Some(estimate) = estimate {
                 self.write_alerts(corner, estimate);
@@ -376,6 +391,8 @@ impl<T: Real> Monitor<T> {
                 (Cause::Malfunction(_) | Cause::NoInformation { .. }, _) => WheelState::Malfunction,
                 (_, WheelState::Malfunction) => state,
                 (Cause::OverInflated(_), _) => WheelState::Over,
+                (Cause::CommonShift { .. }, WheelState::Low | WheelState::Over) => state,
+                (Cause::CommonShift { .. }, _) => WheelState::Unknown(Doubt::Uncertain),
                 _ => WheelState::Low,
             };
         }

@@ -402,6 +402,12 @@ impl<T: Real> Posterior<T> {
         cells[CELLS - 2] + cells[CELLS - 1]
     }
 
+    /// Probability of the softest cell or of the stiffest, whichever is more: what lies there is a bound and no measurement.
+    pub(crate) fn edge(&self) -> T {
+        let cells = self.cells();
+        cells[0].max(cells[CELLS - 1])
+    }
+
     pub(crate) fn summary(&self) -> Summary<T> {
         self.summary
     }

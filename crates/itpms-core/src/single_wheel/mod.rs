@@ -95,6 +95,8 @@ const HELD_FRAMES: u32 = 4;
 const INITIAL_SD_KPA: f64 = 30.0;
 /// Probability of the stiffest cells from which on the grid ends too soon: what it says is no measurement then, but a bound.
 const MOST_AT_EDGE: f64 = 0.1;
+/// Probability of an outermost cell from which on there is no pressure.
+const BEYOND_RANGE: f64 = 0.5;
 
 /// The default one-corner estimator's core, fed with grid samples. See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
@@ -366,6 +368,7 @@ impl<T: Real> Informed<T> {
             gate: T::one(),
             variance_growth: T::one(),
             learned_s: self.learned_s,
+            is_in_range: true,
         }
     }
 
@@ -414,6 +417,7 @@ impl<T: Real> Informed<T> {
             gate: self.gate.open(),
             variance_growth: self.variance_growth,
             learned_s: self.learned_s,
+            is_in_range: self.posterior.edge() < T::lit(BEYOND_RANGE),
         }
     }
 }
@@ -435,6 +439,8 @@ pub struct Belief<T> {
     pub variance_growth: T,
     /// Seconds of full information so far.
     pub learned_s: T,
+    /// Whether the pressure lies within the range that is looked at, and not at an end of it.
+    pub is_in_range: bool,
 }
 
 /// A measurement of the stiffness, by a few frames.

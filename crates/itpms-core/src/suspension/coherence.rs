@@ -5,7 +5,7 @@ use nalgebra::{Complex, SMatrix, SVector};
 
 use crate::memory::blank;
 use crate::real::Real;
-use crate::spectrum::transfer::FRICTION_BINS as BINS;
+use crate::spectrum::transfer::{FRICTION_BINS as BINS, FRICTION_SPACING_HZ};
 
 /// Bins looked at, 5 to 16 Hz: below, pitch and roll move a corner with the others' wheels; above, bushings decide.
 const USED: core::ops::Range<usize> = 1..6;
@@ -72,9 +72,16 @@ impl<T: Real> Coherence<T> {
         self.learned_s
     }
 
-    /// One less the coherence: the geometric mean over the bins.
+    /// One less the coherence: the geometric mean over the bins, without the bias of few averages: of `K` of them a coherence is estimated too
+    /// high by its complement over `K`.
     pub(super) fn incoherence(&self) -> T {
-        self.incoherence
+        let averages = self.averages();
+        (self.incoherence * averages / (averages - T::one()).max(T::one())).min(T::one())
+    }
+
+    /// Number of independent averages that it rests on: one for each frame's length.
+    pub(super) fn averages(&self) -> T {
+        self.learned_s.min(T::lit(2.0 * MEMORY_S)) * T::lit(FRICTION_SPACING_HZ)
     }
 }
 

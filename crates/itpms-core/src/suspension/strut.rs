@@ -202,6 +202,11 @@ impl<T: Real> Strut<T> {
     pub(crate) fn incoherence(&self) -> Option<T> {
         (self.coherence.learned_s() >= T::lit(ENOUGH_S)).then(|| self.coherence.incoherence())
     }
+
+    /// Number of independent averages that it rests on.
+    pub(crate) fn averages(&self) -> T {
+        self.coherence.averages()
+    }
 }
 
 /// What of a time is left after whole periods.

@@ -48,6 +48,14 @@ pub enum Cause<T> {
         /// Its standard deviation.
         sd_share: T,
     },
+    /// All wheels together read otherwise than a calibration of an earlier day: tires, wheels or dampers were changed, or all are too low
+    /// or too high. Accelerations do not part the two.
+    CommonShift {
+        /// Mean of pressure over reference.
+        mean_share: T,
+        /// Its standard deviation, with what a car may change between two days.
+        sd_share: T,
+    },
     /// The pressure is certainly above the limit.
     OverInflated(Reading<T>),
     /// Far harder than the other tire of its axle, more than anybody inflates one: flat, on its rim.
@@ -120,7 +128,7 @@ impl Basis {
 impl From<Level> for Basis {
     fn from(level: Level) -> Self {
         match level {
-            Level::Calibration => Basis::Calibration,
+            Level::Calibration | Level::StoredCalibration => Basis::Calibration,
             Level::VehicleFile => Basis::VehicleFile,
         }
     }
@@ -138,13 +146,19 @@ impl<T> Cause<T> {
         )
     }
 
-    /// One word: `under-inflated`, `fast-leak`, `all-low`, `over-inflated`, `flat`, `malfunction` or `no-information`.
+    /// Whether it is a tire that it speaks of, and not a sensor or that nothing is known.
+    pub(crate) fn is_of_a_tire(&self) -> bool {
+        !matches!(self, Cause::Malfunction(_) | Cause::NoInformation { .. })
+    }
+
+    /// One word: `under-inflated`, `fast-leak`, `all-low`, `common-shift`, `over-inflated`, `flat`, `malfunction` or `no-information`.
     #[must_use]
     pub fn label(&self) -> &'static str {
         match self {
             Cause::UnderInflated(_) => "under-inflated",
             Cause::FastLeak { .. } => "fast-leak",
             Cause::AllLow { .. } => "all-low",
+            Cause::CommonShift { .. } => "common-shift",
             Cause::OverInflated(_) => "over-inflated",
             Cause::Flat(_) => "flat",
             Cause::Malfunction(_) => "malfunction",
@@ -191,6 +205,12 @@ impl<T: Real> fmt::Display for Alert<T> {
             Cause::AllLow { mean_share, sd_share } => {
                 let [mean, sd] = [mean_share, sd_share].map(|share| 100.0 * share.to_f64());
                 write!(f, "all wheels low: at {mean:.0} % (sd {sd:.0}) of their reference")?;
+            }
+            Cause::CommonShift { mean_share, sd_share } => {
+                let [mean, sd] = [mean_share, sd_share].map(|share| 100.0 * share.to_f64());
+                let all = if mean < 100.0 { "under" } else { "over" };
+                write!(f, "all tires read {mean:.0} % (sd {sd:.0}) of what the stored calibration expects: changed tires, ")?;
+                write!(f, "wheels or dampers, or all {all}-inflated; check the pressures, then calibrate again")?;
             }
             Cause::OverInflated(reading) => write!(f, "{} over-inflated: {reading}", self.wheels)?,
             Cause::Flat(reading) => {

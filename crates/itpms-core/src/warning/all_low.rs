@@ -1,4 +1,5 @@
-//! All wheels together: a slow loss of all four is more certain in their mean than in any one of them.
+//! All wheels together: a slow loss of all four is more certain in their mean than in any one of them. Against a calibration of an earlier
+//! day it may as well be the car that has changed, which is reported as what it is.
 
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
 use crate::memory::blank;
@@ -15,20 +16,28 @@ const FINE_ABOVE: f64 = 0.03;
 /// once.
 const ALL_LOW: DebounceTimes = DebounceTimes { set_s: 150.0, clear_s: 20.0 };
 
+const SHIFTED: DebounceTimes = DebounceTimes { set_s: 60.0, clear_s: 20.0 };
+
 /// Remembers since when all wheels are low.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct AllLow<T> {
     debouncer: Debouncer,
+    shift: Debouncer,
     mean_share: T,
     sd_share: T,
 }
 
-blank!(AllLow<T> { debouncer, mean_share, sd_share });
+blank!(AllLow<T> { debouncer, shift, mean_share, sd_share });
 
 impl<T: Real> AllLow<T> {
     pub(crate) fn new() -> Self {
-        Self { debouncer: Debouncer::new(), mean_share: T::one(), sd_share: T::zero() }
+        Self {
+            debouncer: Debouncer::new(),
+            shift: Debouncer::new(),
+            mean_share: T::one(),
+            sd_share: T::zero(),
+        }
     }
 
     pub(crate) fn debouncer(&self) -> &Debouncer {
@@ -39,6 +48,16 @@ impl<T: Real> AllLow<T> {
     pub(crate) fn cause(&self) -> Option<Cause<T>> {
         let (mean_share, sd_share) = (self.mean_share, self.sd_share);
         self.debouncer.is_active().then_some(Cause::AllLow { mean_share, sd_share })
+    }
+
+    pub(crate) fn shift(&self) -> &Debouncer {
+        &self.shift
+    }
+
+    /// Why a shift is reported, while it is.
+    pub(crate) fn shift_cause(&self) -> Option<Cause<T>> {
+        let (mean_share, sd_share) = (self.mean_share, self.sd_share);
+        self.shift.is_active().then_some(Cause::CommonShift { mean_share, sd_share })
     }
 
     /// Takes what was estimated over the last `step_s` seconds. It takes all four wheels and something learned of each to say it;
@@ -69,6 +88,13 @@ impl<T: Real> AllLow<T> {
             Evidence::Undecided
         };
         self.debouncer.update(estimate.time_s, step_s, evidence, ALL_LOW);
+        let off = (shares.mean - T::one()).abs();
+        let shifted = if shares.stored && off > T::lit(ONE_SIDED_95) * shares.sd {
+            Evidence::Prefailed
+        } else {
+            Evidence::Prepassed
+        };
+        self.shift.update(estimate.time_s, step_s, shifted, SHIFTED);
     }
 }
 
@@ -80,8 +106,9 @@ struct Shares<T> {
     highest: T,
     /// Whether these are all four.
     complete: bool,
-    /// Whether their level rests on the vehicle file alone.
+    /// Whether their level rests on the vehicle file alone, and whether on a calibration of an earlier day.
     by_file: bool,
+    stored: bool,
 }
 
 impl<T: Real> Shares<T> {
@@ -108,6 +135,7 @@ impl<T: Real> Shares<T> {
             highest,
             complete: share.iter().all(Option::is_some),
             by_file: (0..4).filter_map(learned).any(|corner| corner.level == Level::VehicleFile),
+            stored: (0..4).filter_map(learned).any(|corner| corner.level == Level::StoredCalibration),
         })
     }
 }

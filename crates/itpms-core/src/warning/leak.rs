@@ -55,7 +55,7 @@ impl<T: Real> LeakWatch<T> {
     }
 
     /// Takes pressures and variances; `None` for a wheel of which nothing is being learned. `doubted`: the wheels whose tires may only
-    /// seem to fall.
+    /// seem to fall; `lost`: those that have lost too much in this drive, whatever their levels.
     pub(crate) fn update(
         &mut self,
         time_s: f64,
@@ -64,13 +64,14 @@ impl<T: Real> LeakWatch<T> {
         reference_kpa: [T; 4],
         least_kpa_per_min: T,
         doubted: [bool; 4],
+        lost: [bool; 4],
     ) {
         let lasted_s = self.kept_s.map(|kept_s| T::lit(time_s - kept_s));
         for wheel in 0..4 {
             let Some(pressure) = now[wheel] else { continue };
             let fall = self.steepest_fall(&lasted_s, wheel, pressure, &now, reference_kpa[wheel]);
             // What comes down to where it should be was read too high.
-            let short = pressure[0] < reference_kpa[wheel];
+            let short = pressure[0] < reference_kpa[wheel] || lost[wheel];
             let evidence = match fall {
                 Some(rate) if short && rate >= least_kpa_per_min => {
                     let leak = &self.leaks[wheel];
@@ -138,7 +139,7 @@ mod tests {
     fn take(watch: &mut LeakWatch<f64>, time_s: f64, kpa: f64, doubted: bool) {
         let other = Some([240.0, 4.0]);
         let now = [Some([kpa, 4.0]), other, other, other];
-        watch.update(time_s, 0.1, now, [240.0; 4], 3.0, [doubted, false, false, false]);
+        watch.update(time_s, 0.1, now, [240.0; 4], 3.0, [doubted, false, false, false], [false; 4]);
     }
 
     /// Seconds until wheel 0 is said to leak and the rate said, while it falls at `kpa_per_min` and the others at `all`.
@@ -148,7 +149,7 @@ mod tests {
             let time_s = f64::from(i) * 0.1;
             let other = Some([240.0 - all / 60.0 * time_s, sd * sd]);
             let now = [Some([240.0 - kpa_per_min / 60.0 * time_s, sd * sd]), other, other, other];
-            watch.update(time_s, 0.1, now, [240.0; 4], 3.0, [false; 4]);
+            watch.update(time_s, 0.1, now, [240.0; 4], 3.0, [false; 4], [false; 4]);
             assert!(!watch.of(1).0.is_active());
             if watch.of(0).0.is_active() {
                 return Some((time_s, watch.of(0).1));

@@ -18,7 +18,7 @@ const NOBODY_INFLATES: f64 = 0.5;
 /// A tire that is lower than the other one of its side by less than this share of the reference goes with it, and then a
 /// second counts for that much less: two tires hardly lose pressure alike within minutes, but the level of a side is what
 /// an estimator is most easily wrong in. The same of two that seem hard as rims.
-const ALONE: f64 = 0.06;
+pub(crate) const ALONE: f64 = 0.06;
 /// By how much less a second counts then.
 const TOGETHER: f64 = 75.0;
 /// Said of a wheel of which nothing is known although the car drives.
@@ -27,6 +27,10 @@ const UNINFORMED: DebounceTimes = DebounceTimes { set_s: 0.0, clear_s: 1.0 };
 const LEARNING: f64 = 0.1;
 /// Speed in m/s above which a car should learn something: 20 km/h.
 const SHOULD_LEARN_M_S: f64 = 5.5;
+/// Seconds of standing after which what a tire had when the car stopped is no longer what it has.
+const STANDING_S: f64 = 30.0;
+/// Seconds for which a corner has to have fitted before a warning stands whatever comes: the memory of what tells a misfit.
+const FITTED_S: f64 = 20.0;
 /// Seconds of learning after which what had been forgotten, as after a night, is known anew: not by its first frame.
 const ANEW_S: f64 = 2.0;
 
@@ -46,6 +50,10 @@ pub(crate) struct Around<T> {
     pub(crate) above_others: Option<[T; 2]>,
     /// The same above the other tire of its axle.
     pub(crate) above_partner: Option<[T; 2]>,
+    /// What it has lost in this drive more than the others, as a share of its level, and the sd of that.
+    pub(crate) lost: Option<[T; 2]>,
+    /// Whether it has surely lost too much, and the other tire of its side less.
+    pub(crate) lost_alone: bool,
     /// Whether what front and rear of the side disagree by may be the road's or a sensor's.
     pub(crate) doubted: bool,
 }
@@ -86,11 +94,14 @@ pub(crate) struct WheelWatch {
     anew_s: f64,
     /// Seconds of driving since something was last learned.
     pub(crate) driven_s: f64,
+    /// Seconds for which it has stood since then, and all in which something was learned.
+    stood_s: f64,
+    fitted_s: f64,
     /// Whether the tire seems hard as a rim and the other one of its side overfull, which is no pressure.
     pub(crate) side_is_off: bool,
 }
 
-blank!(WheelWatch { low, over, flat, uninformed, informed_s, anew_s, driven_s, side_is_off });
+blank!(WheelWatch { low, over, flat, uninformed, informed_s, anew_s, driven_s, stood_s, fitted_s, side_is_off });
 
 impl WheelWatch {
     pub(crate) fn new() -> Self {
@@ -102,6 +113,8 @@ impl WheelWatch {
             informed_s: f64::NEG_INFINITY,
             anew_s: 0.0,
             driven_s: 0.0,
+            stood_s: 0.0,
+            fitted_s: 0.0,
             side_is_off: false,
         }
     }
@@ -119,40 +132,43 @@ impl WheelWatch {
         let learning = is_learning(estimate);
         if learning {
             let forgotten = self.is_forgotten(time_s, limits);
-            self.driven_s = 0.0;
+            (self.driven_s, self.stood_s) = (0.0, 0.0);
+            self.fitted_s += step_s;
             self.anew_s = if forgotten { self.anew_s + step_s } else { 0.0 };
             if !forgotten || self.anew_s >= ANEW_S {
                 self.informed_s = time_s;
             }
         } else if around.speed_m_s > T::lit(SHOULD_LEARN_M_S) {
             self.driven_s += step_s;
+        } else if around.speed_m_s < T::lit(SHOULD_LEARN_M_S) {
+            self.stood_s += step_s;
         }
         let silent = self.driven_s >= limits.no_information_s;
         let uninformed = if silent { Evidence::Prefailed } else { Evidence::Prepassed };
         self.uninformed.update(time_s, step_s, uninformed, UNINFORMED);
+        // What was seen of a corner that has never fitted for long was no tire.
+        if estimate.validity == Validity::Misfit && self.fitted_s < FITTED_S {
+            (self.low, self.over) = (Debouncer::new(), Debouncer::new());
+        }
         if !learning {
             return;
         }
         let (p, sd) = (estimate.pressure_kpa, estimate.pressure_sd_kpa);
         let low_kpa = limits.low_share * reference_kpa;
-        let alone = around.is_low_alone();
-        // Where the level of all is not known well, one can still be surely lower than the others, or than its axle's other one, with which
-        // it has most in common; not so a side of which both are.
-        let lower = |sds: f64| {
-            let others = [around.above_others, around.above_partner].into_iter().flatten();
-            let mut others = others.filter(|_| alone && p < low_kpa);
-            others.any(|[above, sd]| T::one() + above + T::lit(sds) * sd < limits.low_share)
+        let alone = around.is_low_alone() || around.lost_alone;
+        let deficits = deficits(estimate, reference_kpa, around, limits);
+        let short = |sds: f64| {
+            let limit = T::one() - limits.low_share;
+            deficits.iter().flatten().any(|[less, sd]| *less - T::lit(sds) * *sd > limit)
         };
-        let may_be_healthy = may_be_healthy(estimate, reference_kpa);
-        let below = |sds: f64| p + T::lit(sds) * sd < low_kpa && !may_be_healthy || lower(sds);
-        let low = if below(ONE_SIDED_95) {
+        let low = if short(ONE_SIDED_95) {
             if around.doubted { Evidence::NoData } else { Evidence::Prefailed }
         } else if p - T::lit(ONE_SIDED_95) * sd > low_kpa || p > limits.low_clears_share * reference_kpa {
             Evidence::Prepassed
         } else {
             Evidence::Undecided
         };
-        let certainty = if below(VERY_CERTAIN) { 2.0 } else { 1.0 };
+        let certainty = if short(VERY_CERTAIN) { 2.0 } else { 1.0 };
         let weight = match low {
             Evidence::Prefailed if alone => certainty,
             Evidence::Prefailed => certainty / TOGETHER,
@@ -177,10 +193,16 @@ impl WheelWatch {
         self.flat.update(time_s, weight * step_s, flat, FLAT);
     }
 
-    /// Whether what was learned of the wheel is too long ago to be shown.
+    /// Whether what was learned of the wheel is too long ago to be shown: nobody has looked at a tire since the car stopped.
     pub(crate) fn is_forgotten<T: Real>(&self, time_s: f64, limits: &Limits<T>) -> bool {
         let age_s = time_s - self.informed_s;
-        !(age_s < limits.no_information_s) && self.informed_s != f64::NEG_INFINITY
+        let known = age_s < limits.no_information_s && self.stood_s < STANDING_S;
+        !known && self.informed_s != f64::NEG_INFINITY
+    }
+
+    /// Why nothing is known of it then.
+    pub(crate) fn forgotten(&self) -> Doubt {
+        if self.stood_s < STANDING_S { Doubt::NoInformation } else { Doubt::Standing }
     }
 
     /// The wheel's state if nothing is to be said of it: fine, or why that is not known.
@@ -199,7 +221,7 @@ impl WheelWatch {
             Validity::Valid
                 if self.is_forgotten(estimate.time_s, limits) || self.informed_s == f64::NEG_INFINITY =>
             {
-                WheelState::Unknown(Doubt::NoInformation)
+                WheelState::Unknown(self.forgotten())
             }
             Validity::Valid if reaches > limits.low_share * reference_kpa => WheelState::Fine,
             Validity::Valid => WheelState::Unknown(Doubt::Uncertain),
@@ -216,6 +238,26 @@ pub(crate) fn is_learning<T: Real>(estimate: &CornerEstimate<T>) -> bool {
 fn may_be_healthy<T: Real>(estimate: &CornerEstimate<T>, reference_kpa: T) -> bool {
     let reaches_kpa = estimate.pressure_kpa + T::lit(NOT_HEALTHY) * estimate.pressure_sd_kpa;
     estimate.level == Level::VehicleFile && !(reaches_kpa < reference_kpa)
+}
+
+/// By how much a tire has less than it should, as a share of that, and the sd of it, for each thing that it can be held against: its level,
+/// the others, its axle's other tire, itself earlier in this drive. What all tires are wrong by alike cancels in the second, what an axle's
+/// are in the third, and whatever is constant in the last.
+fn deficits<T: Real>(
+    estimate: &CornerEstimate<T>,
+    reference_kpa: T,
+    around: &Around<T>,
+    limits: &Limits<T>,
+) -> [Option<[T; 2]>; 4] {
+    let share = estimate.pressure_kpa / reference_kpa;
+    let level = [T::one() - share, estimate.pressure_sd_kpa / reference_kpa];
+    let level = (!may_be_healthy(estimate, reference_kpa)).then_some(level);
+    // A side of which both are lower than the other one is not.
+    let lower = |above: Option<[T; 2]>| {
+        let [above, sd] = above.filter(|_| around.is_low_alone() && share < limits.low_share)?;
+        Some([-above, sd])
+    };
+    [level, lower(around.above_others), lower(around.above_partner), around.lost]
 }
 
 /// The estimate against a limit.

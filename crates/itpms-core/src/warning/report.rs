@@ -11,8 +11,10 @@ use crate::warning::{Alert, Cause};
 const OF_A_WHEEL: usize = Slot::NoInformation as usize + 1;
 /// The place of the alert for all wheels together, after those of each.
 pub(crate) const ALL_LOW_SLOT: usize = 4 * OF_A_WHEEL;
+/// The place of that of a shift of all of them since a calibration.
+pub(crate) const COMMON_SHIFT_SLOT: usize = ALL_LOW_SLOT + 1;
 /// Alerts that can stand at once.
-const SLOTS: usize = ALL_LOW_SLOT + 1;
+const SLOTS: usize = COMMON_SHIFT_SLOT + 1;
 
 /// The places of a wheel's alerts.
 #[derive(Debug, Clone, Copy)]
@@ -62,6 +64,8 @@ pub enum Doubt {
     Suspicion,
     /// The car does not move as its vehicle file says.
     Misfit,
+    /// The car stands: what the tires had when it stopped is known, not what they have now.
+    Standing,
 }
 
 impl WheelState {
@@ -127,11 +131,19 @@ impl<T: Real> MonitorReport<T> {
     /// Writes an alert, its times being steady ones.
     pub(crate) fn put(&mut self, slot: usize, alert: Option<Alert<T>>) {
         let set_back_s = self.set_back_s;
-        self.slots[slot].set(alert.map(|alert| Alert {
+        let alert = alert.map(|alert| Alert {
             since_s: alert.since_s - set_back_s,
             reported_s: alert.reported_s - set_back_s,
             ..alert
-        }));
+        });
+        // An alert keeps the figures that decided it.
+        let before = self.slots[slot].get();
+        let stands = before.zip(alert.as_ref()).is_some_and(|(before, alert)| {
+            before.cause.is_of_a_tire() && before.is_same_as(alert, T::zero().to_f64())
+        });
+        if !stands {
+            self.slots[slot].set(alert);
+        }
     }
 
     /// The alerts that stand, wheel by wheel.

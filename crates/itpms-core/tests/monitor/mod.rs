@@ -58,6 +58,7 @@ fn estimate(time_s: f64, said: &Said) -> CarEstimate<f64> {
         pressure_sd_kpa: said.sd,
         change_sd_kpa: said.sd,
         axle_difference_sd_kpa: None,
+        loss: None,
         level: said.level,
         road_m: 0.0,
         road_sd_m: 0.01,

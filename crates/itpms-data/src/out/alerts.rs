@@ -42,7 +42,7 @@ pub fn alert_object(alert: &Alert<f64>) -> Map<String, Value> {
             put_reading(&mut put, reading);
             put("rate_kpa_per_min", json!(rate_kpa_per_min));
         }
-        Cause::AllLow { mean_share, sd_share } => {
+        Cause::AllLow { mean_share, sd_share } | Cause::CommonShift { mean_share, sd_share } => {
             put("mean_share", json!(mean_share));
             put("sd_share", json!(sd_share));
         }

@@ -41,6 +41,8 @@ impl EstimateWriter {
                 ("change_sd_kpa", Kind::Number),
                 ("level", Kind::Label),
                 ("axle_difference_sd_kpa", Kind::Number),
+                ("lost_kpa", Kind::Number),
+                ("lost_sd_kpa", Kind::Number),
             ] {
                 columns.push((format!("{}_{suffix}", corner.label()), kind));
             }
@@ -73,6 +75,8 @@ impl EstimateWriter {
                 number(|e| e.change_sd_kpa),
                 Cell::Label(estimate.map_or(Level::VehicleFile, |e| e.level).label()),
                 number(|e| e.axle_difference_sd_kpa.unwrap_or(f64::NAN)),
+                number(|e| e.loss.map_or(f64::NAN, |loss| loss.lost_kpa)),
+                number(|e| e.loss.map_or(f64::NAN, |loss| loss.lost_sd_kpa)),
             ]);
         }
         self.table.write(&self.cells)

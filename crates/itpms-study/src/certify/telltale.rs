@@ -37,7 +37,7 @@ fn lamp_of(cause: &Cause<f64>) -> Option<Lamp> {
             Some(Lamp::Low)
         }
         Cause::Malfunction(_) | Cause::NoInformation { .. } => Some(Lamp::Malfunction),
-        Cause::OverInflated(_) => None,
+        Cause::OverInflated(_) | Cause::CommonShift { .. } => None,
     }
 }
 

@@ -67,6 +67,7 @@ pub(super) fn malfunction_label(cause: &Cause<f64>) -> Option<&'static str> {
         Cause::UnderInflated(_)
         | Cause::FastLeak { .. }
         | Cause::AllLow { .. }
+        | Cause::CommonShift { .. }
         | Cause::OverInflated(_)
         | Cause::Flat(_) => None,
     }

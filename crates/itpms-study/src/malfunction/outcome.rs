@@ -82,7 +82,7 @@ impl TireWarnings {
         match cause {
             Cause::UnderInflated(_) | Cause::Flat(_) => self.low += 1,
             Cause::FastLeak { .. } => self.fast_leak += 1,
-            Cause::AllLow { .. } => self.all_low += 1,
+            Cause::AllLow { .. } | Cause::CommonShift { .. } => self.all_low += 1,
             Cause::OverInflated(_) => self.over += 1,
             Cause::Malfunction(_) | Cause::NoInformation { .. } => {}
         }
@@ -276,6 +276,7 @@ mod tests {
             pressure_sd_kpa,
             change_sd_kpa: pressure_sd_kpa,
             axle_difference_sd_kpa: None,
+            loss: None,
             level: Level::Calibration,
             road_m: 0.0,
             road_sd_m: 0.01,

@@ -206,6 +206,7 @@ const FIGURES: [Row; 21] = [
         c.figures.grounds.map_or(String::new(), |g| match g.level {
             Level::VehicleFile => "vehicle file".into(),
             Level::Calibration => "calibration".into(),
+            Level::StoredCalibration => "calibration of an earlier drive".into(),
         })
     }),
     ("Change known to", "standard deviation of what it has changed by within minutes", |c| {

@@ -99,7 +99,7 @@ impl Parameter {
         let (per_cent_kpa, fifth_kpa) = (0.01 * lever_kpa, 0.2 * config.placard_kpa);
         let sd = config.uncertainty.tire_relative_sd();
         match (self, corner.level) {
-            (Self::TireOverMass, Some(Level::Calibration)) => format!(
+            (Self::TireOverMass, Some(Level::Calibration | Level::StoredCalibration)) => format!(
                 "a change since the calibration: {:.1} kPa (sd) of a loss of a fifth; the level is the calibration's",
                 sd * fifth_kpa
             ),
@@ -109,10 +109,10 @@ impl Parameter {
                     sd * lever_kpa
                 )
             }
-            (Self::UnsprungMass, Some(Level::Calibration)) => {
+            (Self::UnsprungMass, Some(Level::Calibration | Level::StoredCalibration)) => {
                 format!("1 % of it is {:.1} kPa of a loss of a fifth", 0.01 * fifth_kpa)
             }
-            (Self::Tire, Some(Level::Calibration)) => {
+            (Self::Tire, Some(Level::Calibration | Level::StoredCalibration)) => {
                 format!("1 % of it is {:.1} kPa of a loss of a fifth, the other way", 0.01 * fifth_kpa)
             }
             (Self::UnsprungMass, _) => format!("1 % of it is {per_cent_kpa:.1} kPa"),

@@ -91,6 +91,7 @@ impl CornerReport {
                 Doubt::Suspicion => "a sensor is in doubt",
                 Doubt::Misfit => "the car does not fit its vehicle file",
                 Doubt::NoInformation => "nothing to learn from",
+                Doubt::Standing => "the car stands; what was known when it stopped may have changed",
             }),
             WheelState::Fine | WheelState::Low | WheelState::Over | WheelState::Malfunction => None,
         }

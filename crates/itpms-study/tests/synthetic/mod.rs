@@ -76,6 +76,7 @@ impl Tire {
             pressure_sd_kpa: sd,
             change_sd_kpa: sd,
             axle_difference_sd_kpa: None,
+            loss: None,
             level: Level::Calibration,
             road_m: 0.0,
             road_sd_m: 4e-4,

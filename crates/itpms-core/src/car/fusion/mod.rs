@@ -19,7 +19,7 @@ mod single_wheel_estimate;
 
 use self::calibration_reading::CalibrationReading;
 use self::frame_units::FrameQueue;
-pub(super) use self::output::FusedEstimate;
+pub(super) use self::output::{FusedEstimate, FusedLosses};
 use self::realign::DelayDetection;
 pub(super) use self::single_wheel_estimate::SingleWheelEstimate;
 use crate::belief::state::{SKEW, SKEW_UNIT_S, State, WHEELBASE};
@@ -30,7 +30,7 @@ use crate::inter_axle::alignment::speed_latency::SpeedLatency;
 use crate::inter_axle::residual::noise::within;
 use crate::inter_axle::{Aligned, HOP_S, InterAxle};
 use crate::memory::blank;
-use crate::model::{CalibrationError, CarConfig, Inflation, QuarterCar, VehicleCalibration};
+use crate::model::{CalibrationError, CarConfig, Inflation, Level, QuarterCar, VehicleCalibration};
 use crate::real::Real;
 use crate::suspension::BodyEquation;
 
@@ -231,9 +231,9 @@ impl<T: Real> Fusion<T> {
         self.belief.load_calibration(calibration)
     }
 
-    /// Whether the tires' level is known from a calibration and not from the vehicle file alone.
-    pub(super) fn is_calibrated(&self) -> bool {
-        self.belief.is_calibrated()
+    /// What the tires' level rests on.
+    pub(super) fn level(&self) -> Level {
+        self.belief.level()
     }
 
     /// How much more the axles of a side disagree near wheel hop than beside it, once enough was seen.

@@ -19,6 +19,18 @@ pub(in crate::car) struct FusedEstimate<T: Real> {
     pub(in crate::car) changing: T,
     /// Seconds of shared road that it rests on.
     pub(in crate::car) learned_s: T,
+    /// What was lost in this drive, if that is counted.
+    pub(in crate::car) losses: Option<FusedLosses<T>>,
+}
+
+/// What the tires have lost in this drive, as stiffnesses.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::car) struct FusedLosses<T: Real> {
+    /// Stiffnesses in N/m when the losses began to be counted.
+    pub(in crate::car) level_n_per_m: SVector<T, 4>,
+    /// What of them was lost since then, and its covariance in (N/m)².
+    pub(in crate::car) lost_n_per_m: SVector<T, 4>,
+    pub(in crate::car) covariance: SMatrix<T, 4, 4>,
 }
 
 impl<T: Real> Fusion<T> {
@@ -46,6 +58,15 @@ impl<T: Real> Fusion<T> {
             covariance: SMatrix::from_fn(|i, j| by[i] * by[j] * covariance[(i, j)]),
             changing,
             learned_s: T::lit(self.learned_s()),
+            losses: self.tires.losses_after(&ages).map(|(lost, covariance)| {
+                let level = |i: usize| placard_n_per_m[i] / (T::one() + mean[i] - lost[i]).max(floor);
+                let level_n_per_m = SVector::<T, 4>::from_fn(|i, _| level(i));
+                FusedLosses {
+                    level_n_per_m,
+                    lost_n_per_m: level_n_per_m - stiffness,
+                    covariance: SMatrix::from_fn(|i, j| by[i] * by[j] * covariance[(i, j)]),
+                }
+            }),
         };
         for (i, single_wheel) in self.single_wheel.iter().enumerate() {
             let incoherence = self.inter_axle.pair(i % 2).lasting_incoherence();

@@ -97,6 +97,7 @@ mod tests {
             covariance,
             changing: 0.2,
             learned_s: 60.0,
+            losses: None,
         }
     }
 
