@@ -4,8 +4,10 @@
 //! whose reference is kept.
 
 use itpms_core::estimator::EstimatorKind;
-use itpms_core::model::{CarConfig, Corner, VehicleCalibration};
+use itpms_core::model::{CarConfig, CarSample, Corner, VehicleCalibration};
 use itpms_core::monitor::MonitoredCar;
+use itpms_data::Vehicle;
+use itpms_data::reference::StoredReference;
 use itpms_sim::simulation::{SimRow, Simulation};
 use itpms_sim::time_profile::Pressure;
 
@@ -14,7 +16,7 @@ use super::super::drive::estimator;
 use super::car::OwnCar;
 use super::day::{Change, Day, RATE_HZ, SAME};
 use super::seen::Seen;
-use crate::learn::{LearnError, Listener, PASSES, learn};
+use crate::learn::{Listener, PASSES, WheelbaseListener, learn};
 
 /// Ten minutes at placard pressures, and a later day, in s.
 pub(super) const DAYS_S: [f64; 2] = [600.0, 130.0];
@@ -70,26 +72,17 @@ impl Owned {
         let [first, later] = Day::two(index, seed, DAYS_S);
         let (scenario, drive_seed) = first.scenario(&car, &SAME, None)?;
         let rows: Vec<_> = Simulation::new(&scenario, drive_seed)?.map(|row| row.car_sample()).collect();
-        let file = car.file.car_config(&Corner::ALL);
-        let mut config = file;
-        let mut learned = None;
-        for _ in 0..PASSES {
-            let mut listener = Listener::new(&config, [car.placard_kpa; 4], RATE_HZ)?;
-            rows.iter().for_each(|row| listener.take(row));
-            let now = learn(&file, &[listener.finish()])?;
-            config = now.car;
-            learned = Some(now);
-        }
-        let learned = learned.ok_or(LearnError::NoDrive)?.car;
-        let calibrated = |way: Way, config: CarConfig<f64>| {
-            let calibration = match ways.contains(&way) {
-                true => calibration(&config, kind, &rows)?,
-                false => None,
-            };
-            Ok::<_, ScoreError>(Taught { config, calibration })
+        let learned = match ways.contains(&Way::LearnedAndReference) || ways.contains(&Way::Learned) {
+            true => learned(&car, &rows)?,
+            false => car.file.car_config(&Corner::ALL),
         };
-        let learned = calibrated(Way::LearnedAndReference, learned)?;
-        let file = calibrated(Way::FileAndReference, file)?;
+        let mut taught = [Taught { config: learned, calibration: None }, Taught::of(&car.file)];
+        for (way, taught) in [Way::LearnedAndReference, Way::FileAndReference].into_iter().zip(&mut taught) {
+            if ways.contains(&way) {
+                taught.calibrate(kind, way, &car.file, &rows)?;
+            }
+        }
+        let [learned, file] = taught;
         Ok(Self { kind, index, car, later, learned, file })
     }
 
@@ -155,17 +148,48 @@ fn take(car: &mut MonitoredCar<f64>, row: &SimRow, seen: &mut [&mut Seen]) {
     }
 }
 
-/// What a calibration that lasts as long as the drive teaches; one that no program would load is none.
-fn calibration(
-    config: &CarConfig<f64>,
-    kind: EstimatorKind,
-    rows: &[itpms_core::model::CarSample<f64>],
-) -> Result<Option<VehicleCalibration<f64>>, ScoreError> {
-    let mut car = estimator(config, kind)?;
-    car.begin_calibration(DAYS_S[0])?;
-    for row in rows {
-        car.update(row);
+/// The car of the file as the drive shows it, its wheelbase first.
+fn learned(car: &OwnCar, rows: &[CarSample<f64>]) -> Result<CarConfig<f64>, ScoreError> {
+    let mut listener = WheelbaseListener::new(RATE_HZ);
+    rows.iter().for_each(|row| listener.take(row));
+    let mut file = car.file.car_config(&Corner::ALL);
+    file.wheelbase_m = listener.finish().map(|found| found.wheelbase_m).or(file.wheelbase_m);
+    let mut config = file;
+    for _ in 0..PASSES {
+        let mut listener = Listener::new(&config, [car.placard_kpa; 4], RATE_HZ)?;
+        rows.iter().for_each(|row| listener.take(row));
+        config = learn(&file, &[listener.finish()])?.car;
     }
-    car.end_calibration();
-    Ok(car.estimator().calibration().filter(|learned| learned.check().is_ok()))
+    Ok(config)
+}
+
+impl Taught {
+    fn of(file: &Vehicle) -> Self {
+        Self { config: file.car_config(&Corner::ALL), calibration: None }
+    }
+
+    /// By a calibration that lasts as long as the drive, and a reference that is stored and read again; one that is refused is none.
+    fn calibrate(
+        &mut self,
+        kind: EstimatorKind,
+        way: Way,
+        file: &Vehicle,
+        rows: &[CarSample<f64>],
+    ) -> Result<(), ScoreError> {
+        let mut car = estimator(&self.config, kind)?;
+        car.begin_calibration(DAYS_S[0])?;
+        for row in rows {
+            car.update(row);
+        }
+        car.end_calibration();
+        let Some(calibration) = car.estimator().calibration() else { return Ok(()) };
+        if way == Way::LearnedAndReference {
+            // Its wheelbase is no longer assumed.
+            self.calibration = Some(calibration).filter(|learned| learned.check().is_ok());
+        } else if let Ok(stored) = StoredReference::new(file, calibration, 0) {
+            self.config.wheelbase_m = stored.wheelbase_m.or(file.wheelbase_m);
+            self.calibration = Some(stored.reference);
+        }
+        Ok(())
+    }
 }
