@@ -267,7 +267,7 @@ def compare(before: dict, after: dict) -> str:
             if old.get(name) == new.get(name) and name in old and name in new:
                 continue
             values = [number(figures[name]) if name in figures else "-" for figures in (old, new)]
-            mark = "**worse**" if name in old and name in new and worse(name, old[name], new[name]) else ""
+            mark = "gone" if name not in new else "**worse**" if name in old and worse(name, old[name], new[name]) else ""
             lines.append(f"| {row} | {name} | {values[0]} | {values[1]} | {mark} |")
     same = sum(old.get(n) == v for row, old in before["figures"].items() for n, v in after["figures"].get(row, {}).items())
     if before["quick"] != after["quick"]:

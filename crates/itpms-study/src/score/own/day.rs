@@ -151,3 +151,35 @@ pub(super) const CHANGES: &[Change] = &[
     changed("dampers x 2.2", |truth| truth.damping_factor *= 2.2),
     changed("dampers x 0.55", |truth| truth.damping_factor *= 0.55),
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_later_day_has_another_road_speed_and_load_and_the_same_car() {
+        for index in 0..24 {
+            let car = OwnCar::draw(index, index as u64).unwrap();
+            let [first, later] = Day::two(index, index as u64, [600.0, 130.0]);
+            assert!(first.class != later.class && (first.km_h - later.km_h).abs() >= 15.0);
+            assert!(first.seed != later.seed);
+            let (before, _) = first.scenario(&car, &SAME, None).unwrap();
+            let (after, _) = later.scenario(&car, &SAME, None).unwrap();
+            before.validate().unwrap();
+            assert_eq!(before.corner, after.corner);
+            // What was lost is the pressure of one tire alone.
+            let loss = Pressure::ramp(230.0, 184.0, 60.0, 10.0);
+            let (losing, _) = later.scenario(&car, &SAME, Some((Corner::RearLeft, loss))).unwrap();
+            assert_eq!(losing.corner.fl, after.corner.fl);
+            assert_ne!(losing.corner.rl, after.corner.rl);
+        }
+        let car = OwnCar::draw(0, 7).unwrap();
+        let [_, later] = Day::two(0, 7, [600.0, 130.0]);
+        for change in CHANGES {
+            let (changed, _) = later.scenario(&car, change, None).unwrap();
+            changed.validate().unwrap();
+            let (same, _) = later.scenario(&car, &SAME, None).unwrap();
+            assert!(changed.corner != same.corner || changed.car != same.car, "{}", change.name);
+        }
+    }
+}

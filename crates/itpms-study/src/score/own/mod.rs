@@ -205,3 +205,50 @@ impl Level {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use itpms_core::model::Corner;
+
+    /// Two drives whose wheels are off by 3 and 4 kPa with an sd of 1.8: the first inside, the second not.
+    #[test]
+    fn levels_count_every_row_alike_and_a_loss_that_is_not_warned_of_is_the_latest() {
+        let drive = |error_kpa: f64, rows: u64| {
+            let mut seen = Seen::sound();
+            for wheel in &mut seen.wheels {
+                (0..rows).for_each(|_| wheel.errors.push(error_kpa, 1.8));
+                (wheel.rows, wheel.valid, wheel.sds) = (2 * rows, rows, 1.8 * rows as f64);
+            }
+            seen
+        };
+        let losing = |after_s| Seen { after_s, rise_kpa: 3.0, ..Seen::losing(Corner::RearLeft) };
+        let mut wrong = losing(None);
+        wrong.wheels[1].false_low = true;
+        let found = [([drive(3.0, 30), losing(Some(2.0))], true), ([drive(4.0, 10), wrong], false)];
+        let cells = way_cells(&found.iter().collect::<Vec<_>>());
+        let value = |name: &str| cells.iter().find(|cell| cell.column.name == name).unwrap().value;
+        assert!((value("rms_kpa") - ((3.0 * 9.0 + 16.0) / 4.0f64).sqrt()).abs() < 1e-12);
+        assert!((value("sd_kpa") - 1.8).abs() < 1e-12);
+        assert_eq!([value("inside"), value("inside_worst"), value("valid")], [0.75, 0.0, 0.5]);
+        assert_eq!([value("missed"), value("false"), value("without_reference")], [1.0; 3]);
+        assert_eq!([value("after_worst_s"), value("rise_kpa")], [2.0, 3.0]);
+        assert!(value("after_median_s").is_infinite());
+        let changed = change_cells(&found.iter().map(|(seen, _)| &seen[1]).collect::<Vec<_>>());
+        let low: Vec<f64> = changed
+            .iter()
+            .filter(|cell| cell.column.name.starts_with("false_low"))
+            .map(|cell| cell.value)
+            .collect();
+        assert_eq!(low, [0.0, 1.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn rows_are_chosen_by_their_names() {
+        let plan = |only| Plan::new(EstimatorKind::Informed, 3, only);
+        assert_eq!(plan(Some("reference")).subjects[0].0.ways.len(), 2);
+        assert_eq!(plan(Some("dampers")).subjects[0].0.changes.len(), 2);
+        assert_eq!(plan(None).drives(), 3);
+        assert_eq!(plan(Some("zzz")).drives(), 0);
+    }
+}
