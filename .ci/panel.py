@@ -203,12 +203,14 @@ def take(measure: tuple) -> tuple[str, Figures, float, str]:
     if not commands:
         return name, {}, 0.0, "SKIPPED: no QEMU for ARM or no target for it"
     for command in commands:
-        done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
+        code, errors = None, ""
         try:
+            done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
+            code, errors = done.returncode, done.stderr
             figures |= read(done.stdout)
-        except (ValueError, KeyError, TypeError) as error:
-            why = (done.stderr.strip().splitlines() or [f"no output that can be read ({error})"])[-1]
-            return name, figures, time.monotonic() - began, f"FAILED: {' '.join(command)}: exit code {done.returncode}, {why}"
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            why = (errors.strip().splitlines() or [f"no output that can be read ({error})"])[-1]
+            return name, figures, time.monotonic() - began, f"FAILED: {' '.join(command)}: exit code {code}, {why}"
     print(f"{name}: {time.monotonic() - began:.0f} s", file=sys.stderr, flush=True)
     return name, figures, time.monotonic() - began, ""
 
