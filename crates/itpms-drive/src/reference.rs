@@ -78,7 +78,12 @@ impl Saving {
                     driven_s.floor()
                 )
             } else {
-                format!("expected a road to learn from during the calibration of {seconds} s")
+                let assumed = if self.vehicle.assumes_wheelbase() {
+                    ", and a wheelbase nearer than the one that the vehicle file assumes: itpms vehicle learn finds it in this drive"
+                } else {
+                    ""
+                };
+                format!("expected a road to learn from during the calibration of {seconds} s{assumed}")
             };
             return Err(refused(&target, format!("nothing was learned: {why}")));
         };

@@ -21,7 +21,7 @@ const SLOWEST_M_S: f64 = 4.0;
 const LEAST_AGREEMENT: f64 = 0.3;
 const FEWEST_FRAMES: u64 = 60;
 /// What wheels that hop at other frequencies in front and at the rear leave open, as a share.
-const SYSTEMATIC: f64 = 0.01;
+const SYSTEMATIC: f64 = 0.02;
 
 /// Listens to a drive for its wheelbase.
 #[derive(Debug)]
@@ -123,8 +123,9 @@ impl WheelbaseListener {
         let bent = before - 2.0 * most + after;
         let place = best as f64 + 0.5 * (before - after) / bent;
         let wheelbase_m = SHORTEST_M + STEP_M * place;
-        // Of a sum of cosines: its noise over its curvature.
-        let scatter_m = STEP_M * (0.5 * self.phases as f64).sqrt() / -bent;
+        // The noise of the sum's slope, a root of half the sum of squares of frequencies, over its curvature, which is that sum times the
+        // agreement.
+        let scatter_m = STEP_M * (0.5 / (agreement * -bent)).sqrt();
         Some(FoundWheelbase { wheelbase_m, sd_m: scatter_m.hypot(SYSTEMATIC * wheelbase_m) })
     }
 }
@@ -168,7 +169,7 @@ mod tests {
             let found = found(wheelbase_m, 3.0).unwrap();
             // Without hop the phases are the delay's alone.
             assert!((found.wheelbase_m - wheelbase_m).abs() < 0.02, "{found:?}, {wheelbase_m}");
-            assert!(found.sd_m > 0.01 * wheelbase_m && found.sd_m < 0.05, "{found:?}");
+            assert!(found.sd_m > 0.02 * wheelbase_m && found.sd_m < 0.025 * wheelbase_m, "{found:?}");
         }
     }
 
