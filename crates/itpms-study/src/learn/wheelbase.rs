@@ -138,9 +138,11 @@ mod tests {
     /// White acceleration over the road's length, which the rear wheels meet a wheelbase later, under a speed that goes up and down.
     fn found(wheelbase_m: f64, noise: f64) -> Option<FoundWheelbase> {
         let (rate_hz, mut at_m) = (200.0, 0.0);
-        // Waves of the road with 0.1 to 0.5 cycles per m: 2 to 10 Hz at 20 m/s.
+        // Waves of the road with 0.1 to 0.5 cycles per m, 2 to 10 Hz at 20 m/s; their phases grow with the square, so that they make no pulse.
         let waves: Vec<[f64; 3]> = (0..160)
-            .map(|i| [0.1 + 0.0025 * f64::from(i), (f64::from(i) * 2.4).sin(), (f64::from(i) * 2.4).cos()])
+            .map(|i| {
+                [0.1 + 0.0025 * f64::from(i), (f64::from(i * i) * 0.7).sin(), (f64::from(i * i) * 0.7).cos()]
+            })
             .collect();
         let road = |m: f64| {
             waves.iter().map(|[n, a, b]| a * (TAU * n * m).cos() + b * (TAU * n * m).sin()).sum::<f64>()
