@@ -99,7 +99,7 @@ fn an_assumed_wheelbase_is_learned_before_a_calibration() {
             .lines()
             .find_map(|line| line.strip_prefix("wheelbase_m = ")?.split_whitespace().next()?.parse().ok())
             .unwrap();
-        // 2 % are stated, for wheels that hop otherwise in front and at the rear.
+        // 9 cm are stated, for wheels that are damped otherwise in front and at the rear.
         assert!((learned / wheelbase_m - 1.0).abs() < 0.04, "{learned} of {wheelbase_m}");
         let estimate = |log: &str, vehicle: &str, rest: &str| {
             bench.run(&format!("estimate {log} --vehicle {vehicle} -o est.csv {rest}"))

@@ -79,7 +79,7 @@ impl Owned {
         let mut taught = [Taught { config: learned, calibration: None }, Taught::of(&car.file)];
         for (way, taught) in [Way::LearnedAndReference, Way::FileAndReference].into_iter().zip(&mut taught) {
             if ways.contains(&way) {
-                taught.calibrate(kind, way, &car.file, &rows)?;
+                taught.calibrate(kind, &car.file, &rows)?;
             }
         }
         let [learned, file] = taught;
@@ -172,7 +172,6 @@ impl Taught {
     fn calibrate(
         &mut self,
         kind: EstimatorKind,
-        way: Way,
         file: &Vehicle,
         rows: &[CarSample<f64>],
     ) -> Result<(), ScoreError> {
@@ -183,10 +182,8 @@ impl Taught {
         }
         car.end_calibration();
         let Some(calibration) = car.estimator().calibration() else { return Ok(()) };
-        if way == Way::LearnedAndReference {
-            // Its wheelbase is no longer assumed.
-            self.calibration = Some(calibration).filter(|learned| learned.check().is_ok());
-        } else if let Ok(stored) = StoredReference::new(file, calibration, 0) {
+        let file = Vehicle { wheelbase_m: self.config.wheelbase_m, ..file.clone() };
+        if let Ok(stored) = StoredReference::new(&file, calibration, 0) {
             self.config.wheelbase_m = stored.wheelbase_m.or(file.wheelbase_m);
             self.calibration = Some(stored.reference);
         }
