@@ -35,7 +35,7 @@ fn what_was_saved_is_read_again_for_its_car() {
         stored.save(&path).unwrap();
         let read = StoredReference::read(&path).unwrap();
         assert_eq!(read, stored);
-        assert_eq!(read.for_vehicle(&Vehicle::paper()).unwrap(), &stored.reference);
+        assert_eq!(read.for_vehicle(&Vehicle::paper()).unwrap(), (Vehicle::paper(), &stored.reference));
     }
     assert_eq!(old().day(), "2030-03-17");
     assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1);
@@ -111,12 +111,32 @@ fn the_format_before_is_read_as_knowing_nothing_of_the_shared_road() {
     assert!(refusal(sealed("2", &older).as_bytes()).contains("shared_road_bias"));
 }
 
+/// A deviation of the wheelbase counts from the file's; where that was assumed, from the wheelbase that was found.
+#[test]
+fn an_assumed_wheelbase_is_replaced_by_the_one_that_was_found() {
+    let mut reference = learned(1.0);
+    reference.wheelbase.value = -0.08;
+    let measured = Vehicle::paper();
+    let refused = StoredReference::new(&measured, reference, 0).unwrap_err().to_string();
+    assert!(refused.contains("a wheelbase of 2.48 m, the vehicle file has 2.7 m"), "{refused}");
+    assert!(refused.contains("wheelbase_sd_m = 0.15"), "{refused}");
+    let text =
+        measured.to_toml().replacen("wheelbase_m = 2.7", "wheelbase_m = 2.7\nwheelbase_sd_m = 0.15", 1);
+    let assumed = Vehicle::parse(&text).unwrap();
+    assert_eq!(Vehicle::parse(&assumed.to_toml()).unwrap(), assumed);
+    let stored = StoredReference::new(&assumed, reference, 0).unwrap();
+    let read = StoredReference::parse(stored.to_text().as_bytes()).unwrap();
+    let (known, told) = read.for_vehicle(&assumed).unwrap();
+    assert!((known.wheelbase_m.unwrap() - 2.7 * 0.92).abs() < 1e-12 && told.wheelbase.value == 0.0);
+    assert_eq!(told.wheelbase.sd, reference.wheelbase.sd);
+}
+
 #[test]
 fn a_newer_format_is_told_from_damage() {
-    let newer = sealed("3", "something that nobody knows yet");
+    let newer = sealed("4", "something that nobody knows yet");
     assert_eq!(
         refusal(newer.as_bytes()),
-        "the learned reference has format 3, expected at most 2: a newer itpms wrote it"
+        "the learned reference has format 4, expected at most 3: a newer itpms wrote it"
     );
     let damaged = newer.replace("nobody", "n0body");
     assert!(refusal(damaged.as_bytes()).contains("is damaged"));

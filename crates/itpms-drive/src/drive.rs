@@ -55,6 +55,8 @@ impl Drive {
         corners: &[Corner],
         sample_rate_hz: f64,
     ) -> Result<Self, DriveError> {
+        let stored = reference::read(settings, vehicle)?;
+        let vehicle = stored.as_ref().map_or(vehicle, |(vehicle, _)| vehicle);
         let config = vehicle.car_config(corners);
         let options = EstimatorOptions {
             estimator: settings.estimator,
@@ -66,7 +68,9 @@ impl Drive {
         // Built in its box: by value it would cross the stack, and whose that is the caller alone knows.
         let mut car = Box::new(MonitoredCar::unconfigured());
         car.configure(&config, sample_rate_hz)?;
-        reference::load(settings, vehicle, &mut car)?;
+        if let Some((_, reference)) = &stored {
+            reference::load(settings, reference, &mut car)?;
+        }
         if let Some(seconds) = settings.calibrate_s {
             car.begin_calibration(seconds)?;
         }

@@ -8,17 +8,22 @@ use itpms_core::model::Corner;
 use itpms_data::log::LogOptions;
 use itpms_data::vehicle::VehicleDetails;
 use itpms_data::{LogReader, Vehicle};
-use itpms_study::learn::{DriveReading, LearnError, Learned, LearnedCorner, Listener, PASSES, Parameter};
+use itpms_study::learn::{
+    DriveReading, FoundWheelbase, LearnError, Learned, LearnedCorner, Listener, PASSES, Parameter,
+};
 use serde_json::{Map, Value, json};
 
 use crate::concerns::common_corners;
 use crate::error::DriveError;
 use crate::run::ROWS_PER_LOOK;
+use crate::wheelbase;
 
 /// Significant digits of a learned value: its standard deviation has no more to say.
 const DIGITS: usize = 5;
 /// Seconds of reading below which a drive teaches little.
 const SHORT_S: f64 = 300.0;
+/// Share of a pass that reading a log takes.
+const READING: f64 = 0.1;
 
 /// Pressures in kPa gauge that a car's tire may have; what lies outside was meant in another unit.
 pub const KNOWN_KPA: std::ops::RangeInclusive<f64> = 60.0..=1500.0;
@@ -51,6 +56,8 @@ pub struct LearnedVehicle {
     pub vehicle: Vehicle,
     /// Parameter by parameter.
     pub learned: Learned,
+    /// The wheelbase, if the drives show it; the vehicle's only where the file says that it was assumed.
+    pub wheelbase: Option<FoundWheelbase>,
     /// What each drive has shown.
     pub readings: Vec<DriveReading>,
     /// What should be known before believing it, a sentence each.
@@ -83,11 +90,15 @@ pub fn learn_with(
     open: &mut dyn FnMut(usize) -> Result<LogReader, DriveError>,
     watch: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<LearnedVehicle, DriveError> {
+    // Reading takes a part of what estimating does: it counts as a tenth of a pass.
+    let total = (PASSES * drives.len().max(1)) as f64 + READING * drives.len() as f64;
+    let mut done = READING * drives.len() as f64;
+    let found = wheelbase::find(drives.len(), open, &mut |share| watch(share * done / total))?;
+    let mut concerns: Vec<String> = wheelbase::doubt(file, found).into_iter().collect();
+    let written = file;
+    let file = &wheelbase::with_found(file, found);
     let told = file.car_config(&Corner::ALL);
     let mut now = file.clone();
-    let mut concerns = vec![];
-    let total = (PASSES * drives.len().max(1)) as f64;
-    let mut done = 0.0;
     let mut result = None;
     for pass in 0..PASSES {
         let mut readings = vec![];
@@ -106,8 +117,8 @@ pub fn learn_with(
         result = Some((learned, readings));
     }
     let (learned, readings) = result.ok_or(LearnError::NoDrive)?;
-    concerns.extend(doubts(file, drives, &readings));
-    Ok(LearnedVehicle { vehicle: now, learned, readings, concerns })
+    concerns.extend(doubts(written, drives, &readings));
+    Ok(LearnedVehicle { vehicle: now, learned, wheelbase: found, readings, concerns })
 }
 
 /// A drive that teaches nothing is called by its log.
@@ -284,6 +295,15 @@ impl LearnedVehicle {
         unknown
     }
 
+    /// Whether the vehicle's wheelbase is the one that the drives show.
+    #[must_use]
+    pub fn wheelbase_is_learned(&self) -> bool {
+        self.wheelbase.is_some_and(|found| {
+            self.vehicle.wheelbase_m.is_some_and(|m| (m - found.wheelbase_m).abs() < 1e-3)
+                && self.vehicle.details.wheelbase_sd_m.is_some()
+        })
+    }
+
     /// Parameters before and after by corner, what stays unknown and what should be known: what `itpms vehicle learn --json` prints.
     #[must_use]
     pub fn document(&self) -> Value {
@@ -313,6 +333,8 @@ impl LearnedVehicle {
         json!({
             "corners": corners,
             "slope_over_file": parameter(self.learned.slope),
+            "wheelbase_m": self.wheelbase.map(|found| found.wheelbase_m),
+            "wheelbase_sd_m": self.wheelbase.map(|found| found.sd_m),
             "unknown": self.unknown(),
             "concerns": self.concerns,
         })
@@ -338,6 +360,9 @@ impl LearnedVehicle {
         };
         if table == "vehicle" && key == "learned" {
             return Some("which drives".to_owned());
+        }
+        if table == "vehicle" && key == "wheelbase_m" && self.wheelbase_is_learned() {
+            return Some("learned: front and rear meet the same road so much later".to_owned());
         }
         if table == "tire" || table.ends_with(".tire") {
             let label =

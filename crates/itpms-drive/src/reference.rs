@@ -14,18 +14,27 @@ use itpms_data::reference::StoredReference;
 use crate::error::DriveError;
 use crate::settings::{LOG_END_S, Settings};
 
-/// Loads what the car learned on an earlier drive, if `--reference` names a file.
-pub(crate) fn load(
+/// What the car learned on an earlier drive, if `--reference` names a file, and the vehicle that it counts from.
+pub(crate) fn read(
     settings: &Settings,
     vehicle: &Vehicle,
-    car: &mut MonitoredCar<f64>,
-) -> Result<(), DriveError> {
-    let Some(path) = &settings.reference else { return Ok(()) };
+) -> Result<Option<(Vehicle, VehicleCalibration<f64>)>, DriveError> {
+    let Some(path) = &settings.reference else { return Ok(None) };
     settings.expect_learning("--reference")?;
     let stored = StoredReference::read(path)?;
-    let reference = stored.for_vehicle(vehicle).map_err(|problem| refused(path, problem))?;
+    let (vehicle, reference) = stored.for_vehicle(vehicle).map_err(|problem| refused(path, problem))?;
+    Ok(Some((vehicle, *reference)))
+}
+
+/// Tells the estimator of it.
+pub(crate) fn load(
+    settings: &Settings,
+    reference: &VehicleCalibration<f64>,
+    car: &mut MonitoredCar<f64>,
+) -> Result<(), DriveError> {
     car.load_calibration(reference).map_err(|error: CalibrationError| {
-        refused(path, format!("the learned reference does not fit the drive: {error}"))
+        let why = format!("the learned reference does not fit the drive: {error}");
+        refused(settings.reference.as_deref().unwrap_or(Path::new("--reference")), why)
     })
 }
 
@@ -69,7 +78,12 @@ impl Saving {
                     driven_s.floor()
                 )
             } else {
-                format!("expected a road to learn from during the calibration of {seconds} s")
+                let assumed = if self.vehicle.assumes_wheelbase() {
+                    ", and a wheelbase nearer than the one that the vehicle file assumes: itpms vehicle learn finds it in this drive"
+                } else {
+                    ""
+                };
+                format!("expected a road to learn from during the calibration of {seconds} s{assumed}")
             };
             return Err(refused(&target, format!("nothing was learned: {why}")));
         };

@@ -257,10 +257,10 @@ Examples:
 #[derive(Debug, clap::Args)]
 #[command(after_help = SCORE_EXAMPLES)]
 pub(crate) struct ScoreArgs {
-    /// Drives per row.
+    /// Drives per row; cars of the row own.
     #[arg(long, value_name = "N", default_value_t = 40, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) seeds: u32,
-    /// Three drives per row: minutes in place of hours.
+    /// Three drives per row, five cars of the row own: minutes in place of hours.
     #[arg(long, conflicts_with = "seeds")]
     pub(crate) quick: bool,
     /// Seed of the first drive; the others follow.
@@ -288,6 +288,7 @@ Examples:
   itpms lab score
   itpms lab score --row paper-drop --seeds 100 --first-seed 1000 --json
   itpms lab score --row car --quick
+  itpms lab score --row own --seeds 10
   itpms lab score --estimator all";
 
 /// Whom to score.

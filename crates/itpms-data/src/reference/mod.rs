@@ -5,7 +5,7 @@
 //! the reason, and the caller decides whether to go on without a reference.
 //!
 //! ```text
-//! itpms-reference 2 f6d0c1f2a5a1b1c3      format, checksum of the format and of everything below
+//! itpms-reference 3 f6d0c1f2a5a1b1c3      format, checksum of the format and of everything below
 //! [vehicle]
 //! name = "mid-size sedan"
 //! id = "WXY00000000000001"               # where the vehicle file has one
@@ -13,6 +13,7 @@
 //! [learned]
 //! unix_s = "1900000000"                  # when
 //! driving_s = 600.0                      # from how much useful driving
+//! wheelbase_m = 2.61                     # where the vehicle file's was assumed: the one the deviation counts from
 //! wheelbase = 0.004                      # every quantity with its standard deviation
 //! wheelbase_sd = 0.001
 //! front_bar = 0.28                       # anti-roll bars, and rear_bar
@@ -32,7 +33,7 @@ use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::Path;
 
-use itpms_core::model::VehicleCalibration;
+use itpms_core::model::{CalibrationError, VehicleCalibration};
 
 use crate::error::{DataError, Problem};
 use crate::out::AtomicFile;
@@ -42,10 +43,24 @@ pub use identity::VehicleIdentity;
 pub use problem::ReferenceProblem;
 
 /// The format that is written, and the newest that is read.
-pub const FORMAT: u32 = 2;
+pub const FORMAT: u32 = 3;
 
 /// A file longer than this is not read to its end: it is something else.
 const LONGEST_BYTES: u64 = 64 * 1024;
+
+/// A kart's and a long truck's wheelbase in m.
+fn is_a_cars(wheelbase_m: f64) -> bool {
+    (1.0..=10.0).contains(&wheelbase_m)
+}
+
+fn implausible(error: CalibrationError, vehicle: &Vehicle, found_m: Option<f64>) -> ReferenceProblem {
+    match (error, vehicle.wheelbase_m, found_m) {
+        (CalibrationError::Implausible("wheelbase"), Some(file_m), Some(found_m)) => {
+            ReferenceProblem::Wheelbase { found_m, file_m }
+        }
+        _ => ReferenceProblem::Implausible(error),
+    }
+}
 
 /// A learned reference with its car and its date.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,6 +69,8 @@ pub struct StoredReference {
     pub vehicle: VehicleIdentity,
     /// When the calibration was over, in s since 1970-01-01 UTC, as the caller's clock had it.
     pub learned_unix_s: u64,
+    /// The wheelbase in m that was found, where the vehicle file's was assumed: what was learned counts from it.
+    pub wheelbase_m: Option<f64>,
     /// What was learned.
     pub reference: VehicleCalibration<f64>,
 }
@@ -65,23 +82,30 @@ impl StoredReference {
     /// The reference is not plausible, or of no corner: a bad one is never stored.
     pub fn new(
         vehicle: &Vehicle,
-        reference: VehicleCalibration<f64>,
+        mut reference: VehicleCalibration<f64>,
         learned_unix_s: u64,
     ) -> Result<Self, Problem> {
-        reference.check().map_err(ReferenceProblem::Implausible)?;
+        let found_m = vehicle.wheelbase_m.map(|m| m * (1.0 + reference.wheelbase.value));
+        let wheelbase_m = found_m.filter(|found_m| vehicle.assumes_wheelbase() && is_a_cars(*found_m));
+        if wheelbase_m.is_some() {
+            reference.wheelbase.value = 0.0;
+        }
+        reference.check().map_err(|error| implausible(error, vehicle, found_m))?;
         if reference.corners.iter().all(Option::is_none) {
             return Err(ReferenceProblem::Lacks("a corner").into());
         }
-        Ok(Self { vehicle: VehicleIdentity::of(vehicle), learned_unix_s, reference })
+        Ok(Self { vehicle: VehicleIdentity::of(vehicle), learned_unix_s, wheelbase_m, reference })
     }
 
-    /// What `vehicle` is to be told, if this was learned on it.
+    /// What `vehicle` is to be told, if this was learned on it, and the vehicle from whose parameters that counts: itself, but for a
+    /// wheelbase that was assumed.
     ///
     /// # Errors
     /// Another name, another id, or other parameters: deviations from one set of parameters say nothing of another.
-    pub fn for_vehicle(&self, vehicle: &Vehicle) -> Result<&VehicleCalibration<f64>, Problem> {
+    pub fn for_vehicle(&self, vehicle: &Vehicle) -> Result<(Vehicle, &VehicleCalibration<f64>), Problem> {
         self.vehicle.expect(&VehicleIdentity::of(vehicle))?;
-        Ok(&self.reference)
+        let wheelbase_m = self.wheelbase_m.or(vehicle.wheelbase_m);
+        Ok((Vehicle { wheelbase_m, ..vehicle.clone() }, &self.reference))
     }
 
     /// The bytes of its file.

@@ -42,6 +42,16 @@ pub enum ReferenceProblem {
     /// A value that no car has.
     #[error("the learned reference is not plausible: {0}")]
     Implausible(CalibrationError),
+    /// A wheelbase that the vehicle file says is known is not the car's.
+    #[error(
+        "the calibration shows a wheelbase of {found_m:.2} m, the vehicle file has {file_m} m: measure it, or write wheelbase_sd_m = 0.15 beside wheelbase_m to have it learned"
+    )]
+    Wheelbase {
+        /// What the calibration shows, in m.
+        found_m: f64,
+        /// What the file has, in m.
+        file_m: f64,
+    },
     /// Whole, but without something that belongs there.
     #[error("the learned reference does not have {0}")]
     Lacks(&'static str),

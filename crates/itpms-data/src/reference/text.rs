@@ -71,6 +71,9 @@ fn body(stored: &StoredReference) -> String {
         day(stored.learned_unix_s)
     );
     let _ = writeln!(out, "driving_s = {:?}", reference.learned_s);
+    if let Some(wheelbase_m) = stored.wheelbase_m {
+        let _ = writeln!(out, "wheelbase_m = {wheelbase_m:?}");
+    }
     write_learned(&mut out, "wheelbase", &reference.wheelbase);
     write_learned(&mut out, "front_bar", &reference.bar[0]);
     write_learned(&mut out, "rear_bar", &reference.bar[1]);
@@ -128,7 +131,11 @@ fn read_body(text: &str, format: u32) -> Result<StoredReference, Problem> {
         skew_s: [left_skew, right_skew],
         learned_s: needed_number(&learned, "driving_s")?,
     };
-    Ok(StoredReference { vehicle, learned_unix_s, reference })
+    let wheelbase_m = learned.number("wheelbase_m")?;
+    if wheelbase_m.is_some_and(|m| !super::is_a_cars(m)) {
+        return Err(ReferenceProblem::Lacks("a wheelbase that a car has").into());
+    }
+    Ok(StoredReference { vehicle, learned_unix_s, wheelbase_m, reference })
 }
 
 fn read_corners(corners: &Table<'_>, format: u32) -> Result<[Option<CornerCalibration<f64>>; 4], Problem> {

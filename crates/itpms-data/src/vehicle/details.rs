@@ -34,6 +34,8 @@ impl Driven {
 pub struct VehicleDetails {
     /// How far to trust what has no standard deviation of its own.
     pub confidence: Confidence,
+    /// Standard deviation of the wheelbase in m; see [`Vehicle::assumes_wheelbase`](super::Vehicle::assumes_wheelbase).
+    pub wheelbase_sd_m: Option<f64>,
     /// Distance between the front wheels' contact centers in m.
     pub track_front_m: Option<f64>,
     /// Distance between the rear wheels' contact centers in m.

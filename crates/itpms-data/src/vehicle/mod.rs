@@ -119,6 +119,9 @@ const PLAUSIBLE: [(&str, f64, f64); 14] = [
     ("initial_kpa", 20.0, 1_500.0),
 ];
 
+/// Largest standard deviation in m of a wheelbase that was measured or learned.
+const MEASURED_WHEELBASE_SD_M: f64 = 0.05;
+
 const TIRE_KEYS: [&str; 12] = [
     "stiffness_per_kpa",
     "stiffness_at_zero",
@@ -196,6 +199,14 @@ impl Vehicle {
             }
         }
         self
+    }
+
+    /// Whether the wheelbase is that of other cars: its standard deviation says that nobody has measured it. `itpms vehicle learn` and a
+    /// calibration find it then.
+    #[must_use]
+    pub fn assumes_wheelbase(&self) -> bool {
+        self.wheelbase_m.is_some()
+            && self.details.wheelbase_sd_m.is_some_and(|sd_m| sd_m > MEASURED_WHEELBASE_SD_M)
     }
 
     /// How well the parameters of this corner are known; those of the file's confidence for a corner that it does not have.

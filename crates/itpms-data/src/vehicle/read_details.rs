@@ -7,8 +7,17 @@ use super::details::{CornerDetails, Driven, TireDetails, VehicleDetails};
 use crate::error::Problem;
 use crate::toml_table::Table;
 
-pub(super) const VEHICLE_KEYS: [&str; 8] =
-    ["name", "id", "learned", "wheelbase_m", "confidence", "track_front_m", "track_rear_m", "driven"];
+pub(super) const VEHICLE_KEYS: [&str; 9] = [
+    "name",
+    "id",
+    "learned",
+    "wheelbase_m",
+    "wheelbase_sd_m",
+    "confidence",
+    "track_front_m",
+    "track_rear_m",
+    "driven",
+];
 
 /// The largest relative standard deviation that says anything: beyond, a value is a guess of its own order.
 const LARGEST_RELATIVE_SD: f64 = 1.0;
@@ -18,6 +27,7 @@ pub(super) fn vehicle(table: &Table<'_>) -> Result<VehicleDetails, Problem> {
     let confidence = word(table, "confidence", Confidence::ALL.map(|c| (c.label(), c)), CONFIDENCES)?;
     Ok(VehicleDetails {
         confidence: confidence.unwrap_or_default(),
+        wheelbase_sd_m: up_to(table, "wheelbase_sd_m", 1.0, "0 to 1 m")?,
         track_front_m: checked(table, "track_front_m")?,
         track_rear_m: checked(table, "track_rear_m")?,
         driven: word(table, "driven", Driven::ALL.map(|d| (d.label(), d)), DRIVEN)?,

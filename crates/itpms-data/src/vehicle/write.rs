@@ -21,6 +21,7 @@ pub(super) fn vehicle(vehicle: &Vehicle) -> String {
         number(&mut out, "wheelbase_m", wheelbase_m);
     }
     let details = &vehicle.details;
+    numbers(&mut out, [("wheelbase_sd_m", details.wheelbase_sd_m)]);
     if details.confidence != Confidence::default() {
         let _ = writeln!(out, "confidence = \"{}\"", details.confidence.label());
     }

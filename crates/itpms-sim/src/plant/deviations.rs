@@ -23,6 +23,9 @@ pub struct Deviations {
     pub tire_stiffness_factor: f64,
     /// Damping of the tire in N s/m, which no estimator here models.
     pub tire_damping_n_s_per_m: f64,
+    /// How fast the tire hardens in compression (and softens in extension), in 1/m: its slope is `k exp(p x)` about the unloaded car at
+    /// rest. A 205/60R15 has 6 (Pacejka, *Tyre and Vehicle Dynamics*, 3rd ed., app. 3: `qFz1`, `qFz2` at 20 mm).
+    pub tire_progression_per_m: f64,
     /// Share by which the damper is harder in rebound and softer in bump, -1 to 1.
     pub damper_asymmetry: f64,
     /// How fast the damper's slope falls with its speed, in s/m: its force is `c v / (1 + d |v|)`.
@@ -66,6 +69,7 @@ impl Default for Deviations {
             spring_factor: 1.0,
             tire_stiffness_factor: 1.0,
             tire_damping_n_s_per_m: 0.0,
+            tire_progression_per_m: 0.0,
             damper_asymmetry: 0.0,
             damper_digression_s_per_m: 0.0,
             spring_progression_per_m: 0.0,
@@ -107,6 +111,7 @@ impl Deviations {
         within("damper_asymmetry", self.damper_asymmetry, -1.0, 1.0, "a share from -1 to 1")?;
         within("damper_digression_s_per_m", self.damper_digression_s_per_m, 0.0, 50.0, "from 0 to 50 s/m")?;
         within("spring_progression_per_m", self.spring_progression_per_m, 0.0, 20.0, "from 0 to 20 per m")?;
+        within("tire_progression_per_m", self.tire_progression_per_m, 0.0, 30.0, "from 0 to 30 per m")?;
         self.validate_friction()?;
         self.validate_parts()?;
         within("imbalance_kg_m", self.imbalance_kg_m, 0.0, 1.0, "from 0 to 1 kg m")?;

@@ -1,4 +1,4 @@
-//! A tire's vertical force: a spring with a little damping, and the rim under it where it is flat.
+//! A tire's vertical force: a spring that may harden, with a little damping, and the rim under it where it is flat.
 //!
 //! Part of both plants. Forces and deflections are deviations from the car at rest on the tire as it is now.
 
@@ -10,6 +10,7 @@ pub(crate) struct Tire {
     pub(crate) damping_n_s_per_m: f64,
     /// What it carries of the unloaded car at rest, in N.
     pub(crate) static_n: f64,
+    progression_per_m: f64,
     /// Deflection in m at which the rim bears on the road, and the stiffness in N/m it adds there.
     rim: Option<[f64; 2]>,
 }
@@ -20,6 +21,7 @@ impl Tire {
         Self {
             damping_n_s_per_m: truth.tire_damping_n_s_per_m,
             static_n,
+            progression_per_m: truth.tire_progression_per_m,
             rim: (truth.rim_deflection_m > 0.0).then_some(rim),
         }
     }
@@ -29,14 +31,22 @@ impl Tire {
     pub(crate) fn force_n(&self, stiffness_n_per_m: f64, deflection_m: f64, rate_m_s: f64) -> f64 {
         let damping = self.damping_n_s_per_m * rate_m_s;
         match self.rim {
-            None => stiffness_n_per_m * deflection_m + damping,
+            None => stiffness_n_per_m * self.hardened_m(deflection_m) + damping,
             Some(rim) => self.on_rim_n(rim, stiffness_n_per_m, deflection_m) + damping,
         }
     }
 
+    /// Deflection in m that a spring without progression would have at the same force.
+    #[inline]
+    fn hardened_m(&self, deflection_m: f64) -> f64 {
+        let p = self.progression_per_m;
+        if p > 0.0 { (p * deflection_m).exp_m1() / p } else { deflection_m }
+    }
+
     fn on_rim_n(&self, [rim_m, rim_n_per_m]: [f64; 2], stiffness_n_per_m: f64, deflection_m: f64) -> f64 {
         let total_m = self.static_m([rim_m, rim_n_per_m], stiffness_n_per_m) + deflection_m;
-        stiffness_n_per_m * total_m + rim_n_per_m * (total_m - rim_m).max(0.0) - self.static_n
+        let spring_m = total_m - deflection_m + self.hardened_m(deflection_m);
+        stiffness_n_per_m * spring_m + rim_n_per_m * (total_m - rim_m).max(0.0) - self.static_n
     }
 
     /// Deflection in m of the car at rest.
@@ -53,6 +63,17 @@ impl Tire {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_progressive_tire_has_the_slope_it_says() {
+        let tire = Tire::new(&Deviations { tire_progression_per_m: 6.0, ..Deviations::default() }, 3000.0);
+        for x in [-0.01f64, 0.0, 0.02] {
+            let force = |x: f64| tire.force_n(200_000.0, x, 0.0);
+            let slope = (force(x + 1e-5) - force(x - 1e-5)) / 2e-5;
+            // A central difference over 1e-5 m is off by (6e-5)²/6.
+            assert!((slope / (200_000.0 * (6.0 * x).exp()) - 1.0).abs() < 1e-8, "{x}");
+        }
+    }
 
     #[test]
     fn a_flat_tire_rests_on_its_rim_and_a_full_one_does_not() {

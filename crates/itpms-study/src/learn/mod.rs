@@ -10,6 +10,7 @@
 //! | `weigh` | all drives and the file: masses, tires, the slope of stiffness over pressure |
 //! | `strut` | the same of a damper, a spring, a friction |
 //! | `learned` | the car that comes out, parameter by parameter |
+//! | `wheelbase` | before all that: how far behind the front wheels the rear ones meet the same road |
 
 mod learned;
 mod listen;
@@ -18,6 +19,7 @@ mod strut;
 #[cfg(test)]
 mod tests;
 mod weigh;
+mod wheelbase;
 
 use itpms_core::model::{CarConfig, ParameterError};
 use thiserror::Error;
@@ -25,6 +27,7 @@ use thiserror::Error;
 pub use learned::{Learned, LearnedCorner};
 pub use listen::{DriveReading, Listener, StrutMean, WheelReading};
 pub use parameter::Parameter;
+pub use wheelbase::{FoundWheelbase, WheelbaseListener};
 
 /// How often drives should be gone through, the second time with the car that the first has taught: where dampers are far from the
 /// file's, the tires are read better with better ones.

@@ -11,6 +11,7 @@
 //! | `constant` | efficiency against the Cramer-Rao bound |
 //! | `record` | the road |
 //! | `drive` | four wheels: a puncture, the sources one by one, disturbances, detection, cars that are not their files |
+//! | `own` | an owner's whole path: file, learning, calibration, a later day |
 //! | [`row`] | rows, cells, goals, verdicts |
 //! | [`stats`] | percentiles, bias, coverage |
 //! | `runner` | many drives at once |
@@ -19,6 +20,7 @@
 mod case;
 mod constant;
 mod drive;
+mod own;
 mod record;
 pub mod row;
 mod runner;
@@ -74,11 +76,13 @@ pub enum Part {
     Car,
     /// What ten minutes at known pressures teach of a car. Not part of the usual table.
     Learn,
+    /// An owner's whole path. Not part of the usual table.
+    Own,
 }
 
 impl Part {
     /// In the order of the table.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::PaperDrop,
         Self::PaperDeepDrop,
         Self::PaperDropRecover,
@@ -94,6 +98,7 @@ impl Part {
         Self::Detection,
         Self::Car,
         Self::Learn,
+        Self::Own,
     ];
     /// The paper's scenarios.
     pub const PAPER: [Self; 3] = [Self::PaperDrop, Self::PaperDeepDrop, Self::PaperDropRecover];
@@ -101,7 +106,10 @@ impl Part {
     /// Whether it belongs to the table that is computed when nothing is asked for by name.
     #[must_use]
     pub fn is_usual(self) -> bool {
-        !matches!(self, Self::Ablation | Self::Disturbances | Self::Detection | Self::Car | Self::Learn)
+        !matches!(
+            self,
+            Self::Ablation | Self::Disturbances | Self::Detection | Self::Car | Self::Learn | Self::Own
+        )
     }
 
     /// The name on the command line.
@@ -123,6 +131,7 @@ impl Part {
             Self::Detection => "detection",
             Self::Car => "car",
             Self::Learn => "learn",
+            Self::Own => "own",
         }
     }
 
@@ -173,6 +182,12 @@ impl Part {
             "learn-later" => {
                 "A later drive, 60 km/h, the next class, kPa while valid; a loss of a fifth: found, s after it is complete, false warnings"
             }
+            "own" => {
+                "vehicle init, learn, calibration, another day (road, speed, load), kPa while valid; a loss of a fifth: s after it is complete; rise of another tire"
+            }
+            "own-changed" => {
+                "The same later day of a car that has changed, learned and reference, no loss: what is said of it, in cars"
+            }
             "ablation" => "drive-puncture with each source of information alone, and both; columns as above",
             _ => return None,
         })
@@ -182,7 +197,7 @@ impl Part {
 /// What to compute.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Request {
-    /// Drives per row.
+    /// Drives per row; of [`Part::Own`] the cars.
     pub seeds: usize,
     /// Seed of the first drive; the others follow.
     pub first_seed: u64,
@@ -253,6 +268,9 @@ pub enum ScoreError {
     /// A parameter that an estimator refuses.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
+    /// What an owner knows makes no vehicle file.
+    #[error(transparent)]
+    File(#[from] itpms_data::vehicle::typical::TypicalCarError),
     /// What was learned is no car, or too little.
     #[error(transparent)]
     Learn(#[from] crate::learn::LearnError),
@@ -299,11 +317,15 @@ pub fn score(request: &Request, progress: Progress<'_>) -> Result<Score, ScoreEr
     let record = record::Plan::new(kind, drives(Part::Road))?;
 
     let cars = drive::Plan::new(wanted, kind, request.seeds, request.only.as_deref())?;
-    if let Some(only) = request.only.as_ref().filter(|_| cars.drives() == 0) {
+    let own = match wanted(Part::Own) {
+        true => own::Plan::new(kind, request.seeds, request.only.as_deref()),
+        false => own::Plan::default(),
+    };
+    if let Some(only) = request.only.as_ref().filter(|_| cars.drives() + own.drives() == 0) {
         return Err(ScoreError::NoRow { only: only.clone() });
     }
 
-    let total = tracks.drives() + constant.drives() + record.drives() + cars.drives();
+    let total = tracks.drives() + constant.drives() + record.drives() + cars.drives() + own.drives();
     let runner = Runner::new(request.first_seed, total, progress);
     let mut rows = tracks.rows(&runner)?;
     if wanted(Part::Efficiency) {
@@ -313,6 +335,7 @@ pub fn score(request: &Request, progress: Progress<'_>) -> Result<Score, ScoreEr
         rows.extend(record.rows(&runner)?);
     }
     rows.extend(cars.rows(&runner)?);
+    rows.extend(own.rows(&runner)?);
     Ok(Score {
         version: 1,
         estimators: request.estimators.clone(),

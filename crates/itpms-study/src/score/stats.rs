@@ -56,6 +56,12 @@ impl ErrorSum {
         self.covered += u64::from(error.abs() <= HALF_95 * sd);
     }
 
+    /// How many there are.
+    #[must_use]
+    pub fn count(&self) -> u64 {
+        self.count
+    }
+
     /// Root of the mean square.
     #[must_use]
     pub fn rmse(&self) -> f64 {

@@ -7,7 +7,7 @@ use itpms_core::model::Corner;
 
 use super::{
     Axle, DAMPING_SD, FRICTION_N, SPRING_SD, SPRUNG_MASS_SD, STIFFNESS_SD, TIRE_DAMPING_N_S_PER_M,
-    TypicalCar, UNSPRUNG_MASS_SD,
+    TypicalCar, UNSPRUNG_MASS_SD, WHEELBASE_SD_M,
 };
 use crate::toml_table::escaped;
 
@@ -26,13 +26,11 @@ pub(super) fn vehicle_file(car: &TypicalCar) -> String {
     let _ = writeln!(out, "name = \"{name}\"");
     match car.wheelbase_m {
         Some(wheelbase_m) => line(&mut out, "wheelbase_m", wheelbase_m, 3, "as given"),
-        None => line(
-            &mut out,
-            "wheelbase_m",
-            figures.wheelbase_m,
-            2,
-            &format!("typical {class}: MEASURE IT, to 1 cm"),
-        ),
+        None => {
+            let typical = format!("typical {class}; measure it to 1 cm, or let itpms vehicle learn find it");
+            line(&mut out, "wheelbase_m", figures.wheelbase_m, 2, &typical);
+            line(&mut out, "wheelbase_sd_m", WHEELBASE_SD_M, 2, "assumed");
+        }
     }
     out.push_str("confidence = \"typical\"\n");
     tire(&mut out, car);

@@ -235,8 +235,8 @@ fn road(index: usize) -> RoadSpec {
     RoadSpec { contact_length_m: 0.1, ..RoadSpec::iso8608(CLASSES[index % CLASSES.len()], 2.0) }
 }
 
-/// An estimator of this car under its monitor.
-pub(super) fn estimator(
+/// An estimator of this car under its monitor, at [`RATE_HZ`].
+pub(in super::super) fn estimator(
     config: &CarConfig<f64>,
     kind: EstimatorKind,
 ) -> Result<Box<MonitoredCar<f64>>, ScoreError> {

@@ -33,6 +33,8 @@ use itpms_sim::sensor::SensorSpec;
 use itpms_sim::simulation::{SimRow, Simulation};
 use itpms_sim::time_profile::Speed;
 
+pub(super) use learned_car::estimator;
+
 use super::row::Row;
 use super::runner::Runner;
 use super::stats::Window;

@@ -50,8 +50,8 @@ pub(crate) fn run(args: &MonitorArgs, screen: &Screen, interrupt: &Interrupt) ->
         return Err(Failure::Usage("expected --vehicle V.toml".to_owned()));
     };
     check_names(args)?;
-    let vehicle = Vehicle::read(vehicle)?;
-    let options = options(args, &vehicle)?;
+    let mut vehicle = Vehicle::read(vehicle)?;
+    let options = options(args, &mut vehicle)?;
     let say = notes(*screen);
     let hub = Hub::new();
     let stop = Arc::new(AtomicBool::new(false));
@@ -102,7 +102,8 @@ fn notes(screen: Screen) -> Say {
     })
 }
 
-fn options(args: &MonitorArgs, vehicle: &Vehicle) -> Result<DriveOptions, Failure> {
+/// The vehicle becomes the one from which a reference counts.
+fn options(args: &MonitorArgs, vehicle: &mut Vehicle) -> Result<DriveOptions, Failure> {
     let learns = args.estimator == EstimatorKind::Informed;
     let reference = match &args.reference {
         Some(_) if !learns => {
@@ -113,7 +114,9 @@ fn options(args: &MonitorArgs, vehicle: &Vehicle) -> Result<DriveOptions, Failur
         Some(path) => {
             let stored = StoredReference::read(path)?;
             let refused = |problem| Failure::Usage(format!("{}: {problem}", path.display()));
-            Some(*stored.for_vehicle(vehicle).map_err(refused)?)
+            let (known, reference) = stored.for_vehicle(vehicle).map_err(refused)?;
+            *vehicle = known;
+            Some(*reference)
         }
         None => None,
     };

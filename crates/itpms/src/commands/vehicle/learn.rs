@@ -133,6 +133,10 @@ fn table(file: &Vehicle, learned: &LearnedVehicle) -> String {
         "slope of stiffness over pressure: {:.3} ± {:.3} of the file's",
         slope.after, slope.after_sd
     ));
+    if let Some(found) = &learned.wheelbase {
+        let used = if learned.wheelbase_is_learned() { "learned" } else { "the file's stays" };
+        out.push(format!("wheelbase: {:.2} ± {:.2} m by the drives; {used}", found.wheelbase_m, found.sd_m));
+    }
     out.push("* told by the drives; the others are hardly better known than before".to_owned());
     out.push(String::new());
     out.push("unknown as before:".to_owned());

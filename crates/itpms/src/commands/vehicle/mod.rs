@@ -43,7 +43,7 @@ fn init(args: &InitArgs, screen: &Screen) -> Result<(), Failure> {
     file.commit()?;
     screen.remark(format!("{}: typical values; look at them with itpms vehicle show", path.display()));
     if args.wheelbase_m.is_none() {
-        screen.warn("the wheelbase is that of other cars; measure it and give it with --wheelbase-m");
+        screen.warn("the wheelbase is that of other cars until itpms vehicle learn finds it; measure it and give it with --wheelbase-m");
     }
     Ok(())
 }
