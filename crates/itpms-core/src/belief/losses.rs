@@ -50,3 +50,140 @@ impl Losses {
         self.since_s
     }
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use nalgebra::{Matrix2, Vector2};
+
+    use crate::belief::Onset;
+    use crate::belief::gaussian::{Circumstances, Hypothesis};
+    use crate::belief::state::{LEVEL, State, TIRE};
+    use crate::belief::{Belief, LONGEST_PAUSE_S};
+    use crate::memory::configured;
+    use crate::model::{CarConfig, CornerConfig};
+
+    const ONSET: Onset<f64> = Onset { several_scale: 1.0, rates: [0.0; 4], longest_step_s: 1.0 };
+
+    fn belief() -> Belief<f64> {
+        let config = CarConfig { corners: [Some(CornerConfig::paper()); 4], wheelbase_m: Some(2.7) };
+        let mut belief = configured(|belief: &mut Belief<f64>| belief.configure(&config));
+        belief.predict(0.0, &ONSET);
+        belief
+    }
+
+    fn one(quantity: usize) -> State<f64> {
+        State::from_fn(|i, _| if i == quantity { 1.0 } else { 0.0 })
+    }
+
+    /// A tire whose level is wrong by 0.11 and measured to 0.02 before and after something happened to it: a textbook Kalman filter over
+    /// level and compliance finds the same, the level learns from what comes later, and the loss does not know how wrong the level is.
+    #[test]
+    fn a_loss_is_known_better_than_its_level() {
+        let (noise, happened) = (0.02_f64.powi(2), 0.05_f64.powi(2));
+        let mut hypothesis = configured(|hypothesis: &mut Hypothesis<f64>| {
+            hypothesis.start(&[0.0; 4], &Circumstances::of_a_car([0.01; 4]).mass_sd);
+        });
+        hypothesis.update(&one(TIRE + 1), 0.08, noise);
+        hypothesis.begin_loss(1);
+        assert_eq!([hypothesis.loss(1), hypothesis.loss_covariance(1, 1)], [0.0; 2]);
+        let variance = hypothesis.covariance[(TIRE + 1, TIRE + 1)];
+        let (mut mean, mut covariance) = (Vector2::repeat(hypothesis.mean[TIRE + 1]), Matrix2::repeat(variance));
+        hypothesis.covariance[(TIRE + 1, TIRE + 1)] += happened;
+        covariance[(0, 0)] += happened;
+        for measured in [0.2, 0.23, 0.21] {
+            let innovation = measured - hypothesis.mean[TIRE + 1];
+            hypothesis.update(&one(TIRE + 1), innovation, noise);
+            let gain = covariance.column(0) / (covariance[(0, 0)] + noise);
+            mean += gain * (measured - mean[0]);
+            covariance -= gain * covariance.row(0);
+        }
+        let at = [TIRE + 1, LEVEL + 1];
+        for i in 0..2 {
+            assert!((hypothesis.mean[at[i]] - mean[i]).abs() < 1e-12);
+            for j in 0..2 {
+                assert!((hypothesis.covariance[(at[i], at[j])] - covariance[(i, j)]).abs() < 1e-12);
+            }
+        }
+        let loss_variance = covariance[(0, 0)] + covariance[(1, 1)] - 2.0 * covariance[(0, 1)];
+        assert!((hypothesis.loss_covariance(1, 1) - loss_variance).abs() < 1e-12);
+        // The level was measured once, 0.02 of 0.11: as good as the loss's own.
+        assert!(hypothesis.loss(1) > 0.1 && loss_variance.sqrt() < 0.03);
+    }
+
+    /// Of two tires only the difference is measured, as on a side: it grows by 0.2. That the first has lost so much and that the other one has
+    /// gained it is equally likely to a Gaussian. With losses that are never negative it is the first: the exact posterior, enumerated, has its
+    /// mass within 1/400 of the bound, and the projection lies there.
+    #[test]
+    fn of_a_side_the_tire_that_lost_is_found_as_by_exact_enumeration() {
+        let (noise, happened, margin) = (0.002_f64, 0.02_f64, 0.02_f64);
+        let mut hypothesis = configured(|hypothesis: &mut Hypothesis<f64>| {
+            hypothesis.start(&[0.0; 4], &Circumstances::of_a_car([0.01; 4]).mass_sd);
+        });
+        (0..4).for_each(|tire| hypothesis.begin_loss(tire));
+        for tire in 0..4 {
+            hypothesis.covariance[(TIRE + tire, TIRE + tire)] += happened * happened;
+        }
+        // The levels' difference was known.
+        hypothesis.update(&(one(LEVEL) - one(LEVEL + 2)), 0.0, 1e-10);
+        hypothesis.update(&(one(TIRE) - one(TIRE + 2)), 0.2, noise * noise);
+        assert!((hypothesis.loss(0) - 0.1).abs() < 2e-3 && (hypothesis.loss(2) + 0.1).abs() < 2e-3);
+        hypothesis.hold_loss_above(2, -margin);
+        let (mut weight, mut first, mut second) = (0.0, 0.0, 0.0);
+        for i in 0..800 {
+            for j in 0..800 {
+                let [a, b] = [i, j].map(|cell| -margin + 0.0005 * f64::from(cell));
+                let exponent = (a * a + b * b) / (happened * happened) + ((a - b - 0.2) / noise).powi(2);
+                let here = (-0.5 * exponent).exp();
+                (weight, first, second) = (weight + here, first + here * a, second + here * b);
+            }
+        }
+        let exact = [first / weight, second / weight];
+        assert!((hypothesis.loss(0) - exact[0]).abs() < 4e-3, "{} {exact:?}", hypothesis.loss(0));
+        assert!((hypothesis.loss(2) - exact[1]).abs() < 4e-3, "{} {exact:?}", hypothesis.loss(2));
+    }
+
+    /// Losses are counted once tires have settled; a night ends that, and so does whatever sets or restarts tires.
+    #[test]
+    fn losses_are_counted_between_what_may_change_tires() {
+        let mut belief = belief();
+        belief.settle(24.0);
+        assert!(!belief.tires().count_losses);
+        belief.settle(1.5);
+        assert!(belief.tires().count_losses);
+        belief.predict(10.0, &ONSET);
+        belief.settle(0.1);
+        assert!(belief.tires().count_losses, "a halt at a light");
+        belief.predict(20.0 + LONGEST_PAUSE_S, &ONSET);
+        belief.settle(0.1);
+        assert!(!belief.tires().count_losses, "a night");
+        belief.settle(25.0);
+        assert!(belief.tires().count_losses);
+        belief.begin_calibration();
+        belief.settle(10.0);
+        assert!(!belief.tires().count_losses, "in a calibration nothing is lost");
+        belief.set_calibrating(false);
+        belief.settle(1.5);
+        assert!(belief.tires().count_losses, "known from the calibration");
+        belief.restart();
+        assert!(!belief.tires().count_losses);
+    }
+
+    /// Of a tire whose sensors were out of order what it had lost before is still known, less well; so are the others' losses.
+    #[test]
+    fn a_tire_that_restarts_may_have_lost_more() {
+        let mut belief = belief();
+        belief.settle(26.0);
+        belief.predict(1.0, &ONSET);
+        for tire in [0, 3] {
+            belief.update_scalar(1e-10, |state| (one(TIRE + tire), 1e-3 - state[TIRE + tire]));
+        }
+        let before = belief.tires().losses_after(&[0.0; 4]).unwrap();
+        belief.restart_tire(0);
+        let after = belief.tires().losses_after(&[0.0; 4]).unwrap();
+        assert!((after.0 - before.0).amax() < 1e-12);
+        assert!(before.1[(0, 0)].sqrt() < 0.002 && after.1[(0, 0)].sqrt() > 0.04);
+        assert_eq!(after.1[(3, 3)], before.1[(3, 3)]);
+    }
+}

@@ -15,7 +15,7 @@ use super::hypotheses::{CONSTANT, HYPOTHESES, RANDOM_WALK, SIDE};
 use super::hypothesis_bank::HypothesisBank;
 use super::measurement::{BINS, Gram, Score};
 use super::state::{
-    BAR, Covariance, DAMPING, GAIN, MASS, RATE, ROAD_BIAS, SIDE_SIZE, SIDE_TIRES, SIZE, SPRING, State, TIRE,
+    BAR, Covariance, DAMPING, GAIN, LEVEL, MASS, RATE, ROAD_BIAS, SIDE_SIZE, SIDE_TIRES, SIZE, SPRING, State, TIRE,
     prior_sd, read_compliance, return_rate, side_indices, wander_sd,
 };
 use super::update::{Likelihood, OwnCovariance};
@@ -262,7 +262,7 @@ fn days_without_measurements_end_where_they_began() {
         bank.hypotheses[0]
             .wander(&gaussian::Wandering::over(10.0, &gaussian::Circumstances::of_a_car(MASS_SD)));
     }
-    for i in (MASS..RATE).filter(|i| *i != BAR + 1) {
+    for i in (MASS..LEVEL).filter(|i| *i != BAR + 1) {
         let after = constant(&bank, i);
         // The bias of reading is small at first.
         let expected = if (ROAD_BIAS..ROAD_BIAS + 4).contains(&i) { 0.03 } else { before[i] };
@@ -391,7 +391,7 @@ fn several_are_not_filled_while_they_roll() {
     }
 }
 
-/// The bound on a tire's compliance is met by the likeliest state that it allows: the gradient of the squared distance from the
+/// The bound on a tire's loss is met by the likeliest state that it allows: the gradient of the squared distance from the
 /// mean has, at the projection, no part but along the bound. The covariance stays, and so does a hypothesis that meets it.
 #[test]
 fn a_bound_is_met_by_the_likeliest_state() {
@@ -407,11 +407,11 @@ fn a_bound_is_met_by_the_likeliest_state() {
             assert_eq!(after.mean, before.mean, "may have been filled");
             continue;
         }
-        assert!((after.mean[TIRE] + 0.05).abs() < 1e-15);
+        assert!((after.loss(0) + 0.05).abs() < 1e-12);
         let gradient = before.covariance.try_inverse().unwrap() * (after.mean - before.mean);
         let along = gradient[TIRE];
-        assert!(along > 0.0);
-        for i in (0..SIZE).filter(|&i| i != TIRE) {
+        assert!(along > 0.0 && (gradient[LEVEL] / along + 1.0).abs() < 1e-9);
+        for i in (0..SIZE).filter(|&i| i != TIRE && i != LEVEL) {
             assert!(gradient[i].abs() < 1e-9 * along, "{i}: {} of {along}", gradient[i]);
         }
     }
@@ -457,10 +457,10 @@ fn a_single_tire_gains_air_only_from_a_pump() {
     }
 }
 
-/// A car whose tires only lose air while they roll: after a calibration none is believed to wander, unless a pump may fill it.
+/// A car whose tires only lose air while they roll: once their losses are counted none is believed to wander, unless a pump may fill it.
 #[test]
-fn tires_do_not_wander_while_a_calibration_bounds_them() {
-    for (calibrated, inflation, wanders) in [
+fn tires_do_not_wander_while_their_losses_are_counted() {
+    for (counted, inflation, wanders) in [
         (false, Inflation::AtStops, true),
         (true, Inflation::AtStops, false),
         (true, Inflation::WhileRolling, true),
@@ -470,13 +470,9 @@ fn tires_do_not_wander_while_a_calibration_bounds_them() {
         belief.set_inflation(inflation);
         let onset = Onset { several_scale: 1.0, rates: [0.0; 4], longest_step_s: 1.0 };
         belief.predict(0.0, &onset);
-        if calibrated {
-            belief.begin_calibration();
-        }
-        belief.learned_s = 1e3;
-        belief.set_calibrating(false);
+        belief.settle(if counted { 30.0 } else { 10.0 });
         (1..50).for_each(|step| belief.predict(0.1 * f64::from(step), &onset));
-        assert_eq!(belief.bank.hypotheses[RANDOM_WALK].weight > 0.0, wanders, "{calibrated} {inflation:?}");
+        assert_eq!(belief.bank.hypotheses[RANDOM_WALK].weight > 0.0, wanders, "{counted} {inflation:?}");
         assert!(belief.bank.hypotheses[1].weight > 0.0);
     }
 }
