@@ -99,8 +99,8 @@ fn a_clock_that_is_set_or_stamps_wrong_is_no_event() {
         }
         let later = drive.warned() as f64 - honest.warned() as f64;
         println!("{name}: moved by {worst:.2} sd, warned {later} samples later");
-        // A hole in the midst of the fall costs the frames around it.
-        assert!(worst < 0.5 && later.abs() < 2.0 * RATE_HZ, "{name}: {worst} sd, {later}");
+        // A hole in the midst of the fall costs the frames around it: as long as a loss may take to be found.
+        assert!(worst < 0.5 && later.abs() < 3.0 * RATE_HZ, "{name}: {worst} sd, {later}");
         // By the clock as it is now.
         let report = &drive.said.last().unwrap().1;
         let alert = report.alerts_of(Corner::FrontLeft).next().unwrap();

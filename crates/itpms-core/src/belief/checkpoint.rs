@@ -100,7 +100,11 @@ impl<T: Real> Belief<T> {
         let seconds = (self.time_s - saved.time_s).clamp(0.0, LONGEST_PAUSE_S);
         self.bank.predict_gap(T::lit(seconds), false);
         self.learned_s = saved.learned_s;
-        Some(saved.time_s)
+        let (saved_s, learned_s) = (saved.time_s, saved.learned_s);
+        if self.losses.since_s().is_some_and(|since_s| since_s > saved_s) {
+            self.losses.end(learned_s);
+        }
+        Some(saved_s)
     }
 
     /// Drops the checkpoints and saves what is believed now: nothing is restored twice. Gives the time of the new one.

@@ -235,7 +235,6 @@ impl<T: Real> Belief<T> {
         let still = self.bank.constant_weight() > T::lit(SURELY_STILL);
         if still && !self.is_calibrating() && self.losses.have_settled(self.learned_s) {
             self.bank.begin_losses();
-            self.drop_checkpoints();
             self.losses.begin(self.time_s);
         }
     }

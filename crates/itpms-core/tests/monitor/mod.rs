@@ -6,8 +6,8 @@ mod reset;
 use itpms_core::car::{CarEstimate, TrackState};
 use itpms_core::conditioning::SampleClock;
 use itpms_core::model::{
-    CarConfig, CarSample, Corner, CornerConfig, CornerEstimate, CornerSample, Diagnostics, Level, Validity,
-    Warning,
+    CarConfig, CarSample, Corner, CornerConfig, CornerEstimate, CornerSample, Diagnostics, Level, Loss,
+    Validity, Warning,
 };
 use itpms_core::monitor::{Monitor, MonitorConfig};
 use itpms_core::warning::{Basis, Cause, Change, Doubt, Limits, MonitorReport, Regulation, WheelState};
@@ -30,6 +30,7 @@ struct Said {
     /// A wheel whose sensors say nothing.
     silent: Option<Corner>,
     level: Level,
+    loss: [Option<Loss<f64>>; 4],
 }
 
 const FINE: Said = Said {
@@ -43,6 +44,7 @@ const FINE: Said = Said {
     axle_correlation: 0.0,
     silent: None,
     level: Level::Calibration,
+    loss: [None; 4],
 };
 
 fn car() -> CarConfig<f64> {
@@ -73,6 +75,9 @@ fn estimate(time_s: f64, said: &Said) -> CarEstimate<f64> {
         },
     };
     let mut corners = said.kpa.map(|kpa| Some(corner(kpa)));
+    for (corner, loss) in corners.iter_mut().flatten().zip(said.loss) {
+        corner.loss = loss;
+    }
     if let Some(corner) = said.silent.and_then(|silent| corners[silent.index()].as_mut()) {
         (corner.validity, corner.diagnostics.gate) = (Validity::BadSignal, 0.0);
     }
@@ -90,6 +95,7 @@ fn estimate(time_s: f64, said: &Said) -> CarEstimate<f64> {
 }
 
 /// A drive of made-up estimates, with sensors that move (each by itself: nothing is concluded from them together).
+#[derive(Clone)]
 struct Drive {
     monitor: Monitor<f64>,
     clock: SampleClock<f64>,
@@ -259,11 +265,67 @@ fn no_information_is_never_all_good_and_is_said_after_ten_minutes_of_driving() {
     assert!(report.alerts().next().is_none() && report.is_all_fine());
     // Learned long ago is not known now.
     let report = drive.on(700.0, &Said { gate: 0.0, speed_m_s: 0.0, ..FINE });
-    assert_eq!(state(report, Corner::FrontLeft), WheelState::Unknown(Doubt::NoInformation));
+    assert_eq!(state(report, Corner::FrontLeft), WheelState::Unknown(Doubt::Standing));
     // Nor with the first frame afterwards: two seconds of learning make it so.
     let report = drive.on(1.5, &FINE);
     assert_eq!(state(report, Corner::FrontLeft), WheelState::Unknown(Doubt::NoInformation));
     assert!(drive.on(1.0, &FINE).is_all_fine());
+}
+
+/// A tire of a car that stands may go flat: half a minute after it stopped nothing is fine any more, nor may a pressure be shown.
+#[test]
+fn what_was_fine_when_the_car_stopped_is_soon_unknown() {
+    let mut drive = Drive::new();
+    assert!(drive.on(60.0, &FINE).is_all_fine());
+    let standing = Said { gate: 0.0, speed_m_s: 0.0, ..FINE };
+    assert!(drive.on(29.0, &standing).is_all_fine());
+    let report = drive.on(2.0, &standing);
+    for corner in Corner::ALL {
+        assert_eq!(state(report, corner), WheelState::Unknown(Doubt::Standing));
+        assert!(!report.wheels[corner.index()].unwrap().validity.is_valid());
+    }
+    drive.on(1.0, &FINE);
+    assert!(drive.on(1.5, &FINE).is_all_fine(), "driven on");
+}
+
+/// All tires read 16 % less than a calibration of another day expects, with 6 % of sd in common: that may be the car, and no tire is low. It is
+/// reported as what it is, and no tire is fine meanwhile.
+#[test]
+fn a_shift_of_all_since_another_day_is_no_loss() {
+    let stored = |kpa: f64| Said { kpa: [kpa; 4], sd: 15.0, correlation: 0.9, level: Level::StoredCalibration, ..FINE };
+    let mut drive = Drive::new();
+    let report = drive.on(200.0, &stored(0.84 * 241.3));
+    let causes: Vec<_> = report.alerts().map(|alert| alert.cause.label()).collect();
+    assert_eq!(causes, ["common-shift"]);
+    assert!(Corner::ALL.iter().all(|corner| state(report, *corner) == WheelState::Unknown(Doubt::Uncertain)));
+    // By 3 % is nothing.
+    let mut drive = Drive::new();
+    assert!(drive.on(200.0, &stored(0.97 * 241.3)).alerts().next().is_none());
+}
+
+/// A tire that had 302 kPa since other tires were mounted, and lost a fifth: low by what it has lost, though its level is above every limit.
+#[test]
+fn a_loss_is_seen_whatever_the_level() {
+    let loss = |lost_kpa: f64| Loss {
+        level_kpa: 302.0,
+        lost_kpa,
+        lost_sd_kpa: 5.0,
+        excess_kpa: lost_kpa,
+        excess_sd_kpa: 5.0,
+    };
+    let mut drive = Drive::new();
+    // 12 % are 36 kPa, with 1.64 sds 44.
+    let before = Said { kpa: [300.0; 4], loss: [Some(loss(2.0)); 4], ..FINE };
+    assert!(drive.on(20.0, &before).alerts().all(|alert| !alert.cause.is_low()));
+    for (lost_kpa, low) in [(42.0, false), (46.0, true)] {
+        let mut drive = drive.clone();
+        let mut now = before;
+        (now.loss[0], now.kpa[0]) = (Some(loss(lost_kpa)), 302.0 - lost_kpa);
+        let report = drive.on(5.0, &now);
+        let of_the_tire = report.alerts_of(Corner::FrontLeft).any(|alert| alert.cause.is_low());
+        assert_eq!(of_the_tire, low, "{lost_kpa}");
+        assert!(report.alerts_of(Corner::RearLeft).all(|alert| !alert.cause.is_low()));
+    }
 }
 
 #[test]
