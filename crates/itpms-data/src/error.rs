@@ -229,9 +229,38 @@ pub enum Problem {
         /// The first such row.
         place: Place,
     },
+    /// The clock counts in steps longer than the samples' period, and these did not come evenly.
+    #[error(
+        "the times of {what} are in steps of {} s under {:.0} samples a second, and these are not even: where each belongs is not sure; \
+         expected steps shorter than the samples' period (write the time with more digits, or take the logger's finer clock)",
+        (*.step_s * 1e6).round() / 1e6, .rate_hz
+    )]
+    CoarseClock {
+        /// Rows, or a signal.
+        what: String,
+        /// Step of the clock in s.
+        step_s: f64,
+        /// Samples a second.
+        rate_hz: f64,
+    },
+    /// Many readings of one signal do not fit the clock of the others.
+    #[cfg(any(feature = "can", feature = "mdf4"))]
+    #[error(
+        "{left_out} of the {readings} readings of {column} have stamps that contradict those of the others by more than ten seconds or \
+         go through the same seconds again, expected 1 % at most (was a clock set? then cut the log there)"
+    )]
+    StampsContradict {
+        /// The column.
+        column: String,
+        /// Readings left out.
+        left_out: u64,
+        /// All of them.
+        readings: u64,
+    },
     /// Rows are not in the order of time, and not just one or two of them.
     #[error(
-        "time goes backwards in {backwards} of the {rows} rows read, at {place} from {from_s} to {to_s} s, expected it to increase"
+        "time goes backwards in {backwards} of the {rows} rows read, at {place} from {from_s} to {to_s} s, expected it to increase \
+         (rows are put in order over ten seconds; sort the file by its time, or cut it where the clock was set)"
     )]
     TimeBackwards {
         /// Rows that lie before an earlier row.

@@ -90,7 +90,7 @@ impl LogReader {
         let mut reader = Self {
             path: path.to_owned(),
             source,
-            order: TimeOrder::default(),
+            order: TimeOrder::new(),
             ahead: VecDeque::with_capacity(SURVEY_ROWS),
             exhausted: false,
             survey: Survey { rows: 0, sample_period_s: 0.0, jitter_s: 0.0, sample_rate_hz: 0.0 },
@@ -145,6 +145,12 @@ impl LogReader {
         self.source.alignment()
     }
 
+    /// How the signals of an MDF4 or CAN log came into order and into rows, a sentence each; nothing for tables.
+    #[must_use]
+    pub fn remarks(&self) -> Vec<String> {
+        self.source.remarks()
+    }
+
     /// Share of the log that has been read, 0 to 1; of pieces whose number of rows nobody told, 0.
     #[must_use]
     pub fn progress(&self) -> f64 {
@@ -178,7 +184,7 @@ impl LogReader {
     }
 
     fn look_ahead(&mut self, units: UnitCheck) -> Result<(), Problem> {
-        while self.report.rows_read < SURVEY_ROWS as u64 && !self.exhausted {
+        while self.ahead.len() < SURVEY_ROWS && !self.exhausted {
             self.pull()?;
         }
         if self.report.rows_read == 0 {
@@ -205,7 +211,13 @@ impl LogReader {
         let missing = |slot: &Slot| raw[slot.index()].is_nan();
         self.report.missing_accelerations += accelerations(&columns).filter(missing).count() as u64;
         self.report.missing_speeds += u64::from(columns.speed && missing(&Slot::Speed));
-        self.ahead.extend(self.order.push(LogRow::from_values(&raw, &columns), place));
+        let row = LogRow::from_values(&raw, &columns);
+        if self.source.is_in_order() {
+            self.order.rows += 1;
+            self.ahead.push_back(row);
+        } else {
+            self.order.push(row, place, &mut self.ahead);
+        }
         self.copy_counts();
         Ok(())
     }
@@ -213,8 +225,8 @@ impl LogReader {
     /// The end of the file: the last row, the last checks.
     fn close(&mut self) -> Result<(), Problem> {
         self.exhausted = true;
+        self.order.finish(&mut self.ahead);
         self.order.check(Stage::Complete)?;
-        self.ahead.extend(self.order.finish());
         self.report.cut_off_lines = u64::from(self.source.cut_off());
         self.report.format = self.source.repairs();
         self.copy_counts();
@@ -237,7 +249,9 @@ impl LogReader {
         self.report.rows_read = self.order.rows;
         self.report.without_time = self.order.without_time;
         self.report.out_of_order = self.order.backwards;
+        self.report.put_in_order = self.order.moved();
         self.report.duplicate_times = self.order.repeated;
+        self.report.spread = self.order.coarse().spread;
     }
 }
 
