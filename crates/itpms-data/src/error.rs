@@ -14,7 +14,7 @@ use crate::signals::problem::SignalProblem;
 
 /// A file that could not be used, and why.
 #[derive(Debug, Error)]
-#[error("{}: {problem}", path.display())]
+#[error("{}", within(&format!("{}: {problem}", path.display())))]
 pub struct DataError {
     /// The file.
     pub path: PathBuf,
@@ -442,6 +442,20 @@ pub enum Problem {
     /// A map of signals, or a map and a log, that do not fit.
     #[error(transparent)]
     Signals(#[from] SignalProblem),
+}
+
+/// Characters of a refusal; what stands in the middle of a longer one says least.
+const MOST_CHARACTERS: usize = 400;
+const OF_ITS_END: usize = 150;
+
+fn within(message: &str) -> String {
+    let characters = message.chars().count();
+    if characters <= MOST_CHARACTERS {
+        return message.to_owned();
+    }
+    let beginning: String = message.chars().take(MOST_CHARACTERS - OF_ITS_END - 5).collect();
+    let end: String = message.chars().skip(characters - OF_ITS_END).collect();
+    format!("{beginning} ... {end}")
 }
 
 fn hint(nearest: &Option<String>) -> String {

@@ -6,8 +6,9 @@ use std::path::Path;
 use super::row::Slot;
 use super::stamps::{Fate, Strays};
 use crate::error::DataError;
-use crate::mdf4::{ChannelKind, GroupCursor, Mdf4Reader};
-use crate::signals::{Candidate, Conversion, Reading, Resolved, SignalMap, resolve};
+use crate::mdf4::contents::{is_signal, stacks, unread};
+use crate::mdf4::{GroupCursor, Mdf4Reader};
+use crate::signals::{Candidate, Conversion, Reading, Resolved, SignalMap, resolve_knowing};
 
 #[derive(Debug)]
 pub(super) struct Mdf4Feed {
@@ -61,11 +62,12 @@ impl Mdf4Feed {
     /// Opens a file; also what its channels were taken for.
     pub(super) fn open(path: &Path, map: Option<&SignalMap>) -> Result<(Self, Resolved), DataError> {
         let reader = Mdf4Reader::open(path)?;
-        let (candidates, places) = candidates(&reader);
-        let resolved = resolve(&candidates, map)?;
+        let firsts = stacks(&reader)?;
+        let (candidates, places) = candidates(&reader, &firsts);
+        let resolved = resolve_knowing(&candidates, &unread(&reader), map)?;
         let mut groups = Vec::new();
-        for index in 0..reader.groups().len() {
-            let here = resolved.iter().filter(|chosen| places[chosen.candidate].0 == index);
+        for (index, first) in firsts.iter().enumerate() {
+            let here = resolved.iter().filter(|chosen| places[chosen.candidate].0 == *first);
             let (channels, slots): (Vec<usize>, Vec<_>) =
                 here.map(|chosen| (places[chosen.candidate].1, (chosen.slot, chosen.conversion))).unzip();
             if channels.is_empty() {
@@ -111,15 +113,16 @@ impl Mdf4Feed {
     }
 }
 
-/// The channels that hold numbers and have a time, and their places: group and channel.
-fn candidates(reader: &Mdf4Reader) -> (Vec<Candidate>, Vec<(usize, usize)>) {
+/// The channels that hold numbers and have a time, and their places: group and channel. Stretches of one recording are there once.
+fn candidates(reader: &Mdf4Reader, firsts: &[usize]) -> (Vec<Candidate>, Vec<(usize, usize)>) {
     let mut candidates = Vec::new();
     let mut places = Vec::new();
-    for (group_index, group) in reader.groups().iter().enumerate().filter(|(_, group)| group.has_time) {
-        for (index, channel) in group.channels.iter().enumerate() {
-            if channel.is_time || channel.kind != ChannelKind::Number {
-                continue;
-            }
+    for (group_index, group) in
+        reader.groups().iter().enumerate().filter(|(index, _)| firsts[*index] == *index)
+    {
+        for (index, channel) in
+            group.channels.iter().enumerate().filter(|(_, channel)| is_signal(group, channel))
+        {
             let (group, name, unit) = (group.name.clone(), channel.name.clone(), channel.unit.clone());
             candidates.push(Candidate { group, name, unit });
             places.push((group_index, index));

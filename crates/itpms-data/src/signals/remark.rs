@@ -54,6 +54,15 @@ pub enum Remark {
         /// Its unit as stated.
         unit: String,
     },
+    /// A signal could be it, but cannot be read.
+    Unread {
+        /// The column.
+        slot: Slot,
+        /// The signal.
+        signal: String,
+        /// What it is.
+        why: String,
+    },
     /// The map has one signal for two columns.
     UsedTwice {
         /// The signal.
@@ -80,6 +89,9 @@ impl fmt::Display for Remark {
                     f,
                     "{column} could be {signal}, whose unit {stated}: not taken; say it in a map, {suggested}"
                 )
+            }
+            Remark::Unread { slot, signal, why } => {
+                write!(f, "{} could be {signal}, which cannot be read: it is {why}", slot.name())
             }
             Remark::UsedTwice { signal, slots: [first, second] } => {
                 write!(f, "{signal} is both {} and {}", first.name(), second.name())
