@@ -243,6 +243,30 @@ pub enum Problem {
         /// Samples a second.
         rate_hz: f64,
     },
+    /// Stamps that are off by a good part of the sample period.
+    #[error(
+        "the times are uneven: a step of {} s has a standard deviation of {jitter_percent:.0} %, so frequencies cannot be told; expected even samples \
+         (write the time at which each was taken, not at which it arrived)",
+        (*.period_s * 1e6).round() / 1e6
+    )]
+    UnevenStamps {
+        /// Standard deviation of a step over its mean, in percent.
+        jitter_percent: f64,
+        /// The usual step in s.
+        period_s: f64,
+    },
+    /// Not one rate.
+    #[error(
+        "the rate changes from {from_hz:.0} to {to_hz:.0} Hz at {since_s} s, expected one rate (cut the log there)"
+    )]
+    RateChanges {
+        /// Rate at first in Hz.
+        from_hz: f64,
+        /// Rate later on in Hz.
+        to_hz: f64,
+        /// Since when, in s.
+        since_s: f64,
+    },
     /// Many readings of one signal do not fit the clock of the others.
     #[cfg(any(feature = "can", feature = "mdf4"))]
     #[error(

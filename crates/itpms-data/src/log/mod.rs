@@ -33,6 +33,7 @@ mod order;
 mod parquet_source;
 mod quantity;
 mod reader;
+mod regular;
 mod repair;
 mod row;
 #[cfg(any(feature = "can", feature = "mdf4"))]

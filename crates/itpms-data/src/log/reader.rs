@@ -8,6 +8,7 @@ use itpms_core::model::Corner;
 use super::memory_source::{MemorySource, Pieces};
 use super::options::LogOptions;
 use super::order::{Stage, TimeOrder};
+use super::regular::Regular;
 use super::repair::RepairReport;
 use super::row::{Field, LogColumns, LogRow, SLOTS, Slot};
 use super::source::Source;
@@ -42,6 +43,7 @@ pub struct LogReader {
     exhausted: bool,
     survey: Survey,
     report: RepairReport,
+    regular: Regular,
     last_time_s: Option<f64>,
     /// Whether each column has had a value.
     seen: [bool; SLOTS],
@@ -95,6 +97,7 @@ impl LogReader {
             exhausted: false,
             survey: Survey { rows: 0, sample_period_s: 0.0, jitter_s: 0.0, sample_rate_hz: 0.0 },
             report,
+            regular: Regular::new(f64::NAN),
             last_time_s: None,
             seen: [false; SLOTS],
         };
@@ -171,6 +174,7 @@ impl LogReader {
         let Some(row) = self.ahead.pop_front() else { return Ok(None) };
         if let Some(last_s) = self.last_time_s {
             let step_s = row.time_s - last_s;
+            self.regular.take(last_s, step_s).map_err(|problem| DataError::new(&self.path, problem))?;
             if step_s > GAP_PERIODS * self.survey.sample_period_s {
                 self.report.gaps += 1;
                 if self.report.longest_gap.is_none_or(|(longest_s, _)| step_s > longest_s) {
@@ -194,6 +198,7 @@ impl LogReader {
             self.order.check(Stage::Complete)?;
         }
         self.survey = Survey::of(&self.ahead)?;
+        self.regular = Regular::new(1.0 / self.survey.sample_rate_hz);
         match units {
             UnitCheck::Suspicious => units::check(self.ahead.iter()),
             UnitCheck::Trusting => Ok(()),

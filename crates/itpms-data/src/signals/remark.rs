@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::problem::{stated, suggested};
-use crate::log::Slot;
+use crate::log::{Quantity, Slot};
 
 /// Who said that a signal is a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,6 +70,18 @@ pub enum Remark {
         /// The columns.
         slots: [Slot; 2],
     },
+}
+
+impl Remark {
+    /// Whether a corner may lack an acceleration because of it.
+    pub(super) fn is_of_acceleration(&self) -> bool {
+        match self {
+            Remark::Ambiguous { slot, .. } | Remark::Unit { slot, .. } | Remark::Unread { slot, .. } => {
+                Quantity::of(*slot) == Quantity::Acceleration
+            }
+            Remark::UsedTwice { .. } => false,
+        }
+    }
 }
 
 impl fmt::Display for Remark {

@@ -73,14 +73,13 @@ impl Resolved {
         {
             let _ = write!(text, "; {} is {}", unread.candidate.full_name(), unread.why);
         }
-        for remark in self.remarks.iter().take(1) {
+        // Accelerations decide; of many doubts one is enough to see what is missing.
+        let first = self.remarks.iter().find(|remark| remark.is_of_acceleration()).or(self.remarks.first());
+        if let Some(remark) = first {
             let _ = write!(text, "; {remark}");
         }
-        match self.remarks.len() {
-            0 | 1 => {}
-            many => {
-                let _ = write!(text, "; and {} more doubts (itpms signals lists them)", many - 1);
-            }
+        if self.remarks.len() > 1 {
+            let _ = write!(text, "; {} more (itpms signals)", self.remarks.len() - 1);
         }
         if self.candidates > 0 {
             text.push_str(
