@@ -14,7 +14,7 @@ use crate::signals::problem::SignalProblem;
 
 /// A file that could not be used, and why.
 #[derive(Debug, Error)]
-#[error("{}: {problem}", path.display())]
+#[error("{}", within(&format!("{}: {problem}", path.display())))]
 pub struct DataError {
     /// The file.
     pub path: PathBuf,
@@ -229,9 +229,62 @@ pub enum Problem {
         /// The first such row.
         place: Place,
     },
+    /// The clock counts in steps longer than the samples' period, and these did not come evenly.
+    #[error(
+        "the times of {what} are in steps of {} s under {:.0} samples a second, and these are not even: where each belongs is not sure; \
+         expected steps shorter than the samples' period (write the time with more digits, or take the logger's finer clock)",
+        (*.step_s * 1e6).round() / 1e6, .rate_hz
+    )]
+    CoarseClock {
+        /// Rows, or a signal.
+        what: String,
+        /// Step of the clock in s.
+        step_s: f64,
+        /// Samples a second.
+        rate_hz: f64,
+    },
+    /// Stamps that are off by a good part of the sample period.
+    #[error(
+        "the times are uneven: a step of {} s has a standard deviation of {jitter_percent:.0} %, so frequencies cannot be told; expected even samples \
+         (write the time at which each was taken, not at which it arrived)",
+        (*.period_s * 1e6).round() / 1e6
+    )]
+    UnevenStamps {
+        /// Standard deviation of a step over its mean, in percent.
+        jitter_percent: f64,
+        /// The usual step in s.
+        period_s: f64,
+    },
+    /// Not one rate.
+    #[error(
+        "the rate changes from {from_hz:.0} to {to_hz:.0} Hz at {since_s} s, expected one rate (cut the log there)"
+    )]
+    RateChanges {
+        /// Rate at first in Hz.
+        from_hz: f64,
+        /// Rate later on in Hz.
+        to_hz: f64,
+        /// Since when, in s.
+        since_s: f64,
+    },
+    /// Many readings of one signal do not fit the clock of the others.
+    #[cfg(any(feature = "can", feature = "mdf4"))]
+    #[error(
+        "{left_out} of the {readings} readings of {column} have stamps that contradict those of the others by more than ten seconds or \
+         go through the same seconds again, expected 1 % at most (was a clock set? then cut the log there)"
+    )]
+    StampsContradict {
+        /// The column.
+        column: String,
+        /// Readings left out.
+        left_out: u64,
+        /// All of them.
+        readings: u64,
+    },
     /// Rows are not in the order of time, and not just one or two of them.
     #[error(
-        "time goes backwards in {backwards} of the {rows} rows read, at {place} from {from_s} to {to_s} s, expected it to increase"
+        "time goes backwards in {backwards} of the {rows} rows read, at {place} from {from_s} to {to_s} s, expected it to increase \
+         (rows are put in order over ten seconds; sort the file by its time, or cut it where the clock was set)"
     )]
     TimeBackwards {
         /// Rows that lie before an earlier row.
@@ -413,6 +466,20 @@ pub enum Problem {
     /// A map of signals, or a map and a log, that do not fit.
     #[error(transparent)]
     Signals(#[from] SignalProblem),
+}
+
+/// Characters of a refusal; what stands in the middle of a longer one says least.
+const MOST_CHARACTERS: usize = 400;
+const OF_ITS_END: usize = 150;
+
+fn within(message: &str) -> String {
+    let characters = message.chars().count();
+    if characters <= MOST_CHARACTERS {
+        return message.to_owned();
+    }
+    let beginning: String = message.chars().take(MOST_CHARACTERS - OF_ITS_END - 5).collect();
+    let end: String = message.chars().skip(characters - OF_ITS_END).collect();
+    format!("{beginning} ... {end}")
 }
 
 fn hint(nearest: &Option<String>) -> String {

@@ -2,6 +2,7 @@
 //!
 //! One program: the estimators are generic, and every program that uses them compiles them anew.
 
+mod advice;
 mod bad_logs;
 mod can_damage;
 mod can_logs;
@@ -11,6 +12,7 @@ mod dbc_any;
 mod drive_frames;
 mod foreign_parquet;
 mod listing;
+mod mdf4_contents;
 mod mdf4_damage;
 mod mdf4_foreign;
 mod mdf4_round_trip;
@@ -18,6 +20,7 @@ mod reference;
 mod reference_killed;
 mod round_trip;
 mod signals;
+mod stamps;
 mod stored;
 mod typical_cars;
 mod vehicle_details;

@@ -201,7 +201,8 @@ fn time_going_backwards_standing_still_or_missing() {
     }));
     assert_eq!(
         text,
-        "drive.csv: time goes backwards in 99 of the 100 rows read, at line 3 from 198 to 197 s, expected it to increase"
+        "drive.csv: time goes backwards in 99 of the 100 rows read, at line 3 from 198 to 197 s, expected it to increase \
+         (rows are put in order over ten seconds; sort the file by its time, or cut it where the clock was set)"
     );
     let text = csv_message(&drive(100, |_, text| *text = format!("5{}", &text[text.find(',').unwrap()..])));
     assert_eq!(

@@ -38,6 +38,7 @@ pub mod run;
 pub mod settings;
 pub mod simulated;
 pub mod summary;
+mod time_axis;
 mod wheelbase;
 
 pub use alerts::Alerts;

@@ -14,6 +14,7 @@ use crate::error::DriveError;
 pub use crate::job::Job;
 use crate::provenance::provenance;
 use crate::road::{LateRow, RoadTrack};
+use crate::time_axis::TimeAxis;
 
 /// Rows between two looks at whoever may want to stop or to know how far it is.
 pub(crate) const ROWS_PER_LOOK: u64 = 1024;
@@ -96,7 +97,8 @@ pub(crate) fn begin(log: &LogReader, job: &Job<'_>) -> Result<(Drive, Record), D
         drive.leave_out_road();
     }
     let track = job.road.then(|| RoadTrack::new(job.vehicle, job.corners, rate_hz)).transpose()?;
-    Ok((drive, Record { track, collector: collector(job), events: Events::default() }))
+    let axis = TimeAxis::new(job.vehicle.wheelbase_m);
+    Ok((drive, Record { track, collector: collector(job), events: Events::default(), axis }))
 }
 
 /// All rows are taken.
@@ -112,6 +114,9 @@ pub(crate) fn conclude(
         return Err(DriveError::Stopped);
     }
     drive.finish(job.settings.calibrate_s);
+    if let Some(contradiction) = record.axis.contradiction() {
+        return Err(DriveError::Mismatch(format!("{}: {contradiction}", log.path().display())));
+    }
     let provenance = provenance(job, log);
     let (data, alerts) = record.complete(provenance, sink)?;
     let concerns = concerns::of(job, log, &drive);
@@ -124,6 +129,7 @@ pub(crate) struct Record {
     track: Option<RoadTrack>,
     collector: ReportCollector,
     events: Events,
+    axis: TimeAxis,
 }
 
 impl Record {
@@ -138,6 +144,7 @@ impl Record {
     ) -> Result<(), DriveError> {
         self.events.take(report, &mut |time_s, change| sink.transition(time_s, change))?;
         self.collector.push_report(report);
+        self.axis.take(row);
         sink.row(row, estimates)?;
         match (&mut self.track, cars) {
             (Some(track), Some(cars)) => {

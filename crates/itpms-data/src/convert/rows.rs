@@ -20,7 +20,7 @@ pub(super) fn convert(request: &Request<'_>, look: Look<'_>) -> Result<Option<Co
     let mut warnings = log.repairs().warnings();
     warnings.extend(writer.losses());
     let mut remarks = log.mapping().to_vec();
-    remarks.extend(log.alignment().iter().flat_map(|report| report.remarks()));
+    remarks.extend(log.remarks());
     Ok(Some(Converted { file: writer.finish()?, content: counted(count, "row"), warnings, remarks }))
 }
 

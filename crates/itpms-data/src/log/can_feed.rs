@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::stamps::{Fate, Strays};
 use crate::can::FrameReader;
 use crate::dbc::{Dbc, Decoder};
 use crate::error::DataError;
@@ -11,6 +12,8 @@ use crate::signals::{Reading, Resolved, SignalMap};
 pub(super) struct CanFeed {
     frames: FrameReader,
     decoder: Decoder,
+    /// Each bus has its own clock.
+    buses: Vec<(u16, Strays<Reading>)>,
 }
 
 impl CanFeed {
@@ -23,12 +26,26 @@ impl CanFeed {
         let frames = FrameReader::open(path)?;
         let decoder = Decoder::new(Dbc::read(dbc)?, map)?;
         let resolved = decoder.resolved().clone();
-        Ok((Self { frames, decoder }, resolved))
+        Ok((Self { frames, decoder, buses: Vec::new() }, resolved))
     }
 
-    pub(super) fn step(&mut self, mut take: impl FnMut(Reading)) -> Result<bool, DataError> {
-        let Some(frame) = self.frames.next_frame()? else { return Ok(false) };
-        self.decoder.decode(&frame, &mut take);
+    pub(super) fn step(&mut self, mut take: impl FnMut(Fate<Reading>)) -> Result<bool, DataError> {
+        let Some(frame) = self.frames.next_frame()? else {
+            self.buses.iter_mut().for_each(|(_, strays)| strays.finish(&mut take));
+            return Ok(false);
+        };
+        let place = self.buses.iter().position(|(bus, _)| *bus == frame.bus).unwrap_or(self.buses.len());
+        if place == self.buses.len() {
+            self.buses.push((frame.bus, Strays::new()));
+        }
+        let strays = &mut self.buses[place].1;
+        self.decoder.decode(&frame, &mut |reading| {
+            if reading.time_s.is_finite() {
+                strays.take(reading, &mut take);
+            } else {
+                take(Fate::Stray(reading));
+            }
+        });
         Ok(true)
     }
 
@@ -44,6 +61,12 @@ impl CanFeed {
             out.push(format!("the DBC file has {} {many}, the first: {first}", problems.len()));
         }
         let counts = self.decoder.counts();
+        if counts.used == 0 && counts.unknown > 0 {
+            out.push(format!(
+                "{} of {} frames have identifiers that the DBC file does not know, and none carries a signal that is wanted",
+                counts.unknown, counts.frames
+            ));
+        }
         for (count, what) in [
             (counts.short, "frames end before a signal that is wanted"),
             (

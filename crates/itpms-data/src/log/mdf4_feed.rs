@@ -1,11 +1,14 @@
 //! Readings from an MDF4 file: its channel groups side by side, always the one whose next sample is the oldest.
 
+use std::collections::VecDeque;
 use std::path::Path;
 
 use super::row::Slot;
+use super::stamps::{Fate, Strays};
 use crate::error::DataError;
-use crate::mdf4::{ChannelKind, GroupCursor, Mdf4Reader};
-use crate::signals::{Candidate, Conversion, Reading, Resolved, SignalMap, resolve};
+use crate::mdf4::contents::{is_signal, stacks, unread};
+use crate::mdf4::{GroupCursor, Mdf4Reader};
+use crate::signals::{Candidate, Conversion, Reading, Resolved, SignalMap, resolve_knowing};
 
 #[derive(Debug)]
 pub(super) struct Mdf4Feed {
@@ -20,20 +23,38 @@ struct Group {
     /// What each value is, and how it gets the column's unit.
     slots: Vec<(Slot, Conversion)>,
     values: Vec<f64>,
-    /// Time of the sample in `values`; `None` after the last.
-    next_s: Option<f64>,
+    /// The group's stamps are repaired before the groups are merged: one that is odd must not hold its group back.
+    strays: Strays<Reading>,
+    /// Readings that are next, in the order of the file.
+    next: VecDeque<Reading>,
+    is_over: bool,
 }
 
 impl Group {
-    /// The next sample that has a time.
-    fn advance(&mut self) -> Result<(), DataError> {
-        self.next_s = loop {
-            match self.cursor.next(&mut self.values)? {
-                Some(time_s) if !time_s.is_finite() => {}
-                next => break next,
-            }
+    /// Reads a sample. What it says is next, waits until later samples confirm it, or is left out.
+    fn advance(&mut self, take: &mut impl FnMut(Fate<Reading>)) -> Result<(), DataError> {
+        let Self { cursor, slots, values, strays, next, is_over } = self;
+        let mut sink = |fate| match fate {
+            Fate::Kept(reading) => next.push_back(reading),
+            left_out => take(left_out),
         };
+        match cursor.next(values)? {
+            None => {
+                strays.finish(&mut sink);
+                *is_over = true;
+            }
+            Some(time_s) if !time_s.is_finite() => {}
+            Some(time_s) => {
+                for ((slot, conversion), value) in slots.iter().zip(values.iter()) {
+                    strays.take(Reading { time_s, slot: *slot, value: conversion.apply(*value) }, &mut sink);
+                }
+            }
+        }
         Ok(())
+    }
+
+    fn next_s(&self) -> Option<f64> {
+        self.next.front().map(|reading| reading.time_s)
     }
 }
 
@@ -41,32 +62,43 @@ impl Mdf4Feed {
     /// Opens a file; also what its channels were taken for.
     pub(super) fn open(path: &Path, map: Option<&SignalMap>) -> Result<(Self, Resolved), DataError> {
         let reader = Mdf4Reader::open(path)?;
-        let (candidates, places) = candidates(&reader);
-        let resolved = resolve(&candidates, map)?;
+        let firsts = stacks(&reader)?;
+        let (candidates, places) = candidates(&reader, &firsts);
+        let resolved = resolve_knowing(&candidates, &unread(&reader), map)?;
         let mut groups = Vec::new();
-        for index in 0..reader.groups().len() {
-            let here = resolved.iter().filter(|chosen| places[chosen.candidate].0 == index);
+        for (index, first) in firsts.iter().enumerate() {
+            let here = resolved.iter().filter(|chosen| places[chosen.candidate].0 == *first);
             let (channels, slots): (Vec<usize>, Vec<_>) =
                 here.map(|chosen| (places[chosen.candidate].1, (chosen.slot, chosen.conversion))).unzip();
             if channels.is_empty() {
                 continue;
             }
             let cursor = reader.cursor(index, &channels)?;
-            let mut group = Group { cursor, values: vec![f64::NAN; slots.len()], slots, next_s: None };
-            group.advance()?;
-            groups.push(group);
+            groups.push(Group {
+                cursor,
+                values: vec![f64::NAN; slots.len()],
+                slots,
+                strays: Strays::new(),
+                next: VecDeque::new(),
+                is_over: false,
+            });
         }
         let repairs = reader.repairs().iter().map(ToString::to_string).collect();
         Ok((Self { groups, repairs }, resolved))
     }
 
-    pub(super) fn step(&mut self, mut take: impl FnMut(Reading)) -> Result<bool, DataError> {
-        let with_next = self.groups.iter_mut().filter_map(|group| group.next_s.map(|time_s| (time_s, group)));
-        let Some((time_s, group)) = with_next.min_by(|a, b| a.0.total_cmp(&b.0)) else { return Ok(false) };
-        for ((slot, conversion), value) in group.slots.iter().zip(&group.values) {
-            take(Reading { time_s, slot: *slot, value: conversion.apply(*value) });
+    pub(super) fn step(&mut self, mut take: impl FnMut(Fate<Reading>)) -> Result<bool, DataError> {
+        for group in self.groups.iter_mut().filter(|group| group.next.is_empty()) {
+            while group.next.is_empty() && !group.is_over {
+                group.advance(&mut take)?;
+            }
         }
-        group.advance()?;
+        let with_next =
+            self.groups.iter_mut().filter_map(|group| group.next_s().map(|time_s| (time_s, group)));
+        let Some((time_s, group)) = with_next.min_by(|a, b| a.0.total_cmp(&b.0)) else { return Ok(false) };
+        while group.next_s() == Some(time_s) {
+            group.next.pop_front().into_iter().for_each(|reading| take(Fate::Kept(reading)));
+        }
         Ok(true)
     }
 
@@ -81,15 +113,16 @@ impl Mdf4Feed {
     }
 }
 
-/// The channels that hold numbers and have a time, and their places: group and channel.
-fn candidates(reader: &Mdf4Reader) -> (Vec<Candidate>, Vec<(usize, usize)>) {
+/// The channels that hold numbers and have a time, and their places: group and channel. Stretches of one recording are there once.
+fn candidates(reader: &Mdf4Reader, firsts: &[usize]) -> (Vec<Candidate>, Vec<(usize, usize)>) {
     let mut candidates = Vec::new();
     let mut places = Vec::new();
-    for (group_index, group) in reader.groups().iter().enumerate().filter(|(_, group)| group.has_time) {
-        for (index, channel) in group.channels.iter().enumerate() {
-            if channel.is_time || channel.kind != ChannelKind::Number {
-                continue;
-            }
+    for (group_index, group) in
+        reader.groups().iter().enumerate().filter(|(index, _)| firsts[*index] == *index)
+    {
+        for (index, channel) in
+            group.channels.iter().enumerate().filter(|(_, channel)| is_signal(group, channel))
+        {
             let (group, name, unit) = (group.name.clone(), channel.name.clone(), channel.unit.clone());
             candidates.push(Candidate { group, name, unit });
             places.push((group_index, index));

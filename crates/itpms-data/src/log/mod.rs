@@ -12,7 +12,8 @@
 //! put into rows by the [aligner](crate::signals::align).
 //!
 //! An empty cell, `NaN`, `null` or a null is a missing sample. Rows keep their own times: rates, jitter and gaps are
-//! the estimator's business. Memory is bounded: the first [`SURVEY_ROWS`] rows and one batch, whatever the length.
+//! the estimator's business. Memory is bounded: the first [`SURVEY_ROWS`] rows, some ten
+//! seconds in which rows are put into the order of their times (`stamps`), and one batch, whatever the length.
 //!
 //! Called by the commands of the binary and by the live monitor; knows nothing of estimators and of simulation.
 
@@ -32,11 +33,15 @@ mod order;
 mod parquet_source;
 mod quantity;
 mod reader;
+mod regular;
 mod repair;
 mod row;
 #[cfg(any(feature = "can", feature = "mdf4"))]
+mod signal_order;
+#[cfg(any(feature = "can", feature = "mdf4"))]
 mod signal_source;
 mod source;
+mod stamps;
 mod survey;
 mod units;
 

@@ -1,20 +1,43 @@
-//! Rows into the order of time, by leaving out the few that are not.
+//! Rows of a table into the order of time; the few that cannot be are left out.
 //!
-//! Called by the reader with every row. One row is held back, so that of two neighbours that disagree the right one
-//! can go: after 1, 2, 900, 3, 4 the 900 is the odd one, after 1, 2, -7, 3 the -7.
+//! Called by the reader with every row of a table. Rows of signals come in order from the aligner and do not come here.
+
+use std::collections::VecDeque;
 
 use super::row::LogRow;
+use super::stamps::{Coarse, Fate, Series, Sorted, Stamped, Strays, TOLERATED_SHARE};
 use crate::error::{Place, Problem};
 
 /// Up to this many rows out of order are repaired in any log; beyond, [`TOLERATED_SHARE`] decides.
 const TOLERATED_ROWS: u64 = 1;
-/// Share of rows that may be out of order.
-const TOLERATED_SHARE: f64 = 0.01;
 /// While the log is still being read: rows out of order that decide nothing yet.
 const PATIENCE_ROWS: u64 = 20;
-/// Share of rows that may repeat the time of the row before. A logger that writes a row twice stays below; a clock
-/// coarser than the sample period does not.
+/// Share of rows that may repeat the time of the row before. A logger that writes a row twice stays below.
 const TOLERATED_REPEATS: f64 = 0.1;
+/// Rows that wait at most for earlier ones: some 12 MB.
+const MOST_ROWS: usize = 1 << 16;
+
+/// A row and its place in the file.
+#[derive(Debug, Clone, Copy)]
+struct Line {
+    row: LogRow,
+    place: Place,
+}
+
+impl Stamped for Line {
+    fn time_s(&self) -> f64 {
+        self.row.time_s
+    }
+
+    fn at(mut self, time_s: f64) -> Self {
+        self.row.time_s = time_s;
+        self
+    }
+
+    fn has_values_of(&self, other: &Self) -> bool {
+        self.row.has_values_of(&other.row)
+    }
+}
 
 /// Where time last went back.
 #[derive(Debug, Clone, Copy)]
@@ -24,62 +47,97 @@ struct Step {
     to_s: f64,
 }
 
-/// Keeps rows whose time increases and counts the others.
-#[derive(Debug, Default)]
+/// Puts rows in order and counts those it moves or leaves out.
+#[derive(Debug)]
 pub(super) struct TimeOrder {
-    held: Option<LogRow>,
-    emitted_s: Option<f64>,
+    strays: Strays<Line>,
+    series: Series<Line>,
+    sorted: Sorted<Line>,
+    given_s: f64,
     pub(super) rows: u64,
     pub(super) without_time: u64,
+    /// Rows left out because their time contradicts the others.
     pub(super) backwards: u64,
+    /// Rows left out because another one has their time.
     pub(super) repeated: u64,
     first_repeat: Option<Place>,
     backwards_run: Option<Step>,
-    in_run: bool,
 }
 
 impl TimeOrder {
-    /// Takes a row, and hands out the one before it if that one is good.
-    pub(super) fn push(&mut self, row: LogRow, place: Place) -> Option<LogRow> {
+    pub(super) fn new() -> Self {
+        Self {
+            strays: Strays::new(),
+            series: Series::new(),
+            sorted: Sorted::new(MOST_ROWS),
+            given_s: f64::NEG_INFINITY,
+            rows: 0,
+            without_time: 0,
+            backwards: 0,
+            repeated: 0,
+            first_repeat: None,
+            backwards_run: None,
+        }
+    }
+
+    /// Takes a row; hands out those that no earlier one can precede.
+    pub(super) fn push(&mut self, row: LogRow, place: Place, out: &mut VecDeque<LogRow>) {
         self.rows += 1;
         if !row.time_s.is_finite() {
             self.without_time += 1;
-            return None;
+            return;
         }
-        let Some(held) = self.held else {
-            self.held = Some(row);
-            return None;
-        };
-        if row.time_s > held.time_s {
-            self.in_run = false;
-            self.held = Some(row);
-            return self.emit(held);
-        }
-        if row.time_s == held.time_s {
-            self.repeated += 1;
-            self.first_repeat.get_or_insert(place);
-            return None;
-        }
-        self.backwards += 1;
-        if !self.in_run {
-            self.backwards_run = Some(Step { place, from_s: held.time_s, to_s: row.time_s });
-            self.in_run = true;
-        }
-        if self.emitted_s.is_none_or(|emitted_s| row.time_s > emitted_s) {
-            // The row fits behind what went out, the held one does not fit before it.
-            self.held = Some(row);
-        }
-        None
+        let Self { strays, series, sorted, .. } = self;
+        let from_s = strays.latest_s();
+        let mut left_out = LeftOut::default();
+        strays.take(Line { row, place }, |fate| left_out.pass(fate, series, sorted));
+        self.count(&left_out, from_s, row.time_s);
+        self.hand_out(out);
     }
 
-    /// The last row, once there are no more.
-    pub(super) fn finish(&mut self) -> Option<LogRow> {
-        self.held.take().and_then(|row| self.emit(row))
+    /// The last rows, once there are no more.
+    pub(super) fn finish(&mut self, out: &mut VecDeque<LogRow>) {
+        let Self { strays, series, sorted, .. } = self;
+        let from_s = strays.latest_s();
+        let mut left_out = LeftOut::default();
+        strays.finish(|fate| left_out.pass(fate, series, sorted));
+        series.settle(&mut |fate| left_out.sort(fate, sorted));
+        sorted.finish();
+        self.count(&left_out, from_s, from_s);
+        self.hand_out(out);
     }
 
-    fn emit(&mut self, row: LogRow) -> Option<LogRow> {
-        self.emitted_s = Some(row.time_s);
-        Some(row)
+    /// Of rows that lie behind or ahead of the latest one, time went back with the first or after it.
+    fn count(&mut self, left_out: &LeftOut, latest_s: f64, now_s: f64) {
+        self.backwards += left_out.strays;
+        self.repeated += left_out.repeated;
+        self.first_repeat = self.first_repeat.or(left_out.first_repeat);
+        if let Some((place, stray_s)) = left_out.first_stray {
+            let (from_s, to_s) = if stray_s < latest_s { (latest_s, stray_s) } else { (stray_s, now_s) };
+            self.backwards_run.get_or_insert(Step { place, from_s, to_s });
+        }
+    }
+
+    fn hand_out(&mut self, out: &mut VecDeque<LogRow>) {
+        while let Some(Line { row, place }) = self.sorted.pop() {
+            if row.time_s > self.given_s {
+                self.given_s = row.time_s;
+                out.push_back(row);
+            } else {
+                self.repeated += 1;
+                self.first_repeat.get_or_insert(place);
+            }
+        }
+    }
+
+    /// Rows that came after a later one and were put in their place.
+    pub(super) fn moved(&self) -> u64 {
+        self.sorted.moved
+    }
+
+    /// What was found of a clock coarser than the rows.
+    pub(super) fn coarse(&self) -> Coarse {
+        self.series.coarse()
     }
 
     /// Whether what was left out so far is still a repair and not most of the log.
@@ -93,8 +151,8 @@ impl TimeOrder {
             if self.rows > 0 && with_time == 0 {
                 return Err(Problem::NoTime { rows: self.rows });
             }
-            if let Some(held) = self.held.filter(|_| with_time > 1 && self.repeated + 1 == with_time) {
-                return Err(Problem::TimeConstant { time_s: held.time_s, rows: with_time });
+            if with_time > 1 && self.repeated + 1 == with_time {
+                return Err(Problem::TimeConstant { time_s: self.given_s, rows: with_time });
             }
         }
         if self.backwards > tolerated
@@ -104,6 +162,11 @@ impl TimeOrder {
             let (backwards, rows) = (self.backwards, with_time);
             return Err(Problem::TimeBackwards { backwards, rows, place, from_s, to_s });
         }
+        let coarse = self.coarse();
+        if coarse.is_unsure() {
+            let Coarse { step_s, rate_hz, .. } = coarse;
+            return Err(Problem::CoarseClock { what: "rows".to_owned(), step_s, rate_hz });
+        }
         if self.repeated > tolerated
             && self.repeated as f64 > TOLERATED_REPEATS * with_time as f64
             && let Some(place) = self.first_repeat
@@ -111,6 +174,38 @@ impl TimeOrder {
             return Err(Problem::TimeRepeats { repeated: self.repeated, rows: with_time, place });
         }
         Ok(())
+    }
+}
+
+/// What one row pushed out of the way.
+#[derive(Default)]
+struct LeftOut {
+    strays: u64,
+    repeated: u64,
+    first_stray: Option<(Place, f64)>,
+    first_repeat: Option<Place>,
+}
+
+impl LeftOut {
+    fn pass(&mut self, fate: Fate<Line>, series: &mut Series<Line>, sorted: &mut Sorted<Line>) {
+        match fate {
+            Fate::Kept(line) => series.take(line, &mut |fate| self.sort(fate, sorted)),
+            other => self.sort(other, sorted),
+        }
+    }
+
+    fn sort(&mut self, fate: Fate<Line>, sorted: &mut Sorted<Line>) {
+        match fate {
+            Fate::Kept(line) if sorted.push(line) => {}
+            Fate::Kept(line) | Fate::Stray(line) => {
+                self.strays += 1;
+                self.first_stray.get_or_insert((line.place, line.row.time_s));
+            }
+            Fate::Repeated(line) => {
+                self.repeated += 1;
+                self.first_repeat.get_or_insert(line.place);
+            }
+        }
     }
 }
 
@@ -127,74 +222,81 @@ pub(super) enum Stage {
 mod tests {
     use super::*;
 
-    fn sorted(times: &[f64]) -> (Vec<f64>, TimeOrder) {
-        let mut order = TimeOrder::default();
-        let row = |time_s| LogRow { time_s, speed_m_s: f64::NAN, corners: [None; 4] };
-        let mut out: Vec<f64> = (1..)
-            .zip(times)
-            .filter_map(|(i, t)| order.push(row(*t), Place::Row(i)))
-            .map(|row| row.time_s)
-            .collect();
-        out.extend(order.finish().map(|row| row.time_s));
-        (out, order)
+    /// Rows with values of their own at these times.
+    fn sorted(times: impl IntoIterator<Item = f64>) -> (Vec<f64>, TimeOrder) {
+        let mut order = TimeOrder::new();
+        let mut out = VecDeque::new();
+        for (i, time_s) in (2..).zip(times) {
+            let row = LogRow { time_s, speed_m_s: i as f64, corners: [None; 4] };
+            order.push(row, Place::Line(i), &mut out);
+        }
+        order.finish(&mut out);
+        (out.iter().map(|row| row.time_s).collect(), order)
     }
 
     #[test]
-    fn the_odd_row_goes_whichever_way_it_is_odd() {
-        for (times, kept) in [
-            (&[1.0, 2.0, 900.0, 3.0, 4.0][..], &[1.0, 2.0, 3.0, 4.0][..]),
-            (&[1.0, 2.0, -7.0, 3.0, 4.0], &[1.0, 2.0, 3.0, 4.0]),
-            (&[900.0, 1.0, 2.0, 3.0], &[1.0, 2.0, 3.0]),
-            (&[1.0, 2.0, 3.0, 0.5], &[1.0, 2.0, 3.0]),
-            (&[1.0, 3.0, 2.0, 4.0], &[1.0, 2.0, 4.0]),
+    fn what_is_late_by_seconds_is_put_in_its_place_and_what_is_far_off_goes() {
+        for (times, kept, counts) in [
+            (&[1.0, 2.0, 900.0, 3.0, 4.0][..], &[1.0, 2.0, 3.0, 4.0][..], (1, 0)),
+            (&[20.0, 21.0, -7.0, 22.0], &[20.0, 21.0, 22.0], (1, 0)),
+            (&[900.0, 1.0, 2.0, 3.0], &[1.0, 2.0, 3.0], (1, 0)),
+            (&[1.0, 2.0, 3.0, 0.5], &[0.5, 1.0, 2.0, 3.0], (0, 1)),
+            (&[1.0, 3.0, 2.0, 4.0], &[1.0, 2.0, 3.0, 4.0], (0, 1)),
         ] {
-            let (out, order) = sorted(times);
+            let (out, order) = sorted(times.iter().copied());
             assert_eq!(out, kept, "{times:?}");
-            assert_eq!((order.backwards, order.repeated), (1, 0), "{times:?}");
+            assert_eq!(
+                (order.backwards, order.moved(), order.repeated),
+                (counts.0, counts.1, 0),
+                "{times:?}"
+            );
             assert!(order.check(Stage::Complete).is_ok());
         }
     }
 
     #[test]
     fn repeated_and_missing_times_are_left_out_and_counted() {
-        let (out, order) = sorted(&[1.0, 1.0, f64::NAN, 2.0, 3.0]);
+        let (out, order) = sorted([1.0, 1.0, f64::NAN, 2.0, 3.0]);
         assert_eq!(out, [1.0, 2.0, 3.0]);
         assert_eq!((order.rows, order.repeated, order.without_time), (5, 1, 1));
     }
 
-    /// `check` before `finish`, as the reader does at the end of a log.
     fn verdict(times: impl IntoIterator<Item = f64>) -> String {
-        let mut order = TimeOrder::default();
-        for (i, time_s) in (2..).zip(times) {
-            order.push(LogRow { time_s, speed_m_s: f64::NAN, corners: [None; 4] }, Place::Line(i));
-        }
-        order.check(Stage::Complete).map_or_else(|problem| problem.to_string(), |()| "fine".to_owned())
+        sorted(times)
+            .1
+            .check(Stage::Complete)
+            .map_or_else(|problem| problem.to_string(), |()| "fine".to_owned())
     }
 
     #[test]
     fn a_log_that_is_mostly_out_of_order_is_refused() {
-        assert_eq!(
-            verdict((0..5).map(|i| 5.0 - f64::from(i))),
-            "time goes backwards in 4 of the 5 rows read, at line 3 from 5 to 4 s, expected it to increase"
-        );
+        assert!(verdict((0..500).map(|i| 500.0 - f64::from(i))).starts_with("time goes backwards in 49"));
         assert!(verdict([7.0; 40]).starts_with("time is constant: time_s is 7 in all of the 40 rows read"));
         assert!(verdict([f64::NAN; 3]).starts_with("column time_s has no value in any of 3 rows"));
         // A clock that was set back in the middle.
         let reset = (0..500).map(f64::from).chain((0..100).map(f64::from));
         assert!(verdict(reset).contains("at line 502 from 499 to 0 s"));
-        // Every stamp twice.
-        let twice = (0..50).flat_map(|i| [f64::from(i); 2]);
-        assert!(verdict(twice).starts_with("time stands still in 50 of the 100 rows read (first at line 3)"));
         // One in a thousand is a repair.
         assert_eq!(verdict((0..3000).map(|i| if i % 1000 == 500 { 0.0 } else { f64::from(i) })), "fine");
     }
 
     #[test]
+    fn rows_under_a_coarse_clock_are_spread_or_refused() {
+        let even =
+            |step_s: f64| (0..5000).map(move |i| ((f64::from(i) * 0.002 + 1e-9) / step_s).floor() * step_s);
+        let (out, order) = sorted(even(0.01));
+        assert_eq!((out.len(), order.repeated, verdict(even(0.01))), (5000, 0, "fine".to_owned()));
+        assert!(out.windows(2).all(|pair| (pair[1] - pair[0] - 0.002).abs() < 5e-4));
+        assert!(
+            verdict(even(1.0)).contains("1 s") && verdict(even(1.0)).contains("500"),
+            "{}",
+            verdict(even(1.0))
+        );
+    }
+
+    #[test]
     fn while_reading_a_burst_is_waited_out() {
-        let mut order = TimeOrder::default();
-        for (i, t) in [5.0, 4.0, 3.0].into_iter().enumerate() {
-            order.push(LogRow { time_s: t, speed_m_s: 0.0, corners: [None; 4] }, Place::Row(i as u64 + 1));
-        }
+        let (_, order) = sorted([50.0, 51.0, 52.0, 4.0, 3.0].into_iter());
         assert!(order.check(Stage::Reading).is_ok() && order.check(Stage::Complete).is_err());
     }
 }

@@ -8,6 +8,7 @@ use itpms_core::model::Corner;
 use super::memory_source::{MemorySource, Pieces};
 use super::options::LogOptions;
 use super::order::{Stage, TimeOrder};
+use super::regular::Regular;
 use super::repair::RepairReport;
 use super::row::{Field, LogColumns, LogRow, SLOTS, Slot};
 use super::source::Source;
@@ -42,6 +43,7 @@ pub struct LogReader {
     exhausted: bool,
     survey: Survey,
     report: RepairReport,
+    regular: Regular,
     last_time_s: Option<f64>,
     /// Whether each column has had a value.
     seen: [bool; SLOTS],
@@ -90,11 +92,12 @@ impl LogReader {
         let mut reader = Self {
             path: path.to_owned(),
             source,
-            order: TimeOrder::default(),
+            order: TimeOrder::new(),
             ahead: VecDeque::with_capacity(SURVEY_ROWS),
             exhausted: false,
             survey: Survey { rows: 0, sample_period_s: 0.0, jitter_s: 0.0, sample_rate_hz: 0.0 },
             report,
+            regular: Regular::new(f64::NAN),
             last_time_s: None,
             seen: [false; SLOTS],
         };
@@ -145,6 +148,12 @@ impl LogReader {
         self.source.alignment()
     }
 
+    /// How the signals of an MDF4 or CAN log came into order and into rows, a sentence each; nothing for tables.
+    #[must_use]
+    pub fn remarks(&self) -> Vec<String> {
+        self.source.remarks()
+    }
+
     /// Share of the log that has been read, 0 to 1; of pieces whose number of rows nobody told, 0.
     #[must_use]
     pub fn progress(&self) -> f64 {
@@ -165,6 +174,7 @@ impl LogReader {
         let Some(row) = self.ahead.pop_front() else { return Ok(None) };
         if let Some(last_s) = self.last_time_s {
             let step_s = row.time_s - last_s;
+            self.regular.take(last_s, step_s).map_err(|problem| DataError::new(&self.path, problem))?;
             if step_s > GAP_PERIODS * self.survey.sample_period_s {
                 self.report.gaps += 1;
                 if self.report.longest_gap.is_none_or(|(longest_s, _)| step_s > longest_s) {
@@ -178,7 +188,7 @@ impl LogReader {
     }
 
     fn look_ahead(&mut self, units: UnitCheck) -> Result<(), Problem> {
-        while self.report.rows_read < SURVEY_ROWS as u64 && !self.exhausted {
+        while self.ahead.len() < SURVEY_ROWS && !self.exhausted {
             self.pull()?;
         }
         if self.report.rows_read == 0 {
@@ -188,6 +198,7 @@ impl LogReader {
             self.order.check(Stage::Complete)?;
         }
         self.survey = Survey::of(&self.ahead)?;
+        self.regular = Regular::new(1.0 / self.survey.sample_rate_hz);
         match units {
             UnitCheck::Suspicious => units::check(self.ahead.iter()),
             UnitCheck::Trusting => Ok(()),
@@ -205,7 +216,13 @@ impl LogReader {
         let missing = |slot: &Slot| raw[slot.index()].is_nan();
         self.report.missing_accelerations += accelerations(&columns).filter(missing).count() as u64;
         self.report.missing_speeds += u64::from(columns.speed && missing(&Slot::Speed));
-        self.ahead.extend(self.order.push(LogRow::from_values(&raw, &columns), place));
+        let row = LogRow::from_values(&raw, &columns);
+        if self.source.is_in_order() {
+            self.order.rows += 1;
+            self.ahead.push_back(row);
+        } else {
+            self.order.push(row, place, &mut self.ahead);
+        }
         self.copy_counts();
         Ok(())
     }
@@ -213,8 +230,8 @@ impl LogReader {
     /// The end of the file: the last row, the last checks.
     fn close(&mut self) -> Result<(), Problem> {
         self.exhausted = true;
+        self.order.finish(&mut self.ahead);
         self.order.check(Stage::Complete)?;
-        self.ahead.extend(self.order.finish());
         self.report.cut_off_lines = u64::from(self.source.cut_off());
         self.report.format = self.source.repairs();
         self.copy_counts();
@@ -237,7 +254,9 @@ impl LogReader {
         self.report.rows_read = self.order.rows;
         self.report.without_time = self.order.without_time;
         self.report.out_of_order = self.order.backwards;
+        self.report.put_in_order = self.order.moved();
         self.report.duplicate_times = self.order.repeated;
+        self.report.spread = self.order.coarse().spread;
     }
 }
 

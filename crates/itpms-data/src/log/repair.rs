@@ -15,8 +15,12 @@ pub struct RepairReport {
     pub missing_speeds: u64,
     /// Rows without a time, left out.
     pub without_time: u64,
-    /// Rows that lie before an earlier one, left out.
+    /// Rows whose time contradicts that of the others, left out.
     pub out_of_order: u64,
+    /// Rows that came after a later one, put into the order of their times.
+    pub put_in_order: u64,
+    /// Rows under a clock coarser than they are, spread evenly between its steps.
+    pub spread: u64,
     /// Rows with the time of the row before, left out.
     pub duplicate_times: u64,
     /// Steps in time of more than three sample periods.
@@ -46,6 +50,8 @@ impl RepairReport {
             ("missing speed values", self.missing_speeds),
             ("rows without a time", self.without_time),
             ("rows out of order", self.out_of_order),
+            ("rows put in order", self.put_in_order),
+            ("rows spread between the steps of a coarse clock", self.spread),
             ("rows that repeat a time", self.duplicate_times),
             ("lines cut off at the end", self.cut_off_lines),
             ("gaps of more than 3 sample periods", self.gaps),
@@ -73,6 +79,16 @@ impl RepairReport {
             self.out_of_order,
             "row is out of order and was left out",
             "rows are out of order and were left out",
+        );
+        say(
+            self.put_in_order,
+            "row came after a later one and was put into the order of time",
+            "rows came after a later one and were put into the order of time",
+        );
+        say(
+            self.spread,
+            "row shares its time with others under a coarse clock and was spread evenly",
+            "rows share their times with others under a coarse clock and were spread evenly",
         );
         say(
             self.duplicate_times,

@@ -188,6 +188,12 @@ impl LogRow {
         Self { time_s: raw[Slot::Time.index()], speed_m_s: raw[Slot::Speed.index()], corners }
     }
 
+    /// Whether all values but the time are the same.
+    pub(crate) fn has_values_of(&self, other: &Self) -> bool {
+        let same = |slot: Slot| self.value(slot).to_bits() == other.value(slot).to_bits();
+        Slot::all().skip(1).all(same)
+    }
+
     /// One value of this row, NaN where it has none.
     pub(crate) fn value(&self, slot: Slot) -> f64 {
         match slot {

@@ -11,7 +11,9 @@ use super::header::Header;
 #[cfg(feature = "mdf4")]
 use super::mdf4_feed::Mdf4Feed;
 use super::options::LogOptions;
-use super::row::RawRow;
+use super::row::{RawRow, Slot};
+use super::signal_order::SignalOrder;
+use super::stamps::Fate;
 use crate::error::{DataError, Place, Problem};
 use crate::signals::align::AlignmentReport;
 use crate::signals::{Aligner, Reading, Resolved};
@@ -27,7 +29,7 @@ pub(super) enum Feed {
 
 impl Feed {
     /// Hands out a few readings; false when there are no more.
-    fn step(&mut self, take: impl FnMut(Reading)) -> Result<bool, DataError> {
+    fn step(&mut self, take: impl FnMut(Fate<Reading>)) -> Result<bool, DataError> {
         match self {
             #[cfg(feature = "mdf4")]
             Feed::Mdf4(feed) => feed.step(take),
@@ -60,9 +62,11 @@ impl Feed {
 #[derive(Debug)]
 pub(super) struct SignalSource {
     feed: Feed,
+    order: SignalOrder,
     aligner: Aligner,
     header: Header,
     rows: u64,
+    last_s: f64,
     is_over: bool,
 }
 
@@ -100,7 +104,15 @@ impl SignalSource {
             conversions: Vec::new(),
             mapping: resolved.said(),
         };
-        Ok(Self { feed, aligner, header, rows: 0, is_over: false })
+        Ok(Self {
+            feed,
+            order: SignalOrder::new(),
+            aligner,
+            header,
+            rows: 0,
+            last_s: f64::NEG_INFINITY,
+            is_over: false,
+        })
     }
 
     pub(super) fn header(&self) -> &Header {
@@ -111,28 +123,48 @@ impl SignalSource {
         self.feed.progress()
     }
 
+    /// What was repaired, left out or assumed so far.
     pub(super) fn repairs(&self) -> Vec<String> {
-        self.feed.repairs()
+        let aligned = self.aligner.report().map(|report| report.warnings()).unwrap_or_default();
+        self.feed.repairs().into_iter().chain(self.order.warnings()).chain(aligned).collect()
     }
 
     pub(super) fn alignment(&self) -> Option<AlignmentReport> {
         self.aligner.report()
     }
 
+    /// How readings came into order and into rows, in words.
+    pub(super) fn remarks(&self) -> Vec<String> {
+        let aligned = self.aligner.report().map(|report| report.remarks()).unwrap_or_default();
+        self.order.remarks().into_iter().chain(aligned).collect()
+    }
+
     pub(super) fn next_row(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {
         loop {
-            if let Some(values) = self.aligner.pop_values() {
+            while let Some(values) = self.aligner.pop_values() {
+                let time_s = values[Slot::Time.index()];
+                if !(time_s > self.last_s) || self.order.is_hole(&values) {
+                    continue;
+                }
+                self.last_s = time_s;
                 *row = values;
                 self.rows += 1;
                 return Ok(Some(Place::Row(self.rows)));
             }
             if self.is_over {
-                return if self.rows == 0 { Err(Problem::NoRows(self.feed.repairs())) } else { Ok(None) };
+                return if self.rows == 0 { Err(Problem::NoRows(self.repairs())) } else { Ok(None) };
             }
-            let aligner = &mut self.aligner;
-            if !self.feed.step(|reading| aligner.push(reading)).map_err(|error| *error.problem)? {
+            let order = &mut self.order;
+            if !self.feed.step(|fate| order.take(fate)).map_err(|error| *error.problem)? {
                 self.is_over = true;
+                self.order.finish();
+            }
+            while let Some(reading) = self.order.pop() {
+                self.aligner.push(reading);
+            }
+            if self.is_over {
                 self.aligner.finish();
+                self.order.check()?;
             }
         }
     }

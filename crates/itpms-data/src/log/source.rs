@@ -87,6 +87,15 @@ impl Source {
         }
     }
 
+    /// Whether rows come in the order of their times.
+    pub(super) fn is_in_order(&self) -> bool {
+        match self {
+            #[cfg(any(feature = "can", feature = "mdf4"))]
+            Source::Signals(_) => true,
+            _ => false,
+        }
+    }
+
     /// Share of the file that has been read, 0 to 1.
     pub(super) fn progress(&self) -> f64 {
         match self {
@@ -123,6 +132,15 @@ impl Source {
     /// Which signal became which column; empty for tables with our names.
     pub(super) fn mapping(&self) -> &[String] {
         &self.header().mapping
+    }
+
+    /// How signals came into order and into rows, in words; nothing for tables.
+    pub(super) fn remarks(&self) -> Vec<String> {
+        match self {
+            #[cfg(any(feature = "can", feature = "mdf4"))]
+            Source::Signals(source) => source.remarks(),
+            _ => Vec::new(),
+        }
     }
 
     /// How signals were put into rows; `None` for tables.

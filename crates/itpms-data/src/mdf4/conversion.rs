@@ -8,6 +8,8 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::block::{Block, BlockFile, Fault, Kind};
+use super::formula::Formula;
+use super::text;
 use crate::error::Problem;
 
 const CONVERSION: Kind = Kind { name: "conversion", id: b"##CC", links: 4, data: 24, most: 24 + 8 * 65_535 };
@@ -27,6 +29,8 @@ pub(super) enum Conversion {
     Linear { offset: f64, factor: f64 },
     /// `(p0 x² + p1 x + p2) / (p3 x² + p4 x + p5)`.
     Rational([f64; 6]),
+    /// A formula in words.
+    Formula(Formula),
     /// Keys in rising order with their values.
     Table { keys: Vec<f64>, values: Vec<f64>, between: Between },
     /// Ranges in rising order; what is in none has the default.
@@ -76,6 +80,7 @@ impl Conversion {
             Conversion::Identity => x,
             Conversion::Linear { offset, factor } => offset + factor * x,
             Conversion::Rational([a, b, c, d, e, f]) => (a * x * x + b * x + c) / (d * x * x + e * x + f),
+            Conversion::Formula(formula) => formula.apply(x),
             Conversion::Table { keys, values, between } => look_up(keys, values, *between, x),
             Conversion::Ranges { ranges, default } => {
                 let found = find(ranges, x, raw, |range| (range.least, range.most));
@@ -181,7 +186,7 @@ impl Conversions {
             (0, _) => Conversion::Identity,
             (1, &[offset, factor, ..]) => Conversion::Linear { offset, factor },
             (2, &[a, b, c, d, e, f, ..]) => Conversion::Rational([a, b, c, d, e, f]),
-            (3, _) => Conversion::Unreadable("converted by a formula in words".to_owned()),
+            (3, _) => formula(file, block.link(4))?,
             (4, pairs @ [_, _, ..]) => table(pairs, Between::Interpolated),
             (5, pairs @ [_, _, ..]) => table(pairs, Between::Nearest),
             (6, [triples @ .., default]) => ranges(triples, *default),
@@ -242,6 +247,28 @@ impl Conversions {
             Ok(frame) if frame.id == *b"##CC" => Ok(Some(self.read_nested(file, at, depth + 1)?.0)),
             Ok(_) | Err(Fault::Damaged(_)) => Ok(None),
             Err(fault) => Err(fault.into_problem()),
+        }
+    }
+}
+
+fn formula(file: &mut BlockFile, at: u64) -> Result<Conversion, Problem> {
+    let unreadable = |why: String| Ok(Conversion::Unreadable(why));
+    if at == 0 {
+        return unreadable("converted by a formula that is not there".to_owned());
+    }
+    let text = match text::read(file, at) {
+        Ok(text) => text,
+        Err(fault) => return unreadable(format!("converted by a lost formula ({})", fault.damage()?)),
+    };
+    if text.len() >= text::LONGEST - 4 {
+        return unreadable(format!("converted by a formula of more than {} bytes", text::LONGEST));
+    }
+    match Formula::parse(&text) {
+        Ok(formula) => Ok(Conversion::Formula(formula)),
+        Err(rest) => {
+            let (text, rest): (String, String) =
+                (text.chars().take(60).collect(), rest.chars().take(20).collect());
+            unreadable(format!("converted by the formula {text:?}, of which {rest:?} is not understood"))
         }
     }
 }

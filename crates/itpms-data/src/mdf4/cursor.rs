@@ -32,6 +32,7 @@ pub(super) struct Parts {
     /// Records of another group that has the time.
     pub(super) master: Option<Records>,
     pub(super) time: Layout,
+    pub(super) seconds_per_unit: f64,
     /// Bytes of values in a record of the group that has the time.
     pub(super) time_value_bytes: usize,
     pub(super) columns: Vec<Layout>,
@@ -148,7 +149,7 @@ impl Parts {
             for (value, column) in values.iter_mut().zip(&self.columns) {
                 *value = column.value(record, invalid, number);
             }
-            let time_s = match &self.master {
+            let stamp = match &self.master {
                 None => self.time.value(record, invalid, number),
                 Some(master) => {
                     let record = master.current();
@@ -156,7 +157,7 @@ impl Parts {
                     self.time.value(record, invalid, number)
                 }
             };
-            return Ok(Some(time_s));
+            return Ok(Some(stamp * self.seconds_per_unit));
         }
     }
 }

@@ -186,6 +186,13 @@ pub enum Mdf4Repair {
         /// The bound in bytes.
         most: usize,
     },
+    /// A clock in another unit than the standard's.
+    ClockUnit {
+        /// Name of the group.
+        group: String,
+        /// The unit as stated.
+        unit: String,
+    },
     /// Data without a count.
     CountZero {
         /// Name of the group.
@@ -253,6 +260,9 @@ impl fmt::Display for Mdf4Repair {
             Self::Text(damage) => write!(f, "{damage}; the text is left empty"),
             Self::TextsLeftOut { most } => {
                 write!(f, "names and comments of more than {most} bytes: the rest are left empty")
+            }
+            Self::ClockUnit { group, unit } => {
+                write!(f, "group {group:?}: its clock is in {unit}, expected s; read in {unit}")
             }
             Self::CountZero { group } => {
                 write!(

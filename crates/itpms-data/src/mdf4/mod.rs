@@ -5,8 +5,9 @@
 //! | module | idea |
 //! |---|---|
 //! | `identification`, `block`, `text` | the frame of a file and of its blocks, held against the file's length |
-//! | `structure`, `channel_list`, `conversion`, `field` | the tree of groups and channels, compiled to what reads a number |
+//! | `structure`, `channel_list`, `conversion`, `formula`, `field` | the tree of groups and channels, compiled to what reads a number |
 //! | `data`, `inflate`, `records` | a group's bytes however they are cut and compressed, and its records among others' |
+//! | `contents` | what of it could be a signal, what cannot be read and why, stretches of one recording |
 //! | [`Mdf4Reader`], [`GroupCursor`] | what a reader sees |
 //! | [`Mdf4Writer`] | groups at native rates, compressed or not, written as a stream |
 //!
@@ -14,7 +15,7 @@
 //! is an [`Mdf4Repair`]. Memory is bounded whatever a file says: texts 64 MB, tables of conversions 100 MB, 131 072
 //! channels, and per cursor one data block (see [`Mdf4Reader::cursor`]).
 //!
-//! Not read: text and bytes (listed), arrays, formulas in words, the compressions of MDF 4.3.
+//! Not read: text and bytes (listed), arrays, the compressions of MDF 4.3.
 //!
 //! # Why not a crate
 //!
@@ -26,11 +27,13 @@
 mod block;
 mod channel;
 mod channel_list;
+pub(crate) mod contents;
 mod conversion;
 mod cursor;
 mod data;
 mod error;
 mod field;
+mod formula;
 mod identification;
 mod inflate;
 mod reader;

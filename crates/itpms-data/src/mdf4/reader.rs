@@ -13,6 +13,7 @@ use super::records::{MOST_EMPTY, MOST_RECORD, Records, Shape};
 use super::structure::{self, Structure};
 use crate::error::{DataError, Problem};
 use crate::input;
+use crate::signals::column_unit;
 
 /// An open MDF4 file (ASAM MDF 4.0 to 4.2).
 ///
@@ -44,6 +45,7 @@ impl Mdf4Reader {
         }
         let mut structure = structure::read(&mut file, unfinished, &mut repairs)?;
         forget_zero_counts(&mut file, &mut structure, &mut repairs)?;
+        say_units_of_clocks(&structure, &mut repairs);
         let places = std::mem::take(&mut structure.places).into();
         Ok(Self { path: path.to_owned(), structure, places, unfinished, repairs })
     }
@@ -97,6 +99,8 @@ impl Mdf4Reader {
         let Some((clock, clock_layout, Some(time))) = time else {
             return Err(fail(Mdf4Problem::NoTime(group.name.clone())));
         };
+        let named = clock_layout.time.and_then(|time| self.structure.groups.get(clock)?.channels.get(time));
+        let seconds_per_unit = named.and_then(|channel| column_unit::seconds(&channel.unit)).unwrap_or(1.0);
         let data = self.structure.data.get(layout.data_group).map_or(0, |group| group.data);
         let apart = layout.invalid_bytes > 0 && has_invalidation_apart(&mut open(&self.path)?, data)?;
         let (bytes, invalid_bytes) = (u64::from(layout.value_bytes), u64::from(layout.invalid_bytes));
@@ -116,6 +120,7 @@ impl Mdf4Reader {
             invalid,
             master,
             time: time.clone(),
+            seconds_per_unit,
             time_value_bytes: clock_layout.value_bytes as usize,
             columns,
             value_bytes: layout.value_bytes as usize,
@@ -195,6 +200,16 @@ fn forget_zero_counts(
         }
     }
     Ok(())
+}
+
+/// The standard has masters in s; those that say another unit are read in it.
+fn say_units_of_clocks(structure: &Structure, repairs: &mut Repairs) {
+    for (group, layout) in structure.groups.iter().zip(&structure.layouts) {
+        let Some(clock) = layout.time.and_then(|time| group.channels.get(time)) else { continue };
+        if column_unit::seconds(&clock.unit).is_some_and(|seconds| seconds != 1.0) {
+            repairs.push(Mdf4Repair::ClockUnit { group: group.name.clone(), unit: clock.unit.clone() });
+        }
+    }
 }
 
 /// Whether a data block has data; the last of a file may have them without a length.

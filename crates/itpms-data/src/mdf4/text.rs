@@ -10,7 +10,7 @@ use super::error::{Damage, Mdf4Repair, Repairs};
 use crate::error::Problem;
 
 /// Longest text kept, in bytes; what is behind it is cut off.
-const LONGEST: usize = 1000;
+pub(super) const LONGEST: usize = 1000;
 
 /// How much of a comment is looked through for its text.
 const LOOKED_THROUGH: u64 = 1 << 16;
@@ -67,7 +67,7 @@ impl Texts {
     }
 }
 
-fn read(file: &mut BlockFile, at: u64) -> Result<String, super::block::Fault> {
+pub(super) fn read(file: &mut BlockFile, at: u64) -> Result<String, super::block::Fault> {
     let frame = file.frame("text", at)?;
     let plain = match &frame.id {
         b"##TX" => true,

@@ -7,6 +7,9 @@ use super::Candidate;
 use super::units::Unit;
 use crate::log::Quantity;
 
+/// What pandas calls an index without a name where it stores a frame.
+const UNNAMED_INDEX: &str = "__index_level_0__";
+
 /// The column as a candidate: a signal of its own name and, if the name ends with one, of that unit.
 pub(crate) fn candidate(name: &str) -> Candidate {
     let (_, unit) = split(name);
@@ -14,8 +17,11 @@ pub(crate) fn candidate(name: &str) -> Candidate {
 }
 
 /// Seconds per unit of the column, if it is a clock: `time_s`, `Time`, `t [ms]`, `timestamps`. One that does not say its
-/// unit has seconds.
+/// unit has seconds. So does the index of a frame that was stored without a name.
 pub(crate) fn clock(name: &str) -> Option<f64> {
+    if name == UNNAMED_INDEX {
+        return Some(1.0);
+    }
     let (bare, unit) = split(name);
     let letters: String = bare.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect();
     let is_clock = matches!(
@@ -32,6 +38,15 @@ pub(crate) fn clock(name: &str) -> Option<f64> {
 /// Seconds per unit of a column that is said to be the clock, if its name ends with a unit of time.
 pub(crate) fn seconds_in(name: &str) -> Option<f64> {
     match Unit::of(&split(name).1) {
+        Unit::Known(Quantity::Time, seconds) => Some(seconds),
+        _ => None,
+    }
+}
+
+/// Seconds per this unit, if it is one of time.
+#[cfg(feature = "mdf4")]
+pub(crate) fn seconds(unit: &str) -> Option<f64> {
+    match Unit::of(unit) {
         Unit::Known(Quantity::Time, seconds) => Some(seconds),
         _ => None,
     }
@@ -115,6 +130,7 @@ mod tests {
             ("time of day", None),
             ("lap_time_s", None),
             ("time [LSB]", None),
+            ("__index_level_0__", Some(1.0)),
         ] {
             assert_eq!(clock(name), seconds, "{name}");
         }

@@ -34,7 +34,7 @@ pub use map::SignalMap;
 use map::{Entry, Scale};
 pub use problem::SignalProblem;
 pub use remark::{Remark, Source};
-pub use resolve::{Chosen, Resolved, resolve};
+pub use resolve::{Chosen, Resolved, resolve, resolve_knowing};
 
 /// One value of one signal at its own time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,6 +74,15 @@ impl Candidate {
             (false, None) => false,
         }
     }
+}
+
+/// Something in a log that could be a signal but cannot be read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Unread {
+    /// What it is called.
+    pub candidate: Candidate,
+    /// Why it is not read, as the end of "it is".
+    pub why: String,
 }
 
 /// From one unit to another: times the factor, plus the offset.

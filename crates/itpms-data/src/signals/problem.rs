@@ -75,6 +75,32 @@ pub enum SignalProblem {
         /// Some of the signals of that name.
         found: String,
     },
+    /// A signal that is there and cannot be read.
+    #[error("line {line}: {column} is to be {signal:?}, which cannot be read: it is {why}")]
+    Unread {
+        /// Line of the map.
+        line: usize,
+        /// The column.
+        column: String,
+        /// The signal's full name.
+        signal: String,
+        /// What it is.
+        why: String,
+    },
+    /// A full name that several signals have.
+    #[error(
+        "line {line}: {column} is to be {signal:?}, of which there are {groups} at the same times: nothing tells them apart, expected one (leave the other groups out of the log, or give them names)"
+    )]
+    SameName {
+        /// Line of the map.
+        line: usize,
+        /// The column.
+        column: String,
+        /// The signal's full name.
+        signal: String,
+        /// How many there are.
+        groups: usize,
+    },
     /// The log's unit says nothing, and the map does not say it either.
     #[error(
         "line {line}: {column} is to be {signal:?}, whose unit {}, expected {}: give it in the map, {}",

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::problem::{stated, suggested};
-use crate::log::Slot;
+use crate::log::{Quantity, Slot};
 
 /// Who said that a signal is a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,6 +54,15 @@ pub enum Remark {
         /// Its unit as stated.
         unit: String,
     },
+    /// A signal could be it, but cannot be read.
+    Unread {
+        /// The column.
+        slot: Slot,
+        /// The signal.
+        signal: String,
+        /// What it is.
+        why: String,
+    },
     /// The map has one signal for two columns.
     UsedTwice {
         /// The signal.
@@ -61,6 +70,18 @@ pub enum Remark {
         /// The columns.
         slots: [Slot; 2],
     },
+}
+
+impl Remark {
+    /// Whether a corner may lack an acceleration because of it.
+    pub(super) fn is_of_acceleration(&self) -> bool {
+        match self {
+            Remark::Ambiguous { slot, .. } | Remark::Unit { slot, .. } | Remark::Unread { slot, .. } => {
+                Quantity::of(*slot) == Quantity::Acceleration
+            }
+            Remark::UsedTwice { .. } => false,
+        }
+    }
 }
 
 impl fmt::Display for Remark {
@@ -80,6 +101,9 @@ impl fmt::Display for Remark {
                     f,
                     "{column} could be {signal}, whose unit {stated}: not taken; say it in a map, {suggested}"
                 )
+            }
+            Remark::Unread { slot, signal, why } => {
+                write!(f, "{} could be {signal}, which cannot be read: it is {why}", slot.name())
             }
             Remark::UsedTwice { signal, slots: [first, second] } => {
                 write!(f, "{signal} is both {} and {}", first.name(), second.name())

@@ -68,8 +68,18 @@ impl Resolved {
                 )
             }
         };
-        for remark in &self.remarks {
+        if self.remarks.is_empty()
+            && let Some(unread) = self.unread.first()
+        {
+            let _ = write!(text, "; {} is {}", unread.candidate.full_name(), unread.why);
+        }
+        // Accelerations decide; of many doubts one is enough to see what is missing.
+        let first = self.remarks.iter().find(|remark| remark.is_of_acceleration()).or(self.remarks.first());
+        if let Some(remark) = first {
             let _ = write!(text, "; {remark}");
+        }
+        if self.remarks.len() > 1 {
+            let _ = write!(text, "; {} more (itpms signals)", self.remarks.len() - 1);
         }
         if self.candidates > 0 {
             text.push_str(
@@ -97,13 +107,7 @@ impl Resolved {
     pub fn to_toml(&self, clock: Option<&str>) -> String {
         let mut out = String::from("[signals]\n");
         if let Some(name) = clock {
-            // Found again by its name, wherever the same table comes from; a frame's index has none.
-            let _ = writeln!(
-                out,
-                "# the clock, found by its name: {} = \"{}\"",
-                Slot::Time.name(),
-                escaped(name)
-            );
+            let _ = writeln!(out, "{} = \"{}\"", Slot::Time.name(), escaped(name));
         }
         for slot in Slot::all().filter(|slot| *slot != Slot::Time) {
             let column = slot.name();
@@ -113,7 +117,7 @@ impl Resolved {
                     let _ = writeln!(out, "{column} = {value}");
                 }
                 None => {
-                    let doubt = |remark: &&Remark| matches!(remark, Remark::Ambiguous { slot: s, .. } | Remark::Unit { slot: s, .. } if *s == slot);
+                    let doubt = |remark: &&Remark| matches!(remark, Remark::Ambiguous { slot: s, .. } | Remark::Unit { slot: s, .. } | Remark::Unread { slot: s, .. } if *s == slot);
                     if let Some(remark) = self.remarks.iter().find(doubt) {
                         let text: String = remark.to_string().chars().map(one_line).collect();
                         let _ = writeln!(out, "# {text}");

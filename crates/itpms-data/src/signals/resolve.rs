@@ -8,7 +8,7 @@
 use super::names::{self, Fit};
 use super::remark::{Remark, Source};
 use super::units::Unit;
-use super::{Candidate, Conversion, Entry, Scale, SignalMap, SignalProblem};
+use super::{Candidate, Conversion, Entry, Scale, SignalMap, SignalProblem, Unread};
 use crate::error::{DataError, Problem};
 use crate::log::{SLOTS, Slot};
 use crate::nearest::nearest;
@@ -36,6 +36,8 @@ pub struct Resolved {
     pub(super) chosen: [Option<Chosen>; SLOTS],
     pub(super) remarks: Vec<Remark>,
     pub(super) candidates: usize,
+    /// What there is besides and cannot be read.
+    pub(super) unread: Vec<Unread>,
 }
 
 impl Resolved {
@@ -63,14 +65,30 @@ impl Resolved {
 /// The map asks for a signal that is not there or not the only one of its name, or for one whose unit is of no use and
 /// not given in the map. That names match nowhere is no error; see [`Resolved::unusable`].
 pub fn resolve(candidates: &[Candidate], map: Option<&SignalMap>) -> Result<Resolved, DataError> {
-    let mut resolved =
-        Resolved { chosen: [const { None }; SLOTS], remarks: Vec::new(), candidates: candidates.len() };
+    resolve_knowing(candidates, &[], map)
+}
+
+/// The same, knowing what else there is that cannot be read, so that the reason can be said.
+///
+/// # Errors
+/// As [`resolve`].
+pub fn resolve_knowing(
+    candidates: &[Candidate],
+    unread: &[Unread],
+    map: Option<&SignalMap>,
+) -> Result<Resolved, DataError> {
+    let mut resolved = Resolved {
+        chosen: [const { None }; SLOTS],
+        remarks: Vec::new(),
+        candidates: candidates.len(),
+        unread: unread.to_vec(),
+    };
     let mut settled = [false; SLOTS];
     settled[Slot::Time.index()] = true;
     for (map, entry) in map.into_iter().flat_map(|map| map.entries.iter().map(move |entry| (map, entry))) {
         settled[entry.slot.index()] = true;
         let Some(signal) = &entry.signal else { continue };
-        let chosen = by_map(candidates, entry, signal)
+        let chosen = by_map(candidates, unread, entry, signal)
             .map_err(|problem| DataError::new(&map.path, Problem::Signals(problem)))?;
         let before = resolved.iter().find(|other| other.candidate == chosen.candidate);
         if let Some(other) = before {
@@ -84,7 +102,7 @@ pub fn resolve(candidates: &[Candidate], map: Option<&SignalMap>) -> Result<Reso
     for slot in Slot::all().filter(|slot| !settled[slot.index()]) {
         let taken = |candidate: usize| resolved.iter().any(|chosen| chosen.candidate == candidate);
         match fits.best(candidates, slot, taken) {
-            Best::Nothing => {}
+            Best::Nothing => resolved.remarks.extend(unread.iter().find_map(|unread| unread.as_column(slot))),
             Best::One(chosen) => resolved.chosen[slot.index()] = Some(chosen),
             Best::Doubt(remark) => resolved.remarks.push(remark),
         }
@@ -92,7 +110,22 @@ pub fn resolve(candidates: &[Candidate], map: Option<&SignalMap>) -> Result<Reso
     Ok(resolved)
 }
 
-fn by_map(candidates: &[Candidate], entry: &Entry, signal: &str) -> Result<Chosen, SignalProblem> {
+impl Unread {
+    /// What is to be said of it if its name says that it is this column.
+    fn as_column(&self, slot: Slot) -> Option<Remark> {
+        let Candidate { group, name, .. } = &self.candidate;
+        let meant = || names::meaning(group, name).is_some_and(|(meant, _)| meant == slot);
+        let (signal, why) = (self.candidate.full_name(), self.why.clone());
+        (fits_own_name(&self.candidate, slot) || meant()).then_some(Remark::Unread { slot, signal, why })
+    }
+}
+
+fn by_map(
+    candidates: &[Candidate],
+    unread: &[Unread],
+    entry: &Entry,
+    signal: &str,
+) -> Result<Chosen, SignalProblem> {
     let (line, column, slot) = (entry.line, entry.slot.name(), entry.slot);
     let called = |name: &dyn Fn(&Candidate) -> bool| {
         candidates.iter().enumerate().filter(|(_, c)| name(c)).map(|(i, _)| i).collect::<Vec<_>>()
@@ -105,6 +138,12 @@ fn by_map(candidates: &[Candidate], entry: &Entry, signal: &str) -> Result<Chose
     let place = match found[..] {
         [place] => place,
         [] => {
+            let called =
+                |unread: &&Unread| unread.candidate.is_called(signal) || unread.candidate.name == signal;
+            if let Some(Unread { candidate, why }) = unread.iter().find(called) {
+                let (signal, why) = (candidate.full_name(), why.clone());
+                return Err(SignalProblem::Unread { line, column, signal, why });
+            }
             let full: Vec<String> = candidates.iter().map(Candidate::full_name).collect();
             let short = candidates.iter().map(|candidate| candidate.name.as_str());
             let near = nearest(signal, full.iter().map(String::as_str).chain(short)).map(str::to_owned);
@@ -112,8 +151,13 @@ fn by_map(candidates: &[Candidate], entry: &Entry, signal: &str) -> Result<Chose
             return Err(SignalProblem::NotThere { line, column, signal, of, nearest: near });
         }
         _ => {
+            let signal = signal.to_owned();
+            if candidates[found[0]].full_name() == signal {
+                let groups = found.len();
+                return Err(SignalProblem::SameName { line, column, signal, groups });
+            }
             let found = some_names(candidates, &found);
-            return Err(SignalProblem::Several { line, column, signal: signal.to_owned(), found });
+            return Err(SignalProblem::Several { line, column, signal, found });
         }
     };
     let candidate = &candidates[place];

@@ -67,8 +67,7 @@ fn look(log: &mut LogReader, screen: &Screen, interrupt: &Interrupt) -> Result<F
 /// Which signal was taken for what, and what was repaired.
 fn remarks(args: &PlotArgs, log: &LogReader, screen: &Screen) {
     let path = args.log.display();
-    let aligned = log.alignment().map(|report| report.remarks()).unwrap_or_default();
-    for remark in log.mapping().iter().chain(&aligned) {
+    for remark in log.mapping().iter().chain(&log.remarks()) {
         screen.remark(format!("{path}: {remark}"));
     }
     for warning in log.repairs().warnings() {

@@ -56,7 +56,13 @@ impl AlignmentReport {
     /// What was done beyond taking every reading as it is: one sentence each.
     #[must_use]
     pub fn remarks(&self) -> Vec<String> {
-        let mut out: Vec<String> = self.signals.iter().filter_map(|signal| self.remark(signal)).collect();
+        self.signals.iter().filter_map(|signal| self.remark(signal)).collect()
+    }
+
+    /// What was left out: one sentence each.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let mut out = Vec::new();
         for (count, what) in [
             (self.without_time, "had no time"),
             (self.strays, "had a stamp far ahead of all others that none followed"),

@@ -108,7 +108,8 @@ impl FrameLister {
         }
         let absent = self.dbc.as_ref().map(|dbc| absent(dbc, &self.messages)).unwrap_or_default();
         let span_s = self.whole.span_s().map(|(first, _)| (first, self.latest_s));
-        Listing { groups, kind: "message", span_s, samples: self.whole.samples(), clock: None, notes, absent }
+        let (samples, unread) = (self.whole.samples(), Vec::new());
+        Listing { groups, kind: "message", span_s, samples, clock: None, notes, absent, unread }
     }
 }
 

@@ -5,7 +5,9 @@ use std::path::Path;
 use super::statistics::{Clock, Range};
 use super::{ListedGroup, ListedSignal, Listing};
 use crate::error::DataError;
-use crate::mdf4::{ChannelKind, GroupCursor, Mdf4Reader};
+use crate::mdf4::contents::{is_signal, stacks, unread};
+use crate::mdf4::{GroupCursor, Mdf4Reader};
+use crate::signals::Unread;
 
 /// Values between two looks around.
 const VALUES_PER_STEP: usize = 16_384;
@@ -19,6 +21,8 @@ pub(super) struct Mdf4Lister {
     values: Vec<f64>,
     notes: Vec<String>,
     samples: u64,
+    firsts: Vec<usize>,
+    unread: Vec<Unread>,
 }
 
 #[derive(Debug)]
@@ -34,7 +38,9 @@ impl Mdf4Lister {
     pub(super) fn open(path: &Path) -> Result<Self, DataError> {
         let reader = Mdf4Reader::open(path)?;
         let notes = reader.repairs().iter().map(ToString::to_string).collect();
-        Ok(Self { reader, groups: Vec::new(), cursor: None, values: Vec::new(), notes, samples: 0 })
+        let (firsts, unread) = (stacks(&reader)?, unread(&reader));
+        let (groups, values) = (Vec::new(), Vec::new());
+        Ok(Self { reader, groups, cursor: None, values, notes, samples: 0, firsts, unread })
     }
 
     /// Opens the next group that has a time and numbers; false if there is none.
@@ -42,11 +48,9 @@ impl Mdf4Lister {
         let first = self.groups.last().map_or(0, |group| group.place + 1);
         for (place, group) in self.reader.groups().iter().enumerate().skip(first) {
             let numbers = group.channels.iter().enumerate();
-            let channels: Vec<usize> = numbers
-                .filter(|(_, channel)| !channel.is_time && channel.kind == ChannelKind::Number)
-                .map(|(place, _)| place)
-                .collect();
-            if !group.has_time || channels.is_empty() {
+            let channels: Vec<usize> =
+                numbers.filter(|(_, channel)| is_signal(group, channel)).map(|(place, _)| place).collect();
+            if channels.is_empty() {
                 continue;
             }
             self.cursor = Some(self.reader.cursor(place, &channels)?);
@@ -86,7 +90,7 @@ impl Mdf4Lister {
 
     pub(super) fn finish(self) -> Listing {
         let mut span_s: Option<(f64, f64)> = None;
-        let mut groups = Vec::new();
+        let (mut groups, mut listed) = (Vec::new(), Vec::new());
         for group in self.groups {
             let Some(of_file) = self.reader.groups().get(group.place) else { continue };
             let signals = group.channels.iter().zip(&group.ranges).filter_map(|(channel, range)| {
@@ -94,7 +98,13 @@ impl Mdf4Lister {
                 Some(ListedSignal::new(channel.name.clone(), channel.unit.clone(), range))
             });
             let signals = signals.collect();
-            groups.push(ListedGroup { signals, ..ListedGroup::new(of_file.name.clone(), &group.clock) });
+            let stretch_of = listed.iter().position(|listed| self.firsts[group.place] == *listed);
+            listed.push(group.place);
+            groups.push(ListedGroup {
+                signals,
+                stretch_of,
+                ..ListedGroup::new(of_file.name.clone(), &group.clock)
+            });
             if let Some((first, last)) = group.clock.span_s() {
                 let (f, l) = span_s.unwrap_or((first, last));
                 span_s = Some((f.min(first), l.max(last)));
@@ -108,6 +118,7 @@ impl Mdf4Lister {
             clock: None,
             notes: self.notes,
             absent: Vec::new(),
+            unread: self.unread,
         }
     }
 }

@@ -16,7 +16,7 @@ mod table;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use super::Candidate;
+use super::{Candidate, Unread};
 use crate::error::{DataError, Problem};
 use crate::signals::column_unit;
 use statistics::{Clock, Range};
@@ -56,6 +56,8 @@ pub struct Listing {
     pub notes: Vec<String>,
     /// Signals that the description has but this log has not, in candidates' order after those of `groups`.
     pub absent: Vec<Candidate>,
+    /// What else there is and cannot be read, with the reason.
+    pub unread: Vec<Unread>,
 }
 
 /// Signals with a common clock.
@@ -77,6 +79,8 @@ pub struct ListedGroup {
     pub jitter_s: Option<f64>,
     /// The rate the description states, in Hz.
     pub stated_hz: Option<f64>,
+    /// The group of which this one is a later stretch, by its place in the list.
+    pub stretch_of: Option<usize>,
     /// Shortest and longest data in bytes, of messages.
     pub bytes: Option<(usize, usize)>,
     /// Its signals.
@@ -176,7 +180,7 @@ impl Lister {
 
 impl Listing {
     /// All signals, group by group and then those of `absent`, as candidates for columns. A message that came on several
-    /// buses is there once.
+    /// buses, or a recording in stretches, is there once.
     #[must_use]
     pub fn candidates(&self) -> Vec<Candidate> {
         let mut candidates: Vec<Candidate> = Vec::new();
@@ -198,11 +202,12 @@ impl Listing {
     pub fn first_candidates(&self) -> Vec<usize> {
         let mut next = 0;
         let mut by_id: HashMap<&str, usize> = HashMap::new();
-        let mut firsts = Vec::with_capacity(self.groups.len());
+        let mut firsts: Vec<usize> = Vec::with_capacity(self.groups.len());
         for group in &self.groups {
-            let first = match &group.id {
-                Some(id) => *by_id.entry(id.as_str()).or_insert(next),
-                None => next,
+            let first = match (&group.id, group.stretch_of.and_then(|group| firsts.get(group))) {
+                (Some(id), _) => *by_id.entry(id.as_str()).or_insert(next),
+                (None, Some(first)) => *first,
+                (None, None) => next,
             };
             firsts.push(first);
             if first == next {
@@ -228,7 +233,16 @@ impl Listing {
             .collect();
         let group = ListedGroup { signals, ..ListedGroup::new(String::new(), clock) };
         let (span_s, samples) = (clock.span_s(), clock.samples());
-        Self { groups: vec![group], kind, span_s, samples, clock: column, notes, absent: Vec::new() }
+        Self {
+            groups: vec![group],
+            kind,
+            span_s,
+            samples,
+            clock: column,
+            notes,
+            absent: Vec::new(),
+            unread: Vec::new(),
+        }
     }
 }
 
@@ -244,6 +258,7 @@ impl ListedGroup {
             rate_hz,
             jitter_s,
             stated_hz: None,
+            stretch_of: None,
             bytes: None,
             signals: Vec::new(),
         }

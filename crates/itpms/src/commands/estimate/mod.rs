@@ -104,8 +104,7 @@ fn check_names(args: &EstimateArgs) -> Result<(), Failure> {
 /// What was repaired, and what a person should know before believing the result.
 fn remarks(screen: &Screen, log: &LogReader, concerns: &[String]) {
     let path = log.path().display();
-    let aligned = log.alignment().map(|report| report.remarks()).unwrap_or_default();
-    for remark in log.mapping().iter().chain(&aligned) {
+    for remark in log.mapping().iter().chain(&log.remarks()) {
         screen.remark(format!("{path}: {remark}"));
     }
     for concern in concerns {

@@ -32,6 +32,10 @@ pub(super) fn value(log: &Path, listing: &Listing, resolved: &Resolved, columns:
         "remarks": resolved.remarks().iter().map(ToString::to_string).collect::<Vec<_>>(),
         "unusable": resolved.unusable(),
         "absent": listing.absent.iter().map(|signal| signal.full_name()).collect::<Vec<_>>(),
+        "unread": listing.unread.iter().map(|unread| json!({
+            "signal": unread.candidate.full_name(),
+            "why": unread.why,
+        })).collect::<Vec<_>>(),
         "warnings": listing.notes,
     })
 }

@@ -11,7 +11,7 @@ mod table;
 use std::path::Path;
 
 use itpms_data::out::AtomicFile;
-use itpms_data::signals::{Chosen, Lister, Listing, Resolved, SignalMap, resolve};
+use itpms_data::signals::{Chosen, Lister, Listing, Resolved, SignalMap, resolve_knowing};
 
 use super::{former, names};
 use crate::args::SignalsArgs;
@@ -30,7 +30,7 @@ pub(crate) fn run(args: &SignalsArgs, screen: &Screen, interrupt: &Interrupt) ->
     }
     drop(progress);
     let listing = lister.finish();
-    let resolved = resolve(&listing.candidates(), map.as_ref())?;
+    let resolved = resolve_knowing(&listing.candidates(), &listing.unread, map.as_ref())?;
     if let Some(mut file) = written {
         let text = resolved.to_toml(listing.clock.as_deref());
         former::keep(file.target(), &text, screen)?;

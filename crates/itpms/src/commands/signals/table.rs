@@ -63,10 +63,31 @@ pub(super) fn print(
         screen.print("");
         screen.print(format!("In the DBC, not in this log: {}", shortened(&messages)));
     }
+    print_unread(listing, screen);
     screen.print("");
     print_columns(resolved, columns, screen);
     if let Some(path) = &args.write_map {
         screen.remark(format!("wrote {}", path.display()));
+    }
+}
+
+/// What is there and cannot be read, by the reason.
+fn print_unread(listing: &Listing, screen: &Screen) {
+    let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
+    for unread in &listing.unread {
+        let name = unread.candidate.full_name();
+        match reasons.iter_mut().find(|(why, _)| *why == unread.why) {
+            Some((_, names)) => names.push(name),
+            None => reasons.push((&unread.why, vec![name])),
+        }
+    }
+    if !reasons.is_empty() {
+        screen.print("");
+        screen.print("Not read:");
+    }
+    for (why, names) in reasons {
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        screen.print(format!("{}: {why}", shortened(&names)));
     }
 }
 
