@@ -37,7 +37,7 @@ pub enum Problem {
     #[error("no such file")]
     NotFound,
     /// A directory where a file belongs.
-    #[error("is a directory, expected a file")]
+    #[error("is a directory, expected a file, or a folder with the part files of a Parquet table")]
     IsDirectory,
     /// The operating system refused to read.
     #[error("cannot be read: {0}")]
@@ -112,6 +112,14 @@ pub enum Problem {
     /// Not Parquet, or damaged.
     #[error("not a readable Parquet file: {0}")]
     Parquet(String),
+    /// A problem in one of several part files.
+    #[error("{part}: {problem}")]
+    InPart {
+        /// The file's name within the folder.
+        part: String,
+        /// What is wrong there.
+        problem: Box<Problem>,
+    },
     /// A column that has to be there.
     #[error("column {column} is missing{}", hint(.nearest))]
     MissingColumn {
@@ -169,11 +177,11 @@ pub enum Problem {
         second: usize,
     },
     /// A Parquet column of another type.
-    #[error("column {column} holds {found}, expected floating-point or integer numbers")]
+    #[error("column {column} holds {found}, expected numbers")]
     ColumnType {
         /// Its name.
         column: String,
-        /// Its type.
+        /// What it holds, in words.
         found: String,
     },
     /// Text where a number belongs.

@@ -18,6 +18,15 @@ pub(crate) fn look(path: &Path) -> Result<Metadata, Problem> {
     if about.is_dir() { Err(Problem::IsDirectory) } else { Ok(about) }
 }
 
+/// The same for a drive log, which may be a folder of part files.
+pub(crate) fn look_at_log(path: &Path) -> Result<Metadata, Problem> {
+    #[cfg(feature = "parquet")]
+    if crate::parquet_columns::is_folder_of_parts(path) {
+        return fs::metadata(path).map_err(refused);
+    }
+    look(path)
+}
+
 /// Opens a file, or a pipe, for reading.
 pub(crate) fn open(path: &Path) -> Result<(File, Metadata), Problem> {
     // Asked before it is opened: not every system opens a directory and then says so.

@@ -14,6 +14,7 @@ mod listing;
 mod mdf4_damage;
 mod mdf4_foreign;
 mod mdf4_round_trip;
+mod parquet_types;
 mod reference;
 mod reference_killed;
 mod round_trip;

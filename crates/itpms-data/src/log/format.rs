@@ -51,8 +51,12 @@ impl LogFormat {
         if path.extension().is_none() { Ok(LogFormat::Table(Format::Csv)) } else { Self::of(path) }
     }
 
-    /// The format of a drive log by its extension, upper or lower case.
+    /// The format of a drive log by its extension, upper or lower case, or because it is a folder of part files.
     pub(crate) fn of(path: &Path) -> Result<Self, DataError> {
+        #[cfg(feature = "parquet")]
+        if crate::parquet_columns::is_folder_of_parts(path) {
+            return Ok(LogFormat::Table(Format::Parquet));
+        }
         let extension = extension(path);
         match extension.as_deref() {
             #[cfg(feature = "mdf4")]

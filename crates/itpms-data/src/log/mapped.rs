@@ -69,7 +69,9 @@ fn clock(path: &Path, names: &[String], map: &SignalMap) -> Result<(usize, Conve
     if let Some((signal, line, conversion)) = map.time() {
         let in_map = |problem| DataError::new(map.path(), Problem::Signals(problem));
         let column = Slot::Time.name();
-        let Some(place) = names.iter().position(|name| name == signal) else {
+        // In memory a frame's index has no name of its own and comes as `time_s`.
+        let called = |wanted: &str| names.iter().position(|name| name == wanted);
+        let Some(place) = called(signal).or_else(|| called(&Slot::Time.name())) else {
             let near = nearest(signal, names.iter().map(String::as_str)).map(str::to_owned);
             let (signal, of) = (signal.to_owned(), names.len());
             return Err(in_map(SignalProblem::NotThere { line, column, signal, of, nearest: near }));
@@ -87,7 +89,11 @@ fn clock(path: &Path, names: &[String], map: &SignalMap) -> Result<(usize, Conve
         .collect();
     match clocks[..] {
         [(place, factor)] => Ok((place, seconds(factor))),
-        [] => Err(DataError::new(path, Problem::MissingColumn { column: Slot::Time.name(), nearest: None })),
+        [] => {
+            let missing = || Problem::MissingColumn { column: Slot::Time.name(), nearest: None };
+            let place = column_unit::index(names).ok_or_else(|| DataError::new(path, missing()))?;
+            Ok((place, Conversion::IDENTITY))
+        }
         [(one, _), (other, _), ..] => {
             let why = format!(
                 "time_s could be {} or {}: say which in the map, time_s = {:?}",

@@ -1,18 +1,30 @@
-//! Rows from Parquet: plain numeric columns of any width, read in batches, row group by row group.
+//! Rows from Parquet: columns of numbers and times of every type, read in batches, row group by row group.
 //!
 //! Called by the readers of drive logs and of roads, which choose the columns; knows of these no more than their names.
+//!
+//! | module | idea |
+//! |---|---|
+//! | `meaning` | from what is stored to numbers and seconds |
+//! | `durations` | which integers are durations |
+//! | `parts` | a file, or a folder of part files, as one table |
 
+mod durations;
+mod meaning;
+mod parts;
+
+use std::collections::HashMap;
 use std::fs::File;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use parquet::basic::{ConvertedType, LogicalType, TimeUnit, Type as PhysicalType};
+use parquet::basic::Compression;
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::DataType;
 use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, SerializedFileReader};
-use parquet::schema::types::ColumnDescriptor;
 
 use crate::error::{Place, Problem};
+pub(crate) use meaning::{Meaning, Quantity};
+pub(crate) use parts::{ParquetParts, is_folder_of_parts};
 
 /// Rows decoded at a time.
 const BATCH: usize = 4096;
@@ -22,6 +34,8 @@ pub(crate) struct ParquetColumns {
     reader: SerializedFileReader<File>,
     /// Of all columns. A nested one has a dotted path and thereby no name of ours.
     names: Vec<String>,
+    /// Of those that are durations, units per s.
+    durations: HashMap<String, f64>,
     /// Those that were chosen.
     columns: Vec<Column>,
     next_group: usize,
@@ -43,6 +57,9 @@ impl std::fmt::Debug for ParquetColumns {
 
 struct Column {
     name: String,
+    meaning: Meaning,
+    /// The definition level of a value that is there; below it is a null.
+    present: i16,
     /// Index of the leaf in the schema.
     leaf: usize,
     /// The reader of the current row group.
@@ -58,8 +75,12 @@ impl ParquetColumns {
         let metadata = reader.metadata().file_metadata();
         let names = metadata.schema_descr().columns().iter().map(|leaf| leaf.path().string()).collect();
         let rows = u64::try_from(metadata.num_rows()).unwrap_or(0);
+        let entries = metadata.key_value_metadata().into_iter().flatten();
+        let schema =
+            entries.filter(|entry| entry.key == durations::KEY).find_map(|entry| entry.value.as_deref());
         Ok(Self {
             names,
+            durations: schema.map(durations::units_per_s).unwrap_or_default(),
             columns: Vec::new(),
             next_group: 0,
             left_in_group: 0,
@@ -77,41 +98,51 @@ impl ParquetColumns {
         &self.names
     }
 
-    /// Reads one more column; to be said before the first row.
+    /// What a column holds.
+    ///
+    /// # Errors
+    /// No numbers and no times.
+    pub(crate) fn meaning(&self, leaf: usize) -> Result<Meaning, Problem> {
+        let column = &self.names[leaf];
+        let described = &self.reader.metadata().file_metadata().schema_descr().columns()[leaf];
+        Meaning::of(described, self.durations.get(column).copied())
+            .map_err(|found| Problem::ColumnType { column: column.clone(), found })
+    }
+
+    /// Reads one more column, of numbers; to be said before the first row.
+    ///
+    /// # Errors
+    /// It holds something else.
     pub(crate) fn choose(&mut self, leaf: usize) -> Result<(), Problem> {
-        let name = self.names[leaf].clone();
-        let metadata = self.reader.metadata().file_metadata();
-        check_type(&name, &metadata.schema_descr().columns()[leaf])?;
-        self.columns.push(Column { name, leaf, reader: None, values: Vec::new(), levels: Vec::new() });
+        let meaning = self.meaning(leaf)?;
+        if meaning.quantity == Quantity::Time {
+            let (column, found) = (self.names[leaf].clone(), "times".to_owned());
+            return Err(Problem::ColumnType { column, found });
+        }
+        self.take(leaf, meaning);
         Ok(())
     }
 
-    /// Seconds per unit of a column of timestamps, if it is one.
-    pub(crate) fn clock_s(&self, leaf: usize) -> Option<f64> {
-        let column = &self.reader.metadata().file_metadata().schema_descr().columns()[leaf];
-        let flat = column.max_rep_level() == 0 && column.max_def_level() <= 1;
-        let seconds = match (column.logical_type_ref(), column.converted_type()) {
-            (Some(LogicalType::Timestamp(time)), _) => match time.unit {
-                TimeUnit::MILLIS => 1e-3,
-                TimeUnit::MICROS => 1e-6,
-                TimeUnit::NANOS => 1e-9,
-            },
-            (None, ConvertedType::TIMESTAMP_MILLIS) => 1e-3,
-            (None, ConvertedType::TIMESTAMP_MICROS) => 1e-6,
-            _ => return None,
-        };
-        (flat && column.physical_type() == PhysicalType::INT64).then_some(seconds)
+    /// The same for a column of numbers or times, which come in s.
+    ///
+    /// # Errors
+    /// It holds neither.
+    pub(crate) fn choose_clock(&mut self, leaf: usize) -> Result<(), Problem> {
+        let meaning = self.meaning(leaf)?;
+        self.take(leaf, meaning);
+        Ok(())
     }
 
-    /// Reads one more column, which [`ParquetColumns::clock_s`] knows, as its integers.
-    pub(crate) fn choose_clock(&mut self, leaf: usize) {
+    fn take(&mut self, leaf: usize, meaning: Meaning) {
+        let present = self.reader.metadata().file_metadata().schema_descr().columns()[leaf].max_def_level();
         let name = self.names[leaf].clone();
-        self.columns.push(Column { name, leaf, reader: None, values: Vec::new(), levels: Vec::new() });
+        let (reader, values, levels) = Default::default();
+        self.columns.push(Column { name, meaning, present, leaf, reader, values, levels });
     }
 
-    /// Share of the file that has been read, 0 to 1.
-    pub(crate) fn progress(&self) -> f64 {
-        (self.rows_read as f64 / self.rows.max(1) as f64).min(1.0)
+    /// Rows of the whole file.
+    pub(crate) fn rows(&self) -> u64 {
+        self.rows
     }
 
     /// Goes to the next row; `None` after the last.
@@ -141,6 +172,11 @@ impl ParquetColumns {
         self.next_group += 1;
         self.left_in_group = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
         for column in &mut self.columns {
+            if group.metadata().column(column.leaf).compression() == Compression::LZO {
+                let why =
+                    "it is compressed by LZO, expected zstd, snappy, gzip, brotli, lz4 or no compression";
+                return Err(Problem::Parquet(why.to_owned()));
+            }
             column.reader = Some(group.get_column_reader(column.leaf).map_err(problem)?);
         }
         Ok(true)
@@ -167,73 +203,63 @@ impl Column {
     fn read(&mut self, wanted: usize) -> Result<(), Problem> {
         self.values.clear();
         self.levels.clear();
-        let (values, levels) = (&mut self.values, &mut self.levels);
-        match &mut self.reader {
-            Some(ColumnReader::Int32ColumnReader(r)) => read(r, wanted, levels, values, f64::from),
-            Some(ColumnReader::Int64ColumnReader(r)) => read(r, wanted, levels, values, |v| v as f64),
-            Some(ColumnReader::FloatColumnReader(r)) => read(r, wanted, levels, values, f64::from),
-            Some(ColumnReader::DoubleColumnReader(r)) => read(r, wanted, levels, values, |v| v),
-            // Other types were refused with the header.
-            _ => Ok(()),
+        let Self { reader, meaning, present, values, levels, .. } = self;
+        let mut into = Cells { present: *present, levels, values };
+        match reader {
+            Some(ColumnReader::BoolColumnReader(r)) => into.read(r, wanted, |v| f64::from(u8::from(*v))),
+            Some(ColumnReader::Int32ColumnReader(r)) => into.read(r, wanted, |v| meaning.of_i32(*v)),
+            Some(ColumnReader::Int64ColumnReader(r)) => into.read(r, wanted, |v| meaning.of_i64(*v)),
+            Some(ColumnReader::Int96ColumnReader(r)) => {
+                into.read(r, wanted, |v| meaning::seconds_of_int96(*v))
+            }
+            Some(ColumnReader::FloatColumnReader(r)) => into.read(r, wanted, |v| f64::from(*v)),
+            Some(ColumnReader::DoubleColumnReader(r)) => into.read(r, wanted, |v| *v),
+            Some(ColumnReader::ByteArrayColumnReader(r)) => {
+                into.read(r, wanted, |v| meaning.of_bytes(v.data()))
+            }
+            Some(ColumnReader::FixedLenByteArrayColumnReader(r)) => {
+                into.read(r, wanted, |v| meaning.of_bytes(v.data()))
+            }
+            None => Ok(()),
         }
         .map_err(problem)
     }
 }
 
-/// Decodes up to `wanted` records and puts NaN where a null was.
-fn read<T: DataType>(
-    reader: &mut ColumnReaderImpl<T>,
-    wanted: usize,
-    levels: &mut Vec<i16>,
-    values: &mut Vec<f64>,
-    to_f64: impl Fn(T::T) -> f64,
-) -> Result<(), ParquetError> {
-    let mut present = Vec::new();
-    let (records, _, _) = reader.read_records(wanted, Some(levels), None, &mut present)?;
-    let mut present = present.into_iter().map(to_f64).map(|v| if v.is_finite() { v } else { f64::NAN });
-    if levels.is_empty() {
-        // A required column has no definition levels: everything is there.
-        values.extend(present);
-    } else {
-        // Level 1: a value; level 0: a null.
-        let cells = levels.iter().take(records);
-        values.extend(
-            cells.map(|level| if *level == 1 { present.next().unwrap_or(f64::NAN) } else { f64::NAN }),
-        );
-    }
-    Ok(())
+/// Where decoded values go.
+struct Cells<'a> {
+    present: i16,
+    levels: &'a mut Vec<i16>,
+    values: &'a mut Vec<f64>,
 }
 
-/// Numbers only: no text, no timestamps and decimals, whose integers mean something else than they say.
-fn check_type(name: &str, leaf: &ColumnDescriptor) -> Result<(), Problem> {
-    let physical = leaf.physical_type();
-    let number = matches!(
-        physical,
-        PhysicalType::INT32 | PhysicalType::INT64 | PhysicalType::FLOAT | PhysicalType::DOUBLE
-    );
-    let plain = match leaf.logical_type_ref() {
-        Some(logical) => matches!(logical, LogicalType::Integer(_)),
-        // Files of older writers say it in the older way.
-        None => !matches!(
-            leaf.converted_type(),
-            ConvertedType::DECIMAL
-                | ConvertedType::DATE
-                | ConvertedType::TIME_MILLIS
-                | ConvertedType::TIME_MICROS
-                | ConvertedType::TIMESTAMP_MILLIS
-                | ConvertedType::TIMESTAMP_MICROS
-        ),
-    };
-    let flat = leaf.max_rep_level() == 0 && leaf.max_def_level() <= 1;
-    if number && plain && flat {
-        return Ok(());
+impl Cells<'_> {
+    /// Decodes up to `wanted` records and puts NaN where a null was.
+    fn read<T: DataType>(
+        &mut self,
+        reader: &mut ColumnReaderImpl<T>,
+        wanted: usize,
+        to_f64: impl Fn(&T::T) -> f64,
+    ) -> Result<(), ParquetError> {
+        let mut there = Vec::new();
+        let (records, _, _) = reader.read_records(wanted, Some(self.levels), None, &mut there)?;
+        let mut there = there.iter().map(to_f64).map(|v| if v.is_finite() { v } else { f64::NAN });
+        if self.levels.is_empty() {
+            // A required column has no definition levels: everything is there.
+            self.values.extend(there);
+        } else {
+            let present = self.present;
+            let cells = self.levels.iter().take(records);
+            self.values.extend(
+                cells.map(
+                    |level| {
+                        if *level == present { there.next().unwrap_or(f64::NAN) } else { f64::NAN }
+                    },
+                ),
+            );
+        }
+        Ok(())
     }
-    let found = match (flat, leaf.logical_type_ref()) {
-        (false, _) => "nested values".to_owned(),
-        (true, Some(logical)) => format!("{logical:?}"),
-        (true, None) => format!("{physical} ({})", leaf.converted_type()),
-    };
-    Err(Problem::ColumnType { column: name.to_owned(), found })
 }
 
 /// The library panics on some damaged files (a negative offset, a dictionary that is not there) instead of
@@ -245,6 +271,9 @@ fn guarded<T>(read: impl FnOnce() -> Result<T, Problem>) -> Result<T, Problem> {
 
 fn problem(error: ParquetError) -> Problem {
     match error {
+        ParquetError::General(text) | ParquetError::EOF(text) if text.contains("encrypt") => {
+            Problem::Parquet("it is encrypted, expected a file without".to_owned())
+        }
         ParquetError::General(text) | ParquetError::EOF(text) => Problem::Parquet(text),
         other => Problem::Parquet(other.to_string()),
     }

@@ -29,6 +29,14 @@ pub(crate) fn clock(name: &str) -> Option<f64> {
     }
 }
 
+/// What pandas calls the index of a frame in a file, where it has no name.
+pub(crate) const INDEX: &str = "__index_level_0__";
+
+/// The column that is such an index: with times in it, it is the clock of a table that has no other.
+pub(crate) fn index(names: &[String]) -> Option<usize> {
+    names.iter().position(|name| name == INDEX)
+}
+
 /// Seconds per unit of a column that is said to be the clock, if its name ends with a unit of time.
 pub(crate) fn seconds_in(name: &str) -> Option<f64> {
     match Unit::of(&split(name).1) {

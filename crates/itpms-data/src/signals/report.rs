@@ -97,13 +97,7 @@ impl Resolved {
     pub fn to_toml(&self, clock: Option<&str>) -> String {
         let mut out = String::from("[signals]\n");
         if let Some(name) = clock {
-            // Found again by its name, wherever the same table comes from; a frame's index has none.
-            let _ = writeln!(
-                out,
-                "# the clock, found by its name: {} = \"{}\"",
-                Slot::Time.name(),
-                escaped(name)
-            );
+            let _ = writeln!(out, "{} = \"{}\"", Slot::Time.name(), escaped(name));
         }
         for slot in Slot::all().filter(|slot| *slot != Slot::Time) {
             let column = slot.name();

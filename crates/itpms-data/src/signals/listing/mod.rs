@@ -115,6 +115,8 @@ impl Lister {
                 "a DBC file says what the frames of a CAN log mean; this is none",
             )));
         }
+        #[cfg(feature = "parquet")]
+        let extension = if crate::parquet_columns::is_folder_of_parts(path) { "parquet" } else { extension };
         let source = match extension {
             #[cfg(feature = "can")]
             _ if is_bus_log => Source::Frames(Box::new(frames::FrameLister::open(path, dbc)?)),
@@ -271,10 +273,20 @@ fn unknown(found: String) -> Problem {
     Problem::UnknownExtension { found, expected: expected.join(", ") }
 }
 
-/// The column that is the clock, and seconds per its unit: `time_s`, or the first that is called like one.
+/// Some of these names.
+#[cfg(feature = "parquet")]
+fn some(names: &[String]) -> String {
+    const MOST: usize = 5;
+    let more = names.len().saturating_sub(MOST);
+    let listed =
+        names.iter().take(MOST).map(|name| crate::log::shortened(name)).collect::<Vec<_>>().join(", ");
+    if more > 0 { format!("{listed} and {more} more") } else { listed }
+}
+
+/// The column that is the clock, and seconds per its unit: `time_s`, or the first that is called like one, or a frame's index.
 fn clock(names: &[String]) -> Option<(usize, f64)> {
     let own = names.iter().position(|name| name == "time_s").map(|place| (place, 1.0));
     let called =
         || names.iter().enumerate().find_map(|(place, name)| Some((place, column_unit::clock(name)?)));
-    own.or_else(called)
+    own.or_else(called).or_else(|| Some((column_unit::index(names)?, 1.0)))
 }
