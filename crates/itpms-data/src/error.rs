@@ -26,6 +26,14 @@ impl DataError {
     pub(crate) fn new(path: &Path, problem: Problem) -> Self {
         Self { path: path.to_owned(), problem: Box::new(problem) }
     }
+
+    /// Whether nothing can be written where this could not be: the disk is full, or takes nothing.
+    #[must_use]
+    pub fn is_of_a_full_disk(&self) -> bool {
+        use io::ErrorKind::{FileTooLarge, QuotaExceeded, ReadOnlyFilesystem, StorageFull};
+        let full = |kind| matches!(kind, StorageFull | QuotaExceeded | ReadOnlyFilesystem | FileTooLarge);
+        matches!(&*self.problem, Problem::Write(error) if full(error.kind()))
+    }
 }
 
 /// One kind of problem with a file.
@@ -37,7 +45,7 @@ pub enum Problem {
     #[error("no such file")]
     NotFound,
     /// A directory where a file belongs.
-    #[error("is a directory, expected a file, or a folder with the part files of a Parquet table")]
+    #[error("is a directory, expected a file")]
     IsDirectory,
     /// The operating system refused to read.
     #[error("cannot be read: {0}")]

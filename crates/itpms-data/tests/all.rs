@@ -20,6 +20,7 @@ mod reference_killed;
 mod round_trip;
 mod signals;
 mod stored;
+mod text_tables;
 mod typical_cars;
 mod vehicle_details;
 mod vehicle_file;

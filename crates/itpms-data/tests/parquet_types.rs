@@ -265,10 +265,10 @@ fn a_folder_of_part_files_is_one_log_in_the_order_of_its_clock() {
     });
     let text = read(&folder).unwrap_err();
     assert!(text.ends_with("part-9.parquet: column fl_body_accel_m_s2 is missing"), "{text}");
-    // A folder without any is none.
+    // A folder without any part is no log.
     let empty = dir.path().join("empty");
     fs::create_dir(&empty).unwrap();
-    assert!(read(&empty).unwrap_err().contains("is a directory, expected a file, or a folder"));
+    assert!(read(&empty).unwrap_err().contains("is a directory, expected a file"));
 }
 
 #[test]

@@ -6,7 +6,7 @@
 //!
 //! | module | idea |
 //! |---|---|
-//! | `text`, `cursor` | characters, words |
+//! | `cursor` | words |
 //! | `statement` | how statements are written |
 //! | `build`, `draft` | statements to messages |
 //! | `bits` | where a signal's bits are |
@@ -24,7 +24,6 @@ mod encoder;
 mod message;
 pub(crate) mod problem;
 mod statement;
-mod text;
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -70,7 +69,7 @@ impl Dbc {
     /// # Errors
     /// See [`DbcError`].
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, DbcError> {
-        Self::parse(&text::decoded(bytes))
+        Self::parse(&crate::text::decoded(bytes))
     }
 
     /// The same for a file's text.

@@ -21,7 +21,7 @@ impl ParquetSource {
     pub(super) fn new(path: &Path, map: Option<&SignalMap>) -> Result<Self, DataError> {
         let fail = |problem| DataError::new(path, problem);
         let mut columns = ParquetParts::open(path).map_err(fail)?;
-        let mut header = mapped::header(path, columns.names(), map)?;
+        let mut header = mapped::header(path, columns.names(), &[], map)?;
         let known = header.slots.iter().enumerate();
         let slots: Vec<(usize, Slot)> = known.filter_map(|(leaf, slot)| Some((leaf, (*slot)?))).collect();
         let clock = slots.iter().find(|(_, slot)| *slot == Slot::Time).map(|(leaf, _)| *leaf);

@@ -12,6 +12,7 @@ use super::repair::RepairReport;
 use super::row::{Field, LogColumns, LogRow, SLOTS, Slot};
 use super::source::Source;
 use super::survey::{GAP_PERIODS, Survey};
+use super::twins;
 use super::units::{self, UnitCheck};
 use crate::error::{DataError, Problem};
 use crate::signals::align::AlignmentReport;
@@ -188,6 +189,7 @@ impl LogReader {
             self.order.check(Stage::Complete)?;
         }
         self.survey = Survey::of(&self.ahead)?;
+        self.report.same_columns = twins::of(&self.ahead, &self.source.header().columns);
         match units {
             UnitCheck::Suspicious => units::check(self.ahead.iter()),
             UnitCheck::Trusting => Ok(()),

@@ -111,6 +111,7 @@ impl Source {
     /// What the format's own reader mended, left out or assumed so far.
     pub(super) fn repairs(&self) -> Vec<String> {
         match self {
+            Source::Csv(source) => source.repairs(),
             #[cfg(any(feature = "can", feature = "mdf4"))]
             Source::Signals(source) => source.repairs(),
             _ => Vec::new(),

@@ -3,14 +3,37 @@
 //!
 //! Called where a table's columns are taken for signals.
 
-use super::Candidate;
 use super::units::Unit;
-use crate::log::Quantity;
+use super::{Candidate, Conversion};
+use crate::log::{Quantity, Slot};
 
 /// The column as a candidate: a signal of its own name and, if the name ends with one, of that unit.
 pub(crate) fn candidate(name: &str) -> Candidate {
     let (_, unit) = split(name);
     Candidate { group: String::new(), name: name.to_owned(), unit }
+}
+
+/// The same of a column with a unit stated beside its name.
+pub(crate) fn candidate_in(name: &str, stated: &str) -> Candidate {
+    let candidate = candidate(name);
+    if candidate.unit.is_empty() && is_unit(stated) {
+        Candidate { unit: stated.to_owned(), ..candidate }
+    } else {
+        candidate
+    }
+}
+
+/// From a unit to a column's own, if it is one of what the column measures.
+pub(crate) fn conversion_to(unit: &str, slot: Slot) -> Option<Conversion> {
+    Unit::of(unit).conversion_to(slot)
+}
+
+/// Seconds per unit, of a unit of time.
+pub(crate) fn seconds(unit: &str) -> Option<f64> {
+    match Unit::of(unit) {
+        Unit::Known(Quantity::Time, seconds) => Some(seconds),
+        _ => None,
+    }
 }
 
 /// Seconds per unit of the column, if it is a clock: `time_s`, `Time`, `t [ms]`, `timestamps`. One that does not say its
@@ -39,10 +62,7 @@ pub(crate) fn index(names: &[String]) -> Option<usize> {
 
 /// Seconds per unit of a column that is said to be the clock, if its name ends with a unit of time.
 pub(crate) fn seconds_in(name: &str) -> Option<f64> {
-    match Unit::of(&split(name).1) {
-        Unit::Known(Quantity::Time, seconds) => Some(seconds),
-        _ => None,
-    }
+    seconds(&split(name).1)
 }
 
 /// What stands before the unit, and the unit; empty where there is none.
@@ -69,14 +89,15 @@ fn split(name: &str) -> (&str, String) {
     (name, String::new())
 }
 
-fn is_unit(text: &str) -> bool {
+/// Whether this is the spelling of a unit.
+pub(crate) fn is_unit(text: &str) -> bool {
     matches!(Unit::of(text), Unit::Known(..))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::log::{Field, Slot};
+    use crate::log::Field;
     use itpms_core::model::Corner;
 
     #[test]

@@ -26,7 +26,7 @@ pub(super) struct ParquetLister {
 impl ParquetLister {
     pub(super) fn open(path: &Path) -> Result<Self, Problem> {
         let mut columns = ParquetParts::open(path)?;
-        let clock = super::clock(columns.names());
+        let clock = super::clock(columns.names(), &[]);
         let (mut leaves, mut names, mut others) = (Vec::new(), Vec::new(), Vec::new());
         let mut time = None;
         for (leaf, name) in columns.names().iter().enumerate() {
@@ -81,6 +81,6 @@ impl ParquetLister {
             1 => vec![format!("1 column holds no numbers: {}", self.others[0])],
             n => vec![format!("{n} columns hold no numbers: {}", super::some(&self.others))],
         };
-        Listing::of_one_table(columns.collect(), clock, &self.clock, "table", notes)
+        Listing::of_one_table(columns.collect(), &[], clock, &self.clock, notes)
     }
 }
