@@ -3,6 +3,7 @@
 //!
 //! Feature `host`, on by default, is what needs an operating system; without it the peers run on a controller (`examples/firmware`).
 #![cfg_attr(not(feature = "host"), no_std)]
+#![forbid(unsafe_code)]
 #![allow(clippy::expect_used)] // A benchmark whose fixed parameters are refused has nothing to measure.
 
 #[cfg(feature = "host")]

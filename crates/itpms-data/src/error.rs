@@ -26,6 +26,14 @@ impl DataError {
     pub(crate) fn new(path: &Path, problem: Problem) -> Self {
         Self { path: path.to_owned(), problem: Box::new(problem) }
     }
+
+    /// Whether nothing can be written where this could not be: the disk is full, or takes nothing.
+    #[must_use]
+    pub fn is_of_a_full_disk(&self) -> bool {
+        use io::ErrorKind::{FileTooLarge, QuotaExceeded, ReadOnlyFilesystem, StorageFull};
+        let full = |kind| matches!(kind, StorageFull | QuotaExceeded | ReadOnlyFilesystem | FileTooLarge);
+        matches!(&*self.problem, Problem::Write(error) if full(error.kind()))
+    }
 }
 
 /// One kind of problem with a file.
@@ -112,6 +120,14 @@ pub enum Problem {
     /// Not Parquet, or damaged.
     #[error("not a readable Parquet file: {0}")]
     Parquet(String),
+    /// A problem in one of several part files.
+    #[error("{part}: {problem}")]
+    InPart {
+        /// The file's name within the folder.
+        part: String,
+        /// What is wrong there.
+        problem: Box<Problem>,
+    },
     /// A column that has to be there.
     #[error("column {column} is missing{}", hint(.nearest))]
     MissingColumn {
@@ -169,11 +185,11 @@ pub enum Problem {
         second: usize,
     },
     /// A Parquet column of another type.
-    #[error("column {column} holds {found}, expected floating-point or integer numbers")]
+    #[error("column {column} holds {found}, expected numbers")]
     ColumnType {
         /// Its name.
         column: String,
-        /// Its type.
+        /// What it holds, in words.
         found: String,
     },
     /// Text where a number belongs.

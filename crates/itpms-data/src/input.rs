@@ -12,17 +12,36 @@ pub(crate) const MOST_OF_A_LINE: u64 = 1 << 20;
 /// Bytes of a file that a person writes, at most: a vehicle, a map of signals.
 const MOST_OF_A_TEXT: u64 = 1 << 20;
 
+/// Whether this is the name that stands for standard input.
+pub(crate) fn is_stdin(path: &Path) -> bool {
+    path == Path::new("-")
+}
+
+/// The file of a name, `-` being standard input.
+fn named(path: &Path) -> &Path {
+    if is_stdin(path) { Path::new("/dev/stdin") } else { path }
+}
+
 /// What is under this name, if it is something to be read.
 pub(crate) fn look(path: &Path) -> Result<Metadata, Problem> {
-    let about = fs::metadata(path).map_err(refused)?;
+    let about = fs::metadata(named(path)).map_err(refused)?;
     if about.is_dir() { Err(Problem::IsDirectory) } else { Ok(about) }
+}
+
+/// The same for a drive log, which may be a folder of part files.
+pub(crate) fn look_at_log(path: &Path) -> Result<Metadata, Problem> {
+    #[cfg(feature = "parquet")]
+    if crate::parquet_columns::is_folder_of_parts(path) {
+        return fs::metadata(path).map_err(refused);
+    }
+    look(path)
 }
 
 /// Opens a file, or a pipe, for reading.
 pub(crate) fn open(path: &Path) -> Result<(File, Metadata), Problem> {
     // Asked before it is opened: not every system opens a directory and then says so.
     let about = look(path)?;
-    Ok((File::open(path).map_err(refused)?, about))
+    Ok((File::open(named(path)).map_err(refused)?, about))
 }
 
 /// Opens a file of a `format` that is not read from beginning to end. A pipe is refused before it is opened, which would wait

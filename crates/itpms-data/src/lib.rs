@@ -40,6 +40,7 @@ mod place;
 pub mod profile;
 pub mod reference;
 pub mod signals;
+mod text;
 mod toml_table;
 pub mod vehicle;
 

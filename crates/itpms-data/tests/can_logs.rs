@@ -257,6 +257,11 @@ fn lines_that_mean_nothing_are_left_out_and_counted() {
     assert_eq!(repairs.cut_off, Some(FramePlace::Line(7)));
     assert_eq!(repairs.warnings().len(), 3);
 
+    // Cut within the stamp of a line, which alone would be an event.
+    let cut = "date Fri Nov 20 17:00:00 2026\nbase hex  timestamps absolute\n0.5 1 123 Rx d 1 11\n   0.7";
+    let (frames, repairs) = read_text("cut.asc", cut);
+    assert_eq!((frames.len(), repairs.cut_off), (1, Some(FramePlace::Line(4))));
+
     let long = format!("(1.0) can0 123#11\n{}\n(1.2) can0 123#12\n", "x".repeat(3_000_000));
     let (frames, repairs) = read_text("long.log", &long);
     assert_eq!((frames.len(), repairs.not_understood), (2, 1));

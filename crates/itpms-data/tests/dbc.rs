@@ -8,7 +8,7 @@ use std::path::Path;
 use itpms_data::can::{CanFrame, CanId, Payload};
 use itpms_data::dbc::{Dbc, Decoder, Message};
 use itpms_data::log::Slot;
-use itpms_data::signals::SignalMap;
+use itpms_data::signals::{SignalMap, resolve};
 
 fn dbc(text: &str) -> Dbc {
     let dbc = Dbc::parse(text).unwrap();
@@ -378,4 +378,84 @@ fn a_payload_is_never_longer_than_a_frame() {
     let dbc = dbc("BO_ 1 M: 64 X\n SG_ A : 504|8@1+ (1,0) [0|0] \"\" Y\n");
     let data = standard(&dbc, 1).encode(|_| 7.0).unwrap();
     assert_eq!((data.len(), data.as_slice()[63]), (Payload::MOST, 7));
+}
+
+const J1939: &str = r#"
+BO_ 2566852862 Speed: 8 ESP
+ SG_ VehicleSpeed : 0|16@1+ (0.01,0) [0|655.34] "km/h" SUSP
+
+BO_ 2552236798 ToOneNode: 8 ESP
+ SG_ Torque : 0|8@1+ (1,0) [0|255] "" SUSP
+
+BA_DEF_ BO_ "VFrameFormat" ENUM "StandardCAN","ExtendedCAN","reserved","J1939PG";
+BA_ "VFrameFormat" BO_ 2566852862 3;
+BA_ "VFrameFormat" BO_ 2552236798 3;
+"#;
+
+#[test]
+fn a_parameter_group_is_itself_whoever_sends_it() {
+    let dbc = Dbc::parse(J1939).unwrap();
+    let name = |id: u32| dbc.message(CanId::extended(id).unwrap()).map(|message| message.name.as_str());
+    // 0x18FF10FE: group 0xFF10 from the null address; from 0x0B, and with another priority.
+    assert_eq!(name(0x18FF_10FE), Some("Speed"));
+    assert_eq!(name(0x18FF_100B), Some("Speed"));
+    assert_eq!(name(0x0CFF_100B), Some("Speed"));
+    // From 0xF0 on the byte that follows is the group's.
+    assert_eq!(name(0x18FF_110B), None);
+    // Below 0xF0 that byte is the node that it is for.
+    assert_eq!(name(0x1820_210B), Some("ToOneNode"));
+    // Other files mean the identifier as it stands.
+    let plain = Dbc::parse(&J1939.replace("J1939PG", "Other")).unwrap();
+    assert!(plain.message(CanId::extended(0x18FF_100B).unwrap()).is_none());
+    // The whole bus, where no message says it.
+    let (messages, _) = J1939.split_once("BA_DEF_").unwrap();
+    let bus = Dbc::parse(&format!("{messages}BA_ \"ProtocolType\" \"J1939\";\n")).unwrap();
+    assert!(bus.message(CanId::extended(0x18FF_100B).unwrap()).is_some());
+}
+
+#[test]
+fn of_two_senders_of_a_group_the_first_counts_unless_the_other_is_the_described_one() {
+    let dbc = Dbc::parse(J1939).unwrap();
+    let mut decoder = Decoder::new(dbc, None).unwrap();
+    let mut speeds = |id: u32, raw: u16| {
+        let data = [raw.to_le_bytes().to_vec(), vec![0; 6]].concat();
+        let frame = CanFrame::new(0.0, CanId::extended(id).unwrap(), &data).unwrap();
+        let mut found = Vec::new();
+        decoder.decode(&frame, &mut |reading| found.push(reading.value));
+        found
+    };
+    assert_eq!(speeds(0x18FF_100B, 3600), [10.0]);
+    assert!(speeds(0x18FF_1021, 7200).is_empty());
+    assert_eq!(speeds(0x18FF_10FE, 7200), [20.0]);
+    assert!(speeds(0x18FF_100B, 3600).is_empty());
+    assert_eq!(decoder.counts().other_sender, 2);
+}
+
+#[test]
+fn names_that_were_shortened_are_read_in_full() {
+    let text = r#"
+BO_ 528 Suspension_Of_The_Front_Axle_Le: 4 SUSP
+ SG_ Wheel_Vertical_Acceleration_FL_T : 0|16@1- (0.01,0) [0|0] "m/s^2" ESP
+ SG_ Short : 16|16@1- (0.01,0) [0|0] "m/s^2" ESP
+
+BA_DEF_ BO_ "SystemMessageLongSymbol" STRING ;
+BA_DEF_ SG_ "SystemSignalLongSymbol" STRING ;
+BA_DEF_DEF_ "SystemSignalLongSymbol" "";
+BA_ "SystemMessageLongSymbol" BO_ 528 "Suspension_Of_The_Front_Axle_Left";
+BA_ "SystemSignalLongSymbol" SG_ 528 Wheel_Vertical_Acceleration_FL_T "Wheel_Vertical_Acceleration_FL_Target_Of_Control";
+VAL_ 528 Wheel_Vertical_Acceleration_FL_T -32768 "SNA" ;
+"#;
+    let dbc = Dbc::parse(text).unwrap();
+    assert!(dbc.problems().is_empty(), "{:?}", dbc.problems());
+    let message = &dbc.messages()[0];
+    assert_eq!(message.name, "Suspension_Of_The_Front_Axle_Left");
+    assert_eq!(message.signals[0].name, "Wheel_Vertical_Acceleration_FL_Target_Of_Control");
+    assert_eq!(
+        message.signals[0].labels.len(),
+        1,
+        "what stands after the attribute calls it by the short name"
+    );
+    assert_eq!(message.signals[1].name, "Short");
+    // A target is no measurement; without the attribute nobody could know.
+    assert!(resolve(&dbc.candidates(), None).unwrap().iter().next().is_none());
 }

@@ -97,15 +97,12 @@ fn columns_that_are_no_plain_numbers_are_refused() {
     let stamps = SCHEMA.replace("int64 speed_m_s", "int64 speed_m_s (TIMESTAMP_MICROS)");
     write(&path, &stamps, Compression::SNAPPY);
     let text = LogReader::open(&path).unwrap_err().to_string();
-    assert!(
-        text.contains("column speed_m_s holds ") && text.contains("expected floating-point or integer"),
-        "{text}"
-    );
+    assert!(text.contains("column speed_m_s holds ") && text.contains("expected numbers"), "{text}");
 
     let text_time = SCHEMA.replace("note", "fl_road_m");
     write(&path, &text_time, Compression::SNAPPY);
     let text = LogReader::open(&path).unwrap_err().to_string();
-    assert!(text.contains("column fl_road_m holds BYTE_ARRAY (UTF8), expected"), "{text}");
+    assert!(text.contains("column fl_road_m holds text, expected"), "{text}");
 }
 
 #[test]

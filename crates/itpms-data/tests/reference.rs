@@ -218,3 +218,15 @@ proptest! {
         prop_assert!(!refusal(&bytes).is_empty());
     }
 }
+
+/// Written by hand, with a checksum that fits.
+#[test]
+fn a_bar_that_pushes_is_in_no_car() {
+    let line = body().lines().find(|line| line.starts_with("front_bar = ")).unwrap().to_owned();
+    let text = refusal(sealed("2", &body().replace(&line, "front_bar = -1.0")).as_bytes());
+    assert!(text.contains("not plausible: bar"), "{text}");
+    // Noise about no bar at all is none.
+    assert!(
+        StoredReference::parse(sealed("2", &body().replace(&line, "front_bar = -0.05")).as_bytes()).is_ok()
+    );
+}

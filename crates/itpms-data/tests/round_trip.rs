@@ -6,6 +6,7 @@ use std::fs;
 use std::path::Path;
 
 use itpms_core::model::{Corner, CornerEstimate, Diagnostics, Level, Validity, Warning};
+use itpms_core::warning::{Doubt, WheelState};
 use itpms_data::log::{CornerColumns, LogColumns, LogCorner, UnitCheck};
 use itpms_data::out::{EstimateWriter, LogWriter, RoadPoint, RoadWriter};
 use itpms_data::{LogReader, LogRow};
@@ -158,17 +159,18 @@ fn estimates_have_the_promised_columns_and_words() {
     let mut writer = EstimateWriter::create(&path, &[Corner::FrontLeft, Corner::RearRight]).unwrap();
     let low = estimate(180.5, Validity::Valid, Warning::Low);
     let broken = estimate(f64::NAN, Validity::BadSignal, Warning::Malfunction);
-    writer.write(0.1, &[Some(low), None, None, None]).unwrap();
-    writer.write(0.2, &[Some(low), None, None, Some(broken)]).unwrap();
+    let states = [Some(WheelState::Low), None, None, Some(WheelState::Unknown(Doubt::Uncertain))];
+    writer.write(0.1, &[Some(low), None, None, None], &states).unwrap();
+    writer.write(0.2, &[Some(low), None, None, Some(broken)], &[Some(WheelState::Malfunction); 4]).unwrap();
     let file = writer.finish().unwrap();
     assert!(!path.exists());
     file.commit().unwrap();
     assert_eq!(
         fs::read_to_string(&path).unwrap(),
-        "time_s,fl_pressure_kpa,fl_pressure_sd_kpa,fl_stiffness_n_per_m,fl_valid,fl_warning,fl_change_sd_kpa,fl_level,fl_axle_difference_sd_kpa,\
-         rr_pressure_kpa,rr_pressure_sd_kpa,rr_stiffness_n_per_m,rr_valid,rr_warning,rr_change_sd_kpa,rr_level,rr_axle_difference_sd_kpa\n\
-         0.1,180.5,1.4,220000,true,low,1.1,calibration,3.25,,,,false,none,,file,\n\
-         0.2,180.5,1.4,220000,true,low,1.1,calibration,3.25,,1.4,220000,false,malfunction,1.1,calibration,3.25\n"
+        "time_s,fl_pressure_kpa,fl_pressure_sd_kpa,fl_stiffness_n_per_m,fl_valid,fl_warning,fl_change_sd_kpa,fl_level,fl_axle_difference_sd_kpa,fl_state,\
+         rr_pressure_kpa,rr_pressure_sd_kpa,rr_stiffness_n_per_m,rr_valid,rr_warning,rr_change_sd_kpa,rr_level,rr_axle_difference_sd_kpa,rr_state\n\
+         0.1,180.5,1.4,220000,true,low,1.1,calibration,3.25,low,,,,false,none,,file,,uncertain\n\
+         0.2,180.5,1.4,220000,true,low,1.1,calibration,3.25,malfunction,,1.4,220000,false,malfunction,1.1,calibration,3.25,malfunction\n"
     );
 }
 
@@ -197,7 +199,7 @@ fn a_full_disk_is_reported_by_name_in_both_formats() {
             let mut writer = EstimateWriter::create(path, &Corner::ALL)?;
             for i in 0..5000 {
                 let e = Some(estimate(f64::from(i).sqrt(), Validity::Valid, Warning::None));
-                writer.write(f64::from(i), &[e; 4])?;
+                writer.write(f64::from(i), &[e; 4], &[None; 4])?;
             }
             writer.finish()?.commit()
         };

@@ -5,7 +5,9 @@ use std::path::PathBuf;
 
 use itpms_core::model::Corner;
 use itpms_core::warning::Change;
-use itpms_data::out::{AtomicFile, EstimateWriter, RateGate, RoadPoint, RoadWriter, transition_object};
+use itpms_data::out::{
+    AtomicFile, EstimateWriter, RateGate, RoadPoint, RoadWriter, States, transition_object,
+};
 use itpms_data::{LogRow, Vehicle};
 use itpms_study::report;
 use serde_json::Value;
@@ -107,11 +109,11 @@ impl Files {
 }
 
 impl Sink for Files {
-    fn row(&mut self, row: &LogRow, estimates: &Estimates) -> Result<(), DriveError> {
+    fn row(&mut self, row: &LogRow, estimates: &Estimates, states: &States) -> Result<(), DriveError> {
         if let Some(writer) = &mut self.estimates
             && self.gate.lets_through(row.time_s)
         {
-            writer.write(row.time_s, estimates)?;
+            writer.write(row.time_s, estimates, states)?;
         }
         Ok(())
     }

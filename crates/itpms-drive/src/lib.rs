@@ -52,4 +52,4 @@ pub use pipeline::estimate_in_pipeline;
 pub use road::{LateRow, RoadTrack};
 pub use run::{Done, Job, Sink, Watch, estimate};
 pub use settings::Settings;
-pub use summary::summary_json;
+pub use summary::{corner_line, summary_json};

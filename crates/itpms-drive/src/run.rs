@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use itpms_core::model::{BodyFit, Corner, Misfit, VehicleCalibration};
 use itpms_core::warning::{Change, MonitorReport};
+use itpms_data::out::States;
 use itpms_data::{LogReader, LogRow};
 use itpms_study::report::{CornerRow, Provenance, ReportCollector, ReportData, ReportOptions};
 
@@ -21,11 +22,11 @@ pub(crate) const ROWS_PER_LOOK: u64 = 1024;
 
 /// Who gets the results of a drive as they come.
 pub trait Sink {
-    /// A row of the log and what was estimated after it.
+    /// A row of the log, what was estimated after it and what the monitor says of each wheel.
     ///
     /// # Errors
     /// The sink's own; they end the drive.
-    fn row(&mut self, row: &LogRow, estimates: &Estimates) -> Result<(), DriveError>;
+    fn row(&mut self, row: &LogRow, estimates: &Estimates, states: &States) -> Result<(), DriveError>;
 
     /// The same half a minute later, when its road is there; only where the road is wanted.
     ///
@@ -145,7 +146,7 @@ impl Record {
         self.events.take(report, &mut |time_s, change| sink.transition(time_s, change))?;
         self.collector.push_report(report);
         self.axis.take(row);
-        sink.row(row, estimates)?;
+        sink.row(row, estimates, &report.wheels.map(|wheel| wheel.map(|wheel| wheel.state)))?;
         match (&mut self.track, cars) {
             (Some(track), Some(cars)) => {
                 track.push(row, estimates, cars);

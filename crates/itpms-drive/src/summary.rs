@@ -1,10 +1,15 @@
-//! What is known at the end of a drive, as JSON.
+//! What is known at the end of a drive, as JSON and in lines.
 
 use itpms_core::estimator::EstimatorKind;
+use itpms_core::model::Warning;
+use itpms_data::out::state_label;
 use itpms_study::report::{CornerReport, Reading};
 use serde_json::{Map, Value, json};
 
 use crate::run::{Done, Fit};
+
+/// Seconds before the end for which a reading counts as the one at the end.
+const FRESH_S: f64 = 1.0;
 
 /// The drive, its corners and what was said: what `itpms estimate --json` prints, but for the names of its files.
 #[must_use]
@@ -41,6 +46,8 @@ fn corner_json(corner: &CornerReport, fit: Option<&Fit>) -> Value {
         "last": reading(figures.last),
         "lowest": reading(figures.lowest),
         "warning": figures.warning.label(),
+        "state": state_label(corner.state),
+        "doubt": corner.doubt(),
         "low_since_s": figures.low_since_s,
         "malfunction_since_s": figures.malfunction_since_s,
         "share_valid": figures.share_valid,
@@ -68,4 +75,43 @@ pub(crate) fn fit_json((fit, misfit): &Fit) -> Value {
         "friction_n": fit.friction_n,
         "misfit": misfit.map(|misfit| misfit.to_string()),
     })
+}
+
+/// A corner in a line, as the command and the Python package show it: the last pressure that was valid; where that is not now, since
+/// when; what was warned of; why it is not known. `end_s`: when the drive ended, by the clock of the readings.
+#[must_use]
+pub fn corner_line(corner: &CornerReport, end_s: f64) -> String {
+    let figures = &corner.figures;
+    let mut line = format!("{}  ", corner.corner.label());
+    line += &match figures.last {
+        Some(Reading { pressure_kpa, sd_kpa, time_s }) => {
+            let old = end_s - time_s > FRESH_S;
+            let when = if old { format!(" at {time_s:.1} s, nothing valid since") } else { String::new() };
+            format!("{pressure_kpa:.1} kPa, sd {sd_kpa:.1}{when}")
+        }
+        None => "no valid estimate".to_owned(),
+    };
+    line += &format!(" (placard {})", corner.placard_kpa);
+    if let Some(said_s) = figures.low_since_s {
+        let now = if figures.warning == Warning::Low { "" } else { ", now over" };
+        line += &format!("; LOW, warned of at {said_s:.1} s{now}");
+    }
+    if let Some(said_s) = figures.malfunction_since_s {
+        line += &format!("; MALFUNCTION, warned of at {said_s:.1} s");
+    }
+    // A pressure alone looks as good as that of a wheel that is known to be fine.
+    if let Some(why) = corner.doubt() {
+        line += &format!("; not known: {why}");
+    }
+    // Before anything is known there is nothing to be right or wrong about.
+    if let Some(truth) = figures.truth.as_ref().filter(|_| figures.last.is_some()) {
+        line += &format!(
+            "; against the truth after {} s: RMSE {:.1} kPa, bias {:+.1}, {:.0} % inside the 95 % interval",
+            truth.settle_s,
+            truth.rmse_kpa,
+            truth.bias_kpa,
+            100.0 * truth.coverage
+        );
+    }
+    line
 }

@@ -5,6 +5,9 @@ import { CORNERS } from "./words.js";
 
 const FIELDS = ["state", "pressure_kpa", "pressure_sd_kpa", "gate", "iri_m_per_km", "road_m"];
 
+// More than a time of the past, in whole milliseconds, may be ahead of the one that was rounded.
+export const ROUNDED_S = 1e-3;
+
 class Stretch {
   constructor(step_s, span_s) {
     this.step_s = step_s;
@@ -33,8 +36,8 @@ class Stretch {
   add(time_s, unix_s, of) {
     if (time_s == null) return;
     const step = time_s - (this.last ?? -Infinity);
-    // The source began again.
-    if (step < 0) this.clear();
+    // The source began again; what the server sends of the past is rounded.
+    if (step < -ROUNDED_S) this.clear();
     else if (!(step >= this.step_s * (1 - 1e-6))) return;
     this.time_s.push(time_s);
     this.unix_s.push(unix_s);

@@ -1,5 +1,6 @@
 // Whether what is shown is now. Says so in words, and greys what is not.
 
+import { ROUNDED_S } from "./past.js";
 import { plain, put, span, timeOfDay } from "./words.js";
 
 export class Status {
@@ -25,7 +26,8 @@ export class Status {
     this.time_s = history.fine.time_s.at(-1) ?? this.time_s;
   }
   snapshot(snapshot) {
-    if (snapshot.time_s != null && snapshot.time_s !== this.time_s) {
+    // What the server sent of the past is rounded: data that are in it already are as old as it says.
+    if (snapshot.time_s != null && !(Math.abs(snapshot.time_s - (this.time_s ?? Infinity)) < ROUNDED_S)) {
       this.time_s = snapshot.time_s;
       this.data_ms = Date.now();
       // What was overdue has come.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use itpms_core::model::Corner;
 use itpms_data::log::{Field, LogCorner, SLOTS, Slot};
-use itpms_data::out::alert_object;
+use itpms_data::out::{alert_object, state_label};
 use itpms_data::reference::crc64;
 use itpms_data::{LogRow, Vehicle as CarFile};
 use itpms_drive::reference::Saving;
@@ -65,7 +65,8 @@ impl Car {
                 for i in from..to {
                     let mut row = samples.row(i);
                     let estimate = self.drive.update(&mut row);
-                    found.push(row.time_s, &estimate.corners);
+                    let states = self.drive.report().wheels.map(|wheel| wheel.map(|wheel| wheel.state));
+                    found.push(row.time_s, &estimate.corners, &states);
                 }
             });
             from = to;
@@ -80,7 +81,7 @@ impl Car {
             .corners
             .iter()
             .map(|corner| {
-                let state = report.wheels[corner.index()].map_or("unknown", |wheel| wheel.state.label());
+                let state = state_label(report.wheels[corner.index()].map(|wheel| wheel.state));
                 (corner.label().to_owned(), json!(state))
             })
             .collect();

@@ -4,12 +4,14 @@ use std::path::{Path, PathBuf};
 
 use itpms_core::model::Corner;
 use itpms_core::warning::Change;
-use itpms_data::out::{RateGate, transition_object};
+use itpms_data::out::{RateGate, States, transition_object};
 use itpms_data::{LogReader, LogRow};
 use itpms_drive::drive::Estimates;
 use itpms_drive::fleet::wheels::{Begun, wheels};
 use itpms_drive::reference::Saving;
-use itpms_drive::{Done, DriveError, Job, LateRow, Settings, Sink, common_corners, summary_json};
+use itpms_drive::{
+    Done, DriveError, Job, LateRow, Settings, Sink, common_corners, corner_line, summary_json,
+};
 use itpms_study::report::render_report;
 use pyo3::prelude::*;
 use pyo3::types::PyIterator;
@@ -79,7 +81,17 @@ fn run(
         }
         let rows = log.repairs().rows_kept;
         let figures = Value::Object(summary_json(&done, settings.estimator, rows));
-        Ok(Estimated { done, kept, figures, report, settings: settings.clone(), vehicle: vehicle.clone() })
+        let end_s = log.last_time_s().map_or(f64::NAN, |end_s| end_s - done.data.drive.origin_s);
+        let lines = done.data.corners.iter().map(|corner| corner_line(corner, end_s)).collect();
+        Ok(Estimated {
+            done,
+            kept,
+            figures,
+            lines,
+            report,
+            settings: settings.clone(),
+            vehicle: vehicle.clone(),
+        })
     })?;
     result.map_err(|error| errors::drive(py, &error))
 }
@@ -116,11 +128,11 @@ impl Kept {
 }
 
 impl Sink for Kept {
-    fn row(&mut self, row: &LogRow, estimates: &Estimates) -> Result<(), DriveError> {
+    fn row(&mut self, row: &LogRow, estimates: &Estimates, states: &States) -> Result<(), DriveError> {
         self.first_s.get_or_insert(row.time_s);
         self.begun.take(estimates);
         if self.gate.lets_through(row.time_s) {
-            self.found.push(row.time_s, estimates);
+            self.found.push(row.time_s, estimates, states);
         }
         Ok(())
     }
@@ -152,6 +164,7 @@ pub(crate) struct Estimated {
     done: Done,
     kept: Kept,
     figures: Value,
+    lines: Vec<String>,
     report: bool,
     settings: Settings,
     vehicle: itpms_data::Vehicle,
@@ -206,14 +219,14 @@ impl Estimated {
         self.kept.corners.iter().map(|corner| corner.label()).collect()
     }
 
-    /// Writes the page about the drive.
-    fn report(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        if !self.report {
-            let sentence = "the report was not kept, expected estimate(..., report=True)";
-            return Err(raise(py, Kind::Setting, sentence));
-        }
-        let page = render_report(&self.done.data)
-            .map_err(|error| raise(py, Kind::Output, format!("the report cannot be made: {error}")))?;
-        errors::page(py, &path, &page)
+    /// A line for each corner, as the command shows it.
+    fn lines(&self) -> Vec<String> {
+        self.lines.clone()
+    }
+
+    /// The page about the drive, or `None` where it was not kept.
+    fn page(&self, py: Python<'_>) -> PyResult<Option<String>> {
+        let page = self.report.then(|| render_report(&self.done.data)).transpose();
+        page.map_err(|error| raise(py, Kind::Output, format!("the report cannot be made: {error}")))
     }
 }

@@ -1,6 +1,7 @@
 //! Estimates over time, in the columns of `itpms estimate -o`.
 
 use itpms_core::model::{Corner, Level, Warning};
+use itpms_data::out::{States, state_label};
 use itpms_drive::Estimates;
 
 use crate::columns::{Columns, Words};
@@ -14,7 +15,7 @@ const NUMBERS: [&str; 6] = [
     "change_sd_kpa",
     "axle_difference_sd_kpa",
 ];
-const WORDS: [&str; 2] = ["warning", "level"];
+const WORDS: [&str; 3] = ["warning", "level", "state"];
 
 /// Estimates over time: numbers, and the words beside them.
 pub(crate) struct Found {
@@ -37,7 +38,7 @@ impl Found {
         Self { corners: corners.to_vec(), numbers, words: words.collect() }
     }
 
-    pub(crate) fn push(&mut self, time_s: f64, estimates: &Estimates) {
+    pub(crate) fn push(&mut self, time_s: f64, estimates: &Estimates, states: &States) {
         let (time, corners) = self.numbers.split_at_mut(1);
         time[0].1.push(time_s);
         for ((corner, words), numbers) in self
@@ -58,6 +59,7 @@ impl Found {
             }
             words[0].1.push(estimate.map_or(Warning::None, |e| e.warning).label());
             words[1].1.push(estimate.map_or(Level::VehicleFile, |e| e.level).label());
+            words[2].1.push(state_label(states[corner.index()]));
         }
     }
 }

@@ -17,6 +17,8 @@
 //! | `check` | a vehicle file held against a drive |
 //! | `road` | roughness of a profile |
 
+#![forbid(unsafe_code)]
+
 mod car;
 mod check;
 mod columns;

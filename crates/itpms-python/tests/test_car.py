@@ -61,6 +61,7 @@ def test_one_corner_alone(drive):
             "change_sd_kpa",
             "level",
             "axle_difference_sd_kpa",
+            "state",
         )
     }
     assert abs(found["rl_pressure_kpa"][-1] - 241.3) < 4 * found["rl_pressure_sd_kpa"][-1]

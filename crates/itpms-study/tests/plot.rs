@@ -82,3 +82,45 @@ fn no_data_is_no_reason_to_fail() {
     let svg = Figure::new("empty", "Nothing").panel(empty).svg();
     assert!(svg.ends_with("</svg>\n") && !svg.contains("NaN"));
 }
+
+/// Whatever numbers a file has, a chart of them is a chart: well-formed, without a number that is none, of usual length.
+#[test]
+fn no_number_breaks_a_chart() {
+    const NUMBERS: [f64; 15] = [
+        0.0,
+        -0.0,
+        1.0,
+        -1.0,
+        241.3,
+        1e308,
+        -1e308,
+        1e300,
+        1e200,
+        1e-320,
+        -1e-320,
+        5e-324,
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+        f64::NAN,
+    ];
+    for a in NUMBERS {
+        for b in NUMBERS {
+            for c in NUMBERS {
+                for axis in [Axis::linear, Axis::logarithmic] {
+                    let panel = Panel::new("", "Extremes", axis("x", "s"), axis("y", "m"))
+                        .line("line", Ink::Truth, Stroke::Solid, vec![(0.0, a), (1.0, b), (c, 2.0)])
+                        .band("band", Ink::Light, vec![(0.0, a, b), (1.0, b, c)])
+                        .bars("bars", Ink::Extra, vec![(a, b, c)])
+                        .dots("dots", Ink::Plain, vec![(a, b, c), (0.5, c, a)])
+                        .level(Ink::Muted, a, "level")
+                        .moment(Ink::Muted, b, "moment")
+                        .stretch(a, c, "stretch");
+                    let svg = Figure::new("f", "Extremes").panel(panel).svg();
+                    assert!(svg.len() < 20_000, "{a} {b} {c}: {} bytes", svg.len());
+                    assert!(!svg.contains("NaN") && !svg.contains("inf"), "{a} {b} {c}");
+                    assert_eq!(svg.matches("<svg").count(), svg.matches("</svg>").count());
+                }
+            }
+        }
+    }
+}

@@ -135,9 +135,9 @@ pub(crate) struct EstimateArgs {
     /// Masses, springs, dampers and tires of the corners.
     #[arg(long, value_name = "V.toml")]
     pub(crate) vehicle: PathBuf,
-    /// Where the pressures go: .csv or .parquet.
+    /// Where the pressures go: .csv or .parquet, or - for standard output; without it there is the summary alone.
     #[arg(short, long, value_name = "EST")]
-    pub(crate) output: PathBuf,
+    pub(crate) output: Option<PathBuf>,
     /// Where the road under each wheel goes, at the log's rate: .csv or .parquet.
     #[arg(long, value_name = "ROAD")]
     pub(crate) road_out: Option<PathBuf>,

@@ -28,7 +28,7 @@ use screen::Screen;
 
 fn main() -> ExitCode {
     let args = Args::read();
-    let screen = Screen::new(args.quiet);
+    let screen = Screen::new(args.quiet, std::env::args_os());
     let result = Interrupt::install().and_then(|interrupt| match &args.command {
         Command::Demo(args) => commands::demo::run(args, &screen, &interrupt),
         Command::Estimate(args) => commands::estimate::run(args, &screen, &interrupt),

@@ -1,12 +1,16 @@
 //! What a person or a script gets to read: results on standard output, remarks on standard error.
 
 use std::borrow::Cow;
+use std::ffi::OsString;
 use std::fmt::{Display, Write as _};
 use std::io::{self, ErrorKind, Write as _};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::exit::Failure;
 use crate::progress::Progress;
+
+/// Whether standard output receives a file, `-o -`: then what a person gets to read goes to standard error.
+static TAKEN: AtomicBool = AtomicBool::new(false);
 
 /// Whether a part of the result was lost, on any thread.
 static LOST: AtomicBool = AtomicBool::new(false);
@@ -19,7 +23,7 @@ fn note(written: io::Result<()>) {
 
 /// A text on one line, without anything that a terminal would obey: names of files, cars and signals are somebody else's.
 /// Such a character is written as JSON writes it, so that JSON stays JSON.
-fn plain(text: &str) -> Cow<'_, str> {
+pub(crate) fn plain(text: &str) -> Cow<'_, str> {
     escaped(text, is_obeyed)
 }
 
@@ -50,24 +54,37 @@ pub(crate) struct Screen {
 }
 
 impl Screen {
-    /// With `--quiet`, remarks and progress bars are left out; errors never are.
-    pub(crate) fn new(quiet: bool) -> Self {
+    /// With `--quiet`, remarks and progress bars are left out; errors never are. `arguments`: of the command line, where an option of
+    /// `-` says that a file goes to standard output.
+    pub(crate) fn new(quiet: bool, arguments: impl IntoIterator<Item = OsString>) -> Self {
+        let arguments: Vec<OsString> = arguments.into_iter().collect();
+        let is_option = |argument: &OsString| argument.len() > 1 && argument.as_encoded_bytes()[0] == b'-';
+        let apart = arguments.windows(2).any(|pair| is_option(&pair[0]) && pair[1] == "-");
+        let joined = arguments
+            .iter()
+            .any(|argument| argument == "-o-" || argument.as_encoded_bytes().ends_with(b"=-"));
+        TAKEN.store(apart || joined, Ordering::Relaxed);
         Self { quiet }
+    }
+
+    /// Text for a person.
+    fn say(&self, text: &str) {
+        if TAKEN.load(Ordering::Relaxed) {
+            let _ = writeln!(io::stderr(), "{text}");
+        } else {
+            note(writeln!(io::stdout(), "{text}"));
+        }
     }
 
     /// A line of the result. A reader that has gone away (`| head`) is no reason to complain; one that cannot take it is, at
     /// the end ([`Screen::check`]).
     pub(crate) fn print(&self, line: impl Display) {
-        note(writeln!(io::stdout(), "{}", plain(&line.to_string())));
+        self.say(&plain(&line.to_string()));
     }
 
     /// A result of several lines, such as a table or JSON.
     pub(crate) fn print_lines(&self, text: impl Display) {
-        note(writeln!(
-            io::stdout(),
-            "{}",
-            escaped(&text.to_string(), |c| !matches!(c, '\n' | '\t') && is_obeyed(c))
-        ));
+        self.say(&escaped(&text.to_string(), |c| !matches!(c, '\n' | '\t') && is_obeyed(c)));
     }
 
     /// Bytes of the result, as they are.

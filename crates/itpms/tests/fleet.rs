@@ -250,3 +250,33 @@ fn a_car_none_of_whose_drives_could_be_estimated_is_unknown() {
     assert!(page.contains("<tr><th scope=\"row\">charlie</th>"));
     assert!(page.contains("no drive could be estimated</td>"));
 }
+
+/// A digit that was changed on the disk is not believed, and what is no drive is a row in failed.csv.
+#[cfg(unix)]
+#[test]
+fn what_is_not_as_it_was_written_is_estimated_again_and_odd_names_are_harmless() {
+    use std::os::unix::fs::symlink;
+    let bench = Bench::with_drive();
+    fs::create_dir_all(bench.path("logs")).unwrap();
+    let long = format!("logs/{}.csv", "n".repeat(251));
+    for name in ["logs/a.csv", "logs/=cmd|x.csv", &long] {
+        fs::copy(bench.path("drive.csv"), bench.path(name)).unwrap();
+    }
+    symlink("/nowhere.csv", bench.path("logs/dangling.csv")).unwrap();
+    symlink("..", bench.path("logs/up")).unwrap();
+    let line = "--quiet fleet logs/*.csv logs/up/*/*.csv --vehicle car.toml --out out --estimates --reports";
+    let last = |outcome: &common::Outcome| outcome.success().trim_end().lines().last().unwrap().to_owned();
+    let first = bench.run(line);
+    assert_eq!(last(&first), "3 of 4 drives of 1 car estimated; 1 failed: out/failed.csv", "{first:?}");
+    assert!(bench.read("out/failed.csv").contains("logs/dangling.csv: leads to no file"));
+    let fleet = bench.read("out/fleet.csv");
+    let kept = bench.read("out/drives.jsonl");
+    let at = kept.find("\"pressure_kpa\":").unwrap() + "\"pressure_kpa\":".len();
+    let mut forged = kept.clone().into_bytes();
+    forged[at] = if forged[at] == b'9' { b'1' } else { forged[at] + 1 };
+    bench.write("out/drives.jsonl", forged);
+    let again = bench.run(line);
+    assert!(last(&again).contains("3 of 4 drives of 1 car estimated (2 of them before)"), "{again:?}");
+    assert!(again.stderr.contains("drives.jsonl: 1 line damaged"), "{again:?}");
+    assert_eq!(bench.read("out/fleet.csv"), fleet);
+}

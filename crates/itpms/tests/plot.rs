@@ -91,6 +91,20 @@ fn other_names_and_units_take_a_map() {
 }
 
 #[test]
+fn numbers_of_any_size_are_shown() {
+    let bench = Bench::new();
+    for (number, name) in [("1e200", "large"), ("-1e308", "largest"), ("1e-320", "small"), ("inf", "none")] {
+        let log = format!(
+            "time_s,fl_body_accel_m_s2,fl_wheel_accel_m_s2\n0,0,0\n0.005,{number},1\n0.01,1,{number}\n"
+        );
+        bench.write(&format!("{name}.csv"), log);
+        bench.run(&format!("plot {name}.csv --trust-units")).success();
+        let page = bench.read(&format!("{name}-plot.html"));
+        assert!(page.len() < 200_000 && page.contains("Front left (fl)"), "{name}: {} bytes", page.len());
+    }
+}
+
+#[test]
 fn what_is_no_log_is_refused_and_leaves_nothing() {
     let bench = Bench::new();
     assert!(bench.run("plot nothing.csv").refusal().contains("nothing.csv"));

@@ -145,7 +145,7 @@ fn what_one_drive_taught_sharpens_the_next() {
     bench.run(&format!("estimate reset.csv --vehicle car.toml -o reset-est.csv {saves}")).success();
     let vehicle = Vehicle::read(&bench.path("car.toml")).unwrap();
     let stored = StoredReference::read(&bench.path("car.reference")).unwrap();
-    let learned = *stored.for_vehicle(&vehicle).unwrap();
+    let learned = *stored.for_vehicle(&vehicle).unwrap().1;
     assert!(learned.corners.iter().all(Option::is_some), "{learned:?}");
     // No longer than the reset, and most of it.
     assert!((5.0..=15.0).contains(&learned.learned_s), "{learned:?}");

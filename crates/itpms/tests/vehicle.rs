@@ -151,3 +151,17 @@ fn what_was_in_a_file_is_kept_beside_it() {
     bench.run(&init(1700)).success();
     assert_eq!((bench.read("car.toml.before"), bench.read("car.toml.before2")), (edited, second));
 }
+
+/// A name with line breaks stays in its row: nothing that it says looks like a line of the table.
+#[test]
+fn line_breaks_of_a_name_are_shown_as_such() {
+    let bench = Bench::with_drive();
+    let name = r#"x\nfl  241.0 kPa, sd 1.0\u001b[31m\r\u2028"#;
+    let file = bench.read("car.toml");
+    let old = file.lines().find(|line| line.starts_with("name = ")).unwrap().to_owned();
+    bench.write("odd.toml", file.replace(&old, &format!("name = \"{name}\"")));
+    let lines = |file: &str| bench.run(&format!("vehicle show {file}")).success().lines().count();
+    assert_eq!(lines("odd.toml"), lines("car.toml"));
+    let shown = bench.run("vehicle show odd.toml").success().to_owned();
+    assert!(shown.contains(r"x\u000afl  241.0 kPa") && !shown.contains('\u{1b}'), "{shown}");
+}

@@ -391,7 +391,6 @@ impl<T: Real> CornerEstimator<T> {
             self.learned_before_s = self.method.learned_s();
         }
         let unjudged = reading.validity.is_valid() && self.is_unjudged(time_s, level);
-        let tire = &self.config.tire;
         let validity = match reading.validity {
             _ if bad => Validity::BadSignal,
             Validity::Valid | Validity::NoInformation

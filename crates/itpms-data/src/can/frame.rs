@@ -42,6 +42,15 @@ impl CanId {
         self.0 & Self::EXTENDED_MOST
     }
 
+    /// The number of the parameter group (PGN) that an identifier of 29 bits has on SAE J1939-21: neither priority nor source
+    /// address, and no destination address, which stands in place of the group's low byte where the byte before it is below 240.
+    #[must_use]
+    pub const fn parameter_group(self) -> u32 {
+        let group = (self.0 >> 8) & 0x3_FFFF;
+        let to_one_node = (group >> 8) & 0xFF < 240;
+        if to_one_node { group & 0x3_FF00 } else { group }
+    }
+
     /// Whether it has 29 bits.
     #[must_use]
     pub const fn is_extended(self) -> bool {

@@ -38,8 +38,8 @@ pub(super) fn convert(request: &Request<'_>, look: Look<'_>) -> Result<Option<Co
     let mut writer = Mdf4Writer::create(request.output, &specs, request.packing.into())?;
     let start_s = if content.first_s > SINCE_1970_S { content.first_s } else { 0.0 };
     writer.set_start_ns((start_s * 1e9) as u64);
-    let places: BTreeMap<(u16, CanId), usize> =
-        groups.iter().zip(0..).map(|(group, place)| ((group.bus, group.message.id), place)).collect();
+    // By the identifier in the log, which on SAE J1939 has another source address than the description's.
+    let places: BTreeMap<(u16, CanId), usize> = content.groups.keys().copied().zip(0..).collect();
 
     let mut reader = FrameReader::open(request.input)?;
     let mut count = 0u64;

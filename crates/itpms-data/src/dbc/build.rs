@@ -25,6 +25,8 @@ pub(super) struct Builder {
     current: Current,
     enumerations: HashMap<String, Vec<String>>,
     defaults: HashMap<String, String>,
+    /// What is spoken on the bus: `J1939`.
+    protocol: Option<String>,
     pub(super) problems: Problems,
 }
 
@@ -71,13 +73,27 @@ impl Builder {
             Statement::Default { name, value } => {
                 self.defaults.insert(name, value);
             }
-            Statement::Attribute { name, id, value } => {
+            Statement::Attribute { name, id, signal: None, value } => {
                 if let Some(draft) = self.draft(id) {
                     match name.as_str() {
                         "VFrameFormat" => draft.frame_format = Some(value),
                         "GenMsgCycleTime" => draft.cycle_ms = Some(value),
+                        "SystemMessageLongSymbol" => draft.long_name = Some(value),
                         _ => {}
                     }
+                }
+            }
+            Statement::Attribute { name, id, signal: Some(signal), value } => {
+                if name == "SystemSignalLongSymbol"
+                    && let Some(draft) = self.draft(id)
+                    && let Some(place) = draft.signals.get(&signal)
+                {
+                    draft.long_names.insert(*place, value);
+                }
+            }
+            Statement::OfTheBus { name, value } => {
+                if name == "ProtocolType" {
+                    self.protocol = Some(value);
                 }
             }
         }
@@ -176,21 +192,43 @@ impl Builder {
             draft.message.cycle_s =
                 cycle_ms.filter(|ms: &f64| *ms > 0.0 && ms.is_finite()).map(|ms| 1e-3 * ms);
             let format = draft.frame_format.take().or_else(|| self.defaults.get("VFrameFormat").cloned());
-            draft.message.fd |=
-                format.is_some_and(|format| is_fd(&format, self.enumerations.get("VFrameFormat")));
+            let format = format.map(|format| frame_format(&format, self.enumerations.get("VFrameFormat")));
+            draft.message.fd |= format == Some(FrameFormat::Fd);
+            // A file without formats says it of the whole bus.
+            let on_j1939 = || self.protocol.as_deref().is_some_and(|protocol| protocol.contains("J1939"));
+            draft.message.j1939 = draft.message.id.is_extended()
+                && format.map_or_else(on_j1939, |format| format == FrameFormat::J1939);
             messages.push(draft.finish(&mut comparisons, &mut self.problems));
         }
         (messages, self.problems)
     }
 }
 
-/// Whether a `VFrameFormat` is one of CAN FD: by its name, or by its place among the names.
-fn is_fd(format: &str, names: Option<&Vec<String>>) -> bool {
+/// What a `VFrameFormat` says that matters here.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum FrameFormat {
+    Fd,
+    J1939,
+    Other,
+}
+
+/// A `VFrameFormat` by its name, or by its place among the names.
+fn frame_format(format: &str, names: Option<&Vec<String>>) -> FrameFormat {
     let named = match format.parse::<usize>() {
-        // Vector's own list; files leave it out or have it in full.
-        Ok(place @ (14 | 15)) if names.is_none_or(|names| names.len() <= place) => return true,
-        Ok(place) => names.and_then(|names| names.get(place)).map_or("", String::as_str),
+        Ok(place) => match names.and_then(|names| names.get(place)) {
+            Some(name) => name.as_str(),
+            // Vector's own list; files leave it out or have it in full.
+            None if matches!(place, 14 | 15) => return FrameFormat::Fd,
+            None if place == 3 => return FrameFormat::J1939,
+            None => "",
+        },
         Err(_) => format,
     };
-    named.contains("FD")
+    if named.contains("FD") {
+        FrameFormat::Fd
+    } else if named.contains("J1939") {
+        FrameFormat::J1939
+    } else {
+        FrameFormat::Other
+    }
 }

@@ -26,6 +26,8 @@ pub struct FrameCounts {
     pub short: u64,
     /// Used messages that came on another bus than the first time; not decoded.
     pub other_bus: u64,
+    /// Used parameter groups of SAE J1939 that came from another source address than the first time; not decoded.
+    pub other_sender: u64,
     /// Remote and error frames.
     pub without_data: u64,
     /// Values sent as not available (`SNA`), handed on as NaN.
@@ -48,8 +50,9 @@ struct Wanted {
     /// Place of the signal, what it is, and in which unit.
     signals: Vec<(usize, Slot, Conversion)>,
     /// Where the message was seen first. The same identifier on another bus may be something else, or a gateway's
-    /// copy; in either case it is no second sensor.
-    bus: Option<u16>,
+    /// copy; in either case it is no second sensor. The same goes for a parameter group of SAE J1939 from a second sender, unless the
+    /// description names that one.
+    first: Option<(u16, CanId)>,
 }
 
 impl Decoder {
@@ -62,7 +65,7 @@ impl Decoder {
         let mut wanted: HashMap<CanId, Wanted> = HashMap::new();
         for chosen in resolved.iter() {
             if let Some((message, place)) = dbc.of_candidate(chosen.candidate) {
-                let fresh = || Wanted { message: message.clone(), signals: Vec::new(), bus: None };
+                let fresh = || Wanted { message: message.clone(), signals: Vec::new(), first: None };
                 let entry = wanted.entry(message.id).or_insert_with(fresh);
                 entry.signals.push((place, chosen.slot, chosen.conversion));
             }
@@ -107,14 +110,26 @@ impl Decoder {
             self.counts.without_data += 1;
             return;
         }
-        let Some(wanted) = self.wanted.get_mut(&frame.id) else {
-            let known = self.dbc.message(frame.id).is_some();
-            *(if known { &mut self.counts.other } else { &mut self.counts.unknown }) += 1;
+        let id = if self.wanted.contains_key(&frame.id) {
+            Some(frame.id)
+        } else {
+            self.dbc.message(frame.id).map(|message| message.id)
+        };
+        let Some(wanted) = id.and_then(|id| self.wanted.get_mut(&id)) else {
+            *(if id.is_some() { &mut self.counts.other } else { &mut self.counts.unknown }) += 1;
             return;
         };
-        if *wanted.bus.get_or_insert(frame.bus) != frame.bus {
+        let (bus, sender) = wanted.first.get_or_insert((frame.bus, frame.id));
+        if *bus != frame.bus {
             self.counts.other_bus += 1;
             return;
+        }
+        if *sender != frame.id {
+            if wanted.message.id != frame.id {
+                self.counts.other_sender += 1;
+                return;
+            }
+            *sender = frame.id;
         }
         self.counts.used += 1;
         let data = frame.data();

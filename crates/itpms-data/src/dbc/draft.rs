@@ -29,6 +29,9 @@ pub(super) struct Draft {
     pub(super) extended: HashMap<usize, (String, Vec<(u64, u64)>)>,
     pub(super) frame_format: Option<String>,
     pub(super) cycle_ms: Option<String>,
+    /// Names that editors shorten to 32 letters where they define, in full: the message's, and by place its signals'.
+    pub(super) long_name: Option<String>,
+    pub(super) long_names: HashMap<usize, String>,
     full: bool,
 }
 
@@ -41,6 +44,7 @@ impl Draft {
             comment: String::new(),
             length: bytes,
             fd: bytes > 8,
+            j1939: false,
             cycle_s: None,
             signals: Vec::new(),
             line,
@@ -53,6 +57,8 @@ impl Draft {
             extended: HashMap::new(),
             frame_format: None,
             cycle_ms: None,
+            long_name: None,
+            long_names: HashMap::new(),
             full: false,
         }
     }
@@ -104,6 +110,7 @@ impl Draft {
     /// The message with the signals that make sense. `comparisons`: how many pairs of signals may still be held against
     /// each other, in this message and all others.
     pub(super) fn finish(mut self, comparisons: &mut usize, problems: &mut Problems) -> Message {
+        self.lengthen();
         let mut kept = vec![true; self.message.signals.len()];
         for (place, kept) in kept.iter_mut().enumerate() {
             let fault = self.float_fault(place).or_else(|| self.select(place).err());
@@ -118,6 +125,19 @@ impl Draft {
         message.order = order.into_iter().filter_map(|place| new_place[place]).collect();
         overlaps(&message, comparisons, problems);
         message
+    }
+
+    /// From here on message and signals have their full names, by which nothing in the file calls them.
+    fn lengthen(&mut self) {
+        let full = |name: Option<String>| name.filter(|name| !name.trim().is_empty());
+        if let Some(name) = full(self.long_name.take()) {
+            self.message.name = name;
+        }
+        for (place, name) in std::mem::take(&mut self.long_names) {
+            if let (Some(signal), Some(name)) = (self.message.signals.get_mut(place), full(Some(name))) {
+                signal.name = name;
+            }
+        }
     }
 
     fn float_fault(&self, place: usize) -> Option<Fault> {

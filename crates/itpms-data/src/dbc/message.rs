@@ -24,6 +24,8 @@ pub struct Message {
     pub length: usize,
     /// Whether it is a CAN FD message (`VFrameFormat`, or longer than 8 bytes).
     pub fd: bool,
+    /// Whether it is a parameter group of SAE J1939, which any node may send with any priority (`VFrameFormat`, `ProtocolType`).
+    pub j1939: bool,
     /// Time from one to the next in s (`GenMsgCycleTime`).
     pub cycle_s: Option<f64>,
     /// Its signals, in the file's order.

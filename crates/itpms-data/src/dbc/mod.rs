@@ -6,7 +6,7 @@
 //!
 //! | module | idea |
 //! |---|---|
-//! | `text`, `cursor` | characters, words |
+//! | `cursor` | words |
 //! | `statement` | how statements are written |
 //! | `build`, `draft` | statements to messages |
 //! | `bits` | where a signal's bits are |
@@ -24,7 +24,6 @@ mod encoder;
 mod message;
 pub(crate) mod problem;
 mod statement;
-mod text;
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -49,6 +48,8 @@ const LARGEST: u64 = 1 << 26;
 pub struct Dbc {
     messages: Vec<Message>,
     places: HashMap<CanId, usize>,
+    /// Messages of SAE J1939 by their parameter group; `None` where two have the same.
+    groups: HashMap<u32, Option<usize>>,
     problems: Vec<DbcProblem>,
 }
 
@@ -68,7 +69,7 @@ impl Dbc {
     /// # Errors
     /// See [`DbcError`].
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, DbcError> {
-        Self::parse(&text::decoded(bytes))
+        Self::parse(&crate::text::decoded(bytes))
     }
 
     /// The same for a file's text.
@@ -95,7 +96,11 @@ impl Dbc {
             return Err(DbcError::NoMessage { lines, problem });
         }
         let places = messages.iter().enumerate().map(|(place, message)| (message.id, place)).collect();
-        Ok(Self { messages, places, problems })
+        let mut groups = HashMap::new();
+        for (place, message) in messages.iter().enumerate().filter(|(_, message)| message.j1939) {
+            groups.entry(message.id.parameter_group()).and_modify(|only| *only = None).or_insert(Some(place));
+        }
+        Ok(Self { messages, places, groups, problems })
     }
 
     /// What is wrong with the file, by line; what it concerns was left out unless it says otherwise.
@@ -110,10 +115,14 @@ impl Dbc {
         &self.messages
     }
 
-    /// The message with this identifier.
+    /// The message with this identifier; on SAE J1939 that of its parameter group, whoever sends it.
     #[must_use]
     pub fn message(&self, id: CanId) -> Option<&Message> {
-        self.messages.get(*self.places.get(&id)?)
+        let of_group = || {
+            let extended = Some(id).filter(|id| id.is_extended() && !self.groups.is_empty())?;
+            *self.groups.get(&extended.parameter_group())?
+        };
+        self.messages.get(self.places.get(&id).copied().or_else(of_group)?)
     }
 
     /// All signals of all messages, as candidates for columns.

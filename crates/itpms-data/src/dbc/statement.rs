@@ -26,8 +26,10 @@ pub(super) enum Statement {
     Enumeration { name: String, values: Vec<String> },
     /// `BA_DEF_DEF_`.
     Default { name: String, value: String },
-    /// `BA_` of a message.
-    Attribute { name: String, id: u64, value: String },
+    /// `BA_` of a message, or of one of its signals.
+    Attribute { name: String, id: u64, signal: Option<String>, value: String },
+    /// `BA_` of the whole bus.
+    OfTheBus { name: String, value: String },
 }
 
 /// `SG_` as it is written.
@@ -318,16 +320,22 @@ fn default(at: &mut Cursor<'_>) -> Result<Statement, Astray> {
     Ok(Statement::Default { name, value })
 }
 
-/// `BA_ "Name" BO_ 291 10;`; attributes of others are passed over.
+/// `BA_ "Name" BO_ 291 10;`, `BA_ "Name" SG_ 291 Signal "text";`, `BA_ "Name" "text";`; attributes of nodes and of environment
+/// variables are passed over.
 fn attribute(at: &mut Cursor<'_>) -> Result<Option<Statement>, Astray> {
     let name = at.string("the attribute's name in quotes")?;
-    if at.peek() != "BO_" {
-        return skip(at).map(|()| None);
+    let of = at.peek();
+    match of {
+        "BO_" | "SG_" => {
+            at.word("BO_ or SG_")?;
+            let id = at.integer("an identifier")?;
+            let signal = if of == "SG_" { Some(at.word("a signal's name")?.to_owned()) } else { None };
+            let value = value(at)?;
+            Ok(Some(Statement::Attribute { name, id, signal, value }))
+        }
+        "BU_" | "EV_" => skip(at).map(|()| None),
+        _ => Ok(Some(Statement::OfTheBus { name, value: value(at)? })),
     }
-    at.word("BO_")?;
-    let id = at.integer("an identifier")?;
-    let value = value(at)?;
-    Ok(Some(Statement::Attribute { name, id, value }))
 }
 
 /// A number or a string, and the semicolon after it.

@@ -73,6 +73,10 @@ impl CanFeed {
                 counts.other_bus,
                 "frames of wanted messages came on another bus than the first and were left out",
             ),
+            (
+                counts.other_sender,
+                "frames of wanted J1939 messages came from another source address than the first and were left out",
+            ),
             (counts.not_available, "values were sent as not available"),
         ] {
             if count > 0 {

@@ -2,8 +2,9 @@
 
 /// Seconds since 1970 of `2026-03-01 08:00:00.002`, with `T` or a blank, with `Z`, an offset or nothing (taken for UTC) after
 /// it; or the seconds of `0 days 00:00:01.5` and of `00:00:01.5`.
-pub(super) fn seconds(text: &[u8]) -> Option<f64> {
+pub(crate) fn seconds(text: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(text).ok()?.trim();
+    let text = text.strip_suffix("UTC").or_else(|| text.strip_suffix("GMT")).unwrap_or(text).trim_end();
     if let Some((days, clock)) = text.split_once(" days ") {
         let (days, clock) = (days.parse::<i64>().ok()?, clock.trim_start_matches('+'));
         return Some(days as f64 * 86_400.0 + clock_s(clock)?);
@@ -15,11 +16,22 @@ pub(super) fn seconds(text: &[u8]) -> Option<f64> {
         Some(place) if &rest[place..] == "Z" => (&rest[..place], 0.0),
         Some(place) => {
             let (sign, offset) = rest[place..].split_at(1);
-            let seconds = clock_s(&format!("{offset}:00"))?;
+            let seconds = offset_s(offset)?;
             (&rest[..place], if sign == "-" { -seconds } else { seconds })
         }
     };
     Some(days as f64 * 86_400.0 + clock_s(clock.trim_end())? - offset_s)
+}
+
+/// `01:00`, `0100` or `01`.
+fn offset_s(text: &str) -> Option<f64> {
+    let (hours, minutes) = match (text.split_once(':'), text.len()) {
+        (Some(parts), _) => parts,
+        (None, 4) => text.split_at_checked(2)?,
+        (None, 2) => (text, "00"),
+        _ => return None,
+    };
+    clock_s(&format!("{hours}:{minutes}:00"))
 }
 
 /// `08:00:00.002`.
@@ -27,7 +39,9 @@ fn clock_s(text: &str) -> Option<f64> {
     let mut parts = text.split(':');
     let (hours, minutes, seconds) = (parts.next()?, parts.next()?, parts.next()?);
     let whole = |part: &str, most: u32| part.parse::<u32>().ok().filter(|value| *value <= most);
-    let seconds: f64 = seconds.parse().ok().filter(|seconds| (0.0..61.0).contains(seconds))?;
+    // A decimal comma, as German loggers and Python's logging have it.
+    let seconds: f64 =
+        seconds.replace(',', ".").parse().ok().filter(|seconds| (0.0..61.0).contains(seconds))?;
     let minutes = f64::from(60 * whole(hours, 23)? + whole(minutes, 59)?);
     parts.next().is_none().then_some(60.0 * minutes + seconds)
 }
@@ -63,6 +77,11 @@ mod tests {
             ("2026-03-01 08:00:00.25", 1_772_352_000.25),
             ("2026-03-01T09:00:00+01:00", 1_772_352_000.0),
             ("2026-03-01T02:30:00-05:30", 1_772_352_000.0),
+            ("2026-03-01T09:00:00+0100", 1_772_352_000.0),
+            ("2026-03-01 08:00:00+00", 1_772_352_000.0),
+            ("2026-03-01 08:00:00+0000", 1_772_352_000.0),
+            ("2026-03-01 08:00:00 UTC", 1_772_352_000.0),
+            ("2026-03-01 08:00:00,250", 1_772_352_000.25),
             ("2100-03-01 00:00:00", 4_107_542_400.0),
             ("0 days 00:00:01.500000", 1.5),
             ("1 days 00:00:00", 86_400.0),

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::error::{DataError, Problem};
+use crate::input;
 
 /// A format of tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,13 +49,29 @@ pub(crate) enum LogFormat {
 impl LogFormat {
     /// The same for a log to be written; a device or pipe without an extension receives a table.
     pub(crate) fn of_output(path: &Path) -> Result<Self, DataError> {
-        if path.extension().is_none() { Ok(LogFormat::Table(Format::Csv)) } else { Self::of(path) }
-    }
-
-    /// The format of a drive log by its extension, upper or lower case.
-    pub(crate) fn of(path: &Path) -> Result<Self, DataError> {
         let extension = extension(path);
         match extension.as_deref() {
+            None => Ok(LogFormat::Table(Format::Csv)),
+            // Read, but not written so.
+            Some("gz" | "tsv" | "txt") => Err(unknown(path, extension.as_deref(), expected_log())),
+            Some(_) => Self::of(path),
+        }
+    }
+
+    /// The format of a drive log by its extension, upper or lower case, or because it is a folder of part files.
+    pub(crate) fn of(path: &Path) -> Result<Self, DataError> {
+        #[cfg(feature = "parquet")]
+        if crate::parquet_columns::is_folder_of_parts(path) {
+            return Ok(LogFormat::Table(Format::Parquet));
+        }
+        if input::is_stdin(path) {
+            return Ok(LogFormat::Table(Format::Csv));
+        }
+        let extension = extension(path);
+        match extension.as_deref() {
+            Some("tsv" | "txt") => Ok(LogFormat::Table(Format::Csv)),
+            // Packed: what it is called without that.
+            Some("gz") if is_packed_text(path) => Ok(LogFormat::Table(Format::Csv)),
             #[cfg(feature = "mdf4")]
             Some("mf4" | "mdf") => Ok(LogFormat::Mdf4),
             #[cfg(feature = "can")]
@@ -100,6 +117,12 @@ fn expected_log() -> String {
 
 fn extension(path: &Path) -> Option<String> {
     path.extension().map(|extension| extension.to_string_lossy().to_lowercase())
+}
+
+/// `drive.csv.gz` and the like.
+fn is_packed_text(path: &Path) -> bool {
+    let inner = path.file_stem().map(Path::new).and_then(extension);
+    matches!(inner.as_deref(), Some("csv" | "tsv" | "txt"))
 }
 
 fn unknown(path: &Path, extension: Option<&str>, expected: String) -> DataError {

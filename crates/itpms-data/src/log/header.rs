@@ -7,8 +7,8 @@ use itpms_core::model::Corner;
 use super::row::{CornerColumns, Field, LogColumns, Slot};
 use crate::error::Problem;
 use crate::nearest::nearest;
-use crate::signals::Conversion;
 use crate::signals::names::meaning;
+use crate::signals::{Conversion, column_unit};
 
 /// What a header says.
 #[derive(Debug, Clone)]
@@ -34,8 +34,13 @@ impl Header {
     /// Reads the names of a file's columns.
     pub(super) fn from_names(names: &[String]) -> Result<Self, Problem> {
         let known: Vec<(Slot, String)> = Slot::all().map(|slot| (slot, slot.name())).collect();
-        let slots: Vec<Option<Slot>> =
+        let mut slots: Vec<Option<Slot>> =
             names.iter().map(|name| known.iter().find(|(_, n)| n == name).map(|(slot, _)| *slot)).collect();
+        if !slots.contains(&Some(Slot::Time))
+            && let Some(place) = column_unit::index(names)
+        {
+            slots[place] = Some(Slot::Time);
+        }
         let place = |slot: Slot| slots.iter().position(|s| *s == Some(slot));
         for (i, slot) in slots.iter().enumerate() {
             if let Some(slot) = slot

@@ -7,24 +7,54 @@ use std::path::Path;
 use itpms_core::model::Corner;
 
 use super::header::Header;
+use super::quantity::Quantity;
 use super::row::{CornerColumns, Field, LogColumns, Slot};
 use crate::error::{DataError, Problem};
 use crate::nearest::nearest;
 use crate::signals::{Conversion, Resolved, SignalMap, SignalProblem, column_unit, resolve};
 
 /// How a table's header is read.
-pub(super) fn header(path: &Path, names: &[String], map: Option<&SignalMap>) -> Result<Header, DataError> {
+pub(super) fn header(
+    path: &Path,
+    names: &[String],
+    units: &[String],
+    map: Option<&SignalMap>,
+) -> Result<Header, DataError> {
+    let fail = |problem| DataError::new(path, problem);
     match map {
-        None => Header::from_names(names).map_err(|problem| DataError::new(path, problem)),
-        Some(map) => mapped(path, names, map),
+        None => Header::from_names(names).and_then(|header| in_units(header, names, units)).map_err(fail),
+        Some(map) => mapped(path, names, units, map),
     }
 }
 
-fn mapped(path: &Path, names: &[String], map: &SignalMap) -> Result<Header, DataError> {
+/// The header of a table with our names and a row of units under them: the values come in those units.
+fn in_units(mut header: Header, names: &[String], units: &[String]) -> Result<Header, Problem> {
+    for (place, unit) in units.iter().enumerate() {
+        let Some(slot) = header.slots[place].filter(|_| column_unit::is_unit(unit)) else { continue };
+        let conversion = conversion(unit, slot).ok_or_else(|| {
+            let (column, expected) = (&names[place], Quantity::of(slot).unit());
+            Problem::UnusableSignals(format!("column {column} has the unit {unit}, expected {expected}"))
+        })?;
+        header.conversions[place] = Some(conversion).filter(|conversion| *conversion != Conversion::IDENTITY);
+    }
+    Ok(header)
+}
+
+/// From a unit to a column's own.
+fn conversion(unit: &str, slot: Slot) -> Option<Conversion> {
+    match slot {
+        Slot::Time => column_unit::seconds(unit).map(|factor| Conversion { factor, offset: 0.0 }),
+        _ => column_unit::conversion_to(unit, slot),
+    }
+}
+
+fn mapped(path: &Path, names: &[String], units: &[String], map: &SignalMap) -> Result<Header, DataError> {
     let fail = |problem| DataError::new(path, problem);
-    let (time, conversion) = clock(path, names, map)?;
+    let (time, conversion) = clock(path, names, units, map)?;
     let others: Vec<usize> = (0..names.len()).filter(|place| *place != time).collect();
-    let candidates: Vec<_> = others.iter().map(|place| column_unit::candidate(&names[*place])).collect();
+    let stated = |place: usize| units.get(place).map_or("", String::as_str);
+    let candidates: Vec<_> =
+        others.iter().map(|place| column_unit::candidate_in(&names[*place], stated(*place))).collect();
     let resolved = resolve(&candidates, Some(map))?;
     if let Some(why) = resolved.unusable() {
         return Err(fail(Problem::UnusableSignals(why)));
@@ -64,21 +94,29 @@ fn columns(resolved: &Resolved) -> LogColumns {
 }
 
 /// The column of the time: what the map says, else `time_s`, else the only one that is called like a clock.
-fn clock(path: &Path, names: &[String], map: &SignalMap) -> Result<(usize, Conversion), DataError> {
+fn clock(
+    path: &Path,
+    names: &[String],
+    units: &[String],
+    map: &SignalMap,
+) -> Result<(usize, Conversion), DataError> {
     let seconds = |factor| Conversion { factor, offset: 0.0 };
+    let under = |place: usize| units.get(place).and_then(|unit| column_unit::seconds(unit));
     if let Some((signal, line, conversion)) = map.time() {
         let in_map = |problem| DataError::new(map.path(), Problem::Signals(problem));
         let column = Slot::Time.name();
-        let Some(place) = names.iter().position(|name| name == signal) else {
+        // In memory a frame's index has no name of its own and comes as `time_s`.
+        let called = |wanted: &str| names.iter().position(|name| name == wanted);
+        let Some(place) = called(signal).or_else(|| called(&Slot::Time.name())) else {
             let near = nearest(signal, names.iter().map(String::as_str)).map(str::to_owned);
             let (signal, of) = (signal.to_owned(), names.len());
             return Err(in_map(SignalProblem::NotThere { line, column, signal, of, nearest: near }));
         };
-        let stated = || column_unit::seconds_in(signal).map(seconds);
+        let stated = || column_unit::seconds_in(signal).or_else(|| under(place)).map(seconds);
         return Ok((place, conversion.or_else(stated).unwrap_or(Conversion::IDENTITY)));
     }
     if let Some(place) = names.iter().position(|name| *name == Slot::Time.name()) {
-        return Ok((place, Conversion::IDENTITY));
+        return Ok((place, under(place).map_or(Conversion::IDENTITY, seconds)));
     }
     let clocks: Vec<(usize, f64)> = names
         .iter()
@@ -86,8 +124,12 @@ fn clock(path: &Path, names: &[String], map: &SignalMap) -> Result<(usize, Conve
         .filter_map(|(place, name)| Some((place, column_unit::clock(name)?)))
         .collect();
     match clocks[..] {
-        [(place, factor)] => Ok((place, seconds(factor))),
-        [] => Err(DataError::new(path, Problem::MissingColumn { column: Slot::Time.name(), nearest: None })),
+        [(place, factor)] => Ok((place, seconds(under(place).unwrap_or(factor)))),
+        [] => {
+            let missing = || Problem::MissingColumn { column: Slot::Time.name(), nearest: None };
+            let place = column_unit::index(names).ok_or_else(|| DataError::new(path, missing()))?;
+            Ok((place, Conversion::IDENTITY))
+        }
         [(one, _), (other, _), ..] => {
             let why = format!(
                 "time_s could be {} or {}: say which in the map, time_s = {:?}",

@@ -48,7 +48,7 @@ impl MemorySource {
         more: Pieces,
         map: Option<&SignalMap>,
     ) -> Result<Self, DataError> {
-        let header = mapped::header(path, names, map)?;
+        let header = mapped::header(path, names, &[], map)?;
         let known = header.slots.iter().zip(&header.conversions).enumerate();
         let columns = known
             .filter_map(|(place, (slot, conversion))| Some((place, (*slot)?, *conversion, Vec::new())))

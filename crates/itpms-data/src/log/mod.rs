@@ -21,8 +21,10 @@
 mod can_feed;
 mod clock_text;
 mod csv_source;
+mod dialect;
 mod format;
 mod header;
+mod lines;
 mod mapped;
 #[cfg(feature = "mdf4")]
 mod mdf4_feed;
@@ -43,11 +45,15 @@ mod signal_source;
 mod source;
 mod stamps;
 mod survey;
+mod text_head;
+mod twins;
 mod units;
 
-pub(crate) use csv_source::{Dialect, Lines, cells, number};
+pub(crate) use clock_text::seconds as clock_seconds;
+pub(crate) use dialect::{cells, number};
 pub(crate) use format::{Format, LogFormat};
 pub(crate) use header::{separator, shortened};
+pub(crate) use lines::Lines;
 pub use memory_source::{Piece, Pieces};
 pub use options::LogOptions;
 pub(crate) use quantity::Quantity;
@@ -55,4 +61,5 @@ pub use reader::{LogReader, SURVEY_ROWS};
 pub use repair::RepairReport;
 pub use row::{CornerColumns, Field, LogColumns, LogCorner, LogRow, SLOTS, Slot};
 pub use survey::Survey;
+pub(crate) use text_head::TextHead;
 pub use units::{UnitCheck, check as check_units};

@@ -1,40 +1,38 @@
-//! Rows of a drive log from Parquet.
+//! Rows of a drive log from Parquet: a file, or a folder of part files.
 
-use std::fs::File;
 use std::path::Path;
 
 use super::header::Header;
 use super::mapped;
 use super::row::{RawRow, SLOTS, Slot};
 use crate::error::{DataError, Place, Problem};
-use crate::parquet_columns::ParquetColumns;
-use crate::signals::{Conversion, SignalMap};
+use crate::parquet_columns::{ParquetParts, Quantity};
+use crate::signals::SignalMap;
 
 #[derive(Debug)]
 pub(super) struct ParquetSource {
-    columns: ParquetColumns,
+    columns: ParquetParts,
     header: Header,
     /// Places and meanings of the chosen columns.
     slots: Vec<(usize, Slot)>,
 }
 
 impl ParquetSource {
-    pub(super) fn new(path: &Path, file: File, map: Option<&SignalMap>) -> Result<Self, DataError> {
+    pub(super) fn new(path: &Path, map: Option<&SignalMap>) -> Result<Self, DataError> {
         let fail = |problem| DataError::new(path, problem);
-        let mut columns = ParquetColumns::open(file).map_err(fail)?;
-        let mut header = mapped::header(path, columns.names(), map)?;
-        let mut slots = Vec::new();
-        for (leaf, slot) in header.slots.clone().iter().enumerate() {
-            let Some(slot) = *slot else { continue };
-            match columns.clock_s(leaf).filter(|_| slot == Slot::Time) {
-                Some(factor) => {
-                    header.conversions[leaf] = Some(Conversion { factor, offset: 0.0 });
-                    columns.choose_clock(leaf);
-                }
-                None => columns.choose(leaf).map_err(fail)?,
-            }
-            slots.push((leaf, slot));
+        let mut columns = ParquetParts::open(path).map_err(fail)?;
+        let mut header = mapped::header(path, columns.names(), &[], map)?;
+        let known = header.slots.iter().enumerate();
+        let slots: Vec<(usize, Slot)> = known.filter_map(|(leaf, slot)| Some((leaf, (*slot)?))).collect();
+        let clock = slots.iter().find(|(_, slot)| *slot == Slot::Time).map(|(leaf, _)| *leaf);
+        if let Some(leaf) = clock
+            && columns.meaning(leaf).map_err(fail)?.quantity == Quantity::Time
+        {
+            // Stamps and durations come in s, whatever a name or a map says.
+            header.conversions[leaf] = None;
         }
+        let leaves: Vec<usize> = slots.iter().map(|(leaf, _)| *leaf).collect();
+        columns.choose(&leaves, clock).map_err(fail)?;
         Ok(Self { columns, header, slots })
     }
 

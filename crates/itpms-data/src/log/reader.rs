@@ -13,6 +13,7 @@ use super::repair::RepairReport;
 use super::row::{Field, LogColumns, LogRow, SLOTS, Slot};
 use super::source::Source;
 use super::survey::{GAP_PERIODS, Survey};
+use super::twins;
 use super::units::{self, UnitCheck};
 use crate::error::{DataError, Problem};
 use crate::signals::align::AlignmentReport;
@@ -199,6 +200,7 @@ impl LogReader {
         }
         self.survey = Survey::of(&self.ahead)?;
         self.regular = Regular::new(1.0 / self.survey.sample_rate_hz);
+        self.report.same_columns = twins::of(&self.ahead, &self.source.header().columns);
         match units {
             UnitCheck::Suspicious => units::check(self.ahead.iter()),
             UnitCheck::Trusting => Ok(()),

@@ -31,6 +31,8 @@ pub struct RepairReport {
     pub cut_off_lines: u64,
     /// What the reader of the log's format mended, left out or assumed, in words.
     pub format: Vec<String>,
+    /// Accelerations whose values are the same in all rows that were looked at first: one column, twice.
+    pub same_columns: Vec<(String, String)>,
     /// Columns that are ignored although their name is close to one that means something: (found, meant).
     pub misspelled_columns: Vec<(String, String)>,
 }
@@ -107,6 +109,11 @@ impl RepairReport {
         }
         for column in &self.dead_columns {
             out.push(format!("column {column} has no value at all"));
+        }
+        for (one, other) in &self.same_columns {
+            out.push(format!(
+                "columns {one} and {other} have the same values: one sensor's, there twice; nothing said of these wheels is to be believed"
+            ));
         }
         for (found, meant) in &self.misspelled_columns {
             out.push(format!("column {found} is not known and was ignored (did you mean {meant}?)"));

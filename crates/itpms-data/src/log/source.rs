@@ -32,7 +32,7 @@ impl Source {
     pub(super) fn open(path: &Path, options: &LogOptions) -> Result<Self, DataError> {
         let fail = |problem| DataError::new(path, problem);
         // Whether it is there is said before what its name says.
-        let about = input::look(path).map_err(fail)?;
+        let about = input::look_at_log(path).map_err(fail)?;
         let format = LogFormat::of(path)?;
         if about.is_file() && about.len() == 0 {
             return Err(fail(format.without_bytes()));
@@ -57,10 +57,7 @@ impl Source {
                 CsvSource::new(path, file, about.len(), map).map(Source::Csv)
             }
             #[cfg(feature = "parquet")]
-            Format::Parquet => {
-                let (file, _) = input::open_regular(path, "Parquet").map_err(fail)?;
-                ParquetSource::new(path, file, map).map(|source| Source::Parquet(Box::new(source)))
-            }
+            Format::Parquet => ParquetSource::new(path, map).map(|source| Source::Parquet(Box::new(source))),
         }
     }
 
@@ -123,6 +120,7 @@ impl Source {
     /// What the format's own reader mended, left out or assumed so far.
     pub(super) fn repairs(&self) -> Vec<String> {
         match self {
+            Source::Csv(source) => source.repairs(),
             #[cfg(any(feature = "can", feature = "mdf4"))]
             Source::Signals(source) => source.repairs(),
             _ => Vec::new(),

@@ -101,6 +101,8 @@ impl AtomicFile {
     /// The target is a directory or read-only, its directory does not exist or cannot be written.
     pub fn create(target: &Path) -> Result<Self, DataError> {
         let fail = |problem| DataError::new(target, problem);
+        // What everybody calls standard output.
+        let target = if target == Path::new("-") { Path::new("/dev/stdout") } else { target };
         match fs::metadata(target) {
             Ok(existing) if existing.is_dir() => return Err(fail(Problem::IsDirectory)),
             Ok(existing) if !existing.is_file() || is_device_path(target) => {
@@ -114,7 +116,7 @@ impl AtomicFile {
             }
             _ => {}
         }
-        let destination = fs::canonicalize(target).unwrap_or_else(|_| target.to_owned());
+        let destination = fs::canonicalize(target).unwrap_or_else(|_| behind_links(target));
         let directory = directory_of(&destination);
         let Some(name) = destination.file_name() else { return Err(fail(Problem::IsDirectory)) };
         if !directory.exists() {
@@ -236,6 +238,18 @@ fn sync_directory(_file: &Path) -> io::Result<()> {
     Ok(())
 }
 
+/// Where a link leads at whose end nothing is yet; a name that is no link is its own.
+fn behind_links(path: &Path) -> PathBuf {
+    // As many links in a row as a system follows.
+    const MOST: usize = 40;
+    let mut path = path.to_owned();
+    for _ in 0..MOST {
+        let Ok(next) = fs::read_link(&path) else { break };
+        path = directory_of(&path).join(next);
+    }
+    path
+}
+
 pub(super) fn directory_of(file: &Path) -> &Path {
     match file.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -352,6 +366,12 @@ mod tests {
         file.commit().unwrap();
         assert!(fs::symlink_metadata(&link).unwrap().file_type().is_symlink());
         assert_eq!(fs::read(&real).unwrap(), b"new");
+        // Also where it leads to nothing yet.
+        let ahead = dir.path().join("ahead.csv");
+        symlink("later.csv", &ahead).unwrap();
+        AtomicFile::create(&ahead).unwrap().commit().unwrap();
+        assert!(fs::symlink_metadata(&ahead).unwrap().file_type().is_symlink());
+        assert!(dir.path().join("later.csv").is_file());
         assert_eq!(fs::metadata(&real).unwrap().permissions().mode() & 0o777, 0o640);
     }
 
@@ -360,6 +380,10 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let message = |path: &Path| AtomicFile::create(path).unwrap_err().to_string();
         assert!(message(dir.path()).ends_with("is a directory, expected a file"));
+        // As long as a name may be: what is added to it meanwhile is not.
+        let long = dir.path().join("n".repeat(251) + ".csv");
+        AtomicFile::create(&long).unwrap().commit().unwrap();
+        assert!(long.exists());
         let orphan = dir.path().join("missing").join("est.csv");
         let text = message(&orphan);
         assert!(text.contains("est.csv") && text.ends_with("missing does not exist"), "{text}");

@@ -46,8 +46,11 @@ impl CsvTable {
     }
 }
 
-/// Text, in quotes where it would be read otherwise.
+/// Text, in quotes where it would be read otherwise, and behind an apostrophe where a spreadsheet would compute it.
 fn label(out: &mut Vec<u8>, text: &str) {
+    let inert =
+        if text.starts_with(['=', '+', '-', '@', '\t', '\r']) { format!("'{text}") } else { text.to_owned() };
+    let text = inert.as_str();
     if text.contains([',', '"', '\n', '\r']) {
         out.push(b'"');
         out.extend_from_slice(text.replace('"', "\"\"").as_bytes());
@@ -84,6 +87,9 @@ mod tests {
         assert_eq!(text("a, b"), "\"a, b\"");
         assert_eq!(text("the \"sedan\""), "\"the \"\"sedan\"\"\"");
         assert_eq!(text("two\nlines"), "\"two\nlines\"");
+        // No formula in any spreadsheet.
+        assert_eq!(text("=cmd|x.csv"), "'=cmd|x.csv");
+        assert_eq!(text("@sum(a,b)"), "\"'@sum(a,b)\"");
     }
 
     #[test]

@@ -20,7 +20,7 @@ impl Ledger {
     /// Opens or begins the file; gives its complete lines, and cuts off what is left of an unfinished one.
     ///
     /// # Errors
-    /// It cannot be read or written, is no text, or another program has it open.
+    /// It cannot be read or written, or another program has it open.
     pub fn open(path: &Path) -> Result<(Self, Vec<String>), DataError> {
         let fail = |error| DataError::new(path, Problem::Write(error));
         let options = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path);
@@ -40,11 +40,8 @@ impl Ledger {
         }
         file.seek(SeekFrom::Start(complete as u64)).map_err(fail)?;
         bytes.truncate(complete);
-        let text = String::from_utf8(bytes).map_err(|_| {
-            let error = io::Error::new(io::ErrorKind::InvalidData, "it is no text");
-            DataError::new(path, Problem::Read(error))
-        })?;
-        let lines = text.lines().map(str::to_owned).collect();
+        // A line that is no text any more is the reader's to judge, like one with another digit.
+        let lines = String::from_utf8_lossy(&bytes).lines().map(str::to_owned).collect();
         Ok((Self { path: path.to_owned(), file }, lines))
     }
 

@@ -7,13 +7,22 @@ use std::ffi::{OsStr, OsString};
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::path::Path;
 
+use crate::reference::crc64;
+
 /// How a temporary's name ends.
 pub(super) const SUFFIX: &str = ".tmp";
+
+/// Bytes of a name that has room for what a temporary's has more, in the 255 that file systems give.
+const LONGEST: usize = 220;
 
 /// How the names of the temporaries of `name` begin; process id, a dash and a number follow.
 pub(super) fn prefix(name: &OsStr) -> OsString {
     let mut prefix = OsString::from(".");
-    prefix.push(name);
+    if name.len() > LONGEST {
+        prefix.push(format!("{:016x}", crc64(&[name.as_encoded_bytes()])));
+    } else {
+        prefix.push(name);
+    }
     prefix.push(".");
     prefix
 }

@@ -18,6 +18,7 @@ mod log_frames;
 mod parquet_table;
 mod rate;
 mod results;
+mod state;
 mod table;
 
 pub use alerts::{alert_object, transition_object};
@@ -28,4 +29,5 @@ pub use ledger::Ledger;
 pub use lock::NameLock;
 pub use rate::RateGate;
 pub use results::{EstimateWriter, RoadPoint, RoadWriter};
+pub use state::{States, state_label};
 pub use table::Table;

@@ -8,14 +8,16 @@ use itpms_core::model::{Corner, CornerEstimate, Level, Warning};
 
 use super::AtomicFile;
 use super::cell::{Cell, Kind};
+use super::state::{States, state_label};
 use super::table::Table;
 use crate::error::DataError;
 
 /// Writes `time_s`, then per corner `{c}_pressure_kpa, {c}_pressure_sd_kpa, {c}_stiffness_n_per_m, {c}_valid,
-/// {c}_warning, {c}_change_sd_kpa, {c}_level, {c}_axle_difference_sd_kpa`.
+/// {c}_warning, {c}_change_sd_kpa, {c}_level, {c}_axle_difference_sd_kpa,
+/// {c}_state`.
 ///
 /// `pressure_sd_kpa` is that of the pressure, what the vehicle file leaves open included; `change_sd_kpa` that of what has changed of
-/// late; `axle_difference_sd_kpa` that of what the pressure differs by from the other tire's of its axle. `level` is what the pressure's level rests on: `file` or `calibration`. `valid` is `true` or `false`, `warning` one of `none`, `low`, `malfunction`. A row says what was known at its
+/// late; `axle_difference_sd_kpa` that of what the pressure differs by from the other tire's of its axle. `level` is what the pressure's level rests on: `file` or `calibration`. `valid` is `true` or `false`, `warning` one of `none`, `low`, `malfunction`, `state` a word of [`state_label`]. A row says what was known at its
 /// time from samples up to it.
 #[derive(Debug)]
 pub struct EstimateWriter {
@@ -43,6 +45,7 @@ impl EstimateWriter {
                 ("axle_difference_sd_kpa", Kind::Number),
                 ("lost_kpa", Kind::Number),
                 ("lost_sd_kpa", Kind::Number),
+                ("state", Kind::Label),
             ] {
                 columns.push((format!("{}_{suffix}", corner.label()), kind));
             }
@@ -50,8 +53,8 @@ impl EstimateWriter {
         Ok(Self { table: Table::create(path, &columns)?, corners: corners.to_vec(), cells: Vec::new() })
     }
 
-    /// Adds a row; `estimates` in the order of [`Corner::ALL`]. A corner without an estimate has empty cells, is not
-    /// valid and warns of nothing.
+    /// Adds a row; `estimates` and `states` in the order of [`Corner::ALL`]. A corner without an estimate has empty cells, is
+    /// not valid and warns of nothing.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -59,6 +62,7 @@ impl EstimateWriter {
         &mut self,
         time_s: f64,
         estimates: &[Option<CornerEstimate<f64>>; 4],
+        states: &States,
     ) -> Result<(), DataError> {
         self.cells.clear();
         self.cells.push(Cell::Number(time_s));
@@ -77,6 +81,7 @@ impl EstimateWriter {
                 number(|e| e.axle_difference_sd_kpa.unwrap_or(f64::NAN)),
                 number(|e| e.loss.map_or(f64::NAN, |loss| loss.lost_kpa)),
                 number(|e| e.loss.map_or(f64::NAN, |loss| loss.lost_sd_kpa)),
+                Cell::Label(state_label(states[corner.index()])),
             ]);
         }
         self.table.write(&self.cells)

@@ -33,7 +33,7 @@ use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::Path;
 
-use itpms_core::model::{CalibrationError, VehicleCalibration};
+use itpms_core::model::{CalibrationError, Learned, VehicleCalibration};
 
 use crate::error::{DataError, Problem};
 use crate::out::AtomicFile;
@@ -90,7 +90,7 @@ impl StoredReference {
         if wheelbase_m.is_some() {
             reference.wheelbase.value = 0.0;
         }
-        reference.check().map_err(|error| implausible(error, vehicle, found_m))?;
+        check(&reference).map_err(|error| implausible(error, vehicle, found_m))?;
         if reference.corners.iter().all(Option::is_none) {
             return Err(ReferenceProblem::Lacks("a corner").into());
         }
@@ -121,7 +121,7 @@ impl StoredReference {
     /// Another file, a damaged one, a newer format, or numbers that no car has.
     pub fn parse(bytes: &[u8]) -> Result<Self, Problem> {
         let stored = text::opened(bytes)?;
-        stored.reference.check().map_err(ReferenceProblem::Implausible)?;
+        check(&stored.reference).map_err(ReferenceProblem::Implausible)?;
         Ok(stored)
     }
 
@@ -163,5 +163,18 @@ impl StoredReference {
     #[must_use]
     pub fn day(&self) -> String {
         text::day(self.learned_unix_s)
+    }
+}
+
+/// An anti-roll bar that pushes the body over, by half of what the springs hold, is in no car; less is what noise may leave of none.
+const LEAST_BAR: f64 = -0.5;
+
+/// What no car is.
+fn check(reference: &VehicleCalibration<f64>) -> Result<(), CalibrationError> {
+    reference.check()?;
+    let pushes = |bar: &Learned<f64>| !(bar.value >= LEAST_BAR);
+    match reference.bar.iter().any(pushes) {
+        true => Err(CalibrationError::Implausible("bar")),
+        false => Ok(()),
     }
 }

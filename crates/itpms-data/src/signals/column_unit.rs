@@ -3,12 +3,9 @@
 //!
 //! Called where a table's columns are taken for signals.
 
-use super::Candidate;
 use super::units::Unit;
-use crate::log::Quantity;
-
-/// What pandas calls an index without a name where it stores a frame.
-const UNNAMED_INDEX: &str = "__index_level_0__";
+use super::{Candidate, Conversion};
+use crate::log::{Quantity, Slot};
 
 /// The column as a candidate: a signal of its own name and, if the name ends with one, of that unit.
 pub(crate) fn candidate(name: &str) -> Candidate {
@@ -16,12 +13,32 @@ pub(crate) fn candidate(name: &str) -> Candidate {
     Candidate { group: String::new(), name: name.to_owned(), unit }
 }
 
-/// Seconds per unit of the column, if it is a clock: `time_s`, `Time`, `t [ms]`, `timestamps`. One that does not say its
-/// unit has seconds. So does the index of a frame that was stored without a name.
-pub(crate) fn clock(name: &str) -> Option<f64> {
-    if name == UNNAMED_INDEX {
-        return Some(1.0);
+/// The same of a column with a unit stated beside its name.
+pub(crate) fn candidate_in(name: &str, stated: &str) -> Candidate {
+    let candidate = candidate(name);
+    if candidate.unit.is_empty() && is_unit(stated) {
+        Candidate { unit: stated.to_owned(), ..candidate }
+    } else {
+        candidate
     }
+}
+
+/// From a unit to a column's own, if it is one of what the column measures.
+pub(crate) fn conversion_to(unit: &str, slot: Slot) -> Option<Conversion> {
+    Unit::of(unit).conversion_to(slot)
+}
+
+/// Seconds per unit, of a unit of time.
+pub(crate) fn seconds(unit: &str) -> Option<f64> {
+    match Unit::of(unit) {
+        Unit::Known(Quantity::Time, seconds) => Some(seconds),
+        _ => None,
+    }
+}
+
+/// Seconds per unit of the column, if it is a clock: `time_s`, `Time`, `t [ms]`, `timestamps`. One that does not say its
+/// unit has seconds.
+pub(crate) fn clock(name: &str) -> Option<f64> {
     let (bare, unit) = split(name);
     let letters: String = bare.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect();
     let is_clock = matches!(
@@ -35,21 +52,17 @@ pub(crate) fn clock(name: &str) -> Option<f64> {
     }
 }
 
-/// Seconds per unit of a column that is said to be the clock, if its name ends with a unit of time.
-pub(crate) fn seconds_in(name: &str) -> Option<f64> {
-    match Unit::of(&split(name).1) {
-        Unit::Known(Quantity::Time, seconds) => Some(seconds),
-        _ => None,
-    }
+/// What pandas calls the index of a frame in a file, where it has no name.
+pub(crate) const INDEX: &str = "__index_level_0__";
+
+/// The column that is such an index: with times in it, it is the clock of a table that has no other.
+pub(crate) fn index(names: &[String]) -> Option<usize> {
+    names.iter().position(|name| name == INDEX)
 }
 
-/// Seconds per this unit, if it is one of time.
-#[cfg(feature = "mdf4")]
-pub(crate) fn seconds(unit: &str) -> Option<f64> {
-    match Unit::of(unit) {
-        Unit::Known(Quantity::Time, seconds) => Some(seconds),
-        _ => None,
-    }
+/// Seconds per unit of a column that is said to be the clock, if its name ends with a unit of time.
+pub(crate) fn seconds_in(name: &str) -> Option<f64> {
+    seconds(&split(name).1)
 }
 
 /// What stands before the unit, and the unit; empty where there is none.
@@ -76,14 +89,15 @@ fn split(name: &str) -> (&str, String) {
     (name, String::new())
 }
 
-fn is_unit(text: &str) -> bool {
+/// Whether this is the spelling of a unit.
+pub(crate) fn is_unit(text: &str) -> bool {
     matches!(Unit::of(text), Unit::Known(..))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::log::{Field, Slot};
+    use crate::log::Field;
     use itpms_core::model::Corner;
 
     #[test]
@@ -130,7 +144,6 @@ mod tests {
             ("time of day", None),
             ("lap_time_s", None),
             ("time [LSB]", None),
-            ("__index_level_0__", Some(1.0)),
         ] {
             assert_eq!(clock(name), seconds, "{name}");
         }

@@ -18,6 +18,7 @@
 
 pub mod align;
 pub(crate) mod column_unit;
+pub(crate) use column_unit::is_unit;
 mod listing;
 mod map;
 pub(crate) mod names;

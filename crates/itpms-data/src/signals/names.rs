@@ -45,7 +45,7 @@ enum Word {
 }
 
 #[rustfmt::skip]
-const WORDS: [(&str, Word); 152] = [
+const WORDS: [(&str, Word); 159] = [
     ("fl", Word::Corner(Corner::FrontLeft)), ("lf", Word::Corner(Corner::FrontLeft)), ("vl", Word::Corner(Corner::FrontLeft)),
     ("fr", Word::Corner(Corner::FrontRight)), ("rf", Word::Corner(Corner::FrontRight)), ("vr", Word::Corner(Corner::FrontRight)),
     ("rl", Word::Corner(Corner::RearLeft)), ("lr", Word::Corner(Corner::RearLeft)), ("hl", Word::Corner(Corner::RearLeft)),
@@ -81,6 +81,8 @@ const WORDS: [(&str, Word); 152] = [
     ("bias", Word::Other), ("min", Word::Other), ("max", Word::Other), ("rms", Word::Other), ("peak", Word::Other),
     ("mean", Word::Other), ("avg", Word::Other), ("sd", Word::Other), ("target", Word::Other), ("set", Word::Other),
     ("setpoint", Word::Other), ("request", Word::Other), ("req", Word::Other), ("limit", Word::Other), ("limiter", Word::Other),
+    ("targ", Word::Other), ("tgt", Word::Other), ("trgt", Word::Other), ("desired", Word::Other), ("cmd", Word::Other),
+    ("command", Word::Other), ("demand", Word::Other),
     ("cruise", Word::Machine), ("nominal", Word::Other), ("warning", Word::Other), ("warn", Word::Other), ("engine", Word::Machine),
     ("motor", Word::Machine), ("fan", Word::Machine), ("wind", Word::Machine), ("brake", Word::Machine), ("estimated", Word::Other),
 ];

@@ -80,6 +80,11 @@ pub(super) fn run(
                     }
                 }
                 Err(DriveError::Stopped) => {}
+                // No other drive's files would have room either.
+                Err(DriveError::Data(error)) if error.is_of_a_full_disk() => {
+                    progress.stopped.store(true, Ordering::Relaxed);
+                    *fatal = Some(DriveError::Data(error));
+                }
                 Err(error) => {
                     let (file, car) = (errand.path.to_owned(), Some(errand.car.id.clone()));
                     failed.push((errand.number, Failed { file, car, why: error.to_string() }));

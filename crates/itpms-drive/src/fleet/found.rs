@@ -17,16 +17,26 @@ pub struct Found {
     pub bytes: u64,
     /// When it was last changed: s and ns since 1970, as text.
     pub modified: String,
+    /// Why it cannot be a drive, whatever is in it.
+    pub unusable: Option<&'static str>,
 }
 
 impl Found {
     fn of(path: &Path) -> Self {
         let about = path.metadata().ok();
         let changed = about.as_ref().and_then(|about| about.modified().ok()?.duration_since(UNIX_EPOCH).ok());
+        let unusable = match &about {
+            // Its results are kept under its name, in text.
+            _ if path.to_str().is_none() => Some("its name is not UTF-8, expected a name that is"),
+            None => Some("leads to no file, expected a drive log"),
+            Some(about) if !about.is_file() => Some("is a device or a pipe, expected a regular file"),
+            Some(_) => None,
+        };
         Self {
             path: path.to_owned(),
             bytes: about.map_or(0, |about| about.len()),
             modified: changed.map(|t| format!("{}.{:09}", t.as_secs(), t.subsec_nanos())).unwrap_or_default(),
+            unusable,
         }
     }
 
@@ -38,32 +48,57 @@ impl Found {
 }
 
 /// The files that these names and patterns mean, each once, in natural order (`drive2` before `drive10`). What lies in
-/// `out`, where the results go, is left out.
+/// `out`, where the results go, is left out, by whatever links it is reached; folders are, too. What else is no file is among them,
+/// with the reason.
 ///
 /// # Errors
 /// A pattern that is none, or that fits no file.
-pub fn files(patterns: &[String], out: &Path) -> Result<Vec<Found>, DriveError> {
-    let real = |path: &Path| fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+pub fn files(patterns: &[PathBuf], out: &Path) -> Result<Vec<Found>, DriveError> {
     let own = real(out);
     let mut paths: Vec<PathBuf> = Vec::new();
     for pattern in patterns {
-        if Path::new(pattern).is_file() {
-            paths.push(pattern.into());
-            continue;
-        }
-        let no_pattern = |error: glob::PatternError| DriveError::Mismatch(format!("{pattern}: {error}"));
+        let refuse = |why: String| DriveError::Mismatch(format!("{}: {why}", pattern.display()));
+        let fitting = match pattern.to_str() {
+            Some(text) if fs::symlink_metadata(pattern).is_err() => {
+                fitting(text).map_err(|error| refuse(error.to_string()))?
+            }
+            _ => vec![pattern.clone()],
+        };
         let before = paths.len();
-        // What cannot be looked into holds no files for us.
-        let entries = glob::glob(pattern).map_err(no_pattern)?.flatten();
-        paths.extend(entries.filter(|path| path.is_file() && !real(path).starts_with(&own)));
+        paths.extend(fitting.into_iter().filter(|path| !path.is_dir() && !real(path).starts_with(&own)));
         if paths.len() == before {
-            return Err(DriveError::Mismatch(format!("{pattern}: no file fits, expected drive logs")));
+            return Err(refuse("no file fits, expected drive logs".to_owned()));
         }
     }
     paths.sort_by(|a, b| natural(&a.to_string_lossy(), &b.to_string_lossy()));
     let mut seen = HashSet::new();
     paths.retain(|path| seen.insert(real(path)));
     Ok(paths.iter().map(|path| Found::of(path)).collect())
+}
+
+/// What a pattern fits. Patterns are text; names that are not are fitted by what they look like.
+fn fitting(pattern: &str) -> Result<Vec<PathBuf>, glob::PatternError> {
+    // What cannot be looked into holds no files for us.
+    let mut paths: Vec<PathBuf> = glob::glob(pattern)?.flatten().collect();
+    let (folders, name) = pattern.rsplit_once('/').map_or((".", pattern), |(folder, name)| (folder, name));
+    let name = glob::Pattern::new(name)?;
+    for folder in glob::glob(if folders.is_empty() { "/" } else { folders })?.flatten() {
+        let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+        let odd = entries.filter(|entry| entry.file_name().to_str().is_none());
+        paths.extend(
+            odd.filter(|entry| name.matches(&entry.file_name().to_string_lossy())).map(|entry| entry.path()),
+        );
+    }
+    Ok(paths)
+}
+
+/// The file behind a name, through all links; of a name without a file what its folder's is.
+fn real(path: &Path) -> PathBuf {
+    let beside = || {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        Some(fs::canonicalize(folder).ok()?.join(path.file_name()?))
+    };
+    fs::canonicalize(path).ok().or_else(beside).unwrap_or_else(|| path.to_owned())
 }
 
 /// Text in the order in which a person puts it: runs of digits count as numbers.
@@ -111,17 +146,51 @@ mod tests {
     #[test]
     fn every_file_once_and_none_of_the_results() {
         let dir = tempfile::tempdir().unwrap();
-        let at = |name: &str| dir.path().join(name).to_string_lossy().into_owned();
+        let at = |name: &str| dir.path().join(name);
         std::fs::create_dir_all(at("out")).unwrap();
         for name in ["a10.csv", "a9.csv", "out/fleet.csv", "b.txt"] {
             std::fs::write(at(name), "x").unwrap();
         }
-        let found =
-            files(&[at("**/*.csv"), at("a9.csv"), at("out/../a9.csv")], Path::new(&at("./out"))).unwrap();
-        let names: Vec<String> = found.iter().map(Found::name).collect();
+        let found = files(&[at("**/*.csv"), at("a9.csv"), at("out/../a9.csv")], &at("./out")).unwrap();
+        let names: Vec<PathBuf> = found.iter().map(|file| file.path.clone()).collect();
         assert_eq!(names, [at("a9.csv"), at("a10.csv")]);
         assert!(found.iter().all(|file| file.bytes == 1 && !file.modified.is_empty()));
+        assert!(found.iter().all(|file| file.unusable.is_none()));
         let message = files(&[at("*.mf4")], Path::new("out")).unwrap_err().to_string();
         assert!(message.ends_with("*.mf4: no file fits, expected drive logs"), "{message}");
+    }
+    /// What is no drive is named, and nothing is read that the program wrote itself.
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_file_is_named_and_links_lead_to_no_results() {
+        use std::ffi::OsStr;
+        use std::os::unix::ffi::OsStrExt;
+        use std::os::unix::fs::symlink;
+        let dir = tempfile::tempdir().unwrap();
+        let at = |name: &str| dir.path().join(name);
+        std::fs::create_dir_all(at("out/estimates")).unwrap();
+        std::fs::create_dir_all(at("logs/folder.csv")).unwrap();
+        for name in ["out/estimates/a.csv", "logs/a.csv"] {
+            std::fs::write(at(name), "x").unwrap();
+        }
+        symlink(dir.path(), at("logs/up")).unwrap();
+        symlink("/nowhere", at("logs/dangling.csv")).unwrap();
+        symlink("/dev/null", at("logs/device.csv")).unwrap();
+        let odd = dir.path().join("logs").join(OsStr::from_bytes(b"b\xff.csv"));
+        std::fs::write(&odd, "x").unwrap();
+        // As a shell passes them on, and as a pattern.
+        let named = [at("logs/up/out/estimates/a.csv"), at("logs/a.csv"), at("logs/*.csv")];
+        for patterns in [&named[1..3], &named[2..3]] {
+            let found = files(patterns, &at("out")).unwrap();
+            assert!(found.iter().all(|file| !real(&file.path).starts_with(real(&at("out")))), "{found:?}");
+            assert!(found.iter().any(|file| file.path == at("logs/a.csv") && file.unusable.is_none()));
+        }
+        let found = files(&[at("logs/*.csv")], &at("out")).unwrap();
+        let why = |path: &Path| found.iter().find(|file| file.path == path).unwrap().unusable.unwrap();
+        assert_eq!(found.len(), 4);
+        assert!(why(&at("logs/dangling.csv")).contains("no file"));
+        assert!(why(&at("logs/device.csv")).contains("device"));
+        assert!(why(&odd).contains("UTF-8"));
+        assert!(files(&[at("logs/up/out/estimates/a.csv")], &at("out")).is_err());
     }
 }

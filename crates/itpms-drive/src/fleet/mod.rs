@@ -115,6 +115,8 @@ pub struct Outcome {
     pub failed: Vec<Failed>,
     /// How many of the drives an earlier run had done.
     pub kept: usize,
+    /// Lines of earlier runs in `drives.jsonl` that were not as they were written; their drives were estimated again.
+    pub damaged: usize,
 }
 
 /// A file with its car, and what it is in the car's history.
@@ -157,7 +159,12 @@ pub fn survey(plan: &Plan, watch: Watch<'_>) -> Result<Outcome, DriveError> {
         .filter(|drive| !failed.contains_key(&drive.number))
         .filter_map(|drive| records.of(&drive.file.name()).cloned())
         .collect();
-    let outcome = Outcome { drives: in_order(drives), failed: failed.into_values().collect(), kept };
+    let outcome = Outcome {
+        drives: in_order(drives),
+        failed: failed.into_values().collect(),
+        kept,
+        damaged: records.damaged,
+    };
     tables::write(&plan.out, &outcome)?;
     page::write(plan, &outcome)?;
     Ok(outcome)
@@ -171,6 +178,11 @@ fn failure(drive: &Assigned<'_>, why: String) -> Failed {
 fn assign<'a>(plan: &'a Plan, failed: &mut BTreeMap<usize, Failed>) -> Vec<Assigned<'a>> {
     let mut assigned: Vec<Assigned<'a>> = Vec::new();
     for (number, file) in plan.files.iter().enumerate() {
+        if let Some(why) = file.unusable {
+            let why = format!("{}: {why}", file.path.display());
+            failed.insert(number, Failed { file: file.path.clone(), car: None, why });
+            continue;
+        }
         match plan.cars.of(&file.path) {
             Ok(car) => {
                 let calibrate = match &plan.calibration {
@@ -243,8 +255,16 @@ fn beneath(folder: &Path, drive: &Path, extension: &str) -> PathBuf {
         }
     }
     place.as_mut_os_string().push(format!(".{extension}"));
+    let name = place.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    if name.len() > LONGEST_NAME {
+        let kept: String = name.chars().take(LONGEST_NAME / 8).collect();
+        place.set_file_name(format!("{kept}-{:016x}.{extension}", crc64(&[name.as_bytes()])));
+    }
     place
 }
+
+/// Bytes of a file's name, at most: file systems have 255.
+const LONGEST_NAME: usize = 255;
 
 /// A checksum of a file's contents.
 fn fingerprint(path: &Path) -> Result<String, DriveError> {

@@ -4,6 +4,7 @@ use std::fs;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
+use itpms_data::out::States;
 use itpms_data::{LogReader, LogRow};
 
 use super::cars::Car;
@@ -116,10 +117,10 @@ struct Counting {
 }
 
 impl Sink for Counting {
-    fn row(&mut self, row: &LogRow, estimates: &Estimates) -> Result<(), DriveError> {
+    fn row(&mut self, row: &LogRow, estimates: &Estimates, states: &States) -> Result<(), DriveError> {
         self.first_s.get_or_insert(row.time_s);
         self.begun.take(estimates);
-        self.files.row(row, estimates)
+        self.files.row(row, estimates, states)
     }
 
     fn road(&mut self, late: &LateRow) -> Result<(), DriveError> {

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use itpms_data::out::Ledger;
+use itpms_data::reference::crc64;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -47,7 +48,7 @@ pub struct WheelRecord {
     pub wheel: String,
     /// Pressure that the placard asks for, in kPa.
     pub placard_kpa: f64,
-    /// The monitor's word at the end: `unknown`, `fine`, `low`, `over` or `malfunction`.
+    /// The monitor's word at the end: `unknown`, `uncertain`, `fine`, `low`, `over` or `malfunction`.
     pub state: String,
     /// The last row's warning: `none`, `low` or `malfunction`.
     pub warning: String,
@@ -139,20 +140,26 @@ impl DriveRecord {
 pub(super) struct Records {
     ledger: Ledger,
     drives: BTreeMap<String, DriveRecord>,
+    /// Lines that are not as they were written.
+    pub(super) damaged: usize,
 }
 
 impl Records {
     /// Opens or begins the file. What was computed with another program or other settings is not taken, and stays there.
     pub(super) fn open(path: &Path, heading: Value) -> Result<Self, DriveError> {
         let (ledger, lines) = Ledger::open(path)?;
-        let mut records = Self { ledger, drives: BTreeMap::new() };
+        let mut records = Self { ledger, drives: BTreeMap::new(), damaged: 0 };
         let mut ours = false;
         for line in &lines {
             let found: Value = serde_json::from_str(line).unwrap_or(Value::Null);
             if found.get(KEY).is_some() {
                 ours = found == heading;
-            } else if let (true, Ok(drive)) = (ours, serde_json::from_value::<DriveRecord>(found)) {
-                records.drives.insert(drive.file.clone(), drive);
+            } else if ours {
+                let drive = unsealed(line).and_then(|text| serde_json::from_str::<DriveRecord>(&text).ok());
+                match drive {
+                    Some(drive) => drop(records.drives.insert(drive.file.clone(), drive)),
+                    None => records.damaged += 1,
+                }
             }
         }
         if !ours {
@@ -181,8 +188,45 @@ impl Records {
     pub(super) fn add(&mut self, drive: DriveRecord) -> Result<(), DriveError> {
         let text = serde_json::to_string(&drive);
         let text = text.map_err(|error| DriveError::Mismatch(format!("{}: no JSON: {error}", drive.file)))?;
-        self.ledger.append(&text)?;
+        self.ledger.append(&sealed(&text))?;
         self.drives.insert(drive.file.clone(), drive);
         Ok(())
+    }
+}
+
+/// How the checksum ends a line of JSON.
+const SEAL: &str = ",\"checksum\":\"";
+
+/// An object of JSON with the checksum of its text as its last key.
+fn sealed(object: &str) -> String {
+    let open = object.strip_suffix('}').unwrap_or(object);
+    format!("{open}{SEAL}{:016x}\"}}", crc64(&[object.as_bytes()]))
+}
+
+/// The object without the checksum, if that fits.
+fn unsealed(line: &str) -> Option<String> {
+    let (open, seal) = line.rsplit_once(SEAL)?;
+    let object = format!("{open}}}");
+    let expected = format!("{:016x}\"}}", crc64(&[object.as_bytes()]));
+    (seal == expected).then_some(object)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_changed_character_of_a_line_is_believed() {
+        let object = r#"{"file":"a.csv","pressure_kpa":138.25}"#;
+        let line = sealed(object);
+        assert_eq!(unsealed(&line).as_deref(), Some(object));
+        assert!(serde_json::from_str::<Value>(&line).is_ok());
+        for place in 0..line.len() {
+            let mut bytes = line.clone().into_bytes();
+            bytes[place] ^= 1;
+            let text = String::from_utf8_lossy(&bytes);
+            assert_eq!(unsealed(&text), None, "{text}");
+        }
+        assert_eq!(unsealed(object), None);
     }
 }

@@ -1,7 +1,7 @@
 //! What a drive told of each wheel. Called by the fleet for its tables, and by the Python package for the same rows.
 
 use itpms_core::model::{Corner, Misfit, Warning};
-use itpms_core::warning::WheelState;
+use itpms_data::out::state_label;
 use itpms_study::report::{CornerReport, Reading};
 
 use super::record::{FitRecord, Pressure, WheelRecord};
@@ -55,7 +55,7 @@ fn wheel(corner: &CornerReport, [warnings, malfunctions]: [u32; 2], fit: Option<
     WheelRecord {
         wheel: corner.corner.label().to_owned(),
         placard_kpa: corner.placard_kpa,
-        state: corner.state.map_or("unknown", WheelState::label).to_owned(),
+        state: state_label(corner.state).to_owned(),
         warning: figures.warning.label().to_owned(),
         last: figures.last.map(pressure),
         lowest: figures.lowest.map(pressure),

@@ -7,6 +7,7 @@ import os
 from collections.abc import Iterator, Mapping
 from os import PathLike
 from pathlib import Path
+from threading import Lock
 from typing import Any, overload
 
 import numpy as np
@@ -18,6 +19,7 @@ from ._files import write
 from ._pieces import MEANT, TABLE, taken
 from ._progress import progress_bar
 from ._result import Result
+from ._signals import Signals, map_file
 from ._tables import Columns, Kind, collected, columns_of, kind_of, numbers, table_of, unpacked, usual
 from ._vehicle import Vehicle, vehicle_of
 
@@ -37,7 +39,7 @@ def estimate(
     road_repeats: float | str = "auto",
     trust_units: bool = False,
     dbc: str | PathLike[str] | None = None,
-    signals: str | PathLike[str] | None = None,
+    signals: Signals = None,
     progress: bool | None = None,
 ) -> Result:
     """Estimates tire pressures, their standard deviations and the road from a drive.
@@ -64,7 +66,8 @@ def estimate(
         road_repeats: Whether the road repeats itself, as on a test bed: seconds, ``never`` or ``auto``.
         trust_units: Take accelerations as m/s² and the speed as m/s even if they do not look like it.
         dbc: For a CAN log: what the frames mean.
-        signals: Which signal, or column of a table, is which of our columns, and its unit: a map as ``itpms signals`` writes it.
+        signals: Which signal, or column of a table, is which of our columns, and its unit: a map as ``itpms signals`` writes it, or
+            a dict such as ``{"speed_m_s": "v", "fl_body_accel_m_s2": {"signal": "a", "unit": "g"}}``.
         progress: Show how far it is with tqdm (``pip install itpms[progress]``); unless given, in a notebook that has tqdm.
 
     Raises:
@@ -73,7 +76,7 @@ def estimate(
         SettingError: an argument is refused, or some do not go together.
         OutputError: the reference cannot be written.
     """
-    options = {
+    options: dict[str, Any] = {
         "rate_hz": rate_hz,
         "road": road,
         "report": report,
@@ -85,14 +88,13 @@ def estimate(
         "road_repeats": road_repeats,
         "trust_units": trust_units,
         "dbc": dbc,
-        "signals": signals,
     }
     if isinstance(drive, Simulation):
         vehicle = drive.vehicle if vehicle is None else vehicle
     if vehicle is None:
         raise SettingError("vehicle is missing, expected a Vehicle or the path of a vehicle file")
     car = vehicle_of(vehicle)._inner
-    with progress_bar(progress, "estimating") as told:
+    with progress_bar(progress, "estimating") as told, map_file(signals) as options["signals"]:
         if isinstance(drive, (str, PathLike)):
             return Result(_itpms.estimate_log(drive, car, options, told), usual(), None)
         if dbc is not None:
@@ -176,7 +178,7 @@ def iri(
     Raises:
         SettingError: the spacing is no spacing.
     """
-    heights = numbers("profile", np.asarray(profile))
+    heights = numbers("profile", np.asanyarray(profile))
     if segment_m is not None and not segment_m >= dx:
         raise SettingError(f"segment_m is {segment_m}, expected at least the spacing of {dx} m")
     found = np.frombuffer(_itpms.iri(heights.tobytes(), dx, segment_m, not enveloped), dtype="<f8")
@@ -186,7 +188,7 @@ def iri(
 class Car:
     """A running estimator under its monitor: takes samples as they come, can be saved and go on.
 
-    Not to be used by two threads at a time.
+    Two threads may have it: one waits for the other. It can be pickled, as :meth:`save` saves it.
     """
 
     def __init__(
@@ -232,7 +234,12 @@ class Car:
             "dbc": None,
             "signals": None,
         }
-        self._inner = _itpms.Car(car._inner, rate_hz, list(corners or car.corners), options)
+        self._take(_itpms.Car(car._inner, rate_hz, list(corners or car.corners), options))
+
+    def _take(self, inner: _itpms.Car) -> None:
+        """What does not change is asked for once: no thread waits for it."""
+        self._inner, self._lock = inner, Lock()
+        self._corners, self._rate_hz, self._vehicle = inner.corners(), inner.rate_hz, Vehicle(inner.vehicle)
 
     def update(self, samples: Mapping[str, float] | Any) -> dict[str, Any]:
         """Takes one sample or many, in the order of time.
@@ -251,7 +258,9 @@ class Car:
         single = isinstance(samples, Mapping) and np.isscalar(samples.get("time_s", 0.0))
         columns = {n: np.atleast_1d(v) for n, v in samples.items()} if single else columns_of(samples)
         given = [(name, numbers(name, values).tobytes()) for name, values in columns.items() if name in MEANT]
-        found = unpacked(*self._inner.update(given))
+        with self._lock:
+            estimates = self._inner.update(given)
+        found = unpacked(*estimates)
         return (
             {name: values[0].item() if hasattr(values[0], "item") else values[0] for name, values in found.items()}
             if single
@@ -260,30 +269,34 @@ class Car:
 
     @property
     def states(self) -> dict[str, str]:
-        """Each wheel's state after the last sample: ``unknown``, ``fine``, ``low``, ``over`` or ``malfunction``."""
-        found: dict[str, str] = json.loads(self._inner.status())["states"]
+        """Each wheel's state after the last sample: ``unknown``, ``uncertain``, ``fine``, ``low``, ``over`` or ``malfunction``."""
+        found: dict[str, str] = json.loads(self._status())["states"]
         return found
 
     @property
     def alerts(self) -> list[dict[str, Any]]:
         """The alerts that stand after the last sample."""
-        found: list[dict[str, Any]] = json.loads(self._inner.status())["alerts"]
+        found: list[dict[str, Any]] = json.loads(self._status())["alerts"]
         return found
+
+    def _status(self) -> str:
+        with self._lock:
+            return self._inner.status()
 
     @property
     def corners(self) -> list[str]:
         """Labels of the corners that are estimated."""
-        return self._inner.corners()
+        return list(self._corners)
 
     @property
     def rate_hz(self) -> float:
         """Samples per second."""
-        return self._inner.rate_hz
+        return self._rate_hz
 
     @property
     def vehicle(self) -> Vehicle:
         """The car's parameters."""
-        return Vehicle(self._inner.vehicle)
+        return self._vehicle
 
     def save_reference(self, path: str | PathLike[str]) -> None:
         """Stores what the calibration drive taught of the car.
@@ -292,7 +305,8 @@ class Car:
             SettingError: nothing was learned.
             OutputError: the file cannot be written.
         """
-        self._inner.save_reference(path)
+        with self._lock:
+            self._inner.save_reference(path)
 
     def save(self, path: str | PathLike[str]) -> None:
         """Saves the running estimator; :meth:`load` goes on from there to the same numbers, with the same version.
@@ -300,7 +314,11 @@ class Car:
         Raises:
             OutputError: the file cannot be written.
         """
-        write(path, self._inner.state())
+        write(path, self._state())
+
+    def _state(self) -> bytes:
+        with self._lock:
+            return self._inner.state()
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Car:
@@ -314,9 +332,16 @@ class Car:
             state = Path(path).read_bytes()
         except OSError as error:
             raise LogError(f"{path}: cannot be read: {error.strerror}") from None
+        return cls._of_state(str(path), state)
+
+    @classmethod
+    def _of_state(cls, name: str, state: bytes) -> Car:
         car = cls.__new__(cls)
-        car._inner = _itpms.Car.of_state(str(path), state)
+        car._take(_itpms.Car.of_state(name, state))
         return car
+
+    def __reduce__(self) -> tuple[Any, tuple[str, bytes]]:
+        return Car._of_state, ("the pickled car", self._state())
 
     def __repr__(self) -> str:
         return f"<itpms.Car {self.vehicle.name!r}, corners {' '.join(self.corners)}, {self.rate_hz:g} Hz>"

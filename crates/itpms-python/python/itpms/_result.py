@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+from html import escape
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 from . import _itpms
 from ._errors import SettingError
+from ._files import write
+from ._kept import Kept
 from ._tables import Columns, Kind, columns_of, table_of, unpacked
 
 if TYPE_CHECKING:
@@ -23,7 +26,7 @@ class Result:
             warnings and roughness.
     """
 
-    def __init__(self, inner: _itpms.Estimated, kind: Kind, source: Any) -> None:
+    def __init__(self, inner: _itpms.Estimated | Kept, kind: Kind, source: Any) -> None:
         self._inner = inner
         self._kind = kind
         self._source = source
@@ -44,12 +47,13 @@ class Result:
         Columns: ``time_s``, then per corner ``{c}_pressure_kpa``, ``{c}_pressure_sd_kpa`` (kPa),
         ``{c}_stiffness_n_per_m`` (N/m), ``{c}_valid`` (bool), ``{c}_warning`` (``none``, ``low`` or ``malfunction``),
         ``{c}_change_sd_kpa`` (kPa; of what has changed of late, while ``{c}_pressure_sd_kpa`` has what the vehicle file leaves
-        open, too), ``{c}_level`` (what the pressure's level rests on: ``file`` or ``calibration``) and
-        ``{c}_axle_difference_sd_kpa`` (kPa; of what it differs by from the axle's other tire).
+        open, too), ``{c}_level`` (what the pressure's level rests on: ``file`` or ``calibration``),
+        ``{c}_axle_difference_sd_kpa`` (kPa; of what it differs by from the axle's other tire) and ``{c}_state`` (``fine``, ``low``,
+        ``over``, ``malfunction``, ``uncertain`` where there is a pressure that could be low as well as not, or ``unknown``).
         ``rate_hz`` rows per second; a row uses samples up to its time. The same numbers as in ``itpms estimate -o``.
 
         Args:
-            kind: ``pandas``, ``polars``, ``pyarrow`` or ``numpy`` (a dict of arrays).
+            kind: ``pandas``, ``polars``, ``pyarrow`` or ``dict`` (of arrays; ``numpy`` is the same).
 
         Raises:
             SettingError: the library is not installed.
@@ -95,7 +99,10 @@ class Result:
             SettingError: it was not kept: ``estimate(..., report=False)``.
             OutputError: the file cannot be written.
         """
-        self._inner.report(path)
+        page = self._inner.page()
+        if page is None:
+            raise SettingError("the report was not kept, expected estimate(..., report=True)")
+        write(path, page.encode())
 
     def plot(self) -> Figure:
         """The pressures over time with their 95 % bands, the placard's, and the truth where the drive has it.
@@ -110,13 +117,25 @@ class Result:
         placards = {name: corner["placard_kpa"] for name, corner in self.summary["corners"].items()}
         return pressures(self.columns, placards, None if self._source is None else columns_of(self._source))
 
+    def __reduce__(self) -> tuple[type[Result], tuple[Kept, Kind, Any]]:
+        return Result, (Kept.of(self._inner), self._kind, self._source)
+
     def __repr__(self) -> str:
         drive = self.summary
         lines = [f"<itpms.Result {drive['duration_s']:.1f} s, {drive['estimator']}, {drive['vehicle']}"]
-        for name, corner in drive["corners"].items():
-            last = corner["last"]
-            known = f"{last['pressure_kpa']:.1f} kPa, sd {last['sd_kpa']:.1f}" if last else "no valid estimate"
-            said_s = corner["low_since_s"]
-            low = "" if said_s is None else f"; LOW, warned of at {said_s:.1f} s"
-            lines.append(f"  {name}  {known} (placard {corner['placard_kpa']:g}){low}")
+        lines += [f"  {line}" for line in self._inner.lines()]
         return "\n".join(lines) + ">"
+
+    def _repr_html_(self) -> str:
+        """The same as a table, for notebooks."""
+        keys = ("pressure_kpa", "sd_kpa", "time_s")
+        head = "".join(f"<th>{escape(name)}</th>" for name in ("", "state", "kPa", "sd", "at (s)", "placard (kPa)"))
+        rows = ""
+        for name, corner in self.summary["corners"].items():
+            last = corner["last"] or {}
+            numbers = [last.get(key) for key in keys] + [corner["placard_kpa"]]
+            cells = [name, corner["state"], *("-" if number is None else f"{number:.1f}" for number in numbers)]
+            rows += "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>"
+        said = "".join(f"<li>{escape(line)}</li>" for line in self._inner.lines())
+        title = f"{self.summary['vehicle']}, {self.summary['duration_s']:.1f} s"
+        return f"<table><caption>{escape(title)}</caption><tr>{head}</tr>{rows}</table><ul>{said}</ul>"

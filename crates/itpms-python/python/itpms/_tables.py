@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from ._errors import LogError, SettingError
 
-Kind = Literal["pandas", "polars", "pyarrow", "numpy"]
+Kind = Literal["pandas", "polars", "pyarrow", "numpy", "dict"]
 Array = npt.NDArray[Any]
 Columns = dict[str, Array]
 
@@ -48,7 +48,8 @@ def columns_of(table: Any) -> Columns:
         options = {} if hasattr(table, "combine_chunks") else {"zero_copy_only": False}
         return {str(name): table.column(name).to_numpy(**options) for name in table.schema.names}
     if kind == "numpy":
-        return {str(name): np.asarray(values) for name, values in table.items()}
+        # Not as plain arrays: a mask says which values are missing.
+        return {str(name): np.asanyarray(values) for name, values in table.items()}
     found = type(table).__name__
     raise SettingError(
         f"the drive is a {found}, expected a path, a pandas or polars data frame, a pyarrow table or a dict of arrays"
@@ -71,6 +72,12 @@ def numbers(name: str, values: Array, before: int = 0) -> Array:
     """
     if values.ndim != 1:
         raise shapeless(name, values)
+    if isinstance(values, np.ma.MaskedArray):
+        hidden = np.ma.getmaskarray(values)
+        plain = np.asarray(values.data).copy()
+        if plain.dtype.kind == "O":
+            plain[hidden] = None
+        return np.where(hidden, np.nan, numbers(name, plain, before))
     if values.dtype.kind in "mM":
         missing = np.isnat(values)
         unit = "datetime64[ns]" if values.dtype.kind == "M" else "timedelta64[ns]"
@@ -116,7 +123,11 @@ def unpacked(columns: Sequence[tuple[str, bytes]], words: Sequence[tuple[str, li
     labels = dict(words)
     for name, values in arrays.items():
         ordered[name] = values
-        for number, word in (("_valid", "_warning"), ("_change_sd_kpa", "_level")):
+        for number, word in (
+            ("_valid", "_warning"),
+            ("_change_sd_kpa", "_level"),
+            ("_axle_difference_sd_kpa", "_state"),
+        ):
             if name.endswith(number):
                 label = name.removesuffix(number) + word
                 ordered[label] = np.array(labels[label], dtype=object)
@@ -125,7 +136,7 @@ def unpacked(columns: Sequence[tuple[str, bytes]], words: Sequence[tuple[str, li
 
 def table_of(columns: Columns, kind: Kind) -> Any:
     """Columns as a table of one of the libraries, or as the dict they are."""
-    if kind == "numpy":
+    if kind in ("numpy", "dict"):
         return dict(columns)
     module = _library(kind)
     # Arrays over the extension's bytes are read-only; a frame is the user's own.
@@ -142,7 +153,7 @@ def _library(kind: Kind) -> Any:
         return importlib.import_module(kind)
     except ImportError:
         raise SettingError(
-            f"frame={kind!r}: {kind} is not installed, expected one of pandas, polars, pyarrow, numpy"
+            f"frame={kind!r}: {kind} is not installed, expected one of pandas, polars, pyarrow, numpy, dict"
         ) from None
 
 

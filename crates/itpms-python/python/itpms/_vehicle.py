@@ -55,7 +55,7 @@ class Vehicle:
         front_share: float,
         tire: str,
         *,
-        car_class: str = "compact",
+        car_class: str = "sedan",
         placard_kpa: float = 240.0,
         wheelbase_m: float | None = None,
         name: str | None = None,
@@ -168,6 +168,9 @@ class Vehicle:
             OutputError: the file cannot be written.
         """
         self._inner.write(path)
+
+    def __reduce__(self) -> tuple[Any, tuple[str]]:
+        return Vehicle.parse, (self.to_toml(),)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Vehicle) and self.to_toml() == other.to_toml()

@@ -216,6 +216,9 @@ fn figures(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
+    if !(1e-9..1e9).contains(&value.abs()) {
+        return format!("{value:.3e}");
+    }
     let decimals = (3 - value.abs().log10().floor() as i32).clamp(0, 9);
     format!("{value:.*}", decimals as usize)
 }

@@ -2,6 +2,9 @@
 
 use super::ticks::{Ticks, linear, logarithmic};
 
+/// No axis goes further: a range has to be a number itself, with its margin. What lies beyond is cut off.
+const FARTHEST: f64 = 1e300;
+
 /// How values lie along it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Scale {
@@ -56,14 +59,19 @@ impl Axis {
         let logarithmic = self.scale == Scale::Logarithmic;
         let (low, high) = self.range.unwrap_or_else(|| {
             let usable = |value: &f64| value.is_finite() && (!logarithmic || *value > 0.0);
-            let all = data.chain(self.hold.iter().copied()).filter(usable);
+            let drawn = if logarithmic { 1.0 / FARTHEST..=FARTHEST } else { -FARTHEST..=FARTHEST };
+            let within = |value: f64| value.clamp(*drawn.start(), *drawn.end());
+            let all = data.chain(self.hold.iter().copied()).filter(usable).map(within);
             let (low, high) =
                 all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
             match (low < high, low.is_finite()) {
                 (true, _) if logarithmic => (low / 1.3, high * 1.3),
                 (true, _) => (low - margin * (high - low), high + margin * (high - low)),
                 (false, true) if logarithmic => (low / 2.0, low * 2.0),
-                (false, true) => (low - 0.5, low + 0.5),
+                (false, true) => {
+                    let half = (1e-6 * low.abs()).max(0.5);
+                    (low - half, low + half)
+                }
                 (false, false) => (1.0, 2.0),
             }
         });
@@ -83,7 +91,7 @@ impl Settled {
     /// 0 at the low end, 1 at the high end; NaN where the value has no place.
     pub(super) fn place(&self, value: f64) -> f64 {
         if self.logarithmic {
-            (value / self.low).ln() / (self.high / self.low).ln()
+            (value.ln() - self.low.ln()) / (self.high.ln() - self.low.ln())
         } else {
             (value - self.low) / (self.high - self.low)
         }

@@ -114,7 +114,7 @@ impl Panel {
         let (x, y) = self.axes();
         let y_ticks = y.ticks((self.height / 55.0) as usize);
         let widest = y_ticks.labelled.iter().map(|(_, word)| width(word, SIZE)).fold(0.0, f64::max);
-        let left = (widest + 16.0).max(30.0);
+        let left = (widest + 16.0).clamp(30.0, 0.5 * WIDTH);
         let frame =
             Frame { left, top: TOP, width: WIDTH - left - RIGHT, height: self.height - TOP - BOTTOM, x, y };
         let mut svg = Svg::default();

@@ -15,15 +15,58 @@ pub(super) fn linear(low: f64, high: f64, count: usize) -> Ticks {
     if !(step > 0.0 && step.is_finite()) {
         return Ticks::default();
     }
-    let decimals = (-step.log10().floor()).max(0.0) as usize;
+    let write = Writing::of(low.abs().max(high.abs()), step);
     let tolerance = 1e-9 * step;
     let (first, last) =
         (((low - tolerance) / step).ceil() as i64, ((high + tolerance) / step).floor() as i64);
     let labelled = (first..=last).map(|i| {
         let value = i as f64 * step;
-        (value, number(value, decimals))
+        (value, write.number(value))
     });
-    Ticks { labelled: labelled.collect(), minor: vec![] }
+    Ticks { labelled: labelled.take(MOST_TICKS).collect(), minor: vec![] }
+}
+
+/// More than any panel has room for.
+const MOST_TICKS: usize = 100;
+
+/// From here on a number is written with a power of ten: a label of hundreds of digits would leave no room for a panel.
+const LARGEST_PLAIN: f64 = 1e12;
+/// Digits after the point, at most, before it is written so.
+const MOST_PLAIN_DECIMALS: f64 = 9.0;
+/// What a number in 64 bits has.
+const MOST_DIGITS: f64 = 15.0;
+
+/// How the numbers along one axis are written, all in one way.
+struct Writing {
+    decimals: usize,
+    /// The power of ten that they are written with; 0: none.
+    exponent: i32,
+}
+
+impl Writing {
+    /// For steps between numbers up to `largest`.
+    fn of(largest: f64, step: f64) -> Self {
+        let finest = step.log10().floor();
+        if largest < LARGEST_PLAIN && -finest <= MOST_PLAIN_DECIMALS {
+            return Self { decimals: (-finest).max(0.0) as usize, exponent: 0 };
+        }
+        let exponent = largest.log10().floor();
+        let decimals = (exponent - finest).clamp(0.0, MOST_DIGITS) as usize;
+        Self { decimals, exponent: exponent as i32 }
+    }
+
+    fn number(&self, value: f64) -> String {
+        if self.exponent == 0 {
+            return number(value, self.decimals);
+        }
+        // In two steps, because 10^-320 is a number and 10^320 is none.
+        let half = self.exponent / 2;
+        let mantissa = value / 10f64.powi(half) / 10f64.powi(self.exponent - half);
+        if mantissa == 0.0 {
+            return "0".to_owned();
+        }
+        format!("{}·10{}", number(mantissa, self.decimals), raised(self.exponent))
+    }
 }
 
 /// The smallest of 1, 2, 5 times a power of ten that is not below `rough`.
@@ -74,8 +117,12 @@ fn power_of_ten(digit: i32, exponent: i32, plain: bool) -> String {
     if plain || (digit == 1 && exponent == 0) {
         return number(f64::from(digit) * 10f64.powi(exponent), (-exponent).max(0) as usize);
     }
-    let raised: String = exponent.to_string().chars().map(superscript).collect();
+    let raised = raised(exponent);
     if digit == 1 { format!("10{raised}") } else { format!("{digit}·10{raised}") }
+}
+
+fn raised(exponent: i32) -> String {
+    exponent.to_string().chars().map(superscript).collect()
 }
 
 fn superscript(character: char) -> char {
@@ -121,6 +168,8 @@ mod tests {
             words(&linear(190_000.0, 240_000.0, 3)),
             ["200\u{2009}000", "220\u{2009}000", "240\u{2009}000"]
         );
+        assert_eq!(words(&linear(0.0, 1e200, 2)), ["0", "0.5·10²⁰⁰", "1.0·10²⁰⁰"]);
+        assert_eq!(words(&linear(0.0, 2e-320, 2)), ["0", "1·10⁻³²⁰", "2·10⁻³²⁰"]);
         assert_eq!(linear(1.0, 1.0, 5), Ticks::default());
         assert_eq!(linear(0.0, f64::NAN, 5), Ticks::default());
     }

@@ -15,7 +15,7 @@ pub(crate) struct FleetArgs {
     /// Drive logs: names, or patterns in quotes (`**` is any depth of folders). A car's drives are taken in the order of
     /// their names, numbers in them counting as numbers.
     #[arg(required = true, value_name = "GLOB")]
-    pub(crate) drives: Vec<String>,
+    pub(crate) drives: Vec<PathBuf>,
     /// All drives are of this car.
     #[arg(long, value_name = "V.toml", required_unless_present = "vehicle_dir")]
     pub(crate) vehicle: Option<PathBuf>,

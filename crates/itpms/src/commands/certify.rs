@@ -32,7 +32,7 @@ pub(crate) fn run(args: &CertifyArgs, screen: &Screen, interrupt: &Interrupt) ->
     let json = serde_json::to_string_pretty(&certificate)
         .map_err(|error| Failure::Usage(format!("the result is no JSON: {error}")))?;
     if let Some(folder) = &folder {
-        folder.fill(files(&certificate, &json))?;
+        folder.fill(files(&certificate, &json), screen)?;
     }
     if let Some(mut page) = page {
         page.append(certificate.page().as_bytes())?;

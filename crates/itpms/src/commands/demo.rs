@@ -27,7 +27,7 @@ pub(crate) fn run(args: &DemoArgs, screen: &Screen, interrupt: &Interrupt) -> Re
     let estimate_args = EstimateArgs {
         log: at("drive.csv"),
         vehicle: at("car.toml"),
-        output: at("est.csv"),
+        output: Some(at("est.csv")),
         road_out: Some(at("road.csv")),
         report: Some(at("report.html")),
         estimator: EstimatorKind::default(),

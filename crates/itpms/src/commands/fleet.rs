@@ -57,6 +57,12 @@ pub(crate) fn run(args: &FleetArgs, screen: &Screen, interrupt: &Interrupt) -> R
 /// What was found: the cars that want attention, what failed, and a line that counts.
 fn report(args: &FleetArgs, screen: &Screen, outcome: &Outcome) -> Result<(), Failure> {
     let cars = CarStanding::of_all(&outcome.drives, &outcome.failed);
+    if outcome.damaged > 0 {
+        let lines = counted(outcome.damaged, "line");
+        let file = at(args, "drives.jsonl");
+        screen
+            .warn(format!("{file}: {lines} damaged, by their checksums: what they held was estimated again"));
+    }
     for failed in outcome.failed.iter().take(SAID) {
         screen.warn(&failed.why);
     }

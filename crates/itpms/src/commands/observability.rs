@@ -24,7 +24,7 @@ pub(crate) fn run(args: &ObservabilityArgs, screen: &Screen, interrupt: &Interru
     let json = serde_json::to_string_pretty(&result)
         .map_err(|error| Failure::Usage(format!("the study is no JSON: {error}")))?;
     if let Some(folder) = &folder {
-        write(folder, &result, &json)?;
+        write(folder, &result, &json, screen)?;
     }
     if args.json {
         screen.print_lines(json);
@@ -61,7 +61,7 @@ fn subject(vehicle: &Vehicle, asked: Option<Corner>) -> Result<Subject, Failure>
 }
 
 /// Page, figures, tables, and everything as JSON.
-fn write(folder: &Folder, result: &Observability, json: &str) -> Result<(), Failure> {
+fn write(folder: &Folder, result: &Observability, json: &str, screen: &Screen) -> Result<(), Failure> {
     let mut contents = vec![
         ("observability.json".to_owned(), format!("{json}\n")),
         ("observability.html".to_owned(), result.page()),
@@ -69,5 +69,5 @@ fn write(folder: &Folder, result: &Observability, json: &str) -> Result<(), Fail
     contents.extend(result.tables().into_iter().map(|(name, text)| (format!("{name}.csv"), text)));
     contents
         .extend(result.figures().into_iter().map(|figure| (format!("{}.svg", figure.name()), figure.svg())));
-    folder.fill(contents)
+    folder.fill(contents, screen)
 }

@@ -31,7 +31,7 @@ pub(crate) fn run(args: &ReproduceArgs, screen: &Screen, interrupt: &Interrupt) 
     drop(progress);
     let study = result.map_err(failure)?;
     let files = study.files().map_err(failure)?;
-    folder.fill(files.into_iter().map(|file| (file.name, file.content)))?;
+    folder.fill(files.into_iter().map(|file| (file.name, file.content)), screen)?;
     screen.print_lines(study.summary().trim_end());
     screen.print(format!("See {} for every figure and table.", folder.at("index.html").display()));
     Ok(())

@@ -55,8 +55,8 @@ impl AscReader {
     ) -> Result<Option<CanFrame>, Problem> {
         while self.lines.advance()? {
             match parse(self.lines.text(), self.base) {
-                // The last number of a frame that is cut off is another number.
-                Ok(AscLine::Frame(_)) if !self.lines.is_terminated() => {
+                // The last number of a frame that is cut off is another number, and a stamp alone is no event.
+                Ok(AscLine::Frame(_) | AscLine::Event(_)) if !self.lines.is_terminated() => {
                     repairs.cut_off = Some(FramePlace::Line(self.lines.number()));
                 }
                 Ok(line) => {

@@ -1,6 +1,6 @@
 //! The list of a CAN log: its messages by identifier and bus, with the signals of those that a DBC file knows.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 
 use super::statistics::{Clock, Range};
@@ -149,7 +149,9 @@ impl Seen {
 
 /// Signals of messages that did not come.
 fn absent(dbc: &Dbc, seen: &BTreeMap<(CanId, u16), Seen>) -> Vec<Candidate> {
-    let came = |message: &Message| seen.range((message.id, 0)..=(message.id, u16::MAX)).next().is_some();
+    let messages = seen.keys().filter_map(|(id, _)| dbc.message(*id));
+    let seen: HashSet<CanId> = messages.map(|message| message.id).collect();
+    let came = |message: &Message| seen.contains(&message.id);
     let signals = dbc.messages().iter().filter(|message| !came(message)).flat_map(|message| {
         message.signals.iter().map(|signal| Candidate {
             group: message.name.clone(),

@@ -18,6 +18,7 @@ use std::path::{Path, PathBuf};
 
 use super::{Candidate, Unread};
 use crate::error::{DataError, Problem};
+use crate::log::{Format, LogFormat};
 use crate::signals::column_unit;
 use statistics::{Clock, Range};
 
@@ -110,25 +111,29 @@ impl Lister {
     /// # Errors
     /// The log or the description cannot be read, or a description is given for something else than a CAN log.
     pub fn open(path: &Path, dbc: Option<&Path>) -> Result<Self, DataError> {
-        let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-        let extension = extension.as_deref().unwrap_or_default();
         let fail = |problem| DataError::new(path, problem);
-        let is_bus_log = matches!(extension, "log" | "candump" | "asc" | "blf");
+        let format = LogFormat::of(path)?;
+        #[cfg(feature = "can")]
+        let is_bus_log = format == LogFormat::Can;
+        #[cfg(not(feature = "can"))]
+        let is_bus_log = false;
         if dbc.is_some() && !is_bus_log {
             return Err(fail(Problem::NotApplicable(
                 "a DBC file says what the frames of a CAN log mean; this is none",
             )));
         }
-        let source = match extension {
+        let source = match format {
             #[cfg(feature = "can")]
-            _ if is_bus_log => Source::Frames(Box::new(frames::FrameLister::open(path, dbc)?)),
+            LogFormat::Can => Source::Frames(Box::new(frames::FrameLister::open(path, dbc)?)),
             #[cfg(feature = "mdf4")]
-            "mf4" | "mdf" => Source::Mdf4(Box::new(mdf4::Mdf4Lister::open(path)?)),
+            LogFormat::Mdf4 => Source::Mdf4(Box::new(mdf4::Mdf4Lister::open(path)?)),
             #[cfg(feature = "parquet")]
-            "parquet" | "pq" => Source::Parquet(Box::new(parquet::ParquetLister::open(path).map_err(fail)?)),
-            "csv" => Source::Table(Box::new(table::TableLister::open(path).map_err(fail)?)),
-            "" => return Err(fail(unknown("no file extension".to_owned()))),
-            other => return Err(fail(unknown(format!("unknown file extension .{other}")))),
+            LogFormat::Table(Format::Parquet) => {
+                Source::Parquet(Box::new(parquet::ParquetLister::open(path).map_err(fail)?))
+            }
+            LogFormat::Table(Format::Csv) => {
+                Source::Table(Box::new(table::TableLister::open(path).map_err(fail)?))
+            }
         };
         Ok(Self { path: path.to_owned(), source })
     }
@@ -219,15 +224,17 @@ impl Listing {
 
     fn of_one_table(
         columns: Vec<(String, Range)>,
+        units: &[String],
         column: Option<String>,
         clock: &Clock,
-        kind: &'static str,
         notes: Vec<String>,
     ) -> Self {
         let signals = columns
             .into_iter()
-            .map(|(name, range)| {
-                let unit = column_unit::candidate(&name).unit;
+            .enumerate()
+            .map(|(place, (name, range))| {
+                let stated = units.get(place).map_or("", String::as_str);
+                let unit = column_unit::candidate_in(&name, stated).unit;
                 ListedSignal::new(name, unit, &range)
             })
             .collect();
@@ -235,7 +242,7 @@ impl Listing {
         let (span_s, samples) = (clock.span_s(), clock.samples());
         Self {
             groups: vec![group],
-            kind,
+            kind: "table",
             span_s,
             samples,
             clock: column,
@@ -272,24 +279,21 @@ impl ListedSignal {
     }
 }
 
-fn unknown(found: String) -> Problem {
-    let mut expected = vec![".csv"];
-    if cfg!(feature = "parquet") {
-        expected.push(".parquet");
-    }
-    if cfg!(feature = "mdf4") {
-        expected.push(".mf4");
-    }
-    if cfg!(feature = "can") {
-        expected.extend([".log", ".candump", ".asc", ".blf"]);
-    }
-    Problem::UnknownExtension { found, expected: expected.join(", ") }
+/// Some of these names.
+#[cfg(feature = "parquet")]
+fn some(names: &[String]) -> String {
+    const MOST: usize = 5;
+    let more = names.len().saturating_sub(MOST);
+    let listed =
+        names.iter().take(MOST).map(|name| crate::log::shortened(name)).collect::<Vec<_>>().join(", ");
+    if more > 0 { format!("{listed} and {more} more") } else { listed }
 }
 
-/// The column that is the clock, and seconds per its unit: `time_s`, or the first that is called like one.
-fn clock(names: &[String]) -> Option<(usize, f64)> {
+/// The column that is the clock, and seconds per its unit: `time_s`, or the first that is called like one, or a frame's index.
+fn clock(names: &[String], units: &[String]) -> Option<(usize, f64)> {
     let own = names.iter().position(|name| name == "time_s").map(|place| (place, 1.0));
     let called =
         || names.iter().enumerate().find_map(|(place, name)| Some((place, column_unit::clock(name)?)));
-    own.or_else(called)
+    let (place, factor) = own.or_else(called).or_else(|| Some((column_unit::index(names)?, 1.0)))?;
+    Some((place, units.get(place).and_then(|unit| column_unit::seconds(unit)).unwrap_or(factor)))
 }

@@ -78,7 +78,7 @@ fn settings(args: &EstimateArgs) -> Settings {
 
 fn paths(args: &EstimateArgs) -> FilePaths {
     FilePaths {
-        estimates: Some(args.output.clone()),
+        estimates: args.output.clone(),
         road: args.road_out.clone(),
         report: args.report.clone(),
         events: args.events.clone(),
@@ -96,9 +96,8 @@ fn check_names(args: &EstimateArgs) -> Result<(), Failure> {
         dbc,
         signals,
     ];
-    let optional = [&args.road_out, &args.report, &args.save_reference, &args.events];
-    let [road, report, reference, events] = optional.map(|path| path.as_deref());
-    names::check(&inputs, &[Some(&args.output), road, report, reference, events])
+    let outputs = [&args.output, &args.road_out, &args.report, &args.save_reference, &args.events];
+    names::check(&inputs, &outputs.map(|path| path.as_deref()))
 }
 
 /// What was repaired, and what a person should know before believing the result.

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use crate::args::ShowArgs;
 use crate::exit::Failure;
-use crate::screen::Screen;
+use crate::screen::{Screen, plain};
 
 /// Width of the first column, of a value, and of a value with its deviation.
 const NAME: usize = 34;
@@ -146,12 +146,12 @@ fn head(vehicle: &Vehicle) -> Vec<String> {
     let details = &vehicle.details;
     let metres = |value: Option<f64>| value.map_or("not given".to_owned(), |value| format!("{value} m"));
     let mut out = vec![
-        format!("{:<NAME$}{}", "vehicle", vehicle.name),
+        format!("{:<NAME$}{}", "vehicle", plain(&vehicle.name)),
         format!("{:<NAME$}{}", "confidence", details.confidence.label()),
         format!("{:<NAME$}{}", "wheelbase", metres(vehicle.wheelbase_m)),
     ];
     if let Some(id) = &vehicle.id {
-        out.insert(1, format!("{:<NAME$}{id}", "id"));
+        out.insert(1, format!("{:<NAME$}{}", "id", plain(id)));
     }
     if details.track_front_m.is_some() || details.track_rear_m.is_some() {
         let tracks = format!("{}, {}", metres(details.track_front_m), metres(details.track_rear_m));

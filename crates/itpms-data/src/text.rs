@@ -1,8 +1,8 @@
-//! The characters of a DBC file: UTF-8 where it is that, else Windows code page 1252, in which most of them are.
-//! Called by the reader alone.
+//! The characters of a text: UTF-8 where it is that, else Windows code page 1252, in which most others are.
+//! Called by the readers of DBC files and of tables' headers.
 
 /// The text of these bytes. Never fails: the five bytes that code page 1252 does not define become U+FFFD.
-pub(super) fn decoded(bytes: &[u8]) -> String {
+pub(crate) fn decoded(bytes: &[u8]) -> String {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     match std::str::from_utf8(bytes) {
         Ok(text) => text.to_owned(),

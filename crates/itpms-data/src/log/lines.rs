@@ -1,0 +1,118 @@
+//! The lines of a text table: plain or behind gzip, without comments, blank lines and what a power cut leaves.
+//!
+//! A line is a row, as everywhere with measurements; therefore lines are split here, and every message can name the line an editor
+//! shows. (General CSV readers count records, and lose count at comments and blank lines.)
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read, Seek};
+
+use flate2::bufread::MultiGzDecoder;
+
+use crate::error::Problem;
+use crate::input::MOST_OF_A_LINE;
+
+/// How gzip begins, whatever the file is called.
+const GZIP: &[u8] = &[0x1f, 0x8b];
+/// Bytes read at a time.
+const BUFFER: usize = 1 << 16;
+
+/// The lines that say something.
+pub(crate) struct Lines {
+    input: Box<dyn BufRead + Send>,
+    /// Another hold on the file, for where in it reading is.
+    file: Option<File>,
+    line: Vec<u8>,
+    number: u64,
+    /// Whether the present line is handed out once more.
+    again: bool,
+    /// Whether the file ends with zeros, which no logger writes and a power cut leaves.
+    zeros: bool,
+}
+
+impl std::fmt::Debug for Lines {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Lines").field("number", &self.number).finish_non_exhaustive()
+    }
+}
+
+impl Lines {
+    pub(crate) fn new(file: File) -> Self {
+        let probe = file.try_clone().ok();
+        let mut plain = BufReader::with_capacity(BUFFER, file);
+        // What cannot be read is said with the first line.
+        let packed = plain.fill_buf().is_ok_and(|bytes| bytes.starts_with(GZIP));
+        let input: Box<dyn BufRead + Send> = if packed {
+            Box::new(BufReader::with_capacity(BUFFER, MultiGzDecoder::new(plain)))
+        } else {
+            Box::new(plain)
+        };
+        Self { input, file: probe, line: Vec::new(), number: 0, again: false, zeros: false }
+    }
+
+    /// Number of the present line, from one.
+    pub(crate) fn number(&self) -> u64 {
+        self.number
+    }
+
+    /// Bytes of the file that were read so far.
+    pub(crate) fn position(&self) -> u64 {
+        self.file.as_ref().and_then(|mut file| file.stream_position().ok()).unwrap_or(0)
+    }
+
+    /// Goes to the next line that is neither blank nor a comment; false at the end.
+    pub(crate) fn advance(&mut self) -> Result<bool, Problem> {
+        if std::mem::take(&mut self.again) {
+            return Ok(true);
+        }
+        loop {
+            self.line.clear();
+            let mut limited = (&mut self.input).take(MOST_OF_A_LINE);
+            let length = limited.read_until(b'\n', &mut self.line).map_err(Problem::Read)? as u64;
+            if length == 0 {
+                return Ok(false);
+            }
+            let kept = self.line.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
+            if kept < self.line.len() {
+                self.line.truncate(kept);
+                self.zeros = true;
+                if kept == 0 {
+                    continue;
+                }
+            }
+            self.number += 1;
+            if kept as u64 == MOST_OF_A_LINE {
+                return Err(Problem::LongLine { line: self.number, most: MOST_OF_A_LINE });
+            }
+            if self.number == 1 && self.line.starts_with(b"\xef\xbb\xbf") {
+                // The byte order mark with which some programs begin a text file.
+                self.line.drain(..3);
+            }
+            if self.number == 1 && (self.line.starts_with(b"\xff\xfe") || self.line.starts_with(b"\xfe\xff"))
+            {
+                return Err(Problem::Utf16);
+            }
+            if !self.text().is_empty() && self.text()[0] != b'#' {
+                return Ok(true);
+            }
+        }
+    }
+
+    /// The next line is the present one.
+    pub(crate) fn put_back(&mut self) {
+        self.again = true;
+    }
+
+    pub(crate) fn text(&self) -> &[u8] {
+        self.line.trim_ascii()
+    }
+
+    /// Whether the present line has its end.
+    pub(crate) fn is_terminated(&self) -> bool {
+        self.line.ends_with(b"\n")
+    }
+
+    /// Whether zeros stand at the end of the file.
+    pub(crate) fn ends_in_zeros(&self) -> bool {
+        self.zeros
+    }
+}

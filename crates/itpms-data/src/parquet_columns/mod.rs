@@ -1,0 +1,280 @@
+//! Rows from Parquet: columns of numbers and times of every type, read in batches, row group by row group.
+//!
+//! Called by the readers of drive logs and of roads, which choose the columns; knows of these no more than their names.
+//!
+//! | module | idea |
+//! |---|---|
+//! | `meaning` | from what is stored to numbers and seconds |
+//! | `durations` | which integers are durations |
+//! | `parts` | a file, or a folder of part files, as one table |
+
+mod durations;
+mod meaning;
+mod parts;
+
+use std::collections::HashMap;
+use std::fs::File;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use parquet::basic::Compression;
+use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
+use parquet::data_type::DataType;
+use parquet::errors::ParquetError;
+use parquet::file::reader::{FileReader, SerializedFileReader};
+
+use crate::error::{Place, Problem};
+pub(crate) use meaning::{Meaning, Quantity};
+pub(crate) use parts::{ParquetParts, is_folder_of_parts};
+
+/// Rows decoded at a time.
+const BATCH: usize = 4096;
+
+/// A file of columns.
+pub(crate) struct ParquetColumns {
+    reader: SerializedFileReader<File>,
+    /// Of all columns. A nested one has a dotted path and thereby no name of ours.
+    names: Vec<String>,
+    /// Of those that are durations, units per s.
+    durations: HashMap<String, f64>,
+    /// Those that were chosen.
+    columns: Vec<Column>,
+    next_group: usize,
+    /// Rows of the current row group that are not decoded yet.
+    left_in_group: usize,
+    /// Rows of the current batch, the next of them, and the one that is read now.
+    in_batch: usize,
+    next_in_batch: usize,
+    now: usize,
+    rows_read: u64,
+    rows: u64,
+}
+
+impl std::fmt::Debug for ParquetColumns {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("ParquetColumns").field("rows", &self.rows).finish_non_exhaustive()
+    }
+}
+
+struct Column {
+    name: String,
+    meaning: Meaning,
+    /// The definition level of a value that is there; below it is a null.
+    present: i16,
+    /// Index of the leaf in the schema.
+    leaf: usize,
+    /// The reader of the current row group.
+    reader: Option<ColumnReader>,
+    /// The current batch, NaN where null.
+    values: Vec<f64>,
+    levels: Vec<i16>,
+}
+
+impl ParquetColumns {
+    pub(crate) fn open(file: File) -> Result<Self, Problem> {
+        let reader = guarded(|| SerializedFileReader::new(file).map_err(problem))?;
+        let metadata = reader.metadata().file_metadata();
+        let names = metadata.schema_descr().columns().iter().map(|leaf| leaf.path().string()).collect();
+        let rows = u64::try_from(metadata.num_rows()).unwrap_or(0);
+        let entries = metadata.key_value_metadata().into_iter().flatten();
+        let schema =
+            entries.filter(|entry| entry.key == durations::KEY).find_map(|entry| entry.value.as_deref());
+        Ok(Self {
+            names,
+            durations: schema.map(durations::units_per_s).unwrap_or_default(),
+            columns: Vec::new(),
+            next_group: 0,
+            left_in_group: 0,
+            in_batch: 0,
+            next_in_batch: 0,
+            now: 0,
+            rows_read: 0,
+            rows,
+            reader,
+        })
+    }
+
+    /// The names of all columns.
+    pub(crate) fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// What a column holds.
+    ///
+    /// # Errors
+    /// No numbers and no times.
+    pub(crate) fn meaning(&self, leaf: usize) -> Result<Meaning, Problem> {
+        let column = &self.names[leaf];
+        let described = &self.reader.metadata().file_metadata().schema_descr().columns()[leaf];
+        Meaning::of(described, self.durations.get(column).copied())
+            .map_err(|found| Problem::ColumnType { column: column.clone(), found })
+    }
+
+    /// Reads one more column, of numbers; to be said before the first row.
+    ///
+    /// # Errors
+    /// It holds something else.
+    pub(crate) fn choose(&mut self, leaf: usize) -> Result<(), Problem> {
+        let meaning = self.meaning(leaf)?;
+        if meaning.quantity == Quantity::Time {
+            let (column, found) = (self.names[leaf].clone(), "times".to_owned());
+            return Err(Problem::ColumnType { column, found });
+        }
+        self.take(leaf, meaning);
+        Ok(())
+    }
+
+    /// The same for a column of numbers or times, which come in s.
+    ///
+    /// # Errors
+    /// It holds neither.
+    pub(crate) fn choose_clock(&mut self, leaf: usize) -> Result<(), Problem> {
+        let meaning = self.meaning(leaf)?;
+        self.take(leaf, meaning);
+        Ok(())
+    }
+
+    fn take(&mut self, leaf: usize, meaning: Meaning) {
+        let present = self.reader.metadata().file_metadata().schema_descr().columns()[leaf].max_def_level();
+        let name = self.names[leaf].clone();
+        let (reader, values, levels) = Default::default();
+        self.columns.push(Column { name, meaning, present, leaf, reader, values, levels });
+    }
+
+    /// Rows of the whole file.
+    pub(crate) fn rows(&self) -> u64 {
+        self.rows
+    }
+
+    /// Goes to the next row; `None` after the last.
+    pub(crate) fn advance(&mut self) -> Result<Option<Place>, Problem> {
+        while self.next_in_batch == self.in_batch {
+            if self.left_in_group == 0 && !guarded(|| self.open_next_group())? {
+                return Ok(None);
+            }
+            guarded(|| self.read_batch())?;
+        }
+        self.now = self.next_in_batch;
+        self.next_in_batch += 1;
+        self.rows_read += 1;
+        Ok(Some(Place::Row(self.rows_read)))
+    }
+
+    /// What the row has in the columns, in the order in which they were chosen; NaN where nothing finite is.
+    pub(crate) fn values(&self) -> impl Iterator<Item = f64> {
+        self.columns.iter().map(|column| column.values[self.now])
+    }
+
+    fn open_next_group(&mut self) -> Result<bool, Problem> {
+        if self.next_group == self.reader.num_row_groups() {
+            return Ok(false);
+        }
+        let group = self.reader.get_row_group(self.next_group).map_err(problem)?;
+        self.next_group += 1;
+        self.left_in_group = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
+        for column in &mut self.columns {
+            if group.metadata().column(column.leaf).compression() == Compression::LZO {
+                let why =
+                    "it is compressed by LZO, expected zstd, snappy, gzip, brotli, lz4 or no compression";
+                return Err(Problem::Parquet(why.to_owned()));
+            }
+            column.reader = Some(group.get_column_reader(column.leaf).map_err(problem)?);
+        }
+        Ok(true)
+    }
+
+    fn read_batch(&mut self) -> Result<(), Problem> {
+        let wanted = self.left_in_group.min(BATCH);
+        for column in &mut self.columns {
+            column.read(wanted)?;
+            if column.values.len() != wanted {
+                let (name, found) = (&column.name, column.values.len());
+                let text = format!("column {name} ends after {found} of {wanted} rows of a batch");
+                return Err(Problem::Parquet(text));
+            }
+        }
+        self.left_in_group -= wanted;
+        (self.in_batch, self.next_in_batch) = (wanted, 0);
+        Ok(())
+    }
+}
+
+impl Column {
+    /// Replaces `values` by the next `wanted` ones.
+    fn read(&mut self, wanted: usize) -> Result<(), Problem> {
+        self.values.clear();
+        self.levels.clear();
+        let Self { reader, meaning, present, values, levels, .. } = self;
+        let mut into = Cells { present: *present, levels, values };
+        match reader {
+            Some(ColumnReader::BoolColumnReader(r)) => into.read(r, wanted, |v| f64::from(u8::from(*v))),
+            Some(ColumnReader::Int32ColumnReader(r)) => into.read(r, wanted, |v| meaning.of_i32(*v)),
+            Some(ColumnReader::Int64ColumnReader(r)) => into.read(r, wanted, |v| meaning.of_i64(*v)),
+            Some(ColumnReader::Int96ColumnReader(r)) => {
+                into.read(r, wanted, |v| meaning::seconds_of_int96(*v))
+            }
+            Some(ColumnReader::FloatColumnReader(r)) => into.read(r, wanted, |v| f64::from(*v)),
+            Some(ColumnReader::DoubleColumnReader(r)) => into.read(r, wanted, |v| *v),
+            Some(ColumnReader::ByteArrayColumnReader(r)) => {
+                into.read(r, wanted, |v| meaning.of_bytes(v.data()))
+            }
+            Some(ColumnReader::FixedLenByteArrayColumnReader(r)) => {
+                into.read(r, wanted, |v| meaning.of_bytes(v.data()))
+            }
+            None => Ok(()),
+        }
+        .map_err(problem)
+    }
+}
+
+/// Where decoded values go.
+struct Cells<'a> {
+    present: i16,
+    levels: &'a mut Vec<i16>,
+    values: &'a mut Vec<f64>,
+}
+
+impl Cells<'_> {
+    /// Decodes up to `wanted` records and puts NaN where a null was.
+    fn read<T: DataType>(
+        &mut self,
+        reader: &mut ColumnReaderImpl<T>,
+        wanted: usize,
+        to_f64: impl Fn(&T::T) -> f64,
+    ) -> Result<(), ParquetError> {
+        let mut there = Vec::new();
+        let (records, _, _) = reader.read_records(wanted, Some(self.levels), None, &mut there)?;
+        let mut there = there.iter().map(to_f64).map(|v| if v.is_finite() { v } else { f64::NAN });
+        if self.levels.is_empty() {
+            // A required column has no definition levels: everything is there.
+            self.values.extend(there);
+        } else {
+            let present = self.present;
+            let cells = self.levels.iter().take(records);
+            self.values.extend(
+                cells.map(
+                    |level| {
+                        if *level == present { there.next().unwrap_or(f64::NAN) } else { f64::NAN }
+                    },
+                ),
+            );
+        }
+        Ok(())
+    }
+}
+
+/// The library panics on some damaged files (a negative offset, a dictionary that is not there) instead of
+/// returning an error. After an error nothing more is read, so no half-changed state is ever used.
+fn guarded<T>(read: impl FnOnce() -> Result<T, Problem>) -> Result<T, Problem> {
+    catch_unwind(AssertUnwindSafe(read))
+        .unwrap_or_else(|_| Err(Problem::Parquet("its contents contradict each other".to_owned())))
+}
+
+fn problem(error: ParquetError) -> Problem {
+    match error {
+        ParquetError::General(text) | ParquetError::EOF(text) if text.contains("encrypt") => {
+            Problem::Parquet("it is encrypted, expected a file without".to_owned())
+        }
+        ParquetError::General(text) | ParquetError::EOF(text) => Problem::Parquet(text),
+        other => Problem::Parquet(other.to_string()),
+    }
+}

@@ -1,0 +1,197 @@
+//! Text tables as programs of many kinds write them: each has to give the very rows of its plain twin.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
+
+use std::fs::{self, File};
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use itpms_data::log::{LogOptions, UnitCheck};
+use itpms_data::signals::Lister;
+use itpms_data::{LogReader, LogRow};
+
+const NAMES: [&str; 4] = ["time_s", "speed_m_s", "fl_body_accel_m_s2", "fl_wheel_accel_m_s2"];
+const ROWS: u32 = 300;
+
+/// Values that every spelling has exactly: hundredths of s, halves and quarters.
+fn values(i: u32) -> [f64; 4] {
+    let wheel = f64::from(i % 13) - 6.0;
+    [f64::from(i) / 100.0, 20.0 + 0.5 * f64::from(i % 3), 0.25 * wheel, wheel]
+}
+
+/// A table whose cells are written by `cell` and parted by `separator`.
+fn table(separator: &str, cell: impl Fn(usize, f64) -> String) -> String {
+    let mut text = NAMES.join(separator) + "\n";
+    for i in 0..ROWS {
+        let cells: Vec<String> =
+            values(i).iter().enumerate().map(|(place, value)| cell(place, *value)).collect();
+        text += &(cells.join(separator) + "\n");
+    }
+    text
+}
+
+fn plain() -> String {
+    table(",", |_, value| value.to_string())
+}
+
+struct Bench(tempfile::TempDir);
+
+impl Bench {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    fn write(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
+        let path = self.0.path().join(name);
+        fs::write(&path, content).unwrap();
+        path
+    }
+}
+
+fn read(path: &Path, map: Option<&Path>) -> Result<(Vec<LogRow>, Vec<String>), String> {
+    let options = LogOptions { signals: map.map(Path::to_owned), ..LogOptions::from(UnitCheck::Trusting) };
+    let mut log = LogReader::open_with(path, &options).map_err(|error| error.to_string())?;
+    let mut rows = Vec::new();
+    while let Some(row) = log.next_row().map_err(|error| error.to_string())? {
+        rows.push(row);
+    }
+    Ok((rows, log.repairs().warnings()))
+}
+
+fn same(found: &[LogRow], expected: &[LogRow], what: &str) {
+    assert_eq!(found.len(), expected.len(), "{what}");
+    for (found, expected) in found.iter().zip(expected) {
+        // Compared as text, for NaN is NaN here.
+        assert_eq!(format!("{found:?}"), format!("{expected:?}"), "{what}");
+    }
+}
+
+#[test]
+fn every_dialect_gives_the_rows_of_its_plain_twin() {
+    let bench = Bench::new();
+    let (expected, _) = read(&bench.write("plain.csv", plain()), None).unwrap();
+    let decimal = |_: usize, value: f64| value.to_string().replace('.', ",");
+    let dialects = [
+        ("sep.csv", format!("sep=;\n{}", table(";", decimal))),
+        ("tabs.tsv", table("\t", |_, value| value.to_string())),
+        ("bars.txt", table("|", |_, value| value.to_string())),
+        ("trailing.csv", plain().replace('\n', ",\n").replacen(",\n", "\n", 1)),
+        ("trailing header.csv", plain().replacen('\n', ",\n", 1)),
+        ("trailing both.csv", plain().replace('\n', ",\n")),
+        ("quotes.csv", table(",", |_, value| format!("\"{value}\""))),
+        ("windows.csv", plain().replace('\n', "\r\n")),
+        ("mark.csv", format!("\u{feff}{}", plain())),
+        ("units.csv", plain().replacen('\n', "\ns,m/s,m/s^2,[m/s\u{b2}]\n", 1)),
+    ];
+    for (name, text) in dialects {
+        let path = bench.write(name, text);
+        let (rows, warnings) = read(&path, None).unwrap_or_else(|text| panic!("{name}: {text}"));
+        same(&rows, &expected, name);
+        assert_eq!(warnings, Vec::<String>::new(), "{name}");
+        let mut lister = Lister::open(&path, None).unwrap();
+        while lister.step().unwrap() {}
+        let listing = lister.finish();
+        assert_eq!((listing.samples, listing.clock.as_deref()), (u64::from(ROWS), Some("time_s")), "{name}");
+    }
+}
+
+#[test]
+fn a_packed_table_is_read_as_it_is() {
+    let bench = Bench::new();
+    let (expected, _) = read(&bench.write("plain.csv", plain()), None).unwrap();
+    for name in ["drive.csv.gz", "drive.TSV.GZ", "called.csv"] {
+        let path = bench.0.path().join(name);
+        let mut packer = GzEncoder::new(File::create(&path).unwrap(), Compression::default());
+        packer.write_all(plain().as_bytes()).unwrap();
+        packer.finish().unwrap();
+        same(&read(&path, None).unwrap().0, &expected, name);
+    }
+    let text = read(&bench.write("drive.gz", "x"), None).unwrap_err();
+    assert!(text.contains("unknown file extension .gz, expected .csv"), "{text}");
+}
+
+#[test]
+fn a_unit_under_a_name_is_that_columns() {
+    let bench = Bench::new();
+    let (expected, _) = read(&bench.write("plain.csv", plain()), None).unwrap();
+    // Our names with other units; and another program's names, with a map for what they do not say.
+    let scaled = table(",", |place, value| match place {
+        0 => format!("{}", (value * 1000.0).round()),
+        1 => format!("{}", value * 3.6),
+        _ => value.to_string(),
+    });
+    let ours = scaled.replacen('\n', "\nms,km/h,m/s^2,m/s^2\n", 1);
+    let theirs = ours.replacen(&NAMES.join(","), "Time,VehicleSpeed,FL_BodyAccZ,hub", 1);
+    let map = bench.write("map.toml", "[signals]\nfl_wheel_accel_m_s2 = \"hub\"\n");
+    for (name, text, map) in [("ours.csv", ours, None), ("theirs.csv", theirs, Some(map.as_path()))] {
+        let (rows, _) = read(&bench.write(name, text), map).unwrap_or_else(|text| panic!("{name}: {text}"));
+        assert_eq!(rows.len(), expected.len(), "{name}");
+        for (found, expected) in rows.iter().zip(&expected) {
+            assert!((found.time_s - expected.time_s).abs() < 1e-12, "{name}");
+            assert!((found.speed_m_s - expected.speed_m_s).abs() < 1e-12, "{name}");
+            assert_eq!(
+                found.corners[0].unwrap().body_accel_m_s2,
+                expected.corners[0].unwrap().body_accel_m_s2
+            );
+        }
+    }
+    let wrong = plain().replacen('\n', "\ns,m/s,kPa,m/s^2\n", 1);
+    let text = read(&bench.write("wrong.csv", wrong), None).unwrap_err();
+    assert!(text.ends_with("column fl_body_accel_m_s2 has the unit kPa, expected m/s^2"), "{text}");
+}
+
+#[test]
+fn what_is_missing_has_many_spellings_in_a_log() {
+    let bench = Bench::new();
+    let spelled = |word: &str| {
+        table(
+            ",",
+            |place, value| if place == 2 && value == 0.0 { word.to_owned() } else { value.to_string() },
+        )
+    };
+    let (expected, _) = read(&bench.write("plain.csv", spelled("")), None).unwrap();
+    assert!(expected.iter().any(|row| row.corners[0].unwrap().body_accel_m_s2.is_nan()));
+    for word in ["NA", "#N/A", "None", "<NA>", "nan", "-nan(ind)", "null"] {
+        let (rows, _) = read(&bench.write("drive.csv", spelled(word)), None)
+            .unwrap_or_else(|text| panic!("{word}: {text}"));
+        same(&rows, &expected, word);
+    }
+}
+
+#[test]
+fn names_that_come_again_and_zeros_at_the_end_are_said() {
+    let bench = Bench::new();
+    let (expected, _) = read(&bench.write("plain.csv", plain()), None).unwrap();
+    let head = NAMES.join(",") + "\n";
+    let middle = plain().find("\n1.5,").unwrap() + 1;
+    let again = format!("{}{head}{}", &plain()[..middle], &plain()[middle..]);
+    let (rows, warnings) = read(&bench.write("again.csv", again), None).unwrap();
+    same(&rows, &expected, "again");
+    assert_eq!(warnings, ["the header comes once more and was left out"]);
+    for zeros in [1, 5000, 3 << 20] {
+        let text = [plain().as_bytes(), b"3.0,20", &vec![0; zeros]].concat();
+        let (rows, warnings) = read(&bench.write("zeros.csv", text), None).unwrap();
+        same(&rows, &expected, "zeros");
+        assert!(warnings[0].starts_with("1 line at the end is cut off"), "{warnings:?}");
+    }
+}
+
+#[test]
+fn a_clock_of_dates_is_read_in_every_spelling() {
+    let bench = Bench::new();
+    for zone in ["", "Z", "+0000", "+00", "+00:00", " UTC"] {
+        for point in [".", ","] {
+            let stamp = |value: f64| format!("2026-03-01 08:00:{value:06.3}{zone}").replace('.', point);
+            let text = table("\t", |place, value| if place == 0 { stamp(value) } else { value.to_string() });
+            let (rows, _) =
+                read(&bench.write("drive.csv", text), None).unwrap_or_else(|text| panic!("{zone}: {text}"));
+            for (i, row) in rows.iter().enumerate() {
+                assert!(
+                    (row.time_s - 1_772_352_000.0 - i as f64 / 100.0).abs() < 3e-7,
+                    "{zone}{point} {row:?}"
+                );
+            }
+        }
+    }
+}

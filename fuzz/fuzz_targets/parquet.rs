@@ -1,0 +1,8 @@
+//! A drive log of any bytes as Parquet.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+
+mod tables;
+
+fuzz_target!(|bytes: &[u8]| tables::read("drive.parquet", bytes));
