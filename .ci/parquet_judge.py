@@ -117,7 +117,7 @@ def pyarrow_types():
         table = base(**{SPEED: pa.array(stamps, type=kind)})
         check(*arrow(f"pyarrow {kind} past its sign bit", table), base(**{SPEED: np.array(stamps, dtype=float)}))
     for kind in [pa.decimal32(7, 2), pa.decimal64(12, 3), pa.decimal128(9, 2), pa.decimal128(38, 9), pa.decimal256(60, 20)]:
-        array = pa.array(decimals((body * 10**kind.scale).tolist(), kind.scale), type=kind)
+        array = pa.array(decimals([int(v) * 10**kind.scale for v in body], kind.scale), type=kind)
         for small in [False, True]:
             name, path = arrow(f"pyarrow {kind}, small as integer: {small}", base(**{BODY: array}), store_decimal_as_integer=small)
             check(name, path, expected)

@@ -89,7 +89,9 @@ fn signal(name: &str, s: &Statistics) -> Vec<String> {
         out.push(format!("{name}: {:.0} % of its values are missing", 100.0 * missing));
     }
     if s.mean.abs() > GRAVITY {
-        out.push(format!("{name}: its mean is {:.1} m/s², so gravity is in it", s.mean));
+        // Of a mean that no car has, the size says enough.
+        let mean = if s.mean.abs() < 1e6 { format!("{:.1}", s.mean) } else { format!("{:.1e}", s.mean) };
+        out.push(format!("{name}: its mean is {mean} m/s², so gravity is in it"));
     }
     // A coarse signal stays at its limit without being cut off there.
     if s.smallest_step * STEPS_PER_SD > s.sd {
