@@ -232,7 +232,7 @@ fn table(time: impl Fn(u32) -> String, place: impl Fn(u32) -> u32) -> Result<Fou
 fn tables_in_another_order_or_with_few_digits_give_the_same_rows() {
     let plain = |k: u32| format!("{:.3}", f64::from(k) / RATE_HZ);
     // Blocks of four seconds in another order.
-    let swapped = table(plain, |k| (k / 2000 ^ 1) * 2000 + k % 2000).unwrap();
+    let swapped = table(plain, |k| ((k / 2000) ^ 1) * 2000 + k % 2000).unwrap();
     check(&swapped.rows, 0, 1e-9);
     assert!(
         swapped.warnings.iter().any(|warning| warning.contains("put into the order")),

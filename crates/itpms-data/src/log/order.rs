@@ -296,7 +296,7 @@ mod tests {
 
     #[test]
     fn while_reading_a_burst_is_waited_out() {
-        let (_, order) = sorted([50.0, 51.0, 52.0, 4.0, 3.0].into_iter());
+        let (_, order) = sorted([50.0, 51.0, 52.0, 4.0, 3.0]);
         assert!(order.check(Stage::Reading).is_ok() && order.check(Stage::Complete).is_err());
     }
 }

@@ -42,6 +42,8 @@ pub struct LogReader {
     order: TimeOrder,
     ahead: VecDeque<LogRow>,
     exhausted: bool,
+    /// Why the source could not be read on.
+    failed: Option<Problem>,
     survey: Survey,
     report: RepairReport,
     regular: Regular,
@@ -96,6 +98,7 @@ impl LogReader {
             order: TimeOrder::new(),
             ahead: VecDeque::with_capacity(SURVEY_ROWS),
             exhausted: false,
+            failed: None,
             survey: Survey { rows: 0, sample_period_s: 0.0, jitter_s: 0.0, sample_rate_hz: 0.0 },
             report,
             regular: Regular::new(f64::NAN),
@@ -172,7 +175,10 @@ impl LogReader {
                 .and_then(|()| self.order.check(Stage::Reading))
                 .map_err(|problem| DataError::new(&self.path, problem))?;
         }
-        let Some(row) = self.ahead.pop_front() else { return Ok(None) };
+        let Some(row) = self.ahead.pop_front() else {
+            let failed = self.failed.take().map(|problem| DataError::new(&self.path, problem));
+            return failed.map_or(Ok(None), Err);
+        };
         if let Some(last_s) = self.last_time_s {
             let step_s = row.time_s - last_s;
             self.regular.take(last_s, step_s).map_err(|problem| DataError::new(&self.path, problem))?;
@@ -210,7 +216,17 @@ impl LogReader {
     /// Reads one row of the file; none, one or (at the end) one more row comes out of it.
     fn pull(&mut self) -> Result<(), Problem> {
         let mut raw = [f64::NAN; SLOTS];
-        let Some(place) = self.source.next_row(&mut raw)? else { return self.close() };
+        let place = match self.source.next_row(&mut raw) {
+            Ok(Some(place)) => place,
+            Ok(None) => return self.close(),
+            // What was read before it comes out before it.
+            Err(problem) if self.report.rows_read >= SURVEY_ROWS as u64 => {
+                (self.exhausted, self.failed) = (true, Some(problem));
+                self.order.finish(&mut self.ahead);
+                return Ok(());
+            }
+            Err(problem) => return Err(problem),
+        };
         for (seen, value) in self.seen.iter_mut().zip(&raw) {
             *seen |= value.is_finite();
         }

@@ -137,7 +137,8 @@ impl SignalOrder {
                 "{spread} readings under a clock of {step_ms} ms a step were spread evenly between its steps"
             )
         });
-        let moved = self.sorted.moved;
+        // Those that were spread wait for their times, and come later than others for that alone.
+        let moved = if spread.is_some() { 0 } else { self.sorted.moved };
         let moved = (moved > 0).then(|| {
             format!("{moved} readings came after later ones and were put into the order of their stamps")
         });

@@ -343,8 +343,9 @@ mod tests {
     #[test]
     fn a_sample_written_twice_is_left_out_and_the_others_stay() {
         let every = |many: u32| {
-            (0..4000)
-                .flat_map(move |k: u32| vec![(f64::from(k) * 0.002, k); if k % many == 0 { 2 } else { 1 }])
+            (0..4000).flat_map(move |k: u32| {
+                vec![(f64::from(k) * 0.002, k); if k.is_multiple_of(many) { 2 } else { 1 }]
+            })
         };
         for many in [1, 50] {
             let found = through(every(many));
@@ -369,7 +370,7 @@ mod tests {
         let found = through(file.into_iter().map(|k| (f64::from(k) * 0.002, k)));
         assert_eq!((found.kept.len(), found.strays), (6000, 0));
         // Blocks of a second in another order.
-        let found = through((0..6000).map(|k: u32| (f64::from((k / 500 ^ 1) * 500 + k % 500) * 0.002, k)));
+        let found = through((0..6000).map(|k: u32| (f64::from(((k / 500) ^ 1) * 500 + k % 500) * 0.002, k)));
         assert_eq!((found.kept.len(), found.strays), (6000, 0));
         // Set back by three seconds: 1500 samples until it is where it was.
         let found =
