@@ -111,13 +111,13 @@ fn a_cell_that_is_no_number() {
     for bad_line in [17, 19_000] {
         let text = edited(|line, cells| {
             if line == bad_line {
-                cells[BODY] = "n/a".to_owned();
+                cells[BODY] = "broken".to_owned();
             }
         });
         assert_eq!(
             text,
             format!(
-                "drive.csv: line {bad_line}, column fl_body_accel_m_s2: found \"n/a\", expected a number, or NaN or nothing where it is missing"
+                "drive.csv: line {bad_line}, column fl_body_accel_m_s2: found \"broken\", expected a number, or NaN or nothing where it is missing"
             )
         );
     }

@@ -176,8 +176,8 @@ fn up_to_four_corners_run_side_by_side() {
     bench.run("estimate drive.csv --vehicle car.toml -o est.csv --road-out road.csv").success();
     let text = bench.read("est.csv");
     let (names, rows) = table(&text);
-    // The time, and eight columns a corner.
-    assert_eq!((names.len(), rows.len()), (1 + 4 * 8, 200));
+    // The time, and nine columns a corner.
+    assert_eq!((names.len(), rows.len()), (1 + 4 * 9, 200));
     assert_eq!(table(&bench.read("road.csv")).0.len(), 10);
     // After 20 s a constant pressure is known to some 8 kPa (docs/math/bound.md); 70 kPa apart is far more.
     let last = |corner: &str| *column(&text, &format!("{corner}_pressure_kpa")).last().unwrap();
@@ -189,7 +189,7 @@ fn up_to_four_corners_run_side_by_side() {
     bench.write("car.toml", &car[..car.find("[corner.fr]").unwrap()]);
     let outcome = bench.run("estimate drive.csv --vehicle car.toml -o est.csv");
     outcome.success();
-    assert_eq!(table(&bench.read("est.csv")).0.len(), 1 + 8);
+    assert_eq!(table(&bench.read("est.csv")).0.len(), 1 + 9);
     assert!(
         outcome.stderr.contains("corner rr is not in the vehicle file and was not estimated"),
         "{outcome:?}"

@@ -13,6 +13,8 @@ use crate::input::MOST_OF_A_LINE;
 
 /// How gzip begins, whatever the file is called.
 const GZIP: &[u8] = &[0x1f, 0x8b];
+/// Zeros that are passed over, at most.
+const MOST_ZEROS: u64 = 1 << 26;
 /// Bytes read at a time.
 const BUFFER: usize = 1 << 16;
 
@@ -25,8 +27,8 @@ pub(crate) struct Lines {
     number: u64,
     /// Whether the present line is handed out once more.
     again: bool,
-    /// Whether the file ends with zeros, which no logger writes and a power cut leaves.
-    zeros: bool,
+    /// Bytes of zeros that were passed over, which no logger writes and a power cut leaves.
+    zeros: u64,
 }
 
 impl std::fmt::Debug for Lines {
@@ -46,7 +48,7 @@ impl Lines {
         } else {
             Box::new(plain)
         };
-        Self { input, file: probe, line: Vec::new(), number: 0, again: false, zeros: false }
+        Self { input, file: probe, line: Vec::new(), number: 0, again: false, zeros: 0 }
     }
 
     /// Number of the present line, from one.
@@ -73,8 +75,9 @@ impl Lines {
             }
             let kept = self.line.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
             if kept < self.line.len() {
+                self.zeros += (self.line.len() - kept) as u64;
                 self.line.truncate(kept);
-                self.zeros = true;
+                self.bound_zeros()?;
                 if kept == 0 {
                     continue;
                 }
@@ -113,6 +116,12 @@ impl Lines {
 
     /// Whether zeros stand at the end of the file.
     pub(crate) fn ends_in_zeros(&self) -> bool {
-        self.zeros
+        self.zeros > 0
+    }
+
+    /// A file of nothing but zeros is no text, and after the text they have an end.
+    fn bound_zeros(&self) -> Result<(), Problem> {
+        let most = if self.number == 0 { MOST_OF_A_LINE } else { MOST_ZEROS };
+        if self.zeros >= most { Err(Problem::LongLine { line: self.number + 1, most }) } else { Ok(()) }
     }
 }
