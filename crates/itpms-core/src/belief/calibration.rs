@@ -40,13 +40,7 @@ blank!(CalibrationState<T> { active, from_s, calibrated, stored, loaded });
 
 impl<T: Real> CalibrationState<T> {
     pub(super) fn new() -> Self {
-        Self {
-            active: false,
-            from_s: 0.0,
-            calibrated: false,
-            stored: Placed::BLANK,
-            loaded: Placed::BLANK,
-        }
+        Self { active: false, from_s: 0.0, calibrated: false, stored: Placed::BLANK, loaded: Placed::BLANK }
     }
 
     /// Whether the newest calibration is one of this drive, or under way.

@@ -265,7 +265,8 @@ impl<T: Real> Hypothesis<T> {
     /// Covariance of two tires' losses.
     pub(crate) fn loss_covariance(&self, a: usize, b: usize) -> T {
         let (a, b, p) = (a.min(3), b.min(3), &self.covariance);
-        p[(TIRE + a, TIRE + b)] - p[(TIRE + a, LEVEL + b)] - p[(LEVEL + a, TIRE + b)] + p[(LEVEL + a, LEVEL + b)]
+        p[(TIRE + a, TIRE + b)] - p[(TIRE + a, LEVEL + b)] - p[(LEVEL + a, TIRE + b)]
+            + p[(LEVEL + a, LEVEL + b)]
     }
 
     /// As [`hold_above`](Self::hold_above), of a tire's loss.

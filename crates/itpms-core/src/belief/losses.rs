@@ -89,7 +89,8 @@ mod tests {
         hypothesis.begin_loss(1);
         assert_eq!([hypothesis.loss(1), hypothesis.loss_covariance(1, 1)], [0.0; 2]);
         let variance = hypothesis.covariance[(TIRE + 1, TIRE + 1)];
-        let (mut mean, mut covariance) = (Vector2::repeat(hypothesis.mean[TIRE + 1]), Matrix2::repeat(variance));
+        let (mut mean, mut covariance) =
+            (Vector2::repeat(hypothesis.mean[TIRE + 1]), Matrix2::repeat(variance));
         hypothesis.covariance[(TIRE + 1, TIRE + 1)] += happened;
         covariance[(0, 0)] += happened;
         for measured in [0.2, 0.23, 0.21] {

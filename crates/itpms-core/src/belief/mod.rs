@@ -41,11 +41,11 @@ use self::calibration::CalibrationState;
 use self::checkpoint::{Checkpoint, PreFaultEstimate};
 use self::floor::Floor;
 use self::gaussian::Circumstances;
-use self::losses::Losses;
 pub(crate) use self::gaussian::FrictionError;
 pub(crate) use self::gaussian::Hypothesis;
 pub(crate) use self::hypotheses::HYPOTHESES;
 use self::hypothesis_bank::HypothesisBank;
+use self::losses::Losses;
 use self::measurement::{AxleResidual, SideMeasurement, UpdateRecord};
 use self::state::{State, TIRE};
 pub(crate) use self::tire_scale::{LEAST_COMPLIANCE, TireScale};
@@ -247,9 +247,8 @@ impl<T: Real> Belief<T> {
         let filling = self.inflation == Inflation::WhileRolling;
         let shares = core::array::from_fn(|corner| self.scale.share(corner));
         let since_s = self.losses.since_s().filter(|_| !filling);
-        let floor = since_s.map(|since_s| {
-            Floor::after(T::lit(self.time_s - since_s), shares, self.present == [true; 4])
-        });
+        let floor = since_s
+            .map(|since_s| Floor::after(T::lit(self.time_s - since_s), shares, self.present == [true; 4]));
         self.bank.hold_above(floor.as_ref(), filling);
     }
 

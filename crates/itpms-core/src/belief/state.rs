@@ -67,7 +67,8 @@ pub(crate) type Covariance<T> = SMatrix<T, SIZE, SIZE>;
 /// Standard deviations before anything is learned, unsprung masses known as the vehicle file says; the rate's is that of a hypothesis
 /// that moves.
 pub(crate) fn prior_sd<T: Real>(mass_sd: &[T; 4]) -> State<T> {
-    let mut prior = filled([0.11, 0.0, 0.15, 0.1, 0.3, 0.012, 0.01, 0.02, 0.04, 0.03, ROAD_BIAS_SD[0], 0.0, 0.0]);
+    let mut prior =
+        filled([0.11, 0.0, 0.15, 0.1, 0.3, 0.012, 0.01, 0.02, 0.04, 0.03, ROAD_BIAS_SD[0], 0.0, 0.0]);
     prior.fixed_rows_mut::<4>(MASS).copy_from_slice(mass_sd);
     prior
 }

@@ -15,8 +15,8 @@ use super::hypotheses::{CONSTANT, HYPOTHESES, RANDOM_WALK, SIDE};
 use super::hypothesis_bank::HypothesisBank;
 use super::measurement::{BINS, Gram, Score};
 use super::state::{
-    BAR, Covariance, DAMPING, GAIN, LEVEL, MASS, RATE, ROAD_BIAS, SIDE_SIZE, SIDE_TIRES, SIZE, SPRING, State, TIRE,
-    prior_sd, read_compliance, return_rate, side_indices, wander_sd,
+    BAR, Covariance, DAMPING, GAIN, LEVEL, MASS, RATE, ROAD_BIAS, SIDE_SIZE, SIDE_TIRES, SIZE, SPRING, State,
+    TIRE, prior_sd, read_compliance, return_rate, side_indices, wander_sd,
 };
 use super::update::{Likelihood, OwnCovariance};
 use super::{Belief, Onset};

@@ -14,8 +14,8 @@ pub(super) const CALIBRATED_SD: f64 = 0.012;
 
 /// What a car may change between a calibration and a later day, as shares of a tire's stiffness: what all four wheels have in common
 /// (load, speed and road, warmth and wear of tires and dampers), and each on its own.
-const BETWEEN_DAYS_COMMON_SD: f64 = 0.045;
-const BETWEEN_DAYS_OWN_SD: f64 = 0.025;
+const BETWEEN_DAYS_COMMON_SD: f64 = 0.03;
+const BETWEEN_DAYS_OWN_SD: f64 = 0.02;
 
 /// Covariance of the factors of the four corners, and the stiffnesses at placard pressure. See the [module](self).
 #[derive(Debug, Clone, PartialEq)]

@@ -1,5 +1,5 @@
 //! What each tire has lost in this drive, in kPa, by itself and against the others (docs/math/level-and-loss.md, eq. 3 and 4). The level's
-//! error is in none of it; what the vehicle file leaves open is, as a share of the loss.
+//! error is in none of it. What the vehicle file leaves open is a share of the loss: it says how much was lost, and not whether.
 
 use nalgebra::SVector;
 
@@ -18,20 +18,21 @@ impl<T: Real> Considered<T> {
         let level = SVector::<T, 4>::from_fn(|i, _| {
             self.placard_kpa[i] + kpa(i, level_n_per_m[i] - self.placard_n_per_m[i])
         });
-        // What each is wrong by on its own, besides what the signals tell.
-        let own_variance = |i: usize| {
-            let road = kpa(i, T::lit(CALIBRATED_SD) * (level_n_per_m[i] - lost_n_per_m[i]));
-            road * road + self.relative[(i, i)] * lost[i] * lost[i]
+        // What the signals tell, and what another road may make of each tire on its own.
+        let told = |weights: &SVector<T, 4>| {
+            let by = SVector::<T, 4>::from_fn(|i, _| kpa(i, weights[i]));
+            by.dot(&(covariance * by)).max(T::zero())
         };
         let variance = |weights: &SVector<T, 4>| {
-            let by = SVector::<T, 4>::from_fn(|i, _| kpa(i, weights[i]));
-            let own = (0..4).fold(T::zero(), |sum, i| sum + weights[i] * weights[i] * own_variance(i));
-            (by.dot(&(covariance * by)) + own).max(T::zero())
+            let road =
+                |i: usize| kpa(i, T::lit(CALIBRATED_SD) * (level_n_per_m[i] - lost_n_per_m[i])) * weights[i];
+            told(weights) + (0..4).fold(T::zero(), |sum, i| sum + road(i) * road(i))
         };
         core::array::from_fn(|i| {
             let mut weights = SVector::<T, 4>::zeros();
             weights[i] = T::one();
-            let (lost_kpa, lost_sd_kpa) = (lost[i], variance(&weights).sqrt());
+            let (lost_kpa, change_sd_kpa) = (lost[i], told(&weights).sqrt());
+            let lost_sd_kpa = (variance(&weights) + self.relative[(i, i)] * lost_kpa * lost_kpa).sqrt();
             let others = (0..4).filter(|&j| j != i && is_there(j) && level[j] > T::zero());
             let count = T::lit(others.clone().count().max(1) as f64);
             let on_average = others.clone().fold(T::zero(), |sum, j| sum + lost[j] / level[j]) / count;
@@ -43,6 +44,7 @@ impl<T: Real> Considered<T> {
                 level_kpa: level[i],
                 lost_kpa,
                 lost_sd_kpa,
+                change_sd_kpa,
                 excess_kpa: weights.dot(&lost),
                 excess_sd_kpa: variance(&weights).sqrt(),
             }

@@ -11,8 +11,8 @@ use crate::conditioning::wheel_lift::ContactWatch;
 use crate::conditioning::{GridSample, Resampler, SampleCounts};
 use crate::memory::{Placed, blank};
 use crate::model::{
-    BodyFit, CornerConfig, CornerEstimate, CornerSample, Level, Loss, Misfit, ParameterError, QuarterCar, Validity,
-    positive,
+    BodyFit, CornerConfig, CornerEstimate, CornerSample, Level, Loss, Misfit, ParameterError, QuarterCar,
+    Validity, positive,
 };
 use crate::real::Real;
 use crate::road::{RoadConfig, RoadFilter};
@@ -394,7 +394,8 @@ impl<T: Real> CornerEstimator<T> {
         let validity = match reading.validity {
             _ if bad => Validity::BadSignal,
             Validity::Valid | Validity::NoInformation
-                if self.misfit.get().is_some_and(|misfit| misfit.doubt(level).is_none()) => {
+                if self.misfit.get().is_some_and(|misfit| misfit.doubt(level).is_none()) =>
+            {
                 Validity::Misfit
             }
             Validity::Valid if unjudged => Validity::Starting,

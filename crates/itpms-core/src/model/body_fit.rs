@@ -63,7 +63,9 @@ impl Misfit {
         match (self, level) {
             (Self::Incoherent | Self::Unexplained, _) | (Self::Hop, Level::VehicleFile) => None,
             (Self::PartlyUnexplained, Level::VehicleFile) => Some(0.08),
-            (Self::Hop | Self::PartlyUnexplained, Level::Calibration | Level::StoredCalibration) => Some(0.035),
+            (Self::Hop | Self::PartlyUnexplained, Level::Calibration | Level::StoredCalibration) => {
+                Some(0.035)
+            }
         }
     }
 }
@@ -109,7 +111,8 @@ impl<T: Real> BodyFit<T> {
             return false;
         }
         let upper = |share: T, squared_spread: T, bins: f64| {
-            share * (T::one() + T::lit(ONE_SIDED_95) * (squared_spread / (self.averages * T::lit(bins))).sqrt())
+            share
+                * (T::one() + T::lit(ONE_SIDED_95) * (squared_spread / (self.averages * T::lit(bins))).sqrt())
         };
         let two = T::lit(2.0);
         let incoherence = |share: T| upper(share, two * (T::one() - share).max(T::zero()), COHERENCE_BINS);

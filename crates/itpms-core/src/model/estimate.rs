@@ -210,10 +210,12 @@ pub struct Loss<T> {
     pub level_kpa: T,
     /// What was lost since then; below zero where the tire became warmer.
     pub lost_kpa: T,
-    /// Its standard deviation.
+    /// Its standard deviation, with what the vehicle file leaves open.
     pub lost_sd_kpa: T,
+    /// The same on one road, as far as the signals tell: how well it is known that it has changed.
+    pub change_sd_kpa: T,
     /// What was lost more than the other tires have lost on average, and its standard deviation: warmth and a change of the whole car
-    /// cancel.
+    /// cancel. What the vehicle file leaves open is no part of the latter: it is a share of the loss, and none where nothing was lost.
     pub excess_kpa: T,
     /// See [`excess_kpa`](Self::excess_kpa).
     pub excess_sd_kpa: T,

@@ -33,7 +33,7 @@ use crate::warning::leak::LeakWatch;
 use crate::warning::low::{ALONE, Around, WheelWatch, is_learning, reading};
 use crate::warning::reference_pressure::ReferencePressure;
 use crate::warning::report::{ALL_LOW_SLOT, COMMON_SHIFT_SLOT, Slot};
-use crate::warning::{Alert, Cause, Doubt, ONE_SIDED_95, MonitorReport, WheelReport, WheelState};
+use crate::warning::{Alert, Cause, Doubt, MonitorReport, ONE_SIDED_95, WheelReport, WheelState};
 
 /// Seconds between two decisions on pressures.
 const DECIDE_S: f64 = 0.1;
@@ -272,13 +272,15 @@ impl<T: Real> Monitor<T> {
         }
         let learned = |corner: &Option<CornerEstimate<T>>| {
             let corner = corner.as_ref().filter(|corner| is_learning(corner))?;
-            let sd = corner.loss.map_or(corner.change_sd_kpa, |loss| loss.lost_sd_kpa.min(corner.change_sd_kpa));
+            let sd =
+                corner.loss.map_or(corner.change_sd_kpa, |loss| loss.change_sd_kpa.min(corner.change_sd_kpa));
             Some([corner.pressure_kpa, sd * sd])
         };
         let now = estimate.corners.each_ref().map(learned);
         let least = limits.fast_leak_kpa_per_min;
         let doubted = around.map(|around| around.doubted);
-        let lost = around.map(|around| around.lost.is_some_and(|[lost, _]| lost > T::one() - limits.low_share));
+        let lost =
+            around.map(|around| around.lost.is_some_and(|[lost, _]| lost > T::one() - limits.low_share));
         self.leaks.update(estimate.time_s, step_s, now, self.reference_kpa, least, doubted, lost);
         self.all_low.update(step_s, estimate, self.reference_kpa, &limits);
         self.write(estimate);

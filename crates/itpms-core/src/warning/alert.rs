@@ -209,8 +209,14 @@ impl<T: Real> fmt::Display for Alert<T> {
             Cause::CommonShift { mean_share, sd_share } => {
                 let [mean, sd] = [mean_share, sd_share].map(|share| 100.0 * share.to_f64());
                 let all = if mean < 100.0 { "under" } else { "over" };
-                write!(f, "all tires read {mean:.0} % (sd {sd:.0}) of what the stored calibration expects: changed tires, ")?;
-                write!(f, "wheels or dampers, or all {all}-inflated; check the pressures, then calibrate again")?;
+                write!(
+                    f,
+                    "all tires read {mean:.0} % (sd {sd:.0}) of what the stored calibration expects: changed tires, "
+                )?;
+                write!(
+                    f,
+                    "wheels or dampers, or all {all}-inflated; check the pressures, then calibrate again"
+                )?;
             }
             Cause::OverInflated(reading) => write!(f, "{} over-inflated: {reading}", self.wheels)?,
             Cause::Flat(reading) => {

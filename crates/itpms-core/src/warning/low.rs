@@ -101,7 +101,18 @@ pub(crate) struct WheelWatch {
     pub(crate) side_is_off: bool,
 }
 
-blank!(WheelWatch { low, over, flat, uninformed, informed_s, anew_s, driven_s, stood_s, fitted_s, side_is_off });
+blank!(WheelWatch {
+    low,
+    over,
+    flat,
+    uninformed,
+    informed_s,
+    anew_s,
+    driven_s,
+    stood_s,
+    fitted_s,
+    side_is_off
+});
 
 impl WheelWatch {
     pub(crate) fn new() -> Self {

@@ -292,7 +292,13 @@ fn what_was_fine_when_the_car_stopped_is_soon_unknown() {
 /// reported as what it is, and no tire is fine meanwhile.
 #[test]
 fn a_shift_of_all_since_another_day_is_no_loss() {
-    let stored = |kpa: f64| Said { kpa: [kpa; 4], sd: 15.0, correlation: 0.9, level: Level::StoredCalibration, ..FINE };
+    let stored = |kpa: f64| Said {
+        kpa: [kpa; 4],
+        sd: 15.0,
+        correlation: 0.9,
+        level: Level::StoredCalibration,
+        ..FINE
+    };
     let mut drive = Drive::new();
     let report = drive.on(200.0, &stored(0.84 * 241.3));
     let causes: Vec<_> = report.alerts().map(|alert| alert.cause.label()).collect();
@@ -310,6 +316,7 @@ fn a_loss_is_seen_whatever_the_level() {
         level_kpa: 302.0,
         lost_kpa,
         lost_sd_kpa: 5.0,
+        change_sd_kpa: 3.0,
         excess_kpa: lost_kpa,
         excess_sd_kpa: 5.0,
     };
