@@ -5,7 +5,7 @@
 use std::fs;
 use std::path::Path;
 
-use itpms_core::model::{Corner, CornerEstimate, Diagnostics, Level, Validity, Warning};
+use itpms_core::model::{Corner, CornerEstimate, Diagnostics, Level, Loss, Validity, Warning};
 use itpms_core::warning::{Doubt, WheelState};
 use itpms_data::log::{CornerColumns, LogColumns, LogCorner, UnitCheck};
 use itpms_data::out::{EstimateWriter, LogWriter, RoadPoint, RoadWriter};
@@ -157,7 +157,8 @@ fn estimates_have_the_promised_columns_and_words() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("est.csv");
     let mut writer = EstimateWriter::create(&path, &[Corner::FrontLeft, Corner::RearRight]).unwrap();
-    let low = estimate(180.5, Validity::Valid, Warning::Low);
+    let loss = Loss { level_kpa: 241.0, lost_kpa: 60.5, lost_sd_kpa: 4.5, change_sd_kpa: 3.0, excess_kpa: 60.0, excess_sd_kpa: 5.0 };
+    let low = CornerEstimate { loss: Some(loss), ..estimate(180.5, Validity::Valid, Warning::Low) };
     let broken = estimate(f64::NAN, Validity::BadSignal, Warning::Malfunction);
     let states = [Some(WheelState::Low), None, None, Some(WheelState::Unknown(Doubt::Uncertain))];
     writer.write(0.1, &[Some(low), None, None, None], &states).unwrap();
@@ -167,10 +168,10 @@ fn estimates_have_the_promised_columns_and_words() {
     file.commit().unwrap();
     assert_eq!(
         fs::read_to_string(&path).unwrap(),
-        "time_s,fl_pressure_kpa,fl_pressure_sd_kpa,fl_stiffness_n_per_m,fl_valid,fl_warning,fl_change_sd_kpa,fl_level,fl_axle_difference_sd_kpa,fl_state,\
-         rr_pressure_kpa,rr_pressure_sd_kpa,rr_stiffness_n_per_m,rr_valid,rr_warning,rr_change_sd_kpa,rr_level,rr_axle_difference_sd_kpa,rr_state\n\
-         0.1,180.5,1.4,220000,true,low,1.1,calibration,3.25,low,,,,false,none,,file,,uncertain\n\
-         0.2,180.5,1.4,220000,true,low,1.1,calibration,3.25,malfunction,,1.4,220000,false,malfunction,1.1,calibration,3.25,malfunction\n"
+        "time_s,fl_pressure_kpa,fl_pressure_sd_kpa,fl_stiffness_n_per_m,fl_valid,fl_warning,fl_change_sd_kpa,fl_level,fl_axle_difference_sd_kpa,fl_lost_kpa,fl_lost_sd_kpa,fl_state,\
+         rr_pressure_kpa,rr_pressure_sd_kpa,rr_stiffness_n_per_m,rr_valid,rr_warning,rr_change_sd_kpa,rr_level,rr_axle_difference_sd_kpa,rr_lost_kpa,rr_lost_sd_kpa,rr_state\n\
+         0.1,180.5,1.4,220000,true,low,1.1,calibration,3.25,60.5,4.5,low,,,,false,none,,file,,,,uncertain\n\
+         0.2,180.5,1.4,220000,true,low,1.1,calibration,3.25,60.5,4.5,malfunction,,1.4,220000,false,malfunction,1.1,calibration,3.25,,,malfunction\n"
     );
 }
 

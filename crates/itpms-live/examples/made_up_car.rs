@@ -195,6 +195,8 @@ impl Car {
             pressure_sd_kpa: sd_kpa,
             change_sd_kpa: 0.8 * sd_kpa,
             axle_difference_sd_kpa: Some(1.2 * sd_kpa),
+            lost_kpa: None,
+            lost_sd_kpa: None,
             level: "calibration",
             stiffness_n_per_m: 233_000.0,
             reference_kpa: 241.3,

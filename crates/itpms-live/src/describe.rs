@@ -33,6 +33,8 @@ fn wheel(drive: &Drive, vehicle: &Vehicle, corner: Corner) -> Option<Wheel> {
         pressure_sd_kpa: estimate.pressure_sd_kpa,
         change_sd_kpa: estimate.change_sd_kpa,
         axle_difference_sd_kpa: estimate.axle_difference_sd_kpa,
+        lost_kpa: estimate.loss.map(|loss| loss.lost_kpa),
+        lost_sd_kpa: estimate.loss.map(|loss| loss.lost_sd_kpa),
         level: estimate.level.label(),
         stiffness_n_per_m: estimate.stiffness_n_per_m,
         reference_kpa: report.map_or(placard_kpa, |report| report.reference_kpa),

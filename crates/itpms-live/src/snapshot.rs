@@ -95,7 +95,7 @@ pub struct Wheel {
     pub corner: &'static str,
     /// `unknown`, `fine`, `low`, `over` or `malfunction`.
     pub state: &'static str,
-    /// While unknown, why: `starting`, `no-information`, `uncertain` or `suspicion`; else `null`.
+    /// While unknown, why: `starting`, `no-information`, `uncertain`, `suspicion`, `misfit` or `standing`; else `null`.
     pub doubt: Option<&'static str>,
     /// Gauge pressure in kPa; means something only while valid.
     pub pressure_kpa: f64,
@@ -105,7 +105,11 @@ pub struct Wheel {
     pub change_sd_kpa: f64,
     /// Standard deviation in kPa of what it differs by from the axle's other tire; `null` without one.
     pub axle_difference_sd_kpa: Option<f64>,
-    /// What its level rests on: `file` or `calibration`.
+    /// What was lost in this drive in kPa, and its standard deviation; `null` while that is not counted.
+    pub lost_kpa: Option<f64>,
+    /// See [`lost_kpa`](Self::lost_kpa).
+    pub lost_sd_kpa: Option<f64>,
+    /// What its level rests on: `file`, `calibration` or `reference`.
     pub level: &'static str,
     /// Tire stiffness in N/m.
     pub stiffness_n_per_m: f64,

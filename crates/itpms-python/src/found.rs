@@ -7,13 +7,15 @@ use itpms_drive::Estimates;
 use crate::columns::{Columns, Words};
 
 /// What is known of a corner in numbers, and in words: the columns of `itpms estimate -o`.
-const NUMBERS: [&str; 6] = [
+const NUMBERS: [&str; 8] = [
     "pressure_kpa",
     "pressure_sd_kpa",
     "stiffness_n_per_m",
     "valid",
     "change_sd_kpa",
     "axle_difference_sd_kpa",
+    "lost_kpa",
+    "lost_sd_kpa",
 ];
 const WORDS: [&str; 3] = ["warning", "level", "state"];
 
@@ -48,11 +50,14 @@ impl Found {
             .zip(corners.chunks_exact_mut(NUMBERS.len()))
         {
             let estimate = estimates[corner.index()].as_ref();
-            let nothing = [f64::NAN, f64::NAN, f64::NAN, 0.0, f64::NAN, f64::NAN];
+            const NAN: f64 = f64::NAN;
+            let nothing = [NAN, NAN, NAN, 0.0, NAN, NAN, NAN, NAN];
             let values = estimate.map_or(nothing, |e| {
                 let valid = if e.validity.is_valid() { 1.0 } else { 0.0 };
-                let difference = e.axle_difference_sd_kpa.unwrap_or(f64::NAN);
-                [e.pressure_kpa, e.pressure_sd_kpa, e.stiffness_n_per_m, valid, e.change_sd_kpa, difference]
+                let difference = e.axle_difference_sd_kpa.unwrap_or(NAN);
+                let [lost, lost_sd] = e.loss.map_or([NAN; 2], |loss| [loss.lost_kpa, loss.lost_sd_kpa]);
+                let (pressure, sd, stiffness) = (e.pressure_kpa, e.pressure_sd_kpa, e.stiffness_n_per_m);
+                [pressure, sd, stiffness, valid, e.change_sd_kpa, difference, lost, lost_sd]
             });
             for ((_, column), value) in numbers.iter_mut().zip(values) {
                 column.push(value);

@@ -61,6 +61,8 @@ def test_one_corner_alone(drive):
             "change_sd_kpa",
             "level",
             "axle_difference_sd_kpa",
+            "lost_kpa",
+            "lost_sd_kpa",
             "state",
         )
     }

@@ -21,17 +21,17 @@ fn pressures_come_at_ten_hertz_in_the_promised_columns_and_follow_the_drop() {
     let (names, rows) = table(&text);
     assert_eq!(
         names.join(" "),
-        "time_s fl_pressure_kpa fl_pressure_sd_kpa fl_stiffness_n_per_m fl_valid fl_warning fl_change_sd_kpa fl_level fl_axle_difference_sd_kpa fl_state"
+        "time_s fl_pressure_kpa fl_pressure_sd_kpa fl_stiffness_n_per_m fl_valid fl_warning fl_change_sd_kpa fl_level fl_axle_difference_sd_kpa fl_lost_kpa fl_lost_sd_kpa fl_state"
     );
     assert_eq!(rows.len(), 400);
     for row in &rows {
         assert!(
             ["true", "false"].contains(&row[4].as_str())
                 && ["none", "low", "malfunction"].contains(&row[5].as_str())
-                && ["fine", "low", "over", "uncertain", "unknown", "malfunction"].contains(&row[9].as_str())
+                && ["fine", "low", "over", "uncertain", "unknown", "malfunction"].contains(&row[11].as_str())
         );
         // One definition: what is warned of is the state.
-        assert_eq!(row[5] == "low", row[9] == "low", "{row:?}");
+        assert_eq!(row[5] == "low", row[11] == "low", "{row:?}");
     }
     // 241.3 kPa before and 137.9 after: a loss of 103 kPa against an RMSE of some 14 is seen for certain.
     let (time, pressure) = (column(&text, "time_s"), column(&text, "fl_pressure_kpa"));
@@ -176,8 +176,8 @@ fn up_to_four_corners_run_side_by_side() {
     bench.run("estimate drive.csv --vehicle car.toml -o est.csv --road-out road.csv").success();
     let text = bench.read("est.csv");
     let (names, rows) = table(&text);
-    // The time, and nine columns a corner.
-    assert_eq!((names.len(), rows.len()), (1 + 4 * 9, 200));
+    // The time, and eleven columns a corner.
+    assert_eq!((names.len(), rows.len()), (1 + 4 * 11, 200));
     assert_eq!(table(&bench.read("road.csv")).0.len(), 10);
     // After 20 s a constant pressure is known to some 8 kPa (docs/math/bound.md); 70 kPa apart is far more.
     let last = |corner: &str| *column(&text, &format!("{corner}_pressure_kpa")).last().unwrap();

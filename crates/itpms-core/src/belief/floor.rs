@@ -1,9 +1,9 @@
-//! Tires only lose air while they roll: after a calibration nothing but warming up makes a tire harder than that has set it
-//! (docs/math/shared-road.md, section 6).
+//! Tires only lose air while they roll: once losses are counted nothing but warming up makes one negative (docs/math/level-and-loss.md,
+//! section 2).
 
 use crate::real::Real;
 
-/// How far below what a calibration set a tire's compliance may be read, over that at placard pressure.
+/// How far below its level a tire's compliance may be read, over that at placard pressure.
 const MARGIN: f64 = 0.02;
 /// The share by which pressures may rise as the tires warm up, with its time constant in s: 9 % are 25 K, and tires warm up
 /// in some ten minutes.

@@ -14,10 +14,11 @@ use crate::error::DataError;
 
 /// Writes `time_s`, then per corner `{c}_pressure_kpa, {c}_pressure_sd_kpa, {c}_stiffness_n_per_m, {c}_valid,
 /// {c}_warning, {c}_change_sd_kpa, {c}_level, {c}_axle_difference_sd_kpa,
-/// {c}_state`.
+/// {c}_lost_kpa, {c}_lost_sd_kpa, {c}_state`.
 ///
 /// `pressure_sd_kpa` is that of the pressure, what the vehicle file leaves open included; `change_sd_kpa` that of what has changed of
-/// late; `axle_difference_sd_kpa` that of what the pressure differs by from the other tire's of its axle. `level` is what the pressure's level rests on: `file` or `calibration`. `valid` is `true` or `false`, `warning` one of `none`, `low`, `malfunction`, `state` a word of [`state_label`]. A row says what was known at its
+/// late; `axle_difference_sd_kpa` that of what the pressure differs by from the other tire's of its axle. `lost_kpa` is what was lost in
+/// this drive, with its sd, empty as long as that is not counted. `level` is what the pressure's level rests on: `file`, `calibration` or `reference`. `valid` is `true` or `false`, `warning` one of `none`, `low`, `malfunction`, `state` a word of [`state_label`]. A row says what was known at its
 /// time from samples up to it.
 #[derive(Debug)]
 pub struct EstimateWriter {

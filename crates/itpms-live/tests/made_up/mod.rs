@@ -50,6 +50,8 @@ fn wheel(corner: &'static str) -> Wheel {
         pressure_sd_kpa: 2.5,
         change_sd_kpa: 1.5,
         axle_difference_sd_kpa: Some(3.0),
+        lost_kpa: Some(1.5),
+        lost_sd_kpa: Some(4.0),
         level: "calibration",
         stiffness_n_per_m: 233_000.0,
         reference_kpa: 241.3,

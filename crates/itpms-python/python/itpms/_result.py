@@ -47,8 +47,10 @@ class Result:
         Columns: ``time_s``, then per corner ``{c}_pressure_kpa``, ``{c}_pressure_sd_kpa`` (kPa),
         ``{c}_stiffness_n_per_m`` (N/m), ``{c}_valid`` (bool), ``{c}_warning`` (``none``, ``low`` or ``malfunction``),
         ``{c}_change_sd_kpa`` (kPa; of what has changed of late, while ``{c}_pressure_sd_kpa`` has what the vehicle file leaves
-        open, too), ``{c}_level`` (what the pressure's level rests on: ``file`` or ``calibration``),
-        ``{c}_axle_difference_sd_kpa`` (kPa; of what it differs by from the axle's other tire) and ``{c}_state`` (``fine``, ``low``,
+        open, too), ``{c}_level`` (what the pressure's level rests on: ``file``, ``calibration`` or
+        ``reference``),
+        ``{c}_axle_difference_sd_kpa`` (kPa; of what it differs by from the axle's other tire),
+        ``{c}_lost_kpa``, ``{c}_lost_sd_kpa`` (kPa; what was lost in this drive, NaN while that is not counted) and ``{c}_state`` (``fine``, ``low``,
         ``over``, ``malfunction``, ``uncertain`` where there is a pressure that could be low as well as not, or ``unknown``).
         ``rate_hz`` rows per second; a row uses samples up to its time. The same numbers as in ``itpms estimate -o``.
 

@@ -126,7 +126,7 @@ def unpacked(columns: Sequence[tuple[str, bytes]], words: Sequence[tuple[str, li
         for number, word in (
             ("_valid", "_warning"),
             ("_change_sd_kpa", "_level"),
-            ("_axle_difference_sd_kpa", "_state"),
+            ("_lost_sd_kpa", "_state"),
         ):
             if name.endswith(number):
                 label = name.removesuffix(number) + word
