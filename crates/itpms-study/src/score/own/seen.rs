@@ -31,7 +31,7 @@ pub(super) struct Wheel {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Seen {
     /// The tire that loses air.
-    struck: Option<Corner>,
+    pub(super) struck: Option<Corner>,
     pub(super) wheels: [Wheel; 4],
     /// Seconds from the complete loss to the warning of that tire.
     pub(super) after_s: Option<f64>,
