@@ -259,8 +259,8 @@ mod tests {
         let mut covariance = SHARP;
         add_load(&mut covariance, &LoadUncertainty::unknown());
         // A fifth of 6.4e-3 per load between the axles, twice 3 % of it between the rear wheels; the passenger's part is in 20 and 21, too.
-        assert!((covariance[5] - (0.01 + 1.28f64.powi(2) + 0.04)).abs() < 1e-12);
-        assert!((covariance[2] - (0.01 + 0.384f64.powi(2) + 0.04)).abs() < 1e-12);
+        assert!((covariance[5] - (0.01 + 1.28 * 1.28 + 0.04)).abs() < 1e-12);
+        assert!((covariance[2] - (0.01 + 0.384 * 0.384 + 0.04)).abs() < 1e-12);
         let low = |wheel: usize| {
             let radius = core::array::from_fn(|i| if i == wheel { -2.0 } else { 0.0 });
             Decision::of(&seen(&radius, |_, _| 0.0).0, &covariance, 1.6).low(wheel)

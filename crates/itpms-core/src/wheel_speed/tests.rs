@@ -197,6 +197,26 @@ fn the_tire_that_became_smaller_is_found() {
 }
 
 #[test]
+fn without_a_yaw_rate_the_wheel_is_named_or_the_pair_that_it_is_of() {
+    for (wheel, corner) in Corner::ALL.into_iter().enumerate() {
+        let mut drive = Drive { yaw_rate: false, ..Drive::new(60 + wheel as u64, 83.0, 0.04) };
+        let mut monitor = calibrated::<f32>(&mut drive, 300.0);
+        drive.radius[wheel] -= 4.5e-3;
+        let begun_s = drive.time_s;
+        let mut told = false;
+        while drive.time_s - begun_s < 600.0 {
+            match monitor.update(&drive.next()).state {
+                RadiusState::Low(low) => assert_eq!(low, corner.into()),
+                RadiusState::OneOf(some) => assert!(some.contains(corner), "{corner:?} {some:?}"),
+                _ => continue,
+            }
+            told = true;
+        }
+        assert!(told && monitor.report().unseen.which_of_a_diagonal, "{corner:?} {:?}", monitor.report());
+    }
+}
+
+#[test]
 fn two_of_an_axle_a_side_and_a_diagonal_are_told_apart() {
     for (wheels, pattern) in [
         ([0, 1], Pattern::Axle),
