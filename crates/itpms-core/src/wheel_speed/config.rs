@@ -1,4 +1,4 @@
-//! What radius analysis is told: the car's dimensions, its driven axle, how a radius follows the pressure, what loads may do.
+//! What radius analysis knows beforehand: the car's dimensions, its driven axle, how a radius follows the pressure, what loads may do.
 
 use crate::memory::blank;
 use crate::model::{ParameterError, positive};
@@ -64,7 +64,7 @@ impl<T: Real> LoadUncertainty<T> {
     }
 }
 
-/// What a [`RadiusMonitor`](super::RadiusMonitor) is told of a car.
+/// What a [`RadiusMonitor`](super::RadiusMonitor) knows of a car beforehand.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WheelSpeedConfig<T> {

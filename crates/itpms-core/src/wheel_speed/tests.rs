@@ -203,16 +203,16 @@ fn without_a_yaw_rate_the_wheel_is_named_or_the_pair_that_it_is_of() {
         let mut monitor = calibrated::<f32>(&mut drive, 300.0);
         drive.radius[wheel] -= 4.5e-3;
         let begun_s = drive.time_s;
-        let mut told = false;
+        let mut reported = false;
         while drive.time_s - begun_s < 600.0 {
             match monitor.update(&drive.next()).state {
                 RadiusState::Low(low) => assert_eq!(low, corner.into()),
                 RadiusState::OneOf(some) => assert!(some.contains(corner), "{corner:?} {some:?}"),
                 _ => continue,
             }
-            told = true;
+            reported = true;
         }
-        assert!(told && monitor.report().unseen.which_of_a_diagonal, "{corner:?} {:?}", monitor.report());
+        assert!(reported && monitor.report().unseen.which_of_a_diagonal, "{corner:?} {:?}", monitor.report());
     }
 }
 
