@@ -107,6 +107,7 @@
 //! | [`diagnosis`] | what is wrong with a sensor |
 //! | [`warning`] | when to warn of what |
 //! | [`monitor`] | a car's estimator under its monitor |
+//! | [`wheel_speed`] | radius analysis: which tires differ from the others, from four wheel speeds alone |
 //! | [`road`] | the road under a wheel of known stiffness: causal, and smoothed for a record |
 //! | [`real`] | `f32` or `f64` |
 //! | `published` | the paper's filters to the letter, with feature `paper` |
@@ -141,6 +142,7 @@ pub mod single_wheel;
 mod spectrum;
 mod suspension;
 pub mod warning;
+pub mod wheel_speed;
 
 #[doc(inline)]
 pub use self::car::{CarEstimate, CarEstimator, EstimatorOptions};

@@ -1,0 +1,191 @@
+//! Half a second of wheel speeds as three log ratios with their spread, and whether the car drove so that they can be used.
+
+use super::config::{DrivenAxle, WheelSpeedConfig};
+use super::sample::WheelSpeedSample;
+use super::{AXLE, FRONT, REAR, SCALE};
+use crate::memory::{Blank, blank};
+use crate::real::Real;
+
+/// Length of a block in s.
+pub(super) const BLOCK_S: f64 = 0.5;
+/// Samples below which a block says nothing.
+const LEAST_SAMPLES: u32 = 5;
+/// Speed below which the wheel speeds are too coarse, in m/s.
+const LEAST_SPEED_M_S: f64 = 5.0;
+/// Lateral acceleration above which tires creep sideways, in m/s².
+const MOST_LATERAL_M_S2: f64 = 1.5;
+/// Force below which the brakes are on: unequal ones look like a radius, in m/s².
+const BRAKING_M_S2: f64 = -0.25;
+/// The same from the speed alone, which does not know the grade, in m/s².
+const SLOWING_M_S2: f64 = -0.4;
+/// Force above which slip is not proportional to it any more, in m/s².
+const MOST_FORCE_M_S2: f64 = 2.5;
+/// Acceleration above which a coupled driven axle hides its tires, in m/s².
+const COUPLED_M_S2: f64 = 0.3;
+/// Force above which a car with two coupled axles does not coast, in m/s².
+const COASTING_M_S2: f64 = 0.15;
+/// Log ratio of two wheels that is none of radii, in thousandths.
+const ABSURD_RATIO: f64 = 30.0;
+
+/// A block that was driven well.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Block<T> {
+    /// Front left over right, rear left over right, front over rear: `ln` of the speeds, in thousandths.
+    pub ratio: [T; 3],
+    /// Their standard deviations within the block.
+    pub spread: [T; 3],
+    /// Which of them may be used.
+    pub used: [bool; 3],
+    /// Mean speed in m/s.
+    pub speed_m_s: T,
+    /// Mean yaw rate in rad/s, if known.
+    pub yaw_rate_rad_s: Option<T>,
+    /// Force of the driven wheels per mass, in m/s².
+    pub force_m_s2: T,
+    /// Whether the force is an accelerometer's, which sees a grade.
+    pub grade_seen: bool,
+    /// Lateral acceleration in m/s², without sign.
+    pub lateral_m_s2: T,
+    /// Whether it may be used at all.
+    pub good: bool,
+}
+
+blank!(Block<T> { ratio, spread, used, speed_m_s, yaw_rate_rad_s, force_m_s2, grade_seen, lateral_m_s2, good });
+
+/// Sums of the block that is being driven.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct BlockSums<T> {
+    begun_s: f64,
+    samples: u32,
+    first: [T; 3],
+    ratio: [T; 3],
+    square: [T; 3],
+    speed: T,
+    time: T,
+    time_square: T,
+    time_speed: T,
+    slowest: T,
+    yaw: [T; 2],
+    accel_x: [T; 2],
+    accel_y: [T; 2],
+    braked: bool,
+}
+
+blank!(BlockSums<T> { begun_s, samples, first, ratio, square, speed, time, time_square, time_speed, slowest, yaw, accel_x,
+    accel_y, braked });
+
+impl<T: Real> BlockSums<T> {
+    /// An empty block from `time_s` on.
+    pub(super) fn begin(&mut self, time_s: f64) {
+        *self = Self { begun_s: time_s, ..Self::BLANK };
+    }
+
+    /// Whether `time_s` is past its end.
+    pub(super) fn is_over(&self, time_s: f64) -> bool {
+        !(time_s - self.begun_s < BLOCK_S)
+    }
+
+    /// Takes in a sample with four speeds.
+    pub(super) fn add(&mut self, sample: &WheelSpeedSample<T>) {
+        let [fl, fr, rl, rr] = sample.wheel_speed_m_s;
+        let slowest = fl.at_most(fr).at_most(rl.at_most(rr));
+        let standing = !(slowest >= T::one());
+        let ln = |v: T| if standing { T::zero() } else { v.ln_fast() * T::lit(SCALE) };
+        let (fl_ln, fr_ln, rl_ln, rr_ln) = (ln(fl), ln(fr), ln(rl), ln(rr));
+        let half = T::lit(0.5);
+        let ratio = [fl_ln - fr_ln, rl_ln - rr_ln, half * ((fl_ln - rl_ln) + (fr_ln - rr_ln))];
+        if self.samples == 0 {
+            self.first = ratio;
+            self.slowest = slowest;
+        }
+        for (((sum, square), first), now) in
+            self.ratio.iter_mut().zip(&mut self.square).zip(&self.first).zip(ratio)
+        {
+            // From the first one on, so that squares do not cancel.
+            let beyond = now - *first;
+            *sum += beyond;
+            *square += beyond * beyond;
+        }
+        let (speed, time) =
+            (T::lit(0.25) * (fl + fr + rl + rr), T::lit(sample.time_s - self.begun_s - BLOCK_S / 2.0));
+        self.samples = self.samples.saturating_add(1);
+        self.speed += speed;
+        self.time += time;
+        self.time_square += time * time;
+        self.time_speed += time * speed;
+        self.slowest = self.slowest.at_most(slowest);
+        count(&mut self.yaw, sample.yaw_rate());
+        count(&mut self.accel_x, sample.accel_x());
+        count(&mut self.accel_y, sample.accel_y());
+        self.braked |= sample.brake == Some(true);
+    }
+
+    /// Whether the car stood throughout.
+    pub(super) fn stood(&self) -> bool {
+        self.samples > 0 && self.speed < T::lit(0.3) * T::whole(self.samples)
+    }
+
+    /// What the block says; `docs/math/wheel-speed.md`, eq. 3 and 6.
+    pub(super) fn conclude(&self, config: &WheelSpeedConfig<T>) -> Block<T> {
+        if self.samples < LEAST_SAMPLES || !(self.slowest >= T::one()) {
+            return Block::BLANK;
+        }
+        let share = T::one() / T::whole(self.samples);
+        let mut block = Block::<T>::BLANK;
+        for i in [FRONT, REAR, AXLE] {
+            let mean = self.ratio[i] * share;
+            block.ratio[i] = self.first[i] + mean;
+            block.spread[i] = (self.square[i] * share - mean * mean).at_least(T::zero()).sqrt();
+        }
+        let v = self.speed * share;
+        let drag = T::lit(0.12) + T::lit(4e-4) * v * v;
+        let slope = (self.time_speed - self.time * v) / (self.time_square - self.time * self.time * share);
+        let accel_x = mean_of(&self.accel_x);
+        let accel = accel_x.unwrap_or(slope);
+        let yaw = mean_of(&self.yaw);
+        let force = accel + drag;
+        let braking =
+            if accel_x.is_some() { force < T::lit(BRAKING_M_S2) } else { accel < T::lit(SLOWING_M_S2) };
+        // Of what is known, the larger; a turn shows in the rear wheels, too.
+        let turned = block.ratio[REAR] * T::lit(1.0 / SCALE) * v * v / config.track_rear_m;
+        let by_yaw = yaw.unwrap_or(T::zero()) * v;
+        let lateral = mean_of(&self.accel_y).unwrap_or(if yaw.is_some() { by_yaw } else { turned });
+        block.speed_m_s = v;
+        block.yaw_rate_rad_s = yaw;
+        block.force_m_s2 = force;
+        block.grade_seen = accel_x.is_some();
+        block.lateral_m_s2 = lateral.abs().at_least(by_yaw.abs());
+        block.good = v > T::lit(LEAST_SPEED_M_S)
+            && block.lateral_m_s2 < T::lit(MOST_LATERAL_M_S2)
+            && force < T::lit(MOST_FORCE_M_S2)
+            && !braking
+            && !self.braked;
+        block.used = self.usable(&block, accel, config);
+        block
+    }
+
+    /// Which ratios are of radii: not those of coupled wheels under torque, nor of spinning ones.
+    fn usable(&self, block: &Block<T>, accel: T, config: &WheelSpeedConfig<T>) -> [bool; 3] {
+        let calm = accel < T::lit(COUPLED_M_S2);
+        let coasting = block.force_m_s2 < T::lit(COASTING_M_S2);
+        let free = match (config.limited_slip, config.driven) {
+            (false, _) => [true, true, true],
+            (true, DrivenAxle::Front) => [calm, true, true],
+            (true, DrivenAxle::Rear) => [true, calm, true],
+            (true, DrivenAxle::Both) => [coasting, coasting, true],
+        };
+        let sane = |i: usize| free[i] && block.ratio[i].abs() < T::lit(ABSURD_RATIO);
+        [sane(FRONT), sane(REAR), sane(AXLE)]
+    }
+}
+
+fn count<T: Real>([sum, number]: &mut [T; 2], value: Option<T>) {
+    if let Some(value) = value {
+        *sum += value;
+        *number += T::one();
+    }
+}
+
+fn mean_of<T: Real>([sum, number]: &[T; 2]) -> Option<T> {
+    (*number > T::zero()).then(|| *sum / *number)
+}

@@ -1,0 +1,292 @@
+//! Six hypotheses of what happens between two blocks, each with its Gaussian: nothing, one of four tires leaks, or the block is an
+//! outlier (an interacting multiple model filter; `docs/math/wheel-speed.md`, eq. 3-8).
+
+use super::block::Block;
+use super::calibration::{LEARNED, RadiusCalibration};
+use super::config::{DrivenAxle, WheelSpeedConfig};
+use super::gaussian::Gaussian;
+use super::{
+    AXLE, AXLE_FORCE, FRONT, FRONT_WANDER, OFFSET, RADIUS, REAR, REAR_WANDER, SCALE, SLIP, STATES, YAW_BIAS,
+    YAW_NOISE,
+};
+use crate::memory::blank;
+use crate::real::Real;
+
+/// Nothing happens; wheel `i` leaks: `1 + i`; the block is an outlier.
+const MODES: usize = 6;
+const QUIET: usize = 0;
+const OUTLIER: usize = 5;
+
+/// Walk of a radius in thousandths per √s: at rest, and in a leak.
+const WALK: f64 = 0.05;
+const LEAK_WALK: f64 = 1.0;
+/// Leaks that begin and end per s, share of outliers.
+const LEAK_BEGINS_PER_S: f64 = 1e-5;
+const LEAK_ENDS_PER_S: f64 = 0.1;
+const OUTLIERS: f64 = 0.02;
+/// By how much an outlier's variance is larger.
+const OUTLIER_VARIANCE: f64 = 64.0;
+/// What a tire may have lost while the car stood, as an sd of its radius in thousandths.
+const STANDING_SD: f64 = 1.0;
+/// Longest step of time over which a leak may begin or end, in s.
+const LONGEST_STEP_S: f64 = 4.0;
+
+/// The bank.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Filter<T> {
+    modes: [Gaussian<T>; MODES],
+    weight: [T; MODES],
+    /// Whether the last usable block had a yaw rate.
+    pub yaw_known: bool,
+    /// Whether its force was measured, grades included.
+    pub grade_seen: bool,
+}
+
+blank!(Filter<T> { modes, weight, yaw_known, grade_seen });
+
+impl<T: Real> Filter<T> {
+    /// Nothing known of the car but how cars are; these are the radii of now, by which the offsets are meant.
+    pub(super) fn begin(&mut self, config: &WheelSpeedConfig<T>, radius_1e3: &[T; 4]) {
+        let slip = match config.driven {
+            DrivenAxle::Front => 1.5,
+            DrivenAxle::Rear => -1.5,
+            DrivenAxle::Both => 0.0,
+        };
+        let mut mean = [T::zero(); STATES];
+        mean[SLIP] = T::lit(slip);
+        for (mean, radius) in mean[RADIUS..].iter_mut().zip(radius_1e3) {
+            *mean = *radius;
+        }
+        let mut sd = [T::lit(1e-4); STATES];
+        [sd[OFFSET + FRONT], sd[OFFSET + REAR], sd[OFFSET + AXLE]] = [T::lit(4.0), T::lit(4.0), T::lit(6.0)];
+        sd[SLIP] = T::one();
+        sd[YAW_BIAS] = T::lit(20.0);
+        let disturbances = Disturbances::of(false, false);
+        for (i, (wander, _)) in disturbances.0 {
+            sd[i] = T::lit(wander);
+        }
+        self.start(Gaussian::independent(mean, sd));
+    }
+
+    /// As [`begin`](Self::begin), with the offsets of a calibration; any tire may have lost air since.
+    pub(super) fn resume(&mut self, config: &WheelSpeedConfig<T>, calibration: &RadiusCalibration<T>) {
+        self.begin(config, &calibration.radius_1e3);
+        let mut belief = self.modes[QUIET];
+        for (i, state) in LEARNED.into_iter().enumerate() {
+            belief.mean[state] = calibration.mean_1e3[i];
+            for (j, other) in LEARNED.into_iter().enumerate().take(i + 1) {
+                belief.set(state, other, calibration.covariance_1e6[i][j]);
+            }
+        }
+        self.start(belief);
+        self.stood();
+    }
+
+    fn start(&mut self, belief: Gaussian<T>) {
+        self.modes = [belief; MODES];
+        self.weight = [T::lit(1e-6); MODES];
+        self.weight[QUIET] = T::one() - T::lit(5e-6);
+    }
+
+    /// The car stood: a tire may have lost air without a sample of it.
+    pub(super) fn stood(&mut self) {
+        for mode in &mut self.modes {
+            for i in RADIUS..RADIUS + 4 {
+                mode.widen(i, T::lit(STANDING_SD * STANDING_SD));
+            }
+        }
+    }
+
+    /// `step_s` later.
+    pub(super) fn predict(&mut self, step_s: T, learning: bool) {
+        if learning {
+            for leak in &mut self.weight[1..OUTLIER] {
+                *leak = T::lit(1e-12);
+            }
+        }
+        self.mix(step_s.at_most(T::lit(LONGEST_STEP_S)));
+        let disturbances = Disturbances::of(self.yaw_known, self.grade_seen);
+        let mut share = [T::one(); STATES];
+        for (i, (_, time_s)) in disturbances.0 {
+            share[i] = (-step_s * T::lit(1.0 / time_s)).exp_fast();
+        }
+        for (number, mode) in self.modes.iter_mut().enumerate() {
+            mode.shrink(&share);
+            for (i, (sd, _)) in disturbances.0 {
+                mode.widen(i, T::lit(sd * sd) * (T::one() - share[i] * share[i]));
+            }
+            mode.widen(SLIP, T::lit(1e-6) * step_s);
+            mode.widen(YAW_BIAS, T::lit(1e-4) * step_s);
+            if !learning {
+                for i in 0..4 {
+                    // Without a yaw rate a step of a few seconds does not show which wheel it is: the decision finds out.
+                    let this = number == 1 + i || !self.yaw_known && (1..OUTLIER).contains(&number);
+                    let leaks = if this { LEAK_WALK * LEAK_WALK } else { 0.0 };
+                    mode.widen(RADIUS + i, T::lit(WALK * WALK + leaks) * step_s);
+                }
+            }
+        }
+    }
+
+    /// Each hypothesis begins with what those it may have come from believe.
+    fn mix(&mut self, step_s: T) {
+        let before = self.modes;
+        let weight = self.weight;
+        for (to, mode) in self.modes.iter_mut().enumerate() {
+            let from = |from: usize| weight[from] * transition(from, to, step_s);
+            let total = (0..MODES).fold(T::zero(), |sum, i| sum + from(i)).at_least(T::lit(1e-30));
+            let shares: [T; MODES] = core::array::from_fn(|i| from(i) / total);
+            *mode =
+                Gaussian::merged(shares.iter().copied().zip(&before).filter(|(share, _)| *share > T::zero()));
+            self.weight[to] = total;
+        }
+    }
+
+    /// Takes in a block.
+    pub(super) fn update(&mut self, block: &Block<T>, config: &WheelSpeedConfig<T>, learning: bool) {
+        self.yaw_known = block.yaw_rate_rad_s.is_some();
+        self.grade_seen = block.grade_seen;
+        let measurements = Measurements::of(block, config);
+        let mut likelihood = [T::zero(); MODES];
+        for (number, (mode, sum)) in self.modes.iter_mut().zip(&mut likelihood).enumerate() {
+            let wider = T::lit(if number == OUTLIER { OUTLIER_VARIANCE } else { 1.0 });
+            for i in [FRONT, REAR, AXLE] {
+                if block.used[i] {
+                    let noise = measurements.noise[i] * wider;
+                    *sum += mode.measure(&measurements.h[i], measurements.z[i], noise);
+                }
+            }
+        }
+        let best = likelihood.iter().fold(likelihood[QUIET], |best, l| best.at_least(*l));
+        let mut total = T::zero();
+        for (number, (weight, likelihood)) in self.weight.iter_mut().zip(likelihood).enumerate() {
+            *weight *= (likelihood - best).exp_fast();
+            if !learning && self.yaw_known && (1..OUTLIER).contains(&number) {
+                // A tire that leaks becomes smaller, never larger.
+                let state = RADIUS + number - 1;
+                let mode = &self.modes[number];
+                *weight *= normal_distribution(-mode.mean[state] / mode.get(state, state).sqrt());
+            }
+            *weight = weight.at_least(T::lit(1e-20));
+            total += *weight;
+        }
+        for weight in &mut self.weight {
+            *weight /= total;
+        }
+    }
+
+    /// What all hypotheses together believe.
+    pub(super) fn belief(&self) -> Gaussian<T> {
+        Gaussian::merged(self.weight.iter().copied().zip(&self.modes))
+    }
+
+    /// Whether every number is one.
+    pub(super) fn is_finite(&self) -> bool {
+        self.weight.iter().all(|w| w.is_finite()) && self.modes.iter().all(Gaussian::is_finite)
+    }
+}
+
+/// Probability per step of going from one hypothesis to another.
+fn transition<T: Real>(from: usize, to: usize, step_s: T) -> T {
+    let (begins, ends) = (T::lit(LEAK_BEGINS_PER_S) * step_s, T::lit(LEAK_ENDS_PER_S) * step_s);
+    let outlier = T::lit(OUTLIERS);
+    let stays = |leaves: T| T::one() - leaves - outlier;
+    match (from, to) {
+        (_, OUTLIER) => outlier,
+        (QUIET | OUTLIER, QUIET) => stays(T::lit(4.0) * begins),
+        (QUIET | OUTLIER, _) => begins,
+        (_, QUIET) => ends,
+        _ if from == to => stays(ends),
+        _ => T::zero(),
+    }
+}
+
+/// The disturbances that wander: their state, their sd in thousandths (rad/s for the yaw rate's) and their time in s.
+struct Disturbances([(usize, (f64, f64)); 4]);
+
+impl Disturbances {
+    fn of(yaw_known: bool, grade_seen: bool) -> Self {
+        let yaw = if yaw_known { (0.85, 1.0) } else { (65.0, 4.0) };
+        let axle = match (yaw_known, grade_seen) {
+            (_, true) => (0.3, 20.0),
+            (true, false) => (1.35, 13.0),
+            (false, false) => (1.65, 13.0),
+        };
+        Self([
+            (YAW_NOISE, yaw),
+            (FRONT_WANDER, (0.16, 58.0)),
+            (REAR_WANDER, (0.22, 58.0)),
+            (AXLE_FORCE, axle),
+        ])
+    }
+}
+
+/// A block's three ratios as measurements of the state, in thousandths.
+struct Measurements<T> {
+    h: [[T; STATES]; 3],
+    z: [T; 3],
+    noise: [T; 3],
+}
+
+impl<T: Real> Measurements<T> {
+    fn of(block: &Block<T>, config: &WheelSpeedConfig<T>) -> Self {
+        let (one, half) = (T::one(), T::lit(0.5));
+        let mut h = [[T::zero(); STATES]; 3];
+        for i in [FRONT, REAR, AXLE] {
+            h[i][OFFSET + i] = -one;
+        }
+        [h[FRONT][RADIUS], h[FRONT][RADIUS + 1], h[FRONT][FRONT_WANDER]] = [-one, one, one];
+        [h[REAR][RADIUS + 2], h[REAR][RADIUS + 3], h[REAR][REAR_WANDER]] = [-one, one, one];
+        [h[AXLE][RADIUS], h[AXLE][RADIUS + 1]] = [-half, -half];
+        [h[AXLE][RADIUS + 2], h[AXLE][RADIUS + 3]] = [half, half];
+        [h[AXLE][SLIP], h[AXLE][AXLE_FORCE]] = [block.force_m_s2, one];
+        let front = config.track_front_m / block.speed_m_s;
+        let rear = config.track_rear_m / block.speed_m_s;
+        [h[FRONT][YAW_BIAS], h[FRONT][YAW_NOISE]] = [front, -front];
+        [h[REAR][YAW_BIAS], h[REAR][YAW_NOISE]] = [rear, -rear];
+        let yaw = block.yaw_rate_rad_s.unwrap_or(T::zero()) * T::lit(SCALE);
+        let way = config.wheelbase_m / block.speed_m_s * yaw;
+        let turn = [-front * yaw, -rear * yaw, half * way * way * T::lit(1.0 / SCALE)];
+        let shares = [0.06, 0.08, if block.yaw_rate_rad_s.is_some() { 0.07 } else { 0.14 }];
+        let curve = T::lit(0.2) * block.lateral_m_s2;
+        let noise = |i: usize| {
+            let spread = T::lit(shares[i]) * block.spread[i];
+            let curve = if i == AXLE { T::zero() } else { curve };
+            T::lit(0.0025) + spread * spread + curve * curve
+        };
+        Self {
+            h,
+            z: [block.ratio[0] - turn[0], block.ratio[1] - turn[1], block.ratio[2] - turn[2]],
+            noise: [noise(FRONT), noise(REAR), noise(AXLE)],
+        }
+    }
+}
+
+/// The standard normal distribution function; right to 1e-7 (Abramowitz and Stegun, 26.2.17).
+fn normal_distribution<T: Real>(x: T) -> T {
+    let t = T::one() / (T::one() + T::lit(0.231_641_9) * x.abs());
+    let high = T::lit(1.781_477_937) + t * (T::lit(-1.821_255_978) + t * T::lit(1.330_274_429));
+    let polynomial = t * (T::lit(0.319_381_530) + t * (T::lit(-0.356_563_782) + t * high));
+    let tail = T::lit(0.398_942_280_4) * (T::lit(-0.5) * x * x).exp_fast() * polynomial;
+    if x > T::zero() { T::one() - tail } else { tail }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_normal_distribution_is_that_of_the_tables() {
+        for (x, p) in [(0.0f64, 0.5), (1.0, 0.841_344_746), (-1.959_963_985, 0.025), (3.0, 0.998_650_102)] {
+            assert!((normal_distribution(x) - p).abs() < 1e-7, "{x}: {}", normal_distribution(x));
+        }
+    }
+
+    #[test]
+    fn from_every_hypothesis_something_follows() {
+        for from in 0..MODES {
+            let sum: f64 = (0..MODES).map(|to| transition(from, to, 0.5)).sum();
+            assert!((sum - 1.0).abs() < 1e-12, "{from}: {sum}");
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! What is believed of offsets, radii and disturbances under one hypothesis: a Gaussian whose covariance is kept once, not twice.
+
+use super::STATES;
+use crate::memory::blank;
+use crate::real::Real;
+
+/// Numbers of a symmetric matrix.
+pub(super) const PACKED: usize = STATES * (STATES + 1) / 2;
+
+/// Mean and lower triangle of the covariance, row by row.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Gaussian<T> {
+    pub mean: [T; STATES],
+    covariance: [T; PACKED],
+}
+
+blank!(Gaussian<T> { mean, covariance });
+
+impl<T: Real> Gaussian<T> {
+    /// Independent states.
+    pub(super) fn independent(mean: [T; STATES], sd: [T; STATES]) -> Self {
+        let mut belief = Self { mean, covariance: [T::zero(); PACKED] };
+        for (i, sd) in sd.into_iter().enumerate() {
+            belief.set(i, i, sd * sd);
+        }
+        belief
+    }
+
+    /// Covariance of two states.
+    pub(super) fn get(&self, i: usize, j: usize) -> T {
+        self.covariance.get(place(i, j)).copied().unwrap_or(T::ZERO)
+    }
+
+    /// Sets the covariance of two states.
+    pub(super) fn set(&mut self, i: usize, j: usize, value: T) {
+        if let Some(entry) = self.covariance.get_mut(place(i, j)) {
+            *entry = value;
+        }
+    }
+
+    /// Widens a state by a variance.
+    pub(super) fn widen(&mut self, i: usize, variance: T) {
+        if let Some(entry) = self.covariance.get_mut(place(i, i)) {
+            *entry += variance;
+        }
+    }
+
+    /// Each state shrinks to a share of itself, as a wandering disturbance does in a step of time.
+    pub(super) fn shrink(&mut self, share: &[T; STATES]) {
+        let mut entries = self.covariance.iter_mut();
+        for (i, (mean, row)) in self.mean.iter_mut().zip(share).enumerate() {
+            *mean *= *row;
+            for (entry, column) in entries.by_ref().take(i + 1).zip(share) {
+                *entry *= *row * *column;
+            }
+        }
+    }
+
+    /// A mixture's mean and covariance, the weights adding up to one.
+    pub(super) fn merged<'a>(parts: impl Iterator<Item = (T, &'a Self)> + Clone) -> Self
+    where
+        T: 'a,
+    {
+        let mut merged = Self { mean: [T::zero(); STATES], covariance: [T::zero(); PACKED] };
+        for (weight, part) in parts.clone() {
+            for (sum, mean) in merged.mean.iter_mut().zip(&part.mean) {
+                *sum += weight * *mean;
+            }
+        }
+        for (weight, part) in parts {
+            let mut away = [T::zero(); STATES];
+            for ((away, mean), center) in away.iter_mut().zip(&part.mean).zip(&merged.mean) {
+                *away = *mean - *center;
+            }
+            let mut entries = merged.covariance.iter_mut().zip(&part.covariance);
+            for (i, row) in away.iter().enumerate() {
+                for ((sum, entry), column) in entries.by_ref().take(i + 1).zip(&away) {
+                    *sum += weight * (*entry + *row * *column);
+                }
+            }
+        }
+        merged
+    }
+
+    /// One measurement `z = sum h x` with its noise variance; returns its log likelihood without constants.
+    pub(super) fn measure(&mut self, h: &[T; STATES], z: T, noise: T) -> T {
+        let mut seen = [T::zero(); STATES];
+        for (i, seen) in seen.iter_mut().enumerate() {
+            for (j, h) in h.iter().enumerate() {
+                if *h != T::zero() {
+                    *seen += self.get(i, j) * *h;
+                }
+            }
+        }
+        let dot = |x: &[T; STATES]| h.iter().zip(x).fold(T::zero(), |sum, (h, x)| sum + *h * *x);
+        let (residual, variance) = (z - dot(&self.mean), dot(&seen) + noise);
+        if !(variance > T::zero()) || !residual.is_finite() {
+            return T::zero();
+        }
+        let gain = T::one() / variance;
+        let mut entries = self.covariance.iter_mut();
+        for (i, (mean, row)) in self.mean.iter_mut().zip(&seen).enumerate() {
+            *mean += *row * gain * residual;
+            for (entry, column) in entries.by_ref().take(i + 1).zip(&seen) {
+                *entry -= *row * gain * *column;
+            }
+        }
+        self.keep_positive();
+        T::lit(-0.5) * (residual * residual * gain + variance.ln_fast())
+    }
+
+    /// Rounding in single precision may not make a variance negative.
+    fn keep_positive(&mut self) {
+        for i in 0..STATES {
+            if !(self.get(i, i) > T::lit(1e-9)) {
+                self.set(i, i, T::lit(1e-9));
+            }
+        }
+    }
+
+    /// Whether every number is one.
+    pub(super) fn is_finite(&self) -> bool {
+        self.mean.iter().chain(&self.covariance).all(|x| x.is_finite())
+    }
+}
+
+fn place(i: usize, j: usize) -> usize {
+    let (row, column) = if i < j { (j, i) } else { (i, j) };
+    row * (row + 1) / 2 + column
+}

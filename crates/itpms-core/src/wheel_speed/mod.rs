@@ -1,0 +1,341 @@
+//! Radius analysis: a tire that loses air rolls on a smaller radius and turns faster than the others. From four wheel speeds, and
+//! what a bus says of yaw rate, acceleration and brakes, [`RadiusMonitor`] finds which tires differ from the others since a calibration.
+//!
+//! A loss of all four alike is never seen. `docs/math/wheel-speed.md` derives it. It knows of nothing else here than [`model`](crate::model).
+//!
+//! ```
+//! use itpms_core::wheel_speed::{DrivenAxle, RadiusMonitor, RadiusState, WheelSpeedConfig, WheelSpeedSample};
+//!
+//! # fn main() -> Result<(), itpms_core::ParameterError> {
+//! // Wheelbase, tracks, driven axle.
+//! let mut monitor = RadiusMonitor::<f32>::new(&WheelSpeedConfig::new(2.66, 1.56, 1.57, DrivenAxle::Front))?;
+//! // The pressures have just been set: the next five minutes of usable driving teach how the tires differ.
+//! monitor.begin_calibration(300.0);
+//! for k in 0..1000 {
+//!     let report = monitor.update(&WheelSpeedSample {
+//!         time_s: f64::from(k) / 80.0,
+//!         wheel_speed_m_s: [20.01, 20.0, 19.97, 19.98],
+//!         yaw_rate_rad_s: 0.001,
+//!         accel_x_m_s2: f32::NAN, // The bus does not say.
+//!         accel_y_m_s2: f32::NAN,
+//!         brake: Some(false),
+//!     });
+//!     assert_eq!(report.state, RadiusState::Calibrating);
+//! }
+//! // Once it is there: to be stored, and loaded at the next start.
+//! assert!(monitor.calibration().is_none());
+//! # Ok(())
+//! # }
+//! ```
+
+mod block;
+mod calibration;
+mod config;
+mod filter;
+mod gaussian;
+mod hypotheses;
+mod report;
+mod sample;
+#[cfg(test)]
+mod tests;
+
+use self::block::{BLOCK_S, Block, BlockSums};
+use self::calibration::LEARNED;
+pub use self::calibration::RadiusCalibration;
+pub use self::config::{DrivenAxle, LoadUncertainty, WheelSpeedConfig};
+use self::filter::Filter;
+use self::hypotheses::{Decision, add_load, seen};
+pub use self::report::{Pattern, RadiusReport, RadiusState, Unseen, WheelRadius};
+pub use self::sample::WheelSpeedSample;
+use crate::memory::{Blank, blank};
+use crate::model::{Corner, ParameterError, Wheels};
+use crate::real::Real;
+
+/// The three ratios: front left over right, rear left over right, front over rear.
+const FRONT: usize = 0;
+const REAR: usize = 1;
+const AXLE: usize = 2;
+
+/// The state, in thousandths (mrad/s where it is a yaw rate): three offsets, four radii since the calibration, slip per m/s², and disturbances.
+const OFFSET: usize = 0;
+const RADIUS: usize = 3;
+const SLIP: usize = 7;
+const YAW_BIAS: usize = 8;
+const YAW_NOISE: usize = 9;
+const FRONT_WANDER: usize = 10;
+const REAR_WANDER: usize = 11;
+const AXLE_FORCE: usize = 12;
+const STATES: usize = 13;
+/// Log ratios are kept in thousandths, so that single precision holds their squares.
+const SCALE: f64 = 1e3;
+
+/// Standing in s after which loads may have changed and a tire may have lost air without being seen.
+const LONG_STOP_S: f64 = 10.0;
+/// Longest time in s between two samples of a drive.
+const LONGEST_GAP_S: f64 = 1.0;
+/// Loss that radii are measured in: `-ln 0.8`, of a fifth.
+const FIFTH: f64 = 0.223_143_55;
+
+/// What the monitor does with a block.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Phase<T> {
+    Uncalibrated,
+    /// Learns, for so much more usable driving in s.
+    Learning(T),
+    Watching,
+}
+
+impl<T> Blank for Phase<T> {
+    const BLANK: Self = Phase::Uncalibrated;
+}
+
+/// Finds which tires roll on a smaller radius than at the calibration; less than 4 kB in `f32`.
+#[derive(Debug, Clone, Copy)]
+pub struct RadiusMonitor<T> {
+    config: WheelSpeedConfig<T>,
+    configured: bool,
+    phase: Phase<T>,
+    calibration: Option<RadiusCalibration<T>>,
+    /// The radii at the calibration against those at the pressures that should be, in thousandths.
+    radius_1e3: [T; 4],
+    filter: Filter<T>,
+    sums: BlockSums<T>,
+    /// The block before the last one was good.
+    before_good: bool,
+    /// The last block, which waits until the next one shows that no braking begins in it.
+    last: Block<T>,
+    /// The car stood for so long, in s.
+    stood_s: f64,
+    loads_may_differ: bool,
+    report: RadiusReport<T>,
+}
+
+blank!(RadiusMonitor<T> { config, configured, phase, calibration, radius_1e3, filter, sums, before_good, last, stood_s, loads_may_differ, report });
+
+impl<T: Real> RadiusMonitor<T> {
+    /// A monitor of this car, uncalibrated.
+    ///
+    /// # Errors
+    /// A length or a radius over pressure that no car has.
+    pub fn new(config: &WheelSpeedConfig<T>) -> Result<Self, ParameterError> {
+        let mut monitor = Self::unconfigured();
+        monitor.configure(config)?;
+        Ok(monitor)
+    }
+
+    /// Memory for a monitor, as a constant of zeros; [`configure`](Self::configure) fills it where it lies.
+    #[must_use]
+    pub const fn unconfigured() -> Self {
+        Self::BLANK
+    }
+
+    /// Begins anew with this car, uncalibrated.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new); the monitor is unconfigured then.
+    pub fn configure(&mut self, config: &WheelSpeedConfig<T>) -> Result<(), ParameterError> {
+        *self = Self::BLANK;
+        self.report.time_s = f64::NAN;
+        self.report.forget(RadiusState::Uncalibrated);
+        config.check()?;
+        self.config = *config;
+        self.configured = true;
+        Ok(())
+    }
+
+    /// The pressures are as they should be: learns how the tires differ during so much usable driving in s (300 to 600; at least 10
+    /// are taken). An earlier calibration is forgotten.
+    pub fn begin_calibration(&mut self, usable_s: T) {
+        self.begin_calibration_at(usable_s, &[T::one(); 4]);
+    }
+
+    /// The pressures are known, and not as they should be: each is so much of what it should be (0.2 to 5; anything else counts as 1).
+    /// A tire that is low at the calibration is reported as low from its end on.
+    pub fn begin_calibration_at(&mut self, usable_s: T, pressure_share: &[T; 4]) {
+        if !self.configured {
+            return;
+        }
+        self.phase = Phase::Learning(usable_s.at_least(T::lit(10.0)));
+        self.calibration = None;
+        self.loads_may_differ = false;
+        let beta = self.config.radius_per_ln_pressure * T::lit(SCALE);
+        let known = |share: &T| *share >= T::lit(0.2) && *share <= T::lit(5.0);
+        self.radius_1e3 =
+            pressure_share.map(|share| if known(&share) { beta * share.ln_fast() } else { T::zero() });
+        self.filter.begin(&self.config, &self.radius_1e3);
+        self.interrupt();
+        self.report.forget(RadiusState::Calibrating);
+    }
+
+    /// What the last calibration taught; `None` before its end.
+    #[must_use]
+    pub fn calibration(&self) -> Option<&RadiusCalibration<T>> {
+        self.calibration.as_ref()
+    }
+
+    /// Begins a drive with a stored calibration. Loads may have changed since, and tires lost air. Whether it was one that a car can
+    /// have; what is none changes nothing.
+    #[must_use]
+    pub fn load_calibration(&mut self, calibration: &RadiusCalibration<T>) -> bool {
+        if !self.configured || !calibration.is_sane() {
+            return false;
+        }
+        self.calibration = Some(*calibration);
+        self.watch_again(calibration);
+        true
+    }
+
+    /// What was reported last.
+    #[must_use]
+    pub fn report(&self) -> &RadiusReport<T> {
+        &self.report
+    }
+
+    /// Takes in a sample, of 10 Hz or more; speeds that no wheel has, and times that go back, are left out.
+    pub fn update(&mut self, sample: &WheelSpeedSample<T>) -> &RadiusReport<T> {
+        let time_s = sample.time_s;
+        if !self.configured || !time_s.is_finite() {
+            return &self.report;
+        }
+        let step_s = time_s - self.report.time_s;
+        if !(step_s > 0.0 && step_s < LONGEST_GAP_S) {
+            if step_s <= 0.0 && step_s > -LONGEST_GAP_S {
+                return &self.report;
+            }
+            // The first sample, a gap, or another clock.
+            self.gap(step_s);
+            self.sums.begin(time_s);
+        } else if self.sums.is_over(time_s) {
+            self.end_block();
+            self.sums.begin(time_s);
+        }
+        self.report.time_s = time_s;
+        if sample.complete() {
+            self.sums.add(sample);
+        }
+        &self.report
+    }
+
+    /// Forgets the blocks that have begun.
+    fn interrupt(&mut self) {
+        self.before_good = false;
+        self.last.good = false;
+        self.sums.begin(f64::NEG_INFINITY);
+    }
+
+    /// No sample came for some time: the car may have stood.
+    fn gap(&mut self, step_s: f64) {
+        self.interrupt();
+        if step_s > 0.0 {
+            if self.phase != Phase::Uncalibrated {
+                // Disturbances have gone their way, too; an hour later nothing is left of them.
+                self.filter.predict(T::lit(step_s.min(3600.0)), matches!(self.phase, Phase::Learning(_)));
+            }
+            self.stand(step_s);
+        }
+    }
+
+    fn stand(&mut self, step_s: f64) {
+        let before_s = self.stood_s;
+        self.stood_s += step_s;
+        if self.phase == Phase::Watching && before_s < LONG_STOP_S && !(self.stood_s < LONG_STOP_S) {
+            self.loads_may_differ = true;
+            self.filter.stood();
+        }
+    }
+
+    fn end_block(&mut self) {
+        let block = self.sums.conclude(&self.config);
+        if self.sums.stood() {
+            self.stand(BLOCK_S);
+        } else if block.speed_m_s > T::zero() {
+            self.stood_s = 0.0;
+        }
+        let learning = matches!(self.phase, Phase::Learning(_));
+        if self.phase != Phase::Uncalibrated {
+            self.filter.predict(T::lit(BLOCK_S), learning);
+            if self.before_good && self.last.good && block.good {
+                let last = self.last;
+                self.filter.update(&last, &self.config, learning);
+                self.used(&last);
+            }
+            if !self.filter.is_finite() {
+                self.restart();
+            }
+        }
+        self.before_good = self.last.good;
+        self.last = block;
+    }
+
+    /// A block was taken in.
+    fn used(&mut self, block: &Block<T>) {
+        match self.phase {
+            Phase::Uncalibrated => {}
+            Phase::Learning(left_s) => {
+                // What a coupled axle hides cannot be learned.
+                let left_s = if block.used == [true; 3] { left_s - T::lit(BLOCK_S) } else { left_s };
+                self.phase = Phase::Learning(left_s);
+                if !(left_s > T::zero()) {
+                    self.learned();
+                }
+            }
+            Phase::Watching => self.decide(block),
+        }
+    }
+
+    fn learned(&mut self) {
+        let belief = self.filter.belief();
+        let mut calibration = RadiusCalibration { radius_1e3: self.radius_1e3, ..RadiusCalibration::BLANK };
+        for (i, state) in LEARNED.into_iter().enumerate() {
+            calibration.mean_1e3[i] = belief.mean[state];
+            for (j, other) in LEARNED.into_iter().enumerate() {
+                calibration.covariance_1e6[i][j] = belief.get(state, other);
+            }
+        }
+        self.calibration = Some(calibration);
+        self.phase = Phase::Watching;
+        self.report.forget(RadiusState::Uninformed);
+    }
+
+    fn decide(&mut self, block: &Block<T>) {
+        let belief = self.filter.belief();
+        let radius = core::array::from_fn(|i| belief.mean[RADIUS + i]);
+        let (change, mut covariance) = seen(&radius, |i, j| belief.get(RADIUS + i, RADIUS + j));
+        if self.loads_may_differ {
+            add_load(&mut covariance, &self.config.load);
+        }
+        let fifth = T::lit(FIFTH * SCALE) * self.config.radius_per_ln_pressure;
+        let decision = Decision::of(&change, &covariance, fifth);
+        self.report.unseen = Unseen {
+            which_of_a_diagonal: !self.filter.yaw_known,
+            loads: self.loads_may_differ,
+            hidden_by_torque: hidden(block),
+        };
+        self.report.decide(&decision, &self.config, T::lit(BLOCK_S));
+    }
+
+    /// Numbers ran away: what was learned is kept, the rest begins anew.
+    fn restart(&mut self) {
+        match self.calibration {
+            Some(calibration) => self.watch_again(&calibration),
+            None => self.filter.begin(&self.config, &self.radius_1e3),
+        }
+    }
+
+    fn watch_again(&mut self, calibration: &RadiusCalibration<T>) {
+        self.phase = Phase::Watching;
+        self.loads_may_differ = true;
+        self.filter.resume(&self.config, calibration);
+        self.interrupt();
+        self.report.forget(RadiusState::Uninformed);
+    }
+}
+
+/// The wheels that torque hides.
+fn hidden<T: Real>(block: &Block<T>) -> Wheels {
+    let hides = |corner: &Corner| match corner {
+        Corner::FrontLeft | Corner::FrontRight => !block.used[FRONT],
+        Corner::RearLeft | Corner::RearRight => !block.used[REAR],
+    };
+    Corner::ALL.into_iter().filter(hides).collect()
+}

@@ -1,0 +1,214 @@
+//! What radius analysis says.
+
+use super::config::WheelSpeedConfig;
+use super::hypotheses::Decision;
+use crate::memory::{Blank, blank};
+use crate::model::{Corner, Wheels};
+use crate::real::Real;
+
+/// Probability from which something is said.
+const SURE: f64 = 0.99;
+/// Usable driving in s over which it has to be that probable.
+const SURE_FOR_S: f64 = 2.0;
+/// The same while it is open which tire it is: a moment later it may be known.
+const OPEN_FOR_S: f64 = 10.0;
+
+/// Which tires have lost air since the calibration, against the others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum RadiusState {
+    /// Nothing was learned of this car: no radius is compared with anything.
+    Uncalibrated,
+    /// A calibration goes on.
+    Calibrating,
+    /// A loss of a quarter of any single tire would not be found: too little was driven, or loads may have changed.
+    Uninformed,
+    /// No tire differs from the others.
+    NoneDiffers,
+    /// These tires are low.
+    Low(Wheels),
+    /// One of these tires is low, or all of them; which, is not known.
+    OneOf(Wheels),
+}
+
+blank!(RadiusState::Uncalibrated);
+
+/// How low tires lie to each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Pattern {
+    /// None.
+    None,
+    /// One wheel.
+    Wheel(Corner),
+    /// Both of the front or the rear axle.
+    Axle,
+    /// Both of the left or the right side.
+    Side,
+    /// Front left and rear right, or the other two.
+    Diagonal,
+    /// Three.
+    Three,
+    /// All four.
+    All,
+}
+
+impl From<Wheels> for Pattern {
+    fn from(wheels: Wheels) -> Self {
+        let [fl, fr, rl, rr] = Corner::ALL.map(|corner| wheels.contains(corner));
+        match wheels.iter().count() {
+            0 => Pattern::None,
+            1 => wheels.iter().next().map_or(Pattern::None, Pattern::Wheel),
+            2 if fl == fr && rl == rr => Pattern::Axle,
+            2 if fl == rl => Pattern::Side,
+            2 => Pattern::Diagonal,
+            3 => Pattern::Three,
+            _ => Pattern::All,
+        }
+    }
+}
+
+/// What cannot be seen at the moment. A loss of all four tires alike is never seen: there is nothing to compare them with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Unseen {
+    /// No yaw rate: left and right of both axles move alike, so that of a front wheel and the rear wheel across only the pair may be known.
+    pub which_of_a_diagonal: bool,
+    /// The car stood since the calibration, so that loads may have changed: rear tires, and both of an axle, need a larger loss.
+    pub loads: bool,
+    /// Wheels that are coupled under torque, so that a low tire turns like its neighbor.
+    pub hidden_by_torque: Wheels,
+}
+
+blank!(Unseen { which_of_a_diagonal, loads, hidden_by_torque });
+
+/// What is known of a wheel's radius.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct WheelRadius<T> {
+    /// Change of the rolling radius since the calibration, as a share of it. NaN: not known.
+    pub change: T,
+    /// Its standard deviation.
+    pub change_sd: T,
+    /// Share of its pressure that the tire has lost, from the former and the tire's radius over pressure; never below zero.
+    pub lost_share: T,
+    /// Its standard deviation, that of the radius over pressure included.
+    pub lost_share_sd: T,
+    /// Probability that this tire is low.
+    pub low_probability: T,
+    /// Whether a loss of a quarter of this tire alone would be found.
+    pub informed: bool,
+}
+
+blank!(WheelRadius<T> { change, change_sd, lost_share, lost_share_sd, low_probability, informed });
+
+impl<T: Real> WheelRadius<T> {
+    fn unknown() -> Self {
+        let nan = T::lit(f64::NAN);
+        let low_probability = T::zero();
+        Self {
+            change: nan,
+            change_sd: nan,
+            lost_share: nan,
+            lost_share_sd: nan,
+            low_probability,
+            informed: false,
+        }
+    }
+}
+
+/// What radius analysis says at a time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct RadiusReport<T> {
+    /// Time of the last sample in s; NaN before the first one.
+    pub time_s: f64,
+    /// What is found.
+    pub state: RadiusState,
+    /// How much usable driving the state has lasted, in s.
+    pub lasted_s: T,
+    /// Probability that any tire is low.
+    pub any_low_probability: T,
+    /// Each wheel, in the order of [`Corner::ALL`].
+    pub wheels: [WheelRadius<T>; 4],
+    /// What cannot be seen.
+    pub unseen: Unseen,
+    probable: RadiusState,
+    probable_s: T,
+}
+
+blank!(RadiusReport<T> { time_s, state, lasted_s, any_low_probability, wheels, unseen, probable, probable_s });
+
+impl<T: Real> RadiusReport<T> {
+    /// Nothing known.
+    pub(super) fn forget(&mut self, state: RadiusState) {
+        let (time_s, unseen) = (self.time_s, self.unseen);
+        *self = Self {
+            time_s,
+            state,
+            probable: state,
+            unseen,
+            wheels: [WheelRadius::unknown(); 4],
+            ..Self::BLANK
+        };
+    }
+
+    /// `step_s` of usable driving later.
+    pub(super) fn decide(&mut self, decision: &Decision<T>, config: &WheelSpeedConfig<T>, step_s: T) {
+        for (i, wheel) in self.wheels.iter_mut().enumerate() {
+            let thousandth = T::lit(1e-3);
+            let (change, sd) = (decision.change[i] * thousandth, decision.change_sd[i] * thousandth);
+            let beta = config.radius_per_ln_pressure;
+            let ln_pressure = (change / beta).at_most(T::zero());
+            let ln_sd = (sd / beta).hypot(ln_pressure * config.radius_per_ln_pressure_sd);
+            let left = ln_pressure.exp_fast();
+            *wheel = WheelRadius {
+                change,
+                change_sd: sd,
+                lost_share: T::one() - left,
+                lost_share_sd: left * ln_sd,
+                low_probability: decision.low(i),
+                informed: decision.informed[i],
+            };
+        }
+        self.any_low_probability = T::one() - decision.probability[0];
+        let probable = probable(decision);
+        self.probable_s = if probable == self.probable { self.probable_s + step_s } else { step_s };
+        self.probable = probable;
+        let after_s = match probable {
+            RadiusState::Low(_) => SURE_FOR_S,
+            RadiusState::OneOf(_) => OPEN_FOR_S,
+            _ => 0.0,
+        };
+        self.lasted_s += step_s;
+        if self.state != probable && !(self.probable_s < T::lit(after_s)) {
+            self.state = probable;
+            self.lasted_s = self.probable_s;
+        }
+    }
+}
+
+/// What is more probable than [`SURE`], whatever was before.
+fn probable<T: Real>(decision: &Decision<T>) -> RadiusState {
+    let sure = T::lit(SURE);
+    let low: Wheels = Corner::ALL.into_iter().filter(|corner| decision.low(corner.index()) > sure).collect();
+    if !low.is_empty() {
+        return RadiusState::Low(low);
+    }
+    if T::one() - decision.probability[0] > sure {
+        // The likeliest two wheels, if it is certainly among them; else any.
+        let mut best = (Wheels::NONE, T::zero());
+        for (i, a) in Corner::ALL.into_iter().enumerate() {
+            for b in Corner::ALL.into_iter().skip(i + 1) {
+                let pair = Wheels::from(a) | Wheels::from(b);
+                let among = decision.among(pair);
+                if among > best.1 {
+                    best = (pair, among);
+                }
+            }
+        }
+        let all = || Corner::ALL.into_iter().collect();
+        return RadiusState::OneOf(if best.1 > sure { best.0 } else { all() });
+    }
+    if decision.informed == [false; 4] { RadiusState::Uninformed } else { RadiusState::NoneDiffers }
+}
