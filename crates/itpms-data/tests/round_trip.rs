@@ -157,7 +157,14 @@ fn estimates_have_the_promised_columns_and_words() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("est.csv");
     let mut writer = EstimateWriter::create(&path, &[Corner::FrontLeft, Corner::RearRight]).unwrap();
-    let loss = Loss { level_kpa: 241.0, lost_kpa: 60.5, lost_sd_kpa: 4.5, change_sd_kpa: 3.0, excess_kpa: 60.0, excess_sd_kpa: 5.0 };
+    let loss = Loss {
+        level_kpa: 241.0,
+        lost_kpa: 60.5,
+        lost_sd_kpa: 4.5,
+        change_sd_kpa: 3.0,
+        excess_kpa: 60.0,
+        excess_sd_kpa: 5.0,
+    };
     let low = CornerEstimate { loss: Some(loss), ..estimate(180.5, Validity::Valid, Warning::Low) };
     let broken = estimate(f64::NAN, Validity::BadSignal, Warning::Malfunction);
     let states = [Some(WheelState::Low), None, None, Some(WheelState::Unknown(Doubt::Uncertain))];

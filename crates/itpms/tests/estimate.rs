@@ -156,7 +156,8 @@ fn repairs_are_counted_as_warnings_and_the_result_stays() {
         warnings,
         [
             "warning: drive.csv: 2 acceleration values are missing (empty, infinite, NaN or null)",
-            "warning: drive.csv: 1 row is out of order and was left out",
+            "warning: drive.csv: 1 row came after a later one and was put into the order of time",
+            "warning: drive.csv: 1 row repeats the time of the row before and was left out",
             "warning: drive.csv: 1 gap of more than 3 sample periods, the longest 0.502 s at 23.994 s",
         ]
     );
@@ -189,7 +190,7 @@ fn up_to_four_corners_run_side_by_side() {
     bench.write("car.toml", &car[..car.find("[corner.fr]").unwrap()]);
     let outcome = bench.run("estimate drive.csv --vehicle car.toml -o est.csv");
     outcome.success();
-    assert_eq!(table(&bench.read("est.csv")).0.len(), 1 + 9);
+    assert_eq!(table(&bench.read("est.csv")).0.len(), 1 + 11);
     assert!(
         outcome.stderr.contains("corner rr is not in the vehicle file and was not estimated"),
         "{outcome:?}"

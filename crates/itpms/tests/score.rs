@@ -39,7 +39,7 @@ fn a_table_fits_a_terminal() {
     assert!(table.lines().all(|line| line.chars().count() <= 110), "{table}");
     assert!(table.is_ascii(), "{table}");
     // No progress where standard error is no terminal; what is not in the table is.
-    assert!(outcome.stderr.lines().count() == 1 && outcome.stderr.contains("--row detection"), "{outcome:?}");
+    assert!(outcome.stderr.lines().count() == 1 && outcome.stderr.contains("--row own"), "{outcome:?}");
 }
 
 #[test]

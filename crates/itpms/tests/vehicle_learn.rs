@@ -118,17 +118,17 @@ fn an_assumed_wheelbase_is_learned_before_a_calibration() {
 fn a_wheelbase_that_is_given_and_wrong_is_named_with_the_way_out() {
     let bench = Bench::new();
     let init = "vehicle init --mass 1500 --front-share 0.55 --tire 205/55R16";
-    bench.run(&format!("{init} --wheelbase-m 2.8 -o wrong.toml")).success();
+    bench.run(&format!("{init} --wheelbase-m 3.0 -o wrong.toml")).success();
     bench.run(&format!("{init} --wheelbase-m 2.55 -o real.toml")).success();
     bench.write("own.toml", scenario());
     bench.run("simulate own.toml --seed 3 -o first.csv --vehicle real.toml").success();
     let learned = bench.run("vehicle learn first.csv --pressure-kpa 240 --from wrong.toml -o car.toml");
     learned.success();
     assert!(
-        learned.stderr.contains("wheelbase_sd_m = 0.15") && learned.stderr.contains("2.8 m"),
+        learned.stderr.contains("wheelbase_sd_m = 0.15") && learned.stderr.contains("the file has 3 m"),
         "{learned:?}"
     );
-    assert!(bench.read("car.toml").contains("wheelbase_m = 2.8"));
+    assert!(bench.read("car.toml").contains("wheelbase_m = 3"));
 }
 
 #[test]

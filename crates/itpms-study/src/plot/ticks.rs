@@ -169,7 +169,9 @@ mod tests {
             ["200\u{2009}000", "220\u{2009}000", "240\u{2009}000"]
         );
         assert_eq!(words(&linear(0.0, 1e200, 2)), ["0", "0.5·10²⁰⁰", "1.0·10²⁰⁰"]);
-        assert_eq!(words(&linear(0.0, 2e-320, 2)), ["0", "1·10⁻³²⁰", "2·10⁻³²⁰"]);
+        assert_eq!(words(&linear(0.0, 2e-300, 2)), ["0", "1·10⁻³⁰⁰", "2·10⁻³⁰⁰"]);
+        // Where numbers have hardly a digit left.
+        assert_eq!(linear(0.0, 2e-320, 2).labelled.len(), 3);
         assert_eq!(linear(1.0, 1.0, 5), Ticks::default());
         assert_eq!(linear(0.0, f64::NAN, 5), Ticks::default());
     }
