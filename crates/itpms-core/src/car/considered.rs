@@ -99,7 +99,7 @@ impl<T: Real> Considered<T> {
         let by_file = self.uncalibrated(k);
         let [common, own] = [BETWEEN_DAYS_COMMON_SD, BETWEEN_DAYS_OWN_SD].map(|sd| T::lit(sd * sd));
         let calibrated = self.calibrated(k);
-        let stored = SMatrix::from_fn(|i, j| {
+        let stored: SMatrix<T, 4, 4> = SMatrix::from_fn(|i, j| {
             let between = if i == j { common + own } else { common };
             calibrated[(i, j)] + between * k[i] * k[j]
         });

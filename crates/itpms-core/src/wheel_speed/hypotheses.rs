@@ -244,10 +244,10 @@ mod tests {
             let radius = core::array::from_fn(|i| if number & (1 << i) == 0 { 0.0 } else { -2.0 });
             let (change, _) = seen(&radius, |_, _| 0.0);
             let decision = Decision::of(&change, &SHARP, 1.6);
-            for wheel in 0..4 {
+            for (wheel, radius) in radius.iter().enumerate() {
                 let low = number & (1 << wheel) != 0;
                 assert_eq!(decision.low(wheel) > 0.9, low, "{number:04b} {wheel}: {}", decision.low(wheel));
-                assert!((decision.change[wheel] - radius[wheel]).abs() < 3.0 * decision.change_sd[wheel]);
+                assert!((decision.change[wheel] - radius).abs() < 3.0 * decision.change_sd[wheel]);
             }
         }
         let decision = Decision::of(&[0.0; 3], &SHARP, 1.6);

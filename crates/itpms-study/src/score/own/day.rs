@@ -83,8 +83,9 @@ impl Day {
         scenario.wheelbase_m = car.wheelbase_m;
         scenario.road = RoadSpec { contact_length_m: 0.1, ..RoadSpec::iso8608(self.class, self.slope) };
         let waves = (self.duration_s / WAVE_S).ceil() as usize;
-        let point =
-            |i: usize| [WAVE_S * i as f64, self.km_h + if i % 2 == 0 { -WAVE_KM_H } else { WAVE_KM_H }];
+        let point = |i: usize| {
+            [WAVE_S * i as f64, self.km_h + if i.is_multiple_of(2) { -WAVE_KM_H } else { WAVE_KM_H }]
+        };
         scenario.speed = Speed::PointsSKmH((0..=waves).map(point).collect());
         let load = change.load.unwrap_or(&self.load);
         let payload = load.iter().map(|(place, kg)| PayloadSpec {
