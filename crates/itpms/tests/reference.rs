@@ -142,7 +142,7 @@ fn what_one_drive_taught_sharpens_the_next() {
     bench.run("simulate drive-puncture --seed 4 -o drive.csv").success();
     // A car of which no more is known than is usual: a calibration of another day cannot sharpen what was measured.
     let car = bench.read("car.toml");
-    bench.write("car.toml", car.replace("[vehicle]\n", "[vehicle]\nconfidence = \"typical\"\n"));
+    bench.write("car.toml", car.replace("confidence = \"measured\"", "confidence = \"typical\""));
     // All tires hold 241.3 kPa for 20 s.
     let saves = "--calibrate-s 15 --save-reference car.reference";
     bench.run(&format!("estimate reset.csv --vehicle car.toml -o reset-est.csv {saves}")).success();
