@@ -45,12 +45,13 @@ impl<T: Real> CarEstimator<T> {
         let sds = corners.each_ref().map(|corner| Some(corner.as_ref()?.pressure_sd_kpa));
         for (i, (corner, estimator)) in corners.iter_mut().zip(&mut self.corners).enumerate() {
             let Some(corner) = corner else { continue };
-            let partner = i ^ 1;
-            corner.axle_difference_sd_kpa = sds[i].zip(sds[partner]).map(|(a, b)| {
-                let variance = a * a + b * b - T::lit(2.0) * correlation[i][partner] * a * b;
-                variance.max(T::zero()).sqrt()
+            let sd_kpa = |of: usize| sds.get(of).copied().flatten();
+            let correlation = correlation.get(i).and_then(|row| row.get(i ^ 1)).copied();
+            let axle = sd_kpa(i).zip(sd_kpa(i ^ 1)).zip(correlation);
+            corner.axle_difference_sd_kpa = axle.map(|((a, b), correlation)| {
+                (a * a + b * b - T::lit(2.0) * correlation * a * b).max(T::zero()).sqrt()
             });
-            corner.loss = losses.map(|losses| losses[i]);
+            corner.loss = losses.as_ref().and_then(|losses| losses.get(i)).copied();
             if let Some(estimator) = estimator.as_mut() {
                 estimator.set_compared(corner.axle_difference_sd_kpa, corner.loss);
             }

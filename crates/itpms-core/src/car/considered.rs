@@ -103,7 +103,8 @@ impl<T: Real> Considered<T> {
             let between = if i == j { common + own } else { common };
             calibrated[(i, j)] + between * k[i] * k[j]
         });
-        if by_file.trace() < stored.trace() { by_file } else { stored }
+        let total = |of: &SMatrix<T, 4, 4>| (0..4).fold(T::zero(), |sum, i| sum + of[(i, i)]);
+        if total(&by_file) < total(&stored) { by_file } else { stored }
     }
 }
 

@@ -137,12 +137,13 @@ impl<T: Real> MonitorReport<T> {
             ..alert
         });
         // An alert keeps the figures that decided it.
-        let before = self.slots[slot].get();
+        let Some(place) = self.slots.get_mut(slot) else { return };
+        let before = place.get();
         let stands = before.zip(alert.as_ref()).is_some_and(|(before, alert)| {
             before.cause.is_of_a_tire() && before.is_same_as(alert, T::zero().to_f64())
         });
         if !stands {
-            self.slots[slot].set(alert);
+            place.set(alert);
         }
     }
 
