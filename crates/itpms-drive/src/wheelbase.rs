@@ -4,7 +4,7 @@
 
 use std::ops::ControlFlow;
 
-use itpms_core::model::Corner;
+use itpms_core::model::{CarConfig, Corner};
 use itpms_data::{LogReader, Vehicle};
 use itpms_study::learn::{FoundWheelbase, WheelbaseListener};
 
@@ -14,8 +14,9 @@ use crate::run::ROWS_PER_LOOK;
 /// Standard deviations by which a wheelbase that was given may differ from what the drives show.
 const FAR: f64 = 3.0;
 
-/// What `drives` logs show, weighed by their standard deviations; `open` gives them by their numbers.
+/// What `drives` logs of a car show, weighed by their standard deviations; `open` gives them by their numbers.
 pub(crate) fn find(
+    car: &CarConfig<f64>,
     drives: usize,
     open: &mut dyn FnMut(usize) -> Result<LogReader, DriveError>,
     watch: &mut dyn FnMut(f64) -> ControlFlow<()>,
@@ -23,7 +24,7 @@ pub(crate) fn find(
     let mut found = vec![];
     for number in 0..drives {
         let mut log = open(number)?;
-        let mut listener = WheelbaseListener::new(log.survey().sample_rate_hz);
+        let mut listener = WheelbaseListener::new(car, log.survey().sample_rate_hz);
         let mut count = 0u64;
         while let Some(row) = log.next_row()? {
             let share = (number as f64 + log.progress()) / drives as f64;

@@ -78,7 +78,9 @@ impl<T: Real> AllLow<T> {
             return;
         }
         (self.mean_share, self.sd_share) = (shares.mean, shares.sd);
-        let low = shares.mean + T::lit(ONE_SIDED_95) * shares.sd < limits.all_low_share
+        // Against an earlier day it is as likely the car.
+        let low = !shares.stored
+            && shares.mean + T::lit(ONE_SIDED_95) * shares.sd < limits.all_low_share
             && (!shares.by_file || shares.mean + T::lit(NOT_HEALTHY) * shares.sd < T::one());
         let evidence = if low && shares.highest < T::lit(NONE_ABOVE) {
             Evidence::Prefailed

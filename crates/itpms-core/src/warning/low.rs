@@ -253,7 +253,8 @@ fn may_be_healthy<T: Real>(estimate: &CornerEstimate<T>, reference_kpa: T) -> bo
 
 /// By how much a tire has less than it should, as a share of that, and the sd of it, for each thing that it can be held against: its level,
 /// the others, its axle's other tire, itself earlier in this drive. What all tires are wrong by alike cancels in the second, what an axle's
-/// are in the third, and whatever is constant in the last.
+/// are in the third, and whatever is constant in the last. A car changes between two days as a whole or by axle (tires, wheels, dampers,
+/// load), so against a calibration of an earlier day only the last two say that it is the tire.
 fn deficits<T: Real>(
     estimate: &CornerEstimate<T>,
     reference_kpa: T,
@@ -261,14 +262,17 @@ fn deficits<T: Real>(
     limits: &Limits<T>,
 ) -> [Option<[T; 2]>; 4] {
     let share = estimate.pressure_kpa / reference_kpa;
+    let may_have_changed = estimate.level == Level::StoredCalibration && around.above_partner.is_some();
+    let level_decides = !may_have_changed && !may_be_healthy(estimate, reference_kpa);
     let level = [T::one() - share, estimate.pressure_sd_kpa / reference_kpa];
-    let level = (!may_be_healthy(estimate, reference_kpa)).then_some(level);
+    let level = level_decides.then_some(level);
     // A side of which both are lower than the other one is not.
     let lower = |above: Option<[T; 2]>| {
         let [above, sd] = above.filter(|_| around.is_low_alone() && share < limits.low_share)?;
         Some([-above, sd])
     };
-    [level, lower(around.above_others), lower(around.above_partner), around.lost]
+    let others = around.above_others.filter(|_| !may_have_changed);
+    [level, lower(others), lower(around.above_partner), around.lost]
 }
 
 /// The estimate against a limit.

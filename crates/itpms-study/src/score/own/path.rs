@@ -150,9 +150,9 @@ fn take(car: &mut MonitoredCar<f64>, row: &SimRow, seen: &mut [&mut Seen]) {
 
 /// The car of the file as the drive shows it, its wheelbase first.
 fn learned(car: &OwnCar, rows: &[CarSample<f64>]) -> Result<CarConfig<f64>, ScoreError> {
-    let mut listener = WheelbaseListener::new(RATE_HZ);
-    rows.iter().for_each(|row| listener.take(row));
     let mut file = car.file.car_config(&Corner::ALL);
+    let mut listener = WheelbaseListener::new(&file, RATE_HZ);
+    rows.iter().for_each(|row| listener.take(row));
     file.wheelbase_m = listener.finish().map(|found| found.wheelbase_m).or(file.wheelbase_m);
     let mut config = file;
     for _ in 0..PASSES {
