@@ -17,9 +17,9 @@ const CALIBRATION_SD: f64 = 0.004;
 /// Seconds of shared road learned from in a calibration after which tires may change all the same.
 const CALIBRATING_ENOUGH_S: f64 = 6.0;
 
-/// Least sd that is loaded: unsprung mass (another rim), damping (warm oil), spring, bar, gain, wheelbase over speed
+/// Least sd that is loaded: unsprung mass (another rim), damping (warm oil; a damper that is not straight is another one on another road), spring, bar, gain, wheelbase over speed
 /// (other tires), skew in s, the spectrum's bias as a share of the placard pressure, and the inter-axle residual's.
-const LEAST_SD: [f64; 9] = [0.003, 0.05, 0.02, 0.01, 0.003, 0.003, 5e-4, 0.02, 0.01];
+const LEAST_SD: [f64; 9] = [0.003, 0.2, 0.02, 0.01, 0.003, 0.003, 5e-4, 0.02, 0.01];
 
 /// Where the car is with its calibration.
 #[derive(Debug, Clone, PartialEq)]
