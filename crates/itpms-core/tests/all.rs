@@ -33,6 +33,5 @@ mod published_lean;
 mod published_transcription;
 mod resampler;
 mod road_estimate;
-mod rollback;
 #[cfg(feature = "paper")]
 mod saved_filters;

@@ -93,7 +93,9 @@ pub fn learn_with(
     // Reading takes a part of what estimating does: it counts as a tenth of a pass.
     let total = (PASSES * drives.len().max(1)) as f64 + READING * drives.len() as f64;
     let mut done = READING * drives.len() as f64;
-    let found = wheelbase::find(&file.car_config(&Corner::ALL), drives.len(), open, &mut |share| watch(share * done / total))?;
+    let found = wheelbase::find(&file.car_config(&Corner::ALL), drives.len(), open, &mut |share| {
+        watch(share * done / total)
+    })?;
     let mut concerns: Vec<String> = wheelbase::doubt(file, found).into_iter().collect();
     let written = file;
     let file = &wheelbase::with_found(file, found);

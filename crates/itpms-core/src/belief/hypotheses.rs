@@ -4,13 +4,11 @@
 use super::gaussian::Hypothesis;
 use crate::real::Real;
 
-/// Nothing moves; each wheel loses pressure by itself; both of the left alike, or of the right; all four alike; any wheel wanders
-/// either way.
-pub(crate) const HYPOTHESES: usize = 9;
+/// Nothing moves; each wheel loses pressure by itself; both of the left alike, or of the right; any wheel wanders either way.
+pub(crate) const HYPOTHESES: usize = 8;
 pub(super) const CONSTANT: usize = 0;
 pub(super) const SIDE: usize = 5;
-pub(super) const ALL: usize = 7;
-pub(super) const RANDOM_WALK: usize = 8;
+pub(super) const RANDOM_WALK: usize = 7;
 
 /// A Gaussian for each.
 pub(super) type Hypotheses<T> = [Hypothesis<T>; HYPOTHESES];
@@ -22,6 +20,6 @@ pub(super) fn has_rate(hypothesis: usize) -> bool {
 
 /// How the compliances follow the rate in a hypothesis.
 pub(super) fn changing<T: Real>(hypothesis: usize) -> [T; 4] {
-    let changing = |i: usize| hypothesis == i + 1 || hypothesis == SIDE + i % 2 || hypothesis == ALL;
+    let changing = |i: usize| hypothesis == i + 1 || hypothesis == SIDE + i % 2;
     core::array::from_fn(|i| if changing(i) { T::one() } else { T::zero() })
 }

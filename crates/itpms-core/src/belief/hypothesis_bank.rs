@@ -1,13 +1,13 @@
-//! The belief about the car: a mixture of nine Gaussians, one for every way in which pressures may be changing now
+//! The belief about the car: a mixture of eight Gaussians, one for every way in which pressures may be changing now
 //! (docs/math/shared-road.md, section 6). Predicted over time; weighed by the residual of front and rear and by
 //! pseudo-measurements of the corners' spectra.
 
 use super::floor::Floor;
 use super::gaussian::{Circumstances, Hypothesis, Wandering};
-use super::hypotheses::{ALL, CONSTANT, HYPOTHESES, Hypotheses, RANDOM_WALK, SIDE, changing, has_rate};
+use super::hypotheses::{CONSTANT, HYPOTHESES, Hypotheses, RANDOM_WALK, SIDE, changing, has_rate};
 use super::measurement::{AxleResidual, SideMeasurement, UpdateRecord};
 use super::mixture::Mixture;
-use super::state::{DAMPING, MASS, RATE, SIZE, State, TIRE};
+use super::state::{MASS, RATE, SIZE, State, TIRE};
 use super::tires::Tires;
 use super::transition::Transition;
 use super::update::{Likelihood, OwnCovariance, score};
@@ -294,7 +294,7 @@ impl<T: Real> HypothesisBank<T> {
         let mut total = T::zero();
         for (index, hypothesis) in self.hypotheses.iter_mut().enumerate() {
             // Nobody fills several at once while they roll.
-            let filling = (SIDE..=ALL).contains(&index) && !(hypothesis.mean[RATE] >= T::zero());
+            let filling = (SIDE..RANDOM_WALK).contains(&index) && !(hypothesis.mean[RATE] >= T::zero());
             if filling || !hypothesis.is_possible(softest) {
                 hypothesis.weight = T::zero();
             }
@@ -328,25 +328,10 @@ impl<T: Real> HypothesisBank<T> {
         self.reweigh(&log_weight);
     }
 
-    /// No strut drives its wheel: damper and friction together damp a share `least` of the vehicle file's damper.
-    pub(super) fn hold_damped(&mut self, least: T) {
-        let damped = self.circumstances.friction_error.map(|error| error.damped);
-        for hypothesis in &mut self.hypotheses {
-            (DAMPING..).zip(damped).for_each(|(at, damped)| {
-                hypothesis.hold_above(at, least - T::one() - damped);
-            });
-        }
-    }
-
     /// The losses of all tires begin to be counted, and nothing moves.
     pub(super) fn begin_losses(&mut self) {
         (0..4).for_each(|tire| self.hypotheses[CONSTANT].begin_loss(tire));
         self.collapse();
-    }
-
-    /// That of one tire begins anew.
-    pub(super) fn begin_loss(&mut self, tire: usize) {
-        self.hypotheses.iter_mut().for_each(|hypothesis| hypothesis.begin_loss(tire));
     }
 
     /// Probability that nothing moves.
@@ -391,7 +376,7 @@ impl<T: Real> HypothesisBank<T> {
 
     /// Probability that each tire moves.
     pub(super) fn changing_tires(&self) -> [T; 4] {
-        let several = self.hypotheses[ALL].weight + self.hypotheses[RANDOM_WALK].weight;
+        let several = self.hypotheses[RANDOM_WALK].weight;
         core::array::from_fn(|i| {
             self.hypotheses[i + 1].weight + self.hypotheses[SIDE + i % 2].weight + several
         })

@@ -476,21 +476,3 @@ fn tires_do_not_wander_while_their_losses_are_counted() {
         assert!(belief.bank.hypotheses[1].weight > 0.0);
     }
 }
-
-/// No strut drives its wheel: a damper is never so much less than none that its friction does not make up for it.
-#[test]
-fn a_damper_and_its_friction_never_drive_a_wheel() {
-    let mut bank = bank(&[0.0; 4]);
-    for (i, damped) in [0.0, 0.5, 1.2, 0.3].into_iter().enumerate() {
-        bank.circumstances.friction_error[i].damped = damped;
-    }
-    for hypothesis in &mut bank.hypotheses {
-        hypothesis.mean.fixed_rows_mut::<4>(DAMPING).copy_from_slice(&[-1.4, -1.3, -2.5, -0.2]);
-    }
-    bank.hold_damped(0.1);
-    for hypothesis in &bank.hypotheses {
-        for (i, expected) in [-0.9, -1.3, -2.1, -0.2].into_iter().enumerate() {
-            assert!((hypothesis.mean[DAMPING + i] - expected).abs() < 1e-12);
-        }
-    }
-}

@@ -11,7 +11,7 @@ use crate::memory::blank;
 use crate::real::Real;
 
 /// Chance per second that each begins.
-const BEGIN: [f64; HYPOTHESES] = [0.0, 2e-4, 2e-4, 2e-4, 2e-4, 1e-6, 1e-6, 1e-6, 1e-8];
+const BEGIN: [f64; HYPOTHESES] = [0.0, 2e-4, 2e-4, 2e-4, 2e-4, 1e-6, 1e-6, 1e-8];
 /// Chance per second that a wheel which loses pressure is joined by the other one of its side: a kerb meets both. Share of the
 /// side's own weight below which that is not looked at.
 const JOIN: f64 = 1e-2;

@@ -61,7 +61,10 @@ impl WheelbaseListener {
         let tried = ((LONGEST_M - SHORTEST_M) / STEP_M) as usize + 1;
         Self {
             rate_hz: sample_rate_hz,
-            over_stiffness: config.corners.each_ref().map(|c| c.as_ref().map_or([f64::NAN; 2], over_stiffness)),
+            over_stiffness: config
+                .corners
+                .each_ref()
+                .map(|c| c.as_ref().map_or([f64::NAN; 2], over_stiffness)),
             has_four: config.corners.iter().all(Option::is_some),
             last_s: f64::NAN,
             rows: vec![],
@@ -80,7 +83,9 @@ impl WheelbaseListener {
             self.rows.clear();
             return;
         }
-        let both = |corner: Option<_>| corner.map_or([f64::NAN; 2], |c: CornerSample<f64>| [c.wheel_accel_m_s2, c.body_accel_m_s2]);
+        let both = |corner: Option<_>| {
+            corner.map_or([f64::NAN; 2], |c: CornerSample<f64>| [c.wheel_accel_m_s2, c.body_accel_m_s2])
+        };
         self.rows.push((sample.corners.map(both), sample.speed_m_s));
         let length = (FRAME_S * self.rate_hz).round() as usize;
         if self.rows.len() >= length {
@@ -97,7 +102,8 @@ impl WheelbaseListener {
         for bin in first..=last {
             let omega = TAU * bin as f64 * self.rate_hz / n;
             // The tire's force moves both masses, so the road lies their forces over its stiffness above the wheel.
-            let shares = self.over_stiffness.map(|[wheel, body]| [1.0 - omega * omega * wheel, -omega * omega * body]);
+            let shares =
+                self.over_stiffness.map(|[wheel, body]| [1.0 - omega * omega * wheel, -omega * omega * body]);
             let mut words = [[0.0; 2]; 4];
             for (i, (corners, _)) in self.rows.iter().enumerate() {
                 let (sin, cos) = (omega * i as f64 / self.rate_hz).sin_cos();
@@ -109,8 +115,13 @@ impl WheelbaseListener {
                 }
             }
             // A rigid body spreads what one corner does over all four; both corners of an axle together it moves as their mass.
-            let axle = |left: usize| [words[left][0] + words[left + 1][0], words[left][1] + words[left + 1][1]];
-            let pairs = if self.has_four { [Some((axle(0), axle(2))), None] } else { [0, 1].map(|side| Some((words[side], words[side + 2]))) };
+            let axle =
+                |left: usize| [words[left][0] + words[left + 1][0], words[left][1] + words[left + 1][1]];
+            let pairs = if self.has_four {
+                [Some((axle(0), axle(2))), None]
+            } else {
+                [0, 1].map(|side| Some((words[side], words[side + 2])))
+            };
             for ([fr, fi], [rr, ri]) in pairs.into_iter().flatten() {
                 // Of rear times the conjugate of front: minus the delay times the frequency.
                 let phase = (ri * fr - rr * fi).atan2(rr * fr + ri * fi);
