@@ -181,9 +181,11 @@ impl<T: Real> Fusion<T> {
         let side = side.min(1);
         let frame = self.queue.frames[side].as_ref();
         let (Some(frame), Some(wheels)) = (frame, self.inter_axle.wheels(side)) else { return false };
+        let opposite = self.inter_axle.pair(1 - side);
+        let meanwhile = self.inter_axle.pair(side).found_meanwhile(opposite, frame.middle_s);
         let state = &self.belief.most_likely().mean;
         let pair = self.inter_axle.pair_mut(side);
-        let measure = |out: &mut Measured<T>| pair.measure(frame, &wheels, state, out).ok_or(());
+        let measure = |out: &mut Measured<T>| pair.measure(frame, &wheels, state, meanwhile, out).ok_or(());
         if self.queue.measured.try_place(measure).is_ok() {
             self.belief.begin_update(&self.queue.measured.value().measurement);
         }
@@ -204,10 +206,11 @@ impl<T: Real> Fusion<T> {
     #[inline(never)]
     fn conclude(&mut self, side: usize) {
         let side = side.min(1);
+        let opposite_parts = self.inter_axle.pair(1 - side).is_parting();
         let mut learned_s = 0.0;
         if let Some((frame, measured)) = self.queue.frames[side].as_ref().zip(self.queue.measured.as_ref())
             && let Some(record) = self.belief.finish_update()
-            && self.inter_axle.pair_mut(side).learn(frame, measured, record)
+            && self.inter_axle.pair_mut(side).learn(frame, measured, record, opposite_parts)
         {
             learned_s = 0.5 * HOP_S;
             self.inter_axle.learned();

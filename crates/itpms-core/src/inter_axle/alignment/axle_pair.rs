@@ -1,6 +1,6 @@
 //! One side of the car: what the front met, read again where the rear is now, and cut into frames of both.
 
-use nalgebra::Complex;
+use nalgebra::{Complex, SVector};
 
 use crate::belief::measurement::{BINS, SideMeasurement, UpdateRecord};
 use crate::belief::state::{GAIN, SKEW_UNIT_S, State, read_compliance};
@@ -26,6 +26,8 @@ pub(crate) const SLOWEST_M_S: f64 = 2.8;
 const FORGET_S: f64 = 2.0;
 /// Hops after a restart until the instruments have forgotten that they began at rest.
 const SETTLING_HOPS: u32 = 5;
+/// Seconds without a frame, while the other side had some, after which the other side's coherence counts, too.
+const MISSED_S: f64 = 0.5;
 /// Seconds without a frame after which a side counts as not shared.
 const STALE_S: f64 = 1.0;
 /// Pseudo-measurements of a side's spectra without a frame between them, after which the side is left to pseudo-measurements: some five seconds of both
@@ -291,18 +293,28 @@ impl<T: Real> AxlePair<T> {
         (read.speed_m_s > T::lit(SLOWEST_M_S)).then(|| (read, read_s, T::lit(entry.time_s - then_s)))
     }
 
-    /// What a frame is worth to a belief whose most likely state this is, into `out`; `None` if the road does not exceed the sensors'
-    /// noise.
+    /// The other side's incoherence in every bin, if there were frames of it while this side had none before a time in s.
+    pub(crate) fn found_meanwhile(&self, other: &Self, time_s: f64) -> Option<SVector<T, BINS>> {
+        let missed = other.learned_until_s - self.learned_until_s > MISSED_S;
+        (missed && time_s - other.learned_until_s < MISSED_S).then(|| other.coherence.incoherence())
+    }
+
+    /// What a frame is worth to a belief whose most likely state this is, into `out`; `None` if the road is not heard over the sensors'
+    /// noise. `meanwhile`: the other side's incoherence, if only that side had frames of late.
     #[inline(never)]
     pub(crate) fn measure(
         &mut self,
         frame: &AxleFrame<T>,
         wheels: &[Wheel<T>; 2],
         state: &State<T>,
+        meanwhile: Option<SVector<T, BINS>>,
         out: &mut Measured<T>,
     ) -> Option<()> {
         if !(frame.middle_s - self.learned_until_s < FORGET_S) {
             self.coherence.restart();
+        }
+        if let Some(other) = meanwhile {
+            self.coherence.follow(&other);
         }
         self.spectral_updates = 0;
         let side = self.side;
@@ -320,21 +332,23 @@ impl<T: Real> AxlePair<T> {
         *expected =
             self.coherence.expect(&road_power, &noise, |bin| road.expected_products(bin), frame.stretch);
         *instrument = instrument_slope(frame, &frf_ratios, wheels, side, state);
-        *weight = frame.frame.seen * self.snr_weight();
+        *weight = self.coherence.weight() * frame.frame.seen * self.snr_weight();
         *incoherent_s = self.fading() * T::lit(HOP_S);
         Some(())
     }
 
-    /// Learns from what the belief made of a frame; true if the road was shared.
+    /// Learns from what the belief made of a frame; true if the road was shared. `opposite_parts`: the other side's roads seem
+    /// to part.
     pub(crate) fn learn(
         &mut self,
         frame: &AxleFrame<T>,
         measured: &Measured<T>,
         record: &UpdateRecord<T>,
+        opposite_parts: bool,
     ) -> bool {
         self.frf_correction.learn(&frame.frame, &measured.common, record.weight);
         let Measured { measurement, noise, .. } = measured;
-        self.coherence.learn(&measurement.expected, record, noise, T::lit(HOP_S));
+        self.coherence.learn(&measurement.expected, record, noise, T::lit(HOP_S), opposite_parts);
         self.hop_excess.take(&self.coherence.incoherence(), T::lit(HOP_S));
         self.learned_until_s = frame.middle_s;
         self.coherence.near_wheel_hop() < T::lit(NOT_SHARED)
@@ -399,6 +413,11 @@ impl<T: Real> AxlePair<T> {
         }
     }
 
+    /// Whether the last frame showed roads that part.
+    pub(crate) fn is_parting(&self) -> bool {
+        self.coherence.is_parting()
+    }
+
     /// How much more front and rear disagree near wheel hop than beside it, once enough was seen.
     pub(crate) fn hop_excess(&self) -> Option<T> {
         self.hop_excess.value()
@@ -437,5 +456,26 @@ impl<T: Real> PairingContext<'_, T> {
         let axles = self.axles();
         let of = |axle: usize| axles[axle].road_velocity(&core::array::from_fn(|i| both[axle * SEEN + i]));
         [(T::one() + self.state[GAIN + side.min(1)]) * of(0), of(1)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::memory::configured;
+
+    #[test]
+    fn the_other_side_counts_where_it_had_frames_and_this_one_had_none() {
+        let track = |learned_until_s: f64| {
+            configured(|pair: &mut AxlePair<f64>| {
+                pair.configure(0, 0.01, [0.0; 2]);
+                pair.learned_until_s = learned_until_s;
+            })
+        };
+        let counts = |own_s: f64, other_s: f64| track(own_s).found_meanwhile(&track(other_s), 10.0).is_some();
+        assert!(counts(8.7, 9.9) && counts(f64::NEG_INFINITY, 9.9));
+        // It has just had frames itself; both were silent; the other one longer.
+        assert!(!counts(9.8, 9.9) && !counts(3.0, 4.0) && !counts(9.8, 8.0));
+        assert!(!counts(f64::NEG_INFINITY, f64::NEG_INFINITY));
     }
 }

@@ -20,11 +20,15 @@ const LARGEST_MORE: f64 = 0.01;
 const COUNTED: f64 = 1.5;
 /// Incoherence per squared logarithm of the speeds' ratio: filters that work in time see another road at another speed.
 const STRETCHED: f64 = 8.0;
-/// Incoherence near wheel hop at which a belief fades half as fast as it would.
+/// Incoherence near wheel hop at which frames count half.
 const DOUBTED: f64 = 0.4;
 /// Time constants in s of the incoherence and of the road's power.
 const INCOHERENCE_S: f64 = 2.0;
 const POWER_S: f64 = 1.0;
+/// Where frames of both sides show so many times what is believed, roads are parting, as at the beginning of a bend: frames are
+/// believed too much until this is seen, so it is seen with this time constant in s. (A tire that falls is on one side.)
+const PARTING: f64 = 6.0;
+const PARTING_S: f64 = 0.3;
 /// Time constant in s in which incoherence becomes lasting; it ends at once. The most that counts of it: two seconds of a bend,
 /// in which nothing is shared, would else count like 2 cm beside the track for good.
 const LASTING_S: f64 = 20.0;
@@ -39,11 +43,13 @@ pub(crate) struct Coherence<T: Real> {
     /// Road power per bin; zero before the first frame.
     power: SVector<T, BINS>,
     frames: u32,
+    /// Whether the last frame showed roads that part.
+    parting: bool,
     /// Incoherence near wheel hop that has lasted.
     lasting: T,
 }
 
-blank!(Coherence<T> { incoherence, power, frames, lasting });
+blank!(Coherence<T> { incoherence, power, frames, parting, lasting });
 
 impl<T: Real> Coherence<T> {
     pub(crate) fn new() -> Self {
@@ -51,6 +57,7 @@ impl<T: Real> Coherence<T> {
             incoherence: SVector::repeat(T::lit(START)),
             power: SVector::zeros(),
             frames: 0,
+            parting: false,
             lasting: T::zero(),
         }
     }
@@ -63,6 +70,11 @@ impl<T: Real> Coherence<T> {
     /// Incoherence in every bin.
     pub(crate) fn incoherence(&self) -> SVector<T, BINS> {
         self.incoherence
+    }
+
+    /// The other side has found this incoherence meanwhile: what makes roads part, such as a bend, mostly does so on both sides.
+    pub(crate) fn follow(&mut self, other: &SVector<T, BINS>) {
+        self.incoherence = self.incoherence.sup(other);
     }
 
     /// Road power that is usual in every bin: in a first frame that of its bins together, as a single bin's is anything
@@ -103,31 +115,48 @@ impl<T: Real> Coherence<T> {
         Expectation { power, information }
     }
 
-    /// Learns from a frame and what remained of it: power over what was expected, per bin.
+    /// Learns from a frame and what remained of it: power over what was expected, per bin. `beside`: the other side's roads
+    /// seem to part.
     pub(crate) fn learn(
         &mut self,
         expected: &Expectation<T>,
         record: &UpdateRecord<T>,
         noise: &[T; BINS],
         seconds: T,
+        beside: bool,
     ) {
         let UpdateRecord { prefit: found, power_ratio: ratio, .. } = record;
         let gain = |time_s: f64| T::one() - (-seconds / T::lit(time_s)).exp();
         self.frames = self.frames.saturating_add(1);
         let count = T::one() / T::lit(f64::from(self.frames) + COUNTED);
         let (power, usual) = (gain(POWER_S), gain(INCOHERENCE_S).max(count));
+        let parting = gain(PARTING_S).max(count);
+        self.parting = false;
         let (usual_power, road) = (self.usual(&found.road_power), self.road(&found.road_power));
         for (bin, &ratio) in ratio.iter().enumerate() {
             let now = found.road_power[bin];
             let believed = self.incoherence[bin];
             let most = believed * T::lit(LARGEST_STEP) + T::lit(LARGEST_MORE);
             let seen = ((expected.power[bin] * ratio - noise[bin]) / road[bin]).min(most);
-            self.incoherence[bin] = (believed + usual * (seen - believed)).clamp(T::lit(LEAST), T::lit(MOST));
+            let parts = seen > T::lit(PARTING) * believed;
+            self.parting |= parts;
+            let gain = if parts && beside { parting } else { usual };
+            self.incoherence[bin] = (believed + gain * (seen - believed)).clamp(T::lit(LEAST), T::lit(MOST));
             self.power[bin] = usual_power[bin] + power * (now - usual_power[bin]);
         }
         let now = self.near_wheel_hop();
         let counted = now.min(T::lit(MOST_LASTING));
         self.lasting = (self.lasting + gain(LASTING_S) * (counted - self.lasting)).min(now);
+    }
+
+    /// Whether the last frame showed roads that part.
+    pub(crate) fn is_parting(&self) -> bool {
+        self.parting
+    }
+
+    /// How far frames are believed: little, once front and rear hardly share a road.
+    pub(crate) fn weight(&self) -> T {
+        within(self.near_wheel_hop(), DOUBTED)
     }
 
     /// How fast the belief fades.
@@ -167,6 +196,11 @@ mod tests {
 
     /// Frames of `seconds` on a road of unit power of which this share is not common; gives what of it counts as lasting.
     fn drive(coherence: &mut Coherence<f64>, seconds: f64, share: f64) -> f64 {
+        drive_beside(coherence, seconds, share, true)
+    }
+
+    /// The same, the other side's roads parting or not.
+    fn drive_beside(coherence: &mut Coherence<f64>, seconds: f64, share: f64, beside: bool) -> f64 {
         let found = AxleResidual {
             rows: SVector::zeros(),
             slope: SMatrix::zeros(),
@@ -182,9 +216,34 @@ mod tests {
                 variance_scale: 1.0,
                 weight: 1.0,
             };
-            coherence.learn(&expected, &record, &[0.0; BINS], 0.1);
+            coherence.learn(&expected, &record, &[0.0; BINS], 0.1, beside);
         }
         coherence.lasting()
+    }
+
+    #[test]
+    fn roads_that_part_are_seen_at_once_and_a_pothole_is_none() {
+        let mut coherence = Coherence::new();
+        drive(&mut coherence, 60.0, 0.002);
+        let before = coherence.near_wheel_hop();
+        assert!(before < 0.0021, "{before}");
+        let mut pothole = coherence.clone();
+        drive(&mut pothole, 0.1, 1.0);
+        // A step of 1 - exp(-0.1 s/0.3 s) towards thirty times as much and a hundredth.
+        let closed_form = before + (1.0 - (-1.0 / 3.0_f64).exp()) * (29.0 * before + 0.01);
+        assert!((pothole.near_wheel_hop() - closed_form).abs() < 1e-12);
+        assert!(pothole.weight() > 0.99);
+        // What is on one side is a tire that falls, or one wheel's hole: seen with the usual 2 s.
+        let mut one_side = coherence.clone();
+        drive_beside(&mut one_side, 0.1, 1.0, false);
+        let closed_form = before + (1.0 - (-0.05_f64).exp()) * (29.0 * before + 0.01);
+        assert!(one_side.is_parting() && (one_side.near_wheel_hop() - closed_form).abs() < 1e-12);
+        // A bend, roads that have nothing in common: a sixth of that is seen in half a second, and within a second frames count
+        // less than half. With the usual 2 s, and a quarter more from frame to frame at most, it would have been 2.4 s.
+        drive(&mut coherence, 0.5, 1.0);
+        assert!(coherence.near_wheel_hop() > 1.0 / PARTING, "{}", coherence.near_wheel_hop());
+        drive(&mut coherence, 0.5, 1.0);
+        assert!(coherence.weight() < 0.5, "{}", coherence.near_wheel_hop());
     }
 
     #[test]
@@ -195,6 +254,22 @@ mod tests {
         // Half the mean of all five, of which a fifth need not be common: not a millionth of what the others have.
         assert!((expected.power[1] - START * 0.5 * 0.8).abs() < 1e-6, "{}", expected.power[1]);
         assert!((expected.power[0] - START * 0.5 * 1.8).abs() < 1e-6, "{}", expected.power[0]);
+    }
+
+    #[test]
+    fn a_side_that_was_silent_shares_no_more_than_the_other_one_found() {
+        let (mut silent, mut other) = (Coherence::new(), Coherence::new());
+        drive(&mut silent, 60.0, 0.02);
+        drive(&mut other, 60.0, 0.02);
+        drive(&mut other, 1.5, 1.0);
+        let mut informed = silent.clone();
+        informed.follow(&other.incoherence());
+        assert_eq!(informed.near_wheel_hop(), other.near_wheel_hop());
+        assert!(silent.weight() > 0.99 && informed.weight() < 0.5, "{}", informed.weight());
+        // What it has found worse by itself stays.
+        let lasting = other.lasting();
+        other.follow(&silent.incoherence());
+        assert!(other.near_wheel_hop() == informed.near_wheel_hop() && other.lasting() == lasting);
     }
 
     #[test]
