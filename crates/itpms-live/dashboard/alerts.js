@@ -7,7 +7,7 @@ const KINDS = {
   "under-inflated": ["low", "Low"],
   "fast-leak": ["low", "Fast leak"],
   "all-low": ["low", "All low"],
-  "common-shift": ["unknown", "All shifted"],
+  "common-shift": ["unknown", "Shifted together"],
   "over-inflated": ["over", "Too high"],
   flat: ["low", "Flat, on its rim"],
   malfunction: ["malfunction", "Malfunction"],
@@ -44,7 +44,7 @@ function reason(alert) {
     case "all-low":
       return `at ${n(100 * alert.mean_share)} ± ${n(100 * alert.sd_share)} % of their reference on average`;
     case "common-shift":
-      return `at ${n(100 * alert.mean_share)} ± ${n(100 * alert.sd_share)} % of what the stored calibration expects: tires, wheels or dampers were changed, or all were filled otherwise`;
+      return `at ${n(100 * alert.mean_share)} ± ${n(100 * alert.sd_share)} % of what the stored calibration expects: tires, wheels or dampers were changed, or all of them were filled otherwise`;
     case "no-information":
       return `nothing learned in ${n(alert.driven_s / 60)} min of driving`;
     default:

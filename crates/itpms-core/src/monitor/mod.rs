@@ -305,7 +305,8 @@ impl<T: Real> Monitor<T> {
         self.report.begin(estimate.time_s, self.ahead_s);
         let all_low = self.all_low.cause().map(|cause| alert(self.all_low.debouncer(), self.all(), cause));
         self.report.put(ALL_LOW_SLOT, all_low);
-        let shift = self.all_low.shift_cause().map(|cause| alert(self.all_low.shift(), self.all(), cause));
+        let shift = self.all_low.shift_cause();
+        let shift = shift.map(|(wheels, cause)| alert(self.all_low.shift(), wheels, cause));
         self.report.put(COMMON_SHIFT_SLOT, shift);
         for (corner, estimate) in Corner::ALL.into_iter().zip(&estimate.corners) {
             if let Some(estimate) = estimate {

@@ -48,7 +48,7 @@ pub enum Cause<T> {
         /// Its standard deviation.
         sd_share: T,
     },
-    /// All wheels together read otherwise than a calibration of an earlier day: tires, wheels or dampers were changed, or all are too low
+    /// All wheels, or those of an axle, together read otherwise than a calibration of an earlier day: tires, wheels or dampers were changed, or all are too low
     /// or too high. Accelerations do not part the two.
     CommonShift {
         /// Mean of pressure over reference.
@@ -211,11 +211,12 @@ impl<T: Real> fmt::Display for Alert<T> {
                 let all = if mean < 100.0 { "under" } else { "over" };
                 write!(
                     f,
-                    "all tires read {mean:.0} % (sd {sd:.0}) of what the stored calibration expects: changed tires, "
+                    "{}: the tires together read {mean:.0} % (sd {sd:.0}) of what the stored calibration expects: changed tires, ",
+                    self.wheels
                 )?;
                 write!(
                     f,
-                    "wheels or dampers, or all {all}-inflated; check the pressures, then calibrate again"
+                    "wheels or dampers, or all of them {all}-inflated; check the pressures, then calibrate again"
                 )?;
             }
             Cause::OverInflated(reading) => write!(f, "{} over-inflated: {reading}", self.wheels)?,

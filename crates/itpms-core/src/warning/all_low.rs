@@ -1,9 +1,9 @@
 //! All wheels together: a slow loss of all four is more certain in their mean than in any one of them. Against a calibration of an earlier
-//! day it may as well be the car that has changed, which is reported as what it is.
+//! day it may as well be the car that has changed, as a whole or by axle, which is reported as what it is.
 
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
 use crate::memory::blank;
-use crate::model::{CarEstimate, Level};
+use crate::model::{CarEstimate, Corner, Level, Wheels};
 use crate::real::Real;
 use crate::warning::low::is_learning;
 use crate::warning::{Cause, Limits, NOT_HEALTHY, ONE_SIDED_95};
@@ -26,9 +26,12 @@ pub(crate) struct AllLow<T> {
     shift: Debouncer,
     mean_share: T,
     sd_share: T,
+    /// What shifted: which wheels, and their mean with its sd.
+    shifted: Wheels,
+    shifted_share: [T; 2],
 }
 
-blank!(AllLow<T> { debouncer, shift, mean_share, sd_share });
+blank!(AllLow<T> { debouncer, shift, mean_share, sd_share, shifted, shifted_share });
 
 impl<T: Real> AllLow<T> {
     pub(crate) fn new() -> Self {
@@ -37,6 +40,8 @@ impl<T: Real> AllLow<T> {
             shift: Debouncer::new(),
             mean_share: T::one(),
             sd_share: T::zero(),
+            shifted: Wheels::NONE,
+            shifted_share: [T::one(), T::zero()],
         }
     }
 
@@ -54,10 +59,10 @@ impl<T: Real> AllLow<T> {
         &self.shift
     }
 
-    /// Why a shift is reported, while it is.
-    pub(crate) fn shift_cause(&self) -> Option<Cause<T>> {
-        let (mean_share, sd_share) = (self.mean_share, self.sd_share);
-        self.shift.is_active().then_some(Cause::CommonShift { mean_share, sd_share })
+    /// Why a shift is reported, and of which wheels, while it is.
+    pub(crate) fn shift_cause(&self) -> Option<(Wheels, Cause<T>)> {
+        let [mean_share, sd_share] = self.shifted_share;
+        self.shift.is_active().then_some((self.shifted, Cause::CommonShift { mean_share, sd_share }))
     }
 
     /// Takes what was estimated over the last `step_s` seconds. It takes all four wheels and something learned of each to say it;
@@ -90,11 +95,29 @@ impl<T: Real> AllLow<T> {
             Evidence::Undecided
         };
         self.debouncer.update(estimate.time_s, step_s, evidence, ALL_LOW);
-        let off = (shares.mean - T::one()).abs();
         // What would be fine for one tire is fine for all.
-        let far = off > T::one() - limits.low_clears_share && off > T::lit(ONE_SIDED_95) * shares.sd;
-        let shifted = if shares.stored && far { Evidence::Prefailed } else { Evidence::Prepassed };
-        self.shift.update(estimate.time_s, step_s, shifted, SHIFTED);
+        let far = |shares: &Shares<T>| {
+            let off = (shares.mean - T::one()).abs();
+            shares.stored
+                && off > T::one() - limits.low_clears_share
+                && off > T::lit(ONE_SIDED_95) * shares.sd
+        };
+        let [front, rear] = [0..2, 2..4].map(|axle| {
+            Shares::of_wheels(estimate, reference_kpa, |i| axle.contains(&i)).filter(|shares| far(shares))
+        });
+        let (wheels, shifted) = match (&front, &rear) {
+            (Some(front), None) => (&Corner::ALL[..2], Some(front)),
+            (None, Some(rear)) => (&Corner::ALL[2..], Some(rear)),
+            _ => (&Corner::ALL[..], Some(&shares).filter(|shares| far(shares))),
+        };
+        let evidence = if let Some(shares) = shifted {
+            self.shifted = wheels.iter().copied().collect();
+            self.shifted_share = [shares.mean, shares.sd];
+            Evidence::Prefailed
+        } else {
+            Evidence::Prepassed
+        };
+        self.shift.update(estimate.time_s, step_s, evidence, SHIFTED);
     }
 }
 
@@ -114,7 +137,16 @@ struct Shares<T> {
 impl<T: Real> Shares<T> {
     /// `None` where nothing is learned of any wheel.
     fn of(estimate: &CarEstimate<T>, reference_kpa: [T; 4]) -> Option<Self> {
-        let learned = |i: usize| estimate.corners[i].as_ref().filter(|corner| is_learning(corner));
+        Self::of_wheels(estimate, reference_kpa, |_| true)
+    }
+
+    /// The same of some wheels.
+    fn of_wheels(
+        estimate: &CarEstimate<T>,
+        reference_kpa: [T; 4],
+        of: impl Fn(usize) -> bool,
+    ) -> Option<Self> {
+        let learned = |i: usize| estimate.corners[i].as_ref().filter(|corner| of(i) && is_learning(corner));
         let share: [Option<T>; 4] =
             core::array::from_fn(|i| learned(i).map(|corner| corner.pressure_kpa / reference_kpa[i]));
         let sd: [T; 4] = core::array::from_fn(|i| {

@@ -304,6 +304,20 @@ fn a_shift_of_all_since_another_day_is_no_loss() {
     let causes: Vec<_> = report.alerts().map(|alert| alert.cause.label()).collect();
     assert_eq!(causes, ["common-shift"]);
     assert!(Corner::ALL.iter().all(|corner| state(report, *corner) == WheelState::Unknown(Doubt::Uncertain)));
+    // An axle by itself: new tires in front, or both front tires low; the rear ones are fine.
+    let mut drive = Drive::new();
+    let front = Said { kpa: [0.8 * 241.3, 0.8 * 241.3, 241.3, 241.3], sd: 10.0, ..stored(241.3) };
+    let report = drive.on(200.0, &front);
+    let shifted: Vec<_> =
+        report.alerts().map(|alert| (alert.cause.label(), alert.wheels.to_string())).collect();
+    assert_eq!(shifted, [("common-shift", "fl fr".to_owned())]);
+    assert_eq!(state(report, Corner::FrontLeft), WheelState::Unknown(Doubt::Uncertain));
+    assert_eq!(state(report, Corner::RearLeft), WheelState::Fine);
+    // One tire of it is that tire.
+    let mut drive = Drive::new();
+    let single = Said { kpa: [0.7 * 241.3, 241.3, 241.3, 241.3], sd: 10.0, ..stored(241.3) };
+    let report = drive.on(200.0, &single);
+    assert_eq!(state(report, Corner::FrontLeft), WheelState::Low);
     // By 3 % is nothing.
     let mut drive = Drive::new();
     assert!(drive.on(200.0, &stored(0.97 * 241.3)).alerts().next().is_none());

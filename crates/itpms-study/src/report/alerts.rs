@@ -79,9 +79,9 @@ fn line(span: &AlertSpan) -> Line {
         Cause::CommonShift { mean_share, sd_share } => {
             let [mean, sd] = [mean_share, sd_share].map(|share| 100.0 * share);
             let why = format!(
-                "at {mean:.0} ± {sd:.0} % of what the stored calibration expects: changed tires, wheels or dampers, or all four filled otherwise; check the pressures, then calibrate again"
+                "at {mean:.0} ± {sd:.0} % of what the stored calibration expects: changed tires, wheels or dampers, or all of them filled otherwise; check the pressures, then calibrate again"
             );
-            ("unknown", "All shifted", why)
+            ("unknown", "Shifted together", why)
         }
         Cause::OverInflated(r) => ("over", "Too high", at(r)),
         Cause::Flat(r) => ("low", "Flat, on its rim", format!("as hard as {}", at(r))),
