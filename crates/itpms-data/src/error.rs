@@ -307,9 +307,9 @@ pub enum Problem {
         backwards: u64,
         /// Rows read.
         rows: u64,
-        /// Where the last run of such rows began.
+        /// The first row with which time went back.
         place: Place,
-        /// Time of the row before in s.
+        /// Time of the row before it in the file in s.
         from_s: f64,
         /// Time of the row in s.
         to_s: f64,
