@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from . import _itpms
 from ._errors import LogError, SettingError
-from ._files import write
+from ._itpms import write
 from ._pieces import MEANT, TABLE, taken
 from ._progress import progress_bar
 from ._result import Result

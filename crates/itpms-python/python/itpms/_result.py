@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from . import _itpms
 from ._errors import SettingError
-from ._files import write
+from ._itpms import write
 from ._kept import Kept
 from ._tables import Columns, Kind, columns_of, table_of, unpacked
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from . import _itpms
 from ._check import Checked, check
-from ._files import write
+from ._itpms import write
 from ._learn import Pressures, learn
 
 
