@@ -21,9 +21,9 @@ class Vehicle:
     def typical(
         mass_kg: float,
         front_share: float,
-        tire: str,
-        car_class: str,
-        placard_kpa: float,
+        tire: str | tuple[str, str],
+        car_class: str | None,
+        placard_kpa: float | tuple[float, float],
         wheelbase_m: float | None,
         name: str | None,
     ) -> Vehicle: ...

@@ -53,10 +53,10 @@ class Vehicle:
         cls,
         mass_kg: float,
         front_share: float,
-        tire: str,
+        tire: str | tuple[str, str],
         *,
-        car_class: str = "sedan",
-        placard_kpa: float = 240.0,
+        car_class: str | None = None,
+        placard_kpa: float | tuple[float, float] = 240.0,
         wheelbase_m: float | None = None,
         name: str | None = None,
     ) -> Vehicle:
@@ -65,9 +65,9 @@ class Vehicle:
         Args:
             mass_kg: Ready to drive, from the registration papers.
             front_share: Share of it that rests on the front axle.
-            tire: Size as on the sidewall, such as ``205/55R16``.
-            car_class: ``compact``, ``sedan``, ``suv`` or ``van``.
-            placard_kpa: Pressure on the placard, gauge.
+            tire: Size as on the sidewall, such as ``205/55R16``; where the axles differ, a tuple of front and rear.
+            car_class: ``compact``, ``sedan`` (unless given), ``suv`` or ``van``.
+            placard_kpa: Pressure on the placard, gauge; where the axles differ, a tuple of front and rear.
             wheelbase_m: Distance between the axles; that of other cars of the class unless given.
             name: What the car is called.
 
