@@ -40,6 +40,7 @@ def estimate(
     trust_units: bool = False,
     dbc: str | PathLike[str] | None = None,
     signals: Signals = None,
+    pressure_unit: str = "kpa",
     progress: bool | None = None,
 ) -> Result:
     """Estimates tire pressures, their standard deviations and the road from a drive.
@@ -68,6 +69,7 @@ def estimate(
         dbc: For a CAN log: what the frames mean.
         signals: Which signal, or column of a table, is which of our columns, and its unit: a map as ``itpms signals`` writes it, or
             a dict such as ``{"speed_m_s": "v", "fl_body_accel_m_s2": {"signal": "a", "unit": "g"}}``.
+        pressure_unit: ``kpa``, ``bar`` or ``psi``: the unit of the report and of the sentences. Numbers are in kPa.
         progress: Show how far it is with tqdm (``pip install itpms[progress]``); unless given, in a notebook that has tqdm.
 
     Raises:
@@ -88,6 +90,7 @@ def estimate(
         "road_repeats": road_repeats,
         "trust_units": trust_units,
         "dbc": dbc,
+        "pressure_unit": pressure_unit,
     }
     if isinstance(drive, Simulation):
         vehicle = drive.vehicle if vehicle is None else vehicle
@@ -222,6 +225,7 @@ class Car:
         car = vehicle_of(vehicle)
         options = {
             "rate_hz": 10.0,
+            "pressure_unit": "kpa",
             "road": False,
             "report": False,
             "estimator": estimator,

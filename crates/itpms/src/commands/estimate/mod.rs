@@ -73,6 +73,7 @@ fn settings(args: &EstimateArgs) -> Settings {
         calibrate_s: args.calibrate_s,
         reference: args.reference.clone(),
         rate_hz: args.rate,
+        pressure_unit: args.unit.pressure_unit,
     }
 }
 
