@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from os import PathLike
 from pathlib import Path
 from threading import Lock
-from typing import Any, overload
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -22,6 +22,11 @@ from ._result import Result
 from ._signals import Signals, map_file
 from ._tables import Columns, Kind, collected, columns_of, kind_of, numbers, table_of, unpacked, usual
 from ._vehicle import Vehicle, vehicle_of
+
+if TYPE_CHECKING:
+    import pandas
+    import polars
+    import pyarrow
 
 
 def estimate(
@@ -119,6 +124,16 @@ class Simulation:
         self.kind: Kind = kind
         self.columns: Columns = unpacked(inner.columns())
 
+    @overload
+    def frame(self, kind: Literal["pandas"]) -> pandas.DataFrame: ...
+    @overload
+    def frame(self, kind: Literal["polars"]) -> polars.DataFrame: ...
+    @overload
+    def frame(self, kind: Literal["pyarrow"]) -> pyarrow.Table: ...
+    @overload
+    def frame(self, kind: Literal["numpy", "dict"]) -> Columns: ...
+    @overload
+    def frame(self, kind: None = None) -> Any: ...
     def frame(self, kind: Kind | None = None) -> Any:
         """The drive log as a table: ``time_s``, ``speed_m_s`` and per corner accelerations, pressure and road."""
         return table_of(self.columns, kind or self.kind)

@@ -11,6 +11,7 @@ from . import _itpms
 from ._check import Checked, check
 from ._itpms import write
 from ._learn import Pressures, learn
+from ._signals import Signals
 
 
 class Vehicle:
@@ -105,7 +106,7 @@ class Vehicle:
         *,
         trust_units: bool = False,
         dbc: str | PathLike[str] | None = None,
-        signals: str | PathLike[str] | None = None,
+        signals: Signals = None,
         progress: bool | None = None,
     ) -> Learned:
         """Learns what drives at known pressures tell of the car, as ``itpms vehicle learn`` does; the car itself stays as it is.
@@ -120,7 +121,7 @@ class Vehicle:
                 (``fl``, ``fr``, ``rl``, ``rr``); with several drives one for all, or a list of one for each.
             trust_units: As in :func:`itpms.estimate`, like the following.
             dbc: For CAN logs: what the frames mean.
-            signals: A map of names and units.
+            signals: A map of names and units, or a dict.
             progress: As in :func:`itpms.estimate`.
 
         Raises:
@@ -136,7 +137,7 @@ class Vehicle:
         *,
         trust_units: bool = False,
         dbc: str | PathLike[str] | None = None,
-        signals: str | PathLike[str] | None = None,
+        signals: Signals = None,
         progress: bool | None = None,
     ) -> Checked:
         """Holds the car's suspension against a drive, as ``itpms vehicle check`` does.
@@ -148,7 +149,7 @@ class Vehicle:
             drive: A path or a table as for :func:`itpms.estimate`.
             trust_units: As in :func:`itpms.estimate`, like the following.
             dbc: For CAN logs: what the frames mean.
-            signals: A map of names and units.
+            signals: A map of names and units, or a dict.
             progress: As in :func:`itpms.estimate`.
 
         Raises:
