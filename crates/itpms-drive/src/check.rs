@@ -12,6 +12,7 @@ use crate::error::DriveError;
 use crate::run::{Fit, ROWS_PER_LOOK, Watch};
 use crate::settings::Settings;
 use crate::summary::fit_json;
+use crate::time_axis::TimeAxis;
 
 /// Steps of time that are a gap.
 const GAP_STEPS: f64 = 1.5;
@@ -21,7 +22,7 @@ const GAP_STEPS: f64 = 1.5;
 pub struct CheckedVehicle {
     /// Corner by corner, those that the log has measured and the file describes.
     pub corners: Vec<CornerCheck>,
-    /// What was repaired in the log, a sentence each.
+    /// What contradicts itself in the log, and what was repaired, a sentence each.
     pub concerns: Vec<String>,
     vehicle: String,
     log: String,
@@ -33,7 +34,7 @@ pub struct CheckedVehicle {
 /// No corner in common; the log cannot be read on; [`DriveError::Stopped`].
 pub fn check(vehicle: &Vehicle, log: &mut LogReader, watch: Watch<'_>) -> Result<CheckedVehicle, DriveError> {
     let corners = common_corners(log, vehicle)?;
-    let (spectra, fits) = listen(vehicle, log, &corners, watch)?;
+    let (spectra, fits, contradiction) = listen(vehicle, log, &corners, watch)?;
     let checked = corners.iter().zip(&spectra).filter_map(|(corner, spectra)| {
         let mut check = CornerCheck::of(corner.label(), spectra, suspension(vehicle, *corner)?);
         check.fit = fits[corner.index()];
@@ -42,24 +43,25 @@ pub fn check(vehicle: &Vehicle, log: &mut LogReader, watch: Watch<'_>) -> Result
     let name = log.path().file_name().unwrap_or(log.path().as_os_str());
     Ok(CheckedVehicle {
         corners: checked.collect(),
-        concerns: log.repairs().warnings(),
+        concerns: contradiction.into_iter().chain(log.repairs().warnings()).collect(),
         vehicle: vehicle.name.clone(),
         log: name.to_string_lossy().into_owned(),
     })
 }
 
-/// The spectra of all rows, corner by corner, and what an estimator that is told no more than the file says at their end of how body and
-/// wheel go together, in the order of [`Corner::ALL`].
+/// The spectra of all rows, corner by corner; what an estimator that is told no more than the file says at their end of how body and
+/// wheel go together, in the order of [`Corner::ALL`]; and what of times, speed and wheels contradicts itself.
 fn listen(
     vehicle: &Vehicle,
     log: &mut LogReader,
     corners: &[Corner],
     watch: Watch<'_>,
-) -> Result<(Vec<CrossSpectra>, [Option<Fit>; 4]), DriveError> {
+) -> Result<(Vec<CrossSpectra>, [Option<Fit>; 4], Option<String>), DriveError> {
     let survey = *log.survey();
     let mut drive = Drive::new(&Settings::default(), vehicle, corners, survey.sample_rate_hz)?;
     let mut spectra: Vec<CrossSpectra> =
         corners.iter().map(|_| CrossSpectra::new(survey.sample_period_s)).collect();
+    let mut axis = TimeAxis::new(vehicle.wheelbase_m);
     let (mut rows, mut before_s) = (0u64, f64::NAN);
     while let Some(mut row) = log.next_row()? {
         if rows.is_multiple_of(ROWS_PER_LOOK) && watch(log.progress()).is_break() {
@@ -77,9 +79,10 @@ fn listen(
                 None => spectra.gap(),
             }
         }
+        axis.take(&row);
         drive.update(&mut row);
     }
-    Ok((spectra, Corner::ALL.map(|corner| drive.fit(corner))))
+    Ok((spectra, Corner::ALL.map(|corner| drive.fit(corner)), axis.contradiction()))
 }
 
 fn suspension(vehicle: &Vehicle, corner: Corner) -> Option<Suspension> {
