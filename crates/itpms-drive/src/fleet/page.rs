@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 
 use itpms_core::model::PressureUnit;
 use itpms_data::out::AtomicFile;
+use itpms_study::page::{percent_style, whole_percent};
 use itpms_study::plot::{Figure, Ink, escape};
 use itpms_study::report::BASE_STYLE;
 
@@ -36,7 +37,7 @@ fn page(plan: &Plan, outcome: &Outcome) -> String {
     let unit = plan.settings.pressure_unit;
     let parts: [(&str, String); 9] = [
         ("headline", headline),
-        ("base_style", BASE_STYLE.into()),
+        ("base_style", BASE_STYLE.to_owned() + &percent_style()),
         ("style", STYLE.into()),
         ("subline", subline(outcome, &cars)),
         ("cards", cards(&cars)),
@@ -45,14 +46,7 @@ fn page(plan: &Plan, outcome: &Outcome) -> String {
         ("drives", drives_table(&outcome.drives, unit) + &failed_table(outcome)),
         ("provenance", provenance(plan)),
     ];
-    let (mut page, mut rest) = (String::new(), TEMPLATE);
-    while let Some((before, after)) = rest.split_once("{{") {
-        page.push_str(before);
-        let (name, after) = after.split_once("}}").unwrap_or(("", after));
-        page.extend(parts.iter().filter(|(key, _)| *key == name).map(|(_, text)| text.as_str()));
-        rest = after;
-    }
-    page + rest
+    itpms_study::page::page(TEMPLATE, &parts)
 }
 
 /// `3 of 12 cars have a low tire`: the most urgent thing there is.
@@ -118,7 +112,8 @@ fn cards(cars: &[CarStanding<'_>]) -> String {
         let _ = writeln!(
             out,
             "<div class=\"card {class}{none}\"><span class=\"badge {class}\">{word}</span><span class=\"card-number\">{n}</span>\
-             <span class=\"bar\"><i style=\"width:{share:.1}%\"></i></span><span class=\"card-foot\">{share:.0} % of the cars</span></div>",
+             <span class=\"bar\"><i class=\"w{}\"></i></span><span class=\"card-foot\">{share:.0} % of the cars</span></div>",
+            whole_percent(share),
             none = if n == 0 { " none" } else { "" },
             word = word(state),
         );
@@ -206,11 +201,11 @@ fn wheel_cell(drive: &DriveRecord, name: &str, unit: PressureUnit) -> String {
     let percent = 100.0 * last.pressure_kpa / wheel.placard_kpa;
     format!(
         "<td class=\"wheel {class}\" data-label=\"{short}\"><b>{}</b> <small>± {} {unit}</small>\
-         <span class=\"gauge\" title=\"{percent:.0} % of the placard's {} {unit}\"><i style=\"width:{:.1}%\"></i></span></td>",
+         <span class=\"gauge\" title=\"{percent:.0} % of the placard's {} {unit}\"><i class=\"w{}\"></i></span></td>",
         unit.number(last.pressure_kpa, 0),
         unit.number(last.sd_kpa, 0),
         unit.number(wheel.placard_kpa, 0),
-        (percent * 0.8).clamp(0.0, 100.0),
+        whole_percent(0.8 * percent),
     )
 }
 

@@ -10,6 +10,7 @@ use itpms_core::model::{Level, PressureUnit, Warning};
 
 use super::words::{Status, clock, corner_name, level, reading, sentence, title};
 use super::{CornerReport, ReportData, alerts, car, json, parameters, roads};
+use crate::page::{percent_style, whole_percent};
 use crate::plot::escape;
 
 const TEMPLATE: &str = include_str!("../../assets/report.html");
@@ -25,14 +26,14 @@ pub const PLOT_LICENSE: &str = include_str!("../../assets/uplot/LICENSE");
 /// The charting library uPlot: a script that defines the global `uPlot`.
 pub const PLOT_SCRIPT: &str = include_str!("../../assets/uplot/uPlot.iife.min.js");
 
-/// Fills the template. What is filled in is not searched for further places.
+/// The page as text.
 pub(super) fn page(data: &ReportData) -> io::Result<String> {
     let headline = escape(&title(data));
     let curves = json::curves(data)?;
     let parts: [(&str, String); 19] = [
         ("title", headline.clone()),
         ("plot_style", PLOT_STYLE.into()),
-        ("base_style", BASE_STYLE.into()),
+        ("base_style", BASE_STYLE.to_owned() + &percent_style()),
         ("style", STYLE.into()),
         ("headline", headline),
         ("subline", subline(data)),
@@ -50,18 +51,7 @@ pub(super) fn page(data: &ReportData) -> io::Result<String> {
         ("chart_script", CHART_SCRIPT.into()),
         ("script", SCRIPT.into()),
     ];
-    let mut page = String::with_capacity(200_000);
-    let mut rest = TEMPLATE;
-    while let Some((before, after)) = rest.split_once("{{") {
-        page.push_str(before);
-        let (name, after) = after.split_once("}}").unwrap_or(("", after));
-        if let Some((_, text)) = parts.iter().find(|(key, _)| *key == name) {
-            page.push_str(text);
-        }
-        rest = after;
-    }
-    page.push_str(rest);
-    Ok(page)
+    Ok(crate::page::page(TEMPLATE, &parts))
 }
 
 fn subline(data: &ReportData) -> String {
@@ -146,14 +136,14 @@ fn card(corner: &CornerReport, end_s: f64, unit: PressureUnit) -> String {
 
 /// A bar from nothing to a quarter above the placard's pressure, with the 95 % interval and the placard's mark.
 fn gauge(corner: &CornerReport, pressure_kpa: f64, sd_kpa: f64) -> String {
-    let percent = |p: f64| (80.0 * p / corner.placard_kpa).clamp(0.0, 100.0);
+    let percent = |p: f64| whole_percent(80.0 * p / corner.placard_kpa);
     let half = super::Z_95 * sd_kpa;
     let (from, to) = (percent(pressure_kpa - half), percent(pressure_kpa + half));
     format!(
-        "<span class=\"gauge\" aria-hidden=\"true\"><i class=\"gauge-fill\" style=\"width:{:.1}%\"></i>\
-         <i class=\"gauge-band\" style=\"left:{from:.1}%;width:{:.1}%\"></i><i class=\"gauge-mark\"></i></span>",
+        "<span class=\"gauge\" aria-hidden=\"true\"><i class=\"gauge-fill w{}\"></i>\
+         <i class=\"gauge-band x{from} w{}\"></i><i class=\"gauge-mark\"></i></span>",
         percent(pressure_kpa),
-        to - from,
+        to.saturating_sub(from),
     )
 }
 
