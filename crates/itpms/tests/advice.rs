@@ -108,14 +108,15 @@ fn follow(bench: &Bench, log: &str, dbc: &str, units_are_ours: bool) -> bool {
     let direct = estimate(bench, log, dbc);
     let said = &direct.stderr;
     // As everything that is not refused, it runs again with a map that is written.
-    let listed = bench.run(&format!("signals {log} {dbc} --write-map map.toml"));
+    let listed = bench.run(&format!("signals {log} {dbc} --write-map {log}.toml"));
     let text = listed.success();
     let corners = quoted(text, "Corners with both accelerations: ", "\n").concat();
-    let mapped = format!("{dbc} --signals map.toml");
-    for advice in quoted(said, "a map states it: ", ")") {
-        bench.write("map.toml", format!("[signals]\n{advice}\n"));
-        estimate(bench, log, &mapped).success();
-        return true;
+    let (map, mapped) = (format!("{log}.toml"), format!("{dbc} --signals {log}.toml"));
+    if let Some(advice) = quoted(said, "a map states it: ", ")").first() {
+        bench.write(&map, format!("[signals]\n{advice}\n"));
+        let outcome = estimate(bench, log, &mapped);
+        assert!(!outcome.stderr.contains("looks like"), "{outcome:?}");
+        return outcome.code == Some(0);
     }
     if said.contains("--trust-units") {
         let trusted = estimate(bench, log, &format!("{dbc} --trust-units"));
@@ -124,7 +125,7 @@ fn follow(bench: &Bench, log: &str, dbc: &str, units_are_ours: bool) -> bool {
     }
     let suggestions = quoted(&listed.stderr, "say it in a map, ", " (or");
     if units_are_ours && !suggestions.is_empty() {
-        bench.write("map.toml", bench.read("map.toml") + &suggestions.join("\n") + "\n");
+        bench.write(&map, bench.read(&map) + &suggestions.join("\n") + "\n");
         let outcome = estimate(bench, log, &mapped);
         if suggestions.len() > 1 {
             outcome.success();
@@ -161,12 +162,11 @@ fn advice_about_a_table_works() {
                 if is_clear {
                     for other in ["parquet", "mf4"] {
                         let copy = format!("{log_name}.{other}");
-                        let map = if bench.run(&format!("-q convert {log_name} {copy}")).code == Some(0) {
-                            ""
-                        } else {
-                            " --signals map.toml"
-                        };
-                        bench.run(&format!("-q convert {log_name} {copy}{map}")).success();
+                        if bench.run(&format!("-q convert {log_name} {copy}")).code != Some(0) {
+                            bench
+                                .run(&format!("-q convert {log_name} {copy} --signals {log_name}.toml"))
+                                .success();
+                        }
                         assert!(follow(&bench, &copy, "", ours), "{style:?}: {copy}");
                     }
                 }
