@@ -195,7 +195,7 @@ fn likely_unit(factor: f64) -> &'static str {
         (1.0 / 3.6, " (a speed in m/s taken for km/h?)"),
     ]
     .into_iter()
-    .find(|(of_unit, _)| (factor / of_unit).ln().abs() <= OFF)
+    .find(|(of_unit, _)| (factor / of_unit).ln().abs() <= 0.5 * OFF)
     .map_or("", |(_, words)| words)
 }
 
@@ -363,10 +363,14 @@ mod tests {
         }
         for clock in [2.0, 1.0 / 1.2, 0.5, 3.6, 1.3] {
             let text = verdict(&rows(clock, 0.0, false)).unwrap_or_default();
-            let factor =
-                text.split("factor of ").nth(1).and_then(|rest| rest.split(',').next()?.parse::<f64>().ok());
+            let factor = text
+                .split("factor of ")
+                .nth(1)
+                .and_then(|rest| rest.split([',', ' ']).next()?.parse::<f64>().ok());
             // To a cell and the last row's rounding.
             assert!(factor.is_some_and(|factor| (factor / clock - 1.0).abs() < 0.04), "{clock}: {text}");
+            assert_eq!(text.contains("km/h"), clock == 3.6, "{text}");
+            assert!(!text.contains("mph"), "{text}");
         }
     }
 
