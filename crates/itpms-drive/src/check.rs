@@ -34,7 +34,8 @@ pub struct CheckedVehicle {
 /// No corner in common; the log cannot be read on; [`DriveError::Stopped`].
 pub fn check(vehicle: &Vehicle, log: &mut LogReader, watch: Watch<'_>) -> Result<CheckedVehicle, DriveError> {
     let corners = common_corners(log, vehicle)?;
-    let (spectra, fits, contradiction) = listen(vehicle, log, &corners, watch)?;
+    let mut axis = TimeAxis::new(vehicle.wheelbase_m);
+    let (spectra, fits) = listen(vehicle, log, &corners, &mut axis, watch)?;
     let checked = corners.iter().zip(&spectra).filter_map(|(corner, spectra)| {
         let mut check = CornerCheck::of(corner.label(), spectra, suspension(vehicle, *corner)?);
         check.fit = fits[corner.index()];
@@ -43,25 +44,25 @@ pub fn check(vehicle: &Vehicle, log: &mut LogReader, watch: Watch<'_>) -> Result
     let name = log.path().file_name().unwrap_or(log.path().as_os_str());
     Ok(CheckedVehicle {
         corners: checked.collect(),
-        concerns: contradiction.into_iter().chain(log.repairs().warnings()).collect(),
+        concerns: axis.contradiction().into_iter().chain(log.repairs().warnings()).collect(),
         vehicle: vehicle.name.clone(),
         log: name.to_string_lossy().into_owned(),
     })
 }
 
-/// The spectra of all rows, corner by corner; what an estimator that is told no more than the file says at their end of how body and
-/// wheel go together, in the order of [`Corner::ALL`]; and what of times, speed and wheels contradicts itself.
+/// The spectra of all rows, corner by corner, and what an estimator that is told no more than the file says at their end of how body and
+/// wheel go together, in the order of [`Corner::ALL`]. `axis` takes the rows, too.
 fn listen(
     vehicle: &Vehicle,
     log: &mut LogReader,
     corners: &[Corner],
+    axis: &mut TimeAxis,
     watch: Watch<'_>,
-) -> Result<(Vec<CrossSpectra>, [Option<Fit>; 4], Option<String>), DriveError> {
+) -> Result<(Vec<CrossSpectra>, [Option<Fit>; 4]), DriveError> {
     let survey = *log.survey();
     let mut drive = Drive::new(&Settings::default(), vehicle, corners, survey.sample_rate_hz)?;
     let mut spectra: Vec<CrossSpectra> =
         corners.iter().map(|_| CrossSpectra::new(survey.sample_period_s)).collect();
-    let mut axis = TimeAxis::new(vehicle.wheelbase_m);
     let (mut rows, mut before_s) = (0u64, f64::NAN);
     while let Some(mut row) = log.next_row()? {
         if rows.is_multiple_of(ROWS_PER_LOOK) && watch(log.progress()).is_break() {
@@ -82,7 +83,7 @@ fn listen(
         axis.take(&row);
         drive.update(&mut row);
     }
-    Ok((spectra, Corner::ALL.map(|corner| drive.fit(corner)), axis.contradiction()))
+    Ok((spectra, Corner::ALL.map(|corner| drive.fit(corner))))
 }
 
 fn suspension(vehicle: &Vehicle, corner: Corner) -> Option<Suspension> {
