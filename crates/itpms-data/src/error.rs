@@ -307,9 +307,9 @@ pub enum Problem {
         backwards: u64,
         /// Rows read.
         rows: u64,
-        /// Where the last run of such rows began.
+        /// The first row with which time went back.
         place: Place,
-        /// Time of the row before in s.
+        /// Time of the row before it in the file in s.
         from_s: f64,
         /// Time of the row in s.
         to_s: f64,
@@ -519,15 +519,18 @@ fn because(repairs: &[String]) -> String {
 }
 
 /// The unit in which the period would be that of 80 Hz to 2.5 kHz.
-fn other_unit(period_s: f64) -> &'static str {
-    let per_s = |factor: f64| (0.4e-3..=12e-3).contains(&(period_s / factor));
-    if per_s(1e3) {
-        " (it looks like milliseconds)"
-    } else if per_s(1e6) {
-        " (it looks like microseconds)"
-    } else if per_s(1e9) {
-        " (it looks like nanoseconds, as durations are stored; a map states it: time_s = { signal = \"...\", unit = \"ns\" })"
-    } else {
-        ""
-    }
+fn other_unit(period_s: f64) -> String {
+    let looks_like = |(_, _, factor): &(&str, &str, f64)| (0.4e-3..=12e-3).contains(&(period_s / factor));
+    [
+        ("milliseconds", "ms", 1e3),
+        ("microseconds", "us", 1e6),
+        ("nanoseconds, as durations are stored", "ns", 1e9),
+    ]
+    .into_iter()
+    .find(looks_like)
+    .map_or_else(String::new, |(words, unit, _)| {
+        format!(
+            " (it looks like {words}; a map states it: time_s = {{ signal = \"time_s\", unit = \"{unit}\" }})"
+        )
+    })
 }

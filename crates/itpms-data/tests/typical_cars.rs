@@ -3,11 +3,11 @@
 
 use itpms_core::model::Corner;
 use itpms_data::Vehicle;
-use itpms_data::vehicle::typical::{CarClass, TypicalCar};
+use itpms_data::vehicle::typical::{CarClass, FrontRear, TypicalCar};
 use itpms_data::vehicle::{Confidence, CornerFigures};
 
 fn car(mass_kg: f64, front_share: f64, tire: &str, class: CarClass, placard_kpa: f64) -> Vehicle {
-    let tire = tire.parse().unwrap();
+    let (tire, placard_kpa) = (tire.parse().unwrap(), FrontRear::both(placard_kpa));
     let car = TypicalCar { name: None, mass_kg, front_share, tire, class, placard_kpa, wheelbase_m: None };
     car.vehicle_file().unwrap().1
 }
@@ -129,7 +129,7 @@ fn published_cars_are_within_two_of_the_stated_deviations() {
 #[test]
 fn values_that_make_no_car_are_refused_in_one_sentence() {
     let typical = |mass_kg: f64, front_share: f64, placard_kpa: f64| {
-        let tire = "205/55R16".parse().unwrap();
+        let (tire, placard_kpa) = ("205/55R16".parse().unwrap(), FrontRear::both(placard_kpa));
         let class = CarClass::Sedan;
         let car =
             TypicalCar { name: None, mass_kg, front_share, tire, class, placard_kpa, wheelbase_m: None };
@@ -153,7 +153,7 @@ fn a_name_may_hold_anything_and_the_wheelbase_is_the_given_one() {
         front_share: 0.55,
         tire: "205/55R16".parse().unwrap(),
         class: CarClass::Sedan,
-        placard_kpa: 240.0,
+        placard_kpa: FrontRear::both(240.0),
         wheelbase_m: Some(2.651),
     };
     let (text, vehicle) = car.vehicle_file().unwrap();
@@ -162,5 +162,30 @@ fn a_name_may_hold_anything_and_the_wheelbase_is_the_given_one() {
     // Every value of a corner or tire has a comment or is the deviation of one that has.
     for line in text.lines().filter(|line| line.contains(" = ") && !line.starts_with("name")) {
         assert!(line.contains('#') || line.contains("_sd") || line.starts_with("confidence"), "{line}");
+    }
+}
+
+#[test]
+fn an_axle_may_have_a_tire_and_a_placard_of_its_own() {
+    let tires = ["225/45R18", "255/40R18"];
+    let mixed = TypicalCar {
+        name: None,
+        mass_kg: 1_600.0,
+        front_share: 0.5,
+        tire: tires.join(",").parse().unwrap(),
+        class: CarClass::Sedan,
+        placard_kpa: "230,260".parse().unwrap(),
+        wheelbase_m: None,
+    };
+    let (text, mixed) = mixed.vehicle_file().unwrap();
+    assert!(text.contains("name = \"sedan, 1600 kg, 225/45R18 front, 255/40R18 rear\""));
+    // Each axle is that of the car that has its tire and its placard all around.
+    for (axle, (tire, placard_kpa)) in tires.into_iter().zip([230.0, 260.0]).enumerate() {
+        let alike = car(1_600.0, 0.5, tire, CarClass::Sedan, placard_kpa);
+        for corner in &Corner::ALL[2 * axle..2 * axle + 2] {
+            assert_eq!(mixed.corner(*corner), alike.corner(*corner), "{corner:?}");
+            let tire_of = |vehicle: &Vehicle| vehicle.details.corners[corner.index()].tire;
+            assert_eq!(tire_of(&mixed), tire_of(&alike), "{corner:?}");
+        }
     }
 }

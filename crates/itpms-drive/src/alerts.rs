@@ -1,5 +1,6 @@
 //! What the monitor said and took back: every transition as it happens, and a list for the summary.
 
+use itpms_core::model::PressureUnit;
 use itpms_core::warning::{Alert, Change, MonitorReport};
 use itpms_data::out::alert_object;
 use serde_json::{Value, json};
@@ -93,13 +94,14 @@ pub struct Alerts {
 
 impl Alerts {
     /// A sentence for every alert, with times from `origin_s` on: where a log counts from an epoch, its own tell nobody anything.
-    pub fn sentences(&self, origin_s: f64) -> impl Iterator<Item = String> + '_ {
+    pub fn sentences(&self, origin_s: f64, unit: PressureUnit) -> impl Iterator<Item = String> + '_ {
         let sentences = self.listed.iter().map(move |Listed { alert, ended_s }| {
             let [since_s, reported_s] = [alert.since_s, alert.reported_s].map(|at_s| at_s - origin_s);
             let alert = Alert { since_s, reported_s, ..*alert };
+            let sentence = alert.shown_in(unit);
             match ended_s {
-                Some(ended_s) => format!("{alert}; over at {:.1} s", ended_s - origin_s),
-                None => alert.to_string(),
+                Some(ended_s) => format!("{sentence}; over at {:.1} s", ended_s - origin_s),
+                None => sentence.to_string(),
             }
         });
         let rest = (self.unlisted > 0).then(|| format!("and {} more", self.unlisted));
@@ -141,7 +143,7 @@ mod tests {
         };
         let listed = vec![Listed { alert, ended_s: Some(1_772_359_230.0) }];
         let alerts = Alerts { listed, unlisted: 2 };
-        let sentences: Vec<String> = alerts.sentences(1_772_359_200.0).collect();
+        let sentences: Vec<String> = alerts.sentences(1_772_359_200.0, PressureUnit::Kpa).collect();
         assert!(sentences[0].ends_with("since 21.2 s, said at 22.5 s; over at 30.0 s"), "{}", sentences[0]);
         assert_eq!(sentences[1], "and 2 more");
     }

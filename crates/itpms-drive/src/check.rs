@@ -12,6 +12,7 @@ use crate::error::DriveError;
 use crate::run::{Fit, ROWS_PER_LOOK, Watch};
 use crate::settings::Settings;
 use crate::summary::fit_json;
+use crate::time_axis::TimeAxis;
 
 /// Steps of time that are a gap.
 const GAP_STEPS: f64 = 1.5;
@@ -21,7 +22,7 @@ const GAP_STEPS: f64 = 1.5;
 pub struct CheckedVehicle {
     /// Corner by corner, those that the log has measured and the file describes.
     pub corners: Vec<CornerCheck>,
-    /// What was repaired in the log, a sentence each.
+    /// What contradicts itself in the log, and what was repaired, a sentence each.
     pub concerns: Vec<String>,
     vehicle: String,
     log: String,
@@ -33,7 +34,8 @@ pub struct CheckedVehicle {
 /// No corner in common; the log cannot be read on; [`DriveError::Stopped`].
 pub fn check(vehicle: &Vehicle, log: &mut LogReader, watch: Watch<'_>) -> Result<CheckedVehicle, DriveError> {
     let corners = common_corners(log, vehicle)?;
-    let (spectra, fits) = listen(vehicle, log, &corners, watch)?;
+    let mut axis = TimeAxis::new(vehicle.wheelbase_m);
+    let (spectra, fits) = listen(vehicle, log, &corners, &mut axis, watch)?;
     let checked = corners.iter().zip(&spectra).filter_map(|(corner, spectra)| {
         let mut check = CornerCheck::of(corner.label(), spectra, suspension(vehicle, *corner)?);
         check.fit = fits[corner.index()];
@@ -42,18 +44,19 @@ pub fn check(vehicle: &Vehicle, log: &mut LogReader, watch: Watch<'_>) -> Result
     let name = log.path().file_name().unwrap_or(log.path().as_os_str());
     Ok(CheckedVehicle {
         corners: checked.collect(),
-        concerns: log.repairs().warnings(),
+        concerns: axis.contradiction().into_iter().chain(log.repairs().warnings()).collect(),
         vehicle: vehicle.name.clone(),
         log: name.to_string_lossy().into_owned(),
     })
 }
 
 /// The spectra of all rows, corner by corner, and what an estimator that is told no more than the file says at their end of how body and
-/// wheel go together, in the order of [`Corner::ALL`].
+/// wheel go together, in the order of [`Corner::ALL`]. `axis` takes the rows, too.
 fn listen(
     vehicle: &Vehicle,
     log: &mut LogReader,
     corners: &[Corner],
+    axis: &mut TimeAxis,
     watch: Watch<'_>,
 ) -> Result<(Vec<CrossSpectra>, [Option<Fit>; 4]), DriveError> {
     let survey = *log.survey();
@@ -77,6 +80,7 @@ fn listen(
                 None => spectra.gap(),
             }
         }
+        axis.take(&row);
         drive.update(&mut row);
     }
     Ok((spectra, Corner::ALL.map(|corner| drive.fit(corner))))

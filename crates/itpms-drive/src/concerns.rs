@@ -45,6 +45,7 @@ fn labels(corners: &[Corner]) -> String {
 /// What a person, or a script, should know before believing the result.
 pub(crate) fn of(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Vec<String> {
     let (vehicle, settings) = (job.vehicle, job.settings);
+    let unit = settings.pressure_unit;
     let mut concerns = log.repairs().warnings();
     let present = log.columns().present();
     for corner in present.iter().filter(|corner| vehicle.corner(**corner).is_none()) {
@@ -98,15 +99,17 @@ pub(crate) fn of(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Vec<String> {
     {
         let way = if excess_kpa > 0.0 { "more" } else { "less" };
         concerns.push(format!(
-            "during the calibration the road's spectra read {:.0} kPa {way} than the placard's pressures (sd {sd_kpa:.0}): were the tires set to them? All pressures since rest on that",
-            excess_kpa.abs()
+            "during the calibration the road's spectra read {} {unit} {way} than the placard's pressures (sd {}): were the tires set to them? All pressures since rest on that",
+            unit.number(excess_kpa.abs(), 0),
+            unit.number(sd_kpa, 0)
         ));
     }
     let level_sd_kpa = vehicle.level_sd_kpa(job.corners);
     let calibrated = settings.calibrate_s.is_some() || settings.reference.is_some();
     if settings.estimator == EstimatorKind::Informed && !calibrated && level_sd_kpa > ASK_KPA {
         concerns.push(format!(
-            "never calibrated: the level of all pressures rests on the vehicle file and is known to {level_sd_kpa:.0} kPa; calibrate the car with its tires at placard pressure to know it better"
+            "never calibrated: the level of all pressures rests on the vehicle file and is known to {} {unit}; calibrate the car with its tires at placard pressure to know it better",
+            unit.number(level_sd_kpa, 0)
         ));
     }
     for (corner, misfit) in drive.misfits() {

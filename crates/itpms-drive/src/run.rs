@@ -187,7 +187,7 @@ fn collector(job: &Job<'_>) -> ReportCollector {
             configs[corner.index()] = None;
         }
     }
-    let mut options = ReportOptions::default();
+    let mut options = ReportOptions { pressure_unit: job.settings.pressure_unit, ..ReportOptions::default() };
     if !job.report {
         options.bound_band_hz = None;
     }

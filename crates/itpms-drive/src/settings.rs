@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use itpms_core::estimator::{EstimatorKind, RoadRepetition};
+use itpms_core::model::PressureUnit;
 use itpms_core::warning::Regulation;
 
 use crate::error::DriveError;
@@ -25,10 +26,12 @@ pub struct Settings {
     pub reference: Option<PathBuf>,
     /// Rows per second of the estimates.
     pub rate_hz: f64,
+    /// Unit of the pressures that people read: lines, sentences and pages. Files are in kPa.
+    pub pressure_unit: PressureUnit,
 }
 
 impl Default for Settings {
-    /// Those of `itpms estimate`: the default estimator and regulation, 10 rows per second, no calibration.
+    /// Those of `itpms estimate`: the default estimator and regulation, 10 rows per second, no calibration, kPa.
     fn default() -> Self {
         Self {
             estimator: EstimatorKind::default(),
@@ -37,6 +40,7 @@ impl Default for Settings {
             calibrate_s: None,
             reference: None,
             rate_hz: 10.0,
+            pressure_unit: PressureUnit::Kpa,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What is known at the end of a drive, as JSON and in lines.
 
 use itpms_core::estimator::EstimatorKind;
-use itpms_core::model::Warning;
+use itpms_core::model::{PressureUnit, Warning};
 use itpms_data::out::state_label;
 use itpms_study::report::{CornerReport, Reading};
 use serde_json::{Map, Value, json};
@@ -80,18 +80,21 @@ pub(crate) fn fit_json((fit, misfit): &Fit) -> Value {
 /// A corner in a line, as the command and the Python package show it: the last pressure that was valid; where that is not now, since
 /// when; what was warned of; why it is not known. `end_s`: when the drive ended, by the clock of the readings.
 #[must_use]
-pub fn corner_line(corner: &CornerReport, end_s: f64) -> String {
+pub fn corner_line(corner: &CornerReport, end_s: f64, unit: PressureUnit) -> String {
     let figures = &corner.figures;
     let mut line = format!("{}  ", corner.corner.label());
     line += &match figures.last {
         Some(Reading { pressure_kpa, sd_kpa, time_s }) => {
             let old = end_s - time_s > FRESH_S;
             let when = if old { format!(" at {time_s:.1} s, nothing valid since") } else { String::new() };
-            format!("{pressure_kpa:.1} kPa, sd {sd_kpa:.1}{when}")
+            format!("{} {unit}, sd {}{when}", unit.number(pressure_kpa, 1), unit.number(sd_kpa, 1))
         }
         None => "no valid estimate".to_owned(),
     };
-    line += &format!(" (placard {})", corner.placard_kpa);
+    line += &match unit {
+        PressureUnit::Kpa => format!(" (placard {})", corner.placard_kpa),
+        _ => format!(" (placard {})", unit.number(corner.placard_kpa, 0)),
+    };
     if let Some(said_s) = figures.low_since_s {
         let now = if figures.warning == Warning::Low { "" } else { ", now over" };
         line += &format!("; LOW, warned of at {said_s:.1} s{now}");
@@ -106,10 +109,10 @@ pub fn corner_line(corner: &CornerReport, end_s: f64) -> String {
     // Before anything is known there is nothing to be right or wrong about.
     if let Some(truth) = figures.truth.as_ref().filter(|_| figures.last.is_some()) {
         line += &format!(
-            "; against the truth after {} s: RMSE {:.1} kPa, bias {:+.1}, {:.0} % inside the 95 % interval",
+            "; against the truth after {} s: RMSE {} {unit}, bias {:+}, {:.0} % inside the 95 % interval",
             truth.settle_s,
-            truth.rmse_kpa,
-            truth.bias_kpa,
+            unit.number(truth.rmse_kpa, 1),
+            unit.number(truth.bias_kpa, 1),
             100.0 * truth.coverage
         );
     }

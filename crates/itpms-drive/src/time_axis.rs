@@ -1,13 +1,17 @@
 //! Whether a log's time axis, its speed and the wheelbase belong together: the rear wheel passes over what the front wheel met, a
-//! wheelbase later.
+//! wheelbase later, on its own side.
 //!
 //! Fed with every row of a drive by [`run`](crate::run), asked at its end. Where wheels are clearly alike at another distance, the times
 //! or the speeds are wrong by a factor, and so is every frequency that the estimator looks at: no pressure is one. Knows nothing of tires;
 //! it needs no calibration and no good road, and where it finds nothing it says nothing.
 
+mod likeness;
+
 use itpms_core::conditioning::SpeedHold;
 use itpms_core::model::Corner;
 use itpms_data::LogRow;
+
+use likeness::Likeness;
 
 /// Cells to a wheelbase, wheelbases that are looked at, and cells of a stretch of road.
 const CELLS: usize = 48;
@@ -41,9 +45,10 @@ pub(crate) struct TimeAxis {
     last_s: f64,
     way_m: f64,
     cells: [Cells; 2],
-    cross: Vec<f64>,
-    front: Vec<f64>,
-    rear: Vec<f64>,
+    /// The rear wheel after the front one of its side; before it; after that of the other side.
+    after: Likeness,
+    before: Likeness,
+    across: Likeness,
     stretches: usize,
     second: Second,
     rough: [u32; 2],
@@ -78,9 +83,9 @@ impl TimeAxis {
             last_s: f64::NAN,
             way_m: 0.0,
             cells: Default::default(),
-            cross: vec![0.0; LAGS],
-            front: vec![0.0; LAGS],
-            rear: vec![0.0; LAGS],
+            after: Likeness::new(),
+            before: Likeness::new(),
+            across: Likeness::new(),
             stretches: 0,
             second: Second::default(),
             rough: [0, 0],
@@ -111,31 +116,16 @@ impl TimeAxis {
             cells.take([wheel(front), wheel(rear)], whole);
         }
         if self.cells.iter().any(|cells| cells.front.len() >= STRETCH) {
-            for side in 0..self.cells.len() {
-                let cells = std::mem::take(&mut self.cells[side]);
-                self.correlate(&cells);
+            let sides = std::mem::take(&mut self.cells).map(|cells| cells.centered());
+            for (side, other) in [(0, 1), (1, 0)] {
+                let Some([front, rear]) = &sides[side] else { continue };
+                self.after.take(front, rear);
+                self.before.take(rear, front);
+                if let Some([_, rear]) = &sides[other] {
+                    self.across.take(front, rear);
+                }
             }
             self.stretches += 1;
-        }
-    }
-
-    fn correlate(&mut self, cells: &Cells) {
-        let Some((front, rear)) = cells.front.get(..STRETCH).zip(cells.rear.get(..STRETCH)) else { return };
-        let centered = |values: &[f64]| {
-            let mean = values.iter().sum::<f64>() / values.len() as f64;
-            values.iter().map(|value| value - mean).collect::<Vec<f64>>()
-        };
-        let (front, rear) = (centered(front), centered(rear));
-        if !(front.iter().chain(&rear).all(|value| value.is_finite())) {
-            return;
-        }
-        for lag in 0..LAGS {
-            let pairs = front[..STRETCH - LAGS].iter().zip(&rear[lag..STRETCH - LAGS + lag]);
-            for (front, rear) in pairs {
-                self.cross[lag] += front * rear;
-                self.front[lag] += front * front;
-                self.rear[lag] += rear * rear;
-            }
         }
     }
 
@@ -162,35 +152,67 @@ impl TimeAxis {
             ));
         }
         let wheelbase_m = self.wheelbase_m.filter(|_| self.stretches >= LEAST)?;
-        let likeness = |lag: usize| self.cross[lag] / (self.front[lag] * self.rear[lag]).sqrt();
-        if likeness(0) > SAME {
+        if self.after.at(0) > SAME {
             return Some(
                 "front and rear wheel have the same acceleration at the same moment: expected a sensor at each wheel (one signal taken for both, or copied?)"
                     .to_owned(),
             );
         }
+        let [after, before, across] =
+            [&self.after, &self.before, &self.across].map(Likeness::at_the_wheelbase);
+        let instead = |other: f64| other >= ALIKE && after < NOT_THERE * other;
+        if instead(before) {
+            return Some(
+                "the front wheels pass over the road a wheelbase after the rear ones: front and rear are exchanged, or the rows run backwards in time (give each column its wheel with --signals)"
+                    .to_owned(),
+            );
+        }
+        if instead(across) {
+            return Some(
+                "each rear wheel passes over the road of the other side's front wheel: left and right are exchanged on one axle (give each column its wheel with --signals)"
+                    .to_owned(),
+            );
+        }
         let best = (1..LAGS - 1)
-            .filter(|lag| likeness(*lag) >= ALIKE)
-            .max_by(|a, b| likeness(*a).total_cmp(&likeness(*b)))?;
+            .filter(|lag| self.after.at(*lag) >= ALIKE)
+            .max_by(|a, b| self.after.at(*a).total_cmp(&self.after.at(*b)))?;
         let factor = best as f64 / CELLS as f64;
-        let near = |lag: &usize| (*lag as f64 / CELLS as f64).ln().abs() <= OFF;
-        // A shoulder of the best one is no other.
-        let is_peak =
-            |lag: &usize| likeness(*lag) >= likeness(lag - 1) && likeness(*lag) >= likeness(lag + 1);
-        let there = (1..LAGS - 1).filter(near).filter(is_peak).map(likeness).fold(0.0, f64::max);
-        (factor.ln().abs() > OFF && there < NOT_THERE * likeness(best)).then(|| {
+        (factor.ln().abs() > OFF && after < NOT_THERE * self.after.at(best)).then(|| {
             format!(
-                "the rear wheels pass over the same road {:.2} m after the front ones by time_s and speed_m_s, but wheelbase_m is {wheelbase_m}: the time, the speed or the wheelbase is wrong by a factor of {factor:.2}, and no pressure can be told",
-                factor * wheelbase_m
+                "the rear wheels pass over the same road {:.2} m after the front ones by time_s and speed_m_s, but wheelbase_m is {wheelbase_m}: the time, the speed or the wheelbase is wrong by a factor of {factor:.2}{}, and no pressure can be told",
+                factor * wheelbase_m,
+                likely_unit(factor),
             )
         })
     }
+}
+
+/// The unit in which a speed would be wrong by this factor.
+fn likely_unit(factor: f64) -> &'static str {
+    [
+        (3.6, " (a speed in km/h?)"),
+        (2.237, " (a speed in mph?)"),
+        (1.0 / 3.6, " (a speed in m/s taken for km/h?)"),
+    ]
+    .into_iter()
+    .find(|(of_unit, _)| (factor / of_unit).ln().abs() <= 0.5 * OFF)
+    .map_or("", |(_, words)| words)
 }
 
 const SIDES: [[Corner; 2]; 2] =
     [[Corner::FrontLeft, Corner::RearLeft], [Corner::FrontRight, Corner::RearRight]];
 
 impl Cells {
+    /// Front and rear wheel over a stretch, each about its mean; `None` where it is not known.
+    fn centered(&self) -> Option<[Vec<f64>; 2]> {
+        let centered = |values: &[f64]| {
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            values.iter().map(|value| value - mean).collect::<Vec<f64>>()
+        };
+        let both = [centered(self.front.get(..STRETCH)?), centered(self.rear.get(..STRETCH)?)];
+        both.iter().flatten().all(|value| value.is_finite()).then_some(both)
+    }
+
     /// Takes both wheels' accelerations; so many cells end with them.
     fn take(&mut self, wheels: [f64; 2], whole: usize) {
         self.sum = [self.sum[0] + wheels[0], self.sum[1] + wheels[1]];
@@ -283,6 +305,51 @@ mod tests {
             .collect()
     }
 
+    /// The rows with other wheels' accelerations.
+    fn exchanged(rows: &[LogRow], wheels: [usize; 4]) -> Vec<LogRow> {
+        rows.iter().map(|row| LogRow { corners: wheels.map(|wheel| row.corners[wheel]), ..*row }).collect()
+    }
+
+    #[test]
+    fn exchanged_wheels_and_a_drive_run_backwards_are_found() {
+        let right = rows(1.0, 0.0, false);
+        assert!(
+            verdict(&exchanged(&right, [2, 3, 0, 1]))
+                .is_some_and(|text| text.contains("front and rear are exchanged"))
+        );
+        let mut backwards = right.clone();
+        for (row, other) in backwards.iter_mut().zip(right.iter().rev()) {
+            row.corners = other.corners;
+        }
+        assert!(verdict(&backwards).is_some_and(|text| text.contains("backwards in time")));
+        // The same road under both sides: whoever exchanges them changes nothing.
+        assert_eq!(verdict(&exchanged(&right, [1, 0, 2, 3])), None);
+        // A road of its own under each: the right side as it was a minute before.
+        let mut apart = right.clone();
+        for (row, earlier) in apart[6000..].iter_mut().zip(&right) {
+            (row.corners[1], row.corners[3]) = (earlier.corners[1], earlier.corners[3]);
+        }
+        let apart = &apart[6000..];
+        assert_eq!(verdict(apart), None);
+        for wheels in [[1, 0, 2, 3], [0, 1, 3, 2]] {
+            assert!(verdict(&exchanged(apart, wheels)).is_some_and(|text| text.contains("left and right")));
+        }
+        assert_eq!(verdict(&exchanged(apart, [1, 0, 3, 2])), None);
+    }
+
+    #[test]
+    fn a_speed_in_another_unit_is_named() {
+        for (times, unit) in
+            [(3.6, "(a speed in km/h?)"), (2.237, "(a speed in mph?)"), (1.0 / 3.6, "taken for km/h?)")]
+        {
+            let wrong: Vec<LogRow> = rows(1.0, 0.0, false)
+                .into_iter()
+                .map(|row| LogRow { speed_m_s: row.speed_m_s * times, ..row })
+                .collect();
+            assert!(verdict(&wrong).is_some_and(|text| text.contains(unit)), "{unit}: {:?}", verdict(&wrong));
+        }
+    }
+
     fn verdict(rows: &[LogRow]) -> Option<String> {
         let mut axis = TimeAxis::new(Some(2.7));
         rows.iter().for_each(|row| axis.take(row));
@@ -296,10 +363,14 @@ mod tests {
         }
         for clock in [2.0, 1.0 / 1.2, 0.5, 3.6, 1.3] {
             let text = verdict(&rows(clock, 0.0, false)).unwrap_or_default();
-            let factor =
-                text.split("factor of ").nth(1).and_then(|rest| rest.split(',').next()?.parse::<f64>().ok());
+            let factor = text
+                .split("factor of ")
+                .nth(1)
+                .and_then(|rest| rest.split([',', ' ']).next()?.parse::<f64>().ok());
             // To a cell and the last row's rounding.
             assert!(factor.is_some_and(|factor| (factor / clock - 1.0).abs() < 0.04), "{clock}: {text}");
+            assert_eq!(text.contains("km/h"), clock == 3.6, "{text}");
+            assert!(!text.contains("mph"), "{text}");
         }
     }
 

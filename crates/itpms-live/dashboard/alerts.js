@@ -1,6 +1,6 @@
 // What was warned of: what stands on top, what is over below; each new warning is spoken once.
 
-import { CORNERS, NAMES, badge, element, kind, list, lower, moment, put } from "./words.js";
+import { CORNERS, NAMES, UNIT, badge, element, kind, list, lower, moment, number, put } from "./words.js";
 
 const MOST = 50;
 const KINDS = {
@@ -31,8 +31,8 @@ export function wheelsOf(alert) {
 // The numbers that decided, in words.
 function reason(alert) {
   const n = (value) => (value == null ? "–" : value.toFixed(0));
-  const [said, should] = [`${n(alert.pressure_kpa)} ± ${n(alert.sd_kpa)} kPa when said`, `should be ${n(alert.reference_kpa)}`];
-  const at = `${said}, limit ${n(alert.limit_kpa)}, ${should}`;
+  const [said, should] = [`${number(alert.pressure_kpa, 0)} ± ${number(alert.sd_kpa, 0)} ${UNIT} when said`, `should be ${number(alert.reference_kpa, 0)}`];
+  const at = `${said}, limit ${number(alert.limit_kpa, 0)}, ${should}`;
   switch (alert.kind) {
     case "under-inflated":
     case "over-inflated":
@@ -40,7 +40,7 @@ function reason(alert) {
     case "flat":
       return `as hard as ${at}`;
     case "fast-leak":
-      return `lost ${n(alert.rate_kpa_per_min)} kPa per minute (mean of 10 s or more); ${said}, ${should}`;
+      return `lost ${number(alert.rate_kpa_per_min, 0)} ${UNIT} per minute (mean of 10 s or more); ${said}, ${should}`;
     case "all-low":
       return `at ${n(100 * alert.mean_share)} ± ${n(100 * alert.sd_share)} % of their reference on average`;
     case "common-shift":

@@ -9,7 +9,7 @@ import { Past } from "./past.js";
 import { Roads } from "./roads.js";
 import { Status } from "./status.js";
 import { drawWheels } from "./wheels.js";
-import { CORNERS, NAMES, STATES, attribute, digits, element, lower, moment, plain, put, span, speedDoubt, verdict } from "./words.js";
+import { CORNERS, NAMES, STATES, UNIT, attribute, digits, element, lower, moment, number, plain, put, span, speedDoubt, verdict } from "./words.js";
 
 const calm = matchMedia("(prefers-reduced-motion: reduce)");
 const by = (id) => document.getElementById(id);
@@ -129,7 +129,7 @@ function drawTable() {
     head.scope = "row";
     row.append(head, ...corners.map((corner) => {
       const { pressure_kpa: p, pressure_sd_kpa: sd, state } = wheels[corner], word = (STATES[state[i]]?.word ?? "Not known").toLowerCase();
-      return element("td", "", p[i] == null ? word : `${digits(p[i], 0)} ± ${digits(sd[i], 0)} kPa, ${word}`);
+      return element("td", "", p[i] == null ? word : `${number(p[i], 0)} ± ${number(sd[i], 0)} ${UNIT}, ${word}`);
     }));
     rows.push(row);
   }

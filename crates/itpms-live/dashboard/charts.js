@@ -1,6 +1,6 @@
 // The curves. Times are shown as "before the newest", so that a drive and a replay of last year's log read alike.
 
-import { CORNERS, NAMES, STATES, digits, element, moment, span } from "./words.js";
+import { CORNERS, NAMES, STATES, UNIT, digits, element, exact, inUnit, moment, span } from "./words.js";
 
 const FONT = "12px system-ui, -apple-system, 'Segoe UI', Roboto, sans-serif";
 const GUTTER = 44;
@@ -116,11 +116,11 @@ export class Pressures {
       const { box, at, holder } = figure(host, NAMES[corner], "history-" + corner);
       const cursor = (i) => {
         const u = this.corners.find((c) => c.corner === corner).u, p = i == null ? null : u.data[3][i];
-        const value = p == null ? "not known" : `${digits(p, 1)} ± ${digits((u.data[1][i] - p) / 1.96, 1)} kPa`;
+        const value = p == null ? "not known" : `${exact(p, 1)} ± ${exact((u.data[1][i] - p) / 1.96, 1)} ${UNIT}`;
         at.textContent = i == null ? "" : `${value} · ${placed(u, i, this.newest)}`;
       };
       const u = plot(holder, {
-        height: 190, window: windowOf, range: () => this.span, label: "Pressure (kPa)", cursor, empty: [[], [], [], []],
+        height: 190, window: windowOf, range: () => this.span, label: `Pressure (${UNIT})`, cursor, empty: [[], [], [], []],
         series: [hidden(), hidden(), { stroke: () => ink("estimate"), width: 2, points: { show: false } }],
         bands: [{ series: [1, 2], fill: () => ink("band") }],
         draw: (v, ctx, dpr) => this.marks(v, ctx, dpr, corner),
@@ -132,11 +132,11 @@ export class Pressures {
     this.newest = snapshot;
     this.alerts = alerts;
     const columns = CORNERS.map((corner) => {
-      const { pressure_kpa: p, pressure_sd_kpa: sd } = stretch.wheels[corner];
+      const wheel = stretch.wheels[corner], p = wheel.pressure_kpa.map(inUnit), sd = wheel.pressure_sd_kpa.map(inUnit);
       const edge = (sign) => p.map((value, i) => (value == null || sd[i] == null ? null : value + sign * 1.96 * sd[i]));
       return [stretch.time_s, edge(1), edge(-1), p];
     });
-    for (const wheel of snapshot?.wheels ?? []) this.placards[wheel.corner] = wheel.placard_kpa;
+    for (const wheel of snapshot?.wheels ?? []) this.placards[wheel.corner] = inUnit(wheel.placard_kpa);
     this.span = this.around(columns);
     this.corners.forEach(({ corner, box, u }, k) => {
       box.hidden = !(snapshot?.wheels ?? []).some((wheel) => wheel.corner === corner);
@@ -149,8 +149,8 @@ export class Pressures {
     const take = (v) => v != null && ((low = Math.min(low, v)), (high = Math.max(high, v)));
     columns.forEach((c) => c[3].forEach(take));
     Object.values(this.placards).forEach(take);
-    if (!(high >= low)) return [0, 300];
-    const air = Math.max(0.08 * (high - low), 20);
+    if (!(high >= low)) return [0, inUnit(300)];
+    const air = Math.max(0.08 * (high - low), inUnit(20));
     return [Math.max(0, low - air), high + air];
   }
   marks(u, ctx, dpr, corner) {

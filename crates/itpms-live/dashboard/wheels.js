@@ -1,6 +1,6 @@
 // A card per wheel: state, pressure with its standard deviation, what it should be, and how much is being learned.
 
-import { NAMES, attribute, badge, digits, element, isShown, kind, pressure, put, span, spread, LEVELS, STATES } from "./words.js";
+import { NAMES, UNIT, attribute, badge, element, isShown, kind, number, pressure, put, span, spread, LEVELS, STATES } from "./words.js";
 
 const host = document.getElementById("cards");
 const cards = new Map();
@@ -42,9 +42,9 @@ export function drawWheels(snapshot, state) {
     c.band.style.left = shown ? percent((wheel.pressure_kpa - 2 * wheel.pressure_sd_kpa) / full) : "0";
     c.band.style.width = shown ? percent((4 * wheel.pressure_sd_kpa) / full) : "0";
     const same = Math.abs(wheel.reference_kpa - wheel.placard_kpa) < 0.5;
-    put(c.should, same || wheel.reference_kpa == null ? `placard ${digits(wheel.placard_kpa, 0)} kPa` : `reference ${digits(wheel.reference_kpa, 0)} kPa`);
+    put(c.should, same || wheel.reference_kpa == null ? `placard ${number(wheel.placard_kpa, 0)} ${UNIT}` : `reference ${number(wheel.reference_kpa, 0)} ${UNIT}`);
     put(c.learned, old ? "" : wheel.informed_age_s == null ? "nothing learned yet" : wheel.informed_age_s < 5 ? "learning" : `learned ${span(wheel.informed_age_s)} ago`);
     // The level may be no better than the vehicle file while a change is known well.
-    put(c.rests, shown && LEVELS[wheel.level] ? `${LEVELS[wheel.level]}; changes ± ${digits(wheel.change_sd_kpa, 1)} kPa` : "");
+    put(c.rests, shown && LEVELS[wheel.level] ? `${LEVELS[wheel.level]}; changes ± ${number(wheel.change_sd_kpa, 1)} ${UNIT}` : "");
   }
 }

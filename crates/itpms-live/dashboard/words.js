@@ -32,11 +32,19 @@ export const short = (wheel) => (wheel.state === "unknown" && DOUBTS[wheel.doubt
 // A state this page does not know is not known.
 export const kind = (wheel) => (wheel && STATES[wheel.state] ? wheel.state : "unknown");
 
+// The unit in which pressures are shown; they come in kPa.
+const { unit, unitKpa, unitPlaces } = document.documentElement.dataset;
+export const UNIT = unit;
+export const inUnit = (kpa) => (kpa == null ? null : kpa / unitKpa);
+// A number in that unit, as exact as with `n` places in kPa; the same of a pressure in kPa.
+export const exact = (value, n) => digits(value, n + Number(unitPlaces));
+export const number = (kpa, n) => exact(inUnit(kpa), n);
+
 // What may be shown of a wheel's pressure.
 export const isShown = (wheel) => wheel && wheel.valid && wheel.pressure_kpa != null && wheel.pressure_sd_kpa != null;
 const places = (sd) => (sd < 1.95 ? 1 : 0);
-export const pressure = (wheel) => (isShown(wheel) ? wheel.pressure_kpa.toFixed(places(wheel.pressure_sd_kpa)) : "–");
-export const spread = (wheel) => (isShown(wheel) ? `± ${wheel.pressure_sd_kpa.toFixed(places(wheel.pressure_sd_kpa))} kPa` : "kPa");
+export const pressure = (wheel) => (isShown(wheel) ? number(wheel.pressure_kpa, places(wheel.pressure_sd_kpa)) : "–");
+export const spread = (wheel) => (isShown(wheel) ? `± ${number(wheel.pressure_sd_kpa, places(wheel.pressure_sd_kpa))} ${UNIT}` : UNIT);
 export const reading = (wheel) => `${pressure(wheel)} ${spread(wheel)}`;
 export const digits = (value, n) => (value == null || Number.isNaN(value) ? "–" : value.toFixed(n));
 export const count = (value) => (value == null ? "–" : value.toLocaleString("en-US").replaceAll(",", "\u202f"));

@@ -10,6 +10,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use http_client::{Events, ask, connect, get, raw, served, server, wait_for};
+use itpms_core::model::PressureUnit;
 use itpms_live::http::{Options, Server};
 use itpms_live::snapshot::SourceState;
 use made_up::{snapshot, transition};
@@ -399,4 +400,17 @@ fn nonsense_is_refused_and_breaks_nothing() {
         assert!(!accepted || request.contains("Transfer-Encoding"), "{shown} to {:.60}", request);
     }
     assert_eq!(get(&server, "/").status, 200);
+}
+
+#[test]
+fn the_page_knows_in_which_unit_it_shows_pressures() {
+    for (unit, mark) in [
+        (PressureUnit::Kpa, r#"data-unit="kPa" data-unit-kpa="1" data-unit-places="0""#),
+        (PressureUnit::Bar, r#"data-unit="bar" data-unit-kpa="100" data-unit-places="2""#),
+        (PressureUnit::Psi, r#"data-unit="psi" data-unit-kpa="6.894757293168" data-unit-places="1""#),
+    ] {
+        let (server, _hub) = served(|options| Options { pressure_unit: unit, ..options });
+        let page = ask(&server, "GET", "/", "");
+        assert!(page.body.contains(mark), "{unit}");
+    }
 }

@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyIterator;
 
 use crate::errors;
+use crate::output;
 use crate::pieces::{Pieces, reading};
 use crate::vehicle::Vehicle;
 use crate::work::{self, Meanwhile, Told};
@@ -93,6 +94,6 @@ impl Checked {
 
     /// Writes the page with a picture of each corner.
     fn report(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        errors::page(py, &path, &self.0.page())
+        output::file(py, &path, self.0.page().as_bytes())
     }
 }

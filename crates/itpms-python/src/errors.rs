@@ -1,8 +1,5 @@
 //! Sentences as the package's exceptions, which live in `itpms._errors`.
 
-use std::path::Path;
-
-use itpms_data::out::AtomicFile;
 use itpms_data::{DataError, Problem};
 use itpms_drive::DriveError;
 use itpms_sim::error::ScenarioError;
@@ -62,14 +59,4 @@ pub(crate) fn drive(py: Python<'_>, error: &DriveError) -> PyErr {
 
 pub(crate) fn scenario(py: Python<'_>, error: &ScenarioError) -> PyErr {
     raise(py, Kind::Scenario, error)
-}
-
-/// Writes a page, completely or not at all.
-pub(crate) fn page(py: Python<'_>, path: &Path, page: &str) -> PyResult<()> {
-    let write = || -> Result<(), DataError> {
-        let mut file = AtomicFile::create(path)?;
-        file.append(page.as_bytes())?;
-        file.commit()
-    };
-    py.detach(write).map_err(|error| data(py, Kind::Output, &error))
 }

@@ -82,7 +82,12 @@ fn run(
         let rows = log.repairs().rows_kept;
         let figures = Value::Object(summary_json(&done, settings.estimator, rows));
         let end_s = log.last_time_s().map_or(f64::NAN, |end_s| end_s - done.data.drive.origin_s);
-        let lines = done.data.corners.iter().map(|corner| corner_line(corner, end_s)).collect();
+        let lines = done
+            .data
+            .corners
+            .iter()
+            .map(|corner| corner_line(corner, end_s, done.data.pressure_unit))
+            .collect();
         Ok(Estimated {
             done,
             kept,

@@ -8,6 +8,7 @@
 //! | `columns` | numbers as bytes |
 //! | `pieces` | a drive that Python hands over piece by piece |
 //! | `options` | settings of an estimate |
+//! | `output` | files that are written completely or not at all |
 //! | `found` | estimates over time |
 //! | `estimate` | a whole drive |
 //! | `car` | an estimator, sample by sample |
@@ -27,6 +28,7 @@ mod estimate;
 mod found;
 mod learn;
 mod options;
+mod output;
 mod pieces;
 mod road;
 mod simulate;
@@ -50,6 +52,7 @@ fn _itpms(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(check::check_log, module)?)?;
     module.add_function(wrap_pyfunction!(check::check_pieces, module)?)?;
     module.add_function(wrap_pyfunction!(learn::learn, module)?)?;
+    module.add_function(wrap_pyfunction!(output::write, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::simulate, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::scenarios, module)?)?;
     module.add_function(wrap_pyfunction!(road::iri, module)?)

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use itpms_core::estimator::{EstimatorKind, RoadPeriod, RoadRepetition};
+use itpms_core::model::PressureUnit;
 use itpms_core::warning::Regulation;
 use itpms_data::log::LogOptions;
 use itpms_drive::Settings;
@@ -28,6 +29,8 @@ pub(crate) struct Options {
     pub(crate) save_reference: Option<PathBuf>,
     #[pyo3(item)]
     pub(crate) rate_hz: f64,
+    #[pyo3(item)]
+    pressure_unit: String,
     #[pyo3(item)]
     pub(crate) road: bool,
     #[pyo3(item)]
@@ -63,6 +66,7 @@ impl Options {
             }
         };
         let estimators = || EstimatorKind::ALL.map(EstimatorKind::label).to_vec();
+        let units = || PressureUnit::ALL.map(PressureUnit::label).to_vec();
         let regulations = || Regulation::ALL.map(Regulation::label).to_vec();
         if self.calibrate_s.is_some() && self.reference.is_some() {
             return Err(refuse("both calibrate_s and reference are given, expected one of them".to_owned()));
@@ -81,6 +85,8 @@ impl Options {
             calibrate_s: self.calibrate_s.map(|seconds| positive("calibrate_s", seconds)).transpose()?,
             reference: self.reference.clone(),
             rate_hz: positive("rate_hz", self.rate_hz)?,
+            pressure_unit: PressureUnit::from_label(&self.pressure_unit)
+                .ok_or_else(|| known(units(), "pressure_unit", &self.pressure_unit))?,
         })
     }
 

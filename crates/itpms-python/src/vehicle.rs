@@ -3,11 +3,27 @@
 use std::path::PathBuf;
 
 use itpms_core::model::Corner;
-use itpms_data::vehicle::typical::{CarClass, TireSize, TypicalCar};
+use itpms_data::vehicle::typical::{CarClass, FrontRear, TireSize, TypicalCar};
 use pyo3::prelude::*;
 use serde_json::json;
 
 use crate::errors::{self, Kind, raise};
+
+/// One value for both axles, or a pair: front, rear.
+#[derive(FromPyObject)]
+pub(crate) enum OfAxle<T> {
+    Both(T),
+    Each(T, T),
+}
+
+impl<T: Clone> OfAxle<T> {
+    fn axles(self) -> [T; 2] {
+        match self {
+            Self::Both(value) => [value.clone(), value],
+            Self::Each(front, rear) => [front, rear],
+        }
+    }
+}
 
 /// A car as its vehicle file describes it.
 #[pyclass(frozen, module = "itpms._itpms")]
@@ -41,18 +57,24 @@ impl Vehicle {
         py: Python<'_>,
         mass_kg: f64,
         front_share: f64,
-        tire: &str,
-        car_class: &str,
-        placard_kpa: f64,
+        tire: OfAxle<String>,
+        car_class: Option<&str>,
+        placard_kpa: OfAxle<f64>,
         wheelbase_m: Option<f64>,
         name: Option<String>,
     ) -> PyResult<Self> {
         let refuse = |sentence: String| raise(py, Kind::Setting, sentence);
-        let class = CarClass::from_label(car_class).ok_or_else(|| {
-            let known = CarClass::ALL.map(CarClass::label).join(", ");
-            refuse(format!("car_class is {car_class:?}, expected one of: {known}"))
+        let class = car_class.map_or(Ok(CarClass::default()), |label| {
+            CarClass::from_label(label).ok_or_else(|| {
+                let known = CarClass::ALL.map(CarClass::label).join(", ");
+                refuse(format!("car_class is {label:?}, expected one of: {known}"))
+            })
         })?;
-        let tire = tire.parse::<TireSize>().map_err(|error| refuse(format!("tire: {error}")))?;
+        let size = |text: String| text.parse::<TireSize>().map_err(|error| refuse(format!("tire: {error}")));
+        let [front, rear] = tire.axles().map(size);
+        let tire = FrontRear { front: front?, rear: rear? };
+        let [front, rear] = placard_kpa.axles();
+        let placard_kpa = FrontRear { front, rear };
         let car = TypicalCar { name, mass_kg, front_share, tire, class, placard_kpa, wheelbase_m };
         car.vehicle_file().map(|(_, vehicle)| Self(vehicle)).map_err(|error| refuse(error.to_string()))
     }

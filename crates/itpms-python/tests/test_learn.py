@@ -42,6 +42,8 @@ def test_a_file_and_a_table_teach_what_the_command_learns(command, calibration, 
     assert any("was read for" in concern for concern in found.concerns)
     for table in (frame, frame.to_dict("series"), frame.set_index(pd.to_timedelta(frame["time_s"], unit="s"))):
         assert car.learn(table, pressures).corners == expected["corners"]
+    renamed, named = frame.rename(columns={"speed_m_s": "v"}), {"speed_m_s": {"signal": "v", "unit": "m/s"}}
+    assert car.learn(renamed, pressures, signals=named).corners == expected["corners"]
     # The car itself stays as it was.
     assert car == itpms.Vehicle.read(file)
 

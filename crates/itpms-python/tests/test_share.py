@@ -80,3 +80,26 @@ def test_a_map_is_a_dict_too(drive):
     np.testing.assert_allclose(result.columns["fl_pressure_kpa"], expected.columns["fl_pressure_kpa"], rtol=1e-6)
     with pytest.raises(itpms.SettingError, match="expected a name or a dict"):
         itpms.estimate(renamed, drive.vehicle, signals={"speed_m_s": 3})
+    odd = {("front bounce" if name == "fl_body_accel_m_s2" else name): values for name, values in drive.columns.items()}
+    named = {"fl_body_accel_m_s2": {"signal": "front bounce", "unit": "m/s^2"}}
+    assert drive.vehicle.check(odd, signals=named).corners == drive.vehicle.check(drive.columns).corners
+    assert itpms.vehicle.check(odd, drive.vehicle, signals=named).corners.keys() == {"fl", "fr", "rl", "rr"}
+
+
+def test_people_read_their_unit(drive, tmp_path):
+    kpa, psi = itpms.estimate(drive), itpms.estimate(drive, pressure_unit="psi")
+    np.testing.assert_array_equal(psi.columns["fl_pressure_kpa"], kpa.columns["fl_pressure_kpa"])
+    assert "psi" in repr(psi) and "kPa" not in repr(psi)
+    psi.report(tmp_path / "psi.html")
+    assert "placard 35.0 psi" in (tmp_path / "psi.html").read_text()
+    with pytest.raises(itpms.SettingError, match="expected one of: kpa, bar, psi"):
+        itpms.estimate(drive, pressure_unit="atm")
+
+
+def test_a_car_of_typical_values_is_the_commands(command, tmp_path):
+    path = tmp_path / "car.toml"
+    arguments = ("--mass", "1600", "--front-share", "0.5", "--tire", "225/45R18,255/40R18", "--placard-kpa", "230,260")
+    command("vehicle", "init", *arguments, "-o", path)
+    car = itpms.Vehicle.typical(1600, 0.5, ("225/45R18", "255/40R18"), placard_kpa=(230, 260))
+    assert car == itpms.Vehicle.read(path)
+    assert [corner["placard_kpa"] for corner in car.corners.values()] == [230, 230, 260, 260]

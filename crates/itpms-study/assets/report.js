@@ -1,7 +1,13 @@
 // What the report draws, panel by panel. Everything else on the page is there without it.
 "use strict";
 (({ data, panel, strip, flag, VALIDITY, WARNING, STATE, element, level, word, ink, has, digits, short, clock, timeLabel, seconds }) => {
-  const kpa = (v) => digits(v, 1) + " kPa";
+  // Curves come in kPa and are drawn in the page's unit.
+  const unit = data.unit, inUnit = (v) => (v == null ? null : v / unit.kpa);
+  for (const corner of data.corners) {
+    corner.placard = inUnit(corner.placard);
+    for (const curve of ["p", "notValid", "lo", "hi", "truth", "sd", "error", "bound", "boundLo", "boundHi"]) corner.time[curve] = corner.time[curve].map(inUnit);
+  }
+  const number = (v, places) => digits(v, places + unit.more_places), pressureText = (v) => `${number(v, 1)} ${unit.symbol}`;
   const timed = (spec) => ({ x: data.t, group: "time", xLabel: timeLabel, at: (t) => "at " + clock(t, 0.01) + (seconds ? " s" : ""), ...spec });
   // Room for all finite values and some air, never below `least` wide.
   const around = (least, floor) => (u, lo, hi) => {
@@ -9,9 +15,9 @@
     const air = Math.max(0.06 * (hi - lo), 0.5 * (least - (hi - lo)), 0);
     return [floor == null ? lo - air : Math.max(floor, lo - air), hi + air];
   };
-  const quantile = (list, q) => {
+  const quantile = (list, q, none = 1) => {
     const sorted = list.filter((v) => v != null).sort((a, b) => a - b);
-    return sorted.length ? sorted[Math.floor(q * (sorted.length - 1))] : 1;
+    return sorted.length ? sorted[Math.floor(q * (sorted.length - 1))] : none;
   };
 
   // Before anything is known an estimate may be anywhere: axes go by what was valid.
@@ -26,10 +32,10 @@
     const of = (list) => list.filter((v, i) => v != null && valid[i]);
     const p = of(c.p), lo = of(c.lo), hi = of(c.hi), sd = of(c.sd);
     const known = [...p, ...c.truth.filter((v) => v != null), corner.placard];
-    if (!p.length) known.push(quantile(c.notValid, 0.02), quantile(c.notValid, 0.98));
+    if (!p.length) known.push(quantile(c.notValid, 0.02, corner.placard), quantile(c.notValid, 0.98, corner.placard));
     if (p.length) known.push(quantile(lo, 0.02), quantile(hi, 0.98));
     const bound = c.bound.filter((v) => v != null);
-    corner.span = { low: Math.max(0, Math.min(...known)), high: Math.max(...known), sd: Math.max(5, quantile(sd, 0.98), quantile(bound, 0.98)) };
+    corner.span = { low: Math.max(0, Math.min(...known)), high: Math.max(...known), sd: Math.max(inUnit(5), quantile(sd, 0.98, 0), quantile(bound, 0.98, 0)) };
     return corner.span;
   }
 
@@ -42,18 +48,18 @@
     const c = corner.time;
     const known = has(c.truth);
     panel(host, timed({
-      title: "Pressure", wide: true, height: 320, yLabel: "Pressure (kPa)",
-      range: (u, lo, hi) => around(60, 0)(u, lo == null ? lo : Math.max(lo, span(corner).low), hi == null ? hi : Math.min(hi, span(corner).high)),
+      title: "Pressure", wide: true, height: 320, yLabel: `Pressure (${unit.symbol})`,
+      range: (u, lo, hi) => around(inUnit(60), 0)(u, lo == null ? lo : Math.max(lo, span(corner).low), hi == null ? hi : Math.min(hi, span(corner).high)),
       note: "The estimate with its 95 % band" + (known ? ", the truth, and around it" : ", and around it")
         + " the band that no estimator of one corner alone can beat; four wheels or a calibration can.",
       items: [
-        { label: "95 % band", lo: c.lo, hi: c.hi, band: "band", text: (i) => digits(c.lo[i], 0) + " to " + digits(c.hi[i], 0) },
+        { label: "95 % band", lo: c.lo, hi: c.hi, band: "band", text: (i) => number(c.lo[i], 0) + " to " + number(c.hi[i], 0) },
         { label: "Cramer-Rao bound, 95 %", lo: c.boundLo, hi: c.boundHi, dash: "dotted",
           ...(known ? { band: "bound-band", edge: "bound", color: "bound" } : { band: "bound-soft" }),
-          text: (i) => "± " + digits((c.boundHi[i] - c.boundLo[i]) / 2, 0) },
-        { label: "Not valid", y: c.notValid, color: "quiet", dash: "dotted", text: (i) => kpa(c.notValid[i]) },
-        { label: "Estimate", y: c.p, color: "estimate", width: 2, text: (i) => kpa(c.p[i]) },
-        { label: "Truth", y: c.truth, color: "truth", dash: "dashed", text: (i) => kpa(c.truth[i]) },
+          text: (i) => "± " + number((c.boundHi[i] - c.boundLo[i]) / 2, 0) },
+        { label: "Not valid", y: c.notValid, color: "quiet", dash: "dotted", text: (i) => pressureText(c.notValid[i]) },
+        { label: "Estimate", y: c.p, color: "estimate", width: 2, text: (i) => pressureText(c.p[i]) },
+        { label: "Truth", y: c.truth, color: "truth", dash: "dashed", text: (i) => pressureText(c.truth[i]) },
       ],
       marks: (u, ctx) => (level(u, ctx, corner.placard, "soft", "placard"), said(u, ctx, corner)),
     }));
@@ -64,12 +70,12 @@
   function inner(host, corner) {
     const c = corner.time;
     panel(host, timed({
-      title: "How sure", yLabel: "Std. deviation (kPa)", range: (u, lo, hi) => [0, lo == null ? 1 : 1.06 * Math.min(hi, 1.5 * span(corner).sd)],
+      title: "How sure", yLabel: `Std. deviation (${unit.symbol})`, range: (u, lo, hi) => [0, lo == null ? 1 : 1.06 * Math.min(hi, 1.5 * span(corner).sd)],
       note: "Stated standard deviation against the Cramer-Rao bound of one corner alone" + (has(c.error) ? " and the error actually made." : " for a steady pressure."),
       items: [
-        { label: "Error", y: c.error, color: "quiet", width: 1, text: (i) => kpa(c.error[i]) },
-        { label: "Bound", y: c.bound, color: "bound", dash: "dashed", text: (i) => kpa(c.bound[i]) },
-        { label: "Stated", y: c.sd, color: "estimate", width: 2, text: (i) => kpa(c.sd[i]) },
+        { label: "Error", y: c.error, color: "quiet", width: 1, text: (i) => pressureText(c.error[i]) },
+        { label: "Bound", y: c.bound, color: "bound", dash: "dashed", text: (i) => pressureText(c.bound[i]) },
+        { label: "Stated", y: c.sd, color: "estimate", width: 2, text: (i) => pressureText(c.sd[i]) },
       ],
     }));
     const top = c.nisCheck ? Math.max(2, 1.15 * quantile(c.nis, 0.99), 1.2 * c.nisCheck.upper) : 2;
@@ -197,11 +203,11 @@
     data.corners.forEach((corner) => {
       const c = corner.time;
       panel(grid, timed({
-        title: corner.name, height: 200, yLabel: "Pressure (kPa)", range: [Math.max(0, low - air), high + air],
+        title: corner.name, height: 200, yLabel: `Pressure (${unit.symbol})`, range: [Math.max(0, low - air), high + air],
         items: [
-          { label: "95 % band", lo: c.lo, hi: c.hi, band: "band", text: (i) => digits(c.lo[i], 0) + " to " + digits(c.hi[i], 0) },
-          { label: "Estimate", y: c.p, color: "estimate", width: 2, text: (i) => kpa(c.p[i]) },
-          { label: "Truth", y: c.truth, color: "truth", dash: "dashed", text: (i) => kpa(c.truth[i]) },
+          { label: "95 % band", lo: c.lo, hi: c.hi, band: "band", text: (i) => number(c.lo[i], 0) + " to " + number(c.hi[i], 0) },
+          { label: "Estimate", y: c.p, color: "estimate", width: 2, text: (i) => pressureText(c.p[i]) },
+          { label: "Truth", y: c.truth, color: "truth", dash: "dashed", text: (i) => pressureText(c.truth[i]) },
         ],
         marks: (u, ctx) => (level(u, ctx, corner.placard, "soft", "placard"), said(u, ctx, corner)),
       }));

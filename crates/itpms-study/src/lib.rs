@@ -10,6 +10,7 @@
 //! | [`malfunction`] | sensors that go wrong, and what the monitor says of it |
 //! | [`observability`] | why two accelerations leave the stiffness free, and what each source of information fixes |
 //! | [`overview`] | a log before any vehicle is known: signals, spectra, coherence, on one page |
+//! | [`page`] | a page that is one file, under a policy by hashes |
 //! | [`spectrum`] | Welch's power spectral density; level, slope and ISO 8608 class of a road |
 //! | [`paper`] | the paper's study, made again |
 //! | [`plot`] | figures as SVG |
@@ -27,6 +28,7 @@ pub mod learn;
 pub mod malfunction;
 pub mod observability;
 pub mod overview;
+pub mod page;
 pub mod paper;
 pub mod plot;
 pub mod report;

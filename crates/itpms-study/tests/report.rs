@@ -6,7 +6,7 @@ use crate::synthetic;
 use itpms_core::car::{CarEstimate, TrackState};
 use itpms_core::conditioning::SampleClock;
 use itpms_core::model::{
-    CarConfig, Corner, CornerConfig, CornerEstimate, Diagnostics, Level, Validity, Warning,
+    CarConfig, Corner, CornerConfig, CornerEstimate, Diagnostics, Level, PressureUnit, Validity, Warning,
 };
 use itpms_core::monitor::{Monitor, MonitorConfig};
 use itpms_core::warning::{Doubt, WheelState};
@@ -393,4 +393,29 @@ fn a_page_without_any_row_is_still_a_page() {
     let page = render_report(&data).unwrap();
     assert!(page.contains("not enough was seen"));
     assert_balanced(&page);
+}
+
+#[test]
+fn every_pressure_on_the_page_is_in_the_unit_that_was_asked_for() {
+    let mut data = monitored(0.0);
+    for unit in PressureUnit::ALL {
+        data.pressure_unit = unit;
+        let page = render_report(&data).unwrap();
+        let (text, script) = page.split_once("id=\"report-data\"").unwrap();
+        let others = PressureUnit::ALL.into_iter().filter(|other| *other != unit);
+        for other in others {
+            // A tire's slope is the vehicle file's own key.
+            let text = text.replace("N/m per kPa", "");
+            assert!(!text.contains(other.symbol()), "{unit}: {other}");
+        }
+        // 241.3 kPa on the placard, and the 140 kPa that the first tire fell to.
+        let [placard, low] = match unit {
+            PressureUnit::Kpa => ["placard 241 kPa", "140"],
+            PressureUnit::Bar => ["placard 2.41 bar", "1.40"],
+            PressureUnit::Psi => ["placard 35.0 psi", "20.3"],
+        };
+        assert!(text.contains(placard) && headline(&data).contains(low), "{}", headline(&data));
+        // What a script reads stays in kPa.
+        assert!(script.contains("\"placard\":241.3,"));
+    }
 }

@@ -17,6 +17,7 @@ mod reproduce;
 mod roughness;
 mod signals;
 mod soak;
+mod unit;
 mod vehicle;
 
 use std::path::PathBuf;
@@ -48,6 +49,7 @@ pub(crate) use reproduce::ReproduceArgs;
 pub(crate) use roughness::RoughnessArgs;
 pub(crate) use signals::SignalsArgs;
 pub(crate) use soak::SoakArgs;
+pub(crate) use unit::UnitArgs;
 pub(crate) use vehicle::{CheckArgs, InitArgs, LearnArgs, ShowArgs, VehicleArgs, VehiclePart};
 
 /// Indirect tire pressure monitoring: tire pressure and road from the accelerations of a car's body and wheels.
@@ -121,6 +123,8 @@ pub(crate) struct DemoArgs {
     /// Seed of the drive.
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub(crate) seed: u64,
+    #[command(flatten)]
+    pub(crate) unit: UnitArgs,
 }
 
 /// Estimate tire pressures (and the road) from a drive log.
@@ -174,6 +178,8 @@ pub(crate) struct EstimateArgs {
     /// there are processors unless said; the result is the same.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) jobs: Option<u16>,
+    #[command(flatten)]
+    pub(crate) unit: UnitArgs,
     #[command(flatten)]
     pub(crate) reading: LogArgs,
     /// Print the summary as JSON.

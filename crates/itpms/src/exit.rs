@@ -45,7 +45,9 @@ pub(crate) enum Failure {
 /// The option with which somebody who knows better goes on.
 fn remedy(error: &DataError) -> &'static str {
     match &*error.problem {
-        Problem::Units { .. } => "; if they are right: --trust-units",
+        Problem::Units { .. } => {
+            "; if they are right: --trust-units, else state the units in a map: --signals"
+        }
         // A table of somebody else's: it has a clock, but not under this name.
         Problem::MissingColumn { column, .. } if *column == Slot::Time.name() => {
             "; other names or units: itpms signals LOG --write-map map.toml, then --signals map.toml"

@@ -2,6 +2,7 @@
 //!
 //! One program: the estimators are generic, and every program that uses them compiles them anew.
 
+mod advice;
 mod bad_input;
 mod certify;
 mod common;

@@ -132,7 +132,7 @@ fn time_that_goes_backwards_or_stands_still() {
     });
     assert!(
         text.starts_with(
-            "drive.csv: time goes backwards in 19999 of the 20000 rows read, at line 3 from 99.994 to "
+            "drive.csv: time goes backwards in 19999 of the 20000 rows read, at line 3 from 99.996 to 99.994 s, expected"
         ),
         "{text}"
     );
@@ -182,7 +182,12 @@ fn accelerations_in_g_with_and_without_gravity() {
             text.starts_with("drive.csv: wrong units suspected (accelerations in g): fl body and wheel"),
             "{text}"
         );
-        assert!(text.ends_with(", expected m/s^2; if they are right: --trust-units"), "{text}");
+        assert!(
+            text.ends_with(
+                ", expected m/s^2; if they are right: --trust-units, else state the units in a map: --signals"
+            ),
+            "{text}"
+        );
         bench.run("estimate drive.csv --vehicle car.toml -o est.csv --trust-units").success();
     }
 }

@@ -277,3 +277,31 @@ fn any_number_of_threads_writes_the_same_files() {
     assert_eq!(alone.success(), many.success());
     assert!(files() == written, "three threads wrote something else");
 }
+
+#[test]
+fn people_read_pressures_in_their_unit_and_files_stay_as_they_are() {
+    let bench = Bench::with_drive();
+    let lines = |unit: &str, more: &str| {
+        let outcome = bench.run(&format!(
+            "estimate drive.csv --vehicle car.toml -o {unit}.csv --events {unit}.jsonl --report {unit}.html --pressure-unit {unit}{more}"
+        ));
+        (
+            outcome.success().to_owned(),
+            bench.read(&format!("{unit}.csv")),
+            bench.read(&format!("{unit}.jsonl")),
+        )
+    };
+    let (kpa, bar, psi) = (lines("kpa", ""), lines("bar", ""), lines("psi", ""));
+    // The drive's placard is 241.3 kPa, 35 psi.
+    for (said, placard) in [(&kpa.0, "kPa, sd"), (&bar.0, "(placard 2.41)"), (&psi.0, "(placard 35.0)")] {
+        assert!(said.contains(placard), "{said}");
+    }
+    assert!(!bar.0.contains("kPa") && bar.0.contains("bar"), "{}", bar.0);
+    assert!(!psi.0.contains("kPa") && psi.0.contains("psi"), "{}", psi.0);
+    assert_eq!((&kpa.1, &kpa.2), (&bar.1, &bar.2));
+    assert_eq!((&kpa.1, &kpa.2), (&psi.1, &psi.2));
+    let json = |unit: &str| -> serde_json::Value { serde_json::from_str(&lines(unit, " --json").0).unwrap() };
+    assert_eq!(json("kpa")["corners"], json("psi")["corners"]);
+    let refused = bench.run("estimate drive.csv --vehicle car.toml --pressure-unit torr").stderr;
+    assert!(refused.contains("kpa, bar, psi"), "{refused}");
+}

@@ -83,6 +83,55 @@ fn a_speed_that_makes_no_sense_or_comes_too_seldom_is_mentioned() {
     assert!(said.contains("speed_m_s is unknown for 50 % of the time"), "{said}");
 }
 
+/// What becomes of a drive whose wheels are written under other names, or whose rows but for times and speeds run backwards.
+#[test]
+fn wheels_in_each_others_place_are_named() {
+    let bench = Bench::new();
+    bench.write("drive.toml", puncture().replace("duration_s = 40.0", "duration_s = 25.0"));
+    bench.run("simulate drive.toml -o drive.csv --vehicle-out car.toml").success();
+    let log = bench.read("drive.csv");
+    let (head, rows) = log.split_once('\n').unwrap();
+    let renamed = |wheels: [&str; 4]| {
+        let of = |name: &str| match name.split_once('_') {
+            Some((wheel, rest)) if wheel.len() == 2 => {
+                let corners = ["fl", "fr", "rl", "rr"];
+                let place = corners.iter().position(|corner| *corner == wheel).unwrap();
+                format!("{}_{rest}", wheels[place])
+            }
+            _ => name.to_owned(),
+        };
+        head.split(',').map(of).collect::<Vec<_>>().join(",") + "\n" + rows
+    };
+    let backwards = || {
+        let parts: Vec<(&str, &str)> = rows
+            .lines()
+            .map(|row| {
+                let end = row.match_indices(',').nth(1).unwrap().0;
+                row.split_at(end)
+            })
+            .collect();
+        let again = parts
+            .iter()
+            .zip(parts.iter().rev())
+            .map(|((clock, _), (_, wheels))| format!("{clock}{wheels}\n"));
+        format!("{head}\n{}", again.collect::<String>())
+    };
+    for (log, said) in [
+        (renamed(["rl", "rr", "fl", "fr"]), "front and rear are exchanged"),
+        (renamed(["fr", "fl", "rl", "rr"]), "left and right are exchanged on one axle"),
+        (renamed(["fl", "fr", "rr", "rl"]), "left and right are exchanged on one axle"),
+        (backwards(), "or the rows run backwards in time"),
+    ] {
+        bench.write("odd.csv", log);
+        let refused = bench.run("-q estimate odd.csv --vehicle car.toml");
+        assert!(refused.refusal().contains(said), "{said}: {refused:?}");
+        let checked = bench.run("-q vehicle check odd.csv --vehicle car.toml");
+        assert!(checked.stderr.contains(said), "{said}: {checked:?}");
+    }
+    bench.write("odd.csv", renamed(["fr", "fl", "rr", "rl"]));
+    bench.run("-q estimate odd.csv --vehicle car.toml").success();
+}
+
 #[test]
 fn the_regulation_sets_the_limit() {
     let bench = Bench::new();

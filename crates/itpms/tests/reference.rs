@@ -62,7 +62,8 @@ fn a_reference_that_cannot_be_used_ends_the_command_before_anything_is_written()
     bench.write("car.toml", bench.read("car.toml").replace("925.8", "950.0"));
     let text = refusal("--reference car.reference");
     assert!(
-        text.starts_with("car.reference: the reference was learned on a vehicle whose set of parameters"),
+        text.starts_with("car.reference: the reference was learned on a vehicle whose set of parameters")
+            && text.ends_with(" as in car.toml"),
         "{text}"
     );
     assert!(refusal("--reference car.reference --estimator ekf-ui").contains("only informed learns"));

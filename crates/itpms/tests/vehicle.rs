@@ -165,3 +165,22 @@ fn line_breaks_of_a_name_are_shown_as_such() {
     let shown = bench.run("vehicle show odd.toml").success().to_owned();
     assert!(shown.contains(r"x\u000afl  241.0 kPa") && !shown.contains('\u{1b}'), "{shown}");
 }
+
+#[test]
+fn a_placard_and_a_tire_for_each_axle() {
+    let bench = Bench::new();
+    bench.run("vehicle init --mass 1600 --front-share 0.5 --tire 225/45R18,255/40R18 --placard-kpa 230,260 -o car.toml")
+        .success();
+    let json: serde_json::Value =
+        serde_json::from_str(bench.run("vehicle show car.toml --json").success()).unwrap();
+    let placard = |corner: &str| json["corners"][corner]["placard_kpa"].as_f64().unwrap();
+    assert_eq!(["fl", "fr", "rl", "rr"].map(placard), [230.0, 230.0, 260.0, 260.0]);
+    for (given, expected) in [
+        ("--placard-kpa 230,", "positive, finite number, or two"),
+        ("--placard-kpa 230,90", "90 kPa, expected 100 to 900"),
+    ] {
+        let text =
+            bench.run(&format!("vehicle init --mass 1600 --front-share 0.5 --tire 225/45R18 {given}")).stderr;
+        assert!(text.contains(expected), "{text}");
+    }
+}

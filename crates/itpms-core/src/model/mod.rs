@@ -5,6 +5,7 @@ mod calibration;
 mod car;
 mod car_estimate;
 mod estimate;
+mod pressure_unit;
 pub mod quarter_car;
 mod sample;
 mod strut_reading;
@@ -18,6 +19,7 @@ pub use self::calibration::{CalibrationError, CornerCalibration, Learned, Vehicl
 pub use self::car::{CarConfig, Inflation};
 pub use self::car_estimate::{CarEstimate, TrackState};
 pub use self::estimate::{CornerConfig, CornerEstimate, Diagnostics, Level, Loss, Validity, Warning};
+pub use self::pressure_unit::{PressureNumber, PressureUnit};
 pub(crate) use self::quarter_car::positive;
 pub use self::quarter_car::{ParameterError, QuarterCar};
 pub(crate) use self::sample::ABSURD_M_S2;

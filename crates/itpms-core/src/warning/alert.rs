@@ -4,7 +4,7 @@ use core::fmt;
 
 use crate::diagnosis::Malfunction;
 use crate::memory::{Blank, blank};
-use crate::model::{Level, Wheels};
+use crate::model::{Level, PressureUnit, Wheels};
 use crate::real::Real;
 
 /// Alerts that were said less than so many seconds apart are one: decisions are further apart, and rounding is nearer.
@@ -180,27 +180,60 @@ impl<T> Alert<T> {
     }
 }
 
+impl<T: Real> Reading<T> {
+    fn write(&self, f: &mut fmt::Formatter<'_>, unit: PressureUnit) -> fmt::Result {
+        let [pressure, sd, limit, reference] =
+            [self.pressure_kpa, self.sd_kpa, self.limit_kpa, self.reference_kpa]
+                .map(|kpa| unit.number(kpa.to_f64(), 0));
+        let basis = self.basis.words();
+        write!(f, "{pressure} {unit} (sd {sd}), limit {limit} of {reference}, {basis}")
+    }
+}
+
 impl<T: Real> fmt::Display for Reading<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [pressure, sd, limit, reference] =
-            [self.pressure_kpa, self.sd_kpa, self.limit_kpa, self.reference_kpa].map(Real::to_f64);
-        let basis = self.basis.words();
-        write!(f, "{pressure:.0} kPa (sd {sd:.0}), limit {limit:.0} of {reference:.0}, {basis}")
+        self.write(f, PressureUnit::Kpa)
+    }
+}
+
+/// The sentence of an alert with its pressures in a unit.
+#[derive(Debug, Clone, Copy)]
+pub struct AlertIn<'a, T> {
+    alert: &'a Alert<T>,
+    unit: PressureUnit,
+}
+
+impl<T> Alert<T> {
+    /// The alert's sentence with its pressures in this unit.
+    #[must_use]
+    pub fn shown_in(&self, unit: PressureUnit) -> AlertIn<'_, T> {
+        AlertIn { alert: self, unit }
     }
 }
 
 /// A sentence for a person: wheels, why, the numbers, since when.
 impl<T: Real> fmt::Display for Alert<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match &self.cause {
-            Cause::UnderInflated(reading) => write!(f, "{} under-inflated: {reading}", self.wheels)?,
+        self.shown_in(PressureUnit::Kpa).fmt(f)
+    }
+}
+
+impl<T: Real> fmt::Display for AlertIn<'_, T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { alert, unit } = *self;
+        let wheels = alert.wheels;
+        match &alert.cause {
+            Cause::UnderInflated(reading) => {
+                write!(f, "{wheels} under-inflated: ")?;
+                reading.write(f, unit)?;
+            }
             Cause::FastLeak { reading, rate_kpa_per_min } => {
                 let [rate, pressure, sd, reference] =
                     [rate_kpa_per_min, &reading.pressure_kpa, &reading.sd_kpa, &reading.reference_kpa]
-                        .map(|number| number.to_f64());
+                        .map(|kpa| unit.number(kpa.to_f64(), 0));
                 // It is the loss that counts, whatever the level.
-                write!(f, "{} lost {rate:.0} kPa per minute (mean of 10 s or more), ", self.wheels)?;
-                write!(f, "now {pressure:.0} kPa (sd {sd:.0}) of {reference:.0}")?;
+                write!(f, "{wheels} lost {rate} {unit} per minute (mean of 10 s or more), ")?;
+                write!(f, "now {pressure} {unit} (sd {sd}) of {reference}")?;
             }
             Cause::AllLow { mean_share, sd_share } => {
                 let [mean, sd] = [mean_share, sd_share].map(|share| 100.0 * share.to_f64());
@@ -219,20 +252,22 @@ impl<T: Real> fmt::Display for Alert<T> {
                     "wheels or dampers, or all of them {all}-inflated; check the pressures, then calibrate again"
                 )?;
             }
-            Cause::OverInflated(reading) => write!(f, "{} over-inflated: {reading}", self.wheels)?,
+            Cause::OverInflated(reading) => {
+                write!(f, "{wheels} over-inflated: ")?;
+                reading.write(f, unit)?;
+            }
             Cause::Flat(reading) => {
                 let share = (reading.pressure_kpa / reading.reference_kpa).to_f64();
                 write!(
                     f,
-                    "{} flat: on its rim, or else inflated to {share:.1} times what it should have; stop and look",
-                    self.wheels
+                    "{wheels} flat: on its rim, or else inflated to {share:.1} times what it should have; stop and look"
                 )?;
             }
             Cause::Malfunction(malfunction) => write!(f, "malfunction: {malfunction}")?,
             Cause::NoInformation { driven_s } => {
-                write!(f, "{}: nothing learned in {:.0} min of driving", self.wheels, driven_s / 60.0)?;
+                write!(f, "{wheels}: nothing learned in {:.0} min of driving", driven_s / 60.0)?;
             }
         }
-        write!(f, "; since {:.1} s, said at {:.1} s", self.since_s, self.reported_s)
+        write!(f, "; since {:.1} s, said at {:.1} s", alert.since_s, alert.reported_s)
     }
 }

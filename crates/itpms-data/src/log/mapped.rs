@@ -112,7 +112,7 @@ fn clock(
             let (signal, of) = (signal.to_owned(), names.len());
             return Err(in_map(SignalProblem::NotThere { line, column, signal, of, nearest: near }));
         };
-        let stated = || column_unit::seconds_in(signal).or_else(|| under(place)).map(seconds);
+        let stated = || under(place).or_else(|| column_unit::seconds_in(signal)).map(seconds);
         return Ok((place, conversion.or_else(stated).unwrap_or(Conversion::IDENTITY)));
     }
     if let Some(place) = names.iter().position(|name| *name == Slot::Time.name()) {

@@ -22,6 +22,16 @@ const MOST_ROWS: usize = 1 << 16;
 struct Line {
     row: LogRow,
     place: Place,
+    /// Time of the row before it in the file; NaN for the first.
+    before_s: f64,
+}
+
+impl Line {
+    /// Where time goes back with this row.
+    fn step_back(&self) -> Option<Step> {
+        let Self { row, place, before_s } = *self;
+        (row.time_s < before_s).then_some(Step { place, from_s: before_s, to_s: row.time_s })
+    }
 }
 
 impl Stamped for Line {
@@ -39,7 +49,7 @@ impl Stamped for Line {
     }
 }
 
-/// Where time last went back.
+/// Where time went back, from one row of the file to the next.
 #[derive(Debug, Clone, Copy)]
 struct Step {
     place: Place,
@@ -54,6 +64,8 @@ pub(super) struct TimeOrder {
     series: Series<Line>,
     sorted: Sorted<Line>,
     given_s: f64,
+    /// Time of the last row in the file; NaN before the first.
+    last_s: f64,
     pub(super) rows: u64,
     pub(super) without_time: u64,
     /// Rows left out because their time contradicts the others.
@@ -61,7 +73,7 @@ pub(super) struct TimeOrder {
     /// Rows left out because another one has their time.
     pub(super) repeated: u64,
     first_repeat: Option<Place>,
-    backwards_run: Option<Step>,
+    step_back: Option<Step>,
 }
 
 impl TimeOrder {
@@ -71,12 +83,13 @@ impl TimeOrder {
             series: Series::new(),
             sorted: Sorted::new(MOST_ROWS),
             given_s: f64::NEG_INFINITY,
+            last_s: f64::NAN,
             rows: 0,
             without_time: 0,
             backwards: 0,
             repeated: 0,
             first_repeat: None,
-            backwards_run: None,
+            step_back: None,
         }
     }
 
@@ -88,38 +101,36 @@ impl TimeOrder {
             return;
         }
         let Self { strays, series, sorted, .. } = self;
-        let from_s = strays.latest_s();
+        let line = Line { row, place, before_s: std::mem::replace(&mut self.last_s, row.time_s) };
         let mut left_out = LeftOut::default();
-        strays.take(Line { row, place }, |fate| left_out.pass(fate, series, sorted));
-        self.count(&left_out, from_s, row.time_s);
+        strays.take(line, |fate| left_out.pass(fate, series, sorted));
+        self.count(&left_out, line.step_back());
         self.hand_out(out);
     }
 
     /// The last rows, once there are no more.
     pub(super) fn finish(&mut self, out: &mut VecDeque<LogRow>) {
         let Self { strays, series, sorted, .. } = self;
-        let from_s = strays.latest_s();
         let mut left_out = LeftOut::default();
         strays.finish(|fate| left_out.pass(fate, series, sorted));
         series.settle(&mut |fate| left_out.sort(fate, sorted));
         sorted.finish();
-        self.count(&left_out, from_s, from_s);
+        self.count(&left_out, None);
         self.hand_out(out);
     }
 
-    /// Of rows that lie behind or ahead of the latest one, time went back with the first or after it.
-    fn count(&mut self, left_out: &LeftOut, latest_s: f64, now_s: f64) {
+    /// Of rows that were left out, time went back with one of them, or, where they lie ahead of the others, with the row `after` them.
+    fn count(&mut self, left_out: &LeftOut, after: Option<Step>) {
         self.backwards += left_out.strays;
         self.repeated += left_out.repeated;
         self.first_repeat = self.first_repeat.or(left_out.first_repeat);
-        if let Some((place, stray_s)) = left_out.first_stray {
-            let (from_s, to_s) = if stray_s < latest_s { (latest_s, stray_s) } else { (stray_s, now_s) };
-            self.backwards_run.get_or_insert(Step { place, from_s, to_s });
+        if left_out.strays > 0 {
+            self.step_back = self.step_back.or(left_out.step_back).or(after);
         }
     }
 
     fn hand_out(&mut self, out: &mut VecDeque<LogRow>) {
-        while let Some(Line { row, place }) = self.sorted.pop() {
+        while let Some(Line { row, place, .. }) = self.sorted.pop() {
             if row.time_s > self.given_s {
                 self.given_s = row.time_s;
                 out.push_back(row);
@@ -157,7 +168,7 @@ impl TimeOrder {
         }
         if self.backwards > tolerated
             && self.backwards as f64 > TOLERATED_SHARE * with_time as f64
-            && let Some(Step { place, from_s, to_s }) = self.backwards_run
+            && let Some(Step { place, from_s, to_s }) = self.step_back
         {
             let (backwards, rows) = (self.backwards, with_time);
             return Err(Problem::TimeBackwards { backwards, rows, place, from_s, to_s });
@@ -182,7 +193,7 @@ impl TimeOrder {
 struct LeftOut {
     strays: u64,
     repeated: u64,
-    first_stray: Option<(Place, f64)>,
+    step_back: Option<Step>,
     first_repeat: Option<Place>,
 }
 
@@ -199,7 +210,7 @@ impl LeftOut {
             Fate::Kept(line) if sorted.push(line) => {}
             Fate::Kept(line) | Fate::Stray(line) => {
                 self.strays += 1;
-                self.first_stray.get_or_insert((line.place, line.row.time_s));
+                self.step_back = self.step_back.or_else(|| line.step_back());
             }
             Fate::Repeated(line) => {
                 self.repeated += 1;
@@ -270,7 +281,14 @@ mod tests {
 
     #[test]
     fn a_log_that_is_mostly_out_of_order_is_refused() {
-        assert!(verdict((0..500).map(|i| 500.0 - f64::from(i))).starts_with("time goes backwards in 49"));
+        let back = verdict((0..500).map(|i| 500.0 - f64::from(i)));
+        assert!(
+            back.starts_with("time goes backwards in 49") && back.contains("at line 3 from 500 to 499 s"),
+            "{back}"
+        );
+        // Rows at a clock far ahead: time goes back with the row after them.
+        let ahead = (0..40).map(|i| if (20..22).contains(&i) { 9000.0 } else { f64::from(i) });
+        assert!(verdict(ahead).contains("at line 24 from 9000 to 22 s"));
         assert!(verdict([7.0; 40]).starts_with("time is constant: time_s is 7 in all of the 40 rows read"));
         assert!(verdict([f64::NAN; 3]).starts_with("column time_s has no value in any of 3 rows"));
         // A clock that was set back in the middle.

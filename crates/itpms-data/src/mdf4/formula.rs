@@ -1,8 +1,9 @@
 //! Formulas in words: `(X1 - 32768) * 0.01`, as algebraic conversions have them (ASAM MDF 4.1, CCBLOCK, `cc_type` 3).
 //!
 //! Called by the conversions, which read the text once; evaluated for every value. The syntax is that of the ASAM General Expression
-//! Syntax as far as it makes a number of one number: `+ - * / %`, `^` and `**` for powers, brackets, and the functions below. The raw
-//! value is `X` or `X1`. What else may be in it (comparisons, bits, other channels) is not computed.
+//! Syntax as far as it makes a number of one number: `+ - * / %`, `**` and `pow` for powers, brackets, and the functions below. The raw
+//! value is `X` or `X1`. What else may be in it (comparisons, bits, other channels) is not computed, nor is `^`: some tools mean a power
+//! by it, others (asammdf among them) the exclusive or of bits.
 
 /// Values that wait at most while a formula is evaluated, and brackets inside brackets.
 const DEEPEST: usize = 24;
@@ -156,8 +157,8 @@ impl<'a> Parser<'a> {
 
     fn power(&mut self) -> Option<()> {
         self.operand()?;
-        if self.passes("^") || self.passes("**") {
-            // To the right first: 2^3^2 is 2^9.
+        if self.passes("**") {
+            // To the right first: 2**3**2 is 2**9.
             self.deeper(Self::signed)?;
             self.steps.push(Step::Operator(b'^'));
         }
@@ -239,8 +240,8 @@ mod tests {
             ("X1/100", x / 100.0),
             ("x", x),
             ("(X1 - 32768) * 0.01", (x - 32768.0) * 0.01),
-            ("-X^2", -x * x),
-            ("2^3^2", 512.0),
+            ("-X**2", -x * x),
+            ("2**3**2", 512.0),
             ("2**-1", 0.5),
             ("8/4/2", 1.0),
             ("1-2-3", -4.0),
@@ -262,7 +263,7 @@ mod tests {
     fn what_is_no_formula_of_one_number_is_named() {
         for text in [
             "", "X1 +", "X2", "X & 3", "sin X", "pow(X)", "X > 3", "(X", "X)", "1.2.3", "foo(X)", "é",
-            "X1/100;",
+            "X1/100;", "X^2", "2^3^2",
         ] {
             assert!(Formula::parse(text).is_err(), "{text}");
         }

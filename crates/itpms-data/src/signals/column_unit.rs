@@ -13,14 +13,10 @@ pub(crate) fn candidate(name: &str) -> Candidate {
     Candidate { group: String::new(), name: name.to_owned(), unit }
 }
 
-/// The same of a column with a unit stated beside its name.
+/// The same of a column with a unit stated beside its name, which counts: with such a row, names are only names.
 pub(crate) fn candidate_in(name: &str, stated: &str) -> Candidate {
     let candidate = candidate(name);
-    if candidate.unit.is_empty() && is_unit(stated) {
-        Candidate { unit: stated.to_owned(), ..candidate }
-    } else {
-        candidate
-    }
+    if is_unit(stated) { Candidate { unit: stated.to_owned(), ..candidate } } else { candidate }
 }
 
 /// From a unit to a column's own, if it is one of what the column measures.

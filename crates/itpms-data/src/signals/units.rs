@@ -3,6 +3,8 @@
 //! Called by the map's reader and by the resolver. A unit is a spelling, a quantity and a factor; it knows nothing of
 //! signals. Factors are those of the SI brochure and of NIST SP 811, appendix B.8.
 
+use itpms_core::model::PressureUnit;
+
 use super::Conversion;
 use crate::log::{Quantity, Slot};
 
@@ -91,8 +93,8 @@ const UNITS: [(&str, Quantity, f64); 73] = {
         ("KiloMeterPerHour", Speed, 1.0 / 3.6), ("MeterPerSecond", Speed, 1.0), ("MilePerHour", Speed, 0.44704),
 
         ("kPa", Pressure, 1.0), ("KiloPascal", Pressure, 1.0), ("Pa", Pressure, 1e-3), ("hPa", Pressure, 0.1), ("mbar", Pressure, 0.1),
-        ("bar", Pressure, 100.0), ("barg", Pressure, 100.0), ("MPa", Pressure, 1000.0),
-        ("psi", Pressure, 6.894_757_293_168), ("psig", Pressure, 6.894_757_293_168), ("kgf/cm2", Pressure, 98.066_5),
+        ("bar", Pressure, PressureUnit::Bar.kpa()), ("barg", Pressure, PressureUnit::Bar.kpa()), ("MPa", Pressure, 1000.0),
+        ("psi", Pressure, PressureUnit::Psi.kpa()), ("psig", Pressure, PressureUnit::Psi.kpa()), ("kgf/cm2", Pressure, 98.066_5),
 
         ("m", Length, 1.0), ("mm", Length, 1e-3), ("cm", Length, 0.01), ("dm", Length, 0.1), ("um", Length, 1e-6),
         ("meter", Length, 1.0), ("in", Length, 0.0254), ("inch", Length, 0.0254), ("ft", Length, 0.3048), ("km", Length, 1000.0),

@@ -283,6 +283,7 @@ fn heading(plan: &Plan) -> Result<Value, DriveError> {
         "regulation": settings.regulation.label(),
         "road_repeats": format!("{:?}", settings.road_repeats),
         "rate_hz": settings.rate_hz,
+        "pressure_unit": settings.pressure_unit.label(),
         "calibrate_s": plan.calibration.as_ref().map(|calibration| calibration.seconds),
         "units": format!("{:?}", options.units),
         "dbc": content(&options.dbc)?,

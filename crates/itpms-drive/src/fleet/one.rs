@@ -75,7 +75,7 @@ pub(super) fn run(
         rate_hz: drive.rate_hz,
         distance_m: Some(drive.distance_m).filter(|distance| distance.is_finite()),
         wheels: wheels(&done, &sink.begun),
-        alerts: done.alerts.sentences(done.data.drive.origin_s).collect(),
+        alerts: done.alerts.sentences(drive.origin_s, settings.pressure_unit).collect(),
         concerns: std::mem::take(&mut done.concerns),
         report: within(&paths.report),
         estimates: within(&paths.estimates),

@@ -4,7 +4,9 @@
 
 use std::fmt::Write as _;
 
+use itpms_core::model::PressureUnit;
 use itpms_data::out::AtomicFile;
+use itpms_study::page::{percent_style, whole_percent};
 use itpms_study::plot::{Figure, Ink, escape};
 use itpms_study::report::BASE_STYLE;
 
@@ -32,25 +34,19 @@ pub(super) fn write(plan: &Plan, outcome: &Outcome) -> Result<(), DriveError> {
 fn page(plan: &Plan, outcome: &Outcome) -> String {
     let cars = CarStanding::of_all(&outcome.drives, &outcome.failed);
     let headline = escape(&headline(&cars));
+    let unit = plan.settings.pressure_unit;
     let parts: [(&str, String); 9] = [
         ("headline", headline),
-        ("base_style", BASE_STYLE.into()),
+        ("base_style", BASE_STYLE.to_owned() + &percent_style()),
         ("style", STYLE.into()),
         ("subline", subline(outcome, &cars)),
         ("cards", cards(&cars)),
-        ("cars", cars_table(&cars, &outcome.failed)),
-        ("figures", figures(&outcome.drives, &cars)),
-        ("drives", drives_table(&outcome.drives) + &failed_table(outcome)),
+        ("cars", cars_table(&cars, &outcome.failed, unit)),
+        ("figures", figures(&outcome.drives, &cars, unit)),
+        ("drives", drives_table(&outcome.drives, unit) + &failed_table(outcome)),
         ("provenance", provenance(plan)),
     ];
-    let (mut page, mut rest) = (String::new(), TEMPLATE);
-    while let Some((before, after)) = rest.split_once("{{") {
-        page.push_str(before);
-        let (name, after) = after.split_once("}}").unwrap_or(("", after));
-        page.extend(parts.iter().filter(|(key, _)| *key == name).map(|(_, text)| text.as_str()));
-        rest = after;
-    }
-    page + rest
+    itpms_study::page::page(TEMPLATE, &parts)
 }
 
 /// `3 of 12 cars have a low tire`: the most urgent thing there is.
@@ -116,7 +112,8 @@ fn cards(cars: &[CarStanding<'_>]) -> String {
         let _ = writeln!(
             out,
             "<div class=\"card {class}{none}\"><span class=\"badge {class}\">{word}</span><span class=\"card-number\">{n}</span>\
-             <span class=\"bar\"><i style=\"width:{share:.1}%\"></i></span><span class=\"card-foot\">{share:.0} % of the cars</span></div>",
+             <span class=\"bar\"><i class=\"w{}\"></i></span><span class=\"card-foot\">{share:.0} % of the cars</span></div>",
+            whole_percent(share),
             none = if n == 0 { " none" } else { "" },
             word = word(state),
         );
@@ -150,7 +147,7 @@ fn later_failures(car: &CarStanding<'_>, last: &DriveRecord, failed: &[Failed]) 
 }
 
 /// The cars, the worst first, each with its wheels at the end of its last drive that could be estimated.
-fn cars_table(cars: &[CarStanding<'_>], failed: &[Failed]) -> String {
+fn cars_table(cars: &[CarStanding<'_>], failed: &[Failed], unit: PressureUnit) -> String {
     let mut out = String::from(
         "<div class=\"scroll\"><table class=\"cars\"><thead><tr><th scope=\"col\">Car</th><th scope=\"col\">State</th>\
          <th scope=\"col\">Front left</th><th scope=\"col\">Front right</th><th scope=\"col\">Rear left</th>\
@@ -161,7 +158,7 @@ fn cars_table(cars: &[CarStanding<'_>], failed: &[Failed]) -> String {
             out.push_str(&unseen_row(car));
             continue;
         };
-        let wheels: String = ["fl", "fr", "rl", "rr"].map(|name| wheel_cell(last, name)).concat();
+        let wheels: String = ["fl", "fr", "rl", "rr"].map(|name| wheel_cell(last, name, unit)).concat();
         let _ = writeln!(
             out,
             "<tr><th scope=\"row\">{name}<small>{vehicle}</small></th><td>{badge}</td>{wheels}<td class=\"line\">{line}</td>\
@@ -192,7 +189,7 @@ fn unseen_row(car: &CarStanding<'_>) -> String {
 }
 
 /// A wheel's last pressure, with a bar up to a quarter above the placard's.
-fn wheel_cell(drive: &DriveRecord, name: &str) -> String {
+fn wheel_cell(drive: &DriveRecord, name: &str, unit: PressureUnit) -> String {
     let short = name.to_uppercase();
     let Some(wheel) = drive.wheels.iter().find(|wheel| wheel.wheel == name) else {
         return format!("<td class=\"wheel absent\" data-label=\"{short}\">–</td>");
@@ -203,12 +200,12 @@ fn wheel_cell(drive: &DriveRecord, name: &str) -> String {
     };
     let percent = 100.0 * last.pressure_kpa / wheel.placard_kpa;
     format!(
-        "<td class=\"wheel {class}\" data-label=\"{short}\"><b>{:.0}</b> <small>± {:.0} kPa</small>\
-         <span class=\"gauge\" title=\"{percent:.0} % of the placard's {:.0} kPa\"><i style=\"width:{:.1}%\"></i></span></td>",
-        last.pressure_kpa,
-        last.sd_kpa,
-        wheel.placard_kpa,
-        (percent * 0.8).clamp(0.0, 100.0),
+        "<td class=\"wheel {class}\" data-label=\"{short}\"><b>{}</b> <small>± {} {unit}</small>\
+         <span class=\"gauge\" title=\"{percent:.0} % of the placard's {} {unit}\"><i class=\"w{}\"></i></span></td>",
+        unit.number(last.pressure_kpa, 0),
+        unit.number(last.sd_kpa, 0),
+        unit.number(wheel.placard_kpa, 0),
+        whole_percent(0.8 * percent),
     )
 }
 
@@ -263,7 +260,7 @@ fn address(path: &str) -> String {
 }
 
 /// The drives, the worst first.
-fn drives_table(drives: &[DriveRecord]) -> String {
+fn drives_table(drives: &[DriveRecord], unit: PressureUnit) -> String {
     let mut order: Vec<&DriveRecord> = drives.iter().collect();
     order.sort_by(|a, b| {
         let urgency = State::of_drive(a).cmp(&State::of_drive(b));
@@ -288,7 +285,7 @@ fn drives_table(drives: &[DriveRecord]) -> String {
             link(drive),
             escape(&drive.car),
             badge(State::of_drive(drive)),
-            lowest_words(drive),
+            lowest_words(drive, unit),
             100.0 * mean(drive.wheels.iter().map(|wheel| Some(wheel.share_valid))).unwrap_or(0.0),
             mean(drive.wheels.iter().map(|wheel| wheel.iri_m_per_km))
                 .map_or("–".to_owned(), |iri| format!("{iri:.2}")),
@@ -301,12 +298,12 @@ fn drives_table(drives: &[DriveRecord]) -> String {
 }
 
 /// `FL 139 of 241 kPa`.
-fn lowest_words(drive: &DriveRecord) -> String {
+fn lowest_words(drive: &DriveRecord, unit: PressureUnit) -> String {
     let known = drive.wheels.iter().filter_map(|wheel| Some((wheel, share(wheel)?, wheel.last?)));
     match known.min_by(|a, b| a.1.total_cmp(&b.1)) {
         Some((wheel, _, last)) => {
-            let (name, placard) = (wheel.wheel.to_uppercase(), wheel.placard_kpa);
-            format!("{name} {:.0} of {placard:.0}\u{a0}kPa", last.pressure_kpa)
+            let [now, placard] = [last.pressure_kpa, wheel.placard_kpa].map(|kpa| unit.number(kpa, 0));
+            format!("{} {now} of {placard}\u{a0}{unit}", wheel.wheel.to_uppercase())
         }
         None => "not known".to_owned(),
     }
@@ -358,12 +355,12 @@ fn failed_table(outcome: &Outcome) -> String {
 }
 
 /// Pressures and their standard deviations at the end of each car's last drive; valid shares and roughness of all drives.
-fn figures(drives: &[DriveRecord], cars: &[CarStanding<'_>]) -> String {
+fn figures(drives: &[DriveRecord], cars: &[CarStanding<'_>], unit: PressureUnit) -> String {
     let last: Vec<&WheelRecord> =
         cars.iter().filter_map(CarStanding::last).flat_map(|drive| &drive.wheels).collect();
     let all = || drives.iter().flat_map(|drive| &drive.wheels);
     let percent: Vec<f64> = last.iter().filter_map(|wheel| Some(100.0 * share(wheel)?)).collect();
-    let sd: Vec<f64> = last.iter().filter_map(|wheel| Some(wheel.last?.sd_kpa)).collect();
+    let sd: Vec<f64> = last.iter().filter_map(|wheel| Some(wheel.last?.sd_kpa / unit.kpa())).collect();
     let valid: Vec<f64> = all().map(|wheel| 100.0 * wheel.share_valid).collect();
     let iri: Vec<f64> = all().filter_map(|wheel| wheel.iri_m_per_km).collect();
     if percent.is_empty() {
@@ -377,7 +374,13 @@ fn figures(drives: &[DriveRecord], cars: &[CarStanding<'_>]) -> String {
         );
     let figure = Figure::new("fleet", "The fleet in numbers")
         .panel(pressure)
-        .panel(histogram("How sure they are", ("Standard deviation", "kPa"), &sd, Ink::Default, "tires"))
+        .panel(histogram(
+            "How sure they are",
+            ("Standard deviation", unit.symbol()),
+            &sd,
+            Ink::Default,
+            "tires",
+        ))
         .panel(histogram("Share of a drive that is valid", ("Valid", "%"), &valid, Ink::Mended, "wheels"))
         .panel(histogram("Roads", ("Roughness (IRI)", "m/km"), &iri, Ink::Mended, "wheels"));
     figure.html()

@@ -5,10 +5,12 @@
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use axum::Router;
+use axum::body::Bytes;
 use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE, ETAG, IF_NONE_MATCH};
 use axum::http::{HeaderMap, HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
+use itpms_core::model::PressureUnit;
 use itpms_study::report::{BASE_STYLE, PLOT_LICENSE, PLOT_SCRIPT, PLOT_STYLE};
 
 /// A file of the page.
@@ -17,6 +19,18 @@ struct Asset {
     path: &'static str,
     kind: &'static str,
     text: &'static str,
+}
+
+/// Where the page says in which unit it shows pressures.
+const UNIT: &str = "data-unit=\"kPa\" data-unit-kpa=\"1\" data-unit-places=\"0\"";
+
+fn in_unit(page: &str, unit: PressureUnit) -> String {
+    let said = format!(
+        "data-unit=\"{unit}\" data-unit-kpa=\"{}\" data-unit-places=\"{}\"",
+        unit.kpa(),
+        unit.more_places()
+    );
+    page.replace(UNIT, &said)
 }
 
 const HTML: &str = "text/html; charset=utf-8";
@@ -59,23 +73,27 @@ const ASSETS: &[Asset] = &[
 ];
 
 /// A route for every file.
-pub(super) fn routes<S: Clone + Send + Sync + 'static>() -> Router<S> {
+pub(super) fn routes<S: Clone + Send + Sync + 'static>(unit: PressureUnit) -> Router<S> {
     ASSETS.iter().fold(Router::new(), |router, asset| {
-        let mark = mark(asset.text);
-        router.route(
-            asset.path,
-            get(move |headers: HeaderMap| std::future::ready(give(asset, &mark, &headers))),
-        )
+        let (mark, text) = match asset.kind {
+            HTML => {
+                let page = in_unit(asset.text, unit);
+                (mark(&page), Bytes::from(page))
+            }
+            _ => (mark(asset.text), Bytes::from_static(asset.text.as_bytes())),
+        };
+        let answer = move |headers: HeaderMap| std::future::ready(give(asset.kind, &text, &mark, &headers));
+        router.route(asset.path, get(answer))
     })
 }
 
 /// Browsers may keep a file but have to ask whether it is still the same: after an update it is another.
-fn give(asset: &Asset, mark: &HeaderValue, asked: &HeaderMap) -> Response {
+fn give(kind: &'static str, text: &Bytes, mark: &HeaderValue, asked: &HeaderMap) -> Response {
     let common = [(CACHE_CONTROL, HeaderValue::from_static("no-cache")), (ETAG, mark.clone())];
     if asked.get(IF_NONE_MATCH) == Some(mark) {
         return (StatusCode::NOT_MODIFIED, common).into_response();
     }
-    (common, [(CONTENT_TYPE, asset.kind)], asset.text).into_response()
+    (common, [(CONTENT_TYPE, kind)], text.clone()).into_response()
 }
 
 /// Changes whenever the text does.

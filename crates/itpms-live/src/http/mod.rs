@@ -31,6 +31,7 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use std::thread::JoinHandle;
 
+use itpms_core::model::PressureUnit;
 use tokio::sync::oneshot;
 
 use crate::hub::Hub;
@@ -45,13 +46,15 @@ pub struct Options {
     pub hosts: Vec<String>,
     /// Origins such as `https://fleet.example.com` whose pages may read the stream; all others are refused.
     pub origins: Vec<String>,
+    /// Unit in which the page shows pressures.
+    pub pressure_unit: PressureUnit,
 }
 
 impl Options {
-    /// Own pages only, at this address.
+    /// Own pages only, at this address, in kPa.
     #[must_use]
     pub fn new(address: SocketAddr) -> Self {
-        Self { address, hosts: Vec::new(), origins: Vec::new() }
+        Self { address, hosts: Vec::new(), origins: Vec::new(), pressure_unit: PressureUnit::Kpa }
     }
 }
 

@@ -27,7 +27,7 @@ pub(super) fn router(options: Options, hub: Arc<Hub>, newest: Newest) -> Router 
     let guard = Arc::new(Guard::new(&options.hosts, &options.origins));
     let run = format!("{:x}", (unix_s() * 1e3) as u64);
     let shared = Arc::new(Shared { hub, newest, run, streams: AtomicUsize::new(0) });
-    assets::routes()
+    assets::routes(options.pressure_unit)
         .route("/api/snapshot", get(snapshot))
         .route("/api/history", get(history))
         .route("/api/events", get(stream))

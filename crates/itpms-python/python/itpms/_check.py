@@ -13,6 +13,7 @@ from . import _itpms
 from ._errors import SettingError
 from ._pieces import TABLE, taken
 from ._progress import progress_bar
+from ._signals import Signals, map_file
 from ._tables import Columns
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ class Checked:
             ``coherence`` (of body and wheel, 4 to 16 Hz, 0 to 1), ``damping_over_file`` and ``spring_over_file`` with their
             standard errors ``..._se`` (None where they cannot be told), and ``fit``: ``incoherence``, ``unexplained``,
             ``hop_excess``, ``friction_n`` (N) and ``misfit`` of the estimator at the end, as in ``Result.summary``.
-        concerns: What was repaired in the drive, a sentence each.
+        concerns: What contradicts itself in the drive, and what was repaired, a sentence each.
     """
 
     def __init__(self, inner: _itpms.Checked) -> None:
@@ -80,15 +81,15 @@ def check(
     drive: Any,
     trust_units: bool,
     dbc: str | PathLike[str] | None,
-    signals: str | PathLike[str] | None,
+    signals: Signals,
     progress: bool | None,
 ) -> Checked:
     """What :meth:`itpms.Vehicle.check` does."""
-    with progress_bar(progress, "checking") as told:
+    with progress_bar(progress, "checking") as told, map_file(signals) as path:
         if isinstance(drive, (str, PathLike)):
-            return Checked(_itpms.check_log(drive, vehicle, trust_units, dbc, signals, told))
+            return Checked(_itpms.check_log(drive, vehicle, trust_units, dbc, path, told))
         if dbc is not None:
             raise SettingError("dbc says what the frames of a CAN log mean; this drive is a table")
         pieces, rows = taken(TABLE, drive, mapped=signals is not None)
         columns: Iterator[list[bytes | str]] = iter(pieces)
-        return Checked(_itpms.check_pieces(TABLE, pieces.names, rows, columns, vehicle, trust_units, signals, told))
+        return Checked(_itpms.check_pieces(TABLE, pieces.names, rows, columns, vehicle, trust_units, path, told))

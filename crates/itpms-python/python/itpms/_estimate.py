@@ -8,20 +8,25 @@ from collections.abc import Iterator, Mapping
 from os import PathLike
 from pathlib import Path
 from threading import Lock
-from typing import Any, overload
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _itpms
 from ._errors import LogError, SettingError
-from ._files import write
+from ._itpms import write
 from ._pieces import MEANT, TABLE, taken
 from ._progress import progress_bar
 from ._result import Result
 from ._signals import Signals, map_file
 from ._tables import Columns, Kind, collected, columns_of, kind_of, numbers, table_of, unpacked, usual
 from ._vehicle import Vehicle, vehicle_of
+
+if TYPE_CHECKING:
+    import pandas
+    import polars
+    import pyarrow
 
 
 def estimate(
@@ -40,6 +45,7 @@ def estimate(
     trust_units: bool = False,
     dbc: str | PathLike[str] | None = None,
     signals: Signals = None,
+    pressure_unit: str = "kpa",
     progress: bool | None = None,
 ) -> Result:
     """Estimates tire pressures, their standard deviations and the road from a drive.
@@ -68,6 +74,7 @@ def estimate(
         dbc: For a CAN log: what the frames mean.
         signals: Which signal, or column of a table, is which of our columns, and its unit: a map as ``itpms signals`` writes it, or
             a dict such as ``{"speed_m_s": "v", "fl_body_accel_m_s2": {"signal": "a", "unit": "g"}}``.
+        pressure_unit: ``kpa``, ``bar`` or ``psi``: the unit of the report and of the sentences. Numbers are in kPa.
         progress: Show how far it is with tqdm (``pip install itpms[progress]``); unless given, in a notebook that has tqdm.
 
     Raises:
@@ -88,6 +95,7 @@ def estimate(
         "road_repeats": road_repeats,
         "trust_units": trust_units,
         "dbc": dbc,
+        "pressure_unit": pressure_unit,
     }
     if isinstance(drive, Simulation):
         vehicle = drive.vehicle if vehicle is None else vehicle
@@ -116,6 +124,16 @@ class Simulation:
         self.kind: Kind = kind
         self.columns: Columns = unpacked(inner.columns())
 
+    @overload
+    def frame(self, kind: Literal["pandas"]) -> pandas.DataFrame: ...
+    @overload
+    def frame(self, kind: Literal["polars"]) -> polars.DataFrame: ...
+    @overload
+    def frame(self, kind: Literal["pyarrow"]) -> pyarrow.Table: ...
+    @overload
+    def frame(self, kind: Literal["numpy", "dict"]) -> Columns: ...
+    @overload
+    def frame(self, kind: None = None) -> Any: ...
     def frame(self, kind: Kind | None = None) -> Any:
         """The drive log as a table: ``time_s``, ``speed_m_s`` and per corner accelerations, pressure and road."""
         return table_of(self.columns, kind or self.kind)
@@ -222,6 +240,7 @@ class Car:
         car = vehicle_of(vehicle)
         options = {
             "rate_hz": 10.0,
+            "pressure_unit": "kpa",
             "road": False,
             "report": False,
             "estimator": estimator,

@@ -21,9 +21,9 @@ class Vehicle:
     def typical(
         mass_kg: float,
         front_share: float,
-        tire: str,
-        car_class: str,
-        placard_kpa: float,
+        tire: str | tuple[str, str],
+        car_class: str | None,
+        placard_kpa: float | tuple[float, float],
         wheelbase_m: float | None,
         name: str | None,
     ) -> Vehicle: ...
@@ -113,6 +113,7 @@ def learn(
     signals: str | PathLike[str] | None,
     told: _Told,
 ) -> Learned: ...
+def write(path: str | PathLike[str], content: bytes) -> None: ...
 def simulate(scenario: str, seed: int, vehicle: Vehicle | None, truth: bool, told: _Told) -> Simulated: ...
 def scenarios() -> list[str]: ...
 def iri(heights: bytes, spacing_m: float, segment_m: float | None = None, enveloping: bool = True) -> bytes: ...

@@ -10,6 +10,7 @@ from . import _itpms
 from ._errors import SettingError
 from ._pieces import CORNERS, TABLE, Pieces, pieces_of, rows_of
 from ._progress import progress_bar
+from ._signals import Signals, map_file
 from ._tables import collected
 
 Pressures = float | Mapping[str, float]
@@ -21,7 +22,7 @@ def learn(
     pressure_kpa: Pressures | Sequence[Pressures],
     trust_units: bool,
     dbc: str | PathLike[str] | None,
-    signals: str | PathLike[str] | None,
+    signals: Signals,
     progress: bool | None,
 ) -> _itpms.Learned:
     """What :meth:`itpms.Vehicle.learn` does, on the extension's side of things."""
@@ -36,8 +37,8 @@ def learn(
             "in the same order"
         )
     given = [_given(*drive, len(logs), signals is not None) for drive in zip(range(len(logs)), logs, told, strict=True)]
-    with progress_bar(progress, "learning") as tell:
-        return _itpms.learn(vehicle, given, trust_units, dbc, signals, tell)
+    with progress_bar(progress, "learning") as tell, map_file(signals) as path:
+        return _itpms.learn(vehicle, given, trust_units, dbc, path, tell)
 
 
 def _given(number: int, drive: Any, pressures: Pressures, drives: int, mapped: bool) -> dict[str, Any]:

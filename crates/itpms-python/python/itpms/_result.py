@@ -5,15 +5,18 @@ from __future__ import annotations
 import json
 from html import escape
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 from . import _itpms
 from ._errors import SettingError
-from ._files import write
+from ._itpms import write
 from ._kept import Kept
 from ._tables import Columns, Kind, columns_of, table_of, unpacked
 
 if TYPE_CHECKING:
+    import pandas
+    import polars
+    import pyarrow
     from matplotlib.figure import Figure
 
 
@@ -41,6 +44,16 @@ class Result:
             self._columns = unpacked(self._inner.estimates(), self._inner.warnings())
         return dict(self._columns)
 
+    @overload
+    def frame(self, kind: Literal["pandas"]) -> pandas.DataFrame: ...
+    @overload
+    def frame(self, kind: Literal["polars"]) -> polars.DataFrame: ...
+    @overload
+    def frame(self, kind: Literal["pyarrow"]) -> pyarrow.Table: ...
+    @overload
+    def frame(self, kind: Literal["numpy", "dict"]) -> Columns: ...
+    @overload
+    def frame(self, kind: None = None) -> Any: ...
     def frame(self, kind: Kind | None = None) -> Any:
         """The estimates as a table of the library that the drive came in, or of another.
 

@@ -9,8 +9,9 @@ from typing import Any
 
 from . import _itpms
 from ._check import Checked, check
-from ._files import write
+from ._itpms import write
 from ._learn import Pressures, learn
+from ._signals import Signals
 
 
 class Vehicle:
@@ -53,10 +54,10 @@ class Vehicle:
         cls,
         mass_kg: float,
         front_share: float,
-        tire: str,
+        tire: str | tuple[str, str],
         *,
-        car_class: str = "sedan",
-        placard_kpa: float = 240.0,
+        car_class: str | None = None,
+        placard_kpa: float | tuple[float, float] = 240.0,
         wheelbase_m: float | None = None,
         name: str | None = None,
     ) -> Vehicle:
@@ -65,9 +66,9 @@ class Vehicle:
         Args:
             mass_kg: Ready to drive, from the registration papers.
             front_share: Share of it that rests on the front axle.
-            tire: Size as on the sidewall, such as ``205/55R16``.
-            car_class: ``compact``, ``sedan``, ``suv`` or ``van``.
-            placard_kpa: Pressure on the placard, gauge.
+            tire: Size as on the sidewall, such as ``205/55R16``; where the axles differ, a tuple of front and rear.
+            car_class: ``compact``, ``sedan`` (unless given), ``suv`` or ``van``.
+            placard_kpa: Pressure on the placard, gauge; where the axles differ, a tuple of front and rear.
             wheelbase_m: Distance between the axles; that of other cars of the class unless given.
             name: What the car is called.
 
@@ -105,7 +106,7 @@ class Vehicle:
         *,
         trust_units: bool = False,
         dbc: str | PathLike[str] | None = None,
-        signals: str | PathLike[str] | None = None,
+        signals: Signals = None,
         progress: bool | None = None,
     ) -> Learned:
         """Learns what drives at known pressures tell of the car, as ``itpms vehicle learn`` does; the car itself stays as it is.
@@ -120,7 +121,7 @@ class Vehicle:
                 (``fl``, ``fr``, ``rl``, ``rr``); with several drives one for all, or a list of one for each.
             trust_units: As in :func:`itpms.estimate`, like the following.
             dbc: For CAN logs: what the frames mean.
-            signals: A map of names and units.
+            signals: A map of names and units, or a dict.
             progress: As in :func:`itpms.estimate`.
 
         Raises:
@@ -136,7 +137,7 @@ class Vehicle:
         *,
         trust_units: bool = False,
         dbc: str | PathLike[str] | None = None,
-        signals: str | PathLike[str] | None = None,
+        signals: Signals = None,
         progress: bool | None = None,
     ) -> Checked:
         """Holds the car's suspension against a drive, as ``itpms vehicle check`` does.
@@ -148,7 +149,7 @@ class Vehicle:
             drive: A path or a table as for :func:`itpms.estimate`.
             trust_units: As in :func:`itpms.estimate`, like the following.
             dbc: For CAN logs: what the frames mean.
-            signals: A map of names and units.
+            signals: A map of names and units, or a dict.
             progress: As in :func:`itpms.estimate`.
 
         Raises:

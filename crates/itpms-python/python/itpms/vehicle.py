@@ -3,7 +3,7 @@
 >>> import itpms
 >>> car = itpms.vehicle.init(1500, 0.55, "205/55R16")
 >>> car.name
-'compact car of 1500 kg on 205/55R16'
+'sedan, 1500 kg, 205/55R16'
 """
 
 from __future__ import annotations

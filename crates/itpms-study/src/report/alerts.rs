@@ -4,6 +4,7 @@
 
 use std::fmt::Write as _;
 
+use itpms_core::model::PressureUnit;
 use itpms_core::warning::{Cause, Reading};
 
 use super::words::{clock, corner_name};
@@ -24,7 +25,9 @@ struct Line {
 /// The table with its explanation, or the statement that nothing was warned of.
 pub(super) fn table(data: &ReportData) -> String {
     let (lines, unlisted) = match &data.watch {
-        Some(watch) => (watch.alerts.iter().map(line).collect(), watch.unlisted),
+        Some(watch) => {
+            (watch.alerts.iter().map(|span| line(span, data.pressure_unit)).collect(), watch.unlisted)
+        }
         None => (from_warnings(data), 0),
     };
     if lines.is_empty() {
@@ -56,21 +59,19 @@ pub(super) fn table(data: &ReportData) -> String {
     out
 }
 
-fn line(span: &AlertSpan) -> Line {
+fn line(span: &AlertSpan, unit: PressureUnit) -> Line {
     let AlertSpan { alert, ended_s } = span;
     let names: Vec<&str> = alert.wheels.iter().map(corner_name).collect();
     let wheels = if names.len() == 4 { "All four".to_owned() } else { names.join(", ") };
     let (class, what, why) = match &alert.cause {
-        Cause::UnderInflated(r) => ("low", "Low", at(r)),
+        Cause::UnderInflated(r) => ("low", "Low", at(r, unit)),
         Cause::FastLeak { reading, rate_kpa_per_min } => {
             // It is the loss that counts, whatever the level.
-            let Reading { pressure_kpa, sd_kpa, reference_kpa, .. } = reading;
-            let at = format!("{pressure_kpa:.0} ± {sd_kpa:.0} kPa then, should be {reference_kpa:.0}");
-            (
-                "low",
-                "Fast leak",
-                format!("lost {rate_kpa_per_min:.0} kPa per minute (mean of 10 s or more); {at}"),
-            )
+            let [rate, pressure, sd, reference] =
+                [*rate_kpa_per_min, reading.pressure_kpa, reading.sd_kpa, reading.reference_kpa]
+                    .map(|kpa| unit.number(kpa, 0));
+            let at = format!("{pressure} ± {sd} {unit} then, should be {reference}");
+            ("low", "Fast leak", format!("lost {rate} {unit} per minute (mean of 10 s or more); {at}"))
         }
         Cause::AllLow { mean_share, sd_share } => {
             let [mean, sd] = [mean_share, sd_share].map(|share| 100.0 * share);
@@ -83,8 +84,8 @@ fn line(span: &AlertSpan) -> Line {
             );
             ("unknown", "Shifted together", why)
         }
-        Cause::OverInflated(r) => ("over", "Too high", at(r)),
-        Cause::Flat(r) => ("low", "Flat, on its rim", format!("as hard as {}", at(r))),
+        Cause::OverInflated(r) => ("over", "Too high", at(r, unit)),
+        Cause::Flat(r) => ("low", "Flat, on its rim", format!("as hard as {}", at(r, unit))),
         Cause::Malfunction(malfunction) => ("malfunction", "Malfunction", malfunction.to_string()),
         Cause::NoInformation { driven_s } => {
             ("unknown", "No information", format!("nothing learned in {:.0} min of driving", driven_s / 60.0))
@@ -93,12 +94,10 @@ fn line(span: &AlertSpan) -> Line {
     Line { class, wheels, what, why, since_s: alert.since_s, reported_s: alert.reported_s, ended_s: *ended_s }
 }
 
-fn at(r: &Reading<f64>) -> String {
-    let Reading { pressure_kpa, sd_kpa, limit_kpa, reference_kpa, basis } = r;
-    format!(
-        "{pressure_kpa:.0} ± {sd_kpa:.0} kPa then, limit {limit_kpa:.0}, should be {reference_kpa:.0}, {}",
-        basis.words()
-    )
+fn at(r: &Reading<f64>, unit: PressureUnit) -> String {
+    let [pressure, sd, limit, reference] =
+        [r.pressure_kpa, r.sd_kpa, r.limit_kpa, r.reference_kpa].map(|kpa| unit.number(kpa, 0));
+    format!("{pressure} ± {sd} {unit} then, limit {limit}, should be {reference}, {}", r.basis.words())
 }
 
 /// The estimator's own word for a corner, stretch by stretch.

@@ -5,7 +5,7 @@
 
 use std::fmt::Write as _;
 
-use itpms_core::model::Corner;
+use itpms_core::model::{Corner, PressureUnit};
 
 use super::words::{Status, corner_name, reading, sentence};
 use super::{CornerReport, ReportData};
@@ -40,7 +40,7 @@ const BODY: &str = "<path class=\"car-body\" d=\"M78 16 Q120 4 162 16 Q190 26 19
 
 /// The picture; its words are those of the cards beside it.
 pub(super) fn drawing(data: &ReportData) -> String {
-    let said: Vec<String> = data.corners.iter().map(sentence).collect();
+    let said: Vec<String> = data.corners.iter().map(|corner| sentence(corner, data.pressure_unit)).collect();
     let mut out = format!(
         "<svg class=\"car\" viewBox=\"0 0 240 400\" role=\"img\" aria-label=\"The car from above. {}.\">{BODY}\
          <text class=\"car-front\" x=\"120\" y=\"34\" text-anchor=\"middle\">front</text>",
@@ -49,7 +49,7 @@ pub(super) fn drawing(data: &ReportData) -> String {
     for corner in Corner::ALL {
         let seat = seat(corner);
         match data.corners.iter().find(|report| report.corner == corner) {
-            Some(report) => tire(&mut out, &seat, report),
+            Some(report) => tire(&mut out, &seat, report, data.pressure_unit),
             None => absent(&mut out, &seat, corner),
         }
     }
@@ -57,16 +57,16 @@ pub(super) fn drawing(data: &ReportData) -> String {
     out
 }
 
-fn tire(out: &mut String, seat: &Seat, corner: &CornerReport) {
+fn tire(out: &mut String, seat: &Seat, corner: &CornerReport, unit: PressureUnit) {
     let status = Status::of(corner);
     let ((x, y), (text_x, text_y)) = (seat.tire, seat.text);
     let (number, spread) = match &corner.figures.last {
         Some(last) => {
-            let text = reading(last);
+            let text = reading(last, unit);
             let (number, spread) = text.split_once('\u{a0}').unwrap_or((&text, ""));
             (number.to_owned(), spread.to_owned())
         }
-        None => ("–".to_owned(), "kPa".to_owned()),
+        None => ("–".to_owned(), unit.to_string()),
     };
     let _ = write!(
         out,

@@ -4,7 +4,7 @@
 //! drive lasts a minute or a day.
 
 use itpms_core::conditioning::Odometer;
-use itpms_core::model::{Corner, CornerConfig, CornerEstimate, Level, Validity, Warning};
+use itpms_core::model::{Corner, CornerConfig, CornerEstimate, Level, PressureUnit, Validity, Warning};
 use itpms_core::warning::MonitorReport;
 
 use super::figures::{DriveFigures, FigureSums};
@@ -64,10 +64,12 @@ pub struct ReportOptions {
     pub bound_band_hz: Option<(f64, f64)>,
     /// The sd in kPa that the bound starts from.
     pub bound_prior_sd_kpa: f64,
+    /// Unit in which the page shows pressures.
+    pub pressure_unit: PressureUnit,
 }
 
 impl Default for ReportOptions {
-    /// 3 s, 0.5 to 10 m, 120 per second, 3 to 60 Hz, 30 kPa.
+    /// 3 s, 0.5 to 10 m, 120 per second, 3 to 60 Hz, 30 kPa, shown in kPa.
     fn default() -> Self {
         Self {
             settle_s: 3.0,
@@ -75,6 +77,7 @@ impl Default for ReportOptions {
             nis_dof_per_s: 120.0,
             bound_band_hz: Some((3.0, 60.0)),
             bound_prior_sd_kpa: 30.0,
+            pressure_unit: PressureUnit::Kpa,
         }
     }
 }
@@ -243,7 +246,15 @@ impl ReportCollector {
             })
             .collect();
         let speed_m_s = known(track.curve(channel::SPEED, Keep::Extremes));
-        ReportData { provenance, drive, time_s: track.x(), speed_m_s, corners, watch }
+        ReportData {
+            provenance,
+            drive,
+            time_s: track.x(),
+            speed_m_s,
+            corners,
+            watch,
+            pressure_unit: options.pressure_unit,
+        }
     }
 }
 

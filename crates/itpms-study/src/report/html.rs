@@ -6,10 +6,11 @@
 use std::fmt::Write as _;
 use std::io;
 
-use itpms_core::model::{Level, Warning};
+use itpms_core::model::{Level, PressureUnit, Warning};
 
 use super::words::{Status, clock, corner_name, level, reading, sentence, title};
 use super::{CornerReport, ReportData, alerts, car, json, parameters, roads};
+use crate::page::{percent_style, whole_percent};
 use crate::plot::escape;
 
 const TEMPLATE: &str = include_str!("../../assets/report.html");
@@ -25,14 +26,14 @@ pub const PLOT_LICENSE: &str = include_str!("../../assets/uplot/LICENSE");
 /// The charting library uPlot: a script that defines the global `uPlot`.
 pub const PLOT_SCRIPT: &str = include_str!("../../assets/uplot/uPlot.iife.min.js");
 
-/// Fills the template. What is filled in is not searched for further places.
+/// The page as text.
 pub(super) fn page(data: &ReportData) -> io::Result<String> {
     let headline = escape(&title(data));
     let curves = json::curves(data)?;
     let parts: [(&str, String); 19] = [
         ("title", headline.clone()),
         ("plot_style", PLOT_STYLE.into()),
-        ("base_style", BASE_STYLE.into()),
+        ("base_style", BASE_STYLE.to_owned() + &percent_style()),
         ("style", STYLE.into()),
         ("headline", headline),
         ("subline", subline(data)),
@@ -50,18 +51,7 @@ pub(super) fn page(data: &ReportData) -> io::Result<String> {
         ("chart_script", CHART_SCRIPT.into()),
         ("script", SCRIPT.into()),
     ];
-    let mut page = String::with_capacity(200_000);
-    let mut rest = TEMPLATE;
-    while let Some((before, after)) = rest.split_once("{{") {
-        page.push_str(before);
-        let (name, after) = after.split_once("}}").unwrap_or(("", after));
-        if let Some((_, text)) = parts.iter().find(|(key, _)| *key == name) {
-            page.push_str(text);
-        }
-        rest = after;
-    }
-    page.push_str(rest);
-    Ok(page)
+    Ok(crate::page::page(TEMPLATE, &parts))
 }
 
 fn subline(data: &ReportData) -> String {
@@ -89,7 +79,7 @@ fn distance(metres: f64) -> String {
 fn cards(data: &ReportData) -> String {
     let mut out = if data.corners.len() > 1 { car::drawing(data) } else { String::new() };
     let end_s = data.time_s.last().copied().unwrap_or(f64::NAN);
-    out.extend(data.corners.iter().map(|corner| card(corner, end_s)));
+    out.extend(data.corners.iter().map(|corner| card(corner, end_s, data.pressure_unit)));
     out
 }
 
@@ -107,16 +97,16 @@ fn roads_section(data: &ReportData) -> String {
 
 /// One corner at a glance: its last pressure against the placard's. Where the drive went on for more than a second without
 /// one, when that was; when it was warned of; why it is not known.
-fn card(corner: &CornerReport, end_s: f64) -> String {
+fn card(corner: &CornerReport, end_s: f64, unit: PressureUnit) -> String {
     let status = Status::of(corner);
     let f = &corner.figures;
     let (number, spread, gauge) = match &f.last {
         Some(last) => {
-            let text = reading(last);
+            let text = reading(last, unit);
             let (number, spread) = text.split_once('\u{a0}').unwrap_or((&text, ""));
             (number.to_owned(), spread.to_owned(), gauge(corner, last.pressure_kpa, last.sd_kpa))
         }
-        None => ("–".to_owned(), "kPa".to_owned(), String::new()),
+        None => ("–".to_owned(), unit.to_string(), String::new()),
     };
     let old_s = f.last.as_ref().map(|last| last.time_s).filter(|last_s| end_s - last_s > 1.0);
     let doubt = corner.doubt();
@@ -135,25 +125,25 @@ fn card(corner: &CornerReport, end_s: f64) -> String {
         "<a class=\"card {class} at-{id}\" href=\"#{id}\"><span class=\"card-name\">{name}</span>\
          <span class=\"badge {class}\">{label}</span>\
          <span class=\"card-number\">{number}<small>{spread}</small></span>{gauge}\
-         <span class=\"card-foot\"><span>placard {placard:.0} kPa</span>{foot}</span></a>\n",
+         <span class=\"card-foot\"><span>placard {placard} {unit}</span>{foot}</span></a>\n",
         class = status.class(),
         id = corner.corner.label(),
         name = corner_name(corner.corner),
         label = Status::badge(corner),
-        placard = corner.placard_kpa,
+        placard = unit.number(corner.placard_kpa, 0),
     )
 }
 
 /// A bar from nothing to a quarter above the placard's pressure, with the 95 % interval and the placard's mark.
 fn gauge(corner: &CornerReport, pressure_kpa: f64, sd_kpa: f64) -> String {
-    let percent = |p: f64| (80.0 * p / corner.placard_kpa).clamp(0.0, 100.0);
+    let percent = |p: f64| whole_percent(80.0 * p / corner.placard_kpa);
     let half = super::Z_95 * sd_kpa;
     let (from, to) = (percent(pressure_kpa - half), percent(pressure_kpa + half));
     format!(
-        "<span class=\"gauge\" aria-hidden=\"true\"><i class=\"gauge-fill\" style=\"width:{:.1}%\"></i>\
-         <i class=\"gauge-band\" style=\"left:{from:.1}%;width:{:.1}%\"></i><i class=\"gauge-mark\"></i></span>",
+        "<span class=\"gauge\" aria-hidden=\"true\"><i class=\"gauge-fill w{}\"></i>\
+         <i class=\"gauge-band x{from} w{}\"></i><i class=\"gauge-mark\"></i></span>",
         percent(pressure_kpa),
-        to - from,
+        to.saturating_sub(from),
     )
 }
 
@@ -171,7 +161,8 @@ fn sections(data: &ReportData) -> String {
             Status::badge(corner),
         );
         if data.corners.len() > 1 {
-            let _ = write!(out, "<p class=\"verdict\">{}.</p>", escape(&sentence(corner)));
+            let _ =
+                write!(out, "<p class=\"verdict\">{}.</p>", escape(&sentence(corner, data.pressure_unit)));
         }
         let _ = write!(out, "<div class=\"panels\" data-corner=\"{index}\"></div>");
         if data.corners.len() > 1 {
@@ -192,34 +183,47 @@ fn sections(data: &ReportData) -> String {
 }
 
 /// A figure's name, its explanation, and its value for a corner (empty: unknown).
-type Row = (&'static str, &'static str, fn(&CornerReport) -> String);
+type Row = (&'static str, &'static str, fn(&CornerReport, PressureUnit) -> String);
 
 fn some(value: Option<f64>, text: impl Fn(f64) -> String) -> String {
     value.filter(|v| v.is_finite()).map_or(String::new(), text)
 }
 
+fn pressure(kpa: f64, unit: PressureUnit) -> String {
+    format!("{} {unit}", unit.number(kpa, 1))
+}
+
 const FIGURES: [Row; 21] = [
-    ("Pressure at the end", "last valid estimate, ± one standard deviation", |c| {
-        c.figures.last.as_ref().map_or(String::new(), reading)
+    ("Pressure at the end", "last valid estimate, ± one standard deviation", |c, unit| {
+        c.figures.last.as_ref().map_or(String::new(), |last| reading(last, unit))
     }),
-    ("Level from", "what the pressure's level rests on", |c| {
+    ("Level from", "what the pressure's level rests on", |c, _| {
         c.figures.grounds.map_or(String::new(), |g| match g.level {
             Level::VehicleFile => "vehicle file".into(),
             Level::Calibration => "calibration".into(),
             Level::StoredCalibration => "calibration of an earlier drive".into(),
         })
     }),
-    ("Change known to", "standard deviation of what it has changed by within minutes", |c| {
-        some(c.figures.grounds.map(|g| g.change_sd_kpa), |v| format!("± {v:.1} kPa"))
+    ("Change known to", "standard deviation of what it has changed by within minutes", |c, unit| {
+        some(c.figures.grounds.map(|g| g.change_sd_kpa), |v| format!("± {}", pressure(v, unit)))
     }),
-    ("Against its axle", "standard deviation of the difference from the other tire of the axle", |c| {
-        some(c.figures.grounds.and_then(|g| g.axle_difference_sd_kpa), |v| format!("± {v:.1} kPa"))
+    (
+        "Against its axle",
+        "standard deviation of the difference from the other tire of the axle",
+        |c, unit| {
+            some(c.figures.grounds.and_then(|g| g.axle_difference_sd_kpa), |v| {
+                format!("± {}", pressure(v, unit))
+            })
+        },
+    ),
+    ("Lowest pressure", "where the upper end of the 95 % interval is lowest", |c, unit| {
+        c.figures
+            .lowest
+            .as_ref()
+            .map_or(String::new(), |r| format!("{} at {}", reading(r, unit), clock(r.time_s)))
     }),
-    ("Lowest pressure", "where the upper end of the 95 % interval is lowest", |c| {
-        c.figures.lowest.as_ref().map_or(String::new(), |r| format!("{} at {}", reading(r), clock(r.time_s)))
-    }),
-    ("Placard pressure", "what the tire should have", |c| format!("{:.1} kPa", c.placard_kpa)),
-    ("Warning", "at the end of the drive", |c| {
+    ("Placard pressure", "what the tire should have", |c, unit| pressure(c.placard_kpa, unit)),
+    ("Warning", "at the end of the drive", |c, _| {
         let since = some(c.figures.low_since_s, |t| format!(", first warned of at {}", clock(t)));
         match c.figures.warning {
             Warning::Low => format!("low{since}"),
@@ -228,50 +232,50 @@ const FIGURES: [Row; 21] = [
             Warning::None => format!("none; low{since}"),
         }
     }),
-    ("Valid", "share of the samples with a valid estimate", |c| percent(c.figures.share_valid)),
-    ("RMSE", "root mean squared error against the truth, after the settling time", |c| {
-        some(c.figures.truth.map(|t| t.rmse_kpa), |v| format!("{v:.1} kPa"))
+    ("Valid", "share of the samples with a valid estimate", |c, _| percent(c.figures.share_valid)),
+    ("RMSE", "root mean squared error against the truth, after the settling time", |c, unit| {
+        some(c.figures.truth.map(|t| t.rmse_kpa), |v| pressure(v, unit))
     }),
-    ("Bias", "mean of estimate less truth", |c| {
-        some(c.figures.truth.map(|t| t.bias_kpa), |v| format!("{v:+.1} kPa"))
+    ("Bias", "mean of estimate less truth", |c, unit| {
+        some(c.figures.truth.map(|t| t.bias_kpa), |v| format!("{:+} {unit}", unit.number(v, 1)))
     }),
-    ("Coverage", "share of the truth inside the 95 % interval; 95 % is right", |c| {
+    ("Coverage", "share of the truth inside the 95 % interval; 95 % is right", |c, _| {
         some(c.figures.truth.map(|t| t.coverage), percent)
     }),
-    ("Compared", "samples with a truth, and the settling time before them", |c| {
+    ("Compared", "samples with a truth, and the settling time before them", |c, _| {
         c.figures.truth.map_or(String::new(), |t| format!("{} after {}", count(t.samples), clock(t.settle_s)))
     }),
-    ("Bound at the end", "Cramer-Rao bound of one corner as a standard deviation", |c| {
-        some(c.curves.bound_sd_kpa.last().copied(), |v| format!("{v:.1} kPa"))
+    ("Bound at the end", "Cramer-Rao bound of one corner as a standard deviation", |c, unit| {
+        some(c.curves.bound_sd_kpa.last().copied(), |v| pressure(v, unit))
     }),
     (
         "Innovations",
         "mean normalised innovation squared; about 1 if the noise is as assumed, which says nothing of masses and tire stiffness",
-        |c| some(Some(c.figures.mean_nis), |v| format!("{v:.2}")),
+        |c, _| some(Some(c.figures.mean_nis), |v| format!("{v:.2}")),
     ),
-    ("Innovations in band", "share of the averaged innovations inside their 95 % band", |c| {
+    ("Innovations in band", "share of the averaged innovations inside their 95 % band", |c, _| {
         some(c.curves.nis_check.map(|check| check.share_inside), percent)
     }),
-    ("Road class", "ISO 8608 class and level Gd(0.1 cycle/m)", |c| {
+    ("Road class", "ISO 8608 class and level Gd(0.1 cycle/m)", |c, _| {
         let fit = c.road.as_ref().and_then(|r| r.fit);
         fit.map_or(String::new(), |f| format!("{} ({})", f.class.label(), level(f.law.gd_n0_m3)))
     }),
-    ("Road slope", "waviness w of the displacement spectrum", |c| {
+    ("Road slope", "waviness w of the displacement spectrum", |c, _| {
         some(c.road.as_ref().and_then(|r| r.fit).map(|f| f.law.waviness), |v| format!("{v:.2}"))
     }),
-    ("True road class", "the same of the true road", |c| {
+    ("True road class", "the same of the true road", |c, _| {
         let fit = c.road.as_ref().and_then(|r| r.truth_fit);
         fit.map_or(String::new(), |f| {
             format!("{} ({}), slope {:.2}", f.class.label(), level(f.law.gd_n0_m3), f.law.waviness)
         })
     }),
-    ("Roughness (IRI)", "of the estimated road, without the waves too long to be felt", |c| {
+    ("Roughness (IRI)", "of the estimated road, without the waves too long to be felt", |c, _| {
         some(c.road.as_ref().and_then(|r| r.iri_m_per_km), |v| format!("{v:.2} m/km"))
     }),
-    ("True roughness (IRI)", "of the true road, all wavelengths", |c| {
+    ("True roughness (IRI)", "of the true road, all wavelengths", |c, _| {
         some(c.road.as_ref().and_then(|r| r.truth_iri_m_per_km), |v| format!("{v:.2} m/km"))
     }),
-    ("Road error", "rms error over the rms of the true road, where the estimate holds", |c| {
+    ("Road error", "rms error over the rms of the true road, where the estimate holds", |c, _| {
         some(c.road.as_ref().and_then(|r| r.relative_error), percent)
     }),
 ];
@@ -301,7 +305,8 @@ fn figures(data: &ReportData) -> String {
     }
     out.push_str("</tr></thead><tbody>\n");
     for (name, meaning, value) in FIGURES {
-        let values: Vec<String> = data.corners.iter().map(value).collect();
+        let values: Vec<String> =
+            data.corners.iter().map(|corner| value(corner, data.pressure_unit)).collect();
         if values.iter().all(String::is_empty) {
             continue;
         }

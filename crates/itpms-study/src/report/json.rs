@@ -4,7 +4,7 @@
 
 use std::io;
 
-use itpms_core::model::Corner;
+use itpms_core::model::{Corner, PressureUnit};
 use serde::Serialize;
 use serde::ser::{SerializeSeq, Serializer};
 
@@ -69,11 +69,20 @@ fn axis(v: &[f64]) -> Digits<'_> {
 #[derive(Serialize)]
 struct Page<'a> {
     title: String,
+    unit: UnitJson,
     t: Digits<'a>,
     speed: Digits<'a>,
     corners: Vec<CornerJson<'a>>,
     classes: Vec<ClassJson>,
     alerts: Vec<AlertJson>,
+}
+
+/// The unit in which the script draws pressures, which come in kPa.
+#[derive(Serialize)]
+struct UnitJson {
+    symbol: &'static str,
+    kpa: f64,
+    more_places: usize,
 }
 
 #[derive(Serialize)]
@@ -173,6 +182,7 @@ struct IriJson<'a> {
 pub(super) fn curves(data: &ReportData) -> io::Result<String> {
     let page = Page {
         title: super::words::title(data),
+        unit: unit(data.pressure_unit),
         t: axis(&data.time_s),
         speed: values(&data.speed_m_s),
         corners: data.corners.iter().map(|one| corner(one, data)).collect(),
@@ -183,6 +193,10 @@ pub(super) fn curves(data: &ReportData) -> io::Result<String> {
         alerts: data.watch.iter().flat_map(|watch| &watch.alerts).map(alert).collect(),
     };
     Ok(serde_json::to_string(&page)?.replace('<', "\\u003c"))
+}
+
+fn unit(unit: PressureUnit) -> UnitJson {
+    UnitJson { symbol: unit.symbol(), kpa: unit.kpa(), more_places: unit.more_places() }
 }
 
 fn alert(span: &AlertSpan) -> AlertJson {

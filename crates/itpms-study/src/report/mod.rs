@@ -26,7 +26,7 @@ pub use watch::{AlertSpan, WatchReport};
 
 use std::io;
 
-use itpms_core::model::{Corner, CornerConfig, Level};
+use itpms_core::model::{Corner, CornerConfig, Level, PressureUnit};
 use itpms_core::warning::WheelState;
 
 use crate::spectrum::RoadFit;
@@ -70,6 +70,8 @@ pub struct ReportData {
     pub corners: Vec<CornerReport>,
     /// What the monitor said; `None` where there was none.
     pub watch: Option<WatchReport>,
+    /// Unit in which the page shows pressures.
+    pub pressure_unit: PressureUnit,
 }
 
 /// One corner's share of the page.

@@ -5,7 +5,7 @@
 
 use std::fmt::Write as _;
 
-use itpms_core::model::{CornerConfig, Level};
+use itpms_core::model::{CornerConfig, Level, PressureUnit};
 
 use super::words::corner_name;
 use super::{CornerReport, ReportData};
@@ -92,33 +92,34 @@ impl Parameter {
     }
 
     /// What of the result rests on it, for a car whose level is a calibration's or the file's. Figures are those of the first corner.
-    fn worth(self, corner: &CornerReport) -> String {
+    fn worth(self, corner: &CornerReport, unit: PressureUnit) -> String {
         let config = &corner.config;
         let lever_kpa =
             config.placard_kpa + config.tire.stiffness_at_zero() / config.tire.stiffness_per_kpa();
-        let (per_cent_kpa, fifth_kpa) = (0.01 * lever_kpa, 0.2 * config.placard_kpa);
+        let fifth_kpa = 0.2 * config.placard_kpa;
         let sd = config.uncertainty.tire_relative_sd();
+        let (per_cent, of_fifth) = (unit.number(0.01 * lever_kpa, 1), unit.number(0.01 * fifth_kpa, 1));
         match (self, corner.level) {
             (Self::TireOverMass, Some(Level::Calibration | Level::StoredCalibration)) => format!(
-                "a change since the calibration: {:.1} kPa (sd) of a loss of a fifth; the level is the calibration's",
-                sd * fifth_kpa
+                "a change since the calibration: {} {unit} (sd) of a loss of a fifth; the level is the calibration's",
+                unit.number(sd * fifth_kpa, 1)
             ),
             (Self::TireOverMass, _) => {
                 format!(
-                    "the level of every pressure: {:.0} kPa (sd), until a calibration sets it",
-                    sd * lever_kpa
+                    "the level of every pressure: {} {unit} (sd), until a calibration sets it",
+                    unit.number(sd * lever_kpa, 0)
                 )
             }
             (Self::UnsprungMass, Some(Level::Calibration | Level::StoredCalibration)) => {
-                format!("1 % of it is {:.1} kPa of a loss of a fifth", 0.01 * fifth_kpa)
+                format!("1 % of it is {of_fifth} {unit} of a loss of a fifth")
             }
             (Self::Tire, Some(Level::Calibration | Level::StoredCalibration)) => {
-                format!("1 % of it is {:.1} kPa of a loss of a fifth, the other way", 0.01 * fifth_kpa)
+                format!("1 % of it is {of_fifth} {unit} of a loss of a fifth, the other way")
             }
-            (Self::UnsprungMass, _) => format!("1 % of it is {per_cent_kpa:.1} kPa"),
-            (Self::Tire, _) => format!("1 % of it is {per_cent_kpa:.1} kPa, the other way"),
+            (Self::UnsprungMass, _) => format!("1 % of it is {per_cent} {unit}"),
+            (Self::Tire, _) => format!("1 % of it is {per_cent} {unit}, the other way"),
             (Self::Slope, _) => {
-                format!("1 % of it is {:.1} kPa of a loss of a fifth", 0.01 * fifth_kpa)
+                format!("1 % of it is {of_fifth} {unit} of a loss of a fifth")
             }
             (Self::Damping, _) => "where the estimate begins: found on the way".into(),
             (Self::Friction, _) => "nothing: found from the body's motion".into(),
@@ -154,8 +155,12 @@ pub(super) fn section(data: &ReportData) -> String {
         for corner in &data.corners {
             let _ = write!(out, "<td>{}</td>", shown(parameter.value(&corner.config)));
         }
-        let _ =
-            writeln!(out, "<td>{}</td><td>{}</td></tr>", escape(source(parameter)), parameter.worth(first));
+        let _ = writeln!(
+            out,
+            "<td>{}</td><td>{}</td></tr>",
+            escape(source(parameter)),
+            parameter.worth(first, data.pressure_unit)
+        );
     }
     out.push_str("</tbody></table></div></section>\n");
     out

@@ -2,7 +2,7 @@
 //!
 //! Called by the page's writer. Plain text; escaping is the writer's business.
 
-use itpms_core::model::{Corner, Warning};
+use itpms_core::model::{Corner, PressureUnit, Warning};
 use itpms_core::warning::{Doubt, WheelState};
 
 use super::{CornerReport, Reading, ReportData};
@@ -108,9 +108,10 @@ pub(super) fn corner_name(corner: Corner) -> &'static str {
 }
 
 /// `139 ± 6 kPa`: one standard deviation, with as many digits as it is worth, in one piece.
-pub(super) fn reading(reading: &Reading) -> String {
-    let digits = if reading.sd_kpa < 1.95 { 1 } else { 0 };
-    format!("{:.digits$}\u{a0}±\u{a0}{:.digits$}\u{a0}kPa", reading.pressure_kpa, reading.sd_kpa)
+pub(super) fn reading(reading: &Reading, unit: PressureUnit) -> String {
+    let places = if reading.sd_kpa < 1.95 { 1 } else { 0 };
+    let [pressure, sd] = [reading.pressure_kpa, reading.sd_kpa].map(|kpa| unit.number(kpa, places));
+    format!("{pressure}\u{a0}±\u{a0}{sd}\u{a0}{unit}")
 }
 
 /// A time since the log's zero, for people.
@@ -136,7 +137,8 @@ pub(super) fn clock(time_s: f64) -> String {
 }
 
 /// One corner in one sentence without a full stop.
-pub(super) fn sentence(corner: &CornerReport) -> String {
+pub(super) fn sentence(corner: &CornerReport, unit: PressureUnit) -> String {
+    let reading = |found: &Reading| reading(found, unit);
     let name = corner_name(corner.corner);
     let f = &corner.figures;
     match Status::of(corner) {
@@ -186,7 +188,7 @@ pub(super) fn sentence(corner: &CornerReport) -> String {
         },
         Status::Fine => match (&f.first, &f.last) {
             (Some(first), Some(last)) if fell(Some(first), last) => {
-                format!("{name} went from {:.0} to {}: fine", first.pressure_kpa, reading(last))
+                format!("{name} went from {} to {}: fine", unit.number(first.pressure_kpa, 0), reading(last))
             }
             (_, Some(last)) => format!("{name} held {}: fine", reading(last)),
             _ => format!("{name}: fine"),
@@ -205,6 +207,7 @@ pub(super) fn title(data: &ReportData) -> String {
     corners.sort_by_key(|corner| Status::of(corner));
     let Some(first) = corners.first() else { return "No corner was estimated".into() };
     let status = Status::of(first);
+    let sentence = |corner: &CornerReport| sentence(corner, data.pressure_unit);
     let alike: Vec<&str> =
         corners.iter().filter(|c| Status::of(c) == status).map(|c| corner_name(c.corner)).collect();
     match (status, alike.len()) {
@@ -216,7 +219,11 @@ pub(super) fn title(data: &ReportData) -> String {
                 .min_by(|a, b| a.1.pressure_kpa.total_cmp(&b.1.pressure_kpa));
             match lowest {
                 Some((name, last)) => {
-                    format!("All {n} tires are fine; lowest is {} at {}", lower(name), reading(&last))
+                    format!(
+                        "All {n} tires are fine; lowest is {} at {}",
+                        lower(name),
+                        reading(&last, data.pressure_unit)
+                    )
                 }
                 None => format!("All {n} tires are fine"),
             }
@@ -267,9 +274,10 @@ mod tests {
     #[test]
     fn readings_with_the_digits_they_are_worth() {
         let at = |p: f64, sd: f64| {
-            reading(&Reading { time_s: 0.0, pressure_kpa: p, sd_kpa: sd }).replace('\u{a0}', " ")
+            let found = Reading { time_s: 0.0, pressure_kpa: p, sd_kpa: sd };
+            PressureUnit::ALL.map(|unit| reading(&found, unit).replace('\u{a0}', " "))
         };
-        assert_eq!(at(139.4, 6.2), "139 ± 6 kPa");
-        assert_eq!(at(139.44, 1.24), "139.4 ± 1.2 kPa");
+        assert_eq!(at(139.4, 6.2), ["139 ± 6 kPa", "1.39 ± 0.06 bar", "20.2 ± 0.9 psi"]);
+        assert_eq!(at(139.44, 1.24), ["139.4 ± 1.2 kPa", "1.394 ± 0.012 bar", "20.22 ± 0.18 psi"]);
     }
 }

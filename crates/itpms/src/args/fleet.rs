@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{EstimatorKind, LogArgs, Regulation, estimator_names, positive, regulation_names};
+use super::{EstimatorKind, LogArgs, Regulation, UnitArgs, estimator_names, positive, regulation_names};
 
 /// Estimate many drives of many cars: a table, a page about the whole fleet, and what failed.
 ///
@@ -51,6 +51,8 @@ pub(crate) struct FleetArgs {
     /// Which loss is warned of.
     #[arg(long, value_name = "NAME", default_value = Regulation::default().label(), value_parser = regulation_names())]
     pub(crate) regulation: Regulation,
+    #[command(flatten)]
+    pub(crate) unit: UnitArgs,
     #[command(flatten)]
     pub(crate) reading: LogArgs,
     /// Print the summary as JSON.

@@ -8,7 +8,7 @@ use itpms_core::estimator::EstimatorKind;
 use itpms_core::warning::Regulation;
 use itpms_live::source::Speed;
 
-use super::{LogArgs, estimator_names, positive, regulation_names};
+use super::{LogArgs, UnitArgs, estimator_names, positive, regulation_names};
 
 /// Watch a car live: estimates and warnings from a CAN bus, a broker or a replayed log, as they come.
 ///
@@ -32,6 +32,8 @@ pub(crate) struct MonitorArgs {
     /// Lines of candump -L as messages of an MQTT broker.
     #[arg(long, value_name = "mqtt[s]://[USER@]HOST[:PORT]/TOPIC")]
     pub(crate) mqtt_in: Option<String>,
+    #[command(flatten)]
+    pub(crate) unit: UnitArgs,
     #[command(flatten)]
     pub(crate) reading: LogArgs,
     /// Where lines of JSON go, estimates and warnings: a file, which grows, or - for standard output. Standard output

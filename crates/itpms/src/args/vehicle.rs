@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Subcommand;
 use clap::builder::{PossibleValuesParser, TypedValueParser as _};
 use itpms_core::model::Corner;
-use itpms_data::vehicle::typical::{CarClass, TireSize};
+use itpms_data::vehicle::typical::{CarClass, FrontRear, TireSize};
 
 use super::{LogArgs, positive};
 
@@ -45,15 +45,15 @@ pub(crate) struct InitArgs {
     /// 0.55 otherwise.
     #[arg(long, value_name = "SHARE", value_parser = positive)]
     pub(crate) front_share: f64,
-    /// Size as on the sidewall, such as 205/55R16.
-    #[arg(long, value_name = "SIZE")]
-    pub(crate) tire: TireSize,
+    /// Size as on the sidewall, such as 205/55R16; front and rear: 225/45R18,255/40R18.
+    #[arg(long, value_name = "SIZE[,SIZE]")]
+    pub(crate) tire: FrontRear<TireSize>,
     /// Kind of car.
     #[arg(long, value_name = "CLASS", default_value = CarClass::default().label(), value_parser = classes())]
     pub(crate) class: CarClass,
-    /// Pressure on the placard.
-    #[arg(long, value_name = "KPA", default_value_t = 240.0, value_parser = positive)]
-    pub(crate) placard_kpa: f64,
+    /// Pressure on the placard; front and rear: 230,260.
+    #[arg(long, value_name = "KPA[,KPA]", default_value = "240", value_parser = placard)]
+    pub(crate) placard_kpa: FrontRear<f64>,
     /// Distance between the axles; typical of the class unless given. Worth measuring: front and rear are compared over it.
     #[arg(long, value_name = "M", value_parser = positive)]
     pub(crate) wheelbase_m: Option<f64>,
@@ -63,6 +63,10 @@ pub(crate) struct InitArgs {
     /// Where the file goes; printed unless given.
     #[arg(short, long, value_name = "V.toml")]
     pub(crate) output: Option<PathBuf>,
+}
+
+fn placard(text: &str) -> Result<FrontRear<f64>, String> {
+    FrontRear::read(text, positive).map_err(|error| format!("{error}, or two of them: front,rear"))
 }
 
 fn classes() -> impl clap::builder::TypedValueParser<Value = CarClass> {

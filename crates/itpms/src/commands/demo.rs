@@ -32,6 +32,7 @@ pub(crate) fn run(args: &DemoArgs, screen: &Screen, interrupt: &Interrupt) -> Re
         report: Some(at("report.html")),
         estimator: EstimatorKind::default(),
         rate: 10.0,
+        unit: args.unit,
         jobs: None,
         reading: LogArgs::default(),
         json: false,

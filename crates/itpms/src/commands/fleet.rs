@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use itpms_core::model::PressureUnit;
 use itpms_drive::fleet::cars::Cars;
 use itpms_drive::fleet::standing::{CarStanding, State};
 use itpms_drive::fleet::{self, Calibration, Outcome, Plan, found};
@@ -29,7 +30,12 @@ pub(crate) fn run(args: &FleetArgs, screen: &Screen, interrupt: &Interrupt) -> R
     let plan = Plan {
         files,
         cars,
-        settings: Settings { estimator: args.estimator, regulation: args.regulation, ..Settings::default() },
+        settings: Settings {
+            estimator: args.estimator,
+            regulation: args.regulation,
+            pressure_unit: args.unit.pressure_unit,
+            ..Settings::default()
+        },
         calibration: args
             .calibrate_s
             .map(|seconds| Calibration { seconds, drives: args.calibration_drives.clone() }),
@@ -79,7 +85,7 @@ fn report(args: &FleetArgs, screen: &Screen, outcome: &Outcome) -> Result<(), Fa
         screen.print_lines(as_json(args, outcome, &cars));
     } else {
         for car in cars.iter().filter(|car| car.state != State::Fine).take(SAID) {
-            screen.print(car_line(car));
+            screen.print(car_line(car, args.unit.pressure_unit));
         }
         screen.print(format!(
             "See {} for the whole fleet, {} for the numbers.",
@@ -112,7 +118,7 @@ fn at(args: &FleetArgs, name: &str) -> String {
 }
 
 /// `car-7: low in logs/car-7/d3.csv: fl 138.2 of 241.3 kPa`.
-fn car_line(car: &CarStanding<'_>) -> String {
+fn car_line(car: &CarStanding<'_>, unit: PressureUnit) -> String {
     let Some(last) = car.last() else {
         let drives = if car.failed == 1 { "its only drive" } else { "none of its drives" };
         let could = if car.failed == 1 { "could not" } else { "could" };
@@ -121,7 +127,10 @@ fn car_line(car: &CarStanding<'_>) -> String {
     let wheels = last.wheels.iter().filter(|wheel| State::of_wheel(wheel) == car.state);
     let words: Vec<String> = wheels
         .map(|wheel| match wheel.last {
-            Some(at) => format!("{} {:.1} of {} kPa", wheel.wheel, at.pressure_kpa, wheel.placard_kpa),
+            Some(at) => {
+                let [now, placard] = [at.pressure_kpa, wheel.placard_kpa].map(|kpa| unit.number(kpa, 1));
+                format!("{} {now} of {placard} {unit}", wheel.wheel)
+            }
             None => format!("{} not known", wheel.wheel),
         })
         .collect();

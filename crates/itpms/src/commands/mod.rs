@@ -17,6 +17,7 @@ pub(crate) mod names;
 pub(crate) mod observability;
 pub(crate) mod plot;
 pub(crate) mod program;
+pub(crate) mod reference;
 pub(crate) mod reproduce;
 pub(crate) mod roughness;
 pub(crate) mod score;

@@ -26,11 +26,6 @@ impl<T: Stamped> Strays<T> {
         Self { latest_s: f64::NAN, waiting: Vec::new() }
     }
 
-    /// The latest stamp that was believed; NaN before the first.
-    pub(in crate::log) fn latest_s(&self) -> f64 {
-        self.latest_s
-    }
-
     /// Takes a sample; says what becomes of it, and of those that waited for it, in the order in which they came.
     pub(in crate::log) fn take(&mut self, sample: T, mut sink: impl FnMut(Fate<T>)) {
         let off_s = sample.time_s() - self.latest_s;

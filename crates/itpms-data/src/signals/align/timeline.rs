@@ -176,13 +176,7 @@ impl Timeline {
     /// Puts a value into the row nearest to `time_s`, its offset taken off, or begins one there.
     fn set(&mut self, place: usize, time_s: f64, value: f64) {
         let slot = self.signals[place].slot;
-        let apart = |row: &Row| (row.time_s() - time_s).abs();
-        let nearest = self
-            .rows
-            .iter_mut()
-            .filter(|row| apart(row) <= 0.5 * self.period_s)
-            .min_by(|a, b| apart(a).total_cmp(&apart(b)));
-        match nearest {
+        match nearest(&mut self.rows, time_s, 0.5 * self.period_s) {
             Some(row) if row.has(slot) => self.signals[place].left_over += 1,
             Some(row) => {
                 row.put(slot, time_s, value);
@@ -311,6 +305,15 @@ impl Signal {
             *offset_s -= period_s.copysign(*offset_s);
         }
     }
+}
+
+/// The row nearest to a time, if it is near enough. Rows are in order: one that moves to a reading's time stays the nearest to it.
+fn nearest(rows: &mut VecDeque<Row>, time_s: f64, within_s: f64) -> Option<&mut Row> {
+    let apart_s = |row: &Row| (row.time_s() - time_s).abs();
+    let later = rows.partition_point(|row| row.time_s() < time_s);
+    let around = later.saturating_sub(1)..(later + 1).min(rows.len());
+    let nearest = rows.range_mut(around).min_by(|a, b| apart_s(a).total_cmp(&apart_s(b)))?;
+    (apart_s(nearest) <= within_s).then_some(nearest)
 }
 
 /// How a signal of this period comes into rows of that one.

@@ -7,10 +7,12 @@
 //! | module | idea |
 //! |---|---|
 //! | `class` | what cars of a class have in common |
+//! | `front_rear` | one value for both axles, or one for each |
 //! | `tire_size` | a tire's size and the stiffness it has by it |
 //! | `text` | the file, with comments |
 
 mod class;
+mod front_rear;
 mod text;
 mod tire_size;
 
@@ -18,6 +20,7 @@ use super::Vehicle;
 use crate::error::Problem;
 
 pub use class::CarClass;
+pub use front_rear::FrontRear;
 pub use tire_size::{TireSize, TireSizeError};
 
 /// Relative standard deviations of what is typical of a class: how much the published cars of docs/vehicle.md scatter
@@ -45,11 +48,11 @@ pub struct TypicalCar {
     /// Share of the mass that rests on the front axle, 0.3 to 0.75.
     pub front_share: f64,
     /// Size of the tires.
-    pub tire: TireSize,
+    pub tire: FrontRear<TireSize>,
     /// Kind of car.
     pub class: CarClass,
-    /// Pressure on the placard in kPa gauge.
-    pub placard_kpa: f64,
+    /// Pressures on the placard in kPa gauge.
+    pub placard_kpa: FrontRear<f64>,
     /// Distance between the axles in m; the class's unless given.
     pub wheelbase_m: Option<f64>,
 }
@@ -72,7 +75,8 @@ impl TypicalCar {
         let ranges = [
             ("mass", "kg", self.mass_kg, 300.0, 20_000.0),
             ("front share", "", self.front_share, 0.3, 0.75),
-            ("placard pressure", "kPa", self.placard_kpa, 100.0, 900.0),
+            ("placard pressure", "kPa", self.placard_kpa.front, 100.0, 900.0),
+            ("placard pressure", "kPa", self.placard_kpa.rear, 100.0, 900.0),
         ];
         for (what, unit, value, low, high) in ranges {
             if !(low..=high).contains(&value) {

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use itpms_core::model::Corner;
 
 use super::{
-    Axle, DAMPING_SD, FRICTION_N, SPRING_SD, SPRUNG_MASS_SD, STIFFNESS_SD, TIRE_DAMPING_N_S_PER_M,
+    Axle, DAMPING_SD, FRICTION_N, SPRING_SD, SPRUNG_MASS_SD, STIFFNESS_SD, TIRE_DAMPING_N_S_PER_M, TireSize,
     TypicalCar, UNSPRUNG_MASS_SD, WHEELBASE_SD_M,
 };
 use crate::toml_table::escaped;
@@ -33,16 +33,19 @@ pub(super) fn vehicle_file(car: &TypicalCar) -> String {
         }
     }
     out.push_str("confidence = \"typical\"\n");
-    tire(&mut out, car);
+    let size = |axle: usize| car.tire.axles()[axle];
+    tire(&mut out, "tire", &size(0));
     for (corner, axle) in Corner::ALL.into_iter().zip([0, 0, 1, 1]) {
         corner_table(&mut out, car, corner, axle);
+        if size(axle) != size(0) {
+            tire(&mut out, &format!("corner.{}.tire", corner.label()), &size(axle));
+        }
     }
     out
 }
 
-fn tire(out: &mut String, car: &TypicalCar) {
-    let size = &car.tire;
-    out.push_str("\n[tire]\n");
+fn tire(out: &mut String, table: &str, size: &TireSize) {
+    let _ = writeln!(out, "\n[{table}]");
     line(
         out,
         "stiffness_per_kpa",
@@ -133,7 +136,13 @@ fn corner_table(out: &mut String, car: &TypicalCar, corner: Corner, axle: usize)
         "a rolling tire hardly damps (assumed; 50 is usual in MF-Tyre files)",
     );
     line(out, "tire_damping_sd_n_s_per_m", TIRE_DAMPING_N_S_PER_M[1], 1, "");
-    line(out, "placard_kpa", car.placard_kpa, 1, "from the placard in the door frame: cold, gauge");
+    line(
+        out,
+        "placard_kpa",
+        car.placard_kpa.axles()[axle],
+        1,
+        "from the placard in the door frame: cold, gauge",
+    );
 }
 
 fn line(out: &mut String, key: &str, value: f64, decimals: usize, comment: &str) {

@@ -5,7 +5,7 @@
 
 use itpms_core::model::{Corner, QuarterCar};
 use itpms_data::Vehicle;
-use itpms_data::vehicle::typical::{CarClass, TireSize, TypicalCar};
+use itpms_data::vehicle::typical::{CarClass, FrontRear, TireSize, TypicalCar};
 use itpms_sim::scenario::{CornerSpec, TireSpec};
 use itpms_sim::sensor::SensorSpec;
 use itpms_sim::time_profile::Pressure;
@@ -85,9 +85,9 @@ impl OwnCar {
             name: None,
             mass_kg,
             front_share,
-            tire: size,
+            tire: FrontRear::both(size),
             class: CarClass::default(),
-            placard_kpa,
+            placard_kpa: FrontRear::both(placard_kpa),
             wheelbase_m: None,
         };
         let (_, file) = known.vehicle_file()?;

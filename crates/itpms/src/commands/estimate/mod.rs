@@ -4,10 +4,11 @@
 
 mod summary;
 
+use itpms_core::estimator::EstimatorKind;
 use itpms_data::{LogReader, Vehicle};
 use itpms_drive::{Done, FilePaths, Files, Job, Settings, common_corners};
 
-use super::names;
+use super::{names, reference};
 use crate::args::EstimateArgs;
 use crate::exit::Failure;
 use crate::interrupt::Interrupt;
@@ -35,6 +36,10 @@ pub(crate) fn perform(
 ) -> Result<Estimated, Failure> {
     check_names(args)?;
     let vehicle = Vehicle::read(&args.vehicle)?;
+    // Before the drive is opened: here both files have names.
+    if let Some(path) = args.reference.as_ref().filter(|_| args.estimator == EstimatorKind::Informed) {
+        reference::of(path, &vehicle, &args.vehicle)?;
+    }
     let reading = args.reading.options();
     let mut log = LogReader::open_with(&args.log, &reading)?;
     let (corners, settings, paths) = (common_corners(&log, &vehicle)?, settings(args), paths(args));
@@ -73,6 +78,7 @@ fn settings(args: &EstimateArgs) -> Settings {
         calibrate_s: args.calibrate_s,
         reference: args.reference.clone(),
         rate_hz: args.rate,
+        pressure_unit: args.unit.pressure_unit,
     }
 }
 

@@ -28,12 +28,12 @@ pub(super) fn print(args: &EstimateArgs, screen: &Screen, estimated: &Estimated)
 /// A line per corner, and one for each alert of the monitor.
 pub(crate) fn print_corners(screen: &Screen, estimated: &Estimated) {
     let Estimated { log, done } = estimated;
-    let origin_s = done.data.drive.origin_s;
+    let (origin_s, unit) = (done.data.drive.origin_s, done.data.pressure_unit);
     let end_s = log.last_time_s().map_or(f64::NAN, |end_s| end_s - origin_s);
     for corner in &done.data.corners {
-        screen.print(corner_line(corner, end_s));
+        screen.print(corner_line(corner, end_s, unit));
     }
-    for sentence in done.alerts.sentences(origin_s) {
+    for sentence in done.alerts.sentences(origin_s, unit) {
         screen.print(sentence);
     }
 }

@@ -19,7 +19,6 @@ use std::{fs, thread};
 use itpms_core::estimator::EstimatorKind;
 use itpms_data::Vehicle;
 use itpms_data::out::{AtomicFile, NameLock};
-use itpms_data::reference::StoredReference;
 use itpms_live::LiveError;
 use itpms_live::drive::DriveOptions;
 use itpms_live::engine::Engine;
@@ -30,7 +29,7 @@ use itpms_live::output::can;
 use itpms_live::queue::Queue;
 use itpms_live::state::SavedDrive;
 
-use super::names;
+use super::{names, reference};
 use crate::args::MonitorArgs;
 use crate::exit::Failure;
 use crate::interrupt::Interrupt;
@@ -112,11 +111,10 @@ fn options(args: &MonitorArgs, vehicle: &mut Vehicle) -> Result<DriveOptions, Fa
             return Err(Failure::Usage(text));
         }
         Some(path) => {
-            let stored = StoredReference::read(path)?;
-            let refused = |problem| Failure::Usage(format!("{}: {problem}", path.display()));
-            let (known, reference) = stored.for_vehicle(vehicle).map_err(refused)?;
+            let file = args.vehicle.as_deref().unwrap_or(Path::new("--vehicle"));
+            let (known, learned) = reference::of(path, vehicle, file)?;
             *vehicle = known;
-            Some(*reference)
+            Some(learned)
         }
         None => None,
     };

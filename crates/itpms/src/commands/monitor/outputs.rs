@@ -47,6 +47,7 @@ pub(super) fn serve(args: &MonitorArgs, hub: &Arc<Hub>, screen: &Screen) -> Resu
         address,
         hosts: args.http_allow_host.clone(),
         origins: args.http_allow_origin.clone(),
+        pressure_unit: args.unit.pressure_unit,
     };
     let server = Server::start(options, Arc::clone(hub));
     let server = server.map_err(|error| Failure::Usage(error.to_string()))?;
