@@ -244,8 +244,7 @@ impl<T: Real> fmt::Display for AlertIn<'_, T> {
                 let all = if mean < 100.0 { "under" } else { "over" };
                 write!(
                     f,
-                    "{}: the tires together read {mean:.0} % (sd {sd:.0}) of what the stored calibration expects: changed tires, ",
-                    self.wheels
+                    "{wheels}: the tires together read {mean:.0} % (sd {sd:.0}) of what the stored calibration expects: changed tires, "
                 )?;
                 write!(
                     f,
