@@ -7,7 +7,7 @@ use std::path::Path;
 
 use itpms_core::model::{Corner, CornerEstimate, Diagnostics, Level, Loss, Validity, Warning};
 use itpms_core::warning::{Doubt, WheelState};
-use itpms_data::log::{CornerColumns, LogColumns, LogCorner, UnitCheck};
+use itpms_data::log::{CornerColumns, LogColumns, LogCorner, LogMotion, UnitCheck};
 use itpms_data::out::{EstimateWriter, LogWriter, RoadPoint, RoadWriter};
 use itpms_data::{LogReader, LogRow};
 use proptest::prelude::*;
@@ -58,7 +58,7 @@ prop_compose! {
         let mut time_s = -0.5;
         let mut rows: Vec<LogRow> = cells.into_iter().map(|(speed_m_s, fl, rr, dt)| {
             time_s += dt;
-            LogRow { time_s, speed_m_s, corners: [Some(fl), None, None, Some(rr)] }
+            LogRow { time_s, speed_m_s, corners: [Some(fl), None, None, Some(rr)], motion: LogMotion::UNKNOWN }
         }).collect();
         // A log without a single value is refused, and rightly; see bad_logs.rs.
         rows[0].corners[0] = Some(LogCorner {
@@ -81,6 +81,7 @@ proptest! {
                 Some(CornerColumns { pressure: true, road: true }), None, None,
                 Some(CornerColumns { pressure: false, road: true }),
             ],
+            ..LogColumns::default()
         };
         write(&first, columns, &rows);
         for (from, to) in [(&first, &middle), (&middle, &last)] {
@@ -97,7 +98,11 @@ proptest! {
 fn a_long_drive_crosses_row_groups_and_batches() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("long.parquet");
-    let columns = LogColumns { speed: false, corners: [None, Some(CornerColumns::default()), None, None] };
+    let columns = LogColumns {
+        speed: false,
+        corners: [None, Some(CornerColumns::default()), None, None],
+        ..LogColumns::default()
+    };
     let count = 65_536 * 2 + 777;
     let rows: Vec<LogRow> = (0..count)
         .map(|i| LogRow {
@@ -114,6 +119,7 @@ fn a_long_drive_crosses_row_groups_and_batches() {
                 None,
                 None,
             ],
+            motion: LogMotion::UNKNOWN,
         })
         .collect();
     write(&path, columns, &rows);

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use itpms_core::model::Corner;
-use itpms_data::log::{Field, LogCorner, SLOTS, Slot};
+use itpms_data::log::{Field, LogColumns, SLOTS, Slot};
 use itpms_data::out::{alert_object, state_label};
 use itpms_data::reference::crc64;
 use itpms_data::{LogRow, Vehicle as CarFile};
@@ -161,7 +161,7 @@ fn corner(py: Python<'_>, vehicle: &CarFile, label: &str) -> PyResult<Corner> {
 
 /// Samples by the slots of a log's row.
 struct Samples {
-    corners: Vec<Corner>,
+    there: LogColumns,
     columns: [Option<Vec<f64>>; SLOTS],
     rows: usize,
 }
@@ -190,21 +190,20 @@ impl Samples {
                 odd.len()
             ));
         }
-        Ok(Self { corners: corners.to_vec(), columns, rows })
+        let given: Vec<Slot> = Slot::all().filter(|slot| columns[slot.index()].is_some()).collect();
+        let mut there = LogColumns::of(&given);
+        for corner in Corner::ALL.into_iter().filter(|corner| !corners.contains(corner)) {
+            there.corners[corner.index()] = None;
+        }
+        Ok(Self { there, columns, rows })
     }
 
     fn row(&self, i: usize) -> LogRow {
         let value = |slot: Slot| self.columns[slot.index()].as_ref().map_or(f64::NAN, |column| column[i]);
-        let mut corners = [None; 4];
-        for corner in &self.corners {
-            let of = |field| value(Slot::Corner(*corner, field));
-            corners[corner.index()] = Some(LogCorner {
-                body_accel_m_s2: of(Field::BodyAccel),
-                wheel_accel_m_s2: of(Field::WheelAccel),
-                pressure_kpa: f64::NAN,
-                road_m: f64::NAN,
-            });
+        let mut values = [f64::NAN; SLOTS];
+        for slot in Slot::all() {
+            values[slot.index()] = value(slot);
         }
-        LogRow { time_s: value(Slot::Time), speed_m_s: value(Slot::Speed), corners }
+        LogRow::from_values(&values, &self.there)
     }
 }
