@@ -458,7 +458,9 @@ pub enum Problem {
 
     // --- vehicle files, as a whole ---
     /// A vehicle without wheels.
-    #[error("no corner is described, expected at least one table [corner.fl] (or fr, rl, rr)")]
+    #[error(
+        "no corner is described, expected at least one table [corner.fl] (or fr, rl, rr); for wheel speeds alone wheelbase_m, track_front_m, track_rear_m and driven in [vehicle]"
+    )]
     NoCorner,
 
     // --- MDF4 ---

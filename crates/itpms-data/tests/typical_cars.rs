@@ -8,7 +8,7 @@ use itpms_data::vehicle::{Confidence, CornerFigures};
 
 fn car(mass_kg: f64, front_share: f64, tire: &str, class: CarClass, placard_kpa: f64) -> Vehicle {
     let tire = tire.parse().unwrap();
-    let car = TypicalCar { name: None, mass_kg, front_share, tire, class, placard_kpa, wheelbase_m: None };
+    let car = TypicalCar { name: None, mass_kg, front_share, tire, class, placard_kpa, wheelbase_m: None, wheels: None };
     car.vehicle_file().unwrap().1
 }
 
@@ -132,7 +132,7 @@ fn values_that_make_no_car_are_refused_in_one_sentence() {
         let tire = "205/55R16".parse().unwrap();
         let class = CarClass::Sedan;
         let car =
-            TypicalCar { name: None, mass_kg, front_share, tire, class, placard_kpa, wheelbase_m: None };
+            TypicalCar { name: None, mass_kg, front_share, tire, class, placard_kpa, wheelbase_m: None, wheels: None };
         car.vehicle_file().map(|_| ()).map_err(|error| error.to_string())
     };
     for (found, message) in [
@@ -155,6 +155,7 @@ fn a_name_may_hold_anything_and_the_wheelbase_is_the_given_one() {
         class: CarClass::Sedan,
         placard_kpa: 240.0,
         wheelbase_m: Some(2.651),
+        wheels: None,
     };
     let (text, vehicle) = car.vehicle_file().unwrap();
     assert_eq!(vehicle.name, "my \"car\" \\ # 1");

@@ -33,6 +33,9 @@ pub(super) fn vehicle_file(car: &TypicalCar) -> String {
         }
     }
     out.push_str("confidence = \"typical\"\n");
+    if let Some(axles) = &car.wheels {
+        super::wheels::axle_keys(&mut out, axles);
+    }
     tire(&mut out, car);
     for (corner, axle) in Corner::ALL.into_iter().zip([0, 0, 1, 1]) {
         corner_table(&mut out, car, corner, axle);
@@ -65,6 +68,9 @@ fn tire(out: &mut String, car: &TypicalCar) {
         "scatter of published tires about that; itpms lab calibrate, for a tire on a bench",
     );
     line(out, "rolling_radius_m", size.rolling_radius_m(), 3, "3.05 diameters to a turn (ETRTO)");
+    if car.wheels.is_some() {
+        super::wheels::radius_keys(out);
+    }
 }
 
 fn corner_table(out: &mut String, car: &TypicalCar, corner: Corner, axle: usize) {
@@ -136,7 +142,7 @@ fn corner_table(out: &mut String, car: &TypicalCar, corner: Corner, axle: usize)
     line(out, "placard_kpa", car.placard_kpa, 1, "from the placard in the door frame: cold, gauge");
 }
 
-fn line(out: &mut String, key: &str, value: f64, decimals: usize, comment: &str) {
+pub(super) fn line(out: &mut String, key: &str, value: f64, decimals: usize, comment: &str) {
     let mut text = format!("{key} = {value:.decimals$}");
     // A TOML float has a point; a whole number without one is read all the same.
     if decimals == 0 {
