@@ -250,7 +250,10 @@ fn what_wheel_speeds_taught_is_stored_with_the_rest_or_alone() {
     assert!(!alone.has_corners());
     assert_eq!(StoredReference::parse(alone.to_text().as_bytes()).unwrap(), alone);
     // An older program is told that it is too old; without wheel speeds it reads on.
-    assert!(alone.to_text().starts_with("itpms-reference 4 ") && old().to_text().starts_with("itpms-reference 3 "));
+    assert!(
+        alone.to_text().starts_with("itpms-reference 4 ")
+            && old().to_text().starts_with("itpms-reference 3 ")
+    );
     let mut broken = radii;
     broken.covariance_1e6[2][2] = -1.0;
     let broken = StoredReference::of_wheel_speeds(&Vehicle::paper(), broken, 0);

@@ -8,7 +8,16 @@ use itpms_data::vehicle::{Confidence, CornerFigures};
 
 fn car(mass_kg: f64, front_share: f64, tire: &str, class: CarClass, placard_kpa: f64) -> Vehicle {
     let tire = tire.parse().unwrap();
-    let car = TypicalCar { name: None, mass_kg, front_share, tire, class, placard_kpa, wheelbase_m: None, wheels: None };
+    let car = TypicalCar {
+        name: None,
+        mass_kg,
+        front_share,
+        tire,
+        class,
+        placard_kpa,
+        wheelbase_m: None,
+        wheels: None,
+    };
     car.vehicle_file().unwrap().1
 }
 
@@ -131,8 +140,16 @@ fn values_that_make_no_car_are_refused_in_one_sentence() {
     let typical = |mass_kg: f64, front_share: f64, placard_kpa: f64| {
         let tire = "205/55R16".parse().unwrap();
         let class = CarClass::Sedan;
-        let car =
-            TypicalCar { name: None, mass_kg, front_share, tire, class, placard_kpa, wheelbase_m: None, wheels: None };
+        let car = TypicalCar {
+            name: None,
+            mass_kg,
+            front_share,
+            tire,
+            class,
+            placard_kpa,
+            wheelbase_m: None,
+            wheels: None,
+        };
         car.vehicle_file().map(|_| ()).map_err(|error| error.to_string())
     };
     for (found, message) in [

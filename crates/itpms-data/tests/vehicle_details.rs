@@ -231,7 +231,8 @@ fn a_file_without_masses_is_complete_for_wheel_speeds() {
     assert_eq!(Vehicle::parse(&vehicle.to_toml()).unwrap(), vehicle);
     // What is missing for them is named, and then it takes masses.
     for key in ["wheelbase_m", "track_front_m", "track_rear_m", "driven"] {
-        let without: String = WHEELS.lines().filter(|line| !line.starts_with(key)).map(|l| format!("{l}\n")).collect();
+        let without: String =
+            WHEELS.lines().filter(|line| !line.starts_with(key)).map(|l| format!("{l}\n")).collect();
         let text = Vehicle::parse(&without).unwrap_err().to_string();
         assert!(text.contains("stiffness_per_kpa"), "{text}");
     }

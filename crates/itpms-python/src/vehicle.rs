@@ -53,7 +53,8 @@ impl Vehicle {
             refuse(format!("car_class is {car_class:?}, expected one of: {known}"))
         })?;
         let tire = tire.parse::<TireSize>().map_err(|error| refuse(format!("tire: {error}")))?;
-        let car = TypicalCar { name, mass_kg, front_share, tire, class, placard_kpa, wheelbase_m, wheels: None };
+        let car =
+            TypicalCar { name, mass_kg, front_share, tire, class, placard_kpa, wheelbase_m, wheels: None };
         car.vehicle_file().map(|(_, vehicle)| Self(vehicle)).map_err(|error| refuse(error.to_string()))
     }
 

@@ -133,8 +133,7 @@ fn read_body(text: &str, format: u32) -> Result<StoredReference, Problem> {
     let learned = needed_table(&root, "learned")?;
     let unix_s = needed_text(&learned, "unix_s")?;
     let learned_unix_s = unix_s.parse().map_err(|_| ReferenceProblem::Lacks("a time in whole seconds"))?;
-    let wheel_speeds =
-        root.table("wheel_speeds")?.map(|table| wheel_speeds::read(&table)).transpose()?;
+    let wheel_speeds = root.table("wheel_speeds")?.map(|table| wheel_speeds::read(&table)).transpose()?;
     if wheel_speeds.is_some() && !root.has("corner") {
         let reference = nothing_of_corners();
         return Ok(StoredReference { vehicle, learned_unix_s, wheelbase_m: None, reference, wheel_speeds });

@@ -313,7 +313,9 @@ impl Vehicle {
         for corner in Corner::ALL {
             let tables = corner_tables.as_ref();
             tables.map_or(Ok(()), |tables| tables.check_keys(&Corner::ALL.map(Corner::label)))?;
-            let Some(table) = tables.map_or(Ok(None), |tables| tables.table(corner.label()))? else { continue };
+            let Some(table) = tables.map_or(Ok(None), |tables| tables.table(corner.label()))? else {
+                continue;
+            };
             let wheel = rolls.then(|| read_wheel(&table, tire)).transpose()?.flatten();
             let (config, beyond) = match wheel {
                 Some(wheel) => (None, wheel),

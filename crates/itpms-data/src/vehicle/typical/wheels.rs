@@ -49,11 +49,23 @@ impl WheelsOfACar {
         line(&mut out, "wheelbase_m", self.wheelbase_m, 3, "as given");
         axle_keys(&mut out, &self.axles);
         out.push_str("\n[tire]\n");
-        line(&mut out, "rolling_radius_m", self.tire.rolling_radius_m(), 3, "3.05 diameters to a turn (ETRTO)");
+        line(
+            &mut out,
+            "rolling_radius_m",
+            self.tire.rolling_radius_m(),
+            3,
+            "3.05 diameters to a turn (ETRTO)",
+        );
         radius_keys(&mut out);
         for corner in Corner::ALL {
             let _ = writeln!(out, "\n[corner.{}]", corner.label());
-            line(&mut out, "placard_kpa", self.placard_kpa, 1, "from the placard in the door frame: cold, gauge");
+            line(
+                &mut out,
+                "placard_kpa",
+                self.placard_kpa,
+                1,
+                "from the placard in the door frame: cold, gauge",
+            );
         }
         out
     }

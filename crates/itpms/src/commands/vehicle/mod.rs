@@ -33,13 +33,15 @@ fn typical(args: &InitArgs) -> Result<String, Failure> {
     let file = match (args.mass, args.front_share, axles, args.wheelbase_m) {
         (Some(mass_kg), Some(front_share), wheels, wheelbase_m) => {
             let class = args.class;
-            TypicalCar { name, mass_kg, front_share, tire, class, placard_kpa, wheelbase_m, wheels }.vehicle_file()
+            TypicalCar { name, mass_kg, front_share, tire, class, placard_kpa, wheelbase_m, wheels }
+                .vehicle_file()
         }
         (_, _, Some(axles), Some(wheelbase_m)) => {
             WheelsOfACar { name, tire, wheelbase_m, axles, placard_kpa }.vehicle_file()
         }
         _ => {
-            let what = "expected --mass and --front-share, or --wheelbase-m and --driven for wheel speeds alone";
+            let what =
+                "expected --mass and --front-share, or --wheelbase-m and --driven for wheel speeds alone";
             return Err(Failure::Usage(what.to_owned()));
         }
     };

@@ -166,7 +166,11 @@ fn head(vehicle: &Vehicle) -> Vec<String> {
     }
     if let Ok(config) = vehicle.wheel_speed_config() {
         let (beta, sd) = (config.radius_per_ln_pressure, config.radius_per_ln_pressure_sd);
-        let shown = format!("{beta:.4} ± {:.4}; a fifth less is {:.2} % of the radius", beta * sd, -100.0 * beta * 0.8f64.ln());
+        let shown = format!(
+            "{beta:.4} ± {:.4}; a fifth less is {:.2} % of the radius",
+            beta * sd,
+            -100.0 * beta * 0.8f64.ln()
+        );
         out.push(format!("{:<NAME$}{shown}", "rolling radius per ln p"));
     }
     out
