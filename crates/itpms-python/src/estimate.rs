@@ -128,7 +128,13 @@ impl Kept {
 }
 
 impl Sink for Kept {
-    fn row(&mut self, row: &LogRow, estimates: &Estimates, states: &States) -> Result<(), DriveError> {
+    fn row(
+        &mut self,
+        row: &LogRow,
+        estimates: &Estimates,
+        states: &States,
+        radii: Option<&RadiusRow>,
+    ) -> Result<(), DriveError> {
         self.first_s.get_or_insert(row.time_s);
         self.begun.take(estimates);
         if self.gate.lets_through(row.time_s) {

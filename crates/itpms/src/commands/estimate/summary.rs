@@ -1,6 +1,6 @@
 //! What is said at the end: a line for the drive, one per corner and one per alert, or the same as JSON.
 
-use itpms_drive::{corner_line, summary_json};
+use itpms_drive::{corner_line, summary_json, wheel_speed_lines};
 use serde_json::{Value, json};
 
 use super::Estimated;
@@ -32,6 +32,9 @@ pub(crate) fn print_corners(screen: &Screen, estimated: &Estimated) {
     let end_s = log.last_time_s().map_or(f64::NAN, |end_s| end_s - origin_s);
     for corner in &done.data.corners {
         screen.print(corner_line(corner, end_s));
+    }
+    for line in done.radii.iter().flat_map(wheel_speed_lines) {
+        screen.print(line);
     }
     for sentence in done.alerts.sentences(origin_s) {
         screen.print(sentence);
