@@ -1,6 +1,5 @@
 //! What is known at the end of a drive, as JSON and in lines.
 
-use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::{Corner, Level, Warning};
 use itpms_core::wheel_speed::WheelRadius;
 use itpms_data::out::{RadiusRow, state_label};
@@ -14,7 +13,7 @@ const FRESH_S: f64 = 1.0;
 
 /// The drive, its corners and what was said: what `itpms estimate --json` prints, but for the names of its files.
 #[must_use]
-pub fn summary_json(done: &Done, estimator: EstimatorKind, rows: u64) -> Map<String, Value> {
+pub fn summary_json(done: &Done, rows: u64) -> Map<String, Value> {
     let Done { data, alerts, concerns, .. } = done;
     let corner = |corner: &CornerReport| {
         let fit = done.fits[corner.corner.index()].as_ref();
@@ -23,7 +22,7 @@ pub fn summary_json(done: &Done, estimator: EstimatorKind, rows: u64) -> Map<Str
     let corners: Map<String, Value> = data.corners.iter().map(corner).collect();
     [
         ("vehicle", json!(data.provenance.vehicle)),
-        ("estimator", json!(estimator.label())),
+        ("estimator", json!(data.provenance.estimator)),
         ("duration_s", json!(data.drive.duration_s)),
         ("rate_hz", json!(data.drive.rate_hz)),
         ("distance_m", json!(data.drive.distance_m)),

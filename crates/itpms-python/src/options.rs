@@ -81,6 +81,7 @@ impl Options {
             calibrate_s: self.calibrate_s.map(|seconds| positive("calibrate_s", seconds)).transpose()?,
             reference: self.reference.clone(),
             rate_hz: positive("rate_hz", self.rate_hz)?,
+            ..Settings::default()
         })
     }
 

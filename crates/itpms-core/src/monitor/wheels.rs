@@ -12,8 +12,8 @@ use crate::wheel_speed::{
 /// Usable driving in s after which what is more probable than .99 is reported, and after which a report that does not hold any more
 /// is taken back.
 const LASTING_S: f64 = 60.0;
-/// Probability of the contrary below which it is reported at once: a hundredth of what has to last.
-const BEYOND_DOUBT: f64 = 1e-4;
+/// Probability of the contrary below which it is reported at once: a tenth of what has to last.
+const BEYOND_DOUBT: f64 = 1e-3;
 
 /// A radius analysis under its monitor; less than 4 kB in `f32`.
 #[derive(Debug, Clone)]
@@ -309,7 +309,7 @@ mod tests {
         let pending = |w: &MonitoredWheels<f32>| {
             let least =
                 |wheels: Wheels| wheels.iter().map(|c| low_probability(w.radii(), c)).fold(1.0, f32::min);
-            matches!(w.radii().state, RadiusState::Low(wheels) if least(wheels) < 0.9999)
+            matches!(w.radii().state, RadiusState::Low(wheels) if least(wheels) < 0.999)
         };
         // As a fifth is lost slowly, it is likely first and certain later, or says so after a minute.
         for _ in 0..200 {

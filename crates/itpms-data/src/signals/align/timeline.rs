@@ -186,6 +186,10 @@ impl Timeline {
             .filter(|row| apart(row) <= 0.5 * self.period_s)
             .min_by(|a, b| apart(a).total_cmp(&apart(b)));
         match nearest {
+            // Messages of a bus may come in bunches: every reading of a wheel's clock is a row of its own.
+            Some(row) if row.has(slot) && slot == self.clock && slot.is_wheel_speed() => {
+                self.open(place, time_s, value);
+            }
             Some(row) if row.has(slot) => self.signals[place].left_over += 1,
             Some(row) => {
                 row.put(slot, time_s, value);

@@ -20,7 +20,7 @@ pub(super) fn print(args: &EstimateArgs, screen: &Screen, estimated: &Estimated)
         args.log.display(),
         drive.duration_s,
         drive.rate_hz,
-        args.estimator.label()
+        estimated.done.data.provenance.estimator
     ));
     print_corners(screen, estimated);
 }
@@ -44,7 +44,7 @@ pub(crate) fn print_corners(screen: &Screen, estimated: &Estimated) {
 fn as_json(args: &EstimateArgs, estimated: &Estimated) -> Value {
     let Estimated { log, done } = estimated;
     let path = |path: &std::path::PathBuf| path.display().to_string();
-    let mut summary = summary_json(done, args.estimator, log.repairs().rows_kept);
+    let mut summary = summary_json(done, log.repairs().rows_kept);
     summary.insert("log".to_owned(), json!(path(&args.log)));
     summary.insert(
         "outputs".to_owned(),
