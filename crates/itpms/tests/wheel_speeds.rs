@@ -20,9 +20,7 @@ fn bench() -> Bench {
     for name in ["drive.log", "car.dbc"] {
         bench.write(name, std::fs::read(example(name)).unwrap());
     }
-    bench
-        .run("vehicle init --tire 205/55R16 --wheelbase-m 2.7 --driven front -o wheels.toml")
-        .success();
+    bench.run("vehicle init --tire 205/55R16 --wheelbase-m 2.7 --driven front -o wheels.toml").success();
     bench
 }
 
@@ -59,8 +57,14 @@ fn the_example_names_the_tire_that_lost_a_quarter() {
     };
     assert_eq!(at(10.0)[column("rr_state")], "unknown");
     assert_eq!(at(59.0)[column("rr_state")], "fine");
-    assert_eq!((at(100.0)[column("rr_state")].as_str(), at(100.0)[column("rr_warning")].as_str()), ("low", "low"));
-    assert!(rows.iter().all(|row| row[column("fl_warning")] == "none" && row[column("fl_level")] == "other-tires"));
+    assert_eq!(
+        (at(100.0)[column("rr_state")].as_str(), at(100.0)[column("rr_warning")].as_str()),
+        ("low", "low")
+    );
+    assert!(
+        rows.iter()
+            .all(|row| row[column("fl_warning")] == "none" && row[column("fl_level")] == "other-tires")
+    );
     // What was measured: rear left over right has grown by -.007 ln .75, and two sds hold it.
     let number = |name: &str| at(115.0)[column(name)].parse::<f64>().unwrap();
     let (difference, sd) = (number("rear_radius_difference"), number("rear_radius_difference_sd"));
@@ -71,7 +75,11 @@ fn the_example_names_the_tire_that_lost_a_quarter() {
     let events = bench.read("events.jsonl");
     assert!(events.contains("\"begun\"") && events.contains("rr differs from the other tires"), "{events}");
     let page = bench.read("report.html");
-    for part in ["The rear right tire differs from the others since the calibration", "data-wheels", "Differs from the others"] {
+    for part in [
+        "The rear right tire differs from the others since the calibration",
+        "data-wheels",
+        "Differs from the others",
+    ] {
         assert!(page.contains(part), "{part}");
     }
 }
@@ -93,7 +101,8 @@ fn a_stored_calibration_finds_it_on_another_drive_and_a_healthy_one_says_nothing
     // The reference is this car's alone.
     let other = bench.read("wheels.toml").replace("driven = \"front\"", "driven = \"rear\"");
     bench.write("other.toml", other);
-    let refused = bench.run("estimate drive.log --dbc car.dbc --vehicle other.toml --reference car.reference");
+    let refused =
+        bench.run("estimate drive.log --dbc car.dbc --vehicle other.toml --reference car.reference");
     assert!(refused.refusal().contains("set of parameters"), "{}", refused.stderr);
 }
 
@@ -105,7 +114,8 @@ fn what_is_missing_is_said() {
     assert!(text.contains("nothing was calibrated") && outcome.stderr.contains("never calibrated"), "{text}");
     let outcome = bench.run(&format!("{ESTIMATE} --calibrate-s 5 --save-reference car.reference"));
     assert!(outcome.refusal().contains("nothing was learned"), "{}", outcome.stderr);
-    bench.write("half.toml", bench.read("wheels.toml").replace("wheelbase_m = 2.700", "wheelbase_sd_m = 0.1"));
+    bench
+        .write("half.toml", bench.read("wheels.toml").replace("wheelbase_m = 2.700", "wheelbase_sd_m = 0.1"));
     let outcome = bench.run("estimate drive.log --dbc car.dbc --vehicle half.toml");
     assert!(outcome.refusal().contains("stiffness_per_kpa"), "{}", outcome.stderr);
     let outcome = bench.run(&format!("{ESTIMATE} --road-out road.csv"));
@@ -121,7 +131,11 @@ fn signals_lists_the_four_wheels() {
     let bench = bench();
     let text = bench.run("signals drive.log --dbc car.dbc").success().to_owned();
     assert!(text.contains("rr_wheel_speed_m_s is WHL_SPD11.WHL_SPD_RR in km/h times 0.277778"), "{text}");
-    assert!(text.contains("yaw_rate_rad_s is ESP12.YAW_RATE") && text.contains("accel_x_m_s2 is ESP12.LONG_ACCEL"), "{text}");
+    assert!(
+        text.contains("yaw_rate_rad_s is ESP12.YAW_RATE")
+            && text.contains("accel_x_m_s2 is ESP12.LONG_ACCEL"),
+        "{text}"
+    );
     assert!(text.contains("Wheel speeds of all four wheels"), "{text}");
 }
 
@@ -129,9 +143,8 @@ fn signals_lists_the_four_wheels() {
 fn known_pressures_of_the_calibration_are_counted_in() {
     let bench = bench();
     // Calibrated with rear right at three quarters of 240 kPa: the example's loss is then another quarter.
-    let outcome = bench.run(&format!(
-        "{ESTIMATE} --calibrate-s 50 --pressure-kpa fl=240,fr=240,rl=240,rr=180 --json"
-    ));
+    let outcome =
+        bench.run(&format!("{ESTIMATE} --calibrate-s 50 --pressure-kpa fl=240,fr=240,rl=240,rr=180 --json"));
     let summary = json(outcome.success());
     let alert = &summary["alerts"][0];
     assert_eq!(alert["wheels"], serde_json::json!(["rr"]));

@@ -105,7 +105,7 @@ fn notes(screen: Screen) -> Say {
 /// The vehicle becomes the one from which a reference counts.
 fn options(args: &MonitorArgs, vehicle: &mut Vehicle) -> Result<DriveOptions, Failure> {
     let learns = args.estimator == EstimatorKind::Informed;
-    let reference = match &args.reference {
+    let (reference, wheel_reference) = match &args.reference {
         Some(_) if !learns => {
             let text =
                 format!("--reference with --estimator {}: only informed learns", args.estimator.label());
@@ -116,15 +116,16 @@ fn options(args: &MonitorArgs, vehicle: &mut Vehicle) -> Result<DriveOptions, Fa
             let refused = |problem| Failure::Usage(format!("{}: {problem}", path.display()));
             let (known, reference) = stored.for_vehicle(vehicle).map_err(refused)?;
             *vehicle = known;
-            Some(*reference)
+            (stored.has_corners().then_some(*reference), stored.wheel_speeds)
         }
-        None => None,
+        None => (None, None),
     };
     Ok(DriveOptions {
         estimator: args.estimator,
         regulation: args.regulation,
         calibrate_s: args.calibrate_s,
         reference,
+        wheel_reference,
         rate_hz: args.rate,
         units: args.reading.options().units,
     })
