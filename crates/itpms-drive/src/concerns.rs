@@ -83,6 +83,12 @@ pub(crate) fn of(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Vec<String> {
     let (vehicle, settings) = (job.vehicle, job.settings);
     let mut concerns = log.repairs().warnings();
     concerns.extend(of_wheel_speeds(job, log, drive));
+    if drive.yaw_is_reversed() {
+        concerns.push(
+            "yaw_rate_rad_s turns against the wheels, expected positive to the left: what wheel speeds say is wrong; turn it round in a map (factor = -1.0)"
+                .to_owned(),
+        );
+    }
     if job.corners.is_empty() {
         return concerns;
     }

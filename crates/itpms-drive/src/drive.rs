@@ -132,6 +132,11 @@ impl Drive {
         Taught { corners: self.car.estimator().calibration(), wheel_speeds }
     }
 
+    /// Whether the yaw rate's sign contradicts the wheels.
+    pub(crate) fn yaw_is_reversed(&self) -> bool {
+        self.wheels.as_ref().is_some_and(WheelSpeeds::yaw_is_reversed)
+    }
+
     /// What the wheel speeds say, where they are used.
     #[must_use]
     pub fn radii(&self) -> Option<RadiusRow> {

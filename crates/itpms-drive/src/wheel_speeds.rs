@@ -37,7 +37,8 @@ pub(crate) struct WheelSpeeds {
     wheels: Box<MonitoredWheels<f64>>,
     rolling_radius_m: f64,
     alone: bool,
-    /// Seconds of the calibration that teach these wheels, and whether it taught nothing.
+    track_rear_m: f64,
+    turns: Turns,
     report: Box<MonitorReport<f64>>,
 }
 
@@ -67,7 +68,9 @@ impl WheelSpeeds {
             )));
         }
         let rolling_radius_m = vehicle.rolling_radius_m().unwrap_or(f64::NAN);
-        Ok(Self { wheels, rolling_radius_m, alone, report: Box::new(MonitorReport::empty()) })
+        let (track_rear_m, turns) = (config.track_rear_m, Turns::default());
+        let report = Box::new(MonitorReport::empty());
+        Ok(Self { wheels, rolling_radius_m, alone, track_rear_m, turns, report })
     }
 
     /// Takes a row, and what the car's other monitor said after it. The speed of a car of which nothing else is known is that of its wheels.
@@ -76,6 +79,8 @@ impl WheelSpeeds {
         if self.alone && row.speed_m_s.is_nan() {
             row.speed_m_s = 0.25 * sample.wheel_speed_m_s.iter().sum::<f64>();
         }
+        let [_, _, left, right] = sample.wheel_speed_m_s;
+        self.turns.push(sample.yaw_rate_rad_s, left, (right - left) / self.track_rear_m);
         self.wheels.update(&sample);
         if self.alone {
             self.wheels.tell_alone(&mut self.report);
@@ -83,6 +88,11 @@ impl WheelSpeeds {
             *self.report = *beside;
             self.wheels.tell(&mut self.report);
         }
+    }
+
+    /// Whether the yaw rate has the other sign than the wheels' way round bends.
+    pub(crate) fn yaw_is_reversed(&self) -> bool {
+        self.turns.are_reversed()
     }
 
     /// The log ends with its calibration.
@@ -101,6 +111,47 @@ impl WheelSpeeds {
     pub(crate) fn row(&self) -> RadiusRow {
         let states = Corner::ALL.map(|corner| Some(self.wheels.state_of(corner)));
         RadiusRow { radii: *self.wheels.radii(), states }
+    }
+}
+
+/// Speed in m/s above which rear wheels show how a car turns.
+const TURNING_M_S: f64 = 5.0;
+/// The yaw rate of the rear wheels over the sensor's is 1, or -1 where its sign is the other one: surely below this it is.
+const REVERSED: f64 = -0.3;
+
+/// Sums of the sensor's yaw rate and the rear wheels', whose slope is to be one.
+#[derive(Debug, Clone, Copy, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Turns {
+    count: f64,
+    sensor: f64,
+    wheels: f64,
+    sensor_square: f64,
+    wheels_square: f64,
+    product: f64,
+}
+
+impl Turns {
+    fn push(&mut self, sensor_rad_s: f64, speed_m_s: f64, wheels_rad_s: f64) {
+        if !(speed_m_s > TURNING_M_S && sensor_rad_s.abs() < 2.0 && wheels_rad_s.abs() < 2.0) {
+            return;
+        }
+        self.count += 1.0;
+        self.sensor += sensor_rad_s;
+        self.wheels += wheels_rad_s;
+        self.sensor_square += sensor_rad_s * sensor_rad_s;
+        self.wheels_square += wheels_rad_s * wheels_rad_s;
+        self.product += sensor_rad_s * wheels_rad_s;
+    }
+
+    /// By the regression's slope and four of its standard deviations.
+    fn are_reversed(&self) -> bool {
+        let of = |square: f64, a: f64, b: f64| square - a * b / self.count;
+        let sensor = of(self.sensor_square, self.sensor, self.sensor);
+        let wheels = of(self.wheels_square, self.wheels, self.wheels);
+        let slope = of(self.product, self.sensor, self.wheels) / sensor;
+        let rest = (wheels - slope * slope * sensor).max(0.0) / self.count;
+        slope + 4.0 * (rest / sensor).sqrt() < REVERSED
     }
 }
 

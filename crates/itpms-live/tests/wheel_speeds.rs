@@ -3,7 +3,10 @@
 
 use itpms_data::log::LogMotion;
 use itpms_data::{LogRow, Vehicle};
-use itpms_live::{DriveOptions, Engine, Published, SavedDrive, SourceName};
+use itpms_live::drive::DriveOptions;
+use itpms_live::engine::{Engine, Published};
+use itpms_live::input::SourceName;
+use itpms_live::state::SavedDrive;
 
 use crate::common::{say, with_large_stack};
 
