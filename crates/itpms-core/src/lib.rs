@@ -156,7 +156,7 @@ pub use self::model::{
     QuarterCar, Validity, VehicleCalibration, Warning,
 };
 #[doc(inline)]
-pub use self::monitor::{MonitorConfig, MonitoredCar};
+pub use self::monitor::{MonitorConfig, MonitoredCar, MonitoredWheels};
 #[doc(inline)]
 pub use self::real::Real;
 #[doc(inline)]

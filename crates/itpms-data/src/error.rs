@@ -316,7 +316,7 @@ pub enum Problem {
     },
     /// No wheel can be seen at this rate.
     #[error(
-        "the sample period is {} s ({rate_hz:.3} Hz), expected 100 Hz to 2 kHz (20 Hz at least) with time_s in seconds{}",
+        "the sample period is {} s ({rate_hz:.3} Hz), expected 100 Hz to 2 kHz (20 Hz at least; wheel speeds alone: 10 Hz) with time_s in seconds{}",
         (*.period_s * 1e6).round() / 1e6,
         other_unit(*.period_s)
     )]
@@ -458,7 +458,9 @@ pub enum Problem {
 
     // --- vehicle files, as a whole ---
     /// A vehicle without wheels.
-    #[error("no corner is described, expected at least one table [corner.fl] (or fr, rl, rr)")]
+    #[error(
+        "no corner is described, expected at least one table [corner.fl] (or fr, rl, rr); for wheel speeds alone wheelbase_m, track_front_m, track_rear_m and driven in [vehicle]"
+    )]
     NoCorner,
 
     // --- MDF4 ---

@@ -99,6 +99,15 @@ impl<'a> Table<'a> {
         }
     }
 
+    /// True or false under `key`, if there is one of them.
+    pub(crate) fn flag(&self, key: &str) -> Result<Option<bool>, Problem> {
+        match self.entry(key) {
+            None => Ok(None),
+            Some((_, DeValue::Boolean(flag))) => Ok(Some(*flag)),
+            Some((_, value)) => Err(self.not_a(key, value, "true or false")),
+        }
+    }
+
     /// The number under `key`, integer or float, if there is one.
     pub(crate) fn number(&self, key: &str) -> Result<Option<f64>, Problem> {
         let Some((_, value)) = self.entry(key) else { return Ok(None) };

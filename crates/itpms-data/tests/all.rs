@@ -27,3 +27,4 @@ mod text_tables;
 mod typical_cars;
 mod vehicle_details;
 mod vehicle_file;
+mod wheel_speeds;

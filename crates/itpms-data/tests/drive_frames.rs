@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use itpms_core::model::Corner;
-use itpms_data::log::{CornerColumns, LogColumns, LogCorner, LogOptions, UnitCheck};
+use itpms_data::log::{CornerColumns, LogColumns, LogCorner, LogMotion, LogOptions, UnitCheck};
 use itpms_data::out::{LogWriter, Packing};
 use itpms_data::{LogReader, LogRow};
 
@@ -36,14 +36,14 @@ fn truth() -> Vec<LogRow> {
             let mut corners = [None; 4];
             corners[Corner::FrontLeft.index()] = Some(corner(0.0));
             corners[Corner::FrontRight.index()] = Some(corner(1.0));
-            LogRow { time_s, speed_m_s: 20.0 + 0.7 * time_s, corners }
+            LogRow { time_s, speed_m_s: 20.0 + 0.7 * time_s, corners, motion: LogMotion::UNKNOWN }
         })
         .collect()
 }
 
 fn columns() -> LogColumns {
     let truth = CornerColumns { pressure: true, road: false };
-    LogColumns { speed: true, corners: [Some(truth), Some(truth), None, None] }
+    LogColumns { speed: true, corners: [Some(truth), Some(truth), None, None], ..LogColumns::default() }
 }
 
 fn write(folder: &Path, name: &str, rows: &[LogRow]) -> (PathBuf, LogOptions, Vec<String>) {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use itpms_core::model::Corner;
 use itpms_data::LogRow;
-use itpms_data::log::{CornerColumns, LogColumns, LogCorner, LogOptions, Slot};
+use itpms_data::log::{CornerColumns, LogColumns, LogCorner, LogMotion, LogOptions, Slot};
 use itpms_data::out::{LogWriter, Packing};
 use itpms_data::signals::{ListedSignal, Lister, Listing, resolve};
 
@@ -19,7 +19,7 @@ fn example(name: &str) -> PathBuf {
 fn write(path: &Path) {
     let mut corners = [None; 4];
     corners[Corner::FrontLeft.index()] = Some(CornerColumns { pressure: true, road: false });
-    let columns = LogColumns { speed: true, corners };
+    let columns = LogColumns { speed: true, corners, ..LogColumns::default() };
     let options = LogOptions {
         dbc: Some(example("car.dbc")),
         signals: Some(example("map.toml")),
@@ -40,7 +40,12 @@ fn write(path: &Path) {
         let mut corners = [None; 4];
         corners[0] = Some(corner);
         writer
-            .write(&LogRow { time_s: f64::from(i) * 2e-3, speed_m_s: 10.0 + 10.0 * share, corners })
+            .write(&LogRow {
+                time_s: f64::from(i) * 2e-3,
+                speed_m_s: 10.0 + 10.0 * share,
+                corners,
+                motion: LogMotion::UNKNOWN,
+            })
             .unwrap();
     }
     writer.finish().unwrap().commit().unwrap();

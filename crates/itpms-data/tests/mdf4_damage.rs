@@ -7,7 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use itpms_data::log::{CornerColumns, LogColumns, LogCorner, LogOptions};
+use itpms_data::log::{CornerColumns, LogColumns, LogCorner, LogMotion, LogOptions};
 use itpms_data::mdf4::{
     ChannelKind, ChannelSpec, Compression, GroupSpec, Mdf4Reader, Mdf4Repair, Mdf4Writer, SampleFormat,
 };
@@ -154,7 +154,8 @@ fn a_log_that_is_cut_off_says_so() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("log.mf4");
     let corner = CornerColumns { pressure: false, road: false };
-    let columns = LogColumns { speed: true, corners: [Some(corner), None, None, None] };
+    let columns =
+        LogColumns { speed: true, corners: [Some(corner), None, None, None], ..LogColumns::default() };
     let mut writer = LogWriter::create_with(&path, columns, &LogOptions::default(), Packing::Packed).unwrap();
     for i in 0..20_000 {
         let time_s = f64::from(i) / 500.0;
@@ -164,7 +165,14 @@ fn a_log_that_is_cut_off_says_so() {
             pressure_kpa: f64::NAN,
             road_m: f64::NAN,
         };
-        writer.write(&LogRow { time_s, speed_m_s: 20.0, corners: [Some(values), None, None, None] }).unwrap();
+        writer
+            .write(&LogRow {
+                time_s,
+                speed_m_s: 20.0,
+                corners: [Some(values), None, None, None],
+                motion: LogMotion::UNKNOWN,
+            })
+            .unwrap();
     }
     writer.finish().unwrap().commit().unwrap();
     assert!(LogReader::open(&path).is_ok());

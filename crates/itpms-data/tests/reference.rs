@@ -133,10 +133,10 @@ fn an_assumed_wheelbase_is_replaced_by_the_one_that_was_found() {
 
 #[test]
 fn a_newer_format_is_told_from_damage() {
-    let newer = sealed("4", "something that nobody knows yet");
+    let newer = sealed("5", "something that nobody knows yet");
     assert_eq!(
         refusal(newer.as_bytes()),
-        "the learned reference has format 4, expected at most 3: a newer itpms wrote it"
+        "the learned reference has format 5, expected at most 4: a newer itpms wrote it"
     );
     let damaged = newer.replace("nobody", "n0body");
     assert!(refusal(damaged.as_bytes()).contains("is damaged"));
@@ -229,4 +229,34 @@ fn a_bar_that_pushes_is_in_no_car() {
     assert!(
         StoredReference::parse(sealed("2", &body().replace(&line, "front_bar = -0.05")).as_bytes()).is_ok()
     );
+}
+
+#[test]
+fn what_wheel_speeds_taught_is_stored_with_the_rest_or_alone() {
+    let mut covariance_1e6 = [[0.0; 4]; 4];
+    for (i, row) in covariance_1e6.iter_mut().enumerate() {
+        for (j, value) in row.iter_mut().enumerate() {
+            *value = if i == j { 0.01 * (1 + i) as f64 } else { 1e-4 * (1 + i * j + i + j) as f64 };
+        }
+    }
+    let radii = itpms_core::wheel_speed::RadiusCalibration {
+        mean_1e3: [-1.48, -1.54, 3.25, 1.5],
+        covariance_1e6,
+        radius_1e3: [0.0, 0.0, 0.0, -2.4],
+    };
+    let beside = old().with_wheel_speeds(Some(radii));
+    assert_eq!(StoredReference::parse(beside.to_text().as_bytes()).unwrap(), beside);
+    let alone = StoredReference::of_wheel_speeds(&Vehicle::paper(), radii, 1_900_000_000);
+    assert!(!alone.has_corners());
+    assert_eq!(StoredReference::parse(alone.to_text().as_bytes()).unwrap(), alone);
+    // An older program is told that it is too old; without wheel speeds it reads on.
+    assert!(
+        alone.to_text().starts_with("itpms-reference 4 ")
+            && old().to_text().starts_with("itpms-reference 3 ")
+    );
+    let mut broken = radii;
+    broken.covariance_1e6[2][2] = -1.0;
+    let broken = StoredReference::of_wheel_speeds(&Vehicle::paper(), broken, 0);
+    let text = StoredReference::parse(broken.to_text().as_bytes()).unwrap_err().to_string();
+    assert!(text.contains("wheel speeds that a car has"), "{text}");
 }

@@ -7,8 +7,8 @@ use std::path::Path;
 
 use itpms_core::model::{Corner, CornerEstimate, Diagnostics, Level, Loss, Validity, Warning};
 use itpms_core::warning::{Doubt, WheelState};
-use itpms_data::log::{CornerColumns, LogColumns, LogCorner, UnitCheck};
-use itpms_data::out::{EstimateWriter, LogWriter, RoadPoint, RoadWriter};
+use itpms_data::log::{CornerColumns, LogColumns, LogCorner, LogMotion, UnitCheck};
+use itpms_data::out::{EstimateWriter, LogWriter, RoadPoint, RoadWriter, WheelSpeedUse};
 use itpms_data::{LogReader, LogRow};
 use proptest::prelude::*;
 
@@ -58,7 +58,7 @@ prop_compose! {
         let mut time_s = -0.5;
         let mut rows: Vec<LogRow> = cells.into_iter().map(|(speed_m_s, fl, rr, dt)| {
             time_s += dt;
-            LogRow { time_s, speed_m_s, corners: [Some(fl), None, None, Some(rr)] }
+            LogRow { time_s, speed_m_s, corners: [Some(fl), None, None, Some(rr)], motion: LogMotion::UNKNOWN }
         }).collect();
         // A log without a single value is refused, and rightly; see bad_logs.rs.
         rows[0].corners[0] = Some(LogCorner {
@@ -81,6 +81,7 @@ proptest! {
                 Some(CornerColumns { pressure: true, road: true }), None, None,
                 Some(CornerColumns { pressure: false, road: true }),
             ],
+            ..LogColumns::default()
         };
         write(&first, columns, &rows);
         for (from, to) in [(&first, &middle), (&middle, &last)] {
@@ -97,7 +98,11 @@ proptest! {
 fn a_long_drive_crosses_row_groups_and_batches() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("long.parquet");
-    let columns = LogColumns { speed: false, corners: [None, Some(CornerColumns::default()), None, None] };
+    let columns = LogColumns {
+        speed: false,
+        corners: [None, Some(CornerColumns::default()), None, None],
+        ..LogColumns::default()
+    };
     let count = 65_536 * 2 + 777;
     let rows: Vec<LogRow> = (0..count)
         .map(|i| LogRow {
@@ -114,6 +119,7 @@ fn a_long_drive_crosses_row_groups_and_batches() {
                 None,
                 None,
             ],
+            motion: LogMotion::UNKNOWN,
         })
         .collect();
     write(&path, columns, &rows);
@@ -156,7 +162,8 @@ fn estimate(pressure_kpa: f64, validity: Validity, warning: Warning) -> CornerEs
 fn estimates_have_the_promised_columns_and_words() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("est.csv");
-    let mut writer = EstimateWriter::create(&path, &[Corner::FrontLeft, Corner::RearRight]).unwrap();
+    let mut writer =
+        EstimateWriter::create(&path, &[Corner::FrontLeft, Corner::RearRight], WheelSpeedUse::None).unwrap();
     let loss = Loss {
         level_kpa: 241.0,
         lost_kpa: 60.5,
@@ -168,8 +175,10 @@ fn estimates_have_the_promised_columns_and_words() {
     let low = CornerEstimate { loss: Some(loss), ..estimate(180.5, Validity::Valid, Warning::Low) };
     let broken = estimate(f64::NAN, Validity::BadSignal, Warning::Malfunction);
     let states = [Some(WheelState::Low), None, None, Some(WheelState::Unknown(Doubt::Uncertain))];
-    writer.write(0.1, &[Some(low), None, None, None], &states).unwrap();
-    writer.write(0.2, &[Some(low), None, None, Some(broken)], &[Some(WheelState::Malfunction); 4]).unwrap();
+    writer.write(0.1, &[Some(low), None, None, None], &states, None).unwrap();
+    writer
+        .write(0.2, &[Some(low), None, None, Some(broken)], &[Some(WheelState::Malfunction); 4], None)
+        .unwrap();
     let file = writer.finish().unwrap();
     assert!(!path.exists());
     file.commit().unwrap();
@@ -204,10 +213,10 @@ fn a_full_disk_is_reported_by_name_in_both_formats() {
     std::os::unix::fs::symlink("/dev/full", &link).unwrap();
     for path in [Path::new("/dev/full"), &link] {
         let fill = || {
-            let mut writer = EstimateWriter::create(path, &Corner::ALL)?;
+            let mut writer = EstimateWriter::create(path, &Corner::ALL, WheelSpeedUse::None)?;
             for i in 0..5000 {
                 let e = Some(estimate(f64::from(i).sqrt(), Validity::Valid, Warning::None));
-                writer.write(f64::from(i), &[e; 4], &[None; 4])?;
+                writer.write(f64::from(i), &[e; 4], &[None; 4], None)?;
             }
             writer.finish()?.commit()
         };
@@ -220,7 +229,7 @@ fn a_full_disk_is_reported_by_name_in_both_formats() {
 fn an_output_of_unknown_kind_is_refused_before_anything_is_written() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("est.xlsx");
-    let text = EstimateWriter::create(&path, &Corner::ALL).unwrap_err().to_string();
+    let text = EstimateWriter::create(&path, &Corner::ALL, WheelSpeedUse::None).unwrap_err().to_string();
     assert!(text.ends_with("est.xlsx: unknown file extension .xlsx, expected .csv or .parquet"), "{text}");
     assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 0);
 }

@@ -8,7 +8,16 @@ use itpms_data::vehicle::{Confidence, CornerFigures};
 
 fn car(mass_kg: f64, front_share: f64, tire: &str, class: CarClass, placard_kpa: f64) -> Vehicle {
     let (tire, placard_kpa) = (tire.parse().unwrap(), FrontRear::both(placard_kpa));
-    let car = TypicalCar { name: None, mass_kg, front_share, tire, class, placard_kpa, wheelbase_m: None };
+    let car = TypicalCar {
+        name: None,
+        mass_kg,
+        front_share,
+        tire,
+        class,
+        placard_kpa,
+        wheelbase_m: None,
+        wheels: None,
+    };
     car.vehicle_file().unwrap().1
 }
 
@@ -131,8 +140,16 @@ fn values_that_make_no_car_are_refused_in_one_sentence() {
     let typical = |mass_kg: f64, front_share: f64, placard_kpa: f64| {
         let (tire, placard_kpa) = ("205/55R16".parse().unwrap(), FrontRear::both(placard_kpa));
         let class = CarClass::Sedan;
-        let car =
-            TypicalCar { name: None, mass_kg, front_share, tire, class, placard_kpa, wheelbase_m: None };
+        let car = TypicalCar {
+            name: None,
+            mass_kg,
+            front_share,
+            tire,
+            class,
+            placard_kpa,
+            wheelbase_m: None,
+            wheels: None,
+        };
         car.vehicle_file().map(|_| ()).map_err(|error| error.to_string())
     };
     for (found, message) in [
@@ -155,6 +172,7 @@ fn a_name_may_hold_anything_and_the_wheelbase_is_the_given_one() {
         class: CarClass::Sedan,
         placard_kpa: FrontRear::both(240.0),
         wheelbase_m: Some(2.651),
+        wheels: None,
     };
     let (text, vehicle) = car.vehicle_file().unwrap();
     assert_eq!(vehicle.name, "my \"car\" \\ # 1");
@@ -176,6 +194,7 @@ fn an_axle_may_have_a_tire_and_a_placard_of_its_own() {
         class: CarClass::Sedan,
         placard_kpa: "230,260".parse().unwrap(),
         wheelbase_m: None,
+        wheels: None,
     };
     let (text, mixed) = mixed.vehicle_file().unwrap();
     assert!(text.contains("name = \"sedan, 1600 kg, 225/45R18 front, 255/40R18 rear\""));

@@ -202,3 +202,63 @@ proptest! {
         prop_assert_eq!(Vehicle::parse(&vehicle.to_toml()).unwrap(), vehicle);
     }
 }
+
+const WHEELS: &str = r#"[vehicle]
+name = "wheels"
+wheelbase_m = 2.66
+track_front_m = 1.55
+track_rear_m = 1.53
+driven = "rear"
+limited_slip = true
+[tire]
+rolling_radius_m = 0.31
+radius_per_ln_pressure = 0.005
+radius_per_ln_pressure_sd = 0.002
+[corner.rl]
+placard_kpa = 250.0
+"#;
+
+#[test]
+fn a_file_without_masses_is_complete_for_wheel_speeds() {
+    let vehicle = Vehicle::parse(WHEELS).unwrap();
+    let config = vehicle.wheel_speed_config().unwrap();
+    assert_eq!((config.wheelbase_m, config.track_front_m, config.track_rear_m), (2.66, 1.55, 1.53));
+    assert!(config.limited_slip && config.driven == itpms_core::wheel_speed::DrivenAxle::Rear);
+    assert!((config.radius_per_ln_pressure_sd - 0.4).abs() < 1e-12);
+    assert_eq!(vehicle.placard_kpa(Corner::RearLeft), Some(250.0));
+    assert_eq!(vehicle.placard_kpa(Corner::FrontLeft), None);
+    assert_eq!(vehicle.rolling_radius_m(), Some(0.31));
+    assert_eq!(Vehicle::parse(&vehicle.to_toml()).unwrap(), vehicle);
+    // What is missing for them is named, and then it takes masses.
+    for key in ["wheelbase_m", "track_front_m", "track_rear_m", "driven"] {
+        let without: String =
+            WHEELS.lines().filter(|line| !line.starts_with(key)).map(|l| format!("{l}\n")).collect();
+        let text = Vehicle::parse(&without).unwrap_err().to_string();
+        assert!(text.contains("stiffness_per_kpa"), "{text}");
+    }
+    let text = Vehicle::parse("[vehicle]\nwheelbase_m = 2.66\n").unwrap_err().to_string();
+    assert!(text.contains("track_front_m"), "{text}");
+    // Half a corner is no wheel alone.
+    let half = WHEELS.replace("placard_kpa = 250.0", "placard_kpa = 250.0\nsprung_mass_kg = 300.0");
+    assert!(Vehicle::parse(&half).unwrap_err().to_string().contains("tire.stiffness_per_kpa"));
+    let word = WHEELS.replace("limited_slip = true", "limited_slip = \"yes\"");
+    assert!(Vehicle::parse(&word).unwrap_err().to_string().contains("expected true or false"));
+    // A car with masses may have both.
+    let both = Vehicle::parse(FULL).unwrap();
+    assert_eq!(both.wheel_speed_config().unwrap_err(), "wheelbase_m");
+}
+
+#[test]
+fn what_is_read_off_a_car_makes_a_file_for_its_wheel_speeds() {
+    use itpms_data::vehicle::typical::{AxleWheels, FrontRear, WheelsOfACar};
+    let axles = AxleWheels { track_m: [None, Some(1.6)], driven: Driven::Front, limited_slip: false };
+    let tire = "205/55R16".parse().unwrap();
+    let car =
+        WheelsOfACar { name: None, tire, wheelbase_m: 2.66, axles, placard_kpa: FrontRear::both(230.0) };
+    let (text, vehicle) = car.vehicle_file().unwrap();
+    assert_eq!(vehicle.details.track_rear_m, Some(1.6));
+    // 205/55R16 is 631.9 mm in diameter; a turn rolls 3.05 of them: 1.927 m, a radius of .3067 m.
+    assert!((vehicle.rolling_radius_m().unwrap() - 0.307).abs() < 1e-9, "{text}");
+    assert_eq!(vehicle.placard_kpa(Corner::FrontRight), Some(230.0));
+    assert!(WheelsOfACar { wheelbase_m: 26.6, ..car }.vehicle_file().is_err());
+}

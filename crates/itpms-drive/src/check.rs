@@ -2,6 +2,7 @@
 //! do not go together.
 
 use itpms_core::model::Corner;
+use itpms_data::out::WheelSpeedUse;
 use itpms_data::{LogReader, Vehicle};
 use itpms_study::transfer::{CornerCheck, CrossSpectra, Suspension, Verdict, page};
 use serde_json::{Map, Value, json};
@@ -60,7 +61,8 @@ fn listen(
     watch: Watch<'_>,
 ) -> Result<(Vec<CrossSpectra>, [Option<Fit>; 4]), DriveError> {
     let survey = *log.survey();
-    let mut drive = Drive::new(&Settings::default(), vehicle, corners, survey.sample_rate_hz)?;
+    let mut drive =
+        Drive::new(&Settings::default(), vehicle, corners, WheelSpeedUse::None, survey.sample_rate_hz)?;
     let mut spectra: Vec<CrossSpectra> =
         corners.iter().map(|_| CrossSpectra::new(survey.sample_period_s)).collect();
     let (mut rows, mut before_s) = (0u64, f64::NAN);

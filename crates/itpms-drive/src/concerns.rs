@@ -2,12 +2,15 @@
 
 use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::Corner;
+use itpms_core::wheel_speed::RadiusState;
+use itpms_data::out::WheelSpeedUse;
 use itpms_data::{LogReader, Vehicle};
 
 use crate::drive::Drive;
 use crate::error::DriveError;
 use crate::job::Job;
 use crate::settings::LOG_END_S;
+use crate::wheel_speeds::{lacking, wheel_speed_use};
 
 /// Rates in Hz for which the estimators are made.
 const USUAL_RATES_HZ: std::ops::RangeInclusive<f64> = 99.0..=2020.0;
@@ -18,13 +21,21 @@ const CONTRADICTION_SDS: f64 = 2.5;
 /// Standard deviation in kPa of the level from which on a calibration is asked for: a fifth of a tire is some 50.
 const ASK_KPA: f64 = 10.0;
 
-/// The corners that the log has measured and the vehicle file describes.
+/// The corners that the log has measured and the vehicle file describes; none where wheel speeds are all that both have.
 ///
 /// # Errors
 /// There is none.
 pub fn common_corners(log: &LogReader, vehicle: &Vehicle) -> Result<Vec<Corner>, DriveError> {
     let measured = log.columns().present();
     let common: Vec<Corner> = measured.iter().copied().filter(|c| vehicle.corner(*c).is_some()).collect();
+    if common.is_empty() && log.columns().motion.wheel_speeds() {
+        return match wheel_speed_use(log.columns(), vehicle, &common) {
+            Ok(_) => Ok(common),
+            Err(key) => {
+                Err(DriveError::Mismatch(format!("{}: {}", log.path().display(), lacking(vehicle, key))))
+            }
+        };
+    }
     if common.is_empty() {
         let described = Corner::ALL.into_iter().filter(|c| vehicle.corner(*c).is_some()).collect::<Vec<_>>();
         return Err(DriveError::Mismatch(format!(
@@ -42,11 +53,46 @@ fn labels(corners: &[Corner]) -> String {
     corners.iter().map(|corner| corner.label()).collect::<Vec<_>>().join(" ")
 }
 
+/// The same of wheel speeds.
+fn of_wheel_speeds(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Option<String> {
+    let (vehicle, settings) = (job.vehicle, job.settings);
+    let wheel_speeds = match wheel_speed_use(log.columns(), vehicle, job.corners) {
+        Err(key) => return Some(format!("the wheel speeds are not used: {}", lacking(vehicle, key))),
+        Ok(wheel_speeds) => wheel_speeds,
+    };
+    let uncalibrated =
+        matches!(drive.radii()?.radii.state, RadiusState::Uncalibrated | RadiusState::Calibrating);
+    match (settings.calibrate_s, &settings.reference) {
+        (Some(seconds), _) if drive.length_s() + LOG_END_S < seconds => Some(format!(
+            "the calibration of {seconds} s outlasts the drive of {:.1} s: no wheel speed was compared with anything",
+            drive.length_s()
+        )),
+        (Some(seconds), _) if uncalibrated => Some(format!(
+            "the calibration of {seconds} s taught nothing of the wheel speeds, expected 10 s or more of driving above 18 km/h without brakes, sharp bends and torque on coupled wheels"
+        )),
+        (None, None) if wheel_speeds == WheelSpeedUse::Alone => Some(
+            "never calibrated: wheel speeds show how tires differ from the others since a calibration (--calibrate-s, --reference); without one nothing is known"
+                .to_owned(),
+        ),
+        _ => None,
+    }
+}
+
 /// What a person, or a script, should know before believing the result.
 pub(crate) fn of(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Vec<String> {
     let (vehicle, settings) = (job.vehicle, job.settings);
     let unit = settings.pressure_unit;
     let mut concerns = log.repairs().warnings();
+    concerns.extend(of_wheel_speeds(job, log, drive));
+    if drive.yaw_is_reversed() {
+        concerns.push(
+            "yaw_rate_rad_s turns against the wheels, expected positive to the left: what wheel speeds say is wrong; turn it round in a map (factor = -1.0)"
+                .to_owned(),
+        );
+    }
+    if job.corners.is_empty() {
+        return concerns;
+    }
     let present = log.columns().present();
     for corner in present.iter().filter(|corner| vehicle.corner(**corner).is_none()) {
         concerns.push(format!("corner {} is not in the vehicle file and was not estimated", corner.label()));

@@ -2,14 +2,16 @@
 
 use itpms_core::car::{CarEstimate, EstimatorOptions};
 use itpms_core::conditioning::{SpeedHold, is_a_cars};
-use itpms_core::model::{BodyFit, Corner, CornerEstimate, Misfit, QuarterCar, VehicleCalibration};
+use itpms_core::model::{BodyFit, Corner, CornerEstimate, Misfit, QuarterCar};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::warning::MonitorReport;
+use itpms_data::out::{RadiusRow, WheelSpeedUse};
 use itpms_data::{LogRow, Vehicle};
 
 use crate::error::DriveError;
-use crate::reference;
+use crate::reference::{self, Taught};
 use crate::settings::{LOG_END_S, Settings};
+use crate::wheel_speeds::WheelSpeeds;
 
 /// What is known of the corners after a row, in the order of [`Corner::ALL`].
 pub type Estimates = [Option<CornerEstimate<f64>>; 4];
@@ -29,6 +31,7 @@ const UNKNOWN_SHARE: f64 = 0.1;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Drive {
     car: Box<MonitoredCar<f64>>,
+    wheels: Option<WheelSpeeds>,
     /// Time of the first and of the last row, and seconds driven until front and rear of any side were found to meet the same road.
     first_s: f64,
     time_s: f64,
@@ -45,7 +48,7 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// The estimator of these corners at this rate.
+    /// The estimator of these corners, and of the wheel speeds, at this rate; without corners of the wheel speeds alone.
     ///
     /// # Errors
     /// A rate or a setting that the estimator refuses, or a stored reference that cannot be used.
@@ -53,10 +56,16 @@ impl Drive {
         settings: &Settings,
         vehicle: &Vehicle,
         corners: &[Corner],
+        wheel_speeds: WheelSpeedUse,
         sample_rate_hz: f64,
     ) -> Result<Self, DriveError> {
         let stored = reference::read(settings, vehicle)?;
         let vehicle = stored.as_ref().map_or(vehicle, |(vehicle, _)| vehicle);
+        let taught = stored.as_ref().and_then(|(_, stored)| stored.wheel_speeds.as_ref());
+        let alone = corners.is_empty();
+        let wheels = (wheel_speeds != WheelSpeedUse::None)
+            .then(|| WheelSpeeds::new(settings, vehicle, alone, taught))
+            .transpose()?;
         let config = vehicle.car_config(corners);
         let options = EstimatorOptions {
             estimator: settings.estimator,
@@ -67,15 +76,22 @@ impl Drive {
             MonitorConfig::new(&config).with_limits(settings.regulation.into()).with_options(options);
         // Built in its box: by value it would cross the stack, and whose that is the caller alone knows.
         let mut car = Box::new(MonitoredCar::unconfigured());
-        car.configure(&config, sample_rate_hz)?;
-        if let Some((_, reference)) = &stored {
-            reference::load(settings, reference, &mut car)?;
+        if !alone && settings.calibration_kpa.iter().any(Option::is_some) {
+            let what = "pressures of the calibration other than the placards' (--pressure-kpa) are of use for wheel speeds alone";
+            return Err(DriveError::Mismatch(what.to_owned()));
         }
-        if let Some(seconds) = settings.calibrate_s {
-            car.begin_calibration(seconds)?;
+        if !alone {
+            car.configure(&config, sample_rate_hz)?;
+            if let Some((_, stored)) = stored.as_ref().filter(|(_, stored)| stored.has_corners()) {
+                reference::load(settings, &stored.reference, &mut car)?;
+            }
+            if let Some(seconds) = settings.calibrate_s {
+                car.begin_calibration(seconds)?;
+            }
         }
         Ok(Self {
             car,
+            wheels,
             first_s: f64::NAN,
             time_s: f64::NAN,
             apart_s: 0.0,
@@ -103,19 +119,34 @@ impl Drive {
     pub fn finish(&mut self, calibrate_s: Option<f64>) {
         if calibrate_s.is_some_and(|seconds| self.length_s() + LOG_END_S >= seconds) {
             self.car.end_calibration();
+            if let Some(wheels) = &mut self.wheels {
+                wheels.end_calibration();
+            }
         }
     }
 
     /// What the calibration taught, once it is over.
     #[must_use]
-    pub fn learned(&self) -> Option<VehicleCalibration<f64>> {
-        self.car.estimator().calibration()
+    pub fn learned(&self) -> Taught {
+        let wheel_speeds = self.wheels.as_ref().and_then(WheelSpeeds::learned);
+        Taught { corners: self.car.estimator().calibration(), wheel_speeds }
+    }
+
+    /// Whether the yaw rate's sign contradicts the wheels.
+    pub(crate) fn yaw_is_reversed(&self) -> bool {
+        self.wheels.as_ref().is_some_and(WheelSpeeds::yaw_is_reversed)
+    }
+
+    /// What the wheel speeds say, where they are used.
+    #[must_use]
+    pub fn radii(&self) -> Option<RadiusRow> {
+        self.wheels.as_ref().map(WheelSpeeds::row)
     }
 
     /// What the monitor says after the last row.
     #[must_use]
     pub fn report(&self) -> &MonitorReport<f64> {
-        self.car.report()
+        self.wheels.as_ref().map_or(self.car.report(), WheelSpeeds::report)
     }
 
     /// Seconds from the first row to the last.
@@ -192,6 +223,9 @@ impl Drive {
         }
         if self.car.denies_standstill() {
             row.speed_m_s = f64::NAN;
+        }
+        if let Some(wheels) = &mut self.wheels {
+            wheels.update(row, self.car.report());
         }
         estimate
     }

@@ -6,7 +6,8 @@ use std::path::PathBuf;
 use itpms_core::model::Corner;
 use itpms_core::warning::Change;
 use itpms_data::out::{
-    AtomicFile, EstimateWriter, RateGate, RoadPoint, RoadWriter, States, transition_object,
+    AtomicFile, EstimateWriter, RadiusRow, RateGate, RoadPoint, RoadWriter, States, WheelSpeedUse,
+    transition_object,
 };
 use itpms_data::{LogRow, Vehicle};
 use itpms_study::report;
@@ -64,11 +65,18 @@ impl Files {
         settings: &Settings,
         vehicle: &Vehicle,
         corners: &[Corner],
+        wheel_speeds: WheelSpeedUse,
     ) -> Result<Self, DriveError> {
+        if let Some(path) = paths.road.as_ref().filter(|_| corners.is_empty()) {
+            let what = "wheel speeds alone show no road; expected accelerations of a corner";
+            return Err(DriveError::Mismatch(format!("{}: {what}", path.display())));
+        }
         let saving = |path: &PathBuf| Saving::create(path, settings, vehicle);
         let estimates = paths.estimates.as_ref();
         Ok(Self {
-            estimates: estimates.map(|path| EstimateWriter::create(path, corners)).transpose()?,
+            estimates: estimates
+                .map(|path| EstimateWriter::create(path, corners, wheel_speeds))
+                .transpose()?,
             gate: RateGate::new(settings.rate_hz),
             road: paths.road.as_ref().map(|path| RoadWriter::create(path, corners)).transpose()?,
             page: paths.report.as_ref().map(|path| AtomicFile::create(path)).transpose()?,
@@ -109,11 +117,17 @@ impl Files {
 }
 
 impl Sink for Files {
-    fn row(&mut self, row: &LogRow, estimates: &Estimates, states: &States) -> Result<(), DriveError> {
+    fn row(
+        &mut self,
+        row: &LogRow,
+        estimates: &Estimates,
+        states: &States,
+        radii: Option<&RadiusRow>,
+    ) -> Result<(), DriveError> {
         if let Some(writer) = &mut self.estimates
             && self.gate.lets_through(row.time_s)
         {
-            writer.write(row.time_s, estimates, states)?;
+            writer.write(row.time_s, estimates, states, radii)?;
         }
         Ok(())
     }

@@ -16,6 +16,7 @@
 //! | [`files`] | the sink of the command line: files, complete or not there |
 //! | [`fleet`] | many drives of many cars |
 //! | [`simulated`] | simulated drives as logs hold them |
+//! | [`wheel_speeds`](wheel_speed_use) | wheel speeds under their monitor, alone or beside accelerations |
 //! | [`error`] | why there is no result |
 //!
 //! Called by the binary and by the Python package. Knows no terminal, no exit codes and no mathematics.
@@ -39,6 +40,7 @@ pub mod settings;
 pub mod simulated;
 pub mod summary;
 mod time_axis;
+mod wheel_speeds;
 mod wheelbase;
 
 pub use alerts::Alerts;
@@ -49,7 +51,9 @@ pub use error::DriveError;
 pub use files::{FilePaths, Files};
 pub use learn::{KnownDrive, LearnedVehicle, learn, learn_with};
 pub use pipeline::estimate_in_pipeline;
+pub use reference::Taught;
 pub use road::{LateRow, RoadTrack};
 pub use run::{Done, Job, Sink, Watch, estimate};
 pub use settings::Settings;
-pub use summary::{corner_line, summary_json};
+pub use summary::{corner_line, summary_json, wheel_speed_lines};
+pub use wheel_speeds::wheel_speed_use;

@@ -6,6 +6,7 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
 
 use itpms_core::warning::MonitorReport;
+use itpms_data::out::RadiusRow;
 use itpms_data::{LogReader, LogRow};
 
 use crate::drive::{Drive, Estimates, QuarterCars};
@@ -34,6 +35,7 @@ struct Step {
     estimates: Estimates,
     /// What the monitor says, where it has said something since the row before.
     report: Option<Box<MonitorReport<f64>>>,
+    radii: Option<Box<RadiusRow>>,
     cars: Option<QuarterCars>,
 }
 
@@ -103,7 +105,8 @@ fn work(
             // A report that says something else has another time; none has been told before the first.
             let report = (report.time_s != told_s).then(|| Box::new(*report));
             told_s = report.as_ref().map_or(told_s, |report| report.time_s);
-            steps.push(Step { row, estimates, report, cars: job.road.then(|| drive.quarter_cars()) });
+            let radii = drive.radii().map(Box::new);
+            steps.push(Step { row, estimates, report, radii, cars: job.road.then(|| drive.quarter_cars()) });
         }
         if to_record.send(steps).is_err() {
             return Ok(());
@@ -124,10 +127,10 @@ fn follow(
 ) -> Result<(), DriveError> {
     let mut said = None;
     for mut batch in steps {
-        for Step { row, estimates, report, cars } in batch.drain(..) {
+        for Step { row, estimates, report, radii, cars } in batch.drain(..) {
             said = report.or(said);
             let Some(report) = &said else { continue };
-            record.take(&row, &estimates, report, cars.as_ref(), sink)?;
+            record.take(&row, &estimates, report, radii.as_deref(), cars.as_ref(), sink)?;
         }
         // Nobody wants it where the drive is over.
         let _ = empty.try_send(batch);
@@ -166,7 +169,13 @@ mod tests {
     }
 
     impl Sink for Kept {
-        fn row(&mut self, row: &LogRow, estimates: &Estimates, states: &States) -> Result<(), DriveError> {
+        fn row(
+            &mut self,
+            row: &LogRow,
+            estimates: &Estimates,
+            states: &States,
+            _radii: Option<&RadiusRow>,
+        ) -> Result<(), DriveError> {
             if self.refuses == Some(self.rows) {
                 return Err(DriveError::Mismatch(format!("row {}", self.rows)));
             }
@@ -245,7 +254,7 @@ mod tests {
             true => estimate_in_pipeline(&mut log, &job, &mut sink, &mut watch),
         };
         let end = match done {
-            Ok(Done { data, alerts, concerns, fits, learned }) => {
+            Ok(Done { data, alerts, concerns, fits, learned, .. }) => {
                 format!("{data:?} {alerts:?} {concerns:?} {fits:?} {learned:?} {:?}", log.repairs())
             }
             Err(error) => error.to_string().replace(&folder.path().display().to_string(), ""),

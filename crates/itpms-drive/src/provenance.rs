@@ -18,13 +18,18 @@ pub(crate) fn provenance(job: &Job<'_>, log: &LogReader) -> Provenance {
         program: format!("itpms {}", env!("CARGO_PKG_VERSION")),
         source: log.path().file_name().unwrap_or_default().to_string_lossy().into_owned(),
         vehicle: job.vehicle.name.clone(),
-        estimator: job.settings.estimator.label().to_owned(),
+        estimator: estimator_label(job).to_owned(),
         sources: sources(job.vehicle, job.corners),
         // The same input gives the same page, byte by byte: no date.
         created: String::new(),
         options: options(job.settings, job.reading),
         repairs: log.repairs().counts().into_iter().map(|(what, count)| (what.to_owned(), count)).collect(),
     }
+}
+
+/// What estimated: the estimator of the accelerations, or where there are none the analysis of wheel speeds.
+pub(crate) fn estimator_label(job: &Job<'_>) -> &'static str {
+    if job.corners.is_empty() { "wheel-speeds" } else { job.settings.estimator.label() }
 }
 
 /// What was asked for, by its name in words: the rule and the rows always, everything else where it was given.

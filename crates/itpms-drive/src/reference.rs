@@ -7,23 +7,41 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use itpms_core::model::{CalibrationError, VehicleCalibration};
 use itpms_core::monitor::MonitoredCar;
+use itpms_core::wheel_speed::RadiusCalibration;
 use itpms_data::Vehicle;
 use itpms_data::out::AtomicFile;
-use itpms_data::reference::StoredReference;
+use itpms_data::reference::{ReferenceProblem, StoredReference};
 
 use crate::error::DriveError;
 use crate::settings::{LOG_END_S, Settings};
+
+/// What a calibration drive taught.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Taught {
+    /// Of corners with accelerations.
+    pub corners: Option<VehicleCalibration<f64>>,
+    /// Of wheel speeds.
+    pub wheel_speeds: Option<RadiusCalibration<f64>>,
+}
+
+impl Taught {
+    /// Whether it taught nothing.
+    #[must_use]
+    pub fn is_nothing(&self) -> bool {
+        self.corners.is_none() && self.wheel_speeds.is_none()
+    }
+}
 
 /// What the car learned on an earlier drive, if `--reference` names a file, and the vehicle that it counts from.
 pub(crate) fn read(
     settings: &Settings,
     vehicle: &Vehicle,
-) -> Result<Option<(Vehicle, VehicleCalibration<f64>)>, DriveError> {
+) -> Result<Option<(Vehicle, StoredReference)>, DriveError> {
     let Some(path) = &settings.reference else { return Ok(None) };
     settings.expect_learning("--reference")?;
     let stored = StoredReference::read(path)?;
-    let (vehicle, reference) = stored.for_vehicle(vehicle).map_err(|problem| refused(path, problem))?;
-    Ok(Some((vehicle, *reference)))
+    let (vehicle, _) = stored.for_vehicle(vehicle).map_err(|problem| refused(path, problem))?;
+    Ok(Some((vehicle, stored)))
 }
 
 /// Tells the estimator of it.
@@ -67,10 +85,10 @@ impl Saving {
         mut self,
         calibrate_s: Option<f64>,
         driven_s: f64,
-        learned: Option<VehicleCalibration<f64>>,
+        learned: Taught,
     ) -> Result<AtomicFile, DriveError> {
         let target = self.file.target().to_owned();
-        let Some(learned) = learned else {
+        if learned.is_nothing() {
             let seconds = calibrate_s.unwrap_or_default();
             let why = if driven_s + LOG_END_S < seconds {
                 format!(
@@ -86,12 +104,27 @@ impl Saving {
                 format!("expected a road to learn from during the calibration of {seconds} s{assumed}")
             };
             return Err(refused(&target, format!("nothing was learned: {why}")));
-        };
-        let stored = StoredReference::new(&self.vehicle, learned, now_unix_s());
-        let stored = stored.map_err(|problem| refused(&target, problem))?;
+        }
+        let stored = self.stored(&learned).map_err(|problem| refused(&target, problem))?;
         self.file.append(stored.to_text().as_bytes())?;
         self.file.settle()?;
         Ok(self.file)
+    }
+}
+
+impl Saving {
+    fn stored(&self, learned: &Taught) -> Result<StoredReference, itpms_data::error::Problem> {
+        let Taught { corners, wheel_speeds } = *learned;
+        match (corners, wheel_speeds) {
+            (None, Some(wheel_speeds)) => {
+                Ok(StoredReference::of_wheel_speeds(&self.vehicle, wheel_speeds, now_unix_s()))
+            }
+            (corners, wheel_speeds) => {
+                let corners = corners.ok_or(ReferenceProblem::Lacks("a corner"))?;
+                let stored = StoredReference::new(&self.vehicle, corners, now_unix_s())?;
+                Ok(stored.with_wheel_speeds(wheel_speeds))
+            }
+        }
     }
 }
 
@@ -103,9 +136,9 @@ pub fn teach(
     path: &Path,
     settings: &Settings,
     vehicle: &Vehicle,
-    learned: Option<VehicleCalibration<f64>>,
+    learned: Taught,
 ) -> Result<Option<String>, DriveError> {
-    if learned.is_none() {
+    if learned.is_nothing() {
         let seconds = settings.calibrate_s.unwrap_or_default();
         return Ok(Some(format!(
             "a calibration drive of {seconds} s that taught nothing of the car: later drives start without it"

@@ -2,9 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use itpms_core::model::{BodyFit, Corner, Misfit, VehicleCalibration};
+use itpms_core::model::{BodyFit, Corner, Misfit};
 use itpms_core::warning::{Change, MonitorReport};
-use itpms_data::out::States;
+use itpms_data::out::{RadiusRow, States};
 use itpms_data::{LogReader, LogRow};
 use itpms_study::report::{CornerRow, Provenance, ReportCollector, ReportData, ReportOptions};
 
@@ -14,19 +14,28 @@ use crate::drive::{Drive, Estimates, QuarterCars};
 use crate::error::DriveError;
 pub use crate::job::Job;
 use crate::provenance::provenance;
+use crate::reference::Taught;
 use crate::road::{LateRow, RoadTrack};
 use crate::time_axis::TimeAxis;
+use crate::wheel_speeds::wheel_speed_use;
 
 /// Rows between two looks at whoever may want to stop or to know how far it is.
 pub(crate) const ROWS_PER_LOOK: u64 = 1024;
 
 /// Who gets the results of a drive as they come.
 pub trait Sink {
-    /// A row of the log, what was estimated after it and what the monitor says of each wheel.
+    /// A row of the log, what was estimated after it, what the monitor says of each wheel, and what the wheel speeds say where they are
+    /// used.
     ///
     /// # Errors
     /// The sink's own; they end the drive.
-    fn row(&mut self, row: &LogRow, estimates: &Estimates, states: &States) -> Result<(), DriveError>;
+    fn row(
+        &mut self,
+        row: &LogRow,
+        estimates: &Estimates,
+        states: &States,
+        radii: Option<&RadiusRow>,
+    ) -> Result<(), DriveError>;
 
     /// The same half a minute later, when its road is there; only where the road is wanted.
     ///
@@ -63,7 +72,11 @@ pub struct Done {
     /// How well body and wheel of every corner go together, in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL).
     pub fits: [Option<Fit>; 4],
     /// What a calibration drive taught, once it was over.
-    pub learned: Option<VehicleCalibration<f64>>,
+    pub learned: Taught,
+    /// Placard pressures in kPa, in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL); of tires without one `None`.
+    pub placards_kpa: [Option<f64>; 4],
+    /// What the wheel speeds said in the end, where they are used.
+    pub radii: Option<RadiusRow>,
 }
 
 /// Estimates a drive.
@@ -85,7 +98,8 @@ pub fn estimate(
         count += 1;
         let estimate = drive.update(&mut row);
         let cars = job.road.then(|| drive.quarter_cars());
-        record.take(&row, &estimate.corners, drive.report(), cars.as_ref(), sink)?;
+        let radii = drive.radii();
+        record.take(&row, &estimate.corners, drive.report(), radii.as_ref(), cars.as_ref(), sink)?;
     }
     conclude(log, job, drive, record, sink, watch)
 }
@@ -93,11 +107,14 @@ pub fn estimate(
 /// The estimator of a log, and what becomes of its rows.
 pub(crate) fn begin(log: &LogReader, job: &Job<'_>) -> Result<(Drive, Record), DriveError> {
     let rate_hz = log.survey().sample_rate_hz;
-    let mut drive = Drive::new(job.settings, job.vehicle, job.corners, rate_hz)?;
-    if job.road {
+    let wheel_speeds = wheel_speed_use(log.columns(), job.vehicle, job.corners).unwrap_or_default();
+    let mut drive = Drive::new(job.settings, job.vehicle, job.corners, wheel_speeds, rate_hz)?;
+    // Wheel speeds show no road.
+    let road = job.road && !job.corners.is_empty();
+    if road {
         drive.leave_out_road();
     }
-    let track = job.road.then(|| RoadTrack::new(job.vehicle, job.corners, rate_hz)).transpose()?;
+    let track = road.then(|| RoadTrack::new(job.vehicle, job.corners, rate_hz)).transpose()?;
     let axis = TimeAxis::new(job.vehicle.wheelbase_m);
     Ok((drive, Record { track, collector: collector(job), events: Events::default(), axis }))
 }
@@ -122,7 +139,8 @@ pub(crate) fn conclude(
     let (data, alerts) = record.complete(provenance, sink)?;
     let concerns = concerns::of(job, log, &drive);
     let fits = Corner::ALL.map(|corner| drive.fit(corner));
-    Ok(Done { data, alerts, concerns, fits, learned: drive.learned() })
+    let placards_kpa = Corner::ALL.map(|corner| job.vehicle.placard_kpa(corner));
+    Ok(Done { data, alerts, concerns, fits, learned: drive.learned(), placards_kpa, radii: drive.radii() })
 }
 
 /// What becomes of the rows.
@@ -140,13 +158,17 @@ impl Record {
         row: &LogRow,
         estimates: &Estimates,
         report: &MonitorReport<f64>,
+        radii: Option<&RadiusRow>,
         cars: Option<&QuarterCars>,
         sink: &mut dyn Sink,
     ) -> Result<(), DriveError> {
         self.events.take(report, &mut |time_s, change| sink.transition(time_s, change))?;
         self.collector.push_report(report);
         self.axis.take(row);
-        sink.row(row, estimates, &report.wheels.map(|wheel| wheel.map(|wheel| wheel.state)))?;
+        if let Some(radii) = radii {
+            self.collector.push_radii(row.time_s, &radii.radii);
+        }
+        sink.row(row, estimates, &report.wheels.map(|wheel| wheel.map(|wheel| wheel.state)), radii)?;
         match (&mut self.track, cars) {
             (Some(track), Some(cars)) => {
                 track.push(row, estimates, cars);

@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use itpms_core::estimator::{EstimatorKind, RoadRepetition};
-use itpms_core::model::PressureUnit;
+use itpms_core::model::{Corner, PressureUnit};
 use itpms_core::warning::Regulation;
+use itpms_data::Vehicle;
 
 use crate::error::DriveError;
 
@@ -24,6 +25,9 @@ pub struct Settings {
     pub calibrate_s: Option<f64>,
     /// A stored reference from an earlier calibration drive of this car; not together with `calibrate_s`.
     pub reference: Option<PathBuf>,
+    /// Pressures in kPa that the tires were known to have in the calibration where they are not their placards', in the order of
+    /// [`Corner::ALL`]; for wheel speeds.
+    pub calibration_kpa: [Option<f64>; 4],
     /// Rows per second of the estimates.
     pub rate_hz: f64,
     /// Unit of the pressures that people read: lines, sentences and pages. Files are in kPa.
@@ -39,6 +43,7 @@ impl Default for Settings {
             road_repeats: RoadRepetition::default(),
             calibrate_s: None,
             reference: None,
+            calibration_kpa: [None; 4],
             rate_hz: 10.0,
             pressure_unit: PressureUnit::Kpa,
         }
@@ -46,6 +51,14 @@ impl Default for Settings {
 }
 
 impl Settings {
+    /// What each tire had in the calibration of what it should have.
+    pub(crate) fn pressure_shares(&self, vehicle: &Vehicle) -> [f64; 4] {
+        Corner::ALL.map(|corner| {
+            let known = self.calibration_kpa[corner.index()].zip(vehicle.placard_kpa(corner));
+            known.map_or(1.0, |(kpa, placard_kpa)| kpa / placard_kpa)
+        })
+    }
+
     /// Refuses what `option`, a calibration or its result, cannot do with this estimator.
     ///
     /// # Errors

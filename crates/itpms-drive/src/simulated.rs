@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use itpms_core::model::Corner;
 use itpms_data::crg::CrgRoad;
-use itpms_data::log::LogCorner;
+use itpms_data::log::{LogCorner, LogMotion};
 use itpms_data::vehicle::VehicleDetails;
 use itpms_data::{LogRow, Vehicle};
 use itpms_sim::road::Surface;
@@ -56,6 +56,7 @@ pub fn log_row(row: &SimRow) -> LogRow {
                 road_m: c.road_m,
             })
         }),
+        motion: LogMotion::UNKNOWN,
     }
 }
 

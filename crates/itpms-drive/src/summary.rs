@@ -1,9 +1,9 @@
 //! What is known at the end of a drive, as JSON and in lines.
 
-use itpms_core::estimator::EstimatorKind;
-use itpms_core::model::{PressureUnit, Warning};
-use itpms_data::out::state_label;
-use itpms_study::report::{CornerReport, Reading};
+use itpms_core::model::{Corner, Level, PressureUnit, Warning};
+use itpms_core::wheel_speed::WheelRadius;
+use itpms_data::out::{RadiusRow, state_label};
+use itpms_study::report::{CornerReport, Reading, found, unseen, wheel_line};
 use serde_json::{Map, Value, json};
 
 use crate::run::{Done, Fit};
@@ -13,7 +13,7 @@ const FRESH_S: f64 = 1.0;
 
 /// The drive, its corners and what was said: what `itpms estimate --json` prints, but for the names of its files.
 #[must_use]
-pub fn summary_json(done: &Done, estimator: EstimatorKind, rows: u64) -> Map<String, Value> {
+pub fn summary_json(done: &Done, rows: u64) -> Map<String, Value> {
     let Done { data, alerts, concerns, .. } = done;
     let corner = |corner: &CornerReport| {
         let fit = done.fits[corner.corner.index()].as_ref();
@@ -22,11 +22,12 @@ pub fn summary_json(done: &Done, estimator: EstimatorKind, rows: u64) -> Map<Str
     let corners: Map<String, Value> = data.corners.iter().map(corner).collect();
     [
         ("vehicle", json!(data.provenance.vehicle)),
-        ("estimator", json!(estimator.label())),
+        ("estimator", json!(data.provenance.estimator)),
         ("duration_s", json!(data.drive.duration_s)),
         ("rate_hz", json!(data.drive.rate_hz)),
         ("distance_m", json!(data.drive.distance_m)),
         ("corners", Value::Object(corners)),
+        ("wheel_speeds", json!(done.radii.as_ref().map(wheels_json))),
         ("alerts", alerts.json()),
         ("rows", json!(rows)),
         ("warnings", json!(concerns)),
@@ -34,6 +35,48 @@ pub fn summary_json(done: &Done, estimator: EstimatorKind, rows: u64) -> Map<Str
     .map(|(key, value)| (key.to_owned(), value))
     .into_iter()
     .collect()
+}
+
+/// What the wheel speeds say in the end.
+fn wheels_json(row: &RadiusRow) -> Value {
+    let radii = &row.radii;
+    let wheel = |corner: Corner| {
+        let WheelRadius { change, change_sd, lost_share, lost_share_sd, low_probability, informed } =
+            radii.wheels[corner.index()];
+        let value = json!({
+            "radius_change": change,
+            "radius_change_sd": change_sd,
+            "lost_share": lost_share,
+            "lost_share_sd": lost_share_sd,
+            "low_probability": low_probability,
+            "informed": informed,
+            "state": state_label(row.states[corner.index()]),
+        });
+        (corner.label().to_owned(), value)
+    };
+    let wheels: Map<String, Value> = Corner::ALL.into_iter().map(wheel).collect();
+    json!({
+        "level": Level::OtherTires.label(),
+        "found": found(radii),
+        "wheels": wheels,
+        "front_radius_difference": radii.difference[0],
+        "rear_radius_difference": radii.difference[1],
+        "axles_radius_difference": radii.difference[2],
+        "radius_difference_sd": radii.difference_sd,
+        "not_seen": unseen(radii),
+    })
+}
+
+/// The lines of the wheel speeds, as the command and the Python package show them: what is found, each wheel, what is not seen.
+#[must_use]
+pub fn wheel_speed_lines(row: &RadiusRow) -> Vec<String> {
+    let wheel = |corner: Corner| {
+        let (state, wheel) = (state_label(row.states[corner.index()]), &row.radii.wheels[corner.index()]);
+        format!("{}  {state}: {}", corner.label(), wheel_line(wheel))
+    };
+    let found = format!("by the wheel speeds {}", found(&row.radii));
+    let wheels = Corner::ALL.into_iter().filter(|_| row.radii.difference[0].is_finite()).map(wheel);
+    std::iter::once(found).chain(wheels).chain(unseen(&row.radii)).collect()
 }
 
 fn corner_json(corner: &CornerReport, fit: Option<&Fit>) -> Value {

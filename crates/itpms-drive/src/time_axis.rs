@@ -255,7 +255,7 @@ impl Second {
 
 #[cfg(test)]
 mod tests {
-    use itpms_data::log::LogCorner;
+    use itpms_data::log::{LogCorner, LogMotion};
 
     use super::*;
 
@@ -300,7 +300,12 @@ mod tests {
                     }
                 }
                 let off_m_s = noise_m_s * (((k * 7919) % 1000) as f64 / 500.0 - 1.0);
-                LogRow { time_s: clock * k as f64 / rate_hz, speed_m_s: speed_m_s + off_m_s, corners }
+                LogRow {
+                    time_s: clock * k as f64 / rate_hz,
+                    speed_m_s: speed_m_s + off_m_s,
+                    corners,
+                    motion: LogMotion::UNKNOWN,
+                }
             })
             .collect()
     }

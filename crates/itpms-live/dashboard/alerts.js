@@ -10,6 +10,7 @@ const KINDS = {
   "common-shift": ["unknown", "Shifted together"],
   "over-inflated": ["over", "Too high"],
   flat: ["low", "Flat, on its rim"],
+  differs: ["low", "Differs from the others"],
   malfunction: ["malfunction", "Malfunction"],
   "no-information": ["unknown", "No information"],
 };

@@ -1,6 +1,6 @@
 //! What is known of the car, put into the words and numbers of a snapshot. Called by the engine; decides nothing.
 
-use itpms_core::model::Corner;
+use itpms_core::model::{Corner, Level};
 use itpms_core::warning::{Cause, Doubt, MonitorReport, WheelState};
 use itpms_data::Vehicle;
 use itpms_data::log::{Field, Slot};
@@ -12,7 +12,47 @@ use crate::snapshot::{SensorHealth, Track, Wheel};
 
 /// The wheels of a drive, in the order of [`Corner::ALL`].
 pub(crate) fn wheels(drive: &Drive, vehicle: &Vehicle) -> Vec<Wheel> {
+    if drive.clock.corners.is_empty() {
+        return Corner::ALL.into_iter().filter_map(|corner| rolling(drive, vehicle, corner)).collect();
+    }
     drive.clock.corners.iter().filter_map(|corner| wheel(drive, vehicle, *corner)).collect()
+}
+
+/// A wheel of which the speed alone is known: no pressure.
+fn rolling(drive: &Drive, vehicle: &Vehicle, corner: Corner) -> Option<Wheel> {
+    let wheels = drive.wheels.as_ref()?;
+    let radius = wheels.monitor.radii().wheels[corner.index()];
+    let report = wheels.report.wheels[corner.index()]?;
+    let (nan, placard_kpa) = (f64::NAN, vehicle.placard_kpa(corner).unwrap_or(f64::NAN));
+    Some(Wheel {
+        corner: corner.label(),
+        state: report.state.label(),
+        doubt: doubt(report.state),
+        pressure_kpa: nan,
+        pressure_sd_kpa: nan,
+        change_sd_kpa: nan,
+        axle_difference_sd_kpa: None,
+        lost_kpa: Some(radius.lost_share * placard_kpa).filter(|lost_kpa| lost_kpa.is_finite()),
+        lost_sd_kpa: Some(radius.lost_share_sd * placard_kpa).filter(|sd_kpa| sd_kpa.is_finite()),
+        level: Level::OtherTires.label(),
+        stiffness_n_per_m: nan,
+        reference_kpa: placard_kpa,
+        placard_kpa,
+        valid: false,
+        warning: report.warning.label(),
+        gate: nan,
+        informed_age_s: drive.time_s() - report.informed_s,
+        road_m: nan,
+        iri_m_per_km: nan,
+    })
+}
+
+/// Why a wheel is not known, if it is not.
+fn doubt(state: WheelState) -> Option<&'static str> {
+    match state {
+        WheelState::Unknown(doubt) => Some(doubt_label(doubt)),
+        _ => None,
+    }
 }
 
 fn wheel(drive: &Drive, vehicle: &Vehicle, corner: Corner) -> Option<Wheel> {
@@ -25,10 +65,7 @@ fn wheel(drive: &Drive, vehicle: &Vehicle, corner: Corner) -> Option<Wheel> {
     Some(Wheel {
         corner: corner.label(),
         state: state.label(),
-        doubt: match state {
-            WheelState::Unknown(doubt) => Some(doubt_label(doubt)),
-            _ => None,
-        },
+        doubt: doubt(state),
         pressure_kpa: estimate.pressure_kpa,
         pressure_sd_kpa: estimate.pressure_sd_kpa,
         change_sd_kpa: estimate.change_sd_kpa,

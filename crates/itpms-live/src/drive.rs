@@ -9,6 +9,7 @@ use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::VehicleCalibration;
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::warning::{Change, MonitorReport, Regulation};
+use itpms_core::wheel_speed::RadiusCalibration;
 use itpms_data::log::UnitCheck;
 use itpms_data::out::RateGate;
 use itpms_data::{LogRow, Vehicle};
@@ -17,6 +18,7 @@ pub use crate::clock::Clock;
 use crate::error::LiveError;
 use crate::roughness::Roughness;
 use crate::speed::SpeedDoubt;
+use crate::wheels::Wheels;
 
 /// How a drive is estimated and how often it is told.
 #[derive(Debug, Clone)]
@@ -29,6 +31,8 @@ pub struct DriveOptions {
     pub calibrate_s: Option<f64>,
     /// What an earlier calibration taught of this car.
     pub reference: Option<VehicleCalibration<f64>>,
+    /// The same of its wheel speeds.
+    pub wheel_reference: Option<RadiusCalibration<f64>>,
     /// Estimates told per second.
     pub rate_hz: f64,
     /// Whether numbers that do not look like m/s² and m/s are told of.
@@ -42,6 +46,7 @@ impl Default for DriveOptions {
             regulation: Regulation::default(),
             calibrate_s: None,
             reference: None,
+            wheel_reference: None,
             rate_hz: 10.0,
             units: UnitCheck::default(),
         }
@@ -54,6 +59,7 @@ impl Default for DriveOptions {
 pub struct Drive {
     pub(crate) clock: Clock,
     pub(crate) car: Box<MonitoredCar<f64>>,
+    pub(crate) wheels: Option<Wheels>,
     pub(crate) gate: RateGate,
     pub(crate) progress: Progress,
     pub(crate) roughness: Roughness,
@@ -82,16 +88,29 @@ impl Drive {
             .with_limits(options.regulation.into())
             .with_options(EstimatorOptions { estimator: options.estimator, ..EstimatorOptions::default() });
         let mut car = Box::new(MonitoredCar::unconfigured());
-        car.configure(&config, clock.sample_rate_hz).map_err(|error| refused(&error))?;
-        if let Some(calibration) = &options.reference {
-            car.load_calibration(calibration).map_err(|error| refused(&error))?;
+        // Without corners there is nothing to configure: wheel speeds are all there is.
+        let alone = clock.corners.is_empty();
+        if !alone {
+            car.configure(&config, clock.sample_rate_hz).map_err(|error| refused(&error))?;
+            if let Some(calibration) = &options.reference {
+                car.load_calibration(calibration).map_err(|error| refused(&error))?;
+            }
+            if let Some(seconds) = options.calibrate_s {
+                car.begin_calibration(seconds).map_err(|error| refused(&error))?;
+            }
         }
-        if let Some(seconds) = options.calibrate_s {
-            car.begin_calibration(seconds).map_err(|error| refused(&error))?;
-        }
+        let wheels = clock.wheel_speeds.then(|| Wheels::new(vehicle, alone, options)).transpose()?;
         let roughness = Roughness::new(&clock)?;
         let progress = Progress { rows: 0, time_s: f64::NAN, odometer: Odometer::new(), before: None };
-        Ok(Self { clock, car, gate: RateGate::new(options.rate_hz), progress, roughness, latest: None })
+        Ok(Self {
+            clock,
+            car,
+            wheels,
+            gate: RateGate::new(options.rate_hz),
+            progress,
+            roughness,
+            latest: None,
+        })
     }
 
     /// Takes a row; gives what began and ended to `said`. `true` if an estimate is due to be told.
@@ -99,11 +118,16 @@ impl Drive {
         let estimate = self.car.update(&row.sample());
         let progress = &mut self.progress;
         (progress.rows, progress.time_s) = (progress.rows + 1, row.time_s);
-        let told_m_s = if self.car.denies_standstill() { f64::NAN } else { row.speed_m_s };
+        let rolls_m_s = self.wheels.as_mut().and_then(|wheels| wheels.update(row, self.car.report()));
+        let told_m_s = match rolls_m_s {
+            Some(rolls_m_s) if row.speed_m_s.is_nan() => rolls_m_s,
+            _ if self.car.denies_standstill() => f64::NAN,
+            _ => row.speed_m_s,
+        };
         let speed_m_s = progress.odometer.push(row.time_s, told_m_s);
         self.roughness.push(&estimate, speed_m_s, progress.odometer.distance_m());
         self.latest = Some(estimate);
-        let report = self.car.report();
+        let report = self.wheels.as_ref().map_or(self.car.report(), |wheels| &*wheels.report);
         if self.progress.before.as_ref().is_none_or(|before| before.time_s != report.time_s) {
             let time_s = report.time_s;
             match self.progress.before.replace(*report) {
@@ -117,7 +141,7 @@ impl Drive {
     /// What the monitor says after the last row.
     #[must_use]
     pub fn report(&self) -> &MonitorReport<f64> {
-        self.car.report()
+        self.wheels.as_ref().map_or(self.car.report(), |wheels| &*wheels.report)
     }
 
     /// What was estimated after the last row.

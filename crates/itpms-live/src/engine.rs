@@ -115,11 +115,16 @@ impl Engine {
     ///
     /// # Errors
     /// The vehicle has none of the corners, or the estimator refuses its parameters.
-    pub fn open(&mut self, sample_rate_hz: f64, corners: &[Corner]) -> Result<(), LiveError> {
+    pub fn open(
+        &mut self,
+        sample_rate_hz: f64,
+        corners: &[Corner],
+        wheel_speeds: bool,
+    ) -> Result<(), LiveError> {
         if let Stage::Surveying(rows) = &self.stage
             && rows.is_empty()
         {
-            let clock = self.clock(sample_rate_hz, corners)?;
+            let clock = self.clock(sample_rate_hz, corners, wheel_speeds)?;
             self.stage = Stage::Running(Box::new(self.begin(clock)?));
         }
         Ok(())
@@ -176,6 +181,11 @@ impl Engine {
         let corners = rows.last().map_or([None; 4], |row| row.corners);
         let corners: Vec<Corner> =
             Corner::ALL.into_iter().filter(|corner| corners[corner.index()].is_some()).collect();
+        let roll = |row: &LogRow| {
+            let all = |speeds: &[f64; 4]| speeds.iter().all(|speed| speed.is_finite());
+            all(&row.motion.wheel_speed_m_s) || all(&row.motion.wheel_speed_rad_s)
+        };
+        let wheel_speeds = rows.iter().any(roll);
         let rate_hz = match Survey::of(&rows) {
             Ok(survey) => survey.sample_rate_hz,
             Err(problem) => {
@@ -197,17 +207,25 @@ impl Engine {
             self.stage = Stage::Surveying(rows.split_off(rows.len().div_ceil(2)));
             return Ok(());
         }
-        let clock = self.clock(rate_hz, &corners)?;
+        let clock = self.clock(rate_hz, &corners, wheel_speeds)?;
         self.stage = Stage::Running(Box::new(self.begin(clock)?));
         // How long they waited says nothing of later rows.
         rows.iter().try_for_each(|row| self.estimate(row, None, publish))
     }
 
     /// What of the source's corners the vehicle has.
-    fn clock(&self, sample_rate_hz: f64, corners: &[Corner]) -> Result<Clock, LiveError> {
+    fn clock(&self, sample_rate_hz: f64, corners: &[Corner], wheel_speeds: bool) -> Result<Clock, LiveError> {
         let described = |corner: &Corner| self.vehicle.corner(*corner).is_some();
         let common: Vec<Corner> = corners.iter().copied().filter(described).collect();
-        if common.is_empty() {
+        let usable = self.vehicle.wheel_speed_config();
+        if let Some(key) = usable.err().filter(|_| wheel_speeds) {
+            self.warn(&format!(
+                "the wheel speeds are not used: the vehicle {:?} has no {key}",
+                self.vehicle.name
+            ));
+        }
+        let wheel_speeds = wheel_speeds && usable.is_ok();
+        if common.is_empty() && !wheel_speeds {
             let all: Vec<Corner> = Corner::ALL.into_iter().filter(described).collect();
             return Err(LiveError::NoCorner {
                 source_name: self.source.name.clone(),
@@ -230,7 +248,7 @@ impl Engine {
                 "{name}: corner {label} of the vehicle file is not among the signals"
             )));
         }
-        Ok(Clock { sample_rate_hz, corners: common })
+        Ok(Clock { sample_rate_hz, corners: common, wheel_speeds })
     }
 
     /// The saved drive if the rows fit it, else a new one, and that is said.
@@ -239,7 +257,7 @@ impl Engine {
         let Some(saved) = self.saved.take() else { return Drive::new(&self.vehicle, clock, &self.options) };
         let rate_hz = saved.sample_rate_hz();
         let same_rate = (clock.sample_rate_hz / rate_hz - 1.0).abs() <= SAME_RATE;
-        if saved.corners() == clock.corners && same_rate {
+        if saved.corners() == clock.corners && saved.has_wheel_speeds() == clock.wheel_speeds && same_rate {
             let drive = saved.resume(&self.options)?;
             let time_s = drive.time_s();
             (self.say)(Note::Remark(format!("goes on from the saved state, at {time_s:.1} s")));
@@ -327,7 +345,9 @@ impl Engine {
             snapshot.tracks = describe::tracks(drive);
             snapshot.alerts = describe::alerts(drive.report());
             snapshot.sensors = describe::sensors(drive);
-            snapshot.all_fine = self.source.state == SourceState::Live && drive.report().is_all_fine();
+            snapshot.all_fine = self.source.state == SourceState::Live
+                && drive.report().is_all_fine()
+                && !drive.clock.corners.is_empty();
         }
         Arc::new(snapshot)
     }

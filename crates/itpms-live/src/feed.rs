@@ -5,7 +5,6 @@
 use std::collections::VecDeque;
 use std::time::Instant;
 
-use itpms_core::model::Corner;
 use itpms_data::LogRow;
 use itpms_data::can::{CanFrame, CanId};
 use itpms_data::dbc::Decoder;
@@ -38,10 +37,10 @@ impl Feed {
         Self { decoder, aligner, own, came: VecDeque::new(), running_since: None }
     }
 
-    /// The corners that can come.
+    /// Whether the signals are enough: both accelerations of a corner, or the speeds of four wheels.
     #[must_use]
-    pub fn corners(&self) -> Vec<Corner> {
-        self.aligner.columns().present()
+    pub fn is_enough(&self) -> bool {
+        self.aligner.columns().are_enough()
     }
 
     /// Frames with a signal that is wanted.

@@ -15,6 +15,8 @@ pub enum Input {
         sample_rate_hz: f64,
         /// The measured corners.
         corners: Vec<Corner>,
+        /// Whether the speeds of all four wheels come.
+        wheel_speeds: bool,
     },
     /// A row of a drive log.
     Row {

@@ -43,5 +43,6 @@ pub mod speed;
 pub mod state;
 mod tls;
 mod units;
+mod wheels;
 
 pub use error::LiveError;

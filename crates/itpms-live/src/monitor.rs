@@ -145,7 +145,9 @@ impl Monitor {
 
     fn take(&mut self, input: Input) -> Result<Option<End>, LiveError> {
         match input {
-            Input::Opened { sample_rate_hz, corners } => self.engine.open(sample_rate_hz, &corners)?,
+            Input::Opened { sample_rate_hz, corners, wheel_speeds } => {
+                self.engine.open(sample_rate_hz, &corners, wheel_speeds)?;
+            }
             Input::Row { row, arrived } => {
                 self.engine.source_mut().frames += 1;
                 self.row(&row, Some(arrived))?;

@@ -105,11 +105,12 @@ pub struct Wheel {
     pub change_sd_kpa: f64,
     /// Standard deviation in kPa of what it differs by from the axle's other tire; `null` without one.
     pub axle_difference_sd_kpa: Option<f64>,
-    /// What was lost in this drive in kPa, and its standard deviation; `null` while that is not counted.
+    /// What was lost in this drive in kPa, and its standard deviation; `null` while that is not counted. By wheel speeds alone: against the
+    /// other tires since the calibration.
     pub lost_kpa: Option<f64>,
     /// See [`lost_kpa`](Self::lost_kpa).
     pub lost_sd_kpa: Option<f64>,
-    /// What its level rests on: `file`, `calibration` or `reference`.
+    /// What its level rests on: `file`, `calibration`, `reference` or, by wheel speeds alone, `other-tires`: then there is no pressure.
     pub level: &'static str,
     /// Tire stiffness in N/m.
     pub stiffness_n_per_m: f64,

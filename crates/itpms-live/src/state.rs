@@ -23,9 +23,10 @@ use serde::{Deserialize, Serialize};
 use crate::drive::{Clock, Drive, DriveOptions, Progress};
 use crate::error::LiveError;
 use crate::roughness::Roughness;
+use crate::wheels::Wheels;
 
 /// The format that is written, and the only one that is read.
-pub const FORMAT: u32 = 21;
+pub const FORMAT: u32 = 22;
 
 const MAGIC: &str = "itpms-live-state ";
 /// The largest car takes some 400 kB.
@@ -43,6 +44,7 @@ pub struct SavedDrive {
     iri_m_per_km: [f64; 4],
     progress: Progress,
     car: Box<MonitoredCar<f64>>,
+    wheels: Option<Wheels>,
 }
 
 impl SavedDrive {
@@ -56,6 +58,7 @@ impl SavedDrive {
             iri_m_per_km: drive.roughness.iri_m_per_km,
             progress: drive.progress.clone(),
             car: drive.car.clone(),
+            wheels: drive.wheels.clone(),
         }
     }
 
@@ -146,7 +149,11 @@ impl SavedDrive {
 
     /// The drive, to go on with the next row.
     pub(crate) fn resume(&self, options: &DriveOptions) -> Result<Drive, LiveError> {
-        let clock = Clock { sample_rate_hz: self.sample_rate_hz, corners: self.corners.clone() };
+        let clock = Clock {
+            sample_rate_hz: self.sample_rate_hz,
+            corners: self.corners.clone(),
+            wheel_speeds: self.has_wheel_speeds(),
+        };
         let mut roughness = Roughness::new(&clock)?;
         roughness.iri_m_per_km = self.iri_m_per_km;
         let mut gate = RateGate::new(options.rate_hz);
@@ -156,7 +163,12 @@ impl SavedDrive {
             (gate.start_s, gate.due) = (start_s, due);
         }
         let (car, progress) = (self.car.clone(), self.progress.clone());
-        Ok(Drive { clock, car, gate, progress, roughness, latest: None })
+        let wheels = self.wheels.clone();
+        Ok(Drive { clock, car, wheels, gate, progress, roughness, latest: None })
+    }
+
+    pub(crate) fn has_wheel_speeds(&self) -> bool {
+        self.wheels.is_some()
     }
 
     /// The estimator and its monitor as they were.

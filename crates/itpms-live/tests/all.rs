@@ -8,3 +8,4 @@ mod http_client;
 mod made_up;
 mod monitor;
 mod mqtt;
+mod wheel_speeds;

@@ -31,7 +31,7 @@ fn engine(saved: Option<SavedDrive>) -> Engine {
 }
 
 fn opened() -> Input {
-    Input::Opened { sample_rate_hz: 200.0, corners: Corner::ALL.to_vec() }
+    Input::Opened { sample_rate_hz: 200.0, corners: Corner::ALL.to_vec(), wheel_speeds: false }
 }
 
 fn input(row: LogRow) -> Input {
@@ -55,7 +55,7 @@ fn telling_engine(saved: Option<SavedDrive>) -> (Engine, Arc<Mutex<Vec<String>>>
 /// Estimates of these rows as JSON, without what depends on the wall clock; and the bytes of the state after them.
 fn estimated(mut engine: Engine, rows: impl Iterator<Item = LogRow>) -> (Vec<String>, Vec<u8>) {
     let mut told = Vec::new();
-    engine.open(200.0, &Corner::ALL).unwrap();
+    engine.open(200.0, &Corner::ALL, false).unwrap();
     for row in rows {
         engine
             .take(&row, None, &mut |published| {
@@ -117,7 +117,7 @@ fn a_clock_that_is_set_back_is_no_other_car() {
         for (saved, first_s) in [(None, 0.0), (Some(saved), 0.15)] {
             let resumed = usize::from(saved.is_some());
             let (mut engine, said) = telling_engine(saved);
-            engine.open(200.0, &Corner::ALL).unwrap();
+            engine.open(200.0, &Corner::ALL, false).unwrap();
             let mut told_s = Vec::new();
             for row in &all {
                 let tell = &mut |published| {
@@ -143,7 +143,7 @@ fn a_clock_that_is_set_back_is_no_other_car() {
 fn numbers_in_another_unit_are_told_of_once() {
     with_large_stack(|| {
         let (mut engine, said) = telling_engine(None);
-        engine.open(200.0, &Corner::ALL).unwrap();
+        engine.open(200.0, &Corner::ALL, false).unwrap();
         for mut row in rows(5000) {
             for corner in row.corners.iter_mut().flatten() {
                 corner.body_accel_m_s2 *= 0.01;

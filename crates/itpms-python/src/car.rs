@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use itpms_core::model::Corner;
-use itpms_data::log::{Field, LogCorner, SLOTS, Slot};
-use itpms_data::out::{alert_object, state_label};
+use itpms_data::log::{Field, LogColumns, SLOTS, Slot};
+use itpms_data::out::{WheelSpeedUse, alert_object, state_label};
 use itpms_data::reference::crc64;
 use itpms_data::{LogRow, Vehicle as CarFile};
 use itpms_drive::reference::Saving;
@@ -47,8 +47,9 @@ impl Car {
     ) -> PyResult<Self> {
         let (settings, vehicle) = (options.settings(py)?, vehicle.0.clone());
         let corners = corners.iter().map(|name| corner(py, &vehicle, name)).collect::<PyResult<Vec<_>>>()?;
-        let made =
-            work::run(py, &None, |_| Drive::new(&settings, &vehicle, &corners, rate_hz).map(Box::new))?;
+        let made = work::run(py, &None, |_| {
+            Drive::new(&settings, &vehicle, &corners, wheel_speeds(&corners), rate_hz).map(Box::new)
+        })?;
         let drive = made.map_err(|error| errors::drive(py, &error))?;
         Ok(Self { drive, corners, rate_hz, vehicle, settings })
     }
@@ -56,7 +57,7 @@ impl Car {
     /// Takes samples: names and bytes. Gives the estimates after each, names and bytes, and the warnings, names and words.
     fn update<'py>(&mut self, py: Python<'py>, given: Packed<'py>) -> PyResult<(Packed<'py>, Words)> {
         let samples = Samples::new(py, &self.corners, &given)?;
-        let mut found = Found::new(&self.corners, samples.rows);
+        let mut found = Found::new(&self.corners, wheel_speeds(&self.corners), samples.rows);
         let mut from = 0;
         while from < samples.rows {
             py.check_signals()?;
@@ -66,7 +67,7 @@ impl Car {
                     let mut row = samples.row(i);
                     let estimate = self.drive.update(&mut row);
                     let states = self.drive.report().wheels.map(|wheel| wheel.map(|wheel| wheel.state));
-                    found.push(row.time_s, &estimate.corners, &states);
+                    found.push(row.time_s, &estimate.corners, &states, self.drive.radii().as_ref());
                 }
             });
             from = to;
@@ -77,8 +78,8 @@ impl Car {
     /// Each wheel's state and the alerts that stand, as JSON.
     fn status(&self) -> String {
         let report = self.drive.report();
-        let states: serde_json::Map<String, Value> = self
-            .corners
+        let shown = if self.corners.is_empty() { &Corner::ALL[..] } else { &self.corners };
+        let states: serde_json::Map<String, Value> = shown
             .iter()
             .map(|corner| {
                 let state = state_label(report.wheels[corner.index()].map(|wheel| wheel.state));
@@ -148,6 +149,11 @@ impl Car {
     }
 }
 
+/// A car without corners with accelerations is one of wheel speeds.
+fn wheel_speeds(corners: &[Corner]) -> WheelSpeedUse {
+    if corners.is_empty() { WheelSpeedUse::Alone } else { WheelSpeedUse::None }
+}
+
 /// The corner of this label, if the vehicle has it.
 fn corner(py: Python<'_>, vehicle: &CarFile, label: &str) -> PyResult<Corner> {
     let named = Corner::ALL.into_iter().find(|corner| corner.label() == label);
@@ -161,7 +167,7 @@ fn corner(py: Python<'_>, vehicle: &CarFile, label: &str) -> PyResult<Corner> {
 
 /// Samples by the slots of a log's row.
 struct Samples {
-    corners: Vec<Corner>,
+    there: LogColumns,
     columns: [Option<Vec<f64>>; SLOTS],
     rows: usize,
 }
@@ -190,21 +196,20 @@ impl Samples {
                 odd.len()
             ));
         }
-        Ok(Self { corners: corners.to_vec(), columns, rows })
+        let given: Vec<Slot> = Slot::all().filter(|slot| columns[slot.index()].is_some()).collect();
+        let mut there = LogColumns::of(&given);
+        for corner in Corner::ALL.into_iter().filter(|corner| !corners.contains(corner)) {
+            there.corners[corner.index()] = None;
+        }
+        Ok(Self { there, columns, rows })
     }
 
     fn row(&self, i: usize) -> LogRow {
         let value = |slot: Slot| self.columns[slot.index()].as_ref().map_or(f64::NAN, |column| column[i]);
-        let mut corners = [None; 4];
-        for corner in &self.corners {
-            let of = |field| value(Slot::Corner(*corner, field));
-            corners[corner.index()] = Some(LogCorner {
-                body_accel_m_s2: of(Field::BodyAccel),
-                wheel_accel_m_s2: of(Field::WheelAccel),
-                pressure_kpa: f64::NAN,
-                road_m: f64::NAN,
-            });
+        let mut values = [f64::NAN; SLOTS];
+        for slot in Slot::all() {
+            values[slot.index()] = value(slot);
         }
-        LogRow { time_s: value(Slot::Time), speed_m_s: value(Slot::Speed), corners }
+        LogRow::from_values(&values, &self.there)
     }
 }

@@ -4,13 +4,14 @@ use std::path::{Path, PathBuf};
 
 use itpms_core::model::Corner;
 use itpms_core::warning::Change;
-use itpms_data::out::{RateGate, States, transition_object};
+use itpms_data::out::{RadiusRow, RateGate, States, WheelSpeedUse, transition_object};
 use itpms_data::{LogReader, LogRow};
 use itpms_drive::drive::Estimates;
 use itpms_drive::fleet::wheels::{Begun, wheels};
 use itpms_drive::reference::Saving;
 use itpms_drive::{
     Done, DriveError, Job, LateRow, Settings, Sink, common_corners, corner_line, summary_json,
+    wheel_speed_lines, wheel_speed_use,
 };
 use itpms_study::report::render_report;
 use pyo3::prelude::*;
@@ -72,7 +73,8 @@ fn run(
         let mut log = open()?;
         let corners = common_corners(&log, vehicle)?;
         let saving = save.map(|path| Saving::create(path, &settings, vehicle)).transpose()?;
-        let mut kept = Kept::new(&corners, settings.rate_hz, keep_road);
+        let wheel_speeds = wheel_speed_use(log.columns(), vehicle, &corners).unwrap_or_default();
+        let mut kept = Kept::new(&corners, wheel_speeds, settings.rate_hz, keep_road);
         let job =
             Job { vehicle, corners: &corners, settings: &settings, reading: &reading, road: smooth, report };
         let done = itpms_drive::estimate(&mut log, &job, &mut kept, &mut |share| meanwhile.done(share))?;
@@ -80,14 +82,11 @@ fn run(
             saving.complete(settings.calibrate_s, done.data.drive.duration_s, done.learned)?.commit()?;
         }
         let rows = log.repairs().rows_kept;
-        let figures = Value::Object(summary_json(&done, settings.estimator, rows));
+        let figures = Value::Object(summary_json(&done, rows));
         let end_s = log.last_time_s().map_or(f64::NAN, |end_s| end_s - done.data.drive.origin_s);
-        let lines = done
-            .data
-            .corners
-            .iter()
-            .map(|corner| corner_line(corner, end_s, done.data.pressure_unit))
-            .collect();
+        let unit = done.data.pressure_unit;
+        let lines = done.data.corners.iter().map(|corner| corner_line(corner, end_s, unit));
+        let lines = lines.chain(done.radii.iter().flat_map(wheel_speed_lines)).collect();
         Ok(Estimated {
             done,
             kept,
@@ -113,7 +112,7 @@ struct Kept {
 }
 
 impl Kept {
-    fn new(corners: &[Corner], rate_hz: f64, road: bool) -> Self {
+    fn new(corners: &[Corner], wheel_speeds: WheelSpeedUse, rate_hz: f64, road: bool) -> Self {
         let named =
             |names: Vec<String>| names.into_iter().map(|name| (name, Vec::new())).collect::<Columns>();
         let of = |suffix: &str| {
@@ -123,7 +122,7 @@ impl Kept {
         Self {
             corners: corners.to_vec(),
             gate: RateGate::new(rate_hz),
-            found: Found::new(corners, 0),
+            found: Found::new(corners, wheel_speeds, 0),
             road: road.then(|| named([first, of("road_m"), of("road_sd_m")].concat())),
             transitions: Vec::new(),
             begun: Begun::default(),
@@ -133,11 +132,17 @@ impl Kept {
 }
 
 impl Sink for Kept {
-    fn row(&mut self, row: &LogRow, estimates: &Estimates, states: &States) -> Result<(), DriveError> {
+    fn row(
+        &mut self,
+        row: &LogRow,
+        estimates: &Estimates,
+        states: &States,
+        radii: Option<&RadiusRow>,
+    ) -> Result<(), DriveError> {
         self.first_s.get_or_insert(row.time_s);
         self.begun.take(estimates);
         if self.gate.lets_through(row.time_s) {
-            self.found.push(row.time_s, estimates, states);
+            self.found.push(row.time_s, estimates, states, radii);
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! Estimates over time, in the columns of `itpms estimate -o`.
 
 use itpms_core::model::{Corner, Level, Warning};
-use itpms_data::out::{States, state_label};
+use itpms_data::out::{Cell, Kind, RadiusRow, States, WheelSpeedUse, state_label};
 use itpms_drive::Estimates;
 
 use crate::columns::{Columns, Words};
@@ -22,12 +22,14 @@ const WORDS: [&str; 3] = ["warning", "level", "state"];
 /// Estimates over time: numbers, and the words beside them.
 pub(crate) struct Found {
     corners: Vec<Corner>,
+    wheel_speeds: WheelSpeedUse,
+    cells: Vec<Cell<'static>>,
     pub(crate) numbers: Columns,
     pub(crate) words: Words,
 }
 
 impl Found {
-    pub(crate) fn new(corners: &[Corner], rows: usize) -> Self {
+    pub(crate) fn new(corners: &[Corner], wheel_speeds: WheelSpeedUse, rows: usize) -> Self {
         let of = |corner: &Corner| {
             NUMBERS.map(|suffix| (format!("{}_{suffix}", corner.label()), Vec::with_capacity(rows)))
         };
@@ -36,11 +38,24 @@ impl Found {
         let word = |corner: &Corner| {
             WORDS.map(|suffix| (format!("{}_{suffix}", corner.label()), Vec::with_capacity(rows)))
         };
-        let words = corners.iter().flat_map(word);
-        Self { corners: corners.to_vec(), numbers, words: words.collect() }
+        let mut words: Words = corners.iter().flat_map(word).collect();
+        for (name, kind) in wheel_speeds.columns() {
+            match kind {
+                Kind::Label => words.push((name, Vec::with_capacity(rows))),
+                Kind::Number | Kind::Flag => numbers.push((name, Vec::with_capacity(rows))),
+            }
+        }
+        Self { corners: corners.to_vec(), wheel_speeds, cells: Vec::new(), numbers, words }
     }
 
-    pub(crate) fn push(&mut self, time_s: f64, estimates: &Estimates, states: &States) {
+    pub(crate) fn push(
+        &mut self,
+        time_s: f64,
+        estimates: &Estimates,
+        states: &States,
+        radii: Option<&RadiusRow>,
+    ) {
+        self.push_radii(radii);
         let (time, corners) = self.numbers.split_at_mut(1);
         time[0].1.push(time_s);
         for ((corner, words), numbers) in self
@@ -65,6 +80,25 @@ impl Found {
             words[0].1.push(estimate.map_or(Warning::None, |e| e.warning).label());
             words[1].1.push(estimate.map_or(Level::VehicleFile, |e| e.level).label());
             words[2].1.push(state_label(states[corner.index()]));
+        }
+    }
+
+    /// What wheel speeds say, in the columns after those of the corners.
+    fn push_radii(&mut self, radii: Option<&RadiusRow>) {
+        self.cells.clear();
+        self.wheel_speeds.cells(radii, &mut self.cells);
+        let mut numbers = self.numbers.iter_mut().skip(1 + NUMBERS.len() * self.corners.len());
+        let mut words = self.words.iter_mut().skip(WORDS.len() * self.corners.len());
+        for cell in &self.cells {
+            let number = match cell {
+                Cell::Number(number) => *number,
+                Cell::Flag(flag) => f64::from(u8::from(*flag)),
+                Cell::Label(word) => {
+                    words.next().into_iter().for_each(|(_, column)| column.push(word));
+                    continue;
+                }
+            };
+            numbers.next().into_iter().for_each(|(_, column)| column.push(number));
         }
     }
 }

@@ -87,6 +87,7 @@ impl Options {
             rate_hz: positive("rate_hz", self.rate_hz)?,
             pressure_unit: PressureUnit::from_label(&self.pressure_unit)
                 .ok_or_else(|| known(units(), "pressure_unit", &self.pressure_unit))?,
+            ..Settings::default()
         })
     }
 

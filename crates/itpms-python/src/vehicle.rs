@@ -75,7 +75,8 @@ impl Vehicle {
         let tire = FrontRear { front: front?, rear: rear? };
         let [front, rear] = placard_kpa.axles();
         let placard_kpa = FrontRear { front, rear };
-        let car = TypicalCar { name, mass_kg, front_share, tire, class, placard_kpa, wheelbase_m };
+        let car =
+            TypicalCar { name, mass_kg, front_share, tire, class, placard_kpa, wheelbase_m, wheels: None };
         car.vehicle_file().map(|(_, vehicle)| Self(vehicle)).map_err(|error| refuse(error.to_string()))
     }
 

@@ -231,6 +231,7 @@
       const name = corner.name.replace("left", "L").replace("right", "R");
       return has(corner.state) ? [name, corner.state, STATE] : [name, corner.time.warning, WARNING];
     });
+    if (!rows.length && data.wheels) data.wheels.states.forEach((runs, i) => rows.push([data.wheels.lost[i].name.replace("left", "L").replace("right", "R"), runs, STATE]));
     // A single wheel has its strip under its pressure.
     if (rows.length < 2 || !data.t.length || rows.every((row) => !has(row[1]))) return;
     const figure = element("figure", "panel wide");
@@ -283,7 +284,30 @@
     }
   }
 
+  // Radii since the calibration, and the losses that follow.
+  function wheels(host) {
+    const w = data.wheels;
+    if (!w || ![...w.change, ...w.difference].some((one) => has(one.y))) return;
+    const over = (spec) => timed({ x: w.t, ...spec });
+    const panels = [
+      ...w.difference.map((one) => [one, one.name, "Radii (‰)", "Change of the ratio since the calibration, measured, with its 95 % band.", " ‰", 2, 1]),
+      ...w.lost.map((one) => [one, one.name, "Lost (%)", "Share of its pressure lost since the calibration, against the other tires, with its 95 % band.", " %", 0, 20, 0]),
+      ...w.change.map((one) => [one, one.name + ", radius", "Radius (‰)", "Change of the rolling radius since the calibration, with its 95 % band.", " ‰", 2, 1]),
+    ];
+    for (const [one, title, yLabel, note, unit, places, least, floor] of panels) {
+      panel(host, over({
+        title, height: 190, yLabel, note, range: around(least, floor),
+        items: [
+          { label: "95 % band", lo: one.lo, hi: one.hi, band: "band", text: (i) => digits(one.lo[i], places) + " to " + digits(one.hi[i], places) + unit },
+          { label: "Estimate", y: one.y, color: "estimate", width: 2, text: (i) => digits(one.y[i], places) + unit },
+        ],
+        marks: (u, ctx) => (level(u, ctx, 0, "soft", ""), data.alerts.filter((alert) => alert.kind === "differs").forEach((alert) => flag(u, ctx, alert.said, "low"))),
+      }));
+    }
+  }
+
   timeline(document.getElementById("timeline"));
+  document.querySelectorAll("[data-wheels]").forEach(wheels);
   overview(document.getElementById("overview"));
   document.querySelectorAll("[data-roads]").forEach(tracks);
   document.querySelectorAll("[data-corner]").forEach((host) => {

@@ -50,7 +50,9 @@ pub(crate) use roughness::RoughnessArgs;
 pub(crate) use signals::SignalsArgs;
 pub(crate) use soak::SoakArgs;
 pub(crate) use unit::UnitArgs;
-pub(crate) use vehicle::{CheckArgs, InitArgs, LearnArgs, ShowArgs, VehicleArgs, VehiclePart};
+pub(crate) use vehicle::{
+    CheckArgs, InitArgs, KnownPressures, LearnArgs, ShowArgs, VehicleArgs, VehiclePart,
+};
 
 /// Indirect tire pressure monitoring: tire pressure and road from the accelerations of a car's body and wheels.
 #[derive(Debug, Parser)]
@@ -130,7 +132,8 @@ pub(crate) struct DemoArgs {
 /// Estimate tire pressures (and the road) from a drive log.
 ///
 /// The log needs time_s and, per corner c of fl fr rl rr, {c}_body_accel_m_s2 and {c}_wheel_accel_m_s2; speed_m_s is
-/// worth having. Where {c}_pressure_kpa is there, too, the summary and the report show the errors.
+/// worth having. Or it needs {c}_wheel_speed_m_s (or _rad_s) of all four wheels: then what is found is which tires differ from the
+/// others since a calibration. Where {c}_pressure_kpa is there, too, the summary and the report show the errors.
 #[derive(Debug, clap::Args)]
 #[command(after_help = ESTIMATE_EXAMPLES)]
 pub(crate) struct EstimateArgs {
@@ -161,6 +164,10 @@ pub(crate) struct EstimateArgs {
     /// implausible is refused, with exit code 2.
     #[arg(long, value_name = "FILE", conflicts_with = "calibrate_s")]
     pub(crate) reference: Option<PathBuf>,
+    /// Pressures of the tires in the calibration, gauge, where they were measured and are not the placards': one for all wheels or one for
+    /// each. For wheel speeds alone.
+    #[arg(long, value_name = "KPA|fl=KPA,...", requires = "calibrate_s")]
+    pub(crate) pressure_kpa: Option<KnownPressures>,
     /// Which loss is warned of: un-r141 20 % of the pressure that a calibration in this drive found warm, else of the placard's;
     /// fmvss-138 25 % of the placard's.
     #[arg(long, value_name = "NAME", default_value = Regulation::default().label(), value_parser = regulation_names())]
@@ -194,6 +201,7 @@ Examples:
   itpms estimate first.csv --vehicle car.toml -o est.csv --calibrate-s 600 --save-reference car.reference
   itpms estimate drive.csv --vehicle car.toml -o est.csv --reference car.reference
   itpms estimate drive.csv --vehicle car.toml -o est.csv --events events.jsonl
+  itpms estimate bus.log --dbc car.dbc --vehicle wheels.toml -o est.csv --calibrate-s 600 --save-reference car.reference
   itpms estimate drive.csv --vehicle car.toml -o est.csv --estimator aekf-ui --rate 50 --json";
 
 fn estimator_names() -> impl clap::builder::TypedValueParser<Value = EstimatorKind> {

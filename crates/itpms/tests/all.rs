@@ -29,3 +29,4 @@ mod surveyed_road;
 mod tables;
 mod vehicle;
 mod vehicle_learn;
+mod wheel_speeds;

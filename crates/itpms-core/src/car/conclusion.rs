@@ -96,7 +96,7 @@ impl<T: Real> CarEstimator<T> {
         let considered = fused.as_ref().map(|fused| match level {
             Level::Calibration => self.considered.calibrated(&fused.stiffness_n_per_m),
             Level::StoredCalibration => self.considered.stored(&fused.stiffness_n_per_m),
-            Level::VehicleFile => self.considered.uncalibrated(&fused.stiffness_n_per_m),
+            Level::VehicleFile | Level::OtherTires => self.considered.uncalibrated(&fused.stiffness_n_per_m),
         });
         for (i, estimator) in self.corners.iter_mut().enumerate() {
             let Some(estimator) = estimator.as_mut() else { continue };

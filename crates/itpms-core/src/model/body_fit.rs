@@ -63,9 +63,7 @@ impl Misfit {
         match (self, level) {
             (Self::Incoherent | Self::Unexplained, _) | (Self::Hop, Level::VehicleFile) => None,
             (Self::PartlyUnexplained, Level::VehicleFile) => Some(0.08),
-            (Self::Hop | Self::PartlyUnexplained, Level::Calibration | Level::StoredCalibration) => {
-                Some(0.035)
-            }
+            (Self::Hop | Self::PartlyUnexplained, _) => Some(0.035),
         }
     }
 }

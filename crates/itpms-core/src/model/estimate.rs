@@ -126,18 +126,21 @@ pub enum Level {
     Calibration,
     /// On a calibration of an earlier drive: since then load, tires and whatever else may have changed.
     StoredCalibration,
+    /// On nothing: what is known is how the tire differs from the others since a calibration. What all four lost alike is not seen.
+    OtherTires,
 }
 
 blank!(Level::VehicleFile);
 
 impl Level {
-    /// The word in files: `file`, `calibration` or `reference`.
+    /// The word in files: `file`, `calibration`, `reference` or `other-tires`.
     #[must_use]
     pub fn label(self) -> &'static str {
         match self {
             Level::VehicleFile => "file",
             Level::Calibration => "calibration",
             Level::StoredCalibration => "reference",
+            Level::OtherTires => "other-tires",
         }
     }
 }

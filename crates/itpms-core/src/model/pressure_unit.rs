@@ -93,6 +93,9 @@ impl fmt::Display for PressureNumber {
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
+    use std::format;
+
     use super::*;
 
     #[test]

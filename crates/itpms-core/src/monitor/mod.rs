@@ -9,14 +9,17 @@
 //! |---|---|
 //! | `config` | what a monitored car is told |
 //! | `monitored` | estimator and monitor as one |
+//! | `wheels` | the same for a car whose wheel speeds alone are known |
 //!
 //! What can be wrong with sensors is in [`crate::diagnosis`], when to warn of what in [`crate::warning`].
 
 mod config;
 mod monitored;
+mod wheels;
 
 pub use self::config::MonitorConfig;
 pub use self::monitored::MonitoredCar;
+pub use self::wheels::MonitoredWheels;
 use crate::conditioning::Moment;
 use crate::diagnosis::debounce::Debouncer;
 use crate::diagnosis::decorrelation::DecorrelationDetector;

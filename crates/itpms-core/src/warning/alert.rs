@@ -62,6 +62,16 @@ pub enum Cause<T> {
     Flat(Reading<T>),
     /// A sensor or its wiring.
     Malfunction(Malfunction<T>),
+    /// These wheels, or one of them, roll on a smaller radius than the others since the calibration: what wheel speeds show. How the level
+    /// of all tires has changed is not known.
+    Differs {
+        /// Share of its pressure that the tire has lost; the largest of several tires.
+        lost_share: T,
+        /// Its standard deviation, with that of the radius over pressure.
+        lost_sd_share: T,
+        /// Whether all of them do; else it is one of them or more, and which is not known.
+        is_known: bool,
+    },
     /// Nothing could be learned for too long a time of driving.
     NoInformation {
         /// That time in s.
@@ -130,6 +140,7 @@ impl From<Level> for Basis {
         match level {
             Level::Calibration | Level::StoredCalibration => Basis::Calibration,
             Level::VehicleFile => Basis::VehicleFile,
+            Level::OtherTires => Basis::OtherTires,
         }
     }
 }
@@ -142,7 +153,11 @@ impl<T> Cause<T> {
     pub fn is_low(&self) -> bool {
         matches!(
             self,
-            Cause::UnderInflated(_) | Cause::FastLeak { .. } | Cause::AllLow { .. } | Cause::Flat(_)
+            Cause::UnderInflated(_)
+                | Cause::FastLeak { .. }
+                | Cause::AllLow { .. }
+                | Cause::Flat(_)
+                | Cause::Differs { .. }
         )
     }
 
@@ -151,7 +166,7 @@ impl<T> Cause<T> {
         !matches!(self, Cause::Malfunction(_) | Cause::NoInformation { .. })
     }
 
-    /// One word: `under-inflated`, `fast-leak`, `all-low`, `common-shift`, `over-inflated`, `flat`, `malfunction` or `no-information`.
+    /// One word: `under-inflated`, `fast-leak`, `all-low`, `common-shift`, `over-inflated`, `flat`, `differs`, `malfunction` or `no-information`.
     #[must_use]
     pub fn label(&self) -> &'static str {
         match self {
@@ -161,6 +176,7 @@ impl<T> Cause<T> {
             Cause::CommonShift { .. } => "common-shift",
             Cause::OverInflated(_) => "over-inflated",
             Cause::Flat(_) => "flat",
+            Cause::Differs { .. } => "differs",
             Cause::Malfunction(_) => "malfunction",
             Cause::NoInformation { .. } => "no-information",
         }
@@ -261,6 +277,23 @@ impl<T: Real> fmt::Display for AlertIn<'_, T> {
                     f,
                     "{wheels} flat: on its rim, or else inflated to {share:.1} times what it should have; stop and look"
                 )?;
+            }
+            Cause::Differs { lost_share, lost_sd_share, is_known } => {
+                let [lost, sd] = [lost_share, lost_sd_share].map(|share| 100.0 * share.to_f64());
+                match (is_known, wheels.iter().count()) {
+                    (true, 1) => write!(f, "{} differs from the other tires since the calibration", wheels)?,
+                    (true, _) => write!(f, "{} differ from the other tires since the calibration", wheels)?,
+                    (false, 4) => {
+                        write!(f, "one of the tires differs from the others since the calibration")?
+                    }
+                    (false, _) => {
+                        write!(f, "one of {} differs from the other tires since the calibration", wheels)?;
+                    }
+                }
+                if *is_known {
+                    write!(f, ": it turns as with {lost:.0} % (sd {sd:.0}) of its pressure lost")?;
+                }
+                write!(f, ", by the wheel speeds")?;
             }
             Cause::Malfunction(malfunction) => write!(f, "malfunction: {malfunction}")?,
             Cause::NoInformation { driven_s } => {

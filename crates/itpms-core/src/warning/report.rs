@@ -13,8 +13,10 @@ const OF_A_WHEEL: usize = Slot::NoInformation as usize + 1;
 pub(crate) const ALL_LOW_SLOT: usize = 4 * OF_A_WHEEL;
 /// The place of that of a shift of all of them since a calibration.
 pub(crate) const COMMON_SHIFT_SLOT: usize = ALL_LOW_SLOT + 1;
+/// The place of what wheel speeds say.
+const WHEEL_SPEED_SLOT: usize = COMMON_SHIFT_SLOT + 1;
 /// Alerts that can stand at once.
-const SLOTS: usize = COMMON_SHIFT_SLOT + 1;
+const SLOTS: usize = WHEEL_SPEED_SLOT + 1;
 
 /// The places of a wheel's alerts.
 #[derive(Debug, Clone, Copy)]
@@ -118,7 +120,9 @@ pub struct MonitorReport<T: Real> {
 blank!(MonitorReport<T> { time_s, wheels, slots, set_back_s });
 
 impl<T: Real> MonitorReport<T> {
-    pub(crate) fn empty() -> Self {
+    /// Nothing is said.
+    #[must_use]
+    pub fn empty() -> Self {
         Self { time_s: f64::NEG_INFINITY, wheels: [None; 4], slots: [Placed::BLANK; SLOTS], set_back_s: 0.0 }
     }
 
@@ -143,6 +147,13 @@ impl<T: Real> MonitorReport<T> {
             before.cause.is_of_a_tire() && before.is_same_as(alert, T::zero().to_f64())
         });
         if !stands {
+            place.set(alert);
+        }
+    }
+
+    /// Writes what wheel speeds say, its times being the samples' own.
+    pub(crate) fn put_of_wheel_speeds(&mut self, alert: Option<Alert<T>>) {
+        if let Some(place) = self.slots.get_mut(WHEEL_SPEED_SLOT) {
             place.set(alert);
         }
     }

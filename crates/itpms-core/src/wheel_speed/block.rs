@@ -29,6 +29,7 @@ const ABSURD_RATIO: f64 = 30.0;
 
 /// A block that was driven well.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Block<T> {
     /// Front left over right, rear left over right, front over rear: `ln` of the speeds, in thousandths.
     pub ratio: [T; 3],
@@ -54,6 +55,7 @@ blank!(Block<T> { ratio, spread, used, speed_m_s, yaw_rate_rad_s, force_m_s2, gr
 
 /// Sums of the block that is being driven.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct BlockSums<T> {
     begun_s: f64,
     samples: u32,

@@ -33,6 +33,7 @@ const LONGEST_STEP_S: f64 = 4.0;
 
 /// The bank.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Filter<T> {
     modes: [Gaussian<T>; MODES],
     weight: [T; MODES],

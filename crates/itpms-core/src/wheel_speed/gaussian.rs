@@ -4,14 +4,15 @@ use super::STATES;
 use crate::memory::blank;
 use crate::real::Real;
 
-/// Numbers of a symmetric matrix.
-pub(super) const PACKED: usize = STATES * (STATES + 1) / 2;
+/// Numbers of a symmetric matrix, as rows of so many states: what is saved knows no longer arrays.
+const ROWS: usize = STATES.div_ceil(2);
 
-/// Mean and lower triangle of the covariance, row by row.
+/// Mean and lower triangle of the covariance, row by row without gaps.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Gaussian<T> {
     pub mean: [T; STATES],
-    covariance: [T; PACKED],
+    covariance: [[T; STATES]; ROWS],
 }
 
 blank!(Gaussian<T> { mean, covariance });
@@ -19,7 +20,7 @@ blank!(Gaussian<T> { mean, covariance });
 impl<T: Real> Gaussian<T> {
     /// Independent states.
     pub(super) fn independent(mean: [T; STATES], sd: [T; STATES]) -> Self {
-        let mut belief = Self { mean, covariance: [T::zero(); PACKED] };
+        let mut belief = Self { mean, covariance: [[T::zero(); STATES]; ROWS] };
         for (i, sd) in sd.into_iter().enumerate() {
             belief.set(i, i, sd * sd);
         }
@@ -28,26 +29,26 @@ impl<T: Real> Gaussian<T> {
 
     /// Covariance of two states.
     pub(super) fn get(&self, i: usize, j: usize) -> T {
-        self.covariance.get(place(i, j)).copied().unwrap_or(T::ZERO)
+        self.covariance.as_flattened().get(place(i, j)).copied().unwrap_or(T::ZERO)
     }
 
     /// Sets the covariance of two states.
     pub(super) fn set(&mut self, i: usize, j: usize, value: T) {
-        if let Some(entry) = self.covariance.get_mut(place(i, j)) {
+        if let Some(entry) = self.covariance.as_flattened_mut().get_mut(place(i, j)) {
             *entry = value;
         }
     }
 
     /// Widens a state by a variance.
     pub(super) fn widen(&mut self, i: usize, variance: T) {
-        if let Some(entry) = self.covariance.get_mut(place(i, i)) {
+        if let Some(entry) = self.covariance.as_flattened_mut().get_mut(place(i, i)) {
             *entry += variance;
         }
     }
 
     /// Each state shrinks to a share of itself, as a wandering disturbance does in a step of time.
     pub(super) fn shrink(&mut self, share: &[T; STATES]) {
-        let mut entries = self.covariance.iter_mut();
+        let mut entries = self.covariance.as_flattened_mut().iter_mut();
         for (i, (mean, row)) in self.mean.iter_mut().zip(share).enumerate() {
             *mean *= *row;
             for (entry, column) in entries.by_ref().take(i + 1).zip(share) {
@@ -61,7 +62,7 @@ impl<T: Real> Gaussian<T> {
     where
         T: 'a,
     {
-        let mut merged = Self { mean: [T::zero(); STATES], covariance: [T::zero(); PACKED] };
+        let mut merged = Self { mean: [T::zero(); STATES], covariance: [[T::zero(); STATES]; ROWS] };
         for (weight, part) in parts.clone() {
             for (sum, mean) in merged.mean.iter_mut().zip(&part.mean) {
                 *sum += weight * *mean;
@@ -72,7 +73,8 @@ impl<T: Real> Gaussian<T> {
             for ((away, mean), center) in away.iter_mut().zip(&part.mean).zip(&merged.mean) {
                 *away = *mean - *center;
             }
-            let mut entries = merged.covariance.iter_mut().zip(&part.covariance);
+            let mut entries =
+                merged.covariance.as_flattened_mut().iter_mut().zip(part.covariance.as_flattened());
             for (i, row) in away.iter().enumerate() {
                 for ((sum, entry), column) in entries.by_ref().take(i + 1).zip(&away) {
                     *sum += weight * (*entry + *row * *column);
@@ -98,7 +100,7 @@ impl<T: Real> Gaussian<T> {
             return T::zero();
         }
         let gain = T::one() / variance;
-        let mut entries = self.covariance.iter_mut();
+        let mut entries = self.covariance.as_flattened_mut().iter_mut();
         for (i, (mean, row)) in self.mean.iter_mut().zip(&seen).enumerate() {
             *mean += *row * gain * residual;
             for (entry, column) in entries.by_ref().take(i + 1).zip(&seen) {
@@ -120,7 +122,7 @@ impl<T: Real> Gaussian<T> {
 
     /// Whether every number is one.
     pub(super) fn is_finite(&self) -> bool {
-        self.mean.iter().chain(&self.covariance).all(|x| x.is_finite())
+        self.mean.iter().chain(self.covariance.as_flattened()).all(|x| x.is_finite())
     }
 }
 

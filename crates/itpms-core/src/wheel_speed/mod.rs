@@ -37,7 +37,7 @@ mod hypotheses;
 mod report;
 mod sample;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 use self::block::{BLOCK_S, Block, BlockSums};
 use self::calibration::LEARNED;
@@ -71,6 +71,8 @@ const SCALE: f64 = 1e3;
 
 /// Standing in s after which loads may have changed and a tire may have lost air without being seen.
 const LONG_STOP_S: f64 = 10.0;
+/// Usable driving in s that teaches anything.
+const LEAST_CALIBRATION_S: f64 = 10.0;
 /// Longest time in s between two samples of a drive.
 const LONGEST_GAP_S: f64 = 1.0;
 /// Loss that radii are measured in: `-ln 0.8`, of a fifth.
@@ -78,6 +80,7 @@ const FIFTH: f64 = 0.223_143_55;
 
 /// What the monitor does with a block.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 enum Phase<T> {
     Uncalibrated,
     /// Learns, for so much more usable driving in s.
@@ -91,10 +94,13 @@ impl<T> Blank for Phase<T> {
 
 /// Finds which tires roll on a smaller radius than at the calibration; less than 4 kB in `f32`.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RadiusMonitor<T> {
     config: WheelSpeedConfig<T>,
     configured: bool,
     phase: Phase<T>,
+    /// Usable driving of the calibration so far, in s.
+    learned_s: T,
     calibration: Option<RadiusCalibration<T>>,
     /// The radii at the calibration against those at the pressures that should be, in thousandths.
     radius_1e3: [T; 4],
@@ -110,7 +116,7 @@ pub struct RadiusMonitor<T> {
     report: RadiusReport<T>,
 }
 
-blank!(RadiusMonitor<T> { config, configured, phase, calibration, radius_1e3, filter, sums, before_good, last, stood_s, loads_may_differ, report });
+blank!(RadiusMonitor<T> { config, configured, phase, learned_s, calibration, radius_1e3, filter, sums, before_good, last, stood_s, loads_may_differ, report });
 
 impl<T: Real> RadiusMonitor<T> {
     /// A monitor of this car, uncalibrated.
@@ -155,7 +161,8 @@ impl<T: Real> RadiusMonitor<T> {
         if !self.configured {
             return;
         }
-        self.phase = Phase::Learning(usable_s.at_least(T::lit(10.0)));
+        self.phase = Phase::Learning(usable_s.at_least(T::lit(LEAST_CALIBRATION_S)));
+        self.learned_s = T::zero();
         self.calibration = None;
         self.loads_may_differ = false;
         let beta = self.config.radius_per_ln_pressure * T::lit(SCALE);
@@ -171,6 +178,21 @@ impl<T: Real> RadiusMonitor<T> {
     #[must_use]
     pub fn calibration(&self) -> Option<&RadiusCalibration<T>> {
         self.calibration.as_ref()
+    }
+
+    /// The pressures are not known to be as they should be from here on: the calibration that goes on ends with what it has seen. Whether
+    /// that was enough (10 s of usable driving); if not, nothing was learned.
+    pub fn end_calibration(&mut self) -> bool {
+        if !matches!(self.phase, Phase::Learning(_)) {
+            return self.calibration.is_some();
+        }
+        if self.learned_s >= T::lit(LEAST_CALIBRATION_S) {
+            self.learned();
+            return true;
+        }
+        self.phase = Phase::Uncalibrated;
+        self.report.forget(RadiusState::Uncalibrated);
+        false
     }
 
     /// Begins a drive with a stored calibration. Loads may have changed since, and tires lost air. Whether it was one that a car can
@@ -273,7 +295,9 @@ impl<T: Real> RadiusMonitor<T> {
             Phase::Uncalibrated => {}
             Phase::Learning(left_s) => {
                 // What a coupled axle hides cannot be learned.
-                let left_s = if block.used == [true; 3] { left_s - T::lit(BLOCK_S) } else { left_s };
+                let seen_s = if block.used == [true; 3] { T::lit(BLOCK_S) } else { T::zero() };
+                let left_s = left_s - seen_s;
+                self.learned_s += seen_s;
                 self.phase = Phase::Learning(left_s);
                 if !(left_s > T::zero()) {
                     self.learned();
@@ -311,6 +335,7 @@ impl<T: Real> RadiusMonitor<T> {
             loads: self.loads_may_differ,
             hidden_by_torque: hidden(block),
         };
+        self.report.differ(&change, &covariance);
         self.report.decide(&decision, &self.config, T::lit(BLOCK_S));
     }
 

@@ -1,7 +1,7 @@
 //! What radius analysis says.
 
 use super::config::WheelSpeedConfig;
-use super::hypotheses::Decision;
+use super::hypotheses::{Decision, Triangle};
 use crate::memory::{Blank, blank};
 use crate::model::{Corner, Wheels};
 use crate::real::Real;
@@ -133,11 +133,16 @@ pub struct RadiusReport<T> {
     pub wheels: [WheelRadius<T>; 4],
     /// What cannot be seen.
     pub unseen: Unseen,
+    /// By how much the ratios of the radii have changed since the calibration: front left over right, rear left over right, front over
+    /// rear; what is measured, before anything is concluded of single tires. NaN: not known.
+    pub difference: [T; 3],
+    /// Their standard deviations, with what loads may have done.
+    pub difference_sd: [T; 3],
     probable: RadiusState,
     probable_s: T,
 }
 
-blank!(RadiusReport<T> { time_s, state, lasted_s, any_low_probability, wheels, unseen, probable, probable_s });
+blank!(RadiusReport<T> { time_s, state, lasted_s, any_low_probability, wheels, unseen, difference, difference_sd, probable, probable_s });
 
 impl<T: Real> RadiusReport<T> {
     /// Nothing known.
@@ -149,8 +154,18 @@ impl<T: Real> RadiusReport<T> {
             probable: state,
             unseen,
             wheels: [WheelRadius::unknown(); 4],
+            difference: [T::lit(f64::NAN); 3],
+            difference_sd: [T::lit(f64::NAN); 3],
             ..Self::BLANK
         };
+    }
+
+    /// The three differences in thousandths, with their covariance.
+    pub(super) fn differ(&mut self, change: &[T; 3], [front, _, rear, _, _, axles]: &Triangle<T>) {
+        let thousandth = T::lit(1e-3);
+        self.difference = change.map(|change| thousandth * change);
+        self.difference_sd =
+            [front, rear, axles].map(|variance| thousandth * variance.at_least(T::zero()).sqrt());
     }
 
     /// `step_s` of usable driving later.

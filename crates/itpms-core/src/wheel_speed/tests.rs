@@ -8,7 +8,7 @@ use super::*;
 use crate::random::Random;
 
 /// A drive that goes on: speeds from 6 to 33 m/s, bends, grades, brakes every two minutes.
-struct Drive {
+pub(crate) struct Drive {
     random: Random,
     rate_hz: f64,
     /// Step of the wheel speeds in m/s.
@@ -23,7 +23,7 @@ struct Drive {
     /// The last random number of each wheel.
     hop: [f64; 4],
     /// `ln` of the wheels' radii.
-    radius: [f64; 4],
+    pub(crate) radius: [f64; 4],
     yaw_rate: bool,
     accel_x: bool,
 }
@@ -33,7 +33,7 @@ const TRACK: f64 = 1.57;
 const WHEELBASE: f64 = 2.66;
 
 impl Drive {
-    fn new(seed: u64, rate_hz: f64, step_km_h: f64) -> Self {
+    pub(crate) fn new(seed: u64, rate_hz: f64, step_km_h: f64) -> Self {
         Self {
             random: Random(seed),
             rate_hz,
@@ -58,7 +58,7 @@ impl Drive {
         share * value + sd * (1.0 - share * share).sqrt() * self.random.normal()
     }
 
-    fn next<T: Real>(&mut self) -> WheelSpeedSample<T> {
+    pub(crate) fn next<T: Real>(&mut self) -> WheelSpeedSample<T> {
         self.time_s += 1.0 / self.rate_hz;
         if self.random.uniform() < 1.0 / (30.0 * self.rate_hz) {
             self.aim = 6.0 + 27.0 * self.random.uniform();

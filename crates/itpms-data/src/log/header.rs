@@ -4,7 +4,7 @@
 
 use itpms_core::model::Corner;
 
-use super::row::{CornerColumns, Field, LogColumns, Slot};
+use super::row::{Field, LogColumns, Slot};
 use crate::error::Problem;
 use crate::nearest::nearest;
 use crate::signals::names::meaning;
@@ -70,25 +70,23 @@ impl Header {
         if !has(Slot::Time) {
             return Err(separator(names).map_or_else(|| missing(Slot::Time), Problem::Separator));
         }
-        let mut corners = [None; 4];
         for corner in Corner::ALL {
-            let slot = |field| Slot::Corner(corner, field);
-            match (has(slot(Field::BodyAccel)), has(slot(Field::WheelAccel))) {
-                (true, true) => {
-                    corners[corner.index()] = Some(CornerColumns {
-                        pressure: has(slot(Field::Pressure)),
-                        road: has(slot(Field::Road)),
-                    });
-                }
-                (true, false) => return Err(half(slot(Field::WheelAccel), slot(Field::BodyAccel))),
-                (false, true) => return Err(half(slot(Field::BodyAccel), slot(Field::WheelAccel))),
-                (false, false) => {}
+            let [body, wheel] =
+                [Field::BodyAccel, Field::WheelAccel].map(|field| Slot::Corner(corner, field));
+            match (has(body), has(wheel)) {
+                (true, false) => return Err(half(wheel, body)),
+                (false, true) => return Err(half(body, wheel)),
+                _ => {}
             }
         }
-        if corners.iter().all(Option::is_none) {
+        let there: Vec<Slot> = slots.iter().copied().flatten().collect();
+        let columns = LogColumns::of(&there);
+        if let Some(absent) = wheel_without_speed(&columns, &there) {
+            return Err(missing(absent));
+        }
+        if !columns.are_enough() {
             return Err(no_corner(&strangers));
         }
-        let columns = LogColumns { speed: has(Slot::Speed), corners };
         let absent: Vec<&str> = known.iter().filter(|(s, _)| !has(*s)).map(|(_, n)| n.as_str()).collect();
         let meant = |name: &str| nearly(name, &absent).or_else(|| speed(name, &absent));
         let suspicious =
@@ -98,8 +96,22 @@ impl Header {
     }
 }
 
-/// No corner at all: name the acceleration that comes nearest to a column that is there, else the front left's.
+/// The first wheel that lacks a speed in a log of nothing but other wheels' speeds.
+fn wheel_without_speed(columns: &LogColumns, there: &[Slot]) -> Option<Slot> {
+    let field = there.iter().find_map(|slot| match slot {
+        Slot::Corner(_, field @ (Field::WheelSpeed | Field::WheelRotation)) => Some(*field),
+        _ => None,
+    })?;
+    let absent = Corner::ALL.into_iter().map(|corner| Slot::Corner(corner, field));
+    absent.filter(|slot| !there.contains(slot)).find(|_| !columns.are_enough())
+}
+
+/// No corner at all: name the wheel speed or else the acceleration that comes nearest to a column that is there, else the front left's.
 fn no_corner(strangers: &[&str]) -> Problem {
+    let speeds = strangers.iter().filter_map(|name| Some((meaning("", name)?.0, *name)));
+    if let Some((slot, name)) = speeds.clone().find(|(slot, _)| slot.is_wheel_speed()) {
+        return Problem::MissingColumn { column: slot.name(), nearest: Some(shortened(name)) };
+    }
     let accelerations = Corner::ALL.into_iter().flat_map(|corner| {
         [Field::BodyAccel, Field::WheelAccel].map(|field| Slot::Corner(corner, field).name())
     });
@@ -149,6 +161,7 @@ pub(crate) fn shortened(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::log::row::CornerColumns;
 
     fn header(line: &str) -> Result<Header, String> {
         let names: Vec<String> = line.split(',').map(str::to_owned).collect();
@@ -181,6 +194,21 @@ mod tests {
             text,
             "column rl_wheel_accel_m_s2 is missing; the nearest name there is rl_wheel_acc_m_s2"
         );
+    }
+
+    #[test]
+    fn wheel_speeds_alone_are_a_log() {
+        let four = |suffix: &str| ["fl", "fr", "rl", "rr"].map(|c| format!("{c}_{suffix}")).join(",");
+        let h = header(&format!("time_s,yaw_rate_rad_s,{}", four("wheel_speed_m_s"))).unwrap();
+        assert!(h.columns.motion.wheel_speed && h.columns.motion.yaw_rate && !h.columns.motion.brake);
+        assert!(h.columns.present().is_empty());
+        let h = header(&format!("time_s,{}", four("wheel_speed_rad_s"))).unwrap();
+        assert!(h.columns.motion.wheel_rotation && !h.columns.motion.wheel_speed);
+        let text = header("time_s,fl_wheel_speed_m_s,fr_wheel_speed_m_s,rl_wheel_speed_m_s").unwrap_err();
+        assert_eq!(text, "column rr_wheel_speed_m_s is missing");
+        // Of a name that says what it is, never an acceleration is the nearest.
+        let text = header("time_s,fl_wheel_speed,fr_wheel_speed").unwrap_err();
+        assert_eq!(text, "column fl_wheel_speed_m_s is missing; the nearest name there is fl_wheel_speed");
     }
 
     #[test]

@@ -4,14 +4,12 @@
 
 use std::path::Path;
 
-use itpms_core::model::Corner;
-
 use super::header::Header;
 use super::quantity::Quantity;
-use super::row::{CornerColumns, Field, LogColumns, Slot};
+use super::row::{LogColumns, Slot};
 use crate::error::{DataError, Problem};
 use crate::nearest::nearest;
-use crate::signals::{Conversion, Resolved, SignalMap, SignalProblem, column_unit, resolve};
+use crate::signals::{Conversion, SignalMap, SignalProblem, column_unit, resolve};
 
 /// How a table's header is read.
 pub(super) fn header(
@@ -22,9 +20,19 @@ pub(super) fn header(
 ) -> Result<Header, DataError> {
     let fail = |problem| DataError::new(path, problem);
     match map {
-        None => Header::from_names(names).and_then(|header| in_units(header, names, units)).map_err(fail),
+        None => match Header::from_names(names).and_then(|header| in_units(header, names, units)) {
+            Ok(header) => Ok(header),
+            // Wheel speeds have their makers' names.
+            Err(problem) => recognized(path, names, units).ok_or_else(|| fail(problem)),
+        },
         Some(map) => mapped(path, names, units, map),
     }
+}
+
+/// The header of a table without a map whose names and units say the speeds of four wheels.
+fn recognized(path: &Path, names: &[String], units: &[String]) -> Option<Header> {
+    let header = mapped(path, names, units, &SignalMap::default()).ok()?;
+    header.columns.motion.wheel_speeds().then_some(header)
 }
 
 /// The header of a table with our names and a row of units under them: the values come in those units.
@@ -62,8 +70,8 @@ fn mapped(path: &Path, names: &[String], units: &[String], map: &SignalMap) -> R
     let mut slots = vec![None; names.len()];
     let mut conversions = vec![None; names.len()];
     (slots[time], conversions[time]) = (Some(Slot::Time), Some(conversion));
-    let lone = |slot: Slot| matches!(slot, Slot::Corner(corner, _) if !resolved.corners().contains(&corner));
-    for chosen in resolved.iter().filter(|chosen| !lone(chosen.slot)) {
+    let columns = LogColumns::of(&resolved.slots());
+    for chosen in resolved.iter().filter(|chosen| columns.has(chosen.slot)) {
         let place = others[chosen.candidate];
         if let Some(other) = slots[place].replace(chosen.slot) {
             let (signal, slot) = (&chosen.signal, chosen.slot.name());
@@ -73,24 +81,7 @@ fn mapped(path: &Path, names: &[String], units: &[String], map: &SignalMap) -> R
         }
         conversions[place] = Some(chosen.conversion);
     }
-    Ok(Header {
-        columns: columns(&resolved),
-        slots,
-        suspicious: Vec::new(),
-        conversions,
-        mapping: resolved.said(),
-    })
-}
-
-fn columns(resolved: &Resolved) -> LogColumns {
-    let complete = resolved.corners();
-    let has = |corner, field| resolved.get(Slot::Corner(corner, field)).is_some();
-    let corners = Corner::ALL.map(|corner| {
-        complete
-            .contains(&corner)
-            .then(|| CornerColumns { pressure: has(corner, Field::Pressure), road: has(corner, Field::Road) })
-    });
-    LogColumns { speed: resolved.get(Slot::Speed).is_some(), corners }
+    Ok(Header { columns, slots, suspicious: Vec::new(), conversions, mapping: resolved.said() })
 }
 
 /// The column of the time: what the map says, else `time_s`, else the only one that is called like a clock.

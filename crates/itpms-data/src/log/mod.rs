@@ -7,6 +7,10 @@
 //! | `speed_m_s` | vehicle speed, optional |
 //! | `{c}_body_accel_m_s2`, `{c}_wheel_accel_m_s2` | sprung and unsprung acceleration, up; `c` in `fl fr rl rr` |
 //! | `{c}_pressure_kpa`, `{c}_road_m` | truth, optional |
+//! | `{c}_wheel_speed_m_s` or `{c}_wheel_speed_rad_s` | speed of each wheel, of all four or none |
+//! | `yaw_rate_rad_s`, `accel_x_m_s2`, `accel_y_m_s2`, `brake` | how the car moves, optional: left and forward positive |
+//!
+//! Both accelerations of one corner, or the speeds of all four wheels, make a log.
 //!
 //! In a table the columns have these names, or a map says which is which. The signals of MDF4 and CAN logs are found by their names or by a map, and
 //! put into rows by the [aligner](crate::signals::align).
@@ -59,7 +63,9 @@ pub use options::LogOptions;
 pub(crate) use quantity::Quantity;
 pub use reader::{LogReader, SURVEY_ROWS};
 pub use repair::RepairReport;
-pub use row::{CornerColumns, Field, LogColumns, LogCorner, LogRow, SLOTS, Slot};
+pub use row::{
+    CornerColumns, Field, LogColumns, LogCorner, LogMotion, LogRow, Motion, MotionColumns, SLOTS, Slot,
+};
 pub use survey::Survey;
 pub(crate) use text_head::TextHead;
 pub use units::{UnitCheck, check as check_units};

@@ -232,13 +232,14 @@ pub(super) enum Stage {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::log::row::LogMotion;
 
     /// Rows with values of their own at these times.
     fn sorted(times: impl IntoIterator<Item = f64>) -> (Vec<f64>, TimeOrder) {
         let mut order = TimeOrder::new();
         let mut out = VecDeque::new();
         for (i, time_s) in (2..).zip(times) {
-            let row = LogRow { time_s, speed_m_s: i as f64, corners: [None; 4] };
+            let row = LogRow { time_s, speed_m_s: i as f64, corners: [None; 4], motion: LogMotion::UNKNOWN };
             order.push(row, Place::Line(i), &mut out);
         }
         order.finish(&mut out);

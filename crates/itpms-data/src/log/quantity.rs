@@ -1,6 +1,6 @@
 //! What a column of a drive log measures, and in which unit.
 
-use super::row::{Field, Slot};
+use super::row::{Field, Motion, Slot};
 
 /// What a column measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -15,6 +15,10 @@ pub(crate) enum Quantity {
     Length,
     /// In s.
     Time,
+    /// In rad/s.
+    Rotation,
+    /// 0 or 1.
+    Switch,
 }
 
 impl Quantity {
@@ -25,6 +29,10 @@ impl Quantity {
             Slot::Corner(_, Field::BodyAccel | Field::WheelAccel) => Quantity::Acceleration,
             Slot::Corner(_, Field::Pressure) => Quantity::Pressure,
             Slot::Corner(_, Field::Road) => Quantity::Length,
+            Slot::Corner(_, Field::WheelSpeed) => Quantity::Speed,
+            Slot::Corner(_, Field::WheelRotation) | Slot::Motion(Motion::YawRate) => Quantity::Rotation,
+            Slot::Motion(Motion::AccelX | Motion::AccelY) => Quantity::Acceleration,
+            Slot::Motion(Motion::Brake) => Quantity::Switch,
         }
     }
 
@@ -36,6 +44,8 @@ impl Quantity {
             Quantity::Pressure => "kPa",
             Quantity::Length => "m",
             Quantity::Time => "s",
+            Quantity::Rotation => "rad/s",
+            Quantity::Switch => "1",
         }
     }
 
@@ -47,6 +57,8 @@ impl Quantity {
             Quantity::Pressure => "a pressure",
             Quantity::Length => "a length",
             Quantity::Time => "a time",
+            Quantity::Rotation => "a speed of rotation",
+            Quantity::Switch => "0 or 1",
         }
     }
 
@@ -58,6 +70,8 @@ impl Quantity {
             Quantity::Pressure => "kPa, Pa, hPa, mbar, bar, MPa or psi",
             Quantity::Length => "m, mm, cm, um, in or ft",
             Quantity::Time => "s, ms, us, ns or min",
+            Quantity::Rotation => "rad/s, deg/s or rpm",
+            Quantity::Switch => "1",
         }
     }
 }

@@ -232,7 +232,8 @@ impl LogReader {
         }
         let columns = self.source.header().columns;
         let missing = |slot: &Slot| raw[slot.index()].is_nan();
-        self.report.missing_accelerations += accelerations(&columns).filter(missing).count() as u64;
+        self.report.missing_accelerations +=
+            columns.slots().filter(|slot| slot.is_acceleration()).filter(missing).count() as u64;
         self.report.missing_speeds += u64::from(columns.speed && missing(&Slot::Speed));
         let row = LogRow::from_values(&raw, &columns);
         if self.source.is_in_order() {
@@ -259,9 +260,12 @@ impl LogReader {
             !dead(&Slot::Corner(*corner, Field::BodyAccel))
                 && !dead(&Slot::Corner(*corner, Field::WheelAccel))
         };
-        self.report.dead_columns = accelerations(&columns).filter(dead).map(Slot::name).collect();
+        self.report.dead_columns = needed(&columns).filter(dead).map(Slot::name).collect();
+        let roll = |field| Corner::ALL.iter().all(|corner| !dead(&Slot::Corner(*corner, field)));
+        let useful =
+            columns.present().iter().any(alive) || roll(Field::WheelSpeed) || roll(Field::WheelRotation);
         match self.report.dead_columns.first() {
-            Some(column) if self.report.rows_read > 0 && !columns.present().iter().any(alive) => {
+            Some(column) if self.report.rows_read > 0 && !useful => {
                 Err(Problem::AllMissing { column: column.clone(), rows: self.report.rows_read })
             }
             _ => Ok(()),
@@ -278,11 +282,9 @@ impl LogReader {
     }
 }
 
-fn accelerations(columns: &LogColumns) -> impl Iterator<Item = Slot> + use<> {
-    columns
-        .present()
-        .into_iter()
-        .flat_map(|corner| [Slot::Corner(corner, Field::BodyAccel), Slot::Corner(corner, Field::WheelAccel)])
+/// The columns without a value in which there is nothing to estimate.
+fn needed(columns: &LogColumns) -> impl Iterator<Item = Slot> {
+    columns.slots().filter(|slot| slot.is_acceleration() || slot.is_wheel_speed())
 }
 
 /// The rows, for loops and adapters.

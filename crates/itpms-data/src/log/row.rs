@@ -1,6 +1,7 @@
 //! A row of a drive log and the columns it can have. Names live here and nowhere else.
 
 use itpms_core::model::{CarSample, Corner, CornerSample, Sample};
+use itpms_core::wheel_speed::WheelSpeedSample;
 
 /// One quantity of one corner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -13,10 +14,21 @@ pub enum Field {
     Pressure,
     /// True road height in m.
     Road,
+    /// Speed of the wheel in m/s, as the car computes it.
+    WheelSpeed,
+    /// The same as the wheel's speed of rotation in rad/s.
+    WheelRotation,
 }
 
 impl Field {
-    const ALL: [Field; 4] = [Field::BodyAccel, Field::WheelAccel, Field::Pressure, Field::Road];
+    const ALL: [Field; 6] = [
+        Field::BodyAccel,
+        Field::WheelAccel,
+        Field::Pressure,
+        Field::Road,
+        Field::WheelSpeed,
+        Field::WheelRotation,
+    ];
 
     fn suffix(self) -> &'static str {
         match self {
@@ -24,6 +36,34 @@ impl Field {
             Field::WheelAccel => "wheel_accel_m_s2",
             Field::Pressure => "pressure_kpa",
             Field::Road => "road_m",
+            Field::WheelSpeed => "wheel_speed_m_s",
+            Field::WheelRotation => "wheel_speed_rad_s",
+        }
+    }
+}
+
+/// What a car says of its motion besides its speed; for the wheel-speed methods.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Motion {
+    /// Yaw rate in rad/s, positive to the left.
+    YawRate,
+    /// Acceleration forward in m/s², gravity along a grade included.
+    AccelX,
+    /// Acceleration to the left in m/s².
+    AccelY,
+    /// Whether the driver brakes: 0 or 1.
+    Brake,
+}
+
+impl Motion {
+    const ALL: [Motion; 4] = [Motion::YawRate, Motion::AccelX, Motion::AccelY, Motion::Brake];
+
+    fn name(self) -> &'static str {
+        match self {
+            Motion::YawRate => "yaw_rate_rad_s",
+            Motion::AccelX => "accel_x_m_s2",
+            Motion::AccelY => "accel_y_m_s2",
+            Motion::Brake => "brake",
         }
     }
 }
@@ -37,10 +77,12 @@ pub enum Slot {
     Speed,
     /// `{c}_body_accel_m_s2` and the like.
     Corner(Corner, Field),
+    /// `yaw_rate_rad_s` and the like.
+    Motion(Motion),
 }
 
 /// Number of columns that mean something.
-pub const SLOTS: usize = 2 + 4 * 4;
+pub const SLOTS: usize = 2 + 4 * Field::ALL.len() + Motion::ALL.len();
 
 /// The values of one row, by [`Slot::index`]; NaN where missing.
 pub(crate) type RawRow = [f64; SLOTS];
@@ -50,7 +92,7 @@ impl Slot {
     pub fn all() -> impl Iterator<Item = Slot> {
         let corners =
             Corner::ALL.into_iter().flat_map(|c| Field::ALL.into_iter().map(move |f| Slot::Corner(c, f)));
-        [Slot::Time, Slot::Speed].into_iter().chain(corners)
+        [Slot::Time, Slot::Speed].into_iter().chain(corners).chain(Motion::ALL.map(Slot::Motion))
     }
 
     /// Its place in [`Slot::all`].
@@ -59,7 +101,8 @@ impl Slot {
         match self {
             Slot::Time => 0,
             Slot::Speed => 1,
-            Slot::Corner(corner, field) => 2 + 4 * corner.index() + field as usize,
+            Slot::Corner(corner, field) => 2 + Field::ALL.len() * corner.index() + field as usize,
+            Slot::Motion(motion) => 2 + 4 * Field::ALL.len() + motion as usize,
         }
     }
 
@@ -70,7 +113,18 @@ impl Slot {
             Slot::Time => "time_s".to_owned(),
             Slot::Speed => "speed_m_s".to_owned(),
             Slot::Corner(corner, field) => format!("{}_{}", corner.label(), field.suffix()),
+            Slot::Motion(motion) => motion.name().to_owned(),
         }
+    }
+
+    /// Whether it is the acceleration of a body or a wheel.
+    pub(crate) fn is_acceleration(self) -> bool {
+        matches!(self, Slot::Corner(_, Field::BodyAccel | Field::WheelAccel))
+    }
+
+    /// Whether it is the speed of a wheel, in whichever unit.
+    pub(crate) fn is_wheel_speed(self) -> bool {
+        matches!(self, Slot::Corner(_, Field::WheelSpeed | Field::WheelRotation))
     }
 }
 
@@ -81,6 +135,55 @@ pub struct LogColumns {
     pub speed: bool,
     /// The corners with both accelerations, in the order of [`Corner::ALL`].
     pub corners: [Option<CornerColumns>; 4],
+    /// What there is for the wheel-speed methods.
+    pub motion: MotionColumns,
+}
+
+/// Which columns there are for the wheel-speed methods.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct MotionColumns {
+    /// Whether `{c}_wheel_speed_m_s` of all four wheels is there.
+    pub wheel_speed: bool,
+    /// Whether `{c}_wheel_speed_rad_s` of all four wheels is there.
+    pub wheel_rotation: bool,
+    /// Whether `yaw_rate_rad_s` is there.
+    pub yaw_rate: bool,
+    /// Whether `accel_x_m_s2` is there.
+    pub accel_x: bool,
+    /// Whether `accel_y_m_s2` is there.
+    pub accel_y: bool,
+    /// Whether `brake` is there.
+    pub brake: bool,
+}
+
+impl MotionColumns {
+    fn of(has: impl Fn(Slot) -> bool) -> Self {
+        let all = |field| Corner::ALL.into_iter().all(|corner| has(Slot::Corner(corner, field)));
+        let motion = |motion| has(Slot::Motion(motion));
+        Self {
+            wheel_speed: all(Field::WheelSpeed),
+            wheel_rotation: all(Field::WheelRotation),
+            yaw_rate: motion(Motion::YawRate),
+            accel_x: motion(Motion::AccelX),
+            accel_y: motion(Motion::AccelY),
+            brake: motion(Motion::Brake),
+        }
+    }
+
+    /// Whether all four wheels have a speed.
+    #[must_use]
+    pub fn wheel_speeds(&self) -> bool {
+        self.wheel_speed || self.wheel_rotation
+    }
+
+    fn has(&self, motion: Motion) -> bool {
+        match motion {
+            Motion::YawRate => self.yaw_rate,
+            Motion::AccelX => self.accel_x,
+            Motion::AccelY => self.accel_y,
+            Motion::Brake => self.brake,
+        }
+    }
 }
 
 /// Which truth a corner has besides its two accelerations.
@@ -93,7 +196,8 @@ pub struct CornerColumns {
 }
 
 impl LogColumns {
-    /// Of these columns, what a drive log can have: a corner has both its accelerations or is not there.
+    /// Of these columns, what a drive log can have: a corner has both its accelerations or is not there, wheel speeds are those of all
+    /// four wheels.
     #[must_use]
     pub fn of(slots: &[Slot]) -> Self {
         let has = |slot| slots.contains(&slot);
@@ -102,7 +206,13 @@ impl LogColumns {
             let both = has(slot(Field::BodyAccel)) && has(slot(Field::WheelAccel));
             both.then(|| CornerColumns { pressure: has(slot(Field::Pressure)), road: has(slot(Field::Road)) })
         });
-        Self { speed: has(Slot::Speed), corners }
+        Self { speed: has(Slot::Speed), corners, motion: MotionColumns::of(has) }
+    }
+
+    /// Whether anything can be estimated: a corner with both accelerations, or the speeds of all four wheels.
+    #[must_use]
+    pub fn are_enough(&self) -> bool {
+        self.motion.wheel_speeds() || self.corners.iter().any(Option::is_some)
     }
 
     /// The corners that are there.
@@ -116,16 +226,19 @@ impl LogColumns {
         match slot {
             Slot::Time => true,
             Slot::Speed => self.speed,
+            Slot::Corner(_, Field::WheelSpeed) => self.motion.wheel_speed,
+            Slot::Corner(_, Field::WheelRotation) => self.motion.wheel_rotation,
             Slot::Corner(corner, field) => self.corners[corner.index()].is_some_and(|columns| match field {
-                Field::BodyAccel | Field::WheelAccel => true,
                 Field::Pressure => columns.pressure,
                 Field::Road => columns.road,
+                _ => true,
             }),
+            Slot::Motion(motion) => self.motion.has(motion),
         }
     }
 
     /// The columns that are there, in the order in which they are written.
-    pub(crate) fn slots(&self) -> impl Iterator<Item = Slot> {
+    pub(crate) fn slots(&self) -> impl Iterator<Item = Slot> + use<> {
         let columns = *self;
         Slot::all().filter(move |slot| columns.has(*slot))
     }
@@ -161,6 +274,64 @@ pub struct LogRow {
     pub speed_m_s: f64,
     /// The corners the log has, in the order of [`Corner::ALL`].
     pub corners: [Option<LogCorner>; 4],
+    /// Wheel speeds, and how the car moves.
+    pub motion: LogMotion,
+}
+
+/// Wheel speeds and how the car moves, in one row. NaN is missing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LogMotion {
+    /// Speeds of the wheels in m/s, in the order of [`Corner::ALL`].
+    pub wheel_speed_m_s: [f64; 4],
+    /// The same as speeds of rotation in rad/s.
+    pub wheel_speed_rad_s: [f64; 4],
+    /// Yaw rate in rad/s, positive to the left.
+    pub yaw_rate_rad_s: f64,
+    /// Acceleration forward in m/s², gravity along a grade included.
+    pub accel_x_m_s2: f64,
+    /// Acceleration to the left in m/s².
+    pub accel_y_m_s2: f64,
+    /// Whether the driver brakes: 0 or 1.
+    pub brake: f64,
+}
+
+impl LogMotion {
+    /// Nothing is known.
+    pub const UNKNOWN: Self = Self {
+        wheel_speed_m_s: [f64::NAN; 4],
+        wheel_speed_rad_s: [f64::NAN; 4],
+        yaw_rate_rad_s: f64::NAN,
+        accel_x_m_s2: f64::NAN,
+        accel_y_m_s2: f64::NAN,
+        brake: f64::NAN,
+    };
+
+    /// The row at `time_s` for radius analysis; speeds of rotation are those of wheels with this rolling radius in m.
+    #[must_use]
+    pub fn sample(&self, time_s: f64, rolling_radius_m: f64) -> WheelSpeedSample<f64> {
+        let wheel_speed_m_s = Corner::ALL.map(|corner| {
+            let [speed, rotation] =
+                [self.wheel_speed_m_s, self.wheel_speed_rad_s].map(|of| of[corner.index()]);
+            if speed.is_finite() { speed } else { rolling_radius_m * rotation }
+        });
+        WheelSpeedSample {
+            time_s,
+            wheel_speed_m_s,
+            yaw_rate_rad_s: self.yaw_rate_rad_s,
+            accel_x_m_s2: self.accel_x_m_s2,
+            accel_y_m_s2: self.accel_y_m_s2,
+            brake: self.brake.is_finite().then_some(self.brake > 0.5),
+        }
+    }
+
+    fn value(&self, motion: Motion) -> f64 {
+        match motion {
+            Motion::YawRate => self.yaw_rate_rad_s,
+            Motion::AccelX => self.accel_x_m_s2,
+            Motion::AccelY => self.accel_y_m_s2,
+            Motion::Brake => self.brake,
+        }
+    }
 }
 
 impl LogRow {
@@ -174,8 +345,9 @@ impl LogRow {
         }
     }
 
-    /// The row of these columns with these values.
-    pub(crate) fn from_values(raw: &RawRow, columns: &LogColumns) -> Self {
+    /// The row of these columns with these values, by [`Slot::index`]; NaN is missing.
+    #[must_use]
+    pub fn from_values(raw: &[f64; SLOTS], columns: &LogColumns) -> Self {
         let corners = Corner::ALL.map(|corner| {
             let value = |field| raw[Slot::Corner(corner, field).index()];
             columns.corners[corner.index()].map(|_| LogCorner {
@@ -185,7 +357,17 @@ impl LogRow {
                 road_m: value(Field::Road),
             })
         });
-        Self { time_s: raw[Slot::Time.index()], speed_m_s: raw[Slot::Speed.index()], corners }
+        let of = |slot: Slot| if columns.has(slot) { raw[slot.index()] } else { f64::NAN };
+        let wheels = |field| Corner::ALL.map(|corner| of(Slot::Corner(corner, field)));
+        let motion = LogMotion {
+            wheel_speed_m_s: wheels(Field::WheelSpeed),
+            wheel_speed_rad_s: wheels(Field::WheelRotation),
+            yaw_rate_rad_s: of(Slot::Motion(Motion::YawRate)),
+            accel_x_m_s2: of(Slot::Motion(Motion::AccelX)),
+            accel_y_m_s2: of(Slot::Motion(Motion::AccelY)),
+            brake: of(Slot::Motion(Motion::Brake)),
+        };
+        Self { time_s: raw[Slot::Time.index()], speed_m_s: raw[Slot::Speed.index()], corners, motion }
     }
 
     /// Whether all values but the time are the same.
@@ -199,13 +381,19 @@ impl LogRow {
         match slot {
             Slot::Time => self.time_s,
             Slot::Speed => self.speed_m_s,
+            Slot::Motion(motion) => self.motion.value(motion),
             Slot::Corner(corner, field) => {
-                self.corners[corner.index()].map_or(f64::NAN, |values| match field {
-                    Field::BodyAccel => values.body_accel_m_s2,
-                    Field::WheelAccel => values.wheel_accel_m_s2,
-                    Field::Pressure => values.pressure_kpa,
-                    Field::Road => values.road_m,
-                })
+                let of = |value: fn(&LogCorner) -> f64| {
+                    self.corners[corner.index()].as_ref().map_or(f64::NAN, value)
+                };
+                match field {
+                    Field::BodyAccel => of(|values| values.body_accel_m_s2),
+                    Field::WheelAccel => of(|values| values.wheel_accel_m_s2),
+                    Field::Pressure => of(|values| values.pressure_kpa),
+                    Field::Road => of(|values| values.road_m),
+                    Field::WheelSpeed => self.motion.wheel_speed_m_s[corner.index()],
+                    Field::WheelRotation => self.motion.wheel_speed_rad_s[corner.index()],
+                }
             }
         }
     }
@@ -223,6 +411,7 @@ mod tests {
             assert_eq!(slot.index(), i);
         }
         assert_eq!(slots[3].name(), "fl_wheel_accel_m_s2");
-        assert_eq!(slots[17].name(), "rr_road_m");
+        assert_eq!(slots[24].name(), "rr_wheel_speed_m_s");
+        assert_eq!(slots[29].name(), "brake");
     }
 }

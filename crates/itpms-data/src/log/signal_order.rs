@@ -3,7 +3,7 @@
 //! Between a feed and the aligner. Where a reading was left out because of its stamp, the rows of that moment are left out, too: they are
 //! a gap of the log, and no sensor's silence.
 
-use super::row::{Field, SLOTS, Slot};
+use super::row::{SLOTS, Slot};
 use super::stamps::{Coarse, Fate, Series, Sorted, Stamped, TOLERATED_SHARE, WINDOW_S};
 use crate::error::Problem;
 use crate::signals::Reading;
@@ -96,9 +96,7 @@ impl SignalOrder {
 
     /// Whether what was left out is still a repair, and where readings under a coarse clock belong is sure.
     pub(super) fn check(&self) -> Result<(), Problem> {
-        for slot in
-            Slot::all().filter(|slot| matches!(slot, Slot::Corner(_, Field::BodyAccel | Field::WheelAccel)))
-        {
+        for slot in Slot::all().filter(|slot| slot.is_acceleration() || slot.is_wheel_speed()) {
             let coarse = self.series[slot.index()].coarse();
             if coarse.is_unsure() {
                 let Coarse { step_s, rate_hz, .. } = coarse;

@@ -11,6 +11,8 @@ pub(super) const GAP_PERIODS: f64 = 3.0;
 /// No wheel can be seen below twice the wheel hop's 10 to 14 Hz, and no accelerometer of a car samples faster than
 /// this: outside, the unit of the time is wrong.
 const POSSIBLE_RATES_HZ: std::ops::RangeInclusive<f64> = 20.0..=50_000.0;
+/// Of wheel speeds alone, which come with every tenth of a second or more often.
+const POSSIBLE_WHEEL_SPEED_RATES_HZ: std::ops::RangeInclusive<f64> = 9.5..=50_000.0;
 
 /// What the first rows say about the clock.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,7 +34,12 @@ impl Survey {
     /// # Errors
     /// There are fewer than two rows, or the rate is none of a car's accelerometers.
     pub fn of<'a>(rows: impl IntoIterator<Item = &'a LogRow>) -> Result<Self, Problem> {
-        let times: Vec<f64> = rows.into_iter().map(|row| row.time_s).collect();
+        let mut accelerations = false;
+        let time_s = |row: &LogRow| {
+            accelerations |= row.corners.iter().any(Option::is_some);
+            row.time_s
+        };
+        let times: Vec<f64> = rows.into_iter().map(time_s).collect();
         let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
         if steps.is_empty() {
             return Err(Problem::TooFewSamples(times.len() as u64));
@@ -43,7 +50,8 @@ impl Survey {
         let mean = regular.iter().sum::<f64>() / regular.len() as f64;
         let variance = regular.iter().map(|step| (step - mean).powi(2)).sum::<f64>() / regular.len() as f64;
         let rate = 1.0 / mean;
-        if !POSSIBLE_RATES_HZ.contains(&rate) {
+        let possible = if accelerations { POSSIBLE_RATES_HZ } else { POSSIBLE_WHEEL_SPEED_RATES_HZ };
+        if !possible.contains(&rate) {
             return Err(Problem::SamplePeriod { period_s: sample_period_s, rate_hz: rate });
         }
         let whole = rate.round();
@@ -55,11 +63,17 @@ impl Survey {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::log::row::LogMotion;
 
     fn survey(times: impl IntoIterator<Item = f64>) -> Result<Survey, Problem> {
         let rows: Vec<LogRow> = times
             .into_iter()
-            .map(|time_s| LogRow { time_s, speed_m_s: f64::NAN, corners: [None; 4] })
+            .map(|time_s| LogRow {
+                time_s,
+                speed_m_s: f64::NAN,
+                corners: [None; 4],
+                motion: LogMotion::UNKNOWN,
+            })
             .collect();
         Survey::of(&rows)
     }

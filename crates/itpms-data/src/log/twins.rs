@@ -5,18 +5,15 @@
 
 use std::collections::VecDeque;
 
-use super::row::{Field, LogColumns, LogRow, Slot};
+use super::row::{LogColumns, LogRow, Slot};
 
 /// Different values that a column has at least, to be more than a sensor that stands still.
 const DIFFERENT: usize = 10;
 
 /// Pairs of columns with the same value in every row.
 pub(super) fn of(rows: &VecDeque<LogRow>, columns: &LogColumns) -> Vec<(String, String)> {
-    let slots: Vec<Slot> = columns
-        .slots()
-        .filter(|slot| matches!(slot, Slot::Corner(_, Field::BodyAccel | Field::WheelAccel)))
-        .filter(|slot| changes(rows, *slot))
-        .collect();
+    let slots: Vec<Slot> =
+        columns.slots().filter(|slot| slot.is_acceleration()).filter(|slot| changes(rows, *slot)).collect();
     let mut twins = Vec::new();
     for (place, one) in slots.iter().enumerate() {
         let same = |row: &LogRow, other: Slot| row.value(*one).to_bits() == row.value(other).to_bits();
@@ -37,7 +34,7 @@ mod tests {
     use itpms_core::model::Corner;
 
     use super::*;
-    use crate::log::row::{LogCorner, SLOTS};
+    use crate::log::row::{LogCorner, LogMotion, SLOTS};
 
     /// Rows whose wheels move by `wheel`, of the corner and the row.
     fn found(wheel: impl Fn(usize, usize) -> f64) -> Vec<(String, String)> {
@@ -53,6 +50,7 @@ mod tests {
             time_s: i as f64,
             speed_m_s: 20.0,
             corners: Corner::ALL.map(|c| Some(corner(c.index(), i))),
+            motion: LogMotion::UNKNOWN,
         };
         of(&(0..50).map(row).collect(), &columns)
     }

@@ -46,6 +46,11 @@ pub fn alert_object(alert: &Alert<f64>) -> Map<String, Value> {
             put("mean_share", json!(mean_share));
             put("sd_share", json!(sd_share));
         }
+        Cause::Differs { lost_share, lost_sd_share, is_known } => {
+            put("lost_share", json!(lost_share));
+            put("lost_sd_share", json!(lost_sd_share));
+            put("wheels_are_known", json!(is_known));
+        }
         Cause::Malfunction(malfunction) => put_malfunction(&mut put, malfunction),
         Cause::NoInformation { driven_s } => put("driven_s", json!(driven_s)),
     }

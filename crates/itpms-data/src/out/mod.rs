@@ -20,6 +20,7 @@ mod rate;
 mod results;
 mod state;
 mod table;
+mod wheel_speeds;
 
 pub use alerts::{alert_object, transition_object};
 pub use atomic::{AtomicFile, NewFolder, abandon_all};
@@ -31,3 +32,4 @@ pub use rate::RateGate;
 pub use results::{EstimateWriter, RoadPoint, RoadWriter};
 pub use state::{States, state_label};
 pub use table::Table;
+pub use wheel_speeds::{RadiusRow, WheelSpeedUse};

@@ -10,6 +10,7 @@ use super::AtomicFile;
 use super::cell::{Cell, Kind};
 use super::state::{States, state_label};
 use super::table::Table;
+use super::wheel_speeds::{RadiusRow, WheelSpeedUse};
 use crate::error::DataError;
 
 /// Writes `time_s`, then per corner `{c}_pressure_kpa, {c}_pressure_sd_kpa, {c}_stiffness_n_per_m, {c}_valid,
@@ -24,15 +25,16 @@ use crate::error::DataError;
 pub struct EstimateWriter {
     table: Table,
     corners: Vec<Corner>,
+    wheel_speeds: WheelSpeedUse,
     cells: Vec<Cell<'static>>,
 }
 
 impl EstimateWriter {
-    /// Starts the file with the columns of these corners.
+    /// Starts the file with the columns of these corners, and of wheel speeds ([`WheelSpeedUse::columns`]).
     ///
     /// # Errors
     /// The file cannot be created, or its extension is not known.
-    pub fn create(path: &Path, corners: &[Corner]) -> Result<Self, DataError> {
+    pub fn create(path: &Path, corners: &[Corner], wheel_speeds: WheelSpeedUse) -> Result<Self, DataError> {
         let mut columns = vec![("time_s".to_owned(), Kind::Number)];
         for corner in corners {
             for (suffix, kind) in [
@@ -51,7 +53,9 @@ impl EstimateWriter {
                 columns.push((format!("{}_{suffix}", corner.label()), kind));
             }
         }
-        Ok(Self { table: Table::create(path, &columns)?, corners: corners.to_vec(), cells: Vec::new() })
+        columns.extend(wheel_speeds.columns());
+        let (table, corners) = (Table::create(path, &columns)?, corners.to_vec());
+        Ok(Self { table, corners, wheel_speeds, cells: Vec::new() })
     }
 
     /// Adds a row; `estimates` and `states` in the order of [`Corner::ALL`]. A corner without an estimate has empty cells, is
@@ -64,6 +68,7 @@ impl EstimateWriter {
         time_s: f64,
         estimates: &[Option<CornerEstimate<f64>>; 4],
         states: &States,
+        radii: Option<&RadiusRow>,
     ) -> Result<(), DataError> {
         self.cells.clear();
         self.cells.push(Cell::Number(time_s));
@@ -85,6 +90,7 @@ impl EstimateWriter {
                 Cell::Label(state_label(states[corner.index()])),
             ]);
         }
+        self.wheel_speeds.cells(radii, &mut self.cells);
         self.table.write(&self.cells)
     }
 

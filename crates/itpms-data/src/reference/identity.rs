@@ -7,7 +7,7 @@ use itpms_core::model::Corner;
 
 use super::checksum::crc64;
 use super::problem::ReferenceProblem;
-use crate::vehicle::Vehicle;
+use crate::vehicle::{Vehicle, VehicleDetails};
 
 /// What tells one car from another.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -66,6 +66,11 @@ fn fingerprint(vehicle: &Vehicle) -> String {
         ];
         // The shortest decimals that read back as the same numbers: what a person would have typed.
         let _ = write!(text, " {} {values:?}", corner.label());
+    }
+    if vehicle.corners.iter().all(Option::is_none) {
+        // What wheel speeds are compared by, where they are all there is.
+        let VehicleDetails { track_front_m, track_rear_m, driven, .. } = &vehicle.details;
+        let _ = write!(text, " wheels {track_front_m:?} {track_rear_m:?} {driven:?}");
     }
     format!("{:016x}", crc64(&[text.as_bytes()]))
 }

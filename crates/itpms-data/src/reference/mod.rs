@@ -20,20 +20,23 @@
 //! front_bar_sd = 0.02
 //! [learned.left]                         # and right: gain, skew_s
 //! [corner.fl]                            # placard_kpa, unsprung_mass, damping, spring, spectrum_bias_kpa, shared_road_bias
+//! [wheel_speeds]                         # of a car whose wheel speeds were read: how the tires' radii differ, with covariances
 //! ```
 //!
-//! A later program may change everything but the first line's shape, so that an older one can say that it is too old.
+//! A reference of wheel speeds alone has no corners. A later program may change everything but the first line's shape, so that an older one can say that it is too old.
 
 mod checksum;
 mod identity;
 pub(crate) mod problem;
 mod text;
+mod wheel_speeds;
 
 use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::Path;
 
 use itpms_core::model::{CalibrationError, Learned, VehicleCalibration};
+use itpms_core::wheel_speed::RadiusCalibration;
 
 use crate::error::{DataError, Problem};
 use crate::out::AtomicFile;
@@ -42,8 +45,10 @@ pub use checksum::crc64;
 pub use identity::VehicleIdentity;
 pub use problem::ReferenceProblem;
 
-/// The format that is written, and the newest that is read.
-pub const FORMAT: u32 = 3;
+/// The newest format that is read, and that of a reference with wheel speeds.
+pub const FORMAT: u32 = 4;
+/// The format of one without.
+const WITHOUT_WHEEL_SPEEDS: u32 = 3;
 
 /// A file longer than this is not read to its end: it is something else.
 const LONGEST_BYTES: u64 = 64 * 1024;
@@ -71,8 +76,10 @@ pub struct StoredReference {
     pub learned_unix_s: u64,
     /// The wheelbase in m that was found, where the vehicle file's was assumed: what was learned counts from it.
     pub wheelbase_m: Option<f64>,
-    /// What was learned.
+    /// What was learned of corners with accelerations; of no corner where there were none.
     pub reference: VehicleCalibration<f64>,
+    /// What was learned of the wheel speeds.
+    pub wheel_speeds: Option<RadiusCalibration<f64>>,
 }
 
 impl StoredReference {
@@ -94,7 +101,32 @@ impl StoredReference {
         if reference.corners.iter().all(Option::is_none) {
             return Err(ReferenceProblem::Lacks("a corner").into());
         }
-        Ok(Self { vehicle: VehicleIdentity::of(vehicle), learned_unix_s, wheelbase_m, reference })
+        let vehicle = VehicleIdentity::of(vehicle);
+        Ok(Self { vehicle, learned_unix_s, wheelbase_m, reference, wheel_speeds: None })
+    }
+
+    /// What the wheel speeds of `vehicle` were found to be at the given time, its accelerations not being known.
+    #[must_use]
+    pub fn of_wheel_speeds(vehicle: &Vehicle, learned: RadiusCalibration<f64>, learned_unix_s: u64) -> Self {
+        Self {
+            vehicle: VehicleIdentity::of(vehicle),
+            learned_unix_s,
+            wheelbase_m: None,
+            reference: nothing_of_corners(),
+            wheel_speeds: Some(learned),
+        }
+    }
+
+    /// The same with what was learned of the wheel speeds.
+    #[must_use]
+    pub fn with_wheel_speeds(self, wheel_speeds: Option<RadiusCalibration<f64>>) -> Self {
+        Self { wheel_speeds, ..self }
+    }
+
+    /// Whether anything was learned of corners with accelerations.
+    #[must_use]
+    pub fn has_corners(&self) -> bool {
+        self.reference.corners.iter().any(Option::is_some)
     }
 
     /// What `vehicle` is to be told, if this was learned on it, and the vehicle from whose parameters that counts: itself, but for a
@@ -122,7 +154,10 @@ impl StoredReference {
     pub fn parse(bytes: &[u8]) -> Result<Self, Problem> {
         let stored = text::opened(bytes)?;
         check(&stored.reference).map_err(ReferenceProblem::Implausible)?;
-        Ok(stored)
+        match stored.wheel_speeds.as_ref().is_none_or(RadiusCalibration::is_sane) {
+            true => Ok(stored),
+            false => Err(ReferenceProblem::Lacks("wheel speeds that a car has").into()),
+        }
     }
 
     /// Writes the file. Killed or without power at any moment, `path` holds what it held before or this, whole; what
@@ -163,6 +198,19 @@ impl StoredReference {
     #[must_use]
     pub fn day(&self) -> String {
         text::day(self.learned_unix_s)
+    }
+}
+
+/// What a car without accelerations teaches of corners.
+fn nothing_of_corners() -> VehicleCalibration<f64> {
+    let nothing = Learned { value: 0.0, sd: 1.0 };
+    VehicleCalibration {
+        corners: [None; 4],
+        bar: [nothing; 2],
+        gain: [nothing; 2],
+        wheelbase: nothing,
+        skew_s: [nothing; 2],
+        learned_s: 1.0,
     }
 }
 

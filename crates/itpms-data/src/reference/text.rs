@@ -6,7 +6,10 @@ use itpms_core::model::{Corner, CornerCalibration, Learned, VehicleCalibration};
 use toml::de::DeTable;
 
 use super::checksum::crc64;
-use super::{FORMAT, ReferenceProblem, StoredReference, VehicleIdentity};
+use super::{
+    FORMAT, ReferenceProblem, StoredReference, VehicleIdentity, WITHOUT_WHEEL_SPEEDS, nothing_of_corners,
+    wheel_speeds,
+};
 use crate::error::Problem;
 use crate::toml_table::{Table, escaped, syntax_problem};
 
@@ -22,7 +25,8 @@ const SIDE_QUANTITIES: [&str; 2] = ["gain", "skew_s"];
 /// The file with its first line.
 pub(super) fn sealed(stored: &StoredReference) -> String {
     let body = body(stored);
-    let format = FORMAT.to_string();
+    let newest = stored.wheel_speeds.is_some();
+    let format = if newest { FORMAT } else { WITHOUT_WHEEL_SPEEDS }.to_string();
     format!("{MAGIC}{format} {}\n{body}", seal(&format, body.as_bytes()))
 }
 
@@ -57,7 +61,7 @@ fn seal(format: &str, body: &[u8]) -> String {
 }
 
 fn body(stored: &StoredReference) -> String {
-    let (vehicle, reference) = (&stored.vehicle, &stored.reference);
+    let vehicle = &stored.vehicle;
     let mut out = format!("[vehicle]\nname = \"{}\"\n", escaped(&vehicle.name));
     if let Some(id) = &vehicle.id {
         let _ = writeln!(out, "id = \"{}\"", escaped(id));
@@ -70,17 +74,29 @@ fn body(stored: &StoredReference) -> String {
         stored.learned_unix_s,
         day(stored.learned_unix_s)
     );
+    if stored.has_corners() {
+        corners(&mut out, stored);
+    }
+    if let Some(learned) = &stored.wheel_speeds {
+        wheel_speeds::write(&mut out, learned);
+    }
+    out
+}
+
+/// What accelerations have taught.
+fn corners(out: &mut String, stored: &StoredReference) {
+    let reference = &stored.reference;
     let _ = writeln!(out, "driving_s = {:?}", reference.learned_s);
     if let Some(wheelbase_m) = stored.wheelbase_m {
         let _ = writeln!(out, "wheelbase_m = {wheelbase_m:?}");
     }
-    write_learned(&mut out, "wheelbase", &reference.wheelbase);
-    write_learned(&mut out, "front_bar", &reference.bar[0]);
-    write_learned(&mut out, "rear_bar", &reference.bar[1]);
+    write_learned(out, "wheelbase", &reference.wheelbase);
+    write_learned(out, "front_bar", &reference.bar[0]);
+    write_learned(out, "rear_bar", &reference.bar[1]);
     for (i, side) in SIDES.into_iter().enumerate() {
         let _ = writeln!(out, "\n[learned.{side}]");
-        write_learned(&mut out, "gain", &reference.gain[i]);
-        write_learned(&mut out, "skew_s", &reference.skew_s[i]);
+        write_learned(out, "gain", &reference.gain[i]);
+        write_learned(out, "skew_s", &reference.skew_s[i]);
     }
     for corner in Corner::ALL {
         let Some(learned) = &reference.corners[corner.index()] else { continue };
@@ -93,10 +109,9 @@ fn body(stored: &StoredReference) -> String {
             learned.shared_road_bias,
         ];
         for (name, value) in CORNER_QUANTITIES.into_iter().zip(&values) {
-            write_learned(&mut out, name, value);
+            write_learned(out, name, value);
         }
     }
-    out
 }
 
 fn write_learned(out: &mut String, name: &str, learned: &Learned<f64>) {
@@ -107,7 +122,7 @@ fn write_learned(out: &mut String, name: &str, learned: &Learned<f64>) {
 fn read_body(text: &str, format: u32) -> Result<StoredReference, Problem> {
     let document = DeTable::parse(text).map_err(|error| syntax_problem(text, &error))?;
     let root = Table::root(text, document.get_ref());
-    root.check_keys(&["vehicle", "learned", "corner"])?;
+    root.check_keys(&["vehicle", "learned", "corner", "wheel_speeds"])?;
     let vehicle = needed_table(&root, "vehicle")?;
     vehicle.check_keys(&["name", "id", "parameters"])?;
     let vehicle = VehicleIdentity {
@@ -118,6 +133,11 @@ fn read_body(text: &str, format: u32) -> Result<StoredReference, Problem> {
     let learned = needed_table(&root, "learned")?;
     let unix_s = needed_text(&learned, "unix_s")?;
     let learned_unix_s = unix_s.parse().map_err(|_| ReferenceProblem::Lacks("a time in whole seconds"))?;
+    let wheel_speeds = root.table("wheel_speeds")?.map(|table| wheel_speeds::read(&table)).transpose()?;
+    if wheel_speeds.is_some() && !root.has("corner") {
+        let reference = nothing_of_corners();
+        return Ok(StoredReference { vehicle, learned_unix_s, wheelbase_m: None, reference, wheel_speeds });
+    }
     let [[left_gain, left_skew], [right_gain, right_skew]] =
         [read_side(&learned, SIDES[0])?, read_side(&learned, SIDES[1])?];
     let reference = VehicleCalibration {
@@ -135,7 +155,7 @@ fn read_body(text: &str, format: u32) -> Result<StoredReference, Problem> {
     if wheelbase_m.is_some_and(|m| !super::is_a_cars(m)) {
         return Err(ReferenceProblem::Lacks("a wheelbase that a car has").into());
     }
-    Ok(StoredReference { vehicle, learned_unix_s, wheelbase_m, reference })
+    Ok(StoredReference { vehicle, learned_unix_s, wheelbase_m, reference, wheel_speeds })
 }
 
 fn read_corners(corners: &Table<'_>, format: u32) -> Result<[Option<CornerCalibration<f64>>; 4], Problem> {
@@ -179,7 +199,7 @@ fn needed_text(table: &Table<'_>, key: &'static str) -> Result<String, Problem> 
     table.text(key)?.ok_or_else(|| table.lacks(key))
 }
 
-fn needed_number(table: &Table<'_>, key: &'static str) -> Result<f64, Problem> {
+pub(super) fn needed_number(table: &Table<'_>, key: &'static str) -> Result<f64, Problem> {
     table.number(key)?.ok_or_else(|| table.lacks(key))
 }
 

@@ -23,7 +23,7 @@ use crate::log::Slot;
 use crate::toml_table::{Table, syntax_problem};
 
 /// Which signal goes into which column.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct SignalMap {
     pub(super) path: PathBuf,
     pub(super) entries: Vec<Entry>,

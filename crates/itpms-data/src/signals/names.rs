@@ -6,7 +6,7 @@
 
 use itpms_core::model::Corner;
 
-use crate::log::{Field, Slot};
+use crate::log::{Field, Motion, Slot};
 
 /// How sure the words are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -35,6 +35,10 @@ enum Word {
     Pressure,
     Road,
     Height,
+    Yaw,
+    Rate,
+    Lateral,
+    Longitudinal,
     /// Says nothing: `signal`, `value`, a unit.
     Filler,
     /// Makes it something else: another axis, a limit, a status.
@@ -45,7 +49,7 @@ enum Word {
 }
 
 #[rustfmt::skip]
-const WORDS: [(&str, Word); 159] = [
+const WORDS: [(&str, Word); 166] = [
     ("fl", Word::Corner(Corner::FrontLeft)), ("lf", Word::Corner(Corner::FrontLeft)), ("vl", Word::Corner(Corner::FrontLeft)),
     ("fr", Word::Corner(Corner::FrontRight)), ("rf", Word::Corner(Corner::FrontRight)), ("vr", Word::Corner(Corner::FrontRight)),
     ("rl", Word::Corner(Corner::RearLeft)), ("lr", Word::Corner(Corner::RearLeft)), ("hl", Word::Corner(Corner::RearLeft)),
@@ -62,7 +66,9 @@ const WORDS: [(&str, Word); 159] = [
     // German.
     ("aufbau", Word::Body), ("karosserie", Word::Body), ("rad", Word::Wheel), ("beschl", Word::Acceleration),
     ("beschleunigung", Word::Acceleration), ("vertikal", Word::Vertical), ("fahrzeug", Word::Vehicle), ("fzg", Word::Vehicle),
-    ("geschwindigkeit", Word::Speed),
+    ("geschwindigkeit", Word::Speed), ("geschw", Word::Speed), ("speeds", Word::Speed),
+    // A speed of rotation, as in `WhlFl_W_Meas` and `VehYaw_W_Actl`.
+    ("w", Word::Speed), ("meas", Word::Filler), ("actl", Word::Filler), ("esp", Word::Filler), ("abs", Word::Filler),
     ("tire", Word::Tire), ("tyre", Word::Tire), ("tpms", Word::Tire),
     ("pressure", Word::Pressure), ("press", Word::Pressure), ("prs", Word::Pressure),
     ("road", Word::Road), ("height", Word::Height), ("elevation", Word::Height), ("profile", Word::Height),
@@ -71,9 +77,9 @@ const WORDS: [(&str, Word); 159] = [
     ("ms2", Word::Filler), ("mps2", Word::Filler), ("mps", Word::Filler), ("g", Word::Filler), ("mg", Word::Filler),
     ("km", Word::Filler), ("h", Word::Filler), ("kmh", Word::Filler), ("kph", Word::Filler), ("mph", Word::Filler),
     ("kpa", Word::Filler), ("bar", Word::Filler), ("psi", Word::Filler), ("mm", Word::Filler),
-    ("x", Word::Other), ("y", Word::Other), ("lat", Word::Other), ("lateral", Word::Other), ("lon", Word::Other),
-    ("long", Word::Other), ("longitudinal", Word::Other), ("pedal", Word::Other), ("gyro", Word::Other), ("yaw", Word::Other),
-    ("roll", Word::Other), ("pitch", Word::Other), ("angle", Word::Other), ("angular", Word::Other), ("rate", Word::Other),
+    ("x", Word::Longitudinal), ("y", Word::Lateral), ("lat", Word::Lateral), ("lateral", Word::Lateral), ("lon", Word::Longitudinal),
+    ("long", Word::Longitudinal), ("longitudinal", Word::Longitudinal), ("pedal", Word::Other), ("gyro", Word::Other), ("yaw", Word::Yaw),
+    ("roll", Word::Other), ("pitch", Word::Other), ("angle", Word::Other), ("angular", Word::Other), ("rate", Word::Rate),
     ("temp", Word::Other), ("temperature", Word::Other), ("status", Word::Other), ("stat", Word::Other), ("state", Word::Other),
     ("sts", Word::Other), ("valid", Word::Other), ("validity", Word::Other), ("quality", Word::Other), ("qual", Word::Other),
     ("qualifier", Word::Other), ("qf", Word::Other), ("error", Word::Other), ("err", Word::Other), ("fault", Word::Other),
@@ -98,11 +104,16 @@ pub(crate) fn meaning(group: &str, name: &str) -> Option<(Slot, Fit)> {
     let corner = corner(&own).or_else(|| if names_corner(&own) { None } else { corner(&around) });
     let complete = !has(Word::Unknown);
     let fit = |sure: bool| if sure && complete { Fit::AllWords } else { Fit::SomeWords };
+    if [Word::Yaw, Word::Rate, Word::Lateral, Word::Longitudinal].into_iter().any(has) {
+        let of_the_car = corner.is_none() && !says(Word::Wheel) && !names_corner(&own);
+        return motion(&own).filter(|_| of_the_car).map(|motion| (Slot::Motion(motion), fit(true)));
+    }
     if let Some(corner) = corner {
         let field = if has(Word::Pressure) {
             says(Word::Tire).then_some((Field::Pressure, fit(true)))
-        } else if has(Word::Speed) {
-            None
+        } else if has(Word::Speed) || says(Word::Speed) && own.iter().all(is_of_a_corner) {
+            let of_a_wheel = says(Word::Wheel) && !has(Word::Vertical) && !has(Word::Acceleration);
+            of_a_wheel.then_some((Field::WheelSpeed, fit(true)))
         } else if has(Word::Road) && (has(Word::Height) || has(Word::Vertical)) {
             Some((Field::Road, fit(true)))
         } else if says(Word::Acceleration) {
@@ -117,6 +128,18 @@ pub(crate) fn meaning(group: &str, name: &str) -> Option<(Slot, Fit)> {
         return Some((Slot::Speed, fit(says(Word::Vehicle))));
     }
     None
+}
+
+/// How a car moves, if it is that: yaw has a rate or a speed, an acceleration one direction.
+fn motion(words: &[Word]) -> Option<Motion> {
+    let has = |word| words.contains(&word);
+    match (has(Word::Yaw), has(Word::Lateral), has(Word::Longitudinal)) {
+        (true, false, false) if has(Word::Rate) || has(Word::Speed) => Some(Motion::YawRate),
+        _ if has(Word::Rate) || has(Word::Speed) || !has(Word::Acceleration) => None,
+        (false, true, false) => Some(Motion::AccelY),
+        (false, false, true) => Some(Motion::AccelX),
+        _ => None,
+    }
 }
 
 /// Body or wheel, if it is one of the two.
@@ -145,9 +168,11 @@ fn corner(words: &[Word]) -> Option<Corner> {
 
 /// Whether anything is said of a corner, be it contradictory.
 fn names_corner(words: &[Word]) -> bool {
-    let corner =
-        |word: &Word| matches!(word, Word::Corner(_) | Word::Front | Word::Rear | Word::Left | Word::Right);
-    words.iter().any(corner)
+    words.iter().any(is_of_a_corner)
+}
+
+fn is_of_a_corner(word: &Word) -> bool {
+    matches!(word, Word::Corner(_) | Word::Front | Word::Rear | Word::Left | Word::Right)
 }
 
 /// The words of a name: at `_` and the like, where small letters turn into capitals, and inside `vehspd`.
@@ -231,6 +256,19 @@ mod tests {
             ("TPMS", "Pressure_FL", "fl_pressure_kpa"),
             ("", "TirePressFrontRight", "fr_pressure_kpa"),
             ("", "road_height_rl", "rl_road_m"),
+            // Toyota, Honda; Volkswagen; Hyundai; Ford; General Motors; Subaru, as in public DBC files.
+            ("WHEEL_SPEEDS", "WHEEL_SPEED_FL", "fl_wheel_speed_m_s"),
+            ("ESP_19", "ESP_HR_Radgeschw_02", "rr_wheel_speed_m_s"),
+            ("Bremse_3", "Radgeschw__VR_4_1", "fr_wheel_speed_m_s"),
+            ("WHL_SPD11", "WHL_SPD_RL", "rl_wheel_speed_m_s"),
+            ("WheelSpeed", "WhlRr_W_Meas", "rr_wheel_speed_m_s"),
+            ("EBCMWheelSpdRear", "RLWheelSpd", "rl_wheel_speed_m_s"),
+            ("Wheel_Speeds", "FR", "fr_wheel_speed_m_s"),
+            ("WheelSpeeds", "Speed_FL", "fl_wheel_speed_m_s"),
+            ("Yaw_Data_FD1", "VehYaw_W_Actl", "yaw_rate_rad_s"),
+            ("KINEMATICS", "YAW_RATE", "yaw_rate_rad_s"),
+            ("KINEMATICS", "ACCEL_Y", "accel_y_m_s2"),
+            ("", "LongitudinalAcceleration", "accel_x_m_s2"),
         ] {
             assert_eq!(column(group, name).unwrap_or_default(), expected, "{group}.{name}");
         }
@@ -240,9 +278,13 @@ mod tests {
     fn what_is_something_else_is_left_alone() {
         for (group, name) in [
             ("", "FL_BodyAccX"),
-            ("", "LateralAcceleration"),
-            ("", "WheelSpeed_FL"),
-            ("WheelSpeeds", "Speed_FL"),
+            ("", "LateralVelocity"),
+            ("", "ACC_X_FL"),
+            ("", "YawAngle"),
+            ("", "WheelSpeed"),
+            ("WHL_SPD11", "WHL_SPD_AliveCounter_LSB"),
+            ("WheelSpeeds", "FL_Status"),
+            ("", "WheelAccel_Speed_FL"),
             ("Engine", "Speed"),
             ("", "VehicleSpeedLimit"),
             ("", "BodyAccZ"),

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::problem::{stated, suggested};
-use crate::log::{Quantity, Slot};
+use crate::log::Slot;
 
 /// Who said that a signal is a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -77,7 +77,7 @@ impl Remark {
     pub(super) fn is_of_acceleration(&self) -> bool {
         match self {
             Remark::Ambiguous { slot, .. } | Remark::Unit { slot, .. } | Remark::Unread { slot, .. } => {
-                Quantity::of(*slot) == Quantity::Acceleration
+                slot.is_acceleration()
             }
             Remark::UsedTwice { .. } => false,
         }

@@ -8,7 +8,7 @@ use itpms_core::model::Corner;
 
 use super::remark::{Remark, Source};
 use super::{Conversion, Resolved};
-use crate::log::{Field, Quantity, Slot};
+use crate::log::{Field, LogColumns, Quantity, Slot};
 use crate::toml_table::escaped;
 
 impl Resolved {
@@ -41,7 +41,27 @@ impl Resolved {
             .lone()
             .into_iter()
             .map(|slot| format!("there is no signal for {}, so that corner is left out", slot.name()));
-        guessed.chain(doubts).chain(lone).collect()
+        guessed.chain(doubts).chain(lone).chain(self.lacking_wheels()).collect()
+    }
+
+    /// Whether all four wheels have a speed.
+    #[must_use]
+    pub fn has_wheel_speeds(&self) -> bool {
+        LogColumns::of(&self.slots()).motion.wheel_speeds()
+    }
+
+    /// The wheels without a speed where others have one, as a sentence.
+    fn lacking_wheels(&self) -> Option<String> {
+        let has = |corner: &Corner| {
+            let of = |field| self.get(Slot::Corner(*corner, field)).is_some();
+            of(Field::WheelSpeed) || of(Field::WheelRotation)
+        };
+        let lacking: Vec<&str> = Corner::ALL.into_iter().filter(|c| !has(c)).map(Corner::label).collect();
+        let some = !self.has_wheel_speeds() && lacking.len() < Corner::ALL.len();
+        let wheels = if lacking.is_empty() { "one unit for all".to_owned() } else { lacking.join(" ") };
+        some.then(|| {
+            format!("wheel speeds are of use for all four wheels alone and are left out; missing: {wheels}")
+        })
     }
 
     /// The corners that have both accelerations, in the order of [`Corner::ALL`].
@@ -52,13 +72,13 @@ impl Resolved {
         Corner::ALL.into_iter().filter(complete).collect()
     }
 
-    /// Why nothing can be estimated from these signals, if no corner has both accelerations; else `None`.
+    /// Why nothing can be estimated from these signals, if no corner has both accelerations and not all four wheels have a speed; else `None`.
     #[must_use]
     pub fn unusable(&self) -> Option<String> {
-        if !self.corners().is_empty() {
+        if !self.corners().is_empty() || self.has_wheel_speeds() {
             return None;
         }
-        let accelerations = self.iter().filter(|c| Quantity::of(c.slot) == Quantity::Acceleration).count();
+        let accelerations = self.iter().filter(|c| c.slot.is_acceleration()).count();
         let mut text = match (self.candidates, accelerations) {
             (0, _) => "there are no signals".to_owned(),
             (of, 0) => format!("none of {of} signals is known to be an acceleration of a body or wheel"),
@@ -83,7 +103,7 @@ impl Resolved {
         }
         if self.candidates > 0 {
             text.push_str(
-                "; expected body and wheel of one corner or more: name them in a map (--signals map.toml)",
+                "; expected body and wheel of one corner or more, or the speeds of four wheels: name them in a map (--signals map.toml)",
             );
         }
         Some(text)

@@ -5,12 +5,14 @@
 //! the one whose words say it (`FL_BodyAccZ`, see [`names`](super::names)). A step counts only if one signal alone
 //! takes it: of two nobody knows which is meant, so both are named and neither is taken. Knows nothing of formats.
 
+use itpms_core::model::Corner;
+
 use super::names::{self, Fit};
 use super::remark::{Remark, Source};
 use super::units::Unit;
 use super::{Candidate, Conversion, Entry, Scale, SignalMap, SignalProblem, Unread};
 use crate::error::{DataError, Problem};
-use crate::log::{SLOTS, Slot};
+use crate::log::{Field, SLOTS, Slot};
 use crate::nearest::nearest;
 
 /// One column's signal.
@@ -101,6 +103,10 @@ pub fn resolve_knowing(
     let fits = Fits::of(candidates);
     for slot in Slot::all().filter(|slot| !settled[slot.index()]) {
         let taken = |candidate: usize| resolved.iter().any(|chosen| chosen.candidate == candidate);
+        // How a car moves is asked for where wheel speeds are.
+        if matches!(slot, Slot::Motion(_)) && !resolved.has_wheel_speeds() {
+            continue;
+        }
         match fits.best(candidates, slot, taken) {
             Best::Nothing => resolved.remarks.extend(unread.iter().find_map(|unread| unread.as_column(slot))),
             Best::One(chosen) => resolved.chosen[slot.index()] = Some(chosen),
@@ -213,6 +219,13 @@ struct Fits {
     places: Vec<[Vec<usize>; STEPS.len()]>,
 }
 
+/// The place of a wheel's speed of rotation, of that of its speed.
+fn rotation_of(place: usize) -> Option<usize> {
+    let slot = |field| Corner::ALL.map(|corner| Slot::Corner(corner, field).index());
+    let speeds = slot(Field::WheelSpeed).into_iter().zip(slot(Field::WheelRotation));
+    speeds.filter(|(speed, _)| *speed == place).map(|(_, rotation)| rotation).next()
+}
+
 const STEPS: [Source; 4] = [Source::Name, Source::Letters, Source::Words, Source::SomeWords];
 
 enum Best {
@@ -238,6 +251,12 @@ impl Fits {
                 },
             };
             fits.places[slot][step].push(place);
+            // Words do not tell a wheel's speed from its rotation; the unit does.
+            if step >= 2
+                && let Some(rotation) = rotation_of(slot)
+            {
+                fits.places[rotation][step].push(place);
+            }
         }
         fits
     }

@@ -48,10 +48,16 @@ impl Unit {
             Unit::Known(quantity, factor) if quantity == Quantity::of(slot) => {
                 Some(Conversion { factor, offset: 0.0 })
             }
+            // A switch has no unit.
+            Unit::Silent if Quantity::of(slot) == Quantity::Switch => Some(Conversion::IDENTITY),
             _ => None,
         }
     }
 }
+
+/// A turn and a degree in rad.
+const TURN: f64 = std::f64::consts::TAU;
+const DEGREE: f64 = TURN / 360.0;
 
 /// Without blanks, brackets and signs of multiplication and power: `m / s ^ 2`, `m·s⁻²` and `[m/s²]` are written in
 /// many ways.
@@ -72,8 +78,8 @@ fn plain(text: &str) -> String {
 }
 
 #[rustfmt::skip]
-const UNITS: [(&str, Quantity, f64); 73] = {
-    use Quantity::{Acceleration, Length, Pressure, Speed, Time};
+const UNITS: [(&str, Quantity, f64); 95] = {
+    use Quantity::{Acceleration, Length, Pressure, Rotation, Speed, Time};
     [
         ("m/s2", Acceleration, 1.0), ("m/s/s", Acceleration, 1.0), ("ms-2", Acceleration, 1.0), ("mps2", Acceleration, 1.0),
         ("m/sec2", Acceleration, 1.0), ("m/ss", Acceleration, 1.0), ("mpss", Acceleration, 1.0), ("ms2", Acceleration, 1.0),
@@ -98,6 +104,13 @@ const UNITS: [(&str, Quantity, f64); 73] = {
 
         ("m", Length, 1.0), ("mm", Length, 1e-3), ("cm", Length, 0.01), ("dm", Length, 0.1), ("um", Length, 1e-6),
         ("meter", Length, 1.0), ("in", Length, 0.0254), ("inch", Length, 0.0254), ("ft", Length, 0.3048), ("km", Length, 1000.0),
+
+        ("rad/s", Rotation, 1.0), ("rad/sec", Rotation, 1.0), ("rads-1", Rotation, 1.0), ("rads", Rotation, 1.0), ("radps", Rotation, 1.0),
+        ("RadianPerSecond", Rotation, 1.0), ("deg/s", Rotation, DEGREE), ("deg/sec", Rotation, DEGREE), ("degs-1", Rotation, DEGREE),
+        ("degree/s", Rotation, DEGREE), ("degrees/s", Rotation, DEGREE), ("degrees/sec", Rotation, DEGREE), ("°/s", Rotation, DEGREE),
+        ("°/sec", Rotation, DEGREE), ("dps", Rotation, DEGREE), ("DegreOfArcPerSeco", Rotation, DEGREE), ("mrad/s", Rotation, 1e-3),
+        ("rpm", Rotation, TURN / 60.0), ("1/min", Rotation, TURN / 60.0), ("min-1", Rotation, TURN / 60.0),
+        ("rev/min", Rotation, TURN / 60.0), ("U/min", Rotation, TURN / 60.0),
 
         ("s", Time, 1.0), ("sec", Time, 1.0), ("ms", Time, 1e-3), ("us", Time, 1e-6), ("ns", Time, 1e-9), ("min", Time, 60.0),
     ]
@@ -140,6 +153,22 @@ mod tests {
         assert!((factor("psi", pressure).unwrap() - 6.894_757).abs() < 1e-6);
         assert_eq!(factor("bar", pressure), Some(100.0));
         assert_eq!(factor("mm", Slot::Corner(Corner::RearLeft, Field::Road)), Some(0.001));
+    }
+
+    #[test]
+    fn wheels_and_yaw_turn() {
+        let rotation = Slot::Corner(Corner::RearLeft, Field::WheelRotation);
+        // A turn is 2 pi: 60 rpm are a turn a second, and so are 360 degrees.
+        for (text, turns_per_s) in
+            [("rpm", 60.0), ("1/min", 60.0), ("deg/s", 360.0), ("°/s", 360.0), ("Deg/Sec", 360.0)]
+        {
+            let rad_s = factor(text, rotation).unwrap() * turns_per_s;
+            assert!((rad_s - 6.283_185_307_179_586).abs() < 1e-12, "{text}");
+        }
+        assert_eq!(factor("rad/s", rotation), Some(1.0));
+        assert_eq!(factor("km/h", rotation), None);
+        let speed = Slot::Corner(Corner::RearLeft, Field::WheelSpeed);
+        assert_eq!((factor("rad/s", speed), factor("km/h", speed)), (None, Some(1.0 / 3.6)));
     }
 
     #[test]

@@ -2,6 +2,17 @@
 //! tracks, and what the wheel-speed methods need. Read by `read_details`, written by `write`; knows no TOML.
 
 use itpms_core::model::Confidence;
+use itpms_core::wheel_speed::DrivenAxle;
+
+impl From<Driven> for DrivenAxle {
+    fn from(driven: Driven) -> Self {
+        match driven {
+            Driven::Front => Self::Front,
+            Driven::Rear => Self::Rear,
+            Driven::All => Self::Both,
+        }
+    }
+}
 
 /// Which wheels are driven.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -42,8 +53,17 @@ pub struct VehicleDetails {
     pub track_rear_m: Option<f64>,
     /// Which wheels are driven.
     pub driven: Option<Driven>,
+    /// Whether a driven axle's wheels are coupled: a limited-slip or locked differential.
+    pub limited_slip: bool,
     /// By corner, in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL); empty for a corner that the vehicle does not have.
     pub corners: [CornerDetails; 4],
+}
+
+impl VehicleDetails {
+    /// Whether tracks and driven axle are there: with a wheelbase all that wheel speeds need.
+    pub(super) fn has_wheels(&self) -> bool {
+        self.track_front_m.is_some() && self.track_rear_m.is_some() && self.driven.is_some()
+    }
 }
 
 /// The optional keys of a corner and of its tire. All standard deviations are relative ones (0.05 is 5 %) unless
@@ -66,6 +86,8 @@ pub struct CornerDetails {
     pub tire_damping_n_s_per_m: Option<f64>,
     /// Its standard deviation in N s/m.
     pub tire_damping_sd_n_s_per_m: Option<f64>,
+    /// Placard pressure in kPa of a corner of which nothing else is known: wheel speeds need no more.
+    pub placard_kpa: Option<f64>,
     /// The tire's optional keys.
     pub tire: TireDetails,
 }
@@ -81,6 +103,8 @@ pub struct TireDetails {
     pub rolling_radius_m: Option<f64>,
     /// Relative change of the rolling radius per unit of ln(pressure): `d ln R / d ln p`.
     pub radius_per_ln_pressure: Option<f64>,
+    /// Its standard deviation.
+    pub radius_per_ln_pressure_sd: Option<f64>,
     /// Torsional resonance of belt against rim in Hz at placard pressure.
     pub torsion_hz: Option<f64>,
     /// Its change in Hz per kPa.

@@ -34,11 +34,13 @@
 //! track_front_m = 1.55
 //! track_rear_m = 1.55
 //! driven = "front"               # or "rear", "all"
+//! limited_slip = true            # coupled wheels of a driven axle
 //! [tire]
 //! stiffness_relative_sd = 0.03   # of the line as a whole
 //! stiffness_over_mass_relative_sd = 0.02 # of stiffness over unsprung mass, where a drive has told it
 //! rolling_radius_m = 0.31
 //! radius_per_ln_pressure = 0.005 # d ln R / d ln p
+//! radius_per_ln_pressure_sd = 0.003
 //! torsion_hz = 45.0
 //! torsion_hz_per_kpa = 0.045
 //! teeth = 48
@@ -52,6 +54,9 @@
 //! tire_damping_n_s_per_m = 50.0
 //! tire_damping_sd_n_s_per_m = 30.0
 //! ```
+//!
+//! Wheel speeds need no masses, springs, dampers and stiffnesses: a file with `wheelbase_m`, `track_front_m`, `track_rear_m` and
+//! `driven` is complete without them, and its corners have a `placard_kpa` or are not there.
 //!
 //! | module | idea |
 //! |---|---|
@@ -72,6 +77,7 @@ use std::path::Path;
 
 use itpms_core::model::quarter_car::{ParameterError, QuarterCar};
 use itpms_core::model::{CarConfig, Corner, CornerConfig, PressureMap};
+use itpms_core::wheel_speed::WheelSpeedConfig;
 use toml::de::DeTable;
 
 use crate::error::{DataError, Problem};
@@ -122,7 +128,7 @@ const PLAUSIBLE: [(&str, f64, f64); 14] = [
 /// Largest standard deviation in m of a wheelbase that was measured or learned.
 const MEASURED_WHEELBASE_SD_M: f64 = 0.05;
 
-const TIRE_KEYS: [&str; 12] = [
+const TIRE_KEYS: [&str; 13] = [
     "stiffness_per_kpa",
     "stiffness_at_zero",
     "stiffness_per_kpa_sd",
@@ -132,6 +138,7 @@ const TIRE_KEYS: [&str; 12] = [
     "stiffness_over_mass_relative_sd",
     "rolling_radius_m",
     "radius_per_ln_pressure",
+    "radius_per_ln_pressure_sd",
     "torsion_hz",
     "torsion_hz_per_kpa",
     "teeth",
@@ -201,6 +208,45 @@ impl Vehicle {
         self
     }
 
+    /// Pressure on the placard of this corner's tire in kPa, where the file has it.
+    #[must_use]
+    pub fn placard_kpa(&self, corner: Corner) -> Option<f64> {
+        let alone = self.details.corners[corner.index()].placard_kpa;
+        self.corner(corner).map(|config| config.placard_kpa).or(alone)
+    }
+
+    /// Rolling radius in m of the tires, where the file has one.
+    #[must_use]
+    pub fn rolling_radius_m(&self) -> Option<f64> {
+        self.details.corners.iter().find_map(|corner| corner.tire.rolling_radius_m)
+    }
+
+    /// What the analysis of wheel speeds is told.
+    ///
+    /// # Errors
+    /// The key that the file lacks for that.
+    pub fn wheel_speed_config(&self) -> Result<WheelSpeedConfig<f64>, &'static str> {
+        let VehicleDetails { track_front_m, track_rear_m, driven, limited_slip, .. } = self.details;
+        let mut config = WheelSpeedConfig::new(
+            self.wheelbase_m.ok_or("wheelbase_m")?,
+            track_front_m.ok_or("track_front_m")?,
+            track_rear_m.ok_or("track_rear_m")?,
+            driven.ok_or("driven")?.into(),
+        );
+        config.limited_slip = limited_slip;
+        let tire = |of: fn(&TireDetails) -> Option<f64>| {
+            let told: Vec<f64> = self.details.corners.iter().filter_map(|corner| of(&corner.tire)).collect();
+            (!told.is_empty()).then(|| told.iter().sum::<f64>() / told.len() as f64)
+        };
+        if let Some(told) = tire(|tire| tire.radius_per_ln_pressure) {
+            config.radius_per_ln_pressure = told;
+        }
+        if let Some(sd) = tire(|tire| tire.radius_per_ln_pressure_sd) {
+            config.radius_per_ln_pressure_sd = sd / config.radius_per_ln_pressure.abs();
+        }
+        Ok(config)
+    }
+
     /// Whether the wheelbase is that of other cars: its standard deviation says that nobody has measured it. `itpms vehicle learn` and a
     /// calibration find it then.
     #[must_use]
@@ -255,19 +301,30 @@ impl Vehicle {
             wheelbase_m = checked(&vehicle, "wheelbase_m")?;
             details = read_details::vehicle(&vehicle)?;
         }
-        let tire = root.table("tire")?.map(|table| read_tire(&table)).transpose()?;
+        let rolls = wheelbase_m.is_some() && details.has_wheels();
+        let tire = root.table("tire")?.map(|table| read_tire(&table, rolls)).transpose()?;
 
-        let corner_tables = root.table("corner")?.ok_or(Problem::NoCorner)?;
-        corner_tables.check_keys(&Corner::ALL.map(Corner::label))?;
+        // Wheels are there whether or not a table speaks of them.
+        if let Some((_, tire)) = tire.filter(|_| rolls) {
+            details.corners = [CornerDetails { tire, ..CornerDetails::default() }; 4];
+        }
+        let corner_tables = root.table("corner")?;
         let mut corners = [None; 4];
         for corner in Corner::ALL {
-            if let Some(table) = corner_tables.table(corner.label())? {
-                let (config, beyond) = read_corner(&table, tire)?;
-                corners[corner.index()] = Some(config);
-                details.corners[corner.index()] = beyond;
-            }
+            let tables = corner_tables.as_ref();
+            tables.map_or(Ok(()), |tables| tables.check_keys(&Corner::ALL.map(Corner::label)))?;
+            let Some(table) = tables.map_or(Ok(None), |tables| tables.table(corner.label()))? else {
+                continue;
+            };
+            let wheel = rolls.then(|| read_wheel(&table, tire)).transpose()?.flatten();
+            let (config, beyond) = match wheel {
+                Some(wheel) => (None, wheel),
+                None => read_corner(&table, tire).map(|(config, beyond)| (Some(config), beyond))?,
+            };
+            corners[corner.index()] = config;
+            details.corners[corner.index()] = beyond;
         }
-        if corners.iter().all(Option::is_none) {
+        if corners.iter().all(Option::is_none) && !rolls {
             return Err(Problem::NoCorner);
         }
         Ok(Self { name, id, learned, wheelbase_m, corners, details }.with_details(details))
@@ -332,8 +389,17 @@ fn required(table: &Table<'_>, key: &'static str) -> Result<f64, Problem> {
     checked(table, key)?.ok_or_else(|| table.lacks(key))
 }
 
-fn read_tire(table: &Table<'_>) -> Result<(PressureMap<f64>, TireDetails), Problem> {
+/// A tire, and its stiffness where the table speaks of one.
+type Tire = (Option<PressureMap<f64>>, TireDetails);
+
+fn read_tire(table: &Table<'_>, rolls: bool) -> Result<Tire, Problem> {
     table.check_keys(&TIRE_KEYS)?;
+    let has_stiffness = TIRE_KEYS[..5].iter().any(|key| table.has(key));
+    let map = (has_stiffness || !rolls).then(|| read_stiffness(table)).transpose()?;
+    Ok((map, read_details::tire(table)?))
+}
+
+fn read_stiffness(table: &Table<'_>) -> Result<PressureMap<f64>, Problem> {
     let per_kpa = required(table, "stiffness_per_kpa")?;
     let at_zero = table.number("stiffness_at_zero")?.ok_or_else(|| table.lacks("stiffness_at_zero"))?;
     if at_zero > 0.0 {
@@ -343,25 +409,36 @@ fn read_tire(table: &Table<'_>) -> Result<(PressureMap<f64>, TireDetails), Probl
     let per_kpa_sd = or_zero("stiffness_per_kpa_sd")?;
     let at_zero_sd = or_zero("stiffness_at_zero_sd")?;
     let correlation = or_zero("stiffness_correlation")?;
-    let map = PressureMap::new(per_kpa, at_zero)
+    PressureMap::new(per_kpa, at_zero)
         .and_then(|map| map.with_uncertainty(per_kpa_sd, at_zero_sd, correlation))
-        .map_err(|error| table.refuse(error))?;
-    Ok((map, read_details::tire(table)?))
+        .map_err(|error| table.refuse(error))
+}
+
+/// A corner of which no more is said than its tire and its placard; `None` for a corner with masses, or half of them.
+fn read_wheel(table: &Table<'_>, common_tire: Option<Tire>) -> Result<Option<CornerDetails>, Problem> {
+    table.check_keys(&CORNER_KEYS)?;
+    if CORNER_KEYS.iter().any(|key| table.has(key) && !["placard_kpa", "tire"].contains(key)) {
+        return Ok(None);
+    }
+    let own = table.table("tire")?.map(|own| read_tire(&own, true)).transpose()?;
+    let tire = own.or(common_tire).map_or_else(TireDetails::default, |(_, tire)| tire);
+    let placard_kpa = checked(table, "placard_kpa")?;
+    Ok(Some(CornerDetails { placard_kpa, tire, ..CornerDetails::default() }))
 }
 
 fn read_corner(
     table: &Table<'_>,
-    common_tire: Option<(PressureMap<f64>, TireDetails)>,
+    common_tire: Option<Tire>,
 ) -> Result<(CornerConfig<f64>, CornerDetails), Problem> {
     table.check_keys(&CORNER_KEYS)?;
-    let (tire, tire_details) = match table.table("tire")? {
-        Some(own) => read_tire(&own)?,
-        None => common_tire.ok_or_else(|| Problem::MissingKey {
-            line: table.line(),
-            table: table.path().to_owned(),
-            key: "tire; expected a table [tire] for all corners or one under this corner",
-        })?,
+    let own = table.table("tire")?.map(|own| read_tire(&own, false)).transpose()?;
+    let lacks = || Problem::MissingKey {
+        line: table.line(),
+        table: table.path().to_owned(),
+        key: "tire; expected a table [tire] for all corners or one under this corner",
     };
+    let (tire, tire_details) = own.or(common_tire).ok_or_else(lacks)?;
+    let tire = tire.ok_or_else(|| table.lacks("tire.stiffness_per_kpa"))?;
     let (sprung_kg, unsprung_kg) = (required(table, "sprung_mass_kg")?, required(table, "unsprung_mass_kg")?);
     // A wheel is not heavier than what it carries: most likely the two are exchanged.
     if unsprung_kg > sprung_kg {

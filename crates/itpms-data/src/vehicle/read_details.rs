@@ -7,7 +7,7 @@ use super::details::{CornerDetails, Driven, TireDetails, VehicleDetails};
 use crate::error::Problem;
 use crate::toml_table::Table;
 
-pub(super) const VEHICLE_KEYS: [&str; 9] = [
+pub(super) const VEHICLE_KEYS: [&str; 10] = [
     "name",
     "id",
     "learned",
@@ -17,6 +17,7 @@ pub(super) const VEHICLE_KEYS: [&str; 9] = [
     "track_front_m",
     "track_rear_m",
     "driven",
+    "limited_slip",
 ];
 
 /// The largest relative standard deviation that says anything: beyond, a value is a guess of its own order.
@@ -31,6 +32,7 @@ pub(super) fn vehicle(table: &Table<'_>) -> Result<VehicleDetails, Problem> {
         track_front_m: checked(table, "track_front_m")?,
         track_rear_m: checked(table, "track_rear_m")?,
         driven: word(table, "driven", Driven::ALL.map(|d| (d.label(), d)), DRIVEN)?,
+        limited_slip: table.flag("limited_slip")?.unwrap_or(false),
         ..VehicleDetails::default()
     })
 }
@@ -49,6 +51,7 @@ pub(super) fn corner(table: &Table<'_>, tire: TireDetails) -> Result<CornerDetai
         friction_sd_n: up_to(table, "friction_sd_n", 5_000.0, "0 to 5000 N")?,
         tire_damping_n_s_per_m: up_to(table, "tire_damping_n_s_per_m", 20_000.0, "0 to 20000 N s/m")?,
         tire_damping_sd_n_s_per_m: up_to(table, "tire_damping_sd_n_s_per_m", 20_000.0, "0 to 20000 N s/m")?,
+        placard_kpa: None,
         tire,
     })
 }
@@ -66,6 +69,7 @@ pub(super) fn tire(table: &Table<'_>) -> Result<TireDetails, Problem> {
             0.5,
             "a number from -0.5 to 0.5",
         )?,
+        radius_per_ln_pressure_sd: up_to(table, "radius_per_ln_pressure_sd", 0.5, "a number from 0 to 0.5")?,
         torsion_hz: checked(table, "torsion_hz")?,
         torsion_hz_per_kpa: between(table, "torsion_hz_per_kpa", -1.0, 1.0, "-1 to 1 Hz per kPa")?,
         teeth: teeth(table)?,

@@ -29,6 +29,12 @@ pub(super) fn vehicle(vehicle: &Vehicle) -> String {
     if let Some(driven) = details.driven {
         let _ = writeln!(out, "driven = \"{}\"", driven.label());
     }
+    if details.limited_slip {
+        out.push_str("limited_slip = true\n");
+    }
+    if vehicle.corners.iter().all(Option::is_none) {
+        wheels(&mut out, &details.corners);
+    }
     let corners = || Corner::ALL.into_iter().filter_map(|c| vehicle.corner(c).map(|config| (c, config)));
     let beyond = |corner: Corner| &details.corners[corner.index()];
     let tires = || corners().map(|(corner, config)| (config.tire, beyond(corner).tire));
@@ -48,6 +54,25 @@ pub(super) fn vehicle(vehicle: &Vehicle) -> String {
         }
     }
     out
+}
+
+/// Corners of which wheel speeds alone are known: tires without stiffness, and placard pressures.
+fn wheels(out: &mut String, corners: &[CornerDetails; 4]) {
+    let same_tire = corners.iter().all(|corner| corner.tire == corners[0].tire);
+    if same_tire && corners[0].tire != TireDetails::default() {
+        out.push_str("\n[tire]\n");
+        tire_details(out, &corners[0].tire);
+    }
+    for (corner, details) in Corner::ALL.into_iter().zip(corners) {
+        if let Some(placard_kpa) = details.placard_kpa {
+            let _ = writeln!(out, "\n[corner.{}]", corner.label());
+            number(out, "placard_kpa", placard_kpa);
+        }
+        if !same_tire {
+            let _ = writeln!(out, "\n[corner.{}.tire]", corner.label());
+            tire_details(out, &details.tire);
+        }
+    }
 }
 
 /// Width of `key = value` before its comment.
@@ -119,6 +144,10 @@ pub(super) fn tire_table(map: &PressureMap<f64>) -> String {
 fn tire(out: &mut String, map: &PressureMap<f64>, details: &TireDetails) {
     coefficients(out, map.stiffness_per_kpa(), map.stiffness_at_zero());
     uncertainty(out, map);
+    tire_details(out, details);
+}
+
+fn tire_details(out: &mut String, details: &TireDetails) {
     numbers(
         out,
         [
@@ -126,6 +155,7 @@ fn tire(out: &mut String, map: &PressureMap<f64>, details: &TireDetails) {
             ("stiffness_over_mass_relative_sd", details.stiffness_over_mass_relative_sd),
             ("rolling_radius_m", details.rolling_radius_m),
             ("radius_per_ln_pressure", details.radius_per_ln_pressure),
+            ("radius_per_ln_pressure_sd", details.radius_per_ln_pressure_sd),
             ("torsion_hz", details.torsion_hz),
             ("torsion_hz_per_kpa", details.torsion_hz_per_kpa),
         ],

@@ -4,7 +4,7 @@ use std::fs;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use itpms_data::out::States;
+use itpms_data::out::{RadiusRow, States};
 use itpms_data::{LogReader, LogRow};
 
 use super::cars::Car;
@@ -19,6 +19,7 @@ use crate::reference;
 use crate::road::LateRow;
 use crate::run::{Done, Job, Sink, estimate};
 use crate::settings::Settings;
+use crate::wheel_speeds::wheel_speed_use;
 
 /// A drive to be estimated.
 pub(super) struct Errand<'a> {
@@ -41,6 +42,7 @@ pub(super) fn run(
     let vehicle = errand.car.vehicle.as_ref().map_err(|why| DriveError::Mismatch(why.clone()))?;
     let mut log = LogReader::open_with(errand.path, &plan.options)?;
     let corners = common_corners(&log, vehicle)?;
+    let wheel_speeds = wheel_speed_use(log.columns(), vehicle, &corners).unwrap_or_default();
     let settings = &errand.settings;
     let paths = FilePaths {
         estimates: plan.estimates.then(|| place(plan, "estimates", errand.path, "csv")).transpose()?,
@@ -48,7 +50,7 @@ pub(super) fn run(
         ..FilePaths::default()
     };
     let mut sink = Counting {
-        files: Files::create(&paths, settings, vehicle, &corners)?,
+        files: Files::create(&paths, settings, vehicle, &corners, wheel_speeds)?,
         first_s: None,
         begun: Begun::default(),
     };
@@ -117,10 +119,16 @@ struct Counting {
 }
 
 impl Sink for Counting {
-    fn row(&mut self, row: &LogRow, estimates: &Estimates, states: &States) -> Result<(), DriveError> {
+    fn row(
+        &mut self,
+        row: &LogRow,
+        estimates: &Estimates,
+        states: &States,
+        radii: Option<&RadiusRow>,
+    ) -> Result<(), DriveError> {
         self.first_s.get_or_insert(row.time_s);
         self.begun.take(estimates);
-        self.files.row(row, estimates, states)
+        self.files.row(row, estimates, states, radii)
     }
 
     fn road(&mut self, late: &LateRow) -> Result<(), DriveError> {

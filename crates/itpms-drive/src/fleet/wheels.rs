@@ -1,10 +1,12 @@
 //! What a drive told of each wheel. Called by the fleet for its tables, and by the Python package for the same rows.
 
 use itpms_core::model::{Corner, Misfit, Warning};
-use itpms_data::out::state_label;
+use itpms_core::warning::{Cause, WheelState};
+use itpms_data::out::{RadiusRow, state_label};
 use itpms_study::report::{CornerReport, Reading};
 
 use super::record::{FitRecord, Pressure, WheelRecord};
+use crate::alerts::Listed;
 use crate::drive::Estimates;
 use crate::run::{Done, Fit};
 
@@ -46,7 +48,39 @@ pub fn wheels(done: &Done, begun: &Begun) -> Vec<WheelRecord> {
         let i = corner.corner.index();
         wheel(corner, begun.begun[i], done.fits[i].as_ref())
     };
-    done.data.corners.iter().map(of).collect()
+    match &done.radii {
+        Some(radii) if done.data.corners.is_empty() => {
+            Corner::ALL.into_iter().map(|corner| rolling(done, radii, corner)).collect()
+        }
+        _ => done.data.corners.iter().map(of).collect(),
+    }
+}
+
+/// A wheel of which the speed alone is known: no pressure.
+fn rolling(done: &Done, radii: &RadiusRow, corner: Corner) -> WheelRecord {
+    let state = radii.states[corner.index()];
+    let names = |listed: &&Listed| {
+        listed.alert.wheels.contains(corner)
+            && matches!(listed.alert.cause, Cause::Differs { is_known: true, .. })
+    };
+    let begun: Vec<&Listed> = done.alerts.listed().iter().filter(names).collect();
+    let warning = if state == Some(WheelState::Low) { Warning::Low } else { Warning::None };
+    let origin_s = done.data.drive.origin_s;
+    WheelRecord {
+        wheel: corner.label().to_owned(),
+        placard_kpa: done.placards_kpa[corner.index()].unwrap_or_default(),
+        state: state_label(state).to_owned(),
+        warning: warning.label().to_owned(),
+        last: None,
+        lowest: None,
+        share_valid: f64::from(u8::from(radii.radii.wheels[corner.index()].informed)),
+        warnings: u32::try_from(begun.len()).unwrap_or(u32::MAX),
+        first_warning_s: begun.first().map(|listed| listed.alert.reported_s - origin_s),
+        malfunctions: 0,
+        first_malfunction_s: None,
+        iri_m_per_km: None,
+        fit: None,
+    }
 }
 
 fn wheel(corner: &CornerReport, [warnings, malfunctions]: [u32; 2], fit: Option<&Fit>) -> WheelRecord {

@@ -33,8 +33,11 @@ pub fn start(
     say: Say,
 ) -> JoinHandle<()> {
     thread::spawn(move || {
-        let opened =
-            Input::Opened { sample_rate_hz: log.survey().sample_rate_hz, corners: log.columns().present() };
+        let opened = Input::Opened {
+            sample_rate_hz: log.survey().sample_rate_hz,
+            corners: log.columns().present(),
+            wheel_speeds: log.columns().motion.wheel_speeds(),
+        };
         let next = || {
             let row = log.next_row()?;
             Ok(row.map(|row| (row.time_s, Input::Row { row, arrived: Instant::now() })))

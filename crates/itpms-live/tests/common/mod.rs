@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use itpms_core::model::Corner;
 use itpms_data::LogRow;
-use itpms_data::log::LogCorner;
+use itpms_data::log::{LogCorner, LogMotion};
 use itpms_live::input::{Note, Say};
 use itpms_live::snapshot::{Latency, Snapshot, Source, SourceState, Transition};
 
@@ -30,7 +30,12 @@ pub(crate) fn rows(count: u32) -> impl Iterator<Item = LogRow> {
             let (body_accel_m_s2, wheel_accel_m_s2) = (noise(), 10.0 * noise());
             Some(LogCorner { body_accel_m_s2, wheel_accel_m_s2, pressure_kpa: f64::NAN, road_m: f64::NAN })
         };
-        LogRow { time_s: f64::from(i) / 200.0, speed_m_s: 20.0, corners: Corner::ALL.map(&mut corner) }
+        LogRow {
+            time_s: f64::from(i) / 200.0,
+            speed_m_s: 20.0,
+            corners: Corner::ALL.map(&mut corner),
+            motion: LogMotion::UNKNOWN,
+        }
     })
 }
 

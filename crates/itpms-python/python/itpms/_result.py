@@ -65,6 +65,10 @@ class Result:
         ``{c}_axle_difference_sd_kpa`` (kPa; of what it differs by from the axle's other tire),
         ``{c}_lost_kpa``, ``{c}_lost_sd_kpa`` (kPa; what was lost in this drive, NaN while that is not counted) and ``{c}_state`` (``fine``, ``low``,
         ``over``, ``malfunction``, ``uncertain`` where there is a pressure that could be low as well as not, or ``unknown``).
+        A drive with the speeds of four wheels has, per corner, ``{c}_radius_change`` (of the rolling radius since the calibration),
+        ``{c}_lost_share`` (of its pressure, against the other tires), both with ``_sd``, ``{c}_low_probability``, and
+        ``front_radius_difference`` (left over right), ``rear_radius_difference``, ``axles_radius_difference`` with ``_sd``; beside
+        accelerations ``{c}_wheel_speed_state``, alone ``{c}_valid``, ``{c}_warning``, ``{c}_level`` (``other-tires``) and ``{c}_state``.
         ``rate_hz`` rows per second; a row uses samples up to its time. The same numbers as in ``itpms estimate -o``.
 
         Args:
@@ -128,6 +132,9 @@ class Result:
             SettingError: matplotlib is not installed.
         """
         from ._plot import pressures
+
+        if not self.corners:
+            raise SettingError("a drive of wheel speeds alone has no pressures to plot: see columns and report()")
 
         placards = {name: corner["placard_kpa"] for name, corner in self.summary["corners"].items()}
         return pressures(self.columns, placards, None if self._source is None else columns_of(self._source))

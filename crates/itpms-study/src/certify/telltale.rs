@@ -33,9 +33,11 @@ fn lights(lamp: Lamp, cause: &Cause<f64>) -> bool {
 /// The lamp of a cause; a tire that is overfull has none.
 fn lamp_of(cause: &Cause<f64>) -> Option<Lamp> {
     match cause {
-        Cause::UnderInflated(_) | Cause::FastLeak { .. } | Cause::AllLow { .. } | Cause::Flat(_) => {
-            Some(Lamp::Low)
-        }
+        Cause::UnderInflated(_)
+        | Cause::FastLeak { .. }
+        | Cause::AllLow { .. }
+        | Cause::Flat(_)
+        | Cause::Differs { .. } => Some(Lamp::Low),
         Cause::Malfunction(_) | Cause::NoInformation { .. } => Some(Lamp::Malfunction),
         Cause::OverInflated(_) | Cause::CommonShift { .. } => None,
     }

@@ -69,6 +69,7 @@ pub(super) fn malfunction_label(cause: &Cause<f64>) -> Option<&'static str> {
         | Cause::AllLow { .. }
         | Cause::CommonShift { .. }
         | Cause::OverInflated(_)
+        | Cause::Differs { .. }
         | Cause::Flat(_) => None,
     }
 }

@@ -80,7 +80,7 @@ impl TireWarnings {
     /// Counts it, if it is of a tire.
     fn count(&mut self, cause: &Cause<f64>) {
         match cause {
-            Cause::UnderInflated(_) | Cause::Flat(_) => self.low += 1,
+            Cause::UnderInflated(_) | Cause::Flat(_) | Cause::Differs { .. } => self.low += 1,
             Cause::FastLeak { .. } => self.fast_leak += 1,
             Cause::AllLow { .. } | Cause::CommonShift { .. } => self.all_low += 1,
             Cause::OverInflated(_) => self.over += 1,

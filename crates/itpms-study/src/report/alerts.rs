@@ -86,6 +86,17 @@ fn line(span: &AlertSpan, unit: PressureUnit) -> Line {
         }
         Cause::OverInflated(r) => ("over", "Too high", at(r, unit)),
         Cause::Flat(r) => ("low", "Flat, on its rim", format!("as hard as {}", at(r, unit))),
+        Cause::Differs { lost_share, lost_sd_share, is_known: true } => {
+            let [lost, sd] = [lost_share, lost_sd_share].map(|share| 100.0 * share);
+            let why = format!(
+                "turns as with {lost:.0} ± {sd:.0} % of its pressure lost since the calibration, by the wheel speeds"
+            );
+            ("low", "Differs from the others", why)
+        }
+        Cause::Differs { is_known: false, .. } => {
+            let why = "one of the tires differs from the others since the calibration, by the wheel speeds; which, is not known";
+            ("low", "One differs", why.to_owned())
+        }
         Cause::Malfunction(malfunction) => ("malfunction", "Malfunction", malfunction.to_string()),
         Cause::NoInformation { driven_s } => {
             ("unknown", "No information", format!("nothing learned in {:.0} min of driving", driven_s / 60.0))

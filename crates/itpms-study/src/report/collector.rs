@@ -6,11 +6,13 @@
 use itpms_core::conditioning::Odometer;
 use itpms_core::model::{Corner, CornerConfig, CornerEstimate, Level, PressureUnit, Validity, Warning};
 use itpms_core::warning::MonitorReport;
+use itpms_core::wheel_speed::RadiusReport;
 
 use super::figures::{DriveFigures, FigureSums};
 use super::road::RoadCollector;
 use super::track::{Keep, Track};
 use super::watch::WatchCollector;
+use super::wheels::WheelSpeedCollector;
 use super::{CornerReport, NisCheck, Provenance, ReportData, TimeCurves, Z_95};
 use crate::bound::{BoundSetting, CornerBound};
 use crate::spectrum::PowerLaw;
@@ -114,6 +116,7 @@ pub struct ReportCollector {
     steps: (f64, f64),
     odometer: Odometer,
     watch: WatchCollector,
+    wheels: WheelSpeedCollector,
 }
 
 impl ReportCollector {
@@ -146,6 +149,7 @@ impl ReportCollector {
             steps: (0.0, 0.0),
             odometer: Odometer::new(),
             watch: WatchCollector::new(),
+            wheels: WheelSpeedCollector::new(),
         }
     }
 
@@ -191,6 +195,13 @@ impl ReportCollector {
     /// Takes what the monitor says after a sample, as soon as it says so; rows may come later.
     pub fn push_report(&mut self, report: &MonitorReport<f64>) {
         self.watch.push(report);
+    }
+
+    /// Takes what the wheel speeds say after a sample at this time in s.
+    pub fn push_radii(&mut self, time_s: f64, radii: &RadiusReport<f64>) {
+        if time_s.is_finite() {
+            self.wheels.push(time_s, radii);
+        }
     }
 
     /// Time and rate; true across a hole in the log.
@@ -246,6 +257,7 @@ impl ReportCollector {
             })
             .collect();
         let speed_m_s = known(track.curve(channel::SPEED, Keep::Extremes));
+        let wheel_speeds = self.wheels.finish(drive.origin_s);
         ReportData {
             provenance,
             drive,
@@ -253,6 +265,7 @@ impl ReportCollector {
             speed_m_s,
             corners,
             watch,
+            wheel_speeds,
             pressure_unit: options.pressure_unit,
         }
     }

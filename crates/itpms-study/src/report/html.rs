@@ -9,7 +9,7 @@ use std::io;
 use itpms_core::model::{Level, PressureUnit, Warning};
 
 use super::words::{Status, clock, corner_name, level, reading, sentence, title};
-use super::{CornerReport, ReportData, alerts, car, json, parameters, roads};
+use super::{CornerReport, ReportData, alerts, car, json, parameters, roads, wheels};
 use crate::page::{percent_style, whole_percent};
 use crate::plot::escape;
 
@@ -30,7 +30,7 @@ pub const PLOT_SCRIPT: &str = include_str!("../../assets/uplot/uPlot.iife.min.js
 pub(super) fn page(data: &ReportData) -> io::Result<String> {
     let headline = escape(&title(data));
     let curves = json::curves(data)?;
-    let parts: [(&str, String); 19] = [
+    let parts: [(&str, String); 20] = [
         ("title", headline.clone()),
         ("plot_style", PLOT_STYLE.into()),
         ("base_style", BASE_STYLE.to_owned() + &percent_style()),
@@ -43,6 +43,7 @@ pub(super) fn page(data: &ReportData) -> io::Result<String> {
         ("roads", roads_section(data)),
         ("figures", figures(data)),
         ("corners", sections(data)),
+        ("wheels", wheels::section(data)),
         ("parameters", parameters::section(data)),
         ("provenance", provenance(data)),
         ("data", curves),
@@ -202,6 +203,7 @@ const FIGURES: [Row; 21] = [
             Level::VehicleFile => "vehicle file".into(),
             Level::Calibration => "calibration".into(),
             Level::StoredCalibration => "calibration of an earlier drive".into(),
+            Level::OtherTires => "the other tires".into(),
         })
     }),
     ("Change known to", "standard deviation of what it has changed by within minutes", |c, unit| {
@@ -395,6 +397,7 @@ mod tests {
             "roads",
             "figures",
             "corners",
+            "wheels",
             "parameters",
         ] {
             assert_eq!(TEMPLATE.matches(&format!("{{{{{name}}}}}")).count(), 1, "{name}");

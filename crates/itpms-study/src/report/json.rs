@@ -8,6 +8,7 @@ use itpms_core::model::{Corner, PressureUnit};
 use serde::Serialize;
 use serde::ser::{SerializeSeq, Serializer};
 
+use super::wheels::{self, WheelsJson};
 use super::words::{Status, corner_name};
 use super::{AlertSpan, CornerReport, ReportData, RoadReport, TimeCurves};
 use crate::spectrum::{IsoClass, RoadFit};
@@ -17,7 +18,7 @@ const VALUE_DIGITS: i32 = 5;
 const AXIS_DIGITS: i32 = 8;
 
 /// Numbers with so many significant digits; what is not finite becomes `null`.
-struct Digits<'a>(&'a [f64], i32);
+pub(super) struct Digits<'a>(&'a [f64], i32);
 
 impl Serialize for Digits<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -58,11 +59,11 @@ fn value(v: f64) -> Number {
     Number(v, VALUE_DIGITS)
 }
 
-fn values(v: &[f64]) -> Digits<'_> {
+pub(super) fn values(v: &[f64]) -> Digits<'_> {
     Digits(v, VALUE_DIGITS)
 }
 
-fn axis(v: &[f64]) -> Digits<'_> {
+pub(super) fn axis(v: &[f64]) -> Digits<'_> {
     Digits(v, AXIS_DIGITS)
 }
 
@@ -75,6 +76,7 @@ struct Page<'a> {
     corners: Vec<CornerJson<'a>>,
     classes: Vec<ClassJson>,
     alerts: Vec<AlertJson>,
+    wheels: Option<WheelsJson<'a>>,
 }
 
 /// The unit in which the script draws pressures, which come in kPa.
@@ -191,6 +193,7 @@ pub(super) fn curves(data: &ReportData) -> io::Result<String> {
             .map(|class| ClassJson { label: class.label(), upper: class.upper_limit_m3() })
             .collect(),
         alerts: data.watch.iter().flat_map(|watch| &watch.alerts).map(alert).collect(),
+        wheels: wheels::json(data),
     };
     Ok(serde_json::to_string(&page)?.replace('<', "\\u003c"))
 }

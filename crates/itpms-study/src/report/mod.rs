@@ -15,6 +15,7 @@ mod road;
 mod roads;
 mod track;
 mod watch;
+mod wheels;
 mod words;
 
 pub use collector::{CornerRow, ReportCollector, ReportOptions};
@@ -23,6 +24,7 @@ pub use html::{BASE_STYLE, PLOT_LICENSE, PLOT_SCRIPT, PLOT_STYLE};
 pub use parameters::Parameter;
 pub use track::{Keep, Track};
 pub use watch::{AlertSpan, WatchReport};
+pub use wheels::{BandCurve, WheelSpeedReport, found, unseen, wheel_line};
 
 use std::io;
 
@@ -72,6 +74,8 @@ pub struct ReportData {
     pub watch: Option<WatchReport>,
     /// Unit in which the page shows pressures.
     pub pressure_unit: PressureUnit,
+    /// What the wheel speeds said; `None` where they were not used.
+    pub wheel_speeds: Option<WheelSpeedReport>,
 }
 
 /// One corner's share of the page.

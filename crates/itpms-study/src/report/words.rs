@@ -205,7 +205,10 @@ fn fell(first: Option<&Reading>, later: &Reading) -> bool {
 pub(super) fn title(data: &ReportData) -> String {
     let mut corners: Vec<&CornerReport> = data.corners.iter().collect();
     corners.sort_by_key(|corner| Status::of(corner));
-    let Some(first) = corners.first() else { return "No corner was estimated".into() };
+    let Some(first) = corners.first() else {
+        let wheels = data.wheel_speeds.as_ref().map(|wheels| super::wheels::title(data, wheels));
+        return wheels.unwrap_or_else(|| "No corner was estimated".into());
+    };
     let status = Status::of(first);
     let sentence = |corner: &CornerReport| sentence(corner, data.pressure_unit);
     let alike: Vec<&str> =

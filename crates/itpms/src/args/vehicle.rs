@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Subcommand;
 use clap::builder::{PossibleValuesParser, TypedValueParser as _};
 use itpms_core::model::Corner;
+use itpms_data::vehicle::Driven;
 use itpms_data::vehicle::typical::{CarClass, FrontRear, TireSize};
 
 use super::{LogArgs, positive};
@@ -36,15 +37,16 @@ pub(crate) enum VehiclePart {
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   itpms vehicle init --mass 1500 --front-share 0.55 --tire 205/55R16 -o car.toml
+  itpms vehicle init --tire 205/55R16 --wheelbase-m 2.66 --driven front -o wheels.toml
   itpms vehicle init --mass 2100 --front-share 0.5 --tire 235/60R18 --class suv --placard-kpa 250 --wheelbase-m 2.87 -o suv.toml")]
 pub(crate) struct InitArgs {
-    /// Mass ready to drive, from the registration papers.
-    #[arg(long, value_name = "KG", value_parser = positive)]
-    pub(crate) mass: f64,
+    /// Mass ready to drive, from the registration papers. Without it the file is for wheel speeds alone.
+    #[arg(long, value_name = "KG", value_parser = positive, requires = "front_share", required_unless_present = "driven")]
+    pub(crate) mass: Option<f64>,
     /// Share of the mass that rests on the front axle: some 0.6 with the engine in front driving the front wheels, 0.5 to
     /// 0.55 otherwise.
-    #[arg(long, value_name = "SHARE", value_parser = positive)]
-    pub(crate) front_share: f64,
+    #[arg(long, value_name = "SHARE", value_parser = positive, requires = "mass")]
+    pub(crate) front_share: Option<f64>,
     /// Size as on the sidewall, such as 205/55R16; front and rear: 225/45R18,255/40R18.
     #[arg(long, value_name = "SIZE[,SIZE]")]
     pub(crate) tire: FrontRear<TireSize>,
@@ -55,8 +57,20 @@ pub(crate) struct InitArgs {
     #[arg(long, value_name = "KPA[,KPA]", default_value = "240", value_parser = placard)]
     pub(crate) placard_kpa: FrontRear<f64>,
     /// Distance between the axles; typical of the class unless given. Worth measuring: front and rear are compared over it.
-    #[arg(long, value_name = "M", value_parser = positive)]
+    #[arg(long, value_name = "M", value_parser = positive, required_unless_present = "mass")]
     pub(crate) wheelbase_m: Option<f64>,
+    /// Which wheels are driven; for wheel speeds.
+    #[arg(long, value_name = "AXLE", value_parser = driven())]
+    pub(crate) driven: Option<Driven>,
+    /// Whether the wheels of a driven axle are coupled: a limited-slip or locked differential; for wheel speeds.
+    #[arg(long, requires = "driven")]
+    pub(crate) limited_slip: bool,
+    /// Distance between the front wheels; typical unless given; for wheel speeds.
+    #[arg(long, value_name = "M", value_parser = positive, requires = "driven")]
+    pub(crate) track_front_m: Option<f64>,
+    /// Distance between the rear wheels.
+    #[arg(long, value_name = "M", value_parser = positive, requires = "driven")]
+    pub(crate) track_rear_m: Option<f64>,
     /// What the car is called.
     #[arg(long, value_name = "TEXT")]
     pub(crate) name: Option<String>,
@@ -67,6 +81,13 @@ pub(crate) struct InitArgs {
 
 fn placard(text: &str) -> Result<FrontRear<f64>, String> {
     FrontRear::read(text, positive).map_err(|error| format!("{error}, or two of them: front,rear"))
+}
+
+fn driven() -> impl clap::builder::TypedValueParser<Value = Driven> {
+    PossibleValuesParser::new(Driven::ALL.map(Driven::label)).try_map(|label| {
+        let named = |driven: &Driven| driven.label() == label;
+        Driven::ALL.into_iter().find(named).ok_or("expected front, rear or all")
+    })
 }
 
 fn classes() -> impl clap::builder::TypedValueParser<Value = CarClass> {

@@ -37,6 +37,7 @@ pub(crate) fn run(args: &DemoArgs, screen: &Screen, interrupt: &Interrupt) -> Re
         reading: LogArgs::default(),
         json: false,
         calibrate_s: None,
+        pressure_kpa: None,
         save_reference: None,
         reference: None,
         events: Some(at("events.jsonl")),

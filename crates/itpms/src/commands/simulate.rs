@@ -81,7 +81,8 @@ fn write(
 
 fn columns(scenario: &Scenario, no_truth: bool) -> LogColumns {
     let truth = CornerColumns { pressure: !no_truth, road: !no_truth };
-    LogColumns { speed: true, corners: Corner::ALL.map(|corner| scenario.corner.get(corner).map(|_| truth)) }
+    let corners = Corner::ALL.map(|corner| scenario.corner.get(corner).map(|_| truth));
+    LogColumns { speed: true, corners, ..LogColumns::default() }
 }
 
 /// The vehicle file that belongs to the log, complete but for its name.

@@ -161,6 +161,7 @@ pub fn check<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone) -> Result<(), P
         let evidence = format!("the car reaches {fastest:.1} m/s, {:.0} km/h", 3.6 * fastest);
         return Err(Problem::Units { suspicion: "speed in km/h", expected: "m/s", evidence });
     }
+    wheel_speeds_are_a_cars(rows.clone())?;
     let all = pairs(rows.clone());
     for pair in &all {
         let label = pair.corner.label();
@@ -190,6 +191,23 @@ pub fn check<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone) -> Result<(), P
     too_quiet(rows.clone(), &all)?;
     calm_wheels(rows.clone())?;
     truth::check(rows)
+}
+
+/// Faster than cars are is a wheel in km/h, too.
+fn wheel_speeds_are_a_cars<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone) -> Result<(), Problem> {
+    for corner in Corner::ALL {
+        let speeds = || {
+            let of = |row: &LogRow| row.motion.wheel_speed_m_s[corner.index()];
+            rows.clone().map(of).filter(|speed| speed.is_finite())
+        };
+        let fast = speeds().filter(|speed| *speed > FASTEST_M_S).count();
+        if fast as f64 > GARBAGE * speeds().count() as f64 {
+            let fastest = speeds().fold(0.0, f64::max);
+            let evidence = format!("{} wheel speed reaches {fastest:.1} m/s", corner.label());
+            return Err(Problem::Units { suspicion: "wheel speeds in km/h", expected: "m/s", evidence });
+        }
+    }
+    Ok(())
 }
 
 fn violent<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone) -> Result<(), Problem> {
@@ -302,7 +320,7 @@ fn too_quiet<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone, all: &[Pair]) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::log::LogCorner;
+    use crate::log::{LogCorner, LogMotion};
 
     /// Body and wheel as sums of incommensurate sines of the given rms, about the given mean: what counts here are
     /// mean and rms, and both are known without a simulation.
@@ -319,7 +337,12 @@ mod tests {
                     pressure_kpa: f64::NAN,
                     road_m: f64::NAN,
                 };
-                LogRow { time_s: t, speed_m_s: speed, corners: [Some(corner), None, None, None] }
+                LogRow {
+                    time_s: t,
+                    speed_m_s: speed,
+                    corners: [Some(corner), None, None, None],
+                    motion: LogMotion::UNKNOWN,
+                }
             })
             .collect()
     }

@@ -79,7 +79,8 @@ pub(super) struct Clock {
 }
 
 impl Clock {
-    /// The slowest acceleration of a complete corner, or of any if no corner is complete yet; `None` without one.
+    /// The slowest acceleration of a complete corner, or of any if no corner is complete yet, else the slowest wheel speed; `None`
+    /// without one.
     pub(super) fn of(survey: &Survey, columns: &LogColumns) -> Option<Self> {
         let times: Vec<Vec<f64>> = Slot::all().map(|slot| survey.times(slot)).collect();
         let mut periods_s = [f64::NAN; SLOTS];
@@ -92,7 +93,7 @@ impl Clock {
         let known = |slot: &Slot| periods_s[slot.index()].is_finite();
         let present = columns.present();
         let complete = |corner: &Corner| pair(*corner).iter().all(known) && present.contains(corner);
-        let mut clock: Option<Slot> = None;
+        let (mut clock, mut rolling): (Option<Slot>, Option<Slot>) = (None, None);
         for whole in [true, false] {
             let corners = present.iter().filter(|corner| !whole || complete(corner));
             for slot in corners.flat_map(|corner| pair(*corner)).filter(known) {
@@ -106,7 +107,13 @@ impl Clock {
                 break;
             }
         }
-        let slot = clock?;
+        // Of wheels that come equally fast the first.
+        for slot in columns.slots().filter(|slot| clock.is_none() && slot.is_wheel_speed() && known(slot)) {
+            if rolling.is_none_or(|than: Slot| periods_s[slot.index()] > 1.1 * periods_s[than.index()]) {
+                rolling = Some(slot);
+            }
+        }
+        let slot = clock.or(rolling)?;
         let period_s = periods_s[slot.index()];
         let ticks = &times[slot.index()];
         let mut offsets_s = [0.0; SLOTS];

@@ -6,7 +6,7 @@ use super::kernel::HALF_WIDTH;
 use super::report::{AlignmentReport, SlotAlignment, SlotMethod};
 use super::series::Series;
 use super::survey::{Clock, FEWEST, mean_period};
-use crate::log::{Field, SLOTS, Slot};
+use crate::log::{SLOTS, Slot};
 use crate::signals::Reading;
 
 /// An acceleration this much faster than the rows goes through the low-pass.
@@ -102,7 +102,10 @@ impl Timeline {
         let mut begin_s = f64::NEG_INFINITY;
         for slot in Slot::all().filter(|slot| wanted[slot.index()]) {
             let i = slot.index();
-            let role = role(slot, clock.periods_s[i], clock.period_s, clock.offsets_s[i]);
+            let role = match slot == clock.slot {
+                true => Role::Same(0.0),
+                false => role(slot, clock.periods_s[i], clock.period_s, clock.offsets_s[i]),
+            };
             if matches!(role, Role::Faster(_)) {
                 begin_s = begin_s.max(clock.first_s[i] + HALF_WIDTH * clock.period_s);
             }
@@ -177,6 +180,10 @@ impl Timeline {
     fn set(&mut self, place: usize, time_s: f64, value: f64) {
         let slot = self.signals[place].slot;
         match nearest(&mut self.rows, time_s, 0.5 * self.period_s) {
+            // Messages of a bus may come in bunches: every reading of a wheel's clock is a row of its own.
+            Some(row) if row.has(slot) && slot == self.clock && slot.is_wheel_speed() => {
+                self.open(place, time_s, value);
+            }
             Some(row) if row.has(slot) => self.signals[place].left_over += 1,
             Some(row) => {
                 row.put(slot, time_s, value);
@@ -318,8 +325,7 @@ fn nearest(rows: &mut VecDeque<Row>, time_s: f64, within_s: f64) -> Option<&mut 
 
 /// How a signal of this period comes into rows of that one.
 fn role(slot: Slot, period_s: f64, row_period_s: f64, offset_s: f64) -> Role {
-    let acceleration = matches!(slot, Slot::Corner(_, Field::BodyAccel | Field::WheelAccel));
-    match acceleration {
+    match slot.is_acceleration() {
         _ if period_s.is_nan() => Role::Unknown(Vec::new()),
         true if period_s < FASTER * row_period_s => Role::Faster(Series::new(period_s)),
         true => Role::Same(offset_s),

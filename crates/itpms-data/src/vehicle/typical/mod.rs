@@ -10,18 +10,21 @@
 //! | `front_rear` | one value for both axles, or one for each |
 //! | `tire_size` | a tire's size and the stiffness it has by it |
 //! | `text` | the file, with comments |
+//! | `wheels` | the file for wheel speeds alone |
 
 mod class;
 mod front_rear;
 mod text;
 mod tire_size;
+mod wheels;
 
-use super::Vehicle;
+use super::{Driven, Vehicle};
 use crate::error::Problem;
 
 pub use class::CarClass;
 pub use front_rear::FrontRear;
 pub use tire_size::{TireSize, TireSizeError};
+pub use wheels::WheelsOfACar;
 
 /// Relative standard deviations of what is typical of a class: how much the published cars of docs/vehicle.md scatter
 /// about it.
@@ -55,6 +58,19 @@ pub struct TypicalCar {
     pub placard_kpa: FrontRear<f64>,
     /// Distance between the axles in m; the class's unless given.
     pub wheelbase_m: Option<f64>,
+    /// What wheel speeds need besides; they are not used unless given.
+    pub wheels: Option<AxleWheels>,
+}
+
+/// What wheel speeds need of the axles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxleWheels {
+    /// Distances in m between the front and between the rear wheels; typical unless given.
+    pub track_m: [Option<f64>; 2],
+    /// Which wheels are driven.
+    pub driven: Driven,
+    /// Whether a driven axle's wheels are coupled.
+    pub limited_slip: bool,
 }
 
 /// Masses, spring and damper of both corners of an axle.

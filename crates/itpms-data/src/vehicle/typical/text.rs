@@ -33,18 +33,22 @@ pub(super) fn vehicle_file(car: &TypicalCar) -> String {
         }
     }
     out.push_str("confidence = \"typical\"\n");
+    if let Some(axles) = &car.wheels {
+        super::wheels::axle_keys(&mut out, axles);
+    }
     let size = |axle: usize| car.tire.axles()[axle];
-    tire(&mut out, "tire", &size(0));
+    let wheels = car.wheels.is_some();
+    tire(&mut out, "tire", &size(0), wheels);
     for (corner, axle) in Corner::ALL.into_iter().zip([0, 0, 1, 1]) {
         corner_table(&mut out, car, corner, axle);
         if size(axle) != size(0) {
-            tire(&mut out, &format!("corner.{}.tire", corner.label()), &size(axle));
+            tire(&mut out, &format!("corner.{}.tire", corner.label()), &size(axle), wheels);
         }
     }
     out
 }
 
-fn tire(out: &mut String, table: &str, size: &TireSize) {
+fn tire(out: &mut String, table: &str, size: &TireSize, wheels: bool) {
     let _ = writeln!(out, "\n[{table}]");
     line(
         out,
@@ -68,6 +72,9 @@ fn tire(out: &mut String, table: &str, size: &TireSize) {
         "scatter of published tires about that; itpms lab calibrate, for a tire on a bench",
     );
     line(out, "rolling_radius_m", size.rolling_radius_m(), 3, "3.05 diameters to a turn (ETRTO)");
+    if wheels {
+        super::wheels::radius_keys(out);
+    }
 }
 
 fn corner_table(out: &mut String, car: &TypicalCar, corner: Corner, axle: usize) {
@@ -145,7 +152,7 @@ fn corner_table(out: &mut String, car: &TypicalCar, corner: Corner, axle: usize)
     );
 }
 
-fn line(out: &mut String, key: &str, value: f64, decimals: usize, comment: &str) {
+pub(super) fn line(out: &mut String, key: &str, value: f64, decimals: usize, comment: &str) {
     let mut text = format!("{key} = {value:.decimals$}");
     // A TOML float has a point; a whole number without one is read all the same.
     if decimals == 0 {

@@ -89,6 +89,7 @@ impl OwnCar {
             class: CarClass::default(),
             placard_kpa: FrontRear::both(placard_kpa),
             wheelbase_m: None,
+            wheels: None,
         };
         let (_, file) = known.vehicle_file()?;
         let mass_kg = mass_kg * draw.within(MASS_OVER_PAPERS);

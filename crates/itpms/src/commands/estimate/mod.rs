@@ -6,7 +6,7 @@ mod summary;
 
 use itpms_core::estimator::EstimatorKind;
 use itpms_data::{LogReader, Vehicle};
-use itpms_drive::{Done, FilePaths, Files, Job, Settings, common_corners};
+use itpms_drive::{Done, FilePaths, Files, Job, Settings, common_corners, wheel_speed_use};
 
 use super::{names, reference};
 use crate::args::EstimateArgs;
@@ -46,7 +46,8 @@ pub(crate) fn perform(
     let (road, report) = (paths.want_road(), paths.report.is_some());
     let job =
         Job { vehicle: &vehicle, corners: &corners, settings: &settings, reading: &reading, road, report };
-    let mut files = Files::create(&paths, &settings, &vehicle, &corners)?;
+    let wheel_speeds = wheel_speed_use(log.columns(), &vehicle, &corners).unwrap_or_default();
+    let mut files = Files::create(&paths, &settings, &vehicle, &corners, wheel_speeds)?;
     let progress = screen.progress("estimating");
     let mut watch = |share| {
         progress.set(share);
@@ -77,6 +78,7 @@ fn settings(args: &EstimateArgs) -> Settings {
         road_repeats: args.road_repeats,
         calibrate_s: args.calibrate_s,
         reference: args.reference.clone(),
+        calibration_kpa: args.pressure_kpa.map_or([None; 4], |pressures| pressures.0),
         rate_hz: args.rate,
         pressure_unit: args.unit.pressure_unit,
     }
@@ -115,7 +117,7 @@ fn remarks(screen: &Screen, log: &LogReader, concerns: &[String]) {
     for concern in concerns {
         screen.warn(format!("{path}: {concern}"));
     }
-    if !log.columns().speed {
+    if !log.columns().speed && !log.columns().motion.wheel_speeds() {
         screen.remark(format!("{path}: no speed_m_s, so no distance and no roughness"));
     }
 }

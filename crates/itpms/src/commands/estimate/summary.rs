@@ -1,6 +1,6 @@
 //! What is said at the end: a line for the drive, one per corner and one per alert, or the same as JSON.
 
-use itpms_drive::{corner_line, summary_json};
+use itpms_drive::{corner_line, summary_json, wheel_speed_lines};
 use serde_json::{Value, json};
 
 use super::Estimated;
@@ -20,7 +20,7 @@ pub(super) fn print(args: &EstimateArgs, screen: &Screen, estimated: &Estimated)
         args.log.display(),
         drive.duration_s,
         drive.rate_hz,
-        args.estimator.label()
+        estimated.done.data.provenance.estimator
     ));
     print_corners(screen, estimated);
 }
@@ -33,6 +33,9 @@ pub(crate) fn print_corners(screen: &Screen, estimated: &Estimated) {
     for corner in &done.data.corners {
         screen.print(corner_line(corner, end_s, unit));
     }
+    for line in done.radii.iter().flat_map(wheel_speed_lines) {
+        screen.print(line);
+    }
     for sentence in done.alerts.sentences(origin_s, unit) {
         screen.print(sentence);
     }
@@ -41,7 +44,7 @@ pub(crate) fn print_corners(screen: &Screen, estimated: &Estimated) {
 fn as_json(args: &EstimateArgs, estimated: &Estimated) -> Value {
     let Estimated { log, done } = estimated;
     let path = |path: &std::path::PathBuf| path.display().to_string();
-    let mut summary = summary_json(done, args.estimator, log.repairs().rows_kept);
+    let mut summary = summary_json(done, log.repairs().rows_kept);
     summary.insert("log".to_owned(), json!(path(&args.log)));
     summary.insert(
         "outputs".to_owned(),

@@ -104,7 +104,7 @@ fn notes(screen: Screen) -> Say {
 /// The vehicle becomes the one from which a reference counts.
 fn options(args: &MonitorArgs, vehicle: &mut Vehicle) -> Result<DriveOptions, Failure> {
     let learns = args.estimator == EstimatorKind::Informed;
-    let reference = match &args.reference {
+    let (reference, wheel_reference) = match &args.reference {
         Some(_) if !learns => {
             let text =
                 format!("--reference with --estimator {}: only informed learns", args.estimator.label());
@@ -112,17 +112,18 @@ fn options(args: &MonitorArgs, vehicle: &mut Vehicle) -> Result<DriveOptions, Fa
         }
         Some(path) => {
             let file = args.vehicle.as_deref().unwrap_or(Path::new("--vehicle"));
-            let (known, learned) = reference::of(path, vehicle, file)?;
+            let (known, stored) = reference::of(path, vehicle, file)?;
             *vehicle = known;
-            Some(learned)
+            (stored.has_corners().then_some(stored.reference), stored.wheel_speeds)
         }
-        None => None,
+        None => (None, None),
     };
     Ok(DriveOptions {
         estimator: args.estimator,
         regulation: args.regulation,
         calibrate_s: args.calibrate_s,
         reference,
+        wheel_reference,
         rate_hz: args.rate,
         units: args.reading.options().units,
     })

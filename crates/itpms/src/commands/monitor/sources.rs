@@ -101,10 +101,10 @@ fn feed(args: &MonitorArgs, screen: &Screen) -> Result<Feed, Failure> {
     let sends_there = args.can_out.is_some() && args.can_out == args.interface;
     let own = if sends_there { can::identifiers().map_err(failure)? } else { Vec::new() };
     let feed = Feed::new(decoder, own);
-    if feed.corners().is_empty() {
+    if !feed.is_enough() {
         let path = path.display();
         return Err(Failure::Usage(format!(
-            "{path}: no corner has both its accelerations among the signals; `itpms signals` lists them, \
+            "{path}: no corner has both its accelerations among the signals, nor have all four wheels a speed; `itpms signals` lists them, \
              --signals MAP.toml says which is which"
         )));
     }

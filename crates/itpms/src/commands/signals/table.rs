@@ -2,7 +2,7 @@
 //! Called by the command alone.
 
 use itpms_core::model::Corner;
-use itpms_data::log::{Field, Slot};
+use itpms_data::log::{Field, LogColumns, Slot};
 use itpms_data::signals::{ListedGroup, Listing, Resolved};
 
 use super::Columns;
@@ -114,8 +114,15 @@ fn print_columns(resolved: &Resolved, columns: &Columns<'_>, screen: &Screen) {
                     .all(|field| there(Slot::Corner(*corner, field)))
             };
             let corners: Vec<&str> = Corner::ALL.into_iter().filter(both).map(Corner::label).collect();
-            let corners = if corners.is_empty() { vec!["none in this log"] } else { corners };
-            screen.print(format!("Corners with both accelerations: {}", corners.join(" ")));
+            let slots: Vec<Slot> = resolved.slots().into_iter().filter(|slot| there(*slot)).collect();
+            let roll = LogColumns::of(&slots).motion.wheel_speeds();
+            if roll {
+                screen.print("Wheel speeds of all four wheels");
+            }
+            if !corners.is_empty() || !roll {
+                let corners = if corners.is_empty() { vec!["none in this log"] } else { corners };
+                screen.print(format!("Corners with both accelerations: {}", corners.join(" ")));
+            }
         }
     }
 }

@@ -5,7 +5,7 @@ mod learn;
 mod show;
 
 use itpms_data::out::AtomicFile;
-use itpms_data::vehicle::typical::TypicalCar;
+use itpms_data::vehicle::typical::{AxleWheels, TypicalCar, WheelsOfACar};
 
 use super::former;
 use crate::args::{InitArgs, VehiclePart};
@@ -22,17 +22,34 @@ pub(crate) fn run(part: &VehiclePart, screen: &Screen, interrupt: &Interrupt) ->
     }
 }
 
-fn init(args: &InitArgs, screen: &Screen) -> Result<(), Failure> {
-    let car = TypicalCar {
-        name: args.name.clone(),
-        mass_kg: args.mass,
-        front_share: args.front_share,
-        tire: args.tire,
-        class: args.class,
-        placard_kpa: args.placard_kpa,
-        wheelbase_m: args.wheelbase_m,
+/// The file of a car whose mass is known, else of one whose wheel speeds alone are read.
+fn typical(args: &InitArgs) -> Result<String, Failure> {
+    let axles = args.driven.map(|driven| AxleWheels {
+        track_m: [args.track_front_m, args.track_rear_m],
+        driven,
+        limited_slip: args.limited_slip,
+    });
+    let (name, tire, placard_kpa) = (args.name.clone(), args.tire, args.placard_kpa);
+    let file = match (args.mass, args.front_share, axles, args.wheelbase_m) {
+        (Some(mass_kg), Some(front_share), wheels, wheelbase_m) => {
+            let class = args.class;
+            TypicalCar { name, mass_kg, front_share, tire, class, placard_kpa, wheelbase_m, wheels }
+                .vehicle_file()
+        }
+        (_, _, Some(axles), Some(wheelbase_m)) => {
+            WheelsOfACar { name, tire, wheelbase_m, axles, placard_kpa }.vehicle_file()
+        }
+        _ => {
+            let what =
+                "expected --mass and --front-share, or --wheelbase-m and --driven for wheel speeds alone";
+            return Err(Failure::Usage(what.to_owned()));
+        }
     };
-    let (text, _) = car.vehicle_file().map_err(|error| Failure::Usage(error.to_string()))?;
+    Ok(file.map_err(|error| Failure::Usage(error.to_string()))?.0)
+}
+
+fn init(args: &InitArgs, screen: &Screen) -> Result<(), Failure> {
+    let text = typical(args)?;
     let Some(path) = &args.output else {
         screen.print_lines(text.trim_end());
         return Ok(());

@@ -2,7 +2,7 @@
 
 use itpms_core::model::Corner;
 use itpms_data::Vehicle;
-use itpms_data::vehicle::{CornerFigures, ParameterUncertainty};
+use itpms_data::vehicle::{CornerFigures, Driven, ParameterUncertainty};
 use serde_json::{Value, json};
 
 use crate::args::ShowArgs;
@@ -102,6 +102,9 @@ fn figures(vehicle: &Vehicle, corner: Corner) -> Option<(CornerFigures, Paramete
 fn table(vehicle: &Vehicle) -> String {
     let corners: Vec<Corner> = Corner::ALL.into_iter().filter(|c| vehicle.corner(*c).is_some()).collect();
     let mut out = head(vehicle);
+    if corners.is_empty() {
+        return out.join("\n");
+    }
     out.push(String::new());
     out.push(row("", corners.iter().map(|corner| corner.label().to_owned())));
     let columns: Vec<Vec<Parameter>> = corners.iter().map(|corner| parameters(vehicle, *corner)).collect();
@@ -158,7 +161,17 @@ fn head(vehicle: &Vehicle) -> Vec<String> {
         out.push(format!("{:<NAME$}{tracks}", "track, front and rear"));
     }
     if let Some(driven) = details.driven {
-        out.push(format!("{:<NAME$}{}", "driven", driven.label()));
+        let coupled = if details.limited_slip { ", limited slip" } else { "" };
+        out.push(format!("{:<NAME$}{}{coupled}", "driven", driven.label()));
+    }
+    if let Ok(config) = vehicle.wheel_speed_config() {
+        let (beta, sd) = (config.radius_per_ln_pressure, config.radius_per_ln_pressure_sd);
+        let shown = format!(
+            "{beta:.4} ± {:.4}; a fifth less is {:.2} % of the radius",
+            beta * sd,
+            -100.0 * beta * 0.8f64.ln()
+        );
+        out.push(format!("{:<NAME$}{shown}", "rolling radius per ln p"));
     }
     out
 }
@@ -211,6 +224,14 @@ fn document(vehicle: &Vehicle) -> Value {
         "id": vehicle.id,
         "confidence": vehicle.details.confidence.label(),
         "wheelbase_m": vehicle.wheelbase_m,
+        "wheel_speeds": vehicle.wheel_speed_config().ok().map(|config| json!({
+            "track_front_m": config.track_front_m,
+            "track_rear_m": config.track_rear_m,
+            "driven": vehicle.details.driven.map(Driven::label),
+            "limited_slip": config.limited_slip,
+            "radius_per_ln_pressure": config.radius_per_ln_pressure,
+            "radius_per_ln_pressure_sd": config.radius_per_ln_pressure * config.radius_per_ln_pressure_sd,
+        })),
         "corners": corners,
     })
 }

@@ -152,7 +152,11 @@ pub(super) fn silence(campaign: &mut Campaign<'_>) -> Result<Outcome, Failure> {
         let running = thread::Builder::new().stack_size(16 << 20);
         let running =
             running.spawn_scoped(scope, || monitor.run(&inputs, || stop.load(Relaxed))).map_err(failed)?;
-        inputs.push(Input::Opened { sample_rate_hz: RATE_HZ, corners: Corner::ALL.to_vec() });
+        inputs.push(Input::Opened {
+            sample_rate_hz: RATE_HZ,
+            corners: Corner::ALL.to_vec(),
+            wheel_speeds: false,
+        });
         for part in parts {
             let came = part.iter().map(|row| Input::Row { row: *row, arrived: Instant::now() });
             inputs.push_all(came.collect::<Vec<_>>());

@@ -82,7 +82,7 @@ impl Subject {
         let source = SourceName { name: "faults".to_owned(), kind: "replay" };
         let mut engine = Engine::new(self.vehicle.clone(), options(), source, saved, say);
         // Fails only for a car without these corners; the first row says so, too.
-        let _ = engine.open(RATE_HZ, &Corner::ALL);
+        let _ = engine.open(RATE_HZ, &Corner::ALL, false);
         engine
     }
 

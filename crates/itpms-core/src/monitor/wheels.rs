@@ -1,0 +1,363 @@
+//! The radius analysis of wheel speeds under the monitor's words: the same states and alerts as of a car with accelerations. For a car
+//! that has nothing else, or beside its other monitor.
+
+use crate::memory::{Placed, blank};
+use crate::model::{Corner, ParameterError, Validity, Warning, Wheels};
+use crate::real::Real;
+use crate::warning::{Alert, Cause, Doubt, MonitorReport, WheelReport, WheelState};
+use crate::wheel_speed::{
+    RadiusCalibration, RadiusMonitor, RadiusReport, RadiusState, WheelSpeedConfig, WheelSpeedSample,
+};
+
+/// Usable driving in s after which what is more probable than .99 is reported, and after which a report that does not hold any more
+/// is taken back.
+const LASTING_S: f64 = 60.0;
+/// Probability of the contrary below which it is reported at once: a tenth of what has to last.
+const BEYOND_DOUBT: f64 = 1e-3;
+
+/// A radius analysis under its monitor; less than 4 kB in `f32`.
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct MonitoredWheels<T: Real> {
+    radii: RadiusMonitor<T>,
+    /// Samples until this time are a calibration's; minus infinity: there is none.
+    calibrated_s: f64,
+    /// Seconds a calibration is to last that begins with the next sample; zero: none is.
+    calibrate_s: f64,
+    /// Since when its state has been probable.
+    since_s: f64,
+    state: RadiusState,
+    alert: Placed<Alert<T>>,
+}
+
+blank!(MonitoredWheels<T> { radii, calibrated_s, calibrate_s, since_s, state, alert });
+
+impl<T: Real> MonitoredWheels<T> {
+    /// The monitor of a car's wheel speeds, uncalibrated.
+    ///
+    /// # Errors
+    /// A length or a radius over pressure that no car has.
+    pub fn new(config: &WheelSpeedConfig<T>) -> Result<Self, ParameterError> {
+        let mut wheels = Self::unconfigured();
+        wheels.configure(config)?;
+        Ok(wheels)
+    }
+
+    /// Memory for a monitor, as a constant of zeros; [`configure`](Self::configure) fills it where it lies.
+    #[must_use]
+    pub const fn unconfigured() -> Self {
+        <Self as crate::memory::Blank>::BLANK
+    }
+
+    /// Begins anew with this car, uncalibrated.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new); the monitor is unconfigured then.
+    pub fn configure(&mut self, config: &WheelSpeedConfig<T>) -> Result<(), ParameterError> {
+        *self = Self::unconfigured();
+        (self.calibrated_s, self.since_s) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+        self.radii.configure(config)
+    }
+
+    /// All tires have the pressures they should have for so many seconds from the next sample on. What was driven well in them teaches how
+    /// the tires differ.
+    ///
+    /// # Errors
+    /// The length must be positive and finite.
+    pub fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
+        self.begin_calibration_at(seconds, &[T::one(); 4])
+    }
+
+    /// The same at pressures that are known otherwise: each is so much of what it should be.
+    ///
+    /// # Errors
+    /// As for [`begin_calibration`](Self::begin_calibration).
+    pub fn begin_calibration_at(
+        &mut self,
+        seconds: f64,
+        pressure_share: &[T; 4],
+    ) -> Result<(), ParameterError> {
+        crate::model::positive("calibration_s", seconds)?;
+        self.calibrate_s = seconds;
+        self.radii.begin_calibration_at(T::lit(seconds), pressure_share);
+        self.alert.clear();
+        Ok(())
+    }
+
+    /// Ends the calibration that is under way with what it has seen; whether that taught anything.
+    pub fn end_calibration(&mut self) -> bool {
+        (self.calibrate_s, self.calibrated_s) = (0.0, f64::NEG_INFINITY);
+        self.radii.end_calibration()
+    }
+
+    /// What a calibration taught, once it is over.
+    #[must_use]
+    pub fn calibration(&self) -> Option<&RadiusCalibration<T>> {
+        self.radii.calibration()
+    }
+
+    /// Begins with what a calibration on an earlier drive taught; whether a car can have it.
+    #[must_use]
+    pub fn load_calibration(&mut self, calibration: &RadiusCalibration<T>) -> bool {
+        self.radii.load_calibration(calibration)
+    }
+
+    /// What the analysis says of radii and losses.
+    #[must_use]
+    pub fn radii(&self) -> &RadiusReport<T> {
+        self.radii.report()
+    }
+
+    /// What is said of the tires now, if anything is.
+    #[must_use]
+    pub fn alert(&self) -> Option<Alert<T>> {
+        self.alert.get()
+    }
+
+    /// Takes in a sample.
+    pub fn update(&mut self, sample: &WheelSpeedSample<T>) {
+        if self.calibrate_s > 0.0 && sample.time_s.is_finite() {
+            self.calibrated_s = sample.time_s + self.calibrate_s;
+            self.calibrate_s = 0.0;
+        }
+        if sample.time_s >= self.calibrated_s && self.calibrated_s > f64::NEG_INFINITY {
+            self.end_calibration();
+        }
+        self.radii.update(sample);
+        self.judge();
+    }
+
+    /// Raises an alert, or takes one back.
+    fn judge(&mut self) {
+        let report = self.radii.report();
+        let now_s = report.time_s;
+        if report.state != self.state {
+            (self.state, self.since_s) = (report.state, now_s - report.lasted_s.to_f64());
+        }
+        let lasts = report.lasted_s >= T::lit(LASTING_S);
+        let (wheels, is_known, probability) = match report.state {
+            RadiusState::Low(wheels) => {
+                let least = wheels.iter().map(|c| low_probability(report, c)).fold(T::one(), T::at_most);
+                (wheels, true, least)
+            }
+            RadiusState::OneOf(wheels) => (wheels, false, report.any_low_probability),
+            _ => {
+                if lasts || self.radii.calibration().is_none() {
+                    self.alert.clear();
+                }
+                return;
+            }
+        };
+        let same = |alert: &Alert<T>| alert.wheels == wheels && knows(alert) == is_known;
+        let doubt = T::one() - probability;
+        if self.alert.as_ref().is_some_and(same) || !(lasts || doubt < T::lit(BEYOND_DOUBT)) {
+            return;
+        }
+        let lost =
+            |corner: Corner| report.wheels.get(corner.index()).map(|w| (w.lost_share, w.lost_share_sd));
+        let larger = |a: (T, T), b: (T, T)| if b.0 > a.0 { b } else { a };
+        let (lost_share, lost_sd_share) =
+            wheels.iter().filter_map(lost).reduce(larger).unwrap_or((T::zero(), T::zero()));
+        self.alert.set(Some(Alert {
+            wheels,
+            since_s: self.since_s,
+            reported_s: now_s,
+            cause: Cause::Differs { lost_share, lost_sd_share, is_known },
+        }));
+    }
+
+    /// Writes what is said of the tires into the report of another monitor of the same car.
+    pub fn tell(&self, report: &mut MonitorReport<T>) {
+        report.put_of_wheel_speeds(self.alert.get());
+    }
+
+    /// The same into a report of nothing else: with its time, and what is known of each wheel.
+    pub fn tell_alone(&self, report: &mut MonitorReport<T>) {
+        let radii = self.radii.report();
+        report.begin(radii.time_s, 0.0);
+        for (corner, wheel) in Corner::ALL.into_iter().zip(&mut report.wheels) {
+            *wheel = Some(self.wheel(corner));
+        }
+        self.tell(report);
+    }
+
+    fn wheel(&self, corner: Corner) -> WheelReport<T> {
+        let (radii, nan) = (self.radii.report(), T::lit(f64::NAN));
+        let state = self.state_of(corner);
+        let known = !matches!(state, WheelState::Unknown(Doubt::Starting | Doubt::NoInformation));
+        WheelReport {
+            state,
+            validity: match state {
+                _ if known => Validity::Valid,
+                WheelState::Unknown(Doubt::Starting) => Validity::Starting,
+                _ => Validity::NoInformation,
+            },
+            warning: if state == WheelState::Low { Warning::Low } else { Warning::None },
+            pressure_kpa: nan,
+            pressure_sd_kpa: nan,
+            reference_kpa: nan,
+            informed_s: if known { radii.time_s } else { f64::NEG_INFINITY },
+        }
+    }
+
+    /// What is known of a wheel, in one word: fine is a tire that does not differ from the others.
+    #[must_use]
+    pub fn state_of(&self, corner: Corner) -> WheelState {
+        let radii = self.radii.report();
+        let suspected = match radii.state {
+            RadiusState::Uncalibrated | RadiusState::Calibrating => {
+                return WheelState::Unknown(Doubt::Starting);
+            }
+            RadiusState::Low(wheels) | RadiusState::OneOf(wheels) => wheels,
+            RadiusState::Uninformed | RadiusState::NoneDiffers => Wheels::NONE,
+        };
+        match self.alert.as_ref().filter(|alert| alert.wheels.contains(corner)) {
+            Some(alert) if knows(alert) => return WheelState::Low,
+            Some(_) => return WheelState::Unknown(Doubt::Uncertain),
+            None if suspected.contains(corner) => return WheelState::Unknown(Doubt::Uncertain),
+            None => {}
+        }
+        match radii.wheels.get(corner.index()).is_some_and(|wheel| wheel.informed) {
+            true => WheelState::Fine,
+            false => WheelState::Unknown(Doubt::NoInformation),
+        }
+    }
+}
+
+fn low_probability<T: Real>(report: &RadiusReport<T>, corner: Corner) -> T {
+    report.wheels.get(corner.index()).map_or(T::zero(), |wheel| wheel.low_probability)
+}
+
+/// Whether an alert knows which wheels it is about.
+fn knows<T>(alert: &Alert<T>) -> bool {
+    matches!(alert.cause, Cause::Differs { is_known: true, .. })
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use std::string::ToString as _;
+
+    use super::*;
+    use crate::wheel_speed::DrivenAxle;
+    use crate::wheel_speed::tests::Drive;
+
+    const RATE_HZ: f64 = 60.0;
+
+    fn monitored() -> MonitoredWheels<f32> {
+        MonitoredWheels::new(&WheelSpeedConfig::new(2.66, 1.57, 1.57, DrivenAxle::Front)).unwrap()
+    }
+
+    /// Drives on; seconds until `until` holds.
+    fn drive(
+        wheels: &mut MonitoredWheels<f32>,
+        drive: &mut Drive,
+        most_s: f64,
+        until: impl Fn(&MonitoredWheels<f32>) -> bool,
+    ) -> Option<f64> {
+        let samples = (most_s * RATE_HZ) as u32;
+        (0..samples).find_map(|k| {
+            wheels.update(&drive.next());
+            until(wheels).then(|| f64::from(k) / RATE_HZ)
+        })
+    }
+
+    #[test]
+    fn a_calibration_ends_with_its_time_and_a_loss_is_reported_and_taken_back() {
+        let (mut wheels, mut car) = (monitored(), Drive::new(5, RATE_HZ, 0.04));
+        wheels.begin_calibration(300.0).unwrap();
+        assert_eq!(wheels.state_of(Corner::RearRight), WheelState::Unknown(Doubt::Starting));
+        let learned_s = drive(&mut wheels, &mut car, 400.0, |w| w.calibration().is_some()).unwrap();
+        // Not after so much usable driving, of which there is less.
+        assert!((learned_s - 300.0).abs() < 1.0, "{learned_s}");
+        assert_eq!(drive(&mut wheels, &mut car, 600.0, |w| w.alert().is_some()), None);
+        assert!(Corner::ALL.iter().all(|corner| wheels.state_of(*corner) == WheelState::Fine));
+        // A quarter of its pressure, -.007 ln .75 of its radius.
+        let loss = 0.007 * 0.75f64.ln();
+        car.radius[3] += loss;
+        let found_s = drive(&mut wheels, &mut car, 120.0, |w| w.alert().is_some()).unwrap();
+        let alert = wheels.alert().unwrap();
+        assert!(alert.wheels == Corner::RearRight.into() && knows(&alert) && alert.cause.is_low(), "{alert}");
+        assert!(found_s < 60.0 && alert.since_s < alert.reported_s, "{alert}");
+        let mut report = MonitorReport::empty();
+        wheels.tell_alone(&mut report);
+        let [fl, _, _, rr] = report.wheels.map(|wheel| wheel.unwrap());
+        assert_eq!((rr.state, rr.warning), (WheelState::Low, Warning::Low));
+        assert_eq!((fl.state, fl.warning), (WheelState::Fine, Warning::None));
+        assert!(report.alerts().count() == 1 && !report.is_all_fine() && rr.pressure_kpa.is_nan());
+        // Filled up again.
+        car.radius[3] -= loss;
+        let over_s = drive(&mut wheels, &mut car, 900.0, |w| w.alert().is_none()).unwrap();
+        assert!(over_s > LASTING_S, "{over_s}");
+    }
+
+    #[test]
+    fn a_calibration_without_driving_teaches_nothing() {
+        let (mut wheels, mut car) = (monitored(), Drive::new(6, RATE_HZ, 0.04));
+        wheels.begin_calibration(9.0).unwrap();
+        assert_eq!(drive(&mut wheels, &mut car, 300.0, |w| w.calibration().is_some()), None);
+        assert_eq!(wheels.radii().state, RadiusState::Uncalibrated);
+        assert!(wheels.begin_calibration(f64::NAN).is_err());
+    }
+
+    #[test]
+    fn what_is_only_likely_waits_for_a_minute() {
+        let (mut wheels, mut car) = (monitored(), Drive::new(7, RATE_HZ, 0.04));
+        wheels.begin_calibration(300.0).unwrap();
+        drive(&mut wheels, &mut car, 310.0, |_| false);
+        let pending = |w: &MonitoredWheels<f32>| {
+            let least =
+                |wheels: Wheels| wheels.iter().map(|c| low_probability(w.radii(), c)).fold(1.0, f32::min);
+            matches!(w.radii().state, RadiusState::Low(wheels) if least(wheels) < 0.999)
+        };
+        // As a fifth is lost slowly, it is likely first and certain later, or says so after a minute.
+        for _ in 0..200 {
+            car.radius[1] -= 0.007 * 1.25f64.ln() / 200.0;
+            drive(&mut wheels, &mut car, 1.0, |_| false);
+            if pending(&wheels) {
+                let state = wheels.state_of(Corner::FrontRight);
+                let early = wheels.radii().lasted_s < 59.0 && wheels.alert().is_none();
+                assert!(!early || state == WheelState::Unknown(Doubt::Uncertain), "{state:?}");
+            }
+        }
+        assert!(drive(&mut wheels, &mut car, 900.0, |w| w.alert().is_some()).is_some());
+        assert_eq!(wheels.alert().unwrap().wheels, Corner::FrontRight.into());
+    }
+
+    #[test]
+    fn what_is_said_names_wheels_or_says_that_it_cannot() {
+        let alert = |wheels: Wheels, is_known| Alert {
+            wheels,
+            since_s: 10.0,
+            reported_s: 12.0,
+            cause: Cause::Differs { lost_share: 0.25f64, lost_sd_share: 0.13, is_known },
+        };
+        let all: Wheels = Corner::ALL.into_iter().collect();
+        let pair = Wheels::from(Corner::FrontLeft) | Wheels::from(Corner::RearRight);
+        for (wheels, is_known, text) in [
+            (
+                Corner::RearRight.into(),
+                true,
+                "rr differs from the other tires since the calibration: it turns as with 25 % (sd 13) of its pressure lost, by the wheel speeds; since 10.0 s, said at 12.0 s",
+            ),
+            (
+                pair,
+                false,
+                "one of fl rr differs from the other tires since the calibration, by the wheel speeds; since 10.0 s, said at 12.0 s",
+            ),
+            (
+                all,
+                false,
+                "one of the tires differs from the others since the calibration, by the wheel speeds; since 10.0 s, said at 12.0 s",
+            ),
+        ] {
+            assert_eq!(alert(wheels, is_known).to_string(), text);
+        }
+    }
+
+    #[test]
+    fn it_fits_into_four_kilobytes() {
+        assert!(core::mem::size_of::<MonitoredWheels<f32>>() < 4096);
+    }
+}

@@ -1,0 +1,95 @@
+//! What wheel speeds say, as columns of the results. Called by the writer of estimates and by the Python package; computes nothing.
+
+use itpms_core::model::{Corner, Level, Warning};
+use itpms_core::warning::WheelState;
+use itpms_core::wheel_speed::{RadiusReport, WheelRadius};
+
+use super::cell::{Cell, Kind};
+use super::state::{States, state_label};
+
+/// What wheel speeds say after a row.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RadiusRow {
+    /// Radii and losses.
+    pub radii: RadiusReport<f64>,
+    /// What follows for each wheel.
+    pub states: States,
+}
+
+/// Whether a drive has wheel speeds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum WheelSpeedUse {
+    /// It has none, or they are not used.
+    #[default]
+    None,
+    /// Beside accelerations.
+    Beside,
+    /// It has nothing else.
+    Alone,
+}
+
+impl WheelSpeedUse {
+    /// Names and kinds of the columns: per corner `{c}_radius_change, {c}_radius_change_sd, {c}_lost_share, {c}_lost_share_sd,
+    /// {c}_low_probability`, and `{c}_wheel_speed_state`, or `{c}_valid, {c}_warning, {c}_level, {c}_state` where there is nothing else;
+    /// then `front_radius_difference` (left over right), `rear_radius_difference` and `axles_radius_difference` (front over rear), each
+    /// with its `_sd`. All are relative changes since the calibration; empty where nothing is known.
+    #[must_use]
+    pub fn columns(self) -> Vec<(String, Kind)> {
+        if self == Self::None {
+            return Vec::new();
+        }
+        let numbers = ["radius_change", "radius_change_sd", "lost_share", "lost_share_sd", "low_probability"];
+        let words =
+            [("valid", Kind::Flag), ("warning", Kind::Label), ("level", Kind::Label), ("state", Kind::Label)];
+        let beside = [("wheel_speed_state", Kind::Label)];
+        let words = if self == Self::Alone { &words[..] } else { &beside };
+        let mut columns = Vec::new();
+        for corner in Corner::ALL {
+            let own = numbers.iter().map(|suffix| (*suffix, Kind::Number)).chain(words.iter().copied());
+            columns.extend(own.map(|(suffix, kind)| (format!("{}_{suffix}", corner.label()), kind)));
+        }
+        for pair in ["front", "rear", "axles"] {
+            for suffix in ["", "_sd"] {
+                columns.push((format!("{pair}_radius_difference{suffix}"), Kind::Number));
+            }
+        }
+        columns
+    }
+
+    /// The cells of a row, in the order of the columns.
+    pub fn cells(self, row: Option<&RadiusRow>, cells: &mut Vec<Cell<'static>>) {
+        if self == Self::None {
+            return;
+        }
+        for (i, corner) in Corner::ALL.into_iter().enumerate() {
+            let number = |of: fn(&WheelRadius<f64>) -> f64| {
+                Cell::Number(row.map_or(f64::NAN, |row| of(&row.radii.wheels[i])))
+            };
+            let known = row.is_some_and(|row| row.radii.wheels[i].change.is_finite());
+            let state = row.and_then(|row| row.states[corner.index()]);
+            cells.extend([
+                number(|wheel| wheel.change),
+                number(|wheel| wheel.change_sd),
+                number(|wheel| wheel.lost_share),
+                number(|wheel| wheel.lost_share_sd),
+                if known { number(|wheel| wheel.low_probability) } else { Cell::Number(f64::NAN) },
+            ]);
+            if self == Self::Alone {
+                let warning = if state == Some(WheelState::Low) { Warning::Low } else { Warning::None };
+                let valid = row.is_some_and(|row| row.radii.wheels[i].informed);
+                cells.extend([
+                    Cell::Flag(valid),
+                    Cell::Label(warning.label()),
+                    Cell::Label(Level::OtherTires.label()),
+                ]);
+            }
+            cells.push(Cell::Label(state_label(state)));
+        }
+        for pair in 0..3 {
+            let of = |values: fn(&RadiusReport<f64>) -> &[f64; 3]| {
+                Cell::Number(row.map_or(f64::NAN, |row| values(&row.radii)[pair]))
+            };
+            cells.extend([of(|radii| &radii.difference), of(|radii| &radii.difference_sd)]);
+        }
+    }
+}

@@ -1,0 +1,164 @@
+//! The wheel speeds of a drive under their monitor: beside that of the accelerations, or alone.
+
+use itpms_core::model::Corner;
+use itpms_core::monitor::MonitoredWheels;
+use itpms_core::warning::MonitorReport;
+use itpms_core::wheel_speed::RadiusCalibration;
+use itpms_data::log::LogColumns;
+use itpms_data::out::{RadiusRow, WheelSpeedUse};
+use itpms_data::{LogRow, Vehicle};
+
+use crate::error::DriveError;
+use crate::settings::Settings;
+
+/// Whether the wheel speeds of a log are used with this vehicle and these corners, or the key that its file lacks for that.
+///
+/// # Errors
+/// The key, where the log has wheel speeds.
+pub fn wheel_speed_use(
+    columns: &LogColumns,
+    vehicle: &Vehicle,
+    corners: &[Corner],
+) -> Result<WheelSpeedUse, &'static str> {
+    if !columns.motion.wheel_speeds() {
+        return Ok(WheelSpeedUse::None);
+    }
+    vehicle.wheel_speed_config()?;
+    if !columns.motion.wheel_speed {
+        vehicle.rolling_radius_m().ok_or("[tire] rolling_radius_m")?;
+    }
+    Ok(if corners.is_empty() { WheelSpeedUse::Alone } else { WheelSpeedUse::Beside })
+}
+
+/// The monitor and what it said last.
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct WheelSpeeds {
+    wheels: Box<MonitoredWheels<f64>>,
+    rolling_radius_m: f64,
+    alone: bool,
+    track_rear_m: f64,
+    turns: Turns,
+    report: Box<MonitorReport<f64>>,
+}
+
+impl WheelSpeeds {
+    /// The monitor of this vehicle's wheel speeds.
+    ///
+    /// # Errors
+    /// A length or a setting that it refuses, or a stored reference without wheel speeds where there is nothing else.
+    pub(crate) fn new(
+        settings: &Settings,
+        vehicle: &Vehicle,
+        alone: bool,
+        stored: Option<&RadiusCalibration<f64>>,
+    ) -> Result<Self, DriveError> {
+        let lacks = |key| DriveError::Mismatch(lacking(vehicle, key));
+        let config = vehicle.wheel_speed_config().map_err(lacks)?;
+        let mut wheels = Box::new(MonitoredWheels::unconfigured());
+        wheels.configure(&config)?;
+        if let Some(seconds) = settings.calibrate_s {
+            wheels.begin_calibration_at(seconds, &settings.pressure_shares(vehicle))?;
+        }
+        let loaded = stored.is_some_and(|stored| wheels.load_calibration(stored));
+        if let Some(path) = settings.reference.as_ref().filter(|_| alone && !loaded) {
+            return Err(DriveError::Mismatch(format!(
+                "{}: the learned reference has nothing of wheel speeds, and the log nothing else",
+                path.display()
+            )));
+        }
+        let rolling_radius_m = vehicle.rolling_radius_m().unwrap_or(f64::NAN);
+        let (track_rear_m, turns) = (config.track_rear_m, Turns::default());
+        let report = Box::new(MonitorReport::empty());
+        Ok(Self { wheels, rolling_radius_m, alone, track_rear_m, turns, report })
+    }
+
+    /// Takes a row, and what the car's other monitor said after it. The speed of a car of which nothing else is known is that of its wheels.
+    pub(crate) fn update(&mut self, row: &mut LogRow, beside: &MonitorReport<f64>) {
+        let sample = row.motion.sample(row.time_s, self.rolling_radius_m);
+        if self.alone && row.speed_m_s.is_nan() {
+            row.speed_m_s = 0.25 * sample.wheel_speed_m_s.iter().sum::<f64>();
+        }
+        let [_, _, left, right] = sample.wheel_speed_m_s;
+        self.turns.push(sample.yaw_rate_rad_s, left, (right - left) / self.track_rear_m);
+        self.wheels.update(&sample);
+        if self.alone {
+            self.wheels.tell_alone(&mut self.report);
+        } else {
+            *self.report = *beside;
+            self.wheels.tell(&mut self.report);
+        }
+    }
+
+    /// Whether the yaw rate has the other sign than the wheels' way round bends.
+    pub(crate) fn yaw_is_reversed(&self) -> bool {
+        self.turns.are_reversed()
+    }
+
+    /// The log ends with its calibration.
+    pub(crate) fn end_calibration(&mut self) {
+        self.wheels.end_calibration();
+    }
+
+    pub(crate) fn report(&self) -> &MonitorReport<f64> {
+        &self.report
+    }
+
+    pub(crate) fn learned(&self) -> Option<RadiusCalibration<f64>> {
+        self.wheels.calibration().copied()
+    }
+
+    pub(crate) fn row(&self) -> RadiusRow {
+        let states = Corner::ALL.map(|corner| Some(self.wheels.state_of(corner)));
+        RadiusRow { radii: *self.wheels.radii(), states }
+    }
+}
+
+/// Speed in m/s above which rear wheels show how a car turns.
+const TURNING_M_S: f64 = 5.0;
+/// The yaw rate of the rear wheels over the sensor's is 1, or -1 where its sign is the other one: surely below this it is.
+const REVERSED: f64 = -0.3;
+
+/// Sums of the sensor's yaw rate and the rear wheels', whose slope is to be one.
+#[derive(Debug, Clone, Copy, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Turns {
+    count: f64,
+    sensor: f64,
+    wheels: f64,
+    sensor_square: f64,
+    wheels_square: f64,
+    product: f64,
+}
+
+impl Turns {
+    fn push(&mut self, sensor_rad_s: f64, speed_m_s: f64, wheels_rad_s: f64) {
+        if !(speed_m_s > TURNING_M_S && sensor_rad_s.abs() < 2.0 && wheels_rad_s.abs() < 2.0) {
+            return;
+        }
+        self.count += 1.0;
+        self.sensor += sensor_rad_s;
+        self.wheels += wheels_rad_s;
+        self.sensor_square += sensor_rad_s * sensor_rad_s;
+        self.wheels_square += wheels_rad_s * wheels_rad_s;
+        self.product += sensor_rad_s * wheels_rad_s;
+    }
+
+    /// By the regression's slope and four of its standard deviations.
+    fn are_reversed(&self) -> bool {
+        let of = |square: f64, a: f64, b: f64| square - a * b / self.count;
+        let sensor = of(self.sensor_square, self.sensor, self.sensor);
+        let wheels = of(self.wheels_square, self.wheels, self.wheels);
+        let slope = of(self.product, self.sensor, self.wheels) / sensor;
+        let rest = (wheels - slope * slope * sensor).max(0.0) / self.count;
+        slope + 4.0 * (rest / sensor).sqrt() < REVERSED
+    }
+}
+
+/// Why wheel speeds are of no use with this file.
+pub(crate) fn lacking(vehicle: &Vehicle, key: &str) -> String {
+    format!(
+        "the vehicle {:?} has no {key}; wheel speeds need wheelbase_m, track_front_m, track_rear_m and driven, and speeds of rotation [tire] rolling_radius_m",
+        vehicle.name
+    )
+}

@@ -1,0 +1,268 @@
+//! What wheel speeds said during a drive: relative changes of the radii since the calibration, the losses that follow, and what cannot be
+//! seen. Collected in bounded memory, written as a section of the page.
+
+use std::fmt::Write as _;
+
+use itpms_core::model::Corner;
+use itpms_core::warning::{Cause, WheelState};
+use itpms_core::wheel_speed::{RadiusReport, RadiusState, WheelRadius};
+use serde::Serialize;
+
+use super::json::{Digits, axis, values};
+use super::track::{Keep, Track};
+use super::words::{clock, corner_name};
+use super::{ReportData, Z_95};
+use crate::plot::escape;
+
+/// Buckets of every curve, and the finest of them in s: half a second is a block of the analysis.
+const BUCKETS: usize = 1000;
+const FINEST_S: f64 = 0.5;
+/// Curves of a wheel: change, loss, each with the edges of its band.
+const PER_WHEEL: usize = 6;
+const DIFFERENCES: usize = 4 * PER_WHEEL;
+const CHANNELS: usize = DIFFERENCES + 3 * 3;
+
+/// A value over time with its 95 % band.
+#[derive(Debug, Clone, Default)]
+pub struct BandCurve {
+    /// The value.
+    pub value: Vec<f64>,
+    /// Lower and upper edge.
+    pub band: [Vec<f64>; 2],
+}
+
+/// What wheel speeds said during a drive.
+#[derive(Debug, Clone)]
+pub struct WheelSpeedReport {
+    /// Times in s of the curves, like the report's.
+    pub time_s: Vec<f64>,
+    /// Change of each rolling radius since the calibration in thousandths, in the order of [`Corner::ALL`].
+    pub change_1e3: [BandCurve; 4],
+    /// Share of its pressure that each tire has lost, in per cent.
+    pub lost_percent: [BandCurve; 4],
+    /// Change of the ratios of the radii in thousandths: front left over right, rear left over right, front over rear.
+    pub difference_1e3: [BandCurve; 3],
+    /// What was said last.
+    pub last: RadiusReport<f64>,
+}
+
+/// The running record.
+#[derive(Debug)]
+pub(super) struct WheelSpeedCollector {
+    track: Track,
+    last: Option<RadiusReport<f64>>,
+}
+
+impl WheelSpeedCollector {
+    pub(super) fn new() -> Self {
+        Self { track: Track::new(CHANNELS, FINEST_S, BUCKETS), last: None }
+    }
+
+    pub(super) fn push(&mut self, time_s: f64, radii: &RadiusReport<f64>) {
+        let mut row = [f64::NAN; CHANNELS];
+        let band = |cells: &mut [f64], value: f64, sd: f64, lowest: f64| {
+            cells.copy_from_slice(&[value, (value - Z_95 * sd).max(lowest), value + Z_95 * sd]);
+        };
+        for (wheel, cells) in radii.wheels.iter().zip(row.chunks_exact_mut(PER_WHEEL)) {
+            if !wheel.change.is_finite() {
+                continue;
+            }
+            band(&mut cells[..3], 1e3 * wheel.change, 1e3 * wheel.change_sd, f64::NEG_INFINITY);
+            band(&mut cells[3..], 100.0 * wheel.lost_share, 100.0 * wheel.lost_share_sd, 0.0);
+        }
+        let pairs = radii.difference.iter().zip(&radii.difference_sd);
+        for ((value, sd), cells) in pairs.zip(row[DIFFERENCES..].chunks_exact_mut(3)) {
+            band(cells, 1e3 * value, 1e3 * sd, if value.is_nan() { f64::NAN } else { f64::NEG_INFINITY });
+        }
+        self.track.push(time_s, &row);
+        self.last = Some(*radii);
+    }
+
+    pub(super) fn finish(self, origin_s: f64) -> Option<WheelSpeedReport> {
+        let (track, last) = (self.track, self.last?);
+        let curve = |base: usize| BandCurve {
+            value: track.curve(base, Keep::Extremes),
+            band: [track.curve(base + 1, Keep::Lowest), track.curve(base + 2, Keep::Highest)],
+        };
+        Some(WheelSpeedReport {
+            time_s: track.x().into_iter().map(|time_s| time_s - origin_s).collect(),
+            change_1e3: std::array::from_fn(|i| curve(i * PER_WHEEL)),
+            lost_percent: std::array::from_fn(|i| curve(i * PER_WHEEL + 3)),
+            difference_1e3: std::array::from_fn(|i| curve(DIFFERENCES + 3 * i)),
+            last,
+        })
+    }
+}
+
+/// What the wheel speeds say of the tires, in one sentence without a full stop.
+#[must_use]
+pub fn found(radii: &RadiusReport<f64>) -> String {
+    let names = |wheels: itpms_core::model::Wheels| {
+        let names: Vec<String> = wheels.iter().map(|corner| corner_name(corner).to_lowercase()).collect();
+        names.join(" and ")
+    };
+    match radii.state {
+        RadiusState::Uncalibrated => {
+            "nothing was calibrated, so no wheel's speed is compared with anything".to_owned()
+        }
+        RadiusState::Calibrating => "the calibration is not over".to_owned(),
+        RadiusState::Uninformed => {
+            "a tire that has lost a quarter would not be found: too little was driven since the calibration, or loads may have changed".to_owned()
+        }
+        RadiusState::NoneDiffers => "no tire differs from the others since the calibration".to_owned(),
+        RadiusState::Low(wheels) => {
+            let one = wheels.iter().count() == 1;
+            let verb = if one { "tire differs from the others" } else { "tires differ from the others" };
+            format!("the {} {verb} since the calibration", names(wheels))
+        }
+        RadiusState::OneOf(wheels) if wheels.iter().count() == 4 => {
+            "one of the tires differs from the others since the calibration; which, is not known".to_owned()
+        }
+        RadiusState::OneOf(wheels) => {
+            let either: Vec<String> = wheels.iter().map(|c| corner_name(c).to_lowercase()).collect();
+            format!("one of the tires differs from the others since the calibration: {}", either.join(" or "))
+        }
+    }
+}
+
+/// What the wheel speeds cannot show, a sentence each.
+#[must_use]
+pub fn unseen(radii: &RadiusReport<f64>) -> Vec<String> {
+    let mut out = vec![
+        "What all four tires lose alike is not seen, nor the level of any pressure: wheel speeds show differences since the calibration."
+            .to_owned(),
+    ];
+    let known = !matches!(radii.state, RadiusState::Uncalibrated | RadiusState::Calibrating);
+    let uninformed: Vec<&str> = Corner::ALL
+        .into_iter()
+        .zip(&radii.wheels)
+        .filter(|(_, wheel)| known && !wheel.informed)
+        .map(|(corner, _)| corner.label())
+        .collect();
+    if !uninformed.is_empty() && radii.state != RadiusState::Uninformed {
+        out.push(format!("A loss of a quarter of {} alone would not be found.", uninformed.join(", ")));
+    }
+    if known && radii.unseen.which_of_a_diagonal {
+        out.push(
+            "Without a yaw rate a front tire and the rear one across are hardly told apart, and losses below .3 % of the radius are not found."
+                .to_owned(),
+        );
+    }
+    if known && radii.unseen.loads {
+        out.push(
+            "The car has stood since the calibration, so loads may have changed: rear tires, and both of an axle, need a larger loss."
+                .to_owned(),
+        );
+    }
+    if known && !radii.unseen.hidden_by_torque.is_empty() {
+        out.push(format!("Torque on coupled wheels hides {}.", radii.unseen.hidden_by_torque));
+    }
+    out
+}
+
+/// A wheel's radius and loss, as one reads them.
+#[must_use]
+pub fn wheel_line(wheel: &WheelRadius<f64>) -> String {
+    if !wheel.change.is_finite() {
+        return "not compared with anything".to_owned();
+    }
+    format!(
+        "radius {:+.2} ± {:.2} ‰, lost {:.0} ± {:.0} %",
+        1e3 * wheel.change,
+        1e3 * wheel.change_sd,
+        100.0 * wheel.lost_share,
+        100.0 * wheel.lost_share_sd
+    )
+}
+
+/// The page's title where wheel speeds are all there is: what was warned of, or what is known in the end.
+pub(super) fn title(data: &ReportData, wheels: &WheelSpeedReport) -> String {
+    let alert = data
+        .watch
+        .iter()
+        .flat_map(|watch| &watch.alerts)
+        .find(|span| matches!(span.alert.cause, Cause::Differs { .. }));
+    let mut text = found(&wheels.last);
+    if let Some(span) = alert {
+        text += &format!("; warned of at {}", clock(span.alert.reported_s));
+    }
+    text[..1].to_uppercase() + &text[1..]
+}
+
+/// The section of the page.
+pub(super) fn section(data: &ReportData) -> String {
+    let Some(wheels) = &data.wheel_speeds else { return String::new() };
+    let mut out = format!(
+        "<section id=\"wheel-speeds\"><h2>Wheel speeds</h2><p class=\"verdict\">By the wheel speeds {}.</p>\
+         <div class=\"panels\" data-wheels></div><div class=\"scroll\"><table class=\"figures\"><thead><tr><th></th>\
+         <th scope=\"col\">Radius since the calibration</th><th scope=\"col\">Lost of its pressure</th>\
+         <th scope=\"col\">State</th></tr></thead><tbody>\n",
+        escape(&found(&wheels.last))
+    );
+    let last = data.watch.as_ref().filter(|_| data.corners.is_empty()).map(|watch| watch.last);
+    for (corner, wheel) in Corner::ALL.into_iter().zip(&wheels.last.wheels) {
+        let known = wheel.change.is_finite();
+        let cell = |text: String| if known { text } else { "–".to_owned() };
+        let state = match last.and_then(|last| last[corner.index()]) {
+            Some(WheelState::Low) => "low",
+            Some(WheelState::Fine) => "as the others",
+            _ if !known || !wheel.informed => "not known",
+            _ if wheel.low_probability > 0.5 => "in doubt",
+            _ => "as the others",
+        };
+        let _ = writeln!(
+            out,
+            "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{state}</td></tr>",
+            corner_name(corner),
+            cell(format!("{:+.2} ± {:.2} ‰", 1e3 * wheel.change, 1e3 * wheel.change_sd)),
+            cell(format!("{:.0} ± {:.0} %", 100.0 * wheel.lost_share, 100.0 * wheel.lost_share_sd)),
+        );
+    }
+    out.push_str("</tbody></table></div>");
+    for sentence in unseen(&wheels.last) {
+        let _ = write!(out, "<p class=\"note\">{}</p>", escape(&sentence));
+    }
+    out.push_str("</section>\n");
+    out
+}
+
+#[derive(Serialize)]
+pub(super) struct WheelsJson<'a> {
+    t: Digits<'a>,
+    change: Vec<BandJson<'a>>,
+    lost: Vec<BandJson<'a>>,
+    difference: Vec<BandJson<'a>>,
+    states: Vec<Vec<[f64; 3]>>,
+}
+
+#[derive(Serialize)]
+struct BandJson<'a> {
+    name: &'static str,
+    y: Digits<'a>,
+    lo: Digits<'a>,
+    hi: Digits<'a>,
+}
+
+/// The curves for the page's script.
+pub(super) fn json(data: &ReportData) -> Option<WheelsJson<'_>> {
+    let wheels = data.wheel_speeds.as_ref()?;
+    fn bands<'a>(curves: &'a [BandCurve], names: &[&'static str]) -> Vec<BandJson<'a>> {
+        let band = |(curve, name): (&'a BandCurve, &&'static str)| BandJson {
+            name,
+            y: values(&curve.value),
+            lo: values(&curve.band[0]),
+            hi: values(&curve.band[1]),
+        };
+        curves.iter().zip(names).map(band).collect()
+    }
+    let names = Corner::ALL.map(corner_name);
+    let pairs = ["Front left over right", "Rear left over right", "Front over rear"];
+    let states = data.watch.iter().filter(|_| data.corners.is_empty()).flat_map(|watch| &watch.states);
+    Some(WheelsJson {
+        t: axis(&wheels.time_s),
+        change: bands(&wheels.change_1e3, &names),
+        lost: bands(&wheels.lost_percent, &names),
+        difference: bands(&wheels.difference_1e3, &pairs),
+        states: states.map(|runs| runs.iter().map(|run| [run.0, run.1, run.2]).collect()).collect(),
+    })
+}

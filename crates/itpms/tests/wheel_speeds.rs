@@ -1,0 +1,186 @@
+//! A drive with wheel speeds alone, from the bus to the report: the example of the book, and what is said where something is missing.
+#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
+
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use crate::common::{Bench, table};
+
+/// When the example's rear right tire has lost a quarter of its pressure, in s.
+const LOSS_S: f64 = 60.0;
+
+fn example(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/wheel-speeds").join(name)
+}
+
+/// The example's log and DBC, and a vehicle file that the command has written.
+fn bench() -> Bench {
+    let bench = Bench::new();
+    for name in ["drive.log", "car.dbc"] {
+        bench.write(name, std::fs::read(example(name)).unwrap());
+    }
+    bench.run("vehicle init --tire 205/55R16 --wheelbase-m 2.7 --driven front -o wheels.toml").success();
+    bench
+}
+
+const ESTIMATE: &str = "estimate drive.log --dbc car.dbc --vehicle wheels.toml";
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap()
+}
+
+#[test]
+fn the_example_names_the_tire_that_lost_a_quarter() {
+    let bench = bench();
+    let line = format!(
+        "{ESTIMATE} -o est.csv --calibrate-s 50 --events events.jsonl --report report.html --json --save-reference car.reference"
+    );
+    let outcome = bench.run(&line);
+    let summary = json(outcome.success());
+    let alerts = summary["alerts"].as_array().unwrap();
+    assert_eq!(alerts.len(), 1, "{alerts:?}");
+    assert_eq!((&alerts[0]["kind"], &alerts[0]["wheels"]), (&"differs".into(), &serde_json::json!(["rr"])));
+    let said_s = alerts[0]["said_s"].as_f64().unwrap();
+    assert!((LOSS_S..LOSS_S + 15.0).contains(&said_s), "{said_s}");
+    // A quarter, as far as the radius over pressure is the assumed one.
+    let rr = &summary["wheel_speeds"]["wheels"]["rr"];
+    assert!((rr["lost_share"].as_f64().unwrap() - 0.25).abs() < 0.06, "{rr}");
+    assert_eq!(summary["wheel_speeds"]["level"], "other-tires");
+    let unseen = summary["wheel_speeds"]["not_seen"].to_string();
+    assert!(unseen.contains("What all four tires lose alike is not seen"), "{unseen}");
+
+    let (head, rows) = table(&bench.read("est.csv"));
+    let column = |name: &str| head.iter().position(|of| of == name).unwrap_or_else(|| panic!("no {name}"));
+    let at = |time_s: f64| {
+        rows.iter().find(|row| row[0].parse::<f64>().unwrap() >= time_s).unwrap_or_else(|| panic!("{time_s}"))
+    };
+    assert_eq!(at(10.0)[column("rr_state")], "unknown");
+    assert_eq!(at(59.0)[column("rr_state")], "fine");
+    assert_eq!(
+        (at(100.0)[column("rr_state")].as_str(), at(100.0)[column("rr_warning")].as_str()),
+        ("low", "low")
+    );
+    assert!(
+        rows.iter()
+            .all(|row| row[column("fl_warning")] == "none" && row[column("fl_level")] == "other-tires")
+    );
+    // What was measured: rear left over right has grown by -.007 ln .75, and two sds hold it.
+    let number = |name: &str| at(115.0)[column(name)].parse::<f64>().unwrap();
+    let (difference, sd) = (number("rear_radius_difference"), number("rear_radius_difference_sd"));
+    assert!((difference - 2.01e-3).abs() < 2.0 * sd && sd < 4e-4, "{difference} {sd}");
+    assert!(number("front_radius_difference").abs() < 3.0 * number("front_radius_difference_sd"));
+    assert!(!head.iter().any(|name| name.contains("pressure_kpa")));
+
+    let events = bench.read("events.jsonl");
+    assert!(events.contains("\"begun\"") && events.contains("rr differs from the other tires"), "{events}");
+    let page = bench.read("report.html");
+    for part in [
+        "The rear right tire differs from the others since the calibration",
+        "data-wheels",
+        "Differs from the others",
+    ] {
+        assert!(page.contains(part), "{part}");
+    }
+}
+
+#[test]
+fn a_stored_calibration_is_used_on_another_drive_whose_loads_may_be_others() {
+    let bench = bench();
+    let log = bench.read("drive.log");
+    let before_loss = log.lines().position(|line| line.starts_with("(59.0")).unwrap();
+    let first: String = log.lines().take(before_loss).map(|line| format!("{line}\n")).collect();
+    bench.write("first.log", first);
+    let learn = "estimate first.log --dbc car.dbc --vehicle wheels.toml --calibrate-s 50 --save-reference car.reference --json";
+    let outcome = bench.run(learn);
+    assert_eq!(json(outcome.success())["alerts"], serde_json::json!([]));
+    // A rear tire after a stop is not parted from a load within a minute: that is said, and no tire is warned of.
+    let outcome = bench.run(&format!("{ESTIMATE} --reference car.reference"));
+    let text = outcome.success();
+    assert!(text.contains("a tire that has lost a quarter would not be found"), "{text}");
+    assert!(text.contains("The car has stood since the calibration, so loads may have changed"), "{text}");
+    assert!(!text.contains("said at"), "{text}");
+    // The reference is this car's alone.
+    let other = bench.read("wheels.toml").replace("driven = \"front\"", "driven = \"rear\"");
+    bench.write("other.toml", other);
+    let refused =
+        bench.run("estimate drive.log --dbc car.dbc --vehicle other.toml --reference car.reference");
+    assert!(refused.refusal().contains("set of parameters"), "{}", refused.stderr);
+}
+
+#[test]
+fn what_is_missing_is_said() {
+    let bench = bench();
+    let outcome = bench.run(&format!("{ESTIMATE} -o est.csv"));
+    let text = outcome.success().to_owned();
+    assert!(text.contains("nothing was calibrated") && outcome.stderr.contains("never calibrated"), "{text}");
+    let outcome = bench.run(&format!("{ESTIMATE} --calibrate-s 5 --save-reference car.reference"));
+    assert!(outcome.code == Some(2) && outcome.stderr.contains("nothing was learned"), "{}", outcome.stderr);
+    bench
+        .write("half.toml", bench.read("wheels.toml").replace("wheelbase_m = 2.700", "wheelbase_sd_m = 0.1"));
+    let outcome = bench.run("estimate drive.log --dbc car.dbc --vehicle half.toml");
+    assert!(outcome.refusal().contains("stiffness_per_kpa"), "{}", outcome.stderr);
+    let outcome = bench.run(&format!("{ESTIMATE} --road-out road.csv"));
+    assert!(outcome.refusal().contains("show no road"), "{}", outcome.stderr);
+    // A car described by masses alone, and a log of wheel speeds alone.
+    bench.run("vehicle init --mass 1500 --front-share 0.55 --tire 205/55R16 -o masses.toml").success();
+    let outcome = bench.run("estimate drive.log --dbc car.dbc --vehicle masses.toml");
+    assert!(outcome.refusal().contains("has no track_front_m; wheel speeds need"), "{}", outcome.stderr);
+}
+
+#[test]
+fn signals_lists_the_four_wheels() {
+    let bench = bench();
+    let text = bench.run("signals drive.log --dbc car.dbc").success().to_owned();
+    assert!(text.contains("rr_wheel_speed_m_s is WHL_SPD11.WHL_SPD_RR in km/h times 0.277778"), "{text}");
+    assert!(
+        text.contains("yaw_rate_rad_s is ESP12.YAW_RATE")
+            && text.contains("accel_x_m_s2 is ESP12.LONG_ACCEL"),
+        "{text}"
+    );
+    assert!(text.contains("Wheel speeds of all four wheels"), "{text}");
+}
+
+#[test]
+fn a_yaw_rate_of_the_other_sign_is_named() {
+    let bench = bench();
+    let said = |degrees: f64| {
+        let factor = degrees.to_radians();
+        bench.write(
+            "map.toml",
+            format!("[signals]\nyaw_rate_rad_s = {{ signal = \"YAW_RATE\", factor = {factor:?} }}\n"),
+        );
+        let outcome = bench.run(&format!("{ESTIMATE} --signals map.toml --calibrate-s 50"));
+        outcome.success();
+        outcome.stderr.contains("yaw_rate_rad_s turns against the wheels")
+    };
+    assert!(said(-1.0) && !said(1.0));
+}
+
+#[test]
+fn known_pressures_of_the_calibration_are_counted_in() {
+    let bench = bench();
+    // Calibrated with rear right at three quarters of 240 kPa: the example's loss is then another quarter.
+    let outcome =
+        bench.run(&format!("{ESTIMATE} --calibrate-s 50 --pressure-kpa fl=240,fr=240,rl=240,rr=180 --json"));
+    let summary = json(outcome.success());
+    let alert = &summary["alerts"][0];
+    assert_eq!(alert["wheels"], serde_json::json!(["rr"]));
+    assert!(alert["said_s"].as_f64().unwrap() < LOSS_S, "{alert}");
+    let lost = summary["wheel_speeds"]["wheels"]["rr"]["lost_share"].as_f64().unwrap();
+    // 1 - .75^2, drawn a little to what low tires have.
+    assert!((lost - 0.4375).abs() < 0.1, "{lost}");
+}
+
+#[test]
+fn a_fleet_of_such_drives_has_a_table() {
+    let bench = bench();
+    std::fs::create_dir(bench.path("logs")).unwrap();
+    std::fs::rename(bench.path("drive.log"), bench.path("logs/drive.log")).unwrap();
+    bench.run("fleet logs/*.log --dbc car.dbc --vehicle wheels.toml --out out --calibrate-s 50").success();
+    let (head, rows) = table(&bench.read("out/fleet.csv"));
+    let column = |name: &str| head.iter().position(|of| of == name).unwrap_or_else(|| panic!("no {name}"));
+    let states: Vec<(&str, &str)> =
+        rows.iter().map(|row| (row[column("wheel")].as_str(), row[column("state")].as_str())).collect();
+    assert_eq!(states, [("fl", "fine"), ("fr", "fine"), ("rl", "fine"), ("rr", "low")]);
+}
