@@ -37,7 +37,7 @@ fn bank(tires: &[f64; 4]) -> HypothesisBank<f64> {
 /// A bank in which every hypothesis has a share, each with a mean of its own.
 fn spread_out() -> HypothesisBank<f64> {
     let mut bank = bank(&[0.05, -0.02, 0.0, 0.1]);
-    let weights = [0.6, 0.1, 0.04, 0.08, 0.02, 0.1, 6e-5, 0.05994];
+    let weights = [0.6999, 0.1, 0.04, 0.08, 0.02, 1e-4, 6e-5, 0.05994];
     for (i, (hypothesis, weight)) in bank.hypotheses.iter_mut().zip(weights).enumerate() {
         hypothesis.weight = weight;
         for q in 0..SIZE {
