@@ -136,6 +136,7 @@ def estimate(
         raise SettingError(f"partitions is {partitions}, expected 1 or more")
     options = {
         "rate_hz": _RATE_HZ,
+        "pressure_unit": "kpa",
         "road": False,
         "report": True,
         "estimator": estimator,
