@@ -19,7 +19,7 @@ fn km_h(k: u32) -> [f64; 4] {
 const ROWS: u32 = 600;
 
 fn read(path: &Path, options: &LogOptions) -> (LogColumns, Vec<LogRow>) {
-    let log = LogReader::open_with(path, options).unwrap_or_else(|error| panic!("{error}"));
+    let log = LogReader::open_with(path, options).unwrap();
     let columns = *log.columns();
     (columns, log.map(Result::unwrap).collect())
 }

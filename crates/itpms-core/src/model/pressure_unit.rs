@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-/// See the [module](self).
+/// Unit in which people read pressures; files stay in kPa.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum PressureUnit {
     /// Kilopascal.

@@ -163,7 +163,7 @@ mod tests {
             [("rpm", 60.0), ("1/min", 60.0), ("deg/s", 360.0), ("°/s", 360.0), ("Deg/Sec", 360.0)]
         {
             let rad_s = factor(text, rotation).unwrap() * turns_per_s;
-            assert!((rad_s - 6.283_185_307_179_586).abs() < 1e-12, "{text}");
+            assert!((rad_s - std::f64::consts::TAU).abs() < 1e-12, "{text}");
         }
         assert_eq!(factor("rad/s", rotation), Some(1.0));
         assert_eq!(factor("km/h", rotation), None);
