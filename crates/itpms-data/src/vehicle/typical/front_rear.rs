@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// See the [module](self).
+/// A value of the front axle and one of the rear axle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrontRear<T> {
     /// Of the front axle.
