@@ -33,5 +33,6 @@ mod published_lean;
 mod published_transcription;
 mod resampler;
 mod road_estimate;
+mod rollback;
 #[cfg(feature = "paper")]
 mod saved_filters;

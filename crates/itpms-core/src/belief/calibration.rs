@@ -94,6 +94,7 @@ impl<T: Real> Belief<T> {
         self.losses.end(self.learned_s);
         self.bank.collapse();
         self.drop_checkpoints();
+        self.pre_fault = [None; 4];
         (0..4).for_each(|corner| self.set_tire(corner));
     }
 

@@ -1,13 +1,22 @@
-//! Checkpoints of the belief, to restore when front and rear turn out to have been compared at the wrong place: it shows only after
-//! seconds, and for so long it was learned from.
+//! Checkpoints of the belief, to restore when a sensor turns out not to be trusted: that its gain has changed, or that it carries
+//! another one's name, shows only after seconds, and for so long it was learned from.
 
 use super::gaussian::Hypothesis;
+use super::state::{LEVEL, TIRE};
 use super::{Belief, LONGEST_PAUSE_S};
-use crate::memory::{Placed, blank};
+use crate::memory::{Blank, Placed, blank};
+use crate::model::Learned;
 use crate::real::Real;
 
-/// Seconds between two checkpoints: the one that is restored is once to twice as old.
+/// Seconds between two checkpoints: the one that is restored is once to twice as old. A gain that changes at once is noticed
+/// within three seconds, sensors that change places within six.
 const INTERVAL_S: f64 = 6.0;
+/// What is learned in twelve seconds moves a belief by less than one of its standard deviations; by so many, either a tire has
+/// lost air, which is found again within a second, or a sensor was wrong.
+const CONTRADICTED: f64 = 3.0;
+/// Seconds for which frames may still come after a sensor was taken away.
+const SETTLING_S: f64 = 1.0;
+
 /// The belief at a time, as one Gaussian.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -18,6 +27,43 @@ pub(super) struct Checkpoint<T: Real> {
 }
 
 blank!(Checkpoint<T> { time_s, belief, learned_s });
+
+/// A tire's compliance before its own sensors were suspected.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct PreFaultEstimate<T> {
+    pub(super) compliance: Learned<T>,
+    since_s: f64,
+}
+
+impl<T: Real> PreFaultEstimate<T> {
+    /// Whether frames of this time tell what the tire is: those under way when its sensors were taken away do not.
+    pub(super) fn is_settled(&self, time_s: f64) -> bool {
+        !(time_s - self.since_s < SETTLING_S)
+    }
+}
+
+impl<T: Real> Checkpoint<T> {
+    /// By how much a quantity has changed, if learning alone could not have made it do so.
+    fn contradicted(&self, now: &Hypothesis<T>, i: usize) -> Option<T> {
+        let change = now.mean[i] - self.belief.mean[i];
+        let far = change * change > T::lit(CONTRADICTED * CONTRADICTED) * self.belief.covariance[(i, i)];
+        far.then_some(change.abs())
+    }
+
+    /// A tire's compliance and its variance.
+    fn tire(&self, corner: usize) -> (T, T) {
+        let at = TIRE + corner;
+        (self.belief.mean[at], self.belief.covariance[(at, at)])
+    }
+
+    /// Whether anything has changed but the `suspected` corners' own tires: one that has lost its air is easily taken for a
+    /// faulty sensor, and a faulty sensor makes the other tire of its side look so.
+    fn is_contradicted_by(&self, now: &Hypothesis<T>, suspected: [bool; 4]) -> bool {
+        let own = |i: usize| (TIRE..TIRE + 4).contains(&i) && suspected[i - TIRE];
+        (0..LEVEL).filter(|&i| !own(i)).any(|i| self.contradicted(now, i).is_some())
+    }
+}
 
 impl<T: Real> Belief<T> {
     /// Saves what is believed now, if that was not done within [`INTERVAL_S`]; gives the time of a new checkpoint.
@@ -65,6 +111,43 @@ impl<T: Real> Belief<T> {
     pub(crate) fn checkpoint_anew(&mut self) -> Option<f64> {
         self.drop_checkpoints();
         self.checkpoint()
+    }
+
+    /// For some seconds a sensor of a `suspected` corner may have been wrong: restores the older checkpoint, if what is
+    /// believed now contradicts it. Gives its time if it did.
+    #[inline(never)]
+    pub(crate) fn rollback(&mut self, suspected: [bool; 4]) -> Option<f64> {
+        let saved = older(&self.checkpoints)?;
+        let mut now = Hypothesis::BLANK;
+        self.bank.as_one(&mut now);
+        if !saved.is_contradicted_by(&now, suspected) {
+            // A suspected corner's own tire may be what it was or what it seems to be now. If its sensors turn out to be
+            // faulty, what it was counts, however little of the error had been learned by now.
+            for corner in (0..4).filter(|&corner| suspected[corner]) {
+                let (value, variance) = saved.tire(corner);
+                let compliance = Learned { value, sd: variance.max(T::zero()).sqrt() };
+                self.pre_fault[corner] = Some(PreFaultEstimate { compliance, since_s: self.time_s });
+                if let Some(change) = saved.contradicted(&now, TIRE + corner) {
+                    self.bank.inflate_tire(corner, change);
+                }
+            }
+            return None;
+        }
+        let side_trusted = |corner: usize| !suspected[corner] && !suspected[(corner + 2) % 4];
+        let changes: [_; 4] = core::array::from_fn(|corner| saved.contradicted(&now, TIRE + corner));
+        let restored_s = self.restore();
+        // Another tire that has changed may really have lost its air, with a sensor that is faulty or only seems to be: it may
+        // be what it was or what it is now. On a side whose sensors are all trusted the latter is likelier, and frames go on.
+        for corner in (0..4).filter(|&corner| !suspected[corner]) {
+            let Some(change) = changes[corner] else { continue };
+            if side_trusted(corner) {
+                let (value, sd) = (now.mean[TIRE + corner], T::zero());
+                self.bank.set_quantity(TIRE + corner, &Learned { value, sd }, change, T::one());
+            } else {
+                self.bank.inflate_tire(corner, change);
+            }
+        }
+        restored_s
     }
 }
 

@@ -334,6 +334,11 @@ impl<T: Real> HypothesisBank<T> {
         self.collapse();
     }
 
+    /// That of one tire begins anew.
+    pub(super) fn begin_loss(&mut self, tire: usize) {
+        self.hypotheses.iter_mut().for_each(|hypothesis| hypothesis.begin_loss(tire));
+    }
+
     /// Probability that nothing moves.
     pub(super) fn constant_weight(&self) -> T {
         self.hypotheses[CONSTANT].weight

@@ -38,7 +38,7 @@ mod transition;
 mod update;
 
 use self::calibration::CalibrationState;
-use self::checkpoint::Checkpoint;
+use self::checkpoint::{Checkpoint, PreFaultEstimate};
 use self::floor::Floor;
 use self::gaussian::Circumstances;
 pub(crate) use self::gaussian::FrictionError;
@@ -47,7 +47,7 @@ pub(crate) use self::hypotheses::HYPOTHESES;
 use self::hypothesis_bank::HypothesisBank;
 use self::losses::Losses;
 use self::measurement::{AxleResidual, SideMeasurement, UpdateRecord};
-use self::state::State;
+use self::state::{State, TIRE};
 pub(crate) use self::tire_scale::{LEAST_COMPLIANCE, TireScale};
 pub(crate) use self::tires::Tires;
 pub(crate) use self::transition::PARTS as PREDICTION_PARTS;
@@ -107,12 +107,13 @@ pub(crate) struct Belief<T: Real> {
     calibration: CalibrationState<T>,
     /// The newest first.
     checkpoints: [Placed<Checkpoint<T>>; 2],
+    pre_fault: [Option<PreFaultEstimate<T>>; 4],
     inflation: Inflation,
     losses: Losses,
 }
 
 blank!(Belief<T> {
-    bank, scale, present, start, mass_sd, time_s, learned_s, calibration, checkpoints, inflation,
+    bank, scale, present, start, mass_sd, time_s, learned_s, calibration, checkpoints, pre_fault, inflation,
     losses,
 });
 
@@ -132,6 +133,7 @@ impl<T: Real> Belief<T> {
         (self.time_s, self.learned_s) = (f64::NAN, 0.0);
         self.calibration = CalibrationState::new();
         self.drop_checkpoints();
+        self.pre_fault = [None; 4];
         self.inflation = Inflation::AtStops;
         self.losses = Losses::none();
     }
@@ -293,11 +295,21 @@ impl<T: Real> Belief<T> {
     /// During a calibration it is what somebody has set.
     pub(crate) fn restart_tire(&mut self, corner: usize) {
         self.drop_checkpoints();
+        let pre_fault = self.pre_fault[corner].take();
         if self.is_calibrating() {
             self.set_tire(corner);
             return;
         }
+        if let Some(tire) = pre_fault {
+            self.set_quantity(TIRE + corner, &tire.compliance, T::one());
+            self.bank.begin_loss(corner);
+        }
         self.bank.inflate_tire(corner, T::lit(UNWATCHED_SD));
+    }
+
+    /// What a tire was before its sensors were suspected is of no use once later frames have told.
+    pub(crate) fn drop_settled(&mut self, corner: usize, time_s: f64) {
+        self.pre_fault[corner].take_if(|tire| tire.is_settled(time_s));
     }
 
     /// The state of the most likely hypothesis.

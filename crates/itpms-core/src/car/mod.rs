@@ -312,6 +312,16 @@ impl<T: Real> CarEstimator<T> {
         }
     }
 
+    /// For some seconds sensors of the `suspected` corners (in the order of [`Corner::ALL`]) may have been wrong: that a gain has
+    /// changed, or that a sensor carries another one's name, shows only later. What the axles have taught in the last six to
+    /// twelve seconds is taken back, if it contradicts what was known before of anything but those corners' own tires.
+    #[inline(never)]
+    pub fn rollback(&mut self, suspected: [bool; 4]) {
+        if let Some(fusion) = self.fusion.as_mut() {
+            fusion.rollback(suspected);
+        }
+    }
+
     /// Takes one sample, gives the estimate after it. A missing speed is the last one, for half a second ([`SpeedHold`](crate::conditioning::SpeedHold)).
     pub fn update(&mut self, sample: &CarSample<T>) -> CarEstimate<T> {
         let at = self.clock.take(sample.time_s, sample.speed_m_s);

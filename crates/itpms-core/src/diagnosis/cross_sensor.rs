@@ -343,7 +343,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
     }
 
     /// Those among them of which it took seconds to find out.
-    fn late_detection(&self) -> Wheels {
+    pub(crate) fn late_detection(&self) -> Wheels {
         let words = self.odd.iter().chain(&self.pairs).chain(&self.reversed).chain(&self.corners);
         let suspected = words.filter(|word| word.debouncer.is_suspected());
         let jumped = |corner: &Corner| {

@@ -268,6 +268,11 @@ impl<T: Real> Diagnosis<T> {
         })
     }
 
+    /// The corners among them that were learned from for seconds before that showed.
+    pub(crate) fn late_detection(&self) -> Wheels {
+        self.cross_sensor.late_detection()
+    }
+
     /// The corners not to be learned from now.
     pub(crate) fn suspects(&self) -> Wheels {
         let alone = Corner::ALL.into_iter().filter(|corner| {

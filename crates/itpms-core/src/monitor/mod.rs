@@ -40,11 +40,15 @@ use crate::warning::{Alert, Cause, Doubt, MonitorReport, ONE_SIDED_95, WheelRepo
 
 /// Seconds between two decisions on pressures.
 const DECIDE_S: f64 = 0.1;
+/// Seconds for which a corner must not have been found wrong after the fact before it requests a rollback
+/// again.
+const ROLLBACK_HOLDOFF_S: f64 = 60.0;
 /// Longest time in s that counts between two decisions: a hole in the record is no evidence.
 const LONGEST_STEP_S: f64 = 0.5;
 
-/// A running monitor. A value: clone it, save it, go on. Per sample: [`screen`](Self::screen) what the sensors say, give the
-/// estimator what `screen` returns, and let [`judge`](Self::judge) look at what comes out; [`MonitoredCar`] does so.
+/// A running monitor. A value: clone it, save it, go on. Per sample: [`screen`](Self::screen) what the sensors say, ask whether
+/// the estimator is to take anything back ([`take_rollback_request`](Self::take_rollback_request)), give it what `screen` returns, and let
+/// [`judge`](Self::judge) look at what comes out; [`MonitoredCar`] does so.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Monitor<T: Real> {
@@ -56,6 +60,9 @@ pub struct Monitor<T: Real> {
     diagnosis: Diagnosis<T>,
     faults: [Placed<Fault<T>>; 4],
     suspects: Wheels,
+    /// When each corner was last found to have been wrong for seconds, and those of which it was found just now.
+    late_detection_s: [f64; 4],
+    rollback_requested: Wheels,
     /// Corners that have had a fault since their estimator last started.
     faulted: Wheels,
     wheels: [WheelWatch; 4],
@@ -73,7 +80,8 @@ pub struct Monitor<T: Real> {
 }
 
 blank!(Monitor<T> {
-    config, told_kpa, reference, reference_kpa, diagnosis, faults, suspects, faulted, wheels, decorrelation, leaks, all_low, standstill, speed_m_s,
+    config, told_kpa, reference, reference_kpa, diagnosis, faults, suspects, late_detection_s,
+    rollback_requested, faulted, wheels, decorrelation, leaks, all_low, standstill, speed_m_s,
     decided_s, ahead_s, report,
 });
 
@@ -107,6 +115,8 @@ impl<T: Real> Monitor<T> {
         self.diagnosis.configure(&config.car, sample_rate_hz);
         self.faults.iter_mut().for_each(Placed::clear);
         self.suspects = Wheels::NONE;
+        self.late_detection_s = [f64::NEG_INFINITY; 4];
+        self.rollback_requested = Wheels::NONE;
         self.faulted = Wheels::NONE;
         self.wheels = [WheelWatch::new(); 4];
         self.decorrelation = [DecorrelationDetector::new(); 2];
@@ -154,6 +164,7 @@ impl<T: Real> Monitor<T> {
             let faulty = self.faults.iter().flatten().map(|fault| fault.malfunction.wheels());
             let faulty = faulty.fold(Wheels::NONE, |all, wheels| all | wheels);
             self.suspects = self.diagnosis.suspects() | faulty;
+            self.request_rollback(at.now_s);
             self.faulted = self.faulted | faulty;
         }
         let (mut at, mut screened) = (*at, *sample);
@@ -170,6 +181,20 @@ impl<T: Real> Monitor<T> {
             }
         }
         (at, screened)
+    }
+
+    /// Notes the corners whose sensors were wrong for seconds before it showed. One that comes and goes is noted once.
+    fn request_rollback(&mut self, time_s: f64) {
+        let late_detection = self.diagnosis.late_detection();
+        let fresh = |corner: &Corner| !(time_s - self.late_detection_s[corner.index()] < ROLLBACK_HOLDOFF_S);
+        self.rollback_requested = self.rollback_requested | late_detection.iter().filter(fresh).collect();
+        late_detection.iter().for_each(|corner| self.late_detection_s[corner.index()] = time_s);
+    }
+
+    /// The corners whose sensors have just turned out to have been wrong for some seconds; once. What was learned in them is to
+    /// be taken back ([`CarEstimator::rollback`](crate::car::CarEstimator::rollback)).
+    pub fn take_rollback_request(&mut self) -> Wheels {
+        core::mem::replace(&mut self.rollback_requested, Wheels::NONE)
     }
 
     /// Takes what was estimated after the sample; gives the wheels whose estimator should start again, because their

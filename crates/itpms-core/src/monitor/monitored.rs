@@ -3,7 +3,7 @@
 
 use crate::car::{CarEstimate, CarEstimator};
 use crate::memory::{Blank, blank};
-use crate::model::{CalibrationError, CarSample, ParameterError, VehicleCalibration};
+use crate::model::{CalibrationError, CarSample, Corner, ParameterError, VehicleCalibration};
 use crate::monitor::{Monitor, MonitorConfig};
 use crate::real::Real;
 use crate::warning::MonitorReport;
@@ -73,6 +73,10 @@ impl<T: Real> MonitoredCar<T> {
             return self.estimator.update_at(&at, sample);
         }
         let (at, screened) = self.monitor.screen(&at, sample);
+        let suspected = self.monitor.take_rollback_request();
+        if !suspected.is_empty() {
+            self.estimator.rollback(Corner::ALL.map(|corner| suspected.contains(corner)));
+        }
         let mut estimate = self.estimator.update_at(&at, &screened);
         for corner in self.monitor.judge(&at, &mut estimate).iter() {
             self.estimator.restart_corner(corner);

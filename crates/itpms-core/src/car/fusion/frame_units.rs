@@ -181,6 +181,9 @@ impl<T: Real> Fusion<T> {
         let side = side.min(1);
         let frame = self.queue.frames[side].as_ref();
         let (Some(frame), Some(wheels)) = (frame, self.inter_axle.wheels(side)) else { return false };
+        for corner in [side, side + 2] {
+            self.belief.drop_settled(corner, frame.middle_s);
+        }
         let opposite = self.inter_axle.pair(1 - side);
         let meanwhile = self.inter_axle.pair(side).found_meanwhile(opposite, frame.middle_s);
         let state = &self.belief.most_likely().mean;

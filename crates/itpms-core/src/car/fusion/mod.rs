@@ -152,6 +152,16 @@ impl<T: Real> Fusion<T> {
         }
     }
 
+    /// For some seconds sensors of the `suspected` corners may have been wrong: what was learned meanwhile is taken back, if it
+    /// contradicts what was known before.
+    pub(super) fn rollback(&mut self, suspected: [bool; 4]) {
+        self.queue.clear();
+        if let Some(time_s) = self.belief.rollback(suspected) {
+            self.inter_axle.pairs_mut().iter_mut().for_each(|pair| pair.restore(time_s));
+            self.checkpoint_anew();
+        }
+    }
+
     /// A corner's sensors were out of order.
     pub(super) fn restart(&mut self, corner: usize) {
         self.queue.clear();
