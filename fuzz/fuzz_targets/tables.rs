@@ -26,5 +26,5 @@ pub fn read(name: &str, bytes: &[u8]) {
     }
     let Ok(mut lister) = Lister::open(&path, None) else { return };
     while let Ok(true) = lister.step() {}
-    lister.finish();
+    let _ = lister.finish();
 }
