@@ -73,6 +73,7 @@ impl<T: Real> CarEstimator<T> {
         for (i, estimator) in self.corners.iter().enumerate() {
             let Some(estimator) = estimator.as_ref() else { continue };
             fusion.set_load(i, &estimator.quarter_car());
+            fusion.set_on_line(i, estimator.is_on_line());
         }
         if self.sources == Sources::SpectrumAndSharedRoad {
             let mut at_rest = fusion.is_at_rest();

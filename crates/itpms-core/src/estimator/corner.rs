@@ -202,6 +202,11 @@ impl<T: Real> CornerEstimator<T> {
         self.method.pseudo_measurement(believed)
     }
 
+    /// Whether the road is one line, as a washboard's is.
+    pub(crate) fn is_on_line(&self) -> bool {
+        self.method.is_on_line()
+    }
+
     /// The newest frame of what moves the body here.
     pub(crate) fn strut_frame(&self) -> Option<&StrutFrame<T>> {
         self.strut.frame()

@@ -128,6 +128,15 @@ impl<T: Real> RunningMethod<T> {
         }
     }
 
+    /// Whether the road is one line, as a washboard's is.
+    pub(super) fn is_on_line(&self) -> bool {
+        match &self.method {
+            Method::Informed(informed) => informed.is_on_line(),
+            #[cfg(feature = "paper")]
+            Method::Published(_) => false,
+        }
+    }
+
     /// The tire has its placard pressure now.
     pub(super) fn set_to_placard(&mut self) {
         match &mut self.method {

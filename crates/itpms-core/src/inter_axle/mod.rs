@@ -99,7 +99,13 @@ impl<T: Real> InterAxle<T> {
         let wheel = |corner: usize| {
             config.corners[corner].as_ref().map(|c| {
                 let theta = T::one() / c.tire.stiffness_n_per_m(c.placard_kpa);
-                Wheel { body: Body::from(&c.quarter_car), friction_n_s_per_m: T::zero(), theta, corner }
+                Wheel {
+                    body: Body::from(&c.quarter_car),
+                    friction_n_s_per_m: T::zero(),
+                    theta,
+                    corner,
+                    on_line: false,
+                }
             })
         };
         self.wheelbase_m = wheelbase_m;
@@ -196,6 +202,13 @@ impl<T: Real> InterAxle<T> {
     pub(crate) fn set_friction(&mut self, corner: usize, friction_n_s_per_m: T) {
         if let Some(wheel) = self.wheels.get_mut(corner).and_then(Option::as_mut) {
             wheel.friction_n_s_per_m = friction_n_s_per_m;
+        }
+    }
+
+    /// Takes over whether the road under a corner is one line.
+    pub(crate) fn set_on_line(&mut self, corner: usize, on_line: bool) {
+        if let Some(wheel) = self.wheels.get_mut(corner).and_then(Option::as_mut) {
+            wheel.on_line = on_line;
         }
     }
 

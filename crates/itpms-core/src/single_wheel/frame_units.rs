@@ -86,7 +86,10 @@ impl<T: Real> Informed<T> {
         }
         self.invalid = false;
         self.notice_stop(speed_m_s);
-        evidence.weight = T::lit(OVERLAP) * self.gate.open();
+        let road_near_hop = self.road_near_hop(frame, self.tables.theta[cell]);
+        self.persistence.take(road_near_hop);
+        let counts = if self.persistence.is_line() { T::zero() } else { self.gate.open() };
+        evidence.weight = T::lit(OVERLAP) * counts;
         let ratio = speed_m_s / self.last_speed_m_s;
         self.last_speed_m_s = speed_m_s;
         let seconds = self.gate.open() * T::lit(self.clock.hop_s());

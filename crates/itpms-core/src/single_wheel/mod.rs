@@ -34,6 +34,8 @@ mod road_fits;
 mod road_model;
 mod tables;
 
+use nalgebra::Complex;
+
 use crate::conditioning::{GridSample, STANDING_M_S};
 use crate::memory::{Blank, Placed, blank};
 use crate::model::{CornerConfig, QuarterCar};
@@ -49,6 +51,7 @@ use crate::single_wheel::periodic_road::{Corner, Held, PeriodicEstimate, Repeate
 use crate::single_wheel::road_model::Evidence;
 use crate::single_wheel::tables::{Grid, Tables};
 use crate::spectrum::FrameClock;
+use crate::spectrum::persistence::Persistence;
 use crate::spectrum::reconstruction::{
     RELATIVE_ACCELERATION, RELATIVE_VELOCITY, Reconstruction, SIGNALS, WHEEL_JERK, WHEEL_VELOCITY,
 };
@@ -116,6 +119,8 @@ pub struct Informed<T: Real> {
     noise_density: T,
     bins: usize,
     gate: Gate<T>,
+    /// How much of the road near wheel hop is one line.
+    persistence: Persistence<T>,
     variance_growth: T,
     learned_s: T,
     last_speed_m_s: T,
@@ -134,7 +139,7 @@ pub struct Informed<T: Real> {
 
 blank!(Informed<T> {
     config, grid, body, tables, friction, reconstruction, clock, posterior, sample_rate_hz, grid_period_s,
-    noise_density, bins, gate, variance_growth, learned_s, last_speed_m_s, invalid, stopped_s, repeat,
+    noise_density, bins, gate, persistence, variance_growth, learned_s, last_speed_m_s, invalid, stopped_s, repeat,
     periodic_estimate, periodic_estimate_s, held_frames, last_time_s, work,
 });
 
@@ -188,6 +193,7 @@ impl<T: Real> Informed<T> {
         let mass_ratio = car.unsprung_mass_kg() / car.sprung_mass_kg();
         self.reconstruction = Reconstruction::new(self.grid_period_s, mass_ratio);
         self.gate = Gate::new();
+        self.persistence = Persistence::new(self.clock.hop_s());
         (self.variance_growth, self.learned_s, self.stopped_s) = (T::one(), T::zero(), T::zero());
         self.last_speed_m_s = T::lit(f64::NAN);
         self.invalid = false;
@@ -266,6 +272,11 @@ impl<T: Real> Informed<T> {
         self.friction = *friction;
     }
 
+    /// Whether the road is one line, as a washboard's is.
+    pub(crate) fn is_on_line(&self) -> bool {
+        self.persistence.is_line()
+    }
+
     /// Tells that the tire has its placard pressure now, as during a calibration.
     pub fn set_to_placard(&mut self) {
         let cell = (self.config.placard_kpa - self.grid.pressure_kpa(0)) / self.grid.step_kpa();
@@ -289,6 +300,17 @@ impl<T: Real> Informed<T> {
         if before_s < long_s && self.stopped_s >= long_s {
             self.body.doubt();
         }
+    }
+
+    /// The road velocity in the bins around wheel hop, at the compliance in m/N of a tire.
+    fn road_near_hop(&self, frame: &Frame<T>, theta: T) -> [Complex<T>; 2] {
+        let body = self.body.body();
+        core::array::from_fn(|bin| {
+            let force = frame.at(bin, WHEEL_JERK) * body.unsprung_mass_kg
+                + frame.at(bin, RELATIVE_ACCELERATION) * body.damping_n_s_per_m
+                + frame.at(bin, RELATIVE_VELOCITY) * body.spring_n_per_m;
+            frame.at(bin, WHEEL_VELOCITY) + force * theta
+        })
     }
 
     /// `|V|² = |U_1|² + 2 θ Re(U_1 U_2*) + θ² |U_2|²` with `U_2 = m_w J + c_s A + k_s V`.

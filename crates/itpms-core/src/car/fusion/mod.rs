@@ -173,6 +173,11 @@ impl<T: Real> Fusion<T> {
         self.inter_axle.set_load(corner, car, &self.belief);
     }
 
+    /// Takes over whether the road under a corner is one line.
+    pub(super) fn set_on_line(&mut self, corner: usize, on_line: bool) {
+        self.inter_axle.set_on_line(corner, on_line);
+    }
+
     /// Takes over what a corner's friction is, and how well it is known.
     pub(super) fn set_friction(&mut self, corner: usize, equation: &BodyEquation<T>) {
         let corner = corner.min(3);

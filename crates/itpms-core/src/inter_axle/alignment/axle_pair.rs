@@ -162,7 +162,8 @@ impl<T: Real> AxlePair<T> {
         entry: &Entry<T>,
         road: &PairingContext<'_, T>,
     ) -> Option<Found<T>> {
-        if !(self.incoherence() > T::lit(REALIGN_ABOVE)) {
+        // A line is alike at every delay that differs by a wave.
+        if road.wheels.iter().any(|wheel| wheel.on_line) || !(self.incoherence() > T::lit(REALIGN_ABOVE)) {
             self.delay_search.restart();
             return None;
         }
@@ -332,7 +333,9 @@ impl<T: Real> AxlePair<T> {
         *expected =
             self.coherence.expect(&road_power, &noise, |bin| road.expected_products(bin), frame.stretch);
         *instrument = instrument_slope(frame, &frf_ratios, wheels, side, state);
-        *weight = self.coherence.weight() * frame.frame.seen * self.snr_weight();
+        let on_line = wheels.iter().any(|wheel| wheel.on_line);
+        let heard = if on_line { T::zero() } else { self.snr_weight() };
+        *weight = self.coherence.weight() * frame.frame.seen * heard;
         *incoherent_s = self.fading() * T::lit(HOP_S);
         Some(())
     }
