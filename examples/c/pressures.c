@@ -17,12 +17,8 @@
 static const char *const labels[4] = { "fl", "fr", "rl", "rr" };
 static const char *const states[5] = { "unknown", "fine", "low", "over", "malfunction" };
 
-/* Memory of the car, aligned for whatever it holds. */
-static union {
-    unsigned char bytes[ITPMS_CAR_MAX_SIZE];
-    double for_doubles;
-    void *for_pointers;
-} memory;
+/* Memory of the car: doubles are aligned for whatever it holds. */
+static double memory[ITPMS_CAR_MAX_SIZE / sizeof(double)];
 
 static int failed(const char *what, itpms_status status)
 {
@@ -171,7 +167,7 @@ static int run(FILE *log, itpms_config *config, double calibrate_s)
     after_header = ftell(log);
     config->sample_rate_hz = rate_hz(log, &at);
     (void)fseek(log, after_header, SEEK_SET);
-    status = itpms_car_init(&memory, sizeof memory, config, &car, &problem);
+    status = itpms_car_init(memory, sizeof memory, config, &car, &problem);
     if (status != ITPMS_STATUS_OK) {
         (void)fprintf(stderr, "%s is %g, expected %s\n", problem.parameter, problem.value, problem.expected);
         return failed("the car", status);
