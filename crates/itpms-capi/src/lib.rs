@@ -1,7 +1,7 @@
 //! Indirect tire pressure monitoring as a C library: `itpms.h` and a static library, in `f32` or, with feature `f64`, in `f64`.
 //!
-//! A car lives in memory of the caller. The library has no heap, no globals, no clock and no files, reads nothing but its arguments and
-//! never panics; docs/c-library.md tells how it is built and used.
+//! A car lives in memory of the caller. The library has no heap, no globals, no clock and no files, and reads nothing but its arguments;
+//! docs/c-library.md tells how it is built and used.
 //!
 //! | module | idea |
 //! |---|---|
@@ -61,7 +61,7 @@ pub const ITPMS_CALIBRATION_MAX_SIZE: usize = 1024;
 
 const _: () = assert!(size_of::<car::Car>() <= ITPMS_CAR_MAX_SIZE);
 
-/// Nothing here panics (`.ci/run capi` looks that this is not even in the library); the language wants it nevertheless.
+/// Nothing here is known to panic (`.ci/capi-library` looks, for a controller); the language wants a handler nevertheless.
 #[cfg(panic = "abort")]
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {

@@ -9,6 +9,7 @@ use std::process::{Command, Output};
 use std::time::SystemTime;
 
 use itpms_capi::*;
+use itpms_core::Real as _;
 use itpms_core::model::{CarConfig, CarSample, CornerConfig, QuarterCar};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_sim::scenario::Scenario;
@@ -188,8 +189,8 @@ fn the_example_prints_what_the_core_estimates() {
         for (i, corner) in estimate.corners.iter().flatten().enumerate() {
             let number = |cell: usize| line[1 + 3 * i + cell].parse::<f64>().unwrap();
             // Both are NaN at first.
-            assert_eq!(number(0).to_bits(), f64::from(corner.pressure_kpa).to_bits(), "{line:?}");
-            assert_eq!(number(1).to_bits(), f64::from(corner.pressure_sd_kpa).to_bits(), "{line:?}");
+            assert_eq!(number(0).to_bits(), corner.pressure_kpa.to_f64().to_bits(), "{line:?}");
+            assert_eq!(number(1).to_bits(), corner.pressure_sd_kpa.to_f64().to_bits(), "{line:?}");
             assert_eq!(line[3 + 3 * i], car.report().wheels[i].unwrap().state.label());
             compared += 1;
         }
