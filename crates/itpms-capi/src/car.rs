@@ -6,10 +6,10 @@ use itpms_core::warning::{Change, MonitorReport};
 use itpms_core::wheel_speed::RadiusCalibration;
 use serde::{Deserialize, Serialize};
 
-use crate::config::Config;
 use crate::estimate::{self, itpms_estimate};
 use crate::image::{self, Kind};
 use crate::itpms_real;
+use crate::read_config::Config;
 use crate::sample::{itpms_sample, itpms_wheel_speed_sample};
 use crate::status::itpms_status;
 

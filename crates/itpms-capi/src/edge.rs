@@ -1,16 +1,14 @@
-//! The functions that C calls: pointers become references here, and nowhere else.
-//!
-//! Every pointer is checked for null and alignment; that it points to memory of its type, which nothing else uses during the call, is
-//! what C promises.
+//! The functions that C calls.
 #![allow(unsafe_code)]
 
 use core::ffi::{CStr, c_char, c_void};
-use core::slice;
 
 use crate::alert::{itpms_alert, itpms_event, write_text};
 use crate::car::Car;
-use crate::config::{Config, Refusal, itpms_config};
+use crate::config::itpms_config;
 use crate::estimate::itpms_estimate;
+use crate::pointer::{self, bytes, bytes_mut, check, put, read};
+use crate::read_config::{Config, Refusal};
 use crate::sample::{itpms_sample, itpms_wheel_speed_sample};
 use crate::status::{self, itpms_status};
 
@@ -31,76 +29,6 @@ pub struct itpms_problem {
     pub parameter: [c_char; 48],
     /// What would be accepted, ended by a zero.
     pub expected: [c_char; 48],
-}
-
-/// A reference to what a pointer points to.
-///
-/// # Safety
-/// A pointer that is not null and aligned points to an `X` that is initialized and not written to while the reference lives.
-unsafe fn read<'a, X>(pointer: *const X) -> Result<&'a X, itpms_status> {
-    check(pointer)?;
-    // SAFETY: not null and aligned; the rest is the caller's promise.
-    Ok(unsafe { &*pointer })
-}
-
-/// Puts a value where a pointer points to.
-///
-/// # Safety
-/// A pointer that is not null and aligned points to memory for an `X`.
-unsafe fn put<X>(pointer: *mut X, value: X) -> Result<(), itpms_status> {
-    check(pointer)?;
-    // SAFETY: not null and aligned; the rest is the caller's promise.
-    unsafe { pointer.write(value) };
-    Ok(())
-}
-
-/// The car in a C program's memory.
-///
-/// # Safety
-/// A pointer that is not null and aligned points to memory that `itpms_car_init` was given, and nothing else uses it now.
-unsafe fn car<'a>(car: *mut itpms_car) -> Result<&'a mut Car, itpms_status> {
-    let car = car.cast::<Car>();
-    check(car)?;
-    // SAFETY: not null and aligned, and memory of the size of a car, which begins with its mark (`Car` has it as a plain number).
-    if !Car::is_one(unsafe { (&raw const (*car).magic).read() }) {
-        return Err(itpms_status::NotACar);
-    }
-    // SAFETY: what bears the mark was made by `Car::blank` and configured.
-    Ok(unsafe { &mut *car })
-}
-
-/// As many bytes as the caller has.
-///
-/// # Safety
-/// A pointer that is not null points to so many initialized bytes that nothing else writes to now.
-unsafe fn bytes<'a>(bytes: *const c_void, size: usize) -> Result<&'a [u8], itpms_status> {
-    check(bytes.cast::<u8>())?;
-    // SAFETY: not null; the rest is the caller's promise. No object is larger than half of the memory.
-    Ok(unsafe { slice::from_raw_parts(bytes.cast(), size.min(isize::MAX.unsigned_abs())) })
-}
-
-/// The same to be written to. They are set to zero first: C does not promise that there is anything in them.
-///
-/// # Safety
-/// A pointer that is not null points to so many bytes that nothing else uses now.
-unsafe fn bytes_mut<'a>(bytes: *mut c_void, size: usize) -> Result<&'a mut [u8], itpms_status> {
-    let (bytes, size) = (bytes.cast::<u8>(), size.min(isize::MAX.unsigned_abs()));
-    check(bytes)?;
-    // SAFETY: not null; the rest is the caller's promise.
-    Ok(unsafe {
-        bytes.write_bytes(0, size);
-        slice::from_raw_parts_mut(bytes, size)
-    })
-}
-
-fn check<X>(pointer: *const X) -> Result<(), itpms_status> {
-    if pointer.is_null() {
-        Err(itpms_status::NullPointer)
-    } else if !pointer.is_aligned() {
-        Err(itpms_status::Misaligned)
-    } else {
-        Ok(())
-    }
 }
 
 fn status(result: Result<(), itpms_status>) -> itpms_status {
@@ -240,7 +168,7 @@ pub unsafe extern "C" fn itpms_car_update(
 ) -> itpms_status {
     // SAFETY: the caller's promise.
     status(unsafe {
-        self::car(car).and_then(|car| {
+        pointer::car(car).and_then(|car| {
             car.update(read(sample)?)?;
             if estimate.is_null() { Ok(()) } else { put(estimate, car.estimate()) }
         })
@@ -259,7 +187,7 @@ pub unsafe extern "C" fn itpms_car_update_wheel_speeds(
     sample: *const itpms_wheel_speed_sample,
 ) -> itpms_status {
     // SAFETY: the caller's promise.
-    status(unsafe { self::car(car).and_then(|car| car.update_wheel_speeds(read(sample)?)) })
+    status(unsafe { pointer::car(car).and_then(|car| car.update_wheel_speeds(read(sample)?)) })
 }
 
 /// Writes what is known after the last sample.
@@ -274,7 +202,7 @@ pub unsafe extern "C" fn itpms_car_estimate(
     estimate: *mut itpms_estimate,
 ) -> itpms_status {
     // SAFETY: the caller's promise.
-    status(unsafe { self::car(car).and_then(|car| put(estimate, car.estimate())) })
+    status(unsafe { pointer::car(car).and_then(|car| put(estimate, car.estimate())) })
 }
 
 /// Writes the alerts that stand, up to `capacity`, and into `*count` how many there are: at most 27.
@@ -292,7 +220,7 @@ pub unsafe extern "C" fn itpms_car_alerts(
 ) -> itpms_status {
     // SAFETY: the caller's promise; no place is written beyond `capacity`.
     status(unsafe {
-        self::car(car).and_then(|car| {
+        pointer::car(car).and_then(|car| {
             let report = car.report();
             for (i, alert) in report.alerts().take(capacity).enumerate() {
                 put(alerts.wrapping_add(i), alert.into())?;
@@ -321,7 +249,7 @@ pub unsafe extern "C" fn itpms_car_alert_text(
 ) -> itpms_status {
     // SAFETY: the caller's promise.
     status(unsafe {
-        self::car(car).and_then(|car| {
+        pointer::car(car).and_then(|car| {
             let report = car.report();
             let alert = report.alerts().nth(index).ok_or(itpms_status::BadIndex)?;
             let takes = write_text(bytes_mut(text.cast(), capacity)?, alert);
@@ -348,7 +276,7 @@ pub unsafe extern "C" fn itpms_car_events(
 ) -> itpms_status {
     // SAFETY: the caller's promise; no place is written beyond `capacity`.
     status(unsafe {
-        self::car(car).and_then(|car| {
+        pointer::car(car).and_then(|car| {
             check(events)?;
             check(count)?;
             let (there_are, result) =
@@ -369,7 +297,7 @@ pub unsafe extern "C" fn itpms_car_events(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn itpms_car_begin_calibration(car: *mut itpms_car, seconds: f64) -> itpms_status {
     // SAFETY: the caller's promise.
-    status(unsafe { self::car(car).and_then(|car| car.begin_calibration(seconds)) })
+    status(unsafe { pointer::car(car).and_then(|car| car.begin_calibration(seconds)) })
 }
 
 /// Ends the calibration that is under way with what it has seen.
@@ -381,7 +309,7 @@ pub unsafe extern "C" fn itpms_car_begin_calibration(car: *mut itpms_car, second
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn itpms_car_end_calibration(car: *mut itpms_car) -> itpms_status {
     // SAFETY: the caller's promise.
-    status(unsafe { self::car(car).and_then(Car::end_calibration) })
+    status(unsafe { pointer::car(car).and_then(Car::end_calibration) })
 }
 
 /// Writes what a calibration taught, once it is over, to be stored: some hundred bytes, at most `ITPMS_CALIBRATION_MAX_SIZE`; `*written`
@@ -400,7 +328,7 @@ pub unsafe extern "C" fn itpms_car_save_calibration(
 ) -> itpms_status {
     // SAFETY: the caller's promise.
     status(unsafe {
-        self::car(car).and_then(|car| put(written, car.save_calibration(bytes_mut(memory, size)?)?))
+        pointer::car(car).and_then(|car| put(written, car.save_calibration(bytes_mut(memory, size)?)?))
     })
 }
 
@@ -417,7 +345,7 @@ pub unsafe extern "C" fn itpms_car_load_calibration(
     size: usize,
 ) -> itpms_status {
     // SAFETY: the caller's promise.
-    status(unsafe { self::car(car).and_then(|car| car.load_calibration(bytes(memory, size)?)) })
+    status(unsafe { pointer::car(car).and_then(|car| car.load_calibration(bytes(memory, size)?)) })
 }
 
 /// Bytes that `itpms_car_save_state` takes now; 0 if `car` is no car.
@@ -427,7 +355,7 @@ pub unsafe extern "C" fn itpms_car_load_calibration(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn itpms_car_state_size(car: *mut itpms_car) -> usize {
     // SAFETY: the caller's promise.
-    unsafe { self::car(car) }.map_or(0, |car| car.state_size())
+    unsafe { pointer::car(car) }.map_or(0, |car| car.state_size())
 }
 
 /// Writes all that a car knows, configuration included, with a version and a checksum: it goes on from there to the same bits.
@@ -444,7 +372,9 @@ pub unsafe extern "C" fn itpms_car_save_state(
     written: *mut usize,
 ) -> itpms_status {
     // SAFETY: the caller's promise.
-    status(unsafe { self::car(car).and_then(|car| put(written, car.save_state(bytes_mut(memory, size)?)?)) })
+    status(unsafe {
+        pointer::car(car).and_then(|car| put(written, car.save_state(bytes_mut(memory, size)?)?))
+    })
 }
 
 /// Goes on from a state that was saved by the same version of the library in the same precision. `car` has been made with any
@@ -462,7 +392,7 @@ pub unsafe extern "C" fn itpms_car_restore_state(
     size: usize,
 ) -> itpms_status {
     // SAFETY: the caller's promise.
-    status(unsafe { self::car(car).and_then(|car| car.restore_state(bytes(memory, size)?)) })
+    status(unsafe { pointer::car(car).and_then(|car| car.restore_state(bytes(memory, size)?)) })
 }
 
 /// Begins anew with the configuration that the car was made with; a calibration is forgotten.
@@ -474,5 +404,5 @@ pub unsafe extern "C" fn itpms_car_restore_state(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn itpms_car_reset(car: *mut itpms_car) -> itpms_status {
     // SAFETY: the caller's promise.
-    status(unsafe { self::car(car).and_then(Car::reset) })
+    status(unsafe { pointer::car(car).and_then(Car::reset) })
 }

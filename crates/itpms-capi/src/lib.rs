@@ -5,8 +5,8 @@
 //!
 //! | module | idea |
 //! |---|---|
-//! | `edge` | the functions that C calls: the only module with `unsafe`, but for how a car's memory begins |
-//! | `config`, `sample` | what comes in |
+//! | `edge`, `pointer` | the functions that C calls, and its pointers: the only modules with `unsafe`, but for how a car's memory begins |
+//! | `config`, `read_config`, `sample` | what comes in |
 //! | `estimate`, `alert` | what goes out |
 //! | `car` | the car: two monitors and what was reported last |
 //! | `image` | bytes that are found whole or not at all |
@@ -23,6 +23,8 @@ mod config;
 mod edge;
 mod estimate;
 mod image;
+mod pointer;
+mod read_config;
 mod sample;
 mod status;
 
