@@ -6,6 +6,8 @@ mod convert;
 #[cfg(feature = "live")]
 mod faults;
 mod fleet;
+#[cfg(feature = "fmu")]
+mod fmu;
 mod jobs;
 mod lab;
 mod log;
@@ -38,6 +40,8 @@ pub(crate) use convert::ConvertArgs;
 #[cfg(feature = "live")]
 pub(crate) use faults::FaultsArgs;
 pub(crate) use fleet::FleetArgs;
+#[cfg(feature = "fmu")]
+pub(crate) use fmu::{FmiVersion, FmuArgs};
 pub(crate) use jobs::Jobs;
 pub(crate) use lab::{Lab, LabArgs, Study};
 pub(crate) use log::LogArgs;
@@ -88,6 +92,8 @@ pub(crate) enum Command {
     Plot(PlotArgs),
     Convert(ConvertArgs),
     Vehicle(VehicleArgs),
+    #[cfg(feature = "fmu")]
+    Fmu(FmuArgs),
     Lab(LabArgs),
     #[command(flatten)]
     Study(Study),

@@ -40,6 +40,8 @@ fn main() -> ExitCode {
         Command::Signals(args) => commands::signals::run(args, &screen, &interrupt),
         Command::Plot(args) => commands::plot::run(args, &screen, &interrupt),
         Command::Vehicle(args) => commands::vehicle::run(&args.part, &screen, &interrupt),
+        #[cfg(feature = "fmu")]
+        Command::Fmu(args) => commands::fmu::run(args, &screen),
         Command::Completions(args) => commands::completions::run(args, &screen),
         Command::Study(study) => run_study(study, &screen, &interrupt),
         Command::Lab(lab) => match &lab.tool {

@@ -134,10 +134,12 @@ impl<T: Real> BlockSums<T> {
         }
         let share = T::one() / T::whole(self.samples);
         let mut block = Block::<T>::BLANK;
-        for i in [FRONT, REAR, AXLE] {
-            let mean = self.ratio[i] * share;
-            block.ratio[i] = self.first[i] + mean;
-            block.spread[i] = (self.square[i] * share - mean * mean).at_least(T::zero()).sqrt();
+        let places = block.ratio.iter_mut().zip(&mut block.spread);
+        let sums = self.first.iter().zip(&self.ratio).zip(&self.square);
+        for ((ratio, spread), ((first, sum), square)) in places.zip(sums) {
+            let mean = *sum * share;
+            *ratio = *first + mean;
+            *spread = (*square * share - mean * mean).at_least(T::zero()).sqrt();
         }
         let v = self.speed * share;
         let drag = T::lit(0.12) + T::lit(4e-4) * v * v;

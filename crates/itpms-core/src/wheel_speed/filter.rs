@@ -151,10 +151,10 @@ impl<T: Real> Filter<T> {
         let mut likelihood = [T::zero(); MODES];
         for (number, (mode, sum)) in self.modes.iter_mut().zip(&mut likelihood).enumerate() {
             let wider = T::lit(if number == OUTLIER { OUTLIER_VARIANCE } else { 1.0 });
-            for i in [FRONT, REAR, AXLE] {
-                if block.used[i] {
-                    let noise = measurements.noise[i] * wider;
-                    *sum += mode.measure(&measurements.h[i], measurements.z[i], noise);
+            let Measurements { h, z, noise } = &measurements;
+            for (((used, h), z), noise) in block.used.iter().zip(h).zip(z).zip(noise) {
+                if *used {
+                    *sum += mode.measure(h, *z, *noise * wider);
                 }
             }
         }
@@ -233,9 +233,7 @@ impl<T: Real> Measurements<T> {
     fn of(block: &Block<T>, config: &WheelSpeedConfig<T>) -> Self {
         let (one, half) = (T::one(), T::lit(0.5));
         let mut h = [[T::zero(); STATES]; 3];
-        for i in [FRONT, REAR, AXLE] {
-            h[i][OFFSET + i] = -one;
-        }
+        [h[FRONT][OFFSET + FRONT], h[REAR][OFFSET + REAR], h[AXLE][OFFSET + AXLE]] = [-one; 3];
         [h[FRONT][RADIUS], h[FRONT][RADIUS + 1], h[FRONT][FRONT_WANDER]] = [-one, one, one];
         [h[REAR][RADIUS + 2], h[REAR][RADIUS + 3], h[REAR][REAR_WANDER]] = [-one, one, one];
         [h[AXLE][RADIUS], h[AXLE][RADIUS + 1]] = [-half, -half];

@@ -6,6 +6,8 @@ pub(crate) mod convert;
 pub(crate) mod demo;
 pub(crate) mod estimate;
 pub(crate) mod fleet;
+#[cfg(feature = "fmu")]
+pub(crate) mod fmu;
 pub(crate) mod folder;
 pub(crate) mod former;
 pub(crate) mod identify;

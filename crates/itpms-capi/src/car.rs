@@ -1,0 +1,229 @@
+//! The car in the caller's memory: accelerations under their monitor, wheel speeds under theirs, and what was reported last.
+
+use itpms_core::model::{CalibrationError, CarEstimate, VehicleCalibration};
+use itpms_core::monitor::{MonitoredCar, MonitoredWheels};
+use itpms_core::warning::{Change, MonitorReport};
+use itpms_core::wheel_speed::RadiusCalibration;
+use serde::{Deserialize, Serialize};
+
+use crate::estimate::{self, itpms_estimate};
+use crate::image::{self, Kind};
+use crate::itpms_real;
+use crate::read_config::Config;
+use crate::sample::{itpms_sample, itpms_wheel_speed_sample};
+use crate::status::itpms_status;
+
+/// What begins a car's memory once it holds one.
+const MAGIC: u32 = 0x4d54_5049;
+
+/// Bytes of a scalar tell an image of one precision from one of the other.
+const SCALAR: u8 = b'0' + size_of::<itpms_real>() as u8;
+const CALIBRATION: Kind = Kind { name: [b'I', b'T', b'C', SCALAR], format: 1 };
+/// A program with another layout of the estimator has another format.
+const STATE: Kind = Kind { name: [b'I', b'T', b'S', SCALAR], format: 1 };
+
+/// See the [module](self).
+#[derive(Serialize, Deserialize)]
+pub(crate) struct Car {
+    pub(crate) magic: u32,
+    config: Option<Config>,
+    car: MonitoredCar<itpms_real>,
+    wheels: MonitoredWheels<itpms_real>,
+    estimate: Option<CarEstimate<itpms_real>>,
+    /// As the events were last asked for.
+    reported: Option<MonitorReport<itpms_real>>,
+}
+
+/// What was learned.
+type Taught = (Option<VehicleCalibration<itpms_real>>, Option<RadiusCalibration<itpms_real>>);
+
+impl Car {
+    /// Makes a car without a configuration of memory, part by part: as a whole it would cross the stack.
+    ///
+    /// # Safety
+    /// `place` must be valid for writes and aligned.
+    #[allow(unsafe_code)]
+    pub(crate) unsafe fn blank(place: *mut Self) {
+        // SAFETY: the caller's promise; every field is written, and none is read before.
+        unsafe {
+            (&raw mut (*place).magic).write(0);
+            (&raw mut (*place).config).write(None);
+            (&raw mut (*place).car).write(MonitoredCar::unconfigured());
+            (&raw mut (*place).wheels).write(MonitoredWheels::unconfigured());
+            (&raw mut (*place).estimate).write(None);
+            (&raw mut (*place).reported).write(None);
+        }
+    }
+
+    /// Whether memory holds a car.
+    pub(crate) fn is_one(magic: u32) -> bool {
+        magic == MAGIC
+    }
+
+    /// Begins anew with this configuration.
+    pub(crate) fn configure(&mut self, config: &Config) -> Result<(), itpms_core::ParameterError> {
+        self.magic = 0;
+        if config.has_corners() {
+            self.car.configure(&config.monitor, config.sample_rate_hz)?;
+        }
+        if let Some(wheels) = &config.wheels {
+            self.wheels.configure(wheels)?;
+        }
+        self.config = Some(*config);
+        (self.estimate, self.reported) = (None, None);
+        self.magic = MAGIC;
+        Ok(())
+    }
+
+    /// Begins anew as configured.
+    pub(crate) fn reset(&mut self) -> Result<(), itpms_status> {
+        let config = self.config.ok_or(itpms_status::NotACar)?;
+        self.configure(&config).map_err(|_| itpms_status::BadParameter)
+    }
+
+    fn has_corners(&self) -> bool {
+        self.config.as_ref().is_some_and(Config::has_corners)
+    }
+
+    fn has_wheels(&self) -> bool {
+        self.config.as_ref().is_some_and(|config| config.wheels.is_some())
+    }
+
+    pub(crate) fn update(&mut self, sample: &itpms_sample) -> Result<(), itpms_status> {
+        let mut sample = sample.read()?;
+        let config =
+            self.config.as_ref().filter(|config| config.has_corners()).ok_or(itpms_status::NoCorners)?;
+        for (corner, told) in sample.corners.iter_mut().zip(&config.monitor.car.corners) {
+            *corner = corner.filter(|_| told.is_some());
+        }
+        self.estimate = Some(self.car.update(&sample));
+        Ok(())
+    }
+
+    pub(crate) fn update_wheel_speeds(
+        &mut self,
+        sample: &itpms_wheel_speed_sample,
+    ) -> Result<(), itpms_status> {
+        let sample = sample.read()?;
+        if !self.has_wheels() {
+            return Err(itpms_status::NoWheelSpeeds);
+        }
+        self.wheels.update(&sample);
+        Ok(())
+    }
+
+    /// What both monitors have to say.
+    pub(crate) fn report(&self) -> MonitorReport<itpms_real> {
+        let mut report = *self.car.report();
+        match (self.has_corners(), self.has_wheels()) {
+            (true, true) => self.wheels.tell(&mut report),
+            (false, true) => self.wheels.tell_alone(&mut report),
+            _ => {}
+        }
+        report
+    }
+
+    pub(crate) fn estimate(&self) -> itpms_estimate {
+        let radii = self.has_wheels().then(|| self.wheels.radii());
+        estimate::estimate(self.estimate.as_ref(), &self.report(), radii)
+    }
+
+    /// Hands what began or ended since it last did to `take`, if there is room for so many.
+    pub(crate) fn events(
+        &mut self,
+        room: usize,
+        mut take: impl FnMut(usize, &Change<itpms_real>),
+    ) -> (usize, Result<(), itpms_status>) {
+        let (now, before) = (self.report(), self.reported.unwrap_or_else(MonitorReport::empty));
+        let count = now.changes_since(&before).count();
+        if count > room {
+            return (count, Err(itpms_status::TooSmall));
+        }
+        now.changes_since(&before).enumerate().for_each(|(i, change)| take(i, &change));
+        self.reported = Some(now);
+        (count, Ok(()))
+    }
+
+    pub(crate) fn begin_calibration(&mut self, seconds: f64) -> Result<(), itpms_status> {
+        if self.has_corners() {
+            self.car.begin_calibration(seconds).map_err(|_| itpms_status::BadDuration)?;
+        }
+        if self.has_wheels() {
+            self.wheels.begin_calibration(seconds).map_err(|_| itpms_status::BadDuration)?;
+        }
+        Ok(())
+    }
+
+    pub(crate) fn end_calibration(&mut self) -> Result<(), itpms_status> {
+        self.car.end_calibration();
+        if self.has_wheels() {
+            self.wheels.end_calibration();
+        }
+        match self.taught() {
+            (None, None) => Err(itpms_status::NotCalibrated),
+            _ => Ok(()),
+        }
+    }
+
+    fn taught(&self) -> Taught {
+        (self.car.estimator().calibration(), self.wheels.calibration().copied())
+    }
+
+    /// Writes what a calibration taught; gives the bytes it takes.
+    pub(crate) fn save_calibration(&self, bytes: &mut [u8]) -> Result<usize, itpms_status> {
+        match self.taught() {
+            (None, None) => Err(itpms_status::NotCalibrated),
+            taught => save(CALIBRATION, &taught, bytes),
+        }
+    }
+
+    pub(crate) fn load_calibration(&mut self, bytes: &[u8]) -> Result<(), itpms_status> {
+        let (corners, wheels): Taught = load(CALIBRATION, bytes)?;
+        if let Some(corners) = corners.filter(|_| self.has_corners()) {
+            self.car.load_calibration(&corners).map_err(|error| match error {
+                CalibrationError::OtherCar => itpms_status::OtherCar,
+                CalibrationError::NotANumber(_) | CalibrationError::Implausible(_) => {
+                    itpms_status::Implausible
+                }
+            })?;
+        }
+        match wheels.filter(|_| self.has_wheels()) {
+            Some(wheels) if !self.wheels.load_calibration(&wheels) => Err(itpms_status::Implausible),
+            _ => Ok(()),
+        }
+    }
+
+    /// Bytes of its saved state now.
+    pub(crate) fn state_size(&self) -> usize {
+        image::HEADER + postcard::experimental::serialized_size(self).unwrap_or(0)
+    }
+
+    pub(crate) fn save_state(&self, bytes: &mut [u8]) -> Result<usize, itpms_status> {
+        save(STATE, self, bytes)
+    }
+
+    /// Goes on from a saved state.
+    pub(crate) fn restore_state(&mut self, bytes: &[u8]) -> Result<(), itpms_status> {
+        let saved: Self = load(STATE, bytes)?;
+        if !Self::is_one(saved.magic) {
+            return Err(itpms_status::OtherFormat);
+        }
+        *self = saved;
+        Ok(())
+    }
+}
+
+impl Config {
+    pub(crate) fn has_corners(&self) -> bool {
+        self.monitor.car.corners.iter().any(Option::is_some)
+    }
+}
+
+fn save(kind: Kind, value: &impl Serialize, bytes: &mut [u8]) -> Result<usize, itpms_status> {
+    let body = postcard::to_slice(value, image::body(bytes)?).map_err(|_| itpms_status::TooSmall)?.len();
+    image::seal(kind, bytes, body)
+}
+
+fn load<'a, X: Deserialize<'a>>(kind: Kind, bytes: &'a [u8]) -> Result<X, itpms_status> {
+    postcard::from_bytes(image::open(kind, bytes)?).map_err(|_| itpms_status::OtherFormat)
+}

@@ -1,0 +1,71 @@
+//! Indirect tire pressure monitoring as a C library: `itpms.h` and a static library, in `f32` or, with feature `f64`, in `f64`.
+//!
+//! A car lives in memory of the caller. The library has no heap, no globals, no clock and no files, and reads nothing but its arguments;
+//! docs/c-library.md tells how it is built and used.
+//!
+//! | module | idea |
+//! |---|---|
+//! | `edge`, `pointer` | the functions that C calls, and its pointers: the only modules with `unsafe`, but for how a car's memory begins |
+//! | `config`, `read_config`, `sample` | what comes in |
+//! | `estimate`, `alert` | what goes out |
+//! | `car` | the car: two monitors and what was reported last |
+//! | `image` | bytes that are found whole or not at all |
+//! | `status` | why a call did nothing |
+//!
+//! Compiled for `panic = "abort"`, as a controller has it, it is `no_std`; else it links with `std`, for the tests.
+#![cfg_attr(panic = "abort", no_std)]
+#![deny(unsafe_code, unsafe_op_in_unsafe_fn)]
+#![allow(non_camel_case_types)] // Types have the names that they have in C.
+
+mod alert;
+mod car;
+mod config;
+mod edge;
+mod estimate;
+mod image;
+mod pointer;
+mod read_config;
+mod sample;
+mod status;
+
+pub use self::alert::{itpms_alert, itpms_basis, itpms_cause, itpms_event, itpms_malfunction};
+pub use self::config::{
+    itpms_confidence, itpms_config, itpms_corner_config, itpms_driven, itpms_regulation,
+    itpms_wheel_speed_config,
+};
+pub use self::edge::*;
+pub use self::estimate::{
+    itpms_doubt, itpms_estimate, itpms_level, itpms_radius_state, itpms_state, itpms_validity, itpms_warning,
+    itpms_wheel,
+};
+pub use self::sample::{itpms_brake, itpms_sample, itpms_wheel_speed_sample};
+pub use self::status::itpms_status;
+
+/// The scalar of the library: `float`, or `double` with `ITPMS_F64`, as the library was built.
+#[cfg(not(feature = "f64"))]
+pub type itpms_real = f32;
+/// The scalar of the library.
+#[cfg(feature = "f64")]
+pub type itpms_real = f64;
+
+/// Version of this interface, for `itpms_config`.
+pub const ITPMS_API_VERSION: u32 = 1;
+
+/// Bytes that a car takes at most, for memory that is there when the program starts; `itpms_car_size` is exact.
+#[cfg(not(feature = "f64"))]
+pub const ITPMS_CAR_MAX_SIZE: usize = 262_144;
+/// Bytes that a car takes at most.
+#[cfg(feature = "f64")]
+pub const ITPMS_CAR_MAX_SIZE: usize = 524_288;
+
+/// Bytes that a stored calibration takes at most.
+pub const ITPMS_CALIBRATION_MAX_SIZE: usize = 1024;
+
+const _: () = assert!(size_of::<car::Car>() <= ITPMS_CAR_MAX_SIZE);
+
+/// Nothing here is known to panic (`.ci/capi-library` looks, for a controller); the language wants a handler nevertheless.
+#[cfg(panic = "abort")]
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    loop {}
+}

@@ -1,0 +1,4 @@
+//! All tests of the crate in one program.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+mod from_c;

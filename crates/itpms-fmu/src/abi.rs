@@ -1,0 +1,321 @@
+//! What the C interfaces of both versions have in common: the instance behind a tool's pointer, names and arrays of the tool, states.
+#![allow(unsafe_code)]
+
+use std::ffi::{CStr, c_char, c_void};
+use std::path::PathBuf;
+use std::slice;
+
+use crate::description::token;
+use crate::model::{Model, ModelError};
+use crate::variables::Kind;
+
+/// What a function of the standard returns. Both versions have the first five alike.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(dead_code)] // The standard's numbers.
+pub(crate) enum Status {
+    Ok = 0,
+    Warning = 1,
+    Discard = 2,
+    Error = 3,
+    Fatal = 4,
+}
+
+/// Hands a message to the tool.
+pub(crate) type Log = Box<dyn Fn(&CStr)>;
+
+/// An instance: what a tool's pointer points to.
+pub(crate) struct Instance {
+    pub(crate) model: Model,
+    log: Option<Log>,
+}
+
+impl Instance {
+    /// An instance on the heap, to be given back to [`free`]; null where there can be none, which is logged.
+    pub(crate) fn create(resources: Option<PathBuf>, found: Option<&str>, log: Option<Log>) -> *mut c_void {
+        let made = resources
+            .ok_or_else(|| ModelError::Vehicle("the tool does not say where the resources are".to_owned()))
+            .and_then(|folder| Model::of_resources(&folder))
+            .and_then(|model| {
+                let expected = token(model.vehicle());
+                if found == Some(expected.as_str()) {
+                    return Ok(model);
+                }
+                let what = format!("the description is of another unit: {found:?}, expected {expected:?}");
+                Err(ModelError::Vehicle(what))
+            });
+        match made {
+            Ok(model) => Box::into_raw(Box::new(Self { model, log })).cast(),
+            Err(error) => {
+                say(log.as_ref(), &error.to_string());
+                std::ptr::null_mut()
+            }
+        }
+    }
+
+    /// What became of something, said to the tool if it went wrong.
+    pub(crate) fn conclude(&self, result: Result<(), ModelError>) -> Status {
+        match result {
+            Ok(()) => Status::Ok,
+            Err(error) => {
+                say(self.log.as_ref(), &error.to_string());
+                Status::Error
+            }
+        }
+    }
+}
+
+fn say(log: Option<&Log>, text: &str) {
+    let bytes: Vec<u8> = text.bytes().filter(|byte| *byte != 0).collect();
+    if let (Some(log), Ok(text)) = (log, std::ffi::CString::new(bytes)) {
+        log(&text);
+    }
+}
+
+/// The instance behind a tool's pointer, for one call.
+///
+/// # Safety
+/// The pointer is null, or one from [`Instance::create`] that was not given back, and nothing else uses it now.
+pub(crate) unsafe fn instance<'a>(pointer: *mut c_void) -> Option<&'a mut Instance> {
+    // SAFETY: the caller's promise.
+    unsafe { pointer.cast::<Instance>().as_mut() }
+}
+
+/// Ends an instance.
+///
+/// # Safety
+/// As for [`instance`]; the pointer is not used again.
+pub(crate) unsafe fn free(pointer: *mut c_void) {
+    if !pointer.is_null() {
+        // SAFETY: it came from `Box::into_raw`.
+        drop(unsafe { Box::from_raw(pointer.cast::<Instance>()) });
+    }
+}
+
+/// A tool's text.
+///
+/// # Safety
+/// The pointer is null or points to a text ended by a zero.
+pub(crate) unsafe fn text<'a>(pointer: *const c_char) -> Option<&'a str> {
+    // SAFETY: the caller's promise.
+    (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) })?.to_str().ok()
+}
+
+/// A tool's array.
+///
+/// # Safety
+/// The pointer points to so many values that nothing writes to now, or there are none.
+unsafe fn array<'a, X>(pointer: *const X, count: usize) -> Option<&'a [X]> {
+    if count == 0 {
+        return Some(&[]);
+    }
+    // SAFETY: not null and aligned; the rest is the caller's promise.
+    (!pointer.is_null() && pointer.is_aligned()).then(|| unsafe { slice::from_raw_parts(pointer, count) })
+}
+
+/// A tool's array to be written to.
+///
+/// # Safety
+/// The pointer points to so many values that nothing else uses now, or there are none.
+unsafe fn array_mut<'a, X>(pointer: *mut X, count: usize) -> Option<&'a mut [X]> {
+    if count == 0 {
+        return Some(&mut []);
+    }
+    // SAFETY: not null and aligned; the rest is the caller's promise.
+    (!pointer.is_null() && pointer.is_aligned()).then(|| unsafe { slice::from_raw_parts_mut(pointer, count) })
+}
+
+/// Reads variables of a kind into a tool's array.
+///
+/// # Safety
+/// The pointers are a tool's: an instance, and arrays of so many.
+pub(crate) unsafe fn get<X>(
+    pointer: *mut c_void,
+    kind: Kind,
+    references: *const u32,
+    count: usize,
+    values: *mut X,
+    of: fn(f64) -> X,
+) -> Status {
+    // SAFETY: the caller's promise.
+    let (instance, references, values) =
+        unsafe { (instance(pointer), array(references, count), array_mut(values, count)) };
+    let (Some(instance), Some(references), Some(values)) = (instance, references, values) else {
+        return Status::Error;
+    };
+    for (reference, place) in references.iter().zip(values) {
+        match instance.model.get(*reference).filter(|(variable, _)| variable.kind == kind) {
+            Some((_, value)) => *place = of(value),
+            None => return Status::Error,
+        }
+    }
+    Status::Ok
+}
+
+/// Sets variables of a kind from a tool's array.
+///
+/// # Safety
+/// As for [`get`].
+pub(crate) unsafe fn set<X: Copy>(
+    pointer: *mut c_void,
+    kind: Kind,
+    references: *const u32,
+    count: usize,
+    values: *const X,
+    of: fn(X) -> f64,
+) -> Status {
+    // SAFETY: the caller's promise.
+    let (instance, references, values) =
+        unsafe { (instance(pointer), array(references, count), array(values, count)) };
+    let (Some(instance), Some(references), Some(values)) = (instance, references, values) else {
+        return Status::Error;
+    };
+    for (reference, value) in references.iter().zip(values) {
+        let is_of_kind = instance.model.get(*reference).is_some_and(|(variable, _)| variable.kind == kind);
+        if !is_of_kind || !instance.model.set(*reference, of(*value)) {
+            return Status::Error;
+        }
+    }
+    Status::Ok
+}
+
+/// A step.
+///
+/// # Safety
+/// As for [`instance`].
+pub(crate) unsafe fn step(pointer: *mut c_void, time_s: f64, step_s: f64) -> Status {
+    // SAFETY: the caller's promise.
+    let Some(instance) = (unsafe { instance(pointer) }) else { return Status::Error };
+    let result = instance.model.step(time_s, step_s);
+    instance.conclude(result)
+}
+
+/// Begins anew.
+///
+/// # Safety
+/// As for [`instance`].
+pub(crate) unsafe fn reset(pointer: *mut c_void) -> Status {
+    // SAFETY: the caller's promise.
+    let Some(instance) = (unsafe { instance(pointer) }) else { return Status::Error };
+    instance.model.reset();
+    Status::Ok
+}
+
+/// Whether there is an instance: what a function says that has nothing to do.
+///
+/// # Safety
+/// As for [`instance`].
+pub(crate) unsafe fn there(pointer: *mut c_void) -> Status {
+    // SAFETY: the caller's promise.
+    if unsafe { instance(pointer) }.is_some() { Status::Ok } else { Status::Error }
+}
+
+/// Keeps the state in `*state`, which is null or an earlier one.
+///
+/// # Safety
+/// The pointers are a tool's: an instance, and a state of this library or null.
+pub(crate) unsafe fn get_state(pointer: *mut c_void, state: *mut *mut c_void) -> Status {
+    // SAFETY: the caller's promise.
+    let (Some(instance), Some(state)) = (unsafe { (instance(pointer), state.as_mut()) }) else {
+        return Status::Error;
+    };
+    // SAFETY: null or a state of ours.
+    match unsafe { state.cast::<Model>().as_mut() } {
+        Some(kept) => *kept = instance.model.clone(),
+        None => *state = Box::into_raw(Box::new(instance.model.clone())).cast(),
+    }
+    Status::Ok
+}
+
+/// Goes back to a state.
+///
+/// # Safety
+/// As for [`get_state`].
+pub(crate) unsafe fn set_state(pointer: *mut c_void, state: *mut c_void) -> Status {
+    // SAFETY: the caller's promise.
+    let (Some(instance), Some(kept)) = (unsafe { (instance(pointer), state.cast::<Model>().as_ref()) })
+    else {
+        return Status::Error;
+    };
+    instance.model = kept.clone();
+    Status::Ok
+}
+
+/// Forgets a state.
+///
+/// # Safety
+/// As for [`get_state`]; the state is not used again.
+pub(crate) unsafe fn free_state(pointer: *mut c_void, state: *mut *mut c_void) -> Status {
+    // SAFETY: the caller's promise.
+    let (Some(_), Some(state)) = (unsafe { (instance(pointer), state.as_mut()) }) else {
+        return Status::Error;
+    };
+    if !state.is_null() {
+        // SAFETY: it came from `Box::into_raw`.
+        drop(unsafe { Box::from_raw(state.cast::<Model>()) });
+        *state = std::ptr::null_mut();
+    }
+    Status::Ok
+}
+
+/// How many bytes a state takes.
+///
+/// # Safety
+/// As for [`get_state`].
+pub(crate) unsafe fn state_size(pointer: *mut c_void, state: *mut c_void, size: *mut usize) -> Status {
+    // SAFETY: the caller's promise.
+    let (Some(instance), Some(kept), Some(size)) =
+        (unsafe { (instance(pointer), state.cast::<Model>().as_ref(), size.as_mut()) })
+    else {
+        return Status::Error;
+    };
+    instance.conclude(kept.to_bytes().map(|bytes| *size = bytes.len()))
+}
+
+/// Writes a state as bytes.
+///
+/// # Safety
+/// As for [`get_state`], and an array of so many bytes.
+pub(crate) unsafe fn write_state(
+    pointer: *mut c_void,
+    state: *mut c_void,
+    bytes: *mut u8,
+    size: usize,
+) -> Status {
+    // SAFETY: the caller's promise.
+    let (Some(instance), Some(kept), Some(place)) =
+        (unsafe { (instance(pointer), state.cast::<Model>().as_ref(), array_mut(bytes, size)) })
+    else {
+        return Status::Error;
+    };
+    instance.conclude(kept.to_bytes().and_then(|bytes| {
+        let place = place.get_mut(..bytes.len());
+        let place = place
+            .ok_or_else(|| ModelError::State(format!("takes {} bytes, there are {size}", bytes.len())))?;
+        place.copy_from_slice(&bytes);
+        Ok(())
+    }))
+}
+
+/// Reads a state of bytes into `*state`, as [`get_state`] does.
+///
+/// # Safety
+/// As for [`write_state`].
+pub(crate) unsafe fn read_state(
+    pointer: *mut c_void,
+    bytes: *const u8,
+    size: usize,
+    state: *mut *mut c_void,
+) -> Status {
+    // SAFETY: the caller's promise.
+    let (Some(instance), Some(bytes)) = (unsafe { (instance(pointer), array(bytes, size)) }) else {
+        return Status::Error;
+    };
+    let mut restored = Instance { model: instance.model.clone(), log: None };
+    let result = restored.model.restore(bytes);
+    if result.is_err() {
+        return instance.conclude(result);
+    }
+    // SAFETY: an instance of ours and the tool's pointer.
+    unsafe { get_state((&raw mut restored).cast(), state) }
+}

@@ -1,0 +1,395 @@
+//! The car between two steps: what was set, the drive that it began, and what can be read. Knows neither version of the interface.
+
+use std::path::Path;
+use std::thread;
+
+use itpms_core::model::{CarEstimate, Corner, CornerConfig, PressureMap, QuarterCar, Warning};
+use itpms_core::warning::{Cause, WheelState};
+use itpms_data::log::{LogCorner, LogMotion};
+use itpms_data::out::WheelSpeedUse;
+use itpms_data::reference::crc64;
+use itpms_data::{LogRow, Vehicle};
+use itpms_drive::{Drive, DriveError, Settings};
+use thiserror::Error;
+
+use crate::variables::{Causality, OfCar, OfCorner, Role, Variable, parameter, variables};
+
+/// How a saved state begins: what it is, its format and the program's version, which has to be the same.
+const MAGIC: &str = concat!("itpms-fmu-state 1 ", env!("CARGO_PKG_VERSION"), " ");
+/// Stack of what builds a car from bytes; a simulation tool's thread may have less.
+const STACK_BYTES: usize = 32 << 20;
+
+/// Why a step, or what comes before it, did not happen.
+#[derive(Debug, Error)]
+pub enum ModelError {
+    /// The vehicle file.
+    #[error("{0}")]
+    Vehicle(String),
+    /// A parameter that the estimator refuses.
+    #[error(transparent)]
+    Refused(#[from] itpms_core::ParameterError),
+    /// The drive cannot begin.
+    #[error(transparent)]
+    Drive(#[from] DriveError),
+    /// A step of no length.
+    #[error("a step of {0} s, expected a positive, finite length")]
+    Step(f64),
+    /// A saved state that cannot be used.
+    #[error("the saved state {0}")]
+    State(String),
+}
+
+/// A car, its variables and their values.
+#[derive(Debug, Clone)]
+pub struct Model {
+    file: Vehicle,
+    variables: Vec<Variable>,
+    values: Vec<f64>,
+    drive: Option<Box<Drive>>,
+}
+
+impl Model {
+    /// A car as its vehicle file has it, before anything is set.
+    #[must_use]
+    pub fn new(file: Vehicle) -> Self {
+        let variables = variables(&file);
+        let values = variables.iter().map(|variable| variable.start).collect();
+        Self { file, variables, values, drive: None }
+    }
+
+    /// The same of the vehicle file in a folder of resources.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn of_resources(folder: &Path) -> Result<Self, ModelError> {
+        let path = folder.join(crate::package::VEHICLE_FILE);
+        Vehicle::read(&path).map(Self::new).map_err(|error| ModelError::Vehicle(error.to_string()))
+    }
+
+    /// The vehicle file's car.
+    #[must_use]
+    pub fn vehicle(&self) -> &Vehicle {
+        &self.file
+    }
+
+    /// The variables; a value reference is a place among them.
+    #[must_use]
+    pub fn variables(&self) -> &[Variable] {
+        &self.variables
+    }
+
+    /// A variable and its value, if there is one of this reference.
+    #[must_use]
+    pub fn get(&self, reference: u32) -> Option<(&Variable, f64)> {
+        let index = usize::try_from(reference).ok()?;
+        self.variables.get(index).zip(self.values.get(index).copied())
+    }
+
+    /// Sets a variable. Whether it may be set now: inputs always, parameters until the first step.
+    #[must_use]
+    pub fn set(&mut self, reference: u32, value: f64) -> bool {
+        let Ok(index) = usize::try_from(reference) else { return false };
+        let may = match self.variables.get(index).map(|variable| variable.causality) {
+            Some(Causality::Input) => true,
+            Some(Causality::Parameter) => self.drive.is_none(),
+            _ => false,
+        };
+        if may && let Some(place) = self.values.get_mut(index) {
+            *place = value;
+        }
+        may
+    }
+
+    /// As before anything was set.
+    pub fn reset(&mut self) {
+        *self = Self::new(self.file.clone());
+    }
+
+    /// Takes the inputs as the sample at `time_s`; what can be read then is what is known after it. The first step begins the drive, and says
+    /// how many samples a second to expect.
+    ///
+    /// # Errors
+    /// A step of no length; a parameter that the estimator refuses.
+    pub fn step(&mut self, time_s: f64, step_s: f64) -> Result<(), ModelError> {
+        if !(step_s > 0.0 && step_s.is_finite() && time_s.is_finite()) {
+            return Err(ModelError::Step(step_s));
+        }
+        let corners = self.measured();
+        if self.drive.is_none() {
+            self.drive = Some(Box::new(self.begin(&corners, step_s.recip())?));
+        }
+        let mut row = self.row(time_s, &corners);
+        let Some(drive) = &mut self.drive else { return Ok(()) };
+        let estimate = drive.update(&mut row);
+        self.write(time_s + step_s, &estimate);
+        Ok(())
+    }
+
+    fn value(&self, role: Role) -> f64 {
+        let place = self.variables.iter().position(|variable| variable.role == role);
+        place.and_then(|place| self.values.get(place)).copied().unwrap_or(f64::NAN)
+    }
+
+    /// The corners whose accelerations are there.
+    fn measured(&self) -> Vec<Corner> {
+        let is = |corner: &Corner| self.value(Role::Corner(*corner, OfCorner::IsMeasured)) > 0.5;
+        Corner::ALL.into_iter().filter(is).collect()
+    }
+
+    fn begin(&self, corners: &[Corner], rate_hz: f64) -> Result<Drive, ModelError> {
+        let vehicle = self.told()?;
+        let wheel_speeds = match self.value(Role::Car(OfCar::UsesWheelSpeeds)) > 0.5 {
+            false => WheelSpeedUse::None,
+            true if corners.is_empty() => WheelSpeedUse::Alone,
+            true => WheelSpeedUse::Beside,
+        };
+        if corners.is_empty() && wheel_speeds == WheelSpeedUse::None {
+            let what = "no corner is measured and no wheel speeds are used".to_owned();
+            return Err(DriveError::Mismatch(what).into());
+        }
+        let calibrate_s = Some(self.value(Role::Car(OfCar::CalibrateS))).filter(|seconds| *seconds != 0.0);
+        let settings = Settings { calibrate_s, ..Settings::default() };
+        Ok(Drive::new(&settings, &vehicle, corners, wheel_speeds, rate_hz)?)
+    }
+
+    /// The vehicle with the parameters as they were set.
+    fn told(&self) -> Result<Vehicle, ModelError> {
+        let mut vehicle = self.file.clone();
+        vehicle.wheelbase_m =
+            Some(self.value(Role::Car(OfCar::Wheelbase))).filter(|length_m| *length_m != 0.0);
+        for (corner, config) in Corner::ALL.into_iter().zip(&mut vehicle.corners) {
+            if let Some(config) = config {
+                self.tell(corner, config)?;
+            }
+        }
+        Ok(vehicle)
+    }
+
+    fn tell(&self, corner: Corner, config: &mut CornerConfig<f64>) -> Result<(), ModelError> {
+        let of = |of| self.value(Role::Corner(corner, of));
+        let is_new = |what| Some(of(what)) != parameter(&self.file, corner, what);
+        config.quarter_car = QuarterCar::new(
+            of(OfCorner::SprungMass),
+            of(OfCorner::UnsprungMass),
+            of(OfCorner::Damping),
+            of(OfCorner::Spring),
+        )?;
+        // Another line is one without the file's standard deviations of its coefficients.
+        if is_new(OfCorner::StiffnessPerKpa) || is_new(OfCorner::StiffnessAtZero) {
+            config.tire = PressureMap::new(of(OfCorner::StiffnessPerKpa), of(OfCorner::StiffnessAtZero))?;
+        }
+        let told = CornerConfig::new(config.quarter_car, config.tire, of(OfCorner::Placard))?;
+        config.placard_kpa = told.placard_kpa;
+        Ok(())
+    }
+
+    /// The inputs as a row of a log.
+    fn row(&self, time_s: f64, corners: &[Corner]) -> LogRow {
+        let car = |of| self.value(Role::Car(of));
+        let of_corner = |corner, of| self.value(Role::Corner(corner, of));
+        let logged = |corner: Corner| LogCorner {
+            body_accel_m_s2: of_corner(corner, OfCorner::BodyAccel),
+            wheel_accel_m_s2: of_corner(corner, OfCorner::WheelAccel),
+            pressure_kpa: f64::NAN,
+            road_m: f64::NAN,
+        };
+        LogRow {
+            time_s,
+            speed_m_s: car(OfCar::Speed),
+            corners: Corner::ALL.map(|corner| corners.contains(&corner).then(|| logged(corner))),
+            motion: LogMotion {
+                wheel_speed_m_s: Corner::ALL.map(|corner| of_corner(corner, OfCorner::WheelSpeed)),
+                yaw_rate_rad_s: car(OfCar::YawRate),
+                accel_x_m_s2: car(OfCar::AccelX),
+                accel_y_m_s2: car(OfCar::AccelY),
+                brake: car(OfCar::Brake),
+                ..LogMotion::UNKNOWN
+            },
+        }
+    }
+
+    /// Writes the outputs after a sample.
+    fn write(&mut self, now_s: f64, estimate: &CarEstimate<f64>) {
+        let Some(drive) = &self.drive else { return };
+        let report = drive.report();
+        let taught = drive.learned();
+        let flag = |holds: bool| f64::from(u8::from(holds));
+        for (variable, value) in self.variables.iter().zip(&mut self.values) {
+            let written = match variable.role {
+                Role::Time => Some(now_s),
+                Role::Car(of) => match of {
+                    OfCar::AnyLow => Some(flag(report.alerts().any(|alert| alert.cause.is_low()))),
+                    OfCar::AnyMalfunction => {
+                        Some(flag(report.alerts().any(|alert| matches!(alert.cause, Cause::Malfunction(_)))))
+                    }
+                    OfCar::AllFine => Some(flag(report.is_all_fine())),
+                    OfCar::Alerts => Some(report.alerts().count() as f64),
+                    OfCar::Calibrated => {
+                        Some(flag(taught.corners.is_some() || taught.wheel_speeds.is_some()))
+                    }
+                    _ => None,
+                },
+                Role::Corner(corner, of) => {
+                    let (found, wheel) = (estimate.corners[corner.index()], report.wheels[corner.index()]);
+                    let number = |number: fn(&itpms_core::CornerEstimate<f64>) -> f64| {
+                        Some(found.as_ref().map_or(f64::NAN, number))
+                    };
+                    match of {
+                        OfCorner::Pressure => number(|e| e.pressure_kpa),
+                        OfCorner::PressureSd => number(|e| e.pressure_sd_kpa),
+                        OfCorner::Lost => number(|e| e.loss.map_or(f64::NAN, |loss| loss.lost_kpa)),
+                        OfCorner::LostSd => number(|e| e.loss.map_or(f64::NAN, |loss| loss.lost_sd_kpa)),
+                        OfCorner::Stiffness => number(|e| e.stiffness_n_per_m),
+                        OfCorner::Road => number(|e| e.road_m),
+                        OfCorner::RoadSd => number(|e| e.road_sd_m),
+                        OfCorner::Valid => Some(flag(found.is_some_and(|e| e.validity.is_valid()))),
+                        OfCorner::State => Some(wheel.map_or(0.0, |wheel| state(wheel.state))),
+                        OfCorner::Warning => {
+                            let warning = found.map(|e| e.warning).or(wheel.map(|wheel| wheel.warning));
+                            Some(warning.map_or(0.0, code))
+                        }
+                        _ => None,
+                    }
+                }
+            };
+            *value = written.unwrap_or(*value);
+        }
+    }
+
+    /// All of it as bytes, with its version and a checksum.
+    ///
+    /// # Errors
+    /// It cannot be written, which a car of ours always can.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, ModelError> {
+        let body = postcard::to_stdvec(&(self.file.to_toml(), &self.values, &self.drive))
+            .map_err(|error| ModelError::State(format!("cannot be written: {error}")))?;
+        let head = format!("{MAGIC}{:016x}\n", crc64(&[&body]));
+        Ok([head.as_bytes(), &body].concat())
+    }
+
+    /// Goes on from such bytes.
+    ///
+    /// # Errors
+    /// They are damaged, of another version, or of another vehicle file.
+    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), ModelError> {
+        let refuse = |what: &str| ModelError::State(what.to_owned());
+        let known = bytes.strip_prefix(MAGIC.as_bytes()).and_then(|rest| rest.split_at_checked(17));
+        let (seal, body) = known.ok_or_else(|| refuse("is none of this version of itpms"))?;
+        if seal != format!("{:016x}\n", crc64(&[body])).as_bytes() {
+            return Err(refuse("is damaged: its checksum does not fit"));
+        }
+        type Saved = (String, Vec<f64>, Option<Box<Drive>>);
+        let (file, values, drive) = thread::scope(|scope| {
+            let reading = thread::Builder::new().stack_size(STACK_BYTES);
+            let reading = reading.spawn_scoped(scope, || postcard::from_bytes::<Saved>(body));
+            reading.ok().and_then(|reading| reading.join().ok()?.ok())
+        })
+        .ok_or_else(|| refuse("cannot be read"))?;
+        if file != self.file.to_toml() || values.len() != self.variables.len() {
+            return Err(refuse("is of another vehicle file"));
+        }
+        (self.values, self.drive) = (values, drive);
+        Ok(())
+    }
+}
+
+fn state(state: WheelState) -> f64 {
+    match state {
+        WheelState::Unknown(_) => 0.0,
+        WheelState::Fine => 1.0,
+        WheelState::Low => 2.0,
+        WheelState::Over => 3.0,
+        WheelState::Malfunction => 4.0,
+    }
+}
+
+fn code(warning: Warning) -> f64 {
+    match warning {
+        Warning::None => 0.0,
+        Warning::Low => 1.0,
+        Warning::Malfunction => 2.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn reference(model: &Model, name: &str) -> u32 {
+        model.variables().iter().position(|variable| variable.name == name).unwrap() as u32
+    }
+
+    fn set(model: &mut Model, name: &str, value: f64) -> bool {
+        model.set(reference(model, name), value)
+    }
+
+    fn get(model: &Model, name: &str) -> f64 {
+        model.get(reference(model, name)).unwrap().1
+    }
+
+    /// Two sines at every wheel, for so many steps.
+    fn drive(model: &mut Model, steps: std::ops::Range<u32>) {
+        for k in steps {
+            let time_s = f64::from(k) / 500.0;
+            for corner in ["fl", "fr", "rl", "rr"] {
+                set(model, &format!("{corner}_body_accel_m_s2"), 0.3 * (9.0 * time_s).sin());
+                set(model, &format!("{corner}_wheel_accel_m_s2"), 4.0 * (70.0 * time_s).sin());
+            }
+            set(model, "speed_m_s", 20.0);
+            model.step(time_s, 0.002).unwrap();
+        }
+    }
+
+    #[test]
+    fn parameters_are_the_files_until_they_are_set_and_fixed_from_the_first_step_on() {
+        let mut model = Model::new(Vehicle::paper());
+        assert_eq!(get(&model, "rr_unsprung_mass_kg"), 56.9);
+        assert!(set(&mut model, "rr_unsprung_mass_kg", f64::NAN));
+        let error = model.step(0.0, 0.002).unwrap_err().to_string();
+        assert!(error.starts_with("unsprung_mass_kg is NaN"), "{error}");
+        model.reset();
+        assert!(set(&mut model, "wheelbase_m", 2.6) && !set(&mut model, "fl_pressure_kpa", 200.0));
+        drive(&mut model, 0..10);
+        assert!(!set(&mut model, "wheelbase_m", 2.7) && set(&mut model, "speed_m_s", 21.0));
+        assert_eq!(get(&model, "time"), 9.0 / 500.0 + 0.002);
+        assert!(!model.set(10_000, 0.0) && model.get(10_000).is_none());
+        for step_s in [0.0, -0.002, f64::NAN, f64::INFINITY] {
+            assert!(model.step(1.0, step_s).is_err());
+        }
+    }
+
+    #[test]
+    fn a_car_without_sensors_is_refused_and_wheel_speeds_need_their_keys() {
+        let mut model = Model::new(Vehicle::paper());
+        for corner in ["fl", "fr", "rl", "rr"] {
+            assert!(set(&mut model, &format!("{corner}_is_measured"), 0.0));
+        }
+        assert!(model.step(0.0, 0.002).unwrap_err().to_string().contains("no corner is measured"));
+        assert!(set(&mut model, "uses_wheel_speeds", 1.0));
+        let error = model.step(0.0, 0.02).unwrap_err().to_string();
+        assert!(error.contains("track_front_m"), "{error}");
+    }
+
+    #[test]
+    fn a_saved_state_goes_on_and_a_damaged_one_changes_nothing() {
+        let mut model = Model::new(Vehicle::paper());
+        drive(&mut model, 0..2000);
+        let mut bytes = model.to_bytes().unwrap();
+        let mut other = Model::new(Vehicle::paper());
+        other.restore(&bytes).unwrap();
+        drive(&mut model, 2000..2500);
+        drive(&mut other, 2000..2500);
+        assert!(get(&model, "fl_pressure_kpa").is_finite());
+        for (a, b) in model.values.iter().zip(&other.values) {
+            assert_eq!(a.to_bits(), b.to_bits());
+        }
+        let middle = bytes.len() / 2;
+        bytes[middle] ^= 1;
+        assert!(other.restore(&bytes).unwrap_err().to_string().contains("damaged"));
+        assert!(other.restore(b"itpms").is_err());
+        bytes[middle] ^= 1;
+        let mut file = Vehicle::paper();
+        file.name = "another".to_owned();
+        assert!(Model::new(file).restore(&bytes).unwrap_err().to_string().contains("another vehicle file"));
+    }
+}

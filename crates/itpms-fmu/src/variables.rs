@@ -1,0 +1,302 @@
+//! The one table of variables: the description is made of it, and the functions of both versions read and write by it. A variable's value
+//! reference is its place.
+
+use itpms_core::model::Corner;
+use itpms_data::Vehicle;
+
+/// What a variable is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Causality {
+    /// Time.
+    Independent,
+    /// Set before the simulation begins.
+    Parameter,
+    /// Set before a step; NaN: the value is missing.
+    Input,
+    /// Read after a step.
+    Output,
+}
+
+/// What kind of number it is. All values are kept as `f64`, which holds the others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// `Real`, `Float64`.
+    Real,
+    /// `Integer`, `Int32`.
+    Integer,
+    /// `Boolean`.
+    Boolean,
+}
+
+/// What is behind a variable.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// Time in s.
+    Time,
+    /// Of the whole car.
+    Car(OfCar),
+    /// Of a corner.
+    Corner(Corner, OfCorner),
+}
+
+/// What there is of the whole car.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)] // The table describes them.
+pub enum OfCar {
+    Wheelbase,
+    CalibrateS,
+    UsesWheelSpeeds,
+    Speed,
+    YawRate,
+    AccelX,
+    AccelY,
+    Brake,
+    AnyLow,
+    AnyMalfunction,
+    AllFine,
+    Alerts,
+    Calibrated,
+}
+
+/// What there is of a corner.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)] // The table describes them.
+pub enum OfCorner {
+    IsMeasured,
+    SprungMass,
+    UnsprungMass,
+    Damping,
+    Spring,
+    StiffnessPerKpa,
+    StiffnessAtZero,
+    Placard,
+    BodyAccel,
+    WheelAccel,
+    WheelSpeed,
+    Pressure,
+    PressureSd,
+    Lost,
+    LostSd,
+    Stiffness,
+    Road,
+    RoadSd,
+    Valid,
+    State,
+    Warning,
+}
+
+/// A variable.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variable {
+    /// Its name, ending in its unit.
+    pub name: String,
+    /// What is behind it.
+    pub role: Role,
+    /// What it is for.
+    pub causality: Causality,
+    /// What kind of number it is.
+    pub kind: Kind,
+    /// Its unit, one of [`UNITS`]; empty: none.
+    pub unit: &'static str,
+    /// What it says.
+    pub text: &'static str,
+    /// What it is before anything is set.
+    pub start: f64,
+}
+
+/// A unit by its name, and by the exponents of kg, m, s, rad with a factor.
+pub const UNITS: [(&str, [i8; 4], f64); 11] = [
+    ("s", [0, 0, 1, 0], 1.0),
+    ("m", [0, 1, 0, 0], 1.0),
+    ("m/s", [0, 1, -1, 0], 1.0),
+    ("m/s2", [0, 1, -2, 0], 1.0),
+    ("rad/s", [0, 0, -1, 1], 1.0),
+    ("kg", [1, 0, 0, 0], 1.0),
+    ("kPa", [1, -1, -2, 0], 1e3),
+    ("N/m", [1, 0, -2, 0], 1.0),
+    ("N.s/m", [1, 0, -1, 0], 1.0),
+    ("N/(m.kPa)", [0, 1, 0, 0], 1e-3),
+    ("", [0; 4], 1.0),
+];
+
+type Row<W> = (W, Causality, Kind, &'static str, &'static str, &'static str);
+
+const CAR: [Row<OfCar>; 13] = {
+    use Causality::{Input, Output, Parameter};
+    use Kind::{Boolean, Integer, Real};
+    [
+        (
+            OfCar::Wheelbase,
+            Parameter,
+            Real,
+            "wheelbase_m",
+            "m",
+            "Distance between the axles; 0: the road that front and rear share is not used.",
+        ),
+        (
+            OfCar::CalibrateS,
+            Parameter,
+            Real,
+            "calibrate_s",
+            "s",
+            "So long from the first step on all tires have their placard pressures, and the car is learned; 0: no calibration.",
+        ),
+        (
+            OfCar::UsesWheelSpeeds,
+            Parameter,
+            Boolean,
+            "uses_wheel_speeds",
+            "",
+            "Whether the wheel speeds are used.",
+        ),
+        (OfCar::Speed, Input, Real, "speed_m_s", "m/s", "Speed of the car."),
+        (OfCar::YawRate, Input, Real, "yaw_rate_rad_s", "rad/s", "Yaw rate, positive to the left."),
+        (OfCar::AccelX, Input, Real, "accel_x_m_s2", "m/s2", "Acceleration forward."),
+        (OfCar::AccelY, Input, Real, "accel_y_m_s2", "m/s2", "Acceleration to the left."),
+        (OfCar::Brake, Input, Real, "brake", "", "1: the driver brakes, 0: not."),
+        (OfCar::AnyLow, Output, Boolean, "any_low", "", "A tire is warned of."),
+        (OfCar::AnyMalfunction, Output, Boolean, "any_malfunction", "", "A sensor is reported."),
+        (OfCar::AllFine, Output, Boolean, "all_fine", "", "Every wheel is known to be fine."),
+        (OfCar::Alerts, Output, Integer, "alerts", "", "Number of alerts that stand."),
+        (
+            OfCar::Calibrated,
+            Output,
+            Boolean,
+            "is_calibrated",
+            "",
+            "A calibration is over and has taught something.",
+        ),
+    ]
+};
+
+const CORNER: [Row<OfCorner>; 21] = {
+    use Causality::{Input, Output, Parameter};
+    use Kind::{Boolean, Integer, Real};
+    [
+        (
+            OfCorner::IsMeasured,
+            Parameter,
+            Boolean,
+            "is_measured",
+            "",
+            "Whether this corner's accelerations are there.",
+        ),
+        (OfCorner::SprungMass, Parameter, Real, "sprung_mass_kg", "kg", "Sprung mass."),
+        (OfCorner::UnsprungMass, Parameter, Real, "unsprung_mass_kg", "kg", "Unsprung mass."),
+        (OfCorner::Damping, Parameter, Real, "damping_n_s_per_m", "N.s/m", "Damping at the wheel."),
+        (OfCorner::Spring, Parameter, Real, "spring_n_per_m", "N/m", "Spring rate at the wheel."),
+        (
+            OfCorner::StiffnessPerKpa,
+            Parameter,
+            Real,
+            "stiffness_per_kpa",
+            "N/(m.kPa)",
+            "Tire stiffness over pressure.",
+        ),
+        (
+            OfCorner::StiffnessAtZero,
+            Parameter,
+            Real,
+            "stiffness_at_zero",
+            "N/m",
+            "Tire stiffness at no gauge pressure.",
+        ),
+        (OfCorner::Placard, Parameter, Real, "placard_kpa", "kPa", "Gauge pressure on the placard."),
+        (
+            OfCorner::BodyAccel,
+            Input,
+            Real,
+            "body_accel_m_s2",
+            "m/s2",
+            "Vertical acceleration of the body over the wheel, positive upward.",
+        ),
+        (
+            OfCorner::WheelAccel,
+            Input,
+            Real,
+            "wheel_accel_m_s2",
+            "m/s2",
+            "Vertical acceleration of the wheel, positive upward.",
+        ),
+        (
+            OfCorner::WheelSpeed,
+            Input,
+            Real,
+            "wheel_speed_m_s",
+            "m/s",
+            "Speed of the wheel, by the radius that the car assumes.",
+        ),
+        (OfCorner::Pressure, Output, Real, "pressure_kpa", "kPa", "Gauge pressure."),
+        (OfCorner::PressureSd, Output, Real, "pressure_sd_kpa", "kPa", "Its standard deviation."),
+        (
+            OfCorner::Lost,
+            Output,
+            Real,
+            "lost_kpa",
+            "kPa",
+            "What the tire has lost in this drive; NaN as long as that is not counted.",
+        ),
+        (OfCorner::LostSd, Output, Real, "lost_sd_kpa", "kPa", "Its standard deviation."),
+        (OfCorner::Stiffness, Output, Real, "stiffness_n_per_m", "N/m", "Tire stiffness."),
+        (OfCorner::Road, Output, Real, "road_m", "m", "Height of the road under the wheel, without drift."),
+        (OfCorner::RoadSd, Output, Real, "road_sd_m", "m", "Its standard deviation."),
+        (OfCorner::Valid, Output, Boolean, "is_valid", "", "Whether the pressure may be shown."),
+        (OfCorner::State, Output, Integer, "state", "", "0 unknown, 1 fine, 2 low, 3 over, 4 malfunction."),
+        (OfCorner::Warning, Output, Integer, "warning", "", "0 none, 1 low, 2 malfunction."),
+    ]
+};
+
+/// The variables of a vehicle: its corners' with the file's values as their start. Inputs and outputs are unknown until they are set.
+#[must_use]
+pub fn variables(vehicle: &Vehicle) -> Vec<Variable> {
+    let mut all = vec![Variable {
+        name: "time".to_owned(),
+        role: Role::Time,
+        causality: Causality::Independent,
+        kind: Kind::Real,
+        unit: "s",
+        text: "Simulation time.",
+        start: f64::NAN,
+    }];
+    all.extend(CAR.map(|(of, causality, kind, name, unit, text)| {
+        let start = match (causality, of) {
+            (_, OfCar::Wheelbase) => vehicle.wheelbase_m.unwrap_or(0.0),
+            (Causality::Parameter, _) => 0.0,
+            _ => unknown(kind),
+        };
+        Variable { name: name.to_owned(), role: Role::Car(of), causality, kind, unit, text, start }
+    }));
+    for corner in Corner::ALL {
+        all.extend(CORNER.iter().filter_map(|&(of, causality, kind, name, unit, text)| {
+            let start = match causality {
+                Causality::Parameter => parameter(vehicle, corner, of)?,
+                _ => unknown(kind),
+            };
+            let name = format!("{}_{name}", corner.label());
+            Some(Variable { name, role: Role::Corner(corner, of), causality, kind, unit, text, start })
+        }));
+    }
+    all
+}
+
+fn unknown(kind: Kind) -> f64 {
+    if kind == Kind::Real { f64::NAN } else { 0.0 }
+}
+
+/// What the vehicle file says of a parameter of a corner that it has.
+#[must_use]
+pub fn parameter(vehicle: &Vehicle, corner: Corner, of: OfCorner) -> Option<f64> {
+    let config = vehicle.corner(corner)?;
+    let (car, tire) = (&config.quarter_car, &config.tire);
+    Some(match of {
+        OfCorner::IsMeasured => 1.0,
+        OfCorner::SprungMass => car.sprung_mass_kg(),
+        OfCorner::UnsprungMass => car.unsprung_mass_kg(),
+        OfCorner::Damping => car.damping_n_s_per_m(),
+        OfCorner::Spring => car.spring_n_per_m(),
+        OfCorner::StiffnessPerKpa => tire.stiffness_per_kpa(),
+        OfCorner::StiffnessAtZero => tire.stiffness_at_zero(),
+        OfCorner::Placard => config.placard_kpa,
+        _ => return None,
+    })
+}
