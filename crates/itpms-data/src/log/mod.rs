@@ -22,6 +22,8 @@
 //! Called by the commands of the binary and by the live monitor; knows nothing of estimators and of simulation.
 
 #[cfg(feature = "can")]
+mod bus;
+#[cfg(feature = "can")]
 mod can_feed;
 mod clock_text;
 mod csv_source;
@@ -53,6 +55,10 @@ mod text_head;
 mod twins;
 mod units;
 
+#[cfg(feature = "can")]
+pub(crate) use bus::attached;
+#[cfg(feature = "can")]
+pub use bus::{frame_description, holds_frames};
 pub(crate) use clock_text::seconds as clock_seconds;
 pub(crate) use dialect::{cells, number};
 pub(crate) use format::{Format, LogFormat};

@@ -173,7 +173,7 @@ impl std::str::FromStr for KnownPressures {
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: itpms vehicle check drive.csv --vehicle car.toml --report check.html")]
 pub(crate) struct CheckArgs {
-    /// The drive log: .csv, .parquet, .mf4, or a CAN log (.log, .candump, .asc, .blf) with --dbc.
+    /// The drive log: .csv, .parquet, .mf4, .dat, or a CAN log (.log, .asc, .blf, .trc, .mf4) with --dbc.
     pub(crate) log: PathBuf,
     /// Masses, springs, dampers and tires of the corners.
     #[arg(long, value_name = "V.toml")]
