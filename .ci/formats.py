@@ -145,6 +145,9 @@ def main():
         path = FOLDER / f"drive-430-{compression}.mf4"
         mdf(path, columns, values, compression, everything, version="4.30")
         check(f"MDF 4.30 by asammdf, {word}", estimate(path).read_bytes() == expected, "to the byte")
+    path = FOLDER / "drive-330.mdf"
+    mdf(path, columns, values, 0, everything, version="3.30")
+    check("MDF 3.30 by asammdf", estimate(path).read_bytes() == expected, "to the byte")
     # Each corner in a group of its own.
     corners = [([n for n in columns[1:] if n.startswith(c)], 1) for c in ["fl_", "fr_", "rl_", "rr_"]]
     path = FOLDER / "drive-groups.mf4"

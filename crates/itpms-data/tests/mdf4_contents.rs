@@ -195,7 +195,7 @@ fn frames_of_a_bus_and_groups_without_a_clock_are_named_as_such() {
     let refusal = bench.read(None).unwrap_err();
     assert!(refusal.contains("is a CAN log") && refusal.contains("--dbc"), "{refusal}");
     assert_eq!(bench.list().kind, "message");
-    let frames = ["LIN_Frame", "LIN_Frame.ID"];
+    let frames = ["LIN_Frame", "LIN_Frame.ID", "LIN_Frame.DataLength"];
     write(&bench.path(), &[group("LIN", &frames)], |_| 0, |k| f64::from(k) * 0.002);
     let refusal = bench.read(None).unwrap_err();
     assert!(refusal.contains("LIN.LIN_Frame is frames of another bus than CAN"), "{refusal}");

@@ -36,6 +36,9 @@ impl Format {
     }
 }
 
+/// What is said of files that other programs can write as something that is read.
+const ELSEWHERE: &str = "a file of MATLAB, HDF5 or VBOX, which is not read: export CSV, Parquet or MDF (MATLAB: writetable, pandas: to_parquet, VBOX: CSV)";
+
 /// A format of drive logs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum LogFormat {
@@ -76,6 +79,9 @@ impl LogFormat {
             Some("mf4" | "mdf" | "dat") => Ok(LogFormat::Mdf4),
             #[cfg(feature = "can")]
             Some("log" | "candump" | "asc" | "blf" | "trc") => Ok(LogFormat::Can),
+            Some("mat" | "h5" | "hdf5" | "hdf" | "vbo") => {
+                Err(DataError::new(path, Problem::NotApplicable(ELSEWHERE)))
+            }
             other => Format::of_extension(other)
                 .map(LogFormat::Table)
                 .ok_or_else(|| unknown(path, other, expected_log())),

@@ -17,9 +17,6 @@ use crate::calendar::Date;
 use crate::error::Problem;
 use crate::text::decoded;
 
-/// Bytes of a block that are read at most; it has no more.
-const MOST_BLOCK: usize = u16::MAX as usize;
-
 /// Numbers of all tables of a file.
 const MOST_NUMBERS: usize = 1 << 21;
 
@@ -164,9 +161,11 @@ impl Walk<'_> {
             let found = String::from_utf8_lossy(&block.bytes[..2]).into_owned();
             return damaged(format!("found {found:?}, expected {:?}", String::from_utf8_lossy(id)));
         }
-        let length = usize::from(block.u16(2)).clamp(4, MOST_BLOCK);
-        let there = (self.file.length() - at).min(length as u64) as usize;
-        block.bytes.resize(there, 0);
+        let length = block.u16(2).max(4);
+        if at + u64::from(length) > self.file.length() {
+            return damaged(format!("{length} bytes long, the file ends at byte {}", self.file.length()));
+        }
+        block.bytes.resize(usize::from(length), 0);
         self.file.read(at, &mut block.bytes).map_err(Problem::Read)?;
         Ok(Ok(block))
     }

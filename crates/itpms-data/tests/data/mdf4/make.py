@@ -476,7 +476,8 @@ def version_3(name, version):
     conversions = {
         "linear": {"a": 0.125, "b": -7.0},
         "rational": dict(P1=0.0, P2=2.0, P3=6.0, P4=0.0, P5=0.0, P6=4.0),
-        "formula": {"formula": "X1 * 0.5 + 3"},
+        # asammdf writes X1 for X.
+        "formula": {"formula": "X * 0.5 + 3"},
         "interpolated": table | {"interpolation": True},
         "nothing": None,
     }
