@@ -8,6 +8,7 @@
 //! | `{c}_body_accel_m_s2`, `{c}_wheel_accel_m_s2` | sprung and unsprung acceleration, up; `c` in `fl fr rl rr` |
 //! | `{c}_pressure_kpa`, `{c}_road_m` | truth, optional |
 //! | `{c}_wheel_speed_m_s` or `{c}_wheel_speed_rad_s` | speed of each wheel, of all four or none |
+//! | `{c}_tpms_kpa`, `{c}_tpms_c` | the car's own tire sensors, sparse, optional |
 //! | `yaw_rate_rad_s`, `accel_x_m_s2`, `accel_y_m_s2`, `brake` | how the car moves, optional: left and forward positive |
 //!
 //! Both accelerations of one corner, or the speeds of all four wheels, make a log.

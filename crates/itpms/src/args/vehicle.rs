@@ -124,8 +124,9 @@ pub(crate) struct LearnArgs {
     /// Drive logs, each at pressures that were measured: as for estimate.
     #[arg(required = true, value_name = "LOG")]
     pub(crate) logs: Vec<PathBuf>,
-    /// Pressure of the tires while driving, gauge: one for all wheels or one for each; once, or once per log.
-    #[arg(long, required = true, value_name = "KPA|fl=KPA,...")]
+    /// Pressure of the tires while driving, gauge: one for all wheels or one for each; once, or once per log. Without it, what the
+    /// tires' own sensors send in the log.
+    #[arg(long, value_name = "KPA|fl=KPA,...")]
     pub(crate) pressure_kpa: Vec<KnownPressures>,
     /// The vehicle file to begin with; that of --output unless given.
     #[arg(long, value_name = "V.toml")]
