@@ -53,9 +53,9 @@ def read(path):
     return rows[0], values
 
 
-def mdf(path, columns, values, compression, rasters):
+def mdf(path, columns, values, compression, rasters, version="4.10"):
     """A channel group per raster: names of its columns and every how many rows they have a sample."""
-    file = MDF(version="4.10")
+    file = MDF(version=version)
     for names, every in rasters:
         time = values[::every, 0]
         signals = [Signal(values[::every, columns.index(n)], time, name=n, unit=unit(n)) for n in names]
@@ -95,8 +95,8 @@ def frames(columns, values):
     return encoded, rounded
 
 
-def bus_log(path, encoded):
-    with can.Logger(path) as logger:
+def bus_log(path, encoded, **options):
+    with can.Logger(path, **options) as logger:
         for time_s, frame_id, extended, data in encoded:
             logger.on_message_received(
                 can.Message(timestamp=1.7e9 + time_s, arbitration_id=frame_id, is_extended_id=extended, data=data, channel=0)
@@ -140,6 +140,14 @@ def main():
         path = FOLDER / f"drive-{compression}.mf4"
         mdf(path, columns, values, compression, everything)
         check(f"MDF4 by asammdf, {word}", estimate(path).read_bytes() == expected, "to the byte")
+    # MDF 4.3 and its compressions, each plain and transposed.
+    for compression, word in [(1, "deflate"), (3, "zstd"), (4, "transposed zstd"), (5, "lz4"), (6, "transposed lz4")]:
+        path = FOLDER / f"drive-430-{compression}.mf4"
+        mdf(path, columns, values, compression, everything, version="4.30")
+        check(f"MDF 4.30 by asammdf, {word}", estimate(path).read_bytes() == expected, "to the byte")
+    path = FOLDER / "drive-330.mdf"
+    mdf(path, columns, values, 0, everything, version="3.30")
+    check("MDF 3.30 by asammdf", estimate(path).read_bytes() == expected, "to the byte")
     # Each corner in a group of its own.
     corners = [([n for n in columns[1:] if n.startswith(c)], 1) for c in ["fl_", "fr_", "rl_", "rr_"]]
     path = FOLDER / "drive-groups.mf4"
@@ -153,10 +161,12 @@ def main():
     table(FOLDER / "rounded.csv", columns, rounded)
     mean, sd, words = pressures(estimate(FOLDER / "rounded.csv"))
     first, _, _ = pressures(FOLDER / "est-drive.csv.csv")
-    for name in ["drive.asc", "drive.blf", "drive.log"]:
+    # The last without a DBC: python-can puts it into the file.
+    for name in ["drive.asc", "drive.blf", "drive.log", "drive.trc", "drive-frames.csv", "drive-frames.mf4", "drive-attached.mf4"]:
         path = FOLDER / name
-        bus_log(path, encoded)
-        found, _, said = pressures(estimate(path, "--dbc", DBC, "--signals", MAP))
+        attached = name == "drive-attached.mf4"
+        bus_log(path, encoded, **({"database": DBC} if attached else {}))
+        found, _, said = pressures(estimate(path, *([] if attached else ["--dbc", DBC]), "--signals", MAP))
         if found.shape != mean.shape:
             check(name, False, f"{len(found)} rows instead of {len(mean)}")
             continue
@@ -165,7 +175,7 @@ def main():
         moved = sum(a != b for a, b in zip(said, words, strict=True))
         good = stamps < STAMPS_SD and rounding < ROUNDING_SD and moved <= WORDS
         check(
-            f"{path.suffix} by python-can, frames by cantools",
+            f"{path.name} by python-can, frames by cantools",
             good,
             f"{stamps:.3f} sd from the rounded table, {rounding:.3f} sd from the original, {moved} rows with other words",
         )

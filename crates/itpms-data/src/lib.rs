@@ -20,6 +20,9 @@
 //! The binary and the live monitor use this crate; it knows the core's types and nothing of simulation.
 #![forbid(unsafe_code)]
 
+#[cfg(any(feature = "can", feature = "mdf4"))]
+#[cfg_attr(not(feature = "can"), allow(dead_code))]
+mod calendar;
 #[cfg(feature = "can")]
 pub mod can;
 pub mod columns;
@@ -46,4 +49,6 @@ pub mod vehicle;
 
 pub use error::{DataError, Problem};
 pub use log::{LogReader, LogRow};
+#[cfg(feature = "can")]
+pub use log::{frame_description, holds_frames};
 pub use vehicle::Vehicle;

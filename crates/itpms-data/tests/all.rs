@@ -24,6 +24,7 @@ mod signals;
 mod stamps;
 mod stored;
 mod text_tables;
+mod tire_sensors;
 mod typical_cars;
 mod vehicle_details;
 mod vehicle_file;

@@ -128,6 +128,59 @@ fn what_python_can_writes_as_asc_is_read() {
 }
 
 #[test]
+#[cfg(feature = "mdf4")]
+fn bus_loggings_in_mdf4_are_read_by_whatever_layout() {
+    // By python-can, data in place; by hand after the standard, bits side by side: data in blocks of their own, or between the records of one stream.
+    for path in ["can/python_can.mf4", "mdf4/bus-apart.mf4", "mdf4/bus-mixed.mf4"] {
+        let (frames, repairs) = read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(path));
+        // A time since the beginning is added to the date: two roundings of 0.24 us.
+        assert_same(&frames, (0..48).map(expected), 0.5e-6);
+        assert!(repairs.warnings().is_empty(), "{path}: {:?}", repairs.warnings());
+    }
+}
+
+#[test]
+fn what_python_can_writes_as_trace_and_table_is_read() {
+    let (frames, repairs) = read(&data("python_can.trc"));
+    // It writes classic data frames alone.
+    let classic = |frame: &CanFrame| frame.kind == FrameKind::Data;
+    // The first stamp is days since 1899 as a double, steps of 0.6 us.
+    assert_same(&frames, (0..48).map(expected).filter(classic), 1.5e-6);
+    assert!(repairs.is_clean(), "{:?}", repairs.warnings());
+
+    let (frames, repairs) = read(&data("python_can.csv"));
+    // The table has neither bus nor direction, nor says which frames are those of CAN FD.
+    let of_table = |frame: CanFrame| {
+        let plain = FrameKind::Fd { bit_rate_switch: false, error_state_indicator: false };
+        let kind = match frame.kind {
+            FrameKind::Fd { .. } if frame.length() > 8 => plain,
+            FrameKind::Fd { .. } => FrameKind::Data,
+            kind => kind,
+        };
+        CanFrame { bus: 0, direction: Direction::Rx, kind, ..frame }
+    };
+    assert_same(&frames, (0..48).map(expected).map(of_table), 0.0);
+    assert!(repairs.is_clean(), "{:?}", repairs.warnings());
+}
+
+#[test]
+#[cfg(feature = "mdf4")]
+fn a_description_inside_a_bus_logging_is_used_where_none_is_given() {
+    let log = data("python_can.mf4");
+    let given = data("../rich.dbc");
+    let expected = itpms_data::dbc::Dbc::read(&given).unwrap();
+    assert_eq!(itpms_data::frame_description(&log, None).unwrap(), expected);
+    assert_eq!(itpms_data::frame_description(&data("python_can.log"), Some(&given)).unwrap(), expected);
+    let none = itpms_data::frame_description(&data("../mdf4/bus-apart.mf4"), None).unwrap_err().to_string();
+    assert!(none.ends_with("expected a DBC file (--dbc car.dbc)"), "{none}");
+    assert!(itpms_data::holds_frames(&log, None).unwrap());
+    // Signals and no frames, whatever is given.
+    assert!(!itpms_data::holds_frames(&data("../mdf4/plain.mf4"), Some(&given)).unwrap());
+    let other = FrameReader::open(&data("../mdf4/plain.mf4")).unwrap_err().to_string();
+    assert!(other.contains("no frames of a CAN bus, expected a channel group with CAN_DataFrame"), "{other}");
+}
+
+#[test]
 fn what_python_can_writes_as_blf_is_read_compressed_or_not() {
     for name in ["python_can.blf", "python_can_stored.blf"] {
         let (frames, repairs) = read(&data(name));
@@ -285,7 +338,14 @@ fn what_is_no_log_says_what_was_found_and_what_was_expected() {
     let mut hollow = fs::read(data("python_can.blf")).unwrap();
     hollow[144..].fill(0xAA);
     assert!(message_of("a.blf", &hollow).contains("LOBJ"), "{}", message_of("a.blf", &hollow));
-    assert!(message_of("a.mf4", b"x").contains(".log or .candump"));
+    assert!(message_of("a.pcap", b"x").contains(".log or .candump"));
+    assert!(message_of("a.mf4", b"x").starts_with("not an MDF file"));
+    assert!(message_of("a.csv", b"time_s,speed_m_s\n").contains("expected a line of a table of frames"));
+    let trace = message_of("a.trc", b";$FILEVERSION=2.1\n1 1.0 DT 1 0001 Rx - 0\n");
+    assert!(trace.contains("line 2 is \"1 1.0 DT"), "{trace}");
+    assert!(message_of("a.log", b"***BUSMASTER Ver 3***\n").starts_with("the file is empty"));
+    let written = FrameWriter::create(Path::new("a.trc")).unwrap_err().to_string();
+    assert!(written.contains("expected .log or .candump (candump), .asc or .blf"), "{written}");
 }
 
 #[test]

@@ -365,9 +365,11 @@ fn the_example_car_is_mapped() {
     assert_eq!(dbc.problems(), []);
     let map = SignalMap::read(&folder.join("map.toml")).unwrap();
     // Everything but the time.
-    let of_wheel_speeds =
-        |slot: &Slot| matches!(slot, Slot::Motion(_)) || slot.name().contains("_wheel_speed_");
-    let all: Vec<Slot> = Slot::all().filter(|slot| *slot != Slot::Time && !of_wheel_speeds(slot)).collect();
+    let of_the_car = |slot: &Slot| {
+        let others = ["_wheel_speed_", "_tpms_"];
+        matches!(slot, Slot::Motion(_)) || others.iter().any(|other| slot.name().contains(other))
+    };
+    let all: Vec<Slot> = Slot::all().filter(|slot| *slot != Slot::Time && !of_the_car(slot)).collect();
     assert_eq!(Decoder::new(dbc.clone(), Some(&map)).unwrap().slots(), all);
     // By names alone: all but the wheels, which this car calls axles.
     let by_names = Decoder::new(dbc, None).unwrap();

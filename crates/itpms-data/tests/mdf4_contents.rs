@@ -193,11 +193,13 @@ fn frames_of_a_bus_and_groups_without_a_clock_are_named_as_such() {
     let frames = ["CAN_DataFrame", "CAN_DataFrame.ID", "CAN_DataFrame.DLC"];
     write(&bench.path(), &[group("CAN", &frames)], |_| 0, |k| f64::from(k) * 0.002);
     let refusal = bench.read(None).unwrap_err();
-    assert!(
-        refusal.contains("CAN.CAN_DataFrame is frames of a bus") && refusal.contains("--dbc"),
-        "{refusal}"
-    );
-    assert!(bench.list().unread[0].why.contains("frames of a bus"));
+    assert!(refusal.contains("is a CAN log") && refusal.contains("--dbc"), "{refusal}");
+    assert_eq!(bench.list().kind, "message");
+    let frames = ["LIN_Frame", "LIN_Frame.ID", "LIN_Frame.DataLength"];
+    write(&bench.path(), &[group("LIN", &frames)], |_| 0, |k| f64::from(k) * 0.002);
+    let refusal = bench.read(None).unwrap_err();
+    assert!(refusal.contains("LIN.LIN_Frame is frames of another bus than CAN"), "{refusal}");
+    assert!(bench.list().unread[0].why.contains("frames of another bus"));
 
     write(&bench.path(), &[group("car", &NAMES)], |_| 0, |k| f64::from(k) * 0.002);
     let mut bytes = fs::read(bench.path()).unwrap();

@@ -207,6 +207,38 @@ fn mixed_records_are_sorted_by_their_ids() {
 }
 
 #[test]
+fn versions_2_and_3_are_read_with_their_conversions() {
+    for name in ["v330.dat", "v214.dat"] {
+        let reader = Mdf4Reader::open(&file(name)).unwrap();
+        assert_eq!(reader.repairs(), [], "{name}");
+        let raw = |i: usize| count(i);
+        let linear = read(&reader, "linear");
+        same(&linear.times, SLOW, slow_time);
+        same(&linear.values, SLOW, |i| 0.125 * raw(i) - 7.0);
+        assert_eq!(linear.unit, "kPa");
+        same(&read(&reader, "rational").values, SLOW, |i| (2.0 * raw(i) + 6.0) / 4.0);
+        same(&read(&reader, "formula").values, SLOW, |i| raw(i) * 0.5 + 3.0);
+        same(&read(&reader, "nothing").values, SLOW, raw);
+        // Through (-100, 0), (0, 10) and (100, 40).
+        same(&read(&reader, "interpolated").values, SLOW, |i| {
+            let x = raw(i);
+            if x < 0.0 { (x + 100.0) / 100.0 * 10.0 } else { 10.0 + x / 100.0 * 30.0 }
+        });
+        same(&read(&reader, "a_name_that_is_longer_than_32_letters_in_all").values, SLOW, accel);
+        let accel_f64 = read(&reader, "accel");
+        same(&accel_f64.times, FAST, fast_time);
+        same(&accel_f64.values, FAST, accel);
+    }
+    // Records of two kinds by their ids, numbers in Motorola's order; 24 March 2003, 12:52:32.
+    let reader = Mdf4Reader::open(&file("v300-mixed.dat")).unwrap();
+    assert_eq!((reader.repairs(), reader.start_ns()), (&[][..], 1_048_510_352_000_000_000));
+    let (fast, slow) = (read(&reader, "accel"), read(&reader, "count"));
+    same(&fast.times, FAST, |i| (200 * i) as f64 * 1e-5);
+    same(&fast.values, FAST, accel);
+    same(&slow.values, SLOW, count);
+}
+
+#[test]
 fn an_unfinalised_file_is_read_to_its_end_and_that_is_said() {
     let reader = Mdf4Reader::open(&file("unfinalised.mf4")).unwrap();
     let said: Vec<String> = reader.repairs().iter().map(ToString::to_string).collect();

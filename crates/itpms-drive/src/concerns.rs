@@ -5,6 +5,7 @@ use itpms_core::model::Corner;
 use itpms_core::wheel_speed::RadiusState;
 use itpms_data::out::WheelSpeedUse;
 use itpms_data::{LogReader, Vehicle};
+use itpms_study::report::ReportData;
 
 use crate::drive::Drive;
 use crate::error::DriveError;
@@ -76,6 +77,15 @@ fn of_wheel_speeds(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Option<Stri
         ),
         _ => None,
     }
+}
+
+/// The tires' own sensors that contradict the estimate for good.
+pub(crate) fn of_tire_sensors(data: &ReportData) -> impl Iterator<Item = String> + '_ {
+    data.corners.iter().filter_map(|corner| {
+        let last = corner.figures.last?;
+        let words = corner.tire_sensor?.contradiction(last.pressure_kpa, last.sd_kpa, data.pressure_unit)?;
+        Some(format!("{}: {words}", corner.corner.label()))
+    })
 }
 
 /// What a person, or a script, should know before believing the result.

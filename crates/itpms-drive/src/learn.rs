@@ -45,7 +45,7 @@ pub struct KnownDrive {
     pub log: PathBuf,
     /// How it is read.
     pub options: LogOptions,
-    /// The pressures.
+    /// The pressures; of a wheel with NaN the mean of what the tire's own sensor sends in the log.
     pub pressures_kpa: [f64; 4],
 }
 
@@ -90,6 +90,7 @@ pub fn learn_with(
     open: &mut dyn FnMut(usize) -> Result<LogReader, DriveError>,
     watch: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<LearnedVehicle, DriveError> {
+    let drives = &by_sensors(file, drives, open, watch)?[..];
     // Reading takes a part of what estimating does: it counts as a tenth of a pass.
     let total = (PASSES * drives.len().max(1)) as f64 + READING * drives.len() as f64;
     let mut done = READING * drives.len() as f64;
@@ -138,6 +139,61 @@ fn named(error: LearnError, drives: &[KnownDrive]) -> DriveError {
     }
 }
 
+/// The drives with the pressures that the tires' own sensors have where none are given.
+fn by_sensors(
+    file: &Vehicle,
+    drives: &[KnownDrive],
+    open: &mut dyn FnMut(usize) -> Result<LogReader, DriveError>,
+    watch: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Result<Vec<KnownDrive>, DriveError> {
+    let mut known = drives.to_vec();
+    for (number, drive) in known.iter_mut().enumerate() {
+        let lacks =
+            |corner: &Corner| file.corner(*corner).is_some() && drive.pressures_kpa[corner.index()].is_nan();
+        if !Corner::ALL.iter().any(lacks) {
+            continue;
+        }
+        let mut log = open(number)?;
+        if !log.columns().motion.tire_sensors.contains(&true) {
+            continue;
+        }
+        let sent = sensor_pressures(&mut log, f64::INFINITY, watch)?;
+        for (kpa, sent) in drive.pressures_kpa.iter_mut().zip(sent) {
+            *kpa = if kpa.is_nan() { sent.unwrap_or(f64::NAN) } else { *kpa };
+        }
+    }
+    Ok(known)
+}
+
+/// Means of what the tires' own sensors send in the first `seconds` of a log, in kPa, in the order of [`Corner::ALL`]; `None` of one that sends
+/// nothing. A tenth is what a mean of whole kPa has to say.
+///
+/// # Errors
+/// The log cannot be read on; [`DriveError::Stopped`].
+pub fn sensor_pressures(
+    log: &mut LogReader,
+    seconds: f64,
+    watch: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Result<[Option<f64>; 4], DriveError> {
+    let (mut sums, mut count, mut begin_s) = ([(0.0, 0.0); 4], 0u64, None);
+    while let Some(row) = log.next_row()? {
+        if count.is_multiple_of(ROWS_PER_LOOK) && watch(0.0).is_break() {
+            return Err(DriveError::Stopped);
+        }
+        count += 1;
+        if row.time_s - *begin_s.get_or_insert(row.time_s) > seconds {
+            break;
+        }
+        for ((sum, readings), kpa) in sums.iter_mut().zip(row.motion.tire_sensor_kpa) {
+            if kpa.is_finite() {
+                (*sum, *readings) = (*sum + kpa, *readings + 1.0);
+            }
+        }
+    }
+    let mean = |(sum, readings): (f64, f64)| (readings > 0.0).then(|| (10.0 * sum / readings).round() / 10.0);
+    Ok(sums.map(mean))
+}
+
 fn listen(
     vehicle: &Vehicle,
     log: &mut LogReader,
@@ -148,7 +204,9 @@ fn listen(
     for corner in &corners {
         let (path, label, kpa) = (drive.log.display(), corner.label(), drive.pressures_kpa[corner.index()]);
         if kpa.is_nan() {
-            let why = format!("{path}: no pressure is given of {label}, expected one for every wheel");
+            let why = format!(
+                "{path}: no pressure is given of {label}, and no tire sensor in the log has one ({label}_tpms_kpa); expected one for every wheel"
+            );
             return Err(DriveError::Mismatch(why));
         }
         if let Some(why) = no_pressure(kpa) {

@@ -13,7 +13,7 @@ use crate::job::Job;
 use crate::settings::Settings;
 
 /// All of it.
-pub(crate) fn provenance(job: &Job<'_>, log: &LogReader) -> Provenance {
+pub(crate) fn provenance(job: &Job<'_>, log: &LogReader, sensors_kpa: &[f64; 4]) -> Provenance {
     Provenance {
         program: format!("itpms {}", env!("CARGO_PKG_VERSION")),
         source: log.path().file_name().unwrap_or_default().to_string_lossy().into_owned(),
@@ -22,9 +22,22 @@ pub(crate) fn provenance(job: &Job<'_>, log: &LogReader) -> Provenance {
         sources: sources(job.vehicle, job.corners),
         // The same input gives the same page, byte by byte: no date.
         created: String::new(),
-        options: options(job.settings, job.reading),
+        options: options(job.settings, job.reading)
+            .into_iter()
+            .chain(tire_sensors(job, sensors_kpa))
+            .collect(),
         repairs: log.repairs().counts().into_iter().map(|(what, count)| (what.to_owned(), count)).collect(),
     }
+}
+
+/// The tires' own sensors, where there is no estimated pressure to show them beside.
+fn tire_sensors(job: &Job<'_>, sensors_kpa: &[f64; 4]) -> Option<(String, String)> {
+    let sent =
+        Corner::ALL.iter().zip(sensors_kpa).filter(|(_, kpa)| job.corners.is_empty() && kpa.is_finite());
+    let unit = job.settings.pressure_unit;
+    let sent: Vec<String> =
+        sent.map(|(corner, kpa)| format!("{} {} {unit}", corner.label(), unit.number(*kpa, 0))).collect();
+    (!sent.is_empty()).then(|| ("Tire sensors of the car, last sent".to_owned(), sent.join(", ")))
 }
 
 /// What estimated: the estimator of the accelerations, or where there are none the analysis of wheel speeds.

@@ -77,6 +77,8 @@ pub struct Done {
     pub placards_kpa: [Option<f64>; 4],
     /// What the wheel speeds said in the end, where they are used.
     pub radii: Option<RadiusRow>,
+    /// What the tires' own sensors sent last, in kPa, in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL); NaN: nothing.
+    pub sensors_kpa: [f64; 4],
 }
 
 /// Estimates a drive.
@@ -116,7 +118,16 @@ pub(crate) fn begin(log: &LogReader, job: &Job<'_>) -> Result<(Drive, Record), D
     }
     let track = road.then(|| RoadTrack::new(job.vehicle, job.corners, rate_hz)).transpose()?;
     let axis = TimeAxis::new(job.vehicle.wheelbase_m);
-    Ok((drive, Record { track, collector: collector(job), events: Events::default(), axis }))
+    Ok((
+        drive,
+        Record {
+            track,
+            collector: collector(job),
+            events: Events::default(),
+            axis,
+            sensors_kpa: [f64::NAN; 4],
+        },
+    ))
 }
 
 /// All rows are taken.
@@ -135,12 +146,23 @@ pub(crate) fn conclude(
     if let Some(contradiction) = record.axis.contradiction() {
         return Err(DriveError::Mismatch(format!("{}: {contradiction}", log.path().display())));
     }
-    let provenance = provenance(job, log);
+    let sensors_kpa = record.sensors_kpa;
+    let provenance = provenance(job, log, &sensors_kpa);
     let (data, alerts) = record.complete(provenance, sink)?;
-    let concerns = concerns::of(job, log, &drive);
+    let mut concerns = concerns::of(job, log, &drive);
+    concerns.extend(concerns::of_tire_sensors(&data));
     let fits = Corner::ALL.map(|corner| drive.fit(corner));
     let placards_kpa = Corner::ALL.map(|corner| job.vehicle.placard_kpa(corner));
-    Ok(Done { data, alerts, concerns, fits, learned: drive.learned(), placards_kpa, radii: drive.radii() })
+    Ok(Done {
+        data,
+        alerts,
+        concerns,
+        fits,
+        learned: drive.learned(),
+        placards_kpa,
+        radii: drive.radii(),
+        sensors_kpa,
+    })
 }
 
 /// What becomes of the rows.
@@ -149,6 +171,8 @@ pub(crate) struct Record {
     collector: ReportCollector,
     events: Events,
     axis: TimeAxis,
+    /// What the tires' own sensors sent last, in kPa; NaN: nothing.
+    sensors_kpa: [f64; 4],
 }
 
 impl Record {
@@ -165,6 +189,11 @@ impl Record {
         self.events.take(report, &mut |time_s, change| sink.transition(time_s, change))?;
         self.collector.push_report(report);
         self.axis.take(row);
+        for (last, sent) in self.sensors_kpa.iter_mut().zip(row.motion.tire_sensor_kpa) {
+            if sent.is_finite() {
+                *last = sent;
+            }
+        }
         if let Some(radii) = radii {
             self.collector.push_radii(row.time_s, &radii.radii);
         }
@@ -219,6 +248,7 @@ fn collector(job: &Job<'_>) -> ReportCollector {
 fn with_truth(row: &LogRow, estimates: &Estimates) -> [Option<CornerRow>; 4] {
     Corner::ALL.map(|corner| {
         let (estimate, logged) = (estimates[corner.index()]?, row.corners[corner.index()]?);
-        Some(CornerRow { estimate, truth_kpa: logged.pressure_kpa, truth_road_m: logged.road_m })
+        let sensor_kpa = row.motion.tire_sensor_kpa[corner.index()];
+        Some(CornerRow { estimate, truth_kpa: logged.pressure_kpa, truth_road_m: logged.road_m, sensor_kpa })
     })
 }

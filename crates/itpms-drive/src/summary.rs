@@ -28,6 +28,7 @@ pub fn summary_json(done: &Done, rows: u64) -> Map<String, Value> {
         ("distance_m", json!(data.drive.distance_m)),
         ("corners", Value::Object(corners)),
         ("wheel_speeds", json!(done.radii.as_ref().map(wheels_json))),
+        ("tire_sensors_kpa", sensors_json(&done.sensors_kpa)),
         ("alerts", alerts.json()),
         ("rows", json!(rows)),
         ("warnings", json!(concerns)),
@@ -35,6 +36,14 @@ pub fn summary_json(done: &Done, rows: u64) -> Map<String, Value> {
     .map(|(key, value)| (key.to_owned(), value))
     .into_iter()
     .collect()
+}
+
+/// What the tires' own sensors sent last; null where none did.
+fn sensors_json(sensors_kpa: &[f64; 4]) -> Value {
+    let sent = Corner::ALL.iter().zip(sensors_kpa).filter(|(_, kpa)| kpa.is_finite());
+    let sent: Map<String, Value> =
+        sent.map(|(corner, kpa)| (corner.label().to_owned(), json!(kpa))).collect();
+    if sent.is_empty() { Value::Null } else { Value::Object(sent) }
 }
 
 /// What the wheel speeds say in the end.
@@ -100,6 +109,11 @@ fn corner_json(corner: &CornerReport, fit: Option<&Fit>) -> Value {
             "coverage": t.coverage,
             "settle_s": t.settle_s,
         })),
+        "tire_sensor": corner.tire_sensor.map(|sensor| json!({
+            "time_s": sensor.time_s,
+            "pressure_kpa": sensor.pressure_kpa,
+            "contradicts_since_s": sensor.contradicts_since_s,
+        })),
         "fit": fit.map(fit_json),
         "road": corner.road.as_ref().map(|road| json!({
             "iri_m_per_km": road.iri_m_per_km,
@@ -138,6 +152,9 @@ pub fn corner_line(corner: &CornerReport, end_s: f64, unit: PressureUnit) -> Str
         PressureUnit::Kpa => format!(" (placard {})", corner.placard_kpa),
         _ => format!(" (placard {})", unit.number(corner.placard_kpa, 0)),
     };
+    if let Some(sensor) = corner.tire_sensor {
+        line += &format!("; its sensor {}", unit.number(sensor.pressure_kpa, 0));
+    }
     if let Some(said_s) = figures.low_since_s {
         let now = if figures.warning == Warning::Low { "" } else { ", now over" };
         line += &format!("; LOW, warned of at {said_s:.1} s{now}");

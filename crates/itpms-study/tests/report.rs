@@ -240,7 +240,12 @@ fn monitored(origin_s: f64) -> ReportData {
         };
         monitor.judge(&clock.take(time_s, f64::NAN), &mut estimate);
         collector.push_report(monitor.report());
-        let row = |estimate| CornerRow { estimate, truth_kpa: f64::NAN, truth_road_m: f64::NAN };
+        let row = |estimate| CornerRow {
+            estimate,
+            truth_kpa: f64::NAN,
+            truth_road_m: f64::NAN,
+            sensor_kpa: f64::NAN,
+        };
         collector.push(time_s, 20.0, &estimate.corners.map(|corner| corner.map(row)));
     }
     collector.finish(Provenance::default())
@@ -312,10 +317,57 @@ fn steady_from(start_s: f64, seconds: f64, rate_hz: f64, speed_m_s: f64, validit
     for k in 0..(seconds * rate_hz) as u64 {
         let time_s = start_s + k as f64 / rate_hz;
         let estimate = steady_estimate(time_s, if k == 1000 { 90.0 } else { 230.0 }, validity);
-        let row = CornerRow { estimate, truth_kpa: f64::NAN, truth_road_m: f64::NAN };
+        let row = CornerRow { estimate, truth_kpa: f64::NAN, truth_road_m: f64::NAN, sensor_kpa: f64::NAN };
         collector.push(time_s, speed_m_s, &[Some(row), None, None, None]);
     }
     collector.finish(Provenance::default())
+}
+
+/// Ten minutes at 230 kPa beside a sensor that sends `sent_kpa` (NaN: nothing) at whole minutes, or in every row.
+fn beside_a_sensor(held: bool, sent_kpa: impl Fn(usize) -> f64) -> ReportData {
+    let configs = [Some(CornerConfig::paper()), None, None, None];
+    let mut collector = ReportCollector::new(&configs, ReportOptions::default());
+    for k in 0..6000usize {
+        let time_s = k as f64 * 0.1;
+        let estimate = steady_estimate(time_s, 230.0, Validity::Valid);
+        let sensor_kpa = if held || k % 600 == 0 { sent_kpa(k / 600) } else { f64::NAN };
+        let row = CornerRow { estimate, truth_kpa: f64::NAN, truth_road_m: f64::NAN, sensor_kpa };
+        collector.push(time_s, 20.0, &[Some(row), None, None, None]);
+    }
+    collector.finish(Provenance::default())
+}
+
+#[test]
+fn a_tires_own_sensor_is_shown_and_one_that_contradicts_for_good_is_named() {
+    let sensor = |held, sent: &dyn Fn(usize) -> f64| beside_a_sensor(held, sent).corners[0].tire_sensor;
+    // An sd of 4 and one of 7 are 8.1 together: 20 kPa are no contradiction, 40 are.
+    let agrees = sensor(false, &|minute| if minute == 3 { 190.0 } else { 210.0 }).unwrap();
+    assert_eq!((agrees.time_s, agrees.pressure_kpa, agrees.contradicts_since_s), (540.0, 210.0, None));
+    for held in [false, true] {
+        let wrong = sensor(held, &|minute| if minute < 5 { 225.0 } else { 190.0 }).unwrap();
+        assert_eq!((wrong.pressure_kpa, wrong.contradicts_since_s), (190.0, Some(300.0)));
+    }
+    // A minute is not for good: the tire may be ahead of its sensor.
+    assert_eq!(
+        sensor(false, &|minute| if minute < 9 { 225.0 } else { 190.0 }).unwrap().contradicts_since_s,
+        None
+    );
+    // Nor is a sensor that has sent only once.
+    assert_eq!(
+        sensor(false, &|minute| if minute == 0 { 190.0 } else { f64::NAN }).unwrap().contradicts_since_s,
+        None
+    );
+    assert_eq!(sensor(false, &|_| f64::NAN), None);
+
+    let data = beside_a_sensor(false, |_| 190.0);
+    let page = render_report(&data).unwrap();
+    assert!(page.contains("190.0 kPa at") && page.contains("contradicts the estimate since"));
+    let words = data.corners[0].tire_sensor.unwrap().contradiction(230.0, 4.0, data.pressure_unit).unwrap();
+    assert!(
+        words.starts_with("the tire's own sensor sends 190 kPa, the estimate is 230 with an sd of 4"),
+        "{words}"
+    );
+    assert!(!render_report(&beside_a_sensor(false, |_| f64::NAN)).unwrap().contains("Tire sensor"));
 }
 
 fn steady_estimate(time_s: f64, pressure_kpa: f64, validity: Validity) -> CornerEstimate<f64> {

@@ -173,6 +173,40 @@ fn known_pressures_of_the_calibration_are_counted_in() {
 }
 
 #[test]
+fn the_tires_own_sensors_teach_a_calibration_and_are_listed() {
+    let bench = bench();
+    let sensors = r#"
+BO_ 1950 TirePressure: 8 X
+ SG_ TirePressFl : 15|8@0+ (1,0) [0|255] "kPa" X
+ SG_ TirePressFr : 31|8@0+ (1,0) [0|255] "kPa" X
+ SG_ TirePressRr : 47|8@0+ (1,0) [0|255] "kPa" X
+ SG_ TirePressRl : 63|8@0+ (1,0) [0|255] "kPa" X
+"#;
+    bench.write("car.dbc", format!("{}{sensors}", bench.read("car.dbc")));
+    let mut log = String::new();
+    for (i, line) in bench.read("drive.log").lines().enumerate() {
+        log += &format!("{line}\n");
+        if i % 1000 == 0 {
+            // 240, 240, 180 rear right and 240 kPa.
+            log += &format!("{} can0 79E#00F000F000B400F0\n", line.split(' ').next().unwrap());
+        }
+    }
+    bench.write("drive.log", log);
+    let given =
+        bench.run(&format!("{ESTIMATE} --calibrate-s 50 --pressure-kpa fl=240,fr=240,rl=240,rr=180 --json"));
+    let asked = bench.run(&format!("{ESTIMATE} --calibrate-s 50 --report report.html --json"));
+    let (given, summary) = (json(given.success()), json(asked.success()));
+    assert_eq!(summary["wheel_speeds"], given["wheel_speeds"]);
+    assert_eq!(
+        summary["tire_sensors_kpa"],
+        serde_json::json!({ "fl": 240.0, "fr": 240.0, "rl": 240.0, "rr": 180.0 })
+    );
+    let said = "calibrated at what the tires' own sensors send: fl 240, fr 240, rl 240, rr 180 kPa";
+    assert!(asked.stderr.contains(said), "{}", asked.stderr);
+    assert!(bench.read("report.html").contains("fl 240 kPa, fr 240 kPa, rl 240 kPa, rr 180 kPa"));
+}
+
+#[test]
 fn a_fleet_of_such_drives_has_a_table() {
     let bench = bench();
     std::fs::create_dir(bench.path("logs")).unwrap();

@@ -1,4 +1,4 @@
-//! Numbers in text logs: hexadecimal, decimal, and seconds with a fraction. Called by the two text readers; knows
+//! Numbers in text logs: hexadecimal, decimal, and seconds with a fraction. Called by the readers of text; knows
 //! nothing of frames.
 
 /// Value of a hexadecimal digit.

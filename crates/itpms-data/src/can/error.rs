@@ -55,6 +55,9 @@ pub enum CanProblem {
         /// What is there.
         found: String,
     },
+    /// An MDF4 file without frames of a CAN bus.
+    #[error("has no frames of a CAN bus, expected a channel group with CAN_DataFrame (ASAM MDF bus logging)")]
+    NoFrameGroup,
     /// A frame that a log cannot hold.
     #[error("frame {number}: time is {time_s} s, expected 0 s to the end of the year 9999")]
     Time {

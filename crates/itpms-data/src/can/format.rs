@@ -7,12 +7,19 @@ use crate::error::{DataError, Problem};
 /// A format of CAN logs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum LogFormat {
+    /// Also BUSMASTER's, which has the same extension.
     Candump,
     Asc,
+    Trc,
+    Csv,
     Blf,
+    #[cfg(feature = "mdf4")]
+    Mf4,
 }
 
-const EXPECTED: &str = ".log or .candump (candump), .asc or .blf";
+/// The formats that are read, and those that are written.
+const READ: &str = ".log or .candump (candump), .asc, .blf, .trc, or .mf4 or .csv with frames";
+const WRITTEN: &str = ".log or .candump (candump), .asc or .blf";
 
 impl LogFormat {
     /// The format of a file by its extension, upper or lower case.
@@ -22,13 +29,26 @@ impl LogFormat {
             Some("log" | "candump") => Ok(LogFormat::Candump),
             Some("asc") => Ok(LogFormat::Asc),
             Some("blf") => Ok(LogFormat::Blf),
-            other => {
-                let found = match other {
-                    Some(extension) => format!("unknown file extension .{extension}"),
-                    None => "no file extension".to_owned(),
-                };
-                Err(DataError::new(path, Problem::UnknownExtension { found, expected: EXPECTED.to_owned() }))
-            }
+            Some("trc") => Ok(LogFormat::Trc),
+            Some("csv") => Ok(LogFormat::Csv),
+            #[cfg(feature = "mdf4")]
+            Some("mf4" | "mdf" | "dat") => Ok(LogFormat::Mf4),
+            _ => Err(Self::unknown(path, READ)),
         }
+    }
+
+    /// The error of a file to be written that has none of their extensions.
+    pub(super) fn not_written(path: &Path) -> DataError {
+        Self::unknown(path, WRITTEN)
+    }
+
+    fn unknown(path: &Path, expected: &str) -> DataError {
+        let found = match path.extension() {
+            Some(extension) => {
+                format!("unknown file extension .{}", extension.to_string_lossy().to_lowercase())
+            }
+            None => "no file extension".to_owned(),
+        };
+        DataError::new(path, Problem::UnknownExtension { found, expected: expected.to_owned() })
     }
 }

@@ -1,9 +1,11 @@
-//! The lines of a text log, one at a time in a bounded buffer. Called by the two text readers beside it; knows nothing
-//! of frames.
+//! The lines of a text log, one at a time in a bounded buffer. Called by the readers of text beside it; knows nothing
+//! of frames but their bytes.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 
+use super::digits::{self, Base};
+use super::frame::Payload;
 use crate::error::Problem;
 
 /// Bytes of a line that are kept. The longest line a logger writes has less than 500; of a longer one the rest is
@@ -28,6 +30,12 @@ impl TextLines {
     pub(super) fn new(file: File, bytes: u64) -> Self {
         let input = BufReader::with_capacity(1 << 16, file);
         Self { input, line: Vec::new(), number: 0, position: 0, bytes, is_terminated: true }
+    }
+
+    /// What the file begins with, some kilobytes of it, before a line is taken.
+    pub(super) fn beginning(&mut self) -> Result<&[u8], Problem> {
+        let ahead = self.input.fill_buf().map_err(Problem::Read)?;
+        Ok(ahead.strip_prefix(b"\xef\xbb\xbf").unwrap_or(ahead))
     }
 
     /// Goes to the next line; false at the end.
@@ -103,6 +111,18 @@ pub(super) struct Words<'a> {
 impl<'a> Words<'a> {
     pub(super) fn new(line: &'a [u8]) -> Self {
         Self { rest: line }
+    }
+
+    /// So many bytes, each a word.
+    pub(super) fn bytes(&mut self, length: usize, base: Base) -> Option<Payload> {
+        let mut payload = Payload::EMPTY;
+        for _ in 0..length {
+            let byte = u8::try_from(digits::unsigned(self.next()?, base)?).ok()?;
+            if !payload.push(byte) {
+                return None;
+            }
+        }
+        Some(payload)
     }
 
     /// What has not been taken yet, without leading blanks.

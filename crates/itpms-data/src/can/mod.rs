@@ -1,10 +1,13 @@
-//! CAN logs: candump's lines, Vector's ASC and BLF, behind one reader and one writer of frames.
+//! CAN logs: candump's lines, Vector's ASC and BLF, PEAK's traces, BUSMASTER's logs, tables of SavvyCAN and python-can, bus loggings in MDF4, behind one
+//! reader; the first three are written as well.
 //!
 //! | module | idea |
 //! |---|---|
 //! | [`CanFrame`], [`CanId`] | a frame, a value without heap |
 //! | [`candump`] | lines of can-utils' candump, also one by one from a pipe |
 //! | `asc`, `blf` | files of CANoe, CANalyzer and other tools |
+//! | `trc`, `busmaster`, `frame_table` | files of PEAK's programs, BUSMASTER, SavvyCAN and python-can, read line by line |
+//! | `mf4` | frames in MDF4 files |
 //! | [`FrameReader`], [`FrameWriter`] | any of them, by the file's extension |
 //! | [`FrameRepairs`] | what was left out, counted |
 //!
@@ -14,20 +17,26 @@
 
 mod asc;
 mod blf;
-mod calendar;
+mod busmaster;
 pub mod candump;
 mod digits;
 mod error;
 mod format;
 mod frame;
+mod frame_table;
 mod interfaces;
+mod line_reader;
 mod lines;
+#[cfg(feature = "mdf4")]
+mod mf4;
 mod reader;
 mod repairs;
+mod trc;
 mod writer;
 
 pub use error::CanProblem;
 pub use frame::{CanFrame, CanId, Direction, FrameKind, Payload};
 pub use reader::FrameReader;
+pub(crate) use reader::is_frame_table;
 pub use repairs::{FramePlace, FrameRepairs, NotUnderstood};
 pub use writer::FrameWriter;

@@ -4,11 +4,19 @@ use std::path::{Path, PathBuf};
 
 use super::asc::AscReader;
 use super::blf::BlfReader;
+use super::busmaster::{self, Busmaster};
 use super::candump::CandumpReader;
+use super::error::CanProblem;
 use super::format::LogFormat;
 use super::frame::CanFrame;
+use super::frame_table::FrameTable;
+use super::line_reader::{LineFormat, LineReader};
+use super::lines::{TextLines, beginning};
+#[cfg(feature = "mdf4")]
+use super::mf4::Mf4Reader;
 use super::repairs::FrameRepairs;
-use crate::error::DataError;
+use super::trc::Trc;
+use crate::error::{DataError, Problem};
 use crate::input;
 
 /// A CAN log, frame by frame. What is not understood is left out and counted; see [`FrameReader::repairs`].
@@ -25,25 +33,44 @@ enum Source {
     Candump(CandumpReader),
     Asc(AscReader),
     Blf(BlfReader),
+    Trc(LineReader<Trc>),
+    Busmaster(LineReader<Busmaster>),
+    Table(LineReader<FrameTable>),
+    #[cfg(feature = "mdf4")]
+    Mf4(Mf4Reader),
 }
 
 impl FrameReader {
-    /// Opens a log: `.log` or `.candump` (candump), `.asc` or `.blf`.
+    /// Opens a log: `.log` or `.candump` (candump, or BUSMASTER's), `.asc`, `.blf`, `.trc`, a table of frames (`.csv`, of SavvyCAN or python-can), or `.mf4`
+    /// with frames.
     ///
     /// # Errors
-    /// There is no such file, it cannot be read, its extension is another, or a BLF has no header.
+    /// There is no such file, it cannot be read, its extension is another, a BLF has no header or an MDF4 file no frames.
     pub fn open(path: &Path) -> Result<Self, DataError> {
-        let format = LogFormat::of(path)?;
         let fail = |problem| DataError::new(path, problem);
-        let opened = match format {
-            LogFormat::Blf => input::open_regular(path, "BLF"),
-            LogFormat::Candump | LogFormat::Asc => input::open(path),
-        };
-        let (file, metadata) = opened.map_err(fail)?;
-        let source = match format {
-            LogFormat::Candump => Source::Candump(CandumpReader::new(file, metadata.len())),
-            LogFormat::Asc => Source::Asc(AscReader::new(file, metadata.len())),
-            LogFormat::Blf => Source::Blf(BlfReader::new(file, metadata.len()).map_err(fail)?),
+        let text = || input::open(path).map(|(file, about)| TextLines::new(file, about.len())).map_err(fail);
+        let source = match LogFormat::of(path)? {
+            LogFormat::Candump => {
+                let mut lines = text()?;
+                if lines.beginning().map_err(fail)?.starts_with(busmaster::BEGINNING) {
+                    Source::Busmaster(LineReader::new(lines, Busmaster::default()))
+                } else {
+                    Source::Candump(CandumpReader::new(lines))
+                }
+            }
+            LogFormat::Asc => Source::Asc(AscReader::new(text()?)),
+            LogFormat::Trc => Source::Trc(LineReader::new(text()?, Trc::default())),
+            LogFormat::Csv => {
+                let mut lines = text()?;
+                let table = frame_table(&mut lines).map_err(fail)?;
+                Source::Table(LineReader::new(lines, table))
+            }
+            LogFormat::Blf => {
+                let (file, about) = input::open_regular(path, "BLF").map_err(fail)?;
+                Source::Blf(BlfReader::new(file, about.len()).map_err(fail)?)
+            }
+            #[cfg(feature = "mdf4")]
+            LogFormat::Mf4 => Source::Mf4(Mf4Reader::open(path)?),
         };
         Ok(Self { path: path.to_owned(), source, repairs: FrameRepairs::default(), is_over: false })
     }
@@ -60,6 +87,11 @@ impl FrameReader {
             Source::Candump(source) => source.next_frame(&mut self.repairs),
             Source::Asc(source) => source.next_frame(&mut self.repairs),
             Source::Blf(source) => source.next_frame(&mut self.repairs),
+            Source::Trc(source) => source.next_frame(&mut self.repairs),
+            Source::Busmaster(source) => source.next_frame(&mut self.repairs),
+            Source::Table(source) => source.next_frame(&mut self.repairs),
+            #[cfg(feature = "mdf4")]
+            Source::Mf4(source) => source.next_frame(&mut self.repairs),
         };
         match next {
             Ok(Some(frame)) => {
@@ -84,6 +116,11 @@ impl FrameReader {
             Source::Candump(source) => source.progress(),
             Source::Asc(source) => source.progress(),
             Source::Blf(source) => source.progress(),
+            Source::Trc(source) => source.progress(),
+            Source::Busmaster(source) => source.progress(),
+            Source::Table(source) => source.progress(),
+            #[cfg(feature = "mdf4")]
+            Source::Mf4(source) => source.progress(),
         }
     }
 
@@ -98,4 +135,20 @@ impl FrameReader {
     pub fn path(&self) -> &Path {
         &self.path
     }
+}
+
+/// Whether a file of comma-separated values is a table of frames; one that cannot be read is none.
+pub(crate) fn is_frame_table(path: &Path) -> bool {
+    let lines = input::open_regular(path, "CSV").map(|(file, about)| TextLines::new(file, about.len()));
+    lines.is_ok_and(|mut lines| frame_table(&mut lines).is_ok())
+}
+
+/// Which table of frames begins here.
+fn frame_table(lines: &mut TextLines) -> Result<FrameTable, Problem> {
+    let text = lines.beginning()?;
+    let first = text.split(|byte| *byte == b'\n').next().unwrap_or(text);
+    FrameTable::of_header(first).ok_or_else(|| {
+        let expected = <FrameTable as LineFormat>::EXPECTED;
+        CanProblem::NothingUnderstood { lines: 1, line: 1, found: beginning(first), expected }.into()
+    })
 }

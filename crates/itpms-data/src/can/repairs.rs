@@ -2,13 +2,15 @@
 
 use std::fmt;
 
-/// Where in a log: text has lines, a binary file has bytes.
+/// Where in a log: text has lines, a binary file has bytes, an MDF4 file groups of frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FramePlace {
     /// Line, from one.
     Line(u64),
     /// Byte, from zero.
     Byte(u64),
+    /// Frame of a group of MDF4, from one.
+    Frame(u64),
 }
 
 impl fmt::Display for FramePlace {
@@ -16,6 +18,7 @@ impl fmt::Display for FramePlace {
         match self {
             FramePlace::Line(line) => write!(f, "line {line}"),
             FramePlace::Byte(byte) => write!(f, "byte {byte}"),
+            FramePlace::Frame(frame) => write!(f, "frame {frame} of its group"),
         }
     }
 }
@@ -69,6 +72,7 @@ impl FrameRepairs {
             let unit = match first.place {
                 FramePlace::Line(_) => ("line is", "lines are"),
                 FramePlace::Byte(_) => ("part is", "parts are"),
+                FramePlace::Frame(_) => ("frame is", "frames are"),
             };
             let unit = if self.not_understood == 1 { unit.0 } else { unit.1 };
             out.push(format!(

@@ -36,13 +36,14 @@ impl FrameWriter {
     /// # Errors
     /// The extension is another, or the file cannot be made.
     pub fn create(path: &Path) -> Result<Self, DataError> {
-        let format = LogFormat::of(path)?;
-        let file = AtomicFile::create(path)?;
-        let sink = match format {
+        let sink = match LogFormat::of(path)? {
             LogFormat::Candump => Sink::Candump(String::new()),
             LogFormat::Asc => Sink::Asc(AscWriter::default()),
             LogFormat::Blf => Sink::Blf(BlfWriter::default()),
+            // Read, but not written so.
+            _ => return Err(LogFormat::not_written(path)),
         };
+        let file = AtomicFile::create(path)?;
         Ok(Self { file, sink, frames: 0 })
     }
 

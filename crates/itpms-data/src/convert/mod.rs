@@ -4,8 +4,8 @@
 //!
 //! | from | to | what |
 //! |---|---|---|
-//! | CAN log | CAN log | every frame |
-//! | CAN log and DBC | MDF4 | every signal of every message, a channel group each |
+//! | CAN log, MDF4 with frames | CAN log | every frame |
+//! | CAN log or MDF4 with frames, and DBC | MDF4 | every signal of every message, a channel group each |
 //! | MDF4 | MDF4 | every channel that holds numbers |
 //! | any | CSV, Parquet | the columns of a drive log, in rows |
 //! | CSV, Parquet | MDF4 | the same, in one channel group |
@@ -65,7 +65,10 @@ const LOOK: u64 = 4096;
 /// # Errors
 /// The log cannot be read, the file not written, or an extension is not known.
 pub fn convert(request: &Request<'_>, look: Look<'_>) -> Result<Option<Converted>, DataError> {
-    match (LogFormat::of(request.input)?, LogFormat::of_output(request.output)?) {
+    match (
+        LogFormat::of_log(request.input, request.options.dbc.as_deref())?,
+        LogFormat::of_output(request.output)?,
+    ) {
         #[cfg(feature = "can")]
         (LogFormat::Can, LogFormat::Can) => frames::convert(request, look),
         #[cfg(all(feature = "can", feature = "mdf4"))]

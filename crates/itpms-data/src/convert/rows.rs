@@ -27,7 +27,7 @@ pub(super) fn convert(request: &Request<'_>, look: Look<'_>) -> Result<Option<Co
 /// Of what was said of signals, what is meant for reading the log; the rest is for the file to be.
 fn for_reading(request: &Request<'_>) -> Result<LogOptions, DataError> {
     let mut options = request.options.clone();
-    match LogFormat::of(request.input)? {
+    match LogFormat::of_log(request.input, options.dbc.as_deref())? {
         // For a CAN log the map says which columns go into which of the DBC file's signals.
         LogFormat::Table(_) if options.dbc.is_some() => (options.dbc, options.signals) = (None, None),
         LogFormat::Table(_) => {}

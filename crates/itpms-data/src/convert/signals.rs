@@ -9,18 +9,16 @@ use super::{Converted, LOOK, Look, Request, counted};
 use crate::can::{CanFrame, CanId, FrameKind, FrameReader};
 use crate::dbc::{Dbc, Message};
 use crate::error::{DataError, Problem};
+use crate::log::frame_description;
 use crate::mdf4::{ChannelSpec, GroupSpec, Mdf4Writer, SampleFormat};
 
 /// Clocks that count from 1970 are beyond this, in s: the ones of a log that counts from its own beginning are not.
 const SINCE_1970_S: f64 = 1e8;
 
 pub(super) fn convert(request: &Request<'_>, look: Look<'_>) -> Result<Option<Converted>, DataError> {
-    let Some(path) = &request.options.dbc else {
-        let what =
-            "is a CAN log, whose frames mean nothing by themselves; expected a DBC file (--dbc car.dbc)";
-        return Err(DataError::new(request.input, Problem::NotApplicable(what)));
-    };
-    let dbc = Dbc::read(path)?;
+    let path = request.options.dbc.as_deref();
+    let dbc = frame_description(request.input, path)?;
+    let path = path.unwrap_or(request.input);
     let Some(content) = Content::of(request.input, &dbc, look)? else { return Ok(None) };
     if content.groups.is_empty() {
         return Err(DataError::new(

@@ -41,7 +41,7 @@ use crate::signals::Candidate;
 use build::Builder;
 
 /// Files are read into memory; the largest in use have some 10 MB.
-const LARGEST: u64 = 1 << 26;
+pub(crate) const LARGEST: u64 = 1 << 26;
 
 /// A description of a bus.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::stamps::{Fate, Strays};
 use crate::can::FrameReader;
-use crate::dbc::{Dbc, Decoder};
+use crate::dbc::Decoder;
 use crate::error::DataError;
 use crate::signals::{Reading, Resolved, SignalMap};
 
@@ -17,14 +17,14 @@ pub(super) struct CanFeed {
 }
 
 impl CanFeed {
-    /// Opens a log and a DBC file; also what its signals were taken for.
+    /// Opens a log and a DBC file, else the one attached to the log; also what its signals were taken for.
     pub(super) fn open(
         path: &Path,
-        dbc: &Path,
+        dbc: Option<&Path>,
         map: Option<&SignalMap>,
     ) -> Result<(Self, Resolved), DataError> {
         let frames = FrameReader::open(path)?;
-        let decoder = Decoder::new(Dbc::read(dbc)?, map)?;
+        let decoder = Decoder::new(super::bus::frame_description(path, dbc)?, map)?;
         let resolved = decoder.resolved().clone();
         Ok((Self { frames, decoder, buses: Vec::new() }, resolved))
     }

@@ -36,6 +36,9 @@ impl Format {
     }
 }
 
+/// What is said of files that other programs can write as something that is read.
+const ELSEWHERE: &str = "a file of MATLAB, HDF5 or VBOX, which is not read: export CSV, Parquet or MDF (MATLAB: writetable, pandas: to_parquet, VBOX: CSV)";
+
 /// A format of drive logs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum LogFormat {
@@ -73,9 +76,12 @@ impl LogFormat {
             // Packed: what it is called without that.
             Some("gz") if is_packed_text(path) => Ok(LogFormat::Table(Format::Csv)),
             #[cfg(feature = "mdf4")]
-            Some("mf4" | "mdf") => Ok(LogFormat::Mdf4),
+            Some("mf4" | "mdf" | "dat") => Ok(LogFormat::Mdf4),
             #[cfg(feature = "can")]
-            Some("log" | "candump" | "asc" | "blf") => Ok(LogFormat::Can),
+            Some("log" | "candump" | "asc" | "blf" | "trc") => Ok(LogFormat::Can),
+            Some("mat" | "h5" | "hdf5" | "hdf" | "vbo") => {
+                Err(DataError::new(path, Problem::NotApplicable(ELSEWHERE)))
+            }
             other => Format::of_extension(other)
                 .map(LogFormat::Table)
                 .ok_or_else(|| unknown(path, other, expected_log())),
@@ -84,6 +90,25 @@ impl LogFormat {
 }
 
 impl LogFormat {
+    /// The same by what is inside as well: a table may be one of frames, and an MDF4 file with frames of a bus is a CAN log where it has no other signals,
+    /// or where its frames' description is given.
+    pub(crate) fn of_log(path: &Path, dbc: Option<&Path>) -> Result<Self, DataError> {
+        let format = Self::of(path)?;
+        #[cfg(all(feature = "can", feature = "mdf4"))]
+        if format == LogFormat::Mdf4 && crate::mdf4::contents::is_bus_log(path, dbc.is_some())? {
+            return Ok(LogFormat::Can);
+        }
+        #[cfg(feature = "can")]
+        if format == LogFormat::Table(Format::Csv)
+            && !input::is_stdin(path)
+            && crate::can::is_frame_table(path)
+        {
+            return Ok(LogFormat::Can);
+        }
+        let _ = dbc;
+        Ok(format)
+    }
+
     /// What is wrong with a file of no bytes.
     pub(crate) fn without_bytes(self) -> Problem {
         match self {
@@ -110,7 +135,7 @@ fn expected_log() -> String {
         known.push(".mf4");
     }
     if cfg!(feature = "can") {
-        known.extend([".log", ".candump", ".asc", ".blf"]);
+        known.extend([".log", ".candump", ".asc", ".blf", ".trc"]);
     }
     known.join(", ")
 }

@@ -8,6 +8,7 @@
 //! | `{c}_body_accel_m_s2`, `{c}_wheel_accel_m_s2` | sprung and unsprung acceleration, up; `c` in `fl fr rl rr` |
 //! | `{c}_pressure_kpa`, `{c}_road_m` | truth, optional |
 //! | `{c}_wheel_speed_m_s` or `{c}_wheel_speed_rad_s` | speed of each wheel, of all four or none |
+//! | `{c}_tpms_kpa`, `{c}_tpms_c` | the car's own tire sensors, sparse, optional |
 //! | `yaw_rate_rad_s`, `accel_x_m_s2`, `accel_y_m_s2`, `brake` | how the car moves, optional: left and forward positive |
 //!
 //! Both accelerations of one corner, or the speeds of all four wheels, make a log.
@@ -21,6 +22,8 @@
 //!
 //! Called by the commands of the binary and by the live monitor; knows nothing of estimators and of simulation.
 
+#[cfg(feature = "can")]
+mod bus;
 #[cfg(feature = "can")]
 mod can_feed;
 mod clock_text;
@@ -53,6 +56,10 @@ mod text_head;
 mod twins;
 mod units;
 
+#[cfg(feature = "can")]
+pub(crate) use bus::attached;
+#[cfg(feature = "can")]
+pub use bus::{frame_description, holds_frames};
 pub(crate) use clock_text::seconds as clock_seconds;
 pub(crate) use dialect::{cells, number};
 pub(crate) use format::{Format, LogFormat};

@@ -17,6 +17,8 @@ pub(crate) enum Quantity {
     Time,
     /// In rad/s.
     Rotation,
+    /// In degrees Celsius.
+    Temperature,
     /// 0 or 1.
     Switch,
 }
@@ -27,7 +29,8 @@ impl Quantity {
             Slot::Time => Quantity::Time,
             Slot::Speed => Quantity::Speed,
             Slot::Corner(_, Field::BodyAccel | Field::WheelAccel) => Quantity::Acceleration,
-            Slot::Corner(_, Field::Pressure) => Quantity::Pressure,
+            Slot::Corner(_, Field::Pressure | Field::TireSensor) => Quantity::Pressure,
+            Slot::Corner(_, Field::TireTemperature) => Quantity::Temperature,
             Slot::Corner(_, Field::Road) => Quantity::Length,
             Slot::Corner(_, Field::WheelSpeed) => Quantity::Speed,
             Slot::Corner(_, Field::WheelRotation) | Slot::Motion(Motion::YawRate) => Quantity::Rotation,
@@ -45,6 +48,7 @@ impl Quantity {
             Quantity::Length => "m",
             Quantity::Time => "s",
             Quantity::Rotation => "rad/s",
+            Quantity::Temperature => "degC",
             Quantity::Switch => "1",
         }
     }
@@ -58,6 +62,7 @@ impl Quantity {
             Quantity::Length => "a length",
             Quantity::Time => "a time",
             Quantity::Rotation => "a speed of rotation",
+            Quantity::Temperature => "a temperature",
             Quantity::Switch => "0 or 1",
         }
     }
@@ -71,6 +76,7 @@ impl Quantity {
             Quantity::Length => "m, mm, cm, um, in or ft",
             Quantity::Time => "s, ms, us, ns or min",
             Quantity::Rotation => "rad/s, deg/s or rpm",
+            Quantity::Temperature => "degC",
             Quantity::Switch => "1",
         }
     }

@@ -18,16 +18,22 @@ pub enum Field {
     WheelSpeed,
     /// The same as the wheel's speed of rotation in rad/s.
     WheelRotation,
+    /// Gauge pressure in kPa as the car's own sensor in the tire has it: a witness beside the estimate, no truth.
+    TireSensor,
+    /// Temperature of that sensor in degrees Celsius.
+    TireTemperature,
 }
 
 impl Field {
-    const ALL: [Field; 6] = [
+    const ALL: [Field; 8] = [
         Field::BodyAccel,
         Field::WheelAccel,
         Field::Pressure,
         Field::Road,
         Field::WheelSpeed,
         Field::WheelRotation,
+        Field::TireSensor,
+        Field::TireTemperature,
     ];
 
     fn suffix(self) -> &'static str {
@@ -38,6 +44,8 @@ impl Field {
             Field::Road => "road_m",
             Field::WheelSpeed => "wheel_speed_m_s",
             Field::WheelRotation => "wheel_speed_rad_s",
+            Field::TireSensor => "tpms_kpa",
+            Field::TireTemperature => "tpms_c",
         }
     }
 }
@@ -122,6 +130,11 @@ impl Slot {
         matches!(self, Slot::Corner(_, Field::BodyAccel | Field::WheelAccel))
     }
 
+    /// Whether it is of a sensor in a tire, which sends when it likes: with every minute, or less.
+    pub(crate) fn is_tire_sensor(self) -> bool {
+        matches!(self, Slot::Corner(_, Field::TireSensor | Field::TireTemperature))
+    }
+
     /// Whether it is the speed of a wheel, in whichever unit.
     pub(crate) fn is_wheel_speed(self) -> bool {
         matches!(self, Slot::Corner(_, Field::WheelSpeed | Field::WheelRotation))
@@ -139,7 +152,7 @@ pub struct LogColumns {
     pub motion: MotionColumns,
 }
 
-/// Which columns there are for the wheel-speed methods.
+/// Which columns there are of what the car itself measures: for the wheel-speed methods, and its tire sensors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct MotionColumns {
     /// Whether `{c}_wheel_speed_m_s` of all four wheels is there.
@@ -154,12 +167,17 @@ pub struct MotionColumns {
     pub accel_y: bool,
     /// Whether `brake` is there.
     pub brake: bool,
+    /// Whether `{c}_tpms_kpa` is there, in the order of [`Corner::ALL`].
+    pub tire_sensors: [bool; 4],
+    /// Whether `{c}_tpms_c` is there.
+    pub tire_temperatures: [bool; 4],
 }
 
 impl MotionColumns {
     fn of(has: impl Fn(Slot) -> bool) -> Self {
         let all = |field| Corner::ALL.into_iter().all(|corner| has(Slot::Corner(corner, field)));
         let motion = |motion| has(Slot::Motion(motion));
+        let each = |field| Corner::ALL.map(|corner| has(Slot::Corner(corner, field)));
         Self {
             wheel_speed: all(Field::WheelSpeed),
             wheel_rotation: all(Field::WheelRotation),
@@ -167,6 +185,8 @@ impl MotionColumns {
             accel_x: motion(Motion::AccelX),
             accel_y: motion(Motion::AccelY),
             brake: motion(Motion::Brake),
+            tire_sensors: each(Field::TireSensor),
+            tire_temperatures: each(Field::TireTemperature),
         }
     }
 
@@ -228,6 +248,8 @@ impl LogColumns {
             Slot::Speed => self.speed,
             Slot::Corner(_, Field::WheelSpeed) => self.motion.wheel_speed,
             Slot::Corner(_, Field::WheelRotation) => self.motion.wheel_rotation,
+            Slot::Corner(corner, Field::TireSensor) => self.motion.tire_sensors[corner.index()],
+            Slot::Corner(corner, Field::TireTemperature) => self.motion.tire_temperatures[corner.index()],
             Slot::Corner(corner, field) => self.corners[corner.index()].is_some_and(|columns| match field {
                 Field::Pressure => columns.pressure,
                 Field::Road => columns.road,
@@ -278,7 +300,7 @@ pub struct LogRow {
     pub motion: LogMotion,
 }
 
-/// Wheel speeds and how the car moves, in one row. NaN is missing.
+/// What the car itself measures, in one row: wheel speeds, how it moves, its tire sensors. NaN is missing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LogMotion {
     /// Speeds of the wheels in m/s, in the order of [`Corner::ALL`].
@@ -293,6 +315,10 @@ pub struct LogMotion {
     pub accel_y_m_s2: f64,
     /// Whether the driver brakes: 0 or 1.
     pub brake: f64,
+    /// Gauge pressures in kPa by the sensors in the tires, in the order of [`Corner::ALL`]; in a row where one has sent, or held.
+    pub tire_sensor_kpa: [f64; 4],
+    /// Their temperatures in degrees Celsius.
+    pub tire_sensor_c: [f64; 4],
 }
 
 impl LogMotion {
@@ -304,6 +330,8 @@ impl LogMotion {
         accel_x_m_s2: f64::NAN,
         accel_y_m_s2: f64::NAN,
         brake: f64::NAN,
+        tire_sensor_kpa: [f64::NAN; 4],
+        tire_sensor_c: [f64::NAN; 4],
     };
 
     /// The row at `time_s` for radius analysis; speeds of rotation are those of wheels with this rolling radius in m.
@@ -366,6 +394,8 @@ impl LogRow {
             accel_x_m_s2: of(Slot::Motion(Motion::AccelX)),
             accel_y_m_s2: of(Slot::Motion(Motion::AccelY)),
             brake: of(Slot::Motion(Motion::Brake)),
+            tire_sensor_kpa: wheels(Field::TireSensor),
+            tire_sensor_c: wheels(Field::TireTemperature),
         };
         Self { time_s: raw[Slot::Time.index()], speed_m_s: raw[Slot::Speed.index()], corners, motion }
     }
@@ -393,6 +423,8 @@ impl LogRow {
                     Field::Road => of(|values| values.road_m),
                     Field::WheelSpeed => self.motion.wheel_speed_m_s[corner.index()],
                     Field::WheelRotation => self.motion.wheel_speed_rad_s[corner.index()],
+                    Field::TireSensor => self.motion.tire_sensor_kpa[corner.index()],
+                    Field::TireTemperature => self.motion.tire_sensor_c[corner.index()],
                 }
             }
         }
@@ -411,7 +443,8 @@ mod tests {
             assert_eq!(slot.index(), i);
         }
         assert_eq!(slots[3].name(), "fl_wheel_accel_m_s2");
-        assert_eq!(slots[24].name(), "rr_wheel_speed_m_s");
-        assert_eq!(slots[29].name(), "brake");
+        assert_eq!(slots[30].name(), "rr_wheel_speed_m_s");
+        assert_eq!(slots[32].name(), "rr_tpms_kpa");
+        assert_eq!(slots[37].name(), "brake");
     }
 }

@@ -74,7 +74,7 @@ impl SignalSource {
     #[cfg(feature = "mdf4")]
     pub(super) fn mdf4(path: &Path, options: &LogOptions) -> Result<Self, DataError> {
         if options.dbc.is_some() {
-            let what = "a DBC file says what the frames of a CAN log mean; MDF4 names its signals itself";
+            let what = "a DBC file says what frames of a CAN bus mean; this file has none, it names its signals itself";
             return Err(DataError::new(path, Problem::NotApplicable(what)));
         }
         let (feed, resolved) = Mdf4Feed::open(path, options.map()?.as_ref())?;
@@ -83,12 +83,7 @@ impl SignalSource {
 
     #[cfg(feature = "can")]
     pub(super) fn can(path: &Path, options: &LogOptions) -> Result<Self, DataError> {
-        let Some(dbc) = &options.dbc else {
-            let what =
-                "is a CAN log, whose frames mean nothing by themselves; expected a DBC file (--dbc car.dbc)";
-            return Err(DataError::new(path, Problem::NotApplicable(what)));
-        };
-        let (feed, resolved) = CanFeed::open(path, dbc, options.map()?.as_ref())?;
+        let (feed, resolved) = CanFeed::open(path, options.dbc.as_deref(), options.map()?.as_ref())?;
         Self::new(path, Feed::Can(Box::new(feed)), &resolved)
     }
 

@@ -33,10 +33,10 @@ impl Source {
         let fail = |problem| DataError::new(path, problem);
         // Whether it is there is said before what its name says.
         let about = input::look_at_log(path).map_err(fail)?;
-        let format = LogFormat::of(path)?;
         if about.is_file() && about.len() == 0 {
-            return Err(fail(format.without_bytes()));
+            return Err(fail(LogFormat::of(path)?.without_bytes()));
         }
+        let format = LogFormat::of_log(path, options.dbc.as_deref())?;
         match format {
             LogFormat::Table(format) => {
                 options.refuse_for_tables().map_err(fail)?;

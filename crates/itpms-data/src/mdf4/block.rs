@@ -79,6 +79,11 @@ impl Block {
         self.links.get(n).copied().unwrap_or(0)
     }
 
+    /// How many links it has.
+    pub(super) fn links(&self) -> usize {
+        self.links.len()
+    }
+
     pub(super) fn data(&self) -> &[u8] {
         &self.data
     }

@@ -76,6 +76,15 @@ pub(super) struct Layout {
     pub(super) validity: Validity,
 }
 
+/// Where a channel's bytes are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum BytesLayout {
+    /// In the record.
+    Inside { offset: usize, length: usize },
+    /// In data of their own, which begin with the block at `data`; the record has their place there.
+    Apart { offset: usize, length: usize, data: u64 },
+}
+
 /// Where a channel says that a value is none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Validity {

@@ -3,7 +3,7 @@
 //! Called by the structure for each channel group; a part of its walk.
 
 use super::block::{Block, Kind};
-use super::channel::{Channel, ChannelKind, Layout, Validity};
+use super::channel::{BytesLayout, Channel, ChannelKind, Layout, Validity};
 use super::conversion::{Conversion, Raw};
 use super::field::{ByteOrder, Field, Number};
 use super::structure::{MOST_CHANNELS, Walk, too_many};
@@ -25,8 +25,8 @@ struct Widths {
     invalid: u32,
 }
 
-/// A channel, and how it is read if it is a number.
-type Found = (Channel, Option<Layout>);
+/// A channel, how it is read if it is a number, and where its bytes are.
+type Found = (Channel, (Option<Layout>, Option<BytesLayout>));
 
 impl Walk<'_> {
     /// The channels from `first` on, those inside structures after the structure.
@@ -106,7 +106,7 @@ impl Walk<'_> {
                 }
             }
         };
-        Ok((Channel { name, unit, comment, is_time, kind }, layout))
+        Ok((Channel { name, unit, comment, is_time, kind }, (layout, bytes(block, widths.values))))
     }
 }
 
@@ -136,6 +136,19 @@ fn field(block: &Block, record: u32) -> Result<(Field, Raw), ChannelKind> {
     let field = Field::new(number, order, block.u32(4), block.u8(3), block.u32(8), record);
     let raw = if number == Number::Float { Raw::Float } else { Raw::Integer };
     field.map(|field| (field, raw)).map_err(ChannelKind::Unreadable)
+}
+
+/// Where whole bytes lie in records of `record` bytes.
+fn bytes(block: &Block, record: u32) -> Option<BytesLayout> {
+    let (offset, bits) = (block.u32(4), block.u32(8));
+    let whole = block.u8(3) == 0 && bits % 8 == 0 && offset.checked_add(bits / 8)? <= record;
+    let (offset, length) = whole.then_some((offset as usize, bits as usize / 8))?;
+    match block.u8(0) {
+        // Of fixed length, or of one that another channel has.
+        0 | 5 => Some(BytesLayout::Inside { offset, length }),
+        1 if length <= 8 => Some(BytesLayout::Apart { offset, length, data: block.link(5) }),
+        _ => None,
+    }
 }
 
 fn validity(block: &Block, invalid_bytes: u32) -> Validity {

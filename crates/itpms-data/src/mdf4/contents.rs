@@ -9,11 +9,33 @@ use crate::error::DataError;
 use crate::signals::{Candidate, Unread};
 
 /// Channels of frames of a bus as ASAM's bus logging names them.
-const FRAMES: [&str; 5] = ["CAN_DataFrame", "LIN_Frame", "FLX_Frame", "ETH_Frame", "MOST_Message"];
+const FRAMES: [&str; 7] = [
+    "CAN_DataFrame",
+    "CAN_RemoteFrame",
+    "CAN_ErrorFrame",
+    "LIN_Frame",
+    "FLX_Frame",
+    "ETH_Frame",
+    "MOST_Message",
+];
 
 /// Whether a channel can be a signal of a group with a clock.
 pub(crate) fn is_signal(group: &ChannelGroup, channel: &Channel) -> bool {
     group.has_time && !channel.is_time && channel.kind == ChannelKind::Number
+}
+
+/// Whether a file holds frames of a CAN bus that are read as such: it has nothing else, or their description is given.
+#[cfg(feature = "can")]
+pub(crate) fn is_bus_log(path: &std::path::Path, described: bool) -> Result<bool, DataError> {
+    let reader = Mdf4Reader::open(path)?;
+    let is_frame = |channel: &Channel| FRAMES.contains(&channel.name.as_str());
+    let others = || {
+        let groups = reader.groups().iter().filter(|group| group.samples != Some(0));
+        groups
+            .filter(|group| !group.channels.iter().any(is_frame))
+            .any(|group| group.channels.iter().any(|channel| is_signal(group, channel)))
+    };
+    Ok(super::bus::has_frames(&reader) && (described || !others()))
 }
 
 /// What is there besides, and why it is not read; frames of a bus first.
@@ -27,7 +49,10 @@ pub(crate) fn unread(reader: &Mdf4Reader) -> Vec<Unread> {
         if let Some(bus) =
             FRAMES.iter().find(|bus| group.channels.iter().any(|channel| channel.name == **bus))
         {
-            let why = "frames of a bus, not signals: export them as .blf, .asc or candump (.log) and give the DBC file (--dbc)";
+            let why = match bus.starts_with("CAN_") {
+                true => "frames of a bus, not signals: give the DBC file that says what they mean (--dbc)",
+                false => "frames of another bus than CAN, which are not read",
+            };
             if group.samples != Some(0) {
                 frames.push(of_group(group, (*bus).to_owned(), why.to_owned()));
             }

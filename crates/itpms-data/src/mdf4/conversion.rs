@@ -273,7 +273,7 @@ fn formula(file: &mut BlockFile, at: u64) -> Result<Conversion, Problem> {
     }
 }
 
-fn table(pairs: &[f64], between: Between) -> Conversion {
+pub(super) fn table(pairs: &[f64], between: Between) -> Conversion {
     let (keys, values): (Vec<f64>, Vec<f64>) = pairs.chunks_exact(2).map(|pair| (pair[0], pair[1])).unzip();
     if !keys.windows(2).all(|pair| pair[0] < pair[1]) {
         return Conversion::Unreadable("converted by a table whose keys do not rise".to_owned());

@@ -4,6 +4,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::bytes::ByteColumn;
 use super::channel::Layout;
 use super::error::{Mdf4Repair, Repairs};
 use super::records::{Records, Stop};
@@ -36,6 +37,8 @@ pub(super) struct Parts {
     /// Bytes of values in a record of the group that has the time.
     pub(super) time_value_bytes: usize,
     pub(super) columns: Vec<Layout>,
+    /// A channel whose bytes are asked for.
+    pub(super) bytes: Option<ByteColumn>,
     /// Bytes of values in a record; invalidation bytes follow.
     pub(super) value_bytes: usize,
 }
@@ -80,6 +83,15 @@ impl GroupCursor {
         }
     }
 
+    /// Bytes, of the channel whose bytes were asked for, of the sample that [`GroupCursor::next`] went to; `None` where there are none.
+    #[cfg_attr(not(feature = "can"), allow(dead_code))]
+    pub(crate) fn bytes(&mut self) -> Result<Option<&[u8]>, Problem> {
+        let Parts { values, bytes, value_bytes, .. } = &mut self.parts;
+        let record = values.current();
+        let record = record.get(..*value_bytes).unwrap_or(record);
+        bytes.as_mut().map_or(Ok(None), |column| column.of(record))
+    }
+
     /// Share of the samples that was read, 0 to 1; where the file does not know how many there are, the share of the
     /// file.
     #[must_use]
@@ -101,7 +113,8 @@ impl GroupCursor {
         self.finished = true;
         let group = || self.group.clone();
         let parts = &mut self.parts;
-        let readers = [Some(&mut parts.values), parts.invalid.as_mut(), parts.master.as_mut()];
+        let apart = parts.bytes.as_mut().and_then(ByteColumn::records);
+        let readers = [Some(&mut parts.values), parts.invalid.as_mut(), parts.master.as_mut(), apart];
         for damage in readers.into_iter().flatten().flat_map(Records::take_damages) {
             self.repairs.push(Mdf4Repair::Data { group: group(), damage });
         }

@@ -104,6 +104,13 @@ impl DataStream {
         }
     }
 
+    /// So many bytes from `at` on, without blocks.
+    pub(super) fn without_blocks(file: BlockFile, at: u64, bytes: u64) -> Self {
+        let there = bytes.min(file.length().saturating_sub(at));
+        let stream = Self::new(file, 0, Column::Values, Unfinished::default(), [].into());
+        Self { plain: (at, there), ..stream }
+    }
+
     /// The bytes of the piece that was read last.
     #[inline]
     pub(super) fn bytes(&self) -> &[u8] {
@@ -189,7 +196,7 @@ impl DataStream {
             Err(fault) => return Ok(Err(fault.damage()?)),
         };
         match &frame.id {
-            b"##DT" | b"##DV" | b"##DI" => self.open_plain(at, frame)?,
+            b"##DT" | b"##DV" | b"##DI" | b"##SD" => self.open_plain(at, frame)?,
             b"##DZ" => {
                 self.count(frame.length.min(self.file.length() - at))?;
                 match Zipped::read(&mut self.file, at, frame)? {

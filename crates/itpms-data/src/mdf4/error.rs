@@ -40,8 +40,8 @@ pub enum Mdf4Problem {
     /// Shorter than the blocks every file begins with.
     #[error("cut off after {0} bytes, expected at least the 168 of the identification and the header")]
     TooShort(u64),
-    /// MDF 3 and what comes after 4.2 are laid out differently.
-    #[error("MDF version {0}, expected 4.00 to 4.29")]
+    /// A version of another layout.
+    #[error("MDF version {0}, expected 2.00 to 4.39")]
     Version(String),
     /// A block without which nothing can be read.
     #[error("{0}")]
@@ -111,9 +111,9 @@ pub enum Mdf4Problem {
         /// The bound.
         most: u64,
     },
-    /// A compression that came after MDF 4.2.
+    /// A compression that is not known.
     #[error(
-        "compressed block at byte {at} has compression {found}, expected 0 or 1 (deflate, transposed deflate)"
+        "compressed block at byte {at} has compression {found}, expected 0 to 5 (deflate, zstd or lz4, each also transposed)"
     )]
     Compression {
         /// Its place.

@@ -6,6 +6,14 @@ use super::block::{BlockFile, IDENTIFICATION, shown};
 use super::error::Mdf4Problem;
 use crate::error::Problem;
 
+/// How the blocks of a file are laid out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Generation {
+    /// MDF 2 and 3.
+    Three,
+    Four,
+}
+
 /// What the writer had not written yet (`id_unfin_flags`, ASAM MDF 4.1).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Unfinished {
@@ -37,7 +45,7 @@ impl Unfinished {
 }
 
 /// Checks the identification.
-pub(super) fn read(file: &mut BlockFile) -> Result<Unfinished, Problem> {
+pub(super) fn read(file: &mut BlockFile) -> Result<(Generation, Unfinished), Problem> {
     let fail = |problem| Err(Problem::Mdf4(problem));
     let mut bytes = [0; IDENTIFICATION as usize];
     let there = file.length().min(IDENTIFICATION) as usize;
@@ -53,14 +61,17 @@ pub(super) fn read(file: &mut BlockFile) -> Result<Unfinished, Problem> {
         return fail(Mdf4Problem::TooShort(file.length()));
     }
     let version = u16::from_le_bytes([bytes[28], bytes[29]]);
-    if !(400..430).contains(&version) {
+    // Up to version 3 the numbers may have the other order of bytes.
+    let version = if (200..440).contains(&version.swap_bytes()) { version.swap_bytes() } else { version };
+    if !(200..440).contains(&version) {
         return fail(Mdf4Problem::Version(format!("{}.{:02}", version / 100, version % 100)));
     }
     let flags = if unfinished { u16::from_le_bytes([bytes[60], bytes[61]]) } else { 0 };
-    Ok(Unfinished {
+    let unfinished = Unfinished {
         anything: unfinished,
         counts: flags & 1 != 0,
         last_length: flags & 1 << 2 != 0,
         last_list: flags & 1 << 4 != 0,
-    })
+    };
+    Ok((if version < 400 { Generation::Three } else { Generation::Four }, unfinished))
 }

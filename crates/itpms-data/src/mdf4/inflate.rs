@@ -1,4 +1,4 @@
-//! Compressed data blocks (DZ): inflated, and turned back if they were transposed.
+//! Compressed data blocks (DZ): unpacked, and turned back if they were transposed.
 //!
 //! Called by the data stream with a block's place; one block is in memory at a time, at most [`MOST_INFLATED`] bytes of
 //! it, twice that while it is turned.
@@ -7,6 +7,7 @@ use flate2::{Decompress, FlushDecompress, Status};
 
 use super::block::{BlockFile, FRAME, Fault, Frame};
 use super::error::{Damage, Mdf4Problem};
+use super::packed::{End, Method, unpack};
 use crate::error::Problem;
 
 /// Contents of a compressed block in bytes. The standard asks writers for 4 MiB at most.
@@ -27,6 +28,7 @@ pub(super) struct Inflated {
 /// What a compressed block says of itself (DZBLOCK, behind the frame).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Zipped {
+    method: Method,
     transposed: bool,
     /// Bytes of a row before it was transposed.
     columns: usize,
@@ -50,17 +52,18 @@ impl Zipped {
             Ok(block) => block,
             Err(fault) => return Ok(Err(Fault::damage(fault)?)),
         };
+        let Some((method, transposed)) = Method::of(block.u8(2)) else {
+            return Err(Problem::Mdf4(Mdf4Problem::Compression { at, found: block.u8(2) }));
+        };
         let zipped = Self {
-            transposed: block.u8(2) == 1,
+            method,
+            transposed,
             columns: block.u32(4) as usize,
             original: block.u64(8),
             stored: block.u64(16).min(frame.length - header.length),
             from: at + header.length,
         };
-        let (method, most) = (block.u8(2), MOST_INFLATED);
-        if method > 1 {
-            return Err(Problem::Mdf4(Mdf4Problem::Compression { at, found: method }));
-        }
+        let most = MOST_INFLATED;
         if zipped.original > most {
             return Err(Problem::Mdf4(Mdf4Problem::BlockLength { at, found: zipped.original, most }));
         }
@@ -78,7 +81,14 @@ impl Zipped {
         spare: &mut Vec<u8>,
     ) -> Result<Inflated, Problem> {
         let at = self.from - FRAME - 24;
-        let found = self.inflate_raw(file, buffer)?;
+        let found = match self.method {
+            Method::Deflate => self.inflate_raw(file, buffer)?,
+            Method::Zstd | Method::Lz4 => {
+                buffer.clear();
+                unpack(file, (self.from, self.stored), self.method, buffer, MOST_INFLATED)
+                    .map_err(Problem::Read)?
+            }
+        };
         let damage = |found: String| Some(Damage::new("compressed block", at, found));
         let original = self.original;
         let inflated = match found {
@@ -113,7 +123,7 @@ impl Zipped {
             }
             End::Broken => {
                 buffer.clear();
-                Inflated { lost: original, damage: damage("cannot be inflated; it is left out".to_owned()) }
+                Inflated { lost: original, damage: damage("cannot be unpacked; it is left out".to_owned()) }
             }
         };
         if self.transposed {
@@ -157,19 +167,6 @@ impl Zipped {
             unused.start += (inflater.total_in() - before.0) as usize;
         }
     }
-}
-
-/// How inflating ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum End {
-    /// With a check sum that fits.
-    Complete,
-    /// With the file.
-    Cut,
-    /// Beyond all bounds.
-    TooLong,
-    /// With bytes that deflate never writes, or another check sum.
-    Broken,
 }
 
 /// The inverse of the transposition: the bytes of all rows' first column come first, then those of the second. What is

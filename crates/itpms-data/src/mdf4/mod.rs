@@ -1,4 +1,4 @@
-//! Measurements in MDF4 (ASAM MDF 4.0 to 4.2): read group by group at their native rates, written the same way.
+//! Measurements in MDF4 (ASAM MDF 4.0 to 4.3) and its predecessors 2 and 3: read group by group at their native rates, written as MDF4.
 //!
 //! Called by the drive-log reader and by whoever converts logs; knows nothing of what a channel means.
 //!
@@ -6,7 +6,9 @@
 //! |---|---|
 //! | `identification`, `block`, `text` | the frame of a file and of its blocks, held against the file's length |
 //! | `structure`, `channel_list`, `conversion`, `formula`, `field` | the tree of groups and channels, compiled to what reads a number |
-//! | `data`, `inflate`, `records` | a group's bytes however they are cut and compressed, and its records among others' |
+//! | `mdf3` | the same tree from the blocks of versions 2 and 3 |
+//! | `data`, `inflate`, `packed`, `records` | a group's bytes however they are cut and compressed, and its records among others' |
+//! | `bytes`, `bus`, `attachment` | frames of a bus: their data, which channel is what, and a description inside the file |
 //! | `contents` | what of it could be a signal, what cannot be read and why, stretches of one recording |
 //! | [`Mdf4Reader`], [`GroupCursor`] | what a reader sees |
 //! | [`Mdf4Writer`] | groups at native rates, compressed or not, written as a stream |
@@ -15,7 +17,7 @@
 //! is an [`Mdf4Repair`]. Memory is bounded whatever a file says: texts 64 MB, tables of conversions 100 MB, 131 072
 //! channels, and per cursor one data block (see [`Mdf4Reader::cursor`]).
 //!
-//! Not read: text and bytes (listed), arrays, the compressions of MDF 4.3.
+//! Not read: text and bytes (listed) but those of a bus's frames, arrays.
 //!
 //! # Why not a crate
 //!
@@ -24,7 +26,10 @@
 //! compiler than this workspace. `mdflib` 0.2.1 wraps a C++ library. `asammdf` 0.1.0 calls itself not ready for use. None
 //! bounds its memory. So the blocks are read here; inflating is `flate2`'s.
 
+mod attachment;
 mod block;
+pub(crate) mod bus;
+mod bytes;
 mod channel;
 mod channel_list;
 pub(crate) mod contents;
@@ -36,6 +41,8 @@ mod field;
 mod formula;
 mod identification;
 mod inflate;
+mod mdf3;
+mod packed;
 mod reader;
 mod records;
 mod structure;

@@ -3,19 +3,22 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use super::attachment;
 use super::block::{BlockFile, FRAME, Fault};
-use super::channel::{ChannelGroup, Layout};
+use super::bytes::ByteColumn;
+use super::channel::{BytesLayout, ChannelGroup, Layout};
 use super::cursor::{GroupCursor, Parts};
 use super::data::{Column, DataStream, has_invalidation_apart};
 use super::error::{Damage, Mdf4Problem, Mdf4Repair, Repairs};
-use super::identification::{self, Unfinished};
+use super::identification::{self, Generation, Unfinished};
+use super::mdf3;
 use super::records::{MOST_EMPTY, MOST_RECORD, Records, Shape};
-use super::structure::{self, Structure};
+use super::structure::{self, DataGroup, Structure};
 use crate::error::{DataError, Problem};
 use crate::input;
 use crate::signals::column_unit;
 
-/// An open MDF4 file (ASAM MDF 4.0 to 4.2).
+/// An open MDF file (ASAM MDF 4.0 to 4.3, and 2 and 3).
 ///
 /// Reads the tree of groups and channels at once, the samples through [`GroupCursor`]s.
 #[derive(Debug)]
@@ -31,19 +34,22 @@ impl Mdf4Reader {
     /// Opens a file and reads its tree.
     ///
     /// # Errors
-    /// The file is not there, is not MDF 4.0 to 4.2, or there is not one channel group that can be read.
+    /// The file is not there, is not MDF 2 to 4.3, or there is not one channel group that can be read.
     pub fn open(path: &Path) -> Result<Self, DataError> {
         Self::read(path).map_err(|problem| DataError::new(path, problem))
     }
 
     fn read(path: &Path) -> Result<Self, Problem> {
         let mut file = open(path)?;
-        let unfinished = identification::read(&mut file)?;
+        let (generation, unfinished) = identification::read(&mut file)?;
         let mut repairs = Repairs::default();
         if unfinished.anything {
             repairs.push(Mdf4Repair::Unfinalised { missing: unfinished.describe() });
         }
-        let mut structure = structure::read(&mut file, unfinished, &mut repairs)?;
+        let mut structure = match generation {
+            Generation::Three => mdf3::read(&mut file, &mut repairs)?,
+            Generation::Four => structure::read(&mut file, unfinished, &mut repairs)?,
+        };
         forget_zero_counts(&mut file, &mut structure, &mut repairs)?;
         say_units_of_clocks(&structure, &mut repairs);
         let places = std::mem::take(&mut structure.places).into();
@@ -82,6 +88,56 @@ impl Mdf4Reader {
         Ok(GroupCursor::new(&self.path, &group.name, parts, group.samples))
     }
 
+    /// The same with the bytes of one more channel, whose samples may lie apart.
+    pub(super) fn cursor_with_bytes(
+        &self,
+        group: usize,
+        channels: &[usize],
+        bytes: usize,
+    ) -> Result<GroupCursor, DataError> {
+        let fail = |problem| DataError::new(&self.path, problem);
+        let mut parts = self.parts(group, channels).map_err(fail)?;
+        let layout = self.structure.layouts[group].bytes.get(bytes).copied().flatten();
+        parts.bytes = layout.map(|layout| self.byte_column(layout)).transpose().map_err(fail)?;
+        let group = &self.structure.groups[group];
+        Ok(GroupCursor::new(&self.path, &group.name, parts, group.samples))
+    }
+
+    /// Whether the records of a group have bytes.
+    pub(super) fn has_records(&self, group: usize) -> bool {
+        self.structure.layouts.get(group).is_some_and(|layout| layout.value_bytes > 0)
+    }
+
+    /// Contents and name of the first file inside this one whose name is `wanted`.
+    ///
+    /// # Errors
+    /// The file cannot be read on, or that one is damaged or has more than `most` bytes.
+    pub(crate) fn attachment(
+        &self,
+        wanted: impl Fn(&str) -> bool,
+        most: u64,
+    ) -> Result<Option<(String, Vec<u8>)>, Problem> {
+        attachment::find(&mut open(&self.path)?, self.structure.attachments, wanted, most)
+    }
+
+    fn byte_column(&self, layout: BytesLayout) -> Result<ByteColumn, Problem> {
+        let BytesLayout::Apart { data, .. } = layout else { return Ok(ByteColumn::new(layout, None)) };
+        // Among the records of other groups, or by themselves.
+        let (data, shape) = match self.structure.varying.get(&data) {
+            Some((group, id)) => {
+                let group = &self.structure.data[*group];
+                (group.data, mixed(group, *id))
+            }
+            None => (data, Shape::Varying),
+        };
+        Ok(ByteColumn::new(layout, Some(Records::new(self.stream(data, Column::Values)?, shape, 0, None))))
+    }
+
+    fn stream(&self, data: u64, column: Column) -> Result<DataStream, Problem> {
+        let file = open(&self.path)?;
+        Ok(DataStream::new(file, data, column, self.unfinished, Arc::clone(&self.places)))
+    }
+
     fn parts(&self, index: usize, channels: &[usize]) -> Result<Parts, Problem> {
         let fail = Problem::Mdf4;
         let (Some(group), Some(layout)) =
@@ -102,7 +158,9 @@ impl Mdf4Reader {
         let named = clock_layout.time.and_then(|time| self.structure.groups.get(clock)?.channels.get(time));
         let seconds_per_unit = named.and_then(|channel| column_unit::seconds(&channel.unit)).unwrap_or(1.0);
         let data = self.structure.data.get(layout.data_group).map_or(0, |group| group.data);
-        let apart = layout.invalid_bytes > 0 && has_invalidation_apart(&mut open(&self.path)?, data)?;
+        let in_blocks = self.structure.data.get(layout.data_group).is_some_and(|group| group.plain.is_none());
+        let apart =
+            in_blocks && layout.invalid_bytes > 0 && has_invalidation_apart(&mut open(&self.path)?, data)?;
         let (bytes, invalid_bytes) = (u64::from(layout.value_bytes), u64::from(layout.invalid_bytes));
         let (length, invalid) = if apart {
             (bytes, Some(self.records(index, Column::Invalidation, invalid_bytes)?))
@@ -123,6 +181,7 @@ impl Mdf4Reader {
             seconds_per_unit,
             time_value_bytes: clock_layout.value_bytes as usize,
             columns,
+            bytes: None,
             value_bytes: layout.value_bytes as usize,
         })
     }
@@ -157,19 +216,27 @@ impl Mdf4Reader {
             return fail(Mdf4Problem::EmptyRecords { group, found, most: MOST_EMPTY });
         }
         let shape = if data.id_bytes > 0 {
-            let mut known = data.records.clone();
-            known.sort_by_key(|record| record.id);
-            Shape::Mixed { id_bytes: data.id_bytes, own: layout.record_id, known }
+            mixed(data, layout.record_id)
         } else if data.records.len() > 1 {
             let found = "several kinds of records without record ids";
             return fail(Mdf4Problem::Unreadable(Damage::new("data group", data.data, found)));
         } else {
             Shape::Sorted
         };
-        let file = open(&self.path)?;
-        let stream = DataStream::new(file, data.data, column, self.unfinished, Arc::clone(&self.places));
+        let stream = match data.plain {
+            Some(bytes) => DataStream::without_blocks(open(&self.path)?, data.data, bytes),
+            None => self.stream(data.data, column)?,
+        };
         Ok(Records::new(stream, shape, length as usize, limit))
     }
+}
+
+/// Records of one kind among all that occur in a data group.
+fn mixed(data: &DataGroup, own: u64) -> Shape {
+    let mut known = data.records.clone();
+    known.sort_by_key(|record| record.id);
+    let varies = known.iter().any(|record| record.id == own && record.bytes.is_none());
+    Shape::Mixed { id_bytes: data.id_bytes, own, varies, known }
 }
 
 /// Opens a file for reading.
@@ -190,7 +257,8 @@ fn forget_zero_counts(
     }
     for (data, groups) in structure.data.iter().zip(groups_of) {
         let counted = groups.iter().any(|group| structure.groups[*group].samples != Some(0));
-        if counted || data.data == 0 || !has_data(file, data.data, &structure.places)? {
+        if counted || data.data == 0 || data.plain.is_some() || !has_data(file, data.data, &structure.places)?
+        {
             continue;
         }
         for group in groups {

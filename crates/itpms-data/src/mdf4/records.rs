@@ -20,12 +20,16 @@ pub(super) const MOST_EMPTY: u64 = 1 << 24;
 pub(super) enum Shape {
     /// One behind the other.
     Sorted,
+    /// One behind the other, each behind its length.
+    Varying,
     /// Each behind its id, mixed with those of other groups.
     Mixed {
         /// Bytes of the id.
         id_bytes: usize,
         /// The id of the group that is read.
         own: u64,
+        /// Whether its records stand behind their lengths.
+        varies: bool,
         /// All that occur, by rising id.
         known: Vec<Record>,
     },
@@ -49,7 +53,7 @@ pub(super) enum Stop {
 pub(super) struct Records {
     stream: DataStream,
     shape: Shape,
-    /// Bytes of a record, without its id.
+    /// Bytes of a record, without its id; of records that vary, of the current one.
     length: usize,
     /// Records wanted.
     limit: Option<u64>,
@@ -87,7 +91,7 @@ enum Skipped {
 }
 
 impl Records {
-    /// Records of `length` bytes, at most [`MOST_RECORD`]; if 0, `limit` is at most [`MOST_EMPTY`].
+    /// Records of `length` bytes, at most [`MOST_RECORD`]; if 0, `limit` is at most [`MOST_EMPTY`], unless they vary.
     pub(super) fn new(stream: DataStream, shape: Shape, length: usize, limit: Option<u64>) -> Self {
         Self {
             stream,
@@ -118,6 +122,7 @@ impl Records {
         let taken = match &self.shape {
             Shape::Sorted if self.length == 0 => Taken::InPiece(0),
             Shape::Sorted => self.next_sorted()?,
+            Shape::Varying => self.take_varying()?,
             Shape::Mixed { .. } => self.next_mixed()?,
         };
         if !matches!(taken, Taken::InPiece(_) | Taken::Carried) {
@@ -214,9 +219,12 @@ impl Records {
     }
 
     fn next_mixed(&mut self) -> Result<Taken, Problem> {
-        let Shape::Mixed { id_bytes, own, .. } = self.shape else { return Ok(Taken::End(0)) };
+        let Shape::Mixed { id_bytes, own, varies, .. } = self.shape else { return Ok(Taken::End(0)) };
         loop {
             let Some(id) = self.take_number(id_bytes)? else { return Ok(Taken::End(0)) };
+            if id == own && varies {
+                return self.take_varying();
+            }
             if id == own {
                 let taken = self.take(self.length)?;
                 return Ok(self.stopped(taken));
@@ -241,6 +249,18 @@ impl Records {
             };
             return Ok(Taken::End(0));
         }
+    }
+
+    /// A record behind its length.
+    fn take_varying(&mut self) -> Result<Taken, Problem> {
+        let Some(length) = self.take_number(4)? else { return Ok(Taken::End(0)) };
+        if length > MOST_RECORD {
+            self.stop = Some(Stop::DataEnd { partial: 4 });
+            return Ok(Taken::End(4));
+        }
+        self.length = length as usize;
+        let taken = self.take(self.length)?;
+        Ok(self.stopped(taken))
     }
 
     /// A little-endian number among mixed records.
@@ -333,7 +353,7 @@ impl Records {
         match self.shape {
             Shape::Sorted => Ok(matches!(self.take(self.length)?, Taken::InPiece(_) | Taken::Carried)),
             // To look for one more would mean to read all the others.
-            Shape::Mixed { .. } => Ok(false),
+            Shape::Mixed { .. } | Shape::Varying => Ok(false),
         }
     }
 }

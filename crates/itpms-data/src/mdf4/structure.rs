@@ -6,7 +6,7 @@
 use std::collections::{HashMap, HashSet};
 
 use super::block::{Block, BlockFile, Fault, IDENTIFICATION, Kind};
-use super::channel::{Channel, ChannelGroup, Layout};
+use super::channel::{BytesLayout, Channel, ChannelGroup, Layout};
 use super::conversion::Conversions;
 use super::error::{Damage, Mdf4Problem, Mdf4Repair, Repairs};
 use super::identification::Unfinished;
@@ -19,7 +19,7 @@ const CHANNEL_GROUP: Kind = Kind { name: "channel group", id: b"##CG", links: 6,
 const SOURCE: Kind = Kind { name: "source", id: b"##SI", links: 3, data: 0, most: 64 };
 
 /// Channel groups of a file.
-const MOST_GROUPS: usize = 1 << 16;
+pub(super) const MOST_GROUPS: usize = 1 << 16;
 
 /// Channels of a file.
 pub(super) const MOST_CHANNELS: usize = 1 << 17;
@@ -41,6 +41,10 @@ pub(super) struct Structure {
     pub(super) places: Vec<u64>,
     /// Start of the measurement in ns since 1970 (UTC or local time, as the file says).
     pub(super) start_ns: u64,
+    /// Data group and record id of samples of varying length among other records, by the place of their group.
+    pub(super) varying: HashMap<u64, (usize, u64)>,
+    /// Place of the first attachment; 0 for none.
+    pub(super) attachments: u64,
 }
 
 /// Data that one or several channel groups share.
@@ -52,6 +56,8 @@ pub(super) struct DataGroup {
     pub(super) id_bytes: usize,
     /// The records that occur.
     pub(super) records: Vec<Record>,
+    /// Bytes of data that have no blocks around them (MDF 3).
+    pub(super) plain: Option<u64>,
 }
 
 /// One kind of record of a data group.
@@ -74,6 +80,8 @@ pub(super) struct GroupLayout {
     pub(super) invalid_bytes: u32,
     /// One per channel; `None` for those that are no numbers.
     pub(super) channels: Vec<Option<Layout>>,
+    /// One per channel; `None` for those that are no whole bytes.
+    pub(super) bytes: Vec<Option<BytesLayout>>,
     /// Index of the time channel.
     pub(super) time: Option<usize>,
     /// Place of the group whose time this one has.
@@ -82,6 +90,24 @@ pub(super) struct GroupLayout {
     pub(super) master: Option<usize>,
     /// Its own place.
     place: u64,
+}
+
+impl GroupLayout {
+    /// Of a group without channels, all of whose values are valid; `rest` are bytes behind the values.
+    pub(super) fn plain(data_group: usize, record_id: u64, value_bytes: u32, rest: u32) -> Self {
+        Self {
+            data_group,
+            record_id,
+            value_bytes,
+            invalid_bytes: rest,
+            channels: Vec::new(),
+            bytes: Vec::new(),
+            time: None,
+            remote_master: 0,
+            master: None,
+            place: 0,
+        }
+    }
 }
 
 /// Reads the tree.
@@ -100,7 +126,7 @@ pub(super) fn read(
         conversions: Conversions::default(),
         channels: 0,
         kinds_of_records: 0,
-        structure: Structure { start_ns: header.u64(0), ..Structure::default() },
+        structure: Structure { start_ns: header.u64(0), attachments: header.link(3), ..Structure::default() },
         cut: None,
     };
     walk.data_groups(header.link(0))?;
@@ -170,6 +196,7 @@ impl Walk<'_> {
                 data: block.link(2),
                 id_bytes: usize::from(block.u8(0)).min(8),
                 records: Vec::new(),
+                plain: None,
             };
             self.structure.data.push(data);
             self.channel_groups(block.link(1), read)?;
@@ -202,10 +229,11 @@ impl Walk<'_> {
             data.records.push(Record { id: record_id, bytes });
         }
         if variable {
+            self.structure.varying.insert(place, (data_group, record_id));
             return Ok(());
         }
         let name = self.group_name(block)?;
-        let (channels, layouts): (Vec<Channel>, Vec<Option<Layout>>) =
+        let (channels, (layouts, bytes)): (Vec<Channel>, (Vec<_>, Vec<_>)) =
             self.channel_list(block.link(1), &name, value_bytes, invalid_bytes)?.into_iter().unzip();
         self.structure.groups.push(ChannelGroup {
             name,
@@ -220,6 +248,7 @@ impl Walk<'_> {
             value_bytes,
             invalid_bytes,
             channels: layouts,
+            bytes,
             time,
             remote_master: if flags & REMOTE_MASTER != 0 { block.link(6) } else { 0 },
             master: None,

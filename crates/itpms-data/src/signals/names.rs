@@ -39,6 +39,9 @@ enum Word {
     Rate,
     Lateral,
     Longitudinal,
+    Temperature,
+    /// As a group's name: what other instruments have measured.
+    Reference,
     /// Says nothing: `signal`, `value`, a unit.
     Filler,
     /// Makes it something else: another axis, a limit, a status.
@@ -49,7 +52,7 @@ enum Word {
 }
 
 #[rustfmt::skip]
-const WORDS: [(&str, Word); 166] = [
+const WORDS: [(&str, Word); 168] = [
     ("fl", Word::Corner(Corner::FrontLeft)), ("lf", Word::Corner(Corner::FrontLeft)), ("vl", Word::Corner(Corner::FrontLeft)),
     ("fr", Word::Corner(Corner::FrontRight)), ("rf", Word::Corner(Corner::FrontRight)), ("vr", Word::Corner(Corner::FrontRight)),
     ("rl", Word::Corner(Corner::RearLeft)), ("lr", Word::Corner(Corner::RearLeft)), ("hl", Word::Corner(Corner::RearLeft)),
@@ -76,11 +79,11 @@ const WORDS: [(&str, Word); 166] = [
     ("sens", Word::Filler), ("sns", Word::Filler), ("m", Word::Filler), ("s", Word::Filler), ("s2", Word::Filler),
     ("ms2", Word::Filler), ("mps2", Word::Filler), ("mps", Word::Filler), ("g", Word::Filler), ("mg", Word::Filler),
     ("km", Word::Filler), ("h", Word::Filler), ("kmh", Word::Filler), ("kph", Word::Filler), ("mph", Word::Filler),
-    ("kpa", Word::Filler), ("bar", Word::Filler), ("psi", Word::Filler), ("mm", Word::Filler),
+    ("reference", Word::Reference), ("truth", Word::Reference), ("kpa", Word::Filler), ("bar", Word::Filler), ("psi", Word::Filler), ("mm", Word::Filler),
     ("x", Word::Longitudinal), ("y", Word::Lateral), ("lat", Word::Lateral), ("lateral", Word::Lateral), ("lon", Word::Longitudinal),
     ("long", Word::Longitudinal), ("longitudinal", Word::Longitudinal), ("pedal", Word::Other), ("gyro", Word::Other), ("yaw", Word::Yaw),
     ("roll", Word::Other), ("pitch", Word::Other), ("angle", Word::Other), ("angular", Word::Other), ("rate", Word::Rate),
-    ("temp", Word::Other), ("temperature", Word::Other), ("status", Word::Other), ("stat", Word::Other), ("state", Word::Other),
+    ("temp", Word::Temperature), ("temperature", Word::Temperature), ("status", Word::Other), ("stat", Word::Other), ("state", Word::Other),
     ("sts", Word::Other), ("valid", Word::Other), ("validity", Word::Other), ("quality", Word::Other), ("qual", Word::Other),
     ("qualifier", Word::Other), ("qf", Word::Other), ("error", Word::Other), ("err", Word::Other), ("fault", Word::Other),
     ("counter", Word::Other), ("cnt", Word::Other), ("crc", Word::Other), ("checksum", Word::Other), ("offset", Word::Other),
@@ -98,19 +101,22 @@ pub(crate) fn meaning(group: &str, name: &str) -> Option<(Slot, Fit)> {
     let (own, around) = (words(name), words(group));
     let has = |word| own.contains(&word);
     let says = |word| own.contains(&word) || around.contains(&word);
-    if has(Word::Other) || says(Word::Machine) {
+    if has(Word::Other) || says(Word::Machine) || has(Word::Temperature) && !says(Word::Tire) {
         return None;
     }
     let corner = corner(&own).or_else(|| if names_corner(&own) { None } else { corner(&around) });
-    let complete = !has(Word::Unknown);
+    let complete = !has(Word::Unknown) && !has(Word::Reference);
     let fit = |sure: bool| if sure && complete { Fit::AllWords } else { Fit::SomeWords };
     if [Word::Yaw, Word::Rate, Word::Lateral, Word::Longitudinal].into_iter().any(has) {
         let of_the_car = corner.is_none() && !says(Word::Wheel) && !names_corner(&own);
         return motion(&own).filter(|_| of_the_car).map(|motion| (Slot::Motion(motion), fit(true)));
     }
     if let Some(corner) = corner {
-        let field = if has(Word::Pressure) {
-            says(Word::Tire).then_some((Field::Pressure, fit(true)))
+        let field = if has(Word::Temperature) {
+            (!has(Word::Pressure)).then_some((Field::TireTemperature, fit(true)))
+        } else if has(Word::Pressure) {
+            let field = if around.contains(&Word::Reference) { Field::Pressure } else { Field::TireSensor };
+            says(Word::Tire).then_some((field, fit(true)))
         } else if has(Word::Speed) || says(Word::Speed) && own.iter().all(is_of_a_corner) {
             let of_a_wheel = says(Word::Wheel) && !has(Word::Vertical) && !has(Word::Acceleration);
             of_a_wheel.then_some((Field::WheelSpeed, fit(true)))
@@ -253,8 +259,11 @@ mod tests {
             ("", "VehSpd", "speed_m_s"),
             ("ABS", "vehspd", "speed_m_s"),
             ("GPS", "Speed", "speed_m_s"),
-            ("TPMS", "Pressure_FL", "fl_pressure_kpa"),
-            ("", "TirePressFrontRight", "fr_pressure_kpa"),
+            ("TPMS", "Pressure_FL", "fl_tpms_kpa"),
+            ("", "TirePressFrontRight", "fr_tpms_kpa"),
+            ("Reference_FL", "TirePressure_FL", "fl_pressure_kpa"),
+            ("TPMS", "Temp_RR", "rr_tpms_c"),
+            ("", "TireTemperatureRearLeft", "rl_tpms_c"),
             ("", "road_height_rl", "rl_road_m"),
             // Toyota, Honda; Volkswagen; Hyundai; Ford; General Motors; Subaru, as in public DBC files.
             ("WHEEL_SPEEDS", "WHEEL_SPEED_FL", "fl_wheel_speed_m_s"),
@@ -292,6 +301,8 @@ mod tests {
             ("", "FL_WheelAccZ_Status"),
             ("", "BrakePressure_FL"),
             ("", "Pressure_FL"),
+            ("", "Temp_FL"),
+            ("Brakes", "BrakeTemp_FL"),
             ("", "counter"),
             ("", ""),
         ] {

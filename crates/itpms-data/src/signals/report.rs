@@ -142,8 +142,11 @@ impl Resolved {
                         let text: String = remark.to_string().chars().map(one_line).collect();
                         let _ = writeln!(out, "# {text}");
                     }
-                    let truth = matches!(slot, Slot::Corner(_, Field::Pressure | Field::Road));
-                    let optional = if truth { " (the truth, where it is known)" } else { "" };
+                    let optional = match slot {
+                        Slot::Corner(_, Field::Pressure | Field::Road) => " (the truth, where it is known)",
+                        _ if slot.is_tire_sensor() => " (the car's own tire sensor, where it has one)",
+                        _ => "",
+                    };
                     let _ = writeln!(out, "# {column} = \"\"{optional}");
                 }
             }

@@ -78,8 +78,8 @@ fn plain(text: &str) -> String {
 }
 
 #[rustfmt::skip]
-const UNITS: [(&str, Quantity, f64); 95] = {
-    use Quantity::{Acceleration, Length, Pressure, Rotation, Speed, Time};
+const UNITS: [(&str, Quantity, f64); 100] = {
+    use Quantity::{Acceleration, Length, Pressure, Rotation, Speed, Temperature, Time};
     [
         ("m/s2", Acceleration, 1.0), ("m/s/s", Acceleration, 1.0), ("ms-2", Acceleration, 1.0), ("mps2", Acceleration, 1.0),
         ("m/sec2", Acceleration, 1.0), ("m/ss", Acceleration, 1.0), ("mpss", Acceleration, 1.0), ("ms2", Acceleration, 1.0),
@@ -113,6 +113,8 @@ const UNITS: [(&str, Quantity, f64); 95] = {
         ("rev/min", Rotation, TURN / 60.0), ("U/min", Rotation, TURN / 60.0),
 
         ("s", Time, 1.0), ("sec", Time, 1.0), ("ms", Time, 1e-3), ("us", Time, 1e-6), ("ns", Time, 1e-9), ("min", Time, 60.0),
+
+        ("degC", Temperature, 1.0), ("°C", Temperature, 1.0), ("C", Temperature, 1.0), ("Cel", Temperature, 1.0), ("DegreesCelsius", Temperature, 1.0),
     ]
 };
 

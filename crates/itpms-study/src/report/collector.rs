@@ -13,6 +13,7 @@ use super::road::RoadCollector;
 use super::track::{Keep, Track};
 use super::watch::WatchCollector;
 use super::wheels::WheelSpeedCollector;
+use super::witness::Witness;
 use super::{CornerReport, NisCheck, Provenance, ReportData, TimeCurves, Z_95};
 use crate::bound::{BoundSetting, CornerBound};
 use crate::spectrum::PowerLaw;
@@ -93,6 +94,8 @@ pub struct CornerRow {
     pub truth_kpa: f64,
     /// True road height in m; NaN when unknown.
     pub truth_road_m: f64,
+    /// What the tire's own sensor sent, in kPa; NaN when nothing.
+    pub sensor_kpa: f64,
 }
 
 struct CornerCollector {
@@ -101,6 +104,7 @@ struct CornerCollector {
     figures: FigureSums,
     road: Option<RoadCollector>,
     level: Option<Level>,
+    witness: Witness,
 }
 
 /// Collects a drive's estimates, sample by sample.
@@ -133,6 +137,7 @@ impl ReportCollector {
                     figures: FigureSums::new(options.settle_s),
                     road: RoadCollector::new(options.road_wavelengths_m),
                     level: None,
+                    witness: Witness::default(),
                 })
             })
             .collect();
@@ -177,6 +182,7 @@ impl ReportCollector {
             if let Some(row) = row {
                 corner.level = Some(row.estimate.level);
                 corner.figures.push(time_s, &row.estimate, row.truth_kpa);
+                corner.witness.push(time_s, &row.estimate, row.sensor_kpa);
                 fill(values, row);
             }
             if let Some(road) = &mut corner.road {
@@ -251,6 +257,7 @@ impl ReportCollector {
                     level: collector.level,
                     state: state(collector.corner),
                     figures: collector.figures.finish(),
+                    tire_sensor: collector.witness.finish(),
                     curves,
                     road,
                 }

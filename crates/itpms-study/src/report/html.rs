@@ -194,7 +194,7 @@ fn pressure(kpa: f64, unit: PressureUnit) -> String {
     format!("{} {unit}", unit.number(kpa, 1))
 }
 
-const FIGURES: [Row; 21] = [
+const FIGURES: [Row; 22] = [
     ("Pressure at the end", "last valid estimate, ± one standard deviation", |c, unit| {
         c.figures.last.as_ref().map_or(String::new(), |last| reading(last, unit))
     }),
@@ -223,6 +223,14 @@ const FIGURES: [Row; 21] = [
             .lowest
             .as_ref()
             .map_or(String::new(), |r| format!("{} at {}", reading(r, unit), clock(r.time_s)))
+    }),
+    ("Tire sensor", "what the tire's own sensor last sent; it may be wrong itself", |c, unit| {
+        c.tire_sensor.map_or(String::new(), |sensor| {
+            let since = some(sensor.contradicts_since_s, |t| {
+                format!("; contradicts the estimate since {}", clock(t))
+            });
+            format!("{} at {}{since}", pressure(sensor.pressure_kpa, unit), clock(sensor.time_s))
+        })
     }),
     ("Placard pressure", "what the tire should have", |c, unit| pressure(c.placard_kpa, unit)),
     ("Warning", "at the end of the drive", |c, _| {

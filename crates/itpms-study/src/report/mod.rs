@@ -16,6 +16,7 @@ mod roads;
 mod track;
 mod watch;
 mod wheels;
+mod witness;
 mod words;
 
 pub use collector::{CornerRow, ReportCollector, ReportOptions};
@@ -25,6 +26,7 @@ pub use parameters::Parameter;
 pub use track::{Keep, Track};
 pub use watch::{AlertSpan, WatchReport};
 pub use wheels::{BandCurve, WheelSpeedReport, found, unseen, wheel_line};
+pub use witness::TireSensor;
 
 use std::io;
 
@@ -93,6 +95,8 @@ pub struct CornerReport {
     pub state: Option<WheelState>,
     /// Headline figures.
     pub figures: CornerFigures,
+    /// The tire's own sensor, where the log has one.
+    pub tire_sensor: Option<TireSensor>,
     /// Curves over [`ReportData::time_s`].
     pub curves: TimeCurves,
     /// The road; `None` when the speed is unknown.

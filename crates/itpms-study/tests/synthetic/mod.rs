@@ -125,6 +125,7 @@ pub(crate) fn report(drive: &Drive, name: &str) -> ReportData {
                 estimate,
                 truth_kpa: if drive.truth_known { truth } else { f64::NAN },
                 truth_road_m: if drive.truth_known { truth_road_m } else { f64::NAN },
+                sensor_kpa: f64::NAN,
             });
         }
         collector.push(t, speed, &rows);

@@ -12,9 +12,9 @@ use super::LogArgs;
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct ConvertArgs {
-    /// The log: .csv, .parquet, .mf4, .log, .candump, .asc, .blf.
+    /// The log: .csv, .parquet, .mf4, .dat, .log, .candump, .asc, .blf, .trc.
     pub(crate) input: PathBuf,
-    /// The file to be, with one of the same extensions.
+    /// The file to be: .csv, .parquet, .mf4, .log, .candump, .asc, .blf.
     pub(crate) output: PathBuf,
     #[command(flatten)]
     pub(crate) reading: LogArgs,

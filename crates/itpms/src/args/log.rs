@@ -6,7 +6,7 @@ use itpms_data::log::{LogOptions, UnitCheck};
 
 #[derive(Debug, Clone, Default, clap::Args)]
 pub(crate) struct LogArgs {
-    /// CAN logs (.log, .candump, .asc, .blf): what the frames mean.
+    /// CAN logs (.log, .candump, .asc, .blf, .trc, .mf4 or .csv with frames): what the frames mean.
     #[arg(long, value_name = "CAR.dbc")]
     pub(crate) dbc: Option<PathBuf>,
     /// Which signal, or column of a table with other names or units, is which of our columns. `itpms signals` writes such a map.

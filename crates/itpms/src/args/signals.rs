@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 /// What is in a log: every signal with its rate and range, and which column of a drive log it would be.
 ///
-/// CAN logs (.log, .candump, .asc, .blf) are decoded with --dbc; without it identifiers and their rates are listed. CSV and
+/// CAN logs (.log, .asc, .blf, .trc, frames in .mf4) are decoded with --dbc; without it identifiers and their rates are listed. CSV and
 /// Parquet: every column. MDF4: every channel that holds numbers. The log is read once, from beginning to end.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]

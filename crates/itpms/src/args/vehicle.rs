@@ -124,8 +124,9 @@ pub(crate) struct LearnArgs {
     /// Drive logs, each at pressures that were measured: as for estimate.
     #[arg(required = true, value_name = "LOG")]
     pub(crate) logs: Vec<PathBuf>,
-    /// Pressure of the tires while driving, gauge: one for all wheels or one for each; once, or once per log.
-    #[arg(long, required = true, value_name = "KPA|fl=KPA,...")]
+    /// Pressure of the tires while driving, gauge: one for all wheels or one for each; once, or once per log. Without it, what the
+    /// tires' own sensors send in the log.
+    #[arg(long, value_name = "KPA|fl=KPA,...")]
     pub(crate) pressure_kpa: Vec<KnownPressures>,
     /// The vehicle file to begin with; that of --output unless given.
     #[arg(long, value_name = "V.toml")]
@@ -173,7 +174,7 @@ impl std::str::FromStr for KnownPressures {
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: itpms vehicle check drive.csv --vehicle car.toml --report check.html")]
 pub(crate) struct CheckArgs {
-    /// The drive log: .csv, .parquet, .mf4, or a CAN log (.log, .candump, .asc, .blf) with --dbc.
+    /// The drive log: .csv, .parquet, .mf4, .dat, or a CAN log (.log, .asc, .blf, .trc, .mf4) with --dbc.
     pub(crate) log: PathBuf,
     /// Masses, springs, dampers and tires of the corners.
     #[arg(long, value_name = "V.toml")]

@@ -1,7 +1,7 @@
 //! Dates as Vector's programs write them: `Fri Nov 20 05:17:33.123 pm 2026`, in English or German. Called by the
 //! reader and the writer beside it.
 
-use crate::can::calendar::{Date, weekday};
+use crate::calendar::{Date, weekday};
 use crate::can::digits::{self, Base};
 use crate::can::lines::Words;
 

@@ -134,19 +134,7 @@ fn numeric_id(rest: &[u8]) -> Option<CanId> {
 /// The length code and the bytes of a classic frame; codes above 8 mean 8 bytes.
 fn classic_data(words: &mut Words<'_>, base: Base) -> Result<Payload, &'static str> {
     let code = words.next().and_then(|word| digits::unsigned(word, base)).filter(|code| *code <= 15);
-    bytes(code.ok_or(EXPECTED_DATA)?.min(8) as usize, words, base).ok_or(EXPECTED_DATA)
-}
-
-/// So many bytes, each a word.
-fn bytes(length: usize, words: &mut Words<'_>, base: Base) -> Option<Payload> {
-    let mut payload = Payload::EMPTY;
-    for _ in 0..length {
-        let byte = u8::try_from(digits::unsigned(words.next()?, base)?).ok()?;
-        if !payload.push(byte) {
-            return None;
-        }
-    }
-    Some(payload)
+    words.bytes(code.ok_or(EXPECTED_DATA)?.min(8) as usize, base).ok_or(EXPECTED_DATA)
 }
 
 /// What a remote frame asks for, where the line says it.
@@ -186,7 +174,7 @@ fn fd(stamp_s: f64, words: &mut Words<'_>, base: Base) -> Result<AscLine, &'stat
     // The code is hexadecimal whatever the base is, and python-can writes it so, too.
     let code = words.next().and_then(|word| digits::unsigned(word, Base::Hexadecimal)).ok_or(EXPECTED_FD)?;
     let length = words.next().and_then(|word| digits::unsigned(word, Base::Decimal)).ok_or(EXPECTED_FD)?;
-    let payload = bytes(length as usize, words, base).ok_or(EXPECTED_FD)?;
+    let payload = words.bytes(length as usize, base).ok_or(EXPECTED_FD)?;
     // After the data: duration, length in bits, flags.
     let flags = words.nth(2).and_then(|word| digits::unsigned(word, Base::Hexadecimal));
     let is_plain = payload.len() <= 8 && !bit_rate_switch && !error_state_indicator;

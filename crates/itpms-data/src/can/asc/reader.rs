@@ -1,7 +1,5 @@
 //! An ASC file as frames. Called by `FrameReader`; keeps what the lines have said of base, date and stamps.
 
-use std::fs::File;
-
 use super::parse::{AscLine, EXPECTED, Stamps, parse};
 use crate::can::digits::Base;
 use crate::can::error::CanProblem;
@@ -31,9 +29,9 @@ pub(in crate::can) struct AscReader {
 }
 
 impl AscReader {
-    pub(in crate::can) fn new(file: File, bytes: u64) -> Self {
+    pub(in crate::can) fn new(lines: TextLines) -> Self {
         Self {
-            lines: TextLines::new(file, bytes),
+            lines,
             base: Base::Hexadecimal,
             stamps: Stamps::Absolute,
             start_s: 0.0,

@@ -4,7 +4,7 @@
 //! 36 objects read u32, 40 beginning, 56 end (eight u16 each: year, month, weekday, day, hour, minute, second, ms).
 
 use super::bytes::{u16_at, u32_at};
-use crate::can::calendar::{Date, weekday};
+use crate::calendar::{Date, weekday};
 
 /// Bytes of the header that are read; programs write [`SIZE`].
 pub(super) const LEAST: usize = 72;

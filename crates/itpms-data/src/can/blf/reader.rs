@@ -185,7 +185,7 @@ impl BlfReader {
         match repairs.first_not_understood.as_ref() {
             Some(first) if !self.any_object => Err(CanProblem::NoObject {
                 byte: match first.place {
-                    FramePlace::Byte(at) | FramePlace::Line(at) => at,
+                    FramePlace::Byte(at) | FramePlace::Line(at) | FramePlace::Frame(at) => at,
                 },
                 found: first.found.clone(),
             }

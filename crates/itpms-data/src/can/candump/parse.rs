@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::can::calendar::Date;
+use crate::calendar::Date;
 use crate::can::digits::{self, Base, nibble};
 use crate::can::frame::{CanFrame, CanId, Direction, FrameKind, Payload};
 use crate::can::lines::Words;

@@ -2,7 +2,6 @@
 //! stamps are differences, and which interface is which bus.
 
 use std::collections::VecDeque;
-use std::fs::File;
 
 use super::parse::{Clock, EXPECTED, LineProblem, parse};
 use crate::can::error::CanProblem;
@@ -43,9 +42,9 @@ enum Stamps {
 }
 
 impl CandumpReader {
-    pub(in crate::can) fn new(file: File, bytes: u64) -> Self {
+    pub(in crate::can) fn new(lines: TextLines) -> Self {
         Self {
-            lines: TextLines::new(file, bytes),
+            lines,
             interfaces: Interfaces::default(),
             ahead: VecDeque::new(),
             stamps: Stamps::Unknown,

@@ -18,6 +18,8 @@ pub enum SlotMethod {
     Interpolated,
     /// Nothing, or too little to know its rate, has come.
     Waiting,
+    /// Once, in the row after it was sent: a sensor in a tire.
+    Sent,
 }
 
 /// One signal.
@@ -85,7 +87,7 @@ impl AlignmentReport {
     fn remark(&self, signal: &SlotAlignment) -> Option<String> {
         let (name, from, to) = (signal.slot.name(), signal.rate_hz, self.rate_hz);
         match signal.method {
-            SlotMethod::Clock => None,
+            SlotMethod::Clock | SlotMethod::Sent => None,
             SlotMethod::AsItIs { offset_s } => (offset_s.abs() > 0.05 / to).then(|| {
                 let when = if offset_s > 0.0 { "after" } else { "before" };
                 format!(

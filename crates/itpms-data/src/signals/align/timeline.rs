@@ -35,6 +35,8 @@ enum Role {
     Same(f64),
     Faster(Series),
     Slow(Series),
+    /// As it came, once, in the next row: times and values that wait. For sensors that send when they like.
+    Sent(VecDeque<(f64, f64)>),
     /// Its rate is not known yet: times of its first readings.
     Unknown(Vec<f64>),
 }
@@ -141,6 +143,10 @@ impl Timeline {
                 self.set(place, time_s, reading.value);
             }
             Role::Faster(series) | Role::Slow(series) => series.push(reading.time_s, reading.value),
+            Role::Sent(waiting) if reading.value.is_finite() && waiting.len() < MOST_ROWS => {
+                waiting.push_back((reading.time_s, reading.value));
+            }
+            Role::Sent(_) => {}
             Role::Unknown(times) => {
                 times.push(reading.time_s);
                 if times.len() >= 8 * FEWEST {
@@ -169,8 +175,10 @@ impl Timeline {
         self.rows.clear();
         (self.last_row_s, self.begin_s) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
         for signal in &mut self.signals {
-            if let Role::Faster(series) | Role::Slow(series) = &mut signal.role {
-                series.clear();
+            match &mut signal.role {
+                Role::Faster(series) | Role::Slow(series) => series.clear(),
+                Role::Sent(waiting) => waiting.clear(),
+                Role::Same(_) | Role::Unknown(_) => {}
             }
         }
         false
@@ -253,6 +261,11 @@ impl Timeline {
                     *value = series.at(time_s);
                     series.forget_before(time_s);
                 }
+                Role::Sent(waiting) => {
+                    while waiting.front().is_some_and(|(sent_s, _)| *sent_s <= time_s) {
+                        *value = waiting.pop_front().map_or(f64::NAN, |(_, sent)| sent);
+                    }
+                }
                 Role::Same(_) | Role::Unknown(_) => {}
             }
         }
@@ -272,7 +285,7 @@ impl Timeline {
                 let patience_s = (WAIT_SLOW * series.period_s()).min(WAIT_SLOW_S);
                 series.newest_s() >= time_s || later * self.period_s >= patience_s.max(self.period_s)
             }
-            Role::Unknown(_) => true,
+            Role::Sent(_) | Role::Unknown(_) => true,
         })
     }
 
@@ -283,6 +296,7 @@ impl Timeline {
                 Role::Same(offset_s) => (SlotMethod::AsItIs { offset_s: *offset_s }, 1.0 / self.period_s),
                 Role::Faster(series) => (SlotMethod::LowPass, 1.0 / series.period_s()),
                 Role::Slow(series) => (SlotMethod::Interpolated, 1.0 / series.period_s()),
+                Role::Sent(_) => (SlotMethod::Sent, f64::NAN),
                 Role::Unknown(_) => (SlotMethod::Waiting, f64::NAN),
             };
             let Signal { slot, readings, left_over, .. } = *signal;
@@ -326,6 +340,7 @@ fn nearest(rows: &mut VecDeque<Row>, time_s: f64, within_s: f64) -> Option<&mut 
 /// How a signal of this period comes into rows of that one.
 fn role(slot: Slot, period_s: f64, row_period_s: f64, offset_s: f64) -> Role {
     match slot.is_acceleration() {
+        _ if slot.is_tire_sensor() => Role::Sent(VecDeque::new()),
         _ if period_s.is_nan() => Role::Unknown(Vec::new()),
         true if period_s < FASTER * row_period_s => Role::Faster(Series::new(period_s)),
         true => Role::Same(offset_s),

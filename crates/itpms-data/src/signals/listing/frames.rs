@@ -8,6 +8,7 @@ use super::{ListedGroup, ListedSignal, Listing};
 use crate::can::{CanId, FrameKind, FrameReader};
 use crate::dbc::{Dbc, Message};
 use crate::error::DataError;
+use crate::log::attached;
 use crate::signals::Candidate;
 
 /// Frames between two looks around.
@@ -38,7 +39,7 @@ struct Seen {
 
 impl FrameLister {
     pub(super) fn open(path: &Path, dbc: Option<&Path>) -> Result<Self, DataError> {
-        let dbc = dbc.map(Dbc::read).transpose()?;
+        let dbc = dbc.map_or_else(|| attached(path), |dbc| Dbc::read(dbc).map(Some))?;
         Ok(Self {
             reader: FrameReader::open(path)?,
             dbc,

@@ -112,7 +112,7 @@ impl Lister {
     /// The log or the description cannot be read, or a description is given for something else than a CAN log.
     pub fn open(path: &Path, dbc: Option<&Path>) -> Result<Self, DataError> {
         let fail = |problem| DataError::new(path, problem);
-        let format = LogFormat::of(path)?;
+        let format = LogFormat::of_log(path, dbc)?;
         #[cfg(feature = "can")]
         let is_bus_log = format == LogFormat::Can;
         #[cfg(not(feature = "can"))]

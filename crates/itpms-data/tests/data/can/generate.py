@@ -50,11 +50,14 @@ def main():
         # Containers so small that objects lie across their borders.
         ("python_can.blf", {"max_container_size": 500}),
         ("python_can_stored.blf", {"max_container_size": 500, "compression_level": 0}),
+        ("python_can.trc", {}),
+        ("python_can.csv", {}),
+        ("python_can.mf4", {"database": Path(__file__).parent.parent / "rich.dbc"}),
     ]:
         with can.Logger(directory / name, **options) as log:
             for i in range(FRAMES):
                 log.on_message_received(frame(i))
-                if i == 20 and not name.endswith(".log"):
+                if i == 20 and name.endswith((".asc", ".blf")):
                     log.log_event("something that is no frame", frame(i).timestamp)
 
 

@@ -3,7 +3,7 @@
     python make.py [DIRECTORY]
 
 Every file is read back with asammdf and held against the formulas below, which tests/mdf4_foreign.rs has as well. Needs
-asammdf and numpy.
+asammdf, numpy and python-can.
 """
 
 import struct
@@ -14,6 +14,9 @@ from pathlib import Path
 
 import numpy as np
 from asammdf import MDF, Signal
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "can"))
+import generate  # the frames of the CAN logs
 
 HERE = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent
 
@@ -362,6 +365,179 @@ def unfinished_sorted(name):
         file.write(b"\x01\x02\x03\x04\x05")
 
 
+def frame_channels(blocks, name, data, length):
+    """The channels of a group of frames, `name` with the others inside it; `data` is how the data's channel is made."""
+    bits = dict(data_type=0, bit=0)
+    inside = [
+        blocks.channel(f"{name}.{field}", **(bits | place))
+        for field, place in [
+            ("ID", dict(byte=8, bits=29)),
+            ("IDE", dict(byte=11, bit=5, bits=1)),
+            ("BusChannel", dict(byte=12, bits=4)),
+            ("Dir", dict(byte=12, bit=4, bits=1)),
+            ("EDL", dict(byte=12, bit=5, bits=1)),
+            ("BRS", dict(byte=12, bit=6, bits=1)),
+            ("ESI", dict(byte=12, bit=7, bits=1)),
+            ("DLC", dict(byte=13, bits=4)),
+            ("DataLength", dict(byte=14, bits=7)),
+        ]
+    ]
+    if data:
+        inside.append(blocks.channel(f"{name}.DataBytes", data_type=10, byte=15, **data))
+        if data["kind"] == 5:
+            blocks.link(inside[-1], 5, inside[-2])
+    for this, following in zip(inside, inside[1:]):
+        blocks.link(this, 0, following)
+    whole = blocks.channel(name, data_type=10, byte=8, bits=8 * (length - 8))
+    blocks.link(whole, 1, inside[0])
+    return [blocks.channel("t", "s", kind=2, sync=1, data_type=4, byte=0, bits=64), whole], inside[-1]
+
+
+def frame_record(message, data):
+    """Time, identifier and flags, lengths, then what stands for the data."""
+    flags = (not message.is_rx) << 4 | message.is_fd << 5 | message.bitrate_switch << 6 | message.error_state_indicator << 7
+    return struct.pack(
+        "<dI3B",
+        message.timestamp - 1_795_132_800.0,
+        message.arbitration_id | message.is_extended_id << 29,
+        message.channel | flags,
+        generate.can.util.len2dlc(message.dlc),
+        len(message.data),
+    ) + data
+
+
+def bus(name, apart):
+    """A bus logging: bits side by side. `apart`: sorted, the data of frames in blocks of their own; else all records in one stream, a frame's data before
+    or after it, those of errors in a place of fixed length that is seldom full."""
+    blocks = Blocks()
+    messages = [generate.frame(i) for i in range(generate.FRAMES)]
+    kinds = {
+        "CAN_DataFrame": [m for m in messages if not (m.is_remote_frame or m.is_error_frame)],
+        "CAN_RemoteFrame": [m for m in messages if m.is_remote_frame],
+        "CAN_ErrorFrame": [m for m in messages if m.is_error_frame],
+    }
+    stored = {
+        "CAN_DataFrame": dict(kind=1, bits=64),
+        "CAN_RemoteFrame": None,
+        "CAN_ErrorFrame": dict(kind=5, bits=64),
+    }
+    groups, streams, last = [], [], {}
+    for number, (kind, own) in enumerate(kinds.items()):
+        length = 23 if stored[kind] else 15
+        channels, last[kind] = frame_channels(blocks, kind, stored[kind], length)
+        groups.append(blocks.group(channels, len(own), length, record_id=number + 1, flags=6, name="CAN"))
+    place, records, samples = 0, {}, {}
+    for index, m in enumerate(messages):
+        kind = next(kind for kind, own in kinds.items() if m in own)
+        data = b""
+        if kind == "CAN_DataFrame":
+            samples[index] = struct.pack("<I", len(m.data)) + bytes(m.data)
+            data, place = struct.pack("<Q", place), place + len(samples[index])
+        elif kind == "CAN_ErrorFrame":
+            data = bytes(m.data).ljust(8, b"\xee")
+        records[index] = (list(kinds).index(kind) + 1, frame_record(m, data))
+    if apart:
+        values = b"".join(samples.values())
+        parts = [blocks.add(b"##SD", [], values[:301]), blocks.add(b"##SD", [], values[301:])]
+        listed = blocks.add(b"##DL", [0, *parts], struct.pack("<4BI2Q", 0, 0, 0, 0, 2, 0, 301))
+        blocks.link(last["CAN_DataFrame"], 5, listed)
+        chain = []
+        for number, group in enumerate(groups, 1):
+            data = blocks.add(b"##DT", [], b"".join(record for id, record in records.values() if id == number))
+            chain.append(blocks.data_group([group], data))
+        for this, following in zip(chain, chain[1:]):
+            blocks.link(this, 0, following)
+        blocks.link(64, 0, chain[0])
+    else:
+        varying = blocks.group([0], len(samples), place, record_id=9, flags=1)
+        blocks.link(last["CAN_DataFrame"], 5, varying)
+        stream = bytearray()
+        for index, (id, record) in records.items():
+            parts = [struct.pack("<B", id) + record]
+            if index in samples:
+                parts.insert(index % 3 == 0, struct.pack("<B", 9) + samples[index])
+            stream += b"".join(parts)
+        blocks.data_group([*groups, varying], blocks.add(b"##DT", [], bytes(stream)), id_bytes=1)
+    blocks.save(name)
+    with MDF(HERE / name) as mdf:
+        for kind, own in kinds.items():
+            found = mdf.get(kind).samples
+            assert list(found[f"{kind}.ID"]) == [m.arbitration_id for m in own], (name, kind)
+            if kind == "CAN_DataFrame":
+                data = mdf.get(f"{kind}.DataBytes").samples
+                assert [bytes(row)[: len(m.data)] for row, m in zip(data, own)] == [bytes(m.data) for m in own], name
+
+
+def version_3(name, version):
+    """Every conversion that is computed, by asammdf."""
+    mdf = MDF(version=version)
+    i = np.arange(SLOW)
+    table = {"raw_0": -100.0, "phys_0": 0.0, "raw_1": 0.0, "phys_1": 10.0, "raw_2": 100.0, "phys_2": 40.0}
+    conversions = {
+        "linear": {"a": 0.125, "b": -7.0},
+        "rational": dict(P1=0.0, P2=2.0, P3=6.0, P4=0.0, P5=0.0, P6=4.0),
+        # asammdf writes X1 for X.
+        "formula": {"formula": "X * 0.5 + 3"},
+        "interpolated": table | {"interpolation": True},
+        "nothing": None,
+    }
+    signals = [
+        Signal(count(i).astype("<i2"), slow_time(i), name=key, unit="kPa", comment="number of a sample", conversion=conversion)
+        for key, conversion in conversions.items()
+    ]
+    signals.append(Signal(accel(i).astype("<f4"), slow_time(i), name="a_name_that_is_longer_than_32_letters_in_all", unit="m/s^2"))
+    mdf.append(signals, comment="slow")
+    i = np.arange(FAST)
+    mdf.append([Signal(accel(i).astype("<f8"), fast_time(i), name="accel", unit="m/s^2")], comment="fast")
+    mdf.save(HERE / name, overwrite=True)
+    # asammdf calls every file of this version .mdf.
+    (HERE / name).with_suffix(".mdf").rename(HERE / name)
+    mdf.close()
+
+
+def version_3_mixed(name):
+    """Two kinds of records mixed behind ids of a byte, numbers in the order of Motorola; block by block."""
+    text = bytearray(struct.pack("<8s8s8s4H32x", b"MDF     ", b"3.00    ", b"by hand ", 1, 0, 300, 0))
+    text += b"HD" + struct.pack("<H3IH10s8s32s32s32s32s", 164, 0, 0, 0, 1, b"24:03:2003", b"12:52:32", *[b""] * 4)
+
+    def add(block):
+        at = len(text)
+        text.extend(block)
+        return at
+
+    def channel(following, name, kind, offset, bits, data_type, conversion):
+        block = struct.pack(
+            "<5IH32s128s4H3d", following, conversion, 0, 0, 0, kind, name, b"", offset, bits, data_type, 0, 0.0, 0.0, 0.0
+        )
+        return add(b"CN" + struct.pack("<H", 4 + len(block)) + block)
+
+    def linear(unit, factor):
+        block = struct.pack("<H2d20s2H2d", 0, 0.0, 0.0, unit, 0, 2, 0.0, factor)
+        return add(b"CC" + struct.pack("<H", 4 + len(block)) + block)
+
+    def group(following, first, record_id, channels, length, records):
+        block = struct.pack("<3I3HI", following, first, 0, record_id, channels, length, records)
+        return add(b"CG" + struct.pack("<H", 4 + len(block)) + block)
+
+    ticks = linear(b"s", 1e-5)
+    slow = channel(channel(0, b"count", 0, 32, 16, 1, 0), b"t", 1, 0, 32, 0, ticks)
+    fast = channel(channel(0, b"accel", 0, 32, 32, 2, 0), b"t", 1, 0, 32, 0, ticks)
+    groups = group(group(0, slow, 2, 2, 6, SLOW), fast, 1, 2, 8, FAST)
+    records = bytearray()
+    for i in range(FAST):
+        records += struct.pack(">BIf", 1, i * 200, accel(i))
+        if i % 10 == 9:
+            records += struct.pack(">BIh", 2, i // 10 * 2000 + 100, count(i // 10))
+    data = add(bytes(records))
+    block = struct.pack("<4I2HI", 0, groups, 0, data, 2, 1, 0)
+    text[68:72] = struct.pack("<I", add(b"DG" + struct.pack("<H", 4 + len(block)) + block))
+    (HERE / name).write_bytes(text)
+    with MDF(HERE / name) as mdf:
+        assert np.array_equal(mdf.get("accel").samples, accel(np.arange(FAST)))
+        assert np.allclose(mdf.get("accel").timestamps, fast_time(np.arange(FAST)))
+        assert np.array_equal(mdf.get("count").samples, count(np.arange(SLOW)))
+
+
 def main():
     native_rates("plain.mf4", "4.00", 0)
     native_rates("deflate.mf4", "4.10", 1)
@@ -379,7 +555,12 @@ def main():
     mixed("unfinalised-unsorted.mf4", b"UnFinMF ", 1 | 4, fast=0, slow=0, length=24)
     check_mixed("unfinalised-unsorted.mf4")
     unfinished_sorted("unfinalised.mf4")
-    for path in sorted(HERE.glob("*.mf4")):
+    version_3("v330.dat", "3.30")
+    version_3("v214.dat", "2.14")
+    version_3_mixed("v300-mixed.dat")
+    bus("bus-apart.mf4", apart=True)
+    bus("bus-mixed.mf4", apart=False)
+    for path in sorted([*HERE.glob("*.mf4"), *HERE.glob("*.dat")]):
         print(f"{path.name:28} {path.stat().st_size:6} bytes")
 
 

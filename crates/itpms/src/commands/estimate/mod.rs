@@ -5,7 +5,9 @@
 mod summary;
 
 use itpms_core::estimator::EstimatorKind;
+use itpms_core::model::Corner;
 use itpms_data::{LogReader, Vehicle};
+use itpms_drive::learn::sensor_pressures;
 use itpms_drive::{Done, FilePaths, Files, Job, Settings, common_corners, wheel_speed_use};
 
 use super::{names, reference};
@@ -42,7 +44,10 @@ pub(crate) fn perform(
     }
     let reading = args.reading.options();
     let mut log = LogReader::open_with(&args.log, &reading)?;
-    let (corners, settings, paths) = (common_corners(&log, &vehicle)?, settings(args), paths(args));
+    let (corners, mut settings, paths) = (common_corners(&log, &vehicle)?, settings(args), paths(args));
+    if corners.is_empty() {
+        ask_sensors(args, &log, &mut settings, screen, interrupt)?;
+    }
     let (road, report) = (paths.want_road(), paths.report.is_some());
     let job =
         Job { vehicle: &vehicle, corners: &corners, settings: &settings, reading: &reading, road, report };
@@ -82,6 +87,29 @@ fn settings(args: &EstimateArgs) -> Settings {
         rate_hz: args.rate,
         pressure_unit: args.unit.pressure_unit,
     }
+}
+
+/// In a calibration of wheel speeds the tires' own sensors tell the pressures, unless they are given.
+fn ask_sensors(
+    args: &EstimateArgs,
+    log: &LogReader,
+    settings: &mut Settings,
+    screen: &Screen,
+    interrupt: &Interrupt,
+) -> Result<(), Failure> {
+    let sensors = log.columns().motion.tire_sensors.contains(&true);
+    let Some(seconds) = settings.calibrate_s.filter(|_| sensors && args.pressure_kpa.is_none()) else {
+        return Ok(());
+    };
+    // Read beforehand: the calibration begins with the first row.
+    let mut ahead = LogReader::open_with(&args.log, &args.reading.options())?;
+    settings.calibration_kpa = sensor_pressures(&mut ahead, seconds, &mut |_| interrupt.flow())?;
+    let told = Corner::ALL.iter().zip(settings.calibration_kpa);
+    let told: Vec<String> =
+        told.filter_map(|(corner, kpa)| Some(format!("{} {}", corner.label(), kpa?))).collect();
+    let path = args.log.display();
+    screen.remark(format!("{path}: calibrated at what the tires' own sensors send: {} kPa", told.join(", ")));
+    Ok(())
 }
 
 fn paths(args: &EstimateArgs) -> FilePaths {

@@ -38,13 +38,10 @@ enum Kind {
     Bus(itpms_live::source::socketcan::Interface, String),
 }
 
-/// Extensions of logs that hold frames.
-const FRAMES: [&str; 4] = ["log", "candump", "asc", "blf"];
-
 /// Opens what was asked for.
 pub(super) fn open(args: &MonitorArgs, screen: &Screen) -> Result<Source, Failure> {
     if let Some(path) = &args.replay {
-        if !holds_frames(path) {
+        if !itpms_data::holds_frames(path, args.reading.dbc.as_deref())? {
             let log = LogReader::open_with(path, &args.reading.options())?;
             return Ok(Source { kind: Kind::Rows(Box::new(log), args.speed), feed: None });
         }
@@ -82,18 +79,17 @@ fn bus(interface: &str) -> Result<Kind, Failure> {
     )))
 }
 
-fn holds_frames(path: &Path) -> bool {
-    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    FRAMES.contains(&extension.as_str())
-}
-
 /// What the frames mean.
 fn feed(args: &MonitorArgs, screen: &Screen) -> Result<Feed, Failure> {
-    let Some(path) = &args.reading.dbc else {
-        return Err(Failure::Usage("frames need --dbc CAR.dbc, which says what they mean".to_owned()));
+    let needed = || Failure::Usage("frames need --dbc CAR.dbc, which says what they mean".to_owned());
+    let (path, dbc) = match (&args.reading.dbc, &args.replay) {
+        (Some(path), _) => (path, Dbc::read(path)?),
+        // It may be attached to the log.
+        (None, Some(log)) => (log, itpms_data::frame_description(log, None)?),
+        (None, None) => return Err(needed()),
     };
     let map = args.reading.signals.as_deref().map(SignalMap::read).transpose()?;
-    let decoder = Decoder::new(Dbc::read(path)?, map.as_ref())?;
+    let decoder = Decoder::new(dbc, map.as_ref())?;
     if let Some(first) = decoder.problems().first() {
         let count = decoder.problems().len();
         screen.warn(format!("{}: {count} problems, the first: {first}", path.display()));

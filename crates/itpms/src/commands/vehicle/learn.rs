@@ -65,21 +65,23 @@ fn write(path: &Path, text: &str, screen: &Screen) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A pressure for every wheel of every drive.
+/// A pressure for every wheel of every drive, but those that the tires' own sensors are to tell.
 fn drives(args: &LearnArgs, vehicle: &Vehicle) -> Result<Vec<KnownDrive>, Failure> {
     let (logs, told) = (args.logs.len(), args.pressure_kpa.len());
-    if told != 1 && told != logs {
+    if told > 1 && told != logs {
         return Err(Failure::Usage(format!(
             "{told} times --pressure-kpa for {logs} logs, expected one for all or one for each, in the same order"
         )));
     }
     let mut drives = vec![];
     for (i, log) in args.logs.iter().enumerate() {
-        let known = args.pressure_kpa[if told == 1 { 0 } else { i }].0;
         let mut pressures_kpa = [f64::NAN; 4];
+        let given = if told == 1 { args.pressure_kpa.first() } else { args.pressure_kpa.get(i) };
+        let known = given.map_or([None; 4], |given| given.0);
         for corner in Corner::ALL {
             pressures_kpa[corner.index()] = match (known[corner.index()], vehicle.corner(corner)) {
                 (Some(kpa), _) => kpa,
+                (None, _) if given.is_none() => continue,
                 (None, None) => continue,
                 (None, Some(_)) => {
                     let (log, label) = (log.display(), corner.label());

@@ -5,20 +5,20 @@
 
 /// A date and a time of day.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Date {
-    pub(super) year: i64,
+pub(crate) struct Date {
+    pub(crate) year: i64,
     /// 1 to 12.
-    pub(super) month: u32,
+    pub(crate) month: u32,
     /// 1 to 31.
-    pub(super) day: u32,
-    pub(super) hour: u32,
-    pub(super) minute: u32,
-    pub(super) second: u32,
+    pub(crate) day: u32,
+    pub(crate) hour: u32,
+    pub(crate) minute: u32,
+    pub(crate) second: u32,
 }
 
 impl Date {
     /// Seconds since the beginning of 1970; `None` if there is no such date between the years 1 and 9999.
-    pub(super) fn seconds(self) -> Option<i64> {
+    pub(crate) fn seconds(self) -> Option<i64> {
         let plausible = (1..=9999).contains(&self.year)
             && (1..=12).contains(&self.month)
             && (1..=31).contains(&self.day)
@@ -40,7 +40,7 @@ impl Date {
     }
 
     /// The date so many seconds after the beginning of 1970.
-    pub(super) fn of_seconds(seconds: i64) -> Self {
+    pub(crate) fn of_seconds(seconds: i64) -> Self {
         let days = seconds.div_euclid(86_400) + 719_468;
         let of_day = seconds.rem_euclid(86_400) as u32;
         let era = days.div_euclid(146_097);
@@ -61,7 +61,7 @@ impl Date {
 }
 
 /// Day of the week, 0 being Sunday.
-pub(super) fn weekday(seconds: i64) -> usize {
+pub(crate) fn weekday(seconds: i64) -> usize {
     (seconds.div_euclid(86_400) + 4).rem_euclid(7) as usize
 }
 
