@@ -99,7 +99,7 @@ def bus_log(path, encoded, **options):
     with can.Logger(path, **options) as logger:
         for time_s, frame_id, extended, data in encoded:
             logger.on_message_received(
-                can.Message(timestamp=1.7e9 + time_s, arbitration_id=frame_id, is_extended_id=extended, data=data, channel=0)
+                can.Message(timestamp=float(1.7e9 + time_s), arbitration_id=frame_id, is_extended_id=extended, data=data, channel=0)
             )
 
 
