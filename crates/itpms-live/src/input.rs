@@ -20,8 +20,8 @@ pub enum Input {
     },
     /// A row of a drive log.
     Row {
-        /// The row.
-        row: LogRow,
+        /// The row, much larger than what else comes.
+        row: Box<LogRow>,
         /// When it came.
         arrived: Instant,
     },

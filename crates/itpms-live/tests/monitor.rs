@@ -35,7 +35,7 @@ fn opened() -> Input {
 }
 
 fn input(row: LogRow) -> Input {
-    Input::Row { row, arrived: Instant::now() }
+    Input::Row { row: Box::new(row), arrived: Instant::now() }
 }
 
 /// An engine and what it has to say.

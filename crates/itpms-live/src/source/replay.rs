@@ -40,7 +40,7 @@ pub fn start(
         };
         let next = || {
             let row = log.next_row()?;
-            Ok(row.map(|row| (row.time_s, Input::Row { row, arrived: Instant::now() })))
+            Ok(row.map(|row| (row.time_s, Input::Row { row: Box::new(row), arrived: Instant::now() })))
         };
         let result = if inputs.push(opened) { replay(next, speed, &inputs, &stop) } else { Ok(()) };
         end(result, log.path(), &log.repairs().warnings(), &inputs, &say);

@@ -158,7 +158,7 @@ pub(super) fn silence(campaign: &mut Campaign<'_>) -> Result<Outcome, Failure> {
             wheel_speeds: false,
         });
         for part in parts {
-            let came = part.iter().map(|row| Input::Row { row: *row, arrived: Instant::now() });
+            let came = part.iter().map(|row| Input::Row { row: Box::new(*row), arrived: Instant::now() });
             inputs.push_all(came.collect::<Vec<_>>());
             pushed += part.len() as u64;
             // The newest estimate may be of a tenth of a second before the last row.
