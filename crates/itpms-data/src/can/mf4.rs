@@ -8,6 +8,7 @@ use std::path::Path;
 use super::error::CanProblem;
 use super::frame::{CanFrame, CanId, Direction, FrameKind, Payload, length_of_code};
 use super::repairs::{FramePlace, FrameRepairs};
+use super::writer::MOST_TIME_S;
 use crate::error::{DataError, Problem};
 use crate::mdf4::Mdf4Reader;
 use crate::mdf4::bus::{FrameCursor, FrameField, FrameGroupKind};
@@ -95,8 +96,8 @@ impl Group {
 fn frame(cursor: &mut FrameCursor, time_s: f64) -> Result<Result<CanFrame, &'static str>, Problem> {
     use FrameField::{Brs, BusChannel, DataLength, Dir, Dlc, Edl, Esi, Id, Ide};
     let is_set = |field| cursor.field(field).is_some_and(|value| value != 0);
-    if !time_s.is_finite() {
-        return Ok(Err("a finite time"));
+    if !(0.0..=MOST_TIME_S).contains(&time_s) {
+        return Ok(Err("a time from 1970 to 9999"));
     }
     let Some(id) = cursor.field(Id).or((cursor.kind == FrameGroupKind::Error).then_some(0)) else {
         return Ok(Err("an identifier"));

@@ -12,7 +12,7 @@ use crate::error::DataError;
 use crate::out::AtomicFile;
 
 /// The end of the year 9999, in s since 1970: the formats write years of four digits.
-const MOST_TIME_S: f64 = 253_402_300_799.0;
+pub(super) const MOST_TIME_S: f64 = 253_402_300_799.0;
 
 /// A CAN log in the making. Frames are written in the order they come.
 #[derive(Debug)]
