@@ -205,7 +205,7 @@ fn listen(
         let (path, label, kpa) = (drive.log.display(), corner.label(), drive.pressures_kpa[corner.index()]);
         if kpa.is_nan() {
             let why = format!(
-                "{path}: no pressure is given of {label}, and no tire sensor in the log has one ({label}_tpms_kpa); expected one for every wheel"
+                "{path}: no pressure is given of {label}, and no tire sensor in the log has one ({label}_tpms_kpa); expected --pressure-kpa for every wheel"
             );
             return Err(DriveError::Mismatch(why));
         }

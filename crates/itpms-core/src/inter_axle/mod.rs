@@ -99,13 +99,7 @@ impl<T: Real> InterAxle<T> {
         let wheel = |corner: usize| {
             config.corners[corner].as_ref().map(|c| {
                 let theta = T::one() / c.tire.stiffness_n_per_m(c.placard_kpa);
-                Wheel {
-                    body: Body::from(&c.quarter_car),
-                    friction_n_s_per_m: T::zero(),
-                    theta,
-                    corner,
-                    on_line: false,
-                }
+                Wheel { body: Body::from(&c.quarter_car), friction_n_s_per_m: T::zero(), theta, corner }
             })
         };
         self.wheelbase_m = wheelbase_m;
@@ -207,9 +201,7 @@ impl<T: Real> InterAxle<T> {
 
     /// Takes over whether the road under a corner is one line.
     pub(crate) fn set_on_line(&mut self, corner: usize, on_line: bool) {
-        if let Some(wheel) = self.wheels.get_mut(corner).and_then(Option::as_mut) {
-            wheel.on_line = on_line;
-        }
+        self.pairs[corner % 2].set_on_line(corner / 2, on_line);
     }
 
     /// Whether a corner has a partner on its side.

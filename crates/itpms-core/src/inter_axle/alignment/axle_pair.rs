@@ -97,6 +97,8 @@ pub(crate) struct AxlePair<T: Real> {
     /// Distance in m of the rear wheel at its last entry.
     distance_m: f64,
     coherence: Coherence<T>,
+    /// Whether the road under front and rear is one line.
+    on_line: [bool; 2],
     hop_excess: HopExcess<T>,
     /// Logarithm of the power near wheel hop over that of the sensors' noise, of late; `None` before the first frame.
     log_snr: Option<T>,
@@ -111,7 +113,7 @@ pub(crate) struct AxlePair<T: Real> {
 
 blank!(AxlePair<T> {
     side, period_s, noise_density, delay_line, delay_search, aligned, clock, instruments,
-    frf_correction, saved, imbalance, distance_m, coherence, hop_excess, log_snr, used, invalid_hops,
+    frf_correction, saved, imbalance, distance_m, coherence, on_line, hop_excess, log_snr, used, invalid_hops,
     learned_until_s, spectral_updates,
 });
 
@@ -128,6 +130,7 @@ impl<T: Real> AxlePair<T> {
         self.imbalance = Imbalance::new();
         self.distance_m = f64::NAN;
         self.coherence = Coherence::new();
+        self.on_line = [false; 2];
         self.hop_excess = HopExcess::new();
         (self.log_snr, self.used) = (None, None);
         (self.invalid_hops, self.spectral_updates) = (0, 0);
@@ -136,6 +139,13 @@ impl<T: Real> AxlePair<T> {
 
     pub(crate) fn is_aligned(&self) -> bool {
         self.aligned
+    }
+
+    /// Takes over whether the road under the front or the rear is one line.
+    pub(crate) fn set_on_line(&mut self, axle: usize, on_line: bool) {
+        if let Some(place) = self.on_line.get_mut(axle) {
+            *place = on_line;
+        }
     }
 
     /// Takes an entry of the front corner.
@@ -163,7 +173,7 @@ impl<T: Real> AxlePair<T> {
         road: &PairingContext<'_, T>,
     ) -> Option<Found<T>> {
         // A line is alike at every delay that differs by a wave.
-        if road.wheels.iter().any(|wheel| wheel.on_line) || !(self.incoherence() > T::lit(REALIGN_ABOVE)) {
+        if self.on_line.contains(&true) || !(self.incoherence() > T::lit(REALIGN_ABOVE)) {
             self.delay_search.restart();
             return None;
         }
@@ -333,8 +343,7 @@ impl<T: Real> AxlePair<T> {
         *expected =
             self.coherence.expect(&road_power, &noise, |bin| road.expected_products(bin), frame.stretch);
         *instrument = instrument_slope(frame, &frf_ratios, wheels, side, state);
-        let on_line = wheels.iter().any(|wheel| wheel.on_line);
-        let heard = if on_line { T::zero() } else { self.snr_weight() };
+        let heard = if self.on_line.contains(&true) { T::zero() } else { self.snr_weight() };
         *weight = self.coherence.weight() * frame.frame.seen * heard;
         *incoherent_s = self.fading() * T::lit(HOP_S);
         Some(())

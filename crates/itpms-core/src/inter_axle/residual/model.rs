@@ -35,8 +35,6 @@ pub(crate) struct Wheel<T> {
     pub(crate) theta: T,
     /// Place in the order of [`Corner::ALL`](crate::model::Corner::ALL).
     pub(crate) corner: usize,
-    /// Whether the road under it is one line, whose frames are no new evidence.
-    pub(crate) on_line: bool,
 }
 
 /// A complete frame of both axles, and where it was taken.

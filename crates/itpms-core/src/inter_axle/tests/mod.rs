@@ -34,13 +34,7 @@ fn wheels() -> [Wheel<f64>; 2] {
     let wheel =
         |corner, sprung_mass_kg, unsprung_mass_kg, damping_n_s_per_m, spring_n_per_m, stiffness: f64| {
             let body = Body { sprung_mass_kg, unsprung_mass_kg, damping_n_s_per_m, spring_n_per_m };
-            Wheel {
-                body,
-                friction_n_s_per_m: 0.2 * damping_n_s_per_m,
-                theta: 1.0 / stiffness,
-                corner,
-                on_line: false,
-            }
+            Wheel { body, friction_n_s_per_m: 0.2 * damping_n_s_per_m, theta: 1.0 / stiffness, corner }
         };
     [wheel(0, 240.8, 56.9, 925.8, 29_114.0, 233_000.0), wheel(2, 216.0, 50.0, 870.0, 26_000.0, 220_000.0)]
 }
