@@ -86,7 +86,8 @@ impl<T: Real> Informed<T> {
         }
         self.invalid = false;
         self.notice_stop(speed_m_s);
-        let road_near_hop = self.road_near_hop(frame, self.tables.theta[cell]);
+        let theta = self.tables.theta.get(cell).copied().unwrap_or(T::ZERO);
+        let road_near_hop = self.road_near_hop(frame, theta);
         self.persistence.take(road_near_hop);
         let counts = if self.persistence.is_line() { T::zero() } else { self.gate.open() };
         evidence.weight = T::lit(OVERLAP) * counts;

@@ -46,14 +46,12 @@ impl<T: Real> Persistence<T> {
     pub(crate) fn take(&mut self, road: [Complex<T>; NEAR_HOP]) {
         let keep = T::lit(1.0 - self.hop_s / MEAN_S);
         (self.product, self.power) = (self.product * keep, self.power * keep);
-        if let Some(before) = self.before.last() {
-            for (now, then) in road.iter().zip(before) {
-                self.product += *now * then.conj();
-                self.power += T::lit(0.5) * (now.norm_sqr() + then.norm_sqr());
-            }
+        let [newest, newer, oldest] = self.before;
+        for (now, then) in road.iter().zip(&oldest) {
+            self.product += *now * then.conj();
+            self.power += T::lit(0.5) * (now.norm_sqr() + then.norm_sqr());
         }
-        self.before.rotate_right(1);
-        self.before[0] = road;
+        self.before = [road, newest, newer];
         self.frames = self.frames.saturating_add(1);
         if !(self.power.is_finite() && self.product.norm_sqr().is_finite()) {
             *self = Self::new(self.hop_s);
