@@ -11,7 +11,7 @@ use crate::real::Real;
 
 /// Bins of a frame around wheel hop.
 const NEAR_HOP: usize = 2;
-/// Frames between the two that are compared, the largest lag there is.
+/// Frames from one to the next that shares no sample with it, and one more.
 const LAG: usize = 3;
 /// Time constant in s of the means: a line whose speed changes turns faster or slower meanwhile.
 const MEAN_S: f64 = 2.0;
