@@ -4,10 +4,9 @@ use itpms_core::car::CarEstimator;
 use itpms_core::conditioning::Resampler;
 use itpms_core::estimator::Estimator;
 use itpms_core::monitor::{Monitor, MonitoredCar};
-use itpms_core::published::{AekfUi, AekfUiInformed, AekfUiLean};
 use itpms_core::real::Real;
 use itpms_core::road::RoadFilter;
-use itpms_core::single_wheel::Informed;
+use itpms_paper::{AekfUi, AekfUiInformed, AekfUiLean};
 
 fn report<T: Real>(scalar: &str) {
     let sizes = [
@@ -15,7 +14,6 @@ fn report<T: Real>(scalar: &str) {
         ("CarEstimator", size_of::<CarEstimator<T>>()),
         ("Monitor", size_of::<Monitor<T>>()),
         ("Estimator", size_of::<Estimator<T>>()),
-        ("Informed", size_of::<Informed<T>>()),
         ("Intake", size_of::<Resampler<T>>()),
         ("RoadFilter", size_of::<RoadFilter<T>>()),
         ("AekfUiInformed", size_of::<AekfUiInformed<T>>()),

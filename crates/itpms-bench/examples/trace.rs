@@ -4,9 +4,9 @@
 
 use itpms_bench::car::{shipped, taken};
 use itpms_bench::{RATE_HZ, SPEED_M_S, sample};
-use itpms_core::estimator::{Estimator, EstimatorKind};
 use itpms_core::model::{CarSample, CornerConfig, CornerEstimate, CornerSample};
 use itpms_core::real::Real;
+use itpms_paper::{AnyEstimator, EstimatorKind};
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::Simulation;
 
@@ -43,7 +43,7 @@ fn four_wheels<T: Real>(rows: &[CarSample<f64>], rate_hz: f64) -> u64 {
 
 fn one_wheel<T: Real>(kind: EstimatorKind) -> u64 {
     let mut estimator =
-        Estimator::new(kind, &CornerConfig::<T>::paper(), RATE_HZ).expect("the paper's corner");
+        AnyEstimator::new(kind, &CornerConfig::<T>::paper(), RATE_HZ).expect("the paper's corner");
     let mut sum = Checksum(0xcbf2_9ce4_8422_2325);
     for k in 0..(DRIVE_S * RATE_HZ) as usize {
         let CornerSample { body_accel_m_s2, wheel_accel_m_s2 } = sample::<T>(k);

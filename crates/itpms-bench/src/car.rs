@@ -4,7 +4,6 @@
 use std::sync::Arc;
 
 use itpms_core::car::{CarEstimate, CarEstimator, EstimatorOptions, RoadHeights};
-use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::{CarConfig, CarSample, CornerConfig, CornerSample, QuarterCar};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::real::Real;
@@ -109,8 +108,7 @@ impl<T: Real> RunningCar<T> {
                 Car::Monitored(monitored(&config, rate_hz))
             }
             Extent::WithoutRoadAndMonitor | Extent::CornersAlone => {
-                let estimator =
-                    CarEstimator::new(EstimatorKind::Informed, &config, rate_hz).expect("the drives' car");
+                let estimator = CarEstimator::new(&config, rate_hz).expect("the drives' car");
                 Car::Bare(Box::new(estimator.without_road()))
             }
         };

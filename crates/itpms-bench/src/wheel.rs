@@ -1,11 +1,11 @@
 //! One wheel for the benchmarks: a signal good enough to keep every branch busy, and each estimator warmed up until it has seen some
 //! seconds of it.
 
-use itpms_core::estimator::{Estimator, EstimatorKind};
 use itpms_core::model::{CornerConfig, CornerEstimate, CornerSample, QuarterCar};
-use itpms_core::published::{AekfUi, AekfUiLean, FilterConfig, Forgetting};
 use itpms_core::real::Real;
 use itpms_core::road::{RoadConfig, RoadFilter};
+use itpms_paper::{AekfUi, AekfUiLean, FilterConfig, Forgetting};
+use itpms_paper::{AnyEstimator, EstimatorKind};
 
 /// Samples per second.
 pub const RATE_HZ: f64 = 500.0;
@@ -38,7 +38,7 @@ pub const PUBLISHED_WARM_UP: usize = 10;
 /// An estimator behind its intake and how far it has come.
 #[derive(Clone)]
 pub struct Running<T: Real> {
-    estimator: Estimator<T>,
+    estimator: AnyEstimator<T>,
     /// Made beforehand, so that making them is not measured; used again and again.
     samples: Vec<CornerSample<T>>,
     next: usize,
@@ -48,7 +48,7 @@ impl<T: Real> Running<T> {
     /// Warmed up so that the next sample starts a new frame: the following `HOP - 1` complete none.
     #[must_use]
     pub fn new(kind: EstimatorKind) -> Self {
-        let estimator = Estimator::new(kind, &CornerConfig::paper(), RATE_HZ).expect("the paper's corner");
+        let estimator = AnyEstimator::new(kind, &CornerConfig::paper(), RATE_HZ).expect("the paper's corner");
         let mut running = Self { estimator, samples: (0..WARM_UP).map(sample).collect(), next: 0 };
         // The intake holds back seven samples before its first grid step.
         for _ in 0..WARM_UP.next_multiple_of(HOP) + 7 {

@@ -13,13 +13,13 @@
 //! Body and wheel acceleration of one corner give its tire's pressure with a standard deviation, and the road under it.
 //!
 //! ```
-//! use itpms_core::{CornerConfig, Estimator, EstimatorKind, Validity};
+//! use itpms_core::{CornerConfig, Estimator, Validity};
 //!
 //! # fn main() -> Result<(), itpms_core::ParameterError> {
 //! // Masses, damper, spring and tire of the corner: here the paper's.
 //! let corner = CornerConfig::<f64>::paper();
 //! let sample_rate_hz = 500.0;
-//! let mut estimator = Estimator::new(EstimatorKind::default(), &corner, sample_rate_hz)?;
+//! let mut estimator = Estimator::new(&corner, sample_rate_hz)?;
 //! for k in 0..1000 {
 //!     let time_s = f64::from(k) / sample_rate_hz;
 //!     // From the sensors; NaN: the value is missing.
@@ -99,7 +99,7 @@
 //! | [`conditioning`] | one clock and one speed, values checked and resampled, wheels that have left the road |
 //! | `spectrum` | short spectral frames, reconstructed signals, transfer functions |
 //! | `suspension` | the force in the struts, friction included, from the body's equation of motion |
-//! | [`single_wheel`] | one corner: a Bayes filter on a grid of pressures that knows that a road looks like a road |
+//! | `single_wheel` | one corner: a Bayes filter on a grid of pressures that knows that a road looks like a road |
 //! | `inter_axle` | front and rear over the same road: alignment and residual |
 //! | `belief` | what is believed of the car: a bank of Gaussian hypotheses |
 //! | [`estimator`] | the estimator of one corner |
@@ -110,14 +110,12 @@
 //! | [`wheel_speed`] | radius analysis: which tires differ from the others, from four wheel speeds alone |
 //! | [`road`] | the road under a wheel of known stiffness: causal, and smoothed for a record |
 //! | [`real`] | `f32` or `f64` |
-//! | `published` | the paper's filters to the letter, with feature `paper` |
 //!
 //! # Features
 //!
 //! | feature | what it adds |
 //! |---|---|
 //! | `serde` | saving and restoring of a running estimator |
-//! | `paper` | the paper's filters, which cannot find the stiffness, and one corrected |
 //! | `test-bench` | a road that repeats itself, as on a test bed or a drum |
 #![no_std]
 #![forbid(unsafe_code)]
@@ -132,13 +130,11 @@ mod inter_axle;
 mod memory;
 pub mod model;
 pub mod monitor;
-#[cfg(feature = "paper")]
-pub mod published;
 #[cfg(test)]
 mod random;
 pub mod real;
 pub mod road;
-pub mod single_wheel;
+mod single_wheel;
 mod spectrum;
 mod suspension;
 pub mod warning;
@@ -149,7 +145,7 @@ pub use self::car::{CarEstimate, CarEstimator, EstimatorOptions};
 #[doc(inline)]
 pub use self::diagnosis::{Malfunction, Sensor};
 #[doc(inline)]
-pub use self::estimator::{Estimator, EstimatorKind};
+pub use self::estimator::Estimator;
 #[doc(inline)]
 pub use self::model::{
     CarConfig, CarSample, Corner, CornerConfig, CornerEstimate, CornerSample, ParameterError, PressureMap,

@@ -12,27 +12,14 @@ mod estimator_faults;
 mod estimator_garbage;
 #[cfg(feature = "test-bench")]
 mod estimator_repeated_road;
-#[cfg(feature = "paper")]
 mod estimator_reset;
 mod estimator_saved;
 mod fall_interval;
-#[cfg(feature = "paper")]
-mod filter_properties;
 mod in_place;
-#[cfg(feature = "paper")]
-mod informed_filter;
 mod inter_axle;
 mod inter_axle_speed;
 mod monitor;
 mod monitor_corner;
-#[cfg(feature = "paper")]
-mod published_filter;
-#[cfg(feature = "paper")]
-mod published_lean;
-#[cfg(feature = "paper")]
-mod published_transcription;
 mod resampler;
 mod road_estimate;
 mod rollback;
-#[cfg(feature = "paper")]
-mod saved_filters;

@@ -4,7 +4,7 @@
 use crate::common;
 
 use common::ride::{Ride, Row, informed, normalised};
-use itpms_core::model::{CornerEstimate, Validity, Warning};
+use itpms_core::model::{CornerEstimate, Validity};
 
 const SEEDS: [u64; 4] = [1, 2, 3, 4];
 /// First row of every fault, and its time.
@@ -82,13 +82,9 @@ fn a_stuck_wheel_sensor_is_told_and_forgotten() {
             }
         });
         let end_s = FAULT_S + 3.0;
-        // Told after half a second, a malfunction after two more.
+        // Noticed after half a second.
         assert!(between(&estimates, FAULT_S + 0.51, end_s).all(|e| e.validity == Validity::BadSignal));
-        assert!(between(&estimates, FAULT_S + 2.52, end_s).all(|e| e.warning == Warning::Malfunction));
-        assert!(
-            between(&estimates, end_s, 40.0)
-                .all(|e| e.validity.is_valid() && e.warning != Warning::Malfunction)
-        );
+        assert!(between(&estimates, end_s, 40.0).all(|e| e.validity.is_valid()));
         let z = worst(&rows, &estimates);
         println!("seed {seed}: stuck for 3 s, worst {z:.2} sd");
         assert!(z < 3.0);
@@ -113,7 +109,6 @@ fn saturated_sensors_on_a_bad_road_teach_nothing() {
             last.validity
         );
         assert!(z < 3.0);
-        assert!(estimates.iter().all(|e| e.warning == Warning::None));
     }
 }
 
@@ -133,7 +128,6 @@ fn a_single_spike_is_overcome_in_five_seconds() {
         let z = worst(&rows[FAULT + 2500..], &estimates[FAULT + 2500..]);
         println!("seed {seed}: five seconds after a spike, worst {z:.2} sd");
         assert!(z < 3.0);
-        assert!(estimates.iter().all(|e| e.warning == Warning::None));
     }
 }
 
@@ -144,8 +138,7 @@ fn spikes_stay_within_three_standard_deviations() {
         for every in [FAULT, 2500] {
             let (rows, estimates) = spiked(seed, every);
             let z = worst(&rows, &estimates);
-            let low = estimates.iter().filter(|e| e.warning == Warning::Low).count();
-            println!("seed {seed}: a spike every {every} rows, worst {z:.2} sd, {low} rows of false warning");
+            println!("seed {seed}: a spike every {every} rows, worst {z:.2} sd");
             largest = largest.max(z);
         }
     }

@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 
 use common::quarter_plant::Random;
 use common::ride::{Ride, Row, estimator, feed};
-use itpms_core::estimator::{Estimator, EstimatorKind};
+use itpms_core::estimator::Estimator;
 use itpms_core::model::CornerEstimate;
 use itpms_core::real::Real;
 use proptest::prelude::*;
@@ -77,25 +77,23 @@ enum Afterwards {
 }
 
 fn survive<T: Real>(damage: &[Damage], from_bits: fn(u64) -> T, afterwards: Afterwards) {
-    for kind in EstimatorKind::ALL {
-        let mut estimator = estimator::<T>(kind, RATE_HZ);
-        for (damage, row) in damage.iter().zip(ROWS.iter()) {
-            finite_or_not_believed(&damage.feed(&mut estimator, row, from_bits));
-        }
-        let clean = &ROWS[damage.len()..][..(CLEAN_S * RATE_HZ) as usize];
-        let mut last = None;
-        for row in clean {
-            let estimate = feed(&mut estimator, row);
-            finite_or_not_believed(&estimate);
-            last = Some(estimate);
-        }
-        if kind == EstimatorKind::Informed && afterwards == Afterwards::Recovers {
-            let last = last.unwrap();
-            let error = last.pressure_kpa.to_f64() - clean[clean.len() - 1].pressure_kpa;
-            let sd = last.pressure_sd_kpa.to_f64();
-            let sound = last.validity.is_valid() && error.abs() < 3.0 * sd;
-            assert!(sound, "{:?} error {error} sd {sd}", last.validity);
-        }
+    let mut estimator = estimator::<T>(RATE_HZ);
+    for (damage, row) in damage.iter().zip(ROWS.iter()) {
+        finite_or_not_believed(&damage.feed(&mut estimator, row, from_bits));
+    }
+    let clean = &ROWS[damage.len()..][..(CLEAN_S * RATE_HZ) as usize];
+    let mut last = None;
+    for row in clean {
+        let estimate = feed(&mut estimator, row);
+        finite_or_not_believed(&estimate);
+        last = Some(estimate);
+    }
+    if afterwards == Afterwards::Recovers {
+        let last = last.unwrap();
+        let error = last.pressure_kpa.to_f64() - clean[clean.len() - 1].pressure_kpa;
+        let sd = last.pressure_sd_kpa.to_f64();
+        let sound = last.validity.is_valid() && error.abs() < 3.0 * sd;
+        assert!(sound, "{:?} error {error} sd {sd}", last.validity);
     }
 }
 
@@ -142,7 +140,7 @@ fn after_noise<T: Real>(seed: u64) -> (f64, f64) {
             *x = 1000.0 * (2.0 * random.uniform() - 1.0);
         }
     }
-    let mut estimator = estimator::<T>(EstimatorKind::Informed, RATE_HZ);
+    let mut estimator = estimator::<T>(RATE_HZ);
     for row in &rows {
         feed(&mut estimator, row);
     }

@@ -4,7 +4,7 @@
 use crate::common;
 
 use common::ride::{Ride, Row, estimator, feed, normalised};
-use itpms_core::estimator::{Estimator, EstimatorKind, RoadPeriod, RoadRepetition};
+use itpms_core::estimator::{Estimator, RoadPeriod, RoadRepetition};
 use itpms_core::model::{CornerConfig, CornerEstimate, Validity};
 
 const PERIOD_S: f64 = 0.66;
@@ -43,7 +43,7 @@ fn loss() -> Ride {
 
 fn tire(rate_hz: f64) -> Estimator<f64> {
     let config = CornerConfig::paper().with_accel_noise(0.2).unwrap();
-    Estimator::new(EstimatorKind::Informed, &config, rate_hz).unwrap()
+    Estimator::new(&config, rate_hz).unwrap()
 }
 
 fn run(mut tire: Estimator<f64>, rows: &[Row]) -> Vec<CornerEstimate<f64>> {
@@ -78,7 +78,7 @@ fn after_a_reset_a_loss_is_read_to_a_few_kilopascal() {
 fn a_change_tells_the_level_without_a_reset() {
     let rows = loss().rows();
     let config = CornerConfig::paper().with_accel_noise(0.2).unwrap().with_initial_pressure(215.0).unwrap();
-    let estimates = run(Estimator::new(EstimatorKind::Informed, &config, 500.0).unwrap(), &rows);
+    let estimates = run(Estimator::new(&config, 500.0).unwrap(), &rows);
     let (after, worst) = errors(&rows, &estimates, 20.0..30.0);
     assert!(after < 5.0, "{after} kPa");
     assert!(worst < 3.5, "{worst} sd");
@@ -89,7 +89,7 @@ fn without_change_the_level_stays_unknown() {
     let ride = Ride { seconds: 60.0, pressure_kpa: |_| 241.3, ..loss() };
     let rows = ride.rows();
     let config = CornerConfig::paper().with_accel_noise(0.2).unwrap().with_initial_pressure(220.0).unwrap();
-    let estimates = run(Estimator::new(EstimatorKind::Informed, &config, 500.0).unwrap(), &rows);
+    let estimates = run(Estimator::new(&config, 500.0).unwrap(), &rows);
     // The same pass again and again says nothing of the level: what the first seconds left open must not close.
     let sd = |t: f64| estimates[(t * 500.0) as usize].pressure_sd_kpa;
     assert!(sd(59.0) > 0.7 * sd(6.0), "{} kPa, {} kPa", sd(6.0), sd(59.0));
@@ -119,9 +119,8 @@ fn a_road_that_does_not_repeat_is_never_taken_for_one() {
     for (seed, bump) in [(1, (|_| 0.0) as fn(f64) -> f64), (2, unbalanced)] {
         let ride = Ride { seconds: 120.0, roughness_m3: 16e-6, bump_m: bump, ..Ride::new(seed) };
         let rows = ride.rows();
-        let looked_for = run(estimator(EstimatorKind::Informed, 500.0), &rows);
-        let never =
-            run(estimator(EstimatorKind::Informed, 500.0).with_road_repetition(RoadRepetition::Never), &rows);
+        let looked_for = run(estimator(500.0), &rows);
+        let never = run(estimator(500.0).with_road_repetition(RoadRepetition::Never), &rows);
         let differ = looked_for.iter().zip(&never).position(|(a, b)| a.pressure_kpa != b.pressure_kpa);
         assert_eq!(differ, None);
     }
@@ -157,7 +156,7 @@ fn single_precision_is_enough() {
     let rows = loss().rows();
     let double = run(tire(500.0).with_calibration_drive(10.0).unwrap(), &rows);
     let config = CornerConfig::<f32>::paper().with_accel_noise(0.2).unwrap();
-    let single = Estimator::<f32>::new(EstimatorKind::Informed, &config, 500.0).unwrap();
+    let single = Estimator::<f32>::new(&config, 500.0).unwrap();
     let mut single = single.with_calibration_drive(10.0).unwrap();
     let far = rows.iter().zip(&double).map(|(row, d)| {
         let s = feed(&mut single, row);

@@ -5,7 +5,6 @@ use crate::common;
 
 use common::car_ride::{CarRide, RATE_HZ, car, config, drive};
 use common::ride::{Ride, estimator, feed};
-use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::{CalibrationError, Corner, CornerCalibration, Learned, VehicleCalibration};
 
 const PLACARD_KPA: f64 = 241.3;
@@ -13,25 +12,23 @@ const RESET_S: f64 = 10.0;
 
 #[test]
 fn a_reset_drive_stays_at_placard_and_lets_go_afterwards() {
-    for kind in [EstimatorKind::Informed, EstimatorKind::AekfUiInformed] {
-        let ride = Ride::new(7);
-        let mut tire = estimator::<f64>(kind, ride.rate_hz).with_calibration_drive(RESET_S).unwrap();
-        let start_s = ride.rows()[0].time_s;
-        let mut free_sd: f64 = 0.0;
-        for row in ride.rows() {
-            let e = feed(&mut tire, &row);
-            let driven_s = row.time_s - start_s;
-            if (1.0..RESET_S).contains(&driven_s) {
-                // A reset is good to 3 kPa, and one grid cell spans 8.
-                assert!((e.pressure_kpa - PLACARD_KPA).abs() < 8.0, "{kind:?}: {}", e.pressure_kpa);
-                assert!(e.pressure_sd_kpa < 8.0, "{kind:?}: {}", e.pressure_sd_kpa);
-            } else if driven_s > RESET_S + 5.0 {
-                free_sd = free_sd.max(e.pressure_sd_kpa);
-            }
+    let ride = Ride::new(7);
+    let mut tire = estimator::<f64>(ride.rate_hz).with_calibration_drive(RESET_S).unwrap();
+    let start_s = ride.rows()[0].time_s;
+    let mut free_sd: f64 = 0.0;
+    for row in ride.rows() {
+        let e = feed(&mut tire, &row);
+        let driven_s = row.time_s - start_s;
+        if (1.0..RESET_S).contains(&driven_s) {
+            // A reset is good to 3 kPa, and one grid cell spans 8.
+            assert!((e.pressure_kpa - PLACARD_KPA).abs() < 8.0, "{}", e.pressure_kpa);
+            assert!(e.pressure_sd_kpa < 8.0, "{}", e.pressure_sd_kpa);
+        } else if driven_s > RESET_S + 5.0 {
+            free_sd = free_sd.max(e.pressure_sd_kpa);
         }
-        // Nobody vouches for the pressure any more: the sd is the estimator's own again.
-        assert!(free_sd > 3.0, "{kind:?}: {free_sd}");
     }
+    // Nobody vouches for the pressure any more: the sd is the estimator's own again.
+    assert!(free_sd > 3.0, "{free_sd}");
 }
 
 /// Of a car like this one, whose corners should have these pressures.
@@ -68,27 +65,10 @@ fn what_was_learned_of_another_car_is_refused_and_changes_nothing() {
     assert!(format!("{car:?}") != before);
 }
 
-/// The corrected filter knows how long a hole was: the stiffness may have walked meanwhile.
-#[test]
-fn over_a_hole_the_corrected_filter_becomes_less_sure() {
-    let rows = Ride::new(7).rows();
-    let sd_n_per_m = |hole_s: f64| {
-        let mut tire = estimator::<f64>(EstimatorKind::AekfUiInformed, 500.0);
-        let mut last = None;
-        for (i, row) in rows.iter().take(10_100).enumerate() {
-            let time_s = row.time_s + if i < 10_000 { 0.0 } else { hole_s };
-            last = Some(feed(&mut tire, &common::ride::Row { time_s, ..*row }));
-        }
-        last.unwrap().stiffness_sd_n_per_m
-    };
-    let (short, long) = (sd_n_per_m(0.0), sd_n_per_m(600.0));
-    assert!(long > 1.2 * short, "{long} and {short} N/m");
-}
-
 #[test]
 fn a_reset_of_no_length_is_refused() {
     for seconds in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let tire = estimator::<f64>(EstimatorKind::Informed, 500.0);
+        let tire = estimator::<f64>(500.0);
         assert_eq!(tire.with_calibration_drive(seconds).unwrap_err().name, "calibrate_s");
     }
 }

@@ -7,7 +7,7 @@ use std::sync::{LazyLock, Mutex};
 
 use common::car_ride::{CarRide, RATE_HZ, cast, config};
 use itpms_core::car::CarEstimator;
-use itpms_core::estimator::{Estimator, EstimatorKind};
+use itpms_core::estimator::Estimator;
 use itpms_core::model::{CarConfig, CarSample, Validity};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 
@@ -75,14 +75,14 @@ fn a_car_whose_monitor_or_corner_is_refused_is_not_configured() {
     let mut estimator = Box::new(CarEstimator::<f32>::unconfigured());
     let mut refused = config();
     refused.corners[2].as_mut().unwrap().accel_noise_m_s2 = Some(0.0);
-    assert!(estimator.configure(EstimatorKind::Informed, &refused, RATE_HZ).is_err());
+    assert!(estimator.configure(&refused, RATE_HZ).is_err());
     assert!(ROWS[..100].iter().all(|row| estimator.update(&cast(row)).corners.iter().all(Option::is_none)));
-    estimator.configure(EstimatorKind::Informed, &config(), RATE_HZ).unwrap();
+    estimator.configure(&config(), RATE_HZ).unwrap();
     assert!(estimator.update(&cast(&ROWS[0])).corners.iter().all(Option::is_some));
 }
 
 #[test]
-fn any_estimator_may_be_configured_in_the_place_of_any_other() {
+fn an_estimator_may_be_configured_in_the_place_of_another() {
     let corner = config::<f64>().corners[0].unwrap();
     let mut estimator = Box::new(Estimator::unconfigured());
     let feed = |estimator: &mut Estimator<f64>| {
@@ -95,9 +95,9 @@ fn any_estimator_may_be_configured_in_the_place_of_any_other() {
     feed(&mut estimator);
     assert_eq!(estimator.counts().accepted, 0, "not configured, every sample is refused");
     assert_eq!(estimator.update(10.0, 20.0, 0.1, 0.2).validity, Validity::Starting);
-    for kind in EstimatorKind::ALL.into_iter().chain([EstimatorKind::Informed]) {
-        estimator.configure(kind, &corner, RATE_HZ).unwrap();
-        let mut handed_on = Estimator::new(kind, &corner, RATE_HZ).unwrap();
+    for _ in 0..2 {
+        estimator.configure(&corner, RATE_HZ).unwrap();
+        let mut handed_on = Estimator::new(&corner, RATE_HZ).unwrap();
         assert_eq!(format!("{estimator:?}"), format!("{handed_on:?}"));
         feed(&mut estimator);
         feed(&mut handed_on);

@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 
 use common::car_ride::{CarRide, PLACARD_KPA, RATE_HZ, car, config, drive, sound};
 use itpms_core::car::{CarEstimate, CarEstimator, Sources};
-use itpms_core::estimator::{Estimator, EstimatorKind};
+use itpms_core::estimator::Estimator;
 use itpms_core::model::{CarConfig, CarSample, CornerSample};
 
 static RIDE: LazyLock<CarRide> = LazyLock::new(|| CarRide::new(5));
@@ -286,9 +286,7 @@ fn both_precisions_say_the_same() {
 #[test]
 fn without_a_wheelbase_the_corners_are_alone() {
     let config = CarConfig { wheelbase_m: None, ..config::<f64>() };
-    let alone = |i: usize| {
-        Estimator::new(EstimatorKind::Informed, config.corners[i].as_ref().unwrap(), RATE_HZ).unwrap()
-    };
+    let alone = |i: usize| Estimator::new(config.corners[i].as_ref().unwrap(), RATE_HZ).unwrap();
     let (mut car, mut corners) = (car(&config), [0, 1, 2, 3].map(alone));
     for row in &ROWS[..3000] {
         let estimate = car.update(row);

@@ -1,10 +1,10 @@
 //! What should be known before believing a result, said in sentences.
 
-use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::Corner;
 use itpms_core::wheel_speed::RadiusState;
 use itpms_data::out::WheelSpeedUse;
 use itpms_data::{LogReader, Vehicle};
+use itpms_paper::EstimatorKind;
 use itpms_study::report::ReportData;
 
 use crate::drive::Drive;
@@ -201,7 +201,7 @@ pub(crate) fn of(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Vec<String> {
             path.display()
         ));
     }
-    if matches!(settings.estimator, EstimatorKind::AekfUi | EstimatorKind::EkfUi) {
+    if settings.estimator.is_as_published() {
         let label = settings.estimator.label();
         concerns.push(format!(
             "{label} as published cannot find the stiffness: its pressure says nothing about the tire"

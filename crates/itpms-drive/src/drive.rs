@@ -1,13 +1,14 @@
 //! The estimator of a drive's car, and what it says after a row.
 
-use itpms_core::car::{CarEstimate, EstimatorOptions};
+use itpms_core::car::{CarEstimate, CarEstimator, EstimatorOptions};
 use itpms_core::conditioning::{SpeedHold, is_a_cars};
 use itpms_core::model::{BodyFit, Corner, CornerEstimate, Misfit, QuarterCar};
-use itpms_core::monitor::{MonitorConfig, MonitoredCar};
+use itpms_core::monitor::MonitorConfig;
 use itpms_core::warning::MonitorReport;
 use itpms_data::out::{RadiusRow, WheelSpeedUse};
 use itpms_data::{LogRow, Vehicle};
 
+use crate::car::AnyCar;
 use crate::error::DriveError;
 use crate::reference::{self, Taught};
 use crate::settings::{LOG_END_S, Settings};
@@ -30,7 +31,7 @@ const UNKNOWN_SHARE: f64 = 0.1;
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Drive {
-    car: Box<MonitoredCar<f64>>,
+    car: AnyCar,
     wheels: Option<WheelSpeeds>,
     /// Time of the first and of the last row, and seconds driven until front and rear of any side were found to meet the same road.
     first_s: f64,
@@ -67,21 +68,17 @@ impl Drive {
             .then(|| WheelSpeeds::new(settings, vehicle, alone, taught))
             .transpose()?;
         let config = vehicle.car_config(corners);
-        let options = EstimatorOptions {
-            estimator: settings.estimator,
-            road_repetition: settings.road_repeats,
-            ..EstimatorOptions::default()
-        };
+        let options =
+            EstimatorOptions { road_repetition: settings.road_repeats, ..EstimatorOptions::default() };
         let config =
             MonitorConfig::new(&config).with_limits(settings.regulation.into()).with_options(options);
-        // Built in its box: by value it would cross the stack, and whose that is the caller alone knows.
-        let mut car = Box::new(MonitoredCar::unconfigured());
+        let mut car = AnyCar::without_corners();
         if !alone && settings.calibration_kpa.iter().any(Option::is_some) {
             let what = "pressures of the calibration other than the placards' (--pressure-kpa) are of use for wheel speeds alone";
             return Err(DriveError::Mismatch(what.to_owned()));
         }
         if !alone {
-            car.configure(&config, sample_rate_hz)?;
+            car = AnyCar::new(settings.estimator, &config, sample_rate_hz)?;
             if let Some((_, stored)) = stored.as_ref().filter(|(_, stored)| stored.has_corners()) {
                 reference::load(settings, &stored.reference, &mut car)?;
             }
@@ -112,7 +109,7 @@ impl Drive {
     /// The cars as they seem to be now, in the order of [`Corner::ALL`].
     #[must_use]
     pub fn quarter_cars(&self) -> QuarterCars {
-        self.car.estimator().quarter_cars()
+        self.car.estimator().map_or([None; 4], CarEstimator::quarter_cars)
     }
 
     /// The log is over. A calibration of so many seconds that lasts as long as it does, give or take one, is over, too.
@@ -129,7 +126,7 @@ impl Drive {
     #[must_use]
     pub fn learned(&self) -> Taught {
         let wheel_speeds = self.wheels.as_ref().and_then(WheelSpeeds::learned);
-        Taught { corners: self.car.estimator().calibration(), wheel_speeds }
+        Taught { corners: self.car.estimator().and_then(CarEstimator::calibration), wheel_speeds }
     }
 
     /// Whether the yaw rate's sign contradicts the wheels.
@@ -187,19 +184,19 @@ impl Drive {
     /// How well body and wheel of a corner go together, and what does not, if the car has that corner.
     #[must_use]
     pub fn fit(&self, corner: Corner) -> Option<(BodyFit<f64>, Option<Misfit>)> {
-        self.car.estimator().fit(corner)
+        self.car.estimator()?.fit(corner)
     }
 
     /// By how much the spectra read more than the placard's pressures in the calibration, with its sd, in kPa.
     #[must_use]
     pub fn calibration_excess_kpa(&self) -> Option<[f64; 2]> {
-        self.car.estimator().calibration_excess_kpa()
+        self.car.estimator()?.calibration_excess_kpa()
     }
 
     /// Seconds by which the speed was found to come late, if it was.
     #[must_use]
     pub fn speed_latency_s(&self) -> Option<f64> {
-        Some(self.car.estimator().speed_latency_s()).filter(|seconds| *seconds != 0.0)
+        Some(self.car.estimator()?.speed_latency_s()).filter(|seconds| *seconds != 0.0)
     }
 
     /// Takes a row; a speed that its wheels deny is taken out of it.

@@ -23,6 +23,7 @@
 #![forbid(unsafe_code)]
 
 pub mod alerts;
+mod car;
 pub mod check;
 pub mod concerns;
 pub mod drive;
@@ -44,11 +45,13 @@ mod wheel_speeds;
 mod wheelbase;
 
 pub use alerts::Alerts;
+pub use car::AnyCar;
 pub use check::{CheckedVehicle, check};
 pub use concerns::common_corners;
 pub use drive::{Drive, Estimates, QuarterCars};
 pub use error::DriveError;
 pub use files::{FilePaths, Files};
+pub use itpms_paper::EstimatorKind;
 pub use learn::{KnownDrive, LearnedVehicle, learn, learn_with};
 pub use pipeline::estimate_in_pipeline;
 pub use reference::Taught;

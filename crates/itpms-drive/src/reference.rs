@@ -6,12 +6,12 @@ use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use itpms_core::model::{CalibrationError, VehicleCalibration};
-use itpms_core::monitor::MonitoredCar;
 use itpms_core::wheel_speed::RadiusCalibration;
 use itpms_data::Vehicle;
 use itpms_data::out::AtomicFile;
 use itpms_data::reference::{ReferenceProblem, StoredReference};
 
+use crate::car::AnyCar;
 use crate::error::DriveError;
 use crate::settings::{LOG_END_S, Settings};
 
@@ -48,7 +48,7 @@ pub(crate) fn read(
 pub(crate) fn load(
     settings: &Settings,
     reference: &VehicleCalibration<f64>,
-    car: &mut MonitoredCar<f64>,
+    car: &mut AnyCar,
 ) -> Result<(), DriveError> {
     car.load_calibration(reference).map_err(|error: CalibrationError| {
         let why = format!("the learned reference does not fit the drive: {error}");

@@ -3,9 +3,8 @@
 //! Owned by the engine, which hands it row after row. Knows nothing of sources, threads and outputs: the same rows give the
 //! same estimates, here and in `itpms estimate`.
 
-use itpms_core::car::{CarEstimate, EstimatorOptions};
+use itpms_core::car::CarEstimate;
 use itpms_core::conditioning::Odometer;
-use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::VehicleCalibration;
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::warning::{Change, MonitorReport, Regulation};
@@ -23,8 +22,6 @@ use crate::wheels::Wheels;
 /// How a drive is estimated and how often it is told.
 #[derive(Debug, Clone)]
 pub struct DriveOptions {
-    /// Which estimator.
-    pub estimator: EstimatorKind,
     /// Which loss is warned of.
     pub regulation: Regulation,
     /// Length in s of the calibration that begins with the first row.
@@ -42,7 +39,6 @@ pub struct DriveOptions {
 impl Default for DriveOptions {
     fn default() -> Self {
         Self {
-            estimator: EstimatorKind::default(),
             regulation: Regulation::default(),
             calibrate_s: None,
             reference: None,
@@ -84,9 +80,7 @@ impl Drive {
     pub fn new(vehicle: &Vehicle, clock: Clock, options: &DriveOptions) -> Result<Self, LiveError> {
         let config = vehicle.car_config(&clock.corners);
         let refused = |error: &dyn std::fmt::Display| LiveError::Refused(error.to_string());
-        let config = MonitorConfig::new(&config)
-            .with_limits(options.regulation.into())
-            .with_options(EstimatorOptions { estimator: options.estimator, ..EstimatorOptions::default() });
+        let config = MonitorConfig::new(&config).with_limits(options.regulation.into());
         let mut car = Box::new(MonitoredCar::unconfigured());
         // Without corners there is nothing to configure: wheel speeds are all there is.
         let alone = clock.corners.is_empty();

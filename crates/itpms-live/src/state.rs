@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! itpms-live-state 10 f6d0c1f2a5a1b1c3\n     format, checksum of the format and of everything below
-//! postcard of the vehicle's identity, the options and the drive
+//! postcard of the vehicle's identity, the regulation and the drive
 //! ```
 //!
 //! Made and read by the engine's thread, written by the monitor. What is damaged, of another format, of another vehicle or
@@ -26,7 +26,7 @@ use crate::roughness::Roughness;
 use crate::wheels::Wheels;
 
 /// The format that is written, and the only one that is read.
-pub const FORMAT: u32 = 22;
+pub const FORMAT: u32 = 23;
 
 const MAGIC: &str = "itpms-live-state ";
 /// The largest car takes some 400 kB.
@@ -36,8 +36,8 @@ const LONGEST_BYTES: u64 = 8 << 20;
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SavedDrive {
     vehicle: (String, Option<String>, String),
-    /// Estimator and regulation: what cannot change in the middle.
-    options: [String; 2],
+    /// What cannot change in the middle.
+    regulation: String,
     sample_rate_hz: f64,
     corners: Vec<Corner>,
     gate: (f64, Option<f64>, f64),
@@ -51,7 +51,7 @@ impl SavedDrive {
     pub(crate) fn of(drive: &Drive, options: &DriveOptions) -> Self {
         Self {
             vehicle: Default::default(),
-            options: fixed(options),
+            regulation: options.regulation.label().to_owned(),
             sample_rate_hz: drive.clock.sample_rate_hz,
             corners: drive.clock.corners.clone(),
             gate: (options.rate_hz, drive.gate.start_s, drive.gate.due),
@@ -105,9 +105,9 @@ impl SavedDrive {
                 format!("is of the vehicle {name:?}, expected {:?}", ours.name)
             });
         }
-        let wanted = fixed(options);
-        if saved.options != wanted {
-            return Err(format!("was made with {}, expected {}", saved.options.join(" "), wanted.join(" ")));
+        let wanted = options.regulation.label();
+        if saved.regulation != wanted {
+            return Err(format!("was made with {}, expected {wanted}", saved.regulation));
         }
         Ok(saved)
     }
@@ -194,10 +194,6 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), LiveError> {
     let mut file = AtomicFile::create(path)?;
     file.append(bytes)?;
     Ok(file.commit()?)
-}
-
-fn fixed(options: &DriveOptions) -> [String; 2] {
-    [options.estimator.label().to_owned(), options.regulation.label().to_owned()]
 }
 
 fn seal(format: &str, body: &[u8]) -> String {

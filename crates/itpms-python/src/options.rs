@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use itpms_core::estimator::{EstimatorKind, RoadPeriod, RoadRepetition};
+use itpms_core::estimator::{RoadPeriod, RoadRepetition};
 use itpms_core::model::PressureUnit;
 use itpms_core::warning::Regulation;
 use itpms_data::log::LogOptions;
+use itpms_drive::EstimatorKind;
 use itpms_drive::Settings;
 use pyo3::prelude::*;
 

@@ -1,8 +1,8 @@
 //! The filters of this project, with their guards and their records.
 
 use itpms_core::model::{CornerSample, QuarterCar};
-use itpms_core::published::{AekfUi, AekfUiLean, StepStatus};
 use itpms_core::real::Real;
+use itpms_paper::{AekfUi, AekfUiLean, StepStatus};
 
 use crate::peers::corner::{STEP_S, setting};
 use crate::peers::{Number, Peer};

@@ -135,10 +135,7 @@ impl<T: Real> CarEstimator<T> {
             Some(fused) => fused.covariance,
             None => {
                 let sd = of(|corner| corner.stiffness_sd_n_per_m);
-                let mut covariance = match self.kind.is_as_published() {
-                    true => SMatrix::zeros(),
-                    false => self.considered.uncalibrated(&of(|corner| corner.stiffness_n_per_m)),
-                };
+                let mut covariance = self.considered.uncalibrated(&of(|corner| corner.stiffness_n_per_m));
                 covariance.set_diagonal(&sd.component_mul(&sd));
                 covariance
             }

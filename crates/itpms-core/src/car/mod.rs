@@ -13,7 +13,7 @@ use self::conclusion::Concluded;
 use self::considered::Considered;
 use self::fusion::Fusion;
 use crate::conditioning::{Moment, SampleClock, SampleCounts};
-use crate::estimator::{CornerEstimator, EstimatorKind, RoadRepetition};
+use crate::estimator::{CornerEstimator, RoadRepetition};
 use crate::memory::{Blank, Placed, blank};
 use crate::model::{
     BodyFit, CalibrationError, CarConfig, CarSample, Corner, Inflation, Misfit, ParameterError, QuarterCar,
@@ -54,12 +54,10 @@ pub enum RoadHeights {
 
 blank!(RoadHeights::Estimated);
 
-/// Which estimator a car uses, and how.
+/// How a car's estimator is used.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EstimatorOptions {
-    /// Which estimator.
-    pub estimator: EstimatorKind,
     /// From where the pressure may be learned.
     pub sources: Sources,
     /// What is known of the road repeating itself, as on a test bed.
@@ -70,13 +68,12 @@ pub struct EstimatorOptions {
     pub inflation: Inflation,
 }
 
-blank!(EstimatorOptions { estimator, sources, road_repetition, road_heights, inflation });
+blank!(EstimatorOptions { sources, road_repetition, road_heights, inflation });
 
 /// A running estimator of a car. A value: clone it, save it, go on.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CarEstimator<T: Real> {
-    kind: EstimatorKind,
     sources: Sources,
     clock: SampleClock<T>,
     corners: [Placed<CornerEstimator<T>>; 4],
@@ -91,7 +88,6 @@ pub struct CarEstimator<T: Real> {
 }
 
 blank!(CarEstimator<T> {
-    kind,
     sources,
     clock,
     corners,
@@ -104,18 +100,14 @@ blank!(CarEstimator<T> {
 });
 
 impl<T: Real> CarEstimator<T> {
-    /// An estimator of `kind` for samples that come at about `sample_rate_hz`. Only [`EstimatorKind::Informed`] uses the
-    /// shared road. A large value: a controller [configures](Self::configure) it in a `static`.
+    /// An estimator for samples that come at about `sample_rate_hz`. A large value: a controller
+    /// [configures](Self::configure) it in a `static`.
     ///
     /// # Errors
     /// The rate must be positive and finite; parameters of a corner that the filters refuse are named.
-    pub fn new(
-        kind: EstimatorKind,
-        config: &CarConfig<T>,
-        sample_rate_hz: f64,
-    ) -> Result<Self, ParameterError> {
+    pub fn new(config: &CarConfig<T>, sample_rate_hz: f64) -> Result<Self, ParameterError> {
         let mut estimator = Self::unconfigured();
-        estimator.configure(kind, config, sample_rate_hz)?;
+        estimator.configure(config, sample_rate_hz)?;
         Ok(estimator)
     }
 
@@ -130,31 +122,21 @@ impl<T: Real> CarEstimator<T> {
     ///
     /// # Errors
     /// As for [`new`](Self::new); the estimator is unconfigured then.
-    pub fn configure(
-        &mut self,
-        kind: EstimatorKind,
-        config: &CarConfig<T>,
-        sample_rate_hz: f64,
-    ) -> Result<(), ParameterError> {
-        let configured = self.configure_corners(kind, config, sample_rate_hz);
+    pub fn configure(&mut self, config: &CarConfig<T>, sample_rate_hz: f64) -> Result<(), ParameterError> {
+        let configured = self.configure_corners(config, sample_rate_hz);
         if configured.is_err() {
             self.clear();
             return configured;
         }
         let grid_period_s =
             self.corners.iter().flatten().next().map_or(f64::NAN, CornerEstimator::grid_period_s);
-        let wheelbase_m = match kind {
-            EstimatorKind::Informed => Fusion::wheelbase_m(config),
-            #[cfg(feature = "paper")]
-            _ => None,
-        };
         self.fusion.clear();
-        if let Some(wheelbase_m) = wheelbase_m {
+        if let Some(wheelbase_m) = Fusion::wheelbase_m(config) {
             self.fusion.place(|fusion| fusion.configure(config, wheelbase_m, sample_rate_hz, grid_period_s));
         }
         self.considered.configure(config);
         self.body_equation.configure(&config.corners, sample_rate_hz);
-        (self.kind, self.sources) = (kind, Sources::default());
+        self.sources = Sources::default();
         (self.calibration_s, self.calibration_ends_s) = (None, f64::NEG_INFINITY);
         self.concluded = Concluded::BLANK;
         Ok(())
@@ -162,14 +144,13 @@ impl<T: Real> CarEstimator<T> {
 
     fn configure_corners(
         &mut self,
-        kind: EstimatorKind,
         config: &CarConfig<T>,
         sample_rate_hz: f64,
     ) -> Result<(), ParameterError> {
         for (corner, config) in self.corners.iter_mut().zip(&config.corners) {
             corner.clear();
             if let Some(config) = config {
-                corner.try_place(|corner| corner.configure(kind, config, sample_rate_hz))?;
+                corner.try_place(|corner| corner.configure(config, sample_rate_hz))?;
             }
         }
         self.clock = SampleClock::new(sample_rate_hz)?;
@@ -397,11 +378,6 @@ impl<T: Real> CarEstimator<T> {
     /// How well body and wheel of a corner go together, and what does not, if the car has that corner.
     pub fn fit(&self, corner: Corner) -> Option<(BodyFit<T>, Option<Misfit>)> {
         self.corners[corner.index()].as_ref().map(CornerEstimator::fit)
-    }
-
-    /// Which estimator this is.
-    pub fn kind(&self) -> EstimatorKind {
-        self.kind
     }
 
     /// What it learns from.

@@ -16,14 +16,12 @@ pub(super) struct Concluded<T: Real> {
     pub(super) change_sd_kpa: T,
     pub(super) level: Level,
     pub(super) validity: Validity,
-    /// None: nothing to say.
-    pub(super) warning: Option<Warning>,
     pub(super) axle_difference_sd_kpa: Option<T>,
     pub(super) loss: Option<Loss<T>>,
 }
 
 blank!(Concluded<T> {
-    reading, stiffness_sd_n_per_m, pressure_kpa, pressure_sd_kpa, change_sd_kpa, level, validity, warning,
+    reading, stiffness_sd_n_per_m, pressure_kpa, pressure_sd_kpa, change_sd_kpa, level, validity,
     axle_difference_sd_kpa, loss,
 });
 
@@ -41,10 +39,10 @@ impl<T: Real> Concluded<T> {
             level: self.level,
             axle_difference_sd_kpa: self.axle_difference_sd_kpa,
             loss: self.loss,
-            road_m: reading.road_m,
-            road_sd_m: reading.road_sd_m,
+            road_m: T::lit(f64::NAN),
+            road_sd_m: T::lit(f64::NAN),
             validity: self.validity,
-            warning: self.warning.unwrap_or(Warning::None),
+            warning: Warning::None,
             diagnostics: Diagnostics {
                 forgetting: reading.forgetting,
                 nis: reading.nis,

@@ -1,12 +1,10 @@
-//! The estimator of one corner, without a clock: whatever method computes it, samples in, [`CornerEstimate`]s out. Called by
-//! [`Estimator`](super::Estimator) and by the car. Every sample passes the [`Resampler`], so no method ever sees a missing or
-//! absurd value.
+//! The estimator of one corner, without a clock: samples in, [`CornerEstimate`]s out. Called by [`Estimator`](super::Estimator) and by
+//! the car. Every sample passes the [`Resampler`], so the Bayes filter never sees a missing or absurd value.
 
+use super::RoadRepetition;
 use super::concluded::Concluded;
 use super::fused_stiffness::FusedStiffness;
-use super::method::RunningMethod;
 use super::reading::{Reading, STARTING_S, is_known};
-use super::{EstimatorKind, RoadRepetition};
 use crate::conditioning::wheel_lift::ContactWatch;
 use crate::conditioning::{GridSample, Resampler, SampleCounts};
 use crate::memory::{Placed, blank};
@@ -16,12 +14,13 @@ use crate::model::{
 };
 use crate::real::Real;
 use crate::road::{RoadConfig, RoadFilter};
-use crate::single_wheel::{LEAST_GRID_HZ, StiffnessPseudoMeasurement};
+use crate::single_wheel::{Informed, LEAST_GRID_HZ, StiffnessPseudoMeasurement};
 use crate::suspension::{BodyEquation, Strut, StrutFrame};
-use crate::warning::single_wheel::LowPressureWatch;
 
-/// Seconds between two updates of the road filter with the car, and of the method with a calibration.
+/// Seconds between two updates of the road filter with the car, and of the Bayes filter with a calibration.
 const TELL_S: f64 = 0.1;
+/// Seconds without a frame after which nothing is being learned.
+const STALE_S: f64 = 1.0;
 
 /// Longest time in s that an estimate waits for the verdict on body and wheel.
 const UNJUDGED_S: f64 = 20.0;
@@ -30,14 +29,15 @@ const UNJUDGED_S: f64 = 20.0;
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct CornerEstimator<T: Real> {
-    kind: EstimatorKind,
     config: CornerConfig<T>,
     resampler: Resampler<T>,
-    method: RunningMethod<T>,
-    /// The road for the default estimator; the filters bring their own. Absent: nobody wants to know it.
+    informed: Informed<T>,
+    /// What the Bayes filter last found, and the time of the step in which a frame or a repeated road was last learned from.
+    reading: Reading<T>,
+    read_s: f64,
+    /// The road. Absent: it is not asked for.
     road: Placed<RoadFilter<T>>,
     road_told_s: f64,
-    watch: LowPressureWatch,
     /// Length in s of the calibration drive at the start, and when it ends once that is known.
     calibration_s: f64,
     calibration_ends_s: Option<f64>,
@@ -62,30 +62,29 @@ pub(crate) struct CornerEstimator<T: Real> {
 }
 
 blank!(CornerEstimator<T> {
-    kind, config, resampler, method, road, road_told_s, watch, calibration_s, calibration_ends_s,
+    config, resampler, informed, reading, read_s, road, road_told_s, calibration_s, calibration_ends_s,
     pinned_s, restarts, repetition, fused, contact, strut, friction_variance,
     fit, misfit, judged_from_s, has_fitted, learned_before_s, concluded,
 });
 
 impl<T: Real> CornerEstimator<T> {
-    /// An estimator of `kind` for a corner whose samples come at about `sample_rate_hz`.
+    /// An estimator for a corner whose samples come at about `sample_rate_hz`.
     ///
     /// # Errors
     /// The rate must be positive and finite; parameters of the corner that the filters refuse are named.
     pub(crate) fn configure(
         &mut self,
-        kind: EstimatorKind,
         config: &CornerConfig<T>,
         sample_rate_hz: f64,
     ) -> Result<(), ParameterError> {
         let sample_rate_hz = positive("sample_rate_hz", sample_rate_hz)?;
-        let frames = !kind.is_as_published();
-        (self.kind, self.config) = (kind, *config);
-        self.resampler = Resampler::new(sample_rate_hz, if frames { LEAST_GRID_HZ } else { sample_rate_hz });
-        self.method.configure(kind, config, sample_rate_hz, self.resampler.grid_period_s())?;
+        self.config = *config;
+        self.resampler = Resampler::new(sample_rate_hz, LEAST_GRID_HZ);
+        let grid_period_s = self.resampler.grid_period_s();
+        self.informed.configure(config, sample_rate_hz, grid_period_s, RoadRepetition::default());
+        self.begin_reading();
         self.begin_road()?;
         self.road_told_s = f64::NEG_INFINITY;
-        self.watch = LowPressureWatch::new();
         self.calibration_s = 0.0;
         self.calibration_ends_s = None;
         self.pinned_s = f64::NEG_INFINITY;
@@ -101,6 +100,12 @@ impl<T: Real> CornerEstimator<T> {
         self.misfit.clear();
         self.concluded.clear();
         Ok(())
+    }
+
+    /// What is known before the first frame.
+    fn begin_reading(&mut self) {
+        self.reading = Reading::of(&self.config, &self.informed.belief());
+        self.read_s = f64::NEG_INFINITY;
     }
 
     /// The road's filter, by way of the stack: it is small.
@@ -131,7 +136,7 @@ impl<T: Real> CornerEstimator<T> {
     /// Tells what is known of the road repeating itself; before the first sample.
     pub(crate) fn set_road_repetition(&mut self, repetition: RoadRepetition) {
         self.repetition = repetition;
-        self.method.set_repetition(repetition);
+        self.informed.set_repetition(repetition);
     }
 
     /// Leaves out the road's heights where they come from a filter of their own.
@@ -142,14 +147,13 @@ impl<T: Real> CornerEstimator<T> {
     /// Probability that the pressure moves, as the corner by itself sees it. What it saw before its sensors told nothing does not count,
     /// neither meanwhile nor until it has seen as much again as an estimate takes.
     pub(crate) fn change_probability(&self) -> T {
-        let seen_s = self.method.learned_s() - self.learned_before_s;
-        if seen_s < T::lit(STARTING_S) { T::zero() } else { self.method.reading().change_probability }
+        let seen_s = self.informed.learned_s() - self.learned_before_s;
+        if seen_s < T::lit(STARTING_S) { T::zero() } else { self.reading.change_probability }
     }
 
     /// Stiffness and its sd in N/m, as the corner by itself sees them.
     pub(crate) fn own_stiffness(&self) -> (T, T) {
-        let reading = self.method.reading();
-        (reading.stiffness_n_per_m, self.with_friction(reading.stiffness_sd_n_per_m))
+        (self.reading.stiffness_n_per_m, self.with_friction(self.reading.stiffness_sd_n_per_m))
     }
 
     /// A standard deviation in N/m with what friction that is not known adds to it.
@@ -157,9 +161,9 @@ impl<T: Real> CornerEstimator<T> {
         (sd_n_per_m * sd_n_per_m + self.friction_variance).sqrt()
     }
 
-    /// The car as it seems to be now: sprung mass and damping as identified on the way, where the estimator does.
+    /// The car as it seems to be now: sprung mass and damping as identified on the way.
     pub(crate) fn quarter_car(&self) -> QuarterCar<T> {
-        self.method.quarter_car()
+        self.informed.quarter_car()
     }
 
     /// Counts a sample whose time nobody should go by.
@@ -177,19 +181,23 @@ impl<T: Real> CornerEstimator<T> {
         corner: &CornerSample<T>,
         mut tap: impl FnMut(&GridSample<T>),
     ) {
-        let (method, contact, strut) = (&mut self.method, &mut self.contact, &mut self.strut);
-        let (identified, unsprung_kg) =
-            (!self.kind.is_as_published(), self.config.quarter_car.unsprung_mass_kg());
+        let (informed, contact, strut) = (&mut self.informed, &mut self.contact, &mut self.strut);
+        let unsprung_kg = self.config.quarter_car.unsprung_mass_kg();
+        let mut learned_s = None;
         let (body, wheel) = (corner.body_accel_m_s2, corner.wheel_accel_m_s2);
         self.resampler.push(time_s, speed_m_s, body, wheel, |sample| {
             let contact = contact.look(&sample);
             let mut sample = GridSample { unloaded: contact.unloaded, ..sample };
-            if identified {
-                sample.strut_friction_m_s2 = strut.push(&sample) / unsprung_kg;
+            sample.strut_friction_m_s2 = strut.push(&sample) / unsprung_kg;
+            if informed.push(&GridSample { invalid: sample.invalid || contact.hopping, ..sample }) {
+                learned_s = Some(sample.time_s);
             }
-            method.step(&GridSample { invalid: sample.invalid || contact.hopping, ..sample });
             tap(&sample);
         });
+        if let Some(learned_s) = learned_s {
+            self.read_s = learned_s;
+            self.reading = Reading::of(&self.config, &self.informed.belief());
+        }
         self.hold_calibration(time_s);
     }
 
@@ -199,12 +207,17 @@ impl<T: Real> CornerEstimator<T> {
         &mut self,
         believed: impl FnOnce() -> (T, T),
     ) -> Option<StiffnessPseudoMeasurement<T>> {
-        self.method.pseudo_measurement(believed)
+        self.informed.pseudo_measurement(believed)
+    }
+
+    /// See [`Estimator::take_pseudo_measurement`](super::Estimator::take_pseudo_measurement).
+    pub(crate) fn take_pseudo_measurement(&mut self) -> Option<StiffnessPseudoMeasurement<T>> {
+        self.informed.take_pseudo_measurement()
     }
 
     /// Whether the road is one line, as a washboard's is.
     pub(crate) fn is_on_line(&self) -> bool {
-        self.method.is_on_line()
+        self.informed.is_on_line()
     }
 
     /// The newest frame of what moves the body here.
@@ -216,7 +229,7 @@ impl<T: Real> CornerEstimator<T> {
     pub(crate) fn set_strut(&mut self, equation: &BodyEquation<T>, corner: usize) {
         let slip_forces_n = equation.slip_forces_n(corner);
         self.strut.set_slip_forces(slip_forces_n);
-        self.method.set_friction(&equation.describing_function(corner));
+        self.informed.set_friction(&equation.describing_function(corner));
         self.friction_variance = equation.stiffness_variance(corner);
         self.fit.unexplained = equation.unexplained(corner);
         self.fit.friction_n = slip_forces_n.into_iter().fold(T::zero(), |sum, force| sum + force);
@@ -245,24 +258,28 @@ impl<T: Real> CornerEstimator<T> {
     /// Concludes what is known now, but for the road's height where that comes from a filter of its own: the second part of
     /// [`Estimator::update`].
     pub(crate) fn conclude(&mut self, time_s: f64) {
-        let mut reading = self.method.reading_at(time_s);
-        if !(reading.stiffness_n_per_m.is_finite() && reading.stiffness_sd_n_per_m.is_finite())
-            && self.kind == EstimatorKind::Informed
-        {
+        let Reading { stiffness_n_per_m, stiffness_sd_n_per_m, .. } = self.reading;
+        if !(stiffness_n_per_m.is_finite() && stiffness_sd_n_per_m.is_finite()) {
             self.restart();
-            reading = self.method.reading_at(time_s);
         }
+        let mut reading = self.reading_at(time_s);
         match self.fused.as_ref() {
-            Some(fused) => self.method.apply_fused(&mut reading, fused),
+            Some(fused) => reading.fuse(&self.config, fused),
             None => reading.stiffness_sd_n_per_m = self.with_friction(reading.stiffness_sd_n_per_m),
         }
-        if !self.kind.is_as_published() {
-            (self.fit.incoherence, self.fit.averages) = (self.strut.incoherence(), self.strut.averages());
-            self.misfit.set(self.fit.misfit(self.misfit.get()));
-        }
+        (self.fit.incoherence, self.fit.averages) = (self.strut.incoherence(), self.strut.averages());
+        self.misfit.set(self.fit.misfit(self.misfit.get()));
         let (considered, level) = self.considered(time_s, &reading);
         let concluded = self.concluded(time_s, reading, considered, level);
         self.concluded.place(|place| *place = concluded);
+    }
+
+    /// The reading at a time: nothing is being learned where no frame comes, as in a hole of the record.
+    fn reading_at(&self, time_s: f64) -> Reading<T> {
+        if (0.0..STALE_S).contains(&(time_s - self.read_s)) {
+            return self.reading;
+        }
+        Reading { gate: T::zero(), ..self.reading }
     }
 
     /// The third part: what was concluded, of a sample with this stamp, and the road below it.
@@ -295,20 +312,19 @@ impl<T: Real> CornerEstimator<T> {
         let ends_s = *self.calibration_ends_s.get_or_insert(time_s + self.calibration_s);
         if time_s < ends_s && !(time_s - self.pinned_s < TELL_S) {
             self.pinned_s = time_s;
-            self.method.set_to_placard();
+            self.informed.set_to_placard();
+            self.reading = Reading::of(&self.config, &self.informed.belief());
         }
     }
 
     /// Puts the causal road height in m and its sd into the estimate, for the stiffness that it has.
     fn follow_road(&mut self, time_s: f64, corner: &CornerSample<T>, estimate: &mut CornerEstimate<T>) {
-        let Some(filter) = self.road.as_mut().filter(|_| self.kind == EstimatorKind::Informed) else {
-            return;
-        };
+        let Some(filter) = self.road.as_mut() else { return };
         if !(time_s - self.road_told_s < TELL_S) {
             self.road_told_s = time_s;
             // Refused only outside its range, and then the road keeps what it was told before.
             let _ = filter.set_stiffness(estimate.stiffness_n_per_m, estimate.stiffness_sd_n_per_m);
-            filter.set_quarter_car(self.method.quarter_car());
+            filter.set_quarter_car(self.informed.quarter_car());
         }
         let road = filter.update(time_s, corner);
         let unknown = (T::lit(f64::NAN), T::lit(f64::NAN));
@@ -321,16 +337,11 @@ impl<T: Real> CornerEstimator<T> {
         self.strut.restart();
         (self.fit, self.judged_from_s, self.has_fitted) = (BodyFit::unknown(), None, false);
         self.misfit.clear();
-        self.method.restart(self.kind, self.repetition);
+        self.informed.restart(self.repetition);
+        self.begin_reading();
         self.learned_before_s = T::zero();
         self.concluded.clear();
-        self.watch = LowPressureWatch::new();
         self.restarts = self.restarts.saturating_add(1);
-    }
-
-    /// Which estimator this is.
-    pub(crate) fn kind(&self) -> EstimatorKind {
-        self.kind
     }
 
     /// What was found in the samples so far.
@@ -344,11 +355,8 @@ impl<T: Real> CornerEstimator<T> {
     }
 
     /// Standard deviation in N/m of what the vehicle file leaves open: masses and stiffnesses of a wheel times one factor look the
-    /// same. The published filters take their parameters for exact.
+    /// same.
     fn considered(&self, time_s: f64, reading: &Reading<T>) -> (T, Level) {
-        if self.kind.is_as_published() {
-            return (T::zero(), Level::VehicleFile);
-        }
         let calibrating = self.calibration_ends_s.is_some_and(|ends_s| time_s < ends_s);
         let (sd, level) = match self.fused.as_ref() {
             Some(fused) => (fused.considered_sd_n_per_m, fused.level),
@@ -366,7 +374,7 @@ impl<T: Real> CornerEstimator<T> {
     /// Whether body and wheel have still to be found to go together; a log of nothing but pieces is believed without in the end. A car that
     /// was calibrated has fitted before: that it seems to is enough.
     fn is_unjudged(&mut self, time_s: f64, level: Level) -> bool {
-        if self.has_fitted || self.kind.is_as_published() {
+        if self.has_fitted {
             return false;
         }
         if self.fit.incoherence.is_some() {
@@ -393,7 +401,7 @@ impl<T: Real> CornerEstimator<T> {
         let change_sd_kpa = change_sd_n_per_m / tire.stiffness_per_kpa();
         let bad = self.resampler.is_bad();
         if bad {
-            self.learned_before_s = self.method.learned_s();
+            self.learned_before_s = self.informed.learned_s();
         }
         let unjudged = reading.validity.is_valid() && self.is_unjudged(time_s, level);
         let validity = match reading.validity {
@@ -408,10 +416,6 @@ impl<T: Real> CornerEstimator<T> {
             Validity::Valid if !is_known(&self.config, change_sd_kpa) => Validity::NoInformation,
             validity => validity,
         };
-        let placard = self.config.placard_kpa;
-        let judged = !self.kind.is_as_published();
-        let warning =
-            judged.then(|| self.watch.update(time_s, validity, pressure_kpa, pressure_sd_kpa, placard));
         Concluded {
             reading,
             stiffness_sd_n_per_m,
@@ -420,7 +424,6 @@ impl<T: Real> CornerEstimator<T> {
             change_sd_kpa,
             level,
             validity,
-            warning,
             axle_difference_sd_kpa: None,
             loss: None,
         }

@@ -1,12 +1,8 @@
-//! The estimator of one corner, as a user holds it: samples in, [`CornerEstimate`]s out, whichever [`EstimatorKind`] computes
-//! them.
+//! The estimator of one corner, as a user holds it: samples in, [`CornerEstimate`]s out.
 
 mod concluded;
 mod corner;
 mod fused_stiffness;
-mod method;
-#[cfg(feature = "paper")]
-mod published_method;
 mod reading;
 
 pub(crate) use self::corner::CornerEstimator;
@@ -17,69 +13,8 @@ use crate::model::{BodyFit, CornerConfig, CornerEstimate, CornerSample, Misfit, 
 use crate::real::Real;
 #[cfg(feature = "test-bench")]
 pub use crate::single_wheel::RoadPeriod;
-pub use crate::single_wheel::RoadRepetition;
+pub use crate::single_wheel::{RoadRepetition, StiffnessPseudoMeasurement};
 use crate::suspension::BodyEquation;
-
-/// The estimators to choose from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum EstimatorKind {
-    /// Bayes filter that knows that a road looks like a road: [`crate::single_wheel`].
-    #[default]
-    Informed,
-    /// The paper's recursion, corrected and told the stiffness likelihood of the same frames.
-    #[cfg(feature = "paper")]
-    AekfUiInformed,
-    /// As published, with the one-step forgetting factor. Cannot find the stiffness.
-    #[cfg(feature = "paper")]
-    AekfUi,
-    /// As published, without forgetting. Cannot find the stiffness.
-    #[cfg(feature = "paper")]
-    EkfUi,
-}
-
-blank!(EstimatorKind::Informed);
-
-impl EstimatorKind {
-    /// All kinds, the default first.
-    #[cfg(feature = "paper")]
-    pub const ALL: [Self; 4] = [Self::Informed, Self::AekfUiInformed, Self::AekfUi, Self::EkfUi];
-    /// All kinds: without feature `paper` there is one.
-    #[cfg(not(feature = "paper"))]
-    pub const ALL: [Self; 1] = [Self::Informed];
-
-    /// Whether it is a filter as published, which cannot find the stiffness: it is never valid and never warns.
-    #[must_use]
-    pub fn is_as_published(self) -> bool {
-        match self {
-            Self::Informed => false,
-            #[cfg(feature = "paper")]
-            Self::AekfUiInformed => false,
-            #[cfg(feature = "paper")]
-            Self::AekfUi | Self::EkfUi => true,
-        }
-    }
-
-    /// The name on the command line.
-    #[must_use]
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Informed => "informed",
-            #[cfg(feature = "paper")]
-            Self::AekfUiInformed => "aekf-ui-informed",
-            #[cfg(feature = "paper")]
-            Self::AekfUi => "aekf-ui",
-            #[cfg(feature = "paper")]
-            Self::EkfUi => "ekf-ui",
-        }
-    }
-
-    /// The kind of that name.
-    #[must_use]
-    pub fn from_label(label: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|kind| kind.label() == label)
-    }
-}
 
 /// A running estimator of one corner. A value: clone it, save it, go on.
 #[derive(Debug, Clone, PartialEq)]
@@ -93,18 +28,14 @@ pub struct Estimator<T: Real> {
 blank!(Estimator<T> { clock, corner, body_equation });
 
 impl<T: Real> Estimator<T> {
-    /// An estimator of `kind` for a corner whose samples come at about `sample_rate_hz`, by value: some 20 KB in `f32`. A
+    /// An estimator for a corner whose samples come at about `sample_rate_hz`, by value: some 20 KB in `f32`. A
     /// controller [configures](Self::configure) it in a `static`.
     ///
     /// # Errors
     /// The rate must be positive and finite; parameters of the corner that the filters refuse are named.
-    pub fn new(
-        kind: EstimatorKind,
-        config: &CornerConfig<T>,
-        sample_rate_hz: f64,
-    ) -> Result<Self, ParameterError> {
+    pub fn new(config: &CornerConfig<T>, sample_rate_hz: f64) -> Result<Self, ParameterError> {
         let mut estimator = Self::unconfigured();
-        estimator.configure(kind, config, sample_rate_hz)?;
+        estimator.configure(config, sample_rate_hz)?;
         Ok(estimator)
     }
 
@@ -119,15 +50,10 @@ impl<T: Real> Estimator<T> {
     ///
     /// # Errors
     /// As for [`new`](Self::new); the estimator is unconfigured then.
-    pub fn configure(
-        &mut self,
-        kind: EstimatorKind,
-        config: &CornerConfig<T>,
-        sample_rate_hz: f64,
-    ) -> Result<(), ParameterError> {
+    pub fn configure(&mut self, config: &CornerConfig<T>, sample_rate_hz: f64) -> Result<(), ParameterError> {
         self.clock = SampleClock::BLANK;
         let clock = SampleClock::new(sample_rate_hz)?;
-        self.corner.configure(kind, config, sample_rate_hz)?;
+        self.corner.configure(config, sample_rate_hz)?;
         self.body_equation.configure(&[Some(*config), None, None, None], sample_rate_hz);
         self.clock = clock;
         Ok(())
@@ -158,8 +84,8 @@ impl<T: Real> Estimator<T> {
         self
     }
 
-    /// The same for callers who do not read the road: `road_m` and its sd stay NaN where they come from a filter of their
-    /// own, and that filter's time is saved. The pressure is the same to the last digit.
+    /// The same for callers who do not read the road: `road_m` and its sd stay NaN, and their filter's time is saved. The
+    /// pressure is the same to the last digit.
     #[must_use]
     pub fn without_road(mut self) -> Self {
         self.leave_out_road();
@@ -173,7 +99,7 @@ impl<T: Real> Estimator<T> {
 
     /// Takes one sample: time in s, speed in m/s, body and wheel acceleration in m/s²; NaN is a missing value. Gives
     /// the estimate after it. A missing speed is the last one, for half a second ([`SpeedHold`](crate::conditioning::SpeedHold)). A sample that cannot be
-    /// used is counted, and the estimate says so when it matters.
+    /// used is counted, and the estimate says so when it matters. It warns of nothing: that is a [monitor](crate::monitor)'s.
     pub fn update(
         &mut self,
         time_s: f64,
@@ -200,7 +126,14 @@ impl<T: Real> Estimator<T> {
         self.corner.restart();
     }
 
-    /// The car as it seems to be now: sprung mass and damping as identified on the way, where the estimator does.
+    /// What the frames since the last call tell of the stiffness by themselves, whatever was believed before: a measurement for a
+    /// filter outside. `None` until there are enough of them. These measurements are independent of each other, but not of the
+    /// estimates.
+    pub fn take_pseudo_measurement(&mut self) -> Option<StiffnessPseudoMeasurement<T>> {
+        self.corner.take_pseudo_measurement()
+    }
+
+    /// The car as it seems to be now: sprung mass and damping as identified on the way.
     pub fn quarter_car(&self) -> QuarterCar<T> {
         self.corner.quarter_car()
     }
@@ -208,11 +141,6 @@ impl<T: Real> Estimator<T> {
     /// How well body and wheel go together, and what does not.
     pub fn fit(&self) -> (BodyFit<T>, Option<Misfit>) {
         self.corner.fit()
-    }
-
-    /// Which estimator this is.
-    pub fn kind(&self) -> EstimatorKind {
-        self.corner.kind()
     }
 
     /// What was found in the samples so far.
@@ -251,8 +179,7 @@ mod tests {
     #[test]
     fn a_calibration_that_is_ended_holds_nothing() {
         let sd_n_per_m = |ends: bool| {
-            let mut estimator =
-                Estimator::new(EstimatorKind::Informed, &CornerConfig::paper(), RATE_HZ).unwrap();
+            let mut estimator = Estimator::new(&CornerConfig::paper(), RATE_HZ).unwrap();
             let mut random = 1;
             estimator.corner.begin_calibration(100.0).unwrap();
             drive(&mut estimator, &mut random, 0.0, 10.0, 1.0);
@@ -270,7 +197,7 @@ mod tests {
     /// meanwhile, and none until it has seen anew for as long as an estimate takes.
     #[test]
     fn what_was_seen_before_a_silence_does_not_count() {
-        let mut estimator = Estimator::new(EstimatorKind::Informed, &CornerConfig::paper(), RATE_HZ).unwrap();
+        let mut estimator = Estimator::new(&CornerConfig::paper(), RATE_HZ).unwrap();
         let mut random = 1;
         let mut drive = |from_s, to_s, gain| drive(&mut estimator, &mut random, from_s, to_s, gain);
         assert!(drive(0.0, 10.0, 1.0) > 0.01);

@@ -1,22 +1,22 @@
-//! What every method tells after a step, and whether that may be believed.
+//! What a corner reads after a step, and whether that may be believed.
 
+use super::fused_stiffness::FusedStiffness;
 use crate::memory::blank;
 use crate::model::{CornerConfig, Validity};
 use crate::real::Real;
+use crate::single_wheel::Belief;
 
 /// Seconds of full information before an estimate counts.
 pub(super) const STARTING_S: f64 = 2.0;
 /// Standard deviation, as a share of the placard pressure, beyond which an estimate says nothing.
 const WORTHLESS: f64 = 0.25;
 
-/// What every estimator can say after a step.
+/// Stiffness of a tire and how it came about.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Reading<T> {
     pub(super) stiffness_n_per_m: T,
     pub(super) stiffness_sd_n_per_m: T,
-    pub(super) road_m: T,
-    pub(super) road_sd_m: T,
     pub(super) validity: Validity,
     pub(super) forgetting: T,
     pub(super) nis: T,
@@ -25,12 +25,43 @@ pub(super) struct Reading<T> {
 }
 
 blank!(Reading<T> {
-    stiffness_n_per_m, stiffness_sd_n_per_m, road_m, road_sd_m, validity, forgetting, nis, gate,
-    change_probability,
+    stiffness_n_per_m, stiffness_sd_n_per_m, validity, forgetting, nis, gate, change_probability,
 });
 
+impl<T: Real> Reading<T> {
+    /// Of what the Bayes filter believes.
+    pub(super) fn of(config: &CornerConfig<T>, belief: &Belief<T>) -> Self {
+        Self {
+            stiffness_n_per_m: config.tire.stiffness_n_per_m(belief.pressure_kpa),
+            stiffness_sd_n_per_m: belief.pressure_sd_kpa * config.tire.stiffness_per_kpa(),
+            validity: match validity(config, belief.learned_s, belief.pressure_sd_kpa) {
+                Validity::Valid if !belief.is_in_range => Validity::NoInformation,
+                validity => validity,
+            },
+            forgetting: belief.variance_growth,
+            nis: belief.nis,
+            gate: belief.gate,
+            change_probability: belief.moving,
+        }
+    }
+
+    /// Puts what the whole car knows in the place of what the corner reads.
+    pub(super) fn fuse(&mut self, config: &CornerConfig<T>, fused: &FusedStiffness<T>) {
+        self.stiffness_n_per_m = fused.stiffness_n_per_m;
+        self.stiffness_sd_n_per_m = fused.stiffness_sd_n_per_m;
+        self.change_probability = fused.changing;
+        if !fused.has_signal {
+            self.gate = T::zero();
+        } else if fused.learning {
+            self.gate = T::one();
+        }
+        let sd_kpa = fused.stiffness_sd_n_per_m / config.tire.stiffness_per_kpa();
+        self.validity = validity(config, fused.learned_s, sd_kpa);
+    }
+}
+
 /// Whether a stiffness of this sd may be believed, given how much was learned.
-pub(super) fn validity<T: Real>(config: &CornerConfig<T>, learned_s: T, pressure_sd_kpa: T) -> Validity {
+fn validity<T: Real>(config: &CornerConfig<T>, learned_s: T, pressure_sd_kpa: T) -> Validity {
     if !(learned_s >= T::lit(STARTING_S)) {
         Validity::Starting
     } else if !is_known(config, pressure_sd_kpa) {

@@ -33,7 +33,7 @@ blank!(TrackState<T> { shared, incoherence });
 
 impl<T: Real> TrackState<T> {
     /// Nothing is shared, nothing is known.
-    pub(crate) fn unknown() -> Self {
+    pub fn unknown() -> Self {
         Self { shared: false, incoherence: T::lit(f64::NAN) }
     }
 }

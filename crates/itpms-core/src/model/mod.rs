@@ -20,7 +20,7 @@ pub use self::car::{CarConfig, Inflation};
 pub use self::car_estimate::{CarEstimate, TrackState};
 pub use self::estimate::{CornerConfig, CornerEstimate, Diagnostics, Level, Loss, Validity, Warning};
 pub use self::pressure_unit::{PressureNumber, PressureUnit};
-pub(crate) use self::quarter_car::positive;
+pub use self::quarter_car::positive;
 pub use self::quarter_car::{ParameterError, QuarterCar};
 pub(crate) use self::sample::ABSURD_M_S2;
 pub use self::sample::{CarSample, Corner, CornerSample, Sample};

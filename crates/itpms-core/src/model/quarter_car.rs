@@ -44,7 +44,10 @@ pub struct ParameterError {
 }
 
 /// `value` if it is finite and positive (NaN is neither).
-pub(crate) fn positive<T: Real>(name: &'static str, value: T) -> Result<T, ParameterError> {
+///
+/// # Errors
+/// It is not; the error calls it `name`.
+pub fn positive<T: Real>(name: &'static str, value: T) -> Result<T, ParameterError> {
     if value > T::zero() && value.is_finite() {
         Ok(value)
     } else {

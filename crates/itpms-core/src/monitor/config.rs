@@ -1,4 +1,4 @@
-//! What a monitored car is told: the car, which estimator it uses, and the limits of its warnings.
+//! What a monitored car is told: the car, how its estimator is used, and the limits of its warnings.
 
 use crate::car::EstimatorOptions;
 use crate::memory::blank;
@@ -16,7 +16,7 @@ pub struct MonitorConfig<T> {
     pub limits: Limits<T>,
     /// What each pressure is held against, in kPa; `None`: the placard's. A warm reference goes here.
     pub reference_kpa: [Option<T>; 4],
-    /// Which estimator the car uses, and how.
+    /// How the car's estimator is used.
     pub options: EstimatorOptions,
 }
 
@@ -39,7 +39,7 @@ impl<T: Real> MonitorConfig<T> {
         Self { limits, ..self }
     }
 
-    /// The same with another estimator, or used otherwise.
+    /// The same with an estimator that is used otherwise.
     #[must_use]
     pub fn with_options(self, options: EstimatorOptions) -> Self {
         Self { options, ..self }

@@ -47,7 +47,7 @@ impl<T: Real> MonitoredCar<T> {
         config: &MonitorConfig<T>,
         sample_rate_hz: f64,
     ) -> Result<(), ParameterError> {
-        self.estimator.configure(config.options.estimator, &config.car, sample_rate_hz)?;
+        self.estimator.configure(&config.car, sample_rate_hz)?;
         self.estimator.set_options(&config.options);
         self.monitor.configure(config, sample_rate_hz).inspect_err(|_| self.estimator.clear())
     }
@@ -65,13 +65,9 @@ impl<T: Real> MonitoredCar<T> {
         self.estimator.leave_out_road();
     }
 
-    /// Takes one sample; gives the estimate after it, its validity and warnings being the monitor's. A published filter's
-    /// estimate, which is never valid, is passed on as it is.
+    /// Takes one sample; gives the estimate after it, its validity and warnings being the monitor's.
     pub fn update(&mut self, sample: &CarSample<T>) -> CarEstimate<T> {
         let at = self.estimator.clock().take(sample.time_s, sample.speed_m_s);
-        if self.estimator.kind().is_as_published() {
-            return self.estimator.update_at(&at, sample);
-        }
         let (at, screened) = self.monitor.screen(&at, sample);
         let suspected = self.monitor.take_rollback_request();
         if !suspected.is_empty() {

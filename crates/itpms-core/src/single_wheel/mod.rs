@@ -37,7 +37,7 @@ mod tables;
 use nalgebra::Complex;
 
 use crate::conditioning::{GridSample, STANDING_M_S};
-use crate::memory::{Blank, Placed, blank};
+use crate::memory::{Placed, blank};
 use crate::model::{CornerConfig, QuarterCar};
 use crate::real::Real;
 use crate::single_wheel::frame_units::FrameWork;
@@ -104,7 +104,7 @@ const BEYOND_RANGE: f64 = 0.5;
 /// The default one-corner estimator's core, fed with grid samples. See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Informed<T: Real> {
+pub(crate) struct Informed<T: Real> {
     config: CornerConfig<T>,
     grid: Grid<T>,
     body: BodyIdentification<T>,
@@ -144,14 +144,8 @@ blank!(Informed<T> {
 });
 
 impl<T: Real> Informed<T> {
-    /// An estimator for samples that were taken at `sample_rate_hz` and come on a grid of `grid_period_s`.
-    pub fn new(config: &CornerConfig<T>, sample_rate_hz: f64, grid_period_s: f64) -> Self {
-        let mut estimator = Self::BLANK;
-        estimator.configure(config, sample_rate_hz, grid_period_s, RoadRepetition::default());
-        estimator
-    }
-
-    /// The same where it lies, with what is known of the road repeating itself.
+    /// An estimator where it lies, for samples that were taken at `sample_rate_hz` and come on a grid of `grid_period_s`, with what is known
+    /// of the road repeating itself.
     pub(crate) fn configure(
         &mut self,
         config: &CornerConfig<T>,
@@ -173,13 +167,13 @@ impl<T: Real> Informed<T> {
     }
 
     /// Tells what is known of the road repeating itself; to be said before the first sample.
-    pub fn set_repetition(&mut self, repetition: RoadRepetition) {
+    pub(crate) fn set_repetition(&mut self, repetition: RoadRepetition) {
         self.repeat.configure(repetition, self.sample_rate_hz, self.grid_period_s);
     }
 
     /// Forgets everything, as before the first sample; the road may repeat itself as it was told at first. The tables come back to
     /// the car as configured cell by cell: all of them at once are the work of a hundred samples.
-    pub fn restart(&mut self, repetition: RoadRepetition) {
+    pub(crate) fn restart(&mut self, repetition: RoadRepetition) {
         self.clock.restart();
         let config = &self.config;
         let initial = config.initial_kpa.unwrap_or(config.placard_kpa);
@@ -205,7 +199,7 @@ impl<T: Real> Informed<T> {
     }
 
     /// Takes one grid sample; true when the belief has moved.
-    pub fn push(&mut self, sample: &GridSample<T>) -> bool {
+    pub(crate) fn push(&mut self, sample: &GridSample<T>) -> bool {
         if sample.after_gap {
             self.reconstruction.restart();
             self.clock.restart();
@@ -278,7 +272,7 @@ impl<T: Real> Informed<T> {
     }
 
     /// Tells that the tire has its placard pressure now, as during a calibration.
-    pub fn set_to_placard(&mut self) {
+    pub(crate) fn set_to_placard(&mut self) {
         let cell = (self.config.placard_kpa - self.grid.pressure_kpa(0)) / self.grid.step_kpa();
         self.posterior.pin(cell, T::lit(CALIBRATION_SD) * self.config.placard_kpa / self.grid.step_kpa());
         self.held_frames = HELD_FRAMES;
@@ -349,7 +343,7 @@ impl<T: Real> Informed<T> {
 
     /// The car as it seems to be now: sprung mass, damping and spring identified from the relation between body and
     /// wheel, which does not contain the tire; the unsprung mass as configured.
-    pub fn quarter_car(&self) -> QuarterCar<T> {
+    pub(crate) fn quarter_car(&self) -> QuarterCar<T> {
         let body = self.body.body();
         QuarterCar::new(
             body.sprung_mass_kg,
@@ -362,7 +356,7 @@ impl<T: Real> Informed<T> {
 
     /// What the frames since the last pseudo-measurement say by themselves, whatever was believed before: a stiffness measurement for
     /// a filter outside. `None` until there are enough of them. Frames are tempered, so pseudo-measurements may be added up.
-    pub fn take_pseudo_measurement(&mut self) -> Option<StiffnessPseudoMeasurement<T>> {
+    pub(crate) fn take_pseudo_measurement(&mut self) -> Option<StiffnessPseudoMeasurement<T>> {
         if let Some(periodic) = self.periodic_estimate.as_mut() {
             let stiffness = T::one() / periodic.theta;
             let sd_n_per_m = periodic.relative_sd * stiffness * T::lit(PERIODIC_SD);
@@ -396,7 +390,7 @@ impl<T: Real> Informed<T> {
 
     /// As [`take_pseudo_measurement`](Self::take_pseudo_measurement), for a filter that believes in a stiffness
     /// with an sd, both in N/m; `believed` is called only when a pseudo-measurement is due.
-    pub fn pseudo_measurement(
+    pub(crate) fn pseudo_measurement(
         &mut self,
         believed: impl FnOnce() -> (T, T),
     ) -> Option<StiffnessPseudoMeasurement<T>> {
@@ -421,7 +415,7 @@ impl<T: Real> Informed<T> {
     }
 
     /// What is believed now.
-    pub fn belief(&self) -> Belief<T> {
+    pub(crate) fn belief(&self) -> Belief<T> {
         if let Some(periodic) = self.periodic_estimate.as_ref() {
             return self.repeated_belief(periodic);
         }
@@ -446,23 +440,23 @@ impl<T: Real> Informed<T> {
 
 /// What the estimator believes after a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Belief<T> {
+pub(crate) struct Belief<T> {
     /// Posterior mean of the pressure in kPa.
-    pub pressure_kpa: T,
+    pub(crate) pressure_kpa: T,
     /// Its standard deviation in kPa.
-    pub pressure_sd_kpa: T,
+    pub(crate) pressure_sd_kpa: T,
     /// Probability that the pressure is changing.
-    pub moving: T,
+    pub(crate) moving: T,
     /// Power of the last frame over its expectation: about 1 when the model holds.
-    pub nis: T,
+    pub(crate) nis: T,
     /// Share of the last frame that was used, 0 to 1.
-    pub gate: T,
+    pub(crate) gate: T,
     /// Factor by which the variance grew in the last prediction.
-    pub variance_growth: T,
+    pub(crate) variance_growth: T,
     /// Seconds of full information so far.
-    pub learned_s: T,
+    pub(crate) learned_s: T,
     /// Whether the pressure lies within the range that is looked at, and not at an end of it.
-    pub is_in_range: bool,
+    pub(crate) is_in_range: bool,
 }
 
 /// A measurement of the stiffness, by a few frames.

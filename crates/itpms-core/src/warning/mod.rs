@@ -7,7 +7,6 @@ mod limits;
 pub(crate) mod low;
 pub(crate) mod reference_pressure;
 pub(crate) mod report;
-pub(crate) mod single_wheel;
 
 pub use self::alert::{Alert, AlertIn, Basis, Cause, Reading};
 pub use self::limits::{Limits, Regulation};

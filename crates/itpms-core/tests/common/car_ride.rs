@@ -2,7 +2,6 @@
 //! the crate's own model: a road of slope -2 over distance, Runge-Kutta at 4 kHz, a Butterworth low-pass, sensors.
 
 use itpms_core::car::{CarEstimate, CarEstimator};
-use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::{
     CarConfig, CarSample, Confidence, CornerConfig, CornerSample, ParameterUncertainty, PressureMap,
     QuarterCar,
@@ -144,7 +143,7 @@ pub fn cast<T: Real>(row: &CarSample<f64>) -> CarSample<T> {
 
 /// The estimator of a car.
 pub fn car<T: Real>(config: &CarConfig<T>) -> CarEstimator<T> {
-    CarEstimator::new(EstimatorKind::Informed, config, RATE_HZ).unwrap()
+    CarEstimator::new(config, RATE_HZ).unwrap()
 }
 
 /// What it says after each row.

@@ -2,7 +2,7 @@
 //! without the crate's own model: a road of slope -2, Runge-Kutta at 4 kHz, a Butterworth low-pass, sensors.
 
 use super::quarter_plant::{Random, derivative, runge_kutta, stiffness};
-use itpms_core::estimator::{Estimator, EstimatorKind};
+use itpms_core::estimator::Estimator;
 use itpms_core::model::{CornerConfig, CornerEstimate};
 use itpms_core::real::Real;
 
@@ -147,8 +147,8 @@ pub fn low_pass(edge_hz: f64) -> [Section; 2] {
 }
 
 /// The paper's corner with its noise known, at the rate given.
-pub fn estimator<T: Real>(kind: EstimatorKind, rate_hz: f64) -> Estimator<T> {
-    Estimator::new(kind, &CornerConfig::paper(), rate_hz).unwrap()
+pub fn estimator<T: Real>(rate_hz: f64) -> Estimator<T> {
+    Estimator::new(&CornerConfig::paper(), rate_hz).unwrap()
 }
 
 /// One row into an estimator.
@@ -158,7 +158,7 @@ pub fn feed<T: Real>(estimator: &mut Estimator<T>, row: &Row) -> CornerEstimate<
 
 /// All rows into the default estimator.
 pub fn informed(rate_hz: f64, rows: &[Row]) -> Vec<CornerEstimate<f64>> {
-    let mut estimator = estimator(EstimatorKind::Informed, rate_hz);
+    let mut estimator = estimator(rate_hz);
     rows.iter().map(|row| feed(&mut estimator, row)).collect()
 }
 

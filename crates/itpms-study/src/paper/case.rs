@@ -41,7 +41,7 @@ impl Case {
             road.actuator.natural_frequency_hz = request.bench_actuator_hz;
         }
         let mut contestants = Contestant::all(reset_s);
-        contestants.push(Contestant { kind: itpms_core::estimator::EstimatorKind::Informed, reset_s: 0.0 });
+        contestants.push(Contestant { kind: itpms_paper::EstimatorKind::Informed, reset_s: 0.0 });
         let case = Self { scenario, tuning: Tuning::Bench, contestants };
         case.changed(|corner| corner.unsprung_mass_kg = request.bench_unsprung_mass_kg)
     }

@@ -3,7 +3,7 @@
 //!
 //! Called by the sections that hold them.
 
-use itpms_core::estimator::EstimatorKind;
+use itpms_paper::EstimatorKind;
 
 use super::data::Data;
 use super::histories::{data, errors, forgetting_factors, overlaid, pressure, variance_axis};

@@ -3,9 +3,9 @@
 //! Called by `drive`. The published filters are driven directly: the study draws what is inside them, and gives them
 //! the tuning of the section of the paper at hand.
 
-use itpms_core::estimator::{Estimator, EstimatorKind};
 use itpms_core::model::{CornerConfig, CornerSample};
-use itpms_core::published::{AekfUi, FilterConfig, Forgetting};
+use itpms_paper::{AekfUi, FilterConfig, Forgetting};
+use itpms_paper::{AnyEstimator, EstimatorKind};
 
 use super::PaperError;
 use crate::plot::{Ink, Stroke};
@@ -82,7 +82,7 @@ pub(super) struct Word {
 #[allow(clippy::large_enum_variant)]
 pub(super) enum Runner {
     Published { filter: AekfUi<f64>, corner: CornerConfig<f64>, step_s: f64 },
-    Estimator(Estimator<f64>),
+    Estimator(AnyEstimator<f64>),
 }
 
 impl Runner {
@@ -96,11 +96,11 @@ impl Runner {
             EstimatorKind::AekfUi => Forgetting::OneStep,
             EstimatorKind::EkfUi => Forgetting::None,
             kind => {
-                let estimator = Estimator::new(kind, corner, rate_hz)?;
-                return Ok(Self::Estimator(match contestant.reset_s {
-                    seconds if seconds > 0.0 => estimator.with_calibration_drive(seconds)?,
-                    _ => estimator,
-                }));
+                let mut estimator = AnyEstimator::new(kind, corner, rate_hz)?;
+                if contestant.reset_s > 0.0 {
+                    estimator.begin_calibration(contestant.reset_s)?;
+                }
+                return Ok(Self::Estimator(estimator));
             }
         };
         let tuned = match tuning {

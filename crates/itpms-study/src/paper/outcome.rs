@@ -2,7 +2,7 @@
 //!
 //! Filled by `plan`, read by the sections.
 
-use itpms_core::estimator::EstimatorKind;
+use itpms_paper::EstimatorKind;
 
 use super::case::Case;
 use super::contestant::Contestant;

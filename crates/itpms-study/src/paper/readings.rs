@@ -3,9 +3,7 @@
 //! Called by [`super::reproduce`]; its table stands below Fig. 7.
 
 use itpms_core::model::CornerSample;
-use itpms_core::published::{
-    AekfUi, CorrectionInput, FactorTiming, FilterConfig, Forgetting, GradientDescent,
-};
+use itpms_paper::{AekfUi, CorrectionInput, FactorTiming, FilterConfig, Forgetting, GradientDescent};
 use itpms_sim::simulation::Simulation;
 use rayon::prelude::*;
 

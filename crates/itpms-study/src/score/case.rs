@@ -2,8 +2,8 @@
 //!
 //! Called by the parts of the score.
 
-use itpms_core::estimator::{Estimator, EstimatorKind};
 use itpms_core::model::{Corner, CornerConfig, CornerEstimate};
+use itpms_paper::{AnyEstimator, EstimatorKind};
 use itpms_sim::road::{Iso8608, RoadClass, RoadSpec, Surface};
 use itpms_sim::scenario::{CornerSpec, Scenario};
 use itpms_sim::sensor::SensorSpec;
@@ -140,9 +140,9 @@ impl Case {
         seed: u64,
         mut look: impl FnMut(&SimRow, &CornerRow, &CornerEstimate<f64>),
     ) -> Result<(), ScoreError> {
-        let mut estimator = Estimator::new(self.kind, &self.corner()?, self.scenario.rate_hz)?;
+        let mut estimator = AnyEstimator::new(self.kind, &self.corner()?, self.scenario.rate_hz)?;
         if let Some(seconds) = self.reset_s {
-            estimator = estimator.with_calibration_drive(seconds)?;
+            estimator.begin_calibration(seconds)?;
         }
         for row in Simulation::new(&self.scenario, seed)? {
             let Some(corner) = row.corners[CORNER.index()] else { continue };

@@ -7,7 +7,7 @@
 //! every other drive starts 30 kPa above the truth and the rest 30 kPa below: the mean square of the start's error is
 //! the prior's variance.
 
-use itpms_core::estimator::EstimatorKind;
+use itpms_paper::EstimatorKind;
 
 use super::ScoreError;
 use super::case::{Case, START_SD_KPA};

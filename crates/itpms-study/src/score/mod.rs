@@ -28,9 +28,9 @@ pub mod stats;
 mod table;
 mod track;
 
-use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::ParameterError;
 use itpms_core::road::RecorderMemoryError;
+use itpms_paper::EstimatorKind;
 use itpms_sim::error::ScenarioError;
 use serde::Serialize;
 use thiserror::Error;
@@ -109,6 +109,20 @@ impl Part {
         !matches!(
             self,
             Self::Ablation | Self::Disturbances | Self::Detection | Self::Car | Self::Learn | Self::Own
+        )
+    }
+
+    /// Whether it is of cars with four wheels.
+    fn is_of_cars(self) -> bool {
+        matches!(
+            self,
+            Self::Drive
+                | Self::Ablation
+                | Self::Disturbances
+                | Self::Detection
+                | Self::Car
+                | Self::Learn
+                | Self::Own
         )
     }
 
@@ -248,6 +262,12 @@ pub enum ScoreError {
         /// What was asked for.
         part: &'static str,
     },
+    /// Four wheels are the default estimator's.
+    #[error("{part} is scored for {} alone: the paper's filters know one wheel", EstimatorKind::default().label())]
+    DefaultEstimator {
+        /// What was asked for.
+        part: &'static str,
+    },
     /// No row is called so.
     #[error(
         "no four-wheel row that was asked for has a name with `{only}` in it, such as `car, 80 km/h, reset`"
@@ -307,18 +327,23 @@ pub fn score(request: &Request, progress: Progress<'_>) -> Result<Score, ScoreEr
     if let Some(part) = request.part.filter(|part| several && !Part::PAPER.contains(part)) {
         return Err(ScoreError::OneEstimator { part: part.label() });
     }
+    let is_default = kind == EstimatorKind::default();
+    if let Some(part) = request.part.filter(|part| !is_default && part.is_of_cars()) {
+        return Err(ScoreError::DefaultEstimator { part: part.label() });
+    }
     let wanted = |part: Part| match request.part {
         Some(only) => part == only,
-        None => part.is_usual() && (!several || Part::PAPER.contains(&part)),
+        None if several => Part::PAPER.contains(&part),
+        None => part.is_usual() && (is_default || !part.is_of_cars()),
     };
     let drives = |part: Part| if wanted(part) { request.seeds } else { 0 };
     let tracks = track::Plan::new(wanted, &request.estimators, request.seeds)?;
     let constant = constant::Plan::new(kind, drives(Part::Efficiency))?;
     let record = record::Plan::new(kind, drives(Part::Road))?;
 
-    let cars = drive::Plan::new(wanted, kind, request.seeds, request.only.as_deref())?;
+    let cars = drive::Plan::new(wanted, request.seeds, request.only.as_deref())?;
     let own = match wanted(Part::Own) {
-        true => own::Plan::new(kind, request.seeds, request.only.as_deref()),
+        true => own::Plan::new(request.seeds, request.only.as_deref()),
         false => own::Plan::default(),
     };
     if let Some(only) = request.only.as_ref().filter(|_| cars.drives() + own.drives() == 0) {
@@ -364,6 +389,10 @@ mod tests {
             ..Request::default()
         };
         assert!(score(&several, &go).unwrap_err().to_string().starts_with("road is scored for one"));
+        let estimators = vec![EstimatorKind::AekfUi];
+        let of_cars = Request { estimators, part: Some(Part::Drive), seeds: 1, ..Request::default() };
+        let refused = score(&of_cars, &go).unwrap_err().to_string();
+        assert!(refused.starts_with("drive is scored for informed alone"), "{refused}");
     }
 
     #[test]

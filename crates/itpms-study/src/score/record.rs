@@ -3,9 +3,9 @@
 //! Called by the score. The stiffness comes from the estimator, the road from the recorder; both may look at the
 //! truth only through the accelerations.
 
-use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::CornerSample;
 use itpms_core::road::{RoadConfig, RoadRecorder, RoadRow, Segment, window_for};
+use itpms_paper::EstimatorKind;
 use itpms_sim::road::RoadClass;
 use itpms_sim::time_profile::Speed;
 

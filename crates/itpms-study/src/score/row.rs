@@ -2,7 +2,7 @@
 //!
 //! Filled by the parts of the score; read by the table, by `--json` and by whoever keeps books.
 
-use itpms_core::estimator::EstimatorKind;
+use itpms_paper::EstimatorKind;
 use serde::Serialize;
 
 /// What a cell's figure has to be.
@@ -140,6 +140,16 @@ impl Row {
     ) -> Self {
         let verdict = cells.iter().filter_map(|cell| cell.verdict).min();
         Self { part, name: name.into(), estimator, drives, cells, verdict }
+    }
+
+    /// A row of the default estimator.
+    pub(super) fn of_default(
+        part: &'static str,
+        name: impl Into<String>,
+        drives: usize,
+        cells: Vec<Cell>,
+    ) -> Self {
+        Self::new(part, name, EstimatorKind::default(), drives, cells)
     }
 
     /// The cell of a column's name.

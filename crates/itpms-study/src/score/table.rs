@@ -117,7 +117,7 @@ fn aligned(lines: &[Vec<String>]) -> String {
 mod tests {
     use super::super::row::{Column, Goal};
     use super::*;
-    use itpms_core::estimator::EstimatorKind;
+    use itpms_paper::EstimatorKind;
 
     const X: Column = Column::new("x_kpa", "x", 1);
 

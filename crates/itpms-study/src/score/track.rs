@@ -3,7 +3,7 @@
 //!
 //! Called by the score. The rows on coverage are drawn from the same drives.
 
-use itpms_core::estimator::EstimatorKind;
+use itpms_paper::EstimatorKind;
 use itpms_sim::road::RoadClass;
 
 use super::case::Case;

@@ -4,11 +4,10 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use clap::ArgGroup;
-use itpms_core::estimator::EstimatorKind;
 use itpms_core::warning::Regulation;
 use itpms_live::source::Speed;
 
-use super::{LogArgs, UnitArgs, estimator_names, positive, regulation_names};
+use super::{LogArgs, UnitArgs, positive, regulation_names};
 
 /// Watch a car live: estimates and warnings from a CAN bus, a broker or a replayed log, as they come.
 ///
@@ -76,9 +75,6 @@ pub(crate) struct MonitorArgs {
     /// Which loss is warned of, as in `itpms estimate`.
     #[arg(long, value_name = "NAME", default_value = Regulation::default().label(), value_parser = regulation_names())]
     pub(crate) regulation: Regulation,
-    /// Which estimator.
-    #[arg(long, value_name = "NAME", default_value = EstimatorKind::default().label(), value_parser = estimator_names())]
-    pub(crate) estimator: EstimatorKind,
     /// Print the DBC of the frames of --can-out, and nothing else.
     #[arg(long)]
     pub(crate) print_dbc: bool,

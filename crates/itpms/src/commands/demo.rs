@@ -6,8 +6,9 @@
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-use itpms_core::estimator::{EstimatorKind, RoadRepetition};
+use itpms_core::estimator::RoadRepetition;
 use itpms_core::warning::Regulation;
+use itpms_drive::EstimatorKind;
 use itpms_sim::scenario::Scenario;
 
 use super::{estimate, simulate};

@@ -7,14 +7,14 @@ use core::hint::black_box;
 
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
-use itpms_core::estimator::{Estimator, EstimatorKind};
+use itpms_core::estimator::Estimator;
 use itpms_core::model::CornerConfig;
 use itpms_firmware::drive::{RATE_HZ, SAMPLES, sample};
 use itpms_firmware::{Counter, instructions, memory};
 use panic_semihosting as _;
 
 fn run(estimator: &mut Estimator<f32>, counter: &mut Counter) -> Option<()> {
-    estimator.configure(EstimatorKind::Informed, &CornerConfig::paper(), RATE_HZ).ok()?;
+    estimator.configure(&CornerConfig::paper(), RATE_HZ).ok()?;
     estimator.leave_out_road();
     memory::paint_stack();
     let (mut sum, mut worst, mut pressure_kpa) = (0u64, 0u32, 0.0);

@@ -3,7 +3,6 @@
 //! Called by the plan of the four-wheel parts. Speed, road, wheel, kind of car and how fast the tire goes down change from
 //! drive to drive.
 
-use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::Corner;
 use itpms_sim::road::{RoadClass, RoadSpec};
 use itpms_sim::time_profile::{Pressure, Speed};
@@ -87,11 +86,11 @@ struct Found {
 /// Losses with their setups and numbers of drives.
 #[derive(Default)]
 pub(super) struct Plan {
-    cases: Vec<((EstimatorKind, Loss, Setup), usize)>,
+    cases: Vec<((Loss, Setup), usize)>,
 }
 
 impl Plan {
-    pub(super) fn new(kind: EstimatorKind, seeds: usize, only: Option<&str>) -> Self {
+    pub(super) fn new(seeds: usize, only: Option<&str>) -> Self {
         let mut cases = vec![];
         for (loss, setups) in [
             (ONE, &[Setup::USUAL][..]),
@@ -101,7 +100,7 @@ impl Plan {
             for &setup in setups {
                 if only.is_none_or(|only| name(&loss, &setup).contains(only)) {
                     let drives = (loss.drives_per_seed * seeds as f64).ceil() as usize;
-                    cases.push(((kind, loss, setup), drives));
+                    cases.push(((loss, setup), drives));
                 }
             }
         }
@@ -113,13 +112,13 @@ impl Plan {
     }
 
     pub(super) fn rows(&self, runner: &Runner<'_>) -> Result<Vec<Row>, ScoreError> {
-        let found = runner.run(&self.cases, |(kind, loss, setup), turn| drive(*kind, loss, setup, turn))?;
+        let found = runner.run(&self.cases, |(loss, setup), turn| drive(loss, setup, turn))?;
         let mut rows = vec![];
-        for (((kind, loss, setup), _), found) in self.cases.iter().zip(&found) {
+        for (((loss, setup), _), found) in self.cases.iter().zip(&found) {
             let all = name(loss, setup);
-            rows.push(row(all.clone(), *kind, loss, found));
+            rows.push(row(all.clone(), loss, found));
             if !loss.all {
-                rows.extend(parts(&all, *kind, loss, found));
+                rows.extend(parts(&all, loss, found));
             }
         }
         Ok(rows)
@@ -131,12 +130,12 @@ fn name(loss: &Loss, setup: &Setup) -> String {
 }
 
 /// The same drives by kind of car, class and speed.
-fn parts(all: &str, kind: EstimatorKind, loss: &Loss, found: &[Found]) -> Vec<Row> {
+fn parts(all: &str, loss: &Loss, found: &[Found]) -> Vec<Row> {
     let mut rows = vec![];
     let mut part = |what: String, belongs: &dyn Fn(&Found) -> bool| {
         let found: Vec<Found> = found.iter().copied().filter(|one| belongs(one)).collect();
         if !found.is_empty() {
-            rows.push(row(format!("{all}, {what}"), kind, loss, &found));
+            rows.push(row(format!("{all}, {what}"), loss, &found));
         }
     };
     for plant in Plant::ALL {
@@ -151,7 +150,7 @@ fn parts(all: &str, kind: EstimatorKind, loss: &Loss, found: &[Found]) -> Vec<Ro
     rows
 }
 
-fn row(name: String, kind: EstimatorKind, loss: &Loss, found: &[Found]) -> Row {
+fn row(name: String, loss: &Loss, found: &[Found]) -> Row {
     const MEDIAN: Column = Column::new("after_median_s", "median s", 1);
     const P90: Column = Column::new("after_p90_s", "p90", 1);
     const WORST: Column = Column::new("after_worst_s", "worst", 1);
@@ -171,11 +170,11 @@ fn row(name: String, kind: EstimatorKind, loss: &Loss, found: &[Found]) -> Row {
         WRONG.judged(count(&|one| one.wrong), Goal::AtMost(0.0)),
         EARLY.judged(count(&|one| one.early), Goal::AtMost(0.0)),
     ];
-    Row::new("detection", name, kind, found.len(), cells)
+    Row::of_default("detection", name, found.len(), cells)
 }
 
 /// The drive of a turn: wheels, classes and cars in turn, speeds and times at random.
-fn composed(kind: EstimatorKind, loss: &Loss, turn: Turn) -> Result<(Drive, Found, f64), ScoreError> {
+fn composed(loss: &Loss, turn: Turn) -> Result<(Drive, Found, f64), ScoreError> {
     let mut random = Pcg64::seed_from_u64(turn.seed);
     let mut between = |[low, high]: [f64; 2]| low + (high - low) * random.random::<f64>();
     let (km_h, takes_s) = (between(SPEED_KM_H), between(loss.takes_s));
@@ -185,7 +184,7 @@ fn composed(kind: EstimatorKind, loss: &Loss, turn: Turn) -> Result<(Drive, Foun
         false => (class, Plant::ALL[turn.index / 16 % 2]),
         true => (CLASSES[turn.index % 4], Plant::ALL[turn.index % 2]),
     };
-    let mut drive = Drive::puncture(plant, km_h, kind)?.each_corner(|corner, spec| {
+    let mut drive = Drive::puncture(plant, km_h)?.each_corner(|corner, spec| {
         spec.pressure = if loss.all || corner == struck {
             Pressure::ramp(FROM_KPA, TO_KPA, loss.begins_s, takes_s)
         } else {
@@ -203,8 +202,8 @@ fn composed(kind: EstimatorKind, loss: &Loss, turn: Turn) -> Result<(Drive, Foun
     Ok((drive, found, loss.begins_s + takes_s))
 }
 
-fn drive(kind: EstimatorKind, loss: &Loss, setup: &Setup, turn: Turn) -> Result<Found, ScoreError> {
-    let (drive, mut found, complete_s) = composed(kind, loss, turn)?;
+fn drive(loss: &Loss, setup: &Setup, turn: Turn) -> Result<Found, ScoreError> {
+    let (drive, mut found, complete_s) = composed(loss, turn)?;
     let drive = drive.with_setups(&[*setup]);
     let Some(mut car) = drive.cars()?.pop() else { return Ok(found) };
     for row in Simulation::new(&drive.scenario, turn.seed)? {
@@ -234,11 +233,8 @@ mod tests {
 
     #[test]
     fn drives_differ_in_all_they_should() {
-        let drives: Vec<(Drive, Found, f64)> = (0..200)
-            .map(|index| {
-                composed(EstimatorKind::Informed, &ONE, Turn { index, seed: 1 + index as u64 }).unwrap()
-            })
-            .collect();
+        let drives: Vec<(Drive, Found, f64)> =
+            (0..200).map(|index| composed(&ONE, Turn { index, seed: 1 + index as u64 }).unwrap()).collect();
         for plant in Plant::ALL {
             for class in CLASSES {
                 for corner in Corner::ALL {
@@ -279,13 +275,12 @@ mod tests {
             Found { after_s: 7.0, wrong: true, class: RoadClass::C, ..one },
             Found { after_s: -0.5, early: true, ..one },
         ];
-        let row = row("all".to_owned(), EstimatorKind::Informed, &ONE, &found);
+        let row = row("all".to_owned(), &ONE, &found);
         let value = |name: &str| row.cell(name).unwrap().value;
         assert_eq!((value("missed"), value("wrong_wheels"), value("early")), (1.0, 1.0, 1.0));
         assert_eq!((value("after_median_s"), value("share_within_goal")), (4.0, 0.5));
         assert!(value("after_worst_s").is_infinite());
-        let names: Vec<String> =
-            parts("all", EstimatorKind::Informed, &ONE, &found).into_iter().map(|row| row.name).collect();
+        let names: Vec<String> = parts("all", &ONE, &found).into_iter().map(|row| row.name).collect();
         assert_eq!(
             names,
             ["all, car", "all, class A", "all, class C", "all, 20 to 50 km/h", "all, 80 to 120 km/h"]
@@ -295,14 +290,12 @@ mod tests {
     /// A tire that is a fifth low is warned of, and by nobody before it is.
     #[test]
     fn a_drive_is_judged() {
-        let plan = Plan::new(EstimatorKind::Informed, 1, Some("minute, reset"));
+        let plan = Plan::new(1, Some("minute, reset"));
         assert_eq!((plan.cases.len(), plan.drives()), (1, 1));
         let short = Loss { begins_s: 20.0, takes_s: [5.0, 5.0], wait_s: 5.0, rate_hz: 200.0, ..ONE };
         let runner = Runner::new(1, 1, &|_, _| ControlFlow::Continue(()));
         let cases = [((), 1)];
-        let found = runner
-            .run(&cases, |(), turn| drive(EstimatorKind::Informed, &short, &Setup::USUAL, turn))
-            .unwrap();
+        let found = runner.run(&cases, |(), turn| drive(&short, &Setup::USUAL, turn)).unwrap();
         let one = &found[0][0];
         assert!(one.class == RoadClass::A && !one.early && !one.wrong && one.after_s < 3.0, "{one:?}");
     }
@@ -312,13 +305,13 @@ mod tests {
     fn wheels_in_the_air_hide_no_loss() {
         let short = Loss { begins_s: 20.0, takes_s: [5.0, 5.0], wait_s: 20.0, ..ONE };
         let fast = |turn: &Turn| {
-            let (_, found, _) = composed(EstimatorKind::Informed, &short, *turn).unwrap();
+            let (_, found, _) = composed(&short, *turn).unwrap();
             found.class == RoadClass::D && found.plant == Plant::Car && found.km_h > 80.0
         };
         let turns = (0..400).map(|i| Turn { index: i % 32, seed: 1000 + i as u64 }).filter(fast);
         let cases: Vec<(Turn, usize)> = turns.take(3).map(|turn| (turn, 1)).collect();
         let found = Runner::new(1, 2, &|_, _| ControlFlow::Continue(()))
-            .run(&cases, |turn, _| drive(EstimatorKind::Informed, &short, &Setup::USUAL, *turn))
+            .run(&cases, |turn, _| drive(&short, &Setup::USUAL, *turn))
             .unwrap()
             .concat();
         assert_eq!(found.len(), 3);

@@ -3,7 +3,6 @@
 //! Called by the plan of the four-wheel parts. Every row is the puncture on the front wheels' track with one thing
 //! changed; sizes are those that come with cars and sensors one can buy, or worse.
 
-use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::Corner;
 use itpms_sim::scenario::CornerSpec;
 use itpms_sim::sensor::SensorSpec;
@@ -89,15 +88,15 @@ const ALONE: [Disturbance; 31] = [
 const TOGETHER: Disturbance = Disturbance { name: "all together", change: together };
 
 /// The disturbed punctures under the whole car; all together under both cars.
-pub(super) fn drives(kind: EstimatorKind) -> Result<Vec<(Drive, Option<f64>)>, ScoreError> {
+pub(super) fn drives() -> Result<Vec<(Drive, Option<f64>)>, ScoreError> {
     let mut drives = vec![];
     for km_h in SPEEDS_KM_H {
         for disturbance in &ALONE {
-            let drive = Drive::puncture(Plant::Car, km_h, kind)?;
+            let drive = Drive::puncture(Plant::Car, km_h)?;
             drives.push(((disturbance.change)(drive).named(disturbance.name), None));
         }
         for plant in Plant::ALL {
-            let drive = Drive::puncture(plant, km_h, kind)?.with_setups(&[Setup::USUAL, Setup::RESET]);
+            let drive = Drive::puncture(plant, km_h)?.with_setups(&[Setup::USUAL, Setup::RESET]);
             drives.push(((TOGETHER.change)(drive).named(TOGETHER.name), None));
         }
     }
@@ -185,7 +184,7 @@ mod tests {
     #[test]
     fn disturbed_drives_are_sound_and_differ() {
         let mut names = vec![];
-        for (drive, _) in drives(EstimatorKind::Informed).unwrap() {
+        for (drive, _) in drives().unwrap() {
             drive.scenario.validate().unwrap();
             drive.told().unwrap();
             names.push(drive.name);
@@ -194,7 +193,7 @@ mod tests {
         names.sort();
         names.dedup();
         assert_eq!(names.len(), count);
-        let usual = Drive::puncture(Plant::Car, 80.0, EstimatorKind::Informed).unwrap();
+        let usual = Drive::puncture(Plant::Car, 80.0).unwrap();
         for disturbance in ALONE.iter().skip(1) {
             let changed = (disturbance.change)(usual.clone());
             let same_drive = changed.scenario == usual.scenario;

@@ -109,7 +109,7 @@ impl Plan {
             for (number, setup) in drive.setups.iter().enumerate() {
                 let of_setup: Vec<&[Wheel; 4]> = found.iter().map(|errors| &errors[number]).collect();
                 let cells = cells(entry, drive.struck, &of_setup, &limit::rms_kpa(drive, setup)?);
-                rows.push(Row::new(entry.part, drive.row_name(setup), drive.kind, *drives, cells));
+                rows.push(Row::of_default(entry.part, drive.row_name(setup), *drives, cells));
             }
         }
         Ok(rows)
@@ -160,8 +160,6 @@ fn cells(entry: &Entry, struck: Corner, drives: &[&[Wheel; 4]], bounds_kpa: &[f6
 mod tests {
     use std::ops::ControlFlow;
 
-    use itpms_core::estimator::EstimatorKind;
-
     use super::super::{Plant, Setup};
     use super::*;
 
@@ -192,7 +190,7 @@ mod tests {
     /// was 5.8 kPa off (median of forty drives) when they faded as in a car that nobody had reset, and is 3.3.
     #[test]
     fn what_a_reset_taught_is_kept_beside_the_track() {
-        let drive = Drive::puncture(Plant::Car, 20.0, EstimatorKind::Informed).unwrap();
+        let drive = Drive::puncture(Plant::Car, 20.0).unwrap();
         let drive = drive.with_rear_offset_m(0.02).with_setups(&[Setup::RESET]);
         let drives = Runner::new(1, 5, &|_, _| ControlFlow::Continue(())).run(&[(drive, 5)], errors).unwrap();
         let worst = |found: &Errors| (1..4).map(|i| found[0][i].judged.rmse()).fold(0.0, f64::max);

@@ -3,7 +3,6 @@
 //! Called by the plan of the four-wheel parts.
 
 use itpms_core::car::CarEstimate;
-use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::{CarConfig, Corner, VehicleCalibration};
 use itpms_core::warning::MonitorReport;
 use itpms_sim::simulation::{SimRow, Simulation};
@@ -73,14 +72,9 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    pub(super) fn new(kind: EstimatorKind, seeds: usize, only: Option<&str>) -> Self {
-        let subject = |name, by_size, pressures_kpa| Subject {
-            name,
-            kind,
-            by_size,
-            pressures_kpa,
-            learning_s: LEARNING_S,
-        };
+    pub(super) fn new(seeds: usize, only: Option<&str>) -> Self {
+        let subject =
+            |name, by_size, pressures_kpa| Subject { name, by_size, pressures_kpa, learning_s: LEARNING_S };
         let subjects = [
             subject("typical", false, &[PLACARD_KPA]),
             subject("by size", true, &[PLACARD_KPA]),
@@ -110,7 +104,7 @@ impl Plan {
             for (i, setup) in SETUPS.iter().enumerate() {
                 let later: Vec<Later> = found.iter().filter_map(|one| one.later[i]).collect();
                 let name = format!("{}, {setup}", subject.name);
-                rows.push(Row::new("learn-later", name, subject.kind, later.len(), later_cells(&later)));
+                rows.push(Row::of_default("learn-later", name, later.len(), later_cells(&later)));
             }
         }
         Ok(rows)
@@ -148,7 +142,7 @@ fn car(subject: &Subject, turn: Turn) -> Result<Found, ScoreError> {
         Some((&learned.car, None)),
         calibration.as_ref().map(|calibration| (&learned.car, Some(calibration))),
     ];
-    let later = later(&car, turn, subject.kind, &told)?;
+    let later = later(&car, turn, &told)?;
     Ok(Found { parameters, slope: Learnt { truth: slope, parameter: learned.slope }, later })
 }
 
@@ -156,12 +150,7 @@ fn car(subject: &Subject, turn: Turn) -> Result<Found, ScoreError> {
 type Told<'a> = (&'a CarConfig<f64>, Option<&'a VehicleCalibration<f64>>);
 
 /// A later drive on which one tire after the other, from car to car, loses a fifth; estimated by all at once.
-fn later(
-    car: &DrawnCar,
-    turn: Turn,
-    kind: EstimatorKind,
-    told: &[Option<Told<'_>>],
-) -> Result<Vec<Option<Later>>, ScoreError> {
+fn later(car: &DrawnCar, turn: Turn, told: &[Option<Told<'_>>]) -> Result<Vec<Option<Later>>, ScoreError> {
     let [begins_s, takes_s, wait_s] = LOSS_S;
     let struck = Corner::ALL[turn.index % 4];
     let (mut scenario, seed) = car.later(turn.index + turn.index / 4, begins_s + takes_s + wait_s);
@@ -172,7 +161,7 @@ fn later(
     for told in told {
         estimators.push(match told {
             Some((config, calibration)) => {
-                let mut estimator = estimator(config, kind)?;
+                let mut estimator = estimator(config)?;
                 calibration.map_or(Ok(()), |calibration| estimator.load_calibration(calibration))?;
                 Some((estimator, Later::default()))
             }
@@ -234,7 +223,7 @@ fn parameter_row(subject: &Subject, name: &str, all: &[Learnt], cars: usize) -> 
         AFTER.plain(rms(&|one| (one.parameter.after - one.truth) / unit(one.truth))),
         SAID.plain(rms(&|one| one.parameter.after_sd / unit(one.parameter.after))),
     ];
-    Row::new("learn", format!("{}, {name}", subject.name), subject.kind, cars, cells)
+    Row::of_default("learn", format!("{}, {name}", subject.name), cars, cells)
 }
 
 fn later_cells(all: &[Later]) -> Vec<Cell> {
@@ -271,7 +260,7 @@ mod tests {
 
     #[test]
     fn shares_and_deviations_are_of_the_truth() {
-        let subject = Plan::new(EstimatorKind::Informed, 1, Some("typical")).subjects[0].0;
+        let subject = Plan::new(1, Some("typical")).subjects[0].0;
         let learnt = |truth: f64| Learnt {
             truth,
             parameter: Parameter { before: 110.0, before_sd: 10.0, after: 104.0, after_sd: 2.0 },
@@ -286,7 +275,7 @@ mod tests {
 
     #[test]
     fn drawn_cars_scatter_as_their_files_say() {
-        let subject = Plan::new(EstimatorKind::Informed, 1, Some("by size")).subjects[0].0;
+        let subject = Plan::new(1, Some("by size")).subjects[0].0;
         let mut sums = [0.0f64; 3];
         for seed in 0..400 {
             let car = DrawnCar::draw(&subject, 0, seed).unwrap();

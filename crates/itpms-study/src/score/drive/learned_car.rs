@@ -5,7 +5,6 @@
 //! `drive-normal`.
 
 use itpms_core::car::{EstimatorOptions, RoadHeights};
-use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::{CarConfig, Confidence, Corner, ParameterUncertainty, VehicleCalibration};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_sim::car::PayloadSpec;
@@ -38,7 +37,6 @@ const LATER: u64 = 1 << 32;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Subject {
     pub(super) name: &'static str,
-    pub(super) kind: EstimatorKind,
     pub(super) by_size: bool,
     pub(super) pressures_kpa: &'static [f64],
     pub(super) learning_s: f64,
@@ -106,7 +104,7 @@ impl Source {
 
 impl DrawnCar {
     pub(super) fn draw(subject: &Subject, index: usize, seed: u64) -> Result<Self, ScoreError> {
-        let mut drive = Drive::puncture(Plant::Car, KM_H[0], subject.kind)?
+        let mut drive = Drive::puncture(Plant::Car, KM_H[0])?
             .each_corner(|_, spec| spec.pressure = Pressure::ConstantKpa(PLACARD_KPA));
         drive.scenario.rate_hz = RATE_HZ;
         drive.scenario.road = road(index);
@@ -201,7 +199,7 @@ impl DrawnCar {
         // At the placard's pressure; the drive at another one is none.
         let mut calibration = None;
         if let Some((_, rows)) = drives.iter().find(|(kpa, _)| *kpa == [PLACARD_KPA; 4]) {
-            let mut car = estimator(&learned.car, subject.kind)?;
+            let mut car = estimator(&learned.car)?;
             car.begin_calibration(subject.learning_s)?;
             for row in rows {
                 car.update(row);
@@ -236,15 +234,8 @@ fn road(index: usize) -> RoadSpec {
 }
 
 /// An estimator of this car under its monitor, at [`RATE_HZ`].
-pub(in super::super) fn estimator(
-    config: &CarConfig<f64>,
-    kind: EstimatorKind,
-) -> Result<Box<MonitoredCar<f64>>, ScoreError> {
-    let options = EstimatorOptions {
-        estimator: kind,
-        road_heights: RoadHeights::LeftOut,
-        ..EstimatorOptions::default()
-    };
+pub(in super::super) fn estimator(config: &CarConfig<f64>) -> Result<Box<MonitoredCar<f64>>, ScoreError> {
+    let options = EstimatorOptions { road_heights: RoadHeights::LeftOut, ..EstimatorOptions::default() };
     let mut car = Box::new(MonitoredCar::unconfigured());
     car.configure(&MonitorConfig::new(config).with_options(options), RATE_HZ)?;
     Ok(car)

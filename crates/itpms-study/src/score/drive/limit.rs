@@ -58,13 +58,12 @@ fn road(drive: &Drive) -> Option<&Iso8608> {
 
 #[cfg(test)]
 mod tests {
-    use itpms_core::estimator::EstimatorKind;
 
     use super::super::Plant;
     use super::*;
 
     fn puncture(plant: Plant, km_h: f64) -> Drive {
-        Drive::puncture(plant, km_h, EstimatorKind::Informed).unwrap()
+        Drive::puncture(plant, km_h).unwrap()
     }
 
     #[test]

@@ -25,7 +25,6 @@ mod real;
 mod real_list;
 
 use itpms_core::car::{CarEstimate, EstimatorOptions, RoadHeights, Sources};
-use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::{CarConfig, Corner};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_sim::scenario::{CornerSpec, Scenario};
@@ -85,7 +84,6 @@ impl Setup {
 struct Drive {
     /// What the names of its rows begin with.
     name: String,
-    kind: EstimatorKind,
     scenario: Scenario,
     setups: Vec<Setup>,
     /// The car's speed as the estimator is told, over the true one.
@@ -105,7 +103,7 @@ struct Drive {
 
 impl Drive {
     /// `drive-puncture` under one of the two cars.
-    fn puncture(plant: Plant, km_h: f64, kind: EstimatorKind) -> Result<Self, ScoreError> {
+    fn puncture(plant: Plant, km_h: f64) -> Result<Self, ScoreError> {
         let mut scenario = Scenario::builtin("drive-puncture")?;
         scenario.speed = Speed::ConstantKmH(km_h);
         if plant == Plant::Quarters {
@@ -114,7 +112,6 @@ impl Drive {
         let end_s = scenario.duration_s;
         Ok(Self {
             name: format!("{}, {km_h} km/h", plant.label()),
-            kind,
             wheelbase_m: scenario.wheelbase_m,
             scenario,
             setups: vec![Setup::USUAL, Setup::RESET],
@@ -191,7 +188,6 @@ impl Drive {
         let (config, rate_hz) = (self.told()?, self.scenario.rate_hz);
         let set_up = |setup: &Setup| {
             let options = EstimatorOptions {
-                estimator: self.kind,
                 sources: setup.sources,
                 road_heights: RoadHeights::LeftOut,
                 ..EstimatorOptions::default()
@@ -236,31 +232,30 @@ impl Plan {
     /// `wanted` parts with `seeds` drives per row; of these only the rows whose names contain `only`.
     pub(super) fn new(
         wanted: impl Fn(Part) -> bool,
-        kind: EstimatorKind,
         seeds: usize,
         only: Option<&str>,
     ) -> Result<Self, ScoreError> {
         let mut errors = errors::Plan::default();
         if wanted(Part::Drive) {
-            errors.add("drive", puncture::drives(kind)?, seeds, only);
-            errors.add("drive-noise", puncture::noisy(kind)?, seeds, only);
+            errors.add("drive", puncture::drives()?, seeds, only);
+            errors.add("drive-noise", puncture::noisy()?, seeds, only);
         }
         if wanted(Part::Ablation) {
-            errors.add("ablation", puncture::ablation(kind)?, seeds, only);
+            errors.add("ablation", puncture::ablation()?, seeds, only);
         }
         if wanted(Part::Disturbances) {
-            errors.add("disturbances", disturb::drives(kind)?, seeds, only);
+            errors.add("disturbances", disturb::drives()?, seeds, only);
         }
         let detection = match wanted(Part::Detection) {
-            true => detect::Plan::new(kind, seeds, only),
+            true => detect::Plan::new(seeds, only),
             false => detect::Plan::default(),
         };
         let real = match wanted(Part::Car) {
-            true => real::Plan::new(kind, seeds, only),
+            true => real::Plan::new(seeds, only),
             false => real::Plan::default(),
         };
         let learn = match wanted(Part::Learn) {
-            true => learn::Plan::new(kind, seeds, only),
+            true => learn::Plan::new(seeds, only),
             false => learn::Plan::default(),
         };
         Ok(Self { errors, detection, real, learn })
@@ -287,7 +282,7 @@ mod tests {
 
     #[test]
     fn rows_are_chosen_by_their_names() {
-        let drive = || Drive::puncture(Plant::Car, 80.0, EstimatorKind::Informed).unwrap();
+        let drive = || Drive::puncture(Plant::Car, 80.0).unwrap();
         assert_eq!(drive().only(None).unwrap().setups.len(), 2);
         assert_eq!(drive().only(Some("80 km/h")).unwrap().setups.len(), 2);
         assert_eq!(drive().only(Some("reset")).unwrap().setups, [Setup::RESET]);
@@ -303,7 +298,7 @@ mod tests {
     }
 
     fn assert_believed(seed: u64) {
-        let drive = Drive::puncture(Plant::Car, 80.0, EstimatorKind::Informed).unwrap();
+        let drive = Drive::puncture(Plant::Car, 80.0).unwrap();
         let mut worst_kpa = 0.0f64;
         let look = |_, row: &SimRow, estimate: &CarEstimate<f64>| {
             let (truth, found) = (row.corners[0].unwrap(), estimate.corners[0].unwrap());
@@ -318,7 +313,7 @@ mod tests {
 
     #[test]
     fn the_estimator_is_told_of_no_disturbance() {
-        let drive = Drive::puncture(Plant::Quarters, 20.0, EstimatorKind::Informed).unwrap();
+        let drive = Drive::puncture(Plant::Quarters, 20.0).unwrap();
         let other = drive.clone().with_rear_offset_m(0.02).each_corner(|_, spec| {
             spec.truth.unsprung_mass_factor = 1.03;
         });

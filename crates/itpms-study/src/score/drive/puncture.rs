@@ -3,7 +3,6 @@
 //! Called by the plan of the four-wheel parts.
 
 use itpms_core::car::Sources;
-use itpms_core::estimator::EstimatorKind;
 
 use super::super::ScoreError;
 use super::{Drive, Plant, Setup};
@@ -24,11 +23,11 @@ const SOURCES: [Setup; 4] = [
 ];
 
 /// The punctures, each with the goal for its struck wheel.
-pub(super) fn drives(kind: EstimatorKind) -> Result<Vec<(Drive, Option<f64>)>, ScoreError> {
+pub(super) fn drives() -> Result<Vec<(Drive, Option<f64>)>, ScoreError> {
     let mut drives = vec![];
     for plant in Plant::ALL {
         for (km_h, on_track_kpa, beside_kpa) in SPEEDS {
-            let drive = Drive::puncture(plant, km_h, kind)?;
+            let drive = Drive::puncture(plant, km_h)?;
             let beside = drive.clone().with_rear_offset_m(OFFSET_M).named("2 cm off");
             drives.extend([(drive, Some(on_track_kpa)), (beside, Some(beside_kpa))]);
         }
@@ -37,22 +36,22 @@ pub(super) fn drives(kind: EstimatorKind) -> Result<Vec<(Drive, Option<f64>)>, S
 }
 
 /// The same on the track, seen through noisy sensors; nobody set a goal for these.
-pub(super) fn noisy(kind: EstimatorKind) -> Result<Vec<(Drive, Option<f64>)>, ScoreError> {
+pub(super) fn noisy() -> Result<Vec<(Drive, Option<f64>)>, ScoreError> {
     let mut drives = vec![];
     for plant in Plant::ALL {
         for (km_h, _, _) in SPEEDS {
-            drives.push((Drive::puncture(plant, km_h, kind)?.with_noise(NOISY_M_S2), None));
+            drives.push((Drive::puncture(plant, km_h)?.with_noise(NOISY_M_S2), None));
         }
     }
     Ok(drives)
 }
 
 /// The same punctures, on the track, with one source of information at a time.
-pub(super) fn ablation(kind: EstimatorKind) -> Result<Vec<(Drive, Option<f64>)>, ScoreError> {
+pub(super) fn ablation() -> Result<Vec<(Drive, Option<f64>)>, ScoreError> {
     let mut drives = vec![];
     for plant in Plant::ALL {
         for (km_h, _, _) in SPEEDS {
-            drives.push((Drive::puncture(plant, km_h, kind)?.with_setups(&SOURCES), None));
+            drives.push((Drive::puncture(plant, km_h)?.with_setups(&SOURCES), None));
         }
     }
     Ok(drives)

@@ -5,7 +5,6 @@
 //! after a calibration one tire after the other loses a fifth.
 
 use itpms_core::car::CarEstimate;
-use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::{Confidence, Corner};
 use itpms_core::warning::{Alert, Cause, Change, MonitorReport};
 use itpms_sim::road::{RoadClass, RoadSpec};
@@ -72,14 +71,13 @@ pub(super) struct Plan {
 
 #[derive(Debug, Clone, Copy)]
 struct Subject {
-    kind: EstimatorKind,
     deviation: &'static Deviation,
 }
 
 impl Plan {
-    pub(super) fn new(kind: EstimatorKind, seeds: usize, only: Option<&str>) -> Self {
+    pub(super) fn new(seeds: usize, only: Option<&str>) -> Self {
         let wanted = |deviation: &&Deviation| only.is_none_or(|only| deviation.name.contains(only));
-        let subjects = || LIST.iter().filter(wanted).map(|deviation| Subject { kind, deviation });
+        let subjects = || LIST.iter().filter(wanted).map(|deviation| Subject { deviation });
         Self {
             levels: subjects().map(|subject| (subject, seeds)).collect(),
             losses: subjects().map(|subject| (subject, seeds.max(Corner::ALL.len()))).collect(),
@@ -103,17 +101,11 @@ impl Plan {
                 }
                 let part = if setup.label.is_empty() { "car" } else { "car-calibrated" };
                 let cells = level_cells(subject.deviation, &of_setup);
-                rows.push(Row::new(part, subject.deviation.name, subject.kind, of_setup.len(), cells));
+                rows.push(Row::of_default(part, subject.deviation.name, of_setup.len(), cells));
             }
         }
         for ((subject, _), found) in self.losses.iter().zip(&losses) {
-            rows.push(Row::new(
-                "car-loss",
-                subject.deviation.name,
-                subject.kind,
-                found.len(),
-                loss_cells(found),
-            ));
+            rows.push(Row::of_default("car-loss", subject.deviation.name, found.len(), loss_cells(found)));
         }
         Ok(rows)
     }
@@ -121,7 +113,7 @@ impl Plan {
 
 /// The deviating car on the road of a turn, its pressures as the placard says but for a tire that is flat from the start.
 fn composed(subject: &Subject, turn: Turn, setups: &[Setup]) -> Result<Drive, ScoreError> {
-    let mut drive = Drive::puncture(Plant::Car, KM_H, subject.kind)?.with_setups(setups);
+    let mut drive = Drive::puncture(Plant::Car, KM_H)?.with_setups(setups);
     let class = CLASSES[turn.index % CLASSES.len()];
     // Deviations are those of a car that is known as most are.
     drive.scenario.confidence = Confidence::Typical;
@@ -278,7 +270,7 @@ mod tests {
 
     fn subject(name: &str) -> Subject {
         let deviation = LIST.iter().find(|deviation| deviation.name == name).unwrap();
-        Subject { kind: EstimatorKind::Informed, deviation }
+        Subject { deviation }
     }
 
     #[test]
@@ -286,7 +278,7 @@ mod tests {
         let turn = Turn { index: 0, seed: 2 };
         let file = composed(&subject("as its file"), turn, &[UNKNOWN]).unwrap();
         for deviation in LIST {
-            let of = Subject { kind: EstimatorKind::Informed, deviation };
+            let of = Subject { deviation };
             let drive = composed(&of, turn, &[UNKNOWN]).unwrap();
             drive.scenario.validate().unwrap();
             assert_eq!(drive.told().unwrap(), file.told().unwrap(), "{}", deviation.name);

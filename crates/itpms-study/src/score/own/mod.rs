@@ -16,8 +16,6 @@ mod day;
 mod path;
 mod seen;
 
-use itpms_core::estimator::EstimatorKind;
-
 use self::day::{CHANGES, Change};
 use self::path::{Owned, Way};
 use self::seen::{Seen, Wheel};
@@ -36,7 +34,6 @@ pub(super) struct Plan {
 }
 
 struct Subject {
-    kind: EstimatorKind,
     ways: Vec<Way>,
     changes: Vec<&'static Change>,
 }
@@ -49,12 +46,12 @@ struct Found {
 
 impl Plan {
     /// So many cars; of the rows those whose names contain `only`.
-    pub(super) fn new(kind: EstimatorKind, cars: usize, only: Option<&str>) -> Self {
+    pub(super) fn new(cars: usize, only: Option<&str>) -> Self {
         let wanted = |name: &str| only.is_none_or(|only| name.contains(only));
         let ways: Vec<Way> = Way::ALL.into_iter().filter(|way| wanted(way.name())).collect();
         let changes: Vec<_> = CHANGES.iter().filter(|change| wanted(change.name)).collect();
         let empty = ways.is_empty() && changes.is_empty();
-        let subject = Subject { kind, ways, changes };
+        let subject = Subject { ways, changes };
         Self { subjects: vec![(subject, if empty { 0 } else { cars })] }
     }
 
@@ -69,17 +66,11 @@ impl Plan {
         for ((subject, _), found) in self.subjects.iter().zip(&found) {
             for (i, way) in subject.ways.iter().enumerate() {
                 let of_way: Vec<_> = found.iter().map(|one| &one.ways[i]).collect();
-                rows.push(Row::new("own", way.name(), subject.kind, found.len(), way_cells(&of_way)));
+                rows.push(Row::of_default("own", way.name(), found.len(), way_cells(&of_way)));
             }
             for (i, change) in subject.changes.iter().enumerate() {
                 let seen: Vec<&Seen> = found.iter().map(|one| &one.changes[i]).collect();
-                rows.push(Row::new(
-                    "own-changed",
-                    change.name,
-                    subject.kind,
-                    seen.len(),
-                    change_cells(&seen),
-                ));
+                rows.push(Row::of_default("own-changed", change.name, seen.len(), change_cells(&seen)));
             }
         }
         Ok(rows)
@@ -91,7 +82,7 @@ fn car(subject: &Subject, turn: Turn) -> Result<Found, ScoreError> {
     if !subject.changes.is_empty() {
         taught.push(Way::LearnedAndReference);
     }
-    let car = Owned::teach(subject.kind, turn.index, turn.seed, &taught)?;
+    let car = Owned::teach(turn.index, turn.seed, &taught)?;
     let later = if subject.ways.is_empty() { vec![] } else { car.later(&subject.ways)? };
     let ways = later.into_iter().zip(&subject.ways).map(|(seen, way)| (seen, car.has_reference(*way)));
     let changes = subject.changes.iter().map(|change| car.changed(change));
@@ -245,7 +236,7 @@ mod tests {
 
     #[test]
     fn rows_are_chosen_by_their_names() {
-        let plan = |only| Plan::new(EstimatorKind::Informed, 3, only);
+        let plan = |only| Plan::new(3, only);
         assert_eq!(plan(Some("reference")).subjects[0].0.ways.len(), 2);
         assert_eq!(plan(Some("dampers")).subjects[0].0.changes.len(), 2);
         assert_eq!(plan(None).drives(), 3);

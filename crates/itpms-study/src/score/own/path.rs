@@ -2,8 +2,6 @@
 //!
 //! Called by the plan. It calls what the commands call: `vehicle init`'s file, `vehicle learn`'s listener, a calibration of ten minutes
 //! whose reference is kept.
-
-use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::{CarConfig, CarSample, Corner, VehicleCalibration};
 use itpms_core::monitor::MonitoredCar;
 use itpms_data::Vehicle;
@@ -52,7 +50,6 @@ pub(super) struct Taught {
 
 /// A drawn car after its first day.
 pub(super) struct Owned {
-    kind: EstimatorKind,
     index: usize,
     car: OwnCar,
     later: Day,
@@ -62,12 +59,7 @@ pub(super) struct Owned {
 
 impl Owned {
     /// Draws the car of a turn, drives its ten minutes, and learns of them as far as the ways need it.
-    pub(super) fn teach(
-        kind: EstimatorKind,
-        index: usize,
-        seed: u64,
-        ways: &[Way],
-    ) -> Result<Self, ScoreError> {
+    pub(super) fn teach(index: usize, seed: u64, ways: &[Way]) -> Result<Self, ScoreError> {
         let car = OwnCar::draw(index, seed)?;
         let [first, later] = Day::two(index, seed, DAYS_S);
         let (scenario, drive_seed) = first.scenario(&car, &SAME, None)?;
@@ -79,11 +71,11 @@ impl Owned {
         let mut taught = [Taught { config: learned, calibration: None }, Taught::of(&car.file)];
         for (way, taught) in [Way::LearnedAndReference, Way::FileAndReference].into_iter().zip(&mut taught) {
             if ways.contains(&way) {
-                taught.calibrate(kind, &car.file, &rows)?;
+                taught.calibrate(&car.file, &rows)?;
             }
         }
         let [learned, file] = taught;
-        Ok(Self { kind, index, car, later, learned, file })
+        Ok(Self { index, car, later, learned, file })
     }
 
     /// Whether the way has what it is named after.
@@ -97,7 +89,7 @@ impl Owned {
 
     fn estimator(&self, way: Way) -> Result<Box<MonitoredCar<f64>>, ScoreError> {
         let taught = if way == Way::FileAndReference { &self.file } else { &self.learned };
-        let mut estimator = estimator(&taught.config, self.kind)?;
+        let mut estimator = estimator(&taught.config)?;
         if let Some(calibration) = taught.calibration.as_ref().filter(|_| way != Way::Learned) {
             estimator.load_calibration(calibration)?;
         }
@@ -169,13 +161,8 @@ impl Taught {
     }
 
     /// By a calibration that lasts as long as the drive, and a reference that is stored and read again; one that is refused is none.
-    fn calibrate(
-        &mut self,
-        kind: EstimatorKind,
-        file: &Vehicle,
-        rows: &[CarSample<f64>],
-    ) -> Result<(), ScoreError> {
-        let mut car = estimator(&self.config, kind)?;
+    fn calibrate(&mut self, file: &Vehicle, rows: &[CarSample<f64>]) -> Result<(), ScoreError> {
+        let mut car = estimator(&self.config)?;
         car.begin_calibration(DAYS_S[0])?;
         for row in rows {
             car.update(row);

@@ -4,9 +4,9 @@
 
 mod summary;
 
-use itpms_core::estimator::EstimatorKind;
 use itpms_core::model::Corner;
 use itpms_data::{LogReader, Vehicle};
+use itpms_drive::EstimatorKind;
 use itpms_drive::learn::sensor_pressures;
 use itpms_drive::{Done, FilePaths, Files, Job, Settings, common_corners, wheel_speed_use};
 

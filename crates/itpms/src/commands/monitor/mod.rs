@@ -16,7 +16,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use std::{fs, thread};
 
-use itpms_core::estimator::EstimatorKind;
 use itpms_data::Vehicle;
 use itpms_data::out::{AtomicFile, NameLock};
 use itpms_live::LiveError;
@@ -103,13 +102,7 @@ fn notes(screen: Screen) -> Say {
 
 /// The vehicle becomes the one from which a reference counts.
 fn options(args: &MonitorArgs, vehicle: &mut Vehicle) -> Result<DriveOptions, Failure> {
-    let learns = args.estimator == EstimatorKind::Informed;
     let (reference, wheel_reference) = match &args.reference {
-        Some(_) if !learns => {
-            let text =
-                format!("--reference with --estimator {}: only informed learns", args.estimator.label());
-            return Err(Failure::Usage(text));
-        }
         Some(path) => {
             let file = args.vehicle.as_deref().unwrap_or(Path::new("--vehicle"));
             let (known, stored) = reference::of(path, vehicle, file)?;
@@ -119,7 +112,6 @@ fn options(args: &MonitorArgs, vehicle: &mut Vehicle) -> Result<DriveOptions, Fa
         None => (None, None),
     };
     Ok(DriveOptions {
-        estimator: args.estimator,
         regulation: args.regulation,
         calibrate_s: args.calibrate_s,
         reference,

@@ -1,15 +1,15 @@
 //! Products with the quarter car's Jacobians, of which only two rows are neither zero nor one.
 //! Derivation: `docs/math/lean-aekf-ui.md`, section 1.
 //!
-//! Called by [`crate::published::lean`]; knows nothing of covariances, noise or measurements.
+//! Called by [`crate::lean`]; knows nothing of covariances, noise or measurements.
 
-use crate::model::QuarterCar;
-use crate::model::quarter_car::state::{
+use itpms_core::model::QuarterCar;
+use itpms_core::model::quarter_car::state::{
     BODY_POSITION, BODY_VELOCITY, TIRE_STIFFNESS, WHEEL_POSITION, WHEEL_VELOCITY,
 };
-use crate::real::Real;
+use itpms_core::real::Real;
 
-/// A state, or a row or column of a 5x5 matrix, in the order and units of [`crate::model::quarter_car::state`].
+/// A state, or a row or column of a 5x5 matrix, in the order and units of [`itpms_core::model::quarter_car::state`].
 pub type StateVector<T> = [T; 5];
 
 /// The corner with its masses inverted: divisions are paid for once.

@@ -7,7 +7,7 @@ use crate::common;
 use common::quarter_plant::{MB, MW, Random, drive, fig_6_kpa, pressure, rms, stiffness};
 use itpms_core::model::CornerSample;
 use itpms_core::model::quarter_car::{QuarterCar, state};
-use itpms_core::published::{
+use itpms_paper::{
     AekfUi, CorrectionInput, FilterConfig, Forgetting, GradientDescent, StepRecord, StepStatus,
 };
 use nalgebra::Vector5;

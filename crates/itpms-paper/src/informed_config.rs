@@ -1,10 +1,10 @@
 //! What the corrected filter is told before it starts.
 //!
-//! Used by [`crate::published::aekf_ui_informed`]; knows nothing of the recursion.
+//! Used by [`crate::aekf_ui_informed`]; knows nothing of the recursion.
 
-use crate::model::{CornerConfig, ParameterError, positive};
-use crate::published::parameter::ParameterForgetting;
-use crate::real::Real;
+use crate::parameter::ParameterForgetting;
+use itpms_core::model::{CornerConfig, ParameterError, positive};
+use itpms_core::real::Real;
 
 /// Settings of the corrected filter.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,12 +1,12 @@
 //! A symmetric 5x5 covariance in fifteen numbers, and its way through one step.
 //! Derivation: `docs/math/lean-aekf-ui.md`, sections 1 and 2.
 //!
-//! Called by [`crate::published::lean`]; knows nothing of the factor's choice or of divergence.
+//! Called by [`crate::lean`]; knows nothing of the factor's choice or of divergence.
 
 use nalgebra::Matrix5;
 
-use crate::published::lean::jacobian::{AccelerationRows, StateVector};
-use crate::real::Real;
+use crate::lean::jacobian::{AccelerationRows, StateVector};
+use itpms_core::real::Real;
 
 /// Upper triangle of a symmetric 5x5 matrix by rows: 00 01 02 03 04 11 12 13 14 22 23 24 33 34 44.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -131,8 +131,8 @@ mod tests {
     use nalgebra::{Matrix5, Vector5};
 
     use super::*;
-    use crate::model::QuarterCar;
-    use crate::published::lean::jacobian::Corner;
+    use crate::lean::jacobian::Corner;
+    use itpms_core::model::QuarterCar;
 
     fn packed(m: &Matrix5<f64>) -> Covariance<f64> {
         let mut values = [0.0; 15];

@@ -6,9 +6,7 @@ use crate::common;
 use common::band::band_pass;
 use common::quarter_plant::{Drive, Random, SLOPE, drive, fig_6_kpa, pressure, quantiles, rms, stiffness};
 use itpms_core::model::{CornerConfig, CornerSample};
-use itpms_core::published::{
-    AekfUiInformed, InformedConfig, InformedStatus, ParameterForgetting, StiffnessUpdate,
-};
+use itpms_paper::{AekfUiInformed, InformedConfig, InformedStatus, ParameterForgetting, StiffnessUpdate};
 
 const SEEDS: u64 = 20;
 const MEASUREMENT_SD_KPA: f64 = 40.0;

@@ -5,7 +5,7 @@
 #![allow(clippy::unwrap_used)]
 
 use itpms_core::model::{CornerSample, QuarterCar};
-use itpms_core::published::{
+use itpms_paper::{
     AekfUi, AekfUiLean, CorrectionInput, FactorTiming, FilterConfig, Forgetting, GradientDescent, StepStatus,
 };
 use nalgebra::{Vector2, Vector5};

@@ -3,11 +3,11 @@
 #![allow(clippy::unwrap_used)]
 
 use itpms_core::model::{CornerConfig, CornerSample, QuarterCar};
-use itpms_core::published::{
+use itpms_core::real::Real;
+use itpms_paper::{
     AekfUi, AekfUiInformed, CorrectionInput, FilterConfig, Forgetting, GradientDescent, InformedConfig,
     InformedRecord, InformedStatus, StepRecord, StepStatus,
 };
-use itpms_core::real::Real;
 use nalgebra::{Matrix6, SMatrix};
 use proptest::prelude::*;
 

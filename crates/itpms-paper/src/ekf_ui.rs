@@ -1,13 +1,13 @@
 //! The extended Kalman filter with unknown input, equations (6)-(17), one function a stage.
 //!
-//! Called by [`crate::published::aekf_ui`], which holds the state between steps. Knows nothing of how the forgetting factor is
+//! Called by [`crate::aekf_ui`], which holds the state between steps. Knows nothing of how the forgetting factor is
 //! chosen, of divergence or of time beyond one step.
 
 use nalgebra::{Matrix2, Matrix2x5, Matrix5, Matrix5x2, Vector2, Vector5};
 
-use crate::model::QuarterCar;
-use crate::published::config::CorrectionInput;
-use crate::real::Real;
+use crate::config::CorrectionInput;
+use itpms_core::model::QuarterCar;
+use itpms_core::real::Real;
 
 /// The prediction stage's result, before any forgetting.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,13 +1,13 @@
 //! What a published filter is told before it starts: initial state, covariances, and which reading of the
 //! equations that can be read in two ways. Presets hold the paper's numbers.
 //!
-//! Used by [`crate::published::aekf_ui`]; knows nothing of the recursion.
+//! Used by [`crate::aekf_ui`]; knows nothing of the recursion.
 
 use nalgebra::{Vector2, Vector5};
 
-use crate::model::quarter_car::state;
-use crate::model::{ParameterError, positive};
-use crate::real::Real;
+use itpms_core::model::quarter_car::state;
+use itpms_core::model::{ParameterError, positive};
+use itpms_core::real::Real;
 
 /// Which input estimate the correction of eq. (17) subtracts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]

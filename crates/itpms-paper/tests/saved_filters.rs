@@ -6,7 +6,7 @@ use crate::common;
 
 use common::quarter_plant::{drive, fig_6_kpa};
 use itpms_core::model::{CornerConfig, QuarterCar};
-use itpms_core::published::{
+use itpms_paper::{
     AekfUi, AekfUiInformed, AekfUiLean, FilterConfig, Forgetting, GradientDescent, InformedConfig,
 };
 

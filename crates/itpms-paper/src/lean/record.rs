@@ -1,12 +1,12 @@
 //! What one step of the lean filter says about itself. Quantities and names are those of
-//! [`crate::published::StepRecord`]; what costs a matrix is left out.
+//! [`crate::StepRecord`]; what costs a matrix is left out.
 //!
-//! Filled by [`crate::published::lean`]; read by reports and tests.
+//! Filled by [`crate::lean`]; read by reports and tests.
 
 use nalgebra::{Matrix2, Vector2};
 
-use crate::published::record::StepStatus;
-use crate::real::Real;
+use crate::record::StepStatus;
+use itpms_core::real::Real;
 
 /// One step seen from outside. After [`StepStatus::Updated`] every field is that step's; after any other status the
 /// fields of the measurement are NaN and the rest is what the filter holds.

@@ -7,11 +7,11 @@ use crate::common;
 
 use common::quarter_plant::{Drive, Random, drive, fig_6_kpa};
 use itpms_core::model::{CornerSample, ParameterError, QuarterCar};
-use itpms_core::published::{
+use itpms_core::real::Real;
+use itpms_paper::{
     AekfUi, AekfUiLean, CorrectionInput, FactorTiming, FilterConfig, Forgetting, GradientDescent, LeanError,
     LeanRecord, StepRecord, StepStatus,
 };
-use itpms_core::real::Real;
 use nalgebra::{Matrix5, Vector2, Vector5};
 
 /// Uncertain of the stiffness, sure of the motion: the factor acts, the stiffness moves, and rounding grows little

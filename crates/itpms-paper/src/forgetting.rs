@@ -2,12 +2,12 @@
 //! optimal for it (eq. 23-24), and the factor that brings it there, in one step (eq. 28-30) or by descent
 //! (eq. 25-27). Derivation: `docs/math/forgetting.md`.
 //!
-//! Called by [`crate::published::aekf_ui`]; knows nothing of the state.
+//! Called by [`crate::aekf_ui`]; knows nothing of the state.
 
 use nalgebra::{Matrix2, Matrix2x5, Matrix5, Matrix5x2, Vector2, Vector5};
 
-use crate::published::config::GradientDescent;
-use crate::real::Real;
+use crate::config::GradientDescent;
+use itpms_core::real::Real;
 
 /// Fading sums of the residual's outer products (eq. 31-33).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -126,7 +126,7 @@ pub fn iterative_factor<T: Real>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::QuarterCar;
+    use itpms_core::model::QuarterCar;
 
     struct Scene {
         h: Matrix2x5<f64>,

@@ -1,11 +1,11 @@
 //! What one step of a published filter says about itself: every quantity the paper draws, and whether it holds.
 //!
-//! Filled by [`crate::published::aekf_ui`]; read by reports and tests.
+//! Filled by [`crate::aekf_ui`]; read by reports and tests.
 
 use nalgebra::{Matrix2, Matrix5, Vector2, Vector5};
 
-use crate::model::quarter_car::state;
-use crate::real::Real;
+use itpms_core::model::quarter_car::state;
+use itpms_core::real::Real;
 
 /// How a filter left its range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -1,18 +1,18 @@
-//! The adaptive extended Kalman filter with unknown input as published: the recursion of [`crate::published::ekf_ui`] with the
-//! factor of [`crate::published::forgetting`] (Fig. 4). With [`Forgetting::None`] it is the EKF-UI.
+//! The adaptive extended Kalman filter with unknown input as published: the recursion of [`crate::ekf_ui`] with the
+//! factor of [`crate::forgetting`] (Fig. 4). With [`Forgetting::None`] it is the EKF-UI.
 //!
 //! Called once a sample by whoever reproduces the paper. Knows nothing of pressure. May diverge, as published, and
 //! says so instead of panicking or returning nonsense.
 
 use nalgebra::{Matrix2, Matrix5, Vector2, Vector5};
 
-use crate::model::quarter_car::state;
-use crate::model::{CornerSample, ParameterError, QuarterCar};
-use crate::published::config::{FactorTiming, FilterConfig, Forgetting};
-use crate::published::ekf_ui::{self, InputEstimate, Outlook, Prediction};
-use crate::published::forgetting::{self, Evidence, ResidualMemory};
-use crate::published::record::{Divergence, StepRecord, StepStatus};
-use crate::real::Real;
+use crate::config::{FactorTiming, FilterConfig, Forgetting};
+use crate::ekf_ui::{self, InputEstimate, Outlook, Prediction};
+use crate::forgetting::{self, Evidence, ResidualMemory};
+use crate::record::{Divergence, StepRecord, StepStatus};
+use itpms_core::model::quarter_car::state;
+use itpms_core::model::{CornerSample, ParameterError, QuarterCar};
+use itpms_core::real::Real;
 
 /// Stiffest spring still taken for a tire, in N/m: some thirty times a truck's.
 pub(super) const MAX_STIFFNESS_N_PER_M: f64 = 3e7;

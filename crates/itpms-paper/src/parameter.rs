@@ -1,10 +1,10 @@
 //! Forgetting on one scalar parameter: the factor of eq. (28)-(33) drawn from the parameter's own innovations.
 //! Derivation: `docs/math/forgetting.md`, section 4.
 //!
-//! Called by [`crate::published::aekf_ui_informed`] for the tire stiffness; knows nothing of cars.
+//! Called by [`crate::aekf_ui_informed`] for the tire stiffness; knows nothing of cars.
 
-use crate::model::ParameterError;
-use crate::real::Real;
+use itpms_core::model::ParameterError;
+use itpms_core::real::Real;
 
 /// When and how strongly to forget.
 #[derive(Debug, Clone, Copy, PartialEq)]

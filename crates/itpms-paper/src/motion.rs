@@ -1,13 +1,13 @@
 //! Motion of body and wheel under the tire's force, for the corrected filter: linear, without drift, stepped to
 //! third order. Derivation: `docs/math/ekf-ui.md`, section 5; its equations (39)-(42) continue the paper's numbering.
 //!
-//! Called by [`crate::published::aekf_ui_informed`]; knows nothing of the stiffness, of covariances or of time beyond one step.
+//! Called by [`crate::aekf_ui_informed`]; knows nothing of the stiffness, of covariances or of time beyond one step.
 
 use nalgebra::{Matrix2x4, Matrix4, Matrix5, RowVector4, Vector2, Vector4};
 
-use crate::model::QuarterCar;
-use crate::model::quarter_car::{output, state};
-use crate::real::Real;
+use itpms_core::model::QuarterCar;
+use itpms_core::model::quarter_car::{output, state};
+use itpms_core::real::Real;
 
 /// Place of the tire's force behind the four motion states of [`state`].
 pub const TIRE_FORCE: usize = 4;

@@ -1,5 +1,5 @@
 //! The published AEKF-UI in closed form: state and covariance are a scalar Kalman update by the body's acceleration, and
-//! the wheel's acceleration gives the road and nothing else. The same numbers as [`crate::published::AekfUi`] in less than a
+//! the wheel's acceleration gives the road and nothing else. The same numbers as [`crate::AekfUi`] in less than a
 //! quarter of the instructions, also in `f32`. Derivation: `docs/math/lean-aekf-ui.md`; equations (53)-(67) are its own.
 //!
 //! Called by whoever runs the published filter on a controller. Knows nothing of pressure. May diverge, as published,
@@ -14,13 +14,13 @@ pub mod record;
 use nalgebra::{Matrix2, Matrix5, Vector2, Vector5};
 use thiserror::Error;
 
-use crate::model::quarter_car::state::TIRE_STIFFNESS;
-use crate::model::{CornerSample, ParameterError, QuarterCar};
-use crate::published::aekf_ui::{MAX_MOTION, MAX_STIFFNESS_N_PER_M};
-use crate::published::config::{CorrectionInput, FactorTiming, FilterConfig, Forgetting};
-use crate::published::record::{Divergence, StepStatus};
-use crate::real::Real;
+use crate::aekf_ui::{MAX_MOTION, MAX_STIFFNESS_N_PER_M};
+use crate::config::{CorrectionInput, FactorTiming, FilterConfig, Forgetting};
+use crate::record::{Divergence, StepStatus};
 use covariance::Covariance;
+use itpms_core::model::quarter_car::state::TIRE_STIFFNESS;
+use itpms_core::model::{CornerSample, ParameterError, QuarterCar};
+use itpms_core::real::Real;
 use jacobian::{AccelerationRows, Corner, StateVector};
 pub use record::LeanRecord;
 
@@ -109,7 +109,7 @@ impl<T: Real> AekfUiLean<T> {
         })
     }
 
-    /// `x⁺`, in the order and units of [`crate::model::quarter_car::state`].
+    /// `x⁺`, in the order and units of [`itpms_core::model::quarter_car::state`].
     pub fn state(&self) -> Vector5<T> {
         self.believed.x.into()
     }

@@ -9,13 +9,13 @@ use nalgebra::{
     Matrix2, Matrix4, Matrix4x5, Matrix5, Matrix5x2, Matrix5x4, RowVector2, Vector2, Vector4, Vector5,
 };
 
-use crate::model::quarter_car::state;
-use crate::model::{CornerSample, ParameterError, QuarterCar};
-use crate::published::informed_config::InformedConfig;
-use crate::published::informed_record::{InformedRecord, InformedStatus, StiffnessUpdate};
-use crate::published::motion::{Motion, MotionStep, TIRE_FORCE};
-use crate::published::parameter::ParameterMemory;
-use crate::real::Real;
+use crate::informed_config::InformedConfig;
+use crate::informed_record::{InformedRecord, InformedStatus, StiffnessUpdate};
+use crate::motion::{Motion, MotionStep, TIRE_FORCE};
+use crate::parameter::ParameterMemory;
+use itpms_core::model::quarter_car::state;
+use itpms_core::model::{CornerSample, ParameterError, QuarterCar};
+use itpms_core::real::Real;
 
 /// Longest interval in s between two samples over which the force may be taken for a straight line: two and a half
 /// of the slowest log's.

@@ -1,11 +1,11 @@
 //! What a step of the corrected filter, and a stiffness measurement to it, say about themselves.
 //!
-//! Filled by [`crate::published::aekf_ui_informed`]; read by estimators, reports and tests.
+//! Filled by [`crate::aekf_ui_informed`]; read by estimators, reports and tests.
 
 use nalgebra::{Matrix5, Vector2, Vector5};
 
-use crate::model::quarter_car::state;
-use crate::real::Real;
+use itpms_core::model::quarter_car::state;
+use itpms_core::real::Real;
 
 /// What a step did.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -35,7 +35,7 @@ pub struct InformedRecord<T: Real> {
     pub road_m: T,
     /// Its variance in m².
     pub road_variance_m2: T,
-    /// Joint covariance of the four motion states and, at [`crate::published::motion::TIRE_FORCE`], the tire's force, 5x5.
+    /// Joint covariance of the four motion states and, at [`crate::motion::TIRE_FORCE`], the tire's force, 5x5.
     pub motion_covariance: Matrix5<T>,
     /// Variance of the stiffness in (N/m)²; it has no covariance with the motion.
     pub stiffness_variance: T,
