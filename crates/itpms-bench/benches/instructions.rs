@@ -9,9 +9,9 @@ use itpms_bench::car::{Extent, RunningCar};
 use itpms_bench::{HOP, RATE_HZ, Running, WARM_UP, lean, published, road};
 use itpms_core::model::CornerSample;
 use itpms_core::real::Real;
-use itpms_core::road::RoadFilter;
 use itpms_paper::EstimatorKind;
 use itpms_paper::{AekfUi, AekfUiLean};
+use itpms_road::RoadFilter;
 
 /// A sample made beforehand, so that making it is not counted.
 const PROBE_F64: CornerSample<f64> = CornerSample { body_accel_m_s2: 0.4, wheel_accel_m_s2: -2.3 };

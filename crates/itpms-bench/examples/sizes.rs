@@ -5,8 +5,8 @@ use itpms_core::conditioning::Resampler;
 use itpms_core::estimator::Estimator;
 use itpms_core::monitor::{Monitor, MonitoredCar};
 use itpms_core::real::Real;
-use itpms_core::road::RoadFilter;
 use itpms_paper::{AekfUi, AekfUiInformed, AekfUiLean};
+use itpms_road::RoadFilter;
 
 fn report<T: Real>(scalar: &str) {
     let sizes = [

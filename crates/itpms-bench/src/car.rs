@@ -3,10 +3,11 @@
 
 use std::sync::Arc;
 
-use itpms_core::car::{CarEstimate, CarEstimator, EstimatorOptions, RoadHeights};
+use itpms_core::car::{CarEstimate, CarEstimator};
 use itpms_core::model::{CarConfig, CarSample, CornerConfig, CornerSample, QuarterCar};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::real::Real;
+use itpms_road::RoadUnderCar;
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::Simulation;
 
@@ -36,7 +37,7 @@ pub enum Extent {
 
 #[derive(Clone)]
 enum Car<T: Real> {
-    Monitored(Box<MonitoredCar<T>>),
+    Monitored { car: Box<MonitoredCar<T>>, road: RoadUnderCar<T> },
     Bare(Box<CarEstimator<T>>),
 }
 
@@ -99,17 +100,17 @@ impl<T: Real> RunningCar<T> {
         if extent == Extent::CornersAlone {
             config.wheelbase_m = None;
         }
-        let heights =
-            if extent == Extent::Everything { RoadHeights::Estimated } else { RoadHeights::LeftOut };
         let car = match extent {
             Extent::Everything | Extent::WithoutRoad => {
-                let options = EstimatorOptions { road_heights: heights, ..EstimatorOptions::default() };
-                let config = MonitorConfig::new(&config).with_options(options);
-                Car::Monitored(monitored(&config, rate_hz))
+                let mut road = RoadUnderCar::unconfigured();
+                if extent == Extent::Everything {
+                    road.configure(&config, rate_hz).expect("the drives' car");
+                }
+                Car::Monitored { car: monitored(&MonitorConfig::new(&config), rate_hz), road }
             }
             Extent::WithoutRoadAndMonitor | Extent::CornersAlone => {
                 let estimator = CarEstimator::new(&config, rate_hz).expect("the drives' car");
-                Car::Bare(Box::new(estimator.without_road()))
+                Car::Bare(Box::new(estimator))
             }
         };
         let samples = rows.map(|row| taken(&row.car_sample())).collect();
@@ -132,7 +133,11 @@ impl<T: Real> RunningCar<T> {
         let sample = &self.samples[self.next];
         self.next += 1;
         match &mut self.car {
-            Car::Monitored(car) => car.update(sample),
+            Car::Monitored { car, road } => {
+                let mut estimate = car.update(sample);
+                road.update(sample, &car.estimator().quarter_cars(), &mut estimate);
+                estimate
+            }
             Car::Bare(car) => car.update(sample),
         }
     }

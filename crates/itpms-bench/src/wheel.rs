@@ -3,9 +3,9 @@
 
 use itpms_core::model::{CornerConfig, CornerEstimate, CornerSample, QuarterCar};
 use itpms_core::real::Real;
-use itpms_core::road::{RoadConfig, RoadFilter};
 use itpms_paper::{AekfUi, AekfUiLean, FilterConfig, Forgetting};
 use itpms_paper::{AnyEstimator, EstimatorKind};
+use itpms_road::{RoadConfig, RoadFilter};
 
 /// Samples per second.
 pub const RATE_HZ: f64 = 500.0;

@@ -4,6 +4,7 @@ use itpms_core::model::{CalibrationError, CarEstimate, VehicleCalibration};
 use itpms_core::monitor::{MonitoredCar, MonitoredWheels};
 use itpms_core::warning::{Change, MonitorReport};
 use itpms_core::wheel_speed::RadiusCalibration;
+use itpms_road::RoadUnderCar;
 use serde::{Deserialize, Serialize};
 
 use crate::estimate::{self, itpms_estimate};
@@ -20,7 +21,7 @@ const MAGIC: u32 = 0x4d54_5049;
 const SCALAR: u8 = b'0' + size_of::<itpms_real>() as u8;
 const CALIBRATION: Kind = Kind { name: [b'I', b'T', b'C', SCALAR], format: 1 };
 /// A program with another layout of the estimator has another format.
-const STATE: Kind = Kind { name: [b'I', b'T', b'S', SCALAR], format: 1 };
+const STATE: Kind = Kind { name: [b'I', b'T', b'S', SCALAR], format: 2 };
 
 /// See the [module](self).
 #[derive(Serialize, Deserialize)]
@@ -28,6 +29,7 @@ pub(crate) struct Car {
     pub(crate) magic: u32,
     config: Option<Config>,
     car: MonitoredCar<itpms_real>,
+    road: RoadUnderCar<itpms_real>,
     wheels: MonitoredWheels<itpms_real>,
     estimate: Option<CarEstimate<itpms_real>>,
     /// As the events were last asked for.
@@ -49,6 +51,7 @@ impl Car {
             (&raw mut (*place).magic).write(0);
             (&raw mut (*place).config).write(None);
             (&raw mut (*place).car).write(MonitoredCar::unconfigured());
+            (&raw mut (*place).road).write(RoadUnderCar::unconfigured());
             (&raw mut (*place).wheels).write(MonitoredWheels::unconfigured());
             (&raw mut (*place).estimate).write(None);
             (&raw mut (*place).reported).write(None);
@@ -65,6 +68,10 @@ impl Car {
         self.magic = 0;
         if config.has_corners() {
             self.car.configure(&config.monitor, config.sample_rate_hz)?;
+        }
+        self.road.clear();
+        if config.wants_road {
+            self.road.configure(&config.monitor.car, config.sample_rate_hz)?;
         }
         if let Some(wheels) = &config.wheels {
             self.wheels.configure(wheels)?;
@@ -96,7 +103,11 @@ impl Car {
         for (corner, told) in sample.corners.iter_mut().zip(&config.monitor.car.corners) {
             *corner = corner.filter(|_| told.is_some());
         }
-        self.estimate = Some(self.car.update(&sample));
+        let mut estimate = self.car.update(&sample);
+        if config.wants_road {
+            self.road.update(&sample, &self.car.estimator().quarter_cars(), &mut estimate);
+        }
+        self.estimate = Some(estimate);
         Ok(())
     }
 

@@ -1,7 +1,7 @@
 //! A C program's configuration, checked: values of the core, or what is wrong.
 
 use itpms_core::Real as _;
-use itpms_core::car::{EstimatorOptions, RoadHeights};
+use itpms_core::car::EstimatorOptions;
 use itpms_core::model::{
     CarConfig, Confidence, CornerConfig, Inflation, ParameterError, ParameterUncertainty, PressureMap,
     QuarterCar,
@@ -23,6 +23,8 @@ use crate::status::itpms_status;
 pub(crate) struct Config {
     pub(crate) sample_rate_hz: f64,
     pub(crate) monitor: MonitorConfig<itpms_real>,
+    /// Whether the roads under the wheels are estimated.
+    pub(crate) wants_road: bool,
     pub(crate) wheels: Option<WheelSpeedConfig<itpms_real>>,
 }
 
@@ -72,11 +74,10 @@ impl Config {
                 reference_kpa[i] = given(corner.reference_kpa);
             }
         }
-        let road_heights =
-            if flag("wants_road", told.wants_road)? { RoadHeights::Estimated } else { RoadHeights::LeftOut };
+        let wants_road = flag("wants_road", told.wants_road)?;
         let inflation =
             if flag("has_pumps", told.has_pumps)? { Inflation::WhileRolling } else { Inflation::AtStops };
-        let options = EstimatorOptions { road_heights, inflation, ..EstimatorOptions::default() };
+        let options = EstimatorOptions { inflation, ..EstimatorOptions::default() };
         let monitor = MonitorConfig::new(&CarConfig { corners, wheelbase_m })
             .with_limits(limits(told)?)
             .with_options(options)
@@ -85,7 +86,7 @@ impl Config {
         if corners.iter().all(Option::is_none) && wheels.is_none() {
             return Err(Refusal::choice("is_measured", 0, "1 at a corner, or wheel_speeds.is_used"));
         }
-        Ok(Self { sample_rate_hz: told.sample_rate_hz, monitor, wheels })
+        Ok(Self { sample_rate_hz: told.sample_rate_hz, monitor, wants_road, wheels })
     }
 }
 

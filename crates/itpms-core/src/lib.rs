@@ -10,7 +10,8 @@
 //!
 //! # One wheel
 //!
-//! Body and wheel acceleration of one corner give its tire's pressure with a standard deviation, and the road under it.
+//! Body and wheel acceleration of one corner give its tire's pressure with a standard deviation. The road under the wheel is
+//! estimated from its stiffness by the crate `itpms-road`.
 //!
 //! ```
 //! use itpms_core::{CornerConfig, Estimator, Validity};
@@ -108,7 +109,6 @@
 //! | [`warning`] | when to warn of what |
 //! | [`monitor`] | a car's estimator under its monitor |
 //! | [`wheel_speed`] | radius analysis: which tires differ from the others, from four wheel speeds alone |
-//! | [`road`] | the road under a wheel of known stiffness: causal, and smoothed for a record |
 //! | [`real`] | `f32` or `f64` |
 //!
 //! # Features
@@ -133,7 +133,6 @@ pub mod monitor;
 #[cfg(test)]
 mod random;
 pub mod real;
-pub mod road;
 mod single_wheel;
 mod spectrum;
 mod suspension;

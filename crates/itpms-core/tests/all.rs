@@ -21,5 +21,4 @@ mod inter_axle_speed;
 mod monitor;
 mod monitor_corner;
 mod resampler;
-mod road_estimate;
 mod rollback;

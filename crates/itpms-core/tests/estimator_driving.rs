@@ -186,20 +186,3 @@ fn a_pothole_is_overcome_in_five_seconds() {
 fn a_pothole_stays_within_three_standard_deviations() {
     assert!(worst_of("pothole", 0.0, pothole_rows) < 3.0);
 }
-
-#[test]
-fn leaving_the_road_out_changes_nothing_else() {
-    let ride = Ride::new(5);
-    let (mut whole, mut bare) =
-        (estimator::<f64>(ride.rate_hz), estimator::<f64>(ride.rate_hz).without_road());
-    let mut roads = 0;
-    for row in &ride.rows() {
-        let (a, b) = (feed(&mut whole, row), feed(&mut bare, row));
-        roads += usize::from(a.road_m.is_finite());
-        assert!(b.road_m.is_nan() && b.road_sd_m.is_nan());
-        assert_eq!(a.pressure_kpa.to_bits(), b.pressure_kpa.to_bits());
-        assert_eq!(a.pressure_sd_kpa.to_bits(), b.pressure_sd_kpa.to_bits());
-        assert_eq!(a.validity, b.validity);
-    }
-    assert!(roads > 0);
-}

@@ -49,13 +49,6 @@ impl AnyCar {
         }
     }
 
-    /// Leaves out road heights from here on. The paper's filters estimate them with the rest.
-    pub fn leave_out_road(&mut self) {
-        if let Self::Monitored(car) = self {
-            car.leave_out_road();
-        }
-    }
-
     /// All tires have their placard pressures from the next sample on, for `seconds`.
     ///
     /// # Errors

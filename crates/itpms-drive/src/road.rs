@@ -6,8 +6,8 @@ use std::collections::VecDeque;
 
 use itpms_core::conditioning::Odometer;
 use itpms_core::model::{Corner, ParameterError};
-use itpms_core::road::{RoadConfig, RoadPoint, RoadRecorder, RoadRow, Segment, window_for};
 use itpms_data::{LogRow, Vehicle};
+use itpms_road::{RoadConfig, RoadPoint, RoadRecorder, RoadRow, Segment, window_for};
 
 use crate::drive::{Estimates, QuarterCars};
 use crate::error::DriveError;

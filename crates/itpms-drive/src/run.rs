@@ -113,8 +113,8 @@ pub(crate) fn begin(log: &LogReader, job: &Job<'_>) -> Result<(Drive, Record), D
     let mut drive = Drive::new(job.settings, job.vehicle, job.corners, wheel_speeds, rate_hz)?;
     // Wheel speeds show no road.
     let road = job.road && !job.corners.is_empty();
-    if road {
-        drive.leave_out_road();
+    if job.report && !road && !job.corners.is_empty() {
+        drive = drive.with_road(job.vehicle, job.corners, rate_hz)?;
     }
     let track = road.then(|| RoadTrack::new(job.vehicle, job.corners, rate_hz)).transpose()?;
     let axis = TimeAxis::new(job.vehicle.wheelbase_m);

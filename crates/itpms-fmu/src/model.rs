@@ -149,7 +149,8 @@ impl Model {
         }
         let calibrate_s = Some(self.value(Role::Car(OfCar::CalibrateS))).filter(|seconds| *seconds != 0.0);
         let settings = Settings { calibrate_s, ..Settings::default() };
-        Ok(Drive::new(&settings, &vehicle, corners, wheel_speeds, rate_hz)?)
+        let drive = Drive::new(&settings, &vehicle, corners, wheel_speeds, rate_hz)?;
+        Ok(drive.with_road(&vehicle, corners, rate_hz)?)
     }
 
     /// The vehicle with the parameters as they were set.

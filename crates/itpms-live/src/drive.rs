@@ -12,6 +12,7 @@ use itpms_core::wheel_speed::RadiusCalibration;
 use itpms_data::log::UnitCheck;
 use itpms_data::out::RateGate;
 use itpms_data::{LogRow, Vehicle};
+use itpms_road::RoadUnderCar;
 
 pub use crate::clock::Clock;
 use crate::error::LiveError;
@@ -55,6 +56,7 @@ impl Default for DriveOptions {
 pub struct Drive {
     pub(crate) clock: Clock,
     pub(crate) car: Box<MonitoredCar<f64>>,
+    pub(crate) road: RoadUnderCar<f64>,
     pub(crate) wheels: Option<Wheels>,
     pub(crate) gate: RateGate,
     pub(crate) progress: Progress,
@@ -84,7 +86,9 @@ impl Drive {
         let mut car = Box::new(MonitoredCar::unconfigured());
         // Without corners there is nothing to configure: wheel speeds are all there is.
         let alone = clock.corners.is_empty();
+        let mut road = RoadUnderCar::unconfigured();
         if !alone {
+            road.configure(&config.car, clock.sample_rate_hz).map_err(|error| refused(&error))?;
             car.configure(&config, clock.sample_rate_hz).map_err(|error| refused(&error))?;
             if let Some(calibration) = &options.reference {
                 car.load_calibration(calibration).map_err(|error| refused(&error))?;
@@ -99,6 +103,7 @@ impl Drive {
         Ok(Self {
             clock,
             car,
+            road,
             wheels,
             gate: RateGate::new(options.rate_hz),
             progress,
@@ -109,7 +114,8 @@ impl Drive {
 
     /// Takes a row; gives what began and ended to `said`. `true` if an estimate is due to be told.
     pub fn update(&mut self, row: &LogRow, mut said: impl FnMut(f64, Change<f64>)) -> bool {
-        let estimate = self.car.update(&row.sample());
+        let mut estimate = self.car.update(&row.sample());
+        self.road.update(&row.sample(), &self.car.estimator().quarter_cars(), &mut estimate);
         let progress = &mut self.progress;
         (progress.rows, progress.time_s) = (progress.rows + 1, row.time_s);
         let rolls_m_s = self.wheels.as_mut().and_then(|wheels| wheels.update(row, self.car.report()));

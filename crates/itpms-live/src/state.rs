@@ -18,6 +18,7 @@ use itpms_core::monitor::MonitoredCar;
 use itpms_data::Vehicle;
 use itpms_data::out::{AtomicFile, RateGate};
 use itpms_data::reference::{VehicleIdentity, crc64};
+use itpms_road::RoadUnderCar;
 use serde::{Deserialize, Serialize};
 
 use crate::drive::{Clock, Drive, DriveOptions, Progress};
@@ -44,6 +45,7 @@ pub struct SavedDrive {
     iri_m_per_km: [f64; 4],
     progress: Progress,
     car: Box<MonitoredCar<f64>>,
+    road: RoadUnderCar<f64>,
     wheels: Option<Wheels>,
 }
 
@@ -58,6 +60,7 @@ impl SavedDrive {
             iri_m_per_km: drive.roughness.iri_m_per_km,
             progress: drive.progress.clone(),
             car: drive.car.clone(),
+            road: drive.road.clone(),
             wheels: drive.wheels.clone(),
         }
     }
@@ -163,8 +166,8 @@ impl SavedDrive {
             (gate.start_s, gate.due) = (start_s, due);
         }
         let (car, progress) = (self.car.clone(), self.progress.clone());
-        let wheels = self.wheels.clone();
-        Ok(Drive { clock, car, wheels, gate, progress, roughness, latest: None })
+        let (road, wheels) = (self.road.clone(), self.wheels.clone());
+        Ok(Drive { clock, car, road, wheels, gate, progress, roughness, latest: None })
     }
 
     pub(crate) fn has_wheel_speeds(&self) -> bool {

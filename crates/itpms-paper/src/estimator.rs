@@ -150,7 +150,7 @@ impl<T: Real> Corrected<T> {
     fn new(config: &CornerConfig<T>, sample_rate_hz: f64) -> Result<Self, ParameterError> {
         let filter = corrected_filter(config)?;
         Ok(Self {
-            frames: Estimator::new(config, sample_rate_hz)?.without_road(),
+            frames: Estimator::new(config, sample_rate_hz)?,
             filter,
             record: filter.record(InformedStatus::PredictedOnly),
             last_s: f64::NEG_INFINITY,

@@ -41,19 +41,6 @@ pub enum Sources {
 
 blank!(Sources::SpectrumAndSharedRoad);
 
-/// Whether the height of the road under each wheel is estimated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum RoadHeights {
-    /// It is, with every sample.
-    #[default]
-    Estimated,
-    /// It is not, and its time is saved: see [`Estimator::without_road`](crate::estimator::Estimator::without_road).
-    LeftOut,
-}
-
-blank!(RoadHeights::Estimated);
-
 /// How a car's estimator is used.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -62,13 +49,11 @@ pub struct EstimatorOptions {
     pub sources: Sources,
     /// What is known of the road repeating itself, as on a test bed.
     pub road_repetition: RoadRepetition,
-    /// Whether road heights are estimated.
-    pub road_heights: RoadHeights,
     /// When tires may gain air.
     pub inflation: Inflation,
 }
 
-blank!(EstimatorOptions { sources, road_repetition, road_heights, inflation });
+blank!(EstimatorOptions { sources, road_repetition, inflation });
 
 /// A running estimator of a car. A value: clone it, save it, go on.
 #[derive(Debug, Clone, PartialEq)]
@@ -169,9 +154,6 @@ impl<T: Real> CarEstimator<T> {
         self.sources = options.sources;
         for corner in self.corners.iter_mut().flatten() {
             corner.set_road_repetition(options.road_repetition);
-            if options.road_heights == RoadHeights::LeftOut {
-                corner.leave_out_road();
-            }
         }
         if let Some(fusion) = self.fusion.as_mut() {
             fusion.set_inflation(options.inflation);
@@ -207,18 +189,6 @@ impl<T: Real> CarEstimator<T> {
     pub fn with_road_repetition(mut self, repetition: RoadRepetition) -> Self {
         self.corners.iter_mut().flatten().for_each(|corner| corner.set_road_repetition(repetition));
         self
-    }
-
-    /// The same for callers who do not read the roads: see [`Estimator::without_road`](crate::estimator::Estimator::without_road).
-    #[must_use]
-    pub fn without_road(mut self) -> Self {
-        self.leave_out_road();
-        self
-    }
-
-    /// The same in place.
-    pub(crate) fn leave_out_road(&mut self) {
-        self.corners.iter_mut().flatten().for_each(CornerEstimator::leave_out_road);
     }
 
     /// Says that all tires have their placard pressures from the next sample on, for `seconds`, in which the car should be
@@ -334,8 +304,8 @@ impl<T: Real> CarEstimator<T> {
         let mut corners = [None; 4];
         for ((estimate, estimator), corner) in corners.iter_mut().zip(&mut self.corners).zip(&sample.corners)
         {
-            if let (Some(estimator), Some(corner)) = (estimator.as_mut(), corner) {
-                *estimate = Some(estimator.estimate(at.now_s, sample.time_s, corner));
+            if let (Some(estimator), Some(_)) = (estimator.as_mut(), corner) {
+                *estimate = Some(estimator.estimate(at.now_s, sample.time_s));
             }
         }
         self.compare(&mut corners, fused.as_ref());

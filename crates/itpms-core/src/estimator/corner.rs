@@ -13,11 +13,10 @@ use crate::model::{
     Validity, positive,
 };
 use crate::real::Real;
-use crate::road::{RoadConfig, RoadFilter};
 use crate::single_wheel::{Informed, LEAST_GRID_HZ, StiffnessPseudoMeasurement};
 use crate::suspension::{BodyEquation, Strut, StrutFrame};
 
-/// Seconds between two updates of the road filter with the car, and of the Bayes filter with a calibration.
+/// Seconds between two updates of the Bayes filter with a calibration.
 const TELL_S: f64 = 0.1;
 /// Seconds without a frame after which nothing is being learned.
 const STALE_S: f64 = 1.0;
@@ -35,9 +34,6 @@ pub(crate) struct CornerEstimator<T: Real> {
     /// What the Bayes filter last found, and the time of the step in which a frame or a repeated road was last learned from.
     reading: Reading<T>,
     read_s: f64,
-    /// The road. Absent: it is not asked for.
-    road: Placed<RoadFilter<T>>,
-    road_told_s: f64,
     /// Length in s of the calibration drive at the start, and when it ends once that is known.
     calibration_s: f64,
     calibration_ends_s: Option<f64>,
@@ -62,7 +58,7 @@ pub(crate) struct CornerEstimator<T: Real> {
 }
 
 blank!(CornerEstimator<T> {
-    config, resampler, informed, reading, read_s, road, road_told_s, calibration_s, calibration_ends_s,
+    config, resampler, informed, reading, read_s, calibration_s, calibration_ends_s,
     pinned_s, restarts, repetition, fused, contact, strut, friction_variance,
     fit, misfit, judged_from_s, has_fitted, learned_before_s, concluded,
 });
@@ -83,8 +79,6 @@ impl<T: Real> CornerEstimator<T> {
         let grid_period_s = self.resampler.grid_period_s();
         self.informed.configure(config, sample_rate_hz, grid_period_s, RoadRepetition::default());
         self.begin_reading();
-        self.begin_road()?;
-        self.road_told_s = f64::NEG_INFINITY;
         self.calibration_s = 0.0;
         self.calibration_ends_s = None;
         self.pinned_s = f64::NEG_INFINITY;
@@ -108,16 +102,6 @@ impl<T: Real> CornerEstimator<T> {
         self.read_s = f64::NEG_INFINITY;
     }
 
-    /// The road's filter, by way of the stack: it is small.
-    #[inline(never)]
-    fn begin_road(&mut self) -> Result<(), ParameterError> {
-        let config = &self.config;
-        let noise = config.accel_noise_or_usual_m_s2();
-        let road = RoadConfig::new(config.quarter_car, config.initial_stiffness_n_per_m(), noise)?;
-        self.road.place(|filter| filter.configure(&road));
-        Ok(())
-    }
-
     /// Says that the tire has its placard pressure from the next sample on, for `seconds`: the driver's calibration.
     ///
     /// # Errors
@@ -137,11 +121,6 @@ impl<T: Real> CornerEstimator<T> {
     pub(crate) fn set_road_repetition(&mut self, repetition: RoadRepetition) {
         self.repetition = repetition;
         self.informed.set_repetition(repetition);
-    }
-
-    /// Leaves out the road's heights where they come from a filter of their own.
-    pub(crate) fn leave_out_road(&mut self) {
-        self.road.clear();
     }
 
     /// Probability that the pressure moves, as the corner by itself sees it. What it saw before its sensors told nothing does not count,
@@ -255,8 +234,7 @@ impl<T: Real> CornerEstimator<T> {
         self.resampler.grid_period_s()
     }
 
-    /// Concludes what is known now, but for the road's height where that comes from a filter of its own: the second part of
-    /// [`Estimator::update`].
+    /// Concludes what is known now: the second part of [`Estimator::update`].
     pub(crate) fn conclude(&mut self, time_s: f64) {
         let Reading { stiffness_n_per_m, stiffness_sd_n_per_m, .. } = self.reading;
         if !(stiffness_n_per_m.is_finite() && stiffness_sd_n_per_m.is_finite()) {
@@ -282,19 +260,12 @@ impl<T: Real> CornerEstimator<T> {
         Reading { gate: T::zero(), ..self.reading }
     }
 
-    /// The third part: what was concluded, of a sample with this stamp, and the road below it.
-    pub(crate) fn estimate(
-        &mut self,
-        now_s: f64,
-        stamp_s: f64,
-        corner: &CornerSample<T>,
-    ) -> CornerEstimate<T> {
+    /// The third part: what was concluded, of a sample with this stamp.
+    pub(crate) fn estimate(&mut self, now_s: f64, stamp_s: f64) -> CornerEstimate<T> {
         if self.concluded.as_ref().is_none() {
             self.conclude(now_s);
         }
-        let mut estimate = self.concluded.value().at(stamp_s);
-        self.follow_road(now_s, corner, &mut estimate);
-        estimate
+        self.concluded.value().at(stamp_s)
     }
 
     /// Takes over how well the difference of the axle's tires is known and what the tire has lost, as long as nothing else is concluded.
@@ -315,21 +286,6 @@ impl<T: Real> CornerEstimator<T> {
             self.informed.set_to_placard();
             self.reading = Reading::of(&self.config, &self.informed.belief());
         }
-    }
-
-    /// Puts the causal road height in m and its sd into the estimate, for the stiffness that it has.
-    fn follow_road(&mut self, time_s: f64, corner: &CornerSample<T>, estimate: &mut CornerEstimate<T>) {
-        let Some(filter) = self.road.as_mut() else { return };
-        if !(time_s - self.road_told_s < TELL_S) {
-            self.road_told_s = time_s;
-            // Refused only outside its range, and then the road keeps what it was told before.
-            let _ = filter.set_stiffness(estimate.stiffness_n_per_m, estimate.stiffness_sd_n_per_m);
-            filter.set_quarter_car(self.informed.quarter_car());
-        }
-        let road = filter.update(time_s, corner);
-        let unknown = (T::lit(f64::NAN), T::lit(f64::NAN));
-        (estimate.road_m, estimate.road_sd_m) =
-            if road.validity.is_valid() { (road.road_m, road.road_sd_m) } else { unknown };
     }
 
     /// Starts again from the corner's initial pressure, as after a tire change. Counted.

@@ -84,19 +84,6 @@ impl<T: Real> Estimator<T> {
         self
     }
 
-    /// The same for callers who do not read the road: `road_m` and its sd stay NaN, and their filter's time is saved. The
-    /// pressure is the same to the last digit.
-    #[must_use]
-    pub fn without_road(mut self) -> Self {
-        self.leave_out_road();
-        self
-    }
-
-    /// The same in place.
-    pub fn leave_out_road(&mut self) {
-        self.corner.leave_out_road();
-    }
-
     /// Takes one sample: time in s, speed in m/s, body and wheel acceleration in m/s²; NaN is a missing value. Gives
     /// the estimate after it. A missing speed is the last one, for half a second ([`SpeedHold`](crate::conditioning::SpeedHold)). A sample that cannot be
     /// used is counted, and the estimate says so when it matters. It warns of nothing: that is a [monitor](crate::monitor)'s.
@@ -117,7 +104,7 @@ impl<T: Real> Estimator<T> {
             self.corner.set_strut(&self.body_equation, 0);
         }
         self.corner.conclude(at.now_s);
-        self.corner.estimate(at.now_s, time_s, &corner)
+        self.corner.estimate(at.now_s, time_s)
     }
 
     /// Starts again from the corner's initial pressure, as after a tire change. Counted.

@@ -193,7 +193,7 @@ pub struct CornerEstimate<T> {
     pub axle_difference_sd_kpa: Option<T>,
     /// What the tire has lost in this drive; `None` as long as that is not counted.
     pub loss: Option<Loss<T>>,
-    /// Road height under the wheel in m, causal and without drift.
+    /// Road height under the wheel in m, causal and without drift; NaN where no filter of the road has set it.
     pub road_m: T,
     /// Its standard deviation in m.
     pub road_sd_m: T,

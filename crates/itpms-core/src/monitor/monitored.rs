@@ -60,11 +60,6 @@ impl<T: Real> MonitoredCar<T> {
         self.estimator.load_calibration(calibration)
     }
 
-    /// Leaves out road heights from here on, for callers who do not read them: see [`CarEstimator::without_road`].
-    pub fn leave_out_road(&mut self) {
-        self.estimator.leave_out_road();
-    }
-
     /// Takes one sample; gives the estimate after it, its validity and warnings being the monitor's.
     pub fn update(&mut self, sample: &CarSample<T>) -> CarEstimate<T> {
         let at = self.estimator.clock().take(sample.time_s, sample.speed_m_s);

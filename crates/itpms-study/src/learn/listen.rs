@@ -1,6 +1,5 @@
 //! One drive at known pressures: what each tire reads on an average, and what each strut showed minute by minute.
 
-use itpms_core::car::{EstimatorOptions, RoadHeights};
 use itpms_core::model::{CarConfig, CarSample, ParameterError};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 
@@ -93,9 +92,8 @@ impl Listener {
             corner.placard_kpa = kpa;
             corner.uncertainty.stiffness_over_mass_relative_sd = Some(0.0);
         }
-        let options = EstimatorOptions { road_heights: RoadHeights::LeftOut, ..EstimatorOptions::default() };
         let mut car = Box::new(MonitoredCar::unconfigured());
-        car.configure(&MonitorConfig::new(&config).with_options(options), sample_rate_hz)?;
+        car.configure(&MonitorConfig::new(&config), sample_rate_hz)?;
         Ok(Self {
             car,
             config,

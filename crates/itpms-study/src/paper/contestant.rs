@@ -3,9 +3,10 @@
 //! Called by `drive`. The published filters are driven directly: the study draws what is inside them, and gives them
 //! the tuning of the section of the paper at hand.
 
-use itpms_core::model::{CornerConfig, CornerSample};
-use itpms_paper::{AekfUi, FilterConfig, Forgetting};
-use itpms_paper::{AnyEstimator, EstimatorKind};
+use itpms_core::Estimator;
+use itpms_core::model::{CornerConfig, CornerEstimate, CornerSample};
+use itpms_paper::{AekfUi, EstimatorKind, FilterConfig, Forgetting, PaperEstimator};
+use itpms_road::RoadUnderWheel;
 
 use super::PaperError;
 use crate::plot::{Ink, Stroke};
@@ -82,7 +83,8 @@ pub(super) struct Word {
 #[allow(clippy::large_enum_variant)]
 pub(super) enum Runner {
     Published { filter: AekfUi<f64>, corner: CornerConfig<f64>, step_s: f64 },
-    Estimator(AnyEstimator<f64>),
+    Corrected(PaperEstimator<f64>),
+    Informed { estimator: Estimator<f64>, road: RoadUnderWheel<f64> },
 }
 
 impl Runner {
@@ -96,11 +98,14 @@ impl Runner {
             EstimatorKind::AekfUi => Forgetting::OneStep,
             EstimatorKind::EkfUi => Forgetting::None,
             kind => {
-                let mut estimator = AnyEstimator::new(kind, corner, rate_hz)?;
-                if contestant.reset_s > 0.0 {
-                    estimator.begin_calibration(contestant.reset_s)?;
+                let reset_s = Some(contestant.reset_s).filter(|seconds| *seconds > 0.0);
+                if let Some(mut estimator) = PaperEstimator::new(kind, corner, rate_hz)? {
+                    reset_s.map(|seconds| estimator.begin_calibration(seconds)).transpose()?;
+                    return Ok(Self::Corrected(estimator));
                 }
-                return Ok(Self::Estimator(estimator));
+                let mut estimator = Estimator::new(corner, rate_hz)?;
+                reset_s.map(|seconds| estimator.begin_calibration(seconds)).transpose()?;
+                return Ok(Self::Informed { estimator, road: RoadUnderWheel::new(corner)? });
             }
         };
         let tuned = match tuning {
@@ -127,19 +132,30 @@ impl Runner {
                     diverged: record.is_diverged(),
                 }
             }
-            Self::Estimator(estimator) => {
-                let word =
-                    estimator.update(time_s, speed_m_s, sample.body_accel_m_s2, sample.wheel_accel_m_s2);
-                Word {
-                    pressure_kpa: word.pressure_kpa,
-                    pressure_sd_kpa: word.pressure_sd_kpa,
-                    stiffness_n_per_m: word.stiffness_n_per_m,
-                    stiffness_variance: word.stiffness_sd_n_per_m * word.stiffness_sd_n_per_m,
-                    forgetting: word.diagnostics.forgetting,
-                    road_m: word.road_m,
-                    diverged: false,
-                }
+            Self::Corrected(estimator) => {
+                let (body, wheel) = (sample.body_accel_m_s2, sample.wheel_accel_m_s2);
+                Word::of(&estimator.update(time_s, speed_m_s, body, wheel))
             }
+            Self::Informed { estimator, road } => {
+                let (body, wheel) = (sample.body_accel_m_s2, sample.wheel_accel_m_s2);
+                let mut estimate = estimator.update(time_s, speed_m_s, body, wheel);
+                road.update(time_s, sample, estimator.quarter_car(), &mut estimate);
+                Word::of(&estimate)
+            }
+        }
+    }
+}
+
+impl Word {
+    fn of(estimate: &CornerEstimate<f64>) -> Self {
+        Self {
+            pressure_kpa: estimate.pressure_kpa,
+            pressure_sd_kpa: estimate.pressure_sd_kpa,
+            stiffness_n_per_m: estimate.stiffness_n_per_m,
+            stiffness_variance: estimate.stiffness_sd_n_per_m * estimate.stiffness_sd_n_per_m,
+            forgetting: estimate.diagnostics.forgetting,
+            road_m: estimate.road_m,
+            diverged: false,
         }
     }
 }

@@ -29,8 +29,8 @@ mod table;
 mod track;
 
 use itpms_core::model::ParameterError;
-use itpms_core::road::RecorderMemoryError;
 use itpms_paper::EstimatorKind;
+use itpms_road::RecorderMemoryError;
 use itpms_sim::error::ScenarioError;
 use serde::Serialize;
 use thiserror::Error;

@@ -4,8 +4,8 @@
 //! truth only through the accelerations.
 
 use itpms_core::model::CornerSample;
-use itpms_core::road::{RoadConfig, RoadRecorder, RoadRow, Segment, window_for};
 use itpms_paper::EstimatorKind;
+use itpms_road::{RoadConfig, RoadRecorder, RoadRow, Segment, window_for};
 use itpms_sim::road::RoadClass;
 use itpms_sim::time_profile::Speed;
 

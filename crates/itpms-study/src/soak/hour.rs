@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use itpms_core::car::{CarEstimate, EstimatorOptions, RoadHeights};
+use itpms_core::car::CarEstimate;
 use itpms_core::model::{CarConfig, Corner};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::warning::{Alert, Change, Limits, MonitorReport};
@@ -161,8 +161,7 @@ fn monitored(scenario: &Scenario) -> Result<Box<MonitoredCar<f64>>, SoakError> {
     for (corner, _) in scenario.corner.iter() {
         config.corners[corner.index()] = Some(scenario.corner_config(corner)?);
     }
-    let options = EstimatorOptions { road_heights: RoadHeights::LeftOut, ..EstimatorOptions::default() };
-    let config = MonitorConfig::new(&config).with_options(options);
+    let config = MonitorConfig::new(&config);
     Ok(Box::new(MonitoredCar::new(&config, scenario.rate_hz)?))
 }
 

@@ -8,7 +8,6 @@ use core::hint::black_box;
 
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
-use itpms_core::car::{EstimatorOptions, RoadHeights};
 use itpms_core::model::{CarConfig, Corner, CornerConfig, QuarterCar};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::warning::{Change, MonitorReport};
@@ -29,9 +28,7 @@ fn config() -> Option<MonitorConfig<f32>> {
     let rear = QuarterCar::new(216.0, 50.0, car.damping_n_s_per_m(), car.spring_n_per_m()).ok()?;
     let rear = CornerConfig { quarter_car: rear, ..front };
     let corners = [Some(front), Some(front), Some(rear), Some(rear)];
-    // Nobody here reads the height of the road.
-    let options = EstimatorOptions { road_heights: RoadHeights::LeftOut, ..EstimatorOptions::default() };
-    Some(MonitorConfig::new(&CarConfig { corners, wheelbase_m: Some(2.7) }).with_options(options))
+    Some(MonitorConfig::new(&CarConfig { corners, wheelbase_m: Some(2.7) }))
 }
 
 /// Builds the car where it lies; gives the stack that took.

@@ -15,7 +15,6 @@ use panic_semihosting as _;
 
 fn run(estimator: &mut Estimator<f32>, counter: &mut Counter) -> Option<()> {
     estimator.configure(&CornerConfig::paper(), RATE_HZ).ok()?;
-    estimator.leave_out_road();
     memory::paint_stack();
     let (mut sum, mut worst, mut pressure_kpa) = (0u64, 0u32, 0.0);
     for index in 0..SAMPLES {

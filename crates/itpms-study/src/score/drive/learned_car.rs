@@ -4,7 +4,6 @@
 //! masses, tires, springs, dampers, friction and the slope of stiffness over pressure are drawn from its standard deviations, sensors as those of
 //! `drive-normal`.
 
-use itpms_core::car::{EstimatorOptions, RoadHeights};
 use itpms_core::model::{CarConfig, Confidence, Corner, ParameterUncertainty, VehicleCalibration};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_sim::car::PayloadSpec;
@@ -235,8 +234,7 @@ fn road(index: usize) -> RoadSpec {
 
 /// An estimator of this car under its monitor, at [`RATE_HZ`].
 pub(in super::super) fn estimator(config: &CarConfig<f64>) -> Result<Box<MonitoredCar<f64>>, ScoreError> {
-    let options = EstimatorOptions { road_heights: RoadHeights::LeftOut, ..EstimatorOptions::default() };
     let mut car = Box::new(MonitoredCar::unconfigured());
-    car.configure(&MonitorConfig::new(config).with_options(options), RATE_HZ)?;
+    car.configure(&MonitorConfig::new(config), RATE_HZ)?;
     Ok(car)
 }

@@ -24,7 +24,7 @@ mod puncture;
 mod real;
 mod real_list;
 
-use itpms_core::car::{CarEstimate, EstimatorOptions, RoadHeights, Sources};
+use itpms_core::car::{CarEstimate, EstimatorOptions, Sources};
 use itpms_core::model::{CarConfig, Corner};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_sim::scenario::{CornerSpec, Scenario};
@@ -187,11 +187,7 @@ impl Drive {
     fn cars(&self) -> Result<Vec<MonitoredCar<f64>>, ScoreError> {
         let (config, rate_hz) = (self.told()?, self.scenario.rate_hz);
         let set_up = |setup: &Setup| {
-            let options = EstimatorOptions {
-                sources: setup.sources,
-                road_heights: RoadHeights::LeftOut,
-                ..EstimatorOptions::default()
-            };
+            let options = EstimatorOptions { sources: setup.sources, ..EstimatorOptions::default() };
             let config = MonitorConfig::new(&config).with_options(options);
             let mut car = MonitoredCar::new(&config, rate_hz)?;
             if let Some(seconds) = setup.reset_s {

@@ -5,15 +5,15 @@
 
 use core::marker::PhantomData;
 
-use crate::model::CornerSample;
-use crate::real::Real;
-use crate::road::clock::Arrival;
-use crate::road::config::RoadConfig;
-use crate::road::filter::{RoadFilter, believable};
-use crate::road::high_pass::HighPass;
-use crate::road::interpolate::{HALF, WIDTH, height_at};
-use crate::road::row::{RoadPoint, RoadRow};
-use crate::road::segment::{Later, Segment};
+use crate::clock::Arrival;
+use crate::config::RoadConfig;
+use crate::filter::{RoadFilter, believable};
+use crate::high_pass::HighPass;
+use crate::interpolate::{HALF, WIDTH, height_at};
+use crate::row::{RoadPoint, RoadRow};
+use crate::segment::{Later, Segment};
+use itpms_core::model::CornerSample;
+use itpms_core::real::Real;
 use thiserror::Error;
 
 /// Length of a segment in s: the backward pass corrects slow drift only, and is linear over so short a time to a

@@ -10,7 +10,7 @@ mod plant;
 mod robustness;
 
 use itpms_core::model::{CornerSample, QuarterCar};
-use itpms_core::road::{RoadConfig, RoadFilter, RoadPoint, RoadRecorder, RoadRow, Segment, window_for};
+use itpms_road::{RoadConfig, RoadFilter, RoadPoint, RoadRecorder, RoadRow, Segment, window_for};
 use plant::{Log, STIFFNESS};
 
 /// The paper's corner, its stiffness known, the noise as given.

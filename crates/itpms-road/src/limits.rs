@@ -4,10 +4,10 @@
 
 use nalgebra::Complex;
 
-use crate::model::{ParameterError, positive};
-use crate::real::Real;
-use crate::road::config::RoadConfig;
-use crate::road::model::Model;
+use crate::config::RoadConfig;
+use crate::model::Model;
+use itpms_core::model::{ParameterError, positive};
+use itpms_core::real::Real;
 
 /// Points of the integral over a band, evenly spaced in the logarithm of frequency.
 const BAND_POINTS: usize = 128;
@@ -21,12 +21,12 @@ pub struct RoadLimits<T> {
 }
 
 impl<T: Real> RoadLimits<T> {
-    /// Limits for a road of level `log_level` ([`crate::road::RoadLevel`]) seen by sensors sampled at `rate_hz`.
+    /// Limits for a road of level `log_level` ([`crate::RoadLevel`]) seen by sensors sampled at `rate_hz`.
     ///
     /// # Errors
     /// The rate must be positive and finite, the level between -25 and 5.
     pub fn new(config: &RoadConfig<T>, log_level: T, rate_hz: T) -> Result<Self, ParameterError> {
-        config.with_level(crate::road::RoadLevel::Fixed(log_level))?;
+        config.with_level(crate::RoadLevel::Fixed(log_level))?;
         Ok(Self { model: Model::of(config, log_level), rate_hz: positive("rate_hz", rate_hz)? })
     }
 

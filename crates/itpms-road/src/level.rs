@@ -1,11 +1,9 @@
 //! How rough the road is (docs/math/road.md, eq. 9, 10): the level at wheel hop from the power of the wheel's
 //! acceleration, drawn out to long waves with the slope that the recorded road shows.
 //!
-//! Called by [`crate::road::filter`] with every wheel acceleration and height. The first part does not depend on the
+//! Called by [`crate::filter`] with every wheel acceleration and height. The first part does not depend on the
 //! filter's own estimate, and the second only ever raises the level, so that a level too low cannot confirm itself.
-
-use crate::memory::blank;
-use crate::real::Real;
+use itpms_core::real::Real;
 
 /// Memory of the power in s: long enough for 20 % in the level, short enough for a change of surface.
 const MEMORY_S: f64 = 2.0;
@@ -41,8 +39,6 @@ pub(crate) struct LevelTracker<T> {
     slow: SlowPower<T>,
 }
 
-blank!(LevelTracker<T> { mean, power, weight, seen_s, log_level, slow });
-
 /// Power of the height above [`SLOW_HIGH_PASS_HZ`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -51,8 +47,6 @@ struct SlowPower<T> {
     power: T,
     weight: T,
 }
-
-blank!(SlowPower<T> { mean, power, weight });
 
 impl<T: Real> LevelTracker<T> {
     pub(crate) fn new(log_level: T) -> Self {
@@ -100,7 +94,7 @@ impl<T: Real> LevelTracker<T> {
     }
 
     /// One more wheel acceleration, `step_s` after the last; `power_per_intensity` from
-    /// [`crate::road::model::Model::wheel_power_per_intensity`].
+    /// [`crate::model::Model::wheel_power_per_intensity`].
     pub(crate) fn update(
         &mut self,
         wheel_accel_m_s2: T,

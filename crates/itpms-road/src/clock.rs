@@ -1,9 +1,7 @@
 //! Time as it comes with the samples: what to make of each stamp, and how far apart they usually are.
 //!
-//! Called by [`crate::road::filter`]; knows no state and no sensor.
-
-use crate::memory::blank;
-use crate::real::Real;
+//! Called by [`crate::filter`]; knows no state and no sensor.
+use itpms_core::real::Real;
 
 /// A step in s no log has: its rows count as one.
 const SHORTEST_STEP_S: f64 = 1e-6;
@@ -33,8 +31,6 @@ pub(crate) struct Clock<T> {
     interval_s: T,
     ignored: u8,
 }
-
-blank!(Clock<T> { time_s, interval_s, ignored });
 
 impl<T: Real> Clock<T> {
     pub(crate) fn new() -> Self {

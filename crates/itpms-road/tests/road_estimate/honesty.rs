@@ -3,7 +3,7 @@
 use super::compare::{band, rms};
 use super::plant::{CLASS_A, CLASS_B, CLASS_C, Drive, drive};
 use super::{causal, config, heights, record};
-use itpms_core::road::{RoadFilter, RoadLimits};
+use itpms_road::{RoadFilter, RoadLimits};
 use std::f64::consts::{PI, SQRT_2};
 
 /// Natural logarithm of the one-sided density of the road's vertical velocity, from ISO 8608's definition.

@@ -1,8 +1,8 @@
-//! A row of a road record, on its way in and out of [`crate::road::RoadRecorder`].
+//! A row of a road record, on its way in and out of [`crate::RoadRecorder`].
 
-use crate::real::Real;
+use itpms_core::real::Real;
 
-/// One row in the window: memory for [`crate::road::RoadRecorder`].
+/// One row in the window: memory for [`crate::RoadRecorder`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RoadRow<T> {
@@ -42,7 +42,7 @@ pub struct RoadPoint<T> {
     /// Road height in m under the wheel at that time, without phase, behind the configured high-pass (0.05 Hz,
     /// fourth order in all).
     pub road_m: T,
-    /// Its standard deviation in m, slow drift included; for a band use [`crate::road::RoadLimits::band_sd_m`].
+    /// Its standard deviation in m, slow drift included; for a band use [`crate::RoadLimits::band_sd_m`].
     pub road_sd_m: T,
     /// False where the wheel's acceleration was missing and the height is a bridge between its neighbours.
     pub observed: bool,

@@ -1,14 +1,12 @@
 //! The quarter car with the road as a state, in coordinates that suit single precision, and its exact discretisation
 //! (docs/math/road.md, eq. 1-8).
 //!
-//! Called by [`crate::road::filter`] and [`crate::road::limits`]. Knows nothing of samples, time stamps or missing values.
+//! Called by [`crate::filter`] and [`crate::limits`]. Knows nothing of samples, time stamps or missing values.
 
+use crate::config::RoadConfig;
+use itpms_core::model::QuarterCar;
+use itpms_core::real::Real;
 use nalgebra::{Matrix2, SMatrix, SVector};
-
-use crate::memory::blank;
-use crate::model::QuarterCar;
-use crate::real::Real;
-use crate::road::config::RoadConfig;
 
 /// Number of states.
 pub(crate) const STATES: usize = 9;
@@ -71,11 +69,6 @@ pub(crate) struct Model<T> {
     /// How far the body is from a mass on this spring and damper, relative.
     pub(crate) body_mismatch: T,
 }
-
-blank!(Model<T> {
-    car, stiffness_n_per_m, noise_variance, road_intensity, road_bandwidth_rad_per_s,
-    low_cut_rad_per_s, bias_intensity, body_mismatch,
-});
 
 impl<T: Real> Model<T> {
     /// The model of a configuration for a road level.

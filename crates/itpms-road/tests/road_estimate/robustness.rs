@@ -4,7 +4,7 @@ use super::compare::{band, band_error, rms};
 use super::plant::{CLASS_A, CLASS_B, CLASS_C, Drive, Log, Random, STIFFNESS, drive};
 use super::{config, heights, record, recorder};
 use itpms_core::model::{CornerSample, QuarterCar, Validity};
-use itpms_core::road::{
+use itpms_road::{
     RoadConfig, RoadFilter, RoadLevel, RoadPoint, RoadRecorder, RoadRow, Segment, SensorDelay, window_for,
 };
 use proptest::prelude::*;

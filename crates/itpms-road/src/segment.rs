@@ -1,14 +1,14 @@
 //! The backward pass: what later samples say about an earlier road height (docs/math/road.md, section 4).
 //!
 //! A segment stands for some tens of milliseconds of forward filtering between two snapshots of it. Called by
-//! [`crate::road::recorder`]; knows nothing of rows, time or delays.
+//! [`crate::recorder`]; knows nothing of rows, time or delays.
 
-use crate::real::Real;
-use crate::road::filter::RoadFilter;
-use crate::road::model::{CoreMatrix, CoreState, Transition};
-use crate::road::recursion::Correction;
+use crate::filter::RoadFilter;
+use crate::model::{CoreMatrix, CoreState, Transition};
+use crate::recursion::Correction;
+use itpms_core::real::Real;
 
-/// A stretch of the forward pass, condensed to what the backward pass needs: memory for [`crate::road::RoadRecorder`],
+/// A stretch of the forward pass, condensed to what the backward pass needs: memory for [`crate::RoadRecorder`],
 /// about 120 numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -114,10 +114,10 @@ impl<T: Real> Later<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{CornerSample, QuarterCar};
-    use crate::road::config::RoadLevel;
-    use crate::road::model::{CORE, Matrix, Model, State, state};
-    use crate::road::{RoadConfig, RoadFilter};
+    use crate::config::RoadLevel;
+    use crate::model::{CORE, Matrix, Model, State, state};
+    use crate::{RoadConfig, RoadFilter};
+    use itpms_core::model::{CornerSample, QuarterCar};
     use nalgebra::{SMatrix, SVector};
 
     const SAMPLES: usize = 20;

@@ -1,13 +1,11 @@
 //! The Kalman recursion behind the road estimate: mean, covariance, prediction, correction (docs/math/road.md,
 //! section 3).
 //!
-//! Called by [`crate::road::filter`]. Knows nothing of time stamps, missing values or levels.
+//! Called by [`crate::filter`]. Knows nothing of time stamps, missing values or levels.
 
+use crate::model::{CORE, CoreState, Matrix, Model, State, Transition, state, symmetrise};
+use itpms_core::real::Real;
 use nalgebra::{Matrix2, Vector2};
-
-use crate::memory::blank;
-use crate::real::Real;
-use crate::road::model::{CORE, CoreState, Matrix, Model, State, Transition, state, symmetrise};
 
 /// Steps further from the one at hand than this share of it get their own discretisation.
 const STEP_TOLERANCE: f64 = 1e-3;
@@ -36,8 +34,6 @@ struct HeightTwin<T: Real> {
     /// Covariance of that difference: the output's covariance less the expectation's.
     covariance: Matrix2<T>,
 }
-
-blank!(HeightTwin<T> { mean, covariance });
 
 impl<T: Real> HeightTwin<T> {
     fn same() -> Self {
@@ -75,15 +71,11 @@ pub(crate) struct Recursion<T: Real> {
     free: Option<Transition<T>>,
 }
 
-blank!(Recursion<T> { x, p, twin, aided, free });
-
 impl<T: Real> Recursion<T> {
     /// Nothing known but what kind of road and how large the sensors' offsets may be.
-    pub(crate) fn configure(&mut self, model: &Model<T>, bias_sd_m_s2: T) {
-        self.x = State::zeros();
-        self.p = prior(model, bias_sd_m_s2);
-        self.twin = HeightTwin::same();
-        self.forget_transitions();
+    pub(crate) fn new(model: &Model<T>, bias_sd_m_s2: T) -> Self {
+        let p = prior(model, bias_sd_m_s2);
+        Self { x: State::zeros(), p, twin: HeightTwin::same(), aided: None, free: None }
     }
 
     /// The model has changed: the next prediction discretises it anew.
@@ -190,9 +182,8 @@ fn recall<T: Real>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::memory::Blank;
-    use crate::model::QuarterCar;
-    use crate::road::RoadConfig;
+    use crate::RoadConfig;
+    use itpms_core::model::QuarterCar;
     use proptest::prelude::*;
 
     /// Smallest eigenvalue of the covariance's correlation matrix, and its largest asymmetry.
@@ -200,8 +191,7 @@ mod tests {
         let config =
             RoadConfig::<T>::new(QuarterCar::paper_table_2(), T::lit(stiffness), T::lit(0.05)).unwrap();
         let model = Model::of(&config, T::lit(log_level));
-        let mut recursion = Recursion::BLANK;
-        recursion.configure(&model, T::lit(10.0));
+        let mut recursion = Recursion::new(&model, T::lit(10.0));
         let (mut smallest, mut asymmetry) = (f64::MAX, 0.0_f64);
         for &(kind, body, wheel) in steps.iter().cycle().take(steps.len() * 40) {
             let (body, wheel) = (T::lit(f64::from(body) * 1e-2), T::lit(f64::from(wheel) * 1e-2));

@@ -1,13 +1,14 @@
 //! The road under a wheel from the accelerations of body and wheel, for a tire stiffness that another estimator
 //! knows (docs/math/road.md).
 //!
-//! An estimator that knows the stiffness feeds [`RoadFilter`] for the causal height; whoever writes a road record
+//! Whoever knows the stiffness feeds [`RoadFilter`] for the causal height, or [`RoadUnderCar`] for all wheels of a car that
+//! [`itpms_core`] estimates; whoever writes a road record
 //! feeds [`RoadRecorder`] for the smoothed one, with memory of its own; [`RoadLimits`] says which wavelengths
 //! either can see. Nothing here knows of pressure, distance or files.
 //!
 //! ```
 //! use itpms_core::model::QuarterCar;
-//! use itpms_core::road::{RoadConfig, RoadFilter, RoadRecorder, RoadRow, Segment, window_for};
+//! use itpms_road::{RoadConfig, RoadFilter, RoadRecorder, RoadRow, Segment, window_for};
 //! use itpms_core::model::CornerSample;
 //! # let log = (0..1_000).map(|i| (f64::from(i) * 0.002, (f64::from(i) * 0.1).sin()));
 //! # let log: Vec<_> = log.map(|(t, a)| (t, CornerSample { body_accel_m_s2: 0.1 * a, wheel_accel_m_s2: a })).collect();
@@ -36,6 +37,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#![no_std]
+#![forbid(unsafe_code)]
+#![allow(clippy::op_ref)] // A matrix that is multiplied by value is copied on the stack first.
+
+mod car;
 mod clock;
 mod config;
 mod filter;
@@ -49,6 +55,7 @@ mod recursion;
 mod row;
 mod segment;
 
+pub use car::{RoadUnderCar, RoadUnderWheel};
 pub use config::{RoadConfig, RoadLevel, SensorDelay};
 pub use filter::{RoadEstimate, RoadFilter};
 pub use limits::RoadLimits;

@@ -1,8 +1,8 @@
 //! A road height between samples: moves the record back by the sensors' delay.
 //!
-//! Called by [`crate::road::recorder`]; knows points in time and heights, nothing else.
+//! Called by [`crate::recorder`]; knows points in time and heights, nothing else.
 
-use crate::real::Real;
+use itpms_core::real::Real;
 
 /// Points of the widest stencil.
 pub(crate) const WIDTH: usize = 8;

@@ -1,8 +1,8 @@
 //! The second-order high-pass that frees a height of drift, for uneven steps (docs/math/road.md, eq. 4).
 //!
-//! Called by [`crate::road::recorder`] backwards in time; the filter has the same high-pass inside its model.
+//! Called by [`crate::recorder`] backwards in time; the filter has the same high-pass inside its model.
 
-use crate::real::Real;
+use itpms_core::real::Real;
 
 /// Steps differing less than this share use the same coefficients.
 const STEP_TOLERANCE: f64 = 1e-3;

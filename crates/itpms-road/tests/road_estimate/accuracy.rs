@@ -3,7 +3,7 @@
 use super::compare::{band_error, iri};
 use super::plant::{CLASS_A, CLASS_B, CLASS_C, Drive, Log, drive};
 use super::{causal, config, heights, record};
-use itpms_core::road::{RoadConfig, SensorDelay};
+use itpms_road::{RoadConfig, SensorDelay};
 
 /// What one run gives, in percent.
 struct Score {
@@ -178,7 +178,7 @@ fn report() {
 #[ignore = "prints times"]
 fn cost_report() {
     use itpms_core::model::{CornerSample, QuarterCar};
-    use itpms_core::road::RoadFilter;
+    use itpms_road::RoadFilter;
     let log = drive(&Drive::new(1, 20.0, CLASS_B));
     let samples: Vec<_> = log.samples().collect();
     let per_sample = |seconds: f64| 1e9 * seconds / samples.len() as f64;

@@ -2,16 +2,14 @@
 //! flagged (docs/math/road.md, section 3).
 //!
 //! Called with every sample of a corner, by an estimator that knows the tire's stiffness or by
-//! [`crate::road::RoadRecorder`]. Knows nothing of pressure, speed or other corners.
-
-use crate::memory::{Blank, blank};
-use crate::model::{CornerSample, ParameterError, QuarterCar, Validity, positive};
-use crate::real::Real;
-use crate::road::clock::{Arrival, Clock};
-use crate::road::config::{RoadConfig, RoadLevel};
-use crate::road::level::LevelTracker;
-use crate::road::model::{CoreState, FIRST_INTERVAL_S, Model, Transition, road_bandwidth, state};
-use crate::road::recursion::{Correction, Lean, Recursion};
+//! [`crate::RoadRecorder`]. Knows nothing of pressure, speed or other corners.
+use crate::clock::{Arrival, Clock};
+use crate::config::{RoadConfig, RoadLevel};
+use crate::level::LevelTracker;
+use crate::model::{CoreState, FIRST_INTERVAL_S, Model, Transition, road_bandwidth, state};
+use crate::recursion::{Correction, Lean, Recursion};
+use itpms_core::model::{CornerSample, ParameterError, QuarterCar, Validity, positive};
+use itpms_core::real::Real;
 
 /// Accelerations beyond this, in m/s², are no road but a broken signal.
 const LARGEST_M_S2: f64 = 2_000.0;
@@ -35,7 +33,7 @@ pub struct RoadEstimate<T> {
     /// Road height in m behind the configured high-pass (0.05 Hz, second order), from all samples so far.
     pub road_m: T,
     /// Its standard deviation in m. Most of it is slow drift, which two accelerometers cannot see before it is over;
-    /// for a band of wavelengths use [`crate::road::RoadLimits::band_sd_m`].
+    /// for a band of wavelengths use [`crate::RoadLimits::band_sd_m`].
     pub road_sd_m: T,
     /// Tire deflection `x_r - x_w` in m, positive when the road pushes.
     pub tire_deflection_m: T,
@@ -84,35 +82,29 @@ pub struct RoadFilter<T: Real> {
     restarts: u32,
 }
 
-blank!(RoadFilter<T> {
-    config, model, stiffness_sd, recursion, clock, level, unfollowed_s, running_s, blind_s,
-    body_accel_m_s2, nis, restarts,
-});
-
 impl<T: Real> RoadFilter<T> {
     /// A filter that knows nothing yet.
     #[must_use]
     pub fn new(config: &RoadConfig<T>) -> Self {
-        let mut filter = Self::BLANK;
-        filter.configure(config);
-        filter
-    }
-
-    /// The same where it lies, whatever was there.
-    pub(crate) fn configure(&mut self, config: &RoadConfig<T>) {
         let log_level = match config.level {
             RoadLevel::Fixed(log_level) => log_level,
             RoadLevel::Adaptive => T::lit(FIRST_LOG_LEVEL),
         };
-        self.config = *config;
-        self.model = Model::of(config, log_level);
-        self.stiffness_sd = T::zero();
-        self.recursion.configure(&self.model, config.bias_sd_m_s2);
-        self.clock = Clock::new();
-        self.level = LevelTracker::new(log_level);
-        (self.unfollowed_s, self.running_s, self.blind_s) = (T::zero(), T::zero(), T::zero());
-        (self.body_accel_m_s2, self.nis) = (None, None);
-        self.restarts = 0;
+        let model = Model::of(config, log_level);
+        Self {
+            config: *config,
+            model,
+            stiffness_sd: T::zero(),
+            recursion: Recursion::new(&model, config.bias_sd_m_s2),
+            clock: Clock::new(),
+            level: LevelTracker::new(log_level),
+            unfollowed_s: T::zero(),
+            running_s: T::zero(),
+            blind_s: T::zero(),
+            body_accel_m_s2: None,
+            nis: None,
+            restarts: 0,
+        }
     }
 
     /// Take the tire's stiffness and its standard deviation, both in N/m. The deviation goes into the road's; another
@@ -307,7 +299,7 @@ impl<T: Real> RoadFilter<T> {
 
     /// Begin anew, keeping time, level and parameters.
     fn restart(&mut self) {
-        self.recursion.configure(&self.model, self.config.bias_sd_m_s2);
+        self.recursion = Recursion::new(&self.model, self.config.bias_sd_m_s2);
         self.level.forget_slow();
         self.running_s = T::zero();
         self.body_accel_m_s2 = None;
@@ -316,7 +308,7 @@ impl<T: Real> RoadFilter<T> {
     }
 }
 
-/// What [`crate::road::RoadRecorder`] reads after a sample.
+/// What [`crate::RoadRecorder`] reads after a sample.
 impl<T: Real> RoadFilter<T> {
     /// What [`Self::advance`] would make of a time.
     pub(crate) fn arrival(&self, time_s: f64) -> Arrival<T> {

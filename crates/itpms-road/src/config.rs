@@ -1,10 +1,8 @@
 //! What the road estimate is told: the corner, its sensors, how rough the road may be, and how late the sensors are.
 //!
-//! Made by whoever owns an estimator; read by [`crate::road::RoadFilter`] and [`crate::road::RoadRecorder`].
-
-use crate::memory::{Blank, blank};
-use crate::model::{ParameterError, QuarterCar, positive};
-use crate::real::Real;
+//! Made by whoever owns an estimator; read by [`crate::RoadFilter`] and [`crate::RoadRecorder`].
+use itpms_core::model::{ParameterError, QuarterCar, positive};
+use itpms_core::real::Real;
 
 /// How rough the road is believed to be at long waves: the natural logarithm `c` of the one-sided density of its
 /// vertical velocity in (m/s)²/Hz, the road level of the pressure estimators. On an ISO 8608 road of waviness 2 the
@@ -18,10 +16,6 @@ pub enum RoadLevel<T> {
     Adaptive,
     /// Given, and kept until the caller gives another.
     Fixed(T),
-}
-
-impl<T: Real> Blank for RoadLevel<T> {
-    const BLANK: Self = Self::Adaptive;
 }
 
 impl<T: Real> RoadLevel<T> {
@@ -46,10 +40,6 @@ pub enum SensorDelay<T> {
     },
     /// A known delay in s; 0 for a chain without one (a zero-phase filter in a simulation).
     Seconds(T),
-}
-
-impl<T: Real> Blank for SensorDelay<T> {
-    const BLANK: Self = Self::AntiAlias { cutoff_per_rate: T::ZERO };
 }
 
 impl<T: Real> SensorDelay<T> {
@@ -85,11 +75,6 @@ pub struct RoadConfig<T> {
     pub(crate) bias_sd_m_s2: T,
     pub(crate) bias_walk_m_s2: T,
 }
-
-blank!(RoadConfig<T> {
-    quarter_car, stiffness_n_per_m, accel_noise_m_s2, level, sensor_delay, body_mismatch,
-    low_cut_rad_per_s, bias_sd_m_s2, bias_walk_m_s2,
-});
 
 impl<T: Real> RoadConfig<T> {
     /// A corner, its tire's stiffness in N/m to start from, and the noise of both accelerometers in m/s² rms per

@@ -1,0 +1,7 @@
+//! The road under a wheel through its public face.
+
+/// Plants and random numbers of the core's own tests.
+#[path = "../../itpms-core/tests/common/mod.rs"]
+mod common;
+mod road_estimate;
+mod under_car;
