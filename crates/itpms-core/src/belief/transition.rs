@@ -27,8 +27,10 @@ const FORGOTTEN: f64 = 1e-20;
 /// Largest chance of a step that a suspected wheel begins to move.
 const LARGEST_CHANCE: f64 = 0.2;
 
-/// Parts of a prediction: changes begin, go on and end; then time passes.
-pub(crate) const PARTS: usize = 2;
+/// Parts of a prediction: changes end, those of several tires go on or begin, then those of one; then time passes, for these and those.
+pub(crate) const PARTS: usize = 5;
+/// Hypotheses for which time passes in the first of two parts.
+const FIRST_HALF: usize = HYPOTHESES / 2;
 
 /// A prediction that is under way, as a whole of [`PARTS`].
 #[derive(Debug, Clone, PartialEq)]
@@ -95,30 +97,42 @@ impl<T: Real> Transition<T> {
             return;
         }
         match part {
-            0 => self.mix(hypotheses),
-            _ => self.pass(hypotheses, circumstances),
+            0 => self.stay_or_end(hypotheses),
+            1 => self.mix_several(hypotheses),
+            2 => self.mix_single(hypotheses),
+            3 => self.pass(hypotheses, circumstances, 0..FIRST_HALF),
+            _ => self.pass(hypotheses, circumstances, FIRST_HALF..HYPOTHESES),
         }
     }
 
-    /// In place: a copy of all hypotheses is more than a controller has room for. Single wheels come after those that they join.
-    fn mix(&mut self, hypotheses: &mut Hypotheses<T>) {
+    /// In place: a copy of all hypotheses is more than a controller has room for.
+    fn mix_several(&mut self, hypotheses: &mut Hypotheses<T>) {
         let Self { end, begin, join, .. } = *self;
-        self.stay_or_end(hypotheses);
         for (hypothesis, &begin) in begin.iter().enumerate().skip(SIDE) {
             go_on(hypotheses, hypothesis, end, begin);
         }
         (0..4).for_each(|wheel| merge(hypotheses, wheel, join));
+    }
+
+    /// Single wheels come after those that they join, and what does not move after all that begins from it.
+    fn mix_single(&mut self, hypotheses: &mut Hypotheses<T>) {
+        let Self { end, begin, .. } = *self;
         for (hypothesis, &begin) in begin.iter().enumerate().take(SIDE).skip(1) {
             go_on(hypotheses, hypothesis, end, begin);
         }
         hypotheses[CONSTANT].take_over(&self.still);
     }
 
-    /// Time passes.
-    fn pass(&self, hypotheses: &mut Hypotheses<T>, circumstances: &Circumstances<T>) {
+    /// Time passes for some hypotheses.
+    fn pass(
+        &self,
+        hypotheses: &mut Hypotheses<T>,
+        circumstances: &Circumstances<T>,
+        some: core::ops::Range<usize>,
+    ) {
         let seconds = self.seconds;
         let wandering = Wandering::over(seconds, circumstances);
-        for (index, hypothesis) in hypotheses.iter_mut().enumerate() {
+        for (index, hypothesis) in hypotheses.iter_mut().enumerate().take(some.end).skip(some.start) {
             hypothesis.wander(&wandering);
             if index == RANDOM_WALK {
                 for i in 0..4 {

@@ -26,6 +26,9 @@ use crate::suspension::BodyEquation;
 /// What the road's spectra read too much or too little on one road, as a share of the placard pressure.
 const SPECTRUM_BIAS: f64 = 0.04;
 
+/// Longest time in s between two conclusions. Where a frame has taught something one is drawn at once.
+const CONCLUDE_S: f64 = 0.01;
+
 /// From where the pressure may be learned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -70,6 +73,9 @@ pub struct CarEstimator<T: Real> {
     calibration_s: Option<f64>,
     calibration_ends_s: f64,
     concluded: Concluded<T>,
+    /// Samples from one conclusion to the next, and how many are left until that.
+    conclude_every: u32,
+    conclude_in: u32,
 }
 
 blank!(CarEstimator<T> {
@@ -82,6 +88,8 @@ blank!(CarEstimator<T> {
     calibration_s,
     calibration_ends_s,
     concluded,
+    conclude_every,
+    conclude_in,
 });
 
 impl<T: Real> CarEstimator<T> {
@@ -124,6 +132,7 @@ impl<T: Real> CarEstimator<T> {
         self.sources = Sources::default();
         (self.calibration_s, self.calibration_ends_s) = (None, f64::NEG_INFINITY);
         self.concluded = Concluded::BLANK;
+        (self.conclude_every, self.conclude_in) = ((sample_rate_hz * CONCLUDE_S).to_whole().max(1) as u32, 0);
         Ok(())
     }
 
@@ -132,10 +141,13 @@ impl<T: Real> CarEstimator<T> {
         config: &CarConfig<T>,
         sample_rate_hz: f64,
     ) -> Result<(), ParameterError> {
-        for (corner, config) in self.corners.iter_mut().zip(&config.corners) {
-            corner.clear();
-            if let Some(config) = config {
-                corner.try_place(|corner| corner.configure(config, sample_rate_hz))?;
+        for (place, corner) in self.corners.iter_mut().zip(Corner::ALL) {
+            place.clear();
+            if let Some(config) = &config.corners[corner.index()] {
+                place.try_place(|corner| corner.configure(config, sample_rate_hz))?;
+                if let (Some(estimator), Corner::RearLeft | Corner::RearRight) = (place.as_mut(), corner) {
+                    estimator.stagger();
+                }
             }
         }
         self.clock = SampleClock::new(sample_rate_hz)?;
@@ -300,7 +312,8 @@ impl<T: Real> CarEstimator<T> {
         if at_rest {
             self.identify();
         }
-        let fused = self.conclude(at.now_s, sample);
+        let concludes = self.take_news() || self.conclude_in == 0;
+        let fused = if concludes { self.conclude(at.now_s, sample) } else { None };
         let mut corners = [None; 4];
         for ((estimate, estimator), corner) in corners.iter_mut().zip(&mut self.corners).zip(&sample.corners)
         {
@@ -308,7 +321,11 @@ impl<T: Real> CarEstimator<T> {
                 *estimate = Some(estimator.estimate(at.now_s, sample.time_s));
             }
         }
-        self.compare(&mut corners, fused.as_ref());
+        if concludes {
+            self.compare(&mut corners, fused.as_ref());
+            self.conclude_in = self.conclude_every;
+        }
+        self.conclude_in = self.conclude_in.saturating_sub(1);
         let Concluded { correlation, tracks, .. } = self.concluded;
         CarEstimate { time_s: sample.time_s, corners, correlation, tracks }
     }
@@ -327,6 +344,15 @@ impl<T: Real> CarEstimator<T> {
                 None => estimator.take(time_s, speed_m_s, corner, |_| {}),
             }
         }
+    }
+
+    /// Whether anything was learned since this was last asked.
+    fn take_news(&mut self) -> bool {
+        let mut news = self.fusion.as_mut().is_some_and(Fusion::take_news);
+        for corner in self.corners.iter_mut().flatten() {
+            news |= corner.take_news();
+        }
+        news
     }
 
     /// Learns the struts' friction from the body that they carry.

@@ -34,6 +34,8 @@ pub(crate) struct CornerEstimator<T: Real> {
     /// What the Bayes filter last found, and the time of the step in which a frame or a repeated road was last learned from.
     reading: Reading<T>,
     read_s: f64,
+    /// Whether that was since it was last asked for.
+    has_news: bool,
     /// Length in s of the calibration drive at the start, and when it ends once that is known.
     calibration_s: f64,
     calibration_ends_s: Option<f64>,
@@ -58,7 +60,7 @@ pub(crate) struct CornerEstimator<T: Real> {
 }
 
 blank!(CornerEstimator<T> {
-    config, resampler, informed, reading, read_s, calibration_s, calibration_ends_s,
+    config, resampler, informed, reading, read_s, has_news, calibration_s, calibration_ends_s,
     pinned_s, restarts, repetition, fused, contact, strut, friction_variance,
     fit, misfit, judged_from_s, has_fitted, learned_before_s, concluded,
 });
@@ -96,10 +98,20 @@ impl<T: Real> CornerEstimator<T> {
         Ok(())
     }
 
+    /// Its frames are worked on when those of the car's other axle are not; before the first sample.
+    pub(crate) fn stagger(&mut self) {
+        self.informed.stagger();
+    }
+
     /// What is known before the first frame.
     fn begin_reading(&mut self) {
         self.reading = Reading::of(&self.config, &self.informed.belief());
-        self.read_s = f64::NEG_INFINITY;
+        (self.read_s, self.has_news) = (f64::NEG_INFINITY, false);
+    }
+
+    /// Whether anything was learned since this was last asked.
+    pub(crate) fn take_news(&mut self) -> bool {
+        core::mem::take(&mut self.has_news)
     }
 
     /// Says that the tire has its placard pressure from the next sample on, for `seconds`: the driver's calibration.
@@ -174,7 +186,7 @@ impl<T: Real> CornerEstimator<T> {
             tap(&sample);
         });
         if let Some(learned_s) = learned_s {
-            self.read_s = learned_s;
+            (self.read_s, self.has_news) = (learned_s, true);
             self.reading = Reading::of(&self.config, &self.informed.belief());
         }
         self.hold_calibration(time_s);

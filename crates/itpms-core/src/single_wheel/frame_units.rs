@@ -1,4 +1,4 @@
-//! The work of a frame, in units of which every grid step does one: no sample costs much more than another. What a frame says is
+//! The work of a pair of frames, in units of which every grid step does one: no sample costs much more than another. What a pair says is
 //! known [`ORDER`]'s length of steps later, and always before the next frame is complete.
 
 use super::dynamics::LEVEL_MODES;
@@ -7,7 +7,7 @@ use super::road_fits::RoadFits;
 use super::road_model::Evidence;
 use super::{Frame, HOP_S, Informed, LEAST_GRID_HZ, OVERLAP};
 use crate::conditioning::STANDING_M_S;
-use crate::memory::{Blank, blank};
+use crate::memory::{Blank, Placed, blank};
 use crate::real::Real;
 
 /// A piece of a frame's work.
@@ -48,7 +48,7 @@ const _: () = assert!(LEVEL_MODES == 3 && ORDER.len() == 10 + FITS as usize);
 /// A frame's units have to fit into its hop.
 const _: () = assert!(ORDER.len() < (HOP_S * LEAST_GRID_HZ) as usize);
 
-/// What is left to do with a frame.
+/// What is left to do with a pair of frames.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct FrameWork<T: Real> {
@@ -59,19 +59,60 @@ pub(super) struct FrameWork<T: Real> {
     moves: bool,
     evidence: Evidence<T>,
     log_speed_ratio: T,
+    /// Power of the frames over their expectation, the larger of the two.
+    nis: T,
+    /// The first frame of a pair whose second one is awaited.
+    first: Placed<FirstFrame<T>>,
+    /// Whether its pairs end when those of the car's other axle begin: no sample works on all corners' frames.
+    is_late: bool,
     /// Variance of the pressure in cells² before it moved.
     before_cells2: T,
     fits: RoadFits<T>,
 }
 
-blank!(FrameWork<T> { under_way, done, moves, evidence, log_speed_ratio, before_cells2, fits });
+blank!(FrameWork<T> { under_way, done, moves, evidence, log_speed_ratio, nis, first, is_late, before_cells2, fits });
 
 impl<T: Real> FrameWork<T> {
     /// There is nothing to do.
     pub(super) fn clear(&mut self) {
+        let is_late = self.is_late;
         *self = Self::BLANK;
+        self.is_late = is_late;
+        if is_late {
+            self.first.place(|first| *first = FirstFrame::BLANK);
+        }
+    }
+
+    /// Its pairs end when those of the other axle begin.
+    pub(super) fn stagger(&mut self) {
+        self.is_late = true;
+        self.clear();
+    }
+
+    /// Takes a frame; with the second of a pair the work begins.
+    fn take(&mut self, frame: FirstFrame<T>, moves: bool) {
+        let FirstFrame { evidence, nis, log_speed_ratio } = frame;
+        let Some(first) = self.first.as_ref() else {
+            return self.first.place(|first| *first = frame);
+        };
+        self.evidence = first.evidence.with(&evidence);
+        self.nis = first.nis.max(nis);
+        self.log_speed_ratio = first.log_speed_ratio + log_speed_ratio;
+        self.first.clear();
+        (self.under_way, self.done, self.moves) = (true, 0, moves);
     }
 }
+
+/// A frame that waits for the next one, with which it is learned from: at half the cost, and the pressure moves little meanwhile.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct FirstFrame<T> {
+    evidence: Evidence<T>,
+    nis: T,
+    log_speed_ratio: T,
+}
+
+blank!(FirstFrame<T> { evidence, nis, log_speed_ratio });
 
 impl<T: Real> Informed<T> {
     /// Takes a complete frame: what it is worth, what it says of the body, and what is to be done with it.
@@ -104,9 +145,8 @@ impl<T: Real> Informed<T> {
             self.body.learn(frame, spacing, self.noise_density, evidence.weight, seconds);
         }
         let known = ratio > T::zero() && ratio.is_finite();
-        let work = &mut self.work;
-        (work.under_way, work.done, work.moves, work.evidence) = (true, 0, moves, evidence);
-        work.log_speed_ratio = if known { ratio.ln() } else { T::zero() };
+        let log_speed_ratio = if known { ratio.ln() } else { T::zero() };
+        self.work.take(FirstFrame { evidence, nis: self.gate.nis(), log_speed_ratio }, moves);
     }
 
     /// Does one unit of the newest frame's work; true if there is something new to say after it.
@@ -128,7 +168,7 @@ impl<T: Real> Informed<T> {
             Unit::Roads if counts => {
                 posterior.diffuse_roads(work.log_speed_ratio);
                 posterior.meet_road(&work.evidence, tables);
-                work.fits.begin(posterior, self.gate.nis(), FITS);
+                work.fits.begin(posterior, work.nis, FITS);
             }
             Unit::Fit if counts => work.fits.fit_some(posterior, &work.evidence, tables),
             Unit::Interpolate if counts => work.fits.finish(posterior),

@@ -17,11 +17,11 @@ use crate::single_wheel::road_model::{
 };
 use crate::single_wheel::tables::{CELLS, Tables};
 
-/// Frames after the start in which no leak begins: some two seconds.
-const SETTLING_FRAMES: u32 = 33;
-/// Frames whose likelihoods are added up to one pseudo-measurement for a filter outside: some 0.7 s. One frame alone says too little
+/// Pairs of frames after the start in which no leak begins: some two seconds.
+const SETTLING_PAIRS: u32 = 17;
+/// Pairs of frames whose likelihoods are added up to one pseudo-measurement for a filter outside: some 0.7 s. One alone says too little
 /// for its innovation to show.
-const FRAMES_PER_MEASUREMENT: u32 = 12;
+const PAIRS_PER_MEASUREMENT: u32 = 6;
 
 /// Narrowest belief in cells that a pseudo-measurement is meant for, and the least that one says, over what was believed before.
 const NARROWEST_CELLS: f64 = 1.2;
@@ -50,9 +50,9 @@ pub(crate) struct Posterior<T: Real> {
     dynamics: Dynamics<T>,
     /// Sum of what the frames since the last pseudo-measurement said of each cell, and their number.
     told_log_likelihood: Cells<T>,
-    told_frames: u32,
+    told_pairs: u32,
     /// Frames until a leak is believed possible: while the road is unknown everything looks like one.
-    settling_frames: u32,
+    settling_pairs: u32,
     /// False until the first frame has set the road's level.
     road_known: bool,
     /// What all of it says of the pressure.
@@ -60,7 +60,7 @@ pub(crate) struct Posterior<T: Real> {
 }
 
 blank!(Posterior<T> {
-    weight, road, dynamics, told_log_likelihood, told_frames, settling_frames, road_known, summary,
+    weight, road, dynamics, told_log_likelihood, told_pairs, settling_pairs, road_known, summary,
 });
 
 impl<T: Real> Posterior<T> {
@@ -87,8 +87,8 @@ impl<T: Real> Posterior<T> {
         let road = Road::unknown(T::zero());
         self.road.iter_mut().for_each(|roads| roads.fill(&road));
         self.told_log_likelihood.fill(T::zero());
-        self.told_frames = 0;
-        self.settling_frames = SETTLING_FRAMES;
+        self.told_pairs = 0;
+        self.settling_pairs = SETTLING_PAIRS;
         self.road_known = false;
         self.summarise();
     }
@@ -96,8 +96,8 @@ impl<T: Real> Posterior<T> {
     /// Leaks begin and end: the first part of moving on by one frame. [`move_cells`](Self::move_cells) for every level mode,
     /// [`mix_roads`](Self::mix_roads), [`mix_level_modes`](Self::mix_level_modes) and [`diffuse_roads`](Self::diffuse_roads) follow.
     pub(crate) fn begin_or_end_leaks(&mut self) {
-        if self.settling_frames > 0 {
-            self.settling_frames -= 1;
+        if self.settling_pairs > 0 {
+            self.settling_pairs -= 1;
         } else {
             self.mix_leak_modes();
         }
@@ -286,19 +286,19 @@ impl<T: Real> Posterior<T> {
         for (told, (&said, &total)) in self.told_log_likelihood.as_mut_slice().iter_mut().zip(both) {
             *told += (said / total).at_least(floor).ln_fast();
         }
-        self.told_frames += 1;
+        self.told_pairs += 1;
     }
 
     /// What the frames since the last pseudo-measurement said by themselves: the mean cell and the variance in cells² of a Gaussian
     /// that turns the uniform belief into theirs. `None` until there are enough frames, or if they said nothing.
     pub(crate) fn take_pseudo_measurement(&mut self) -> Option<(T, T)> {
-        if self.told_frames < FRAMES_PER_MEASUREMENT {
+        if self.told_pairs < PAIRS_PER_MEASUREMENT {
             return None;
         }
         let largest = self.told_log_likelihood.max();
         let likelihood = self.told_log_likelihood.map(|l| (l - largest).exp());
         self.told_log_likelihood = Cells::zeros();
-        self.told_frames = 0;
+        self.told_pairs = 0;
         let (mean, variance) = moments(&(likelihood / likelihood.sum()));
         let (uniform_mean, uniform_variance) = moments(&Cells::repeat(T::lit(1.0 / CELLS as f64)));
         // A cell is a small uniform distribution of its own.
@@ -310,7 +310,7 @@ impl<T: Real> Posterior<T> {
 
     /// Whether enough frames were seen for a pseudo-measurement.
     pub(crate) fn has_word(&self) -> bool {
-        self.told_frames >= FRAMES_PER_MEASUREMENT
+        self.told_pairs >= PAIRS_PER_MEASUREMENT
     }
 
     /// What the frames since the last pseudo-measurement said to somebody who believed in `cell` with `sd_cells`: the mean and variance
@@ -328,7 +328,7 @@ impl<T: Real> Posterior<T> {
         let largest = self.told_log_likelihood.max();
         let likelihood = self.told_log_likelihood.map(|l| (l - largest).exp());
         self.told_log_likelihood = Cells::zeros();
-        self.told_frames = 0;
+        self.told_pairs = 0;
         let (before, before_variance) = moments(&(believed / believed.sum()));
         let after = believed.component_mul(&likelihood);
         let (mean, variance) = moments(&(after / after.sum()));

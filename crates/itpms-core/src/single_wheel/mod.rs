@@ -61,6 +61,8 @@ use crate::spectrum::transfer::{Body, DescribingFunction};
 const BINS: usize = 12;
 /// Nominal time between frames in s; a frame lasts twice as long.
 const HOP_S: f64 = 0.06;
+/// Frames whose information the grid takes at once.
+const FRAMES_AT_ONCE: f64 = 2.0;
 /// Least rate in Hz of the grid.
 pub(crate) const LEAST_GRID_HZ: f64 = 400.0;
 /// A frame of all reconstructed signals.
@@ -161,9 +163,14 @@ impl<T: Real> Informed<T> {
         self.noise_density = T::lit(2.0 / sample_rate_hz) * noise * noise;
         self.grid = Grid::new(config.placard_kpa);
         let body = Body::from(&config.quarter_car);
-        self.posterior.configure(self.clock.hop_s());
+        self.posterior.configure(FRAMES_AT_ONCE * self.clock.hop_s());
         self.tables.configure(spacing_hz, sample_rate_hz, &self.grid, &config.tire, &body);
         self.restart(repetition);
+    }
+
+    /// Its pairs of frames end when those of the car's other axle begin; before the first sample.
+    pub(crate) fn stagger(&mut self) {
+        self.work.stagger();
     }
 
     /// Tells what is known of the road repeating itself; to be said before the first sample.

@@ -50,6 +50,30 @@ pub(crate) struct Evidence<T> {
 blank!(Evidence<T> { a, b, c, envelope, bins, noise_density, weight });
 
 impl<T: Real> Evidence<T> {
+    /// Of this frame and another one: their powers' weighted mean, counted as often as both.
+    pub(crate) fn with(&self, other: &Self) -> Self {
+        let weight = self.weight + other.weight;
+        if !(weight > T::zero()) {
+            return other.clone();
+        }
+        let (one, two) = (self.weight / weight, other.weight / weight);
+        let mean = |a: &[T; BINS], b: &[T; BINS]| core::array::from_fn(|bin| one * a[bin] + two * b[bin]);
+        let bins = match (self.weight > T::zero(), other.weight > T::zero()) {
+            (true, true) => self.bins.min(other.bins),
+            (true, false) => self.bins,
+            _ => other.bins,
+        };
+        Self {
+            a: mean(&self.a, &other.a),
+            b: mean(&self.b, &other.b),
+            c: mean(&self.c, &other.c),
+            envelope: mean(&self.envelope, &other.envelope),
+            bins,
+            noise_density: self.noise_density,
+            weight,
+        }
+    }
+
     /// Power density of the road velocity reconstructed with `theta`.
     fn power(&self, bin: usize, theta: T) -> T {
         let power = self.a[bin] + theta * (T::lit(2.0) * self.b[bin] + theta * self.c[bin]);

@@ -134,16 +134,25 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> FrameClock<T, BINS, SIGNA
 
     fn add(&mut self, rising: T, falling: T, signals: &[T; SIGNALS]) {
         let [re_1, im_1] = self.phase;
+        let mut turns = [[T::zero(); 2]; BINS];
         let (mut re, mut im) = (re_1, im_1);
-        for bin in 0..BINS {
-            for (signal, &x) in signals.iter().enumerate() {
-                let (x_re, x_im) = (x * re, x * im);
-                self.younger.re[(bin, signal)] += rising * x_re;
-                self.younger.im[(bin, signal)] += rising * x_im;
-                self.older.re[(bin, signal)] += falling * x_re;
-                self.older.im[(bin, signal)] += falling * x_im;
-            }
+        for turn in &mut turns {
+            *turn = [re, im];
             (re, im) = (re * re_1 - im * im_1, re * im_1 + im * re_1);
+        }
+        // Bins innermost: they lie side by side in memory.
+        let younger = self.younger.re.data.0.iter_mut().zip(&mut self.younger.im.data.0);
+        let older = self.older.re.data.0.iter_mut().zip(&mut self.older.im.data.0);
+        for (((young_re, young_im), (old_re, old_im)), &x) in younger.zip(older).zip(signals) {
+            let young = young_re.iter_mut().zip(young_im);
+            let old = old_re.iter_mut().zip(old_im);
+            for (((young_re, young_im), (old_re, old_im)), &[re, im]) in young.zip(old).zip(&turns) {
+                let (x_re, x_im) = (x * re, x * im);
+                *young_re += rising * x_re;
+                *young_im += rising * x_im;
+                *old_re += falling * x_re;
+                *old_im += falling * x_im;
+            }
         }
     }
 

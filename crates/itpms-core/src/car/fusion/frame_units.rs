@@ -51,7 +51,7 @@ const ORDER: [Unit; UNITS] = {
 const UNITS: usize = PREDICTION_PARTS + HYPOTHESES + 3;
 /// Both sides' units have to fit into a hop, with what falls due between two samples at 20 Hz.
 const _: () =
-    assert!(2.0 * UNITS as f64 * UNIT_S < 0.5 * HOP_S && 2.0 * UNITS as f64 * FAST_UNIT_S < 0.6 * HOP_S);
+    assert!(2.0 * UNITS as f64 * UNIT_S < 0.5 * HOP_S && 2.0 * UNITS as f64 * FAST_UNIT_S < 0.7 * HOP_S);
 
 /// Frames that are to be learned from. See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
@@ -223,5 +223,6 @@ impl<T: Real> Fusion<T> {
         self.queue.frames[side].clear();
         (self.queue.first, self.queue.done) = (1 - side, 0);
         self.tires = self.belief.tires();
+        self.has_news = true;
     }
 }

@@ -97,15 +97,15 @@ impl<T: Real> Coherence<T> {
         &self,
         road_power: &[T; BINS],
         noise: &[T; BINS],
-        products: impl Fn(usize) -> Gram<T>,
+        products: &[Gram<T>; BINS],
         stretch: T,
     ) -> Expectation<T> {
         let stretched = T::lit(STRETCHED) * stretch * stretch;
         let mut power = [T::zero(); BINS];
         let mut information = Gram::zeros();
-        for (bin, road) in self.road(road_power).into_iter().enumerate() {
+        for ((bin, road), products) in self.road(road_power).into_iter().enumerate().zip(products) {
             power[bin] = (self.incoherence[bin] + stretched) * road + noise[bin] + T::lit(1e-12);
-            let (products, worth) = (products(bin), T::lit(2.0 * OVERLAP) * road / power[bin]);
+            let worth = T::lit(2.0 * OVERLAP) * road / power[bin];
             // In place: matrices are the largest things on the stack.
             let sums = information.data.0.as_flattened_mut();
             for (sum, &product) in sums.iter_mut().zip(products.data.0.as_flattened()) {
@@ -250,7 +250,7 @@ mod tests {
     fn a_first_frame_that_hardly_hears_a_frequency_is_not_believed_more_there() {
         let mut road = [1.0; BINS];
         road[1] = 1e-6;
-        let expected = Coherence::<f64>::new().expect(&road, &[0.0; BINS], |_| Gram::identity(), 0.0);
+        let expected = Coherence::<f64>::new().expect(&road, &[0.0; BINS], &[Gram::identity(); BINS], 0.0);
         // Half the mean of all five, of which a fifth need not be common: not a millionth of what the others have.
         assert!((expected.power[1] - START * 0.5 * 0.8).abs() < 1e-6, "{}", expected.power[1]);
         assert!((expected.power[0] - START * 0.5 * 1.8).abs() < 1e-6, "{}", expected.power[0]);
