@@ -1,7 +1,7 @@
 //! MCAP out: messages in JSON with their JSON Schema, in chunks with an index, as Foxglove and PlotJuggler open them.
 //!
 //! Called by the writers of drive logs and results beside it and by the live monitor. Knows fields and topics, not what they mean.
-//! In memory is one chunk, a megabyte, and what the index holds of each that was written, some 0.3 kB.
+//! In memory is one chunk, a megabyte, and what the index holds of each that was written, less than a kB.
 
 mod log;
 mod results;
