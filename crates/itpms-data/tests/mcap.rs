@@ -17,10 +17,13 @@ use itpms_data::out::mcap::{FieldType, McapWriter, alert_fields};
 use itpms_data::out::{LogWriter, Packing, transition_object};
 use serde_json::{Map, Value};
 
-/// Messages of each topic with their time in ns, each of the types that its schema says.
-fn read(path: &Path) -> BTreeMap<String, Vec<(u64, Map<String, Value>)>> {
+/// A message and its time in ns.
+type Message = (u64, Map<String, Value>);
+
+/// Messages of each topic, each of the types that its schema says.
+fn read(path: &Path) -> BTreeMap<String, Vec<Message>> {
     let bytes = fs::read(path).unwrap();
-    let mut topics = BTreeMap::<String, Vec<_>>::new();
+    let mut topics = BTreeMap::<String, Vec<Message>>::new();
     for message in mcap::MessageStream::new(&bytes).unwrap() {
         let message = message.unwrap();
         assert_eq!(message.channel.message_encoding, "json");
