@@ -12,6 +12,7 @@ mod dbc_any;
 mod drive_frames;
 mod foreign_parquet;
 mod listing;
+mod mcap;
 mod mdf4_contents;
 mod mdf4_damage;
 mod mdf4_foreign;

@@ -5,11 +5,13 @@ use std::path::PathBuf;
 
 use itpms_core::model::Corner;
 use itpms_core::warning::Change;
+#[cfg(feature = "mcap")]
+use itpms_data::out::mcap::McapResults;
 use itpms_data::out::{
     AtomicFile, EstimateWriter, RadiusRow, RateGate, RoadPoint, RoadWriter, States, WheelSpeedUse,
     transition_object,
 };
-use itpms_data::{LogRow, Vehicle};
+use itpms_data::{LogReader, LogRow, Vehicle};
 use itpms_study::report;
 use serde_json::Value;
 
@@ -31,6 +33,9 @@ pub struct FilePaths {
     pub report: Option<PathBuf>,
     /// Warnings and malfunctions as they come and go.
     pub events: Option<PathBuf>,
+    /// The drive itself and all that was found in it, on one time axis.
+    #[cfg(feature = "mcap")]
+    pub mcap: Option<PathBuf>,
     /// What the calibration drive taught.
     pub reference: Option<PathBuf>,
 }
@@ -39,7 +44,11 @@ impl FilePaths {
     /// Whether any of them needs the smoothed road.
     #[must_use]
     pub fn want_road(&self) -> bool {
-        self.road.is_some() || self.report.is_some()
+        #[cfg(feature = "mcap")]
+        let mcap = self.mcap.is_some();
+        #[cfg(not(feature = "mcap"))]
+        let mcap = false;
+        self.road.is_some() || self.report.is_some() || mcap
     }
 }
 
@@ -51,6 +60,8 @@ pub struct Files {
     road: Option<RoadWriter>,
     page: Option<AtomicFile>,
     events: Option<AtomicFile>,
+    #[cfg(feature = "mcap")]
+    mcap: Option<McapResults>,
     reference: Option<Saving>,
     calibrate_s: Option<f64>,
 }
@@ -60,10 +71,15 @@ impl Files {
     ///
     /// # Errors
     /// A file cannot be created.
+    #[cfg_attr(
+        not(feature = "mcap"),
+        allow(unused_variables, reason = "no other file holds the log's signals")
+    )]
     pub fn create(
         paths: &FilePaths,
         settings: &Settings,
         vehicle: &Vehicle,
+        log: &LogReader,
         corners: &[Corner],
         wheel_speeds: WheelSpeedUse,
     ) -> Result<Self, DriveError> {
@@ -81,6 +97,12 @@ impl Files {
             road: paths.road.as_ref().map(|path| RoadWriter::create(path, corners)).transpose()?,
             page: paths.report.as_ref().map(|path| AtomicFile::create(path)).transpose()?,
             events: paths.events.as_ref().map(|path| AtomicFile::create(path)).transpose()?,
+            #[cfg(feature = "mcap")]
+            mcap: paths
+                .mcap
+                .as_ref()
+                .map(|path| McapResults::create(path, log, corners, wheel_speeds))
+                .transpose()?,
             reference: paths.reference.as_ref().map(saving).transpose()?,
             calibrate_s: settings.calibrate_s,
         })
@@ -107,6 +129,10 @@ impl Files {
             events.settle()?;
             files.push(events);
         }
+        #[cfg(feature = "mcap")]
+        if let Some(mcap) = self.mcap {
+            files.push(mcap.finish()?);
+        }
         files.into_iter().try_for_each(AtomicFile::commit)?;
         let driven_s = done.data.drive.duration_s;
         let reference =
@@ -124,27 +150,48 @@ impl Sink for Files {
         states: &States,
         radii: Option<&RadiusRow>,
     ) -> Result<(), DriveError> {
-        if let Some(writer) = &mut self.estimates
-            && self.gate.lets_through(row.time_s)
-        {
+        #[cfg(feature = "mcap")]
+        if let Some(mcap) = &mut self.mcap {
+            mcap.write_signals(row)?;
+        }
+        if !self.gate.lets_through(row.time_s) {
+            return Ok(());
+        }
+        if let Some(writer) = &mut self.estimates {
             writer.write(row.time_s, estimates, states, radii)?;
+        }
+        #[cfg(feature = "mcap")]
+        if let Some(mcap) = &mut self.mcap {
+            mcap.write_estimate(row.time_s, estimates, states, radii)?;
         }
         Ok(())
     }
 
     fn road(&mut self, late: &LateRow) -> Result<(), DriveError> {
-        let Some(road) = &mut self.road else { return Ok(()) };
         let point = |e: &itpms_core::model::CornerEstimate<f64>| RoadPoint {
             road_m: e.road_m,
             road_sd_m: e.road_sd_m,
         };
         let points = late.estimates.map(|estimate| estimate.as_ref().map(point));
-        Ok(road.write(late.row.time_s, late.distance_m, &points)?)
+        if let Some(road) = &mut self.road {
+            road.write(late.row.time_s, late.distance_m, &points)?;
+        }
+        #[cfg(feature = "mcap")]
+        if let Some(mcap) = &mut self.mcap {
+            mcap.write_road(late.row.time_s, late.distance_m, &points)?;
+        }
+        Ok(())
     }
 
     fn transition(&mut self, time_s: f64, change: &Change<f64>) -> Result<(), DriveError> {
-        let Some(file) = &mut self.events else { return Ok(()) };
-        let line = Value::Object(transition_object(time_s, change));
-        Ok(file.append(format!("{line}\n").as_bytes())?)
+        if let Some(file) = &mut self.events {
+            let line = Value::Object(transition_object(time_s, change));
+            file.append(format!("{line}\n").as_bytes())?;
+        }
+        #[cfg(feature = "mcap")]
+        if let Some(mcap) = &mut self.mcap {
+            mcap.write_transition(time_s, change)?;
+        }
+        Ok(())
     }
 }

@@ -182,6 +182,10 @@ pub(crate) struct EstimateArgs {
     /// Where warnings and malfunctions go as they come and go: a line of JSON each.
     #[arg(long, value_name = "EVENTS")]
     pub(crate) events: Option<PathBuf>,
+    /// Where the drive, its pressures, roads and warnings go together, for Foxglove and PlotJuggler: .mcap.
+    #[cfg(feature = "mcap")]
+    #[arg(long, value_name = "MCAP")]
+    pub(crate) mcap: Option<PathBuf>,
     /// Whether the road repeats itself, as on a test bed: after S seconds, never, or to be looked for.
     #[arg(long, value_name = "S|never|auto", default_value = "auto", value_parser = road_repetition)]
     pub(crate) road_repeats: RoadRepetition,
@@ -208,6 +212,7 @@ Examples:
   itpms estimate first.csv --vehicle car.toml -o est.csv --calibrate-s 600 --save-reference car.reference
   itpms estimate drive.csv --vehicle car.toml -o est.csv --reference car.reference
   itpms estimate drive.csv --vehicle car.toml -o est.csv --events events.jsonl
+  itpms estimate drive.csv --vehicle car.toml --mcap drive.mcap
   itpms estimate bus.log --dbc car.dbc --vehicle wheels.toml -o est.csv --calibrate-s 600 --save-reference car.reference
   itpms estimate drive.csv --vehicle car.toml -o est.csv --estimator aekf-ui --rate 50 --json";
 

@@ -15,6 +15,7 @@ mod hostile_files;
 mod identify;
 mod identify_bump;
 mod lab;
+mod mcap;
 mod monitor;
 mod observability;
 mod plot;

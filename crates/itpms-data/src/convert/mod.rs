@@ -7,7 +7,7 @@
 //! | CAN log, MDF4 with frames | CAN log | every frame |
 //! | CAN log or MDF4 with frames, and DBC | MDF4 | every signal of every message, a channel group each |
 //! | MDF4 | MDF4 | every channel that holds numbers |
-//! | any | CSV, Parquet | the columns of a drive log, in rows |
+//! | any | CSV, Parquet, MCAP | the columns of a drive log, in rows |
 //! | CSV, Parquet | MDF4 | the same, in one channel group |
 //! | CSV, Parquet, MDF4 | CAN log and DBC | the same, in the messages that have signals for them, each with every row |
 //!
@@ -25,7 +25,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use crate::error::DataError;
-use crate::log::{LogFormat, LogOptions};
+use crate::log::{LogFormat, LogOptions, OutputFormat};
 use crate::out::{AtomicFile, Packing};
 
 /// What to convert into what.
@@ -67,14 +67,14 @@ const LOOK: u64 = 4096;
 pub fn convert(request: &Request<'_>, look: Look<'_>) -> Result<Option<Converted>, DataError> {
     match (
         LogFormat::of_log(request.input, request.options.dbc.as_deref())?,
-        LogFormat::of_output(request.output)?,
+        OutputFormat::of(request.output)?,
     ) {
         #[cfg(feature = "can")]
-        (LogFormat::Can, LogFormat::Can) => frames::convert(request, look),
+        (LogFormat::Can, OutputFormat::Log(LogFormat::Can)) => frames::convert(request, look),
         #[cfg(all(feature = "can", feature = "mdf4"))]
-        (LogFormat::Can, LogFormat::Mdf4) => signals::convert(request, look),
+        (LogFormat::Can, OutputFormat::Log(LogFormat::Mdf4)) => signals::convert(request, look),
         #[cfg(feature = "mdf4")]
-        (LogFormat::Mdf4, LogFormat::Mdf4) => groups::convert(request, look),
+        (LogFormat::Mdf4, OutputFormat::Log(LogFormat::Mdf4)) => groups::convert(request, look),
         _ => rows::convert(request, look),
     }
 }

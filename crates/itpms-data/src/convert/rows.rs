@@ -9,6 +9,7 @@ pub(super) fn convert(request: &Request<'_>, look: Look<'_>) -> Result<Option<Co
     let mut log = LogReader::open_with(request.input, &for_reading(request)?)?;
     let mut writer =
         LogWriter::create_with(request.output, *log.columns(), request.options, request.packing)?;
+    writer.set_start_ns(log.start_ns());
     let mut count = 0u64;
     while let Some(row) = log.next_row()? {
         if count.is_multiple_of(LOOK) && look(log.progress()).is_break() {

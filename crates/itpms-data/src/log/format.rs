@@ -49,18 +49,34 @@ pub(crate) enum LogFormat {
     Can,
 }
 
-impl LogFormat {
-    /// The same for a log to be written; a device or pipe without an extension receives a table.
-    pub(crate) fn of_output(path: &Path) -> Result<Self, DataError> {
+/// A format of drive logs that are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum OutputFormat {
+    Log(LogFormat),
+    /// Written alone.
+    #[cfg(feature = "mcap")]
+    Mcap,
+}
+
+impl OutputFormat {
+    /// The format by the extension; a device or pipe without one receives a table.
+    pub(crate) fn of(path: &Path) -> Result<Self, DataError> {
         let extension = extension(path);
         match extension.as_deref() {
-            None => Ok(LogFormat::Table(Format::Csv)),
+            None => Ok(Self::Log(LogFormat::Table(Format::Csv))),
+            #[cfg(feature = "mcap")]
+            Some("mcap") => Ok(Self::Mcap),
             // Read, but not written so.
-            Some("gz" | "tsv" | "txt") => Err(unknown(path, extension.as_deref(), expected_log())),
-            Some(_) => Self::of(path),
+            Some("gz" | "tsv" | "txt") => Err(unknown(path, extension.as_deref(), expected_output())),
+            Some(_) => LogFormat::of(path).map(Self::Log).map_err(|error| match *error.problem {
+                Problem::UnknownExtension { .. } => unknown(path, extension.as_deref(), expected_output()),
+                _ => error,
+            }),
         }
     }
+}
 
+impl LogFormat {
     /// The format of a drive log by its extension, upper or lower case, or because it is a folder of part files.
     pub(crate) fn of(path: &Path) -> Result<Self, DataError> {
         #[cfg(feature = "parquet")]
@@ -138,6 +154,12 @@ fn expected_log() -> String {
         known.extend([".log", ".candump", ".asc", ".blf", ".trc"]);
     }
     known.join(", ")
+}
+
+/// Those of drive logs that it writes.
+fn expected_output() -> String {
+    let read = expected_log();
+    if cfg!(feature = "mcap") { format!("{read}, .mcap") } else { read }
 }
 
 fn extension(path: &Path) -> Option<String> {

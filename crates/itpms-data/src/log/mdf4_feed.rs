@@ -13,6 +13,7 @@ use crate::signals::{Candidate, Conversion, Reading, Resolved, SignalMap, resolv
 #[derive(Debug)]
 pub(super) struct Mdf4Feed {
     groups: Vec<Group>,
+    start_ns: u64,
     repairs: Vec<String>,
 }
 
@@ -84,7 +85,12 @@ impl Mdf4Feed {
             });
         }
         let repairs = reader.repairs().iter().map(ToString::to_string).collect();
-        Ok((Self { groups, repairs }, resolved))
+        Ok((Self { groups, start_ns: reader.start_ns(), repairs }, resolved))
+    }
+
+    /// When time 0 was, in ns since 1970; 0 if the file does not know.
+    pub(super) fn start_ns(&self) -> u64 {
+        self.start_ns
     }
 
     pub(super) fn step(&mut self, mut take: impl FnMut(Fate<Reading>)) -> Result<bool, DataError> {

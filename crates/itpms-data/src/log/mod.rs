@@ -62,7 +62,7 @@ pub(crate) use bus::attached;
 pub use bus::{frame_description, holds_frames};
 pub(crate) use clock_text::seconds as clock_seconds;
 pub(crate) use dialect::{cells, number};
-pub(crate) use format::{Format, LogFormat};
+pub(crate) use format::{Format, LogFormat, OutputFormat};
 pub(crate) use header::{separator, shortened};
 pub(crate) use lines::Lines;
 pub use memory_source::{Piece, Pieces};

@@ -115,6 +115,12 @@ impl LogReader {
         &self.path
     }
 
+    /// When time 0 was, in ns since 1970, where the file says so beside its times; else 0: then they may count from 1970 themselves.
+    #[must_use]
+    pub fn start_ns(&self) -> u64 {
+        self.source.start_ns()
+    }
+
     /// Which columns the log has.
     #[must_use]
     pub fn columns(&self) -> &LogColumns {

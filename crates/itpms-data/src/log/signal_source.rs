@@ -38,6 +38,16 @@ impl Feed {
         }
     }
 
+    /// When time 0 was, in ns since 1970. Frames of a bus are stamped with that included.
+    fn start_ns(&self) -> u64 {
+        match self {
+            #[cfg(feature = "mdf4")]
+            Feed::Mdf4(feed) => feed.start_ns(),
+            #[cfg(feature = "can")]
+            Feed::Can(_) => 0,
+        }
+    }
+
     fn progress(&self) -> f64 {
         match self {
             #[cfg(feature = "mdf4")]
@@ -112,6 +122,10 @@ impl SignalSource {
 
     pub(super) fn header(&self) -> &Header {
         &self.header
+    }
+
+    pub(super) fn start_ns(&self) -> u64 {
+        self.feed.start_ns()
     }
 
     pub(super) fn progress(&self) -> f64 {

@@ -84,6 +84,15 @@ impl Source {
         }
     }
 
+    /// When time 0 was, in ns since 1970; 0 where only the times themselves know.
+    pub(super) fn start_ns(&self) -> u64 {
+        match self {
+            #[cfg(any(feature = "can", feature = "mdf4"))]
+            Source::Signals(source) => source.start_ns(),
+            _ => 0,
+        }
+    }
+
     /// Whether rows come in the order of their times.
     pub(super) fn is_in_order(&self) -> bool {
         match self {

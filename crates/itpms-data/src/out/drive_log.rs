@@ -1,4 +1,4 @@
-//! A drive log out, in the columns the reader takes in: a table, MDF4, or the frames of a bus. Called by the simulate and
+//! A drive log out, in the columns the reader takes in: a table, MDF4, MCAP, or the frames of a bus. Called by the simulate and
 //! convert commands and by tests.
 
 use std::path::Path;
@@ -7,11 +7,13 @@ use super::AtomicFile;
 use super::cell::{Cell, Kind};
 #[cfg(feature = "can")]
 use super::log_frames::LogFrames;
+#[cfg(feature = "mcap")]
+use super::mcap::McapLog;
 use super::table::Table;
 use crate::error::DataError;
 #[cfg(feature = "mdf4")]
 use crate::log::Slot;
-use crate::log::{LogColumns, LogFormat, LogOptions, LogRow};
+use crate::log::{LogColumns, LogFormat, LogOptions, LogRow, OutputFormat};
 #[cfg(feature = "mdf4")]
 use crate::mdf4::{ChannelSpec, Compression, GroupSpec, Mdf4Writer, SampleFormat};
 
@@ -35,6 +37,8 @@ enum Sink {
         writer: Box<Mdf4Writer>,
         values: Vec<f64>,
     },
+    #[cfg(feature = "mcap")]
+    Messages(Box<McapLog>),
 }
 
 /// Whether a format that can be compressed is.
@@ -80,19 +84,31 @@ impl LogWriter {
         options: &LogOptions,
         packing: Packing,
     ) -> Result<Self, DataError> {
-        let sink = match LogFormat::of_output(path)? {
+        let sink = match OutputFormat::of(path)? {
+            #[cfg(feature = "mcap")]
+            OutputFormat::Mcap => Sink::Messages(Box::new(McapLog::create(path, columns)?)),
             #[cfg(feature = "can")]
-            LogFormat::Can => Sink::Frames(Box::new(LogFrames::create(path, &columns, options)?)),
+            OutputFormat::Log(LogFormat::Can) => {
+                Sink::Frames(Box::new(LogFrames::create(path, &columns, options)?))
+            }
             #[cfg(feature = "mdf4")]
-            LogFormat::Mdf4 => {
+            OutputFormat::Log(LogFormat::Mdf4) => {
                 Sink::Channels { writer: Box::new(channels(path, &columns, packing)?), values: Vec::new() }
             }
-            LogFormat::Table(_) => {
-                let names: Vec<_> = columns.slots().map(|slot| (slot.name(), Kind::Number)).collect();
-                Sink::Table { table: Table::create(path, &names)?, cells: Vec::new() }
+            OutputFormat::Log(LogFormat::Table(_)) => {
+                Sink::Table { table: Table::create(path, &table_columns(&columns))?, cells: Vec::new() }
             }
         };
         Ok(Self { sink, columns })
+    }
+
+    /// Says when time 0 was, in ns since 1970, before the first row; for MCAP, whose messages have a date.
+    #[cfg_attr(not(feature = "mcap"), allow(unused_variables, reason = "no other file has a date"))]
+    pub fn set_start_ns(&mut self, start_ns: u64) {
+        #[cfg(feature = "mcap")]
+        if let Sink::Messages(log) = &mut self.sink {
+            log.set_start_ns(start_ns);
+        }
     }
 
     /// Adds a row. What the columns do not ask for is left out, what the row lacks is missing.
@@ -114,6 +130,8 @@ impl LogWriter {
                 values.extend(measured(&self.columns).map(|slot| row.value(slot)));
                 writer.write(0, row.time_s, values)
             }
+            #[cfg(feature = "mcap")]
+            Sink::Messages(log) => log.write(row),
         }
     }
 
@@ -138,8 +156,15 @@ impl LogWriter {
             Sink::Frames(frames) => frames.finish(),
             #[cfg(feature = "mdf4")]
             Sink::Channels { writer, .. } => writer.finish(),
+            #[cfg(feature = "mcap")]
+            Sink::Messages(log) => log.finish(),
         }
     }
+}
+
+/// The columns of a drive log as those of a table.
+pub(super) fn table_columns(columns: &LogColumns) -> Vec<(String, Kind)> {
+    columns.slots().map(|slot| (slot.name(), Kind::Number)).collect()
 }
 
 /// The columns besides the time.

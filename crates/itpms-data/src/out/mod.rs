@@ -1,4 +1,4 @@
-//! Files out, by extension: estimates and roads as CSV or Parquet, drive logs also as MDF4.
+//! Files out, by extension: estimates and roads as CSV or Parquet, drive logs also as MDF4 and MCAP.
 //!
 //! Called by the commands of the binary. Rows go out as they come, in bounded memory. A file appears under its name
 //! only when it is complete: every writer ends in [`AtomicFile::commit`], and one that is dropped before leaves
@@ -14,6 +14,8 @@ mod leftovers;
 mod lock;
 #[cfg(feature = "can")]
 mod log_frames;
+#[cfg(feature = "mcap")]
+pub mod mcap;
 #[cfg(feature = "parquet")]
 mod parquet_table;
 mod rate;

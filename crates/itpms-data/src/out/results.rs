@@ -24,19 +24,25 @@ use crate::error::DataError;
 #[derive(Debug)]
 pub struct EstimateWriter {
     table: Table,
-    corners: Vec<Corner>,
-    wheel_speeds: WheelSpeedUse,
+    columns: EstimateColumns,
     cells: Vec<Cell<'static>>,
 }
 
-impl EstimateWriter {
-    /// Starts the file with the columns of these corners, and of wheel speeds ([`WheelSpeedUse::columns`]).
-    ///
-    /// # Errors
-    /// The file cannot be created, or its extension is not known.
-    pub fn create(path: &Path, corners: &[Corner], wheel_speeds: WheelSpeedUse) -> Result<Self, DataError> {
+/// Which columns estimates have, whatever file they go to.
+#[derive(Debug)]
+pub(super) struct EstimateColumns {
+    corners: Vec<Corner>,
+    wheel_speeds: WheelSpeedUse,
+}
+
+impl EstimateColumns {
+    pub(super) fn new(corners: &[Corner], wheel_speeds: WheelSpeedUse) -> Self {
+        Self { corners: corners.to_vec(), wheel_speeds }
+    }
+
+    pub(super) fn table(&self) -> Vec<(String, Kind)> {
         let mut columns = vec![("time_s".to_owned(), Kind::Number)];
-        for corner in corners {
+        for corner in &self.corners {
             for (suffix, kind) in [
                 ("pressure_kpa", Kind::Number),
                 ("pressure_sd_kpa", Kind::Number),
@@ -53,9 +59,50 @@ impl EstimateWriter {
                 columns.push((format!("{}_{suffix}", corner.label()), kind));
             }
         }
-        columns.extend(wheel_speeds.columns());
-        let (table, corners) = (Table::create(path, &columns)?, corners.to_vec());
-        Ok(Self { table, corners, wheel_speeds, cells: Vec::new() })
+        columns.extend(self.wheel_speeds.columns());
+        columns
+    }
+
+    pub(super) fn cells(
+        &self,
+        time_s: f64,
+        estimates: &[Option<CornerEstimate<f64>>; 4],
+        states: &States,
+        radii: Option<&RadiusRow>,
+        cells: &mut Vec<Cell<'static>>,
+    ) {
+        cells.clear();
+        cells.push(Cell::Number(time_s));
+        for corner in &self.corners {
+            let estimate = estimates[corner.index()].as_ref();
+            let number =
+                |field: fn(&CornerEstimate<f64>) -> f64| Cell::Number(estimate.map_or(f64::NAN, field));
+            cells.extend([
+                number(|e| e.pressure_kpa),
+                number(|e| e.pressure_sd_kpa),
+                number(|e| e.stiffness_n_per_m),
+                Cell::Flag(estimate.is_some_and(|e| e.validity.is_valid())),
+                Cell::Label(estimate.map_or(Warning::None, |e| e.warning).label()),
+                number(|e| e.change_sd_kpa),
+                Cell::Label(estimate.map_or(Level::VehicleFile, |e| e.level).label()),
+                number(|e| e.axle_difference_sd_kpa.unwrap_or(f64::NAN)),
+                number(|e| e.loss.map_or(f64::NAN, |loss| loss.lost_kpa)),
+                number(|e| e.loss.map_or(f64::NAN, |loss| loss.lost_sd_kpa)),
+                Cell::Label(state_label(states[corner.index()])),
+            ]);
+        }
+        self.wheel_speeds.cells(radii, cells);
+    }
+}
+
+impl EstimateWriter {
+    /// Starts the file with the columns of these corners, and of wheel speeds ([`WheelSpeedUse::columns`]).
+    ///
+    /// # Errors
+    /// The file cannot be created, or its extension is not known.
+    pub fn create(path: &Path, corners: &[Corner], wheel_speeds: WheelSpeedUse) -> Result<Self, DataError> {
+        let columns = EstimateColumns::new(corners, wheel_speeds);
+        Ok(Self { table: Table::create(path, &columns.table())?, columns, cells: Vec::new() })
     }
 
     /// Adds a row; `estimates` and `states` in the order of [`Corner::ALL`]. A corner without an estimate has empty cells, is
@@ -70,27 +117,7 @@ impl EstimateWriter {
         states: &States,
         radii: Option<&RadiusRow>,
     ) -> Result<(), DataError> {
-        self.cells.clear();
-        self.cells.push(Cell::Number(time_s));
-        for corner in &self.corners {
-            let estimate = estimates[corner.index()].as_ref();
-            let number =
-                |field: fn(&CornerEstimate<f64>) -> f64| Cell::Number(estimate.map_or(f64::NAN, field));
-            self.cells.extend([
-                number(|e| e.pressure_kpa),
-                number(|e| e.pressure_sd_kpa),
-                number(|e| e.stiffness_n_per_m),
-                Cell::Flag(estimate.is_some_and(|e| e.validity.is_valid())),
-                Cell::Label(estimate.map_or(Warning::None, |e| e.warning).label()),
-                number(|e| e.change_sd_kpa),
-                Cell::Label(estimate.map_or(Level::VehicleFile, |e| e.level).label()),
-                number(|e| e.axle_difference_sd_kpa.unwrap_or(f64::NAN)),
-                number(|e| e.loss.map_or(f64::NAN, |loss| loss.lost_kpa)),
-                number(|e| e.loss.map_or(f64::NAN, |loss| loss.lost_sd_kpa)),
-                Cell::Label(state_label(states[corner.index()])),
-            ]);
-        }
-        self.wheel_speeds.cells(radii, &mut self.cells);
+        self.columns.cells(time_s, estimates, states, radii, &mut self.cells);
         self.table.write(&self.cells)
     }
 
@@ -121,8 +148,43 @@ pub struct RoadPoint {
 #[derive(Debug)]
 pub struct RoadWriter {
     table: Table,
-    corners: Vec<Corner>,
+    columns: RoadColumns,
     cells: Vec<Cell<'static>>,
+}
+
+/// Which columns a road has, whatever file it goes to.
+#[derive(Debug)]
+pub(super) struct RoadColumns(Vec<Corner>);
+
+impl RoadColumns {
+    pub(super) fn new(corners: &[Corner]) -> Self {
+        Self(corners.to_vec())
+    }
+
+    pub(super) fn table(&self) -> Vec<(String, Kind)> {
+        let mut columns = vec![("time_s".to_owned(), Kind::Number), ("distance_m".to_owned(), Kind::Number)];
+        for suffix in ["road_m", "road_sd_m"] {
+            for corner in &self.0 {
+                columns.push((format!("{}_{suffix}", corner.label()), Kind::Number));
+            }
+        }
+        columns
+    }
+
+    pub(super) fn cells(
+        &self,
+        time_s: f64,
+        distance_m: f64,
+        points: &[Option<RoadPoint>; 4],
+        cells: &mut Vec<Cell<'static>>,
+    ) {
+        cells.clear();
+        cells.extend([Cell::Number(time_s), Cell::Number(distance_m)]);
+        for field in [|p: RoadPoint| p.road_m, |p: RoadPoint| p.road_sd_m] {
+            let numbers = self.0.iter().map(|corner| points[corner.index()].map_or(f64::NAN, field));
+            cells.extend(numbers.map(Cell::Number));
+        }
+    }
 }
 
 impl RoadWriter {
@@ -131,13 +193,8 @@ impl RoadWriter {
     /// # Errors
     /// The file cannot be created, or its extension is not known.
     pub fn create(path: &Path, corners: &[Corner]) -> Result<Self, DataError> {
-        let mut columns = vec![("time_s".to_owned(), Kind::Number), ("distance_m".to_owned(), Kind::Number)];
-        for suffix in ["road_m", "road_sd_m"] {
-            for corner in corners {
-                columns.push((format!("{}_{suffix}", corner.label()), Kind::Number));
-            }
-        }
-        Ok(Self { table: Table::create(path, &columns)?, corners: corners.to_vec(), cells: Vec::new() })
+        let columns = RoadColumns::new(corners);
+        Ok(Self { table: Table::create(path, &columns.table())?, columns, cells: Vec::new() })
     }
 
     /// Adds a row; `points` in the order of [`Corner::ALL`], an absent one leaves its cells empty. The distance is
@@ -151,12 +208,7 @@ impl RoadWriter {
         distance_m: f64,
         points: &[Option<RoadPoint>; 4],
     ) -> Result<(), DataError> {
-        self.cells.clear();
-        self.cells.extend([Cell::Number(time_s), Cell::Number(distance_m)]);
-        for field in [|p: RoadPoint| p.road_m, |p: RoadPoint| p.road_sd_m] {
-            let numbers = self.corners.iter().map(|corner| points[corner.index()].map_or(f64::NAN, field));
-            self.cells.extend(numbers.map(Cell::Number));
-        }
+        self.columns.cells(time_s, distance_m, points, &mut self.cells);
         self.table.write(&self.cells)
     }
 

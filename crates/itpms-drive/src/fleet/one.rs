@@ -50,7 +50,7 @@ pub(super) fn run(
         ..FilePaths::default()
     };
     let mut sink = Counting {
-        files: Files::create(&paths, settings, vehicle, &corners, wheel_speeds)?,
+        files: Files::create(&paths, settings, vehicle, &log, &corners, wheel_speeds)?,
         first_s: None,
         begun: Begun::default(),
     };

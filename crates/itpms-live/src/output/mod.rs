@@ -4,12 +4,15 @@
 //! |---|---|
 //! | `json` | a line of JSON per estimate and per warning |
 //! | [`can`] | frames of our own DBC |
+//! | `mcap` (feature) | a recording for Foxglove and PlotJuggler |
 //! | `mqtt` | messages of a broker |
 //!
 //! Fed by the estimating thread; knows nothing of where the estimates come from.
 
 pub mod can;
 mod json;
+#[cfg(feature = "mcap")]
+mod mcap;
 mod mqtt;
 
 use std::collections::VecDeque;
@@ -18,6 +21,8 @@ use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 pub use json::JsonLines;
+#[cfg(feature = "mcap")]
+pub use mcap::McapOut;
 pub use mqtt::Mqtt;
 
 use crate::engine::Published;

@@ -39,6 +39,10 @@ pub(crate) struct MonitorArgs {
     /// unless any output is given.
     #[arg(long, value_name = "FILE|-")]
     pub(crate) json: Option<PathBuf>,
+    /// Where a recording for Foxglove and PlotJuggler goes: .mcap. One that is there stays: the new one is then NAME-2.mcap and so on.
+    #[cfg(feature = "mcap")]
+    #[arg(long, value_name = "MCAP")]
+    pub(crate) mcap: Option<PathBuf>,
     /// Where CAN frames of our own DBC go: an interface or a file of candump lines.
     #[arg(long, value_name = "IFACE|FILE")]
     pub(crate) can_out: Option<String>,
@@ -85,6 +89,7 @@ Examples:
   itpms monitor can0 --vehicle car.toml --dbc car.dbc --http 127.0.0.1:8080
   candump -L can0 | itpms monitor - --vehicle car.toml --dbc car.dbc
   itpms monitor --replay drive.csv --speed 10 --vehicle car.toml --json live.jsonl
+  itpms monitor can0 --vehicle car.toml --dbc car.dbc --mcap live.mcap
   itpms monitor can0 --vehicle car.toml --dbc car.dbc --mqtt mqtt://127.0.0.1:1883/car7 --state car7.state
   itpms monitor can0 --vehicle car.toml --dbc car.dbc --mqtt mqtts://car7@broker.example.com/fleet/car7
   itpms monitor --print-dbc > itpms.dbc";

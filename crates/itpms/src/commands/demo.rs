@@ -42,6 +42,8 @@ pub(crate) fn run(args: &DemoArgs, screen: &Screen, interrupt: &Interrupt) -> Re
         save_reference: None,
         reference: None,
         events: Some(at("events.jsonl")),
+        #[cfg(feature = "mcap")]
+        mcap: None,
         regulation: Regulation::default(),
         road_repeats: RoadRepetition::default(),
     };

@@ -52,7 +52,7 @@ pub(crate) fn perform(
     let job =
         Job { vehicle: &vehicle, corners: &corners, settings: &settings, reading: &reading, road, report };
     let wheel_speeds = wheel_speed_use(log.columns(), &vehicle, &corners).unwrap_or_default();
-    let mut files = Files::create(&paths, &settings, &vehicle, &corners, wheel_speeds)?;
+    let mut files = Files::create(&paths, &settings, &vehicle, &log, &corners, wheel_speeds)?;
     let progress = screen.progress("estimating");
     let mut watch = |share| {
         progress.set(share);
@@ -118,6 +118,8 @@ fn paths(args: &EstimateArgs) -> FilePaths {
         road: args.road_out.clone(),
         report: args.report.clone(),
         events: args.events.clone(),
+        #[cfg(feature = "mcap")]
+        mcap: args.mcap.clone(),
         reference: args.save_reference.clone(),
     }
 }
@@ -132,7 +134,15 @@ fn check_names(args: &EstimateArgs) -> Result<(), Failure> {
         dbc,
         signals,
     ];
-    let outputs = [&args.output, &args.road_out, &args.report, &args.save_reference, &args.events];
+    let outputs = [
+        &args.output,
+        &args.road_out,
+        &args.report,
+        &args.save_reference,
+        &args.events,
+        #[cfg(feature = "mcap")]
+        &args.mcap,
+    ];
     names::check(&inputs, &outputs.map(|path| path.as_deref()))
 }
 

@@ -46,15 +46,16 @@ fn as_json(args: &EstimateArgs, estimated: &Estimated) -> Value {
     let path = |path: &std::path::PathBuf| path.display().to_string();
     let mut summary = summary_json(done, log.repairs().rows_kept);
     summary.insert("log".to_owned(), json!(path(&args.log)));
-    summary.insert(
-        "outputs".to_owned(),
-        json!({
-            "estimate": args.output.as_ref().map(path),
-            "road": args.road_out.as_ref().map(path),
-            "report": args.report.as_ref().map(path),
-            "events": args.events.as_ref().map(path),
-            "reference": args.save_reference.as_ref().map(path),
-        }),
-    );
+    let outputs = [
+        ("estimate", &args.output),
+        ("road", &args.road_out),
+        ("report", &args.report),
+        ("events", &args.events),
+        #[cfg(feature = "mcap")]
+        ("mcap", &args.mcap),
+        ("reference", &args.save_reference),
+    ];
+    let outputs = outputs.map(|(what, file)| (what.to_owned(), json!(file.as_ref().map(path))));
+    summary.insert("outputs".to_owned(), Value::Object(outputs.into_iter().collect()));
     Value::Object(summary)
 }

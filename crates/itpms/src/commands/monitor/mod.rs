@@ -135,7 +135,14 @@ fn check_names(args: &MonitorArgs) -> Result<(), Failure> {
     ];
     // An interface is no file; a file that is one of the others would grow by our frames.
     let can_out = args.can_out.as_deref().map(Path::new);
-    names::check(&inputs, &[args.json.as_deref(), args.state.as_deref(), can_out])
+    let outputs = [
+        args.json.as_deref(),
+        args.state.as_deref(),
+        can_out,
+        #[cfg(feature = "mcap")]
+        args.mcap.as_deref(),
+    ];
+    names::check(&inputs, &outputs)
 }
 
 /// The saved state, or a word about why it is not used. What is no saved state at all is somebody's file, and not written over.

@@ -6,6 +6,8 @@ use std::sync::Arc;
 use itpms_live::http::{self, Server};
 use itpms_live::hub::Hub;
 use itpms_live::input::Say;
+#[cfg(feature = "mcap")]
+use itpms_live::output::McapOut;
 use itpms_live::output::can::CanOut;
 use itpms_live::output::{JsonLines, Mqtt, Output, WhenSlow};
 
@@ -23,7 +25,16 @@ pub(super) fn open(
     screen: &Screen,
 ) -> Result<Vec<Output>, Failure> {
     let mut outputs = Vec::new();
-    let none = args.can_out.is_none() && args.mqtt.is_none() && args.http.is_none();
+    #[cfg(feature = "mcap")]
+    if let Some(path) = &args.mcap {
+        let recording = McapOut::open(path).map_err(failure)?;
+        if recording.path() != path {
+            let (there, new) = (path.display(), recording.path().display());
+            screen.remark(format!("{there}: is there already; the recording goes to {new}"));
+        }
+        outputs.push(recording.start());
+    }
+    let none = outputs.is_empty() && args.can_out.is_none() && args.mqtt.is_none() && args.http.is_none();
     let standard = none.then(|| Path::new("-"));
     if let Some(path) = args.json.as_deref().or(standard) {
         let is_file = path != Path::new("-");
