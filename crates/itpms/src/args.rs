@@ -24,13 +24,14 @@ mod vehicle;
 
 use std::path::PathBuf;
 
-use clap::builder::{PossibleValuesParser, TypedValueParser as _};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use clap_complete::Shell;
 use itpms_core::estimator::{EstimatorKind, RoadPeriod, RoadRepetition};
 use itpms_core::model::Corner;
 use itpms_core::warning::Regulation;
 use itpms_study::score::Part;
+use itpms_study::sensors::Sensors;
 
 pub(crate) use bench::{
     BenchOutput, BumpArgs, CalibrateArgs, DamperArgs, IdentifyArgs, IdentifyPart, SpringArgs,
@@ -230,6 +231,16 @@ fn road_repetition(text: &str) -> Result<RoadRepetition, String> {
             Err(_) => Err("expected seconds, never or auto".to_owned()),
         },
     }
+}
+
+/// What a study's car has.
+fn sensor_names() -> impl TypedValueParser<Value = Sensors> {
+    PossibleValuesParser::new(Sensors::ALL.map(Sensors::label)).try_map(|label| {
+        Sensors::ALL
+            .into_iter()
+            .find(|sensors| sensors.label() == label)
+            .ok_or("expected accelerations or wheel-speeds")
+    })
 }
 
 fn positive(text: &str) -> Result<f64, String> {
