@@ -1,4 +1,4 @@
-//! Loads, forces and ways of the four wheels; `docs/math/simulation.md`, eq. 14-17.
+//! Loads, forces and ways of the four wheels; `docs/math/simulation.md`, eq. 14-16.
 //!
 //! Called by the run. Knows no tire but by its slip stiffness.
 
