@@ -123,8 +123,6 @@ fn on_wheel_speeds_one_tire_is_found_and_runs_of_a_kind_are_put_together() {
     let three = certify(&on_wheel_speeds("fmvss-138-low-fl-fr-rl"), &go).unwrap();
     assert_eq!((three.outcomes.len(), three.patterns.len()), (2, 1));
     assert_eq!((three.patterns[0].tires, three.patterns[0].wrong), ("three", 0));
-    assert_ne!(three.outcomes[0].csv(), three.outcomes[1].csv());
-    // Alone, with one of each other wheel, with two of them, with all: of these the first is a rear wheel.
     let with_rear_right = certify(&on_wheel_speeds("fmvss-138-low-rr"), &go).unwrap();
     let [rear] = with_rear_right.patterns.as_slice() else { panic!("{}", with_rear_right.table()) };
     assert_eq!((rear.tires, rear.runs, rear.in_time, rear.wrong), ("rear wheel", 2, 2, 0), "{rear:?}");
