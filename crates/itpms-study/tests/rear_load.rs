@@ -24,7 +24,7 @@ fn drive(car_seed: u64, drive_s: f64, more_kg: f64) -> Scenario {
     scenario.wheel_speeds = Some(WheelSpeedSpec {
         alone: true,
         car_seed: Some(car_seed),
-        accel_x: car_seed % 2 == 0,
+        accel_x: car_seed.is_multiple_of(2),
         ..WheelSpeedSpec::default()
     });
     let journey = scenario.journey.as_mut().unwrap();

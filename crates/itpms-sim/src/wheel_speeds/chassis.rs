@@ -170,7 +170,7 @@ impl Chassis {
         let steered = across.atan() + FRONT_SLIP_RAD_PER_M_S2 * lateral_m_s2;
         let (sin, cos) = steered.sin_cos();
         let along = |i: usize| {
-            let left_m = 0.5 * self.tracks_m[i / 2] * (if i % 2 == 0 { 1.0 } else { -1.0 });
+            let left_m = 0.5 * self.tracks_m[i / 2] * (if i.is_multiple_of(2) { 1.0 } else { -1.0 });
             1.0 - left_m * curvature_per_m
         };
         [along(0) * cos + across * sin, along(1) * cos + across * sin, along(2), along(3)]
