@@ -6,12 +6,13 @@ use std::path::PathBuf;
 
 use itpms_core::model::Corner;
 use itpms_data::crg::CrgRoad;
-use itpms_data::log::{LogCorner, LogMotion};
-use itpms_data::vehicle::VehicleDetails;
+use itpms_data::log::{CornerColumns, LogColumns, LogCorner, LogMotion, MotionColumns};
+use itpms_data::vehicle::{Driven, VehicleDetails};
 use itpms_data::{LogRow, Vehicle};
 use itpms_sim::road::Surface;
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::{SimRow, Simulation};
+use itpms_sim::wheel_speeds::{DrivenWheels, WheelSpeedRow};
 use itpms_study::roughness::EvenProfile;
 
 use crate::error::DriveError;
@@ -56,7 +57,38 @@ pub fn log_row(row: &SimRow) -> LogRow {
                 road_m: c.road_m,
             })
         }),
-        motion: LogMotion::UNKNOWN,
+        motion: row.wheel_speeds.as_ref().map_or(LogMotion::UNKNOWN, motion),
+    }
+}
+
+fn motion(row: &WheelSpeedRow) -> LogMotion {
+    LogMotion {
+        wheel_speed_m_s: row.wheel_speed_m_s,
+        yaw_rate_rad_s: row.yaw_rate_rad_s,
+        accel_x_m_s2: row.accel_x_m_s2,
+        accel_y_m_s2: row.accel_y_m_s2,
+        brake: row.brake,
+        ..LogMotion::UNKNOWN
+    }
+}
+
+/// The columns of a scenario's log, with this truth of each corner that has accelerations.
+#[must_use]
+pub fn columns(scenario: &Scenario, truth: CornerColumns) -> LogColumns {
+    let wheels = scenario.wheel_speeds.as_ref();
+    let accelerations = !wheels.is_some_and(|wheels| wheels.alone);
+    LogColumns {
+        speed: true,
+        corners: Corner::ALL
+            .map(|corner| scenario.corner.get(corner).filter(|_| accelerations).map(|_| truth)),
+        motion: wheels.map_or_else(MotionColumns::default, |wheels| MotionColumns {
+            wheel_speed: true,
+            yaw_rate: wheels.yaw_rate,
+            accel_x: wheels.accel_x,
+            accel_y: wheels.accel_y,
+            brake: wheels.brake,
+            ..MotionColumns::default()
+        }),
     }
 }
 
@@ -92,7 +124,16 @@ pub fn vehicle_of(scenario: &Scenario) -> Result<Vehicle, DriveError> {
     for (corner, _) in scenario.corner.iter() {
         corners[corner.index()] = Some(scenario.corner_config(corner)?);
     }
-    let details = VehicleDetails { confidence: scenario.confidence, ..VehicleDetails::default() };
+    let mut details = VehicleDetails { confidence: scenario.confidence, ..VehicleDetails::default() };
+    if let (Some(wheels), Some(car)) = (&scenario.wheel_speeds, &scenario.car) {
+        (details.track_front_m, details.track_rear_m) = (Some(car.track_front_m), Some(car.track_rear_m));
+        details.driven = Some(match wheels.driven {
+            DrivenWheels::Front => Driven::Front,
+            DrivenWheels::Rear => Driven::Rear,
+            DrivenWheels::All => Driven::All,
+        });
+        details.limited_slip = wheels.locking_n > 0.0 || wheels.locking_share > 0.0;
+    }
     Ok(Vehicle {
         name: format!("vehicle of {}", scenario.name),
         id: None,

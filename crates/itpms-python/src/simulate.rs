@@ -1,6 +1,6 @@
 //! Made-up drives.
 
-use itpms_core::model::Corner;
+use itpms_data::log::{CornerColumns, Slot};
 use itpms_drive::{DriveError, simulated};
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::Simulation;
@@ -73,30 +73,17 @@ fn drive(
     truth: bool,
     meanwhile: &Meanwhile,
 ) -> Result<Simulated, DriveError> {
-    let corners: Vec<Corner> = scenario.corner.iter().map(|(corner, _)| corner).collect();
-    let suffixes: &[&str] = if truth {
-        &["body_accel_m_s2", "wheel_accel_m_s2", "pressure_kpa", "road_m"]
-    } else {
-        &["body_accel_m_s2", "wheel_accel_m_s2"]
-    };
-    let mut columns: Columns = vec![("time_s".to_owned(), vec![]), ("speed_m_s".to_owned(), vec![])];
-    for corner in &corners {
-        columns.extend(suffixes.iter().map(|suffix| (format!("{}_{suffix}", corner.label()), vec![])));
-    }
+    let truth = CornerColumns { pressure: truth, road: truth };
+    let slots: Vec<Slot> = simulated::columns(scenario, truth).slots().collect();
+    let mut columns: Columns = slots.iter().map(|slot| (slot.name(), vec![])).collect();
     let mut simulation = Simulation::new(scenario, seed)?;
     for row in simulation.by_ref() {
         if meanwhile.done(row.time_s / scenario.duration_s).is_break() {
             return Err(DriveError::Stopped);
         }
         let row = simulated::log_row(&row);
-        columns[0].1.push(row.time_s);
-        columns[1].1.push(row.speed_m_s);
-        for (corner, columns) in corners.iter().zip(columns[2..].chunks_exact_mut(suffixes.len())) {
-            let Some(c) = row.corners[corner.index()] else { continue };
-            let values = [c.body_accel_m_s2, c.wheel_accel_m_s2, c.pressure_kpa, c.road_m];
-            for ((_, column), value) in columns.iter_mut().zip(values) {
-                column.push(value);
-            }
+        for ((_, column), slot) in columns.iter_mut().zip(&slots) {
+            column.push(row.value(*slot));
         }
     }
     simulated::check(scenario, &simulation)?;

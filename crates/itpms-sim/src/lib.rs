@@ -12,6 +12,7 @@
 //! | [`car`] | the whole car as written down: track, inertia, anti-roll bars, load, turning |
 //! | [`sensor`], [`antialias`] | what lies between a true acceleration and a logged one |
 //! | [`fault`] | sensors that go wrong for a while |
+//! | [`wheel_speeds`] | the speeds of the four wheels as a car's bus has them |
 //! | [`pressure_sensor`] | a test bed's reference: what a log holds in place of the true pressure |
 //! | [`scenario`] | a drive written down: TOML files and the built-in ones |
 //! | [`simulation`] | a scenario and a seed in, a stream of rows out, in bounded memory |
@@ -42,3 +43,4 @@ pub mod simulation;
 mod streams;
 mod text_file;
 pub mod time_profile;
+pub mod wheel_speeds;

@@ -30,6 +30,12 @@ pub(crate) enum Purpose {
     Fault = 9,
     /// How a car differs from its vehicle file.
     Tolerance = 10,
+    /// How a car's wheels and their sensors differ from another's.
+    WheelCar = 11,
+    /// What disturbs wheel speeds on a drive, and the messages that are lost.
+    WheelSpeeds = 12,
+    /// How tires warm up on a journey.
+    WarmUp = 13,
 }
 
 /// A generator for one purpose; `index` tells apart sides, segments and blocks of a road, corners and sensors.
@@ -84,6 +90,9 @@ mod tests {
                 Purpose::Journey,
                 Purpose::Fault,
                 Purpose::Tolerance,
+                Purpose::WheelCar,
+                Purpose::WheelSpeeds,
+                Purpose::WarmUp,
             ] {
                 for index in [[0, 0], [0, 1], [1, 0]] {
                     first.push(generator(seed, purpose, index).next_u64());

@@ -9,3 +9,4 @@ mod real_car;
 mod road;
 mod scenario;
 mod simulation;
+mod wheel_speeds;

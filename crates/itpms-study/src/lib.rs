@@ -17,6 +17,7 @@
 //! | [`report`] | one HTML page about a drive |
 //! | [`roughness`] | International Roughness Index, ISO 8608 level and slope, per track and segment |
 //! | [`score`] | the accuracy table, recomputed over many simulated drives |
+//! | [`sensors`] | what a study's car has: accelerometers, or wheel speeds alone |
 //! | [`soak`] | false warnings over many simulated hours |
 //! | [`transfer`] | how a corner's body answers its wheel, and whether that is its vehicle file's suspension |
 #![forbid(unsafe_code)]
@@ -34,6 +35,7 @@ pub mod plot;
 pub mod report;
 pub mod roughness;
 pub mod score;
+pub mod sensors;
 pub mod soak;
 pub mod spectrum;
 pub mod transfer;

@@ -10,5 +10,6 @@ mod observability_page;
 mod paper;
 mod part_bench;
 mod plot;
+mod rear_load;
 mod report;
 mod synthetic;

@@ -24,7 +24,7 @@ mod vehicle;
 
 use std::path::PathBuf;
 
-use clap::builder::{PossibleValuesParser, TypedValueParser as _};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use clap_complete::Shell;
 use itpms_core::estimator::{RoadPeriod, RoadRepetition};
@@ -32,6 +32,7 @@ use itpms_core::model::Corner;
 use itpms_core::warning::Regulation;
 use itpms_drive::EstimatorKind;
 use itpms_study::score::Part;
+use itpms_study::sensors::Sensors;
 
 pub(crate) use bench::{
     BenchOutput, BumpArgs, CalibrateArgs, DamperArgs, IdentifyArgs, IdentifyPart, SpringArgs,
@@ -236,6 +237,16 @@ fn road_repetition(text: &str) -> Result<RoadRepetition, String> {
             Err(_) => Err("expected seconds, never or auto".to_owned()),
         },
     }
+}
+
+/// What a study's car has.
+fn sensor_names() -> impl TypedValueParser<Value = Sensors> {
+    PossibleValuesParser::new(Sensors::ALL.map(Sensors::label)).try_map(|label| {
+        Sensors::ALL
+            .into_iter()
+            .find(|sensors| sensors.label() == label)
+            .ok_or("expected accelerations or wheel-speeds")
+    })
 }
 
 fn positive(text: &str) -> Result<f64, String> {

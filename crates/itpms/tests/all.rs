@@ -25,6 +25,7 @@ mod roughness;
 mod score;
 mod signals;
 mod simulate;
+mod simulated_wheel_speeds;
 mod soak;
 mod surveyed_road;
 mod tables;

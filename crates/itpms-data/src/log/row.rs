@@ -260,7 +260,7 @@ impl LogColumns {
     }
 
     /// The columns that are there, in the order in which they are written.
-    pub(crate) fn slots(&self) -> impl Iterator<Item = Slot> + use<> {
+    pub fn slots(&self) -> impl Iterator<Item = Slot> + use<> {
         let columns = *self;
         Slot::all().filter(move |slot| columns.has(*slot))
     }
@@ -407,7 +407,8 @@ impl LogRow {
     }
 
     /// One value of this row, NaN where it has none.
-    pub(crate) fn value(&self, slot: Slot) -> f64 {
+    #[must_use]
+    pub fn value(&self, slot: Slot) -> f64 {
         match slot {
             Slot::Time => self.time_s,
             Slot::Speed => self.speed_m_s,

@@ -171,7 +171,7 @@ impl PayloadSpec {
         self.mass_kg().map(|_| ())
     }
 
-    fn mass_kg(&self) -> Result<TimeProfile, InvalidValue> {
+    pub(crate) fn mass_kg(&self) -> Result<TimeProfile, InvalidValue> {
         TimeProfile::new(&self.points_s_kg)
     }
 }

@@ -7,8 +7,8 @@ use rand::RngExt;
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
-use super::ToleranceSpec;
 use super::tolerance::named_or_table;
+use super::{ToleranceSpec, is_zero};
 use crate::car::PayloadSpec;
 use crate::error::{InvalidValue, within};
 use crate::road::{AfterLast, Amplitude, RoadClass, Segment, Segments};
@@ -29,6 +29,9 @@ pub struct JourneySpec {
     pub load_chance: f64,
     /// Largest mass in kg at each of the four places that are loaded.
     pub load_kg: f64,
+    /// By how many K tires warm up at 90 km/h; less when slower, and a little unequally. Where it is 0, they do not.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub warms_by_k: f64,
     /// How far each seed's car may differ from what its estimator is told; not at all, if not given.
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "named_or_table")]
     pub tolerances: Option<ToleranceSpec>,
@@ -42,6 +45,7 @@ impl Default for JourneySpec {
             lateral_m_s2: 2.0,
             load_chance: 0.3,
             load_kg: 100.0,
+            warms_by_k: 0.0,
             tolerances: None,
         }
     }
@@ -86,6 +90,7 @@ impl JourneySpec {
         within("slope", high, low, 4.0, "a largest slope no less than the smallest")?;
         within("lateral_m_s2", self.lateral_m_s2, 0.0, 8.0, "an acceleration from 0 to 8 m/s2")?;
         within("load_chance", self.load_chance, 0.0, 1.0, "a chance from 0 to 1")?;
+        within("warms_by_k", self.warms_by_k, 0.0, 60.0, "a temperature from 0 to 60 K")?;
         within("load_kg", self.load_kg, 0.0, 300.0, "a mass from 0 to 300 kg")?;
         self.tolerances.map_or(Ok(()), |tolerances| tolerances.validate().map_err(|e| e.within("tolerances")))
     }

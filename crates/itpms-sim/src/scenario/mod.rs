@@ -11,6 +11,7 @@ mod corner;
 mod file;
 mod journey;
 mod tolerance;
+mod warm_up;
 
 use serde::{Deserialize, Serialize};
 
@@ -27,6 +28,7 @@ use crate::fault::FaultSpec;
 use crate::road::{RoadSpec, Surface};
 use crate::sensor::SensorSpec;
 use crate::time_profile::Speed;
+use crate::wheel_speeds::WheelSpeedSpec;
 
 /// When the log's samples are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -83,6 +85,9 @@ pub struct Scenario {
     /// then.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub journey: Option<JourneySpec>,
+    /// The speeds of the four wheels; not in the log, if not given. Needs a [`CarSpec`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wheel_speeds: Option<WheelSpeedSpec>,
     /// Sensors that go wrong for a while.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub fault: Vec<FaultSpec>,
@@ -135,6 +140,9 @@ impl Scenario {
             }
             scenario.speed = Speed::PointsSKmH(journey.points_s_km_h);
             scenario.road.surface = Surface::Segments(journey.segments);
+            if spec.warms_by_k > 0.0 {
+                warm_up::warm(spec.warms_by_k, seed, &mut scenario);
+            }
             if let Some(car) = &mut scenario.car {
                 car.lateral_points_s_m_s2 = journey.lateral_points_s_m_s2;
                 car.payload = journey.payload;
@@ -200,6 +208,12 @@ impl Scenario {
         }
         for fault in &self.fault {
             fault.validate().map_err(|e| e.within("fault"))?;
+        }
+        if let Some(wheels) = &self.wheel_speeds {
+            wheels.validate().map_err(|e| e.within("wheel_speeds"))?;
+            if self.car.is_none() {
+                return Err(InvalidValue::new("car", "missing", "a [car] for the [wheel_speeds]"));
+            }
         }
         if let Some(car) = &self.car {
             car.validate().map_err(|e| e.within("car"))?;

@@ -24,6 +24,7 @@ use crate::road::{Following, GRID_SPACING_M, Lane, Line, RoadError, Side};
 use crate::scenario::Scenario;
 use crate::streams::{Purpose, generator};
 use crate::time_profile::TimeProfile;
+use crate::wheel_speeds::WheelSpeedRun;
 use corner::{CornerRun, is_rear, side_of};
 use ride::{Ride, Step};
 
@@ -57,6 +58,7 @@ pub struct Simulation {
     /// Whether a sensor reads of fore-aft accelerations.
     leans: bool,
     ride: Ride,
+    wheel_speeds: Option<WheelSpeedRun>,
     faults: Faults,
     /// Fine-grid step reached.
     step: i64,
@@ -98,12 +100,18 @@ impl Simulation {
         let steps_per_sample = (lowest_hz / rate_hz - 1e-9).ceil().max(STEPS_PER_SAMPLE);
         let fine_hz = rate_hz * steps_per_sample;
         let speed_m_s = scenario.speed.profile_m_s().map_err(invalid)?;
-        let mut lanes = lanes(scenario, seed, speed_m_s.maximum())?;
+        // Wheel speeds alone need neither masses nor roads.
+        let rides = !scenario.wheel_speeds.is_some_and(|wheels| wheels.alone);
+        let mut lanes = if rides {
+            lanes(scenario, seed, speed_m_s.maximum())?
+        } else {
+            Lanes { left: None, right: None }
+        };
         let step = -((scenario.settle_s * rate_hz * steps_per_sample).ceil() as i64);
         let start_s = step as f64 / fine_hz;
         let mut corners = Vec::new();
         let mut places = [[0.0; 2]; 4];
-        for (corner, spec) in scenario.corner.iter() {
+        for (corner, spec) in scenario.corner.iter().filter(|_| rides) {
             let mut run = CornerRun::new(scenario, corner, spec, seed, fine_hz).map_err(invalid)?;
             run.beside_m = first_beside_m(scenario, &run);
             places[corner.index()] =
@@ -121,6 +129,7 @@ impl Simulation {
             leans: corners.iter().any(CornerRun::leans),
             corners,
             ride,
+            wheel_speeds: WheelSpeedRun::new(scenario, seed).map_err(invalid)?,
             faults: Faults::new(&scenario.fault, seed),
             step,
             row: 0,
@@ -252,13 +261,18 @@ impl Iterator for Simulation {
         let late_steps = late * self.steps_per_sample as f64;
         let whole = self.row as i64 * self.steps_per_sample + late_steps.floor() as i64;
         let fraction = late_steps - late_steps.floor();
-        while self.step < whole + 2 {
+        while self.step < whole + 2 && !self.corners.is_empty() {
             self.advance();
         }
         let time_s = (self.row as f64 + late) / self.rate_hz;
         let distance_m = self.speed_m_s.integral(time_s);
-        let mut row =
-            SimRow { time_s, speed_m_s: self.speed_m_s.value(time_s), distance_m, corners: [None; 4] };
+        let mut row = SimRow {
+            time_s,
+            speed_m_s: self.speed_m_s.value(time_s),
+            distance_m,
+            corners: [None; 4],
+            wheel_speeds: self.wheel_speeds.as_mut().and_then(|wheels| wheels.read(time_s)),
+        };
         for run in &mut self.corners {
             if let Some(lane) = self.lanes.side(run.side) {
                 row.corners[run.corner.index()] = Some(run.read(time_s, distance_m, fraction, lane));

@@ -2,6 +2,8 @@
 
 use itpms_core::model::{Corner, CornerSample, Sample};
 
+use crate::wheel_speeds::WheelSpeedRow;
+
 /// One row of a log with its truth. Signals are late by the anti-alias filter's group delay, the truth is not.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SimRow {
@@ -13,6 +15,8 @@ pub struct SimRow {
     pub distance_m: f64,
     /// By [`Corner::index`]; `None` where the scenario has no such corner.
     pub corners: [Option<CornerRow>; 4],
+    /// What the bus has said of the wheels by now; `None` where the scenario has no wheel speeds.
+    pub wheel_speeds: Option<WheelSpeedRow>,
 }
 
 /// One corner of a row.

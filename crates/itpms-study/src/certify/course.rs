@@ -7,6 +7,7 @@ use itpms_core::model::Corner;
 use itpms_sim::error::ScenarioError;
 use itpms_sim::scenario::Scenario;
 use itpms_sim::time_profile::{Pressure, Speed};
+use itpms_sim::wheel_speeds::WheelSpeedSpec;
 
 use super::procedure::Procedure;
 use super::test_case::Test;
@@ -125,6 +126,17 @@ impl Course {
         })
     }
 
+    /// The same on wheel speeds alone, by the car of a seed.
+    pub(super) fn on_wheel_speeds(mut self, car_seed: u64) -> Self {
+        for scenario in [&mut self.scenario, &mut self.recovery] {
+            let wheels =
+                WheelSpeedSpec { alone: true, car_seed: Some(car_seed), ..WheelSpeedSpec::default() };
+            scenario.rate_hz = 1e3 / wheels.period_ms;
+            scenario.wheel_speeds = Some(wheels);
+        }
+        self
+    }
+
     /// What can be driven at the most, in s.
     pub(super) fn longest_s(&self) -> f64 {
         self.scenario.duration_s + self.recovery.duration_s
@@ -238,10 +250,11 @@ impl Route {
 mod tests {
     use super::super::procedure::Extent;
     use super::*;
+    use crate::sensors::Sensors;
 
     #[test]
     fn every_course_can_be_driven_as_its_regulation_says() {
-        for procedure in Procedure::all(Extent::Full) {
+        for procedure in Procedure::all(Extent::Full, Sensors::Accelerations) {
             let course = Course::new(&procedure).unwrap();
             course.scenario.validate().unwrap();
             course.recovery.validate().unwrap();

@@ -3,9 +3,7 @@
 //! Called for each procedure. The estimator and its monitor get samples and nothing else; what is known here of pressures
 //! and faults is held against what they say.
 
-use itpms_core::car::CarEstimate;
-use itpms_core::model::{CarConfig, CarSample, Corner, CornerSample, Wheels};
-use itpms_core::monitor::{MonitorConfig, MonitoredCar};
+use itpms_core::model::{Corner, Wheels};
 use itpms_sim::fault::Faults;
 use itpms_sim::simulation::{SimRow, Simulation};
 use rand::RngExt;
@@ -15,9 +13,10 @@ use rand_pcg::Pcg64;
 use super::course::{Course, RECOVERY_S};
 use super::outcome::{Findings, Outcome, Phase, TracePoint};
 use super::procedure::Procedure;
-use super::telltale::{Lamp, Wrong, lit, wrong};
+use super::telltale::{Lamp, Wrong, wrong};
 use super::test_case::Test;
-use super::{CertifyError, Odometer};
+use super::watched::Watched;
+use super::{CertifyError, LoadsTold, Odometer};
 
 /// After the tell-tale has come on the drive goes on so many s: it has to stay lit.
 const STAYS_LIT_S: f64 = 60.0;
@@ -40,9 +39,10 @@ pub(super) fn drive(
     procedure: &Procedure,
     course: &Course,
     seed: u64,
+    loads: LoadsTold,
     odometer: &Odometer<'_>,
 ) -> Result<Outcome, CertifyError> {
-    let mut run = Run::new(procedure, course, seed, odometer)?;
+    let mut run = Run::new(procedure, course, seed, loads, odometer)?;
     run.test()?;
     if run.findings.warned_after_s.is_some() {
         run.park();
@@ -62,8 +62,7 @@ struct Run<'a> {
     concerned: Wheels,
     low: bool,
     seed: u64,
-    car: Box<MonitoredCar<f64>>,
-    estimate: Option<CarEstimate<f64>>,
+    car: Watched,
     /// Time of the last sample in s, and simulated time in s.
     time_s: f64,
     simulated_s: f64,
@@ -76,15 +75,10 @@ impl<'a> Run<'a> {
         procedure: &Procedure,
         course: &'a Course,
         seed: u64,
+        loads: LoadsTold,
         odometer: &'a Odometer<'a>,
     ) -> Result<Self, CertifyError> {
-        let scenario = &course.scenario;
-        let mut config = CarConfig { corners: [None; 4], wheelbase_m: Some(scenario.wheelbase_m) };
-        for corner in Corner::ALL {
-            config.corners[corner.index()] = Some(scenario.corner_config(corner)?);
-        }
-        let config = MonitorConfig::new(&config).with_limits(procedure.rule.limits());
-        let mut car = Box::new(MonitoredCar::new(&config, scenario.rate_hz)?);
+        let mut car = Watched::new(procedure, course, loads)?;
         car.begin_calibration(course.learning_s)?;
         let low = !matches!(procedure.test, Test::Malfunction(_));
         Ok(Self {
@@ -95,7 +89,6 @@ impl<'a> Run<'a> {
             low,
             seed,
             car,
-            estimate: None,
             time_s: 0.0,
             simulated_s: 0.0,
             findings: Findings::default(),
@@ -114,7 +107,7 @@ impl<'a> Run<'a> {
             if (off_s..on_s).contains(&row.time_s) {
                 continue;
             }
-            self.take(&row.car_sample());
+            self.take(&row, 0.0);
             self.keep(&row, 0.0)?;
             if row.time_s < course.wrong_from_s {
                 self.look_for_false_alarms(row.time_s);
@@ -135,7 +128,7 @@ impl<'a> Run<'a> {
 
     /// When the lamp came on, for which wheels, and whether it stays so.
     fn look_for_warning(&mut self, time_s: f64, counted_s: f64) {
-        let named = self.lit(self.lamp);
+        let named = self.car.lit(self.lamp);
         let findings = &mut self.findings;
         if findings.warned_at_s.is_none() && !named.is_empty() {
             findings.warned_at_s = Some(time_s);
@@ -144,8 +137,14 @@ impl<'a> Run<'a> {
         if findings.warned_at_s.is_some() {
             findings.went_out |= named.is_empty();
             findings.named = findings.named | named;
-            let concerned = self.concerned;
-            findings.wrong = findings.named.iter().filter(|corner| !concerned.contains(*corner)).collect();
+            for alert in self.car.report().alerts() {
+                if wrong(self.lamp, self.concerned, alert) == Some(Wrong::Wheel) {
+                    let concerned = self.concerned;
+                    let others: Wheels =
+                        alert.wheels.iter().filter(|corner| !concerned.contains(*corner)).collect();
+                    findings.wrong = findings.wrong | others;
+                }
+            }
         }
     }
 
@@ -181,11 +180,10 @@ impl<'a> Run<'a> {
             let time_s = key_in_s + since_s;
             let mut readings = Corner::ALL.map(|_| [noise.next(), noise.next()]);
             faults.spoil(time_s, &mut readings);
-            let sample = readings
-                .map(|[body, wheel]| Some(CornerSample { body_accel_m_s2: body, wheel_accel_m_s2: wheel }));
-            self.take(&CarSample { time_s, speed_m_s: 0.0, corners: sample });
+            self.time_s = time_s;
+            self.car.stand(time_s, readings);
             self.keep_false_alerts(Phase::KeyIn);
-            relit &= since_s < LAMP_CHECK_S || !self.lit(self.lamp).is_empty();
+            relit &= since_s < LAMP_CHECK_S || !self.car.lit(self.lamp).is_empty();
         }
         self.findings.relit = Some(relit);
     }
@@ -200,10 +198,10 @@ impl<'a> Run<'a> {
         let mut out_since_s = None;
         self.trace.push(TracePoint::nothing(offset_s));
         for row in Simulation::new(&self.course.recovery, self.seed.wrapping_add(500))? {
-            self.take(&CarSample { time_s: offset_s + row.time_s, ..row.car_sample() });
+            self.take(&row, offset_s);
             self.keep(&row, offset_s)?;
             self.keep_false_alerts(Phase::Recovery);
-            if !self.lit(self.lamp).is_empty() {
+            if !self.car.lit(self.lamp).is_empty() {
                 out_since_s = None;
                 continue;
             }
@@ -216,13 +214,9 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    fn take(&mut self, sample: &CarSample<f64>) {
-        self.time_s = sample.time_s;
-        self.estimate = Some(self.car.update(sample));
-    }
-
-    fn lit(&self, lamp: Lamp) -> Wheels {
-        self.estimate.as_ref().map_or(Wheels::NONE, |estimate| lit(lamp, self.car.report(), estimate))
+    fn take(&mut self, row: &SimRow, offset_s: f64) {
+        self.time_s = offset_s + row.time_s;
+        self.car.take(row, offset_s);
     }
 
     /// A point of the trace now and then, and a word of how far it is.
@@ -234,8 +228,8 @@ impl<'a> Run<'a> {
         if report {
             self.odometer.advance(REPORT_S as u64)?;
         }
-        if let (true, Some(estimate)) = (trace, &self.estimate) {
-            self.trace.push(TracePoint::new(offset_s + row.time_s, row, estimate));
+        if trace {
+            self.trace.extend(self.car.trace(offset_s + row.time_s, row));
         }
         Ok(())
     }

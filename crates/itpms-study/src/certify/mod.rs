@@ -11,8 +11,10 @@
 //! | `test_case` | what a test does to the car |
 //! | `course` | a test as a scenario: learning, standstill, detection |
 //! | `telltale` | what the driver would see |
+//! | `watched` | the monitor, on accelerations or on wheel speeds alone |
 //! | `drive` | one test from the reset to the tell-tale's end |
 //! | `outcome` | what came of it, and whether that passes |
+//! | `patterns` | tests of one kind together |
 //! | `table`, `page`, `figures` | for people |
 
 mod course;
@@ -20,6 +22,7 @@ mod drive;
 mod figures;
 mod outcome;
 mod page;
+mod patterns;
 mod procedure;
 mod rules;
 mod table;
@@ -27,6 +30,7 @@ mod telltale;
 mod test_case;
 #[cfg(test)]
 mod tests;
+mod watched;
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -37,7 +41,10 @@ use rayon::prelude::*;
 use serde::Serialize;
 use thiserror::Error;
 
+use crate::sensors::Sensors;
+
 pub use outcome::{FalseAlert, Outcome, Phase, TracePoint, Verdict};
+pub use patterns::PatternTests;
 pub use procedure::{Extent, Procedure};
 pub use rules::Rule;
 pub use table::list;
@@ -56,6 +63,37 @@ pub struct Request {
     pub only: Option<String>,
     /// Seed of the first test's course; the others follow.
     pub seed: u64,
+    /// What the car has; with wheel speeds alone it has no sensor to unplug, and every combination of tires is let down for both.
+    pub sensors: Sensors,
+    /// What it is told of its loads, which do not change in a test; of no meaning with accelerations.
+    pub loads: LoadsTold,
+    /// How often each test is driven, with another car, road and noise.
+    pub repeats: u32,
+}
+
+/// What a car with wheel speeds alone is told of what it carries. More load is a smaller radius, as less pressure is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LoadsTold {
+    /// Nothing, as in everyday life: passengers may have got in while it stood.
+    #[default]
+    Unknown,
+    /// That they stay as they are, as the regulations have it.
+    Constant,
+}
+
+impl LoadsTold {
+    /// Both, the usual one first.
+    pub const ALL: [Self; 2] = [Self::Unknown, Self::Constant];
+
+    /// The name on the command line.
+    #[must_use]
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Unknown => "unknown",
+            Self::Constant => "constant",
+        }
+    }
 }
 
 /// Everything that was driven.
@@ -69,6 +107,9 @@ pub struct Certificate {
     pub passed: bool,
     /// Simulated time in s.
     pub driven_s: f64,
+    /// Tests of one kind together, where they were driven on wheel speeds.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub patterns: Vec<PatternTests>,
     /// The tests, in order.
     pub outcomes: Vec<Outcome>,
 }
@@ -109,7 +150,7 @@ pub type Progress<'a> = &'a (dyn Fn(u64, u64) -> ControlFlow<()> + Sync);
 /// # Errors
 /// None has such a name.
 pub fn procedures(request: &Request) -> Result<Vec<Procedure>, CertifyError> {
-    let all = Procedure::all(request.extent);
+    let all = Procedure::all(request.extent, request.sensors);
     let Some(part) = &request.only else { return Ok(all) };
     let chosen: Vec<Procedure> = all.iter().filter(|p| p.name().contains(part.as_str())).copied().collect();
     if chosen.is_empty() {
@@ -124,29 +165,47 @@ pub fn procedures(request: &Request) -> Result<Vec<Procedure>, CertifyError> {
 /// # Errors
 /// No such test, a stop, or a scenario that cannot be driven.
 pub fn certify(request: &Request, progress: Progress<'_>) -> Result<Certificate, CertifyError> {
-    let procedures = procedures(request)?;
-    let courses = procedures.iter().map(course::Course::new).collect::<Result<Vec<_>, _>>()?;
-    let total_s = courses.iter().map(|course| course.longest_s() as u64).sum();
+    let mut runs = vec![];
+    for procedure in procedures(request)? {
+        for again in 0..u64::from(request.repeats.max(1)) {
+            // A test keeps its course whichever other tests are driven.
+            let seed = request.seed.wrapping_mul(1000).wrapping_add(procedure.number(request.sensors));
+            let seed = seed.wrapping_add(again.wrapping_mul(1_000_000));
+            let course = course::Course::new(&procedure)?;
+            let course = match request.sensors {
+                Sensors::Accelerations => course,
+                Sensors::WheelSpeeds => course.on_wheel_speeds(seed),
+            };
+            runs.push((procedure, course, seed));
+        }
+    }
+    let total_s = runs.iter().map(|(_, course, _)| course.longest_s() as u64).sum();
     let odometer = Odometer { done_s: AtomicU64::new(0), total_s, stopped: AtomicBool::new(false), progress };
     // As many as the caller's pool, which has smaller stacks.
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(rayon::current_num_threads())
         .stack_size(STACK_BYTES)
         .build()?;
-    // A test keeps its course whichever other tests are driven.
-    let seed = |procedure: &Procedure| request.seed.wrapping_mul(1000).wrapping_add(procedure.number());
     let outcomes: Result<Vec<Outcome>, CertifyError> = pool.install(|| {
-        let one = |(procedure, course): (&Procedure, &course::Course)| {
-            drive::drive(procedure, course, seed(procedure), &odometer)
+        let one = |(procedure, course, seed): &(Procedure, course::Course, u64)| {
+            drive::drive(procedure, course, *seed, request.loads, &odometer)
         };
-        procedures.par_iter().zip(&courses).map(one).collect()
+        runs.par_iter().map(one).collect()
     });
     let outcomes = outcomes?;
+    let patterns = match request.sensors {
+        Sensors::Accelerations => vec![],
+        Sensors::WheelSpeeds => {
+            let of: Vec<_> = runs.iter().map(|(procedure, ..)| *procedure).zip(&outcomes).collect();
+            patterns::by_pattern(&of)
+        }
+    };
     Ok(Certificate {
         version: env!("CARGO_PKG_VERSION"),
         seed: request.seed,
         passed: outcomes.iter().all(|outcome| outcome.verdict == Verdict::Pass),
         driven_s: outcomes.iter().map(|outcome| outcome.driven_s).sum(),
+        patterns,
         outcomes,
     })
 }

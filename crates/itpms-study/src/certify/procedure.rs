@@ -5,6 +5,7 @@ use itpms_sim::fault::FaultPlace;
 
 use super::rules::Rule;
 use super::test_case::{Failure, Test};
+use crate::sensors::Sensors;
 
 /// How much of the list is driven.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,22 +30,25 @@ const PLACES: [FaultPlace; 2] = [FaultPlace::Wheel, FaultPlace::Body];
 impl Procedure {
     /// The list, in a fixed order.
     #[must_use]
-    pub fn all(extent: Extent) -> Vec<Self> {
-        let every = Rule::ALL.into_iter().flat_map(Self::of_rule);
+    pub fn all(extent: Extent, sensors: Sensors) -> Vec<Self> {
+        let every = Rule::ALL.into_iter().flat_map(|rule| Self::of_rule(rule, sensors));
         match extent {
             Extent::Full => every.collect(),
             Extent::Quick => every.filter(|procedure| procedure.is_quick()).collect(),
         }
     }
 
-    fn of_rule(rule: Rule) -> Vec<Self> {
-        let lows: Vec<Wheels> = match rule {
-            Rule::UnR141 => Corner::ALL.map(Wheels::from).to_vec(),
-            // One to three of four; all four follow.
-            Rule::Fmvss138 => combinations(),
+    fn of_rule(rule: Rule, sensors: Sensors) -> Vec<Self> {
+        let lows: Vec<Wheels> = match (rule, sensors) {
+            (Rule::UnR141, Sensors::Accelerations) => Corner::ALL.map(Wheels::from).to_vec(),
+            // One to three of four; all four follow. R141 asks for one: what wheel speeds show of several is driven, too.
+            _ => combinations(),
         };
         let mut tests: Vec<Test> = lows.into_iter().map(Test::Low).collect();
         tests.push(Test::LowAll);
+        if sensors == Sensors::WheelSpeeds {
+            return tests.into_iter().map(|test| Self { rule, test }).collect();
+        }
         let sensors = || Corner::ALL.into_iter().flat_map(|corner| PLACES.map(|place| (corner, place)));
         tests.extend(sensors().map(|(corner, place)| Test::Malfunction(Failure::Unplugged(corner, place))));
         tests.push(Test::Malfunction(Failure::Stuck(Corner::FrontRight, FaultPlace::Wheel)));
@@ -66,8 +70,8 @@ impl Procedure {
     }
 
     /// Its place in the full list.
-    pub(super) fn number(&self) -> u64 {
-        Self::all(Extent::Full).iter().position(|other| other == self).map_or(0, |i| i as u64)
+    pub(super) fn number(&self, sensors: Sensors) -> u64 {
+        Self::all(Extent::Full, sensors).iter().position(|other| other == self).map_or(0, |i| i as u64)
     }
 
     /// A name for files and for `--only`: `un-r141-puncture-fl`, `fmvss-138-low-fl-rr`, `un-r141-unplugged-rl-wheel`.
@@ -132,15 +136,19 @@ mod tests {
 
     #[test]
     fn the_list_has_every_wheel_and_every_combination_under_a_name_of_its_own() {
-        let all = Procedure::all(Extent::Full);
+        let all = Procedure::all(Extent::Full, Sensors::Accelerations);
         let names: BTreeSet<String> = all.iter().map(Procedure::name).collect();
         assert_eq!(names.len(), all.len());
         let count = |part: &str| names.iter().filter(|name| name.contains(part)).count();
         // Four wheels; of four wheels, one to four: 2^4 - 1; of eight sensors each.
         assert_eq!((count("r141-puncture"), count("r141-diffusion"), count("138-low")), (4, 1, 15));
         assert_eq!((count("r141-unplugged"), count("138-unplugged")), (8, 8));
-        let quick = Procedure::all(Extent::Quick);
+        let quick = Procedure::all(Extent::Quick, Sensors::Accelerations);
         assert_eq!(quick.len(), 6);
-        assert!(quick.iter().all(|procedure| all[procedure.number() as usize] == *procedure));
+        assert!(
+            quick
+                .iter()
+                .all(|procedure| all[procedure.number(Sensors::Accelerations) as usize] == *procedure)
+        );
     }
 }

@@ -78,7 +78,41 @@ impl Certificate {
             ]
         });
         let rows: Vec<[String; 11]> = std::iter::once(head.map(str::to_owned)).chain(rows).collect();
-        aligned(&rows) + &self.summary()
+        aligned(&rows) + &self.by_pattern() + &self.summary()
+    }
+
+    /// Tests of one kind together; nothing where they are not put together.
+    #[must_use]
+    pub fn by_pattern(&self) -> String {
+        if self.patterns.is_empty() {
+            return String::new();
+        }
+        let head = [
+            "",
+            "tires let down",
+            "runs",
+            "in time",
+            "median",
+            "worst",
+            "limit",
+            "wrong wheel",
+            "false alarm",
+        ];
+        let rows = self.patterns.iter().map(|tests| {
+            [
+                tests.rule.label().to_owned(),
+                tests.tires.to_owned(),
+                tests.runs.to_string(),
+                tests.in_time.to_string(),
+                clock(tests.median_s),
+                clock(tests.worst_s),
+                clock(Some(tests.limit_s)),
+                tests.wrong.to_string(),
+                tests.false_alarms.to_string(),
+            ]
+        });
+        let rows: Vec<[String; 9]> = std::iter::once(head.map(str::to_owned)).chain(rows).collect();
+        aligned(&rows) + "Wheel speeds alone: what all four tires lose alike is not seen; a dash is never.\n"
     }
 
     /// How many passed, in a line.
@@ -200,6 +234,7 @@ mod tests {
             seed: 1,
             passed: false,
             driven_s: 4000.0,
+            patterns: vec![],
             outcomes: vec![
                 outcome(vec![], Verdict::Pass),
                 outcome(findings.false_alerts, Verdict::WrongWheel),

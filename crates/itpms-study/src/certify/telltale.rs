@@ -20,10 +20,13 @@ pub(super) fn lit(lamp: Lamp, report: &MonitorReport<f64>, estimate: &CarEstimat
     let warned =
         |corner: &Corner| estimate.corners[corner.index()].is_some_and(|estimate| estimate.warning == wanted);
     let of_wheels: Wheels = Corner::ALL.into_iter().filter(warned).collect();
-    report
-        .alerts()
-        .filter(|alert| lights(lamp, &alert.cause))
-        .fold(of_wheels, |wheels, alert| wheels | alert.wheels)
+    of_wheels | lit_by_alerts(lamp, report)
+}
+
+/// The same where nothing but alerts is known.
+pub(super) fn lit_by_alerts(lamp: Lamp, report: &MonitorReport<f64>) -> Wheels {
+    let lights = |alert: &&Alert<f64>| lights(lamp, &alert.cause);
+    report.alerts().filter(lights).fold(Wheels::NONE, |wheels, alert| wheels | alert.wheels)
 }
 
 fn lights(lamp: Lamp, cause: &Cause<f64>) -> bool {
@@ -65,6 +68,9 @@ pub(super) enum Wrong {
 pub(super) fn wrong(lamp: Lamp, concerned: Wheels, alert: &Alert<f64>) -> Option<Wrong> {
     if lamp_of(&alert.cause) != Some(lamp) {
         Some(Wrong::Lamp)
+    } else if matches!(alert.cause, Cause::Differs { is_known: false, .. }) {
+        // Of these some are low; which, is left open.
+        (!alert.wheels.iter().any(|corner| concerned.contains(corner))).then_some(Wrong::Wheel)
     } else if alert.wheels.iter().any(|corner| !concerned.contains(corner)) {
         Some(Wrong::Wheel)
     } else {

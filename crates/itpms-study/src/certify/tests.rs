@@ -18,7 +18,14 @@ fn unplugged() -> Procedure {
 }
 
 fn request(only: &str) -> Request {
-    Request { extent: Extent::Full, only: Some(only.to_owned()), seed: 1 }
+    Request {
+        extent: Extent::Full,
+        only: Some(only.to_owned()),
+        seed: 1,
+        sensors: Sensors::Accelerations,
+        loads: LoadsTold::Unknown,
+        repeats: 1,
+    }
 }
 
 /// Little learning and a minute of detection; what is said of a dead sensor needs neither.
@@ -30,7 +37,7 @@ fn driven(procedure: &Procedure, course: &Course) -> Outcome {
     let progress = &|_: u64, _: u64| ControlFlow::Continue(());
     let (done_s, stopped) = (AtomicU64::new(0), AtomicBool::new(false));
     let odometer = Odometer { done_s, total_s: course.longest_s() as u64, stopped, progress };
-    drive(procedure, course, 7, &odometer).unwrap()
+    drive(procedure, course, 7, LoadsTold::Unknown, &odometer).unwrap()
 }
 
 /// A second sensor for ten seconds, of which the test knows nothing.
@@ -69,7 +76,7 @@ fn an_unplugged_sensor_is_told_and_the_run_repeats_to_the_bit() {
         let progress = &|_: u64, _: u64| ControlFlow::Continue(());
         let (done_s, stopped) = (AtomicU64::new(0), AtomicBool::new(false));
         let odometer = Odometer { done_s, total_s: course.longest_s() as u64, stopped, progress };
-        let outcome = drive(&procedure, &course, 7, &odometer).unwrap();
+        let outcome = drive(&procedure, &course, 7, LoadsTold::Unknown, &odometer).unwrap();
         let done_s = odometer.done_s.load(Ordering::Relaxed);
         // All of the way is told of, up to a report's length.
         assert!((done_s as f64 - course.longest_s()).abs() <= 10.0, "{done_s}");
@@ -97,9 +104,30 @@ fn a_stop_ends_it_and_a_name_that_is_none_is_told() {
 
 #[test]
 fn tables_have_a_line_per_test() {
-    let all = procedures(&Request { extent: Extent::Full, only: None, seed: 1 }).unwrap();
+    let all = procedures(&Request { only: None, ..request("") }).unwrap();
     let text = list(&all);
     assert_eq!(text.lines().count(), all.len());
     assert!(text.contains("un-r141-diffusion") && text.contains("within 60:00"));
     assert_eq!(procedures(&request("fmvss-138-low")).unwrap().len(), 15);
+}
+
+#[test]
+fn on_wheel_speeds_one_tire_is_found_and_runs_of_a_kind_are_put_together() {
+    let go = |_: u64, _: u64| ControlFlow::Continue(());
+    let on_wheel_speeds = |only: &str| Request {
+        sensors: Sensors::WheelSpeeds,
+        loads: LoadsTold::Constant,
+        repeats: 2,
+        ..request(only)
+    };
+    let three = certify(&on_wheel_speeds("fmvss-138-low-fl-fr-rl"), &go).unwrap();
+    assert_eq!((three.outcomes.len(), three.patterns.len()), (2, 1));
+    assert_eq!((three.patterns[0].tires, three.patterns[0].wrong), ("three", 0));
+    let with_rear_right = certify(&on_wheel_speeds("fmvss-138-low-rr"), &go).unwrap();
+    let [rear] = with_rear_right.patterns.as_slice() else { panic!("{}", with_rear_right.table()) };
+    assert_eq!((rear.tires, rear.runs, rear.in_time, rear.wrong), ("rear wheel", 2, 2, 0), "{rear:?}");
+    assert!(with_rear_right.table().contains("rear wheel"));
+    assert!(rear.worst_s >= rear.median_s && rear.worst_s <= Some(1200.0));
+    // It has no accelerometer to unplug.
+    assert!(matches!(procedures(&on_wheel_speeds("unplugged")), Err(CertifyError::NoSuchTest { .. })));
 }

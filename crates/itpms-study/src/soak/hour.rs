@@ -13,16 +13,18 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
+use super::rolling::{self, RadiusHour};
 use super::{Car, Plan, SoakError};
+use crate::sensors::Sensors;
 
 /// Rows between two questions whether to go on.
-const ASK_ROWS: u64 = 2000;
+pub(super) const ASK_ROWS: u64 = 2000;
 /// How far the speed that the estimator is told may be off, as a share: tires wear, wheels differ.
 const SPEED_SHARE: f64 = 0.01;
 /// Standard deviations that a one-sided limit of 95 % lies off.
 const ONE_SIDED_95: f64 = 1.645;
 /// The same of a two-sided interval of 95 %.
-const HALF_95: f64 = 1.96;
+pub(super) const HALF_95: f64 = 1.96;
 
 /// What is kept of a drive: a line of a file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -37,6 +39,9 @@ pub struct Hour {
     pub said: Vec<Said>,
     /// In the order of [`Corner::ALL`].
     pub wheels: [WheelHour; 4],
+    /// Of wheel speeds, where these are all the car has.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub radii: Option<RadiusHour>,
     /// Time in s it took to compute.
     pub wall_s: f64,
 }
@@ -91,6 +96,9 @@ impl Hour {
 
 /// Drives one seed.
 pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) -> Result<Hour, SoakError> {
+    if plan.sensors == Sensors::WheelSpeeds {
+        return rolling::drive(plan, seed, flow);
+    }
     let begun = Instant::now();
     let scenario = scenario(plan)?;
     let mut car = monitored(&scenario)?;
@@ -125,11 +133,11 @@ pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) 
     }
     let driven_s = rows as f64 / plan.rate_hz;
     let wheels = watches.map(|watch| watch.finish(rows));
-    Ok(Hour { seed, driven_s, km, said, wheels, wall_s: begun.elapsed().as_secs_f64() })
+    Ok(Hour { seed, driven_s, km, said, wheels, radii: None, wall_s: begun.elapsed().as_secs_f64() })
 }
 
 /// The drive, before its seed composes it.
-fn scenario(plan: &Plan) -> Result<Scenario, SoakError> {
+pub(super) fn scenario(plan: &Plan) -> Result<Scenario, SoakError> {
     let mut scenario = Scenario::builtin("drive-normal")?;
     scenario.rate_hz = plan.rate_hz;
     scenario.duration_s = plan.drive_s;
@@ -175,7 +183,7 @@ fn limits(scenario: &Scenario) -> Result<[f64; 4], SoakError> {
     Ok(limits)
 }
 
-fn note(time_s: f64, before: &MonitorReport<f64>, now: &MonitorReport<f64>, said: &mut Vec<Said>) {
+pub(super) fn note(time_s: f64, before: &MonitorReport<f64>, now: &MonitorReport<f64>, said: &mut Vec<Said>) {
     for change in now.changes_since(before) {
         if let Change::Begun(alert) = change {
             said.push(Said::new(time_s, &alert));

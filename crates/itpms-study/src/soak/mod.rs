@@ -7,9 +7,11 @@
 //! | module | idea |
 //! |---|---|
 //! | [`hour`] | one drive, and what is kept of it |
+//! | `rolling` | the same on wheel speeds alone |
 //! | [`summary`] | many drives added up |
 
 pub mod hour;
+mod rolling;
 pub mod summary;
 
 use std::ops::ControlFlow;
@@ -22,7 +24,9 @@ use itpms_sim::error::ScenarioError;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::sensors::Sensors;
 pub use hour::{Hour, Said, WheelHour};
+pub use rolling::RadiusHour;
 pub use summary::Summary;
 
 /// Stack of a thread in bytes: the estimator of a whole car is a value of some hundred kilobytes, and is handed about by
@@ -69,12 +73,21 @@ pub struct Plan {
     /// Length in s of a calibration at the beginning of every drive, `None`: never calibrated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub calibrate_s: Option<f64>,
+    /// What the car has; with wheel speeds alone each seed has a bus of its own, and is calibrated for ten minutes unless said.
+    #[serde(default, skip_serializing_if = "Sensors::are_usual")]
+    pub sensors: Sensors,
 }
 
 impl Default for Plan {
     /// Hours at 200 Hz, each seed another car.
     fn default() -> Self {
-        Self { rate_hz: 200.0, drive_s: 3600.0, car: Car::Varied, calibrate_s: None }
+        Self {
+            rate_hz: 200.0,
+            drive_s: 3600.0,
+            car: Car::Varied,
+            calibrate_s: None,
+            sensors: Sensors::default(),
+        }
     }
 }
 

@@ -39,6 +39,22 @@ pub struct Summary {
     pub low_margin_kpa: Extreme,
     /// Smallest 95 % lower limit in kPa.
     pub lowest_kpa: Extreme,
+    /// Of wheel speeds, where the drives are of cars that have nothing else.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub radii: Option<RadiusSummary>,
+}
+
+/// Radius analysis over many drives.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct RadiusSummary {
+    /// Share of the time after a calibration in which a loss of a quarter of any single tire would have been found.
+    pub informed: f64,
+    /// Shares of it in which the true change of each ratio of radii was within its 95 % interval.
+    pub covered: [f64; 3],
+    /// Largest probability of any low tire, and the seed of that drive.
+    pub most_probable: f64,
+    /// The seed.
+    pub most_probable_seed: u64,
 }
 
 /// A worst value and where it was.
@@ -88,6 +104,7 @@ impl Summary {
             worst_z: extreme(&hours, |wheel| wheel.worst_z.map(|z| -z.abs())).negated(),
             low_margin_kpa: extreme(&hours, |wheel| wheel.low_margin_kpa),
             lowest_kpa: extreme(&hours, |wheel| wheel.lowest_kpa),
+            radii: RadiusSummary::of(&hours),
         }
     }
 
@@ -105,6 +122,9 @@ impl Summary {
         for (cause, count) in &self.said {
             text += &format!("  {cause}: {count}\n");
         }
+        if let Some(radii) = &self.radii {
+            return text + &radii.text();
+        }
         text += &format!(
             "valid {:.1} % of the time; truth inside the 95 % interval {:.1} %; RMSE {:.1} kPa\n",
             100.0 * self.valid,
@@ -119,6 +139,34 @@ impl Summary {
             text += &format!("{name}: {:.1} ({}, seed {})\n", extreme.value, extreme.wheel, extreme.seed);
         }
         text
+    }
+}
+
+impl RadiusSummary {
+    fn of(hours: &[&Hour]) -> Option<Self> {
+        let drives = || hours.iter().filter_map(|hour| hour.radii.as_ref().map(|radii| (hour.seed, radii)));
+        let known_s: f64 = drives().map(|(_, radii)| radii.known_s).sum();
+        let (seed, most) = drives().max_by(|a, b| a.1.most_probable.total_cmp(&b.1.most_probable))?;
+        let covered =
+            |i: usize| drives().map(|(_, radii)| radii.known_s * radii.covered[i]).sum::<f64>() / known_s;
+        Some(Self {
+            informed: drives().map(|(_, radii)| radii.informed_s).sum::<f64>() / known_s,
+            covered: [covered(0), covered(1), covered(2)],
+            most_probable: most.most_probable,
+            most_probable_seed: seed,
+        })
+    }
+
+    fn text(&self) -> String {
+        let [front, rear, axles] = self.covered.map(|share| 100.0 * share);
+        format!(
+            "after the calibration: a quarter lost by any one tire would have been found {:.1} % of the time\n\
+             true change of the radii inside the 95 % interval: front {front:.1} %, rear {rear:.1} %, front over rear {axles:.1} %\n\
+             largest probability of a low tire: {:.3} (seed {})\n",
+            100.0 * self.informed,
+            self.most_probable,
+            self.most_probable_seed
+        )
     }
 }
 
@@ -192,6 +240,7 @@ mod tests {
             km: 50.0,
             said: said.iter().map(words).collect(),
             wheels,
+            radii: None,
             wall_s: 36.0,
         }
     }

@@ -2,7 +2,11 @@
 
 use std::path::PathBuf;
 
-use super::Jobs;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use itpms_study::certify::LoadsTold;
+use itpms_study::sensors::Sensors;
+
+use super::{Jobs, sensor_names};
 
 /// Drive the test procedures of UN R141 Annex 3 and FMVSS 138 S6 in simulation: pass or fail, with times against the limits.
 ///
@@ -20,6 +24,15 @@ pub(crate) struct CertifyArgs {
     /// Seed of the first test's course; the others follow.
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) seed: u64,
+    /// What the car has. On wheel speeds alone no sensor is unplugged, and every combination of tires is let down for both regulations.
+    #[arg(long, value_name = "SENSORS", default_value = Sensors::default().label(), value_parser = sensor_names())]
+    pub(crate) sensors: Sensors,
+    /// What a car with wheel speeds alone is told of its loads while it stands.
+    #[arg(long, value_name = "LOADS", default_value = LoadsTold::default().label(), value_parser = load_names())]
+    pub(crate) loads: LoadsTold,
+    /// How often each test is driven, each time by another car on another road.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(crate) repeats: u32,
     /// Where a page with all tests and their pressures goes: .html, complete in itself.
     #[arg(long, value_name = "FILE")]
     pub(crate) report: Option<PathBuf>,
@@ -36,8 +49,15 @@ pub(crate) struct CertifyArgs {
     pub(crate) json: bool,
 }
 
+fn load_names() -> impl TypedValueParser<Value = LoadsTold> {
+    PossibleValuesParser::new(LoadsTold::ALL.map(LoadsTold::label)).try_map(|label| {
+        LoadsTold::ALL.into_iter().find(|loads| loads.label() == label).ok_or("expected unknown or constant")
+    })
+}
+
 const EXAMPLES: &str = "\
 Examples:
   itpms lab certify --quick
   itpms lab certify --report certify.html
-  itpms lab certify --only un-r141-puncture --seed 7 --out punctures";
+  itpms lab certify --only un-r141-puncture --seed 7 --out punctures
+  itpms lab certify --sensors wheel-speeds --loads constant --repeats 6";

@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use itpms_study::sensors::Sensors;
 use itpms_study::soak::Car;
 
-use super::positive;
+use super::{positive, sensor_names};
 
 /// Drive for many simulated hours in which nothing is wrong, and count what the monitor says.
 ///
@@ -21,7 +22,7 @@ pub(crate) struct SoakArgs {
     /// Where the hours are kept.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// Samples per second.
+    /// Samples per second of the accelerations.
     #[arg(long, value_name = "HZ", default_value_t = 200.0, value_parser = positive)]
     pub(crate) rate: f64,
     /// Length of a drive; what is not finished when the run is stopped is driven again.
@@ -40,6 +41,10 @@ pub(crate) struct SoakArgs {
     /// Calibrate for so long at the beginning of every drive; never unless said.
     #[arg(long, value_name = "S", value_parser = positive)]
     pub(crate) calibrate_s: Option<f64>,
+    /// What the cars have. On wheel speeds alone every seed has another bus, tires warm up, and each drive begins with a calibration
+    /// of ten minutes unless said.
+    #[arg(long, value_name = "SENSORS", default_value = Sensors::default().label(), value_parser = sensor_names())]
+    pub(crate) sensors: Sensors,
     /// Print the sums as JSON.
     #[arg(long)]
     pub(crate) json: bool,
@@ -54,4 +59,5 @@ fn car_names() -> impl TypedValueParser<Value = Car> {
 const EXAMPLES: &str = "\
 Examples:
   itpms lab soak --hours 1000 --out soak
-  itpms lab soak --hours 2 --out soak --first-seed 5000 --jobs 1";
+  itpms lab soak --hours 2 --out soak --first-seed 5000 --jobs 1
+  itpms lab soak --hours 200 --out rolling --sensors wheel-speeds";

@@ -13,7 +13,14 @@ use crate::threads;
 pub(crate) fn run(args: &CertifyArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
     threads::set(args.jobs)?;
     let extent = if args.quick { Extent::Quick } else { Extent::Full };
-    let request = Request { extent, only: args.only.clone(), seed: args.seed };
+    let request = Request {
+        extent,
+        only: args.only.clone(),
+        seed: args.seed,
+        sensors: args.sensors,
+        loads: args.loads,
+        repeats: args.repeats,
+    };
     let tests = procedures(&request).map_err(failure)?;
     if args.list {
         screen.print_lines(list(&tests).trim_end());

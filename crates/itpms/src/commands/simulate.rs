@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use itpms_core::model::Corner;
 use itpms_data::Vehicle;
 use itpms_data::log::{CornerColumns, LogColumns};
 use itpms_data::out::{AtomicFile, LogWriter};
@@ -28,7 +27,7 @@ pub(crate) fn run(args: &SimulateArgs, screen: &Screen, interrupt: &Interrupt) -
     if let Some(path) = &args.vehicle {
         simulated::take_vehicle(&mut scenario, &Vehicle::read(path)?)?;
     }
-    let columns = columns(&scenario, args.no_truth);
+    let columns = simulated::columns(&scenario, truth(args.no_truth));
     write(&scenario, args.seed, columns, &args.output, args.vehicle_out.as_deref(), screen, interrupt)?;
     report(args, screen, &scenario);
     Ok(())
@@ -43,7 +42,7 @@ pub(crate) fn write_drive(
     screen: &Screen,
     interrupt: &Interrupt,
 ) -> Result<(), Failure> {
-    write(scenario, seed, columns(scenario, false), log, vehicle, screen, interrupt)
+    write(scenario, seed, simulated::columns(scenario, truth(false)), log, vehicle, screen, interrupt)
 }
 
 fn write(
@@ -79,10 +78,9 @@ fn write(
     Ok(())
 }
 
-fn columns(scenario: &Scenario, no_truth: bool) -> LogColumns {
-    let truth = CornerColumns { pressure: !no_truth, road: !no_truth };
-    let corners = Corner::ALL.map(|corner| scenario.corner.get(corner).map(|_| truth));
-    LogColumns { speed: true, corners, ..LogColumns::default() }
+/// The truth beside each corner.
+fn truth(no_truth: bool) -> CornerColumns {
+    CornerColumns { pressure: !no_truth, road: !no_truth }
 }
 
 /// The vehicle file that belongs to the log, complete but for its name.

@@ -25,8 +25,13 @@ const WORD_S: u64 = 60;
 const MOST_DRIVES: f64 = 1e6;
 
 pub(crate) fn run(args: &SoakArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
-    let plan =
-        Plan { rate_hz: args.rate, drive_s: args.drive_s, car: args.car, calibrate_s: args.calibrate_s };
+    let plan = Plan {
+        rate_hz: args.rate,
+        drive_s: args.drive_s,
+        car: args.car,
+        calibrate_s: args.calibrate_s,
+        sensors: args.sensors,
+    };
     let drives = drives(args)?;
     fs::create_dir_all(&args.out).map_err(|error| Failure::Directory(args.out.clone(), error))?;
     interrupt.resumes();

@@ -1,0 +1,265 @@
+//! Loads, forces and ways of the four wheels; `docs/math/simulation.md`, eq. 14-16.
+//!
+//! Called by the run. Knows no tire but by its slip stiffness.
+
+use super::spec::DrivenWheels;
+use crate::car::CarSpec;
+
+pub(crate) const GRAVITY_M_S2: f64 = 9.81;
+/// Share of the roll moment that the front axle carries.
+const FRONT_ROLL_SHARE: f64 = 0.55;
+/// Drag per squared air speed in N s²/m², rolling resistance over load.
+const DRAG_N_S2_PER_M2: f64 = 0.4;
+const ROLLING: f64 = 0.011;
+/// What an engine that is not fed holds back, in m/s²; more is braked.
+const ENGINE_M_S2: f64 = 0.25;
+/// Share of the brakes' force that is in front.
+const FRONT_BRAKES: f64 = 0.7;
+/// Slip angle in rad of the front axle per m/s² across.
+const FRONT_SLIP_RAD_PER_M_S2: f64 = 0.0045;
+/// Steps in which an axle's share is found.
+const SHARING_STEPS: u32 = 5;
+
+/// The car's measures.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Chassis {
+    pub(crate) wheelbase_m: f64,
+    pub(crate) tracks_m: [f64; 2],
+    pub(crate) height_m: f64,
+    pub(crate) rear_slip_rad_per_m_s2: f64,
+    pub(crate) driven: DrivenWheels,
+    pub(crate) locking_n: f64,
+    pub(crate) locking_share: f64,
+    /// Static loads in N of the unloaded car.
+    pub(crate) static_n: [f64; 4],
+}
+
+/// How the car moves at an instant.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Moving {
+    pub(crate) speed_m_s: f64,
+    /// Forward, and to the left.
+    pub(crate) accel_m_s2: [f64; 2],
+    pub(crate) grade: f64,
+    /// The road falls to the right.
+    pub(crate) cross_slope: f64,
+    /// Against the car.
+    pub(crate) wind_m_s: f64,
+}
+
+/// What pushes the wheels along the road.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Forces {
+    /// Of the engine on each axle, in N.
+    pub(crate) engine_n: [f64; 2],
+    /// Of each brake, in N, not above 0.
+    pub(crate) brake_n: [f64; 4],
+}
+
+impl Chassis {
+    pub(crate) fn new(
+        spec: &super::WheelSpeedSpec,
+        car: &CarSpec,
+        wheelbase_m: f64,
+        static_n: [f64; 4],
+    ) -> Self {
+        Self {
+            wheelbase_m,
+            tracks_m: [car.track_front_m, car.track_rear_m],
+            height_m: car.cg_height_m,
+            rear_slip_rad_per_m_s2: car.rear_slip_rad_per_m_s2,
+            driven: spec.driven,
+            locking_n: spec.locking_n,
+            locking_share: spec.locking_share,
+            static_n,
+        }
+    }
+
+    /// Loads of the wheels in N with these masses `[kg, m behind the front axle, m to the left]` in the car.
+    pub(crate) fn loads_n(&self, moving: &Moving, payload: impl Iterator<Item = [f64; 3]>) -> [f64; 4] {
+        let mut loads_n = self.static_n;
+        for [kg, behind_m, left_m] in payload {
+            let rear = behind_m / self.wheelbase_m;
+            for (i, load_n) in loads_n.iter_mut().enumerate() {
+                let axle = if i < 2 { 1.0 - rear } else { rear };
+                let side = left_m / self.tracks_m[i / 2];
+                *load_n += kg * GRAVITY_M_S2 * axle * (if i % 2 == 0 { 0.5 + side } else { 0.5 - side });
+            }
+        }
+        let mass_kg = loads_n.iter().sum::<f64>() / GRAVITY_M_S2;
+        let [along, across] = moving.accel_m_s2;
+        let pitch_n =
+            0.5 * mass_kg * self.height_m * (along + GRAVITY_M_S2 * moving.grade) / self.wheelbase_m;
+        let roll_n_m = mass_kg * self.height_m * (across + GRAVITY_M_S2 * moving.cross_slope);
+        for (i, load_n) in loads_n.iter_mut().enumerate() {
+            let (share, to_rear) =
+                if i < 2 { (FRONT_ROLL_SHARE, -1.0) } else { (1.0 - FRONT_ROLL_SHARE, 1.0) };
+            let to_right = if i % 2 == 0 { -1.0 } else { 1.0 };
+            *load_n += to_rear * pitch_n + to_right * share * roll_n_m / self.tracks_m[i / 2];
+            // A wheel that nearly lifts still rolls.
+            *load_n = load_n.max(0.05 * self.static_n[i]);
+        }
+        loads_n
+    }
+
+    /// Forces that move the car so; `brakes`: each brake's share of what half an axle's brakes do.
+    pub(crate) fn forces_n(&self, moving: &Moving, loads_n: &[f64; 4], brakes: &[f64; 4]) -> Forces {
+        let mass_kg = loads_n.iter().sum::<f64>() / GRAVITY_M_S2;
+        let air_m_s = moving.speed_m_s + moving.wind_m_s;
+        let front = match self.driven {
+            DrivenWheels::Front => 1.0,
+            DrivenWheels::Rear => 0.0,
+            DrivenWheels::All => 0.5,
+        };
+        // Wheels that nothing turns are pushed over the road by the others.
+        let [fl, fr, rl, rr] = loads_n;
+        let pushed_n = if self.driven == DrivenWheels::All {
+            0.0
+        } else {
+            (fl + fr) * (1.0 - front) + (rl + rr) * front
+        };
+        let wanted_n = mass_kg * (moving.accel_m_s2[0] + GRAVITY_M_S2 * moving.grade)
+            + DRAG_N_S2_PER_M2 * air_m_s * air_m_s.abs()
+            + ROLLING * pushed_n;
+        let engine_n = wanted_n.max(-ENGINE_M_S2 * mass_kg);
+        let braked_n = wanted_n - engine_n;
+        let brake = |i: usize| {
+            let axle = if i < 2 { FRONT_BRAKES } else { 1.0 - FRONT_BRAKES };
+            0.5 * axle * brakes[i] * braked_n
+        };
+        Forces {
+            engine_n: [front * engine_n, (1.0 - front) * engine_n],
+            brake_n: [brake(0), brake(1), brake(2), brake(3)],
+        }
+    }
+
+    /// How the engine's force on an axle is shared by its wheels. `free`: `ln` of the left over the right wheel's speed without
+    /// force; `slips`: those of the left and the right tire under a force in N, with stiffnesses near zero in N. A differential
+    /// that locks keeps both turning alike as far as it can.
+    pub(crate) fn shared_n(
+        &self,
+        engine_n: f64,
+        free: f64,
+        stiffness_n: [f64; 2],
+        slips: impl Fn([f64; 2]) -> [f64; 2],
+    ) -> [f64; 2] {
+        let half = 0.5 * engine_n;
+        let can_n = 0.5 * (self.locking_n + self.locking_share * engine_n.abs());
+        let split = |moved_n: f64| [half - moved_n, half + moved_n];
+        let mut moved_n = 0.0;
+        if can_n > 0.0 {
+            // Newton's steps with the slope at zero force, which slips leave by some percent.
+            let per_n = 1.0 / stiffness_n[0] + 1.0 / stiffness_n[1];
+            for _ in 0..SHARING_STEPS {
+                let [left, right] = slips(split(moved_n));
+                let apart = free + left.ln_1p() - right.ln_1p();
+                moved_n = (moved_n + apart / per_n).clamp(-can_n, can_n);
+            }
+        }
+        split(moved_n)
+    }
+
+    /// Speeds of the wheels' centers along their planes, over the car's, at a yaw rate over the speed.
+    ///
+    /// The car's speed is that of the rear axle's middle along the car. Axles drift outwards, and the front wheels point
+    /// their slip angle further in than they go.
+    pub(crate) fn ways(&self, curvature_per_m: f64, lateral_m_s2: f64) -> [f64; 4] {
+        let drift = -self.rear_slip_rad_per_m_s2 * lateral_m_s2;
+        let across = drift + self.wheelbase_m * curvature_per_m;
+        // Direction of the front axle's middle, and of its wheels.
+        let steered = across.atan() + FRONT_SLIP_RAD_PER_M_S2 * lateral_m_s2;
+        let (sin, cos) = steered.sin_cos();
+        let along = |i: usize| {
+            let left_m = 0.5 * self.tracks_m[i / 2] * (if i.is_multiple_of(2) { 1.0 } else { -1.0 });
+            1.0 - left_m * curvature_per_m
+        };
+        [along(0) * cos + across * sin, along(1) * cos + across * sin, along(2), along(3)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tire::slip;
+    use super::*;
+
+    fn chassis() -> Chassis {
+        Chassis {
+            wheelbase_m: 2.7,
+            tracks_m: [1.56, 1.5],
+            height_m: 0.55,
+            rear_slip_rad_per_m_s2: 0.004,
+            driven: DrivenWheels::Front,
+            locking_n: 0.0,
+            locking_share: 0.0,
+            static_n: [3000.0, 3000.0, 2500.0, 2500.0],
+        }
+    }
+
+    fn coasting(speed_m_s: f64) -> Moving {
+        Moving { speed_m_s, accel_m_s2: [0.0; 2], grade: 0.0, cross_slope: 0.0, wind_m_s: 0.0 }
+    }
+
+    #[test]
+    fn wheels_go_round_a_bend_on_their_circles() {
+        let car = chassis();
+        assert_eq!(car.ways(0.0, 0.0), [1.0; 4]);
+        // Slowly, without slip angles: rear wheels on R -+ t/2, front ones on the hypotenuse with L.
+        let radius = 40.0;
+        let [fl, fr, rl, rr] = car.ways(1.0 / radius, 0.0);
+        assert!((rl - (1.0 - 0.75 / radius)).abs() < 1e-12 && (rr - (1.0 + 0.75 / radius)).abs() < 1e-12);
+        let exact = |side: f64| ((radius - side * 0.78).hypot(2.7)) / radius;
+        // Both front wheels are steered like the middle one: second order in t L / R².
+        assert!((fl - exact(1.0)).abs() < 5e-5 && (fr - exact(-1.0)).abs() < 5e-5, "{fl} {fr}");
+        // Fast the axles drift: the front axle's way over the rear one's is not (L/R)²/2 any more.
+        let (curvature, lateral) = (2.0 / 900.0, 2.0);
+        let [fl, fr, rl, rr] = car.ways(curvature, lateral);
+        let across: f64 = 2.7 * curvature - 0.008;
+        let expected = 0.5 * across * across - 0.5 * 0.009f64.powi(2);
+        assert!((0.5 * (fl + fr) - 0.5 * (rl + rr) - expected).abs() < 1e-6);
+    }
+
+    #[test]
+    fn loads_carry_the_car_and_hold_its_moments() {
+        let car = chassis();
+        let moving = Moving { accel_m_s2: [1.0, 2.0], grade: 0.03, cross_slope: -0.02, ..coasting(20.0) };
+        let [fl, fr, rl, rr] = car.loads_n(&moving, [[100.0, 2.0, 0.3]].into_iter());
+        let mass_kg = 11_000.0 / GRAVITY_M_S2 + 100.0;
+        assert!((fl + fr + rl + rr - mass_kg * GRAVITY_M_S2).abs() < 1e-9);
+        // About the front axle; and about the middle, to the left.
+        let pitch = 5000.0 * 2.7 + 981.0 * 2.0 + 0.55 * mass_kg * (1.0 + 0.03 * GRAVITY_M_S2);
+        assert!(((rl + rr) * 2.7 - pitch).abs() < 1e-9);
+        let roll = 981.0 * 0.3 - 0.55 * mass_kg * (2.0 - 0.02 * GRAVITY_M_S2);
+        assert!(((fl - fr) * 0.78 + (rl - rr) * 0.75 - roll).abs() < 1e-9);
+    }
+
+    #[test]
+    fn forces_move_the_car() {
+        let car = chassis();
+        let loads_n = car.static_n;
+        let uphill = Moving { accel_m_s2: [0.5, 0.0], grade: 0.02, wind_m_s: 3.0, ..coasting(22.0) };
+        let forces = car.forces_n(&uphill, &loads_n, &[1.0; 4]);
+        let needed = 11_000.0 / 9.81 * (0.5 + 9.81 * 0.02) + 0.4 * 625.0 + 0.011 * 5000.0;
+        assert!((forces.engine_n[0] - needed).abs() < 1e-9 && forces.engine_n[1] == 0.0);
+        assert!(forces.brake_n == [0.0; 4]);
+        let braking = Moving { accel_m_s2: [-3.0, 0.0], ..coasting(22.0) };
+        let forces = car.forces_n(&braking, &loads_n, &[1.1, 0.9, 1.0, 1.0]);
+        let all = forces.engine_n[0] + forces.brake_n.iter().sum::<f64>();
+        let needed = -3.0 * 11_000.0 / 9.81 + 0.4 * 484.0 + 0.011 * 5000.0;
+        assert!((all - needed).abs() < 1e-9 && (forces.engine_n[0] + 0.25 * 11_000.0 / 9.81).abs() < 1e-9);
+        assert!((forces.brake_n[0] / forces.brake_n[1] - 1.1 / 0.9).abs() < 1e-12);
+    }
+
+    #[test]
+    fn an_open_differential_halves_and_a_locked_one_turns_both_alike() {
+        let stiffness_n = [150_000.0, 170_000.0];
+        let slips = |forces_n: [f64; 2]| [0, 1].map(|i| slip(forces_n[i], 3000.0, stiffness_n[i]));
+        let shared = |car: Chassis| car.shared_n(800.0, 2e-3, stiffness_n, slips);
+        assert_eq!(shared(chassis()), [400.0, 400.0]);
+        // The left wheel would run ahead by 2e-3: slips make up for it, and the sum stays.
+        let forces_n = shared(Chassis { locking_n: 1e5, ..chassis() });
+        let [left, right] = slips(forces_n);
+        assert!((2e-3 + left.ln_1p() - right.ln_1p()).abs() < 1e-6, "{left} {right}");
+        assert!((forces_n[0] + forces_n[1] - 800.0).abs() < 1e-9);
+        assert_eq!(shared(Chassis { locking_share: 0.1, ..chassis() }), [360.0, 440.0]);
+    }
+}

@@ -1,0 +1,299 @@
+//! The wheels of a drive in motion, and what the bus says of them.
+//!
+//! Called by the simulation, row by row. Time goes from message to message; a row sees the last one that came.
+
+use rand::RngExt;
+use rand_pcg::Pcg64;
+
+use super::chassis::{Chassis, GRAVITY_M_S2, Moving};
+use super::disturbance::{Rough, Shaken, Wander, normal};
+use super::drawn::Drawn;
+use super::spec::{DrivenWheels, WheelSpeedSpec};
+use super::tire::slip;
+use crate::car::motion::Motion;
+use crate::error::InvalidValue;
+use crate::scenario::Scenario;
+use crate::streams::{Purpose, generator};
+use crate::time_profile::TimeProfile;
+
+/// Lengths over which grade and crown change, in m; times of wind and steering, in s.
+const GRADE_M: f64 = 400.0;
+const CROSS_SLOPE_M: f64 = 300.0;
+const WIND_S: f64 = 20.0;
+const STEERING_S: f64 = 2.0;
+const YAW_DRIFT_S: f64 = 600.0;
+/// Slowest speed in m/s at which a wheel's teeth come often enough, and at which a driver steers.
+const SLOWEST_M_S: f64 = 0.5;
+const STEERED_M_S: f64 = 3.0;
+/// Wheel hop and body in Hz with damping, and their shares of what shakes a load.
+const HOP: [f64; 2] = [12.0, 0.2];
+const BODY: [f64; 2] = [1.4, 0.3];
+const BODY_SHARE: f64 = 0.2;
+/// Speed in m/s for which the load's share holds, and the white part of a wheel's speed, as a share.
+const SHAKEN_M_S: f64 = 20.0;
+const WHITE: f64 = 2e-4;
+/// Noise and steps of the yaw rate in rad/s, of accelerations in m/s²; how much more one along the car reads as the car squats.
+const YAW_NOISE_RAD_S: f64 = 2e-3;
+const YAW_DRIFT_RAD_S: f64 = 1e-3;
+const YAW_STEP_RAD_S: f64 = 1.745e-3;
+const ACCEL_NOISE_M_S2: f64 = 0.05;
+const ACCEL_STEP_M_S2: f64 = 0.01;
+const SQUAT: f64 = 0.05;
+
+/// What a row of a log holds of the wheels' bus, with its truth. NaN: the bus does not say it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WheelSpeedRow {
+    /// Speeds of the wheels in m/s, in the order of `Corner::ALL`, each by the same assumed radius.
+    pub wheel_speed_m_s: [f64; 4],
+    /// Yaw rate in rad/s, positive to the left.
+    pub yaw_rate_rad_s: f64,
+    /// Acceleration forward in m/s², gravity along a grade included.
+    pub accel_x_m_s2: f64,
+    /// Acceleration to the left in m/s², gravity across included.
+    pub accel_y_m_s2: f64,
+    /// Whether the driver brakes, 0 or 1.
+    pub brake: f64,
+    /// True pressures in kPa.
+    pub pressure_kpa: [f64; 4],
+    /// `ln` of the true rolling radii over the assumed one.
+    pub ln_radius: [f64; 4],
+}
+
+/// A mass on board: over time, m behind the front axle, m to the left.
+type Mass = (TimeProfile, [f64; 2]);
+
+/// The wheels of a drive.
+#[derive(Debug, Clone)]
+pub(crate) struct WheelSpeedRun {
+    spec: WheelSpeedSpec,
+    chassis: Chassis,
+    drawn: Drawn,
+    speed_m_s: TimeProfile,
+    motion: Motion,
+    payload: Vec<Mass>,
+    pressures_kpa: [TimeProfile; 4],
+    radius_m: [f64; 4],
+    rough: Rough,
+    random: Pcg64,
+    losses: Pcg64,
+    grade: Wander,
+    cross_slope: Wander,
+    wind: Wander,
+    steering: Wander,
+    yaw_drift: Wander,
+    shaken: [[Shaken; 2]; 4],
+    /// Messages so far, way at the last one in m, and what the last one that came said.
+    messages: i64,
+    distance_m: f64,
+    row: Option<WheelSpeedRow>,
+}
+
+impl WheelSpeedRun {
+    /// Of a scenario without a journey; `None` where it has no wheel speeds.
+    pub(crate) fn new(scenario: &Scenario, seed: u64) -> Result<Option<Self>, InvalidValue> {
+        let (Some(spec), Some(car)) = (scenario.wheel_speeds, &scenario.car) else { return Ok(None) };
+        let of = &scenario.corner;
+        let (Some(fl), Some(fr), Some(rl), Some(rr)) = (&of.fl, &of.fr, &of.rl, &of.rr) else {
+            return Ok(None);
+        };
+        let corners = [fl, fr, rl, rr];
+        let static_n = corners.map(|corner| {
+            let sprung_kg = corner.sprung_mass_kg * corner.truth.sprung_mass_factor;
+            GRAVITY_M_S2 * (sprung_kg + corner.unsprung_mass_kg * corner.truth.unsprung_mass_factor)
+        });
+        let speed_m_s = scenario.speed.profile_m_s()?;
+        let payload = car.payload.iter().map(|p| Ok((p.mass_kg()?, [p.behind_front_m, p.left_m])));
+        let mut random = generator(seed, Purpose::WheelSpeeds, [0, 0]);
+        let step_s = 1e-3 * spec.period_ms;
+        let [p0, p1, p2, p3] = corners.map(|corner| corner.pressure.profile_kpa());
+        Ok(Some(Self {
+            spec,
+            chassis: Chassis::new(&spec, car, scenario.wheelbase_m, static_n),
+            drawn: Drawn::new(&spec, corners, seed),
+            motion: Motion::new(car, &speed_m_s, scenario.wheelbase_m)?,
+            distance_m: speed_m_s.integral(-1e-3 * spec.latency_ms),
+            speed_m_s,
+            payload: payload.collect::<Result<_, InvalidValue>>()?,
+            pressures_kpa: [p0?, p1?, p2?, p3?],
+            radius_m: corners.map(|corner| corner.truth.rolling_radius_m),
+            rough: Rough::new(&scenario.road),
+            grade: Wander::new(spec.grade_sd, GRADE_M, &mut random),
+            cross_slope: Wander::new(spec.cross_slope_sd, CROSS_SLOPE_M, &mut random),
+            wind: Wander::new(spec.wind_m_s, WIND_S, &mut random),
+            steering: Wander::new(spec.steering_m_s2, STEERING_S, &mut random),
+            yaw_drift: Wander::new(YAW_DRIFT_RAD_S, YAW_DRIFT_S, &mut random),
+            random,
+            losses: generator(seed, Purpose::WheelSpeeds, [1, 0]),
+            shaken: [[HOP, BODY].map(|[hz, damping]| Shaken::new(hz, damping, step_s)); 4],
+            messages: 0,
+            row: None,
+        }))
+    }
+
+    /// What the bus has said by a time in s; times go forward.
+    pub(crate) fn read(&mut self, time_s: f64) -> Option<WheelSpeedRow> {
+        let step_s = 1e-3 * self.spec.period_ms;
+        // Rounding does not make a message late.
+        while self.messages as f64 * step_s <= time_s + 1e-9 {
+            let message = self.message(self.messages as f64 * step_s - 1e-3 * self.spec.latency_ms, step_s);
+            let lost = self.losses.random::<f64>() < self.spec.lost_share;
+            if !lost || self.row.is_none() {
+                self.row = Some(message);
+            }
+            self.messages += 1;
+        }
+        self.row
+    }
+
+    /// How the car moves a message later.
+    fn moving(&mut self, time_s: f64, step_s: f64) -> Moving {
+        let speed_m_s = self.speed_m_s.value(time_s);
+        let distance_m = self.speed_m_s.integral(time_s);
+        let way_m = distance_m - self.distance_m;
+        self.distance_m = distance_m;
+        let random = &mut self.random;
+        let steering = self.steering.step(step_s, random);
+        let [along, across] = self.motion.car_m_s2(time_s);
+        Moving {
+            speed_m_s,
+            accel_m_s2: [along, if speed_m_s > STEERED_M_S { across + steering } else { across }],
+            grade: self.grade.step(way_m, random),
+            cross_slope: self.cross_slope.step(way_m, random),
+            wind_m_s: self.wind.step(step_s, random),
+        }
+    }
+
+    /// The message about an instant.
+    fn message(&mut self, time_s: f64, step_s: f64) -> WheelSpeedRow {
+        let moving = self.moving(time_s, step_s);
+        let v = moving.speed_m_s;
+        let payload =
+            self.payload.iter().map(|(kg, [behind_m, left_m])| [kg.value(time_s), *behind_m, *left_m]);
+        let loads_n = self.chassis.loads_n(&moving, payload);
+        let pressure_kpa = [0, 1, 2, 3].map(|i| self.pressures_kpa[i].value(time_s));
+        let ln_radius = [0, 1, 2, 3].map(|i| {
+            let load = loads_n[i] / self.chassis.static_n[i];
+            self.drawn.tires[i].ln_radius(load, pressure_kpa[i], v) - self.worn(i)
+        });
+        let forces = self.chassis.forces_n(&moving, &loads_n, &self.drawn.brakes);
+        let braked = forces.brake_n.iter().any(|n| *n < 0.0) || v < SLOWEST_M_S;
+        let curvature = if v > SLOWEST_M_S { moving.accel_m_s2[1] / (v * v) } else { 0.0 };
+        let ways = self.chassis.ways(curvature, moving.accel_m_s2[1]);
+        let slips = self.slips(&forces.engine_n, &forces.brake_n, &loads_n, &pressure_kpa, &ln_radius, &ways);
+        let shaken = self.shaken(v);
+        let speed = |i: usize| {
+            let exact = v * ways[i] * (1.0 + slips[i]) * (shaken[i] - ln_radius[i]).exp();
+            if v > SLOWEST_M_S { in_steps(exact, self.spec.resolution_km_h / 3.6) } else { 0.0 }
+        };
+        let wheel_speed_m_s = [0, 1, 2, 3].map(speed);
+        self.motion_row(
+            &moving,
+            curvature,
+            braked,
+            step_s,
+            WheelSpeedRow {
+                wheel_speed_m_s,
+                yaw_rate_rad_s: f64::NAN,
+                accel_x_m_s2: f64::NAN,
+                accel_y_m_s2: f64::NAN,
+                brake: f64::NAN,
+                pressure_kpa,
+                ln_radius,
+            },
+        )
+    }
+
+    /// Share of a wheel's radius that its tread has lost.
+    fn worn(&self, wheel: usize) -> f64 {
+        let driven = match self.spec.driven {
+            DrivenWheels::Front => wheel < 2,
+            DrivenWheels::Rear => wheel >= 2,
+            DrivenWheels::All => true,
+        };
+        let factor = if driven { 2.0 } else { 1.0 };
+        factor * self.spec.wear_per_km * 1e-3 * self.distance_m
+    }
+
+    fn slips(
+        &self,
+        engine_n: &[f64; 2],
+        brake_n: &[f64; 4],
+        loads_n: &[f64; 4],
+        pressure_kpa: &[f64; 4],
+        ln_radius: &[f64; 4],
+        ways: &[f64; 4],
+    ) -> [f64; 4] {
+        let stiffness_n =
+            [0, 1, 2, 3].map(|i| self.drawn.tires[i].slip_stiffness_n(loads_n[i], pressure_kpa[i]));
+        let mut slips = [0.0; 4];
+        for axle in 0..2 {
+            let (left, right) = (2 * axle, 2 * axle + 1);
+            let free = (ways[left] / ways[right]).ln() - (ln_radius[left] - ln_radius[right]);
+            let slips_of = |forces_n: [f64; 2]| {
+                [(left, forces_n[0]), (right, forces_n[1])]
+                    .map(|(i, engine_n)| slip(engine_n + brake_n[i], loads_n[i], stiffness_n[i]))
+            };
+            // What is not driven has no differential.
+            let engine = if engine_n[axle] == 0.0 {
+                [0.0; 2]
+            } else {
+                let stiffness_n = [stiffness_n[left], stiffness_n[right]];
+                self.chassis.shared_n(engine_n[axle], free, stiffness_n, slips_of)
+            };
+            [slips[left], slips[right]] = slips_of(engine);
+        }
+        slips
+    }
+
+    /// By what share each wheel turns faster than its radius and slip say: loads that swing, wheels that are not round, noise.
+    fn shaken(&mut self, speed_m_s: f64) -> [f64; 4] {
+        let amplitude = self.spec.load_share
+            * self.rough.amplitude(self.distance_m)
+            * (speed_m_s / SHAKEN_M_S).max(0.0).sqrt();
+        let mut shaken = [0.0; 4];
+        for (i, (shaken, [hop, body])) in shaken.iter_mut().zip(&mut self.shaken).enumerate() {
+            let load = hop.step(&mut self.random) + BODY_SHARE * body.step(&mut self.random);
+            let [round, phase] = self.drawn.out_of_round[i];
+            *shaken = self.drawn.tires[i].per_ln_load * amplitude * load
+                + round * (self.distance_m / self.radius_m[i] + phase).cos()
+                + WHITE * normal(&mut self.random);
+        }
+        shaken
+    }
+
+    /// The row with what the sensors of the car's motion say.
+    fn motion_row(
+        &mut self,
+        moving: &Moving,
+        curvature: f64,
+        braked: bool,
+        step_s: f64,
+        row: WheelSpeedRow,
+    ) -> WheelSpeedRow {
+        let [along, across] = moving.accel_m_s2;
+        let drawn = &self.drawn;
+        let random = &mut self.random;
+        let yaw = moving.speed_m_s * curvature
+            + drawn.yaw_offset_rad_s
+            + self.yaw_drift.step(step_s, random)
+            + YAW_NOISE_RAD_S * normal(random);
+        let felt = along + GRAVITY_M_S2 * moving.grade;
+        let x = (1.0 + SQUAT) * felt + drawn.accel_offset_m_s2[0] + ACCEL_NOISE_M_S2 * normal(random);
+        let y = across
+            + GRAVITY_M_S2 * moving.cross_slope
+            + drawn.accel_offset_m_s2[1]
+            + ACCEL_NOISE_M_S2 * normal(random);
+        let said = |known: bool, value: f64, step: f64| if known { in_steps(value, step) } else { f64::NAN };
+        WheelSpeedRow {
+            yaw_rate_rad_s: said(self.spec.yaw_rate, yaw, YAW_STEP_RAD_S),
+            accel_x_m_s2: said(self.spec.accel_x, x, ACCEL_STEP_M_S2),
+            accel_y_m_s2: said(self.spec.accel_y, y, ACCEL_STEP_M_S2),
+            brake: said(self.spec.brake, f64::from(u8::from(braked)), 0.0),
+            ..row
+        }
+    }
+}
+
+fn in_steps(value: f64, step: f64) -> f64 {
+    if step > 0.0 { (value / step).round() * step } else { value }
+}

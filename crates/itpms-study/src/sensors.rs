@@ -1,0 +1,66 @@
+//! What a car of a study has to find its pressures with.
+
+use itpms_core::wheel_speed::{DrivenAxle, LoadUncertainty, WheelSpeedConfig, WheelSpeedSample};
+use itpms_sim::scenario::Scenario;
+use itpms_sim::simulation::SimRow;
+use itpms_sim::wheel_speeds::{DrivenWheels, WheelSpeedRow};
+use serde::{Deserialize, Serialize};
+
+/// The sensors of a car.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Sensors {
+    /// Accelerometers at wheels and body.
+    #[default]
+    Accelerations,
+    /// The four wheel speeds of its bus and nothing else.
+    WheelSpeeds,
+}
+
+impl Sensors {
+    /// All, the usual ones first.
+    pub const ALL: [Self; 2] = [Self::Accelerations, Self::WheelSpeeds];
+
+    /// The name on the command line.
+    #[must_use]
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Accelerations => "accelerations",
+            Self::WheelSpeeds => "wheel-speeds",
+        }
+    }
+
+    pub(crate) fn are_usual(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// What a monitor is told of the wheels of a scenario's car: tires nothing is known of. `None`: it has no wheel speeds.
+pub(crate) fn wheel_speed_config(
+    scenario: &Scenario,
+    load: LoadUncertainty<f64>,
+) -> Option<WheelSpeedConfig<f64>> {
+    let (car, wheels) = (scenario.car.as_ref()?, scenario.wheel_speeds.as_ref()?);
+    let driven = match wheels.driven {
+        DrivenWheels::Front => DrivenAxle::Front,
+        DrivenWheels::Rear => DrivenAxle::Rear,
+        DrivenWheels::All => DrivenAxle::Both,
+    };
+    let limited_slip = wheels.locking_n > 0.0 || wheels.locking_share > 0.0;
+    let config = WheelSpeedConfig::new(scenario.wheelbase_m, car.track_front_m, car.track_rear_m, driven);
+    Some(WheelSpeedConfig { limited_slip, load, ..config })
+}
+
+/// What a monitor sees of a row.
+pub(crate) fn wheel_speed_sample(row: &SimRow) -> Option<(WheelSpeedSample<f64>, &WheelSpeedRow)> {
+    let wheels = row.wheel_speeds.as_ref()?;
+    let sample = WheelSpeedSample {
+        time_s: row.time_s,
+        wheel_speed_m_s: wheels.wheel_speed_m_s,
+        yaw_rate_rad_s: wheels.yaw_rate_rad_s,
+        accel_x_m_s2: wheels.accel_x_m_s2,
+        accel_y_m_s2: wheels.accel_y_m_s2,
+        brake: wheels.brake.is_finite().then_some(wheels.brake > 0.5),
+    };
+    Some((sample, wheels))
+}

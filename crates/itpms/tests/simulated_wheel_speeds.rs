@@ -1,0 +1,66 @@
+//! Simulated wheel speeds from the scenario to what is reported of them.
+#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
+
+use serde_json::Value;
+
+use crate::common::{Bench, table};
+
+/// A car at 80 km/h and a little about it; its rear left tire loses two fifths from 700 to 760 s.
+const SCENARIO: &str = r#"
+name = "rolling"
+duration_s = 1100
+rate_hz = 50
+[speed]
+points_s_km_h = [[0, 70], [100, 90], [200, 70], [300, 90], [400, 70], [500, 90], [600, 70], [700, 90], [800, 70], [1100, 85]]
+[road.surface.iso8608]
+roughness = "A"
+slope = 2.0
+[car]
+[wheel_speeds]
+alone = true
+[corner]
+fl = { pressure.constant_kpa = 241.3 }
+fr = { pressure.constant_kpa = 241.3 }
+rl = { pressure.points_s_kpa = [[700.0, 241.3], [760.0, 145.0]] }
+rr = { pressure.constant_kpa = 241.3 }
+"#;
+
+#[test]
+fn a_simulated_loss_is_found_by_the_wheel_speeds_alone() {
+    let bench = Bench::new();
+    bench.write("rolling.toml", SCENARIO);
+    bench.run("lab simulate rolling.toml --seed 3 -o drive.csv --vehicle-out car.toml").success();
+    let (head, rows) = table(&bench.read("drive.csv"));
+    let columns = "time_s speed_m_s fl_wheel_speed_m_s fr_wheel_speed_m_s rl_wheel_speed_m_s rr_wheel_speed_m_s \
+                   yaw_rate_rad_s accel_x_m_s2 accel_y_m_s2 brake";
+    assert_eq!(head, columns.split(' ').collect::<Vec<_>>());
+    assert_eq!(rows.len(), 55_000);
+    let outcome = bench.run(
+        "estimate drive.csv --vehicle car.toml -o est.csv --calibrate-s 600 --report report.html --json",
+    );
+    let summary: Value = serde_json::from_str(outcome.success()).unwrap();
+    let alert = &summary["alerts"][0];
+    assert_eq!((&alert["kind"], &alert["wheels"]), (&"differs".into(), &serde_json::json!(["rl"])));
+    // It is two fifths, which is found while it is lost or soon after.
+    let said_s = alert["said_s"].as_f64().unwrap();
+    assert!((700.0..1000.0).contains(&said_s), "{said_s}");
+    assert_eq!(summary["alerts"].as_array().unwrap().len(), 1, "{}", summary["alerts"]);
+    assert!(bench.read("report.html").contains("differs"));
+}
+
+#[test]
+fn wheel_speeds_come_beside_the_accelerations_where_the_scenario_has_them() {
+    let bench = Bench::new();
+    let beside =
+        SCENARIO.replace("alone = true", "brake = false").replace("duration_s = 1100", "duration_s = 2");
+    bench.write("beside.toml", beside.replace("rate_hz = 50", "rate_hz = 200"));
+    bench.run("lab simulate beside.toml -o drive.csv --no-truth").success();
+    let (head, rows) = table(&bench.read("drive.csv"));
+    assert!(
+        head.contains(&"rr_wheel_accel_m_s2".to_owned()) && head.contains(&"rr_wheel_speed_m_s".to_owned())
+    );
+    assert!(!head.contains(&"brake".to_owned()) && !head.iter().any(|name| name.contains("kpa")));
+    // Messages of 20 ms hold over rows of 5 ms.
+    let column = head.iter().position(|name| name == "fl_wheel_speed_m_s").unwrap();
+    assert!(rows[..400].chunks(4).all(|four| four.iter().all(|row| row[column] == four[0][column])));
+}
