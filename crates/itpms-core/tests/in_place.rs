@@ -71,7 +71,7 @@ fn a_car_whose_monitor_or_corner_is_refused_is_not_configured() {
     assert_eq!(car.configure(&refused, RATE_HZ).unwrap_err().name, "reference_kpa");
     assert!(car.update(&cast(&ROWS[0])).corners.iter().all(Option::is_none));
 
-    // The third corner's sensors are said to have no noise, which the road's filter refuses.
+    // The third corner's sensors are said to have no noise.
     let mut estimator = Box::new(CarEstimator::<f32>::unconfigured());
     let mut refused = config();
     refused.corners[2].as_mut().unwrap().accel_noise_m_s2 = Some(0.0);

@@ -318,8 +318,8 @@ fn a_shared_road_that_is_given_up_leaves_the_corners_to_themselves() {
             row
         })
         .collect();
-    let alone = CarConfig { wheelbase_m: None, ..config::<f64>() };
-    let (together, alone) = (drive(&mut car(&config::<f64>()), &rows), drive(&mut car(&alone), &rows));
+    let mut alone = car(&config::<f64>()).with_sources(Sources::Spectrum);
+    let (together, alone) = (drive(&mut car(&config::<f64>()), &rows), drive(&mut alone, &rows));
     let (together, alone) = (together.last().unwrap(), alone.last().unwrap());
     assert!(together.tracks.iter().all(|track| !track.shared));
     for (together, alone) in together.corners.iter().flatten().zip(alone.corners.iter().flatten()) {

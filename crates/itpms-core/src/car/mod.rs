@@ -126,6 +126,8 @@ impl<T: Real> CarEstimator<T> {
         self.fusion.clear();
         if let Some(wheelbase_m) = Fusion::wheelbase_m(config) {
             self.fusion.place(|fusion| fusion.configure(config, wheelbase_m, sample_rate_hz, grid_period_s));
+            // No sample is to work on all corners' frames, besides those of the axles.
+            self.corners[2..].iter_mut().flatten().for_each(CornerEstimator::stagger);
         }
         self.considered.configure(config);
         self.body_equation.configure(&config.corners, sample_rate_hz);
@@ -145,9 +147,6 @@ impl<T: Real> CarEstimator<T> {
             place.clear();
             if let Some(config) = &config.corners[corner.index()] {
                 place.try_place(|corner| corner.configure(config, sample_rate_hz))?;
-                if let (Some(estimator), Corner::RearLeft | Corner::RearRight) = (place.as_mut(), corner) {
-                    estimator.stagger();
-                }
             }
         }
         self.clock = SampleClock::new(sample_rate_hz)?;
@@ -212,7 +211,7 @@ impl<T: Real> CarEstimator<T> {
         for corner in self.corners.iter_mut().flatten() {
             corner.begin_calibration(seconds)?;
         }
-        self.calibration_s = Some(seconds);
+        (self.calibration_s, self.conclude_in) = (Some(seconds), 0);
         Ok(())
     }
 
@@ -225,6 +224,7 @@ impl<T: Real> CarEstimator<T> {
     /// Ends the calibration that is to begin or under way, as where a log ends with it; what it taught is there then.
     pub fn end_calibration(&mut self) {
         (self.calibration_s, self.calibration_ends_s) = (None, f64::NEG_INFINITY);
+        self.conclude_in = 0;
         self.corners.iter_mut().flatten().for_each(CornerEstimator::end_calibration);
         if let Some(fusion) = self.fusion.as_mut() {
             fusion.set_calibrating(false);
@@ -270,6 +270,7 @@ impl<T: Real> CarEstimator<T> {
             estimator.restart();
         }
         self.body_equation.restart();
+        self.conclude_in = 0;
         if let Some(fusion) = self.fusion.as_mut() {
             fusion.restart(corner.index());
         }
@@ -280,6 +281,7 @@ impl<T: Real> CarEstimator<T> {
     /// twelve seconds is taken back, if it contradicts what was known before of anything but those corners' own tires.
     #[inline(never)]
     pub fn rollback(&mut self, suspected: [bool; 4]) {
+        self.conclude_in = 0;
         if let Some(fusion) = self.fusion.as_mut() {
             fusion.rollback(suspected);
         }

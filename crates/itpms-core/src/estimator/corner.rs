@@ -34,8 +34,9 @@ pub(crate) struct CornerEstimator<T: Real> {
     /// What the Bayes filter last found, and the time of the step in which a frame or a repeated road was last learned from.
     reading: Reading<T>,
     read_s: f64,
-    /// Whether that was since it was last asked for.
+    /// Whether that was since it was last asked for, or the sensors have fallen silent or come back.
     has_news: bool,
+    was_bad: bool,
     /// Length in s of the calibration drive at the start, and when it ends once that is known.
     calibration_s: f64,
     calibration_ends_s: Option<f64>,
@@ -60,7 +61,7 @@ pub(crate) struct CornerEstimator<T: Real> {
 }
 
 blank!(CornerEstimator<T> {
-    config, resampler, informed, reading, read_s, has_news, calibration_s, calibration_ends_s,
+    config, resampler, informed, reading, read_s, has_news, was_bad, calibration_s, calibration_ends_s,
     pinned_s, restarts, repetition, fused, contact, strut, friction_variance,
     fit, misfit, judged_from_s, has_fitted, learned_before_s, concluded,
 });
@@ -76,6 +77,7 @@ impl<T: Real> CornerEstimator<T> {
         sample_rate_hz: f64,
     ) -> Result<(), ParameterError> {
         let sample_rate_hz = positive("sample_rate_hz", sample_rate_hz)?;
+        positive("accel_noise_m_s2", config.accel_noise_or_usual_m_s2())?;
         self.config = *config;
         self.resampler = Resampler::new(sample_rate_hz, LEAST_GRID_HZ);
         let grid_period_s = self.resampler.grid_period_s();
@@ -106,12 +108,14 @@ impl<T: Real> CornerEstimator<T> {
     /// What is known before the first frame.
     fn begin_reading(&mut self) {
         self.reading = Reading::of(&self.config, &self.informed.belief());
-        (self.read_s, self.has_news) = (f64::NEG_INFINITY, false);
+        (self.read_s, self.has_news, self.was_bad) = (f64::NEG_INFINITY, false, false);
     }
 
-    /// Whether anything was learned since this was last asked.
+    /// Whether anything was learned since this was last asked, or the sensors have fallen silent or come back.
     pub(crate) fn take_news(&mut self) -> bool {
-        core::mem::take(&mut self.has_news)
+        let is_bad = self.resampler.is_bad();
+        let has_changed = core::mem::replace(&mut self.was_bad, is_bad) != is_bad;
+        core::mem::take(&mut self.has_news) || has_changed
     }
 
     /// Says that the tire has its placard pressure from the next sample on, for `seconds`: the driver's calibration.

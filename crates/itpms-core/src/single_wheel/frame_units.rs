@@ -83,9 +83,9 @@ impl<T: Real> FrameWork<T> {
         }
     }
 
-    /// Its pairs end when those of the other axle begin.
-    pub(super) fn stagger(&mut self) {
-        self.is_late = true;
+    /// There is nothing to do, and its pairs end when those of the other axle begin, or with them.
+    pub(super) fn set_late(&mut self, is_late: bool) {
+        self.is_late = is_late;
         self.clear();
     }
 

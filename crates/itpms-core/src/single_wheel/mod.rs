@@ -165,12 +165,13 @@ impl<T: Real> Informed<T> {
         let body = Body::from(&config.quarter_car);
         self.posterior.configure(FRAMES_AT_ONCE * self.clock.hop_s());
         self.tables.configure(spacing_hz, sample_rate_hz, &self.grid, &config.tire, &body);
+        self.work.set_late(false);
         self.restart(repetition);
     }
 
     /// Its pairs of frames end when those of the car's other axle begin; before the first sample.
     pub(crate) fn stagger(&mut self) {
-        self.work.stagger();
+        self.work.set_late(true);
     }
 
     /// Tells what is known of the road repeating itself; to be said before the first sample.

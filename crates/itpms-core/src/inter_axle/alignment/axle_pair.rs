@@ -135,6 +135,7 @@ impl<T: Real> AxlePair<T> {
         self.imbalance = Imbalance::new();
         self.distance_m = f64::NAN;
         self.coherence = Coherence::new();
+        self.products.iter_mut().for_each(|products| products.fill(T::zero()));
         (self.due_bin, self.has_products) = (0, false);
         self.on_line = [false; 2];
         self.hop_excess = HopExcess::new();
