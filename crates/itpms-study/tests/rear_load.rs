@@ -62,7 +62,9 @@ fn calibration(seed: u64) -> RadiusCalibration<f64> {
     let mut wheels = monitor();
     wheels.begin_calibration(LEARNING_S - 1.0).unwrap();
     assert_eq!(reported(&mut wheels, &drive(seed, LEARNING_S, 0.0), seed), None);
-    *wheels.calibration().unwrap_or_else(|| panic!("nothing learned with seed {seed}"))
+    let learned = wheels.calibration();
+    assert!(learned.is_some(), "nothing learned with seed {seed}");
+    *learned.unwrap()
 }
 
 #[test]

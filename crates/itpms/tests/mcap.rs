@@ -128,7 +128,9 @@ fn a_recording_says_what_the_lines_of_json_say_and_none_is_written_over() {
     let warnings = lines.iter().filter(|line| line["type"] == "warning");
     let mut warnings: Vec<_> = warnings.map(|line| known(&Value::Object(line.clone()))).collect();
     for warning in &mut warnings {
-        ["type", "seq", "unix_s"].map(|name| warning.remove(name));
+        for name in ["type", "seq", "unix_s"] {
+            warning.remove(name);
+        }
     }
     assert!(!warnings.is_empty());
     assert_eq!(topics["/alerts"], warnings);

@@ -54,7 +54,7 @@ impl<T: Real> Evidence<T> {
     pub(crate) fn with(&self, other: &Self) -> Self {
         let weight = self.weight + other.weight;
         if !(weight > T::zero()) {
-            return other.clone();
+            return *other;
         }
         let (one, two) = (self.weight / weight, other.weight / weight);
         let mean = |a: &[T; BINS], b: &[T; BINS]| core::array::from_fn(|bin| one * a[bin] + two * b[bin]);

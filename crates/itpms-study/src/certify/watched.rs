@@ -17,6 +17,8 @@ use super::{CertifyError, LoadsTold};
 use crate::sensors::{wheel_speed_config, wheel_speed_sample};
 
 /// A monitor and what it said last.
+// There is one at a time.
+#[allow(clippy::large_enum_variant)]
 pub(super) enum Watched {
     Car { car: Box<MonitoredCar<f64>>, estimate: Option<CarEstimate<f64>> },
     Wheels { wheels: Box<MonitoredWheels<f64>>, report: Box<MonitorReport<f64>> },
