@@ -43,8 +43,6 @@ pub(super) struct Block<T> {
     pub yaw_rate_rad_s: Option<T>,
     /// Force of the driven wheels per mass, in m/s².
     pub force_m_s2: T,
-    /// The same beyond what the car takes to cruise.
-    pub surplus_m_s2: T,
     /// Whether the force is an accelerometer's, which sees a grade.
     pub grade_seen: bool,
     /// Lateral acceleration in m/s², without sign.
@@ -53,7 +51,7 @@ pub(super) struct Block<T> {
     pub good: bool,
 }
 
-blank!(Block<T> { ratio, spread, used, speed_m_s, yaw_rate_rad_s, force_m_s2, surplus_m_s2, grade_seen, lateral_m_s2, good });
+blank!(Block<T> { ratio, spread, used, speed_m_s, yaw_rate_rad_s, force_m_s2, grade_seen, lateral_m_s2, good });
 
 /// Sums of the block that is being driven.
 #[derive(Debug, Clone, Copy)]
@@ -158,7 +156,7 @@ impl<T: Real> BlockSums<T> {
         let lateral = mean_of(&self.accel_y).unwrap_or(if yaw.is_some() { by_yaw } else { turned });
         block.speed_m_s = v;
         block.yaw_rate_rad_s = yaw;
-        (block.force_m_s2, block.surplus_m_s2) = (force, accel);
+        block.force_m_s2 = force;
         block.grade_seen = accel_x.is_some();
         block.lateral_m_s2 = lateral.abs().at_least(by_yaw.abs());
         block.good = v > T::lit(LEAST_SPEED_M_S)

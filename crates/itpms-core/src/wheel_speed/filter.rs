@@ -222,10 +222,6 @@ impl Disturbances {
     }
 }
 
-/// By how much the slips of a driven axle's wheels differ per m/s², in thousandths: some seventh of slip of 5e-3 per m/s², as loads do that
-/// differ by a tenth.
-const UNEQUAL_SLIP: f64 = 0.75;
-
 /// A block's three ratios as measurements of the state, in thousandths.
 struct Measurements<T> {
     h: [[T; STATES]; 3],
@@ -252,18 +248,10 @@ impl<T: Real> Measurements<T> {
         let turn = [-front * yaw, -rear * yaw, half * way * way * T::lit(1.0 / SCALE)];
         let shares = [0.06, 0.08, if block.yaw_rate_rad_s.is_some() { 0.07 } else { 0.14 }];
         let curve = T::lit(0.2) * block.lateral_m_s2;
-        // What a driven axle slips when it cruises is part of its offset.
-        let unequal_slip = T::lit(UNEQUAL_SLIP) * block.surplus_m_s2;
-        let is_driven = match config.driven {
-            DrivenAxle::Front => [true, false],
-            DrivenAxle::Rear => [false, true],
-            DrivenAxle::Both => [true, true],
-        };
         let noise = |i: usize| {
             let spread = T::lit(shares[i]) * block.spread[i];
             let curve = if i == AXLE { T::zero() } else { curve };
-            let slip = if is_driven.get(i) == Some(&true) { unequal_slip } else { T::zero() };
-            T::lit(0.0025) + spread * spread + curve * curve + slip * slip
+            T::lit(0.0025) + spread * spread + curve * curve
         };
         Self {
             h,
