@@ -2,13 +2,14 @@
 
 use nalgebra::{Complex, SVector};
 
-use crate::belief::measurement::{BINS, Gram, SideMeasurement, UpdateRecord};
+use crate::belief::measurement::{BINS, SideMeasurement, UpdateRecord};
 use crate::belief::state::{GAIN, SKEW_UNIT_S, State, read_compliance};
 use crate::inter_axle::alignment::channel::{BOTH, Entry, RELATIVE, SEEN};
 use crate::inter_axle::alignment::delay_line::{DelayLine, Read};
 use crate::inter_axle::alignment::delay_search::{AT_FIRST, DelaySearch, Found, LATER};
 use crate::inter_axle::alignment::opposite_side::{OppositeSide, of_other_side, with_other};
 use crate::inter_axle::residual::correction::FrfCorrection;
+use crate::inter_axle::residual::expected_products::ExpectedProducts;
 use crate::inter_axle::residual::hop_excess::HopExcess;
 use crate::inter_axle::residual::imbalance::Imbalance;
 use crate::inter_axle::residual::instrument::Instrument;
@@ -97,11 +98,7 @@ pub(crate) struct AxlePair<T: Real> {
     /// Distance in m of the rear wheel at its last entry.
     distance_m: f64,
     coherence: Coherence<T>,
-    /// Products of the residual's derivatives on a road of unit power. They change as slowly as the car does: of those that are known, one
-    /// bin is computed anew with every frame.
-    products: [Gram<T>; BINS],
-    due_bin: usize,
-    has_products: bool,
+    products: ExpectedProducts<T>,
     /// Whether the road under front and rear is one line.
     on_line: [bool; 2],
     hop_excess: HopExcess<T>,
@@ -118,7 +115,7 @@ pub(crate) struct AxlePair<T: Real> {
 
 blank!(AxlePair<T> {
     side, period_s, noise_density, delay_line, delay_search, aligned, clock, instruments,
-    frf_correction, saved, imbalance, distance_m, coherence, products, due_bin, has_products, on_line, hop_excess, log_snr, used, invalid_hops,
+    frf_correction, saved, imbalance, distance_m, coherence, products, on_line, hop_excess, log_snr, used, invalid_hops,
     learned_until_s, spectral_updates,
 });
 
@@ -135,8 +132,7 @@ impl<T: Real> AxlePair<T> {
         self.imbalance = Imbalance::new();
         self.distance_m = f64::NAN;
         self.coherence = Coherence::new();
-        self.products.iter_mut().for_each(|products| products.fill(T::zero()));
-        (self.due_bin, self.has_products) = (0, false);
+        self.products.restart();
         self.on_line = [false; 2];
         self.hop_excess = HopExcess::new();
         (self.log_snr, self.used) = (None, None);
@@ -329,7 +325,7 @@ impl<T: Real> AxlePair<T> {
         out: &mut Measured<T>,
     ) -> Option<()> {
         if !(frame.middle_s - self.learned_until_s < FORGET_S) {
-            self.has_products = false;
+            self.products.forget();
             self.coherence.restart();
         }
         if let Some(other) = meanwhile {
@@ -348,13 +344,8 @@ impl<T: Real> AxlePair<T> {
         (out.common, out.noise) = (common, noise);
         let SideMeasurement { side: of, expected, instrument, weight, incoherent_s } = &mut out.measurement;
         *of = side;
-        for (bin, products) in self.products.iter_mut().enumerate() {
-            if !self.has_products || bin == self.due_bin {
-                *products = road.expected_products(bin);
-            }
-        }
-        (self.has_products, self.due_bin) = (true, (self.due_bin + 1) % BINS);
-        *expected = self.coherence.expect(&road_power, &noise, &self.products, frame.stretch);
+        let products = self.products.refresh(|bin| road.expected_products(bin));
+        *expected = self.coherence.expect(&road_power, &noise, products, frame.stretch);
         *instrument = instrument_slope(frame, &frf_ratios, wheels, side, state);
         let heard = if self.on_line.contains(&true) { T::zero() } else { self.snr_weight() };
         *weight = self.coherence.weight() * frame.frame.seen * heard;
