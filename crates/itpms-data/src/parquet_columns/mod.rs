@@ -189,7 +189,7 @@ impl ParquetColumns {
             if column.values.len() != wanted {
                 let (name, found) = (&column.name, column.values.len());
                 let text = format!("column {name} ends after {found} of {wanted} rows of a batch");
-                return Err(Problem::Parquet(text));
+                return Err(Problem::Parquet(on_one_line(&text)));
             }
         }
         self.left_in_group -= wanted;
@@ -269,12 +269,29 @@ fn guarded<T>(read: impl FnOnce() -> Result<T, Problem>) -> Result<T, Problem> {
         .unwrap_or_else(|_| Err(Problem::Parquet("its contents contradict each other".to_owned())))
 }
 
+/// A message that quotes the file: a name in it may hold a line break.
+fn on_one_line(text: &str) -> String {
+    text.replace(|c: char| c.is_control(), " ")
+}
+
 fn problem(error: ParquetError) -> Problem {
     match error {
         ParquetError::General(text) | ParquetError::EOF(text) if text.contains("encrypt") => {
             Problem::Parquet("it is encrypted, expected a file without".to_owned())
         }
-        ParquetError::General(text) | ParquetError::EOF(text) => Problem::Parquet(text),
-        other => Problem::Parquet(other.to_string()),
+        ParquetError::General(text) | ParquetError::EOF(text) => Problem::Parquet(on_one_line(&text)),
+        other => Problem::Parquet(on_one_line(&other.to_string())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_that_quotes_a_line_break_is_one_line() {
+        let said = ParquetError::General("MAP cannot be applied to field 'a\0\nb'".to_owned());
+        let Problem::Parquet(text) = problem(said) else { panic!("another problem") };
+        assert_eq!(text, "MAP cannot be applied to field 'a  b'");
     }
 }
