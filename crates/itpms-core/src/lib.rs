@@ -102,6 +102,7 @@
 //! | `suspension` | the force in the struts, friction included, from the body's equation of motion |
 //! | `single_wheel` | one corner: a Bayes filter on a grid of pressures that knows that a road looks like a road |
 //! | `inter_axle` | front and rear over the same road: alignment and residual |
+//! | [`spectrum`] | from accelerations to the signals that a road is made of, and their frames |
 //! | `belief` | what is believed of the car: a bank of Gaussian hypotheses |
 //! | [`estimator`] | the estimator of one corner |
 //! | [`car`] | the estimator of a car: puts the above in order |
@@ -116,7 +117,6 @@
 //! | feature | what it adds |
 //! |---|---|
 //! | `serde` | saving and restoring of a running estimator |
-//! | `test-bench` | a road that repeats itself, as on a test bed or a drum |
 #![no_std]
 #![forbid(unsafe_code)]
 #![allow(clippy::op_ref)] // A matrix that is multiplied by value is copied on the stack first.
@@ -134,7 +134,7 @@ pub mod monitor;
 mod random;
 pub mod real;
 mod single_wheel;
-mod spectrum;
+pub mod spectrum;
 mod suspension;
 pub mod warning;
 pub mod wheel_speed;

@@ -10,8 +10,6 @@ mod common;
 mod estimator_driving;
 mod estimator_faults;
 mod estimator_garbage;
-#[cfg(feature = "test-bench")]
-mod estimator_repeated_road;
 mod estimator_reset;
 mod estimator_saved;
 mod fall_interval;

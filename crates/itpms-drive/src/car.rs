@@ -1,7 +1,8 @@
 //! The estimator of a drive's car, whichever was chosen.
 
 use itpms_core::car::{CarEstimate, CarEstimator};
-use itpms_core::model::{CalibrationError, CarSample, ParameterError, VehicleCalibration};
+use itpms_core::estimator::OutsideStiffness;
+use itpms_core::model::{CalibrationError, CarSample, Corner, ParameterError, VehicleCalibration};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::warning::MonitorReport;
 use itpms_paper::{EstimatorKind, PaperCar};
@@ -46,6 +47,13 @@ impl AnyCar {
         match self {
             Self::Monitored(car) => Some(car.estimator()),
             Self::Paper(_) => None,
+        }
+    }
+
+    /// Takes the stiffness of a corner's tire that another source follows, which the paper's filters have no use for.
+    pub fn follow(&mut self, corner: Corner, stiffness: Option<OutsideStiffness<f64>>) {
+        if let Self::Monitored(car) = self {
+            car.follow(corner, stiffness);
         }
     }
 

@@ -1,13 +1,13 @@
 //! The estimator of a drive's car, and what it says after a row.
 
-use itpms_core::car::{CarEstimate, CarEstimator, EstimatorOptions};
+use itpms_core::car::{CarEstimate, CarEstimator};
 use itpms_core::conditioning::{SpeedHold, is_a_cars};
 use itpms_core::model::{BodyFit, Corner, CornerEstimate, Misfit, QuarterCar};
 use itpms_core::monitor::MonitorConfig;
 use itpms_core::warning::MonitorReport;
 use itpms_data::out::{RadiusRow, WheelSpeedUse};
 use itpms_data::{LogRow, Vehicle};
-use itpms_road::RoadUnderCar;
+use itpms_road::{RepeatedRoads, RoadUnderCar};
 
 use crate::car::AnyCar;
 use crate::error::DriveError;
@@ -34,6 +34,8 @@ const UNKNOWN_SHARE: f64 = 0.1;
 pub struct Drive {
     car: AnyCar,
     road: RoadUnderCar<f64>,
+    /// Roads that repeat themselves, for the default estimator; on the heap as the car is.
+    repeated: Option<Box<RepeatedRoads<f64>>>,
     wheels: Option<WheelSpeeds>,
     /// Time of the first and of the last row, and seconds driven until front and rear of any side were found to meet the same road.
     first_s: f64,
@@ -69,11 +71,8 @@ impl Drive {
         let wheels = (wheel_speeds != WheelSpeedUse::None)
             .then(|| WheelSpeeds::new(settings, vehicle, alone, taught))
             .transpose()?;
-        let config = vehicle.car_config(corners);
-        let options =
-            EstimatorOptions { road_repetition: settings.road_repeats, ..EstimatorOptions::default() };
-        let config =
-            MonitorConfig::new(&config).with_limits(settings.regulation.into()).with_options(options);
+        let corners = vehicle.car_config(corners);
+        let config = MonitorConfig::new(&corners).with_limits(settings.regulation.into());
         let mut car = AnyCar::without_corners();
         if !alone && settings.calibration_kpa.iter().any(Option::is_some) {
             let what = "pressures of the calibration other than the placards' (--pressure-kpa) are of use for wheel speeds alone";
@@ -88,9 +87,13 @@ impl Drive {
                 car.begin_calibration(seconds)?;
             }
         }
+        let repeated = (!alone && car.estimator().is_some())
+            .then(|| RepeatedRoads::new(&corners, sample_rate_hz, settings.road_repeats).map(Box::new))
+            .transpose()?;
         Ok(Self {
             car,
             road: RoadUnderCar::unconfigured(),
+            repeated,
             wheels,
             first_s: f64::NAN,
             time_s: f64::NAN,
@@ -221,7 +224,14 @@ impl Drive {
         }
         let mut estimate = self.car.update(&row.sample());
         if let Some(estimator) = self.car.estimator() {
-            self.road.update(&row.sample(), &estimator.quarter_cars(), &mut estimate);
+            let (sample, quarter_cars) = (row.sample(), estimator.quarter_cars());
+            if let Some(repeated) = &mut self.repeated {
+                let car = &mut self.car;
+                repeated.update(&sample, &quarter_cars, &estimate, |corner, stiffness| {
+                    car.follow(corner, stiffness)
+                });
+            }
+            self.road.update(&sample, &quarter_cars, &mut estimate);
         }
         let step_s = row.time_s - self.time_s;
         self.time_s = row.time_s;

@@ -3,10 +3,10 @@
 
 use std::path::Path;
 
-use itpms_core::estimator::RoadRepetition;
 use itpms_core::model::Corner;
 use itpms_data::log::{LogOptions, UnitCheck};
 use itpms_data::{LogReader, Vehicle};
+use itpms_road::RoadRepetition;
 use itpms_study::report::{Parameter, Provenance};
 
 use crate::job::Job;

@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use itpms_core::estimator::RoadRepetition;
 use itpms_core::model::{Corner, PressureUnit};
 use itpms_core::warning::Regulation;
 use itpms_data::Vehicle;
 use itpms_paper::EstimatorKind;
+use itpms_road::RoadRepetition;
 
 use crate::error::DriveError;
 

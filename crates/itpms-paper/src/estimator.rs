@@ -1,12 +1,13 @@
 //! The paper's filters behind the face of [`itpms_core::Estimator`]: samples of one corner in, [`CornerEstimate`]s out.
 
-use itpms_core::Estimator;
 use itpms_core::conditioning::{GridSample, Resampler, SampleClock, SampleCounts};
+use itpms_core::estimator::CALIBRATION_SD;
 use itpms_core::model::{
     CornerConfig, CornerEstimate, CornerSample, Diagnostics, Level, ParameterError, Validity, Warning,
     positive,
 };
 use itpms_core::real::Real;
+use itpms_road::{EstimatorOnRepeatedRoad, RoadRepetition};
 
 use crate::{
     AekfUi, AekfUiInformed, EstimatorKind, FilterConfig, Forgetting, InformedConfig, InformedRecord,
@@ -15,8 +16,6 @@ use crate::{
 
 /// Least rate in Hz of the corrected filter's steps: that of the frames whose likelihood it is given.
 const LEAST_STEP_HZ: f64 = 400.0;
-/// How well a calibration sets the pressure, as a share of the placard pressure: 3 kPa at 241.3 kPa.
-const CALIBRATION_SD: f64 = 0.0125;
 /// Seconds between two measurements of the pressure that a calibration has set.
 const SET_S: f64 = 0.1;
 
@@ -43,7 +42,7 @@ enum Filter<T: Real> {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Corrected<T: Real> {
-    frames: Estimator<T>,
+    frames: EstimatorOnRepeatedRoad<T>,
     filter: AekfUiInformed<T>,
     record: InformedRecord<T>,
     /// Time in s of the last step, before the first minus infinity.
@@ -85,7 +84,7 @@ impl<T: Real> PaperEstimator<T> {
     pub fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
         let seconds = positive("calibrate_s", seconds)?;
         if let Filter::Corrected(corrected) = &mut self.filter {
-            corrected.frames.begin_calibration(seconds)?;
+            corrected.frames.estimator_mut().begin_calibration(seconds)?;
             (corrected.calibration_s, corrected.calibration_ends_s) = (seconds, None);
         }
         Ok(())
@@ -133,7 +132,7 @@ impl<T: Real> PaperEstimator<T> {
                 *filter = published_filter(&self.config, *forgetting).unwrap_or(*filter);
             }
             Filter::Corrected(corrected) => {
-                corrected.frames.restart();
+                corrected.frames.estimator_mut().restart();
                 corrected.filter = corrected_filter(&self.config).unwrap_or(corrected.filter);
                 corrected.record = corrected.filter.record(InformedStatus::PredictedOnly);
             }
@@ -150,7 +149,7 @@ impl<T: Real> Corrected<T> {
     fn new(config: &CornerConfig<T>, sample_rate_hz: f64) -> Result<Self, ParameterError> {
         let filter = corrected_filter(config)?;
         Ok(Self {
-            frames: Estimator::new(config, sample_rate_hz)?,
+            frames: EstimatorOnRepeatedRoad::new(config, sample_rate_hz, RoadRepetition::Detect)?,
             filter,
             record: filter.record(InformedStatus::PredictedOnly),
             last_s: f64::NEG_INFINITY,
@@ -169,7 +168,7 @@ impl<T: Real> Corrected<T> {
 
     /// Gives the filter what the frames tell of the stiffness, and what a calibration has set.
     fn measure(&mut self, config: &CornerConfig<T>, now_s: f64) {
-        if let Some(measured) = self.frames.take_pseudo_measurement() {
+        if let Some(measured) = self.frames.estimator_mut().take_pseudo_measurement() {
             self.filter.measure_stiffness(measured.stiffness_n_per_m, measured.sd_n_per_m);
             self.record = self.filter.record(self.record.status);
         }
@@ -298,7 +297,7 @@ fn corrected_estimate<T: Real>(
 #[allow(clippy::large_enum_variant)]
 pub enum AnyEstimator<T: Real> {
     /// The default one.
-    Informed(Estimator<T>),
+    Informed(EstimatorOnRepeatedRoad<T>),
     /// One of the paper's.
     Paper(PaperEstimator<T>),
 }
@@ -315,7 +314,9 @@ impl<T: Real> AnyEstimator<T> {
     ) -> Result<Self, ParameterError> {
         Ok(match PaperEstimator::new(kind, config, sample_rate_hz)? {
             Some(paper) => Self::Paper(paper),
-            None => Self::Informed(Estimator::new(config, sample_rate_hz)?),
+            None => {
+                Self::Informed(EstimatorOnRepeatedRoad::new(config, sample_rate_hz, RoadRepetition::Detect)?)
+            }
         })
     }
 
@@ -325,7 +326,7 @@ impl<T: Real> AnyEstimator<T> {
     /// The length must be positive and finite.
     pub fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
         match self {
-            Self::Informed(estimator) => estimator.begin_calibration(seconds),
+            Self::Informed(estimator) => estimator.estimator_mut().begin_calibration(seconds),
             Self::Paper(estimator) => estimator.begin_calibration(seconds),
         }
     }

@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
-use itpms_core::estimator::{RoadPeriod, RoadRepetition};
 use itpms_core::model::PressureUnit;
 use itpms_core::warning::Regulation;
 use itpms_data::log::LogOptions;
 use itpms_drive::EstimatorKind;
 use itpms_drive::Settings;
+use itpms_road::{RoadPeriod, RoadRepetition};
 use pyo3::prelude::*;
 
 use crate::errors::{Kind, raise};

@@ -4,7 +4,8 @@
 //! Whoever knows the stiffness feeds [`RoadFilter`] for the causal height, or [`RoadUnderCar`] for all wheels of a car that
 //! [`itpms_core`] estimates; whoever writes a road record
 //! feeds [`RoadRecorder`] for the smoothed one, with memory of its own; [`RoadLimits`] says which wavelengths
-//! either can see. Nothing here knows of pressure, distance or files.
+//! either can see. [`RepeatedRoads`] watches for a road that repeats itself, as on a test bed or a drum
+//! (docs/math/repeated-road.md). Nothing here knows of distance or files.
 //!
 //! ```
 //! use itpms_core::model::QuarterCar;
@@ -52,6 +53,7 @@ mod limits;
 mod model;
 mod recorder;
 mod recursion;
+mod repeated;
 mod row;
 mod segment;
 
@@ -60,5 +62,6 @@ pub use config::{RoadConfig, RoadLevel, SensorDelay};
 pub use filter::{RoadEstimate, RoadFilter};
 pub use limits::RoadLimits;
 pub use recorder::{RecorderMemoryError, RoadRecorder, window_for};
+pub use repeated::{EstimatorOnRepeatedRoad, RepeatedRoad, RepeatedRoads, RoadPeriod, RoadRepetition};
 pub use row::{RoadPoint, RoadRow};
 pub use segment::Segment;

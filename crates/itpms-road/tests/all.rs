@@ -3,5 +3,6 @@
 /// Plants and random numbers of the core's own tests.
 #[path = "../../itpms-core/tests/common/mod.rs"]
 mod common;
+mod repeated_road;
 mod road_estimate;
 mod under_car;

@@ -3,9 +3,10 @@
 #![allow(clippy::unwrap_used)]
 use crate::common;
 
-use common::ride::{Ride, Row, estimator, feed, normalised};
-use itpms_core::estimator::{Estimator, RoadPeriod, RoadRepetition};
+use common::ride::{Ride, Row, normalised};
 use itpms_core::model::{CornerConfig, CornerEstimate, Validity};
+use itpms_core::real::Real;
+use itpms_road::{EstimatorOnRepeatedRoad, RoadPeriod, RoadRepetition};
 
 const PERIOD_S: f64 = 0.66;
 
@@ -41,13 +42,29 @@ fn loss() -> Ride {
     }
 }
 
-fn tire(rate_hz: f64) -> Estimator<f64> {
-    let config = CornerConfig::paper().with_accel_noise(0.2).unwrap();
-    Estimator::new(&config, rate_hz).unwrap()
+type Bed<T> = EstimatorOnRepeatedRoad<T>;
+
+fn config<T: Real>() -> CornerConfig<T> {
+    CornerConfig::paper().with_accel_noise(T::lit(0.2)).unwrap()
 }
 
-fn run(mut tire: Estimator<f64>, rows: &[Row]) -> Vec<CornerEstimate<f64>> {
-    rows.iter().map(|row| feed(&mut tire, row)).collect()
+/// An estimator that looks for the period, at 500 Hz.
+fn bed_of<T: Real>(config: &CornerConfig<T>) -> Bed<T> {
+    Bed::new(config, 500.0, RoadRepetition::Detect).unwrap()
+}
+
+/// The same at its placard pressure for the first seconds.
+fn calibrated<T: Real>(mut bed: Bed<T>, seconds: f64) -> Bed<T> {
+    bed.estimator_mut().begin_calibration(seconds).unwrap();
+    bed
+}
+
+fn feed<T: Real>(bed: &mut Bed<T>, row: &Row) -> CornerEstimate<T> {
+    bed.update(row.time_s, T::lit(row.speed_m_s), T::lit(row.body), T::lit(row.wheel))
+}
+
+fn run(mut bed: Bed<f64>, rows: &[Row]) -> Vec<CornerEstimate<f64>> {
+    rows.iter().map(|row| feed(&mut bed, row)).collect()
 }
 
 /// Root mean square and largest error over its sd of the rows in a span of time.
@@ -64,7 +81,7 @@ fn errors(rows: &[Row], estimates: &[CornerEstimate<f64>], span: std::ops::Range
 #[test]
 fn after_a_reset_a_loss_is_read_to_a_few_kilopascal() {
     let rows = loss().rows();
-    let estimates = run(tire(500.0).with_calibration_drive(10.0).unwrap(), &rows);
+    let estimates = run(calibrated(bed_of(&config()), 10.0), &rows);
     // One corner on a road that does not repeat is good to 12 kPa here (its Cramer-Rao bound, docs/math/bound.md); the
     // bound of a repeated road is well below 1 kPa. Three leave room for the model.
     let (before, _) = errors(&rows, &estimates, 10.5..15.0);
@@ -77,8 +94,7 @@ fn after_a_reset_a_loss_is_read_to_a_few_kilopascal() {
 #[test]
 fn a_change_tells_the_level_without_a_reset() {
     let rows = loss().rows();
-    let config = CornerConfig::paper().with_accel_noise(0.2).unwrap().with_initial_pressure(215.0).unwrap();
-    let estimates = run(Estimator::new(&config, 500.0).unwrap(), &rows);
+    let estimates = run(bed_of(&config().with_initial_pressure(215.0).unwrap()), &rows);
     let (after, worst) = errors(&rows, &estimates, 20.0..30.0);
     assert!(after < 5.0, "{after} kPa");
     assert!(worst < 3.5, "{worst} sd");
@@ -88,8 +104,7 @@ fn a_change_tells_the_level_without_a_reset() {
 fn without_change_the_level_stays_unknown() {
     let ride = Ride { seconds: 60.0, pressure_kpa: |_| 241.3, ..loss() };
     let rows = ride.rows();
-    let config = CornerConfig::paper().with_accel_noise(0.2).unwrap().with_initial_pressure(220.0).unwrap();
-    let estimates = run(Estimator::new(&config, 500.0).unwrap(), &rows);
+    let estimates = run(bed_of(&config().with_initial_pressure(220.0).unwrap()), &rows);
     // The same pass again and again says nothing of the level: what the first seconds left open must not close.
     let sd = |t: f64| estimates[(t * 500.0) as usize].pressure_sd_kpa;
     assert!(sd(59.0) > 0.7 * sd(6.0), "{} kPa, {} kPa", sd(6.0), sd(59.0));
@@ -100,9 +115,9 @@ fn without_change_the_level_stays_unknown() {
 #[test]
 fn told_or_found_the_period_gives_the_same() {
     let rows = loss().rows();
-    let found = run(tire(500.0).with_calibration_drive(10.0).unwrap(), &rows);
+    let found = run(calibrated(bed_of(&config()), 10.0), &rows);
     let told = RoadRepetition::Every(RoadPeriod::new(PERIOD_S).unwrap());
-    let told = run(tire(500.0).with_road_repetition(told).with_calibration_drive(10.0).unwrap(), &rows);
+    let told = run(calibrated(Bed::new(&config(), 500.0, told).unwrap(), 10.0), &rows);
     // Both know the road from more than ten passes, only not from the same ones.
     let far =
         found.iter().zip(&told).skip(10_000).all(|(a, b)| (a.pressure_kpa - b.pressure_kpa).abs() < 1.5);
@@ -119,8 +134,9 @@ fn a_road_that_does_not_repeat_is_never_taken_for_one() {
     for (seed, bump) in [(1, (|_| 0.0) as fn(f64) -> f64), (2, unbalanced)] {
         let ride = Ride { seconds: 120.0, roughness_m3: 16e-6, bump_m: bump, ..Ride::new(seed) };
         let rows = ride.rows();
-        let looked_for = run(estimator(500.0), &rows);
-        let never = run(estimator(500.0).with_road_repetition(RoadRepetition::Never), &rows);
+        let corner = CornerConfig::paper();
+        let looked_for = run(bed_of(&corner), &rows);
+        let never = run(Bed::new(&corner, 500.0, RoadRepetition::Never).unwrap(), &rows);
         let differ = looked_for.iter().zip(&never).position(|(a, b)| a.pressure_kpa != b.pressure_kpa);
         assert_eq!(differ, None);
     }
@@ -135,7 +151,7 @@ fn when_the_road_repeats_no_more_the_estimator_lets_go() {
         ..loss()
     };
     let rows = ride.rows();
-    let estimates = run(tire(500.0).with_calibration_drive(5.0).unwrap(), &rows);
+    let estimates = run(calibrated(bed_of(&config()), 5.0), &rows);
     let (_, worst) = errors(&rows, &estimates, 6.0..60.0);
     assert!(worst < 4.0, "{worst} sd");
     // No reset helps here any more: the sd is that of one corner on any road.
@@ -146,7 +162,7 @@ fn when_the_road_repeats_no_more_the_estimator_lets_go() {
 fn a_hole_in_the_data_loses_neither_the_place_nor_the_pressure() {
     let mut rows = loss().rows();
     rows.retain(|row| !(12.0..13.1).contains(&row.time_s) && !(19.0..19.5).contains(&row.time_s));
-    let estimates = run(tire(500.0).with_calibration_drive(10.0).unwrap(), &rows);
+    let estimates = run(calibrated(bed_of(&config()), 10.0), &rows);
     let (after, worst) = errors(&rows, &estimates, 21.0..30.0);
     assert!(after < 3.0 && worst < 3.5, "{after} kPa, {worst} sd");
 }
@@ -154,10 +170,8 @@ fn a_hole_in_the_data_loses_neither_the_place_nor_the_pressure() {
 #[test]
 fn single_precision_is_enough() {
     let rows = loss().rows();
-    let double = run(tire(500.0).with_calibration_drive(10.0).unwrap(), &rows);
-    let config = CornerConfig::<f32>::paper().with_accel_noise(0.2).unwrap();
-    let single = Estimator::<f32>::new(&config, 500.0).unwrap();
-    let mut single = single.with_calibration_drive(10.0).unwrap();
+    let double = run(calibrated(bed_of(&config()), 10.0), &rows);
+    let mut single = calibrated(bed_of(&config::<f32>()), 10.0);
     let far = rows.iter().zip(&double).map(|(row, d)| {
         let s = feed(&mut single, row);
         (f64::from(s.pressure_kpa) - d.pressure_kpa).abs()
@@ -165,5 +179,5 @@ fn single_precision_is_enough() {
     // A tenth of the smallest sd on this road.
     let worst = far.fold(0.0, f64::max);
     assert!(worst < 0.1, "{worst} kPa");
-    println!("{} bytes in single precision", size_of::<Estimator<f32>>());
+    println!("{} bytes in single precision", size_of::<Bed<f32>>());
 }

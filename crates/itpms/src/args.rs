@@ -27,10 +27,10 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use clap_complete::Shell;
-use itpms_core::estimator::{RoadPeriod, RoadRepetition};
 use itpms_core::model::Corner;
 use itpms_core::warning::Regulation;
 use itpms_drive::EstimatorKind;
+use itpms_road::{RoadPeriod, RoadRepetition};
 use itpms_study::score::Part;
 use itpms_study::sensors::Sensors;
 

@@ -13,7 +13,7 @@ use self::conclusion::Concluded;
 use self::considered::Considered;
 use self::fusion::Fusion;
 use crate::conditioning::{Moment, SampleClock, SampleCounts};
-use crate::estimator::{CornerEstimator, RoadRepetition};
+use crate::estimator::{CornerEstimator, OutsideStiffness};
 use crate::memory::{Blank, Placed, blank};
 use crate::model::{
     BodyFit, CalibrationError, CarConfig, CarSample, Corner, Inflation, Misfit, ParameterError, QuarterCar,
@@ -50,13 +50,11 @@ blank!(Sources::SpectrumAndSharedRoad);
 pub struct EstimatorOptions {
     /// From where the pressure may be learned.
     pub sources: Sources,
-    /// What is known of the road repeating itself, as on a test bed.
-    pub road_repetition: RoadRepetition,
     /// When tires may gain air.
     pub inflation: Inflation,
 }
 
-blank!(EstimatorOptions { sources, road_repetition, inflation });
+blank!(EstimatorOptions { sources, inflation });
 
 /// A running estimator of a car. A value: clone it, save it, go on.
 #[derive(Debug, Clone, PartialEq)]
@@ -163,9 +161,6 @@ impl<T: Real> CarEstimator<T> {
     /// Uses the estimator otherwise; before the first sample. In place: a car by value on the stack is as large as a car.
     pub(crate) fn set_options(&mut self, options: &EstimatorOptions) {
         self.sources = options.sources;
-        for corner in self.corners.iter_mut().flatten() {
-            corner.set_road_repetition(options.road_repetition);
-        }
         if let Some(fusion) = self.fusion.as_mut() {
             fusion.set_inflation(options.inflation);
         }
@@ -195,11 +190,12 @@ impl<T: Real> CarEstimator<T> {
         Ok(self)
     }
 
-    /// The same with what is known of the road repeating itself, as on a test bed.
-    #[must_use]
-    pub fn with_road_repetition(mut self, repetition: RoadRepetition) -> Self {
-        self.corners.iter_mut().flatten().for_each(|corner| corner.set_road_repetition(repetition));
-        self
+    /// Takes the stiffness of a corner's tire that another source follows from the next sample on, in the place of what the corner's
+    /// own frames show, until `None` is given.
+    pub fn follow(&mut self, corner: Corner, stiffness: Option<OutsideStiffness<T>>) {
+        if let Some(estimator) = self.corners[corner.index()].as_mut() {
+            estimator.follow(stiffness);
+        }
     }
 
     /// Says that all tires have their placard pressures from the next sample on, for `seconds`, in which the car should be

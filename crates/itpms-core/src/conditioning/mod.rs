@@ -11,3 +11,6 @@ pub use self::resampler::{GridSample, Resampler, SampleCounts};
 pub use self::sample_clock::{Moment, SampleClock};
 pub(crate) use self::speed::STANDING_M_S;
 pub use self::speed::{Odometer, SpeedHold, is_a_cars};
+
+/// Least rate in Hz of the grid that estimators work on.
+pub const LEAST_GRID_HZ: f64 = 400.0;

@@ -1,19 +1,18 @@
 //! The estimator of one corner, without a clock: samples in, [`CornerEstimate`]s out. Called by [`Estimator`](super::Estimator) and by
 //! the car. Every sample passes the [`Resampler`], so the Bayes filter never sees a missing or absurd value.
 
-use super::RoadRepetition;
 use super::concluded::Concluded;
 use super::fused_stiffness::FusedStiffness;
 use super::reading::{Reading, STARTING_S, is_known};
 use crate::conditioning::wheel_lift::ContactWatch;
-use crate::conditioning::{GridSample, Resampler, SampleCounts};
+use crate::conditioning::{GridSample, LEAST_GRID_HZ, Resampler, SampleCounts};
 use crate::memory::{Placed, blank};
 use crate::model::{
     BodyFit, CornerConfig, CornerEstimate, CornerSample, Level, Loss, Misfit, ParameterError, QuarterCar,
     Validity, positive,
 };
 use crate::real::Real;
-use crate::single_wheel::{Informed, LEAST_GRID_HZ, StiffnessPseudoMeasurement};
+use crate::single_wheel::{Informed, OutsideStiffness, StiffnessPseudoMeasurement};
 use crate::suspension::{BodyEquation, Strut, StrutFrame};
 
 /// Seconds between two updates of the Bayes filter with a calibration.
@@ -42,7 +41,6 @@ pub(crate) struct CornerEstimator<T: Real> {
     calibration_ends_s: Option<f64>,
     pinned_s: f64,
     restarts: u32,
-    repetition: RoadRepetition,
     /// What the whole car says of this corner, while it says anything.
     fused: Placed<FusedStiffness<T>>,
     contact: ContactWatch<T>,
@@ -62,7 +60,7 @@ pub(crate) struct CornerEstimator<T: Real> {
 
 blank!(CornerEstimator<T> {
     config, resampler, informed, reading, read_s, has_news, was_bad, calibration_s, calibration_ends_s,
-    pinned_s, restarts, repetition, fused, contact, strut, friction_variance,
+    pinned_s, restarts, fused, contact, strut, friction_variance,
     fit, misfit, judged_from_s, has_fitted, learned_before_s, concluded,
 });
 
@@ -81,13 +79,12 @@ impl<T: Real> CornerEstimator<T> {
         self.config = *config;
         self.resampler = Resampler::new(sample_rate_hz, LEAST_GRID_HZ);
         let grid_period_s = self.resampler.grid_period_s();
-        self.informed.configure(config, sample_rate_hz, grid_period_s, RoadRepetition::default());
+        self.informed.configure(config, sample_rate_hz, grid_period_s);
         self.begin_reading();
         self.calibration_s = 0.0;
         self.calibration_ends_s = None;
         self.pinned_s = f64::NEG_INFINITY;
         self.restarts = 0;
-        self.repetition = RoadRepetition::default();
         self.fused.clear();
         self.contact = ContactWatch::new(&config.quarter_car);
         let noise = config.accel_noise_or_usual_m_s2();
@@ -133,10 +130,11 @@ impl<T: Real> CornerEstimator<T> {
         (self.calibration_s, self.calibration_ends_s) = (0.0, None);
     }
 
-    /// Tells what is known of the road repeating itself; before the first sample.
-    pub(crate) fn set_road_repetition(&mut self, repetition: RoadRepetition) {
-        self.repetition = repetition;
-        self.informed.set_repetition(repetition);
+    /// See [`Estimator::follow`](super::Estimator::follow).
+    pub(crate) fn follow(&mut self, outside: Option<OutsideStiffness<T>>) {
+        self.informed.follow(outside);
+        (self.read_s, self.has_news) = (self.informed.last_time_s(), true);
+        self.reading = Reading::of(&self.config, &self.informed.belief());
     }
 
     /// Probability that the pressure moves, as the corner by itself sees it. What it saw before its sensors told nothing does not count,
@@ -309,7 +307,7 @@ impl<T: Real> CornerEstimator<T> {
         self.strut.restart();
         (self.fit, self.judged_from_s, self.has_fitted) = (BodyFit::unknown(), None, false);
         self.misfit.clear();
-        self.informed.restart(self.repetition);
+        self.informed.restart();
         self.begin_reading();
         self.learned_before_s = T::zero();
         self.concluded.clear();

@@ -11,9 +11,7 @@ use crate::conditioning::{SampleClock, SampleCounts};
 use crate::memory::{Blank, blank};
 use crate::model::{BodyFit, CornerConfig, CornerEstimate, CornerSample, Misfit, ParameterError, QuarterCar};
 use crate::real::Real;
-#[cfg(feature = "test-bench")]
-pub use crate::single_wheel::RoadPeriod;
-pub use crate::single_wheel::{RoadRepetition, StiffnessPseudoMeasurement};
+pub use crate::single_wheel::{CALIBRATION_SD, OutsideStiffness, StiffnessPseudoMeasurement};
 use crate::suspension::BodyEquation;
 
 /// A running estimator of one corner. A value: clone it, save it, go on.
@@ -77,11 +75,10 @@ impl<T: Real> Estimator<T> {
         self.corner.begin_calibration(seconds)
     }
 
-    /// The same with what is known of the road repeating itself, as on a test bed; else that is looked for in the data.
-    #[must_use]
-    pub fn with_road_repetition(mut self, repetition: RoadRepetition) -> Self {
-        self.corner.set_road_repetition(repetition);
-        self
+    /// Takes the stiffness that another source follows from the next sample on, in the place of what the corner's own frames show,
+    /// until `None` is given.
+    pub fn follow(&mut self, stiffness: Option<OutsideStiffness<T>>) {
+        self.corner.follow(stiffness);
     }
 
     /// Takes one sample: time in s, speed in m/s, body and wheel acceleration in m/s²; NaN is a missing value. Gives

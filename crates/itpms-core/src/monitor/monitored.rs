@@ -2,6 +2,7 @@
 //! their sensors are back.
 
 use crate::car::{CarEstimate, CarEstimator};
+use crate::estimator::OutsideStiffness;
 use crate::memory::{Blank, blank};
 use crate::model::{CalibrationError, CarSample, Corner, ParameterError, VehicleCalibration};
 use crate::monitor::{Monitor, MonitorConfig};
@@ -89,6 +90,11 @@ impl<T: Real> MonitoredCar<T> {
     pub fn end_calibration(&mut self) {
         self.estimator.end_calibration();
         self.monitor.end_calibration();
+    }
+
+    /// Takes the stiffness of a corner's tire that another source follows: see [`CarEstimator::follow`].
+    pub fn follow(&mut self, corner: Corner, stiffness: Option<OutsideStiffness<T>>) {
+        self.estimator.follow(corner, stiffness);
     }
 
     /// The estimator.

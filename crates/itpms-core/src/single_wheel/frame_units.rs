@@ -5,8 +5,8 @@ use super::dynamics::LEVEL_MODES;
 use super::gate::SpeedKnowledge;
 use super::road_fits::RoadFits;
 use super::road_model::Evidence;
-use super::{Frame, HOP_S, Informed, LEAST_GRID_HZ, OVERLAP};
-use crate::conditioning::STANDING_M_S;
+use super::{Frame, HOP_S, Informed, OVERLAP};
+use crate::conditioning::{LEAST_GRID_HZ, STANDING_M_S};
 use crate::memory::{Blank, Placed, blank};
 use crate::real::Real;
 
@@ -117,7 +117,6 @@ blank!(FirstFrame<T> { evidence, nis, log_speed_ratio });
 impl<T: Real> Informed<T> {
     /// Takes a complete frame: what it is worth, what it says of the body, and what is to be done with it.
     pub(super) fn begin_frame(&mut self, frame: &Frame<T>, speed_m_s: T) {
-        self.held_frames = self.held_frames.saturating_sub(1);
         let (cell, road) = self.posterior.most_likely();
         let mut evidence = self.evidence(frame, speed_m_s, road.longest_envelope_m());
         let speed = if speed_m_s.is_finite() { SpeedKnowledge::Known } else { SpeedKnowledge::Unknown };
@@ -135,8 +134,8 @@ impl<T: Real> Informed<T> {
         let ratio = speed_m_s / self.last_speed_m_s;
         self.last_speed_m_s = speed_m_s;
         let seconds = self.gate.open() * T::lit(self.clock.hop_s());
-        // The same road again has the same spectrum again: it says nothing new of the tire.
-        let moves = !self.repeat.is_following();
+        // Where another source follows the tire frames say nothing new: the same road again has the same spectrum again.
+        let moves = self.outside.as_ref().is_none();
         if moves {
             self.learned_s += seconds;
         }

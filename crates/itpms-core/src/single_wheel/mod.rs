@@ -9,6 +9,7 @@
 //! |---|---|
 //! | `gate` | how much of a frame to believe |
 //! | `load` | load and damping identified on the way |
+//! | `outside` | a stiffness that somebody else follows in its place |
 //! | `tables` | what frames should look like for every stiffness of the grid |
 //! | `dynamics` | how pressure and road may change |
 //! | `road_model` | level, slope and enveloping of the road under one hypothesis |
@@ -16,7 +17,6 @@
 //! | `grid_posterior` | the posterior over the grid, predicted and updated |
 //! | `road_fits` | a frame's evidence for every cell and level mode |
 //! | `frame_units` | in which order all of that is done, in units of which one falls on every grid step |
-//! | `periodic_road` | a road that repeats itself: the same road again, seen through another stiffness |
 
 mod cells;
 mod dynamics;
@@ -24,12 +24,7 @@ mod frame_units;
 mod gate;
 mod grid_posterior;
 mod load;
-#[cfg(feature = "test-bench")]
-mod periodic_road;
-#[cfg(not(feature = "test-bench"))]
-#[path = "no_periodic_road.rs"]
-mod periodic_road;
-mod repetition;
+mod outside;
 mod road_fits;
 mod road_model;
 mod tables;
@@ -44,10 +39,7 @@ use crate::single_wheel::frame_units::FrameWork;
 use crate::single_wheel::gate::Gate;
 use crate::single_wheel::grid_posterior::Posterior;
 use crate::single_wheel::load::BodyIdentification;
-#[cfg(feature = "test-bench")]
-pub use crate::single_wheel::periodic_road::RoadPeriod;
-pub use crate::single_wheel::periodic_road::RoadRepetition;
-use crate::single_wheel::periodic_road::{Corner, Held, PeriodicEstimate, RepeatedRoad, Step};
+pub use crate::single_wheel::outside::OutsideStiffness;
 use crate::single_wheel::road_model::Evidence;
 use crate::single_wheel::tables::{Grid, Tables};
 use crate::spectrum::FrameClock;
@@ -63,8 +55,6 @@ const BINS: usize = 12;
 const HOP_S: f64 = 0.06;
 /// Frames whose information the grid takes at once.
 const FRAMES_AT_ONCE: f64 = 2.0;
-/// Least rate in Hz of the grid.
-pub(crate) const LEAST_GRID_HZ: f64 = 400.0;
 /// A frame of all reconstructed signals.
 type Frame<T> = crate::spectrum::Frame<T, BINS, SIGNALS>;
 
@@ -84,18 +74,11 @@ const STOP_S: f64 = 3.0;
 /// more of a drop without covering too much at other times.
 const MOVING_SD: f64 = 0.7;
 /// How well a calibration sets the pressure, as a share of the placard pressure: 3 kPa at 241.3 kPa.
-pub(crate) const CALIBRATION_SD: f64 = 0.0125;
-/// A repeated road is found in its third period or so: until then its spectrum has been counted that often.
-const OVERCOUNTED: f64 = 3.0;
-/// What a repeated road says is its belief, and so not independent: how much wider it is given to a filter
-/// outside, one per period.
-const PERIODIC_SD: f64 = 2.0;
-/// Seconds for which a change is taken to go on after the repeated road was last passed.
-const OLDEST_PERIODIC_S: f64 = 0.3;
-/// Least sd in cells with which what the repeated road says is put on the grid.
+pub const CALIBRATION_SD: f64 = 0.0125;
+/// Seconds for which a change is taken to go on after an outside stiffness was last given.
+const OLDEST_OUTSIDE_S: f64 = 0.3;
+/// Least sd in cells with which an outside stiffness is put on the grid.
 const LEAST_PIN_CELLS: f64 = 0.4;
-/// Frames for which a calibration that was told holds: it is told ten times a second.
-const HELD_FRAMES: u32 = 4;
 /// Standard deviation in kPa of the pressure to start from.
 const INITIAL_SD_KPA: f64 = 30.0;
 /// Probability of the stiffest cells from which on the grid ends too soon: what it says is no measurement then, but a bound.
@@ -129,11 +112,9 @@ pub(crate) struct Informed<T: Real> {
     invalid: bool,
     /// Seconds for which the car stands by now.
     stopped_s: T,
-    repeat: RepeatedRoad<T>,
-    /// What the repeated road last said, while there is one.
-    periodic_estimate: Placed<PeriodicEstimate<T>>,
-    periodic_estimate_s: f64,
-    held_frames: u32,
+    /// The stiffness that another source follows in the place of the frames, while one does, and when it was given.
+    outside: Placed<OutsideStiffness<T>>,
+    outside_s: f64,
     last_time_s: f64,
     /// What is left to do with the newest frame.
     work: FrameWork<T>,
@@ -141,20 +122,13 @@ pub(crate) struct Informed<T: Real> {
 
 blank!(Informed<T> {
     config, grid, body, tables, friction, reconstruction, clock, posterior, sample_rate_hz, grid_period_s,
-    noise_density, bins, gate, persistence, variance_growth, learned_s, last_speed_m_s, invalid, stopped_s, repeat,
-    periodic_estimate, periodic_estimate_s, held_frames, last_time_s, work,
+    noise_density, bins, gate, persistence, variance_growth, learned_s, last_speed_m_s, invalid, stopped_s, outside,
+    outside_s, last_time_s, work,
 });
 
 impl<T: Real> Informed<T> {
-    /// An estimator where it lies, for samples that were taken at `sample_rate_hz` and come on a grid of `grid_period_s`, with what is known
-    /// of the road repeating itself.
-    pub(crate) fn configure(
-        &mut self,
-        config: &CornerConfig<T>,
-        sample_rate_hz: f64,
-        grid_period_s: f64,
-        repetition: RoadRepetition,
-    ) {
+    /// An estimator where it lies, for samples that were taken at `sample_rate_hz` and come on a grid of `grid_period_s`.
+    pub(crate) fn configure(&mut self, config: &CornerConfig<T>, sample_rate_hz: f64, grid_period_s: f64) {
         (self.config, self.sample_rate_hz, self.grid_period_s) = (*config, sample_rate_hz, grid_period_s);
         self.clock.configure(HOP_S, grid_period_s);
         let spacing_hz = self.clock.bin_spacing_hz();
@@ -166,7 +140,7 @@ impl<T: Real> Informed<T> {
         self.posterior.configure(FRAMES_AT_ONCE * self.clock.hop_s());
         self.tables.configure(spacing_hz, sample_rate_hz, &self.grid, &config.tire, &body);
         self.work.set_late(false);
-        self.restart(repetition);
+        self.restart();
     }
 
     /// Its pairs of frames end when those of the car's other axle begin; before the first sample.
@@ -174,14 +148,9 @@ impl<T: Real> Informed<T> {
         self.work.set_late(true);
     }
 
-    /// Tells what is known of the road repeating itself; to be said before the first sample.
-    pub(crate) fn set_repetition(&mut self, repetition: RoadRepetition) {
-        self.repeat.configure(repetition, self.sample_rate_hz, self.grid_period_s);
-    }
-
-    /// Forgets everything, as before the first sample; the road may repeat itself as it was told at first. The tables come back to
-    /// the car as configured cell by cell: all of them at once are the work of a hundred samples.
-    pub(crate) fn restart(&mut self, repetition: RoadRepetition) {
+    /// Forgets everything, as before the first sample. The tables come back to the car as configured cell by cell: all of them at once
+    /// are the work of a hundred samples.
+    pub(crate) fn restart(&mut self) {
         self.clock.restart();
         let config = &self.config;
         let initial = config.initial_kpa.unwrap_or(config.placard_kpa);
@@ -199,10 +168,8 @@ impl<T: Real> Informed<T> {
         (self.variance_growth, self.learned_s, self.stopped_s) = (T::one(), T::zero(), T::zero());
         self.last_speed_m_s = T::lit(f64::NAN);
         self.invalid = false;
-        self.set_repetition(repetition);
-        self.periodic_estimate.clear();
-        (self.periodic_estimate_s, self.last_time_s) = (f64::NAN, f64::NAN);
-        self.held_frames = 0;
+        self.outside.clear();
+        (self.outside_s, self.last_time_s) = (f64::NAN, f64::NAN);
         self.work.clear();
     }
 
@@ -211,62 +178,34 @@ impl<T: Real> Informed<T> {
         if sample.after_gap {
             self.reconstruction.restart();
             self.clock.restart();
-            self.repeat.interrupted(T::lit(sample.time_s - self.last_time_s));
         }
         self.last_time_s = sample.time_s;
         self.invalid |= sample.invalid;
         let signals = self.reconstruction.push(sample);
-        let told = self.meet_again(&signals, sample);
         let learned = self.work_on();
         if let Some(frame) = self.clock.push(&signals) {
             self.begin_frame(&frame, sample.speed_m_s);
         }
-        learned || told
+        learned
     }
 
-    /// Asks the repeated road, if there is one; true if it had something to say.
-    fn meet_again(&mut self, signals: &[T; SIGNALS], sample: &GridSample<T>) -> bool {
-        let body = self.body.body();
-        let step = Step {
-            wheel: signals[WHEEL_VELOCITY],
-            force: body.unsprung_mass_kg * signals[WHEEL_JERK]
-                + body.damping_n_s_per_m * signals[RELATIVE_ACCELERATION]
-                + body.spring_n_per_m * signals[RELATIVE_VELOCITY],
-            invalid: sample.invalid,
-        };
-        let corner = Corner { body, noise_density: self.noise_density };
-        let held = if self.held_frames > 0 { Held::Yes } else { Held::No };
-        let (config, grid, posterior) = (&self.config, &self.grid, &self.posterior);
-        let periodic = self.repeat.push(&step, &corner, || {
-            let (pressure, sd) = match held {
-                Held::Yes => (config.placard_kpa, T::lit(CALIBRATION_SD) * config.placard_kpa),
-                Held::No => {
-                    let summary = posterior.summary();
-                    let sd_cells = (summary.variance_cells2 * T::lit(OVERCOUNTED)).sqrt();
-                    let pressure = grid.pressure_kpa(0) + summary.mean_cell * grid.step_kpa();
-                    (pressure, sd_cells * grid.step_kpa())
-                }
-            };
-            let stiffness = config.tire.stiffness_n_per_m(pressure);
-            periodic_road::Belief {
-                theta: T::one() / stiffness,
-                relative_sd: sd * config.tire.stiffness_per_kpa() / stiffness,
-                held,
-            }
-        });
-        if let Some(periodic) = &periodic {
-            let pressure = config.tire.pressure_kpa(T::one() / periodic.theta);
-            let sd = periodic.relative_sd / periodic.theta / config.tire.stiffness_per_kpa();
-            let cell = (pressure - grid.pressure_kpa(0)) / grid.step_kpa();
-            self.posterior.pin(cell, (sd / grid.step_kpa()).max(T::lit(LEAST_PIN_CELLS)));
-            self.learned_s += periodic.seconds;
-            self.periodic_estimate.set(Some(*periodic));
-            self.periodic_estimate_s = sample.time_s;
+    /// Takes the stiffness that another source follows; its frames count nothing until `None` is given.
+    pub(crate) fn follow(&mut self, outside: Option<OutsideStiffness<T>>) {
+        if let Some(outside) = &outside {
+            let tire = &self.config.tire;
+            let pressure = tire.pressure_kpa(outside.stiffness_n_per_m);
+            let sd = outside.stiffness_sd_n_per_m / tire.stiffness_per_kpa();
+            let cell = (pressure - self.grid.pressure_kpa(0)) / self.grid.step_kpa();
+            self.posterior.pin(cell, (sd / self.grid.step_kpa()).max(T::lit(LEAST_PIN_CELLS)));
+            self.learned_s += outside.learned_s;
+            self.outside_s = self.last_time_s;
         }
-        if !self.repeat.is_following() {
-            self.periodic_estimate.clear();
-        }
-        periodic.is_some()
+        self.outside.set(outside);
+    }
+
+    /// Seconds on the clock of the samples at the last one.
+    pub(crate) fn last_time_s(&self) -> f64 {
+        self.last_time_s
     }
 
     /// Takes over what the strut's friction makes of its motion.
@@ -283,7 +222,6 @@ impl<T: Real> Informed<T> {
     pub(crate) fn set_to_placard(&mut self) {
         let cell = (self.config.placard_kpa - self.grid.pressure_kpa(0)) / self.grid.step_kpa();
         self.posterior.pin(cell, T::lit(CALIBRATION_SD) * self.config.placard_kpa / self.grid.step_kpa());
-        self.held_frames = HELD_FRAMES;
     }
 
     /// Seconds of full information since the start.
@@ -365,11 +303,10 @@ impl<T: Real> Informed<T> {
     /// What the frames since the last pseudo-measurement say by themselves, whatever was believed before: a stiffness measurement for
     /// a filter outside. `None` until there are enough of them. Frames are tempered, so pseudo-measurements may be added up.
     pub(crate) fn take_pseudo_measurement(&mut self) -> Option<StiffnessPseudoMeasurement<T>> {
-        if let Some(periodic) = self.periodic_estimate.as_mut() {
-            let stiffness = T::one() / periodic.theta;
-            let sd_n_per_m = periodic.relative_sd * stiffness * T::lit(PERIODIC_SD);
-            return core::mem::take(&mut periodic.whole_period)
-                .then_some(StiffnessPseudoMeasurement { stiffness_n_per_m: stiffness, sd_n_per_m });
+        if let Some(outside) = self.outside.as_mut() {
+            let stiffness_n_per_m = outside.stiffness_n_per_m;
+            let sd_n_per_m = outside.independent_sd_n_per_m.take()?;
+            return Some(StiffnessPseudoMeasurement { stiffness_n_per_m, sd_n_per_m });
         }
         let (cell, variance) = self.posterior.take_pseudo_measurement()?;
         let pressure_kpa = self.grid.pressure_kpa(0) + cell * self.grid.step_kpa();
@@ -380,15 +317,16 @@ impl<T: Real> Informed<T> {
         })
     }
 
-    /// The belief where the road repeats itself and its passes are compared.
-    fn repeated_belief(&self, periodic: &PeriodicEstimate<T>) -> Belief<T> {
-        let age_s = T::lit((self.last_time_s - self.periodic_estimate_s).clamp(0.0, OLDEST_PERIODIC_S));
-        let stiffness = (T::one() - periodic.rate_per_s * age_s) / periodic.theta;
+    /// The belief while another source follows the stiffness.
+    fn outside_belief(&self, outside: &OutsideStiffness<T>) -> Belief<T> {
+        let age_s = T::lit((self.last_time_s - self.outside_s).clamp(0.0, OLDEST_OUTSIDE_S));
+        let change = T::one() + outside.rate_per_s * age_s;
+        let sd_n_per_m = outside.stiffness_sd_n_per_m * change;
         Belief {
-            pressure_kpa: self.config.tire.pressure_kpa(stiffness),
-            pressure_sd_kpa: periodic.relative_sd * stiffness / self.config.tire.stiffness_per_kpa(),
-            moving: periodic.moving,
-            nis: periodic.nis,
+            pressure_kpa: self.config.tire.pressure_kpa(outside.stiffness_n_per_m * change),
+            pressure_sd_kpa: sd_n_per_m / self.config.tire.stiffness_per_kpa(),
+            moving: outside.change_probability,
+            nis: outside.nis,
             gate: T::one(),
             variance_growth: T::one(),
             learned_s: self.learned_s,
@@ -402,7 +340,7 @@ impl<T: Real> Informed<T> {
         &mut self,
         believed: impl FnOnce() -> (T, T),
     ) -> Option<StiffnessPseudoMeasurement<T>> {
-        if self.periodic_estimate.as_ref().is_some() {
+        if self.outside.as_ref().is_some() {
             return self.take_pseudo_measurement();
         }
         if !self.posterior.has_word() {
@@ -424,8 +362,8 @@ impl<T: Real> Informed<T> {
 
     /// What is believed now.
     pub(crate) fn belief(&self) -> Belief<T> {
-        if let Some(periodic) = self.periodic_estimate.as_ref() {
-            return self.repeated_belief(periodic);
+        if let Some(outside) = self.outside.as_ref() {
+            return self.outside_belief(outside);
         }
         let summary = self.posterior.summary();
         let step = self.grid.step_kpa();

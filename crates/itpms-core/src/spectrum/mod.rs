@@ -7,3 +7,6 @@ pub(crate) mod reconstruction;
 pub(crate) mod transfer;
 
 pub(crate) use self::frame::{Frame, FrameClock};
+pub use self::reconstruction::{
+    LEAK_RAD_S, RELATIVE_ACCELERATION, RELATIVE_VELOCITY, Reconstruction, SIGNALS, WHEEL_JERK, WHEEL_VELOCITY,
+};

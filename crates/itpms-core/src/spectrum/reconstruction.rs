@@ -12,7 +12,7 @@ use crate::real::Real;
 
 /// Leak of the integrators in rad/s: low enough to leave the first bin alone, high enough to keep the slow road,
 /// which is far stronger, from leaking into it.
-pub(crate) const LEAK_RAD_S: f64 = core::f64::consts::TAU * 1.5;
+pub const LEAK_RAD_S: f64 = core::f64::consts::TAU * 1.5;
 /// Time constant in s of the offset that is taken off each sensor (gravity, bias).
 const OFFSET_S: f64 = 10.0;
 /// What lies this far out is no offset (gravity is the largest) and must not drag it along.
@@ -21,15 +21,15 @@ const LARGEST_OFFSET_M_S2: f64 = 40.0;
 pub(crate) const LAG: usize = 3;
 
 /// Number of signals.
-pub(crate) const SIGNALS: usize = 5;
+pub const SIGNALS: usize = 5;
 /// `L v_w`: wheel velocity.
-pub(crate) const WHEEL_VELOCITY: usize = 0;
+pub const WHEEL_VELOCITY: usize = 0;
 /// `L (ȧ_w + Ḟ/m_w)`: wheel jerk, and the rate of the strut's friction over the unsprung mass.
-pub(crate) const WHEEL_JERK: usize = 1;
+pub const WHEEL_JERK: usize = 1;
 /// `L (a_w - a_b)`: relative acceleration.
-pub(crate) const RELATIVE_ACCELERATION: usize = 2;
+pub const RELATIVE_ACCELERATION: usize = 2;
 /// `L (v_w - v_b)`: relative velocity.
-pub(crate) const RELATIVE_VELOCITY: usize = 3;
+pub const RELATIVE_VELOCITY: usize = 3;
 /// `L (ȧ_b - Ḟ/m_b)`: body jerk without what the strut's friction makes of it.
 pub(crate) const BODY_JERK: usize = 4;
 
@@ -94,7 +94,7 @@ impl<T: Real> Channel<T> {
 /// The running reconstruction. See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Reconstruction<T> {
+pub struct Reconstruction<T> {
     dt: T,
     steps: u32,
     body: Channel<T>,
@@ -107,8 +107,8 @@ pub(crate) struct Reconstruction<T> {
 blank!(Reconstruction<T> { dt, steps, body, wheel, friction, mass_ratio });
 
 impl<T: Real> Reconstruction<T> {
-    /// For steps of this period; `mass_ratio` is the unsprung mass over the sprung one.
-    pub(crate) fn new(grid_period_s: f64, mass_ratio: T) -> Self {
+    /// For steps of `grid_period_s`; `mass_ratio` is the unsprung mass over the sprung one.
+    pub fn new(grid_period_s: f64, mass_ratio: T) -> Self {
         let [body, wheel, friction] = [Channel::new(); 3];
         Self { dt: T::lit(grid_period_s), steps: 0, body, wheel, friction, mass_ratio }
     }
@@ -116,14 +116,14 @@ impl<T: Real> Reconstruction<T> {
     /// The signal was interrupted: start again, keep the sensors' offsets. Apart, as all that is seldom done to what is large: with it in
     /// its midst every step would load all of it and choose.
     #[inline(never)]
-    pub(crate) fn restart(&mut self) {
+    pub fn restart(&mut self) {
         self.body.restart();
         self.wheel.restart();
         self.friction.restart();
     }
 
     /// Takes one grid step, gives all signals three steps earlier.
-    pub(crate) fn push(&mut self, sample: &GridSample<T>) -> [T; SIGNALS] {
+    pub fn push(&mut self, sample: &GridSample<T>) -> [T; SIGNALS] {
         self.steps = self.steps.saturating_add(1);
         let (steps, dt) = (self.steps, self.dt);
         let (body_velocity, body_acceleration, body_jerk) = self.body.step(sample.body_accel_m_s2, steps, dt);

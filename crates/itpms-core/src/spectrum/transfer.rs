@@ -89,12 +89,6 @@ fn transfer<T: Real>(
     (linear, one / (d * theta + one))
 }
 
-/// `H = x_w / x_r` at one frequency in Hz: what the wheel makes of the road.
-#[cfg(feature = "test-bench")]
-pub(crate) fn wheel_over_road<T: Real>(body: &Body<T>, theta: T, frequency_hz: T) -> Complex<T> {
-    transfer(body, &DescribingFunction::none(), theta, frequency_hz).1
-}
-
 /// `|H|²` from road to wheel with the strut's friction, and the noise power of the leaky road velocity for unit noise density of both
 /// accelerometers, at one frequency in Hz.
 pub(crate) fn response<T: Real>(

@@ -6,13 +6,13 @@
 //! filter, with no likelihood to search. Fed with passes; knows nothing of samples, pressures or of how the period
 //! was found.
 
+use itpms_core::real::Real;
 use nalgebra::{Complex, Matrix4, SVector, Vector4};
 
-use crate::real::Real;
-use crate::single_wheel::periodic_road::motion::{Gaussian, Motion, NOW, RATE, SLIP, STATES, Said, THEN};
-use crate::single_wheel::periodic_road::pass::{HARMONICS, Harmonics, Pass, PassClock};
-use crate::single_wheel::periodic_road::{Belief, Corner, Held};
-use crate::spectrum::transfer::{DescribingFunction, response, wheel_over_road};
+use super::lap::{Belief, Corner, Held};
+use super::motion::{Gaussian, Motion, NOW, RATE, SLIP, STATES, Said, THEN};
+use super::pass::{HARMONICS, Harmonics, Pass, PassClock};
+use super::transfer::{noise_gain, wheel_over_road};
 
 /// Share of itself by which the road may change, per √s.
 const ROAD_WALK: f64 = 0.001;
@@ -157,8 +157,7 @@ impl<T: Real> Follower<T> {
 
     /// Noise power of the reconstructed road in a pass.
     fn noise(&self, clock: &PassClock<T>, corner: &Corner<T>, harmonic: usize) -> T {
-        let (_, noise) =
-            response(&corner.body, &DescribingFunction::none(), self.reference, clock.frequency_hz(harmonic));
+        let noise = noise_gain(&corner.quarter_car, self.reference, clock.frequency_hz(harmonic));
         noise * corner.noise_density / clock.period_s()
     }
 
@@ -233,7 +232,8 @@ impl<T: Real> Follower<T> {
         let one = Complex::new(T::one(), T::zero());
         let per_road = |deviation: T| {
             let share = T::one() + deviation;
-            let h = wheel_over_road(&corner.body, self.reference * share, clock.frequency_hz(harmonic));
+            let h =
+                wheel_over_road(&corner.quarter_car, self.reference * share, clock.frequency_hz(harmonic));
             (one - h) / Complex::new(share, T::zero())
         };
         per_road(near[NOW] - age(clock) * near[RATE]) / per_road(near[THEN])

@@ -1,22 +1,12 @@
-//! Information source of a test bed or a drum: a road that repeats itself is shared with the wheel's own past
-//! (docs/math/repeated-road.md).
+//! One road under observation: whether it is met again, and what its passes show of the compliance.
 //!
-//! Called by the estimator with every grid step. Finds the period by itself, or is told it; confirms it; follows the
-//! stiffness while the road keeps repeating; and lets go when it does not. While the same road comes round again and again
-//! its spectrum says nothing new, so the estimator's frames must not be believed meanwhile.
+//! Knows nothing of samples or pressures, nor how the period was found.
 
-mod follow;
-mod motion;
-mod pass;
-mod search;
+use itpms_core::model::QuarterCar;
+use itpms_core::real::Real;
 
-use crate::memory::{Placed, blank};
-use crate::model::ParameterError;
-use crate::real::Real;
-use crate::single_wheel::periodic_road::follow::{Follower, Verdict};
-use crate::single_wheel::periodic_road::pass::{PARTS, Pass, PassClock};
-use crate::single_wheel::periodic_road::search::PeriodSearch;
-pub(crate) use crate::single_wheel::repetition::{Belief, Corner, Held, PeriodicEstimate, Step};
+use super::follow::{Follower, Verdict};
+use super::pass::{PARTS, Pass, PassClock};
 
 /// Residual power over the road's that a repeated road may have to be taken for one.
 const CONFIRMED: f64 = 0.15;
@@ -25,46 +15,59 @@ const LEAST_BREADTH: f64 = 3.5;
 /// Periods without the same road after which the road does not repeat any more.
 const PATIENCE: u32 = 2;
 
-/// Shortest and longest period in s that a road can be told to repeat with.
-const SHORTEST_S: f64 = 0.1;
-const LONGEST_S: f64 = 5.0;
-
-/// The time in s after which a road repeats itself.
+/// The compliance that passes over a repeated road show.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct RoadPeriod(f64);
-
-impl RoadPeriod {
-    /// # Errors
-    /// The period must be from 0.1 to 5 s: a shorter one has no harmonics near wheel hop, a longer one too many.
-    pub fn new(seconds: f64) -> Result<Self, ParameterError> {
-        if (SHORTEST_S..=LONGEST_S).contains(&seconds) {
-            Ok(Self(seconds))
-        } else {
-            Err(ParameterError { name: "road_period_s", value: seconds, expected: "0.1 to 5 s" })
-        }
-    }
+pub(crate) struct PeriodicEstimate<T> {
+    /// Compliance in m/N.
+    pub(crate) theta: T,
+    /// Its relative standard deviation.
+    pub(crate) relative_sd: T,
+    /// Relative change of the compliance per second.
+    pub(crate) rate_per_s: T,
+    /// Probability that it changes.
+    pub(crate) moving: T,
+    /// Residual power over expected power: about 1 when the model holds.
+    pub(crate) nis: T,
+    /// Seconds since the last estimate.
+    pub(crate) seconds: T,
+    /// True once per period.
+    pub(crate) whole_period: bool,
 }
 
-/// Whether the road repeats itself, as on a test bed or a drum.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+/// What is believed of the compliance by others when the road is met.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Belief<T> {
+    /// Compliance in m/N.
+    pub(crate) theta: T,
+    /// Its relative standard deviation.
+    pub(crate) relative_sd: T,
+    /// True while it is known to be constant, as during a calibration.
+    pub(crate) held: Held,
+}
+
+/// Whether the pressure is known not to move.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum RoadRepetition {
-    /// Looked for in the data: periods from 0.25 to 1.8 s.
-    #[default]
-    Detect,
-    /// Known to repeat so often.
-    Every(RoadPeriod),
-    /// Never looked for.
-    Never,
+pub(crate) enum Held {
+    /// During a calibration drive.
+    Yes = 1,
+    /// Else.
+    No = 0,
 }
 
-blank!(RoadRepetition::Detect);
+/// What is known of the car and its sensors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Corner<T> {
+    pub(crate) quarter_car: QuarterCar<T>,
+    /// One-sided accelerometer noise density in (m/s²)²/Hz.
+    pub(crate) noise_density: T,
+}
 
 /// A road under observation.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-struct Loop<T: Real> {
+pub(crate) struct Lap<T: Real> {
     clock: PassClock<T>,
     follower: Option<Follower<T>>,
     held: Held,
@@ -78,93 +81,42 @@ struct Loop<T: Real> {
     confirmed: bool,
 }
 
-blank!(Loop<T> { clock, follower, held, parts, sound_parts, strange_parts, unused_parts, hole_s, confirmed });
-
-/// See the [module](self).
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct RepeatedRoad<T: Real> {
-    repetition: RoadRepetition,
-    sample_rate_hz: f64,
-    grid_period_s: f64,
-    search: PeriodSearch<T>,
-    lap: Placed<Loop<T>>,
-}
-
-blank!(RepeatedRoad<T> { repetition, sample_rate_hz, grid_period_s, search, lap });
-
-impl<T: Real> RepeatedRoad<T> {
-    pub(crate) fn configure(&mut self, repetition: RoadRepetition, sample_rate_hz: f64, grid_period_s: f64) {
-        self.repetition = repetition;
-        (self.sample_rate_hz, self.grid_period_s) = (sample_rate_hz, grid_period_s);
-        self.search.configure(grid_period_s);
-        self.lap.clear();
-        self.start_if_told();
-    }
-
-    fn start(&mut self, period_s: T) {
-        let (sample_rate_hz, grid_period_s) = (self.sample_rate_hz, T::lit(self.grid_period_s));
-        self.lap.place(|lap| lap.configure(sample_rate_hz, grid_period_s, period_s));
-    }
-
-    /// True while the stiffness is followed on a road that repeats: then its spectrum says nothing new.
-    pub(crate) fn is_following(&self) -> bool {
-        self.lap.as_ref().is_some_and(|lap| lap.confirmed)
-    }
-
-    /// The signal was interrupted for this long.
-    pub(crate) fn interrupted(&mut self, seconds: T) {
-        self.search.restart();
-        match self.lap.as_mut() {
-            Some(lap) if lap.confirmed && seconds >= T::zero() => lap.interrupted(seconds),
-            _ => self.lap.clear(),
-        }
-        self.start_if_told();
-    }
-
-    fn start_if_told(&mut self) {
-        if let (None, RoadRepetition::Every(RoadPeriod(period_s))) = (self.lap.as_ref(), self.repetition) {
-            self.start(T::lit(period_s));
+impl<T: Real> Lap<T> {
+    /// For samples taken at `sample_rate_hz` that come on a grid, and a road of that period.
+    pub(crate) fn new(sample_rate_hz: f64, grid_period_s: T, period_s: T) -> Self {
+        Self {
+            clock: PassClock::new(sample_rate_hz, grid_period_s, period_s),
+            follower: None,
+            held: Held::No,
+            parts: 0,
+            sound_parts: 0,
+            strange_parts: 0,
+            unused_parts: 0,
+            hole_s: T::zero(),
+            confirmed: false,
         }
     }
 
-    /// Takes one grid step; gives an estimate when a part of a period on a confirmed road is complete. `belief` is asked for
-    /// when a road is met.
+    /// Whether the road was found to be the same again: then its spectrum says nothing new.
+    pub(crate) fn is_confirmed(&self) -> bool {
+        self.confirmed
+    }
+
+    /// Takes one grid step of `wheel + θ force`, with a sensor at its limit or not; gives an estimate when a part of a period on a
+    /// confirmed road is complete.
     pub(crate) fn push(
         &mut self,
-        step: &Step<T>,
+        wheel: T,
+        force: T,
+        is_invalid: bool,
         corner: &Corner<T>,
-        belief: impl Fn() -> Belief<T>,
+        belief: &Belief<T>,
     ) -> Option<PeriodicEstimate<T>> {
-        if self.repetition == RoadRepetition::Never {
-            return None;
+        if is_invalid {
+            self.sound_parts = 0;
         }
-        let Some(lap) = self.lap.as_mut() else {
-            if let Some(period_s) = self.search.push(step.wheel, step.force, || belief().theta) {
-                self.search.restart();
-                self.start(period_s);
-            }
-            return None;
-        };
-        if step.invalid {
-            lap.sound_parts = 0;
-        }
-        let pass = lap.clock.push(step.wheel, step.force)?;
-        let estimate = lap.take(&pass, corner, &belief());
-        if lap.is_over() {
-            self.lap.clear();
-            self.start_if_told();
-        }
-        estimate
-    }
-}
-
-impl<T: Real> Loop<T> {
-    fn configure(&mut self, sample_rate_hz: f64, grid_period_s: T, period_s: T) {
-        self.clock.configure(sample_rate_hz, grid_period_s, period_s);
-        (self.follower, self.held, self.confirmed) = (None, Held::No, false);
-        (self.parts, self.sound_parts, self.strange_parts, self.unused_parts) = (0, 0, 0, 0);
-        self.hole_s = T::zero();
+        let pass = self.clock.push(wheel, force)?;
+        self.take(&pass, corner, belief)
     }
 
     /// Takes the last period; gives an estimate if it was one more pass over a confirmed road.
@@ -225,14 +177,14 @@ impl<T: Real> Loop<T> {
     }
 
     /// The signal was interrupted for this long: the period under way is lost.
-    fn interrupted(&mut self, seconds: T) {
+    pub(crate) fn interrupted(&mut self, seconds: T) {
         self.clock.skip(seconds);
         self.hole_s += seconds;
         self.sound_parts = 0;
     }
 
     /// True when the road has stopped to repeat, or was none that does.
-    fn is_over(&self) -> bool {
+    pub(crate) fn is_over(&self) -> bool {
         let parts_per_period = PARTS as u32;
         let unconfirmed = !self.confirmed && self.parts > 3 * parts_per_period;
         unconfirmed || self.strange_parts > PATIENCE * parts_per_period

@@ -3,10 +3,10 @@
 //!
 //! Knows nothing of roads: what a pass says comes as a score and an information matrix.
 
+use itpms_core::real::Real;
 use nalgebra::{Matrix4, Vector4};
 
-use crate::real::Real;
-use crate::single_wheel::periodic_road::Held;
+use super::lap::Held;
 
 /// Deviation of the compliance now, as a share of the reference.
 pub(crate) const NOW: usize = 0;

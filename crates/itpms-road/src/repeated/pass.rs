@@ -5,8 +5,7 @@
 
 use nalgebra::{Complex, SVector};
 
-use crate::memory::blank;
-use crate::real::Real;
+use itpms_core::real::Real;
 
 /// Harmonics in use.
 pub(crate) const HARMONICS: usize = 24;
@@ -34,8 +33,6 @@ pub(crate) struct Pass<T: Real> {
     pub(crate) aged: Harmonics<T>,
 }
 
-blank!(Pass<T> { wheel, force, aged });
-
 impl<T: Real> Pass<T> {
     fn zero() -> Self {
         let zero = Complex::new(T::zero(), T::zero());
@@ -60,19 +57,22 @@ pub(crate) struct PassClock<T: Real> {
     complete: usize,
 }
 
-blank!(PassClock<T> { dt, period_s, first, used, phase, parts, part, complete });
-
 impl<T: Real> PassClock<T> {
     /// A clock for samples taken at `sample_rate_hz` that come on a grid, and a road of that period.
-    pub(crate) fn configure(&mut self, sample_rate_hz: f64, grid_period_s: T, period_s: T) {
+    pub(crate) fn new(sample_rate_hz: f64, grid_period_s: T, period_s: T) -> Self {
         let period = period_s.to_f64();
         let lowest = (LOWEST_HZ * period) as u32 + 1;
         let highest = (HIGHEST_HZ.min(BAND * sample_rate_hz) * period) as u32;
-        (self.dt, self.period_s, self.phase) = (grid_period_s, period_s, T::zero());
-        self.first = lowest;
-        self.used = ((highest + 1).saturating_sub(lowest) as usize).min(HARMONICS);
-        self.parts.fill(Pass::zero());
-        (self.part, self.complete) = (0, 0);
+        Self {
+            dt: grid_period_s,
+            period_s,
+            first: lowest,
+            used: ((highest + 1).saturating_sub(lowest) as usize).min(HARMONICS),
+            phase: T::zero(),
+            parts: [Pass::zero(); PARTS],
+            part: 0,
+            complete: 0,
+        }
     }
 
     /// Share of a period after which a pass is renewed.
@@ -169,13 +169,12 @@ impl<T: Real> PassClock<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::memory::configured;
 
     #[test]
     fn harmonics_come_out_with_amplitude_and_phase() {
         // 0.6631 s is no whole number of steps.
         let (dt, period) = (0.002, 0.6631);
-        let mut clock = configured(|clock: &mut PassClock<f64>| clock.configure(500.0, dt, period));
+        let mut clock = PassClock::<f64>::new(500.0, dt, period);
         let tone = |harmonic: f64, phase: f64, t: f64| {
             (core::f64::consts::TAU * harmonic * t / period + phase).cos()
         };

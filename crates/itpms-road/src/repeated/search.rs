@@ -5,8 +5,7 @@
 //! stiffness. A road that does not repeat correlates by chance alone, a wheel out of balance with one frequency only:
 //! what is found here is a candidate, to be confirmed by harmonics.
 
-use crate::memory::blank;
-use crate::real::Real;
+use itpms_core::real::Real;
 
 /// Rate in Hz at which the signal is compared with its past.
 const RATE_HZ: f64 = 100.0;
@@ -51,22 +50,30 @@ pub(crate) struct PeriodSearch<T: Real> {
     now: Lags<T>,
 }
 
-blank!(PeriodSearch<T> {
-    block, in_block, wheel, force, means, step_s, keep, past, newest, filled, seen, cross, then, now,
-});
-
 type Ring<T> = nalgebra::SVector<T, { LONGEST + 1 }>;
 type Lags<T> = nalgebra::SVector<T, LAGS>;
 
 impl<T: Real> PeriodSearch<T> {
-    pub(crate) fn configure(&mut self, grid_period_s: f64) {
+    pub(crate) fn new(grid_period_s: f64) -> Self {
         // Rounded to whole steps, at least one.
-        self.block = (1.0 / (RATE_HZ * grid_period_s) + 0.5).max(1.0) as u32;
-        self.step_s = f64::from(self.block) * grid_period_s;
-        self.keep = T::lit(-self.step_s / MEMORY_S).exp();
-        self.past.fill(T::zero());
-        self.newest = 0;
-        self.restart();
+        let block = (1.0 / (RATE_HZ * grid_period_s) + 0.5).max(1.0) as u32;
+        let step_s = f64::from(block) * grid_period_s;
+        Self {
+            block,
+            in_block: 0,
+            wheel: T::zero(),
+            force: T::zero(),
+            means: [T::zero(); BAND_PASS.len()],
+            step_s,
+            keep: T::lit(-step_s / MEMORY_S).exp(),
+            past: Ring::zeros(),
+            newest: 0,
+            filled: 0,
+            seen: 0,
+            cross: Lags::zeros(),
+            then: Lags::zeros(),
+            now: Lags::zeros(),
+        }
     }
 
     /// The signal was interrupted, or what was found has been taken: start again.
@@ -157,7 +164,6 @@ impl<T: Real> PeriodSearch<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::memory::configured;
 
     const DT: f64 = 0.002;
 
@@ -177,7 +183,7 @@ mod tests {
     #[test]
     fn a_period_is_found_to_a_fraction_of_a_step() {
         for period_s in [0.31, 0.66, 0.6631, 1.5] {
-            let mut search = configured(|search: &mut PeriodSearch<f64>| search.configure(DT));
+            let mut search = PeriodSearch::<f64>::new(DT);
             let mut state = 7;
             let found = (0..5000).find_map(|i| {
                 search.push(periodic(f64::from(i) * DT, period_s), noise(&mut state), || 2.0).map(|p| (p, i))
@@ -192,7 +198,7 @@ mod tests {
 
     #[test]
     fn what_does_not_repeat_has_no_period() {
-        let mut search = configured(|search: &mut PeriodSearch<f64>| search.configure(DT));
+        let mut search = PeriodSearch::<f64>::new(DT);
         let mut state = 11;
         // Ten minutes, white over the whole band.
         assert!((0..300_000).all(|_| search.push(noise(&mut state), 0.0, || 0.0).is_none()));

@@ -3,10 +3,9 @@
 //! Called by `drive`. The published filters are driven directly: the study draws what is inside them, and gives them
 //! the tuning of the section of the paper at hand.
 
-use itpms_core::Estimator;
 use itpms_core::model::{CornerConfig, CornerEstimate, CornerSample};
 use itpms_paper::{AekfUi, EstimatorKind, FilterConfig, Forgetting, PaperEstimator};
-use itpms_road::RoadUnderWheel;
+use itpms_road::{EstimatorOnRepeatedRoad, RoadRepetition, RoadUnderWheel};
 
 use super::PaperError;
 use crate::plot::{Ink, Stroke};
@@ -84,7 +83,7 @@ pub(super) struct Word {
 pub(super) enum Runner {
     Published { filter: AekfUi<f64>, corner: CornerConfig<f64>, step_s: f64 },
     Corrected(PaperEstimator<f64>),
-    Informed { estimator: Estimator<f64>, road: RoadUnderWheel<f64> },
+    Informed { estimator: EstimatorOnRepeatedRoad<f64>, road: RoadUnderWheel<f64> },
 }
 
 impl Runner {
@@ -103,8 +102,8 @@ impl Runner {
                     reset_s.map(|seconds| estimator.begin_calibration(seconds)).transpose()?;
                     return Ok(Self::Corrected(estimator));
                 }
-                let mut estimator = Estimator::new(corner, rate_hz)?;
-                reset_s.map(|seconds| estimator.begin_calibration(seconds)).transpose()?;
+                let mut estimator = EstimatorOnRepeatedRoad::new(corner, rate_hz, RoadRepetition::Detect)?;
+                reset_s.map(|seconds| estimator.estimator_mut().begin_calibration(seconds)).transpose()?;
                 return Ok(Self::Informed { estimator, road: RoadUnderWheel::new(corner)? });
             }
         };
@@ -139,7 +138,7 @@ impl Runner {
             Self::Informed { estimator, road } => {
                 let (body, wheel) = (sample.body_accel_m_s2, sample.wheel_accel_m_s2);
                 let mut estimate = estimator.update(time_s, speed_m_s, body, wheel);
-                road.update(time_s, sample, estimator.quarter_car(), &mut estimate);
+                road.update(time_s, sample, estimator.estimator().quarter_car(), &mut estimate);
                 Word::of(&estimate)
             }
         }

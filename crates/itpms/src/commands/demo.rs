@@ -6,9 +6,9 @@
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-use itpms_core::estimator::RoadRepetition;
 use itpms_core::warning::Regulation;
 use itpms_drive::EstimatorKind;
+use itpms_road::RoadRepetition;
 use itpms_sim::scenario::Scenario;
 
 use super::{estimate, simulate};
