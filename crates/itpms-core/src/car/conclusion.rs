@@ -21,10 +21,16 @@ pub(super) struct Concluded<T> {
 blank!(Concluded<T> { correlation, tracks });
 
 impl<T: Real> CarEstimator<T> {
-    /// Concludes what is known of all corners that the sample has; gives the fused estimate, if it counts.
+    /// Concludes what is known of all corners that the sample has, with a corner's own measurement if it `has_room` for that; gives the
+    /// fused estimate, if it counts.
     #[inline(never)]
-    pub(super) fn conclude(&mut self, time_s: f64, sample: &CarSample<T>) -> Option<FusedEstimate<T>> {
-        let fused = self.fuse(time_s);
+    pub(super) fn conclude(
+        &mut self,
+        time_s: f64,
+        has_room: bool,
+        sample: &CarSample<T>,
+    ) -> Option<FusedEstimate<T>> {
+        let fused = self.fuse(time_s, has_room);
         for (estimator, corner) in self.corners.iter_mut().zip(&sample.corners) {
             if let (Some(estimator), true) = (estimator.as_mut(), corner.is_some()) {
                 estimator.conclude(time_s);
@@ -61,7 +67,7 @@ impl<T: Real> CarEstimator<T> {
 
     /// Fuses what the corners find with the shared road; gives the fused estimate, if it counts.
     #[inline(never)]
-    fn fuse(&mut self, time_s: f64) -> Option<FusedEstimate<T>> {
+    fn fuse(&mut self, time_s: f64, has_room: bool) -> Option<FusedEstimate<T>> {
         let fusion = self.fusion.as_mut()?;
         if time_s.is_finite() {
             if let Some(seconds) = self.calibration_s.take() {
@@ -76,18 +82,18 @@ impl<T: Real> CarEstimator<T> {
             fusion.set_on_line(i, estimator.is_on_line());
         }
         if self.sources == Sources::SpectrumAndSharedRoad {
-            let mut at_rest = fusion.is_at_rest();
+            let mut has_room = has_room;
             for (i, estimator) in self.corners.iter_mut().enumerate() {
                 let Some(estimator) = estimator.as_mut() else { continue };
                 let (stiffness_n_per_m, sd_n_per_m) = estimator.own_stiffness();
                 let changing = estimator.change_probability();
                 fusion.set_single_wheel(i, SingleWheelEstimate { changing, stiffness_n_per_m, sd_n_per_m });
                 // Between frames, and one corner a sample: all of them at once are much work.
-                if at_rest
+                if has_room
                     && let Some(spectral) = estimator.pseudo_measurement(|| fusion.expected_spectral(i))
                 {
                     fusion.update_spectral(i, time_s, spectral.stiffness_n_per_m, spectral.sd_n_per_m);
-                    at_rest = false;
+                    has_room = false;
                 }
             }
         }

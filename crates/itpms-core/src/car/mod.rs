@@ -21,7 +21,7 @@ use crate::model::{
 };
 pub use crate::model::{CarEstimate, TrackState};
 use crate::real::Real;
-use crate::suspension::BodyEquation;
+use crate::suspension::{BodyEquation, Learning};
 
 /// What the road's spectra read too much or too little on one road, as a share of the placard pressure.
 const SPECTRUM_BIAS: f64 = 0.04;
@@ -301,17 +301,13 @@ impl<T: Real> CarEstimator<T> {
             // Counted corner by corner.
             None => self.corners.iter_mut().flatten().for_each(CornerEstimator::refuse),
         }
-        let mut at_rest = true;
-        if let Some(fusion) = self.fusion.as_mut() {
-            fusion.work_on(at.now_s);
-            at_rest = fusion.is_at_rest();
-        }
-        // No sample does both.
-        if at_rest {
-            self.identify();
+        // No sample does more than one of these: a part of a frame, of the struts' identification, or a corner's own measurement.
+        let mut has_room = self.fusion.as_mut().is_none_or(|fusion| fusion.work_on(at.now_s));
+        if has_room {
+            has_room = !self.identify();
         }
         let concludes = self.take_news() || self.conclude_in == 0;
-        let fused = if concludes { self.conclude(at.now_s, sample) } else { None };
+        let fused = if concludes { self.conclude(at.now_s, has_room, sample) } else { None };
         let mut corners = [None; 4];
         for ((estimate, estimator), corner) in corners.iter_mut().zip(&mut self.corners).zip(&sample.corners)
         {
@@ -353,12 +349,14 @@ impl<T: Real> CarEstimator<T> {
         news
     }
 
-    /// Learns the struts' friction from the body that they carry.
+    /// Learns the struts' friction from the body that they carry; true if there was something to do.
     #[inline(never)]
-    fn identify(&mut self) {
+    fn identify(&mut self) -> bool {
         let frames = self.corners.each_ref().map(|corner| corner.as_ref()?.strut_frame());
-        if !self.body_equation.learn(frames) {
-            return;
+        match self.body_equation.learn(frames) {
+            Learning::Idle => return false,
+            Learning::UnderWay => return true,
+            Learning::Complete => {}
         }
         for (i, estimator) in self.corners.iter_mut().enumerate() {
             let Some(estimator) = estimator.as_mut() else { continue };
@@ -367,6 +365,7 @@ impl<T: Real> CarEstimator<T> {
                 fusion.set_friction(i, &self.body_equation);
             }
         }
+        true
     }
 
     /// How well body and wheel of a corner go together, and what does not, if the car has that corner.

@@ -12,7 +12,7 @@ use crate::memory::{Blank, blank};
 use crate::model::{BodyFit, CornerConfig, CornerEstimate, CornerSample, Misfit, ParameterError, QuarterCar};
 use crate::real::Real;
 pub use crate::single_wheel::{CALIBRATION_SD, OutsideStiffness, StiffnessPseudoMeasurement};
-use crate::suspension::BodyEquation;
+use crate::suspension::{BodyEquation, Learning};
 
 /// A running estimator of one corner. A value: clone it, save it, go on.
 #[derive(Debug, Clone, PartialEq)]
@@ -97,7 +97,7 @@ impl<T: Real> Estimator<T> {
             Some(steady_s) => self.corner.take(steady_s, at.speed_m_s, &corner, |_| {}),
             None => self.corner.refuse(),
         }
-        if self.body_equation.learn([self.corner.strut_frame(), None, None, None]) {
+        if self.body_equation.learn([self.corner.strut_frame(), None, None, None]) == Learning::Complete {
             self.corner.set_strut(&self.body_equation, 0);
         }
         self.corner.conclude(at.now_s);

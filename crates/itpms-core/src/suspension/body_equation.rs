@@ -125,6 +125,17 @@ blank!(BodyEquation<T> {
     learned_s, known, time_s, units_left,
 });
 
+/// How far the frames at hand are learned from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Learning {
+    /// There is nothing to do.
+    Idle,
+    /// Some of them.
+    UnderWay,
+    /// All of them, just now.
+    Complete,
+}
+
 impl<T: Real> BodyEquation<T> {
     /// For these corners, as the vehicle file has them; whatever was there is forgotten.
     #[inline(never)]
@@ -160,14 +171,14 @@ impl<T: Real> BodyEquation<T> {
     }
 
     /// Learns from the newest frames, if all corners that there are have one of the same time: a bin with every call, so that no sample
-    /// is much more work than another. True once all of them are learned from.
-    pub(crate) fn learn(&mut self, frames: [Option<&StrutFrame<T>>; 4]) -> bool {
+    /// is much more work than another.
+    pub(crate) fn learn(&mut self, frames: [Option<&StrutFrame<T>>; 4]) -> Learning {
         let mut there = frames.iter().enumerate().filter(|(corner, _)| self.body.has(*corner));
         let Some(first_s) = there.next().and_then(|(_, frame)| Some(frame.as_ref()?.time_s)) else {
-            return false;
+            return Learning::Idle;
         };
         if !there.all(|(_, frame)| frame.is_some()) {
-            return false;
+            return Learning::Idle;
         }
         // That of one corner tells of nearly every sample that nothing is new.
         if first_s > self.time_s {
@@ -178,7 +189,7 @@ impl<T: Real> BodyEquation<T> {
             }
         }
         if self.units_left == 0 {
-            return false;
+            return Learning::Idle;
         }
         self.units_left -= 1;
         match self.units_left {
@@ -190,7 +201,7 @@ impl<T: Real> BodyEquation<T> {
             }
             left => self.accumulate(&frames, (BINS + PASSES).saturating_sub(left)),
         }
-        self.units_left == 0
+        if self.units_left == 0 { Learning::Complete } else { Learning::UnderWay }
     }
 
     /// Times in s of the earliest and the latest frame of the corners that there are.

@@ -20,5 +20,5 @@ mod maxwell_slip;
 mod rigid_body;
 mod strut;
 
-pub(crate) use self::body_equation::{BodyEquation, MEMORY_S};
+pub(crate) use self::body_equation::{BodyEquation, Learning, MEMORY_S};
 pub(crate) use self::strut::{Strut, StrutFrame};

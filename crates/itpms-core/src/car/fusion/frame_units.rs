@@ -6,7 +6,7 @@ use super::Fusion;
 use crate::belief::state::State;
 use crate::belief::{HYPOTHESES, PREDICTION_PARTS};
 use crate::inter_axle::HOP_S;
-use crate::inter_axle::alignment::axle_pair::Measured;
+use crate::inter_axle::alignment::axle_pair::{Measured, PRODUCT_PARTS};
 use crate::inter_axle::residual::model::{AxleFrame, Signals, linearize};
 use crate::memory::{Placed, blank};
 use crate::real::Real;
@@ -23,6 +23,8 @@ enum Unit {
     Predict(usize),
     /// A checkpoint of the belief, when one is due.
     Checkpoint,
+    /// Some of the products that are expected of a frame, where they are not known yet.
+    Prepare(usize),
     /// What the frame measures, and what that is worth.
     Measure,
     /// One hypothesis is updated.
@@ -40,18 +42,24 @@ const ORDER: [Unit; UNITS] = {
         part += 1;
     }
     order[PREDICTION_PARTS] = Unit::Checkpoint;
-    order[PREDICTION_PARTS + 1] = Unit::Measure;
+    let mut part = 0;
+    while part < PRODUCT_PARTS {
+        order[PREDICTION_PARTS + 1 + part] = Unit::Prepare(part);
+        part += 1;
+    }
+    order[PREDICTION_PARTS + PRODUCT_PARTS + 1] = Unit::Measure;
     let mut hypothesis = 0;
     while hypothesis < HYPOTHESES {
-        order[PREDICTION_PARTS + 2 + hypothesis] = Unit::Update(hypothesis);
+        order[PREDICTION_PARTS + PRODUCT_PARTS + 2 + hypothesis] = Unit::Update(hypothesis);
         hypothesis += 1;
     }
     order
 };
-const UNITS: usize = PREDICTION_PARTS + HYPOTHESES + 3;
-/// Both sides' units have to fit into a hop, with what falls due between two samples at 20 Hz.
+const UNITS: usize = PREDICTION_PARTS + PRODUCT_PARTS + HYPOTHESES + 3;
+/// Both sides' units have to fit into a hop, with what falls due between two samples at 20 Hz, and leave a quarter of it for the work that
+/// is done between frames.
 const _: () =
-    assert!(2.0 * UNITS as f64 * UNIT_S < 0.5 * HOP_S && 2.0 * UNITS as f64 * FAST_UNIT_S < 0.7 * HOP_S);
+    assert!(2.0 * UNITS as f64 * UNIT_S < 0.5 * HOP_S && 2.0 * UNITS as f64 * FAST_UNIT_S < 0.75 * HOP_S);
 
 /// Frames that are to be learned from. See the [module](self).
 #[derive(Debug, Clone, PartialEq)]
@@ -114,12 +122,16 @@ impl<T: Real> FrameQueue<T> {
 }
 
 impl<T: Real> Fusion<T> {
-    /// Does the units that are due.
+    /// Does the units that are due; true if that leaves room for other work. Where samples come fast a unit is a sample's work, where they
+    /// come slowly a sample has the time of several.
     #[inline(never)]
-    pub(in crate::car) fn work_on(&mut self, time_s: f64) {
+    pub(in crate::car) fn work_on(&mut self, time_s: f64) -> bool {
+        let mut has_room = true;
         while self.queue.is_due(time_s) {
             self.do_unit();
+            has_room = self.queue.unit_s < FAST_UNIT_S;
         }
+        has_room && self.is_at_rest()
     }
 
     /// Whether the belief is at rest, and not in the middle of a frame.
@@ -140,6 +152,7 @@ impl<T: Real> Fusion<T> {
                     true
                 }
                 Unit::Checkpoint => self.checkpoint(),
+                Unit::Prepare(part) => self.prepare(side, part),
                 Unit::Measure => self.measure(side),
                 Unit::Update(hypothesis) => self.update_hypothesis(side, hypothesis),
                 Unit::Conclude => {
@@ -174,6 +187,15 @@ impl<T: Real> Fusion<T> {
             self.inter_axle.set_delay(side, delay_s);
         }
         self.belief.predict_part(part);
+    }
+
+    #[inline(never)]
+    fn prepare(&mut self, side: usize, part: usize) -> bool {
+        let side = side.min(1);
+        let frame = self.queue.frames[side].as_ref();
+        let (Some(frame), Some(wheels)) = (frame, self.inter_axle.wheels(side)) else { return false };
+        let state = &self.belief.most_likely().mean;
+        self.inter_axle.pair_mut(side).prepare(frame, &wheels, state, part)
     }
 
     #[inline(never)]

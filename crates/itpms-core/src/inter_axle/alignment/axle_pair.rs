@@ -25,6 +25,9 @@ use crate::spectrum::transfer::{DescribingFunction, response};
 pub(crate) const SLOWEST_M_S: f64 = 2.8;
 /// Seconds without a frame after which the road's coherence is seen anew.
 const FORGET_S: f64 = 2.0;
+/// Bins whose expected products are computed at once, and parts in which they are where none is known; the last one is measured with.
+const PRODUCTS_AT_ONCE: usize = 2;
+pub(crate) const PRODUCT_PARTS: usize = (BINS - 1).div_ceil(PRODUCTS_AT_ONCE);
 /// Hops after a restart until the instruments have forgotten that they began at rest.
 const SETTLING_HOPS: u32 = 5;
 /// Seconds without a frame, while the other side had some, after which the other side's coherence counts, too.
@@ -313,6 +316,30 @@ impl<T: Real> AxlePair<T> {
         (missed && time_s - other.learned_until_s < MISSED_S).then(|| other.coherence.incoherence())
     }
 
+    /// Computes `most` of the bins whose expected products are not known, or where `part` is the first of a frame's all that were known
+    /// are forgotten if the last frame is long ago. False if there was nothing to compute.
+    #[inline(never)]
+    pub(crate) fn prepare(
+        &mut self,
+        frame: &AxleFrame<T>,
+        wheels: &[Wheel<T>; 2],
+        state: &State<T>,
+        part: usize,
+    ) -> bool {
+        if part == 0 && !(frame.middle_s - self.learned_until_s < FORGET_S) {
+            self.products.forget();
+            self.coherence.restart();
+        }
+        // The last one is left for the measurement, which computes one in any case.
+        let due = self.products.missing().saturating_sub(1).min(PRODUCTS_AT_ONCE);
+        if due > 0 {
+            let frf_ratios = self.frf_correction.frf_ratios();
+            let road = UnitRoad::new(wheels, self.side, state, frame.delay_s, &frf_ratios);
+            (0..due).for_each(|_| self.products.advance(|bin| road.expected_products(bin)));
+        }
+        due > 0
+    }
+
     /// What a frame is worth to a belief whose most likely state this is, into `out`; `None` if the road is not heard over the sensors'
     /// noise. `meanwhile`: the other side's incoherence, if only that side had frames of late.
     #[inline(never)]
@@ -324,10 +351,6 @@ impl<T: Real> AxlePair<T> {
         meanwhile: Option<SVector<T, BINS>>,
         out: &mut Measured<T>,
     ) -> Option<()> {
-        if !(frame.middle_s - self.learned_until_s < FORGET_S) {
-            self.products.forget();
-            self.coherence.restart();
-        }
         if let Some(other) = meanwhile {
             self.coherence.follow(&other);
         }
@@ -344,8 +367,8 @@ impl<T: Real> AxlePair<T> {
         (out.common, out.noise) = (common, noise);
         let SideMeasurement { side: of, expected, instrument, weight, incoherent_s } = &mut out.measurement;
         *of = side;
-        let products = self.products.refresh(|bin| road.expected_products(bin));
-        *expected = self.coherence.expect(&road_power, &noise, products, frame.stretch);
+        self.products.advance(|bin| road.expected_products(bin));
+        *expected = self.coherence.expect(&road_power, &noise, self.products.of_all_bins(), frame.stretch);
         *instrument = instrument_slope(frame, &frf_ratios, wheels, side, state);
         let heard = if self.on_line.contains(&true) { T::zero() } else { self.snr_weight() };
         *weight = self.coherence.weight() * frame.frame.seen * heard;

@@ -1,5 +1,5 @@
 //! Products of the residual's derivatives on a road of unit power, bin by bin (docs/math/shared-road.md, section 4). They change as slowly
-//! as the car does: of those that are known, one bin is computed anew with every frame.
+//! as the car does: once all are known, one bin is computed anew with every frame.
 
 use crate::belief::measurement::{BINS, Gram};
 use crate::memory::blank;
@@ -10,32 +10,41 @@ use crate::real::Real;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct ExpectedProducts<T: Real> {
     of_bin: [Gram<T>; BINS],
+    /// Which bin is next, and how many are not known.
     due: usize,
-    known: bool,
+    missing: usize,
 }
 
-blank!(ExpectedProducts<T> { of_bin, due, known });
+blank!(ExpectedProducts<T> { of_bin, due, missing });
 
 impl<T: Real> ExpectedProducts<T> {
-    /// Nothing is known: the next frame computes all bins.
+    /// Nothing is known any more.
     pub(crate) fn forget(&mut self) {
-        self.known = false;
+        self.missing = BINS;
     }
 
     /// As before the first frame.
     pub(crate) fn restart(&mut self) {
         self.of_bin.iter_mut().for_each(|products| products.fill(T::zero()));
-        (self.due, self.known) = (0, false);
+        (self.due, self.missing) = (0, BINS);
     }
 
-    /// Brings the bin that is due up to date, or all where nothing is known; gives those of all bins.
-    pub(crate) fn refresh(&mut self, compute: impl Fn(usize) -> Gram<T>) -> &[Gram<T>; BINS] {
-        for (bin, products) in self.of_bin.iter_mut().enumerate() {
-            if !self.known || bin == self.due {
-                *products = compute(bin);
-            }
+    /// How many bins are not known.
+    pub(crate) fn missing(&self) -> usize {
+        self.missing
+    }
+
+    /// Computes the bin that is due.
+    pub(crate) fn advance(&mut self, compute: impl Fn(usize) -> Gram<T>) {
+        if let Some(products) = self.of_bin.get_mut(self.due) {
+            *products = compute(self.due);
         }
-        (self.known, self.due) = (true, (self.due + 1) % BINS);
+        self.missing = self.missing.saturating_sub(1);
+        self.due = (self.due + 1) % BINS;
+    }
+
+    /// Those of all bins.
+    pub(crate) fn of_all_bins(&self) -> &[Gram<T>; BINS] {
         &self.of_bin
     }
 }

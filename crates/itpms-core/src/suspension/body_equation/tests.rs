@@ -80,8 +80,9 @@ fn learn_late(
         }
         let mut learn = || equation.learn(frames.each_ref().map(Some));
         // Bin by bin, how well friction is known, then the fit.
-        assert!((0..=BINS).all(|_| !learn()) && (0..PASSES).any(|_| learn()));
-        assert!(!learn(), "the same frames again");
+        assert!((0..=BINS).all(|_| learn() == Learning::UnderWay));
+        assert!((0..PASSES).any(|_| learn() == Learning::Complete));
+        assert_eq!(learn(), Learning::Idle, "the same frames again");
     }
 }
 
