@@ -1,8 +1,9 @@
 //! One Gaussian of the belief: what the car is if pressures change in one way. Knows how a change begins and ends in it, how what
 //! is known wanders, and what no tire can be; nothing of the other ways.
 
+use super::covariance::Covariance;
 use super::state::{
-    Covariance, DAMPING, LEVEL, RATE, ROAD_BIAS, SIZE, SPRING, State, TIRE, correlate_bars, end_sd, prior_sd,
+    BAR, DAMPING, LEVEL, RATE, ROAD_BIAS, SIZE, SPRING, State, TIRE, end_sd, prior_sd, rear_bar_variance,
     return_rate, wander_sd,
 };
 use crate::memory::blank;
@@ -69,18 +70,15 @@ impl<T: Real> Part<'_, T> {
         }
     }
 
-    /// The columns of its covariance, right but for the rate's entries.
-    pub(super) fn columns(&self) -> impl Iterator<Item = &[T]> {
-        self.covariance.as_slice().chunks_exact(SIZE)
+    /// Its covariance, right but for the rate's entries.
+    pub(super) fn but_for_the_rate(&self) -> &Covariance<T> {
+        self.covariance
     }
 
     /// Writes it where a Gaussian is to be.
     pub(crate) fn write(&self, weight: T, into: &mut Hypothesis<T>) {
-        for j in 0..SIZE {
-            for i in 0..SIZE {
-                into.covariance[(i, j)] = self.covariance(i, j);
-            }
-        }
+        into.covariance.copy_from(self.covariance);
+        (0..SIZE).for_each(|i| into.covariance[(i, RATE)] = self.covariance(i, RATE));
         (into.mean, into.weight) = (self.mean, weight);
     }
 }
@@ -170,9 +168,10 @@ impl<T: Real> Hypothesis<T> {
     /// A car as its file has it, the tires' compliances around these.
     pub(crate) fn start(&mut self, tires: &[T; 4], mass_sd: &[T; 4]) {
         let sd = prior_sd(mass_sd);
-        self.covariance.fill(T::zero());
-        self.covariance.set_diagonal(&sd.component_mul(&sd));
-        correlate_bars(&mut self.covariance);
+        self.covariance.clear();
+        self.covariance.set_variances(&sd.component_mul(&sd));
+        let [rear, both] = rear_bar_variance(self.covariance[(BAR, BAR)]);
+        (self.covariance[(BAR + 1, BAR + 1)], self.covariance[(BAR, BAR + 1)]) = (rear, both);
         self.mean.fill(T::zero());
         self.mean.fixed_rows_mut::<4>(TIRE).copy_from_slice(tires);
         self.weight = T::one();
@@ -195,19 +194,15 @@ impl<T: Real> Hypothesis<T> {
     pub(crate) fn wander(&mut self, wandering: &Wandering<T>) {
         let Wandering { stays, variance, in_common_sd } = wandering;
         self.mean.component_mul_assign(stays);
-        for j in 0..SIZE {
-            for i in 0..SIZE {
-                self.covariance[(i, j)] *= stays[i] * stays[j];
-            }
-            self.covariance[(j, j)] += variance[j];
-        }
+        self.covariance.shrink(stays);
+        self.covariance.set_variances(&(self.covariance.variances() + variance));
         self.change_alike(&[*in_common_sd; 4]);
     }
 
     /// All tires' compliances may have changed together, each by so much for one sd of all.
     pub(crate) fn change_alike(&mut self, sd: &[T; 4]) {
         for (j, &of_one) in sd.iter().enumerate() {
-            for (i, &of_other) in sd.iter().enumerate() {
+            for (i, &of_other) in sd.iter().enumerate().take(j + 1) {
                 self.covariance[(TIRE + i, TIRE + j)] += of_other * of_one;
             }
         }
@@ -241,7 +236,7 @@ impl<T: Real> Hypothesis<T> {
         if !(below > T::zero() && variance > T::zero()) {
             return T::zero();
         }
-        self.mean.axpy(below / variance, &self.covariance.column(at), T::one());
+        self.covariance.add_column(at, below / variance, &mut self.mean);
         log_twice_beyond(below / variance.sqrt())
     }
 
@@ -250,8 +245,7 @@ impl<T: Real> Hypothesis<T> {
         let (tire, level) = (TIRE + tire.min(3), LEVEL + tire.min(3));
         self.mean[level] = self.mean[tire];
         for i in 0..SIZE {
-            let covariance = self.covariance[(i, tire)];
-            (self.covariance[(i, level)], self.covariance[(level, i)]) = (covariance, covariance);
+            self.covariance[(i, level)] = self.covariance[(i, tire)];
         }
         self.covariance[(level, level)] = self.covariance[(tire, tire)];
     }
@@ -276,8 +270,8 @@ impl<T: Real> Hypothesis<T> {
             return T::zero();
         }
         let tire = tire.min(3);
-        let spread = self.covariance.column(TIRE + tire) - self.covariance.column(LEVEL + tire);
-        self.mean.axpy(below / variance, &spread, T::one());
+        self.covariance.add_column(TIRE + tire, below / variance, &mut self.mean);
+        self.covariance.add_column(LEVEL + tire, -below / variance, &mut self.mean);
         log_twice_beyond(below / variance.sqrt())
     }
 
@@ -286,8 +280,8 @@ impl<T: Real> Hypothesis<T> {
     pub(crate) fn spread(&self, slope: &State<T>) -> State<T> {
         // Most numbers depend on few quantities.
         let mut spread = State::zeros();
-        for (column, &by) in self.covariance.column_iter().zip(slope).filter(|(_, by)| **by != T::zero()) {
-            spread.axpy(by, &column, T::one());
+        for (of, &by) in slope.iter().enumerate().filter(|(_, by)| **by != T::zero()) {
+            self.covariance.add_column(of, by, &mut spread);
         }
         spread
     }
@@ -302,18 +296,8 @@ impl<T: Real> Hypothesis<T> {
         }
         let share = T::one() / total;
         self.mean.axpy(innovation * share, &spread, T::one());
-        // On one side of the diagonal, which keeps it symmetric, and entry by entry: a matrix in between would be the largest thing on
-        // the stack.
-        for i in 0..SIZE {
-            let by = spread[i] * share;
-            let (before, rest) = self.covariance.data.0.split_at_mut(i);
-            let Some(column) = rest.first_mut() else { continue };
-            for ((column, row), &spread) in before.iter_mut().zip(&mut *column).zip(spread.as_slice()) {
-                let covariance = column[i] - by * spread;
-                (column[i], *row) = (covariance, covariance);
-            }
-            column[i] = (column[i] - by * spread[i]).max(T::zero());
-        }
+        self.covariance.add_product(-share, &spread);
+        self.covariance.hold_variances();
         total
     }
 }

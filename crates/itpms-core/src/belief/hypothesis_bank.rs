@@ -42,9 +42,11 @@ pub(super) struct HypothesisBank<T: Real> {
     pub(super) transition: Transition<T>,
     pub(super) circumstances: Circumstances<T>,
     update: FrameUpdate<T>,
+    /// Whether anything of the hypotheses has changed since what is believed of the tires was last asked for.
+    has_changed: bool,
 }
 
-blank!(HypothesisBank<T> { hypotheses, transition, circumstances, update });
+blank!(HypothesisBank<T> { hypotheses, transition, circumstances, update, has_changed });
 
 /// What the hypotheses that were updated with a frame said of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,6 +77,7 @@ impl<T: Real> HypothesisBank<T> {
 
     /// Unsprung masses may be this far from the vehicle file's from now on.
     pub(super) fn free_masses(&mut self, mass_sd: &[T; 4]) {
+        self.has_changed = true;
         for (i, (held, &free)) in self.circumstances.mass_sd.iter_mut().zip(mass_sd).enumerate() {
             for hypothesis in &mut self.hypotheses {
                 hypothesis.covariance[(MASS + i, MASS + i)] += (free * free - *held * *held).max(T::zero());
@@ -90,6 +93,7 @@ impl<T: Real> HypothesisBank<T> {
 
     /// Does a part of the prediction.
     pub(super) fn predict_part(&mut self, part: usize) {
+        self.has_changed = true;
         self.transition.apply(part, &mut self.hypotheses, &self.circumstances);
     }
 
@@ -100,6 +104,7 @@ impl<T: Real> HypothesisBank<T> {
 
     /// All tires may have become warmer or colder together: their compliances have so much more sd in common.
     pub(super) fn change_temperature(&mut self, sd: &[T; 4]) {
+        self.has_changed = true;
         self.hypotheses.iter_mut().for_each(|hypothesis| hypothesis.change_alike(sd));
     }
 
@@ -184,6 +189,7 @@ impl<T: Real> HypothesisBank<T> {
     /// A measured number with its variance: `linearise` gives, for a state, its derivatives and how much more it is than
     /// expected. The hypotheses' weights stay as they are.
     pub(super) fn update(&mut self, variance: T, linearise: impl Fn(&State<T>) -> (State<T>, T)) {
+        self.has_changed = true;
         // What nobody believes in begins anew with the next prediction.
         for hypothesis in self.hypotheses.iter_mut().filter(|hypothesis| hypothesis.weight > T::zero()) {
             let (slope, innovation) = linearise(&hypothesis.mean);
@@ -206,6 +212,7 @@ impl<T: Real> HypothesisBank<T> {
     }
 
     fn reweigh(&mut self, log_weight: &[T; HYPOTHESES]) {
+        self.has_changed = true;
         let mut largest = T::lit(f64::NEG_INFINITY);
         for (hypothesis, &log) in self.hypotheses.iter().zip(log_weight) {
             if hypothesis.weight > T::zero() {
@@ -238,6 +245,7 @@ impl<T: Real> HypothesisBank<T> {
 
     /// The belief about a tire fades with seconds of incoherence; less so if a calibration has `taught` what the car is.
     pub(super) fn inflate(&mut self, corner: usize, incoherent_s: T, calibrated: bool) {
+        self.has_changed = true;
         if self.circumstances.tires_set {
             return;
         }
@@ -251,22 +259,22 @@ impl<T: Real> HypothesisBank<T> {
     /// Mean and sd of every quantity while nothing moves.
     pub(super) fn constant(&self) -> (State<T>, State<T>) {
         let hypothesis = &self.hypotheses[CONSTANT];
-        (hypothesis.mean, hypothesis.covariance.diagonal().map(|variance| variance.max(T::zero()).sqrt()))
+        (hypothesis.mean, hypothesis.covariance.variances().map(|variance| variance.max(T::zero()).sqrt()))
     }
 
     /// Begins with a quantity as it was learned before, its sd at least `least`; `unit` is the state's in that quantity.
     pub(super) fn set_quantity(&mut self, at: usize, learned: &Learned<T>, least: T, unit: T) {
+        self.has_changed = true;
         let (at, sd) = (at.min(SIZE - 1), learned.sd.max(least) / unit);
         for hypothesis in &mut self.hypotheses {
             hypothesis.mean[at] = learned.value / unit;
-            hypothesis.covariance.row_mut(at).fill(T::zero());
-            hypothesis.covariance.column_mut(at).fill(T::zero());
-            hypothesis.covariance[(at, at)] = sd * sd;
+            hypothesis.covariance.isolate(at, sd * sd);
         }
     }
 
     /// A tire may have been changed: its compliance has this much more sd.
     pub(super) fn inflate_tire(&mut self, corner: usize, sd: T) {
+        self.has_changed = true;
         for hypothesis in &mut self.hypotheses {
             hypothesis.covariance[(TIRE + corner, TIRE + corner)] += sd * sd;
         }
@@ -290,6 +298,7 @@ impl<T: Real> HypothesisBank<T> {
     /// Hypotheses in which a tire is what no tire can be are not followed. A tire of the constant one is never softer than flat; what
     /// else is wrong with that one is left for [`HypothesisBank::is_sound`]. `softest`: each tire's compliance when flat.
     pub(super) fn drop_impossible(&mut self, softest: &[T; 4]) {
+        self.has_changed = true;
         self.hypotheses[CONSTANT].stop_at(softest);
         let mut total = T::zero();
         for (index, hypothesis) in self.hypotheses.iter_mut().enumerate() {
@@ -336,6 +345,7 @@ impl<T: Real> HypothesisBank<T> {
 
     /// That of one tire begins anew.
     pub(super) fn begin_loss(&mut self, tire: usize) {
+        self.has_changed = true;
         self.hypotheses.iter_mut().for_each(|hypothesis| hypothesis.begin_loss(tire));
     }
 
@@ -346,22 +356,27 @@ impl<T: Real> HypothesisBank<T> {
 
     /// Only the constant hypothesis is left: somebody knows that nothing moves.
     pub(super) fn collapse(&mut self) {
+        self.has_changed = true;
         for hypothesis in &mut self.hypotheses[1..] {
             hypothesis.weight = T::zero();
         }
         self.hypotheses[CONSTANT].weight = T::one();
     }
 
-    /// What is believed of the tires, over all hypotheses.
-    pub(super) fn tires(&self) -> Tires<T> {
+    /// Brings what is believed of the tires, over all hypotheses, up to date.
+    pub(super) fn refresh(&mut self, tires: &mut Tires<T>) {
+        if !core::mem::take(&mut self.has_changed) {
+            return;
+        }
         let total = self.hypotheses.iter().fold(T::zero(), |sum, hypothesis| sum + hypothesis.weight);
-        let mut tires = Tires::BLANK;
+        tires.clear();
         for (index, hypothesis) in self.hypotheses.iter().enumerate() {
-            tires.add(hypothesis, hypothesis.weight / total, &changing(index));
+            if hypothesis.weight > T::zero() {
+                tires.add(hypothesis, hypothesis.weight / total, &changing(index));
+            }
         }
         tires.changing = self.changing_tires();
         tires.any_changes = self.changing();
-        tires
     }
 
     /// Mean and variance of one quantity, over all hypotheses.
@@ -396,7 +411,7 @@ impl<T: Real> HypothesisBank<T> {
         let finite = |hypothesis: &Hypothesis<T>| {
             hypothesis.weight >= T::zero()
                 && hypothesis.mean.iter().all(|x| x.is_finite())
-                && hypothesis.covariance.diagonal().iter().all(|x| x.is_finite())
+                && hypothesis.covariance.variances().iter().all(|x| x.is_finite())
         };
         self.hypotheses.iter().all(finite) && self.hypotheses[CONSTANT].is_possible(softest)
     }

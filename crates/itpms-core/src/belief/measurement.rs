@@ -16,6 +16,17 @@ pub(crate) const OVERLAP: f64 = 0.5;
 
 /// Rows and columns over a side's quantities.
 pub(crate) type Gram<T> = SMatrix<T, SIDE_SIZE, SIDE_SIZE>;
+/// A symmetric one's columns from the diagonal down.
+pub(crate) type Products<T> = SVector<T, PRODUCTS>;
+const PRODUCTS: usize = SIDE_SIZE * (SIDE_SIZE + 1) / 2;
+
+/// Those of a symmetric matrix.
+pub(crate) fn products<T: Real>(of: &Gram<T>) -> Products<T> {
+    let columns = of.column_iter().enumerate();
+    let mut values = columns.flat_map(|(i, column)| column.into_iter().skip(i).copied());
+    Products::from_fn(|_, _| values.next().unwrap_or(T::ZERO))
+}
+
 pub(crate) type Score<T> = SVector<T, SIDE_SIZE>;
 /// Derivatives of a residual by a side's quantities.
 pub(crate) type Slope<T> = SMatrix<T, ROWS, SIDE_SIZE>;

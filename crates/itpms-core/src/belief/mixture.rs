@@ -21,7 +21,7 @@ pub(crate) struct Mixture<'a, T: Real> {
 impl<'a, T: Real> Mixture<'a, T> {
     /// Of nothing yet; what is in the place is lost.
     pub(crate) fn new(into: &'a mut Hypothesis<T>) -> Self {
-        into.covariance.as_mut_slice().fill(T::zero());
+        into.covariance.clear();
         Self { into, weight: T::zero(), sum: State::zeros(), around: None }
     }
 
@@ -29,11 +29,7 @@ impl<'a, T: Real> Mixture<'a, T> {
     pub(crate) fn around(into: &'a mut Hypothesis<T>, weight: T) -> Self {
         let around = into.mean;
         let weight = weight.max(T::lit(LEAST));
-        for j in 0..SIZE {
-            for i in j..SIZE {
-                into.covariance[(i, j)] *= weight;
-            }
-        }
+        into.covariance.scale(weight);
         Self { into, weight, sum: State::zeros(), around: Some(around) }
     }
 
@@ -45,18 +41,10 @@ impl<'a, T: Real> Mixture<'a, T> {
         let weight = weight.max(T::lit(LEAST));
         self.weight += weight;
         self.sum += off * weight;
-        // Entry by entry, as matrices in between would be the largest things on the stack; on and below the diagonal. The rate, which
-        // comes last, has covariances of its own.
-        let columns = part.columns().zip(self.into.covariance.as_mut_slice().chunks_exact_mut(SIZE));
-        for ((j, (from, into)), &off_j) in columns.enumerate().zip(off.as_slice()).take(RATE) {
-            let (Some(into), Some(from)) = (into.get_mut(j..RATE), from.get(j..RATE)) else { continue };
-            let Some(below) = off.as_slice().get(j..RATE) else { continue };
-            for ((into, &covariance), &off_i) in into.iter_mut().zip(from).zip(below) {
-                *into += (covariance + off_i * off_j) * weight;
-            }
-        }
-        for j in 0..SIZE {
-            self.into.covariance[(RATE, j)] += (part.covariance(RATE, j) + off[RATE] * off[j]) * weight;
+        // The rate, which comes last, has covariances of its own.
+        self.into.covariance.add_part(RATE, weight, part.but_for_the_rate(), &off);
+        for i in 0..SIZE {
+            self.into.covariance[(i, RATE)] += (part.covariance(i, RATE) + off[i] * off[RATE]) * weight;
         }
     }
 
@@ -65,13 +53,7 @@ impl<'a, T: Real> Mixture<'a, T> {
         let share = T::one() / self.weight;
         let off = self.sum * share;
         let around = self.around.unwrap_or_else(State::zeros);
-        for j in 0..SIZE {
-            for i in j..SIZE {
-                let covariance = self.into.covariance[(i, j)] * share - off[i] * off[j];
-                self.into.covariance[(i, j)] = covariance;
-                self.into.covariance[(j, i)] = covariance;
-            }
-        }
+        self.into.covariance.scale_less_product(share, &off);
         self.into.mean = around + off;
         self.into.weight = self.weight;
     }

@@ -9,6 +9,7 @@
 //! |---|---|
 //! | `state` | the vector of unknown quantities, its prior and its process noise |
 //! | `measurement` | what a frame of one side looks like to the belief, and the record of an update |
+//! | `covariance` | a symmetric matrix in half its memory |
 //! | `gaussian`, `mixture` | one Gaussian, and several merged into one |
 //! | `hypothesis_bank`, `transition` | nine of them, and how one hypothesis becomes another |
 //! | `update` | Bayes' rule for a frame with instruments |
@@ -21,6 +22,7 @@
 
 mod calibration;
 mod checkpoint;
+mod covariance;
 mod floor;
 mod gaussian;
 mod hypotheses;
@@ -322,12 +324,11 @@ impl<T: Real> Belief<T> {
         self.bank.quantity(at)
     }
 
-    /// What is believed of the tires, over all hypotheses.
-    pub(crate) fn tires(&self) -> Tires<T> {
-        let mut tires = self.bank.tires();
+    /// Brings what is believed of the tires up to date.
+    pub(crate) fn refresh(&mut self, tires: &mut Tires<T>) {
+        self.bank.refresh(tires);
         tires.time_s = self.time_s;
         tires.count_losses = self.losses.since_s().is_some();
-        tires
     }
 
     /// What the tires' level rests on.

@@ -1,7 +1,7 @@
 //! What is unknown of the car, as one vector: where each quantity stands, how far it may be from the vehicle file, and
 //! how fast it may change (docs/math/shared-road.md, section 3).
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SVector;
 
 use crate::model::UNCALIBRATED_BIAS_SD;
 use crate::real::Real;
@@ -62,7 +62,6 @@ const ROAD_BIAS_SD: [f64; 2] = [UNCALIBRATED_BIAS_SD, 0.03];
 const ROAD_BIAS_S: f64 = 36_000.0;
 
 pub(crate) type State<T> = SVector<T, SIZE>;
-pub(crate) type Covariance<T> = SMatrix<T, SIZE, SIZE>;
 
 /// Standard deviations before anything is learned, unsprung masses known as the vehicle file says; the rate's is that of a hypothesis
 /// that moves.
@@ -73,13 +72,11 @@ pub(crate) fn prior_sd<T: Real>(mass_sd: &[T; 4]) -> State<T> {
     prior
 }
 
-/// The rear bar's stiffness is a share of the front one's, give or take: only their difference shows in the roads.
-pub(crate) fn correlate_bars<T: Real>(prior: &mut Covariance<T>) {
+/// Variance of the rear bar's stiffness, given that of the front one's, and their covariance: it is a share of the front one's, give or
+/// take, as only their difference shows in the roads.
+pub(crate) fn rear_bar_variance<T: Real>(front: T) -> [T; 2] {
     let (share, spread) = (T::lit(BAR_SHARE), T::lit(BAR_SPREAD));
-    let front = prior[(BAR, BAR)];
-    prior[(BAR, BAR + 1)] = share * front;
-    prior[(BAR + 1, BAR)] = share * front;
-    prior[(BAR + 1, BAR + 1)] = share * share * front + spread * spread;
+    [share * share * front + spread * spread, share * front]
 }
 
 /// Growth of the standard deviations in a second, of those that change by themselves.

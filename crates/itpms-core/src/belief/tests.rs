@@ -9,19 +9,23 @@ use nalgebra::{SMatrix, SVector};
 #[allow(unused_imports)]
 use nalgebra::ComplexField;
 
+use super::covariance::Covariance;
 use super::floor::Floor;
 use super::gaussian;
 use super::hypotheses::{CONSTANT, HYPOTHESES, RANDOM_WALK, SIDE};
 use super::hypothesis_bank::HypothesisBank;
 use super::measurement::{BINS, Gram, Score};
 use super::state::{
-    BAR, Covariance, DAMPING, GAIN, LEVEL, MASS, RATE, ROAD_BIAS, SIDE_SIZE, SIDE_TIRES, SIZE, SPRING, State,
-    TIRE, prior_sd, read_compliance, return_rate, side_indices, wander_sd,
+    BAR, DAMPING, GAIN, LEVEL, MASS, RATE, ROAD_BIAS, SIDE_SIZE, SIDE_TIRES, SIZE, SPRING, State, TIRE,
+    prior_sd, read_compliance, return_rate, side_indices, wander_sd,
 };
 use super::update::{Likelihood, OwnCovariance};
 use super::{Belief, Onset};
 use crate::memory::configured;
 use crate::model::{CarConfig, CornerConfig, Inflation};
+
+/// A covariance with all its entries.
+type Dense = SMatrix<f64, SIZE, SIZE>;
 
 /// Unsprung masses as a measured car's, axle by axle.
 const MASS_SD: [f64; 4] = [0.01; 4];
@@ -45,8 +49,7 @@ fn spread_out() -> HypothesisBank<f64> {
         }
         if i == CONSTANT || i == RANDOM_WALK {
             hypothesis.mean[RATE] = 0.0;
-            hypothesis.covariance.row_mut(RATE).fill(0.0);
-            hypothesis.covariance.column_mut(RATE).fill(0.0);
+            hypothesis.covariance.isolate(RATE, 0.0);
         }
     }
     bank
@@ -57,7 +60,7 @@ fn spread_out() -> HypothesisBank<f64> {
 fn a_scalar_update_is_the_information_filters() {
     let mut bank = bank(&[0.0; 4]);
     for hypothesis in &mut bank.hypotheses {
-        hypothesis.covariance = correlated();
+        hypothesis.covariance = Covariance::of(&correlated());
         hypothesis.weight = 1.0 / HYPOTHESES as f64;
     }
     let before = bank.clone();
@@ -65,10 +68,10 @@ fn a_scalar_update_is_the_information_filters() {
     let (variance, measured) = (2e-3, 0.4);
     bank.update(variance, |state| (h, measured - h.dot(state)));
     for (after, before) in bank.hypotheses.iter().zip(&before.hypotheses) {
-        let inverse = before.covariance.try_inverse().unwrap();
+        let inverse = before.covariance.dense().try_inverse().unwrap();
         let covariance = (inverse + h * h.transpose() / variance).try_inverse().unwrap();
         let mean = before.mean + covariance * h * ((measured - h.dot(&before.mean)) / variance);
-        assert!((after.covariance - covariance).amax() < 1e-12 * covariance.amax());
+        assert!((after.covariance.dense() - covariance).amax() < 1e-12 * covariance.amax());
         assert!((after.mean - mean).amax() < 1e-11);
         assert_eq!(after.weight, before.weight, "tells nothing about which holds");
     }
@@ -139,16 +142,16 @@ fn prediction_agrees_with_exact_enumeration() {
     }
     let (wander, back) = (wander_sd::<f64>(), return_rate(&prior_sd(&MASS_SD)));
     let total: f64 = ways.iter().map(|way| way.1).sum();
-    let (mut mean, mut square) = (State::<f64>::zeros(), Covariance::<f64>::zeros());
+    let (mut mean, mut square) = (State::<f64>::zeros(), Dense::zeros());
     for (to, weight, hypothesis) in &ways {
         let has_rate = *to != CONSTANT && *to != RANDOM_WALK;
-        let mut transition = Covariance::<f64>::identity();
+        let mut transition = Dense::identity();
         for i in 0..4 {
             if has_rate && changes(*to, i) {
                 transition[(TIRE + i, RATE)] = seconds;
             }
         }
-        let decay = Covariance::from_diagonal(&back.map(|rate| (-rate * seconds).exp()));
+        let decay = Dense::from_diagonal(&back.map(|rate| (-rate * seconds).exp()));
         let mut noise = wander.component_mul(&wander) * seconds;
         if has_rate {
             noise[RATE] += 0.01 * seconds;
@@ -158,7 +161,7 @@ fn prediction_agrees_with_exact_enumeration() {
         }
         // What wanders does so before the rate moves the tires.
         let m = transition * decay * hypothesis.mean;
-        let mut p = decay * hypothesis.covariance * decay.transpose() + Covariance::from_diagonal(&noise);
+        let mut p = decay * hypothesis.covariance.dense() * decay.transpose() + Dense::from_diagonal(&noise);
         for (i, j) in (TIRE..TIRE + 4).flat_map(|i| (TIRE..TIRE + 4).map(move |j| (i, j))) {
             p[(i, j)] += 1.2e-3 * 1.2e-3 * seconds;
         }
@@ -177,9 +180,9 @@ fn prediction_agrees_with_exact_enumeration() {
 }
 
 /// Any belief with correlations: a sum of squares.
-fn correlated() -> Covariance<f64> {
-    let mixing = Covariance::<f64>::from_fn(|i, j| ((7 * i + 3 * j) % 11) as f64 / 11.0 - 0.4);
-    mixing * mixing.transpose() * 1e-3 + Covariance::identity() * 1e-3
+fn correlated() -> Dense {
+    let mixing = Dense::from_fn(|i, j| ((7 * i + 3 * j) % 11) as f64 / 11.0 - 0.4);
+    mixing * mixing.transpose() * 1e-3 + Dense::identity() * 1e-3
 }
 
 /// A frame tells the same of a tire and of the bias of reading it: the short update against the information of all quantities,
@@ -189,7 +192,7 @@ fn a_frame_tells_the_sum_of_tire_and_bias() {
     let side = 1;
     let mut bank = bank(&[0.0; 4]);
     let hypothesis = &mut bank.hypotheses[0];
-    hypothesis.covariance = correlated();
+    hypothesis.covariance = Covariance::of(&correlated());
     let root = Gram::<f64>::from_fn(|i, j| ((5 * i + 2 * j) % 13) as f64 / 13.0 - 0.5);
     let information = root * root.transpose() * 300.0;
     let score = Score::<f64>::from_fn(|i, _| 10.0 * (i as f64 - 6.0));
@@ -209,10 +212,10 @@ fn a_frame_tells_the_sum_of_tire_and_bias() {
     for (own, corner) in SIDE_TIRES.into_iter().zip([side, side + 2]) {
         reads[(own, ROAD_BIAS + corner)] = 1.0;
     }
-    let inverse = before.covariance.try_inverse().unwrap();
+    let inverse = before.covariance.dense().try_inverse().unwrap();
     let covariance = (inverse + reads.transpose() * information * reads).try_inverse().unwrap();
     let mean = before.mean + covariance * reads.transpose() * score;
-    assert!((hypothesis.covariance - covariance).amax() < 1e-10 * covariance.amax());
+    assert!((hypothesis.covariance.dense() - covariance).amax() < 1e-10 * covariance.amax());
     assert!((hypothesis.mean - mean).amax() < 1e-9 * mean.amax());
     // So does the axle.
     let mut state = State::zeros();
@@ -234,14 +237,14 @@ fn no_step_is_longer_than_the_residual() {
     let moved = |times: f64, mahalanobis_sq: f64| {
         let mut bank = bank(&[0.0; 4]);
         let hypothesis = &mut bank.hypotheses[0];
-        hypothesis.covariance = correlated();
+        hypothesis.covariance = Covariance::of(&correlated());
         let before = hypothesis.clone();
         let information = Gram::<f64>::identity() * 100.0;
         let score = Score::<f64>::from_fn(|i, _| times * (i as f64 - 6.0));
         let own = OwnCovariance::new(&hypothesis.covariance, side);
         own.learn(hypothesis, &score, &information, &with_mahalanobis_sq(mahalanobis_sq), 1.0);
         let step = hypothesis.mean - before.mean;
-        (step, step.dot(&(before.covariance.try_inverse().unwrap() * step)))
+        (step, step.dot(&(before.covariance.dense().try_inverse().unwrap() * step)))
     };
     let (small, length) = moved(1.0, 10.0);
     assert!(length > 0.0 && length < 10.0, "{length}");
@@ -278,10 +281,10 @@ fn days_without_measurements_end_where_they_began() {
 #[test]
 fn tires_change_alike_further_than_each_by_itself() {
     let mut bank = bank(&[0.0; 4]);
-    let before = bank.hypotheses[0].covariance;
+    let before = bank.hypotheses[0].covariance.dense();
     let step = gaussian::Wandering::over(1.0, &gaussian::Circumstances::of_a_car(MASS_SD));
     (0..3600).for_each(|_| bank.hypotheses[0].wander(&step));
-    let gained = bank.hypotheses[0].covariance - before;
+    let gained = bank.hypotheses[0].covariance.dense() - before;
     let tires = gained.fixed_view::<4, 4>(TIRE, TIRE).into_owned();
     let variance = |weights: [f64; 4]| {
         let weights = SVector::from(weights);
@@ -295,7 +298,7 @@ fn tires_change_alike_further_than_each_by_itself() {
     // While somebody says what the tires have, nothing does.
     let told = gaussian::Circumstances { tires_set: true, ..gaussian::Circumstances::of_a_car(MASS_SD) };
     bank.hypotheses[0].wander(&gaussian::Wandering::over(60.0, &told));
-    assert_eq!((bank.hypotheses[0].covariance - before).fixed_view::<4, 4>(TIRE, TIRE), tires);
+    assert_eq!((bank.hypotheses[0].covariance.dense() - before).fixed_view::<4, 4>(TIRE, TIRE), tires);
 }
 
 /// Friction that is not known is another damping and another spring within a minute, another tire within half an hour, and no more than
@@ -303,7 +306,7 @@ fn tires_change_alike_further_than_each_by_itself() {
 #[test]
 fn friction_that_is_not_known_widens_struts_at_once_and_tires_slowly() {
     let mut bank = bank(&[0.0; 4]);
-    let before = bank.hypotheses[0].covariance;
+    let before = bank.hypotheses[0].covariance.dense();
     // The front right corner's damping, spring and compliance: 0.4, 0.3 and 0.05 besides what the file leaves.
     let mut circumstances = gaussian::Circumstances::of_a_car(MASS_SD);
     circumstances.friction_error[1] =
@@ -397,7 +400,7 @@ fn several_are_not_filled_while_they_roll() {
 fn a_bound_is_met_by_the_likeliest_state() {
     let mut bank = bank(&[-0.2, 0.1, 0.0, 0.0]);
     for hypothesis in &mut bank.hypotheses {
-        hypothesis.covariance = correlated();
+        hypothesis.covariance = Covariance::of(&correlated());
     }
     let before = bank.clone();
     bank.hold_above(Some(&Floor::alone([Some(-0.05), Some(-0.05), None, None])), false);
@@ -408,7 +411,7 @@ fn a_bound_is_met_by_the_likeliest_state() {
             continue;
         }
         assert!((after.loss(0) + 0.05).abs() < 1e-12);
-        let gradient = before.covariance.try_inverse().unwrap() * (after.mean - before.mean);
+        let gradient = before.covariance.dense().try_inverse().unwrap() * (after.mean - before.mean);
         let along = gradient[TIRE];
         assert!(along > 0.0 && (gradient[LEVEL] / along + 1.0).abs() < 1e-9);
         for i in (0..SIZE).filter(|&i| i != TIRE && i != LEVEL) {

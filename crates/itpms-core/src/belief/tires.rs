@@ -33,6 +33,18 @@ blank!(Tires<T> { time_s, mean, rate, square, rate_by_mean, rate_square, loss, l
     changing, any_changes });
 
 impl<T: Real> Tires<T> {
+    /// Of no hypothesis.
+    pub(super) fn clear(&mut self) {
+        for of_each in [&mut self.mean, &mut self.rate, &mut self.loss] {
+            of_each.fill(T::zero());
+        }
+        for products in
+            [&mut self.square, &mut self.rate_by_mean, &mut self.rate_square, &mut self.loss_square]
+        {
+            products.fill(T::zero());
+        }
+    }
+
     /// Adds a hypothesis of this weight in which those compliances follow the rate that are `changing`.
     pub(super) fn add(&mut self, hypothesis: &Hypothesis<T>, weight: T, changing: &[T; 4]) {
         let Hypothesis { mean, covariance, .. } = hypothesis;
@@ -44,14 +56,19 @@ impl<T: Real> Tires<T> {
             let loss = hypothesis.loss(i);
             self.loss[i] += weight * loss;
             for j in 0..4 {
-                self.loss_square[(i, j)] +=
-                    weight * (hypothesis.loss_covariance(i, j) + loss * hypothesis.loss(j));
-                self.square[(i, j)] += weight * (covariance[(TIRE + i, TIRE + j)] + tire * mean[TIRE + j]);
                 if changing[i] > T::zero() {
-                    self.rate_by_mean[(i, j)] +=
-                        weight * (covariance[(RATE, TIRE + j)] + rate * mean[TIRE + j]);
-                    self.rate_square[(i, j)] +=
-                        weight * changing[j] * (covariance[(RATE, RATE)] + rate * rate);
+                    let both = covariance[(RATE, TIRE + j)] + rate * mean[TIRE + j];
+                    self.rate_by_mean[(i, j)] += weight * both;
+                    let square = covariance[(RATE, RATE)] + rate * rate;
+                    self.rate_square[(i, j)] += weight * changing[j] * square;
+                }
+            }
+            for j in 0..=i {
+                let square = covariance[(TIRE + i, TIRE + j)] + tire * mean[TIRE + j];
+                let loss_square = hypothesis.loss_covariance(i, j) + loss * hypothesis.loss(j);
+                for at in [(i, j), (j, i)].into_iter().take(1 + usize::from(i != j)) {
+                    self.square[at] += weight * square;
+                    self.loss_square[at] += weight * loss_square;
                 }
             }
         }

@@ -1,12 +1,10 @@
 //! How one hypothesis becomes another as time goes by: changes of pressure begin, go on, are joined and end
 //! (docs/math/shared-road.md, section 6).
 
-use nalgebra::RowSVector;
-
 use super::gaussian::{Circumstances, Hypothesis, Wandering};
 use super::hypotheses::{CONSTANT, HYPOTHESES, Hypotheses, RANDOM_WALK, SIDE, changing, has_rate};
 use super::mixture::Mixture;
-use super::state::{RATE, State, TIRE};
+use super::state::{RATE, TIRE};
 use crate::memory::blank;
 use crate::real::Real;
 
@@ -54,7 +52,7 @@ impl<T: Real> Transition<T> {
         (self.seconds, self.end, self.stay, self.join) = (T::zero(), T::zero(), T::zero(), T::zero());
         self.begin.fill(T::zero());
         self.still.mean.fill(T::zero());
-        self.still.covariance.fill(T::zero());
+        self.still.covariance.clear();
         self.still.weight = T::zero();
     }
 
@@ -148,12 +146,13 @@ impl<T: Real> Transition<T> {
                 let by = moved * seconds;
                 let change = by * hypothesis.mean[RATE];
                 hypothesis.mean[TIRE + i] += change;
-                let row = RowSVector::from_fn(|_, j| hypothesis.covariance[(RATE, j)] * by);
-                let mut target = hypothesis.covariance.row_mut(TIRE + i);
-                target += row;
-                let column = State::from_fn(|i, _| hypothesis.covariance[(i, RATE)] * by);
-                let mut target = hypothesis.covariance.column_mut(TIRE + i);
-                target += column;
+                let rate = hypothesis.covariance.column(RATE) * by;
+                for (j, &with_rate) in rate.iter().enumerate() {
+                    // The tire's own variance changes with both of its factors.
+                    let times = if j == TIRE + i { T::lit(2.0) } else { T::one() };
+                    hypothesis.covariance[(TIRE + i, j)] += times * with_rate;
+                }
+                hypothesis.covariance[(TIRE + i, TIRE + i)] += by * rate[RATE];
             }
         }
     }

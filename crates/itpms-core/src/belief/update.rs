@@ -3,10 +3,11 @@
 
 use nalgebra::SMatrix;
 
+use super::covariance::Covariance;
 use super::gaussian::Hypothesis;
 use super::inverse::invert;
 use super::measurement::{AxleResidual, BINS, Expectation, Gram, OVERLAP, ROWS, Score, Slope};
-use super::state::{Covariance, ROAD_BIAS, SIDE_SIZE, SIDE_TIRES, SIZE, TIRE, side_indices};
+use super::state::{ROAD_BIAS, SIDE_SIZE, SIDE_TIRES, SIZE, TIRE, side_indices};
 use crate::real::Real;
 
 /// Degrees of freedom of the residual's distribution: how heavy its tails are.
@@ -26,13 +27,13 @@ impl<T: Real> OwnCovariance<T> {
         let mut part = Self { all: SMatrix::zeros(), own: Gram::zeros() };
         let Self { all, own } = &mut part;
         for (column, &place) in indices.iter().enumerate() {
-            all.set_row(column, &covariance.row(place.min(SIZE - 1)));
+            all.set_row(column, &covariance.column(place).transpose());
         }
         // The road reads a tire and its bias as one.
         let biased = SIDE_TIRES.map(|own| (own, indices[own] - TIRE + ROAD_BIAS));
         for (tire, bias) in biased {
             let mut row = all.row_mut(tire.min(SIDE_SIZE - 1));
-            row += covariance.row(bias.min(SIZE - 1));
+            row += covariance.column(bias).transpose();
         }
         for (row, &place) in indices.iter().enumerate() {
             own.set_column(row, &all.column(place.min(SIZE - 1)));
@@ -77,17 +78,13 @@ impl<T: Real> OwnCovariance<T> {
         }
         multiply(&inverse, information, &mut middle);
         middle /= scale;
-        // A row at a time and on one side of the diagonal, which makes it symmetric.
+        // A quantity at a time.
         let (all, middle) = (&self.all.data.0, &middle.data.0);
         for (i, row) in all.iter().enumerate() {
             let taken: [T; SIDE_SIZE] = core::array::from_fn(|k| product(row, &middle[k]));
-            for (j, column) in all.iter().enumerate().take(i + 1) {
-                let covariance = hypothesis.covariance[(i, j)] - product(&taken, column);
-                hypothesis.covariance[(i, j)] = covariance;
-                hypothesis.covariance[(j, i)] = covariance;
-            }
-            hypothesis.covariance[(i, i)] = hypothesis.covariance[(i, i)].max(T::zero());
+            hypothesis.covariance.take_off(i, |j| Some(product(&taken, all.get(j)?)));
         }
+        hypothesis.covariance.hold_variances();
         // step^T P^-1 step, as step = P_o by.
         let by = inverse * (score / scale);
         let step = self.all.tr_mul(&by);

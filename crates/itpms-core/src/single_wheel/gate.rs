@@ -73,7 +73,7 @@ impl<T: Real> Gate<T> {
         let (mut ratio, mut hop_bins) = (T::zero(), T::zero());
         let (mut nis, mut largest) = (T::zero(), T::zero());
         for (bin, &road) in expected.iter().enumerate().take(frame.bins) {
-            let (power, noise) = (reading.power[bin], reading.noise[bin]);
+            let (power, noise) = (reading.power[bin], reading.expected.noise[bin]);
             largest = largest.max(power);
             if tables.frequency_squared[bin] <= T::lit(HOP_BAND_HZ * HOP_BAND_HZ) {
                 ratio += power / noise;

@@ -346,7 +346,7 @@ impl<T: Real> Posterior<T> {
         }
         let typical = Road::unknown(T::zero()).powers(frame, tables);
         for cell in 0..CELLS {
-            let power = frame.read(tables, cell).power;
+            let power = frame.powers(tables, cell);
             let sum = (0..frame.bins.min(BINS)).fold(T::zero(), |sum, bin| sum + power[bin] / typical[bin]);
             let road = Road::unknown((sum / T::lit(frame.bins as f64)).ln());
             for roads in &mut self.road {

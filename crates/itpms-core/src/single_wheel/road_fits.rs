@@ -7,7 +7,7 @@ use super::cells::Cells;
 use super::dynamics::{CALM, JUMP, LEVEL_MODES};
 use super::grid_posterior::Posterior;
 use super::road_model::{Evidence, RoadBelief, RoadPrior};
-use super::tables::{CELLS, Tables};
+use super::tables::{CELLS, NEAREST, Tables, cubic_weights};
 use crate::memory::{Placed, blank};
 use crate::real::Real;
 
@@ -16,8 +16,6 @@ const NODES_APART: usize = 5;
 /// Probability from which on a cell matters, and of such cells every so many are fitted, the most likely one among them.
 const MATTERS: f64 = 1e-4;
 const APART: usize = 2;
-/// Cells through which evidence is interpolated.
-const NEAREST: usize = 4;
 /// Mean power of a frame over what was expected from which on the level may have jumped.
 const NOT_EXPECTED: f64 = 2.0;
 
@@ -147,18 +145,8 @@ impl<T: Real> Between<T> {
         } else if nearest[3] == next[1] {
             nearest = [below(nearest[0]).unwrap_or(0), nearest[0], next[0], next[1]];
         }
-        let places = nearest.map(|cell| T::whole(cell as u32));
-        let at = T::whole(cell as u32);
-        let weight = core::array::from_fn(|i| {
-            let (mut over, mut under) = (T::one(), T::one());
-            for (j, &place) in places.iter().enumerate() {
-                if j != i {
-                    (over, under) = (over * (at - place), under * (places[i] - place));
-                }
-            }
-            over / under
-        });
-        Self { nearest, weight }
+        let number = |cell: usize| T::whole(cell as u32);
+        Self { nearest, weight: cubic_weights(nearest.map(number), number(cell)) }
     }
 
     /// Evidence and road of the cell, by cubics through those of four around it.

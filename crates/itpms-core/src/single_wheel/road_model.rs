@@ -9,7 +9,7 @@ use crate::memory::blank;
 use crate::real::Real;
 use crate::single_wheel::BINS;
 use crate::single_wheel::dynamics::{ENVELOPE_SD, SLOPE_MEAN, SLOPE_SD};
-use crate::single_wheel::tables::{CELLS, Tables};
+use crate::single_wheel::tables::{CELLS, CellTables, Tables};
 
 /// Numbers that describe a road.
 const PARAMETERS: usize = 3;
@@ -80,29 +80,28 @@ impl<T: Real> Evidence<T> {
         power.at_least(T::lit(1e-24))
     }
 
+    /// Power densities of the road velocity reconstructed with the stiffness of a cell.
+    pub(crate) fn powers(&self, tables: &Tables<T>, cell: usize) -> [T; BINS] {
+        let theta = tables.theta[cell.min(CELLS - 1)];
+        core::array::from_fn(|bin| self.power(bin, theta))
+    }
+
     /// The frame as the stiffness of a cell reads it.
     pub(crate) fn read(&self, tables: &Tables<T>, cell: usize) -> Reading<T> {
-        let cell = cell.min(CELLS - 1);
-        let theta = tables.theta[cell];
-        Reading {
-            cell,
-            power: core::array::from_fn(|bin| self.power(bin, theta)),
-            noise: core::array::from_fn(|bin| self.noise_density * tables.noise[(bin, cell)]),
-            determinant_noise: core::array::from_fn(|bin| {
-                self.noise_density * tables.determinant_noise[(bin, cell)]
-            }),
+        let mut of_cell = tables.of_cell(cell);
+        for noise in of_cell.noise.iter_mut().chain(&mut of_cell.determinant_noise) {
+            *noise *= self.noise_density;
         }
+        Reading { power: self.powers(tables, cell), expected: of_cell }
     }
 }
 
 /// What a frame is under one cell's stiffness, whatever the road: power densities per bin.
 pub(crate) struct Reading<T> {
-    cell: usize,
     /// Of the reconstructed road velocity.
     pub(crate) power: [T; BINS],
-    /// Of the sensors' noise in it, and the same as the log-determinant has it.
-    pub(crate) noise: [T; BINS],
-    determinant_noise: [T; BINS],
+    /// What it should look like, with the noise of these sensors.
+    pub(crate) expected: CellTables<T>,
 }
 
 /// A Gaussian over the road's parameters.
@@ -184,7 +183,7 @@ impl<T: Real> Road<T> {
         let (zero, mut score) = (T::zero(), Vector3::zeros());
         let [mut cc, mut cw, mut cq, mut ww, mut wq, mut qq] = [zero; 6];
         for (bin, &signal) in signal.iter().enumerate().take(frame.bins) {
-            let share = T::one() / (signal + reading.noise[bin]);
+            let share = T::one() / (signal + reading.expected.noise[bin]);
             let excess = reading.power[bin] * share - T::one();
             // ∂ ln M / ∂(c, w, q) = S/M (1, -ln(f/10), -envelope); what the window adds hardly changes.
             let level = signal * share;
@@ -201,10 +200,10 @@ impl<T: Real> Road<T> {
         let signal = self.powers(frame, tables);
         let (mut misfit, mut pair) = (T::zero(), T::one());
         for (bin, &signal) in signal.iter().enumerate().take(frame.bins) {
-            let log_gain = tables.log_gain(bin, reading.cell, prior.exponent(frame, bin));
-            misfit += reading.power[bin] / (signal + reading.noise[bin]) + log_gain;
+            let log_gain = reading.expected.log_gain(bin, prior.exponent(frame, bin));
+            misfit += reading.power[bin] / (signal + reading.expected.noise[bin]) + log_gain;
             // One logarithm for two bins; more would leave the range of f32.
-            pair *= signal + reading.determinant_noise[bin];
+            pair *= signal + reading.expected.determinant_noise[bin];
             if bin % 2 == 1 || bin + 1 == frame.bins {
                 misfit += pair.at_least(T::lit(1e-37)).ln_fast();
                 pair = T::one();

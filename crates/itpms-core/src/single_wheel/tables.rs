@@ -1,7 +1,8 @@
 //! What the frames should look like for every stiffness of the grid: tables of the transfer function and of the
 //! sensor noise per bin and cell (docs/math/informed.md, eq. 8-12), averaged over the window's own spectrum.
 //!
-//! Built two bins of a cell at a time, so that following slow changes of the car costs the same every frame: all cells within 13 s.
+//! Kept for every third cell: in between they go by the cubic in the compliance, of which noise is a parabola. Built two bins of a cell at a time, so that following slow changes
+//! of the car costs the same every frame: all of them within 10 s.
 
 use nalgebra::{ComplexField, SMatrix, SVector};
 
@@ -14,6 +15,14 @@ use crate::spectrum::transfer::{Body, DescribingFunction, response, sine_window_
 
 /// Cells of the pressure grid.
 pub(crate) const CELLS: usize = 36;
+/// Cells from one that has tables to the next, and how many have; the last one lies beyond the grid.
+const NODES_APART: usize = 3;
+const NODES: usize = CELLS / NODES_APART + 1;
+const _: () = assert!(CELLS.is_multiple_of(NODES_APART) && NODES >= NEAREST);
+/// The node that the others' gains are relative to.
+const MIDDLE: usize = NODES / 2;
+/// Points through which a cubic goes.
+pub(crate) const NEAREST: usize = 4;
 /// Lowest cell and step as shares of the placard pressure: 33 kPa and 8 kPa at 241.3 kPa, one cell on the placard.
 const LOWEST: f64 = 1.0 - 26.0 * STEP;
 pub(crate) const STEP: f64 = 8.0 / 241.3;
@@ -56,20 +65,50 @@ impl<T: Real> Grid<T> {
     }
 }
 
-/// Tables over (cell, bin) and over bins alone.
+/// The weights with which values at four places make one in between: Lagrange's cubic through them.
+pub(crate) fn cubic_weights<T: Real>(places: [T; NEAREST], at: T) -> [T; NEAREST] {
+    core::array::from_fn(|i| {
+        let (mut over, mut under) = (T::one(), T::one());
+        for (j, &place) in places.iter().enumerate() {
+            if j != i {
+                (over, under) = (over * (at - place), under * (places[i] - place));
+            }
+        }
+        over / under
+    })
+}
+
+/// What the frames of one cell should look like, per bin.
+pub(crate) struct CellTables<T> {
+    /// `ln |H|²`, `H` from road to wheel, less the middle cell's, averaged with the power that the road and the window
+    /// give each frequency: for a displacement slope of two, and its change with the exponent `2 - w`.
+    log_gain: [T; BINS],
+    log_gain_by_exponent: [T; BINS],
+    /// Noise power of the reconstructed velocity for unit accelerometer noise density.
+    pub(crate) noise: [T; BINS],
+    /// The same, moved with the gain from the middle cell: for the log-determinant alone, so that pure noise says
+    /// nothing about the stiffness.
+    pub(crate) determinant_noise: [T; BINS],
+}
+
+impl<T: Real> CellTables<T> {
+    /// `ln |H|²` in a bin relative to the middle cell's, as a road of `exponent = 2 - w` weighs it.
+    pub(crate) fn log_gain(&self, bin: usize, exponent: T) -> T {
+        let bin = bin.min(BINS - 1);
+        self.log_gain[bin] + exponent * self.log_gain_by_exponent[bin]
+    }
+}
+
+/// Tables over (node, bin), see [`CellTables`], over cells, and over bins alone.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Tables<T: Real> {
-    /// `ln |H|²`, `H` from road to wheel, less the middle cell's, averaged with the power that the road and the window
-    /// give each frequency: for a displacement slope of two, and its change with the exponent `2 - w`.
-    log_gain: SMatrix<T, BINS, CELLS>,
-    log_gain_by_exponent: SMatrix<T, BINS, CELLS>,
-    /// Noise power of the reconstructed velocity for unit accelerometer noise density.
-    pub(crate) noise: SMatrix<T, BINS, CELLS>,
-    /// The same, moved with the gain from the middle cell: for the log-determinant alone, so that pure noise says
-    /// nothing about the stiffness.
-    pub(crate) determinant_noise: SMatrix<T, BINS, CELLS>,
-    /// `1/k_t` per cell in m/N.
+    log_gain: SMatrix<T, BINS, NODES>,
+    log_gain_by_exponent: SMatrix<T, BINS, NODES>,
+    noise: SMatrix<T, BINS, NODES>,
+    determinant_noise: SMatrix<T, BINS, NODES>,
+    /// `1/k_t` per node in m/N, and per cell.
+    node_theta: SVector<T, NODES>,
     pub(crate) theta: SVector<T, CELLS>,
     /// `ln (f / 10 Hz)` per bin.
     pub(crate) log_frequency: SVector<T, BINS>,
@@ -82,13 +121,13 @@ pub(crate) struct Tables<T: Real> {
     window_power: SVector<T, WINDOW>,
     bin_spacing_hz: T,
     /// Where they are next brought up to date.
-    next_cell: usize,
+    next_node: usize,
     next_bin: usize,
 }
 
 blank!(Tables<T> {
-    log_gain, log_gain_by_exponent, noise, determinant_noise, theta, log_frequency, window,
-    frequency_squared, window_power, bin_spacing_hz, next_cell, next_bin,
+    log_gain, log_gain_by_exponent, noise, determinant_noise, node_theta, theta, log_frequency, window,
+    frequency_squared, window_power, bin_spacing_hz, next_node, next_bin,
 });
 
 impl<T: Real> Tables<T> {
@@ -102,27 +141,29 @@ impl<T: Real> Tables<T> {
     ) {
         let frequency = |bin: usize| bin_spacing_hz * (bin as f64 + 1.0);
         let per_bin = |f: &dyn Fn(f64) -> T| SVector::from_fn(|bin, _| f(frequency(bin)));
-        self.theta = SVector::from_fn(|cell, _| T::one() / tire.stiffness_n_per_m(grid.pressure_kpa(cell)));
+        let theta = |cell: usize| T::one() / tire.stiffness_n_per_m(grid.pressure_kpa(cell));
+        self.theta = SVector::from_fn(|cell, _| theta(cell));
+        self.node_theta = SVector::from_fn(|node, _| theta(NODES_APART * node));
         self.log_frequency = per_bin(&|f| T::lit(f / 10.0).ln());
         self.window = window_parabolas(bin_spacing_hz, sample_rate_hz);
         self.frequency_squared = per_bin(&|f| T::lit(f * f));
         self.window_power = window_powers::<T>();
         self.bin_spacing_hz = T::lit(bin_spacing_hz);
-        (self.next_cell, self.next_bin) = (0, 0);
-        for cell in 0..CELLS {
+        (self.next_node, self.next_bin) = (0, 0);
+        for node in 0..NODES {
             for bin in (0..BINS).step_by(AT_ONCE) {
-                self.fill(cell, bin, body, &DescribingFunction::none());
+                self.fill(node, bin, body, &DescribingFunction::none());
             }
         }
     }
 
-    /// Brings two more bins of a cell up to date with the body and the friction of its strut.
+    /// Brings two more bins of a node up to date with the body and the friction of its strut.
     pub(crate) fn refresh_next(&mut self, body: &Body<T>, friction: &DescribingFunction<T>) {
-        self.fill(self.next_cell, self.next_bin, body, friction);
+        self.fill(self.next_node, self.next_bin, body, friction);
         self.next_bin += AT_ONCE;
         if self.next_bin >= BINS {
             self.next_bin = 0;
-            self.next_cell = (self.next_cell + 1) % CELLS;
+            self.next_node = (self.next_node + 1) % NODES;
         }
     }
 
@@ -132,16 +173,33 @@ impl<T: Real> Tables<T> {
         c[0] + exponent * (c[1] + exponent * c[2])
     }
 
-    /// `ln |H|²` of a cell in a bin relative to the middle cell's, as a road of `exponent = 2 - w` weighs it.
-    pub(crate) fn log_gain(&self, bin: usize, cell: usize, exponent: T) -> T {
-        let (bin, cell) = (bin.min(BINS - 1), cell.min(CELLS - 1));
-        self.log_gain[(bin, cell)] + exponent * self.log_gain_by_exponent[(bin, cell)]
+    /// The tables of a cell: those of a node as they are, of the others by the cubic in the compliance through four nodes around.
+    pub(crate) fn of_cell(&self, cell: usize) -> CellTables<T> {
+        let from = (cell / NODES_APART).saturating_sub(1).min(NODES - NEAREST);
+        let nodes: [usize; NEAREST] = core::array::from_fn(|i| from + i);
+        let theta_of = |node: usize| self.node_theta.get(node).copied().unwrap_or(T::ZERO);
+        let theta = self.theta.get(cell).copied().unwrap_or(T::ZERO);
+        let weights = cubic_weights(nodes.map(theta_of), theta);
+        let read = |table: &SMatrix<T, BINS, NODES>| {
+            let mut read = [T::zero(); BINS];
+            for (node, &weight) in nodes.iter().zip(&weights) {
+                let column = table.data.0.get(*node).into_iter().flatten();
+                read.iter_mut().zip(column).for_each(|(read, &value)| *read += weight * value);
+            }
+            read
+        };
+        CellTables {
+            log_gain: read(&self.log_gain),
+            log_gain_by_exponent: read(&self.log_gain_by_exponent),
+            noise: read(&self.noise),
+            determinant_noise: read(&self.determinant_noise),
+        }
     }
 
-    /// Bins from `first` on, whose windows share most of their frequencies, of a cell.
-    fn fill(&mut self, cell: usize, first: usize, body: &Body<T>, friction: &DescribingFunction<T>) {
-        let cell = cell.min(CELLS - 1);
-        let (theta, middle) = (self.theta[cell], self.theta[CELLS / 2]);
+    /// Bins from `first` on, whose windows share most of their frequencies, of a node.
+    fn fill(&mut self, node: usize, first: usize, body: &Body<T>, friction: &DescribingFunction<T>) {
+        let node = node.min(NODES - 1);
+        let (theta, middle) = (self.node_theta[node], self.node_theta[MIDDLE]);
         // Of negative frequencies there are none.
         let lowest = window_points(first).min().unwrap_or(0);
         let points: [Point<T>; POINTS] = core::array::from_fn(|i| {
@@ -162,17 +220,17 @@ impl<T: Real> Tables<T> {
                 }
             }
             let [below, above] = gain.map(|(sum, total)| sum / total);
-            self.log_gain[(bin, cell)] = T::lit(0.5) * (above + below);
-            self.log_gain_by_exponent[(bin, cell)] = (above - below) / T::lit(2.0 * SHAPE_REACH);
-            self.noise[(bin, cell)] = noise.0 / noise.1;
-            let moved = (-self.log_gain[(bin, cell)]).exp_fast();
-            self.determinant_noise[(bin, cell)] = middle_noise / noise.1 * moved;
+            self.log_gain[(bin, node)] = T::lit(0.5) * (above + below);
+            self.log_gain_by_exponent[(bin, node)] = (above - below) / T::lit(2.0 * SHAPE_REACH);
+            self.noise[(bin, node)] = noise.0 / noise.1;
+            let moved = (-self.log_gain[(bin, node)]).exp_fast();
+            self.determinant_noise[(bin, node)] = middle_noise / noise.1 * moved;
         }
     }
 }
 
 /// What is averaged over a bin's window, at one frequency. The windows of neighbouring bins share their frequencies, so
-/// each is computed once per cell and not once per bin.
+/// each is computed once per node and not once per bin.
 #[derive(Clone, Copy)]
 struct Point<T> {
     /// `ln |H|²` less the middle cell's.
@@ -309,7 +367,7 @@ mod tests {
             configured(|tables: &mut Tables<f64>| tables.configure(spacing, 500.0, &grid, &tire, &body()));
         let moved = Body { sprung_mass_kg: 260.0, damping_n_s_per_m: 1000.0, ..body() };
         (0..BINS / AT_ONCE).for_each(|_| tables.refresh_next(&moved, &DescribingFunction::none()));
-        let (theta, middle) = (tables.theta[0], tables.theta[CELLS / 2]);
+        let (theta, middle) = (tables.theta[0], tables.node_theta[MIDDLE]);
         let leak_hz = LEAK_RAD_S / std_tau();
         for bin in 0..BINS {
             let sum = |value: &dyn Fn(f64) -> f64| -> f64 {
@@ -324,10 +382,42 @@ mod tests {
                 |f: f64| (response(&moved, &none, theta, f).0 / response(&moved, &none, middle, f).0).ln();
             for exponent in [-SHAPE_REACH, SHAPE_REACH] {
                 let mean = sum(&|f| road(f, exponent) * gain(f)) / sum(&|f| road(f, exponent));
-                assert!((tables.log_gain(bin, 0, exponent) - mean).abs() < 1e-12);
+                assert!((tables.of_cell(0).log_gain(bin, exponent) - mean).abs() < 1e-12);
             }
             let noise = sum(&|f| response(&moved, &none, theta, f).1) / sum(&|_| 1.0);
-            assert!((tables.noise[(bin, 0)] / noise - 1.0).abs() < 1e-12);
+            assert!((tables.of_cell(0).noise[bin] / noise - 1.0).abs() < 1e-12);
+        }
+    }
+
+    /// Between nodes the tables are what a node there would have: noise exactly, gains to a thousandth of a bin's log-likelihood.
+    #[test]
+    fn cells_between_nodes_are_as_if_they_had_tables() {
+        let tire = PressureMap::new(860.0, 25_500.0).unwrap();
+        let grid = Grid::new(241.3);
+        let mut tables = configured(|tables: &mut Tables<f64>| {
+            tables.configure(1.0 / 0.12, 500.0, &grid, &tire, &body());
+        });
+        // From a quarter of the placard pressure on.
+        for cell in 4..CELLS {
+            let between = tables.of_cell(cell);
+            // As if a node lay there.
+            let (theta, node) = (tables.theta[cell], NODES - 1);
+            let before = tables.clone();
+            tables.node_theta[node] = theta;
+            (0..BINS)
+                .step_by(AT_ONCE)
+                .for_each(|bin| tables.fill(node, bin, &body(), &DescribingFunction::none()));
+            for bin in 0..BINS {
+                let off = between.log_gain[bin] - tables.log_gain[(bin, node)];
+                assert!(off.abs() < 2e-3, "cell {cell}, bin {bin}: {off}");
+                let slope = between.log_gain_by_exponent[bin] - tables.log_gain_by_exponent[(bin, node)];
+                assert!(slope.abs() < 2e-3, "cell {cell}, bin {bin}: {slope}");
+                let noise = between.noise[bin] / tables.noise[(bin, node)] - 1.0;
+                assert!(noise.abs() < 1e-12, "cell {cell}, bin {bin}: {noise}");
+                let noise = between.determinant_noise[bin] / tables.determinant_noise[(bin, node)] - 1.0;
+                assert!(noise.abs() < 1e-4, "cell {cell}, bin {bin}: {noise}");
+            }
+            tables = before;
         }
     }
 

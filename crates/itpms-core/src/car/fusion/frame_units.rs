@@ -244,7 +244,7 @@ impl<T: Real> Fusion<T> {
         self.queue.measured.clear();
         self.queue.frames[side].clear();
         (self.queue.first, self.queue.done) = (1 - side, 0);
-        self.tires = self.belief.tires();
+        self.belief.refresh(&mut self.tires);
         self.has_news = true;
     }
 }

@@ -91,7 +91,7 @@ impl<T: Real> Fusion<T> {
         self.calibration_reading = CalibrationReading::new();
         self.friction_variance = [T::zero(); 4];
         self.queue.configure(sample_rate_hz);
-        self.tires = self.belief.tires();
+        self.belief.refresh(&mut self.tires);
         self.has_news = false;
     }
 

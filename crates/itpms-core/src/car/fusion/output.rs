@@ -37,7 +37,7 @@ impl<T: Real> Fusion<T> {
     /// What is believed now; in the middle of a frame, what was before it.
     pub(in crate::car) fn estimate(&mut self) -> FusedEstimate<T> {
         if self.is_at_rest() {
-            self.tires = self.belief.tires();
+            self.belief.refresh(&mut self.tires);
         }
         let age_s = self.inter_axle.travel().time_s() - self.tires.time_s();
         let age_s = if age_s > 0.0 { T::lit(age_s.min(1.0)) } else { T::zero() };

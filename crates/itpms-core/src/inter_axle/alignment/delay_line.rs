@@ -15,7 +15,9 @@ const POINTS: usize = 6;
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct DelayLine<T: Real> {
-    time_s: SVector<f64, LENGTH>,
+    /// Time in s of the newest entry, and from one to the next.
+    newest_s: f64,
+    period_s: f64,
     distance_m: SVector<f64, LENGTH>,
     speed_m_s: SVector<T, LENGTH>,
     signals: SMatrix<T, KEPT, LENGTH>,
@@ -28,7 +30,7 @@ pub(crate) struct DelayLine<T: Real> {
     rate_hz: T,
 }
 
-blank!(DelayLine<T> { time_s, distance_m, speed_m_s, signals, invalid, unloaded, newest, filled, rate_hz });
+blank!(DelayLine<T> { newest_s, period_s, distance_m, speed_m_s, signals, invalid, unloaded, newest, filled, rate_hz });
 
 /// What was read back.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,7 +43,7 @@ pub(crate) struct Read<T> {
 
 impl<T: Real> DelayLine<T> {
     pub(crate) fn configure(&mut self, period_s: f64) {
-        self.time_s.fill(0.0);
+        (self.newest_s, self.period_s) = (0.0, period_s);
         self.distance_m.fill(0.0);
         self.speed_m_s.fill(T::zero());
         self.signals.fill(T::zero());
@@ -55,7 +57,7 @@ impl<T: Real> DelayLine<T> {
             self.filled = 0;
         }
         self.newest = (self.newest + 1) % LENGTH;
-        self.time_s[self.newest] = entry.time_s;
+        self.newest_s = entry.time_s;
         self.distance_m[self.newest] = entry.distance_m;
         self.speed_m_s[self.newest] = entry.speed_m_s;
         self.signals.set_column(self.newest, &SVector::from(entry.signals));
@@ -98,7 +100,7 @@ impl<T: Real> DelayLine<T> {
         let (before, after) = (self.place(far), self.place(near));
         let share =
             (distance_m - self.distance_m[before]) / (self.distance_m[after] - self.distance_m[before]);
-        Some(self.time_s[before] + share * (self.time_s[after] - self.time_s[before]))
+        Some(self.newest_s - (far as f64 - share) * self.period_s)
     }
 
     /// The signals at a time, through six points.
@@ -108,7 +110,7 @@ impl<T: Real> DelayLine<T> {
 
     /// Steps from a time to the newest entry.
     pub(crate) fn steps_back(&self, time_s: f64) -> T {
-        T::lit(self.time_s[self.place(0)] - time_s) * self.rate_hz
+        T::lit(self.newest_s - time_s) * self.rate_hz
     }
 
     /// The signals so many steps before the newest entry.

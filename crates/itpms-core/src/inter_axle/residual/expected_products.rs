@@ -1,7 +1,7 @@
 //! Products of the residual's derivatives on a road of unit power, bin by bin (docs/math/shared-road.md, section 4). They change as slowly
 //! as the car does: once all are known, one bin is computed anew with every frame.
 
-use crate::belief::measurement::{BINS, Gram};
+use crate::belief::measurement::{BINS, Gram, Products, products};
 use crate::memory::blank;
 use crate::real::Real;
 
@@ -9,7 +9,7 @@ use crate::real::Real;
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct ExpectedProducts<T: Real> {
-    of_bin: [Gram<T>; BINS],
+    of_bin: [Products<T>; BINS],
     /// Which bin is next, and how many are not known.
     due: usize,
     missing: usize,
@@ -36,15 +36,15 @@ impl<T: Real> ExpectedProducts<T> {
 
     /// Computes the bin that is due.
     pub(crate) fn advance(&mut self, compute: impl Fn(usize) -> Gram<T>) {
-        if let Some(products) = self.of_bin.get_mut(self.due) {
-            *products = compute(self.due);
+        if let Some(of_bin) = self.of_bin.get_mut(self.due) {
+            *of_bin = products(&compute(self.due));
         }
         self.missing = self.missing.saturating_sub(1);
         self.due = (self.due + 1) % BINS;
     }
 
     /// Those of all bins.
-    pub(crate) fn of_all_bins(&self) -> &[Gram<T>; BINS] {
+    pub(crate) fn of_all_bins(&self) -> &[Products<T>; BINS] {
         &self.of_bin
     }
 }

@@ -3,7 +3,7 @@
 
 use nalgebra::SVector;
 
-use crate::belief::measurement::{BINS, Expectation, Gram, OVERLAP, UpdateRecord};
+use crate::belief::measurement::{BINS, Expectation, Gram, OVERLAP, Products, UpdateRecord};
 use crate::memory::blank;
 use crate::real::Real;
 
@@ -97,7 +97,7 @@ impl<T: Real> Coherence<T> {
         &self,
         road_power: &[T; BINS],
         noise: &[T; BINS],
-        products: &[Gram<T>; BINS],
+        products: &[Products<T>; BINS],
         stretch: T,
     ) -> Expectation<T> {
         let stretched = T::lit(STRETCHED) * stretch * stretch;
@@ -107,11 +107,13 @@ impl<T: Real> Coherence<T> {
             power[bin] = (self.incoherence[bin] + stretched) * road + noise[bin] + T::lit(1e-12);
             let worth = T::lit(2.0 * OVERLAP) * road / power[bin];
             // In place: matrices are the largest things on the stack.
-            let sums = information.data.0.as_flattened_mut();
-            for (sum, &product) in sums.iter_mut().zip(products.data.0.as_flattened()) {
+            let sums =
+                information.data.0.iter_mut().enumerate().flat_map(|(i, column)| column.iter_mut().skip(i));
+            for (sum, &product) in sums.zip(products.iter()) {
                 *sum += product * worth;
             }
         }
+        information.fill_upper_triangle_with_lower_triangle();
         Expectation { power, information }
     }
 
@@ -193,6 +195,7 @@ mod tests {
 
     use super::*;
     use crate::belief::measurement::AxleResidual;
+    use crate::belief::measurement::products;
 
     /// Frames of `seconds` on a road of unit power of which this share is not common; gives what of it counts as lasting.
     fn drive(coherence: &mut Coherence<f64>, seconds: f64, share: f64) -> f64 {
@@ -250,7 +253,8 @@ mod tests {
     fn a_first_frame_that_hardly_hears_a_frequency_is_not_believed_more_there() {
         let mut road = [1.0; BINS];
         road[1] = 1e-6;
-        let expected = Coherence::<f64>::new().expect(&road, &[0.0; BINS], &[Gram::identity(); BINS], 0.0);
+        let expected =
+            Coherence::<f64>::new().expect(&road, &[0.0; BINS], &[products(&Gram::identity()); BINS], 0.0);
         // Half the mean of all five, of which a fifth need not be common: not a millionth of what the others have.
         assert!((expected.power[1] - START * 0.5 * 0.8).abs() < 1e-6, "{}", expected.power[1]);
         assert!((expected.power[0] - START * 0.5 * 1.8).abs() < 1e-6, "{}", expected.power[0]);

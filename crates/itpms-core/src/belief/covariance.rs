@@ -1,0 +1,244 @@
+//! Covariance of the belief's quantities, of which every entry is there once.
+//!
+//! A symmetric matrix of odd size has each pair of quantities at exactly one distance of at most half the size, if quantities are taken
+//! to lie on a circle: so its wrapped diagonals, `(i, i + d mod n)` for `d` from 0 to `(n - 1) / 2`, hold every entry once, and each of them
+//! is as long as the state. What is done to all entries runs along them in two pieces, before and behind the place where they wrap.
+
+use core::ops::{Index, IndexMut, Range};
+
+use nalgebra::SMatrix;
+
+use super::state::{SIZE, State};
+use crate::memory::blank;
+use crate::real::Real;
+
+/// Wrapped diagonals.
+const DIAGONALS: usize = SIZE / 2 + 1;
+const _: () = assert!(SIZE % 2 == 1, "with an even size half a diagonal would be there twice");
+
+/// See the [module](self).
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Covariance<T: Real> {
+    /// A diagonal a column.
+    diagonals: SMatrix<T, SIZE, DIAGONALS>,
+}
+
+blank!(Covariance<T> { diagonals });
+
+/// Rows and columns of the entries of a diagonal, of the first `size` quantities.
+fn pieces(diagonal: usize, size: usize) -> [[Range<usize>; 2]; 2] {
+    let left_out = SIZE.saturating_sub(size);
+    [
+        [0..size.saturating_sub(diagonal), diagonal..size],
+        [SIZE.saturating_sub(diagonal)..size, 0..diagonal.saturating_sub(left_out)],
+    ]
+}
+
+/// Where an entry is: its place on its diagonal, and which one that is.
+fn place((i, j): (usize, usize)) -> (usize, usize) {
+    let distance = if j >= i { j - i } else { j + SIZE - i };
+    let (from, diagonal) = if distance < DIAGONALS { (i, distance) } else { (j, SIZE - distance) };
+    (from.min(SIZE - 1), diagonal.min(DIAGONALS - 1))
+}
+
+impl<T: Real> Index<(usize, usize)> for Covariance<T> {
+    type Output = T;
+
+    fn index(&self, at: (usize, usize)) -> &T {
+        &self.diagonals[place(at)]
+    }
+}
+
+/// An entry and the one across the diagonal are the same.
+impl<T: Real> IndexMut<(usize, usize)> for Covariance<T> {
+    fn index_mut(&mut self, at: (usize, usize)) -> &mut T {
+        &mut self.diagonals[place(at)]
+    }
+}
+
+impl<T: Real> Covariance<T> {
+    /// Nothing goes with anything, and nothing varies.
+    pub(crate) fn clear(&mut self) {
+        self.diagonals.fill(T::zero());
+    }
+
+    /// What another one is.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.diagonals.copy_from(&other.diagonals);
+    }
+
+    /// The variances.
+    pub(crate) fn variances(&self) -> State<T> {
+        self.diagonals.column(0).into_owned()
+    }
+
+    pub(crate) fn set_variances(&mut self, variances: &State<T>) {
+        self.diagonals.set_column(0, variances);
+    }
+
+    /// Covariances of one quantity with all.
+    pub(crate) fn column(&self, of: usize) -> State<T> {
+        let mut column = State::zeros();
+        self.add_column(of, T::one(), &mut column);
+        column
+    }
+
+    /// Adds the covariances of one quantity with all, so many times.
+    pub(crate) fn add_column(&self, of: usize, times: T, sum: &mut State<T>) {
+        for (distance, diagonal) in self.diagonals.data.0.iter().enumerate() {
+            let ahead = if of + distance < SIZE { of + distance } else { of + distance - SIZE };
+            if let (Some(sum), Some(&covariance)) = (sum.get_mut(ahead), diagonal.get(of)) {
+                *sum += times * covariance;
+            }
+            let behind = if of >= distance { of - distance } else { of + SIZE - distance };
+            if distance > 0
+                && let (Some(sum), Some(&covariance)) = (sum.get_mut(behind), diagonal.get(behind))
+            {
+                *sum += times * covariance;
+            }
+        }
+    }
+
+    /// Nothing goes with one quantity any more; its variance is this.
+    pub(crate) fn isolate(&mut self, at: usize, variance: T) {
+        (0..SIZE).for_each(|i| self[(i, at)] = T::zero());
+        self[(at, at)] = variance;
+    }
+
+    /// Changes every entry of the first `size` quantities, given the values that belong to its row and to its column.
+    fn change(&mut self, size: usize, by: [&State<T>; 2], mut change: impl FnMut(&mut T, T, T)) {
+        let [by_row, by_column] = by.map(|by| by.as_slice());
+        for (distance, diagonal) in self.diagonals.data.0.iter_mut().enumerate() {
+            for [rows, columns] in pieces(distance, size) {
+                let values = (diagonal.get_mut(rows.clone()), by_row.get(rows), by_column.get(columns));
+                let (Some(entries), Some(by_row), Some(by_column)) = values else { continue };
+                for ((entry, &row), &column) in entries.iter_mut().zip(by_row).zip(by_column) {
+                    change(entry, row, column);
+                }
+            }
+        }
+    }
+
+    /// Each quantity becomes this share of itself.
+    pub(crate) fn shrink(&mut self, share: &State<T>) {
+        self.change(SIZE, [share, share], |entry, row, column| *entry *= row * column);
+    }
+
+    /// All entries become so many times themselves.
+    pub(crate) fn scale(&mut self, times: T) {
+        self.diagonals *= times;
+    }
+
+    /// All entries become so many times themselves, less `direction direction^T`.
+    pub(crate) fn scale_less_product(&mut self, times: T, direction: &State<T>) {
+        self.change(SIZE, [direction; 2], |entry, row, column| *entry = *entry * times - row * column);
+    }
+
+    /// Adds `times direction direction^T`.
+    pub(crate) fn add_product(&mut self, times: T, direction: &State<T>) {
+        let scaled = direction * times;
+        self.change(SIZE, [&scaled, direction], |entry, row, column| *entry += row * column);
+    }
+
+    /// Adds `weight (other + direction direction^T)` to the entries of the first `size` quantities.
+    pub(crate) fn add_part(&mut self, size: usize, weight: T, other: &Self, direction: &State<T>) {
+        let of = direction.as_slice();
+        let both = self.diagonals.data.0.iter_mut().zip(&other.diagonals.data.0);
+        for (distance, (diagonal, other)) in both.enumerate() {
+            for [rows, columns] in pieces(distance, size) {
+                let values =
+                    (diagonal.get_mut(rows.clone()), other.get(rows.clone()), of.get(rows), of.get(columns));
+                let (Some(entries), Some(others), Some(by_row), Some(by_column)) = values else { continue };
+                let by = by_row.iter().zip(by_column);
+                for ((entry, &other), (&row, &column)) in entries.iter_mut().zip(others).zip(by) {
+                    *entry += (other + row * column) * weight;
+                }
+            }
+        }
+    }
+
+    /// Takes off what a function gives for the entries of a quantity with itself and those that follow it up to half the way round.
+    pub(crate) fn take_off(&mut self, of: usize, taken: impl Fn(usize) -> Option<T>) {
+        for (distance, diagonal) in self.diagonals.data.0.iter_mut().enumerate() {
+            let other = if of + distance < SIZE { of + distance } else { of + distance - SIZE };
+            if let (Some(entry), Some(taken)) = (diagonal.get_mut(of), taken(other)) {
+                *entry -= taken;
+            }
+        }
+    }
+
+    /// No variance is negative, as rounding may make one that is nearly zero.
+    pub(crate) fn hold_variances(&mut self) {
+        self.diagonals.column_mut(0).apply(|variance| *variance = variance.max(T::zero()));
+    }
+}
+
+#[cfg(test)]
+impl Covariance<f64> {
+    /// The matrix with all entries.
+    pub(crate) fn dense(&self) -> SMatrix<f64, SIZE, SIZE> {
+        SMatrix::from_fn(|i, j| self[(i, j)])
+    }
+
+    /// Of a symmetric matrix.
+    pub(crate) fn of(dense: &SMatrix<f64, SIZE, SIZE>) -> Self {
+        Self { diagonals: SMatrix::from_fn(|i, d| dense[(i, (i + d) % SIZE)]) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    type Dense = SMatrix<f64, SIZE, SIZE>;
+
+    fn dense(seed: usize) -> Dense {
+        let any = Dense::from_fn(|i, j| (((seed + 7 * i + 3 * j + i * j) % 23) as f64 - 11.0) / 10.0);
+        any + any.transpose()
+    }
+
+    fn state(seed: usize) -> State<f64> {
+        State::from_fn(|i, _| (((seed + 5 * i) % 17) as f64 - 8.0) / 10.0)
+    }
+
+    /// Every operation against the same of the matrix with all its entries.
+    #[test]
+    fn all_is_as_of_the_whole_matrix() {
+        let (a, b, v) = (dense(1), dense(4), state(2));
+        let packed = |dense: &Dense| Covariance::of(dense);
+        assert_eq!(packed(&a).dense(), a);
+        for i in 0..SIZE {
+            assert_eq!(packed(&a).column(i), a.column(i));
+        }
+        let near = |found: &Covariance<f64>, expected: &Dense| {
+            assert!((found.dense() - expected).amax() < 1e-12);
+        };
+        let mut c = packed(&a);
+        c.shrink(&v);
+        near(&c, &(Dense::from_diagonal(&v) * a * Dense::from_diagonal(&v)));
+        let mut c = packed(&a);
+        c.add_product(-0.3, &v);
+        near(&c, &(a - v * v.transpose() * 0.3));
+        let mut c = packed(&a);
+        c.scale_less_product(1.7, &v);
+        near(&c, &(a * 1.7 - v * v.transpose()));
+        let mut c = packed(&a);
+        c.isolate(5, 0.7);
+        let expected = Dense::from_fn(|i, j| match (i == 5, j == 5) {
+            (true, true) => 0.7,
+            (false, false) => a[(i, j)],
+            _ => 0.0,
+        });
+        near(&c, &expected);
+        for size in [SIZE, SIZE - 1] {
+            let mut c = packed(&a);
+            c.add_part(size, 0.4, &packed(&b), &v);
+            let whole = (b + v * v.transpose()) * 0.4;
+            near(&c, &Dense::from_fn(|i, j| a[(i, j)] + if i.max(j) < size { whole[(i, j)] } else { 0.0 }));
+        }
+        let mut c = packed(&a);
+        (0..SIZE).for_each(|i| c.take_off(i, |j| Some(b[(i, j)])));
+        near(&c, &(a - b));
+    }
+}
