@@ -16,7 +16,7 @@
         if (GREEK[text]) return GREEK[text];
         // A derivative or difference of a Greek letter: "dtheta".
         if (/^[dD∂Δδ]/u.test(text) && GREEK[text.slice(1)]) return `<i>${text[0]}</i>${GREEK[text.slice(1)]}`;
-        return letters(text) === 1 ? `<i>${text}</i>` : text;
+        return letters(text) === 1 || /^[d∂δ]\p{L}$/u.test(text) ? `<i>${text}</i>` : text;
     }
 
     function typeset(text) {
