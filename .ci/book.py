@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """The book holds together: links lead somewhere, equations are numbered once, references to them and citations from the
-code resolve, every symbol of a formula is in symbols.md, every page is in the table of contents. Needs nothing but
+code resolve, every symbol of a formula is in symbols.md or in its page's own table, every page is in the table of contents. Needs nothing but
 Python; prints every fault and ends with 1 if there is one."""
 
 import re
@@ -100,13 +100,19 @@ def known(symbol, table):
     return symbol in table or (counts and (name, "") in table)
 
 
-def main():
-    pages = sorted(MATH.glob("*.md"))
+def table_of(page):
+    """Symbols that the first columns of a page's tables explain."""
     table = set()
-    for line in (MATH / "symbols.md").read_text(encoding="utf-8").splitlines():
+    for line in page.read_text(encoding="utf-8").splitlines():
         if line.startswith("|"):
             for code in re.findall(r"`([^`]*)`", line.split("|")[1].replace("\\|", "")):
                 table |= symbols(code)
+    return table
+
+
+def main():
+    pages = sorted(MATH.glob("*.md"))
+    table = table_of(MATH / "symbols.md")
     equations = {}
     for page in pages:
         prose, blocks = prose_and_formulas(page.read_text(encoding="utf-8"))
@@ -117,13 +123,14 @@ def main():
             faults.append(f"{page.name}: equation ({number}) twice")
         if page.name in ("README.md", "symbols.md"):
             continue
+        explained = table | table_of(page)
         for block in blocks:
             if not any(NUMBER.search(line) for line in block):
                 faults.append(f"{page.name}: no number at {block[0].strip()}")
             for line in block:
                 for symbol in sorted(symbols(NUMBER.sub("", line))):
-                    if not known(symbol, table):
-                        faults.append(f"{page.name}: {'_'.join(filter(None, symbol))} is not in symbols.md: {line.strip()}")
+                    if not known(symbol, explained):
+                        faults.append(f"{page.name}: {'_'.join(filter(None, symbol))} is neither in symbols.md nor in its own table: {line.strip()}")
 
     documents = pages + sorted((ROOT / "docs").glob("*.md")) + sorted(ROOT.glob("*.md"))
     for page in documents:
