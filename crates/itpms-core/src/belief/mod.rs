@@ -11,7 +11,7 @@
 //! | `measurement` | what a frame of one side looks like to the belief, and the record of an update |
 //! | `covariance` | a symmetric matrix in half its memory |
 //! | `gaussian`, `mixture` | one Gaussian, and several merged into one |
-//! | `hypothesis_bank`, `transition` | nine of them, and how one hypothesis becomes another |
+//! | `hypothesis_bank`, `transition` | eight of them, and how one hypothesis becomes another |
 //! | `update` | Bayes' rule for a frame with instruments |
 //! | `checkpoint` | going back to what was believed before a sensor failed |
 //! | `calibration` | tires set to their placard pressures, and what that teaches |
