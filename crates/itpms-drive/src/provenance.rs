@@ -3,11 +3,11 @@
 
 use std::path::Path;
 
+use itpms_analysis::report::{Parameter, Provenance};
 use itpms_core::estimator::RoadRepetition;
 use itpms_core::model::Corner;
 use itpms_data::log::{LogOptions, UnitCheck};
 use itpms_data::{LogReader, Vehicle};
-use itpms_study::report::{Parameter, Provenance};
 
 use crate::job::Job;
 use crate::settings::Settings;

@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use itpms_console::{Failure, Interrupt, Screen, fingerprint, threads};
 use itpms_core::model::PressureUnit;
 use itpms_drive::fleet::cars::Cars;
 use itpms_drive::fleet::standing::{CarStanding, State};
@@ -9,12 +10,7 @@ use itpms_drive::fleet::{self, Calibration, Outcome, Plan, found};
 use itpms_drive::{DriveError, Settings};
 use serde_json::json;
 
-use super::program::fingerprint;
 use crate::args::FleetArgs;
-use crate::exit::Failure;
-use crate::interrupt::Interrupt;
-use crate::screen::Screen;
-use crate::threads;
 
 /// Cars and failures that are said; the files have all.
 const SAID: usize = 10;
