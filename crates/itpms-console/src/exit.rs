@@ -3,6 +3,7 @@
 //! | code | meaning |
 //! |---|---|
 //! | 0 | complete |
+//! | 1 | complete, and a goal was missed (`--strict` of a study) |
 //! | 2 | an input, an option or an output is unusable; the message says which and why |
 //! | 130 | interrupted; nothing was left behind |
 
@@ -34,6 +35,9 @@ pub enum Failure {
     /// The page about the drive.
     #[error("the report cannot be made: {0}")]
     Report(io::Error),
+    /// A study is complete, and what it found is not what was wanted of it.
+    #[error("{0}")]
+    Missed(String),
     /// Somebody pressed Ctrl-C.
     #[error("interrupted, nothing was written")]
     Interrupted,
@@ -77,6 +81,7 @@ impl Failure {
             | Failure::Directory(..)
             | Failure::Usage(_)
             | Failure::Report(_) => ExitCode::from(2),
+            Failure::Missed(_) => ExitCode::from(1),
             // 128 and the number of SIGINT, as shells count.
             Failure::Interrupted | Failure::Paused => ExitCode::from(130),
         }

@@ -76,6 +76,7 @@ fn title(page: &str) -> Option<&str> {
 #[allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 mod tests {
     use super::*;
+    use crate::options::Speaking;
 
     #[test]
     fn somebody_elses_page_is_kept_and_ones_own_is_written_anew() {
@@ -84,7 +85,12 @@ mod tests {
         fs::write(dir.path().join(PAGE), page("Holidays", "1998")).unwrap();
         let fill = |text: &str| {
             let folder = Folder::open(dir.path()).unwrap();
-            folder.fill([(PAGE.to_owned(), page("Study", text))], &Screen::new(true, [])).unwrap();
+            folder
+                .fill(
+                    [(PAGE.to_owned(), page("Study", text))],
+                    &Screen::new(Speaking { quiet: true, color: clap::ColorChoice::Never }, []),
+                )
+                .unwrap();
         };
         fill("one");
         fill("two");

@@ -7,7 +7,11 @@ use std::io::{self, ErrorKind, Write as _};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use anstream::{AutoStream, ColorChoice};
+use clap::builder::styling::AnsiColor;
+
 use crate::exit::Failure;
+use crate::options::Speaking;
 use crate::progress::Progress;
 
 /// Whether standard output receives a file, `-o -`: then what a person gets to read goes to standard error.
@@ -53,13 +57,14 @@ fn is_obeyed(c: char) -> bool {
 #[derive(Debug, Clone, Copy)]
 pub struct Screen {
     quiet: bool,
+    color: ColorChoice,
 }
 
 impl Screen {
     /// With `--quiet`, remarks and progress bars are left out; errors never are. `arguments`: of the command line, where an option of
     /// `-` says that a file goes to standard output.
     #[must_use]
-    pub fn new(quiet: bool, arguments: impl IntoIterator<Item = OsString>) -> Self {
+    pub fn new(speaking: Speaking, arguments: impl IntoIterator<Item = OsString>) -> Self {
         let arguments: Vec<OsString> = arguments.into_iter().collect();
         let is_option = |argument: &OsString| argument.len() > 1 && argument.as_encoded_bytes()[0] == b'-';
         let apart = arguments.windows(2).any(|pair| is_option(&pair[0]) && pair[1] == "-");
@@ -67,7 +72,12 @@ impl Screen {
             .iter()
             .any(|argument| argument == "-o-" || argument.as_encoded_bytes().ends_with(b"=-"));
         TAKEN.store(apart || joined, Ordering::Relaxed);
-        Self { quiet }
+        let color = match speaking.color {
+            clap::ColorChoice::Always => ColorChoice::Always,
+            clap::ColorChoice::Never => ColorChoice::Never,
+            clap::ColorChoice::Auto => AutoStream::choice(&io::stderr()),
+        };
+        Self { quiet: speaking.quiet, color }
     }
 
     /// Whether remarks and progress bars are left out.
@@ -122,12 +132,18 @@ impl Screen {
 
     /// What was repaired or looks odd, but did not stop us.
     pub fn warn(&self, line: impl Display) {
-        let _ = writeln!(io::stderr(), "warning: {}", plain(&line.to_string()));
+        self.alarm("warning", AnsiColor::Yellow, line);
     }
 
     /// The one message a failed command ends with.
     fn error(&self, line: impl Display) {
-        let _ = writeln!(io::stderr(), "error: {}", plain(&line.to_string()));
+        self.alarm("error", AnsiColor::Red, line);
+    }
+
+    fn alarm(&self, kind: &str, color: AnsiColor, line: impl Display) {
+        let style = color.on_default().bold();
+        let mut stream = AutoStream::new(io::stderr(), self.color);
+        let _ = writeln!(stream, "{style}{kind}:{style:#} {}", plain(&line.to_string()));
     }
 
     /// The end of the program: its exit code, after the one message of a command that failed.

@@ -20,7 +20,7 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use clap_complete::Shell;
-use itpms_console::options::positive;
+use itpms_console::options::{Speaking, positive};
 use itpms_core::estimator::{RoadPeriod, RoadRepetition};
 use itpms_core::warning::Regulation;
 use itpms_drive::EstimatorKind;
@@ -46,14 +46,16 @@ pub(crate) use vehicle::{
 
 /// Indirect tire pressure monitoring: tire pressure and road from the accelerations of a car's body and wheels.
 #[derive(Debug, Parser)]
-#[command(name = "itpms", version, max_term_width = 100, after_help = EXAMPLES)]
+#[command(name = "itpms", version = env!("ITPMS_VERSION"), max_term_width = 100, after_help = EXAMPLES)]
 pub(crate) struct Args {
-    /// No progress bars and no remarks on standard error; errors and warnings stay.
-    #[arg(short, long, global = true)]
-    pub(crate) quiet: bool,
+    #[command(flatten)]
+    pub(crate) speaking: Speaking,
     #[command(subcommand)]
     pub(crate) command: Command,
 }
+
+/// Where the vehicle file is unless `--vehicle` tells it.
+pub(crate) const VEHICLE: &str = "ITPMS_VEHICLE";
 
 const EXAMPLES: &str = "\
 Examples:
@@ -63,7 +65,7 @@ Examples:
 
 Studies and their tools: itpms lab --help.
 
-Exit codes: 0 complete; 2 an input, option or output is unusable (one message says why); 130 interrupted.
+Exit codes: 0 complete; 1 goals missed in a study with --strict; 2 an input, option or output is unusable (one message says why); 130 interrupted.
 Outputs are written beside their target and renamed when complete: no partial file is ever left.";
 
 #[derive(Debug, Subcommand)]
@@ -86,6 +88,7 @@ pub(crate) enum Command {
     #[command(flatten)]
     Study(Study),
     Completions(CompletionsArgs),
+    Man(ManArgs),
 }
 
 impl Args {
@@ -134,7 +137,7 @@ pub(crate) struct EstimateArgs {
     /// The drive log: .csv, .parquet, .mf4, .dat, or a CAN log (.log, .asc, .blf, .trc, .mf4) with --dbc.
     pub(crate) log: PathBuf,
     /// Masses, springs, dampers and tires of the corners.
-    #[arg(long, value_name = "V.toml")]
+    #[arg(long, value_name = "V.toml", env = VEHICLE, hide_env_values = true)]
     pub(crate) vehicle: PathBuf,
     /// Where the pressures go: .csv or .parquet, or - for standard output; without it there is the summary alone.
     #[arg(short, long, value_name = "EST")]
@@ -256,6 +259,15 @@ Examples:
   itpms lab simulate paper-drop --seed 7 -o drive.csv
   itpms lab simulate drive-puncture --seed 1 -o drive.parquet --vehicle-out car.toml
   itpms lab simulate my-scenario.toml -o drive.csv --vehicle my-car.toml";
+
+/// Write a manual page for each command.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example: itpms man --out ~/.local/share/man/man1")]
+pub(crate) struct ManArgs {
+    /// The folder of the pages: itpms.1, itpms-estimate.1 and so on.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+}
 
 /// Print a completion script for a shell.
 #[derive(Debug, clap::Args)]

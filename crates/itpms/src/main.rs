@@ -16,7 +16,7 @@ use itpms_console::{Failure, Interrupt, Screen};
 
 fn main() -> ExitCode {
     let args = Args::read();
-    let screen = Screen::new(args.quiet, std::env::args_os());
+    let screen = Screen::new(args.speaking, std::env::args_os());
     screen.end(Interrupt::install().and_then(|interrupt| run(&args.command, &screen, &interrupt)))
 }
 
@@ -35,6 +35,7 @@ fn run(command: &Command, screen: &Screen, interrupt: &Interrupt) -> Result<(), 
         #[cfg(feature = "fmu")]
         Command::Fmu(args) => commands::fmu::run(args, screen),
         Command::Completions(args) => commands::completions::run(args, screen),
+        Command::Man(args) => commands::man::run(args, screen),
         Command::Tool(tool) => run_tool(tool, screen, interrupt),
         Command::Study(study) => commands::lab::run(study, screen),
         Command::Lab(lab) => match &lab.tool {

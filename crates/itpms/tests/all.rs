@@ -17,6 +17,7 @@ mod lab;
 mod mcap;
 mod monitor;
 mod plot;
+mod program;
 mod reference;
 mod roughness;
 mod signals;

@@ -12,7 +12,7 @@ use itpms_console::{Failure, Interrupt, Screen};
 
 fn main() -> ExitCode {
     let args = Args::parse();
-    let screen = Screen::new(args.quiet, std::env::args_os());
+    let screen = Screen::new(args.speaking, std::env::args_os());
     screen.end(Interrupt::install().and_then(|interrupt| run(&args.study, &screen, &interrupt)))
 }
 

@@ -51,3 +51,14 @@ fn what_makes_no_sense_is_refused() {
         assert_eq!(bench.run(line).code, Some(2), "{line}");
     }
 }
+
+#[test]
+fn a_missed_goal_ends_with_exit_code_1_where_it_is_strict() {
+    // The published filters find no stiffness: their rows miss.
+    let line = "score --seeds 1 --row paper-drop --estimator ekf-ui";
+    let bench = Bench::new();
+    let (lenient, strict) = (bench.run(line), bench.run(&format!("{line} --strict")));
+    assert!(lenient.success().contains("missed"), "{lenient:?}");
+    assert_eq!((strict.code, &strict.stdout), (Some(1), &lenient.stdout));
+    assert!(strict.stderr.starts_with("error: --strict: rows that miss a goal: 1"), "{strict:?}");
+}

@@ -35,7 +35,7 @@ pub(super) fn table(data: &ReportData) -> String {
     }
     let mut out = String::from(
         "<div class=\"scroll\"><table class=\"alerts\"><thead><tr><th scope=\"col\">Wheel</th>\
-         <th scope=\"col\">Warning</th><th scope=\"col\">Warned of at</th><th scope=\"col\">Since</th>\
+         <th scope=\"col\">Warning</th><th scope=\"col\">Reported at</th><th scope=\"col\">Since</th>\
          <th scope=\"col\">Until</th></tr></thead><tbody>\n",
     );
     for line in &lines {
@@ -71,7 +71,7 @@ fn line(span: &AlertSpan, unit: PressureUnit) -> Line {
                 [*rate_kpa_per_min, reading.pressure_kpa, reading.sd_kpa, reading.reference_kpa]
                     .map(|kpa| unit.number(kpa, 0));
             let at = format!("{pressure} ± {sd} {unit} then, should be {reference}");
-            ("low", "Fast leak", format!("lost {rate} {unit} per minute (mean of 10 s or more); {at}"))
+            ("low", "Fast leak", format!("fell by up to {rate} {unit}/min (over 10 s or more); {at}"))
         }
         Cause::AllLow { mean_share, sd_share } => {
             let [mean, sd] = [mean_share, sd_share].map(|share| 100.0 * share);

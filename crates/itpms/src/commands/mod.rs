@@ -9,6 +9,7 @@ pub(crate) mod fleet;
 pub(crate) mod fmu;
 pub(crate) mod identify;
 pub(crate) mod lab;
+pub(crate) mod man;
 #[cfg(feature = "live")]
 pub(crate) mod monitor;
 pub(crate) mod plot;

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use itpms_console::options::Jobs;
+use itpms_console::options::{Jobs, Strict};
 use itpms_lab::certify::LoadsTold;
 use itpms_lab::sensors::Sensors;
 
@@ -12,7 +12,7 @@ use super::sensor_names;
 /// Drive the test procedures of UN R141 Annex 3 and FMVSS 138 S6 in simulation: pass or fail, with times against the limits.
 ///
 /// Every wheel, every combination of wheels that a regulation names, every sensor unplugged; with --quick one test of each
-/// kind. A test that fails is marked and is no error: the exit code is 0. A simulation is no type approval.
+/// kind. A test that fails is marked; the exit code is 0 unless --strict is given. A simulation is no type approval.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct CertifyArgs {
@@ -40,6 +40,8 @@ pub(crate) struct CertifyArgs {
     /// Where the page, its figures (SVG), the pressures over time (CSV) and everything as JSON go.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) strict: Strict,
     #[command(flatten)]
     pub(crate) jobs: Jobs,
     /// Print the tests with their names and limits, and drive nothing.

@@ -1,11 +1,11 @@
 //! What can be typed after `itpms lab malfunctions`.
 
-use itpms_console::options::Jobs;
+use itpms_console::options::{Jobs, Strict};
 
 /// Put every malfunction of the sensors into many everyday drives: is it said in time, is no wrong pressure shown, does the
 /// monitor come back; and is nothing said on the same drives without.
 ///
-/// The same seeds give the same figures. A malfunction that is said late is marked and is no error: the exit code is 0.
+/// The same seeds give the same figures. A malfunction that is reported late is marked; the exit code is 0 unless --strict is given.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct MalfunctionsArgs {
@@ -18,6 +18,8 @@ pub(crate) struct MalfunctionsArgs {
     /// Only malfunctions whose names contain TEXT.
     #[arg(long, value_name = "TEXT")]
     pub(crate) only: Option<String>,
+    #[command(flatten)]
+    pub(crate) strict: Strict,
     #[command(flatten)]
     pub(crate) jobs: Jobs,
     /// Print JSON: version, drives, first_seed, rows and what was said without a malfunction.

@@ -11,6 +11,7 @@ mod soak;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{CommandFactory as _, Parser, Subcommand};
 use clap_complete::Shell;
+use itpms_console::options::Speaking;
 use itpms_lab::sensors::Sensors;
 
 pub(crate) use certify::CertifyArgs;
@@ -25,9 +26,8 @@ pub(crate) use soak::SoakArgs;
 #[derive(Debug, Parser)]
 #[command(name = "itpms-lab", version, max_term_width = 100)]
 pub(crate) struct Args {
-    /// No progress bars and no remarks on standard error; errors and warnings stay.
-    #[arg(short, long, global = true)]
-    pub(crate) quiet: bool,
+    #[command(flatten)]
+    pub(crate) speaking: Speaking,
     #[command(subcommand)]
     pub(crate) study: Study,
 }

@@ -1,13 +1,13 @@
 //! What can be typed after `itpms lab score`.
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use itpms_console::options::Jobs;
+use itpms_console::options::{Jobs, Strict};
 use itpms_drive::EstimatorKind;
 use itpms_lab::score::Part;
 
 /// Recompute the accuracy table: the standard scenarios over many seeds, held against the goals.
 ///
-/// The same seeds give the same figures. A goal that is missed is marked and is no error: the exit code is 0.
+/// The same seeds give the same figures. A goal that is missed is marked; the exit code is 0 unless --strict is given.
 #[derive(Debug, clap::Args)]
 #[command(after_help = SCORE_EXAMPLES)]
 pub(crate) struct ScoreArgs {
@@ -29,6 +29,8 @@ pub(crate) struct ScoreArgs {
     /// Of the four-wheel parts, only rows whose names contain TEXT, such as "quarters, 80".
     #[arg(long, value_name = "TEXT")]
     pub(crate) only: Option<String>,
+    #[command(flatten)]
+    pub(crate) strict: Strict,
     #[command(flatten)]
     pub(crate) jobs: Jobs,
     /// Print JSON: version, estimators, seeds, first_seed and rows of part, name, drives, cells (name, value, goal,

@@ -115,10 +115,16 @@ impl Certificate {
         aligned(&rows) + "Wheel speeds alone: what all four tires lose alike is not seen; a dash is never.\n"
     }
 
+    /// How many did not pass.
+    #[must_use]
+    pub fn failed(&self) -> usize {
+        self.outcomes.iter().filter(|outcome| outcome.verdict != Verdict::Pass).count()
+    }
+
     /// How many passed, in a line.
     #[must_use]
     pub fn summary(&self) -> String {
-        let passed = self.outcomes.iter().filter(|outcome| outcome.verdict == Verdict::Pass).count();
+        let passed = self.outcomes.len() - self.failed();
         let wrong = self.outcomes.iter().filter(|outcome| !outcome.named_wrongly.is_empty()).count();
         let false_alerts = self.outcomes.iter().filter(|outcome| !outcome.false_alerts.is_empty()).count();
         format!(

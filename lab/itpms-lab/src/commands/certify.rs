@@ -42,7 +42,7 @@ pub(crate) fn run(args: &CertifyArgs, screen: &Screen, interrupt: &Interrupt) ->
         page.commit()?;
     }
     screen.print_lines(if args.json { json } else { certificate.table().trim_end().to_owned() });
-    Ok(())
+    args.strict.judge(certificate.failed(), "tests that failed")
 }
 
 /// Page, figures, pressures over time, and everything as JSON.

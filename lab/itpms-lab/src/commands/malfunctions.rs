@@ -27,5 +27,5 @@ pub(crate) fn run(args: &MalfunctionsArgs, screen: &Screen, interrupt: &Interrup
     } else {
         screen.print_lines(study.table().trim_end());
     }
-    Ok(())
+    args.strict.judge(study.marked(), "rows that are marked")
 }

@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use itpms_console::{Failure, Interrupt, Screen, threads};
+use itpms_lab::score::row::Verdict;
 use itpms_lab::score::{Part, Request, ScoreError, score};
 
 use crate::args::ScoreArgs;
@@ -54,5 +55,6 @@ pub(crate) fn run(args: &ScoreArgs, screen: &Screen, interrupt: &Interrupt) -> R
             "by themselves: --row own (an owner's whole path), detection (how soon a loss is warned of), ablation and disturbances, car (cars that are not their files); false warnings: itpms lab soak",
         );
     }
-    Ok(())
+    let missed = score.rows.iter().filter(|row| row.verdict == Some(Verdict::Missed)).count();
+    args.strict.judge(missed, "rows that miss a goal")
 }

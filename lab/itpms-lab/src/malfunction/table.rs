@@ -5,6 +5,13 @@ use std::fmt::Write as _;
 use super::{Row, Study};
 
 impl Study {
+    /// How many malfunctions are marked in the table, and one more if anything was reported on the drives without.
+    #[must_use]
+    pub fn marked(&self) -> usize {
+        let rows = self.rows.iter().filter(|row| !marks(row).is_empty()).count();
+        rows + usize::from(self.clean.malfunctions + self.clean.warnings > 0)
+    }
+
     /// A line per kind of malfunction, one for the drives without, and what the columns mean.
     #[must_use]
     pub fn table(&self) -> String {
@@ -89,10 +96,11 @@ fn line(row: &Row) -> String {
         seconds(row.recovered_median_s),
         seconds(row.recovered_worst_s),
     ];
-    columns(&cells) + &marks(row)
+    let marks = marks(row);
+    columns(&cells) + &if marks.is_empty() { marks } else { format!("  {marks}") }
 }
 
-/// What is not as it should be, in words.
+/// What is not as it should be, in words; empty where all is.
 fn marks(row: &Row) -> String {
     let tires = row.tire_warnings_during.plus(row.tire_warnings_after);
     let causes = [
@@ -109,8 +117,7 @@ fn marks(row: &Row) -> String {
         (row.recovered < row.awaited, "not all back".to_owned()),
         (!causes.is_empty(), format!("false warnings: {causes}")),
     ];
-    let marks = marks.into_iter().filter(|(holds, _)| *holds).map(|(_, mark)| mark).collect::<Vec<_>>();
-    if marks.is_empty() { String::new() } else { format!("  {}", marks.join("; ")) }
+    marks.into_iter().filter(|(holds, _)| *holds).map(|(_, mark)| mark).collect::<Vec<_>>().join("; ")
 }
 
 fn seconds(value: f64) -> String {

@@ -47,7 +47,7 @@ pub(super) fn section(drop: &Outcome, readings: Table, speed_m_s: f64) -> Sectio
          there is a road that gives the same measurements. So <code>ekf-ui</code> and <code>aekf-ui</code>, built from eq. (6) to (37) to the letter, have nothing to \
          find the stiffness with: it remains at the 220 000 N/m (222.9 kPa) they are started from, or wanders off with the forgetting \
          factor until the filter diverges. That the paper's filter follows the loss we could not reproduce; a table below tries every reading of its \
-         equations. Told the stiffness that the road's spectrum suggests, the same recursion with four repairs (<code>aekf-ui-informed</code>) does follow, and \
+         equations. Told the stiffness that the road's spectrum suggests, the same recursion, corrected (<code>aekf-ui-informed</code>) does follow, and \
          its adaptive forgetting is what lets it. The default (<code>informed</code>) weighs the same information frame by frame.</p>\
          <p>Paper: {FIG_7} kPa. Ours, <code>informed</code>: {} kPa. {}</p>",
         spread(&drop.informed_rmse(), 2),

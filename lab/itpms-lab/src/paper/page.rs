@@ -32,7 +32,7 @@ pub(super) fn page(sections: &[Section], request: &Request) -> String {
          <section id=\"who\"><h2>Who is who</h2><dl>\
          <dt>ekf-ui</dt><dd>The extended Kalman filter with unknown input, eq. (6) to (17), as published.</dd>\
          <dt>aekf-ui</dt><dd>The same with the one-step forgetting factor, eq. (28) to (33), as published: the paper's proposal.</dd>\
-         <dt>aekf-ui-informed</dt><dd>That recursion, corrected in six places and told the stiffness which the road's spectrum suggests.</dd>\
+         <dt>aekf-ui-informed</dt><dd>That recursion, corrected (docs/math/ekf-ui.md, section 5) and given the stiffness that the road's spectrum suggests.</dd>\
          <dt>informed</dt><dd>The default: a Bayes filter over the pressure that knows that a road looks like a road, and notices when one repeats.</dd></dl></section>\n\
          <main>\n{body}</main>\n</body>\n</html>\n",
         version = env!("CARGO_PKG_VERSION"),

@@ -180,7 +180,7 @@ fn table(lines: &[Line]) -> Table {
         .numbers("ours_p90", column(|line| line.ours.p90))
         .words("comment", lines.iter().map(|line| line.comment.clone()));
     let mut table = Table::new(
-        "The paper and we",
+        "The paper's figures and ours",
         &["Where", "Case", "Paper", "Ours", "Agrees, or differs because"],
         data,
     );
