@@ -14,6 +14,7 @@ mod estimator_garbage;
 mod estimator_repeated_road;
 mod estimator_reset;
 mod estimator_saved;
+mod examples;
 mod fall_interval;
 mod in_place;
 mod inter_axle;

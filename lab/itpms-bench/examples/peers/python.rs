@@ -23,7 +23,7 @@ pub(crate) fn run(table: &mut Table) {
         return;
     }
     let mut child = Command::new(&python)
-        .arg(root().join("crates/itpms-bench/examples/peers/peers.py"))
+        .arg(root().join("lab/itpms-bench/examples/peers/peers.py"))
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .spawn()
