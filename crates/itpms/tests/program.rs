@@ -74,8 +74,8 @@ fn standard_input_and_output_are_a_log_and_its_result() {
     };
     bench.run("estimate drive.csv --vehicle car.toml -o est.csv").success();
     assert_eq!(piped("estimate - --vehicle car.toml -o -"), bench.read("est.csv"));
-    bench.run("convert drive.csv -o copy.csv").success();
-    assert_eq!(piped("convert - -o -"), bench.read("copy.csv"));
+    bench.run("convert drive.csv copy.csv").success();
+    assert_eq!(piped("convert - -"), bench.read("copy.csv"));
     assert!(
         piped("signals - --json").contains("fl_body_accel_m_s2") || piped("signals -").contains("time_s")
     );
