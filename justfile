@@ -23,7 +23,7 @@ demo out="out/demo":
 
 # The accuracy table, recomputed.
 score seeds="40":
-    cargo run --release -- score --seeds {{seeds}}
+    cargo run --release -p itpms-lab -- score --seeds {{seeds}}
 
 # Time per sample and per frame.
 bench:

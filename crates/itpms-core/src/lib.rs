@@ -156,3 +156,8 @@ pub use self::monitor::{MonitorConfig, MonitoredCar, MonitoredWheels};
 pub use self::real::Real;
 #[doc(inline)]
 pub use self::warning::{Alert, Cause, Limits, MonitorReport, Regulation, WheelState};
+
+/// The README's example is compiled with the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

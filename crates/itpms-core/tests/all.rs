@@ -12,6 +12,7 @@ mod estimator_faults;
 mod estimator_garbage;
 mod estimator_reset;
 mod estimator_saved;
+mod examples;
 mod fall_interval;
 mod in_place;
 mod inter_axle;

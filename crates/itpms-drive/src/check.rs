@@ -1,10 +1,10 @@
 //! A vehicle file held against a drive: whether the suspension in the drive is the file's, and where the estimator says that body and wheel
 //! do not go together.
 
+use itpms_analysis::transfer::{CornerCheck, CrossSpectra, Suspension, Verdict, page};
 use itpms_core::model::Corner;
 use itpms_data::out::WheelSpeedUse;
 use itpms_data::{LogReader, Vehicle};
-use itpms_study::transfer::{CornerCheck, CrossSpectra, Suspension, Verdict, page};
 use serde_json::{Map, Value, json};
 
 use crate::concerns::common_corners;

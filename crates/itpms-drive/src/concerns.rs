@@ -1,11 +1,11 @@
 //! What should be known before believing a result, said in sentences.
 
+use itpms_analysis::report::ReportData;
 use itpms_core::model::Corner;
 use itpms_core::wheel_speed::RadiusState;
 use itpms_data::out::WheelSpeedUse;
 use itpms_data::{LogReader, Vehicle};
 use itpms_paper::EstimatorKind;
-use itpms_study::report::ReportData;
 
 use crate::drive::Drive;
 use crate::error::DriveError;

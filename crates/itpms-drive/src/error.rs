@@ -22,7 +22,7 @@ pub enum DriveError {
     Scenario(#[from] ScenarioError),
     /// Nothing can be learned of these drives.
     #[error(transparent)]
-    Learn(#[from] itpms_study::learn::LearnError),
+    Learn(#[from] itpms_analysis::learn::LearnError),
     /// Settings and inputs that do not go together.
     #[error("{0}")]
     Mismatch(String),

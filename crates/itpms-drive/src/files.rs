@@ -3,6 +3,7 @@
 
 use std::path::PathBuf;
 
+use itpms_analysis::report;
 use itpms_core::model::Corner;
 use itpms_core::warning::Change;
 #[cfg(feature = "mcap")]
@@ -12,7 +13,6 @@ use itpms_data::out::{
     transition_object,
 };
 use itpms_data::{LogReader, LogRow, Vehicle};
-use itpms_study::report;
 use serde_json::Value;
 
 use crate::drive::Estimates;

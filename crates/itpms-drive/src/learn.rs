@@ -1,16 +1,16 @@
-//! A vehicle file from drives at known pressures: each log twice through `itpms_study`'s learner, and what comes out beside what the file
+//! A vehicle file from drives at known pressures: each log twice through `itpms_analysis`'s learner, and what comes out beside what the file
 //! said (docs/math/learn.md).
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
+use itpms_analysis::learn::{
+    DriveReading, FoundWheelbase, LearnError, Learned, LearnedCorner, Listener, PASSES, Parameter,
+};
 use itpms_core::model::Corner;
 use itpms_data::log::LogOptions;
 use itpms_data::vehicle::VehicleDetails;
 use itpms_data::{LogReader, Vehicle};
-use itpms_study::learn::{
-    DriveReading, FoundWheelbase, LearnError, Learned, LearnedCorner, Listener, PASSES, Parameter,
-};
 use serde_json::{Map, Value, json};
 
 use crate::concerns::common_corners;
@@ -115,7 +115,7 @@ pub fn learn_with(
             }
             done += 1.0;
         }
-        let learned = itpms_study::learn::learn(&told, &readings).map_err(|error| named(error, drives))?;
+        let learned = itpms_analysis::learn::learn(&told, &readings).map_err(|error| named(error, drives))?;
         now = vehicle(file, drives, &learned);
         result = Some((learned, readings));
     }

@@ -2,11 +2,11 @@
 
 use std::ops::ControlFlow;
 
+use itpms_analysis::report::{CornerRow, Provenance, ReportCollector, ReportData, ReportOptions};
 use itpms_core::model::{BodyFit, Corner, Misfit};
 use itpms_core::warning::{Change, MonitorReport};
 use itpms_data::out::{RadiusRow, States};
 use itpms_data::{LogReader, LogRow};
-use itpms_study::report::{CornerRow, Provenance, ReportCollector, ReportData, ReportOptions};
 
 use crate::alerts::{Alerts, Events};
 use crate::concerns;

@@ -4,6 +4,7 @@
 
 use std::path::PathBuf;
 
+use itpms_analysis::roughness::EvenProfile;
 use itpms_core::model::Corner;
 use itpms_data::crg::CrgRoad;
 use itpms_data::log::{CornerColumns, LogColumns, LogCorner, LogMotion, MotionColumns};
@@ -13,7 +14,6 @@ use itpms_sim::road::Surface;
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::{SimRow, Simulation};
 use itpms_sim::wheel_speeds::{DrivenWheels, WheelSpeedRow};
-use itpms_study::roughness::EvenProfile;
 
 use crate::error::DriveError;
 

@@ -1,9 +1,9 @@
 //! What is known at the end of a drive, as JSON and in lines.
 
+use itpms_analysis::report::{CornerReport, Reading, found, unseen, wheel_line};
 use itpms_core::model::{Corner, Level, PressureUnit, Warning};
 use itpms_core::wheel_speed::WheelRadius;
 use itpms_data::out::{RadiusRow, state_label};
-use itpms_study::report::{CornerReport, Reading, found, unseen, wheel_line};
 use serde_json::{Map, Value, json};
 
 use crate::run::{Done, Fit};

@@ -4,9 +4,9 @@
 
 use std::ops::ControlFlow;
 
+use itpms_analysis::learn::{FoundWheelbase, WheelbaseListener};
 use itpms_core::model::{CarConfig, Corner};
 use itpms_data::{LogReader, Vehicle};
-use itpms_study::learn::{FoundWheelbase, WheelbaseListener};
 
 use crate::error::DriveError;
 use crate::run::ROWS_PER_LOOK;

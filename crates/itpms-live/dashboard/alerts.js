@@ -32,7 +32,7 @@ export function wheelsOf(alert) {
 // The numbers that decided, in words.
 function reason(alert) {
   const n = (value) => (value == null ? "–" : value.toFixed(0));
-  const [said, should] = [`${number(alert.pressure_kpa, 0)} ± ${number(alert.sd_kpa, 0)} ${UNIT} when said`, `should be ${number(alert.reference_kpa, 0)}`];
+  const [said, should] = [`${number(alert.pressure_kpa, 0)} ± ${number(alert.sd_kpa, 0)} ${UNIT} when reported`, `should be ${number(alert.reference_kpa, 0)}`];
   const at = `${said}, limit ${number(alert.limit_kpa, 0)}, ${should}`;
   switch (alert.kind) {
     case "under-inflated":
@@ -41,7 +41,7 @@ function reason(alert) {
     case "flat":
       return `as hard as ${at}`;
     case "fast-leak":
-      return `lost ${number(alert.rate_kpa_per_min, 0)} ${UNIT} per minute (mean of 10 s or more); ${said}, ${should}`;
+      return `fell by up to ${number(alert.rate_kpa_per_min, 0)} ${UNIT}/min (over 10 s or more); ${said}, ${should}`;
     case "all-low":
       return `at ${n(100 * alert.mean_share)} ± ${n(100 * alert.sd_share)} % of their reference on average`;
     case "common-shift":

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use itpms_analysis::report::render_report;
 use itpms_core::model::Corner;
 use itpms_core::warning::Change;
 use itpms_data::out::{RadiusRow, RateGate, States, WheelSpeedUse, transition_object};
@@ -13,7 +14,6 @@ use itpms_drive::{
     Done, DriveError, Job, LateRow, Settings, Sink, common_corners, corner_line, summary_json,
     wheel_speed_lines, wheel_speed_use,
 };
-use itpms_study::report::render_report;
 use pyo3::prelude::*;
 use pyo3::types::PyIterator;
 use serde_json::{Value, json};

@@ -1,6 +1,6 @@
 //! Roughness of a road profile.
 
-use itpms_study::roughness::{Enveloping, iri_m_per_km, segment_iri_m_per_km};
+use itpms_analysis::roughness::{Enveloping, iri_m_per_km, segment_iri_m_per_km};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 

@@ -44,3 +44,8 @@ mod streams;
 mod text_file;
 pub mod time_profile;
 pub mod wheel_speeds;
+
+/// The README's example is compiled with the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,24 +1,17 @@
 //! What can be typed after `itpms`. Names are part of the contract with scripts.
 
 mod bench;
-mod certify;
 mod convert;
-#[cfg(feature = "live")]
-mod faults;
 mod fleet;
 #[cfg(feature = "fmu")]
 mod fmu;
-mod jobs;
 mod lab;
 mod log;
-mod malfunctions;
 #[cfg(feature = "live")]
 mod monitor;
 mod plot;
-mod reproduce;
 mod roughness;
 mod signals;
-mod soak;
 mod unit;
 mod vehicle;
 
@@ -27,34 +20,25 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use clap_complete::Shell;
-use itpms_core::model::Corner;
+use itpms_console::options::{Speaking, positive};
 use itpms_core::warning::Regulation;
 use itpms_drive::EstimatorKind;
 use itpms_road::{RoadPeriod, RoadRepetition};
-use itpms_study::score::Part;
-use itpms_study::sensors::Sensors;
 
 pub(crate) use bench::{
     BenchOutput, BumpArgs, CalibrateArgs, DamperArgs, IdentifyArgs, IdentifyPart, SpringArgs,
 };
-pub(crate) use certify::CertifyArgs;
 pub(crate) use convert::ConvertArgs;
-#[cfg(feature = "live")]
-pub(crate) use faults::FaultsArgs;
 pub(crate) use fleet::FleetArgs;
 #[cfg(feature = "fmu")]
 pub(crate) use fmu::{FmiVersion, FmuArgs};
-pub(crate) use jobs::Jobs;
-pub(crate) use lab::{Lab, LabArgs, Study};
+pub(crate) use lab::{Lab, LabArgs, Study, Tool};
 pub(crate) use log::LogArgs;
-pub(crate) use malfunctions::MalfunctionsArgs;
 #[cfg(feature = "live")]
 pub(crate) use monitor::MonitorArgs;
 pub(crate) use plot::PlotArgs;
-pub(crate) use reproduce::ReproduceArgs;
 pub(crate) use roughness::RoughnessArgs;
 pub(crate) use signals::SignalsArgs;
-pub(crate) use soak::SoakArgs;
 pub(crate) use unit::UnitArgs;
 pub(crate) use vehicle::{
     CheckArgs, InitArgs, KnownPressures, LearnArgs, ShowArgs, VehicleArgs, VehiclePart,
@@ -62,14 +46,16 @@ pub(crate) use vehicle::{
 
 /// Indirect tire pressure monitoring: tire pressure and road from the accelerations of a car's body and wheels.
 #[derive(Debug, Parser)]
-#[command(name = "itpms", version, max_term_width = 100, after_help = EXAMPLES)]
+#[command(name = "itpms", version = env!("ITPMS_VERSION"), max_term_width = 100, after_help = EXAMPLES)]
 pub(crate) struct Args {
-    /// No progress bars and no remarks on standard error; errors and warnings stay.
-    #[arg(short, long, global = true)]
-    pub(crate) quiet: bool,
+    #[command(flatten)]
+    pub(crate) speaking: Speaking,
     #[command(subcommand)]
     pub(crate) command: Command,
 }
+
+/// Where the vehicle file is unless `--vehicle` tells it.
+pub(crate) const VEHICLE: &str = "ITPMS_VEHICLE";
 
 const EXAMPLES: &str = "\
 Examples:
@@ -79,7 +65,7 @@ Examples:
 
 Studies and their tools: itpms lab --help.
 
-Exit codes: 0 complete; 2 an input, option or output is unusable (one message says why); 130 interrupted.
+Exit codes: 0 complete; 1 goals missed in a study with --strict; 2 an input, option or output is unusable (one message says why); 130 interrupted.
 Outputs are written beside their target and renamed when complete: no partial file is ever left.";
 
 #[derive(Debug, Subcommand)]
@@ -98,8 +84,11 @@ pub(crate) enum Command {
     Fmu(FmuArgs),
     Lab(LabArgs),
     #[command(flatten)]
+    Tool(Tool),
+    #[command(flatten)]
     Study(Study),
     Completions(CompletionsArgs),
+    Man(ManArgs),
 }
 
 impl Args {
@@ -148,7 +137,7 @@ pub(crate) struct EstimateArgs {
     /// The drive log: .csv, .parquet, .mf4, .dat, or a CAN log (.log, .asc, .blf, .trc, .mf4) with --dbc.
     pub(crate) log: PathBuf,
     /// Masses, springs, dampers and tires of the corners.
-    #[arg(long, value_name = "V.toml")]
+    #[arg(long, value_name = "V.toml", env = VEHICLE, hide_env_values = true)]
     pub(crate) vehicle: PathBuf,
     /// Where the pressures go: .csv or .parquet, or - for standard output; without it there is the summary alone.
     #[arg(short, long, value_name = "EST")]
@@ -239,23 +228,6 @@ fn road_repetition(text: &str) -> Result<RoadRepetition, String> {
     }
 }
 
-/// What a study's car has.
-fn sensor_names() -> impl TypedValueParser<Value = Sensors> {
-    PossibleValuesParser::new(Sensors::ALL.map(Sensors::label)).try_map(|label| {
-        Sensors::ALL
-            .into_iter()
-            .find(|sensors| sensors.label() == label)
-            .ok_or("expected accelerations or wheel-speeds")
-    })
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
-        _ => Err("expected a positive, finite number".to_owned()),
-    }
-}
-
 /// Simulate a drive and write its log, with the true pressure and road beside the measurements.
 #[derive(Debug, clap::Args)]
 #[command(after_help = SIMULATE_EXAMPLES)]
@@ -288,105 +260,13 @@ Examples:
   itpms lab simulate drive-puncture --seed 1 -o drive.parquet --vehicle-out car.toml
   itpms lab simulate my-scenario.toml -o drive.csv --vehicle my-car.toml";
 
-/// Recompute the accuracy table: the standard scenarios over many seeds, held against the goals.
-///
-/// The same seeds give the same figures. A goal that is missed is marked and is no error: the exit code is 0.
+/// Write a manual page for each command.
 #[derive(Debug, clap::Args)]
-#[command(after_help = SCORE_EXAMPLES)]
-pub(crate) struct ScoreArgs {
-    /// Drives per row; cars of the row own.
-    #[arg(long, value_name = "N", default_value_t = 40, value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    pub(crate) seeds: u32,
-    /// Three drives per row, five cars of the row own: minutes in place of hours.
-    #[arg(long, conflicts_with = "seeds")]
-    pub(crate) quick: bool,
-    /// Seed of the first drive; the others follow.
-    #[arg(long, value_name = "K", default_value_t = 1)]
-    pub(crate) first_seed: u64,
-    /// Which estimator; `all` compares them in the paper's scenarios.
-    #[arg(long, value_name = "NAME", default_value = EstimatorKind::default().label(), value_parser = scored_names())]
-    pub(crate) estimator: Scored,
-    /// One part of the table instead of all.
-    #[arg(long, value_name = "NAME", value_parser = part_names())]
-    pub(crate) row: Option<Part>,
-    /// Of the four-wheel parts, only rows whose names contain TEXT, such as "quarters, 80".
-    #[arg(long, value_name = "TEXT")]
-    pub(crate) only: Option<String>,
-    #[command(flatten)]
-    pub(crate) jobs: Jobs,
-    /// Print JSON: version, estimators, seeds, first_seed and rows of part, name, drives, cells (name, value, goal,
-    /// verdict), verdict.
-    #[arg(long)]
-    pub(crate) json: bool,
-}
-
-const SCORE_EXAMPLES: &str = "\
-Examples:
-  itpms lab score
-  itpms lab score --row paper-drop --seeds 100 --first-seed 1000 --json
-  itpms lab score --row car --quick
-  itpms lab score --row own --seeds 10
-  itpms lab score --estimator all";
-
-/// Whom to score.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum Scored {
-    One(EstimatorKind),
-    All,
-}
-
-impl Scored {
-    pub(crate) fn kinds(self) -> Vec<EstimatorKind> {
-        match self {
-            Scored::One(kind) => vec![kind],
-            Scored::All => EstimatorKind::ALL.to_vec(),
-        }
-    }
-}
-
-fn scored_names() -> impl clap::builder::TypedValueParser<Value = Scored> {
-    PossibleValuesParser::new(EstimatorKind::ALL.map(EstimatorKind::label).into_iter().chain(["all"]))
-        .map(|label| EstimatorKind::from_label(&label).map_or(Scored::All, Scored::One))
-}
-
-fn part_names() -> impl clap::builder::TypedValueParser<Value = Part> {
-    PossibleValuesParser::new(Part::ALL.map(Part::label))
-        .try_map(|label| Part::from_label(&label).ok_or("expected a part of the table"))
-}
-
-/// What the accelerations of a corner can tell of its tire, and what they cannot.
-///
-/// Two tires that give the same measurement, the rank with the road unknown, and the least error any estimator could
-/// have (Cramer-Rao) with each source of information alone and together, over time, speed, damping and noise.
-#[derive(Debug, clap::Args)]
-#[command(after_help = OBSERVABILITY_EXAMPLES)]
-pub(crate) struct ObservabilityArgs {
-    /// Masses, springs, dampers and tires of the corners.
-    #[arg(long, value_name = "V.toml")]
-    pub(crate) vehicle: PathBuf,
-    /// Which corner: fl, fr, rl or rr; the vehicle's first unless given.
-    #[arg(long, value_name = "C", value_parser = corner_names())]
-    pub(crate) corner: Option<Corner>,
-    /// Where a page, figures (SVG), tables (CSV) and everything as JSON go.
+#[command(after_help = "Example: itpms man --out ~/.local/share/man/man1")]
+pub(crate) struct ManArgs {
+    /// The folder of the pages: itpms.1, itpms-estimate.1 and so on.
     #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
-    #[command(flatten)]
-    pub(crate) jobs: Jobs,
-    /// Print JSON.
-    #[arg(long)]
-    pub(crate) json: bool,
-}
-
-const OBSERVABILITY_EXAMPLES: &str = "\
-Examples:
-  itpms lab observability --vehicle car.toml
-  itpms lab observability --vehicle car.toml --corner rl --out why";
-
-fn corner_names() -> impl clap::builder::TypedValueParser<Value = Corner> {
-    PossibleValuesParser::new(Corner::ALL.map(Corner::label)).try_map(|label| {
-        let named = |corner: &Corner| corner.label() == label;
-        Corner::ALL.into_iter().find(named).ok_or("expected fl, fr, rl or rr")
-    })
+    pub(crate) out: PathBuf,
 }
 
 /// Print a completion script for a shell.

@@ -4,7 +4,6 @@
 
 mod advice;
 mod bad_input;
-mod certify;
 mod common;
 mod convert;
 mod demo;
@@ -17,18 +16,18 @@ mod identify_bump;
 mod lab;
 mod mcap;
 mod monitor;
-mod observability;
 mod plot;
+mod program;
 mod reference;
-mod reproduce;
 mod roughness;
-mod score;
 mod signals;
 mod simulate;
 mod simulated_wheel_speeds;
-mod soak;
 mod surveyed_road;
 mod tables;
 mod vehicle;
 mod vehicle_learn;
 mod wheel_speeds;
+
+/// What `common` runs.
+const PROGRAM: &str = env!("CARGO_BIN_EXE_itpms");

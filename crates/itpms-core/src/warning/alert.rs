@@ -248,7 +248,7 @@ impl<T: Real> fmt::Display for AlertIn<'_, T> {
                     [rate_kpa_per_min, &reading.pressure_kpa, &reading.sd_kpa, &reading.reference_kpa]
                         .map(|kpa| unit.number(kpa.to_f64(), 0));
                 // It is the loss that counts, whatever the level.
-                write!(f, "{wheels} lost {rate} {unit} per minute (mean of 10 s or more), ")?;
+                write!(f, "{wheels} fast leak: fell by up to {rate} {unit}/min (over 10 s or more), ")?;
                 write!(f, "now {pressure} {unit} (sd {sd}) of {reference}")?;
             }
             Cause::AllLow { mean_share, sd_share } => {

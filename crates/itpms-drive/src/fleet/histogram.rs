@@ -1,6 +1,6 @@
 //! How often values lie where, as a panel of a figure.
 
-use itpms_study::plot::{Axis, Ink, Panel};
+use itpms_analysis::plot::{Axis, Ink, Panel};
 
 /// Bars over a quantity and its unit; `what` is counted.
 pub(super) fn histogram(

@@ -4,11 +4,11 @@
 
 use std::fmt::Write as _;
 
+use itpms_analysis::page::{percent_style, whole_percent};
+use itpms_analysis::plot::{Figure, Ink, escape};
+use itpms_analysis::report::BASE_STYLE;
 use itpms_core::model::PressureUnit;
 use itpms_data::out::AtomicFile;
-use itpms_study::page::{percent_style, whole_percent};
-use itpms_study::plot::{Figure, Ink, escape};
-use itpms_study::report::BASE_STYLE;
 
 use super::found::natural;
 use super::histogram::histogram;
@@ -46,7 +46,7 @@ fn page(plan: &Plan, outcome: &Outcome) -> String {
         ("drives", drives_table(&outcome.drives, unit) + &failed_table(outcome)),
         ("provenance", provenance(plan)),
     ];
-    itpms_study::page::page(TEMPLATE, &parts)
+    itpms_analysis::page::page(TEMPLATE, &parts)
 }
 
 /// `3 of 12 cars have a low tire`: the most urgent thing there is.
@@ -391,7 +391,7 @@ fn provenance(plan: &Plan) -> String {
     let mut rows = vec![
         ("Program", format!("itpms {}", env!("CARGO_PKG_VERSION"))),
         ("Estimator", settings.estimator.label().to_owned()),
-        ("Warned of", settings.regulation.label().to_owned()),
+        ("Warnings after", settings.regulation.label().to_owned()),
     ];
     if let Some(calibration) = &plan.calibration {
         let drives = match &calibration.drives {

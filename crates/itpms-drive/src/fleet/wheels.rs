@@ -1,9 +1,9 @@
 //! What a drive told of each wheel. Called by the fleet for its tables, and by the Python package for the same rows.
 
+use itpms_analysis::report::{CornerReport, Reading};
 use itpms_core::model::{Corner, Misfit, Warning};
 use itpms_core::warning::{Cause, WheelState};
 use itpms_data::out::{RadiusRow, state_label};
-use itpms_study::report::{CornerReport, Reading};
 
 use super::record::{FitRecord, Pressure, WheelRecord};
 use crate::alerts::Listed;

@@ -10,8 +10,8 @@ use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE, ETAG, IF_NONE_MATCH};
 use axum::http::{HeaderMap, HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
+use itpms_analysis::report::{BASE_STYLE, PLOT_LICENSE, PLOT_SCRIPT, PLOT_STYLE};
 use itpms_core::model::PressureUnit;
-use itpms_study::report::{BASE_STYLE, PLOT_LICENSE, PLOT_SCRIPT, PLOT_STYLE};
 
 /// A file of the page.
 #[derive(Debug, Clone, Copy)]

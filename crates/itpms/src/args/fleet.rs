@@ -16,8 +16,8 @@ pub(crate) struct FleetArgs {
     /// their names, numbers in them counting as numbers.
     #[arg(required = true, value_name = "GLOB")]
     pub(crate) drives: Vec<PathBuf>,
-    /// All drives are of this car.
-    #[arg(long, value_name = "V.toml", required_unless_present = "vehicle_dir")]
+    /// All drives are of this car; that of ITPMS_VEHICLE unless --vehicle-dir is given.
+    #[arg(long, value_name = "V.toml")]
     pub(crate) vehicle: Option<PathBuf>,
     /// A folder with CAR.toml for every car (and CAR.reference where there is one). A drive is that car's in whose folder it
     /// lies (CAR/.../drive.parquet) or whose name its own begins with (CAR_drive.parquet).

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use super::VEHICLE;
+
 use clap::ValueEnum;
 
 /// Write a functional mock-up unit (FMU) of a vehicle for simulation tools: co-simulation, FMI 2.0 or 3.0.
@@ -12,7 +14,7 @@ use clap::ValueEnum;
 #[command(after_help = "Example: itpms fmu --vehicle car.toml -o itpms.fmu")]
 pub(crate) struct FmuArgs {
     /// Masses, springs, dampers and tires of the corners; goes into the unit.
-    #[arg(long, value_name = "V.toml")]
+    #[arg(long, value_name = "V.toml", env = VEHICLE, hide_env_values = true)]
     pub(crate) vehicle: PathBuf,
     /// Where the unit goes.
     #[arg(short, long, value_name = "UNIT.fmu")]

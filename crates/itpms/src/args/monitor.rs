@@ -7,7 +7,7 @@ use clap::ArgGroup;
 use itpms_core::warning::Regulation;
 use itpms_live::source::Speed;
 
-use super::{LogArgs, UnitArgs, positive, regulation_names};
+use super::{LogArgs, UnitArgs, VEHICLE, positive, regulation_names};
 
 /// Watch a car live: estimates and warnings from a CAN bus, a broker or a replayed log, as they come.
 ///
@@ -20,7 +20,7 @@ pub(crate) struct MonitorArgs {
     /// A SocketCAN interface such as can0, or - for lines of candump on standard input.
     pub(crate) interface: Option<String>,
     /// Masses, springs, dampers and tires of the corners.
-    #[arg(long, value_name = "V.toml", required_unless_present = "print_dbc")]
+    #[arg(long, value_name = "V.toml", env = VEHICLE, hide_env_values = true, required_unless_present = "print_dbc")]
     pub(crate) vehicle: Option<PathBuf>,
     /// A log instead of a bus: a drive log, or a CAN log with --dbc.
     #[arg(long, value_name = "LOG")]

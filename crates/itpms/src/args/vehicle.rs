@@ -8,7 +8,7 @@ use itpms_core::model::Corner;
 use itpms_data::vehicle::Driven;
 use itpms_data::vehicle::typical::{CarClass, FrontRear, TireSize};
 
-use super::{LogArgs, positive};
+use super::{LogArgs, VEHICLE, positive};
 
 /// The parameters of one's own car: a file of typical values, what a file says, and whether a drive agrees.
 #[derive(Debug, clap::Args)]
@@ -177,7 +177,7 @@ pub(crate) struct CheckArgs {
     /// The drive log: .csv, .parquet, .mf4, .dat, or a CAN log (.log, .asc, .blf, .trc, .mf4) with --dbc.
     pub(crate) log: PathBuf,
     /// Masses, springs, dampers and tires of the corners.
-    #[arg(long, value_name = "V.toml")]
+    #[arg(long, value_name = "V.toml", env = VEHICLE, hide_env_values = true)]
     pub(crate) vehicle: PathBuf,
     /// Where a page with a picture per corner goes: .html, complete in itself.
     #[arg(long, value_name = "HTML")]

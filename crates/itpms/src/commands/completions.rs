@@ -1,8 +1,8 @@
 //! `itpms completions`: tab completion for shells.
 
+use itpms_console::{Failure, Screen};
+
 use crate::args::{Args, CompletionsArgs};
-use crate::exit::Failure;
-use crate::screen::Screen;
 
 pub(crate) fn run(args: &CompletionsArgs, screen: &Screen) -> Result<(), Failure> {
     let mut script = Vec::new();

@@ -2,14 +2,11 @@
 
 use std::ops::ControlFlow;
 
+use itpms_console::{Failure, Interrupt, Screen, names};
 use itpms_data::convert::{Request, convert};
 use itpms_data::out::Packing;
 
-use super::names;
 use crate::args::ConvertArgs;
-use crate::exit::Failure;
-use crate::interrupt::Interrupt;
-use crate::screen::Screen;
 
 pub(crate) fn run(args: &ConvertArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
     let (input, output) = (args.input.display(), args.output.display());

@@ -6,6 +6,7 @@
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
+use itpms_console::{Failure, Interrupt, Screen};
 use itpms_core::warning::Regulation;
 use itpms_drive::EstimatorKind;
 use itpms_road::RoadRepetition;
@@ -13,9 +14,6 @@ use itpms_sim::scenario::Scenario;
 
 use super::{estimate, simulate};
 use crate::args::{DemoArgs, EstimateArgs, LogArgs};
-use crate::exit::Failure;
-use crate::interrupt::Interrupt;
-use crate::screen::Screen;
 
 /// The built-in drive that is shown.
 const SCENARIO: &str = "drive-puncture";

@@ -1,7 +1,8 @@
 //! `itpms fleet`: many drives of many cars, kept drive by drive, going on where it was stopped.
 
-use std::fs;
+use std::{env, fs};
 
+use itpms_console::{Failure, Interrupt, Screen, fingerprint, threads};
 use itpms_core::model::PressureUnit;
 use itpms_drive::fleet::cars::Cars;
 use itpms_drive::fleet::standing::{CarStanding, State};
@@ -9,12 +10,7 @@ use itpms_drive::fleet::{self, Calibration, Outcome, Plan, found};
 use itpms_drive::{DriveError, Settings};
 use serde_json::json;
 
-use super::program::fingerprint;
-use crate::args::FleetArgs;
-use crate::exit::Failure;
-use crate::interrupt::Interrupt;
-use crate::screen::Screen;
-use crate::threads;
+use crate::args::{FleetArgs, VEHICLE};
 
 /// Cars and failures that are said; the files have all.
 const SAID: usize = 10;
@@ -23,7 +19,10 @@ pub(crate) fn run(args: &FleetArgs, screen: &Screen, interrupt: &Interrupt) -> R
     let cars = match (&args.vehicle, &args.vehicle_dir) {
         (Some(file), _) => Cars::one(file)?,
         (None, Some(folder)) => Cars::folder(folder)?,
-        (None, None) => return Err(Failure::Usage("expected --vehicle or --vehicle-dir".to_owned())),
+        (None, None) => match env::var_os(VEHICLE) {
+            Some(file) => Cars::one(file.as_ref())?,
+            None => return Err(Failure::Usage("expected --vehicle or --vehicle-dir".to_owned())),
+        },
     };
     let files = found::files(&args.drives, &args.out)?;
     fs::create_dir_all(&args.out).map_err(|error| Failure::Directory(args.out.clone(), error))?;

@@ -1,14 +1,12 @@
 //! `itpms fmu`: a vehicle file in, the package of a functional mock-up unit out. The work is that of `itpms-fmu`.
 
+use itpms_console::{Failure, Screen, names};
 use itpms_data::Vehicle;
 use itpms_data::out::AtomicFile;
 use itpms_fmu::description::Fmi;
 use itpms_fmu::package::{find_library, package};
 
 use crate::args::{FmiVersion, FmuArgs};
-use crate::commands::names;
-use crate::exit::Failure;
-use crate::screen::Screen;
 
 pub(crate) fn run(args: &FmuArgs, screen: &Screen) -> Result<(), Failure> {
     let inputs =

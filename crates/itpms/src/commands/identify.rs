@@ -5,17 +5,15 @@ mod bump;
 
 use std::path::Path;
 
+use itpms_analysis::identify::{IdentifyError, SineRecord, Units, calibrate, damper, spring};
+use itpms_analysis::plot::Figure;
+use itpms_console::{Failure, Screen, former, names};
 use itpms_data::DataError;
 use itpms_data::columns::Columns;
 use itpms_data::out::AtomicFile;
 use itpms_data::vehicle::tire_table;
-use itpms_study::identify::{IdentifyError, SineRecord, Units, calibrate, damper, spring};
-use itpms_study::plot::Figure;
 
-use super::{former, names};
 use crate::args::{BenchOutput, CalibrateArgs, DamperArgs, IdentifyPart, SpringArgs};
-use crate::exit::Failure;
-use crate::screen::Screen;
 
 /// What all inputs here are.
 const MEASUREMENT: &str = "the measurement";

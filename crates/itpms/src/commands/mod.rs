@@ -1,6 +1,5 @@
 //! One file per command. A command reads its inputs, writes its outputs and says in a few lines what it found.
 
-pub(crate) mod certify;
 pub(crate) mod completions;
 pub(crate) mod convert;
 pub(crate) mod demo;
@@ -8,24 +7,16 @@ pub(crate) mod estimate;
 pub(crate) mod fleet;
 #[cfg(feature = "fmu")]
 pub(crate) mod fmu;
-pub(crate) mod folder;
-pub(crate) mod former;
 pub(crate) mod identify;
 pub(crate) mod lab;
-pub(crate) mod malfunctions;
+pub(crate) mod man;
 #[cfg(feature = "live")]
 pub(crate) mod monitor;
-pub(crate) mod names;
-pub(crate) mod observability;
 pub(crate) mod plot;
-pub(crate) mod program;
 pub(crate) mod reference;
-pub(crate) mod reproduce;
 pub(crate) mod roughness;
-pub(crate) mod score;
 pub(crate) mod signals;
 pub(crate) mod simulate;
-pub(crate) mod soak;
 pub(crate) mod vehicle;
 
 /// Rows between two looks at the interrupt flag and the progress bar.

@@ -2,16 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use itpms_analysis::overview::{CornerSignals, Found, FoundCorner, Overview, Statistics};
+use itpms_console::{Failure, Interrupt, Screen, names};
 use itpms_data::LogReader;
 use itpms_data::out::AtomicFile;
-use itpms_study::overview::{CornerSignals, Found, FoundCorner, Overview, Statistics};
 use serde_json::{Map, Value, json};
 
 use crate::args::PlotArgs;
-use crate::commands::{ROWS_PER_LOOK, names};
-use crate::exit::Failure;
-use crate::interrupt::Interrupt;
-use crate::screen::Screen;
+use crate::commands::ROWS_PER_LOOK;
 
 pub(crate) fn run(args: &PlotArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
     let output = args.output.clone().unwrap_or_else(|| beside(&args.log));

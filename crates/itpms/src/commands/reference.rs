@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
+use itpms_console::Failure;
 use itpms_data::Vehicle;
 use itpms_data::reference::StoredReference;
-
-use crate::exit::Failure;
 
 /// The reference, and the vehicle from which it counts; the refusal of another car's names both files.
 pub(crate) fn of(

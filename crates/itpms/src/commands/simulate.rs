@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use itpms_console::{Failure, Interrupt, Screen, names};
 use itpms_data::Vehicle;
 use itpms_data::log::{CornerColumns, LogColumns};
 use itpms_data::out::{AtomicFile, LogWriter};
@@ -10,11 +11,8 @@ use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::Simulation;
 use serde_json::json;
 
-use super::{ROWS_PER_LOOK, names};
+use super::ROWS_PER_LOOK;
 use crate::args::SimulateArgs;
-use crate::exit::Failure;
-use crate::interrupt::Interrupt;
-use crate::screen::Screen;
 
 pub(crate) fn run(args: &SimulateArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
     let inputs = [

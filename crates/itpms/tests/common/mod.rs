@@ -62,12 +62,12 @@ impl Bench {
     }
 
     pub(crate) fn command<A: AsRef<OsStr>>(&self, arguments: impl IntoIterator<Item = A>) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_itpms"));
+        let mut command = Command::new(crate::PROGRAM);
         command.current_dir(self.0.path()).args(arguments).stdin(Stdio::null());
         command
     }
 
-    /// Runs `itpms` with these words.
+    /// Runs the program with these words.
     pub(crate) fn run(&self, line: &str) -> Outcome {
         outcome(self.command(line.split_whitespace()))
     }
@@ -91,7 +91,7 @@ impl Bench {
         self.write("drive.csv", out);
     }
 
-    /// Starts `itpms` with these words and waits until it has begun to write beside `output`.
+    /// Starts the program with these words and waits until it has begun to write beside `output`.
     pub(crate) fn start(&self, line: &str, output: &str) -> Child {
         let mut command = self.command(line.split_whitespace());
         let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();

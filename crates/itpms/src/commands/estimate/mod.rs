@@ -4,18 +4,15 @@
 
 mod summary;
 
+use itpms_console::{Failure, Interrupt, Screen, names, threads};
 use itpms_core::model::Corner;
 use itpms_data::{LogReader, Vehicle};
 use itpms_drive::EstimatorKind;
 use itpms_drive::learn::sensor_pressures;
 use itpms_drive::{Done, FilePaths, Files, Job, Settings, common_corners, wheel_speed_use};
 
-use super::{names, reference};
+use super::reference;
 use crate::args::EstimateArgs;
-use crate::exit::Failure;
-use crate::interrupt::Interrupt;
-use crate::screen::Screen;
-use crate::threads;
 pub(crate) use summary::print_corners;
 
 pub(crate) fn run(args: &EstimateArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {

@@ -1,11 +1,11 @@
 //! What is said at the end: a line for the drive, one per corner and one per alert, or the same as JSON.
 
+use itpms_console::Screen;
 use itpms_drive::{corner_line, summary_json, wheel_speed_lines};
 use serde_json::{Value, json};
 
 use super::Estimated;
 use crate::args::EstimateArgs;
-use crate::screen::Screen;
 
 pub(super) fn print(args: &EstimateArgs, screen: &Screen, estimated: &Estimated) {
     if args.json {

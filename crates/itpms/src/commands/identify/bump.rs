@@ -1,14 +1,12 @@
 //! `itpms lab identify bump`: a record of a drop in, the parts of each corner out.
 
+use itpms_analysis::identify::{BumpCorner, BumpMasses, BumpSignals, BumpWindow, bump};
+use itpms_console::{Failure, Screen, names};
 use itpms_core::model::Corner;
 use itpms_data::columns::Columns;
-use itpms_study::identify::{BumpCorner, BumpMasses, BumpSignals, BumpWindow, bump};
 
 use super::{MEASUREMENT, refusal, written};
 use crate::args::BumpArgs;
-use crate::commands::names;
-use crate::exit::Failure;
-use crate::screen::Screen;
 
 /// Columns of a corner: what follows its label, body then wheel.
 const HEIGHTS: [&str; 2] = ["_body_m", "_wheel_m"];

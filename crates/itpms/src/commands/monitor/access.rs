@@ -5,12 +5,11 @@ use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::Path;
 
+use itpms_console::{Failure, Screen};
 use itpms_live::broker::{BrokerAddress, Password};
 
 use super::failure;
 use crate::args::MonitorArgs;
-use crate::exit::Failure;
-use crate::screen::Screen;
 
 /// Where a password may be instead of in a file.
 const VARIABLE: &str = "ITPMS_MQTT_PASSWORD";

@@ -16,6 +16,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use std::{fs, thread};
 
+use itpms_console::{Failure, Interrupt, Screen, names};
 use itpms_data::Vehicle;
 use itpms_data::out::{AtomicFile, NameLock};
 use itpms_live::LiveError;
@@ -28,11 +29,8 @@ use itpms_live::output::can;
 use itpms_live::queue::Queue;
 use itpms_live::state::SavedDrive;
 
-use super::{names, reference};
+use super::reference;
 use crate::args::MonitorArgs;
-use crate::exit::Failure;
-use crate::interrupt::Interrupt;
-use crate::screen::Screen;
 
 /// Rows and frames between a source and the estimate: some seconds of a busy bus.
 const WAITING: usize = 32_768;

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use itpms_console::{Failure, Screen};
 use itpms_live::http::{self, Server};
 use itpms_live::hub::Hub;
 use itpms_live::input::Say;
@@ -13,8 +14,6 @@ use itpms_live::output::{JsonLines, Mqtt, Output, WhenSlow};
 
 use super::{access, failure};
 use crate::args::MonitorArgs;
-use crate::exit::Failure;
-use crate::screen::Screen;
 
 /// Starts everything that takes estimates, but for the page. `source_waits`: a source that waits may be held up by a slow
 /// pipe; a bus may not.

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use itpms_console::{Failure, Screen};
 use itpms_data::LogReader;
 use itpms_data::can::FrameReader;
 use itpms_data::dbc::{Dbc, Decoder};
@@ -17,8 +18,6 @@ use itpms_live::source::{Speed, broker, replay, stdin};
 
 use super::{access, failure};
 use crate::args::MonitorArgs;
-use crate::exit::Failure;
-use crate::screen::Screen;
 
 /// An opened source.
 pub(super) struct Source {

@@ -2,18 +2,16 @@
 
 use std::path::Path;
 
+use itpms_analysis::roughness::{RoughnessTable, WheelSurvey};
+use itpms_console::{Failure, Interrupt, Screen};
 use itpms_core::model::Corner;
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_data::{LogReader, Vehicle};
 use itpms_drive::{RoadTrack, common_corners};
-use itpms_study::roughness::{RoughnessTable, WheelSurvey};
 
 use super::Found;
 use crate::args::RoughnessArgs;
 use crate::commands::ROWS_PER_LOOK;
-use crate::exit::Failure;
-use crate::interrupt::Interrupt;
-use crate::screen::Screen;
 
 pub(super) fn survey(
     args: &RoughnessArgs,

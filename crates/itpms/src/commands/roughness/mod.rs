@@ -10,15 +10,12 @@ mod profile;
 
 use std::fs;
 
+use itpms_analysis::roughness::RoughnessTable;
+use itpms_console::{Failure, Interrupt, Screen, names};
 use itpms_data::out::AtomicFile;
-use itpms_study::roughness::RoughnessTable;
 use serde_json::json;
 
-use super::names;
 use crate::args::RoughnessArgs;
-use crate::exit::Failure;
-use crate::interrupt::Interrupt;
-use crate::screen::Screen;
 
 /// Lines of a table on the terminal; more are for a file.
 const MOST_LINES: usize = 60;

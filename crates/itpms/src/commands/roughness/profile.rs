@@ -1,16 +1,16 @@
 //! Tracks from a road profile: OpenCRG, text or Parquet.
 
-use itpms_data::Problem;
-use itpms_data::crg::CrgRoad;
-use itpms_data::profile::RoadProfile;
-use itpms_study::roughness::{
+use itpms_analysis::roughness::{
     Enveloping, EvenProfile, RoughnessTable, SurveyError, SurveyOptions, TrackRoughness, TrackSurvey,
     WheelSurvey,
 };
+use itpms_console::Failure;
+use itpms_data::Problem;
+use itpms_data::crg::CrgRoad;
+use itpms_data::profile::RoadProfile;
 
 use super::Found;
 use crate::args::RoughnessArgs;
-use crate::exit::Failure;
 
 /// A survey holds all waves that its points can.
 const LONGEST_WAVE_M: f64 = 1000.0;

@@ -10,14 +10,11 @@ mod table;
 
 use std::path::Path;
 
+use itpms_console::{Failure, Interrupt, Screen, former, names};
 use itpms_data::out::AtomicFile;
 use itpms_data::signals::{Chosen, Lister, Listing, Resolved, SignalMap, resolve_knowing};
 
-use super::{former, names};
 use crate::args::SignalsArgs;
-use crate::exit::Failure;
-use crate::interrupt::Interrupt;
-use crate::screen::Screen;
 
 pub(crate) fn run(args: &SignalsArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
     let map = args.signals.as_deref().map(SignalMap::read).transpose()?;

@@ -1,13 +1,13 @@
 //! The list for a person: a table per log, groups in the order of the log, and below it what the columns would be.
 //! Called by the command alone.
 
+use itpms_console::Screen;
 use itpms_core::model::Corner;
 use itpms_data::log::{Field, LogColumns, Slot};
 use itpms_data::signals::{ListedGroup, Listing, Resolved};
 
 use super::Columns;
 use crate::args::SignalsArgs;
-use crate::screen::Screen;
 
 /// Cells of one line, and the same for all.
 const HEADS: [(&str, Side); 10] = [

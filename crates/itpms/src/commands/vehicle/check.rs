@@ -1,15 +1,12 @@
 //! `itpms vehicle check`: a drive and a vehicle file in; whether the suspension in the drive is the file's. The work is that of
 //! `itpms-drive`.
 
+use itpms_console::{Failure, Interrupt, Screen, names};
 use itpms_data::out::AtomicFile;
 use itpms_data::{LogReader, Vehicle};
 use itpms_drive::check;
 
 use crate::args::CheckArgs;
-use crate::commands::names;
-use crate::exit::Failure;
-use crate::interrupt::Interrupt;
-use crate::screen::Screen;
 
 pub(super) fn run(args: &CheckArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
     let [dbc, signals] = args.reading.inputs();

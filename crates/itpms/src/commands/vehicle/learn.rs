@@ -2,17 +2,14 @@
 
 use std::path::Path;
 
+use itpms_analysis::learn::{LearnedCorner, Parameter};
+use itpms_console::{Failure, Interrupt, Screen, former, names};
 use itpms_core::model::Corner;
 use itpms_data::Vehicle;
 use itpms_data::out::AtomicFile;
 use itpms_drive::{KnownDrive, LearnedVehicle, learn};
-use itpms_study::learn::{LearnedCorner, Parameter};
 
 use crate::args::LearnArgs;
-use crate::commands::{former, names};
-use crate::exit::Failure;
-use crate::interrupt::Interrupt;
-use crate::screen::Screen;
 
 /// Width of the first column, and of a value with its deviation.
 const NAME: usize = 34;

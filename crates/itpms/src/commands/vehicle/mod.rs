@@ -4,14 +4,11 @@ mod check;
 mod learn;
 mod show;
 
+use itpms_console::{Failure, Interrupt, Screen, former};
 use itpms_data::out::AtomicFile;
 use itpms_data::vehicle::typical::{AxleWheels, TypicalCar, WheelsOfACar};
 
-use super::former;
 use crate::args::{InitArgs, VehiclePart};
-use crate::exit::Failure;
-use crate::interrupt::Interrupt;
-use crate::screen::Screen;
 
 pub(crate) fn run(part: &VehiclePart, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
     match part {

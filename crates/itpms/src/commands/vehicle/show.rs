@@ -1,13 +1,12 @@
 //! `itpms vehicle show`: a vehicle file as a table, or as JSON.
 
+use itpms_console::{Failure, Screen, plain};
 use itpms_core::model::Corner;
 use itpms_data::Vehicle;
 use itpms_data::vehicle::{CornerFigures, Driven, ParameterUncertainty};
 use serde_json::{Value, json};
 
 use crate::args::ShowArgs;
-use crate::exit::Failure;
-use crate::screen::{Screen, plain};
 
 /// Width of the first column, of a value, and of a value with its deviation.
 const NAME: usize = 34;

@@ -1,0 +1,27 @@
+//! What is made of a drive log besides its pressures: the page about it, figures, spectra, how rough the road was, what the log and
+//! bench tests teach of a car's parameters, and how well a pressure can be known at best.
+//!
+//! | module | idea |
+//! |---|---|
+//! | [`bound`] | Cramer-Rao bound on a pressure from one corner, or from front and rear of a side |
+//! | [`identify`] | spring, damper and tire from bench tests, with standard errors |
+//! | [`learn`] | parameters of a car from drives at known pressures |
+//! | [`overview`] | a log before any vehicle is known: signals, spectra, coherence, on one page |
+//! | [`page`] | a page that is one file, under a policy by hashes |
+//! | [`spectrum`] | Welch's power spectral density; level, slope and ISO 8608 class of a road |
+//! | [`plot`] | figures as SVG |
+//! | [`report`] | one HTML page about a drive |
+//! | [`roughness`] | International Roughness Index, ISO 8608 level and slope, per track and segment |
+//! | [`transfer`] | how a corner's body answers its wheel, and whether that is its vehicle file's suspension |
+#![forbid(unsafe_code)]
+
+pub mod bound;
+pub mod identify;
+pub mod learn;
+pub mod overview;
+pub mod page;
+pub mod plot;
+pub mod report;
+pub mod roughness;
+pub mod spectrum;
+pub mod transfer;

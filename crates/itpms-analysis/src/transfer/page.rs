@@ -1,0 +1,107 @@
+//! All corners as one HTML page: style and pictures inside, nothing loaded. Called by the binary.
+
+use std::fmt::Write as _;
+
+use super::{CornerCheck, INCOHERENT};
+use crate::plot::{Axis, Figure, Ink, Panel, Stroke, escape};
+
+use crate::page::FIGURES_STYLE as STYLE;
+
+/// The page about one drive of one vehicle.
+#[must_use]
+pub fn page(vehicle: &str, log: &str, corners: &[CornerCheck]) -> String {
+    let title = format!("Suspension of “{}” in {}", escape(vehicle), escape(log));
+    let mut body = String::from(
+        "<p>How the body answers each wheel: acceleration of the body over that of the wheel, as measured and as the vehicle file's mass, \
+         spring and damper say. The band holds the file's parameters within a standard deviation. Neither road nor tire nor unsprung mass enter. \
+         The four corners share one body, so a corner of a whole car lies within some ten per cent of its own curve. Points that are not known to \
+         half of themselves are left out.</p>\n",
+    );
+    for check in corners {
+        let _ = write!(
+            body,
+            "<h3>{}</h3>\n<p>{}.</p>\n{}<figure>{}</figure>\n",
+            escape(&named(&check.label)),
+            escape(&check.sentence()),
+            fit(check),
+            figure(check).html()
+        );
+    }
+    format!(
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
+         <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\
+         <title>{title}</title><style>{STYLE}</style></head>\n<body><main><h1>{title}</h1>\n{body}</main></body></html>\n"
+    )
+}
+
+/// How well body and wheel go together, in words; what does not.
+fn fit(check: &CornerCheck) -> String {
+    let Some((fit, _)) = &check.fit else { return String::new() };
+    // Forces that are worse than none leave more than all unexplained.
+    let percent = |share: f64| (100.0 * share).min(100.0);
+    let parts = [
+        fit.incoherence.map(|share| {
+            format!(
+                "{:.0} % of the body's acceleration does not go with this wheel's (5 to 16 Hz)",
+                percent(share)
+            )
+        }),
+        fit.unexplained.map(|share| {
+            format!(
+                "the forces of all four struts leave {:.0} % of it unexplained (5 to 20 Hz)",
+                percent(share)
+            )
+        }),
+        fit.hop_excess.map(|times| {
+            format!("front and rear differ {times:.1} times as much near wheel hop as beside it")
+        }),
+    ];
+    let parts: Vec<String> = parts.into_iter().flatten().collect();
+    let figures = (!parts.is_empty())
+        .then(|| format!("<p>At the end of the drive {}.</p>\n", escape(&parts.join("; "))));
+    let misfit = check.misfit().map(|misfit| format!("<p>What does not fit: {}.</p>\n", escape(&misfit)));
+    [figures, misfit].into_iter().flatten().collect()
+}
+
+/// A corner in words.
+pub(crate) fn named(label: &str) -> String {
+    let words = match label {
+        "fl" => "Front left",
+        "fr" => "Front right",
+        "rl" => "Rear left",
+        "rr" => "Rear right",
+        other => return other.to_owned(),
+    };
+    format!("{words} ({label})")
+}
+
+/// Points that are known to half of themselves: what the coherence leaves open further would look like a value.
+fn known(points: Vec<(f64, f64, f64)>) -> Vec<(f64, f64, f64)> {
+    points.into_iter().filter(|(_, gain, error)| *error < 0.5 * gain).collect()
+}
+
+/// Gain and coherence of a corner.
+fn figure(check: &CornerCheck) -> Figure {
+    let frequency = || Axis::logarithmic("Frequency", "Hz");
+    let told = check.told();
+    let gain = Panel::new("", "Body over wheel", frequency(), Axis::logarithmic("Gain", ""))
+        .band(
+            "file, within a standard deviation",
+            Ink::Light,
+            told.iter().map(|(hz, (_, low, high))| (*hz, *low, *high)).collect(),
+        )
+        .line("file", Ink::Truth, Stroke::Solid, told.iter().map(|(hz, (gain, _, _))| (*hz, *gain)).collect())
+        .dots("measured", Ink::Adaptive, known(check.measured()));
+    let coherence = Panel::new(
+        "",
+        format!("Coherence, {INCOHERENT} or more expected"),
+        frequency(),
+        Axis::linear("Coherence", "").within(0.0, 1.0),
+    )
+    .level(Ink::Muted, INCOHERENT, "")
+    .line("", Ink::Adaptive, Stroke::Solid, check.coherences());
+    Figure::new(format!("vehicle-check-{}", check.label), format!("{}: body over wheel", check.label))
+        .describe(check.sentence())
+        .panel(gain)
+        .panel(coherence)
+}

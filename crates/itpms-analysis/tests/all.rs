@@ -1,0 +1,10 @@
+//! Analyses through the crate's public face.
+//!
+//! One program: the estimators are generic, and every program that uses them compiles them anew.
+
+mod identify_coverage;
+mod identify_parts;
+mod part_bench;
+mod plot;
+mod report;
+mod synthetic;

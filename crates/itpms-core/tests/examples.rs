@@ -1,0 +1,41 @@
+//! The examples run, and what they show is so.
+
+#[path = "../examples/one_wheel.rs"]
+mod one_wheel;
+#[path = "../examples/puncture.rs"]
+mod puncture;
+#[path = "../examples/wheel_speeds.rs"]
+mod wheel_speeds;
+
+use itpms_core::wheel_speed::RadiusState;
+use itpms_core::{Cause, Corner};
+
+#[test]
+fn one_wheel_ends_at_its_pressure() {
+    let (estimate, truth_kpa) = *one_wheel::drive().unwrap().last().unwrap();
+    assert!(estimate.validity.is_valid());
+    // One of 370 drives is further off.
+    assert!((estimate.pressure_kpa - truth_kpa).abs() < 3.0 * estimate.pressure_sd_kpa, "{estimate:?}");
+    one_wheel::main().unwrap();
+}
+
+#[test]
+fn a_puncture_is_warned_of_at_its_wheel_alone() {
+    let alerts = puncture::drive().unwrap();
+    assert!(!alerts.is_empty());
+    for alert in &alerts {
+        assert_eq!(alert.wheels.iter().collect::<Vec<_>>(), [Corner::FrontLeft], "{alert}");
+        assert!(alert.reported_s > puncture::BEGIN_S, "{alert}");
+        assert!(matches!(alert.cause, Cause::UnderInflated(_) | Cause::FastLeak { .. }), "{alert}");
+    }
+}
+
+#[test]
+fn a_wheel_on_a_smaller_radius_is_found() {
+    let report = wheel_speeds::drive().unwrap();
+    let RadiusState::Low(wheels) = report.state else { panic!("{report:?}") };
+    assert_eq!(wheels.iter().collect::<Vec<_>>(), [Corner::RearRight], "{report:?}");
+    let rear_right = report.wheels[Corner::RearRight.index()];
+    assert!((rear_right.change + wheel_speeds::SMALLER).abs() < 3.0 * rear_right.change_sd, "{report:?}");
+    wheel_speeds::main().unwrap();
+}

@@ -1,0 +1,66 @@
+//! What can be typed after `itpms lab certify`.
+
+use std::path::PathBuf;
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use itpms_console::options::{Jobs, Strict};
+use itpms_lab::certify::LoadsTold;
+use itpms_lab::sensors::Sensors;
+
+use super::sensor_names;
+
+/// Drive the test procedures of UN R141 Annex 3 and FMVSS 138 S6 in simulation: pass or fail, with times against the limits.
+///
+/// Every wheel, every combination of wheels that a regulation names, every sensor unplugged; with --quick one test of each
+/// kind. A test that fails is marked; the exit code is 0 unless --strict is given. A simulation is no type approval.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct CertifyArgs {
+    /// One test of each kind instead of all.
+    #[arg(long)]
+    pub(crate) quick: bool,
+    /// Only tests whose names contain TEXT.
+    #[arg(long, value_name = "TEXT")]
+    pub(crate) only: Option<String>,
+    /// Seed of the first test's course; the others follow.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// What the car has. On wheel speeds alone no sensor is unplugged, and every combination of tires is let down for both regulations.
+    #[arg(long, value_name = "SENSORS", default_value = Sensors::default().label(), value_parser = sensor_names())]
+    pub(crate) sensors: Sensors,
+    /// What a car with wheel speeds alone is told of its loads while it stands.
+    #[arg(long, value_name = "LOADS", default_value = LoadsTold::default().label(), value_parser = load_names())]
+    pub(crate) loads: LoadsTold,
+    /// How often each test is driven, each time by another car on another road.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(crate) repeats: u32,
+    /// Where a page with all tests and their pressures goes: .html, complete in itself.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) report: Option<PathBuf>,
+    /// Where the page, its figures (SVG), the pressures over time (CSV) and everything as JSON go.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) strict: Strict,
+    #[command(flatten)]
+    pub(crate) jobs: Jobs,
+    /// Print the tests with their names and limits, and drive nothing.
+    #[arg(long, conflicts_with_all = ["json", "report", "out"])]
+    pub(crate) list: bool,
+    /// Print JSON.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+fn load_names() -> impl TypedValueParser<Value = LoadsTold> {
+    PossibleValuesParser::new(LoadsTold::ALL.map(LoadsTold::label)).try_map(|label| {
+        LoadsTold::ALL.into_iter().find(|loads| loads.label() == label).ok_or("expected unknown or constant")
+    })
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  itpms lab certify --quick
+  itpms lab certify --report certify.html
+  itpms lab certify --only un-r141-puncture --seed 7 --out punctures
+  itpms lab certify --sensors wheel-speeds --loads constant --repeats 6";

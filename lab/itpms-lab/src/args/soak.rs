@@ -1,0 +1,64 @@
+//! What can be typed after `itpms lab soak`: how many hours, of what, and where they are kept.
+
+use std::path::PathBuf;
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use itpms_console::options::positive;
+use itpms_lab::sensors::Sensors;
+use itpms_lab::soak::Car;
+
+use super::sensor_names;
+
+/// Drive for many simulated hours in which nothing is wrong, and count what the monitor says.
+///
+/// Each hour of drive-normal is composed from its seed and driven by another car (bodies, tires and sensors within
+/// tolerances). Finished hours are appended to DIR/hours.jsonl, one line of JSON each; the same command goes on where it
+/// was stopped, however it was stopped. At the end they are added up, also into DIR/summary.json.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct SoakArgs {
+    /// Hours in all, those of earlier runs included; a million drives at most.
+    #[arg(long, value_name = "H", default_value_t = 1000.0, value_parser = positive)]
+    pub(crate) hours: f64,
+    /// Where the hours are kept.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Samples per second of the accelerations.
+    #[arg(long, value_name = "HZ", default_value_t = 200.0, value_parser = positive)]
+    pub(crate) rate: f64,
+    /// Length of a drive; what is not finished when the run is stopped is driven again.
+    #[arg(long, value_name = "S", default_value_t = 3600.0, value_parser = positive)]
+    pub(crate) drive_s: f64,
+    /// Seed of the first drive; the others follow.
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    pub(crate) first_seed: u64,
+    /// Drives at a time; as many as there are processors unless said.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) jobs: Option<u16>,
+    /// Whether every seed drives another car, all the one of the scenario, or every seed four other quarter cars that no body
+    /// joins.
+    #[arg(long, value_name = "CAR", default_value = Car::Varied.label(), value_parser = car_names())]
+    pub(crate) car: Car,
+    /// Calibrate for so long at the beginning of every drive; never unless said.
+    #[arg(long, value_name = "S", value_parser = positive)]
+    pub(crate) calibrate_s: Option<f64>,
+    /// What the cars have. On wheel speeds alone every seed has another bus, tires warm up, and each drive begins with a calibration
+    /// of ten minutes unless said.
+    #[arg(long, value_name = "SENSORS", default_value = Sensors::default().label(), value_parser = sensor_names())]
+    pub(crate) sensors: Sensors,
+    /// Print the sums as JSON.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+fn car_names() -> impl TypedValueParser<Value = Car> {
+    PossibleValuesParser::new(Car::ALL.map(Car::label)).try_map(|label| {
+        Car::ALL.into_iter().find(|car| car.label() == label).ok_or("expected varied, nominal or quarters")
+    })
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  itpms lab soak --hours 1000 --out soak
+  itpms lab soak --hours 2 --out soak --first-seed 5000 --jobs 1
+  itpms lab soak --hours 200 --out rolling --sensors wheel-speeds";

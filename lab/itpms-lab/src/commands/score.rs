@@ -1,0 +1,60 @@
+//! `itpms lab score`: how good an estimator is over many drives, held against the goals.
+
+use std::time::Instant;
+
+use itpms_console::{Failure, Interrupt, Screen, threads};
+use itpms_lab::score::row::Verdict;
+use itpms_lab::score::{Part, Request, ScoreError, score};
+
+use crate::args::ScoreArgs;
+
+/// Drives per row of `--quick`, and cars of the row `own`.
+const QUICK_SEEDS: usize = 3;
+const QUICK_CARS: usize = 5;
+
+pub(crate) fn run(args: &ScoreArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
+    threads::set(args.jobs)?;
+    let request = Request {
+        seeds: match (args.quick, args.row) {
+            (true, Some(Part::Own)) => QUICK_CARS,
+            (true, _) => QUICK_SEEDS,
+            (false, _) => args.seeds as usize,
+        },
+        first_seed: args.first_seed,
+        estimators: args.estimator.kinds(),
+        part: args.row,
+        only: args.only.clone(),
+    };
+    let began = Instant::now();
+    let progress = screen.progress("driving");
+    let look = |done: u64, total: u64| {
+        progress.set(done as f64 / total as f64);
+        interrupt.flow()
+    };
+    let result = score(&request, &look);
+    drop(progress);
+    let score = result.map_err(|error| match error {
+        ScoreError::Stopped => Failure::Interrupted,
+        other => Failure::Usage(other.to_string()),
+    })?;
+    if args.json {
+        let json = serde_json::to_string_pretty(&score);
+        screen.print_lines(json.map_err(|error| Failure::Usage(format!("the score is no JSON: {error}")))?);
+    } else {
+        screen.print_lines(score.table().trim_end());
+    }
+    if args.row == Some(Part::Own) {
+        let core_s = began.elapsed().as_secs_f64() * rayon::current_num_threads() as f64;
+        screen.remark(format!(
+            "{:.1} core-seconds a car, if no one else was at work",
+            core_s / request.seeds as f64
+        ));
+    }
+    if args.row.is_none() {
+        screen.remark(
+            "by themselves: --row own (an owner's whole path), detection (how soon a loss is warned of), ablation and disturbances, car (cars that are not their files); false warnings: itpms lab soak",
+        );
+    }
+    let missed = score.rows.iter().filter(|row| row.verdict == Some(Verdict::Missed)).count();
+    args.strict.judge(missed, "rows that miss a goal")
+}

@@ -1,0 +1,20 @@
+//! Studies of the estimator on simulated drives, for those who work on it.
+//!
+//! | module | idea |
+//! |---|---|
+//! | [`certify`] | the test procedures of UN R141 and FMVSS 138, driven |
+//! | [`malfunction`] | sensors that go wrong, and what the monitor reports of it |
+//! | [`observability`] | why two accelerations leave the stiffness free, and what each source of information fixes |
+//! | [`paper`] | the paper's study, made again |
+//! | [`score`] | the accuracy table, recomputed over many simulated drives |
+//! | [`sensors`] | what a study's car has: accelerometers, or wheel speeds alone |
+//! | [`soak`] | false warnings over many simulated hours |
+#![forbid(unsafe_code)]
+
+pub mod certify;
+pub mod malfunction;
+pub mod observability;
+pub mod paper;
+pub mod score;
+pub mod sensors;
+pub mod soak;

@@ -1,0 +1,147 @@
+//! The result as figures.
+//!
+//! Called by the page and by the binary. A source has the same color in all of them.
+
+use super::{Car, Observability, SWEEP_S, Situation, Twin, Varied};
+use itpms_analysis::plot::{Axis, Figure, Ink, Panel, Stroke};
+
+/// A source with its line.
+type Line = (&'static str, Ink, Stroke);
+
+/// What is drawn over time; the others are in the tables.
+const OVER_TIME: [Line; 8] = [
+    ("a", Ink::Default, Stroke::Solid),
+    ("b", Ink::Adaptive, Stroke::Solid),
+    ("b'", Ink::Adaptive, Stroke::Dashed),
+    ("c", Ink::Plain, Stroke::Solid),
+    ("d", Ink::Mended, Stroke::Solid),
+    ("a+d", Ink::Mended, Stroke::Dashed),
+    ("a+b+c+d", Ink::Truth, Stroke::Bold),
+    ("road known", Ink::Muted, Stroke::Dotted),
+];
+
+/// What is drawn over speed, damping and noise; a reset alone knows nothing after a loss.
+const OVER_CIRCUMSTANCES: [Line; 6] = [
+    ("a", Ink::Default, Stroke::Solid),
+    ("b", Ink::Adaptive, Stroke::Solid),
+    ("b'", Ink::Adaptive, Stroke::Dashed),
+    ("c", Ink::Plain, Stroke::Solid),
+    ("a+b+c+d", Ink::Truth, Stroke::Bold),
+    ("road known", Ink::Muted, Stroke::Dotted),
+];
+
+/// Part of the drive that is shown from near, in s: after the loss.
+const NEAR_S: (f64, f64) = (7.0, 7.6);
+
+impl Observability {
+    /// All figures: the twins, the bounds over time, the bounds over circumstances.
+    #[must_use]
+    pub fn figures(&self) -> Vec<Figure> {
+        vec![self.twin_figure(), self.time_figure(), self.sweep_figure()]
+    }
+
+    /// Four tires, four roads, one measurement.
+    fn twin_figure(&self) -> Figure {
+        let inks = [
+            (Ink::Truth, Stroke::Bold),
+            (Ink::Adaptive, Stroke::Solid),
+            (Ink::Plain, Stroke::Dashed),
+            (Ink::Default, Stroke::Dotted),
+        ];
+        let whole = |_: f64| true;
+        let near = |t: f64| t >= NEAR_S.0 && t <= NEAR_S.1;
+        let panel = |letter: &str,
+                     title: &str,
+                     unit: &str,
+                     seen: &dyn Fn(f64) -> bool,
+                     quantity: &dyn Fn(&Twin) -> Vec<f64>| {
+            let empty = Panel::new(letter, title, Axis::linear("Time", "s"), Axis::linear("", unit));
+            self.twins.drives.iter().zip(inks).fold(empty, |panel, (twin, (ink, stroke))| {
+                let points = self.twins.time_s.iter().copied().zip(quantity(twin)).filter(|(t, _)| seen(*t));
+                panel.line(twin.label.clone(), ink, stroke, points.collect())
+            })
+        };
+        let roads = |twin: &Twin| twin.road_m.iter().map(|r| 1e3 * r).collect();
+        Figure::new("observability-twins", "Four tires, four roads, one measurement")
+            .describe("Pressures and roads differ; the wheel's acceleration is the same line four times.")
+            .columns(3)
+            .panel(panel("a", "Tire pressure", "kPa", &whole, &|twin| twin.pressure_kpa.clone()))
+            .panel(panel("b", "Road height", "mm", &near, &roads))
+            .panel(panel("c", "Wheel acceleration", "m/s²", &near, &|twin| twin.wheel_accel_m_s2.clone()))
+    }
+
+    /// Bounds over time, both situations, both cars.
+    fn time_figure(&self) -> Figure {
+        let mut figure = Figure::new("observability-time", "What each source of information allows to know")
+            .describe(
+                "Least standard deviation of the pressure over time, for each source alone and together.",
+            );
+        let panels = Car::ALL.into_iter().flat_map(|car| Situation::ALL.map(|situation| (car, situation)));
+        for ((car, situation), letter) in panels.zip(["a", "b", "c", "d"]) {
+            let known = match car {
+                Car::Exact => "car known",
+                Car::AsFiled => "car uncertain",
+            };
+            let (title, time) = match situation {
+                Situation::Constant => ("Constant pressure", "Time since the start"),
+                Situation::AfterLoss => ("After a loss", "Time since the loss"),
+            };
+            let axes = (
+                Axis::logarithmic(time, "s"),
+                Axis::logarithmic("Least sd", "kPa").within(lowest(car), 60.0),
+            );
+            let mut panel = Panel::new(letter, format!("{title}, {known}"), axes.0, axes.1);
+            for (sources, ink, stroke) in OVER_TIME {
+                if let Some(curve) = self.curve(sources, situation, car) {
+                    panel = panel.line(sources, ink, stroke, finite(&curve.points));
+                }
+            }
+            figure = figure.panel(panel);
+        }
+        figure
+    }
+
+    /// Bounds over speed, damping and noise, both cars.
+    fn sweep_figure(&self) -> Figure {
+        let mut figure = Figure::new(
+            "observability-sweeps",
+            format!("{SWEEP_S:.0} s after a loss, over speed, damping, noise"),
+        )
+        .describe("Least standard deviation of the pressure over speed, damping, sensor noise and the road's incoherent share.");
+        let panels = Varied::ALL.into_iter().flat_map(|varied| Car::ALL.map(|car| (car, varied)));
+        for ((car, varied), letter) in panels.zip(["a", "b", "c", "d", "e", "f", "g", "h"]) {
+            let known = match car {
+                Car::Exact => "Car known",
+                Car::AsFiled => "Car uncertain",
+            };
+            let x = match varied {
+                Varied::SpeedKmH => Axis::linear("Speed", "km/h"),
+                Varied::DampingNSPerM => Axis::logarithmic("Damping", "N s/m"),
+                Varied::NoiseMS2 => Axis::logarithmic("Noise", "m/s²"),
+                Varied::IncoherentShare => Axis::logarithmic("Share of the road not common", ""),
+            };
+            let y = Axis::logarithmic("Least sd", "kPa").within(lowest(car), 30.0);
+            let mut panel = Panel::new(letter, known, x, y);
+            for (sources, ink, stroke) in OVER_CIRCUMSTANCES {
+                if let Some(sweep) = self.sweep(sources, varied, car) {
+                    panel = panel.line(sources, ink, stroke, finite(&sweep.points));
+                }
+            }
+            figure = figure.panel(panel);
+        }
+        figure
+    }
+}
+
+/// Where the axis begins, in kPa: an uncertain car hides all that is finer than a kilopascal.
+fn lowest(car: Car) -> f64 {
+    match car {
+        Car::Exact => 0.01,
+        Car::AsFiled => 1.0,
+    }
+}
+
+/// What can be drawn; nothing known is no line.
+fn finite(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    points.iter().copied().filter(|(_, sd)| sd.is_finite()).collect()
+}

@@ -1,0 +1,404 @@
+//! The accuracy table, recomputed: an estimator drives the standard scenarios over many seeds and is held against the
+//! goals.
+//!
+//! Called by the binary's `score`. Deterministic: the same request gives the same figures on any number of
+//! processors.
+//!
+//! | module | idea |
+//! |---|---|
+//! | `case` | the drives |
+//! | `track` | following a drop: the paper's scenarios, a wrong mass, the grid of roads; coverage |
+//! | `constant` | efficiency against the Cramer-Rao bound |
+//! | `record` | the road |
+//! | `drive` | four wheels: a puncture, the sources one by one, disturbances, detection, cars that are not their files |
+//! | `own` | an owner's whole path: file, learning, calibration, a later day |
+//! | [`row`] | rows, cells, goals, verdicts |
+//! | [`stats`] | percentiles, bias, coverage |
+//! | `runner` | many drives at once |
+//! | `table` | as text |
+
+mod case;
+mod constant;
+mod drive;
+mod own;
+mod record;
+pub mod row;
+mod runner;
+pub mod stats;
+mod table;
+mod track;
+
+use itpms_core::model::ParameterError;
+use itpms_paper::EstimatorKind;
+use itpms_road::RecorderMemoryError;
+use itpms_sim::error::ScenarioError;
+use serde::Serialize;
+use thiserror::Error;
+
+use itpms_analysis::bound::BoundError;
+use itpms_analysis::roughness::SpacingError;
+use itpms_analysis::spectrum::WelchError;
+use row::Row;
+use runner::Runner;
+
+pub use runner::Progress;
+
+/// What can be asked for by itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// The paper's sudden loss.
+    PaperDrop,
+    /// The same down to 41.4 kPa.
+    PaperDeepDrop,
+    /// A loss and a recovery.
+    PaperDropRecover,
+    /// A sprung mass 8 % off.
+    Mass,
+    /// Slopes, classes and noises.
+    BiasGrid,
+    /// Honesty of the 95 % interval over all of the above.
+    Coverage,
+    /// The test bed, after a reset.
+    Bench,
+    /// Bound over variance at constant pressure.
+    Efficiency,
+    /// The road record.
+    Road,
+    /// Four wheels, one of them punctured.
+    Drive,
+    /// The same with each source of information alone. Not part of the usual table.
+    Ablation,
+    /// The same while something is not as the estimator is told. Not part of the usual table.
+    Disturbances,
+    /// How soon a loss is warned of. Not part of the usual table.
+    Detection,
+    /// Cars that are not their files. Not part of the usual table.
+    Car,
+    /// What ten minutes at known pressures teach of a car. Not part of the usual table.
+    Learn,
+    /// An owner's whole path. Not part of the usual table.
+    Own,
+}
+
+impl Part {
+    /// In the order of the table.
+    pub const ALL: [Self; 16] = [
+        Self::PaperDrop,
+        Self::PaperDeepDrop,
+        Self::PaperDropRecover,
+        Self::Mass,
+        Self::BiasGrid,
+        Self::Coverage,
+        Self::Bench,
+        Self::Efficiency,
+        Self::Road,
+        Self::Drive,
+        Self::Ablation,
+        Self::Disturbances,
+        Self::Detection,
+        Self::Car,
+        Self::Learn,
+        Self::Own,
+    ];
+    /// The paper's scenarios.
+    pub const PAPER: [Self; 3] = [Self::PaperDrop, Self::PaperDeepDrop, Self::PaperDropRecover];
+
+    /// Whether it belongs to the table that is computed when nothing is asked for by name.
+    #[must_use]
+    pub fn is_usual(self) -> bool {
+        !matches!(
+            self,
+            Self::Ablation | Self::Disturbances | Self::Detection | Self::Car | Self::Learn | Self::Own
+        )
+    }
+
+    /// Whether it is of cars with four wheels.
+    fn is_of_cars(self) -> bool {
+        matches!(
+            self,
+            Self::Drive
+                | Self::Ablation
+                | Self::Disturbances
+                | Self::Detection
+                | Self::Car
+                | Self::Learn
+                | Self::Own
+        )
+    }
+
+    /// The name on the command line.
+    #[must_use]
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::PaperDrop => "paper-drop",
+            Self::PaperDeepDrop => "paper-deep-drop",
+            Self::PaperDropRecover => "paper-drop-recover",
+            Self::Mass => "mass",
+            Self::BiasGrid => "bias-grid",
+            Self::Coverage => "coverage",
+            Self::Bench => "bench",
+            Self::Efficiency => "efficiency",
+            Self::Road => "road",
+            Self::Drive => "drive",
+            Self::Ablation => "ablation",
+            Self::Disturbances => "disturbances",
+            Self::Detection => "detection",
+            Self::Car => "car",
+            Self::Learn => "learn",
+            Self::Own => "own",
+        }
+    }
+
+    /// The part of that name.
+    #[must_use]
+    pub fn from_label(label: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|part| part.label() == label)
+    }
+
+    /// What the table says above the rows of a part.
+    fn title(part: &str) -> Option<&'static str> {
+        Some(match part {
+            "paper" => {
+                "Paper's scenarios, kPa: median RMSE over t > 3 s, bias before and after the drop, Cramer-Rao bound"
+            }
+            "mass" => {
+                "paper-drop, sprung mass unknown to the estimator: change of the median RMSE, same seeds"
+            }
+            "bias-grid" => "paper-drop on other roads, kPa; bias over 5-20 s and 27-40 s",
+            "coverage" => "Share of time within the 95 % interval, mean of all rows above",
+            "bench" => {
+                "Test bed, a road that repeats every 0.66 s, at placard pressure for the first 20 s (4 s), kPa"
+            }
+            "efficiency" => {
+                "Constant pressure: bound (3-60 Hz) / mean square error, both with a prior of 30 kPa"
+            }
+            "road" => "Road record, class B, wavelengths 0.5-10 m, stiffness from the estimator",
+            "drive" => {
+                "drive-puncture, front left down, kPa: median RMSE over t > 3 s by wheel; * the three other wheels"
+            }
+            "drive-noise" => "The same with noise 0.3 m/s2",
+            "disturbances" => {
+                "drive-puncture while one thing is not as the estimator is told; columns as above"
+            }
+            "detection" => {
+                "A loss of a fifth, 20-120 km/h, classes A-D, both cars: seconds from the complete loss to the warning"
+            }
+            "car" => {
+                "Cars that are not their files, 80 km/h, classes A-C in turn, 2 min, kPa while valid; worst: mean of one wheel on one drive"
+            }
+            "car-calibrated" => "The same after a calibration of 40 s",
+            "car-loss" => {
+                "A loss of a fifth in 10 s after it: median seconds from the complete loss to the warning of that tire, worst of those warned"
+            }
+            "learn" => {
+                "Learned in ten minutes, 80 km/h, classes A-C in turn: share within 1.96 sd, rms errors and sd in % (friction N)"
+            }
+            "learn-later" => {
+                "A later drive, 60 km/h, the next class, kPa while valid; a loss of a fifth: found, s after it is complete, false warnings"
+            }
+            "own" => {
+                "vehicle init, learn, calibration, another day (road, speed, load), kPa while valid; a loss of a fifth: s after it is complete; rise of another tire"
+            }
+            "own-changed" => {
+                "The same later day of a car that has changed, learned and reference, no loss: what is said of it, in cars"
+            }
+            "ablation" => "drive-puncture with each source of information alone, and both; columns as above",
+            _ => return None,
+        })
+    }
+}
+
+/// What to compute.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Request {
+    /// Drives per row; of [`Part::Own`] the cars.
+    pub seeds: usize,
+    /// Seed of the first drive; the others follow.
+    pub first_seed: u64,
+    /// One estimator; several are compared in the paper's scenarios alone.
+    pub estimators: Vec<EstimatorKind>,
+    /// One part, or the usual ones.
+    pub part: Option<Part>,
+    /// Of the four-wheel parts, only rows whose names contain this.
+    pub only: Option<String>,
+}
+
+impl Default for Request {
+    /// Forty seeds from 1, the default estimator, everything.
+    fn default() -> Self {
+        Self { seeds: 40, first_seed: 1, estimators: vec![EstimatorKind::default()], part: None, only: None }
+    }
+}
+
+/// What came out. JSON: `version`, `estimators`, `seeds`, `first_seed`, `rows` ([`Row`]).
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Score {
+    /// Of this structure: 1.
+    pub version: u32,
+    /// Who was scored.
+    #[serde(serialize_with = "labels")]
+    pub estimators: Vec<EstimatorKind>,
+    /// Drives per row asked for.
+    pub seeds: usize,
+    /// Seed of the first.
+    pub first_seed: u64,
+    /// In the order of the table.
+    pub rows: Vec<Row>,
+}
+
+fn labels<S: serde::Serializer>(kinds: &[EstimatorKind], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(kinds.iter().map(|kind| kind.label()))
+}
+
+/// Why there is no score.
+#[derive(Debug, Error)]
+pub enum ScoreError {
+    /// Statistics of nothing.
+    #[error("0 seeds or no estimator, expected at least one of each")]
+    Nothing,
+    /// Several estimators are compared in the paper's scenarios alone.
+    #[error("{part} is scored for one estimator at a time; several are compared in {}", paper_labels())]
+    OneEstimator {
+        /// What was asked for.
+        part: &'static str,
+    },
+    /// Four wheels are the default estimator's.
+    #[error("{part} is scored for {} alone: the paper's filters know one wheel", EstimatorKind::default().label())]
+    DefaultEstimator {
+        /// What was asked for.
+        part: &'static str,
+    },
+    /// No row is called so.
+    #[error(
+        "no four-wheel row that was asked for has a name with `{only}` in it, such as `car, 80 km/h, reset`"
+    )]
+    NoRow {
+        /// What was asked for.
+        only: String,
+    },
+    /// The progress callback said so.
+    #[error("stopped")]
+    Stopped,
+    /// The operating system gives no threads.
+    #[error("no threads to compute with: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+    /// A scenario.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// A parameter that an estimator refuses.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// What an owner knows makes no vehicle file.
+    #[error(transparent)]
+    File(#[from] itpms_data::vehicle::typical::TypicalCarError),
+    /// What was learned is no car, or too little.
+    #[error(transparent)]
+    Learn(#[from] itpms_analysis::learn::LearnError),
+    /// A calibration that does not fit its car.
+    #[error(transparent)]
+    Calibration(#[from] itpms_core::model::CalibrationError),
+    /// The bound.
+    #[error(transparent)]
+    Bound(#[from] BoundError),
+    /// The road recorder's memory.
+    #[error(transparent)]
+    Memory(#[from] RecorderMemoryError),
+    /// The road's spectrum.
+    #[error(transparent)]
+    Welch(#[from] WelchError),
+    /// The road's roughness.
+    #[error(transparent)]
+    Spacing(#[from] SpacingError),
+}
+
+fn paper_labels() -> String {
+    Part::PAPER.map(Part::label).join(", ")
+}
+
+/// Computes a score on all processors.
+///
+/// # Errors
+/// See [`ScoreError`].
+pub fn score(request: &Request, progress: Progress<'_>) -> Result<Score, ScoreError> {
+    let (Some(&kind), true) = (request.estimators.first(), request.seeds > 0) else {
+        return Err(ScoreError::Nothing);
+    };
+    let several = request.estimators.len() > 1;
+    if let Some(part) = request.part.filter(|part| several && !Part::PAPER.contains(part)) {
+        return Err(ScoreError::OneEstimator { part: part.label() });
+    }
+    let is_default = kind == EstimatorKind::default();
+    if let Some(part) = request.part.filter(|part| !is_default && part.is_of_cars()) {
+        return Err(ScoreError::DefaultEstimator { part: part.label() });
+    }
+    let wanted = |part: Part| match request.part {
+        Some(only) => part == only,
+        None if several => Part::PAPER.contains(&part),
+        None => part.is_usual() && (is_default || !part.is_of_cars()),
+    };
+    let drives = |part: Part| if wanted(part) { request.seeds } else { 0 };
+    let tracks = track::Plan::new(wanted, &request.estimators, request.seeds)?;
+    let constant = constant::Plan::new(kind, drives(Part::Efficiency))?;
+    let record = record::Plan::new(kind, drives(Part::Road))?;
+
+    let cars = drive::Plan::new(wanted, request.seeds, request.only.as_deref())?;
+    let own = match wanted(Part::Own) {
+        true => own::Plan::new(request.seeds, request.only.as_deref()),
+        false => own::Plan::default(),
+    };
+    if let Some(only) = request.only.as_ref().filter(|_| cars.drives() + own.drives() == 0) {
+        return Err(ScoreError::NoRow { only: only.clone() });
+    }
+
+    let total = tracks.drives() + constant.drives() + record.drives() + cars.drives() + own.drives();
+    let runner = Runner::new(request.first_seed, total, progress);
+    let mut rows = tracks.rows(&runner)?;
+    if wanted(Part::Efficiency) {
+        rows.extend(constant.rows(&runner)?);
+    }
+    if wanted(Part::Road) {
+        rows.extend(record.rows(&runner)?);
+    }
+    rows.extend(cars.rows(&runner)?);
+    rows.extend(own.rows(&runner)?);
+    Ok(Score {
+        version: 1,
+        estimators: request.estimators.clone(),
+        seeds: request.seeds,
+        first_seed: request.first_seed,
+        rows,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::ops::ControlFlow;
+
+    #[test]
+    fn requests_that_make_no_sense_are_refused() {
+        let go = |_, _| ControlFlow::Continue(());
+        let nothing = Request { seeds: 0, ..Request::default() };
+        assert!(matches!(score(&nothing, &go), Err(ScoreError::Nothing)));
+        let unknown = Request { part: Some(Part::Drive), only: Some("zzz".to_owned()), ..Request::default() };
+        assert!(matches!(score(&unknown, &go), Err(ScoreError::NoRow { .. })));
+        let several = Request {
+            estimators: EstimatorKind::ALL.to_vec(),
+            part: Some(Part::Road),
+            seeds: 1,
+            ..Request::default()
+        };
+        assert!(score(&several, &go).unwrap_err().to_string().starts_with("road is scored for one"));
+        let estimators = vec![EstimatorKind::AekfUi];
+        let of_cars = Request { estimators, part: Some(Part::Drive), seeds: 1, ..Request::default() };
+        let refused = score(&of_cars, &go).unwrap_err().to_string();
+        assert!(refused.starts_with("drive is scored for informed alone"), "{refused}");
+    }
+
+    #[test]
+    fn labels_name_parts() {
+        for part in Part::ALL {
+            assert_eq!(Part::from_label(part.label()), Some(part));
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! An owner's path: what the first day teaches, and what is known on a later one.
+//!
+//! Called by the plan. It calls what the commands call: `vehicle init`'s file, `vehicle learn`'s listener, a calibration of ten minutes
+//! whose reference is kept.
+use itpms_core::model::{CarConfig, CarSample, Corner, VehicleCalibration};
+use itpms_core::monitor::MonitoredCar;
+use itpms_data::Vehicle;
+use itpms_data::reference::StoredReference;
+use itpms_sim::simulation::{SimRow, Simulation};
+use itpms_sim::time_profile::Pressure;
+
+use super::super::ScoreError;
+use super::super::drive::estimator;
+use super::car::OwnCar;
+use super::day::{Change, Day, RATE_HZ, SAME};
+use super::seen::Seen;
+use itpms_analysis::learn::{Listener, PASSES, WheelbaseListener, learn};
+
+/// Ten minutes at placard pressures, and a later day, in s.
+pub(super) const DAYS_S: [f64; 2] = [600.0, 130.0];
+/// A loss on the later day: when it begins and how long it takes, in s; what is left.
+pub(super) const LOSS_S: [f64; 2] = [60.0, 10.0];
+const LEFT: f64 = 0.8;
+
+/// What an owner gives the estimator on a later day.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Way {
+    LearnedAndReference,
+    FileAndReference,
+    Learned,
+}
+
+impl Way {
+    pub(super) const ALL: [Self; 3] = [Self::LearnedAndReference, Self::FileAndReference, Self::Learned];
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::LearnedAndReference => "learned and reference",
+            Self::FileAndReference => "file and reference",
+            Self::Learned => "learned",
+        }
+    }
+}
+
+/// A car's file, and what a calibration has taught, if it taught what a program would load.
+pub(super) struct Taught {
+    config: CarConfig<f64>,
+    calibration: Option<VehicleCalibration<f64>>,
+}
+
+/// A drawn car after its first day.
+pub(super) struct Owned {
+    index: usize,
+    car: OwnCar,
+    later: Day,
+    learned: Taught,
+    file: Taught,
+}
+
+impl Owned {
+    /// Draws the car of a turn, drives its ten minutes, and learns of them as far as the ways need it.
+    pub(super) fn teach(index: usize, seed: u64, ways: &[Way]) -> Result<Self, ScoreError> {
+        let car = OwnCar::draw(index, seed)?;
+        let [first, later] = Day::two(index, seed, DAYS_S);
+        let (scenario, drive_seed) = first.scenario(&car, &SAME, None)?;
+        let rows: Vec<_> = Simulation::new(&scenario, drive_seed)?.map(|row| row.car_sample()).collect();
+        let learned = match ways.contains(&Way::LearnedAndReference) || ways.contains(&Way::Learned) {
+            true => learned(&car, &rows)?,
+            false => car.file.car_config(&Corner::ALL),
+        };
+        let mut taught = [Taught { config: learned, calibration: None }, Taught::of(&car.file)];
+        for (way, taught) in [Way::LearnedAndReference, Way::FileAndReference].into_iter().zip(&mut taught) {
+            if ways.contains(&way) {
+                taught.calibrate(&car.file, &rows)?;
+            }
+        }
+        let [learned, file] = taught;
+        Ok(Self { index, car, later, learned, file })
+    }
+
+    /// Whether the way has what it is named after.
+    pub(super) fn has_reference(&self, way: Way) -> bool {
+        match way {
+            Way::LearnedAndReference => self.learned.calibration.is_some(),
+            Way::FileAndReference => self.file.calibration.is_some(),
+            Way::Learned => true,
+        }
+    }
+
+    fn estimator(&self, way: Way) -> Result<Box<MonitoredCar<f64>>, ScoreError> {
+        let taught = if way == Way::FileAndReference { &self.file } else { &self.learned };
+        let mut estimator = estimator(&taught.config)?;
+        if let Some(calibration) = taught.calibration.as_ref().filter(|_| way != Way::Learned) {
+            estimator.load_calibration(calibration)?;
+        }
+        Ok(estimator)
+    }
+
+    /// The later day with nothing changed, by every way: without a loss and with one, which are the same drive until it begins.
+    pub(super) fn later(&self, ways: &[Way]) -> Result<Vec<[Seen; 2]>, ScoreError> {
+        let struck = Corner::ALL[self.index % 4];
+        let kpa = self.car.placard_kpa;
+        let loss = Pressure::ramp(kpa, LEFT * kpa, LOSS_S[0], LOSS_S[1]);
+        let simulation = |lost| {
+            let (scenario, seed) = self.later.scenario(&self.car, &SAME, lost)?;
+            Ok::<_, ScoreError>(Simulation::new(&scenario, seed)?)
+        };
+        let mut estimators = vec![];
+        for &way in ways {
+            estimators.push((self.estimator(way)?, None, [Seen::sound(), Seen::losing(struck)]));
+        }
+        for (sound, lost) in simulation(None)?.zip(simulation(Some((struck, loss)))?) {
+            for (car, losing, [seen, seen_losing]) in &mut estimators {
+                if lost.time_s >= LOSS_S[0] {
+                    take(losing.get_or_insert_with(|| car.clone()), &lost, &mut [seen_losing]);
+                    take(car, &sound, &mut [seen]);
+                } else {
+                    take(car, &sound, &mut [seen, seen_losing]);
+                }
+            }
+        }
+        Ok(estimators.into_iter().map(|(_, _, seen)| seen).collect())
+    }
+
+    /// A later day of a car that has changed, no tire losing air, with what was learned and the reference.
+    pub(super) fn changed(&self, change: &Change) -> Result<Seen, ScoreError> {
+        let (scenario, seed) = self.later.scenario(&self.car, change, None)?;
+        let (mut car, mut seen) = (self.estimator(Way::LearnedAndReference)?, Seen::sound());
+        for row in Simulation::new(&scenario, seed)? {
+            take(&mut car, &row, &mut [&mut seen]);
+        }
+        Ok(seen)
+    }
+}
+
+fn take(car: &mut MonitoredCar<f64>, row: &SimRow, seen: &mut [&mut Seen]) {
+    let estimate = car.update(&row.car_sample());
+    for seen in seen {
+        seen.take(row, &estimate, car.report());
+    }
+}
+
+/// The car of the file as the drive shows it, its wheelbase first.
+fn learned(car: &OwnCar, rows: &[CarSample<f64>]) -> Result<CarConfig<f64>, ScoreError> {
+    let mut file = car.file.car_config(&Corner::ALL);
+    let mut listener = WheelbaseListener::new(&file, RATE_HZ);
+    rows.iter().for_each(|row| listener.take(row));
+    file.wheelbase_m = listener.finish().map(|found| found.wheelbase_m).or(file.wheelbase_m);
+    let mut config = file;
+    for _ in 0..PASSES {
+        let mut listener = Listener::new(&config, [car.placard_kpa; 4], RATE_HZ)?;
+        rows.iter().for_each(|row| listener.take(row));
+        config = learn(&file, &[listener.finish()])?.car;
+    }
+    Ok(config)
+}
+
+impl Taught {
+    fn of(file: &Vehicle) -> Self {
+        Self { config: file.car_config(&Corner::ALL), calibration: None }
+    }
+
+    /// By a calibration that lasts as long as the drive, and a reference that is stored and read again; one that is refused is none.
+    fn calibrate(&mut self, file: &Vehicle, rows: &[CarSample<f64>]) -> Result<(), ScoreError> {
+        let mut car = estimator(&self.config)?;
+        car.begin_calibration(DAYS_S[0])?;
+        for row in rows {
+            car.update(row);
+        }
+        car.end_calibration();
+        let Some(calibration) = car.estimator().calibration() else { return Ok(()) };
+        let file = Vehicle { wheelbase_m: self.config.wheelbase_m, ..file.clone() };
+        if let Ok(stored) = StoredReference::new(&file, calibration, 0) {
+            self.config.wheelbase_m = stored.wheelbase_m.or(file.wheelbase_m);
+            self.calibration = Some(stored.reference);
+        }
+        Ok(())
+    }
+}

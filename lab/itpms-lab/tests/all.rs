@@ -1,0 +1,20 @@
+//! Studies through the crate's public face, and the program from outside.
+//!
+//! One program: the estimators are generic, and every program that uses them compiles them anew.
+
+mod command_certify;
+mod command_faults;
+mod command_observability;
+mod command_reproduce;
+mod command_score;
+mod command_soak;
+#[path = "../../../crates/itpms/tests/common/mod.rs"]
+mod common;
+mod gravity;
+mod malfunction;
+mod observability_page;
+mod paper;
+mod rear_load;
+
+/// What `common` runs.
+const PROGRAM: &str = env!("CARGO_BIN_EXE_itpms-lab");

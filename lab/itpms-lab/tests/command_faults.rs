@@ -1,0 +1,27 @@
+//! `itpms-lab faults`: the faults that take nothing.
+#![cfg(unix)]
+#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
+
+use crate::common;
+
+use common::Bench;
+
+#[test]
+fn faults_are_tried_and_take_nothing() {
+    let bench = Bench::new();
+    let outcome = bench.run("--quiet faults --effort 5 --json");
+    let value: serde_json::Value = serde_json::from_str(outcome.success()).unwrap();
+    let faults = value["faults"].as_array().unwrap();
+    assert_eq!(faults.len(), 11);
+    for fault in faults {
+        assert!(fault["tried"].as_u64().unwrap() > 0, "{fault}");
+        assert_eq!(fault["lost"], 0, "{fault}");
+    }
+    // A kill that never met a save would have shown nothing.
+    assert!(bench.names().is_empty(), "{:?}", bench.names());
+    let refused = bench.run("faults --only nonsense");
+    assert!(
+        refused.refusal().starts_with("--only nonsense: no such fault, there are: state: killed"),
+        "{refused:?}"
+    );
+}
