@@ -98,11 +98,10 @@
 //! |---|---|
 //! | [`model`] | the car and its signals: parameters, samples, estimates, calibration |
 //! | [`conditioning`] | one clock and one speed, values checked and resampled, wheels that have left the road |
-//! | `spectrum` | short spectral frames, reconstructed signals, transfer functions |
+//! | [`spectrum`] | short spectral frames, reconstructed signals, transfer functions |
 //! | `suspension` | the force in the struts, friction included, from the body's equation of motion |
 //! | `single_wheel` | one corner: a Bayes filter on a grid of pressures that knows that a road looks like a road |
 //! | `inter_axle` | front and rear over the same road: alignment and residual |
-//! | [`spectrum`] | from accelerations to the signals that a road is made of, and their frames |
 //! | `belief` | what is believed of the car: a bank of Gaussian hypotheses |
 //! | [`estimator`] | the estimator of one corner |
 //! | [`car`] | the estimator of a car: puts the above in order |

@@ -186,22 +186,22 @@ impl<T: Real> HypothesisBank<T> {
         self.update.record.as_ref()
     }
 
-    /// A measured number with its variance: `linearise` gives, for a state, its derivatives and how much more it is than
+    /// A measured number with its variance: `linearize` gives, for a state, its derivatives and how much more it is than
     /// expected. The hypotheses' weights stay as they are.
-    pub(super) fn update(&mut self, variance: T, linearise: impl Fn(&State<T>) -> (State<T>, T)) {
+    pub(super) fn update(&mut self, variance: T, linearize: impl Fn(&State<T>) -> (State<T>, T)) {
         self.has_changed = true;
         // What nobody believes in begins anew with the next prediction.
         for hypothesis in self.hypotheses.iter_mut().filter(|hypothesis| hypothesis.weight > T::zero()) {
-            let (slope, innovation) = linearise(&hypothesis.mean);
+            let (slope, innovation) = linearize(&hypothesis.mean);
             hypothesis.update(&slope, innovation, variance);
         }
     }
 
     /// The same of a number that also says how likely each hypothesis is.
-    pub(super) fn update_reweighted(&mut self, variance: T, linearise: impl Fn(&State<T>) -> (State<T>, T)) {
+    pub(super) fn update_reweighted(&mut self, variance: T, linearize: impl Fn(&State<T>) -> (State<T>, T)) {
         let mut log_weight = [T::zero(); HYPOTHESES];
         for (hypothesis, log) in self.hypotheses.iter_mut().zip(&mut log_weight) {
-            let (slope, innovation) = linearise(&hypothesis.mean);
+            let (slope, innovation) = linearize(&hypothesis.mean);
             let total = hypothesis.update(&slope, innovation, variance);
             let tails = T::lit(PSEUDO_MEASUREMENT_TAILS);
             let mahalanobis_sq = innovation * innovation / total;

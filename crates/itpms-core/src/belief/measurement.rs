@@ -16,17 +16,18 @@ pub(crate) const OVERLAP: f64 = 0.5;
 
 /// Rows and columns over a side's quantities.
 pub(crate) type Gram<T> = SMatrix<T, SIDE_SIZE, SIDE_SIZE>;
-/// A symmetric one's columns from the diagonal down.
+/// Lower triangle of a symmetric one, packed by columns.
 pub(crate) type Products<T> = SVector<T, PRODUCTS>;
 const PRODUCTS: usize = SIDE_SIZE * (SIDE_SIZE + 1) / 2;
 
-/// Those of a symmetric matrix.
-pub(crate) fn products<T: Real>(of: &Gram<T>) -> Products<T> {
+/// Packs the lower triangle.
+pub(crate) fn pack_lower<T: Real>(of: &Gram<T>) -> Products<T> {
     let columns = of.column_iter().enumerate();
     let mut values = columns.flat_map(|(i, column)| column.into_iter().skip(i).copied());
     Products::from_fn(|_, _| values.next().unwrap_or(T::ZERO))
 }
 
+/// Gradient of a frame's log-likelihood by a side's quantities.
 pub(crate) type Score<T> = SVector<T, SIDE_SIZE>;
 /// Derivatives of a residual by a side's quantities.
 pub(crate) type Slope<T> = SMatrix<T, ROWS, SIDE_SIZE>;
@@ -69,7 +70,7 @@ pub(crate) struct SideMeasurement<T: Real> {
     pub(crate) incoherent_s: T,
 }
 
-/// What an update with a frame made of it, for the most likely hypothesis.
+/// Outcome of an update with a frame, for the most likely hypothesis.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct UpdateRecord<T: Real> {

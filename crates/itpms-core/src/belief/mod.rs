@@ -2,7 +2,8 @@
 //! the vehicle file, as a bank of Gaussians, one for every way in which pressures may be changing
 //! (docs/math/shared-road.md, sections 3, 4 and 6).
 //!
-//! Entered by [`Belief::predict`], [`Belief::update`] and its scalar forms, [`Belief::checkpoint`] and [`Belief::restore`]; all
+//! Entered by [`Belief::predict`] and its parts, [`Belief::begin_update`], [`Belief::update_hypothesis`] and [`Belief::finish_update`] for a frame,
+//! [`Belief::update_scalar`] for a number, [`Belief::checkpoint`] and [`Belief::restore`]; all
 //! state is private. Called by [`crate::car`]; knows no signals, no frames and no samples.
 //!
 //! | module | idea |

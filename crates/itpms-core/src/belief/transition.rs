@@ -8,11 +8,12 @@ use super::state::{RATE, TIRE};
 use crate::memory::blank;
 use crate::real::Real;
 
-/// Chance per second that each begins.
+/// Chance per second that each begins: that nothing moves, each of the four wheels (the prior of a leak), each of the two sides, and that
+/// all wander.
 const BEGIN: [f64; HYPOTHESES] = [0.0, 2e-4, 2e-4, 2e-4, 2e-4, 1e-6, 1e-6, 1e-8];
-/// Chance per second that a wheel which loses pressure is joined by the other one of its side: a kerb meets both. Share of the
-/// side's own weight below which that is not looked at.
+/// Chance per second that a wheel which loses pressure is joined by the other one of its side: a kerb meets both.
 const JOIN: f64 = 1e-2;
+/// Share of the side's own weight below which that is not followed.
 const NOTICED: f64 = 1e-3;
 /// Chance per second that a change ends.
 const END: f64 = 0.5;

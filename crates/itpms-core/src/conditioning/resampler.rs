@@ -21,8 +21,9 @@ const ROUNDED: f64 = 0.01;
 const FLAT_TOP: u32 = 3;
 /// Equal values in a row, at any magnitude, that are no signal: their steps are marked like saturated ones.
 const FLAT: u32 = 8;
-/// Seconds without a single change after which a sensor counts as stuck.
-const STUCK_S: f64 = 0.5;
+/// Seconds after which the signal cannot be used: without a change of a sensor's value, without an accepted sample, or with a clock that
+/// stands.
+const UNUSABLE_S: f64 = 0.5;
 
 /// What was found in the raw samples so far.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -106,7 +107,7 @@ impl<T: Real> FlatWatch<T> {
         let magnitude = value.abs();
         let at_limit = magnitude >= self.largest && magnitude > T::zero();
         self.largest = self.largest.at_least(magnitude);
-        if self.equal > 1 && time_s - self.equal_since_s > STUCK_S {
+        if self.equal > 1 && time_s - self.equal_since_s > UNUSABLE_S {
             Flatness::Stuck
         } else if at_limit && self.equal >= FLAT_TOP {
             Flatness::AtLimit
@@ -227,8 +228,8 @@ impl<T: Real> Resampler<T> {
     /// True while the signal cannot be used: nothing accepted for half a second, or a sensor or the clock is stuck.
     #[must_use]
     pub fn is_bad(&self) -> bool {
-        let clock_stuck = self.refused > 0 && f64::from(self.refused) * self.periods.sample_s > STUCK_S;
-        self.stuck_now || clock_stuck || !(self.last_raw_s - self.last_accepted_s <= STUCK_S)
+        let clock_stuck = self.refused > 0 && f64::from(self.refused) * self.periods.sample_s > UNUSABLE_S;
+        self.stuck_now || clock_stuck || !(self.last_raw_s - self.last_accepted_s <= UNUSABLE_S)
     }
 
     /// Takes one raw sample (NaN: missing) and hands every grid step it completes to `sink`. A step comes four samples

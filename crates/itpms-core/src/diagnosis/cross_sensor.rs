@@ -91,7 +91,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
         self.hop = Moments::new();
         self.bounce = Moments::new();
         (self.ratio, self.newest_ratio) = ([T::lit(f64::NAN); 4], [T::lit(f64::NAN); 4]);
-        self.patterns = [SwapPattern::Right; 4];
+        self.patterns = [SwapPattern::AsLabeled; 4];
         self.odd.fill(FaultLatch::new());
         self.pairs.fill(FaultLatch::new());
         self.corners.fill(FaultLatch::new());
@@ -119,7 +119,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
 
     /// Takes a block of a car that drives, with all eight sensors there and none of them odd by itself.
     pub(crate) fn take(&mut self, at: [f64; 2], block: &Block<T>) {
-        if self.patterns != [SwapPattern::Right; 4] {
+        if self.patterns != [SwapPattern::AsLabeled; 4] {
             return;
         }
         self.average(block);
@@ -189,9 +189,9 @@ impl<T: Real> CrossSensorPlausibility<T> {
                 (true, true, true) if ratio < T::lit(CROSSED) => SwapPattern::Crossed,
                 (true, true, false) => SwapPattern::BodyIsWheel,
                 (true, false, true) => SwapPattern::WheelIsBody,
-                _ => SwapPattern::Right,
+                _ => SwapPattern::AsLabeled,
             };
-            let odd = self.patterns[i] != SwapPattern::Right;
+            let odd = self.patterns[i] != SwapPattern::AsLabeled;
             let malfunction = match self.patterns[i] {
                 SwapPattern::Crossed => Malfunction::Swapped(sensor(Place::Body), sensor(Place::Wheel)),
                 _ => Malfunction::Inconsistent(corner),
@@ -202,7 +202,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
 
     /// Whether body and wheel of a corner may be swapped.
     pub(crate) fn is_odd(&self, corner: usize) -> bool {
-        self.patterns[corner] != SwapPattern::Right
+        self.patterns[corner] != SwapPattern::AsLabeled
             || self.newest_ratio[corner] < T::lit(NOT_ODD)
             || self.odd[corner].debouncer.is_suspected()
     }

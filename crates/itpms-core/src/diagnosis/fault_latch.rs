@@ -10,7 +10,8 @@ use crate::real::Real;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum SwapPattern {
-    Right,
+    /// As they are labeled.
+    AsLabeled,
     /// The body moves as a wheel does.
     BodyIsWheel,
     /// The wheel moves as a body does.
@@ -19,7 +20,7 @@ pub(crate) enum SwapPattern {
     Crossed,
 }
 
-blank!(SwapPattern::Right);
+blank!(SwapPattern::AsLabeled);
 
 /// A debounced fault and what it is called.
 #[derive(Debug, Clone, Copy, PartialEq)]

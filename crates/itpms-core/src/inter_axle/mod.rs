@@ -38,6 +38,9 @@ pub(crate) const BIN_SPACING_HZ: f64 = 0.5 / HOP_S;
 pub(crate) type Frame<T> = crate::spectrum::Frame<T, BINS, SIGNALS>;
 /// Signals of both axles, and what they would be on the road both agree on.
 pub(crate) const SIGNALS: usize = 2 * BOTH;
+/// The bins around wheel hop: 10 and 15 Hz.
+pub(crate) const NEAR_HOP_BINS: [usize; 2] = [1, 2];
+
 /// Middle of a bin in Hz.
 pub(crate) fn bin_hz<T: Real>(bin: usize) -> T {
     T::lit((bin + 1) as f64 * BIN_SPACING_HZ)

@@ -75,7 +75,7 @@ impl core::fmt::Display for Misfit {
                 "body and wheel move each for itself: look where both sensors sit, which way they point and whether their clocks agree"
             }
             Self::Hop => {
-                "front and rear wheels answer the road otherwise near their hop than masses on tires: look for tuned dampers, loose parts and the unsprung masses in the vehicle file"
+                "front and rear wheels do not respond near wheel hop as a mass on a tire does: look for tuned dampers, loose parts and the unsprung masses in the vehicle file"
             }
             Self::PartlyUnexplained => {
                 "the struts' forces do not explain all of how the body moves: a body that bends, sensors on soft mounts, or masses in the vehicle file that are far off"

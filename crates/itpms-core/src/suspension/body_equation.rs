@@ -22,6 +22,7 @@ use crate::spectrum::transfer::DescribingFunction;
 /// over the springs'; how freely the body warps, from zero for a rigid one to one; by how much each wheel's sensor is late, in units of
 /// [`DELAY_S`]; slip forces, element by element, in units of [`FORCE_N`].
 const SIZE: usize = 18 + 4 * ELEMENTS;
+const PAIRS: usize = SIZE * (SIZE + 1) / 2;
 const INERTIA: usize = 0;
 const DAMPER: usize = 3;
 const SPRING: usize = 7;
@@ -103,7 +104,8 @@ pub(crate) struct BodyEquation<T: Real> {
     spring: [T; 4],
     noise_density: [T; 4],
     parameters: Parameters<T>,
-    information: SMatrix<T, SIZE, SIZE>,
+    /// Its lower triangle, packed by columns.
+    information: SVector<T, PAIRS>,
     score: Parameters<T>,
     /// Slip forces that the present fit holds at zero.
     held: [bool; SIZE],
@@ -323,11 +325,19 @@ impl<T: Real> BodyEquation<T> {
             let loud = (body.norm_sqr() / powers.body[bin].max(T::lit(1e-12))).max(T::one());
             let error = T::lit(MODEL_ERROR * MODEL_ERROR) * powers.body[bin];
             let weight = T::lit(2.0 * OVERLAP) / ((powers.residual[bin] + error).max(T::lit(1e-12)) * loud);
-            // Towards the parameters at which the linearised residual vanishes.
+            // Towards the parameters at which the linearized residual vanishes.
             let [re, im] = [slope.map(|s| s.re), slope.map(|s| s.im)];
             let target = [re.dot(&x) - residual.re, im.dot(&x) - residual.im];
             for (slope, target) in [re, im].iter().zip(target) {
-                self.information.ger(weight, slope, slope, T::one());
+                let mut information = self.information.iter_mut();
+                for (column, &by) in slope.iter().enumerate() {
+                    let by = weight * by;
+                    // The information comes second: the first of two is asked once more than the other.
+                    let below = slope.as_slice().get(column..).unwrap_or(&[]);
+                    for (&row, sum) in below.iter().zip(information.by_ref()) {
+                        *sum += by * row;
+                    }
+                }
                 self.score.axpy(weight * target, slope, T::one());
             }
         }

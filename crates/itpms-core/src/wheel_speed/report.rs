@@ -21,19 +21,19 @@ pub enum RadiusState {
     Uncalibrated,
     /// A calibration goes on.
     Calibrating,
-    /// A loss of a quarter of any single tire would not be found: too little was driven, or loads may have changed.
+    /// For no tire would a loss of a quarter be found: too little was driven, or loads may have changed.
     Uninformed,
-    /// No tire differs from the others.
+    /// No loss was found; `informed` says for which wheels one would have been.
     NoneDiffers,
     /// These tires are low.
     Low(Wheels),
-    /// One of these tires is low, or all of them; which, is not known.
+    /// One or more of these tires are low; which ones, is not known.
     OneOf(Wheels),
 }
 
 blank!(RadiusState::Uncalibrated);
 
-/// How low tires lie to each other.
+/// Which tires are low, by their places on the car.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Pattern {

@@ -46,8 +46,8 @@ impl<T: Real> SingleWheelEstimate<T> {
 
     /// How far the corner is to be believed instead of the shared road, 0 to 1, at an incoherence that has lasted.
     fn share(&self, incoherence: T) -> T {
-        let snr_weight = (self.changing - T::lit(NOTICED)) / T::lit(BELIEVED - NOTICED);
-        let share = snr_weight.max(T::zero()).min(T::one()) * (T::one() - within(incoherence, LEFT));
+        let noticed = (self.changing - T::lit(NOTICED)) / T::lit(BELIEVED - NOTICED);
+        let share = noticed.max(T::zero()).min(T::one()) * (T::one() - within(incoherence, LEFT));
         if share.is_finite() && self.stiffness_n_per_m.is_finite() && self.sd_n_per_m.is_finite() {
             share
         } else {
@@ -155,9 +155,9 @@ mod tests {
             SingleWheelEstimate { sd_n_per_m: f64::INFINITY, ..low(1.0) },
         ];
         for alone in strange {
-            let mut snr_weight = belief();
-            alone.blend(&mut snr_weight, 2, 0.2, || (0.0, 0.0));
-            assert_eq!(snr_weight, belief());
+            let mut blended = belief();
+            alone.blend(&mut blended, 2, 0.2, || (0.0, 0.0));
+            assert_eq!(blended, belief());
             assert_eq!(alone.onset_rate(nan), 0.0);
         }
     }

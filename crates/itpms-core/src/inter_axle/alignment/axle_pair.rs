@@ -15,7 +15,7 @@ use crate::inter_axle::residual::imbalance::Imbalance;
 use crate::inter_axle::residual::instrument::Instrument;
 use crate::inter_axle::residual::model::{Axle, AxleFrame, UnitRoad, Wheel, common_road, instrument_slope};
 use crate::inter_axle::residual::noise::{Coherence, MOST_LASTING, fading};
-use crate::inter_axle::{HOP_S, SIGNALS, bin_hz};
+use crate::inter_axle::{HOP_S, NEAR_HOP_BINS, SIGNALS, bin_hz};
 use crate::memory::{Placed, blank};
 use crate::real::Real;
 use crate::spectrum::FrameClock;
@@ -316,8 +316,8 @@ impl<T: Real> AxlePair<T> {
         (missed && time_s - other.learned_until_s < MISSED_S).then(|| other.coherence.incoherence())
     }
 
-    /// Computes `most` of the bins whose expected products are not known, or where `part` is the first of a frame's all that were known
-    /// are forgotten if the last frame is long ago. False if there was nothing to compute.
+    /// Computes up to [`PRODUCTS_AT_ONCE`] bins whose expected products are not known; the first of a frame's parts forgets all of them if the
+    /// last frame was long ago. False if there was nothing to compute.
     #[inline(never)]
     pub(crate) fn prepare(
         &mut self,
@@ -395,7 +395,8 @@ impl<T: Real> AxlePair<T> {
 
     /// Takes a frame's road power and the sensors' noise in the axles' residual, per bin.
     fn track_snr(&mut self, road_power: &[T; BINS], noise: &[T; BINS]) {
-        let ratio = (T::lit(0.5) * (road_power[1] / noise[1] + road_power[2] / noise[2])).ln();
+        let [low, high] = NEAR_HOP_BINS;
+        let ratio = (T::lit(0.5) * (road_power[low] / noise[low] + road_power[high] / noise[high])).ln();
         let gain = T::one() - (T::lit(-HOP_S / SNR_S)).exp();
         let before = self.log_snr.filter(|before| before.is_finite()).unwrap_or(ratio);
         self.log_snr = Some(before + gain * (ratio - before));

@@ -8,6 +8,8 @@ use crate::real::Real;
 
 /// Entries kept: a second at 250 Hz.
 const LENGTH: usize = 256;
+/// Ways are kept modulo this many m, far more than a car drives in the second that is kept.
+const LAP_M: f64 = 256.0;
 /// Points of the interpolation.
 const POINTS: usize = 6;
 
@@ -18,7 +20,8 @@ pub(crate) struct DelayLine<T: Real> {
     /// Time in s of the newest entry, and from one to the next.
     newest_s: f64,
     period_s: f64,
-    distance_m: SVector<f64, LENGTH>,
+    /// Ways in m, modulo [`LAP_M`]: single precision tells a hundredth of a millimeter then, however far the car has come.
+    way_m: SVector<T, LENGTH>,
     speed_m_s: SVector<T, LENGTH>,
     signals: SMatrix<T, KEPT, LENGTH>,
     invalid: SVector<bool, LENGTH>,
@@ -30,7 +33,7 @@ pub(crate) struct DelayLine<T: Real> {
     rate_hz: T,
 }
 
-blank!(DelayLine<T> { newest_s, period_s, distance_m, speed_m_s, signals, invalid, unloaded, newest, filled, rate_hz });
+blank!(DelayLine<T> { newest_s, period_s, way_m, speed_m_s, signals, invalid, unloaded, newest, filled, rate_hz });
 
 /// What was read back.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,7 +47,7 @@ pub(crate) struct Read<T> {
 impl<T: Real> DelayLine<T> {
     pub(crate) fn configure(&mut self, period_s: f64) {
         (self.newest_s, self.period_s) = (0.0, period_s);
-        self.distance_m.fill(0.0);
+        self.way_m.fill(T::zero());
         self.speed_m_s.fill(T::zero());
         self.signals.fill(T::zero());
         self.invalid.fill(false);
@@ -58,7 +61,7 @@ impl<T: Real> DelayLine<T> {
         }
         self.newest = (self.newest + 1) % LENGTH;
         self.newest_s = entry.time_s;
-        self.distance_m[self.newest] = entry.distance_m;
+        self.way_m[self.newest] = within_lap(entry.distance_m);
         self.speed_m_s[self.newest] = entry.speed_m_s;
         self.signals.set_column(self.newest, &SVector::from(entry.signals));
         self.invalid[self.newest] = entry.invalid;
@@ -75,8 +78,17 @@ impl<T: Real> DelayLine<T> {
         (self.newest + LENGTH - back % LENGTH) % LENGTH
     }
 
-    fn way_back_m(&self, back: usize) -> f64 {
-        self.distance_m[self.place(back)]
+    /// How far the front wheel came beyond a place within the lap by the entry in `place`, in m.
+    fn beyond_m(&self, place: usize, way_m: T) -> T {
+        let (beyond, lap) = (self.way_m[place] - way_m, T::lit(LAP_M));
+        let half = T::lit(0.5 * LAP_M);
+        if beyond > half {
+            beyond - lap
+        } else if beyond < -half {
+            beyond + lap
+        } else {
+            beyond
+        }
     }
 
     /// The time at which the front wheel was at `distance_m`; `None` if that is too long ago, or not yet.
@@ -84,23 +96,24 @@ impl<T: Real> DelayLine<T> {
         if self.filled < POINTS {
             return None;
         }
+        let way_m = within_lap(distance_m);
+        let is_beyond = |back: usize| self.beyond_m(self.place(back), way_m) > T::zero();
         // Ways never fall with time: halve the interval.
         let (mut near, mut far) = (0, self.filled - 1);
-        if !(self.way_back_m(near) > distance_m && self.way_back_m(far) <= distance_m) {
+        if !(is_beyond(near) && self.beyond_m(self.place(far), way_m) <= T::zero()) {
             return None;
         }
         while far - near > 1 {
             let middle = usize::midpoint(near, far);
-            if self.way_back_m(middle) > distance_m {
+            if is_beyond(middle) {
                 near = middle;
             } else {
                 far = middle;
             }
         }
-        let (before, after) = (self.place(far), self.place(near));
-        let share =
-            (distance_m - self.distance_m[before]) / (self.distance_m[after] - self.distance_m[before]);
-        Some(self.newest_s - (far as f64 - share) * self.period_s)
+        let [before, after] = [far, near].map(|back| self.beyond_m(self.place(back), way_m));
+        let share = -before / (after - before);
+        Some(self.newest_s - (far as f64 - share.to_f64()) * self.period_s)
     }
 
     /// The signals at a time, through six points.
@@ -133,6 +146,11 @@ impl<T: Real> DelayLine<T> {
         let unloaded = [back, back + 1].map(|back| self.unloaded[self.place(back)]).contains(&true);
         Some(Read { signals, speed_m_s: self.speed_m_s[self.place(back)], invalid, unloaded })
     }
+}
+
+/// A way in m modulo [`LAP_M`].
+fn within_lap<T: Real>(distance_m: f64) -> T {
+    T::lit(distance_m - LAP_M * (distance_m / LAP_M) as i64 as f64)
 }
 
 /// Weights of the polynomial through the points -2 to 3 at `x` in `[0, 1)`.

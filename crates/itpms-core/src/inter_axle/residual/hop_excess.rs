@@ -4,6 +4,7 @@
 use nalgebra::SVector;
 
 use crate::belief::measurement::BINS;
+use crate::inter_axle::NEAR_HOP_BINS;
 use crate::memory::blank;
 use crate::real::Real;
 
@@ -29,8 +30,9 @@ impl<T: Real> HopExcess<T> {
     /// Takes the incoherence of every bin (5, 10, ... 25 Hz) after another `seconds` of frames.
     pub(crate) fn take(&mut self, incoherence: &SVector<T, BINS>, seconds: T) {
         self.seconds += seconds;
-        let hop = incoherence[1].max(incoherence[2]);
-        let beside = (incoherence[0] * incoherence[3].max(incoherence[4])).sqrt();
+        let [low, high] = NEAR_HOP_BINS;
+        let hop = incoherence[low].max(incoherence[high]);
+        let beside = (incoherence[low - 1] * incoherence[high + 1].max(incoherence[high + 2])).sqrt();
         let now = (hop / beside).ln();
         if now.is_finite() {
             let gain = seconds / T::lit(MEMORY_S).min(self.seconds);

@@ -4,6 +4,7 @@
 use nalgebra::SVector;
 
 use crate::belief::measurement::{BINS, Expectation, Gram, OVERLAP, Products, UpdateRecord};
+use crate::inter_axle::NEAR_HOP_BINS;
 use crate::memory::blank;
 use crate::real::Real;
 
@@ -173,7 +174,8 @@ impl<T: Real> Coherence<T> {
 
     /// Incoherence near wheel hop.
     pub(crate) fn near_wheel_hop(&self) -> T {
-        T::lit(0.5) * (self.incoherence[1] + self.incoherence[2])
+        let [low, high] = NEAR_HOP_BINS;
+        T::lit(0.5) * (self.incoherence[low] + self.incoherence[high])
     }
 }
 
@@ -195,7 +197,7 @@ mod tests {
 
     use super::*;
     use crate::belief::measurement::AxleResidual;
-    use crate::belief::measurement::products;
+    use crate::belief::measurement::pack_lower;
 
     /// Frames of `seconds` on a road of unit power of which this share is not common; gives what of it counts as lasting.
     fn drive(coherence: &mut Coherence<f64>, seconds: f64, share: f64) -> f64 {
@@ -254,7 +256,7 @@ mod tests {
         let mut road = [1.0; BINS];
         road[1] = 1e-6;
         let expected =
-            Coherence::<f64>::new().expect(&road, &[0.0; BINS], &[products(&Gram::identity()); BINS], 0.0);
+            Coherence::<f64>::new().expect(&road, &[0.0; BINS], &[pack_lower(&Gram::identity()); BINS], 0.0);
         // Half the mean of all five, of which a fifth need not be common: not a millionth of what the others have.
         assert!((expected.power[1] - START * 0.5 * 0.8).abs() < 1e-6, "{}", expected.power[1]);
         assert!((expected.power[0] - START * 0.5 * 1.8).abs() < 1e-6, "{}", expected.power[0]);

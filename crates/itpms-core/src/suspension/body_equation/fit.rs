@@ -35,7 +35,14 @@ impl<T: Real> BodyEquation<T> {
     /// What the frames and the vehicle file together tell of the parameters.
     #[inline(always)]
     pub(super) fn with_prior(&self) -> SMatrix<T, SIZE, SIZE> {
-        let (mut information, prior) = (self.information, prior_information::<T>(&self.body));
+        let mut packed = self.information.iter();
+        let mut information = SMatrix::zeros();
+        for column in 0..SIZE {
+            for (row, &value) in (column..SIZE).zip(packed.by_ref()) {
+                (information[(row, column)], information[(column, row)]) = (value, value);
+            }
+        }
+        let prior = prior_information::<T>(&self.body);
         (0..SIZE).for_each(|i| information[(i, i)] += prior[i]);
         information
     }
