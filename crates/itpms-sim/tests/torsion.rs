@@ -1,4 +1,5 @@
 //! Torsional analysis on simulated tooth pulses: as sharp as the spectrum allows, honest, silent where nothing is to be seen.
+#![allow(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
 use itpms_core::torsion::{TorsionConfig, TorsionPiece, TorsionWheel};
 use itpms_sim::pulses::{PulseSpec, PulseWheel};

@@ -1,7 +1,7 @@
 //! The frequency of a resonance in a mean spectrum: Whittle's likelihood over a grid of frequencies, what is not asked for fitted at
 //! each (`docs/math/wheel-speed.md`, eq. 15, 16).
 
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::{Matrix4, SVector, Vector4};
 
 use super::HOP_S;
 use crate::real::Real;
@@ -41,7 +41,7 @@ pub(super) struct Shape<T> {
 /// A mean periodogram of a wheel's rate in (rad/s)²/Hz.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Spectrum<T> {
-    pub power: [T; BINS],
+    pub power: SVector<T, BINS>,
     pub frames: u32,
     pub tooth_hz: T,
     pub edge_variance_rad2: T,

@@ -28,6 +28,8 @@ mod reference;
 mod speed;
 mod teeth;
 
+use nalgebra::SVector;
+
 pub use self::config::TorsionConfig;
 use self::fit::{BINS, Fitted, Spectrum, fit};
 use self::reference::Reference;
@@ -47,11 +49,12 @@ const FRAMES: u32 = 116;
 const LEAST_SPEED_M_S: f64 = 7.0;
 /// Change of speed within a piece, as a share, beyond which it is no piece of one speed.
 const MOST_CHANGE: f64 = 0.15;
-/// How far a pressure wanders in kPa per √s, and what it is known to at the end of a calibration beyond what was learned.
+/// How far a pressure wanders in kPa per √s, how far it may be from the calibration's at its end, and what stays unknown of it however
+/// much is driven, in kPa.
 const WALK_KPA: f64 = 0.4;
-const LEVEL_SD_KPA: f64 = 5.0;
 const START_SD_KPA: f64 = 8.0;
-/// Mean of the common error of a piece and its spectrum's model in Hz: slip stiffness, road and load differ from piece to piece.
+const LEVEL_SD_KPA: f64 = 5.0;
+/// By how much pieces of the same pressure and speed differ beside what a spectrum's length allows, in Hz: by road, load and slip stiffness.
 const MODEL_SD_HZ: f64 = 0.6;
 /// Innovation in standard deviations beyond which a piece is an outlier.
 const OUTLIER: f64 = 4.0;
@@ -66,7 +69,7 @@ pub struct TorsionPiece<T> {
     pub speed_m_s: T,
     /// Resonance in Hz and its standard deviation.
     pub resonance_hz: T,
-    /// Of the spectrum alone; how far pieces differ beside that is in what is concluded.
+    /// Of the spectrum's length alone; how far pieces differ beside that is in [`TorsionChange`].
     pub resonance_sd_hz: T,
     /// Power of the resonance over that of what edges vary by.
     pub signal_to_noise: T,
@@ -107,7 +110,7 @@ pub struct TorsionWheel<T: Real> {
     teeth: Teeth<T>,
     speed: Speed<T>,
     frames: FrameClock<T, BINS, 1>,
-    power: [T; BINS],
+    power: SVector<T, BINS>,
     number: u32,
     begun_s: f64,
     turned_rad: T,
@@ -221,7 +224,7 @@ impl<T: Real> TorsionWheel<T> {
 
     fn drop_piece(&mut self) {
         self.number = 0;
-        self.power = [T::zero(); BINS];
+        self.power = SVector::zeros();
         (self.slowest, self.fastest, self.turned_rad) = (T::zero(), T::zero(), T::zero());
         self.frames.restart();
         self.speed.restart();
@@ -234,7 +237,7 @@ impl<T: Real> TorsionWheel<T> {
         let speed_m_s = rate_rad_s * self.config.rolling_radius_m;
         let pitch_rad = T::lit(core::f64::consts::TAU) / T::whole(self.config.teeth);
         let spectrum = Spectrum {
-            power: self.power.map(|power| power * share),
+            power: self.power * share,
             frames: self.number,
             tooth_hz: rate_rad_s / pitch_rad,
             edge_variance_rad2: self.teeth.edge_variance() * pitch_rad * pitch_rad,

@@ -168,8 +168,9 @@ mod tests {
     fn resonance_hz(pressure_kpa: f64, speed_m_s: f64) -> f64 {
         let ring = Ring::new(&PulseSpec::default());
         let driven = ring.driven(speed_m_s, pressure_kpa, 0.0);
-        let rates = nalgebra::DMatrix::from_fn(STATES, STATES, |row, column| {
-            ring.rates(&std::array::from_fn(|i| if i == column { 1.0 } else { 0.0 }), 0.0, &driven)[row]
+        let unit = |column: usize| std::array::from_fn(|i| if i == column { 1.0 } else { 0.0 });
+        let rates = nalgebra::SMatrix::<f64, STATES, STATES>::from_fn(|row, column| {
+            ring.rates(&unit(column), 0.0, &driven)[row]
         });
         let modes_hz: Vec<f64> = rates.complex_eigenvalues().iter().map(|mode| mode.im / TAU).collect();
         modes_hz.into_iter().find(|hz| (30.0..70.0).contains(hz)).unwrap()
