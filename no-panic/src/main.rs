@@ -10,6 +10,7 @@
 use core::panic::PanicInfo;
 
 use itpms_core::model::VehicleCalibration;
+use itpms_core::torsion::{TorsionConfig, TorsionWheel};
 use itpms_core::{CarSample, MonitorConfig, MonitoredCar};
 
 /// What a controller calls: the car configured where it lies, its stored calibration, a calibration drive, its samples, what it
@@ -32,6 +33,20 @@ extern "C" fn car(
     #[cfg(feature = "left")]
     core::hint::black_box([0u8; 4][sample.time_s as usize]);
     estimate.corners.iter().flatten().count() + car.report().wheels.iter().flatten().count()
+}
+
+/// The same of the tooth pulses of one wheel.
+#[unsafe(no_mangle)]
+extern "C" fn wheel(wheel: &mut TorsionWheel<f32>, config: &TorsionConfig<f32>, edge_s: f64) -> usize {
+    if wheel.configure(config).is_err() {
+        return 0;
+    }
+    wheel.begin_calibration();
+    let piece = wheel.push(edge_s);
+    wheel.end_calibration();
+    usize::from(piece.is_some_and(|piece| piece.used))
+        + usize::from(wheel.change().is_some())
+        + wheel.tooth_errors().len()
 }
 
 #[cfg(not(feature = "count"))]

@@ -109,6 +109,7 @@
 //! | [`warning`] | when to warn of what |
 //! | [`monitor`] | a car's estimator under its monitor |
 //! | [`wheel_speed`] | radius analysis: which tires differ from the others, from four wheel speeds alone |
+//! | [`torsion`] | torsional analysis: by how much a tire's pressure has changed, from the tooth pulses of its wheel alone |
 //! | [`real`] | `f32` or `f64` |
 //!
 //! # Features
@@ -135,6 +136,7 @@ pub mod real;
 mod single_wheel;
 pub mod spectrum;
 mod suspension;
+pub mod torsion;
 pub mod warning;
 pub mod wheel_speed;
 

@@ -233,14 +233,14 @@ fn a_bar_that_pushes_is_in_no_car() {
 
 #[test]
 fn what_wheel_speeds_taught_is_stored_with_the_rest_or_alone() {
-    let mut covariance_1e6 = [[0.0; 4]; 4];
+    let mut covariance_1e6 = [[0.0; 6]; 6];
     for (i, row) in covariance_1e6.iter_mut().enumerate() {
         for (j, value) in row.iter_mut().enumerate() {
             *value = if i == j { 0.01 * (1 + i) as f64 } else { 1e-4 * (1 + i * j + i + j) as f64 };
         }
     }
     let radii = itpms_core::wheel_speed::RadiusCalibration {
-        mean_1e3: [-1.48, -1.54, 3.25, 1.5],
+        mean_1e3: [-1.48, -1.54, 3.25, 1.5, 0.2, -0.1],
         covariance_1e6,
         radius_1e3: [0.0, 0.0, 0.0, -2.4],
     };

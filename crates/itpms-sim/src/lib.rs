@@ -13,6 +13,7 @@
 //! | [`sensor`], [`antialias`] | what lies between a true acceleration and a logged one |
 //! | [`fault`] | sensors that go wrong for a while |
 //! | [`wheel_speeds`] | the speeds of the four wheels as a car's bus has them |
+//! | [`pulses`] | the teeth of a wheel's speed sensor, and the torsion of tire and rim that they show |
 //! | [`pressure_sensor`] | a test bed's reference: what a log holds in place of the true pressure |
 //! | [`scenario`] | a drive written down: TOML files and the built-in ones |
 //! | [`simulation`] | a scenario and a seed in, a stream of rows out, in bounded memory |
@@ -36,6 +37,7 @@ pub mod error;
 pub mod fault;
 pub mod plant;
 pub mod pressure_sensor;
+pub mod pulses;
 pub mod road;
 pub mod scenario;
 pub mod sensor;

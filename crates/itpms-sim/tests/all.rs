@@ -9,4 +9,5 @@ mod real_car;
 mod road;
 mod scenario;
 mod simulation;
+mod torsion;
 mod wheel_speeds;

@@ -1,21 +1,25 @@
 //! What a calibration teaches: how the tires' radii differ, and how the driven axle slips.
 
-use super::{OFFSET, SLIP};
+use super::{OFFSET, SLIP, UNEQUAL_SLIP};
 use crate::memory::blank;
 use crate::real::Real;
 
-/// The states it holds: three offsets, and the slip that is learned with the last one.
-pub(super) const LEARNED: [usize; 4] = [OFFSET, OFFSET + 1, OFFSET + 2, SLIP];
+/// Numbers that a calibration teaches.
+const NUMBERS: usize = 6;
+/// The states it holds: three offsets, the slip that is learned with the last one, and those learned with the first two.
+pub(super) const LEARNED: [usize; NUMBERS] =
+    [OFFSET, OFFSET + 1, OFFSET + 2, SLIP, UNEQUAL_SLIP, UNEQUAL_SLIP + 1];
 
 /// What to store after a calibration and load at the next start. In thousandths: the log ratios of the tires' radii front left over
-/// right, rear left over right, front over rear, and the slip of the driven axle per m/s².
+/// right, rear left over right, front over rear, the slip of the driven axle per m/s², and what of it the left wheel in front, and the
+/// left one at the rear, has more than the right one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RadiusCalibration<T> {
-    /// Offsets and slip.
-    pub mean_1e3: [T; 4],
+    /// Offsets and slips.
+    pub mean_1e3: [T; NUMBERS],
     /// Their covariance.
-    pub covariance_1e6: [[T; 4]; 4],
+    pub covariance_1e6: [[T; NUMBERS]; NUMBERS],
     /// The radii at which it was learned, against those at the pressures that should be: zero unless pressures were known to differ.
     pub radius_1e3: [T; 4],
 }
@@ -30,9 +34,9 @@ impl<T: Real> RadiusCalibration<T> {
         let means = self.mean_1e3.iter().chain(&self.radius_1e3).all(|x| x.abs() < most);
         let variance = |i: usize| self.covariance_1e6[i][i];
         means
-            && (0..4).all(|i| {
+            && (0..NUMBERS).all(|i| {
                 let row = variance(i) > T::zero() && variance(i) < most * most;
-                row && (0..4).all(|j| {
+                row && (0..NUMBERS).all(|j| {
                     let entry = self.covariance_1e6[i][j];
                     let bound = variance(i) * variance(j) * T::lit(1.0001);
                     entry == self.covariance_1e6[j][i] && entry * entry <= bound

@@ -6,8 +6,8 @@ use super::calibration::{LEARNED, RadiusCalibration};
 use super::config::{DrivenAxle, WheelSpeedConfig};
 use super::gaussian::Gaussian;
 use super::{
-    AXLE, AXLE_FORCE, FRONT, FRONT_WANDER, OFFSET, RADIUS, REAR, REAR_WANDER, SCALE, SLIP, STATES, YAW_BIAS,
-    YAW_NOISE,
+    AXLE, AXLE_FORCE, FRONT, FRONT_WANDER, OFFSET, RADIUS, REAR, REAR_WANDER, SCALE, SLIP, STATES,
+    UNEQUAL_SLIP, YAW_BIAS, YAW_NOISE,
 };
 use crate::memory::blank;
 use crate::real::Real;
@@ -28,6 +28,10 @@ const OUTLIERS: f64 = 0.02;
 const OUTLIER_VARIANCE: f64 = 64.0;
 /// What a tire may have lost while the car stood, as an sd of its radius in thousandths.
 const STANDING_SD: f64 = 1.0;
+/// How unequally a driven axle's two wheels slip, in thousandths per m/s²: 8 % of a car's 3.7, as their loads and tires differ; and by
+/// how much that may change while the car stands, by who sits on which side.
+const UNEQUAL_SD: f64 = 0.3;
+const UNEQUAL_STANDING_SD: f64 = 0.2;
 /// Longest step of time over which a leak may begin or end, in s.
 const LONGEST_STEP_S: f64 = 4.0;
 
@@ -62,6 +66,9 @@ impl<T: Real> Filter<T> {
         [sd[OFFSET + FRONT], sd[OFFSET + REAR], sd[OFFSET + AXLE]] = [T::lit(4.0), T::lit(4.0), T::lit(6.0)];
         sd[SLIP] = T::one();
         sd[YAW_BIAS] = T::lit(20.0);
+        for (unequal, share) in sd[UNEQUAL_SLIP..].iter_mut().zip(driven_shares(config.driven)) {
+            *unequal += T::lit(UNEQUAL_SD * share);
+        }
         let disturbances = Disturbances::of(false, false);
         for (i, (wander, _)) in disturbances.0 {
             sd[i] = T::lit(wander);
@@ -80,7 +87,7 @@ impl<T: Real> Filter<T> {
             }
         }
         self.start(belief);
-        self.stood();
+        self.stood(config.driven);
     }
 
     fn start(&mut self, belief: Gaussian<T>) {
@@ -89,9 +96,13 @@ impl<T: Real> Filter<T> {
         self.weight[QUIET] = T::one() - T::lit(5e-6);
     }
 
-    /// The car stood: a tire may have lost air without a sample of it.
-    pub(super) fn stood(&mut self) {
+    /// The car stood: a tire may have lost air without a sample of it, and a load have changed sides.
+    pub(super) fn stood(&mut self, driven: DrivenAxle) {
         for mode in &mut self.modes {
+            for (i, share) in driven_shares(driven).into_iter().enumerate() {
+                let sd = UNEQUAL_STANDING_SD * share;
+                mode.widen(UNEQUAL_SLIP + i, T::lit(sd * sd));
+            }
             for i in RADIUS..RADIUS + 4 {
                 mode.widen(i, T::lit(STANDING_SD * STANDING_SD));
             }
@@ -202,6 +213,15 @@ fn transition<T: Real>(from: usize, to: usize, step_s: T) -> T {
     }
 }
 
+/// What of the driving force each axle has.
+fn driven_shares(driven: DrivenAxle) -> [f64; 2] {
+    match driven {
+        DrivenAxle::Front => [1.0, 0.0],
+        DrivenAxle::Rear => [0.0, 1.0],
+        DrivenAxle::Both => [0.5, 0.5],
+    }
+}
+
 /// The disturbances that wander: their state, their sd in thousandths (rad/s for the yaw rate's) and their time in s.
 struct Disturbances([(usize, (f64, f64)); 4]);
 
@@ -239,6 +259,7 @@ impl<T: Real> Measurements<T> {
         [h[AXLE][RADIUS], h[AXLE][RADIUS + 1]] = [-half, -half];
         [h[AXLE][RADIUS + 2], h[AXLE][RADIUS + 3]] = [half, half];
         [h[AXLE][SLIP], h[AXLE][AXLE_FORCE]] = [block.force_m_s2, one];
+        [h[FRONT][UNEQUAL_SLIP], h[REAR][UNEQUAL_SLIP + 1]] = [block.force_m_s2; 2];
         let front = config.track_front_m / block.speed_m_s;
         let rear = config.track_rear_m / block.speed_m_s;
         [h[FRONT][YAW_BIAS], h[FRONT][YAW_NOISE]] = [front, -front];

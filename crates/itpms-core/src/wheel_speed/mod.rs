@@ -56,7 +56,8 @@ const FRONT: usize = 0;
 const REAR: usize = 1;
 const AXLE: usize = 2;
 
-/// The state, in thousandths (mrad/s where it is a yaw rate): three offsets, four radii since the calibration, slip per m/s², and disturbances.
+/// The state, in thousandths (mrad/s where it is a yaw rate): three offsets, four radii since the calibration, slip per m/s², disturbances,
+/// and by how much more per m/s² the left wheel of each axle slips than the right one.
 const OFFSET: usize = 0;
 const RADIUS: usize = 3;
 const SLIP: usize = 7;
@@ -65,7 +66,8 @@ const YAW_NOISE: usize = 9;
 const FRONT_WANDER: usize = 10;
 const REAR_WANDER: usize = 11;
 const AXLE_FORCE: usize = 12;
-const STATES: usize = 13;
+const UNEQUAL_SLIP: usize = 13;
+const STATES: usize = 15;
 /// Log ratios are kept in thousandths, so that single precision holds their squares.
 const SCALE: f64 = 1e3;
 
@@ -262,7 +264,7 @@ impl<T: Real> RadiusMonitor<T> {
         self.stood_s += step_s;
         if self.phase == Phase::Watching && before_s < LONG_STOP_S && !(self.stood_s < LONG_STOP_S) {
             self.loads_may_differ = true;
-            self.filter.stood();
+            self.filter.stood(self.config.driven);
         }
     }
 

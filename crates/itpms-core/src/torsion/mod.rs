@@ -1,0 +1,283 @@
+//! Torsional analysis: a road shakes the belt of a tire around its rim, and at which frequency it does so most depends on how stiff the
+//! sidewalls are, that is, on the pressure. From the times at which the teeth of one wheel's speed sensor pass, [`TorsionWheel`] finds
+//! that frequency, piece by piece of some 30 s, and by how much the pressure has changed since a calibration. It needs no other wheel, so
+//! that it sees all four alike.
+//!
+//! `docs/math/wheel-speed.md`, "Torsion", derives it. It knows of nothing else here.
+//!
+//! ```
+//! use itpms_core::torsion::{TorsionConfig, TorsionWheel};
+//!
+//! # fn main() -> Result<(), itpms_core::ParameterError> {
+//! let mut wheel = TorsionWheel::<f32>::new(&TorsionConfig::new())?;
+//! wheel.begin_calibration();
+//! for edge in 0..60_000 {
+//!     // Twenty meters per second and not a tremble: nothing is to be seen in that.
+//!     if let Some(piece) = wheel.push(f64::from(edge) * 2.03e-3) {
+//!         assert!(!piece.used);
+//!     }
+//! }
+//! assert_eq!(wheel.change(), None);
+//! # Ok(())
+//! # }
+//! ```
+
+mod config;
+mod fit;
+mod reference;
+mod speed;
+mod teeth;
+
+use nalgebra::SVector;
+
+pub use self::config::TorsionConfig;
+use self::fit::{BINS, Fitted, Spectrum, fit};
+use self::reference::Reference;
+use self::speed::Speed;
+use self::teeth::{Edge, Teeth};
+use crate::memory::{Blank, blank};
+use crate::model::ParameterError;
+use crate::real::Real;
+use crate::spectrum::FrameClock;
+
+/// Time between the steps of the speed, and between frames that overlap by half, in s.
+const STEP_S: f64 = 1e-3;
+const HOP_S: f64 = 0.256;
+/// Frames of a piece: 30 s.
+const FRAMES: u32 = 116;
+/// Slowest speed in m/s: below it too few teeth pass.
+const LEAST_SPEED_M_S: f64 = 7.0;
+/// Change of speed within a piece, as a share, beyond which it is no piece of one speed.
+const MOST_CHANGE: f64 = 0.15;
+/// How far a pressure wanders in kPa per √s, how far it may be from the calibration's at its end, and what stays unknown of it however
+/// much is driven, in kPa.
+const WALK_KPA: f64 = 0.4;
+const START_SD_KPA: f64 = 8.0;
+const LEVEL_SD_KPA: f64 = 5.0;
+/// By how much pieces of the same pressure and speed differ beside what a spectrum's length allows, in Hz: by road, load and slip stiffness.
+const MODEL_SD_HZ: f64 = 0.6;
+/// Innovation in standard deviations beyond which a piece is an outlier.
+const OUTLIER: f64 = 4.0;
+
+/// What a piece of driving has shown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct TorsionPiece<T> {
+    /// Time of its end in s.
+    pub time_s: f64,
+    /// Mean speed in m/s.
+    pub speed_m_s: T,
+    /// Resonance in Hz and its standard deviation.
+    pub resonance_hz: T,
+    /// Of the spectrum's length alone; how far pieces differ beside that is in [`TorsionChange`].
+    pub resonance_sd_hz: T,
+    /// Power of the resonance over that of what edges vary by.
+    pub signal_to_noise: T,
+    /// Whether it carries anything: not if the former is below 3, the standard deviation above 3.5 Hz or the resonance at an end of what
+    /// is looked at.
+    pub used: bool,
+}
+
+blank!(TorsionPiece<T> { time_s, speed_m_s, resonance_hz, resonance_sd_hz, signal_to_noise, used });
+
+/// Change of pressure since the calibration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct TorsionChange<T> {
+    /// In kPa.
+    pub change_kpa: T,
+    /// Its standard deviation.
+    pub change_sd_kpa: T,
+}
+
+/// What is done with a piece.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+enum Phase {
+    Idle,
+    Learning,
+    Watching,
+}
+
+blank!(Phase::Idle);
+
+/// The torsional analysis of one wheel; less than 2.5 kB in `f32`.
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct TorsionWheel<T: Real> {
+    config: TorsionConfig<T>,
+    phase: Phase,
+    teeth: Teeth<T>,
+    speed: Speed<T>,
+    frames: FrameClock<T, BINS, 1>,
+    power: SVector<T, BINS>,
+    number: u32,
+    begun_s: f64,
+    turned_rad: T,
+    slowest: T,
+    fastest: T,
+    reference: Reference<T>,
+    change_kpa: T,
+    variance_kpa2: T,
+    last_s: f64,
+}
+
+blank!(TorsionWheel<T> { config, phase, teeth, speed, frames, power, number, begun_s, turned_rad, slowest, fastest, reference,
+    change_kpa, variance_kpa2, last_s });
+
+impl<T: Real> TorsionWheel<T> {
+    /// A wheel with this sensor and tire, uncalibrated.
+    ///
+    /// # Errors
+    /// A number that no wheel has.
+    pub fn new(config: &TorsionConfig<T>) -> Result<Self, ParameterError> {
+        let mut wheel = Self::BLANK;
+        wheel.configure(config)?;
+        Ok(wheel)
+    }
+
+    /// Begins anew with this sensor and tire, uncalibrated.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new).
+    pub fn configure(&mut self, config: &TorsionConfig<T>) -> Result<(), ParameterError> {
+        config.check()?;
+        *self = Self::BLANK;
+        self.config = *config;
+        self.teeth.configure(config.teeth);
+        self.frames.configure(HOP_S, STEP_S);
+        self.last_s = f64::NAN;
+        Ok(())
+    }
+
+    /// The pressure is as it should be from the next piece on: learns how the resonance and its spectrum depend on the speed.
+    pub fn begin_calibration(&mut self) {
+        self.phase = Phase::Learning;
+        self.reference = Reference::new(&self.config);
+        self.drop_piece();
+    }
+
+    /// Ends the calibration; whether a piece was seen in it.
+    pub fn end_calibration(&mut self) -> bool {
+        let learned = self.phase == Phase::Learning && self.reference.pieces() > 0;
+        self.phase = if learned { Phase::Watching } else { Phase::Idle };
+        (self.change_kpa, self.variance_kpa2) = (T::zero(), T::lit(START_SD_KPA * START_SD_KPA));
+        self.drop_piece();
+        learned
+    }
+
+    /// By how much the pressure has changed since the calibration; `None` before its end.
+    #[must_use]
+    pub fn change(&self) -> Option<TorsionChange<T>> {
+        (self.phase == Phase::Watching).then(|| TorsionChange {
+            change_kpa: self.change_kpa,
+            change_sd_kpa: self.variance_kpa2.sqrt().hypot(T::lit(LEVEL_SD_KPA)),
+        })
+    }
+
+    /// Where the teeth were found to be: by how many pitches each lies too far on, from an unknown first one on.
+    #[must_use]
+    pub fn tooth_errors(&self) -> &[T] {
+        self.teeth.errors()
+    }
+
+    /// Takes in an edge at a time in s; what a piece has shown that ends with it. Times that go back, and edges that come far too early
+    /// or late, begin a piece anew.
+    pub fn push(&mut self, time_s: f64) -> Option<TorsionPiece<T>> {
+        let before_s = core::mem::replace(&mut self.last_s, time_s);
+        let pitch_rad = T::lit(core::f64::consts::TAU) / T::whole(self.config.teeth);
+        let interval_s = T::lit(time_s - before_s);
+        let pitches = match self.teeth.push(interval_s) {
+            Edge::Tooth(pitches) => pitches,
+            Edge::Lost => {
+                self.drop_piece();
+                return None;
+            }
+        };
+        let rate_rad_s = pitch_rad * pitches / interval_s;
+        let speed_m_s = rate_rad_s * self.config.rolling_radius_m;
+        if !self.teeth.learned() || !(speed_m_s > T::lit(LEAST_SPEED_M_S)) {
+            self.drop_piece();
+            return None;
+        }
+        if self.number == 0 && !(self.slowest > T::zero()) {
+            (self.begun_s, self.slowest, self.fastest) = (before_s, speed_m_s, speed_m_s);
+        }
+        self.slowest = self.slowest.at_most(speed_m_s);
+        self.fastest = self.fastest.at_least(speed_m_s);
+        self.turned_rad += pitch_rad * pitches;
+        let Self { speed, frames, power, number, .. } = self;
+        speed.push(before_s, time_s, rate_rad_s, |trembling| {
+            if let Some(frame) = frames.push(&[trembling]) {
+                *number += 1;
+                for (bin, power) in power.iter_mut().enumerate() {
+                    *power += frame.cross(bin, 0, 0);
+                }
+            }
+        });
+        if self.fastest > self.slowest * T::lit(1.0 + MOST_CHANGE) {
+            self.drop_piece();
+            return None;
+        }
+        (self.number >= FRAMES).then(|| self.end_piece(time_s))
+    }
+
+    fn drop_piece(&mut self) {
+        self.number = 0;
+        self.power = SVector::zeros();
+        (self.slowest, self.fastest, self.turned_rad) = (T::zero(), T::zero(), T::zero());
+        self.frames.restart();
+        self.speed.restart();
+    }
+
+    fn end_piece(&mut self, time_s: f64) -> TorsionPiece<T> {
+        let share = T::one() / T::whole(self.number);
+        let lasted_s = T::lit(time_s - self.begun_s);
+        let rate_rad_s = self.turned_rad / lasted_s;
+        let speed_m_s = rate_rad_s * self.config.rolling_radius_m;
+        let pitch_rad = T::lit(core::f64::consts::TAU) / T::whole(self.config.teeth);
+        let spectrum = Spectrum {
+            power: self.power * share,
+            frames: self.number,
+            tooth_hz: rate_rad_s / pitch_rad,
+            edge_variance_rad2: self.teeth.edge_variance() * pitch_rad * pitch_rad,
+        };
+        let fitted = fit(&spectrum, &self.reference.shape(speed_m_s));
+        let piece = TorsionPiece {
+            time_s,
+            speed_m_s,
+            resonance_hz: fitted.hz,
+            resonance_sd_hz: fitted.sd_hz,
+            signal_to_noise: fitted.signal_to_noise,
+            used: fitted.carries(),
+        };
+        self.take(&fitted, speed_m_s, lasted_s);
+        self.drop_piece();
+        piece
+    }
+
+    fn take(&mut self, fitted: &Fitted<T>, speed_m_s: T, lasted_s: T) {
+        self.variance_kpa2 += T::lit(WALK_KPA * WALK_KPA) * lasted_s;
+        if !fitted.carries() {
+            return;
+        }
+        let model = T::lit(MODEL_SD_HZ * MODEL_SD_HZ);
+        let variance = fitted.sd_hz * fitted.sd_hz + model;
+        match self.phase {
+            Phase::Idle => {}
+            Phase::Learning => self.reference.learn(fitted, speed_m_s, variance),
+            Phase::Watching => {
+                let (expected_hz, expected_variance) = self.reference.resonance(speed_m_s);
+                let per_hz = T::one() / self.config.resonance_per_kpa;
+                let residual = (fitted.hz - expected_hz) * per_hz - self.change_kpa;
+                let noise = (variance + expected_variance) * per_hz * per_hz;
+                let all = noise + self.variance_kpa2;
+                if residual * residual < T::lit(OUTLIER * OUTLIER) * all {
+                    let gain = self.variance_kpa2 / all;
+                    self.change_kpa += gain * residual;
+                    self.variance_kpa2 -= gain * self.variance_kpa2;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,119 @@
+//! Tooth pulses of a rolling wheel: when each tooth of its speed sensor's ring passes, in a clock's ticks.
+//!
+//! A rigid ring of belt turns on its sidewalls about the rim; road slopes shake it along and around, and the rim's speed shows how
+//! stiff the sidewalls are, that is, the pressure. Nothing here knows of an estimator. `docs/math/simulation.md`, "Tooth pulses".
+//!
+//! | module | idea |
+//! |---|---|
+//! | `ring` | rim, belt, contact and suspension of one wheel in motion |
+//! | `teeth` | the sensor's ring: where its teeth are, and when they pass |
+//!
+//! ```
+//! use itpms_sim::pulses::{PulseSpec, PulseWheel};
+//!
+//! let spec = PulseSpec::default();
+//! let mut wheel = PulseWheel::new(&spec, 1, 0);
+//! // A second at 20 m/s, all of it at 240 kPa: 20 / 0.31 / 2π turns of 48 teeth.
+//! let mut times_s = vec![];
+//! wheel.roll(1.0, |_| (20.0, 240.0), |time_s| times_s.push(time_s));
+//! assert!((times_s.len() as f64 - 20.0 / 0.31 / 6.283 * 48.0).abs() < 3.0);
+//! ```
+
+mod ring;
+mod teeth;
+
+use rand_pcg::Pcg64;
+
+use self::ring::Ring;
+use self::teeth::Teeth;
+use crate::road::Roughness;
+use crate::streams::{Purpose, generator};
+
+/// Steps of the wheel's motion in s.
+const STEP_S: f64 = 2.5e-4;
+
+/// A wheel, its road and its sensor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PulseSpec {
+    /// Rolling radius in m.
+    pub radius_m: f64,
+    /// Moments of inertia in kg m²: rim with what turns with it, and belt.
+    pub rim_kg_m2: f64,
+    /// Of the belt.
+    pub belt_kg_m2: f64,
+    /// Torsional stiffness of the sidewalls at 240 kPa in N m/rad, and the air's share of it there.
+    pub sidewall_n_m: f64,
+    /// The air's share.
+    pub air_share: f64,
+    /// Slip stiffness in N.
+    pub slip_stiffness_n: f64,
+    /// How rough the road is; its slopes are white along the way (`w` = 2).
+    pub roughness: Roughness,
+    /// Teeth of the ring, standard deviation of where they are in pitches, and of what an edge varies by from turn to turn.
+    pub teeth: u32,
+    /// Standard deviation of where the teeth are, in pitches.
+    pub tooth_error: f64,
+    /// Standard deviation of what an edge varies by from turn to turn, in pitches.
+    pub jitter: f64,
+    /// The clock's tick in s.
+    pub tick_s: f64,
+}
+
+impl Default for PulseSpec {
+    fn default() -> Self {
+        Self {
+            radius_m: 0.31,
+            rim_kg_m2: 1.1,
+            belt_kg_m2: 0.6,
+            sidewall_n_m: 90e3,
+            air_share: 0.55,
+            slip_stiffness_n: 120e3,
+            roughness: crate::road::RoadClass::B.into(),
+            teeth: 48,
+            tooth_error: 3e-3,
+            jitter: 3e-4,
+            tick_s: 1e-6,
+        }
+    }
+}
+
+/// A wheel that rolls.
+#[derive(Debug, Clone)]
+pub struct PulseWheel {
+    ring: Ring,
+    teeth: Teeth,
+    random: Pcg64,
+    steps: u64,
+}
+
+impl PulseWheel {
+    /// At rest on its road. `wheel` tells apart the four of a car.
+    #[must_use]
+    pub fn new(spec: &PulseSpec, seed: u64, wheel: u64) -> Self {
+        let mut car = generator(seed, Purpose::WheelCar, [1, wheel]);
+        Self {
+            ring: Ring::new(spec),
+            teeth: Teeth::new(spec, &mut car),
+            random: generator(seed, Purpose::WheelSpeeds, [2, wheel]),
+            steps: 0,
+        }
+    }
+
+    /// On for so many s: `at` says speed in m/s (above 1) and pressure in kPa at a time in s, `pulse` takes the time of each edge.
+    pub fn roll(&mut self, for_s: f64, mut at: impl FnMut(f64) -> (f64, f64), mut pulse: impl FnMut(f64)) {
+        let until = self.steps + (for_s / STEP_S).round() as u64;
+        while self.steps < until {
+            let time_s = self.steps as f64 * STEP_S;
+            let (speed_m_s, pressure_kpa) = at(time_s);
+            let turned_rad = self.ring.step(STEP_S, speed_m_s, pressure_kpa, &mut self.random);
+            self.teeth.turn(time_s, STEP_S, turned_rad, &mut self.random, &mut pulse);
+            self.steps += 1;
+        }
+    }
+
+    /// Where the teeth are: by how many pitches each lies too far on.
+    #[must_use]
+    pub fn tooth_errors(&self) -> &[f64] {
+        self.teeth.errors()
+    }
+}
