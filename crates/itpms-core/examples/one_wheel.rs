@@ -10,7 +10,7 @@ use common::ride::{Ride, Row};
 use itpms_core::{CornerConfig, CornerEstimate, Estimator, ParameterError};
 
 /// What is estimated after each row, and the true pressure in kPa.
-pub fn drive() -> Result<Vec<(CornerEstimate<f64>, f64)>, ParameterError> {
+pub(crate) fn drive() -> Result<Vec<(CornerEstimate<f64>, f64)>, ParameterError> {
     let ride = Ride::new(1);
     let mut estimator = Estimator::new(&CornerConfig::paper(), ride.rate_hz)?;
     let mut estimate = |row: Row| {
@@ -20,7 +20,7 @@ pub fn drive() -> Result<Vec<(CornerEstimate<f64>, f64)>, ParameterError> {
     Ok(ride.rows().into_iter().map(&mut estimate).collect())
 }
 
-pub fn main() -> Result<(), ParameterError> {
+pub(crate) fn main() -> Result<(), ParameterError> {
     for (estimate, truth_kpa) in drive()?.iter().skip(499).step_by(2500) {
         let (pressure_kpa, sd_kpa) = (estimate.pressure_kpa, estimate.pressure_sd_kpa);
         println!("{pressure_kpa:5.1} ± {sd_kpa:4.1} kPa, true {truth_kpa:.1}  {:?}", estimate.validity);

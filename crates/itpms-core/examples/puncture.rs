@@ -9,9 +9,9 @@ use common::car_ride::{CarRide, PLACARD_KPA, RATE_HZ, config};
 use itpms_core::{Alert, MonitorConfig, MonitoredCar, ParameterError};
 
 /// Seconds at which the tire begins to lose air.
-pub const BEGIN_S: f64 = 20.0;
+pub(crate) const BEGIN_S: f64 = 20.0;
 /// What it has from 20 s later on.
-pub const FINAL_KPA: f64 = 170.0;
+pub(crate) const FINAL_KPA: f64 = 170.0;
 
 fn pressures_kpa(time_s: f64) -> [f64; 4] {
     let share = ((time_s - BEGIN_S) / 20.0).clamp(0.0, 1.0);
@@ -19,7 +19,7 @@ fn pressures_kpa(time_s: f64) -> [f64; 4] {
 }
 
 /// All that is warned of at the end of the drive.
-pub fn drive() -> Result<Vec<Alert<f64>>, ParameterError> {
+pub(crate) fn drive() -> Result<Vec<Alert<f64>>, ParameterError> {
     let ride = CarRide { seconds: 60.0, pressure_kpa: pressures_kpa, ..CarRide::new(3) };
     let mut car = MonitoredCar::new(&MonitorConfig::new(&config()), RATE_HZ)?;
     let mut shown = 0;
@@ -33,6 +33,6 @@ pub fn drive() -> Result<Vec<Alert<f64>>, ParameterError> {
     Ok(car.report().alerts().copied().collect())
 }
 
-pub fn main() -> Result<(), ParameterError> {
+pub(crate) fn main() -> Result<(), ParameterError> {
     drive().map(|_| ())
 }

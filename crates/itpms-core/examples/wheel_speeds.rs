@@ -10,7 +10,7 @@ const RATE_HZ: f64 = 20.0;
 const CALIBRATION_S: f64 = 600.0;
 const DRIVE_S: f64 = 2400.0;
 /// By how much the tire's radius is smaller, as a share of it.
-pub const SMALLER: f64 = 0.0025;
+pub(crate) const SMALLER: f64 = 0.0025;
 
 /// Wheel speeds as a bus sends them: tires that are not quite alike, steps of 0.01 m/s, noise of one step.
 fn sample(k: u32, smaller: f64, noise: &mut impl FnMut() -> f64) -> WheelSpeedSample<f64> {
@@ -26,7 +26,7 @@ fn sample(k: u32, smaller: f64, noise: &mut impl FnMut() -> f64) -> WheelSpeedSa
 }
 
 /// What is known at the end.
-pub fn drive() -> Result<RadiusReport<f64>, ParameterError> {
+pub(crate) fn drive() -> Result<RadiusReport<f64>, ParameterError> {
     let mut monitor = RadiusMonitor::new(&WheelSpeedConfig::new(2.66, 1.56, 1.57, DrivenAxle::Front))?;
     // All pressures have just been set.
     monitor.begin_calibration(CALIBRATION_S);
@@ -40,10 +40,10 @@ pub fn drive() -> Result<RadiusReport<f64>, ParameterError> {
         let calibrated = monitor.calibration().is_some();
         monitor.update(&sample(k, if calibrated { SMALLER } else { 0.0 }, &mut noise));
     }
-    Ok(monitor.report().clone())
+    Ok(*monitor.report())
 }
 
-pub fn main() -> Result<(), ParameterError> {
+pub(crate) fn main() -> Result<(), ParameterError> {
     let report = drive()?;
     println!("{:?} after {:.0} s", report.state, report.time_s);
     for (name, wheel) in ["front left", "front right", "rear left", "rear right"].iter().zip(&report.wheels) {

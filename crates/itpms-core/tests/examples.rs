@@ -28,6 +28,7 @@ fn a_puncture_is_warned_of_at_its_wheel_alone() {
         assert!(alert.reported_s > puncture::BEGIN_S, "{alert}");
         assert!(matches!(alert.cause, Cause::UnderInflated(_) | Cause::FastLeak { .. }), "{alert}");
     }
+    puncture::main().unwrap();
 }
 
 #[test]
