@@ -35,7 +35,6 @@ pub(crate) enum Tool {
 
 /// Studies of `itpms-lab`; `itpms score` is the older spelling of `itpms lab score`.
 #[derive(Debug, Subcommand)]
-#[command(disable_help_flag = true)]
 pub(crate) enum Study {
     /// Recompute the accuracy table: the standard scenarios over many seeds, held against the goals.
     Score(Words),
