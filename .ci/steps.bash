@@ -138,29 +138,6 @@ soak() {
         "$out/summary.json" || { echo "warned of something, though nothing was wrong"; exit 1; }
 }
 
-# The records are still this estimator's: another build may add hours only if it drives the first and the last again to the
-# same digits. An estimator that changed, or a processor that rounds otherwise, begins other records; that is no fault.
-record() {
-    cargo build --release --locked
-    hours_of soak
-    hours_of soak-calibrated --calibrate-s 600
-}
-
-# One more hour of a record, driven with these options.
-hours_of() {
-    local name="$1" out="$target_dir/ci-$1" hours first code=0
-    shift
-    [[ -s "records/$name/hours.jsonl" ]] || skip "there is no records/$name yet: the estimator has changed"
-    hours="$(grep -c '"seed"' "records/$name/hours.jsonl")"
-    first="$(grep -oE '"seed":[0-9]+' "records/$name/hours.jsonl" | cut -d: -f2 | sort -n | sed -n 1p)"
-    rm -rf "$out"
-    cp -r "records/$name" "$out"
-    "$target_dir/release/itpms-lab" --quiet soak --hours "$((hours + 1))" --first-seed "$first" "$@" --out "$out" || code=$?
-    [[ $code != 2 ]] || skip "the hours of records/$name are not this program's on this machine; see docs/benchmarks.md"
-    [[ $code == 0 ]] || { echo "soak ended with exit code $code"; exit 1; }
-    grep -E '"(hours|km|false_warnings)"' "$out/summary.json"
-}
-
 # Of each kind of test one of UN R141's: a puncture, a diffusion, an unplugged sensor. Some 80 minutes of driving.
 certify() {
     cargo build --release --locked
