@@ -329,12 +329,12 @@ impl<T: Real> BodyEquation<T> {
             let [re, im] = [slope.map(|s| s.re), slope.map(|s| s.im)];
             let target = [re.dot(&x) - residual.re, im.dot(&x) - residual.im];
             for (slope, target) in [re, im].iter().zip(target) {
-                let mut information = self.information.iter_mut();
+                let mut left = self.information.as_mut_slice();
                 for (column, &by) in slope.iter().enumerate() {
-                    let by = weight * by;
-                    // The information comes second: the first of two is asked once more than the other.
-                    let below = slope.as_slice().get(column..).unwrap_or(&[]);
-                    for (&row, sum) in below.iter().zip(information.by_ref()) {
+                    let (by, below) = (weight * by, slope.as_slice().get(column..).unwrap_or(&[]));
+                    let Some((sums, others)) = left.split_at_mut_checked(below.len()) else { break };
+                    left = others;
+                    for (sum, &row) in sums.iter_mut().zip(below) {
                         *sum += by * row;
                     }
                 }

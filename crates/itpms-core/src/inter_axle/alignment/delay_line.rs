@@ -150,7 +150,8 @@ impl<T: Real> DelayLine<T> {
 
 /// A way in m modulo [`LAP_M`].
 fn within_lap<T: Real>(distance_m: f64) -> T {
-    T::lit(distance_m - LAP_M * (distance_m / LAP_M) as i64 as f64)
+    // Without a division, which is long in double precision.
+    T::lit(distance_m - LAP_M * f64::from((distance_m * (1.0 / LAP_M)) as i32))
 }
 
 /// Weights of the polynomial through the points -2 to 3 at `x` in `[0, 1)`.
