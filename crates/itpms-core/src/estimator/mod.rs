@@ -26,7 +26,7 @@ pub struct Estimator<T: Real> {
 blank!(Estimator<T> { clock, corner, body_equation });
 
 impl<T: Real> Estimator<T> {
-    /// An estimator for a corner whose samples come at about `sample_rate_hz`, by value: some 20 KB in `f32`. A
+    /// An estimator for a corner whose samples come at about `sample_rate_hz`, by value: some 19 KB in `f32`. A
     /// controller [configures](Self::configure) it in a `static`.
     ///
     /// # Errors

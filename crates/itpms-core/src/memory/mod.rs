@@ -1,4 +1,4 @@
-//! Memory that the caller owns. A car is some 200 KB in `f32`, more than a controller's stack has room for, so it is never
+//! Memory that the caller owns. A car is some 140 KB in `f32`, more than a controller's stack has room for, so it is never
 //! built somewhere and moved: its memory is there first, as a constant, and what is in it is configured where it lies.
 //!
 //! | module | idea |

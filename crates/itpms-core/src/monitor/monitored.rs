@@ -20,7 +20,7 @@ pub struct MonitoredCar<T: Real> {
 blank!(MonitoredCar<T> { estimator, monitor });
 
 impl<T: Real> MonitoredCar<T> {
-    /// A car for samples that come at about `sample_rate_hz`, by value: some 200 KB in `f32`, and on the stack more than once
+    /// A car for samples that come at about `sample_rate_hz`, by value: some 140 KB in `f32`, and on the stack more than once
     /// that until it is where it stays. A controller [configures](Self::configure) it in a `static`.
     ///
     /// # Errors
