@@ -143,10 +143,10 @@ impl<T: Real> CrossSensorPlausibility<T> {
         // What the struts make of the wheels is what bodies should do: both must be there.
         if four.iter().all(|&i| block.hop[(4 + i, 4 + i)] > T::lit(0.3) * hop[i]) {
             let wheels = block.hop.fixed_view::<4, 4>(4, 4).trace();
-            self.hop.take(&block.hop, wheels, HOP_BLOCKS);
+            self.hop.add_block(&block.hop, wheels, HOP_BLOCKS);
         }
         if four.iter().any(|&i| block.bounce[(i, i)] > bounce[i]) {
-            self.bounce.take(&block.bounce, block.bounce.trace(), BOUNCE_BLOCKS);
+            self.bounce.add_block(&block.bounce, block.bounce.trace(), BOUNCE_BLOCKS);
         }
         let slow = block.slow.iter().fold(T::zero(), |sum, power| sum + *power);
         // A body's sensor and a wheel's at each corner.

@@ -9,7 +9,7 @@ use crate::real::Real;
 /// Share of an average that must be filled before it counts.
 pub(crate) const FILLED: f64 = 0.4;
 
-/// Second moments of `N` signals over the last few blocks.
+/// Second moments of `N` signals, an exponential mean over blocks.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Moments<T: Real, const N: usize> {
@@ -48,8 +48,8 @@ impl<T: Real, const N: usize> Moments<T, N> {
         Some(SMatrix::from_fn(|i, j| scale * block[(i.max(j), i.min(j))]))
     }
 
-    /// Takes a block into the mean over about so many blocks, divided by `scale`.
-    pub(crate) fn take(&mut self, block: &SMatrix<T, N, N>, scale: T, blocks: f64) {
+    /// Takes a block, divided by `scale`, into the mean, whose memory is so many blocks.
+    pub(crate) fn add_block(&mut self, block: &SMatrix<T, N, N>, scale: T, blocks: f64) {
         let share = T::lit(1.0 / blocks);
         if !(scale > T::zero() && scale.is_finite()) {
             return;

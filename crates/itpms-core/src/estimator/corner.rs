@@ -348,7 +348,7 @@ impl<T: Real> CornerEstimator<T> {
             return false;
         }
         if self.fit.incoherence.is_some() {
-            self.has_fitted = level == Level::StoredCalibration || self.fit.surely_fits(level);
+            self.has_fitted = level == Level::StoredCalibration || self.fit.is_surely_usable(level);
             return !self.has_fitted;
         }
         let from_s = *self.judged_from_s.get_or_insert(time_s);

@@ -4,11 +4,11 @@ use crate::memory::blank;
 use crate::model::Level;
 use crate::real::Real;
 
-/// Share of the body's motion, 5 to 16 Hz, that does not go with the wheel's, from which on nothing is believed, and below which it is
-/// again. Cars that fit have 0.26 to 0.36 on any road, of which pitch and roll are the most; real sensors in wrong places 0.5 to 1.
+/// Share of the body's motion, 5 to 16 Hz, that does not go with the wheel's: from the first on nothing is believed, below the second
+/// it is again. Cars that fit have 0.26 to 0.36 on any road, of which pitch and roll are the most; real sensors in wrong places 0.5 to 1.
 const MOST_INCOHERENT: [f64; 2] = [0.45, 0.42];
 /// The same of what the equation of motion of the body over four corners leaves unexplained, 5 to 20 Hz: 0.03 at most where it fits,
-/// 0.18 to 0.3 where a body that twists at 22 Hz does and the tires are read well, 0.7 and more where one sensor stands for all
+/// 0.18 to 0.3 where a body twists at 22 Hz, whose tires are read well, 0.7 and more where one sensor stands for all
 /// corners. From the first on there is more doubt, from the second on nothing is believed.
 const PARTLY_UNEXPLAINED: [f64; 2] = [0.25, 0.22];
 const MOST_UNEXPLAINED: [f64; 2] = [0.6, 0.55];
@@ -101,10 +101,10 @@ impl<T: Real> BodyFit<T> {
         }
     }
 
-    /// Whether body and wheel surely go together: also where the shares are as large as so few averages allow. Of `K` averages a coherence
+    /// Whether body and wheel surely go together well enough for a pressure, be it one of more doubt: also where the shares are as large as so few averages allow. Of `K` averages a coherence
     /// `γ²` is estimated with a standard deviation of `(1 - γ²) √(2 γ² / K)`, a share of a power with `√(2 / K)` of it, both over the root of the
     /// number of bins (Bendat and Piersol, *Random Data*, chapter 9).
-    pub(crate) fn surely_fits(&self, level: Level) -> bool {
+    pub(crate) fn is_surely_usable(&self, level: Level) -> bool {
         if !(self.averages > T::zero()) {
             return false;
         }
