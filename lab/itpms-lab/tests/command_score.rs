@@ -58,7 +58,7 @@ fn a_missed_goal_ends_with_exit_code_1_where_it_is_strict() {
     let line = "score --seeds 1 --row paper-drop --estimator ekf-ui";
     let bench = Bench::new();
     let (lenient, strict) = (bench.run(line), bench.run(&format!("{line} --strict")));
-    assert!(lenient.success().contains("missed"), "{lenient:?}");
+    assert!(lenient.success().contains("MISSED"), "{lenient:?}");
     assert_eq!((strict.code, &strict.stdout), (Some(1), &lenient.stdout));
     assert!(strict.stderr.starts_with("error: --strict: rows that miss a goal: 1"), "{strict:?}");
 }
