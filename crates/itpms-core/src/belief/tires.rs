@@ -63,13 +63,10 @@ impl<T: Real> Tires<T> {
                     self.rate_square[(i, j)] += weight * changing[j] * square;
                 }
             }
-            for j in 0..=i {
-                let square = covariance[(TIRE + i, TIRE + j)] + tire * mean[TIRE + j];
-                let loss_square = hypothesis.loss_covariance(i, j) + loss * hypothesis.loss(j);
-                for at in [(i, j), (j, i)].into_iter().take(1 + usize::from(i != j)) {
-                    self.square[at] += weight * square;
-                    self.loss_square[at] += weight * loss_square;
-                }
+            for j in 0..4 {
+                self.loss_square[(i, j)] +=
+                    weight * (hypothesis.loss_covariance(i, j) + loss * hypothesis.loss(j));
+                self.square[(i, j)] += weight * (covariance[(TIRE + i, TIRE + j)] + tire * mean[TIRE + j]);
             }
         }
     }
