@@ -91,7 +91,8 @@ impl<T: Real> Channel<T> {
     }
 }
 
-/// The running reconstruction. See the [module](self).
+/// The running reconstruction: from a grid step's two accelerations the signals that the road's velocity is a linear combination of
+/// (docs/math/informed.md, eq. 1-4; docs/math/unknown-car.md, eq. 2).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Reconstruction<T> {

@@ -98,7 +98,7 @@ impl<T: Real> Spectrum<T> {
     fn signal_to_noise(&self) -> T {
         let (mut sum, mut number) = (T::zero(), T::zero());
         for bin in self.bins().filter(|bin| bin.hz > T::lit(35.0) && bin.hz < T::lit(55.0)) {
-            sum += bin.power / (bin.noise + T::lit(1e-20)) - T::one();
+            sum += bin.power / bin.noise - T::one();
             number += T::one();
         }
         if number > T::zero() { sum / number } else { T::zero() }

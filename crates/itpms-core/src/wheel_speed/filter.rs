@@ -80,10 +80,13 @@ impl<T: Real> Filter<T> {
     pub(super) fn resume(&mut self, config: &WheelSpeedConfig<T>, calibration: &RadiusCalibration<T>) {
         self.begin(config, &calibration.radius_1e3);
         let mut belief = self.modes[QUIET];
-        for (i, state) in LEARNED.into_iter().enumerate() {
-            belief.mean[state] = calibration.mean_1e3[i];
-            for (j, other) in LEARNED.into_iter().enumerate().take(i + 1) {
-                belief.set(state, other, calibration.covariance_1e6[i][j]);
+        let rows = calibration.mean_1e3.iter().zip(&calibration.covariance_1e6);
+        for (state, (mean, row)) in LEARNED.into_iter().zip(rows) {
+            if let Some(place) = belief.mean.get_mut(state) {
+                *place = *mean;
+            }
+            for (other, entry) in LEARNED.into_iter().zip(row) {
+                belief.set(state, other, *entry);
             }
         }
         self.start(belief);

@@ -312,10 +312,11 @@ impl<T: Real> RadiusMonitor<T> {
     fn learned(&mut self) {
         let belief = self.filter.belief();
         let mut calibration = RadiusCalibration { radius_1e3: self.radius_1e3, ..RadiusCalibration::BLANK };
-        for (i, state) in LEARNED.into_iter().enumerate() {
-            calibration.mean_1e3[i] = belief.mean[state];
-            for (j, other) in LEARNED.into_iter().enumerate() {
-                calibration.covariance_1e6[i][j] = belief.get(state, other);
+        let rows = calibration.mean_1e3.iter_mut().zip(&mut calibration.covariance_1e6);
+        for (state, (mean, row)) in LEARNED.into_iter().zip(rows) {
+            *mean = belief.mean.get(state).copied().unwrap_or(T::ZERO);
+            for (other, entry) in LEARNED.into_iter().zip(row) {
+                *entry = belief.get(state, other);
             }
         }
         self.calibration = Some(calibration);
