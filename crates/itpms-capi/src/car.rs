@@ -120,6 +120,7 @@ impl Car {
             return Err(itpms_status::NoWheelSpeeds);
         }
         self.wheels.update(&sample);
+        self.car.follow_wheels(&self.wheels);
         Ok(())
     }
 

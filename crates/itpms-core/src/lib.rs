@@ -149,7 +149,7 @@ pub use self::estimator::Estimator;
 #[doc(inline)]
 pub use self::model::{
     CarConfig, CarSample, Corner, CornerConfig, CornerEstimate, CornerSample, ParameterError, PressureMap,
-    QuarterCar, Validity, VehicleCalibration, Warning,
+    QuarterCar, RadiusDifferences, Validity, VehicleCalibration, Warning,
 };
 #[doc(inline)]
 pub use self::monitor::{MonitorConfig, MonitoredCar, MonitoredWheels};

@@ -3,7 +3,7 @@
 use itpms_core::car::{CarEstimate, CarEstimator};
 use itpms_core::estimator::OutsideStiffness;
 use itpms_core::model::{CalibrationError, CarSample, Corner, ParameterError, VehicleCalibration};
-use itpms_core::monitor::{MonitorConfig, MonitoredCar};
+use itpms_core::monitor::{MonitorConfig, MonitoredCar, MonitoredWheels};
 use itpms_core::warning::MonitorReport;
 use itpms_paper::{EstimatorKind, PaperCar};
 
@@ -54,6 +54,13 @@ impl AnyCar {
     pub fn follow(&mut self, corner: Corner, stiffness: Option<OutsideStiffness<f64>>) {
         if let Self::Monitored(car) = self {
             car.follow(corner, stiffness);
+        }
+    }
+
+    /// Takes what the car's wheel speeds have shown, which the paper's filters have no use for.
+    pub fn follow_wheels(&mut self, wheels: &MonitoredWheels<f64>) {
+        if let Self::Monitored(car) = self {
+            car.follow_wheels(wheels);
         }
     }
 

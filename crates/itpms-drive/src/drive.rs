@@ -251,6 +251,7 @@ impl Drive {
         }
         if let Some(wheels) = &mut self.wheels {
             wheels.update(row, self.car.report());
+            self.car.follow_wheels(wheels.monitor());
         }
         estimate
     }

@@ -90,6 +90,10 @@ impl WheelSpeeds {
         }
     }
 
+    pub(crate) fn monitor(&self) -> &MonitoredWheels<f64> {
+        &self.wheels
+    }
+
     /// Whether the yaw rate has the other sign than the wheels' way round bends.
     pub(crate) fn yaw_is_reversed(&self) -> bool {
         self.turns.are_reversed()

@@ -119,6 +119,9 @@ impl Drive {
         let progress = &mut self.progress;
         (progress.rows, progress.time_s) = (progress.rows + 1, row.time_s);
         let rolls_m_s = self.wheels.as_mut().and_then(|wheels| wheels.update(row, self.car.report()));
+        if let Some(wheels) = &self.wheels {
+            self.car.follow_wheels(&wheels.monitor);
+        }
         let told_m_s = match rolls_m_s {
             Some(rolls_m_s) if row.speed_m_s.is_nan() => rolls_m_s,
             _ if self.car.denies_standstill() => f64::NAN,

@@ -98,13 +98,18 @@ impl<T: Real> CarEstimator<T> {
             }
         }
         let trusted = self.sources != Sources::Spectrum && fusion.is_trusted();
-        let fused = trusted.then(|| fusion.estimate());
+        let mut fused = trusted.then(|| fusion.estimate());
         let level = fusion.level();
-        let considered = fused.as_ref().map(|fused| match level {
+        let mut considered = fused.as_ref().map(|fused| match level {
             Level::Calibration => self.considered.calibrated(&fused.stiffness_n_per_m),
             Level::StoredCalibration => self.considered.stored(&fused.stiffness_n_per_m),
             Level::VehicleFile | Level::OtherTires => self.considered.uncalibrated(&fused.stiffness_n_per_m),
         });
+        if let (Some(radii), Some(fused), Some(considered)) =
+            (self.radii.as_ref(), fused.as_mut(), considered.as_mut())
+        {
+            self.considered.join_radii(radii, level, fused, considered);
+        }
         for (i, estimator) in self.corners.iter_mut().enumerate() {
             let Some(estimator) = estimator.as_mut() else { continue };
             // A shared road that was given up must not leave its last estimate behind.

@@ -8,6 +8,7 @@ mod conclusion;
 mod considered;
 mod fusion;
 mod loss;
+mod radii;
 
 use self::conclusion::Concluded;
 use self::considered::Considered;
@@ -17,7 +18,7 @@ use crate::estimator::{CornerEstimator, OutsideStiffness};
 use crate::memory::{Blank, Placed, blank};
 use crate::model::{
     BodyFit, CalibrationError, CarConfig, CarSample, Corner, Inflation, Misfit, ParameterError, QuarterCar,
-    StrutReading, VehicleCalibration,
+    RadiusDifferences, StrutReading, VehicleCalibration,
 };
 pub use crate::model::{CarEstimate, TrackState};
 use crate::real::Real;
@@ -65,6 +66,8 @@ pub struct CarEstimator<T: Real> {
     corners: [Placed<CornerEstimator<T>>; 4],
     fusion: Placed<Fusion<T>>,
     considered: Considered<T>,
+    /// What wheel speeds tell of the tires' radii, if anyone compares them.
+    radii: Placed<RadiusDifferences<T>>,
     /// The body that all corners carry.
     body_equation: BodyEquation<T>,
     /// When the calibration that is under way ends, and how long it lasts if it has not begun.
@@ -82,6 +85,7 @@ blank!(CarEstimator<T> {
     corners,
     fusion,
     considered,
+    radii,
     body_equation,
     calibration_s,
     calibration_ends_s,
@@ -128,6 +132,7 @@ impl<T: Real> CarEstimator<T> {
             self.corners[2..].iter_mut().flatten().for_each(CornerEstimator::stagger);
         }
         self.considered.configure(config);
+        self.radii.clear();
         self.body_equation.configure(&config.corners, sample_rate_hz);
         self.sources = Sources::default();
         (self.calibration_s, self.calibration_ends_s) = (None, f64::NEG_INFINITY);
@@ -156,6 +161,7 @@ impl<T: Real> CarEstimator<T> {
         self.clock = SampleClock::BLANK;
         self.corners.iter_mut().for_each(Placed::clear);
         self.fusion.clear();
+        self.radii.clear();
     }
 
     /// Uses the estimator otherwise; before the first sample. In place: a car by value on the stack is as large as a car.
@@ -196,6 +202,12 @@ impl<T: Real> CarEstimator<T> {
         if let Some(estimator) = self.corners[corner.index()].as_mut() {
             estimator.follow(stiffness);
         }
+    }
+
+    /// Takes how the tires' radii differ from the next sample on, as [`RadiusMonitor`](crate::wheel_speed::RadiusMonitor) finds it in wheel
+    /// speeds, until `None` is given. A car without four corners whose axles share the road learns nothing from it.
+    pub fn follow_radii(&mut self, radii: Option<RadiusDifferences<T>>) {
+        self.radii.set(radii);
     }
 
     /// Says that all tires have their placard pressures from the next sample on, for `seconds`, in which the car should be

@@ -7,6 +7,7 @@ mod car_estimate;
 mod estimate;
 mod pressure_unit;
 pub mod quarter_car;
+mod radius_differences;
 mod sample;
 mod strut_reading;
 mod tire;
@@ -22,6 +23,8 @@ pub use self::estimate::{CornerConfig, CornerEstimate, Diagnostics, Level, Loss,
 pub use self::pressure_unit::{PressureNumber, PressureUnit};
 pub use self::quarter_car::positive;
 pub use self::quarter_car::{ParameterError, QuarterCar};
+pub use self::radius_differences::RadiusDifferences;
+pub(crate) use self::radius_differences::SEEN;
 pub(crate) use self::sample::ABSURD_M_S2;
 pub use self::sample::{CarSample, Corner, CornerSample, Sample};
 pub use self::strut_reading::StrutReading;

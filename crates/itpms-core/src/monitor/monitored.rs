@@ -5,7 +5,7 @@ use crate::car::{CarEstimate, CarEstimator};
 use crate::estimator::OutsideStiffness;
 use crate::memory::{Blank, blank};
 use crate::model::{CalibrationError, CarSample, Corner, ParameterError, VehicleCalibration};
-use crate::monitor::{Monitor, MonitorConfig};
+use crate::monitor::{Monitor, MonitorConfig, MonitoredWheels};
 use crate::real::Real;
 use crate::warning::MonitorReport;
 
@@ -95,6 +95,14 @@ impl<T: Real> MonitoredCar<T> {
     /// Takes the stiffness of a corner's tire that another source follows: see [`CarEstimator::follow`].
     pub fn follow(&mut self, corner: Corner, stiffness: Option<OutsideStiffness<T>>) {
         self.estimator.follow(corner, stiffness);
+    }
+
+    /// Takes what the wheel speeds of the same car have shown with their last sample: a second witness of how the tires differ
+    /// ([`CarEstimator::follow_radii`]).
+    pub fn follow_wheels(&mut self, wheels: &MonitoredWheels<T>) {
+        if wheels.has_news() {
+            self.estimator.follow_radii(wheels.differences());
+        }
     }
 
     /// The estimator.

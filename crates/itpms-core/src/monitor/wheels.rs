@@ -2,7 +2,7 @@
 //! that has nothing else, or beside its other monitor.
 
 use crate::memory::{Placed, blank};
-use crate::model::{Corner, ParameterError, Validity, Warning, Wheels};
+use crate::model::{Corner, ParameterError, RadiusDifferences, Validity, Warning, Wheels};
 use crate::real::Real;
 use crate::warning::{Alert, Cause, Doubt, MonitorReport, WheelReport, WheelState};
 use crate::wheel_speed::{
@@ -100,6 +100,18 @@ impl<T: Real> MonitoredWheels<T> {
     #[must_use]
     pub fn load_calibration(&mut self, calibration: &RadiusCalibration<T>) -> bool {
         self.radii.load_calibration(calibration)
+    }
+
+    /// Whether [`differences`](Self::differences) may be others after the last sample.
+    #[must_use]
+    pub fn has_news(&self) -> bool {
+        self.radii.has_news()
+    }
+
+    /// By how much the radii differ from those at the calibration: see [`RadiusMonitor::differences`].
+    #[must_use]
+    pub fn differences(&self) -> Option<RadiusDifferences<T>> {
+        self.radii.differences()
     }
 
     /// What the analysis says of radii and losses.

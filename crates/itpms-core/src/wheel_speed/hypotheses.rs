@@ -2,13 +2,11 @@
 
 use super::config::LoadUncertainty;
 use crate::memory::blank;
-use crate::model::{Corner, Wheels};
+use crate::model::{Corner, SEEN, Wheels};
 use crate::real::Real;
 
 /// Which tires are low.
 const HYPOTHESES: usize = 16;
-/// What three ratios see of each wheel's radius.
-const SEEN: [[f64; 3]; 4] = [[1.0, 0.0, 0.5], [-1.0, 0.0, 0.5], [0.0, 1.0, -0.5], [0.0, -1.0, -0.5]];
 /// How far radii of tires that are not low move by themselves, in thousandths.
 const FINE_SD: f64 = 0.2;
 /// What is expected of a low tire, and its sd, in losses of a fifth.

@@ -44,11 +44,11 @@ use self::calibration::LEARNED;
 pub use self::calibration::RadiusCalibration;
 pub use self::config::{DrivenAxle, LoadUncertainty, WheelSpeedConfig};
 use self::filter::Filter;
-use self::hypotheses::{Decision, add_load, seen};
+use self::hypotheses::{Decision, Triangle, add_load, seen};
 pub use self::report::{Pattern, RadiusReport, RadiusState, Unseen, WheelRadius};
 pub use self::sample::WheelSpeedSample;
 use crate::memory::{Blank, blank};
-use crate::model::{Corner, ParameterError, Wheels};
+use crate::model::{Corner, ParameterError, RadiusDifferences, Wheels};
 use crate::real::Real;
 
 /// The three ratios: front left over right, rear left over right, front over rear.
@@ -108,6 +108,8 @@ pub struct RadiusMonitor<T> {
     radius_1e3: [T; 4],
     filter: Filter<T>,
     sums: BlockSums<T>,
+    /// A block ended with the last sample.
+    ended: bool,
     /// The block before the last one was good.
     before_good: bool,
     /// The last block, which waits until the next one shows that no braking begins in it.
@@ -118,7 +120,7 @@ pub struct RadiusMonitor<T> {
     report: RadiusReport<T>,
 }
 
-blank!(RadiusMonitor<T> { config, configured, phase, learned_s, calibration, radius_1e3, filter, sums, before_good, last, stood_s, loads_may_differ, report });
+blank!(RadiusMonitor<T> { config, configured, phase, learned_s, calibration, radius_1e3, filter, sums, ended, before_good, last, stood_s, loads_may_differ, report });
 
 impl<T: Real> RadiusMonitor<T> {
     /// A monitor of this car, uncalibrated.
@@ -209,6 +211,27 @@ impl<T: Real> RadiusMonitor<T> {
         true
     }
 
+    /// Whether half a second ended with the last sample, so that [`differences`](Self::differences) may be others.
+    #[must_use]
+    pub fn has_news(&self) -> bool {
+        self.ended
+    }
+
+    /// By how much the ratios of the radii have changed since the calibration; `None` without one.
+    #[must_use]
+    pub fn differences(&self) -> Option<RadiusDifferences<T>> {
+        if self.phase != Phase::Watching {
+            return None;
+        }
+        let (change_1e3, covariance_1e6) = self.changes();
+        Some(RadiusDifferences {
+            change_1e3,
+            covariance_1e6,
+            per_ln_pressure: self.config.radius_per_ln_pressure,
+            per_ln_pressure_relative_sd: self.config.radius_per_ln_pressure_sd,
+        })
+    }
+
     /// What was reported last.
     #[must_use]
     pub fn report(&self) -> &RadiusReport<T> {
@@ -222,6 +245,7 @@ impl<T: Real> RadiusMonitor<T> {
             return &self.report;
         }
         let step_s = time_s - self.report.time_s;
+        self.ended = false;
         if !(step_s > 0.0 && step_s < LONGEST_GAP_S) {
             if step_s <= 0.0 && step_s > -LONGEST_GAP_S {
                 return &self.report;
@@ -229,9 +253,11 @@ impl<T: Real> RadiusMonitor<T> {
             // The first sample, a gap, or another clock.
             self.gap(step_s);
             self.sums.begin(time_s);
+            self.ended = true;
         } else if self.sums.is_over(time_s) {
             self.end_block();
             self.sums.begin(time_s);
+            self.ended = true;
         }
         self.report.time_s = time_s;
         if sample.complete() {
@@ -324,13 +350,19 @@ impl<T: Real> RadiusMonitor<T> {
         self.report.forget(RadiusState::Uninformed);
     }
 
-    fn decide(&mut self, block: &Block<T>) {
+    /// The changes of the three ratios in thousandths, and their covariance with what loads may have done.
+    fn changes(&self) -> ([T; 3], Triangle<T>) {
         let belief = self.filter.belief();
         let radius = core::array::from_fn(|i| belief.mean[RADIUS + i]);
         let (change, mut covariance) = seen(&radius, |i, j| belief.get(RADIUS + i, RADIUS + j));
         if self.loads_may_differ {
             add_load(&mut covariance, &self.config.load);
         }
+        (change, covariance)
+    }
+
+    fn decide(&mut self, block: &Block<T>) {
+        let (change, covariance) = self.changes();
         let fifth = T::lit(FIFTH * SCALE) * self.config.radius_per_ln_pressure;
         let decision = Decision::of(&change, &covariance, fifth);
         self.report.unseen = Unseen {
