@@ -1,9 +1,15 @@
 //! What a car of a study has to find its pressures with.
 
+use itpms_core::car::CarEstimate;
+use itpms_core::model::{CarConfig, CarSample, ParameterError};
+use itpms_core::monitor::{MonitorConfig, MonitoredCar, MonitoredWheels};
+use itpms_core::warning::MonitorReport;
 use itpms_core::wheel_speed::{DrivenAxle, LoadUncertainty, WheelSpeedConfig, WheelSpeedSample};
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::SimRow;
-use itpms_sim::wheel_speeds::{DrivenWheels, WheelSpeedRow};
+use itpms_sim::wheel_speeds::{DrivenWheels, WheelSpeedRow, WheelSpeedSpec};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
 /// The sensors of a car.
@@ -63,4 +69,73 @@ pub(crate) fn wheel_speed_sample(row: &SimRow) -> Option<(WheelSpeedSample<f64>,
         brake: wheels.brake.is_finite().then_some(wheels.brake > 0.5),
     };
     Some((sample, wheels))
+}
+
+/// Radius over pressure of the tires of cars on the road: where they have been measured, and where models put them.
+const RADIUS_PER_LN_PRESSURE: [f64; 2] = [0.004, 0.016];
+
+/// Wheel speeds beside the accelerations of a drive, of the car of a seed.
+pub(crate) fn wheel_speeds_beside(car_seed: u64) -> WheelSpeedSpec {
+    let [least, most] = RADIUS_PER_LN_PRESSURE;
+    let share: f64 = Pcg64::seed_from_u64(car_seed ^ (1 << 41)).random();
+    WheelSpeedSpec {
+        car_seed: Some(car_seed),
+        radius_per_ln_pressure: least * (most / least).powf(share),
+        ..WheelSpeedSpec::default()
+    }
+}
+
+/// A car's estimator under its monitor, and the monitor of its wheel speeds where it has some.
+#[derive(Clone)]
+pub(crate) struct Equipped {
+    pub(crate) car: Box<MonitoredCar<f64>>,
+    pub(crate) wheels: Option<Box<MonitoredWheels<f64>>>,
+    report: Box<MonitorReport<f64>>,
+}
+
+impl Equipped {
+    /// With the wheel speeds of a scenario, if it has some.
+    pub(crate) fn new(config: &MonitorConfig<f64>, scenario: &Scenario) -> Result<Self, ParameterError> {
+        let mut car = Box::new(MonitoredCar::unconfigured());
+        car.configure(config, scenario.rate_hz)?;
+        let wheels = match wheel_speed_config(scenario, LoadUncertainty::unknown()) {
+            Some(config) => Some(Box::new(MonitoredWheels::new(&config)?)),
+            None => None,
+        };
+        let report = Box::new(*car.report());
+        Ok(Self { car, wheels, report })
+    }
+
+    pub(crate) fn of(config: &CarConfig<f64>, scenario: &Scenario) -> Result<Self, ParameterError> {
+        Self::new(&MonitorConfig::new(config), scenario)
+    }
+
+    pub(crate) fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
+        self.wheels.as_mut().map_or(Ok(()), |wheels| wheels.begin_calibration(seconds))?;
+        self.car.begin_calibration(seconds)
+    }
+
+    pub(crate) fn end_calibration(&mut self) {
+        if let Some(wheels) = &mut self.wheels {
+            wheels.end_calibration();
+        }
+        self.car.end_calibration();
+    }
+
+    /// Takes a row, of which the car's own sensors say `sample`.
+    pub(crate) fn update(&mut self, row: &SimRow, sample: &CarSample<f64>) -> CarEstimate<f64> {
+        let estimate = self.car.update(sample);
+        *self.report = *self.car.report();
+        if let (Some(wheels), Some((sample, _))) = (&mut self.wheels, wheel_speed_sample(row)) {
+            wheels.update(&sample);
+            wheels.tell(&mut self.report);
+            self.car.follow_wheels(wheels);
+        }
+        estimate
+    }
+
+    /// What both monitors report.
+    pub(crate) fn report(&self) -> &MonitorReport<f64> {
+        &self.report
+    }
 }

@@ -29,6 +29,9 @@ pub(crate) struct ScoreArgs {
     /// Of the four-wheel parts, only rows whose names contain TEXT, such as "quarters, 80".
     #[arg(long, value_name = "TEXT")]
     pub(crate) only: Option<String>,
+    /// Cars with four wheels have wheel speeds beside their accelerations: rows drive, car and own.
+    #[arg(long)]
+    pub(crate) wheel_speeds: bool,
     #[command(flatten)]
     pub(crate) strict: Strict,
     #[command(flatten)]
@@ -45,6 +48,7 @@ Examples:
   itpms lab score --row paper-drop --seeds 100 --first-seed 1000 --json
   itpms lab score --row car --quick
   itpms lab score --row own --seeds 10
+  itpms lab score --row car --wheel-speeds
   itpms lab score --estimator all";
 
 /// Whom to score.

@@ -24,6 +24,7 @@ pub(crate) fn run(args: &ScoreArgs, screen: &Screen, interrupt: &Interrupt) -> R
         estimators: args.estimator.kinds(),
         part: args.row,
         only: args.only.clone(),
+        wheel_speeds: args.wheel_speeds,
     };
     let began = Instant::now();
     let progress = screen.progress("driving");

@@ -221,12 +221,21 @@ pub struct Request {
     pub part: Option<Part>,
     /// Of the four-wheel parts, only rows whose names contain this.
     pub only: Option<String>,
+    /// Whether cars with four wheels have wheel speeds beside their accelerations, in [`Part::Drive`], [`Part::Car`] and [`Part::Own`].
+    pub wheel_speeds: bool,
 }
 
 impl Default for Request {
     /// Forty seeds from 1, the default estimator, everything.
     fn default() -> Self {
-        Self { seeds: 40, first_seed: 1, estimators: vec![EstimatorKind::default()], part: None, only: None }
+        Self {
+            seeds: 40,
+            first_seed: 1,
+            estimators: vec![EstimatorKind::default()],
+            part: None,
+            only: None,
+            wheel_speeds: false,
+        }
     }
 }
 
@@ -341,9 +350,9 @@ pub fn score(request: &Request, progress: Progress<'_>) -> Result<Score, ScoreEr
     let constant = constant::Plan::new(kind, drives(Part::Efficiency))?;
     let record = record::Plan::new(kind, drives(Part::Road))?;
 
-    let cars = drive::Plan::new(wanted, request.seeds, request.only.as_deref())?;
+    let cars = drive::Plan::new(wanted, request.seeds, request.only.as_deref(), request.wheel_speeds)?;
     let own = match wanted(Part::Own) {
-        true => own::Plan::new(request.seeds, request.only.as_deref()),
+        true => own::Plan::new(request.seeds, request.only.as_deref(), request.wheel_speeds),
         false => own::Plan::default(),
     };
     if let Some(only) = request.only.as_ref().filter(|_| cars.drives() + own.drives() == 0) {

@@ -205,9 +205,9 @@ fn composed(loss: &Loss, turn: Turn) -> Result<(Drive, Found, f64), ScoreError> 
 fn drive(loss: &Loss, setup: &Setup, turn: Turn) -> Result<Found, ScoreError> {
     let (drive, mut found, complete_s) = composed(loss, turn)?;
     let drive = drive.with_setups(&[*setup]);
-    let Some(mut car) = drive.cars()?.pop() else { return Ok(found) };
+    let Some(mut car) = drive.cars(&drive.scenario)?.pop() else { return Ok(found) };
     for row in Simulation::new(&drive.scenario, turn.seed)? {
-        car.update(&row.car_sample());
+        car.update(&row, &row.car_sample());
         for alert in car.report().alerts() {
             found.early |= row.time_s < loss.begins_s;
             if alert.cause.is_low() {

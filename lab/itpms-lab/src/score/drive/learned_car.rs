@@ -233,7 +233,7 @@ fn road(index: usize) -> RoadSpec {
 }
 
 /// An estimator of this car under its monitor, at [`RATE_HZ`].
-pub(in super::super) fn estimator(config: &CarConfig<f64>) -> Result<Box<MonitoredCar<f64>>, ScoreError> {
+pub(super) fn estimator(config: &CarConfig<f64>) -> Result<Box<MonitoredCar<f64>>, ScoreError> {
     let mut car = Box::new(MonitoredCar::unconfigured());
     car.configure(&MonitorConfig::new(config), RATE_HZ)?;
     Ok(car)

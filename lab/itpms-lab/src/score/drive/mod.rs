@@ -26,18 +26,17 @@ mod real_list;
 
 use itpms_core::car::{CarEstimate, EstimatorOptions, Sources};
 use itpms_core::model::{CarConfig, Corner};
-use itpms_core::monitor::{MonitorConfig, MonitoredCar};
+use itpms_core::monitor::MonitorConfig;
 use itpms_sim::scenario::{CornerSpec, Scenario};
 use itpms_sim::sensor::SensorSpec;
 use itpms_sim::simulation::{SimRow, Simulation};
 use itpms_sim::time_profile::Speed;
 
-pub(super) use learned_car::estimator;
-
 use super::row::Row;
 use super::runner::Runner;
 use super::stats::Window;
 use super::{Part, ScoreError};
+use crate::sensors::{Equipped, wheel_speeds_beside};
 
 /// Length in s of the reset that a row's `reset` stands for.
 const RESET_S: f64 = 10.0;
@@ -90,6 +89,8 @@ struct Drive {
     speed_factor: f64,
     /// Distance of the axles as the estimator is told.
     wheelbase_m: f64,
+    /// Whether a rigid car has wheel speeds beside.
+    wheel_speeds: bool,
     /// The wheel that goes down.
     struck: Corner,
     /// All that counts for RMSE and coverage.
@@ -114,6 +115,7 @@ impl Drive {
             name: format!("{}, {km_h} km/h", plant.label()),
             wheelbase_m: scenario.wheelbase_m,
             scenario,
+            wheel_speeds: false,
             setups: vec![Setup::USUAL, Setup::RESET],
             speed_factor: 1.0,
             struck: Corner::FrontLeft,
@@ -183,13 +185,22 @@ impl Drive {
         Ok(config)
     }
 
+    /// What is simulated with a seed.
+    fn simulated(&self, seed: u64) -> Scenario {
+        let mut scenario = self.scenario.clone();
+        if self.wheel_speeds && scenario.car.is_some() {
+            scenario.wheel_speeds = Some(wheel_speeds_beside(seed));
+        }
+        scenario
+    }
+
     /// An estimator for each setup, under its monitor as everywhere else: what is suspect is kept from it.
-    fn cars(&self) -> Result<Vec<MonitoredCar<f64>>, ScoreError> {
-        let (config, rate_hz) = (self.told()?, self.scenario.rate_hz);
+    fn cars(&self, scenario: &Scenario) -> Result<Vec<Equipped>, ScoreError> {
+        let config = self.told()?;
         let set_up = |setup: &Setup| {
             let options = EstimatorOptions { sources: setup.sources, ..EstimatorOptions::default() };
             let config = MonitorConfig::new(&config).with_options(options);
-            let mut car = MonitoredCar::new(&config, rate_hz)?;
+            let mut car = Equipped::new(&config, scenario)?;
             if let Some(seconds) = setup.reset_s {
                 car.begin_calibration(seconds)?;
             }
@@ -204,12 +215,13 @@ impl Drive {
         seed: u64,
         mut look: impl FnMut(usize, &SimRow, &CarEstimate<f64>),
     ) -> Result<(), ScoreError> {
-        let mut cars = self.cars()?;
-        for row in Simulation::new(&self.scenario, seed)? {
+        let scenario = self.simulated(seed);
+        let mut cars = self.cars(&scenario)?;
+        for row in Simulation::new(&scenario, seed)? {
             let mut sample = row.car_sample();
             sample.speed_m_s *= self.speed_factor;
             for (number, car) in cars.iter_mut().enumerate() {
-                look(number, &row, &car.update(&sample));
+                look(number, &row, &car.update(&row, &sample));
             }
         }
         Ok(())
@@ -230,10 +242,12 @@ impl Plan {
         wanted: impl Fn(Part) -> bool,
         seeds: usize,
         only: Option<&str>,
+        wheel_speeds: bool,
     ) -> Result<Self, ScoreError> {
         let mut errors = errors::Plan::default();
         if wanted(Part::Drive) {
-            errors.add("drive", puncture::drives()?, seeds, only);
+            let beside = |(drive, goal): (Drive, _)| (Drive { wheel_speeds, ..drive }, goal);
+            errors.add("drive", puncture::drives()?.into_iter().map(beside).collect(), seeds, only);
             errors.add("drive-noise", puncture::noisy()?, seeds, only);
         }
         if wanted(Part::Ablation) {
@@ -247,7 +261,7 @@ impl Plan {
             false => detect::Plan::default(),
         };
         let real = match wanted(Part::Car) {
-            true => real::Plan::new(seeds, only),
+            true => real::Plan::new(seeds, only, wheel_speeds),
             false => real::Plan::default(),
         };
         let learn = match wanted(Part::Learn) {

@@ -72,12 +72,13 @@ pub(super) struct Plan {
 #[derive(Debug, Clone, Copy)]
 struct Subject {
     deviation: &'static Deviation,
+    wheel_speeds: bool,
 }
 
 impl Plan {
-    pub(super) fn new(seeds: usize, only: Option<&str>) -> Self {
+    pub(super) fn new(seeds: usize, only: Option<&str>, wheel_speeds: bool) -> Self {
         let wanted = |deviation: &&Deviation| only.is_none_or(|only| deviation.name.contains(only));
-        let subjects = || LIST.iter().filter(wanted).map(|deviation| Subject { deviation });
+        let subjects = || LIST.iter().filter(wanted).map(|deviation| Subject { deviation, wheel_speeds });
         Self {
             levels: subjects().map(|subject| (subject, seeds)).collect(),
             losses: subjects().map(|subject| (subject, seeds.max(Corner::ALL.len()))).collect(),
@@ -120,6 +121,7 @@ fn composed(subject: &Subject, turn: Turn, setups: &[Setup]) -> Result<Drive, Sc
     drive.scenario.rate_hz = RATE_HZ;
     drive.scenario.duration_s = END_S;
     drive.scenario.road = RoadSpec { contact_length_m: 0.1, ..RoadSpec::iso8608(class, 2.0) };
+    drive.wheel_speeds = subject.wheel_speeds;
     let drive = drive.each_corner(|_, spec| spec.pressure = Pressure::ConstantKpa(PLACARD_KPA));
     Ok((subject.deviation.change)(drive, turn.seed))
 }
@@ -128,13 +130,14 @@ fn levels(subject: &Subject, turn: Turn) -> Result<Vec<Level>, ScoreError> {
     // Nobody calibrates on a flat tire.
     let setups: &[Setup] = if subject.deviation.flat.is_some() { &[UNKNOWN] } else { &[UNKNOWN, CALIBRATED] };
     let drive = composed(subject, turn, setups)?;
-    let mut cars = drive.cars()?;
+    let scenario = drive.simulated(turn.seed);
+    let mut cars = drive.cars(&scenario)?;
     let mut found = vec![Level::default(); cars.len()];
     let mut before: Vec<MonitorReport<f64>> = cars.iter().map(|car| *car.report()).collect();
-    for row in Simulation::new(&drive.scenario, turn.seed)? {
+    for row in Simulation::new(&scenario, turn.seed)? {
         let sample = row.car_sample();
         for ((car, level), before) in cars.iter_mut().zip(&mut found).zip(&mut before) {
-            level.push(&row, &car.update(&sample));
+            level.push(&row, &car.update(&row, &sample));
             for change in car.report().changes_since(before) {
                 if let Change::Begun(alert) = change {
                     level.hear(&alert, subject.deviation.flat);
@@ -187,9 +190,10 @@ fn loss(subject: &Subject, turn: Turn) -> Result<Found, ScoreError> {
         spec.pressure = Pressure::ramp(kpa, LEFT * kpa, begins_s, takes_s);
     }
     let mut found = Found { struck, after_s: f64::INFINITY, wrong: false, early: false };
-    let Some(mut car) = drive.cars()?.pop() else { return Ok(found) };
-    for row in Simulation::new(&drive.scenario, turn.seed)? {
-        car.update(&row.car_sample());
+    let scenario = drive.simulated(turn.seed);
+    let Some(mut car) = drive.cars(&scenario)?.pop() else { return Ok(found) };
+    for row in Simulation::new(&scenario, turn.seed)? {
+        car.update(&row, &row.car_sample());
         for alert in car.report().alerts().filter(|alert| alert.cause.is_low()) {
             found.early |= flat.is_none() && row.time_s < begins_s;
             if alert.wheels.contains(struck) && row.time_s >= begins_s.min(complete_s) {
@@ -270,7 +274,7 @@ mod tests {
 
     fn subject(name: &str) -> Subject {
         let deviation = LIST.iter().find(|deviation| deviation.name == name).unwrap();
-        Subject { deviation }
+        Subject { deviation, wheel_speeds: false }
     }
 
     #[test]
@@ -278,7 +282,7 @@ mod tests {
         let turn = Turn { index: 0, seed: 2 };
         let file = composed(&subject("as its file"), turn, &[UNKNOWN]).unwrap();
         for deviation in LIST {
-            let of = Subject { deviation };
+            let of = Subject { deviation, wheel_speeds: false };
             let drive = composed(&of, turn, &[UNKNOWN]).unwrap();
             drive.scenario.validate().unwrap();
             assert_eq!(drive.told().unwrap(), file.told().unwrap(), "{}", deviation.name);

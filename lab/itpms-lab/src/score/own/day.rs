@@ -11,6 +11,7 @@ use itpms_sim::time_profile::{Pressure, Speed};
 
 use super::super::ScoreError;
 use super::car::{OwnCar, Source};
+use crate::sensors::wheel_speeds_beside;
 
 pub(super) const RATE_HZ: f64 = 200.0;
 const CLASSES: [RoadClass; 3] = [RoadClass::A, RoadClass::B, RoadClass::C];
@@ -37,6 +38,8 @@ pub(super) struct Day {
     load: Vec<([f64; 2], f64)>,
     duration_s: f64,
     seed: u64,
+    /// Seed of the car's wheel speeds, where it has some.
+    pub(super) wheel_speeds: Option<u64>,
 }
 
 impl Day {
@@ -58,6 +61,7 @@ impl Day {
             load: vec![(DRIVER, PASSENGER_KG)],
             duration_s,
             seed: seed.wrapping_add((number as u64 + 1) << 32),
+            wheel_speeds: None,
         };
         // Neighbors in the list of cars go on the same class of road; each third class comes next on the later day.
         let first = day(0, km_h, first_s);
@@ -98,6 +102,7 @@ impl Day {
             payload: payload.collect(),
             ..CarSpec::default()
         });
+        scenario.wheel_speeds = self.wheel_speeds.map(wheel_speeds_beside);
         for corner in Corner::ALL {
             let mut spec = car.corner(corner).clone();
             (change.edit)(&mut spec.truth);

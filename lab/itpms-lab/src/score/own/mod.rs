@@ -36,6 +36,7 @@ pub(super) struct Plan {
 struct Subject {
     ways: Vec<Way>,
     changes: Vec<&'static Change>,
+    wheel_speeds: bool,
 }
 
 /// What one car showed: by way, without a loss and with one, and whether it had its reference; by change.
@@ -46,12 +47,12 @@ struct Found {
 
 impl Plan {
     /// So many cars; of the rows those whose names contain `only`.
-    pub(super) fn new(cars: usize, only: Option<&str>) -> Self {
+    pub(super) fn new(cars: usize, only: Option<&str>, wheel_speeds: bool) -> Self {
         let wanted = |name: &str| only.is_none_or(|only| name.contains(only));
         let ways: Vec<Way> = Way::ALL.into_iter().filter(|way| wanted(way.name())).collect();
         let changes: Vec<_> = CHANGES.iter().filter(|change| wanted(change.name)).collect();
         let empty = ways.is_empty() && changes.is_empty();
-        let subject = Subject { ways, changes };
+        let subject = Subject { ways, changes, wheel_speeds };
         Self { subjects: vec![(subject, if empty { 0 } else { cars })] }
     }
 
@@ -82,7 +83,7 @@ fn car(subject: &Subject, turn: Turn) -> Result<Found, ScoreError> {
     if !subject.changes.is_empty() {
         taught.push(Way::LearnedAndReference);
     }
-    let car = Owned::teach(turn.index, turn.seed, &taught)?;
+    let car = Owned::teach(turn.index, turn.seed, &taught, subject.wheel_speeds)?;
     let later = if subject.ways.is_empty() { vec![] } else { car.later(&subject.ways)? };
     let ways = later.into_iter().zip(&subject.ways).map(|(seen, way)| (seen, car.has_reference(*way)));
     let changes = subject.changes.iter().map(|change| car.changed(change));
@@ -236,7 +237,7 @@ mod tests {
 
     #[test]
     fn rows_are_chosen_by_their_names() {
-        let plan = |only| Plan::new(3, only);
+        let plan = |only| Plan::new(3, only, false);
         assert_eq!(plan(Some("reference")).subjects[0].0.ways.len(), 2);
         assert_eq!(plan(Some("dampers")).subjects[0].0.changes.len(), 2);
         assert_eq!(plan(None).drives(), 3);

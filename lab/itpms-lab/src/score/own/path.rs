@@ -2,18 +2,19 @@
 //!
 //! Called by the plan. It calls what the commands call: `vehicle init`'s file, `vehicle learn`'s listener, a calibration of ten minutes
 //! whose reference is kept.
-use itpms_core::model::{CarConfig, CarSample, Corner, VehicleCalibration};
-use itpms_core::monitor::MonitoredCar;
+use itpms_core::model::{CarConfig, Corner, VehicleCalibration};
+use itpms_core::wheel_speed::RadiusCalibration;
 use itpms_data::Vehicle;
 use itpms_data::reference::StoredReference;
+use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::{SimRow, Simulation};
 use itpms_sim::time_profile::Pressure;
 
 use super::super::ScoreError;
-use super::super::drive::estimator;
 use super::car::OwnCar;
 use super::day::{Change, Day, RATE_HZ, SAME};
 use super::seen::Seen;
+use crate::sensors::Equipped;
 use itpms_analysis::learn::{Listener, PASSES, WheelbaseListener, learn};
 
 /// Ten minutes at placard pressures, and a later day, in s.
@@ -46,6 +47,7 @@ impl Way {
 pub(super) struct Taught {
     config: CarConfig<f64>,
     calibration: Option<VehicleCalibration<f64>>,
+    wheels: Option<RadiusCalibration<f64>>,
 }
 
 /// A drawn car after its first day.
@@ -59,19 +61,27 @@ pub(super) struct Owned {
 
 impl Owned {
     /// Draws the car of a turn, drives its ten minutes, and learns of them as far as the ways need it.
-    pub(super) fn teach(index: usize, seed: u64, ways: &[Way]) -> Result<Self, ScoreError> {
+    pub(super) fn teach(
+        index: usize,
+        seed: u64,
+        ways: &[Way],
+        wheel_speeds: bool,
+    ) -> Result<Self, ScoreError> {
         let car = OwnCar::draw(index, seed)?;
-        let [first, later] = Day::two(index, seed, DAYS_S);
+        let [mut first, mut later] = Day::two(index, seed, DAYS_S);
+        if wheel_speeds {
+            (first.wheel_speeds, later.wheel_speeds) = (Some(seed), Some(seed));
+        }
         let (scenario, drive_seed) = first.scenario(&car, &SAME, None)?;
-        let rows: Vec<_> = Simulation::new(&scenario, drive_seed)?.map(|row| row.car_sample()).collect();
+        let rows: Vec<SimRow> = Simulation::new(&scenario, drive_seed)?.collect();
         let learned = match ways.contains(&Way::LearnedAndReference) || ways.contains(&Way::Learned) {
             true => learned(&car, &rows)?,
             false => car.file.car_config(&Corner::ALL),
         };
-        let mut taught = [Taught { config: learned, calibration: None }, Taught::of(&car.file)];
+        let mut taught = [Taught { config: learned, calibration: None, wheels: None }, Taught::of(&car.file)];
         for (way, taught) in [Way::LearnedAndReference, Way::FileAndReference].into_iter().zip(&mut taught) {
             if ways.contains(&way) {
-                taught.calibrate(&car.file, &rows)?;
+                taught.calibrate(&car.file, &rows, &scenario)?;
             }
         }
         let [learned, file] = taught;
@@ -87,11 +97,15 @@ impl Owned {
         }
     }
 
-    fn estimator(&self, way: Way) -> Result<Box<MonitoredCar<f64>>, ScoreError> {
+    fn estimator(&self, way: Way, scenario: &Scenario) -> Result<Equipped, ScoreError> {
         let taught = if way == Way::FileAndReference { &self.file } else { &self.learned };
-        let mut estimator = estimator(&taught.config)?;
+        let mut estimator = Equipped::of(&taught.config, scenario)?;
         if let Some(calibration) = taught.calibration.as_ref().filter(|_| way != Way::Learned) {
-            estimator.load_calibration(calibration)?;
+            estimator.car.load_calibration(calibration)?;
+            if let (Some(wheels), Some(taught)) = (&mut estimator.wheels, &taught.wheels) {
+                // One that no program would load is none.
+                let _ = wheels.load_calibration(taught);
+            }
         }
         Ok(estimator)
     }
@@ -106,8 +120,9 @@ impl Owned {
             Ok::<_, ScoreError>(Simulation::new(&scenario, seed)?)
         };
         let mut estimators = vec![];
+        let (scenario, _) = self.later.scenario(&self.car, &SAME, None)?;
         for &way in ways {
-            estimators.push((self.estimator(way)?, None, [Seen::sound(), Seen::losing(struck)]));
+            estimators.push((self.estimator(way, &scenario)?, None, [Seen::sound(), Seen::losing(struck)]));
         }
         for (sound, lost) in simulation(None)?.zip(simulation(Some((struck, loss)))?) {
             for (car, losing, [seen, seen_losing]) in &mut estimators {
@@ -125,7 +140,7 @@ impl Owned {
     /// A later day of a car that has changed, no tire losing air, with what was learned and the reference.
     pub(super) fn changed(&self, change: &Change) -> Result<Seen, ScoreError> {
         let (scenario, seed) = self.later.scenario(&self.car, change, None)?;
-        let (mut car, mut seen) = (self.estimator(Way::LearnedAndReference)?, Seen::sound());
+        let (mut car, mut seen) = (self.estimator(Way::LearnedAndReference, &scenario)?, Seen::sound());
         for row in Simulation::new(&scenario, seed)? {
             take(&mut car, &row, &mut [&mut seen]);
         }
@@ -133,23 +148,23 @@ impl Owned {
     }
 }
 
-fn take(car: &mut MonitoredCar<f64>, row: &SimRow, seen: &mut [&mut Seen]) {
-    let estimate = car.update(&row.car_sample());
+fn take(car: &mut Equipped, row: &SimRow, seen: &mut [&mut Seen]) {
+    let estimate = car.update(row, &row.car_sample());
     for seen in seen {
         seen.take(row, &estimate, car.report());
     }
 }
 
 /// The car of the file as the drive shows it, its wheelbase first.
-fn learned(car: &OwnCar, rows: &[CarSample<f64>]) -> Result<CarConfig<f64>, ScoreError> {
+fn learned(car: &OwnCar, rows: &[SimRow]) -> Result<CarConfig<f64>, ScoreError> {
     let mut file = car.file.car_config(&Corner::ALL);
     let mut listener = WheelbaseListener::new(&file, RATE_HZ);
-    rows.iter().for_each(|row| listener.take(row));
+    rows.iter().for_each(|row| listener.take(&row.car_sample()));
     file.wheelbase_m = listener.finish().map(|found| found.wheelbase_m).or(file.wheelbase_m);
     let mut config = file;
     for _ in 0..PASSES {
         let mut listener = Listener::new(&config, [car.placard_kpa; 4], RATE_HZ)?;
-        rows.iter().for_each(|row| listener.take(row));
+        rows.iter().for_each(|row| listener.take(&row.car_sample()));
         config = learn(&file, &[listener.finish()])?.car;
     }
     Ok(config)
@@ -157,18 +172,19 @@ fn learned(car: &OwnCar, rows: &[CarSample<f64>]) -> Result<CarConfig<f64>, Scor
 
 impl Taught {
     fn of(file: &Vehicle) -> Self {
-        Self { config: file.car_config(&Corner::ALL), calibration: None }
+        Self { config: file.car_config(&Corner::ALL), calibration: None, wheels: None }
     }
 
     /// By a calibration that lasts as long as the drive, and a reference that is stored and read again; one that is refused is none.
-    fn calibrate(&mut self, file: &Vehicle, rows: &[CarSample<f64>]) -> Result<(), ScoreError> {
-        let mut car = estimator(&self.config)?;
+    fn calibrate(&mut self, file: &Vehicle, rows: &[SimRow], scenario: &Scenario) -> Result<(), ScoreError> {
+        let mut car = Equipped::of(&self.config, scenario)?;
         car.begin_calibration(DAYS_S[0])?;
         for row in rows {
-            car.update(row);
+            car.update(row, &row.car_sample());
         }
         car.end_calibration();
-        let Some(calibration) = car.estimator().calibration() else { return Ok(()) };
+        self.wheels = car.wheels.as_ref().and_then(|wheels| wheels.calibration().copied());
+        let Some(calibration) = car.car.estimator().calibration() else { return Ok(()) };
         let file = Vehicle { wheelbase_m: self.config.wheelbase_m, ..file.clone() };
         if let Ok(stored) = StoredReference::new(&file, calibration, 0) {
             self.config.wheelbase_m = stored.wheelbase_m.or(file.wheelbase_m);
