@@ -301,6 +301,35 @@ mod tests {
         assert_ne!(drawn(1).scenario.corner, drawn(2).scenario.corner);
     }
 
+    /// On a washboard accelerations say little after the calibration: radii make the differences of tires surer, and stay honest.
+    #[test]
+    fn wheel_speeds_beside_make_a_level_surer() {
+        let thread = std::thread::Builder::new().stack_size(STACK_BYTES);
+        let [alone, beside] = thread
+            .spawn(|| {
+                [false, true].map(|wheel_speeds| {
+                    let of = Subject { wheel_speeds, ..subject("washboard 1 m, 2 mm") };
+                    levels(&of, Turn { index: 0, seed: 5 }).unwrap()
+                })
+            })
+            .unwrap()
+            .join()
+            .unwrap();
+        // Uncalibrated the radii mean nothing.
+        assert_eq!(alone[0], beside[0]);
+        let mean = |level: &Level| {
+            level
+                .wheels
+                .map(|wheel| (wheel.sds / wheel.valid as f64, wheel.errors.rmse(), wheel.errors.coverage()))
+        };
+        for (alone, beside) in mean(&alone[1]).into_iter().zip(mean(&beside[1])) {
+            assert!(
+                beside.0 < 0.95 * alone.0 && beside.1 < beside.0 && beside.2 > 0.93,
+                "{alone:?} {beside:?}"
+            );
+        }
+    }
+
     #[test]
     fn tires_and_classes_take_turns() {
         // Losses: each of four tires on each of three classes within twelve drives.
