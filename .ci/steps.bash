@@ -89,6 +89,12 @@ demo() {
     find "$out" -name '*.csv' -size +1k | grep -q . || { echo "demo left no csv of more than 1 kB"; exit 1; }
 }
 
+# The command lines of README.md and docs/commands.md, run as printed.
+commands() {
+    cargo build --release --locked
+    python3 .ci/commands.py "$target_dir/release" "$target_dir/ci-commands"
+}
+
 # A refactoring leaves every number as it was (the file's own comment says how to write it anew after a change of behavior).
 golden_trace() {
     cargo build --release --locked
