@@ -261,7 +261,7 @@ pub enum Problem {
     },
     /// Stamps that are off by a good part of the sample period.
     #[error(
-        "the times are uneven: a step of {} s has a standard deviation of {jitter_percent:.0} %, so frequencies cannot be told; expected even samples \
+        "the times are uneven: a step of {} s has a standard deviation of {jitter_percent:.0} %, so frequencies are unknown; expected even samples \
          (write the time at which each was taken, not at which it arrived)",
         (*.period_s * 1e6).round() / 1e6
     )]

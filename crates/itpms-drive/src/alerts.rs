@@ -144,7 +144,7 @@ mod tests {
         let listed = vec![Listed { alert, ended_s: Some(1_772_359_230.0) }];
         let alerts = Alerts { listed, unlisted: 2 };
         let sentences: Vec<String> = alerts.sentences(1_772_359_200.0, PressureUnit::Kpa).collect();
-        assert!(sentences[0].ends_with("since 21.2 s, said at 22.5 s; over at 30.0 s"), "{}", sentences[0]);
+        assert!(sentences[0].ends_with("since 21.2 s, reported at 22.5 s; over at 30.0 s"), "{}", sentences[0]);
         assert_eq!(sentences[1], "and 2 more");
     }
 }

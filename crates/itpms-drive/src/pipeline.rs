@@ -267,7 +267,7 @@ mod tests {
         let three = outcome(broken, refuses, stop, true);
         assert_eq!(one.1, three.1);
         // Not with the two texts in the message, which are megabytes.
-        assert!(one.0 == three.0, "the sink was not told the same");
+        assert!(one.0 == three.0, "the sink was not given the same");
         one
     }
 
@@ -276,7 +276,7 @@ mod tests {
         let (told, _) = the_same(None, None, None);
         assert_eq!(told.lines().filter(|line| line.starts_with("LogRow")).count(), 6400);
         assert_eq!(told.lines().filter(|line| line.starts_with("LateRow")).count(), 6400);
-        assert!(told.contains("Begun"), "nothing was said of the nail");
+        assert!(told.contains("Begun"), "the nail was not reported");
     }
 
     #[test]

@@ -155,12 +155,12 @@ pub fn corner_line(corner: &CornerReport, end_s: f64, unit: PressureUnit) -> Str
     if let Some(sensor) = corner.tire_sensor {
         line += &format!("; its sensor {}", unit.number(sensor.pressure_kpa, 0));
     }
-    if let Some(said_s) = figures.low_since_s {
+    if let Some(reported_s) = figures.low_since_s {
         let now = if figures.warning == Warning::Low { "" } else { ", now over" };
-        line += &format!("; LOW, warned of at {said_s:.1} s{now}");
+        line += &format!("; LOW, warned of at {reported_s:.1} s{now}");
     }
-    if let Some(said_s) = figures.malfunction_since_s {
-        line += &format!("; MALFUNCTION, warned of at {said_s:.1} s");
+    if let Some(reported_s) = figures.malfunction_since_s {
+        line += &format!("; MALFUNCTION, warned of at {reported_s:.1} s");
     }
     // A pressure alone looks as good as that of a wheel that is known to be fine.
     if let Some(why) = corner.doubt() {

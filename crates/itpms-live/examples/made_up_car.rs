@@ -120,7 +120,7 @@ impl Car {
             _ => return,
         };
         let alert = json!({
-            "kind": kind, "wheels": [corner], "since_s": self.time_s - 1.2, "said_s": self.time_s,
+            "kind": kind, "wheels": [corner], "since_s": self.time_s - 1.2, "reported_s": self.time_s,
             "pressure_kpa": 150.0, "sd_kpa": 8.0, "limit_kpa": 212.0, "reference_kpa": 241.3,
             "text": format!("malfunction: {corner} wheel sensor is stuck; since then"),
         });

@@ -57,7 +57,7 @@ pub enum LiveError {
         error: io::Error,
     },
     /// Whoever read standard output has gone away, as `head` does; no reason to complain.
-    #[error("nobody reads standard output any more")]
+    #[error("standard output is closed: its reader has ended")]
     ReaderGone,
     /// An output that cannot be written.
     #[error("{target}: cannot be written: {error}")]

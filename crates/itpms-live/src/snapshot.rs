@@ -31,7 +31,7 @@ pub struct Snapshot {
     pub wheels: Vec<Wheel>,
     /// Left and right track, where front and rear are measured.
     pub tracks: Vec<Track>,
-    /// The alerts that stand: the objects of `events.jsonl` (`kind`, `wheels`, `since_s`, `said_s`, `text`, and numbers that
+    /// The alerts that stand: the objects of `events.jsonl` (`kind`, `wheels`, `since_s`, `reported_s`, `text`, and numbers that
     /// depend on the kind).
     pub alerts: Vec<Map<String, Value>>,
     /// The accelerometers.

@@ -165,7 +165,7 @@ fn health_follows_the_data_and_says_why() {
     is(200, "fresh");
     // The monitor hangs: it cannot say so, the server can.
     std::thread::sleep(Duration::from_millis(3200));
-    assert!(is(503, "stale")["reason"].as_str().unwrap().contains("the monitor has said nothing"));
+    assert!(is(503, "stale")["reason"].as_str().unwrap().contains("the monitor has sent nothing"));
     assert!(get(&server, "/metrics").body.contains("\nitpms_fresh 0\n"));
 }
 

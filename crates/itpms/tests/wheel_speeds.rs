@@ -41,8 +41,8 @@ fn the_example_names_the_tire_that_lost_a_quarter() {
     let alerts = summary["alerts"].as_array().unwrap();
     assert_eq!(alerts.len(), 1, "{alerts:?}");
     assert_eq!((&alerts[0]["kind"], &alerts[0]["wheels"]), (&"differs".into(), &serde_json::json!(["rr"])));
-    let said_s = alerts[0]["said_s"].as_f64().unwrap();
-    assert!((LOSS_S..LOSS_S + 15.0).contains(&said_s), "{said_s}");
+    let reported_s = alerts[0]["reported_s"].as_f64().unwrap();
+    assert!((LOSS_S..LOSS_S + 15.0).contains(&reported_s), "{reported_s}");
     // A quarter, as far as the radius over pressure is the assumed one.
     let rr = &summary["wheel_speeds"]["wheels"]["rr"];
     assert!((rr["lost_share"].as_f64().unwrap() - 0.25).abs() < 0.06, "{rr}");
@@ -99,7 +99,7 @@ fn a_stored_calibration_is_used_on_another_drive_whose_loads_may_be_others() {
     let text = outcome.success();
     assert!(text.contains("a tire that has lost a quarter would not be found"), "{text}");
     assert!(text.contains("The car has stood since the calibration, so loads may have changed"), "{text}");
-    assert!(!text.contains("said at"), "{text}");
+    assert!(!text.contains("reported at"), "{text}");
     // The reference is this car's alone.
     let other = bench.read("wheels.toml").replace("driven = \"front\"", "driven = \"rear\"");
     bench.write("other.toml", other);
@@ -166,7 +166,7 @@ fn known_pressures_of_the_calibration_are_counted_in() {
     let summary = json(outcome.success());
     let alert = &summary["alerts"][0];
     assert_eq!(alert["wheels"], serde_json::json!(["rr"]));
-    assert!(alert["said_s"].as_f64().unwrap() < LOSS_S, "{alert}");
+    assert!(alert["reported_s"].as_f64().unwrap() < LOSS_S, "{alert}");
     let lost = summary["wheel_speeds"]["wheels"]["rr"]["lost_share"].as_f64().unwrap();
     // 1 - .75^2, drawn a little to what low tires have.
     assert!((lost - 0.4375).abs() < 0.1, "{lost}");

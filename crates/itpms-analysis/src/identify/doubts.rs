@@ -17,7 +17,7 @@ pub(super) fn concerns(result: &DamperResult) -> Vec<String> {
     let fastest = result.runs.iter().map(|run| run.velocity_m_s).fold(0.0, f64::max);
     if fastest < 1.5 * slowest {
         out.push(
-            "one velocity only: damping and friction are told apart by the shape of the loop alone; add a run of another frequency or amplitude"
+            "one velocity only: damping and friction are separated by the shape of the loop alone; add a run of another frequency or amplitude"
                 .to_owned(),
         );
     }

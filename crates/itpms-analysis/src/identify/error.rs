@@ -70,7 +70,7 @@ pub enum IdentifyError {
         hint: &'static str,
     },
     /// A slope that cannot be told from zero.
-    #[error("{what} cannot be told from zero: {value:.4} ± {standard_error:.4} {unit}")]
+    #[error("{what} is not distinguishable from zero: {value:.4} ± {standard_error:.4} {unit}")]
     NoSlope {
         /// The coefficient.
         what: &'static str,
@@ -160,6 +160,6 @@ pub enum IdentifyError {
         standard_error: f64,
     },
     /// A fit without a unique answer.
-    #[error("{0} cannot be told apart from these data")]
+    #[error("{0} cannot be separated by these data")]
     Singular(&'static str),
 }

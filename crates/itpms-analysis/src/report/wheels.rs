@@ -144,7 +144,7 @@ pub fn unseen(radii: &RadiusReport<f64>) -> Vec<String> {
     }
     if known && radii.unseen.which_of_a_diagonal {
         out.push(
-            "Without a yaw rate a front tire and the rear one across are hardly told apart, and losses below .3 % of the radius are not found."
+            "Without a yaw rate a front tire and the rear one across are hardly distinguishable, and losses below .3 % of the radius are not found."
                 .to_owned(),
         );
     }

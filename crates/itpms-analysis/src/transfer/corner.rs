@@ -112,7 +112,7 @@ impl CornerCheck {
                 "Less than half a minute without a gap: drive longer on a rough road".to_owned()
             }
             Verdict::Incoherent(coherence) => format!(
-                "The body does not follow this wheel (coherence {coherence:.2} between 4 and 16 Hz, expected 0.5 or more): check that its body sensor sits above this wheel and that the columns are those of this corner; nothing can be said of damper and spring"
+                "The body does not follow this wheel (coherence {coherence:.2} between 4 and 16 Hz, expected 0.5 or more): check that its body sensor sits above this wheel and that the columns are those of this corner; damper and spring are not judged"
             ),
             Verdict::Compared { damping, spring } => self.compared_sentence(*damping, *spring),
         }

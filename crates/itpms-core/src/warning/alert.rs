@@ -300,6 +300,6 @@ impl<T: Real> fmt::Display for AlertIn<'_, T> {
                 write!(f, "{wheels}: nothing learned in {:.0} min of driving", driven_s / 60.0)?;
             }
         }
-        write!(f, "; since {:.1} s, said at {:.1} s", alert.since_s, alert.reported_s)
+        write!(f, "; since {:.1} s, reported at {:.1} s", alert.since_s, alert.reported_s)
     }
 }

@@ -28,7 +28,16 @@ impl Regulation {
         }
     }
 
-    /// The rule of that name.
+    /// The name in print.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::UnR141 => "UN R141",
+            Self::Fmvss138 => "FMVSS 138",
+        }
+    }
+
+    /// The rule of that label.
     #[must_use]
     pub fn from_label(label: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|rule| rule.label() == label)

@@ -112,7 +112,7 @@ impl RepairReport {
         }
         for (one, other) in &self.same_columns {
             out.push(format!(
-                "columns {one} and {other} have the same values: one sensor's, there twice; nothing said of these wheels is to be believed"
+                "columns {one} and {other} have the same values: one sensor's, there twice; what is reported of these wheels is wrong"
             ));
         }
         for (found, meant) in &self.misspelled_columns {

@@ -45,7 +45,7 @@ impl Health {
                 ("stale", Some(format!("no row from {} for more than a second", source.name)))
             }
             SourceState::Live if age_s > patience_s => {
-                ("stale", Some(format!("the monitor has said nothing for {age_s:.0} s")))
+                ("stale", Some(format!("the monitor has sent nothing for {age_s:.0} s")))
             }
             SourceState::Live => ("fresh", None),
         };

@@ -152,7 +152,7 @@ impl Study {
             1 => "of one drive".to_owned(),
             n => format!("median over {n} drives (10 - 90 %)"),
         };
-        let head = format!("RMSE in kPa unless said; ours: the default estimator, {drives}");
+        let head = format!("RMSE in kPa unless stated; ours: the default estimator, {drives}");
         table.map_or_else(String::new, |table| format!("{head}\n\n{}", table.text(4)))
     }
 

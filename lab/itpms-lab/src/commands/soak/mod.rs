@@ -139,7 +139,7 @@ impl Word {
         let km: f64 = hours.values().map(|hour| hour.km).sum();
         let words: usize = hours.values().map(|hour| hour.said.len()).sum();
         Some(format!(
-            "{} of {} drives, {km:.0} km, {words} said; {each_s:.1} s a drive, {left_min:.0} min left",
+            "{} of {} drives, {km:.0} km, {words} reported; {each_s:.1} s a drive, {left_min:.0} min left",
             hours.len(),
             self.drives
         ))

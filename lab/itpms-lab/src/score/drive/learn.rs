@@ -211,7 +211,7 @@ fn parameter_row(subject: &Subject, name: &str, all: &[Learnt], cars: usize) -> 
     const WITHIN: Column = Column::new("within", "within", 3);
     const BEFORE: Column = Column::new("file_rms", "file rms", 1);
     const AFTER: Column = Column::new("learned_rms", "rms", 1);
-    const SAID: Column = Column::new("learned_sd", "sd said", 1);
+    const SAID: Column = Column::new("learned_sd", "sd stated", 1);
     let unit = |value: f64| if name == "friction" { 1.0 } else { 0.01 * value };
     let count = all.len() as f64;
     let rms =
@@ -228,7 +228,7 @@ fn parameter_row(subject: &Subject, name: &str, all: &[Learnt], cars: usize) -> 
 
 fn later_cells(all: &[Later]) -> Vec<Cell> {
     const RMS: Column = Column::new("rms_kpa", "rms", 1);
-    const SD: Column = Column::new("sd_kpa", "sd said", 1);
+    const SD: Column = Column::new("sd_kpa", "sd stated", 1);
     const COVERED: Column = Column::new("coverage", "cover", 3);
     const VALID: Column = Column::new("valid", "valid", 3);
     const FOUND: Column = Column::new("found", "found", 0);

@@ -204,7 +204,7 @@ fn loss(subject: &Subject, turn: Turn) -> Result<Found, ScoreError> {
 fn level_cells(deviation: &Deviation, levels: &[Level]) -> Vec<Cell> {
     const BIAS: Column = Column::new("bias_kpa", "bias", 1);
     const WORST: Column = Column::new("worst_bias_kpa", "worst", 1);
-    const SD: Column = Column::new("sd_kpa", "sd said", 1);
+    const SD: Column = Column::new("sd_kpa", "sd stated", 1);
     const RMS: Column = Column::new("rms_kpa", "rms", 1);
     const COVERED: Column = Column::new("coverage", "cover", 3);
     const VALID: Column = Column::new("valid", "valid", 3);
