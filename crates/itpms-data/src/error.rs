@@ -1,4 +1,4 @@
-//! What can be wrong with a file, said once: the file, the line or column, what was found, what was expected.
+//! What can be wrong with a file, stated once: the file, the line or column, what was found, what was expected.
 //!
 //! Every public function of this crate returns [`DataError`]. Its message is complete; callers print it as it is.
 
@@ -354,7 +354,7 @@ pub enum Problem {
         /// The parser's words.
         message: String,
     },
-    /// A key nobody asked for, most likely mistyped.
+    /// An unexpected key, most likely mistyped.
     #[error("line {line}: unknown key {key} in {table}{}, expected one of: {known}", hint_key(.nearest))]
     UnknownKey {
         /// Where.

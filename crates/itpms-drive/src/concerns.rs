@@ -1,4 +1,4 @@
-//! What should be known before believing a result, said in sentences.
+//! What should be known before believing a result, in sentences.
 
 use itpms_analysis::report::ReportData;
 use itpms_core::model::Corner;

@@ -11,7 +11,7 @@ use crate::run::{Done, Fit};
 /// Seconds before the end for which a reading counts as the one at the end.
 const FRESH_S: f64 = 1.0;
 
-/// The drive, its corners and what was said: what `itpms estimate --json` prints, but for the names of its files.
+/// The drive, its corners and what was reported: what `itpms estimate --json` prints, but for the names of its files.
 #[must_use]
 pub fn summary_json(done: &Done, rows: u64) -> Map<String, Value> {
     let Done { data, alerts, concerns, .. } = done;

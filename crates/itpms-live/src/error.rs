@@ -12,7 +12,7 @@ pub enum LiveError {
     /// A file in or out.
     #[error(transparent)]
     Data(#[from] DataError),
-    /// What the estimator was told.
+    /// What the estimator was given.
     #[error("{0}")]
     Refused(String),
     /// The source has none of the corners of the vehicle.

@@ -44,7 +44,10 @@ fn a_puncture_is_said_once_for_the_right_wheel_and_in_both_files() {
     // Falling from 20 s on, a fifth is lost after 21.2 s and all of it after 22.5 s.
     let time = |name: &str| low[0][name].as_f64().unwrap();
     assert!((20.0..=22.5).contains(&time("since_s")), "{events:?}");
-    assert!((21.2..=24.2).contains(&time("reported_s")) && time("reported_s") == time("time_s"), "{events:?}");
+    assert!(
+        (21.2..=24.2).contains(&time("reported_s")) && time("reported_s") == time("time_s"),
+        "{events:?}"
+    );
     assert!(time("pressure_kpa") + 1.645 * time("sd_kpa") < time("limit_kpa"), "{events:?}");
     assert!(events.iter().all(|e| said(e, "under-inflated", &["fl"]) || said(e, "fast-leak", &["fl"])));
     assert_eq!(times(&bench, "fl_warning", "low")[0], time("reported_s"));

@@ -1,4 +1,4 @@
-//! A drive with wheel speeds alone, from the bus to the report: the example of the book, and what is said where something is missing.
+//! A drive with wheel speeds alone, from the bus to the report: the example of the book, and what is reported where something is missing.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::path::{Path, PathBuf};
@@ -94,7 +94,7 @@ fn a_stored_calibration_is_used_on_another_drive_whose_loads_may_be_others() {
     let learn = "estimate first.log --dbc car.dbc --vehicle wheels.toml --calibrate-s 50 --save-reference car.reference --json";
     let outcome = bench.run(learn);
     assert_eq!(json(outcome.success())["alerts"], serde_json::json!([]));
-    // A rear tire after a stop is not parted from a load within a minute: that is said, and no tire is warned of.
+    // A rear tire after a stop is not parted from a load within a minute: that is reported, and no tire is warned of.
     let outcome = bench.run(&format!("{ESTIMATE} --reference car.reference"));
     let text = outcome.success();
     assert!(text.contains("a tire that has lost a quarter would not be found"), "{text}");

@@ -2,7 +2,7 @@
 
 use super::damper_result::{Consistency, DamperResult};
 
-/// Probability below which runs are said to disagree.
+/// Probability below which runs are reported to disagree.
 const SUSPICIOUS: f64 = 0.01;
 /// Difference between the directions, as a share of the damping, that is worth a remark.
 const ASYMMETRIC: f64 = 0.05;

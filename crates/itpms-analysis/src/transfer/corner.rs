@@ -118,7 +118,7 @@ impl CornerCheck {
         }
     }
 
-    /// What does not fit beside damper and spring, in a sentence without its full stop. Where nothing can be said of these, the sentence
+    /// What does not fit beside damper and spring, in a sentence without its full stop. Where these are not judged, the sentence
     /// on them has named the reason.
     #[must_use]
     pub fn misfit(&self) -> Option<String> {
@@ -126,7 +126,7 @@ impl CornerCheck {
         matches!(self.verdict, Verdict::Compared { .. }).then(|| misfit.to_string())
     }
 
-    /// Whether something in the file should be changed, or nothing can be said.
+    /// Whether something in the file should be changed, or nothing is judged.
     #[must_use]
     pub fn asks_for_change(&self) -> bool {
         match &self.verdict {

@@ -7,7 +7,7 @@ use crate::memory::{Blank, blank};
 use crate::model::{Level, PressureUnit, Wheels};
 use crate::real::Real;
 
-/// Alerts that were said less than so many seconds apart are one: decisions are further apart, and rounding is nearer.
+/// Alerts that were reported less than so many seconds apart are one: decisions are further apart, and rounding is nearer.
 const SAME_S: f64 = 1e-3;
 
 /// Something the driver or the workshop should know.
@@ -16,9 +16,9 @@ const SAME_S: f64 = 1e-3;
 pub struct Alert<T> {
     /// Whom it is about.
     pub wheels: Wheels,
-    /// Since when it has been so, in s, as far as can be told.
+    /// Since when it has been so, in s, as far as is known.
     pub since_s: f64,
-    /// When it was first said, in s.
+    /// When it was first reported, in s.
     pub reported_s: f64,
     /// Why.
     pub cause: Cause<T>,

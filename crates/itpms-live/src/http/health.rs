@@ -1,6 +1,6 @@
 //! Whether what is shown is now, and if not, why not.
 //!
-//! Asked by `/healthz`, the metrics and the page. Trusts nobody's word alone: a monitor that has stopped saying anything cannot
+//! Asked by `/healthz`, the metrics and the page. Trusts no one's word alone: a monitor that has stopped saying anything cannot
 //! say that it has stopped.
 
 use serde::Serialize;

@@ -28,7 +28,7 @@ pub(super) fn pressures(outcome: &Outcome) -> String {
     outcome.test_kpa.map_or("-".to_owned(), |test| format!("{:.0} > {test:.0}", outcome.warm_kpa))
 }
 
-/// What was said of which nothing is true, each with when it was first.
+/// What was reported of which nothing is true, each with when it was first.
 pub(super) fn false_alerts(outcome: &Outcome) -> String {
     let said =
         |said: &super::FalseAlert| format!("{} {} {}", said.cause, said.wheels, clock(Some(said.time_s)));

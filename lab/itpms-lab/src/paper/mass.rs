@@ -1,4 +1,4 @@
-//! Fig. 10 and Table 3: a sprung mass that the estimators are not told, simulated.
+//! Fig. 10 and Table 3: a sprung mass that the estimators are not given, simulated.
 //!
 //! Called by [`super::reproduce`].
 

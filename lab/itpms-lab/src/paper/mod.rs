@@ -55,7 +55,7 @@ use section::Part;
 /// The corner that the paper's scenarios drive.
 const CORNER: Corner = Corner::FrontLeft;
 
-/// Told after every drive how many of how many are done; a break ends the study.
+/// Called after every drive with how many of how many are done; a break ends the study.
 pub type Progress<'a> = plan::Callback<'a>;
 
 /// What the paper leaves open, and how many drives.

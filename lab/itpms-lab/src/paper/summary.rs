@@ -80,7 +80,9 @@ pub(super) fn section(outcomes: &Outcomes, slopes: Spread, drives: usize) -> Res
         outcomes.bench_drop.informed_rmse(),
     );
     lines.push(
-        bench.because("A simulated test bed whose car is exactly as its file; the seconds of the reset count."),
+        bench.because(
+            "A simulated test bed whose car is exactly as its file; the seconds of the reset count.",
+        ),
     );
     if let Some(informed) = outcomes.bench_drop.informed() {
         lines.push(

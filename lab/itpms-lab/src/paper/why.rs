@@ -9,7 +9,7 @@ use super::error::PaperError;
 use super::section::{Section, Table, number};
 use crate::observability::{Car, Observability, Situation, Sources, StudyError, Subject, Varied, study};
 
-/// When the bounds are told, in s.
+/// When the bounds are printed, in s.
 const TOLD_S: [f64; 3] = [2.0, 8.0, 40.0];
 
 /// The section; needs no drive.

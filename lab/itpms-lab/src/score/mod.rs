@@ -68,7 +68,7 @@ pub enum Part {
     Drive,
     /// The same with each source of information alone. Not part of the usual table.
     Ablation,
-    /// The same while something is not as the estimator is told. Not part of the usual table.
+    /// The same while something differs from what the estimator is given. Not part of the usual table.
     Disturbances,
     /// How soon a loss is warned of. Not part of the usual table.
     Detection,
@@ -276,7 +276,7 @@ pub enum ScoreError {
         /// What was asked for.
         only: String,
     },
-    /// The progress callback said so.
+    /// The progress callback asked for it.
     #[error("stopped")]
     Stopped,
     /// The operating system gives no threads.

@@ -6,7 +6,7 @@
 //! | `saving` | programs killed while they save, full disks, files with a byte changed |
 //! | `outage` | brokers that go and return, a bus that falls silent |
 //! | `clock` | clocks that jump |
-//! | `broker` | a broker that goes when it is told to |
+//! | `broker` | a broker that goes when it is asked to |
 
 mod broker;
 mod clock;
@@ -65,7 +65,11 @@ const FAULTS: [(&str, &str, Fault); 11] = [
         "a file that is neither the old nor the new one",
         saving::killed_calibration,
     ),
-    ("state: disk full while saving", "the old state, or an error that is not reported", saving::full_disk_state),
+    (
+        "state: disk full while saving",
+        "the old state, or an error that is not reported",
+        saving::full_disk_state,
+    ),
     (
         "calibration: disk full while saving",
         "the old file, or an error that is not reported",

@@ -175,7 +175,8 @@ pub(super) fn silence(campaign: &mut Campaign<'_>) -> Result<Outcome, Failure> {
         }
     })?;
     let limit_s = STALE_AFTER.as_secs_f64();
-    let found =
-        format!("{pushed} rows estimated; silence reported after {longest_s:.2} s at most ({limit_s} s wanted)");
+    let found = format!(
+        "{pushed} rows estimated; silence reported after {longest_s:.2} s at most ({limit_s} s wanted)"
+    );
     Ok(Outcome { tried: outages, lost, found })
 }

@@ -146,7 +146,7 @@ fn car(subject: &Subject, turn: Turn) -> Result<Found, ScoreError> {
     Ok(Found { parameters, slope: Learnt { truth: slope, parameter: learned.slope }, later })
 }
 
-/// What an estimator of the later drive is told: a car, and what an earlier calibration of exactly that car taught.
+/// What an estimator of the later drive is given: a car, and what an earlier calibration of exactly that car taught.
 type Told<'a> = (&'a CarConfig<f64>, Option<&'a VehicleCalibration<f64>>);
 
 /// A later drive on which one tire after the other, from car to car, loses a fifth; estimated by all at once.

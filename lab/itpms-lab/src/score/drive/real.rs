@@ -125,7 +125,7 @@ fn composed(subject: &Subject, turn: Turn, setups: &[Setup]) -> Result<Drive, Sc
 }
 
 fn levels(subject: &Subject, turn: Turn) -> Result<Vec<Level>, ScoreError> {
-    // Nobody calibrates on a flat tire.
+    // No one calibrates on a flat tire.
     let setups: &[Setup] = if subject.deviation.flat.is_some() { &[UNKNOWN] } else { &[UNKNOWN, CALIBRATED] };
     let drive = composed(subject, turn, setups)?;
     let mut cars = drive.cars()?;
