@@ -134,7 +134,7 @@ panel_of() {
     python3 .ci/panel.py "$target_dir/release" -o "$target_dir/$name.json" "${firmware[@]}" "$@" | tee "$target_dir/$name.md"
 }
 
-# Half an hour in which nothing is wrong: nothing may be said. (That a killed run goes on is among the tests.)
+# Half an hour in which nothing is wrong: nothing may be reported. (That a killed run goes on is among the tests.)
 soak() {
     cargo build --release --locked
     local out="$target_dir/ci-soak"
