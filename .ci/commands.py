@@ -19,16 +19,21 @@ from pathlib import Path
 
 PROGRAMS, FOLDER = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
 ROOT = Path(__file__).resolve().parent.parent
-RUN = ["README.md", "docs/commands.md", "examples/wheel-speeds/README.md"]
+RUN = ["README.md", "docs/vehicle.md", "docs/reset.md", "docs/commands.md", "docs/measurements.md", "docs/introduction.md",
+    "examples/wheel-speeds/README.md"]
 READ = sorted({*RUN, *(str(p.relative_to(ROOT)) for p in (ROOT / "docs").rglob("*.md")), "examples/identify/README.md"})
 NOT_RUN = {
     "cargo run --release -- demo": "takes a build; the step demo runs it",
     "cargo test --workspace": "takes many minutes; the step tests runs it",
     "itpms monitor can0 --vehicle car.toml --dbc car.dbc --signals map.toml --http 127.0.0.1:8080": "needs a CAN interface; the step vcan has one",
     "itpms monitor can0 --vehicle car.toml --dbc car.dbc --mcap live.mcap": "the same",
+    "itpms estimate bus.mf4 --dbc car.dbc --signals map.toml --vehicle car.toml -o est.csv": "itpms writes no frames into MDF; the step formats reads some",
+    "itpms convert bus.mf4 bus.log": "the same",
 }
-WRITES = {"-o", "--out", "--report", "--road-out", "--mcap", "--save-reference", "--vehicle-out"}
-# Ten minutes at the placard's pressure for a calibration, and a later drive in which one tire loses a fifth.
+# Lines after which the reader edits what was written: the map then names the signals whose names do not say enough.
+COMPLETED = {"itpms signals drive.log --dbc car.dbc --write-map map.toml": ROOT / "examples" / "can" / "map.toml"}
+WRITES = {"-o", "--out", "--write-map", "--report", "--road-out", "--mcap", "--save-reference", "--vehicle-out"}
+# A car of one's own, at 240 kPa but for the front left tire (or all, where `all_kpa` says so).
 OWN_CAR = """
 name = "own-car"
 duration_s = {duration_s}
@@ -41,10 +46,10 @@ contact_length_m = 0.1
 surface.iso8608 = {{ roughness = "B", slope = 2.0 }}
 [car]
 [corner]
-fl = {{ sprung_mass_kg = 360.0, unsprung_mass_kg = 46.0, pressure.points_s_kpa = {front_left} }}
-fr = {{ sprung_mass_kg = 360.0, unsprung_mass_kg = 46.0, pressure.constant_kpa = 240.0 }}
-rl = {{ sprung_mass_kg = 295.0, unsprung_mass_kg = 40.0, pressure.constant_kpa = 240.0 }}
-rr = {{ sprung_mass_kg = 295.0, unsprung_mass_kg = 40.0, pressure.constant_kpa = 240.0 }}
+fl = {{ sprung_mass_kg = 360.0, unsprung_mass_kg = 46.0, pressure.points_s_kpa = [[60.0, {all_kpa}], [70.0, {front_left_kpa}]] }}
+fr = {{ sprung_mass_kg = 360.0, unsprung_mass_kg = 46.0, pressure.constant_kpa = {all_kpa} }}
+rl = {{ sprung_mass_kg = 295.0, unsprung_mass_kg = 40.0, pressure.constant_kpa = {all_kpa} }}
+rr = {{ sprung_mass_kg = 295.0, unsprung_mass_kg = 40.0, pressure.constant_kpa = {all_kpa} }}
 """
 # Where the program is called in a line: at its beginning or behind a pipe, with or without its folder.
 CALL = re.compile(r"(?:^|\| )(?:[^\s=]+/)?itpms (?:help )?")
@@ -57,22 +62,46 @@ def itpms(folder, *arguments):
         raise SystemExit(f"itpms {' '.join(map(str, arguments))}: exit code {done.returncode}\n{done.stderr}")
 
 
+def own_drive(folder, name, duration_s, all_kpa=240.0, front_left_kpa=None):
+    (folder / "own.toml").write_text(OWN_CAR.format(duration_s=duration_s, all_kpa=all_kpa, front_left_kpa=front_left_kpa or all_kpa))
+    itpms(folder, "lab", "simulate", "own.toml", "-o", name, "--no-truth")
+
+
+def bus_drive(folder, *logs):
+    """A drive with its vehicle file, and as a log of the example's bus."""
+    shutil.copy(ROOT / "examples" / "can" / "car.dbc", folder)
+    shutil.copy(ROOT / "examples" / "can" / "map.toml", folder)
+    itpms(folder, "lab", "simulate", "drive-puncture", "--seed", 1, "-o", "drive.csv", "--vehicle-out", "car.toml")
+    for log in logs:
+        itpms(folder, "convert", "drive.csv", log, "--dbc", "car.dbc", "--signals", "map.toml")
+
+
 def given(page, folder):
     """What a page takes for given: a reader's own logs."""
-    wheels, bus = ROOT / "examples" / "wheel-speeds", ROOT / "examples" / "can"
+    wheels = ROOT / "examples" / "wheel-speeds"
     if page == "README.md":
         itpms(folder, "lab", "simulate", "drive-puncture", "--seed", 1, "-o", "drive.csv")
-        for name, duration_s, front_left in [("first", 640.0, [[0.0, 240.0]]), ("later", 120.0, [[60.0, 240.0], [70.0, 190.0]])]:
-            (folder / "own.toml").write_text(OWN_CAR.format(duration_s=duration_s, front_left=front_left))
-            itpms(folder, "lab", "simulate", "own.toml", "-o", f"{name}.csv", "--no-truth")
+        own_drive(folder, "first.csv", 640.0)
+        own_drive(folder, "later.csv", 120.0, front_left_kpa=190.0)
         subprocess.run([sys.executable, wheels / "make.py", "bus.log", "1300"], cwd=folder, check=True)
         shutil.copy(wheels / "car.dbc", folder)
+    elif page == "docs/reset.md":
+        own_drive(folder, "calibration.csv", 640.0)
+        own_drive(folder, "drive.csv", 120.0, front_left_kpa=190.0)
+    elif page == "docs/vehicle.md":
+        for name, all_kpa in [("calibration.csv", 240.0), ("drive.csv", 240.0), ("soft.csv", 180.0), ("hard.csv", 240.0)]:
+            own_drive(folder, name, 180.0, all_kpa)
     elif page == "docs/commands.md":
-        shutil.copy(bus / "car.dbc", folder)
-        shutil.copy(bus / "map.toml", folder)
-        itpms(folder, "lab", "simulate", "drive-puncture", "--seed", 1, "-o", "drive.csv", "--vehicle-out", "car.toml")
+        bus_drive(folder, "drive.blf")
         itpms(folder, "convert", "drive.csv", "drive.mf4")
-        itpms(folder, "convert", "drive.csv", "drive.blf", "--dbc", "car.dbc", "--signals", "map.toml")
+    elif page == "docs/measurements.md":
+        bus_drive(folder, "drive.log")
+        head, rows = (folder / "drive.csv").read_text().split("\n", 1)
+        (folder / "other.csv").write_text(f"{head.replace('time_s', 'Time [s]').replace('speed_m_s', 'VehicleSpeed [m/s]', 1)}\n{rows}")
+    elif page == "docs/introduction.md":
+        itpms(folder, "lab", "simulate", "drive-puncture", "--seed", 1, "-o", "drive.csv")
+        (folder / "target").mkdir()
+        (folder / "target" / "release").symlink_to(PROGRAMS)
     else:
         shutil.copytree((ROOT / page).parent, folder, dirs_exist_ok=True)
 
@@ -134,6 +163,8 @@ def run(page):
         words = shlex.split(line)
         missing = [to for option, to in zip(words, words[1:]) if option in WRITES and not ((folder / to).is_dir() or (folder / to).is_file() and (folder / to).stat().st_size)]
         good = done.returncode == 0 and not missing
+        if line in COMPLETED:
+            shutil.copy(COMPLETED[line], folder)
         print(f"{'passed ' if good else 'FAILED '}  {took_s:5.1f} s  {page}: {line}", flush=True)
         if not good:
             faults.append(f"{page}: {line}\n    exit code {done.returncode}, not written: {missing}\n{done.stderr[-2000:]}")

@@ -89,7 +89,7 @@ demo() {
     find "$out" -name '*.csv' -size +1k | grep -q . || { echo "demo left no csv of more than 1 kB"; exit 1; }
 }
 
-# The command lines of README.md and docs/commands.md, run as printed.
+# The command lines of README.md, docs/commands.md and other pages, run as printed.
 commands() {
     cargo build --release --locked
     python3 .ci/commands.py "$target_dir/release" "$target_dir/ci-commands"
