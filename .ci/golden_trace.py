@@ -157,7 +157,7 @@ def numbers(path):
 
 def happened(path):
     """Time, kind and wheels of every event."""
-    keys = ("time_s", "event", "kind", "wheels", "since_s", "said_s")
+    keys = ("time_s", "event", "kind", "wheels", "since_s", "reported_s")
     events = [json.loads(line) for line in path.read_text().splitlines()]
     return f"{sha(json.dumps([event.get(key) for key in keys]) for event in events)}/{len(events)}"
 

@@ -32,11 +32,11 @@ LIMITS = [
     # 74 to 97 % is measured.
     ("coverage_in_change", "drive", 0.65, 1.0, "the same while a tire goes down"),
     # Losses of a fifth, each wheel in turn, classes A to D, 20 to 120 km/h.
-    ("missed", "detection", 0.0, 0.0, "every loss said"),
+    ("missed", "detection", 0.0, 0.0, "every loss reported"),
     ("wrong_wheels", "detection", 0.0, 0.0, "no other wheel named"),
-    ("early", "detection", 0.0, 0.0, "nothing said before it begins"),
-    ("after_median_s", "one wheel", 0.0, 2.5, "said in time"),
-    ("share_within_goal", "one wheel", 0.85, 1.0, "said in time in nearly every drive"),
+    ("early", "detection", 0.0, 0.0, "nothing reported before it begins"),
+    ("after_median_s", "one wheel", 0.0, 2.5, "reported in time"),
+    ("share_within_goal", "one wheel", 0.85, 1.0, "reported in time in nearly every drive"),
     ("error_median_percent", "road", 0.0, 16.0, "the road's shape"),
     ("iri_error_abs_median_percent", "road", 0.0, 10.0, "the road's roughness"),
 ]

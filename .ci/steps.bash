@@ -89,6 +89,12 @@ demo() {
     find "$out" -name '*.csv' -size +1k | grep -q . || { echo "demo left no csv of more than 1 kB"; exit 1; }
 }
 
+# The command lines of README.md, docs/commands.md and other pages, run as printed.
+commands() {
+    cargo build --release --locked
+    python3 .ci/commands.py "$target_dir/release" "$target_dir/ci-commands"
+}
+
 # A refactoring leaves every number as it was (the file's own comment says how to write it anew after a change of behavior).
 golden_trace() {
     cargo build --release --locked
@@ -128,7 +134,7 @@ panel_of() {
     python3 .ci/panel.py "$target_dir/release" -o "$target_dir/$name.json" "${firmware[@]}" "$@" | tee "$target_dir/$name.md"
 }
 
-# Half an hour in which nothing is wrong: nothing may be said. (That a killed run goes on is among the tests.)
+# Half an hour in which nothing is wrong: nothing may be reported. (That a killed run goes on is among the tests.)
 soak() {
     cargo build --release --locked
     local out="$target_dir/ci-soak"

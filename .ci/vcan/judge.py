@@ -94,7 +94,7 @@ def puncture(first, marks):
     after_s = said[0]["unix_s"] - start_s - COMPLETE_LOSS_S if said else float("nan")
     check(abs(after_s) <= 3.0, f"warned {after_s:+.1f} s from the complete loss")
     others = [alert["text"] for alert in first.warnings if alert["wheels"] != ["fl"]]
-    check(not others, f"nothing else was said, but {others}")
+    check(not others, f"nothing else was reported, but {others}")
     last = first.estimates[-1]
     for wheel in last["wheels"]:
         # Five standard deviations: this asks whether the wheels were mixed up, not how good the estimator is.
@@ -110,7 +110,7 @@ def outage(run, marks, gone, back, part):
     # Stale after a second without a row; told again every second.
     while_away = [line["source"]["state"] for line in run.between(gone_s + 1.5, back_s)]
     check(while_away and set(while_away) == {"stale"}, f"{gone}: the source is {while_away}")
-    check(not any(line["all_fine"] for line in run.between(gone_s, play_s)), f"{gone}: nobody said that all is fine")
+    check(not any(line["all_fine"] for line in run.between(gone_s, play_s)), f"{gone}: it was not reported that all is fine")
     live = [line["unix_s"] for line in run.between(play_s, play_s + 30.0) if line["source"]["state"] == "live"]
     wait_s = live[0] - play_s if live else float("nan")
     check(wait_s < 5.0, f"{back}: estimates {wait_s:.2f} s after the first frame")
@@ -121,10 +121,10 @@ def counters(first, marks):
     print("        counted:", json.dumps(source))
     played = sum(int(marks.rest("played", part)[0]) for part in ["puncture", "after-down", "after-unplugged"])
     # While the interface is opened again, some tenths of a second, nothing is heard.
-    check(source["dropped"] == 0 and source["frames"] > 0.97 * played, f"{source['frames']} of {played} frames heard, none dropped")
+    check(source["dropped"] == 0 and source["frames"] > 0.97 * played, f"{source['frames']} of {played} frames received, none dropped")
     check(source["reconnects"] == 3, f"{source['reconnects']} reconnects")
     check(source["unknown_ids"] == 1 and source["malformed"] == 0, f"{source['unknown_ids']} frame with an unknown identifier")
-    check("bus-off" in first.said, f"said: {first.said.splitlines()}")
+    check("bus-off" in first.said, f"reported: {first.said.splitlines()}")
 
 
 def layouts(dbc):
@@ -193,7 +193,7 @@ def restart(first, second, marks):
           and all(abs(distance_m - SPEED_M_S * time_s) < 0.02 * SPEED_M_S * time_s for distance_m, time_s in zip(driven_m, passed_s)),
           "driven since the last start: "
           + ", then ".join(f"{distance_m:.1f} m in {time_s:.2f} s" for distance_m, time_s in zip(driven_m, passed_s)))
-    check(not second.begun("under-inflated"), "what was said before the restart is not said again")
+    check(not second.begun("under-inflated"), "what was reported before the restart is not reported again")
 
 
 def figures(runs):

@@ -14,7 +14,7 @@ fn main() {
     println!("cargo::rustc-env=ITPMS_VERSION={}{commit}", env!("CARGO_PKG_VERSION"));
 }
 
-/// The commit of the workspace's own clone; a package inside of somebody else's has none.
+/// The commit of the workspace's own clone; a package inside of another's has none.
 fn cloned() -> Option<String> {
     if !Path::new("../../.git").exists() {
         return None;

@@ -100,7 +100,7 @@ def make_fleet(folder, cars, drives, *, seconds=40.0, first_s=40.0, rate_hz=200.
 
 
 def add_arguments(parser, *, cars, drives, seconds=40.0, first_s=40.0):
-    """How large a fleet is, with what it is unless said otherwise."""
+    """How large a fleet is, with what it is unless given otherwise."""
     parser.add_argument("--cars", type=int, default=cars)
     parser.add_argument("--drives", type=int, default=drives, help="of each car")
     parser.add_argument("--seconds", type=float, default=seconds, help="of a drive")

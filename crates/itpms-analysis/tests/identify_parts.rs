@@ -119,7 +119,7 @@ fn springs_that_cannot_be_identified_are_refused_with_the_reason() {
     let mut dice = Dice::new(4);
     let noise: Vec<f64> = x.iter().map(|_| 100.0 * dice.normal()).collect();
     assert!(
-        refused(&x, &noise).starts_with("the stiffness cannot be told from zero"),
+        refused(&x, &noise).starts_with("the stiffness is not distinguishable from zero"),
         "{}",
         refused(&x, &noise)
     );
@@ -271,7 +271,9 @@ fn dampers_that_cannot_be_identified_are_refused_with_the_reason() {
     );
     let mut dice = Dice::new(1);
     let noise: Vec<f64> = x.iter().map(|_| 50.0 * dice.normal()).collect();
-    assert!(refused((t.clone(), x.clone(), noise)).starts_with("the damping cannot be told from zero"));
+    assert!(
+        refused((t.clone(), x.clone(), noise)).starts_with("the damping is not distinguishable from zero")
+    );
     let mut broken = f.clone();
     broken[4] = f64::INFINITY;
     assert_eq!(refused((t, x, broken)), "row 5 of force_n is not finite");

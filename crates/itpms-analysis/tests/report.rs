@@ -259,7 +259,7 @@ fn what_the_monitor_said_is_a_table_and_a_time_line() {
         assert_eq!(watch.last[0], Some(WheelState::Low));
         assert_eq!(watch.last[1..], [Some(WheelState::Fine); 3]);
         let low = watch.alerts.iter().find(|span| span.alert.cause.label() == "under-inflated").unwrap();
-        // Said within seconds of the loss, in the report's time, and standing at the end.
+        // Reported within seconds of the loss, in the report's time, and standing at the end.
         assert!(low.alert.wheels.contains(Corner::FrontLeft) && low.ended_s.is_none());
         assert!((30.0..35.0).contains(&low.alert.reported_s), "{low:?}");
         let page = render_report(&data).unwrap();
@@ -268,7 +268,7 @@ fn what_the_monitor_said_is_a_table_and_a_time_line() {
         // One state, one word: on the card, its section and beside the tire.
         assert_eq!(page.matches("\"badge fine\">Fine<").count(), 6);
         assert_eq!(page.matches(">fine</text>").count(), 3);
-        // When it was said is the same moment wherever it stands; `since` is the table's alone.
+        // When it was reported is the same moment wherever it stands; `since` is the table's alone.
         let said = moment(low.alert.reported_s);
         assert!(page.contains(&format!("low, warned of at {said}")), "{said}");
         assert!(page.contains(&format!("<span>warned of at {said}</span>")), "{said}");
@@ -287,7 +287,7 @@ fn moment(time_s: f64) -> String {
     format!("{time_s:.1}\u{a0}s").replace(".0\u{a0}", "\u{a0}")
 }
 
-/// Nobody can go by a pressure that could be low as well: no wheel of these is called fine.
+/// No one can go by a pressure that could be low as well: no wheel of these is called fine.
 #[test]
 fn a_wheel_that_is_not_known_says_so_and_why() {
     let mut data = monitored(0.0);

@@ -410,11 +410,11 @@ enum itpms_malfunction
    */
   ITPMS_MALFUNCTION_SWAPPED = 6,
   /*
-   Left and right of one axle carry each other's name; of which, cannot be told.
+   Left and right of one axle carry each other's name; of which is unknown.
    */
   ITPMS_MALFUNCTION_SWAPPED_SIDES = 7,
   /*
-   Front and rear of one side carry each other's name; of which, cannot be told.
+   Front and rear of one side carry each other's name; of which is unknown.
    */
   ITPMS_MALFUNCTION_SWAPPED_AXLES = 8,
   /*
@@ -623,7 +623,7 @@ typedef double itpms_real;
 #endif
 
 /*
- One corner of the car: masses, spring, damper, tire. NaN where "NaN:" is said stands for what follows it.
+ One corner of the car: masses, spring, damper, tire. NaN stands for what follows "NaN:".
  */
 typedef struct {
   /*
@@ -771,7 +771,7 @@ typedef struct {
 } itpms_wheel_speed_config;
 
 /*
- All that a car is told. Filled with its defaults by `itpms_config_init`; four-element arrays are front left, front right,
+ All that a car is given. Filled with its defaults by `itpms_config_init`; four-element arrays are front left, front right,
  rear left, rear right.
  */
 typedef struct {
@@ -1013,7 +1013,7 @@ typedef struct {
  */
 typedef struct {
   /*
-   Since when it has been so, in s by the samples' clock, as far as can be told.
+   Since when it has been so, in s by the samples' clock, as far as is known.
    */
   double since_s;
   /*

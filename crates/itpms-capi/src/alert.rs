@@ -50,9 +50,9 @@ pub enum itpms_malfunction {
     Gain = 5,
     /// Two sensors carry each other's name.
     Swapped = 6,
-    /// Left and right of one axle carry each other's name; of which, cannot be told.
+    /// Left and right of one axle carry each other's name; of which is unknown.
     SwappedSides = 7,
-    /// Front and rear of one side carry each other's name; of which, cannot be told.
+    /// Front and rear of one side carry each other's name; of which is unknown.
     SwappedAxles = 8,
     /// The corner's signals do not fit each other or the rest of the car.
     Inconsistent = 9,
@@ -74,7 +74,7 @@ pub enum itpms_basis {
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct itpms_alert {
-    /// Since when it has been so, in s by the samples' clock, as far as can be told.
+    /// Since when it has been so, in s by the samples' clock, as far as is known.
     pub since_s: f64,
     /// When it was first reported, in s by the same clock.
     pub reported_s: f64,

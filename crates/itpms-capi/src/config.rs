@@ -1,4 +1,4 @@
-//! What a car is told, as a C program fills it in.
+//! What a car is given, as a C program fills it in.
 
 use crate::{ITPMS_API_VERSION, itpms_real};
 
@@ -36,7 +36,7 @@ pub enum itpms_driven {
     All = 2,
 }
 
-/// One corner of the car: masses, spring, damper, tire. NaN where "NaN:" is said stands for what follows it.
+/// One corner of the car: masses, spring, damper, tire. NaN stands for what follows "NaN:".
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct itpms_corner_config {
@@ -116,7 +116,7 @@ pub struct itpms_wheel_speed_config {
     pub load_front_passengers_sd: itpms_real,
 }
 
-/// All that a car is told. Filled with its defaults by `itpms_config_init`; four-element arrays are front left, front right,
+/// All that a car is given. Filled with its defaults by `itpms_config_init`; four-element arrays are front left, front right,
 /// rear left, rear right.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]

@@ -117,7 +117,7 @@ fn read_corner(
     Ok(corner)
 }
 
-/// What the parameters are known to, where something else is said than what is usual.
+/// What the parameters are known to, where something else is given than what is usual.
 fn uncertainty(
     told: &itpms_corner_config,
     confidence: Confidence,

@@ -1,4 +1,4 @@
-//! The library as C programs use it: compiled by gcc as C99 without a warning, linked with this build's static library. Skipped, and said
+//! The library as C programs use it: compiled by gcc as C99 without a warning, linked with this build's static library. Skipped, and reported
 //! to be, where there is no gcc.
 
 use std::ffi::OsStr;

@@ -38,7 +38,7 @@ pub enum Failure {
     /// A study is complete, and what it found is not what was wanted of it.
     #[error("{0}")]
     Missed(String),
-    /// Somebody pressed Ctrl-C.
+    /// Ctrl-C was pressed.
     #[error("interrupted, nothing was written")]
     Interrupted,
     /// The same, in a run whose finished parts are kept.
@@ -46,13 +46,13 @@ pub enum Failure {
     Paused,
 }
 
-/// The option with which somebody who knows better goes on.
+/// The option with which someone who knows better goes on.
 fn remedy(error: &DataError) -> &'static str {
     match &*error.problem {
         Problem::Units { .. } => {
             "; if they are right: --trust-units, else state the units in a map: --signals"
         }
-        // A table of somebody else's: it has a clock, but not under this name.
+        // A table of another's: it has a clock, but not under this name.
         Problem::MissingColumn { column, .. } if *column == Slot::Time.name() => {
             "; other names or units: itpms signals LOG --write-map map.toml, then --signals map.toml"
         }

@@ -42,8 +42,8 @@ impl Folder {
         self.path.join(name)
     }
 
-    /// Names and contents; the files get their names when all are complete. A page that is there and has another title is somebody
-    /// else's, and is kept beside the new one.
+    /// Names and contents; the files get their names when all are complete. A page that is there and has another title is
+    /// another's, and is kept beside the new one.
     pub fn fill(
         &self,
         contents: impl IntoIterator<Item = (String, String)>,

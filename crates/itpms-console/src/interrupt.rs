@@ -1,5 +1,5 @@
 //! Ctrl-C, SIGTERM and SIGHUP end a run between two rows, so that unfinished files are removed on the way out; and within a
-//! second where it waits for something that does not come, such as a pipe that nobody writes to.
+//! second where it waits for something that does not come, such as a pipe without a writer.
 
 use std::io::Write as _;
 use std::ops::ControlFlow;
@@ -19,14 +19,14 @@ const ENDING: Duration = Duration::from_secs(4);
 /// Time for the last word: standard error may be a pipe that is full.
 const LAST_WORD: Duration = Duration::from_millis(50);
 
-/// Whether somebody wants this to end.
+/// Whether an end is wanted.
 #[derive(Debug, Clone)]
 pub struct Interrupt(Arc<Flags>);
 
 #[derive(Debug, Default)]
 struct Flags {
     wanted: AtomicBool,
-    /// Somebody has looked since.
+    /// It was looked at since.
     noticed: AtomicBool,
     /// What is finished is kept, and the same command goes on from there.
     resumes: AtomicBool,

@@ -26,7 +26,7 @@ fn note(written: io::Result<()>) {
     }
 }
 
-/// A text on one line, without anything that a terminal would obey: names of files, cars and signals are somebody else's.
+/// A text on one line, without anything that a terminal would obey: names of files, cars and signals are another's.
 /// Such a character is written as JSON writes it, so that JSON stays JSON.
 #[must_use]
 pub fn plain(text: &str) -> Cow<'_, str> {

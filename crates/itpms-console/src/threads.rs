@@ -5,7 +5,7 @@ use std::thread;
 use crate::exit::Failure;
 use crate::options::Jobs;
 
-/// As many as there are processors, unless said.
+/// As many as there are processors, unless given.
 pub fn at_a_time(jobs: Option<u16>) -> usize {
     jobs.map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from)
 }

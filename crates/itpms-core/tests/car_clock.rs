@@ -1,4 +1,4 @@
-//! A car whose clock is set, or stamps a sample wrong: what was learned, a reset and what was said go on as if it had not.
+//! A car whose clock is set, or stamps a sample wrong: what was learned, a reset and what was reported go on as if it had not.
 // Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
 #![allow(clippy::unwrap_used)]
 use crate::common;
@@ -22,7 +22,7 @@ fn pressure_kpa(time_s: f64) -> [f64; 4] {
 static ROWS: LazyLock<Vec<CarSample<f64>>> =
     LazyLock::new(|| CarRide { seconds: 50.0, pressure_kpa, ..CarRide::new(6) }.rows());
 
-/// What is known and said after every sample of a drive.
+/// What is known and reported after every sample of a drive.
 struct Driven {
     learned: VehicleCalibration<f64>,
     said: Vec<(CarEstimate<f64>, MonitorReport<f64>)>,
@@ -80,7 +80,7 @@ fn a_clock_that_is_set_or_stamps_wrong_is_no_event() {
             drive.said.iter().zip(&honest.said).enumerate().skip(at(1.0))
         {
             assert_eq!(estimate.time_s, ROWS[k].time_s + by_s(k), "{name}");
-            // Samples that nobody can place are lost, and lost samples are suspicious for a moment.
+            // Samples without a known time are lost, and lost samples are suspicious for a moment.
             let shortly_after = (at(from_s)..at(from_s + 4.0)).contains(&k);
             for (i, (one, other)) in estimate.corners.iter().zip(&expected.corners).enumerate() {
                 let (Some(one), Some(other)) = (one, other) else { continue };

@@ -1,5 +1,5 @@
-//! A car of which a part has fallen silent: nobody says how fast it is, or sensors of the rear axle are gone. What is still
-//! heard goes on, and says how well.
+//! A car of which a part has fallen silent: its speed is not sent, or sensors of the rear axle are gone. What is still
+//! received goes on, and states how well.
 // Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
 #![allow(clippy::unwrap_used)]
 use crate::common;
@@ -26,7 +26,7 @@ fn changed(change: impl Fn(&mut CarSample<f64>)) -> Vec<CarSample<f64>> {
     rows
 }
 
-/// The car of which nobody knows the speed in this time.
+/// The car whose speed is unknown in this time.
 fn without_speed(from_s: f64, to_s: f64) -> Vec<CarSample<f64>> {
     changed(|row| {
         if (from_s..to_s).contains(&row.time_s) {
@@ -114,7 +114,7 @@ fn after_fifteen_seconds(rows: impl Iterator<Item = CarSample<f64>>) -> Vec<[Whe
     .collect()
 }
 
-/// Nobody knows what eight hours in a car park have done to a tire.
+/// What eight hours in a car park have done to a tire is unknown.
 #[test]
 fn after_a_night_nothing_is_fine_before_it_is_learned_anew() {
     const NIGHT_S: f64 = 28_800.0;
@@ -131,7 +131,7 @@ fn after_a_night_nothing_is_fine_before_it_is_learned_anew() {
     assert_eq!(states.last().unwrap(), &[WheelState::Fine; 4]);
 }
 
-/// What was known a minute ago is known now, from the first sample on: a program that starts again says what it said.
+/// What was known a minute ago is known now, from the first sample on: a program that starts again reports what it reported.
 #[test]
 fn after_a_short_pause_what_was_known_is_known() {
     for pause_s in [2.0, 60.0] {

@@ -27,7 +27,7 @@ fn a_reset_drive_stays_at_placard_and_lets_go_afterwards() {
             free_sd = free_sd.max(e.pressure_sd_kpa);
         }
     }
-    // Nobody vouches for the pressure any more: the sd is the estimator's own again.
+    // The pressure is not vouched for any more: the sd is the estimator's own again.
     assert!(free_sd > 3.0, "{free_sd}");
 }
 
@@ -73,7 +73,7 @@ fn a_reset_of_no_length_is_refused() {
     }
 }
 
-/// Sensors that were out of order and come back early in a reset do not end it: what somebody has set is still what it was.
+/// Sensors that were out of order and come back early in a reset do not end it: what was set is still what it was.
 #[test]
 fn a_reset_goes_on_over_sensors_that_come_back() {
     let rows = CarRide { seconds: 20.0, pressure_kpa: |_| [PLACARD_KPA; 4], ..CarRide::new(5) }.rows();

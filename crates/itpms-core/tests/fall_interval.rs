@@ -1,5 +1,5 @@
 //! What the interval of an exact posterior holds while a tire falls (docs/math/shared-road.md, section 6): a level that is seen through
-//! white noise and may begin to fall at any moment, told how often and how fast tires do; every beginning and rate weighed by Bayes' rule.
+//! white noise and may begin to fall at any moment, given how often and how fast tires do; every beginning and rate weighed by Bayes' rule.
 
 use crate::common;
 
@@ -104,7 +104,7 @@ fn a_fall_is_inside_of_the_interval_once_it_is_believed_to_a_fifth() {
     }
 }
 
-/// An exact posterior holds a fall's truth less often than 95 %, however it is told how often tires fall: told every five seconds instead
+/// An exact posterior holds a fall's truth less often than 95 %, however it is given how often tires fall: given every five seconds instead
 /// of once in 80 minutes, still less than nine tenths of the time.
 #[test]
 fn no_posterior_holds_nine_tenths_of_a_fall() {

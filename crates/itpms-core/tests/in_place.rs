@@ -14,7 +14,7 @@ use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 static ROWS: LazyLock<Vec<CarSample<f64>>> =
     LazyLock::new(|| CarRide { seconds: 20.0, ..CarRide::new(9) }.rows());
 
-/// A car of which the left side alone is measured, and no wheelbase is told: nothing is fused.
+/// A car of which the left side alone is measured, and no wheelbase is given: nothing is fused.
 fn half() -> CarConfig<f32> {
     let [front_left, _, rear_left, _] = config().corners;
     CarConfig { corners: [front_left, None, rear_left, None], wheelbase_m: None }
@@ -71,7 +71,7 @@ fn a_car_whose_monitor_or_corner_is_refused_is_not_configured() {
     assert_eq!(car.configure(&refused, RATE_HZ).unwrap_err().name, "reference_kpa");
     assert!(car.update(&cast(&ROWS[0])).corners.iter().all(Option::is_none));
 
-    // The third corner's sensors are said to have no noise.
+    // The third corner's sensors are stated to have no noise.
     let mut estimator = Box::new(CarEstimator::<f32>::unconfigured());
     let mut refused = config();
     refused.corners[2].as_mut().unwrap().accel_noise_m_s2 = Some(0.0);

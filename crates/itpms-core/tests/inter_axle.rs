@@ -107,7 +107,7 @@ fn a_loss_and_a_filling_are_followed() {
     let rows = ride.rows();
     let estimates = drive(&mut car(&config::<f64>()), &rows);
     estimates.iter().for_each(sound);
-    // Before, after the loss, after the filling; the filling is expected of nobody, so it takes longer to be believed.
+    // Before, after the loss, after the filling; the filling is not expected, so it takes longer to be believed.
     for (from_s, to_s) in [(8.0, 12.0), (17.0, 25.0), (34.0, 40.0)] {
         let of = &estimates[(from_s * RATE_HZ) as usize..(to_s * RATE_HZ) as usize];
         assert!(within_four_sd(of, ride.pressure_kpa) == 4 * of.len());
@@ -146,7 +146,7 @@ fn two_tires_of_a_side_that_fall_together_are_read() {
     }
 }
 
-/// Somebody has set all tires, and says so; while that is learned from one falls. (It was denied for a quarter of a minute, and the
+/// All tires were set, and that is given; while that is learned from one falls. (It was denied for a quarter of a minute, and the
 /// other tire of its side read 30 kPa too high, as long as nothing could move during a reset.)
 #[test]
 fn a_puncture_during_a_reset_is_read() {
@@ -252,7 +252,7 @@ fn a_reset_may_begin_again() {
     assert!(car.calibration().is_some());
     car.begin_calibration(600.0).unwrap();
     assert!(car.calibration().is_none());
-    // The front left tire is 40 kPa softer than was said, which pulls however firmly it is held.
+    // The front left tire is 40 kPa softer than was given, which pulls however firmly it is held.
     let held = drive_to(&mut car, 10.0, 20.0);
     let drifted = worst(held.last().unwrap());
     car.begin_calibration(600.0).unwrap();
@@ -399,7 +399,7 @@ fn a_stop_is_sat_out() {
     assert!(sd(14.9) > 0.9 * sd(12.5) && sd(14.9) < 2.0 * sd(12.5), "{} {}", sd(12.5), sd(14.9));
 }
 
-/// Over a night all four tires have become colder, and lost 30 kPa: nobody could watch, so that is no surprise.
+/// Over a night all four tires have become colder, and lost 30 kPa: it could not be watched, so that is no surprise.
 #[test]
 fn what_a_night_takes_from_all_tires_is_read_within_seconds() {
     let ride = CarRide {

@@ -1,4 +1,4 @@
-//! What the belief was taught by a sensor that told wrong is rolled back, and nothing else for long.
+//! What the belief was taught by a sensor that read wrong is rolled back, and nothing else for long.
 // Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
 #![allow(clippy::unwrap_used)]
 use crate::common;
@@ -117,9 +117,9 @@ fn what_has_moved_beside_a_suspected_corner_is_doubted() {
     }
 }
 
-/// A tire's own sensor lies for three seconds, and after two it is suspected. Once it is said that it lied, the tire is what it
-/// was before it did, whether it was misread by far (a wheel's sensor) or so little that nobody would have doubted it (a
-/// body's). As long as nobody says so, it is what it seems to be.
+/// A tire's own sensor lies for three seconds, and after two it is suspected. Once it is reported that it lied, the tire is what it
+/// was before it did, whether it was misread by far (a wheel's sensor) or too little to be doubted (a
+/// body's). As long as it is not reported, it is what it seems to be.
 #[test]
 fn what_a_tire_was_before_its_sensors_lied_counts_once_that_is_said() {
     let rows = CarRide { seconds: 28.0, ..CarRide::new(5) }.rows();
@@ -151,7 +151,7 @@ fn what_a_tire_was_before_its_sensors_lied_counts_once_that_is_said() {
         let [said, unsaid] = [&mut car, &mut unsaid].map(|car| rear_right(car, &rows[at(27.0)..at(27.1)]));
         let off_kpa = [said, unsaid].map(|corner| (corner.pressure_kpa - before.pressure_kpa).abs());
         assert!(off_kpa[0] < 4.0 && off_kpa[0] < 0.5 * off_kpa[1], "{off_kpa:?}");
-        // For as long as nothing was heard of it, it may have changed.
+        // For as long as nothing was read of it, it may have changed.
         assert!(said.pressure_sd_kpa > 1.5 * before.pressure_sd_kpa, "{said:?} {before:?}");
     }
 }

@@ -4,7 +4,7 @@
 //!
 //! A line per channel, its cells separated by tabs: group, channel, unit, comment, number of samples, how many of them
 //! are missing, and the digest of the others: for the n-th sample from zero, that is the bits of the value times 2n+1,
-//! all added up modulo 2^64. What was repaired and the time it took are said on standard error.
+//! all added up modulo 2^64. What was repaired and the time it took are reported on standard error.
 
 use std::error::Error;
 use std::io::Write;

@@ -1,4 +1,4 @@
-//! What can be wrong with a file, said once: the file, the line or column, what was found, what was expected.
+//! What can be wrong with a file, stated once: the file, the line or column, what was found, what was expected.
 //!
 //! Every public function of this crate returns [`DataError`]. Its message is complete; callers print it as it is.
 
@@ -261,7 +261,7 @@ pub enum Problem {
     },
     /// Stamps that are off by a good part of the sample period.
     #[error(
-        "the times are uneven: a step of {} s has a standard deviation of {jitter_percent:.0} %, so frequencies cannot be told; expected even samples \
+        "the times are uneven: a step of {} s has a standard deviation of {jitter_percent:.0} %, so frequencies are unknown; expected even samples \
          (write the time at which each was taken, not at which it arrived)",
         (*.period_s * 1e6).round() / 1e6
     )]
@@ -354,7 +354,7 @@ pub enum Problem {
         /// The parser's words.
         message: String,
     },
-    /// A key nobody asked for, most likely mistyped.
+    /// An unexpected key, most likely mistyped.
     #[error("line {line}: unknown key {key} in {table}{}, expected one of: {known}", hint_key(.nearest))]
     UnknownKey {
         /// Where.

@@ -45,7 +45,7 @@ pub(crate) fn open(path: &Path) -> Result<(File, Metadata), Problem> {
 }
 
 /// Opens a file of a `format` that is not read from beginning to end. A pipe is refused before it is opened, which would wait
-/// for somebody who writes to it.
+/// for someone who writes to it.
 #[cfg(any(feature = "can", feature = "mdf4", feature = "parquet"))]
 pub(crate) fn open_regular(path: &Path, format: &'static str) -> Result<(File, Metadata), Problem> {
     if look(path)?.is_file() { open(path) } else { Err(Problem::NotRegular(format)) }

@@ -25,7 +25,7 @@ fn original(name: &str) -> Vec<u8> {
     fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/can").join(name)).unwrap()
 }
 
-/// Reads a file to its end or error; the frames there were, and whether all is said to be well.
+/// Reads a file to its end or error; the frames there were, and whether all is reported to be well.
 fn read(path: &Path) -> (u64, bool) {
     let Ok(mut reader) = FrameReader::open(path) else { return (0, false) };
     let mut frames = 0;

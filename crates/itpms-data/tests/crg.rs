@@ -131,7 +131,7 @@ fn slope_and_banking_lift_the_grid() {
     // z = 100 + sum of slope times 0.5 m + banking v + grid; the first slope is unused.
     assert_close(&read("", "").line_m(1.0).unwrap(), &[100.101, 100.211, 100.331], 1e-9);
     assert_close(&read("", "").line_m(-1.0).unwrap(), &[99.9, 99.81, 99.73], 1e-9);
-    // The end lies 0.03 m up by the slopes; told 0.04, half a centimetre more per row.
+    // The end lies 0.03 m up by the slopes; given 0.04, half a centimetre more per row.
     assert_close(
         &read("reference_line_end_z = 100.04\n", "").line_m(1.0).unwrap(),
         &[100.101, 100.216, 100.341],
@@ -265,7 +265,7 @@ fn wrong_data_are_refused_by_line_and_column() {
     assert!(matches!(CrgRoad::from_bytes(b"no road"), Err(CrgProblem::NoData)));
 }
 
-/// One of the standard's examples. `None` where it is not, which is said on the stream itself: what the macros print in
+/// One of the standard's examples. `None` where it is not, which is reported on the stream itself: what the macros print in
 /// a test that passes is not shown.
 fn example(name: &str) -> Option<CrgRoad> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(name);

@@ -460,6 +460,6 @@ VAL_ 528 Wheel_Vertical_Acceleration_FL_T -32768 "SNA" ;
         "what stands after the attribute calls it by the short name"
     );
     assert_eq!(message.signals[1].name, "Short");
-    // A target is no measurement; without the attribute nobody could know.
+    // A target is no measurement; without the attribute it could not be known.
     assert!(resolve(&dbc.candidates(), None).unwrap().iter().next().is_none());
 }

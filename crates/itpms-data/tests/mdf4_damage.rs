@@ -239,7 +239,7 @@ fn change(bytes: &mut [u8], dice: &mut Dice) {
     }
 }
 
-/// The most memory this process ever had; 0 where nobody knows.
+/// The most memory this process ever had; 0 where that is unknown.
 fn peak_memory_mb() -> u64 {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find(|line| line.starts_with("VmHWM:")).unwrap_or_default();

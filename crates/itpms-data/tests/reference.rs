@@ -249,7 +249,7 @@ fn what_wheel_speeds_taught_is_stored_with_the_rest_or_alone() {
     let alone = StoredReference::of_wheel_speeds(&Vehicle::paper(), radii, 1_900_000_000);
     assert!(!alone.has_corners());
     assert_eq!(StoredReference::parse(alone.to_text().as_bytes()).unwrap(), alone);
-    // An older program is told that it is too old; without wheel speeds it reads on.
+    // An older program reports that it is too old; without wheel speeds it reads on.
     assert!(
         alone.to_text().starts_with("itpms-reference 4 ")
             && old().to_text().starts_with("itpms-reference 3 ")

@@ -1,4 +1,4 @@
-//! Which signal becomes which column: by a map, by names, and what is said where that is not clear.
+//! Which signal becomes which column: by a map, by names, and what is reported where that is not clear.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::path::Path;
@@ -103,7 +103,7 @@ fn of_two_that_could_be_it_neither_is_taken() {
     // A unit that cannot be a speed rules one of them out.
     let resolved = by_name(&[("A", "VehicleSpeed", "km/h"), ("B", "VehSpd", "kPa")]);
     assert_eq!(signal(&resolved, Slot::Speed), "A.VehicleSpeed");
-    // And so does a word that nobody knows.
+    // And so does an unknown word.
     let resolved = by_name(&[("A", "VehicleSpeedZzz", "km/h"), ("B", "VehSpd", "m/s")]);
     assert_eq!(signal(&resolved, Slot::Speed), "B.VehSpd");
 }

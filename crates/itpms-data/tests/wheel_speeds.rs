@@ -179,7 +179,7 @@ fn an_acceleration_is_nothing_like_a_wheel_speed() {
     let resolved = resolve(&candidates, None).unwrap();
     assert_eq!(resolved.unusable(), None);
     assert_eq!(resolved.slots(), Corner::ALL.map(|corner| Slot::Corner(corner, Field::WheelSpeed)));
-    // Three are of no use, and what is missing is said.
+    // Three are of no use, and what is missing is reported.
     let resolved = resolve(&candidates[..3], None).unwrap();
     assert!(resolved.unusable().unwrap().contains("the speeds of four wheels"));
     assert!(resolved.said().iter().any(|line| line.ends_with("missing: rr")), "{:?}", resolved.said());

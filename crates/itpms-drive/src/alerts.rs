@@ -1,4 +1,4 @@
-//! What the monitor said and took back: every transition as it happens, and a list for the summary.
+//! What the monitor reported and took back: every transition as it happens, and a list for the summary.
 
 use itpms_core::model::PressureUnit;
 use itpms_core::warning::{Alert, Change, MonitorReport};
@@ -19,7 +19,7 @@ pub struct Listed {
     pub ended_s: Option<f64>,
 }
 
-/// Who is told of a transition, with its time in s.
+/// Who receives a transition, with its time in s.
 pub type Note<'a> = &'a mut dyn FnMut(f64, &Change<f64>) -> Result<(), DriveError>;
 
 /// The transitions of a drive.
@@ -85,7 +85,7 @@ impl Events {
     }
 }
 
-/// What was said during a drive.
+/// What was reported during a drive.
 #[derive(Debug, Clone, Default)]
 pub struct Alerts {
     listed: Vec<Listed>,
@@ -93,7 +93,7 @@ pub struct Alerts {
 }
 
 impl Alerts {
-    /// A sentence for every alert, with times from `origin_s` on: where a log counts from an epoch, its own tell nobody anything.
+    /// A sentence for every alert, with times from `origin_s` on: where a log counts from an epoch, its own mean nothing to a reader.
     pub fn sentences(&self, origin_s: f64, unit: PressureUnit) -> impl Iterator<Item = String> + '_ {
         let sentences = self.listed.iter().map(move |Listed { alert, ended_s }| {
             let [since_s, reported_s] = [alert.since_s, alert.reported_s].map(|at_s| at_s - origin_s);
@@ -108,7 +108,7 @@ impl Alerts {
         sentences.chain(rest)
     }
 
-    /// Those that are listed, in the order in which they were said.
+    /// Those that are listed, in the order in which they were reported.
     #[must_use]
     pub fn listed(&self) -> &[Listed] {
         &self.listed
@@ -144,7 +144,11 @@ mod tests {
         let listed = vec![Listed { alert, ended_s: Some(1_772_359_230.0) }];
         let alerts = Alerts { listed, unlisted: 2 };
         let sentences: Vec<String> = alerts.sentences(1_772_359_200.0, PressureUnit::Kpa).collect();
-        assert!(sentences[0].ends_with("since 21.2 s, said at 22.5 s; over at 30.0 s"), "{}", sentences[0]);
+        assert!(
+            sentences[0].ends_with("since 21.2 s, reported at 22.5 s; over at 30.0 s"),
+            "{}",
+            sentences[0]
+        );
         assert_eq!(sentences[1], "and 2 more");
     }
 }

@@ -51,7 +51,7 @@ pub fn check(vehicle: &Vehicle, log: &mut LogReader, watch: Watch<'_>) -> Result
     })
 }
 
-/// The spectra of all rows, corner by corner, and what an estimator that is told no more than the file says at their end of how body and
+/// The spectra of all rows, corner by corner, and what an estimator that is given no more than the file says at their end of how body and
 /// wheel go together, in the order of [`Corner::ALL`]. `axis` takes the rows, too.
 fn listen(
     vehicle: &Vehicle,

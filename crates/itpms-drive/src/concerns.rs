@@ -1,4 +1,4 @@
-//! What should be known before believing a result, said in sentences.
+//! What should be known before believing a result, in sentences.
 
 use itpms_analysis::report::ReportData;
 use itpms_core::model::Corner;
@@ -141,7 +141,7 @@ pub(crate) fn of(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Vec<String> {
     // A log that ends with its calibration is what a calibration is.
     if let Some(seconds) = settings.calibrate_s.filter(|seconds| drive.length_s() + LOG_END_S < *seconds) {
         concerns.push(format!(
-            "the calibration of {seconds} s outlasts the drive of {:.1} s: every pressure is the placard's because that was said, not because it was found",
+            "the calibration of {seconds} s outlasts the drive of {:.1} s: every pressure is the placard's because it was given, not because it was found",
             drive.length_s()
         ));
     }

@@ -25,7 +25,7 @@ pub type QuarterCars = [Option<QuarterCar<f64>>; 4];
 /// should have been: in everyday driving it takes two.
 const MEETING_M_S: f64 = 5.0;
 const MEETING_S: f64 = 15.0;
-/// Share of the time for which a speed may be unknown before that is said.
+/// Share of the time for which a speed may be unknown before that is reported.
 const UNKNOWN_SHARE: f64 = 0.1;
 
 /// The running estimator under its monitor.
@@ -42,13 +42,13 @@ pub struct Drive {
     time_s: f64,
     apart_s: f64,
     met: bool,
-    /// Seconds of rows, and of those in which nobody knew the speed.
+    /// Seconds of rows, and of those in which the speed was unknown.
     speed: SpeedHold<f64>,
     passed_s: f64,
     unknown_s: f64,
     /// Rows whose speed no car has, and the first such speed.
     absurd: Option<(u64, f64)>,
-    /// Seconds for which the speed said that the car stands while its wheels rolled.
+    /// Seconds for which the speed was zero while its wheels rolled.
     denied_s: f64,
 }
 
@@ -176,7 +176,7 @@ impl Drive {
         !self.met && self.apart_s > MEETING_S
     }
 
-    /// The share of the time in which nobody knew the speed, if it is more than should be.
+    /// The share of the time in which the speed was unknown, if it is more than should be.
     #[must_use]
     pub fn speed_unknown(&self) -> Option<f64> {
         Some(self.unknown_s / self.passed_s).filter(|share| *share > UNKNOWN_SHARE)
@@ -188,7 +188,7 @@ impl Drive {
         self.absurd
     }
 
-    /// Seconds for which the speed said that the car stands while its wheels rolled, if there were any.
+    /// Seconds for which the speed was zero while its wheels rolled, if there were any.
     #[must_use]
     pub fn denied_s(&self) -> Option<f64> {
         Some(self.denied_s).filter(|seconds| *seconds > 0.0)

@@ -29,7 +29,7 @@ pub enum DriveError {
     /// The page about the drive.
     #[error("the report cannot be made: {0}")]
     Report(io::Error),
-    /// Somebody said so.
+    /// It was asked for.
     #[error("interrupted")]
     Stopped,
 }

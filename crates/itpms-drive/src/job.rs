@@ -1,4 +1,4 @@
-//! What is to be done with a log: told before the first row, known to all that work on a drive.
+//! What is to be done with a log: given before the first row, known to all that work on a drive.
 
 use itpms_core::model::Corner;
 use itpms_data::Vehicle;

@@ -1,5 +1,5 @@
 //! A vehicle file from drives at known pressures: each log twice through `itpms_analysis`'s learner, and what comes out beside what the file
-//! said (docs/math/learn.md).
+//! states (docs/math/learn.md).
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -64,7 +64,7 @@ pub struct LearnedVehicle {
     pub concerns: Vec<String>,
 }
 
-/// Learns what `file` says from these drives. `watch` is told the share that is done.
+/// Learns what `file` says from these drives. `watch` receives the share that is done.
 ///
 /// # Errors
 /// A log that cannot be read, has none of the vehicle's corners or teaches nothing; a pressure that no tire has; [`DriveError::Stopped`].
@@ -266,7 +266,7 @@ fn described(drives: &[KnownDrive]) -> String {
     each.collect::<Vec<_>>().join("; ")
 }
 
-/// The vehicle with what was learned in the place of what the file said, to a few digits.
+/// The vehicle with what was learned in the place of what the file states, to a few digits.
 fn vehicle(file: &Vehicle, drives: &[KnownDrive], learned: &Learned) -> Vehicle {
     let mut details: VehicleDetails = file.details;
     let mut corners = file.corners;
@@ -323,7 +323,7 @@ fn parameters(corner: &LearnedCorner) -> [(&'static str, &'static str, Parameter
 }
 
 impl LearnedVehicle {
-    /// What no drive has told, and what no drive can tell, a sentence each.
+    /// What no drive has shown, and what no drive can show, a sentence each.
     #[must_use]
     pub fn unknown(&self) -> Vec<String> {
         let mut unknown = vec![

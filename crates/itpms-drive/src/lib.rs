@@ -2,9 +2,9 @@
 //!
 //! | module | idea |
 //! |---|---|
-//! | [`settings`] | what an estimate can be told besides its log and its vehicle |
+//! | [`settings`] | what an estimate can be given besides its log and its vehicle |
 //! | [`drive`] | the estimator of a drive's car under its monitor |
-//! | [`alerts`] | what the monitor said and took back |
+//! | [`alerts`] | what the monitor reported and took back |
 //! | [`road`] | the road record, late but smooth |
 //! | [`run`] | a log, row by row, through all of these into a [`Sink`] |
 //! | [`pipeline`] | the same with reading and recording on threads of their own |

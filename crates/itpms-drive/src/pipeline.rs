@@ -33,7 +33,7 @@ struct Read {
 struct Step {
     row: LogRow,
     estimates: Estimates,
-    /// What the monitor says, where it has said something since the row before.
+    /// What the monitor says, where it has reported something since the row before.
     report: Option<Box<MonitorReport<f64>>>,
     radii: Option<Box<RadiusRow>>,
     cars: Option<QuarterCars>,
@@ -64,7 +64,7 @@ pub fn estimate_in_pipeline(
     conclude(log, job, drive, record, sink, watch)
 }
 
-/// Reads until the log ends or nobody wants its rows.
+/// Reads until the log ends or its rows are not wanted.
 fn read(log: &mut LogReader, to_estimator: &SyncSender<Read>) {
     loop {
         let mut batch = Read { rows: Vec::with_capacity(BATCH), progress: log.progress(), end: None };
@@ -82,7 +82,7 @@ fn read(log: &mut LogReader, to_estimator: &SyncSender<Read>) {
     }
 }
 
-/// Estimates row after row. Ends without an error where nobody records any more: that one has it.
+/// Estimates row after row. Ends without an error where nothing records any more: that one has it.
 fn work(
     drive: &mut Drive,
     job: &Job<'_>,
@@ -102,7 +102,7 @@ fn work(
         for mut row in rows {
             let estimates = drive.update(&mut row).corners;
             let report = drive.report();
-            // A report that says something else has another time; none has been told before the first.
+            // A report that says something else has another time; none has been given before the first.
             let report = (report.time_s != told_s).then(|| Box::new(*report));
             told_s = report.as_ref().map_or(told_s, |report| report.time_s);
             let radii = drive.radii().map(Box::new);
@@ -132,7 +132,7 @@ fn follow(
             let Some(report) = &said else { continue };
             record.take(&row, &estimates, report, radii.as_deref(), cars.as_ref(), sink)?;
         }
-        // Nobody wants it where the drive is over.
+        // It is not wanted where the drive is over.
         let _ = empty.try_send(batch);
     }
     Ok(())
@@ -267,7 +267,7 @@ mod tests {
         let three = outcome(broken, refuses, stop, true);
         assert_eq!(one.1, three.1);
         // Not with the two texts in the message, which are megabytes.
-        assert!(one.0 == three.0, "the sink was not told the same");
+        assert!(one.0 == three.0, "the sink was not given the same");
         one
     }
 
@@ -276,7 +276,7 @@ mod tests {
         let (told, _) = the_same(None, None, None);
         assert_eq!(told.lines().filter(|line| line.starts_with("LogRow")).count(), 6400);
         assert_eq!(told.lines().filter(|line| line.starts_with("LateRow")).count(), 6400);
-        assert!(told.contains("Begun"), "nothing was said of the nail");
+        assert!(told.contains("Begun"), "the nail was not reported");
     }
 
     #[test]

@@ -66,7 +66,7 @@ fn options(settings: &Settings, reading: &LogOptions) -> Vec<(String, String)> {
         |path: &Option<_>, option: &str| path.as_deref().map(|path| format!("{} ({option})", file(path)));
     [
         ("Calibration", Some(calibration)),
-        ("Warnings after", Some(settings.regulation.label().to_owned())),
+        ("Warning limits", Some(settings.regulation.name().to_owned())),
         ("Signals named by", given(&reading.signals, "--signals")),
         ("Frames explained by", given(&reading.dbc, "--dbc")),
         ("Units", units),
@@ -121,7 +121,7 @@ mod tests {
         };
         assert_eq!(
             listed(&Settings::default(), &LogOptions::default()),
-            "Calibration: none; Warnings after: un-r141; Rows of the result per second: 10"
+            "Calibration: none; Warning limits: UN R141; Rows of the result per second: 10"
         );
         let settings = Settings {
             reference: Some("cars/a.reference".into()),
@@ -133,7 +133,7 @@ mod tests {
             LogOptions { units: UnitCheck::Trusting, dbc: None, signals: Some("maps/a.toml".into()) };
         assert_eq!(
             listed(&settings, &reading),
-            "Calibration: of an earlier drive: a.reference (--reference); Warnings after: un-r141; \
+            "Calibration: of an earlier drive: a.reference (--reference); Warning limits: UN R141; \
              Signals named by: a.toml (--signals); Units: taken as they are (--trust-units); \
              Road repeats: never (--road-repeats); Rows of the result per second: 2.5"
         );

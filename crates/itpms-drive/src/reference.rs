@@ -1,4 +1,4 @@
-//! The learned reference of a car: told to the estimator before the drive, stored after a calibration.
+//! The learned reference of a car: given to the estimator before the drive, stored after a calibration.
 //!
 //! A reference that was asked for and cannot be used ends the command: whoever names a file wants its contents to count.
 

@@ -45,7 +45,7 @@ pub trait Sink {
         Ok(())
     }
 
-    /// What the monitor said or took back, with its time in s.
+    /// What the monitor reported or took back, with its time in s.
     ///
     /// # Errors
     /// The sink's own; they end the drive.
@@ -65,7 +65,7 @@ pub type Fit = (BodyFit<f64>, Option<Misfit>);
 pub struct Done {
     /// Figures and curves.
     pub data: ReportData,
-    /// What the monitor said.
+    /// What the monitor reported.
     pub alerts: Alerts,
     /// What should be known before believing it, a sentence each.
     pub concerns: Vec<String>,
@@ -75,7 +75,7 @@ pub struct Done {
     pub learned: Taught,
     /// Placard pressures in kPa, in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL); of tires without one `None`.
     pub placards_kpa: [Option<f64>; 4],
-    /// What the wheel speeds said in the end, where they are used.
+    /// What the wheel speeds reported in the end, where they are used.
     pub radii: Option<RadiusRow>,
     /// What the tires' own sensors sent last, in kPa, in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL); NaN: nothing.
     pub sensors_kpa: [f64; 4],
@@ -176,7 +176,7 @@ pub(crate) struct Record {
 }
 
 impl Record {
-    /// Takes a row of the log, what was estimated after it and what the monitor said; the cars as they seem to be where the road is wanted.
+    /// Takes a row of the log, what was estimated after it and what the monitor reported; the cars as they seem to be where the road is wanted.
     pub(crate) fn take(
         &mut self,
         row: &LogRow,

@@ -1,4 +1,4 @@
-//! What an estimate can be told besides its log and its vehicle.
+//! What an estimate can be given besides its log and its vehicle.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! Simulated drives as logs hold them, and what an estimator is to be told of the simulated car.
+//! Simulated drives as logs hold them, and what an estimator is to know of the simulated car.
 //!
 //! Called by whoever simulates a drive to have it estimated; simulation and logs do not know each other.
 
@@ -115,7 +115,7 @@ pub fn take_vehicle(scenario: &mut Scenario, vehicle: &Vehicle) -> Result<(), Dr
     Ok(())
 }
 
-/// What an estimator is to be told about the scenario's vehicle.
+/// What an estimator is to know about the scenario's vehicle.
 ///
 /// # Errors
 /// The scenario's corners are no car's.

@@ -11,7 +11,7 @@ use crate::run::{Done, Fit};
 /// Seconds before the end for which a reading counts as the one at the end.
 const FRESH_S: f64 = 1.0;
 
-/// The drive, its corners and what was said: what `itpms estimate --json` prints, but for the names of its files.
+/// The drive, its corners and what was reported: what `itpms estimate --json` prints, but for the names of its files.
 #[must_use]
 pub fn summary_json(done: &Done, rows: u64) -> Map<String, Value> {
     let Done { data, alerts, concerns, .. } = done;
@@ -155,12 +155,12 @@ pub fn corner_line(corner: &CornerReport, end_s: f64, unit: PressureUnit) -> Str
     if let Some(sensor) = corner.tire_sensor {
         line += &format!("; its sensor {}", unit.number(sensor.pressure_kpa, 0));
     }
-    if let Some(said_s) = figures.low_since_s {
+    if let Some(reported_s) = figures.low_since_s {
         let now = if figures.warning == Warning::Low { "" } else { ", now over" };
-        line += &format!("; LOW, warned of at {said_s:.1} s{now}");
+        line += &format!("; LOW, warned of at {reported_s:.1} s{now}");
     }
-    if let Some(said_s) = figures.malfunction_since_s {
-        line += &format!("; MALFUNCTION, warned of at {said_s:.1} s");
+    if let Some(reported_s) = figures.malfunction_since_s {
+        line += &format!("; MALFUNCTION, warned of at {reported_s:.1} s");
     }
     // A pressure alone looks as good as that of a wheel that is known to be fine.
     if let Some(why) = corner.doubt() {

@@ -179,7 +179,7 @@ impl TimeAxis {
         let factor = best as f64 / CELLS as f64;
         (factor.ln().abs() > OFF && after < NOT_THERE * self.after.at(best)).then(|| {
             format!(
-                "the rear wheels pass over the same road {:.2} m after the front ones by time_s and speed_m_s, but wheelbase_m is {wheelbase_m}: the time, the speed or the wheelbase is wrong by a factor of {factor:.2}{}, and no pressure can be told",
+                "the rear wheels pass over the same road {:.2} m after the front ones by time_s and speed_m_s, but wheelbase_m is {wheelbase_m}: the time, the speed or the wheelbase is wrong by a factor of {factor:.2}{}, and no pressure can be estimated",
                 factor * wheelbase_m,
                 likely_unit(factor),
             )

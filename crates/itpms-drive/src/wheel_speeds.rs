@@ -30,7 +30,7 @@ pub fn wheel_speed_use(
     Ok(if corners.is_empty() { WheelSpeedUse::Alone } else { WheelSpeedUse::Beside })
 }
 
-/// The monitor and what it said last.
+/// The monitor and what it reported last.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct WheelSpeeds {
@@ -73,7 +73,7 @@ impl WheelSpeeds {
         Ok(Self { wheels, rolling_radius_m, alone, track_rear_m, turns, report })
     }
 
-    /// Takes a row, and what the car's other monitor said after it. The speed of a car of which nothing else is known is that of its wheels.
+    /// Takes a row, and what the car's other monitor reported after it. The speed of a car of which nothing else is known is that of its wheels.
     pub(crate) fn update(&mut self, row: &mut LogRow, beside: &MonitorReport<f64>) {
         let sample = row.motion.sample(row.time_s, self.rolling_radius_m);
         if self.alone && row.speed_m_s.is_nan() {

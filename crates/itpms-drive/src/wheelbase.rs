@@ -55,7 +55,7 @@ pub(crate) fn with_found(file: &Vehicle, found: Option<FoundWheelbase>) -> Vehic
     vehicle
 }
 
-/// What is to be said of it, if anything.
+/// What is to be reported of it, if anything.
 pub(crate) fn doubt(file: &Vehicle, found: Option<FoundWheelbase>) -> Option<String> {
     let side = |front, rear| file.corner(front).is_some() && file.corner(rear).is_some();
     let has_side = side(Corner::FrontLeft, Corner::RearLeft) || side(Corner::FrontRight, Corner::RearRight);

@@ -53,7 +53,7 @@ impl Instance {
         }
     }
 
-    /// What became of something, said to the tool if it went wrong.
+    /// What became of something, reported to the tool if it went wrong.
     pub(crate) fn conclude(&self, result: Result<(), ModelError>) -> Status {
         match result {
             Ok(()) => Status::Ok,

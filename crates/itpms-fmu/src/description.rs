@@ -29,7 +29,7 @@ pub fn token(vehicle: &Vehicle) -> String {
     format!("{{{:08x}-{:04x}-{c:04x}-{d:04x}-{:012x}}}", a >> 32, (a >> 16) & 0xffff, b & 0xffff_ffff_ffff)
 }
 
-/// The description of a vehicle's unit; `step_s` is the step that a tool takes unless told otherwise.
+/// The description of a vehicle's unit; `step_s` is the step that a tool takes unless stated otherwise.
 #[must_use]
 pub fn description(fmi: Fmi, vehicle: &Vehicle, step_s: f64) -> String {
     let table = variables(vehicle);

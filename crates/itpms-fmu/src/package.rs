@@ -46,7 +46,7 @@ pub enum PackageError {
     Platform(&'static str),
 }
 
-/// The shared library: as told, else beside the program or in the folder `deps` there, where cargo leaves it.
+/// The shared library: as given, else beside the program or in the folder `deps` there, where cargo leaves it.
 ///
 /// # Errors
 /// It is in none of these places.

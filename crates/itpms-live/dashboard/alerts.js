@@ -22,7 +22,7 @@ const none = document.getElementById("no-alerts");
 const spoken = document.getElementById("spoken-alerts");
 
 // What makes two reports the same warning, over a new connection and over a restart of the monitor as well.
-const key = (alert) => `${alert.kind} ${(alert.wheels ?? []).join()} ${alert.said_s?.toFixed(2)}`;
+const key = (alert) => `${alert.kind} ${(alert.wheels ?? []).join()} ${alert.reported_s?.toFixed(2)}`;
 
 export function wheelsOf(alert) {
   const wheels = alert.wheels ?? [];
@@ -55,7 +55,7 @@ function reason(alert) {
 
 export class Alerts {
   constructor() {
-    // By key: { alert, ended_s }, in the order in which they were said.
+    // By key: { alert, ended_s }, in the order in which they were reported.
     this.known = new Map();
     this.spoken = new Set();
     this.waiting = [];
@@ -84,7 +84,7 @@ export class Alerts {
       }
     }
     for (const [k, item] of this.known) {
-      if (item.ended_s == null && !standing.has(k) && snapshot.time_s >= item.alert.said_s) {
+      if (item.ended_s == null && !standing.has(k) && snapshot.time_s >= item.alert.reported_s) {
         item.ended_s = snapshot.time_s;
         this.changed = true;
       }
@@ -109,11 +109,11 @@ export class Alerts {
     const old = state !== "live";
     if (old !== this.old) this.changed = true;
     this.old = old;
-    // One at a time is read out; several at once are said in one breath.
+    // One at a time is read out; several at once are read out together.
     if (this.waiting.length) spoken.replaceChildren(...this.waiting.splice(0).map((text) => element("p", "", text)));
     if (!this.changed) return;
     this.changed = false;
-    const all = [...this.known.values()].sort((a, b) => (a.ended_s != null) - (b.ended_s != null) || b.alert.said_s - a.alert.said_s);
+    const all = [...this.known.values()].sort((a, b) => (a.ended_s != null) - (b.ended_s != null) || b.alert.reported_s - a.alert.reported_s);
     rows.replaceChildren(...all.map((item) => this.row(item)));
     table.hidden = !all.length;
     none.hidden = all.length > 0;
@@ -123,7 +123,7 @@ export class Alerts {
   silence(snapshot, state) {
     const wheels = snapshot?.wheels ?? [], unknown = wheels.filter((wheel) => kind(wheel) === "unknown");
     const caveat = unknown.length ? ` That is no all-clear: ${list(unknown.map((w) => `${lower(NAMES[w.corner])} is ${lower(badge(w)) === "not known" ? "not known" : "not known (" + lower(badge(w)) + ")"}`))}.` : "";
-    const text = state !== "live" ? "No warning was standing when data last came. Nobody knows what is now." : `Nothing is being warned of.${caveat}`;
+    const text = state !== "live" ? "No warning was standing when data last came. What is now is unknown." : `Nothing is being warned of.${caveat}`;
     put(none, wheels.length ? text : "Nothing has been seen yet, so nothing can be warned of.");
   }
   row({ alert, ended_s }) {
@@ -146,7 +146,7 @@ export class Alerts {
       return td;
     };
     const at = (time_s) => moment(time_s, this.newest);
-    row.append(wheel, warning, cell("said", at(alert.said_s)), cell("since", at(alert.since_s)), cell("until", ended_s != null ? at(ended_s) : this.old ? "stood when last seen" : "still standing"));
+    row.append(wheel, warning, cell("reported", at(alert.reported_s)), cell("since", at(alert.since_s)), cell("until", ended_s != null ? at(ended_s) : this.old ? "stood when last seen" : "still standing"));
     return row;
   }
 }

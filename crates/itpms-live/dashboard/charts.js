@@ -162,7 +162,7 @@ export class Pressures {
     }
     for (const { alert } of this.alerts) {
       if (!(alert.wheels ?? []).includes(corner)) continue;
-      const x = Math.round(u.valToPos(alert.said_s, "x", true));
+      const x = Math.round(u.valToPos(alert.reported_s, "x", true));
       if (x < left || x > left + width) continue;
       const color = { malfunction: "warn", "no-information": "quiet", "over-inflated": "extra" }[alert.kind] ?? "low";
       line(ctx, dpr, color, [4, 3], [x, top], [x, top + height]);

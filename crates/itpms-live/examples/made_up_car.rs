@@ -2,7 +2,7 @@
 //!
 //! `cargo run -p itpms-live --example made_up_car -- 127.0.0.1:8080 [SPEED]`, then lines on standard input:
 //! `low fl`, `over rr`, `malfunction rl`, `unknown fr`, `fine fl` (a wheel's state), `stale`, `end`, `live` (the source),
-//! `freeze` (the monitor itself hangs), `back S` (the source's clock is set back by S seconds), `hostile` (names that somebody with bad
+//! `freeze` (the monitor itself hangs), `back S` (the source's clock is set back by S seconds), `hostile` (names that someone with bad
 //! intentions chose), `quit`. SPEED is how much faster the car's clock runs than ours. Nothing here is an estimate.
 
 use std::error::Error;
@@ -120,7 +120,7 @@ impl Car {
             _ => return,
         };
         let alert = json!({
-            "kind": kind, "wheels": [corner], "since_s": self.time_s - 1.2, "said_s": self.time_s,
+            "kind": kind, "wheels": [corner], "since_s": self.time_s - 1.2, "reported_s": self.time_s,
             "pressure_kpa": 150.0, "sd_kpa": 8.0, "limit_kpa": 212.0, "reference_kpa": 241.3,
             "text": format!("malfunction: {corner} wheel sensor is stuck; since then"),
         });

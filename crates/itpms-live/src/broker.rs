@@ -37,7 +37,7 @@ pub struct BrokerAddress {
     encryption: Encryption,
 }
 
-/// What is shown to nobody.
+/// What is shown to no one.
 #[derive(Clone)]
 pub struct Password(String);
 
@@ -128,7 +128,7 @@ impl BrokerAddress {
         Ok(self)
     }
 
-    /// Whether somebody on the way could read a password of this address.
+    /// Whether someone on the way could read a password of this address.
     #[must_use]
     pub fn shows_password(&self) -> bool {
         let host = self.host.as_str();
@@ -156,7 +156,7 @@ impl BrokerAddress {
         }
         match &self.encryption {
             Encryption::None => {}
-            // Never without encryption where it was asked for: an empty store believes nobody.
+            // Never without encryption where it was asked for: an empty store trusts none.
             Encryption::Wanted => drop(options.set_transport(Transport::tls(Vec::new(), None, None))),
             Encryption::Tls(client) => {
                 let told = TlsConfiguration::Rustls(Arc::clone(client));

@@ -59,7 +59,7 @@ fn wheel(drive: &Drive, vehicle: &Vehicle, corner: Corner) -> Option<Wheel> {
     let i = corner.index();
     let estimate = drive.latest.as_ref()?.corners[i]?;
     let placard_kpa = vehicle.corner(corner).map_or(f64::NAN, |config| config.placard_kpa);
-    // A published filter has no monitor's word: nobody knows its wheel.
+    // A published filter has no monitor's word: its wheel is unknown.
     let report = drive.report().wheels[i];
     let state = report.map_or(WheelState::Unknown(Doubt::Starting), |report| report.state);
     Some(Wheel {

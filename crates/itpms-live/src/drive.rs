@@ -20,7 +20,7 @@ use crate::roughness::Roughness;
 use crate::speed::SpeedDoubt;
 use crate::wheels::Wheels;
 
-/// How a drive is estimated and how often it is told.
+/// How a drive is estimated and how often it is published.
 #[derive(Debug, Clone)]
 pub struct DriveOptions {
     /// Which loss is warned of.
@@ -31,9 +31,9 @@ pub struct DriveOptions {
     pub reference: Option<VehicleCalibration<f64>>,
     /// The same of its wheel speeds.
     pub wheel_reference: Option<RadiusCalibration<f64>>,
-    /// Estimates told per second.
+    /// Estimates published per second.
     pub rate_hz: f64,
-    /// Whether numbers that do not look like m/s² and m/s are told of.
+    /// Whether numbers that do not look like m/s² and m/s are reported.
     pub units: UnitCheck,
 }
 
@@ -70,7 +70,7 @@ pub(crate) struct Progress {
     pub(crate) rows: u64,
     pub(crate) time_s: f64,
     pub(crate) odometer: Odometer,
-    /// What the monitor said last: transitions are told against it.
+    /// What the monitor reported last: transitions are found against it.
     pub(crate) before: Option<MonitorReport<f64>>,
 }
 
@@ -112,7 +112,7 @@ impl Drive {
         })
     }
 
-    /// Takes a row; gives what began and ended to `said`. `true` if an estimate is due to be told.
+    /// Takes a row; gives what began and ended to `said`. `true` if an estimate is due to be published.
     pub fn update(&mut self, row: &LogRow, mut said: impl FnMut(f64, Change<f64>)) -> bool {
         let mut estimate = self.car.update(&row.sample());
         self.road.update(&row.sample(), &self.car.estimator().quarter_cars(), &mut estimate);
@@ -153,7 +153,7 @@ impl Drive {
         self.latest.as_ref()
     }
 
-    /// Why nobody knows how fast the car is; `None` where somebody does.
+    /// Why the speed of the car is unknown; `None` where it is known.
     #[must_use]
     pub fn speed_doubt(&self) -> Option<SpeedDoubt> {
         match self.progress.odometer.speed_m_s().is_nan() {

@@ -54,7 +54,7 @@ pub struct Engine {
     transitions: u64,
     past: Past,
     units: UnitWatch,
-    /// Whether it was said that rows come in bursts.
+    /// Whether it was reported that rows come in bursts.
     bursts_told: bool,
 }
 
@@ -251,7 +251,7 @@ impl Engine {
         Ok(Clock { sample_rate_hz, corners: common, wheel_speeds })
     }
 
-    /// The saved drive if the rows fit it, else a new one, and that is said.
+    /// The saved drive if the rows fit it, else a new one, and that is reported.
     fn begin(&mut self, clock: Clock) -> Result<Drive, LiveError> {
         self.source.rate_hz = clock.sample_rate_hz;
         let Some(saved) = self.saved.take() else { return Drive::new(&self.vehicle, clock, &self.options) };

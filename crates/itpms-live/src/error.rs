@@ -12,7 +12,7 @@ pub enum LiveError {
     /// A file in or out.
     #[error(transparent)]
     Data(#[from] DataError),
-    /// What the estimator was told.
+    /// What the estimator was given.
     #[error("{0}")]
     Refused(String),
     /// The source has none of the corners of the vehicle.
@@ -57,7 +57,7 @@ pub enum LiveError {
         error: io::Error,
     },
     /// Whoever read standard output has gone away, as `head` does; no reason to complain.
-    #[error("nobody reads standard output any more")]
+    #[error("standard output is closed: its reader has ended")]
     ReaderGone,
     /// An output that cannot be written.
     #[error("{target}: cannot be written: {error}")]

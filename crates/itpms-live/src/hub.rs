@@ -54,13 +54,13 @@ impl Default for Hub {
 }
 
 impl Hub {
-    /// A hub that has heard nothing yet.
+    /// A hub that has received nothing yet.
     #[must_use]
     pub fn new() -> Arc<Self> {
         Arc::default()
     }
 
-    /// Makes this the newest. Waits for nobody but a reader that is copying the history's pointers.
+    /// Makes this the newest. Waits for no one but a reader that is copying the history's pointers.
     pub fn publish(&self, snapshot: Arc<Snapshot>) {
         self.past().keep(&snapshot);
         self.latest.send_replace(Some(snapshot));
@@ -74,7 +74,7 @@ impl Hub {
         }
         past.transitions.push_back(Arc::clone(&transition));
         drop(past);
-        // Nobody listening is no error.
+        // No listener is no error.
         let _ = self.transitions.send(transition);
     }
 
@@ -84,14 +84,14 @@ impl Hub {
         self.latest.borrow().clone()
     }
 
-    /// A receiver that is woken for every new snapshot and sees only the newest: a slow reader misses some and delays nobody.
+    /// A receiver that is woken for every new snapshot and sees only the newest: a slow reader misses some and delays nothing.
     /// Its `changed()` fails once the hub is gone.
     #[must_use]
     pub fn subscribe(&self) -> watch::Receiver<Option<Arc<Snapshot>>> {
         self.latest.subscribe()
     }
 
-    /// A receiver of every transition from now on. One that lags by more than 256 is told so and finds the last ones in
+    /// A receiver of every transition from now on. One that lags by more than 256 is notified and finds the last ones in
     /// [`Hub::history`].
     #[must_use]
     pub fn subscribe_transitions(&self) -> broadcast::Receiver<Arc<Transition>> {

@@ -8,7 +8,7 @@
 //! | [`feed`] | frames to rows |
 //! | [`drive`] | the running estimate |
 //! | `past`, `units` | rows that are late, clocks that are set back; numbers in another unit |
-//! | [`speed`] | why nobody knows how fast the car is, and when that is said |
+//! | [`speed`] | why the speed of the car is unknown, and when that is reported |
 //! | [`engine`] | what came in becomes snapshots and transitions |
 //! | [`latency`] | how late they are |
 //! | [`monitor`] | the estimating thread |
@@ -18,7 +18,7 @@
 //! | [`snapshot`] | what is published: everything known of the car at one moment |
 //! | [`hub`] | the newest snapshot for whoever asks, and a bounded history |
 //!
-//! One thread estimates and waits for nobody. Used by `itpms monitor`; knows nothing of arguments and exit codes.
+//! One thread estimates and waits for no one. Used by `itpms monitor`; knows nothing of arguments and exit codes.
 #![forbid(unsafe_code)]
 
 pub mod broker;

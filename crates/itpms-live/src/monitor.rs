@@ -23,7 +23,7 @@ use crate::state;
 
 /// Without a row for so long what is known is old.
 pub const STALE_AFTER: Duration = Duration::from_secs(1);
-/// How often an old state is told again.
+/// How often an old state is published again.
 const STALE_EVERY: Duration = Duration::from_secs(1);
 /// How often the state is saved.
 const SAVE_EVERY: Duration = Duration::from_secs(60);
@@ -35,7 +35,7 @@ const LOOK_EVERY: Duration = Duration::from_millis(50);
 pub enum End {
     /// The source has nothing more.
     SourceEnded,
-    /// Somebody asked for it.
+    /// It was asked for.
     Stopped,
 }
 
@@ -56,7 +56,7 @@ pub struct Monitor {
     queue_dropped: u64,
     lost: u64,
     failures_told: usize,
-    /// Whether it was said that no frame is of use.
+    /// Whether it was reported that no frame is of use.
     useless_told: bool,
 }
 
@@ -249,7 +249,7 @@ impl Monitor {
         }
     }
 
-    /// Whether all outputs have given up, and no page is served. One that has, while others go on, is told.
+    /// Whether all outputs have given up, and no page is served. One that has, while others go on, is reported.
     fn nobody_listens(&mut self) -> bool {
         let failures: Vec<&str> = self.outputs.iter().filter_map(Output::failure).collect();
         let over = !failures.is_empty() && failures.len() == self.outputs.len() && !self.hub.is_read();
@@ -266,7 +266,7 @@ impl Monitor {
         publish(&self.hub, &self.outputs, Published::Estimate(snapshot));
     }
 
-    /// At the end of the source what waits is estimated; that there will be nothing more is told in any case.
+    /// At the end of the source what waits is estimated; that there will be nothing more is published in any case.
     fn last_words(&mut self, end: &Result<End, LiveError>) -> Result<(), LiveError> {
         let waiting = match end {
             Ok(End::SourceEnded) => self.estimate_waiting(),

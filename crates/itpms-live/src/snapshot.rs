@@ -31,7 +31,7 @@ pub struct Snapshot {
     pub wheels: Vec<Wheel>,
     /// Left and right track, where front and rear are measured.
     pub tracks: Vec<Track>,
-    /// The alerts that stand: the objects of `events.jsonl` (`kind`, `wheels`, `since_s`, `said_s`, `text`, and numbers that
+    /// The alerts that stand: the objects of `events.jsonl` (`kind`, `wheels`, `since_s`, `reported_s`, `text`, and numbers that
     /// depend on the kind).
     pub alerts: Vec<Map<String, Value>>,
     /// The accelerometers.
@@ -53,7 +53,7 @@ pub struct Source {
     pub rows: u64,
     /// Frames received; rows, where the source has no frames.
     pub frames: u64,
-    /// Frames lost because we were too slow, or that the bus interface said it lost.
+    /// Frames lost because we were too slow, or that the bus interface reported as lost.
     pub dropped: u64,
     /// Frames whose id is not in the DBC.
     pub unknown_ids: u64,
@@ -71,7 +71,7 @@ pub struct Source {
 pub enum SourceState {
     /// A row came within the last second.
     Live,
-    /// Nothing has come for more than a second, or nothing yet: what is said is old.
+    /// Nothing has come for more than a second, or nothing yet: what is reported is old.
     Stale,
     /// The log or the input is at its end.
     Ended,
@@ -148,7 +148,7 @@ pub struct Track {
 pub struct SensorHealth {
     /// Its column in a drive log, such as `fl_body_accel_m_s2`.
     pub column: String,
-    /// `fine`, `suspect` (not learned from, not yet said) or `malfunction`.
+    /// `fine`, `suspect` (not learned from, not yet reported) or `malfunction`.
     pub state: &'static str,
     /// What is wrong, for a person; `null` while nothing is.
     pub reason: Option<String>,

@@ -1,14 +1,14 @@
-//! Why nobody knows how fast the car is, and when that is said: once of each reason, when it has lasted.
+//! Why the speed of the car is unknown, and when that is reported: once of each reason, when it has lasted.
 //!
 //! Called by the engine after every row. Without a speed front and rear cannot be held against each other.
 
-/// Seconds for which a speed has to be missing before that is said: a bus that wakes up tells some signals later than others.
+/// Seconds for which a speed has to be missing before that is reported: a bus that wakes up tells some signals later than others.
 const LASTS_S: f64 = 5.0;
 
-/// Why nobody knows how fast the car is.
+/// Why the speed of the car is unknown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum SpeedDoubt {
-    /// For more than half a second nothing was told that a car can drive.
+    /// For more than half a second nothing was sent that a car can drive.
     Missing,
     /// It says that the car stands while its wheels roll.
     Contradicted,
@@ -25,7 +25,7 @@ impl SpeedDoubt {
     }
 }
 
-/// What was said of the speed.
+/// What was reported of the speed.
 #[derive(Debug, Default)]
 pub(crate) struct SpeedWord {
     /// What is doubted now, since when, and when that was looked at last.
@@ -34,7 +34,7 @@ pub(crate) struct SpeedWord {
 }
 
 impl SpeedWord {
-    /// Takes the doubt after a row at `time_s`; gives what is to be said, once of each.
+    /// Takes the doubt after a row at `time_s`; gives what is to be reported, once of each.
     pub(crate) fn take(&mut self, time_s: f64, doubt: Option<SpeedDoubt>) -> Option<String> {
         let since_s = match (self.doubted, doubt) {
             (Some((before, since_s, last_s)), Some(now))

@@ -161,7 +161,7 @@ impl SavedDrive {
         roughness.iri_m_per_km = self.iri_m_per_km;
         let mut gate = RateGate::new(options.rate_hz);
         let (rate_hz, start_s, due) = self.gate;
-        // Told at another rate, the estimates begin a new count.
+        // Published at another rate, the estimates begin a new count.
         if rate_hz == options.rate_hz {
             (gate.start_s, gate.due) = (start_s, due);
         }

@@ -1,6 +1,6 @@
 //! Whether the numbers can be in m/s² and m/s: asked once, of the first rows in which the car may be driving.
 //!
-//! Called by the engine. A drive log is asked by its reader, which refuses it; a car that drives is told.
+//! Called by the engine. A drive log is asked by its reader, which refuses it; of a car that drives it is reported.
 
 use itpms_data::LogRow;
 use itpms_data::log::{SURVEY_ROWS, UnitCheck, check_units};
@@ -19,7 +19,7 @@ impl UnitWatch {
         Self { rows: (check == UnitCheck::Suspicious).then(Vec::new) }
     }
 
-    /// Takes a row; gives what is to be said of units, once.
+    /// Takes a row; gives what is to be reported of units, once.
     pub(crate) fn take(&mut self, row: &LogRow) -> Option<String> {
         let rows = self.rows.as_mut().filter(|_| !(row.speed_m_s <= DRIVES_M_S))?;
         rows.push(*row);

@@ -7,7 +7,7 @@ use itpms_data::{LogRow, Vehicle};
 use crate::drive::DriveOptions;
 use crate::error::LiveError;
 
-/// The monitor and what it said last; a part of the saved state.
+/// The monitor and what it reported last; a part of the saved state.
 #[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Wheels {
     pub(crate) monitor: Box<MonitoredWheels<f64>>,
@@ -35,7 +35,7 @@ impl Wheels {
         Ok(Self { monitor, rolling_radius_m, alone, report: Box::new(MonitorReport::empty()) })
     }
 
-    /// Takes a row, and what the car's other monitor said after it. Gives the speed of the car by its wheels, where nothing else is known.
+    /// Takes a row, and what the car's other monitor reported after it. Gives the speed of the car by its wheels, where nothing else is known.
     pub(crate) fn update(&mut self, row: &LogRow, beside: &MonitorReport<f64>) -> Option<f64> {
         let sample = row.motion.sample(row.time_s, self.rolling_radius_m);
         self.monitor.update(&sample);

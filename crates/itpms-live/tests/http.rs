@@ -1,4 +1,4 @@
-//! The web server from outside: plain requests over a socket, as a browser, a scraper or somebody with bad intentions sends them.
+//! The web server from outside: plain requests over a socket, as a browser, a scraper or someone with bad intentions sends them.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail like tests")]
 
 use crate::http_client;
@@ -111,7 +111,7 @@ fn other_names_and_other_pages_are_refused() {
     let here = server.address();
     assert_eq!(of(&format!("GET / HTTP/1.1\r\nHost: localhost:{}\r\n", here.port())), 200);
     assert_eq!(of("GET / HTTP/1.1\r\nHost: car7.example.com\r\n"), 200);
-    // A name that somebody made point here.
+    // A name that someone made point here.
     for target in ["/", "/api/snapshot", "/api/events", "/metrics", "/healthz"] {
         assert_eq!(of(&format!("GET {target} HTTP/1.1\r\nHost: evil.example\r\n")), 403, "{target}");
         assert_eq!(
@@ -122,7 +122,7 @@ fn other_names_and_other_pages_are_refused() {
     }
     assert_eq!(of("GET / HTTP/1.1\r\n"), 400);
     assert_eq!(of(&format!("GET / HTTP/1.1\r\nHost: {here}\r\nHost: {here}\r\n")), 400);
-    // A page of somebody else.
+    // A page of another.
     let from = |target: &str, header: &str| ask(&server, "GET", target, header);
     for target in ["/api/snapshot", "/api/history", "/api/events", "/metrics", "/assets/app.js"] {
         for header in
@@ -165,7 +165,7 @@ fn health_follows_the_data_and_says_why() {
     is(200, "fresh");
     // The monitor hangs: it cannot say so, the server can.
     std::thread::sleep(Duration::from_millis(3200));
-    assert!(is(503, "stale")["reason"].as_str().unwrap().contains("the monitor has said nothing"));
+    assert!(is(503, "stale")["reason"].as_str().unwrap().contains("the monitor has sent nothing"));
     assert!(get(&server, "/metrics").body.contains("\nitpms_fresh 0\n"));
 }
 
@@ -369,7 +369,7 @@ fn a_stopped_server_ends_its_streams_and_frees_its_address() {
     while events.lines.next().is_some_and(|line| line.is_ok()) {}
     let again = Server::start(Options::new(address), Arc::clone(&hub)).unwrap();
     assert_eq!(get(&again, "/").status, 200);
-    // Taken: said in words, with the address.
+    // Taken: reported in words, with the address.
     let error = Server::start(Options::new(address), hub).unwrap_err().to_string();
     assert!(error.contains(&address.to_string()), "{error}");
 }

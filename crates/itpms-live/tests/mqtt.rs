@@ -32,7 +32,7 @@ struct Broker {
 }
 
 impl Broker {
-    /// `None`, said loudly, where there is no Mosquitto.
+    /// `None`, reported loudly, where there is no Mosquitto.
     fn start() -> Option<Self> {
         Self::with(|_, port| format!("listener {port} 127.0.0.1\nallow_anonymous true\n"))
     }
@@ -175,7 +175,7 @@ fn every_warning_arrives_though_the_broker_is_restarted_twice_in_the_middle() {
     assert_eq!(last, warnings - 1, "the newest arrives last: the order is kept");
     assert!(online >= 2 && estimates > 100, "{online} {estimates}");
     output.finish().unwrap();
-    // Whoever comes later finds the last warning and that nobody publishes any more.
+    // Whoever comes later finds the last warning and that nothing publishes any more.
     let late = subscribe(broker.port, "car7/status");
     let status = std::iter::from_fn(|| late.recv_timeout(Duration::from_secs(5)).ok());
     let mut kept = status.filter(|(topic, _, retained)| topic == "car7/status" && *retained);

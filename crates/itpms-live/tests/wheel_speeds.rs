@@ -43,7 +43,7 @@ fn engine(saved: Option<SavedDrive>) -> Engine {
     Engine::new(Vehicle::parse(WHEELS).unwrap(), options, source, saved, say())
 }
 
-/// Alerts as they began, with what was said of the wheels in the end.
+/// Alerts as they began, with what was reported of the wheels in the end.
 fn driven(engine: &mut Engine, rows: std::ops::Range<u32>) -> (Vec<String>, serde_json::Value) {
     let mut alerts = Vec::new();
     for k in rows {
@@ -75,7 +75,7 @@ fn a_source_of_wheel_speeds_alone_is_monitored_and_saved() {
             of(3, "pressure_kpa").is_null() && of(3, "level") == "other-tires" && of(3, "valid") == false
         );
         assert!((of(3, "lost_kpa").as_f64().unwrap() - 60.0).abs() < 12.0, "{wheels}");
-        // Nobody says that all is good by differences alone, and a speed is there.
+        // No one says that all is good by differences alone, and a speed is there.
         assert!(!whole.snapshot().all_fine && (whole.snapshot().speed_m_s - 20.0).abs() < 0.1);
 
         let mut first = engine(None);

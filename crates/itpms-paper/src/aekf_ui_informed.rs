@@ -1,4 +1,4 @@
-//! `aekf-ui-informed`: the published recursion corrected, and told about the stiffness from outside. What was
+//! `aekf-ui-informed`: the published recursion corrected, and given the stiffness from outside. What was
 //! changed and why: `docs/math/ekf-ui.md`, section 5, whose equations (39)-(50) continue the paper's
 //! numbering.
 //!

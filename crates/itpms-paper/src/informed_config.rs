@@ -1,4 +1,4 @@
-//! What the corrected filter is told before it starts.
+//! What the corrected filter is given before it starts.
 //!
 //! Used by [`crate::aekf_ui_informed`]; knows nothing of the recursion.
 

@@ -4,16 +4,16 @@
 //!
 //! | module | idea |
 //! |---|---|
-//! | [`config`] | what a published filter is told: start, covariances, the readings of the ambiguous equations |
+//! | [`config`] | what a published filter is given: start, covariances, the readings of the ambiguous equations |
 //! | [`ekf_ui`] | the recursion with unknown input, one function a stage (eq. 6-17) |
 //! | [`forgetting`] | the residual's covariance and the factor drawn from it (eq. 18-37) |
-//! | [`aekf_ui`] | both put together: [`AekfUi`], which is the EKF-UI when told not to forget |
+//! | [`aekf_ui`] | both put together: [`AekfUi`], which is the EKF-UI when set not to forget |
 //! | [`record`] | what one step says about itself |
 //! | [`lean`] | the same filter in closed form: [`AekfUiLean`], for controllers and `f32` |
 //! | [`informed_config`], [`informed_record`] | the same for the corrected filter |
 //! | [`motion`] | body and wheel under the tire's force: linear, third order, without drift |
 //! | [`parameter`] | forgetting on one scalar parameter |
-//! | [`aekf_ui_informed`] | the corrected filter: [`AekfUiInformed`], which needs to be told about the stiffness |
+//! | [`aekf_ui_informed`] | the corrected filter: [`AekfUiInformed`], which needs to be given the stiffness |
 //! | `kind` | the estimators by name, the default one of [`itpms_core`] among them |
 //! | `estimator`, `car` | a corner or a car estimated by one of these filters, as [`itpms_core`] estimates it |
 //!

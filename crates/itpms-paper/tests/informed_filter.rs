@@ -1,4 +1,4 @@
-//! The corrected filter in the Fig. 7 scenario, told about the stiffness every 0.1 s by a measurement of sd 40 kPa.
+//! The corrected filter in the Fig. 7 scenario, given the stiffness every 0.1 s by a measurement of sd 40 kPa.
 // Helpers stand outside #[test], where clippy would ask for errors instead; a panic is what a failing test is.
 #![allow(clippy::unwrap_used)]
 use crate::common;

@@ -197,7 +197,7 @@ impl Estimated {
         self.kept.road.as_ref().map(|road| columns::all(py, road)).transpose()
     }
 
-    /// What the monitor said and took back: a JSON list of what `itpms estimate --events` writes.
+    /// What the monitor reported and took back: a JSON list of what `itpms estimate --events` writes.
     fn transitions(&self) -> String {
         Value::Array(self.kept.transitions.clone()).to_string()
     }

@@ -13,7 +13,7 @@ use crate::pieces::{self, Pieces, Raised};
 use crate::vehicle::Vehicle;
 use crate::work::{self, Meanwhile, Told};
 
-/// A drive: a path, or a name and what gives its pieces anew for every pass; and the pressures in kPa of the corners that were told.
+/// A drive: a path, or a name and what gives its pieces anew for every pass; and the pressures in kPa of the corners that were given.
 #[derive(FromPyObject)]
 pub(crate) struct Given {
     #[pyo3(item)]

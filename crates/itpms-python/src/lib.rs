@@ -1,5 +1,5 @@
 //! The extension module `itpms._itpms`. Numbers go in and out as bytes of little-endian `f64`, everything else as text and
-//! JSON; the Python layer above makes arrays and frames of them. Nobody else calls it.
+//! JSON; the Python layer above makes arrays and frames of them. No one else calls it.
 //!
 //! | module | idea |
 //! |---|---|

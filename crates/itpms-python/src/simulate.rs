@@ -32,7 +32,7 @@ impl Simulated {
         columns::all(py, &self.columns)
     }
 
-    /// What an estimator is to be told of the car.
+    /// What an estimator is to know of the car.
     #[getter]
     fn vehicle(&self) -> Vehicle {
         Vehicle(self.vehicle.clone())

@@ -1,4 +1,4 @@
-//! Long computations on a thread of their own, while the interpreter is free, looks for Ctrl-C and is told how far they are.
+//! Long computations on a thread of their own, while the interpreter is free, looks for Ctrl-C and receives how far they are.
 //!
 //! Python tells signals to its main thread only, so that one must not compute; and an estimator of a whole car needs more
 //! stack than a Python thread may have.
@@ -16,7 +16,7 @@ const STACK_BYTES: usize = 32 << 20;
 /// How soon Ctrl-C is seen.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Who is told the share that is done, 0 to 1, some twenty times a second, on the thread that called.
+/// Who receives the share that is done, 0 to 1, some twenty times a second, on the thread that called.
 pub(crate) type Told = Option<Py<PyAny>>;
 
 /// What a computation and the thread that waits for it tell each other.
@@ -28,7 +28,7 @@ pub(crate) struct Meanwhile {
 }
 
 impl Meanwhile {
-    /// Says how far the computation is; a break where somebody wants it to end.
+    /// Says how far the computation is; a break where an end is wanted.
     pub(crate) fn done(&self, share: f64) -> ControlFlow<()> {
         self.done.store(share.to_bits(), Ordering::Relaxed);
         if self.stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
@@ -57,7 +57,7 @@ pub(crate) fn run<T: Send>(
             let meanwhile = &meanwhile;
             let spawned = thread::Builder::new().stack_size(STACK_BYTES).spawn_scoped(scope, move || {
                 let result = work(meanwhile);
-                // Nobody waits any more only where the interpreter has raised something.
+                // No one waits any more only where the interpreter has raised something.
                 let _ = done.send(());
                 result
             });

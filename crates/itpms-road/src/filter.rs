@@ -19,7 +19,7 @@ const FOLLOW_PERIOD_S: f64 = 0.1;
 const WORTH_FOLLOWING: f64 = 0.1;
 /// Level assumed until it is learned: class B at 20 km/h.
 const FIRST_LOG_LEVEL: f64 = -9.0;
-/// Until then the sensors' offsets are not yet told from the road.
+/// Until then the sensors' offsets are not yet distinguished from the road.
 const SETTLING_S: f64 = 5.0;
 /// Without the wheel's acceleration for so long, the road is a guess.
 const BLIND_S: f64 = 0.1;

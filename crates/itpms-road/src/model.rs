@@ -184,7 +184,7 @@ pub(crate) struct Transition<T: Real> {
     q: Matrix<T>,
 }
 
-/// Sampling interval in s assumed before two samples have told it.
+/// Sampling interval in s assumed before two samples have shown it.
 pub(crate) const FIRST_INTERVAL_S: f64 = 0.002;
 /// Fastest change of phase in one step of the series; more is reached by doubling.
 const SERIES_STEP: f64 = 0.1;

@@ -24,7 +24,7 @@ pub(crate) struct Correction<T> {
 }
 
 /// The height's expectation beside the height that is given out (eq. 13). The expectation of a height is a poor
-/// height: it shrinks all wavelengths to be right about a slow drift nobody can see, so the filter's output keeps the
+/// height: it shrinks all wavelengths to be right about a slow drift that does not show, so the filter's output keeps the
 /// tire deflection's gain. The backward pass starts from expectations and needs the difference.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -1,4 +1,4 @@
-//! What can be wrong with a scenario, said so that its author can mend it.
+//! What can be wrong with a scenario, put so that its author can mend it.
 
 use std::path::PathBuf;
 

@@ -170,7 +170,7 @@ fn the_wheel_sensors_noise_has_the_stated_variances() {
         // sd of a variance over 30 000 values: sqrt(2/30 000) = 0.8 %; four of them.
         assert!((mean_square(|r| r.wheel_accel_m_s2) / variance - 1.0).abs() < 0.033, "{variance}");
         assert!((mean_square(|r| r.body_accel_m_s2) / 0.0025 - 1.0).abs() < 0.033);
-        // The estimator is told the nominal one throughout.
+        // The estimator is given the nominal one throughout.
         let told = noisy.corner_config(Corner::FrontLeft).unwrap().accel_noise_m_s2.unwrap();
         assert!((told * told - 0.248).abs() < 1e-5, "{told}");
     }

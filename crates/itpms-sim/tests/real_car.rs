@@ -309,7 +309,7 @@ fn soft_ground_is_a_spring_under_the_tire() {
     for (a, b) in wheel_m_s2(&soft).into_iter().zip(wheel_m_s2(&worn)) {
         assert!((a - b).abs() < 1e-9, "{a} {b}");
     }
-    // What is told of the tire is the tire's.
+    // What is stated of the tire is the tire's.
     let row = Simulation::new(&soft, 1).unwrap().last().unwrap().corners[0].unwrap();
     assert!((row.stiffness_n_per_m - k_t).abs() < 1e-6);
 }

@@ -104,7 +104,7 @@ impl Args {
     }
 }
 
-/// A number below zero is no option that nobody knows: whoever takes the value says what is expected.
+/// A number below zero is not an unknown option: whoever takes the value says what is expected.
 fn with_negative_numbers(command: clap::Command) -> clap::Command {
     let takes_value = |arg: &clap::Arg| arg.get_action().takes_values() && !arg.is_positional();
     command
@@ -183,7 +183,7 @@ pub(crate) struct EstimateArgs {
     #[arg(long, value_name = "HZ", default_value_t = 10.0, value_parser = positive)]
     pub(crate) rate: f64,
     /// Threads: with more than 1 the log is read ahead and files are written beside the estimating, on three at most. As many as
-    /// there are processors unless said; the result is the same.
+    /// there are processors unless given; the result is the same.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) jobs: Option<u16>,
     #[command(flatten)]

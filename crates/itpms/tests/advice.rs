@@ -60,7 +60,7 @@ fn spelled_out(column: &str) -> String {
     }
 }
 
-/// Names that nobody could know.
+/// Names that cannot be known.
 fn channels(column: &str) -> String {
     format!("Ch {}", column.bytes().map(u32::from).sum::<u32>())
 }

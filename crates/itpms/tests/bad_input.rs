@@ -339,12 +339,12 @@ fn options_that_make_no_sense_are_refused_by_the_parser() {
         assert!(outcome.stderr.starts_with("error: "), "{option}: {outcome:?}");
         assert_eq!(bench.names(), ["car.toml", "drive.csv"]);
     }
-    // A number below zero is a value, and no option that nobody knows.
+    // A number below zero is a value and not an unknown option.
     let outcome = bench.run("estimate drive.csv --vehicle car.toml -o est.csv --rate -5");
     assert!(outcome.stderr.contains("invalid value '-5' for '--rate"), "{outcome:?}");
 }
 
-/// Somebody else's table is told how it is read.
+/// Another table's message states how it is read.
 #[test]
 fn a_table_with_other_names_is_told_the_way() {
     let bench = Bench::with_drive();

@@ -100,7 +100,7 @@ fl_pressure_kpa = { signal = "P", unit = "kPa" }
         bench.run(&format!("convert {mapped} back.csv")).success();
         assert_eq!(bench.read("back.csv"), bench.read("plain.csv"), "{mapped}");
     }
-    // A table has no frames, and without the map nobody knows what its columns are.
+    // A table has no frames, and without the map its columns are unknown.
     assert!(bench.run("convert other.csv c.csv").refusal().contains("time_s is missing"));
     bench.write("columns.toml", "[signals]\ntime_s = \"Stemp\"\n");
     let outcome = bench.run("convert other.csv c.csv --signals columns.toml");

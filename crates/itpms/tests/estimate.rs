@@ -197,7 +197,7 @@ fn up_to_four_corners_run_side_by_side() {
     );
 }
 
-/// Without a speed front and rear cannot be held against each other: that is said, and the puncture is seen all the same.
+/// Without a speed front and rear cannot be held against each other: that is reported, and the puncture is seen all the same.
 #[test]
 fn four_wheels_without_a_speed_are_by_themselves() {
     let bench = Bench::new();

@@ -156,7 +156,7 @@ fn a_dozen_drives_are_what_estimate_makes_of_each_and_three_fail() {
     // The worst first; each with its report. charlie's low drive is not its last one.
     assert!(page.contains("1 of 3 cars has a low tire"), "{}", &page[..600]);
     assert!(page.contains("href=\"reports/logs/alpha/drive10.csv.html\""));
-    // Of alpha and of bravo a drive after the last good one is broken; nobody knows whose the third is.
+    // Of alpha and of bravo a drive after the last good one is broken; the car of the third is unknown.
     assert_eq!(page.matches("1\u{a0}later drive failed</a>").count(), 2);
     // Nothing is loaded from anywhere.
     assert!(["src=", "href=\"http", "url(", "@import", "<link"].iter().all(|load| !page.contains(load)));

@@ -226,7 +226,7 @@ fn frames_that_are_of_no_use_and_a_state_without_a_place_are_said() {
     assert!(refused.refusal().contains("nowhere"), "{refused:?}");
 }
 
-/// Waits until the monitor has told something.
+/// Waits until the monitor has published something.
 fn wait_for_estimate(bench: &Bench, name: &str, child: &mut Child) {
     let start = Instant::now();
     while !std::fs::read_to_string(bench.path(name)).is_ok_and(|text| text.matches("\"live\"").count() > 20) {
@@ -268,7 +268,7 @@ fn a_polite_kill_saves_the_state_and_the_next_start_goes_on_to_the_same_bits() {
     resumed.success();
     let both = [first, estimates(&bench, "second.jsonl")].concat();
     assert_eq!(all_said(&both), all_said(&whole));
-    // What was said before the restart is not said again.
+    // What was reported before the restart is not reported again.
     let texts = |name: &str| -> Vec<Value> {
         lines(&bench, name, "warning").iter().map(|warning| warning["text"].clone()).collect()
     };
@@ -309,7 +309,7 @@ fn one_monitor_per_state_and_a_killed_one_leaves_the_next_nothing_to_complain_of
     assert_eq!(second.refusal(), format!("car.state: {by}"));
     first.kill().unwrap();
     first.wait().unwrap();
-    // What it left beside the state, and somebody else's file of nearly the same name.
+    // What it left beside the state, and another's file of nearly the same name.
     bench.write(&format!(".car.state.{}-3.tmp", first.id()), "half a state");
     bench.write(".car.state.mine.tmp", "mine");
     let third = begin("third.jsonl");
@@ -331,7 +331,7 @@ fn a_damaged_state_is_refused_loudly_and_the_monitor_begins_afresh() {
     let outcome = bench.run(&format!("{line} again.jsonl"));
     assert!(outcome.stderr.contains("car.state: is damaged") && outcome.stderr.contains("BEGINS AFRESH"));
     outcome.success();
-    // What was refused is somebody's knowledge of a car, and kept.
+    // What was refused is knowledge of a car, and kept.
     assert_eq!(std::fs::read(bench.path("car.state.refused")).unwrap(), state);
     bench.write("car.state", &state);
     bench.run(&format!("{line} third.jsonl")).success();

@@ -39,7 +39,7 @@ fn errors_are_colored_where_that_is_asked_for_and_not_in_a_pipe() {
     assert!(said("--color never vehicle show nothing.toml").starts_with("error: nothing.toml"));
     let colored = said("--color always vehicle show nothing.toml");
     assert!(colored.starts_with("\x1b[1m\x1b[31merror:\x1b[0m nothing.toml"), "{colored:?}");
-    // A name is somebody else's: what is in it is never obeyed.
+    // A name is another's: what is in it is never obeyed.
     let mut command = bench.command(["--color", "always", "vehicle", "show", "a\x1b[32mb.toml"]);
     let stderr = String::from_utf8(command.output().unwrap().stderr).unwrap();
     assert!(stderr.contains("a\\u001b[32mb.toml"), "{stderr:?}");

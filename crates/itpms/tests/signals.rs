@@ -15,7 +15,7 @@ fn signals(arguments: &[&Path]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_itpms")).arg("signals").args(arguments).output().unwrap()
 }
 
-/// Two seconds: the speed at 50 Hz, one corner at 500 Hz, and once in a second a frame nobody knows.
+/// Two seconds: the speed at 50 Hz, one corner at 500 Hz, and once in a second an unknown frame.
 fn bus_log(folder: &Path) -> PathBuf {
     let mut text = String::new();
     for i in 0..1000 {

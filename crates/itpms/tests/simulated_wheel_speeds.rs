@@ -42,8 +42,8 @@ fn a_simulated_loss_is_found_by_the_wheel_speeds_alone() {
     let alert = &summary["alerts"][0];
     assert_eq!((&alert["kind"], &alert["wheels"]), (&"differs".into(), &serde_json::json!(["rl"])));
     // It is two fifths, which is found while it is lost or soon after.
-    let said_s = alert["said_s"].as_f64().unwrap();
-    assert!((700.0..1000.0).contains(&said_s), "{said_s}");
+    let reported_s = alert["reported_s"].as_f64().unwrap();
+    assert!((700.0..1000.0).contains(&reported_s), "{reported_s}");
     assert_eq!(summary["alerts"].as_array().unwrap().len(), 1, "{}", summary["alerts"]);
     assert!(bench.read("report.html").contains("differs"));
 }

@@ -22,7 +22,7 @@ const LOSS_TAKES_S: f64 = 2.5;
 /// within 40 s), of which one outside is chance. Two would be 87 %.
 const SHARE_INSIDE: f64 = 0.9;
 
-/// `None` where it is not, which is said on the stream itself: what the macros print in a test that passes is not shown.
+/// `None` where it is not, which is reported on the stream itself: what the macros print in a test that passes is not shown.
 fn surveyed_profile() -> Option<PathBuf> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/profile_1.txt");
     if !path.exists() {

@@ -127,7 +127,7 @@ fn check_finds_the_damper_that_is_not_the_files() {
     assert_eq!(wrong["corners"]["rl"]["asks_for_change"], false, "{wrong}");
 }
 
-/// A file that somebody has filled in is not lost when it is written anew.
+/// A file that was filled in is not lost when it is written anew.
 #[test]
 fn what_was_in_a_file_is_kept_beside_it() {
     let bench = Bench::new();

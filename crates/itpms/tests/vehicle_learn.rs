@@ -71,7 +71,7 @@ fn a_drive_at_a_known_pressure_teaches_the_file() {
         shown["corners"]["rl"]["derived"]["uncalibrated_pressure_sd_kpa"].as_f64().unwrap()
     };
     assert!(sd("car.toml") > 50.0 && sd("learned.toml") < 10.0, "{} {}", sd("car.toml"), sd("learned.toml"));
-    // Learned again from the same drive, that is said; from the file itself unless told otherwise.
+    // Learned again from the same drive, that is reported; from the file itself unless stated otherwise.
     let again = bench.run("vehicle learn drive.csv --pressure-kpa 240 -o learned.toml");
     again.success();
     assert!(again.stderr.contains("was learned from drive.csv already"), "{again:?}");

@@ -1,4 +1,4 @@
-//! A drive with wheel speeds alone, from the bus to the report: the example of the book, and what is said where something is missing.
+//! A drive with wheel speeds alone, from the bus to the report: the example of the book, and what is reported where something is missing.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
 use std::path::{Path, PathBuf};
@@ -41,8 +41,8 @@ fn the_example_names_the_tire_that_lost_a_quarter() {
     let alerts = summary["alerts"].as_array().unwrap();
     assert_eq!(alerts.len(), 1, "{alerts:?}");
     assert_eq!((&alerts[0]["kind"], &alerts[0]["wheels"]), (&"differs".into(), &serde_json::json!(["rr"])));
-    let said_s = alerts[0]["said_s"].as_f64().unwrap();
-    assert!((LOSS_S..LOSS_S + 15.0).contains(&said_s), "{said_s}");
+    let reported_s = alerts[0]["reported_s"].as_f64().unwrap();
+    assert!((LOSS_S..LOSS_S + 15.0).contains(&reported_s), "{reported_s}");
     // A quarter, as far as the radius over pressure is the assumed one.
     let rr = &summary["wheel_speeds"]["wheels"]["rr"];
     assert!((rr["lost_share"].as_f64().unwrap() - 0.25).abs() < 0.06, "{rr}");
@@ -94,12 +94,12 @@ fn a_stored_calibration_is_used_on_another_drive_whose_loads_may_be_others() {
     let learn = "estimate first.log --dbc car.dbc --vehicle wheels.toml --calibrate-s 50 --save-reference car.reference --json";
     let outcome = bench.run(learn);
     assert_eq!(json(outcome.success())["alerts"], serde_json::json!([]));
-    // A rear tire after a stop is not parted from a load within a minute: that is said, and no tire is warned of.
+    // A rear tire after a stop is not parted from a load within a minute: that is reported, and no tire is warned of.
     let outcome = bench.run(&format!("{ESTIMATE} --reference car.reference"));
     let text = outcome.success();
     assert!(text.contains("a tire that has lost a quarter would not be found"), "{text}");
     assert!(text.contains("The car has stood since the calibration, so loads may have changed"), "{text}");
-    assert!(!text.contains("said at"), "{text}");
+    assert!(!text.contains("reported at"), "{text}");
     // The reference is this car's alone.
     let other = bench.read("wheels.toml").replace("driven = \"front\"", "driven = \"rear\"");
     bench.write("other.toml", other);
@@ -166,7 +166,7 @@ fn known_pressures_of_the_calibration_are_counted_in() {
     let summary = json(outcome.success());
     let alert = &summary["alerts"][0];
     assert_eq!(alert["wheels"], serde_json::json!(["rr"]));
-    assert!(alert["said_s"].as_f64().unwrap() < LOSS_S, "{alert}");
+    assert!(alert["reported_s"].as_f64().unwrap() < LOSS_S, "{alert}");
     let lost = summary["wheel_speeds"]["wheels"]["rr"]["lost_share"].as_f64().unwrap();
     // 1 - .75^2, drawn a little to what low tires have.
     assert!((lost - 0.4375).abs() < 0.1, "{lost}");

@@ -18,7 +18,7 @@ use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::Simulation;
 
 const RATE_HZ: f64 = 500.0;
-/// Long enough for the shared road to be found, a sensor to be lost, said to be out of order, and back.
+/// Long enough for the shared road to be found, a sensor to be lost, reported to be out of order, and back.
 const DRIVE_S: f64 = 40.0;
 const LOST_S: std::ops::Range<f64> = 20.0..25.0;
 /// Stack of the thread, in bytes, and to how many of them what is used of it is found out.

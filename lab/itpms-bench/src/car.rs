@@ -41,7 +41,7 @@ enum Car<T: Real> {
     Bare(Box<CarEstimator<T>>),
 }
 
-/// What the estimator is told about the car of the built-in drives.
+/// What the estimator knows about the car of the built-in drives.
 #[must_use]
 pub fn told<T: Real>() -> CarConfig<T> {
     let front = CornerConfig::<T>::paper();

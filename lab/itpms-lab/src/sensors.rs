@@ -41,7 +41,7 @@ impl Sensors {
     }
 }
 
-/// What a monitor is told of the wheels of a scenario's car: tires nothing is known of. `None`: it has no wheel speeds.
+/// What a monitor knows of the wheels of a scenario's car: tires nothing is known of. `None`: it has no wheel speeds.
 pub(crate) fn wheel_speed_config(
     scenario: &Scenario,
     load: LoadUncertainty<f64>,

@@ -27,7 +27,7 @@ fn malfunctions_are_said_in_time_and_no_other_is() {
 }
 
 /// Twenty-six km/h on a road so smooth that the sensors hear little but themselves: noise in a body's makes it look like its
-/// wheel there, as if they were swapped. (It was said after 32 s as long as that kept it from being compared with its like.)
+/// wheel there, as if they were swapped. (It was reported after 32 s as long as that kept it from being compared with its like.)
 #[test]
 fn noise_on_a_smooth_road_is_said_to_be_noise() {
     let go = |_, _| ControlFlow::Continue(());
@@ -69,7 +69,7 @@ fn a_gain_that_changes_is_no_leak_of_the_other_tire() {
     assert_eq!((row.wrong_after_others_s, row.wrong_back_others_s), (0.0, 0.0), "{row:?}");
 }
 
-/// A wheel's sensor begins to read a quarter too little or a third too much: said, and with it that its tire is not known. What
+/// A wheel's sensor begins to read a quarter too little or a third too much: reported, and with it that its tire is not known. What
 /// is shown of it and of the other tire of its side until then, and for some seconds more, is wrong.
 #[test]
 fn a_gain_that_is_a_quarter_off_is_said() {

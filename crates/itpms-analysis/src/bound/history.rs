@@ -12,7 +12,7 @@ use super::fisher::Fisher;
 /// What the bound takes for granted about how pressure and road change. The less it allows, the lower the bound.
 ///
 /// A changing pressure is a Gaussian random walk whose strength is that of the change actually under way: the
-/// bound is told when the pressure moves and how fast, though not where to. An estimator that has to find this out
+/// bound is given when the pressure moves and how fast, though not where to. An estimator that has to find this out
 /// first stays above the bound during and shortly after a change.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoundPrior {
@@ -118,7 +118,7 @@ impl<const N: usize> Known<N> {
         }
     }
 
-    /// Somebody says what the pressures are: nothing is left to find out.
+    /// The pressures are given: nothing is left to find out.
     pub(super) fn tell_pressures(&mut self) {
         for i in 0..N - 2 {
             self.covariance.row_mut(i).fill(0.0);

@@ -90,8 +90,8 @@ impl SideBound {
     }
 
     /// Bound on the standard deviations in kPa, `[front, rear]`, at each time (s, increasing) of a drive with these true
-    /// pressures, as [`CornerBound::history`](super::CornerBound::history). Up to `told_until_s` somebody says what the
-    /// pressures are, as during a reset.
+    /// pressures, as [`CornerBound::history`](super::CornerBound::history). Up to `told_until_s` the
+    /// pressures are given, as during a reset.
     #[must_use]
     pub fn history(
         &self,

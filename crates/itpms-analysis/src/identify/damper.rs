@@ -32,7 +32,7 @@ const FIRST_DISPLACEMENT: usize = 3;
 ///
 /// # Errors
 /// See [`IdentifyError`]: no steady sine of five periods, too few rows per period, clipping, wrong units, time that does
-/// not increase, damping that is negative or cannot be told from zero.
+/// not increase, damping that is negative or cannot be distinguished from zero.
 pub fn damper(
     records: &[SineRecord<'_>],
     spring_n_per_m: Option<f64>,

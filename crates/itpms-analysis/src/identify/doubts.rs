@@ -2,7 +2,7 @@
 
 use super::damper_result::{Consistency, DamperResult};
 
-/// Probability below which runs are said to disagree.
+/// Probability below which runs are reported to disagree.
 const SUSPICIOUS: f64 = 0.01;
 /// Difference between the directions, as a share of the damping, that is worth a remark.
 const ASYMMETRIC: f64 = 0.05;
@@ -17,7 +17,7 @@ pub(super) fn concerns(result: &DamperResult) -> Vec<String> {
     let fastest = result.runs.iter().map(|run| run.velocity_m_s).fold(0.0, f64::max);
     if fastest < 1.5 * slowest {
         out.push(
-            "one velocity only: damping and friction are told apart by the shape of the loop alone; add a run of another frequency or amplitude"
+            "one velocity only: damping and friction are separated by the shape of the loop alone; add a run of another frequency or amplitude"
                 .to_owned(),
         );
     }

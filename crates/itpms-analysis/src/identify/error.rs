@@ -1,4 +1,4 @@
-//! Measurements that nothing can be identified from, said in one sentence. Rows count from one, the header not
+//! Measurements that nothing can be identified from, in one sentence. Rows count from one, the header not
 //! included.
 
 use thiserror::Error;
@@ -69,8 +69,8 @@ pub enum IdentifyError {
         /// What it looks like, if it looks like something.
         hint: &'static str,
     },
-    /// A slope that cannot be told from zero.
-    #[error("{what} cannot be told from zero: {value:.4} ± {standard_error:.4} {unit}")]
+    /// A slope that cannot be distinguished from zero.
+    #[error("{what} is not distinguishable from zero: {value:.4} ± {standard_error:.4} {unit}")]
     NoSlope {
         /// The coefficient.
         what: &'static str,
@@ -160,6 +160,6 @@ pub enum IdentifyError {
         standard_error: f64,
     },
     /// A fit without a unique answer.
-    #[error("{0} cannot be told apart from these data")]
+    #[error("{0} cannot be separated by these data")]
     Singular(&'static str),
 }

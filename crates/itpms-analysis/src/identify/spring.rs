@@ -90,7 +90,7 @@ struct Used {
 /// Identifies a spring from displacement in m and load in N, in the order in which they were measured.
 ///
 /// # Errors
-/// See [`IdentifyError`]: too few rows, no movement, clipping, wrong units, a slope that cannot be told from zero.
+/// See [`IdentifyError`]: too few rows, no movement, clipping, wrong units, a slope that cannot be distinguished from zero.
 pub fn spring(displacement_m: &[f64], load_n: &[f64], units: Units) -> Result<SpringResult, IdentifyError> {
     guard::pair(("displacement_m", displacement_m), ("load_n", load_n))?;
     if load_n.len() < FEWEST_ROWS {

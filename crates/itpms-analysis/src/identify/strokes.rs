@@ -1,4 +1,4 @@
-//! Where a displacement turns: strokes up and down, told from noise by a threshold. Called by the identifications.
+//! Where a displacement turns: strokes up and down, distinguished from noise by a threshold. Called by the identifications.
 
 /// One way of the displacement between two turning points, or up to an end of the record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

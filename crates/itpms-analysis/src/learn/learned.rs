@@ -1,4 +1,4 @@
-//! The car that comes out, parameter by parameter: what the file said, what is believed now.
+//! The car that comes out, parameter by parameter: what the file states, what is believed now.
 
 use itpms_core::model::{CarConfig, CornerConfig, PressureMap, QuarterCar};
 
@@ -77,7 +77,7 @@ fn corner(told: &CornerConfig<f64>, i: usize, belief: &Belief, drives: &[DriveRe
     }
 }
 
-/// What an estimator is told of it.
+/// What an estimator knows of it.
 fn config(
     told: &CornerConfig<f64>,
     corner: &LearnedCorner,

@@ -34,7 +34,7 @@ pub struct StrutMean {
     pub friction_n: f64,
 }
 
-/// What a drive has shown. The same whatever unsprung masses, dampers, springs and tires its [`Listener`] was told.
+/// What a drive has shown. The same whatever unsprung masses, dampers, springs and tires its [`Listener`] was given.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DriveReading {
     /// The known pressures in kPa gauge.
@@ -45,7 +45,7 @@ pub struct DriveReading {
     pub struts: [Option<StrutMean>; 4],
 }
 
-/// Estimates a drive as one whose pressures nobody knows, and keeps what the tires and struts read.
+/// Estimates a drive as one whose pressures are unknown, and keeps what the tires and struts read.
 #[derive(Debug)]
 pub struct Listener {
     car: Box<MonitoredCar<f64>>,

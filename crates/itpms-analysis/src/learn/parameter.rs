@@ -1,4 +1,4 @@
-//! A parameter of the car before and after drives have told something of it.
+//! A parameter of the car before and after drives have shown something of it.
 
 /// Of a standard deviation, what has to be left for a parameter still to count as the file's alone.
 const NOT_LEARNED_SD: f64 = 0.8;
@@ -17,13 +17,13 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// Of a positive value that is `exp` of a normal deviation, told as mean and standard deviation.
+    /// Of a positive value that is `exp` of a normal deviation, given as mean and standard deviation.
     pub(super) fn share(before: f64, before_relative_sd: f64, [deviation, sd]: [f64; 2]) -> Self {
         let after = before * deviation.exp();
         Self { before, before_sd: before * before_relative_sd, after, after_sd: after * sd }
     }
 
-    /// Whether the drives have told it, and not the file alone. Shares count where a value has grown, since its deviation grows with it; one
+    /// Whether the drives have shown it, and not the file alone. Shares count where a value has grown, since its deviation grows with it; one
     /// that has shrunk to next to nothing, such as friction, is known by its deviation itself.
     #[must_use]
     pub fn is_learned(&self) -> bool {

@@ -35,7 +35,7 @@ fn what_all_wheels_read_alike_divides_as_the_files_variances_do() {
     let sd = ratio.after_sd / ratio.after;
     assert!(sd < (2.0 * 0.015f64.powi(2) + 1e-4).sqrt() && sd > 0.02, "{sd}");
     assert!(ratio.is_learned());
-    // Nothing of it shows in the slope at placard pressure, and the estimator is told the same as the table says.
+    // Nothing of it shows in the slope at placard pressure, and the estimator is given the same as the table says.
     assert_eq!(learned.slope.after, 1.0);
     assert!(!learned.slope.is_learned());
     let told = learned.car.corners[2].unwrap();

@@ -1,4 +1,4 @@
-//! One Gaussian over what four tires and their wheels' masses are, told by the file and by drives (docs/math/learn.md, section 2).
+//! One Gaussian over what four tires and their wheels' masses are, given by the file and by drives (docs/math/learn.md, section 2).
 
 use itpms_core::model::{CarConfig, CornerConfig};
 use nalgebra::{SMatrix, SVector};

@@ -15,7 +15,7 @@ const BINS_HZ: [f64; 2] = [2.5, 8.0];
 const SHORTEST_M: f64 = 1.2;
 const LONGEST_M: f64 = 6.0;
 const STEP_M: f64 = 0.02;
-/// A bicycle's speed in m/s: below it nothing is said of a car's wheelbase.
+/// A bicycle's speed in m/s: below it nothing is reported of a car's wheelbase.
 const SLOWEST_M_S: f64 = 4.0;
 /// Mean cosine of what is left of the phases, and frames, without which there is no wheelbase.
 const LEAST_AGREEMENT: f64 = 0.3;

@@ -43,7 +43,7 @@ impl Figure {
         Self { description: description.into(), ..self }
     }
 
-    /// How many panels stand side by side at most; two unless said.
+    /// How many panels stand side by side at most; two unless given.
     #[must_use]
     pub fn columns(self, columns: usize) -> Self {
         Self { columns: columns.max(1), ..self }

@@ -1,4 +1,4 @@
-//! The car from above: four tires with their pressures, states told by color, sign and word. Drawn as SVG, so that it
+//! The car from above: four tires with their pressures, states shown by color, sign and word. Drawn as SVG, so that it
 //! is there without a script and on paper.
 //!
 //! Called by the page's writer where there are several corners.

@@ -47,7 +47,7 @@ mod channel {
     pub(super) const CHANGE: usize = 9;
     pub(super) const VALIDITY: usize = 10;
     pub(super) const WARNING: usize = 11;
-    /// The pressure where it is not valid: nobody should go by it.
+    /// The pressure where it is not valid: it is not to be used.
     pub(super) const NOT_VALID: usize = 12;
     pub(super) const PER_CORNER: usize = 13;
 }

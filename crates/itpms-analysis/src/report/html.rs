@@ -116,7 +116,7 @@ fn card(corner: &CornerReport, end_s: f64, unit: PressureUnit) -> String {
             let why = doubt.map_or(String::new(), |why| format!(": {why}"));
             format!("<span>last valid at {}{why}</span>", clock(last_s))
         }
-        (None, Some(said_s)) => format!("<span>warned of at {}</span>", clock(said_s)),
+        (None, Some(reported_s)) => format!("<span>warned of at {}</span>", clock(reported_s)),
         (None, None) => match doubt {
             Some(why) => format!("<span>{why}</span>"),
             None => format!("<span>valid for {:.0} % of the drive</span>", 100.0 * f.share_valid),

@@ -72,11 +72,11 @@ pub struct ReportData {
     pub speed_m_s: Vec<f64>,
     /// The corners that were estimated.
     pub corners: Vec<CornerReport>,
-    /// What the monitor said; `None` where there was none.
+    /// What the monitor reported; `None` where there was none.
     pub watch: Option<WatchReport>,
     /// Unit in which the page shows pressures.
     pub pressure_unit: PressureUnit,
-    /// What the wheel speeds said; `None` where they were not used.
+    /// What the wheel speeds reported; `None` where they were not used.
     pub wheel_speeds: Option<WheelSpeedReport>,
 }
 
@@ -87,11 +87,11 @@ pub struct CornerReport {
     pub corner: Corner,
     /// Pressure the placard asks for, in kPa.
     pub placard_kpa: f64,
-    /// What the estimate was told of the corner.
+    /// What the estimate was given of the corner.
     pub config: CornerConfig<f64>,
     /// What the level of the pressures rested on in the end; `None` where nothing was estimated.
     pub level: Option<Level>,
-    /// The wheel's state at the end, if a monitor told it.
+    /// The wheel's state at the end, if a monitor reported it.
     pub state: Option<WheelState>,
     /// Headline figures.
     pub figures: CornerFigures,
@@ -108,7 +108,7 @@ pub struct CornerReport {
 pub struct TimeCurves {
     /// Estimate in kPa, where it is valid.
     pub pressure_kpa: Vec<f64>,
-    /// The same where it is not, and nobody should go by it: while it starts, without information, with a bad sensor.
+    /// The same where it is not, and is not to be used: while it starts, without information, with a bad sensor.
     pub not_valid_kpa: Vec<f64>,
     /// Lower and upper edge of its 95 % band in kPa.
     pub band_kpa: [Vec<f64>; 2],

@@ -141,7 +141,7 @@ pub(super) fn section(data: &ReportData) -> String {
             .map_or("–", |(_, source)| source.as_str())
     };
     let mut out = String::from(
-        "<section id=\"parameters\"><h2>The vehicle's parameters</h2><p class=\"verdict\">What the estimate was told of the car, \
+        "<section id=\"parameters\"><h2>The vehicle's parameters</h2><p class=\"verdict\">What the estimate takes for the car, \
          ± one standard deviation, and what of the result rests on it.</p>\
          <div class=\"scroll\"><table class=\"figures\"><thead><tr><th></th>",
     );

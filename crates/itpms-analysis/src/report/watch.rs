@@ -1,4 +1,4 @@
-//! What the monitor said during a drive: each wheel's state over time, and every alert with its end. Bounded memory.
+//! What the monitor reported during a drive: each wheel's state over time, and every alert with its end. Bounded memory.
 //!
 //! Called by the report's collector. Knows nothing of how a state came about.
 
@@ -22,7 +22,7 @@ pub struct AlertSpan {
     pub ended_s: Option<f64>,
 }
 
-/// What the monitor said during a drive.
+/// What the monitor reported during a drive.
 #[derive(Debug, Clone, Default)]
 pub struct WatchReport {
     /// Each wheel's stretches `(from s, to s, code)`, in the order of [`Corner::ALL`]: 0 fine, 1 unknown, 2 over,
@@ -30,7 +30,7 @@ pub struct WatchReport {
     pub states: [Vec<(f64, f64, f64)>; 4],
     /// Each wheel's state at the end.
     pub last: [Option<WheelState>; 4],
-    /// The alerts in the order in which they were said.
+    /// The alerts in the order in which they were reported.
     pub alerts: Vec<AlertSpan>,
     /// Alerts that are not among them, for want of room.
     pub unlisted: usize,

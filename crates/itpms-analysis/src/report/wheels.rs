@@ -1,4 +1,4 @@
-//! What wheel speeds said during a drive: relative changes of the radii since the calibration, the losses that follow, and what cannot be
+//! What wheel speeds reported during a drive: relative changes of the radii since the calibration, the losses that follow, and what cannot be
 //! seen. Collected in bounded memory, written as a section of the page.
 
 use std::fmt::Write as _;
@@ -31,7 +31,7 @@ pub struct BandCurve {
     pub band: [Vec<f64>; 2],
 }
 
-/// What wheel speeds said during a drive.
+/// What wheel speeds reported during a drive.
 #[derive(Debug, Clone)]
 pub struct WheelSpeedReport {
     /// Times in s of the curves, like the report's.
@@ -42,7 +42,7 @@ pub struct WheelSpeedReport {
     pub lost_percent: [BandCurve; 4],
     /// Change of the ratios of the radii in thousandths: front left over right, rear left over right, front over rear.
     pub difference_1e3: [BandCurve; 3],
-    /// What was said last.
+    /// What was reported last.
     pub last: RadiusReport<f64>,
 }
 
@@ -144,7 +144,7 @@ pub fn unseen(radii: &RadiusReport<f64>) -> Vec<String> {
     }
     if known && radii.unseen.which_of_a_diagonal {
         out.push(
-            "Without a yaw rate a front tire and the rear one across are hardly told apart, and losses below .3 % of the radius are not found."
+            "Without a yaw rate a front tire and the rear one across are hardly distinguishable, and losses below .3 % of the radius are not found."
                 .to_owned(),
         );
     }

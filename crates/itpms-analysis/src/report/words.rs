@@ -44,7 +44,7 @@ impl Status {
         }
     }
 
-    /// Word for a corner's badge: what was, is said to have been.
+    /// Word for a corner's badge: what was is put into the past tense.
     pub(super) fn badge(corner: &CornerReport) -> &'static str {
         let now = corner.figures.warning;
         match Self::of(corner) {
@@ -81,7 +81,7 @@ impl Status {
 }
 
 impl CornerReport {
-    /// Why the wheel was not known at the end, if the monitor said that it was not: words that follow on `not known: `.
+    /// Why the wheel was not known at the end, if the monitor reported that it was not: words that follow on `not known: `.
     #[must_use]
     pub fn doubt(&self) -> Option<&'static str> {
         match self.state? {

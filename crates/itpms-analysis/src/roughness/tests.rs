@@ -48,7 +48,7 @@ fn road(law: PowerLaw, length_m: f64, spacing_m: f64, seed: u64) -> Vec<f64> {
         .collect()
 }
 
-/// Distances and heights of a surveyed road. `None` where the file is not, which is said on the stream itself: what the
+/// Distances and heights of a surveyed road. `None` where the file is not, which is reported on the stream itself: what the
 /// macros print in a test that passes is not shown.
 pub(super) fn surveyed_road() -> Option<(Vec<f64>, Vec<f64>)> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/profile_1.txt");
@@ -122,7 +122,7 @@ fn a_segment_longer_than_the_road_is_the_road() {
     };
     assert!(rolled(1e300).segments[0].fit.is_ok());
     assert_eq!(rolled(1e300), rolled(300.0));
-    // Nothing is told of less than the shortest segment, nor of a road that is one leap.
+    // Nothing is reported of less than the shortest segment, nor of a road that is one leap.
     assert_eq!(survey(&heights[..41], 100.0, 0.1).segments[0].note(), "too little road: 4 of 5 m");
     let mut leap = TrackSurvey::new(options(1e300, 0.1)).unwrap();
     for (i, height) in heights.iter().enumerate() {

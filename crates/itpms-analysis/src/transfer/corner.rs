@@ -112,13 +112,13 @@ impl CornerCheck {
                 "Less than half a minute without a gap: drive longer on a rough road".to_owned()
             }
             Verdict::Incoherent(coherence) => format!(
-                "The body does not follow this wheel (coherence {coherence:.2} between 4 and 16 Hz, expected 0.5 or more): check that its body sensor sits above this wheel and that the columns are those of this corner; nothing can be said of damper and spring"
+                "The body does not follow this wheel (coherence {coherence:.2} between 4 and 16 Hz, expected 0.5 or more): check that its body sensor sits above this wheel and that the columns are those of this corner; damper and spring are not judged"
             ),
             Verdict::Compared { damping, spring } => self.compared_sentence(*damping, *spring),
         }
     }
 
-    /// What does not fit beside damper and spring, in a sentence without its full stop. Where nothing can be said of these, the sentence
+    /// What does not fit beside damper and spring, in a sentence without its full stop. Where these are not judged, the sentence
     /// on them has named the reason.
     #[must_use]
     pub fn misfit(&self) -> Option<String> {
@@ -126,7 +126,7 @@ impl CornerCheck {
         matches!(self.verdict, Verdict::Compared { .. }).then(|| misfit.to_string())
     }
 
-    /// Whether something in the file should be changed, or nothing can be said.
+    /// Whether something in the file should be changed, or nothing is judged.
     #[must_use]
     pub fn asks_for_change(&self) -> bool {
         match &self.verdict {

@@ -13,7 +13,7 @@ const SEGMENT_S: f64 = 2.0;
 const COHERENCE_HZ: (f64, f64) = (4.0, 16.0);
 /// Mean coherence below which the body does not follow this wheel.
 pub const INCOHERENT: f64 = 0.5;
-/// Segments needed before anything is said: half a minute.
+/// Segments needed before anything is reported: half a minute.
 pub const FEWEST_SEGMENTS: usize = 30;
 
 /// Sums over segments, bin by bin.

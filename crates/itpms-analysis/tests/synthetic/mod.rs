@@ -1,4 +1,4 @@
-//! A drive as an estimator might have told it: no physics, only curves of the right shape, so that the report can be
+//! A drive as an estimator might have given it: no physics, only curves of the right shape, so that the report can be
 //! tested and looked at without one.
 
 use itpms_analysis::report::{CornerRow, Parameter, Provenance, ReportCollector, ReportData, ReportOptions};

@@ -82,7 +82,7 @@ impl SteadyClock {
         }
     }
 
-    /// Takes a sample's stamp in s; gives the steady time, or `None` for a stamp that nobody should go by: one that is not
+    /// Takes a sample's stamp in s; gives the steady time, or `None` for a stamp that is not to be used: one that is not
     /// finite, too large to be resolved, or out of line with those around it.
     pub(crate) fn take(&mut self, time_s: f64) -> Option<f64> {
         if !(time_s.abs() < self.latest_s) {
@@ -98,7 +98,7 @@ impl SteadyClock {
                 return None;
             }
             if step_s < 0.0 {
-                // Nobody knows for how long; at least for those that were not believed.
+                // For how long is unknown; at least for those that were not believed.
                 let lost_s = time_s - self.stray.first_s + self.period_s;
                 self.ahead_s += lost_s - step_s;
             }
@@ -113,7 +113,7 @@ impl SteadyClock {
         self.stamp_s + self.ahead_s
     }
 
-    /// The steady time at a stamp that may not have been believed, if it is right; infinite if nobody can say.
+    /// The steady time at a stamp that may not have been believed, if it is right; infinite if unknown.
     pub(crate) fn at_latest_s(&self, time_s: f64) -> f64 {
         let ahead = time_s.abs() < self.latest_s && time_s >= self.stamp_s;
         if ahead { time_s + self.ahead_s } else { f64::INFINITY }

@@ -19,11 +19,11 @@ blank!(SampleClock<T> { clock, speed });
 /// Time and speed of a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment<T> {
-    /// Steady time in s; `None`: the stamp is one that nobody should go by.
+    /// Steady time in s; `None`: the stamp is not to be used.
     pub time_s: Option<f64>,
     /// Steady time in s of the last sample whose stamp was believed; minus infinity before the first.
     pub now_s: f64,
-    /// The latest that the steady time may be, in s, whether the stamp was believed or not; infinite if nobody can say.
+    /// The latest that the steady time may be, in s, whether the stamp was believed or not; infinite if unknown.
     pub latest_s: f64,
     /// What the steady time is ahead of the stamps, in s: zero until a clock was set back.
     pub ahead_s: f64,

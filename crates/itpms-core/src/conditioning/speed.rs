@@ -11,7 +11,7 @@ pub(crate) const STANDING_M_S: f64 = 2.5;
 const HOLD_S: f64 = 0.5;
 
 /// Speeds in m/s that cars have: backwards, forwards. Anything else is a bus that tells nonsense, or a sign that is wrong: a car
-/// that stood or reversed for good would be heard no more.
+/// that stood or reversed for good would never be read again.
 const CARS_M_S: core::ops::RangeInclusive<f64> = -5.0..=100.0;
 
 /// Whether this is a speed in m/s that a car can have, -5 to 100.
@@ -55,7 +55,7 @@ impl<T: Real> Default for SpeedHold<T> {
     }
 }
 
-/// Longest step in s over which a way is counted: longer, and nobody knows how far the car went.
+/// Longest step in s over which a way is counted: longer, and how far the car went is unknown.
 const LONGEST_STEP_S: f64 = 10.0;
 
 /// Counts the way by the trapezoidal rule, from the speeds that [`SpeedHold`] gives.
@@ -118,7 +118,7 @@ mod tests {
         assert!(speed.take(0.0, f64::NAN).is_nan());
         assert_eq!(speed.take(1.0, 20.0), 20.0);
         assert_eq!(speed.take(1.5, f64::NAN), 20.0);
-        // It is as old as when it was told, not as when it was last asked for.
+        // It is as old as when it was sent, not as when it was last asked for.
         assert!(speed.take(1.6, f64::INFINITY).is_nan());
         // A clock that was set back, or is broken, says nothing of its age.
         assert!(speed.take(0.9, f64::NAN).is_nan());
@@ -142,7 +142,7 @@ mod tests {
     fn a_way_is_counted_where_the_speed_is_known() {
         let mut way = Odometer::new();
         assert!(way.push(0.0, f64::NAN).is_nan() && way.distance_m().is_nan());
-        // 10 to 20 m/s within ten seconds are 150 m, however seldom the speed is told.
+        // 10 to 20 m/s within ten seconds are 150 m, however seldom the speed is sent.
         for tenths in 10..=110u32 {
             let time_s = 0.1 * f64::from(tenths);
             let told = tenths.is_multiple_of(5);

@@ -43,7 +43,7 @@ const OTHER: f64 = -0.4;
 const OWN: f64 = 0.4;
 const SWAP: DebounceTimes = DebounceTimes { set_s: 4.0, clear_s: 4.0 };
 
-/// Warp of the body's plane, as a share of all power, that is none, and that is somebody's fault. A healthy car has less
+/// Warp of the body's plane, as a share of all power, that is none, and that is a sensor's fault. A healthy car has less
 /// than 0.01.
 const FLAT: f64 = 0.01;
 const BENT: f64 = 0.04;

@@ -37,7 +37,7 @@ impl<T: Real> FaultLatch<T> {
         Self { debouncer: Debouncer::new(), malfunction: Placed::BLANK }
     }
 
-    /// Takes evidence for this malfunction. Once said, it stays what it was called.
+    /// Takes evidence for this malfunction. Once reported, it stays what it was called.
     pub(crate) fn update(
         &mut self,
         [time_s, step_s]: [f64; 2],
@@ -58,7 +58,7 @@ impl<T: Real> FaultLatch<T> {
         }
     }
 
-    /// What is said, while it is.
+    /// What is reported, while it is.
     pub(crate) fn fault(&self) -> Option<Fault<T>> {
         let malfunction = self.malfunction.get().filter(|_| self.debouncer.is_active())?;
         Some(Fault::from_debouncer(&self.debouncer, malfunction))

@@ -26,7 +26,7 @@ pub struct Sensor {
     pub place: Place,
 }
 
-/// What is wrong with a sensor, as far as can be told.
+/// What is wrong with a sensor, as far as is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Malfunction<T> {
@@ -47,11 +47,11 @@ pub enum Malfunction<T> {
     },
     /// Two sensors carry each other's name.
     Swapped(Sensor, Sensor),
-    /// Both sensors of the left and the right corner of one axle carry each other's name; of which, cannot be told.
+    /// Both sensors of the left and the right corner of one axle carry each other's name; of which is unknown.
     SwappedSides,
-    /// Both sensors of the front and the rear corner of one side carry each other's name; of which, cannot be told.
+    /// Both sensors of the front and the rear corner of one side carry each other's name; of which is unknown.
     SwappedAxles,
-    /// The corner's signals do not fit each other or the rest of the car, and which is wrong cannot be told.
+    /// The corner's signals do not fit each other or the rest of the car, and which is wrong is unknown.
     Inconsistent(Corner),
 }
 

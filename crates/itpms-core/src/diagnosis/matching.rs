@@ -90,8 +90,8 @@ impl<T: Real> Plane<T> {
         })
     }
 
-    /// The sensor whose gain makes bodies warp that otherwise are a plane. Bodies that are none to begin with have nobody
-    /// to blame.
+    /// The sensor whose gain makes bodies warp that otherwise are a plane. Bodies that are none to begin with
+    /// accuse no sensor.
     pub(crate) fn wrong_gain(&self) -> Option<usize> {
         let left = (T::one() - self.explained) * self.warp;
         (self.explained > T::lit(EXPLAINED) && left < T::lit(LEFT)).then_some(self.culprit)

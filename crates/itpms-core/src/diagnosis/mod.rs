@@ -1,6 +1,6 @@
 //! The health of the sensors, from their raw values alone: each by itself, and all against the car that they sit on.
 //!
-//! Called by the monitor with every sample, before the estimator. Knows nothing of pressures. What can be told, how soon
+//! Called by the monitor with every sample, before the estimator. Knows nothing of pressures. What can be found, how soon
 //! and what cannot: docs/math/monitor.md, sections 2 to 4.
 //!
 //! | module | idea |
@@ -57,7 +57,7 @@ const FEW_MISSING: f64 = 0.1;
 const WHITE_AT_MOST: f64 = 8.0;
 /// Blocks after something was wrong until the filters have forgotten it.
 const FORGETTING_BLOCKS: u32 = 6;
-/// Blocks with something wrong after which what is suspected, not said, and cannot be looked at meanwhile is let go.
+/// Blocks with something wrong after which what is suspected, not reported, and cannot be looked at meanwhile is let go.
 const LEFT_BLOCKS: u32 = 20;
 
 /// Something that is wrong.
@@ -258,7 +258,7 @@ impl<T: Real> Diagnosis<T> {
         (alike.len() >= 2).then(|| [own, median(alike) + self.noise_power[i % 4]])
     }
 
-    /// What is wrong, by the corner it is told at: the worst of each.
+    /// What is wrong, by the corner it is reported at: the worst of each.
     pub(crate) fn faults(&self) -> [Option<Fault<T>>; 4] {
         let cross_sensor = self.cross_sensor.faults();
         core::array::from_fn(|i| {

@@ -1,4 +1,4 @@
-//! What is wrong with one sensor, as far as it can be told from itself and from the same sensors at the other
+//! What is wrong with one sensor, as far as it shows by itself and from the same sensors at the other
 //! corners.
 
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
@@ -40,7 +40,7 @@ pub(crate) struct SingleSensorMonitor<T> {
 
 blank!(SingleSensorMonitor<T> { watch, stuck, dropout, spikes, noise, spike_count, spike_s, doubtful });
 
-/// Whether the last block left a doubt that is not said.
+/// Whether the last block left a doubt that is not reported.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 enum Doubtful {
@@ -134,7 +134,7 @@ impl<T: Real> SingleSensorMonitor<T> {
         self.doubtful == Doubtful::No && !latches.iter().any(|debouncer| debouncer.is_suspected())
     }
 
-    /// Whether its values may not be learned from, said or not.
+    /// Whether its values may not be learned from, reported or not.
     pub(crate) fn is_suspected(&self) -> bool {
         let latches = [&self.stuck, &self.dropout, &self.spikes, &self.noise];
         self.doubtful == Doubtful::Yes || latches.iter().any(|debouncer| debouncer.is_suspected())

@@ -7,7 +7,7 @@ use crate::memory::blank;
 use crate::model::CarSample;
 use crate::real::Real;
 
-/// Speed in m/s, forwards or backwards, up to which a car is said to stand. On the worst road it shakes its wheels with
+/// Speed in m/s, forwards or backwards, up to which a car counts as standing. On the worst road it shakes its wheels with
 /// 1 m/s² rms at 0.2 m/s.
 const STANDS_M_S: f64 = 0.1;
 /// Seconds that are looked at together.
@@ -52,7 +52,7 @@ impl<T: Real> Spread<T> {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Standstill<T> {
-    /// When the look under way began; NaN: the car is not said to stand.
+    /// When the look under way began; NaN: the car does not count as standing.
     from_s: f64,
     wheels: [Spread<T>; 4],
     /// What the last look found by itself, and what two in a row did: one may hold garbage.
@@ -112,7 +112,7 @@ impl<T: Real> Standstill<T> {
         }
     }
 
-    /// Whether the car was said to stand and does not.
+    /// Whether the car counted as standing and does not.
     pub(crate) fn is_denied(&self) -> bool {
         self.denied
     }

@@ -53,7 +53,7 @@ pub(crate) struct CornerEstimator<T: Real> {
     judged_from_s: Option<f64>,
     /// Whether they were found to fit.
     has_fitted: bool,
-    /// Seconds of information that the corner had when its sensors last told nothing.
+    /// Seconds of information that the corner had when its sensors last sent nothing.
     learned_before_s: T,
     concluded: Placed<Concluded<T>>,
 }
@@ -137,7 +137,7 @@ impl<T: Real> CornerEstimator<T> {
         self.reading = Reading::of(&self.config, &self.informed.belief());
     }
 
-    /// Probability that the pressure moves, as the corner by itself sees it. What it saw before its sensors told nothing does not count,
+    /// Probability that the pressure moves, as the corner by itself sees it. What it saw before its sensors sent nothing does not count,
     /// neither meanwhile nor until it has seen as much again as an estimate takes.
     pub(crate) fn change_probability(&self) -> T {
         let seen_s = self.informed.learned_s() - self.learned_before_s;
@@ -159,7 +159,7 @@ impl<T: Real> CornerEstimator<T> {
         self.informed.quarter_car()
     }
 
-    /// Counts a sample whose time nobody should go by.
+    /// Counts a sample whose time is not to be used.
     pub(crate) fn refuse(&mut self) {
         let lost = T::lit(f64::NAN);
         self.resampler.push(f64::NAN, lost, lost, lost, |_| {});
@@ -194,7 +194,7 @@ impl<T: Real> CornerEstimator<T> {
         self.hold_calibration(time_s);
     }
 
-    /// What the last frames said of the stiffness to somebody who believed in this one with that sd, in N/m, when there is
+    /// What the last frames reported of the stiffness to one who believed in this one with that sd, in N/m, when there is
     /// something new.
     pub(crate) fn pseudo_measurement(
         &mut self,

@@ -1,4 +1,4 @@
-//! The tire's stiffness as the whole car knows it, as a corner's estimator is told: made by [`CarEstimator`](crate::car::CarEstimator)
+//! The tire's stiffness as the whole car knows it, as a corner's estimator is given: made by [`CarEstimator`](crate::car::CarEstimator)
 //! of the fused belief, applied by the running method.
 
 use crate::memory::blank;
@@ -20,7 +20,7 @@ pub(crate) struct FusedStiffness<T> {
     pub(crate) learned_s: T,
     /// Whether the road that its axles share is being learned from.
     pub(crate) learning: bool,
-    /// Whether anything is heard at all: frames, or pseudo-measurements of the corner's spectrum.
+    /// Whether anything is received at all: frames, or pseudo-measurements of the corner's spectrum.
     pub(crate) has_signal: bool,
 }
 

@@ -159,7 +159,7 @@ mod tests {
         largest
     }
 
-    /// A calibration that somebody ends is over for the corner, too: nobody vouches for its pressure any more.
+    /// A calibration that is ended is over for the corner, too: its pressure is not vouched for any more.
     #[test]
     fn a_calibration_that_is_ended_holds_nothing() {
         let sd_n_per_m = |ends: bool| {

@@ -1,10 +1,10 @@
-//! What an estimator is told about the car.
+//! What an estimator knows about the car.
 
 use super::estimate::CornerConfig;
 use crate::memory::{Blank, blank};
 use crate::real::Real;
 
-/// What an estimator is told about the car.
+/// What an estimator knows about the car.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CarConfig<T> {

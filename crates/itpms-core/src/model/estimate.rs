@@ -5,7 +5,7 @@ use crate::memory::blank;
 use crate::model::{Confidence, ParameterError, ParameterUncertainty, PressureMap, QuarterCar, positive};
 use crate::real::Real;
 
-/// What an estimator is told about its corner.
+/// What an estimator knows about its corner.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CornerConfig<T> {

@@ -13,7 +13,7 @@ pub enum Confidence {
     /// A manufacturer's figures, or a car of the same model that was measured.
     #[default]
     Typical,
-    /// Somebody's guess.
+    /// A guess.
     Rough,
 }
 

@@ -351,17 +351,17 @@ mod tests {
             (
                 Corner::RearRight.into(),
                 true,
-                "rr differs from the other tires since the calibration: it turns as with 25 % (sd 13) of its pressure lost, by the wheel speeds; since 10.0 s, said at 12.0 s",
+                "rr differs from the other tires since the calibration: it turns as with 25 % (sd 13) of its pressure lost, by the wheel speeds; since 10.0 s, reported at 12.0 s",
             ),
             (
                 pair,
                 false,
-                "one of fl rr differs from the other tires since the calibration, by the wheel speeds; since 10.0 s, said at 12.0 s",
+                "one of fl rr differs from the other tires since the calibration, by the wheel speeds; since 10.0 s, reported at 12.0 s",
             ),
             (
                 all,
                 false,
-                "one of the tires differs from the others since the calibration, by the wheel speeds; since 10.0 s, said at 12.0 s",
+                "one of the tires differs from the others since the calibration, by the wheel speeds; since 10.0 s, reported at 12.0 s",
             ),
         ] {
             assert_eq!(alert(wheels, is_known).to_string(), text);

@@ -35,7 +35,7 @@ enum Unit {
 /// Units in which cells are fitted.
 const FITS: u32 = 13;
 /// All units, in the order in which they are done. The prediction to the next frame comes before that is there: what is published with
-/// it is heard for a hop that has the next frame in its middle.
+/// it is read for a hop that has the next frame in its middle.
 const ORDER: [Unit; 23] = {
     let mut order = [Unit::Fit; 23];
     order[0] = Unit::Roads;

@@ -24,7 +24,7 @@ const NO_ROAD: f64 = 3.0;
 /// Highest frequency in Hz of that ratio: where wheel hop lives.
 const HOP_BAND_HZ: f64 = 20.0;
 
-/// Whether somebody says how fast the car is.
+/// Whether the speed is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum SpeedKnowledge {
     Known,

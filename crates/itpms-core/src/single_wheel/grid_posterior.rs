@@ -48,7 +48,7 @@ pub(crate) struct Posterior<T: Real> {
     weight: [[Cells<T>; LEAK_MODES]; LEVEL_MODES],
     pub(super) road: [RoadBelief<T>; LEVEL_MODES],
     dynamics: Dynamics<T>,
-    /// Sum of what the frames since the last pseudo-measurement said of each cell, and their number.
+    /// Sum of what the frames since the last pseudo-measurement reported of each cell, and their number.
     told_log_likelihood: Cells<T>,
     told_pairs: u32,
     /// Frames until a leak is believed possible: while the road is unknown everything looks like one.
@@ -103,7 +103,7 @@ impl<T: Real> Posterior<T> {
         }
     }
 
-    /// Somebody knows the pressure now: a cell and its sd in cells. The roads learned under it stay.
+    /// The pressure is known now: a cell and its sd in cells. The roads learned under it stay.
     pub(crate) fn pin(&mut self, cell: T, sd_cells: T) {
         let bell = Cells::from_fn(|i, _| {
             let z = (T::lit(i as f64) - cell) / sd_cells;
@@ -269,7 +269,7 @@ impl<T: Real> Posterior<T> {
         self.normalise();
     }
 
-    /// Adds what this frame said of each cell, whatever was believed of the cells before: the level modes' likelihood,
+    /// Adds what this frame reported of each cell, whatever was believed of the cells before: the level modes' likelihood,
     /// averaged with their shares there.
     fn remember_frame(&mut self, likelihood: &[Cells<T>; LEVEL_MODES]) {
         // Where all mass is gone the modes count alike.
@@ -289,8 +289,8 @@ impl<T: Real> Posterior<T> {
         self.told_pairs += 1;
     }
 
-    /// What the frames since the last pseudo-measurement said by themselves: the mean cell and the variance in cells² of a Gaussian
-    /// that turns the uniform belief into theirs. `None` until there are enough frames, or if they said nothing.
+    /// What the frames since the last pseudo-measurement reported by themselves: the mean cell and the variance in cells² of a Gaussian
+    /// that turns the uniform belief into theirs. `None` until there are enough frames, or if they reported nothing.
     pub(crate) fn take_pseudo_measurement(&mut self) -> Option<(T, T)> {
         if self.told_pairs < PAIRS_PER_MEASUREMENT {
             return None;
@@ -313,9 +313,9 @@ impl<T: Real> Posterior<T> {
         self.told_pairs >= PAIRS_PER_MEASUREMENT
     }
 
-    /// What the frames since the last pseudo-measurement said to somebody who believed in `cell` with `sd_cells`: the mean and variance
+    /// What the frames since the last pseudo-measurement reported to one who believed in `cell` with `sd_cells`: the mean and variance
     /// in cells² of a Gaussian that turns that belief into theirs. The likelihood is skewed, so this is better than a
-    /// Gaussian for everybody. The variance is large, never negative, where they said nothing.
+    /// Gaussian for everybody. The variance is large, never negative, where they reported nothing.
     pub(crate) fn pseudo_measurement(&mut self, cell: T, sd_cells: T) -> Option<(T, T)> {
         if !self.has_word() {
             return None;

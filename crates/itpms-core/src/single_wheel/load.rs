@@ -94,7 +94,7 @@ impl<T: Real> BodyIdentification<T> {
         self.fit();
     }
 
-    /// The car stopped: somebody may have got in or out, so what was seen before counts for little from now on.
+    /// The car stopped: people may have got in or out, so what was seen before counts for little from now on.
     pub(crate) fn doubt(&mut self) {
         self.regressors *= T::lit(AFTER_STOP);
         self.response *= T::lit(AFTER_STOP);

@@ -9,7 +9,7 @@
 //! |---|---|
 //! | `gate` | how much of a frame to believe |
 //! | `load` | load and damping identified on the way |
-//! | `outside` | a stiffness that somebody else follows in its place |
+//! | `outside` | a stiffness that another follows in its place |
 //! | `tables` | what frames should look like for every stiffness of the grid |
 //! | `dynamics` | how pressure and road may change |
 //! | `road_model` | level, slope and enveloping of the road under one hypothesis |
@@ -67,7 +67,7 @@ const BAND: f64 = 0.25;
 const ENVELOPE_REACH: f64 = 0.75;
 /// Bins used however long the enveloping may be: up to 40 Hz, so that wheel hop has neighbours on both sides.
 const LEAST_BINS: usize = 5;
-/// Speed in m/s below which a car stands, and seconds of it in which somebody can get in or out.
+/// Speed in m/s below which a car stands, and seconds of it in which people can get in or out.
 const STOPPED_M_S: f64 = 0.3;
 const STOP_S: f64 = 3.0;
 /// Share by which the sd grows while the pressure surely moves fast: found on seeds of its own so that intervals cover

@@ -64,7 +64,7 @@ const _: () = assert!(BINS + 1 + PASSES <= 20);
 const SECONDS: f64 = 0.5 / BIN_SPACING_HZ;
 /// Seconds within which frames of two corners are of the same time.
 const SAME_S: f64 = 0.006;
-/// Seconds of frames before friction is told.
+/// Seconds of frames before friction is reported.
 const ENOUGH_S: f64 = 4.0;
 /// Bins over which misfit is averaged: 5 to 20 Hz.
 const MISFIT_BINS: core::ops::Range<usize> = 1..8;
@@ -115,7 +115,7 @@ pub(crate) struct BodyEquation<T: Real> {
     hop_bin: [usize; 4],
     impedance_variance: [[T; 2]; 4],
     learned_s: T,
-    /// Whether enough was ever seen for the slip forces to be told.
+    /// Whether enough was ever seen for the slip forces to be reported.
     known: bool,
     time_s: f64,
     /// Units of the newest frames' work that are left, one a sample: every bin, how well friction is known, then the fit.

@@ -113,7 +113,7 @@ mod tests {
         // Coherence 1/2; of the last hundred frames, five bins and noise.
         let incoherence = coherence.incoherence();
         assert!((incoherence - 0.5).abs() < 0.1, "{incoherence}");
-        // A few frames in which hardly anything was heard do not count.
+        // A few frames in which hardly anything was received do not count.
         assert!((300.0..400.0).contains(&coherence.learned_s()));
     }
 

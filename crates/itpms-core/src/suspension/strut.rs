@@ -21,7 +21,7 @@ const LEAST_RATE_HZ: f64 = 100.0;
 /// Hops until the filters have forgotten that they began at rest.
 const SETTLING_HOPS: u32 = 2;
 
-/// Seconds of frames before the coherence is told.
+/// Seconds of frames before the coherence is reported.
 const ENOUGH_S: f64 = 4.0;
 
 /// Signals of a frame: jerk of the body, relative acceleration and velocity, rates of the elements' forces, jerk of the wheel.

@@ -7,7 +7,7 @@ use crate::memory::{Blank, blank};
 use crate::model::{Level, PressureUnit, Wheels};
 use crate::real::Real;
 
-/// Alerts that were said less than so many seconds apart are one: decisions are further apart, and rounding is nearer.
+/// Alerts that were reported less than so many seconds apart are one: decisions are further apart, and rounding is nearer.
 const SAME_S: f64 = 1e-3;
 
 /// Something the driver or the workshop should know.
@@ -16,9 +16,9 @@ const SAME_S: f64 = 1e-3;
 pub struct Alert<T> {
     /// Whom it is about.
     pub wheels: Wheels,
-    /// Since when it has been so, in s, as far as can be told.
+    /// Since when it has been so, in s, as far as is known.
     pub since_s: f64,
-    /// When it was first said, in s.
+    /// When it was first reported, in s.
     pub reported_s: f64,
     /// Why.
     pub cause: Cause<T>,
@@ -300,6 +300,6 @@ impl<T: Real> fmt::Display for AlertIn<'_, T> {
                 write!(f, "{wheels}: nothing learned in {:.0} min of driving", driven_s / 60.0)?;
             }
         }
-        write!(f, "; since {:.1} s, said at {:.1} s", alert.since_s, alert.reported_s)
+        write!(f, "; since {:.1} s, reported at {:.1} s", alert.since_s, alert.reported_s)
     }
 }

@@ -12,7 +12,7 @@ use crate::warning::{Cause, Limits, NOT_HEALTHY, ONE_SIDED_95};
 const NONE_ABOVE: f64 = 0.95;
 /// The mean is fine again this much above its limit.
 const FINE_ABOVE: f64 = 0.03;
-/// Minutes, not seconds: the level of all four is what an estimator is most easily wrong in, and nobody loses four tires at
+/// Minutes, not seconds: the level of all four is what an estimator is most easily wrong in, and no one loses four tires at
 /// once.
 const ALL_LOW: DebounceTimes = DebounceTimes { set_s: 150.0, clear_s: 20.0 };
 
@@ -49,7 +49,7 @@ impl<T: Real> AllLow<T> {
         &self.debouncer
     }
 
-    /// Why it is said, while it is.
+    /// Why it is reported, while it is.
     pub(crate) fn cause(&self) -> Option<Cause<T>> {
         let (mean_share, sd_share) = (self.mean_share, self.sd_share);
         self.debouncer.is_active().then_some(Cause::AllLow { mean_share, sd_share })

@@ -142,7 +142,7 @@ mod tests {
         watch.update(time_s, 0.1, now, [240.0; 4], 3.0, [doubted, false, false, false], [false; 4]);
     }
 
-    /// Seconds until wheel 0 is said to leak and the rate said, while it falls at `kpa_per_min` and the others at `all`.
+    /// Seconds until wheel 0 is reported to leak and the rate reported, while it falls at `kpa_per_min` and the others at `all`.
     fn active(kpa_per_min: f64, all: f64, sd: f64) -> Option<(f64, f64)> {
         let mut watch = LeakWatch::<f64>::new();
         for i in 0..6000 {
@@ -207,7 +207,7 @@ mod tests {
             take(&mut watch, time_s, kpa, false);
             assert!(!watch.of(0).0.is_suspected(), "{time_s}");
         }
-        // What is kept is of the morning: a leak that begins is said.
+        // What is kept is of the morning: a leak that begins is reported.
         for i in 1200..1600 {
             let kpa = 180.0 - 0.1 * f64::from(i - 1200);
             take(&mut watch, 3e4 + 0.1 * f64::from(i), kpa, false);

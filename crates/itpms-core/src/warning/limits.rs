@@ -28,14 +28,23 @@ impl Regulation {
         }
     }
 
-    /// The rule of that name.
+    /// The name in print.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::UnR141 => "UN R141",
+            Self::Fmvss138 => "FMVSS 138",
+        }
+    }
+
+    /// The rule of that label.
     #[must_use]
     pub fn from_label(label: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|rule| rule.label() == label)
     }
 }
 
-/// How far a calibration may move the reference, as shares of what was told. A tire at its placard pressure that has not warmed
+/// How far a calibration may move the reference, as shares of what was given. A tire at its placard pressure that has not warmed
 /// up, as in rain, stays 5 % above the limit of a fifth's loss at the largest; 20 K are 1.1.
 const WARM_SPAN: [f64; 2] = [0.97, 1.08];
 const PLACARD_SPAN: [f64; 2] = [1.0, 1.0];
@@ -56,10 +65,10 @@ pub struct Limits<T> {
     pub over_clears_share: T,
     /// Rate in kPa per minute from which a fall is a fast leak.
     pub fast_leak_kpa_per_min: T,
-    /// Least and largest share of the told reference that a calibration may make of it: a rule that counts from the warm pressure
+    /// Least and largest share of the given reference that a calibration may make of it: a rule that counts from the warm pressure
     /// leaves room, one that counts from the placard's leaves none.
     pub reference_span: [T; 2],
-    /// Seconds of driving without information that are said.
+    /// Seconds of driving without information that are reported.
     pub no_information_s: f64,
 }
 

@@ -13,7 +13,7 @@ const VERY_CERTAIN: f64 = 3.0;
 const LOW: DebounceTimes = DebounceTimes { set_s: 2.0, clear_s: 10.0 };
 const OVER: DebounceTimes = DebounceTimes { set_s: 60.0, clear_s: 10.0 };
 const FLAT: DebounceTimes = DebounceTimes { set_s: 5.0, clear_s: 10.0 };
-/// Nobody inflates one tire of an axle by so much of its reference more than the other; a tire on its rim is harder than that.
+/// No one inflates one tire of an axle by so much of its reference more than the other; a tire on its rim is harder than that.
 const NOBODY_INFLATES: f64 = 0.5;
 /// A tire that is lower than the other one of its side by less than this share of the reference goes with it, and then a
 /// second counts for that much less: two tires hardly lose pressure alike within minutes, but the level of a side is what
@@ -21,7 +21,7 @@ const NOBODY_INFLATES: f64 = 0.5;
 pub(crate) const ALONE: f64 = 0.06;
 /// By how much less a second counts then.
 const TOGETHER: f64 = 75.0;
-/// Said of a wheel of which nothing is known although the car drives.
+/// Reported of a wheel of which nothing is known although the car drives.
 const UNINFORMED: DebounceTimes = DebounceTimes { set_s: 0.0, clear_s: 1.0 };
 /// Information gate above which something is being learned.
 const LEARNING: f64 = 0.1;
@@ -204,7 +204,7 @@ impl WheelWatch {
         self.flat.update(time_s, weight * step_s, flat, FLAT);
     }
 
-    /// Whether what was learned of the wheel is too long ago to be shown: nobody has looked at a tire since the car stopped.
+    /// Whether what was learned of the wheel is too long ago to be shown: no one has looked at a tire since the car stopped.
     pub(crate) fn is_forgotten<T: Real>(&self, time_s: f64, limits: &Limits<T>) -> bool {
         let age_s = time_s - self.informed_s;
         let known = age_s < limits.no_information_s && self.stood_s < STANDING_S;
@@ -216,7 +216,7 @@ impl WheelWatch {
         if self.stood_s < STANDING_S { Doubt::NoInformation } else { Doubt::Standing }
     }
 
-    /// The wheel's state if nothing is to be said of it: fine, or why that is not known.
+    /// The wheel's state if nothing is to be reported of it: fine, or why that is not known.
     pub(crate) fn quiet_state<T: Real>(
         &self,
         estimate: &CornerEstimate<T>,

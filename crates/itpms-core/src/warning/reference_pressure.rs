@@ -1,4 +1,4 @@
-//! What a tire should have now: the pressure that was told, and what a warm tire had more at the end of the last calibration,
+//! What a tire should have now: the pressure that was given, and what a warm tire had more at the end of the last calibration,
 //! for as long as it can be taken to be as warm again.
 //!
 //! Called by the monitor. Knows no temperature, only for how long the car has been driven and has stood; wherever it
@@ -80,7 +80,7 @@ impl<T: Real> ReferencePressure<T> {
         self.ends_s = self.ends_s.min(self.time_s);
     }
 
-    /// Takes what was estimated; gives what the tires should have, in kPa, from what was told of each and the least and
+    /// Takes what was estimated; gives what the tires should have, in kPa, from what was given of each and the least and
     /// largest share of it that a calibration may make of it.
     pub(crate) fn update(
         &mut self,

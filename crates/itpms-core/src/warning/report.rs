@@ -40,7 +40,7 @@ impl Slot {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum WheelState {
-    /// Nobody knows, and why not. Never to be shown as "all good".
+    /// Unknown, and why. Never to be shown as "all good".
     Unknown(Doubt),
     /// Known to be neither low nor overfull.
     Fine,
@@ -48,7 +48,7 @@ pub enum WheelState {
     Low,
     /// Over-inflated.
     Over,
-    /// A sensor of this corner is not to be trusted, or has told nothing for too long.
+    /// A sensor of this corner is not to be trusted, or has sent nothing for too long.
     Malfunction,
 }
 
@@ -120,7 +120,7 @@ pub struct MonitorReport<T: Real> {
 blank!(MonitorReport<T> { time_s, wheels, slots, set_back_s });
 
 impl<T: Real> MonitorReport<T> {
-    /// Nothing is said.
+    /// Nothing is reported.
     #[must_use]
     pub fn empty() -> Self {
         Self { time_s: f64::NEG_INFINITY, wheels: [None; 4], slots: [Placed::BLANK; SLOTS], set_back_s: 0.0 }

@@ -15,7 +15,7 @@ use itpms_core::warning::{Basis, Cause, Change, Doubt, Limits, MonitorReport, Re
 /// Steps per second of the made-up drives.
 const RATE_HZ: f64 = 20.0;
 
-/// What an estimator would have said.
+/// What an estimator would have reported.
 #[derive(Clone, Copy)]
 struct Said {
     kpa: [f64; 4],
@@ -201,7 +201,7 @@ fn what_is_short_uncertain_or_learned_standing_still_is_not_warned_of() {
         drive.on(3.0, &FINE);
     }
     assert!(drive.monitor.report().alerts().next().is_none());
-    // 195 + 1.64 * 12 = 214.7 kPa are above the limit: not said, but not fine either.
+    // 195 + 1.64 * 12 = 214.7 kPa are above the limit: not reported, but not fine either.
     let report = drive.on(120.0, &Said { sd: 12.0, ..low(195.0) });
     assert!(report.alerts().next().is_none() && !report.is_all_fine());
     assert_eq!(state(report, Corner::RearLeft), WheelState::Unknown(Doubt::Uncertain));
@@ -400,7 +400,7 @@ fn all_four_are_more_certain_together_than_each_alone() {
     assert!((149.9..150.3).contains(&(reported_s - from_s)), "{reported_s}");
     let alert = drive.monitor.report().alerts().next().unwrap();
     assert!(matches!(alert.cause, Cause::AllLow { .. }) && alert.wheels.iter().count() == 4, "{alert}");
-    // Nobody hears of one of them any more: it stands while the others are low, and is over when they are not.
+    // None of them is reported any more: it stands while the others are low, and is over when they are not.
     let silent = Some(Corner::FrontRight);
     let stands = |report: &MonitorReport<f64>| {
         report.alerts().any(|alert| matches!(alert.cause, Cause::AllLow { .. }))
@@ -496,7 +496,7 @@ fn a_tire_as_hard_as_a_rim_is_flat() {
     let report = *drive.on(4.0, &hard(380.0));
     assert!(flat(&report));
     assert_eq!(state(&report, Corner::RearLeft), WheelState::Low);
-    // It is one thing that is said of it, and a rim has no pressure.
+    // It is one thing that is reported of it, and a rim has no pressure.
     let report = *drive.on(80.0, &hard(380.0));
     assert_eq!(report.alerts().count(), 1);
     assert_eq!(report.wheels[Corner::RearLeft.index()].unwrap().validity, Validity::Misfit);

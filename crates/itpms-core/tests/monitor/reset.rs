@@ -31,7 +31,7 @@ fn after_a_reset_a_warm_tire_should_have_what_it_had() {
     drive.step += (3600.0 * RATE_HZ) as u32;
     assert!((reference_kpa(drive.on(0.1, &FINE)) - 241.3).abs() < 0.1);
     assert!((reference_kpa(drive.on(3600.0, &warm)) - 256.3).abs() < 1e-6);
-    // A fifth off the warm pressure is told of now, and was not against the placard.
+    // A fifth off the warm pressure is reported now, and was not against the placard.
     let lost = Said { sd: 4.0, ..low(0.8 * 268.0) };
     assert!(Drive::new().on(60.0, &lost).alerts().next().is_none());
     assert!(drive.on(10.0, &lost).alerts().next().is_some());
@@ -84,7 +84,7 @@ fn what_a_reset_changes_is_no_leak() {
     drive.on(60.0, &before);
     drive.monitor.begin_calibration(60.0).unwrap();
     assert_eq!(drive.until(180.0, &after, |report| report.alerts().next().is_some()), None);
-    // Without a reset nobody says why it lost a tenth.
+    // Without a reset it is unknown why it lost a tenth.
     let mut drive = Drive::new();
     drive.on(60.0, &before);
     assert!(drive.until(60.0, &after, |report| report.alerts().next().is_some()).is_some());

@@ -20,7 +20,7 @@ pub(super) enum LineContent {
     Frame(CanFrame),
 }
 
-/// A format, with what the lines so far have said of those that follow.
+/// A format, with what the lines so far have stated of those that follow.
 pub(super) trait LineFormat {
     /// What a line looks like.
     const EXPECTED: &'static str;

@@ -34,7 +34,7 @@ pub struct NotUnderstood {
     pub expected: &'static str,
 }
 
-/// Counts over what has been read so far; complete once the reader has said `None`.
+/// Counts over what has been read so far; complete once the reader has returned `None`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FrameRepairs {
     /// Frames handed out.
@@ -53,7 +53,7 @@ pub struct FrameRepairs {
     pub assumptions: Vec<String>,
 }
 
-/// Assumptions kept; one of a kind is said once, so that more would be a log full of oddities.
+/// Assumptions kept; one of a kind is reported once, so that more would be a log full of oddities.
 const MOST_ASSUMPTIONS: usize = 16;
 
 impl FrameRepairs {

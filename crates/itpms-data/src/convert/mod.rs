@@ -11,7 +11,7 @@
 //! | CSV, Parquet | MDF4 | the same, in one channel group |
 //! | CSV, Parquet, MDF4 | CAN log and DBC | the same, in the messages that have signals for them, each with every row |
 //!
-//! What cannot be carried over is said. Knows nothing of estimators.
+//! What cannot be carried over is reported. Knows nothing of estimators.
 
 #[cfg(feature = "can")]
 mod frames;

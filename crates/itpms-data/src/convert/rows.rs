@@ -25,7 +25,7 @@ pub(super) fn convert(request: &Request<'_>, look: Look<'_>) -> Result<Option<Co
     Ok(Some(Converted { file: writer.finish()?, content: counted(count, "row"), warnings, remarks }))
 }
 
-/// Of what was said of signals, what is meant for reading the log; the rest is for the file to be.
+/// Of what was given of signals, what is meant for reading the log; the rest is for the file to be.
 fn for_reading(request: &Request<'_>) -> Result<LogOptions, DataError> {
     let mut options = request.options.clone();
     match LogFormat::of_log(request.input, options.dbc.as_deref())? {

@@ -137,7 +137,7 @@ fn parse_channel(
             "z" => Ok(Channel::Elevation),
             "slope" => Ok(Channel::Slope),
             "banking" => Ok(Channel::Banking),
-            "u" => Err(refuse("rows at even distances, told by reference_line_increment")),
+            "u" => Err(refuse("rows at even distances, given by reference_line_increment")),
             _ => Err(refuse(CHANNELS)),
         },
     }

@@ -151,14 +151,14 @@ impl Builder {
         self.places.get(&id).and_then(|place| self.messages.get_mut(*place))
     }
 
-    /// A signal that something not so important is said of.
+    /// A signal that something not so important is reported of.
     fn quietly(&mut self, id: u64, signal: &str) -> Option<&mut Signal> {
         let draft = self.draft(id)?;
         let place = *draft.signals.get(signal)?;
         draft.message.signals.get_mut(place)
     }
 
-    /// A signal that something is said of which changes its value; if it is not there, that is named.
+    /// A signal that something is reported of which changes its value; if it is not there, that is named.
     fn find(
         &mut self,
         line: u64,
@@ -172,7 +172,7 @@ impl Builder {
             .and_then(|draft| draft.signals.get(signal).copied());
         match (place, known) {
             (Some(place), Some(signal)) => self.messages.get_mut(place).map(|draft| (draft, signal)),
-            // Of a signal that was left out it has been said why.
+            // Of a signal that was left out it has been reported why.
             (Some(_), None) => None,
             (None, _) => {
                 let signal = signal.to_owned();

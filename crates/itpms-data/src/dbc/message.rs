@@ -16,7 +16,7 @@ pub struct Message {
     pub id: CanId,
     /// Its name.
     pub name: String,
-    /// Who sends it; empty where nobody is named.
+    /// Who sends it; empty where none is named.
     pub sender: String,
     /// What the file says of it; may be empty.
     pub comment: String,

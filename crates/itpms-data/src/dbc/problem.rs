@@ -225,7 +225,7 @@ pub enum Fault {
         /// The message's identifier as written.
         id: u64,
     },
-    /// So many more that nobody would read them.
+    /// Too many more to be read.
     #[error("{0} more like these")]
     More(u64),
 }

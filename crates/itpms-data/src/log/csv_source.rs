@@ -1,4 +1,4 @@
-//! Rows from text: commas (or semicolons, tabs, bars), a header line, units under it, `#` comments, blank lines, quotes where somebody
+//! Rows from text: commas (or semicolons, tabs, bars), a header line, units under it, `#` comments, blank lines, quotes where one
 //! used them.
 
 use std::fs::File;

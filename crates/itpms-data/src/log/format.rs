@@ -36,7 +36,7 @@ impl Format {
     }
 }
 
-/// What is said of files that other programs can write as something that is read.
+/// What is reported of files that other programs can write as something that is read.
 const ELSEWHERE: &str = "a file of MATLAB, HDF5 or VBOX, which is not read: export CSV, Parquet or MDF (MATLAB: writetable, pandas: to_parquet, VBOX: CSV)";
 
 /// A format of drive logs.

@@ -125,7 +125,7 @@ fn no_corner(strangers: &[&str]) -> Problem {
 }
 
 /// The candidate that differs from `name` by no more than a third of its letters and belongs to the same corner.
-/// Stricter than [`nearest`], because nobody has said yet that anything is wrong.
+/// Stricter than [`nearest`], because nothing is known to be wrong yet.
 fn nearly<'a>(name: &str, candidates: &[&'a str]) -> Option<&'a str> {
     let name = name.to_lowercase();
     let corner = |text: &str| Corner::ALL.into_iter().find(|c| text.starts_with(c.label()));
@@ -137,7 +137,7 @@ fn nearly<'a>(name: &str, candidates: &[&'a str]) -> Option<&'a str> {
         .map(|(_, candidate)| candidate)
 }
 
-/// The speed, if it is absent and the name says that it is one: what a log without it misses, nobody sees later.
+/// The speed, if it is absent and the name says that it is one: what a log without it misses is not seen later.
 fn speed<'a>(name: &str, absent: &[&'a str]) -> Option<&'a str> {
     let (slot, _) = meaning("", name)?;
     absent.iter().copied().find(|column| slot == Slot::Speed && *column == slot.name())

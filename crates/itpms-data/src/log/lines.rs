@@ -41,7 +41,7 @@ impl Lines {
     pub(crate) fn new(file: File) -> Self {
         let probe = file.try_clone().ok();
         let mut plain = BufReader::with_capacity(BUFFER, file);
-        // What cannot be read is said with the first line.
+        // What cannot be read is reported with the first line.
         let packed = plain.fill_buf().is_ok_and(|bytes| bytes.starts_with(GZIP));
         let input: Box<dyn BufRead + Send> = if packed {
             Box::new(BufReader::with_capacity(BUFFER, MultiGzDecoder::new(plain)))

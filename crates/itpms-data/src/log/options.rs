@@ -1,4 +1,4 @@
-//! What a reader of drive logs is told besides the file's name.
+//! What a reader of drive logs is given besides the file's name.
 
 use std::path::PathBuf;
 

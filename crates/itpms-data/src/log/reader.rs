@@ -164,7 +164,7 @@ impl LogReader {
         self.source.remarks()
     }
 
-    /// Share of the log that has been read, 0 to 1; of pieces whose number of rows nobody told, 0.
+    /// Share of the log that has been read, 0 to 1; of pieces of unknown number of rows, 0.
     #[must_use]
     pub fn progress(&self) -> f64 {
         self.source.progress()

@@ -1,6 +1,6 @@
 //! What the reader repaired, in numbers and in words. Filled by the reader, shown by the binary and the report.
 
-/// Counts over the rows read so far; complete once the reader has said `None`.
+/// Counts over the rows read so far; complete once the reader has returned `None`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RepairReport {
     /// Rows in the file.
@@ -112,7 +112,7 @@ impl RepairReport {
         }
         for (one, other) in &self.same_columns {
             out.push(format!(
-                "columns {one} and {other} have the same values: one sensor's, there twice; nothing said of these wheels is to be believed"
+                "columns {one} and {other} have the same values: one sensor's, there twice; what is reported of these wheels is wrong"
             ));
         }
         for (found, meant) in &self.misspelled_columns {

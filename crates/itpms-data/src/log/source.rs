@@ -31,7 +31,7 @@ pub(super) enum Source {
 impl Source {
     pub(super) fn open(path: &Path, options: &LogOptions) -> Result<Self, DataError> {
         let fail = |problem| DataError::new(path, problem);
-        // Whether it is there is said before what its name says.
+        // Whether it is there is reported before what its name says.
         let about = input::look_at_log(path).map_err(fail)?;
         if about.is_file() && about.len() == 0 {
             return Err(fail(LogFormat::of(path)?.without_bytes()));

@@ -1,4 +1,4 @@
-//! Columns of accelerations that are one: a table in which somebody copied a column over another one. Its wheel seems to be what the
+//! Columns of accelerations that are one: a table in which a column was copied over another one. Its wheel seems to be what the
 //! other one is, and where that differs from its neighbors it seems to be low.
 //!
 //! Called by the reader with the rows that it looks ahead; two sensors' noise differs in every row.

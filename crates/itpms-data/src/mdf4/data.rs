@@ -146,7 +146,7 @@ impl DataStream {
             let Some(at) = self.next_block()? else { return Ok(Piece::End) };
             self.place = at;
             if let Err(damage) = self.open(at)? {
-                // Without its length nobody knows where the next block's records begin.
+                // Without its length it is unknown where the next block's records begin.
                 self.damaged(damage);
                 self.list = List::default();
             }
@@ -244,7 +244,7 @@ impl DataStream {
             let found = format!("{length} bytes long, but another begins after {}", following - at);
             self.damaged(Damage::new("data block", at, found));
             length = following - at;
-            // Where the records of the next block begin, nobody knows.
+            // Where the records of the next block begin is unknown.
             self.list = List::default();
         }
         if length > there {

@@ -1,4 +1,4 @@
-//! What can be wrong with an MDF4 file: named where it was found, or repaired and said.
+//! What can be wrong with an MDF4 file: named where it was found, or repaired and reported.
 //!
 //! Made by every part of this module; [`Damage`] becomes an error or a repair only where it is known whether the rest of
 //! the file can be read without it.
@@ -235,7 +235,7 @@ pub enum Mdf4Repair {
         /// Bytes of it that are there.
         bytes: usize,
     },
-    /// A record of a group that does not exist: what follows cannot be told apart.
+    /// A record of a group that does not exist: what follows cannot be separated.
     UnknownRecord {
         /// Name of the group that was read.
         group: String,

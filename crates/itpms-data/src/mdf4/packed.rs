@@ -86,7 +86,7 @@ struct Stored<'a> {
     file: &'a mut BlockFile,
     from: u64,
     left: u64,
-    /// What the system said when it refused to read.
+    /// What the system reported when it refused to read.
     refused: Option<io::Error>,
 }
 

@@ -244,7 +244,7 @@ fn open(path: &Path) -> Result<BlockFile, Problem> {
     BlockFile::new(input::open_regular(path, "MDF4")?.0).map_err(Problem::Read)
 }
 
-/// Programs that were killed leave data behind whose samples nobody counted, not always with a word of it in the
+/// Programs that were killed leave data behind whose samples were not counted, not always with a word of it in the
 /// identification: a group of no samples that has data is read to its end.
 fn forget_zero_counts(
     file: &mut BlockFile,

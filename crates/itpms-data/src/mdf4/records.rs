@@ -1,7 +1,7 @@
 //! The records of one group: cut from the stream of its data group's bytes, in which those of other groups may lie
 //! between them.
 //!
-//! Called by the cursor. A gap in the data loses the records in it; where records of several kinds are mixed, nobody can
+//! Called by the cursor. A gap in the data loses the records in it; where records of several kinds are mixed, no one can
 //! tell where the next one begins, and the gap is the end.
 
 use super::data::{DataStream, Piece};
@@ -44,7 +44,7 @@ pub(super) enum Stop {
     DataEnd { partial: usize },
     /// A gap among mixed records.
     Gap,
-    /// A record of nobody.
+    /// A record without an owner.
     UnknownRecord(u64),
 }
 

@@ -1,7 +1,7 @@
 //! The tree of a file: data groups, channel groups, channels.
 //!
 //! Called by the reader once; knows where data begin, not what is in them. A list that breaks off is kept up to there,
-//! and that is said. Every block is visited once, so that no ring of links is walked twice.
+//! and that is reported. Every block is visited once, so that no ring of links is walked twice.
 
 use std::collections::{HashMap, HashSet};
 

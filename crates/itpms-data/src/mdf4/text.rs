@@ -1,6 +1,6 @@
 //! Names, units and comments: TX blocks and the text inside MD blocks.
 //!
-//! Called by the reader of the structure. A text that cannot be read is empty, and that is said.
+//! Called by the reader of the structure. A text that cannot be read is empty, and that is reported.
 
 use std::collections::HashMap;
 use std::sync::Arc;

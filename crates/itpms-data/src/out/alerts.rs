@@ -33,7 +33,7 @@ pub fn alert_object(alert: &Alert<f64>) -> Map<String, Value> {
     put("kind", json!(alert.cause.label()));
     put("wheels", wheels(alert.wheels));
     put("since_s", json!(alert.since_s));
-    put("said_s", json!(alert.reported_s));
+    put("reported_s", json!(alert.reported_s));
     match &alert.cause {
         Cause::UnderInflated(reading) | Cause::OverInflated(reading) | Cause::Flat(reading) => {
             put_reading(&mut put, reading)

@@ -2,7 +2,7 @@
 //!
 //! Used by every writer of this crate and by the report; knows nothing of formats.
 //!
-//! Also after a power cut: the bytes are on the disk before the name is theirs, and the directory is told to be written
+//! Also after a power cut: the bytes are on the disk before the name is theirs, and the directory is ordered to be written
 //! after it. What a killed program left beside its target is removed by the next one that writes there.
 
 use std::ffi::OsStr;
@@ -267,7 +267,7 @@ fn create_beside(directory: &Path, name: &OsStr) -> io::Result<(PathBuf, File)> 
         let path = directory.join(temporary);
         match OpenOptions::new().write(true).create_new(true).open(&path) {
             Ok(file) if leftovers::claim(&file, &path) => return Ok((path, file)),
-            // Somebody who tidies up took it for a leftover before it was locked: take the next number.
+            // One who tidies up took it for a leftover before it was locked: take the next number.
             Ok(_) => {}
             // Left over from a killed run with the same process id: the same.
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}

@@ -1,7 +1,7 @@
-//! Temporary files of programs that were killed while they wrote: found by their names, known by being locked by nobody.
+//! Temporary files of programs that were killed while they wrote: found by their names, known by not being locked.
 //!
 //! Called by [`AtomicFile`](super::AtomicFile) alone. Tidying up never fails and never stops a writer: what cannot be
-//! told to be a leftover stays.
+//! known to be a leftover stays.
 
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File, OpenOptions, TryLockError};
@@ -33,7 +33,7 @@ pub(super) fn claim(file: &File, path: &Path) -> bool {
         // Whoever tidied up held the lock and let it go, but the name is gone.
         Ok(()) => path.exists(),
         Err(TryLockError::WouldBlock) => false,
-        // A file system without locks: nobody tidies up there either.
+        // A file system without locks: no one tidies up there either.
         Err(TryLockError::Error(_)) => true,
     }
 }

@@ -49,7 +49,7 @@ impl NameLock {
 
 impl Drop for NameLock {
     fn drop(&mut self) {
-        // While it is still locked, so that nobody's but ours goes.
+        // While it is still locked, so that none but ours goes.
         let _ = fs::remove_file(&self.path);
         forget_living(&self.path);
     }

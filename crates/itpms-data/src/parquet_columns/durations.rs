@@ -2,7 +2,7 @@
 //! integers and say the unit in the file's metadata, under `ARROW:schema`.
 //!
 //! That is a message of Arrow's IPC format, a FlatBuffer, of which a few fields matter here. Reading them takes less than a
-//! dependency on Arrow would; whatever contradicts itself counts as not said. Called once a file by the columns.
+//! dependency on Arrow would; whatever contradicts itself counts as not given. Called once a file by the columns.
 
 use std::collections::HashMap;
 

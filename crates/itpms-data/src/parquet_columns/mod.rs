@@ -109,7 +109,7 @@ impl ParquetColumns {
             .map_err(|found| Problem::ColumnType { column: column.clone(), found })
     }
 
-    /// Reads one more column, of numbers; to be said before the first row.
+    /// Reads one more column, of numbers; to be given before the first row.
     ///
     /// # Errors
     /// It holds something else.

@@ -129,7 +129,7 @@ impl StoredReference {
         self.reference.corners.iter().any(Option::is_some)
     }
 
-    /// What `vehicle` is to be told, if this was learned on it, and the vehicle from whose parameters that counts: itself, but for a
+    /// What `vehicle` is to be given, if this was learned on it, and the vehicle from whose parameters that counts: itself, but for a
     /// wheelbase that was assumed.
     ///
     /// # Errors

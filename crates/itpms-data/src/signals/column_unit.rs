@@ -56,7 +56,7 @@ pub(crate) fn index(names: &[String]) -> Option<usize> {
     names.iter().position(|name| name == INDEX)
 }
 
-/// Seconds per unit of a column that is said to be the clock, if its name ends with a unit of time.
+/// Seconds per unit of a column that is given as the clock, if its name ends with a unit of time.
 pub(crate) fn seconds_in(name: &str) -> Option<f64> {
     seconds(&split(name).1)
 }

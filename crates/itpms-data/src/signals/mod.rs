@@ -4,11 +4,11 @@
 //! | module | idea |
 //! |---|---|
 //! | `map` | which signal is which column, as a person writes it (`map.toml`) |
-//! | `resolve` | the same found by names where nobody wrote it |
+//! | `resolve` | the same found by names where it was not written |
 //! | `names` | what a name says in words |
 //! | `column_unit` | the unit in the name of a table's column |
 //! | `units` | from the log's unit to the column's |
-//! | `remark` | who said that a signal is a column, and what is doubtful |
+//! | `remark` | by what a signal is a column, and what is doubtful |
 //! | `report` | all of this in words, and as a map to start from |
 //! | `problem` | what can be wrong |
 //! | `listing` | what is in a log: every signal with its rate and range |

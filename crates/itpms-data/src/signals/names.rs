@@ -172,7 +172,7 @@ fn corner(words: &[Word]) -> Option<Corner> {
     named.next().filter(|_| named.next().is_none())
 }
 
-/// Whether anything is said of a corner, be it contradictory.
+/// Whether anything is reported of a corner, be it contradictory.
 fn names_corner(words: &[Word]) -> bool {
     words.iter().any(is_of_a_corner)
 }

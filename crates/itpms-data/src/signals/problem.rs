@@ -13,7 +13,7 @@ use crate::log::Slot;
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SignalProblem {
-    /// A unit nobody knows, or one of something else.
+    /// An unknown unit, or one of something else.
     #[error(
         "line {line}: {column} has unit {unit:?}, expected {} (or factor and offset instead)",
         Quantity::of(*.slot).known_units()

@@ -1,11 +1,11 @@
-//! Who said that a signal is a column, and what is doubtful about one. Made by the resolver, told by the report.
+//! By what a signal is a column, and what is doubtful about one. Made by the resolver, printed by the report.
 
 use std::fmt;
 
 use super::problem::{stated, suggested};
 use crate::log::Slot;
 
-/// Who said that a signal is a column.
+/// By what a signal is a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Source {
     /// The map.

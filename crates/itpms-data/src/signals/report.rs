@@ -18,7 +18,7 @@ impl Resolved {
         &self.remarks
     }
 
-    /// A line per column that has a signal: which, how converted, and who said so.
+    /// A line per column that has a signal: which, how converted, and by what.
     #[must_use]
     pub fn lines(&self) -> Vec<String> {
         let line = |chosen: &super::Chosen| {
@@ -28,7 +28,7 @@ impl Resolved {
         self.iter().map(line).collect()
     }
 
-    /// What somebody should know who wrote no map of it: which signal was taken for which column where neither its name nor a
+    /// What someone should know who wrote no map of it: which signal was taken for which column where neither its name nor a
     /// map says so, what was doubtful, and which corner is left out.
     #[must_use]
     pub fn said(&self) -> Vec<String> {

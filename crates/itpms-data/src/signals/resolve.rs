@@ -3,7 +3,7 @@
 //! Called by whoever opens a bus log or a measurement file, with everything that is in it. Without a map a column's
 //! signal is, in this order: the one with the column's own name; with that name in other letters (`FL_BodyAccel_mS2`);
 //! the one whose words say it (`FL_BodyAccZ`, see [`names`](super::names)). A step counts only if one signal alone
-//! takes it: of two nobody knows which is meant, so both are named and neither is taken. Knows nothing of formats.
+//! takes it: of two it is unknown which is meant, so both are named and neither is taken. Knows nothing of formats.
 
 use itpms_core::model::Corner;
 
@@ -28,11 +28,11 @@ pub struct Chosen {
     pub signal: String,
     /// The unit as stated by the log.
     pub unit: String,
-    /// Who said so.
+    /// By what.
     pub source: Source,
 }
 
-/// Which signal each column gets, and what is to be said about it.
+/// Which signal each column gets, and what is to be reported about it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Resolved {
     pub(super) chosen: [Option<Chosen>; SLOTS],
@@ -70,7 +70,7 @@ pub fn resolve(candidates: &[Candidate], map: Option<&SignalMap>) -> Result<Reso
     resolve_knowing(candidates, &[], map)
 }
 
-/// The same, knowing what else there is that cannot be read, so that the reason can be said.
+/// The same, knowing what else there is that cannot be read, so that the reason can be reported.
 ///
 /// # Errors
 /// As [`resolve`].
@@ -117,7 +117,7 @@ pub fn resolve_knowing(
 }
 
 impl Unread {
-    /// What is to be said of it if its name says that it is this column.
+    /// What is to be reported of it if its name says that it is this column.
     fn as_column(&self, slot: Slot) -> Option<Remark> {
         let Candidate { group, name, .. } = &self.candidate;
         let meant = || names::meaning(group, name).is_some_and(|(meant, _)| meant == slot);
@@ -136,7 +136,7 @@ fn by_map(
     let called = |name: &dyn Fn(&Candidate) -> bool| {
         candidates.iter().enumerate().filter(|(_, c)| name(c)).map(|(i, _)| i).collect::<Vec<_>>()
     };
-    // The full name first, so that a signal that shares its short name with others can be said at all.
+    // The full name first, so that a signal that shares its short name with others can be named at all.
     let mut found = called(&|candidate| candidate.is_called(signal));
     if found.is_empty() {
         found = called(&|candidate| candidate.name == signal);

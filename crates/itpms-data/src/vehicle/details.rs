@@ -1,4 +1,4 @@
-//! What a vehicle file says beyond what an estimator is told today: how far its values are to be trusted, friction,
+//! What a vehicle file says beyond what an estimator is given today: how far its values are to be trusted, friction,
 //! tracks, and what the wheel-speed methods need. Read by `read_details`, written by `write`; knows no TOML.
 
 use itpms_core::model::Confidence;

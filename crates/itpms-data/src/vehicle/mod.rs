@@ -37,7 +37,7 @@
 //! limited_slip = true            # coupled wheels of a driven axle
 //! [tire]
 //! stiffness_relative_sd = 0.03   # of the line as a whole
-//! stiffness_over_mass_relative_sd = 0.02 # of stiffness over unsprung mass, where a drive has told it
+//! stiffness_over_mass_relative_sd = 0.02 # of stiffness over unsprung mass, where a drive has shown it
 //! rolling_radius_m = 0.31
 //! radius_per_ln_pressure = 0.005 # d ln R / d ln p
 //! radius_per_ln_pressure_sd = 0.003
@@ -189,7 +189,7 @@ impl Vehicle {
         self.corners[corner.index()].as_ref()
     }
 
-    /// What an estimator of these corners is told; corners that the vehicle does not have are left out.
+    /// What an estimator of these corners is given; corners that the vehicle does not have are left out.
     #[must_use]
     pub fn car_config(&self, corners: &[Corner]) -> CarConfig<f64> {
         let told = |corner: Corner| self.corner(corner).copied().filter(|_| corners.contains(&corner));
@@ -221,7 +221,7 @@ impl Vehicle {
         self.details.corners.iter().find_map(|corner| corner.tire.rolling_radius_m)
     }
 
-    /// What the analysis of wheel speeds is told.
+    /// What the analysis of wheel speeds is given.
     ///
     /// # Errors
     /// The key that the file lacks for that.
@@ -247,7 +247,7 @@ impl Vehicle {
         Ok(config)
     }
 
-    /// Whether the wheelbase is that of other cars: its standard deviation says that nobody has measured it. `itpms vehicle learn` and a
+    /// Whether the wheelbase is that of other cars: its standard deviation says that it was not measured. `itpms vehicle learn` and a
     /// calibration find it then.
     #[must_use]
     pub fn assumes_wheelbase(&self) -> bool {
@@ -414,7 +414,7 @@ fn read_stiffness(table: &Table<'_>) -> Result<PressureMap<f64>, Problem> {
         .map_err(|error| table.refuse(error))
 }
 
-/// A corner of which no more is said than its tire and its placard; `None` for a corner with masses, or half of them.
+/// A corner of which no more is given than its tire and its placard; `None` for a corner with masses, or half of them.
 fn read_wheel(table: &Table<'_>, common_tire: Option<Tire>) -> Result<Option<CornerDetails>, Problem> {
     table.check_keys(&CORNER_KEYS)?;
     if CORNER_KEYS.iter().any(|key| table.has(key) && !["placard_kpa", "tire"].contains(key)) {

@@ -2,7 +2,7 @@
 //!
 //! One vehicle file: all drives are of that car. A folder of them: each `CAR.toml` is a car, with `CAR.reference` beside it
 //! where it was calibrated before. A drive is a car's if one of the folders above it has the car's name, or if its own
-//! name is the car's, alone or followed by `_`, `-`, `.` or a space. A drive of no car, or of two, is nobody's.
+//! name is the car's, alone or followed by `_`, `-`, `.` or a space. A drive of no car, or of two, belongs to no car.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -10,7 +10,7 @@
 //! | `crew` | several at a time |
 //! | `tables` | `fleet.csv`, `fleet.parquet`, `failed.csv` |
 //! | [`standing`] | how each car stands after its last drive |
-//! | [`wheels`] | what a drive told of each wheel |
+//! | [`wheels`] | what a drive showed of each wheel |
 //! | `page`, `histogram` | `index.html` |
 //!
 //! Calibration drives come first, because they need no others; what each taught of its car is stored, and every later
@@ -92,7 +92,7 @@ pub struct Standing {
     pub drives: usize,
 }
 
-/// Who is told how far it is, on any thread, and says whether to go on.
+/// Who receives how far it is, on any thread, and says whether to go on.
 pub type Watch<'a> = &'a (dyn Fn(Standing) -> ControlFlow<()> + Sync);
 
 /// A drive that could not be estimated.

@@ -33,7 +33,7 @@ pub(super) struct Errand<'a> {
     pub(super) inputs: Inputs,
 }
 
-/// Does it. `watch` is told the share of the log that is done.
+/// Does it. `watch` receives the share of the log that is done.
 pub(super) fn run(
     plan: &Plan,
     errand: &Errand<'_>,

@@ -391,7 +391,7 @@ fn provenance(plan: &Plan) -> String {
     let mut rows = vec![
         ("Program", format!("itpms {}", env!("CARGO_PKG_VERSION"))),
         ("Estimator", settings.estimator.label().to_owned()),
-        ("Warnings after", settings.regulation.label().to_owned()),
+        ("Warning limits", settings.regulation.name().to_owned()),
     ];
     if let Some(calibration) = &plan.calibration {
         let drives = match &calibration.drives {

@@ -41,7 +41,7 @@ pub struct Pressure {
     pub sd_kpa: f64,
 }
 
-/// What a drive told of one wheel.
+/// What a drive showed of one wheel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct WheelRecord {
     /// `fl`, `fr`, `rl` or `rr`.
@@ -112,7 +112,7 @@ pub struct DriveRecord {
     pub distance_m: Option<f64>,
     /// The wheels that were estimated.
     pub wheels: Vec<WheelRecord>,
-    /// What the monitor said, a sentence each.
+    /// What the monitor reported, a sentence each.
     pub alerts: Vec<String>,
     /// What should be known before believing it, a sentence each.
     pub concerns: Vec<String>,

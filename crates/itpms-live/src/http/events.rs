@@ -34,7 +34,7 @@ struct Client {
     newest: Newest,
     transitions: broadcast::Receiver<Arc<Transition>>,
     beat: Interval,
-    /// What is said first.
+    /// What is reported first.
     opening: Option<Bytes>,
 }
 
@@ -55,7 +55,7 @@ pub(super) fn stream(shared: Arc<Shared>, last: Option<&str>) -> Response {
     let events =
         unfold(client, async |mut client| Some((Ok::<_, std::io::Error>(client.next().await?), client)));
     let kind = [(CONTENT_TYPE, "text/event-stream"), (CACHE_CONTROL, "no-store")];
-    // Proxies that collect answers before they pass them on are told not to.
+    // Proxies that collect answers before they pass them on are asked not to.
     (kind, [("x-accel-buffering", "no")], Body::from_stream(events)).into_response()
 }
 

@@ -1,6 +1,6 @@
 //! Who may ask what, and what every answer carries.
 //!
-//! Stands before all routes. There is no password: whoever reaches the address may look, but no page of somebody else may
+//! Stands before all routes. There is no password: whoever reaches the address may look, but no page of another may
 //! do so through a visitor's browser, neither by naming us (cross-origin) nor by a name that it makes point here (DNS rebinding).
 
 use std::net::{Ipv4Addr, Ipv6Addr};

@@ -1,6 +1,6 @@
 //! Whether what is shown is now, and if not, why not.
 //!
-//! Asked by `/healthz`, the metrics and the page. Trusts nobody's word alone: a monitor that has stopped saying anything cannot
+//! Asked by `/healthz`, the metrics and the page. Trusts no one's word alone: a monitor that has stopped saying anything cannot
 //! say that it has stopped.
 
 use serde::Serialize;
@@ -45,7 +45,7 @@ impl Health {
                 ("stale", Some(format!("no row from {} for more than a second", source.name)))
             }
             SourceState::Live if age_s > patience_s => {
-                ("stale", Some(format!("the monitor has said nothing for {age_s:.0} s")))
+                ("stale", Some(format!("the monitor has sent nothing for {age_s:.0} s")))
             }
             SourceState::Live => ("fresh", None),
         };

@@ -68,7 +68,7 @@ impl WheelColumns {
     }
 }
 
-/// Digits nobody sees are not sent.
+/// Digits that are not seen are not sent.
 fn round(value: f64, digits: i32) -> f64 {
     let scale = 10f64.powi(digits);
     (value * scale).round() / scale

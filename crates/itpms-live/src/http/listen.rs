@@ -40,7 +40,7 @@ pub(super) fn bind(address: SocketAddr) -> io::Result<TcpListener> {
     socket.listen(128)
 }
 
-/// Accepts until told to stop.
+/// Accepts until asked to stop.
 pub(super) async fn serve(
     listener: TcpListener,
     options: Options,

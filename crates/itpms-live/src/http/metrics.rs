@@ -36,7 +36,7 @@ fn source(out: &mut Page, snapshot: &Snapshot) {
         ("itpms_rows_total", "Rows estimated.", source.rows),
         ("itpms_frames_total", "Frames received.", source.frames),
         ("itpms_frames_dropped_total", "Frames lost.", source.dropped),
-        ("itpms_frames_unknown_id_total", "Frames whose id nobody described.", source.unknown_ids),
+        ("itpms_frames_unknown_id_total", "Frames whose id the DBC file does not have.", source.unknown_ids),
         ("itpms_frames_malformed_total", "Frames or lines that could not be read.", source.malformed),
         ("itpms_reconnects_total", "Times the source was lost and found again.", source.reconnects),
     ] {

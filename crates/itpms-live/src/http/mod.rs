@@ -36,13 +36,13 @@ use tokio::sync::oneshot;
 
 use crate::hub::Hub;
 
-/// What a server is told.
+/// What a server is given.
 #[derive(Debug, Clone)]
 pub struct Options {
     /// Where to listen; port 0 takes a free one.
     pub address: SocketAddr,
     /// Names besides addresses, `localhost`, names without a dot and `*.local` under which the page may be asked for. A page
-    /// of somebody else whose name was made to point here is refused by this.
+    /// of another whose name was made to point here is refused by this.
     pub hosts: Vec<String>,
     /// Origins such as `https://fleet.example.com` whose pages may read the stream; all others are refused.
     pub origins: Vec<String>,
@@ -66,7 +66,7 @@ pub enum HttpError {
     Listen {
         /// Where it was tried.
         address: SocketAddr,
-        /// What the system said.
+        /// What the system reported.
         source: io::Error,
     },
     /// No thread or no event queue was to be had.
@@ -113,7 +113,7 @@ impl Server {
         self.address
     }
 
-    /// Whether other machines can reach it: to be said loudly, as there is no password.
+    /// Whether other machines can reach it: to be reported loudly, as there is no password.
     #[must_use]
     pub fn is_open_to_others(&self) -> bool {
         !self.address.ip().is_loopback()

@@ -19,7 +19,7 @@ use super::seats::Seat;
 pub(super) struct Patient<S> {
     stream: S,
     patience: Duration,
-    /// Told of every byte.
+    /// Receives every byte.
     seat: Arc<Seat>,
     /// Runs while a write is stuck.
     stuck: Option<Pin<Box<Sleep>>>,

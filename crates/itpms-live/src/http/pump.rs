@@ -45,7 +45,7 @@ pub(super) fn json(value: &impl serde::Serialize) -> Bytes {
 /// The newest frame, for everybody.
 pub(super) type Newest = watch::Receiver<Option<Arc<Frame>>>;
 
-/// Starts the task; it ends when nobody listens any more.
+/// Starts the task; it ends when nothing listens any more.
 pub(super) fn start(hub: &Hub) -> Newest {
     let mut snapshots = hub.subscribe();
     let (frames, newest) = watch::channel(None);

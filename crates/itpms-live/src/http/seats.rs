@@ -1,5 +1,5 @@
 //! Who is connected, and who has to make room: a seat per connection, few enough for one address that others get in, and none
-//! that somebody silent keeps from somebody who comes.
+//! that someone silent keeps from someone who comes.
 //!
 //! Called by the socket beside it. Knows nothing of what is asked for.
 
@@ -45,7 +45,7 @@ impl Seats {
         Arc::new(Self { begun: Instant::now(), taken: Mutex::new(Vec::with_capacity(SEATS)) })
     }
 
-    /// A seat for somebody from this address, of whoever was silent for longest if there is none; `None` if nobody is.
+    /// A seat for someone from this address, of whoever was silent for longest if there is none; `None` if no one is.
     pub(super) fn take(self: &Arc<Self>, peer: IpAddr) -> Option<Seat> {
         let peer = network(peer);
         let now_ms = self.now_ms();
@@ -82,7 +82,7 @@ impl Seat {
         self.place.heard_ms.store(self.seats.now_ms(), Relaxed);
     }
 
-    /// Waits until somebody else needs the seat.
+    /// Waits until another needs the seat.
     pub(super) async fn wanted(&self) {
         self.place.leave.notified().await;
     }
@@ -94,7 +94,7 @@ impl Drop for Seat {
     }
 }
 
-/// What counts as one: a network of IPv6 has as many addresses as somebody likes.
+/// What counts as one: a network of IPv6 has as many addresses as someone likes.
 fn network(peer: IpAddr) -> IpAddr {
     match peer.to_canonical() {
         IpAddr::V6(address) => IpAddr::V6((u128::from(address) & !u128::from(u64::MAX)).into()),

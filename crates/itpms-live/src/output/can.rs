@@ -255,7 +255,7 @@ mod bus {
 
     /// How long a full buffer of the interface is waited for.
     const PATIENCE: Duration = Duration::from_millis(20);
-    /// How long nobody tries to open an interface again.
+    /// How long an interface is not tried again.
     const PAUSE: Duration = Duration::from_secs(1);
 
     pub(super) struct Bus {

@@ -73,7 +73,7 @@ impl Output {
                     }
                     if let Err(error) = write(&mut writer, &mut taken) {
                         let _ = failed.set(error.to_string());
-                        // Nobody shall wait for room here.
+                        // No one shall wait for room here.
                         queue.close();
                         return Err(error);
                     }

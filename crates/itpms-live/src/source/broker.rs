@@ -16,7 +16,7 @@ use crate::broker::{Backoff, BrokerAddress};
 use crate::input::{Input, Say, SourceName};
 use crate::queue::Queue;
 
-/// How long nobody looks whether an end is wanted.
+/// Longest time without a look whether an end is wanted.
 const LOOK_EVERY: Duration = Duration::from_millis(200);
 
 /// How the topic is called.

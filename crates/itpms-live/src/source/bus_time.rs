@@ -1,12 +1,12 @@
-//! Stamps of the system's clock as times that go on when somebody sets that clock: a car starts in 1970, and learns what day
+//! Stamps of the system's clock as times that go on when that clock is set: a car starts in 1970, and learns what day
 //! it is from a satellite or a network while it drives.
 
-/// A clock that moves by so many seconds against one that nobody can set was set.
+/// A clock that moves by so many seconds against one that no one can set was set.
 const SET_S: f64 = 1.0;
 /// A stamp that seems older than this, or younger than now, was made before the clock was set.
 const OLDEST_S: f64 = 1.0;
 
-/// What a stamp's clock said when the first frame was read, and by how much it has been set since.
+/// What a stamp's clock gave when the first frame was read, and by how much it has been set since.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct BusTime {
     began_s: Option<f64>,

@@ -1,6 +1,6 @@
 //! Lines of candump from text, wherever it comes from: frames out, what is no frame counted.
 //!
-//! Called by the sources that read text; keeps nothing but what it has said already.
+//! Called by the sources that read text; keeps nothing but what it has reported already.
 
 use std::time::Instant;
 
@@ -20,7 +20,7 @@ impl Lines {
         Self { name: name.to_owned(), say, complained: false }
     }
 
-    /// What a line says; `None` for a blank one. The first that is not understood is told; all are counted.
+    /// What a line says; `None` for a blank one. The first that is not understood is reported; all are counted.
     pub(super) fn take(&mut self, line: &[u8], arrived: Instant) -> Option<Input> {
         // What is no text is no frame, either: the replacement characters see to that.
         match parse_line(&String::from_utf8_lossy(line)) {

@@ -7,7 +7,7 @@
 //! | [`stdin`] | lines of candump through a pipe |
 //! | [`broker`] | the same as messages of an MQTT broker |
 //! | `lines` | what such a line says |
-//! | `bus_time` | what a frame's stamp tells when somebody sets the clock |
+//! | `bus_time` | what a frame's stamp tells when the clock is set |
 //! | `pace` | when something recorded is due again |
 //!
 //! Started by `itpms monitor`; knows nothing of estimators.

@@ -3,7 +3,7 @@
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Longest time in s to sleep without looking whether somebody wants an end.
+/// Longest time in s to sleep without looking whether an end is wanted.
 const LONGEST_SLEEP: Duration = Duration::from_millis(100);
 
 /// How fast a log is replayed.
@@ -32,7 +32,7 @@ impl Pace {
         self.speed == Speed::Max
     }
 
-    /// Sleeps until what was recorded at `time_s` is due. `false` if somebody wanted an end.
+    /// Sleeps until what was recorded at `time_s` is due. `false` if an end is wanted.
     pub(super) fn wait(&mut self, time_s: f64, wanted: impl Fn() -> bool) -> bool {
         let Speed::Times(times) = self.speed else { return wanted() };
         let (begun, first_s) = *self.begun.get_or_insert_with(|| (Instant::now(), time_s));

@@ -1,7 +1,7 @@
 //! A SocketCAN interface of Linux, classic and FD. Survives bus-off and an interface that goes down and up again.
 //!
 //! The thread reads, stamps and hands on; when the estimate is behind, the oldest waiting frames are lost and counted, so
-//! that the socket is always read. Frames have the kernel's time of their arrival, which goes on when somebody sets the clock.
+//! that the socket is always read. Frames have the kernel's time of their arrival, which goes on when the clock is set.
 //! What the kernel itself lost because this thread was not run for too long is not counted.
 
 use std::sync::Arc;

@@ -70,6 +70,6 @@ pub(crate) fn transition(seq: u64, time_s: f64) -> Arc<Transition> {
     let mut alert = Map::new();
     alert.insert("kind".to_owned(), json!("under-inflated"));
     alert.insert("wheels".to_owned(), json!(["fl"]));
-    alert.insert("said_s".to_owned(), json!(time_s));
+    alert.insert("reported_s".to_owned(), json!(time_s));
     Arc::new(Transition { seq, time_s, unix_s: 1.7e9 + time_s, event: "begun", alert })
 }

@@ -36,7 +36,7 @@ const SLIP_WALK: f64 = 0.02;
 /// Seconds after meeting a road in which no change is looked for: until the road is known, everything looks like one, and
 /// changes tell the level.
 const SETTLING_S: f64 = 5.0;
-/// Relative sd of a level that is known well enough not to be told by such: 6 kPa.
+/// Relative sd of a level that is known well enough not to be learned from such: 6 kPa.
 const KNOWN: f64 = 0.02;
 
 /// What a pass says of the state, at a state: its log-likelihood, the gradient of that, and the Fisher information.
@@ -89,7 +89,7 @@ impl<T: Real> Gaussian<T> {
         self
     }
 
-    /// Takes what was said; gives the log evidence, or nothing if it cannot be taken.
+    /// Takes what was reported; gives the log evidence, or nothing if it cannot be taken.
     fn update(&mut self, said: &Said<T>) -> Option<T> {
         let shrink = (Matrix4::identity() + self.covariance * said.information).try_inverse()?;
         let covariance = shrink * self.covariance;

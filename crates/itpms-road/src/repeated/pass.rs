@@ -89,7 +89,7 @@ impl<T: Real> PassClock<T> {
         self.used
     }
 
-    /// The road came round later than its clock said, by `slip_s` in a part of a period: a period that is longer by
+    /// The road came round later than its clock gave, by `slip_s` in a part of a period: a period that is longer by
     /// [`PARTS`] times that would explain it, and is corrected by [`CLOCK_GAIN`] of that.
     pub(crate) fn follow_slip(&mut self, slip_s: T) {
         let gain = T::lit(CLOCK_GAIN * PARTS as f64);

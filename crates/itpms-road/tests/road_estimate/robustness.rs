@@ -59,7 +59,7 @@ fn gaps_are_bridged_and_do_not_spread() {
     let points = record(&config(0.05), &holed);
     assert_eq!(points.len(), whole.len());
     assert!(points.iter().all(|p| p.road_m.is_finite() && p.road_sd_m > 0.0));
-    // What a gap leaves is a slow drift, told by the sd (the difference has the sd of both records at most) ...
+    // What a gap leaves is a slow drift, stated by the sd (the difference has the sd of both records at most) ...
     for (p, w) in points.iter().zip(&whole) {
         assert!((p.road_m - w.road_m).abs() < 4.0 * p.road_sd_m, "{} s: {} {}", p.time_s, p.road_m, w.road_m);
     }
@@ -99,7 +99,7 @@ fn a_silence_in_time_and_a_jittered_clock_are_inputs_like_any_other() {
     let delay_s = 2.613 / (2.0 * std::f64::consts::PI * 80.0);
     let config = config(0.05).with_sensor_delay(SensorDelay::Seconds(delay_s)).unwrap();
     // A third fewer samples than 500 Hz and the line between rows: 4 % instead of 3; the silence spoils half of the
-    // 28 s that count by a slow drift and itself by what nobody saw (rms 10 % over all).
+    // 28 s that count by a slow drift and itself by what was not seen (rms 10 % over all).
     for (silence, limit) in [(0..0, 0.06), (20_000..20_500, 0.2)] {
         let mut random = Random::new(5);
         let mut recorder = recorder(&config, 400.0);

@@ -1,4 +1,4 @@
-//! How a true corner differs from what its estimator is told.
+//! How a true corner differs from what its estimator is given.
 //!
 //! Part of a scenario; the plants turn it into parameters.
 
@@ -7,19 +7,19 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{InvalidValue, not_negative, within};
 
-/// How the true corner differs from what its estimator is told, as written in a scenario.
+/// How the true corner differs from what its estimator is given, as written in a scenario.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Deviations {
-    /// True sprung mass over the told one.
+    /// True sprung mass over the file's.
     pub sprung_mass_factor: f64,
-    /// True unsprung mass over the told one.
+    /// True unsprung mass over the file's.
     pub unsprung_mass_factor: f64,
-    /// True damping over the told one.
+    /// True damping over the file's.
     pub damping_factor: f64,
-    /// True suspension spring over the told one.
+    /// True suspension spring over the file's.
     pub spring_factor: f64,
-    /// True tire stiffness over what the told pressure map gives: a worn tire is softer or harder than a new one.
+    /// True tire stiffness over what the file's pressure map gives: a worn tire is softer or harder than a new one.
     pub tire_stiffness_factor: f64,
     /// Damping of the tire in N s/m, which no estimator here models.
     pub tire_damping_n_s_per_m: f64,
@@ -147,7 +147,7 @@ impl Deviations {
         within("friction_stribeck_m_s", self.friction_stribeck_m_s, 1e-3, 1.0, "a speed from 0.001 to 1 m/s")
     }
 
-    /// The told quarter car as it really is.
+    /// The file's quarter car as it really is.
     pub(crate) fn applied_to(&self, told: &QuarterCar<f64>) -> Result<QuarterCar<f64>, ParameterError> {
         QuarterCar::new(
             told.sprung_mass_kg() * self.sprung_mass_factor,

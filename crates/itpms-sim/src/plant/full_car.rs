@@ -103,7 +103,7 @@ pub struct FullCar {
 }
 
 impl FullCar {
-    /// A car at rest on the roads of the given heights, carrying nothing. The corners are told quarter cars with the
+    /// A car at rest on the roads of the given heights, carrying nothing. The corners are the file's quarter cars with the
     /// true ones' deviations; their sprung masses are what each tire carries of the body at rest, the body's own mass
     /// moves.
     ///

@@ -54,7 +54,7 @@ pub struct Plant {
 }
 
 impl Plant {
-    /// The told quarter car with the true one's deviations, at rest on a road of the given height.
+    /// The file's quarter car with the true one's deviations, at rest on a road of the given height.
     ///
     /// # Errors
     /// A factor that leaves a parameter without physical sense.

@@ -1,4 +1,4 @@
-//! One corner of a scenario: what its estimator is told, how the true one differs, and its pressure.
+//! One corner of a scenario: what its estimator is given, how the true one differs, and its pressure.
 
 use itpms_core::model::{Confidence, Corner, CornerConfig, ParameterUncertainty, PressureMap, QuarterCar};
 use serde::{Deserialize, Serialize};
@@ -41,22 +41,22 @@ impl TireSpec {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CornerSpec {
-    /// Sprung mass the estimator is told, in kg.
+    /// Sprung mass the estimator is given, in kg.
     #[serde(default = "sprung_mass_kg")]
     pub sprung_mass_kg: f64,
-    /// Unsprung mass the estimator is told, in kg.
+    /// Unsprung mass the estimator is given, in kg.
     #[serde(default = "unsprung_mass_kg")]
     pub unsprung_mass_kg: f64,
-    /// Damping the estimator is told, in N s/m.
+    /// Damping the estimator is given, in N s/m.
     #[serde(default = "damping_n_s_per_m")]
     pub damping_n_s_per_m: f64,
-    /// Suspension spring the estimator is told, in N/m.
+    /// Suspension spring the estimator is given, in N/m.
     #[serde(default = "spring_n_per_m")]
     pub spring_n_per_m: f64,
     /// Pressure on the placard in kPa gauge.
     #[serde(default = "placard_kpa")]
     pub placard_kpa: f64,
-    /// Sensor noise the estimator is told, in m/s² rms per sample; the wheel sensor's true one, if not given.
+    /// Sensor noise the estimator is given, in m/s² rms per sample; the wheel sensor's true one, if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub accel_noise_m_s2: Option<f64>,
     /// Stiffness the estimator starts from, in N/m; the placard's, if not given.
@@ -67,7 +67,7 @@ pub struct CornerSpec {
     /// Stiffness over pressure.
     #[serde(default)]
     pub tire: TireSpec,
-    /// How the true corner differs from what the estimator is told.
+    /// How the true corner differs from what the estimator is given.
     #[serde(default)]
     pub truth: Deviations,
     /// The body's accelerometer, if not the scenario's usual one.
@@ -122,7 +122,7 @@ impl CornerSpec {
         }
     }
 
-    /// Takes a vehicle's values for what the estimator is told (and the truth deviates from).
+    /// Takes a vehicle's values for what the estimator is given (and the truth deviates from).
     pub fn set_vehicle(&mut self, told: &CornerConfig<f64>) {
         self.sprung_mass_kg = told.quarter_car.sprung_mass_kg();
         self.unsprung_mass_kg = told.quarter_car.unsprung_mass_kg();
@@ -136,19 +136,19 @@ impl CornerSpec {
         };
     }
 
-    /// Loads the true corner with another sprung mass in kg; the estimator is told what it was told before.
+    /// Loads the true corner with another sprung mass in kg; the estimator is given what it was given before.
     pub fn set_true_sprung_mass_kg(&mut self, sprung_mass_kg: f64) {
         self.truth.sprung_mass_factor = sprung_mass_kg / self.sprung_mass_kg;
     }
 
-    /// Gives the wheel's accelerometer a noise of another variance in (m/s²)². The estimator is told of it only where
+    /// Gives the wheel's accelerometer a noise of another variance in (m/s²)². The estimator knows of it only where
     /// [`CornerSpec::accel_noise_m_s2`] is not given.
     pub fn set_wheel_noise_variance(&mut self, variance_m2_s4: f64, usual: &SensorSpec) {
         let sensor = self.wheel_sensor.unwrap_or(*usual);
         self.wheel_sensor = Some(SensorSpec { noise_m_s2: variance_m2_s4.sqrt(), ..sensor });
     }
 
-    /// The quarter car the estimator is told.
+    /// The quarter car the estimator is given.
     ///
     /// # Errors
     /// Names the parameter that is not positive.

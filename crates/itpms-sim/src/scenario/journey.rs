@@ -32,7 +32,7 @@ pub struct JourneySpec {
     /// By how many K tires warm up at 90 km/h; less when slower, and a little unequally. Where it is 0, they do not.
     #[serde(skip_serializing_if = "is_zero")]
     pub warms_by_k: f64,
-    /// How far each seed's car may differ from what its estimator is told; not at all, if not given.
+    /// How far each seed's car may differ from what its estimator is given; not at all, if not given.
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "named_or_table")]
     pub tolerances: Option<ToleranceSpec>,
 }
@@ -153,7 +153,7 @@ impl<'a> Composer<'a> {
         self.random.random::<f64>() < of
     }
 
-    /// Nobody, or somebody.
+    /// None, or someone.
     fn some_load_kg(&mut self) -> f64 {
         if self.chance(0.5) { 0.0 } else { self.between([0.4 * self.spec.load_kg, self.spec.load_kg]) }
     }
@@ -238,7 +238,7 @@ impl<'a> Composer<'a> {
         }
     }
 
-    /// Stops for a while; somebody may get in or out.
+    /// Stops for a while; people may get in or out.
     fn stop(&mut self) {
         self.change_speed(0.0);
         let (from_s, takes_s) = (self.time_s, self.between([6.0, 40.0]));

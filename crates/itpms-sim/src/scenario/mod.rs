@@ -1,6 +1,6 @@
 //! A drive written down: how long, how fast, over which road, with which pressures, seen through which sensors.
 //!
-//! Called by the binary and the score; [`Simulation`](crate::simulation::Simulation) drives it. A scenario says both what the estimator is told
+//! Called by the binary and the score; [`Simulation`](crate::simulation::Simulation) drives it. A scenario says both what the estimator is given
 //! about a corner and how the true one differs. All fields are public: a study takes a built-in scenario and changes what it
 //! studies.
 //!
@@ -241,7 +241,7 @@ impl Scenario {
         }
     }
 
-    /// What the estimator of a corner is told: the vehicle file's values, the sensor noise, where to start.
+    /// What the estimator of a corner is given: the vehicle file's values, the sensor noise, where to start.
     ///
     /// # Errors
     /// The scenario has no such corner, or one of the values is out of range.

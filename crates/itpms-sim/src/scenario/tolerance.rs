@@ -115,7 +115,7 @@ impl ToleranceSpec {
         within("delay_ms", self.delay_ms, 0.0, 50.0, "a delay from 0 to 50 ms")
     }
 
-    /// The car of a seed. Its estimator is told what it was told before, the sensors' noise included.
+    /// The car of a seed. Its estimator is given what it was given before, the sensors' noise included.
     pub fn apply(&self, seed: u64, scenario: &mut Scenario) {
         let source =
             |index| Source { random: generator(seed, Purpose::Tolerance, [index, 0]), draw: self.draw };

@@ -15,7 +15,7 @@ pub struct SimRow {
     pub distance_m: f64,
     /// By [`Corner::index`]; `None` where the scenario has no such corner.
     pub corners: [Option<CornerRow>; 4],
-    /// What the bus has said of the wheels by now; `None` where the scenario has no wheel speeds.
+    /// What the bus has sent of the wheels by now; `None` where the scenario has no wheel speeds.
     pub wheel_speeds: Option<WheelSpeedRow>,
 }
 

@@ -82,7 +82,7 @@ pub(crate) struct WheelSpeedRun {
     steering: Wander,
     yaw_drift: Wander,
     shaken: [[Shaken; 2]; 4],
-    /// Messages so far, way at the last one in m, and what the last one that came said.
+    /// Messages so far, way at the last one in m, and what the last one that came held.
     messages: i64,
     distance_m: f64,
     row: Option<WheelSpeedRow>,
@@ -130,7 +130,7 @@ impl WheelSpeedRun {
         }))
     }
 
-    /// What the bus has said by a time in s; times go forward.
+    /// What the bus has sent by a time in s; times go forward.
     pub(crate) fn read(&mut self, time_s: f64) -> Option<WheelSpeedRow> {
         let step_s = 1e-3 * self.spec.period_ms;
         // Rounding does not make a message late.

@@ -78,7 +78,7 @@ pub(crate) struct SpringArgs {
 /// Damping cs from sinusoidal excitation at one or several frequencies, friction separated.
 ///
 /// Columns time_s, displacement_m and force_n of a damper or a strut under imposed motion, taken at the same instants.
-/// Several frequencies may follow each other in one file, be told apart by a column run, or come as several files.
+/// Several frequencies may follow each other in one file, be distinguished by a column run, or come as several files.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   itpms lab identify damper sine.csv --plot damper.svg

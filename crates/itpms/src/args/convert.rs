@@ -8,7 +8,7 @@ use super::LogArgs;
 ///
 /// CSV, Parquet, MDF4 and MCAP hold the columns of a drive log; of a CAN log with its DBC file MDF4 gets every signal, and between
 /// two CAN logs every frame is carried over. Into a CAN log go the columns that the DBC file has signals for, with every
-/// row. Names and units are kept; what cannot be carried over is said.
+/// row. Names and units are kept; what cannot be carried over is reported.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct ConvertArgs {

@@ -26,7 +26,7 @@ pub(crate) struct FleetArgs {
     /// Where the results go.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// Drives at a time; as many as there are processors unless said.
+    /// Drives at a time; as many as there are processors unless given.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) jobs: Option<u16>,
     /// The first S seconds of each car's first drive are driven at placard pressure; later drives start with what that

@@ -22,7 +22,7 @@ pub(crate) struct FmuArgs {
     /// Version of the standard.
     #[arg(long, value_name = "VERSION", value_enum, default_value = "2")]
     pub(crate) fmi: FmiVersion,
-    /// Samples a second: a tool takes steps of this length unless told otherwise.
+    /// Samples a second: a tool takes steps of this length unless stated otherwise.
     #[arg(long, value_name = "HZ", default_value_t = 500.0)]
     pub(crate) rate_hz: f64,
     /// The shared library; else it is looked for beside this program.

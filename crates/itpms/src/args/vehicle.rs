@@ -1,4 +1,4 @@
-//! Arguments of what is said and asked about one's own car.
+//! Arguments of what is stated and asked about one's own car.
 
 use std::path::PathBuf;
 

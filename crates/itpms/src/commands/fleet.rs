@@ -12,7 +12,7 @@ use serde_json::json;
 
 use crate::args::{FleetArgs, VEHICLE};
 
-/// Cars and failures that are said; the files have all.
+/// Cars and failures that are reported; the files have all.
 const SAID: usize = 10;
 
 pub(crate) fn run(args: &FleetArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {

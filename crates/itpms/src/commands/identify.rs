@@ -135,7 +135,7 @@ fn written(path: &Path, content: &str) -> Result<AtomicFile, DataError> {
     Ok(file)
 }
 
-/// All files, then the result: nothing is said of a result that could not be written.
+/// All files, then the result: nothing is reported of a result that could not be written.
 fn finish(
     output: &BenchOutput,
     json: serde_json::Result<String>,

@@ -16,12 +16,12 @@ use itpms_firmware::memory::{self, Sizes};
 use itpms_firmware::{Counter, instructions};
 use panic_semihosting as _;
 
-/// When somebody presses the button, and for how long the car then learns.
+/// When the button is pressed, and for how long the car then learns.
 const CALIBRATION_S: [f64; 2] = [4.0, 5.0];
 /// How often pressures are printed.
 const EVERY_S: f64 = 5.0;
 
-/// What the estimator is told: the car of `drive-puncture`.
+/// What the estimator is given: the car of `drive-puncture`.
 fn config() -> Option<MonitorConfig<f32>> {
     let front = CornerConfig::<f32>::paper();
     let car = &front.quarter_car;

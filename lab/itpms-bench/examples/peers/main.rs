@@ -2,7 +2,7 @@
 //! instructions, time and bytes. `cargo run --release -p itpms-bench --features peers --example peers`, from anywhere in the repository.
 //!
 //! Instructions on this machine need valgrind, those on a Cortex-M4F QEMU for ARM and `rustup target add thumbv7em-none-eabihf`, filterpy
-//! a `python3` (or what `PYTHON` names) that has it. What is not there is skipped, and said.
+//! a `python3` (or what `PYTHON` names) that has it. What is not there is skipped, and reported.
 #![allow(clippy::expect_used, clippy::panic)] // A benchmark that cannot run has nothing to say.
 
 mod controller;

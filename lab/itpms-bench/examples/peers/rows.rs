@@ -78,7 +78,7 @@ pub(crate) fn samples<T: Real>() -> Vec<[T; 2]> {
     (0..STEPS).map(|_| drive.sample()).collect()
 }
 
-/// What is counted and timed: a step on a filter that lies in memory. Its name is what valgrind is told.
+/// What is counted and timed: a step on a filter that lies in memory. Its name is what valgrind is given.
 #[inline(never)]
 fn counted_step<P: Peer>(filter: &mut P, measured: [P::Scalar; 2]) {
     filter.step(measured);

@@ -47,7 +47,7 @@ pub fn noise<T: Real>() -> [T; 2] {
     setting::<T>().measurement_variance.into()
 }
 
-/// The quarter car in plain numbers, as every peer is told it.
+/// The quarter car in plain numbers, as every peer is given it.
 #[derive(Debug, Clone, Copy)]
 pub struct Corner<T> {
     m_b: T,

@@ -28,7 +28,7 @@ pub(crate) struct CertifyArgs {
     /// What the car has. On wheel speeds alone no sensor is unplugged, and every combination of tires is let down for both regulations.
     #[arg(long, value_name = "SENSORS", default_value = Sensors::default().label(), value_parser = sensor_names())]
     pub(crate) sensors: Sensors,
-    /// What a car with wheel speeds alone is told of its loads while it stands.
+    /// What a car with wheel speeds alone knows of its loads while it stands.
     #[arg(long, value_name = "LOADS", default_value = LoadsTold::default().label(), value_parser = load_names())]
     pub(crate) loads: LoadsTold,
     /// How often each test is driven, each time by another car on another road.

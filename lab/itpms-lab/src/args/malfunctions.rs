@@ -2,8 +2,8 @@
 
 use itpms_console::options::{Jobs, Strict};
 
-/// Put every malfunction of the sensors into many everyday drives: is it said in time, is no wrong pressure shown, does the
-/// monitor come back; and is nothing said on the same drives without.
+/// Put every malfunction of the sensors into many everyday drives: is it reported in time, is no wrong pressure shown, does the
+/// monitor come back; and is nothing reported on the same drives without.
 ///
 /// The same seeds give the same figures. A malfunction that is reported late is marked; the exit code is 0 unless --strict is given.
 #[derive(Debug, clap::Args)]
@@ -22,7 +22,7 @@ pub(crate) struct MalfunctionsArgs {
     pub(crate) strict: Strict,
     #[command(flatten)]
     pub(crate) jobs: Jobs,
-    /// Print JSON: version, drives, first_seed, rows and what was said without a malfunction.
+    /// Print JSON: version, drives, first_seed, rows and what was reported without a malfunction.
     #[arg(long)]
     pub(crate) json: bool,
 }

@@ -18,7 +18,7 @@ pub(crate) struct ReproduceArgs {
     /// Where the page and its files go.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// Drives per case; 40 unless said.
+    /// Drives per case; 40 unless given.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     seeds: Option<u32>,
     /// Only 8 drives per case, unless --seeds says how many.

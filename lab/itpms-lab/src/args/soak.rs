@@ -32,18 +32,18 @@ pub(crate) struct SoakArgs {
     /// Seed of the first drive; the others follow.
     #[arg(long, value_name = "K", default_value_t = 1)]
     pub(crate) first_seed: u64,
-    /// Drives at a time; as many as there are processors unless said.
+    /// Drives at a time; as many as there are processors unless given.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) jobs: Option<u16>,
     /// Whether every seed drives another car, all the one of the scenario, or every seed four other quarter cars that no body
     /// joins.
     #[arg(long, value_name = "CAR", default_value = Car::Varied.label(), value_parser = car_names())]
     pub(crate) car: Car,
-    /// Calibrate for so long at the beginning of every drive; never unless said.
+    /// Calibrate for so long at the beginning of every drive; never unless given.
     #[arg(long, value_name = "S", value_parser = positive)]
     pub(crate) calibrate_s: Option<f64>,
     /// What the cars have. On wheel speeds alone every seed has another bus, tires warm up, and each drive begins with a calibration
-    /// of ten minutes unless said.
+    /// of ten minutes unless given.
     #[arg(long, value_name = "SENSORS", default_value = Sensors::default().label(), value_parser = sensor_names())]
     pub(crate) sensors: Sensors,
     /// Print the sums as JSON.

@@ -27,7 +27,7 @@ const LAMP_CHECK_S: f64 = 10.0;
 const KEY_IN_S: f64 = 30.0;
 /// The reset after everything is put right takes so many s of driving.
 const NEW_RESET_S: f64 = 300.0;
-/// A lamp that is out for so many s is out; as long it is looked at what else is said then.
+/// A lamp that is out for so many s is out; as long it is looked at what else is reported then.
 const OUT_S: f64 = 60.0;
 /// Seconds between two points of a trace.
 const TRACE_S: f64 = 2.0;
@@ -148,7 +148,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// While all is well nothing may be said.
+    /// While all is well nothing may be reported.
     fn look_for_false_alarms(&mut self, time_s: f64) {
         for alert in self.car.report().alerts() {
             self.findings.false_alarm_s.get_or_insert(time_s);
@@ -156,7 +156,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Whether something is said that what is wrong does not explain; before the tell-tale, beside it and after it.
+    /// Whether something is reported that what is wrong does not explain; before the tell-tale, beside it and after it.
     fn keep_false_alerts(&mut self, phase: Phase) {
         for alert in self.car.report().alerts() {
             if let Some(wrong) = wrong(self.lamp, self.concerned, alert) {

@@ -1,7 +1,7 @@
 //! The test procedures of UN R141 Annex 3 and FMVSS 138 S6, driven in simulation and held against their limits.
 //!
 //! Called by the binary (`itpms lab certify`). What the estimator and its monitor see is what a car would give them; pressures and
-//! faults are set here and compared with what the tell-tale did, and with what was said beside it. A simulation is no type
+//! faults are set here and compared with what the tell-tale did, and with what was reported beside it. A simulation is no type
 //! approval; docs/certify.md says which clauses are driven and which are not.
 //!
 //! | module | idea |
@@ -65,13 +65,13 @@ pub struct Request {
     pub seed: u64,
     /// What the car has; with wheel speeds alone it has no sensor to unplug, and every combination of tires is let down for both.
     pub sensors: Sensors,
-    /// What it is told of its loads, which do not change in a test; of no meaning with accelerations.
+    /// What it knows of its loads, which do not change in a test; of no meaning with accelerations.
     pub loads: LoadsTold,
     /// How often each test is driven, with another car, road and noise.
     pub repeats: u32,
 }
 
-/// What a car with wheel speeds alone is told of what it carries. More load is a smaller radius, as less pressure is.
+/// What a car with wheel speeds alone knows of what it carries. More load is a smaller radius, as less pressure is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LoadsTold {
@@ -125,7 +125,7 @@ pub enum CertifyError {
         /// All names.
         known: String,
     },
-    /// The progress callback said so.
+    /// The progress callback asked for it.
     #[error("stopped")]
     Stopped,
     /// The course, or a value that it refuses.
@@ -142,7 +142,7 @@ pub enum CertifyError {
     Threads(#[from] rayon::ThreadPoolBuildError),
 }
 
-/// Told now and then how many simulated seconds of how many are driven; [`ControlFlow::Break`] ends it.
+/// Called now and then with how many simulated seconds of how many are driven; [`ControlFlow::Break`] ends it.
 pub type Progress<'a> = &'a (dyn Fn(u64, u64) -> ControlFlow<()> + Sync);
 
 /// The tests of a request, in order.

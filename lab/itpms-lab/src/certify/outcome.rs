@@ -24,7 +24,7 @@ pub(super) struct Findings {
     pub(super) named: Wheels,
     /// Those named of which nothing is wrong.
     pub(super) wrong: Wheels,
-    /// Everything that was said though nothing of the kind was wrong then.
+    /// Everything that was reported though nothing of the kind was wrong then.
     pub(super) false_alerts: Vec<FalseAlert>,
     /// It went out by itself within a minute.
     pub(super) went_out: bool,
@@ -34,10 +34,10 @@ pub(super) struct Findings {
     pub(super) out_after_s: Option<f64>,
 }
 
-/// Something that was said of which nothing is true.
+/// Something that was reported of which nothing is true.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FalseAlert {
-    /// When it was first said, in s from the start of the learning phase, the key-out included.
+    /// When it was first reported, in s from the start of the learning phase, the key-out included.
     pub time_s: f64,
     /// What the car did.
     pub phase: Phase,
@@ -92,7 +92,7 @@ pub enum Verdict {
     NotRelit,
     /// It stayed lit with everything put right.
     NotOut,
-    /// Something was said that is not the matter at all: the other lamp, or an overfull tire. The regulations do not ask; a
+    /// Something was reported that is not the matter at all: the other lamp, or an overfull tire. The regulations do not ask; a
     /// driver would.
     OtherLamp,
     /// The right lamp was lit, but a wheel was named with which nothing is wrong. We ask this, too.
@@ -157,7 +157,7 @@ pub struct Outcome {
     pub named: String,
     /// Those of them of which nothing was wrong. The regulations do not ask; we do.
     pub named_wrongly: String,
-    /// Everything that was said though nothing of the kind was wrong then, from the first sample to the last.
+    /// Everything that was reported though nothing of the kind was wrong then, from the first sample to the last.
     pub false_alerts: Vec<FalseAlert>,
     /// A lamp lit while all was well.
     pub false_alarm_s: Option<f64>,

@@ -21,9 +21,9 @@ impl Certificate {
              <p>Each test: a reset, twenty minutes of learning while the tires warm up by 20 K, a standstill in which tires are let down or a plug is pulled, and \
              driving through the whole range of speeds until the tell-tale comes on or the time is over. Then five minutes without the key, after which the \
              tell-tale has to be lit again, and a drive with everything put right, on which it has to go out. Nothing else may be \
-             said at any time. Times are cumulative driving time, minutes and seconds; of what was also said, time since the reset.</p>\n\
+             reported at any time. Times are cumulative driving time, minutes and seconds; of what was also reported, time since the reset.</p>\n\
              <div class=\"scroll\"><table><thead><tr><th>regulation</th><th>clause</th><th>test</th><th>kPa</th><th>warned</th><th>limit</th>\
-             <th>wheels named</th><th>lit again</th><th>out after</th><th>also said, at</th><th>verdict</th></tr></thead><tbody>{rows}</tbody></table></div>\n\
+             <th>wheels named</th><th>lit again</th><th>out after</th><th>also reported, at</th><th>verdict</th></tr></thead><tbody>{rows}</tbody></table></div>\n\
              <h2>Pressures</h2><div class=\"figures\">{figures}</div></main></body></html>\n",
             summary = escape(self.summary().trim_end()),
         )

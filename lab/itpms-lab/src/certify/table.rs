@@ -28,7 +28,7 @@ pub(super) fn pressures(outcome: &Outcome) -> String {
     outcome.test_kpa.map_or("-".to_owned(), |test| format!("{:.0} > {test:.0}", outcome.warm_kpa))
 }
 
-/// What was said of which nothing is true, each with when it was first.
+/// What was reported of which nothing is true, each with when it was first.
 pub(super) fn false_alerts(outcome: &Outcome) -> String {
     let said =
         |said: &super::FalseAlert| format!("{} {} {}", said.cause, said.wheels, clock(Some(said.time_s)));
@@ -59,7 +59,7 @@ impl Certificate {
             "wheels named",
             "lit again",
             "out after",
-            "also said, at",
+            "also reported, at",
             "verdict",
         ];
         let rows = self.outcomes.iter().map(|outcome| {
@@ -128,7 +128,7 @@ impl Certificate {
         let wrong = self.outcomes.iter().filter(|outcome| !outcome.named_wrongly.is_empty()).count();
         let false_alerts = self.outcomes.iter().filter(|outcome| !outcome.false_alerts.is_empty()).count();
         format!(
-            "{passed} of {} tests passed, {wrong} with a wrong wheel named, {false_alerts} with something said that was not so; {:.1} simulated hours, seed {}. A simulation is no type approval.\n",
+            "{passed} of {} tests passed, {wrong} with a wrong wheel named, {false_alerts} with something reported that was not so; {:.1} simulated hours, seed {}. A simulation is no type approval.\n",
             self.outcomes.len(),
             self.driven_s / 3600.0,
             self.seed
@@ -251,7 +251,7 @@ mod tests {
         let said = "under-inflated rr 25:07";
         assert!(lines[1].ends_with("pass") && !lines[1].contains("rr"), "{table}");
         assert!(lines[2].contains(said) && lines[2].ends_with("FAIL: wrong wheel named"), "{table}");
-        assert!(lines[3].contains("1 with something said that was not so"), "{table}");
+        assert!(lines[3].contains("1 with something reported that was not so"), "{table}");
         assert!(certificate.page().contains(said));
         let json = serde_json::to_value(&certificate).unwrap();
         let kept = &json["outcomes"][1]["false_alerts"][0];

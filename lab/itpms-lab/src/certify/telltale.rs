@@ -57,14 +57,14 @@ pub(super) enum Wrong {
 
 /// Whether what is done to the car explains an alert, from when it is done until it is put right. A test does one thing:
 /// - tires are let down: these are low, and lose pressure fast while they are. Nothing is wrong with a sensor, no tire is
-///   overfull (the others are warm, not more), and those that are not let down hold. That all four are low is said of all
+///   overfull (the others are warm, not more), and those that are not let down hold. That all four are low is reported of all
 ///   four, so only where all were let down: a diffusion has no neighbors;
 /// - a sensor fails, or two are exchanged: their corners have a malfunction, and if it lasts, nothing is learned there.
 ///   The car keeps its tires: none is low, whatever a dead sensor or its partner seems to say. A corner that shares road and
 ///   body with them has sensors of its own and can do without.
 ///
-/// After everything is put right the same may still be said until it is taken back; that it is, is another question. That
-/// tires were filled, or have cooled down to the placard's pressure, is no leak: a reset has said that they are right.
+/// After everything is put right the same may still be reported until it is taken back; that it is, is another question. That
+/// tires were filled, or have cooled down to the placard's pressure, is no leak: a reset has set them right.
 pub(super) fn wrong(lamp: Lamp, concerned: Wheels, alert: &Alert<f64>) -> Option<Wrong> {
     if lamp_of(&alert.cause) != Some(lamp) {
         Some(Wrong::Lamp)

@@ -28,7 +28,7 @@ fn request(only: &str) -> Request {
     }
 }
 
-/// Little learning and a minute of detection; what is said of a dead sensor needs neither.
+/// Little learning and a minute of detection; what is reported of a dead sensor needs neither.
 fn short(procedure: &Procedure) -> Course {
     Course::with_times(procedure, 20.0, 60.0).unwrap()
 }
@@ -78,7 +78,7 @@ fn an_unplugged_sensor_is_told_and_the_run_repeats_to_the_bit() {
         let odometer = Odometer { done_s, total_s: course.longest_s() as u64, stopped, progress };
         let outcome = drive(&procedure, &course, 7, LoadsTold::Unknown, &odometer).unwrap();
         let done_s = odometer.done_s.load(Ordering::Relaxed);
-        // All of the way is told of, up to a report's length.
+        // All of the way is reported, up to a report's length.
         assert!((done_s as f64 - course.longest_s()).abs() <= 10.0, "{done_s}");
         outcome
     };

@@ -16,7 +16,7 @@ use super::telltale::{Lamp, lit, lit_by_alerts};
 use super::{CertifyError, LoadsTold};
 use crate::sensors::{wheel_speed_config, wheel_speed_sample};
 
-/// A monitor and what it said last.
+/// A monitor and what it reported last.
 // There is one at a time.
 #[allow(clippy::large_enum_variant)]
 pub(super) enum Watched {

@@ -1,4 +1,4 @@
-//! The same drives without a malfunction: what is said for nothing, and how far off a pressure is anyway.
+//! The same drives without a malfunction: what is reported for nothing, and how far off a pressure is anyway.
 
 use itpms_core::car::CarEstimate;
 use itpms_core::model::{CarSample, Validity};
@@ -14,9 +14,9 @@ pub struct Clean {
     pub hours: f64,
     /// Way in km.
     pub distance_km: f64,
-    /// Malfunctions said.
+    /// Malfunctions reported.
     pub malfunctions: usize,
-    /// Warnings said.
+    /// Warnings reported.
     pub warnings: usize,
     /// Share of the wheels' time in which their sensors were under suspicion.
     pub share_screened: f64,

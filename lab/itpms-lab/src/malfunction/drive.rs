@@ -37,7 +37,7 @@ pub(super) struct Recorded {
 }
 
 impl Recorded {
-    /// The drive of a seed: an everyday journey of a car that differs from what its estimator is told as cars do; with
+    /// The drive of a seed: an everyday journey of a car that differs from what its estimator is given as cars do; with
     /// every second seed over potholes and humps.
     pub(super) fn of(seed: u64) -> Result<Self, MalfunctionError> {
         let mut scenario = everyday()?;
@@ -143,7 +143,7 @@ mod tests {
         let [before, on, after] =
             [&drive.rows[..drive.begins], &drive.rows[drive.begins + 1000..ends - 1000], &drive.rows[ends..]];
         let [before, on, after] = [before, on, after].map(rms);
-        // Twice the noise that is told and an imbalance of 2 g m at 7.4 Hz (some 0.1 m/s2) are left.
+        // Twice the noise that is stated and an imbalance of 2 g m at 7.4 Hz (some 0.1 m/s2) are left.
         assert!(on < 0.3 && before > 1.0 && after > 1.0, "{before} {on} {after}");
     }
 }

@@ -1,4 +1,4 @@
-//! The malfunctions that are put in, and within which time each is to be said.
+//! The malfunctions that are put in, and within which time each is to be reported.
 
 use itpms_core::diagnosis::{Malfunction, Place, Sensor};
 use itpms_core::model::{Corner, Wheels};
@@ -12,7 +12,7 @@ use FaultPlace::{Body, Wheel};
 pub struct Kind {
     /// Its name.
     pub name: &'static str,
-    /// Seconds of driving within which it is said.
+    /// Seconds of driving within which it is reported.
     pub stated_s: f64,
     /// What happens to the sensors. Times are filled in when it is put in. None: a road that tells nothing, on a drive of
     /// its own.
@@ -59,7 +59,7 @@ impl Kind {
     }
 }
 
-/// The word for a malfunction, or for nothing learned; `None` for what is said of a tire.
+/// The word for a malfunction, or for nothing learned; `None` for what is reported of a tire.
 pub(super) fn malfunction_label(cause: &Cause<f64>) -> Option<&'static str> {
     match cause {
         Cause::Malfunction(malfunction) => Some(malfunction.label()),
@@ -99,7 +99,7 @@ fn exact(fault: &FaultSpec) -> Option<Malfunction<f64>> {
         FaultKind::Noise { .. } => Some(Malfunction::Noise(at)),
         FaultKind::Gain { factor } => Some(Malfunction::Gain { sensor: at, gain: factor }),
         FaultKind::Swap { with } => Some(Malfunction::Swapped(at, sensor(with))),
-        // Nothing is said of it.
+        // Nothing is reported of it.
         FaultKind::Bias { .. } => None,
     }
 }

@@ -1,5 +1,5 @@
-//! Every malfunction put into many everyday drives: is it said in time, is no wrong pressure shown at any wheel, is no tire
-//! warned of, does the monitor come back; and is nothing said on the same drives without.
+//! Every malfunction put into many everyday drives: is it reported in time, is no wrong pressure shown at any wheel, is no tire
+//! warned of, does the monitor come back; and is nothing reported on the same drives without.
 //!
 //! Called by the binary's `malfunctions`. Deterministic: the same request gives the same figures on any number of
 //! processors.
@@ -7,8 +7,8 @@
 //! | module | idea |
 //! |---|---|
 //! | `drive` | the drives |
-//! | `clean` | what is said when nothing is wrong |
-//! | [`kinds`](kinds()) | the malfunctions and the times within which they are to be said |
+//! | `clean` | what is reported when nothing is wrong |
+//! | [`kinds`](kinds()) | the malfunctions and the times within which they are to be reported |
 //! | `outcome` | one malfunction in one drive |
 //! | `table` | as text |
 
@@ -36,7 +36,7 @@ pub use kinds::{Kind, kinds};
 use outcome::Outcome;
 pub use outcome::TireWarnings;
 
-/// Told at the start and after every malfunction how many of how many are done; [`ControlFlow::Break`] ends the study.
+/// Called at the start and after every malfunction with how many of how many are done; [`ControlFlow::Break`] ends the study.
 pub type Progress<'a> = &'a (dyn Fn(u64, u64) -> ControlFlow<()> + Sync);
 
 /// Stack of a thread in bytes: an estimator under its monitor is a large value, copied while it is set up.
@@ -67,7 +67,7 @@ pub enum MalfunctionError {
         /// What there is.
         known: Vec<&'static str>,
     },
-    /// The progress callback said so.
+    /// The progress callback asked for it.
     #[error("stopped")]
     Stopped,
     /// A scenario.
@@ -89,32 +89,32 @@ const AWAITED_S: f64 = 60.0;
 pub struct Row {
     /// The malfunction.
     pub name: &'static str,
-    /// Drives it was put into, for long enough to be said.
+    /// Drives it was put into, for long enough to be reported.
     pub drives: usize,
-    /// In how many it was said; said within the stated time; and called by its name.
+    /// In how many it was reported; reported within the stated time; and called by its name.
     pub said: usize,
     /// Of these, within the stated time.
     pub in_time: usize,
-    /// Of those in which it was said, in how many by a word that passes for its name, at any wheel it happens to: its own or
+    /// Of those in which it was reported, in how many by a word that passes for its name, at any wheel it happens to: its own or
     /// that of what it looks like.
     pub named: usize,
     /// And in how many by its own name, with the very sensors and nothing beside them.
     pub named_exactly: usize,
-    /// Other malfunctions said while it lasted or in the two minutes after: of another kind, or of another sensor.
+    /// Other malfunctions reported while it lasted or in the two minutes after: of another kind, or of another sensor.
     pub others_said: usize,
     /// The stated time.
     pub stated_s: f64,
-    /// Time until it was said, median.
+    /// Time until it was reported, median.
     pub said_median_s: f64,
-    /// Time until it was said, worst.
+    /// Time until it was reported, worst.
     pub said_worst_s: f64,
-    /// Time per drive with a wrong pressure shown (3 sd and 20 kPa off) before it was said, at a wheel it happens to.
+    /// Time per drive with a wrong pressure shown (3 sd and 20 kPa off) before it was reported, at a wheel it happens to.
     pub wrong_before_s: f64,
     /// And in the 20 s after.
     pub wrong_after_s: f64,
     /// And in the two minutes after its end.
     pub wrong_back_s: f64,
-    /// The same at the other wheels: before it was said.
+    /// The same at the other wheels: before it was reported.
     pub wrong_before_others_s: f64,
     /// And in the 20 s after.
     pub wrong_after_others_s: f64,
@@ -124,7 +124,7 @@ pub struct Row {
     pub far_before_s: f64,
     /// And in the 20 s after.
     pub far_after_s: f64,
-    /// At the other wheels, before it was said.
+    /// At the other wheels, before it was reported.
     pub far_before_others_s: f64,
     /// And in the 20 s after.
     pub far_after_others_s: f64,
@@ -132,7 +132,7 @@ pub struct Row {
     pub tire_warnings_during: TireWarnings,
     /// And in the two minutes after its end.
     pub tire_warnings_after: TireWarnings,
-    /// Drives in which all was well again within the time driven after its end: nothing said, a right pressure shown at its
+    /// Drives in which all was well again within the time driven after its end: nothing reported, a right pressure shown at its
     /// wheels, no wrong one at any.
     pub recovered: usize,
     /// Drives that went on for long enough after its end.
@@ -258,7 +258,7 @@ fn monitored(drive: &Recorded) -> Result<Box<MonitoredCar<f64>>, MalfunctionErro
     Ok(Box::new(MonitoredCar::new(&MonitorConfig::new(&drive.car), drive.rate_hz)?))
 }
 
-/// Where a malfunction was not said, and could not have been because the car hardly drove, that is not held against anybody; what
+/// Where a malfunction was not reported, and could not have been because the car hardly drove, that is not held against anybody; what
 /// was shown and warned of counts. The same holds for how a drive went on after its end.
 fn row(kind: &Kind, outcomes: &[&Outcome]) -> Row {
     let could_be_said = |o: &&&Outcome| o.said_after_s.is_some() || o.driven_s >= kind.stated_s;
@@ -312,7 +312,7 @@ mod tests {
         kinds().into_iter().find(|kind| kind.name == "stuck, wheel").unwrap()
     }
 
-    /// Said by its name after a second, and well again after two.
+    /// Reported by its name after a second, and well again after two.
     fn good() -> Outcome {
         Outcome {
             said_after_s: Some(1.0),

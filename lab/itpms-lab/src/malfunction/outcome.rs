@@ -1,4 +1,4 @@
-//! One malfunction put into one drive: when it was said, what was shown meanwhile, and how the monitor came back.
+//! One malfunction put into one drive: when it was reported, what was shown meanwhile, and how the monitor came back.
 
 use itpms_core::model::{CarSample, Corner, CornerEstimate, CornerSample, Wheels};
 use itpms_core::monitor::MonitoredCar;
@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::drive::Recorded;
 use super::kinds::{Kind, malfunction_label};
 
-/// Seconds for which a malfunction goes on after it was said, and the longest it lasts.
+/// Seconds for which a malfunction goes on after it was reported, and the longest it lasts.
 const AFTER_SAID_S: f64 = 20.0;
 const LONGEST_S: f64 = 150.0;
 /// Seconds that are driven after its end, whenever all is well again: a tire may be warned of for nothing later.
@@ -23,23 +23,23 @@ const FAR_KPA: f64 = 20.0;
 /// What came of it.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Outcome {
-    /// Seconds of driving until it was said; `None`: never.
+    /// Seconds of driving until it was reported; `None`: never.
     pub(super) said_after_s: Option<f64>,
     /// What it was called then, and whether nothing but the very malfunction was.
     pub(super) label: &'static str,
     pub(super) exactly: bool,
     /// Seconds of driving while it lasted.
     pub(super) driven_s: f64,
-    /// What was shown before it was said, after that, and after its end.
+    /// What was shown before it was reported, after that, and after its end.
     pub(super) before: Shown,
     pub(super) after: Shown,
     pub(super) back: Shown,
-    /// Other malfunctions that were said while it lasted or after.
+    /// Other malfunctions that were reported while it lasted or after.
     pub(super) others_said: usize,
-    /// What was said of tires, with none of which anything is wrong: while it lasted, and after.
+    /// What was reported of tires, with none of which anything is wrong: while it lasted, and after.
     pub(super) tires_during: TireWarnings,
     pub(super) tires_after: TireWarnings,
-    /// Seconds of driving after its end until nothing was said any more, a right pressure was shown at its wheels and no
+    /// Seconds of driving after its end until nothing was reported any more, a right pressure was shown at its wheels and no
     /// wrong one at any.
     pub(super) recovered_after_s: Option<f64>,
     /// Seconds of driving after its end that were driven.
@@ -181,7 +181,7 @@ pub(super) fn run(kind: &Kind, drive: &Recorded, mut car: Box<MonitoredCar<f64>>
 }
 
 impl Outcome {
-    /// Something began to be said: the malfunction, another one, or a warning of a tire, which is a false one.
+    /// Something began to be reported: the malfunction, another one, or a warning of a tire, which is a false one.
     fn note(&mut self, kind: &Kind, phase: Phase, alert: &Alert<f64>) {
         if malfunction_label(&alert.cause).is_some() && !kind.is_exactly(&alert.cause) {
             self.others_said += 1;
@@ -190,7 +190,7 @@ impl Outcome {
         tires.count(&alert.cause);
     }
 
-    /// Whether a malfunction is said at a wheel that it happens to; then when, and by which name.
+    /// Whether a malfunction is reported at a wheel that it happens to; then when, and by which name.
     fn is_said(&mut self, kind: &Kind, alerts: &[Alert<f64>]) -> bool {
         let Some(label) = alerts.iter().find_map(|alert| kind.said_as(&alert.cause, alert.wheels)) else {
             return false;

@@ -19,11 +19,11 @@ impl Study {
         let _ = writeln!(
             text,
             "{:33} {:>24} {:>22} {:>35} {:>6} {:>6} {:>20}",
-            "", "said", "time until then", "wrong pressure shown: its + others", "other", "tires", "back"
+            "", "reported", "time until then", "wrong pressure shown: its + others", "other", "tires", "back"
         );
         let head = [
             "malfunction",
-            "said",
+            "reported",
             "alike",
             "exactly",
             "median",
@@ -32,7 +32,7 @@ impl Study {
             "before",
             "after",
             "back",
-            "said",
+            "reported",
             "warned",
             "of",
             "median",
@@ -45,7 +45,7 @@ impl Study {
         let clean = &self.clean;
         let _ = writeln!(
             text,
-            "nothing wrong: {} malfunctions and {} warnings said in {:.1} h, {:.0} km; {:.2} % of the wheels' time kept from the estimator; shown pressures more than 3 sd and 20 kPa off {:.2} % of the time, more than 20 kPa {:.1} %",
+            "nothing wrong: {} malfunctions and {} warnings reported in {:.1} h, {:.0} km; {:.2} % of the wheels' time kept from the estimator; shown pressures more than 3 sd and 20 kPa off {:.2} % of the time, more than 20 kPa {:.1} %",
             clean.malfunctions,
             clean.warnings,
             clean.hours,
@@ -60,11 +60,11 @@ impl Study {
 }
 
 const MEANING: &str = "\
-Times in s of driving. said alike: by its name or that of what it looks like, at any of its wheels; exactly: kind and \
+Times in s of driving. reported alike: by its name or that of what it looks like, at any of its wheels; exactly: kind and \
 sensors, and nothing beside. wrong: mean time in s per drive in which a pressure more than 3 sd and 20 kPa off was shown, \
-at the malfunction's wheels + at the others, before it was said, in the 20 s after, and in the 120 s after its end. other \
-said: malfunctions said from its begin to then that are not it. tires warned: warnings of tires in that time, all of them \
-false. back: from its end until nothing is said, its wheels show a right pressure and no wheel a wrong one; of: in how \
+at the malfunction's wheels + at the others, before it was reported, in the 20 s after, and in the 120 s after its end. other \
+reported: malfunctions reported from its begin to then that are not it. tires warned: warnings of tires in that time, all of them \
+false. back: from its end until nothing is reported, its wheels show a right pressure and no wheel a wrong one; of: in how \
 many of the drives that went on for a minute; the times are of these.
 ";
 

@@ -32,7 +32,7 @@ enum Known {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Stiffness {
-    /// Nothing is said of it.
+    /// Nothing is reported of it.
     Free,
     /// Only how much two stiffnesses differ.
     DifferenceOnly,

@@ -261,7 +261,7 @@ impl<'a> SourceBound<'a> {
             true => Occurrence::Repeated(self.subject.period_s),
             false => Occurrence::Once,
         };
-        // A wheel that shares its road with nobody has all of it for itself.
+        // A wheel that shares its road with none has all of it for itself.
         let incoherent = if passes.len() > 1 { self.circumstances.incoherent } else { 0.0 };
         Stretch { passes, occurrence, incoherent }
     }

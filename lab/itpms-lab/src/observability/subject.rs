@@ -39,7 +39,7 @@ const ALIKE: f64 = 0.01;
 impl Subject {
     /// A corner on the paper's drive (class A, 20 km/h, 500 Hz) with its own noise; repeated roads of 0.66 s as on the
     /// paper's test bed; a loss of 20 % after 20 s. `partner` is the corner on the same side of the other axle; where
-    /// there is none or it has the same unsprung mass, (b') is told of one 12 % lighter under a body 10 % lighter.
+    /// there is none or it has the same unsprung mass, (b') has one 12 % lighter under a body 10 % lighter.
     #[must_use]
     pub fn new(
         vehicle: &str,

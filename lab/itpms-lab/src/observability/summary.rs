@@ -4,7 +4,7 @@
 
 use super::{Car, Observability, Situation, Sources, TOLERANCE};
 
-/// When the bounds are told, in s.
+/// When the bounds are printed, in s.
 pub(super) const TOLD_S: [f64; 3] = [2.0, 8.0, 40.0];
 
 impl Observability {

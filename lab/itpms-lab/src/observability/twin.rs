@@ -41,7 +41,7 @@ pub struct Twin {
     pub relative_difference: [f64; 2],
 }
 
-/// The first tire and those that cannot be told from it.
+/// The first tire and those that cannot be distinguished from it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Twins {
     /// Times in s.

@@ -40,7 +40,7 @@ fn assumptions(request: &Request) -> Vec<Assumption> {
         ("Recovery of Fig. 9b", "138 to 195 kPa from 17.5 to 27.5 s".to_owned(), "Only drawn in the paper."),
         (
             "Sprung mass of Table 3",
-            format!("Estimators are told {TOLD_KG} kg, the car weighs 220, 240 or 260"),
+            format!("Estimators are given {TOLD_KG} kg, the car weighs 220, 240 or 260"),
             "The text could also mean the opposite; Fig. 7's 240.8 kg and Table 3's 240 are taken to be one experiment.",
         ),
         (

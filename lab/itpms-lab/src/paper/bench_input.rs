@@ -64,7 +64,7 @@ pub(super) fn section(request: &Request) -> Result<Section, PaperError> {
                 states. What the paper does not say is assumed and listed <a href=\"#assumed\">below</a>; the paper's errors were measured on real \
                 hardware, ours were not.</p>\
                 <p>A repeated road is worth much: the wheel meets its own past every 0.66 s, and what changes from one pass to the next is the tire. The \
-                default estimator looks for a repetition in the accelerations; nobody tells it.</p>";
+                default estimator looks for a repetition in the accelerations; the period is not given to it.</p>";
     Ok(Section::new("bench", "Test bed, input: Figure 11").text(text).figure(
         figure,
         "(b) the pressure of the main experiment, and what the slow and coarse sensor of the test bed shows of it; (c) three passes of the road segment. Panel (a) of the paper is a photograph; a \

@@ -46,7 +46,7 @@ impl Case {
         case.changed(|corner| corner.unsprung_mass_kg = request.bench_unsprung_mass_kg)
     }
 
-    /// The true sprung mass in kg, while the estimators are told `told_kg`.
+    /// The true sprung mass in kg, while the estimators are given `told_kg`.
     pub(super) fn with_sprung_mass(self, true_kg: f64, told_kg: f64) -> Result<Self, PaperError> {
         self.changed(|corner| {
             corner.sprung_mass_kg = told_kg;

@@ -16,7 +16,7 @@ pub enum PaperError {
     /// A scenario without the corner that the study drives.
     #[error("scenario {0} has no front left corner, expected one")]
     NoCorner(String),
-    /// The progress callback said so.
+    /// The progress callback asked for it.
     #[error("stopped")]
     Stopped,
     /// A scenario, or a parameter that it refuses.

@@ -55,7 +55,7 @@ use section::Part;
 /// The corner that the paper's scenarios drive.
 const CORNER: Corner = Corner::FrontLeft;
 
-/// Told after every drive how many of how many are done; a break ends the study.
+/// Called after every drive with how many of how many are done; a break ends the study.
 pub type Progress<'a> = plan::Callback<'a>;
 
 /// What the paper leaves open, and how many drives.
@@ -152,7 +152,7 @@ impl Study {
             1 => "of one drive".to_owned(),
             n => format!("median over {n} drives (10 - 90 %)"),
         };
-        let head = format!("RMSE in kPa unless said; ours: the default estimator, {drives}");
+        let head = format!("RMSE in kPa unless stated; ours: the default estimator, {drives}");
         table.map_or_else(String::new, |table| format!("{head}\n\n{}", table.text(4)))
     }
 

@@ -15,7 +15,7 @@ use super::{PaperError, Progress, Request, published::TABLE_3, published::TABLE_
 /// Reset drives in s: with `bench-drop` the loss comes at 38 s, with the other two at 5 s.
 pub(super) const RESET_LONG_S: f64 = 20.0;
 pub(super) const RESET_SHORT_S: f64 = 4.0;
-/// What the estimators are told in the mass studies, kg.
+/// What the estimators are given in the mass studies, kg.
 pub(super) const TOLD_KG: f64 = 240.0;
 
 /// What became of every case.
@@ -87,5 +87,5 @@ fn drive_all(cases: &[Case], request: &Request, progress: Progress<'_>) -> Resul
     Ok(cases.iter().map(|case| Outcome::of(case, drives.by_ref().take(request.seeds).collect())).collect())
 }
 
-/// Told after every drive how many of how many are done; [`ControlFlow::Break`] ends the study.
+/// Called after every drive with how many of how many are done; [`ControlFlow::Break`] ends the study.
 pub(super) type Callback<'a> = &'a (dyn Fn(u64, u64) -> ControlFlow<()> + Sync);

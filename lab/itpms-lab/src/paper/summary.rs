@@ -80,7 +80,9 @@ pub(super) fn section(outcomes: &Outcomes, slopes: Spread, drives: usize) -> Res
         outcomes.bench_drop.informed_rmse(),
     );
     lines.push(
-        bench.because("A simulated test bed whose car is exactly as told; the seconds of the reset count."),
+        bench.because(
+            "A simulated test bed whose car is exactly as its file; the seconds of the reset count.",
+        ),
     );
     if let Some(informed) = outcomes.bench_drop.informed() {
         lines.push(
@@ -97,7 +99,7 @@ pub(super) fn section(outcomes: &Outcomes, slopes: Spread, drives: usize) -> Res
     study(&mut lines, "Table 4", "test bed", " kg", &TABLE_4, &outcomes.bench_mass);
     study(&mut lines, "Table 5", "test bed, noise variance", "", &TABLE_5, &outcomes.bench_noise);
     let caption = format!(
-        "RMSE in kPa unless said. Ours: the default estimator <code>informed</code>, median over {drives} drives with different roads and noise, in brackets 10 to 90 % of \
+        "RMSE in kPa unless stated. Ours: the default estimator <code>informed</code>, median over {drives} drives with different roads and noise, in brackets 10 to 90 % of \
          the drives; RMSE over t > 3 s, on the test bed with a reset of the first {RESET_LONG_S} s, Tables 4 and 5 after it. The paper's are single runs of AEKF-UI."
     );
     Ok(Section::new("summary", "Every number of the paper, and ours").table(table(&lines), caption))

@@ -54,7 +54,7 @@ pub(super) fn section() -> Result<Section, PaperError> {
              cannot be told from ours at the scale of (a).",
             vec![data(&map, &paper)],
         )
-        .table(table_2(), "The simulated car. Simulated plant and estimators use these values unless said otherwise."))
+        .table(table_2(), "The simulated car. Simulated plant and estimators use these values unless stated otherwise."))
 }
 
 fn table_1(map: &PressureMap<f64>, paper: &PressureMap<f64>) -> Table {

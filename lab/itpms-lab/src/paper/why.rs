@@ -9,7 +9,7 @@ use super::error::PaperError;
 use super::section::{Section, Table, number};
 use crate::observability::{Car, Observability, Situation, Sources, StudyError, Subject, Varied, study};
 
-/// When the bounds are told, in s.
+/// When the bounds are printed, in s.
 const TOLD_S: [f64; 3] = [2.0, 8.0, 40.0];
 
 /// The section; needs no drive.
@@ -59,7 +59,7 @@ pub(super) fn section() -> Result<Section, PaperError> {
 
 fn twins(found: &Observability) -> Table {
     let others = || found.twins.drives.iter().skip(1);
-    let data = Data::new("why-twins", "Tires that cannot be told apart")
+    let data = Data::new("why-twins", "Tires that are not distinguishable")
         .words("tire", others().map(|twin| twin.label.clone()))
         .numbers("road_difference_rms_m", others().map(|twin| twin.road_difference_rms_m))
         .numbers("body_relative_difference", others().map(|twin| twin.relative_difference[0]))
@@ -70,7 +70,7 @@ fn twins(found: &Observability) -> Table {
         "Body acceleration differs by",
         "Wheel acceleration differs by",
     ];
-    others().fold(Table::new("Tires that cannot be told apart", &head, data), |table, twin| {
+    others().fold(Table::new("Tires that are not distinguishable", &head, data), |table, twin| {
         table.row([
             twin.label.clone(),
             number(1e3 * twin.road_difference_rms_m, 3),

@@ -29,7 +29,7 @@ pub(super) struct Case {
     pub(super) name: String,
     pub(super) kind: EstimatorKind,
     pub(super) scenario: Scenario,
-    /// Seconds at the start that the estimator is told to be at placard pressure.
+    /// Seconds at the start that the estimator is set to placard pressure.
     reset_s: Option<f64>,
     /// All that counts for RMSE and coverage.
     pub(super) judged: Window,
@@ -89,7 +89,7 @@ impl Case {
         Self { name: name.into(), ..self }
     }
 
-    /// The true sprung mass over the one the estimator is told.
+    /// The true sprung mass over the one the estimator is given.
     pub(super) fn with_sprung_mass_factor(mut self, factor: f64) -> Self {
         self.edit_corner(|corner| corner.truth.sprung_mass_factor = factor);
         self
@@ -100,7 +100,7 @@ impl Case {
         self
     }
 
-    /// Sensor noise in m/s² rms; the estimator is told.
+    /// Sensor noise in m/s² rms; the estimator is given it.
     pub(super) fn with_noise(mut self, noise_m_s2: f64) -> Self {
         self.scenario.sensor = SensorSpec::with_noise(noise_m_s2);
         self
@@ -122,7 +122,7 @@ impl Case {
         }
     }
 
-    /// What the estimator is told.
+    /// What the estimator is given.
     pub(super) fn corner(&self) -> Result<CornerConfig<f64>, ScoreError> {
         Ok(self.scenario.corner_config(CORNER)?)
     }

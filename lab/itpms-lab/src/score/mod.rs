@@ -68,7 +68,7 @@ pub enum Part {
     Drive,
     /// The same with each source of information alone. Not part of the usual table.
     Ablation,
-    /// The same while something is not as the estimator is told. Not part of the usual table.
+    /// The same while something differs from what the estimator is given. Not part of the usual table.
     Disturbances,
     /// How soon a loss is warned of. Not part of the usual table.
     Detection,
@@ -178,7 +178,7 @@ impl Part {
             }
             "drive-noise" => "The same with noise 0.3 m/s2",
             "disturbances" => {
-                "drive-puncture while one thing is not as the estimator is told; columns as above"
+                "drive-puncture while one thing differs from the vehicle file; columns as above"
             }
             "detection" => {
                 "A loss of a fifth, 20-120 km/h, classes A-D, both cars: seconds from the complete loss to the warning"
@@ -200,7 +200,7 @@ impl Part {
                 "vehicle init, learn, calibration, another day (road, speed, load), kPa while valid; a loss of a fifth: s after it is complete; rise of another tire"
             }
             "own-changed" => {
-                "The same later day of a car that has changed, learned and reference, no loss: what is said of it, in cars"
+                "The same later day of a car that has changed, learned and reference, no loss: what is reported of it, in cars"
             }
             "ablation" => "drive-puncture with each source of information alone, and both; columns as above",
             _ => return None,
@@ -285,7 +285,7 @@ pub enum ScoreError {
         /// What was asked for.
         only: String,
     },
-    /// The progress callback said so.
+    /// The progress callback asked for it.
     #[error("stopped")]
     Stopped,
     /// The operating system gives no threads.

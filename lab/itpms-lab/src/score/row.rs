@@ -83,7 +83,7 @@ impl Column {
         Self { name, heading, decimals }
     }
 
-    /// A figure nobody set a goal for.
+    /// A figure without a goal.
     #[must_use]
     pub fn plain(self, value: f64) -> Cell {
         Cell { column: self, value, goal: None, verdict: None }

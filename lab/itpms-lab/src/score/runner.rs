@@ -13,7 +13,7 @@ use super::ScoreError;
 /// value while it is set up.
 pub(super) const STACK_BYTES: usize = 32 << 20;
 
-/// Told after every drive how many of how many are done; [`ControlFlow::Break`] ends the score.
+/// Called after every drive with how many of how many are done; [`ControlFlow::Break`] ends the score.
 pub type Progress<'a> = &'a (dyn Fn(u64, u64) -> ControlFlow<()> + Sync);
 
 /// Which of its case's drives one is.

@@ -20,7 +20,7 @@ const PAPER: [(&str, f64, f64); 3] =
 /// The test bed's scenarios: goal for the median RMSE in kPa, where there is one.
 const BENCH: [(&str, Option<Goal>); 3] =
     [("bench-drop", Some(Goal::AtMost(4.2))), ("bench-drop-recover", None), ("bench-slow", None)];
-/// True sprung mass over the one told.
+/// True sprung mass over the file's.
 const MASS_FACTORS: [f64; 2] = [0.92, 1.08];
 /// The grid: slopes, classes, noise in m/s².
 const SLOPES: [f64; 3] = [1.6, 2.1, 2.6];
@@ -329,7 +329,7 @@ mod tests {
         assert_ne!(tracks[0][0], tracks[0][1]);
         let summary = Summary::of(&cases[0].0, &tracks[0]).unwrap();
         let row = paper_row(&summary);
-        // A tire that loses 103 kPa within a second, a second before the end, is followed by nobody; and an estimate
+        // A tire that loses 103 kPa within a second, a second before the end, is not followed by any estimator; and an estimate
         // that starts 19 kPa off is not 100 kPa off before.
         let value = |name: &str| row.cell(name).unwrap().value;
         assert!(value("rmse_median_kpa") > 15.0 && value("rmse_median_kpa") < 110.0, "{row:?}");

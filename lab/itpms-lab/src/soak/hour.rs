@@ -1,4 +1,4 @@
-//! One drive in which nothing is wrong, and what is kept of it: what was said, and how near it came to saying more.
+//! One drive in which nothing is wrong, and what is kept of it: what was reported, and how near it came to saying more.
 
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -19,7 +19,7 @@ use crate::sensors::Sensors;
 
 /// Rows between two questions whether to go on.
 pub(super) const ASK_ROWS: u64 = 2000;
-/// How far the speed that the estimator is told may be off, as a share: tires wear, wheels differ.
+/// How far the speed that the estimator is given may be off, as a share: tires wear, wheels differ.
 const SPEED_SHARE: f64 = 0.01;
 /// Standard deviations that a one-sided limit of 95 % lies off.
 const ONE_SIDED_95: f64 = 1.645;
@@ -35,7 +35,7 @@ pub struct Hour {
     pub driven_s: f64,
     /// Distance in km.
     pub km: f64,
-    /// Everything that was said, in the order of time: nothing, if all is well.
+    /// Everything that was reported, in the order of time: nothing, if all is well.
     pub said: Vec<Said>,
     /// In the order of [`Corner::ALL`].
     pub wheels: [WheelHour; 4],
@@ -46,7 +46,7 @@ pub struct Hour {
     pub wall_s: f64,
 }
 
-/// Something that was said though nothing was wrong.
+/// Something that was reported though nothing was wrong.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Said {
     /// When, in s from the start of the drive.
@@ -163,7 +163,7 @@ fn driven(scenario: &Scenario, car: Car, seed: u64) -> Result<Scenario, SoakErro
     Ok(driven)
 }
 
-/// The estimator and the monitor as they are shipped, told what the vehicle file says; nobody reads the roads' heights.
+/// The estimator and the monitor as they are shipped, given what the vehicle file says; the roads' heights are not read.
 fn monitored(scenario: &Scenario) -> Result<Box<MonitoredCar<f64>>, SoakError> {
     let mut config = CarConfig { corners: [None; 4], wheelbase_m: Some(scenario.wheelbase_m) };
     for (corner, _) in scenario.corner.iter() {

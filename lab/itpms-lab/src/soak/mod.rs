@@ -1,8 +1,8 @@
 //! False warnings over many hours: everyday drives in which nothing is wrong, one after the other, until one is warned of.
 //!
 //! Called by the binary's `soak`. A drive is an hour of `drive-normal`, composed from its seed; every seed is also
-//! another car, within tolerances of bodies, tires and sensors that the estimator is not told of. Nothing here knows of
-//! files: what is done is handed over drive by drive, and what was done before is told.
+//! another car, within tolerances of bodies, tires and sensors that the estimator does not know of. Nothing here knows of
+//! files: what is done is handed over drive by drive, and what was done before is given.
 //!
 //! | module | idea |
 //! |---|---|
@@ -39,7 +39,7 @@ const STACK_BYTES: usize = 32 << 20;
 pub enum Car {
     /// Another one with every seed.
     Varied,
-    /// That of `drive-normal`, which is nearly the one the estimator is told.
+    /// That of `drive-normal`, which is nearly the one the estimator is given.
     Nominal,
     /// Another one with every seed, and its wheels not joined by a body: four quarter cars, whose rear wheels meet the
     /// front wheels' road. No bends and no loads, but nothing that rests on a rigid body may be taken for granted.
@@ -73,7 +73,7 @@ pub struct Plan {
     /// Length in s of a calibration at the beginning of every drive, `None`: never calibrated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub calibrate_s: Option<f64>,
-    /// What the car has; with wheel speeds alone each seed has a bus of its own, and is calibrated for ten minutes unless said.
+    /// What the car has; with wheel speeds alone each seed has a bus of its own, and is calibrated for ten minutes unless given.
     #[serde(default, skip_serializing_if = "Sensors::are_usual")]
     pub sensors: Sensors,
 }
@@ -94,7 +94,7 @@ impl Default for Plan {
 /// Why there is no drive.
 #[derive(Debug, Error)]
 pub enum SoakError {
-    /// Somebody said so.
+    /// It was asked for.
     #[error("stopped")]
     Stopped,
     /// The operating system gives no threads.

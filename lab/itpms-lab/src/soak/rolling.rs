@@ -1,4 +1,4 @@
-//! One drive of a car with wheel speeds alone in which nothing is wrong: what was said, how near it came to more, and whether the
+//! One drive of a car with wheel speeds alone in which nothing is wrong: what was reported, how near it came to more, and whether the
 //! radii's differences were where their spread says.
 
 use std::ops::ControlFlow;

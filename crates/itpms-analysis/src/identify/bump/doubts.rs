@@ -63,7 +63,7 @@ fn tire(fit: &BumpFit) -> Vec<String> {
     let (spring, tire, m_w) = (&parts.spring_n_per_m, &parts.tire_n_per_m, parts.masses.unsprung_kg);
     if !(tire.value > APART * tire.standard_error) {
         out.push(format!(
-            "the tire cannot be told from none: {:.0} ± {:.0} N/m; the wheel moves too little for its sensor, or the masses are of another corner",
+            "the tire is not distinguishable from none: {:.0} ± {:.0} N/m; the wheel moves too little for its sensor, or the masses are of another corner",
             tire.value, tire.standard_error
         ));
         return out;

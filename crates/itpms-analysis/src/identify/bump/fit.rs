@@ -32,7 +32,7 @@ pub(super) struct Fit {
 
 impl Fit {
     /// Fits all bands with one set of coefficients. `velocity` is what the motion's way is counted by, `what` is what cannot be
-    /// told apart if they cannot.
+    /// distinguished if they cannot.
     pub(super) fn of(
         bands: &[BandRows],
         velocity: &[f64],

@@ -132,7 +132,7 @@ struct Traces {
     tire: Vec<(f64, f64, f64)>,
 }
 
-/// Where to look; the free motion is found unless told.
+/// Where to look; the free motion is found unless given.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BumpWindow {
     /// Use the motion from this time in s.
@@ -145,7 +145,7 @@ pub struct BumpWindow {
 ///
 /// # Errors
 /// See [`IdentifyError`]: columns of unequal length or with gaps, time that does not increase, a rate below 100 Hz, nothing
-/// that moves, too short a motion, a spring that cannot be told from zero.
+/// that moves, too short a motion, a spring that cannot be distinguished from zero.
 pub fn bump(
     time_s: &[f64],
     corners: &[BumpCorner<'_>],

@@ -17,7 +17,7 @@ use crate::real::Real;
 /// Blocks over which ratios and hop are averaged.
 const BLOCKS: f64 = 20.0;
 /// The most that a block counts of a ratio's logarithm, where it is judged: a hole under one wheel makes two of a single block. And where
-/// it is told, and of the hop's.
+/// it is reported, and of the hop's.
 const MOST: f64 = 0.35;
 const MOST_TOLD: f64 = 2.0;
 const MOST_HOP: f64 = 1.0;
@@ -40,12 +40,12 @@ pub(crate) struct WheelGainBalance<T: Real> {
     /// Logs of wheel over body, less the median of the four and less that of the axle's other corner.
     over_median: [T; 4],
     over_partner: [T; 4],
-    /// The first as it is told.
+    /// The first as it is reported.
     told: [T; 4],
     filled: T,
     /// Logs of the wheels' hop power over that of the others.
     hop: [T; 4],
-    /// The most that a gain has been off since it is said.
+    /// The most that a gain has been off since it is reported.
     largest_deviation: [T; 4],
     words: [FaultLatch<T>; 4],
 }
@@ -120,7 +120,7 @@ impl<T: Real> WheelGainBalance<T> {
         }
     }
 
-    /// What is said, of any wheel.
+    /// What is reported, of any wheel.
     pub(crate) fn faults(&self) -> impl Iterator<Item = Fault<T>> {
         self.words.iter().filter_map(FaultLatch::fault)
     }
@@ -154,7 +154,7 @@ mod tests {
         }
 
         /// Drives on with these logs of every wheel's reading over what is usual, in the slow band and in its hop's; gives when
-        /// something was said first.
+        /// something was reported first.
         fn on(&mut self, seconds: f64, slow: [f64; 4], hop: [f64; 4]) -> Option<f64> {
             let power = |log: f64| (2.0 * log).exp();
             let [a, b, c, d] = slow.map(power);
@@ -218,7 +218,7 @@ mod tests {
         assert_eq!(drive.on(120.0, front_right(f64::NAN), front_right(-0.4)), None);
     }
 
-    /// A quiet road under the right wheels: their bodies move with the left ones. (Said of a healthy sensor once in 230 everyday hours.)
+    /// A quiet road under the right wheels: their bodies move with the left ones. (Reported of a healthy sensor once in 230 everyday hours.)
     #[test]
     fn a_side_that_rolls_with_the_other_is_no_gain() {
         let mut drive = Drive::new();

@@ -156,7 +156,7 @@ fn apart<T: Real>(deviation: &[T; 4], i: usize) -> T {
     if all * side > T::zero() { all.abs().min(side.abs()) } else { T::zero() }
 }
 
-/// Takes a block in which all four corners are heard, and the corners of which it is said already what is wrong.
+/// Takes a block in which all four corners are read, and the corners of which it is reported already what is wrong.
 pub(crate) fn jumps<T: Real>(
     corners: &mut [WheelGainJump<T>; 4],
     at: [f64; 2],
@@ -279,7 +279,7 @@ mod tests {
         car.until(true, 1.4, false);
         let lasted_s = car.until(false, 1.4, false);
         assert!((lasted_s - LONGEST_S).abs() < 2.0, "{lasted_s}");
-        // But not while a wrong gain is said.
+        // But not while a wrong gain is reported.
         let mut car = Car::that_has_driven(120);
         car.until(true, 1.4, false);
         for _ in 0..1000 {

@@ -157,7 +157,7 @@ impl<T: Real> WheelGainShift<T> {
         }
     }
 
-    /// Takes a block in which all four corners are heard, and the corners of which it is said already what is wrong.
+    /// Takes a block in which all four corners are read, and the corners of which it is reported already what is wrong.
     pub(crate) fn take(&mut self, at: [f64; 2], block: &Block<T>, explained: [bool; 4]) {
         self.average(block);
         if self.filled < T::lit(FILLED) {
@@ -419,7 +419,7 @@ mod tests {
             car.read([3.0, 1.0, 1.0, 1.0], [false; 4]);
             assert_eq!(car.suspects(), [false; 4]);
         }
-        // One that is wrong from the start, and then said, is not the usual.
+        // One that is wrong from the start, and then reported, is not the usual.
         let mut car = Car { shifts: WheelGainShift::new(), blocks: 0 };
         for active in [false, true] {
             for _ in 0..60 {

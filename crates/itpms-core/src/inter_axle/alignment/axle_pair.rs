@@ -298,7 +298,7 @@ impl<T: Real> AxlePair<T> {
         }
     }
 
-    /// What the front said of the place where the rear is, and how long ago.
+    /// What the front reported of the place where the rear is, and how long ago.
     fn read_front(&self, entry: &Entry<T>, road: &PairingContext<'_, T>) -> Option<(Read<T>, f64, T)> {
         if entry.after_gap || !(entry.speed_m_s > T::lit(SLOWEST_M_S)) {
             return None;
@@ -340,7 +340,7 @@ impl<T: Real> AxlePair<T> {
         due > 0
     }
 
-    /// What a frame is worth to a belief whose most likely state this is, into `out`; `None` if the road is not heard over the sensors'
+    /// What a frame is worth to a belief whose most likely state this is, into `out`; `None` if the road does not stand out of the sensors'
     /// noise. `meanwhile`: the other side's incoherence, if only that side had frames of late.
     #[inline(never)]
     pub(crate) fn measure(
@@ -402,7 +402,7 @@ impl<T: Real> AxlePair<T> {
         self.log_snr = Some(before + gain * (ratio - before));
     }
 
-    /// How far the road is heard over the sensors' noise, 0 to 1; fully where no frame says so.
+    /// How far the road stands out of the sensors' noise, 0 to 1; fully where no frame says so.
     pub(crate) fn snr_weight(&self) -> T {
         let over = |log_snr: T| (log_snr.exp_fast() / T::lit(SNR_FULL) - T::one()).clamp(T::zero(), T::one());
         self.log_snr.filter(|_| !self.spectral_only()).map_or(T::one(), over)

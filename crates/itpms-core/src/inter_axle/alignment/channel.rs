@@ -44,7 +44,7 @@ pub(crate) struct Entry<T> {
     pub(crate) signals: [T; KEPT],
     /// True if a sensor was at its limit since the last entry.
     pub(crate) invalid: bool,
-    /// True if the wheel may have been in the air while the filters still heard of it.
+    /// True if the wheel may have been in the air while the filters still held it.
     pub(crate) unloaded: bool,
     /// True if the signal was interrupted before this entry.
     pub(crate) after_gap: bool,

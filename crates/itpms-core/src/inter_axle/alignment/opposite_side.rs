@@ -10,7 +10,7 @@ pub(crate) enum OppositeSide<T> {
     Known(T),
     /// Not known at this moment, as when its wheel has just left the road.
     Missed,
-    /// It has told nothing for a while.
+    /// It has sent nothing for a while.
     Silent,
 }
 

@@ -1,5 +1,5 @@
 //! How late the speed comes: filtered, averaged or sent now and then it lags by some tenths of a second, and while the car brakes the rear
-//! meets the front's road at another delay than the distance says (docs/math/shared-road.md, section 2). Told by where both sides find it, at
+//! meets the front's road at another delay than the distance says (docs/math/shared-road.md, section 2). Found by where both sides find it, at
 //! different accelerations. Knows nothing of beliefs.
 
 use nalgebra::{Matrix3, Vector3};

@@ -8,7 +8,7 @@ use crate::inter_axle::NEAR_HOP_BINS;
 use crate::memory::blank;
 use crate::real::Real;
 
-/// Memory in s, and seconds before anything is told: the line of a wheel out of balance is found and taken off by then.
+/// Memory in s, and seconds before anything is reported: the line of a wheel out of balance is found and taken off by then.
 const MEMORY_S: f64 = 10.0;
 const ENOUGH_S: f64 = 40.0;
 

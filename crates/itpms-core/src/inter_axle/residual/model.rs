@@ -109,7 +109,7 @@ impl<T: Real> Axle<T> {
         // v_w - v_b = Q v_w, and R = v_w (1 + θ (m s² + Z Q)).
         let relative = sprung / (sprung + z);
         let wheel = one / (one + (unsprung + z * relative) * self.theta);
-        // The wheel's jerk is told with friction's part of it taken out.
+        // The wheel's jerk is given with friction's part of it taken out.
         let jerk = s * s + friction * relative / self.factors[0];
         [wheel, jerk * wheel, s * relative * wheel, relative * wheel, relative * wheel]
     }

@@ -93,7 +93,7 @@ fn signals(wheel: &Wheel<f64>, state: &State<f64>, s: C, moved: Moved) -> [C; SE
     [wheel, s * s * wheel + friction * relative, s * relative, relative, relative - moved.other]
 }
 
-/// A frame of both axles at `frequency_hz`, front and rear moved as said, times `amplitude`; the state is the truth.
+/// A frame of both axles at `frequency_hz`, front and rear moved as given, times `amplitude`; the state is the truth.
 fn frame(frequency_hz: f64, moved: [Moved; 2], state: &State<f64>, amplitude: C) -> AxleFrame<f64> {
     let wheels = wheels();
     let s = C::new(0.0, core::f64::consts::TAU * frequency_hz);

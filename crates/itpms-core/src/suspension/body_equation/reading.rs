@@ -12,7 +12,7 @@ impl<T: Real> BodyEquation<T> {
             return None;
         }
         let covariance = self.with_prior().cholesky()?.inverse();
-        // Of the difference of two logarithms: to the body's mass, which is told by nothing but the file.
+        // Of the difference of two logarithms: to the body's mass, which is given by nothing but the file.
         let over_mass_sd = |i: usize| {
             let variance =
                 covariance[(i, i)] + covariance[(INERTIA, INERTIA)] - T::lit(2.0) * covariance[(i, INERTIA)];

@@ -1,4 +1,4 @@
-//! An ASC file as frames. Called by `FrameReader`; keeps what the lines have said of base, date and stamps.
+//! An ASC file as frames. Called by `FrameReader`; keeps what the lines have stated of base, date and stamps.
 
 use super::parse::{AscLine, EXPECTED, Stamps, parse};
 use crate::can::digits::Base;

@@ -12,7 +12,7 @@
 //!    N s/m gives 0.08 and 0.37. So less than `0.05 sqrt(V / 20 km/h)` at every body *and* less than
 //!    `1.0 sqrt(V / 20 km/h)` at every wheel is not a drive in m/s². Class A at 20 km/h, w = 2.14, is 0.24 and 2.3 m/s²
 //!    (noise included), hence 0.025 and 0.24 in g: caught; at 80 km/h 0.053 and 0.53 against limits of 0.1 and 2: caught.
-//!    Below 5 m/s nothing is said: a parked car shows its sensors' noise in any unit. Where the speed is unknown a wheel
+//!    Below 5 m/s nothing is reported: a parked car shows its sensors' noise in any unit. Where the speed is unknown a wheel
 //!    that moves four times as much as its body shows that the car rolls; then the body's limit is 0.035.
 //!
 //! 3. **Faster than cars are**: more than 90 m/s (324 km/h) in more than a hundredth of the rows is a speed in km/h. One that
@@ -25,7 +25,7 @@
 //!    and in g 0.7 to 1.7 times. Less than 1.7 at all wheels, with bodies that change by more than 0.6 m/s², which
 //!    sensors' noise of 0.3 does not make, is no drive either, whether or not the speed is known. (A wheel in g on a road
 //!    that moves bodies by less, and by more than 0.8 of their rms, is not seen: class A at 20 km/h.)
-//! 5. **Wilder than roads are.** On class D at 80 km/h body and wheel show 4 and 42 m/s² rms, on class F, which nobody drives at
+//! 5. **Wilder than roads are.** On class D at 80 km/h body and wheel show 4 and 42 m/s² rms, on class F, which no one drives at
 //!    that speed, 17 and 170. More than 25 or 200 are thousandths of g, cm/s², mm/s² or counts. The loudest hundredth is left
 //!    out: single values may be garbage, and are repaired later, row by row.
 //! 6. **Gravity in two units.** The body of a corner has a mean of some 9.81 in size, its wheel one of some 1.
@@ -227,7 +227,7 @@ fn violent<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone) -> Result<(), Pro
     Ok(())
 }
 
-/// How much body and wheel of a corner change within half a swing of wheel hop, where the car moves or nobody knows.
+/// How much body and wheel of a corner change within half a swing of wheel hop, where the car moves or that is unknown.
 fn hop<'a>(rows: impl Iterator<Item = &'a LogRow> + Clone, corner: Corner) -> Option<[f64; 2]> {
     let mut later = rows.clone().peekable();
     let mut changes = Vec::new();
@@ -391,7 +391,7 @@ mod tests {
         for (body, wheel) in [(1.8, 18.0 / G / 1.5), (18.0, 1.8)] {
             let text = verdict(16.7, 0.0, body, wheel).unwrap();
             assert!(text.contains("wheel accelerations in g, or body and wheel confused"), "{text}");
-            // Standing still proves nothing; where nobody knows, a body that shakes while its wheel does not.
+            // Standing still proves nothing; where that is unknown, a body that shakes while its wheel does not.
             assert_eq!(verdict(0.0, 0.0, body, wheel), None);
             assert_eq!(verdict(f64::NAN, 0.0, body, wheel).is_some(), body > 10.0);
         }

@@ -11,7 +11,7 @@ use crate::log::row::LogRow;
 
 const BAR: std::ops::Range<f64> = 0.5..12.0;
 const MOST_KPA: f64 = 1500.0;
-/// Values from which a unit is told.
+/// Values from which a unit is known.
 const ENOUGH: usize = 5;
 
 /// Refuses true pressures that cannot be in kPa.
@@ -70,7 +70,7 @@ mod tests {
             |_| 900.0,
             |_| 0.0,
             |_| f64::NAN,
-            // Told seldom, and garbage at times.
+            // Sent seldom, and garbage at times.
             |i| if i % 10 == 0 { 241.3 } else { f64::NAN },
             |i| if i % 10 == 0 { 2.4 } else { 241.3 },
             |i| if i == 50 { 2.4 } else { f64::NAN },

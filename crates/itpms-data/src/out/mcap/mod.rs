@@ -57,7 +57,7 @@ impl<W: Write> McapWriter<W> {
         Ok(Self { writer, start_ns: 0, has_messages: false, message: Vec::new() })
     }
 
-    /// Says when time 0 was, in ns since 1970, before the first message. Unless it is said, times count from 1970 as they are.
+    /// Says when time 0 was, in ns since 1970, before the first message. Unless it is given, times count from 1970 as they are.
     pub fn set_start_ns(&mut self, start_ns: u64) {
         self.start_ns = start_ns.into();
     }

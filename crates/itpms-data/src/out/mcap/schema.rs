@@ -63,7 +63,7 @@ pub fn alert_fields() -> impl Iterator<Item = (String, FieldType)> {
         ("kind", Label),
         ("wheels", Labels),
         ("since_s", Number),
-        ("said_s", Number),
+        ("reported_s", Number),
         ("pressure_kpa", Number),
         ("sd_kpa", Number),
         ("limit_kpa", Number),

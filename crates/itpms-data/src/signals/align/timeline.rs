@@ -210,7 +210,7 @@ impl Timeline {
         }
     }
 
-    /// A row that nobody has begun yet, unless its time has passed.
+    /// A row that is not begun yet, unless its time has passed.
     fn open(&mut self, place: usize, time_s: f64, value: f64) {
         if time_s < self.begin_s {
             return;

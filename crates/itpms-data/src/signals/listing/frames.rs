@@ -13,7 +13,7 @@ use crate::signals::Candidate;
 
 /// Frames between two looks around.
 const FRAMES_PER_STEP: usize = 4096;
-/// Identifiers that are told apart; a bus has some hundred, noise read as a log has any number.
+/// Identifiers that are distinguished; a bus has some hundred, noise read as a log has any number.
 const MOST_IDS: usize = 8192;
 
 #[derive(Debug)]

@@ -23,7 +23,7 @@ pub(super) struct ClassFigures {
     pub(super) body_hz: [f64; 2],
     /// Damping ratio of the body on its springs.
     pub(super) damping_ratio: [f64; 2],
-    /// Wheelbase in m, where it is not told.
+    /// Wheelbase in m, where it is not given.
     pub(super) wheelbase_m: f64,
 }
 

@@ -33,7 +33,7 @@ const UNSPRUNG_MASS_SD: f64 = 0.15;
 const SPRING_SD: f64 = 0.25;
 const DAMPING_SD: f64 = 0.30;
 const STIFFNESS_SD: f64 = 0.08;
-/// Of a wheelbase that nobody has measured, in m: that of cars of a class.
+/// Of a wheelbase that was not measured, in m: that of cars of a class.
 const WHEELBASE_SD_M: f64 = 0.15;
 /// Friction and tire damping with their standard deviations, N and N s/m.
 const FRICTION_N: [f64; 2] = [40.0, 30.0];

@@ -9,7 +9,7 @@ use super::{AxleWheels, FrontRear, TireSize, TypicalCarError};
 use crate::toml_table::escaped;
 use crate::vehicle::Vehicle;
 
-/// Distance in m between the wheels of an axle, where it is not told: cars have 1.45 to 1.65 m.
+/// Distance in m between the wheels of an axle, where it is not given: cars have 1.45 to 1.65 m.
 const TRACK_M: f64 = 1.55;
 
 /// What an owner knows of a car whose wheel speeds are read.

@@ -11,7 +11,7 @@ use crate::input::{Note, Say};
 
 /// Requests between outbox and connection.
 const REQUESTS: usize = 64;
-/// How long nobody looks whether everything is done.
+/// Longest time without a look whether everything is done.
 const LOOK_EVERY: Duration = Duration::from_millis(100);
 
 /// Runs until the outbox is closed and empty, or out of time.

@@ -7,7 +7,7 @@
 //! | PREFIX/status | `{"state":"online"}`, and `offline` as last will | yes | at least once |
 //!
 //! A warning waits here until the broker has acknowledged it, whatever becomes of the connection; up to a bound, beyond
-//! which the oldest are lost and that is said.
+//! which the oldest are lost and that is reported.
 
 mod link;
 mod outbox;

@@ -1,6 +1,6 @@
 //! `itpms estimate`: a drive log and a vehicle in, pressures, road and report out.
 //!
-//! The work is that of `itpms-drive`; here are its arguments, and in `summary` what is said at the end.
+//! The work is that of `itpms-drive`; here are its arguments, and in `summary` what is reported at the end.
 
 mod summary;
 

@@ -1,4 +1,4 @@
-//! What is said at the end: a line for the drive, one per corner and one per alert, or the same as JSON.
+//! What is reported at the end: a line for the drive, one per corner and one per alert, or the same as JSON.
 
 use itpms_console::Screen;
 use itpms_drive::{corner_line, summary_json, wheel_speed_lines};

@@ -19,7 +19,7 @@ const LONGEST: u64 = 65_535;
 /// The broker at this address, as far as it can be known before it is connected to.
 pub(super) fn broker(args: &MonitorArgs, address: &str, screen: &Screen) -> Result<BrokerAddress, Failure> {
     let address = BrokerAddress::parse(address).map_err(failure)?;
-    // A variable may be there for somebody else's sake: without a user it is not asked.
+    // A variable may be there for another's sake: without a user it is not asked.
     let password = match (&args.mqtt_password_file, &address.user) {
         (Some(path), _) => Some(read(path, screen)?),
         (None, Some(_)) => env::var(VARIABLE).ok(),

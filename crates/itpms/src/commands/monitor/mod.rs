@@ -143,7 +143,7 @@ fn check_names(args: &MonitorArgs) -> Result<(), Failure> {
     names::check(&inputs, &outputs)
 }
 
-/// The saved state, or a word about why it is not used. What is no saved state at all is somebody's file, and not written over.
+/// The saved state, or a word about why it is not used. What is no saved state at all is another's file, and not written over.
 fn saved(
     args: &MonitorArgs,
     vehicle: &Vehicle,

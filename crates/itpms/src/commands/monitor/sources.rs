@@ -1,4 +1,4 @@
-//! The source that was asked for, opened before anything else starts: what cannot be read is said at once.
+//! The source that was asked for, opened before anything else starts: what cannot be read is reported at once.
 
 use std::path::Path;
 use std::sync::Arc;

@@ -136,7 +136,7 @@ fn table(file: &Vehicle, learned: &LearnedVehicle) -> String {
         let used = if learned.wheelbase_is_learned() { "learned" } else { "the file's stays" };
         out.push(format!("wheelbase: {:.2} ± {:.2} m by the drives; {used}", found.wheelbase_m, found.sd_m));
     }
-    out.push("* told by the drives; the others are hardly better known than before".to_owned());
+    out.push("* learned from the drives; the others are hardly better known than before".to_owned());
     out.push(String::new());
     out.push("unknown as before:".to_owned());
     out.extend(learned.unknown().into_iter().map(|text| format!("- {text}")));

@@ -1,4 +1,4 @@
-//! A broker that goes when it is told to: as much of MQTT 3.1.1 as publishing and subscribing need. It remembers what it has
+//! A broker that goes when it is asked to: as much of MQTT 3.1.1 as publishing and subscribing need. It remembers what it has
 //! acknowledged and nothing else, which is all that a judge has to know.
 
 use std::io::{self, Read as _, Write as _};
@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle, sleep};
 use std::time::Duration;
 
-/// How long nobody looks for a new client.
+/// Longest time without a look for a new client.
 const LOOK_EVERY: Duration = Duration::from_millis(5);
 
 /// A broker on a port of this machine.

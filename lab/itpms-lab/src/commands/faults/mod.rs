@@ -6,7 +6,7 @@
 //! | `saving` | programs killed while they save, full disks, files with a byte changed |
 //! | `outage` | brokers that go and return, a bus that falls silent |
 //! | `clock` | clocks that jump |
-//! | `broker` | a broker that goes when it is told to |
+//! | `broker` | a broker that goes when it is asked to |
 
 mod broker;
 mod clock;
@@ -65,10 +65,14 @@ const FAULTS: [(&str, &str, Fault); 11] = [
         "a file that is neither the old nor the new one",
         saving::killed_calibration,
     ),
-    ("state: disk full while saving", "the old state, or an error that is not said", saving::full_disk_state),
+    (
+        "state: disk full while saving",
+        "the old state, or an error that is not reported",
+        saving::full_disk_state,
+    ),
     (
         "calibration: disk full while saving",
-        "the old file, or an error that is not said",
+        "the old file, or an error that is not reported",
         saving::full_disk_calibration,
     ),
     ("state: a byte changed", "a changed state that is believed", saving::changed_state),
@@ -76,7 +80,7 @@ const FAULTS: [(&str, &str, Fault); 11] = [
     ("state: cut short", "a part that is believed", saving::cut_state),
     ("broker of warnings goes and returns", "a warning", outage::warnings),
     ("broker of frames goes and returns", "a frame that was sent while it was there", outage::frames),
-    ("bus falls silent and returns", "a row, or that silence is said", outage::silence),
+    ("bus falls silent and returns", "a row, or that silence is reported", outage::silence),
     ("clock jumps", "estimates, or a false warning", clock::jumps),
 ];
 

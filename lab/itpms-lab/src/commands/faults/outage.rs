@@ -118,7 +118,7 @@ pub(super) fn frames(campaign: &mut Campaign<'_>) -> Result<Outcome, Failure> {
     Ok(Outcome {
         tried: outages,
         lost,
-        found: format!("{sent} frames sent and there, {returns} returns said"),
+        found: format!("{sent} frames sent and there, {returns} returns reported"),
     })
 }
 
@@ -175,7 +175,8 @@ pub(super) fn silence(campaign: &mut Campaign<'_>) -> Result<Outcome, Failure> {
         }
     })?;
     let limit_s = STALE_AFTER.as_secs_f64();
-    let found =
-        format!("{pushed} rows estimated; silence said after {longest_s:.2} s at most ({limit_s} s wanted)");
+    let found = format!(
+        "{pushed} rows estimated; silence reported after {longest_s:.2} s at most ({limit_s} s wanted)"
+    );
     Ok(Outcome { tried: outages, lost, found })
 }

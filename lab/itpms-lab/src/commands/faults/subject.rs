@@ -84,7 +84,7 @@ pub(super) fn options() -> DriveOptions {
     DriveOptions::default()
 }
 
-/// What is said to nobody.
+/// What is reported to no one.
 pub(super) fn silent() -> Say {
     Arc::new(|_| {})
 }

@@ -18,7 +18,7 @@ use crate::args::SoakArgs;
 
 /// Seconds between two lines about the progress where there is no terminal for a bar.
 const WORD_S: u64 = 60;
-/// A hundred years of hours, which nobody waits for; the seeds of a run are kept in memory.
+/// A hundred years of hours, which no one waits for; the seeds of a run are kept in memory.
 const MOST_DRIVES: f64 = 1e6;
 
 pub(crate) fn run(args: &SoakArgs, screen: &Screen, interrupt: &Interrupt) -> Result<(), Failure> {
@@ -108,7 +108,7 @@ fn finish(args: &SoakArgs, summary: &Summary, hours: &Path, screen: &Screen) -> 
     Ok(())
 }
 
-/// What is said about the progress.
+/// What is reported about the progress.
 struct Word {
     begun: Instant,
     said: Instant,
@@ -139,7 +139,7 @@ impl Word {
         let km: f64 = hours.values().map(|hour| hour.km).sum();
         let words: usize = hours.values().map(|hour| hour.said.len()).sum();
         Some(format!(
-            "{} of {} drives, {km:.0} km, {words} said; {each_s:.1} s a drive, {left_min:.0} min left",
+            "{} of {} drives, {km:.0} km, {words} reported; {each_s:.1} s a drive, {left_min:.0} min left",
             hours.len(),
             self.drives
         ))

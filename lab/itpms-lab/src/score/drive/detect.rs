@@ -22,7 +22,7 @@ const TO_KPA: f64 = 0.8 * FROM_KPA;
 /// Classes of road, speeds in km/h.
 const CLASSES: [RoadClass; 4] = [RoadClass::A, RoadClass::B, RoadClass::C, RoadClass::D];
 const SPEED_KM_H: [f64; 2] = [20.0, 120.0];
-/// Seconds driven after a warning, to see whether more is said.
+/// Seconds driven after a warning, to see whether more is reported.
 const AFTER_S: f64 = 20.0;
 
 /// What goes down, and how.
@@ -79,7 +79,7 @@ struct Found {
     after_s: f64,
     /// Whether another wheel was called low.
     wrong: bool,
-    /// Whether something was said before the loss began.
+    /// Whether something was reported before the loss began.
     early: bool,
 }
 
@@ -287,7 +287,7 @@ mod tests {
         );
     }
 
-    /// A tire that is a fifth low is warned of, and by nobody before it is.
+    /// A tire that is a fifth low is warned of, and not before it is.
     #[test]
     fn a_drive_is_judged() {
         let plan = Plan::new(1, Some("minute, reset"));

@@ -1,4 +1,4 @@
-//! What a real car and its sensors do that the estimator is not told: each alone, then all together.
+//! What a real car and its sensors do that the estimator is not given: each alone, then all together.
 //!
 //! Called by the plan of the four-wheel parts. Every row is the puncture on the front wheels' track with one thing
 //! changed; sizes are those that come with cars and sensors one can buy, or worse.
@@ -59,8 +59,8 @@ const ALONE: [Disturbance; 31] = [
     Disturbance { name: "friction 20 N", change: |d| corners(d, |_, c| c.truth.friction_n = 20.0) },
     Disturbance { name: "wheel gain fl +2 %", change: |d| wheel_sensor(d, fl_gain) },
     Disturbance { name: "wheel gain all +2 %", change: |d| wheel_sensor(d, |_, s| s.gain_error = 0.02) },
-    Disturbance { name: "told speed +1 %", change: |drive| Drive { speed_factor: 1.01, ..drive } },
-    Disturbance { name: "told wheelbase -1 %", change: short_wheelbase },
+    Disturbance { name: "speed in the log +1 %", change: |drive| Drive { speed_factor: 1.01, ..drive } },
+    Disturbance { name: "wheelbase in the file -1 %", change: short_wheelbase },
     Disturbance {
         name: "tires worn, -3 %",
         change: |d| corners(d, |_, c| c.truth.tire_stiffness_factor = 0.97),

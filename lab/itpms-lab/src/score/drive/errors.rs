@@ -187,7 +187,7 @@ mod tests {
     }
 
     /// Beside the front wheels' track beliefs fade, but hardly what a reset has just taught: the worst of the wheels that hold
-    /// was 5.8 kPa off (median of forty drives) when they faded as in a car that nobody had reset, and is 3.3.
+    /// was 5.8 kPa off (median of forty drives) when they faded as in a car that had not been reset, and is 3.3.
     #[test]
     fn what_a_reset_taught_is_kept_beside_the_track() {
         let drive = Drive::puncture(Plant::Car, 20.0).unwrap();

@@ -146,7 +146,7 @@ fn car(subject: &Subject, turn: Turn) -> Result<Found, ScoreError> {
     Ok(Found { parameters, slope: Learnt { truth: slope, parameter: learned.slope }, later })
 }
 
-/// What an estimator of the later drive is told: a car, and what an earlier calibration of exactly that car taught.
+/// What an estimator of the later drive is given: a car, and what an earlier calibration of exactly that car taught.
 type Told<'a> = (&'a CarConfig<f64>, Option<&'a VehicleCalibration<f64>>);
 
 /// A later drive on which one tire after the other, from car to car, loses a fifth; estimated by all at once.
@@ -211,7 +211,7 @@ fn parameter_row(subject: &Subject, name: &str, all: &[Learnt], cars: usize) -> 
     const WITHIN: Column = Column::new("within", "within", 3);
     const BEFORE: Column = Column::new("file_rms", "file rms", 1);
     const AFTER: Column = Column::new("learned_rms", "rms", 1);
-    const SAID: Column = Column::new("learned_sd", "sd said", 1);
+    const SAID: Column = Column::new("learned_sd", "sd stated", 1);
     let unit = |value: f64| if name == "friction" { 1.0 } else { 0.01 * value };
     let count = all.len() as f64;
     let rms =
@@ -228,7 +228,7 @@ fn parameter_row(subject: &Subject, name: &str, all: &[Learnt], cars: usize) -> 
 
 fn later_cells(all: &[Later]) -> Vec<Cell> {
     const RMS: Column = Column::new("rms_kpa", "rms", 1);
-    const SD: Column = Column::new("sd_kpa", "sd said", 1);
+    const SD: Column = Column::new("sd_kpa", "sd stated", 1);
     const COVERED: Column = Column::new("coverage", "cover", 3);
     const VALID: Column = Column::new("valid", "valid", 3);
     const FOUND: Column = Column::new("found", "found", 0);

@@ -1,7 +1,7 @@
-//! What nobody could do better: the Cramer-Rao bound of both sides of a car, for drives it holds for.
+//! What cannot be done better: the Cramer-Rao bound of both sides of a car, for drives it holds for.
 //!
 //! Called where the cells of a row are made. It is that of four quarter cars on one spectrum which are what the estimator
-//! is told.
+//! is given.
 
 use itpms_core::model::Corner;
 use itpms_sim::plant::Deviations;

@@ -9,8 +9,8 @@
 //! | `errors` | errors of four wheels over a drive's windows, as cells |
 //! | `puncture` | a puncture at two speeds; the sources of information one by one |
 //! | `detect` | how soon a loss is warned of, on which wheel |
-//! | `disturb` | the same while something is not as the estimator is told |
-//! | `limit` | what nobody could do better |
+//! | `disturb` | the same while something differs from what the estimator is given |
+//! | `limit` | what cannot be done better |
 //! | `learn`, `learned_car` | what ten minutes at known pressures teach of a car, and what that is worth later |
 //! | `real`, `real_list` | cars that are not their files: level, honesty and warnings with each deviation |
 
@@ -67,12 +67,12 @@ struct Setup {
     /// What the row's name gets; empty for the usual one.
     label: &'static str,
     sources: Sources,
-    /// Seconds at the start that it is told to be at placard pressure.
+    /// Seconds at the start that it is set to placard pressure.
     reset_s: Option<f64>,
 }
 
 impl Setup {
-    /// Everything it has, and nobody resets it.
+    /// Everything it has, without a reset.
     const USUAL: Self = Self { label: "", sources: Sources::SpectrumAndSharedRoad, reset_s: None };
     /// The same after a reset.
     const RESET: Self = Self { label: "reset", reset_s: Some(RESET_S), ..Self::USUAL };
@@ -85,9 +85,9 @@ struct Drive {
     name: String,
     scenario: Scenario,
     setups: Vec<Setup>,
-    /// The car's speed as the estimator is told, over the true one.
+    /// The car's speed as the estimator is given, over the true one.
     speed_factor: f64,
-    /// Distance of the axles as the estimator is told.
+    /// Distance of the axles as the estimator is given.
     wheelbase_m: f64,
     /// Whether a rigid car has wheel speeds beside.
     wheel_speeds: bool,
@@ -146,7 +146,7 @@ impl Drive {
         self
     }
 
-    /// Sensor noise in m/s² rms; the estimator is told.
+    /// Sensor noise in m/s² rms; the estimator is given it.
     fn with_noise(mut self, noise_m_s2: f64) -> Self {
         self.scenario.sensor = SensorSpec::with_noise(noise_m_s2);
         self
@@ -176,7 +176,7 @@ impl Drive {
         (!self.setups.is_empty()).then_some(self)
     }
 
-    /// What the estimator is told.
+    /// What the estimator is given.
     fn told(&self) -> Result<CarConfig<f64>, ScoreError> {
         let mut config = CarConfig { corners: [None; 4], wheelbase_m: Some(self.wheelbase_m) };
         for (corner, _) in self.scenario.corner.iter() {
@@ -209,7 +209,7 @@ impl Drive {
         self.setups.iter().map(set_up).collect()
     }
 
-    /// Every row of the log with its truth and what the estimator of each setup, by its number, said after it.
+    /// Every row of the log with its truth and what the estimator of each setup, by its number, reported after it.
     fn drive(
         &self,
         seed: u64,

@@ -35,7 +35,7 @@ pub(super) fn drives() -> Result<Vec<(Drive, Option<f64>)>, ScoreError> {
     Ok(drives)
 }
 
-/// The same on the track, seen through noisy sensors; nobody set a goal for these.
+/// The same on the track, seen through noisy sensors; without goals.
 pub(super) fn noisy() -> Result<Vec<(Drive, Option<f64>)>, ScoreError> {
     let mut drives = vec![];
     for plant in Plant::ALL {

@@ -127,7 +127,7 @@ fn composed(subject: &Subject, turn: Turn, setups: &[Setup]) -> Result<Drive, Sc
 }
 
 fn levels(subject: &Subject, turn: Turn) -> Result<Vec<Level>, ScoreError> {
-    // Nobody calibrates on a flat tire.
+    // No one calibrates on a flat tire.
     let setups: &[Setup] = if subject.deviation.flat.is_some() { &[UNKNOWN] } else { &[UNKNOWN, CALIBRATED] };
     let drive = composed(subject, turn, setups)?;
     let scenario = drive.simulated(turn.seed);
@@ -208,7 +208,7 @@ fn loss(subject: &Subject, turn: Turn) -> Result<Found, ScoreError> {
 fn level_cells(deviation: &Deviation, levels: &[Level]) -> Vec<Cell> {
     const BIAS: Column = Column::new("bias_kpa", "bias", 1);
     const WORST: Column = Column::new("worst_bias_kpa", "worst", 1);
-    const SD: Column = Column::new("sd_kpa", "sd said", 1);
+    const SD: Column = Column::new("sd_kpa", "sd stated", 1);
     const RMS: Column = Column::new("rms_kpa", "rms", 1);
     const COVERED: Column = Column::new("coverage", "cover", 3);
     const VALID: Column = Column::new("valid", "valid", 3);

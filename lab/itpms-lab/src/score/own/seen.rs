@@ -37,7 +37,7 @@ pub(super) struct Seen {
     pub(super) after_s: Option<f64>,
     /// Largest rise in kPa of another tire since before the loss.
     pub(super) rise_kpa: f64,
-    /// Whether it was said that all are low, that one is overfull, that a sensor does not work: all of it false here.
+    /// Whether it was reported that all are low, that one is overfull, that a sensor does not work: all of it false here.
     pub(super) all_low: bool,
     pub(super) over: bool,
     pub(super) sensor: bool,
