@@ -91,7 +91,7 @@ fn line(span: &AlertSpan, unit: PressureUnit) -> Line {
             let why = format!(
                 "turns as with {lost:.0} ± {sd:.0} % of its pressure lost since the calibration, by the wheel speeds"
             );
-            ("low", "Differs from the others", why)
+            ("low", if names.len() == 4 { "All low" } else { "Differs from the others" }, why)
         }
         Cause::Differs { is_known: false, .. } => {
             let why = "one of the tires differs from the others since the calibration, by the wheel speeds; which, is not known";
