@@ -131,16 +131,17 @@ impl<T: Real> MonitoredWheels<T> {
     /// Takes in a sample of a car whose tooth pulses are read, too: those up to this sample's time are in `torsion`, whose calibration ends
     /// with this one's.
     pub fn update_with_pulses(&mut self, sample: &WheelSpeedSample<T>, torsion: &mut CarTorsion<T>) {
-        let calibrated = self.calibrates();
+        let calibrated = self.is_calibrating();
         self.radii.see_pulses(&torsion.evidence());
         self.update(sample);
-        if calibrated && !self.calibrates() {
+        if calibrated && !self.is_calibrating() {
             torsion.end_calibration();
         }
     }
 
     /// Whether a calibration is under way, or begins with the next sample.
-    fn calibrates(&self) -> bool {
+    #[must_use]
+    pub fn is_calibrating(&self) -> bool {
         self.calibrate_s > 0.0 || self.calibrated_s > f64::NEG_INFINITY
     }
 

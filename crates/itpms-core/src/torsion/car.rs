@@ -1,7 +1,7 @@
 //! The four wheels of a car: edges in, [`TorsionEvidence`] out. It calibrates and stands still with the wheel speeds' monitor, which asks it
 //! ([`MonitoredWheels::update_with_pulses`](crate::monitor::MonitoredWheels::update_with_pulses)).
 
-use super::{TorsionCalibration, TorsionConfig, TorsionEvidence, TorsionPiece, TorsionWheel};
+use super::{TorsionCalibration, TorsionChange, TorsionConfig, TorsionEvidence, TorsionPiece, TorsionWheel};
 use crate::memory::{Blank, blank};
 use crate::model::{Corner, ParameterError, positive};
 use crate::real::Real;
@@ -105,6 +105,18 @@ impl<T: Real> CarTorsion<T> {
             }
         }
         true
+    }
+
+    /// By how much each pressure differs from what it should be; `None` before the end of a calibration that saw a piece of that wheel.
+    #[must_use]
+    pub fn changes(&self) -> [Option<TorsionChange<T>>; 4] {
+        let mut changes = [None; 4];
+        for ((place, wheel), above_kpa) in changes.iter_mut().zip(&self.wheels).zip(&self.above_kpa) {
+            *place = wheel
+                .change()
+                .map(|change| TorsionChange { change_kpa: change.change_kpa + *above_kpa, ..change });
+        }
+        changes
     }
 
     /// What the pieces since the calibration say of the pressures.
