@@ -1,6 +1,7 @@
 //! What the pulses of four wheels say about which tires are low (`docs/math/wheel-speed.md`, eq. 18-21). Asked by radius analysis, for each
 //! of the sixteen sets of low tires.
 
+use super::SCALE_SD;
 use crate::memory::blank;
 use crate::real::Real;
 
@@ -75,7 +76,8 @@ impl<T: Real> TorsionEvidence<T> {
         }
         let left = (T::one() + change_kpa / reference_kpa).at_least(T::lit(0.2));
         let unknown = T::lit(OWN_SD_KPA * OWN_SD_KPA + COMMON_SD_KPA * COMMON_SD_KPA);
-        let variance_kpa2 = T::one() / information + unknown;
+        let scale_kpa = T::lit(SCALE_SD) * change_kpa;
+        let variance_kpa2 = T::one() / information + unknown + scale_kpa * scale_kpa;
         let kpa = left * reference_kpa;
         Some((left.ln_fast(), variance_kpa2 / (kpa * kpa)))
     }

@@ -67,6 +67,8 @@ const LONG_STOP_S: f64 = 10.0;
 const STANDING_SD_KPA: f64 = 34.0;
 /// By how much pieces of the same pressure and speed differ beside what a spectrum's length allows, in Hz: by road, load and slip stiffness.
 const MODEL_SD_HZ: f64 = 0.6;
+/// How well the Hz per kPa are known, as a share of them and so of every change: of a tire nothing is known of.
+const SCALE_SD: f64 = 0.2;
 /// Innovation in standard deviations beyond which a piece is an outlier, or the first one of another pressure: the next one tells.
 const OUTLIER: f64 = 4.0;
 
@@ -216,7 +218,11 @@ impl<T: Real> TorsionWheel<T> {
     pub fn change(&self) -> Option<TorsionChange<T>> {
         (self.phase == Phase::Watching).then(|| TorsionChange {
             change_kpa: self.change_kpa,
-            change_sd_kpa: self.variance_kpa2.sqrt().hypot(T::lit(LEVEL_SD_KPA)),
+            change_sd_kpa: self
+                .variance_kpa2
+                .sqrt()
+                .hypot(T::lit(LEVEL_SD_KPA))
+                .hypot(T::lit(SCALE_SD) * self.change_kpa),
         })
     }
 
