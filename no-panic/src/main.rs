@@ -9,8 +9,8 @@
 
 use core::panic::PanicInfo;
 
-use itpms_core::model::VehicleCalibration;
-use itpms_core::torsion::{TorsionConfig, TorsionWheel};
+use itpms_core::model::{Corner, VehicleCalibration};
+use itpms_core::torsion::{CarTorsion, TorsionCalibration, TorsionConfig, TorsionWheel};
 use itpms_core::{CarSample, MonitorConfig, MonitoredCar};
 
 /// What a controller calls: the car configured where it lies, its stored calibration, a calibration drive, its samples, what it
@@ -47,6 +47,26 @@ extern "C" fn wheel(wheel: &mut TorsionWheel<f32>, config: &TorsionConfig<f32>, 
     usize::from(piece.is_some_and(|piece| piece.used))
         + usize::from(wheel.change().is_some())
         + wheel.tooth_errors().len()
+}
+
+/// The same of a car's four.
+#[unsafe(no_mangle)]
+extern "C" fn wheels(
+    car: &mut CarTorsion<f32>,
+    configs: &[TorsionConfig<f32>; 4],
+    placard_kpa: &[f32; 4],
+    learned: &[Option<(TorsionCalibration<f32>, f32)>; 4],
+    corner: Corner,
+    edge_s: f64,
+) -> usize {
+    if car.configure(configs, placard_kpa).is_err() || !car.load_calibration(learned) {
+        return 0;
+    }
+    car.begin_calibration_at(placard_kpa);
+    let piece = car.push(corner, edge_s);
+    let known = car.changes().iter().flatten().count() + car.calibration().iter().flatten().count();
+    let seen = car.evidence().information.iter().filter(|seen| **seen > 0.0).count();
+    car.end_calibration() + usize::from(piece.is_some()) + known + seen
 }
 
 #[cfg(not(feature = "count"))]

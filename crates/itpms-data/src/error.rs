@@ -9,6 +9,7 @@ use itpms_core::model::ParameterError;
 use thiserror::Error;
 
 pub use crate::place::Place;
+use crate::pulses::problem::PulseProblem;
 use crate::reference::problem::ReferenceProblem;
 use crate::signals::problem::SignalProblem;
 
@@ -191,6 +192,16 @@ pub enum Problem {
         column: String,
         /// What it holds, in words.
         found: String,
+    },
+    /// A column that holds other than words.
+    #[error("column {column} holds {found}, expected one of the words {expected}")]
+    WordsExpected {
+        /// Its name.
+        column: String,
+        /// What it holds, in words.
+        found: String,
+        /// The words.
+        expected: String,
     },
     /// Text where a number belongs.
     #[error(
@@ -479,6 +490,11 @@ pub enum Problem {
     #[cfg(feature = "can")]
     #[error(transparent)]
     Dbc(#[from] crate::dbc::problem::DbcError),
+
+    // --- tooth pulses ---
+    /// No table of pulses.
+    #[error(transparent)]
+    Pulses(#[from] PulseProblem),
 
     // --- signals ---
     /// A map of signals, or a map and a log, that do not fit.

@@ -11,6 +11,7 @@
 //! | [`convert`] | a log from one format into another |
 //! | [`crg`] | roads from OpenCRG files |
 //! | [`profile`] | road profiles from text |
+//! | [`pulses`] | when the teeth of wheel speed sensors passed |
 //! | [`mdf4`] | measurements in MDF4, in and out |
 //! | [`out`] | files out: complete under their name or not there at all |
 //! | [`signals`] | what comes signal by signal instead of row by row |
@@ -41,6 +42,7 @@ pub mod out;
 mod parquet_columns;
 mod place;
 pub mod profile;
+pub mod pulses;
 pub mod reference;
 pub mod signals;
 mod text;

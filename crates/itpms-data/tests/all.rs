@@ -18,6 +18,7 @@ mod mdf4_damage;
 mod mdf4_foreign;
 mod mdf4_round_trip;
 mod parquet_types;
+mod pulses;
 mod reference;
 mod reference_killed;
 mod round_trip;

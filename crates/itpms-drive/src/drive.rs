@@ -4,8 +4,10 @@ use itpms_core::car::{CarEstimate, CarEstimator};
 use itpms_core::conditioning::{SpeedHold, is_a_cars};
 use itpms_core::model::{BodyFit, Corner, CornerEstimate, Misfit, QuarterCar};
 use itpms_core::monitor::MonitorConfig;
+use itpms_core::torsion::TorsionChange;
 use itpms_core::warning::MonitorReport;
 use itpms_data::out::{RadiusRow, WheelSpeedUse};
+use itpms_data::pulses::Pulse;
 use itpms_data::{LogRow, Vehicle};
 use itpms_road::{RepeatedRoads, RoadUnderCar};
 
@@ -66,11 +68,17 @@ impl Drive {
     ) -> Result<Self, DriveError> {
         let stored = reference::read(settings, vehicle)?;
         let vehicle = stored.as_ref().map_or(vehicle, |(vehicle, _)| vehicle);
-        let taught = stored.as_ref().and_then(|(_, stored)| stored.wheel_speeds.as_ref());
+        let taught = stored.as_ref().map(|(_, stored)| stored);
         let alone = corners.is_empty();
         let wheels = (wheel_speeds != WheelSpeedUse::None)
             .then(|| WheelSpeeds::new(settings, vehicle, alone, taught))
             .transpose()?;
+        if let Some(path) = settings.pulses.as_ref().filter(|_| wheels.is_none()) {
+            return Err(DriveError::Mismatch(format!(
+                "{}: tooth pulses count together with wheel speeds, and the log has none that can be used: expected {{c}}_wheel_speed_m_s or {{c}}_wheel_speed_rad_s of all four",
+                path.display()
+            )));
+        }
         let corners = vehicle.car_config(corners);
         let config = MonitorConfig::new(&corners).with_limits(settings.regulation.into());
         let mut car = AnyCar::without_corners();
@@ -144,7 +152,8 @@ impl Drive {
     #[must_use]
     pub fn learned(&self) -> Taught {
         let wheel_speeds = self.wheels.as_ref().and_then(WheelSpeeds::learned);
-        Taught { corners: self.car.estimator().and_then(CarEstimator::calibration), wheel_speeds }
+        let torsion = self.wheels.as_ref().map_or([None; 4], WheelSpeeds::learned_torsion);
+        Taught { corners: self.car.estimator().and_then(CarEstimator::calibration), wheel_speeds, torsion }
     }
 
     /// Whether the yaw rate's sign contradicts the wheels.
@@ -156,6 +165,19 @@ impl Drive {
     #[must_use]
     pub fn radii(&self) -> Option<RadiusRow> {
         self.wheels.as_ref().map(WheelSpeeds::row)
+    }
+
+    /// What tooth pulses say of each tire since the calibration, where they are read.
+    #[must_use]
+    pub fn torsion(&self) -> Option<[Option<TorsionChange<f64>>; 4]> {
+        self.wheels.as_ref()?.torsion()
+    }
+
+    /// Takes a tooth pulse, before the first row that is not earlier.
+    pub fn pulse(&mut self, pulse: &Pulse) {
+        if let Some(wheels) = &mut self.wheels {
+            wheels.pulse(pulse);
+        }
     }
 
     /// What the monitor says after the last row.

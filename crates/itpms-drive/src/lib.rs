@@ -17,6 +17,7 @@
 //! | [`fleet`] | many drives of many cars |
 //! | [`simulated`] | simulated drives as logs hold them |
 //! | [`wheel_speeds`](wheel_speed_use) | wheel speeds under their monitor, alone or beside accelerations |
+//! | `pulses` | tooth pulses read along with a log |
 //! | [`error`] | why there is no result |
 //!
 //! Called by the binary and by the Python package. Knows no terminal, no exit codes and no mathematics.
@@ -34,6 +35,7 @@ mod job;
 pub mod learn;
 pub mod pipeline;
 mod provenance;
+mod pulses;
 pub mod reference;
 pub mod road;
 pub mod run;
@@ -58,5 +60,5 @@ pub use reference::Taught;
 pub use road::{LateRow, RoadTrack};
 pub use run::{Done, Job, Sink, Watch, estimate};
 pub use settings::Settings;
-pub use summary::{corner_line, summary_json, wheel_speed_lines};
+pub use summary::{corner_line, summary_json, torsion_line, wheel_speed_lines};
 pub use wheel_speeds::wheel_speed_use;

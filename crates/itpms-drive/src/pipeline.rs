@@ -12,6 +12,7 @@ use itpms_data::{LogReader, LogRow};
 use crate::drive::{Drive, Estimates, QuarterCars};
 use crate::error::DriveError;
 use crate::job::Job;
+use crate::pulses::Pulses;
 use crate::run::{Done, ROWS_PER_LOOK, Record, Sink, Watch, begin, conclude};
 
 /// Rows handed on at a time: some 0.1 MB. Looks at whoever may want to stop fall on the first of some of them.
@@ -50,6 +51,7 @@ pub fn estimate_in_pipeline(
     watch: Watch<'_>,
 ) -> Result<Done, DriveError> {
     let (mut drive, mut record) = begin(log, job)?;
+    let mut pulses = Pulses::open(job.settings.pulses.as_deref())?;
     thread::scope(|scope| {
         let (to_estimator, rows) = sync_channel(WAITING);
         let (to_record, steps) = sync_channel(WAITING);
@@ -57,11 +59,11 @@ pub fn estimate_in_pipeline(
         let (log, record, sink) = (&mut *log, &mut record, &mut *sink);
         scope.spawn(move || read(log, &to_estimator));
         let recording = scope.spawn(move || follow(&steps, &empty, record, sink));
-        let estimated = work(&mut drive, job, rows, to_record, &emptied, watch);
+        let estimated = work((&mut drive, &mut pulses), job, rows, to_record, &emptied, watch);
         // What went wrong with an earlier row comes first.
         recording.join().unwrap_or_else(|panic| resume_unwind(panic)).and(estimated)
     })?;
-    conclude(log, job, drive, record, sink, watch)
+    conclude(log, job, (drive, &pulses), record, sink, watch)
 }
 
 /// Reads until the log ends or its rows are not wanted.
@@ -84,7 +86,7 @@ fn read(log: &mut LogReader, to_estimator: &SyncSender<Read>) {
 
 /// Estimates row after row. Ends without an error where nothing records any more: that one has it.
 fn work(
-    drive: &mut Drive,
+    (drive, pulses): (&mut Drive, &mut Pulses),
     job: &Job<'_>,
     rows: Receiver<Read>,
     to_record: SyncSender<Vec<Step>>,
@@ -100,6 +102,7 @@ fn work(
         // Used again, as giving back and asking for so much memory would cost more than all else here.
         let mut steps = emptied.try_recv().unwrap_or_else(|_| Vec::with_capacity(BATCH));
         for mut row in rows {
+            pulses.up_to(row.time_s, drive)?;
             let estimates = drive.update(&mut row).corners;
             let report = drive.report();
             // A report that says something else has another time; none has been given before the first.

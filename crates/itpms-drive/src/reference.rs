@@ -9,7 +9,7 @@ use itpms_core::model::{CalibrationError, VehicleCalibration};
 use itpms_core::wheel_speed::RadiusCalibration;
 use itpms_data::Vehicle;
 use itpms_data::out::AtomicFile;
-use itpms_data::reference::{ReferenceProblem, StoredReference};
+use itpms_data::reference::{LearnedTorsion, ReferenceProblem, StoredReference};
 
 use crate::car::AnyCar;
 use crate::error::DriveError;
@@ -22,6 +22,8 @@ pub struct Taught {
     pub corners: Option<VehicleCalibration<f64>>,
     /// Of wheel speeds.
     pub wheel_speeds: Option<RadiusCalibration<f64>>,
+    /// Of tooth pulses.
+    pub torsion: LearnedTorsion,
 }
 
 impl Taught {
@@ -114,17 +116,18 @@ impl Saving {
 
 impl Saving {
     fn stored(&self, learned: &Taught) -> Result<StoredReference, itpms_data::error::Problem> {
-        let Taught { corners, wheel_speeds } = *learned;
-        match (corners, wheel_speeds) {
+        let Taught { corners, wheel_speeds, torsion } = *learned;
+        let torsion = if wheel_speeds.is_some() { torsion } else { [None; 4] };
+        let stored = match (corners, wheel_speeds) {
             (None, Some(wheel_speeds)) => {
-                Ok(StoredReference::of_wheel_speeds(&self.vehicle, wheel_speeds, now_unix_s()))
+                StoredReference::of_wheel_speeds(&self.vehicle, wheel_speeds, now_unix_s())
             }
             (corners, wheel_speeds) => {
                 let corners = corners.ok_or(ReferenceProblem::Lacks("a corner"))?;
-                let stored = StoredReference::new(&self.vehicle, corners, now_unix_s())?;
-                Ok(stored.with_wheel_speeds(wheel_speeds))
+                StoredReference::new(&self.vehicle, corners, now_unix_s())?.with_wheel_speeds(wheel_speeds)
             }
-        }
+        };
+        Ok(stored.with_torsion(torsion))
     }
 }
 

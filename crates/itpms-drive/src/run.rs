@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use itpms_analysis::report::{CornerRow, Provenance, ReportCollector, ReportData, ReportOptions};
 use itpms_core::model::{BodyFit, Corner, Misfit};
+use itpms_core::torsion::TorsionChange;
 use itpms_core::warning::{Change, MonitorReport};
 use itpms_data::out::{RadiusRow, States};
 use itpms_data::{LogReader, LogRow};
@@ -14,6 +15,7 @@ use crate::drive::{Drive, Estimates, QuarterCars};
 use crate::error::DriveError;
 pub use crate::job::Job;
 use crate::provenance::provenance;
+use crate::pulses::Pulses;
 use crate::reference::Taught;
 use crate::road::{LateRow, RoadTrack};
 use crate::time_axis::TimeAxis;
@@ -77,6 +79,9 @@ pub struct Done {
     pub placards_kpa: [Option<f64>; 4],
     /// What the wheel speeds reported in the end, where they are used.
     pub radii: Option<RadiusRow>,
+    /// What tooth pulses said in the end of each tire since the calibration, where they are read, in the order of
+    /// [`Corner::ALL`](itpms_core::model::Corner::ALL).
+    pub torsion: Option<[Option<TorsionChange<f64>>; 4]>,
     /// What the tires' own sensors sent last, in kPa, in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL); NaN: nothing.
     pub sensors_kpa: [f64; 4],
 }
@@ -92,18 +97,20 @@ pub fn estimate(
     watch: Watch<'_>,
 ) -> Result<Done, DriveError> {
     let (mut drive, mut record) = begin(log, job)?;
+    let mut pulses = Pulses::open(job.settings.pulses.as_deref())?;
     let mut count = 0u64;
     while let Some(mut row) = log.next_row()? {
         if count.is_multiple_of(ROWS_PER_LOOK) && watch(log.progress()).is_break() {
             return Err(DriveError::Stopped);
         }
         count += 1;
+        pulses.up_to(row.time_s, &mut drive)?;
         let estimate = drive.update(&mut row);
         let cars = job.road.then(|| drive.quarter_cars());
         let radii = drive.radii();
         record.take(&row, &estimate.corners, drive.report(), radii.as_ref(), cars.as_ref(), sink)?;
     }
-    conclude(log, job, drive, record, sink, watch)
+    conclude(log, job, (drive, &pulses), record, sink, watch)
 }
 
 /// The estimator of a log, and what becomes of its rows.
@@ -134,7 +141,7 @@ pub(crate) fn begin(log: &LogReader, job: &Job<'_>) -> Result<(Drive, Record), D
 pub(crate) fn conclude(
     log: &LogReader,
     job: &Job<'_>,
-    mut drive: Drive,
+    (mut drive, pulses): (Drive, &Pulses),
     record: Record,
     sink: &mut dyn Sink,
     watch: Watch<'_>,
@@ -146,10 +153,12 @@ pub(crate) fn conclude(
     if let Some(contradiction) = record.axis.contradiction() {
         return Err(DriveError::Mismatch(format!("{}: {contradiction}", log.path().display())));
     }
+    let of_pulses = pulses.finish(log.path(), log.last_time_s().unwrap_or(f64::NAN))?;
     let sensors_kpa = record.sensors_kpa;
     let provenance = provenance(job, log, &sensors_kpa);
     let (data, alerts) = record.complete(provenance, sink)?;
     let mut concerns = concerns::of(job, log, &drive);
+    concerns.extend(of_pulses);
     concerns.extend(concerns::of_tire_sensors(&data));
     let fits = Corner::ALL.map(|corner| drive.fit(corner));
     let placards_kpa = Corner::ALL.map(|corner| job.vehicle.placard_kpa(corner));
@@ -161,6 +170,7 @@ pub(crate) fn conclude(
         learned: drive.learned(),
         placards_kpa,
         radii: drive.radii(),
+        torsion: drive.torsion(),
         sensors_kpa,
     })
 }

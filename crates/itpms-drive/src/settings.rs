@@ -29,6 +29,8 @@ pub struct Settings {
     /// Pressures in kPa that the tires were known to have in the calibration where they are not their placards', in the order of
     /// [`Corner::ALL`]; for wheel speeds.
     pub calibration_kpa: [Option<f64>; 4],
+    /// The table of tooth pulses that belongs to the log, by the same clock: they count together with its wheel speeds.
+    pub pulses: Option<PathBuf>,
     /// Rows per second of the estimates.
     pub rate_hz: f64,
     /// Unit of the pressures that people read: lines, sentences and pages. Files are in kPa.
@@ -45,6 +47,7 @@ impl Default for Settings {
             calibrate_s: None,
             reference: None,
             calibration_kpa: [None; 4],
+            pulses: None,
             rate_hz: 10.0,
             pressure_unit: PressureUnit::Kpa,
         }

@@ -133,6 +133,9 @@ pub fn vehicle_of(scenario: &Scenario) -> Result<Vehicle, DriveError> {
             DrivenWheels::All => Driven::All,
         });
         details.limited_slip = wheels.locking_n > 0.0 || wheels.locking_share > 0.0;
+        for (corner, spec) in scenario.corner.iter() {
+            details.corners[corner.index()].tire.rolling_radius_m = Some(spec.truth.rolling_radius_m);
+        }
     }
     Ok(Vehicle {
         name: format!("vehicle of {}", scenario.name),

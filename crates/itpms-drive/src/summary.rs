@@ -2,6 +2,7 @@
 
 use itpms_analysis::report::{CornerReport, Reading, found, unseen, wheel_line};
 use itpms_core::model::{Corner, Level, PressureUnit, Warning};
+use itpms_core::torsion::TorsionChange;
 use itpms_core::wheel_speed::WheelRadius;
 use itpms_data::out::{RadiusRow, state_label};
 use serde_json::{Map, Value, json};
@@ -28,6 +29,7 @@ pub fn summary_json(done: &Done, rows: u64) -> Map<String, Value> {
         ("distance_m", json!(data.drive.distance_m)),
         ("corners", Value::Object(corners)),
         ("wheel_speeds", json!(done.radii.as_ref().map(wheels_json))),
+        ("torsion", json!(done.torsion.as_ref().map(torsion_json))),
         ("tire_sensors_kpa", sensors_json(&done.sensors_kpa)),
         ("alerts", alerts.json()),
         ("rows", json!(rows)),
@@ -44,6 +46,31 @@ fn sensors_json(sensors_kpa: &[f64; 4]) -> Value {
     let sent: Map<String, Value> =
         sent.map(|(corner, kpa)| (corner.label().to_owned(), json!(kpa))).collect();
     if sent.is_empty() { Value::Null } else { Value::Object(sent) }
+}
+
+/// What tooth pulses say of each tire since the calibration; null of one of which nothing was learned.
+fn torsion_json(changes: &[Option<TorsionChange<f64>>; 4]) -> Value {
+    let of = |(corner, change): (&Corner, &Option<TorsionChange<f64>>)| {
+        let change = change.map(|TorsionChange { change_kpa, change_sd_kpa }| {
+            json!({ "change_kpa": change_kpa, "change_sd_kpa": change_sd_kpa })
+        });
+        (corner.label().to_owned(), json!(change))
+    };
+    Value::Object(Corner::ALL.iter().zip(changes).map(of).collect())
+}
+
+/// The line of the tooth pulses, where they are read.
+#[must_use]
+pub fn torsion_line(done: &Done, unit: PressureUnit) -> Option<String> {
+    let of = |(corner, change): (&Corner, &Option<TorsionChange<f64>>)| match change {
+        Some(TorsionChange { change_kpa, change_sd_kpa }) => {
+            let [change, sd] = [change_kpa, change_sd_kpa].map(|kpa| unit.number(*kpa, 0));
+            format!("{} {change} {unit} (sd {sd})", corner.label())
+        }
+        None => format!("{} not known", corner.label()),
+    };
+    let wheels: Vec<String> = Corner::ALL.iter().zip(done.torsion.as_ref()?).map(of).collect();
+    Some(format!("by the tooth pulses since the calibration {}", wheels.join(", ")))
 }
 
 /// What the wheel speeds say in the end.

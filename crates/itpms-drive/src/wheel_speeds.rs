@@ -2,10 +2,13 @@
 
 use itpms_core::model::Corner;
 use itpms_core::monitor::MonitoredWheels;
+use itpms_core::torsion::{CarTorsion, TorsionChange};
 use itpms_core::warning::MonitorReport;
 use itpms_core::wheel_speed::RadiusCalibration;
 use itpms_data::log::LogColumns;
 use itpms_data::out::{RadiusRow, WheelSpeedUse};
+use itpms_data::pulses::Pulse;
+use itpms_data::reference::{LearnedTorsion, StoredReference};
 use itpms_data::{LogRow, Vehicle};
 
 use crate::error::DriveError;
@@ -39,6 +42,8 @@ pub(crate) struct WheelSpeeds {
     alone: bool,
     track_rear_m: f64,
     turns: Turns,
+    /// Where tooth pulses are read.
+    torsion: Option<Box<CarTorsion<f64>>>,
     report: Box<MonitorReport<f64>>,
 }
 
@@ -51,16 +56,33 @@ impl WheelSpeeds {
         settings: &Settings,
         vehicle: &Vehicle,
         alone: bool,
-        stored: Option<&RadiusCalibration<f64>>,
+        stored: Option<&StoredReference>,
     ) -> Result<Self, DriveError> {
         let lacks = |key| DriveError::Mismatch(lacking(vehicle, key));
         let config = vehicle.wheel_speed_config().map_err(lacks)?;
         let mut wheels = Box::new(MonitoredWheels::unconfigured());
         wheels.configure(&config)?;
+        let mut torsion = match settings.pulses {
+            None => None,
+            Some(_) => {
+                let (of_wheels, placard_kpa) = vehicle.torsion_config().map_err(lacks)?;
+                let mut torsion = Box::new(CarTorsion::unconfigured());
+                torsion.configure(&of_wheels, &placard_kpa)?;
+                Some(torsion)
+            }
+        };
         if let Some(seconds) = settings.calibrate_s {
-            wheels.begin_calibration_at(seconds, &settings.pressure_shares(vehicle))?;
+            let shares = settings.pressure_shares(vehicle);
+            wheels.begin_calibration_at(seconds, &shares)?;
+            if let Some(torsion) = &mut torsion {
+                torsion.begin_calibration_at(&shares);
+            }
         }
-        let loaded = stored.is_some_and(|stored| wheels.load_calibration(stored));
+        let radii = stored.and_then(|stored| stored.wheel_speeds.as_ref());
+        let loaded = radii.is_some_and(|radii| wheels.load_calibration(radii));
+        if let (Some(torsion), Some(stored)) = (&mut torsion, stored) {
+            let _ = torsion.load_calibration(&stored.torsion);
+        }
         if let Some(path) = settings.reference.as_ref().filter(|_| alone && !loaded) {
             return Err(DriveError::Mismatch(format!(
                 "{}: the learned reference has nothing of wheel speeds, and the log nothing else",
@@ -70,7 +92,7 @@ impl WheelSpeeds {
         let rolling_radius_m = vehicle.rolling_radius_m().unwrap_or(f64::NAN);
         let (track_rear_m, turns) = (config.track_rear_m, Turns::default());
         let report = Box::new(MonitorReport::empty());
-        Ok(Self { wheels, rolling_radius_m, alone, track_rear_m, turns, report })
+        Ok(Self { wheels, rolling_radius_m, alone, track_rear_m, turns, torsion, report })
     }
 
     /// Takes a row, and what the car's other monitor reported after it. The speed of a car of which nothing else is known is that of its wheels.
@@ -81,7 +103,10 @@ impl WheelSpeeds {
         }
         let [_, _, left, right] = sample.wheel_speed_m_s;
         self.turns.push(sample.yaw_rate_rad_s, left, (right - left) / self.track_rear_m);
-        self.wheels.update(&sample);
+        match &mut self.torsion {
+            Some(torsion) => self.wheels.update_with_pulses(&sample, torsion),
+            None => self.wheels.update(&sample),
+        }
         if self.alone {
             self.wheels.tell_alone(&mut self.report);
         } else {
@@ -101,7 +126,26 @@ impl WheelSpeeds {
 
     /// The log ends with its calibration.
     pub(crate) fn end_calibration(&mut self) {
-        self.wheels.end_calibration();
+        if self.wheels.is_calibrating() {
+            self.wheels.end_calibration();
+            if let Some(torsion) = &mut self.torsion {
+                torsion.end_calibration();
+            }
+        }
+    }
+
+    pub(crate) fn pulse(&mut self, pulse: &Pulse) {
+        if let Some(torsion) = &mut self.torsion {
+            torsion.push(pulse.wheel, pulse.time_s);
+        }
+    }
+
+    pub(crate) fn torsion(&self) -> Option<[Option<TorsionChange<f64>>; 4]> {
+        self.torsion.as_ref().map(|torsion| torsion.changes())
+    }
+
+    pub(crate) fn learned_torsion(&self) -> LearnedTorsion {
+        self.torsion.as_ref().map_or([None; 4], |torsion| torsion.calibration())
     }
 
     pub(crate) fn report(&self) -> &MonitorReport<f64> {
@@ -162,7 +206,7 @@ impl Turns {
 /// Why wheel speeds are of no use with this file.
 pub(crate) fn lacking(vehicle: &Vehicle, key: &str) -> String {
     format!(
-        "the vehicle {:?} has no {key}; wheel speeds need wheelbase_m, track_front_m, track_rear_m and driven, and speeds of rotation [tire] rolling_radius_m",
+        "the vehicle {:?} has no {key}; wheel speeds need wheelbase_m, track_front_m, track_rear_m and driven, and speeds of rotation and tooth pulses [tire] rolling_radius_m",
         vehicle.name
     )
 }

@@ -165,6 +165,11 @@ pub(crate) struct EstimateArgs {
     /// each. For wheel speeds alone.
     #[arg(long, value_name = "KPA|fl=KPA,...", requires = "calibrate_s")]
     pub(crate) pressure_kpa: Option<KnownPressures>,
+    /// When the teeth of the wheel speed sensors passed: a table of time_s and wheel (fl fr rl rr) by the log's clock, in steps of 1 us or
+    /// less, .csv or .parquet. They show by torsion what each tire has lost since a calibration, and so all four, too. The log needs wheel
+    /// speeds.
+    #[arg(long, value_name = "PULSES")]
+    pub(crate) pulses: Option<PathBuf>,
     /// Which loss is warned of: un-r141 20 % of the pressure that a calibration in this drive found warm, else of the placard's;
     /// fmvss-138 25 % of the placard's.
     #[arg(long, value_name = "NAME", default_value = Regulation::default().label(), value_parser = regulation_names())]
@@ -204,6 +209,7 @@ Examples:
   itpms estimate drive.csv --vehicle car.toml -o est.csv --events events.jsonl
   itpms estimate drive.csv --vehicle car.toml --mcap drive.mcap
   itpms estimate bus.log --dbc car.dbc --vehicle wheels.toml -o est.csv --calibrate-s 600 --save-reference car.reference
+  itpms estimate bus.csv --pulses teeth.csv --vehicle wheels.toml -o est.csv --calibrate-s 1200
   itpms estimate drive.csv --vehicle car.toml -o est.csv --estimator aekf-ui --rate 50 --json";
 
 fn estimator_names() -> impl clap::builder::TypedValueParser<Value = EstimatorKind> {
@@ -246,6 +252,9 @@ pub(crate) struct SimulateArgs {
     /// Also write the vehicle file that belongs to the log.
     #[arg(long, value_name = "V.toml")]
     pub(crate) vehicle_out: Option<PathBuf>,
+    /// Also write the tooth pulses of the four wheels, time_s and wheel: .csv or .parquet.
+    #[arg(long, value_name = "PULSES")]
+    pub(crate) pulses_out: Option<PathBuf>,
     /// Leave the true pressure and road out of the log.
     #[arg(long)]
     pub(crate) no_truth: bool,

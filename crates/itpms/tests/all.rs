@@ -18,6 +18,7 @@ mod mcap;
 mod monitor;
 mod plot;
 mod program;
+mod pulses;
 mod reference;
 mod roughness;
 mod signals;

@@ -1,10 +1,13 @@
 //! What a car of a study has to find its pressures with.
 
 use itpms_core::car::CarEstimate;
-use itpms_core::model::{CarConfig, CarSample, ParameterError};
+use itpms_core::model::{CarConfig, CarSample, Corner, ParameterError};
 use itpms_core::monitor::{MonitorConfig, MonitoredCar, MonitoredWheels};
+use itpms_core::torsion::{CarTorsion, TorsionConfig};
 use itpms_core::warning::MonitorReport;
 use itpms_core::wheel_speed::{DrivenAxle, LoadUncertainty, WheelSpeedConfig, WheelSpeedSample};
+use itpms_sim::error::ScenarioError;
+use itpms_sim::pulses::PulseCar;
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::SimRow;
 use itpms_sim::wheel_speeds::{DrivenWheels, WheelSpeedRow, WheelSpeedSpec};
@@ -21,11 +24,19 @@ pub enum Sensors {
     Accelerations,
     /// The four wheel speeds of its bus and nothing else.
     WheelSpeeds,
+    /// These and the tooth pulses of the four wheels.
+    Pulses,
 }
 
 impl Sensors {
+    /// Whether it has no accelerometers.
+    #[must_use]
+    pub fn are_of_wheels(self) -> bool {
+        self != Self::Accelerations
+    }
+
     /// All, the usual ones first.
-    pub const ALL: [Self; 2] = [Self::Accelerations, Self::WheelSpeeds];
+    pub const ALL: [Self; 3] = [Self::Accelerations, Self::WheelSpeeds, Self::Pulses];
 
     /// The name on the command line.
     #[must_use]
@@ -33,6 +44,7 @@ impl Sensors {
         match self {
             Self::Accelerations => "accelerations",
             Self::WheelSpeeds => "wheel-speeds",
+            Self::Pulses => "pulses",
         }
     }
 
@@ -55,6 +67,45 @@ pub(crate) fn wheel_speed_config(
     let limited_slip = wheels.locking_n > 0.0 || wheels.locking_share > 0.0;
     let config = WheelSpeedConfig::new(scenario.wheelbase_m, car.track_front_m, car.track_rear_m, driven);
     Some(WheelSpeedConfig { limited_slip, load, ..config })
+}
+
+/// The tooth pulses of a car's drives, one after the other, and what an estimator makes of them: of tires and sensors nothing is known of.
+pub(crate) struct Pulses {
+    rolling: Option<PulseCar>,
+    pub(crate) torsion: Box<CarTorsion<f64>>,
+}
+
+impl Pulses {
+    /// Of a scenario's car.
+    pub(crate) fn new(scenario: &Scenario) -> Result<Self, ParameterError> {
+        let placard_kpa = Corner::ALL
+            .map(|corner| scenario.corner.get(corner).map_or(f64::NAN, |corner| corner.placard_kpa));
+        let mut torsion = Box::new(CarTorsion::unconfigured());
+        torsion.configure(&[TorsionConfig::new(); 4], &placard_kpa)?;
+        Ok(Self { rolling: None, torsion })
+    }
+
+    /// A drive begins.
+    pub(crate) fn roll(
+        &mut self,
+        scenario: &Scenario,
+        car_seed: u64,
+        seed: u64,
+    ) -> Result<(), ScenarioError> {
+        self.rolling = Some(PulseCar::new(scenario, car_seed, seed)?);
+        Ok(())
+    }
+
+    /// What passes up to a time of the drive, which began `offset_s` after the first one.
+    pub(crate) fn until(&mut self, time_s: f64, offset_s: f64) {
+        let Self { rolling, torsion } = self;
+        let Some(rolling) = rolling else { return };
+        rolling.until(time_s, |wheel, at_s| {
+            if let Some(corner) = Corner::ALL.get(wheel) {
+                torsion.push(*corner, offset_s + at_s);
+            }
+        });
+    }
 }
 
 /// What a monitor sees of a row.

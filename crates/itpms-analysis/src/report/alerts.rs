@@ -88,10 +88,13 @@ fn line(span: &AlertSpan, unit: PressureUnit) -> Line {
         Cause::Flat(r) => ("low", "Flat, on its rim", format!("as hard as {}", at(r, unit))),
         Cause::Differs { lost_share, lost_sd_share, is_known: true } => {
             let [lost, sd] = [lost_share, lost_sd_share].map(|share| 100.0 * share);
-            let why = format!(
-                "turns as with {lost:.0} ± {sd:.0} % of its pressure lost since the calibration, by the wheel speeds"
-            );
-            ("low", "Differs from the others", why)
+            let [what, how, by] = match names.len() == 4 {
+                true => ["All low", "", "the tooth pulses"],
+                false => ["Differs from the others", "turns as with ", "the wheel speeds"],
+            };
+            let why =
+                format!("{how}{lost:.0} ± {sd:.0} % of its pressure lost since the calibration, by {by}");
+            ("low", what, why)
         }
         Cause::Differs { is_known: false, .. } => {
             let why = "one of the tires differs from the others since the calibration, by the wheel speeds; which, is not known";

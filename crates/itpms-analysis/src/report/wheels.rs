@@ -110,6 +110,9 @@ pub fn found(radii: &RadiusReport<f64>) -> String {
             "a tire that has lost a quarter would not be found: too little was driven since the calibration, or loads may have changed".to_owned()
         }
         RadiusState::NoneDiffers => "no tire differs from the others since the calibration".to_owned(),
+        RadiusState::Low(wheels) if wheels.iter().count() == 4 => {
+            "all four tires have lost air since the calibration".to_owned()
+        }
         RadiusState::Low(wheels) => {
             let one = wheels.iter().count() == 1;
             let verb = if one { "tire differs from the others" } else { "tires differ from the others" };
@@ -128,11 +131,14 @@ pub fn found(radii: &RadiusReport<f64>) -> String {
 /// What the wheel speeds cannot show, a sentence each.
 #[must_use]
 pub fn unseen(radii: &RadiusReport<f64>) -> Vec<String> {
-    let mut out = vec![
-        "What all four tires lose alike is not seen, nor the level of any pressure: wheel speeds show differences since the calibration."
-            .to_owned(),
-    ];
     let known = !matches!(radii.state, RadiusState::Uncalibrated | RadiusState::Calibrating);
+    let mut out = Vec::new();
+    if !known || radii.unseen.all_alike {
+        out.push(
+            "What all four tires lose alike is not seen, nor the level of any pressure: wheel speeds show differences since the calibration."
+                .to_owned(),
+        );
+    }
     let uninformed: Vec<&str> = Corner::ALL
         .into_iter()
         .zip(&radii.wheels)

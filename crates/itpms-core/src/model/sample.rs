@@ -23,7 +23,7 @@ impl Corner {
 
     /// The prefix of this corner's columns: `fl`, `fr`, `rl` or `rr`.
     #[must_use]
-    pub fn label(self) -> &'static str {
+    pub const fn label(self) -> &'static str {
         match self {
             Corner::FrontLeft => "fl",
             Corner::FrontRight => "fr",

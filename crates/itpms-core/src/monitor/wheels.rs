@@ -4,6 +4,7 @@
 use crate::memory::{Placed, blank};
 use crate::model::{Corner, ParameterError, RadiusDifferences, Validity, Warning, Wheels};
 use crate::real::Real;
+use crate::torsion::CarTorsion;
 use crate::warning::{Alert, Cause, Doubt, MonitorReport, WheelReport, WheelState};
 use crate::wheel_speed::{
     RadiusCalibration, RadiusMonitor, RadiusReport, RadiusState, WheelSpeedConfig, WheelSpeedSample,
@@ -137,6 +138,23 @@ impl<T: Real> MonitoredWheels<T> {
         }
         self.radii.update(sample);
         self.judge();
+    }
+
+    /// Takes in a sample of a car whose tooth pulses are read, too: those up to this sample's time are in `torsion`, whose calibration ends
+    /// with this one's.
+    pub fn update_with_pulses(&mut self, sample: &WheelSpeedSample<T>, torsion: &mut CarTorsion<T>) {
+        let calibrated = self.is_calibrating();
+        self.radii.see_pulses(&torsion.evidence());
+        self.update(sample);
+        if calibrated && !self.is_calibrating() {
+            torsion.end_calibration();
+        }
+    }
+
+    /// Whether a calibration is under way, or begins with the next sample.
+    #[must_use]
+    pub fn is_calibrating(&self) -> bool {
+        self.calibrate_s > 0.0 || self.calibrated_s > f64::NEG_INFINITY
     }
 
     /// Raises an alert, or takes one back.
@@ -352,6 +370,11 @@ mod tests {
                 Corner::RearRight.into(),
                 true,
                 "rr differs from the other tires since the calibration: it turns as with 25 % (sd 13) of its pressure lost, by the wheel speeds; since 10.0 s, reported at 12.0 s",
+            ),
+            (
+                all,
+                true,
+                "all four tires have lost air since the calibration, up to 25 % (sd 13) of their pressure, by the wheel speeds; since 10.0 s, said at 12.0 s",
             ),
             (
                 pair,

@@ -1,7 +1,8 @@
 //! Torsional analysis: a road shakes the belt of a tire around its rim, and at which frequency it does so most depends on how stiff the
 //! sidewalls are, that is, on the pressure. From the times at which the teeth of one wheel's speed sensor pass, [`TorsionWheel`] finds
 //! that frequency, piece by piece of some 30 s, and by how much the pressure has changed since a calibration. It needs no other wheel, so
-//! that it sees all four alike.
+//! that it sees all four alike; [`CarTorsion`] is the four of a car, whose [`TorsionEvidence`] a
+//! [`RadiusMonitor`](crate::wheel_speed::RadiusMonitor) weighs together with radii.
 //!
 //! `docs/math/wheel-speed.md`, "Torsion", derives it. It knows of nothing else here.
 //!
@@ -22,7 +23,10 @@
 //! # }
 //! ```
 
+mod calibration;
+mod car;
 mod config;
+mod evidence;
 mod fit;
 mod reference;
 mod speed;
@@ -30,7 +34,10 @@ mod teeth;
 
 use nalgebra::SVector;
 
+pub use self::calibration::{TorsionCalibration, TorsionCurve};
+pub use self::car::CarTorsion;
 pub use self::config::TorsionConfig;
+pub use self::evidence::TorsionEvidence;
 use self::fit::{BINS, Fitted, Spectrum, fit};
 use self::reference::Reference;
 use self::speed::Speed;
@@ -54,9 +61,15 @@ const MOST_CHANGE: f64 = 0.15;
 const WALK_KPA: f64 = 0.4;
 const START_SD_KPA: f64 = 8.0;
 const LEVEL_SD_KPA: f64 = 5.0;
+/// Time in s without an edge after which a tire may have lost air without being seen, by so many kPa (sd): what radius analysis takes its
+/// radius to have changed by.
+const LONG_STOP_S: f64 = 10.0;
+const STANDING_SD_KPA: f64 = 34.0;
 /// By how much pieces of the same pressure and speed differ beside what a spectrum's length allows, in Hz: by road, load and slip stiffness.
 const MODEL_SD_HZ: f64 = 0.6;
-/// Innovation in standard deviations beyond which a piece is an outlier.
+/// How well the Hz per kPa are known, as a share of them and so of every change: of a tire nothing is known of.
+const SCALE_SD: f64 = 0.2;
+/// Innovation in standard deviations beyond which a piece is an outlier, or the first one of another pressure: the next one tells.
 const OUTLIER: f64 = 4.0;
 
 /// What a piece of driving has shown.
@@ -119,11 +132,13 @@ pub struct TorsionWheel<T: Real> {
     reference: Reference<T>,
     change_kpa: T,
     variance_kpa2: T,
+    /// The variance without any piece since the calibration.
+    prior_kpa2: T,
     last_s: f64,
 }
 
 blank!(TorsionWheel<T> { config, phase, teeth, speed, frames, power, number, begun_s, turned_rad, slowest, fastest, reference,
-    change_kpa, variance_kpa2, last_s });
+    change_kpa, variance_kpa2, prior_kpa2, last_s });
 
 impl<T: Real> TorsionWheel<T> {
     /// A wheel with this sensor and tire, uncalibrated.
@@ -161,9 +176,41 @@ impl<T: Real> TorsionWheel<T> {
     pub fn end_calibration(&mut self) -> bool {
         let learned = self.phase == Phase::Learning && self.reference.pieces() > 0;
         self.phase = if learned { Phase::Watching } else { Phase::Idle };
-        (self.change_kpa, self.variance_kpa2) = (T::zero(), T::lit(START_SD_KPA * START_SD_KPA));
-        self.drop_piece();
+        self.start();
         learned
+    }
+
+    fn start(&mut self) {
+        let variance = T::lit(START_SD_KPA * START_SD_KPA);
+        (self.change_kpa, self.variance_kpa2, self.prior_kpa2) = (T::zero(), variance, variance);
+        self.drop_piece();
+    }
+
+    /// What the last calibration taught; `None` before its end.
+    #[must_use]
+    pub fn calibration(&self) -> Option<TorsionCalibration<T>> {
+        (self.phase == Phase::Watching).then(|| self.reference.stored())
+    }
+
+    /// Begins a drive with a stored calibration; the tire may have lost air since. Whether it was one that a tire can have; what is none
+    /// changes nothing.
+    #[must_use]
+    pub fn load_calibration(&mut self, calibration: &TorsionCalibration<T>) -> bool {
+        if !calibration.is_sane() {
+            return false;
+        }
+        self.reference = Reference::of(calibration);
+        self.phase = Phase::Watching;
+        self.start();
+        self.widen();
+        true
+    }
+
+    /// A tire may have lost air without a sample of it.
+    fn widen(&mut self) {
+        let standing = T::lit(STANDING_SD_KPA * STANDING_SD_KPA);
+        self.variance_kpa2 += standing;
+        self.prior_kpa2 += standing;
     }
 
     /// By how much the pressure has changed since the calibration; `None` before its end.
@@ -171,8 +218,25 @@ impl<T: Real> TorsionWheel<T> {
     pub fn change(&self) -> Option<TorsionChange<T>> {
         (self.phase == Phase::Watching).then(|| TorsionChange {
             change_kpa: self.change_kpa,
-            change_sd_kpa: self.variance_kpa2.sqrt().hypot(T::lit(LEVEL_SD_KPA)),
+            change_sd_kpa: self
+                .variance_kpa2
+                .sqrt()
+                .hypot(T::lit(LEVEL_SD_KPA))
+                .hypot(T::lit(SCALE_SD) * self.change_kpa),
         })
+    }
+
+    /// The same as what the pieces alone say, without what is believed beforehand (`docs/math/wheel-speed.md`, eq. 18): the change in kPa and
+    /// its information, in 1/kPa², zero where there was no piece.
+    pub(crate) fn seen(&self) -> (T, T) {
+        if self.phase != Phase::Watching {
+            return (T::zero(), T::zero());
+        }
+        let information = T::one() / self.variance_kpa2 - T::one() / self.prior_kpa2;
+        if !(information > T::lit(1e-7)) {
+            return (T::zero(), T::zero());
+        }
+        (self.change_kpa / self.variance_kpa2 / information, information)
     }
 
     /// Where the teeth were found to be: by how many pitches each lies too far on, from an unknown first one on.
@@ -186,6 +250,9 @@ impl<T: Real> TorsionWheel<T> {
     pub fn push(&mut self, time_s: f64) -> Option<TorsionPiece<T>> {
         let before_s = core::mem::replace(&mut self.last_s, time_s);
         let pitch_rad = T::lit(core::f64::consts::TAU) / T::whole(self.config.teeth);
+        if time_s - before_s > LONG_STOP_S {
+            self.widen();
+        }
         let interval_s = T::lit(time_s - before_s);
         let pitches = match self.teeth.push(interval_s) {
             Edge::Tooth(pitches) => pitches,
@@ -257,7 +324,9 @@ impl<T: Real> TorsionWheel<T> {
     }
 
     fn take(&mut self, fitted: &Fitted<T>, speed_m_s: T, lasted_s: T) {
-        self.variance_kpa2 += T::lit(WALK_KPA * WALK_KPA) * lasted_s;
+        let walk = T::lit(WALK_KPA * WALK_KPA) * lasted_s;
+        self.variance_kpa2 += walk;
+        self.prior_kpa2 += walk;
         if !fitted.carries() {
             return;
         }
@@ -276,6 +345,8 @@ impl<T: Real> TorsionWheel<T> {
                     let gain = self.variance_kpa2 / all;
                     self.change_kpa += gain * residual;
                     self.variance_kpa2 -= gain * self.variance_kpa2;
+                } else {
+                    self.widen();
                 }
             }
         }

@@ -3,6 +3,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::calibration::{CURVES, TorsionCalibration, TorsionCurve};
 use super::config::TorsionConfig;
 use super::fit::{Fitted, SHAPES, Shape};
 use crate::memory::blank;
@@ -34,6 +35,15 @@ impl<T: Real> Parabola<T> {
         let inverse = prior.map(|(_, sd)| T::lit(1.0 / (sd * sd)));
         let vector = prior.map(|(mean, sd)| T::lit(mean / (sd * sd)));
         Self { information: Matrix3::from_diagonal(&Vector3::from(inverse)), vector: Vector3::from(vector) }
+    }
+
+    fn stored(&self) -> TorsionCurve<T> {
+        // Symmetric: columns are rows.
+        TorsionCurve { information: self.information.into(), vector: self.vector.into() }
+    }
+
+    fn of(stored: &TorsionCurve<T>) -> Self {
+        Self { information: stored.information.into(), vector: stored.vector.into() }
     }
 
     fn learn(&mut self, x: &Vector3<T>, value: T, variance: T) {
@@ -69,6 +79,27 @@ impl<T: Real> Reference<T> {
             resonance: Parabola::new(&RESONANCE_PRIOR),
             around_hz: config.resonance_hz,
             pieces: 0,
+        }
+    }
+
+    /// What to store of it.
+    pub(super) fn stored(&self) -> TorsionCalibration<T> {
+        let mut curves = [TorsionCurve { information: [[T::zero(); 3]; 3], vector: [T::zero(); 3] }; CURVES];
+        let [shapes @ .., resonance] = &mut curves;
+        for (curve, parabola) in shapes.iter_mut().zip(&self.shapes) {
+            *curve = parabola.stored();
+        }
+        *resonance = self.resonance.stored();
+        TorsionCalibration { around_hz: self.around_hz, pieces: self.pieces, curves }
+    }
+
+    pub(super) fn of(stored: &TorsionCalibration<T>) -> Self {
+        let [slope, curvature, damping, resonance] = stored.curves.map(|curve| Parabola::of(&curve));
+        Self {
+            shapes: [slope, curvature, damping],
+            resonance,
+            around_hz: stored.around_hz,
+            pieces: stored.pieces,
         }
     }
 

@@ -63,7 +63,7 @@ pub enum Cause<T> {
     /// A sensor or its wiring.
     Malfunction(Malfunction<T>),
     /// These wheels, or one of them, roll on a smaller radius than the others since the calibration: what wheel speeds show. How the level
-    /// of all tires has changed is not known.
+    /// of all tires has changed is not known, but by tooth pulses: then it may be all four.
     Differs {
         /// Share of its pressure that the tire has lost; the largest of several tires.
         lost_share: T,
@@ -281,6 +281,10 @@ impl<T: Real> fmt::Display for AlertIn<'_, T> {
             Cause::Differs { lost_share, lost_sd_share, is_known } => {
                 let [lost, sd] = [lost_share, lost_sd_share].map(|share| 100.0 * share.to_f64());
                 match (is_known, wheels.iter().count()) {
+                    (true, 4) => write!(
+                        f,
+                        "all four tires have lost air since the calibration, up to {lost:.0} % (sd {sd:.0}) of their pressure"
+                    )?,
                     (true, 1) => write!(f, "{} differs from the other tires since the calibration", wheels)?,
                     (true, _) => write!(f, "{} differ from the other tires since the calibration", wheels)?,
                     (false, 4) => {
@@ -290,7 +294,7 @@ impl<T: Real> fmt::Display for AlertIn<'_, T> {
                         write!(f, "one of {} differs from the other tires since the calibration", wheels)?;
                     }
                 }
-                if *is_known {
+                if *is_known && wheels.iter().count() < 4 {
                     write!(f, ": it turns as with {lost:.0} % (sd {sd:.0}) of its pressure lost")?;
                 }
                 write!(f, ", by the wheel speeds")?;

@@ -1,9 +1,10 @@
-//! Which tires are low: sixteen hypotheses against what is believed of the radii (`docs/math/wheel-speed.md`, eq. 9-11).
+//! Which tires are low: sixteen hypotheses against what is believed of the radii (`docs/math/wheel-speed.md`, eq. 9-11, 20).
 
 use super::config::LoadUncertainty;
 use crate::memory::blank;
 use crate::model::{Corner, SEEN, Wheels};
 use crate::real::Real;
+use crate::torsion::TorsionEvidence;
 
 /// Which tires are low.
 const HYPOTHESES: usize = 16;
@@ -39,14 +40,20 @@ pub(super) struct Decision<T> {
 blank!(Decision<T> { probability, change, change_sd, informed });
 
 impl<T: Real> Decision<T> {
-    /// The changes of the three ratios of radii with their covariance, in thousandths; `fifth`: by what a loss of a fifth changes a radius.
-    pub(super) fn of(change: &[T; 3], covariance: &Triangle<T>, fifth: T) -> Self {
+    /// The changes of the three ratios of radii with their covariance, in thousandths; `fifth`: by what a loss of a fifth changes a radius;
+    /// what tooth pulses say, by themselves.
+    pub(super) fn of(
+        change: &[T; 3],
+        covariance: &Triangle<T>,
+        fifth: T,
+        torsion: &TorsionEvidence<T>,
+    ) -> Self {
         let mut decision = Self { probability: [T::zero(); HYPOTHESES], ..crate::memory::Blank::BLANK };
         let mut posterior = [([T::zero(); 4], [T::zero(); 4]); HYPOTHESES];
         let mut best = T::lit(-1e30);
         for (number, (log, posterior)) in decision.probability.iter_mut().zip(&mut posterior).enumerate() {
             let (likelihood, mean, variance) = Hypothesis::of(number, fifth).against(change, covariance);
-            *log = likelihood + prior(number);
+            *log = likelihood + torsion.log_likelihood(number) + prior(number);
             *posterior = (mean, variance);
             best = best.at_least(*log);
         }
@@ -68,7 +75,7 @@ impl<T: Real> Decision<T> {
             let variance =
                 decision.probability.iter().zip(&posterior).map(spread).fold(T::zero(), |sum, v| sum + v);
             decision.change_sd[i] = variance.at_least(T::zero()).sqrt();
-            decision.informed[i] = found_if_low(i, covariance, fifth);
+            decision.informed[i] = found_if_low(i, covariance, fifth, torsion);
         }
         decision
     }
@@ -134,14 +141,25 @@ impl<T: Real> Hypothesis<T> {
 }
 
 /// Whether a loss of a quarter of this wheel alone would be found: it stands out by more than the prior and the threshold ask for.
-fn found_if_low<T: Real>(wheel: usize, covariance: &Triangle<T>, fifth: T) -> bool {
+fn found_if_low<T: Real>(
+    wheel: usize,
+    covariance: &Triangle<T>,
+    fifth: T,
+    torsion: &TorsionEvidence<T>,
+) -> bool {
     let mut noise = *covariance;
     for seen in SEEN {
         add_square(&mut noise, &seen.map(T::lit), T::lit(FINE_SD * FINE_SD));
     }
     let step = SEEN.get(wheel).map_or([T::zero(); 3], |seen| seen.map(|x| T::lit(x * LOW_MEAN) * fifth));
-    inverse(&noise)
-        .is_some_and(|(inverse, _)| dot(&step, &times(&inverse, &step)) > T::lit(2.0 * TO_BE_FOUND))
+    inverse(&noise).is_some_and(|(inverse, _)| {
+        dot(&step, &times(&inverse, &step)) + torsion.distance(1 << wheel) > T::lit(2.0 * TO_BE_FOUND)
+    })
+}
+
+/// Whether a loss of all four alike would be found: radii say nothing of it, and its prior is half of one wheel's.
+pub(super) fn all_would_be_found<T: Real>(torsion: &TorsionEvidence<T>) -> bool {
+    torsion.distance(HYPOTHESES - 1) > T::lit(2.0 * (TO_BE_FOUND + core::f64::consts::LN_2))
 }
 
 /// Log of how probable it is before any sample, against none.
@@ -221,6 +239,7 @@ fn inverse<T: Real>(&[a, b, c, d, e, f]: &Triangle<T>) -> Option<(Triangle<T>, T
 mod tests {
     use super::*;
 
+    const NO_PULSES: TorsionEvidence<f64> = <TorsionEvidence<f64> as crate::memory::Blank>::BLANK;
     /// Known to a ten-thousandth.
     const SHARP: Triangle<f64> = [0.01, 0.0, 0.01, 0.0, 0.0, 0.01];
 
@@ -241,14 +260,14 @@ mod tests {
         for number in 1..15usize {
             let radius = core::array::from_fn(|i| if number & (1 << i) == 0 { 0.0 } else { -2.0 });
             let (change, _) = seen(&radius, |_, _| 0.0);
-            let decision = Decision::of(&change, &SHARP, 1.6);
+            let decision = Decision::of(&change, &SHARP, 1.6, &NO_PULSES);
             for (wheel, radius) in radius.iter().enumerate() {
                 let low = number & (1 << wheel) != 0;
                 assert_eq!(decision.low(wheel) > 0.9, low, "{number:04b} {wheel}: {}", decision.low(wheel));
                 assert!((decision.change[wheel] - radius).abs() < 3.0 * decision.change_sd[wheel]);
             }
         }
-        let decision = Decision::of(&[0.0; 3], &SHARP, 1.6);
+        let decision = Decision::of(&[0.0; 3], &SHARP, 1.6, &NO_PULSES);
         assert!(decision.probability[0] > 0.99 && decision.informed == [true; 4]);
     }
 
@@ -261,8 +280,32 @@ mod tests {
         assert!((covariance[2] - (0.01 + 0.384 * 0.384 + 0.04)).abs() < 1e-12);
         let low = |wheel: usize| {
             let radius = core::array::from_fn(|i| if i == wheel { -2.0 } else { 0.0 });
-            Decision::of(&seen(&radius, |_, _| 0.0).0, &covariance, 1.6).low(wheel)
+            Decision::of(&seen(&radius, |_, _| 0.0).0, &covariance, 1.6, &NO_PULSES).low(wheel)
         };
         assert!(low(0) > 0.99 && low(0) > low(3), "{} {}", low(0), low(3));
+    }
+
+    #[test]
+    fn all_four_are_named_by_their_pulses_and_an_axle_after_a_stop_by_both() {
+        let pulses = |kpa: [f64; 4]| TorsionEvidence {
+            change_kpa: kpa,
+            information: [1.0 / 50.0; 4],
+            reference_kpa: [240.0; 4],
+        };
+        let alike = Decision::of(&[0.0; 3], &SHARP, 1.6, &pulses([-56.0; 4]));
+        assert!((0..4).all(|wheel| alike.low(wheel) > 0.99), "{:?}", alike.probability);
+        // A tenth of the pressure, as of a cold morning, is nothing.
+        let cold = Decision::of(&[0.0; 3], &SHARP, 1.6, &pulses([-24.0; 4]));
+        assert!(cold.probability[0] > 0.99, "{:?}", cold.probability);
+        // With loads of unknown size the radii of an axle say little: a larger load may have done it.
+        let mut covariance = SHARP;
+        add_load(&mut covariance, &LoadUncertainty::unknown());
+        let rear = [0.0, 0.0, -2.0, -2.0];
+        let change = seen(&rear, |_, _| 0.0).0;
+        let (without, with) = (
+            Decision::of(&change, &covariance, 1.6, &NO_PULSES),
+            Decision::of(&change, &covariance, 1.6, &pulses([0.0, 0.0, -58.0, -58.0])),
+        );
+        assert!(without.low(2) < 0.5 && with.low(2) > 0.99 && with.low(3) > 0.99 && with.low(0) < 0.01);
     }
 }

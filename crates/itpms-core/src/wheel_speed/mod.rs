@@ -1,7 +1,8 @@
 //! Radius analysis: a tire that loses air rolls on a smaller radius and turns faster than the others. From four wheel speeds, and
 //! what a bus says of yaw rate, acceleration and brakes, [`RadiusMonitor`] finds which tires differ from the others since a calibration.
 //!
-//! A loss of all four alike is never seen. `docs/math/wheel-speed.md` derives it. It knows of nothing else here than [`model`](crate::model).
+//! A loss of all four alike is not seen in radii, but by tooth pulses ([`RadiusMonitor::see_pulses`]). `docs/math/wheel-speed.md` derives it.
+//! It knows of nothing else here than [`model`](crate::model) and what [`torsion`](crate::torsion) says.
 //!
 //! ```
 //! use itpms_core::wheel_speed::{DrivenAxle, RadiusMonitor, RadiusState, WheelSpeedConfig, WheelSpeedSample};
@@ -44,12 +45,13 @@ use self::calibration::LEARNED;
 pub use self::calibration::RadiusCalibration;
 pub use self::config::{DrivenAxle, LoadUncertainty, WheelSpeedConfig};
 use self::filter::Filter;
-use self::hypotheses::{Decision, Triangle, add_load, seen};
+use self::hypotheses::{Decision, Triangle, add_load, all_would_be_found, seen};
 pub use self::report::{Pattern, RadiusReport, RadiusState, Unseen, WheelRadius};
 pub use self::sample::WheelSpeedSample;
 use crate::memory::{Blank, blank};
 use crate::model::{Corner, ParameterError, RadiusDifferences, Wheels};
 use crate::real::Real;
+use crate::torsion::TorsionEvidence;
 
 /// The three ratios: front left over right, rear left over right, front over rear.
 const FRONT: usize = 0;
@@ -117,10 +119,12 @@ pub struct RadiusMonitor<T> {
     /// The car stood for so long, in s.
     stood_s: f64,
     loads_may_differ: bool,
+    torsion: TorsionEvidence<T>,
     report: RadiusReport<T>,
 }
 
-blank!(RadiusMonitor<T> { config, configured, phase, learned_s, calibration, radius_1e3, filter, sums, ended, before_good, last, stood_s, loads_may_differ, report });
+blank!(RadiusMonitor<T> { config, configured, phase, learned_s, calibration, radius_1e3, filter, sums, ended, before_good, last, stood_s, loads_may_differ, torsion,
+    report });
 
 impl<T: Real> RadiusMonitor<T> {
     /// A monitor of this car, uncalibrated.
@@ -236,6 +240,11 @@ impl<T: Real> RadiusMonitor<T> {
     #[must_use]
     pub fn report(&self) -> &RadiusReport<T> {
         &self.report
+    }
+
+    /// What tooth pulses say of the pressures from here on, by themselves: it counts in every decision.
+    pub fn see_pulses(&mut self, torsion: &TorsionEvidence<T>) {
+        self.torsion = *torsion;
     }
 
     /// Takes in a sample, of 10 Hz or more; speeds that no wheel has, and times that go back, are left out.
@@ -364,14 +373,15 @@ impl<T: Real> RadiusMonitor<T> {
     fn decide(&mut self, block: &Block<T>) {
         let (change, covariance) = self.changes();
         let fifth = T::lit(FIFTH * SCALE) * self.config.radius_per_ln_pressure;
-        let decision = Decision::of(&change, &covariance, fifth);
+        let decision = Decision::of(&change, &covariance, fifth, &self.torsion);
         self.report.unseen = Unseen {
+            all_alike: !all_would_be_found(&self.torsion),
             which_of_a_diagonal: !self.filter.yaw_known,
             loads: self.loads_may_differ,
             hidden_by_torque: hidden(block),
         };
         self.report.differ(&change, &covariance);
-        self.report.decide(&decision, &self.config, T::lit(BLOCK_S));
+        self.report.decide(&decision, &self.config, &self.torsion, T::lit(BLOCK_S));
     }
 
     /// Numbers ran away: what was learned is kept, the rest begins anew.

@@ -5,6 +5,7 @@ use super::hypotheses::{Decision, Triangle};
 use crate::memory::{Blank, blank};
 use crate::model::{Corner, Wheels};
 use crate::real::Real;
+use crate::torsion::TorsionEvidence;
 
 /// Probability from which something is said.
 const SURE: f64 = 0.99;
@@ -68,10 +69,12 @@ impl From<Wheels> for Pattern {
     }
 }
 
-/// What cannot be seen at the moment. A loss of all four tires alike is never seen: there is nothing to compare them with.
+/// What cannot be seen at the moment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Unseen {
+    /// A loss of all four tires alike: there is nothing to compare them with, unless tooth pulses show it.
+    pub all_alike: bool,
     /// No yaw rate: left and right of both axles move alike, so that of a front wheel and the rear wheel across only the pair may be known.
     pub which_of_a_diagonal: bool,
     /// The car stood since the calibration, so that loads may have changed: rear tires, and both of an axle, need a larger loss.
@@ -80,7 +83,7 @@ pub struct Unseen {
     pub hidden_by_torque: Wheels,
 }
 
-blank!(Unseen { which_of_a_diagonal, loads, hidden_by_torque });
+blank!(Unseen { all_alike, which_of_a_diagonal, loads, hidden_by_torque });
 
 /// What is known of a wheel's radius.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -169,13 +172,23 @@ impl<T: Real> RadiusReport<T> {
     }
 
     /// `step_s` of usable driving later.
-    pub(super) fn decide(&mut self, decision: &Decision<T>, config: &WheelSpeedConfig<T>, step_s: T) {
+    pub(super) fn decide(
+        &mut self,
+        decision: &Decision<T>,
+        config: &WheelSpeedConfig<T>,
+        torsion: &TorsionEvidence<T>,
+        step_s: T,
+    ) {
         for (i, wheel) in self.wheels.iter_mut().enumerate() {
             let thousandth = T::lit(1e-3);
             let (change, sd) = (decision.change[i] * thousandth, decision.change_sd[i] * thousandth);
             let beta = config.radius_per_ln_pressure;
             let ln_pressure = (change / beta).at_most(T::zero());
             let ln_sd = (sd / beta).hypot(ln_pressure * config.radius_per_ln_pressure_sd);
+            let (ln_pressure, ln_sd) = match torsion.ln_pressure(i) {
+                Some(pulses) => combined((ln_pressure, ln_sd * ln_sd), pulses),
+                None => (ln_pressure, ln_sd),
+            };
             let left = ln_pressure.exp_fast();
             *wheel = WheelRadius {
                 change,
@@ -201,6 +214,16 @@ impl<T: Real> RadiusReport<T> {
             self.lasted_s = self.probable_s;
         }
     }
+}
+
+/// Mean and sd of two independent readings, each with its variance (`docs/math/wheel-speed.md`, eq. 21); no tire gains air.
+fn combined<T: Real>((a, a_variance): (T, T), (b, b_variance): (T, T)) -> (T, T) {
+    let sum = a_variance + b_variance;
+    if !(sum > T::zero()) {
+        return (a, T::zero());
+    }
+    let mean = (a * b_variance + b * a_variance) / sum;
+    (mean.at_most(T::zero()), (a_variance * b_variance / sum).at_least(T::zero()).sqrt())
 }
 
 /// What is more probable than [`SURE`], whatever was before.

@@ -43,6 +43,8 @@ enum Stored {
     Days,
     /// Months, days and milliseconds, least significant first.
     Interval,
+    /// One of these words: its place among them, minus one for any other.
+    Words(&'static [&'static str]),
 }
 
 impl Meaning {
@@ -87,6 +89,22 @@ impl Meaning {
         }
     }
 
+    /// That of a column of words, in any case.
+    ///
+    /// # Errors
+    /// It holds no text: what instead, in words.
+    pub(super) fn of_words(leaf: &ColumnDescriptor, words: &'static [&'static str]) -> Result<Self, String> {
+        let bytes = leaf.physical_type() == PhysicalType::BYTE_ARRAY && leaf.max_rep_level() == 0;
+        let meant = match Annotation::of(leaf) {
+            Annotation::None | Annotation::Other("text") => bytes,
+            _ => false,
+        };
+        match meant {
+            true => Ok(Self { quantity: Quantity::Number, divisor: 1.0, stored: Stored::Words(words) }),
+            false => Err(Self::of(leaf, None).map_or_else(|what| what, |_| "numbers or times".to_owned())),
+        }
+    }
+
     pub(super) fn of_i32(self, value: i32) -> f64 {
         match self.stored {
             Stored::Unsigned => f64::from(value as u32) / self.divisor,
@@ -105,6 +123,10 @@ impl Meaning {
             (Stored::HalfPrecision, &[low, high]) => half::f16::from_le_bytes([low, high]).to_f64(),
             (Stored::BigEndian, _) => integer(bytes) / self.divisor,
             (Stored::Interval, _) => interval_s(bytes).unwrap_or(f64::NAN),
+            (Stored::Words(words), _) => {
+                let is = |word: &&str| bytes.trim_ascii().eq_ignore_ascii_case(word.as_bytes());
+                words.iter().position(is).map_or(-1.0, |place| place as f64)
+            }
             _ => f64::NAN,
         }
     }

@@ -133,6 +133,24 @@ impl ParquetColumns {
         Ok(())
     }
 
+    /// Reads one more column, of one of these words a row: its place among them comes, and minus one for any other.
+    ///
+    /// # Errors
+    /// It holds no text.
+    pub(crate) fn choose_words(
+        &mut self,
+        leaf: usize,
+        words: &'static [&'static str],
+    ) -> Result<(), Problem> {
+        let described = &self.reader.metadata().file_metadata().schema_descr().columns()[leaf];
+        let meaning = Meaning::of_words(described, words).map_err(|found| {
+            let expected = words.join(", ");
+            Problem::WordsExpected { column: self.names[leaf].clone(), found, expected }
+        })?;
+        self.take(leaf, meaning);
+        Ok(())
+    }
+
     fn take(&mut self, leaf: usize, meaning: Meaning) {
         let present = self.reader.metadata().file_metadata().schema_descr().columns()[leaf].max_def_level();
         let name = self.names[leaf].clone();

@@ -21,6 +21,7 @@
 //! [learned.left]                         # and right: gain, skew_s
 //! [corner.fl]                            # placard_kpa, unsprung_mass, damping, spring, spectrum_bias_kpa, shared_road_bias
 //! [wheel_speeds]                         # of a car whose wheel speeds were read: how the tires' radii differ, with covariances
+//! [torsion.fl]                           # of one whose tooth pulses were: resonance and shape of each wheel's spectrum over the speed
 //! ```
 //!
 //! A reference of wheel speeds alone has no corners. A later program may change everything but the first line's shape, so that an older one can say that it is too old.
@@ -29,6 +30,7 @@ mod checksum;
 mod identity;
 pub(crate) mod problem;
 mod text;
+mod torsion;
 mod wheel_speeds;
 
 use std::fs::File;
@@ -36,6 +38,7 @@ use std::io::{self, Read as _};
 use std::path::Path;
 
 use itpms_core::model::{CalibrationError, Learned, VehicleCalibration};
+use itpms_core::torsion::TorsionCalibration;
 use itpms_core::wheel_speed::RadiusCalibration;
 
 use crate::error::{DataError, Problem};
@@ -45,10 +48,14 @@ pub use checksum::crc64;
 pub use identity::VehicleIdentity;
 pub use problem::ReferenceProblem;
 
-/// The newest format that is read, and that of a reference with wheel speeds.
-pub const FORMAT: u32 = 4;
-/// The format of one without.
+/// The newest format that is read, and that of a reference with tooth pulses.
+pub const FORMAT: u32 = 5;
+/// The format of one without, and of one without wheel speeds, too.
+const WITHOUT_PULSES: u32 = 4;
 const WITHOUT_WHEEL_SPEEDS: u32 = 3;
+
+/// What tooth pulses taught of each wheel, with the kPa by which its pressure was above the placard's.
+pub type LearnedTorsion = [Option<(TorsionCalibration<f64>, f64)>; 4];
 
 /// A file longer than this is not read to its end: it is something else.
 const LONGEST_BYTES: u64 = 64 * 1024;
@@ -80,6 +87,8 @@ pub struct StoredReference {
     pub reference: VehicleCalibration<f64>,
     /// What was learned of the wheel speeds.
     pub wheel_speeds: Option<RadiusCalibration<f64>>,
+    /// What was learned of tooth pulses, in the order of [`Corner::ALL`](itpms_core::model::Corner::ALL); never without wheel speeds.
+    pub torsion: LearnedTorsion,
 }
 
 impl StoredReference {
@@ -102,7 +111,7 @@ impl StoredReference {
             return Err(ReferenceProblem::Lacks("a corner").into());
         }
         let vehicle = VehicleIdentity::of(vehicle);
-        Ok(Self { vehicle, learned_unix_s, wheelbase_m, reference, wheel_speeds: None })
+        Ok(Self { vehicle, learned_unix_s, wheelbase_m, reference, wheel_speeds: None, torsion: [None; 4] })
     }
 
     /// What the wheel speeds of `vehicle` were found to be at the given time, its accelerations not being known.
@@ -114,6 +123,7 @@ impl StoredReference {
             wheelbase_m: None,
             reference: nothing_of_corners(),
             wheel_speeds: Some(learned),
+            torsion: [None; 4],
         }
     }
 
@@ -121,6 +131,12 @@ impl StoredReference {
     #[must_use]
     pub fn with_wheel_speeds(self, wheel_speeds: Option<RadiusCalibration<f64>>) -> Self {
         Self { wheel_speeds, ..self }
+    }
+
+    /// The same with what was learned of tooth pulses.
+    #[must_use]
+    pub fn with_torsion(self, torsion: LearnedTorsion) -> Self {
+        Self { torsion, ..self }
     }
 
     /// Whether anything was learned of corners with accelerations.
@@ -154,10 +170,18 @@ impl StoredReference {
     pub fn parse(bytes: &[u8]) -> Result<Self, Problem> {
         let stored = text::opened(bytes)?;
         check(&stored.reference).map_err(ReferenceProblem::Implausible)?;
-        match stored.wheel_speeds.as_ref().is_none_or(RadiusCalibration::is_sane) {
-            true => Ok(stored),
-            false => Err(ReferenceProblem::Lacks("wheel speeds that a car has").into()),
+        if !stored.wheel_speeds.as_ref().is_none_or(RadiusCalibration::is_sane) {
+            return Err(ReferenceProblem::Lacks("wheel speeds that a car has").into());
         }
+        if !stored
+            .torsion
+            .iter()
+            .flatten()
+            .all(|(learned, above_kpa)| learned.is_sane() && above_kpa.abs() < 1e4)
+        {
+            return Err(ReferenceProblem::Lacks("a torsion that a tire has").into());
+        }
+        Ok(stored)
     }
 
     /// Writes the file. Killed or without power at any moment, `path` holds what it held before or this, whole; what

@@ -7,8 +7,8 @@ use toml::de::DeTable;
 
 use super::checksum::crc64;
 use super::{
-    FORMAT, ReferenceProblem, StoredReference, VehicleIdentity, WITHOUT_WHEEL_SPEEDS, nothing_of_corners,
-    wheel_speeds,
+    FORMAT, ReferenceProblem, StoredReference, VehicleIdentity, WITHOUT_PULSES, WITHOUT_WHEEL_SPEEDS,
+    nothing_of_corners, torsion, wheel_speeds,
 };
 use crate::error::Problem;
 use crate::toml_table::{Table, escaped, syntax_problem};
@@ -25,8 +25,12 @@ const SIDE_QUANTITIES: [&str; 2] = ["gain", "skew_s"];
 /// The file with its first line.
 pub(super) fn sealed(stored: &StoredReference) -> String {
     let body = body(stored);
-    let newest = stored.wheel_speeds.is_some();
-    let format = if newest { FORMAT } else { WITHOUT_WHEEL_SPEEDS }.to_string();
+    let format = match (torsion::is_there(&stored.torsion), &stored.wheel_speeds) {
+        (true, _) => FORMAT,
+        (false, Some(_)) => WITHOUT_PULSES,
+        (false, None) => WITHOUT_WHEEL_SPEEDS,
+    };
+    let format = format.to_string();
     format!("{MAGIC}{format} {}\n{body}", seal(&format, body.as_bytes()))
 }
 
@@ -80,6 +84,7 @@ fn body(stored: &StoredReference) -> String {
     if let Some(learned) = &stored.wheel_speeds {
         wheel_speeds::write(&mut out, learned);
     }
+    torsion::write(&mut out, &stored.torsion);
     out
 }
 
@@ -122,7 +127,7 @@ fn write_learned(out: &mut String, name: &str, learned: &Learned<f64>) {
 fn read_body(text: &str, format: u32) -> Result<StoredReference, Problem> {
     let document = DeTable::parse(text).map_err(|error| syntax_problem(text, &error))?;
     let root = Table::root(text, document.get_ref());
-    root.check_keys(&["vehicle", "learned", "corner", "wheel_speeds"])?;
+    root.check_keys(&["vehicle", "learned", "corner", "wheel_speeds", "torsion"])?;
     let vehicle = needed_table(&root, "vehicle")?;
     vehicle.check_keys(&["name", "id", "parameters"])?;
     let vehicle = VehicleIdentity {
@@ -134,9 +139,21 @@ fn read_body(text: &str, format: u32) -> Result<StoredReference, Problem> {
     let unix_s = needed_text(&learned, "unix_s")?;
     let learned_unix_s = unix_s.parse().map_err(|_| ReferenceProblem::Lacks("a time in whole seconds"))?;
     let wheel_speeds = root.table("wheel_speeds")?.map(|table| wheel_speeds::read(&table)).transpose()?;
+    let torsion = match root.table("torsion")? {
+        Some(_) if wheel_speeds.is_none() => return Err(ReferenceProblem::Lacks("wheel speeds").into()),
+        Some(table) => torsion::read(&table)?,
+        None => [None; 4],
+    };
     if wheel_speeds.is_some() && !root.has("corner") {
-        let reference = nothing_of_corners();
-        return Ok(StoredReference { vehicle, learned_unix_s, wheelbase_m: None, reference, wheel_speeds });
+        let (wheelbase_m, reference) = (None, nothing_of_corners());
+        return Ok(StoredReference {
+            vehicle,
+            learned_unix_s,
+            wheelbase_m,
+            reference,
+            wheel_speeds,
+            torsion,
+        });
     }
     let [[left_gain, left_skew], [right_gain, right_skew]] =
         [read_side(&learned, SIDES[0])?, read_side(&learned, SIDES[1])?];
@@ -155,7 +172,7 @@ fn read_body(text: &str, format: u32) -> Result<StoredReference, Problem> {
     if wheelbase_m.is_some_and(|m| !super::is_a_cars(m)) {
         return Err(ReferenceProblem::Lacks("a wheelbase that a car has").into());
     }
-    Ok(StoredReference { vehicle, learned_unix_s, wheelbase_m, reference, wheel_speeds })
+    Ok(StoredReference { vehicle, learned_unix_s, wheelbase_m, reference, wheel_speeds, torsion })
 }
 
 fn read_corners(corners: &Table<'_>, format: u32) -> Result<[Option<CornerCalibration<f64>>; 4], Problem> {

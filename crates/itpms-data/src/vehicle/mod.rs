@@ -77,6 +77,7 @@ use std::path::Path;
 
 use itpms_core::model::quarter_car::{ParameterError, QuarterCar};
 use itpms_core::model::{CarConfig, Corner, CornerConfig, PressureMap};
+use itpms_core::torsion::TorsionConfig;
 use itpms_core::wheel_speed::WheelSpeedConfig;
 use toml::de::DeTable;
 
@@ -245,6 +246,25 @@ impl Vehicle {
             config.radius_per_ln_pressure_sd = sd / config.radius_per_ln_pressure.abs();
         }
         Ok(config)
+    }
+
+    /// What torsional analysis is told of each wheel, and the pressures that they should have in kPa: of a sensor and a tire nothing is known
+    /// of, where the file has nothing. Teeth and resonance are checked by the analysis.
+    ///
+    /// # Errors
+    /// The key that the file lacks for that.
+    pub fn torsion_config(&self) -> Result<([TorsionConfig<f64>; 4], [f64; 4]), &'static str> {
+        let (mut wheels, mut placard_kpa) = ([TorsionConfig::new(); 4], [0.0; 4]);
+        for (corner, (wheel, kpa)) in Corner::ALL.into_iter().zip(wheels.iter_mut().zip(&mut placard_kpa)) {
+            *kpa = self.placard_kpa(corner).ok_or("placard_kpa of all four corners")?;
+            let tire = &self.details.corners[corner.index()].tire;
+            let radius_m = tire.rolling_radius_m.or(self.rolling_radius_m());
+            wheel.rolling_radius_m = radius_m.ok_or("[tire] rolling_radius_m")?;
+            wheel.teeth = tire.teeth.unwrap_or(wheel.teeth);
+            wheel.resonance_hz = tire.torsion_hz.unwrap_or(wheel.resonance_hz);
+            wheel.resonance_per_kpa = tire.torsion_hz_per_kpa.unwrap_or(wheel.resonance_per_kpa);
+        }
+        Ok((wheels, placard_kpa))
     }
 
     /// Whether the wheelbase is that of other cars: its standard deviation says that it was not measured. `itpms vehicle learn` and a

@@ -7,6 +7,7 @@
 //! |---|---|
 //! | `ring` | rim, belt, contact and suspension of one wheel in motion |
 //! | `teeth` | the sensor's ring: where its teeth are, and when they pass |
+//! | `car` | the four wheels of a scenario's drive |
 //!
 //! ```
 //! use itpms_sim::pulses::{PulseSpec, PulseWheel};
@@ -19,11 +20,13 @@
 //! assert!((times_s.len() as f64 - 20.0 / 0.31 / 6.283 * 48.0).abs() < 3.0);
 //! ```
 
+mod car;
 mod ring;
 mod teeth;
 
 use rand_pcg::Pcg64;
 
+pub use self::car::PulseCar;
 use self::ring::Ring;
 use self::teeth::Teeth;
 use crate::road::Roughness;
@@ -31,6 +34,8 @@ use crate::streams::{Purpose, generator};
 
 /// Steps of the wheel's motion in s.
 const STEP_S: f64 = 2.5e-4;
+/// Speed in m/s below which a wheel turns as it rolls, and nothing of its belt is seen.
+const SLOWEST_M_S: f64 = 1.0;
 
 /// A wheel, its road and its sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -80,6 +85,7 @@ impl Default for PulseSpec {
 /// A wheel that rolls.
 #[derive(Debug, Clone)]
 pub struct PulseWheel {
+    radius_m: f64,
     ring: Ring,
     teeth: Teeth,
     random: Pcg64,
@@ -90,8 +96,15 @@ impl PulseWheel {
     /// At rest on its road. `wheel` tells apart the four of a car.
     #[must_use]
     pub fn new(spec: &PulseSpec, seed: u64, wheel: u64) -> Self {
-        let mut car = generator(seed, Purpose::WheelCar, [1, wheel]);
+        Self::of_car(spec, seed, seed, wheel)
+    }
+
+    /// The same on a drive of its own: `car_seed` says where the teeth are.
+    #[must_use]
+    pub fn of_car(spec: &PulseSpec, car_seed: u64, seed: u64, wheel: u64) -> Self {
+        let mut car = generator(car_seed, Purpose::WheelCar, [1, wheel]);
         Self {
+            radius_m: spec.radius_m,
             ring: Ring::new(spec),
             teeth: Teeth::new(spec, &mut car),
             random: generator(seed, Purpose::WheelSpeeds, [2, wheel]),
@@ -99,16 +112,30 @@ impl PulseWheel {
         }
     }
 
-    /// On for so many s: `at` says speed in m/s (above 1) and pressure in kPa at a time in s, `pulse` takes the time of each edge.
+    /// On for so many s: `at` says speed in m/s and pressure in kPa at a time in s, `pulse` takes the time of each edge.
     pub fn roll(&mut self, for_s: f64, mut at: impl FnMut(f64) -> (f64, f64), mut pulse: impl FnMut(f64)) {
         let until = self.steps + (for_s / STEP_S).round() as u64;
         while self.steps < until {
-            let time_s = self.steps as f64 * STEP_S;
-            let (speed_m_s, pressure_kpa) = at(time_s);
-            let turned_rad = self.ring.step(STEP_S, speed_m_s, pressure_kpa, &mut self.random);
-            self.teeth.turn(time_s, STEP_S, turned_rad, &mut self.random, &mut pulse);
-            self.steps += 1;
+            let (speed_m_s, pressure_kpa) = at(self.time_s());
+            self.step(speed_m_s, pressure_kpa, 1.0, &mut pulse);
         }
+    }
+
+    fn time_s(&self) -> f64 {
+        self.steps as f64 * STEP_S
+    }
+
+    /// A step on a road so many times as rough as the wheel's.
+    fn step(&mut self, speed_m_s: f64, pressure_kpa: f64, amplitude: f64, pulse: &mut impl FnMut(f64)) {
+        let time_s = self.time_s();
+        let turned_rad = if speed_m_s > SLOWEST_M_S {
+            self.ring.step(STEP_S, speed_m_s, pressure_kpa, amplitude, &mut self.random)
+        } else {
+            self.ring.rest();
+            speed_m_s.max(0.0) * STEP_S / self.radius_m
+        };
+        self.teeth.turn(time_s, STEP_S, turned_rad, &mut self.random, pulse);
+        self.steps += 1;
     }
 
     /// Where the teeth are: by how many pitches each lies too far on.

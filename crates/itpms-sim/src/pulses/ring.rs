@@ -78,14 +78,28 @@ impl Ring {
         }
     }
 
-    /// A step later: the angle that the rim has turned by.
-    pub(super) fn step(&mut self, step_s: f64, speed_m_s: f64, pressure_kpa: f64, random: &mut Pcg64) -> f64 {
+    /// Nothing trembles; the road stays.
+    pub(super) fn rest(&mut self) {
+        let road_m = self.height_m();
+        self.state = [0.0; STATES];
+        (self.state[0], self.state[2]) = (road_m, road_m);
+    }
+
+    /// A step later, on a road so many times as rough: the angle that the rim has turned by.
+    pub(super) fn step(
+        &mut self,
+        step_s: f64,
+        speed_m_s: f64,
+        pressure_kpa: f64,
+        amplitude: f64,
+        random: &mut Pcg64,
+    ) -> f64 {
         let before_m = self.height_m();
         self.part += speed_m_s * step_s / GRID_M;
         while self.part >= 1.0 {
             self.part -= 1.0;
             let last = self.heights_m.back().copied().unwrap_or(0.0);
-            self.push(last + self.rise_m * normal(random));
+            self.push(last + amplitude * self.rise_m * normal(random));
         }
         let slope = (self.height_m() - before_m) / (speed_m_s * step_s);
         let driven = self.driven(speed_m_s, pressure_kpa, slope);

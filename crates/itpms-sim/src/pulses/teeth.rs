@@ -49,6 +49,9 @@ impl Teeth {
         random: &mut Pcg64,
         pulse: &mut impl FnMut(f64),
     ) {
+        if !(turned_rad > 0.0) {
+            return;
+        }
         let from_rad = self.angle_rad;
         self.angle_rad += turned_rad;
         while self.edge_rad <= self.angle_rad {

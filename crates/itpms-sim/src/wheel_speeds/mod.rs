@@ -20,7 +20,7 @@ mod run;
 pub mod spec;
 mod tire;
 
-pub(crate) use disturbance::normal;
+pub(crate) use disturbance::{Rough, normal};
 pub use run::WheelSpeedRow;
 pub(crate) use run::WheelSpeedRun;
 pub use spec::{DrivenWheels, WheelSpeedSpec};

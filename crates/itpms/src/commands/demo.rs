@@ -39,6 +39,7 @@ pub(crate) fn run(args: &DemoArgs, screen: &Screen, interrupt: &Interrupt) -> Re
         pressure_kpa: None,
         save_reference: None,
         reference: None,
+        pulses: None,
         events: Some(at("events.jsonl")),
         #[cfg(feature = "mcap")]
         mcap: None,

@@ -25,7 +25,7 @@ pub(crate) struct CertifyArgs {
     /// Seed of the first test's course; the others follow.
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) seed: u64,
-    /// What the car has. On wheel speeds alone no sensor is unplugged, and every combination of tires is let down for both regulations.
+    /// What the car has. On wheel speeds, alone or with their tooth pulses, no sensor is unplugged, and every combination of tires is let down for both regulations.
     #[arg(long, value_name = "SENSORS", default_value = Sensors::default().label(), value_parser = sensor_names())]
     pub(crate) sensors: Sensors,
     /// What a car with wheel speeds alone knows of its loads while it stands.

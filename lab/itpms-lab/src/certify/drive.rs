@@ -17,6 +17,7 @@ use super::telltale::{Lamp, Wrong, wrong};
 use super::test_case::Test;
 use super::watched::Watched;
 use super::{CertifyError, LoadsTold, Odometer};
+use crate::sensors::Sensors;
 
 /// After the tell-tale has come on the drive goes on so many s: it has to stay lit.
 const STAYS_LIT_S: f64 = 60.0;
@@ -39,10 +40,12 @@ pub(super) fn drive(
     procedure: &Procedure,
     course: &Course,
     seed: u64,
-    loads: LoadsTold,
+    (sensors, loads): (Sensors, LoadsTold),
     odometer: &Odometer<'_>,
 ) -> Result<Outcome, CertifyError> {
-    let mut run = Run::new(procedure, course, seed, loads, odometer)?;
+    let mut car = Watched::new(procedure, course, loads, sensors)?;
+    car.begin_calibration(course.learning_s)?;
+    let mut run = Run::new(procedure, course, seed, car, odometer);
     run.test()?;
     if run.findings.warned_after_s.is_some() {
         run.park();
@@ -75,13 +78,11 @@ impl<'a> Run<'a> {
         procedure: &Procedure,
         course: &'a Course,
         seed: u64,
-        loads: LoadsTold,
+        car: Watched,
         odometer: &'a Odometer<'a>,
-    ) -> Result<Self, CertifyError> {
-        let mut car = Watched::new(procedure, course, loads)?;
-        car.begin_calibration(course.learning_s)?;
+    ) -> Self {
         let low = !matches!(procedure.test, Test::Malfunction(_));
-        Ok(Self {
+        Self {
             course,
             odometer,
             lamp: if low { Lamp::Low } else { Lamp::Malfunction },
@@ -93,13 +94,14 @@ impl<'a> Run<'a> {
             simulated_s: 0.0,
             findings: Findings::default(),
             trace: Vec::new(),
-        })
+        }
     }
 
     /// Learning, standstill, detection, until the tell-tale comes on or the time is over.
     fn test(&mut self) -> Result<(), CertifyError> {
         let course = self.course;
         let (mut counted_s, mut last_s) = (0.0, 0.0);
+        self.car.roll(&course.scenario, self.seed)?;
         for row in Simulation::new(&course.scenario, self.seed)? {
             let step_s = row.time_s - last_s;
             last_s = row.time_s;
@@ -197,7 +199,9 @@ impl<'a> Run<'a> {
         }
         let mut out_since_s = None;
         self.trace.push(TracePoint::nothing(offset_s));
-        for row in Simulation::new(&self.course.recovery, self.seed.wrapping_add(500))? {
+        let seed = self.seed.wrapping_add(500);
+        self.car.roll(&self.course.recovery, seed)?;
+        for row in Simulation::new(&self.course.recovery, seed)? {
             self.take(&row, offset_s);
             self.keep(&row, offset_s)?;
             self.keep_false_alerts(Phase::Recovery);

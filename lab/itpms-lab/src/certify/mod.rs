@@ -11,7 +11,7 @@
 //! | `test_case` | what a test does to the car |
 //! | `course` | a test as a scenario: learning, standstill, detection |
 //! | `telltale` | what the driver would see |
-//! | `watched` | the monitor, on accelerations or on wheel speeds alone |
+//! | `watched` | the monitor, on accelerations or on wheel speeds |
 //! | `drive` | one test from the reset to the tell-tale's end |
 //! | `outcome` | what came of it, and whether that passes |
 //! | `patterns` | tests of one kind together |
@@ -63,7 +63,7 @@ pub struct Request {
     pub only: Option<String>,
     /// Seed of the first test's course; the others follow.
     pub seed: u64,
-    /// What the car has; with wheel speeds alone it has no sensor to unplug, and every combination of tires is let down for both.
+    /// What the car has; with wheel speeds it has no sensor to unplug, and every combination of tires is let down for both.
     pub sensors: Sensors,
     /// What it knows of its loads, which do not change in a test; of no meaning with accelerations.
     pub loads: LoadsTold,
@@ -174,7 +174,7 @@ pub fn certify(request: &Request, progress: Progress<'_>) -> Result<Certificate,
             let course = course::Course::new(&procedure)?;
             let course = match request.sensors {
                 Sensors::Accelerations => course,
-                Sensors::WheelSpeeds => course.on_wheel_speeds(seed),
+                Sensors::WheelSpeeds | Sensors::Pulses => course.on_wheel_speeds(seed),
             };
             runs.push((procedure, course, seed));
         }
@@ -188,14 +188,14 @@ pub fn certify(request: &Request, progress: Progress<'_>) -> Result<Certificate,
         .build()?;
     let outcomes: Result<Vec<Outcome>, CertifyError> = pool.install(|| {
         let one = |(procedure, course, seed): &(Procedure, course::Course, u64)| {
-            drive::drive(procedure, course, *seed, request.loads, &odometer)
+            drive::drive(procedure, course, *seed, (request.sensors, request.loads), &odometer)
         };
         runs.par_iter().map(one).collect()
     });
     let outcomes = outcomes?;
     let patterns = match request.sensors {
         Sensors::Accelerations => vec![],
-        Sensors::WheelSpeeds => {
+        Sensors::WheelSpeeds | Sensors::Pulses => {
             let of: Vec<_> = runs.iter().map(|(procedure, ..)| *procedure).zip(&outcomes).collect();
             patterns::by_pattern(&of)
         }

@@ -46,7 +46,7 @@ impl Procedure {
         };
         let mut tests: Vec<Test> = lows.into_iter().map(Test::Low).collect();
         tests.push(Test::LowAll);
-        if sensors == Sensors::WheelSpeeds {
+        if sensors.are_of_wheels() {
             return tests.into_iter().map(|test| Self { rule, test }).collect();
         }
         let sensors = || Corner::ALL.into_iter().flat_map(|corner| PLACES.map(|place| (corner, place)));

@@ -112,7 +112,8 @@ impl Certificate {
             ]
         });
         let rows: Vec<[String; 9]> = std::iter::once(head.map(str::to_owned)).chain(rows).collect();
-        aligned(&rows) + "Wheel speeds alone: what all four tires lose alike is not seen; a dash is never.\n"
+        aligned(&rows)
+            + "Wheel speeds alone: what all four tires lose alike is not seen, but by tooth pulses; a dash is never.\n"
     }
 
     /// How many did not pass.

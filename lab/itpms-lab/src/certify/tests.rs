@@ -37,7 +37,7 @@ fn driven(procedure: &Procedure, course: &Course) -> Outcome {
     let progress = &|_: u64, _: u64| ControlFlow::Continue(());
     let (done_s, stopped) = (AtomicU64::new(0), AtomicBool::new(false));
     let odometer = Odometer { done_s, total_s: course.longest_s() as u64, stopped, progress };
-    drive(procedure, course, 7, LoadsTold::Unknown, &odometer).unwrap()
+    drive(procedure, course, 7, (Sensors::Accelerations, LoadsTold::Unknown), &odometer).unwrap()
 }
 
 /// A second sensor for ten seconds, of which the test knows nothing.
@@ -76,7 +76,8 @@ fn an_unplugged_sensor_is_told_and_the_run_repeats_to_the_bit() {
         let progress = &|_: u64, _: u64| ControlFlow::Continue(());
         let (done_s, stopped) = (AtomicU64::new(0), AtomicBool::new(false));
         let odometer = Odometer { done_s, total_s: course.longest_s() as u64, stopped, progress };
-        let outcome = drive(&procedure, &course, 7, LoadsTold::Unknown, &odometer).unwrap();
+        let outcome =
+            drive(&procedure, &course, 7, (Sensors::Accelerations, LoadsTold::Unknown), &odometer).unwrap();
         let done_s = odometer.done_s.load(Ordering::Relaxed);
         // All of the way is reported, up to a report's length.
         assert!((done_s as f64 - course.longest_s()).abs() <= 10.0, "{done_s}");
@@ -130,4 +131,14 @@ fn on_wheel_speeds_one_tire_is_found_and_runs_of_a_kind_are_put_together() {
     assert!(rear.worst_s >= rear.median_s && rear.worst_s <= Some(1200.0));
     // It has no accelerometer to unplug.
     assert!(matches!(procedures(&on_wheel_speeds("unplugged")), Err(CertifyError::NoSuchTest { .. })));
+}
+
+#[test]
+fn by_tooth_pulses_all_four_are_found_and_nothing_else_is_said() {
+    let go = |_: u64, _: u64| ControlFlow::Continue(());
+    let request = Request { sensors: Sensors::Pulses, ..request("fmvss-138-low-all") };
+    let certificate = certify(&request, &go).unwrap();
+    let [all] = certificate.outcomes.as_slice() else { panic!("{}", certificate.table()) };
+    assert_eq!((all.named.as_str(), all.false_alerts.len()), ("fl fr rl rr", 0), "{}", certificate.table());
+    assert!(all.warned_after_s.is_some_and(|s| s <= 1200.0) && all.false_alarm_s.is_none());
 }

@@ -1,4 +1,4 @@
-//! The monitor of a test's car: on accelerations, or on wheel speeds alone.
+//! The monitor of a test's car: on accelerations, or on wheel speeds alone, or with their tooth pulses.
 //!
 //! Called by `drive`, which holds what it says against what was done to the car.
 
@@ -7,6 +7,7 @@ use itpms_core::model::{CarConfig, CarSample, Corner, CornerSample, ParameterErr
 use itpms_core::monitor::{MonitorConfig, MonitoredCar, MonitoredWheels};
 use itpms_core::warning::MonitorReport;
 use itpms_core::wheel_speed::{LoadUncertainty, WheelSpeedSample};
+use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::SimRow;
 
 use super::course::Course;
@@ -14,14 +15,14 @@ use super::outcome::TracePoint;
 use super::procedure::Procedure;
 use super::telltale::{Lamp, lit, lit_by_alerts};
 use super::{CertifyError, LoadsTold};
-use crate::sensors::{wheel_speed_config, wheel_speed_sample};
+use crate::sensors::{Pulses, Sensors, wheel_speed_config, wheel_speed_sample};
 
 /// A monitor and what it reported last.
 // There is one at a time.
 #[allow(clippy::large_enum_variant)]
 pub(super) enum Watched {
     Car { car: Box<MonitoredCar<f64>>, estimate: Option<CarEstimate<f64>> },
-    Wheels { wheels: Box<MonitoredWheels<f64>>, report: Box<MonitorReport<f64>> },
+    Wheels { wheels: Box<MonitoredWheels<f64>>, pulses: Option<Pulses>, report: Box<MonitorReport<f64>> },
 }
 
 impl Watched {
@@ -29,6 +30,7 @@ impl Watched {
         procedure: &Procedure,
         course: &Course,
         loads: LoadsTold,
+        sensors: Sensors,
     ) -> Result<Self, CertifyError> {
         let scenario = &course.scenario;
         let load = match loads {
@@ -37,7 +39,11 @@ impl Watched {
         };
         if let Some(config) = wheel_speed_config(scenario, load) {
             let wheels = Box::new(MonitoredWheels::new(&config)?);
-            return Ok(Self::Wheels { wheels, report: Box::new(MonitorReport::empty()) });
+            let pulses = match sensors {
+                Sensors::Pulses => Some(Pulses::new(scenario)?),
+                Sensors::Accelerations | Sensors::WheelSpeeds => None,
+            };
+            return Ok(Self::Wheels { wheels, pulses, report: Box::new(MonitorReport::empty()) });
         }
         let mut config = CarConfig { corners: [None; 4], wheelbase_m: Some(scenario.wheelbase_m) };
         for corner in Corner::ALL {
@@ -50,7 +56,23 @@ impl Watched {
     pub(super) fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
         match self {
             Self::Car { car, .. } => car.begin_calibration(seconds),
-            Self::Wheels { wheels, .. } => wheels.begin_calibration(seconds),
+            Self::Wheels { wheels, pulses, .. } => {
+                if let Some(pulses) = pulses {
+                    pulses.torsion.begin_calibration();
+                }
+                wheels.begin_calibration(seconds)
+            }
+        }
+    }
+
+    /// A drive of the same car begins.
+    pub(super) fn roll(&mut self, scenario: &Scenario, seed: u64) -> Result<(), CertifyError> {
+        match self {
+            Self::Wheels { pulses: Some(pulses), .. } => {
+                let car_seed = scenario.wheel_speeds.and_then(|wheels| wheels.car_seed).unwrap_or(seed);
+                Ok(pulses.roll(scenario, car_seed, seed)?)
+            }
+            Self::Wheels { .. } | Self::Car { .. } => Ok(()),
         }
     }
 
@@ -61,9 +83,16 @@ impl Watched {
                 let sample = row.car_sample();
                 *estimate = Some(car.update(&CarSample { time_s: offset_s + sample.time_s, ..sample }));
             }
-            Self::Wheels { wheels, report } => {
+            Self::Wheels { wheels, pulses, report } => {
                 let Some((sample, _)) = wheel_speed_sample(row) else { return };
-                wheels.update(&WheelSpeedSample { time_s: offset_s + sample.time_s, ..sample });
+                let sample = WheelSpeedSample { time_s: offset_s + sample.time_s, ..sample };
+                match pulses {
+                    Some(pulses) => {
+                        pulses.until(row.time_s, offset_s);
+                        wheels.update_with_pulses(&sample, &mut pulses.torsion);
+                    }
+                    None => wheels.update(&sample),
+                }
                 wheels.tell_alone(report);
             }
         }
@@ -78,7 +107,7 @@ impl Watched {
                 });
                 *estimate = Some(car.update(&CarSample { time_s, speed_m_s: 0.0, corners }));
             }
-            Self::Wheels { wheels, report } => {
+            Self::Wheels { wheels, report, .. } => {
                 wheels.update(&WheelSpeedSample {
                     time_s,
                     wheel_speed_m_s: [0.0; 4],

@@ -15,7 +15,6 @@ use serde::{Deserialize, Serialize};
 
 use super::rolling::{self, RadiusHour};
 use super::{Car, Plan, SoakError};
-use crate::sensors::Sensors;
 
 /// Rows between two questions whether to go on.
 pub(super) const ASK_ROWS: u64 = 2000;
@@ -96,7 +95,7 @@ impl Hour {
 
 /// Drives one seed.
 pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) -> Result<Hour, SoakError> {
-    if plan.sensors == Sensors::WheelSpeeds {
+    if plan.sensors.are_of_wheels() {
         return rolling::drive(plan, seed, flow);
     }
     let begun = Instant::now();

@@ -1,4 +1,4 @@
-//! One drive of a car with wheel speeds alone in which nothing is wrong: what was reported, how near it came to more, and whether the
+//! One drive of a car with wheel speeds alone, or with its tooth pulses, in which nothing is wrong: what was reported, how near it came to more, and whether the
 //! radii's differences were where their spread says.
 
 use std::ops::ControlFlow;
@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::hour::{ASK_ROWS, HALF_95, Hour, WheelHour, note, scenario};
 use super::{Car, Plan, SoakError};
-use crate::sensors::{wheel_speed_config, wheel_speed_sample};
+use crate::sensors::{Pulses, Sensors, wheel_speed_config, wheel_speed_sample};
 
 /// Length in s of the calibration at the beginning of a drive that does not say otherwise.
 const CALIBRATE_S: f64 = 600.0;
@@ -47,6 +47,14 @@ pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) 
     }
     let calibrate_s = plan.calibrate_s.unwrap_or(CALIBRATE_S);
     wheels.begin_calibration(calibrate_s)?;
+    let mut pulses = match plan.sensors {
+        Sensors::Pulses => Some(Pulses::new(&scenario)?),
+        Sensors::Accelerations | Sensors::WheelSpeeds => None,
+    };
+    if let Some(pulses) = &mut pulses {
+        pulses.roll(&scenario, seed, seed)?;
+        pulses.torsion.begin_calibration();
+    }
     let mut watch = Watch::new(calibrate_s);
     let mut said = vec![];
     let (mut before, mut report) = (MonitorReport::empty(), MonitorReport::empty());
@@ -58,7 +66,13 @@ pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) 
         rows += 1;
         km = 1e-3 * row.distance_m;
         let Some((sample, truth)) = wheel_speed_sample(&row) else { continue };
-        wheels.update(&sample);
+        match &mut pulses {
+            Some(pulses) => {
+                pulses.until(row.time_s, 0.0);
+                wheels.update_with_pulses(&sample, &mut pulses.torsion);
+            }
+            None => wheels.update(&sample),
+        }
         wheels.tell_alone(&mut report);
         note(row.time_s, &before, &report, &mut said);
         before = report;
@@ -161,7 +175,7 @@ mod tests {
 
     #[test]
     fn an_hour_on_wheel_speeds_is_one_of_which_something_is_known() {
-        let plan = Plan { drive_s: 1200.0, sensors: crate::sensors::Sensors::WheelSpeeds, ..Plan::default() };
+        let plan = Plan { drive_s: 1200.0, sensors: Sensors::WheelSpeeds, ..Plan::default() };
         let hour = drive(&plan, 2, &|| ControlFlow::Continue(())).unwrap();
         let radii = hour.radii.unwrap();
         assert!(hour.said.is_empty(), "{:?}", hour.said);

@@ -82,8 +82,11 @@ pub(super) fn axle_keys(out: &mut String, axles: &AxleWheels) {
     let _ = writeln!(out, "driven = \"{}\"\nlimited_slip = {}", axles.driven.label(), axles.limited_slip);
 }
 
-/// How a radius follows the pressure.
+/// How a radius and a torsional resonance follow the pressure.
 pub(super) fn radius_keys(out: &mut String) {
     line(out, "radius_per_ln_pressure", 0.007, 4, "of no tire in particular (docs/math/wheel-speed.md)");
     line(out, "radius_per_ln_pressure_sd", 0.0042, 4, "");
+    line(out, "torsion_hz", 49.5, 1, "for tooth pulses: of no tire in particular, a calibration finds it");
+    line(out, "torsion_hz_per_kpa", 0.052, 3, "the same; no calibration finds it");
+    let _ = writeln!(out, "{:<40} # of the wheel speed sensor's ring; count them", "teeth = 48");
 }

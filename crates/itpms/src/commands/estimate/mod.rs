@@ -80,6 +80,7 @@ fn settings(args: &EstimateArgs) -> Settings {
         road_repeats: args.road_repeats,
         calibrate_s: args.calibrate_s,
         reference: args.reference.clone(),
+        pulses: args.pulses.clone(),
         calibration_kpa: args.pressure_kpa.map_or([None; 4], |pressures| pressures.0),
         rate_hz: args.rate,
         pressure_unit: args.unit.pressure_unit,
@@ -128,6 +129,7 @@ fn check_names(args: &EstimateArgs) -> Result<(), Failure> {
         (Some(args.log.as_path()), "the drive log"),
         (Some(&args.vehicle), "the vehicle file"),
         (args.reference.as_deref(), "the learned reference"),
+        (args.pulses.as_deref(), "the tooth pulses"),
         dbc,
         signals,
     ];

@@ -1,7 +1,7 @@
 //! What is reported at the end: a line for the drive, one per corner and one per alert, or the same as JSON.
 
 use itpms_console::Screen;
-use itpms_drive::{corner_line, summary_json, wheel_speed_lines};
+use itpms_drive::{corner_line, summary_json, torsion_line, wheel_speed_lines};
 use serde_json::{Value, json};
 
 use super::Estimated;
@@ -34,6 +34,9 @@ pub(crate) fn print_corners(screen: &Screen, estimated: &Estimated) {
         screen.print(corner_line(corner, end_s, unit));
     }
     for line in done.radii.iter().flat_map(wheel_speed_lines) {
+        screen.print(line);
+    }
+    if let Some(line) = torsion_line(done, unit) {
         screen.print(line);
     }
     for sentence in done.alerts.sentences(origin_s, unit) {

@@ -1,0 +1,104 @@
+//! Tooth pulses from the scenario to what is reported of the tires: all four low, from one drive to the next, and what is refused.
+#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
+
+use serde_json::Value;
+
+use crate::common::Bench;
+
+/// A car about 80 km/h on class B; from 1500 to 1560 s all four tires lose a quarter.
+const SCENARIO: &str = r#"
+name = "rolling"
+duration_s = 3000
+rate_hz = 50
+[speed]
+points_s_km_h = [[0, 70], [200, 90], [400, 70], [600, 90], [800, 70], [1000, 90], [1200, 70], [1400, 90], [1600, 70], [1800, 90], [2000, 70], [2200, 90], [2400, 70], [3000, 90]]
+[road.surface.iso8608]
+roughness = "B"
+slope = 2.0
+[car]
+[wheel_speeds]
+alone = true
+car_seed = 5
+[corner]
+fl = { pressure.points_s_kpa = [[1500.0, 241.3], [1560.0, 181.0]] }
+fr = { pressure.points_s_kpa = [[1500.0, 241.3], [1560.0, 181.0]] }
+rl = { pressure.points_s_kpa = [[1500.0, 241.3], [1560.0, 181.0]] }
+rr = { pressure.points_s_kpa = [[1500.0, 241.3], [1560.0, 181.0]] }
+"#;
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap()
+}
+
+#[test]
+fn all_four_are_found_by_their_pulses_in_the_drive_and_on_the_next_one() {
+    let bench = Bench::new();
+    bench.write("rolling.toml", SCENARIO);
+    bench
+        .run("lab simulate rolling.toml --seed 3 -o drive.csv --pulses-out teeth.parquet --vehicle-out car.toml")
+        .success();
+    let estimate = "estimate drive.csv --pulses teeth.parquet --vehicle car.toml --json";
+    let first = format!("{estimate} --calibrate-s 1200 --save-reference car.reference");
+    let summary = json(bench.run(&first).success());
+    let alerts = summary["alerts"].as_array().unwrap();
+    assert_eq!(alerts.len(), 1, "{alerts:?}");
+    assert_eq!(alerts[0]["wheels"], serde_json::json!(["fl", "fr", "rl", "rr"]), "{alerts:?}");
+    let said_s = alerts[0]["said_s"].as_f64().unwrap();
+    // R141 gives an hour.
+    assert!((1500.0..3000.0).contains(&said_s), "{said_s}");
+    assert!(!summary["wheel_speeds"]["not_seen"].to_string().contains("all four"), "{summary}");
+    for wheel in ["fl", "fr", "rl", "rr"] {
+        let [change, sd] =
+            ["change_kpa", "change_sd_kpa"].map(|key| summary["torsion"][wheel][key].as_f64().unwrap());
+        // 60 kPa were lost, half an hour ago; the Hz per kPa are known to a fifth.
+        assert!((change + 60.3).abs() < 2.5 * sd && sd < 20.0, "{wheel} {change} {sd}");
+    }
+    // The same drive with what was learned: from its beginning to its loss all is well, then all four.
+    let text =
+        bench.run("estimate drive.csv --pulses teeth.parquet --vehicle car.toml --reference car.reference");
+    let text = text.success();
+    assert!(text.contains("all four tires have lost air since the calibration"), "{text}");
+    assert!(text.contains("by the tooth pulses since the calibration fl -"), "{text}");
+    // Without pulses nobody knows.
+    let without =
+        json(bench.run("estimate drive.csv --vehicle car.toml --reference car.reference --json").success());
+    assert_eq!((&without["alerts"], &without["torsion"]), (&serde_json::json!([]), &Value::Null));
+}
+
+#[test]
+fn pulses_that_belong_to_nothing_are_refused() {
+    let bench = Bench::new();
+    let short = SCENARIO.replace("duration_s = 3000", "duration_s = 20");
+    bench.write("rolling.toml", &short);
+    bench
+        .run("lab simulate rolling.toml -o drive.csv --vehicle-out car.toml --pulses-out teeth.csv")
+        .success();
+    let pulses = bench.read("teeth.csv");
+    assert!(pulses.starts_with("time_s,wheel\n0.00") && pulses.lines().count() > 30_000);
+    let refused = |pulses: &str| {
+        let line = format!("estimate drive.csv --pulses {pulses} --vehicle car.toml");
+        bench.run(&line).refusal().to_owned()
+    };
+    let vehicle = bench.read("car.toml");
+    bench.write("car.toml", vehicle.replace("rolling_radius_m = 0.31\n", ""));
+    assert!(refused("teeth.csv").contains("has no [tire] rolling_radius_m"));
+    bench.write("car.toml", vehicle);
+    bench.write("later.csv", "time_s,wheel\n100,fl\n100.1,fr\n");
+    let message = refused("later.csv");
+    assert!(
+        message.contains("later.csv: no pulse lies between 0 and 19.98 s, the times of drive.csv; expected both by one clock"),
+        "{message}"
+    );
+    bench.write("wrong.csv", "time_s,wheel\n0.1,fl\n0.2,lf\n");
+    assert!(
+        refused("wrong.csv")
+            .contains("wrong.csv: line 3, column wheel: found \"lf\", expected fl, fr, rl or rr")
+    );
+    bench.run("lab simulate drive-puncture -o shaken.csv --vehicle-out shaken.toml").success();
+    let message =
+        bench.run("estimate shaken.csv --pulses teeth.csv --vehicle shaken.toml").refusal().to_owned();
+    assert!(
+        message.contains("tooth pulses count together with wheel speeds, and the log has none"),
+        "{message}"
+    );
+}
