@@ -92,6 +92,5 @@ impl<F: LineFormat> LineReader<F> {
                 expected: F::EXPECTED,
             },
         }
-        .into()
     }
 }

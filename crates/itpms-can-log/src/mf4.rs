@@ -78,7 +78,8 @@ impl Group {
     fn advance(&mut self, start_s: f64, repairs: &mut FrameRepairs) -> Result<(), CanProblem> {
         self.next = None;
         while self.next.is_none() {
-            let Some(time_s) = self.cursor.next().map_err(|error| CanProblem::Mdf4(*error.problem))? else {
+            let Some(time_s) = self.cursor.next_frame().map_err(|error| CanProblem::Mdf4(*error.problem))?
+            else {
                 return Ok(());
             };
             self.count += 1;

@@ -152,6 +152,6 @@ fn frame_table(lines: &mut TextLines) -> Result<FrameTable, CanProblem> {
     let first = text.split(|byte| *byte == b'\n').next().unwrap_or(text);
     FrameTable::of_header(first).ok_or_else(|| {
         let expected = <FrameTable as LineFormat>::EXPECTED;
-        CanProblem::NothingUnderstood { lines: 1, line: 1, found: beginning(first), expected }.into()
+        CanProblem::NothingUnderstood { lines: 1, line: 1, found: beginning(first), expected }
     })
 }

@@ -33,6 +33,8 @@ pub struct Settings {
     pub rate_hz: f64,
     /// Unit of the pressures that people read: lines, sentences and pages. Files are in kPa.
     pub pressure_unit: PressureUnit,
+    /// The command that all this came from, for the end of a report; empty: not shown.
+    pub command: String,
 }
 
 impl Default for Settings {
@@ -47,6 +49,7 @@ impl Default for Settings {
             calibration_kpa: [None; 4],
             rate_hz: 10.0,
             pressure_unit: PressureUnit::Kpa,
+            command: String::new(),
         }
     }
 }

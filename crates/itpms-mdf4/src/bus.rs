@@ -98,7 +98,7 @@ impl FrameCursor {
     ///
     /// # Errors
     /// See [`GroupCursor::next`].
-    pub fn next(&mut self) -> Result<Option<f64>, Mdf4Error> {
+    pub fn next_frame(&mut self) -> Result<Option<f64>, Mdf4Error> {
         self.cursor.next(&mut self.values)
     }
 

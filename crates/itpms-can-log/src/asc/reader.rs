@@ -147,6 +147,5 @@ impl AscReader {
                 expected: EXPECTED,
             },
         }
-        .into()
     }
 }

@@ -52,7 +52,7 @@ impl BlfReader {
         let mut start = Vec::new();
         (&mut file).take(header::LEAST as u64).read_to_end(&mut start).map_err(FileProblem::Read)?;
         if start.is_empty() {
-            return Err(CanProblem::Empty { expected: "a BLF header that begins with LOGG" }.into());
+            return Err(CanProblem::Empty { expected: "a BLF header that begins with LOGG" });
         }
         let header = Header::read(&start).ok_or_else(|| CanProblem::NoHeader {
             found: start.get(..4).unwrap_or(&start).escape_ascii().to_string(),
@@ -186,8 +186,7 @@ impl BlfReader {
                     FramePlace::Byte(at) | FramePlace::Line(at) | FramePlace::Frame(at) => at,
                 },
                 found: first.found.clone(),
-            }
-            .into()),
+            }),
             _ => Ok(None),
         }
     }

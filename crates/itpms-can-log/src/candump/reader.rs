@@ -114,7 +114,7 @@ impl CandumpReader {
                 Err(_) if !self.lines.is_terminated() && self.frames > 0 => repairs.cut_off = Some(place),
                 Err(LineProblem::NoTimeStamp) if self.frames == 0 => {
                     let found = beginning(self.lines.text());
-                    return Err(CanProblem::NoTimeStamp { line: self.lines.number(), found }.into());
+                    return Err(CanProblem::NoTimeStamp { line: self.lines.number(), found });
                 }
                 Err(problem) => self.strange(place, problem, repairs)?,
             }
@@ -154,7 +154,6 @@ impl CandumpReader {
                 expected: EXPECTED,
             },
         }
-        .into()
     }
 }
 
