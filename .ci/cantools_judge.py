@@ -3,7 +3,7 @@
 
     cantools_judge.py DBC_LINES [MESSAGES]
 
-DBC_LINES is the built example `dbc_lines` of itpms-data. Prints every difference and ends with 1 if there is one."""
+DBC_LINES is the built example `dbc_lines` of itpms-can-log. Prints every difference and ends with 1 if there is one."""
 
 import math
 import random

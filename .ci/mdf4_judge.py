@@ -2,7 +2,7 @@
 
     python mdf4_judge.py EXAMPLES      the folder with the built examples mdf4_make and mdf4_digest
 
-Also writes the files of crates/itpms-data/tests/data/mdf4 again, which checks their formulas. Needs asammdf and numpy.
+Also writes the files of crates/itpms-mdf4/tests/data again, which checks their formulas. Needs asammdf and numpy.
 """
 
 import subprocess
@@ -14,7 +14,7 @@ import numpy as np
 from asammdf import MDF, Signal
 
 ROOT = Path(__file__).resolve().parent.parent
-DATA = ROOT / "crates/itpms-data/tests/data/mdf4"
+DATA = ROOT / "crates/itpms-mdf4/tests/data"
 
 
 def digest(values, missing):

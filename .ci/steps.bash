@@ -41,6 +41,7 @@ book() {
 # Who wants no Parquet compiles none.
 lean() {
     cargo check -p itpms-core --locked --no-default-features
+    cargo check -p itpms-can-log --locked
     cargo check -p itpms-data --locked --no-default-features
     cargo check -p itpms --locked --no-default-features
 }
@@ -284,7 +285,7 @@ transcription() {
 asammdf() {
     local python
     python_with asammdf "asammdf, can" asammdf python-can
-    example itpms-data mdf4_make mdf4_digest
+    example itpms-mdf4 mdf4_make mdf4_digest
     "$python" .ci/mdf4_judge.py "$target_dir/release/examples"
 }
 
@@ -292,7 +293,7 @@ asammdf() {
 cantools() {
     local python
     python_with cantools cantools cantools
-    example itpms-data dbc_lines
+    example itpms-can-log dbc_lines
     "$python" .ci/cantools_judge.py "$target_dir/release/examples/dbc_lines"
 }
 
@@ -315,7 +316,7 @@ formats() {
 python_can() {
     local python
     python_with python-can "can.io.mf4, asammdf" python-can asammdf
-    example itpms-data can_copy
+    example itpms-can-log can_copy
     "$python" .ci/python_can.py "$target_dir/release/examples/can_copy"
 }
 
@@ -355,7 +356,7 @@ fuzz_with() {
     for target in $(cd fuzz && cargo fuzz list); do
         mkdir -p "$found/$target"
         seeds=()
-        for directory in "fuzz/seeds/$target" "crates/itpms-data/tests/data/$target"; do
+        for directory in "fuzz/seeds/$target" "crates/itpms-$target/tests/data"; do
             [[ ! -d "$directory" ]] || seeds+=("$PWD/$directory")
         done
         if ! (cd fuzz && RUSTC_BOOTSTRAP=1 cargo fuzz run "$target" "$found/$target" "${seeds[@]}" -- \

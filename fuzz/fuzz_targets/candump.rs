@@ -1,7 +1,7 @@
 //! Lines of candump of any bytes, as a file and one by one.
 #![no_main]
 
-use itpms_data::can::{FrameKind, candump};
+use itpms_can_log::{FrameKind, candump};
 use libfuzzer_sys::fuzz_target;
 
 mod frames;

@@ -1,7 +1,7 @@
 //! An OpenCRG file of any bytes: its surface, along lines within and beside it.
 #![no_main]
 
-use itpms_data::crg::CrgRoad;
+use itpms_opencrg::CrgRoad;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {

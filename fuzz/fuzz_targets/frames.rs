@@ -1,6 +1,6 @@
 //! What holds for a CAN log of any format, whatever is in it.
 
-use itpms_data::can::{FrameKind, FrameReader, candump};
+use itpms_can_log::{FrameKind, FrameReader, candump};
 
 #[path = "scratch.rs"]
 mod scratch;

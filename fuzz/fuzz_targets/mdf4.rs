@@ -1,7 +1,7 @@
 //! An MDF4 file of any bytes: every number of every group is read.
 #![no_main]
 
-use itpms_data::mdf4::{ChannelKind, Mdf4Reader};
+use itpms_mdf4::{ChannelKind, Mdf4Reader};
 use libfuzzer_sys::fuzz_target;
 
 mod scratch;

@@ -244,6 +244,14 @@ const Chart = (() => {
       },
     }, columns, holder);
     register(plot, holder, spec.group, spec.height || 210, full);
+    // Room for the longest of what hovering shows, so that nothing below moves.
+    const places = Array.from({ length: 60 }, (_, k) => Math.round((k * (spec.x.length - 1)) / 59));
+    reserve(at, places.map((i) => (spec.at ? spec.at(spec.x[i]) : short(spec.x[i]))));
+    items.forEach((item, k) => item.text && reserve(outputs[k], places.map((i) => item.text(i))));
+  }
+
+  function reserve(output, texts) {
+    output.style.minWidth = Math.max(...texts.map((text) => text.length)) + "ch";
   }
 
   function clipped(u, draw) {
@@ -310,40 +318,6 @@ const Chart = (() => {
   const WARNING = [["none", "grid", "plain"], ["malfunction", "warn", "cross"], ["low", "low", "lines"]];
   const STATE = [["fine", "fine", "plain"], ["not known", "quiet", "dots"], ["too high", "extra", "lines"], ["malfunction", "warn", "cross"], ["low", "low", "lines"]];
 
-  function block(ctx, x, y, w, h, color, pattern) {
-    const dpr = devicePixelRatio || 1;
-    ctx.save();
-    ctx.beginPath();
-    ctx.rect(x, y, w, h);
-    ctx.clip();
-    ctx.fillStyle = ink(color);
-    ctx.globalAlpha = pattern === "plain" ? 0.55 : 0.3;
-    ctx.fillRect(x, y, w, h);
-    ctx.globalAlpha = 0.9;
-    ctx.strokeStyle = ink(color);
-    ctx.lineWidth = 1.2 * dpr;
-    const step = 7 * dpr;
-    ctx.beginPath();
-    if (pattern === "lines" || pattern === "cross") {
-      // From a fixed origin, so that neighbours match.
-      for (let d = Math.floor((x - h) / step) * step; d < x + w; d += step) {
-        ctx.moveTo(d, y + h);
-        ctx.lineTo(d + h, y);
-        if (pattern === "cross") {
-          ctx.moveTo(d, y);
-          ctx.lineTo(d + h, y + h);
-        }
-      }
-      ctx.stroke();
-    } else if (pattern === "dots") {
-      for (let px = Math.floor(x / step) * step; px < x + w; px += step) {
-        for (let py = y + step / 2; py < y + h; py += step) ctx.rect(px, py, 1.6 * dpr, 1.6 * dpr);
-      }
-      ctx.fill();
-    }
-    ctx.restore();
-  }
-
   // rows: [name, stretches [from, to, code], table of codes], drawn from top to bottom; `axis`: with a time axis.
   function strip(figure, rows, axis) {
     const height = 28 * rows.length + (axis ? 46 : 0);
@@ -388,7 +362,7 @@ const Chart = (() => {
           for (const [from, to, code] of runs) {
             const a = u.valToPos(from, "x", true), b = u.valToPos(to, "x", true);
             const [name, color, pattern] = table[code];
-            block(u.ctx, a, y, Math.max(b - a, dpr), h, color, pattern);
+            fillPattern(u.ctx, dpr, a, y, Math.max(b - a, dpr), h, ink(color), pattern);
             const left = Math.max(a, u.bbox.left), room = Math.min(b, u.bbox.left + u.bbox.width) - left;
             u.ctx.font = FONT.replace("12px", 12 * dpr + "px");
             const width = u.ctx.measureText(name).width + 12 * dpr;

@@ -13,9 +13,25 @@ pub const FIGURES_STYLE: &str = include_str!("../assets/figures.css");
 /// The place of the policy in a template: in the content of `<meta http-equiv="Content-Security-Policy">`, before all scripts and styles.
 const POLICY: &str = "policy";
 
-/// Fills a template's `{{places}}`; a place without a part stays empty. What is filled in is not searched for further places.
+/// What the report, the live page and the fleet's page share: colors by day and by night, type, cards, panels, tables.
+pub const BASE_STYLE: &str = include_str!("../assets/base.css");
+
+/// A script that defines `fillPattern`, which draws a state's color and pattern.
+pub const PATTERN_SCRIPT: &str = include_str!("../assets/pattern.js");
+
+/// The beginning of a page, up to its body: its `title`, and the styles `plot_style`, the shared one and `style`.
+const HEAD: &str = include_str!("../assets/head.html");
+
+/// A whole page of which `body` is the template: the shared beginning and the `{{places}}` of both filled. A place without a part stays
+/// empty; what is filled in is not searched for further places.
 #[must_use]
-pub fn page(template: &str, parts: &[(&str, String)]) -> String {
+pub fn page(body: &str, parts: &[(&str, String)]) -> String {
+    let base_style = [("base_style", BASE_STYLE.to_owned() + &percent_style())];
+    under_policy(&[HEAD, body].concat(), &[parts, &base_style].concat())
+}
+
+/// The template with its parts, among them the policy.
+fn under_policy(template: &str, parts: &[(&str, String)]) -> String {
     let policy = format!(
         "default-src 'none'; style-src {}; script-src {}; img-src data:; base-uri 'none'; form-action 'none'",
         hashes(template, "style", parts),
@@ -52,12 +68,11 @@ fn hashes(template: &str, element: &str, parts: &[(&str, String)]) -> String {
 }
 
 /// Class names for places and widths in whole per cent, which a policy without inline styles needs: `x30 w12`.
-#[must_use]
-pub fn percent_style() -> String {
+fn percent_style() -> String {
     (0..=100).map(|n| format!(".x{n}{{left:{n}%}}.w{n}{{width:{n}%}}")).collect()
 }
 
-/// A share in per cent, as the number of a class of [`percent_style`].
+/// A share in per cent, as the number of a class of the shared style: `w12`, a width, or `x12`, a place.
 #[must_use]
 pub fn whole_percent(percent: f64) -> u8 {
     // A number that is none is 0.
@@ -77,7 +92,7 @@ mod tests {
             ("data", "{}".to_owned()),
             ("text", "<script>stolen()</script>{{looks}}".to_owned()),
         ];
-        let page = page(template, &parts);
+        let page = under_policy(template, &parts);
         // The example of CSP Level 3, section 8.3, and `printf 'p { color: red }' | openssl dgst -sha256 -binary | base64`.
         let policy = "style-src 'sha256-ngewhhP73WDIbgwseeu52VAAJgKdGUsu1IUQQsAm8m4='; script-src 'sha256-qznLcsROx4GACP2dm0UCKCzCG+HiZ1guq6ZZDob/Tng='; img-src";
         assert!(page.contains(policy), "{page}");

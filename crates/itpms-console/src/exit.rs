@@ -11,6 +11,8 @@ use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use itpms_data::crg::CrgError;
+use itpms_data::error::FileError;
 use itpms_data::log::Slot;
 use itpms_data::{DataError, Problem};
 use itpms_drive::DriveError;
@@ -57,6 +59,18 @@ fn remedy(error: &DataError) -> &'static str {
             "; other names or units: itpms signals LOG --write-map map.toml, then --signals map.toml"
         }
         _ => "",
+    }
+}
+
+impl From<FileError> for Failure {
+    fn from(error: FileError) -> Self {
+        Self::Data(error.into())
+    }
+}
+
+impl From<CrgError> for Failure {
+    fn from(error: CrgError) -> Self {
+        Self::Data(error.into())
     }
 }
 

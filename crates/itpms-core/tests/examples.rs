@@ -2,6 +2,8 @@
 
 #[path = "../examples/one_wheel.rs"]
 mod one_wheel;
+#[path = "../examples/own_evidence.rs"]
+mod own_evidence;
 #[path = "../examples/puncture.rs"]
 mod puncture;
 #[path = "../examples/wheel_speeds.rs"]
@@ -17,6 +19,18 @@ fn one_wheel_ends_at_its_pressure() {
     // One of 370 drives is further off.
     assert!((estimate.pressure_kpa - truth_kpa).abs() < 3.0 * estimate.pressure_sd_kpa, "{estimate:?}");
     one_wheel::main().unwrap();
+}
+
+#[test]
+fn own_evidence_counts_where_the_road_shows_nothing() {
+    let last = |with_readings| *own_evidence::drive(with_readings).unwrap().last().unwrap();
+    let ((alone, _), (estimate, truth_kpa)) = (last(false), last(true));
+    // A road that shows nothing leaves the estimator where it started, which it says.
+    assert!(!alone.validity.is_valid() && estimate.validity.is_valid(), "{alone:?} {estimate:?}");
+    assert!(estimate.pressure_sd_kpa < alone.pressure_sd_kpa / 3.0, "{alone:?} {estimate:?}");
+    // One of 370 drives is further off.
+    assert!((estimate.pressure_kpa - truth_kpa).abs() < 3.0 * estimate.pressure_sd_kpa, "{estimate:?}");
+    own_evidence::main().unwrap();
 }
 
 #[test]

@@ -6,12 +6,12 @@
 
 use std::path::Path;
 
+use itpms_files::{input, nearest};
+
 use crate::error::{DataError, Place, Problem};
-use crate::input;
 #[cfg(feature = "parquet")]
 use crate::log::Format;
 use crate::log::{Lines, cells, number, separator, shortened};
-use crate::nearest::nearest;
 #[cfg(feature = "parquet")]
 use crate::parquet_columns::ParquetColumns;
 

@@ -6,16 +6,17 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use itpms_core::model::ParameterError;
+use itpms_files::sentence;
+pub use itpms_files::{FileError, FileProblem, Place};
 use thiserror::Error;
 
-pub use crate::place::Place;
 use crate::pulses::problem::PulseProblem;
 use crate::reference::problem::ReferenceProblem;
 use crate::signals::problem::SignalProblem;
 
 /// A file that could not be used, and why.
 #[derive(Debug, Error)]
-#[error("{}", within(&format!("{}: {problem}", path.display())))]
+#[error("{}", sentence(path, problem))]
 pub struct DataError {
     /// The file.
     pub path: PathBuf,
@@ -24,8 +25,8 @@ pub struct DataError {
 }
 
 impl DataError {
-    pub(crate) fn new(path: &Path, problem: Problem) -> Self {
-        Self { path: path.to_owned(), problem: Box::new(problem) }
+    pub(crate) fn new(path: &Path, problem: impl Into<Problem>) -> Self {
+        Self { path: path.to_owned(), problem: Box::new(problem.into()) }
     }
 
     /// Whether nothing can be written where this could not be: the disk is full, or takes nothing.
@@ -33,7 +34,33 @@ impl DataError {
     pub fn is_of_a_full_disk(&self) -> bool {
         use io::ErrorKind::{FileTooLarge, QuotaExceeded, ReadOnlyFilesystem, StorageFull};
         let full = |kind| matches!(kind, StorageFull | QuotaExceeded | ReadOnlyFilesystem | FileTooLarge);
-        matches!(&*self.problem, Problem::Write(error) if full(error.kind()))
+        matches!(&*self.problem, Problem::File(FileProblem::Write(error)) if full(error.kind()))
+    }
+}
+
+impl From<FileError> for DataError {
+    fn from(error: FileError) -> Self {
+        Self { path: error.path, problem: Box::new(error.problem.into()) }
+    }
+}
+
+#[cfg(feature = "mdf4")]
+impl From<crate::mdf4::Mdf4Error> for DataError {
+    fn from(error: crate::mdf4::Mdf4Error) -> Self {
+        Self { path: error.path, problem: Box::new((*error.problem).into()) }
+    }
+}
+
+#[cfg(feature = "can")]
+impl From<crate::can::CanError> for DataError {
+    fn from(error: crate::can::CanError) -> Self {
+        Self { path: error.path, problem: Box::new((*error.problem).into()) }
+    }
+}
+
+impl From<crate::crg::CrgError> for DataError {
+    fn from(error: crate::crg::CrgError) -> Self {
+        Self { path: error.path, problem: Box::new((*error.problem).into()) }
     }
 }
 
@@ -41,59 +68,9 @@ impl DataError {
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum Problem {
-    // --- any file ---
-    /// Nothing under this name.
-    #[error("no such file")]
-    NotFound,
-    /// A directory where a file belongs.
-    #[error("is a directory, expected a file")]
-    IsDirectory,
-    /// The operating system refused to read.
-    #[error("cannot be read: {0}")]
-    Read(io::Error),
-    /// The operating system refused to write.
-    #[error("cannot be written: {0}")]
-    Write(io::Error),
-    /// A file that one program at a time may use.
-    #[error("is used by another program{}, expected one at a time", by(.process))]
-    InUse {
-        /// Which one, if it says so.
-        process: Option<u32>,
-    },
-    /// The directory to write into is missing.
-    #[error("cannot be written: the directory {} does not exist", .0.display())]
-    NoDirectory(PathBuf),
-    /// More than is read into memory.
-    #[error("has {}{found} bytes, expected {expected} of at most {most}", if *.is_all { "" } else { "more than " })]
-    TooLarge {
-        /// Its size, or how much of it was read.
-        found: u64,
-        /// Whether that is all of it.
-        is_all: bool,
-        /// What it should be.
-        expected: &'static str,
-        /// The limit.
-        most: u64,
-    },
-    /// A line without an end.
-    #[error("line {line} is longer than {most} bytes, expected lines of text")]
-    LongLine {
-        /// Where.
-        line: u64,
-        /// The limit.
-        most: u64,
-    },
-    /// A pipe or device where a file is read in several places.
-    #[error("is a pipe or a device, expected a regular file: {0} is read in several places")]
-    NotRegular(&'static str),
-    /// The format is chosen by the file's extension.
-    #[error("{found}, expected {expected}")]
-    UnknownExtension {
-        /// The extension in words.
-        found: String,
-        /// The known ones.
-        expected: String,
-    },
+    /// One that a file of any format may have.
+    #[error(transparent)]
+    File(#[from] FileProblem),
 
     /// No corner can be made of the signals.
     #[error("{0}")]
@@ -459,13 +436,13 @@ pub enum Problem {
     #[error("found no two rows with different distances, expected a road")]
     NoRoad,
     /// An OpenCRG file that cannot be used.
-    #[error("{0}")]
-    Crg(crate::crg::error::CrgProblem),
+    #[error(transparent)]
+    Crg(crate::crg::CrgProblem),
 
-    /// A CAN log that cannot be used.
+    /// A CAN log or a description of a bus that cannot be used.
     #[cfg(feature = "can")]
     #[error(transparent)]
-    Can(#[from] crate::can::CanProblem),
+    Can(crate::can::CanProblem),
 
     // --- vehicle files, as a whole ---
     /// A vehicle without wheels.
@@ -478,18 +455,12 @@ pub enum Problem {
     /// Not MDF4, or damaged beyond reading.
     #[cfg(feature = "mdf4")]
     #[error(transparent)]
-    Mdf4(#[from] crate::mdf4::Mdf4Problem),
+    Mdf4(crate::mdf4::Mdf4Problem),
 
     // --- learned references ---
     /// Not a reference, not a whole one, or another car's.
     #[error(transparent)]
     Reference(#[from] ReferenceProblem),
-
-    // --- descriptions of a bus ---
-    /// No DBC file that could be used.
-    #[cfg(feature = "can")]
-    #[error(transparent)]
-    Dbc(#[from] crate::dbc::problem::DbcError),
 
     // --- tooth pulses ---
     /// No table of pulses.
@@ -502,26 +473,39 @@ pub enum Problem {
     Signals(#[from] SignalProblem),
 }
 
-/// Characters of a refusal; what stands in the middle of a longer one says least.
-const MOST_CHARACTERS: usize = 400;
-const OF_ITS_END: usize = 150;
-
-fn within(message: &str) -> String {
-    let characters = message.chars().count();
-    if characters <= MOST_CHARACTERS {
-        return message.to_owned();
+#[cfg(feature = "mdf4")]
+impl From<crate::mdf4::Mdf4Problem> for Problem {
+    fn from(problem: crate::mdf4::Mdf4Problem) -> Self {
+        match problem {
+            crate::mdf4::Mdf4Problem::File(problem) => Self::File(problem),
+            other => Self::Mdf4(other),
+        }
     }
-    let beginning: String = message.chars().take(MOST_CHARACTERS - OF_ITS_END - 5).collect();
-    let end: String = message.chars().skip(characters - OF_ITS_END).collect();
-    format!("{beginning} ... {end}")
+}
+
+#[cfg(feature = "can")]
+impl From<crate::can::CanProblem> for Problem {
+    fn from(problem: crate::can::CanProblem) -> Self {
+        match problem {
+            crate::can::CanProblem::File(problem) => Self::File(problem),
+            #[cfg(feature = "mdf4")]
+            crate::can::CanProblem::Mdf4(problem) => problem.into(),
+            other => Self::Can(other),
+        }
+    }
+}
+
+impl From<crate::crg::CrgProblem> for Problem {
+    fn from(problem: crate::crg::CrgProblem) -> Self {
+        match problem {
+            crate::crg::CrgProblem::File(problem) => Self::File(problem),
+            other => Self::Crg(other),
+        }
+    }
 }
 
 fn hint(nearest: &Option<String>) -> String {
     nearest.as_ref().map(|name| format!("; the nearest name there is {name}")).unwrap_or_default()
-}
-
-fn by(process: &Option<u32>) -> String {
-    process.map(|process| format!(" (process {process})")).unwrap_or_default()
 }
 
 fn hint_key(nearest: &Option<String>) -> String {

@@ -5,10 +5,10 @@
 
 use std::path::Path;
 
+use itpms_files::{input, nearest};
+
 use crate::error::{DataError, Place, Problem};
-use crate::input;
 use crate::log::{Lines, number, shortened};
-use crate::nearest::nearest;
 #[cfg(feature = "parquet")]
 use crate::parquet_columns::ParquetColumns;
 

@@ -5,10 +5,10 @@
 use std::fmt::Write as _;
 
 use itpms_core::model::ParameterError;
+use itpms_files::nearest;
 use toml::de::{DeTable, DeValue};
 
 use crate::error::Problem;
-use crate::nearest::nearest;
 
 /// The line (from one) of a byte offset.
 fn line_of(text: &str, offset: usize) -> usize {

@@ -137,7 +137,7 @@ fn refusals_are_short_whatever_is_in_the_log() {
 #[cfg(feature = "mdf4")]
 #[test]
 fn the_list_and_the_reader_agree_on_every_file_of_the_tests() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/mdf4");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../itpms-mdf4/tests/data");
     for entry in fs::read_dir(folder).unwrap() {
         let log = entry.unwrap().path();
         if log.extension().is_none_or(|extension| extension != "mf4") {

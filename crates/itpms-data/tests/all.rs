@@ -4,19 +4,12 @@
 
 mod advice;
 mod bad_logs;
-mod can_damage;
-mod can_logs;
-mod crg;
 mod dbc;
-mod dbc_any;
 mod drive_frames;
 mod foreign_parquet;
 mod listing;
 mod mcap;
 mod mdf4_contents;
-mod mdf4_damage;
-mod mdf4_foreign;
-mod mdf4_round_trip;
 mod parquet_types;
 mod pulses;
 mod reference;

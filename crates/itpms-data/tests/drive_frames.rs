@@ -113,3 +113,25 @@ fn a_bus_log_needs_its_description() {
     let text = LogWriter::create(&log, columns()).unwrap_err().to_string();
     assert!(text.ends_with("expected a DBC file (--dbc car.dbc)"), "{text}");
 }
+
+#[test]
+#[cfg(feature = "mdf4")]
+fn a_description_inside_a_bus_logging_is_used_where_none_is_given() {
+    let data = |of: &str, name: &str| {
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(of).join("tests/data").join(name)
+    };
+    let log = data("itpms-can-log", "python_can.mf4");
+    let given = data("itpms-can-log", "rich.dbc");
+    let expected = itpms_data::dbc::Dbc::read(&given).unwrap();
+    assert_eq!(itpms_data::frame_description(&log, None).unwrap(), expected);
+    assert_eq!(
+        itpms_data::frame_description(&data("itpms-can-log", "python_can.log"), Some(&given)).unwrap(),
+        expected
+    );
+    let none =
+        itpms_data::frame_description(&data("itpms-mdf4", "bus-apart.mf4"), None).unwrap_err().to_string();
+    assert!(none.ends_with("expected a DBC file (--dbc car.dbc)"), "{none}");
+    assert!(itpms_data::holds_frames(&log, None).unwrap());
+    // Signals and no frames, whatever is given.
+    assert!(!itpms_data::holds_frames(&data("itpms-mdf4", "plain.mf4"), Some(&given)).unwrap());
+}

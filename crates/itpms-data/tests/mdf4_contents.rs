@@ -6,8 +6,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use itpms_data::log::{LogOptions, UnitCheck};
+use itpms_data::log::{CornerColumns, LogColumns, LogCorner, LogMotion, LogOptions, UnitCheck};
 use itpms_data::mdf4::{ChannelSpec, Compression, GroupSpec, Mdf4Writer, SampleFormat};
+use itpms_data::out::{LogWriter, Packing};
 use itpms_data::signals::{Lister, Listing, resolve_knowing};
 use itpms_data::{LogReader, LogRow};
 
@@ -217,4 +218,41 @@ fn frames_of_a_bus_and_groups_without_a_clock_are_named_as_such() {
     );
     let resolved = resolve_knowing(&listing.candidates(), &listing.unread, None).unwrap();
     assert!(resolved.remarks().len() == 3 && resolved.unusable().is_some());
+}
+
+/// Without its only packed block there are no rows, and the reader of logs says why.
+#[test]
+fn a_log_that_is_cut_off_says_so() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("log.mf4");
+    let corner = CornerColumns { pressure: false, road: false };
+    let columns =
+        LogColumns { speed: true, corners: [Some(corner), None, None, None], ..LogColumns::default() };
+    let mut writer = LogWriter::create_with(&path, columns, &LogOptions::default(), Packing::Packed).unwrap();
+    for i in 0..20_000 {
+        let time_s = f64::from(i) / 500.0;
+        let values = LogCorner {
+            body_accel_m_s2: (9.0 * time_s).sin(),
+            wheel_accel_m_s2: 9.0 * (71.0 * time_s).sin(),
+            pressure_kpa: f64::NAN,
+            road_m: f64::NAN,
+        };
+        writer
+            .write(&LogRow {
+                time_s,
+                speed_m_s: 20.0,
+                corners: [Some(values), None, None, None],
+                motion: LogMotion::UNKNOWN,
+            })
+            .unwrap();
+    }
+    writer.finish().unwrap().commit().unwrap();
+    assert!(LogReader::open(&path).is_ok());
+    let bytes = fs::read(&path).unwrap();
+    fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
+    let said = LogReader::open(&path).unwrap_err().to_string();
+    assert!(
+        said.contains("too few values of the mapped accelerations (") && said.contains("cut off"),
+        "{said}"
+    );
 }

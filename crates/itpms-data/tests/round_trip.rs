@@ -9,7 +9,7 @@ use itpms_core::model::{Corner, CornerEstimate, Diagnostics, Level, Loss, Validi
 use itpms_core::warning::{Doubt, WheelState};
 use itpms_data::log::{CornerColumns, LogColumns, LogCorner, LogMotion, UnitCheck};
 use itpms_data::out::{EstimateWriter, LogWriter, RoadPoint, RoadWriter, WheelSpeedUse};
-use itpms_data::{LogReader, LogRow};
+use itpms_data::{DataError, LogReader, LogRow};
 use proptest::prelude::*;
 
 fn write(path: &Path, columns: LogColumns, rows: &[LogRow]) {
@@ -218,7 +218,7 @@ fn a_full_disk_is_reported_by_name_in_both_formats() {
                 let e = Some(estimate(f64::from(i).sqrt(), Validity::Valid, Warning::None));
                 writer.write(f64::from(i), &[e; 4], &[None; 4], None)?;
             }
-            writer.finish()?.commit()
+            Ok::<_, DataError>(writer.finish()?.commit()?)
         };
         let text: String = fill().unwrap_err().to_string();
         assert!(text.starts_with(&format!("{}: cannot be written: No space left", path.display())), "{text}");

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use itpms_core::model::Corner;
 use itpms_data::log::{Field, LogColumns, LogMotion, LogOptions, Slot};
-use itpms_data::out::{AtomicFile, LogWriter};
+use itpms_data::out::LogWriter;
 use itpms_data::signals::{Candidate, resolve};
 use itpms_data::{LogReader, LogRow};
 
@@ -114,7 +114,7 @@ fn every_format_that_is_written_reads_back() {
         let path = dir.path().join(name);
         let mut writer = LogWriter::create(&path, columns).unwrap();
         (0..ROWS).for_each(|k| writer.write(&row(k)).unwrap());
-        writer.finish().and_then(AtomicFile::commit).unwrap();
+        writer.finish().unwrap().commit().unwrap();
         let (read_columns, rows) = read(&path, &LogOptions::default());
         assert!(read_columns.motion.wheel_speed && read_columns.motion.brake, "{name}");
         expect(&rows, 1e-9);

@@ -4,6 +4,8 @@ use std::io;
 
 use itpms_core::model::ParameterError;
 use itpms_data::DataError;
+use itpms_data::crg::CrgError;
+use itpms_data::error::FileError;
 use itpms_sim::error::ScenarioError;
 use thiserror::Error;
 
@@ -32,4 +34,16 @@ pub enum DriveError {
     /// It was asked for.
     #[error("interrupted")]
     Stopped,
+}
+
+impl From<FileError> for DriveError {
+    fn from(error: FileError) -> Self {
+        Self::Data(error.into())
+    }
+}
+
+impl From<CrgError> for DriveError {
+    fn from(error: CrgError) -> Self {
+        Self::Data(error.into())
+    }
 }

@@ -20,8 +20,8 @@ pub(crate) fn provenance(job: &Job<'_>, log: &LogReader, sensors_kpa: &[f64; 4])
         vehicle: job.vehicle.name.clone(),
         estimator: estimator_label(job).to_owned(),
         sources: sources(job.vehicle, job.corners),
-        // The same input gives the same page, byte by byte: no date.
-        created: String::new(),
+        // The same command gives the same page, byte by byte: no date of today.
+        command: job.settings.command.clone(),
         options: options(job.settings, job.reading)
             .into_iter()
             .chain(tire_sensors(job, sensors_kpa))

@@ -35,6 +35,8 @@ pub struct Settings {
     pub rate_hz: f64,
     /// Unit of the pressures that people read: lines, sentences and pages. Files are in kPa.
     pub pressure_unit: PressureUnit,
+    /// The command that all this came from, for the end of a report; empty: not shown.
+    pub command: String,
 }
 
 impl Default for Settings {
@@ -50,6 +52,7 @@ impl Default for Settings {
             pulses: None,
             rate_hz: 10.0,
             pressure_unit: PressureUnit::Kpa,
+            command: String::new(),
         }
     }
 }

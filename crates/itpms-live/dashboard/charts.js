@@ -193,37 +193,6 @@ function line(ctx, dpr, color, pattern, from, to) {
 // ---- states over time ---------------------------------------------------------------------------------------------------
 const LOOKS = { fine: ["fine", "plain"], unknown: ["quiet", "dots"], over: ["extra", "lines"], malfunction: ["warn", "cross"], low: ["low", "lines"] };
 
-function block(ctx, dpr, x, y, w, h, [color, pattern]) {
-  ctx.save();
-  ctx.beginPath();
-  ctx.rect(x, y, w, h);
-  ctx.clip();
-  ctx.fillStyle = ctx.strokeStyle = ink(color);
-  ctx.globalAlpha = pattern === "plain" ? 0.55 : 0.3;
-  ctx.fillRect(x, y, w, h);
-  ctx.globalAlpha = 0.9;
-  ctx.lineWidth = 1.2 * dpr;
-  const step = 7 * dpr;
-  ctx.beginPath();
-  if (pattern === "lines" || pattern === "cross") {
-    for (let d = Math.floor((x - h) / step) * step; d < x + w; d += step) {
-      ctx.moveTo(d, y + h);
-      ctx.lineTo(d + h, y);
-      if (pattern === "cross") {
-        ctx.moveTo(d, y);
-        ctx.lineTo(d + h, y + h);
-      }
-    }
-    ctx.stroke();
-  } else if (pattern === "dots") {
-    for (let px = Math.floor(x / step) * step; px < x + w; px += step) {
-      for (let py = y + step / 2; py < y + h; py += step) ctx.rect(px, py, 1.6 * dpr, 1.6 * dpr);
-    }
-    ctx.fill();
-  }
-  ctx.restore();
-}
-
 // Stretches of one state: [from, to, state].
 function runs(time_s, states) {
   const all = [];
@@ -269,7 +238,8 @@ export class States {
       for (const [from, to, state] of row) {
         const a = u.valToPos(from, "x", true), b = u.valToPos(to, "x", true);
         if (b < u.bbox.left) continue;
-        block(ctx, dpr, a, y, Math.max(b - a, dpr), h, LOOKS[state] ?? LOOKS.unknown);
+        const [color, pattern] = LOOKS[state] ?? LOOKS.unknown;
+        fillPattern(ctx, dpr, a, y, Math.max(b - a, dpr), h, ink(color), pattern);
         const left = Math.max(a, u.bbox.left), name = STATES[state] ? STATES[state].word.toLowerCase() : "not known";
         ctx.font = FONT.replace("12px", 12 * dpr + "px");
         const width = ctx.measureText(name).width + 12 * dpr;

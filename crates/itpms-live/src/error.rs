@@ -3,6 +3,8 @@
 use std::io;
 
 use itpms_data::DataError;
+use itpms_data::can::CanError;
+use itpms_data::error::FileError;
 use thiserror::Error;
 
 /// The end of the monitor.
@@ -67,4 +69,16 @@ pub enum LiveError {
         /// What the system says.
         error: io::Error,
     },
+}
+
+impl From<FileError> for LiveError {
+    fn from(error: FileError) -> Self {
+        Self::Data(error.into())
+    }
+}
+
+impl From<CanError> for LiveError {
+    fn from(error: CanError) -> Self {
+        Self::Data(error.into())
+    }
 }

@@ -1,5 +1,6 @@
 //! Sentences as the package's exceptions, which live in `itpms._errors`.
 
+use itpms_data::error::FileProblem;
 use itpms_data::{DataError, Problem};
 use itpms_drive::DriveError;
 use itpms_sim::error::ScenarioError;
@@ -41,7 +42,7 @@ pub(crate) fn raise(py: Python<'_>, kind: Kind, sentence: impl std::fmt::Display
 /// What a file's error is where a file of this kind was read.
 pub(crate) fn data(py: Python<'_>, kind: Kind, error: &DataError) -> PyErr {
     let kind = match *error.problem {
-        Problem::Write(_) | Problem::NoDirectory(_) => Kind::Output,
+        Problem::File(FileProblem::Write(_) | FileProblem::NoDirectory(_)) => Kind::Output,
         Problem::Reference(_) => Kind::Setting,
         _ => kind,
     };

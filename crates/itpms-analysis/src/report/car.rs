@@ -1,17 +1,17 @@
-//! The car from above: four tires with their pressures, states shown by color, sign and word. Drawn as SVG, so that it
-//! is there without a script and on paper.
+//! The car from above: four tires, states shown by color, sign and word; the pressures are those of the cards around it. Drawn as SVG, so
+//! that it is there without a script and on paper.
 //!
 //! Called by the page's writer where there are several corners.
 
 use std::fmt::Write as _;
 
-use itpms_core::model::{Corner, PressureUnit};
+use itpms_core::model::Corner;
 
-use super::words::{Status, corner_name, reading, sentence};
+use super::words::{Status, corner_name, sentence};
 use super::{CornerReport, ReportData};
 use crate::plot::escape;
 
-/// Middle of a tire, and where its numbers stand: x, y, and which end of the text.
+/// Middle of a tire, and where its word stands: x, y, and which end of the text.
 struct Seat {
     tire: (f64, f64),
     text: (f64, f64),
@@ -49,7 +49,7 @@ pub(super) fn drawing(data: &ReportData) -> String {
     for corner in Corner::ALL {
         let seat = seat(corner);
         match data.corners.iter().find(|report| report.corner == corner) {
-            Some(report) => tire(&mut out, &seat, report, data.pressure_unit),
+            Some(report) => tire(&mut out, &seat, report),
             None => absent(&mut out, &seat, corner),
         }
     }
@@ -57,33 +57,20 @@ pub(super) fn drawing(data: &ReportData) -> String {
     out
 }
 
-fn tire(out: &mut String, seat: &Seat, corner: &CornerReport, unit: PressureUnit) {
+fn tire(out: &mut String, seat: &Seat, corner: &CornerReport) {
     let status = Status::of(corner);
     let ((x, y), (text_x, text_y)) = (seat.tire, seat.text);
-    let (number, spread) = match &corner.figures.last {
-        Some(last) => {
-            let text = reading(last, unit);
-            let (number, spread) = text.split_once('\u{a0}').unwrap_or((&text, ""));
-            (number.to_owned(), spread.to_owned())
-        }
-        None => ("–".to_owned(), unit.to_string()),
-    };
     let _ = write!(
         out,
         "<g class=\"tire {class}\"><title>{title}</title><rect x=\"{left}\" y=\"{top}\" width=\"34\" height=\"78\" rx=\"10\"/>\
          <g transform=\"translate({x} {y})\">{sign}</g>\
-         <g text-anchor=\"{anchor}\"><text class=\"tire-number\" x=\"{text_x}\" y=\"{y1}\">{number}</text>\
-         <text class=\"tire-spread\" x=\"{text_x}\" y=\"{y2}\">{spread}</text>\
-         <text class=\"tire-word\" x=\"{text_x}\" y=\"{y3}\">{word}</text></g></g>",
+         <text class=\"tire-word\" x=\"{text_x}\" y=\"{text_y}\" text-anchor=\"{anchor}\">{word}</text></g>",
         class = status.class(),
         title = corner_name(corner.corner),
         left = x - 17.0,
         top = y - 39.0,
         sign = sign(status),
         anchor = seat.anchor,
-        y1 = text_y - 4.0,
-        y2 = text_y + 13.0,
-        y3 = text_y + 31.0,
         word = Status::short(corner),
     );
 }

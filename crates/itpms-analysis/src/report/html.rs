@@ -7,16 +7,15 @@ use std::fmt::Write as _;
 use std::io;
 
 use itpms_core::model::{Level, PressureUnit, Warning};
+use itpms_files::Date;
 
 use super::words::{Status, clock, corner_name, level, reading, sentence, title};
 use super::{CornerReport, ReportData, alerts, car, json, parameters, roads, wheels};
-use crate::page::{percent_style, whole_percent};
+use crate::page::{PATTERN_SCRIPT, whole_percent};
 use crate::plot::escape;
 
 const TEMPLATE: &str = include_str!("../../assets/report.html");
 const STYLE: &str = include_str!("../../assets/report.css");
-/// Colours of the report, by day and by night, as CSS variables.
-pub const BASE_STYLE: &str = include_str!("../../assets/base.css");
 const CHART_SCRIPT: &str = include_str!("../../assets/chart.js");
 const SCRIPT: &str = include_str!("../../assets/report.js");
 /// The charting library uPlot: its style sheet.
@@ -30,29 +29,54 @@ pub const PLOT_SCRIPT: &str = include_str!("../../assets/uplot/uPlot.iife.min.js
 pub(super) fn page(data: &ReportData) -> io::Result<String> {
     let headline = escape(&title(data));
     let curves = json::curves(data)?;
+    let (roads, wheels, parameters) = (roads_section(data), wheels::section(data), parameters::section(data));
     let parts: [(&str, String); 20] = [
+        ("contents", contents(data, [&wheels, &roads, &parameters].map(|section| !section.is_empty()))),
         ("title", headline.clone()),
         ("plot_style", PLOT_STYLE.into()),
-        ("base_style", BASE_STYLE.to_owned() + &percent_style()),
         ("style", STYLE.into()),
         ("headline", headline),
         ("subline", subline(data)),
         ("cards", cards(data)),
         ("arrangement", if data.corners.len() > 1 { "around" } else { "alone" }.into()),
         ("alerts", alerts::table(data)),
-        ("roads", roads_section(data)),
+        ("roads", roads),
         ("figures", figures(data)),
         ("corners", sections(data)),
-        ("wheels", wheels::section(data)),
-        ("parameters", parameters::section(data)),
+        ("wheels", wheels),
+        ("parameters", parameters),
         ("provenance", provenance(data)),
         ("data", curves),
         ("plot_license", PLOT_LICENSE.into()),
         ("plot_script", PLOT_SCRIPT.into()),
-        ("chart_script", CHART_SCRIPT.into()),
+        ("chart_script", PATTERN_SCRIPT.to_owned() + CHART_SCRIPT),
         ("script", SCRIPT.into()),
     ];
     Ok(crate::page::page(TEMPLATE, &parts))
+}
+
+/// The way to each section that the page has; `has`: wheel speeds, roads, parameters.
+fn contents(data: &ReportData, has: [bool; 3]) -> String {
+    let mut out = String::from("<nav class=\"contents\" aria-label=\"On this page\">");
+    let mut link = |is: bool, id: &str, name: &str| {
+        if is {
+            let _ = write!(out, "<a href=\"#{id}\">{name}</a> ");
+        }
+    };
+    let [wheels, roads, parameters] = has;
+    link(true, "warnings", "Warnings");
+    link(data.corners.len() > 1, "overview", "All tires");
+    link(wheels, "wheel-speeds", "Wheel speeds");
+    link(roads, "roads", "Roads");
+    for corner in &data.corners {
+        link(true, corner.corner.label(), corner_name(corner.corner));
+    }
+    link(true, "figures", "Figures");
+    link(parameters, "parameters", "Parameters");
+    link(true, "reading", "How to read this");
+    link(true, "provenance", "Where this comes from");
+    out.push_str("</nav>\n");
+    out
 }
 
 fn subline(data: &ReportData) -> String {
@@ -330,6 +354,18 @@ fn figures(data: &ReportData) -> String {
     out
 }
 
+/// The day and time of a log's first row, where its times count from 1970; empty where they do not.
+fn date(origin_s: f64) -> String {
+    // The year 2000; a clock that counts from its start does not get there.
+    if !(946_684_800.0..4e9).contains(&origin_s) {
+        return String::new();
+    }
+    let Date { year, month, day, hour, minute, second } = Date::of_seconds(origin_s as i64);
+    format!(
+        "{year}-{month:02}-{day:02} {hour:02}:{minute:02}:{second:02}, as the log counts (UTC, or local time)"
+    )
+}
+
 fn provenance(data: &ReportData) -> String {
     let (p, d) = (&data.provenance, &data.drive);
     let mut rows: Vec<(String, String)> = Vec::new();
@@ -339,7 +375,8 @@ fn provenance(data: &ReportData) -> String {
         }
     };
     row("Program", p.program.clone());
-    row("Made", p.created.clone());
+    row("Command", p.command.clone());
+    row("Date of the drive", date(d.origin_s));
     row("Log", p.source.clone());
     row("Vehicle", p.vehicle.clone());
     row("Estimator", p.estimator.clone());
@@ -384,6 +421,16 @@ mod tests {
     }
 
     #[test]
+    fn a_log_whose_times_count_from_1970_has_a_date() {
+        // `date -u -d @1795195053`.
+        assert!(date(1_795_195_053.25).starts_with("2026-11-20 17:17:33"));
+        assert_eq!(
+            (date(0.0), date(86_400.0), date(f64::NAN)),
+            (String::new(), String::new(), String::new())
+        );
+    }
+
+    #[test]
     fn the_strips_have_a_word_for_every_code() {
         // As many as the collector's codes of validity and warning, and the watch's of states: one that is missing stops the script.
         for (table, codes) in [("VALIDITY", 6), ("WARNING", 3), ("STATE", 5)] {
@@ -396,8 +443,7 @@ mod tests {
     #[test]
     fn the_template_names_every_part_once() {
         for name in [
-            "title",
-            "style",
+            "contents",
             "headline",
             "subline",
             "cards",
@@ -412,7 +458,7 @@ mod tests {
         }
         assert!(!PLOT_LICENSE.contains("*/"));
         // Scripts are embedded as they are, so nothing in them may end the element.
-        for script in [SCRIPT, CHART_SCRIPT, PLOT_SCRIPT] {
+        for script in [SCRIPT, CHART_SCRIPT, PATTERN_SCRIPT, PLOT_SCRIPT] {
             assert!(!script.to_lowercase().contains("</script"));
         }
     }

@@ -21,7 +21,7 @@ mod words;
 
 pub use collector::{CornerRow, ReportCollector, ReportOptions};
 pub use figures::{CornerFigures, DriveFigures, Reading, TruthFigures};
-pub use html::{BASE_STYLE, PLOT_LICENSE, PLOT_SCRIPT, PLOT_STYLE};
+pub use html::{PLOT_LICENSE, PLOT_SCRIPT, PLOT_STYLE};
 pub use parameters::Parameter;
 pub use track::{Keep, Track};
 pub use watch::{AlertSpan, WatchReport};
@@ -49,8 +49,8 @@ pub struct Provenance {
     pub vehicle: String,
     /// The estimator's name.
     pub estimator: String,
-    /// When the report was made, in words; empty: not shown.
-    pub created: String,
+    /// The command that made it; empty: not shown.
+    pub command: String,
     /// Names and values of the options in force.
     pub options: Vec<(String, String)>,
     /// Where the vehicle's parameters come from, in words.

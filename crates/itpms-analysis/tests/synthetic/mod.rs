@@ -135,7 +135,7 @@ pub(crate) fn report(drive: &Drive, name: &str) -> ReportData {
         source: "paper-drop.csv".into(),
         vehicle: name.into(),
         estimator: "informed".into(),
-        created: String::new(),
+        command: String::new(),
         options: vec![("calibrate-s".into(), "0".into()), ("seed".into(), "11".into())],
         sources: vec![(Parameter::UnsprungMass, "<the file>".into())],
         repairs: vec![("missing samples".into(), 12), ("rows out of order".into(), 1)],

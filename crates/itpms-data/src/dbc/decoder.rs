@@ -5,7 +5,7 @@
 
 use std::collections::HashMap;
 
-use super::{Dbc, DbcProblem, Message};
+use super::{Dbc, DbcProblem, Message, candidates, of_candidate};
 use crate::can::{CanFrame, CanId, FrameKind};
 use crate::error::DataError;
 use crate::log::Slot;
@@ -61,10 +61,10 @@ impl Decoder {
     /// # Errors
     /// The map does not fit the description; see [`resolve`].
     pub fn new(dbc: Dbc, map: Option<&SignalMap>) -> Result<Self, DataError> {
-        let resolved = resolve(&dbc.candidates(), map)?;
+        let resolved = resolve(&candidates(&dbc), map)?;
         let mut wanted: HashMap<CanId, Wanted> = HashMap::new();
         for chosen in resolved.iter() {
-            if let Some((message, place)) = dbc.of_candidate(chosen.candidate) {
+            if let Some((message, place)) = of_candidate(&dbc, chosen.candidate) {
                 let fresh = || Wanted { message: message.clone(), signals: Vec::new(), first: None };
                 let entry = wanted.entry(message.id).or_insert_with(fresh);
                 entry.signals.push((place, chosen.slot, chosen.conversion));

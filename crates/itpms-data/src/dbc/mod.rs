@@ -1,151 +1,37 @@
-//! Descriptions of a bus (DBC files): which frame carries which signals.
+//! Frames of a bus to the columns of a log and back, by a description of the bus.
 //!
-//! Called by the reader of bus logs, by the live monitor and by `itpms signals`; knows nothing of estimators. Files come
-//! from many programs and are seldom flawless: what cannot be used is named with its line ([`Dbc::problems`]) and left
-//! out, the rest is read. The public crates for the format read a file as a whole or not at all.
-//!
-//! | module | idea |
-//! |---|---|
-//! | `cursor` | words |
-//! | `statement` | how statements are written |
-//! | `build`, `draft` | statements to messages |
-//! | `bits` | where a signal's bits are |
-//! | `message` | bytes to physical values and back |
-//! | `decoder` | frames to readings of columns |
-//! | `encoder` | rows to frames |
-//! | `problem` | what can be wrong |
+//! Called by the reader of bus logs, by the live monitor and by `itpms signals`. The description itself, messages and signals, is
+//! [`itpms_can_log::dbc`]; here is which of its signals are columns.
 
-mod bits;
-mod build;
-mod cursor;
 mod decoder;
-mod draft;
 mod encoder;
-mod message;
-pub(crate) mod problem;
-mod statement;
 
-use std::collections::HashMap;
-use std::path::Path;
-
-pub use bits::{ByteOrder, Layout};
 pub use decoder::{Decoder, FrameCounts};
 pub use encoder::{EncodeCounts, Encoder};
-pub use message::{EncodeError, Kind, Message, Selector, Signal};
-pub use problem::{DbcError, DbcProblem, Fault};
+pub use itpms_can_log::dbc::*;
 
-use crate::can::CanId;
-use crate::error::{DataError, Problem};
-use crate::input;
 use crate::signals::Candidate;
-use build::Builder;
 
-/// Files are read into memory; the largest in use have some 10 MB.
-pub(crate) const LARGEST: u64 = 1 << 26;
-
-/// A description of a bus.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Dbc {
-    messages: Vec<Message>,
-    places: HashMap<CanId, usize>,
-    /// Messages of SAE J1939 by their parameter group; `None` where two have the same.
-    groups: HashMap<u32, Option<usize>>,
-    problems: Vec<DbcProblem>,
+/// All signals of all messages, as candidates for columns.
+#[must_use]
+pub fn candidates(dbc: &Dbc) -> Vec<Candidate> {
+    let signals = dbc.messages().iter().flat_map(|m| m.signals.iter().map(move |signal| (m, signal)));
+    let candidate = |(message, signal): (&Message, &Signal)| Candidate {
+        group: message.name.clone(),
+        name: signal.name.clone(),
+        unit: signal.unit.clone(),
+    };
+    signals.map(candidate).collect()
 }
 
-impl Dbc {
-    /// Reads a file in UTF-8 or code page 1252.
-    ///
-    /// # Errors
-    /// The file cannot be read, is larger than 64 MiB, or has no message with a usable signal.
-    pub fn read(path: &Path) -> Result<Self, DataError> {
-        let bytes =
-            input::read(path, LARGEST, "a DBC file").map_err(|problem| DataError::new(path, problem))?;
-        Self::from_bytes(&bytes).map_err(|error| DataError::new(path, Problem::Dbc(error)))
-    }
-
-    /// The same for a file's contents.
-    ///
-    /// # Errors
-    /// See [`DbcError`].
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, DbcError> {
-        Self::parse(&crate::text::decoded(bytes))
-    }
-
-    /// The same for a file's text.
-    ///
-    /// # Errors
-    /// See [`DbcError`].
-    pub fn parse(text: &str) -> Result<Self, DbcError> {
-        if text.len() as u64 > 2 * LARGEST {
-            return Err(DbcError::TooLarge { found: text.len() as u64, most: LARGEST });
+/// Message and place of the signal in it of the candidate with this number.
+#[must_use]
+pub fn of_candidate(dbc: &Dbc, mut number: usize) -> Option<(&Message, usize)> {
+    for message in dbc.messages() {
+        if number < message.signals.len() {
+            return Some((message, number));
         }
-        let mut builder = Builder::default();
-        let (mut statements, mut faults) = (Vec::new(), Vec::new());
-        let lines = statement::statements(
-            text,
-            |line, statement| statements.push((line, statement)),
-            |line, fault| faults.push((line, fault)),
-        );
-        faults.into_iter().for_each(|(line, fault)| builder.problems.add(line, fault));
-        statements.into_iter().for_each(|(line, statement)| builder.add(line, statement));
-        let (messages, problems) = builder.finish();
-        let problems = problems.finish();
-        if messages.iter().all(|message| message.signals.is_empty()) {
-            let problem = problems.first().cloned().map(Box::new);
-            return Err(DbcError::NoMessage { lines, problem });
-        }
-        let places = messages.iter().enumerate().map(|(place, message)| (message.id, place)).collect();
-        let mut groups = HashMap::new();
-        for (place, message) in messages.iter().enumerate().filter(|(_, message)| message.j1939) {
-            groups.entry(message.id.parameter_group()).and_modify(|only| *only = None).or_insert(Some(place));
-        }
-        Ok(Self { messages, places, groups, problems })
+        number -= message.signals.len();
     }
-
-    /// What is wrong with the file, by line; what it concerns was left out unless it says otherwise.
-    #[must_use]
-    pub fn problems(&self) -> &[DbcProblem] {
-        &self.problems
-    }
-
-    /// The messages, in the file's order.
-    #[must_use]
-    pub fn messages(&self) -> &[Message] {
-        &self.messages
-    }
-
-    /// The message with this identifier; on SAE J1939 that of its parameter group, whoever sends it.
-    #[must_use]
-    pub fn message(&self, id: CanId) -> Option<&Message> {
-        let of_group = || {
-            let extended = Some(id).filter(|id| id.is_extended() && !self.groups.is_empty())?;
-            *self.groups.get(&extended.parameter_group())?
-        };
-        self.messages.get(self.places.get(&id).copied().or_else(of_group)?)
-    }
-
-    /// All signals of all messages, as candidates for columns.
-    #[must_use]
-    pub fn candidates(&self) -> Vec<Candidate> {
-        let signals = self.messages.iter().flat_map(|m| m.signals.iter().map(move |signal| (m, signal)));
-        let candidate = |(message, signal): (&Message, &Signal)| Candidate {
-            group: message.name.clone(),
-            name: signal.name.clone(),
-            unit: signal.unit.clone(),
-        };
-        signals.map(candidate).collect()
-    }
-
-    /// Message and place of the signal in it of the candidate with this number.
-    #[must_use]
-    pub fn of_candidate(&self, mut number: usize) -> Option<(&Message, usize)> {
-        for message in &self.messages {
-            if number < message.signals.len() {
-                return Some((message, number));
-            }
-            number -= message.signals.len();
-        }
-        None
-    }
+    None
 }

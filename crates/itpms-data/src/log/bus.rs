@@ -5,6 +5,8 @@
 use std::path::Path;
 
 use super::format::LogFormat;
+#[cfg(feature = "mdf4")]
+use crate::can::CanProblem;
 use crate::dbc::Dbc;
 use crate::error::{DataError, Problem};
 
@@ -29,7 +31,7 @@ pub fn frame_description(log: &Path, dbc: Option<&Path>) -> Result<Dbc, DataErro
             DataError::new(log, Problem::NotApplicable(what))
         })
     };
-    dbc.map_or_else(attached, Dbc::read)
+    dbc.map_or_else(attached, |path| Ok(Dbc::read(path)?))
 }
 
 /// The description that is attached inside a log, if there is one.
@@ -38,14 +40,15 @@ pub fn frame_description(log: &Path, dbc: Option<&Path>) -> Result<Dbc, DataErro
 /// It is damaged, or no description.
 #[cfg(feature = "mdf4")]
 pub(crate) fn attached(log: &Path) -> Result<Option<Dbc>, DataError> {
-    let fail = |problem| DataError::new(log, problem);
     if LogFormat::of(log)? != LogFormat::Mdf4 {
         return Ok(None);
     }
     let reader = crate::mdf4::Mdf4Reader::open(log)?;
     let is_description = |name: &str| name.to_lowercase().ends_with(".dbc");
-    match reader.attachment(is_description, crate::dbc::LARGEST).map_err(fail)? {
-        Some((_, bytes)) => Dbc::from_bytes(&bytes).map(Some).map_err(|error| fail(Problem::Dbc(error))),
+    match reader.attachment(is_description, crate::dbc::LARGEST)? {
+        Some((_, bytes)) => {
+            Dbc::from_bytes(&bytes).map(Some).map_err(|error| DataError::new(log, CanProblem::Dbc(error)))
+        }
         None => Ok(None),
     }
 }

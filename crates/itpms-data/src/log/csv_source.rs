@@ -4,7 +4,9 @@
 use std::fs::File;
 use std::path::Path;
 
-use super::header::{Header, shortened};
+use itpms_files::shortened;
+
+use super::header::Header;
 use super::lines::Lines;
 use super::row::{RawRow, SLOTS, Slot};
 use super::text_head::TextHead;

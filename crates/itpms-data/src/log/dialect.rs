@@ -1,7 +1,5 @@
 //! How a text table separates cells and decimals, and how it writes that a value is missing.
 
-use crate::text;
-
 /// How a file separates cells and decimals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Dialect {
@@ -31,7 +29,7 @@ impl Dialect {
 
     /// The names in the header.
     pub(crate) fn names(self, header: &[u8]) -> Vec<String> {
-        self.cells(header).map(|name| text::decoded(name).replace("\"\"", "\"")).collect()
+        self.cells(header).map(|name| itpms_files::decoded(name).replace("\"\"", "\"")).collect()
     }
 
     /// The cells of a line.

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use crate::error::{DataError, Problem};
-use crate::input;
+use itpms_files::input;
+
+use crate::error::{DataError, FileProblem, Problem};
 
 /// A format of tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -69,7 +70,9 @@ impl OutputFormat {
             // Read, but not written so.
             Some("gz" | "tsv" | "txt") => Err(unknown(path, extension.as_deref(), expected_output())),
             Some(_) => LogFormat::of(path).map(Self::Log).map_err(|error| match *error.problem {
-                Problem::UnknownExtension { .. } => unknown(path, extension.as_deref(), expected_output()),
+                Problem::File(FileProblem::UnknownExtension { .. }) => {
+                    unknown(path, extension.as_deref(), expected_output())
+                }
                 _ => error,
             }),
         }
@@ -111,7 +114,7 @@ impl LogFormat {
     pub(crate) fn of_log(path: &Path, dbc: Option<&Path>) -> Result<Self, DataError> {
         let format = Self::of(path)?;
         #[cfg(all(feature = "can", feature = "mdf4"))]
-        if format == LogFormat::Mdf4 && crate::mdf4::contents::is_bus_log(path, dbc.is_some())? {
+        if format == LogFormat::Mdf4 && crate::mdf4_contents::is_bus_log(path, dbc.is_some())? {
             return Ok(LogFormat::Can);
         }
         #[cfg(feature = "can")]
@@ -177,5 +180,5 @@ fn unknown(path: &Path, extension: Option<&str>, expected: String) -> DataError 
         Some(extension) => format!("unknown file extension .{extension}"),
         None => "no file extension".to_owned(),
     };
-    DataError::new(path, Problem::UnknownExtension { found, expected })
+    DataError::new(path, FileProblem::UnknownExtension { found, expected })
 }

@@ -3,10 +3,10 @@
 //! Called by both sources with their column names.
 
 use itpms_core::model::Corner;
+use itpms_files::{nearest, shortened};
 
 use super::row::{Field, LogColumns, Slot};
 use crate::error::Problem;
-use crate::nearest::nearest;
 use crate::signals::names::meaning;
 use crate::signals::{Conversion, column_unit};
 
@@ -149,13 +149,6 @@ pub(crate) fn separator(names: &[String]) -> Option<char> {
         [only] => [';', '\t', '|'].into_iter().find(|separator| only.contains(*separator)),
         _ => None,
     }
-}
-
-/// A name short enough for a message, whatever a file that is no table had in its first line.
-pub(crate) fn shortened(text: &str) -> String {
-    const LONGEST: usize = 40;
-    let clean: String = text.chars().filter(|c| !c.is_control()).take(LONGEST + 1).collect();
-    if clean.chars().count() > LONGEST { clean.chars().take(LONGEST).chain(['…']).collect() } else { clean }
 }
 
 #[cfg(test)]

@@ -7,9 +7,9 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek};
 
 use flate2::bufread::MultiGzDecoder;
+use itpms_files::input::MOST_OF_A_LINE;
 
-use crate::error::Problem;
-use crate::input::MOST_OF_A_LINE;
+use crate::error::{FileProblem, Problem};
 
 /// How gzip begins, whatever the file is called.
 const GZIP: &[u8] = &[0x1f, 0x8b];
@@ -69,7 +69,7 @@ impl Lines {
         loop {
             self.line.clear();
             let mut limited = (&mut self.input).take(MOST_OF_A_LINE);
-            let length = limited.read_until(b'\n', &mut self.line).map_err(Problem::Read)? as u64;
+            let length = limited.read_until(b'\n', &mut self.line).map_err(FileProblem::Read)? as u64;
             if length == 0 {
                 return Ok(false);
             }
@@ -84,7 +84,7 @@ impl Lines {
             }
             self.number += 1;
             if kept as u64 == MOST_OF_A_LINE {
-                return Err(Problem::LongLine { line: self.number, most: MOST_OF_A_LINE });
+                return Err(FileProblem::LongLine { line: self.number, most: MOST_OF_A_LINE }.into());
             }
             if self.number == 1 && self.line.starts_with(b"\xef\xbb\xbf") {
                 // The byte order mark with which some programs begin a text file.
@@ -122,6 +122,10 @@ impl Lines {
     /// A file of nothing but zeros is no text, and after the text they have an end.
     fn bound_zeros(&self) -> Result<(), Problem> {
         let most = if self.number == 0 { MOST_OF_A_LINE } else { MOST_ZEROS };
-        if self.zeros >= most { Err(Problem::LongLine { line: self.number + 1, most }) } else { Ok(()) }
+        if self.zeros >= most {
+            Err(FileProblem::LongLine { line: self.number + 1, most }.into())
+        } else {
+            Ok(())
+        }
     }
 }

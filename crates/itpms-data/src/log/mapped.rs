@@ -4,11 +4,12 @@
 
 use std::path::Path;
 
+use itpms_files::nearest;
+
 use super::header::Header;
 use super::quantity::Quantity;
 use super::row::{LogColumns, Slot};
 use crate::error::{DataError, Problem};
-use crate::nearest::nearest;
 use crate::signals::{Conversion, SignalMap, SignalProblem, column_unit, resolve};
 
 /// How a table's header is read.

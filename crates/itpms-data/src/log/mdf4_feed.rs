@@ -6,8 +6,8 @@ use std::path::Path;
 use super::row::Slot;
 use super::stamps::{Fate, Strays};
 use crate::error::DataError;
-use crate::mdf4::contents::{is_signal, stacks, unread};
 use crate::mdf4::{GroupCursor, Mdf4Reader};
+use crate::mdf4_contents::{is_signal, stacks, unread};
 use crate::signals::{Candidate, Conversion, Reading, Resolved, SignalMap, resolve_knowing};
 
 #[derive(Debug)]

@@ -1,6 +1,11 @@
 //! Where rows come from, whatever the format: names first, then values, row by row. Called by the reader alone.
 
+#[cfg(feature = "parquet")]
+use std::fs;
+use std::fs::Metadata;
 use std::path::Path;
+
+use itpms_files::{FileProblem, input};
 
 use super::csv_source::CsvSource;
 use super::format::{Format, LogFormat};
@@ -13,7 +18,6 @@ use super::row::RawRow;
 #[cfg(any(feature = "can", feature = "mdf4"))]
 use super::signal_source::SignalSource;
 use crate::error::{DataError, Place, Problem};
-use crate::input;
 use crate::signals::SignalMap;
 use crate::signals::align::AlignmentReport;
 
@@ -28,11 +32,20 @@ pub(super) enum Source {
     Signals(Box<SignalSource>),
 }
 
+/// What is under the name of a log, which may be a folder of part files.
+fn look_at(path: &Path) -> Result<Metadata, FileProblem> {
+    #[cfg(feature = "parquet")]
+    if crate::parquet_columns::is_folder_of_parts(path) {
+        return fs::metadata(path).map_err(input::refused);
+    }
+    input::look(path)
+}
+
 impl Source {
     pub(super) fn open(path: &Path, options: &LogOptions) -> Result<Self, DataError> {
         let fail = |problem| DataError::new(path, problem);
         // Whether it is there is reported before what its name says.
-        let about = input::look_at_log(path).map_err(fail)?;
+        let about = look_at(path).map_err(|problem| DataError::new(path, problem))?;
         if about.is_file() && about.len() == 0 {
             return Err(fail(LogFormat::of(path)?.without_bytes()));
         }

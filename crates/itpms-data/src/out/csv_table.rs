@@ -4,9 +4,10 @@
 
 use std::io::Write as _;
 
-use super::AtomicFile;
+use itpms_files::AtomicFile;
+
 use super::cell::{Cell, Kind};
-use crate::error::{DataError, Problem};
+use crate::error::{DataError, FileProblem};
 
 #[derive(Debug)]
 pub(super) struct CsvTable {
@@ -30,14 +31,14 @@ impl CsvTable {
             }
             match cell {
                 Cell::Number(value) => number(&mut self.line, *value)
-                    .map_err(|error| DataError::new(self.file.target(), Problem::Write(error)))?,
+                    .map_err(|error| DataError::new(self.file.target(), FileProblem::Write(error)))?,
                 Cell::Flag(true) => self.line.extend_from_slice(b"true"),
                 Cell::Flag(false) => self.line.extend_from_slice(b"false"),
                 Cell::Label(text) => label(&mut self.line, text),
             }
         }
         self.line.push(b'\n');
-        self.file.append(&self.line)
+        Ok(self.file.append(&self.line)?)
     }
 
     pub(super) fn finish(mut self) -> Result<AtomicFile, DataError> {

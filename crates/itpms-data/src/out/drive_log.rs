@@ -3,7 +3,8 @@
 
 use std::path::Path;
 
-use super::AtomicFile;
+use itpms_files::AtomicFile;
+
 use super::cell::{Cell, Kind};
 #[cfg(feature = "can")]
 use super::log_frames::LogFrames;
@@ -128,7 +129,7 @@ impl LogWriter {
             Sink::Channels { writer, values } => {
                 values.clear();
                 values.extend(measured(&self.columns).map(|slot| row.value(slot)));
-                writer.write(0, row.time_s, values)
+                Ok(writer.write(0, row.time_s, values)?)
             }
             #[cfg(feature = "mcap")]
             Sink::Messages(log) => log.write(row),
@@ -155,7 +156,7 @@ impl LogWriter {
             #[cfg(feature = "can")]
             Sink::Frames(frames) => frames.finish(),
             #[cfg(feature = "mdf4")]
-            Sink::Channels { writer, .. } => writer.finish(),
+            Sink::Channels { writer, .. } => Ok(writer.finish()?),
             #[cfg(feature = "mcap")]
             Sink::Messages(log) => log.finish(),
         }
@@ -179,5 +180,5 @@ fn channels(path: &Path, columns: &LogColumns, packing: Packing) -> Result<Mdf4W
     let channel = |slot: Slot| ChannelSpec::new(&slot.name(), slot.unit(), SampleFormat::Float64);
     let channels = measured(columns).map(channel).collect();
     let group = GroupSpec { name: "drive".to_owned(), comment: String::new(), channels };
-    Mdf4Writer::create(path, &[group], packing.into())
+    Ok(Mdf4Writer::create(path, &[group], packing.into())?)
 }

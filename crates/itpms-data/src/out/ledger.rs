@@ -7,7 +7,7 @@ use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use crate::error::{DataError, Problem};
+use crate::error::{DataError, FileProblem};
 
 /// A growing file of lines.
 #[derive(Debug)]
@@ -22,7 +22,7 @@ impl Ledger {
     /// # Errors
     /// It cannot be read or written, or another program has it open.
     pub fn open(path: &Path) -> Result<(Self, Vec<String>), DataError> {
-        let fail = |error| DataError::new(path, Problem::Write(error));
+        let fail = |error| DataError::new(path, FileProblem::Write(error));
         let options = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path);
         let mut file = options.map_err(fail)?;
         file.try_lock().map_err(|error| match error {
@@ -32,7 +32,7 @@ impl Ledger {
             }
         })?;
         let mut bytes = Vec::new();
-        file.read_to_end(&mut bytes).map_err(|error| DataError::new(path, Problem::Read(error)))?;
+        file.read_to_end(&mut bytes).map_err(|error| DataError::new(path, FileProblem::Read(error)))?;
         let complete = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
         if complete < bytes.len() {
             file.set_len(complete as u64).map_err(fail)?;
@@ -50,7 +50,7 @@ impl Ledger {
     /// # Errors
     /// The disk is full, or the like; or the text has a line break in it.
     pub fn append(&mut self, line: &str) -> Result<(), DataError> {
-        let fail = |error| DataError::new(&self.path, Problem::Write(error));
+        let fail = |error| DataError::new(&self.path, FileProblem::Write(error));
         if line.contains('\n') {
             return Err(fail(io::Error::new(io::ErrorKind::InvalidInput, "a line break within a line")));
         }

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use super::AtomicFile;
+use itpms_files::AtomicFile;
+
 use crate::can::FrameWriter;
 use crate::dbc::{Dbc, Encoder};
 use crate::error::{DataError, Problem};
@@ -37,7 +38,7 @@ impl LogFrames {
                 result = writer.write(&frame);
             }
         });
-        result
+        Ok(result?)
     }
 
     pub(super) fn losses(&self) -> Vec<String> {
@@ -63,7 +64,7 @@ impl LogFrames {
     }
 
     pub(super) fn finish(self) -> Result<AtomicFile, DataError> {
-        self.writer.finish()
+        Ok(self.writer.finish()?)
     }
 }
 

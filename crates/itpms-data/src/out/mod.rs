@@ -5,13 +5,10 @@
 //! nothing behind. The exception is a [`Ledger`], which grows line by line.
 
 mod alerts;
-mod atomic;
 mod cell;
 mod csv_table;
 mod drive_log;
 mod ledger;
-mod leftovers;
-mod lock;
 #[cfg(feature = "can")]
 mod log_frames;
 #[cfg(feature = "mcap")]
@@ -25,11 +22,10 @@ mod table;
 mod wheel_speeds;
 
 pub use alerts::{alert_object, transition_object};
-pub use atomic::{AtomicFile, NewFolder, abandon_all};
 pub use cell::{Cell, Kind};
 pub use drive_log::{LogWriter, Packing};
+pub use itpms_files::{AtomicFile, NameLock, NewFolder, abandon_all};
 pub use ledger::Ledger;
-pub use lock::NameLock;
 pub use rate::RateGate;
 pub use results::{EstimateWriter, RoadPoint, RoadWriter};
 pub use state::{States, state_label};

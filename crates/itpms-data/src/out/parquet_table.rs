@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use itpms_files::AtomicFile;
 use parquet::basic::{Compression, ConvertedType, Repetition, Type as PhysicalType};
 use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DoubleType};
 use parquet::errors::ParquetError;
@@ -9,9 +10,8 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
-use super::AtomicFile;
 use super::cell::{Cell, Kind};
-use crate::error::{DataError, Problem};
+use crate::error::{DataError, FileProblem};
 
 /// Rows held in memory until they are written: 18 columns of them are 9 MB.
 const ROWS_PER_GROUP: usize = 65_536;
@@ -159,5 +159,5 @@ fn write_error(target: &std::path::Path, error: ParquetError) -> DataError {
         },
         other => std::io::Error::other(other),
     };
-    DataError::new(target, Problem::Write(error))
+    DataError::new(target, FileProblem::Write(error))
 }

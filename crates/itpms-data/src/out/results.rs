@@ -5,8 +5,8 @@
 use std::path::Path;
 
 use itpms_core::model::{Corner, CornerEstimate, Level, Warning};
+use itpms_files::AtomicFile;
 
-use super::AtomicFile;
 use super::cell::{Cell, Kind};
 use super::state::{States, state_label};
 use super::table::Table;

@@ -4,7 +4,8 @@
 
 use std::path::Path;
 
-use super::AtomicFile;
+use itpms_files::AtomicFile;
+
 use super::cell::{Cell, Kind};
 use super::csv_table::CsvTable;
 #[cfg(feature = "parquet")]

@@ -7,9 +7,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use itpms_files::input;
+
 use super::{Meaning, ParquetColumns};
-use crate::error::{Place, Problem};
-use crate::input;
+use crate::error::{FileProblem, Place, Problem};
 
 /// Folders within folders, at most: `year=2026/month=03/day=01` are three.
 const DEEPEST: usize = 8;
@@ -59,7 +60,7 @@ impl ParquetParts {
     /// It cannot be read, or is no Parquet.
     pub(crate) fn open(path: &Path) -> Result<Self, Problem> {
         let files = if path.is_dir() { part_files(path)? } else { vec![path.to_owned()] };
-        let Some(first) = files.first() else { return Err(Problem::IsDirectory) };
+        let Some(first) = files.first() else { return Err(FileProblem::IsDirectory.into()) };
         Ok(Self {
             first: opened(first)?,
             chosen: Vec::new(),
@@ -208,8 +209,8 @@ fn part_files(folder: &Path) -> Result<Vec<PathBuf>, Problem> {
     let mut files = Vec::new();
     let mut folders = vec![(folder.to_owned(), 0)];
     while let Some((folder, depth)) = folders.pop() {
-        for entry in fs::read_dir(&folder).map_err(Problem::Read)? {
-            let path = entry.map_err(Problem::Read)?.path();
+        for entry in fs::read_dir(&folder).map_err(FileProblem::Read)? {
+            let path = entry.map_err(FileProblem::Read)?.path();
             let hidden = path.file_name().is_none_or(|name| name.to_string_lossy().starts_with(['_', '.']));
             let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
             if hidden {

@@ -3,12 +3,11 @@
 use std::path::Path;
 
 use itpms_core::model::Corner;
+use itpms_files::{input, nearest};
 
 use super::problem::PulseProblem;
 use crate::error::{DataError, Place, Problem};
-use crate::input;
 use crate::log::{Format, Lines, TextHead, shortened};
-use crate::nearest::nearest;
 #[cfg(feature = "parquet")]
 use crate::parquet_columns::ParquetColumns;
 

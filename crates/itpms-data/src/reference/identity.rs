@@ -4,8 +4,8 @@
 use std::fmt::Write as _;
 
 use itpms_core::model::Corner;
+use itpms_files::crc64;
 
-use super::checksum::crc64;
 use super::problem::ReferenceProblem;
 use crate::vehicle::{Vehicle, VehicleDetails};
 

@@ -26,7 +26,6 @@
 //!
 //! A reference of wheel speeds alone has no corners. A later program may change everything but the first line's shape, so that an older one can say that it is too old.
 
-mod checksum;
 mod identity;
 pub(crate) mod problem;
 mod text;
@@ -40,12 +39,12 @@ use std::path::Path;
 use itpms_core::model::{CalibrationError, Learned, VehicleCalibration};
 use itpms_core::torsion::TorsionCalibration;
 use itpms_core::wheel_speed::RadiusCalibration;
+use itpms_files::AtomicFile;
 
-use crate::error::{DataError, Problem};
-use crate::out::AtomicFile;
+use crate::error::{DataError, FileProblem, Problem};
 use crate::vehicle::Vehicle;
-pub use checksum::crc64;
 pub use identity::VehicleIdentity;
+pub use itpms_files::crc64;
 pub use problem::ReferenceProblem;
 
 /// The newest format that is read, and that of a reference with tooth pulses.
@@ -192,7 +191,7 @@ impl StoredReference {
     pub fn save(&self, path: &Path) -> Result<(), DataError> {
         let mut file = AtomicFile::create(path)?;
         file.append(self.to_text().as_bytes())?;
-        file.commit()
+        Ok(file.commit()?)
     }
 
     /// Reads a file.
@@ -205,16 +204,16 @@ impl StoredReference {
             // One byte more than is taken shows that there are more.
             File::open(path)?.take(LONGEST_BYTES + 1).read_to_end(&mut bytes).map(|_| bytes)
         };
-        let fail = |problem| DataError::new(path, problem);
+        let fail = |problem: Problem| DataError::new(path, problem);
         match read() {
             Ok(bytes) if bytes.len() as u64 > LONGEST_BYTES => {
                 let found = format!("that of a file of more than {LONGEST_BYTES} bytes");
                 Err(fail(ReferenceProblem::Foreign { found }.into()))
             }
             Ok(bytes) => Self::parse(&bytes).map_err(fail),
-            Err(_) if path.is_dir() => Err(fail(Problem::IsDirectory)),
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Err(fail(Problem::NotFound)),
-            Err(error) => Err(fail(Problem::Read(error))),
+            Err(_) if path.is_dir() => Err(fail(FileProblem::IsDirectory.into())),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Err(fail(FileProblem::NotFound.into())),
+            Err(error) => Err(fail(FileProblem::Read(error).into())),
         }
     }
 

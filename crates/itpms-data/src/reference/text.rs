@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 
 use itpms_core::model::{Corner, CornerCalibration, Learned, VehicleCalibration};
+use itpms_files::crc64;
 use toml::de::DeTable;
 
-use super::checksum::crc64;
 use super::{
     FORMAT, ReferenceProblem, StoredReference, VehicleIdentity, WITHOUT_PULSES, WITHOUT_WHEEL_SPEEDS,
     nothing_of_corners, torsion, wheel_speeds,

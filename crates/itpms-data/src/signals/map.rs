@@ -13,12 +13,12 @@
 
 use std::path::{Path, PathBuf};
 
+use itpms_files::input;
 use toml::de::DeTable;
 
 use super::units::Unit;
 use super::{Conversion, SignalProblem};
 use crate::error::{DataError, Problem};
-use crate::input;
 use crate::log::Slot;
 use crate::toml_table::{Table, syntax_problem};
 
@@ -58,9 +58,8 @@ impl SignalMap {
     /// # Errors
     /// The file cannot be read, is not TOML, has an unknown key, or a unit that is not one of what the column measures.
     pub fn read(path: &Path) -> Result<Self, DataError> {
-        let fail = |problem| DataError::new(path, problem);
-        let text = input::read_text(path, "a map of signals (TOML)").map_err(fail)?;
-        let (entries, time) = parse(&text).map_err(fail)?;
+        let read = || parse(&input::read_text(path, "a map of signals (TOML)")?);
+        let (entries, time) = read().map_err(|problem| DataError::new(path, problem))?;
         Ok(Self { path: path.to_owned(), entries, time })
     }
 

@@ -6,6 +6,7 @@
 //! takes it: of two it is unknown which is meant, so both are named and neither is taken. Knows nothing of formats.
 
 use itpms_core::model::Corner;
+use itpms_files::nearest;
 
 use super::names::{self, Fit};
 use super::remark::{Remark, Source};
@@ -13,7 +14,6 @@ use super::units::Unit;
 use super::{Candidate, Conversion, Entry, Scale, SignalMap, SignalProblem, Unread};
 use crate::error::{DataError, Problem};
 use crate::log::{Field, SLOTS, Slot};
-use crate::nearest::nearest;
 
 /// One column's signal.
 #[derive(Debug, Clone, PartialEq)]

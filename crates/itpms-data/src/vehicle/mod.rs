@@ -79,11 +79,10 @@ use itpms_core::model::quarter_car::{ParameterError, QuarterCar};
 use itpms_core::model::{CarConfig, Corner, CornerConfig, PressureMap};
 use itpms_core::torsion::TorsionConfig;
 use itpms_core::wheel_speed::WheelSpeedConfig;
+use itpms_files::{AtomicFile, input};
 use toml::de::DeTable;
 
 use crate::error::{DataError, Problem};
-use crate::input;
-use crate::out::AtomicFile;
 use crate::toml_table::{Table, syntax_problem};
 
 pub use derived::CornerFigures;
@@ -373,7 +372,7 @@ impl Vehicle {
     pub fn write(&self, path: &Path) -> Result<(), DataError> {
         let mut file = AtomicFile::create(path)?;
         file.append(self.to_toml().as_bytes())?;
-        file.commit()
+        Ok(file.commit()?)
     }
 }
 

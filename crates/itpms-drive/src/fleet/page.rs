@@ -4,9 +4,8 @@
 
 use std::fmt::Write as _;
 
-use itpms_analysis::page::{percent_style, whole_percent};
+use itpms_analysis::page::whole_percent;
 use itpms_analysis::plot::{Figure, Ink, escape};
-use itpms_analysis::report::BASE_STYLE;
 use itpms_core::model::PressureUnit;
 use itpms_data::out::AtomicFile;
 
@@ -36,8 +35,8 @@ fn page(plan: &Plan, outcome: &Outcome) -> String {
     let headline = escape(&headline(&cars));
     let unit = plan.settings.pressure_unit;
     let parts: [(&str, String); 9] = [
+        ("title", headline.clone()),
         ("headline", headline),
-        ("base_style", BASE_STYLE.to_owned() + &percent_style()),
         ("style", STYLE.into()),
         ("subline", subline(outcome, &cars)),
         ("cards", cards(&cars)),

@@ -1,6 +1,6 @@
 //! The page's files, all of them in memory: there is no folder that a path could climb out of.
 //!
-//! Read by the routes. The sources are in `dashboard/`; the charting library and the colours are the report's.
+//! Read by the routes. The sources are in `dashboard/`; what all pages share and the charting library are the report's.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -10,7 +10,8 @@ use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE, ETAG, IF_NONE_MATCH};
 use axum::http::{HeaderMap, HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
-use itpms_analysis::report::{BASE_STYLE, PLOT_LICENSE, PLOT_SCRIPT, PLOT_STYLE};
+use itpms_analysis::page::{BASE_STYLE, PATTERN_SCRIPT};
+use itpms_analysis::report::{PLOT_LICENSE, PLOT_SCRIPT, PLOT_STYLE};
 use itpms_core::model::PressureUnit;
 
 /// A file of the page.
@@ -67,6 +68,7 @@ const ASSETS: &[Asset] = &[
     asset!("wheels.js", SCRIPT),
     asset!("words.js", SCRIPT),
     Asset { path: "/assets/base.css", kind: STYLE, text: BASE_STYLE },
+    Asset { path: "/assets/pattern.js", kind: SCRIPT, text: PATTERN_SCRIPT },
     Asset { path: "/assets/uplot.js", kind: SCRIPT, text: PLOT_SCRIPT },
     Asset { path: "/assets/uplot.css", kind: STYLE, text: PLOT_STYLE },
     Asset { path: "/assets/uplot.LICENSE", kind: TEXT, text: PLOT_LICENSE },

@@ -4,10 +4,11 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use itpms_files::AtomicFile;
+
 use super::{McapWriter, RowTopics};
-use crate::error::{DataError, Problem};
+use crate::error::{DataError, FileProblem};
 use crate::log::{LogColumns, LogRow};
-use crate::out::AtomicFile;
 use crate::out::cell::Cell;
 use crate::out::drive_log::table_columns;
 
@@ -27,7 +28,7 @@ impl McapLog {
             let signals = RowTopics::create(&mut writer, "/signals", &table_columns(&columns))?;
             Ok((writer, signals))
         });
-        let (writer, signals) = begun.map_err(|error| DataError::new(path, Problem::Write(error)))?;
+        let (writer, signals) = begun.map_err(|error| DataError::new(path, FileProblem::Write(error)))?;
         Ok(Self { target: path.to_owned(), writer, columns, signals, cells: Vec::new() })
     }
 
@@ -39,7 +40,7 @@ impl McapLog {
         self.cells.clear();
         self.cells.extend(self.columns.slots().map(|slot| Cell::Number(row.value(slot))));
         let written = self.signals.write(&mut self.writer, row.time_s, &self.cells);
-        written.map_err(|error| DataError::new(&self.target, Problem::Write(error)))
+        written.map_err(|error| DataError::new(&self.target, FileProblem::Write(error)))
     }
 
     /// Adds something else.
@@ -47,12 +48,12 @@ impl McapLog {
         &mut self,
         add: impl FnOnce(&mut McapWriter<AtomicFile>) -> io::Result<T>,
     ) -> Result<T, DataError> {
-        add(&mut self.writer).map_err(|error| DataError::new(&self.target, Problem::Write(error)))
+        add(&mut self.writer).map_err(|error| DataError::new(&self.target, FileProblem::Write(error)))
     }
 
     pub(in crate::out) fn finish(self) -> Result<AtomicFile, DataError> {
         let finished = self.writer.finish();
-        let mut file = finished.map_err(|error| DataError::new(&self.target, Problem::Write(error)))?;
+        let mut file = finished.map_err(|error| DataError::new(&self.target, FileProblem::Write(error)))?;
         file.settle()?;
         Ok(file)
     }

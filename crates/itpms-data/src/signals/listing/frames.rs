@@ -39,7 +39,7 @@ struct Seen {
 
 impl FrameLister {
     pub(super) fn open(path: &Path, dbc: Option<&Path>) -> Result<Self, DataError> {
-        let dbc = dbc.map_or_else(|| attached(path), |dbc| Dbc::read(dbc).map(Some))?;
+        let dbc = dbc.map_or_else(|| attached(path), |dbc| Ok(Some(Dbc::read(dbc)?)))?;
         Ok(Self {
             reader: FrameReader::open(path)?,
             dbc,

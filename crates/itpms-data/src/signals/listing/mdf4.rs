@@ -5,8 +5,8 @@ use std::path::Path;
 use super::statistics::{Clock, Range};
 use super::{ListedGroup, ListedSignal, Listing};
 use crate::error::DataError;
-use crate::mdf4::contents::{is_signal, stacks, unread};
 use crate::mdf4::{GroupCursor, Mdf4Reader};
+use crate::mdf4_contents::{is_signal, stacks, unread};
 use crate::signals::Unread;
 
 /// Values between two looks around.

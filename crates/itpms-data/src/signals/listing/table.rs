@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
+use itpms_files::input;
+
 use super::Listing;
 use super::statistics::{Clock, Range};
 use crate::error::Problem;
-use crate::input;
 use crate::log::{Lines, TextHead, clock_seconds};
 
 /// Rows between two looks around.

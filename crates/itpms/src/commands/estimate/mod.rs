@@ -84,7 +84,22 @@ fn settings(args: &EstimateArgs) -> Settings {
         calibration_kpa: args.pressure_kpa.map_or([None; 4], |pressures| pressures.0),
         rate_hz: args.rate,
         pressure_unit: args.unit.pressure_unit,
+        command: command(),
     }
+}
+
+/// The command as it was given, as a shell takes it.
+fn command() -> String {
+    let quoted = |word: String| {
+        let is_plain = |c: char| c.is_alphanumeric() || "-_./=,:+@%".contains(c);
+        if !word.is_empty() && word.chars().all(is_plain) {
+            word
+        } else {
+            format!("'{}'", word.replace('\'', "'\\''"))
+        }
+    };
+    let words = std::env::args_os().skip(1).map(|word| quoted(word.to_string_lossy().into_owned()));
+    std::iter::once("itpms".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
 }
 
 /// In a calibration of wheel speeds the tires' own sensors tell the pressures, unless they are given.

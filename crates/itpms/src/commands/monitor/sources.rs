@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use itpms_console::{Failure, Screen};
+use itpms_data::DataError;
 use itpms_data::LogReader;
 use itpms_data::can::FrameReader;
 use itpms_data::dbc::{Dbc, Decoder};
@@ -45,7 +46,7 @@ pub(super) fn open(args: &MonitorArgs, screen: &Screen) -> Result<Source, Failur
             return Ok(Source { kind: Kind::Rows(Box::new(log), args.speed), feed: None });
         }
         let feed = feed(args, screen)?;
-        let frames = FrameReader::open(path)?;
+        let frames = FrameReader::open(path).map_err(DataError::from)?;
         return Ok(Source { kind: Kind::Frames(Box::new(frames), args.speed), feed: Some(feed) });
     }
     if let Some(file) = args.interface.as_deref().filter(|name| Path::new(name).is_file()) {
@@ -82,7 +83,7 @@ fn bus(interface: &str) -> Result<Kind, Failure> {
 fn feed(args: &MonitorArgs, screen: &Screen) -> Result<Feed, Failure> {
     let needed = || Failure::Usage("frames need --dbc CAR.dbc, which says what they mean".to_owned());
     let (path, dbc) = match (&args.reading.dbc, &args.replay) {
-        (Some(path), _) => (path, Dbc::read(path)?),
+        (Some(path), _) => (path, Dbc::read(path).map_err(DataError::from)?),
         // It may be attached to the log.
         (None, Some(log)) => (log, itpms_data::frame_description(log, None)?),
         (None, None) => return Err(needed()),

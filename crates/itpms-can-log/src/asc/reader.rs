@@ -1,0 +1,151 @@
+//! An ASC file as frames. Called by `FrameReader`; keeps what the lines have stated of base, date and stamps.
+
+use super::parse::{AscLine, EXPECTED, Stamps, parse};
+use crate::digits::Base;
+use crate::error::CanProblem;
+use crate::frame::CanFrame;
+use crate::lines::{TextLines, beginning};
+use crate::repairs::{FramePlace, FrameRepairs};
+
+/// Lines without any meaning after which a file is given up.
+const MOST_LINES_OF_NOTHING: u64 = 10_000;
+
+/// Reads frames from the lines of an ASC file.
+#[derive(Debug)]
+pub(crate) struct AscReader {
+    lines: TextLines,
+    base: Base,
+    stamps: Stamps,
+    /// Seconds since 1970 from which absolute stamps count; 0 until a date is known.
+    start_s: f64,
+    /// Sum of the stamps, where they are differences; else the last one.
+    stamp_s: f64,
+    /// Date of a block that began after a stamp, until the next stamp says whether it counts.
+    block_s: Option<f64>,
+    any_stamp: bool,
+    any_meaning: bool,
+    first_strange: Option<(u64, String)>,
+}
+
+impl AscReader {
+    pub(crate) fn new(lines: TextLines) -> Self {
+        Self {
+            lines,
+            base: Base::Hexadecimal,
+            stamps: Stamps::Absolute,
+            start_s: 0.0,
+            stamp_s: 0.0,
+            block_s: None,
+            any_stamp: false,
+            any_meaning: false,
+            first_strange: None,
+        }
+    }
+
+    pub(crate) fn progress(&self) -> f64 {
+        self.lines.progress()
+    }
+
+    pub(crate) fn next_frame(&mut self, repairs: &mut FrameRepairs) -> Result<Option<CanFrame>, CanProblem> {
+        while self.lines.advance()? {
+            match parse(self.lines.text(), self.base) {
+                // The last number of a frame that is cut off is another number, and a stamp alone is no event.
+                Ok(AscLine::Frame(_) | AscLine::Event(_)) if !self.lines.is_terminated() => {
+                    repairs.cut_off = Some(FramePlace::Line(self.lines.number()));
+                }
+                Ok(line) => {
+                    if let Some(frame) = self.understood(line, repairs) {
+                        return Ok(Some(frame));
+                    }
+                }
+                Err(_) if !self.lines.is_terminated() && self.any_meaning => {
+                    repairs.cut_off = Some(FramePlace::Line(self.lines.number()));
+                }
+                Err(expected) => self.strange(expected, repairs)?,
+            }
+        }
+        if self.any_meaning { Ok(None) } else { Err(self.nothing()) }
+    }
+
+    /// Takes in what a line says; its frame if it is one.
+    fn understood(&mut self, line: AscLine, repairs: &mut FrameRepairs) -> Option<CanFrame> {
+        // Neither a comment nor a number at the beginning of a line makes a file an ASC file.
+        match line {
+            AscLine::Nothing => {}
+            AscLine::Event(_) => self.remember_first(),
+            _ => self.any_meaning = true,
+        }
+        match line {
+            AscLine::Nothing => {}
+            AscLine::Base { base, stamps } => (self.base, self.stamps) = (base, stamps),
+            AscLine::Date(Some(date_s)) | AscLine::Block(Some(date_s)) if !self.any_stamp => {
+                self.start_s = date_s
+            }
+            AscLine::Block(date_s) if self.any_stamp => self.block_s = date_s,
+            AscLine::Date(Some(_)) | AscLine::Block(_) => {}
+            AscLine::Date(None) => repairs.assume(format!(
+                "line {}: the date is not understood; times count from the beginning of the log",
+                self.lines.number()
+            )),
+            AscLine::Event(stamp_s) => {
+                repairs.passed_over += 1;
+                self.time_s(stamp_s);
+            }
+            AscLine::Frame(mut frame) => {
+                frame.time_s = self.time_s(frame.time_s);
+                return Some(frame);
+            }
+        }
+        None
+    }
+
+    /// The time of a stamp.
+    fn time_s(&mut self, stamp_s: f64) -> f64 {
+        let block_s = self.block_s.take();
+        match self.stamps {
+            Stamps::Relative => self.stamp_s += stamp_s,
+            Stamps::Absolute => {
+                // After a trigger the stamps go on, or begin again with a date of their own.
+                if let (Some(block_s), true) = (block_s, stamp_s < self.stamp_s) {
+                    self.start_s = block_s;
+                }
+                self.stamp_s = stamp_s;
+            }
+        }
+        self.any_stamp = true;
+        self.start_s + self.stamp_s
+    }
+
+    fn strange(&mut self, expected: &'static str, repairs: &mut FrameRepairs) -> Result<(), CanProblem> {
+        let (number, text) = (self.lines.number(), self.lines.text());
+        repairs.not_understood(FramePlace::Line(number), format!("{:?}", beginning(text)), expected);
+        self.remember_first();
+        if !self.any_meaning && number >= MOST_LINES_OF_NOTHING {
+            return Err(self.nothing());
+        }
+        Ok(())
+    }
+
+    /// Keeps the present line for the message, should the whole file mean nothing.
+    fn remember_first(&mut self) {
+        if !self.any_meaning {
+            let (number, text) = (self.lines.number(), self.lines.text());
+            self.first_strange.get_or_insert_with(|| (number, beginning(text)));
+        }
+    }
+
+    /// The error of a file that says nothing.
+    fn nothing(&self) -> CanProblem {
+        match &self.first_strange {
+            None => CanProblem::Empty {
+                expected: "a header that begins with date and lines such as 0.25 1 123 Rx d 2 DE AD",
+            },
+            Some((line, found)) => CanProblem::NothingUnderstood {
+                lines: self.lines.number(),
+                line: *line,
+                found: found.clone(),
+                expected: EXPECTED,
+            },
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! What can be wrong with a CAN log as a whole: where, what was found, what was expected. What is wrong with a part of
+//! it is a repair, see [`FrameRepairs`](super::FrameRepairs).
+//!
+//! Made by the modules beside it.
+
+use std::path::{Path, PathBuf};
+
+use itpms_files::{FileError, FileProblem, sentence};
+use thiserror::Error;
+
+use crate::dbc::DbcError;
+
+/// A CAN log or a DBC file that could not be used, and why.
+#[derive(Debug, Error)]
+#[error("{}", sentence(path, problem))]
+pub struct CanError {
+    /// The file.
+    pub path: PathBuf,
+    /// What is wrong with it.
+    pub problem: Box<CanProblem>,
+}
+
+impl CanError {
+    pub(super) fn new(path: &Path, problem: impl Into<CanProblem>) -> Self {
+        Self { path: path.to_owned(), problem: Box::new(problem.into()) }
+    }
+}
+
+impl From<FileError> for CanError {
+    fn from(error: FileError) -> Self {
+        Self { path: error.path, problem: Box::new(error.problem.into()) }
+    }
+}
+
+#[cfg(feature = "mdf4")]
+impl From<itpms_mdf4::Mdf4Error> for CanError {
+    fn from(error: itpms_mdf4::Mdf4Error) -> Self {
+        Self { path: error.path, problem: Box::new((*error.problem).into()) }
+    }
+}
+
+/// One kind of problem with a CAN log.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum CanProblem {
+    /// One that a file of any format may have.
+    #[error(transparent)]
+    File(#[from] FileProblem),
+    /// No DBC file that could be used.
+    #[error(transparent)]
+    Dbc(#[from] DbcError),
+    /// No MDF4 file, or a damaged one.
+    #[cfg(feature = "mdf4")]
+    #[error(transparent)]
+    Mdf4(#[from] itpms_mdf4::Mdf4Problem),
+    /// Zero bytes or blank lines only.
+    #[error("the file is empty, expected CAN frames ({expected})")]
+    Empty {
+        /// What the format's beginning looks like.
+        expected: &'static str,
+    },
+    /// Not one line that means anything.
+    #[error("none of the first {lines} lines is understood; line {line} is {found:?}, expected {expected}")]
+    NothingUnderstood {
+        /// Lines looked at.
+        lines: u64,
+        /// The first that is not understood.
+        line: u64,
+        /// Its beginning.
+        found: String,
+        /// What a line looks like.
+        expected: &'static str,
+    },
+    /// candump's screen form without `-t`.
+    #[error(
+        "line {line}: the frame has no time stamp ({found:?}); log with candump -L, or with candump -ta on the screen"
+    )]
+    NoTimeStamp {
+        /// Where.
+        line: u64,
+        /// The line's beginning.
+        found: String,
+    },
+    /// A BLF that is none.
+    #[error("found {found:?} at the beginning of {bytes} bytes, expected a BLF header that begins with LOGG")]
+    NoHeader {
+        /// Its first bytes.
+        found: String,
+        /// The file's size.
+        bytes: u64,
+    },
+    /// A BLF without any object.
+    #[error(
+        "nothing in the file is understood; at byte {byte}: found {found}, expected an object that begins with LOBJ"
+    )]
+    NoObject {
+        /// Where.
+        byte: u64,
+        /// What is there.
+        found: String,
+    },
+    /// An MDF4 file without frames of a CAN bus.
+    #[error("has no frames of a CAN bus, expected a channel group with CAN_DataFrame (ASAM MDF bus logging)")]
+    NoFrameGroup,
+    /// A frame that a log cannot hold.
+    #[error("frame {number}: time is {time_s} s, expected 0 s to the end of the year 9999")]
+    Time {
+        /// Which frame, from one.
+        number: u64,
+        /// Its time in s.
+        time_s: f64,
+    },
+}

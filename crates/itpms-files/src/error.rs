@@ -1,0 +1,118 @@
+//! What can be wrong with any file, whatever its format: in one sentence that is complete and can be printed as it is.
+
+use std::fmt;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+/// A file that could not be used, and why.
+#[derive(Debug, Error)]
+#[error("{}", sentence(path, problem))]
+pub struct FileError {
+    /// The file.
+    pub path: PathBuf,
+    /// What is wrong with it.
+    pub problem: FileProblem,
+}
+
+impl FileError {
+    /// The error of this file.
+    #[must_use]
+    pub fn new(path: &Path, problem: FileProblem) -> Self {
+        Self { path: path.to_owned(), problem }
+    }
+}
+
+/// One kind of problem that a file of any format may have.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum FileProblem {
+    /// Nothing under this name.
+    #[error("no such file")]
+    NotFound,
+    /// A directory where a file belongs.
+    #[error("is a directory, expected a file")]
+    IsDirectory,
+    /// The operating system refused to read.
+    #[error("cannot be read: {0}")]
+    Read(io::Error),
+    /// The operating system refused to write.
+    #[error("cannot be written: {0}")]
+    Write(io::Error),
+    /// A file that one program at a time may use.
+    #[error("is used by another program{}, expected one at a time", by(.process))]
+    InUse {
+        /// Which one, if it says so.
+        process: Option<u32>,
+    },
+    /// The directory to write into is missing.
+    #[error("cannot be written: the directory {} does not exist", .0.display())]
+    NoDirectory(PathBuf),
+    /// More than is read into memory.
+    #[error("has {}{found} bytes, expected {expected} of at most {most}", if *.is_all { "" } else { "more than " })]
+    TooLarge {
+        /// Its size, or how much of it was read.
+        found: u64,
+        /// Whether that is all of it.
+        is_all: bool,
+        /// What it should be.
+        expected: &'static str,
+        /// The limit.
+        most: u64,
+    },
+    /// A line without an end.
+    #[error("line {line} is longer than {most} bytes, expected lines of text")]
+    LongLine {
+        /// Where.
+        line: u64,
+        /// The limit.
+        most: u64,
+    },
+    /// A pipe or device where a file is read in several places.
+    #[error("is a pipe or a device, expected a regular file: {0} is read in several places")]
+    NotRegular(&'static str),
+    /// The format is chosen by the file's extension.
+    #[error("{found}, expected {expected}")]
+    UnknownExtension {
+        /// The extension in words.
+        found: String,
+        /// The known ones.
+        expected: String,
+    },
+}
+
+impl FileProblem {
+    /// The problem of a file whose extension is none of those `expected`.
+    #[must_use]
+    pub fn unknown_extension(path: &Path, expected: &str) -> Self {
+        let found = match path.extension() {
+            Some(extension) => {
+                format!("unknown file extension .{}", extension.to_string_lossy().to_lowercase())
+            }
+            None => "no file extension".to_owned(),
+        };
+        Self::UnknownExtension { found, expected: expected.to_owned() }
+    }
+}
+
+/// Characters of a refusal; what stands in the middle of a longer one says least.
+const MOST_CHARACTERS: usize = 400;
+const OF_ITS_END: usize = 150;
+
+/// The file and what is wrong with it, in at most 400 characters: the message of every error of a file.
+#[must_use]
+pub fn sentence(path: &Path, problem: &impl fmt::Display) -> String {
+    let message = format!("{}: {problem}", path.display());
+    let characters = message.chars().count();
+    if characters <= MOST_CHARACTERS {
+        return message;
+    }
+    let beginning: String = message.chars().take(MOST_CHARACTERS - OF_ITS_END - 5).collect();
+    let end: String = message.chars().skip(characters - OF_ITS_END).collect();
+    format!("{beginning} ... {end}")
+}
+
+fn by(process: &Option<u32>) -> String {
+    process.map(|process| format!(" (process {process})")).unwrap_or_default()
+}

@@ -1,0 +1,5 @@
+//! MDF4 files through the crate's public face.
+
+mod damage;
+mod foreign;
+mod round_trip;

@@ -1,0 +1,3 @@
+//! Roads through the crate's public face.
+
+mod roads;
