@@ -43,9 +43,9 @@ fn all_four_are_found_by_their_pulses_in_the_drive_and_on_the_next_one() {
     let alerts = summary["alerts"].as_array().unwrap();
     assert_eq!(alerts.len(), 1, "{alerts:?}");
     assert_eq!(alerts[0]["wheels"], serde_json::json!(["fl", "fr", "rl", "rr"]), "{alerts:?}");
-    let said_s = alerts[0]["said_s"].as_f64().unwrap();
+    let reported_s = alerts[0]["reported_s"].as_f64().unwrap();
     // R141 gives an hour.
-    assert!((1500.0..3000.0).contains(&said_s), "{said_s}");
+    assert!((1500.0..3000.0).contains(&reported_s), "{reported_s}");
     assert!(!summary["wheel_speeds"]["not_seen"].to_string().contains("all four"), "{summary}");
     for wheel in ["fl", "fr", "rl", "rr"] {
         let [change, sd] =
