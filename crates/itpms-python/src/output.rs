@@ -19,7 +19,7 @@ pub(crate) fn file(py: Python<'_>, path: &Path, content: &[u8]) -> PyResult<()> 
     let write = || -> Result<(), DataError> {
         let mut file = AtomicFile::create(path)?;
         file.append(content)?;
-        file.commit()
+        Ok(file.commit()?)
     };
     py.detach(write).map_err(|error| errors::data(py, Kind::Output, &error))
 }
