@@ -13,13 +13,16 @@ fn file(name: &str, text: &str) -> (tempfile::TempDir, PathBuf) {
     (folder, path)
 }
 
-/// All pulses and repairs of a text, or the message without its path.
-fn read(text: &str) -> Result<(Vec<(f64, Corner)>, Vec<String>), String> {
+/// All pulses and repairs, or the message.
+type All = Result<(Vec<(f64, Corner)>, Vec<String>), String>;
+
+/// Those of a text, its path left out of the message.
+fn read(text: &str) -> All {
     let (_folder, path) = file("p.csv", text);
     all(&path).map_err(|error| error.replacen(&format!("{}: ", path.display()), "", 1))
 }
 
-fn all(path: &std::path::Path) -> Result<(Vec<(f64, Corner)>, Vec<String>), String> {
+fn all(path: &std::path::Path) -> All {
     let mut reader = PulseReader::open(path).map_err(|error| error.to_string())?;
     let mut pulses = vec![];
     while let Some(pulse) = reader.next_pulse().map_err(|error| error.to_string())? {
