@@ -56,14 +56,14 @@ extern "C" fn wheels(
     configs: &[TorsionConfig<f32>; 4],
     placard_kpa: &[f32; 4],
     learned: &[Option<(TorsionCalibration<f32>, f32)>; 4],
-    corner: Corner,
+    corner: &Corner,
     edge_s: f64,
 ) -> usize {
     if car.configure(configs, placard_kpa).is_err() || !car.load_calibration(learned) {
         return 0;
     }
     car.begin_calibration_at(placard_kpa);
-    let piece = car.push(corner, edge_s);
+    let piece = car.push(*corner, edge_s);
     let known = car.changes().iter().flatten().count() + car.calibration().iter().flatten().count();
     let seen = car.evidence().information.iter().filter(|seen| **seen > 0.0).count();
     car.end_calibration() + usize::from(piece.is_some()) + known + seen

@@ -6,6 +6,7 @@ use crate::stored;
 use std::fs;
 
 use itpms_core::model::Learned;
+use itpms_core::torsion::{TorsionCalibration, TorsionCurve};
 use itpms_data::Vehicle;
 use itpms_data::reference::StoredReference;
 use proptest::prelude::*;
@@ -133,10 +134,10 @@ fn an_assumed_wheelbase_is_replaced_by_the_one_that_was_found() {
 
 #[test]
 fn a_newer_format_is_told_from_damage() {
-    let newer = sealed("5", "something that nobody knows yet");
+    let newer = sealed("6", "something that nobody knows yet");
     assert_eq!(
         refusal(newer.as_bytes()),
-        "the learned reference has format 5, expected at most 4: a newer itpms wrote it"
+        "the learned reference has format 6, expected at most 5: a newer itpms wrote it"
     );
     let damaged = newer.replace("nobody", "n0body");
     assert!(refusal(damaged.as_bytes()).contains("is damaged"));
@@ -257,6 +258,18 @@ fn what_wheel_speeds_taught_is_stored_with_the_rest_or_alone() {
     let mut broken = radii;
     broken.covariance_1e6[2][2] = -1.0;
     let broken = StoredReference::of_wheel_speeds(&Vehicle::paper(), broken, 0);
+    // Tooth pulses come with them, of the wheels of which something was learned.
+    let curve = TorsionCurve {
+        information: [[3.0, 0.25, 0.1], [0.25, 2.0, -0.3], [0.1, -0.3, 1.0]],
+        vector: [-1.5, 1.0 / 3.0, 0.7],
+    };
+    let torsion = TorsionCalibration { around_hz: 49.5, pieces: 31, curves: [curve; 4] };
+    let pulses = alone.clone().with_torsion([None, Some((torsion, -12.5)), None, Some((torsion, 0.0))]);
+    assert!(pulses.to_text().starts_with("itpms-reference 5 "));
+    assert_eq!(StoredReference::parse(pulses.to_text().as_bytes()).unwrap(), pulses);
+    let none = TorsionCalibration { pieces: 31, around_hz: 500.0, curves: [curve; 4] };
+    let none = alone.clone().with_torsion([Some((none, 0.0)), None, None, None]);
+    assert!(refusal(none.to_text().as_bytes()).contains("a torsion that a tire has"));
     let text = StoredReference::parse(broken.to_text().as_bytes()).unwrap_err().to_string();
     assert!(text.contains("wheel speeds that a car has"), "{text}");
 }
