@@ -453,7 +453,8 @@ fn every_pressure_on_the_page_is_in_the_unit_that_was_asked_for() {
     for unit in PressureUnit::ALL {
         data.pressure_unit = unit;
         let page = render_report(&data).unwrap();
-        let (text, script) = page.split_once("id=\"report-data\"").unwrap();
+        let (_, body) = page.split_once("<body").unwrap();
+        let (text, script) = body.split_once("id=\"report-data\"").unwrap();
         let others = PressureUnit::ALL.into_iter().filter(|other| *other != unit);
         for other in others {
             // A tire's slope is the vehicle file's own key.

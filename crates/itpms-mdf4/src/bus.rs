@@ -25,7 +25,7 @@ const KINDS: [(&str, FrameGroupKind); 3] = [
     ("CAN_ErrorFrame", FrameGroupKind::Error),
 ];
 
-/// A field of a frame that is a number, by its place in [`FIELDS`].
+/// A field of a frame that is a number, by its place in the format's list of such fields.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FrameField {
     /// Number of the bus.

@@ -35,12 +35,14 @@ mod simulate;
 mod vehicle;
 mod work;
 
+use itpms_data::log::Slot;
 use pyo3::prelude::*;
 
 /// The extension module of the package itpms.
 #[pymodule]
 fn _itpms(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("COLUMNS", Slot::all().map(Slot::name).collect::<Vec<String>>())?;
     module.add_class::<estimate::Estimated>()?;
     module.add_class::<car::Car>()?;
     module.add_class::<simulate::Simulated>()?;

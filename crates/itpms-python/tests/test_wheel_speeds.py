@@ -54,7 +54,7 @@ def test_the_tire_that_lost_a_quarter_is_named_and_none_of_a_healthy_car():
         low = {corner for corner in CORNERS if (frame[f"{corner}_warning"] == "low").any()}
         assert low == ({"rr"} if lost else set())
         assert [alert["wheels"] for alert in result.alerts] == ([["rr"]] if lost else [])
-        assert set(frame["rr_level"]) <= {"other-tires", "file"} and "rr_radius_change" in frame
+        assert "rr_radius_change" in frame
         # Nothing before it is lost; a quarter within the stated standard deviation at the end.
         assert (frame.loc[frame.time_s < 120, "rr_warning"] == "none").all()
         last = frame.iloc[-1]

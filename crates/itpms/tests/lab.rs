@@ -51,6 +51,7 @@ fn tools_go_on_without_the_word() {
 #[cfg(unix)]
 mod handing_on {
     use std::fs;
+    use std::io::ErrorKind;
     use std::os::unix::fs::PermissionsExt as _;
     use std::process::Command;
 
@@ -63,7 +64,14 @@ mod handing_on {
             fs::copy(crate::PROGRAM, &program).unwrap();
         }
         let mut command = Command::new(program);
-        command.env("PATH", bench.path("elsewhere")).args(line.split_whitespace()).output().unwrap()
+        command.env("PATH", bench.path("elsewhere")).args(line.split_whitespace());
+        loop {
+            match command.output() {
+                // Another test's child still holds the copy that was being written when it was forked.
+                Err(error) if error.kind() == ErrorKind::ExecutableFileBusy => std::thread::yield_now(),
+                outcome => break outcome.unwrap(),
+            }
+        }
     }
 
     fn place(bench: &Bench, name: &str, script: &str) {

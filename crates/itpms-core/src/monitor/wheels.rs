@@ -374,7 +374,7 @@ mod tests {
             (
                 all,
                 true,
-                "all four tires have lost air since the calibration, up to 25 % (sd 13) of their pressure, by the wheel speeds; since 10.0 s, said at 12.0 s",
+                "all four tires have lost air since the calibration, up to 25 % (sd 13) of their pressure, by the wheel speeds; since 10.0 s, reported at 12.0 s",
             ),
             (
                 pair,

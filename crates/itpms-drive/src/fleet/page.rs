@@ -417,9 +417,7 @@ mod tests {
 
     #[test]
     fn the_template_names_every_part() {
-        for name in
-            ["headline", "style", "base_style", "subline", "cards", "cars", "figures", "drives", "provenance"]
-        {
+        for name in ["headline", "subline", "cards", "cars", "figures", "drives", "provenance"] {
             assert!(TEMPLATE.contains(&format!("{{{{{name}}}}}")), "{name}");
         }
     }

@@ -2,7 +2,7 @@
 
     python make.py [DIRECTORY]
 
-Every file is read back with asammdf and held against the formulas below, which tests/mdf4_foreign.rs has as well. Needs
+Every file is read back with asammdf and held against the formulas below, which tests/foreign.rs has as well. Needs
 asammdf, numpy and python-can.
 """
 
@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from asammdf import MDF, Signal
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "can"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "itpms-can-log" / "tests" / "data"))
 import generate  # the frames of the CAN logs
 
 HERE = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent

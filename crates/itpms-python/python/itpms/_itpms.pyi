@@ -5,6 +5,8 @@ from os import PathLike
 from typing import Any
 
 __version__: str
+# Columns of a drive that mean something.
+COLUMNS: list[str]
 
 _Columns = Sequence[tuple[str, bytes]]
 _Told = Callable[[float], None] | None

@@ -9,14 +9,11 @@ from typing import Any
 import numpy.typing as npt
 
 from ._errors import LogError
+from ._itpms import COLUMNS
 from ._tables import collected, columns_of, kind_of, numbers, shapeless
 
 CORNERS = ("fl", "fr", "rl", "rr")
-MEANT = {
-    "time_s",
-    "speed_m_s",
-    *(f"{c}_{what}" for c in CORNERS for what in ("body_accel_m_s2", "wheel_accel_m_s2", "pressure_kpa", "road_m")),
-}
+MEANT = frozenset(COLUMNS)
 # What messages call a drive that has no name.
 TABLE = "the table"
 # Rows of a table that are held as numbers of our own at a time: a few hundred kilobytes of a whole car's.

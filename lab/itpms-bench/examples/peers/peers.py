@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from filterpy.kalman import ExtendedKalmanFilter
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "itpms-python" / "benches"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[4] / "crates" / "itpms-python" / "benches"))
 from published import UnknownInputFilter
 
 STEP_S = 2e-3
