@@ -224,7 +224,8 @@ mod tests {
         fn the_covariance_stays_one(
             steps in prop::collection::vec((any::<u8>(), any::<i16>(), any::<i16>()), 1..20),
             stiffness in 6e4..4e5,
-            log_level in -16.0..0.0,
+            // Up to the roughest class of ISO 8608 at 30 m/s; what is rougher restarts the filter where single precision does not hold it.
+            log_level in -16.0..-1.5,
         ) {
             let (smallest, asymmetry) = check::<f64>(&steps, stiffness, log_level);
             prop_assert!(smallest > -1e-10 && asymmetry == 0.0, "{smallest} {asymmetry}");
