@@ -62,6 +62,20 @@ struct FrameUpdate<T: Real> {
 
 blank!(FrameUpdate<T> { log_weight, record, best, frames });
 
+impl<T: Real> FrameUpdate<T> {
+    /// Whether a hypothesis of this weight is updated with what a side tells: not what nobody believes in, and where wheels change that are
+    /// hardly believed to, every third time, and so of either side.
+    fn follows(&self, index: usize, weight: T, side: usize) -> bool {
+        let always_from = match index {
+            1..SIDE if (index - 1) % 2 != side => RARE_OPPOSITE,
+            SIDE.. => RARE,
+            _ => 0.0,
+        };
+        let turn = (self.frames as usize + index).is_multiple_of(RARE_FRAMES);
+        weight > T::zero() && (turn || !(weight < T::lit(always_from)))
+    }
+}
+
 impl<T: Real> HypothesisBank<T> {
     /// What is believed at the start, the tires' compliances around `tires`.
     pub(super) fn start(&mut self, tires: &[T; 4]) {
@@ -142,19 +156,13 @@ impl<T: Real> HypothesisBank<T> {
         linearize: impl Fn(&State<T>) -> AxleResidual<T>,
     ) -> bool {
         let SideMeasurement { side, expected, instrument, weight, .. } = measurement;
-        let FrameUpdate { log_weight, record, best, frames } = &mut self.update;
+        let weight_before = self.hypotheses.get(index).map_or(T::ZERO, |hypothesis| hypothesis.weight);
+        let follows = self.update.follows(index, weight_before, *side);
+        let FrameUpdate { log_weight, record, best, .. } = &mut self.update;
         let usual = log_weight[CONSTANT];
         let hypothesis = self.hypotheses.get_mut(index).zip(log_weight.get_mut(index));
         let Some((hypothesis, log_weight)) = hypothesis else { return false };
-        let turn = (*frames as usize + index).is_multiple_of(RARE_FRAMES);
-        let is_opposite = (1..SIDE).contains(&index) && (index - 1) % 2 != *side;
-        let followed = match index {
-            _ if is_opposite => RARE_OPPOSITE,
-            SIDE.. => RARE,
-            _ => 0.0,
-        };
-        let rare = hypothesis.weight < T::lit(followed) && !turn;
-        if rare || !(hypothesis.weight > T::zero()) {
+        if !follows {
             *log_weight = usual;
             return false;
         }
@@ -197,16 +205,30 @@ impl<T: Real> HypothesisBank<T> {
         }
     }
 
-    /// The same of a number that also says how likely each hypothesis is.
-    pub(super) fn update_reweighted(&mut self, variance: T, linearize: impl Fn(&State<T>) -> (State<T>, T)) {
+    /// The same of a number of a side that also says how likely each hypothesis is; as seldom as a frame where hardly anybody believes in one.
+    pub(super) fn update_reweighted(
+        &mut self,
+        side: usize,
+        variance: T,
+        linearize: impl Fn(&State<T>) -> (State<T>, T),
+    ) {
         let mut log_weight = [T::zero(); HYPOTHESES];
-        for (hypothesis, log) in self.hypotheses.iter_mut().zip(&mut log_weight) {
+        self.update.frames = self.update.frames.wrapping_add(1);
+        let mut usual = T::zero();
+        for ((index, hypothesis), log) in self.hypotheses.iter_mut().enumerate().zip(&mut log_weight) {
+            if !self.update.follows(index, hypothesis.weight, side) {
+                *log = usual;
+                continue;
+            }
             let (slope, innovation) = linearize(&hypothesis.mean);
             let total = hypothesis.update(&slope, innovation, variance);
             let tails = T::lit(PSEUDO_MEASUREMENT_TAILS);
             let mahalanobis_sq = innovation * innovation / total;
             *log = T::lit(-0.5)
                 * (total.ln_fast() + (tails + T::one()) * (T::one() + mahalanobis_sq / tails).ln_fast());
+            if index == CONSTANT {
+                usual = *log;
+            }
         }
         self.reweigh(&log_weight);
     }

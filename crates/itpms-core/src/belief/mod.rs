@@ -215,9 +215,14 @@ impl<T: Real> Belief<T> {
         self.bank.update(variance, linearize);
     }
 
-    /// The same with a number that also tells how likely each hypothesis is.
-    pub(crate) fn update_reweighted(&mut self, variance: T, linearize: impl Fn(&State<T>) -> (State<T>, T)) {
-        self.bank.update_reweighted(variance, linearize);
+    /// The same with a number of a side that also tells how likely each hypothesis is.
+    pub(crate) fn update_reweighted(
+        &mut self,
+        side: usize,
+        variance: T,
+        linearize: impl Fn(&State<T>) -> (State<T>, T),
+    ) {
+        self.bank.update_reweighted(side, variance, linearize);
     }
 
     /// Ends an update: counts the seconds of shared road learned from, and drops what no tire can be.

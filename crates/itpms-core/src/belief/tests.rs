@@ -84,7 +84,7 @@ fn weights_follow_bayes_rule() {
     let before = bank.clone();
     let h = State::<f64>::from_fn(|i, _| if i == TIRE { 1.0 } else { 0.0 });
     let (variance, measured) = (1e-3, 0.12);
-    bank.update_reweighted(variance, |state| (h, measured - state[TIRE]));
+    bank.update_reweighted(0, variance, |state| (h, measured - state[TIRE]));
     let density = |hypothesis: &super::Hypothesis<f64>| {
         let total = hypothesis.covariance[(TIRE, TIRE)] + variance;
         let t2 = (measured - hypothesis.mean[TIRE]).powi(2) / total;

@@ -26,10 +26,12 @@ const FORGOTTEN: f64 = 1e-20;
 /// Largest chance of a step that a suspected wheel begins to move.
 const LARGEST_CHANCE: f64 = 0.2;
 
-/// Parts of a prediction: changes end, those of several tires go on or begin, then those of one; then time passes, for these and those.
-pub(crate) const PARTS: usize = 5;
-/// Hypotheses for which time passes in the first of two parts.
-const FIRST_HALF: usize = HYPOTHESES / 2;
+/// Parts of a prediction: changes end, those of several tires go on or begin, then those of one, of front and rear; then time passes, for
+/// these and those.
+pub(crate) const PARTS: usize = 6;
+/// First hypothesis that the second of two parts is about: of single wheels, and of all for which time passes.
+const REAR: usize = 3;
+const SECOND_HALF: usize = HYPOTHESES / 2;
 
 /// A prediction that is under way, as a whole of [`PARTS`].
 #[derive(Debug, Clone, PartialEq)]
@@ -98,9 +100,13 @@ impl<T: Real> Transition<T> {
         match part {
             0 => self.stay_or_end(hypotheses),
             1 => self.mix_several(hypotheses),
-            2 => self.mix_single(hypotheses),
-            3 => self.pass(hypotheses, circumstances, 0..FIRST_HALF),
-            _ => self.pass(hypotheses, circumstances, FIRST_HALF..HYPOTHESES),
+            2 => self.mix_single(hypotheses, CONSTANT + 1..REAR),
+            3 => {
+                self.mix_single(hypotheses, REAR..SIDE);
+                hypotheses[CONSTANT].take_over(&self.still);
+            }
+            4 => self.pass(hypotheses, circumstances, 0..SECOND_HALF),
+            _ => self.pass(hypotheses, circumstances, SECOND_HALF..HYPOTHESES),
         }
     }
 
@@ -114,12 +120,11 @@ impl<T: Real> Transition<T> {
     }
 
     /// Single wheels come after those that they join, and what does not move after all that begins from it.
-    fn mix_single(&mut self, hypotheses: &mut Hypotheses<T>) {
+    fn mix_single(&mut self, hypotheses: &mut Hypotheses<T>, some: core::ops::Range<usize>) {
         let Self { end, begin, .. } = *self;
-        for (hypothesis, &begin) in begin.iter().enumerate().take(SIDE).skip(1) {
+        for (hypothesis, &begin) in begin.iter().enumerate().take(some.end).skip(some.start) {
             go_on(hypotheses, hypothesis, end, begin);
         }
-        hypotheses[CONSTANT].take_over(&self.still);
     }
 
     /// Time passes for some hypotheses.

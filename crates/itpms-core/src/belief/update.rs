@@ -140,16 +140,14 @@ impl<T: Real> Likelihood<T> {
             (0..ROWS).for_each(|row| total[(row, row)] += expected.power[row % BINS] * share * scale);
             total
         };
-        let (mahalanobis_sq, log_determinant) = {
-            let plain = total(T::one()).cholesky()?;
-            let diagonal = plain.l_dirty().diagonal();
-            let log_determinant = diagonal.iter().fold(T::zero(), |sum, x| sum + T::lit(2.0) * x.ln_fast());
-            (found.rows.dot(&plain.solve(&found.rows)), log_determinant)
-        };
+        let plain = total(T::one()).cholesky()?;
+        let diagonal = plain.l_dirty().diagonal();
+        let log_determinant = diagonal.iter().fold(T::zero(), |sum, x| sum + T::lit(2.0) * x.ln_fast());
+        let mahalanobis_sq = found.rows.dot(&plain.solve(&found.rows));
         // A residual far larger than expected says little: Student's t with few degrees of freedom.
         let (tails, rows) = (T::lit(TAILS), T::lit(ROWS as f64));
         let scale = ((tails + mahalanobis_sq) / (tails + rows)).max(T::one());
-        let inverse = total(scale).cholesky()?.inverse();
+        let inverse = if scale > T::one() { total(scale).cholesky()? } else { plain }.inverse();
         let weighted = inverse * found.rows;
         let mut ratio = [T::zero(); BINS];
         for (bin, ratio) in ratio.iter_mut().enumerate() {

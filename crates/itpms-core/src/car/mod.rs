@@ -14,7 +14,7 @@ use self::conclusion::Concluded;
 use self::considered::Considered;
 use self::fusion::Fusion;
 use crate::conditioning::{Moment, SampleClock, SampleCounts};
-use crate::estimator::{CornerEstimator, OutsideStiffness};
+use crate::estimator::{CornerEstimator, OutsideStiffness, Pace};
 use crate::memory::{Blank, Placed, blank};
 use crate::model::{
     BodyFit, CalibrationError, CarConfig, CarSample, Corner, Inflation, Misfit, ParameterError, QuarterCar,
@@ -27,7 +27,7 @@ use crate::suspension::{BodyEquation, Learning};
 /// What the road's spectra read too much or too little on one road, as a share of the placard pressure.
 const SPECTRUM_BIAS: f64 = 0.04;
 
-/// Longest time in s between two conclusions. Where a frame has taught something one is drawn at once.
+/// Time in s between two conclusions, which may be twice as long while frames are worked on.
 const CONCLUDE_S: f64 = 0.01;
 
 /// From where the pressure may be learned.
@@ -74,7 +74,7 @@ pub struct CarEstimator<T: Real> {
     calibration_s: Option<f64>,
     calibration_ends_s: f64,
     concluded: Concluded<T>,
-    /// Samples from one conclusion to the next, and how many are left until that.
+    /// Samples from one conclusion to the next, and how many are left until one that cannot wait.
     conclude_every: u32,
     conclude_in: u32,
 }
@@ -318,7 +318,8 @@ impl<T: Real> CarEstimator<T> {
         if has_room {
             has_room = !self.identify();
         }
-        let concludes = self.take_news() || self.conclude_in == 0;
+        // Nor is one drawn beside one of these, unless it would come late.
+        let concludes = self.conclude_in == 0 || has_room && self.conclude_in <= self.conclude_every;
         let fused = if concludes { self.conclude(at.now_s, has_room, sample) } else { None };
         let mut corners = [None; 4];
         for ((estimate, estimator), corner) in corners.iter_mut().zip(&mut self.corners).zip(&sample.corners)
@@ -329,7 +330,7 @@ impl<T: Real> CarEstimator<T> {
         }
         if concludes {
             self.compare(&mut corners, fused.as_ref());
-            self.conclude_in = self.conclude_every;
+            self.conclude_in = 2 * self.conclude_every;
         }
         self.conclude_in = self.conclude_in.saturating_sub(1);
         let Concluded { correlation, tracks, .. } = self.concluded;
@@ -342,23 +343,19 @@ impl<T: Real> CarEstimator<T> {
         if let Some(fusion) = self.fusion.as_mut() {
             fusion.drive(time_s, speed_m_s);
         }
+        let has_other_work = match self.fusion.as_ref() {
+            Some(fusion) if !fusion.is_at_rest() => fusion.is_large_next(),
+            _ => self.conclude_in <= self.conclude_every || self.body_equation.is_learning(),
+        };
+        let pace = if has_other_work && self.conclude_every > 1 { Pace::Waits } else { Pace::Works };
         let both = self.corners.iter_mut().zip(&sample.corners);
         for (i, (estimator, corner)) in both.enumerate() {
             let (Some(estimator), Some(corner)) = (estimator.as_mut(), corner) else { continue };
             match self.fusion.as_mut() {
-                Some(fusion) => estimator.take(time_s, speed_m_s, corner, |step| fusion.push(i, step)),
-                None => estimator.take(time_s, speed_m_s, corner, |_| {}),
+                Some(fusion) => estimator.take(time_s, speed_m_s, corner, pace, |step| fusion.push(i, step)),
+                None => estimator.take(time_s, speed_m_s, corner, pace, |_| {}),
             }
         }
-    }
-
-    /// Whether anything was learned since this was last asked.
-    fn take_news(&mut self) -> bool {
-        let mut news = self.fusion.as_mut().is_some_and(Fusion::take_news);
-        for corner in self.corners.iter_mut().flatten() {
-            news |= corner.take_news();
-        }
-        news
     }
 
     /// Learns the struts' friction from the body that they carry; true if there was something to do.

@@ -46,13 +46,13 @@ pub(crate) struct ContactWatch<T> {
     last_s: f64,
     /// What of them is taken for an offset.
     offsets: [T; 2],
-    /// Until when the wheel counts as hopping, and the tire as one that pulls.
-    hopping_until_s: f64,
-    pulling_until_s: f64,
+    /// Seconds for which the wheel still counts as hopping, and the tire as one that pulls.
+    hopping_s: T,
+    pulling_s: T,
 }
 
 blank!(ContactWatch<T> {
-    sprung_mass_kg, unsprung_mass_kg, means, watched_s, last_s, offsets, hopping_until_s, pulling_until_s,
+    sprung_mass_kg, unsprung_mass_kg, means, watched_s, last_s, offsets, hopping_s, pulling_s,
 });
 
 impl<T: Real> ContactWatch<T> {
@@ -64,8 +64,8 @@ impl<T: Real> ContactWatch<T> {
             watched_s: T::zero(),
             last_s: f64::NAN,
             offsets: [T::zero(); 2],
-            hopping_until_s: f64::NEG_INFINITY,
-            pulling_until_s: f64::NEG_INFINITY,
+            hopping_s: T::zero(),
+            pulling_s: T::zero(),
         }
     }
 
@@ -75,17 +75,17 @@ impl<T: Real> ContactWatch<T> {
         let force_n = self.sprung_mass_kg * body + self.unsprung_mass_kg * wheel;
         let weight_n = (self.sprung_mass_kg + self.unsprung_mass_kg) * T::lit(GRAVITY_M_S2);
         if force_n < -weight_n * T::lit(PULLING) {
-            self.pulling_until_s = sample.time_s + PULLING_S;
+            self.pulling_s = T::lit(PULLING_S);
         }
-        if sample.time_s < self.pulling_until_s {
+        if self.pulling_s > T::zero() {
             return Contact { unloaded: false, hopping: false };
         }
         if force_n < -weight_n * T::lit(LIFTED) {
-            self.hopping_until_s = sample.time_s + LANDING_S;
+            self.hopping_s = T::lit(LANDING_S);
         }
         Contact {
             unloaded: force_n < -weight_n * T::lit(UNLOADED),
-            hopping: sample.time_s < self.hopping_until_s,
+            hopping: self.hopping_s > T::zero(),
         }
     }
 
@@ -95,6 +95,8 @@ impl<T: Real> ContactWatch<T> {
         let seconds = T::lit(sample.time_s - self.last_s);
         self.last_s = sample.time_s;
         if seconds > T::zero() {
+            self.pulling_s -= seconds;
+            self.hopping_s -= seconds;
             let seconds = seconds.at_most(T::lit(LONGEST_STEP_S));
             self.watched_s = (self.watched_s + seconds).at_most(T::lit(OFFSET_S));
             let share = seconds / self.watched_s;
@@ -110,7 +112,7 @@ impl<T: Real> ContactWatch<T> {
             let is_new = |(before, now): (&T, &T)| (*before == T::zero()) != (*now == T::zero());
             if before.iter().zip(&self.offsets).any(is_new) {
                 // What was made of the forces so far was made of wrong ones.
-                (self.pulling_until_s, self.hopping_until_s) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+                (self.pulling_s, self.hopping_s) = (T::zero(), T::zero());
             }
         }
         core::array::from_fn(|i| readings[i] - self.offsets[i])

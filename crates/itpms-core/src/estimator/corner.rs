@@ -12,7 +12,7 @@ use crate::model::{
     Validity, positive,
 };
 use crate::real::Real;
-use crate::single_wheel::{Informed, OutsideStiffness, StiffnessPseudoMeasurement};
+use crate::single_wheel::{Informed, OutsideStiffness, Pace, StiffnessPseudoMeasurement};
 use crate::suspension::{BodyEquation, Strut, StrutFrame};
 
 /// Seconds between two updates of the Bayes filter with a calibration.
@@ -33,9 +33,6 @@ pub(crate) struct CornerEstimator<T: Real> {
     /// What the Bayes filter last found, and the time of the step in which a frame or a repeated road was last learned from.
     reading: Reading<T>,
     read_s: f64,
-    /// Whether that was since it was last asked for, or the sensors have fallen silent or come back.
-    has_news: bool,
-    was_bad: bool,
     /// Length in s of the calibration drive at the start, and when it ends once that is known.
     calibration_s: f64,
     calibration_ends_s: Option<f64>,
@@ -59,7 +56,7 @@ pub(crate) struct CornerEstimator<T: Real> {
 }
 
 blank!(CornerEstimator<T> {
-    config, resampler, informed, reading, read_s, has_news, was_bad, calibration_s, calibration_ends_s,
+    config, resampler, informed, reading, read_s, calibration_s, calibration_ends_s,
     pinned_s, restarts, fused, contact, strut, friction_variance,
     fit, misfit, judged_from_s, has_fitted, learned_before_s, concluded,
 });
@@ -105,14 +102,7 @@ impl<T: Real> CornerEstimator<T> {
     /// What is known before the first frame.
     fn begin_reading(&mut self) {
         self.reading = Reading::of(&self.config, &self.informed.belief());
-        (self.read_s, self.has_news, self.was_bad) = (f64::NEG_INFINITY, false, false);
-    }
-
-    /// Whether anything was learned since this was last asked, or the sensors have fallen silent or come back.
-    pub(crate) fn take_news(&mut self) -> bool {
-        let is_bad = self.resampler.is_bad();
-        let has_changed = core::mem::replace(&mut self.was_bad, is_bad) != is_bad;
-        core::mem::take(&mut self.has_news) || has_changed
+        self.read_s = f64::NEG_INFINITY;
     }
 
     /// Says that the tire has its placard pressure from the next sample on, for `seconds`: the driver's calibration.
@@ -133,7 +123,7 @@ impl<T: Real> CornerEstimator<T> {
     /// See [`Estimator::follow`](super::Estimator::follow).
     pub(crate) fn follow(&mut self, outside: Option<OutsideStiffness<T>>) {
         self.informed.follow(outside);
-        (self.read_s, self.has_news) = (self.informed.last_time_s(), true);
+        self.read_s = self.informed.last_time_s();
         self.reading = Reading::of(&self.config, &self.informed.belief());
     }
 
@@ -172,6 +162,7 @@ impl<T: Real> CornerEstimator<T> {
         time_s: f64,
         speed_m_s: T,
         corner: &CornerSample<T>,
+        pace: Pace,
         mut tap: impl FnMut(&GridSample<T>),
     ) {
         let (informed, contact, strut) = (&mut self.informed, &mut self.contact, &mut self.strut);
@@ -182,13 +173,13 @@ impl<T: Real> CornerEstimator<T> {
             let contact = contact.look(&sample);
             let mut sample = GridSample { unloaded: contact.unloaded, ..sample };
             sample.strut_friction_m_s2 = strut.push(&sample) / unsprung_kg;
-            if informed.push(&GridSample { invalid: sample.invalid || contact.hopping, ..sample }) {
+            if informed.push(&GridSample { invalid: sample.invalid || contact.hopping, ..sample }, pace) {
                 learned_s = Some(sample.time_s);
             }
             tap(&sample);
         });
         if let Some(learned_s) = learned_s {
-            (self.read_s, self.has_news) = (learned_s, true);
+            self.read_s = learned_s;
             self.reading = Reading::of(&self.config, &self.informed.belief());
         }
         self.hold_calibration(time_s);
@@ -295,7 +286,9 @@ impl<T: Real> CornerEstimator<T> {
             return;
         }
         let ends_s = *self.calibration_ends_s.get_or_insert(time_s + self.calibration_s);
-        if time_s < ends_s && !(time_s - self.pinned_s < TELL_S) {
+        if !(time_s < ends_s) {
+            self.calibration_s = 0.0;
+        } else if !(time_s - self.pinned_s < TELL_S) {
             self.pinned_s = time_s;
             self.informed.set_to_placard();
             self.reading = Reading::of(&self.config, &self.informed.belief());

@@ -11,6 +11,7 @@ use crate::conditioning::{SampleClock, SampleCounts};
 use crate::memory::{Blank, blank};
 use crate::model::{BodyFit, CornerConfig, CornerEstimate, CornerSample, Misfit, ParameterError, QuarterCar};
 use crate::real::Real;
+pub(crate) use crate::single_wheel::Pace;
 pub use crate::single_wheel::{CALIBRATION_SD, OutsideStiffness, StiffnessPseudoMeasurement};
 use crate::suspension::{BodyEquation, Learning};
 
@@ -94,7 +95,7 @@ impl<T: Real> Estimator<T> {
         let corner = CornerSample { body_accel_m_s2, wheel_accel_m_s2 };
         let at = self.clock.take(time_s, speed_m_s);
         match at.time_s {
-            Some(steady_s) => self.corner.take(steady_s, at.speed_m_s, &corner, |_| {}),
+            Some(steady_s) => self.corner.take(steady_s, at.speed_m_s, &corner, Pace::Works, |_| {}),
             None => self.corner.refuse(),
         }
         if self.body_equation.learn([self.corner.strut_frame(), None, None, None]) == Learning::Complete {

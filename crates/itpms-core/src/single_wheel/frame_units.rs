@@ -1,5 +1,5 @@
-//! The work of a pair of frames, in units of which every grid step does one: no sample costs much more than another. What a pair says is
-//! known [`ORDER`]'s length of steps later, and always before the next frame is complete.
+//! The work of a pair of frames, in units of which a grid step does one at most: no sample costs much more than another. What a pair says is
+//! known [`ORDER`]'s length of steps later, or as much later as there was other work, and always before the next pair is complete.
 
 use super::dynamics::LEVEL_MODES;
 use super::gate::SpeedKnowledge;
@@ -47,6 +47,13 @@ const ORDER: [Unit; 23] = {
 const _: () = assert!(LEVEL_MODES == 3 && ORDER.len() == 10 + FITS as usize);
 /// A frame's units have to fit into its hop.
 const _: () = assert!(ORDER.len() < (HOP_S * LEAST_GRID_HZ) as usize);
+
+/// Whether a grid step does a unit, or leaves it to a later one, if there are enough before the next pair, because there is other work.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Pace {
+    Works,
+    Waits,
+}
 
 /// What is left to do with a pair of frames.
 #[derive(Debug, Clone, PartialEq)]
@@ -149,8 +156,13 @@ impl<T: Real> Informed<T> {
     }
 
     /// Does one unit of the newest frame's work; true if there is something new to say after it.
-    pub(super) fn work_on(&mut self) -> bool {
+    pub(super) fn work_on(&mut self, pace: Pace) -> bool {
         if !self.work.under_way {
+            return false;
+        }
+        let hops_left = u32::from(self.work.first.as_ref().is_none());
+        let units_left = ORDER.len() - self.work.done;
+        if pace == Pace::Waits && units_left + 1 < self.clock.steps_until(hops_left) {
             return false;
         }
         let unit = ORDER.get(self.work.done).copied().unwrap_or(Unit::Tables);

@@ -36,6 +36,7 @@ use crate::memory::{Placed, blank};
 use crate::model::{CornerConfig, QuarterCar};
 use crate::real::Real;
 use crate::single_wheel::frame_units::FrameWork;
+pub(crate) use crate::single_wheel::frame_units::Pace;
 use crate::single_wheel::gate::Gate;
 use crate::single_wheel::grid_posterior::Posterior;
 use crate::single_wheel::load::BodyIdentification;
@@ -174,7 +175,7 @@ impl<T: Real> Informed<T> {
     }
 
     /// Takes one grid sample; true when the belief has moved.
-    pub(crate) fn push(&mut self, sample: &GridSample<T>) -> bool {
+    pub(crate) fn push(&mut self, sample: &GridSample<T>, pace: Pace) -> bool {
         if sample.after_gap {
             self.reconstruction.restart();
             self.clock.restart();
@@ -182,7 +183,7 @@ impl<T: Real> Informed<T> {
         self.last_time_s = sample.time_s;
         self.invalid |= sample.invalid;
         let signals = self.reconstruction.push(sample);
-        let learned = self.work_on();
+        let learned = self.work_on(pace);
         if let Some(frame) = self.clock.push(&signals) {
             self.begin_frame(&frame, sample.speed_m_s);
         }

@@ -89,6 +89,11 @@ impl<T: Real, const BINS: usize, const SIGNALS: usize> FrameClock<T, BINS, SIGNA
         1.0 / (2.0 * self.hop_s())
     }
 
+    /// Steps until the next frame is complete, or one so many hops later.
+    pub(crate) fn steps_until(&self, hops_later: u32) -> usize {
+        (self.hop * (hops_later + 1)).saturating_sub(self.step) as usize
+    }
+
     /// Drops the frames under way.
     #[inline(never)]
     pub(crate) fn restart(&mut self) {

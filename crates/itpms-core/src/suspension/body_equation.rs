@@ -206,6 +206,11 @@ impl<T: Real> BodyEquation<T> {
         if self.units_left == 0 { Learning::Complete } else { Learning::UnderWay }
     }
 
+    /// Whether frames are being learned from.
+    pub(crate) fn is_learning(&self) -> bool {
+        self.units_left > 0
+    }
+
     /// Times in s of the earliest and the latest frame of the corners that there are.
     fn times(&self, frames: &[Option<&StrutFrame<T>>; 4]) -> [f64; 2] {
         let (mut earliest_s, mut latest_s) = (f64::INFINITY, f64::NEG_INFINITY);

@@ -182,14 +182,16 @@ impl<T: Real> MonitorReport<T> {
 
     /// What began, changed or ended since `before`, in a fixed order.
     pub fn changes_since<'a>(&'a self, before: &'a Self) -> impl Iterator<Item = Change<T>> + 'a {
-        let pairs = before.slots.iter().zip(&self.slots);
         let set_back_s = self.set_back_s - before.set_back_s;
-        pairs.flat_map(move |(before, now)| {
-            let (ended, begun) = match (before.get(), now.get()) {
-                (Some(old), Some(new)) if old.is_same_as(&new, set_back_s) => (None, None),
-                (old, new) => (old.map(Change::Ended), new.map(Change::Begun)),
+        // Most places are empty in both: what would be handed out of a place is not moved before it is known to differ.
+        let differ =
+            move |(old, new): &(&Placed<Alert<T>>, &Placed<Alert<T>>)| match (old.as_ref(), new.as_ref()) {
+                (Some(old), Some(new)) => !old.is_same_as(new, set_back_s),
+                (old, new) => old.is_some() || new.is_some(),
             };
-            ended.into_iter().chain(begun)
+        let changed = before.slots.iter().zip(&self.slots).filter(differ);
+        changed.flat_map(|(old, new)| {
+            old.get().map(Change::Ended).into_iter().chain(new.get().map(Change::Begun))
         })
     }
 }

@@ -134,6 +134,12 @@ impl<T: Real> Fusion<T> {
         has_room && self.is_at_rest()
     }
 
+    /// Whether the next unit is one of the large ones.
+    pub(in crate::car) fn is_large_next(&self) -> bool {
+        let next = ORDER.get(self.queue.done);
+        !self.queue.is_empty() && matches!(next, Some(Unit::Predict(_) | Unit::Update(_)))
+    }
+
     /// Whether the belief is at rest, and not in the middle of a frame.
     pub(in crate::car) fn is_at_rest(&self) -> bool {
         self.queue.is_empty()
@@ -245,6 +251,5 @@ impl<T: Real> Fusion<T> {
         self.queue.frames[side].clear();
         (self.queue.first, self.queue.done) = (1 - side, 0);
         self.belief.refresh(&mut self.tires);
-        self.has_news = true;
     }
 }

@@ -59,13 +59,11 @@ pub(super) struct Fusion<T: Real> {
     queue: FrameQueue<T>,
     /// What is believed of the tires, as of the last frame that was learned from.
     tires: Tires<T>,
-    /// Whether a frame was learned from since that was last asked.
-    has_news: bool,
 }
 
 blank!(Fusion<T> {
     inter_axle, belief, single_wheel, pseudo_measured_s, detections, speed_latency, calibration_reading,
-    friction_variance, queue, tires, has_news,
+    friction_variance, queue, tires,
 });
 
 impl<T: Real> Fusion<T> {
@@ -92,12 +90,6 @@ impl<T: Real> Fusion<T> {
         self.friction_variance = [T::zero(); 4];
         self.queue.configure(sample_rate_hz);
         self.belief.refresh(&mut self.tires);
-        self.has_news = false;
-    }
-
-    /// Whether a frame was learned from since this was last asked.
-    pub(super) fn take_news(&mut self) -> bool {
-        core::mem::take(&mut self.has_news)
     }
 
     /// Takes the time and the speed of the samples that follow.

@@ -70,7 +70,7 @@ impl<T: Real> Fusion<T> {
             return;
         }
         let scale = self.belief.scale().clone();
-        self.belief.update_reweighted(variance, |state| {
+        self.belief.update_reweighted(corner % 2, variance, |state| {
             let (expected, slope) = scale.spectral_stiffness(corner, state);
             (slope, stiffness_n_per_m - expected)
         });
