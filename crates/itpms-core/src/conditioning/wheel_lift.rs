@@ -83,10 +83,7 @@ impl<T: Real> ContactWatch<T> {
         if force_n < -weight_n * T::lit(LIFTED) {
             self.hopping_s = T::lit(LANDING_S);
         }
-        Contact {
-            unloaded: force_n < -weight_n * T::lit(UNLOADED),
-            hopping: self.hopping_s > T::zero(),
-        }
+        Contact { unloaded: force_n < -weight_n * T::lit(UNLOADED), hopping: self.hopping_s > T::zero() }
     }
 
     /// Both accelerations without what the sensors always show. Small means are left alone: they are the road's.
