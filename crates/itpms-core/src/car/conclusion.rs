@@ -70,7 +70,7 @@ impl<T: Real> CarEstimator<T> {
     fn fuse(&mut self, time_s: f64, has_room: bool) -> Option<FusedEstimate<T>> {
         let fusion = self.fusion.as_mut()?;
         if time_s.is_finite() {
-            // Much work, for which nobody has to wait but in a car that is always busy.
+            // With the next sample that has room for it, which is this one but for a frame that became complete with it.
             if let Some(seconds) = self.calibration_s.take_if(|_| has_room) {
                 self.calibration_ends_s = time_s + seconds;
                 fusion.begin_calibration();

@@ -220,6 +220,9 @@ impl<T: Real> CarEstimator<T> {
             corner.begin_calibration(seconds)?;
         }
         (self.calibration_s, self.conclude_in) = (Some(seconds), 0);
+        if let Some(fusion) = self.fusion.as_mut() {
+            fusion.drop_frames();
+        }
         Ok(())
     }
 
@@ -315,7 +318,8 @@ impl<T: Real> CarEstimator<T> {
         }
         // No sample does more than one of these: a part of a frame, of the struts' identification, or a corner's own measurement.
         let mut has_room = self.fusion.as_mut().is_none_or(|fusion| fusion.work_on(at.now_s));
-        if has_room {
+        // A calibration that is to begin is much work by itself.
+        if has_room && self.calibration_s.is_none() {
             has_room = !self.identify();
         }
         // Nor is one drawn beside one of these, unless it would come late.

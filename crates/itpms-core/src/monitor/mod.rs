@@ -235,6 +235,11 @@ impl<T: Real> Monitor<T> {
             } else if rim {
                 (Validity::Misfit, Doubt::Misfit)
             } else {
+                // Since the last decision it may have become so.
+                if wheel.state == WheelState::Fine && !estimate.validity.is_valid() {
+                    wheel.validity = estimate.validity;
+                    wheel.state = watch.quiet_state(estimate, self.reference_kpa[i], &self.config.limits);
+                }
                 continue;
             };
             if estimate.validity.is_valid() {

@@ -155,7 +155,7 @@ impl<T: Real> Fusion<T> {
     /// For some seconds sensors of the `suspected` corners may have been wrong: what was learned meanwhile is taken back, if it
     /// contradicts what was known before.
     pub(super) fn rollback(&mut self, suspected: [bool; 4]) {
-        self.queue.clear();
+        self.drop_frames();
         if let Some(time_s) = self.belief.rollback(suspected) {
             self.inter_axle.pairs_mut().iter_mut().for_each(|pair| pair.restore(time_s));
             self.checkpoint_anew();
@@ -164,7 +164,7 @@ impl<T: Real> Fusion<T> {
 
     /// A corner's sensors were out of order.
     pub(super) fn restart(&mut self, corner: usize) {
-        self.queue.clear();
+        self.drop_frames();
         self.belief.restart_tire(corner);
     }
 
@@ -202,9 +202,13 @@ impl<T: Real> Fusion<T> {
         self.belief.set_inflation(inflation);
     }
 
+    /// What frames are being learned from does not count any more.
+    pub(super) fn drop_frames(&mut self) {
+        self.queue.clear();
+    }
+
     /// A calibration begins with the next frame.
     pub(super) fn begin_calibration(&mut self) {
-        self.queue.clear();
         self.belief.begin_calibration();
         self.calibration_reading = CalibrationReading::new();
     }
