@@ -1,14 +1,19 @@
 //! A page that is one file: a template with its parts, under a policy that lets nothing run but the template's own scripts and styles.
 //!
-//! Called by the report and by the fleet's page. The hashes of the policy are those of what stands in the template's `<script>` and
+//! Called by every page that the programs write. The hashes of the policy are those of what stands in the template's `<script>` and
 //! `<style>` elements; what comes into the page from outside, through any other place, is never hashed and so never runs.
 
+use crate::plot::escape;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use sha2::{Digest as _, Sha256};
 
-/// Style of a plain page of figures and tables.
-pub const FIGURES_STYLE: &str = include_str!("../assets/figures.css");
+/// Style of a page of figures and tables, after the shared one.
+const FIGURES_STYLE: &str = include_str!("../assets/figures.css");
+
+/// Such a page's body.
+const FIGURES_BODY: &str =
+    "<body>\n<header><h1>{{title}}</h1></header>\n<main>\n{{content}}</main>\n</body>\n</html>\n";
 
 /// The place of the policy in a template: in the content of `<meta http-equiv="Content-Security-Policy">`, before all scripts and styles.
 const POLICY: &str = "policy";
@@ -28,6 +33,14 @@ const HEAD: &str = include_str!("../assets/head.html");
 pub fn page(body: &str, parts: &[(&str, String)]) -> String {
     let base_style = [("base_style", BASE_STYLE.to_owned() + &percent_style())];
     under_policy(&[HEAD, body].concat(), &[parts, &base_style].concat())
+}
+
+/// A page of figures and tables: a title, which is text, and what stands under it, which is markup, with a style of its own after the shared
+/// one.
+#[must_use]
+pub fn figures_page(title: &str, style: &str, content: String) -> String {
+    let style = FIGURES_STYLE.to_owned() + style;
+    page(FIGURES_BODY, &[("title", escape(title)), ("style", style), ("content", content)])
 }
 
 /// The template with its parts, among them the policy.

@@ -47,7 +47,7 @@ function reason(alert) {
     case "common-shift":
       return `at ${n(100 * alert.mean_share)} ± ${n(100 * alert.sd_share)} % of what the stored calibration expects: tires, wheels or dampers were changed, or all of them were filled otherwise`;
     case "no-information":
-      return `nothing learned in ${n(alert.driven_s / 60)} min of driving`;
+      return `no information in ${n(alert.driven_s / 60)} min of driving`;
     default:
       return (alert.text ?? "").replace(/; since .*$/, "").replace(/^malfunction: /, "").replace(/\b(fl|fr|rl|rr)\b/g, (corner) => lower(NAMES[corner]));
   }
@@ -123,8 +123,8 @@ export class Alerts {
   silence(snapshot, state) {
     const wheels = snapshot?.wheels ?? [], unknown = wheels.filter((wheel) => kind(wheel) === "unknown");
     const caveat = unknown.length ? ` That is no all-clear: ${list(unknown.map((w) => `${lower(NAMES[w.corner])} is ${lower(badge(w)) === "not known" ? "not known" : "not known (" + lower(badge(w)) + ")"}`))}.` : "";
-    const text = state !== "live" ? "No warning was standing when data last came. What is now is unknown." : `Nothing is being warned of.${caveat}`;
-    put(none, wheels.length ? text : "Nothing has been seen yet, so nothing can be warned of.");
+    const text = state !== "live" ? "No warning was active when the last data came. The present state is unknown." : `No active warning.${caveat}`;
+    put(none, wheels.length ? text : "No data yet: no warning is possible.");
   }
   row({ alert, ended_s }) {
     const [cls, what] = KINDS[alert.kind] ?? ["unknown", alert.kind];
@@ -146,7 +146,7 @@ export class Alerts {
       return td;
     };
     const at = (time_s) => moment(time_s, this.newest);
-    row.append(wheel, warning, cell("reported", at(alert.reported_s)), cell("since", at(alert.since_s)), cell("until", ended_s != null ? at(ended_s) : this.old ? "stood when last seen" : "still standing"));
+    row.append(wheel, warning, cell("reported", at(alert.reported_s)), cell("since", at(alert.since_s)), cell("until", ended_s != null ? at(ended_s) : this.old ? "active when last seen" : "active"));
     return row;
   }
 }

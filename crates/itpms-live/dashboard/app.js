@@ -17,7 +17,13 @@ const by = (id) => document.getElementById(id);
 const past = new Past(), status = new Status(), alerts = new Alerts();
 let newest = null, run = null, clock_s = -Infinity, span_s = 900;
 
-const windowOf = (lo, hi) => (hi == null ? [0, span_s] : [hi - span_s, hi]);
+// The last `span_s`, or less while there is less, but half a minute.
+const LEAST_S = 30;
+const windowOf = (lo, hi) => {
+  if (hi == null) return [0, LEAST_S];
+  const first_s = past.coarse.time_s[0] ?? lo;
+  return [Math.max(hi - span_s, Math.min(first_s, hi - LEAST_S)), hi];
+};
 const pressures = new Pressures(by("pressure-charts"), windowOf);
 const states = new States(by("state-chart"), windowOf);
 const roads = new Roads(by("road-charts"), windowOf);

@@ -53,12 +53,12 @@ export function drawHealth(snapshot, state) {
     const g = made_of("gates", wheel.corner, gate);
     g.fill.style.width = `${live ? 100 * Math.min(1, Math.max(0, wheel.gate ?? 0)) : 0}%`;
     put(g.share, live && wheel.gate != null ? `${(100 * wheel.gate).toFixed(0)} %` : "–");
-    put(g.age, wheel.informed_age_s == null ? "nothing learned yet" : live ? `learned ${span(wheel.informed_age_s)} ago` : "not current");
+    put(g.age, wheel.informed_age_s == null ? "no estimate yet" : live ? `updated ${span(wheel.informed_age_s)} ago` : "not current");
   }
   for (const { column, state: is, reason } of snapshot.sensors) {
     const s = made_of("sensors", column, sensor), [cls, text] = SENSOR[is] ?? ["unknown", is];
     attribute(s.mark, "class", "badge " + (live ? cls : "unknown"));
-    put(s.mark, live ? text : "Was " + text.toLowerCase());
+    put(s.mark, live ? text : "last: " + text.toLowerCase());
     put(s.reason, reason ?? "");
   }
   const { source, latency_ms: late } = snapshot;

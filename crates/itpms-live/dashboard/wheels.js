@@ -43,7 +43,7 @@ export function drawWheels(snapshot, state) {
     c.band.style.width = shown ? percent((4 * wheel.pressure_sd_kpa) / full) : "0";
     const same = Math.abs(wheel.reference_kpa - wheel.placard_kpa) < 0.5;
     put(c.should, same || wheel.reference_kpa == null ? `placard ${number(wheel.placard_kpa, 0)} ${UNIT}` : `reference ${number(wheel.reference_kpa, 0)} ${UNIT}`);
-    put(c.learned, old ? "" : wheel.informed_age_s == null ? "nothing learned yet" : wheel.informed_age_s < 5 ? "learning" : `learned ${span(wheel.informed_age_s)} ago`);
+    put(c.learned, old ? "" : wheel.informed_age_s == null ? "no estimate yet" : wheel.informed_age_s < 5 ? "updating" : `updated ${span(wheel.informed_age_s)} ago`);
     // The level may be no better than the vehicle file while a change is known well.
     put(c.rests, shown && LEVELS[wheel.level] ? `${LEVELS[wheel.level]}; changes ± ${number(wheel.change_sd_kpa, 1)} ${UNIT}` : "");
   }

@@ -13,14 +13,20 @@ export const STATES = {
 };
 
 // What the level of a pressure rests on.
-export const LEVELS = { file: "level from the vehicle file", calibration: "level from a calibration" };
+export const LEVELS = {
+  file: "level from the vehicle file",
+  calibration: "level from a calibration",
+  reference: "level from a stored calibration",
+  "other-tires": "known against the other tires only",
+};
 
 const DOUBTS = {
-  starting: ["Still learning", "learning"],
+  starting: ["Starting", "starting"],
   "no-information": ["No information", "no info"],
   uncertain: ["Uncertain", "uncertain"],
   misfit: ["Car does not fit", "misfit"],
   suspicion: ["Sensor in doubt", "in doubt"],
+  standing: ["Car stands", "stands"],
 };
 
 // Why the speed is not known.

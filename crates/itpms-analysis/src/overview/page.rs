@@ -6,7 +6,7 @@ use super::{Found, FoundCorner, Statistics};
 use crate::plot::{Axis, Figure, Ink, Panel, Stroke, escape};
 use crate::transfer::{Density, INCOHERENT, named};
 
-use crate::page::FIGURES_STYLE as STYLE;
+use crate::page::figures_page;
 
 /// Where spectra are shown, in Hz: below, drifts of the sensors; above, no suspension.
 const SHOWN_HZ: (f64, f64) = (0.5, 100.0);
@@ -21,15 +21,17 @@ impl Found {
     /// The page about the log of this name.
     #[must_use]
     pub fn page(&self, log: &str) -> String {
-        let title = format!("Signals of {}", escape(log));
         let mut body = format!("<p>{}</p>\n", escape(&self.summary()));
         let doubts = self.doubts();
-        if doubts.is_empty() {
-            body += "<p>Nothing looks wrong.</p>\n";
+        let (class, verdict) = if doubts.is_empty() {
+            ("fine", "Nothing looks wrong")
         } else {
-            let items: String = doubts.iter().map(|doubt| format!("<li>{}.</li>", escape(doubt))).collect();
-            let _ = write!(body, "<h2>What looks wrong</h2>\n<ul>{items}</ul>\n");
-        }
+            ("malfunction", "What looks wrong")
+        };
+        let items: String = doubts.iter().map(|doubt| format!("<li>{}.</li>", escape(doubt))).collect();
+        let list = if doubts.is_empty() { String::new() } else { format!("<ul>{items}</ul>") };
+        let _ =
+            writeln!(body, "<div class=\"card {class}\"><p class=\"card-name\">{verdict}</p>{list}</div>");
         body += &self.table();
         let _ = write!(body, "<h2>Speed and rows</h2>\n<figure>{}</figure>\n", self.drive().html());
         for corner in &self.corners {
@@ -41,11 +43,7 @@ impl Found {
                 corner.figure(self.step_s).html()
             );
         }
-        format!(
-            "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
-             <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\
-             <title>{title}</title><style>{STYLE}</style></head>\n<body><main><h1>{title}</h1>\n{body}</main></body></html>\n"
-        )
+        figures_page(&format!("Signals of {log}"), "", body)
     }
 
     /// Length and rate in a sentence.
@@ -230,7 +228,7 @@ mod tests {
     #[test]
     fn the_page_is_complete_in_itself_and_takes_no_markup_from_names() {
         let page = minute(0.2, |_, _| {}).page("<script>alert(1)</script>.csv");
-        assert!(!page.contains("<script"), "markup from a name");
+        assert!(!page.contains("<script>alert"), "markup from a name");
         assert!(!page.contains("href=") && !page.contains("src="));
         assert_eq!(page.matches("<svg xmlns").count(), 6);
         for word in

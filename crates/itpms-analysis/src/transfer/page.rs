@@ -2,35 +2,45 @@
 
 use std::fmt::Write as _;
 
-use super::{CornerCheck, INCOHERENT};
+use super::{CornerCheck, INCOHERENT, Verdict};
 use crate::plot::{Axis, Figure, Ink, Panel, Stroke, escape};
 
-use crate::page::FIGURES_STYLE as STYLE;
+use crate::page::figures_page;
 
 /// The page about one drive of one vehicle.
 #[must_use]
 pub fn page(vehicle: &str, log: &str, corners: &[CornerCheck]) -> String {
-    let title = format!("Suspension of “{}” in {}", escape(vehicle), escape(log));
-    let mut body = String::from(
-        "<p>How the body answers each wheel: acceleration of the body over that of the wheel, as measured and as the vehicle file's mass, \
+    let cards: String = corners.iter().map(card).collect();
+    let mut body = format!("<div class=\"corners\">{cards}</div>\n");
+    body += "<h2>Body over wheel</h2>\n\
+         <p>How the body answers each wheel: acceleration of the body over that of the wheel, as measured and as the vehicle file's mass, \
          spring and damper say. The band holds the file's parameters within a standard deviation. Neither road nor tire nor unsprung mass enter. \
          The four corners share one body, so a corner of a whole car lies within some ten per cent of its own curve. Points that are not known to \
-         half of themselves are left out.</p>\n",
-    );
+         half of themselves are left out.</p>\n";
     for check in corners {
         let _ = write!(
             body,
-            "<h3>{}</h3>\n<p>{}.</p>\n{}<figure>{}</figure>\n",
+            "<h3>{}</h3>\n{}<figure>{}</figure>\n",
             escape(&named(&check.label)),
-            escape(&check.sentence()),
             fit(check),
             figure(check).html()
         );
     }
+    figures_page(&format!("Suspension of “{vehicle}” in {log}"), "", body)
+}
+
+/// A corner's verdict: by color, in a word and in a sentence.
+fn card(check: &CornerCheck) -> String {
+    let (class, word) = match (&check.verdict, check.asks_for_change()) {
+        (Verdict::Compared { .. }, false) => ("fine", "agrees"),
+        (Verdict::Compared { .. }, true) => ("malfunction", "differs"),
+        _ => ("unknown", "not judged"),
+    };
     format!(
-        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
-         <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\
-         <title>{title}</title><style>{STYLE}</style></head>\n<body><main><h1>{title}</h1>\n{body}</main></body></html>\n"
+        "<div class=\"card {class}\"><p class=\"card-name\">{}</p><span class=\"badge {class}\">{word}</span>\
+         <p class=\"card-foot\">{}.</p></div>",
+        escape(&named(&check.label)),
+        escape(&check.sentence())
     )
 }
 

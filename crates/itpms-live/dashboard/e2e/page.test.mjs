@@ -62,10 +62,10 @@ test("a low tire turns red, with sign and word, and is said once", async (t) => 
   await until("headline", text(page, "#headline"), (words) => /^Front left is low: 1[34]\d/.test(words));
   await sleep(3000);
   assert.equal(await page.locator("#alert-rows tr").count(), 1);
-  assert.match(await text(page, "#alert-rows")(), /Front left[\s\S]*Low[\s\S]*150 ± 8 kPa[\s\S]*still standing/);
+  assert.match(await text(page, "#alert-rows")(), /Front left[\s\S]*Low[\s\S]*150 ± 8 kPa[\s\S]*active/);
   assert.deepEqual(await page.evaluate(() => window.spoken.length), 1);
   car.type("fine fl");
-  await until("over", text(page, "#alert-rows"), (words) => !words.includes("still standing"));
+  await until("over", text(page, "#alert-rows"), (words) => !words.includes("active"));
   assert.equal(await page.locator("#alert-rows tr").count(), 1);
 });
 
@@ -95,7 +95,7 @@ for (const [line, means] of [["stale", /^Stale/], ["freeze", /^Stale/], ["end", 
     assert.equal(await text(page, "#tires-title")(), "Tires when last seen");
     assert.notEqual(await color(), live);
     assert.equal(await page.locator("#tire-fl .tire-word").textContent(), "was fine");
-    assert.doesNotMatch(await text(page, "#no-alerts")(), /Nothing is being warned of/);
+    assert.doesNotMatch(await text(page, "#no-alerts")(), /No active warning/);
     car.type("live");
     await isLive(page);
     assert.equal(await color(), live);

@@ -2,6 +2,7 @@
 
 use super::table::{clock, false_alerts, named, pressures, relit};
 use super::{Certificate, Outcome, Verdict};
+use itpms_analysis::page::figures_page;
 use itpms_analysis::plot::escape;
 
 const STYLE: &str = include_str!("page.css");
@@ -12,21 +13,18 @@ impl Certificate {
     pub fn page(&self) -> String {
         let rows: String = self.outcomes.iter().map(row).collect();
         let figures: String = self.outcomes.iter().map(figure).collect();
-        format!(
-            "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
-             <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\
-             <title>Regulation runs</title><style>{STYLE}</style></head>\n<body><main>\
-             <h1>Regulation runs: UN R141 and FMVSS 138</h1>\
-             <p>{summary}</p>\
+        let content = format!(
+            "<p>{summary}</p>\
              <p>Each test: a reset, twenty minutes of learning while the tires warm up by 20 K, a standstill in which tires are let down or a plug is pulled, and \
              driving through the whole range of speeds until the tell-tale comes on or the time is over. Then five minutes without the key, after which the \
              tell-tale has to be lit again, and a drive with everything put right, on which it has to go out. Nothing else may be \
              reported at any time. Times are cumulative driving time, minutes and seconds; of what was also reported, time since the reset.</p>\n\
              <div class=\"scroll\"><table><thead><tr><th>regulation</th><th>clause</th><th>test</th><th>kPa</th><th>warned</th><th>limit</th>\
              <th>wheels named</th><th>lit again</th><th>out after</th><th>also reported, at</th><th>verdict</th></tr></thead><tbody>{rows}</tbody></table></div>\n\
-             <h2>Pressures</h2><div class=\"figures\">{figures}</div></main></body></html>\n",
+             <h2>Pressures</h2><div class=\"figures\">{figures}</div>\n",
             summary = escape(self.summary().trim_end()),
-        )
+        );
+        figures_page("Regulation runs: UN R141 and FMVSS 138", STYLE, content)
     }
 }
 

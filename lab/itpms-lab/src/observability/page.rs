@@ -7,19 +7,13 @@ use super::summary::{TOLD_S, told};
 use super::{Car, Observability, Situation, Sources, TOLERANCE};
 use itpms_analysis::plot::{Figure, escape};
 
-use itpms_analysis::page::FIGURES_STYLE as STYLE;
+use itpms_analysis::page::figures_page;
 
 impl Observability {
     /// A page complete in itself.
     #[must_use]
     pub fn page(&self) -> String {
-        let title = format!("What the accelerations can tell: {}", escape(&self.vehicle));
-        format!(
-            "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
-             <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\
-             <title>{title}</title><style>{STYLE}</style></head>\n<body><main><h1>{title}</h1>\n{}</main></body></html>\n",
-            self.section()
-        )
+        figures_page(&format!("What the accelerations can tell: {}", self.vehicle), "", self.section())
     }
 
     /// The content: paragraphs under `h3`, tables, figures; to be put below an `h1` or `h2`.

@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 
 use super::Request;
 use super::section::{Part, Section};
+use itpms_analysis::page::figures_page;
 use itpms_analysis::plot::escape;
 
 const STYLE: &str = include_str!("../../assets/paper/page.css");
@@ -17,24 +18,20 @@ pub(super) fn page(sections: &[Section], request: &Request) -> String {
         .map(|section| format!("<li><a href=\"#{}\">{}</a></li>", section.id, escape(&section.title)))
         .collect();
     let body: String = sections.iter().map(html).collect();
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>The paper's study, reproduced</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<header>\n\
-         <h1>The paper's study, reproduced</h1>\n\
-         <p>Every figure and table with numbers of <cite>New Indirect Tire Pressure Monitoring System Enabled by Adaptive Extended Kalman \
+    let content = format!(
+        "<p>Every figure and table with numbers of <cite>New Indirect Tire Pressure Monitoring System Enabled by Adaptive Extended Kalman \
          Filtering of Vehicle Suspension Systems</cite> (Electronics 2021, 10(11), 1359), made again from simulated drives by <code>itpms \
          reproduce</code> {version}. Numbers of figures, tables and equations are the paper's; captions are ours. Figures 1, 2 and 4 \
          are diagrams and live in the documentation.</p>\n\
          <p class=\"made\">{seeds} drives per case, seeds from {first}; simulation at {rate} Hz with {noise} m/s² of sensor noise, test bed at {bench_rate} \
-         Hz with {mass} kg unsprung; what else was chosen is listed under <a href=\"#assumed\">Assumed</a>. The same options give the same page, byte for byte.</p>\n</header>\n\
+         Hz with {mass} kg unsprung; what else was chosen is listed under <a href=\"#assumed\">Assumed</a>. The same options give the same page, byte for byte.</p>\n\
          <nav aria-label=\"Contents\"><h2>Contents</h2><ol>{contents}</ol></nav>\n\
          <section id=\"who\"><h2>Who is who</h2><dl>\
          <dt>ekf-ui</dt><dd>The extended Kalman filter with unknown input, eq. (6) to (17), as published.</dd>\
          <dt>aekf-ui</dt><dd>The same with the one-step forgetting factor, eq. (28) to (33), as published: the paper's proposal.</dd>\
          <dt>aekf-ui-informed</dt><dd>That recursion with six corrections and the stiffness that the road's spectrum suggests.</dd>\
          <dt>informed</dt><dd>The default: a Bayes filter over the pressure that knows that a road looks like a road, and notices when one repeats.</dd></dl></section>\n\
-         <main>\n{body}</main>\n</body>\n</html>\n",
+         {body}",
         version = env!("CARGO_PKG_VERSION"),
         seeds = request.seeds,
         first = request.first_seed,
@@ -42,7 +39,8 @@ pub(super) fn page(sections: &[Section], request: &Request) -> String {
         noise = request.noise_m_s2,
         bench_rate = request.bench_rate_hz,
         mass = request.bench_unsprung_mass_kg,
-    )
+    );
+    figures_page("The paper's study, reproduced", STYLE, content)
 }
 
 fn html(section: &Section) -> String {
