@@ -75,7 +75,7 @@ def test_every_table_gives_the_same_and_a_speed_that_is_missing_is_named():
 
 
 def test_pulses_are_read_beside_the_drive_and_refused_without_wheel_speeds(tmp_path):
-    # 48 teeth of a wheel of .31 m; the front left one passes a turn more often at every hundredth.
+    # 48 teeth of a wheel of .31 m; the front left one turns faster by a hundredth.
     time_s = np.arange(0.0, 60.0, 0.02)
     table = {"time_s": time_s, "yaw_rate_rad_s": np.zeros_like(time_s)}
     edges = []
@@ -92,7 +92,7 @@ def test_pulses_are_read_beside_the_drive_and_refused_without_wheel_speeds(tmp_p
     # Teeth at even distances show no resonance: read, and nothing of a pressure.
     assert result.summary["torsion"] == dict.fromkeys(CORNERS) and without.summary["torsion"] is None
     assert "by the tooth pulses" in str(result) and "by the tooth pulses" not in str(without)
-    with pytest.raises(itpms.LogError, match="pulses"):
-        itpms.estimate(itpms.simulate("drive-normal", seconds=5.0), pulses=path)
-    with pytest.raises(itpms.ItpmsError, match="teeth"):
+    with pytest.raises(itpms.SettingError, match="tooth pulses count together with wheel speeds"):
+        itpms.estimate(itpms.simulate("bench-slow"), pulses=path)
+    with pytest.raises(itpms.ItpmsError, match="no-teeth.csv"):
         itpms.estimate(table, vehicle, pulses=tmp_path / "no-teeth.csv")
