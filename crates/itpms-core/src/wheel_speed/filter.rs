@@ -5,7 +5,6 @@ use super::block::Block;
 use super::calibration::{LEARNED, RadiusCalibration};
 use super::config::{DrivenAxle, WheelSpeedConfig};
 use super::gaussian::Gaussian;
-use super::hypotheses::RADIUS_PER_LOAD;
 use super::{
     AXLE, AXLE_FORCE, FRONT, FRONT_WANDER, OFFSET, RADIUS, REAR, REAR_WANDER, SCALE, SLIP, STATES,
     UNEQUAL_SLIP, YAW_BIAS, YAW_NOISE,
@@ -33,9 +32,6 @@ const STANDING_SD: f64 = 1.0;
 /// how much that may change while the car stands, by who sits on which side.
 const UNEQUAL_SD: f64 = 0.3;
 const UNEQUAL_STANDING_SD: f64 = 0.2;
-/// By how much the inner wheel's radius grows more than the outer one's, in thousandths per m/s² and m of 1 / track: with a center of
-/// gravity of .55 m, `2 h / g` of a wheel's load goes from one to the other.
-const PRESSED: f64 = -2.0 * RADIUS_PER_LOAD * 2.0 * 0.55 / 9.81;
 /// Longest step of time over which a leak may begin or end, in s.
 const LONGEST_STEP_S: f64 = 4.0;
 
@@ -269,17 +265,11 @@ impl<T: Real> Measurements<T> {
         let rear = config.track_rear_m / block.speed_m_s;
         [h[FRONT][YAW_BIAS], h[FRONT][YAW_NOISE]] = [front, -front];
         [h[REAR][YAW_BIAS], h[REAR][YAW_NOISE]] = [rear, -rear];
-        let yaw_rate = block.yaw_rate_rad_s.unwrap_or(T::zero());
-        let yaw = yaw_rate * T::lit(SCALE);
+        let yaw = block.yaw_rate_rad_s.unwrap_or(T::zero()) * T::lit(SCALE);
         let way = config.wheelbase_m / block.speed_m_s * yaw;
-        let pressed = T::lit(PRESSED) * yaw_rate * block.speed_m_s;
-        let turn = [
-            -front * yaw - pressed / config.track_front_m,
-            -rear * yaw - pressed / config.track_rear_m,
-            half * way * way * T::lit(1.0 / SCALE),
-        ];
+        let turn = [-front * yaw, -rear * yaw, half * way * way * T::lit(1.0 / SCALE)];
         let shares = [0.06, 0.08, if block.yaw_rate_rad_s.is_some() { 0.07 } else { 0.14 }];
-        let curve = T::lit(0.4) * block.lateral_m_s2;
+        let curve = T::lit(0.2) * block.lateral_m_s2;
         let noise = |i: usize| {
             let spread = T::lit(shares[i]) * block.spread[i];
             let curve = if i == AXLE { T::zero() } else { curve };

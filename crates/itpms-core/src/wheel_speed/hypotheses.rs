@@ -18,7 +18,7 @@ const ONE_LOW: f64 = 1e-3;
 /// `ln (1 / ONE_LOW) + ln 99`: what has to speak for a wheel until its probability is 0.99.
 const TO_BE_FOUND: f64 = 11.5;
 /// Radius per load, in thousandths: -6.4e-4 of it for a tenth more.
-pub(super) const RADIUS_PER_LOAD: f64 = -6.4;
+const RADIUS_PER_LOAD: f64 = -6.4;
 /// What a front passenger does to the three ratios, in thousandths.
 const PASSENGER: [f64; 3] = [-0.3, -0.2, 0.2];
 

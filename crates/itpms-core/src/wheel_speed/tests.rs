@@ -85,13 +85,11 @@ impl Drive {
         let outer = 0.5 * (WHEELBASE * self.curvature).powi(2);
         let pull = if braking { 1e-3 } else { 0.0 };
         let slip = 3.7e-3 * self.front_force;
-        // The load that bends move, of a car that is lower than assumed: radii of 6.4e-3 per load.
-        let pressed = 6.4e-3 * 2.0 * 0.5 / 9.81 / TRACK * yaw * v;
         let ratio = [
-            outer + slip - turn - pressed + 0.5 * self.wander[0] + pull,
-            outer + slip + turn + pressed - 0.5 * self.wander[0],
-            -turn - pressed + 0.5 * self.wander[1],
-            turn + pressed - 0.5 * self.wander[1],
+            outer + slip - turn + 0.5 * self.wander[0] + pull,
+            outer + slip + turn - 0.5 * self.wander[0],
+            -turn + 0.5 * self.wander[1],
+            turn - 0.5 * self.wander[1],
         ];
         let wheel_speed_m_s = core::array::from_fn(|i| {
             let speed = v * (ratio[i] - self.radius[i] + noise[i]).exp();
