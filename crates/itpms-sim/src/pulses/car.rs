@@ -148,8 +148,8 @@ mod tests {
             }
         }
         let turns = |i: usize| edges[i] / 48.0;
-        for i in 0..4 {
-            let by_bus = way_m[i] / (0.31 * std::f64::consts::TAU);
+        for (i, way_m) in way_m.into_iter().enumerate() {
+            let by_bus = way_m / (0.31 * std::f64::consts::TAU);
             // An edge at either end, and what a hopping wheel leaves.
             assert!((turns(i) - by_bus).abs() < 0.1 + 3e-4 * by_bus, "{i}: {} {by_bus}", turns(i));
         }
