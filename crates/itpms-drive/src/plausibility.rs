@@ -15,7 +15,7 @@ const COARSE_M_S: f64 = 0.25 / 3.6;
 /// Changes of a wheel speed that are needed to know its steps.
 const LEAST_CHANGES: u64 = 200;
 /// A wheel over a smooth motorway moves by more than this, in m/s² rms, from [`FAST_M_S`] on.
-const LEAST_WHEEL_RMS_M_S2: f64 = 0.5;
+const LEAST_WHEEL_RMS_M_S2: f64 = 0.8;
 const FAST_M_S: f64 = 10.0;
 
 /// See the [module](self).
