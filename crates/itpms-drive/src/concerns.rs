@@ -1,7 +1,7 @@
 //! What should be known before believing a result, in sentences.
 
 use itpms_analysis::report::ReportData;
-use itpms_core::model::Corner;
+use itpms_core::model::{Corner, Misfit};
 use itpms_core::wheel_speed::RadiusState;
 use itpms_data::log::{Field, Slot};
 use itpms_data::out::WheelSpeedUse;
@@ -198,7 +198,12 @@ pub(crate) fn of(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Vec<String> {
         ));
     }
     for (corner, misfit) in drive.misfits() {
-        concerns.push(format!("corner {}: {misfit}; its pressure is not valid", corner.label()));
+        let what = match misfit {
+            Misfit::PartlyUnexplained => "its standard deviation is the wider for it",
+            Misfit::Hop if calibrated => "its standard deviation is the wider for it",
+            _ => "its pressure is not valid",
+        };
+        concerns.push(format!("corner {}: {misfit}; {what}", corner.label()));
     }
     if let Some(seconds) = drive.speed_latency_s() {
         let way = if seconds > 0.0 { "late" } else { "early" };
