@@ -6,6 +6,7 @@ use nalgebra::{SMatrix, SVector};
 use super::gaussian::Hypothesis;
 use super::state::{RATE, TIRE};
 use crate::memory::blank;
+use crate::model::Corner;
 use crate::real::Real;
 
 /// See the [module](self).
@@ -49,11 +50,11 @@ impl<T: Real> Tires<T> {
     pub(super) fn add(&mut self, hypothesis: &Hypothesis<T>, weight: T, changing: &[T; 4]) {
         let Hypothesis { mean, covariance, .. } = hypothesis;
         let rate = mean[RATE];
-        for i in 0..4 {
+        for (i, corner) in Corner::ALL.into_iter().enumerate() {
             let tire = mean[TIRE + i];
             self.mean[i] += weight * tire;
             self.rate[i] += weight * changing[i] * rate;
-            let loss = hypothesis.loss(i);
+            let loss = hypothesis.loss(corner);
             self.loss[i] += weight * loss;
             for j in 0..4 {
                 if changing[i] > T::zero() {
@@ -63,9 +64,9 @@ impl<T: Real> Tires<T> {
                     self.rate_square[(i, j)] += weight * changing[j] * square;
                 }
             }
-            for j in 0..4 {
+            for (j, other) in Corner::ALL.into_iter().enumerate() {
                 self.loss_square[(i, j)] +=
-                    weight * (hypothesis.loss_covariance(i, j) + loss * hypothesis.loss(j));
+                    weight * (hypothesis.loss_covariance(corner, other) + loss * hypothesis.loss(other));
                 self.square[(i, j)] += weight * (covariance[(TIRE + i, TIRE + j)] + tire * mean[TIRE + j]);
             }
         }
