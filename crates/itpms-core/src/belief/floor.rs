@@ -41,7 +41,7 @@ impl<T: Real> Floor<T> {
         if !self.of_four {
             return least;
         }
-        let [a, b, c] = core::array::from_fn(|other| compliances[(tire.index() + 1 + other) % 4]);
+        let [a, b, c] = tire.others().map(|other| compliances[other]);
         let median = a.max(b).min(a.min(b).max(c));
         least.max(T::lit(WARMER_THAN_OTHERS) * median.min(T::zero()) - T::lit(MARGIN))
     }
@@ -67,7 +67,7 @@ mod tests {
         ] {
             for tire in Corner::ALL {
                 let mut compliances = [f64::NAN; 4];
-                (0..3).for_each(|other| compliances[(tire.index() + 1 + other) % 4] = others[other]);
+                tire.others().into_iter().zip(others).for_each(|(other, of)| compliances[other] = of);
                 let found = FLOOR.of(tire, compliances);
                 assert!((found - least).abs() < 1e-15, "{others:?}: {found}");
             }

@@ -3,7 +3,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::fusion::{FusedEstimate, SingleWheelEstimate};
+use super::fusion::{FusedEstimate, Fusion, SingleWheelEstimate};
 use super::{CarEstimator, Sources};
 use crate::estimator::FusedStiffness;
 use crate::memory::blank;
@@ -116,7 +116,7 @@ impl<T: Real> CarEstimator<T> {
             // A shared road that was given up must not leave its last estimate behind.
             let fused = fused.as_ref().zip(considered.as_ref()).filter(|_| fusion.has_partner(corner));
             estimator.set_hop_excess(fusion.hop_excess(corner.side()));
-            let learning = fusion.side(corner.side()).0;
+            let learning = fusion.track(corner.side()).shared;
             estimator.set_fused(fused.map(|(fused, considered)| FusedStiffness {
                 stiffness_n_per_m: fused.stiffness_n_per_m[i],
                 stiffness_sd_n_per_m: fused.covariance[(i, i)].sqrt(),
@@ -156,13 +156,8 @@ impl<T: Real> CarEstimator<T> {
     }
 
     fn tracks(&self) -> [TrackState<T>; 2] {
-        Side::ALL.map(|side| match self.fusion.as_ref() {
-            Some(fusion) => {
-                let (shared, incoherence) = fusion.side(side);
-                TrackState { shared, incoherence }
-            }
-            None => TrackState::unknown(),
-        })
+        let of = |fusion: &Fusion<T>| Side::ALL.map(|side| fusion.track(side));
+        self.fusion.as_ref().map_or([TrackState::unknown(); 2], of)
     }
 }
 

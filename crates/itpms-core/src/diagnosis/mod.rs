@@ -236,12 +236,13 @@ impl<T: Real> Diagnosis<T> {
         let body_hop = [0, 1, 2, 3].map(|i| block.hop[(i, i)]);
         for i in (0..8).filter(|i| self.present[i % 4]) {
             let hop = if i < 4 { &body_hop } else { &block.wheel_hop };
+            let corner = Corner::ALL[i % 4];
             let hops =
-                |own: T| !(hop[i % 4] < own * T::lit(WHITE_AT_MOST * HOP_WIDTH_HZ * 2.0 * self.period_s));
+                |own: T| !(hop[corner] < own * T::lit(WHITE_AT_MOST * HOP_WIDTH_HZ * 2.0 * self.period_s));
             let powers = self.noise_powers(blocks, i).and_then(|[own, alike]| match hops(own) {
                 false => Some([own, alike]),
-                true if self.cross_sensor.is_odd(i % 4) => None,
-                true => Some([own, alike * over_others(hop, i % 4).max(T::one())]),
+                true if self.cross_sensor.is_odd(corner) => None,
+                true => Some([own, alike * over_others(hop, corner).max(T::one())]),
             });
             self.sensors[i].compare_noise(time_s, step_s, powers);
         }

@@ -69,7 +69,7 @@ pub(crate) struct InterAxle<T: Real> {
     wheelbase_m: T,
     wheels: [Option<Wheel<T>>; 4],
     channels: [Channel<T>; 4],
-    pairs: [AxlePair<T>; 2],
+    pub(crate) pairs: [AxlePair<T>; 2],
     /// The newest two entries of the rear corners, newest first.
     rear: [[Placed<Entry<T>>; 2]; 2],
     /// Seconds from front to rear wheel, left and right.
@@ -88,9 +88,8 @@ impl<T: Real> InterAxle<T> {
     /// The wheelbase in m of a car that has both corners of a side; `None`: nothing is to be aligned.
     pub(crate) fn wheelbase_m(config: &CarConfig<T>) -> Option<T> {
         let there = config.corners.each_ref().map(Option::is_some);
-        config
-            .wheelbase_m
-            .filter(|_| Side::ALL.into_iter().any(|side| there[side.front()] && there[side.rear()]))
+        let whole = |side: Side| there[side.front()] && there[side.rear()];
+        config.wheelbase_m.filter(|_| Side::ALL.into_iter().any(whole))
     }
 
     /// For the sides that have both corners.
@@ -173,10 +172,7 @@ impl<T: Real> InterAxle<T> {
             return self.pairs[side].search(entry, &road).map(Aligned::FirstDelay);
         }
         let [left, right] = &mut self.pairs;
-        let (own, other) = match side {
-            Side::Left => (left, right),
-            Side::Right => (right, left),
-        };
+        let (own, other) = if side == Side::Left { (left, right) } else { (right, left) };
         own.pair(entry, opposite, other, &road, enqueue);
         own.search_again(entry, &road).map(Aligned::OtherDelay)
     }
@@ -227,18 +223,6 @@ impl<T: Real> InterAxle<T> {
     /// Whether no side gives frames, and pseudo-measurements of the spectra are all there is.
     pub(crate) fn spectral_only(&self) -> bool {
         Side::ALL.into_iter().all(|side| !self.has_partner(side.front()) || self.pairs[side].spectral_only())
-    }
-
-    pub(crate) fn pair(&self, side: Side) -> &AxlePair<T> {
-        &self.pairs[side]
-    }
-
-    pub(crate) fn pair_mut(&mut self, side: Side) -> &mut AxlePair<T> {
-        &mut self.pairs[side]
-    }
-
-    pub(crate) fn pairs_mut(&mut self) -> &mut [AxlePair<T>; 2] {
-        &mut self.pairs
     }
 
     /// The travelled distance and the speed.

@@ -57,6 +57,11 @@ impl Corner {
         [Corner::FrontRight, Corner::FrontLeft, Corner::RearRight, Corner::RearLeft][self]
     }
 
+    /// The three others.
+    pub(crate) fn others(self) -> [Self; 3] {
+        [1, 2, 3].map(|step| Self::ALL[(self as usize + step) % 4])
+    }
+
     pub(crate) fn is_rear(self) -> bool {
         matches!(self, Corner::RearLeft | Corner::RearRight)
     }
@@ -99,7 +104,8 @@ impl Side {
     }
 }
 
-/// Something of each `$of`: no place is outside of it, so nothing is checked.
+/// Something of each `$of`: no place is outside of it. The remainder changes none, and where a compiler has lost sight of that it is cheaper
+/// than a bound to check, or a table of jumps.
 macro_rules! one_each {
     ($of:ident, $count:literal) => {
         impl<X> Index<$of> for [X; $count] {
@@ -107,14 +113,14 @@ macro_rules! one_each {
 
             #[inline]
             fn index(&self, of: $of) -> &X {
-                &self[of as usize]
+                &self[of as usize % $count]
             }
         }
 
         impl<X> IndexMut<$of> for [X; $count] {
             #[inline]
             fn index_mut(&mut self, of: $of) -> &mut X {
-                &mut self[of as usize]
+                &mut self[of as usize % $count]
             }
         }
     };

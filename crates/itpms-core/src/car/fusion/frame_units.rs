@@ -176,7 +176,7 @@ impl<T: Real> Fusion<T> {
     fn checkpoint(&mut self) -> bool {
         let saved = self.belief.checkpoint();
         if let Some(time_s) = saved {
-            self.inter_axle.pairs_mut().iter_mut().for_each(|pair| pair.checkpoint(time_s));
+            self.inter_axle.pairs.iter_mut().for_each(|pair| pair.checkpoint(time_s));
         }
         saved.is_some()
     }
@@ -199,7 +199,7 @@ impl<T: Real> Fusion<T> {
         let frame = self.queue.frames[side].as_ref();
         let (Some(frame), Some(wheels)) = (frame, self.inter_axle.wheels(side)) else { return false };
         let state = &self.belief.most_likely().mean;
-        self.inter_axle.pair_mut(side).prepare(frame, &wheels, state, part)
+        self.inter_axle.pairs[side].prepare(frame, &wheels, state, part)
     }
 
     #[inline(never)]
@@ -209,10 +209,10 @@ impl<T: Real> Fusion<T> {
         for corner in [side.front(), side.rear()] {
             self.belief.drop_settled(corner, frame.middle_s);
         }
-        let opposite = self.inter_axle.pair(side.other());
-        let meanwhile = self.inter_axle.pair(side).found_meanwhile(opposite, frame.middle_s);
+        let opposite = &self.inter_axle.pairs[side.other()];
+        let meanwhile = self.inter_axle.pairs[side].found_meanwhile(opposite, frame.middle_s);
         let state = &self.belief.most_likely().mean;
-        let pair = self.inter_axle.pair_mut(side);
+        let pair = &mut self.inter_axle.pairs[side];
         let measure = |out: &mut Measured<T>| pair.measure(frame, &wheels, state, meanwhile, out).ok_or(());
         if self.queue.measured.try_place(measure).is_ok() {
             self.belief.begin_update(&self.queue.measured.value().measurement);
@@ -232,11 +232,11 @@ impl<T: Real> Fusion<T> {
 
     #[inline(never)]
     fn conclude(&mut self, side: Side) {
-        let opposite_parts = self.inter_axle.pair(side.other()).is_parting();
+        let opposite_parts = self.inter_axle.pairs[side.other()].is_parting();
         let mut learned_s = 0.0;
         if let Some((frame, measured)) = self.queue.frames[side].as_ref().zip(self.queue.measured.as_ref())
             && let Some(record) = self.belief.finish_update()
-            && self.inter_axle.pair_mut(side).learn(frame, measured, record, opposite_parts)
+            && self.inter_axle.pairs[side].learn(frame, measured, record, opposite_parts)
         {
             learned_s = 0.5 * HOP_S;
             self.inter_axle.learned();

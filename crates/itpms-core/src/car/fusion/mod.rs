@@ -25,13 +25,14 @@ pub(super) use self::single_wheel_estimate::SingleWheelEstimate;
 use crate::belief::state::{SKEW, SKEW_UNIT_S, State, WHEELBASE};
 use crate::belief::{Belief, ENOUGH_S, FrictionError, LONGEST_SILENCE_S, LONGEST_STEP_S, Onset, Tires};
 use crate::conditioning::GridSample;
+use crate::inter_axle::alignment::axle_pair::AxlePair;
 use crate::inter_axle::alignment::delay_search::Found;
 use crate::inter_axle::alignment::speed_latency::SpeedLatency;
 use crate::inter_axle::residual::noise::within;
 use crate::inter_axle::{Aligned, HOP_S, InterAxle};
 use crate::memory::blank;
 use crate::model::{
-    CalibrationError, CarConfig, Corner, Inflation, Level, QuarterCar, Side, VehicleCalibration,
+    CalibrationError, CarConfig, Corner, Inflation, Level, QuarterCar, Side, TrackState, VehicleCalibration,
 };
 use crate::real::Real;
 use crate::suspension::BodyEquation;
@@ -129,13 +130,11 @@ impl<T: Real> Fusion<T> {
 
     fn onset(&self) -> Onset<T> {
         // Hardly, where front and rear meet different roads.
-        let [left, right] = Side::ALL.map(|side| self.inter_axle.pair(side).incoherence());
-        let rate = |corner: Corner| {
-            self.single_wheel[corner].onset_rate(self.inter_axle.pair(corner.side()).lasting_incoherence())
-        };
+        let [left, right] = self.inter_axle.pairs.each_ref().map(AxlePair::incoherence);
+        let lasting = self.inter_axle.pairs.each_ref().map(AxlePair::lasting_incoherence);
         Onset {
             several_scale: within(left.max(right), INCOHERENT),
-            rates: Corner::ALL.map(rate),
+            rates: Corner::ALL.map(|corner| self.single_wheel[corner].onset_rate(lasting[corner.side()])),
             longest_step_s: if self.inter_axle.spectral_only() { LONGEST_SILENCE_S } else { LONGEST_STEP_S },
         }
     }
@@ -143,14 +142,14 @@ impl<T: Real> Fusion<T> {
     /// Drops the checkpoints and saves what is believed now.
     fn checkpoint_anew(&mut self) {
         if let Some(time_s) = self.belief.checkpoint_anew() {
-            self.inter_axle.pairs_mut().iter_mut().for_each(|pair| pair.checkpoint(time_s));
+            self.inter_axle.pairs.iter_mut().for_each(|pair| pair.checkpoint(time_s));
         }
     }
 
     /// Restores the older checkpoint.
     fn restore(&mut self) {
         if let Some(time_s) = self.belief.restore() {
-            self.inter_axle.pairs_mut().iter_mut().for_each(|pair| pair.restore(time_s));
+            self.inter_axle.pairs.iter_mut().for_each(|pair| pair.restore(time_s));
         }
     }
 
@@ -159,7 +158,7 @@ impl<T: Real> Fusion<T> {
     pub(super) fn rollback(&mut self, suspected: [bool; 4]) {
         self.drop_frames();
         if let Some(time_s) = self.belief.rollback(suspected) {
-            self.inter_axle.pairs_mut().iter_mut().for_each(|pair| pair.restore(time_s));
+            self.inter_axle.pairs.iter_mut().for_each(|pair| pair.restore(time_s));
             self.checkpoint_anew();
         }
     }
@@ -248,7 +247,7 @@ impl<T: Real> Fusion<T> {
 
     /// How much more the axles of a side disagree near wheel hop than beside it, once enough was seen.
     pub(super) fn hop_excess(&self, side: Side) -> Option<T> {
-        self.inter_axle.pair(side).hop_excess()
+        self.inter_axle.pairs[side].hop_excess()
     }
 
     /// Whether a corner has a partner on its side.
@@ -268,8 +267,8 @@ impl<T: Real> Fusion<T> {
     }
 
     /// Whether a side's road is being learned from, and its incoherence.
-    pub(super) fn side(&self, side: Side) -> (bool, T) {
-        self.inter_axle.pair(side).state(self.inter_axle.travel().time_s())
+    pub(super) fn track(&self, side: Side) -> TrackState<T> {
+        self.inter_axle.pairs[side].track(self.inter_axle.travel().time_s())
     }
 
     /// Seconds by which the speed was found to be late.

@@ -70,7 +70,7 @@ impl<T: Real> Fusion<T> {
             }),
         };
         for corner in Corner::ALL {
-            let incoherence = self.inter_axle.pair(corner.side()).lasting_incoherence();
+            let incoherence = self.inter_axle.pairs[corner.side()].lasting_incoherence();
             let bias = || self.spectral_bias(corner);
             self.single_wheel[corner].blend(&mut estimate, corner, incoherence, bias);
         }

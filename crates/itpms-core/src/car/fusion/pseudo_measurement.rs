@@ -21,7 +21,7 @@ const SAME_ROAD: f64 = 2.0;
 impl<T: Real> Fusion<T> {
     /// Whether the road under a corner is heard over its sensors' noise, as far as the axles tell.
     pub(in crate::car) fn has_signal(&self, corner: Corner) -> bool {
-        self.inter_axle.pair(corner.side()).snr_weight() > T::zero()
+        self.inter_axle.pairs[corner.side()].snr_weight() > T::zero()
     }
 
     /// Whether the car is too slow for spectra; not where the speed is unknown.
@@ -49,7 +49,7 @@ impl<T: Real> Fusion<T> {
         if !self.has_signal(corner) || self.is_slow() {
             return;
         }
-        self.inter_axle.pair_mut(corner.side()).note_spectral_update();
+        self.inter_axle.pairs[corner.side()].note_spectral_update();
         if self.belief.is_calibrating() {
             let scale = self.belief.scale();
             let per_kpa = T::one() / scale.slope[corner];
@@ -62,7 +62,7 @@ impl<T: Real> Fusion<T> {
         }
         let since_s = (time_s - self.pseudo_measured_s[corner]).clamp(0.0, LONGEST_SILENCE_S);
         self.pseudo_measured_s[corner] = time_s;
-        let pair = self.inter_axle.pair(corner.side());
+        let pair = &self.inter_axle.pairs[corner.side()];
         if pair.spectral_only() {
             self.belief.inflate_tire(corner, pair.fading() * T::lit(since_s));
         }

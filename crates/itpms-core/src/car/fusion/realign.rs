@@ -65,7 +65,7 @@ impl<T: Real> Fusion<T> {
             self.restore();
             self.belief.set_quantity(WHEELBASE, &Learned { value: rho, sd }, T::one());
             self.checkpoint_anew();
-            self.inter_axle.pairs_mut().iter_mut().for_each(AxlePair::restart_alignment);
+            self.inter_axle.pairs.iter_mut().for_each(AxlePair::restart_alignment);
         }
     }
 
@@ -94,7 +94,7 @@ impl<T: Real> Fusion<T> {
         for side in 0..2 {
             self.belief.set_quantity(SKEW + side, &learned(lag.skew_s), T::lit(SKEW_UNIT_S));
         }
-        self.inter_axle.pairs_mut().iter_mut().for_each(AxlePair::forget_ways);
+        self.inter_axle.pairs.iter_mut().for_each(AxlePair::forget_ways);
     }
 }
 

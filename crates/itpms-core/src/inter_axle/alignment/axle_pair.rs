@@ -17,7 +17,7 @@ use crate::inter_axle::residual::model::{Axle, AxleFrame, UnitRoad, Wheel, commo
 use crate::inter_axle::residual::noise::{Coherence, MOST_LASTING, fading};
 use crate::inter_axle::{HOP_S, NEAR_HOP_BINS, SIGNALS, bin_hz};
 use crate::memory::{Placed, blank};
-use crate::model::Side;
+use crate::model::{Side, TrackState};
 use crate::real::Real;
 use crate::spectrum::FrameClock;
 use crate::spectrum::transfer::{DescribingFunction, response};
@@ -475,10 +475,11 @@ impl<T: Real> AxlePair<T> {
     }
 
     /// Whether the side's road is being learned from at this time, and its incoherence.
-    pub(crate) fn state(&self, now_s: f64) -> (bool, T) {
+    pub(crate) fn track(&self, now_s: f64) -> TrackState<T> {
         let incoherence = self.coherence.near_wheel_hop();
         let fresh = now_s - self.learned_until_s < STALE_S;
-        (fresh && incoherence < T::lit(NOT_SHARED), if fresh { incoherence } else { T::lit(f64::NAN) })
+        let shared = fresh && incoherence < T::lit(NOT_SHARED);
+        TrackState { shared, incoherence: if fresh { incoherence } else { T::lit(f64::NAN) } }
     }
 }
 
