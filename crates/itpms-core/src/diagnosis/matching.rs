@@ -42,10 +42,8 @@ pub(crate) fn following<T: Real>(hop: &SMatrix<T, 8, 8>) -> Option<Following<T>>
     let wheels_by_bodies = hop.fixed_view::<4, 4>(4, 0).into_owned();
     // Column i: what makes body i move.
     let follows = wheels.cholesky()?.solve(&wheels_by_bodies);
-    let square = |wheel: Corner, body: Corner| {
-        let of_one = follows[(wheel.index(), body.index())];
-        of_one * of_one
-    };
+    let of = |wheel: Corner, body: Corner| follows[(wheel.index(), body.index())];
+    let square = |wheel, body| of(wheel, body) * of(wheel, body);
     let log = |[i, j]: [Corner; 2]| ((square(i, i) + square(j, j)) / (square(i, j) + square(j, i))).ln();
     Some(Following { own_over_other: PAIRS.map(log), own: [0, 1, 2, 3].map(|i| follows[(i, i)]) })
 }

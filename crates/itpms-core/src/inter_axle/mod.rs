@@ -138,7 +138,7 @@ impl<T: Real> InterAxle<T> {
         let entry =
             self.channels[corner].push(sample, || travel.distance_before_m(sample.time_s, delay_s))?;
         let side = corner.side();
-        if !corner.is_rear() {
+        if corner.axle() == 0 {
             self.pairs[side].front(&entry);
             return None;
         }

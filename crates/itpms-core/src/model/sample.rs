@@ -62,13 +62,9 @@ impl Corner {
         [1, 2, 3].map(|step| Self::ALL[(self as usize + step) % 4])
     }
 
-    pub(crate) fn is_rear(self) -> bool {
-        matches!(self, Corner::RearLeft | Corner::RearRight)
-    }
-
     /// Zero in front, one at the rear.
     pub(crate) fn axle(self) -> usize {
-        usize::from(self.is_rear())
+        usize::from(self >= Corner::RearLeft)
     }
 }
 

@@ -155,6 +155,7 @@ impl<T: Real> Shares<T> {
                 variance += *correlation * sd[i] * sd[j];
             }
         }
+        let any = |level| Corner::ALL.into_iter().filter_map(learned).any(|corner| corner.level == level);
         let known = || share.iter().flatten().copied();
         let highest = known().reduce(|highest, share| highest.max(share))?;
         let count = known().fold(T::zero(), |count, _| count + T::one());
@@ -163,14 +164,8 @@ impl<T: Real> Shares<T> {
             sd: variance.max(T::zero()).sqrt() / count,
             highest,
             complete: share.iter().all(Option::is_some),
-            by_file: Corner::ALL
-                .into_iter()
-                .filter_map(learned)
-                .any(|corner| corner.level == Level::VehicleFile),
-            stored: Corner::ALL
-                .into_iter()
-                .filter_map(learned)
-                .any(|corner| corner.level == Level::StoredCalibration),
+            by_file: any(Level::VehicleFile),
+            stored: any(Level::StoredCalibration),
         })
     }
 }
