@@ -156,10 +156,10 @@ impl<T: Real> Diagnosis<T> {
         let nothing = [T::lit(f64::NAN); 2];
         let mut values = [T::zero(); 8];
         let [bodies, wheels] = &mut self.sensors;
-        for corner in Corner::ALL.into_iter().filter(|&corner| self.present[corner]) {
-            let both = sample.corners[corner].map_or(nothing, |c| [c.body_accel_m_s2, c.wheel_accel_m_s2]);
-            values[corner.index()] = bodies[corner].push(time_s, both[0]);
-            values[4 + corner.index()] = wheels[corner].push(time_s, both[1]);
+        for (i, corner) in sample.corners.iter().enumerate().filter(|(i, _)| self.present[*i]) {
+            let [body, wheel] = corner.map_or(nothing, |c| [c.body_accel_m_s2, c.wheel_accel_m_s2]);
+            values[i] = bodies[i].push(time_s, body);
+            values[4 + i] = wheels[i].push(time_s, wheel);
         }
         self.signals.push(&values);
         if !(self.slowest_m_s <= sample.speed_m_s) {

@@ -67,7 +67,7 @@ pub(crate) enum Aligned<T: Real> {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct InterAxle<T: Real> {
     wheelbase_m: T,
-    wheels: [Option<Wheel<T>>; 4],
+    wheels: [Placed<Wheel<T>>; 4],
     channels: [Channel<T>; 4],
     pub(crate) pairs: [AxlePair<T>; 2],
     /// The newest two entries of the rear corners, newest first.
@@ -107,7 +107,7 @@ impl<T: Real> InterAxle<T> {
             })
         };
         self.wheelbase_m = wheelbase_m;
-        self.wheels = Corner::ALL.map(wheel);
+        Corner::ALL.into_iter().for_each(|corner| self.wheels[corner].set(wheel(corner)));
         for channel in &mut self.channels {
             *channel = Channel::new(grid_period_s);
         }
@@ -157,13 +157,11 @@ impl<T: Real> InterAxle<T> {
         belief: &Belief<T>,
         enqueue: impl FnOnce(AxleFrame<T>),
     ) -> Option<Aligned<T>> {
-        let (Some(front), Some(rear)) = (self.wheels[side.front()], self.wheels[side.rear()]) else {
-            return None;
-        };
+        let wheels = self.wheels(side)?;
         let opposite = self.opposite(side, entry);
         let road = PairingContext {
             wheelbase_m: self.wheelbase_m,
-            wheels: [front, rear],
+            wheels,
             wheelbase: belief.quantity(WHEELBASE).0,
             skew: belief.quantity(SKEW + side.index()).0,
             state: &belief.most_likely().mean,
@@ -191,7 +189,7 @@ impl<T: Real> InterAxle<T> {
 
     /// Takes over the quarter car that a corner seems to be.
     pub(crate) fn set_load(&mut self, corner: Corner, car: &QuarterCar<T>, belief: &Belief<T>) {
-        let Some(wheel) = &mut self.wheels[corner] else { return };
+        let Some(wheel) = self.wheels[corner].as_mut() else { return };
         // How the body follows its wheel depends on damping over mass.
         let damping = Axle::new(wheel, &belief.most_likely().mean).whole_damping;
         let of_file = car.damping_n_s_per_m() + wheel.friction_n_s_per_m;
@@ -200,7 +198,7 @@ impl<T: Real> InterAxle<T> {
 
     /// Takes over what the friction of a corner's strut damps near wheel hop.
     pub(crate) fn set_friction(&mut self, corner: Corner, friction_n_s_per_m: T) {
-        if let Some(wheel) = &mut self.wheels[corner] {
+        if let Some(wheel) = self.wheels[corner].as_mut() {
             wheel.friction_n_s_per_m = friction_n_s_per_m;
         }
     }
@@ -212,12 +210,12 @@ impl<T: Real> InterAxle<T> {
 
     /// Whether a corner has a partner on its side.
     pub(crate) fn has_partner(&self, corner: Corner) -> bool {
-        self.wheels[corner].is_some() && self.wheels[corner.same_side()].is_some()
+        self.wheels(corner.side()).is_some()
     }
 
     /// The two corners of a side that has both.
     pub(crate) fn wheels(&self, side: Side) -> Option<[Wheel<T>; 2]> {
-        Some([self.wheels[side.front()]?, self.wheels[side.rear()]?])
+        Some([self.wheels[side.front()].get()?, self.wheels[side.rear()].get()?])
     }
 
     /// Whether no side gives frames, and pseudo-measurements of the spectra are all there is.

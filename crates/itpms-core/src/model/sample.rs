@@ -21,6 +21,8 @@ pub enum Corner {
     RearRight,
 }
 
+blank!(Corner::FrontLeft);
+
 impl Corner {
     /// All corners, in the order of every four-element array here.
     pub const ALL: [Corner; 4] = [Corner::FrontLeft, Corner::FrontRight, Corner::RearLeft, Corner::RearRight];

@@ -37,6 +37,8 @@ pub(crate) struct Wheel<T> {
     pub(crate) corner: Corner,
 }
 
+blank!(Wheel<T> { body, friction_n_s_per_m, theta, corner });
+
 /// A complete frame of both axles, and where it was taken.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
