@@ -7,7 +7,7 @@ use super::state::{
 };
 use super::{Belief, ENOUGH_S};
 use crate::memory::{Blank, Placed, blank};
-use crate::model::{CalibrationError, CornerCalibration, Learned, VehicleCalibration};
+use crate::model::{CalibrationError, Corner, CornerCalibration, Learned, VehicleCalibration};
 use crate::real::Real;
 
 /// Sd of a tire's compliance, over that at placard pressure, when somebody may have set it anew.
@@ -95,17 +95,18 @@ impl<T: Real> Belief<T> {
         self.bank.collapse();
         self.drop_checkpoints();
         self.pre_fault = [None; 4];
-        (0..4).for_each(|corner| self.set_tire(corner));
+        Corner::ALL.into_iter().for_each(|corner| self.set_tire(corner));
     }
 
     /// One of them.
-    pub(super) fn set_tire(&mut self, corner: usize) {
+    pub(super) fn set_tire(&mut self, corner: Corner) {
+        let at = TIRE + corner.index();
         self.bank.inflate_tire(corner, T::lit(SET_ANEW_SD));
         let sd = T::lit(CALIBRATION_SD) * self.scale.share(corner);
         self.bank.update(sd * sd, |state| {
             let mut slope = State::zeros();
-            slope[TIRE + corner] = T::one();
-            (slope, -state[TIRE + corner])
+            slope[at] = T::one();
+            (slope, -state[at])
         });
     }
 

@@ -5,7 +5,7 @@ use super::gaussian::Hypothesis;
 use super::state::{LEVEL, TIRE};
 use super::{Belief, LONGEST_PAUSE_S};
 use crate::memory::{Blank, Placed, blank};
-use crate::model::Learned;
+use crate::model::{Corner, Learned};
 use crate::real::Real;
 
 /// Seconds between two checkpoints: the one that is restored is once to twice as old. A gain that changes at once is noticed
@@ -52,8 +52,8 @@ impl<T: Real> Checkpoint<T> {
     }
 
     /// A tire's compliance and its variance.
-    fn tire(&self, corner: usize) -> (T, T) {
-        let at = TIRE + corner;
+    fn tire(&self, corner: Corner) -> (T, T) {
+        let at = TIRE + corner.index();
         (self.belief.mean[at], self.belief.covariance[(at, at)])
     }
 
@@ -123,26 +123,27 @@ impl<T: Real> Belief<T> {
         if !saved.is_contradicted_by(&now, suspected) {
             // A suspected corner's own tire may be what it was or what it seems to be now. If its sensors turn out to be
             // faulty, what it was counts, however little of the error had been learned by now.
-            for corner in (0..4).filter(|&corner| suspected[corner]) {
+            for corner in Corner::ALL.into_iter().filter(|&corner| suspected[corner]) {
                 let (value, variance) = saved.tire(corner);
                 let compliance = Learned { value, sd: variance.max(T::zero()).sqrt() };
                 self.pre_fault[corner] = Some(PreFaultEstimate { compliance, since_s: self.time_s });
-                if let Some(change) = saved.contradicted(&now, TIRE + corner) {
+                if let Some(change) = saved.contradicted(&now, TIRE + corner.index()) {
                     self.bank.inflate_tire(corner, change);
                 }
             }
             return None;
         }
-        let side_trusted = |corner: usize| !suspected[corner] && !suspected[(corner + 2) % 4];
-        let changes: [_; 4] = core::array::from_fn(|corner| saved.contradicted(&now, TIRE + corner));
+        let side_trusted = |corner: Corner| !suspected[corner] && !suspected[corner.same_side()];
+        let changes = Corner::ALL.map(|corner| saved.contradicted(&now, TIRE + corner.index()));
         let restored_s = self.restore();
         // Another tire that has changed may really have lost its air, with a sensor that is faulty or only seems to be: it may
         // be what it was or what it is now. On a side whose sensors are all trusted the latter is likelier, and frames go on.
-        for corner in (0..4).filter(|&corner| !suspected[corner]) {
+        for corner in Corner::ALL.into_iter().filter(|&corner| !suspected[corner]) {
             let Some(change) = changes[corner] else { continue };
             if side_trusted(corner) {
-                let (value, sd) = (now.mean[TIRE + corner], T::zero());
-                self.bank.set_quantity(TIRE + corner, &Learned { value, sd }, change, T::one());
+                let at = TIRE + corner.index();
+                let (value, sd) = (now.mean[at], T::zero());
+                self.bank.set_quantity(at, &Learned { value, sd }, change, T::one());
             } else {
                 self.bank.inflate_tire(corner, change);
             }

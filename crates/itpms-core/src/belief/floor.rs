@@ -1,6 +1,7 @@
 //! Tires only lose air while they roll: once losses are counted nothing but warming up makes one negative (docs/math/level-and-loss.md,
 //! section 2).
 
+use crate::model::Corner;
 use crate::real::Real;
 
 /// How far below its level a tire's compliance may be read, over that at placard pressure.
@@ -35,12 +36,12 @@ impl<T: Real> Floor<T> {
     }
 
     /// That of one tire where all have these compliances: tires warm up together.
-    pub(super) fn of(&self, tire: usize, compliances: [T; 4]) -> T {
-        let least = self.each[tire.min(3)];
+    pub(super) fn of(&self, tire: Corner, compliances: [T; 4]) -> T {
+        let least = self.each[tire];
         if !self.of_four {
             return least;
         }
-        let [a, b, c] = core::array::from_fn(|other| compliances[(tire + 1 + other) % 4]);
+        let [a, b, c] = tire.others().map(|other| compliances[other]);
         let median = a.max(b).min(a.min(b).max(c));
         least.max(T::lit(WARMER_THAN_OTHERS) * median.min(T::zero()) - T::lit(MARGIN))
     }
@@ -64,9 +65,9 @@ mod tests {
             ([-0.02, 0.0, 0.0], -0.02),
             ([-0.05, -0.07, -0.06], -0.08),
         ] {
-            for tire in 0..4 {
+            for tire in Corner::ALL {
                 let mut compliances = [f64::NAN; 4];
-                (0..3).for_each(|other| compliances[(tire + 1 + other) % 4] = others[other]);
+                tire.others().into_iter().zip(others).for_each(|(other, of)| compliances[other] = of);
                 let found = FLOOR.of(tire, compliances);
                 assert!((found - least).abs() < 1e-15, "{others:?}: {found}");
             }
@@ -77,7 +78,7 @@ mod tests {
     #[test]
     fn without_four_corners_each_is_by_itself() {
         let axle = Floor { of_four: false, ..FLOOR };
-        assert_eq!(axle.of(0, [0.0; 4]), -0.08);
+        assert_eq!(axle.of(Corner::FrontLeft, [0.0; 4]), -0.08);
     }
 
     /// 9 % of the air's part and the margin, in the end.

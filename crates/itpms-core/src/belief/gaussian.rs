@@ -7,6 +7,7 @@ use super::state::{
     return_rate, wander_sd,
 };
 use crate::memory::blank;
+use crate::model::Corner;
 use crate::real::Real;
 use crate::suspension::MEMORY_S;
 
@@ -241,8 +242,8 @@ impl<T: Real> Hypothesis<T> {
     }
 
     /// The loss of a tire begins to be counted: what it is now is its level.
-    pub(crate) fn begin_loss(&mut self, tire: usize) {
-        let (tire, level) = (TIRE + tire.min(3), LEVEL + tire.min(3));
+    pub(crate) fn begin_loss(&mut self, tire: Corner) {
+        let (tire, level) = (TIRE + tire.index(), LEVEL + tire.index());
         self.mean[level] = self.mean[tire];
         for i in 0..SIZE {
             self.covariance[(i, level)] = self.covariance[(i, tire)];
@@ -251,33 +252,31 @@ impl<T: Real> Hypothesis<T> {
     }
 
     /// What a tire has lost since then, as a compliance.
-    pub(crate) fn loss(&self, tire: usize) -> T {
-        let tire = tire.min(3);
-        self.mean[TIRE + tire] - self.mean[LEVEL + tire]
+    pub(crate) fn loss(&self, tire: Corner) -> T {
+        self.mean[TIRE + tire.index()] - self.mean[LEVEL + tire.index()]
     }
 
     /// Covariance of two tires' losses.
-    pub(crate) fn loss_covariance(&self, a: usize, b: usize) -> T {
-        let (a, b, p) = (a.min(3), b.min(3), &self.covariance);
+    pub(crate) fn loss_covariance(&self, a: Corner, b: Corner) -> T {
+        let (a, b, p) = (a.index(), b.index(), &self.covariance);
         p[(TIRE + a, TIRE + b)] - p[(TIRE + a, LEVEL + b)] - p[(LEVEL + a, TIRE + b)]
             + p[(LEVEL + a, LEVEL + b)]
     }
 
     /// Covariance of a tire's loss with another tire's compliance now.
-    pub(crate) fn loss_by_tire(&self, loss: usize, tire: usize) -> T {
-        let (loss, tire, p) = (loss.min(3), TIRE + tire.min(3), &self.covariance);
+    pub(crate) fn loss_by_tire(&self, loss: Corner, tire: Corner) -> T {
+        let (loss, tire, p) = (loss.index(), TIRE + tire.index(), &self.covariance);
         p[(TIRE + loss, tire)] - p[(LEVEL + loss, tire)]
     }
 
     /// As [`hold_above`](Self::hold_above), of a tire's loss.
-    pub(crate) fn hold_loss_above(&mut self, tire: usize, least: T) -> T {
+    pub(crate) fn hold_loss_above(&mut self, tire: Corner, least: T) -> T {
         let (below, variance) = (least - self.loss(tire), self.loss_covariance(tire, tire));
         if !(below > T::zero() && variance > T::lit(LEAST_LOSS_VARIANCE)) {
             return T::zero();
         }
-        let tire = tire.min(3);
-        self.covariance.add_column(TIRE + tire, below / variance, &mut self.mean);
-        self.covariance.add_column(LEVEL + tire, -below / variance, &mut self.mean);
+        self.covariance.add_column(TIRE + tire.index(), below / variance, &mut self.mean);
+        self.covariance.add_column(LEVEL + tire.index(), -below / variance, &mut self.mean);
         log_twice_beyond(below / variance.sqrt())
     }
 

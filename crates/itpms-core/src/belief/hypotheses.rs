@@ -2,6 +2,7 @@
 //! (docs/math/shared-road.md, section 6). The bank holds one Gaussian for each, the transition moves weight between them.
 
 use super::gaussian::Hypothesis;
+use crate::model::Corner;
 use crate::real::Real;
 
 /// Nothing moves; each wheel loses pressure by itself; both of the left alike, or of the right; any wheel wanders either way.
@@ -18,8 +19,18 @@ pub(super) fn has_rate(hypothesis: usize) -> bool {
     hypothesis != CONSTANT && hypothesis != RANDOM_WALK
 }
 
+/// The wheel that loses pressure by itself in a hypothesis, if that is one of those.
+pub(super) fn single(hypothesis: usize) -> Option<Corner> {
+    Corner::ALL.get(hypothesis.wrapping_sub(1)).copied()
+}
+
+/// That of both wheels of a corner's side.
+pub(super) fn both(corner: Corner) -> usize {
+    SIDE + corner.side().index()
+}
+
 /// How the compliances follow the rate in a hypothesis.
 pub(super) fn changing<T: Real>(hypothesis: usize) -> [T; 4] {
-    let changing = |i: usize| hypothesis == i + 1 || hypothesis == SIDE + i % 2;
-    core::array::from_fn(|i| if changing(i) { T::one() } else { T::zero() })
+    let changing = |corner| single(hypothesis) == Some(corner) || hypothesis == both(corner);
+    Corner::ALL.map(|corner| if changing(corner) { T::one() } else { T::zero() })
 }

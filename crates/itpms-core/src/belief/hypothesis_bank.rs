@@ -4,7 +4,9 @@
 
 use super::floor::Floor;
 use super::gaussian::{Circumstances, Hypothesis, Wandering};
-use super::hypotheses::{CONSTANT, HYPOTHESES, Hypotheses, RANDOM_WALK, SIDE, changing, has_rate};
+use super::hypotheses::{
+    CONSTANT, HYPOTHESES, Hypotheses, RANDOM_WALK, SIDE, both, changing, has_rate, single,
+};
 use super::measurement::{AxleResidual, SideMeasurement, UpdateRecord};
 use super::mixture::Mixture;
 use super::state::{MASS, RATE, SIZE, State, TIRE};
@@ -12,7 +14,7 @@ use super::tires::Tires;
 use super::transition::Transition;
 use super::update::{Likelihood, OwnCovariance, score};
 use crate::memory::{Blank, Placed, blank};
-use crate::model::Learned;
+use crate::model::{Corner, Learned, Side};
 use crate::real::Real;
 
 /// Log-likelihood of a hypothesis that cannot say how likely a frame is.
@@ -65,10 +67,10 @@ blank!(FrameUpdate<T> { log_weight, record, best, frames });
 impl<T: Real> FrameUpdate<T> {
     /// Whether a hypothesis of this weight is updated with what a side tells: not what nobody believes in, and where wheels change that are
     /// hardly believed to, every third time, and so of either side.
-    fn follows(&self, index: usize, weight: T, side: usize) -> bool {
-        let always_from = match index {
-            1..SIDE if (index - 1) % 2 != side => RARE_OPPOSITE,
-            SIDE.. => RARE,
+    fn follows(&self, index: usize, weight: T, side: Side) -> bool {
+        let always_from = match single(index) {
+            Some(wheel) if wheel.side() != side => RARE_OPPOSITE,
+            None if index >= SIDE => RARE,
             _ => 0.0,
         };
         let turn = (self.frames as usize + index).is_multiple_of(RARE_FRAMES);
@@ -208,7 +210,7 @@ impl<T: Real> HypothesisBank<T> {
     /// The same of a number of a side that also says how likely each hypothesis is; as seldom as a frame where hardly anybody believes in one.
     pub(super) fn update_reweighted(
         &mut self,
-        side: usize,
+        side: Side,
         variance: T,
         linearize: impl Fn(&State<T>) -> (State<T>, T),
     ) {
@@ -266,15 +268,15 @@ impl<T: Real> HypothesisBank<T> {
     }
 
     /// The belief about a tire fades with seconds of incoherence; less so if a calibration has `taught` what the car is.
-    pub(super) fn inflate(&mut self, corner: usize, incoherent_s: T, calibrated: bool) {
+    pub(super) fn inflate(&mut self, corner: Corner, incoherent_s: T, calibrated: bool) {
         self.has_changed = true;
         if self.circumstances.tires_set {
             return;
         }
         let sd = if calibrated { FADING_TAUGHT } else { FADING };
-        let corner = corner.min(3);
+        let at = TIRE + corner.index();
         for hypothesis in &mut self.hypotheses {
-            hypothesis.covariance[(TIRE + corner, TIRE + corner)] += T::lit(sd * sd) * incoherent_s;
+            hypothesis.covariance[(at, at)] += T::lit(sd * sd) * incoherent_s;
         }
     }
 
@@ -295,10 +297,11 @@ impl<T: Real> HypothesisBank<T> {
     }
 
     /// A tire may have been changed: its compliance has this much more sd.
-    pub(super) fn inflate_tire(&mut self, corner: usize, sd: T) {
+    pub(super) fn inflate_tire(&mut self, corner: Corner, sd: T) {
         self.has_changed = true;
+        let at = TIRE + corner.index();
         for hypothesis in &mut self.hypotheses {
-            hypothesis.covariance[(TIRE + corner, TIRE + corner)] += sd * sd;
+            hypothesis.covariance[(at, at)] += sd * sd;
         }
     }
 
@@ -351,8 +354,8 @@ impl<T: Real> HypothesisBank<T> {
                 *log += hypothesis.hold_above(RATE, T::zero());
             }
             let Some(floor) = floor else { continue };
-            for tire in 0..4 {
-                let least = floor.of(tire, core::array::from_fn(|tire| hypothesis.loss(tire)));
+            for tire in Corner::ALL {
+                let least = floor.of(tire, Corner::ALL.map(|tire| hypothesis.loss(tire)));
                 *log += hypothesis.hold_loss_above(tire, least);
             }
         }
@@ -361,12 +364,12 @@ impl<T: Real> HypothesisBank<T> {
 
     /// The losses of all tires begin to be counted, and nothing moves.
     pub(super) fn begin_losses(&mut self) {
-        (0..4).for_each(|tire| self.hypotheses[CONSTANT].begin_loss(tire));
+        Corner::ALL.into_iter().for_each(|tire| self.hypotheses[CONSTANT].begin_loss(tire));
         self.collapse();
     }
 
     /// That of one tire begins anew.
-    pub(super) fn begin_loss(&mut self, tire: usize) {
+    pub(super) fn begin_loss(&mut self, tire: Corner) {
         self.has_changed = true;
         self.hypotheses.iter_mut().for_each(|hypothesis| hypothesis.begin_loss(tire));
     }
@@ -419,8 +422,8 @@ impl<T: Real> HypothesisBank<T> {
     /// Probability that each tire moves.
     pub(super) fn changing_tires(&self) -> [T; 4] {
         let several = self.hypotheses[RANDOM_WALK].weight;
-        core::array::from_fn(|i| {
-            self.hypotheses[i + 1].weight + self.hypotheses[SIDE + i % 2].weight + several
+        Corner::ALL.map(|corner| {
+            self.hypotheses[corner.index() + 1].weight + self.hypotheses[both(corner)].weight + several
         })
     }
 

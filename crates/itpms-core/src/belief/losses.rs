@@ -63,6 +63,7 @@ mod tests {
     use crate::belief::state::{LEVEL, State, TIRE};
     use crate::belief::{Belief, LONGEST_PAUSE_S};
     use crate::memory::{Blank, configured};
+    use crate::model::Corner::{self, FrontLeft, FrontRight, RearLeft};
     use crate::model::{CarConfig, CornerConfig};
 
     const ONSET: Onset<f64> = Onset { several_scale: 1.0, rates: [0.0; 4], longest_step_s: 1.0 };
@@ -87,8 +88,11 @@ mod tests {
             hypothesis.start(&[0.0; 4], &Circumstances::of_a_car([0.01; 4]).mass_sd);
         });
         hypothesis.update(&one(TIRE + 1), 0.08, noise);
-        hypothesis.begin_loss(1);
-        assert_eq!([hypothesis.loss(1), hypothesis.loss_covariance(1, 1)], [0.0; 2]);
+        hypothesis.begin_loss(FrontRight);
+        assert_eq!(
+            [hypothesis.loss(FrontRight), hypothesis.loss_covariance(FrontRight, FrontRight)],
+            [0.0; 2]
+        );
         let variance = hypothesis.covariance[(TIRE + 1, TIRE + 1)];
         let (mut mean, mut covariance) =
             (Vector2::repeat(hypothesis.mean[TIRE + 1]), Matrix2::repeat(variance));
@@ -109,9 +113,9 @@ mod tests {
             }
         }
         let loss_variance = covariance[(0, 0)] + covariance[(1, 1)] - 2.0 * covariance[(0, 1)];
-        assert!((hypothesis.loss_covariance(1, 1) - loss_variance).abs() < 1e-12);
+        assert!((hypothesis.loss_covariance(FrontRight, FrontRight) - loss_variance).abs() < 1e-12);
         // The level was measured once, 0.02 of 0.11: as good as the loss's own.
-        assert!(hypothesis.loss(1) > 0.1 && loss_variance.sqrt() < 0.03);
+        assert!(hypothesis.loss(FrontRight) > 0.1 && loss_variance.sqrt() < 0.03);
     }
 
     /// Of two tires only the difference is measured, as on a side: it grows by 0.2. That the first has lost so much and that the other one has
@@ -123,15 +127,17 @@ mod tests {
         let mut hypothesis = configured(|hypothesis: &mut Hypothesis<f64>| {
             hypothesis.start(&[0.0; 4], &Circumstances::of_a_car([0.01; 4]).mass_sd);
         });
-        (0..4).for_each(|tire| hypothesis.begin_loss(tire));
+        Corner::ALL.into_iter().for_each(|tire| hypothesis.begin_loss(tire));
         for tire in 0..4 {
             hypothesis.covariance[(TIRE + tire, TIRE + tire)] += happened * happened;
         }
         // The levels' difference was known.
         hypothesis.update(&(one(LEVEL) - one(LEVEL + 2)), 0.0, 1e-10);
         hypothesis.update(&(one(TIRE) - one(TIRE + 2)), 0.2, noise * noise);
-        assert!((hypothesis.loss(0) - 0.1).abs() < 2e-3 && (hypothesis.loss(2) + 0.1).abs() < 2e-3);
-        hypothesis.hold_loss_above(2, -margin);
+        assert!(
+            (hypothesis.loss(FrontLeft) - 0.1).abs() < 2e-3 && (hypothesis.loss(RearLeft) + 0.1).abs() < 2e-3
+        );
+        hypothesis.hold_loss_above(RearLeft, -margin);
         let (mut weight, mut first, mut second) = (0.0, 0.0, 0.0);
         for i in 0..800 {
             for j in 0..800 {
@@ -142,8 +148,16 @@ mod tests {
             }
         }
         let exact = [first / weight, second / weight];
-        assert!((hypothesis.loss(0) - exact[0]).abs() < 4e-3, "{} {exact:?}", hypothesis.loss(0));
-        assert!((hypothesis.loss(2) - exact[1]).abs() < 4e-3, "{} {exact:?}", hypothesis.loss(2));
+        assert!(
+            (hypothesis.loss(FrontLeft) - exact[0]).abs() < 4e-3,
+            "{} {exact:?}",
+            hypothesis.loss(FrontLeft)
+        );
+        assert!(
+            (hypothesis.loss(RearLeft) - exact[1]).abs() < 4e-3,
+            "{} {exact:?}",
+            hypothesis.loss(RearLeft)
+        );
     }
 
     fn counted(belief: &mut Belief<f64>) -> bool {
@@ -190,7 +204,7 @@ mod tests {
         let mut tires = Tires::BLANK;
         belief.refresh(&mut tires);
         let before = tires.losses_after(&[0.0; 4]).unwrap();
-        belief.restart_tire(0);
+        belief.restart_tire(FrontLeft);
         belief.refresh(&mut tires);
         let after = tires.losses_after(&[0.0; 4]).unwrap();
         assert!((after.0 - before.0).amax() < 1e-12);

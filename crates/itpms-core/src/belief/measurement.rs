@@ -5,6 +5,7 @@ use nalgebra::{Complex, SMatrix, SVector};
 
 use super::state::SIDE_SIZE;
 use crate::memory::blank;
+use crate::model::Side;
 use crate::real::Real;
 
 /// Spectral bins of a frame.
@@ -59,8 +60,7 @@ pub(crate) struct Expectation<T: Real> {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct SideMeasurement<T: Real> {
-    /// 0: left, 1: right.
-    pub(crate) side: usize,
+    pub(crate) side: Side,
     pub(crate) expected: Expectation<T>,
     /// Derivatives taken from the road that both axles agree on, free of what differs between them.
     pub(crate) instrument: Slope<T>,

@@ -55,7 +55,7 @@ pub(crate) use self::tire_scale::{LEAST_COMPLIANCE, TireScale};
 pub(crate) use self::tires::Tires;
 pub(crate) use self::transition::PARTS as PREDICTION_PARTS;
 use crate::memory::{Placed, blank};
-use crate::model::{CarConfig, CornerConfig, Inflation, Learned, Level};
+use crate::model::{CarConfig, Corner, CornerConfig, Inflation, Learned, Level, Side};
 use crate::real::Real;
 
 /// Longest time in s over which a change is followed without a frame, and between pseudo-measurements where there are no frames.
@@ -166,7 +166,7 @@ impl<T: Real> Belief<T> {
             if seconds > LONGEST_PAUSE_S && !self.is_calibrating() {
                 self.losses.end(self.learned_s);
                 let sd = T::lit(PARKED_SD) * (T::one() - T::lit(-seconds / PARKED_S).exp());
-                self.bank.change_temperature(&core::array::from_fn(|corner| sd * self.scale.share(corner)));
+                self.bank.change_temperature(&Corner::ALL.map(|corner| sd * self.scale.share(corner)));
             }
             return;
         }
@@ -188,7 +188,7 @@ impl<T: Real> Belief<T> {
     /// Begins to update with a frame of one side. [`update_hypothesis`](Self::update_hypothesis) has to follow for each of
     /// [`HYPOTHESES`], then [`finish_update`](Self::finish_update) and [`settle`](Self::settle).
     pub(crate) fn begin_update(&mut self, measurement: &SideMeasurement<T>) {
-        for corner in [measurement.side, measurement.side + 2] {
+        for corner in [measurement.side.front(), measurement.side.rear()] {
             self.inflate_tire(corner, measurement.incoherent_s);
         }
         self.bank.begin_update();
@@ -218,7 +218,7 @@ impl<T: Real> Belief<T> {
     /// The same with a number of a side that also tells how likely each hypothesis is.
     pub(crate) fn update_reweighted(
         &mut self,
-        side: usize,
+        side: Side,
         variance: T,
         linearize: impl Fn(&State<T>) -> (State<T>, T),
     ) {
@@ -252,7 +252,7 @@ impl<T: Real> Belief<T> {
             self.losses.end(self.learned_s);
         }
         let filling = self.inflation == Inflation::WhileRolling;
-        let shares = core::array::from_fn(|corner| self.scale.share(corner));
+        let shares = Corner::ALL.map(|corner| self.scale.share(corner));
         let since_s = self.losses.since_s().filter(|_| !filling);
         let floor = since_s
             .map(|since_s| Floor::after(T::lit(self.time_s - since_s), shares, self.present == [true; 4]));
@@ -265,8 +265,8 @@ impl<T: Real> Belief<T> {
     }
 
     /// What friction that is not known exactly makes of a corner on the present road.
-    pub(crate) fn set_friction_error(&mut self, corner: usize, error: FrictionError<T>) {
-        self.bank.circumstances.friction_error[corner.min(3)] = error;
+    pub(crate) fn set_friction_error(&mut self, corner: Corner, error: FrictionError<T>) {
+        self.bank.circumstances.friction_error[corner] = error;
     }
 
     /// Whether tires may gain air while they roll.
@@ -290,7 +290,7 @@ impl<T: Real> Belief<T> {
     }
 
     /// The belief about a tire fades with seconds of incoherence.
-    pub(crate) fn inflate_tire(&mut self, corner: usize, incoherent_s: T) {
+    pub(crate) fn inflate_tire(&mut self, corner: Corner, incoherent_s: T) {
         self.bank.inflate(corner, incoherent_s, self.calibration.calibrated);
     }
 
@@ -301,7 +301,7 @@ impl<T: Real> Belief<T> {
 
     /// A corner's sensors were out of order: its tire may have changed meanwhile, and before it was noticed only seemed to.
     /// During a calibration it is what somebody has set.
-    pub(crate) fn restart_tire(&mut self, corner: usize) {
+    pub(crate) fn restart_tire(&mut self, corner: Corner) {
         self.drop_checkpoints();
         let pre_fault = self.pre_fault[corner].take();
         if self.is_calibrating() {
@@ -309,14 +309,14 @@ impl<T: Real> Belief<T> {
             return;
         }
         if let Some(tire) = pre_fault {
-            self.set_quantity(TIRE + corner, &tire.compliance, T::one());
+            self.set_quantity(TIRE + corner.index(), &tire.compliance, T::one());
             self.bank.begin_loss(corner);
         }
         self.bank.inflate_tire(corner, T::lit(UNWATCHED_SD));
     }
 
     /// What a tire was before its sensors were suspected is of no use once later frames have told.
-    pub(crate) fn drop_settled(&mut self, corner: usize, time_s: f64) {
+    pub(crate) fn drop_settled(&mut self, corner: Corner, time_s: f64) {
         self.pre_fault[corner].take_if(|tire| tire.is_settled(time_s));
     }
 

@@ -3,7 +3,7 @@
 
 use nalgebra::SVector;
 
-use crate::model::UNCALIBRATED_BIAS_SD;
+use crate::model::{Corner, Side, UNCALIBRATED_BIAS_SD};
 use crate::real::Real;
 
 /// Quantities.
@@ -109,9 +109,8 @@ pub(crate) fn return_rate<T: Real>(prior: &State<T>) -> State<T> {
 }
 
 /// Where a side's quantities stand in the state.
-pub(crate) fn side_indices(side: usize) -> [usize; SIDE_SIZE] {
-    let side = side.min(1);
-    let (front, rear) = (side, side + 2);
+pub(crate) fn side_indices(side: Side) -> [usize; SIDE_SIZE] {
+    let (front, rear) = (side.front().index(), side.rear().index());
     [
         TIRE + front,
         MASS + front,
@@ -123,16 +122,15 @@ pub(crate) fn side_indices(side: usize) -> [usize; SIDE_SIZE] {
         DAMPING + rear,
         SPRING + rear,
         BAR + 1,
-        GAIN + side,
+        GAIN + side.index(),
         WHEELBASE,
-        SKEW + side,
+        SKEW + side.index(),
     ]
 }
 
 /// A tire's compliance as the shared road reads it, over that at placard pressure.
-pub(crate) fn read_compliance<T: Real>(state: &State<T>, corner: usize) -> T {
-    let corner = corner.min(3);
-    T::one() + state[TIRE + corner] + state[ROAD_BIAS + corner]
+pub(crate) fn read_compliance<T: Real>(state: &State<T>, corner: Corner) -> T {
+    T::one() + state[TIRE + corner.index()] + state[ROAD_BIAS + corner.index()]
 }
 
 /// One value per kind of quantity, in the order above.

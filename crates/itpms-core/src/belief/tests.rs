@@ -22,7 +22,7 @@ use super::state::{
 use super::update::{Likelihood, OwnCovariance};
 use super::{Belief, Onset};
 use crate::memory::configured;
-use crate::model::{CarConfig, CornerConfig, Inflation};
+use crate::model::{CarConfig, Corner, CornerConfig, Inflation, Side};
 
 /// A covariance with all its entries.
 type Dense = SMatrix<f64, SIZE, SIZE>;
@@ -84,7 +84,7 @@ fn weights_follow_bayes_rule() {
     let before = bank.clone();
     let h = State::<f64>::from_fn(|i, _| if i == TIRE { 1.0 } else { 0.0 });
     let (variance, measured) = (1e-3, 0.12);
-    bank.update_reweighted(0, variance, |state| (h, measured - state[TIRE]));
+    bank.update_reweighted(Side::Left, variance, |state| (h, measured - state[TIRE]));
     let density = |hypothesis: &super::Hypothesis<f64>| {
         let total = hypothesis.covariance[(TIRE, TIRE)] + variance;
         let t2 = (measured - hypothesis.mean[TIRE]).powi(2) / total;
@@ -189,7 +189,7 @@ fn correlated() -> Dense {
 /// inverted whole.
 #[test]
 fn a_frame_tells_the_sum_of_tire_and_bias() {
-    let side = 1;
+    let side = Side::Right;
     let mut bank = bank(&[0.0; 4]);
     let hypothesis = &mut bank.hypotheses[0];
     hypothesis.covariance = Covariance::of(&correlated());
@@ -209,7 +209,7 @@ fn a_frame_tells_the_sum_of_tire_and_bias() {
     for (own, place) in side_indices(side).into_iter().enumerate() {
         reads[(own, place)] = 1.0;
     }
-    for (own, corner) in SIDE_TIRES.into_iter().zip([side, side + 2]) {
+    for (own, corner) in SIDE_TIRES.into_iter().zip([1, 3]) {
         reads[(own, ROAD_BIAS + corner)] = 1.0;
     }
     let inverse = before.covariance.dense().try_inverse().unwrap();
@@ -221,7 +221,7 @@ fn a_frame_tells_the_sum_of_tire_and_bias() {
     let mut state = State::zeros();
     state[TIRE + 3] = 0.1;
     state[ROAD_BIAS + 3] = -0.02;
-    assert!((read_compliance(&state, 3) - 1.08f64).abs() < 1e-15);
+    assert!((read_compliance(&state, Corner::RearRight) - 1.08f64).abs() < 1e-15);
 }
 
 /// A frame whose residual has this squared Mahalanobis distance.
@@ -233,7 +233,7 @@ fn with_mahalanobis_sq(mahalanobis_sq: f64) -> Likelihood<f64> {
 /// the residual and no farther, in the same direction; one that asks for less is left alone.
 #[test]
 fn no_step_is_longer_than_the_residual() {
-    let side = 0;
+    let side = Side::Left;
     let moved = |times: f64, mahalanobis_sq: f64| {
         let mut bank = bank(&[0.0; 4]);
         let hypothesis = &mut bank.hypotheses[0];
@@ -349,7 +349,9 @@ fn a_calibrated_belief_fades_less() {
     let grown = |calibrated| {
         let mut bank = bank(&[0.0; 4]);
         let before = bank.constant().1;
-        [0, 2].into_iter().for_each(|corner| bank.inflate(corner, 4.0, calibrated));
+        [Corner::FrontLeft, Corner::RearLeft]
+            .into_iter()
+            .for_each(|corner| bank.inflate(corner, 4.0, calibrated));
         let after = bank.constant().1;
         core::array::from_fn::<f64, 4, _>(|i| (after[TIRE + i].powi(2) - before[TIRE + i].powi(2)).sqrt())
     };
@@ -410,7 +412,7 @@ fn a_bound_is_met_by_the_likeliest_state() {
             assert_eq!(after.mean, before.mean, "may have been filled");
             continue;
         }
-        assert!((after.loss(0) + 0.05).abs() < 1e-12);
+        assert!((after.loss(Corner::FrontLeft) + 0.05).abs() < 1e-12);
         let gradient = before.covariance.dense().try_inverse().unwrap() * (after.mean - before.mean);
         let along = gradient[TIRE];
         assert!(along > 0.0 && (gradient[LEVEL] / along + 1.0).abs() < 1e-9);

@@ -3,7 +3,7 @@
 
 use super::state::{COMMON_BIAS, OWN_BIAS, State, TIRE};
 use crate::memory::blank;
-use crate::model::{CarConfig, CornerConfig};
+use crate::model::{CarConfig, Corner, CornerConfig};
 use crate::real::Real;
 
 /// Least compliance of a tire over that at placard pressure.
@@ -37,13 +37,13 @@ impl<T: Real> TireScale<T> {
     }
 
     /// The placard pressure's share in a corner's stiffness.
-    pub(crate) fn share(&self, corner: usize) -> T {
+    pub(crate) fn share(&self, corner: Corner) -> T {
         self.pressures_part_n_per_m(corner) / self.placard_n_per_m[corner]
     }
 
     /// The most that each tire's compliance can be, over that at placard pressure, less one: flat.
     pub(crate) fn softest(&self) -> [T; 4] {
-        core::array::from_fn(|corner| {
+        Corner::ALL.map(|corner| {
             let carcass = T::one() - self.share(corner);
             let [least, most] = FLAT;
             (T::one() / carcass.max(T::lit(1.0 / most))).max(T::lit(least)) - T::one()
@@ -51,20 +51,21 @@ impl<T: Real> TireScale<T> {
     }
 
     /// What of a corner's stiffness in N/m the placard pressure makes: the unit of the spectrum's biases.
-    pub(crate) fn pressures_part_n_per_m(&self, corner: usize) -> T {
+    pub(crate) fn pressures_part_n_per_m(&self, corner: Corner) -> T {
         self.slope[corner] * self.placard_kpa[corner]
     }
 
     /// The stiffness in N/m that a corner's road spectrum should tell in a state, and its derivatives.
-    pub(crate) fn spectral_stiffness(&self, corner: usize, state: &State<T>) -> (T, State<T>) {
+    pub(crate) fn spectral_stiffness(&self, corner: Corner, state: &State<T>) -> (T, State<T>) {
         let placard = self.placard_n_per_m[corner];
         // Biases are shares of the placard pressure; the spectrum's own unit is N/m.
         let bias = self.pressures_part_n_per_m(corner);
-        let factor = (T::one() + state[TIRE + corner]).max(T::lit(LEAST_COMPLIANCE));
+        let (tire, own_bias) = (TIRE + corner.index(), OWN_BIAS + corner.index());
+        let factor = (T::one() + state[tire]).max(T::lit(LEAST_COMPLIANCE));
         let mut slope = State::zeros();
-        slope[TIRE + corner] = -placard / (factor * factor);
+        slope[tire] = -placard / (factor * factor);
         slope[COMMON_BIAS] = bias;
-        slope[OWN_BIAS + corner] = bias;
-        (placard / factor + bias * (state[COMMON_BIAS] + state[OWN_BIAS + corner]), slope)
+        slope[own_bias] = bias;
+        (placard / factor + bias * (state[COMMON_BIAS] + state[own_bias]), slope)
     }
 }

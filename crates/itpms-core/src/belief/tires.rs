@@ -6,6 +6,7 @@ use nalgebra::{SMatrix, SVector};
 use super::gaussian::Hypothesis;
 use super::state::{RATE, TIRE};
 use crate::memory::blank;
+use crate::model::Corner;
 use crate::real::Real;
 
 /// See the [module](self).
@@ -54,11 +55,11 @@ impl<T: Real> Tires<T> {
     pub(super) fn add(&mut self, hypothesis: &Hypothesis<T>, weight: T, changing: &[T; 4]) {
         let Hypothesis { mean, covariance, .. } = hypothesis;
         let rate = mean[RATE];
-        for i in 0..4 {
+        for (i, corner) in Corner::ALL.into_iter().enumerate() {
             let tire = mean[TIRE + i];
             self.mean[i] += weight * tire;
             self.rate[i] += weight * changing[i] * rate;
-            let loss = hypothesis.loss(i);
+            let loss = hypothesis.loss(corner);
             self.loss[i] += weight * loss;
             for j in 0..4 {
                 if changing[i] > T::zero() {
@@ -68,10 +69,11 @@ impl<T: Real> Tires<T> {
                     self.rate_square[(i, j)] += weight * changing[j] * square;
                 }
             }
-            for j in 0..4 {
+            for (j, other) in Corner::ALL.into_iter().enumerate() {
                 self.loss_square[(i, j)] +=
-                    weight * (hypothesis.loss_covariance(i, j) + loss * hypothesis.loss(j));
-                self.loss_by_mean[(i, j)] += weight * (hypothesis.loss_by_tire(i, j) + loss * mean[TIRE + j]);
+                    weight * (hypothesis.loss_covariance(corner, other) + loss * hypothesis.loss(other));
+                self.loss_by_mean[(i, j)] +=
+                    weight * (hypothesis.loss_by_tire(corner, other) + loss * mean[TIRE + j]);
                 self.square[(i, j)] += weight * (covariance[(TIRE + i, TIRE + j)] + tire * mean[TIRE + j]);
             }
         }

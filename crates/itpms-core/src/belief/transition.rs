@@ -2,10 +2,11 @@
 //! (docs/math/shared-road.md, section 6).
 
 use super::gaussian::{Circumstances, Hypothesis, Wandering};
-use super::hypotheses::{CONSTANT, HYPOTHESES, Hypotheses, RANDOM_WALK, SIDE, changing, has_rate};
+use super::hypotheses::{CONSTANT, HYPOTHESES, Hypotheses, RANDOM_WALK, SIDE, both, changing, has_rate};
 use super::mixture::Mixture;
 use super::state::{RATE, TIRE};
 use crate::memory::blank;
+use crate::model::Corner;
 use crate::real::Real;
 
 /// Chance per second that each begins: that nothing moves, each of the four wheels (the prior of a leak), each of the two sides, and that
@@ -116,7 +117,7 @@ impl<T: Real> Transition<T> {
         for (hypothesis, &begin) in begin.iter().enumerate().skip(SIDE) {
             go_on(hypotheses, hypothesis, end, begin);
         }
-        (0..4).for_each(|wheel| merge(hypotheses, wheel, join));
+        Corner::ALL.into_iter().for_each(|wheel| merge(hypotheses, wheel, join));
     }
 
     /// Single wheels come after those that they join, and what does not move after all that begins from it.
@@ -195,10 +196,10 @@ fn go_on<T: Real>(hypotheses: &mut Hypotheses<T>, hypothesis: usize, end: T, beg
 }
 
 /// A wheel that loses pressure by itself is joined, by this chance, by the other one of its side.
-fn merge<T: Real>(hypotheses: &mut Hypotheses<T>, wheel: usize, chance: T) {
-    let hypothesis = SIDE + wheel % 2;
+fn merge<T: Real>(hypotheses: &mut Hypotheses<T>, wheel: Corner, chance: T) {
+    let hypothesis = both(wheel);
     let (single, several) = hypotheses.split_at_mut(SIDE);
-    let (alone, both) = (&single[wheel + 1], &mut several[hypothesis - SIDE]);
+    let (alone, both) = (&single[wheel.index() + 1], &mut several[hypothesis - SIDE]);
     let joins = alone.weight * chance;
     if joins > T::lit(NOTICED) * both.weight {
         let weight = both.weight;

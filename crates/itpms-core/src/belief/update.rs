@@ -8,6 +8,7 @@ use super::gaussian::Hypothesis;
 use super::inverse::invert;
 use super::measurement::{AxleResidual, BINS, Expectation, Gram, OVERLAP, ROWS, Score, Slope};
 use super::state::{ROAD_BIAS, SIDE_SIZE, SIDE_TIRES, SIZE, TIRE, side_indices};
+use crate::model::Side;
 use crate::real::Real;
 
 /// Degrees of freedom of the residual's distribution: how heavy its tails are.
@@ -22,7 +23,7 @@ pub(crate) struct OwnCovariance<T: Real> {
 
 impl<T: Real> OwnCovariance<T> {
     #[inline(never)]
-    pub(crate) fn new(covariance: &Covariance<T>, side: usize) -> Self {
+    pub(crate) fn new(covariance: &Covariance<T>, side: Side) -> Self {
         let indices = side_indices(side);
         let mut part = Self { all: SMatrix::zeros(), own: Gram::zeros() };
         let Self { all, own } = &mut part;

@@ -3,11 +3,11 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::fusion::{FusedEstimate, SingleWheelEstimate};
+use super::fusion::{FusedEstimate, Fusion, SingleWheelEstimate};
 use super::{CarEstimator, Sources};
 use crate::estimator::FusedStiffness;
 use crate::memory::blank;
-use crate::model::{CarSample, CornerEstimate, Level, TrackState};
+use crate::model::{CarSample, Corner, CornerEstimate, Level, Side, TrackState};
 use crate::real::Real;
 
 /// What corners have in common, as it was concluded last.
@@ -49,16 +49,14 @@ impl<T: Real> CarEstimator<T> {
         let (correlation, tracks) = (self.correlation(corners, fused), self.tracks());
         let losses = fused.and_then(|fused| Some(self.considered.losses(fused.losses.as_ref()?)));
         let sds = corners.each_ref().map(|corner| Some(corner.as_ref()?.pressure_sd_kpa));
-        for (i, (corner, estimator)) in corners.iter_mut().zip(&mut self.corners).enumerate() {
-            let Some(corner) = corner else { continue };
-            let sd_kpa = |of: usize| sds.get(of).copied().flatten();
-            let correlation = correlation.get(i).and_then(|row| row.get(i ^ 1)).copied();
-            let axle = sd_kpa(i).zip(sd_kpa(i ^ 1)).zip(correlation);
-            corner.axle_difference_sd_kpa = axle.map(|((a, b), correlation)| {
-                (a * a + b * b - T::lit(2.0) * correlation * a * b).max(T::zero()).sqrt()
-            });
-            corner.loss = losses.as_ref().and_then(|losses| losses.get(i)).copied();
-            if let Some(estimator) = estimator.as_mut() {
+        for wheel in Corner::ALL {
+            let Some(corner) = &mut corners[wheel] else { continue };
+            let (axle, correlation) =
+                (sds[wheel].zip(sds[wheel.same_axle()]), correlation[wheel][wheel.same_axle()]);
+            corner.axle_difference_sd_kpa =
+                axle.map(|(a, b)| (a * a + b * b - T::lit(2.0) * correlation * a * b).max(T::zero()).sqrt());
+            corner.loss = losses.map(|losses| losses[wheel]);
+            if let Some(estimator) = self.corners[wheel].as_mut() {
                 estimator.set_compared(corner.axle_difference_sd_kpa, corner.loss);
             }
         }
@@ -77,23 +75,24 @@ impl<T: Real> CarEstimator<T> {
             }
             fusion.set_calibrating(time_s < self.calibration_ends_s);
         }
-        for (i, estimator) in self.corners.iter().enumerate() {
-            let Some(estimator) = estimator.as_ref() else { continue };
-            fusion.set_load(i, &estimator.quarter_car());
-            fusion.set_on_line(i, estimator.is_on_line());
+        for corner in Corner::ALL {
+            let Some(estimator) = self.corners[corner].as_ref() else { continue };
+            fusion.set_load(corner, &estimator.quarter_car());
+            fusion.set_on_line(corner, estimator.is_on_line());
         }
         if self.sources == Sources::SpectrumAndSharedRoad {
             let mut has_room = has_room;
-            for (i, estimator) in self.corners.iter_mut().enumerate() {
-                let Some(estimator) = estimator.as_mut() else { continue };
+            for corner in Corner::ALL {
+                let Some(estimator) = self.corners[corner].as_mut() else { continue };
                 let (stiffness_n_per_m, sd_n_per_m) = estimator.own_stiffness();
                 let changing = estimator.change_probability();
-                fusion.set_single_wheel(i, SingleWheelEstimate { changing, stiffness_n_per_m, sd_n_per_m });
+                let found = SingleWheelEstimate { changing, stiffness_n_per_m, sd_n_per_m };
+                fusion.set_single_wheel(corner, found);
                 // Between frames, and one corner a sample: all of them at once are much work.
                 if has_room
-                    && let Some(spectral) = estimator.pseudo_measurement(|| fusion.expected_spectral(i))
+                    && let Some(spectral) = estimator.pseudo_measurement(|| fusion.expected_spectral(corner))
                 {
-                    fusion.update_spectral(i, time_s, spectral.stiffness_n_per_m, spectral.sd_n_per_m);
+                    fusion.update_spectral(corner, time_s, spectral.stiffness_n_per_m, spectral.sd_n_per_m);
                     has_room = false;
                 }
             }
@@ -111,12 +110,13 @@ impl<T: Real> CarEstimator<T> {
         {
             self.considered.join_radii(radii, level, fused, considered);
         }
-        for (i, estimator) in self.corners.iter_mut().enumerate() {
-            let Some(estimator) = estimator.as_mut() else { continue };
+        for corner in Corner::ALL {
+            let Some(estimator) = self.corners[corner].as_mut() else { continue };
+            let i = corner.index();
             // A shared road that was given up must not leave its last estimate behind.
-            let fused = fused.as_ref().zip(considered.as_ref()).filter(|_| fusion.has_partner(i));
-            estimator.set_hop_excess(fusion.hop_excess(i % 2));
-            let learning = fusion.side(i % 2).0;
+            let fused = fused.as_ref().zip(considered.as_ref()).filter(|_| fusion.has_partner(corner));
+            estimator.set_hop_excess(fusion.hop_excess(corner.side()));
+            let learning = fusion.track(corner.side()).shared;
             estimator.set_fused(fused.map(|(fused, considered)| FusedStiffness {
                 stiffness_n_per_m: fused.stiffness_n_per_m[i],
                 stiffness_sd_n_per_m: fused.covariance[(i, i)].sqrt(),
@@ -125,7 +125,7 @@ impl<T: Real> CarEstimator<T> {
                 changing: fused.changing,
                 learned_s: fused.learned_s,
                 learning,
-                has_signal: fusion.has_signal(i) && (learning || !fusion.is_slow()),
+                has_signal: fusion.has_signal(corner) && (learning || !fusion.is_slow()),
             }));
         }
         fused
@@ -156,13 +156,8 @@ impl<T: Real> CarEstimator<T> {
     }
 
     fn tracks(&self) -> [TrackState<T>; 2] {
-        core::array::from_fn(|side| match self.fusion.as_ref() {
-            Some(fusion) => {
-                let (shared, incoherence) = fusion.side(side);
-                TrackState { shared, incoherence }
-            }
-            None => TrackState::unknown(),
-        })
+        let of = |fusion: &Fusion<T>| Side::ALL.map(|side| fusion.track(side));
+        self.fusion.as_ref().map_or([TrackState::unknown(); 2], of)
     }
 }
 

@@ -5,7 +5,7 @@
 use nalgebra::{SMatrix, SVector};
 
 use crate::memory::blank;
-use crate::model::{CarConfig, CornerConfig};
+use crate::model::{CarConfig, Corner, CornerConfig};
 use crate::real::Real;
 
 /// What a calibration leaves of a tire's level, as a share of its stiffness: tires are set to 3 kPa, and a car that differs from its
@@ -40,8 +40,7 @@ impl<T: Real> Considered<T> {
             let (a, b) = (&a.uncertainty, &b.uncertainty);
             let common = a.common_mass_relative_sd() * b.common_mass_relative_sd()
                 + a.common_tire_relative_sd() * b.common_tire_relative_sd();
-            // Front and rear of the order of corners.
-            let axle = if i / 2 == j / 2 {
+            let axle = if Corner::ALL[i].axle() == Corner::ALL[j].axle() {
                 a.axle_mass_relative_sd() * b.axle_mass_relative_sd()
             } else {
                 T::zero()

@@ -148,7 +148,7 @@ impl<T: Real> CarEstimator<T> {
     ) -> Result<(), ParameterError> {
         for (place, corner) in self.corners.iter_mut().zip(Corner::ALL) {
             place.clear();
-            if let Some(config) = &config.corners[corner.index()] {
+            if let Some(config) = &config.corners[corner] {
                 place.try_place(|corner| corner.configure(config, sample_rate_hz))?;
             }
         }
@@ -199,7 +199,7 @@ impl<T: Real> CarEstimator<T> {
     /// Takes the stiffness of a corner's tire that another source follows from the next sample on, in the place of what the corner's
     /// own frames show, until `None` is given.
     pub fn follow(&mut self, corner: Corner, stiffness: Option<OutsideStiffness<T>>) {
-        if let Some(estimator) = self.corners[corner.index()].as_mut() {
+        if let Some(estimator) = self.corners[corner].as_mut() {
             estimator.follow(stiffness);
         }
     }
@@ -277,13 +277,13 @@ impl<T: Real> CarEstimator<T> {
     /// Starts one corner again, as after its sensors were out of order; the others go on.
     #[inline(never)]
     pub fn restart_corner(&mut self, corner: Corner) {
-        if let Some(estimator) = self.corners[corner.index()].as_mut() {
+        if let Some(estimator) = self.corners[corner].as_mut() {
             estimator.restart();
         }
         self.body_equation.restart();
         self.conclude_in = 0;
         if let Some(fusion) = self.fusion.as_mut() {
-            fusion.restart(corner.index());
+            fusion.restart(corner);
         }
     }
 
@@ -352,12 +352,14 @@ impl<T: Real> CarEstimator<T> {
             _ => self.conclude_in <= self.conclude_every || self.body_equation.is_learning(),
         };
         let pace = if has_other_work && self.conclude_every > 1 { Pace::Waits } else { Pace::Works };
-        let both = self.corners.iter_mut().zip(&sample.corners);
-        for (i, (estimator, corner)) in both.enumerate() {
-            let (Some(estimator), Some(corner)) = (estimator.as_mut(), corner) else { continue };
+        for corner in Corner::ALL {
+            let estimator = self.corners[corner].as_mut();
+            let (Some(estimator), Some(values)) = (estimator, &sample.corners[corner]) else { continue };
             match self.fusion.as_mut() {
-                Some(fusion) => estimator.take(time_s, speed_m_s, corner, pace, |step| fusion.push(i, step)),
-                None => estimator.take(time_s, speed_m_s, corner, pace, |_| {}),
+                Some(fusion) => {
+                    estimator.take(time_s, speed_m_s, values, pace, |step| fusion.push(corner, step));
+                }
+                None => estimator.take(time_s, speed_m_s, values, pace, |_| {}),
             }
         }
     }
@@ -371,11 +373,11 @@ impl<T: Real> CarEstimator<T> {
             Learning::UnderWay => return true,
             Learning::Complete => {}
         }
-        for (i, estimator) in self.corners.iter_mut().enumerate() {
-            let Some(estimator) = estimator.as_mut() else { continue };
-            estimator.set_strut(&self.body_equation, i);
+        for corner in Corner::ALL {
+            let Some(estimator) = self.corners[corner].as_mut() else { continue };
+            estimator.set_strut(&self.body_equation, corner);
             if let Some(fusion) = self.fusion.as_mut() {
-                fusion.set_friction(i, &self.body_equation);
+                fusion.set_friction(corner, &self.body_equation);
             }
         }
         true
@@ -383,7 +385,7 @@ impl<T: Real> CarEstimator<T> {
 
     /// How well body and wheel of a corner go together, and what does not, if the car has that corner.
     pub fn fit(&self, corner: Corner) -> Option<(BodyFit<T>, Option<Misfit>)> {
-        self.corners[corner.index()].as_ref().map(CornerEstimator::fit)
+        self.corners[corner].as_ref().map(CornerEstimator::fit)
     }
 
     /// What it learns from.
@@ -393,17 +395,17 @@ impl<T: Real> CarEstimator<T> {
 
     /// What was found in the samples of a corner so far, if the car has it.
     pub fn counts(&self, corner: Corner) -> Option<SampleCounts> {
-        self.corners[corner.index()].as_ref().map(CornerEstimator::counts)
+        self.corners[corner].as_ref().map(CornerEstimator::counts)
     }
 
     /// How often the estimator of a corner started again, if the car has it.
     pub fn restarts(&self, corner: Corner) -> Option<u32> {
-        self.corners[corner.index()].as_ref().map(CornerEstimator::restarts)
+        self.corners[corner].as_ref().map(CornerEstimator::restarts)
     }
 
     /// What the last minute has shown of each strut, in the order of [`Corner::ALL`]; `None` where too little was seen. Computed when asked.
     pub fn strut_readings(&self) -> [Option<StrutReading<T>>; 4] {
-        core::array::from_fn(|corner| self.body_equation.reading(corner))
+        Corner::ALL.map(|corner| self.body_equation.reading(corner))
     }
 
     /// The cars as they seem to be now, in the order of [`Corner::ALL`].

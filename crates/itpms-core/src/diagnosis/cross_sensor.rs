@@ -132,20 +132,19 @@ impl<T: Real> CrossSensorPlausibility<T> {
         self.wheel_gains.judge(at, plane.is_some_and(|plane| plane.warp < T::lit(FLAT)));
     }
 
-    fn noise(&self, i: usize, width_hz: f64) -> T {
+    fn noise(&self, i: Corner, width_hz: f64) -> T {
         self.noise_density[i] * T::lit(width_hz * OVER_NOISE)
     }
 
     fn average(&mut self, block: &Block<T>) {
-        let four = [0, 1, 2, 3];
-        let all = |width_hz| move |cross_sensor: &Self| four.map(|i| cross_sensor.noise(i, width_hz));
+        let all = |width_hz| move |cross_sensor: &Self| Corner::ALL.map(|i| cross_sensor.noise(i, width_hz));
         let (hop, bounce) = (all(HOP_WIDTH_HZ)(self), all(BOUNCE_WIDTH_HZ)(self));
         // What the struts make of the wheels is what bodies should do: both must be there.
-        if four.iter().all(|&i| block.hop[(4 + i, 4 + i)] > T::lit(0.3) * hop[i]) {
+        if (0..4).all(|i| block.hop[(4 + i, 4 + i)] > T::lit(0.3) * hop[i]) {
             let wheels = block.hop.fixed_view::<4, 4>(4, 4).trace();
             self.hop.add_block(&block.hop, wheels, HOP_BLOCKS);
         }
-        if four.iter().any(|&i| block.bounce[(i, i)] > bounce[i]) {
+        if (0..4).any(|i| block.bounce[(i, i)] > bounce[i]) {
             self.bounce.add_block(&block.bounce, block.bounce.trace(), BOUNCE_BLOCKS);
         }
         let slow = block.slow.iter().fold(T::zero(), |sum, power| sum + *power);
@@ -162,46 +161,46 @@ impl<T: Real> CrossSensorPlausibility<T> {
     /// and whose values come.
     pub(crate) fn compare_wheel_and_body(&mut self, at: [f64; 2], block: &Block<T>, alive: [bool; 4]) {
         self.newest_ratio = [T::lit(f64::NAN); 4];
-        let body = |i: usize| block.hop[(i, i)];
-        let others = |power: &dyn Fn(usize) -> T, i: usize| {
+        let body = |corner: Corner| block.hop[(corner.index(), corner.index())];
+        let others = |power: &dyn Fn(Corner) -> T, own: Corner| {
             let mut alike = [T::zero(); 4];
-            median(gathered((0..4).filter(|j| *j != i && alive[*j]).map(power), &mut alike))
+            let others = Corner::ALL.into_iter().filter(|&other| other != own && alive[other]);
+            median(gathered(others.map(power), &mut alike))
         };
-        for i in (0..4).filter(|i| alive[*i]) {
-            let (b, w) = (body(i), block.wheel_hop[i]);
-            if !(b.max(w) > self.noise(i, HOP_WIDTH_HZ)) {
+        for corner in Corner::ALL.into_iter().filter(|&corner| alive[corner]) {
+            let (b, w) = (body(corner), block.wheel_hop[corner]);
+            if !(b.max(w) > self.noise(corner, HOP_WIDTH_HZ)) {
                 continue;
             }
             let ratio = (w / b).ln();
-            self.newest_ratio[i] = ratio;
-            let before = self.ratio[i];
+            self.newest_ratio[corner] = ratio;
+            let before = self.ratio[corner];
             let share = T::lit(1.0 / RATIO_BLOCKS);
-            self.ratio[i] = if before.is_finite() { before + share * (ratio - before) } else { ratio };
-            let ratio = self.ratio[i];
-            let corner = Corner::ALL[i];
+            self.ratio[corner] = if before.is_finite() { before + share * (ratio - before) } else { ratio };
+            let ratio = self.ratio[corner];
             let sensor = |place| Sensor { corner, place };
             // A wheel that reads little, or a body that reads much, is not a swap: then only one of the two
             // differs from the other corners.
-            let body_is_wheel = !((b / others(&body, i)).ln() < T::lit(LIKE_A_WHEEL));
+            let body_is_wheel = !((b / others(&body, corner)).ln() < T::lit(LIKE_A_WHEEL));
             let wheel_is_body =
-                !((others(&|j| block.wheel_hop[j.min(3)], i) / w).ln() < T::lit(LIKE_A_WHEEL));
-            self.patterns[i] = match (ratio < T::lit(ODD), body_is_wheel, wheel_is_body) {
+                !((others(&|other| block.wheel_hop[other], corner) / w).ln() < T::lit(LIKE_A_WHEEL));
+            self.patterns[corner] = match (ratio < T::lit(ODD), body_is_wheel, wheel_is_body) {
                 (true, true, true) if ratio < T::lit(CROSSED) => SwapPattern::Crossed,
                 (true, true, false) => SwapPattern::BodyIsWheel,
                 (true, false, true) => SwapPattern::WheelIsBody,
                 _ => SwapPattern::AsLabeled,
             };
-            let odd = self.patterns[i] != SwapPattern::AsLabeled;
-            let malfunction = match self.patterns[i] {
+            let odd = self.patterns[corner] != SwapPattern::AsLabeled;
+            let malfunction = match self.patterns[corner] {
                 SwapPattern::Crossed => Malfunction::Swapped(sensor(Place::Body), sensor(Place::Wheel)),
                 _ => Malfunction::Inconsistent(corner),
             };
-            self.odd[i].update(at, evidence(odd, ratio > T::lit(NOT_ODD)), RATIO, || malfunction);
+            self.odd[corner].update(at, evidence(odd, ratio > T::lit(NOT_ODD)), RATIO, || malfunction);
         }
     }
 
     /// Whether body and wheel of a corner may be swapped.
-    pub(crate) fn is_odd(&self, corner: usize) -> bool {
+    pub(crate) fn is_odd(&self, corner: Corner) -> bool {
         self.patterns[corner] != SwapPattern::AsLabeled
             || self.newest_ratio[corner] < T::lit(NOT_ODD)
             || self.odd[corner].debouncer.is_suspected()
@@ -215,23 +214,25 @@ impl<T: Real> CrossSensorPlausibility<T> {
             self.drop_gain_suspicions();
             return;
         }
-        let heard = |i: usize| {
-            let loud = block.hop[(i, i)] > T::lit(HEARD / OVER_NOISE) * self.noise(i, HOP_WIDTH_HZ);
-            loud && self.newest_ratio[i].is_finite() && block.hop[(4 + i, 4 + i)] > T::zero()
+        let heard = |corner: Corner| {
+            let i = corner.index();
+            let loud = block.hop[(i, i)] > T::lit(HEARD / OVER_NOISE) * self.noise(corner, HOP_WIDTH_HZ);
+            loud && self.newest_ratio[corner].is_finite() && block.hop[(4 + i, 4 + i)] > T::zero()
         };
         let words = self.odd.iter().chain(&self.pairs).chain(&self.reversed).chain(&self.corners);
         let active =
             words.chain(&self.body_gains).filter_map(FaultLatch::fault).chain(self.wheel_gains.faults());
         let active = active.fold(Wheels::NONE, |all, fault| all | fault.malfunction.wheels());
         let explained = Corner::ALL.map(|corner| active.contains(corner));
-        if [0, 1, 2, 3].into_iter().all(heard) {
-            let hop = |i: usize| {
+        if Corner::ALL.into_iter().all(heard) {
+            let hop = |corner: Corner| {
+                let i = corner.index();
                 let transmissibility = (block.hop[(4 + i, 4 + i)] / block.hop[(i, i)]).ln();
-                Hop { transmissibility, hop_frequency: self.newest_ratio[i] - transmissibility }
+                Hop { transmissibility, hop_frequency: self.newest_ratio[corner] - transmissibility }
             };
-            jumps(&mut self.jumps, at, &[0, 1, 2, 3].map(hop), explained);
+            jumps(&mut self.jumps, at, &Corner::ALL.map(hop), explained);
             // What a swapped sensor reads is so much more than its own that averages would be long in forgetting it.
-            if (0..4).all(|i| !self.is_odd(i)) {
+            if !Corner::ALL.into_iter().any(|corner| self.is_odd(corner)) {
                 self.shifts.take(at, block, explained);
             }
         }
@@ -248,7 +249,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
                 evidence(own[k] < T::lit(OTHER) && own[k] <= least, own[k] > T::lit(OWN))
             });
             let place = if bent.is_some() { Place::Body } else { Place::Wheel };
-            let sensor = |i: usize| Sensor { corner: Corner::ALL[i.min(3)], place };
+            let sensor = |corner| Sensor { corner, place };
             self.pairs[k].update(at, evidence, SWAP, || Malfunction::Swapped(sensor(i), sensor(j)));
         }
     }
@@ -271,31 +272,31 @@ impl<T: Real> CrossSensorPlausibility<T> {
     /// A body that goes down when its wheel goes up, while the bodies are one plane: the wheel's sensor is upside down.
     fn judge_direction(&mut self, at: [f64; 2], following: Option<&Following<T>>, plane: Option<&Plane<T>>) {
         let flat = plane.is_some_and(|plane| plane.warp < T::lit(BENT));
-        for i in 0..4 {
+        for corner in Corner::ALL {
             let evidence = following.filter(|_| flat).map_or(Evidence::NoData, |following| {
-                evidence(following.own[i] < T::zero(), following.own[i] > T::zero())
+                evidence(following.own[corner] < T::zero(), following.own[corner] > T::zero())
             });
-            let sensor = Sensor { corner: Corner::ALL[i], place: Place::Wheel };
+            let sensor = Sensor { corner, place: Place::Wheel };
             let gain = -T::one();
-            self.reversed[i].update(at, evidence, SWAP, || Malfunction::Gain { sensor, gain });
+            self.reversed[corner].update(at, evidence, SWAP, || Malfunction::Gain { sensor, gain });
         }
     }
 
     fn judge_body_gains(&mut self, at: [f64; 2], plane: Option<&Plane<T>>) {
-        for i in 0..4 {
+        for corner in Corner::ALL {
             let mut gain = T::one();
             let evidence = plane.map_or(Evidence::NoData, |plane| {
                 gain = plane.gain;
                 let wrong = !(gain > T::zero() && gain.ln().abs() < T::lit(BODY_GAIN));
-                let his = plane.wrong_gain() == Some(i);
+                let his = plane.wrong_gain() == Some(corner);
                 let fine = gain > T::zero() && gain.ln().abs() < T::lit(BODY_GAIN_FINE);
                 evidence(
                     his && wrong && plane.warp > T::lit(0.5 * FLAT),
                     fine || plane.warp < T::lit(0.3 * FLAT),
                 )
             });
-            let sensor = Sensor { corner: Corner::ALL[i], place: Place::Body };
-            self.body_gains[i].update(at, evidence, GAIN, || Malfunction::Gain { sensor, gain });
+            let sensor = Sensor { corner, place: Place::Body };
+            self.body_gains[corner].update(at, evidence, GAIN, || Malfunction::Gain { sensor, gain });
         }
     }
 
@@ -310,7 +311,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
             crossed.into_iter().chain(words.filter_map(FaultLatch::fault)).chain(self.wheel_gains.faults());
         for fault in all {
             if let Some(corner) = fault.malfunction.wheels().iter().next() {
-                faults[corner.index()].get_or_insert(fault);
+                faults[corner].get_or_insert(fault);
             }
         }
         faults
@@ -319,26 +320,26 @@ impl<T: Real> CrossSensorPlausibility<T> {
     /// A body that is a wheel at one corner and a wheel that is a body at another: these two are swapped.
     fn crossed(&self) -> Option<Fault<T>> {
         let only = |patterns: SwapPattern| {
-            let mut those =
-                (0..4).filter(|&i| self.odd[i].debouncer.is_active() && self.patterns[i] == patterns);
+            let is_one = |&i: &Corner| self.odd[i].debouncer.is_active() && self.patterns[i] == patterns;
+            let mut those = Corner::ALL.into_iter().filter(is_one);
             those.next().filter(|_| those.next().is_none())
         };
         let (body, wheel) = (only(SwapPattern::BodyIsWheel)?, only(SwapPattern::WheelIsBody)?);
-        let sensor = |i: usize, place| Sensor { corner: Corner::ALL[i], place };
+        let sensor = |corner, place| Sensor { corner, place };
         let swapped = Malfunction::Swapped(sensor(body, Place::Body), sensor(wheel, Place::Wheel));
         Some(Fault::from_debouncer(&self.odd[body].debouncer, swapped))
     }
 
     /// The corners whose gain may be about to be suspected.
     pub(crate) fn pending_fault(&self, now_s: f64) -> Wheels {
-        Corner::ALL.into_iter().filter(|corner| self.shifts.is_pending_fault(corner.index(), now_s)).collect()
+        Corner::ALL.into_iter().filter(|corner| self.shifts.is_pending_fault(*corner, now_s)).collect()
     }
 
     /// The corners whose sensors may be swapped, or whose gain may have changed. That a gain was wrong all the time is
     /// waited for.
     pub(crate) fn suspects(&self) -> Wheels {
         // A body that moves like its wheel is suspect at once.
-        let odd = |corner: &Corner| self.newest_ratio[corner.index()] < T::lit(ODD);
+        let odd = |corner: &Corner| self.newest_ratio[*corner] < T::lit(ODD);
         self.late_detection() | Corner::ALL.into_iter().filter(odd).collect()
     }
 
@@ -346,9 +347,8 @@ impl<T: Real> CrossSensorPlausibility<T> {
     pub(crate) fn late_detection(&self) -> Wheels {
         let words = self.odd.iter().chain(&self.pairs).chain(&self.reversed).chain(&self.corners);
         let suspected = words.filter(|word| word.debouncer.is_suspected());
-        let jumped = |corner: &Corner| {
-            self.jumps[corner.index()].is_suspected() || self.shifts.is_suspected(corner.index())
-        };
+        let jumped =
+            |corner: &Corner| self.jumps[*corner].is_suspected() || self.shifts.is_suspected(*corner);
         let jumped = Corner::ALL.into_iter().filter(jumped).collect();
         suspected
             .filter_map(|word| word.malfunction.as_ref())

@@ -3,10 +3,14 @@
 
 use nalgebra::{SMatrix, SVector};
 
+use crate::model::Corner;
 use crate::real::Real;
 
 /// The pairs of corners.
-pub(crate) const PAIRS: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
+pub(crate) const PAIRS: [[Corner; 2]; 6] = {
+    let [fl, fr, rl, rr] = Corner::ALL;
+    [[fl, fr], [fl, rl], [fl, rr], [fr, rl], [fr, rr], [rl, rr]]
+};
 /// What is added to the wheels' moments, as a share of their trace: roads that are alike must not blow up the
 /// regression.
 const RIDGE: f64 = 1e-3;
@@ -38,8 +42,9 @@ pub(crate) fn following<T: Real>(hop: &SMatrix<T, 8, 8>) -> Option<Following<T>>
     let wheels_by_bodies = hop.fixed_view::<4, 4>(4, 0).into_owned();
     // Column i: what makes body i move.
     let follows = wheels.cholesky()?.solve(&wheels_by_bodies);
-    let square = |wheel: usize, body: usize| follows[(wheel, body)] * follows[(wheel, body)];
-    let log = |[i, j]: [usize; 2]| ((square(i, i) + square(j, j)) / (square(i, j) + square(j, i))).ln();
+    let of = |wheel: Corner, body: Corner| follows[(wheel.index(), body.index())];
+    let square = |wheel, body| of(wheel, body) * of(wheel, body);
+    let log = |[i, j]: [Corner; 2]| ((square(i, i) + square(j, j)) / (square(i, j) + square(j, i))).ln();
     Some(Following { own_over_other: PAIRS.map(log), own: [0, 1, 2, 3].map(|i| follows[(i, i)]) })
 }
 
@@ -53,7 +58,7 @@ pub(crate) struct Plane<T> {
     /// The same if front and rear of one side were swapped.
     pub(crate) warp_axles: T,
     /// The sensor whose gain would explain most of the warp, the share it explains, and the gain.
-    pub(crate) culprit: usize,
+    pub(crate) culprit: Corner,
     pub(crate) explained: T,
     pub(crate) gain: T,
 }
@@ -71,15 +76,16 @@ impl<T: Real> Plane<T> {
         let power = |signs: &SVector<T, 4>| (signs.dot(&(bounce * signs)) - noise).max(T::zero()) / all;
         let with_each = bounce * warp;
         let out = warp.dot(&with_each);
-        let (mut culprit, mut explained) = (0, T::zero());
-        for i in 0..4 {
+        let (mut culprit, mut explained) = (Corner::FrontLeft, T::zero());
+        for (i, corner) in Corner::ALL.into_iter().enumerate() {
             let share = with_each[i] * with_each[i] / (out * bounce[(i, i)]).max(T::lit(1e-12));
             if share > explained {
-                (culprit, explained) = (i, share);
+                (culprit, explained) = (corner, share);
             }
         }
         // r = s g a and m = (1 + g) a: r / m = s g / (1 + g).
-        let ratio = warp[culprit] * with_each[culprit] / bounce[(culprit, culprit)].max(T::lit(1e-12));
+        let i = culprit.index();
+        let ratio = warp[i] * with_each[i] / bounce[(i, i)].max(T::lit(1e-12));
         Some(Self {
             warp: power(&warp),
             warp_sides: power(&SVector::<T, 4>::new(-one, one, -one, one)),
@@ -92,16 +98,16 @@ impl<T: Real> Plane<T> {
 
     /// The sensor whose gain makes bodies warp that otherwise are a plane. Bodies that are none to begin with
     /// accuse no sensor.
-    pub(crate) fn wrong_gain(&self) -> Option<usize> {
+    pub(crate) fn wrong_gain(&self) -> Option<Corner> {
         let left = (T::one() - self.explained) * self.warp;
         (self.explained > T::lit(EXPLAINED) && left < T::lit(LEFT)).then_some(self.culprit)
     }
 
     /// Whether the bodies would be one plane if those of this pair changed places.
-    pub(crate) fn is_put_back_by(&self, [i, j]: [usize; 2]) -> bool {
-        let left = match i ^ j {
-            1 => self.warp_sides,
-            2 => self.warp_axles,
+    pub(crate) fn is_put_back_by(&self, [i, j]: [Corner; 2]) -> bool {
+        let left = match i {
+            _ if i == j.same_axle() => self.warp_sides,
+            _ if i == j.same_side() => self.warp_axles,
             // A diagonal that changes places leaves the warp as it is.
             _ => self.warp,
         };
@@ -130,9 +136,8 @@ pub(crate) enum Changed {
 }
 
 /// A corner's power over the median of the others'.
-pub(crate) fn over_others<T: Real>(powers: &[T; 4], i: usize) -> T {
-    let mut others = [1, 2, 3].map(|step| powers[(i + step) % 4]);
-    powers[i] / median(&mut others)
+pub(crate) fn over_others<T: Real>(powers: &[T; 4], corner: Corner) -> T {
+    powers[corner] / median(&mut corner.others().map(|other| powers[other]))
 }
 
 /// The value in the middle; of an even number the mean of the two there. NaN for nothing.
@@ -195,7 +200,7 @@ mod tests {
         for gain in [0.5, 0.7, 1.5, 2.0] {
             for i in 0..200 {
                 let plane = plane(&mut random, |random| rigid(random, i % 4, gain));
-                assert_eq!(plane.wrong_gain(), Some(i % 4), "{gain}: {plane:?}");
+                assert_eq!(plane.wrong_gain(), Some(Corner::ALL[i % 4]), "{gain}: {plane:?}");
                 // The warp takes part: a fiftieth of the motion.
                 assert!((plane.gain / gain).ln().abs() < 0.15, "{gain}: {plane:?}");
             }
@@ -224,10 +229,12 @@ mod tests {
     fn only_bodies_that_are_swapped_are_put_back() {
         let mut random = Random(8);
         for _ in 0..200 {
-            for (pair, [i, j]) in PAIRS.into_iter().enumerate().filter(|(_, [i, j])| i + j != 3) {
+            for (pair, [i, j]) in
+                PAIRS.into_iter().enumerate().filter(|(_, [i, j])| i.index() + j.index() != 3)
+            {
                 let swapped = plane(&mut random, |random| {
                     let mut bodies = rigid(random, 0, 1.0);
-                    bodies.swap_rows(i, j);
+                    bodies.swap_rows(i.index(), j.index());
                     bodies
                 });
                 let back: Vec<bool> = PAIRS.into_iter().map(|pair| swapped.is_put_back_by(pair)).collect();

@@ -91,7 +91,8 @@ pub(crate) struct Diagnosis<T: Real> {
     period_s: f64,
     noise_power: [T; 4],
     present: [bool; 4],
-    sensors: [SingleSensorMonitor<T>; 8],
+    /// Of the bodies, then of the wheels.
+    sensors: [[SingleSensorMonitor<T>; 4]; 2],
     signals: Signals<T>,
     cross_sensor: CrossSensorPlausibility<T>,
     slowest_m_s: T,
@@ -121,7 +122,7 @@ impl<T: Real> Diagnosis<T> {
         let noise_power = car.corners.each_ref().map(noise);
         (self.period_s, self.noise_power) = (1.0 / rate_hz, noise_power);
         self.present = car.corners.each_ref().map(Option::is_some);
-        self.sensors.fill(SingleSensorMonitor::new(1.0 / rate_hz));
+        self.sensors.iter_mut().for_each(|sensors| sensors.fill(SingleSensorMonitor::new(1.0 / rate_hz)));
         self.signals.configure(car, rate_hz);
         self.cross_sensor.configure(noise_power, rate_hz);
         self.slowest_m_s = T::lit(f64::NAN);
@@ -150,14 +151,15 @@ impl<T: Real> Diagnosis<T> {
             self.slowest_m_s = sample.speed_m_s;
         }
         if step_s > LONGEST_STEP * self.period_s {
-            self.sensors.iter_mut().for_each(SingleSensorMonitor::interrupted);
+            self.sensors.iter_mut().flatten().for_each(SingleSensorMonitor::interrupted);
         }
         let nothing = [T::lit(f64::NAN); 2];
         let mut values = [T::zero(); 8];
+        let [bodies, wheels] = &mut self.sensors;
         for (i, corner) in sample.corners.iter().enumerate().filter(|(i, _)| self.present[*i]) {
             let [body, wheel] = corner.map_or(nothing, |c| [c.body_accel_m_s2, c.wheel_accel_m_s2]);
-            values[i] = self.sensors[i].push(time_s, body);
-            values[4 + i] = self.sensors[4 + i].push(time_s, wheel);
+            values[i] = bodies[i].push(time_s, body);
+            values[4 + i] = wheels[i].push(time_s, wheel);
         }
         self.signals.push(&values);
         if !(self.slowest_m_s <= sample.speed_m_s) {
@@ -178,22 +180,21 @@ impl<T: Real> Diagnosis<T> {
     fn end_block(&mut self, time_s: f64, step_s: f64) {
         self.news = true;
         let motion = self.motion(time_s);
-        let mut blocks = [None; 8];
-        let sensors = blocks.iter_mut().zip(&mut self.sensors).enumerate();
-        for (_, (block, sensor)) in sensors.filter(|(i, _)| self.present[i % 4]) {
-            *block = Some(sensor.end_block(time_s, step_s, motion));
-        }
+        let present = self.present;
+        let blocks = self.sensors.each_mut().map(|sensors| {
+            Corner::ALL.map(|i| present[i].then(|| sensors[i].end_block(time_s, step_s, motion)))
+        });
         let Some(block) = self.signals.end_block() else { return };
-        let alive = [0, 1, 2, 3]
-            .map(|i| self.present[i] && self.sensors[i].is_alive() && self.sensors[4 + i].is_alive());
+        let alive = Corner::ALL.map(|i| present[i] && self.sensors.iter().all(|of| of[i].is_alive()));
         // An unknown speed passes: there is power in the bands, or nothing is concluded.
         let driving = !(self.slowest_m_s < T::lit(DRIVING_M_S));
         let alive = if driving { alive } else { [false; 4] };
         self.cross_sensor.compare_wheel_and_body([time_s, step_s], &block, alive);
         self.judge_noise([time_s, step_s], &blocks, &block);
         let few = |block: &Option<SensorBlock<T>>| block.is_none_or(|b| b.missing < T::lit(FEW_MISSING));
-        let calm = (0..8).all(|i| self.present[i % 4] && !self.sensors[i].is_suspected());
-        let calm = calm && blocks.iter().all(few);
+        let calm =
+            present == [true; 4] && !self.sensors.iter().flatten().any(SingleSensorMonitor::is_suspected);
+        let calm = calm && blocks.iter().flatten().all(few);
         if calm {
             self.cross_sensor.look_for_jumps([time_s, step_s], &block);
         }
@@ -216,9 +217,9 @@ impl<T: Real> Diagnosis<T> {
         let moving = if self.slowest_m_s.is_finite() {
             self.slowest_m_s >= T::lit(MOVING_M_S)
         } else {
-            let present = || (0..8).filter(|i| self.present[i % 4]);
-            let changing = present().filter(|i| self.sensors[*i].changes(time_s));
-            2 * changing.count() > present().count()
+            let sensors = self.sensors.iter().flat_map(|sensors| sensors.iter().zip(self.present));
+            let present = sensors.filter(|(_, present)| *present);
+            2 * present.clone().filter(|(sensor, _)| sensor.changes(time_s)).count() > present.count()
         };
         if moving { Motion::Moving } else { Motion::Standing }
     }
@@ -230,41 +231,32 @@ impl<T: Real> Diagnosis<T> {
     fn judge_noise(
         &mut self,
         [time_s, step_s]: [f64; 2],
-        blocks: &[Option<SensorBlock<T>>; 8],
+        blocks: &[[Option<SensorBlock<T>>; 4]; 2],
         block: &Block<T>,
     ) {
-        let body_hop = [0, 1, 2, 3].map(|i| block.hop[(i, i)]);
-        for i in (0..8).filter(|i| self.present[i % 4]) {
-            let hop = if i < 4 { &body_hop } else { &block.wheel_hop };
-            let hops =
-                |own: T| !(hop[i % 4] < own * T::lit(WHITE_AT_MOST * HOP_WIDTH_HZ * 2.0 * self.period_s));
-            let powers = self.noise_powers(blocks, i).and_then(|[own, alike]| match hops(own) {
-                false => Some([own, alike]),
-                true if self.cross_sensor.is_odd(i % 4) => None,
-                true => Some([own, alike * over_others(hop, i % 4).max(T::one())]),
-            });
-            self.sensors[i].compare_noise(time_s, step_s, powers);
+        let hop = [[0, 1, 2, 3].map(|i| block.hop[(i, i)]), block.wheel_hop];
+        let white = T::lit(WHITE_AT_MOST * HOP_WIDTH_HZ * 2.0 * self.period_s);
+        for ((sensors, blocks), hop) in self.sensors.iter_mut().zip(blocks).zip(&hop) {
+            for corner in Corner::ALL.into_iter().filter(|&corner| self.present[corner]) {
+                let noise = noise_powers(blocks, corner, self.noise_power[corner]);
+                let powers = noise.and_then(|[own, alike]| match !(hop[corner] < own * white) {
+                    false => Some([own, alike]),
+                    true if self.cross_sensor.is_odd(corner) => None,
+                    true => Some([own, alike * over_others(hop, corner).max(T::one())]),
+                });
+                sensors[corner].compare_noise(time_s, step_s, powers);
+            }
         }
-    }
-
-    /// A sensor's noise power, and the median of the same sensors at the other corners plus the noise of the
-    /// vehicle file.
-    fn noise_powers(&self, blocks: &[Option<SensorBlock<T>>; 8], i: usize) -> Option<[T; 2]> {
-        let own = blocks.get(i).copied().flatten()?.floor?;
-        let floor = |j: usize| blocks.get(j).copied().flatten().and_then(|block| block.floor);
-        let others = (0..4).map(|corner| corner + (i & 4)).filter(|j| *j != i);
-        let mut alike = [T::zero(); 4];
-        let alike = gathered(others.filter_map(floor), &mut alike);
-        (alike.len() >= 2).then(|| [own, median(alike) + self.noise_power[i % 4]])
     }
 
     /// What is wrong, by the corner it is reported at: the worst of each.
     pub(crate) fn faults(&self) -> [Option<Fault<T>>; 4] {
         let cross_sensor = self.cross_sensor.faults();
-        core::array::from_fn(|i| {
-            let sensor = |place| Sensor { corner: Corner::ALL[i], place };
-            let wheel = self.sensors[4 + i].fault(sensor(Place::Wheel));
-            wheel.or_else(|| self.sensors[i].fault(sensor(Place::Body))).or(cross_sensor[i])
+        let [bodies, wheels] = &self.sensors;
+        Corner::ALL.map(|corner| {
+            let sensor = |place| Sensor { corner, place };
+            let wheel = wheels[corner].fault(sensor(Place::Wheel));
+            wheel.or_else(|| bodies[corner].fault(sensor(Place::Body))).or(cross_sensor[corner])
         })
     }
 
@@ -275,9 +267,8 @@ impl<T: Real> Diagnosis<T> {
 
     /// The corners not to be learned from now.
     pub(crate) fn suspects(&self) -> Wheels {
-        let alone = Corner::ALL.into_iter().filter(|corner| {
-            let i = corner.index();
-            self.present[i] && (self.sensors[i].is_suspected() || self.sensors[4 + i].is_suspected())
+        let alone = Corner::ALL.into_iter().filter(|&corner| {
+            self.present[corner] && self.sensors.iter().any(|sensors| sensors[corner].is_suspected())
         });
         alone.collect::<Wheels>() | self.cross_sensor.suspects()
     }
@@ -286,4 +277,12 @@ impl<T: Real> Diagnosis<T> {
     pub(crate) fn pending_fault(&self) -> Wheels {
         self.cross_sensor.pending_fault(self.last_s)
     }
+}
+
+/// A sensor's noise power, and the median of the same sensors at the other corners plus the noise of the vehicle file.
+fn noise_powers<T: Real>(blocks: &[Option<SensorBlock<T>>; 4], corner: Corner, of_file: T) -> Option<[T; 2]> {
+    let own = blocks[corner]?.floor?;
+    let mut alike = [T::zero(); 4];
+    let alike = gathered(corner.others().into_iter().filter_map(|other| blocks[other]?.floor), &mut alike);
+    (alike.len() >= 2).then(|| [own, median(alike) + of_file])
 }

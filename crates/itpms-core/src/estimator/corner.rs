@@ -8,8 +8,8 @@ use crate::conditioning::wheel_lift::ContactWatch;
 use crate::conditioning::{GridSample, LEAST_GRID_HZ, Resampler, SampleCounts};
 use crate::memory::{Placed, blank};
 use crate::model::{
-    BodyFit, CornerConfig, CornerEstimate, CornerSample, Level, Loss, Misfit, ParameterError, QuarterCar,
-    Validity, positive,
+    BodyFit, Corner, CornerConfig, CornerEstimate, CornerSample, Level, Loss, Misfit, ParameterError,
+    QuarterCar, Validity, positive,
 };
 use crate::real::Real;
 use crate::single_wheel::{Informed, OutsideStiffness, Pace, StiffnessPseudoMeasurement};
@@ -210,7 +210,7 @@ impl<T: Real> CornerEstimator<T> {
     }
 
     /// Takes over what the body's equation of motion tells of the strut.
-    pub(crate) fn set_strut(&mut self, equation: &BodyEquation<T>, corner: usize) {
+    pub(crate) fn set_strut(&mut self, equation: &BodyEquation<T>, corner: Corner) {
         let slip_forces_n = equation.slip_forces_n(corner);
         self.strut.set_slip_forces(slip_forces_n);
         self.informed.set_friction(&equation.describing_function(corner));

@@ -9,7 +9,9 @@ pub(crate) use self::corner::CornerEstimator;
 pub(crate) use self::fused_stiffness::FusedStiffness;
 use crate::conditioning::{SampleClock, SampleCounts};
 use crate::memory::{Blank, blank};
-use crate::model::{BodyFit, CornerConfig, CornerEstimate, CornerSample, Misfit, ParameterError, QuarterCar};
+use crate::model::{
+    BodyFit, Corner, CornerConfig, CornerEstimate, CornerSample, Misfit, ParameterError, QuarterCar,
+};
 use crate::real::Real;
 pub(crate) use crate::single_wheel::Pace;
 pub use crate::single_wheel::{CALIBRATION_SD, OutsideStiffness, StiffnessPseudoMeasurement};
@@ -99,7 +101,7 @@ impl<T: Real> Estimator<T> {
             None => self.corner.refuse(),
         }
         if self.body_equation.learn([self.corner.strut_frame(), None, None, None]) == Learning::Complete {
-            self.corner.set_strut(&self.body_equation, 0);
+            self.corner.set_strut(&self.body_equation, Corner::FrontLeft);
         }
         self.corner.conclude(at.now_s);
         self.corner.estimate(at.now_s, time_s)

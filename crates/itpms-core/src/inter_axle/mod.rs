@@ -27,7 +27,7 @@ use crate::belief::state::{SKEW, WHEELBASE};
 use crate::conditioning::GridSample;
 use crate::inter_axle::alignment::channel::BOTH;
 use crate::memory::{Placed, blank};
-use crate::model::{CarConfig, QuarterCar};
+use crate::model::{CarConfig, Corner, QuarterCar, Side};
 use crate::real::Real;
 use crate::spectrum::transfer::Body;
 
@@ -67,9 +67,9 @@ pub(crate) enum Aligned<T: Real> {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct InterAxle<T: Real> {
     wheelbase_m: T,
-    wheels: [Option<Wheel<T>>; 4],
+    wheels: [Placed<Wheel<T>>; 4],
     channels: [Channel<T>; 4],
-    pairs: [AxlePair<T>; 2],
+    pub(crate) pairs: [AxlePair<T>; 2],
     /// The newest two entries of the rear corners, newest first.
     rear: [[Placed<Entry<T>>; 2]; 2],
     /// Seconds from front to rear wheel, left and right.
@@ -88,7 +88,8 @@ impl<T: Real> InterAxle<T> {
     /// The wheelbase in m of a car that has both corners of a side; `None`: nothing is to be aligned.
     pub(crate) fn wheelbase_m(config: &CarConfig<T>) -> Option<T> {
         let there = config.corners.each_ref().map(Option::is_some);
-        config.wheelbase_m.filter(|_| there[0] && there[2] || there[1] && there[3])
+        let whole = |side: Side| there[side.front()] && there[side.rear()];
+        config.wheelbase_m.filter(|_| Side::ALL.into_iter().any(whole))
     }
 
     /// For the sides that have both corners.
@@ -99,24 +100,24 @@ impl<T: Real> InterAxle<T> {
         sample_rate_hz: f64,
         grid_period_s: f64,
     ) {
-        let wheel = |corner: usize| {
+        let wheel = |corner: Corner| {
             config.corners[corner].as_ref().map(|c| {
                 let theta = T::one() / c.tire.stiffness_n_per_m(c.placard_kpa);
                 Wheel { body: Body::from(&c.quarter_car), friction_n_s_per_m: T::zero(), theta, corner }
             })
         };
         self.wheelbase_m = wheelbase_m;
-        self.wheels = core::array::from_fn(wheel);
+        Corner::ALL.into_iter().for_each(|corner| self.wheels[corner].set(wheel(corner)));
         for channel in &mut self.channels {
             *channel = Channel::new(grid_period_s);
         }
         let period_s = self.channels[0].period_s();
-        let noise = |i: usize| {
-            let sd = config.corners[i].as_ref().map_or(T::zero(), |c| c.accel_noise_or_usual_m_s2());
+        let noise = |corner: Corner| {
+            let sd = config.corners[corner].as_ref().map_or(T::zero(), |c| c.accel_noise_or_usual_m_s2());
             sd * sd * T::lit(2.0 / sample_rate_hz)
         };
-        for (side, pair) in self.pairs.iter_mut().enumerate() {
-            pair.configure(side, period_s, [noise(side), noise(side + 2)]);
+        for side in Side::ALL {
+            self.pairs[side].configure(side, period_s, [noise(side.front()), noise(side.rear())]);
         }
         self.rear.iter_mut().flatten().for_each(Placed::clear);
         self.delay_s = [T::zero(); 2];
@@ -131,13 +132,13 @@ impl<T: Real> InterAxle<T> {
     }
 
     /// Takes a grid step of a corner; gives an entry of a rear corner that is due to be aligned.
-    pub(crate) fn take(&mut self, corner: usize, sample: &GridSample<T>) -> Option<Entry<T>> {
+    pub(crate) fn take(&mut self, corner: Corner, sample: &GridSample<T>) -> Option<Entry<T>> {
         // The road that the signals tell lies as far back as filters delay them: at another speed, another distance.
         let (travel, delay_s) = (&self.travel, self.filter_delay_s - self.speed_latency_s);
         let entry =
-            self.channels[corner.min(3)].push(sample, || travel.distance_before_m(sample.time_s, delay_s))?;
-        let side = corner % 2;
-        if corner < 2 {
+            self.channels[corner].push(sample, || travel.distance_before_m(sample.time_s, delay_s))?;
+        let side = corner.side();
+        if corner.axle() == 0 {
             self.pairs[side].front(&entry);
             return None;
         }
@@ -151,34 +152,34 @@ impl<T: Real> InterAxle<T> {
     /// Aligns an entry of a rear corner with the road that the front met; gives `enqueue` a frame of both axles when one is complete.
     pub(crate) fn align(
         &mut self,
-        side: usize,
+        side: Side,
         entry: &Entry<T>,
         belief: &Belief<T>,
         enqueue: impl FnOnce(AxleFrame<T>),
     ) -> Option<Aligned<T>> {
-        let (Some(front), Some(rear)) = (self.wheels[side], self.wheels[side + 2]) else { return None };
+        let wheels = self.wheels(side)?;
         let opposite = self.opposite(side, entry);
         let road = PairingContext {
             wheelbase_m: self.wheelbase_m,
-            wheels: [front, rear],
+            wheels,
             wheelbase: belief.quantity(WHEELBASE).0,
-            skew: belief.quantity(SKEW + side).0,
+            skew: belief.quantity(SKEW + side.index()).0,
             state: &belief.most_likely().mean,
         };
         if !self.pairs[side].is_aligned() {
             return self.pairs[side].search(entry, &road).map(Aligned::FirstDelay);
         }
         let [left, right] = &mut self.pairs;
-        let (own, other) = if side == 0 { (left, right) } else { (right, left) };
+        let (own, other) = if side == Side::Left { (left, right) } else { (right, left) };
         own.pair(entry, opposite, other, &road, enqueue);
         own.search_again(entry, &road).map(Aligned::OtherDelay)
     }
 
     /// How the suspension of the other rear corner moves at the same time.
-    fn opposite(&self, side: usize, entry: &Entry<T>) -> OppositeSide<T> {
+    fn opposite(&self, side: Side, entry: &Entry<T>) -> OppositeSide<T> {
         let near_s = NEAR_PERIODS * self.channels[0].period_s();
         let apart_s = |other: &&Entry<T>| (other.time_s - entry.time_s).abs();
-        let others = || self.rear[1 - side].iter().flatten();
+        let others = || self.rear[side.other()].iter().flatten();
         match others().find(|other| apart_s(other) < near_s && !other.invalid) {
             Some(other) => OppositeSide::Known(other.signals[RELATIVE]),
             None if others().all(|other| apart_s(&other) > SILENT_S) => OppositeSide::Silent,
@@ -187,8 +188,8 @@ impl<T: Real> InterAxle<T> {
     }
 
     /// Takes over the quarter car that a corner seems to be.
-    pub(crate) fn set_load(&mut self, corner: usize, car: &QuarterCar<T>, belief: &Belief<T>) {
-        let Some(wheel) = &mut self.wheels[corner] else { return };
+    pub(crate) fn set_load(&mut self, corner: Corner, car: &QuarterCar<T>, belief: &Belief<T>) {
+        let Some(wheel) = self.wheels[corner].as_mut() else { return };
         // How the body follows its wheel depends on damping over mass.
         let damping = Axle::new(wheel, &belief.most_likely().mean).whole_damping;
         let of_file = car.damping_n_s_per_m() + wheel.friction_n_s_per_m;
@@ -196,42 +197,30 @@ impl<T: Real> InterAxle<T> {
     }
 
     /// Takes over what the friction of a corner's strut damps near wheel hop.
-    pub(crate) fn set_friction(&mut self, corner: usize, friction_n_s_per_m: T) {
-        if let Some(wheel) = self.wheels.get_mut(corner).and_then(Option::as_mut) {
+    pub(crate) fn set_friction(&mut self, corner: Corner, friction_n_s_per_m: T) {
+        if let Some(wheel) = self.wheels[corner].as_mut() {
             wheel.friction_n_s_per_m = friction_n_s_per_m;
         }
     }
 
     /// Takes over whether the road under a corner is one line.
-    pub(crate) fn set_on_line(&mut self, corner: usize, on_line: bool) {
-        self.pairs[corner % 2].set_on_line(corner / 2, on_line);
+    pub(crate) fn set_on_line(&mut self, corner: Corner, on_line: bool) {
+        self.pairs[corner.side()].set_on_line(corner.axle(), on_line);
     }
 
     /// Whether a corner has a partner on its side.
-    pub(crate) fn has_partner(&self, corner: usize) -> bool {
-        self.wheels[corner % 2].is_some() && self.wheels[corner % 2 + 2].is_some()
+    pub(crate) fn has_partner(&self, corner: Corner) -> bool {
+        self.wheels(corner.side()).is_some()
     }
 
     /// The two corners of a side that has both.
-    pub(crate) fn wheels(&self, side: usize) -> Option<[Wheel<T>; 2]> {
-        Some([self.wheels[side]?, self.wheels[side + 2]?])
+    pub(crate) fn wheels(&self, side: Side) -> Option<[Wheel<T>; 2]> {
+        Some([self.wheels[side.front()].get()?, self.wheels[side.rear()].get()?])
     }
 
     /// Whether no side gives frames, and pseudo-measurements of the spectra are all there is.
     pub(crate) fn spectral_only(&self) -> bool {
-        (0..2).all(|side| !self.has_partner(side) || self.pairs[side].spectral_only())
-    }
-
-    pub(crate) fn pair(&self, side: usize) -> &AxlePair<T> {
-        &self.pairs[side.min(1)]
-    }
-
-    pub(crate) fn pair_mut(&mut self, side: usize) -> &mut AxlePair<T> {
-        &mut self.pairs[side.min(1)]
-    }
-
-    pub(crate) fn pairs_mut(&mut self) -> &mut [AxlePair<T>; 2] {
-        &mut self.pairs
+        Side::ALL.into_iter().all(|side| !self.has_partner(side.front()) || self.pairs[side].spectral_only())
     }
 
     /// The travelled distance and the speed.
@@ -245,7 +234,7 @@ impl<T: Real> InterAxle<T> {
     }
 
     /// Notes the delay of a side's newest frame.
-    pub(crate) fn set_delay(&mut self, side: usize, delay_s: T) {
+    pub(crate) fn set_delay(&mut self, side: Side, delay_s: T) {
         self.delay_s[side] = delay_s;
     }
 

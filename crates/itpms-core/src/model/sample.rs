@@ -1,5 +1,9 @@
 //! What comes in: one time, one speed, up to four corners. A missing value is NaN, as in the drive log.
 
+use core::ops::{Index, IndexMut};
+
+use crate::memory::blank;
+
 /// An acceleration in m/s² that is none: a wheel on a kerb reaches some 500 m/s²; twice that is no car any more.
 pub(crate) const ABSURD_M_S2: f64 = 1000.0;
 
@@ -16,6 +20,8 @@ pub enum Corner {
     /// Rear right.
     RearRight,
 }
+
+blank!(Corner::FrontLeft);
 
 impl Corner {
     /// All corners, in the order of every four-element array here.
@@ -37,7 +43,89 @@ impl Corner {
     pub fn index(self) -> usize {
         self as usize
     }
+
+    /// The side it is on.
+    pub(crate) fn side(self) -> Side {
+        [Side::Left, Side::Right, Side::Left, Side::Right][self]
+    }
+
+    /// The other corner of its side.
+    pub(crate) fn same_side(self) -> Self {
+        [Corner::RearLeft, Corner::RearRight, Corner::FrontLeft, Corner::FrontRight][self]
+    }
+
+    /// The other corner of its axle.
+    pub(crate) fn same_axle(self) -> Self {
+        [Corner::FrontRight, Corner::FrontLeft, Corner::RearRight, Corner::RearLeft][self]
+    }
+
+    /// The three others.
+    pub(crate) fn others(self) -> [Self; 3] {
+        [1, 2, 3].map(|step| Self::ALL[(self as usize + step) % 4])
+    }
+
+    /// Zero in front, one at the rear.
+    pub(crate) fn axle(self) -> usize {
+        usize::from(self >= Corner::RearLeft)
+    }
 }
+
+/// A side of the car.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) enum Side {
+    Left,
+    Right,
+}
+
+blank!(Side::Left);
+
+impl Side {
+    /// Both, in the order of every two-element array of them.
+    pub(crate) const ALL: [Side; 2] = [Side::Left, Side::Right];
+
+    pub(crate) fn other(self) -> Self {
+        [Side::Right, Side::Left][self]
+    }
+
+    pub(crate) fn front(self) -> Corner {
+        [Corner::FrontLeft, Corner::FrontRight][self]
+    }
+
+    pub(crate) fn rear(self) -> Corner {
+        [Corner::RearLeft, Corner::RearRight][self]
+    }
+
+    /// Its place in [`Side::ALL`].
+    pub(crate) fn index(self) -> usize {
+        self as usize
+    }
+}
+
+/// Something of each `$of`: no place is outside of it. The remainder changes none, and where a compiler has lost sight of that it is cheaper
+/// than a bound to check, or a table of jumps.
+macro_rules! one_each {
+    ($of:ident, $count:literal) => {
+        impl<X> Index<$of> for [X; $count] {
+            type Output = X;
+
+            #[inline]
+            fn index(&self, of: $of) -> &X {
+                &self[of as usize % $count]
+            }
+        }
+
+        impl<X> IndexMut<$of> for [X; $count] {
+            #[inline]
+            fn index_mut(&mut self, of: $of) -> &mut X {
+                &mut self[of as usize % $count]
+            }
+        }
+    };
+}
+
+one_each!(Corner, 4);
+one_each!(Side, 2);
 
 /// The two accelerations of one corner, positive upwards. NaN is a missing value.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,3 +151,22 @@ pub struct Sample<T, C> {
 
 /// One row of a whole car's drive; a corner that is not measured is `None`.
 pub type CarSample<T> = Sample<T, [Option<CornerSample<T>>; 4]>;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn corners_know_their_sides_and_axles() {
+        use Corner::{FrontLeft, FrontRight, RearLeft, RearRight};
+        assert_eq!(Corner::ALL.map(Corner::same_side), [RearLeft, RearRight, FrontLeft, FrontRight]);
+        assert_eq!(Corner::ALL.map(Corner::same_axle), [FrontRight, FrontLeft, RearRight, RearLeft]);
+        assert_eq!(Corner::ALL.map(Corner::axle), [0, 0, 1, 1]);
+        for (i, corner) in Corner::ALL.into_iter().enumerate() {
+            assert_eq!(
+                ([0, 1, 2, 3][corner], ["left", "right"][corner.side()]),
+                (i, ["left", "right"][i % 2])
+            );
+        }
+    }
+}

@@ -28,7 +28,8 @@ use crate::diagnosis::{Diagnosis, Fault};
 use crate::memory::{Blank, Placed, blank};
 use crate::model::CarEstimate;
 use crate::model::{
-    CarSample, Corner, CornerEstimate, CornerSample, ParameterError, Validity, Warning, Wheels, positive,
+    CarSample, Corner, CornerEstimate, CornerSample, ParameterError, Side, Validity, Warning, Wheels,
+    positive,
 };
 use crate::real::Real;
 use crate::warning::all_low::AllLow;
@@ -107,9 +108,10 @@ impl<T: Real> Monitor<T> {
     ) -> Result<(), ParameterError> {
         let sample_rate_hz = positive("sample_rate_hz", sample_rate_hz)?;
         config.check()?;
-        let placard = |i: usize| config.car.corners[i].as_ref().map_or(T::one(), |corner| corner.placard_kpa);
+        let placard =
+            |i: Corner| config.car.corners[i].as_ref().map_or(T::one(), |corner| corner.placard_kpa);
         self.config = *config;
-        self.told_kpa = [0, 1, 2, 3].map(|i| config.reference_kpa[i].unwrap_or(placard(i)));
+        self.told_kpa = Corner::ALL.map(|i| config.reference_kpa[i].unwrap_or(placard(i)));
         self.reference = ReferencePressure::new();
         self.reference_kpa = self.told_kpa;
         self.diagnosis.configure(&config.car, sample_rate_hz);
@@ -137,7 +139,7 @@ impl<T: Real> Monitor<T> {
     pub fn begin_calibration(&mut self, seconds: f64) -> Result<(), ParameterError> {
         self.reference.begin_calibration(seconds)?;
         // Other tires, or the same ones filled: that they read less than before is no leak.
-        (0..4).for_each(|wheel| self.leaks.forget(wheel));
+        Corner::ALL.into_iter().for_each(|wheel| self.leaks.forget(wheel));
         Ok(())
     }
 
@@ -175,7 +177,7 @@ impl<T: Real> Monitor<T> {
         let lost = CornerSample { body_accel_m_s2: lost, wheel_accel_m_s2: lost };
         for corner in self.all().iter() {
             // A corner that a sample leaves out is still one to be watched.
-            let values = screened.corners[corner.index()].get_or_insert(lost);
+            let values = screened.corners[corner].get_or_insert(lost);
             if self.suspects.contains(corner) {
                 *values = lost;
             }
@@ -186,9 +188,9 @@ impl<T: Real> Monitor<T> {
     /// Notes the corners whose sensors were wrong for seconds before it showed. One that comes and goes is noted once.
     fn request_rollback(&mut self, time_s: f64) {
         let late_detection = self.diagnosis.late_detection();
-        let fresh = |corner: &Corner| !(time_s - self.late_detection_s[corner.index()] < ROLLBACK_HOLDOFF_S);
+        let fresh = |corner: &Corner| !(time_s - self.late_detection_s[*corner] < ROLLBACK_HOLDOFF_S);
         self.rollback_requested = self.rollback_requested | late_detection.iter().filter(fresh).collect();
-        late_detection.iter().for_each(|corner| self.late_detection_s[corner.index()] = time_s);
+        late_detection.iter().for_each(|corner| self.late_detection_s[corner] = time_s);
     }
 
     /// The corners whose sensors have just turned out to have been wrong for some seconds; once. What was learned in them is to
@@ -202,12 +204,10 @@ impl<T: Real> Monitor<T> {
     #[inline(never)]
     pub fn judge(&mut self, at: &Moment<T>, estimate: &mut CarEstimate<T>) -> Wheels {
         let back: Wheels = self.faulted.iter().filter(|corner| !self.suspects.contains(*corner)).collect();
-        for corner in back.iter() {
-            self.leaks.forget(corner.index());
-        }
+        back.iter().for_each(|corner| self.leaks.forget(corner));
         self.faulted = self.faulted.iter().filter(|corner| !back.contains(*corner)).collect();
         for corner in Corner::ALL {
-            if let Some(estimate) = &mut estimate.corners[corner.index()] {
+            if let Some(estimate) = &mut estimate.corners[corner] {
                 if self.suspects.contains(corner) {
                     estimate.validity = Validity::BadSignal;
                 } else if back.contains(corner) {
@@ -224,8 +224,9 @@ impl<T: Real> Monitor<T> {
         }
         // Of a time that nobody can place, nobody can say how long ago something was learned.
         let latest_s = at.latest_s;
-        for (i, (estimate, wheel)) in estimate.corners.iter_mut().zip(&mut self.report.wheels).enumerate() {
-            let (Some(estimate), Some(wheel)) = (estimate, wheel) else { continue };
+        for i in Corner::ALL {
+            let of_both = (&mut estimate.corners[i], &mut self.report.wheels[i]);
+            let (Some(estimate), Some(wheel)) = of_both else { continue };
             estimate.warning = wheel.warning;
             let watch = &self.wheels[i];
             // A rim has no pressure.
@@ -263,18 +264,16 @@ impl<T: Real> Monitor<T> {
         self.reference_kpa =
             self.reference.update(estimate, self.speed_m_s, self.told_kpa, limits.reference_span);
         let pending_fault = self.diagnosis.pending_fault();
-        let mut doubted = [false; 2];
-        for (side, (watch, track)) in self.decorrelation.iter_mut().zip(&estimate.tracks).enumerate() {
-            let parting = watch.update(step_s, track.incoherence);
-            doubted[side] = parting || pending_fault.iter().any(|corner| corner.index() % 2 == side);
-        }
-        let mut around: [Around<T>; 4] = core::array::from_fn(|i| self.around(estimate, i, doubted[i % 2]));
+        let doubted = Side::ALL.map(|side| {
+            let parting = self.decorrelation[side].update(step_s, estimate.tracks[side].incoherence);
+            parting || pending_fault.iter().any(|corner| corner.side() == side)
+        });
+        let mut around = Corner::ALL.map(|corner| self.around(estimate, corner, doubted[corner.side()]));
         // Beside a tire that is as hard as a rim another one of the car may look soft.
-        let hard: [bool; 4] =
-            core::array::from_fn(|i| around[i].is_hard(&limits) || self.wheels[i].flat.is_active());
-        for (i, corner) in estimate.corners.iter().enumerate() {
-            if let Some(corner) = corner {
-                around[i].doubted |= hard.iter().enumerate().any(|(other, &hard)| hard && other != i);
+        let hard = Corner::ALL.map(|i| around[i].is_hard(&limits) || self.wheels[i].flat.is_active());
+        for i in Corner::ALL {
+            if let Some(corner) = &estimate.corners[i] {
+                around[i].doubted |= i.others().into_iter().any(|other| hard[other]);
                 self.wheels[i].update(step_s, corner, self.reference_kpa[i], &around[i], &limits);
             }
         }
@@ -295,9 +294,8 @@ impl<T: Real> Monitor<T> {
     }
 
     /// What else is known when a wheel is looked at.
-    fn around(&self, estimate: &CarEstimate<T>, corner: usize, doubted: bool) -> Around<T> {
-        // Front and rear of a side are two places apart, left and right of an axle one.
-        let (rear, partner) = ((corner + 2) % 4, corner ^ 1);
+    fn around(&self, estimate: &CarEstimate<T>, corner: Corner, doubted: bool) -> Around<T> {
+        let (rear, partner) = (corner.same_side(), corner.same_axle());
         let own = estimate.corners[corner].as_ref();
         let other = estimate.corners[rear].as_ref();
         let valid = other.filter(|corner| corner.validity.is_valid());
@@ -314,8 +312,8 @@ impl<T: Real> Monitor<T> {
                 && other.and_then(loss).is_none_or(|[other, _]| own - other > T::lit(ALONE))
         });
         let third = T::lit(1.0 / 3.0);
-        let others = core::array::from_fn(|i| if i == corner { T::one() } else { -third });
-        let less = |other: usize| {
+        let others = Corner::ALL.map(|other| if other == corner { T::one() } else { -third });
+        let less = |other: Corner| {
             let mut weights = [T::zero(); 4];
             (weights[corner], weights[other]) = (T::one(), -T::one());
             weighted(estimate, weights, self.reference_kpa)
@@ -346,21 +344,19 @@ impl<T: Real> Monitor<T> {
                 self.write_alerts(corner, estimate);
             }
         }
-        for (corner, estimate) in Corner::ALL.into_iter().zip(&estimate.corners) {
-            self.report.wheels[corner.index()] =
-                estimate.as_ref().map(|estimate| self.wheel_report(corner, estimate));
-        }
+        self.report.wheels =
+            Corner::ALL.map(|corner| Some(self.wheel_report(corner, estimate.corners[corner].as_ref()?)));
     }
 
     fn all(&self) -> Wheels {
         let corners = Corner::ALL.into_iter();
-        corners.filter(|corner| self.config.car.corners[corner.index()].is_some()).collect()
+        corners.filter(|corner| self.config.car.corners[*corner].is_some()).collect()
     }
 
     fn write_alerts(&mut self, corner: Corner, estimate: &CornerEstimate<T>) {
-        let (i, limits) = (corner.index(), &self.config.limits);
-        let (watch, reference) = (&self.wheels[i], self.reference_kpa[i]);
-        let (leak, rate_kpa_per_min) = self.leaks.of(i);
+        let limits = &self.config.limits;
+        let (watch, reference) = (&self.wheels[corner], self.reference_kpa[corner]);
+        let (leak, rate_kpa_per_min) = self.leaks.of(corner);
         let against = |share: T| reading(estimate, share, reference);
         let named = |debouncer: &Debouncer, cause: Cause<T>| {
             debouncer.is_active().then(|| alert(debouncer, corner.into(), cause))
@@ -373,7 +369,7 @@ impl<T: Real> Monitor<T> {
         let leaking = named(leak, leaking);
         let silent = Cause::NoInformation { driven_s: watch.driven_s };
         let silent = named(&watch.uninformed, silent);
-        let broken = self.faults[i].get().map(|fault| Alert {
+        let broken = self.faults[corner].get().map(|fault| Alert {
             wheels: fault.malfunction.wheels(),
             since_s: fault.since_s,
             reported_s: fault.reported_s,
@@ -393,8 +389,7 @@ impl<T: Real> Monitor<T> {
     }
 
     fn wheel_report(&self, corner: Corner, estimate: &CornerEstimate<T>) -> WheelReport<T> {
-        let i = corner.index();
-        let (reference, watch) = (self.reference_kpa[i], &self.wheels[i]);
+        let (reference, watch) = (self.reference_kpa[corner], &self.wheels[corner]);
         let mut state = watch.quiet_state(estimate, reference, &self.config.limits);
         // The gravest is looked at last.
         for alert in self.report.alerts_of(corner) {

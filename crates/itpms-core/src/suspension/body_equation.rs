@@ -14,7 +14,7 @@ use super::maxwell_slip::ELEMENTS;
 use super::rigid_body::{MODES, RigidBody};
 use super::strut::{ACCELERATION, BIN_SPACING_HZ, BINS, BODY, FRICTION, StrutFrame, VELOCITY, WHEEL};
 use crate::memory::blank;
-use crate::model::CornerConfig;
+use crate::model::{Corner, CornerConfig};
 use crate::real::Real;
 use crate::spectrum::transfer::DescribingFunction;
 
@@ -70,6 +70,11 @@ const ENOUGH_S: f64 = 4.0;
 const MISFIT_BINS: core::ops::Range<usize> = 1..8;
 
 type Parameters<T> = SVector<T, SIZE>;
+
+/// Where the slip force of a corner's element stands.
+fn slip(element: usize, corner: Corner) -> usize {
+    SLIP + 4 * element + corner.index()
+}
 
 /// Running powers of a corner, per bin.
 #[derive(Debug, Clone, PartialEq)]
@@ -175,11 +180,11 @@ impl<T: Real> BodyEquation<T> {
     /// Learns from the newest frames, if all corners that there are have one of the same time: a bin with every call, so that no sample
     /// is much more work than another.
     pub(crate) fn learn(&mut self, frames: [Option<&StrutFrame<T>>; 4]) -> Learning {
-        let mut there = frames.iter().enumerate().filter(|(corner, _)| self.body.has(*corner));
-        let Some(first_s) = there.next().and_then(|(_, frame)| Some(frame.as_ref()?.time_s)) else {
+        let mut there = Corner::ALL.into_iter().filter(|&corner| self.body.has(corner));
+        let Some(first_s) = there.next().and_then(|corner| Some(frames[corner]?.time_s)) else {
             return Learning::Idle;
         };
-        if !there.all(|(_, frame)| frame.is_some()) {
+        if !there.all(|corner| frames[corner].is_some()) {
             return Learning::Idle;
         }
         // That of one corner tells of nearly every sample that nothing is new.
@@ -215,7 +220,7 @@ impl<T: Real> BodyEquation<T> {
     fn times(&self, frames: &[Option<&StrutFrame<T>>; 4]) -> [f64; 2] {
         let (mut earliest_s, mut latest_s) = (f64::INFINITY, f64::NEG_INFINITY);
         for frame in
-            frames.iter().enumerate().filter_map(|(corner, frame)| frame.filter(|_| self.body.has(corner)))
+            Corner::ALL.into_iter().filter_map(|corner| frames[corner].filter(|_| self.body.has(corner)))
         {
             (earliest_s, latest_s) = (earliest_s.min(frame.time_s), latest_s.max(frame.time_s));
         }
@@ -234,15 +239,15 @@ impl<T: Real> BodyEquation<T> {
     }
 
     /// Slip forces in N of a corner's elements, once enough was seen.
-    pub(crate) fn slip_forces_n(&self, corner: usize) -> [T; ELEMENTS] {
+    pub(crate) fn slip_forces_n(&self, corner: Corner) -> [T; ELEMENTS] {
         if !self.known {
             return [T::zero(); ELEMENTS];
         }
-        core::array::from_fn(|element| T::lit(FORCE_N) * self.parameters[SLIP + 4 * element + corner])
+        core::array::from_fn(|element| T::lit(FORCE_N) * self.parameters[slip(element, corner)])
     }
 
     /// What a corner's friction makes of its motion.
-    pub(crate) fn describing_function(&self, corner: usize) -> DescribingFunction<T> {
+    pub(crate) fn describing_function(&self, corner: Corner) -> DescribingFunction<T> {
         let (powers, slip_n) = (&self.powers[corner], self.slip_forces_n(corner));
         let mut function = DescribingFunction::none();
         for (bin, n_per_m) in function.n_per_m.iter_mut().enumerate() {
@@ -257,7 +262,7 @@ impl<T: Real> BodyEquation<T> {
 
     /// Share of a corner's body motion that the equation leaves unexplained, 5 to 20 Hz, the sensors' noise taken off: the geometric
     /// mean over the bins. `None` as long as too little was seen, and where corners are missing: what moves the body there is not known.
-    pub(crate) fn unexplained(&self, corner: usize) -> Option<T> {
+    pub(crate) fn unexplained(&self, corner: Corner) -> Option<T> {
         if !(self.body.is_whole() && self.learned_s >= T::lit(ENOUGH_S)) {
             return None;
         }
@@ -288,14 +293,13 @@ impl<T: Real> BodyEquation<T> {
         let gain = T::one() - (-seconds / T::lit(POWER_S).min(settled_s)).exp();
         let forces = self.forces(frames, bin);
         let omega = T::two_pi() * T::lit((bin + 1) as f64 * BIN_SPACING_HZ);
-        for row in (0..4).filter(|&row| self.body.has(row)) {
-            let row = row.min(3);
+        for row in Corner::ALL.into_iter().filter(|&row| self.body.has(row)) {
             let Some(frame) = frames[row] else { continue };
             let body = frame.spectra.at(bin, BODY);
             let mut slope = SVector::<Complex<T>, SIZE>::zeros();
             let (mut residual, mut noise) = (body, omega * omega * self.noise_density[row]);
-            for (column, force) in forces.iter().enumerate() {
-                let (row, column) = (row.min(3), column.min(3));
+            for (corner, force) in Corner::ALL.into_iter().zip(&forces) {
+                let (row, column) = (row.index(), corner.index());
                 let g = whole[(row, column)];
                 residual -= force.total * g;
                 for (inertia, part) in parts[..WARP_MODE].iter().enumerate() {
@@ -304,10 +308,10 @@ impl<T: Real> BodyEquation<T> {
                 slope[WARP] -= force.total * parts[WARP_MODE][(row, column)];
                 slope[DAMPER + column] = -force.damper * g;
                 slope[SPRING + column] = -force.spring * g;
-                slope[BAR + column / 2] -= force.bar * g;
+                slope[BAR + corner.axle()] -= force.bar * g;
                 slope[DELAY + column] = -force.advance * g;
                 for (element, rate) in force.elements.iter().enumerate() {
-                    slope[SLIP + 4 * element + column] = -*rate * g;
+                    slope[slip(element, corner)] = -*rate * g;
                 }
                 noise += g * g * force.noise;
             }
@@ -351,27 +355,27 @@ impl<T: Real> BodyEquation<T> {
     /// Rates of the struts' forces in a bin, by their parts.
     fn forces(&self, frames: &[Option<&StrutFrame<T>>; 4], bin: usize) -> [Force<T>; 4] {
         let x = &self.parameters;
-        let at = |corner: usize, signal: usize| {
+        let at = |corner: Corner, signal: usize| {
             frames[corner].map_or(Complex::new(T::zero(), T::zero()), |frame| frame.spectra.at(bin, signal))
         };
         let omega = T::two_pi() * T::lit((bin + 1) as f64 * BIN_SPACING_HZ);
-        core::array::from_fn(|corner| {
+        Corner::ALL.map(|corner| {
             if !self.body.has(corner) {
                 return Force::nothing();
             }
             let (damping, stiffness) = (
-                self.damping[corner] * x[DAMPER + corner].exp(),
-                self.spring[corner] * x[SPRING + corner].exp(),
+                self.damping[corner] * x[DAMPER + corner.index()].exp(),
+                self.spring[corner] * x[SPRING + corner.index()].exp(),
             );
             // What the wheel's sensor tells late is advanced, to first order.
-            let (late, s) = (x[DELAY + corner] * T::lit(DELAY_S), Complex::new(T::zero(), omega));
+            let (late, s) = (x[DELAY + corner.index()] * T::lit(DELAY_S), Complex::new(T::zero(), omega));
             let wheel_jerk = at(corner, WHEEL);
             let wheel_acceleration = wheel_jerk / s;
             let velocity = at(corner, VELOCITY) + wheel_acceleration * late;
             let damper = (at(corner, ACCELERATION) + wheel_jerk * late) * damping;
             let spring = velocity * stiffness;
             let bar = if self.body.is_whole() {
-                (velocity - at(corner ^ 1, VELOCITY)) * stiffness
+                (velocity - at(corner.same_axle(), VELOCITY)) * stiffness
             } else {
                 Complex::new(T::zero(), T::zero())
             };
@@ -379,9 +383,9 @@ impl<T: Real> BodyEquation<T> {
             let elements = core::array::from_fn(|element| at(corner, FRICTION + element) * sticking);
             let mut friction = Complex::new(T::zero(), T::zero());
             for (element, rate) in elements.iter().enumerate() {
-                friction += *rate * x[SLIP + 4 * element + corner];
+                friction += *rate * x[slip(element, corner)];
             }
-            let bar_share = x[BAR + corner / 2];
+            let bar_share = x[BAR + corner.axle()];
             let total = damper + spring + bar * bar_share + friction;
             let advance = (wheel_jerk * damping
                 + wheel_acceleration * (stiffness * (T::one() + bar_share))

@@ -4,6 +4,7 @@
 use nalgebra::SMatrix;
 
 use crate::memory::blank;
+use crate::model::{Corner, Side};
 use crate::real::Real;
 
 /// Radii of gyration squared, over the product of the distances to the axles, and over half of the track squared: what is usual for
@@ -34,8 +35,8 @@ impl<T: Real> RigidBody<T> {
     }
 
     /// Whether the corner is there.
-    pub(super) fn has(&self, corner: usize) -> bool {
-        self.present.get(corner) == Some(&true)
+    pub(super) fn has(&self, corner: Corner) -> bool {
+        self.present[corner]
     }
 
     /// Whether all four corners carry one body: fewer are taken each for itself.
@@ -56,7 +57,7 @@ impl<T: Real> RigidBody<T> {
         let total = front + rear;
         // Distances of the axles from the center of gravity, over the wheelbase.
         let x = [rear / total, rear / total, -front / total, -front / total];
-        let side = |i: usize| if i.is_multiple_of(2) { T::one() } else { -T::one() };
+        let side = |i: usize| if Corner::ALL[i].side() == Side::Left { T::one() } else { -T::one() };
         let pitch = front * rear / total * T::lit(PITCH);
         let roll = total * T::lit(ROLL);
         [

@@ -102,9 +102,8 @@ impl<T: Real> AllLow<T> {
                 && off > T::one() - limits.low_clears_share
                 && off > T::lit(ONE_SIDED_95) * shares.sd
         };
-        let [front, rear] = [0..2, 2..4].map(|axle| {
-            Shares::of_wheels(estimate, reference_kpa, |i| axle.contains(&i)).filter(|shares| far(shares))
-        });
+        let [front, rear] = [0, 1]
+            .map(|axle| Shares::of_wheels(estimate, reference_kpa, |wheel| wheel.axle() == axle).filter(far));
         let (wheels, shifted) = match (&front, &rear) {
             (Some(front), None) => (&Corner::ALL[..2], Some(front)),
             (None, Some(rear)) => (&Corner::ALL[2..], Some(rear)),
@@ -144,20 +143,19 @@ impl<T: Real> Shares<T> {
     fn of_wheels(
         estimate: &CarEstimate<T>,
         reference_kpa: [T; 4],
-        of: impl Fn(usize) -> bool,
+        of: impl Fn(Corner) -> bool,
     ) -> Option<Self> {
-        let learned = |i: usize| estimate.corners[i].as_ref().filter(|corner| of(i) && is_learning(corner));
-        let share: [Option<T>; 4] =
-            core::array::from_fn(|i| learned(i).map(|corner| corner.pressure_kpa / reference_kpa[i]));
-        let sd: [T; 4] = core::array::from_fn(|i| {
-            learned(i).map_or(T::zero(), |corner| corner.pressure_sd_kpa / reference_kpa[i])
-        });
+        let learned = |i: Corner| estimate.corners[i].as_ref().filter(|corner| of(i) && is_learning(corner));
+        let share = Corner::ALL.map(|i| learned(i).map(|corner| corner.pressure_kpa / reference_kpa[i]));
+        let sd = Corner::ALL
+            .map(|i| learned(i).map_or(T::zero(), |corner| corner.pressure_sd_kpa / reference_kpa[i]));
         let mut variance = T::zero();
         for (i, row) in estimate.correlation.iter().enumerate() {
             for (j, correlation) in row.iter().enumerate() {
                 variance += *correlation * sd[i] * sd[j];
             }
         }
+        let any = |level| Corner::ALL.into_iter().filter_map(learned).any(|corner| corner.level == level);
         let known = || share.iter().flatten().copied();
         let highest = known().reduce(|highest, share| highest.max(share))?;
         let count = known().fold(T::zero(), |count, _| count + T::one());
@@ -166,8 +164,8 @@ impl<T: Real> Shares<T> {
             sd: variance.max(T::zero()).sqrt() / count,
             highest,
             complete: share.iter().all(Option::is_some),
-            by_file: (0..4).filter_map(learned).any(|corner| corner.level == Level::VehicleFile),
-            stored: (0..4).filter_map(learned).any(|corner| corner.level == Level::StoredCalibration),
+            by_file: any(Level::VehicleFile),
+            stored: any(Level::StoredCalibration),
         })
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
 use crate::memory::blank;
+use crate::model::Corner;
 use crate::real::Real;
 
 /// Seconds between two pressures that are kept, and how many are: the last two minutes.
@@ -43,12 +44,12 @@ impl<T: Real> LeakWatch<T> {
 
     /// The latch of a wheel, and the highest rate in kPa per minute since the first evidence of this leak: a fall that is
     /// over looks slower the longer ago it was.
-    pub(crate) fn of(&self, wheel: usize) -> (&Debouncer, T) {
+    pub(crate) fn of(&self, wheel: Corner) -> (&Debouncer, T) {
         (&self.leaks[wheel], self.rate_kpa_per_min[wheel])
     }
 
     /// The wheel's past says nothing any more.
-    pub(crate) fn forget(&mut self, wheel: usize) {
+    pub(crate) fn forget(&mut self, wheel: Corner) {
         for kept in &mut self.kept {
             kept[wheel] = None;
         }
@@ -67,7 +68,7 @@ impl<T: Real> LeakWatch<T> {
         lost: [bool; 4],
     ) {
         let lasted_s = self.kept_s.map(|kept_s| T::lit(time_s - kept_s));
-        for wheel in 0..4 {
+        for wheel in Corner::ALL {
             let Some(pressure) = now[wheel] else { continue };
             let fall = self.steepest_fall(&lasted_s, wheel, pressure, &now, reference_kpa[wheel]);
             // What comes down to where it should be was read too high.
@@ -96,7 +97,7 @@ impl<T: Real> LeakWatch<T> {
     fn steepest_fall(
         &self,
         lasted_s: &[T; KEPT],
-        wheel: usize,
+        wheel: Corner,
         [pressure, variance]: [T; 2],
         now: &[Kept<T>; 4],
         reference_kpa: T,
@@ -120,11 +121,11 @@ impl<T: Real> LeakWatch<T> {
 }
 
 /// Mean fall of the other wheels, in kPa.
-fn others_fall<T: Real>(kept: &[Kept<T>; 4], now: &[Kept<T>; 4], wheel: usize) -> T {
+fn others_fall<T: Real>(kept: &[Kept<T>; 4], now: &[Kept<T>; 4], wheel: Corner) -> T {
     let (mut sum, mut count) = (T::zero(), T::zero());
-    for (_, pair) in kept.iter().zip(now).enumerate().filter(|(other, _)| *other != wheel) {
-        if let (Some([before, _]), Some([after, _])) = pair {
-            sum += *before - *after;
+    for other in Corner::ALL.into_iter().filter(|&other| other != wheel) {
+        if let (Some([before, _]), Some([after, _])) = (kept[other], now[other]) {
+            sum += before - after;
             count += T::one();
         }
     }
@@ -150,9 +151,9 @@ mod tests {
             let other = Some([240.0 - all / 60.0 * time_s, sd * sd]);
             let now = [Some([240.0 - kpa_per_min / 60.0 * time_s, sd * sd]), other, other, other];
             watch.update(time_s, 0.1, now, [240.0; 4], 3.0, [false; 4], [false; 4]);
-            assert!(!watch.of(1).0.is_active());
-            if watch.of(0).0.is_active() {
-                return Some((time_s, watch.of(0).1));
+            assert!(!watch.of(Corner::FrontRight).0.is_active());
+            if watch.of(Corner::FrontLeft).0.is_active() {
+                return Some((time_s, watch.of(Corner::FrontLeft).1));
             }
         }
         None
@@ -176,7 +177,7 @@ mod tests {
                 let time_s = f64::from(i) * 0.1;
                 take(&mut watch, time_s, 240.0 - time_s, time_s > 30.0 - doubted_s);
             }
-            assert_eq!(watch.of(0).0.is_active(), active);
+            assert_eq!(watch.of(Corner::FrontLeft).0.is_active(), active);
         }
     }
 
@@ -190,7 +191,7 @@ mod tests {
         }
         // 100 kPa within the shortest time that is looked at: 10 s, up to 15 as pressures are kept every 5. Over the minute
         // since then it would be 100 kPa/min.
-        let (leak, rate) = watch.of(0);
+        let (leak, rate) = watch.of(Corner::FrontLeft);
         assert!(leak.is_active() && (399.0..=601.0).contains(&rate), "{rate}");
     }
 
@@ -205,14 +206,14 @@ mod tests {
                 _ => (3e4 + 0.1 * f64::from(i), 180.0),
             };
             take(&mut watch, time_s, kpa, false);
-            assert!(!watch.of(0).0.is_suspected(), "{time_s}");
+            assert!(!watch.of(Corner::FrontLeft).0.is_suspected(), "{time_s}");
         }
         // What is kept is of the morning: a leak that begins is reported.
         for i in 1200..1600 {
             let kpa = 180.0 - 0.1 * f64::from(i - 1200);
             take(&mut watch, 3e4 + 0.1 * f64::from(i), kpa, false);
         }
-        assert!(watch.of(0).0.is_active());
+        assert!(watch.of(Corner::FrontLeft).0.is_active());
     }
 
     #[test]

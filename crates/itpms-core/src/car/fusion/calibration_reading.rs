@@ -1,6 +1,7 @@
 //! What the road's spectra say of the pressures during a calibration, whatever the driver has said of them: whether he has set them.
 
 use crate::memory::blank;
+use crate::model::Corner;
 use crate::real::Real;
 
 /// Running sums of each corner's pseudo-measurements.
@@ -20,7 +21,7 @@ impl<T: Real> CalibrationReading<T> {
     }
 
     /// Takes by how much a corner's spectrum reads more than the placard's pressure, with its variance, in kPa.
-    pub(super) fn take(&mut self, corner: usize, excess_kpa: T, variance_kpa2: T) {
+    pub(super) fn take(&mut self, corner: Corner, excess_kpa: T, variance_kpa2: T) {
         let weight = T::one() / variance_kpa2;
         if weight > T::zero() && weight.is_finite() && excess_kpa.is_finite() {
             self.weight[corner] += weight;
@@ -50,11 +51,11 @@ mod tests {
     fn readings_are_weighed_by_their_variances_and_corners_alike() {
         let mut reading = CalibrationReading::<f64>::new();
         assert_eq!(reading.mean_kpa(), None);
-        reading.take(0, -40.0, 100.0);
-        reading.take(0, -60.0, 300.0);
-        reading.take(3, -20.0, 75.0);
-        reading.take(1, f64::NAN, 10.0);
-        reading.take(1, 5.0, 0.0);
+        reading.take(Corner::FrontLeft, -40.0, 100.0);
+        reading.take(Corner::FrontLeft, -60.0, 300.0);
+        reading.take(Corner::RearRight, -20.0, 75.0);
+        reading.take(Corner::FrontRight, f64::NAN, 10.0);
+        reading.take(Corner::FrontRight, 5.0, 0.0);
         // Of the first corner -45 ± √75, of the fourth -20 ± √75.
         let (mean, sd) = reading.mean_kpa().unwrap();
         assert!((mean + 32.5).abs() < 1e-9 && (sd - 150f64.sqrt() / 2.0).abs() < 1e-9, "{mean} {sd}");

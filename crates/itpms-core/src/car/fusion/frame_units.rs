@@ -9,6 +9,7 @@ use crate::inter_axle::HOP_S;
 use crate::inter_axle::alignment::axle_pair::{Measured, PRODUCT_PARTS};
 use crate::inter_axle::residual::model::{AxleFrame, Signals, linearize};
 use crate::memory::{Placed, blank};
+use crate::model::Side;
 use crate::real::Real;
 
 /// Time in s between two units; where samples come at least this fast, in Hz, a little less than one of 500 Hz takes, so that none does
@@ -67,7 +68,7 @@ const _: () =
 pub(super) struct FrameQueue<T: Real> {
     /// The sides' frames; that of which side is done first.
     frames: [Placed<AxleFrame<T>>; 2],
-    first: usize,
+    first: Side,
     /// Units of the first one that are done.
     done: usize,
     /// When the next one is due, and the time between two, in s.
@@ -90,14 +91,13 @@ impl<T: Real> FrameQueue<T> {
     pub(super) fn clear(&mut self) {
         self.frames.iter_mut().for_each(Placed::clear);
         self.measured.clear();
-        (self.first, self.done, self.due_s) = (0, 0, 0.0);
+        (self.first, self.done, self.due_s) = (Side::Left, 0, 0.0);
     }
 
     /// Takes a complete frame of a side, in the place of the one before, if that is still there: more than a hop lies between two
     /// samples then.
     #[inline(never)]
-    pub(super) fn enqueue(&mut self, side: usize, frame: AxleFrame<T>, now_s: f64) {
-        let side = side.min(1);
+    pub(super) fn enqueue(&mut self, side: Side, frame: AxleFrame<T>, now_s: f64) {
         if self.is_empty() {
             (self.first, self.done, self.due_s) = (side, 0, now_s + self.unit_s);
         }
@@ -148,7 +148,7 @@ impl<T: Real> Fusion<T> {
     /// Does the next unit in which there is something to do.
     #[inline(never)]
     fn do_unit(&mut self) {
-        let side = self.queue.first.min(1);
+        let side = self.queue.first;
         loop {
             let unit = ORDER.get(self.queue.done).copied().unwrap_or(Unit::Conclude);
             self.queue.done += 1;
@@ -176,14 +176,13 @@ impl<T: Real> Fusion<T> {
     fn checkpoint(&mut self) -> bool {
         let saved = self.belief.checkpoint();
         if let Some(time_s) = saved {
-            self.inter_axle.pairs_mut().iter_mut().for_each(|pair| pair.checkpoint(time_s));
+            self.inter_axle.pairs.iter_mut().for_each(|pair| pair.checkpoint(time_s));
         }
         saved.is_some()
     }
 
     #[inline(never)]
-    fn predict_to_frame(&mut self, side: usize, part: usize) {
-        let side = side.min(1);
+    fn predict_to_frame(&mut self, side: Side, part: usize) {
         if part == 0
             && let Some(frame) = self.queue.frames[side].as_ref()
         {
@@ -196,26 +195,24 @@ impl<T: Real> Fusion<T> {
     }
 
     #[inline(never)]
-    fn prepare(&mut self, side: usize, part: usize) -> bool {
-        let side = side.min(1);
+    fn prepare(&mut self, side: Side, part: usize) -> bool {
         let frame = self.queue.frames[side].as_ref();
         let (Some(frame), Some(wheels)) = (frame, self.inter_axle.wheels(side)) else { return false };
         let state = &self.belief.most_likely().mean;
-        self.inter_axle.pair_mut(side).prepare(frame, &wheels, state, part)
+        self.inter_axle.pairs[side].prepare(frame, &wheels, state, part)
     }
 
     #[inline(never)]
-    fn measure(&mut self, side: usize) -> bool {
-        let side = side.min(1);
+    fn measure(&mut self, side: Side) -> bool {
         let frame = self.queue.frames[side].as_ref();
         let (Some(frame), Some(wheels)) = (frame, self.inter_axle.wheels(side)) else { return false };
-        for corner in [side, side + 2] {
+        for corner in [side.front(), side.rear()] {
             self.belief.drop_settled(corner, frame.middle_s);
         }
-        let opposite = self.inter_axle.pair(1 - side);
-        let meanwhile = self.inter_axle.pair(side).found_meanwhile(opposite, frame.middle_s);
+        let opposite = &self.inter_axle.pairs[side.other()];
+        let meanwhile = self.inter_axle.pairs[side].found_meanwhile(opposite, frame.middle_s);
         let state = &self.belief.most_likely().mean;
-        let pair = self.inter_axle.pair_mut(side);
+        let pair = &mut self.inter_axle.pairs[side];
         let measure = |out: &mut Measured<T>| pair.measure(frame, &wheels, state, meanwhile, out).ok_or(());
         if self.queue.measured.try_place(measure).is_ok() {
             self.belief.begin_update(&self.queue.measured.value().measurement);
@@ -224,8 +221,7 @@ impl<T: Real> Fusion<T> {
     }
 
     #[inline(never)]
-    fn update_hypothesis(&mut self, side: usize, hypothesis: usize) -> bool {
-        let side = side.min(1);
+    fn update_hypothesis(&mut self, side: Side, hypothesis: usize) -> bool {
         let frame = self.queue.frames[side].as_ref().zip(self.queue.measured.as_ref());
         let (Some((frame, measured)), Some(wheels)) = (frame, self.inter_axle.wheels(side)) else {
             return false;
@@ -235,13 +231,12 @@ impl<T: Real> Fusion<T> {
     }
 
     #[inline(never)]
-    fn conclude(&mut self, side: usize) {
-        let side = side.min(1);
-        let opposite_parts = self.inter_axle.pair(1 - side).is_parting();
+    fn conclude(&mut self, side: Side) {
+        let opposite_parts = self.inter_axle.pairs[side.other()].is_parting();
         let mut learned_s = 0.0;
         if let Some((frame, measured)) = self.queue.frames[side].as_ref().zip(self.queue.measured.as_ref())
             && let Some(record) = self.belief.finish_update()
-            && self.inter_axle.pair_mut(side).learn(frame, measured, record, opposite_parts)
+            && self.inter_axle.pairs[side].learn(frame, measured, record, opposite_parts)
         {
             learned_s = 0.5 * HOP_S;
             self.inter_axle.learned();
@@ -249,7 +244,7 @@ impl<T: Real> Fusion<T> {
         self.belief.settle(learned_s);
         self.queue.measured.clear();
         self.queue.frames[side].clear();
-        (self.queue.first, self.queue.done) = (1 - side, 0);
+        (self.queue.first, self.queue.done) = (side.other(), 0);
         self.belief.refresh(&mut self.tires);
     }
 }

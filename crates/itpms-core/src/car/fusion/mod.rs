@@ -25,12 +25,15 @@ pub(super) use self::single_wheel_estimate::SingleWheelEstimate;
 use crate::belief::state::{SKEW, SKEW_UNIT_S, State, WHEELBASE};
 use crate::belief::{Belief, ENOUGH_S, FrictionError, LONGEST_SILENCE_S, LONGEST_STEP_S, Onset, Tires};
 use crate::conditioning::GridSample;
+use crate::inter_axle::alignment::axle_pair::AxlePair;
 use crate::inter_axle::alignment::delay_search::Found;
 use crate::inter_axle::alignment::speed_latency::SpeedLatency;
 use crate::inter_axle::residual::noise::within;
 use crate::inter_axle::{Aligned, HOP_S, InterAxle};
 use crate::memory::blank;
-use crate::model::{CalibrationError, CarConfig, Inflation, Level, QuarterCar, VehicleCalibration};
+use crate::model::{
+    CalibrationError, CarConfig, Corner, Inflation, Level, QuarterCar, Side, TrackState, VehicleCalibration,
+};
 use crate::real::Real;
 use crate::suspension::BodyEquation;
 
@@ -100,9 +103,9 @@ impl<T: Real> Fusion<T> {
     /// Takes a grid step of a corner. Apart, as the pairs' and the corners' parts are: where all of it is one, the addresses of hundreds of
     /// fields are computed with every sample, whether they are needed or not.
     #[inline(never)]
-    pub(super) fn push(&mut self, corner: usize, sample: &GridSample<T>) {
+    pub(super) fn push(&mut self, corner: Corner, sample: &GridSample<T>) {
         let Some(entry) = self.inter_axle.take(corner, sample) else { return };
-        let side = corner % 2;
+        let side = corner.side();
         let (queue, now_s) = (&mut self.queue, self.inter_axle.travel().time_s());
         match self.inter_axle.align(side, &entry, &self.belief, |frame| queue.enqueue(side, frame, now_s)) {
             None => {}
@@ -113,27 +116,25 @@ impl<T: Real> Fusion<T> {
 
     /// Updates wheelbase and skew with the delay that was found first.
     #[inline(never)]
-    fn update_delay(&mut self, side: usize, found: &Found<T>) {
-        let side = side.min(1);
+    fn update_delay(&mut self, side: Side, found: &Found<T>) {
+        let at = SKEW + side.index();
         let (unit, [wheelbase, skew]) = (T::lit(SKEW_UNIT_S), found.used);
         self.belief.update_scalar(T::lit(FOUND_SD_S * FOUND_SD_S), |state| {
             let mut slope = State::zeros();
             slope[WHEELBASE] = found.delay_s;
-            slope[SKEW + side] = unit;
-            let expected =
-                found.delay_s * (state[WHEELBASE] - wheelbase) + unit * (state[SKEW + side] - skew);
+            slope[at] = unit;
+            let expected = found.delay_s * (state[WHEELBASE] - wheelbase) + unit * (state[at] - skew);
             (slope, found.later_s - expected)
         });
     }
 
     fn onset(&self) -> Onset<T> {
-        let pair = |corner: usize| self.inter_axle.pair(corner % 2);
         // Hardly, where front and rear meet different roads.
-        let incoherence = pair(0).incoherence().max(pair(1).incoherence());
-        let rate = |i: usize| self.single_wheel[i].onset_rate(pair(i).lasting_incoherence());
+        let [left, right] = self.inter_axle.pairs.each_ref().map(AxlePair::incoherence);
+        let lasting = self.inter_axle.pairs.each_ref().map(AxlePair::lasting_incoherence);
         Onset {
-            several_scale: within(incoherence, INCOHERENT),
-            rates: core::array::from_fn(rate),
+            several_scale: within(left.max(right), INCOHERENT),
+            rates: Corner::ALL.map(|corner| self.single_wheel[corner].onset_rate(lasting[corner.side()])),
             longest_step_s: if self.inter_axle.spectral_only() { LONGEST_SILENCE_S } else { LONGEST_STEP_S },
         }
     }
@@ -141,14 +142,14 @@ impl<T: Real> Fusion<T> {
     /// Drops the checkpoints and saves what is believed now.
     fn checkpoint_anew(&mut self) {
         if let Some(time_s) = self.belief.checkpoint_anew() {
-            self.inter_axle.pairs_mut().iter_mut().for_each(|pair| pair.checkpoint(time_s));
+            self.inter_axle.pairs.iter_mut().for_each(|pair| pair.checkpoint(time_s));
         }
     }
 
     /// Restores the older checkpoint.
     fn restore(&mut self) {
         if let Some(time_s) = self.belief.restore() {
-            self.inter_axle.pairs_mut().iter_mut().for_each(|pair| pair.restore(time_s));
+            self.inter_axle.pairs.iter_mut().for_each(|pair| pair.restore(time_s));
         }
     }
 
@@ -157,30 +158,29 @@ impl<T: Real> Fusion<T> {
     pub(super) fn rollback(&mut self, suspected: [bool; 4]) {
         self.drop_frames();
         if let Some(time_s) = self.belief.rollback(suspected) {
-            self.inter_axle.pairs_mut().iter_mut().for_each(|pair| pair.restore(time_s));
+            self.inter_axle.pairs.iter_mut().for_each(|pair| pair.restore(time_s));
             self.checkpoint_anew();
         }
     }
 
     /// A corner's sensors were out of order.
-    pub(super) fn restart(&mut self, corner: usize) {
+    pub(super) fn restart(&mut self, corner: Corner) {
         self.drop_frames();
         self.belief.restart_tire(corner);
     }
 
     /// Takes over the quarter car that a corner seems to be.
-    pub(super) fn set_load(&mut self, corner: usize, car: &QuarterCar<T>) {
+    pub(super) fn set_load(&mut self, corner: Corner, car: &QuarterCar<T>) {
         self.inter_axle.set_load(corner, car, &self.belief);
     }
 
     /// Takes over whether the road under a corner is one line.
-    pub(super) fn set_on_line(&mut self, corner: usize, on_line: bool) {
+    pub(super) fn set_on_line(&mut self, corner: Corner, on_line: bool) {
         self.inter_axle.set_on_line(corner, on_line);
     }
 
     /// Takes over what a corner's friction is, and how well it is known.
-    pub(super) fn set_friction(&mut self, corner: usize, equation: &BodyEquation<T>) {
-        let corner = corner.min(3);
+    pub(super) fn set_friction(&mut self, corner: Corner, equation: &BodyEquation<T>) {
         let damped_n_s_per_m = equation.friction_damping(corner);
         self.inter_axle.set_friction(corner, damped_n_s_per_m);
         let variance = equation.stiffness_variance(corner);
@@ -193,8 +193,8 @@ impl<T: Real> Fusion<T> {
     }
 
     /// Takes over what a corner finds by itself.
-    pub(super) fn set_single_wheel(&mut self, corner: usize, estimate: SingleWheelEstimate<T>) {
-        self.single_wheel[corner.min(3)] = estimate;
+    pub(super) fn set_single_wheel(&mut self, corner: Corner, estimate: SingleWheelEstimate<T>) {
+        self.single_wheel[corner] = estimate;
     }
 
     /// When tires may gain air.
@@ -246,12 +246,12 @@ impl<T: Real> Fusion<T> {
     }
 
     /// How much more the axles of a side disagree near wheel hop than beside it, once enough was seen.
-    pub(super) fn hop_excess(&self, side: usize) -> Option<T> {
-        self.inter_axle.pair(side).hop_excess()
+    pub(super) fn hop_excess(&self, side: Side) -> Option<T> {
+        self.inter_axle.pairs[side].hop_excess()
     }
 
     /// Whether a corner has a partner on its side.
-    pub(super) fn has_partner(&self, corner: usize) -> bool {
+    pub(super) fn has_partner(&self, corner: Corner) -> bool {
         self.inter_axle.has_partner(corner)
     }
 
@@ -267,8 +267,8 @@ impl<T: Real> Fusion<T> {
     }
 
     /// Whether a side's road is being learned from, and its incoherence.
-    pub(super) fn side(&self, side: usize) -> (bool, T) {
-        self.inter_axle.pair(side).state(self.inter_axle.travel().time_s())
+    pub(super) fn track(&self, side: Side) -> TrackState<T> {
+        self.inter_axle.pairs[side].track(self.inter_axle.travel().time_s())
     }
 
     /// Seconds by which the speed was found to be late.

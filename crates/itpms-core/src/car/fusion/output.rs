@@ -4,6 +4,7 @@ use nalgebra::{SMatrix, SVector};
 
 use super::Fusion;
 use crate::belief::LEAST_COMPLIANCE;
+use crate::model::Corner;
 use crate::real::Real;
 
 /// Share by which a tire's sd grows while it surely changes: hypotheses are few, leaks are not.
@@ -70,9 +71,10 @@ impl<T: Real> Fusion<T> {
                 }
             }),
         };
-        for (i, single_wheel) in self.single_wheel.iter().enumerate() {
-            let incoherence = self.inter_axle.pair(i % 2).lasting_incoherence();
-            single_wheel.blend(&mut estimate, i, incoherence, || self.spectral_bias(i));
+        for corner in Corner::ALL {
+            let incoherence = self.inter_axle.pairs[corner.side()].lasting_incoherence();
+            let bias = || self.spectral_bias(corner);
+            self.single_wheel[corner].blend(&mut estimate, corner, incoherence, bias);
         }
         estimate
     }

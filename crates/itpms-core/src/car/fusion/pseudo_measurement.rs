@@ -4,6 +4,7 @@
 use super::Fusion;
 use crate::belief::state::{COMMON_BIAS, OWN_BIAS};
 use crate::belief::{LONGEST_SILENCE_S, LONGEST_STEP_S};
+use crate::model::Corner;
 use crate::real::Real;
 use crate::suspension::MEMORY_S;
 
@@ -19,8 +20,8 @@ const SAME_ROAD: f64 = 2.0;
 
 impl<T: Real> Fusion<T> {
     /// Whether the road under a corner is heard over its sensors' noise, as far as the axles tell.
-    pub(in crate::car) fn has_signal(&self, corner: usize) -> bool {
-        self.inter_axle.pair(corner % 2).snr_weight() > T::zero()
+    pub(in crate::car) fn has_signal(&self, corner: Corner) -> bool {
+        self.inter_axle.pairs[corner.side()].snr_weight() > T::zero()
     }
 
     /// Whether the car is too slow for spectra; not where the speed is unknown.
@@ -33,12 +34,11 @@ impl<T: Real> Fusion<T> {
     #[inline(never)]
     pub(in crate::car) fn update_spectral(
         &mut self,
-        corner: usize,
+        corner: Corner,
         time_s: f64,
         stiffness_n_per_m: T,
         sd_n_per_m: T,
     ) {
-        let corner = corner.min(3);
         let travel = self.inter_axle.travel();
         let speed = Some(travel.speed_m_s()).filter(|speed| speed.is_finite());
         let changing =
@@ -49,7 +49,7 @@ impl<T: Real> Fusion<T> {
         if !self.has_signal(corner) || self.is_slow() {
             return;
         }
-        self.inter_axle.pair_mut(corner % 2).note_spectral_update();
+        self.inter_axle.pairs[corner.side()].note_spectral_update();
         if self.belief.is_calibrating() {
             let scale = self.belief.scale();
             let per_kpa = T::one() / scale.slope[corner];
@@ -62,7 +62,7 @@ impl<T: Real> Fusion<T> {
         }
         let since_s = (time_s - self.pseudo_measured_s[corner]).clamp(0.0, LONGEST_SILENCE_S);
         self.pseudo_measured_s[corner] = time_s;
-        let pair = self.inter_axle.pair(corner % 2);
+        let pair = &self.inter_axle.pairs[corner.side()];
         if pair.spectral_only() {
             self.belief.inflate_tire(corner, pair.fading() * T::lit(since_s));
         }
@@ -70,23 +70,22 @@ impl<T: Real> Fusion<T> {
             return;
         }
         let scale = self.belief.scale().clone();
-        self.belief.update_reweighted(corner % 2, variance, |state| {
+        self.belief.update_reweighted(corner.side(), variance, |state| {
             let (expected, slope) = scale.spectral_stiffness(corner, state);
             (slope, stiffness_n_per_m - expected)
         });
     }
 
     /// How much too stiff a corner's road spectrum reads, in N/m, and the variance of that.
-    pub(super) fn spectral_bias(&self, corner: usize) -> (T, T) {
-        let corner = corner.min(3);
+    pub(super) fn spectral_bias(&self, corner: Corner) -> (T, T) {
         let unit = self.belief.scale().pressures_part_n_per_m(corner);
-        let (common, own) = (self.belief.quantity(COMMON_BIAS), self.belief.quantity(OWN_BIAS + corner));
+        let (common, own) =
+            (self.belief.quantity(COMMON_BIAS), self.belief.quantity(OWN_BIAS + corner.index()));
         (unit * (common.0 + own.0), unit * unit * (common.1 + own.1))
     }
 
     /// What a corner's road spectrum is expected to tell: stiffness and sd in N/m.
-    pub(in crate::car) fn expected_spectral(&self, corner: usize) -> (T, T) {
-        let corner = corner.min(3);
+    pub(in crate::car) fn expected_spectral(&self, corner: Corner) -> (T, T) {
         let hypothesis = self.belief.most_likely();
         let (expected, slope) = self.belief.scale().spectral_stiffness(corner, &hypothesis.mean);
         (expected, slope.dot(&hypothesis.spread(&slope)).max(T::zero()).sqrt())

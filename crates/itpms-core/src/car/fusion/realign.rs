@@ -9,7 +9,7 @@ use crate::belief::state::{SKEW, SKEW_UNIT_S, TIRE, WHEELBASE};
 use crate::inter_axle::alignment::axle_pair::AxlePair;
 use crate::inter_axle::alignment::delay_search::Found;
 use crate::inter_axle::alignment::speed_latency::{Find, Latency, SpeedLatency};
-use crate::model::Learned;
+use crate::model::{Learned, Side};
 use crate::real::Real;
 
 /// Change of wheelbase over speed that counts, and by how much both sides may differ in it: in a bend the way of the inner side is
@@ -32,9 +32,9 @@ pub(super) struct DelayDetection<T> {
 
 impl<T: Real> DelayDetection<T> {
     /// Wheelbase over speed that goes with it, if the side's skew is what it was `before`.
-    fn rho(&self, side: usize, before: &Hypothesis<T>) -> T {
+    fn rho(&self, side: Side, before: &Hypothesis<T>) -> T {
         let [wheelbase, skew] = self.found.used;
-        let later_s = self.found.later_s - T::lit(SKEW_UNIT_S) * (before.mean[SKEW + side] - skew);
+        let later_s = self.found.later_s - T::lit(SKEW_UNIT_S) * (before.mean[SKEW + side.index()] - skew);
         wheelbase + later_s / self.found.delay_s
     }
 }
@@ -42,12 +42,12 @@ impl<T: Real> DelayDetection<T> {
 impl<T: Real> Fusion<T> {
     /// Takes note of where a side has found the other axle's road.
     #[inline(never)]
-    pub(super) fn realign(&mut self, side: usize, found: Found<T>, time_s: f64) {
-        self.detections[side.min(1)] = Some(DelayDetection { time_s, found });
+    pub(super) fn realign(&mut self, side: Side, found: Found<T>, time_s: f64) {
+        self.detections[side] = Some(DelayDetection { time_s, found });
         let ([Some(left), Some(right)], Some(before)) = (self.detections, self.belief.restore_point()) else {
             return;
         };
-        let [by_left, by_right] = [left.rho(0, before), right.rho(1, before)];
+        let [by_left, by_right] = [left.rho(Side::Left, before), right.rho(Side::Right, before)];
         let apart_s = (left.time_s - right.time_s).abs();
         let Some(rho) = agreed([by_left, by_right], apart_s) else { return };
         let changed = (rho - before.mean[WHEELBASE]).abs() > T::lit(FAR);
@@ -65,7 +65,7 @@ impl<T: Real> Fusion<T> {
             self.restore();
             self.belief.set_quantity(WHEELBASE, &Learned { value: rho, sd }, T::one());
             self.checkpoint_anew();
-            self.inter_axle.pairs_mut().iter_mut().for_each(AxlePair::restart_alignment);
+            self.inter_axle.pairs.iter_mut().for_each(AxlePair::restart_alignment);
         }
     }
 
@@ -94,7 +94,7 @@ impl<T: Real> Fusion<T> {
         for side in 0..2 {
             self.belief.set_quantity(SKEW + side, &learned(lag.skew_s), T::lit(SKEW_UNIT_S));
         }
-        self.inter_axle.pairs_mut().iter_mut().for_each(AxlePair::forget_ways);
+        self.inter_axle.pairs.iter_mut().for_each(AxlePair::forget_ways);
     }
 }
 

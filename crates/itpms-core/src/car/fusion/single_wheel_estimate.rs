@@ -4,6 +4,7 @@
 use super::FusedEstimate;
 use crate::inter_axle::residual::noise::within;
 use crate::memory::blank;
+use crate::model::Corner;
 use crate::real::Real;
 
 /// Lasting incoherence at which a corner's own suspicion counts half, how much of it is usual, and the chance per second that
@@ -60,7 +61,7 @@ impl<T: Real> SingleWheelEstimate<T> {
     pub(in crate::car) fn blend(
         &self,
         belief: &mut FusedEstimate<T>,
-        corner: usize,
+        corner: Corner,
         incoherence: T,
         bias: impl FnOnce() -> (T, T),
     ) {
@@ -68,7 +69,7 @@ impl<T: Real> SingleWheelEstimate<T> {
         if !(share > T::zero()) {
             return;
         }
-        let bias = bias();
+        let (bias, corner) = (bias(), corner.index());
         let (others, residual) =
             (T::one() - share, self.stiffness_n_per_m - bias.0 - belief.stiffness_n_per_m[corner]);
         let own_variance = self.sd_n_per_m * self.sd_n_per_m + bias.1;
@@ -109,7 +110,7 @@ mod tests {
     fn half_believed_is_the_mean_of_both_and_as_unsure_as_they_are_apart() {
         let mut mixed = belief();
         // A spectrum that reads 4 kN/m too much, up to 3 kN/m.
-        low(0.8).blend(&mut mixed, 1, LEFT, || (4e3, 9e6));
+        low(0.8).blend(&mut mixed, Corner::FrontRight, LEFT, || (4e3, 9e6));
         // Either of two Gaussians: 230 ± 2 and 186 ± √45 kN/m.
         let moments = |p: f64| (p * 230e3 + (1.0 - p) * 186e3, p * 4e6 + (1.0 - p) * 45e6);
         let (mean, within) = moments(0.5);
@@ -127,11 +128,11 @@ mod tests {
     fn on_one_road_and_at_rest_the_shared_road_is_believed() {
         // 40 kN/m apart, and hardly moved, however sure the corner is: (0.001/0.06)² of that.
         let mut shared = belief();
-        low(1.0).blend(&mut shared, 0, 1e-3, || (0.0, 0.0));
+        low(1.0).blend(&mut shared, Corner::FrontLeft, 1e-3, || (0.0, 0.0));
         assert!((shared.stiffness_n_per_m[0] - 230e3).abs() < 12.0);
         for incoherence in [1e-3, 0.1, 2.0, f64::NAN] {
             let mut resting = belief();
-            low(NOTICED).blend(&mut resting, 0, incoherence, || (0.0, 0.0));
+            low(NOTICED).blend(&mut resting, Corner::FrontLeft, incoherence, || (0.0, 0.0));
             assert_eq!(resting, belief());
         }
     }
@@ -156,7 +157,7 @@ mod tests {
         ];
         for alone in strange {
             let mut blended = belief();
-            alone.blend(&mut blended, 2, 0.2, || (0.0, 0.0));
+            alone.blend(&mut blended, Corner::RearLeft, 0.2, || (0.0, 0.0));
             assert_eq!(blended, belief());
             assert_eq!(alone.onset_rate(nan), 0.0);
         }

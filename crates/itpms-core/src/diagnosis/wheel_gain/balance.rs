@@ -73,8 +73,8 @@ impl<T: Real> WheelGainBalance<T> {
             let most = T::lit(most);
             *mean += share * (now.clamp(-most, most) - *mean);
         };
-        for (i, hop) in self.hop.iter_mut().enumerate() {
-            let level = T::lit(0.5) * over_others(&block.wheel_hop, i).ln();
+        for (corner, hop) in Corner::ALL.into_iter().zip(&mut self.hop) {
+            let level = T::lit(0.5) * over_others(&block.wheel_hop, corner).ln();
             if level.is_finite() {
                 follow(hop, level, MOST_HOP);
             }
@@ -84,9 +84,9 @@ impl<T: Real> WheelGainBalance<T> {
             return;
         }
         let baseline = median(&mut logs.clone());
-        for i in 0..4 {
+        for i in Corner::ALL {
             follow(&mut self.over_median[i], logs[i] - baseline, MOST);
-            follow(&mut self.over_partner[i], logs[i] - logs[i ^ 1], MOST);
+            follow(&mut self.over_partner[i], logs[i] - logs[i.same_axle()], MOST);
             follow(&mut self.told[i], logs[i] - baseline, MOST_TOLD);
         }
         self.filled += share * (T::one() - self.filled);
@@ -95,9 +95,9 @@ impl<T: Real> WheelGainBalance<T> {
     /// Judges by what was taken; `flat`: the bodies are one plane, so none of them reads wrong.
     pub(crate) fn judge(&mut self, at: [f64; 2], flat: bool) {
         let counts = flat && self.filled >= T::lit(FILLED);
-        for i in 0..4 {
+        for i in Corner::ALL {
             // A smooth road under one side, which rolls with the other, is one of both axles.
-            let other_axle = self.over_partner[i ^ 2];
+            let other_axle = self.over_partner[i.same_side()];
             let over_all = lesser(self.over_median[i], self.over_partner[i]);
             let deviation = counts.then(|| lesser(over_all, self.over_partner[i] - other_axle) / self.filled);
             let agrees =
@@ -114,7 +114,7 @@ impl<T: Real> WheelGainBalance<T> {
             let evidence = deviation.map_or(Evidence::NoData, |deviation| {
                 evidence(agrees && deviation.abs() > wrong, past && deviation.abs() < fine)
             });
-            let sensor = Sensor { corner: Corner::ALL[i], place: Place::Wheel };
+            let sensor = Sensor { corner: i, place: Place::Wheel };
             let gain = (self.told[i] / self.filled.max(T::lit(FILLED))).exp();
             self.words[i].update(at, evidence, PATIENCE, || Malfunction::Gain { sensor, gain });
         }

@@ -9,6 +9,7 @@ use crate::diagnosis::debounce::{DebounceTimes, Debouncer};
 use crate::diagnosis::matching::median;
 use crate::diagnosis::single_sensor::evidence;
 use crate::memory::blank;
+use crate::model::Corner;
 use crate::real::Real;
 
 /// Blocks over which the usual ratio is averaged, and after which it is known.
@@ -150,9 +151,9 @@ impl<T: Real> WheelGainJump<T> {
 
 /// By how much a corner is off from all others and from the other one of its side, whichever is less: where one side is
 /// rough and the other smooth, both bodies of the smooth one move with the rough one's wheels.
-fn apart<T: Real>(deviation: &[T; 4], i: usize) -> T {
-    let mut others = [1, 2, 3].map(|step| deviation[(i + step) % 4]);
-    let (all, side) = (deviation[i] - median(&mut others), deviation[i] - deviation[(i + 2) % 4]);
+fn apart<T: Real>(deviation: &[T; 4], corner: Corner) -> T {
+    let (own, mut others) = (deviation[corner], corner.others().map(|other| deviation[other]));
+    let (all, side) = (own - median(&mut others), own - deviation[corner.same_side()]);
     if all * side > T::zero() { all.abs().min(side.abs()) } else { T::zero() }
 }
 
@@ -165,15 +166,13 @@ pub(crate) fn jumps<T: Real>(
 ) {
     if corners.iter().all(|corner| corner.blocks >= KNOWN_BLOCKS) {
         let transmissibility =
-            [0, 1, 2, 3].map(|i| corners[i].transmissibility.deviation(hops[i].transmissibility));
-        let hop_frequency = [0, 1, 2, 3].map(|i| corners[i].hop_frequency.deviation(hops[i].hop_frequency));
-        for (i, corner) in corners.iter_mut().enumerate() {
-            corner.tune(apart(&hop_frequency, i));
-        }
+            Corner::ALL.map(|i| corners[i].transmissibility.deviation(hops[i].transmissibility));
+        let hop_frequency = Corner::ALL.map(|i| corners[i].hop_frequency.deviation(hops[i].hop_frequency));
+        Corner::ALL.into_iter().for_each(|corner| corners[corner].tune(apart(&hop_frequency, corner)));
         let hop_shifted = corners.each_ref().map(|corner| corner.hop_shifted);
-        for (i, corner) in corners.iter_mut().enumerate() {
-            let beside = (0..4).any(|other| other != i && hop_shifted[other]);
-            corner.judge(at, apart(&transmissibility, i), explained[i], beside);
+        for corner in Corner::ALL {
+            let beside = corner.others().into_iter().any(|other| hop_shifted[other]);
+            corners[corner].judge(at, apart(&transmissibility, corner), explained[corner], beside);
         }
     } else {
         for (corner, _) in corners.iter_mut().zip(explained).filter(|(_, explained)| !explained) {

@@ -9,6 +9,7 @@ use crate::diagnosis::signals::Block;
 use crate::diagnosis::single_sensor::evidence;
 use crate::diagnosis::wheel_gain::jump::{Hop, LONGEST_S};
 use crate::memory::blank;
+use crate::model::Corner;
 use crate::real::Real;
 
 /// Blocks over which powers are averaged, and the share of an average that must be filled before it counts.
@@ -141,12 +142,12 @@ impl<T: Real> WheelGainShift<T> {
     }
 
     /// Whether a corner is not to be learned from.
-    pub(crate) fn is_suspected(&self, corner: usize) -> bool {
+    pub(crate) fn is_suspected(&self, corner: Corner) -> bool {
         self.corners[corner].debouncer.is_active()
     }
 
     /// Whether a corner may be about to be suspected: what its tire seems to be may be its sensor's.
-    pub(crate) fn is_pending_fault(&self, corner: usize, now_s: f64) -> bool {
+    pub(crate) fn is_pending_fault(&self, corner: Corner, now_s: f64) -> bool {
         now_s - self.corners[corner].pending_since_s < WAIT_S
     }
 
@@ -166,8 +167,8 @@ impl<T: Real> WheelGainShift<T> {
         let hops = self.hops();
         let blocks = self.corners.iter().fold(USUAL_BLOCKS, |least, corner| least.min(corner.blocks));
         let deviation = |of: fn(&Hop<T>) -> T, known: u32| {
-            let deviation = [0, 1, 2, 3].map(|i| of(&hops[i]) - of(&self.corners[i].baseline));
-            [0, 1, 2, 3].map(|i| if blocks < known { T::zero() } else { apart(&deviation, i) })
+            let deviation = Corner::ALL.map(|i| of(&hops[i]) - of(&self.corners[i].baseline));
+            Corner::ALL.map(|i| if blocks < known { T::zero() } else { apart(&deviation, i) })
         };
         let (hop_frequency, transmissibility) = (
             deviation(|hop| hop.hop_frequency, TUNED_BLOCKS),
@@ -177,10 +178,10 @@ impl<T: Real> WheelGainShift<T> {
             corner.tune(hop_frequency);
         }
         let hop_shifted = self.corners.each_ref().map(|corner| corner.hop_shifted);
-        for (i, corner) in self.corners.iter_mut().enumerate() {
-            let beside = (0..4).any(|other| other != i && hop_shifted[other]);
+        for i in Corner::ALL {
+            let beside = i.others().into_iter().any(|other| hop_shifted[other]);
             let deviation = Hop { transmissibility: transmissibility[i], hop_frequency: hop_frequency[i] };
-            corner.judge(at, hops[i], deviation, explained[i], beside);
+            self.corners[i].judge(at, hops[i], deviation, explained[i], beside);
         }
     }
 
@@ -200,7 +201,7 @@ impl<T: Real> WheelGainShift<T> {
     /// What the struts of all wheels give a body over what it has; and the hop frequency: logs of powers.
     fn hops(&self) -> [Hop<T>; 4] {
         let all = self.struts.iter().fold(T::zero(), |sum, strut| sum + *strut);
-        [0, 1, 2, 3].map(|i| {
+        Corner::ALL.map(|i| {
             let own = self.struts[i];
             let given = own + T::lit(TO_OTHERS) * (all - own);
             Hop {
@@ -213,11 +214,10 @@ impl<T: Real> WheelGainShift<T> {
 
 /// By how much a corner is off from all others, from the other one of its side and from that of its axle, whichever is least; nothing if
 /// they differ in sign. A load is one of an axle, a rough road one of a side.
-fn apart<T: Real>(deviation: &[T; 4], i: usize) -> T {
-    let mut others = [1, 2, 3].map(|step| deviation[(i + step) % 4]);
-    // Front left, front right, rear left, rear right.
-    let apart = [median(&mut others), deviation[(i ^ 2) % 4], deviation[(i ^ 1) % 4]]
-        .map(|other| deviation[i % 4] - other);
+fn apart<T: Real>(deviation: &[T; 4], corner: Corner) -> T {
+    let mut others = corner.others().map(|other| deviation[other]);
+    let apart = [median(&mut others), deviation[corner.same_side()], deviation[corner.same_axle()]]
+        .map(|other| deviation[corner] - other);
     let alike = apart.iter().all(|apart| *apart > T::zero()) || apart.iter().all(|apart| *apart < T::zero());
     if alike {
         apart.iter().fold(T::lit(f64::INFINITY), |least, apart| least.min(apart.abs()))
@@ -286,11 +286,12 @@ mod tests {
         }
 
         fn suspects(&self) -> [bool; 4] {
-            [0, 1, 2, 3].map(|i| self.shifts.is_suspected(i))
+            Corner::ALL.map(|corner| self.shifts.is_suspected(corner))
         }
 
         fn pending_fault(&self) -> [bool; 4] {
-            [0, 1, 2, 3].map(|i| self.shifts.is_pending_fault(i, BLOCK_S * f64::from(self.blocks)))
+            let now_s = BLOCK_S * f64::from(self.blocks);
+            Corner::ALL.map(|corner| self.shifts.is_pending_fault(corner, now_s))
         }
 
         /// Seconds until the suspicion of the front left wheel is `wanted`, with this gain.
@@ -358,8 +359,8 @@ mod tests {
             car.read([0.75, 1.0, 1.0, 1.0], [false; 4]);
         }
         let now_s = BLOCK_S * f64::from(car.blocks);
-        assert!(car.shifts.is_pending_fault(0, now_s + 0.9 * WAIT_S));
-        assert!(!car.shifts.is_pending_fault(0, now_s + WAIT_S));
+        assert!(car.shifts.is_pending_fault(Corner::FrontLeft, now_s + 0.9 * WAIT_S));
+        assert!(!car.shifts.is_pending_fault(Corner::FrontLeft, now_s + WAIT_S));
     }
 
     #[test]

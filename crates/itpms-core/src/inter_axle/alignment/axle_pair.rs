@@ -17,6 +17,7 @@ use crate::inter_axle::residual::model::{Axle, AxleFrame, UnitRoad, Wheel, commo
 use crate::inter_axle::residual::noise::{Coherence, MOST_LASTING, fading};
 use crate::inter_axle::{HOP_S, NEAR_HOP_BINS, SIGNALS, bin_hz};
 use crate::memory::{Placed, blank};
+use crate::model::{Side, TrackState};
 use crate::real::Real;
 use crate::spectrum::FrameClock;
 use crate::spectrum::transfer::{DescribingFunction, response};
@@ -86,7 +87,7 @@ pub(crate) struct PairingContext<'a, T: Real> {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct AxlePair<T: Real> {
-    side: usize,
+    side: Side,
     period_s: f64,
     noise_density: [T; 2],
     delay_line: DelayLine<T>,
@@ -123,7 +124,7 @@ blank!(AxlePair<T> {
 });
 
 impl<T: Real> AxlePair<T> {
-    pub(crate) fn configure(&mut self, side: usize, period_s: f64, noise_density: [T; 2]) {
+    pub(crate) fn configure(&mut self, side: Side, period_s: f64, noise_density: [T; 2]) {
         (self.side, self.period_s, self.noise_density) = (side, period_s, noise_density);
         self.delay_line.configure(period_s);
         self.delay_search = DelaySearch::new(AT_FIRST);
@@ -474,10 +475,11 @@ impl<T: Real> AxlePair<T> {
     }
 
     /// Whether the side's road is being learned from at this time, and its incoherence.
-    pub(crate) fn state(&self, now_s: f64) -> (bool, T) {
+    pub(crate) fn track(&self, now_s: f64) -> TrackState<T> {
         let incoherence = self.coherence.near_wheel_hop();
         let fresh = now_s - self.learned_until_s < STALE_S;
-        (fresh && incoherence < T::lit(NOT_SHARED), if fresh { incoherence } else { T::lit(f64::NAN) })
+        let shared = fresh && incoherence < T::lit(NOT_SHARED);
+        TrackState { shared, incoherence: if fresh { incoherence } else { T::lit(f64::NAN) } }
     }
 }
 
@@ -492,10 +494,10 @@ impl<T: Real> PairingContext<'_, T> {
     }
 
     /// Road velocities that both axles' signals tell, the front's times its gain.
-    fn velocities(&self, both: &[T; BOTH], side: usize) -> [T; 2] {
+    fn velocities(&self, both: &[T; BOTH], side: Side) -> [T; 2] {
         let axles = self.axles();
         let of = |axle: usize| axles[axle].road_velocity(&core::array::from_fn(|i| both[axle * SEEN + i]));
-        [(T::one() + self.state[GAIN + side.min(1)]) * of(0), of(1)]
+        [(T::one() + self.state[GAIN + side.index()]) * of(0), of(1)]
     }
 }
 
@@ -508,7 +510,7 @@ mod tests {
     fn the_other_side_counts_where_it_had_frames_and_this_one_had_none() {
         let track = |learned_until_s: f64| {
             configured(|pair: &mut AxlePair<f64>| {
-                pair.configure(0, 0.01, [0.0; 2]);
+                pair.configure(Side::Left, 0.01, [0.0; 2]);
                 pair.learned_until_s = learned_until_s;
             })
         };

@@ -14,6 +14,7 @@ use crate::inter_axle::alignment::channel::{BOTH, SEEN, high_pass_power};
 use crate::inter_axle::residual::correction::FrfRatios;
 use crate::inter_axle::{BIN_SPACING_HZ, Frame, bin_hz};
 use crate::memory::blank;
+use crate::model::{Corner, Side};
 use crate::real::Real;
 use crate::spectrum::transfer::{Body, sine_window_power};
 
@@ -33,9 +34,10 @@ pub(crate) struct Wheel<T> {
     pub(crate) friction_n_s_per_m: T,
     /// Compliance of the tire at placard pressure in m/N.
     pub(crate) theta: T,
-    /// Place in the order of [`Corner::ALL`](crate::model::Corner::ALL).
-    pub(crate) corner: usize,
+    pub(crate) corner: Corner,
 }
+
+blank!(Wheel<T> { body, friction_n_s_per_m, theta, corner });
 
 /// A complete frame of both axles, and where it was taken.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,12 +82,12 @@ pub(crate) struct Axle<T> {
 
 impl<T: Real> Axle<T> {
     pub(crate) fn new(wheel: &Wheel<T>, state: &State<T>) -> Self {
-        let corner = wheel.corner.min(3);
-        let at = |kind: usize| T::one() + state[kind + corner];
+        let corner = wheel.corner;
+        let at = |kind: usize| T::one() + state[kind + corner.index()];
         let body = &wheel.body;
         let spring = body.spring_n_per_m;
         let nominal = [body.unsprung_mass_kg, body.damping_n_s_per_m, spring, spring];
-        let bar = spring * state[BAR + corner / 2];
+        let bar = spring * state[BAR + corner.axle()];
         let factors = [nominal[0] * at(MASS), nominal[1] * at(DAMPING), spring * at(SPRING), bar];
         let least = T::lit(LEAST_DAMPING) * nominal[1];
         let whole_damping = (factors[1] + wheel.friction_n_s_per_m).max(least);
@@ -132,14 +134,13 @@ pub(crate) fn linearize<T: Real>(
     taken: &AxleFrame<T>,
     signals: Signals<'_, T>,
     wheels: &[Wheel<T>; 2],
-    side: usize,
+    side: Side,
     state: &State<T>,
 ) -> AxleResidual<T> {
-    let side = side.min(1);
     let axles = [Axle::new(&wheels[0], state), Axle::new(&wheels[1], state)];
-    let gain = T::one() + state[GAIN + side];
+    let gain = T::one() + state[GAIN + side.index()];
     let filter_delay_s = taken.delay_s * (state[WHEELBASE] - taken.used_wheelbase)
-        + T::lit(SKEW_UNIT_S) * (state[SKEW + side] - taken.used_skew);
+        + T::lit(SKEW_UNIT_S) * (state[SKEW + side.index()] - taken.used_skew);
     let mut out = AxleResidual {
         rows: SVector::zeros(),
         slope: SMatrix::zeros(),
@@ -158,7 +159,7 @@ pub(crate) fn linearize<T: Real>(
 pub(crate) fn common_road<T: Real>(
     frame: &AxleFrame<T>,
     wheels: &[Wheel<T>; 2],
-    side: usize,
+    side: Side,
     state: &State<T>,
 ) -> ([Complex<T>; BINS], [T; BINS]) {
     let AxleResidual { common, road_power, .. } = linearize(frame, Signals::Measured, wheels, side, state);
@@ -171,7 +172,7 @@ pub(crate) fn instrument_slope<T: Real>(
     frame: &AxleFrame<T>,
     frf_ratios: &FrfRatios<T>,
     wheels: &[Wheel<T>; 2],
-    side: usize,
+    side: Side,
     state: &State<T>,
 ) -> Slope<T> {
     linearize(frame, Signals::Common(frf_ratios), wheels, side, state).slope
@@ -230,13 +231,13 @@ impl<'a, T: Real> UnitRoad<'a, T> {
     /// For a state, if the axles answer the road as the ratios say.
     pub(crate) fn new(
         wheels: &'a [Wheel<T>; 2],
-        side: usize,
+        side: Side,
         state: &State<T>,
         delay_s: T,
         frf_ratios: &'a FrfRatios<T>,
     ) -> Self {
         let axles = [Axle::new(&wheels[0], state), Axle::new(&wheels[1], state)];
-        Self { wheels, axles, gain: T::one() + state[GAIN + side.min(1)], delay_s, frf_ratios }
+        Self { wheels, axles, gain: T::one() + state[GAIN + side.index()], delay_s, frf_ratios }
     }
 
     /// Products of the derivatives with each other that a road of unit power makes in a bin: `Re⟨C* C⟩`.

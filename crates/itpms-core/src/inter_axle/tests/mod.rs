@@ -21,6 +21,7 @@ use crate::inter_axle::residual::instrument::Instrument;
 use crate::inter_axle::residual::model::{Axle, AxleFrame, Wheel};
 use crate::inter_axle::{Frame, HOP_S, SIGNALS};
 use crate::memory::configured;
+use crate::model::Corner;
 use crate::spectrum::FrameClock;
 use crate::spectrum::transfer::Body;
 
@@ -36,7 +37,10 @@ fn wheels() -> [Wheel<f64>; 2] {
             let body = Body { sprung_mass_kg, unsprung_mass_kg, damping_n_s_per_m, spring_n_per_m };
             Wheel { body, friction_n_s_per_m: 0.2 * damping_n_s_per_m, theta: 1.0 / stiffness, corner }
         };
-    [wheel(0, 240.8, 56.9, 925.8, 29_114.0, 233_000.0), wheel(2, 216.0, 50.0, 870.0, 26_000.0, 220_000.0)]
+    [
+        wheel(Corner::FrontLeft, 240.8, 56.9, 925.8, 29_114.0, 233_000.0),
+        wheel(Corner::RearLeft, 216.0, 50.0, 870.0, 26_000.0, 220_000.0),
+    ]
 }
 
 /// A car that is not as its vehicle file says.
@@ -78,7 +82,7 @@ impl Moved {
 /// The signals of an axle at `s`: its two equations of motion in velocities, solved by Cramer's rule. Friction's part of the wheel's
 /// jerk is taken out of it.
 fn signals(wheel: &Wheel<f64>, state: &State<f64>, s: C, moved: Moved) -> [C; SEEN] {
-    let (body, i) = (&wheel.body, wheel.corner);
+    let (body, i) = (&wheel.body, wheel.corner.index());
     let mass = body.unsprung_mass_kg * (1.0 + state[MASS + i]);
     let z = s * (body.damping_n_s_per_m * (1.0 + state[DAMPING + i]) + wheel.friction_n_s_per_m)
         + body.spring_n_per_m * (1.0 + state[SPRING + i]);

@@ -102,7 +102,7 @@ fn the_instrument_is_the_quarter_car() {
     let plain = wheels().map(|wheel| (wheel, state));
     // So much was taken out for friction that a damper which drives its wheel stands for the rest.
     let sticking = plain.map(|(wheel, mut state)| {
-        state[DAMPING + wheel.corner] = -1.3;
+        state[DAMPING + wheel.corner.index()] = -1.3;
         (Wheel { friction_n_s_per_m: 1.1 * wheel.body.damping_n_s_per_m, ..wheel }, state)
     });
     for (wheel, state) in plain.into_iter().chain(sticking) {

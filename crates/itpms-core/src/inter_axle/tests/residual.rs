@@ -15,6 +15,7 @@ use crate::inter_axle::bin_hz;
 use crate::inter_axle::residual::correction::FrfRatios;
 use crate::inter_axle::residual::model::{AxleFrame, Signals, UnitRoad, linearize};
 use crate::inter_axle::tests::{C, Moved, STILL, deviating, frame, signals, taken, unit_frames, wheels};
+use crate::model::Side;
 use crate::random::Random;
 
 const DELAY_S: f64 = 0.12;
@@ -58,16 +59,16 @@ fn on_one_road(state: &State<f64>) -> AxleFrame<f64> {
 #[test]
 fn on_one_road_nothing_is_left() {
     let state = deviating();
-    let found = linearize(&on_one_road(&state), Signals::Measured, &wheels(), 0, &state);
+    let found = linearize(&on_one_road(&state), Signals::Measured, &wheels(), Side::Left, &state);
     for bin in 0..BINS {
         let left = found.rows[bin].hypot(found.rows[BINS + bin]);
         assert!(left < 1e-11 * found.road_power[bin].sqrt(), "bin {bin}: {left:e}");
     }
     // And with any one quantity wrong by 5 %, something is.
-    for place in side_indices(0).into_iter().filter(|&place| place != WHEELBASE && place != SKEW) {
+    for place in side_indices(Side::Left).into_iter().filter(|&place| place != WHEELBASE && place != SKEW) {
         let mut wrong = state;
         wrong[place] += 0.05;
-        let found = linearize(&on_one_road(&state), Signals::Measured, &wheels(), 0, &wrong);
+        let found = linearize(&on_one_road(&state), Signals::Measured, &wheels(), Side::Left, &wrong);
         assert!(found.rows.norm() > 1e-4 * found.road_power.iter().sum::<f64>().sqrt(), "{place}");
     }
 }
@@ -80,13 +81,13 @@ fn derivatives_match_finite_differences() {
     let mut state = deviating() * 0.4;
     state[WHEELBASE] = taken.used_wheelbase;
     state[SKEW] = taken.used_skew;
-    let slope = linearize(&taken, Signals::Measured, &wheels(), 0, &state).slope;
-    for (column, place) in side_indices(0).into_iter().enumerate() {
+    let slope = linearize(&taken, Signals::Measured, &wheels(), Side::Left, &state).slope;
+    for (column, place) in side_indices(Side::Left).into_iter().enumerate() {
         let step = 1e-4;
         let at = |by: f64| {
             let mut moved = state;
             moved[place] += by;
-            linearize(&taken, Signals::Measured, &wheels(), 0, &moved).rows
+            linearize(&taken, Signals::Measured, &wheels(), Side::Left, &moved).rows
         };
         // Linear in every quantity by itself, so rounding is all there is: 1e-16 over the step.
         let difference = (at(step) - at(-step)) / (2.0 * step);
@@ -114,7 +115,7 @@ fn expected_products_are_those_of_a_long_random_road() {
     let beside = |f: f64| relative(f).map(|other| Moved { road: C::new(0.0, 0.0), other: other * left(f) });
     let own = unit_frames(&state, |f| [Moved::by_road(left(f)); 2]);
     for taken in own.iter().chain(&unit_frames(&state, beside)) {
-        let found = linearize(taken, Signals::Measured, &wheels(), 0, &state);
+        let found = linearize(taken, Signals::Measured, &wheels(), Side::Left, &state);
         for bin in 0..BINS {
             for row in [bin, BINS + bin] {
                 let slope = found.slope.row(row);
@@ -124,7 +125,7 @@ fn expected_products_are_those_of_a_long_random_road() {
         }
     }
     let (wheels, ratios) = (wheels(), same());
-    let road = UnitRoad::new(&wheels, 0, &state, DELAY_S, &ratios);
+    let road = UnitRoad::new(&wheels, Side::Left, &state, DELAY_S, &ratios);
     let expected: [Gram<f64>; BINS] = core::array::from_fn(|bin| road.expected_products(bin));
     for bin in 0..BINS {
         for i in 0..SIDE_SIZE {
@@ -163,8 +164,8 @@ fn roads_that_differ_do_not_pull_the_instruments() {
             parts.push((common + own * random.normal(), rear));
         }
         let taken = sum(parts.into_iter());
-        let measured = linearize(&taken, Signals::Measured, &wheels(), 0, &state);
-        let instrument = linearize(&taken, Signals::Common(&same()), &wheels(), 0, &state).slope;
+        let measured = linearize(&taken, Signals::Measured, &wheels(), Side::Left, &state);
+        let instrument = linearize(&taken, Signals::Common(&same()), &wheels(), Side::Left, &state).slope;
         for (sums, slope) in sums.iter_mut().zip([&measured.slope, &instrument]) {
             let pull = pull(&measured.rows, slope);
             sums[0] += pull;
@@ -188,7 +189,7 @@ fn plain_derivatives_are_pulled_by_half_the_incoherent_power() {
     let fronts = unit_frames(&state, |_| [Moved::by_road(ONE), STILL]);
     let (mut pull, mut power) = ([0.0; BINS], [0.0; BINS]);
     for taken in &fronts {
-        let found = linearize(taken, Signals::Measured, &wheels(), 0, &state);
+        let found = linearize(taken, Signals::Measured, &wheels(), Side::Left, &state);
         for bin in 0..BINS {
             pull[bin] += found.rows[bin] * found.slope[(bin, 0)]
                 + found.rows[BINS + bin] * found.slope[(BINS + bin, 0)];

@@ -8,6 +8,7 @@ use crate::inter_axle::alignment::channel::Entry;
 use crate::inter_axle::alignment::delay_search::Found;
 use crate::inter_axle::tests::{PERIOD_S, wheels};
 use crate::memory::configured;
+use crate::model::Side;
 
 const WHEELBASE_M: f64 = 2.7;
 const SPEED_M_S: f64 = 9.0;
@@ -40,7 +41,7 @@ fn entry(step: u32, wheel_m: f64) -> Entry<f64> {
 
 /// What a side finds whose car is believed to have this deviation of its wheelbase, by time.
 fn find(believed: impl Fn(f64) -> f64) -> Found<f64> {
-    let mut track = configured(|pair: &mut AxlePair<f64>| pair.configure(0, PERIOD_S, [0.0; 2]));
+    let mut track = configured(|pair: &mut AxlePair<f64>| pair.configure(Side::Left, PERIOD_S, [0.0; 2]));
     let state = State::zeros();
     for step in 0..1500 {
         let (front, rear) = (entry(step, WHEELBASE_M * (1.0 + LONGER)), entry(step, 0.0));

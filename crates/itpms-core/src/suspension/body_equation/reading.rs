@@ -1,13 +1,13 @@
 //! What the fit has found of the struts, for whoever writes it down (docs/math/learn.md, section 3). Called between
 //! samples, not with each.
 
-use super::{BodyEquation, DAMPER, ELEMENTS, FORCE_N, INERTIA, SLIP, SPRING};
-use crate::model::StrutReading;
+use super::{BodyEquation, DAMPER, ELEMENTS, FORCE_N, INERTIA, SPRING, slip};
+use crate::model::{Corner, StrutReading};
 use crate::real::Real;
 
 impl<T: Real> BodyEquation<T> {
     /// What a corner's strut seems to be; `None` as long as too little was seen, and for a corner that is not there.
-    pub(crate) fn reading(&self, corner: usize) -> Option<StrutReading<T>> {
+    pub(crate) fn reading(&self, corner: Corner) -> Option<StrutReading<T>> {
         if !(self.known && self.body.has(corner)) {
             return None;
         }
@@ -20,7 +20,8 @@ impl<T: Real> BodyEquation<T> {
         };
         let over_mass = |i: usize| self.parameters[i] - self.parameters[INERTIA];
         let per_mass = (-self.parameters[INERTIA]).exp();
-        let slips = |e: usize| SLIP + 4 * e + corner;
+        let slips = |element| slip(element, corner);
+        let (damper, spring) = (DAMPER + corner.index(), SPRING + corner.index());
         let (mut friction_n, mut variance) = (T::zero(), T::zero());
         for i in (0..ELEMENTS).map(slips) {
             friction_n += T::lit(FORCE_N) * self.parameters[i];
@@ -29,10 +30,10 @@ impl<T: Real> BodyEquation<T> {
             }
         }
         Some(StrutReading {
-            ln_damping: over_mass(DAMPER + corner),
-            ln_damping_sd: over_mass_sd(DAMPER + corner),
-            ln_spring: over_mass(SPRING + corner),
-            ln_spring_sd: over_mass_sd(SPRING + corner),
+            ln_damping: over_mass(damper),
+            ln_damping_sd: over_mass_sd(damper),
+            ln_spring: over_mass(spring),
+            ln_spring_sd: over_mass_sd(spring),
             friction_n: friction_n * per_mass,
             friction_sd_n: variance.max(T::zero()).sqrt() * per_mass,
             ln_sprung_mass: self.parameters[INERTIA],

@@ -5,8 +5,8 @@
 #[allow(unused_imports)]
 use nalgebra::ComplexField;
 
-use super::{BINS, BodyEquation, ELEMENTS, FORCE_N, Parameters, SLIP};
-use crate::model::CornerConfig;
+use super::{BINS, BodyEquation, ELEMENTS, FORCE_N, Parameters, slip};
+use crate::model::{Corner, CornerConfig};
 use crate::real::Real;
 use crate::spectrum::transfer::FRICTION_SPACING_HZ;
 use crate::suspension::cholesky;
@@ -26,7 +26,7 @@ pub(super) fn hop_bin<T: Real>(corner: &CornerConfig<T>) -> usize {
 
 impl<T: Real> BodyEquation<T> {
     /// What a corner's friction damps near wheel hop on the present road, in N s/m.
-    pub(crate) fn friction_damping(&self, corner: usize) -> T {
+    pub(crate) fn friction_damping(&self, corner: Corner) -> T {
         let slip_n = self.slip_forces_n(corner).into_iter().enumerate();
         let damped = slip_n
             .fold(T::zero(), |sum, (element, slip_n)| sum + self.per_newton(corner, element, 1) * slip_n);
@@ -34,23 +34,22 @@ impl<T: Real> BodyEquation<T> {
     }
 
     /// A corner's damper in N s/m, as the vehicle file has it.
-    pub(crate) fn damper_n_s_per_m(&self, corner: usize) -> T {
-        self.damping[corner.min(3)]
+    pub(crate) fn damper_n_s_per_m(&self, corner: Corner) -> T {
+        self.damping[corner]
     }
 
-    fn hop_rad_s(&self, corner: usize) -> T {
-        T::two_pi() * T::lit((self.hop_bin[corner.min(3)] + 1) as f64 * FRICTION_SPACING_HZ)
+    fn hop_rad_s(&self, corner: Corner) -> T {
+        T::two_pi() * T::lit((self.hop_bin[corner] + 1) as f64 * FRICTION_SPACING_HZ)
     }
 
     /// Variance in (N/m)² of the stiffness beside a corner's tire at wheel hop that is due to friction on the present road.
-    pub(crate) fn stiffness_variance(&self, corner: usize) -> T {
-        let [stiffness, _] = self.impedance_variance[corner.min(3)];
+    pub(crate) fn stiffness_variance(&self, corner: Corner) -> T {
+        let [stiffness, _] = self.impedance_variance[corner];
         stiffness
     }
 
     /// What friction that is not known makes of a corner's damping and spring near wheel hop: variances over the squares of the file's.
-    pub(crate) fn strut_variance(&self, corner: usize) -> [T; 2] {
-        let corner = corner.min(3);
+    pub(crate) fn strut_variance(&self, corner: Corner) -> [T; 2] {
         let omega = self.hop_rad_s(corner);
         let [stiffness, damping] = self.impedance_variance[corner];
         let over = |variance: T, of: T| if of > T::zero() { variance / (of * of) } else { T::zero() };
@@ -64,13 +63,12 @@ impl<T: Real> BodyEquation<T> {
         if !cholesky::decompose(&mut information) {
             return;
         }
-        for corner in (0..4).filter(|&corner| self.body.has(corner)) {
-            let corner = corner.min(3);
+        for corner in Corner::ALL.into_iter().filter(|&corner| self.body.has(corner)) {
             for part in 0..2 {
                 let (mut slope, mut sticking) = (Parameters::zeros(), T::zero());
                 for (element, slip_n) in self.slip_forces_n(corner).into_iter().enumerate() {
                     let per_newton = self.per_newton(corner, element, part);
-                    slope[SLIP + 4 * element + corner] = per_newton * T::lit(FORCE_N);
+                    slope[slip(element, corner)] = per_newton * T::lit(FORCE_N);
                     sticking += per_newton * slip_n;
                 }
                 if !information.solve_lower_triangular_mut(&mut slope) {
@@ -83,8 +81,7 @@ impl<T: Real> BodyEquation<T> {
     }
 
     /// Stiffness in N/m at wheel hop of an element of one newton, or what it damps: real or imaginary part of its describing function.
-    fn per_newton(&self, corner: usize, element: usize, part: usize) -> T {
-        let corner = corner.min(3);
+    fn per_newton(&self, corner: Corner, element: usize, part: usize) -> T {
         let (powers, bin) = (&self.powers[corner], self.hop_bin[corner].min(BINS - 1));
         let at = 2 * element.min(ELEMENTS - 1) + part.min(1);
         powers.elements[(bin, at)] / powers.velocity[bin].max(T::lit(1e-15))

@@ -36,7 +36,7 @@ fn learn_late(
     late_s: [f64; 4],
 ) {
     let mut random = Random(5);
-    let corners = (0..4).filter(|&i| equation.body.has(i)).count();
+    let corners = Corner::ALL.into_iter().filter(|&corner| equation.body.has(corner)).count();
     for step in 1..=300 {
         let mut frames: [StrutFrame<f64>; 4] =
             core::array::from_fn(|_| StrutFrame { time_s: 0.2 * f64::from(step), spectra: Frame::zero() });
@@ -93,11 +93,11 @@ fn four_struts_under_one_body_are_told_apart() {
     // Another pitch inertia than the guessed one, and forces of three elements.
     let slip_n = [20.0, 0.0, 45.0];
     learn(&mut equation, mass + pitch * 1.15 + roll * 0.9, slip_n, 0.0);
-    for corner in 0..4 {
+    for corner in Corner::ALL {
         for (found, slip_n) in equation.slip_forces_n(corner).into_iter().zip(slip_n) {
-            assert!((found - slip_n).abs() < 1.5, "{corner}: {found} {slip_n}");
+            assert!((found - slip_n).abs() < 1.5, "{corner:?}: {found} {slip_n}");
         }
-        assert!((equation.parameters[DAMPER + corner].exp() - 1.1).abs() < 0.02);
+        assert!((equation.parameters[DAMPER + corner.index()].exp() - 1.1).abs() < 0.02);
         assert!(equation.unexplained(corner).unwrap() < 1e-3);
     }
     assert!(
@@ -110,7 +110,7 @@ fn four_corners_that_move_each_for_itself_are_a_body_that_warps() {
     let mut equation = equation(4);
     let own = SMatrix::from_diagonal_element(1.0 / SPRUNG_KG);
     learn(&mut equation, own, [0.0, 40.0, 0.0], 0.0);
-    for corner in 0..4 {
+    for corner in Corner::ALL {
         assert!(equation.unexplained(corner).unwrap() < 5e-3);
         let friction_n: f64 = equation.slip_forces_n(corner).iter().sum();
         assert!((friction_n - 40.0).abs() < 3.0, "{friction_n}");
@@ -123,7 +123,7 @@ fn what_the_struts_do_not_explain_is_told() {
     let [mass, pitch, roll, _] = equation.body.parts();
     // Of a motion n times its own amplitude off, n²/(1 + n²) is not explained.
     learn(&mut equation, mass + pitch + roll, [0.0; ELEMENTS], 0.7);
-    for corner in 0..4 {
+    for corner in Corner::ALL {
         let unexplained = equation.unexplained(corner).unwrap();
         assert!((unexplained - 0.49 / 1.49).abs() < 0.06, "{unexplained}");
     }
@@ -134,10 +134,10 @@ fn a_corner_alone_has_its_own_friction_and_no_verdict_on_the_body() {
     let mut equation = equation(1);
     let g = equation.body.parts()[0];
     learn(&mut equation, g, [30.0, 0.0, 0.0], 0.0);
-    let [found, ..] = equation.slip_forces_n(0);
+    let [found, ..] = equation.slip_forces_n(Corner::FrontLeft);
     assert!((found - 30.0).abs() < 1.5, "{found}");
-    assert_eq!(equation.unexplained(0), None);
-    assert_eq!(equation.slip_forces_n(2), [0.0; ELEMENTS]);
+    assert_eq!(equation.unexplained(Corner::FrontLeft), None);
+    assert_eq!(equation.slip_forces_n(Corner::RearLeft), [0.0; ELEMENTS]);
     assert!((SPRUNG_KG * g[(0, 0)] - 1.0).abs() < 1e-12);
 }
 
@@ -147,11 +147,11 @@ fn a_wheel_that_is_told_late_is_no_friction() {
     let [mass, pitch, roll, _] = equation.body.parts();
     let (slip_n, late_s) = ([20.0, 0.0, 45.0], [1.5e-3, 0.0, -1e-3, 0.5e-3]);
     learn_late(&mut equation, mass + pitch + roll, slip_n, 0.0, late_s);
-    for (corner, late_s) in late_s.into_iter().enumerate() {
-        let found_s = DELAY_S * equation.parameters[DELAY + corner];
-        assert!((found_s - late_s).abs() < 1e-4, "{corner}: {found_s} {late_s}");
+    for (corner, late_s) in Corner::ALL.into_iter().zip(late_s) {
+        let found_s = DELAY_S * equation.parameters[DELAY + corner.index()];
+        assert!((found_s - late_s).abs() < 1e-4, "{corner:?}: {found_s} {late_s}");
         let friction_n: f64 = equation.slip_forces_n(corner).iter().sum();
-        assert!((friction_n - 65.0).abs() < 3.0, "{corner}: {friction_n}");
+        assert!((friction_n - 65.0).abs() < 3.0, "{corner:?}: {friction_n}");
     }
 }
 
@@ -159,10 +159,10 @@ fn a_wheel_that_is_told_late_is_no_friction() {
 fn friction_that_is_known_leaves_the_models_error_of_its_stiffness() {
     let mut equation = equation(4);
     let [mass, pitch, roll, _] = equation.body.parts();
-    assert_eq!(equation.stiffness_variance(0), 0.0);
+    assert_eq!(equation.stiffness_variance(Corner::FrontLeft), 0.0);
     let slip_n = [20.0, 0.0, 45.0];
     learn(&mut equation, mass + pitch + roll, slip_n, 0.0);
-    for corner in 0..4 {
+    for corner in Corner::ALL {
         // Elements of 60 N/m per newton each, in phase with the deflection; a fifth of what they make.
         let expected = 0.2 * 60.0 * slip_n.iter().sum::<f64>();
         let sd = equation.stiffness_variance(corner).sqrt();
@@ -180,19 +180,19 @@ fn friction_of_which_little_was_seen_leaves_the_stiffness_open() {
     let g = equation.body.parts()[0];
     // Half of the body's motion is something else.
     learn(&mut equation, g, [30.0, 0.0, 0.0], 1.0);
-    let model = 0.2 * 60.0 * equation.slip_forces_n(0).iter().sum::<f64>();
-    assert!(equation.stiffness_variance(0).sqrt() > 1.2 * model);
-    assert_eq!(equation.stiffness_variance(2), 0.0);
+    let model = 0.2 * 60.0 * equation.slip_forces_n(Corner::FrontLeft).iter().sum::<f64>();
+    assert!(equation.stiffness_variance(Corner::FrontLeft).sqrt() > 1.2 * model);
+    assert_eq!(equation.stiffness_variance(Corner::RearLeft), 0.0);
 }
 
 #[test]
 fn what_is_read_of_a_strut_belongs_to_the_files_mass() {
     let mut equation = equation(4);
-    assert!(equation.reading(0).is_none());
+    assert!(equation.reading(Corner::FrontLeft).is_none());
     let [mass, pitch, roll, _] = equation.body.parts();
     // A body a quarter heavier than the file: of all forces and the mass only the ratios are in the signals.
     learn(&mut equation, (mass + pitch * 1.15 + roll * 0.9) / 1.25, [20.0, 0.0, 45.0], 0.0);
-    for corner in 0..4 {
+    for corner in Corner::ALL {
         let reading = equation.reading(corner).unwrap();
         assert!((reading.ln_damping - (1.1f64 / 1.25).ln()).abs() < 0.02, "{reading:?}");
         assert!((reading.ln_spring + 1.25f64.ln()).abs() < 0.03, "{reading:?}");
