@@ -157,8 +157,10 @@ for outcome in outcomes:
 sys.exit(len(outcomes) != 3 or any(outcome["verdict"] != "pass" for outcome in outcomes))'
 }
 
-# What a car takes of a controller in f32: stack, building it where it lies and with samples, and no flash for its memory.
+# What a car takes of a controller in f32: stack, building it where it lies and with samples, and no flash for its memory. And the core's
+# examples as its page has them.
 stack() {
+    local name
     example itpms-bench stack
     "$target_dir/release/examples/stack" --most 8 24
     # As a controller has it: with a feature's second method a car's memory is not all zeros.
@@ -166,6 +168,9 @@ stack() {
     # All of nm's lines are read: with -q, grep would end first and nm complain.
     nm -C "$target_dir/release/examples/static_car" | grep ' [bB] static_car::CAR$' ||
         { echo "a car that is not configured is not all zeros: it does not lie in .bss"; exit 1; }
+    for name in one_wheel puncture static_car wheel_speeds own_evidence; do
+        cargo run --release --locked -p itpms-core --example "$name"
+    done
 }
 
 # The core on a microcontroller: no heap, no operating system.
