@@ -26,6 +26,7 @@ def prose_and_formulas(text):
     for line in text.splitlines():
         if line.lstrip().startswith("```"):
             fenced = not fenced
+            line = ""
         indented = line.startswith("    ") and (before_blank or block)
         if indented and not fenced:
             block.append(line)

@@ -84,9 +84,9 @@ class Browser:
     def value(self, script):
         return self.call("Runtime.evaluate", expression=script, returnByValue=True)["result"].get("value")
 
-    def take(self, name):
+    def taken(self):
         time.sleep(0.2)
-        keep(name, base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"]))
+        return base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"])
 
     def page(self, name, path, width, height, from_heading=None):
         """A picture of a page from its top, or from the heading that begins so."""
@@ -98,7 +98,7 @@ class Browser:
                 if (h) scrollTo(0, h.getBoundingClientRect().top + scrollY - 24); return !!h; }})()"""
             self.value(scroll) or sys.exit(f"{path.name} has no heading {from_heading}")
             time.sleep(0.5)
-        self.take(name)
+        keep(name, self.taken())
 
 
 def keep(name, png):
@@ -171,11 +171,14 @@ def live(browser):
         browser.open(f"http://{ADDRESS}/")
         while json.load(urlopen(f"http://{ADDRESS}/api/snapshot"))["time_s"] < LIVE_S:
             time.sleep(0.05)
-        browser.take("dashboard-desktop.png")
+        pictures = {"dashboard-desktop.png": browser.taken()}
         browser.size(1200, 1500, dark=True)
-        browser.take("dashboard-dark.png")
+        pictures["dashboard-dark.png"] = browser.taken()
         browser.size(360, 1180, scale=1.5)
-        browser.take("dashboard-phone.png")
+        pictures["dashboard-phone.png"] = browser.taken()
+        json.load(urlopen(f"http://{ADDRESS}/api/snapshot"))["source"]["state"] == "live" or sys.exit("the replay ended before its pictures were taken")
+        for name, png in pictures.items():
+            keep(name, png)
     finally:
         monitor.terminate()
         monitor.wait()
