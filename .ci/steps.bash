@@ -183,7 +183,7 @@ bare_metal() {
 
 # A whole car on a Cortex-M4F under QEMU: it warns, and takes the instructions, stack and flash that are checked in.
 firmware() {
-    local built profile flags
+    local built profile flags program
     has_firmware_tools || skip "what the firmware needs is not there"
     built="$(realpath -m "$target_dir/firmware")"
     # From its own folder, whose .cargo/config.toml says how it is linked and run. The profile `small` is `dev` for size; told so, cargo
@@ -191,8 +191,9 @@ firmware() {
     for profile in dev small; do
         flags=()
         [[ $profile == dev ]] || flags=(--config 'profile.dev.opt-level="s"')
-        (cd examples/firmware && timeout 900 cargo run --quiet --locked "${flags[@]}" --target-dir "$built") |
-            python3 .ci/firmware.py "$profile"
+        (cd examples/firmware && for program in car wheels; do
+            timeout 900 cargo run --quiet --locked --bin "$program" "${flags[@]}" --target-dir "$built"
+        done) | python3 .ci/firmware.py "$profile"
     done
 }
 

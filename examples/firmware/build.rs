@@ -1,4 +1,4 @@
-//! Simulates the drive that `car` is fed with, as a logger would store it: 16 bits a value. Lets the linker find `memory.x`.
+//! Simulates the drives that `car` and `wheels` are fed with, as a logger would store them: 16 bits a value. Lets the linker find `memory.x`.
 
 use std::error::Error;
 use std::ops::Range;
@@ -15,6 +15,8 @@ const LOST_S: Range<f64> = 10.0..14.0;
 /// What a bit is: accelerations, in 1/m/s², and the speed, in 1/m/s.
 const PER_M_S2: f64 = 128.0;
 const PER_M_S: f64 = 256.0;
+/// The same of a bus with wheel speeds: steps of .03 km/h, of the yaw rate in 1/rad/s, of accelerations.
+const BUS: [f64; 3] = [120.0, 1e3 / 1.745, 100.0];
 /// What stands for a missing value.
 const MISSING: i16 = i16::MIN;
 
@@ -22,6 +24,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rustc-link-search={}", env::var("CARGO_MANIFEST_DIR")?);
     println!("cargo::rerun-if-changed=memory.x");
     println!("cargo::rerun-if-changed=build.rs");
+    println!("cargo::rerun-if-changed=wheels.toml");
+    wheels()?;
     let scenario = Scenario { duration_s: DRIVE_S, ..Scenario::builtin("drive-puncture")? };
     let mut bytes = Vec::new();
     let mut samples = 0;
@@ -53,5 +57,36 @@ fn main() -> Result<(), Box<dyn Error>> {
         bytes.len()
     );
     fs::write(Path::new(&out).join("drive.rs"), constants)?;
+    Ok(())
+}
+
+/// A bus with wheel speeds, as its messages have them.
+fn wheels() -> Result<(), Box<dyn Error>> {
+    let scenario = Scenario::from_file(Path::new("wheels.toml"))?;
+    let mut bytes = Vec::new();
+    let mut messages = 0;
+    for row in Simulation::new(&scenario, 1)? {
+        let bus = row.wheel_speeds.ok_or("the drive has wheel speeds")?;
+        let [speed, yaw, accel] = BUS;
+        let values = bus.wheel_speed_m_s.map(|value| value * speed).into_iter().chain([
+            bus.yaw_rate_rad_s * yaw,
+            bus.accel_x_m_s2 * accel,
+            bus.accel_y_m_s2 * accel,
+            bus.brake,
+        ]);
+        bytes.extend(values.flat_map(|value| (value.round() as i16).to_le_bytes()));
+        messages += 1;
+    }
+    let out = env::var("OUT_DIR")?;
+    fs::write(Path::new(&out).join("wheels.bin"), &bytes)?;
+    let [speed, yaw, accel] = BUS;
+    let constants = format!(
+        "/// Messages a second, and how many there are.\npub const RATE_HZ: f64 = {:?};\npub const MESSAGES: usize = {messages};\nconst PER_M_S: f32 = {speed:?};\n\
+         const PER_RAD_S: f32 = {yaw:?};\nconst PER_M_S2: f32 = {accel:?};\n\
+         /// The messages.\n         pub static WHEELS: [u8; {}] = *include_bytes!(\"wheels.bin\");\n",
+        scenario.rate_hz,
+        bytes.len()
+    );
+    fs::write(Path::new(&out).join("wheels.rs"), constants)?;
     Ok(())
 }

@@ -10,7 +10,10 @@
 use core::panic::PanicInfo;
 
 use itpms_core::model::{Corner, VehicleCalibration};
+use itpms_core::monitor::MonitoredWheels;
 use itpms_core::torsion::{CarTorsion, TorsionCalibration, TorsionConfig, TorsionWheel};
+use itpms_core::warning::MonitorReport;
+use itpms_core::wheel_speed::{RadiusCalibration, WheelSpeedConfig, WheelSpeedSample};
 use itpms_core::{CarSample, MonitorConfig, MonitoredCar};
 
 /// What a controller calls: the car configured where it lies, its stored calibration, a calibration drive, its samples, what it
@@ -67,6 +70,31 @@ extern "C" fn wheels(
     let known = car.changes().iter().flatten().count() + car.calibration().iter().flatten().count();
     let seen = car.evidence().information.iter().filter(|seen| **seen > 0.0).count();
     car.end_calibration() + usize::from(piece.is_some()) + known + seen
+}
+
+/// The same of four wheel speeds, with the pulses' evidence and without.
+#[unsafe(no_mangle)]
+extern "C" fn speeds(
+    speeds: &mut MonitoredWheels<f32>,
+    config: &WheelSpeedConfig<f32>,
+    learned: &RadiusCalibration<f32>,
+    sample: &WheelSpeedSample<f32>,
+    torsion: &mut CarTorsion<f32>,
+    report: &mut MonitorReport<f32>,
+) -> usize {
+    if speeds.configure(config).is_err() || !speeds.load_calibration(learned) {
+        return 0;
+    }
+    if speeds.begin_calibration_at(sample.time_s, &sample.wheel_speed_m_s).is_ok() {
+        speeds.update(sample);
+    }
+    speeds.update_with_pulses(sample, torsion);
+    speeds.tell_alone(report);
+    usize::from(speeds.end_calibration())
+        + usize::from(speeds.calibration().is_some())
+        + usize::from(speeds.alert().is_some())
+        + usize::from(speeds.differences().is_some())
+        + report.wheels.iter().flatten().count()
 }
 
 #[cfg(not(feature = "count"))]

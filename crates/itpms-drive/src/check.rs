@@ -35,6 +35,12 @@ pub struct CheckedVehicle {
 /// No corner in common; the log cannot be read on; [`DriveError::Stopped`].
 pub fn check(vehicle: &Vehicle, log: &mut LogReader, watch: Watch<'_>) -> Result<CheckedVehicle, DriveError> {
     let corners = common_corners(log, vehicle)?;
+    if corners.is_empty() {
+        let path = log.path().display();
+        return Err(DriveError::Mismatch(format!(
+            "{path}: has wheel speeds alone, expected accelerations: there is no suspension to check"
+        )));
+    }
     let mut axis = TimeAxis::new(vehicle.wheelbase_m);
     let (spectra, fits) = listen(vehicle, log, &corners, &mut axis, watch)?;
     let checked = corners.iter().zip(&spectra).filter_map(|(corner, spectra)| {

@@ -11,10 +11,12 @@ use crate::drive::Drive;
 use crate::error::DriveError;
 use crate::job::Job;
 use crate::settings::LOG_END_S;
-use crate::wheel_speeds::{lacking, wheel_speed_use};
+use crate::wheel_speeds::{YawFault, lacking, wheel_speed_use};
 
 /// Rates in Hz for which the estimators are made.
 const USUAL_RATES_HZ: std::ops::RangeInclusive<f64> = 99.0..=2020.0;
+/// Rate in Hz from which on a wheel's hop, at 10 to 15 Hz, lies well within what samples show.
+const LEAST_RATE_HZ: f64 = 50.0;
 /// Seconds of driving that a calibration should have.
 const SHORTEST_CALIBRATION_S: f64 = 10.0;
 /// Standard deviations by which the spectra have to contradict a calibration.
@@ -25,7 +27,7 @@ const ASK_KPA: f64 = 10.0;
 /// The corners that the log has measured and the vehicle file describes; none where wheel speeds are all that both have.
 ///
 /// # Errors
-/// There is none.
+/// There is none, or the accelerations are sampled too slowly.
 pub fn common_corners(log: &LogReader, vehicle: &Vehicle) -> Result<Vec<Corner>, DriveError> {
     let measured = log.columns().present();
     let common: Vec<Corner> = measured.iter().copied().filter(|c| vehicle.corner(*c).is_some()).collect();
@@ -45,6 +47,13 @@ pub fn common_corners(log: &LogReader, vehicle: &Vehicle) -> Result<Vec<Corner>,
             labels(&measured),
             vehicle.name,
             labels(&described)
+        )));
+    }
+    let rate_hz = log.survey().sample_rate_hz;
+    if !common.is_empty() && rate_hz < LEAST_RATE_HZ {
+        return Err(DriveError::Mismatch(format!(
+            "{}: sampled at {rate_hz:.1} Hz, expected 100 Hz to 2 kHz: below {LEAST_RATE_HZ} Hz accelerations do not show how a wheel hops, and no pressure can be estimated",
+            log.path().display()
         )));
     }
     Ok(common)
@@ -94,12 +103,11 @@ pub(crate) fn of(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Vec<String> {
     let unit = settings.pressure_unit;
     let mut concerns = log.repairs().warnings();
     concerns.extend(of_wheel_speeds(job, log, drive));
-    if drive.yaw_is_reversed() {
-        concerns.push(
-            "yaw_rate_rad_s turns against the wheels, expected positive to the left: what wheel speeds say is wrong; turn it round in a map (factor = -1.0)"
-                .to_owned(),
-        );
-    }
+    let yaw = drive.yaw_fault().map(|fault| match fault {
+        YawFault::Reversed => "turns against the wheels, expected positive to the left: what wheel speeds say is wrong; turn it round in a map (factor = -1.0)",
+        YawFault::InDegrees => "is some 57 times what the wheels show, expected rad/s: what wheel speeds say is wrong; convert it in a map (factor = 0.01745)",
+    });
+    concerns.extend(yaw.map(|fault| format!("yaw_rate_rad_s {fault}")));
     if job.corners.is_empty() {
         return concerns;
     }

@@ -15,7 +15,7 @@ use crate::car::AnyCar;
 use crate::error::DriveError;
 use crate::reference::{self, Taught};
 use crate::settings::{LOG_END_S, Settings};
-use crate::wheel_speeds::WheelSpeeds;
+use crate::wheel_speeds::{WheelSpeeds, YawFault};
 
 /// What is known of the corners after a row, in the order of [`Corner::ALL`].
 pub type Estimates = [Option<CornerEstimate<f64>>; 4];
@@ -157,8 +157,8 @@ impl Drive {
     }
 
     /// Whether the yaw rate's sign contradicts the wheels.
-    pub(crate) fn yaw_is_reversed(&self) -> bool {
-        self.wheels.as_ref().is_some_and(WheelSpeeds::yaw_is_reversed)
+    pub(crate) fn yaw_fault(&self) -> Option<YawFault> {
+        self.wheels.as_ref().and_then(WheelSpeeds::yaw_fault)
     }
 
     /// What the wheel speeds say, where they are used.

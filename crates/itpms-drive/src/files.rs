@@ -135,6 +135,9 @@ impl Files {
         }
         files.into_iter().try_for_each(AtomicFile::commit)?;
         let driven_s = done.data.drive.duration_s;
+        if let Some((saving, why)) = self.reference.as_ref().zip(done.calibration_doubt()) {
+            return Err(saving.refused(why));
+        }
         let reference =
             self.reference.map(|saving| saving.complete(self.calibrate_s, driven_s, done.learned));
         reference.transpose()?.map(AtomicFile::commit).transpose()?;

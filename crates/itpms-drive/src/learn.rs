@@ -15,13 +15,17 @@ use serde_json::{Map, Value, json};
 
 use crate::concerns::common_corners;
 use crate::error::DriveError;
+use crate::plausibility::Plausibility;
 use crate::run::ROWS_PER_LOOK;
+use crate::time_axis::TimeAxis;
 use crate::wheelbase;
 
 /// Significant digits of a learned value: its standard deviation has no more to say.
 const DIGITS: usize = 5;
 /// Seconds of reading below which a drive teaches little.
 const SHORT_S: f64 = 300.0;
+/// Share of the time that the best read tire is read for, below which another one is not read at all.
+const UNREAD_SHARE: f64 = 0.1;
 /// Share of a pass that reading a log takes.
 const READING: f64 = 0.1;
 
@@ -132,7 +136,7 @@ fn named(error: LearnError, drives: &[KnownDrive]) -> DriveError {
     };
     match drive {
         Some(drive) => DriveError::Mismatch(format!(
-            "{}: no tire was read for a minute after the first 30 s, expected some minutes of driving at more than walking pace",
+            "{}: no tire was read for a minute after the first 30 s, expected some minutes of driving at more than walking pace with body and wheels that go together (itpms vehicle check shows whether they do)",
             drive.log.display()
         )),
         None => error.into(),
@@ -201,6 +205,12 @@ fn listen(
     watch: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<DriveReading, DriveError> {
     let corners = common_corners(log, vehicle)?;
+    if corners.is_empty() {
+        let path = drive.log.display();
+        return Err(DriveError::Mismatch(format!(
+            "{path}: has wheel speeds alone, expected accelerations to learn from"
+        )));
+    }
     for corner in &corners {
         let (path, label, kpa) = (drive.log.display(), corner.label(), drive.pressures_kpa[corner.index()]);
         if kpa.is_nan() {
@@ -215,15 +225,32 @@ fn listen(
     }
     let config = vehicle.car_config(&corners);
     let mut listener = Listener::new(&config, drive.pressures_kpa, log.survey().sample_rate_hz)?;
+    let (mut axis, mut plausibility) = (TimeAxis::new(vehicle.wheelbase_m), Plausibility::default());
     let mut count = 0u64;
     while let Some(row) = log.next_row()? {
         if count.is_multiple_of(ROWS_PER_LOOK) && watch(log.progress()).is_break() {
             return Err(DriveError::Stopped);
         }
         count += 1;
+        axis.take(&row);
+        plausibility.take(&row, f64::NAN);
         listener.take(&row.sample());
     }
-    Ok(listener.finish())
+    let path = drive.log.display();
+    if let Some(why) = axis.contradiction().or_else(|| plausibility.contradiction()) {
+        return Err(DriveError::Mismatch(format!("{path}: {why}")));
+    }
+    let reading = listener.finish();
+    let seconds = |corner: &&Corner| reading.wheels[corner.index()].map_or(0.0, |wheel| wheel.seconds);
+    let most_s = corners.iter().map(|corner| seconds(&corner)).fold(0.0, f64::max);
+    if let Some(corner) = corners.iter().find(|corner| seconds(corner) < UNREAD_SHARE * most_s) {
+        return Err(DriveError::Mismatch(format!(
+            "{path}: the tire {} was read for {:.0} s and others for {most_s:.0}: its sensors do not fit together (itpms vehicle check shows them); nothing is learned of the car",
+            corner.label(),
+            seconds(&corner)
+        )));
+    }
+    Ok(reading)
 }
 
 fn doubts(file: &Vehicle, drives: &[KnownDrive], readings: &[DriveReading]) -> Vec<String> {

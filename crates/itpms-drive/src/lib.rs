@@ -34,6 +34,7 @@ pub mod fleet;
 mod job;
 pub mod learn;
 pub mod pipeline;
+mod plausibility;
 mod provenance;
 mod pulses;
 pub mod reference;

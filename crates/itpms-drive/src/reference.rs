@@ -79,6 +79,11 @@ impl Saving {
         Ok(Self { file: AtomicFile::create(path)?, vehicle: vehicle.clone() })
     }
 
+    /// The error of a file that is not written.
+    pub(crate) fn refused(&self, why: String) -> DriveError {
+        refused(self.file.target(), why)
+    }
+
     /// The complete file, to be given its name together with the others.
     ///
     /// # Errors

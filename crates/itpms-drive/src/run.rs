@@ -5,15 +5,16 @@ use std::ops::ControlFlow;
 use itpms_analysis::report::{CornerRow, Provenance, ReportCollector, ReportData, ReportOptions};
 use itpms_core::model::{BodyFit, Corner, Misfit};
 use itpms_core::torsion::TorsionChange;
-use itpms_core::warning::{Change, MonitorReport};
+use itpms_core::warning::{Cause, Change, MonitorReport};
 use itpms_data::out::{RadiusRow, States};
 use itpms_data::{LogReader, LogRow};
 
-use crate::alerts::{Alerts, Events};
+use crate::alerts::{Alerts, Events, Listed};
 use crate::concerns;
 use crate::drive::{Drive, Estimates, QuarterCars};
 use crate::error::DriveError;
 pub use crate::job::Job;
+use crate::plausibility::Plausibility;
 use crate::provenance::provenance;
 use crate::pulses::Pulses;
 use crate::reference::Taught;
@@ -86,6 +87,26 @@ pub struct Done {
     pub sensors_kpa: [f64; 4],
 }
 
+impl Done {
+    /// Why nothing of the drive's calibration of corners is to be kept: a sensor that was reported to the end, or a corner that does not fit.
+    #[must_use]
+    pub fn calibration_doubt(&self) -> Option<String> {
+        self.learned.corners?;
+        let stands = |listed: &&Listed| {
+            listed.ended_s.is_none() && matches!(listed.alert.cause, Cause::Malfunction(_))
+        };
+        let broken = self.alerts.listed().iter().find(stands).map(|listed| listed.alert.to_string());
+        let misfit = || {
+            let fits = Corner::ALL.into_iter().zip(&self.fits);
+            fits.filter_map(|(corner, fit)| Some((corner, fit.as_ref()?.1?)))
+                .next()
+                .map(|(corner, misfit)| format!("corner {}: {misfit}", corner.label()))
+        };
+        let why = broken.or_else(misfit)?;
+        Some(format!("the calibration is not kept: {why}"))
+    }
+}
+
 /// Estimates a drive.
 ///
 /// # Errors
@@ -132,6 +153,8 @@ pub(crate) fn begin(log: &LogReader, job: &Job<'_>) -> Result<(Drive, Record), D
             collector: collector(job),
             events: Events::default(),
             axis,
+            plausibility: Plausibility::default(),
+            rolling_radius_m: job.vehicle.rolling_radius_m().unwrap_or(f64::NAN),
             sensors_kpa: [f64::NAN; 4],
         },
     ))
@@ -150,16 +173,21 @@ pub(crate) fn conclude(
         return Err(DriveError::Stopped);
     }
     drive.finish(job.settings.calibrate_s);
-    if let Some(contradiction) = record.axis.contradiction() {
+    let of_wheel_speeds = drive.radii().and_then(|_| record.plausibility.contradiction_of_wheel_speeds());
+    let contradiction = record.axis.contradiction().or_else(|| record.plausibility.contradiction());
+    if let Some(contradiction) = contradiction.or(of_wheel_speeds) {
         return Err(DriveError::Mismatch(format!("{}: {contradiction}", log.path().display())));
     }
+    let implausible = record.plausibility.concern();
     let of_pulses = pulses.finish(log.path(), log.last_time_s().unwrap_or(f64::NAN))?;
     let sensors_kpa = record.sensors_kpa;
     let provenance = provenance(job, log, &sensors_kpa);
-    let (data, alerts) = record.complete(provenance, sink)?;
+    let (mut data, alerts) = record.complete(provenance, sink)?;
     let mut concerns = concerns::of(job, log, &drive);
+    concerns.extend(implausible);
     concerns.extend(of_pulses);
     concerns.extend(concerns::of_tire_sensors(&data));
+    data.concerns.clone_from(&concerns);
     let fits = Corner::ALL.map(|corner| drive.fit(corner));
     let placards_kpa = Corner::ALL.map(|corner| job.vehicle.placard_kpa(corner));
     Ok(Done {
@@ -181,6 +209,8 @@ pub(crate) struct Record {
     collector: ReportCollector,
     events: Events,
     axis: TimeAxis,
+    plausibility: Plausibility,
+    rolling_radius_m: f64,
     /// What the tires' own sensors sent last, in kPa; NaN: nothing.
     sensors_kpa: [f64; 4],
 }
@@ -199,6 +229,7 @@ impl Record {
         self.events.take(report, &mut |time_s, change| sink.transition(time_s, change))?;
         self.collector.push_report(report);
         self.axis.take(row);
+        self.plausibility.take(row, self.rolling_radius_m);
         for (last, sent) in self.sensors_kpa.iter_mut().zip(row.motion.tire_sensor_kpa) {
             if sent.is_finite() {
                 *last = sent;

@@ -119,9 +119,9 @@ impl WheelSpeeds {
         &self.wheels
     }
 
-    /// Whether the yaw rate has the other sign than the wheels' way round bends.
-    pub(crate) fn yaw_is_reversed(&self) -> bool {
-        self.turns.are_reversed()
+    /// What is wrong with the yaw rate, as the wheels' way round bends shows it.
+    pub(crate) fn yaw_fault(&self) -> Option<YawFault> {
+        self.turns.fault()
     }
 
     /// The log ends with its calibration.
@@ -164,8 +164,22 @@ impl WheelSpeeds {
 
 /// Speed in m/s above which rear wheels show how a car turns.
 const TURNING_M_S: f64 = 5.0;
-/// The yaw rate of the rear wheels over the sensor's is 1, or -1 where its sign is the other one: surely below this it is.
+/// The yaw rate of the rear wheels over the sensor's is 1, or -1 where its sign is the other one: surely below this it is. Of a sensor in
+/// degrees per second it is a 57th.
 const REVERSED: f64 = -0.3;
+const IN_DEGREES: std::ops::Range<f64> = 0.005..0.05;
+/// The fastest turn that counts, in rad/s and in deg/s.
+const FASTEST_RAD_S: f64 = 2.0;
+const FASTEST_DEG_S: f64 = 115.0;
+
+/// What is wrong with a yaw rate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum YawFault {
+    /// Its sign is the other one.
+    Reversed,
+    /// It is in degrees per second.
+    InDegrees,
+}
 
 /// Sums of the sensor's yaw rate and the rear wheels', whose slope is to be one.
 #[derive(Debug, Clone, Copy, Default)]
@@ -181,7 +195,8 @@ struct Turns {
 
 impl Turns {
     fn push(&mut self, sensor_rad_s: f64, speed_m_s: f64, wheels_rad_s: f64) {
-        if !(speed_m_s > TURNING_M_S && sensor_rad_s.abs() < 2.0 && wheels_rad_s.abs() < 2.0) {
+        let turns = sensor_rad_s.abs() < FASTEST_DEG_S && wheels_rad_s.abs() < FASTEST_RAD_S;
+        if !(speed_m_s > TURNING_M_S && turns) {
             return;
         }
         self.count += 1.0;
@@ -193,20 +208,25 @@ impl Turns {
     }
 
     /// By the regression's slope and four of its standard deviations.
-    fn are_reversed(&self) -> bool {
+    fn fault(&self) -> Option<YawFault> {
         let of = |square: f64, a: f64, b: f64| square - a * b / self.count;
         let sensor = of(self.sensor_square, self.sensor, self.sensor);
         let wheels = of(self.wheels_square, self.wheels, self.wheels);
         let slope = of(self.product, self.sensor, self.wheels) / sensor;
         let rest = (wheels - slope * slope * sensor).max(0.0) / self.count;
-        slope + 4.0 * (rest / sensor).sqrt() < REVERSED
+        let (least, most) = (slope - 4.0 * (rest / sensor).sqrt(), slope + 4.0 * (rest / sensor).sqrt());
+        match () {
+            () if most < REVERSED => Some(YawFault::Reversed),
+            () if IN_DEGREES.contains(&least) && IN_DEGREES.contains(&most) => Some(YawFault::InDegrees),
+            () => None,
+        }
     }
 }
 
 /// Why wheel speeds are of no use with this file.
 pub(crate) fn lacking(vehicle: &Vehicle, key: &str) -> String {
     format!(
-        "the vehicle {:?} has no {key}; wheel speeds need wheelbase_m, track_front_m, track_rear_m and driven, and speeds of rotation and tooth pulses [tire] rolling_radius_m",
+        "the vehicle {:?} has no {key}; wheel speeds need wheelbase_m, track_front_m, track_rear_m and driven (itpms vehicle init --wheelbase-m and --driven write them), and speeds of rotation and tooth pulses [tire] rolling_radius_m",
         vehicle.name
     )
 }

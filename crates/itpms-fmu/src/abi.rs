@@ -319,3 +319,27 @@ pub(crate) unsafe fn read_state(
     // SAFETY: an instance of ours and the tool's pointer.
     unsafe { get_state((&raw mut restored).cast(), state) }
 }
+
+/// The functions of both versions that differ in nothing but their names: reset; get, set and free a state; its size as bytes; to bytes and
+/// back.
+macro_rules! state_functions {
+    ($reset:ident $get:ident $set:ident $free:ident $size:ident $write:ident $read:ident) => {
+        $crate::abi::state_functions! { @
+            $reset(instance: *mut c_void) reset;
+            $get(instance: *mut c_void, state: *mut *mut c_void) get_state;
+            $set(instance: *mut c_void, state: *mut c_void) set_state;
+            $free(instance: *mut c_void, state: *mut *mut c_void) free_state;
+            $size(instance: *mut c_void, state: *mut c_void, size: *mut usize) state_size;
+            $write(instance: *mut c_void, state: *mut c_void, bytes: *mut u8, size: usize) write_state;
+            $read(instance: *mut c_void, bytes: *const u8, size: usize, state: *mut *mut c_void) read_state;
+        }
+    };
+    (@ $($name:ident($($argument:ident: $type:ty),*) $function:ident;)*) => {$(
+        #[unsafe(no_mangle)]
+        unsafe extern "C" fn $name($($argument: $type),*) -> Status {
+            // SAFETY: the tool's instance, state, bytes and number.
+            unsafe { abi::$function($($argument),*) }
+        }
+    )*};
+}
+pub(crate) use state_functions;

@@ -143,12 +143,6 @@ macro_rules! nothing_to_do {
 
 nothing_to_do! { fmi2EnterInitializationMode fmi2ExitInitializationMode fmi2Terminate }
 
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2Reset(instance: *mut c_void) -> Status {
-    // SAFETY: the tool's instance.
-    unsafe { abi::reset(instance) }
-}
-
 /// Getter and setter of a type.
 macro_rules! access {
     ($($get:ident $set:ident $type:ty, $kind:expr, $of:expr, $into:expr;)*) => {$(
@@ -182,54 +176,9 @@ access! {
     fmi2GetBoolean fmi2SetBoolean c_int, Kind::Boolean, |value| c_int::from(value > 0.5), |value| f64::from(u8::from(value != 0));
 }
 
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2GetFMUstate(instance: *mut c_void, state: *mut *mut c_void) -> Status {
-    // SAFETY: the tool's instance and state.
-    unsafe { abi::get_state(instance, state) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2SetFMUstate(instance: *mut c_void, state: *mut c_void) -> Status {
-    // SAFETY: the tool's instance and state.
-    unsafe { abi::set_state(instance, state) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2FreeFMUstate(instance: *mut c_void, state: *mut *mut c_void) -> Status {
-    // SAFETY: the tool's instance and state.
-    unsafe { abi::free_state(instance, state) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2SerializedFMUstateSize(
-    instance: *mut c_void,
-    state: *mut c_void,
-    size: *mut usize,
-) -> Status {
-    // SAFETY: the tool's instance, state and number.
-    unsafe { abi::state_size(instance, state, size) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2SerializeFMUstate(
-    instance: *mut c_void,
-    state: *mut c_void,
-    bytes: *mut u8,
-    size: usize,
-) -> Status {
-    // SAFETY: the tool's instance, state and bytes.
-    unsafe { abi::write_state(instance, state, bytes, size) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2DeSerializeFMUstate(
-    instance: *mut c_void,
-    bytes: *const u8,
-    size: usize,
-    state: *mut *mut c_void,
-) -> Status {
-    // SAFETY: the tool's instance, bytes and state.
-    unsafe { abi::read_state(instance, bytes, size, state) }
+abi::state_functions! {
+    fmi2Reset fmi2GetFMUstate fmi2SetFMUstate fmi2FreeFMUstate
+    fmi2SerializedFMUstateSize fmi2SerializeFMUstate fmi2DeSerializeFMUstate
 }
 
 #[unsafe(no_mangle)]

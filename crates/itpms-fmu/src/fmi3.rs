@@ -83,12 +83,6 @@ macro_rules! nothing_to_do {
 
 nothing_to_do! { fmi3ExitInitializationMode fmi3Terminate }
 
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3Reset(instance: *mut c_void) -> Status {
-    // SAFETY: the tool's instance.
-    unsafe { abi::reset(instance) }
-}
-
 /// Getter and setter of a type. Every variable is one number, so there are as many values as references.
 macro_rules! access {
     ($($get:ident $set:ident $type:ty, $kind:expr, $of:expr, $into:expr;)*) => {$(
@@ -131,54 +125,9 @@ access! {
     fmi3GetBoolean fmi3SetBoolean u8, Kind::Boolean, |value| u8::from(value > 0.5), |value| f64::from(u8::from(value != 0));
 }
 
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3GetFMUState(instance: *mut c_void, state: *mut *mut c_void) -> Status {
-    // SAFETY: the tool's instance and state.
-    unsafe { abi::get_state(instance, state) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3SetFMUState(instance: *mut c_void, state: *mut c_void) -> Status {
-    // SAFETY: the tool's instance and state.
-    unsafe { abi::set_state(instance, state) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3FreeFMUState(instance: *mut c_void, state: *mut *mut c_void) -> Status {
-    // SAFETY: the tool's instance and state.
-    unsafe { abi::free_state(instance, state) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3SerializedFMUStateSize(
-    instance: *mut c_void,
-    state: *mut c_void,
-    size: *mut usize,
-) -> Status {
-    // SAFETY: the tool's instance, state and number.
-    unsafe { abi::state_size(instance, state, size) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3SerializeFMUState(
-    instance: *mut c_void,
-    state: *mut c_void,
-    bytes: *mut u8,
-    size: usize,
-) -> Status {
-    // SAFETY: the tool's instance, state and bytes.
-    unsafe { abi::write_state(instance, state, bytes, size) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3DeserializeFMUState(
-    instance: *mut c_void,
-    bytes: *const u8,
-    size: usize,
-    state: *mut *mut c_void,
-) -> Status {
-    // SAFETY: the tool's instance, bytes and state.
-    unsafe { abi::read_state(instance, bytes, size, state) }
+abi::state_functions! {
+    fmi3Reset fmi3GetFMUState fmi3SetFMUState fmi3FreeFMUState
+    fmi3SerializedFMUStateSize fmi3SerializeFMUState fmi3DeserializeFMUState
 }
 
 #[unsafe(no_mangle)]

@@ -11,7 +11,7 @@ use itpms_drive::drive::Estimates;
 use itpms_drive::fleet::wheels::{Begun, wheels};
 use itpms_drive::reference::Saving;
 use itpms_drive::{
-    Done, DriveError, Job, LateRow, Settings, Sink, common_corners, corner_line, summary_json,
+    Done, DriveError, Job, LateRow, Settings, Sink, common_corners, corner_line, summary_json, torsion_line,
     wheel_speed_lines, wheel_speed_use,
 };
 use pyo3::prelude::*;
@@ -86,7 +86,8 @@ fn run(
         let end_s = log.last_time_s().map_or(f64::NAN, |end_s| end_s - done.data.drive.origin_s);
         let unit = done.data.pressure_unit;
         let lines = done.data.corners.iter().map(|corner| corner_line(corner, end_s, unit));
-        let lines = lines.chain(done.radii.iter().flat_map(wheel_speed_lines)).collect();
+        let lines = lines.chain(done.radii.iter().flat_map(wheel_speed_lines));
+        let lines = lines.chain(torsion_line(&done, unit)).collect();
         Ok(Estimated {
             done,
             kept,

@@ -42,6 +42,8 @@ pub(crate) struct Options {
     dbc: Option<PathBuf>,
     #[pyo3(item)]
     signals: Option<PathBuf>,
+    #[pyo3(item)]
+    pulses: Option<PathBuf>,
 }
 
 /// Seconds, or a word.
@@ -85,6 +87,7 @@ impl Options {
             road_repeats: self.road_repeats.settled().map_err(refuse)?,
             calibrate_s: self.calibrate_s.map(|seconds| positive("calibrate_s", seconds)).transpose()?,
             reference: self.reference.clone(),
+            pulses: self.pulses.clone(),
             rate_hz: positive("rate_hz", self.rate_hz)?,
             pressure_unit: PressureUnit::from_label(&self.pressure_unit)
                 .ok_or_else(|| known(units(), "pressure_unit", &self.pressure_unit))?,

@@ -72,3 +72,27 @@ def test_every_table_gives_the_same_and_a_speed_that_is_missing_is_named():
         np.testing.assert_array_equal(values, expected[name], err_msg=name)
     with pytest.raises(itpms.LogError, match="rr_wheel_speed"):
         itpms.estimate(table.drop(columns="rr_wheel_speed_m_s"), vehicle)
+
+
+def test_pulses_are_read_beside_the_drive_and_refused_without_wheel_speeds(tmp_path):
+    # 48 teeth of a wheel of .31 m; the front left one turns faster by a hundredth.
+    time_s = np.arange(0.0, 60.0, 0.02)
+    table = {"time_s": time_s, "yaw_rate_rad_s": np.zeros_like(time_s)}
+    edges = []
+    for number, corner in enumerate(CORNERS):
+        speed = np.full_like(time_s, 20.0 * (1.01 if number == 0 else 1.0))
+        table[f"{corner}_wheel_speed_m_s"] = speed
+        step_s = 2 * np.pi * 0.31 / 48 / speed[0]
+        edges.append(pd.DataFrame({"time_s": np.arange(0.01 * number, 60.0, step_s), "wheel": corner}))
+    path = tmp_path / "teeth.csv"
+    pd.concat(edges).sort_values("time_s").to_csv(path, index=False)
+    vehicle = itpms.Vehicle.parse(VEHICLE.replace("[tire]", "[tire]\nrolling_radius_m = 0.31"))
+    without = itpms.estimate(table, vehicle, calibrate_s=30)
+    result = itpms.estimate(table, vehicle, calibrate_s=30, pulses=path)
+    # Teeth at even distances show no resonance: read, and nothing of a pressure.
+    assert result.summary["torsion"] == dict.fromkeys(CORNERS) and without.summary["torsion"] is None
+    assert "by the tooth pulses" in str(result) and "by the tooth pulses" not in str(without)
+    with pytest.raises(itpms.SettingError, match="tooth pulses count together with wheel speeds"):
+        itpms.estimate(itpms.simulate("bench-slow"), pulses=path)
+    with pytest.raises(itpms.ItpmsError, match="no-teeth.csv"):
+        itpms.estimate(table, vehicle, pulses=tmp_path / "no-teeth.csv")

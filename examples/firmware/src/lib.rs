@@ -3,6 +3,7 @@
 
 pub mod drive;
 pub mod memory;
+pub mod wheels;
 
 use core::sync::atomic::{AtomicU32, Ordering};
 

@@ -189,7 +189,7 @@ impl FoundCorner {
         let coherence = self.lines.iter().map(|line| (line.hz, line.coherence)).collect();
         Panel::new(
             "",
-            format!("Coherence of body and wheel, {INCOHERENT} or more expected"),
+            format!("Coherence, {INCOHERENT} or more expected"),
             frequency(step_s),
             Axis::linear("Coherence", "").within(0.0, 1.0),
         )

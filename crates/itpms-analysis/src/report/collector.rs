@@ -273,6 +273,7 @@ impl ReportCollector {
             corners,
             watch,
             wheel_speeds,
+            concerns: Vec::new(),
             pressure_unit: options.pressure_unit,
         }
     }

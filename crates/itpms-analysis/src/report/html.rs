@@ -30,13 +30,14 @@ pub(super) fn page(data: &ReportData) -> io::Result<String> {
     let headline = escape(&title(data));
     let curves = json::curves(data)?;
     let (roads, wheels, parameters) = (roads_section(data), wheels::section(data), parameters::section(data));
-    let parts: [(&str, String); 20] = [
+    let parts: [(&str, String); 21] = [
         ("contents", contents(data, [&wheels, &roads, &parameters].map(|section| !section.is_empty()))),
         ("title", headline.clone()),
         ("plot_style", PLOT_STYLE.into()),
         ("style", STYLE.into()),
         ("headline", headline),
         ("subline", subline(data)),
+        ("concerns", concerns(data)),
         ("cards", cards(data)),
         ("arrangement", if data.corners.len() > 1 { "around" } else { "alone" }.into()),
         ("alerts", alerts::table(data)),
@@ -98,6 +99,21 @@ fn span(seconds: f64) -> String {
 
 fn distance(metres: f64) -> String {
     if metres < 1000.0 { format!("{metres:.0}\u{a0}m") } else { format!("{:.2}\u{a0}km", metres / 1000.0) }
+}
+
+/// What should be known before believing the page.
+fn concerns(data: &ReportData) -> String {
+    if data.concerns.is_empty() {
+        return String::new();
+    }
+    let items: String = data
+        .concerns
+        .iter()
+        .map(|concern| format!("<li>{}.</li>", escape(concern.trim_end_matches('.'))))
+        .collect();
+    format!(
+        "<section class=\"card malfunction\" id=\"concerns\"><p class=\"card-name\">Before you believe it</p><ul>{items}</ul></section>\n"
+    )
 }
 
 /// The corners at a glance, around the car where there are several.

@@ -74,6 +74,8 @@ pub struct ReportData {
     pub corners: Vec<CornerReport>,
     /// What the monitor reported; `None` where there was none.
     pub watch: Option<WatchReport>,
+    /// What should be known before believing it, a sentence each.
+    pub concerns: Vec<String>,
     /// Unit in which the page shows pressures.
     pub pressure_unit: PressureUnit,
     /// What the wheel speeds reported; `None` where they were not used.

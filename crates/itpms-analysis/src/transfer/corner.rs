@@ -141,6 +141,9 @@ impl CornerCheck {
     }
 
     fn compared_sentence(&self, damping: (f64, f64), spring: (f64, f64)) -> String {
+        if damping.0 < 0.0 || spring.0 < 0.0 {
+            return "Body and wheel move against each other as no damper and no spring lets them: a sensor is upside down, or the columns of body and wheel are exchanged; damper and spring are not judged".to_owned();
+        }
         let s = &self.suspension;
         let part = |name: &str, key: &str, value: f64, sd: f64, (ratio, error): (f64, f64)| {
             if apart((ratio, error), sd) {

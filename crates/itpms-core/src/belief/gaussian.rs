@@ -263,6 +263,12 @@ impl<T: Real> Hypothesis<T> {
             + p[(LEVEL + a, LEVEL + b)]
     }
 
+    /// Covariance of a tire's loss with another tire's compliance now.
+    pub(crate) fn loss_by_tire(&self, loss: usize, tire: usize) -> T {
+        let (loss, tire, p) = (loss.min(3), TIRE + tire.min(3), &self.covariance);
+        p[(TIRE + loss, tire)] - p[(LEVEL + loss, tire)]
+    }
+
     /// As [`hold_above`](Self::hold_above), of a tire's loss.
     pub(crate) fn hold_loss_above(&mut self, tire: usize, least: T) -> T {
         let (below, variance) = (least - self.loss(tire), self.loss_covariance(tire, tire));

@@ -20,17 +20,18 @@ pub(crate) struct Tires<T: Real> {
     square: SMatrix<T, 4, 4>,
     rate_by_mean: SMatrix<T, 4, 4>,
     rate_square: SMatrix<T, 4, 4>,
-    /// Means of the losses, and their products; whether they are counted.
+    /// Means of the losses, their products, and those with the compliances; whether they are counted.
     loss: SVector<T, 4>,
     loss_square: SMatrix<T, 4, 4>,
+    loss_by_mean: SMatrix<T, 4, 4>,
     pub(super) count_losses: bool,
     /// Probability that each tire changes, and that any does.
     pub(crate) changing: [T; 4],
     pub(crate) any_changes: T,
 }
 
-blank!(Tires<T> { time_s, mean, rate, square, rate_by_mean, rate_square, loss, loss_square, count_losses,
-    changing, any_changes });
+blank!(Tires<T> { time_s, mean, rate, square, rate_by_mean, rate_square, loss, loss_square, loss_by_mean,
+    count_losses, changing, any_changes });
 
 impl<T: Real> Tires<T> {
     /// Of no hypothesis.
@@ -38,9 +39,13 @@ impl<T: Real> Tires<T> {
         for of_each in [&mut self.mean, &mut self.rate, &mut self.loss] {
             of_each.fill(T::zero());
         }
-        for products in
-            [&mut self.square, &mut self.rate_by_mean, &mut self.rate_square, &mut self.loss_square]
-        {
+        for products in [
+            &mut self.square,
+            &mut self.rate_by_mean,
+            &mut self.rate_square,
+            &mut self.loss_square,
+            &mut self.loss_by_mean,
+        ] {
             products.fill(T::zero());
         }
     }
@@ -66,6 +71,7 @@ impl<T: Real> Tires<T> {
             for j in 0..4 {
                 self.loss_square[(i, j)] +=
                     weight * (hypothesis.loss_covariance(i, j) + loss * hypothesis.loss(j));
+                self.loss_by_mean[(i, j)] += weight * (hypothesis.loss_by_tire(i, j) + loss * mean[TIRE + j]);
                 self.square[(i, j)] += weight * (covariance[(TIRE + i, TIRE + j)] + tire * mean[TIRE + j]);
             }
         }
@@ -85,12 +91,13 @@ impl<T: Real> Tires<T> {
         (mean, covariance)
     }
 
-    /// What each tire has lost in this drive, as a compliance, so many seconds later, and the covariance of that; `None` as long as losses
-    /// are not counted.
-    pub(crate) fn losses_after(&self, seconds: &[T; 4]) -> Option<(SVector<T, 4>, SMatrix<T, 4, 4>)> {
+    /// What each tire has lost in this drive, as a compliance, so many seconds later, the covariance of that, and the covariance of losses
+    /// (rows) with compliances; `None` as long as losses are not counted.
+    pub(crate) fn losses_after(&self, seconds: &[T; 4]) -> Option<(SVector<T, 4>, [SMatrix<T, 4, 4>; 2])> {
         self.count_losses.then(|| {
             let mean = SVector::from_fn(|i, _| self.loss[i] + seconds[i] * self.rate[i]);
-            (mean, self.loss_square - self.loss * self.loss.transpose())
+            let own = self.loss_square - self.loss * self.loss.transpose();
+            (mean, [own, self.loss_by_mean - self.loss * self.mean.transpose()])
         })
     }
 

@@ -11,7 +11,7 @@ use crate::real::Real;
 impl<T: Real> Considered<T> {
     /// Of tires that have lost so much stiffness.
     pub(super) fn losses(&self, fused: &FusedLosses<T>) -> [Loss<T>; 4] {
-        let FusedLosses { level_n_per_m, lost_n_per_m, covariance } = fused;
+        let FusedLosses { level_n_per_m, lost_n_per_m, covariance, .. } = fused;
         let is_there = |i: usize| self.per_kpa[i] > T::zero();
         let kpa = |i: usize, n_per_m: T| if is_there(i) { n_per_m / self.per_kpa[i] } else { T::zero() };
         let lost = SVector::<T, 4>::from_fn(|i, _| kpa(i, lost_n_per_m[i]));

@@ -17,32 +17,39 @@ const SOMETHING_ELSE_SD: f64 = 2.0;
 /// Share of the placard pressure below which a radius is not followed down.
 const LEAST_PRESSURE: f64 = 0.3;
 
-/// Four stiffnesses, or losses of stiffness, in N/m as accelerations tell them, with the pressures that they mean.
-pub(super) struct Tires<'a, T: Real> {
-    pub(super) covariance: &'a SMatrix<T, 4, 4>,
+/// Four stiffnesses in N/m as accelerations tell them, with the pressures that they mean.
+struct Tires<'a, T: Real> {
+    covariance: &'a SMatrix<T, 4, 4>,
     /// Log of each pressure over that at the calibration of the radii, and its slope in 1/(N/m).
-    pub(super) ln_pressure: SVector<T, 4>,
-    pub(super) slope: SVector<T, 4>,
+    ln_pressure: SVector<T, 4>,
+    slope: SVector<T, 4>,
 }
 
-/// By how much the radii change the means of [`Tires`], and the covariance then.
-pub(super) struct Joined<T: Real> {
-    pub(super) step: SVector<T, 4>,
-    pub(super) covariance: SMatrix<T, 4, 4>,
+/// What is sought: the stiffnesses themselves, or what of them was lost.
+struct Sought<'a, T: Real> {
+    covariance: &'a SMatrix<T, 4, 4>,
+    /// Its covariance (rows) with the stiffnesses.
+    by_stiffness: &'a SMatrix<T, 4, 4>,
+}
+
+/// By how much the radii change the means of what is [`Sought`], and the covariance then.
+struct Joined<T: Real> {
+    step: SVector<T, 4>,
+    covariance: SMatrix<T, 4, 4>,
 }
 
 impl<T: Real> Tires<'_, T> {
-    /// Joined with the radii; `changing`: the probability that a pressure changes just now, so that the radii of a moment ago are not
+    /// What is sought of these tires, joined with the radii; `changing`: the probability that a pressure changes just now, so that the radii of a moment ago are not
     /// those of now. `None` where there is no answer in numbers.
-    pub(super) fn joined(&self, radii: &RadiusDifferences<T>, changing: T) -> Option<Joined<T>> {
+    fn joined(&self, sought: &Sought<'_, T>, radii: &RadiusDifferences<T>, changing: T) -> Option<Joined<T>> {
         let seen = SMatrix::<T, 3, 4>::from_fn(|i, j| T::lit(SEEN[j][i]));
         let [a, b, c, d, e, f] = radii.covariance_1e6;
         let noise = Matrix3::new(a, b, d, b, c, e, d, e, f);
         let change = Vector3::from(radii.change_1e3);
         let expected = seen * self.ln_pressure;
         let by_stiffness = SMatrix::<T, 3, 4>::from_fn(|i, j| seen[(i, j)] * self.slope[j]);
-        let gain = self.covariance * by_stiffness.transpose();
-        let spread = by_stiffness * gain;
+        let gain = sought.by_stiffness * by_stiffness.transpose();
+        let spread = by_stiffness * self.covariance * by_stiffness.transpose();
 
         let relative = radii.per_ln_pressure_relative_sd;
         let log_sd = (T::one() + relative * relative).ln_fast().sqrt();
@@ -77,7 +84,7 @@ impl<T: Real> Tires<'_, T> {
             *weight *= (log - best).exp_fast();
             total += *weight;
         }
-        let mut joined = Joined { step: SVector::zeros(), covariance: *self.covariance };
+        let mut joined = Joined { step: SVector::zeros(), covariance: *sought.covariance };
         for ((weight, step), taken) in weights.iter().zip(&steps).zip(&taken) {
             let weight = *weight / total;
             joined.step += step * weight;
@@ -109,7 +116,8 @@ impl<T: Real> Considered<T> {
         if !self.per_kpa.iter().all(|per_kpa| *per_kpa > T::zero()) {
             return;
         }
-        let all = fused.covariance + *by_file;
+        let signals = fused.covariance;
+        let all = signals + *by_file;
         let least = |of: T, placard: T| of.at_least(placard * T::lit(LEAST_PRESSURE));
         let pressure = SVector::<T, 4>::from_fn(|i, _| {
             let change = (fused.stiffness_n_per_m[i] - self.placard_n_per_m[i]) / self.per_kpa[i];
@@ -120,27 +128,18 @@ impl<T: Real> Considered<T> {
             ln_pressure: SVector::from_fn(|i, _| (pressure[i] / self.placard_kpa[i]).ln_fast()),
             slope: SVector::from_fn(|i, _| T::one() / (pressure[i] * self.per_kpa[i])),
         };
-        let Some(joined) = tires.joined(radii, fused.changing) else { return };
+        let sought = Sought { covariance: &all, by_stiffness: &all };
+        let Some(joined) = tires.joined(&sought, radii, fused.changing) else { return };
         let left = SVector::<T, 4>::from_fn(|i, _| (joined.covariance[(i, i)] / all[(i, i)]).sqrt());
         fused.stiffness_n_per_m += joined.step;
         fused.covariance = SMatrix::from_fn(|i, j| fused.covariance[(i, j)] * left[i] * left[j]);
         *by_file = joined.covariance - fused.covariance;
-        // Losses that are counted from the calibration on are what the radii have seen since then, too.
+        // What was lost since losses are counted, by a calibration of this drive or by a stop after it, is a part of what the radii have
+        // seen since the calibration: as far as a loss and the present stiffness err alike.
         let Some(losses) = fused.losses.as_mut().filter(|_| level == Level::Calibration) else { return };
-        let kpa = |i: usize, n_per_m: T| n_per_m / self.per_kpa[i];
-        let before = SVector::<T, 4>::from_fn(|i, _| {
-            let above = kpa(i, losses.level_n_per_m[i] - self.placard_n_per_m[i]);
-            least(self.placard_kpa[i] + above, self.placard_kpa[i])
-        });
-        let now = SVector::<T, 4>::from_fn(|i, _| {
-            least(before[i] - kpa(i, losses.lost_n_per_m[i]), self.placard_kpa[i])
-        });
-        let tires = Tires {
-            covariance: &losses.covariance,
-            ln_pressure: SVector::from_fn(|i, _| (now[i] / before[i]).ln_fast()),
-            slope: SVector::from_fn(|i, _| -T::one() / (now[i] * self.per_kpa[i])),
-        };
-        if let Some(joined) = tires.joined(radii, fused.changing) {
+        let tires = Tires { covariance: &signals, ..tires };
+        let sought = Sought { covariance: &losses.covariance, by_stiffness: &losses.by_stiffness };
+        if let Some(joined) = tires.joined(&sought, radii, fused.changing) {
             losses.lost_n_per_m += joined.step;
             losses.covariance = joined.covariance;
         }
@@ -150,6 +149,7 @@ impl<T: Real> Considered<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::car::fusion::FusedLosses;
     use crate::random::Random;
 
     /// 240 kPa at 714 N/m per kPa, and 12 kPa of sd each, 8 of them in common.
@@ -169,6 +169,14 @@ mod tests {
         }
     }
 
+    fn joined(tires: &Tires<'_, f64>, radii: &RadiusDifferences<f64>, changing: f64) -> Option<Joined<f64>> {
+        tires.joined(
+            &Sought { covariance: tires.covariance, by_stiffness: tires.covariance },
+            radii,
+            changing,
+        )
+    }
+
     fn radii(change_1e3: [f64; 3], relative_sd: f64) -> RadiusDifferences<f64> {
         RadiusDifferences {
             change_1e3,
@@ -184,7 +192,7 @@ mod tests {
         let before = covariance();
         let kpa = SVector::from([236.0, 243.0, 240.0, 238.0]);
         let change = [-0.25, 0.1, -0.05];
-        let joined = tires(&before, &kpa).joined(&radii(change, 1e-6), 0.0).unwrap();
+        let found = joined(&tires(&before, &kpa), &radii(change, 1e-6), 0.0).unwrap();
         let by = SMatrix::<f64, 3, 4>::from_fn(|i, j| 7.0 * SEEN[j][i] / (kpa[j] * PER_KPA));
         let noise = Matrix3::from_diagonal(&Vector3::new(0.02, 0.03, 0.04)).try_inverse().unwrap();
         let information = before.try_inverse().unwrap() + by.transpose() * noise * by;
@@ -192,8 +200,8 @@ mod tests {
         let expected =
             SMatrix::<f64, 3, 4>::from_fn(|i, j| 7.0 * SEEN[j][i]) * kpa.map(|kpa| (kpa / PRESSURE_KPA).ln());
         let step = after * by.transpose() * noise * (Vector3::from(change) - expected);
-        assert!((joined.covariance - after).norm() < 2e-4 * after.norm());
-        assert!((joined.step - step).norm() < 2e-3 * step.norm(), "{} {step}", joined.step);
+        assert!((found.covariance - after).norm() < 2e-4 * after.norm());
+        assert!((found.step - step).norm() < 2e-3 * step.norm(), "{} {step}", found.step);
         // What all four do alike is not seen: along (p_i), nothing changes.
         let alike = by * kpa;
         assert!(alike.norm() < 1e-15 && after.trace() < 0.7 * before.trace());
@@ -204,11 +212,11 @@ mod tests {
         let before = covariance();
         let kpa = SVector::repeat(PRESSURE_KPA);
         // Other wheels on the rear axle.
-        let joined = tires(&before, &kpa).joined(&radii([0.0, 9.0, 14.0], 0.6), 0.0).unwrap();
-        assert!(joined.step.norm() < 0.5 * PER_KPA, "{}", joined.step);
+        let found = joined(&tires(&before, &kpa), &radii([0.0, 9.0, 14.0], 0.6), 0.0).unwrap();
+        assert!(found.step.norm() < 0.5 * PER_KPA, "{}", found.step);
         // A pressure that changes just now is not yet in them.
-        let joined = tires(&before, &kpa).joined(&radii([-0.5, 0.0, -0.2], 0.6), 1.0).unwrap();
-        assert!(joined.step.norm() < 1e-9 && (joined.covariance - before).norm() < 1e-6);
+        let found = joined(&tires(&before, &kpa), &radii([-0.5, 0.0, -0.2], 0.6), 1.0).unwrap();
+        assert!(found.step.norm() < 1e-9 && (found.covariance - before).norm() < 1e-6);
     }
 
     /// Pressures, and radii over pressure, as they are believed to be: the sd is that of the errors, and smaller than before.
@@ -228,11 +236,11 @@ mod tests {
             let seen = SMatrix::<f64, 3, 4>::from_fn(|i, j| beta * SEEN[j][i]) * ln_pressure;
             let noise = [0.02f64, 0.03, 0.04].map(|variance| variance.sqrt() * random.normal());
             let change = core::array::from_fn(|i| seen[i] + noise[i]);
-            let joined = tires(&before, &told).joined(&radii(change, 0.6), 0.0).unwrap();
+            let found = joined(&tires(&before, &told), &radii(change, 0.6), 0.0).unwrap();
             // The difference of two tires: what radii see.
             let difference = |x: &SVector<f64, 4>| x[0] - x[1];
-            let off = difference(&(joined.step / PER_KPA + told - truth));
-            let c = &joined.covariance;
+            let off = difference(&(found.step / PER_KPA + told - truth));
+            let c = &found.covariance;
             let variance = (c[(0, 0)] + c[(1, 1)] - 2.0 * c[(0, 1)]) / (PER_KPA * PER_KPA);
             within += usize::from(off * off < 1.96f64.powi(2) * variance);
             closer += off * off;
@@ -241,5 +249,83 @@ mod tests {
         let share = within as f64 / DRAWS as f64;
         assert!((0.93..=0.97).contains(&share), "{share}");
         assert!(closer < 0.5 * further, "{}", closer / further);
+    }
+
+    /// A tire loses a fifth, the car stands for so long that losses are counted anew, then it loses a tenth. Radii have seen both since
+    /// the calibration, and only the second is a loss; what they change of it is what a filter over levels and losses finds.
+    #[test]
+    fn what_was_lost_before_a_stop_is_no_loss_after_it() {
+        const PLACARD_N_PER_M: f64 = PER_KPA * PRESSURE_KPA + 60_880.0;
+        let considered = Considered {
+            relative: SMatrix::zeros(),
+            placard_n_per_m: SVector::repeat(PLACARD_N_PER_M),
+            per_kpa: SVector::repeat(PER_KPA),
+            placard_kpa: SVector::repeat(PRESSURE_KPA),
+        };
+        let level = SVector::from([0.8 * PRESSURE_KPA, PRESSURE_KPA, PRESSURE_KPA, PRESSURE_KPA]);
+        let lost = SVector::from([0.08 * PRESSURE_KPA, 0.0, 0.0, 0.0]);
+        let truth = level - lost;
+        let seen = SMatrix::<f64, 3, 4>::from_fn(|i, j| 7.0 * SEEN[j][i]);
+        let radii = radii((seen * truth.map(|kpa| (kpa / PRESSURE_KPA).ln())).into(), 1e-6);
+        // Of levels and losses, to 6 and 5 kPa each when the stop ended, the present pressures were measured to 4 kPa.
+        let variance = |kpa: f64| SMatrix::<f64, 4, 4>::identity() * (kpa * PER_KPA).powi(2);
+        let (of_level, of_loss) = (variance(6.0), variance(5.0));
+        let kept = (variance(4.0) + of_level + of_loss).try_inverse().unwrap();
+        let of_both = SMatrix::<f64, 8, 8>::from_fn(|i, j| {
+            let prior = match (i < 4, i == j) {
+                (_, false) => 0.0,
+                (true, _) => of_level[(0, 0)],
+                (false, _) => of_loss[(0, 0)],
+            };
+            // A stiffness is its level less its loss.
+            let with = |of: usize| if of < 4 { of_level[(0, 0)] } else { -of_loss[(0, 0)] };
+            prior - with(i) * kept[(i % 4, j % 4)] * with(j)
+        });
+        let block = |i: usize, j: usize| of_both.fixed_view::<4, 4>(i, j).into_owned();
+        let (levels, losses, cross) = (block(0, 0), block(4, 4), block(4, 0));
+        for off_kpa in [0.0, 5.0] {
+            let off = SVector::from([off_kpa, 0.0, 0.0, 0.0]);
+            let n_per_m =
+                |kpa: SVector<f64, 4>| kpa.map(|kpa| PLACARD_N_PER_M + PER_KPA * (kpa - PRESSURE_KPA));
+            let mut fused = FusedEstimate {
+                stiffness_n_per_m: n_per_m(truth + off),
+                covariance: levels + losses - cross - cross.transpose(),
+                changing: 0.0,
+                learned_s: 100.0,
+                losses: Some(FusedLosses {
+                    level_n_per_m: n_per_m(level),
+                    lost_n_per_m: (lost - off) * PER_KPA,
+                    covariance: losses,
+                    by_stiffness: cross - losses,
+                }),
+            };
+            considered.join_radii(&radii, Level::Calibration, &mut fused, &mut SMatrix::zeros());
+            let found = fused.losses.unwrap();
+            // The same by the state of eight: H of levels and losses.
+            let slope = (truth + off).map(|kpa| 1.0 / (kpa * PER_KPA));
+            let of_level = SMatrix::<f64, 3, 4>::from_fn(|i, j| seen[(i, j)] * slope[j]);
+            let by =
+                SMatrix::<f64, 3, 8>::from_fn(
+                    |i, j| {
+                        if j < 4 { of_level[(i, j)] } else { -of_level[(i, j - 4)] }
+                    },
+                );
+            let noise = Matrix3::from_diagonal(&Vector3::new(0.02, 0.03, 0.04));
+            let gain =
+                of_both * by.transpose() * (by * of_both * by.transpose() + noise).try_inverse().unwrap();
+            let residual =
+                Vector3::from(radii.change_1e3) - seen * (truth + off).map(|kpa| (kpa / PRESSURE_KPA).ln());
+            let step = (gain * residual).fixed_rows::<4>(4).into_owned();
+            let after = of_both - gain * by * of_both;
+            // But for the chance that something else changed the radii.
+            let error = found.lost_n_per_m - (lost - off) * PER_KPA - step;
+            assert!(error.norm() < 0.02 * step.norm() + 1e-6, "{off_kpa}: {error} {step}");
+            let expected = after.fixed_view::<4, 4>(4, 4).into_owned();
+            assert!((found.covariance - expected).norm() < 0.02 * expected.norm());
+            // It comes nearer to what was lost.
+            let kpa = found.lost_n_per_m[0] / PER_KPA;
+            let left_kpa = lost[0] - kpa;
+            assert!(left_kpa > -1e-6 && left_kpa <= 0.9 * off_kpa + 1e-6, "{off_kpa}: {kpa}");
+        }
     }
 }

@@ -94,7 +94,7 @@ impl<T: Real> Filter<T> {
     }
 
     fn start(&mut self, belief: Gaussian<T>) {
-        self.modes = [belief; MODES];
+        self.modes.iter_mut().for_each(|mode| *mode = belief);
         self.weight = [T::lit(1e-6); MODES];
         self.weight[QUIET] = T::one() - T::lit(5e-6);
     }
@@ -145,16 +145,14 @@ impl<T: Real> Filter<T> {
 
     /// Each hypothesis begins with what those it may have come from believe.
     fn mix(&mut self, step_s: T) {
-        let before = self.modes;
         let weight = self.weight;
-        for (to, mode) in self.modes.iter_mut().enumerate() {
+        let mut shares = [[T::zero(); MODES]; MODES];
+        for ((to, shares), total) in shares.iter_mut().enumerate().zip(&mut self.weight) {
             let from = |from: usize| weight[from] * transition(from, to, step_s);
-            let total = (0..MODES).fold(T::zero(), |sum, i| sum + from(i)).at_least(T::lit(1e-30));
-            let shares: [T; MODES] = core::array::from_fn(|i| from(i) / total);
-            *mode =
-                Gaussian::merged(shares.iter().copied().zip(&before).filter(|(share, _)| *share > T::zero()));
-            self.weight[to] = total;
+            *total = (0..MODES).fold(T::zero(), |sum, i| sum + from(i)).at_least(T::lit(1e-30));
+            *shares = core::array::from_fn(|i| from(i) / *total);
         }
+        Gaussian::mix(&mut self.modes, &shares);
     }
 
     /// Takes in a block.

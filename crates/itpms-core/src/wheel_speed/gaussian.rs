@@ -57,6 +57,32 @@ impl<T: Real> Gaussian<T> {
         }
     }
 
+    /// Each becomes the mixture of all with the shares of its row, which add up to one: number by number, so that no copy of all is needed.
+    pub(super) fn mix<const N: usize>(parts: &mut [Self; N], shares: &[[T; N]; N]) {
+        let mut means = [[T::zero(); N]; STATES];
+        let mut centers = [[T::zero(); N]; STATES];
+        for (i, (means, centers)) in means.iter_mut().zip(&mut centers).enumerate() {
+            *means = core::array::from_fn(|from| parts[from].mean[i]);
+            for ((center, shares), part) in centers.iter_mut().zip(shares).zip(parts.iter_mut()) {
+                *center = present(shares, means).fold(T::zero(), |sum, (share, mean)| sum + share * mean);
+                part.mean[i] = *center;
+            }
+        }
+        for (i, (row, row_centers)) in means.iter().zip(&centers).enumerate() {
+            for (j, (column, column_centers)) in means.iter().zip(&centers).enumerate().take(i + 1) {
+                let entries: [T; N] = core::array::from_fn(|from| parts[from].get(i, j));
+                let of_both = row_centers.iter().zip(column_centers);
+                for (((row_center, column_center), shares), part) in of_both.zip(shares).zip(parts.iter_mut())
+                {
+                    let both: [T; N] = core::array::from_fn(|from| {
+                        entries[from] + (row[from] - *row_center) * (column[from] - *column_center)
+                    });
+                    part.set(i, j, present(shares, &both).fold(T::zero(), |sum, (share, x)| sum + share * x));
+                }
+            }
+        }
+    }
+
     /// A mixture's mean and covariance, the weights adding up to one.
     pub(super) fn merged<'a>(parts: impl Iterator<Item = (T, &'a Self)> + Clone) -> Self
     where
@@ -124,6 +150,11 @@ impl<T: Real> Gaussian<T> {
     pub(super) fn is_finite(&self) -> bool {
         self.mean.iter().chain(self.covariance.as_flattened()).all(|x| x.is_finite())
     }
+}
+
+/// The parts of a mixture that have a share, with their numbers.
+fn present<T: Real>(shares: &[T], numbers: &[T]) -> impl Iterator<Item = (T, T)> {
+    shares.iter().copied().zip(numbers.iter().copied()).filter(|(share, _)| *share > T::zero())
 }
 
 fn place(i: usize, j: usize) -> usize {

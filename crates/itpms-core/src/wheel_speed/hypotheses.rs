@@ -40,11 +40,12 @@ pub(super) struct Decision<T> {
 blank!(Decision<T> { probability, change, change_sd, informed });
 
 impl<T: Real> Decision<T> {
-    /// The changes of the three ratios of radii with their covariance, in thousandths; `fifth`: by what a loss of a fifth changes a radius;
-    /// what tooth pulses say, by themselves.
+    /// The changes of the three ratios of radii with their covariance, in thousandths, and that of the offsets which a calibration taught;
+    /// `fifth`: by what a loss of a fifth changes a radius; what tooth pulses say, by themselves.
     pub(super) fn of(
         change: &[T; 3],
         covariance: &Triangle<T>,
+        offsets: &Triangle<T>,
         fifth: T,
         torsion: &TorsionEvidence<T>,
     ) -> Self {
@@ -75,7 +76,9 @@ impl<T: Real> Decision<T> {
             let variance =
                 decision.probability.iter().zip(&posterior).map(spread).fold(T::zero(), |sum, v| sum + v);
             decision.change_sd[i] = variance.at_least(T::zero()).sqrt();
-            decision.informed[i] = found_if_low(i, covariance, fifth, torsion);
+            // That radii have not moved is believed without any sample; what moves one stands out from how well its offset is known.
+            decision.informed[i] =
+                [covariance, offsets].iter().all(|known| found_if_low(i, known, fifth, torsion));
         }
         decision
     }
@@ -207,7 +210,8 @@ pub(super) fn seen<T: Real>(
     (change, triangle)
 }
 
-const PLACES: [(usize, usize); 6] = [(0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2)];
+/// Rows and columns of its numbers.
+pub(super) const PLACES: [(usize, usize); 6] = [(0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2)];
 
 fn add_square<T: Real>(triangle: &mut Triangle<T>, x: &[T; 3], variance: T) {
     for (entry, (row, column)) in triangle.iter_mut().zip(PLACES) {
@@ -260,15 +264,26 @@ mod tests {
         for number in 1..15usize {
             let radius = core::array::from_fn(|i| if number & (1 << i) == 0 { 0.0 } else { -2.0 });
             let (change, _) = seen(&radius, |_, _| 0.0);
-            let decision = Decision::of(&change, &SHARP, 1.6, &NO_PULSES);
+            let decision = Decision::of(&change, &SHARP, &SHARP, 1.6, &NO_PULSES);
             for (wheel, radius) in radius.iter().enumerate() {
                 let low = number & (1 << wheel) != 0;
                 assert_eq!(decision.low(wheel) > 0.9, low, "{number:04b} {wheel}: {}", decision.low(wheel));
                 assert!((decision.change[wheel] - radius).abs() < 3.0 * decision.change_sd[wheel]);
             }
         }
-        let decision = Decision::of(&[0.0; 3], &SHARP, 1.6, &NO_PULSES);
+        let decision = Decision::of(&[0.0; 3], &SHARP, &SHARP, 1.6, &NO_PULSES);
         assert!(decision.probability[0] > 0.99 && decision.informed == [true; 4]);
+    }
+
+    /// A quarter is -1.95 of a front tire: 48 of its squared distance where only tires of their own stray (twice .04), 23 with as much again.
+    #[test]
+    fn what_a_calibration_did_not_teach_is_not_informed() {
+        let informed = |variance: f64| {
+            let offsets = [variance, 0.0, variance, 0.0, 0.0, 4.0];
+            Decision::of(&[0.0; 3], &[1e-4; 6], &offsets, 1.56, &NO_PULSES).informed
+        };
+        assert_eq!(informed(0.07), [true; 4]);
+        assert_eq!(informed(0.1), [false; 4]);
     }
 
     #[test]
@@ -280,7 +295,7 @@ mod tests {
         assert!((covariance[2] - (0.01 + 0.384 * 0.384 + 0.04)).abs() < 1e-12);
         let low = |wheel: usize| {
             let radius = core::array::from_fn(|i| if i == wheel { -2.0 } else { 0.0 });
-            Decision::of(&seen(&radius, |_, _| 0.0).0, &covariance, 1.6, &NO_PULSES).low(wheel)
+            Decision::of(&seen(&radius, |_, _| 0.0).0, &covariance, &SHARP, 1.6, &NO_PULSES).low(wheel)
         };
         assert!(low(0) > 0.99 && low(0) > low(3), "{} {}", low(0), low(3));
     }
@@ -292,10 +307,10 @@ mod tests {
             information: [1.0 / 50.0; 4],
             reference_kpa: [240.0; 4],
         };
-        let alike = Decision::of(&[0.0; 3], &SHARP, 1.6, &pulses([-56.0; 4]));
+        let alike = Decision::of(&[0.0; 3], &SHARP, &SHARP, 1.6, &pulses([-56.0; 4]));
         assert!((0..4).all(|wheel| alike.low(wheel) > 0.99), "{:?}", alike.probability);
         // A tenth of the pressure, as of a cold morning, is nothing.
-        let cold = Decision::of(&[0.0; 3], &SHARP, 1.6, &pulses([-24.0; 4]));
+        let cold = Decision::of(&[0.0; 3], &SHARP, &SHARP, 1.6, &pulses([-24.0; 4]));
         assert!(cold.probability[0] > 0.99, "{:?}", cold.probability);
         // With loads of unknown size the radii of an axle say little: a larger load may have done it.
         let mut covariance = SHARP;
@@ -303,8 +318,8 @@ mod tests {
         let rear = [0.0, 0.0, -2.0, -2.0];
         let change = seen(&rear, |_, _| 0.0).0;
         let (without, with) = (
-            Decision::of(&change, &covariance, 1.6, &NO_PULSES),
-            Decision::of(&change, &covariance, 1.6, &pulses([0.0, 0.0, -58.0, -58.0])),
+            Decision::of(&change, &covariance, &SHARP, 1.6, &NO_PULSES),
+            Decision::of(&change, &covariance, &SHARP, 1.6, &pulses([0.0, 0.0, -58.0, -58.0])),
         );
         assert!(without.low(2) < 0.5 && with.low(2) > 0.99 && with.low(3) > 0.99 && with.low(0) < 0.01);
     }

@@ -45,7 +45,7 @@ use self::calibration::LEARNED;
 pub use self::calibration::RadiusCalibration;
 pub use self::config::{DrivenAxle, LoadUncertainty, WheelSpeedConfig};
 use self::filter::Filter;
-use self::hypotheses::{Decision, Triangle, add_load, all_would_be_found, seen};
+use self::hypotheses::{Decision, PLACES, Triangle, add_load, all_would_be_found, seen};
 pub use self::report::{Pattern, RadiusReport, RadiusState, Unseen, WheelRadius};
 pub use self::sample::WheelSpeedSample;
 use crate::memory::{Blank, blank};
@@ -227,7 +227,7 @@ impl<T: Real> RadiusMonitor<T> {
         if self.phase != Phase::Watching {
             return None;
         }
-        let (change_1e3, covariance_1e6) = self.changes();
+        let (change_1e3, [covariance_1e6, _]) = self.changes();
         Some(RadiusDifferences {
             change_1e3,
             covariance_1e6,
@@ -359,21 +359,24 @@ impl<T: Real> RadiusMonitor<T> {
         self.report.forget(RadiusState::Uninformed);
     }
 
-    /// The changes of the three ratios in thousandths, and their covariance with what loads may have done.
-    fn changes(&self) -> ([T; 3], Triangle<T>) {
+    /// The changes of the three ratios in thousandths, their covariance, and that of the offsets from which they are counted, each with
+    /// what loads may have done.
+    fn changes(&self) -> ([T; 3], [Triangle<T>; 2]) {
         let belief = self.filter.belief();
         let radius = core::array::from_fn(|i| belief.mean[RADIUS + i]);
-        let (change, mut covariance) = seen(&radius, |i, j| belief.get(RADIUS + i, RADIUS + j));
+        let (change, covariance) = seen(&radius, |i, j| belief.get(RADIUS + i, RADIUS + j));
+        let offsets = PLACES.map(|(i, j)| belief.get(OFFSET + i, OFFSET + j));
+        let mut covariances = [covariance, offsets];
         if self.loads_may_differ {
-            add_load(&mut covariance, &self.config.load);
+            covariances.iter_mut().for_each(|covariance| add_load(covariance, &self.config.load));
         }
-        (change, covariance)
+        (change, covariances)
     }
 
     fn decide(&mut self, block: &Block<T>) {
-        let (change, covariance) = self.changes();
+        let (change, [covariance, offsets]) = self.changes();
         let fifth = T::lit(FIFTH * SCALE) * self.config.radius_per_ln_pressure;
-        let decision = Decision::of(&change, &covariance, fifth, &self.torsion);
+        let decision = Decision::of(&change, &covariance, &offsets, fifth, &self.torsion);
         self.report.unseen = Unseen {
             all_alike: !all_would_be_found(&self.torsion),
             which_of_a_diagonal: !self.filter.yaw_known,

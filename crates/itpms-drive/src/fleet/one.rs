@@ -105,6 +105,10 @@ fn teach(plan: &Plan, errand: &Errand<'_>, done: &mut Done) -> Result<bool, Driv
     let path = reference_path(&plan.out, errand.path);
     make_folder_of(&path)?;
     let Ok(vehicle) = &errand.car.vehicle else { return Ok(false) };
+    if let Some(why) = done.calibration_doubt() {
+        done.concerns.push(format!("{why}: later drives start without it"));
+        return Ok(false);
+    }
     let nothing = reference::teach(&path, &errand.settings, vehicle, done.learned)?;
     let taught = nothing.is_none();
     done.concerns.extend(nothing);

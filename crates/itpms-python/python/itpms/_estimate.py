@@ -45,6 +45,7 @@ def estimate(
     trust_units: bool = False,
     dbc: str | PathLike[str] | None = None,
     signals: Signals = None,
+    pulses: str | PathLike[str] | None = None,
     pressure_unit: str = "kpa",
     progress: bool | None = None,
 ) -> Result:
@@ -74,6 +75,8 @@ def estimate(
         dbc: For a CAN log: what the frames mean.
         signals: Which signal, or column of a table, is which of our columns, and its unit: a map as ``itpms signals`` writes it, or
             a dict such as ``{"speed_m_s": "v", "fl_body_accel_m_s2": {"signal": "a", "unit": "g"}}``.
+        pulses: The tooth pulses of the four wheels, by the drive's clock: a CSV or Parquet file with ``time_s`` and ``wheel``. They
+            count together with the drive's wheel speeds, and show a loss of all four alike.
         pressure_unit: ``kpa``, ``bar`` or ``psi``: the unit of the report and of the sentences. Numbers are in kPa.
         progress: Show how far it is with tqdm (``pip install itpms[progress]``); unless given, in a notebook that has tqdm.
 
@@ -95,6 +98,7 @@ def estimate(
         "road_repeats": road_repeats,
         "trust_units": trust_units,
         "dbc": dbc,
+        "pulses": pulses,
         "pressure_unit": pressure_unit,
     }
     if isinstance(drive, Simulation):
@@ -252,6 +256,7 @@ class Car:
             "trust_units": False,
             "dbc": None,
             "signals": None,
+            "pulses": None,
         }
         self._take(_itpms.Car(car._inner, rate_hz, list(corners or car.corners), options))
 

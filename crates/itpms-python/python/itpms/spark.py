@@ -148,6 +148,7 @@ def estimate(
         "trust_units": trust_units,
         "dbc": None,
         "signals": None,
+        "pulses": None,
     }
     job = _Job(keys, car is not None, calibration, options, None if signals is None else _content(signals))
     job.take_cars(vehicles, references or {})

@@ -82,6 +82,32 @@ impl Default for PulseSpec {
     }
 }
 
+/// How a wheel rolls at an instant.
+#[derive(Debug, Clone, Copy)]
+struct Rolling {
+    /// Of its hub.
+    speed_m_s: f64,
+    pressure_kpa: f64,
+    /// How fast it turns over how fast that speed turns a wheel of its radius; load and slip stiffness over what they are usually.
+    turns: f64,
+    load: f64,
+    slip_stiffness: f64,
+    /// How rough the road is over the wheel's.
+    amplitude: f64,
+}
+
+impl Rolling {
+    /// Standing.
+    const FREELY: Self = Self {
+        speed_m_s: 0.0,
+        pressure_kpa: 0.0,
+        turns: 1.0,
+        load: 1.0,
+        slip_stiffness: 1.0,
+        amplitude: 1.0,
+    };
+}
+
 /// A wheel that rolls.
 #[derive(Debug, Clone)]
 pub struct PulseWheel {
@@ -117,7 +143,7 @@ impl PulseWheel {
         let until = self.steps + (for_s / STEP_S).round() as u64;
         while self.steps < until {
             let (speed_m_s, pressure_kpa) = at(self.time_s());
-            self.step(speed_m_s, pressure_kpa, 1.0, &mut pulse);
+            self.step(&Rolling { speed_m_s, pressure_kpa, ..Rolling::FREELY }, &mut pulse);
         }
     }
 
@@ -125,15 +151,15 @@ impl PulseWheel {
         self.steps as f64 * STEP_S
     }
 
-    /// A step on a road so many times as rough as the wheel's.
-    fn step(&mut self, speed_m_s: f64, pressure_kpa: f64, amplitude: f64, pulse: &mut impl FnMut(f64)) {
+    fn step(&mut self, rolling: &Rolling, pulse: &mut impl FnMut(f64)) {
         let time_s = self.time_s();
-        let turned_rad = if speed_m_s > SLOWEST_M_S {
-            self.ring.step(STEP_S, speed_m_s, pressure_kpa, amplitude, &mut self.random)
+        let shaken_rad = if rolling.speed_m_s > SLOWEST_M_S {
+            self.ring.step(STEP_S, rolling, &mut self.random)
         } else {
             self.ring.rest();
-            speed_m_s.max(0.0) * STEP_S / self.radius_m
+            0.0
         };
+        let turned_rad = rolling.turns * rolling.speed_m_s.max(0.0) * STEP_S / self.radius_m + shaken_rad;
         self.teeth.turn(time_s, STEP_S, turned_rad, &mut self.random, pulse);
         self.steps += 1;
     }

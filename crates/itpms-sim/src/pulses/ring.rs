@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use rand_pcg::Pcg64;
 
-use super::PulseSpec;
+use super::{PulseSpec, Rolling};
 use crate::wheel_speeds::normal;
 
 /// Damping of the sidewalls as a share of critical, of the rim alone on them.
@@ -56,6 +56,8 @@ pub(super) struct Ring {
 #[derive(Debug, Clone, Copy)]
 struct Driven {
     speed_m_s: f64,
+    load_n: f64,
+    slip_stiffness_n: f64,
     sidewall_n_m: f64,
     sidewall_n_m_s: f64,
     tire_n_m: f64,
@@ -85,15 +87,9 @@ impl Ring {
         (self.state[0], self.state[2]) = (road_m, road_m);
     }
 
-    /// A step later, on a road so many times as rough: the angle that the rim has turned by.
-    pub(super) fn step(
-        &mut self,
-        step_s: f64,
-        speed_m_s: f64,
-        pressure_kpa: f64,
-        amplitude: f64,
-        random: &mut Pcg64,
-    ) -> f64 {
+    /// A step later: by what angle the rim has turned more than it does by rolling.
+    pub(super) fn step(&mut self, step_s: f64, rolling: &Rolling, random: &mut Pcg64) -> f64 {
+        let Rolling { speed_m_s, amplitude, .. } = *rolling;
         let before_m = self.height_m();
         self.part += speed_m_s * step_s / GRID_M;
         while self.part >= 1.0 {
@@ -102,17 +98,19 @@ impl Ring {
             self.push(last + amplitude * self.rise_m * normal(random));
         }
         let slope = (self.height_m() - before_m) / (speed_m_s * step_s);
-        let driven = self.driven(speed_m_s, pressure_kpa, slope);
+        let driven = self.driven(rolling, slope);
         let rim_before = self.state[7];
         self.integrate(step_s, before_m, &driven);
-        step_s * (speed_m_s / self.spec.radius_m + 0.5 * (rim_before + self.state[7]))
+        step_s * 0.5 * (rim_before + self.state[7])
     }
 
-    fn driven(&self, speed_m_s: f64, pressure_kpa: f64, slope: f64) -> Driven {
-        let air = pressure_kpa / REFERENCE_KPA;
+    fn driven(&self, rolling: &Rolling, slope: f64) -> Driven {
+        let air = rolling.pressure_kpa / REFERENCE_KPA;
         let share = |air_share: f64| 1.0 - air_share + air_share * air;
         Driven {
-            speed_m_s,
+            speed_m_s: rolling.speed_m_s,
+            load_n: LOAD_N * rolling.load,
+            slip_stiffness_n: self.spec.slip_stiffness_n * rolling.slip_stiffness,
             sidewall_n_m: self.spec.sidewall_n_m * share(self.spec.air_share),
             sidewall_n_m_s: 2.0 * SIDEWALL_DAMPING * (self.spec.sidewall_n_m * self.spec.rim_kg_m2).sqrt(),
             tire_n_m: TIRE_N_M * share(TIRE_AIR_SHARE),
@@ -154,7 +152,7 @@ impl Ring {
         let radius_m = -RADIUS_PER_DEFLECTION * pressed;
         let strut = SPRING_N_M * (wheel - body) + DAMPER_N_S_M * (wheel_rate - body_rate);
         let slipping = spec.radius_m * belt + radius_m * rolling - along_rate;
-        let force_rate = (spec.slip_stiffness_n * slipping - driven.speed_m_s * force) / RELAXATION_M;
+        let force_rate = (driven.slip_stiffness_n * slipping - driven.speed_m_s * force) / RELAXATION_M;
         let torque = driven.sidewall_n_m * twist + driven.sidewall_n_m_s * (rim - belt);
         let omega = TAU * ALONG_HZ;
         [
@@ -163,7 +161,7 @@ impl Ring {
             wheel_rate,
             (driven.tire_n_m * pressed - strut) / WHEEL_KG,
             along_rate,
-            (force - LOAD_N * driven.slope) / WHEEL_KG
+            (force - driven.load_n * driven.slope) / WHEEL_KG
                 - omega * omega * along
                 - 2.0 * ALONG_DAMPING * omega * along_rate,
             rim - belt,
@@ -181,7 +179,7 @@ mod tests {
     /// Frequency in Hz of the mode in which rim and belt turn against each other: an eigenvalue of the wheel's equations.
     fn resonance_hz(pressure_kpa: f64, speed_m_s: f64) -> f64 {
         let ring = Ring::new(&PulseSpec::default());
-        let driven = ring.driven(speed_m_s, pressure_kpa, 0.0);
+        let driven = ring.driven(&Rolling { speed_m_s, pressure_kpa, ..Rolling::FREELY }, 0.0);
         let unit = |column: usize| std::array::from_fn(|i| if i == column { 1.0 } else { 0.0 });
         let rates = nalgebra::SMatrix::<f64, STATES, STATES>::from_fn(|row, column| {
             ring.rates(&unit(column), 0.0, &driven)[row]

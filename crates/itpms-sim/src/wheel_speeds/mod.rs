@@ -22,5 +22,5 @@ mod tire;
 
 pub(crate) use disturbance::{Rough, normal};
 pub use run::WheelSpeedRow;
-pub(crate) use run::WheelSpeedRun;
+pub(crate) use run::{Rolled, WheelSpeedRun};
 pub use spec::{DrivenWheels, WheelSpeedSpec};

@@ -59,6 +59,35 @@ pub struct WheelSpeedRow {
     pub ln_radius: [f64; 4],
 }
 
+/// How the wheels roll at an instant, each of it over what it is of an unloaded car straight on, at the placard's pressure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Rolled {
+    /// Speed of each hub.
+    pub(crate) way: [f64; 4],
+    /// Rate at which each wheel turns, but for what shakes it.
+    pub(crate) turns: [f64; 4],
+    pub(crate) load: [f64; 4],
+    pub(crate) slip_stiffness: [f64; 4],
+}
+
+impl Rolled {
+    /// Straight on and unloaded.
+    pub(crate) const FREELY: Self =
+        Self { way: [1.0; 4], turns: [1.0; 4], load: [1.0; 4], slip_stiffness: [1.0; 4] };
+
+    /// So far on the way to another one, 0 to 1.
+    pub(crate) fn toward(&self, other: &Self, share: f64) -> Self {
+        let between =
+            |from: &[f64; 4], to: &[f64; 4]| [0, 1, 2, 3].map(|i| from[i] + share * (to[i] - from[i]));
+        Self {
+            way: between(&self.way, &other.way),
+            turns: between(&self.turns, &other.turns),
+            load: between(&self.load, &other.load),
+            slip_stiffness: between(&self.slip_stiffness, &other.slip_stiffness),
+        }
+    }
+}
+
 /// A mass on board: over time, m behind the front axle, m to the left.
 type Mass = (TimeProfile, [f64; 2]);
 
@@ -86,6 +115,7 @@ pub(crate) struct WheelSpeedRun {
     messages: i64,
     distance_m: f64,
     row: Option<WheelSpeedRow>,
+    rolled: Rolled,
 }
 
 impl WheelSpeedRun {
@@ -127,6 +157,7 @@ impl WheelSpeedRun {
             shaken: [[HOP, BODY].map(|[hz, damping]| Shaken::new(hz, damping, step_s)); 4],
             messages: 0,
             row: None,
+            rolled: Rolled::FREELY,
         }))
     }
 
@@ -143,6 +174,15 @@ impl WheelSpeedRun {
             self.messages += 1;
         }
         self.row
+    }
+
+    /// How the wheels roll at the next message, and when that is, in s.
+    pub(crate) fn roll(&mut self) -> (f64, Rolled) {
+        let step_s = 1e-3 * self.spec.period_ms;
+        let time_s = self.messages as f64 * step_s;
+        self.message(time_s, step_s);
+        self.messages += 1;
+        (time_s, self.rolled)
     }
 
     /// How the car moves a message later.
@@ -180,6 +220,17 @@ impl WheelSpeedRun {
         let curvature = if v > SLOWEST_M_S { moving.accel_m_s2[1] / (v * v) } else { 0.0 };
         let ways = self.chassis.ways(curvature, moving.accel_m_s2[1]);
         let slips = self.slips(&forces.engine_n, &forces.brake_n, &loads_n, &pressure_kpa, &ln_radius, &ways);
+        let stiffness = |i: usize, load_n: f64, kpa: f64| self.drawn.tires[i].slip_stiffness_n(load_n, kpa);
+        let placard_kpa = |i: usize| self.drawn.tires[i].placard_kpa;
+        let static_n = self.chassis.static_n;
+        self.rolled = Rolled {
+            way: ways,
+            turns: [0, 1, 2, 3].map(|i| ways[i] * (1.0 + slips[i]) * (-ln_radius[i]).exp()),
+            load: [0, 1, 2, 3].map(|i| loads_n[i] / static_n[i]),
+            slip_stiffness: [0, 1, 2, 3].map(|i| {
+                stiffness(i, loads_n[i], pressure_kpa[i]) / stiffness(i, static_n[i], placard_kpa(i))
+            }),
+        };
         let shaken = self.shaken(v);
         let speed = |i: usize| {
             let exact = v * ways[i] * (1.0 + slips[i]) * (shaken[i] - ln_radius[i]).exp();

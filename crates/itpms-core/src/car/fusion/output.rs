@@ -28,9 +28,10 @@ pub(in crate::car) struct FusedEstimate<T: Real> {
 pub(in crate::car) struct FusedLosses<T: Real> {
     /// Stiffnesses in N/m when the losses began to be counted.
     pub(in crate::car) level_n_per_m: SVector<T, 4>,
-    /// What of them was lost since then, and its covariance in (N/m)².
+    /// What of them was lost since then, its covariance in (N/m)², and that of losses (rows) with the stiffnesses now.
     pub(in crate::car) lost_n_per_m: SVector<T, 4>,
     pub(in crate::car) covariance: SMatrix<T, 4, 4>,
+    pub(in crate::car) by_stiffness: SMatrix<T, 4, 4>,
 }
 
 impl<T: Real> Fusion<T> {
@@ -58,13 +59,14 @@ impl<T: Real> Fusion<T> {
             covariance: SMatrix::from_fn(|i, j| by[i] * by[j] * covariance[(i, j)]),
             changing,
             learned_s: T::lit(self.learned_s()),
-            losses: self.tires.losses_after(&ages).map(|(lost, covariance)| {
+            losses: self.tires.losses_after(&ages).map(|(lost, [covariance, by_compliance])| {
                 let level = |i: usize| placard_n_per_m[i] / (T::one() + mean[i] - lost[i]).max(floor);
                 let level_n_per_m = SVector::<T, 4>::from_fn(|i, _| level(i));
                 FusedLosses {
                     level_n_per_m,
                     lost_n_per_m: level_n_per_m - stiffness,
                     covariance: SMatrix::from_fn(|i, j| by[i] * by[j] * covariance[(i, j)]),
+                    by_stiffness: SMatrix::from_fn(|i, j| -by[i] * by[j] * by_compliance[(i, j)]),
                 }
             }),
         };

@@ -11,6 +11,7 @@ mod table;
 use std::path::Path;
 
 use itpms_console::{Failure, Interrupt, Screen, former, names};
+use itpms_data::LogReader;
 use itpms_data::out::AtomicFile;
 use itpms_data::signals::{Chosen, Lister, Listing, Resolved, SignalMap, resolve_knowing};
 
@@ -40,6 +41,11 @@ pub(crate) fn run(args: &SignalsArgs, screen: &Screen, interrupt: &Interrupt) ->
         screen.print_lines(format!("{:#}", json::value(&args.log, &listing, &resolved, &columns)));
     } else {
         table::print(args, &listing, &resolved, &columns, screen);
+    }
+    // What this command understands of a table's header is more than the others take without being told.
+    let understood = listing.kind == "table" && map.is_none() && resolved.unusable().is_none();
+    if let Some(error) = understood.then(|| LogReader::open(&args.log).err()).flatten() {
+        screen.warn(format!("without a map the log is refused: {error}; write one with --write-map map.toml, and read the log with --signals map.toml"));
     }
     for note in &listing.notes {
         screen.warn(format!("{}: {note}", args.log.display()));
