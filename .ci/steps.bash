@@ -398,6 +398,16 @@ report() {
     python3 .ci/open_report.py "$browser" "$page"
 }
 
+# The pictures of README, docs and examples can be made anew. Those that are checked in were looked at, so none is replaced.
+pictures() {
+    local python
+    find_browser >/dev/null || install_package chromium
+    find_browser >/dev/null || skip "no Chromium here and none to be had"
+    python_with pictures PIL pillow
+    cargo build --release --locked
+    "$python" .ci/pictures.py "$target_dir/release" "$target_dir/ci-pictures"
+}
+
 # The live monitor on a SocketCAN interface, which needs a kernel that has one: a virtual machine.
 vcan() {
     cargo build --release --locked
