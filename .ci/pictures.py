@@ -12,6 +12,7 @@ import io
 import json
 import os
 import shutil
+import socket
 import subprocess
 import sys
 import tempfile
@@ -25,7 +26,6 @@ PROGRAMS, OUT, WANTED = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
 ROOT = Path(__file__).resolve().parent.parent
 EXAMPLES = ROOT / "examples"
 LARGEST_BYTES = 150_000
-ADDRESS = "127.0.0.1:8397"
 # Of the replayed drive: when the live page is taken, and how fast it is replayed until then.
 LIVE_S, LIVE_SPEED = 100.0, 8
 COLUMNS, LINE_PX, COLUMN_PX, MARGIN_PX = 112, 18, 7.8, 18
@@ -159,24 +159,27 @@ def live(browser):
     """The live page late in a replay, three times within moments."""
     if not wanted("dashboard-desktop.png", "dashboard-dark.png", "dashboard-phone.png"):
         return
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        address = f"127.0.0.1:{free.getsockname()[1]}"
     monitor = subprocess.Popen([PROGRAMS / "itpms", "-q", "monitor", "--replay", "out/later.csv", "--speed", str(LIVE_SPEED), "--vehicle",
-        "out/own.toml", "--reference", "out/own.reference", "--http", ADDRESS], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+        "out/own.toml", "--reference", "out/own.reference", "--http", address], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
     try:
         for _ in range(100):
             with contextlib.suppress(OSError):
-                urlopen(f"http://{ADDRESS}/api/snapshot").close()
+                urlopen(f"http://{address}/api/snapshot").close()
                 break
             time.sleep(0.05)
         browser.size(1200, 1500)
-        browser.open(f"http://{ADDRESS}/")
-        while json.load(urlopen(f"http://{ADDRESS}/api/snapshot"))["time_s"] < LIVE_S:
+        browser.open(f"http://{address}/")
+        while json.load(urlopen(f"http://{address}/api/snapshot"))["time_s"] < LIVE_S:
             time.sleep(0.05)
         pictures = {"dashboard-desktop.png": browser.taken()}
         browser.size(1200, 1500, dark=True)
         pictures["dashboard-dark.png"] = browser.taken()
         browser.size(360, 1180, scale=1.5)
         pictures["dashboard-phone.png"] = browser.taken()
-        json.load(urlopen(f"http://{ADDRESS}/api/snapshot"))["source"]["state"] == "live" or sys.exit("the replay ended before its pictures were taken")
+        json.load(urlopen(f"http://{address}/api/snapshot"))["source"]["state"] == "live" or sys.exit("the replay ended before its pictures were taken")
         for name, png in pictures.items():
             keep(name, png)
     finally:

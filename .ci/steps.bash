@@ -403,7 +403,7 @@ pictures() {
     local python
     find_browser >/dev/null || install_package chromium
     find_browser >/dev/null || skip "no Chromium here and none to be had"
-    python_with pictures PIL pillow
+    python_with pillow PIL pillow
     cargo build --release --locked
     "$python" .ci/pictures.py "$target_dir/release" "$target_dir/ci-pictures"
 }
