@@ -96,7 +96,8 @@ class Browser:
         for _ in range(2 if from_heading else 0):
             scroll = f"""(() => {{ const h = [...document.querySelectorAll("h2")].find((h) => h.textContent.startsWith({json.dumps(from_heading)}));
                 if (h) scrollTo(0, h.getBoundingClientRect().top + scrollY - 24); return !!h; }})()"""
-            self.value(scroll) or sys.exit(f"{path.name} has no heading {from_heading}")
+            if not self.value(scroll):
+                sys.exit(f"{path.name} has no heading {from_heading}")
             time.sleep(0.5)
         keep(name, self.taken())
 
@@ -179,7 +180,8 @@ def live(browser):
         pictures["dashboard-dark.png"] = browser.taken()
         browser.size(360, 1180, scale=1.5)
         pictures["dashboard-phone.png"] = browser.taken()
-        json.load(urlopen(f"http://{address}/api/snapshot"))["source"]["state"] == "live" or sys.exit("the replay ended before its pictures were taken")
+        if json.load(urlopen(f"http://{address}/api/snapshot"))["source"]["state"] != "live":
+            sys.exit("the replay ended before its pictures were taken")
         for name, png in pictures.items():
             keep(name, png)
     finally:
@@ -202,7 +204,8 @@ def session():
     environment = {"PATH": f"{PROGRAMS}:/usr/bin:/bin", "HOME": os.getcwd(), "LC_ALL": "C.UTF-8"}
     lines = []
     for command in SESSION:
-        done = subprocess.run(command, shell=True, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=True)
+        done = subprocess.run(command, shell=True, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT, text=True, check=True)
         lines.append(("command", f"$ {command}"))
         for line in done.stdout.splitlines():
             lines += [("out", line[at : at + COLUMNS]) for at in range(0, max(len(line), 1), COLUMNS)]
