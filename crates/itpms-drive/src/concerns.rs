@@ -1,8 +1,9 @@
 //! What should be known before believing a result, in sentences.
 
 use itpms_analysis::report::ReportData;
-use itpms_core::model::Corner;
+use itpms_core::model::{Corner, Misfit};
 use itpms_core::wheel_speed::RadiusState;
+use itpms_data::log::{Field, Slot};
 use itpms_data::out::WheelSpeedUse;
 use itpms_data::{LogReader, Vehicle};
 use itpms_paper::EstimatorKind;
@@ -56,7 +57,27 @@ pub fn common_corners(log: &LogReader, vehicle: &Vehicle) -> Result<Vec<Corner>,
             log.path().display()
         )));
     }
+    if let Some(why) = one_sensor_twice(log, &common) {
+        return Err(DriveError::Mismatch(format!("{}: {why}", log.path().display())));
+    }
     Ok(common)
+}
+
+/// Two corners with one sensor: those across are wrong, too. Where one body sensor serves all corners, they are found not to fit.
+fn one_sensor_twice(log: &LogReader, common: &[Corner]) -> Option<String> {
+    let same = |field: Field| {
+        let of = |corner: &Corner| Slot::Corner(*corner, field).name();
+        let names: Vec<String> = common.iter().map(of).collect();
+        let twice =
+            log.repairs().same_columns.iter().filter(move |(a, b)| names.contains(a) && names.contains(b));
+        twice.cloned().collect::<Vec<_>>()
+    };
+    let (wheels, bodies) = (same(Field::WheelAccel), same(Field::BodyAccel));
+    let all = common.len() * common.len().saturating_sub(1) / 2;
+    let (a, b) = wheels.first().or_else(|| bodies.first().filter(|_| bodies.len() < all))?;
+    Some(format!(
+        "{a} and {b} have the same values: expected a sensor at each corner (one signal logged twice, or copied?)"
+    ))
 }
 
 fn labels(corners: &[Corner]) -> String {
@@ -177,7 +198,12 @@ pub(crate) fn of(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Vec<String> {
         ));
     }
     for (corner, misfit) in drive.misfits() {
-        concerns.push(format!("corner {}: {misfit}; its pressure is not valid", corner.label()));
+        let what = match misfit {
+            Misfit::PartlyUnexplained => "its standard deviation is the wider for it",
+            Misfit::Hop if calibrated => "its standard deviation is the wider for it",
+            _ => "its pressure is not valid",
+        };
+        concerns.push(format!("corner {}: {misfit}; {what}", corner.label()));
     }
     if let Some(seconds) = drive.speed_latency_s() {
         let way = if seconds > 0.0 { "late" } else { "early" };

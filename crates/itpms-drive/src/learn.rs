@@ -15,7 +15,6 @@ use serde_json::{Map, Value, json};
 
 use crate::concerns::common_corners;
 use crate::error::DriveError;
-use crate::plausibility::Plausibility;
 use crate::run::ROWS_PER_LOOK;
 use crate::time_axis::TimeAxis;
 use crate::wheelbase;
@@ -225,7 +224,7 @@ fn listen(
     }
     let config = vehicle.car_config(&corners);
     let mut listener = Listener::new(&config, drive.pressures_kpa, log.survey().sample_rate_hz)?;
-    let (mut axis, mut plausibility) = (TimeAxis::new(vehicle.wheelbase_m), Plausibility::default());
+    let mut axis = TimeAxis::new(vehicle.wheelbase_m);
     let mut count = 0u64;
     while let Some(row) = log.next_row()? {
         if count.is_multiple_of(ROWS_PER_LOOK) && watch(log.progress()).is_break() {
@@ -233,11 +232,10 @@ fn listen(
         }
         count += 1;
         axis.take(&row);
-        plausibility.take(&row, f64::NAN);
         listener.take(&row.sample());
     }
     let path = drive.log.display();
-    if let Some(why) = axis.contradiction().or_else(|| plausibility.contradiction()) {
+    if let Some(why) = axis.contradiction() {
         return Err(DriveError::Mismatch(format!("{path}: {why}")));
     }
     let reading = listener.finish();

@@ -1,16 +1,13 @@
-//! What a log's columns show of their own units and sensors: a speed and wheel speeds that differ by a factor, wheel speeds in coarse steps,
-//! one sensor under two names, accelerations that are too small for any road. Fed with every row by [`run`](crate::run) and
-//! [`learn`](crate::learn), asked at the end; knows nothing of tires.
+//! What a log's columns show of their own units: a speed and wheel speeds that differ by a factor, wheel speeds in coarse steps,
+//! accelerations that are too small for any road. Fed with every row by [`run`](crate::run), asked at the end; knows nothing of tires.
 
 use itpms_core::model::Corner;
 use itpms_data::LogRow;
 
 /// Speed in m/s from which rows count.
 const DRIVING_M_S: f64 = 5.0;
-/// Rows that are needed for a statement, and the share of them in which two sensors have the same value to the last digit, though it changes:
-/// two sensors with coarse values do that now and then.
-const LEAST_ROWS: u64 = 1000;
-const SAME_SHARE: f64 = 0.9;
+/// Rows that are needed for a statement.
+const LEAST_ROWS: f64 = 1000.0;
 /// Wheel speeds over the car's that no slip and no radius explain, as the logarithm of their ratio.
 const OFF: f64 = 0.2;
 /// Steps in m/s from which on wheel speeds show no radius: half a second of samples in steps of 0.1 km/h does, of 0.5 km/h does not.
@@ -18,17 +15,12 @@ const COARSE_M_S: f64 = 0.25 / 3.6;
 /// Changes of a wheel speed that are needed to know its steps.
 const LEAST_CHANGES: u64 = 200;
 /// A wheel over a smooth motorway moves by more than this, in m/s² rms, from [`FAST_M_S`] on.
-const LEAST_WHEEL_RMS_M_S2: f64 = 0.5;
+const LEAST_WHEEL_RMS_M_S2: f64 = 0.8;
 const FAST_M_S: f64 = 10.0;
 
 /// See the [module](self).
 #[derive(Debug, Default)]
 pub(crate) struct Plausibility {
-    rows: u64,
-    /// Rows in which two corners had the same new value: of the body, of the wheel.
-    same: [[u64; 2]; PAIRS.len()],
-    changed: [u64; 2],
-    last: [[f64; 2]; 4],
     /// Sum of the logarithm of wheel speeds over speed.
     ratio: f64,
     ratios: f64,
@@ -39,13 +31,15 @@ pub(crate) struct Plausibility {
     wheels: [[f64; 3]; 4],
 }
 
-/// Pairs of corners, by index.
-const PAIRS: [(usize, usize); 6] = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
-
 impl Plausibility {
     /// Takes a row of the log; `radius_m` is what makes speeds of wheels of their rotation.
     pub(crate) fn take(&mut self, row: &LogRow, radius_m: f64) {
-        self.compare_sensors(row);
+        for (sums, corner) in self.wheels.iter_mut().zip(&row.corners) {
+            let wheel = corner.map_or(f64::NAN, |corner| corner.wheel_accel_m_s2);
+            if row.speed_m_s > FAST_M_S && wheel.is_finite() {
+                *sums = [sums[0] + 1.0, sums[1] + wheel, sums[2] + wheel * wheel];
+            }
+        }
         let wheels = row.motion.sample(row.time_s, radius_m).wheel_speed_m_s;
         let mean_m_s = 0.25 * wheels.iter().sum::<f64>();
         if row.speed_m_s > DRIVING_M_S && mean_m_s > 0.0 {
@@ -60,69 +54,14 @@ impl Plausibility {
         }
     }
 
-    fn compare_sensors(&mut self, row: &LogRow) {
-        if !(row.speed_m_s > DRIVING_M_S || row.speed_m_s.is_nan()) {
-            return;
-        }
-        let now = row.corners.map(|corner| {
-            corner.map_or([f64::NAN; 2], |corner| [corner.body_accel_m_s2, corner.wheel_accel_m_s2])
-        });
-        self.rows += 1;
-        for ((a, b), same) in PAIRS.iter().zip(&mut self.same) {
-            for (of, same) in same.iter_mut().enumerate() {
-                *same += u64::from(now[*a][of] == now[*b][of] && now[*a][of] != self.last[*a][of]);
-            }
-        }
-        for (of, changed) in self.changed.iter_mut().enumerate() {
-            *changed += u64::from(
-                (0..4).any(|corner| now[corner][of].is_finite() && now[corner][of] != self.last[corner][of]),
-            );
-        }
-        self.last = now;
-        for (sums, [_, wheel]) in self.wheels.iter_mut().zip(now) {
-            if row.speed_m_s > FAST_M_S && wheel.is_finite() {
-                *sums = [sums[0] + 1.0, sums[1] + wheel, sums[2] + wheel * wheel];
-            }
-        }
-    }
-
-    /// What leaves no result of the accelerations to be believed.
+    /// What leaves nothing of wheel speeds to be believed.
     pub(crate) fn contradiction(&self) -> Option<String> {
-        self.same_sensor()
-    }
-
-    /// The same of wheel speeds that are used.
-    pub(crate) fn contradiction_of_wheel_speeds(&self) -> Option<String> {
         self.other_unit().or_else(|| self.coarse_steps())
-    }
-
-    /// Two wheels with one signal, or two of the bodies' sensors: where all bodies are one, body and wheels are found not to fit.
-    fn same_sensor(&self) -> Option<String> {
-        let is_same = |of: usize, pair: usize| {
-            self.changed[of] >= LEAST_ROWS
-                && self.same[pair][of] as f64 > SAME_SHARE * self.changed[of] as f64
-        };
-        let count = |of: usize| (0..PAIRS.len()).filter(|pair| is_same(of, *pair)).count();
-        let [body, wheel] = [0, 1].map(count);
-        let (of, name) = match (body, wheel) {
-            (_, 1..) => (1, "wheel"),
-            (1..6, 0) if self.is_whole() => (0, "body"),
-            _ => return None,
-        };
-        let (a, b) = PAIRS[(0..PAIRS.len()).find(|pair| is_same(of, *pair))?];
-        let [a, b] = [a, b].map(|corner| Corner::ALL[corner].label());
-        Some(format!(
-            "{a}_{name}_accel_m_s2 and {b}_{name}_accel_m_s2 have the same values: expected a sensor at each corner (one signal logged twice, or copied?)"
-        ))
-    }
-
-    fn is_whole(&self) -> bool {
-        self.last.iter().all(|corner| corner.iter().all(|value| value.is_finite()))
     }
 
     fn other_unit(&self) -> Option<String> {
         let off = self.ratio / self.ratios;
-        (self.ratios >= LEAST_ROWS as f64 && off.abs() > OFF).then(|| {
+        (self.ratios >= LEAST_ROWS && off.abs() > OFF).then(|| {
             let ratio = off.exp();
             let unit = if (ratio / 3.6).ln().abs() < 0.1 { " (in km/h?)" } else { "" };
             format!("the wheel speeds are {ratio:.2} times speed_m_s, expected 1: one of them has another unit or factor{unit}")
@@ -142,8 +81,7 @@ impl Plausibility {
     /// What should be known, though it may be so.
     pub(crate) fn concern(&self) -> Option<String> {
         let small = |[count, sum, squares]: &[f64; 3]| {
-            *count >= LEAST_ROWS as f64
-                && ((squares - sum * sum / count) / count).sqrt() < LEAST_WHEEL_RMS_M_S2
+            *count >= LEAST_ROWS && ((squares - sum * sum / count) / count).sqrt() < LEAST_WHEEL_RMS_M_S2
         };
         let corner = self.wheels.iter().position(small)?;
         Some(format!(
@@ -159,12 +97,9 @@ mod tests {
     use super::*;
     use itpms_data::log::{LogCorner, LogMotion};
 
-    /// A row with wheel accelerations of so many m/s² about zero, each corner's its own unless `same`.
-    fn row(k: u64, wheel_m_s2: f64, same: bool, wheel_speed_m_s: f64) -> LogRow {
-        let wave = |corner: usize| {
-            let phase = if same && corner == 3 { 2 } else { corner };
-            (k as f64 * (0.7 + 0.1 * phase as f64)).sin()
-        };
+    /// A row with wheel accelerations of so many m/s² about zero, each corner's its own.
+    fn row(k: u64, wheel_m_s2: f64, wheel_speed_m_s: f64) -> LogRow {
+        let wave = |corner: usize| (k as f64 * (0.7 + 0.1 * corner as f64)).sin();
         let corners = [0, 1, 2, 3].map(|corner| {
             let (body_accel_m_s2, wheel_accel_m_s2) = (wave(corner), wheel_m_s2 * wave(corner));
             Some(LogCorner { body_accel_m_s2, wheel_accel_m_s2, pressure_kpa: f64::NAN, road_m: f64::NAN })
@@ -181,34 +116,25 @@ mod tests {
 
     #[test]
     fn a_log_in_order_is_plausible() {
-        let log = after(|k| row(k, 5.0, false, 20.0 + 0.01 * (k as f64 * 0.01).sin()));
-        assert_eq!(log.contradiction().or(log.contradiction_of_wheel_speeds()), None);
+        let log = after(|k| row(k, 5.0, 20.0 + 0.01 * (k as f64 * 0.01).sin()));
+        assert_eq!(log.contradiction(), None);
         assert_eq!(log.concern(), None);
     }
 
     #[test]
-    fn one_sensor_under_two_names_is_named() {
-        let log = after(|k| row(k, 5.0, true, f64::NAN));
-        assert!(
-            log.contradiction()
-                .is_some_and(|why| why.contains("rl_wheel_accel_m_s2 and rr_wheel_accel_m_s2"))
-        );
-    }
-
-    #[test]
     fn another_unit_is_named() {
-        let log = after(|k| row(k, 5.0, false, 72.0));
-        let why = log.contradiction_of_wheel_speeds();
+        let log = after(|k| row(k, 5.0, 72.0));
+        let why = log.contradiction();
         assert!(why.is_some_and(|why| why.contains("3.60 times") && why.contains("km/h")));
-        let log = after(|k| row(k, 5.0 / 9.81 / 9.81, false, f64::NAN));
+        let log = after(|k| row(k, 5.0 / 9.81 / 9.81, f64::NAN));
         assert!(log.concern().is_some_and(|why| why.contains("in g?")));
     }
 
     #[test]
     fn coarse_wheel_speeds_are_named() {
-        let steps = |step_m_s: f64| after(move |k| row(k, 5.0, false, 20.0 + step_m_s * (k % 7) as f64));
-        let why = steps(0.5 / 3.6).contradiction_of_wheel_speeds();
+        let steps = |step_m_s: f64| after(move |k| row(k, 5.0, 20.0 + step_m_s * (k % 7) as f64));
+        let why = steps(0.5 / 3.6).contradiction();
         assert!(why.is_some_and(|why| why.contains("steps of 0.50 km/h")));
-        assert_eq!(steps(0.1 / 3.6).contradiction_of_wheel_speeds(), None);
+        assert_eq!(steps(0.1 / 3.6).contradiction(), None);
     }
 }

@@ -173,9 +173,8 @@ pub(crate) fn conclude(
         return Err(DriveError::Stopped);
     }
     drive.finish(job.settings.calibrate_s);
-    let of_wheel_speeds = drive.radii().and_then(|_| record.plausibility.contradiction_of_wheel_speeds());
-    let contradiction = record.axis.contradiction().or_else(|| record.plausibility.contradiction());
-    if let Some(contradiction) = contradiction.or(of_wheel_speeds) {
+    let of_wheel_speeds = drive.radii().and_then(|_| record.plausibility.contradiction());
+    if let Some(contradiction) = record.axis.contradiction().or(of_wheel_speeds) {
         return Err(DriveError::Mismatch(format!("{}: {contradiction}", log.path().display())));
     }
     let implausible = record.plausibility.concern();
