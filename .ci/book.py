@@ -26,6 +26,7 @@ def prose_and_formulas(text):
     for line in text.splitlines():
         if line.lstrip().startswith("```"):
             fenced = not fenced
+            line = ""
         indented = line.startswith("    ") and (before_blank or block)
         if indented and not fenced:
             block.append(line)
@@ -132,7 +133,7 @@ def main():
                     if not known(symbol, explained):
                         faults.append(f"{page.name}: {'_'.join(filter(None, symbol))} is neither in symbols.md nor in its own table: {line.strip()}")
 
-    documents = pages + sorted((ROOT / "docs").glob("*.md")) + sorted(ROOT.glob("*.md"))
+    documents = pages + [page for folder in ("docs", ".", "examples", "examples/*") for page in sorted(ROOT.glob(f"{folder}/*.md"))]
     for page in documents:
         prose, _ = prose_and_formulas(page.read_text(encoding="utf-8"))
         targets = links(page, prose)

@@ -20,7 +20,7 @@ from pathlib import Path
 PROGRAMS, FOLDER = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
 ROOT = Path(__file__).resolve().parent.parent
 RUN = ["README.md", "docs/vehicle.md", "docs/reset.md", "docs/commands.md", "docs/measurements.md", "docs/introduction.md",
-    "examples/wheel-speeds/README.md"]
+    "examples/README.md", "examples/wheel-speeds/README.md"]
 READ = sorted({*RUN, *(str(p.relative_to(ROOT)) for p in (ROOT / "docs").rglob("*.md")), "examples/identify/README.md"})
 NOT_RUN = {
     "cargo run --release -- demo": "takes a build; the step demo runs it",
@@ -29,28 +29,17 @@ NOT_RUN = {
     "itpms monitor can0 --vehicle car.toml --dbc car.dbc --mcap live.mcap": "the same",
     "itpms estimate bus.mf4 --dbc car.dbc --signals map.toml --vehicle car.toml -o est.csv": "itpms writes no frames into MDF; the step formats reads some",
     "itpms convert bus.mf4 bus.log": "the same",
+    "cargo run --release -p itpms-core --example one_wheel": "takes a build; the step stack runs it",
+    "pip install '../crates/itpms-python[pandas,plot]' jupyterlab": "takes a build; the step python has it",
+    "jupyter lab notebooks/own_log.ipynb": "waits for a reader; the step python runs the notebooks",
+    'library=$(../.ci/capi-library x86_64-unknown-linux-gnu f32) && gcc -std=c99 -I ../crates/itpms-capi/include c/pressures.c c/vehicle_file.c "$library" -lm -o out/pressures':
+        "takes a build; the step capi has it",
+    "out/pressures out/drive.csv out/car.toml > out/c.csv": "the same",
+    "cd firmware && cargo run": "takes a build; the step firmware runs it",
 }
 # Lines after which the reader edits what was written: the map then names the signals whose names do not say enough.
 COMPLETED = {"itpms signals drive.log --dbc car.dbc --write-map map.toml": ROOT / "examples" / "can" / "map.toml"}
 WRITES = {"-o", "--out", "--write-map", "--report", "--road-out", "--mcap", "--save-reference", "--vehicle-out"}
-# A car of one's own, at 240 kPa but for the front left tire (or all, where `all_kpa` says so).
-OWN_CAR = """
-name = "own-car"
-duration_s = {duration_s}
-rate_hz = 200.0
-wheelbase_m = 2.66
-[speed]
-points_s_km_h = [[0.0, 50.0], [60.0, 90.0], [120.0, 60.0], [180.0, 80.0]]
-[road]
-contact_length_m = 0.1
-surface.iso8608 = {{ roughness = "B", slope = 2.0 }}
-[car]
-[corner]
-fl = {{ sprung_mass_kg = 360.0, unsprung_mass_kg = 46.0, pressure.points_s_kpa = [[60.0, {all_kpa}], [70.0, {front_left_kpa}]] }}
-fr = {{ sprung_mass_kg = 360.0, unsprung_mass_kg = 46.0, pressure.constant_kpa = {all_kpa} }}
-rl = {{ sprung_mass_kg = 295.0, unsprung_mass_kg = 40.0, pressure.constant_kpa = {all_kpa} }}
-rr = {{ sprung_mass_kg = 295.0, unsprung_mass_kg = 40.0, pressure.constant_kpa = {all_kpa} }}
-"""
 # Where the program is called in a line: at its beginning or behind a pipe, with or without its folder.
 CALL = re.compile(r"(?:^|\| )(?:[^\s=]+/)?itpms (?:help )?")
 faults = []
@@ -62,8 +51,12 @@ def itpms(folder, *arguments):
         raise SystemExit(f"itpms {' '.join(map(str, arguments))}: exit code {done.returncode}\n{done.stderr}")
 
 
-def own_drive(folder, name, duration_s, all_kpa=240.0, front_left_kpa=None):
-    (folder / "own.toml").write_text(OWN_CAR.format(duration_s=duration_s, all_kpa=all_kpa, front_left_kpa=front_left_kpa or all_kpa))
+def own_drive(folder, name, drive, **changed):
+    """A drive of examples/calibration, with other values of its keys where some are named."""
+    text = (ROOT / "examples" / "calibration" / f"{drive}.toml").read_text()
+    for key, value in changed.items():
+        text = re.sub(rf"\b{key} = [\d.]+", f"{key} = {value}", text)
+    (folder / "own.toml").write_text(text)
     itpms(folder, "lab", "simulate", "own.toml", "-o", name, "--no-truth")
 
 
@@ -81,16 +74,16 @@ def given(page, folder):
     wheels = ROOT / "examples" / "wheel-speeds"
     if page == "README.md":
         itpms(folder, "lab", "simulate", "drive-puncture", "--seed", 1, "-o", "drive.csv")
-        own_drive(folder, "first.csv", 640.0)
-        own_drive(folder, "later.csv", 120.0, front_left_kpa=190.0)
+        own_drive(folder, "first.csv", "first")
+        own_drive(folder, "later.csv", "later")
         subprocess.run([sys.executable, wheels / "make.py", "bus.log", "1300"], cwd=folder, check=True)
         shutil.copy(wheels / "car.dbc", folder)
     elif page == "docs/reset.md":
-        own_drive(folder, "calibration.csv", 640.0)
-        own_drive(folder, "drive.csv", 120.0, front_left_kpa=190.0)
+        own_drive(folder, "calibration.csv", "first")
+        own_drive(folder, "drive.csv", "later")
     elif page == "docs/vehicle.md":
         for name, all_kpa in [("calibration.csv", 240.0), ("drive.csv", 240.0), ("soft.csv", 180.0), ("hard.csv", 240.0)]:
-            own_drive(folder, name, 180.0, all_kpa)
+            own_drive(folder, name, "first", duration_s=180.0, constant_kpa=all_kpa)
     elif page == "docs/commands.md":
         bus_drive(folder, "drive.blf")
         itpms(folder, "convert", "drive.csv", "drive.mf4")
@@ -103,7 +96,7 @@ def given(page, folder):
         (folder / "target").mkdir()
         (folder / "target" / "release").symlink_to(PROGRAMS)
     else:
-        shutil.copytree((ROOT / page).parent, folder, dirs_exist_ok=True)
+        shutil.copytree((ROOT / page).parent, folder, ignore=shutil.ignore_patterns("target", "out"), dirs_exist_ok=True)
 
 
 def fenced(text):

@@ -157,8 +157,10 @@ for outcome in outcomes:
 sys.exit(len(outcomes) != 3 or any(outcome["verdict"] != "pass" for outcome in outcomes))'
 }
 
-# What a car takes of a controller in f32: stack, building it where it lies and with samples, and no flash for its memory.
+# What a car takes of a controller in f32: stack, building it where it lies and with samples, and no flash for its memory. And the core's
+# examples as its page has them.
 stack() {
+    local name
     example itpms-bench stack
     "$target_dir/release/examples/stack" --most 8 24
     # As a controller has it: with a feature's second method a car's memory is not all zeros.
@@ -166,6 +168,9 @@ stack() {
     # All of nm's lines are read: with -q, grep would end first and nm complain.
     nm -C "$target_dir/release/examples/static_car" | grep ' [bB] static_car::CAR$' ||
         { echo "a car that is not configured is not all zeros: it does not lie in .bss"; exit 1; }
+    for name in one_wheel puncture static_car wheel_speeds own_evidence; do
+        cargo run --release --locked -p itpms-core --example "$name"
+    done
 }
 
 # The core on a microcontroller: no heap, no operating system.
@@ -391,6 +396,16 @@ report() {
     browser="$(find_browser)" || install_package chromium
     browser="$(find_browser)" || skip "no Chromium here and none to be had"
     python3 .ci/open_report.py "$browser" "$page"
+}
+
+# The pictures of README, docs and examples can be made anew. Those that are checked in were looked at, so none is replaced.
+pictures() {
+    local python
+    find_browser >/dev/null || install_package chromium
+    find_browser >/dev/null || skip "no Chromium here and none to be had"
+    python_with pillow PIL pillow
+    cargo build --release --locked
+    "$python" .ci/pictures.py "$target_dir/release" "$target_dir/ci-pictures"
 }
 
 # The live monitor on a SocketCAN interface, which needs a kernel that has one: a virtual machine.

@@ -106,7 +106,7 @@ static void print_estimate(const itpms_estimate *estimate)
     (void)printf("\n");
 }
 
-/* What the monitor has said since it was last asked. */
+/* The active alerts, whenever one began or ended. */
 static void print_alerts(itpms_car *car)
 {
     static itpms_event events[54];
