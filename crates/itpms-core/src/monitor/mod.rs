@@ -33,7 +33,7 @@ use crate::model::{
 };
 use crate::real::Real;
 use crate::warning::all_low::AllLow;
-use crate::warning::leak::LeakWatch;
+use crate::warning::leak::{Height, LeakWatch};
 use crate::warning::low::{ALONE, Around, WheelWatch, is_learning, reading};
 use crate::warning::reference_pressure::ReferencePressure;
 use crate::warning::report::{ALL_LOW_SLOT, COMMON_SHIFT_SLOT, Slot};
@@ -277,20 +277,28 @@ impl<T: Real> Monitor<T> {
                 self.wheels[i].update(step_s, corner, self.reference_kpa[i], &around[i], &limits);
             }
         }
-        let learned = |corner: &Option<CornerEstimate<T>>| {
-            let corner = corner.as_ref().filter(|corner| is_learning(corner))?;
-            let sd =
-                corner.loss.map_or(corner.change_sd_kpa, |loss| loss.change_sd_kpa.min(corner.change_sd_kpa));
-            Some([corner.pressure_kpa, sd * sd])
-        };
-        let now = estimate.corners.each_ref().map(learned);
+        let heights = Corner::ALL.map(|corner| self.height(estimate, corner, &around[corner]));
         let least = limits.fast_leak_kpa_per_min;
-        let doubted = around.map(|around| around.doubted);
-        let lost =
-            around.map(|around| around.lost.is_some_and(|[lost, _]| lost > T::one() - limits.low_share));
-        self.leaks.update(estimate.time_s, step_s, now, self.reference_kpa, least, doubted, lost);
+        self.leaks.update(estimate.time_s, step_s, &heights, self.reference_kpa, least);
         self.all_low.update(step_s, estimate, self.reference_kpa, &limits);
         self.write(estimate);
+    }
+
+    /// What falls of a wheel if it leaks.
+    fn height(&self, estimate: &CarEstimate<T>, corner: Corner, around: &Around<T>) -> Height<T> {
+        let learned = estimate.corners[corner].as_ref().filter(|corner| is_learning(corner));
+        let loss = learned.and_then(|learned| learned.loss);
+        let kpa = learned.map(|learned| match loss {
+            Some(loss) => [-loss.lost_kpa, loss.change_sd_kpa * loss.change_sd_kpa],
+            None => [learned.pressure_kpa, learned.change_sd_kpa * learned.change_sd_kpa],
+        });
+        let has_lost = around.lost.is_some_and(|[lost, _]| lost > T::one() - self.config.limits.low_share);
+        Height {
+            kpa,
+            is_loss: loss.is_some(),
+            is_short: around.share < T::one() || has_lost,
+            is_doubted: around.doubted,
+        }
     }
 
     /// What else is known when a wheel is looked at.

@@ -1,4 +1,5 @@
-//! How fast a tire loses pressure against the others: what road, temperature and load do to all of them cancels.
+//! How fast a tire loses pressure against the others: what road, temperature and load do to all of them cancels. Where losses of this drive are
+//! counted, what falls is their negative: a pressure that is found to have another level than was believed has lost nothing.
 
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
 use crate::memory::blank;
@@ -17,8 +18,22 @@ const CERTAIN: f64 = 4.0;
 const LEAST_FALL: f64 = 0.06;
 const LEAK: DebounceTimes = DebounceTimes { set_s: 10.0, clear_s: 60.0 };
 
-/// A pressure in kPa and its variance in kPa².
+/// A pressure, or the negative of what was lost of it, in kPa and its variance in kPa².
 type Kept<T> = Option<[T; 2]>;
+
+/// What is known of a wheel when it is looked at.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Height<T> {
+    /// What falls, in kPa, and its variance in kPa²; `None` where nothing is being learned.
+    pub(crate) kpa: Kept<T>,
+    /// Whether that is the negative of a loss, and no pressure.
+    pub(crate) is_loss: bool,
+    /// Whether the tire is below where it should be, or has lost too much in this drive: what comes down to where it should be was read
+    /// too high.
+    pub(crate) is_short: bool,
+    /// Whether the tire may only seem to fall.
+    pub(crate) is_doubted: bool,
+}
 
 /// Pressures of all wheels over the last minutes, and who leaks.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,17 +41,20 @@ type Kept<T> = Option<[T; 2]>;
 pub(crate) struct LeakWatch<T> {
     kept: [[Kept<T>; 4]; KEPT],
     kept_s: [f64; KEPT],
+    /// Of which wheels losses are kept.
+    are_losses: [bool; 4],
     leaks: [Debouncer; 4],
     rate_kpa_per_min: [T; 4],
 }
 
-blank!(LeakWatch<T> { kept, kept_s, leaks, rate_kpa_per_min });
+blank!(LeakWatch<T> { kept, kept_s, are_losses, leaks, rate_kpa_per_min });
 
 impl<T: Real> LeakWatch<T> {
     pub(crate) fn new() -> Self {
         Self {
             kept: [[None; 4]; KEPT],
             kept_s: [f64::NEG_INFINITY; KEPT],
+            are_losses: [false; 4],
             leaks: [Debouncer::new(); 4],
             rate_kpa_per_min: [T::zero(); 4],
         }
@@ -55,30 +73,33 @@ impl<T: Real> LeakWatch<T> {
         }
     }
 
-    /// Takes pressures and variances; `None` for a wheel of which nothing is being learned. `doubted`: the wheels whose tires may only
-    /// seem to fall; `lost`: those that have lost too much in this drive, whatever their levels.
+    /// Takes what is known of the wheels.
     pub(crate) fn update(
         &mut self,
         time_s: f64,
         step_s: f64,
-        now: [Kept<T>; 4],
+        wheels: &[Height<T>; 4],
         reference_kpa: [T; 4],
         least_kpa_per_min: T,
-        doubted: [bool; 4],
-        lost: [bool; 4],
     ) {
+        for wheel in Corner::ALL {
+            let is_loss = wheels[wheel].is_loss;
+            if wheels[wheel].kpa.is_some() && is_loss != self.are_losses[wheel] {
+                self.are_losses[wheel] = is_loss;
+                self.forget(wheel);
+            }
+        }
+        let now = wheels.map(|wheel| wheel.kpa);
         let lasted_s = self.kept_s.map(|kept_s| T::lit(time_s - kept_s));
         for wheel in Corner::ALL {
             let Some(pressure) = now[wheel] else { continue };
             let fall = self.steepest_fall(&lasted_s, wheel, pressure, &now, reference_kpa[wheel]);
-            // What comes down to where it should be was read too high.
-            let short = pressure[0] < reference_kpa[wheel] || lost[wheel];
             let evidence = match fall {
-                Some(rate) if short && rate >= least_kpa_per_min => {
+                Some(rate) if wheels[wheel].is_short && rate >= least_kpa_per_min => {
                     let leak = &self.leaks[wheel];
                     let before = if leak.is_suspected() { self.rate_kpa_per_min[wheel] } else { T::zero() };
                     self.rate_kpa_per_min[wheel] = before.max(rate);
-                    if doubted[wheel] { Evidence::NoData } else { Evidence::Prefailed }
+                    if wheels[wheel].is_doubted { Evidence::NoData } else { Evidence::Prefailed }
                 }
                 _ => Evidence::Prepassed,
             };
@@ -137,10 +158,15 @@ mod tests {
     use super::*;
 
     /// Takes what wheel 0 has, the others 240 kPa, each with an sd of 2, after another 0.1 s.
-    fn take(watch: &mut LeakWatch<f64>, time_s: f64, kpa: f64, doubted: bool) {
-        let other = Some([240.0, 4.0]);
-        let now = [Some([kpa, 4.0]), other, other, other];
-        watch.update(time_s, 0.1, now, [240.0; 4], 3.0, [doubted, false, false, false], [false; 4]);
+    fn take(watch: &mut LeakWatch<f64>, time_s: f64, kpa: f64, is_doubted: bool) {
+        let other = pressure(240.0, 2.0);
+        let wheels = [Height { is_doubted, ..pressure(kpa, 2.0) }, other, other, other];
+        watch.update(time_s, 0.1, &wheels, [240.0; 4], 3.0);
+    }
+
+    /// A wheel of this pressure, which should be 240 kPa.
+    fn pressure(kpa: f64, sd_kpa: f64) -> Height<f64> {
+        Height { kpa: Some([kpa, sd_kpa * sd_kpa]), is_loss: false, is_short: kpa < 240.0, is_doubted: false }
     }
 
     /// Seconds until wheel 0 is reported to leak and the rate reported, while it falls at `kpa_per_min` and the others at `all`.
@@ -148,9 +174,9 @@ mod tests {
         let mut watch = LeakWatch::<f64>::new();
         for i in 0..6000 {
             let time_s = f64::from(i) * 0.1;
-            let other = Some([240.0 - all / 60.0 * time_s, sd * sd]);
-            let now = [Some([240.0 - kpa_per_min / 60.0 * time_s, sd * sd]), other, other, other];
-            watch.update(time_s, 0.1, now, [240.0; 4], 3.0, [false; 4], [false; 4]);
+            let other = pressure(240.0 - all / 60.0 * time_s, sd);
+            let wheels = [pressure(240.0 - kpa_per_min / 60.0 * time_s, sd), other, other, other];
+            watch.update(time_s, 0.1, &wheels, [240.0; 4], 3.0);
             assert!(!watch.of(Corner::FrontRight).0.is_active());
             if watch.of(Corner::FrontLeft).0.is_active() {
                 return Some((time_s, watch.of(Corner::FrontLeft).1));
@@ -214,6 +240,29 @@ mod tests {
             take(&mut watch, 3e4 + 0.1 * f64::from(i), kpa, false);
         }
         assert!(watch.of(Corner::FrontLeft).0.is_active());
+    }
+
+    /// A pressure of which 30 kPa are found to be a level that was believed too high, then the loss, which is known apart from that.
+    #[test]
+    fn a_level_that_is_learned_is_no_leak_and_a_loss_is_one() {
+        let mut watch = LeakWatch::<f64>::new();
+        let other = pressure(240.0, 2.0);
+        for i in 0..1200 {
+            let time_s = f64::from(i) * 0.1;
+            let wheel = match i {
+                0..300 => pressure(265.0, 8.0),
+                _ => {
+                    let lost = (0.5 * (time_s - 60.0)).max(0.0);
+                    let level = 265.0 - 30.0 * ((time_s - 30.0) / 20.0).min(1.0);
+                    let is_short = level - lost < 240.0;
+                    Height { kpa: Some([-lost, 4.0]), is_loss: true, is_short, is_doubted: false }
+                }
+            };
+            watch.update(time_s, 0.1, &[wheel, other, other, other], [240.0; 4], 3.0);
+            assert!(time_s > 60.0 || !watch.of(Corner::FrontLeft).0.is_suspected(), "{time_s}");
+        }
+        let (leak, rate) = watch.of(Corner::FrontLeft);
+        assert!(leak.is_active() && (rate - 30.0).abs() < 1.0, "{rate}");
     }
 
     #[test]
