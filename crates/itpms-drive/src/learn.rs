@@ -111,7 +111,9 @@ pub fn learn_with(
         for (number, drive) in drives.iter().enumerate() {
             let mut share = |share: f64| watch((done + share) / total);
             let mut log = open(number)?;
-            readings.push(listen(&now, &mut log, drive, &mut share)?);
+            // A wheelbase that the drives contradict is among the concerns.
+            let wheelbase_m = found.map(|found| found.wheelbase_m).or(now.wheelbase_m);
+            readings.push(listen(&now, wheelbase_m, &mut log, drive, &mut share)?);
             if pass == 0 {
                 let path = drive.log.display();
                 concerns.extend(log.repairs().warnings().into_iter().map(|text| format!("{path}: {text}")));
@@ -199,6 +201,7 @@ pub fn sensor_pressures(
 
 fn listen(
     vehicle: &Vehicle,
+    wheelbase_m: Option<f64>,
     log: &mut LogReader,
     drive: &KnownDrive,
     watch: &mut dyn FnMut(f64) -> ControlFlow<()>,
@@ -224,7 +227,7 @@ fn listen(
     }
     let config = vehicle.car_config(&corners);
     let mut listener = Listener::new(&config, drive.pressures_kpa, log.survey().sample_rate_hz)?;
-    let mut axis = TimeAxis::new(vehicle.wheelbase_m);
+    let mut axis = TimeAxis::new(wheelbase_m);
     let mut count = 0u64;
     while let Some(row) = log.next_row()? {
         if count.is_multiple_of(ROWS_PER_LOOK) && watch(log.progress()).is_break() {
