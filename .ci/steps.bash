@@ -344,7 +344,9 @@ python() {
     export ITPMS="$(realpath "$target_dir/release/itpms")"
     "$bin/python" .ci/notebooks.py examples/notebooks
     cd crates/itpms-python
-    "$bin/ruff" check . && "$bin/ruff" check --ignore ANN,D ../../examples/{notebooks,fleet,spark} && "$bin/ruff" format --check .
+    "$bin/ruff" check .
+    "$bin/ruff" check --ignore ANN,D ../../examples/{notebooks,fleet,spark}
+    "$bin/ruff" format --check .
     "$bin/mypy"
     # Not from the source folder: the installed package is what is tested.
     "$bin/python" -P -m pytest -q -p no:cacheprovider

@@ -94,5 +94,5 @@ def test_pulses_are_read_beside_the_drive_and_refused_without_wheel_speeds(tmp_p
     assert "by the tooth pulses" in str(result) and "by the tooth pulses" not in str(without)
     with pytest.raises(itpms.SettingError, match="tooth pulses count together with wheel speeds"):
         itpms.estimate(itpms.simulate("bench-slow"), pulses=path)
-    with pytest.raises(itpms.ItpmsError, match="no-teeth.csv"):
+    with pytest.raises(itpms.ItpmsError, match=r"no-teeth\.csv"):
         itpms.estimate(table, vehicle, pulses=tmp_path / "no-teeth.csv")
