@@ -37,7 +37,7 @@ pub fn check(vehicle: &Vehicle, log: &mut LogReader, watch: Watch<'_>) -> Result
     let corners = common_corners(log, vehicle)?;
     if corners.is_empty() {
         let path = log.path().display();
-        return Err(DriveError::Mismatch(format!(
+        return Err(DriveError::Log(format!(
             "{path}: has wheel speeds alone, expected accelerations: there is no suspension to check"
         )));
     }

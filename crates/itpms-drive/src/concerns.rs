@@ -52,13 +52,13 @@ pub fn common_corners(log: &LogReader, vehicle: &Vehicle) -> Result<Vec<Corner>,
     }
     let rate_hz = log.survey().sample_rate_hz;
     if !common.is_empty() && rate_hz < LEAST_RATE_HZ {
-        return Err(DriveError::Mismatch(format!(
+        return Err(DriveError::Log(format!(
             "{}: sampled at {rate_hz:.1} Hz, expected 100 Hz to 2 kHz: below {LEAST_RATE_HZ} Hz accelerations do not show how a wheel hops, and no pressure can be estimated",
             log.path().display()
         )));
     }
     if let Some(why) = one_sensor_twice(log, &common) {
-        return Err(DriveError::Mismatch(format!("{}: {why}", log.path().display())));
+        return Err(DriveError::Log(format!("{}: {why}", log.path().display())));
     }
     Ok(common)
 }

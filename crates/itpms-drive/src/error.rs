@@ -25,6 +25,9 @@ pub enum DriveError {
     /// Nothing can be learned of these drives.
     #[error(transparent)]
     Learn(#[from] itpms_analysis::learn::LearnError),
+    /// A log that contradicts itself, or does not show what is looked for.
+    #[error("{0}")]
+    Log(String),
     /// Settings and inputs that do not go together.
     #[error("{0}")]
     Mismatch(String),

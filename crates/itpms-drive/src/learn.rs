@@ -136,7 +136,7 @@ fn named(error: LearnError, drives: &[KnownDrive]) -> DriveError {
         _ => None,
     };
     match drive {
-        Some(drive) => DriveError::Mismatch(format!(
+        Some(drive) => DriveError::Log(format!(
             "{}: no tire was read for a minute after the first 30 s, expected some minutes of driving at more than walking pace with body and wheels that go together (itpms vehicle check shows whether they do)",
             drive.log.display()
         )),
@@ -209,7 +209,7 @@ fn listen(
     let corners = common_corners(log, vehicle)?;
     if corners.is_empty() {
         let path = drive.log.display();
-        return Err(DriveError::Mismatch(format!(
+        return Err(DriveError::Log(format!(
             "{path}: has wheel speeds alone, expected accelerations to learn from"
         )));
     }
@@ -239,13 +239,13 @@ fn listen(
     }
     let path = drive.log.display();
     if let Some(why) = axis.contradiction() {
-        return Err(DriveError::Mismatch(format!("{path}: {why}")));
+        return Err(DriveError::Log(format!("{path}: {why}")));
     }
     let reading = listener.finish();
     let seconds = |corner: &&Corner| reading.wheels[corner.index()].map_or(0.0, |wheel| wheel.seconds);
     let most_s = corners.iter().map(|corner| seconds(&corner)).fold(0.0, f64::max);
     if let Some(corner) = corners.iter().find(|corner| seconds(corner) < UNREAD_SHARE * most_s) {
-        return Err(DriveError::Mismatch(format!(
+        return Err(DriveError::Log(format!(
             "{path}: the tire {} was read for {:.0} s and others for {most_s:.0}: its sensors do not fit together (itpms vehicle check shows them); nothing is learned of the car",
             corner.label(),
             seconds(&corner)

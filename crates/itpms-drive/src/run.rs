@@ -175,7 +175,7 @@ pub(crate) fn conclude(
     drive.finish(job.settings.calibrate_s);
     let of_wheel_speeds = drive.radii().and_then(|_| record.plausibility.contradiction());
     if let Some(contradiction) = record.axis.contradiction().or(of_wheel_speeds) {
-        return Err(DriveError::Mismatch(format!("{}: {contradiction}", log.path().display())));
+        return Err(DriveError::Log(format!("{}: {contradiction}", log.path().display())));
     }
     let implausible = record.plausibility.concern();
     let of_pulses = pulses.finish(log.path(), log.last_time_s().unwrap_or(f64::NAN))?;

@@ -53,6 +53,7 @@ pub(crate) fn data(py: Python<'_>, kind: Kind, error: &DataError) -> PyErr {
 pub(crate) fn drive(py: Python<'_>, error: &DriveError) -> PyErr {
     match error {
         DriveError::Data(error) => data(py, Kind::Log, error),
+        DriveError::Log(sentence) => raise(py, Kind::Log, sentence),
         DriveError::Scenario(error) => scenario(py, error),
         other => raise(py, Kind::Setting, other),
     }
