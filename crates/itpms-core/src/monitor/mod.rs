@@ -287,18 +287,14 @@ impl<T: Real> Monitor<T> {
     /// What falls of a wheel if it leaks.
     fn height(&self, estimate: &CarEstimate<T>, corner: Corner, around: &Around<T>) -> Height<T> {
         let learned = estimate.corners[corner].as_ref().filter(|corner| is_learning(corner));
-        let loss = learned.and_then(|learned| learned.loss);
-        let kpa = learned.map(|learned| match loss {
-            Some(loss) => [-loss.lost_kpa, loss.change_sd_kpa * loss.change_sd_kpa],
-            None => [learned.pressure_kpa, learned.change_sd_kpa * learned.change_sd_kpa],
+        let with_variance = |[kpa, sd_kpa]: [T; 2]| [kpa, sd_kpa * sd_kpa];
+        let unknown = T::lit(f64::NAN);
+        let kpa = learned.map(|learned| {
+            let loss = learned.loss.map_or([unknown; 2], |loss| [-loss.lost_kpa, loss.change_sd_kpa]);
+            [[learned.pressure_kpa, learned.change_sd_kpa], loss].map(with_variance)
         });
         let has_lost = around.lost.is_some_and(|[lost, _]| lost > T::one() - self.config.limits.low_share);
-        Height {
-            kpa,
-            is_loss: loss.is_some(),
-            is_short: around.share < T::one() || has_lost,
-            is_doubted: around.doubted,
-        }
+        Height { kpa, is_short: around.share < T::one() || has_lost, is_doubted: around.doubted }
     }
 
     /// What else is known when a wheel is looked at.

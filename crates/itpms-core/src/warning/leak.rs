@@ -1,5 +1,6 @@
-//! How fast a tire loses pressure against the others: what road, temperature and load do to all of them cancels. Where losses of this drive are
-//! counted, what falls is their negative: a pressure that is found to have another level than was believed has lost nothing.
+//! How fast a tire loses pressure against the others: what road, temperature and load do to all of them cancels. A fall is certain by the
+//! pressure's own deviation, or by that of the loss in this drive where losses are counted: by the second a pressure that is found to have
+//! another level than was believed has lost nothing.
 
 use crate::diagnosis::debounce::{DebounceTimes, Debouncer, Evidence};
 use crate::memory::blank;
@@ -18,16 +19,15 @@ const CERTAIN: f64 = 4.0;
 const LEAST_FALL: f64 = 0.06;
 const LEAK: DebounceTimes = DebounceTimes { set_s: 10.0, clear_s: 60.0 };
 
-/// A pressure, or the negative of what was lost of it, in kPa and its variance in kPa².
-type Kept<T> = Option<[T; 2]>;
+/// What falls if a tire leaks, in kPa, each with its variance in kPa²: its pressure, and the negative of what was lost of it in this drive
+/// (NaN where losses are not counted).
+type Kept<T> = Option<[[T; 2]; 2]>;
 
 /// What is known of a wheel when it is looked at.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Height<T> {
-    /// What falls, in kPa, and its variance in kPa²; `None` where nothing is being learned.
+    /// What falls; `None` where nothing is being learned.
     pub(crate) kpa: Kept<T>,
-    /// Whether that is the negative of a loss, and no pressure.
-    pub(crate) is_loss: bool,
     /// Whether the tire is below where it should be, or has lost too much in this drive: what comes down to where it should be was read
     /// too high.
     pub(crate) is_short: bool,
@@ -41,20 +41,17 @@ pub(crate) struct Height<T> {
 pub(crate) struct LeakWatch<T> {
     kept: [[Kept<T>; 4]; KEPT],
     kept_s: [f64; KEPT],
-    /// Of which wheels losses are kept.
-    are_losses: [bool; 4],
     leaks: [Debouncer; 4],
     rate_kpa_per_min: [T; 4],
 }
 
-blank!(LeakWatch<T> { kept, kept_s, are_losses, leaks, rate_kpa_per_min });
+blank!(LeakWatch<T> { kept, kept_s, leaks, rate_kpa_per_min });
 
 impl<T: Real> LeakWatch<T> {
     pub(crate) fn new() -> Self {
         Self {
             kept: [[None; 4]; KEPT],
             kept_s: [f64::NEG_INFINITY; KEPT],
-            are_losses: [false; 4],
             leaks: [Debouncer::new(); 4],
             rate_kpa_per_min: [T::zero(); 4],
         }
@@ -82,18 +79,13 @@ impl<T: Real> LeakWatch<T> {
         reference_kpa: [T; 4],
         least_kpa_per_min: T,
     ) {
-        for wheel in Corner::ALL {
-            let is_loss = wheels[wheel].is_loss;
-            if wheels[wheel].kpa.is_some() && is_loss != self.are_losses[wheel] {
-                self.are_losses[wheel] = is_loss;
-                self.forget(wheel);
-            }
-        }
         let now = wheels.map(|wheel| wheel.kpa);
         let lasted_s = self.kept_s.map(|kept_s| T::lit(time_s - kept_s));
         for wheel in Corner::ALL {
-            let Some(pressure) = now[wheel] else { continue };
-            let fall = self.steepest_fall(&lasted_s, wheel, pressure, &now, reference_kpa[wheel]);
+            if now[wheel].is_none() {
+                continue;
+            }
+            let fall = self.steepest_fall(&lasted_s, wheel, &now, reference_kpa[wheel]);
             let evidence = match fall {
                 Some(rate) if wheels[wheel].is_short && rate >= least_kpa_per_min => {
                     let leak = &self.leaks[wheel];
@@ -119,33 +111,39 @@ impl<T: Real> LeakWatch<T> {
         &self,
         lasted_s: &[T; KEPT],
         wheel: Corner,
-        [pressure, variance]: [T; 2],
         now: &[Kept<T>; 4],
         reference_kpa: T,
     ) -> Option<T> {
         let mut steepest = None;
         for (kept, lasted_s) in self.kept.iter().zip(lasted_s) {
-            let Some([before, variance_before]) = kept[wheel] else { continue };
+            let Some((before, after)) = kept[wheel].zip(now[wheel]) else { continue };
             if !(*lasted_s >= T::lit(SHORTEST_S) && *lasted_s < T::lit(LONGEST_S)) {
                 continue;
             }
-            // If the others fell, too, only what this one fell more counts; if they rose, that is no fall.
-            let fall = before - pressure - others_fall(kept, now, wheel).max(T::zero());
-            let certain = T::lit(CERTAIN * CERTAIN) * (variance + variance_before);
-            if fall > T::lit(LEAST_FALL) * reference_kpa && fall * fall > certain {
-                let rate = fall * T::lit(60.0) / *lasted_s;
-                steepest = Some(steepest.map_or(rate, |steepest: T| steepest.max(rate)));
+            for (of, ([before, variance_before], [after, variance])) in
+                before.into_iter().zip(after).enumerate()
+            {
+                // If the others fell, too, only what this one fell more counts; if they rose, that is no fall.
+                let fall = before - after - others_fall(kept, now, wheel, of).max(T::zero());
+                let certain = T::lit(CERTAIN * CERTAIN) * (variance + variance_before);
+                if fall > T::lit(LEAST_FALL) * reference_kpa && fall * fall > certain {
+                    let rate = fall * T::lit(60.0) / *lasted_s;
+                    steepest = Some(steepest.map_or(rate, |steepest: T| steepest.max(rate)));
+                }
             }
         }
         steepest
     }
 }
 
-/// Mean fall of the other wheels, in kPa.
-fn others_fall<T: Real>(kept: &[Kept<T>; 4], now: &[Kept<T>; 4], wheel: Corner) -> T {
+/// Mean fall of the other wheels, in kPa, of what falls of this number.
+fn others_fall<T: Real>(kept: &[Kept<T>; 4], now: &[Kept<T>; 4], wheel: Corner, of: usize) -> T {
     let (mut sum, mut count) = (T::zero(), T::zero());
     for other in Corner::ALL.into_iter().filter(|&other| other != wheel) {
-        if let (Some([before, _]), Some([after, _])) = (kept[other], now[other]) {
+        let [before, after] = [kept, now].map(|wheels| wheels[other]?.get(of).map(|[kpa, _]| *kpa));
+        if let Some((before, after)) =
+            before.zip(after).filter(|(before, after)| (*before - *after).is_finite())
+        {
             sum += before - after;
             count += T::one();
         }
@@ -166,7 +164,8 @@ mod tests {
 
     /// A wheel of this pressure, which should be 240 kPa.
     fn pressure(kpa: f64, sd_kpa: f64) -> Height<f64> {
-        Height { kpa: Some([kpa, sd_kpa * sd_kpa]), is_loss: false, is_short: kpa < 240.0, is_doubted: false }
+        let kpa_and_loss = [[kpa, sd_kpa * sd_kpa], [f64::NAN; 2]];
+        Height { kpa: Some(kpa_and_loss), is_short: kpa < 240.0, is_doubted: false }
     }
 
     /// Seconds until wheel 0 is reported to leak and the rate reported, while it falls at `kpa_per_min` and the others at `all`.
@@ -242,20 +241,22 @@ mod tests {
         assert!(watch.of(Corner::FrontLeft).0.is_active());
     }
 
-    /// A pressure of which 30 kPa are found to be a level that was believed too high, then the loss, which is known apart from that.
+    /// A pressure of which 20 kPa are found to be a level that was believed too high, then the loss, which is known apart from that.
     #[test]
     fn a_level_that_is_learned_is_no_leak_and_a_loss_is_one() {
         let mut watch = LeakWatch::<f64>::new();
-        let other = pressure(240.0, 2.0);
+        let other = Height { kpa: Some([[240.0, 100.0], [0.0, 4.0]]), ..pressure(240.0, 10.0) };
         for i in 0..1200 {
             let time_s = f64::from(i) * 0.1;
             let wheel = match i {
-                0..300 => pressure(265.0, 8.0),
+                0..300 => Height { kpa: Some([[255.0, 100.0], [0.0, 4.0]]), ..pressure(255.0, 10.0) },
                 _ => {
                     let lost = (0.5 * (time_s - 60.0)).max(0.0);
-                    let level = 265.0 - 30.0 * ((time_s - 30.0) / 20.0).min(1.0);
-                    let is_short = level - lost < 240.0;
-                    Height { kpa: Some([-lost, 4.0]), is_loss: true, is_short, is_doubted: false }
+                    let level = 255.0 - 20.0 * ((time_s - 30.0) / 20.0).min(1.0);
+                    Height {
+                        kpa: Some([[level - lost, 100.0], [-lost, 4.0]]),
+                        ..pressure(level - lost, 10.0)
+                    }
                 }
             };
             watch.update(time_s, 0.1, &[wheel, other, other, other], [240.0; 4], 3.0);
