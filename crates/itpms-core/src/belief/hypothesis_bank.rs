@@ -50,7 +50,7 @@ pub(super) struct HypothesisBank<T: Real> {
 
 blank!(HypothesisBank<T> { hypotheses, transition, circumstances, update, has_changed });
 
-/// What the hypotheses that were updated with a frame said of it.
+/// How likely a frame was by the hypotheses that were updated with it.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct FrameUpdate<T: Real> {

@@ -1,4 +1,4 @@
-//! What a monitored car is told: the car, how its estimator is used, and the limits of its warnings.
+//! How a monitored car is configured: the car, how its estimator is used, and the limits of its warnings.
 
 use crate::car::EstimatorOptions;
 use crate::memory::blank;
@@ -6,7 +6,7 @@ use crate::model::{CarConfig, ParameterError, positive};
 use crate::real::Real;
 use crate::warning::{Limits, Regulation};
 
-/// What the monitor is told.
+/// The configuration of a monitor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MonitorConfig<T> {

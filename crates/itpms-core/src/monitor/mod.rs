@@ -7,7 +7,7 @@
 //!
 //! | module | idea |
 //! |---|---|
-//! | `config` | what a monitored car is told |
+//! | `config` | how a monitored car is configured |
 //! | `monitored` | estimator and monitor as one |
 //! | `wheels` | the same for a car whose wheel speeds alone are known |
 //!
@@ -427,7 +427,7 @@ impl<T: Real> Monitor<T> {
         &self.report
     }
 
-    /// What it was told.
+    /// Its configuration.
     pub fn config(&self) -> &MonitorConfig<T> {
         &self.config
     }

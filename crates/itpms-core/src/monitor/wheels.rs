@@ -121,7 +121,7 @@ impl<T: Real> MonitoredWheels<T> {
         self.radii.report()
     }
 
-    /// What is said of the tires now, if anything is.
+    /// What is reported of the tires now, if anything is.
     #[must_use]
     pub fn alert(&self) -> Option<Alert<T>> {
         self.alert.get()
@@ -196,7 +196,7 @@ impl<T: Real> MonitoredWheels<T> {
         }));
     }
 
-    /// Writes what is said of the tires into the report of another monitor of the same car.
+    /// Writes what is reported of the tires into the report of another monitor of the same car.
     pub fn tell(&self, report: &mut MonitorReport<T>) {
         report.put_of_wheel_speeds(self.alert.get());
     }

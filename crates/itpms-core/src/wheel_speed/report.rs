@@ -7,7 +7,7 @@ use crate::model::{Corner, Wheels};
 use crate::real::Real;
 use crate::torsion::TorsionEvidence;
 
-/// Probability from which something is said.
+/// Probability from which a state is reported.
 const SURE: f64 = 0.99;
 /// Usable driving in s over which it has to be that probable.
 const SURE_FOR_S: f64 = 2.0;

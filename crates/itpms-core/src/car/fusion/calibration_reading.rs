@@ -29,7 +29,7 @@ impl<T: Real> CalibrationReading<T> {
         }
     }
 
-    /// The mean over the corners that were heard, and its standard deviation as far as the spectra tell, in kPa.
+    /// The mean over the corners that were observed, and its standard deviation as far as the spectra tell, in kPa.
     pub(super) fn mean_kpa(&self) -> Option<(T, T)> {
         let (mut count, mut mean, mut variance) = (T::zero(), T::zero(), T::zero());
         for (&weight, &excess) in self.weight.iter().zip(&self.excess) {

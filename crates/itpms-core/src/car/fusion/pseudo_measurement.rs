@@ -19,7 +19,7 @@ const EVERY_S: f64 = 0.72;
 const SAME_ROAD: f64 = 2.0;
 
 impl<T: Real> Fusion<T> {
-    /// Whether the road under a corner is heard over its sensors' noise, as far as the axles tell.
+    /// Whether the road under a corner stands out of its sensors' noise, as far as the axles tell.
     pub(in crate::car) fn has_signal(&self, corner: Corner) -> bool {
         self.inter_axle.pairs[corner.side()].snr_weight() > T::zero()
     }

@@ -13,7 +13,7 @@ const LOST: f64 = 0.1;
 const USUALLY_SUSPECTED: f64 = 0.3;
 const BEGIN_SUSPECTED: f64 = 4.0;
 /// Lasting incoherence at which a corner that finds its pressure moving is believed as much as the shared road, and the chances of a
-/// change from which on, and at which fully, it is heard.
+/// change from which on, and at which fully, it counts.
 const LEFT: f64 = 0.06;
 const NOTICED: f64 = 0.1;
 const BELIEVED: f64 = 0.5;

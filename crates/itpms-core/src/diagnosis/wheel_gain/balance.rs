@@ -66,8 +66,8 @@ impl<T: Real> WheelGainBalance<T> {
         }
     }
 
-    /// Takes a block of a car that drives; `heard`: the slow band is louder than the sensors' noise in it.
-    pub(crate) fn average(&mut self, block: &Block<T>, heard: bool) {
+    /// Takes a block of a car that drives; `has_signal`: the slow band is louder than the sensors' noise in it.
+    pub(crate) fn average(&mut self, block: &Block<T>, has_signal: bool) {
         let share = T::lit(1.0 / BLOCKS);
         let follow = |mean: &mut T, now: T, most: f64| {
             let most = T::lit(most);
@@ -80,7 +80,7 @@ impl<T: Real> WheelGainBalance<T> {
             }
         }
         let logs = [0, 1, 2, 3].map(|i| T::lit(0.5) * (block.slow[4 + i] / block.slow[i]).ln());
-        if !heard || logs.iter().any(|log| !log.is_finite()) {
+        if !has_signal || logs.iter().any(|log| !log.is_finite()) {
             return;
         }
         let baseline = median(&mut logs.clone());
@@ -236,9 +236,9 @@ mod tests {
             bounce: SMatrix::zeros(),
             slow: [1.0, 1.0, 1.0, 1.0, 0.25, 1.0, 1.0, 1.0],
         };
-        for (heard, flat) in [(false, true), (true, false)] {
+        for (has_signal, flat) in [(false, true), (true, false)] {
             for block in 0..200 {
-                gains.average(&loud, heard);
+                gains.average(&loud, has_signal);
                 gains.judge([f64::from(block) * BLOCK_S, BLOCK_S], flat);
                 assert!(gains.faults().next().is_none());
             }

@@ -371,8 +371,8 @@ impl<T: Real> AxlePair<T> {
         self.products.advance(|bin| road.expected_products(bin));
         *expected = self.coherence.expect(&road_power, &noise, self.products.of_all_bins(), frame.stretch);
         *instrument = instrument_slope(frame, &frf_ratios, wheels, side, state);
-        let heard = if self.on_line.contains(&true) { T::zero() } else { self.snr_weight() };
-        *weight = self.coherence.weight() * frame.frame.seen * heard;
+        let counted = if self.on_line.contains(&true) { T::zero() } else { self.snr_weight() };
+        *weight = self.coherence.weight() * frame.frame.seen * counted;
         *incoherent_s = self.fading() * T::lit(HOP_S);
         Some(())
     }
