@@ -95,12 +95,12 @@ impl<T: Real> AllLow<T> {
             Evidence::Undecided
         };
         self.debouncer.update(estimate.time_s, step_s, evidence, ALL_LOW);
-        // What would be fine for one tire is fine for all.
+        // What would be fine for one tire is fine for all; and a loss of one tire moves their mean, but not the other tires.
         let far = |shares: &Shares<T>| {
+            let fine = T::one() - limits.low_clears_share;
             let off = (shares.mean - T::one()).abs();
-            shares.stored
-                && off > T::one() - limits.low_clears_share
-                && off > T::lit(ONE_SIDED_95) * shares.sd
+            let least = (shares.lowest - T::one()).max(T::one() - shares.highest);
+            shares.stored && least > fine && off > T::lit(ONE_SIDED_95) * shares.sd
         };
         let [front, rear] = [0, 1]
             .map(|axle| Shares::of_wheels(estimate, reference_kpa, |wheel| wheel.axle() == axle).filter(far));
@@ -125,6 +125,7 @@ struct Shares<T> {
     mean: T,
     /// Of the mean, with the errors' correlations.
     sd: T,
+    lowest: T,
     highest: T,
     /// Whether these are all four.
     complete: bool,
@@ -158,10 +159,12 @@ impl<T: Real> Shares<T> {
         let any = |level| Corner::ALL.into_iter().filter_map(learned).any(|corner| corner.level == level);
         let known = || share.iter().flatten().copied();
         let highest = known().reduce(|highest, share| highest.max(share))?;
+        let lowest = known().reduce(|lowest, share| lowest.min(share))?;
         let count = known().fold(T::zero(), |count, _| count + T::one());
         Some(Self {
             mean: known().fold(T::zero(), |sum, share| sum + share) / count,
             sd: variance.max(T::zero()).sqrt() / count,
+            lowest,
             highest,
             complete: share.iter().all(Option::is_some),
             by_file: any(Level::VehicleFile),

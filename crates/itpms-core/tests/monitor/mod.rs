@@ -1,161 +1,15 @@
-//! The monitor through its public face: what it says of estimates made up for it.
+//! The monitor through its public face: what it concludes from estimates made up for it.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
+mod reported;
 mod reset;
 
-use itpms_core::car::{CarEstimate, TrackState};
 use itpms_core::conditioning::SampleClock;
-use itpms_core::model::{
-    CarConfig, CarSample, Corner, CornerConfig, CornerEstimate, CornerSample, Diagnostics, Level, Loss,
-    Validity, Warning,
-};
+use itpms_core::model::{CarSample, Corner, CornerSample, Level, Loss, Validity, Warning};
 use itpms_core::monitor::{Monitor, MonitorConfig};
 use itpms_core::warning::{Basis, Cause, Change, Doubt, Limits, MonitorReport, Regulation, WheelState};
 
-/// Steps per second of the made-up drives.
-const RATE_HZ: f64 = 20.0;
-
-/// What an estimator would have reported.
-#[derive(Clone, Copy)]
-struct Said {
-    kpa: [f64; 4],
-    sd: f64,
-    gate: f64,
-    validity: Validity,
-    speed_m_s: f64,
-    incoherence: f64,
-    /// How far the errors of all tires go together, and at least those of an axle's two.
-    correlation: f64,
-    axle_correlation: f64,
-    /// A wheel whose sensors say nothing.
-    silent: Option<Corner>,
-    level: Level,
-    loss: [Option<Loss<f64>>; 4],
-}
-
-const FINE: Said = Said {
-    kpa: [241.3; 4],
-    sd: 8.0,
-    gate: 1.0,
-    validity: Validity::Valid,
-    speed_m_s: 20.0,
-    incoherence: f64::NAN,
-    correlation: 0.0,
-    axle_correlation: 0.0,
-    silent: None,
-    level: Level::Calibration,
-    loss: [None; 4],
-};
-
-fn car() -> CarConfig<f64> {
-    CarConfig { corners: [Some(CornerConfig::paper()); 4], wheelbase_m: Some(2.7) }
-}
-
-fn estimate(time_s: f64, said: &Said) -> CarEstimate<f64> {
-    let corner = |pressure_kpa| CornerEstimate {
-        time_s,
-        stiffness_n_per_m: 230_000.0,
-        stiffness_sd_n_per_m: 6000.0,
-        pressure_kpa,
-        pressure_sd_kpa: said.sd,
-        change_sd_kpa: said.sd,
-        axle_difference_sd_kpa: None,
-        loss: None,
-        level: said.level,
-        road_m: 0.0,
-        road_sd_m: 0.01,
-        validity: said.validity,
-        warning: Warning::None,
-        diagnostics: Diagnostics {
-            forgetting: 1.0,
-            nis: 1.0,
-            gate: said.gate,
-            change_probability: 0.0,
-            pressure_variance_kpa2: said.sd * said.sd,
-        },
-    };
-    let mut corners = said.kpa.map(|kpa| Some(corner(kpa)));
-    for (corner, loss) in corners.iter_mut().flatten().zip(said.loss) {
-        corner.loss = loss;
-    }
-    if let Some(corner) = said.silent.and_then(|silent| corners[silent.index()].as_mut()) {
-        (corner.validity, corner.diagnostics.gate) = (Validity::BadSignal, 0.0);
-    }
-    let one = |i: usize, j: usize| match (i == j, i / 2 == j / 2) {
-        (true, _) => 1.0,
-        (_, true) => said.correlation.max(said.axle_correlation),
-        _ => said.correlation,
-    };
-    CarEstimate {
-        time_s,
-        corners,
-        correlation: [0, 1, 2, 3].map(|i| [0, 1, 2, 3].map(|j| one(i, j))),
-        tracks: [TrackState { shared: false, incoherence: said.incoherence }; 2],
-    }
-}
-
-/// A drive of made-up estimates, with sensors that move (each by itself: nothing is concluded from them together).
-#[derive(Clone)]
-struct Drive {
-    monitor: Monitor<f64>,
-    clock: SampleClock<f64>,
-    step: u32,
-}
-
-impl Drive {
-    fn new() -> Self {
-        Self::with(MonitorConfig::new(&car()))
-    }
-
-    fn with(config: MonitorConfig<f64>) -> Self {
-        Self {
-            monitor: Monitor::new(&config, RATE_HZ).unwrap(),
-            clock: SampleClock::new(RATE_HZ).unwrap(),
-            step: 0,
-        }
-    }
-
-    fn time_s(&self) -> f64 {
-        f64::from(self.step) / RATE_HZ
-    }
-
-    /// Drives on; gives the first time at which `stop` holds.
-    fn until(
-        &mut self,
-        seconds: f64,
-        said: &Said,
-        stop: impl Fn(&MonitorReport<f64>) -> bool,
-    ) -> Option<f64> {
-        for _ in 0..(seconds * RATE_HZ) as u32 {
-            self.step += 1;
-            let wiggle = 1e-3 * f64::from(self.step % 7);
-            let corner = CornerSample { body_accel_m_s2: wiggle, wheel_accel_m_s2: 2.0 * wiggle };
-            let corners = [Some(corner); 4];
-            let time_s = self.time_s();
-            let at = self.clock.take(time_s, said.speed_m_s);
-            self.monitor.screen(&at, &CarSample { time_s, speed_m_s: said.speed_m_s, corners });
-            assert!(self.monitor.judge(&at, &mut estimate(time_s, said)).is_empty());
-            if stop(self.monitor.report()) {
-                return Some(time_s);
-            }
-        }
-        None
-    }
-
-    fn on(&mut self, seconds: f64, said: &Said) -> &MonitorReport<f64> {
-        self.until(seconds, said, |_| false);
-        self.monitor.report()
-    }
-}
-
-fn state(report: &MonitorReport<f64>, corner: Corner) -> WheelState {
-    report.wheels[corner.index()].unwrap().state
-}
-
-fn low(kpa: f64) -> Said {
-    let [fl, fr, _, rr] = FINE.kpa;
-    Said { kpa: [fl, fr, kpa, rr], ..FINE }
-}
+use reported::{Drive, FINE, RATE_HZ, Reported, car, estimate, low, state};
 
 #[test]
 fn a_low_tire_is_named_with_its_numbers_and_taken_back_when_it_is_over() {
@@ -202,17 +56,17 @@ fn what_is_short_uncertain_or_learned_standing_still_is_not_warned_of() {
     }
     assert!(drive.monitor.report().alerts().next().is_none());
     // 195 + 1.64 * 12 = 214.7 kPa are above the limit: not reported, but not fine either.
-    let report = drive.on(120.0, &Said { sd: 12.0, ..low(195.0) });
+    let report = drive.on(120.0, &Reported { sd: 12.0, ..low(195.0) });
     assert!(report.alerts().next().is_none() && !report.is_all_fine());
     assert_eq!(state(report, Corner::RearLeft), WheelState::Unknown(Doubt::Uncertain));
     // Nothing is learned while the gate is shut.
-    let report = drive.on(120.0, &Said { gate: 0.0, speed_m_s: 0.0, ..low(150.0) });
+    let report = drive.on(120.0, &Reported { gate: 0.0, speed_m_s: 0.0, ..low(150.0) });
     assert!(report.alerts().next().is_none());
 }
 
 #[test]
 fn a_tire_surely_lower_than_the_others_is_low_however_little_is_known_of_their_level() {
-    let unsure = |said: Said, correlation| Said { sd: 20.0, correlation, ..said };
+    let unsure = |said: Reported, correlation| Reported { sd: 20.0, correlation, ..said };
     // 193 kPa are a fifth less than 241.3. The sd of a difference from the mean of three is 20 sqrt((1 - 0.95) 4/3) = 5.2 kPa.
     let mut drive = Drive::new();
     drive.on(10.0, &unsure(FINE, 0.95));
@@ -220,7 +74,7 @@ fn a_tire_surely_lower_than_the_others_is_low_however_little_is_known_of_their_l
     assert_eq!(state(drive.monitor.report(), Corner::RearLeft), WheelState::Low);
     assert_eq!(drive.monitor.report().alerts().count(), 1);
     // Errors of their own say nothing sure, and nor does a level that all have in common.
-    for said in [unsure(low(193.0), 0.0), unsure(Said { kpa: [193.0; 4], ..FINE }, 0.95)] {
+    for said in [unsure(low(193.0), 0.0), unsure(Reported { kpa: [193.0; 4], ..FINE }, 0.95)] {
         let mut drive = Drive::new();
         let report = drive.on(60.0, &said);
         assert!(report.alerts().next().is_none() && !report.is_all_fine());
@@ -229,7 +83,7 @@ fn a_tire_surely_lower_than_the_others_is_low_however_little_is_known_of_their_l
     let mut drive = Drive::new();
     assert!(
         drive
-            .on(60.0, &unsure(Said { kpa: [280.0, 280.0, 225.0, 280.0], ..FINE }, 0.95))
+            .on(60.0, &unsure(Reported { kpa: [280.0, 280.0, 225.0, 280.0], ..FINE }, 0.95))
             .alerts()
             .next()
             .is_none()
@@ -240,7 +94,7 @@ fn a_tire_surely_lower_than_the_others_is_low_however_little_is_known_of_their_l
 /// axle's other one of 30 sqrt(2 (1 - 0.97)) = 7.
 #[test]
 fn a_tire_surely_lower_than_its_axles_other_one_is_low() {
-    let said = |axle_correlation| Said { sd: 30.0, correlation: 0.5, axle_correlation, ..low(180.0) };
+    let said = |axle_correlation| Reported { sd: 30.0, correlation: 0.5, axle_correlation, ..low(180.0) };
     assert!(Drive::new().on(60.0, &said(0.5)).alerts().next().is_none());
     assert!(Drive::new().on(10.0, &said(0.97)).alerts().next().is_some());
 }
@@ -249,11 +103,11 @@ fn a_tire_surely_lower_than_its_axles_other_one_is_low() {
 fn no_information_is_never_all_good_and_is_said_after_ten_minutes_of_driving() {
     let mut drive = Drive::new();
     assert!(!drive.monitor.report().is_all_fine());
-    let nothing = Said { validity: Validity::NoInformation, gate: 0.0, ..FINE };
+    let nothing = Reported { validity: Validity::NoInformation, gate: 0.0, ..FINE };
     let report = drive.on(300.0, &nothing);
     assert_eq!(state(report, Corner::FrontLeft), WheelState::Unknown(Doubt::NoInformation));
     // Standing does not count.
-    let report = drive.on(1000.0, &Said { speed_m_s: 0.0, ..nothing });
+    let report = drive.on(1000.0, &Reported { speed_m_s: 0.0, ..nothing });
     assert!(report.alerts().next().is_none());
     let before_s = drive.time_s();
     let reported_s = drive.until(400.0, &nothing, |report| report.alerts().count() == 4).unwrap();
@@ -264,7 +118,7 @@ fn no_information_is_never_all_good_and_is_said_after_ten_minutes_of_driving() {
     let report = drive.on(2.0, &FINE);
     assert!(report.alerts().next().is_none() && report.is_all_fine());
     // Learned long ago is not known now.
-    let report = drive.on(700.0, &Said { gate: 0.0, speed_m_s: 0.0, ..FINE });
+    let report = drive.on(700.0, &Reported { gate: 0.0, speed_m_s: 0.0, ..FINE });
     assert_eq!(state(report, Corner::FrontLeft), WheelState::Unknown(Doubt::Standing));
     // Nor with the first frame afterwards: two seconds of learning make it so.
     let report = drive.on(1.5, &FINE);
@@ -277,7 +131,7 @@ fn no_information_is_never_all_good_and_is_said_after_ten_minutes_of_driving() {
 fn what_was_fine_when_the_car_stopped_is_soon_unknown() {
     let mut drive = Drive::new();
     assert!(drive.on(60.0, &FINE).is_all_fine());
-    let standing = Said { gate: 0.0, speed_m_s: 0.0, ..FINE };
+    let standing = Reported { gate: 0.0, speed_m_s: 0.0, ..FINE };
     assert!(drive.on(29.0, &standing).is_all_fine());
     let report = drive.on(2.0, &standing);
     for corner in Corner::ALL {
@@ -292,7 +146,7 @@ fn what_was_fine_when_the_car_stopped_is_soon_unknown() {
 /// reported as what it is, and no tire is fine meanwhile.
 #[test]
 fn a_shift_of_all_since_another_day_is_no_loss() {
-    let stored = |kpa: f64| Said {
+    let stored = |kpa: f64| Reported {
         kpa: [kpa; 4],
         sd: 15.0,
         correlation: 0.9,
@@ -306,7 +160,7 @@ fn a_shift_of_all_since_another_day_is_no_loss() {
     assert!(Corner::ALL.iter().all(|corner| state(report, *corner) == WheelState::Unknown(Doubt::Uncertain)));
     // An axle by itself: new tires in front, or both front tires low; the rear ones are fine.
     let mut drive = Drive::new();
-    let front = Said { kpa: [0.8 * 241.3, 0.8 * 241.3, 241.3, 241.3], sd: 10.0, ..stored(241.3) };
+    let front = Reported { kpa: [0.8 * 241.3, 0.8 * 241.3, 241.3, 241.3], sd: 10.0, ..stored(241.3) };
     let report = drive.on(200.0, &front);
     let shifted: Vec<_> =
         report.alerts().map(|alert| (alert.cause.label(), alert.wheels.to_string())).collect();
@@ -315,9 +169,13 @@ fn a_shift_of_all_since_another_day_is_no_loss() {
     assert_eq!(state(report, Corner::RearLeft), WheelState::Fine);
     // One tire of it is that tire.
     let mut drive = Drive::new();
-    let single = Said { kpa: [0.7 * 241.3, 241.3, 241.3, 241.3], sd: 10.0, ..stored(241.3) };
+    let single = Reported { kpa: [0.7 * 241.3, 241.3, 241.3, 241.3], sd: 10.0, ..stored(241.3) };
     let report = drive.on(200.0, &single);
     assert_eq!(state(report, Corner::FrontLeft), WheelState::Low);
+    assert!(
+        report.alerts().all(|alert| alert.cause.label() != "common-shift"),
+        "the other tire of its axle is as it was"
+    );
     // By 3 % is nothing.
     let mut drive = Drive::new();
     assert!(drive.on(200.0, &stored(0.97 * 241.3)).alerts().next().is_none());
@@ -336,7 +194,7 @@ fn a_loss_is_seen_whatever_the_level() {
     };
     let mut drive = Drive::new();
     // 12 % are 36 kPa, with 1.64 sds 44.
-    let before = Said { kpa: [300.0; 4], loss: [Some(loss(2.0)); 4], ..FINE };
+    let before = Reported { kpa: [300.0; 4], loss: [Some(loss(2.0)); 4], ..FINE };
     assert!(drive.on(20.0, &before).alerts().all(|alert| !alert.cause.is_low()));
     for (lost_kpa, low) in [(42.0, false), (46.0, true)] {
         let mut drive = drive.clone();
@@ -392,7 +250,7 @@ fn without_a_speed_a_parked_car_is_not_stuck_and_one_sensor_of_a_driven_one_is()
 fn all_four_are_more_certain_together_than_each_alone() {
     // 0.83 of the reference with sd 15: 200.3 + 1.64 * 15 = 224.9 kPa, each alone says nothing; their mean's sd is half
     // of that: 0.83 + 1.64 * 0.031 = 0.881 is still above 0.88, 0.82 is not.
-    let all = |share: f64| Said { kpa: [share * 241.3; 4], sd: 15.0, ..FINE };
+    let all = |share: f64| Reported { kpa: [share * 241.3; 4], sd: 15.0, ..FINE };
     let mut drive = Drive::new();
     assert!(drive.on(200.0, &all(0.84)).alerts().next().is_none());
     let from_s = drive.time_s();
@@ -405,20 +263,20 @@ fn all_four_are_more_certain_together_than_each_alone() {
     let stands = |report: &MonitorReport<f64>| {
         report.alerts().any(|alert| matches!(alert.cause, Cause::AllLow { .. }))
     };
-    assert!(stands(drive.on(60.0, &Said { silent, ..all(0.82) })));
+    assert!(stands(drive.on(60.0, &Reported { silent, ..all(0.82) })));
     let from_s = drive.time_s();
-    let over_s = drive.until(60.0, &Said { silent, ..FINE }, |report| !stands(report)).unwrap();
+    let over_s = drive.until(60.0, &Reported { silent, ..FINE }, |report| !stands(report)).unwrap();
     assert!((19.9..20.3).contains(&(over_s - from_s)), "{over_s}");
     // One that is not low is not all of them.
     let mut drive = Drive::new();
-    let report = drive.on(200.0, &Said { kpa: [190.0, 190.0, 190.0, 235.0], sd: 15.0, ..FINE });
+    let report = drive.on(200.0, &Reported { kpa: [190.0, 190.0, 190.0, 235.0], sd: 15.0, ..FINE });
     assert!(report.alerts().all(|alert| !matches!(alert.cause, Cause::AllLow { .. })));
 }
 
 #[test]
 fn a_side_that_falls_alike_is_waited_for() {
     // Front and rear left at 185 kPa with sd 8, far below 212: certain twice, so half of 150 s.
-    let side = Said { kpa: [185.0, 241.3, 185.0, 241.3], sd: 8.0, ..FINE };
+    let side = Reported { kpa: [185.0, 241.3, 185.0, 241.3], sd: 8.0, ..FINE };
     let mut drive = Drive::new();
     assert!(drive.on(30.0, &FINE).is_all_fine());
     let reported_s = drive.until(200.0, &side, |report| report.alerts().next().is_some()).unwrap();
@@ -426,7 +284,7 @@ fn a_side_that_falls_alike_is_waited_for() {
     // One tire well below the other is not waited for.
     let mut drive = Drive::new();
     drive.on(30.0, &FINE);
-    let one = Said { kpa: [185.0, 241.3, 160.0, 241.3], sd: 8.0, ..FINE };
+    let one = Reported { kpa: [185.0, 241.3, 160.0, 241.3], sd: 8.0, ..FINE };
     let reported_s = drive.until(200.0, &one, |report| report.alerts().next().is_some()).unwrap();
     assert!(reported_s < 31.3, "{reported_s}");
 }
@@ -434,7 +292,7 @@ fn a_side_that_falls_alike_is_waited_for() {
 #[test]
 fn a_tire_that_looks_low_while_the_other_of_its_side_is_silent_is_waited_for() {
     // Its own spectrum is all that tells of it: certain twice, so half of 150 s.
-    let low = Said { silent: Some(Corner::FrontLeft), ..low(150.0) };
+    let low = Reported { silent: Some(Corner::FrontLeft), ..low(150.0) };
     let begin = || {
         let mut drive = Drive::new();
         drive.on(30.0, &FINE);
@@ -449,16 +307,16 @@ fn a_tire_that_looks_low_while_the_other_of_its_side_is_silent_is_waited_for() {
         |report: &MonitorReport<f64>| report.alerts().any(|a| matches!(a.cause, Cause::FastLeak { .. }));
     assert!(begin().until(200.0, &low, leaks).unwrap() < 40.3);
     // A wheel of the other side tells nothing of it.
-    let across = Said { silent: Some(Corner::FrontRight), ..low };
+    let across = Reported { silent: Some(Corner::FrontRight), ..low };
     assert!(begin().until(200.0, &across, is_low).unwrap() < 31.3);
 }
 
 #[test]
 fn a_tire_that_looks_low_while_the_tracks_part_is_waited_for() {
-    let low = |incoherence| Said { incoherence, ..low(150.0) };
+    let low = |incoherence| Reported { incoherence, ..low(150.0) };
     let begin = |incoherence| {
         let mut drive = Drive::new();
-        drive.on(60.0, &Said { incoherence, ..FINE });
+        drive.on(60.0, &Reported { incoherence, ..FINE });
         drive
     };
     let is_low =
@@ -476,20 +334,20 @@ fn a_tire_that_looks_low_while_the_tracks_part_is_waited_for() {
 fn limits_are_those_of_the_rule_and_overfull_is_said() {
     let us = MonitorConfig::new(&car()).with_limits(Limits::from(Regulation::Fmvss138));
     // 0.86 of the placard's pressure: low for the one rule, not for the other.
-    let said = Said { sd: 2.0, ..low(0.86 * 241.3) };
+    let said = Reported { sd: 2.0, ..low(0.86 * 241.3) };
     assert!(Drive::with(us).on(60.0, &said).alerts().next().is_none());
     assert!(Drive::new().on(60.0, &said).alerts().next().is_some());
-    let report = *Drive::new().on(90.0, &Said { sd: 3.0, ..low(315.0) });
+    let report = *Drive::new().on(90.0, &Reported { sd: 3.0, ..low(315.0) });
     assert_eq!(state(&report, Corner::RearLeft), WheelState::Over);
     assert!(matches!(report.alerts().next().unwrap().cause, Cause::OverInflated(_)));
     // A warm reference instead of the placard's.
     let warm = MonitorConfig::new(&car()).with_references([None, None, Some(270.0), None]).unwrap();
-    assert!(Drive::with(warm).on(30.0, &Said { sd: 3.0, ..low(225.0) }).alerts().next().is_some());
+    assert!(Drive::with(warm).on(30.0, &Reported { sd: 3.0, ..low(225.0) }).alerts().next().is_some());
 }
 
 #[test]
 fn a_tire_as_hard_as_a_rim_is_flat() {
-    let hard = |kpa: f64| Said { sd: 15.0, ..low(kpa) };
+    let hard = |kpa: f64| Reported { sd: 15.0, ..low(kpa) };
     let flat = |report: &MonitorReport<f64>| report.alerts().any(|a| matches!(a.cause, Cause::Flat(_)));
     let mut drive = Drive::new();
     assert!(!flat(drive.on(4.0, &hard(380.0))));
@@ -501,7 +359,7 @@ fn a_tire_as_hard_as_a_rim_is_flat() {
     assert_eq!(report.alerts().count(), 1);
     assert_eq!(report.wheels[Corner::RearLeft.index()].unwrap().validity, Validity::Misfit);
     // Overfull on both sides, or less than a rim: inflated.
-    let both = Said { sd: 15.0, kpa: [241.3, 241.3, 380.0, 380.0], ..FINE };
+    let both = Reported { sd: 15.0, kpa: [241.3, 241.3, 380.0, 380.0], ..FINE };
     assert!(!flat(Drive::new().on(90.0, &both)));
     assert!(!flat(Drive::new().on(90.0, &hard(315.0))));
     // A soft tire makes the other of its axle no rim.
@@ -514,18 +372,18 @@ fn a_tire_that_seems_to_leak_beside_a_rim_is_waited_for() {
         |report: &MonitorReport<f64>| report.alerts().any(|a| matches!(a.cause, Cause::FastLeak { .. }));
     let begin = || {
         let mut drive = Drive::new();
-        drive.on(60.0, &Said { sd: 2.0, ..FINE });
+        drive.on(60.0, &Reported { sd: 2.0, ..FINE });
         drive
     };
     // A tenth less at the rear left, not low, the front right whole or on its rim.
-    let fallen = |right: f64| Said { sd: 2.0, kpa: [241.3, right, 217.0, 241.3], ..FINE };
+    let fallen = |right: f64| Reported { sd: 2.0, kpa: [241.3, right, 217.0, 241.3], ..FINE };
     assert!(leaks(begin().on(30.0, &fallen(241.3))));
     assert!(!leaks(begin().on(30.0, &fallen(420.0))));
 }
 
 #[test]
 fn two_of_a_side_that_read_as_rims_are_a_level_that_is_off() {
-    let side = Said { sd: 15.0, kpa: [400.0, 241.3, 420.0, 241.3], ..FINE };
+    let side = Reported { sd: 15.0, kpa: [400.0, 241.3, 420.0, 241.3], ..FINE };
     let report = *Drive::new().on(50.0, &side);
     assert!(report.alerts().next().is_none());
     for corner in [Corner::FrontLeft, Corner::RearLeft] {
@@ -535,14 +393,18 @@ fn two_of_a_side_that_read_as_rims_are_a_level_that_is_off() {
     // Coming back from there is no leak.
     let mut drive = Drive::new();
     drive.on(50.0, &side);
-    assert!(drive.on(60.0, &Said { sd: 3.0, ..FINE }).alerts().next().is_none());
+    assert!(drive.on(60.0, &Reported { sd: 3.0, ..FINE }).alerts().next().is_none());
 }
 
 #[test]
 fn a_side_that_reads_low_is_not_held_against_the_other_side() {
     // Errors of 30 kPa that go together, so that a difference of two is known to 10: surely lower than the others, but so is the side.
-    let said =
-        |front_kpa: f64| Said { sd: 30.0, correlation: 0.94, kpa: [front_kpa, 275.0, 198.0, 280.0], ..FINE };
+    let said = |front_kpa: f64| Reported {
+        sd: 30.0,
+        correlation: 0.94,
+        kpa: [front_kpa, 275.0, 198.0, 280.0],
+        ..FINE
+    };
     assert!(Drive::new().on(600.0, &said(214.0)).alerts().next().is_none());
     assert!(Drive::new().on(30.0, &said(241.0)).alerts().next().is_some());
 }
@@ -550,13 +412,13 @@ fn a_side_that_reads_low_is_not_held_against_the_other_side() {
 /// A car that is known by its file alone, to 17 kPa: 182 is surely past the limit of 212, and what one healthy tire of three thousand reads.
 #[test]
 fn what_a_healthy_tire_may_read_is_not_said() {
-    let said = |rear_kpa: f64, sd: f64, level: Level| Said { sd, level, ..low(rear_kpa) };
+    let said = |rear_kpa: f64, sd: f64, level: Level| Reported { sd, level, ..low(rear_kpa) };
     assert!(Drive::new().on(600.0, &said(182.0, 17.0, Level::VehicleFile)).alerts().next().is_none());
     assert!(Drive::new().on(10.0, &said(170.0, 17.0, Level::VehicleFile)).alerts().next().is_some());
     assert!(Drive::new().on(10.0, &said(182.0, 12.0, Level::VehicleFile)).alerts().next().is_some());
     assert!(Drive::new().on(10.0, &said(182.0, 17.0, Level::Calibration)).alerts().next().is_some());
     // Where the others say it, they are the reason, and not a level that may be that of a healthy tire.
-    let alike = Said { correlation: 0.94, ..said(182.0, 17.0, Level::VehicleFile) };
+    let alike = Reported { correlation: 0.94, ..said(182.0, 17.0, Level::VehicleFile) };
     let report = *Drive::new().on(10.0, &alike);
     let alert = report.alerts().next().unwrap();
     assert!(matches!(alert.cause, Cause::UnderInflated(reading) if reading.basis == Basis::OtherTires));
