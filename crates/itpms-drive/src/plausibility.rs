@@ -1,5 +1,5 @@
-//! What a log's columns show of their own units: a speed and wheel speeds that differ by a factor, wheel speeds in coarse steps,
-//! accelerations that are too small for any road. Fed with every row by [`run`](crate::run), asked at the end; knows nothing of tires.
+//! What a log's columns show of their own units and ranges: a speed and wheel speeds that differ by a factor, wheel speeds in coarse steps,
+//! accelerations that are too small for any road or beyond their sensor's range. Fed with every row by [`run`](crate::run), asked at the end; knows nothing of tires.
 
 use itpms_core::model::Corner;
 use itpms_data::LogRow;
@@ -17,6 +17,9 @@ const LEAST_CHANGES: u64 = 200;
 /// A wheel over a smooth motorway moves by more than this, in m/s² rms, from [`FAST_M_S`] on.
 const LEAST_WHEEL_RMS_M_S2: f64 = 0.8;
 const FAST_M_S: f64 = 10.0;
+/// Share of an acceleration's rows at the end of its range from which on it is reported. At a tenth pressures are still right; at a fifth
+/// they read 10 kPa low, at two fifths 30 to 50 kPa.
+const CLIPPED: f64 = 0.05;
 
 /// See the [module](self).
 #[derive(Debug, Default)]
@@ -29,13 +32,59 @@ pub(crate) struct Plausibility {
     least_step_m_s: Option<f64>,
     /// Sums of wheel accelerations and their squares while the car is fast.
     wheels: [[f64; 3]; 4],
+    /// Of each corner's body and wheel.
+    ranges: [[Range; 2]; 4],
+}
+
+/// An acceleration's extreme values while the car drives, and the rows that have exactly these.
+#[derive(Debug)]
+struct Range {
+    lowest: f64,
+    at_lowest: f64,
+    highest: f64,
+    at_highest: f64,
+    rows: f64,
+}
+
+impl Default for Range {
+    fn default() -> Self {
+        Self { lowest: f64::INFINITY, at_lowest: 0.0, highest: f64::NEG_INFINITY, at_highest: 0.0, rows: 0.0 }
+    }
+}
+
+impl Range {
+    fn take(&mut self, value: f64) {
+        if !value.is_finite() {
+            return;
+        }
+        self.rows += 1.0;
+        if value < self.lowest {
+            (self.lowest, self.at_lowest) = (value, 0.0);
+        }
+        if value > self.highest {
+            (self.highest, self.at_highest) = (value, 0.0);
+        }
+        self.at_lowest += f64::from(value == self.lowest);
+        self.at_highest += f64::from(value == self.highest);
+    }
+
+    /// The share of its rows at either end, if it moves between two of them at all.
+    fn clipped(&self) -> Option<f64> {
+        let share = (self.at_lowest + self.at_highest) / self.rows;
+        (self.rows >= LEAST_ROWS && share > CLIPPED && share < 1.0).then_some(share)
+    }
 }
 
 impl Plausibility {
     /// Takes a row of the log; `radius_m` is what makes speeds of wheels of their rotation.
     pub(crate) fn take(&mut self, row: &LogRow, radius_m: f64) {
-        for (sums, corner) in self.wheels.iter_mut().zip(&row.corners) {
-            let wheel = corner.map_or(f64::NAN, |corner| corner.wheel_accel_m_s2);
+        for ((sums, ranges), corner) in self.wheels.iter_mut().zip(&mut self.ranges).zip(&row.corners) {
+            let [body, wheel] =
+                corner.map_or([f64::NAN; 2], |corner| [corner.body_accel_m_s2, corner.wheel_accel_m_s2]);
+            if row.speed_m_s.is_nan() || row.speed_m_s > DRIVING_M_S {
+                ranges[0].take(body);
+                ranges[1].take(wheel);
+            }
             if row.speed_m_s > FAST_M_S && wheel.is_finite() {
                 *sums = [sums[0] + 1.0, sums[1] + wheel, sums[2] + wheel * wheel];
             }
@@ -79,7 +128,30 @@ impl Plausibility {
     }
 
     /// What should be known, though it may be so.
-    pub(crate) fn concern(&self) -> Option<String> {
+    pub(crate) fn concerns(&self) -> Vec<String> {
+        self.in_g().into_iter().chain(self.clipped()).collect()
+    }
+
+    /// Of the sensor that is clipped most, and how many are.
+    fn clipped(&self) -> Option<String> {
+        let names =
+            Corner::ALL.iter().flat_map(|corner| ["body", "wheel"].map(|part| (corner.label(), part)));
+        let clipped = names.zip(self.ranges.iter().flatten());
+        let mut clipped: Vec<_> =
+            clipped.filter_map(|(name, range)| Some((range.clipped()?, name, range))).collect();
+        clipped.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let (share, (corner, part), Range { lowest, highest, .. }) = clipped.first()?;
+        let others = match clipped.len() - 1 {
+            0 => String::new(),
+            count => format!(", {count} more less often"),
+        };
+        Some(format!(
+            "{corner}_{part}_accel_m_s2 is at the end of its range ({lowest:.1} or {highest:.1}) in {:.0} % of its rows{others}: clipped, and above some 10 % pressures read too low; a wheel needs 100 m/s² or more",
+            100.0 * share
+        ))
+    }
+
+    fn in_g(&self) -> Option<String> {
         let small = |[count, sum, squares]: &[f64; 3]| {
             *count >= LEAST_ROWS && ((squares - sum * sum / count) / count).sqrt() < LEAST_WHEEL_RMS_M_S2
         };
@@ -118,7 +190,7 @@ mod tests {
     fn a_log_in_order_is_plausible() {
         let log = after(|k| row(k, 5.0, 20.0 + 0.01 * (k as f64 * 0.01).sin()));
         assert_eq!(log.contradiction(), None);
-        assert_eq!(log.concern(), None);
+        assert!(log.concerns().is_empty());
     }
 
     #[test]
@@ -127,7 +199,27 @@ mod tests {
         let why = log.contradiction();
         assert!(why.is_some_and(|why| why.contains("3.60 times") && why.contains("km/h")));
         let log = after(|k| row(k, 5.0 / 9.81 / 9.81, f64::NAN));
-        assert!(log.concern().is_some_and(|why| why.contains("in g?")));
+        assert!(log.concerns().iter().any(|why| why.contains("in g?")));
+    }
+
+    #[test]
+    fn a_clipped_sensor_is_named() {
+        let clipped = |limit_m_s2: f64| {
+            after(|k| {
+                let mut row = row(k, 5.0, f64::NAN);
+                let wheel = &mut row.corners[2].as_mut().unwrap().wheel_accel_m_s2;
+                *wheel = wheel.clamp(-limit_m_s2, limit_m_s2);
+                row
+            })
+            .concerns()
+        };
+        // A sine of 5 m/s² is above 4 m/s² for 41 % of its time.
+        let [why] = &clipped(4.0)[..] else { panic!("one concern") };
+        assert!(
+            why.starts_with("rl_wheel_accel_m_s2 is at the end of its range (-4.0 or 4.0) in 41 %"),
+            "{why}"
+        );
+        assert!(clipped(5.0).is_empty());
     }
 
     #[test]

@@ -177,7 +177,7 @@ pub(crate) fn conclude(
     if let Some(contradiction) = record.axis.contradiction().or(of_wheel_speeds) {
         return Err(DriveError::Log(format!("{}: {contradiction}", log.path().display())));
     }
-    let implausible = record.plausibility.concern();
+    let implausible = record.plausibility.concerns();
     let of_pulses = pulses.finish(log.path(), log.last_time_s().unwrap_or(f64::NAN))?;
     let sensors_kpa = record.sensors_kpa;
     let provenance = provenance(job, log, &sensors_kpa);
