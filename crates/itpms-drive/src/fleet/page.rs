@@ -87,6 +87,10 @@ fn subline(outcome: &Outcome, cars: &[CarStanding<'_>]) -> String {
         format!("{}\u{a0}km", few(km)),
         duration(3600.0 * hours),
     ];
+    let warned = drives.iter().filter(|drive| !drive.alerts.is_empty()).count();
+    if warned > 0 {
+        parts.push(format!("<a href=\"#drives\">{} with a warning</a>", counted(warned, "drive")));
+    }
     if !outcome.failed.is_empty() {
         parts.push(format!("<a href=\"#failed\">{} failed</a>", counted(outcome.failed.len(), "file")));
     }
@@ -145,6 +149,14 @@ fn later_failures(car: &CarStanding<'_>, last: &DriveRecord, failed: &[Failed]) 
     }
 }
 
+/// What was warned of in the car's last drive, and how many earlier ones had a warning.
+fn warned(last: &DriveRecord, drives: &[&DriveRecord]) -> String {
+    let earlier = drives.iter().rev().skip(1).filter(|drive| !drive.alerts.is_empty()).count();
+    let earlier = (earlier > 0).then(|| format!("{} with a warning", counted(earlier, "earlier drive")));
+    let lines = last.alerts.iter().cloned().chain(earlier);
+    lines.map(|line| format!("<small>{}</small>", escape(&line))).collect()
+}
+
 /// The cars, the worst first, each with its wheels at the end of its last drive that could be estimated.
 fn cars_table(cars: &[CarStanding<'_>], failed: &[Failed], unit: PressureUnit) -> String {
     let mut out = String::from(
@@ -160,11 +172,12 @@ fn cars_table(cars: &[CarStanding<'_>], failed: &[Failed], unit: PressureUnit) -
         let wheels: String = ["fl", "fr", "rl", "rr"].map(|name| wheel_cell(last, name, unit)).concat();
         let _ = writeln!(
             out,
-            "<tr><th scope=\"row\">{name}<small>{vehicle}</small></th><td>{badge}</td>{wheels}<td class=\"line\">{line}</td>\
+            "<tr><th scope=\"row\">{name}<small>{vehicle}</small></th><td>{badge}{warned}</td>{wheels}<td class=\"line\">{line}</td>\
              <td class=\"last\">{link}<small>{count}</small>{later}</td></tr>",
             name = escape(car.car),
             vehicle = if last.vehicle == car.car { String::new() } else { escape(&last.vehicle) },
             badge = badge(car.state),
+            warned = warned(last, &car.drives),
             line = line(&car.drives),
             link = link(last),
             count = counted(car.drives.len(), "drive"),
@@ -263,7 +276,8 @@ fn drives_table(drives: &[DriveRecord], unit: PressureUnit) -> String {
     let mut order: Vec<&DriveRecord> = drives.iter().collect();
     order.sort_by(|a, b| {
         let urgency = State::of_drive(a).cmp(&State::of_drive(b));
-        urgency.then(lowest(Some(a)).total_cmp(&lowest(Some(b))))
+        let warned = a.alerts.is_empty().cmp(&b.alerts.is_empty());
+        urgency.then(warned).then(lowest(Some(a)).total_cmp(&lowest(Some(b))))
     });
     let mut out = String::from(
         "<div class=\"scroll\"><table class=\"drives\"><thead><tr><th scope=\"col\">Drive</th><th scope=\"col\">Car</th>\

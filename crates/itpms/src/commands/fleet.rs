@@ -80,11 +80,24 @@ fn report(args: &FleetArgs, screen: &Screen, outcome: &Outcome) -> Result<(), Fa
         let why = outcome.failed.first().map_or("", |failed| &failed.why);
         return Err(Failure::Usage(format!("none of {total} drives could be estimated; the first: {why}")));
     }
+    let calibrations = || outcome.drives.iter().filter(|drive| drive.inputs.calibrate);
+    let useless = calibrations().filter(|drive| !drive.taught).count();
+    if useless > 0 {
+        let all = counted(calibrations().count(), "calibration drive");
+        let table = at(args, "fleet.csv");
+        screen.warn(format!(
+            "{useless} of {all} taught nothing, and later drives start without: see the column concerns of {table}"
+        ));
+    }
     if args.json {
         screen.print_lines(as_json(args, outcome, &cars));
     } else {
         for car in cars.iter().filter(|car| car.state != State::Fine).take(SAID) {
             screen.print(car_line(car, args.unit.pressure_unit));
+        }
+        let warned = outcome.drives.iter().filter(|drive| !drive.alerts.is_empty()).count();
+        if warned > 0 {
+            screen.print(format!("{} with a warning", counted(warned, "drive")));
         }
         screen.print(format!(
             "See {} for the whole fleet, {} for the numbers.",
