@@ -3,7 +3,7 @@
 
     fleet.py [--folder FOLDER] [--cars 6] [--drives 3] [--seconds 40] [--first-s 40] [--workers 2] [--repeat 1] [--compare]
 
-Needs Java 17 and `pip install 'itpms[spark,pandas]'`. Cars differ from their vehicle files (../fleet/simulated_fleet.py); each one's first
+Needs Java 17 and `pip install pyspark pandas pyarrow` beside itpms. Cars differ from their vehicle files (../fleet/simulated_fleet.py); each one's first
 drive calibrates it. A FOLDER that holds a fleet already is used as it is. Prints the wheels that are low, and how long the estimates took;
 with --compare also how long `itpms fleet` (ITPMS, or the one on the path) took with as many drives at a time, and every cell in which the
 two differ, and ends with 1 if there is one."""

@@ -54,7 +54,7 @@ class Checked:
     def plot(self) -> Figure:
         """Measured response, the file's with its band, and the coherence, a column of panels per corner.
 
-        Needs matplotlib (``pip install itpms[plot]``). Returns the figure; show or save it.
+        Needs matplotlib (``pip install matplotlib``). Returns the figure; show or save it.
 
         Raises:
             SettingError: matplotlib is not installed.

@@ -78,7 +78,7 @@ def estimate(
         pulses: The tooth pulses of the four wheels, by the drive's clock: a CSV or Parquet file with ``time_s`` and ``wheel``. They
             count together with the drive's wheel speeds, and show a loss of all four alike.
         pressure_unit: ``kpa``, ``bar`` or ``psi``: the unit of the report and of the sentences. Numbers are in kPa.
-        progress: Show how far it is with tqdm (``pip install itpms[progress]``); unless given, in a notebook that has tqdm.
+        progress: Show how far it is with tqdm (``pip install tqdm``); unless given, in a notebook that has tqdm.
 
     Raises:
         LogError: the drive cannot be used.

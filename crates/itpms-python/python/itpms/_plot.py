@@ -24,7 +24,7 @@ def _figure(width: float, height: float) -> Figure:
     try:
         from matplotlib.figure import Figure
     except ImportError:
-        raise SettingError("matplotlib is not installed, expected pip install itpms[plot]") from None
+        raise SettingError("matplotlib is not installed, expected pip install matplotlib") from None
 
     class Picture(Figure):
         """A figure of nobody's window, which a notebook shows all the same."""

@@ -43,7 +43,7 @@ def _bar(wanted: bool | None, what: str) -> Any:
     except ImportError:
         if wanted is None:
             return None
-        raise SettingError("progress=True: tqdm is not installed, expected pip install itpms[progress]") from None
+        raise SettingError("progress=True: tqdm is not installed, expected pip install tqdm") from None
     return tqdm(total=1.0, desc=what, delay=DELAY_S, leave=False, bar_format="{l_bar}{bar}| {elapsed}<{remaining}")
 
 

@@ -126,7 +126,7 @@ class Result:
     def plot(self) -> Figure:
         """The pressures over time with their 95 % bands, the placard's, and the truth where the drive has it.
 
-        Needs matplotlib (``pip install itpms[plot]``). Returns the figure; show or save it.
+        Needs matplotlib (``pip install matplotlib``). Returns the figure; show or save it.
 
         Raises:
             SettingError: matplotlib is not installed.

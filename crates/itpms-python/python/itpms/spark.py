@@ -1,6 +1,6 @@
 """Drives of a fleet on Apache Spark: a data frame of samples in, a data frame with a row per drive and wheel out.
 
-Needs PySpark 4 with its pandas and pyarrow (``pip install itpms[spark]``), and Java where Spark runs; ``itpms`` itself has to be installed
+Needs PySpark 4 with its pandas and pyarrow (``pip install pyspark pandas pyarrow``), and Java where Spark runs; ``itpms`` itself has to be installed
 on every worker.
 
 >>> import itpms.spark
@@ -181,7 +181,7 @@ def _pyspark() -> Any:
         import pyarrow  # noqa: F401
         from pyspark.sql import functions
     except ImportError as error:
-        raise SettingError(f"{error.name} is not installed, expected pip install itpms[spark]") from None
+        raise SettingError(f"{error.name} is not installed, expected pip install pyspark pandas pyarrow") from None
     return functions
 
 
