@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use itpms_files::{FileError, FileProblem, sentence};
 use thiserror::Error;
 
-use crate::dbc::DbcError;
+use crate::dbc::problem::DbcError;
 
 /// A CAN log or a DBC file that could not be used, and why.
 #[derive(Debug, Error)]

@@ -7,15 +7,10 @@ use crate::alert::{itpms_alert, itpms_event, write_text};
 use crate::car::Car;
 use crate::config::itpms_config;
 use crate::estimate::itpms_estimate;
-use crate::pointer::{self, bytes, bytes_mut, check, put, read};
+use crate::pointer::{self, bytes, bytes_mut, check, itpms_car, put, read};
 use crate::read_config::{Config, Refusal};
 use crate::sample::{itpms_sample, itpms_wheel_speed_sample};
 use crate::status::{self, itpms_status};
-
-/// A car, in memory of the caller. What is in it is the library's own.
-pub struct itpms_car {
-    _private: (),
-}
 
 /// What is wrong with a configuration.
 #[repr(C)]

@@ -8,8 +8,12 @@ use core::ffi::c_void;
 use core::slice;
 
 use crate::car::Car;
-use crate::edge::itpms_car;
 use crate::status::itpms_status;
+
+/// A car, in memory of the caller. What is in it is the library's own.
+pub struct itpms_car {
+    _private: (),
+}
 
 /// A reference to what a pointer points to.
 ///

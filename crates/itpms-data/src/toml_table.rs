@@ -121,6 +121,11 @@ impl<'a> Table<'a> {
         number.map(Some).ok_or_else(|| self.not_a(key, value, "a number"))
     }
 
+    /// The number under `key`, which has to be there.
+    pub(crate) fn needed_number(&self, key: &'static str) -> Result<f64, Problem> {
+        self.number(key)?.ok_or_else(|| self.lacks(key))
+    }
+
     /// The text under `key`, if there is some.
     pub(crate) fn text(&self, key: &str) -> Result<Option<String>, Problem> {
         let Some((_, value)) = self.entry(key) else { return Ok(None) };

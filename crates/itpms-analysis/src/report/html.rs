@@ -9,7 +9,8 @@ use std::io;
 use itpms_core::model::{Level, PressureUnit, Warning};
 use itpms_files::Date;
 
-use super::words::{Status, clock, corner_name, level, reading, sentence, title};
+use super::title::title;
+use super::words::{Status, clock, corner_name, level, reading, sentence};
 use super::{CornerReport, ReportData, alerts, car, json, parameters, roads, wheels};
 use crate::page::{PATTERN_SCRIPT, whole_percent};
 use crate::plot::escape;

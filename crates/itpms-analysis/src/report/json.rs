@@ -6,66 +6,12 @@ use std::io;
 
 use itpms_core::model::{Corner, PressureUnit};
 use serde::Serialize;
-use serde::ser::{SerializeSeq, Serializer};
 
+use super::digits::{Digits, Number, axis, position, value, values};
 use super::wheels::{self, WheelsJson};
 use super::words::{Status, corner_name};
 use super::{AlertSpan, CornerReport, ReportData, RoadReport, TimeCurves};
 use crate::spectrum::{IsoClass, RoadFit};
-
-/// Significant digits of values; positions along an axis have more.
-const VALUE_DIGITS: i32 = 5;
-const AXIS_DIGITS: i32 = 8;
-
-/// Numbers with so many significant digits; what is not finite becomes `null`.
-pub(super) struct Digits<'a>(&'a [f64], i32);
-
-impl Serialize for Digits<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut list = serializer.serialize_seq(Some(self.0.len()))?;
-        for &value in self.0 {
-            list.serialize_element(&Number(value, self.1))?;
-        }
-        list.end()
-    }
-}
-
-struct Number(f64, i32);
-
-impl Serialize for Number {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let value = round(self.0, self.1);
-        if !value.is_finite() {
-            serializer.serialize_none()
-        } else if value.fract() == 0.0 && value.abs() < 1e9 {
-            serializer.serialize_i64(value as i64)
-        } else {
-            serializer.serialize_f64(value)
-        }
-    }
-}
-
-/// To so many significant digits, such that the shortest decimal is short.
-fn round(value: f64, digits: i32) -> f64 {
-    if !value.is_finite() || value.abs() < 1e-30 {
-        return if value.is_finite() { 0.0 } else { f64::NAN };
-    }
-    let place = digits - 1 - value.abs().log10().floor() as i32;
-    let power = 10f64.powi(place.abs());
-    if place >= 0 { (value * power).round() / power } else { (value / power).round() * power }
-}
-
-fn value(v: f64) -> Number {
-    Number(v, VALUE_DIGITS)
-}
-
-pub(super) fn values(v: &[f64]) -> Digits<'_> {
-    Digits(v, VALUE_DIGITS)
-}
-
-pub(super) fn axis(v: &[f64]) -> Digits<'_> {
-    Digits(v, AXIS_DIGITS)
-}
 
 #[derive(Serialize)]
 struct Page<'a> {
@@ -183,7 +129,7 @@ struct IriJson<'a> {
 /// The curves of the page, safe inside a `script` element.
 pub(super) fn curves(data: &ReportData) -> io::Result<String> {
     let page = Page {
-        title: super::words::title(data),
+        title: super::title::title(data),
         unit: unit(data.pressure_unit),
         t: axis(&data.time_s),
         speed: values(&data.speed_m_s),
@@ -205,13 +151,13 @@ fn unit(unit: PressureUnit) -> UnitJson {
 fn alert(span: &AlertSpan) -> AlertJson {
     AlertJson {
         wheels: span.alert.wheels.iter().map(Corner::label).collect(),
-        said: Number(span.alert.reported_s, AXIS_DIGITS),
+        said: position(span.alert.reported_s),
         kind: span.alert.cause.label(),
     }
 }
 
 fn runs(runs: &[(f64, f64, f64)]) -> Vec<[Number; 3]> {
-    runs.iter().map(|r| [Number(r.0, AXIS_DIGITS), Number(r.1, AXIS_DIGITS), value(r.2)]).collect()
+    runs.iter().map(|r| [position(r.0), position(r.1), value(r.2)]).collect()
 }
 
 fn corner<'a>(corner: &'a CornerReport, data: &ReportData) -> CornerJson<'a> {

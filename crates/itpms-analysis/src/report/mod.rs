@@ -7,12 +7,14 @@
 mod alerts;
 mod car;
 mod collector;
+mod digits;
 mod figures;
 mod html;
 mod json;
 mod parameters;
 mod road;
 mod roads;
+mod title;
 mod track;
 mod watch;
 mod wheels;
@@ -218,7 +220,7 @@ pub struct SpectrumCurves {
 /// What was found, in one line: the page's title. Numbers and their units are held together by no-break spaces.
 #[must_use]
 pub fn headline(data: &ReportData) -> String {
-    words::title(data)
+    title::title(data)
 }
 
 /// The page as text.

@@ -8,7 +8,7 @@ use itpms_core::warning::{Cause, WheelState};
 use itpms_core::wheel_speed::{RadiusReport, RadiusState, WheelRadius};
 use serde::Serialize;
 
-use super::json::{Digits, axis, values};
+use super::digits::{Digits, axis, values};
 use super::track::{Keep, Track};
 use super::words::{clock, corner_name};
 use super::{ReportData, Z_95};

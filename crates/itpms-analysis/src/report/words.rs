@@ -1,11 +1,11 @@
-//! What was found, in words: the page's title and one sentence per corner.
+//! What was found, in words: one sentence per corner.
 //!
 //! Called by the page's writer. Plain text; escaping is the writer's business.
 
 use itpms_core::model::{Corner, PressureUnit, Warning};
 use itpms_core::warning::{Doubt, WheelState};
 
-use super::{CornerReport, Reading, ReportData};
+use super::{CornerReport, Reading};
 
 /// How a corner fares, in the order of urgency.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -201,43 +201,7 @@ fn fell(first: Option<&Reading>, later: &Reading) -> bool {
     first.is_none_or(|first| first.pressure_kpa - later.pressure_kpa > 2.0 * first.sd_kpa.hypot(later.sd_kpa))
 }
 
-/// The page's title: the most urgent corner, and how many more there are.
-pub(super) fn title(data: &ReportData) -> String {
-    let mut corners: Vec<&CornerReport> = data.corners.iter().collect();
-    corners.sort_by_key(|corner| Status::of(corner));
-    let Some(first) = corners.first() else {
-        let wheels = data.wheel_speeds.as_ref().map(|wheels| super::wheels::title(data, wheels));
-        return wheels.unwrap_or_else(|| "No corner was estimated".into());
-    };
-    let status = Status::of(first);
-    let sentence = |corner: &CornerReport| sentence(corner, data.pressure_unit);
-    let alike: Vec<&str> =
-        corners.iter().filter(|c| Status::of(c) == status).map(|c| corner_name(c.corner)).collect();
-    match (status, alike.len()) {
-        (_, 1) => sentence(first),
-        (Status::Fine, n) if n == corners.len() => {
-            let lowest = corners
-                .iter()
-                .filter_map(|c| Some((corner_name(c.corner), c.figures.last?)))
-                .min_by(|a, b| a.1.pressure_kpa.total_cmp(&b.1.pressure_kpa));
-            match lowest {
-                Some((name, last)) => {
-                    format!(
-                        "All {n} tires are fine; lowest is {} at {}",
-                        lower(name),
-                        reading(&last, data.pressure_unit)
-                    )
-                }
-                None => format!("All {n} tires are fine"),
-            }
-        }
-        (Status::Low, n) if n == corners.len() => format!("All {n} tires are low: {}", sentence(first)),
-        (Status::Low, _) => format!("{} (low as well: {})", sentence(first), lower(&alike[1..].join(", "))),
-        (_, n) => format!("{}; {} more likewise", sentence(first), n - 1),
-    }
-}
-
-fn lower(text: &str) -> String {
+pub(super) fn lower(text: &str) -> String {
     text.to_lowercase()
 }
 

@@ -18,7 +18,7 @@ mod build;
 mod cursor;
 mod draft;
 mod message;
-mod problem;
+pub(crate) mod problem;
 mod statement;
 
 use std::collections::HashMap;

@@ -1,8 +1,7 @@
 //! What can be wrong with a table of pulses; read by people as part of a [`Problem`](crate::error::Problem).
 
+use itpms_files::Place;
 use thiserror::Error;
-
-use crate::error::Place;
 
 /// Why a table of pulses is not used.
 #[derive(Debug, Clone, PartialEq, Error)]

@@ -166,7 +166,7 @@ fn read_body(text: &str, format: u32) -> Result<StoredReference, Problem> {
         gain: [left_gain, right_gain],
         wheelbase: read_learned(&learned, "wheelbase", "wheelbase_sd")?,
         skew_s: [left_skew, right_skew],
-        learned_s: needed_number(&learned, "driving_s")?,
+        learned_s: learned.needed_number("driving_s")?,
     };
     let wheelbase_m = learned.number("wheelbase_m")?;
     if wheelbase_m.is_some_and(|m| !super::is_a_cars(m)) {
@@ -182,7 +182,7 @@ fn read_corners(corners: &Table<'_>, format: u32) -> Result<[Option<CornerCalibr
         let Some(table) = corners.table(corner.label())? else { continue };
         let [mass, damping, spring, bias, road_bias] = CORNER_QUANTITIES;
         read[corner.index()] = Some(CornerCalibration {
-            placard_kpa: needed_number(&table, "placard_kpa")?,
+            placard_kpa: table.needed_number("placard_kpa")?,
             unsprung_mass: read_learned(&table, mass, "unsprung_mass_sd")?,
             damping: read_learned(&table, damping, "damping_sd")?,
             spring: read_learned(&table, spring, "spring_sd")?,
@@ -205,7 +205,7 @@ fn read_side(learned: &Table<'_>, side: &'static str) -> Result<[Learned<f64>; 2
 }
 
 fn read_learned(table: &Table<'_>, name: &'static str, sd: &'static str) -> Result<Learned<f64>, Problem> {
-    Ok(Learned { value: needed_number(table, name)?, sd: needed_number(table, sd)? })
+    Ok(Learned { value: table.needed_number(name)?, sd: table.needed_number(sd)? })
 }
 
 fn needed_table<'a>(parent: &Table<'a>, key: &'static str) -> Result<Table<'a>, Problem> {
@@ -214,10 +214,6 @@ fn needed_table<'a>(parent: &Table<'a>, key: &'static str) -> Result<Table<'a>, 
 
 fn needed_text(table: &Table<'_>, key: &'static str) -> Result<String, Problem> {
     table.text(key)?.ok_or_else(|| table.lacks(key))
-}
-
-pub(super) fn needed_number(table: &Table<'_>, key: &'static str) -> Result<f64, Problem> {
-    table.number(key)?.ok_or_else(|| table.lacks(key))
 }
 
 /// The day of a time in s since 1970, `2026-03-01`, in the Gregorian calendar and UTC.

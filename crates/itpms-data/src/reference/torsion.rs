@@ -5,7 +5,6 @@ use std::fmt::Write as _;
 use itpms_core::model::Corner;
 use itpms_core::torsion::{TorsionCalibration, TorsionCurve};
 
-use super::text::needed_number;
 use super::{LearnedTorsion, ReferenceProblem};
 use crate::error::Problem;
 use crate::toml_table::Table;
@@ -65,7 +64,7 @@ pub(super) fn read(table: &Table<'_>) -> Result<LearnedTorsion, Problem> {
 fn wheel(table: &Table<'_>) -> Result<(TorsionCalibration<f64>, f64), Problem> {
     let keys: Vec<&str> = CURVES.into_iter().flatten().chain([AROUND, PIECES, ABOVE]).collect();
     table.check_keys(&keys)?;
-    let pieces = needed_number(table, PIECES)?;
+    let pieces = table.needed_number(PIECES)?;
     if !((1.0..4e9).contains(&pieces) && pieces.fract() == 0.0) {
         return Err(ReferenceProblem::Lacks("a number of pieces").into());
     }
@@ -73,12 +72,12 @@ fn wheel(table: &Table<'_>) -> Result<(TorsionCalibration<f64>, f64), Problem> {
     for (curve, keys) in curves.iter_mut().zip(CURVES) {
         let mut values = [0.0; 9];
         for (value, key) in values.iter_mut().zip(keys) {
-            *value = needed_number(table, key)?;
+            *value = table.needed_number(key)?;
         }
         let [x, y, z, a, b, c, d, e, f] = values;
         *curve = TorsionCurve { information: [[a, b, c], [b, d, e], [c, e, f]], vector: [x, y, z] };
     }
     let learned =
-        TorsionCalibration { around_hz: needed_number(table, AROUND)?, pieces: pieces as u32, curves };
-    Ok((learned, needed_number(table, ABOVE)?))
+        TorsionCalibration { around_hz: table.needed_number(AROUND)?, pieces: pieces as u32, curves };
+    Ok((learned, table.needed_number(ABOVE)?))
 }

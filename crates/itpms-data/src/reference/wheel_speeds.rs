@@ -4,7 +4,6 @@ use std::fmt::Write as _;
 
 use itpms_core::wheel_speed::RadiusCalibration;
 
-use super::text::needed_number;
 use crate::error::Problem;
 use crate::toml_table::Table;
 
@@ -55,7 +54,7 @@ pub(super) fn read(table: &Table<'_>) -> Result<RadiusCalibration<f64>, Problem>
     table.check_keys(&keys)?;
     let mut covariance_1e6 = [[0.0; 6]; 6];
     for (row, column, key) in COVARIANCES {
-        let value = needed_number(table, key)?;
+        let value = table.needed_number(key)?;
         (covariance_1e6[row][column], covariance_1e6[column][row]) = (value, value);
     }
     Ok(RadiusCalibration {
@@ -68,7 +67,7 @@ pub(super) fn read(table: &Table<'_>) -> Result<RadiusCalibration<f64>, Problem>
 fn numbers<const N: usize>(table: &Table<'_>, keys: [&'static str; N]) -> Result<[f64; N], Problem> {
     let mut values = [0.0; N];
     for (value, key) in values.iter_mut().zip(keys) {
-        *value = needed_number(table, key)?;
+        *value = table.needed_number(key)?;
     }
     Ok(values)
 }

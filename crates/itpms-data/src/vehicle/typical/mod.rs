@@ -13,6 +13,7 @@
 //! | `wheels` | the file for wheel speeds alone |
 
 mod class;
+mod entry;
 mod front_rear;
 mod text;
 mod tire_size;

@@ -5,14 +5,12 @@ use std::fmt::Write as _;
 
 use itpms_core::model::Corner;
 
+use super::entry::line;
 use super::{
     Axle, DAMPING_SD, FRICTION_N, SPRING_SD, SPRUNG_MASS_SD, STIFFNESS_SD, TIRE_DAMPING_N_S_PER_M, TireSize,
     TypicalCar, UNSPRUNG_MASS_SD, WHEELBASE_SD_M,
 };
 use crate::toml_table::escaped;
-
-/// Width of `key = value` before its comment.
-const COLUMN: usize = 40;
 
 pub(super) fn vehicle_file(car: &TypicalCar) -> String {
     let figures = car.class.figures();
@@ -150,16 +148,4 @@ fn corner_table(out: &mut String, car: &TypicalCar, corner: Corner, axle: usize)
         1,
         "from the placard in the door frame: cold, gauge",
     );
-}
-
-pub(super) fn line(out: &mut String, key: &str, value: f64, decimals: usize, comment: &str) {
-    let mut text = format!("{key} = {value:.decimals$}");
-    // A TOML float has a point; a whole number without one is read all the same.
-    if decimals == 0 {
-        text.push_str(".0");
-    }
-    if !comment.is_empty() {
-        text = format!("{text:<COLUMN$} # {comment}");
-    }
-    let _ = writeln!(out, "{text}");
 }

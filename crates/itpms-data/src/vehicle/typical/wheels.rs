@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use itpms_core::model::Corner;
 
-use super::text::line;
+use super::entry::line;
 use super::{AxleWheels, FrontRear, TireSize, TypicalCarError};
 use crate::toml_table::escaped;
 use crate::vehicle::Vehicle;
