@@ -55,11 +55,12 @@ impl CsvSource {
 
     /// What was left out of the text.
     pub(super) fn repairs(&self) -> Vec<String> {
-        match self.headers_again {
-            0 => Vec::new(),
-            1 => vec!["the header comes once more and was left out".to_owned()],
-            n => vec![format!("the header comes {n} times more and was left out")],
-        }
+        let again = match self.headers_again {
+            0 => None,
+            1 => Some("the header comes once more and was left out".to_owned()),
+            n => Some(format!("the header comes {n} times more and was left out")),
+        };
+        self.head.remark().into_iter().chain(again).collect()
     }
 
     pub(super) fn next_row(&mut self, row: &mut RawRow) -> Result<Option<Place>, Problem> {

@@ -85,10 +85,15 @@ const MISSING: [&str; 15] = [
     "1.#inf",
 ];
 
-/// The number in a cell: NaN for what is missing or infinite, `None` for what is no number.
+/// The number in a cell: NaN for what is missing or infinite, 1 and 0 for true and false, `None` for what is no number.
 pub(crate) fn number(cell: &[u8]) -> Option<f64> {
     if let Some(value) = std::str::from_utf8(cell).ok().and_then(|text| text.parse::<f64>().ok()) {
         return Some(if value.is_finite() { value } else { f64::NAN });
+    }
+    for (word, value) in [(&b"true"[..], 1.0), (b"false", 0.0)] {
+        if cell.eq_ignore_ascii_case(word) {
+            return Some(value);
+        }
     }
     let missing = cell.is_empty() || MISSING.iter().any(|word| cell.eq_ignore_ascii_case(word.as_bytes()));
     missing.then_some(f64::NAN)
@@ -120,6 +125,7 @@ mod tests {
             assert!(number(missing.as_bytes()).unwrap().is_nan(), "{missing}");
         }
         assert_eq!(number(b"-1.5e-3"), Some(-1.5e-3));
+        assert_eq!((number(b"True"), number(b"FALSE")), (Some(1.0), Some(0.0)));
         for text in ["fast", "1,5", "0x10", "12 m", "--"] {
             assert!(number(text.as_bytes()).is_none(), "{text}");
         }

@@ -3,6 +3,7 @@
 //! A line is a row, as everywhere with measurements; therefore lines are split here, and every message can name the line an editor
 //! shows. (General CSV readers count records, and lose count at comments and blank lines.)
 
+use std::collections::VecDeque;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek};
 
@@ -25,8 +26,8 @@ pub(crate) struct Lines {
     file: Option<File>,
     line: Vec<u8>,
     number: u64,
-    /// Whether the present line is handed out once more.
-    again: bool,
+    /// Lines that are handed out once more, each with its number.
+    again: VecDeque<(Vec<u8>, u64)>,
     /// Bytes of zeros that were passed over, which no logger writes and a power cut leaves.
     zeros: u64,
 }
@@ -48,7 +49,7 @@ impl Lines {
         } else {
             Box::new(plain)
         };
-        Self { input, file: probe, line: Vec::new(), number: 0, again: false, zeros: 0 }
+        Self { input, file: probe, line: Vec::new(), number: 0, again: VecDeque::new(), zeros: 0 }
     }
 
     /// Number of the present line, from one.
@@ -63,7 +64,8 @@ impl Lines {
 
     /// Goes to the next line that is neither blank nor a comment; false at the end.
     pub(crate) fn advance(&mut self) -> Result<bool, Problem> {
-        if std::mem::take(&mut self.again) {
+        if let Some((line, number)) = self.again.pop_front() {
+            (self.line, self.number) = (line, number);
             return Ok(true);
         }
         loop {
@@ -100,9 +102,14 @@ impl Lines {
         }
     }
 
-    /// The next line is the present one.
-    pub(crate) fn put_back(&mut self) {
-        self.again = true;
+    /// The present line with its end, and its number.
+    pub(crate) fn present(&self) -> (Vec<u8>, u64) {
+        (self.line.clone(), self.number)
+    }
+
+    /// The next lines are these, the last that were handed out.
+    pub(crate) fn put_back(&mut self, lines: impl IntoIterator<Item = (Vec<u8>, u64)>) {
+        self.again.extend(lines);
     }
 
     pub(crate) fn text(&self) -> &[u8] {

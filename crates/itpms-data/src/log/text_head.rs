@@ -1,11 +1,17 @@
-//! The beginning of a text table: how it separates, its names, and the row of units that some have under them.
+//! The beginning of a text table: how it separates, its names, the lines that some loggers write before them and the row of units under them.
 //!
 //! Called by the reader and by the list of text tables.
 
+use super::clock_text;
 use super::dialect::Dialect;
 use super::lines::Lines;
 use crate::error::Problem;
 use crate::signals::is_unit;
+
+/// Lines before the header of loggers that begin with the drive, the car and the driver: at most so many.
+const MOST_BEFORE: usize = 100;
+/// Lines between the names and the first row: units, and what else is stated of each column.
+const MOST_BETWEEN: usize = 2;
 
 /// What stands before the first row.
 #[derive(Debug, Clone)]
@@ -16,6 +22,8 @@ pub(crate) struct TextHead {
     pub(crate) units: Vec<String>,
     /// The line of the names.
     line: Vec<u8>,
+    /// Lines before the names that belong to no table.
+    before: usize,
 }
 
 impl TextHead {
@@ -28,15 +36,30 @@ impl TextHead {
         if stated.is_some() && !lines.advance()? {
             return Ok(None);
         }
-        let dialect = stated.unwrap_or_else(|| Dialect::of(lines.text()));
-        let line = lines.text().to_vec();
-        let mut head = Self { dialect, names: dialect.names(&line), units: Vec::new(), line };
-        if lines.advance()? {
-            match head.units_in(lines.text()) {
-                Some(units) => head.units = units,
-                None => lines.put_back(),
+        let mut first = vec![lines.present()];
+        let before = loop {
+            let text = |(line, _): &(Vec<u8>, u64)| line.trim_ascii().to_vec();
+            let texts: Vec<Vec<u8>> = first.iter().rev().take(MOST_BETWEEN + 2).rev().map(text).collect();
+            if let Some(place) = header_before(&texts, stated) {
+                break first.len() - texts.len() + place;
             }
+            if first.len() > MOST_BEFORE || !lines.advance()? {
+                // No row of numbers: the first line is to be the names, and what is wrong with the others shows there.
+                break 0;
+            }
+            first.push(lines.present());
+        };
+        let mut rest = first.split_off(before).into_iter();
+        let Some((line, _)) = rest.next() else { return Ok(None) };
+        let line = line.trim_ascii().to_vec();
+        let dialect = stated.unwrap_or_else(|| Dialect::of(&line));
+        let mut head = Self { dialect, names: dialect.names(&line), units: Vec::new(), line, before };
+        let mut rest = rest.peekable();
+        if let Some(units) = rest.peek().and_then(|(line, _)| head.units_in(line.trim_ascii())) {
+            head.units = units;
+            rest.next();
         }
+        lines.put_back(rest);
         Ok(Some(head))
     }
 
@@ -45,12 +68,91 @@ impl TextHead {
         line == self.line
     }
 
-    /// The units in the line under the names, if it holds units and nothing else.
+    /// What is to be reported of the lines before the names.
+    pub(crate) fn remark(&self) -> Option<String> {
+        match self.before {
+            0 => None,
+            1 => Some("1 line before the names of the columns was left out".to_owned()),
+            n => Some(format!("{n} lines before the names of the columns were left out")),
+        }
+    }
+
+    /// The units in the line under the names, if it holds units and no numbers.
     fn units_in(&self, line: &[u8]) -> Option<Vec<String>> {
         let units = self.dialect.names(line);
-        let no_unit = |cell: &str| ["", "-", "[]", "[-]"].contains(&cell);
         let known = units.iter().filter(|cell| is_unit(cell)).count();
-        let all = units.iter().all(|cell| no_unit(cell) || is_unit(cell));
-        (all && known > 0 && units.len() == self.names.len()).then_some(units)
+        let numbers = self.dialect.cells(line).filter(|cell| is_value(self.dialect, cell)).count();
+        (numbers == 0 && known > 0 && units.len() == self.names.len()).then_some(units)
+    }
+}
+
+/// Whether a cell holds a number, and not that it is missing.
+fn is_value(dialect: Dialect, cell: &[u8]) -> bool {
+    dialect.number(cell).is_some_and(|value| !value.is_nan())
+}
+
+/// The place of the names if the last line is a row of numbers: the first line of as many cells that begins with none, or of one more or less,
+/// as a separator at the end makes it.
+fn header_before(texts: &[Vec<u8>], stated: Option<Dialect>) -> Option<usize> {
+    let (row, above) = texts.split_last()?;
+    let place = |trailing: usize| {
+        above.iter().enumerate().position(|(place, names)| {
+            let dialect = stated.unwrap_or_else(|| Dialect::of(names));
+            let count = |line: &[u8]| dialect.cells(line).count();
+            let fits = |line: &Vec<u8>| count(line).abs_diff(count(names)) <= trailing;
+            let numeric = |line: &[u8]| {
+                let first = dialect.cells(line).next();
+                first.is_some_and(|cell| is_value(dialect, cell) || clock_text::seconds(cell).is_some())
+            };
+            let no_rows = above[place..].iter().all(|line| fits(line) && !numeric(line));
+            count(names) > 1 && no_rows && fits(row) && numeric(row)
+        })
+    };
+    place(0).or_else(|| place(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is read of a text, and the first row after it.
+    fn head(text: &str) -> (TextHead, String) {
+        let mut file = tempfile::tempfile().unwrap();
+        std::io::Write::write_all(&mut file, text.as_bytes()).unwrap();
+        std::io::Seek::rewind(&mut file).unwrap();
+        let mut lines = Lines::new(file);
+        let head = TextHead::read(&mut lines).unwrap().unwrap();
+        assert!(lines.advance().unwrap());
+        (head, format!("{}: {}", lines.number(), String::from_utf8_lossy(lines.text())))
+    }
+
+    #[test]
+    fn the_lines_that_a_logger_writes_before_the_names_are_left_out() {
+        let text = "\"Format\",\"AiM CSV File\"\n\"Sample Rate\",\"20\"\n\"Segment Times\",\"0:54.0\",\"1:10\"\n\n\
+                    \"Time\",\"GPS Speed\",\"Brake\"\n\"s\",\"km/h\",\"%\"\n\n\"0.000\",\"61.2\",\"0\"\n\"0.050\",\"61.3\",\"0\"\n";
+        let (found, row) = head(text);
+        assert_eq!(found.names, ["Time", "GPS Speed", "Brake"]);
+        assert_eq!(found.units, ["s", "km/h", "%"]);
+        assert_eq!(row, "8: \"0.000\",\"61.2\",\"0\"");
+        assert_eq!(found.remark().unwrap(), "3 lines before the names of the columns were left out");
+        // One before names with a separator at their end.
+        let (found, row) = head("Drive of Monday\nt;v;\n0,5;61,2\n");
+        assert_eq!((found.names.len(), row.as_str()), (3, "3: 0,5;61,2"));
+        assert_eq!(found.remark().unwrap(), "1 line before the names of the columns was left out");
+    }
+
+    #[test]
+    fn a_table_begins_with_its_names_where_no_row_says_otherwise() {
+        for (text, first) in [
+            ("time_s,v\n0,1\n0.1,2\n", "2: 0,1"),
+            // A first row without a time, names that are no units, a table of words.
+            ("time_s,v\n,1\n0.1,2\n", "2: ,1"),
+            ("time_s,v\nfirst,second\n0.1,2\n", "2: first,second"),
+            ("name,v\na,1\nb,2\n", "2: a,1"),
+            ("0.1,1\n0.2,2\n", "2: 0.2,2"),
+        ] {
+            let (found, row) = head(text);
+            assert_eq!((row.as_str(), found.remark()), (first, None), "{text}");
+        }
     }
 }

@@ -3,14 +3,23 @@
 //!
 //! Called where a table's columns are taken for signals.
 
+use super::names::meaning;
 use super::units::Unit;
 use super::{Candidate, Conversion};
 use crate::log::{Quantity, Slot};
 
 /// The column as a candidate: a signal of its own name and, if the name ends with one, of that unit.
 pub(crate) fn candidate(name: &str) -> Candidate {
-    let (_, unit) = split(name);
-    Candidate { group: String::new(), name: name.to_owned(), unit }
+    let (bare, unit) = split(name);
+    // `carState.wheelSpeeds.fl`: paths of a message's fields. What stands before the last point is a group's name.
+    let says = |group, name| meaning(group, name).is_some();
+    let point = bare.rfind('.').filter(|point| !says("", bare) && says(&bare[..*point], &bare[*point + 1..]));
+    match point {
+        Some(point) => {
+            Candidate { group: name[..point].to_owned(), name: name[point + 1..].to_owned(), unit }
+        }
+        None => Candidate { group: String::new(), name: name.to_owned(), unit },
+    }
 }
 
 /// The same of a column with a unit stated beside its name, which counts: with such a row, names are only names.
@@ -42,6 +51,8 @@ pub(crate) fn clock(name: &str) -> Option<f64> {
         "time" | "times" | "t" | "ts" | "timestamp" | "timestamps" | "zeit" | "zeitstempel"
     );
     match Unit::of(&unit) {
+        // What comma's logs call their clock, in ns.
+        Unit::Silent if letters == "logmonotime" => Some(1e-9),
         Unit::Known(Quantity::Time, seconds) if is_clock => Some(seconds),
         Unit::Silent if is_clock => Some(1.0),
         _ => None,
@@ -140,6 +151,7 @@ mod tests {
             ("time of day", None),
             ("lap_time_s", None),
             ("time [LSB]", None),
+            ("logMonoTime", Some(1e-9)),
         ] {
             assert_eq!(clock(name), seconds, "{name}");
         }

@@ -52,7 +52,7 @@ enum Word {
 }
 
 #[rustfmt::skip]
-const WORDS: [(&str, Word); 168] = [
+const WORDS: [(&str, Word); 170] = [
     ("fl", Word::Corner(Corner::FrontLeft)), ("lf", Word::Corner(Corner::FrontLeft)), ("vl", Word::Corner(Corner::FrontLeft)),
     ("fr", Word::Corner(Corner::FrontRight)), ("rf", Word::Corner(Corner::FrontRight)), ("vr", Word::Corner(Corner::FrontRight)),
     ("rl", Word::Corner(Corner::RearLeft)), ("lr", Word::Corner(Corner::RearLeft)), ("hl", Word::Corner(Corner::RearLeft)),
@@ -70,6 +70,7 @@ const WORDS: [(&str, Word); 168] = [
     ("aufbau", Word::Body), ("karosserie", Word::Body), ("rad", Word::Wheel), ("beschl", Word::Acceleration),
     ("beschleunigung", Word::Acceleration), ("vertikal", Word::Vertical), ("fahrzeug", Word::Vehicle), ("fzg", Word::Vehicle),
     ("geschwindigkeit", Word::Speed), ("geschw", Word::Speed), ("speeds", Word::Speed),
+    ("gier", Word::Yaw), ("inline", Word::Longitudinal),
     // A speed of rotation, as in `WhlFl_W_Meas` and `VehYaw_W_Actl`.
     ("w", Word::Speed), ("meas", Word::Filler), ("actl", Word::Filler), ("esp", Word::Filler), ("abs", Word::Filler),
     ("tire", Word::Tire), ("tyre", Word::Tire), ("tpms", Word::Tire),
@@ -81,7 +82,7 @@ const WORDS: [(&str, Word); 168] = [
     ("km", Word::Filler), ("h", Word::Filler), ("kmh", Word::Filler), ("kph", Word::Filler), ("mph", Word::Filler),
     ("reference", Word::Reference), ("truth", Word::Reference), ("kpa", Word::Filler), ("bar", Word::Filler), ("psi", Word::Filler), ("mm", Word::Filler),
     ("x", Word::Longitudinal), ("y", Word::Lateral), ("lat", Word::Lateral), ("lateral", Word::Lateral), ("lon", Word::Longitudinal),
-    ("long", Word::Longitudinal), ("longitudinal", Word::Longitudinal), ("pedal", Word::Other), ("gyro", Word::Other), ("yaw", Word::Yaw),
+    ("long", Word::Longitudinal), ("longitudinal", Word::Longitudinal), ("pedal", Word::Other), ("gyro", Word::Filler), ("yaw", Word::Yaw),
     ("roll", Word::Other), ("pitch", Word::Other), ("angle", Word::Other), ("angular", Word::Other), ("rate", Word::Rate),
     ("temp", Word::Temperature), ("temperature", Word::Temperature), ("status", Word::Other), ("stat", Word::Other), ("state", Word::Other),
     ("sts", Word::Other), ("valid", Word::Other), ("validity", Word::Other), ("quality", Word::Other), ("qual", Word::Other),
@@ -277,6 +278,12 @@ mod tests {
             ("Yaw_Data_FD1", "VehYaw_W_Actl", "yaw_rate_rad_s"),
             ("KINEMATICS", "YAW_RATE", "yaw_rate_rad_s"),
             ("KINEMATICS", "ACCEL_Y", "accel_y_m_s2"),
+            // MoTeC, AiM; comma's logs as tables.
+            ("", "Gyro Yaw Velocity", "yaw_rate_rad_s"),
+            ("", "InlineAcc", "accel_x_m_s2"),
+            ("carState.wheelSpeeds", "fl", "fl_wheel_speed_m_s"),
+            ("carState", "vEgo", "speed_m_s"),
+            ("", "Gierrate", "yaw_rate_rad_s"),
             ("", "LongitudinalAcceleration", "accel_x_m_s2"),
         ] {
             assert_eq!(column(group, name).unwrap_or_default(), expected, "{group}.{name}");
@@ -290,6 +297,7 @@ mod tests {
             ("", "LateralVelocity"),
             ("", "ACC_X_FL"),
             ("", "YawAngle"),
+            ("", "Gyro_Z"),
             ("", "WheelSpeed"),
             ("WHL_SPD11", "WHL_SPD_AliveCounter_LSB"),
             ("WheelSpeeds", "FL_Status"),

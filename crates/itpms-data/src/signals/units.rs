@@ -78,7 +78,7 @@ fn plain(text: &str) -> String {
 }
 
 #[rustfmt::skip]
-const UNITS: [(&str, Quantity, f64); 100] = {
+const UNITS: [(&str, Quantity, f64); 103] = {
     use Quantity::{Acceleration, Length, Pressure, Rotation, Speed, Temperature, Time};
     [
         ("m/s2", Acceleration, 1.0), ("m/s/s", Acceleration, 1.0), ("ms-2", Acceleration, 1.0), ("mps2", Acceleration, 1.0),
@@ -108,7 +108,8 @@ const UNITS: [(&str, Quantity, f64); 100] = {
         ("rad/s", Rotation, 1.0), ("rad/sec", Rotation, 1.0), ("rads-1", Rotation, 1.0), ("rads", Rotation, 1.0), ("radps", Rotation, 1.0),
         ("RadianPerSecond", Rotation, 1.0), ("deg/s", Rotation, DEGREE), ("deg/sec", Rotation, DEGREE), ("degs-1", Rotation, DEGREE),
         ("degree/s", Rotation, DEGREE), ("degrees/s", Rotation, DEGREE), ("degrees/sec", Rotation, DEGREE), ("°/s", Rotation, DEGREE),
-        ("°/sec", Rotation, DEGREE), ("dps", Rotation, DEGREE), ("DegreOfArcPerSeco", Rotation, DEGREE), ("mrad/s", Rotation, 1e-3),
+        ("°/sec", Rotation, DEGREE), ("dps", Rotation, DEGREE), ("degps", Rotation, DEGREE),
+        ("degpersec", Rotation, DEGREE), ("grad/s", Rotation, DEGREE), ("DegreOfArcPerSeco", Rotation, DEGREE), ("mrad/s", Rotation, 1e-3),
         ("rpm", Rotation, TURN / 60.0), ("1/min", Rotation, TURN / 60.0), ("min-1", Rotation, TURN / 60.0),
         ("rev/min", Rotation, TURN / 60.0), ("U/min", Rotation, TURN / 60.0),
 

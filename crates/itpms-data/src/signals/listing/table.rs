@@ -69,7 +69,7 @@ impl TableLister {
     }
 
     pub(super) fn finish(self) -> Listing {
-        let mut notes = Vec::new();
+        let mut notes: Vec<String> = self.head.remark().into_iter().collect();
         if self.uneven > 0 {
             notes.push(format!("{} rows have more or fewer cells than the header", self.uneven));
         }
