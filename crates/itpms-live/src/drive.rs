@@ -5,50 +5,18 @@
 
 use itpms_core::car::CarEstimate;
 use itpms_core::conditioning::Odometer;
-use itpms_core::model::VehicleCalibration;
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
-use itpms_core::warning::{Change, MonitorReport, Regulation};
-use itpms_core::wheel_speed::RadiusCalibration;
-use itpms_data::log::UnitCheck;
+use itpms_core::warning::{Change, MonitorReport};
 use itpms_data::out::RateGate;
 use itpms_data::{LogRow, Vehicle};
 use itpms_road::RoadUnderCar;
 
 pub use crate::clock::Clock;
 use crate::error::LiveError;
+pub use crate::options::DriveOptions;
 use crate::roughness::Roughness;
 use crate::speed::SpeedDoubt;
 use crate::wheels::Wheels;
-
-/// How a drive is estimated and how often it is published.
-#[derive(Debug, Clone)]
-pub struct DriveOptions {
-    /// Which loss is warned of.
-    pub regulation: Regulation,
-    /// Length in s of the calibration that begins with the first row.
-    pub calibrate_s: Option<f64>,
-    /// What an earlier calibration taught of this car.
-    pub reference: Option<VehicleCalibration<f64>>,
-    /// The same of its wheel speeds.
-    pub wheel_reference: Option<RadiusCalibration<f64>>,
-    /// Estimates published per second.
-    pub rate_hz: f64,
-    /// Whether numbers that do not look like m/s² and m/s are reported.
-    pub units: UnitCheck,
-}
-
-impl Default for DriveOptions {
-    fn default() -> Self {
-        Self {
-            regulation: Regulation::default(),
-            calibrate_s: None,
-            reference: None,
-            wheel_reference: None,
-            rate_hz: 10.0,
-            units: UnitCheck::default(),
-        }
-    }
-}
 
 /// A drive being estimated. Made and restored in parts that are moved about: whoever does so needs a stack as a program's first
 /// thread has it (8 MB), not a test's.

@@ -6,7 +6,7 @@
 //! | [`input`], [`queue`] | what a source tells, and the bounded way it goes |
 //! | [`broker`], `tls` | where an MQTT broker is, and whom to believe that it is this one |
 //! | [`feed`] | frames to rows |
-//! | [`drive`] | the running estimate |
+//! | [`drive`], `options` | the running estimate, and how it is made |
 //! | `past`, `units` | rows that are late, clocks that are set back; numbers in another unit |
 //! | [`speed`] | why the speed of the car is unknown, and when that is reported |
 //! | [`engine`] | what came in becomes snapshots and transitions |
@@ -33,6 +33,7 @@ pub mod hub;
 pub mod input;
 pub mod latency;
 pub mod monitor;
+mod options;
 pub mod output;
 mod past;
 pub mod queue;

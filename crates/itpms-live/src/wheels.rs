@@ -4,8 +4,8 @@ use itpms_core::monitor::MonitoredWheels;
 use itpms_core::warning::MonitorReport;
 use itpms_data::{LogRow, Vehicle};
 
-use crate::drive::DriveOptions;
 use crate::error::LiveError;
+use crate::options::DriveOptions;
 
 /// The monitor and what it reported last; a part of the saved state.
 #[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]

@@ -9,7 +9,7 @@
 use itpms_core::real::Real;
 use nalgebra::{Complex, Matrix4, SVector, Vector4};
 
-use super::lap::{Belief, Corner, Held};
+use super::given::{Belief, Corner, Held};
 use super::motion::{Gaussian, Motion, NOW, RATE, SLIP, STATES, Said, THEN};
 use super::pass::{HARMONICS, Harmonics, Pass, PassClock};
 use super::transfer::{noise_gain, wheel_over_road};

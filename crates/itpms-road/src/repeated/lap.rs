@@ -2,10 +2,10 @@
 //!
 //! Knows nothing of samples or pressures, nor how the period was found.
 
-use itpms_core::model::QuarterCar;
 use itpms_core::real::Real;
 
 use super::follow::{Follower, Verdict};
+use super::given::{Belief, Corner, Held};
 use super::pass::{PARTS, Pass, PassClock};
 
 /// Residual power over the road's that a repeated road may have to be taken for one.
@@ -33,35 +33,6 @@ pub(crate) struct PeriodicEstimate<T> {
     pub(crate) seconds: T,
     /// True once per period.
     pub(crate) whole_period: bool,
-}
-
-/// What is believed of the compliance by others when the road is met.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Belief<T> {
-    /// Compliance in m/N.
-    pub(crate) theta: T,
-    /// Its relative standard deviation.
-    pub(crate) relative_sd: T,
-    /// True while it is known to be constant, as during a calibration.
-    pub(crate) held: Held,
-}
-
-/// Whether the pressure is known not to move.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) enum Held {
-    /// During a calibration drive.
-    Yes = 1,
-    /// Else.
-    No = 0,
-}
-
-/// What is known of the car and its sensors.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Corner<T> {
-    pub(crate) quarter_car: QuarterCar<T>,
-    /// One-sided accelerometer noise density in (m/s²)²/Hz.
-    pub(crate) noise_density: T,
 }
 
 /// A road under observation.

@@ -9,12 +9,14 @@
 //! |---|---|
 //! | `search` | at which period the road repeats itself |
 //! | `pass` | the spectrum of one pass |
+//! | `given` | the car, and what others believe of the tire |
 //! | `lap` | whether it is the same road again |
 //! | `follow`, `motion` | the compliance from pass to pass |
 //! | `transfer` | what a wheel makes of a road |
 
 mod estimator;
 mod follow;
+mod given;
 mod lap;
 mod motion;
 mod pass;
@@ -33,7 +35,8 @@ use itpms_core::spectrum::{
 };
 
 pub use self::estimator::EstimatorOnRepeatedRoad;
-use self::lap::{Belief, Held, Lap, PeriodicEstimate};
+use self::given::{Belief, Held};
+use self::lap::{Lap, PeriodicEstimate};
 use self::search::PeriodSearch;
 
 /// Shortest and longest period in s that may be given for a road.
@@ -128,7 +131,7 @@ impl<T: Real> RepeatedRoad<T> {
         }
         let no_speed = T::lit(f64::NAN);
         let belief = self.belief(estimate);
-        let corner = lap::Corner { quarter_car: *quarter_car, noise_density: self.noise_density };
+        let corner = given::Corner { quarter_car: *quarter_car, noise_density: self.noise_density };
         let Self { resampler, reconstruction, laps, last_s, .. } = self;
         resampler.push(time_s, no_speed, values.body_accel_m_s2, values.wheel_accel_m_s2, |step| {
             if step.after_gap {
@@ -220,7 +223,7 @@ impl<T: Real> Laps<T> {
     fn push(
         &mut self,
         step: &Step<T>,
-        corner: &lap::Corner<T>,
+        corner: &given::Corner<T>,
         belief: &Belief<T>,
     ) -> Option<PeriodicEstimate<T>> {
         let estimate = self.pass(step, corner, belief);
@@ -231,7 +234,7 @@ impl<T: Real> Laps<T> {
     fn pass(
         &mut self,
         step: &Step<T>,
-        corner: &lap::Corner<T>,
+        corner: &given::Corner<T>,
         belief: &Belief<T>,
     ) -> Option<PeriodicEstimate<T>> {
         let Some(lap) = &mut self.lap else {

@@ -6,7 +6,7 @@
 use itpms_core::real::Real;
 use nalgebra::{Matrix4, Vector4};
 
-use super::lap::Held;
+use super::given::Held;
 
 /// Deviation of the compliance now, as a share of the reference.
 pub(crate) const NOW: usize = 0;

@@ -13,7 +13,6 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
-use super::rolling::{self, RadiusHour};
 use super::{Car, Plan, SoakError};
 
 /// Rows between two questions whether to go on.
@@ -78,6 +77,22 @@ pub struct WheelHour {
     pub lowest_kpa: Option<f64>,
 }
 
+/// How near radius analysis came to a warning after its calibration.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct RadiusHour {
+    /// Time in s in which differences were known, and in which a loss of a quarter of any single tire would have been found.
+    pub known_s: f64,
+    /// The latter.
+    pub informed_s: f64,
+    /// Largest probability of any low tire, and when that was, in s.
+    pub most_probable: f64,
+    /// When, in s.
+    pub most_probable_s: f64,
+    /// Shares of the time in which the true change of each ratio of radii was within its 95 % interval: front left over right, rear
+    /// left over right, front over rear.
+    pub covered: [f64; 3],
+}
+
 impl Hour {
     /// As one line of JSON.
     #[must_use]
@@ -93,11 +108,8 @@ impl Hour {
     }
 }
 
-/// Drives one seed.
+/// Drives one seed with accelerations.
 pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) -> Result<Hour, SoakError> {
-    if plan.sensors.are_of_wheels() {
-        return rolling::drive(plan, seed, flow);
-    }
     let begun = Instant::now();
     let scenario = scenario(plan)?;
     let mut car = monitored(&scenario)?;

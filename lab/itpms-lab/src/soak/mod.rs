@@ -25,8 +25,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::sensors::Sensors;
-pub use hour::{Hour, Said, WheelHour};
-pub use rolling::RadiusHour;
+pub use hour::{Hour, RadiusHour, Said, WheelHour};
 pub use summary::Summary;
 
 /// Stack of a thread in bytes: the estimator of a whole car is a value of some hundred kilobytes, and is handed about by
@@ -127,7 +126,8 @@ pub fn soak(
     };
     let work = || -> Result<(), SoakError> {
         while let Some(&seed) = seeds.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let hour = hour::drive(plan, seed, &stop);
+            let drive = if plan.sensors.are_of_wheels() { rolling::drive } else { hour::drive };
+            let hour = drive(plan, seed, &stop);
             if hour.is_err() {
                 stopped.store(true, Ordering::Relaxed);
             }

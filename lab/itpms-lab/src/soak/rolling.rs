@@ -10,9 +10,8 @@ use itpms_core::wheel_speed::{LoadUncertainty, RadiusReport, RadiusState};
 use itpms_sim::scenario::Scenario;
 use itpms_sim::simulation::Simulation;
 use itpms_sim::wheel_speeds::{DrivenWheels, WheelSpeedSpec};
-use serde::{Deserialize, Serialize};
 
-use super::hour::{ASK_ROWS, HALF_95, Hour, WheelHour, note, scenario};
+use super::hour::{ASK_ROWS, HALF_95, Hour, RadiusHour, WheelHour, note, scenario};
 use super::{Car, Plan, SoakError};
 use crate::sensors::{Pulses, Sensors, wheel_speed_config, wheel_speed_sample};
 
@@ -20,22 +19,6 @@ use crate::sensors::{Pulses, Sensors, wheel_speed_config, wheel_speed_sample};
 const CALIBRATE_S: f64 = 600.0;
 /// By how many K its tires warm up at 90 km/h.
 const WARMS_BY_K: f64 = 20.0;
-
-/// How near radius analysis came to a warning after its calibration.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct RadiusHour {
-    /// Time in s in which differences were known, and in which a loss of a quarter of any single tire would have been found.
-    pub known_s: f64,
-    /// The latter.
-    pub informed_s: f64,
-    /// Largest probability of any low tire, and when that was, in s.
-    pub most_probable: f64,
-    /// When, in s.
-    pub most_probable_s: f64,
-    /// Shares of the time in which the true change of each ratio of radii was within its 95 % interval: front left over right, rear
-    /// left over right, front over rear.
-    pub covered: [f64; 3],
-}
 
 /// Drives one seed.
 pub(super) fn drive(plan: &Plan, seed: u64, flow: &dyn Fn() -> ControlFlow<()>) -> Result<Hour, SoakError> {

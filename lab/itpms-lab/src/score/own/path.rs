@@ -13,14 +13,13 @@ use itpms_sim::time_profile::Pressure;
 use super::super::ScoreError;
 use super::car::OwnCar;
 use super::day::{Change, Day, RATE_HZ, SAME};
-use super::seen::Seen;
+use super::seen::{LOSS_S, Seen};
 use crate::sensors::Equipped;
 use itpms_analysis::learn::{Listener, PASSES, WheelbaseListener, learn};
 
 /// Ten minutes at placard pressures, and a later day, in s.
 pub(super) const DAYS_S: [f64; 2] = [600.0, 130.0];
-/// A loss on the later day: when it begins and how long it takes, in s; what is left.
-pub(super) const LOSS_S: [f64; 2] = [60.0, 10.0];
+/// What is left of a pressure after a loss on the later day.
 const LEFT: f64 = 0.8;
 
 /// What an owner gives the estimator on a later day.

@@ -7,8 +7,9 @@ use itpms_core::warning::{Cause, MonitorReport};
 use itpms_sim::simulation::SimRow;
 
 use super::super::stats::ErrorSum;
-use super::path::LOSS_S;
 
+/// A loss on the later day: when it begins and how long it takes, in s.
+pub(super) const LOSS_S: [f64; 2] = [60.0, 10.0];
 /// Seconds at the start of a drive whose errors do not count, and before a loss in which the others' level is taken.
 const SETTLED_S: f64 = 20.0;
 const BEFORE_S: f64 = 10.0;

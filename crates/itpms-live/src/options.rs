@@ -1,0 +1,36 @@
+//! How a drive is estimated and published.
+
+use itpms_core::model::VehicleCalibration;
+use itpms_core::warning::Regulation;
+use itpms_core::wheel_speed::RadiusCalibration;
+use itpms_data::log::UnitCheck;
+
+/// How a drive is estimated and how often it is published.
+#[derive(Debug, Clone)]
+pub struct DriveOptions {
+    /// Which loss is warned of.
+    pub regulation: Regulation,
+    /// Length in s of the calibration that begins with the first row.
+    pub calibrate_s: Option<f64>,
+    /// What an earlier calibration taught of this car.
+    pub reference: Option<VehicleCalibration<f64>>,
+    /// The same of its wheel speeds.
+    pub wheel_reference: Option<RadiusCalibration<f64>>,
+    /// Estimates published per second.
+    pub rate_hz: f64,
+    /// Whether numbers that do not look like m/s² and m/s are reported.
+    pub units: UnitCheck,
+}
+
+impl Default for DriveOptions {
+    fn default() -> Self {
+        Self {
+            regulation: Regulation::default(),
+            calibrate_s: None,
+            reference: None,
+            wheel_reference: None,
+            rate_hz: 10.0,
+            units: UnitCheck::default(),
+        }
+    }
+}

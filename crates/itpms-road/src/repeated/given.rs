@@ -1,0 +1,32 @@
+//! What a repeated road is judged by: the car, and what others believe of the tire.
+
+use itpms_core::model::QuarterCar;
+
+/// What is believed of the compliance by others when the road is met.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Belief<T> {
+    /// Compliance in m/N.
+    pub(crate) theta: T,
+    /// Its relative standard deviation.
+    pub(crate) relative_sd: T,
+    /// True while it is known to be constant, as during a calibration.
+    pub(crate) held: Held,
+}
+
+/// Whether the pressure is known not to move.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) enum Held {
+    /// During a calibration drive.
+    Yes = 1,
+    /// Else.
+    No = 0,
+}
+
+/// What is known of the car and its sensors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Corner<T> {
+    pub(crate) quarter_car: QuarterCar<T>,
+    /// One-sided accelerometer noise density in (m/s²)²/Hz.
+    pub(crate) noise_density: T,
+}
