@@ -57,9 +57,18 @@ fn a_table_of_wheel_speeds_is_a_log_in_our_names_and_in_makers() {
     let ours = ["fl", "fr", "rl", "rr"].map(|c| format!("{c}_wheel_speed_m_s")).join(",");
     let makers =
         "time_s,WHEEL_SPEED_FL [km/h],WHEEL_SPEED_FR [km/h],WHEEL_SPEED_RL [km/h],WHEEL_SPEED_RR [km/h]";
-    for (name, header, per_km_h) in
-        [("ours.csv", format!("time_s,{ours}"), 1.0 / 3.6), ("makers.csv", makers.to_owned(), 1.0)]
-    {
+    // As data loggers of motor sports export them, and the fields of messages.
+    let logger = "\"Format\",\"AiM CSV File\"\n\"Sample Rate\",\"83\"\n\"Segment Times\",\"0:54.0\",\"1:10\"\n\n\
+                  \"Time\",\"Wheel Speed FL\",\"Wheel Speed FR\",\"Wheel Speed RL\",\"Wheel Speed RR\"\n\
+                  \"s\",\"km/h\",\"km/h\",\"km/h\",\"km/h\"\n";
+    let fields =
+        ["fl", "fr", "rl", "rr"].map(|corner| format!("carState.wheelSpeeds.{corner} [m/s]")).join(",");
+    for (name, header, per_km_h) in [
+        ("ours.csv", format!("time_s,{ours}"), 1.0 / 3.6),
+        ("makers.csv", makers.to_owned(), 1.0),
+        ("logger.csv", logger.to_owned(), 1.0),
+        ("fields.csv", format!("t,{fields}"), 1.0 / 3.6),
+    ] {
         let path = written(dir.path(), name, &table(&header, per_km_h));
         let (columns, rows) = read(&path, &LogOptions::default());
         assert!(columns.motion.wheel_speed && columns.present().is_empty());
