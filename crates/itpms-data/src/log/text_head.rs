@@ -105,7 +105,10 @@ fn header_before(texts: &[Vec<u8>], stated: Option<Dialect>) -> Option<usize> {
                 first.is_some_and(|cell| is_value(dialect, cell) || clock_text::seconds(cell).is_some())
             };
             let no_rows = above[place..].iter().all(|line| fits(line) && !numeric(line));
-            count(names) > 1 && no_rows && fits(row) && numeric(row)
+            // `1:10`, `2024-06-03`: what is stated of the drive, and no name.
+            let is_name =
+                |cell: &[u8]| !is_value(dialect, cell) && !cell.first().is_some_and(u8::is_ascii_digit);
+            count(names) > 1 && dialect.cells(names).all(is_name) && no_rows && fits(row) && numeric(row)
         })
     };
     place(0).or_else(|| place(1))

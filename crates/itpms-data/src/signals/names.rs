@@ -118,7 +118,7 @@ pub(crate) fn meaning(group: &str, name: &str) -> Option<(Slot, Fit)> {
         } else if has(Word::Pressure) {
             let field = if around.contains(&Word::Reference) { Field::Pressure } else { Field::TireSensor };
             says(Word::Tire).then_some((field, fit(true)))
-        } else if has(Word::Speed) || says(Word::Speed) && own.iter().all(is_of_a_corner) {
+        } else if has(Word::Speed) || says(Word::Speed) && own.iter().all(names_a_corner_or_nothing) {
             let of_a_wheel = says(Word::Wheel) && !has(Word::Vertical) && !has(Word::Acceleration);
             of_a_wheel.then_some((Field::WheelSpeed, fit(true)))
         } else if has(Word::Road) && (has(Word::Height) || has(Word::Vertical)) {
@@ -176,6 +176,10 @@ fn corner(words: &[Word]) -> Option<Corner> {
 /// Whether anything is reported of a corner, be it contradictory.
 fn names_corner(words: &[Word]) -> bool {
     words.iter().any(is_of_a_corner)
+}
+
+fn names_a_corner_or_nothing(word: &Word) -> bool {
+    is_of_a_corner(word) || *word == Word::Filler
 }
 
 fn is_of_a_corner(word: &Word) -> bool {
