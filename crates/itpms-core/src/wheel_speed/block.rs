@@ -11,7 +11,7 @@ pub(super) const BLOCK_S: f64 = 0.5;
 /// Samples below which a block says nothing.
 const LEAST_SAMPLES: u32 = 5;
 /// Speed below which the wheel speeds are too coarse, in m/s.
-const LEAST_SPEED_M_S: f64 = 5.0;
+pub(super) const LEAST_SPEED_M_S: f64 = 5.0;
 /// Lateral acceleration above which tires creep sideways, in m/s².
 const MOST_LATERAL_M_S2: f64 = 1.5;
 /// Force below which the brakes are on: unequal ones look like a radius, in m/s².

@@ -39,6 +39,7 @@ mod report;
 mod sample;
 #[cfg(test)]
 pub(crate) mod tests;
+mod yaw_witness;
 
 use self::block::{BLOCK_S, Block, BlockSums};
 use self::calibration::LEARNED;
@@ -48,6 +49,7 @@ use self::filter::Filter;
 use self::hypotheses::{Decision, PLACES, Triangle, add_load, all_would_be_found, seen};
 pub use self::report::{Pattern, RadiusReport, RadiusState, Unseen, WheelRadius};
 pub use self::sample::WheelSpeedSample;
+use self::yaw_witness::YawWitness;
 use crate::memory::{Blank, blank};
 use crate::model::{Corner, ParameterError, RadiusDifferences, Wheels};
 use crate::real::Real;
@@ -119,11 +121,12 @@ pub struct RadiusMonitor<T> {
     /// The car stood for so long, in s.
     stood_s: f64,
     loads_may_differ: bool,
+    yaw: YawWitness<T>,
     torsion: TorsionEvidence<T>,
     report: RadiusReport<T>,
 }
 
-blank!(RadiusMonitor<T> { config, configured, phase, learned_s, calibration, radius_1e3, filter, sums, ended, before_good, last, stood_s, loads_may_differ, torsion,
+blank!(RadiusMonitor<T> { config, configured, phase, learned_s, calibration, radius_1e3, filter, sums, ended, before_good, last, stood_s, loads_may_differ, yaw, torsion,
     report });
 
 impl<T: Real> RadiusMonitor<T> {
@@ -242,6 +245,12 @@ impl<T: Real> RadiusMonitor<T> {
         &self.report
     }
 
+    /// Whether the yaw rate went against what the wheels show of bends: it is left out from then on, as if there were none.
+    #[must_use]
+    pub fn doubts_yaw_rate(&self) -> bool {
+        self.yaw.is_doubted()
+    }
+
     /// What tooth pulses say of the pressures from here on, by themselves: it counts in every decision.
     pub fn see_pulses(&mut self, torsion: &TorsionEvidence<T>) {
         self.torsion = *torsion;
@@ -279,6 +288,7 @@ impl<T: Real> RadiusMonitor<T> {
     fn interrupt(&mut self) {
         self.before_good = false;
         self.last.good = false;
+        self.yaw.interrupt();
         self.sums.begin(f64::NEG_INFINITY);
     }
 
@@ -304,7 +314,13 @@ impl<T: Real> RadiusMonitor<T> {
     }
 
     fn end_block(&mut self) {
-        let block = self.sums.conclude(&self.config);
+        let mut block = self.sums.conclude(&self.config);
+        if self.yaw.take(&block, &self.config) {
+            self.learn_again();
+        }
+        if self.yaw.is_doubted() {
+            block.yaw_rate_rad_s = None;
+        }
         if self.sums.stood() {
             self.stand(BLOCK_S);
         } else if block.speed_m_s > T::zero() {
@@ -385,6 +401,16 @@ impl<T: Real> RadiusMonitor<T> {
         };
         self.report.differ(&change, &covariance);
         self.report.decide(&decision, &self.config, &self.torsion, T::lit(BLOCK_S));
+    }
+
+    /// The yaw rate was wrong, and so is what was learned with it: a calibration that goes on begins anew.
+    fn learn_again(&mut self) {
+        if let Phase::Learning(left_s) = self.phase {
+            self.phase = Phase::Learning(left_s + self.learned_s);
+            self.learned_s = T::zero();
+        }
+        self.restart();
+        self.interrupt();
     }
 
     /// Numbers ran away: what was learned is kept, the rest begins anew.

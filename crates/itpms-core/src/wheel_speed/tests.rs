@@ -25,6 +25,8 @@ pub(crate) struct Drive {
     /// `ln` of the wheels' radii.
     pub(crate) radius: [f64; 4],
     yaw_rate: bool,
+    /// What the sensor makes of a yaw rate.
+    yaw_gain: f64,
     accel_x: bool,
 }
 
@@ -48,6 +50,7 @@ impl Drive {
             hop: [0.0; 4],
             radius: OFFSETS,
             yaw_rate: true,
+            yaw_gain: 1.0,
             accel_x: true,
         }
     }
@@ -102,7 +105,7 @@ impl Drive {
             // A sensor of 0.004 rad/s with an offset.
             yaw_rate_rad_s: said(
                 self.yaw_rate,
-                ((yaw + 0.006 + 1e-3 * self.random.normal()) / 4e-3).round() * 4e-3,
+                ((self.yaw_gain * yaw + 0.006 + 1e-3 * self.random.normal()) / 4e-3).round() * 4e-3,
             ),
             accel_x_m_s2: said(self.accel_x, accel + 9.81 * self.grade + 0.03),
             accel_y_m_s2: T::lit(f64::NAN),
@@ -160,6 +163,27 @@ fn a_healthy_car_is_not_warned_of() {
             for wheel in monitor.report().wheels {
                 assert!(wheel.change.abs() < 3e-4, "{seed} {yaw_rate} {accel_x}: {wheel:?}");
             }
+        }
+    }
+}
+
+/// A sensor that is dead or turned round is left out, one that is off by a tenth is not, nor where two tires of a side become smaller.
+#[test]
+fn a_yaw_rate_that_goes_against_the_wheels_is_left_out() {
+    for seed in 20..24 {
+        for (yaw_gain, doubtful) in [(0.0, true), (-1.0, true), (0.9, false), (1.1, false)] {
+            let mut drive = Drive { yaw_gain, ..Drive::new(seed, 83.0, 0.04) };
+            let mut monitor = calibrated::<f32>(&mut drive, 300.0);
+            assert_eq!(monitor.doubts_yaw_rate(), doubtful, "{seed} {yaw_gain}");
+            assert_eq!(found(&mut monitor, &mut drive, 1200.0), None, "{seed} {yaw_gain}");
+            if doubtful {
+                continue;
+            }
+            for side in [0, 2] {
+                drive.radius[side] -= 2e-3;
+            }
+            assert!(found(&mut monitor, &mut drive, 600.0).is_some(), "{seed} {yaw_gain}");
+            assert!(!monitor.doubts_yaw_rate(), "{seed} {yaw_gain}: a side");
         }
     }
 }

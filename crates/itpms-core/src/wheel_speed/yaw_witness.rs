@@ -1,0 +1,72 @@
+//! Whether a yaw rate goes with the wheels (docs/math/wheel-speed.md, eq. 7a): a bend shows in the wheels of both axles, a tire in those of
+//! one. A sensor that is dead, turned round or another signal would make every bend a loss of the tires on its outer side.
+
+use super::block::{BLOCK_S, Block, LEAST_SPEED_M_S};
+use super::config::WheelSpeedConfig;
+use super::{FRONT, REAR, SCALE};
+use crate::memory::blank;
+use crate::real::Real;
+
+/// Time in s after which a yaw rate counts as usual: bends are shorter.
+const USUAL_S: f64 = 10.0;
+/// Time in s after which what was seen is forgotten.
+const MEMORY_S: f64 = 120.0;
+/// Share of the wheels' turning that a sensor may leave, and what it may leave beyond in rad²/s². In a bend the load that moves to the
+/// outer wheels imitates half of a yaw rate at 30 m/s, which leaves a quarter; two tires of a side that lose a quarter at once leave 0.008.
+const LEFT_SHARE: f64 = 0.6;
+const LEFT: f64 = 0.01;
+
+/// See the [module](self).
+#[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct YawWitness<T> {
+    /// The usual yaw rates by the front wheels, by the rear ones, and by the sensor, in rad/s.
+    usual: [T; 3],
+    begun: bool,
+    /// Sums of the product of both axles, and of the product of what the sensor leaves of both.
+    turned: T,
+    left: T,
+    doubted: bool,
+}
+
+blank!(YawWitness<T> { usual, begun, turned, left, doubted });
+
+impl<T: Real> YawWitness<T> {
+    /// Whether the sensor was found to go against the wheels.
+    pub(super) fn is_doubted(&self) -> bool {
+        self.doubted
+    }
+
+    /// The next block does not follow the last one.
+    pub(super) fn interrupt(&mut self) {
+        self.begun = false;
+    }
+
+    /// Takes a block; whether it is the one that makes the sensor doubtful.
+    pub(super) fn take(&mut self, block: &Block<T>, config: &WheelSpeedConfig<T>) -> bool {
+        let v = block.speed_m_s;
+        let Some(sensor) = block.yaw_rate_rad_s.filter(|_| v > T::lit(LEAST_SPEED_M_S)) else { return false };
+        let by_wheels = |ratio: T, track_m: T| -ratio * v / (T::lit(SCALE) * track_m);
+        let now = [
+            by_wheels(block.ratio[FRONT], config.track_front_m),
+            by_wheels(block.ratio[REAR], config.track_rear_m),
+            sensor,
+        ];
+        if !self.begun {
+            (self.usual, self.begun) = (now, true);
+            return false;
+        }
+        let mut beyond = now;
+        for (beyond, usual) in beyond.iter_mut().zip(&mut self.usual) {
+            *beyond -= *usual;
+            *usual += T::lit(BLOCK_S / USUAL_S) * *beyond;
+        }
+        let [front, rear, sensor] = beyond;
+        let kept = T::lit(1.0 - BLOCK_S / MEMORY_S);
+        self.turned = kept * self.turned + front * rear;
+        self.left = kept * self.left + (front - sensor) * (rear - sensor);
+        let before = self.doubted;
+        self.doubted |= self.left > T::lit(LEFT_SHARE) * self.turned.at_least(T::zero()) + T::lit(LEFT);
+        self.doubted && !before
+    }
+}
