@@ -125,8 +125,10 @@ pub(crate) fn of(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Vec<String> {
     let mut concerns = log.repairs().warnings();
     concerns.extend(of_wheel_speeds(job, log, drive));
     let yaw = drive.yaw_fault().map(|fault| match fault {
-        YawFault::Reversed => "turns against the wheels, expected positive to the left: what wheel speeds say is wrong; turn it round in a map (factor = -1.0)",
-        YawFault::InDegrees => "is some 57 times what the wheels show, expected rad/s: what wheel speeds say is wrong; convert it in a map (factor = 0.01745)",
+        YawFault::Reversed => "turns against the wheels, expected positive to the left: turn it round in a map (factor = -1.0)".to_owned(),
+        YawFault::InDegrees => "is some 57 times what the wheels show, expected rad/s: convert it in a map (factor = 0.01745)".to_owned(),
+        YawFault::Scaled(share) => format!("is {share:.2} times what the wheels show, expected 1: another unit or factor?"),
+        YawFault::LeftOut => "does not go with the wheels in bends (a sensor that is dead, or another signal?) and was left out".to_owned(),
     });
     concerns.extend(yaw.map(|fault| format!("yaw_rate_rad_s {fault}")));
     if job.corners.is_empty() {

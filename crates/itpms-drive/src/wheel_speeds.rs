@@ -121,7 +121,7 @@ impl WheelSpeeds {
 
     /// What is wrong with the yaw rate, as the wheels' way round bends shows it.
     pub(crate) fn yaw_fault(&self) -> Option<YawFault> {
-        self.turns.fault()
+        self.turns.fault().or_else(|| self.wheels.doubts_yaw_rate().then_some(YawFault::LeftOut))
     }
 
     /// The log ends with its calibration.
@@ -168,17 +168,23 @@ const TURNING_M_S: f64 = 5.0;
 /// degrees per second it is a 57th.
 const REVERSED: f64 = -0.3;
 const IN_DEGREES: std::ops::Range<f64> = 0.005..0.05;
+/// Of one that goes with the wheels; the load that a bend moves to its outer wheels makes it 1.5 at 30 m/s.
+const IN_ORDER: std::ops::Range<f64> = 0.6..1.8;
 /// The fastest turn that counts, in rad/s and in deg/s.
 const FASTEST_RAD_S: f64 = 2.0;
 const FASTEST_DEG_S: f64 = 115.0;
 
 /// What is wrong with a yaw rate.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum YawFault {
     /// Its sign is the other one.
     Reversed,
     /// It is in degrees per second.
     InDegrees,
+    /// It is so many times what the wheels show.
+    Scaled(f64),
+    /// It does not go with the wheels at all, and was left out.
+    LeftOut,
 }
 
 /// Sums of the sensor's yaw rate and the rear wheels', whose slope is to be one.
@@ -218,6 +224,10 @@ impl Turns {
         match () {
             () if most < REVERSED => Some(YawFault::Reversed),
             () if IN_DEGREES.contains(&least) && IN_DEGREES.contains(&most) => Some(YawFault::InDegrees),
+            // Nothing goes with a sensor that is dead or another one.
+            () if least > 0.1 && (most < IN_ORDER.start || least > IN_ORDER.end) => {
+                Some(YawFault::Scaled(slope.recip()))
+            }
             () => None,
         }
     }

@@ -115,6 +115,12 @@ impl<T: Real> MonitoredWheels<T> {
         self.radii.differences()
     }
 
+    /// Whether the yaw rate is left out: see [`RadiusMonitor::doubts_yaw_rate`].
+    #[must_use]
+    pub fn doubts_yaw_rate(&self) -> bool {
+        self.radii.doubts_yaw_rate()
+    }
+
     /// What the analysis says of radii and losses.
     #[must_use]
     pub fn radii(&self) -> &RadiusReport<T> {
