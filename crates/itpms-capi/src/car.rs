@@ -45,6 +45,7 @@ impl Car {
     /// # Safety
     /// `place` must be valid for writes and aligned.
     #[allow(unsafe_code)]
+    #[inline(never)] // Its copies of what is blank leave the stack before the car is configured.
     pub(crate) unsafe fn blank(place: *mut Self) {
         // SAFETY: the caller's promise; every field is written, and none is read before.
         unsafe {
