@@ -1132,7 +1132,7 @@ itpms_status itpms_config_init(itpms_config *config, size_t struct_size);
 
 /*
  Makes a car of `size` bytes of memory, which stays the caller's and may not move while the car is used; `*car` is what the other
- functions take. Takes less than 16 KiB of stack. What was in the memory is forgotten.
+ functions take. Takes some 11 KiB of stack in `float`. What was in the memory is forgotten.
 
  `problem` may be null; else it says what is wrong with the configuration. Errors: NULL_POINTER, MISALIGNED (memory by
  `itpms_car_align`), TOO_SMALL, WRONG_SIZE, WRONG_VERSION, BAD_PARAMETER, BAD_CHOICE; there is no car then.

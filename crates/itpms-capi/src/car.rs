@@ -21,7 +21,7 @@ const MAGIC: u32 = 0x4d54_5049;
 const SCALAR: u8 = b'0' + size_of::<itpms_real>() as u8;
 const CALIBRATION: Kind = Kind { name: [b'I', b'T', b'C', SCALAR], format: 1 };
 /// A program with another layout of the estimator has another format.
-const STATE: Kind = Kind { name: [b'I', b'T', b'S', SCALAR], format: 2 };
+const STATE: Kind = Kind { name: [b'I', b'T', b'S', SCALAR], format: 3 };
 
 /// See the [module](self).
 #[derive(Serialize, Deserialize)]
@@ -45,6 +45,7 @@ impl Car {
     /// # Safety
     /// `place` must be valid for writes and aligned.
     #[allow(unsafe_code)]
+    #[inline(never)] // Its copies of what is blank leave the stack before the car is configured.
     pub(crate) unsafe fn blank(place: *mut Self) {
         // SAFETY: the caller's promise; every field is written, and none is read before.
         unsafe {

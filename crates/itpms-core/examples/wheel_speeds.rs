@@ -3,8 +3,8 @@
 //! The measurements are simulated: 72 km/h straight on. A calibration of ten minutes, then a drive on which the rear right tire rolls on
 //! a radius that is 0.25 % smaller.
 
-use itpms_core::ParameterError;
-use itpms_core::wheel_speed::{DrivenAxle, RadiusMonitor, RadiusReport, WheelSpeedConfig, WheelSpeedSample};
+use itpms_core::wheel_speed::{DrivenAxle, WheelSpeedConfig, WheelSpeedSample};
+use itpms_core::{MonitoredWheels, ParameterError};
 
 const RATE_HZ: f64 = 20.0;
 const CALIBRATION_S: f64 = 600.0;
@@ -25,11 +25,12 @@ fn sample(k: u32, smaller: f64, noise: &mut impl FnMut() -> f64) -> WheelSpeedSa
     }
 }
 
-/// What is known at the end.
-pub(crate) fn drive() -> Result<RadiusReport<f64>, ParameterError> {
-    let mut monitor = RadiusMonitor::new(&WheelSpeedConfig::new(2.66, 1.56, 1.57, DrivenAxle::Front))?;
+/// The monitor at the end. A controller has it in a `static`, as `MonitoredWheels::unconfigured()`, and configures it there.
+pub(crate) fn drive() -> Result<MonitoredWheels<f64>, ParameterError> {
+    // Wheelbase and tracks in m, driven axle.
+    let mut monitor = MonitoredWheels::new(&WheelSpeedConfig::new(2.66, 1.56, 1.57, DrivenAxle::Front))?;
     // All pressures have just been set.
-    monitor.begin_calibration(CALIBRATION_S);
+    monitor.begin_calibration(CALIBRATION_S)?;
     let mut state = 1u32;
     // Uniform in -1 to 1: Knuth's and Lewis' generator is enough here.
     let mut noise = || {
@@ -40,11 +41,15 @@ pub(crate) fn drive() -> Result<RadiusReport<f64>, ParameterError> {
         let calibrated = monitor.calibration().is_some();
         monitor.update(&sample(k, if calibrated { SMALLER } else { 0.0 }, &mut noise));
     }
-    Ok(*monitor.report())
+    Ok(monitor)
 }
 
 pub(crate) fn main() -> Result<(), ParameterError> {
-    let report = drive()?;
+    let monitor = drive()?;
+    if let Some(alert) = monitor.alert() {
+        println!("{alert}");
+    }
+    let report = monitor.radii();
     println!("{:?} after {:.0} s", report.state, report.time_s);
     for (name, wheel) in ["front left", "front right", "rear left", "rear right"].iter().zip(&report.wheels) {
         println!("{name:12} radius {:+.3} ± {:.3} %", 100.0 * wheel.change, 100.0 * wheel.change_sd);

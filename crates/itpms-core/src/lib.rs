@@ -69,8 +69,8 @@
 //!
 //! # On a controller
 //!
-//! A car of four corners is 139 kB in `f32`. It has its memory first, as a constant of zeros, and is configured where it lies; that
-//! takes less than 8 KiB of stack, and samples less than 24 KiB.
+//! A car of four corners is 139 kB in `f32`. It has its memory first, as a constant of zeros, and is configured where it lies. On a
+//! Cortex-M4F that takes 4.3 kB of stack, and samples 10.5 kB. A car that has wheel speeds alone is a [`MonitoredWheels`] of 4 kB.
 //!
 //! ```
 //! use std::sync::{Mutex, PoisonError}; // Or whatever guards a static on the controller.
@@ -116,7 +116,7 @@
 //!
 //! | feature | what it adds |
 //! |---|---|
-//! | `serde` | saving and restoring of a running estimator |
+//! | `serde` | saving and restoring of a running estimator and of what a calibration taught, by the same version |
 #![no_std]
 #![forbid(unsafe_code)]
 #![allow(clippy::op_ref)] // A matrix that is multiplied by value is copied on the stack first.

@@ -47,7 +47,9 @@ fn a_puncture_is_warned_of_at_its_wheel_alone() {
 
 #[test]
 fn a_wheel_on_a_smaller_radius_is_found() {
-    let report = wheel_speeds::drive().unwrap();
+    let monitor = wheel_speeds::drive().unwrap();
+    assert!(monitor.alert().is_some_and(|alert| alert.wheels == Corner::RearRight.into()));
+    let report = monitor.radii();
     let RadiusState::Low(wheels) = report.state else { panic!("{report:?}") };
     assert_eq!(wheels.iter().collect::<Vec<_>>(), [Corner::RearRight], "{report:?}");
     let rear_right = report.wheels[Corner::RearRight.index()];

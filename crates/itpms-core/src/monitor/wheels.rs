@@ -7,12 +7,15 @@ use crate::real::Real;
 use crate::torsion::CarTorsion;
 use crate::warning::{Alert, Cause, Doubt, MonitorReport, WheelReport, WheelState};
 use crate::wheel_speed::{
-    RadiusCalibration, RadiusMonitor, RadiusReport, RadiusState, WheelSpeedConfig, WheelSpeedSample,
+    LONGEST_GAP_S, RadiusCalibration, RadiusMonitor, RadiusReport, RadiusState, WheelSpeedConfig,
+    WheelSpeedSample,
 };
 
 /// Usable driving in s after which what is more probable than .99 is reported, and after which a report that does not hold any more
 /// is taken back.
 const LASTING_S: f64 = 60.0;
+/// What an hour of steps is off by at most when they are added up, in s.
+const ROUNDING_S: f64 = 1e-6;
 /// Probability of the contrary below which it is reported at once: a tenth of what has to last.
 const BEYOND_DOUBT: f64 = 1e-3;
 
@@ -21,17 +24,15 @@ const BEYOND_DOUBT: f64 = 1e-3;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MonitoredWheels<T: Real> {
     radii: RadiusMonitor<T>,
-    /// Samples until this time are a calibration's; minus infinity: there is none.
-    calibrated_s: f64,
-    /// Seconds a calibration is to last that begins with the next sample; zero: none is.
-    calibrate_s: f64,
+    /// Seconds that are left of a calibration; zero: there is none.
+    calibration_left_s: f64,
     /// Since when its state has been probable.
     since_s: f64,
     state: RadiusState,
     alert: Placed<Alert<T>>,
 }
 
-blank!(MonitoredWheels<T> { radii, calibrated_s, calibrate_s, since_s, state, alert });
+blank!(MonitoredWheels<T> { radii, calibration_left_s, since_s, state, alert });
 
 impl<T: Real> MonitoredWheels<T> {
     /// The monitor of a car's wheel speeds, uncalibrated.
@@ -56,12 +57,12 @@ impl<T: Real> MonitoredWheels<T> {
     /// As for [`new`](Self::new); the monitor is unconfigured then.
     pub fn configure(&mut self, config: &WheelSpeedConfig<T>) -> Result<(), ParameterError> {
         *self = Self::unconfigured();
-        (self.calibrated_s, self.since_s) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+        self.since_s = f64::NEG_INFINITY;
         self.radii.configure(config)
     }
 
-    /// All tires have the pressures they should have for so many seconds from the next sample on. What was driven well in them teaches how
-    /// the tires differ.
+    /// All tires have the pressures they should have for so many seconds from the next sample on; a second or more without a sample does
+    /// not count. What was driven well in them teaches how the tires differ.
     ///
     /// # Errors
     /// The length must be positive and finite.
@@ -79,7 +80,7 @@ impl<T: Real> MonitoredWheels<T> {
         pressure_share: &[T; 4],
     ) -> Result<(), ParameterError> {
         crate::model::positive("calibration_s", seconds)?;
-        self.calibrate_s = seconds;
+        self.calibration_left_s = seconds;
         self.radii.begin_calibration_at(T::lit(seconds), pressure_share);
         self.alert.clear();
         Ok(())
@@ -87,7 +88,7 @@ impl<T: Real> MonitoredWheels<T> {
 
     /// Ends the calibration that is under way with what it has seen; whether that taught anything.
     pub fn end_calibration(&mut self) -> bool {
-        (self.calibrate_s, self.calibrated_s) = (0.0, f64::NEG_INFINITY);
+        self.calibration_left_s = 0.0;
         self.radii.end_calibration()
     }
 
@@ -135,12 +136,15 @@ impl<T: Real> MonitoredWheels<T> {
 
     /// Takes in a sample.
     pub fn update(&mut self, sample: &WheelSpeedSample<T>) {
-        if self.calibrate_s > 0.0 && sample.time_s.is_finite() {
-            self.calibrated_s = sample.time_s + self.calibrate_s;
-            self.calibrate_s = 0.0;
-        }
-        if sample.time_s >= self.calibrated_s && self.calibrated_s > f64::NEG_INFINITY {
-            self.end_calibration();
+        if self.is_calibrating() {
+            // Steps are added up: a stray stamp, or a clock that is set, is a pause and no end.
+            let step_s = sample.time_s - self.radii.report().time_s;
+            if step_s > 0.0 && step_s < LONGEST_GAP_S {
+                self.calibration_left_s -= step_s;
+            }
+            if !(self.calibration_left_s > ROUNDING_S) {
+                self.end_calibration();
+            }
         }
         self.radii.update(sample);
         self.judge();
@@ -160,7 +164,7 @@ impl<T: Real> MonitoredWheels<T> {
     /// Whether a calibration is under way, or begins with the next sample.
     #[must_use]
     pub fn is_calibrating(&self) -> bool {
-        self.calibrate_s > 0.0 || self.calibrated_s > f64::NEG_INFINITY
+        self.calibration_left_s > 0.0
     }
 
     /// Raises an alert, or takes one back.
@@ -326,6 +330,33 @@ mod tests {
         car.radius[3] -= loss;
         let over_s = drive(&mut wheels, &mut car, 900.0, |w| w.alert().is_none()).unwrap();
         assert!(over_s > LASTING_S, "{over_s}");
+    }
+
+    #[test]
+    fn a_stray_stamp_ends_no_calibration() {
+        for stray_s in [1e6, 1e200, -1e6, f64::NAN] {
+            let (mut wheels, mut car) = (monitored(), Drive::new(5, RATE_HZ, 0.04));
+            wheels.begin_calibration(300.0).unwrap();
+            assert_eq!(drive(&mut wheels, &mut car, 100.0, |w| !w.is_calibrating()), None);
+            wheels.update(&WheelSpeedSample { time_s: stray_s, ..car.next() });
+            let left_s = drive(&mut wheels, &mut car, 300.0, |w| !w.is_calibrating()).unwrap();
+            assert!((left_s - 200.0).abs() < 1.0, "{stray_s}: {left_s}");
+        }
+    }
+
+    #[test]
+    fn a_calibration_goes_on_by_a_clock_that_was_set() {
+        for set_s in [-50.0, 5000.0] {
+            let (mut wheels, mut car) = (monitored(), Drive::new(5, RATE_HZ, 0.04));
+            wheels.begin_calibration(300.0).unwrap();
+            assert_eq!(drive(&mut wheels, &mut car, 100.0, |w| !w.is_calibrating()), None);
+            let left_s = (0..400 * RATE_HZ as u32).find_map(|k| {
+                let sample = car.next();
+                wheels.update(&WheelSpeedSample { time_s: sample.time_s + set_s, ..sample });
+                (!wheels.is_calibrating()).then(|| f64::from(k) / RATE_HZ)
+            });
+            assert!((left_s.unwrap() - 200.0).abs() < 1.0, "{set_s}: {left_s:?}");
+        }
     }
 
     #[test]

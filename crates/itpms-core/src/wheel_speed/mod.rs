@@ -80,7 +80,7 @@ const LONG_STOP_S: f64 = 10.0;
 /// Usable driving in s that teaches anything.
 const LEAST_CALIBRATION_S: f64 = 10.0;
 /// Longest time in s between two samples of a drive.
-const LONGEST_GAP_S: f64 = 1.0;
+pub(crate) const LONGEST_GAP_S: f64 = 1.0;
 /// Loss that radii are measured in: `-ln 0.8`, of a fifth.
 const FIFTH: f64 = 0.223_143_55;
 

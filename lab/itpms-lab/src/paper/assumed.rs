@@ -69,6 +69,11 @@ fn assumptions(request: &Request) -> Vec<Assumption> {
             "The paper has two and uses this one.",
         ),
         (
+            "Iterative factor, eq. (25) to (27)",
+            "the slope subtracted; (26) between two iterates of one step; started from above".to_owned(),
+            "Printed with a plus sign, which climbs; the start is not stated and decides which minimum is found.",
+        ),
+        (
             "RMSE, eq. (38)",
             "over t > 3 s".to_owned(),
             "Printed as over all of the time; the first seconds would measure the initial value.",

@@ -46,8 +46,8 @@ pub(super) fn section(drop: &Outcome, readings: Table, speed_m_s: f64) -> Sectio
         "<p><strong>The published filters stay where they start.</strong> Two accelerations fix the force between tire and road; for every stiffness \
          there is a road that gives the same measurements. So <code>ekf-ui</code> and <code>aekf-ui</code>, built from eq. (6) to (37) to the letter, have nothing to \
          find the stiffness with: it remains at the 220 000 N/m (222.9 kPa) they are started from, or wanders off with the forgetting \
-         factor until the filter diverges. That the paper's filter follows the loss we could not reproduce; a table below tries every reading of its \
-         equations. With the stiffness that the road's spectrum suggests, the same recursion with six corrections (<code>aekf-ui-informed</code>) does follow, and \
+         factor until the filter diverges. The paper reports that its filter follows the loss; no reading of its equations does, see the table \
+         below. With the stiffness that the road's spectrum suggests, the corrected recursion (<code>aekf-ui-informed</code>) does follow, and \
          its adaptive forgetting is what lets it. The default (<code>informed</code>) weighs the same information frame by frame.</p>\
          <p>Paper: {FIG_7} kPa. Ours, <code>informed</code>: {} kPa. {}</p>",
         spread(&drop.informed_rmse(), 2),

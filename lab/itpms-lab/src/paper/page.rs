@@ -20,16 +20,16 @@ pub(super) fn page(sections: &[Section], request: &Request) -> String {
     let body: String = sections.iter().map(html).collect();
     let content = format!(
         "<p>Every figure and table with numbers of <cite>New Indirect Tire Pressure Monitoring System Enabled by Adaptive Extended Kalman \
-         Filtering of Vehicle Suspension Systems</cite> (Electronics 2021, 10(11), 1359), made again from simulated drives by <code>itpms \
+         Filtering of Vehicle Suspension Systems</cite> (Electronics 2021, 10(11), 1359), made again from simulated drives by <code>itpms lab \
          reproduce</code> {version}. Numbers of figures, tables and equations are the paper's; captions are ours. Figures 1, 2 and 4 \
-         are diagrams and live in the documentation.</p>\n\
+         are diagrams and stand in <code>docs/math</code>.</p>\n\
          <p class=\"made\">{seeds} drives per case, seeds from {first}; simulation at {rate} Hz with {noise} m/s² of sensor noise, test bed at {bench_rate} \
          Hz with {mass} kg unsprung; what else was chosen is listed under <a href=\"#assumed\">Assumed</a>. The same options give the same page, byte for byte.</p>\n\
          <nav aria-label=\"Contents\"><h2>Contents</h2><ol>{contents}</ol></nav>\n\
          <section id=\"who\"><h2>Who is who</h2><dl>\
          <dt>ekf-ui</dt><dd>The extended Kalman filter with unknown input, eq. (6) to (17), as published.</dd>\
          <dt>aekf-ui</dt><dd>The same with the one-step forgetting factor, eq. (28) to (33), as published: the paper's proposal.</dd>\
-         <dt>aekf-ui-informed</dt><dd>That recursion with six corrections and the stiffness that the road's spectrum suggests.</dd>\
+         <dt>aekf-ui-informed</dt><dd>That recursion corrected (docs/math/ekf-ui.md, section 5), and the stiffness that the road's spectrum suggests.</dd>\
          <dt>informed</dt><dd>The default: a Bayes filter over the pressure that knows that a road looks like a road, and notices when one repeats.</dd></dl></section>\n\
          {body}",
         version = env!("CARGO_PKG_VERSION"),

@@ -85,15 +85,18 @@ impl Table {
         self
     }
 
-    /// The `table` element. Cells are texts, not HTML; the first of a row is its head.
+    /// The `table` element. Cells are texts, not HTML; the first of a row is its head. Columns of numbers lie to the right.
     pub(super) fn html(&self) -> String {
-        let head: String =
-            self.head.iter().map(|word| format!("<th scope=\"col\">{}</th>", escape(word))).collect();
+        let has_numbers =
+            |i: usize| i > 0 && self.rows.iter().all(|row| row.get(i).is_none_or(|text| is_number(text)));
+        let class = |i: usize| if has_numbers(i) { " class=\"n\"" } else { "" };
+        let head =
+            |(i, word): (usize, &String)| format!("<th scope=\"col\"{}>{}</th>", class(i), escape(word));
+        let head: String = self.head.iter().enumerate().map(head).collect();
         let row = |cells: &Vec<String>| {
             let cell = |(i, text): (usize, &String)| match i {
                 0 => format!("<th scope=\"row\">{}</th>", escape(text)),
-                _ if is_number(text) => format!("<td class=\"n\">{}</td>", escape(text)),
-                _ => format!("<td>{}</td>", escape(text)),
+                _ => format!("<td{}>{}</td>", class(i), escape(text)),
             };
             format!("<tr>{}</tr>", cells.iter().enumerate().map(cell).collect::<String>())
         };
@@ -140,8 +143,9 @@ fn ascii(text: &str) -> String {
 
 /// Cells that are figures stand to the right.
 fn is_number(text: &str) -> bool {
-    text.chars().next().is_some_and(|first| first.is_ascii_digit() || "+\u{2212}–".contains(first))
-        && text.chars().count() < 22
+    let begins =
+        text.chars().next().is_some_and(|first| first.is_ascii_digit() || "+\u{2212}–".contains(first));
+    matches!(text, "nominal" | "diverged") || (begins && text.chars().count() < 32)
 }
 
 /// With so many decimals; what is infinite has diverged, what is none is a dash.

@@ -50,7 +50,7 @@ pub(super) fn section() -> Result<Section, PaperError> {
         .figure(
             figure(&map, &paper),
             "Stiffness over pressure: the five measured points, the line that least squares draws through them and its \
-             95 % band (t distribution, 3 degrees of freedom), and below what is left. The band and the printed line \
+             95 % band (t distribution, 3 degrees of freedom), and (b) what is left. The band and the printed line \
              cannot be told from ours at the scale of (a).",
             vec![data(&map, &paper)],
         )
