@@ -11,6 +11,8 @@ use itpms_core::warning::{Change, MonitorReport, Regulation};
 use itpms_core::wheel_speed::RadiusCalibration;
 use itpms_data::log::UnitCheck;
 use itpms_data::out::RateGate;
+use itpms_data::pulses::Pulse;
+use itpms_data::reference::LearnedTorsion;
 use itpms_data::{LogRow, Vehicle};
 use itpms_road::RoadUnderCar;
 
@@ -31,6 +33,10 @@ pub struct DriveOptions {
     pub reference: Option<VehicleCalibration<f64>>,
     /// The same of its wheel speeds.
     pub wheel_reference: Option<RadiusCalibration<f64>>,
+    /// Whether tooth pulses come, too.
+    pub pulses: bool,
+    /// What an earlier calibration taught of them.
+    pub torsion_reference: LearnedTorsion,
     /// Estimates published per second.
     pub rate_hz: f64,
     /// Whether numbers that do not look like m/s² and m/s are reported.
@@ -44,6 +50,8 @@ impl Default for DriveOptions {
             calibrate_s: None,
             reference: None,
             wheel_reference: None,
+            pulses: false,
+            torsion_reference: [None; 4],
             rate_hz: 10.0,
             units: UnitCheck::default(),
         }
@@ -97,6 +105,11 @@ impl Drive {
                 car.begin_calibration(seconds).map_err(|error| refused(&error))?;
             }
         }
+        if options.pulses && !clock.wheel_speeds {
+            return Err(refused(
+                &"tooth pulses count together with wheel speeds, and the source has none that can be used: expected the speeds of all four wheels",
+            ));
+        }
         let wheels = clock.wheel_speeds.then(|| Wheels::new(vehicle, alone, options)).transpose()?;
         let roughness = Roughness::new(&clock)?;
         let progress = Progress { rows: 0, time_s: f64::NAN, odometer: Odometer::new(), before: None };
@@ -110,6 +123,13 @@ impl Drive {
             roughness,
             latest: None,
         })
+    }
+
+    /// Takes a tooth pulse, before the first row that is not earlier. One of before the last row was taken then, or is lost.
+    pub(crate) fn pulse(&mut self, pulse: &Pulse) {
+        if let Some(wheels) = self.wheels.as_mut().filter(|_| !(pulse.time_s <= self.progress.time_s)) {
+            wheels.pulse(pulse);
+        }
     }
 
     /// Takes a row; gives what began and ended to `said`. `true` if an estimate is due to be published.
