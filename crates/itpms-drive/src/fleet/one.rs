@@ -64,7 +64,7 @@ pub(super) fn run(
     let mut done = estimate(&mut log, &job, &mut sink, watch)?;
     done.concerns.extend(unused.map(|path| {
         format!(
-            "{}: tooth pulses count together with wheel speeds and are not used: expected the speeds of all four wheels in the log, and in the vehicle file [tire] rolling_radius_m and what wheel speeds need",
+            "{}: tooth pulses count together with wheel speeds and are not used: expected the speeds of all four wheels in the log, and in the vehicle file placard_kpa of all four corners, [tire] rolling_radius_m and what wheel speeds need",
             path.display()
         )
     }));
