@@ -1,5 +1,5 @@
 //! Tooth pulses from the scenario to what is reported of the tires: all four low, from one drive to the next, and what is refused.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
 
 use serde_json::Value;
 
@@ -59,7 +59,7 @@ fn all_four_are_found_by_their_pulses_in_the_drive_and_on_the_next_one() {
     let text = text.success();
     assert!(text.contains("all four tires have lost air since the calibration"), "{text}");
     assert!(text.contains("by the tooth pulses since the calibration fl -"), "{text}");
-    the_monitor_and_a_fleet_find_them_too(&bench, &text, &summary);
+    the_monitor_and_a_fleet_find_them_too(&bench, text, &summary);
     // Without pulses nobody knows.
     let without =
         json(bench.run("estimate drive.csv --vehicle car.toml --reference car.reference --json").success());

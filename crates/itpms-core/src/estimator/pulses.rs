@@ -35,7 +35,8 @@ impl<T: Real> PulseLevel<T> {
     pub(super) fn read(&mut self, time_s: f64, kpa: T, variance_kpa2: T) {
         let step_s = time_s - self.last_s;
         self.last_s = time_s;
-        if !(step_s >= 0.0 && step_s < GAP_S && self.since_s > 0.0) {
+        let goes_on = (0.0..GAP_S).contains(&step_s) && self.since_s > 0.0;
+        if !(goes_on && self.recent_kpa.is_finite() && self.recent_kpa2.is_finite()) {
             (self.recent_kpa, self.recent_kpa2, self.since_s) = (kpa, variance_kpa2, f64::MIN_POSITIVE);
             return;
         }
@@ -108,6 +109,9 @@ mod tests {
         assert_eq!(driven(|_| 256.0, || 0.0, 400.0).excess(0.0), (0.0, 0.0));
         assert_eq!(PulseLevel::<f64>::BLANK.excess(400.0), (0.0, 400.0));
         assert_eq!(driven(|_| 256.0, || -150.0, 400.0).excess(400.0), (0.0, 400.0));
+        // A reading that is no number is forgotten.
+        let broken = |time_s: f64| if (40.0..50.0).contains(&time_s) { f64::NAN } else { 256.0 };
+        assert!(driven(broken, || 0.0, 400.0).excess(400.0).0 < -9.0);
     }
 
     #[test]
