@@ -8,6 +8,7 @@ use itpms_core::conditioning::Odometer;
 use itpms_core::monitor::{MonitorConfig, MonitoredCar};
 use itpms_core::warning::{Change, MonitorReport};
 use itpms_data::out::RateGate;
+use itpms_data::pulses::Pulse;
 use itpms_data::{LogRow, Vehicle};
 use itpms_road::RoadUnderCar;
 
@@ -65,6 +66,11 @@ impl Drive {
                 car.begin_calibration(seconds).map_err(|error| refused(&error))?;
             }
         }
+        if options.pulses && !clock.wheel_speeds {
+            return Err(refused(
+                &"tooth pulses count together with wheel speeds, and the source has none that can be used: expected the speeds of all four wheels",
+            ));
+        }
         let wheels = clock.wheel_speeds.then(|| Wheels::new(vehicle, alone, options)).transpose()?;
         let roughness = Roughness::new(&clock)?;
         let progress = Progress { rows: 0, time_s: f64::NAN, odometer: Odometer::new(), before: None };
@@ -78,6 +84,13 @@ impl Drive {
             roughness,
             latest: None,
         })
+    }
+
+    /// Takes a tooth pulse, before the first row that is not earlier. One of before the last row was taken then, or is lost.
+    pub(crate) fn pulse(&mut self, pulse: &Pulse) {
+        if let Some(wheels) = self.wheels.as_mut().filter(|_| !(pulse.time_s <= self.progress.time_s)) {
+            wheels.pulse(pulse);
+        }
     }
 
     /// Takes a row; gives what began and ended to `said`. `true` if an estimate is due to be published.

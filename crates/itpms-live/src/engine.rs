@@ -3,6 +3,7 @@
 //! Owned by the estimating thread. Reads no clock but the wall's, for stamps and latency: what is estimated depends on the
 //! rows alone. Knows nothing of threads; where snapshots go is its caller's business.
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
@@ -10,6 +11,7 @@ use itpms_core::model::Corner;
 use itpms_core::warning::Change;
 use itpms_data::log::{SURVEY_ROWS, Survey};
 use itpms_data::out::{RateGate, alert_object};
+use itpms_data::pulses::Pulse;
 use itpms_data::{LogRow, Vehicle};
 
 use crate::describe;
@@ -29,6 +31,8 @@ const SURVEY_S: f64 = 1.5;
 const FULL_SHARE: f64 = 0.5;
 /// Share by which the rate of a saved drive may differ from that of the rows.
 const SAME_RATE: f64 = 0.01;
+/// Tooth pulses that wait for their row, at most: a minute of four wheels on a motorway. Of more the oldest are lost.
+const MOST_PULSES: usize = 1 << 18;
 
 /// What leaves the estimating thread.
 #[derive(Debug, Clone)]
@@ -48,6 +52,8 @@ pub struct Engine {
     /// A drive that waits for its first row.
     saved: Option<SavedDrive>,
     source: Source,
+    /// Tooth pulses until the first row that is not earlier.
+    pulses: VecDeque<Pulse>,
     latency: LatencyWindow,
     speed: SpeedWord,
     snapshots: u64,
@@ -96,6 +102,7 @@ impl Engine {
             stage,
             saved,
             source,
+            pulses: VecDeque::new(),
             latency,
             speed: SpeedWord::default(),
             snapshots: 0,
@@ -128,6 +135,14 @@ impl Engine {
             self.stage = Stage::Running(Box::new(self.begin(clock)?));
         }
         Ok(())
+    }
+
+    /// Takes a tooth pulse, in the order of time.
+    pub fn pulse(&mut self, pulse: Pulse) {
+        if self.pulses.len() == MOST_PULSES {
+            self.pulses.pop_front();
+        }
+        self.pulses.push_back(pulse);
     }
 
     /// Takes a row and when it came, where that counts for the latency; what there is to tell goes to `publish`.
@@ -260,6 +275,9 @@ impl Engine {
         if saved.corners() == clock.corners && saved.has_wheel_speeds() == clock.wheel_speeds && same_rate {
             let drive = saved.resume(&self.options)?;
             let time_s = drive.time_s();
+            if self.options.pulses && !saved.has_pulses() {
+                self.warn("the saved state has nothing of tooth pulses, and goes on without them");
+            }
             (self.say)(Note::Remark(format!("goes on from the saved state, at {time_s:.1} s")));
             self.source.rate_hz = rate_hz;
             return Ok(drive);
@@ -293,6 +311,10 @@ impl Engine {
         }
         if let Some(word) = self.units.take(row) {
             (self.say)(Note::Warning(format!("{}: {word}", self.source.name)));
+        }
+        while let Some(pulse) = self.pulses.front().filter(|pulse| pulse.time_s <= row.time_s) {
+            drive.pulse(pulse);
+            self.pulses.pop_front();
         }
         let transitions = &mut self.transitions;
         let due = drive.update(row, |time_s, change| {

@@ -5,6 +5,7 @@ use std::time::Instant;
 use itpms_core::model::Corner;
 use itpms_data::LogRow;
 use itpms_data::can::CanFrame;
+use itpms_data::pulses::Pulse;
 
 /// Something that came in.
 #[derive(Debug, Clone)]
@@ -25,6 +26,8 @@ pub enum Input {
         /// When it came.
         arrived: Instant,
     },
+    /// A tooth of a wheel speed sensor passed; comes before the first row or frame that is not earlier.
+    Pulse(Pulse),
     /// A frame of a bus.
     Frame {
         /// The frame.

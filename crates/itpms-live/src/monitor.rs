@@ -164,6 +164,7 @@ impl Monitor {
                 }
                 self.fed_rows()?;
             }
+            Input::Pulse(pulse) => self.engine.pulse(pulse),
             Input::Malformed(count) => self.engine.source_mut().malformed += count,
             Input::Lost(count) => self.lost += count,
             Input::Disconnected(why) => {

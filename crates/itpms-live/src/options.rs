@@ -4,6 +4,7 @@ use itpms_core::model::VehicleCalibration;
 use itpms_core::warning::Regulation;
 use itpms_core::wheel_speed::RadiusCalibration;
 use itpms_data::log::UnitCheck;
+use itpms_data::reference::LearnedTorsion;
 
 /// How a drive is estimated and how often it is published.
 #[derive(Debug, Clone)]
@@ -16,6 +17,10 @@ pub struct DriveOptions {
     pub reference: Option<VehicleCalibration<f64>>,
     /// The same of its wheel speeds.
     pub wheel_reference: Option<RadiusCalibration<f64>>,
+    /// Whether tooth pulses come, too.
+    pub pulses: bool,
+    /// What an earlier calibration taught of them.
+    pub torsion_reference: LearnedTorsion,
     /// Estimates published per second.
     pub rate_hz: f64,
     /// Whether numbers that do not look like m/s² and m/s are reported.
@@ -29,6 +34,8 @@ impl Default for DriveOptions {
             calibrate_s: None,
             reference: None,
             wheel_reference: None,
+            pulses: false,
+            torsion_reference: [None; 4],
             rate_hz: 10.0,
             units: UnitCheck::default(),
         }

@@ -1,7 +1,7 @@
 //! A drive kept in a file from one start of the monitor to the next, bit by bit.
 //!
 //! ```text
-//! itpms-live-state 10 f6d0c1f2a5a1b1c3\n     format, checksum of the format and of everything below
+//! itpms-live-state 26 f6d0c1f2a5a1b1c3\n     format, checksum of the format and of everything below
 //! postcard of the vehicle's identity, the regulation and the drive
 //! ```
 //!
@@ -172,6 +172,10 @@ impl SavedDrive {
 
     pub(crate) fn has_wheel_speeds(&self) -> bool {
         self.wheels.is_some()
+    }
+
+    pub(crate) fn has_pulses(&self) -> bool {
+        self.wheels.as_ref().is_some_and(|wheels| wheels.torsion.is_some())
     }
 
     /// The estimator and its monitor as they were.

@@ -1,7 +1,9 @@
 //! A source with wheel speeds alone: the live monitor names the tire that lost air, and goes on with a saved state.
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
 
+use itpms_core::model::Corner;
 use itpms_data::log::LogMotion;
+use itpms_data::pulses::Pulse;
 use itpms_data::{LogRow, Vehicle};
 use itpms_live::drive::DriveOptions;
 use itpms_live::engine::{Engine, Published};
@@ -38,8 +40,15 @@ fn row(k: u32) -> LogRow {
 }
 
 fn engine(saved: Option<SavedDrive>) -> Engine {
+    engine_with(saved, options())
+}
+
+fn options() -> DriveOptions {
+    DriveOptions { calibrate_s: Some(40.0), ..DriveOptions::default() }
+}
+
+fn engine_with(saved: Option<SavedDrive>, options: DriveOptions) -> Engine {
     let source = SourceName { name: "bus".to_owned(), kind: "replay" };
-    let options = DriveOptions { calibrate_s: Some(40.0), ..DriveOptions::default() };
     Engine::new(Vehicle::parse(WHEELS).unwrap(), options, source, saved, say())
 }
 
@@ -80,12 +89,65 @@ fn a_source_of_wheel_speeds_alone_is_monitored_and_saved() {
 
         let mut first = engine(None);
         let (before, _) = driven(&mut first, 0..2500);
-        let options = DriveOptions { calibrate_s: Some(40.0), ..DriveOptions::default() };
         let vehicle = Vehicle::parse(WHEELS).unwrap();
-        let saved = SavedDrive::parse(&first.saved().unwrap(), &vehicle, &options).unwrap();
+        let saved = SavedDrive::parse(&first.saved().unwrap(), &vehicle, &options()).unwrap();
         let mut second = engine(Some(saved));
         let (after, again) = driven(&mut second, 2500..6000);
         assert_eq!([before, after].concat(), alerts);
         assert_eq!(again, wheels);
+    });
+}
+
+/// Teeth of four wheels between two times in s: 48 a turn of 0.3 m at 20 m/s, not quite evenly.
+fn pulses(from_s: f64, to_s: f64) -> Vec<Pulse> {
+    const PITCH_S: f64 = std::f64::consts::TAU * 0.3 / 48.0 / 20.0;
+    let passes = |k: u32| f64::from(k) * PITCH_S + 3e-6 * (f64::from(k % 48) * 0.7).sin();
+    let numbers = (0u32..).skip_while(|k| passes(*k) <= from_s).take_while(|k| passes(*k) <= to_s);
+    numbers.flat_map(|k| Corner::ALL.map(|wheel| Pulse { time_s: passes(k), wheel })).collect()
+}
+
+/// A drive in halves, its pulses from the beginning each time, is the whole drive to the last bit.
+#[test]
+fn pulses_count_once_however_often_the_monitor_starts() {
+    with_large_stack(|| {
+        let others = ["fl", "fr", "rl"].map(|c| format!("[corner.{c}]\nplacard_kpa = 240.0\n")).concat();
+        let file = format!("{WHEELS}{others}[tire]\nrolling_radius_m = 0.3\n");
+        let vehicle = Vehicle::parse(&file).unwrap();
+        let with_pulses = || DriveOptions { pulses: true, ..options() };
+        let start = |saved: Option<Vec<u8>>, options: DriveOptions| {
+            let saved = saved.map(|bytes| SavedDrive::parse(&bytes, &vehicle, &options).unwrap());
+            let source = SourceName { name: "bus".to_owned(), kind: "replay" };
+            Engine::new(vehicle.clone(), options, source, saved, say())
+        };
+        let drive = |engine: &mut Engine, rows: std::ops::Range<u32>| {
+            for k in rows.clone() {
+                // As a replay hands them over: what passed before the first row, too.
+                let before = if k == rows.start { 0.0 } else { row(k - 1).time_s };
+                pulses(before, row(k).time_s).into_iter().for_each(|pulse| engine.pulse(pulse));
+                engine.take(&row(k), None, &mut |_| ()).unwrap();
+            }
+            engine.saved().unwrap()
+        };
+        let whole = drive(&mut start(None, with_pulses()), 0..3000);
+        let half = drive(&mut start(None, with_pulses()), 0..1500);
+        assert_eq!(drive(&mut start(Some(half), with_pulses()), 1500..3000), whole);
+        // They are a part of what is known, and of a state without them they stay none.
+        let without = drive(&mut start(None, options()), 0..1500);
+        let later = drive(&mut start(Some(without.clone()), options()), 1500..3000);
+        assert!(later != whole && drive(&mut start(Some(without), with_pulses()), 1500..3000) == later);
+    });
+}
+
+#[test]
+fn pulses_without_wheel_speeds_or_placards_are_refused() {
+    with_large_stack(|| {
+        let with_pulses = DriveOptions { pulses: true, ..options() };
+        let word = engine_with(None, with_pulses.clone()).open(RATE_HZ, &[], true).unwrap_err().to_string();
+        assert!(word.contains("the vehicle file has no placard_kpa of all four corners"), "{word}");
+        let car = Vehicle::paper();
+        let source = SourceName { name: "bus".to_owned(), kind: "replay" };
+        let mut engine = Engine::new(car, with_pulses.clone(), source, None, say());
+        let word = engine.open(RATE_HZ, &[Corner::FrontLeft], false).unwrap_err().to_string();
+        assert!(word.contains("tooth pulses count together with wheel speeds"), "{word}");
     });
 }

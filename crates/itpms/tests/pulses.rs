@@ -1,9 +1,9 @@
 //! Tooth pulses from the scenario to what is reported of the tires: all four low, from one drive to the next, and what is refused.
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail as tests do")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
 
 use serde_json::Value;
 
-use crate::common::Bench;
+use crate::common::{Bench, table};
 
 /// A car about 80 km/h on class B; from 1500 to 1560 s all four tires lose a quarter.
 const SCENARIO: &str = r#"
@@ -59,10 +59,54 @@ fn all_four_are_found_by_their_pulses_in_the_drive_and_on_the_next_one() {
     let text = text.success();
     assert!(text.contains("all four tires have lost air since the calibration"), "{text}");
     assert!(text.contains("by the tooth pulses since the calibration fl -"), "{text}");
+    the_monitor_and_a_fleet_find_them_too(&bench, text, &summary);
     // Without pulses nobody knows.
     let without =
         json(bench.run("estimate drive.csv --vehicle car.toml --reference car.reference --json").success());
     assert_eq!((&without["alerts"], &without["torsion"]), (&serde_json::json!([]), &Value::Null));
+}
+
+/// The replayed log warns as the estimate of the second drive did; a fleet of both drives, with tables beside them, of each as its estimate.
+fn the_monitor_and_a_fleet_find_them_too(bench: &Bench, second: &str, first: &Value) {
+    #[cfg(feature = "live")]
+    {
+        let replay = "monitor --replay drive.csv --pulses teeth.parquet --speed max --vehicle car.toml";
+        let live = bench.run(&format!("{replay} --reference car.reference --json live.jsonl"));
+        live.success();
+        let lines = bench.read("live.jsonl");
+        let warnings: Vec<Value> = lines.lines().map(json).filter(|line| line["type"] == "warning").collect();
+        assert_eq!(warnings.len(), 1, "{warnings:?}");
+        assert_eq!(warnings[0]["event"], "begun");
+        let sentence = warnings[0]["text"].as_str().unwrap_or_else(|| panic!("{warnings:?}"));
+        assert!(second.contains(sentence), "{sentence:?} in {second}");
+    }
+    std::fs::create_dir(bench.path("logs")).unwrap();
+    for name in ["1", "2"] {
+        for (from, to) in [("drive.csv", "csv"), ("teeth.parquet", "pulses.parquet")] {
+            std::fs::hard_link(bench.path(from), bench.path(&format!("logs/{name}.{to}"))).unwrap();
+        }
+    }
+    let fleet = "fleet logs/* --vehicle car.toml --out out --calibrate-s 1200 --json";
+    let found = json(bench.run(fleet).success());
+    assert_eq!((&found["drives"], &found["failed"]), (&2.into(), &serde_json::json!([])), "{found}");
+    let (head, rows) = table(&bench.read("out/fleet.csv"));
+    let column = |name: &str| head.iter().position(|of| of == name).unwrap_or_else(|| panic!("no {name}"));
+    let of = |row: &[String], name: &str| row[column(name)].clone();
+    assert_eq!(rows.len(), 8);
+    for row in &rows {
+        let carried = if of(row, "file") == "logs/1.csv" { "drive" } else { "carried" };
+        assert_eq!(of(row, "calibration"), carried, "{row:?}");
+        assert_eq!((of(row, "state").as_str(), of(row, "concerns").as_str()), ("low", ""), "{row:?}");
+    }
+    let kept = bench.read("out/drives.jsonl");
+    let first_alert = first["alerts"][0]["text"].as_str().unwrap();
+    assert!(kept.lines().any(|line| json(line)["alerts"].to_string().contains(first_alert)), "{kept}");
+    // Nothing is estimated twice, and other pulses are another drive.
+    assert_eq!(json(bench.run(fleet).success())["kept"], 2);
+    std::fs::remove_file(bench.path("logs/2.pulses.parquet")).unwrap();
+    assert_eq!(json(bench.run(fleet).success())["kept"], 1);
+    let (_, rows) = table(&bench.read("out/fleet.csv"));
+    assert!(rows[4..].iter().all(|row| of(row, "state") != "low"), "{rows:?}");
 }
 
 #[test]
@@ -94,11 +138,39 @@ fn pulses_that_belong_to_nothing_are_refused() {
         refused("wrong.csv")
             .contains("wrong.csv: line 3, column wheel: found \"lf\", expected fl, fr, rl or rr")
     );
+    std::fs::copy(bench.path("drive.csv"), bench.path("d.csv")).unwrap();
+    std::fs::copy(bench.path("later.csv"), bench.path("d.pulses.csv")).unwrap();
+    let outcome = bench.run("fleet d.csv --vehicle car.toml --out out");
+    let word = "d.pulses.csv: no pulse lies between 0 and 19.98 s";
+    assert!(outcome.code == Some(2) && outcome.stderr.contains(word), "{outcome:?}");
+    #[cfg(feature = "live")]
+    {
+        let outcome =
+            bench.run("monitor --replay drive.csv --pulses later.csv --speed max --vehicle car.toml");
+        outcome.success();
+        assert!(
+            outcome.stderr.contains("later.csv: no pulse lies between 0 and 19.98 s"),
+            "{}",
+            outcome.stderr
+        );
+        let outcome = bench.run("monitor - --pulses teeth.csv --vehicle car.toml");
+        assert!(outcome.refusal().contains("expected --replay LOG"));
+    }
     bench.run("lab simulate drive-puncture -o shaken.csv --vehicle-out shaken.toml").success();
     let message =
         bench.run("estimate shaken.csv --pulses teeth.csv --vehicle shaken.toml").refusal().to_owned();
     assert!(
         message.contains("tooth pulses count together with wheel speeds, and the log has none"),
         "{message}"
+    );
+    // A fleet takes such a drive without the pulses beside it, and says so.
+    for (from, to) in [("shaken.csv", "s.csv"), ("teeth.csv", "s.pulses.csv")] {
+        std::fs::copy(bench.path(from), bench.path(to)).unwrap();
+    }
+    bench.run("fleet s.csv --vehicle shaken.toml --out shaken").success();
+    assert!(
+        bench
+            .read("shaken/fleet.csv")
+            .contains("s.pulses.csv: tooth pulses count together with wheel speeds and are not used")
     );
 }

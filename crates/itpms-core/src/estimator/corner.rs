@@ -3,6 +3,7 @@
 
 use super::concluded::Concluded;
 use super::fused_stiffness::FusedStiffness;
+use super::pulses::PulseLevel;
 use super::reading::{Reading, STARTING_S, is_known};
 use crate::conditioning::wheel_lift::ContactWatch;
 use crate::conditioning::{GridSample, LEAST_GRID_HZ, Resampler, SampleCounts};
@@ -14,6 +15,7 @@ use crate::model::{
 use crate::real::Real;
 use crate::single_wheel::{Informed, OutsideStiffness, Pace, StiffnessPseudoMeasurement};
 use crate::suspension::{BodyEquation, Strut, StrutFrame};
+use crate::torsion::TorsionChange;
 
 /// Seconds between two updates of the Bayes filter with a calibration.
 const TELL_S: f64 = 0.1;
@@ -232,6 +234,46 @@ impl<T: Real> CornerEstimator<T> {
     /// Tells what the whole car says of this corner; `None`: nothing now.
     pub(crate) fn set_fused(&mut self, fused: Option<FusedStiffness<T>>) {
         self.fused.set(fused);
+    }
+
+    /// Pressure in kPa as the corner by itself reads it, with its variance by the signals and what the vehicle file leaves open of it.
+    fn own_pressure(&self) -> (T, T, T) {
+        let tire = &self.config.tire;
+        let (stiffness_n_per_m, sd_n_per_m) = self.own_stiffness();
+        let [sd, open] = [sd_n_per_m, self.config.uncertainty.tire_relative_sd() * stiffness_n_per_m]
+            .map(|n_per_m| n_per_m / tire.stiffness_per_kpa());
+        (tire.pressure_kpa(stiffness_n_per_m), sd * sd, open * open)
+    }
+
+    /// The next conclusion knows what the pulses of the wheel tell of the level, but in a calibration.
+    pub(super) fn join_pulses(&mut self, pulses: &mut PulseLevel<T>, time_s: f64) {
+        let (pressure_kpa, variance_kpa2, open_kpa2) = self.own_pressure();
+        pulses.read(time_s, pressure_kpa, variance_kpa2);
+        let (excess_kpa, left_kpa2) = pulses.excess(open_kpa2);
+        if self.calibration_s > 0.0 || !(left_kpa2 < open_kpa2) {
+            self.fused.clear();
+            return;
+        }
+        let per_kpa = self.config.tire.stiffness_per_kpa();
+        let (stiffness_n_per_m, sd_n_per_m) = self.own_stiffness();
+        self.fused.set(Some(FusedStiffness {
+            stiffness_n_per_m: stiffness_n_per_m + excess_kpa * per_kpa,
+            stiffness_sd_n_per_m: sd_n_per_m,
+            considered_sd_n_per_m: left_kpa2.sqrt() * per_kpa,
+            level: Level::VehicleFile,
+            changing: self.reading.change_probability,
+            learned_s: self.informed.learned_s(),
+            learning: false,
+            has_signal: true,
+        }));
+    }
+
+    /// Takes a piece of the pulses of its wheel; not in a calibration.
+    pub(super) fn take_piece(&self, piece: &TorsionChange<T>, pulses: &mut PulseLevel<T>) {
+        if !(self.calibration_s > 0.0) {
+            let (pressure_kpa, _, open_kpa2) = self.own_pressure();
+            pulses.take(piece, self.config.placard_kpa, pressure_kpa, open_kpa2);
+        }
     }
 
     /// Time between grid steps in s.

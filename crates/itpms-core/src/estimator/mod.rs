@@ -3,10 +3,12 @@
 mod concluded;
 mod corner;
 mod fused_stiffness;
+mod pulses;
 mod reading;
 
 pub(crate) use self::corner::CornerEstimator;
 pub(crate) use self::fused_stiffness::FusedStiffness;
+use self::pulses::PulseLevel;
 use crate::conditioning::{SampleClock, SampleCounts};
 use crate::memory::{Blank, blank};
 use crate::model::{
@@ -16,6 +18,7 @@ use crate::real::Real;
 pub(crate) use crate::single_wheel::Pace;
 pub use crate::single_wheel::{CALIBRATION_SD, OutsideStiffness, StiffnessPseudoMeasurement};
 use crate::suspension::{BodyEquation, Learning};
+use crate::torsion::TorsionPiece;
 
 /// A running estimator of one corner. A value: clone it, save it, go on.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,9 +27,11 @@ pub struct Estimator<T: Real> {
     clock: SampleClock<T>,
     corner: CornerEstimator<T>,
     body_equation: BodyEquation<T>,
+    /// What the pulses of its wheel tell of the level.
+    pulses: PulseLevel<T>,
 }
 
-blank!(Estimator<T> { clock, corner, body_equation });
+blank!(Estimator<T> { clock, corner, body_equation, pulses });
 
 impl<T: Real> Estimator<T> {
     /// An estimator for a corner whose samples come at about `sample_rate_hz`, by value: some 19 KB in `f32`. A
@@ -52,7 +57,7 @@ impl<T: Real> Estimator<T> {
     /// # Errors
     /// As for [`new`](Self::new); the estimator is unconfigured then.
     pub fn configure(&mut self, config: &CornerConfig<T>, sample_rate_hz: f64) -> Result<(), ParameterError> {
-        self.clock = SampleClock::BLANK;
+        (self.clock, self.pulses) = (SampleClock::BLANK, PulseLevel::BLANK);
         let clock = SampleClock::new(sample_rate_hz)?;
         self.corner.configure(config, sample_rate_hz)?;
         self.body_equation.configure(&[Some(*config), None, None, None], sample_rate_hz);
@@ -103,14 +108,44 @@ impl<T: Real> Estimator<T> {
         if self.body_equation.learn([self.corner.strut_frame(), None, None, None]) == Learning::Complete {
             self.corner.set_strut(&self.body_equation, Corner::FrontLeft);
         }
+        self.corner.join_pulses(&mut self.pulses, at.now_s);
         self.corner.conclude(at.now_s);
         self.corner.estimate(at.now_s, time_s)
+    }
+
+    /// Takes a piece of what the tooth pulses of its wheel show, calibrated at the placard pressure
+    /// ([`TorsionWheel::push`](crate::torsion::TorsionWheel::push) gives it, of pulses up to the last sample's time). Pieces tell by how much the
+    /// accelerations read too much, as far as the vehicle file leaves that open; what moves fast is left to the accelerations.
+    ///
+    /// ```
+    /// use itpms_core::torsion::{TorsionConfig, TorsionWheel};
+    /// use itpms_core::{CornerConfig, Estimator};
+    ///
+    /// # fn main() -> Result<(), itpms_core::ParameterError> {
+    /// let mut estimator = Estimator::<f32>::new(&CornerConfig::paper(), 500.0)?;
+    /// let mut wheel = TorsionWheel::new(&TorsionConfig::new())?;
+    /// for k in 0..1000 {
+    ///     let time_s = f64::from(k) / 500.0;
+    ///     estimator.update(time_s, 20.0, 0.01, -0.02);
+    ///     // When a tooth passed.
+    ///     if let Some(piece) = wheel.push(time_s) {
+    ///         estimator.take_piece(&piece);
+    ///     }
+    /// }
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn take_piece(&mut self, piece: &TorsionPiece<T>) {
+        if let Some(change) = &piece.change {
+            self.corner.take_piece(change, &mut self.pulses);
+        }
     }
 
     /// Starts again from the corner's initial pressure, as after a tire change. Counted.
     pub fn restart(&mut self) {
         self.body_equation.restart();
         self.corner.restart();
+        self.pulses = PulseLevel::BLANK;
     }
 
     /// What the frames since the last call tell of the stiffness by themselves, whatever was believed before: a measurement for a

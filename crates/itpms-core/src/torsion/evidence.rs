@@ -75,11 +75,8 @@ impl<T: Real> TorsionEvidence<T> {
             return None;
         }
         let left = (T::one() + change_kpa / reference_kpa).at_least(T::lit(0.2));
-        let unknown = T::lit(OWN_SD_KPA * OWN_SD_KPA + COMMON_SD_KPA * COMMON_SD_KPA);
-        let scale_kpa = T::lit(SCALE_SD) * change_kpa;
-        let variance_kpa2 = T::one() / information + unknown + scale_kpa * scale_kpa;
         let kpa = left * reference_kpa;
-        Some((left.ln_fast(), variance_kpa2 / (kpa * kpa)))
+        Some((left.ln_fast(), level_variance_kpa2(change_kpa, information) / (kpa * kpa)))
     }
 
     fn wheels(&self, number: usize) -> impl Iterator<Item = Wheel<T>> + '_ {
@@ -96,6 +93,13 @@ impl<T: Real> TorsionEvidence<T> {
             }
         })
     }
+}
+
+/// Variance in kPa² of a change that pieces show with this information: theirs, what stays unknown of a wheel, and the Hz per kPa.
+pub(crate) fn level_variance_kpa2<T: Real>(change_kpa: T, information: T) -> T {
+    let unknown = T::lit(OWN_SD_KPA * OWN_SD_KPA + COMMON_SD_KPA * COMMON_SD_KPA);
+    let scale_kpa = T::lit(SCALE_SD) * change_kpa;
+    T::one() / information + unknown + scale_kpa * scale_kpa
 }
 
 #[cfg(test)]

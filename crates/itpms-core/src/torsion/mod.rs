@@ -38,6 +38,7 @@ pub use self::calibration::{TorsionCalibration, TorsionCurve};
 pub use self::car::CarTorsion;
 pub use self::config::TorsionConfig;
 pub use self::evidence::TorsionEvidence;
+pub(crate) use self::evidence::level_variance_kpa2;
 use self::fit::{BINS, Fitted, Spectrum, fit};
 use self::reference::Reference;
 use self::speed::Speed;
@@ -89,9 +90,12 @@ pub struct TorsionPiece<T> {
     /// Whether it carries anything: not if the former is below 3, the standard deviation above 3.5 Hz or the resonance at an end of what
     /// is looked at.
     pub used: bool,
+    /// By how much the pressure had changed since the calibration as this piece says by itself, of pieces that carry something after it; how
+    /// far the Hz per kPa are known is not in its standard deviation.
+    pub change: Option<TorsionChange<T>>,
 }
 
-blank!(TorsionPiece<T> { time_s, speed_m_s, resonance_hz, resonance_sd_hz, signal_to_noise, used });
+blank!(TorsionPiece<T> { time_s, speed_m_s, resonance_hz, resonance_sd_hz, signal_to_noise, used, change });
 
 /// Change of pressure since the calibration.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -102,6 +106,8 @@ pub struct TorsionChange<T> {
     /// Its standard deviation.
     pub change_sd_kpa: T,
 }
+
+blank!(TorsionChange<T> { change_kpa, change_sd_kpa });
 
 /// What is done with a piece.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -310,35 +316,40 @@ impl<T: Real> TorsionWheel<T> {
             edge_variance_rad2: self.teeth.edge_variance() * pitch_rad * pitch_rad,
         };
         let fitted = fit(&spectrum, &self.reference.shape(speed_m_s));
-        let piece = TorsionPiece {
+        let change = self.take(&fitted, speed_m_s, lasted_s);
+        self.drop_piece();
+        TorsionPiece {
             time_s,
             speed_m_s,
             resonance_hz: fitted.hz,
             resonance_sd_hz: fitted.sd_hz,
             signal_to_noise: fitted.signal_to_noise,
             used: fitted.carries(),
-        };
-        self.take(&fitted, speed_m_s, lasted_s);
-        self.drop_piece();
-        piece
+            change,
+        }
     }
 
-    fn take(&mut self, fitted: &Fitted<T>, speed_m_s: T, lasted_s: T) {
+    /// What a piece says of the pressure, which is believed from then on.
+    fn take(&mut self, fitted: &Fitted<T>, speed_m_s: T, lasted_s: T) -> Option<TorsionChange<T>> {
         let walk = T::lit(WALK_KPA * WALK_KPA) * lasted_s;
         self.variance_kpa2 += walk;
         self.prior_kpa2 += walk;
         if !fitted.carries() {
-            return;
+            return None;
         }
         let model = T::lit(MODEL_SD_HZ * MODEL_SD_HZ);
         let variance = fitted.sd_hz * fitted.sd_hz + model;
         match self.phase {
-            Phase::Idle => {}
-            Phase::Learning => self.reference.learn(fitted, speed_m_s, variance),
+            Phase::Idle => None,
+            Phase::Learning => {
+                self.reference.learn(fitted, speed_m_s, variance);
+                None
+            }
             Phase::Watching => {
                 let (expected_hz, expected_variance) = self.reference.resonance(speed_m_s);
                 let per_hz = T::one() / self.config.resonance_per_kpa;
-                let residual = (fitted.hz - expected_hz) * per_hz - self.change_kpa;
+                let change_kpa = (fitted.hz - expected_hz) * per_hz;
+                let residual = change_kpa - self.change_kpa;
                 let noise = (variance + expected_variance) * per_hz * per_hz;
                 let all = noise + self.variance_kpa2;
                 if residual * residual < T::lit(OUTLIER * OUTLIER) * all {
@@ -348,6 +359,7 @@ impl<T: Real> TorsionWheel<T> {
                 } else {
                     self.widen();
                 }
+                Some(TorsionChange { change_kpa, change_sd_kpa: noise.sqrt() })
             }
         }
     }

@@ -38,8 +38,10 @@ impl<T: Real> Parabola<T> {
     }
 
     fn stored(&self) -> TorsionCurve<T> {
-        // Symmetric: columns are rows.
-        TorsionCurve { information: self.information.into(), vector: self.vector.into() }
+        // To the last bit what a file keeps: its upper triangle. Below it products were rounded in another order.
+        let at = |i: usize, j: usize| self.information[(i.min(j), i.max(j))];
+        let information = core::array::from_fn(|i| core::array::from_fn(|j| at(i, j)));
+        TorsionCurve { information, vector: self.vector.into() }
     }
 
     fn of(stored: &TorsionCurve<T>) -> Self {

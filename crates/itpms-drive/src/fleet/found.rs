@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 use std::collections::HashSet;
-use std::fs;
+use std::fs::{self, Metadata};
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
@@ -19,24 +19,59 @@ pub struct Found {
     pub modified: String,
     /// Why it cannot be a drive, whatever is in it.
     pub unusable: Option<&'static str>,
+    /// The table of tooth pulses beside it.
+    pub pulses: Option<Beside>,
+}
+
+/// The table of tooth pulses of a drive `NAME.*`: `NAME.pulses.csv` or `NAME.pulses.parquet` in the same folder.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Beside {
+    /// The file.
+    pub path: PathBuf,
+    /// Its length and when it was last changed, as text.
+    pub version: String,
+}
+
+impl Beside {
+    /// The table, and whether there is a second one.
+    fn of(drive: &Path) -> (Option<Self>, bool) {
+        let packed = drive.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("gz"));
+        let drive = if packed { drive.with_extension("") } else { drive.to_owned() };
+        let mut there = ["csv", "parquet"].into_iter().filter_map(|format| {
+            let path = drive.with_extension(format!("pulses.{format}"));
+            let about = path.metadata().ok().filter(Metadata::is_file)?;
+            Some(Self { version: format!("{} {}", about.len(), changed(&about)), path })
+        });
+        (there.next(), there.next().is_some())
+    }
+}
+
+/// When it was last changed: s and ns since 1970, as text.
+fn changed(about: &Metadata) -> String {
+    let since = about.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
+    since.map(|t| format!("{}.{:09}", t.as_secs(), t.subsec_nanos())).unwrap_or_default()
 }
 
 impl Found {
     fn of(path: &Path) -> Self {
         let about = path.metadata().ok();
-        let changed = about.as_ref().and_then(|about| about.modified().ok()?.duration_since(UNIX_EPOCH).ok());
+        let (pulses, two) = Beside::of(path);
         let unusable = match &about {
             // Its results are kept under its name, in text.
             _ if path.to_str().is_none() => Some("its name is not UTF-8, expected a name that is"),
             None => Some("leads to no file, expected a drive log"),
             Some(about) if !about.is_file() => Some("is a device or a pipe, expected a regular file"),
+            Some(_) if two => Some(
+                "has two tables of tooth pulses beside it, .pulses.csv and .pulses.parquet, expected one",
+            ),
             Some(_) => None,
         };
         Self {
             path: path.to_owned(),
-            bytes: about.map_or(0, |about| about.len()),
-            modified: changed.map(|t| format!("{}.{:09}", t.as_secs(), t.subsec_nanos())).unwrap_or_default(),
+            bytes: about.as_ref().map_or(0, Metadata::len),
+            modified: about.as_ref().map(changed).unwrap_or_default(),
             unusable,
+            pulses,
         }
     }
 
@@ -49,7 +84,7 @@ impl Found {
 
 /// The files that these names and patterns mean, each once, in natural order (`drive2` before `drive10`). What lies in
 /// `out`, where the results go, is left out, by whatever links it is reached; folders are, too. What else is no file is among them,
-/// with the reason.
+/// with the reason. A table of tooth pulses belongs to the drive beside it and is no drive.
 ///
 /// # Errors
 /// A pattern that is none, or that fits no file.
@@ -73,7 +108,11 @@ pub fn files(patterns: &[PathBuf], out: &Path) -> Result<Vec<Found>, DriveError>
     paths.sort_by(|a, b| natural(&a.to_string_lossy(), &b.to_string_lossy()));
     let mut seen = HashSet::new();
     paths.retain(|path| seen.insert(real(path)));
-    Ok(paths.iter().map(|path| Found::of(path)).collect())
+    let mut found: Vec<Found> = paths.iter().map(|path| Found::of(path)).collect();
+    let tables: HashSet<PathBuf> =
+        found.iter().filter_map(|file| Some(real(&file.pulses.as_ref()?.path))).collect();
+    found.retain(|file| !tables.contains(&real(&file.path)));
+    Ok(found)
 }
 
 /// What a pattern fits. Patterns are text; names that are not are fitted by what they look like.
@@ -159,6 +198,34 @@ mod tests {
         let message = files(&[at("*.mf4")], Path::new("out")).unwrap_err().to_string();
         assert!(message.ends_with("*.mf4: no file fits, expected drive logs"), "{message}");
     }
+
+    #[test]
+    fn a_table_of_pulses_belongs_to_the_drive_beside_it() {
+        let dir = tempfile::tempdir().unwrap();
+        let at = |name: &str| dir.path().join(name);
+        for name in ["a.csv", "a.pulses.csv", "b.csv.gz", "b.pulses.parquet", "c.pulses.csv", "d.csv"] {
+            std::fs::write(at(name), "x").unwrap();
+        }
+        let every = || files(&[at("*")], &at("out")).unwrap();
+        let beside = |file: &Found| file.pulses.as_ref().map(|table| table.path.clone());
+        let found: Vec<_> = every().iter().map(|file| (file.path.clone(), beside(file))).collect();
+        let expected = [
+            (at("a.csv"), Some(at("a.pulses.csv"))),
+            (at("b.csv.gz"), Some(at("b.pulses.parquet"))),
+            // Of no drive: it will be refused as one.
+            (at("c.pulses.csv"), None),
+            (at("d.csv"), None),
+        ];
+        assert_eq!(found, expected);
+        assert!(every().iter().all(|file| file.unusable.is_none()));
+        // Another table is other pulses, and two are one too many.
+        let before = every()[0].pulses.clone();
+        std::fs::write(at("a.pulses.csv"), "xy").unwrap();
+        assert_ne!(every()[0].pulses, before);
+        std::fs::write(at("a.pulses.parquet"), "x").unwrap();
+        assert!(every()[0].unusable.unwrap().contains("two tables of tooth pulses"));
+    }
+
     /// What is no drive is named, and nothing is read that the program wrote itself.
     #[cfg(unix)]
     #[test]

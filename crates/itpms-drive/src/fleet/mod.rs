@@ -215,12 +215,14 @@ fn errand<'a>(
     } else {
         settings.reference = carried(plan, drive, all, records).or_else(|| drive.car.reference.clone());
     }
+    settings.pulses = drive.file.pulses.as_ref().map(|table| table.path.clone());
     let inputs = Inputs {
         bytes: drive.file.bytes,
         modified: drive.file.modified.clone(),
         vehicle: drive.car.fingerprint.clone(),
         calibrate: drive.calibrate,
         reference: settings.reference.as_deref().map(fingerprint).transpose()?,
+        pulses: drive.file.pulses.as_ref().map(|table| table.version.clone()),
     };
     let (name, bytes) = (drive.file.name(), drive.file.bytes);
     Ok(Errand { number: drive.number, name, path: &drive.file.path, bytes, car: drive.car, settings, inputs })

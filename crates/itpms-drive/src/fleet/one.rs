@@ -4,7 +4,7 @@ use std::fs;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use itpms_data::out::{RadiusRow, States};
+use itpms_data::out::{RadiusRow, States, WheelSpeedUse};
 use itpms_data::{LogReader, LogRow};
 
 use super::cars::Car;
@@ -43,7 +43,11 @@ pub(super) fn run(
     let mut log = LogReader::open_with(errand.path, &plan.options)?;
     let corners = common_corners(&log, vehicle)?;
     let wheel_speeds = wheel_speed_use(log.columns(), vehicle, &corners).unwrap_or_default();
-    let settings = &errand.settings;
+    let mut settings = errand.settings.clone();
+    // Nobody asked for a table that is there without the wheel speeds to which it belongs.
+    let usable = wheel_speeds != WheelSpeedUse::None && vehicle.torsion_config().is_ok();
+    let unused = settings.pulses.take_if(|_| !usable);
+    let settings = &settings;
     let paths = FilePaths {
         estimates: plan.estimates.then(|| place(plan, "estimates", errand.path, "csv")).transpose()?,
         report: plan.reports.then(|| place(plan, "reports", errand.path, "html")).transpose()?,
@@ -58,6 +62,12 @@ pub(super) fn run(
     let reading = &plan.options;
     let job = Job { vehicle, corners: &corners, settings, reading, road: true, report: plan.reports };
     let mut done = estimate(&mut log, &job, &mut sink, watch)?;
+    done.concerns.extend(unused.map(|path| {
+        format!(
+            "{}: tooth pulses count together with wheel speeds and are not used: expected the speeds of all four wheels in the log, and in the vehicle file placard_kpa of all four corners, [tire] rolling_radius_m and what wheel speeds need",
+            path.display()
+        )
+    }));
     let taught = teach(plan, errand, &mut done)?;
     sink.files.complete(&done)?;
     let within = |path: &Option<PathBuf>| {

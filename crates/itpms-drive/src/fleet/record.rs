@@ -28,6 +28,8 @@ pub struct Inputs {
     pub calibrate: bool,
     /// Checksum of the stored reference it starts with, if it does.
     pub reference: Option<String>,
+    /// Length and time of the table of tooth pulses beside it, if there is one.
+    pub pulses: Option<String>,
 }
 
 /// A pressure at one time.

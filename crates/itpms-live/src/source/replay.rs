@@ -7,6 +7,7 @@ use std::thread::{self, JoinHandle};
 use std::time::Instant;
 
 use itpms_data::can::FrameReader;
+use itpms_data::pulses::PulseReader;
 use itpms_data::{DataError, LogReader};
 
 use super::pace::{Pace, Speed};
@@ -23,10 +24,69 @@ pub fn name(path: &Path) -> SourceName {
     SourceName { name, kind: "replay" }
 }
 
+/// A table of tooth pulses that is replayed with a log: each before the first row or frame that is not earlier.
+#[derive(Debug)]
+pub struct Pulses {
+    reader: PulseReader,
+    /// Times of the first and of the last row or frame; pulses between.
+    span_s: Option<[f64; 2]>,
+    within: u64,
+}
+
+impl Pulses {
+    /// Opens the table.
+    ///
+    /// # Errors
+    /// It cannot be read, or is none.
+    pub fn open(path: &Path) -> Result<Self, DataError> {
+        Ok(Self { reader: PulseReader::open(path)?, span_s: None, within: 0 })
+    }
+
+    /// The next one that is not later than what the log has next.
+    fn until(&mut self, time_s: f64) -> Result<Option<Input>, DataError> {
+        let [first_s, last_s] = self.span_s.get_or_insert([time_s; 2]);
+        *last_s = time_s;
+        let pulse = self.reader.next_until(time_s)?;
+        self.within += u64::from(pulse.is_some_and(|pulse| pulse.time_s >= *first_s));
+        Ok(pulse.map(Input::Pulse))
+    }
+
+    /// What is to be said in the end.
+    fn warnings(&self) -> Vec<String> {
+        let none = self.span_s.filter(|_| self.within == 0).map(|[first_s, last_s]| {
+            format!("no pulse lies between {first_s} and {last_s} s, the times of the log; expected both by one clock")
+        });
+        self.reader.repairs().into_iter().chain(none).collect()
+    }
+}
+
+/// What a log has, and the pulses between.
+struct Merged<'a, F> {
+    log: F,
+    pulses: Option<&'a mut Pulses>,
+    next: Option<(f64, Input)>,
+}
+
+impl<F: FnMut() -> Result<Option<(f64, Input)>, DataError>> Merged<'_, F> {
+    /// The next one, with the time at which it is due.
+    fn next(&mut self) -> Result<Option<(f64, Input)>, DataError> {
+        if self.next.is_none() {
+            self.next = (self.log)()?;
+        }
+        if let (Some((time_s, _)), Some(pulses)) = (&self.next, &mut self.pulses)
+            && let Some(pulse) = pulses.until(*time_s)?
+        {
+            return Ok(Some((*time_s, pulse)));
+        }
+        Ok(self.next.take())
+    }
+}
+
 /// Starts the replay of a log. Waits for room in the queue: nothing is lost. `stop` ends it early.
 #[must_use]
 pub fn start(
     mut log: LogReader,
+    mut pulses: Option<Pulses>,
     speed: Speed,
     inputs: Arc<Queue<Input>>,
     stop: Arc<AtomicBool>,
@@ -42,8 +102,9 @@ pub fn start(
             let row = log.next_row()?;
             Ok(row.map(|row| (row.time_s, Input::Row { row: Box::new(row), arrived: Instant::now() })))
         };
-        let result = if inputs.push(opened) { replay(next, speed, &inputs, &stop) } else { Ok(()) };
-        end(result, log.path(), &log.repairs().warnings(), &inputs, &say);
+        let all = Merged { log: next, pulses: pulses.as_mut(), next: None };
+        let result = if inputs.push(opened) { replay(all, speed, &inputs, &stop) } else { Ok(()) };
+        end(result, (log.path(), &log.repairs().warnings()), pulses.as_ref(), &inputs, &say);
     })
 }
 
@@ -51,6 +112,7 @@ pub fn start(
 #[must_use]
 pub fn start_frames(
     mut log: FrameReader,
+    mut pulses: Option<Pulses>,
     speed: Speed,
     inputs: Arc<Queue<Input>>,
     stop: Arc<AtomicBool>,
@@ -61,22 +123,31 @@ pub fn start_frames(
             let frame = log.next_frame()?;
             Ok(frame.map(|frame| (frame.time_s, Input::Frame { frame, arrived: Instant::now() })))
         };
-        let result = replay(next, speed, &inputs, &stop);
-        end(result, log.path(), &log.repairs().warnings(), &inputs, &say);
+        let all = Merged { log: next, pulses: pulses.as_mut(), next: None };
+        let result = replay(all, speed, &inputs, &stop);
+        end(result, (log.path(), &log.repairs().warnings()), pulses.as_ref(), &inputs, &say);
     })
 }
 
 /// What there is to say of a log that has been replayed, or could not be to its end.
-fn end(result: Result<(), DataError>, path: &Path, warnings: &[String], inputs: &Queue<Input>, say: &Say) {
-    for warning in warnings {
-        say(Note::Warning(format!("{}: {warning}", path.display())));
+fn end(
+    result: Result<(), DataError>,
+    (path, warnings): (&Path, &[String]),
+    pulses: Option<&Pulses>,
+    inputs: &Queue<Input>,
+    say: &Say,
+) {
+    let warn = |path: &Path, warning: &str| say(Note::Warning(format!("{}: {warning}", path.display())));
+    warnings.iter().for_each(|warning| warn(path, warning));
+    if let Some(pulses) = pulses {
+        pulses.warnings().iter().for_each(|warning| warn(pulses.reader.path(), warning));
     }
     inputs.push(result.map_or_else(|error| Input::Failed(error.to_string()), |()| Input::Ended));
     inputs.close();
 }
 
 fn replay(
-    mut next: impl FnMut() -> Result<Option<(f64, Input)>, DataError>,
+    mut all: Merged<'_, impl FnMut() -> Result<Option<(f64, Input)>, DataError>>,
     speed: Speed,
     inputs: &Queue<Input>,
     stop: &AtomicBool,
@@ -84,7 +155,7 @@ fn replay(
     let mut pace = Pace::new(speed);
     let wanted = || !stop.load(Ordering::Relaxed);
     let mut batch = Vec::with_capacity(BATCH);
-    while let Some((time_s, mut input)) = next()? {
+    while let Some((time_s, mut input)) = all.next()? {
         if !pace.wait(time_s, wanted) {
             break;
         }

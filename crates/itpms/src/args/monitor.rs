@@ -25,6 +25,10 @@ pub(crate) struct MonitorArgs {
     /// A log instead of a bus: a drive log, or a CAN log with --dbc.
     #[arg(long, value_name = "LOG")]
     pub(crate) replay: Option<PathBuf>,
+    /// The tooth pulses of the four wheel speed sensors by the log's clock, time_s and wheel: .csv or .parquet. They count together
+    /// with its wheel speeds, as in `itpms estimate`.
+    #[arg(long, value_name = "PULSES")]
+    pub(crate) pulses: Option<PathBuf>,
     /// How fast a log is replayed: N times as fast as it was recorded, or max.
     #[arg(long, value_name = "N|max", default_value = "1", value_parser = speed, requires = "replay")]
     pub(crate) speed: Speed,

@@ -45,6 +45,11 @@ pub(crate) fn run(args: &MonitorArgs, screen: &Screen, interrupt: &Interrupt) ->
     let Some(vehicle) = &args.vehicle else {
         return Err(Failure::Usage("expected --vehicle V.toml".to_owned()));
     };
+    if args.pulses.is_some() && args.replay.is_none() {
+        let why =
+            "--pulses: tooth pulses are read beside a log, expected --replay LOG; a live source carries none";
+        return Err(Failure::Usage(why.to_owned()));
+    }
     check_names(args)?;
     let mut vehicle = Vehicle::read(vehicle)?;
     let options = options(args, &mut vehicle)?;
@@ -100,20 +105,22 @@ fn notes(screen: Screen) -> Say {
 
 /// The vehicle becomes the one from which a reference counts.
 fn options(args: &MonitorArgs, vehicle: &mut Vehicle) -> Result<DriveOptions, Failure> {
-    let (reference, wheel_reference) = match &args.reference {
+    let (reference, wheel_reference, torsion_reference) = match &args.reference {
         Some(path) => {
             let file = args.vehicle.as_deref().unwrap_or(Path::new("--vehicle"));
             let (known, stored) = reference::of(path, vehicle, file)?;
             *vehicle = known;
-            (stored.has_corners().then_some(stored.reference), stored.wheel_speeds)
+            (stored.has_corners().then_some(stored.reference), stored.wheel_speeds, stored.torsion)
         }
-        None => (None, None),
+        None => (None, None, [None; 4]),
     };
     Ok(DriveOptions {
         regulation: args.regulation,
         calibrate_s: args.calibrate_s,
         reference,
         wheel_reference,
+        pulses: args.pulses.is_some(),
+        torsion_reference,
         rate_hz: args.rate,
         units: args.reading.options().units,
     })
@@ -124,6 +131,7 @@ fn check_names(args: &MonitorArgs) -> Result<(), Failure> {
     let [dbc, signals] = args.reading.inputs();
     let inputs = [
         (args.replay.as_deref(), "the log"),
+        (args.pulses.as_deref(), "the tooth pulses"),
         (args.vehicle.as_deref(), "the vehicle file"),
         (args.reference.as_deref(), "the learned reference"),
         (args.mqtt_password_file.as_deref(), "the password"),

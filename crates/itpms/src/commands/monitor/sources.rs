@@ -15,6 +15,7 @@ use itpms_live::feed::Feed;
 use itpms_live::input::{Input, Say, SourceName};
 use itpms_live::output::can;
 use itpms_live::queue::Queue;
+use itpms_live::source::replay::Pulses;
 use itpms_live::source::{Speed, broker, replay, stdin};
 
 use super::{access, failure};
@@ -23,6 +24,8 @@ use crate::args::MonitorArgs;
 /// An opened source.
 pub(super) struct Source {
     kind: Kind,
+    /// Tooth pulses beside a log.
+    pulses: Option<Pulses>,
     /// What makes rows of its frames.
     pub(super) feed: Option<Feed>,
 }
@@ -41,13 +44,14 @@ enum Kind {
 /// Opens what was asked for.
 pub(super) fn open(args: &MonitorArgs, screen: &Screen) -> Result<Source, Failure> {
     if let Some(path) = &args.replay {
+        let pulses = args.pulses.as_deref().map(Pulses::open).transpose()?;
         if !itpms_data::holds_frames(path, args.reading.dbc.as_deref())? {
             let log = LogReader::open_with(path, &args.reading.options())?;
-            return Ok(Source { kind: Kind::Rows(Box::new(log), args.speed), feed: None });
+            return Ok(Source { kind: Kind::Rows(Box::new(log), args.speed), pulses, feed: None });
         }
         let feed = feed(args, screen)?;
         let frames = FrameReader::open(path).map_err(DataError::from)?;
-        return Ok(Source { kind: Kind::Frames(Box::new(frames), args.speed), feed: Some(feed) });
+        return Ok(Source { kind: Kind::Frames(Box::new(frames), args.speed), pulses, feed: Some(feed) });
     }
     if let Some(file) = args.interface.as_deref().filter(|name| Path::new(name).is_file()) {
         return Err(Failure::Usage(format!(
@@ -63,7 +67,7 @@ pub(super) fn open(args: &MonitorArgs, screen: &Screen) -> Result<Source, Failur
             return Err(Failure::Usage("expected an interface, -, --replay LOG or --mqtt-in URL".to_owned()));
         }
     };
-    Ok(Source { kind, feed })
+    Ok(Source { kind, pulses: None, feed })
 }
 
 #[cfg(target_os = "linux")]
@@ -132,8 +136,10 @@ impl Source {
     pub(super) fn start(self, inputs: &Arc<Queue<Input>>, stop: &Arc<AtomicBool>, say: &Say) {
         let (inputs, stop, say) = (Arc::clone(inputs), Arc::clone(stop), Arc::clone(say));
         match self.kind {
-            Kind::Rows(log, speed) => drop(replay::start(*log, speed, inputs, stop, say)),
-            Kind::Frames(log, speed) => drop(replay::start_frames(*log, speed, inputs, stop, say)),
+            Kind::Rows(log, speed) => drop(replay::start(*log, self.pulses, speed, inputs, stop, say)),
+            Kind::Frames(log, speed) => {
+                drop(replay::start_frames(*log, self.pulses, speed, inputs, stop, say))
+            }
             Kind::Lines => stdin::start(inputs, say),
             Kind::Broker(address) => broker::start(address, inputs, stop, say),
             #[cfg(target_os = "linux")]
