@@ -30,8 +30,6 @@ const RARE_OPPOSITE: f64 = 1e-3;
 const RARE_FRAMES: usize = 3;
 /// Least weight of the constant hypothesis.
 const SMALLEST_WEIGHT: f64 = 1e-30;
-/// Degrees of freedom of a pseudo-measurement's distribution: how heavy its tails are.
-const PSEUDO_MEASUREMENT_TAILS: f64 = 4.0;
 /// Chance that a tire was filled or let down during a stop, and the sd of its compliance then.
 const FILLED: f64 = 1e-3;
 const FILLED_SD: f64 = 0.15;
@@ -224,10 +222,7 @@ impl<T: Real> HypothesisBank<T> {
             }
             let (slope, innovation) = linearize(&hypothesis.mean);
             let total = hypothesis.update(&slope, innovation, variance);
-            let tails = T::lit(PSEUDO_MEASUREMENT_TAILS);
-            let mahalanobis_sq = innovation * innovation / total;
-            *log = T::lit(-0.5)
-                * (total.ln_fast() + (tails + T::one()) * (T::one() + mahalanobis_sq / tails).ln_fast());
+            *log = T::lit(-0.5) * (total.ln_fast() + innovation * innovation / total);
             if index == CONSTANT {
                 usual = *log;
             }

@@ -77,7 +77,7 @@ fn a_scalar_update_is_the_information_filters() {
     }
 }
 
-/// The same with weights: each goes with the density of Student's t of four degrees of freedom at its own innovation.
+/// The same with weights: each goes with the normal density at its own innovation.
 #[test]
 fn weights_follow_bayes_rule() {
     let mut bank = spread_out();
@@ -88,7 +88,7 @@ fn weights_follow_bayes_rule() {
     let density = |hypothesis: &super::Hypothesis<f64>| {
         let total = hypothesis.covariance[(TIRE, TIRE)] + variance;
         let t2 = (measured - hypothesis.mean[TIRE]).powi(2) / total;
-        (1.0 + t2 / 4.0).powf(-2.5) / total.sqrt()
+        (-0.5 * t2).exp() / total.sqrt()
     };
     let joint: Vec<f64> = before.hypotheses.iter().map(|h| h.weight * density(h)).collect();
     let sum: f64 = joint.iter().sum();
