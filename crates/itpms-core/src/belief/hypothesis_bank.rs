@@ -101,8 +101,8 @@ impl<T: Real> HypothesisBank<T> {
     }
 
     /// Begins to move on by `seconds`; see [`Transition::begin`].
-    pub(super) fn begin_prediction(&mut self, seconds: T, onset_scale: [T; 3], onset_rates: &[T; 4]) {
-        self.transition.begin(seconds, onset_scale, onset_rates);
+    pub(super) fn begin_prediction(&mut self, seconds: T, [moves, wanders]: [bool; 2], onset_rates: &[T; 4]) {
+        self.transition.begin(seconds, [moves, wanders], onset_rates);
     }
 
     /// Does a part of the prediction.
