@@ -30,8 +30,6 @@ const RARE_OPPOSITE: f64 = 1e-3;
 const RARE_FRAMES: usize = 3;
 /// Least weight of the constant hypothesis.
 const SMALLEST_WEIGHT: f64 = 1e-30;
-/// Degrees of freedom of a pseudo-measurement's distribution: how heavy its tails are.
-const PSEUDO_MEASUREMENT_TAILS: f64 = 4.0;
 /// Chance that a tire was filled or let down during a stop, and the sd of its compliance then.
 const FILLED: f64 = 1e-3;
 const FILLED_SD: f64 = 0.15;
@@ -103,8 +101,8 @@ impl<T: Real> HypothesisBank<T> {
     }
 
     /// Begins to move on by `seconds`; see [`Transition::begin`].
-    pub(super) fn begin_prediction(&mut self, seconds: T, onset_scale: [T; 3], onset_rates: &[T; 4]) {
-        self.transition.begin(seconds, onset_scale, onset_rates);
+    pub(super) fn begin_prediction(&mut self, seconds: T, [moves, wanders]: [bool; 2], onset_rates: &[T; 4]) {
+        self.transition.begin(seconds, [moves, wanders], onset_rates);
     }
 
     /// Does a part of the prediction.
@@ -224,10 +222,7 @@ impl<T: Real> HypothesisBank<T> {
             }
             let (slope, innovation) = linearize(&hypothesis.mean);
             let total = hypothesis.update(&slope, innovation, variance);
-            let tails = T::lit(PSEUDO_MEASUREMENT_TAILS);
-            let mahalanobis_sq = innovation * innovation / total;
-            *log = T::lit(-0.5)
-                * (total.ln_fast() + (tails + T::one()) * (T::one() + mahalanobis_sq / tails).ln_fast());
+            *log = T::lit(-0.5) * (total.ln_fast() + innovation * innovation / total);
             if index == CONSTANT {
                 usual = *log;
             }

@@ -66,7 +66,7 @@ mod tests {
     use crate::model::Corner::{self, FrontLeft, FrontRight, RearLeft};
     use crate::model::{CarConfig, CornerConfig};
 
-    const ONSET: Onset<f64> = Onset { several_scale: 1.0, rates: [0.0; 4], longest_step_s: 1.0 };
+    const ONSET: Onset<f64> = Onset { rates: [0.0; 4], longest_step_s: 1.0 };
 
     fn belief() -> Belief<f64> {
         let config = CarConfig { corners: [Some(CornerConfig::paper()); 4], wheelbase_m: Some(2.7) };

@@ -84,8 +84,6 @@ const UNWATCHED_SD: f64 = 0.05;
 /// How readily pressures are taken to begin to change.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Onset<T> {
-    /// Factor on the rate at which several tires begin together.
-    pub(crate) several_scale: T,
     /// Rates per second at which each tire begins that its own spectrum suggests.
     pub(crate) rates: [T; 4],
     /// Longest time in s that is a step; more is a gap.
@@ -170,14 +168,10 @@ impl<T: Real> Belief<T> {
             }
             return;
         }
-        let (scale, rates) = if self.expects_onsets() {
-            // Tires that only lose air while they roll do not wander.
-            let wander = if self.only_lose() { T::zero() } else { onset.several_scale };
-            ([T::one(), onset.several_scale, wander], onset.rates)
-        } else {
-            ([T::zero(); 3], [T::zero(); 4])
-        };
-        self.bank.begin_prediction(T::lit(seconds), scale, &rates);
+        let begins = self.expects_onsets();
+        let rates = if begins { onset.rates } else { [T::zero(); 4] };
+        // Tires that only lose air while they roll do not wander.
+        self.bank.begin_prediction(T::lit(seconds), [begins, begins && !self.only_lose()], &rates);
     }
 
     /// Does one part of a prediction.

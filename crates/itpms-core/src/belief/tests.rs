@@ -77,7 +77,7 @@ fn a_scalar_update_is_the_information_filters() {
     }
 }
 
-/// The same with weights: each goes with the density of Student's t of four degrees of freedom at its own innovation.
+/// The same with weights: each goes with the normal density at its own innovation.
 #[test]
 fn weights_follow_bayes_rule() {
     let mut bank = spread_out();
@@ -88,7 +88,7 @@ fn weights_follow_bayes_rule() {
     let density = |hypothesis: &super::Hypothesis<f64>| {
         let total = hypothesis.covariance[(TIRE, TIRE)] + variance;
         let t2 = (measured - hypothesis.mean[TIRE]).powi(2) / total;
-        (1.0 + t2 / 4.0).powf(-2.5) / total.sqrt()
+        (-0.5 * t2).exp() / total.sqrt()
     };
     let joint: Vec<f64> = before.hypotheses.iter().map(|h| h.weight * density(h)).collect();
     let sum: f64 = joint.iter().sum();
@@ -105,17 +105,17 @@ fn prediction_agrees_with_exact_enumeration() {
     let before = bank.clone();
     let seconds = 0.1;
     let rates = [0.3, 0.0, 0.1, 0.0];
-    bank.begin_prediction(seconds, [1.0, 0.7, 0.4], &rates);
+    bank.begin_prediction(seconds, [true; 2], &rates);
     (0..super::PREDICTION_PARTS).for_each(|part| bank.predict_part(part));
 
     // Rates per second of docs/math/shared-road.md, section 6.
     let end = 1.0 - (-0.5 * seconds).exp();
     let begin = |to: usize| match to {
         1..=4 => 2e-4 * seconds + rates[to - 1] * seconds,
-        5 | 6 => 1e-6 * seconds * 0.7,
-        _ => 1e-8 * seconds * 0.4,
+        5 | 6 => 1e-6 * seconds,
+        _ => 1e-8 * seconds,
     };
-    let join = 1e-2 * seconds * 0.7;
+    let join = 1e-2 * seconds;
     let changes = |to: usize, i: usize| to == i + 1 || to == 5 + i % 2;
     // (weight, mean, covariance) after each way.
     let mut ways = Vec::new();
@@ -473,7 +473,7 @@ fn tires_do_not_wander_while_their_losses_are_counted() {
         let config = CarConfig { corners: [Some(CornerConfig::paper()); 4], wheelbase_m: Some(2.7) };
         let mut belief = configured(|belief: &mut Belief<f64>| belief.configure(&config));
         belief.set_inflation(inflation);
-        let onset = Onset { several_scale: 1.0, rates: [0.0; 4], longest_step_s: 1.0 };
+        let onset = Onset { rates: [0.0; 4], longest_step_s: 1.0 };
         belief.predict(0.0, &onset);
         belief.settle(if counted { 30.0 } else { 10.0 });
         (1..50).for_each(|step| belief.predict(0.1 * f64::from(step), &onset));

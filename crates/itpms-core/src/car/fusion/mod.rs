@@ -28,7 +28,6 @@ use crate::conditioning::GridSample;
 use crate::inter_axle::alignment::axle_pair::AxlePair;
 use crate::inter_axle::alignment::delay_search::Found;
 use crate::inter_axle::alignment::speed_latency::SpeedLatency;
-use crate::inter_axle::residual::noise::within;
 use crate::inter_axle::{Aligned, HOP_S, InterAxle};
 use crate::memory::blank;
 use crate::model::{
@@ -37,8 +36,6 @@ use crate::model::{
 use crate::real::Real;
 use crate::suspension::BodyEquation;
 
-/// Incoherence near wheel hop at which changes of several tires begin half as often.
-const INCOHERENT: f64 = 0.02;
 /// Seconds of driving after which the shared road is given up if it was not found.
 const PATIENCE_S: f64 = 6.0;
 /// Sd in s of the first delay that was found.
@@ -129,11 +126,8 @@ impl<T: Real> Fusion<T> {
     }
 
     fn onset(&self) -> Onset<T> {
-        // Hardly, where front and rear meet different roads.
-        let [left, right] = self.inter_axle.pairs.each_ref().map(AxlePair::incoherence);
         let lasting = self.inter_axle.pairs.each_ref().map(AxlePair::lasting_incoherence);
         Onset {
-            several_scale: within(left.max(right), INCOHERENT),
             rates: Corner::ALL.map(|corner| self.single_wheel[corner].onset_rate(lasting[corner.side()])),
             longest_step_s: if self.inter_axle.spectral_only() { LONGEST_SILENCE_S } else { LONGEST_STEP_S },
         }

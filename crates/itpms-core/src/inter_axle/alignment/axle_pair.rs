@@ -269,14 +269,7 @@ impl<T: Real> AxlePair<T> {
             } else if let (Some([used_wheelbase, used_skew]), true) = (used, frame.seen > T::lit(LEAST_SEEN))
             {
                 let middle_s = entry.time_s - self.clock.hop_s();
-                enqueue(AxleFrame {
-                    frame,
-                    middle_s,
-                    delay_s,
-                    stretch: ratio.ln(),
-                    used_wheelbase,
-                    used_skew,
-                });
+                enqueue(AxleFrame { frame, middle_s, delay_s, used_wheelbase, used_skew });
             }
         }
     }
@@ -369,7 +362,7 @@ impl<T: Real> AxlePair<T> {
         let SideMeasurement { side: of, expected, instrument, weight, incoherent_s } = &mut out.measurement;
         *of = side;
         self.products.advance(|bin| road.expected_products(bin));
-        *expected = self.coherence.expect(&road_power, &noise, self.products.of_all_bins(), frame.stretch);
+        *expected = self.coherence.expect(&road_power, &noise, self.products.of_all_bins());
         *instrument = instrument_slope(frame, &frf_ratios, wheels, side, state);
         let counted = if self.on_line.contains(&true) { T::zero() } else { self.snr_weight() };
         *weight = self.coherence.weight() * frame.frame.seen * counted;

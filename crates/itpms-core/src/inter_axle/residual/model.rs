@@ -49,14 +49,12 @@ pub(crate) struct AxleFrame<T: Real> {
     pub(crate) middle_s: f64,
     /// Seconds from front to rear.
     pub(crate) delay_s: T,
-    /// Logarithm of the rear's speed over the front's there.
-    pub(crate) stretch: T,
     /// What wheelbase and skew were taken to be in aligning them.
     pub(crate) used_wheelbase: T,
     pub(crate) used_skew: T,
 }
 
-blank!(AxleFrame<T> { frame, middle_s, delay_s, stretch, used_wheelbase, used_skew });
+blank!(AxleFrame<T> { frame, middle_s, delay_s, used_wheelbase, used_skew });
 
 /// Whose signals of a frame.
 #[derive(Debug, Clone, Copy)]

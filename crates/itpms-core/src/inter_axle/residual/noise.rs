@@ -19,8 +19,6 @@ const LARGEST_STEP: f64 = 30.0;
 const LARGEST_MORE: f64 = 0.01;
 /// Frames that what is assumed counts for.
 const COUNTED: f64 = 1.5;
-/// Incoherence per squared logarithm of the speeds' ratio: filters that work in time see another road at another speed.
-const STRETCHED: f64 = 8.0;
 /// Incoherence near wheel hop at which frames count half.
 const DOUBTED: f64 = 0.4;
 /// Time constants in s of the incoherence and of the road's power.
@@ -91,21 +89,19 @@ impl<T: Real> Coherence<T> {
         core::array::from_fn(|bin| T::lit(0.5) * (usual[bin] + now[bin]))
     }
 
-    /// What to expect of a frame with this road power, given the sensors' noise in the residual, the derivatives'
-    /// products on a road of unit power, and the logarithm of the rear's speed over the front's.
+    /// What to expect of a frame with this road power, given the sensors' noise in the residual, and the
+    /// derivatives' products on a road of unit power.
     #[inline(never)]
     pub(crate) fn expect(
         &self,
         road_power: &[T; BINS],
         noise: &[T; BINS],
         products: &[Products<T>; BINS],
-        stretch: T,
     ) -> Expectation<T> {
-        let stretched = T::lit(STRETCHED) * stretch * stretch;
         let mut power = [T::zero(); BINS];
         let mut information = Gram::zeros();
         for ((bin, road), products) in self.road(road_power).into_iter().enumerate().zip(products) {
-            power[bin] = (self.incoherence[bin] + stretched) * road + noise[bin] + T::lit(1e-12);
+            power[bin] = self.incoherence[bin] * road + noise[bin] + T::lit(1e-12);
             let worth = T::lit(2.0 * OVERLAP) * road / power[bin];
             // In place: matrices are the largest things on the stack.
             let sums =
@@ -256,7 +252,7 @@ mod tests {
         let mut road = [1.0; BINS];
         road[1] = 1e-6;
         let expected =
-            Coherence::<f64>::new().expect(&road, &[0.0; BINS], &[pack_lower(&Gram::identity()); BINS], 0.0);
+            Coherence::<f64>::new().expect(&road, &[0.0; BINS], &[pack_lower(&Gram::identity()); BINS]);
         // Half the mean of all five, of which a fifth need not be common: not a millionth of what the others have.
         assert!((expected.power[1] - START * 0.5 * 0.8).abs() < 1e-6, "{}", expected.power[1]);
         assert!((expected.power[0] - START * 0.5 * 1.8).abs() < 1e-6, "{}", expected.power[0]);

@@ -140,7 +140,7 @@ fn frame(frequency_hz: f64, moved: [Moved; 2], state: &State<f64>, amplitude: C)
 }
 
 fn taken(frame: Frame<f64>) -> AxleFrame<f64> {
-    AxleFrame { frame, middle_s: 0.0, delay_s: 0.12, stretch: 0.0, used_wheelbase: 0.0, used_skew: 0.0 }
+    AxleFrame { frame, middle_s: 0.0, delay_s: 0.12, used_wheelbase: 0.0, used_skew: 0.0 }
 }
 
 /// Frames of unit cosines and sines at all frequencies that the bins see, half a hertz apart: a tenth of a bin.
