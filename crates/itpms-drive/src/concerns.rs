@@ -12,7 +12,7 @@ use crate::drive::Drive;
 use crate::error::DriveError;
 use crate::job::Job;
 use crate::settings::LOG_END_S;
-use crate::wheel_speeds::{YawFault, lacking, wheel_speed_use};
+use crate::wheel_speeds::{lacking, wheel_speed_use};
 
 /// Rates in Hz for which the estimators are made.
 const USUAL_RATES_HZ: std::ops::RangeInclusive<f64> = 99.0..=2020.0;
@@ -124,13 +124,7 @@ pub(crate) fn of(job: &Job<'_>, log: &LogReader, drive: &Drive) -> Vec<String> {
     let unit = settings.pressure_unit;
     let mut concerns = log.repairs().warnings();
     concerns.extend(of_wheel_speeds(job, log, drive));
-    let yaw = drive.yaw_fault().map(|fault| match fault {
-        YawFault::Reversed => "turns against the wheels, expected positive to the left: turn it round in a map (factor = -1.0)".to_owned(),
-        YawFault::InDegrees => "is some 57 times what the wheels show, expected rad/s: convert it in a map (factor = 0.01745)".to_owned(),
-        YawFault::Scaled(share) => format!("is {share:.2} times what the wheels show, expected 1: another unit or factor?"),
-        YawFault::LeftOut => "does not go with the wheels in bends (a sensor that is dead, or another signal?) and was left out".to_owned(),
-    });
-    concerns.extend(yaw.map(|fault| format!("yaw_rate_rad_s {fault}")));
+    concerns.extend(drive.yaw_fault().map(|fault| format!("yaw_rate_rad_s {fault}")));
     if job.corners.is_empty() {
         return concerns;
     }

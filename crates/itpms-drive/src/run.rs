@@ -20,6 +20,7 @@ use crate::pulses::Pulses;
 use crate::reference::Taught;
 use crate::road::{LateRow, RoadTrack};
 use crate::time_axis::TimeAxis;
+use crate::wheel_speeds::YawFault;
 use crate::wheel_speeds::wheel_speed_use;
 
 /// Rows between two looks at whoever may want to stop or to know how far it is.
@@ -174,7 +175,10 @@ pub(crate) fn conclude(
     }
     drive.finish(job.settings.calibrate_s);
     let of_wheel_speeds = drive.radii().and_then(|_| record.plausibility.contradiction());
-    if let Some(contradiction) = record.axis.contradiction().or(of_wheel_speeds) {
+    // With it each bend would be a loss; one that does not go with the wheels at all was left out.
+    let of_yaw = drive.yaw_fault().filter(|fault| matches!(fault, YawFault::Scaled(_)));
+    let of_yaw = of_yaw.map(|fault| format!("yaw_rate_rad_s {fault}"));
+    if let Some(contradiction) = record.axis.contradiction().or(of_wheel_speeds).or(of_yaw) {
         return Err(DriveError::Log(format!("{}: {contradiction}", log.path().display())));
     }
     let implausible = record.plausibility.concerns();

@@ -187,6 +187,17 @@ pub(crate) enum YawFault {
     LeftOut,
 }
 
+impl std::fmt::Display for YawFault {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Reversed => f.write_str("turns against the wheels, expected positive to the left: turn it round in a map (factor = -1.0)"),
+            Self::InDegrees => f.write_str("is some 57 times what the wheels show, expected rad/s: convert it in a map (factor = 0.01745)"),
+            Self::Scaled(share) => write!(f, "is {share:.2} times what the wheels show, expected 1: it has another unit or factor"),
+            Self::LeftOut => f.write_str("does not go with the wheels in bends (a sensor that is dead, or another signal?) and was left out"),
+        }
+    }
+}
+
 /// Sums of the sensor's yaw rate and the rear wheels', whose slope is to be one.
 #[derive(Debug, Clone, Copy, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

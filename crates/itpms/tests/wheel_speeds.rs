@@ -142,19 +142,25 @@ fn signals_lists_the_four_wheels() {
 }
 
 #[test]
-fn a_yaw_rate_of_the_other_sign_is_named() {
+fn a_yaw_rate_of_the_other_sign_is_named_and_one_of_another_scale_refused() {
     let bench = bench();
-    let said = |degrees: f64| {
+    let run = |degrees: f64| {
         let factor = degrees.to_radians();
         bench.write(
             "map.toml",
             format!("[signals]\nyaw_rate_rad_s = {{ signal = \"YAW_RATE\", factor = {factor:?} }}\n"),
         );
-        let outcome = bench.run(&format!("{ESTIMATE} --signals map.toml --calibrate-s 50"));
+        bench.run(&format!("{ESTIMATE} --signals map.toml --calibrate-s 50"))
+    };
+    let named = |degrees: f64| {
+        let outcome = run(degrees);
         outcome.success();
         outcome.stderr.contains("yaw_rate_rad_s turns against the wheels")
     };
-    assert!(said(-1.0) && !said(1.0));
+    assert!(named(-1.0) && !named(1.0));
+    let refused = run(3.0);
+    assert_eq!(refused.code, Some(2));
+    assert!(refused.stderr.contains("times what the wheels show, expected 1"), "{}", refused.stderr);
 }
 
 #[test]

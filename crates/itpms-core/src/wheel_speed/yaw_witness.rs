@@ -11,9 +11,10 @@ use crate::real::Real;
 const USUAL_S: f64 = 10.0;
 /// Time in s after which what was seen is forgotten.
 const MEMORY_S: f64 = 120.0;
-/// Share of the wheels' turning that a sensor may leave, and what it may leave beyond in rad²/s². In a bend the load that moves to the
-/// outer wheels imitates half of a yaw rate at 30 m/s, which leaves a quarter; two tires of a side that lose a quarter at once leave 0.008.
-const LEFT_SHARE: f64 = 0.6;
+/// Share of a yaw rate that a sensor may leave by its own; radius that the load of a bend takes from the outer tires, per m/s², which
+/// imitates a yaw rate; and what may be left beyond in rad²/s²: two tires of a side that lose a quarter at once leave 0.008.
+const OFF: f64 = 0.2;
+const BY_LOAD: f64 = 8e-4;
 const LEFT: f64 = 0.01;
 
 /// See the [module](self).
@@ -23,13 +24,12 @@ pub(super) struct YawWitness<T> {
     /// The usual yaw rates by the front wheels, by the rear ones, and by the sensor, in rad/s.
     usual: [T; 3],
     begun: bool,
-    /// Sums of the product of both axles, and of the product of what the sensor leaves of both.
-    turned: T,
+    /// Sum of what the sensor leaves of both axles' product beyond its share.
     left: T,
     doubted: bool,
 }
 
-blank!(YawWitness<T> { usual, begun, turned, left, doubted });
+blank!(YawWitness<T> { usual, begun, left, doubted });
 
 impl<T: Real> YawWitness<T> {
     /// Whether the sensor was found to go against the wheels.
@@ -63,10 +63,11 @@ impl<T: Real> YawWitness<T> {
         }
         let [front, rear, sensor] = beyond;
         let kept = T::lit(1.0 - BLOCK_S / MEMORY_S);
-        self.turned = kept * self.turned + front * rear;
-        self.left = kept * self.left + (front - sensor) * (rear - sensor);
+        let share = T::lit(OFF) + T::lit(BY_LOAD) * v * v / config.track_rear_m;
+        let beyond = (front - sensor) * (rear - sensor) - share * share * (front * rear).at_least(T::zero());
+        self.left = kept * self.left + beyond;
         let before = self.doubted;
-        self.doubted |= self.left > T::lit(LEFT_SHARE) * self.turned.at_least(T::zero()) + T::lit(LEFT);
+        self.doubted |= self.left > T::lit(LEFT);
         self.doubted && !before
     }
 }
