@@ -239,5 +239,5 @@ def test_what_is_refused_before_anything_is_computed(spark, cars, drives, tmp_pa
 def test_without_pyspark_it_says_what_is_missing(monkeypatch):
     monkeypatch.setitem(sys.modules, "pyspark", None)
     monkeypatch.setitem(sys.modules, "pyspark.sql", None)
-    with pytest.raises(itpms.SettingError, match=r"pyspark.* is not installed, expected pip install itpms\[spark\]"):
+    with pytest.raises(itpms.SettingError, match=r"pyspark.* is not installed, expected pip install pyspark"):
         itpms.spark.estimate(None, "cars")
