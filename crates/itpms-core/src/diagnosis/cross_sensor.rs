@@ -7,6 +7,7 @@ use crate::diagnosis::moments::Moments;
 use crate::diagnosis::signals::{Block, HOP_WIDTH_HZ};
 use crate::diagnosis::single_sensor::evidence;
 use crate::diagnosis::wheel_gain::balance::WheelGainBalance;
+use crate::diagnosis::wheel_gain::jump::{Hop, WheelGainJump, jumps};
 use crate::diagnosis::wheel_gain::shift::WheelGainShift;
 use crate::diagnosis::{Fault, Malfunction, Place, Sensor};
 use crate::memory::blank;
@@ -74,13 +75,14 @@ pub(crate) struct CrossSensorPlausibility<T: Real> {
     wheel_gains: WheelGainBalance<T>,
     /// A wheel sensor is upside down.
     reversed: [FaultLatch<T>; 4],
-    /// Whether what a wheel's hop does to its body has changed.
+    /// Whether what a wheel's hop does to its body has changed at once; and by less, in seconds.
+    jumps: [WheelGainJump<T>; 4],
     shifts: WheelGainShift<T>,
 }
 
 blank!(CrossSensorPlausibility<T> {
     noise_density, hop, bounce, ratio, newest_ratio, patterns, odd, pairs, corners, body_gains,
-    wheel_gains, reversed, shifts,
+    wheel_gains, reversed, jumps, shifts,
 });
 
 impl<T: Real> CrossSensorPlausibility<T> {
@@ -96,6 +98,7 @@ impl<T: Real> CrossSensorPlausibility<T> {
         self.body_gains.fill(FaultLatch::new());
         self.wheel_gains = WheelGainBalance::new();
         self.reversed.fill(FaultLatch::new());
+        self.jumps.fill(WheelGainJump::new());
         self.shifts = WheelGainShift::new();
     }
 
@@ -104,6 +107,13 @@ impl<T: Real> CrossSensorPlausibility<T> {
     pub(crate) fn drop_suspicions(&mut self) {
         let words = self.pairs.iter_mut().chain(&mut self.corners).chain(&mut self.reversed);
         words.for_each(FaultLatch::drop_suspicion);
+        self.drop_gain_suspicions();
+    }
+
+    fn drop_gain_suspicions(&mut self) {
+        for jump in self.jumps.iter_mut().filter(|jump| jump.is_suspected()) {
+            *jump = WheelGainJump::new();
+        }
         self.shifts.drop_suspicions();
     }
 
@@ -197,11 +207,11 @@ impl<T: Real> CrossSensorPlausibility<T> {
     }
 
     /// Takes the block that was just compared, of a car none of whose sensors is odd by itself: has what a wheel does to its body
-    /// changed?
-    pub(crate) fn look_for_shifts(&mut self, at: [f64; 2], block: &Block<T>) {
+    /// changed at once?
+    pub(crate) fn look_for_jumps(&mut self, at: [f64; 2], block: &Block<T>) {
         // What a wheel does to a body is the corner's own only while all bodies are one.
         if self.plane().is_some_and(|plane| plane.warp > T::lit(BENT)) {
-            self.shifts.drop_suspicions();
+            self.drop_gain_suspicions();
             return;
         }
         let heard = |corner: Corner| {
@@ -214,9 +224,17 @@ impl<T: Real> CrossSensorPlausibility<T> {
             words.chain(&self.body_gains).filter_map(FaultLatch::fault).chain(self.wheel_gains.faults());
         let active = active.fold(Wheels::NONE, |all, fault| all | fault.malfunction.wheels());
         let explained = Corner::ALL.map(|corner| active.contains(corner));
-        // What a swapped sensor reads is so much more than its own that averages would be long in forgetting it.
-        if Corner::ALL.into_iter().all(|corner| heard(corner) && !self.is_odd(corner)) {
-            self.shifts.take(at, block, explained);
+        if Corner::ALL.into_iter().all(heard) {
+            let hop = |corner: Corner| {
+                let i = corner.index();
+                let transmissibility = (block.hop[(4 + i, 4 + i)] / block.hop[(i, i)]).ln();
+                Hop { transmissibility, hop_frequency: self.newest_ratio[corner] - transmissibility }
+            };
+            jumps(&mut self.jumps, at, &Corner::ALL.map(hop), explained);
+            // What a swapped sensor reads is so much more than its own that averages would be long in forgetting it.
+            if !Corner::ALL.into_iter().any(|corner| self.is_odd(corner)) {
+                self.shifts.take(at, block, explained);
+            }
         }
     }
 
@@ -329,9 +347,11 @@ impl<T: Real> CrossSensorPlausibility<T> {
     pub(crate) fn late_detection(&self) -> Wheels {
         let words = self.odd.iter().chain(&self.pairs).chain(&self.reversed).chain(&self.corners);
         let suspected = words.filter(|word| word.debouncer.is_suspected());
-        let shifted = Corner::ALL.into_iter().filter(|corner| self.shifts.is_suspected(*corner)).collect();
+        let jumped =
+            |corner: &Corner| self.jumps[*corner].is_suspected() || self.shifts.is_suspected(*corner);
+        let jumped = Corner::ALL.into_iter().filter(jumped).collect();
         suspected
             .filter_map(|word| word.malfunction.as_ref())
-            .fold(shifted, |all: Wheels, malfunction| all | malfunction.wheels())
+            .fold(jumped, |all: Wheels, malfunction| all | malfunction.wheels())
     }
 }

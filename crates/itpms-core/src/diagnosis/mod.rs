@@ -196,7 +196,7 @@ impl<T: Real> Diagnosis<T> {
             present == [true; 4] && !self.sensors.iter().flatten().any(SingleSensorMonitor::is_suspected);
         let calm = calm && blocks.iter().flatten().all(few);
         if calm {
-            self.cross_sensor.look_for_shifts([time_s, step_s], &block);
+            self.cross_sensor.look_for_jumps([time_s, step_s], &block);
         }
         if calm {
             (self.calm_blocks, self.rough_blocks) = ((self.calm_blocks + 1).min(FORGETTING_BLOCKS + 1), 0);

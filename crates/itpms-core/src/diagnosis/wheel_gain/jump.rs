@@ -1,0 +1,364 @@
+//! Whether what a wheel's hop does to its body has changed at once (docs/math/monitor.md, section 3).
+//!
+//! Strut and sprung mass make a body's acceleration of its wheel's; the tire has no part in it. So a change within
+//! seconds, at one corner alone, is one of a sensor's gain. Which of the two sensors, and whether it stays, takes longer to
+//! say; until then the corner is kept from the estimator. A tire that loses its air moves the hop to where the other wheels
+//! shake the body, too: the wheel's sensor by itself tells that, whatever its gain, as the hop is slower.
+
+use crate::diagnosis::debounce::{DebounceTimes, Debouncer};
+use crate::diagnosis::matching::median;
+use crate::diagnosis::single_sensor::evidence;
+use crate::memory::blank;
+use crate::model::Corner;
+use crate::real::Real;
+
+/// Blocks over which the usual ratio is averaged, and after which it is known.
+const USUAL_BLOCKS: u32 = 40;
+const KNOWN_BLOCKS: u32 = 12;
+/// Newest blocks of which the middle one counts. A hole under one wheel shakes the bodies of all: at the others one block or
+/// two, but not half of them, have a body that moves more than its wheel explains.
+const NEWEST: usize = 9;
+/// Log of powers by which a corner's ratio is off from its usual one, more than the others', from which it has jumped,
+/// and below which it has not. A gain of one half or two makes 1.39.
+const JUMPED: f64 = 0.75;
+/// The same while another corner's hop frequency has changed: a wheel on a flat tire shakes the other bodies,
+/// too.
+const JUMPED_BESIDE: f64 = 1.1;
+const AS_EVER: f64 = 0.5;
+const JUMP: DebounceTimes = DebounceTimes { set_s: 0.0, clear_s: 1.0 };
+/// The same of the hop's log of frequencies squared from which on it is the tire that has changed. One that loses 100 kPa
+/// makes 0.3, two hours of everyday driving no more than 0.25.
+const SLOWER: f64 = 0.2;
+/// A single block moves the usual ratio by no more than this, over their number.
+const LARGEST: f64 = 1.0;
+/// Seconds of driving after which a jump that nothing else explains is taken for another car: a load that was moved, a
+/// damper that broke.
+pub(crate) const LONGEST_S: f64 = 120.0;
+
+/// How a corner's hop looks in a block, as logs of powers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Hop<T> {
+    /// What the strut makes of the wheel's motion, over the body's acceleration.
+    pub(crate) transmissibility: T,
+    /// The wheel's acceleration over what the strut makes of its motion: nearly the square of a frequency.
+    pub(crate) hop_frequency: T,
+}
+
+blank!(Hop<T> { transmissibility, hop_frequency });
+
+/// A running quantity of a corner: what is usual of it, and by how much the newest blocks were off; newest last.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Baseline<T> {
+    mean: T,
+    deviation: [T; NEWEST],
+}
+
+blank!(Baseline<T> { mean, deviation });
+
+/// A corner's usual hop, and whether it has left it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct WheelGainJump<T> {
+    transmissibility: Baseline<T>,
+    hop_frequency: Baseline<T>,
+    /// Blocks that the means are of.
+    blocks: u32,
+    debouncer: Debouncer,
+    /// Whether the hop frequency is not the usual one: the tire has changed.
+    hop_shifted: bool,
+    /// Seconds for which it has been suspected, or the hop frequency not the usual one.
+    lasted_s: f64,
+}
+
+blank!(WheelGainJump<T> { transmissibility, hop_frequency, blocks, debouncer, hop_shifted, lasted_s });
+
+impl<T: Real> Baseline<T> {
+    fn new() -> Self {
+        Self { mean: T::zero(), deviation: [T::zero(); NEWEST] }
+    }
+
+    /// Takes a block; the middle one of the newest.
+    fn deviation(&mut self, log: T) -> T {
+        self.deviation.rotate_left(1);
+        self.deviation[NEWEST - 1] = log - self.mean;
+        median(&mut self.deviation.clone())
+    }
+
+    fn learn(&mut self, log: T, blocks: u32) {
+        let by = T::lit(if blocks < KNOWN_BLOCKS { f64::INFINITY } else { LARGEST });
+        self.mean += (log - self.mean).clamp(-by, by) / T::lit(f64::from(blocks));
+    }
+}
+
+impl<T: Real> WheelGainJump<T> {
+    pub(crate) fn new() -> Self {
+        Self {
+            transmissibility: Baseline::new(),
+            hop_frequency: Baseline::new(),
+            blocks: 0,
+            debouncer: Debouncer::new(),
+            hop_shifted: false,
+            lasted_s: 0.0,
+        }
+    }
+
+    /// Whether its corner is not to be learned from.
+    pub(crate) fn is_suspected(&self) -> bool {
+        self.debouncer.is_active()
+    }
+
+    fn learn(&mut self, hop: Hop<T>) {
+        self.blocks = (self.blocks + 1).min(USUAL_BLOCKS);
+        self.transmissibility.learn(hop.transmissibility, self.blocks);
+        self.hop_frequency.learn(hop.hop_frequency, self.blocks);
+    }
+
+    fn tune(&mut self, hop_frequency: T) {
+        self.hop_shifted = hop_frequency > T::lit(if self.hop_shifted { 0.5 * SLOWER } else { SLOWER });
+    }
+
+    /// `beside`: another corner's hop frequency has changed.
+    fn judge(&mut self, [time_s, step_s]: [f64; 2], transmissibility: T, explained: bool, beside: bool) {
+        let jumped =
+            transmissibility > T::lit(if beside { JUMPED_BESIDE } else { JUMPED }) && !self.hop_shifted;
+        let evidence = evidence(jumped, self.hop_shifted || transmissibility < T::lit(AS_EVER));
+        let suspected = self.debouncer.update(time_s, step_s, evidence, JUMP);
+        if (suspected || self.hop_shifted) && !explained {
+            self.lasted_s += step_s;
+        } else {
+            self.lasted_s = 0.0;
+        }
+        self.give_up_in_time();
+    }
+
+    /// While one of the others is not known the corner cannot be held against them; what it is suspected of grows old.
+    fn wait(&mut self, step_s: f64) {
+        if self.is_suspected() {
+            self.lasted_s += step_s;
+            self.give_up_in_time();
+        }
+    }
+
+    /// What stays unexplained for so long is another car.
+    fn give_up_in_time(&mut self) {
+        if self.lasted_s > LONGEST_S {
+            *self = Self::new();
+        }
+    }
+}
+
+/// By how much a corner is off from all others and from the other one of its side, whichever is less: where one side is
+/// rough and the other smooth, both bodies of the smooth one move with the rough one's wheels.
+fn apart<T: Real>(deviation: &[T; 4], corner: Corner) -> T {
+    let (own, mut others) = (deviation[corner], corner.others().map(|other| deviation[other]));
+    let (all, side) = (own - median(&mut others), own - deviation[corner.same_side()]);
+    if all * side > T::zero() { all.abs().min(side.abs()) } else { T::zero() }
+}
+
+/// Takes a block in which all four corners are read, and the corners of which it is reported already what is wrong.
+pub(crate) fn jumps<T: Real>(
+    corners: &mut [WheelGainJump<T>; 4],
+    at: [f64; 2],
+    hops: &[Hop<T>; 4],
+    explained: [bool; 4],
+) {
+    if corners.iter().all(|corner| corner.blocks >= KNOWN_BLOCKS) {
+        let transmissibility =
+            Corner::ALL.map(|i| corners[i].transmissibility.deviation(hops[i].transmissibility));
+        let hop_frequency = Corner::ALL.map(|i| corners[i].hop_frequency.deviation(hops[i].hop_frequency));
+        Corner::ALL.into_iter().for_each(|corner| corners[corner].tune(apart(&hop_frequency, corner)));
+        let hop_shifted = corners.each_ref().map(|corner| corner.hop_shifted);
+        for corner in Corner::ALL {
+            let beside = corner.others().into_iter().any(|other| hop_shifted[other]);
+            corners[corner].judge(at, apart(&transmissibility, corner), explained[corner], beside);
+        }
+    } else {
+        for (corner, _) in corners.iter_mut().zip(explained).filter(|(_, explained)| !explained) {
+            corner.wait(at[1]);
+        }
+    }
+    for (i, corner) in corners.iter_mut().enumerate() {
+        match (corner.is_suspected() || corner.hop_shifted, explained[i]) {
+            (true, _) => {}
+            // It was wrong before its usual was known: what was learned is not.
+            (false, true) => *corner = WheelGainJump::new(),
+            (false, false) => corner.learn(hops[i]),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BLOCK_S: f64 = 0.5;
+
+    /// Four corners that have driven a minute: body and wheel as 4.5 in a log, a little more or less by corner and block.
+    struct Car {
+        corners: [WheelGainJump<f64>; 4],
+        blocks: u32,
+        /// By how much the hops are quicker than before.
+        hop_shift: [f64; 4],
+    }
+
+    impl Car {
+        fn that_has_driven(blocks: u32) -> Self {
+            let mut car = Self { corners: [WheelGainJump::new(); 4], blocks: 0, hop_shift: [0.0; 4] };
+            for _ in 0..blocks {
+                car.block([0.0; 4], false);
+                assert_eq!(car.suspects(), [false; 4]);
+            }
+            car
+        }
+
+        fn block(&mut self, more: [f64; 4], explained: bool) {
+            self.blocks += 1;
+            let baseline = |i: usize| 4.5 + 0.2 * (f64::from(self.blocks) * (1.0 + 0.7 * i as f64)).sin();
+            let hops = [0, 1, 2, 3].map(|i| Hop {
+                transmissibility: baseline(i) + more[i],
+                hop_frequency: 8.0 + self.hop_shift[i],
+            });
+            let at = [BLOCK_S * f64::from(self.blocks), BLOCK_S];
+            jumps(&mut self.corners, at, &hops, [explained, false, false, false]);
+        }
+
+        fn suspects(&self) -> [bool; 4] {
+            self.corners.each_ref().map(WheelGainJump::is_suspected)
+        }
+
+        /// Seconds until the first corner's suspicion is `wanted`.
+        fn until(&mut self, wanted: bool, more: f64, explained: bool) -> f64 {
+            let from = self.blocks;
+            while self.suspects()[0] != wanted {
+                self.block([more, 0.0, 0.0, 0.0], explained);
+                assert_eq!(self.suspects()[1..], [false; 3]);
+                assert!(self.blocks - from < 1000, "never");
+            }
+            f64::from(self.blocks - from) * BLOCK_S
+        }
+    }
+
+    #[test]
+    fn a_gain_that_changes_is_suspected_within_three_seconds_and_until_it_is_back() {
+        for gain in [0.5_f64, 2.0] {
+            let mut car = Car::that_has_driven(120);
+            let more = 2.0 * gain.ln();
+            assert!(car.until(true, more, false) <= 3.0);
+            for _ in 0..100 {
+                car.block([more, 0.0, 0.0, 0.0], false);
+                assert_eq!(car.suspects(), [true, false, false, false]);
+            }
+            assert!(car.until(false, 0.0, false) <= 4.0);
+        }
+    }
+
+    #[test]
+    fn holes_and_another_road_are_no_jump() {
+        let mut car = Car::that_has_driven(120);
+        // Every other wheel in turn meets a hole: the body above the others is shaken for a second.
+        for i in 0..200 {
+            let shaken = |corner: usize| if i % 5 < 2 && i / 5 % 4 != corner as u32 { -3.0 } else { 0.0 };
+            car.block([0, 1, 2, 3].map(shaken), false);
+            assert_eq!(car.suspects(), [false; 4], "{i}");
+        }
+        // A road on which all four answer otherwise; one that is rough on the left only.
+        for more in [[1.5; 4], [0.0, -2.0, 0.0, -2.0]] {
+            for i in 0..100 {
+                car.block(more, false);
+                assert_eq!(car.suspects(), [false; 4], "{i}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_stays_unexplained_is_another_car_in_the_end() {
+        let mut car = Car::that_has_driven(120);
+        car.until(true, 1.4, false);
+        let lasted_s = car.until(false, 1.4, false);
+        assert!((lasted_s - LONGEST_S).abs() < 2.0, "{lasted_s}");
+        // But not while a wrong gain is reported.
+        let mut car = Car::that_has_driven(120);
+        car.until(true, 1.4, false);
+        for _ in 0..1000 {
+            car.block([1.4, 0.0, 0.0, 0.0], true);
+            assert!(car.suspects()[0]);
+        }
+    }
+
+    #[test]
+    fn a_hop_that_is_slower_is_another_tire_and_no_gain() {
+        let mut car = Car::that_has_driven(120);
+        car.hop_shift[0] = -0.3;
+        for _ in 0..300 {
+            car.block([-1.4, 0.0, 0.0, 0.0], false);
+            assert_eq!(car.suspects(), [false; 4]);
+        }
+        // By then it is the usual, and a gain that changes is seen again.
+        assert!(car.until(true, 0.0, false) <= 3.0);
+    }
+
+    #[test]
+    fn a_body_that_a_flat_tire_shakes_is_no_gain_and_one_of_a_half_is() {
+        let beside_a_flat_tire = || Car { hop_shift: [0.0, 0.0, -0.3, 0.0], ..Car::that_has_driven(120) };
+        let mut car = beside_a_flat_tire();
+        for _ in 0..20 {
+            car.block([-0.95, 0.0, 0.0, 0.0], false);
+            assert_eq!(car.suspects(), [false; 4]);
+        }
+        assert!(beside_a_flat_tire().until(true, 2.0 * 0.5_f64.ln(), false) <= 3.0);
+        // Where nothing else has happened as much is suspected.
+        assert!(Car::that_has_driven(120).until(true, -0.95, false) <= 3.0);
+    }
+
+    #[test]
+    fn what_was_wrong_from_the_start_is_not_the_usual() {
+        let mut car = Car::that_has_driven(0);
+        for active in [false, true] {
+            for _ in 0..60 {
+                car.block([1.4, 0.0, 0.0, 0.0], active);
+                assert_eq!(car.suspects(), [false; 4]);
+            }
+        }
+        for _ in 0..60 {
+            car.block([0.0; 4], false);
+            assert_eq!(car.suspects(), [false; 4]);
+        }
+        assert!(car.until(true, 1.4, false) <= 3.0);
+    }
+
+    #[test]
+    fn a_suspicion_ends_while_another_corner_is_known_to_be_wrong() {
+        let mut car = Car::that_has_driven(120);
+        let block = |car: &mut Car, explained: [bool; 4]| {
+            let at = [0.0, BLOCK_S];
+            let hops =
+                [1.4, 0.0, 0.0, 0.0].map(|more| Hop { transmissibility: 4.5 + more, hop_frequency: 8.0 });
+            jumps(&mut car.corners, at, &hops, explained);
+        };
+        car.until(true, 1.4, false);
+        let mut lasted_s = 0.0;
+        while car.suspects()[0] {
+            block(&mut car, [false, true, false, false]);
+            lasted_s += BLOCK_S;
+            assert!(lasted_s < 2.0 * LONGEST_S, "never");
+        }
+        assert!((lasted_s - LONGEST_S).abs() < 5.0, "{lasted_s}");
+    }
+
+    #[test]
+    fn nothing_is_suspected_before_the_usual_is_known() {
+        // As many blocks off as make a jump later, and none of them suspect yet.
+        let mut car = Car::that_has_driven(KNOWN_BLOCKS - 5);
+        for _ in 0..5 {
+            car.block([3.0, 0.0, 0.0, 0.0], false);
+            assert_eq!(car.suspects(), [false; 4]);
+        }
+        let mut car = Car::that_has_driven(120);
+        for _ in 0..5 {
+            car.block([3.0, 0.0, 0.0, 0.0], false);
+        }
+        assert_eq!(car.suspects(), [true, false, false, false]);
+    }
+}
