@@ -32,7 +32,7 @@ fn what_diverges_is_shown_as_diverged() {
     };
     assert_eq!(last[place("aekf_ui_pressure_kpa")], "");
     assert!(last[place("informed_pressure_kpa")].parse::<f64>().unwrap() > 0.0);
-    assert!(file("index.html").contains("<td>diverged</td>"));
+    assert!(file("index.html").contains("<td class=\"n\">diverged</td>"));
 }
 
 #[test]
