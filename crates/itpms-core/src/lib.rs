@@ -69,7 +69,7 @@
 //!
 //! # On a controller
 //!
-//! A car of four corners is 139 kB in `f32`. It has its memory first, as a constant of zeros, and is configured where it lies. On a
+//! A car of four corners is 140 kB in `f32`. It has its memory first, as a constant of zeros, and is configured where it lies. On a
 //! Cortex-M4F that takes 4.3 kB of stack, and samples 10.5 kB. A car that has wheel speeds alone is a [`MonitoredWheels`] of 4 kB.
 //!
 //! ```

@@ -19,19 +19,19 @@ impl<T: Real> Considered<T> {
             self.placard_kpa[i] + kpa(i, level_n_per_m[i] - self.placard_n_per_m[i])
         });
         // What the signals tell, and what another road may make of each tire on its own.
-        let told = |weights: &SVector<T, 4>| {
+        let by_signals = |weights: &SVector<T, 4>| {
             let by = SVector::<T, 4>::from_fn(|i, _| kpa(i, weights[i]));
             by.dot(&(covariance * by)).max(T::zero())
         };
         let variance = |weights: &SVector<T, 4>| {
             let road =
                 |i: usize| kpa(i, T::lit(CALIBRATED_SD) * (level_n_per_m[i] - lost_n_per_m[i])) * weights[i];
-            told(weights) + (0..4).fold(T::zero(), |sum, i| sum + road(i) * road(i))
+            by_signals(weights) + (0..4).fold(T::zero(), |sum, i| sum + road(i) * road(i))
         };
         core::array::from_fn(|i| {
             let mut weights = SVector::<T, 4>::zeros();
             weights[i] = T::one();
-            let (lost_kpa, change_sd_kpa) = (lost[i], told(&weights).sqrt());
+            let (lost_kpa, change_sd_kpa) = (lost[i], by_signals(&weights).sqrt());
             let lost_sd_kpa = (variance(&weights) + self.relative[(i, i)] * lost_kpa * lost_kpa).sqrt();
             let others = (0..4).filter(|&j| j != i && is_there(j) && level[j] > T::zero());
             let count = T::lit(others.clone().count().max(1) as f64);

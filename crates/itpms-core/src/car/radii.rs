@@ -229,22 +229,22 @@ mod tests {
         const DRAWS: usize = 4000;
         for _ in 0..DRAWS {
             let error = root * SVector::<f64, 4>::from_fn(|_, _| random.normal());
-            let told = SVector::<f64, 4>::repeat(PRESSURE_KPA);
-            let truth = told - error / PER_KPA;
+            let estimated = SVector::<f64, 4>::repeat(PRESSURE_KPA);
+            let truth = estimated - error / PER_KPA;
             let beta = 7.0 * (random.normal() * 1.36f64.ln().sqrt()).exp();
             let ln_pressure = truth.map(|kpa| (kpa / PRESSURE_KPA).ln());
             let seen = SMatrix::<f64, 3, 4>::from_fn(|i, j| beta * SEEN[j][i]) * ln_pressure;
             let noise = [0.02f64, 0.03, 0.04].map(|variance| variance.sqrt() * random.normal());
             let change = core::array::from_fn(|i| seen[i] + noise[i]);
-            let found = joined(&tires(&before, &told), &radii(change, 0.6), 0.0).unwrap();
+            let found = joined(&tires(&before, &estimated), &radii(change, 0.6), 0.0).unwrap();
             // The difference of two tires: what radii see.
             let difference = |x: &SVector<f64, 4>| x[0] - x[1];
-            let off = difference(&(found.step / PER_KPA + told - truth));
+            let off = difference(&(found.step / PER_KPA + estimated - truth));
             let c = &found.covariance;
             let variance = (c[(0, 0)] + c[(1, 1)] - 2.0 * c[(0, 1)]) / (PER_KPA * PER_KPA);
             within += usize::from(off * off < 1.96f64.powi(2) * variance);
             closer += off * off;
-            further += difference(&(told - truth)).powi(2);
+            further += difference(&(estimated - truth)).powi(2);
         }
         let share = within as f64 / DRAWS as f64;
         assert!((0.93..=0.97).contains(&share), "{share}");

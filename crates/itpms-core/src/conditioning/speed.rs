@@ -145,8 +145,8 @@ mod tests {
         // 10 to 20 m/s within ten seconds are 150 m, however seldom the speed is sent.
         for tenths in 10..=110u32 {
             let time_s = 0.1 * f64::from(tenths);
-            let told = tenths.is_multiple_of(5);
-            way.push(time_s, if told { 9.0 + time_s } else { f64::NAN });
+            let is_sent = tenths.is_multiple_of(5);
+            way.push(time_s, if is_sent { 9.0 + time_s } else { f64::NAN });
         }
         // A held speed is up to 0.4 s old, 0.2 s on average: 2 m short.
         assert!((way.distance_m() - 148.0).abs() < 0.1, "{}", way.distance_m());

@@ -151,7 +151,7 @@ impl<T: Real> ParameterUncertainty<T> {
     pub(crate) fn tire_relative_sd_factor(&self) -> T {
         let independent = self.independent_tire_relative_sd();
         match self.stiffness_over_mass_relative_sd {
-            Some(told) if independent > T::zero() => told / independent,
+            Some(known) if independent > T::zero() => known / independent,
             _ => T::one(),
         }
     }

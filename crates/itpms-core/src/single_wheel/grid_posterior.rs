@@ -49,8 +49,8 @@ pub(crate) struct Posterior<T: Real> {
     pub(super) road: [RoadBelief<T>; LEVEL_MODES],
     dynamics: Dynamics<T>,
     /// Sum of what the frames since the last pseudo-measurement reported of each cell, and their number.
-    told_log_likelihood: Cells<T>,
-    told_pairs: u32,
+    given_log_likelihood: Cells<T>,
+    given_pairs: u32,
     /// Frames until a leak is believed possible: while the road is unknown everything looks like one.
     settling_pairs: u32,
     /// False until the first frame has set the road's level.
@@ -60,7 +60,7 @@ pub(crate) struct Posterior<T: Real> {
 }
 
 blank!(Posterior<T> {
-    weight, road, dynamics, told_log_likelihood, told_pairs, settling_pairs, road_known, summary,
+    weight, road, dynamics, given_log_likelihood, given_pairs, settling_pairs, road_known, summary,
 });
 
 impl<T: Real> Posterior<T> {
@@ -86,8 +86,8 @@ impl<T: Real> Posterior<T> {
         self.weight[CALM][QUIET] = start / share;
         let road = Road::unknown(T::zero());
         self.road.iter_mut().for_each(|roads| roads.fill(&road));
-        self.told_log_likelihood.fill(T::zero());
-        self.told_pairs = 0;
+        self.given_log_likelihood.fill(T::zero());
+        self.given_pairs = 0;
         self.settling_pairs = SETTLING_PAIRS;
         self.road_known = false;
         self.summarise();
@@ -274,31 +274,31 @@ impl<T: Real> Posterior<T> {
     fn remember_frame(&mut self, likelihood: &[Cells<T>; LEVEL_MODES]) {
         // Where all mass is gone the modes count alike.
         let floor = T::lit(1e-30);
-        let (mut said, mut total) = (Cells::zeros(), Cells::zeros());
+        let (mut weighed, mut total) = (Cells::zeros(), Cells::zeros());
         for (modes, likelihood) in self.weight.iter().zip(likelihood) {
             let mut share = Cells::repeat(floor);
             cells::add_all(&mut share, modes);
             cells::add(&mut total, &share);
             cells::multiply(&mut share, likelihood);
-            cells::add(&mut said, &share);
+            cells::add(&mut weighed, &share);
         }
-        let both = said.as_slice().iter().zip(total.as_slice());
-        for (told, (&said, &total)) in self.told_log_likelihood.as_mut_slice().iter_mut().zip(both) {
-            *told += (said / total).at_least(floor).ln_fast();
+        let both = weighed.as_slice().iter().zip(total.as_slice());
+        for (given, (&weighed, &total)) in self.given_log_likelihood.as_mut_slice().iter_mut().zip(both) {
+            *given += (weighed / total).at_least(floor).ln_fast();
         }
-        self.told_pairs += 1;
+        self.given_pairs += 1;
     }
 
     /// What the frames since the last pseudo-measurement reported by themselves: the mean cell and the variance in cells² of a Gaussian
     /// that turns the uniform belief into theirs. `None` until there are enough frames, or if they reported nothing.
     pub(crate) fn take_pseudo_measurement(&mut self) -> Option<(T, T)> {
-        if self.told_pairs < PAIRS_PER_MEASUREMENT {
+        if self.given_pairs < PAIRS_PER_MEASUREMENT {
             return None;
         }
-        let largest = self.told_log_likelihood.max();
-        let likelihood = self.told_log_likelihood.map(|l| (l - largest).exp());
-        self.told_log_likelihood = Cells::zeros();
-        self.told_pairs = 0;
+        let largest = self.given_log_likelihood.max();
+        let likelihood = self.given_log_likelihood.map(|l| (l - largest).exp());
+        self.given_log_likelihood = Cells::zeros();
+        self.given_pairs = 0;
         let (mean, variance) = moments(&(likelihood / likelihood.sum()));
         let (uniform_mean, uniform_variance) = moments(&Cells::repeat(T::lit(1.0 / CELLS as f64)));
         // A cell is a small uniform distribution of its own.
@@ -310,7 +310,7 @@ impl<T: Real> Posterior<T> {
 
     /// Whether enough frames were seen for a pseudo-measurement.
     pub(crate) fn has_word(&self) -> bool {
-        self.told_pairs >= PAIRS_PER_MEASUREMENT
+        self.given_pairs >= PAIRS_PER_MEASUREMENT
     }
 
     /// What the frames since the last pseudo-measurement reported to one who believed in `cell` with `sd_cells`: the mean and variance
@@ -325,18 +325,18 @@ impl<T: Real> Posterior<T> {
             let z = (T::lit(i as f64) - cell) / sd;
             (T::lit(-0.5) * z * z).exp() + T::lit(1e-30)
         });
-        let largest = self.told_log_likelihood.max();
-        let likelihood = self.told_log_likelihood.map(|l| (l - largest).exp());
-        self.told_log_likelihood = Cells::zeros();
-        self.told_pairs = 0;
+        let largest = self.given_log_likelihood.max();
+        let likelihood = self.given_log_likelihood.map(|l| (l - largest).exp());
+        self.given_log_likelihood = Cells::zeros();
+        self.given_pairs = 0;
         let (before, before_variance) = moments(&(believed / believed.sum()));
         let after = believed.component_mul(&likelihood);
         let (mean, variance) = moments(&(after / after.sum()));
         let least = T::lit(LEAST_SAID) / before_variance;
         let information = (T::one() / variance - T::one() / before_variance).max(least);
         let pull = (mean - before) / variance;
-        let told = (before + pull / information, T::one() / information);
-        (told.0.is_finite() && told.1.is_finite()).then_some(told)
+        let given = (before + pull / information, T::one() / information);
+        (given.0.is_finite() && given.1.is_finite()).then_some(given)
     }
 
     /// The first frame sets the level that the road is searched around.
